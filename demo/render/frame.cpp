@@ -1,0 +1,25 @@
+#include "frame.h"
+
+#include <array>
+#include <cmath>
+
+namespace lockstone::demo {
+
+glm::vec3 palette_colour(std::uint32_t index) {
+    // Hand-picked, then varied in lightness on each lap: computed hues of equal saturation look like toys.
+    constexpr std::array<glm::vec3, 9> colours{{
+        {0.88f, 0.42f, 0.30f}, // brick
+        {0.27f, 0.55f, 0.74f}, // steel blue
+        {0.93f, 0.71f, 0.31f}, // amber
+        {0.40f, 0.64f, 0.45f}, // moss
+        {0.60f, 0.46f, 0.70f}, // plum
+        {0.88f, 0.83f, 0.72f}, // sand
+        {0.24f, 0.63f, 0.62f}, // teal
+        {0.82f, 0.50f, 0.58f}, // rose
+        {0.45f, 0.50f, 0.58f}, // slate
+    }};
+    const auto lap = static_cast<float>(index / colours.size() % 3);
+    return glm::clamp(colours[index % colours.size()] * (1.0f - 0.09f * lap), glm::vec3(0), glm::vec3(1));
+}
+
+} // namespace lockstone::demo

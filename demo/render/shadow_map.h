@@ -1,0 +1,44 @@
+#pragma once
+/// Depth as the sun sees it.
+
+#include "gl.h"
+
+#include <glm/glm.hpp>
+
+#include <span>
+
+namespace lockstone::demo {
+
+/// A square depth texture and the sun's camera that fits it around the scene. Move-only.
+class ShadowMap {
+  public:
+    static constexpr int resolution = 2048; ///< [px]
+
+    ShadowMap();
+
+    /// Fits the map around `spheres` (centre xyz, radius w) [m]; what lies farther than `distance` from
+    /// `focus`, or is wider than it, does not widen the map. `to_sun` has length 1.
+    void fit(std::span<const glm::vec4> spheres, const glm::vec3& to_sun, const glm::vec3& focus,
+             float distance);
+
+    /// Makes it the target of drawing, cleared; end() restores what this changes besides the target.
+    void begin() const;
+    void end() const;
+
+    /// Binds the depth to texture unit `unit`, for a sampler2DShadow.
+    void bind(int unit) const;
+
+    /// World to the sun's clip space.
+    const glm::mat4& matrix() const { return matrix_; }
+
+    /// Width of one texel [m].
+    float texel() const { return texel_; }
+
+  private:
+    GlTexture depth_;
+    GlFramebuffer framebuffer_;
+    glm::mat4 matrix_{1};
+    float texel_ = 0.01f;
+};
+
+} // namespace lockstone::demo

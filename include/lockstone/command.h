@@ -1,0 +1,182 @@
+// Definitions, ids and commands: everything that can change a world from outside.
+//
+// Every public mutator of World builds one of these commands and hands it to World::apply. A journal attached there
+// sees the whole story of a world; applying the same commands between the same ticks gives the same bits.
+#pragma once
+
+#include "lockstone/row.h"
+#include "lockstone/shape.h"
+
+#include <array>
+#include <cstdint>
+#include <variant>
+
+namespace lockstone {
+
+/// Names one body or shape for ever: a slot and the slot's generation. Zero is null. An id of a destroyed object, or
+/// one minted after the snapshot that was restored, is dead: commands on it return an error.
+template <class Tag> struct Id {
+    std::uint32_t index = 0; ///< slot + 1
+    std::uint32_t generation = 0;
+
+    constexpr explicit operator bool() const { return index != 0; }
+    friend constexpr bool operator==(Id, Id) = default;
+    friend constexpr auto operator<=>(Id, Id) = default;
+};
+template <class Tag, class Visit> constexpr void describe(Id<Tag>& id, Visit&& visit) {
+    visit("index", id.index);
+    visit("generation", id.generation);
+}
+using BodyId = Id<struct BodyTag>;
+using ShapeId = Id<struct ShapeTag>;
+using FieldId = Id<struct FieldTag>;
+
+enum class BodyKind : std::uint32_t {
+    static_,   ///< never moves but by command; infinite mass
+    kinematic, ///< moves at its velocity, pushed by nothing
+    dynamic,   ///< moves under forces and contacts
+};
+
+/// Bits of BodyDef::locks: motion along or about a world axis that never happens.
+enum AxisLock : std::uint32_t {
+    lock_linear_x = 1,
+    lock_linear_y = 2,
+    lock_linear_z = 4,
+    lock_angular_x = 8,
+    lock_angular_y = 16,
+    lock_angular_z = 32,
+    lock_planar_xy = lock_linear_z | lock_angular_x | lock_angular_y, ///< 2D play in the x-y plane
+};
+
+struct BodyDef {
+    BodyKind kind = BodyKind::dynamic;
+    std::uint32_t locks = 0;                   ///< AxisLock bits
+    Transform pose = Transform::identity();    ///< of the body's origin [m]
+    Vec3 linear_velocity{};                    ///< of the centre of mass [m/s], |v| <= 500
+    Vec3 angular_velocity{};                   ///< [rad/s], each component within 4096
+    Real linear_damping{};                     ///< [1/s], 0..1000: v decays as exp(-damping t) to first order
+    Real angular_damping{};                    ///< [1/s], 0..1000
+    Real gravity_scale = Real(1);              ///< times the world's gravity, -100..100
+    Real mass{};                               ///< [kg]; 0: from the shapes' densities. 1e-3..1e9
+    std::uint32_t gyroscopic = 1;              ///< 0: skip the gyroscopic term (angular velocity kept instead of momentum)
+    std::uint32_t enable_fields = 1;           ///< 0: force fields do not act on it
+    std::uint64_t user_key = 0;                ///< the game's own; hashed, never read
+};
+
+struct ShapeDef {
+    Geometry geometry = sphere(Real::from_raw(std::int64_t{1} << 31));
+    Transform local = Transform::identity(); ///< the shape's frame in the body's; within 64 m of the origin
+    Real density = Real(1000);               ///< [kg/m^3], 0.01..1e5
+    Real friction = Real::from_raw(2576980378); ///< 0.6; Coulomb coefficient, 0..4; a pair uses the geometric mean
+    Real restitution{};                      ///< 0..1; a pair uses the larger
+    std::uint32_t category = 1;              ///< bits it is
+    std::uint32_t mask = 0xffffffffu;        ///< bits it meets: a pair needs category & mask both ways
+    std::int32_t group = 0;                  ///< same group: positive always meet, negative never
+    std::uint32_t sensor = 0;                ///< 1: reports overlaps, touches nothing
+    std::uint64_t user_key = 0;
+};
+
+enum class FieldKind : std::uint32_t {
+    point_gravity, ///< acceleration strength / r^2 towards the centre, strength = G M [m^3/s^2]
+    spring,        ///< acceleration strength * r towards the centre, strength = omega^2 [1/s^2]
+};
+/// A force field: an acceleration that depends on position, on every dynamic body that enables fields.
+struct FieldDef {
+    FieldKind kind = FieldKind::point_gravity;
+    std::uint32_t reserved = 0;
+    Vec3 center{};   ///< [m]
+    Real strength{}; ///< see FieldKind; within 1e8
+    Real softening{}; ///< [m]; r^2 + softening^2 replaces r^2 of point gravity
+};
+
+// ---- commands ------------------------------------------------------------------------------------------------
+
+struct CreateBody { BodyDef def; };
+struct DestroyBody { BodyId body; };
+struct CreateShape { BodyId body; ShapeDef def; };
+struct DestroyShape { ShapeId shape; };
+struct CreateField { FieldDef def; };
+struct DestroyField { FieldId field; };
+struct SetPose { BodyId body; Transform pose; };
+struct SetVelocity { BodyId body; Vec3 linear, angular; };
+/// Forces and torques act for the next tick only. Force at the centre of mass [N], torque [N m].
+struct AddForce { BodyId body; Vec3 force, torque; };
+/// Force [N] at a world point [m].
+struct AddForceAt { BodyId body; Vec3 force, point; };
+/// Linear impulse [N s] at the centre of mass and angular impulse [N m s]: velocity changes at once.
+struct AddImpulse { BodyId body; Vec3 linear, angular; };
+struct AddImpulseAt { BodyId body; Vec3 impulse, point; };
+struct SetBodyParameters { BodyId body; Real linear_damping, angular_damping, gravity_scale; std::uint32_t locks, gyroscopic; };
+struct SetMaterial { ShapeId shape; Real friction, restitution; };
+struct SetGravity { Vec3 gravity; };
+/// A piece of a row of a game column, at most 64 bytes in canonical order. World::write cuts longer rows up.
+struct WriteGame {
+    std::uint32_t column; ///< of the game schema
+    std::uint32_t size;   ///< bytes used of data
+    BodyId body;          ///< null for records
+    std::uint64_t offset; ///< of the first byte in the canonical row
+    std::array<std::uint8_t, 64> data;
+};
+
+using Command = std::variant<CreateBody, DestroyBody, CreateShape, DestroyShape, CreateField, DestroyField, SetPose,
+                             SetVelocity, AddForce, AddForceAt, AddImpulse, AddImpulseAt, SetBodyParameters,
+                             SetMaterial, SetGravity, WriteGame>;
+/// Name of a command's kind, as in FORMAT.md and diffs: "create_body".
+const char* name_of(const Command& command);
+
+// ---- field lists: the wire order of every command ---------------------------------------------------------------
+
+template <class V> constexpr void describe(Geometry& g, V&& v) {
+    v("kind", g.kind), v("radius", g.radius), v("half_extent", g.half_extent);
+}
+template <class V> constexpr void describe(BodyDef& d, V&& v) {
+    v("kind", d.kind), v("locks", d.locks), v("pose", d.pose);
+    v("linear_velocity", d.linear_velocity), v("angular_velocity", d.angular_velocity);
+    v("linear_damping", d.linear_damping), v("angular_damping", d.angular_damping);
+    v("gravity_scale", d.gravity_scale), v("mass", d.mass), v("gyroscopic", d.gyroscopic);
+    v("enable_fields", d.enable_fields), v("user_key", d.user_key);
+}
+template <class V> constexpr void describe(ShapeDef& d, V&& v) {
+    v("geometry", d.geometry), v("local", d.local), v("density", d.density), v("friction", d.friction);
+    v("restitution", d.restitution), v("category", d.category), v("mask", d.mask), v("group", d.group);
+    v("sensor", d.sensor), v("user_key", d.user_key);
+}
+template <class V> constexpr void describe(FieldDef& d, V&& v) {
+    v("kind", d.kind), v("reserved", d.reserved), v("center", d.center), v("strength", d.strength);
+    v("softening", d.softening);
+}
+template <class V> constexpr void describe(CreateBody& c, V&& v) { v("def", c.def); }
+template <class V> constexpr void describe(DestroyBody& c, V&& v) { v("body", c.body); }
+template <class V> constexpr void describe(CreateShape& c, V&& v) { v("body", c.body), v("def", c.def); }
+template <class V> constexpr void describe(DestroyShape& c, V&& v) { v("shape", c.shape); }
+template <class V> constexpr void describe(CreateField& c, V&& v) { v("def", c.def); }
+template <class V> constexpr void describe(DestroyField& c, V&& v) { v("field", c.field); }
+template <class V> constexpr void describe(SetPose& c, V&& v) { v("body", c.body), v("pose", c.pose); }
+template <class V> constexpr void describe(SetVelocity& c, V&& v) {
+    v("body", c.body), v("linear", c.linear), v("angular", c.angular);
+}
+template <class V> constexpr void describe(AddForce& c, V&& v) {
+    v("body", c.body), v("force", c.force), v("torque", c.torque);
+}
+template <class V> constexpr void describe(AddForceAt& c, V&& v) {
+    v("body", c.body), v("force", c.force), v("point", c.point);
+}
+template <class V> constexpr void describe(AddImpulse& c, V&& v) {
+    v("body", c.body), v("linear", c.linear), v("angular", c.angular);
+}
+template <class V> constexpr void describe(AddImpulseAt& c, V&& v) {
+    v("body", c.body), v("impulse", c.impulse), v("point", c.point);
+}
+template <class V> constexpr void describe(SetBodyParameters& c, V&& v) {
+    v("body", c.body), v("linear_damping", c.linear_damping), v("angular_damping", c.angular_damping);
+    v("gravity_scale", c.gravity_scale), v("locks", c.locks), v("gyroscopic", c.gyroscopic);
+}
+template <class V> constexpr void describe(SetMaterial& c, V&& v) {
+    v("shape", c.shape), v("friction", c.friction), v("restitution", c.restitution);
+}
+template <class V> constexpr void describe(SetGravity& c, V&& v) { v("gravity", c.gravity); }
+template <class V> constexpr void describe(WriteGame& c, V&& v) {
+    v("column", c.column), v("size", c.size), v("body", c.body), v("offset", c.offset), v("data", c.data);
+}
+
+} // namespace lockstone

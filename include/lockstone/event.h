@@ -1,0 +1,32 @@
+// What a tick reports, as arrays fetched after it, in a documented total order.
+#pragma once
+
+#include "lockstone/command.h"
+
+namespace lockstone {
+
+/// Order within a tick: by kind, then by the pair's shape ids. At most one event of a kind per pair and tick.
+enum class EventKind : std::uint32_t {
+    contact_begin, ///< two shapes touch that did not touch after the last tick
+    contact_end,   ///< they no longer do, or one of them was destroyed
+    sensor_begin,  ///< shape_b entered the sensor shape_a
+    sensor_end,
+};
+
+struct Event {
+    EventKind kind;
+    std::uint32_t reserved;
+    ShapeId shape_a, shape_b; ///< shape_a < shape_b for contacts; the sensor first for sensors
+    BodyId body_a, body_b;
+    Vec3 point;               ///< world [m]; zero for end events
+    UnitVec3 normal;          ///< from a to b; zero for end and sensor events
+    Speed approach_speed;     ///< along the normal before the solve [m/s], positive when closing
+    std::uint64_t tick;       ///< the tick that produced it: world.tick_count() before that tick
+};
+template <class V> constexpr void describe(Event& e, V&& v) {
+    v("kind", e.kind), v("reserved", e.reserved), v("shape_a", e.shape_a), v("shape_b", e.shape_b);
+    v("body_a", e.body_a), v("body_b", e.body_b), v("point", e.point), v("normal", e.normal);
+    v("approach_speed", e.approach_speed), v("tick", e.tick);
+}
+
+} // namespace lockstone

@@ -1,0 +1,305 @@
+// Sessions: several machines run one game, from inputs alone.
+//
+//   auto session = make_rollback_session(session_def(game, /*self=*/0, /*players=*/{0, 1}), transport).value();
+//   WorldSimulation simulation(world, game);
+//   SessionRunner runner(*session, simulation);
+//   each frame:
+//     session->add_local_input(0, encode_input(pad));
+//     const Frame frame = runner.frame(now_ms);              // receives, sends, rolls back, runs one tick or stalls
+//     for (const SessionEvent& e : runner.events()) ...      // predicted, then confirmed or cancelled
+//     while (auto notice = session->next_notice()) ...       // who joined, who left, who desynced
+//
+// A session owns no world, no clock and no socket. It answers with requests; SessionRunner executes them, or the
+// caller does. Ticks count from 0: Save(t) and Load(t) mean the state before tick t runs.
+#pragma once
+
+#include "lockstone/game.h"
+#include "lockstone/transport.h"
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace lockstone {
+
+// ---- what a session is made of -----------------------------------------------------------------------------------
+
+inline constexpr std::uint32_t players_max = 16;
+inline constexpr std::uint32_t input_bytes_max = 64;
+inline constexpr std::uint32_t prediction_limit = 64; ///< of SessionDef::prediction_max
+inline constexpr std::uint32_t input_delay_limit = 32;
+
+/// Guesses a remote player's input until the true one is here. Wrong guesses cost a rollback, never correctness, so
+/// a predictor may use anything at hand.
+class InputPredictor {
+  public:
+    virtual ~InputPredictor() = default;
+    /// `last` is the player's newest true input (zeros before the first), `ticks_ahead` >= 1 how far `out` lies after
+    /// it. `out` has the size of `last`.
+    virtual void predict(std::uint32_t player, std::span<const std::byte> last, std::uint64_t ticks_ahead,
+                         std::span<std::byte> out) const = 0;
+};
+/// The default: a held button stays held.
+const InputPredictor& repeat_last_input();
+
+struct SessionDef {
+    std::uint64_t match_id = 0;          ///< agreed outside, the same on every machine; other matches' packets are refused
+    std::uint64_t content_id = 0;        ///< Game::content_id
+    std::uint32_t input_size = 0;        ///< bytes, 0..64
+    PeerId self = 0;                     ///< this machine
+    std::vector<PeerId> players;         ///< by player: the machine where they play; 1..16, the same on every machine
+    std::uint32_t input_delay = 2;       ///< [ticks], 0..32; lockstep needs at least 1; machines may differ
+    std::uint32_t prediction_max = 8;    ///< [ticks] that may run on guesses, 1..64; lockstep ignores it
+    std::uint64_t disconnect_ms = 5000;  ///< silence after which a peer counts as gone
+    const InputPredictor* predictor = &repeat_last_input(); ///< not owned
+};
+/// match_id stays 0: set it where several matches share a network.
+SessionDef session_def(const Game& game, PeerId self, std::vector<PeerId> players);
+
+// ---- what a session asks for -------------------------------------------------------------------------------------
+
+/// Make the state before tick `tick` the current one; it was saved earlier.
+struct Load {
+    std::uint64_t tick;
+    bool verify; ///< then call report_hash(tick - 1, hash of the restored state): sync tests do
+};
+/// Keep the state before tick `tick`; the newest save of a tick replaces older ones. A tick that rests on no guess is
+/// not saved: nothing will roll back to it.
+struct Save {
+    std::uint64_t tick;
+};
+/// Run tick `tick`, then call report_hash.
+struct Advance {
+    std::uint64_t tick;
+    std::span<const PlayerInput> inputs; ///< one per player; valid until the session's next poll or advance
+    bool resimulated;                    ///< this tick has run before
+};
+using Request = std::variant<Load, Save, Advance>;
+
+/// Why no new tick was run. Call again next frame.
+enum class Stall {
+    none,                ///< the tick was run
+    connecting,          ///< a peer has not been heard of yet
+    inputs_missing,      ///< prediction_max ticks rest on guesses already (lockstep: an input is not here)
+    local_input_missing, ///< add_local_input was not called for a local player
+    peer_behind,         ///< a peer confirms nothing any more; what it lacks must be kept and the memory is bounded
+    finished,            ///< tick 2^32 - 4096: two years at 60 Hz
+};
+const char* name_of(Stall stall);
+
+struct Step {
+    Stall stall;
+    std::span<const Request> requests; ///< execute all, in order, also when stalled; valid until the next advance
+    /// How many frames to skip (poll without advance) so that slower peers catch up; asked for once a second or so.
+    std::uint32_t wait_ticks;
+};
+
+/// A tick that can no longer change. Only these have hashes that may be compared or recorded.
+struct ConfirmedTick {
+    std::uint64_t tick;
+    std::span<const PlayerInput> inputs; ///< valid until the session's next call
+    std::uint64_t hash;                  ///< of the state after the tick
+};
+
+enum class HashCheck {
+    accepted,
+    differs, ///< the same tick with the same inputs gave another hash before (sync tests)
+};
+
+// ---- what a session has to tell ----------------------------------------------------------------------------------
+
+struct PeerConnected {
+    PeerId peer;
+};
+/// The player's inputs are zero and `disconnected` from `tick` on, on every machine that remains.
+struct PlayerDisconnected {
+    std::uint32_t player;
+    PeerId peer;
+    std::uint64_t tick;
+};
+/// The first confirmed tick after which this machine and `peer` hold different states. Told once per peer.
+struct Desync {
+    std::uint64_t tick;
+    std::uint64_t local, remote; ///< root hashes after the tick
+    PeerId peer;
+};
+/// Packets arrive from `peer` that are well formed but of another version or match. Told once per peer.
+struct PeerIncompatible {
+    PeerId peer;
+    const char* reason;
+};
+using Notice = std::variant<PeerConnected, PlayerDisconnected, Desync, PeerIncompatible>;
+
+/// Why a packet was dropped. Dropped packets change nothing but these counts.
+enum class PacketFault : std::uint32_t {
+    stranger,    ///< from nobody in this match, or from a peer that is gone
+    damaged,     ///< not a session packet, or the checksum is wrong
+    version,     ///< another version of the format
+    match,       ///< another match, game or line-up
+    malformed,   ///< a field contradicts the format
+    implausible, ///< well formed, but claims what the sender cannot know or do
+};
+inline constexpr std::uint32_t packet_fault_count = 6;
+const char* name_of(PacketFault fault);
+
+struct SessionStats {
+    std::uint64_t ticks = 0;     ///< run for the first time
+    std::uint64_t rollbacks = 0;
+    std::uint64_t resimulated = 0; ///< ticks run again
+    std::uint64_t depth_max = 0;   ///< of a rollback [ticks]
+    std::uint64_t stalls = 0;      ///< calls of advance that ran no new tick
+    std::uint64_t hashes_compared = 0;
+    std::uint64_t packets_sent = 0, packets_received = 0, packets_dropped = 0;
+    std::uint64_t bytes_sent = 0, bytes_received = 0; ///< without transport headers
+    std::array<std::uint64_t, packet_fault_count> dropped{}; ///< by PacketFault
+    std::uint64_t first_poll_ms = 0, last_poll_ms = 0;
+    std::uint32_t local_players = 0;
+
+    /// Sent per local player and second of polling.
+    std::uint64_t bytes_per_player_second() const;
+};
+
+/// How a peer is doing, for display.
+struct PeerQuality {
+    bool connected = false;
+    std::uint32_t ping_ms = 0;     ///< round trip
+    std::int32_t ticks_ahead = 0;  ///< of this machine, by both sides' own counts; negative: the peer is ahead
+    std::uint64_t hashes_agreed = 0; ///< ticks [0, n) compared and equal
+};
+
+// ---- the session -------------------------------------------------------------------------------------------------
+
+class Session {
+  public:
+    virtual ~Session() = default;
+    /// Receives all packets, then sends every peer one packet with what it lacks. Call each frame, also when waiting.
+    /// Time comes from outside, in milliseconds from any origin, and never goes backwards.
+    virtual void poll(std::uint64_t now_ms) = 0;
+    /// What a local player does at tick current_tick() + input_delay. Once per tick: repeated before the tick has run
+    /// (a stall), the first stands. Another size or a player of another machine asserts.
+    virtual void add_local_input(std::uint32_t player, std::span<const std::byte> input) = 0;
+    /// Corrects the past if inputs have arrived that differ from the guesses, then runs the next tick if it may.
+    virtual Step advance() = 0;
+    /// After each Advance: the hash of the state after tick `tick`. Required, all else rests on it.
+    virtual HashCheck report_hash(std::uint64_t tick, std::uint64_t hash) = 0;
+    /// In order, each tick exactly once. Take all of them before the next advance (asserted).
+    virtual std::optional<ConfirmedTick> next_confirmed() = 0;
+    virtual std::optional<Notice> next_notice() = 0;
+
+    virtual std::uint64_t current_tick() const = 0; ///< the next new tick
+    virtual std::uint32_t images_max() const = 0;   ///< saved states alive at once: ticks t and t + images_max() may share a slot
+    virtual void set_input_delay(std::uint32_t ticks) = 0; ///< 0..32, at any time; lockstep: at least 1 (asserted)
+    virtual PeerQuality quality(PeerId peer) const = 0;
+    virtual const SessionStats& stats() const = 0;
+};
+
+/// Predicts remote inputs, rolls back when it was wrong. Errors name the field of `def` that is out of range.
+Result<std::unique_ptr<Session>> make_rollback_session(const SessionDef& def, Transport& transport);
+/// Runs a tick only when all its inputs are here: never loads, never saves. The input delay hides the latency.
+Result<std::unique_ptr<Session>> make_lockstep_session(const SessionDef& def, Transport& transport);
+/// One machine, all players local: every tick, rolls back `depth` ticks (1..64), runs them again and compares hashes.
+/// A tick is confirmed after `depth` re-runs. First runs have status `predicted`, so that a game whose rules read the
+/// status is caught.
+Result<std::unique_ptr<Session>> make_sync_test_session(const SessionDef& def, std::uint32_t depth);
+
+// ---- executing requests ------------------------------------------------------------------------------------------
+
+/// What sessions drive: a world and its rules, or a test's stand-in.
+class Simulation {
+  public:
+    virtual ~Simulation() = default;
+    virtual void save(Image& image) const = 0;
+    virtual void restore(const Image& image) = 0;
+    virtual void advance(std::span<const PlayerInput> inputs) = 0; ///< one tick
+    virtual std::uint64_t hash() const = 0;
+    virtual std::span<const Event> events() const = 0; ///< of the last tick, ordered by kind and shape ids
+    virtual State& state() = 0; ///< for diagnosis: naming a difference, planting a fault
+};
+
+class WorldSimulation final : public Simulation {
+  public:
+    WorldSimulation(World& driven, const Game& rules) : world(driven), game(rules) {}
+    void save(Image& image) const override { world.save(image); }
+    void restore(const Image& image) override { world.restore(image); }
+    void advance(std::span<const PlayerInput> inputs) override { game.advance(world, inputs); }
+    std::uint64_t hash() const override { return world.hash(); }
+    std::span<const Event> events() const override { return world.events(); }
+    State& state() override { return world.state_for_tests(); }
+
+  private:
+    World& world;
+    const Game& game;
+};
+
+/// Sees the confirmed timeline: every tick once, in order, however often it was run. A replay recorder's place.
+class ConfirmedSink {
+  public:
+    virtual ~ConfirmedSink() = default;
+    virtual void on_confirmed(std::uint64_t tick, std::span<const PlayerInput> inputs, std::uint64_t hash) = 0;
+};
+
+enum class EventStatus : std::uint8_t {
+    predicted, ///< seen in a tick that may run again: play the sound, spawn the particles
+    confirmed, ///< it happened: count the score. Events first seen in a confirmed tick come with this status only
+    cancelled, ///< it did not happen after all: fade the sound out
+};
+/// Every predicted event is confirmed or cancelled later, exactly once, under the same id. Two runs of a tick show the
+/// same event when kind, shapes and bodies agree; point and speed may differ, the confirmed ones are true.
+struct SessionEvent {
+    Event event;
+    EventStatus status;
+    std::uint64_t id; ///< of this machine, never used again
+};
+
+/// The first difference between two runs of the same tick with the same inputs.
+struct SyncTestFailure {
+    enum class When {
+        restored,    ///< loading a state did not bring back what was saved
+        resimulated, ///< running the tick again gave another state
+    } when;
+    std::uint64_t tick; ///< the state after this tick differs
+    std::uint64_t first_hash, second_hash;
+    std::vector<Difference> differences; ///< first run left, second run right; at most 8
+};
+/// "tick 118, resimulated: column body.velocity, row 7, linear.x: 1 (raw 0x80000) against 2 (raw 0x100000)"
+std::string to_string(const SyncTestFailure& failure);
+
+struct RunnerDef {
+    ConfirmedSink* sink = nullptr; ///< not owned
+    /// Plants a fault, for tests of the sync test: this column keeps its present values at every restore, as if the
+    /// snapshot lacked it.
+    std::string column_left_out;
+};
+
+struct Frame {
+    Stall stall;              ///< none: one tick further
+    std::uint32_t wait_ticks; ///< Step::wait_ticks
+};
+
+/// Executes a session's requests on a simulation with a ring of images allocated once, and reconciles events.
+class SessionRunner {
+  public:
+    SessionRunner(Session& session, Simulation& simulation, RunnerDef def = {});
+    SessionRunner(SessionRunner&&) noexcept;
+    SessionRunner& operator=(SessionRunner&&) noexcept;
+    ~SessionRunner();
+
+    Frame frame(std::uint64_t now_ms); ///< poll, advance, execute, confirm
+    /// A frame without a new tick, when wait_ticks asks for it: poll only.
+    void wait(std::uint64_t now_ms);
+    /// Of the last frame: by tick, then in the order of the tick's events.
+    std::span<const SessionEvent> events() const;
+    /// The first failure of a sync test; null while there is none.
+    const SyncTestFailure* sync_failure() const;
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl;
+};
+
+} // namespace lockstone

@@ -1,0 +1,203 @@
+// The world: bodies, shapes and force fields that tick.
+//
+//   World world = World::create({.gravity = {0_r, -9.81_r, 0_r}}).value();
+//   BodyId ball = world.create_body({.pose = {.position = {0_r, 5_r, 0_r}, .rotation = Quat::identity()}}).value();
+//   world.create_shape(ball, {.geometry = sphere(0.5_r)}).value();
+//   world.tick();
+//   Image image;
+//   world.save(image);      ...      world.restore(image);
+//
+// A tick is a pure function of the state and the commands since the last tick. It takes no time step: the rate is
+// fixed when the world is made. Errors from outside come back as sentences and leave the world as it was.
+#pragma once
+
+#include "lockstone/event.h"
+#include "lockstone/state.h"
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace lockstone {
+
+/// How bodies move between contacts. Order: of the error of position and velocity in the step under smooth fields.
+enum class Integrator : std::uint32_t {
+    semi_implicit_euler, ///< order 1, symplectic, the cheapest
+    verlet,              ///< order 2: position Verlet (drift, kick, drift)
+    velocity_verlet,     ///< order 2: kick, drift, kick
+    runge_kutta_4,       ///< order 4, not symplectic
+};
+const char* name_of(Integrator integrator);
+
+struct WorldDef {
+    std::uint32_t tick_rate = 60;  ///< ticks per second, 1..1000
+    std::uint32_t substeps = 4;    ///< solver steps per tick, 1..16
+    Vec3 gravity = {Real{}, Real::from_raw(-42133629174), Real{}}; ///< -9.81 m/s^2 along y; within 1000
+    Integrator integrator = Integrator::semi_implicit_euler;
+    std::uint32_t bounds_shift = 0; ///< 0..8: broad-phase step 2^(shift-16) m, exact within 2^(15+shift) m of the origin
+    std::uint32_t bodies_max = 1024;
+    std::uint32_t shapes_max = 1024;
+    std::uint32_t contacts_max = 8192; ///< shape pairs that are near each other
+    std::uint32_t fields_max = 16;
+    Real restitution_speed_min = Real(1); ///< [m/s]: slower impacts do not bounce
+    Real contact_hertz = Real(60);        ///< stiffness of contacts, at most a quarter of the substep rate
+    Real contact_damping = Real(10);      ///< damping ratio of contacts
+    Real push_speed_max = Real(3);        ///< [m/s]: how fast overlap is pushed out
+    std::uint64_t seed = 1;               ///< part of the state; the game's random streams start from it
+};
+
+/// The game's own columns, in the same block as the engine's: saved, hashed, compared and dumped with them.
+class GameSchema {
+  public:
+    /// One row per body, created zero, removed with the body.
+    template <StateRow T> Column<T> add_body_column(std::string name) {
+        return {add({std::move(name), true, sizeof(T), leaves_of<T>()})};
+    }
+    /// One row for the whole game: score, phase, random streams.
+    template <StateRow T> Column<T> add_record(std::string name) {
+        return {add({std::move(name), false, sizeof(T), leaves_of<T>()})};
+    }
+    struct Entry {
+        std::string name; ///< "game.health"
+        bool per_body;
+        std::size_t row_size;
+        std::vector<LeafInfo> leaves;
+    };
+    std::uint32_t add(Entry entry);
+    std::span<const Entry> entries() const { return list; }
+
+  private:
+    std::vector<Entry> list;
+};
+
+/// How often a value had to be clamped, since the world was made. Part of the state.
+struct Faults {
+    std::uint64_t speed_clamped;    ///< a linear or angular velocity met its limit
+    std::uint64_t position_clamped; ///< a position met the end of the documented range (1e9 m)
+    std::uint64_t contacts_dropped; ///< pairs beyond contacts_max; the last in pair order were dropped
+    std::uint64_t impulse_clamped;  ///< a contact impulse met the end of its format
+    friend bool operator==(const Faults&, const Faults&) = default;
+};
+
+template <class V> constexpr void describe(Faults& f, V&& v) {
+    v("speed_clamped", f.speed_clamped), v("position_clamped", f.position_clamped);
+    v("contacts_dropped", f.contacts_dropped), v("impulse_clamped", f.impulse_clamped);
+}
+
+/// Sees every command that was applied and every tick, in order. The one recording hook.
+class Journal {
+  public:
+    virtual ~Journal() = default;
+    virtual void on_command(std::uint64_t tick, const Command& command) = 0; ///< applied before tick `tick` runs
+    virtual void on_tick(std::uint64_t tick, std::uint64_t hash) = 0;        ///< tick ran; hash of the state after it
+};
+
+/// Hash of the whole state after one phase of a tick, for finding where two runs part.
+struct PhaseHash {
+    const char* phase; ///< the phase's function name in tick.cpp
+    std::uint64_t hash;
+};
+
+class World {
+  public:
+    static Result<World> create(const WorldDef& def, const GameSchema& schema = {});
+    World(World&&) noexcept;
+    World& operator=(World&&) noexcept;
+    ~World();
+    World clone() const; ///< same state at another address; no journal
+
+    // ---- time ----
+    void tick();                       ///< one tick of 1 / tick_rate seconds
+    std::uint64_t tick_count() const;  ///< ticks so far
+    const WorldDef& def() const;
+
+    // ---- commands: each builds a Command and applies it ----
+    struct Applied {
+        BodyId body; ///< of CreateBody
+        ShapeId shape;
+        FieldId field;
+    };
+    Result<Applied> apply(const Command& command);
+    Result<BodyId> create_body(const BodyDef& def);
+    Result<ShapeId> create_shape(BodyId body, const ShapeDef& def);
+    Result<FieldId> create_field(const FieldDef& def);
+    Status destroy(BodyId body);
+    Status destroy(ShapeId shape);
+    Status destroy(FieldId field);
+    Status set_pose(BodyId body, const Transform& pose);
+    Status set_velocity(BodyId body, Vec3 linear, Vec3 angular);
+    Status add_force(BodyId body, Vec3 force, Vec3 torque = {});
+    Status add_force_at(BodyId body, Vec3 force, Vec3 point);
+    Status add_impulse(BodyId body, Vec3 linear, Vec3 angular = {});
+    Status add_impulse_at(BodyId body, Vec3 impulse, Vec3 point);
+    Status set_body_parameters(const SetBodyParameters& parameters);
+    Status set_material(ShapeId shape, Real friction, Real restitution);
+    Status set_gravity(Vec3 gravity);
+    /// Replaces a row of a game column (`body` null for records).
+    template <StateRow T> Status write(Column<T> column, BodyId body, const T& value) {
+        return write_bytes(column.index, body, std::as_bytes(std::span(&value, 1)));
+    }
+    template <StateRow T> Status write(Column<T> record, const T& value) { return write(record, BodyId{}, value); }
+
+    // ---- reading: valid ids only where a reference is returned (asserted); is_alive tells ----
+    bool is_alive(BodyId body) const;
+    bool is_alive(ShapeId shape) const;
+    std::vector<BodyId> bodies() const; ///< by row; allocates
+    std::uint32_t body_count() const;
+    BodyId body_at(std::uint32_t row) const; ///< row < body_count(); rows move when bodies are destroyed
+    Transform pose(BodyId body) const;            ///< of the body's origin
+    Vec3 center_of_mass(BodyId body) const;       ///< world [m]
+    Vec3 linear_velocity(BodyId body) const;      ///< of the centre of mass [m/s]
+    Vec3 angular_velocity(BodyId body) const;     ///< [rad/s]
+    Real mass(BodyId body) const;                 ///< [kg]; 0 when static or kinematic
+    BodyKind kind(BodyId body) const;
+    std::uint64_t user_key(BodyId body) const;
+    std::vector<ShapeId> shapes(BodyId body) const; ///< in order of creation; allocates
+    ShapeDef shape(ShapeId shape) const;
+    BodyId body_of(ShapeId shape) const;
+    Real kinetic_energy() const; ///< [J], of all dynamic bodies; saturates
+    template <StateRow T> const T& read(Column<T> column, BodyId body) const {
+        return *reinterpret_cast<const T*>(row_bytes(column.index, body).data());
+    }
+    template <StateRow T> const T& read(Column<T> record) const { return read(record, BodyId{}); }
+    Faults faults() const;
+
+    /// The events of the last tick, in the order of EventKind. Empty after restore.
+    std::span<const Event> events() const;
+
+    /// A contact point of the last tick, for drawing and reports. Not state.
+    struct ContactPoint {
+        ShapeId shape_a, shape_b;
+        Vec3 point;
+        UnitVec3 normal; ///< a to b
+        Separation separation; ///< [m] at the start of the tick
+        Speed impulse;   ///< normal impulse over reduced mass, velocity units [m/s]
+    };
+    std::span<const ContactPoint> contacts() const;
+
+    // ---- state ----
+    std::uint64_t hash() const; ///< of everything that can affect a later tick
+    void save(Image& image) const;
+    void restore(const Image& image);
+    std::vector<std::byte> save_portable() const;
+    Status restore_portable(std::span<const std::byte> image); ///< on error the world is as it was
+    const State& state() const;
+    const GameSchema& schema() const;
+
+    // ---- diagnosis ----
+    void set_journal(Journal* journal); ///< null detaches; not owned, not state
+    void record_phase_hashes(bool on);  ///< off by default; costs a hash per phase
+    std::span<const PhaseHash> phase_hashes() const; ///< of the last tick
+    /// For tests and planted faults: the block itself. Anything written here is outside the contract.
+    State& state_for_tests();
+
+  private:
+    struct Impl;
+    explicit World(std::unique_ptr<Impl> impl);
+    Status write_bytes(std::uint32_t column, BodyId body, std::span<const std::byte> row);
+    std::span<const std::byte> row_bytes(std::uint32_t column, BodyId body) const;
+    std::unique_ptr<Impl> impl;
+};
+
+} // namespace lockstone

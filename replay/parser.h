@@ -1,0 +1,49 @@
+// Reads the chunks of a file into a Recording. Inside replay only.
+#pragma once
+
+#include "replay/recording.h"
+
+namespace lockstone::replay {
+
+/// Why these bytes do not begin like a recording that this reader knows; empty when they do.
+std::string preamble_fault(std::span<const std::byte> bytes);
+
+class Parser {
+  public:
+    explicit Parser(Recording& into) : out(into), file(into.bytes) {}
+    /// Fills the recording. On recovery, errors after the first keyframe become its damage sentence.
+    Status run(OnDamage on_damage);
+
+  private:
+    /// A chunk whose frame and checksum are good.
+    struct Chunk {
+        std::uint32_t type = 0;
+        bool skippable = false;
+        std::uint64_t offset = 0, payload_offset = 0, payload_size = 0;
+        std::uint64_t checksum = 0;
+    };
+    // Errors are sentences without the file's name.
+    Status read_chunks();
+    Result<Chunk> read_frame() const;
+    Status read_chunk(const Chunk& chunk);
+    Status check_order(const Chunk& chunk) const;
+    void read_payload(const Chunk& chunk, base::ByteReader& in);
+    void read_head(base::ByteReader& in);
+    void read_world_definition(base::ByteReader& in);
+    void read_keyframe(base::ByteReader& in);
+    void read_ticks(base::ByteReader& in, const Chunk& chunk);
+    void read_index(base::ByteReader& in);
+    void read_end(base::ByteReader& in);
+    bool ends_like_a_whole_file() const;
+    Error cut(const std::string& how) const;
+
+    Recording& out;
+    std::span<const std::byte> file;
+    std::size_t at = 0;              ///< of the next chunk
+    std::uint32_t chunks_seen = 0;   ///< of the types this reader knows, up to the first keyframe
+    std::uint64_t index_offset = 0;  ///< 0 until INDX
+    bool ended = false;
+    std::vector<IndexEntry> index;   ///< what INDX must say
+};
+
+} // namespace lockstone::replay

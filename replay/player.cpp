@@ -1,0 +1,140 @@
+#include "replay/player.h"
+
+#include "replay/codec.h"
+
+#include <limits>
+
+namespace lockstone::replay {
+namespace {
+
+using base::hex;
+using base::join;
+
+/// A world of a file may not make the engine allocate more than this for the game's columns.
+constexpr std::uint64_t game_bytes_max = std::uint64_t{1} << 30;
+
+/// Why this engine and game are not those of the recording; empty when they are.
+std::string game_fault(const Header& header, const Game& game) {
+    if (game.name() != header.game) return join("it is of the game ", header.game, ", this is ", game.name());
+    if (game.content_id() != header.content_id)
+        return join("it was recorded with content id ", hex(header.content_id), " of ", header.game, ", this is ",
+                    hex(game.content_id()));
+    if (game.player_count() != header.player_count)
+        return join("it has ", header.player_count, " players, the game ", game.player_count());
+    if (game.input_size() != header.input_size)
+        return join("its inputs have ", header.input_size, " bytes, the game's ", game.input_size());
+    return {};
+}
+
+std::string world_fault(const Recording& recording, const World& world) {
+    if (const std::string difference = first_difference(recording.world_def(), world.def()); !difference.empty())
+        return join("the recorded world is defined otherwise than the game's: ", difference);
+    std::vector<std::byte> recorded, ours;
+    append_schema(recording.schema(), recorded);
+    append_schema(world.schema(), ours);
+    if (recorded != ours) return "the recorded game columns are not those of the game";
+    const std::uint64_t schema = world.state().layout().schema_hash();
+    if (schema != recording.header().schema_hash)
+        return join("its state has schema ", hex(recording.header().schema_hash), ", this engine's has ", hex(schema),
+                    ": it was recorded by engine ", recording.header().engine, ", this is ", engine_version);
+    return {};
+}
+
+/// What World::create asserts rather than reports, because its caller is a program and ours is a file.
+std::string schema_fault(const WorldDef& def, const GameSchema& schema) {
+    WorldDef least;
+    least.bodies_max = least.shapes_max = least.contacts_max = least.fields_max = 1;
+    const Result<World> plain = World::create(least);
+    if (!plain) return plain.error().message;
+    std::uint64_t bytes = 0;
+    for (const GameSchema::Entry& entry : schema.entries()) {
+        if (plain->state().layout().find_column(entry.name) != nullptr)
+            return join("the game's column ", entry.name, " has the name of one of the engine's");
+        bytes += entry.row_size * (entry.per_body ? std::uint64_t{def.bodies_max} : 1);
+    }
+    if (bytes > game_bytes_max)
+        return join("the game's columns would take ", bytes, " bytes, at most ", game_bytes_max);
+    return {};
+}
+
+} // namespace
+
+Error Player::error(const std::string& sentence) const { return {join(source->name(), ": ", sentence)}; }
+
+Result<Player> Player::open(const Recording& recording, const Game& game) { return open(recording, &game); }
+Result<Player> Player::open(const Recording& recording) { return open(recording, nullptr); }
+
+Result<Player> Player::open(const Recording& recording, const Game* game) {
+    const Header& header = recording.header();
+    const auto refuse = [&](const std::string& why) { return Error{join(recording.name(), ": cannot be played: ", why)}; };
+    if (header.mode == Mode::commands) {
+        if (const std::string fault = schema_fault(recording.world_def(), recording.schema()); !fault.empty())
+            return refuse(fault);
+        Result<World> world = World::create(recording.world_def(), recording.schema());
+        return world ? at_start(recording, nullptr, std::move(*world)) : refuse(world.error().message);
+    }
+    if (game == nullptr) return refuse(join("it holds inputs, so it needs the game ", header.game));
+    if (const std::string fault = game_fault(header, *game); !fault.empty()) return refuse(fault);
+    Result<World> world = game->start();
+    return world ? at_start(recording, game, std::move(*world)) : refuse(world.error().message);
+}
+
+Result<Player> Player::at_start(const Recording& recording, const Game* game, World world) {
+    if (const std::string fault = world_fault(recording, world); !fault.empty())
+        return Error{join(recording.name(), ": cannot be played: ", fault)};
+    world.set_journal(nullptr);
+    Player player(recording, game, std::move(world));
+    if (const Status status = player.seek_keyframe(0); !status) return status.error();
+    return player;
+}
+
+Status Player::step() {
+    if (at_end()) return error(join("it ends at tick ", time_now));
+    if (!block.holds(time_now)) block = source->block_with(time_now);
+    if (game == nullptr) {
+        if (const Status status = run_commands(); !status) return status;
+    } else {
+        game->advance(now, block.inputs(time_now));
+    }
+    if (now.tick_count() != time_now + 1)
+        return error(join("tick ", time_now, ": the game left the world at tick ", now.tick_count(), ", not ", time_now + 1));
+    ++time_now;
+    return {};
+}
+
+Status Player::run_commands() {
+    const std::vector<Command> commands = block.commands(time_now);
+    for (std::size_t i = 0; i < commands.size(); ++i) {
+        const auto applied = now.apply(commands[i]);
+        if (!applied)
+            return error(join("tick ", time_now, ": command ", i, " (", name_of(commands[i]), ") is refused: ",
+                              applied.error().message));
+    }
+    now.tick();
+    return {};
+}
+
+Status Player::seek(std::uint64_t to) {
+    if (to < source->start_tick() || to > source->end_tick())
+        return error(join("time ", to, " lies outside of ", source->start_tick(), "..", source->end_tick()));
+    const std::size_t keyframe = source->keyframe_before(to);
+    if (to < time_now || source->keyframes()[keyframe].time > time_now)
+        if (const Status status = seek_keyframe(keyframe); !status) return status;
+    while (time_now < to)
+        if (const Status status = step(); !status) return status;
+    return {};
+}
+
+Status Player::seek_keyframe(std::size_t keyframe) {
+    const Recording::Keyframe& which = source->keyframes()[keyframe];
+    const std::string where = join("keyframe at ", which.time, ": ");
+    if (const Status status = now.restore_portable(source->keyframe_image(keyframe)); !status)
+        return error(where + status.error().message);
+    time_now = now.tick_count();
+    if (now.tick_count() != which.time) return error(join(where, "its state is of tick ", now.tick_count()));
+    if (now.hash() != which.hash)
+        return error(join(where, "its state has hash ", hex(now.hash()), ", recorded is ", hex(which.hash)));
+    return {};
+}
+
+} // namespace lockstone::replay

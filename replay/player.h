@@ -1,0 +1,52 @@
+// Plays a recording: any tick, forwards and backwards.
+//
+//   Player player = Player::open(recording, game).value();      // inputs: needs the game
+//   Player player = Player::open(recording).value();            // commands: needs nothing
+//   player.seek(1200);                                          // nearest keyframe, then re-simulated
+//   draw(player.world());
+#pragma once
+
+#include "replay/recording.h"
+
+namespace lockstone::replay {
+
+class Player {
+  public:
+    /// Refuses a game or an engine that cannot play the recording: another name, content id, players, schema or world.
+    /// Stands at the start. Both arguments outlive the player.
+    static Result<Player> open(const Recording& recording, const Game& game);
+    static Result<Player> open(const Recording& recording);
+    /// Either: `game` null is refused in inputs mode, ignored in commands mode.
+    static Result<Player> open(const Recording& recording, const Game* game);
+
+    const Recording& recording() const { return *source; }
+    World& world() { return now; }
+    const World& world() const { return now; }
+    World release() && { return std::move(now); }
+
+    std::uint64_t time() const { return time_now; }
+    bool at_end() const { return time_now == source->end_tick(); }
+    /// Whether the world is, by its hash, the recorded one at this time.
+    bool agrees() const { return now.hash() == source->hash_at(time_now); }
+
+    /// Runs tick time(). Errors: at the end; a command that the world refuses. What was reached stays; it may not agree.
+    Status step();
+    /// To the state at a time start_tick() .. end_tick().
+    Status seek(std::uint64_t to);
+    /// To the state that a keyframe holds. Its hash is checked.
+    Status seek_keyframe(std::size_t keyframe);
+
+  private:
+    Player(const Recording& from, const Game* by, World start) : source(&from), game(by), now(std::move(start)) {}
+    static Result<Player> at_start(const Recording& recording, const Game* game, World world);
+    Status run_commands();
+    Error error(const std::string& sentence) const;
+
+    const Recording* source;
+    const Game* game; ///< null in commands mode
+    World now;
+    std::uint64_t time_now = 0;
+    TickBlock block; ///< the one with the last tick that was run
+};
+
+} // namespace lockstone::replay

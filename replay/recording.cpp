@@ -1,0 +1,104 @@
+#include "replay/recording.h"
+
+#include "base/assert.h"
+#include "replay/pack.h"
+#include "replay/parser.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <memory>
+#include <system_error>
+
+namespace lockstone::replay {
+namespace {
+
+using base::join;
+
+struct CloseFile {
+    void operator()(std::FILE* f) const { std::fclose(f); }
+};
+
+/// The whole file, read in growing steps: its size is not believed, and a file that is no recording ends at the preamble.
+Result<std::vector<std::byte>> read_file(const std::string& path) {
+    errno = 0;
+    const std::unique_ptr<std::FILE, CloseFile> file(std::fopen(path.c_str(), "rb"));
+    if (!file) return Error{join(path, ": cannot open the file: ", std::generic_category().message(errno))};
+    std::vector<std::byte> bytes;
+    std::size_t step = preamble_bytes;
+    while (true) {
+        const std::size_t before = bytes.size();
+        bytes.resize(before + step);
+        errno = 0;
+        const std::size_t got = std::fread(bytes.data() + before, 1, step, file.get());
+        bytes.resize(before + got);
+        if (std::ferror(file.get()) != 0)
+            return Error{join(path, ": cannot read the file at byte ", bytes.size(), ": ",
+                              std::generic_category().message(errno))};
+        if (bytes.size() > file_bytes_max)
+            return Error{join(path, ": the file has more than ", file_bytes_max, " bytes")};
+        if (got < step) return bytes;
+        if (before == 0)
+            if (const std::string fault = preamble_fault(bytes); !fault.empty()) return Error{join(path, ": ", fault)};
+        step = std::max<std::size_t>(bytes.size() / 2, std::size_t{1} << 16);
+    }
+}
+
+} // namespace
+
+Result<Recording> Recording::open(const std::string& path, OnDamage on_damage) {
+    auto bytes = read_file(path);
+    if (!bytes) return bytes.error();
+    return from_bytes(std::move(*bytes), path, on_damage);
+}
+
+Result<Recording> Recording::from_bytes(std::vector<std::byte> bytes, std::string name, OnDamage on_damage) {
+    Recording recording;
+    recording.file_name = std::move(name);
+    recording.bytes = std::move(bytes);
+    if (const Status status = Parser(recording).run(on_damage); !status) return status.error();
+    return recording;
+}
+
+std::uint64_t Recording::hash_at(std::uint64_t at) const {
+    LOCKSTONE_ASSERT(at >= start_tick() && at <= end_tick(), "time ", at, " of ", start_tick(), "..", end_tick());
+    if (at == start_tick()) return keyframe_list.front().hash;
+    const Block& block = find_block(at - 1);
+    constexpr std::uint64_t hashes_at = 8 + 4 + 8; // behind first tick, count and unpacked size
+    const std::uint64_t offset = block.payload_offset + hashes_at + 8 * (at - 1 - block.first_tick);
+    return base::load_little_endian<std::uint64_t>(bytes.data() + offset);
+}
+
+std::size_t Recording::keyframe_before(std::uint64_t at) const {
+    LOCKSTONE_ASSERT(at >= start_tick(), "time ", at, " before the start ", start_tick());
+    const auto after = std::ranges::upper_bound(keyframe_list, at, {}, &Keyframe::time);
+    return static_cast<std::size_t>(after - keyframe_list.begin()) - 1;
+}
+
+std::vector<std::byte> Recording::keyframe_image(std::size_t keyframe) const {
+    LOCKSTONE_ASSERT(keyframe < keyframe_list.size(), "keyframe ", keyframe, " of ", keyframe_list.size());
+    const Keyframe& which = keyframe_list[keyframe];
+    const auto packed = std::span(bytes).subspan(static_cast<std::size_t>(which.packed_offset),
+                                                 static_cast<std::size_t>(which.packed_size));
+    std::vector<std::byte> image = unpack(packed, which.image_size).value();
+    if (keyframe == 0) return image;
+    for (std::size_t i = 0; i < std::min(image.size(), first_image.size()); ++i) image[i] ^= first_image[i];
+    return image;
+}
+
+const Recording::Block& Recording::find_block(std::uint64_t tick) const {
+    LOCKSTONE_ASSERT(tick >= start_tick() && tick < end_tick(), "tick ", tick, " of ", start_tick(), "..", end_tick());
+    return *(std::ranges::upper_bound(block_list, tick, {}, &Block::first_tick) - 1);
+}
+
+TickBlock Recording::block_with(std::uint64_t tick) const {
+    const Block& block = find_block(tick);
+    const auto payload = std::span(bytes).subspan(static_cast<std::size_t>(block.payload_offset),
+                                                  static_cast<std::size_t>(block.payload_size));
+    base::ByteReader in(payload, file_name);
+    TickBlock out = TickBlock::read(in, block_shape());
+    LOCKSTONE_ASSERT(in.ok(), "a block that was checked does not read");
+    return out;
+}
+
+} // namespace lockstone::replay

@@ -1,0 +1,86 @@
+// A recording that was read: whole, or up to where it was cut or damaged.
+//
+//   Result<Recording> match = Recording::open("match.lsr");
+//   if (!match) print(match.error().message);     // "match.lsr: chunk TICK at byte 4711: the checksum is 0x..., ..."
+//
+// Reading checks all that can be checked without simulating, down to every input and command of every tick; after it,
+// access cannot fail. Nothing is allocated that the bytes at hand cannot fill.
+#pragma once
+
+#include "replay/block.h"
+
+namespace lockstone::replay {
+
+/// What to do with a file that was cut or damaged.
+enum class OnDamage {
+    refuse,
+    recover, ///< keep what stands before the first chunk that is not whole; damage() tells
+};
+
+class Recording {
+  public:
+    static Result<Recording> open(const std::string& path, OnDamage on_damage = OnDamage::refuse);
+    /// `name` stands in error sentences.
+    static Result<Recording> from_bytes(std::vector<std::byte> bytes, std::string name,
+                                        OnDamage on_damage = OnDamage::refuse);
+
+    const std::string& name() const { return file_name; }
+    std::uint64_t size_bytes() const { return bytes.size(); }
+    const Header& header() const { return head; }
+    const GameSchema& schema() const { return game_schema; }
+    const WorldDef& world_def() const { return def; }
+
+    /// Empty for a complete recording; else the sentence that says where and why it ends early.
+    const std::string& damage() const { return damage_sentence; }
+    bool complete() const { return damage_sentence.empty(); }
+    /// Checksum of the last good chunk: names the recording, all of it.
+    std::uint64_t checksum() const { return chain; }
+
+    std::uint64_t start_tick() const { return head.start_tick; }
+    std::uint64_t end_tick() const { return time; }
+    std::uint64_t tick_count() const { return time - head.start_tick; }
+    /// Of the state at a time start_tick() .. end_tick() (asserted).
+    std::uint64_t hash_at(std::uint64_t at) const;
+
+    struct Keyframe {
+        std::uint64_t time;
+        std::uint64_t hash;
+        std::uint64_t image_size;
+        std::uint64_t packed_offset; ///< in the file
+        std::uint64_t packed_size;
+    };
+    /// Ascending; the first is at start_tick().
+    std::span<const Keyframe> keyframes() const { return keyframe_list; }
+    /// Index of the last keyframe at or before a time >= start_tick().
+    std::size_t keyframe_before(std::uint64_t at) const;
+    /// The portable image; unpacked anew at every call.
+    std::vector<std::byte> keyframe_image(std::size_t keyframe) const;
+
+    std::size_t block_count() const { return block_list.size(); }
+    /// The block with a tick start_tick() .. end_tick() - 1 (asserted); unpacked anew at every call.
+    TickBlock block_with(std::uint64_t tick) const;
+
+  private:
+    friend class Parser;
+    struct Block {
+        std::uint64_t first_tick;
+        std::uint64_t payload_offset, payload_size;
+    };
+    const Block& find_block(std::uint64_t tick) const;
+    BlockShape block_shape() const { return {head.mode, head.player_count, head.input_size}; }
+
+    std::string file_name;
+    std::vector<std::byte> bytes;
+    Header head;
+    GameSchema game_schema;
+    WorldDef def;
+    std::vector<Keyframe> keyframe_list;
+    std::vector<std::byte> first_image;
+    std::vector<Block> block_list;
+    std::uint64_t time = 0;
+    std::uint64_t hash_now = 0;
+    std::uint64_t chain = 0;
+    std::string damage_sentence;
+};
+
+} // namespace lockstone::replay

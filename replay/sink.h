@@ -1,0 +1,63 @@
+// Where a recording goes: something that takes bytes at its end.
+#pragma once
+
+#include "lockstone/result.h"
+
+#include <cstddef>
+#include <cstdio>
+#include <memory>
+#include <ostream>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace lockstone::replay {
+
+class Sink {
+  public:
+    virtual ~Sink() = default;
+    /// All of the bytes and out of this process's buffers (a crash of the process cannot lose them), or an error that
+    /// names the sink and the reason.
+    virtual Status append(std::span<const std::byte> bytes) = 0;
+    /// After the last append. Errors that the system reports late come here.
+    virtual Status close() { return {}; }
+};
+
+/// A file. An existing file is replaced.
+class FileSink final : public Sink {
+  public:
+    static Result<FileSink> create(const std::string& path);
+    Status append(std::span<const std::byte> bytes) override;
+    Status close() override;
+
+  private:
+    struct Close {
+        void operator()(std::FILE* f) const { std::fclose(f); }
+    };
+    FileSink(std::string where, std::FILE* open) : path(std::move(where)), file(open) {}
+    std::string path;
+    std::unique_ptr<std::FILE, Close> file;
+};
+
+/// A stream of the caller's, flushed after every append.
+class StreamSink final : public Sink {
+  public:
+    StreamSink(std::ostream& to, std::string stream_name) : out(to), name(std::move(stream_name)) {}
+    Status append(std::span<const std::byte> bytes) override;
+
+  private:
+    std::ostream& out;
+    std::string name;
+};
+
+/// Memory; `bytes` is the file.
+class MemorySink final : public Sink {
+  public:
+    std::vector<std::byte> bytes;
+    Status append(std::span<const std::byte> more) override {
+        bytes.insert(bytes.end(), more.begin(), more.end());
+        return {};
+    }
+};
+
+} // namespace lockstone::replay

@@ -1,0 +1,220 @@
+// Face against face: the incident face, a parallelogram, clipped by the four sides of the reference face, then
+// reduced to four points.
+//
+// source: Sutherland, Hodgman, Reentrant Polygon Clipping, CACM 1974; the reduction follows Coumans, Contact
+// generation between 3D convex meshes, GDC 2010 (deepest, furthest, most area).
+#include "collide/box_box.h"
+
+namespace lockstone::collide {
+namespace {
+
+constexpr int points_max = 8; // a parallelogram cut by four lines; roundings could ask for more, and are refused
+
+/// The reference box's frame: where the incident box is and how it is turned.
+struct Clip {
+    Long3 half, incident_half; // 24 fraction bits
+    Long3 center_54;           // of the incident box
+    Long3 axes[3];             // of the incident box, 30
+    int axis, p, q;            // the reference face's normal axis, and the two in the face
+    std::int64_t sign;         // the face looks along sign * axis
+    int incident_axis, u, v;   // the same three of the incident face
+};
+
+Clip set_up(const BoxPair& g, bool reference_is_b, int axis) {
+    Clip c{};
+    c.half = reference_is_b ? g.b : g.a;
+    c.incident_half = reference_is_b ? g.a : g.b;
+    c.axis = axis;
+    c.p = (axis + 1) % 3;
+    c.q = (axis + 2) % 3;
+    if (reference_is_b) {
+        c.center_54 = {-dot(g.t, g.r[0]), -dot(g.t, g.r[1]), -dot(g.t, g.r[2])};
+        for (int i = 0; i < 3; ++i) c.axes[i] = {g.r[0][i], g.r[1][i], g.r[2][i]};
+        c.sign = c.center_54[axis] > 0 ? 1 : -1; // centred boxes: the normal from A to B is +r, so B looks along -r
+    } else {
+        c.center_54 = up(g.t, 30);
+        for (int j = 0; j < 3; ++j) c.axes[j] = g.r[j];
+        c.sign = sign_of(g.t[axis]);
+    }
+    for (int j = 1; j < 3; ++j)
+        if (absolute(c.axes[j][axis]) > absolute(c.axes[c.incident_axis][axis])) c.incident_axis = j;
+    c.u = (c.incident_axis + 1) % 3;
+    c.v = (c.incident_axis + 2) % 3;
+    return c;
+}
+
+/// The incident face's corners in cyclic order: (+u +v), (-u +v), (-u -v), (+u -v). Edge k runs from corner k to k + 1.
+constexpr bool corner_u[4] = {true, false, false, true};
+constexpr bool corner_v[4] = {true, true, false, false};
+
+/// The incident face looks against the reference face.
+bool incident_positive(const Clip& c) { return c.sign * c.axes[c.incident_axis][c.axis] < 0; }
+
+void incident_corners(const Clip& c, ClipPoint* out) {
+    const int g = c.incident_axis;
+    const Long3 face =
+        c.center_54 + c.axes[g] * (incident_positive(c) ? c.incident_half[g] : -c.incident_half[g]);
+    const Long3 along_u = c.axes[c.u] * c.incident_half[c.u], along_v = c.axes[c.v] * c.incident_half[c.v];
+    for (int k = 0; k < 4; ++k) {
+        const Long3 half_way = corner_u[k] ? face + along_u : face - along_u;
+        const Long3 x = shifted(corner_v[k] ? half_way + along_v : half_way - along_v, 24);
+        out[k] = {x[c.p], x[c.q], c.sign * x[c.axis] - up(c.half[c.axis], 6), static_cast<std::uint8_t>((k + 3) % 4),
+                  static_cast<std::uint8_t>(k)};
+    }
+}
+
+/// a + (b - a) part, part in 24 fraction bits: |b - a| is at most 346 m < 2^39 steps, so the product fits.
+ClipPoint between(const ClipPoint& a, const ClipPoint& b, std::int64_t part_24) {
+    const auto mix = [&](std::int64_t x, std::int64_t y) { return x + shift_right_rounded((y - x) * part_24, 24); };
+    return {mix(a.p, b.p), mix(a.q, b.q), mix(a.height, b.height), 0, 0};
+}
+
+/// Keeps what has inside(x) = limit - sign * x.*coordinate >= 0; `line` names the side.
+int clip_side(const ClipPoint* in, int count, ClipPoint* out, std::int64_t ClipPoint::* coordinate, std::int64_t sign,
+              std::int64_t limit, std::uint8_t line) {
+    int n = 0;
+    for (int k = 0; k < count && n < points_max; ++k) {
+        const ClipPoint &a = in[k], &b = in[k + 1 == count ? 0 : k + 1];
+        const std::int64_t inside_a = limit - sign * a.*coordinate, inside_b = limit - sign * b.*coordinate;
+        if (inside_a >= 0) out[n++] = a;
+        if ((inside_a >= 0) == (inside_b >= 0) || n == points_max) continue;
+        ClipPoint cut = between(a, b, up(inside_a, 24) / (inside_a - inside_b));
+        cut.*coordinate = sign * limit;
+        cut.line_in = inside_a >= 0 ? a.line_out : line;
+        cut.line_out = inside_a >= 0 ? line : a.line_out;
+        out[n++] = cut;
+    }
+    return n;
+}
+
+int clip_polygon(const Clip& c, ClipPoint* polygon) {
+    ClipPoint other[points_max];
+    int count = 4;
+    const std::int64_t limit_p = up(c.half[c.p], 6), limit_q = up(c.half[c.q], 6);
+    count = clip_side(polygon, count, other, &ClipPoint::p, 1, limit_p, 4);
+    count = clip_side(other, count, polygon, &ClipPoint::p, -1, limit_p, 5);
+    count = clip_side(polygon, count, other, &ClipPoint::q, 1, limit_q, 6);
+    return clip_side(other, count, polygon, &ClipPoint::q, -1, limit_q, 7);
+}
+
+/// The corner and edge names of the two boxes for the lines that meet in a polygon corner.
+struct Names {
+    const Clip& c;
+    bool reference_is_b;
+
+    std::uint32_t incident_corner(int k) const {
+        return bit(incident_positive(c), c.incident_axis) | bit(corner_u[k], c.u) | bit(corner_v[k], c.v);
+    }
+    /// Sides 4..7 are +p, -p, +q, -q.
+    std::uint32_t side_bit(int line) const { return line < 6 ? bit(line == 4, c.p) : bit(line == 6, c.q); }
+    std::uint32_t face_bit() const { return bit(c.sign > 0, c.axis); }
+
+    std::uint32_t operator()(const ClipPoint& x) const {
+        const int low = x.line_in < x.line_out ? x.line_in : x.line_out;
+        const int high = x.line_in < x.line_out ? x.line_out : x.line_in;
+        if (high < 4) { // two incident edges k - 1 and k: corner k
+            const std::uint32_t corner = incident_corner(x.line_out);
+            return reference_is_b ? corner_feature_a(corner) : corner_feature_b(corner);
+        }
+        if (low >= 4) {
+            const std::uint32_t corner = face_bit() | side_bit(low) | side_bit(high);
+            return reference_is_b ? corner_feature_b(corner) : corner_feature_a(corner);
+        }
+        const std::uint32_t incident = edge_id(low % 2 == 0 ? c.u : c.v, incident_corner(low));
+        const std::uint32_t reference = edge_id(high < 6 ? c.q : c.p, face_bit() | side_bit(high));
+        return reference_is_b ? edge_feature(incident, reference) : edge_feature(reference, incident);
+    }
+
+  private:
+    static std::uint32_t bit(bool positive, int at) { return positive ? 1u << at : 0u; }
+};
+
+/// Boxes that overlap have a lowest corner on the incident face; it counts even where the clipped polygon is empty.
+ClipPoint lowest_corner(const Clip& c, std::int64_t separation_30) {
+    ClipPoint corners[4];
+    incident_corners(c, corners);
+    int lowest = 0;
+    for (int k = 1; k < 4; ++k)
+        if (corners[k].height < corners[lowest].height) lowest = k;
+    ClipPoint x = corners[lowest];
+    x.p = clamped(x.p, -up(c.half[c.p], 6), up(c.half[c.p], 6));
+    x.q = clamped(x.q, -up(c.half[c.q], 6), up(c.half[c.q], 6));
+    x.height = separation_30;
+    return x;
+}
+
+} // namespace
+
+int reduce_points(ClipPoint* points, int count) {
+    if (count <= 4) return count;
+    constexpr std::int64_t noise_30 = 1 << 17; // 0.12 mm
+    const auto p = [&](int k) { return points[k].p >> 10; }; // 20 fraction bits: products fit
+    const auto q = [&](int k) { return points[k].q >> 10; };
+    const auto to_front = [&](int k, int front) {
+        const ClipPoint x = points[k];
+        for (; k > front; --k) points[k] = points[k - 1];
+        points[front] = x;
+    };
+    int best = 0;
+    for (int k = 1; k < count; ++k)
+        if (points[k].height < points[best].height - noise_30) best = k;
+    to_front(best, 0);
+
+    const auto distance2 = [&](int k) { return (p(k) - p(0)) * (p(k) - p(0)) + (q(k) - q(0)) * (q(k) - q(0)); };
+    std::int64_t most = 0;
+    best = 1;
+    for (int k = 1; k < count; ++k)
+        if (const std::int64_t d = distance2(k); d > most + (most >> 4)) best = k, most = d;
+    to_front(best, 1);
+
+    const auto area = [&](int k) { return (p(1) - p(0)) * (q(k) - q(0)) - (q(1) - q(0)) * (p(k) - p(0)); };
+    int left = 0, right = 0; // 0: none on that side
+    std::int64_t most_left = 0, most_right = 0;
+    for (int k = 2; k < count; ++k) {
+        const std::int64_t s = area(k);
+        if (s > most_left + (most_left >> 4)) left = k, most_left = s;
+        if (-s > most_right + (most_right >> 4)) right = k, most_right = -s;
+    }
+    int kept = 2;
+    if (left != 0) {
+        to_front(left, kept++);
+        if (right != 0 && right < left) ++right; // moved up by one
+    }
+    if (right != 0) to_front(right, kept++);
+    return kept;
+}
+
+void clip_faces(const BoxPair& g, bool reference_is_b, int axis, std::int64_t separation_30, Length margin,
+                Manifold& out) {
+    const Clip c = set_up(g, reference_is_b, axis);
+    ClipPoint polygon[points_max];
+    incident_corners(c, polygon);
+    int count = 0;
+    const int clipped = clip_polygon(c, polygon);
+    for (int k = 0; k < clipped; ++k)
+        if (polygon[k].height <= up(margin.raw, 6)) polygon[count++] = polygon[k];
+    if (count == 0 && separation_30 <= 0) {
+        polygon[0] = lowest_corner(c, separation_30);
+        count = 1;
+    }
+    count = reduce_points(polygon, count);
+
+    Long3 normal{};
+    normal[axis] = c.sign << 30;
+    out.normal = unit_of_30(reference_is_b ? -(g.r[axis] * c.sign) : normal);
+    const Names name{c, reference_is_b};
+    for (int k = 0; k < count; ++k) {
+        const ClipPoint& x = polygon[k];
+        Long3 at{};
+        at[c.p] = x.p;
+        at[c.q] = x.q;
+        at[axis] = c.sign * (up(c.half[axis], 6) + (x.height >> 1));
+        if (reference_is_b) {
+            const Long3 b = shifted(at, 6);
+            at = shifted(up(g.t, 30) + g.r[0] * b[0] + g.r[1] * b[1] + g.r[2] * b[2], 24);
+        }
+        add_point(out, at, x.height, margin, name(x));
+    }
+}
+
+} // namespace lockstone::collide

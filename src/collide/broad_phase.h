@@ -1,0 +1,69 @@
+// Finds the pairs of proxies whose bounds overlap.
+//
+// A cache, never state: what it returns depends on the proxies' bounds and kinds alone, not on the order or number of
+// calls that set them, so it can be thrown away, rebuilt or left as it is at any tick.
+#pragma once
+
+#include "collide/tree.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace lockstone::collide {
+
+/// Two proxies, a < b.
+struct ProxyPair {
+    std::uint32_t a, b;
+
+    friend constexpr auto operator<=>(const ProxyPair&, const ProxyPair&) = default;
+};
+
+class BroadPhase {
+  public:
+    /// Proxies are numbers below `proxy_capacity` (asserted); memory for them is taken here. `margin` is how far the
+    /// leaves of moving proxies reach beyond their bounds: larger means fewer tree updates and more pairs to filter.
+    explicit BroadPhase(std::uint32_t proxy_capacity, Bound margin = decimal<Bound>("0.1"));
+
+    /// Inserts or moves a proxy, or changes its kind. Free while the bounds stay within the leaf.
+    void set(std::uint32_t proxy, const Bounds& exact, bool is_static);
+    /// Does nothing for a proxy that is not there.
+    void remove(std::uint32_t proxy);
+    bool contains(std::uint32_t proxy) const { return proxy < entries.size() && entries[proxy].leaf != BoundsTree::none; }
+    void clear();
+
+    /// All pairs, not both static, whose exact bounds overlap (touching counts), sorted by (a, b).
+    /// Costs what moved out of its leaf since the last call, and a test for each pair of overlapping leaves.
+    void find_pairs(std::vector<ProxyPair>& out);
+
+    /// All proxies whose exact bounds overlap, sorted.
+    void query(const Bounds& bounds, std::vector<std::uint32_t>& out) const;
+
+    const Bounds& bounds(std::uint32_t proxy) const { return entries[proxy].exact; }
+
+  private:
+    struct Entry {
+        Bounds exact;
+        BoundsTree::NodeId leaf;
+        bool is_static;
+        bool fresh; ///< its leaf is newer than `leaf_pairs`
+    };
+    struct NodePair {
+        BoundsTree::NodeId a, b;
+    };
+
+    void insert_leaf(std::uint32_t proxy, const Bounds& exact, bool is_static);
+    void forget_pairs_of_fresh_leaves();
+    void find_fresh_pairs_within(const BoundsTree& tree);
+    void find_fresh_pairs_between(const BoundsTree& a, const BoundsTree& b);
+    void merge_found();
+
+    std::vector<Entry> entries;   // by proxy
+    BoundsTree moving, fixed;
+    Bound margin;
+    std::vector<std::uint32_t> changed; // proxies inserted, reinserted or removed since the last find_pairs
+    std::vector<ProxyPair> leaf_pairs;  // whose leaves overlap, sorted: a superset of the answer
+    std::vector<ProxyPair> found, merged; // scratch
+    std::vector<NodePair> stack;          // scratch
+};
+
+} // namespace lockstone::collide

@@ -1,0 +1,114 @@
+// The plain integers of the narrow phase. A name's suffix tells the fraction bits: x_24, x_30, x_54.
+//
+// Bounds that every function here relies on: a shape reaches at most 174 m from its origin (a box of 3 x 100 m), a
+// relative position at most 222 m (3 x 128 m), so no point is further than 396 m < 2^9 m from the frame's origin. A
+// dot product with a unit vector (30 fraction bits) of a length in 24 fraction bits then stays below 2^63, partial
+// sums included, and needs no check.
+#pragma once
+
+#include "collide/narrow_phase.h"
+#include "lockstone/math.h"
+
+#include <cstdint>
+
+namespace lockstone::collide {
+
+/// Three 64-bit coordinates.
+struct Long3 {
+    std::int64_t v[3];
+
+    constexpr std::int64_t& operator[](int i) { return v[i]; }
+    constexpr std::int64_t operator[](int i) const { return v[i]; }
+    friend constexpr Long3 operator+(Long3 a, Long3 b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+    friend constexpr Long3 operator-(Long3 a, Long3 b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+    friend constexpr Long3 operator-(Long3 a) { return {-a[0], -a[1], -a[2]}; }
+    friend constexpr Long3 operator*(Long3 a, std::int64_t s) { return {a[0] * s, a[1] * s, a[2] * s}; }
+};
+
+template <FixedPoint T> constexpr Long3 raw(const Vector3<T>& v) { return {v.x.raw, v.y.raw, v.z.raw}; }
+constexpr std::int64_t dot(Long3 a, Long3 b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+constexpr std::int64_t absolute(std::int64_t x) { return x < 0 ? -x : x; }
+constexpr std::int64_t sign_of(std::int64_t x) { return x < 0 ? -1 : 1; } ///< zero counts as positive
+constexpr std::int64_t clamped(std::int64_t x, std::int64_t low, std::int64_t high) {
+    return x < low ? low : high < x ? high : x;
+}
+constexpr std::int64_t smaller(std::int64_t a, std::int64_t b) { return b < a ? b : a; }
+constexpr std::int64_t larger(std::int64_t a, std::int64_t b) { return a < b ? b : a; }
+constexpr Long3 shifted(Long3 a, int drop) {
+    return {shift_right_rounded(a[0], drop), shift_right_rounded(a[1], drop), shift_right_rounded(a[2], drop)};
+}
+constexpr std::int64_t up(std::int64_t x, int bits) { return x * (std::int64_t{1} << bits); }
+constexpr Long3 up(Long3 a, int bits) { return a * (std::int64_t{1} << bits); }
+
+constexpr Length length_of_30(std::int64_t x) { return round_from<Length>(x, 30); }
+constexpr Separation separation_of_30(std::int64_t x) { return round_from<Separation>(x, 30); }
+constexpr LengthVec3 point_of_30(Long3 p) { return {length_of_30(p[0]), length_of_30(p[1]), length_of_30(p[2])}; }
+constexpr UnitVec3 unit_of_30(Long3 n) {
+    const auto unit = [](std::int64_t x) { return Unit::from_raw(static_cast<std::int32_t>(x)); };
+    return {unit(n[0]), unit(n[1]), unit(n[2])};
+}
+
+/// d / |d| and |d|, both in 30 fraction bits; the direction of a zero vector is zero.
+struct Direction {
+    Long3 unit;
+    std::int64_t length;
+};
+/// d has 30 fraction bits; relative error 2^-30 whatever its length (up to 2^9 m).
+inline Direction direction_of_30(Long3 d) {
+    const std::int64_t widest = larger(absolute(d[0]), larger(absolute(d[1]), absolute(d[2])));
+    if (widest == 0) return {Long3{}, 0};
+    // To 31 bits: the squares then add up below 2^64.
+    const int shift = 31 - bit_length(static_cast<std::uint64_t>(widest));
+    const Long3 m = shift >= 0 ? up(d, shift) : Long3{d[0] >> -shift, d[1] >> -shift, d[2] >> -shift};
+    std::uint64_t square = 0;
+    for (int i = 0; i < 3; ++i) square += static_cast<std::uint64_t>(m[i] * m[i]);
+    const std::int64_t root = isqrt(square);
+    const auto ratio = [root](std::int64_t x) { return divide_shifted(x, root, 30); };
+    return {{ratio(m[0]), ratio(m[1]), ratio(m[2])}, shift >= 0 ? shift_right_rounded(root, shift) : up(root, -shift)};
+}
+
+/// numerator * 2^shift / denominator, clamped to low..high. The denominator is not 0.
+inline std::int64_t ratio_clamped(std::int64_t numerator, std::int64_t denominator, int shift, std::int64_t low,
+                                  std::int64_t high) {
+    return clamped(divide_shifted(numerator, denominator, shift), low, high);
+}
+
+/// Adds a point when it is within the margin; `position` and `separation` in 30 fraction bits.
+inline void add_point(Manifold& out, Long3 position, std::int64_t separation, Length margin, std::uint32_t feature) {
+    if (separation > up(margin.raw, 6)) return;
+    out.points[out.count++] = {point_of_30(position), separation_of_30(separation), feature};
+}
+
+/// The point of two round surfaces: cores `from` (in A) and from + distance * normal (in B) swollen by the two radii.
+inline void add_round_point(Manifold& out, Long3 from, Long3 normal, std::int64_t distance, Length radius_a,
+                            Length radius_b, Length margin, std::uint32_t feature) {
+    const std::int64_t separation = distance - up(std::int64_t{radius_a.raw} + radius_b.raw, 6);
+    const std::int64_t offset_24 = radius_a.raw + shift_right_rounded(separation, 7); // to the middle of the gap
+    add_point(out, from + shifted(normal * offset_24, 24), separation, margin, feature);
+}
+
+// Box features, named so that they do not depend on which box's face was clipped against: three sign bits for a corner
+// (bit i: the positive side of axis i); for an edge, its axis and the sign bits of the other two.
+constexpr std::uint32_t corner_feature_a(std::uint32_t corner) { return 0x10000u | corner; }
+constexpr std::uint32_t corner_feature_b(std::uint32_t corner) { return 0x20000u | corner; }
+constexpr std::uint32_t edge_feature(std::uint32_t edge_a, std::uint32_t edge_b) {
+    return 0x30000u | edge_a << 8 | edge_b;
+}
+/// `signs` are corner bits; the bit of the edge's own axis is ignored.
+constexpr std::uint32_t edge_id(int axis, std::uint32_t signs) {
+    return static_cast<std::uint32_t>(axis) << 3 | (signs & ~(1u << axis));
+}
+
+// The pairs, by kinds; A first. All need what `collide` needs and a zeroed manifold.
+void collide_sphere_sphere(const Geometry& a, const Geometry& b, const RelativePose&, Length margin, Manifold& out);
+void collide_capsule_sphere(const Geometry& a, const Geometry& b, const RelativePose&, Length margin, Manifold& out);
+void collide_capsule_capsule(const Geometry& a, const Geometry& b, const RelativePose&, Length margin, Manifold& out);
+void collide_box_sphere(const Geometry& a, const Geometry& b, const RelativePose&, Length margin, Manifold& out);
+void collide_box_capsule(const Geometry& a, const Geometry& b, const RelativePose&, Length margin, Manifold& out);
+void collide_box_box(const Geometry& a, const Geometry& b, const RelativePose&, Length margin, Manifold& out);
+void collide_plane_sphere(const Geometry& a, const Geometry& b, const RelativePose&, Length margin, Manifold& out);
+void collide_plane_capsule(const Geometry& a, const Geometry& b, const RelativePose&, Length margin, Manifold& out);
+void collide_plane_box(const Geometry& a, const Geometry& b, const RelativePose&, Length margin, Manifold& out);
+
+} // namespace lockstone::collide

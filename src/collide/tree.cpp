@@ -1,0 +1,143 @@
+// source: Catto, Dynamic Bounding Volume Hierarchies, GDC 2019 (greedy sibling by surface area, rotations on the way
+// up); Kopta et al., Fast, Effective BVH Updates for Animated Scenes, I3D 2012 (rotations).
+#include "collide/tree.h"
+
+namespace lockstone::collide {
+
+BoundsTree::BoundsTree(std::uint32_t leaf_capacity) {
+    nodes.reserve(std::size_t{2} * leaf_capacity);
+    stack.reserve(256);
+}
+
+BoundsTree::NodeId BoundsTree::take_node() {
+    if (free_list == none) {
+        nodes.push_back({});
+        return static_cast<NodeId>(nodes.size() - 1);
+    }
+    const NodeId id = free_list;
+    free_list = at(id).parent;
+    return id;
+}
+
+void BoundsTree::free_node(NodeId id) {
+    at(id).parent = free_list;
+    free_list = id;
+}
+
+void BoundsTree::clear() {
+    nodes.clear();
+    top = free_list = none;
+}
+
+BoundsTree::NodeId BoundsTree::insert(const Bounds& bounds, std::uint32_t proxy) {
+    const NodeId leaf = take_node();
+    at(leaf) = {bounds, none, {none, static_cast<NodeId>(proxy)}, true};
+    if (top == none) {
+        top = leaf;
+        return leaf;
+    }
+    const NodeId sibling = best_sibling(bounds);
+    const NodeId parent = take_node();
+    const NodeId above = at(sibling).parent;
+    at(parent) = {merge(bounds, at(sibling).bounds), above, {sibling, leaf}, true};
+    at(sibling).parent = at(leaf).parent = parent;
+    if (above == none) top = parent;
+    else at(above).child[at(above).child[1] == sibling ? 1 : 0] = parent;
+    refit_up(above);
+    return leaf;
+}
+
+void BoundsTree::remove(NodeId leaf) {
+    const NodeId parent = at(leaf).parent;
+    free_node(leaf);
+    if (parent == none) {
+        top = none;
+        return;
+    }
+    const NodeId sibling = at(parent).child[at(parent).child[0] == leaf ? 1 : 0];
+    const NodeId above = at(parent).parent;
+    free_node(parent);
+    at(sibling).parent = above;
+    if (above == none) top = sibling;
+    else at(above).child[at(above).child[1] == parent ? 1 : 0] = sibling;
+    refit_up(above);
+}
+
+/// Descends to where the new leaf adds least surface. Stops where making a sibling of the node itself is cheaper than
+/// the least that either child could add.
+BoundsTree::NodeId BoundsTree::best_sibling(const Bounds& bounds) const {
+    NodeId id = top;
+    while (!node(id).is_leaf()) {
+        const Node& n = node(id);
+        const std::int64_t merged = half_area(merge(n.bounds, bounds));
+        const std::int64_t inherited = merged - half_area(n.bounds); // what every node from here up grows by
+        std::int64_t cost[2];
+        for (int side = 0; side < 2; ++side) {
+            const Node& child = node(n.child[side]);
+            const std::int64_t grown = half_area(merge(child.bounds, bounds));
+            cost[side] = inherited + grown - (child.is_leaf() ? 0 : half_area(child.bounds));
+        }
+        if (merged < cost[0] && merged < cost[1]) break;
+        id = n.child[cost[1] < cost[0] ? 1 : 0];
+    }
+    return id;
+}
+
+void BoundsTree::refit_up(NodeId id) {
+    for (; id != none; id = at(id).parent) {
+        rotate(id);
+        Node& n = at(id);
+        const Node &a = at(n.child[0]), &b = at(n.child[1]);
+        n.bounds = merge(a.bounds, b.bounds);
+        n.fresh = a.fresh || b.fresh;
+    }
+}
+
+/// Swaps a child with a child of the other child when that shrinks the other child most; the node itself keeps its
+/// leaves, so only one node's surface changes.
+void BoundsTree::rotate(NodeId id) {
+    const Node& n = at(id);
+    std::int64_t best_gain = 0;
+    int best_side = 0, best_grandchild = -1;
+    for (int side = 0; side < 2; ++side) { // the child that goes down
+        const Node& other = at(n.child[1 - side]);
+        if (other.is_leaf()) continue;
+        const Bounds& down = at(n.child[side]).bounds;
+        const std::int64_t before = half_area(other.bounds);
+        for (int k = 0; k < 2; ++k) { // the grandchild that goes up
+            const std::int64_t gain = before - half_area(merge(down, at(other.child[1 - k]).bounds));
+            if (gain > best_gain) best_gain = gain, best_side = side, best_grandchild = k;
+        }
+    }
+    if (best_grandchild >= 0) swap_with_grandchild(id, best_side, best_grandchild);
+}
+
+void BoundsTree::swap_with_grandchild(NodeId id, int side, int grandchild) {
+    Node& n = at(id);
+    const NodeId down = n.child[side], other = n.child[1 - side];
+    Node& o = at(other);
+    const NodeId rising = o.child[grandchild];
+    n.child[side] = rising;
+    at(rising).parent = id;
+    o.child[grandchild] = down;
+    at(down).parent = other;
+    const Node &a = at(o.child[0]), &b = at(o.child[1]);
+    o.bounds = merge(a.bounds, b.bounds);
+    o.fresh = a.fresh || b.fresh;
+}
+
+void BoundsTree::clear_fresh() {
+    stack.clear();
+    if (top != none) stack.push_back(top);
+    while (!stack.empty()) {
+        Node& n = at(stack.back());
+        stack.pop_back();
+        if (!n.fresh) continue;
+        n.fresh = false;
+        if (n.is_leaf()) continue;
+        stack.push_back(n.child[0]);
+        stack.push_back(n.child[1]);
+    }
+}
+
+} // namespace lockstone::collide

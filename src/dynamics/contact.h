@@ -1,0 +1,98 @@
+// Contact constraints: one per touching shape pair, up to four points with a normal and two friction rows each.
+//
+//   row          D = (-d, xA ; d, xB)      d: normal or tangent, from A to B;  xA = -K_A^-1 (rA x d), xB = K_B^-1 (rB x d)
+//   speed        D . (vA, uA, vB, uB)      closing is negative
+//   impulse      p = lambda / m_ref        velocity units; m_ref the largest effective mass of the point's three rows
+//   ratios       kappa_r = m_r / m_ref     in (0, 1];   ratio_A = m_ref / m_A, ratio_B = m_ref / m_B in [0, 1]
+//   step         p' = max(p - kappa (mass_scale speed + bias) - impulse_scale p, 0)
+//   separation   s = s0 + d . (shift_B - shift_A) + xA . theta_A + xB . theta_B
+//
+// source: soft steps as in Catto, Solver2D (2024); the mass-free, gyration-scaled rows are this library's own.
+#pragma once
+
+#include "dynamics/lanes.h"
+#include "dynamics/solver_body.h"
+
+namespace lockstone::dynamics {
+
+/// A contact as the narrow phase leaves it, in world axes; levers are from each body's centre of mass.
+struct ContactPoint {
+    LengthVec3 lever_a, lever_b; ///< [m]
+    Separation separation;       ///< [m]
+    std::uint32_t feature;
+};
+struct Contact {
+    std::uint32_t body_a, body_b; ///< rows of the body columns
+    std::uint32_t memory;         ///< row of the contact columns
+    std::uint32_t count;
+    UnitVec3 normal;              ///< a to b
+    Jacobian friction;            ///< combined coefficient
+    Unit restitution;             ///< combined
+    std::array<ContactPoint, 4> points;
+};
+
+/// The two tangents of a normal: the same for the same normal, always.
+struct Tangents {
+    UnitVec3 first, second;
+};
+Tangents tangents_of(UnitVec3 normal);
+
+/// One point of N contacts.
+template <unsigned N> struct PointPack {
+    Int32<N> xa[3][3], xb[3][3]; ///< [row][axis], Jacobian
+    Int32<N> kappa[3];           ///< Unit
+    Int32<N> kappa_soft;         ///< Unit: kappa * mass_scale of the normal row
+    Int32<N> ratio_a, ratio_b;   ///< Unit
+    Int32<N> impulse[3];         ///< p, Speed: normal, tangent 1, tangent 2
+    Int32<N> impulse_max;        ///< of the normal row over all substeps
+    Int32<N> separation;         ///< s0, Separation
+    Int32<N> approach;           ///< normal speed at the start of the tick, Speed
+};
+
+/// N contacts of one colour: no two of them share a body that can move.
+template <unsigned N> struct ContactPack {
+    std::uint32_t body_a[N], body_b[N]; ///< entries of SolverBodies
+    std::uint32_t contact[N];           ///< index in the tick's contacts; no_contact for an empty lane
+    std::int32_t point_count;           ///< most of any lane; the points a lane lacks are zero
+    Int32<N> d[3][3];                   ///< [row][axis], Jacobian
+    Int32<N> friction;                  ///< Jacobian format
+    Int32<N> restitution;               ///< Unit
+    Int32<N> bias_rate, impulse_scale;  ///< Speed, Unit
+    PointPack<N> points[4];
+};
+inline constexpr std::uint32_t no_contact = 0xffffffffu;
+
+/// All contacts of a tick in solving order, at a lane width of N.
+template <unsigned N> class ContactSolver {
+  public:
+    /// Colours the contacts, packs and prepares them. `memory` holds the warm-start impulses.
+    void prepare(std::span<const Contact> contacts, std::span<const ContactMemory> memory, std::span<const BodyMass> mass,
+                 const StepConstants& step, const SolverBodies& bodies);
+    void warm_start(SolverBodies& bodies) const;
+    /// One pass over all rows. With bias, overlap is pushed out softly; without, what the push left is relaxed.
+    void solve(const StepConstants& step, SolverBodies& bodies, bool bias);
+    void apply_restitution(const StepConstants& step, SolverBodies& bodies);
+    /// Writes impulses and features to `memory` for the next tick.
+    void store(std::span<const Contact> contacts, std::span<ContactMemory> memory, ClampCounts& clamps) const;
+
+    std::size_t pack_count() const { return packs.size(); }
+    void reserve(std::size_t contacts);
+
+  private:
+    std::vector<ContactPack<N>> packs;
+    std::vector<std::uint32_t> order;       ///< contacts by colour
+    std::vector<std::uint32_t> colour;      ///< by contact
+    std::vector<std::uint64_t> body_colours; ///< bit c: a contact of colour c holds the body
+};
+
+extern template class ContactSolver<1>;
+extern template class ContactSolver<4>;
+
+/// The number of colours with disjoint bodies; what fits none of them goes to a last one that is solved one by one.
+inline constexpr std::uint32_t colour_max = 63;
+
+/// First-fit colouring in contact order. Pure: depends on the order and on who can move, on nothing else.
+void colour_contacts(std::span<const Contact> contacts, const SolverBodies& bodies, std::vector<std::uint64_t>& body_colours,
+                     std::vector<std::uint32_t>& colour);
+
+} // namespace lockstone::dynamics

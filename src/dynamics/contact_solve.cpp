@@ -1,0 +1,198 @@
+// The solver's inner loops, once for every lane width. See contact.h for the symbols.
+#include "dynamics/contact.h"
+
+#include "lockstone/math.h"
+
+namespace lockstone::dynamics {
+
+namespace {
+
+constexpr std::int32_t impulse_limit = 1 << 30;
+
+/// The velocities of the two bodies of N contacts, gathered once and scattered once.
+template <unsigned N> struct Pair {
+    Int64<N> va[3], ua[3], vb[3], ub[3];
+};
+
+template <unsigned N> Pair<N> gather(const ContactPack<N>& c, const SolverBodies& bodies) {
+    Pair<N> p;
+    for (unsigned lane = 0; lane < N; ++lane) {
+        const SolverBody& a = bodies.body[c.body_a[lane]];
+        const SolverBody& b = bodies.body[c.body_b[lane]];
+        for (int i = 0; i < 3; ++i) {
+            p.va[i].lane[lane] = a.v[i];
+            p.ua[i].lane[lane] = a.u[i];
+            p.vb[i].lane[lane] = b.v[i];
+            p.ub[i].lane[lane] = b.u[i];
+        }
+    }
+    return p;
+}
+
+/// Bodies that nothing moves have ratio 0, so what is written back to them is what was read.
+template <unsigned N> void scatter(const ContactPack<N>& c, const Pair<N>& p, SolverBodies& bodies) {
+    for (unsigned lane = 0; lane < N; ++lane) {
+        SolverBody& a = bodies.body[c.body_a[lane]];
+        SolverBody& b = bodies.body[c.body_b[lane]];
+        for (int i = 0; i < 3; ++i) {
+            a.v[i] = p.va[i].lane[lane] & a.keep[i];
+            a.u[i] = p.ua[i].lane[lane];
+            b.v[i] = p.vb[i].lane[lane] & b.keep[i];
+            b.u[i] = p.ub[i].lane[lane];
+        }
+    }
+}
+
+/// D . (v, u): the row's relative speed, Speed.
+template <unsigned N>
+inline Int32<N> row_speed(const Pair<N>& p, const Int32<N> (&d)[3], const Int32<N> (&xa)[3], const Int32<N> (&xb)[3]) {
+    Int64<N> sum{};
+    for (int i = 0; i < 3; ++i) {
+        const Int32<N> dv = rounded<row_bits>(p.vb[i] - p.va[i]);
+        sum = sum + d[i] * dv + xa[i] * rounded<row_bits>(p.ua[i]) + xb[i] * rounded<row_bits>(p.ub[i]);
+    }
+    return rounded<row_bits>(sum);
+}
+
+/// Adds the impulse change dp along the row to both bodies.
+template <unsigned N>
+inline void push(Pair<N>& p, const Int32<N> (&d)[3], const PointPack<N>& point, int row, Int32<N> dp) {
+    const Int32<N> da = rounded<30>(dp * point.ratio_a), db = rounded<30>(dp * point.ratio_b);
+    for (int i = 0; i < 3; ++i) {
+        p.va[i] = p.va[i] - d[i] * da;
+        p.ua[i] = p.ua[i] + point.xa[row][i] * da;
+        p.vb[i] = p.vb[i] + d[i] * db;
+        p.ub[i] = p.ub[i] + point.xb[row][i] * db;
+    }
+}
+
+/// Current separation of a point, Separation, from the bodies' motion since the start of the tick.
+template <unsigned N> inline Int32<N> current_separation(const ContactPack<N>& c, const PointPack<N>& point, const SolverBodies& bodies) {
+    Int32<N> s;
+    for (unsigned lane = 0; lane < N; ++lane) {
+        const SolverBody& a = bodies.body[c.body_a[lane]];
+        const SolverBody& b = bodies.body[c.body_b[lane]];
+        std::int64_t sum = 0;
+        for (int i = 0; i < 3; ++i)
+            sum += c.d[0][i].lane[lane] * (std::int64_t{b.shift[i]} - a.shift[i]) +
+                   std::int64_t{point.xa[0][i].lane[lane]} * a.theta[i] + std::int64_t{point.xb[0][i].lane[lane]} * b.theta[i];
+        s.lane[lane] = saturate_to_int32(point.separation.lane[lane] + shift_right_rounded(sum, row_bits));
+    }
+    return s;
+}
+
+/// Shortens the friction impulse (t1, t2) to friction * normal impulse: a true cone.
+inline void clamp_to_cone(std::int32_t friction, std::int32_t normal, std::int32_t& t1, std::int32_t& t2) {
+    const std::int64_t limit = std::int64_t{saturate_to_int32(shift_right_rounded(std::int64_t{friction} * normal, row_bits))};
+    const std::int64_t square = std::int64_t{t1} * t1 + std::int64_t{t2} * t2;
+    if (square <= limit * limit) return;
+    const std::int64_t size = isqrt(static_cast<std::uint64_t>(square));
+    t1 = static_cast<std::int32_t>(t1 * limit / (size + 1));
+    t2 = static_cast<std::int32_t>(t2 * limit / (size + 1));
+}
+
+template <unsigned N> Int32<N> clamped(Int32<N> p) { return max(min(p, splat<N>(impulse_limit)), splat<N>(-impulse_limit)); }
+
+template <unsigned N> void solve_friction(ContactPack<N>& c, PointPack<N>& point, Pair<N>& p) {
+    Int32<N> t[2];
+    for (int r = 1; r < 3; ++r) {
+        const Int32<N> speed = row_speed(p, c.d[r], point.xa[r], point.xb[r]);
+        t[r - 1] = clamped(point.impulse[r] - rounded<30>(speed * point.kappa[r]));
+    }
+    for (unsigned lane = 0; lane < N; ++lane)
+        clamp_to_cone(c.friction.lane[lane], point.impulse[0].lane[lane], t[0].lane[lane], t[1].lane[lane]);
+    for (int r = 1; r < 3; ++r) {
+        push(p, c.d[r], point, r, t[r - 1] - point.impulse[r]);
+        point.impulse[r] = t[r - 1];
+    }
+}
+
+/// What the normal row aims at besides zero speed.
+template <unsigned N> struct NormalTarget {
+    Int32<N> kappa, bias, impulse_scale;
+};
+
+template <unsigned N>
+NormalTarget<N> normal_target(const ContactPack<N>& c, const PointPack<N>& point, const StepConstants& step,
+                              const SolverBodies& bodies, bool bias) {
+    const Int32<N> s = current_separation(c, point, bodies);
+    NormalTarget<N> t{point.kappa[0], splat<N>(0), splat<N>(0)};
+    for (unsigned lane = 0; lane < N; ++lane) {
+        if (s.lane[lane] > 0) { // speculative: close the gap by the end of the substep, no faster
+            t.bias.lane[lane] = saturate_to_int32(
+                shift_right_rounded(s.lane[lane] * step.substeps_per_second, Separation::fraction_bits - Speed::fraction_bits));
+            if (t.bias.lane[lane] > impulse_limit) t.bias.lane[lane] = impulse_limit;
+        } else if (bias) {
+            const std::int64_t push_speed =
+                shift_right_rounded(std::int64_t{s.lane[lane]} * c.bias_rate.lane[lane], Separation::fraction_bits);
+            t.bias.lane[lane] = static_cast<std::int32_t>(push_speed < -step.push_speed_max.raw ? -step.push_speed_max.raw : push_speed);
+            t.kappa.lane[lane] = point.kappa_soft.lane[lane];
+            t.impulse_scale.lane[lane] = c.impulse_scale.lane[lane];
+        }
+    }
+    return t;
+}
+
+template <unsigned N>
+void solve_normal(ContactPack<N>& c, PointPack<N>& point, Pair<N>& p, const NormalTarget<N>& target) {
+    const Int32<N> speed = row_speed(p, c.d[0], point.xa[0], point.xb[0]) + target.bias;
+    const Int32<N> old = point.impulse[0];
+    const Int32<N> wanted = old - rounded<30>(speed * target.kappa) - rounded<30>(old * target.impulse_scale);
+    point.impulse[0] = clamped(max(wanted, splat<N>(0)));
+    point.impulse_max = max(point.impulse_max, point.impulse[0]);
+    push(p, c.d[0], point, 0, point.impulse[0] - old);
+}
+
+} // namespace
+
+template <unsigned N> void ContactSolver<N>::warm_start(SolverBodies& bodies) const {
+    for (const ContactPack<N>& c : packs) {
+        Pair<N> p = gather(c, bodies);
+        for (int k = 0; k < c.point_count; ++k)
+            for (int r = 0; r < 3; ++r) push(p, c.d[r], c.points[k], r, c.points[k].impulse[r]);
+        scatter(c, p, bodies);
+    }
+}
+
+template <unsigned N> void ContactSolver<N>::solve(const StepConstants& step, SolverBodies& bodies, bool bias) {
+    for (ContactPack<N>& c : packs) {
+        Pair<N> p = gather(c, bodies);
+        for (int k = 0; k < c.point_count; ++k) solve_friction(c, c.points[k], p);
+        for (int k = 0; k < c.point_count; ++k)
+            solve_normal(c, c.points[k], p, normal_target(c, c.points[k], step, bodies, bias));
+        scatter(c, p, bodies);
+    }
+}
+
+template <unsigned N> void ContactSolver<N>::apply_restitution(const StepConstants& step, SolverBodies& bodies) {
+    for (ContactPack<N>& c : packs) {
+        bool any = false;
+        for (unsigned lane = 0; lane < N; ++lane) any = any || c.restitution.lane[lane] > 0;
+        if (!any) continue;
+        Pair<N> p = gather(c, bodies);
+        for (int k = 0; k < c.point_count; ++k) {
+            PointPack<N>& point = c.points[k];
+            // Bounce where the point came in fast and was in fact hit; elsewhere aim at what is.
+            Int32<N> target = splat<N>(0), kappa = splat<N>(0);
+            for (unsigned lane = 0; lane < N; ++lane) {
+                const std::int32_t approach = point.approach.lane[lane];
+                if (c.restitution.lane[lane] == 0 || approach > -step.restitution_speed_min.raw || point.impulse_max.lane[lane] == 0)
+                    continue;
+                target.lane[lane] = static_cast<std::int32_t>(
+                    shift_right_rounded(std::int64_t{approach} * c.restitution.lane[lane], Unit::fraction_bits));
+                kappa.lane[lane] = point.kappa[0].lane[lane];
+            }
+            solve_normal(c, point, p, NormalTarget<N>{kappa, target, splat<N>(0)});
+        }
+        scatter(c, p, bodies);
+    }
+}
+
+template void ContactSolver<1>::warm_start(SolverBodies&) const;
+template void ContactSolver<1>::solve(const StepConstants&, SolverBodies&, bool);
+template void ContactSolver<1>::apply_restitution(const StepConstants&, SolverBodies&);
+template void ContactSolver<4>::warm_start(SolverBodies&) const;
+template void ContactSolver<4>::solve(const StepConstants&, SolverBodies&, bool);
+template void ContactSolver<4>::apply_restitution(const StepConstants&, SolverBodies&);
+
+} // namespace lockstone::dynamics

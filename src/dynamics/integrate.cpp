@@ -1,0 +1,169 @@
+#include "dynamics/integrate.h"
+
+#include "lockstone/math.h"
+
+namespace lockstone::dynamics {
+
+static Vec3 acceleration_of(const FieldRow& field, Vec3 point) {
+    const Vec3 to_center = field.def.center - point;
+    if (field.def.kind == FieldKind::spring) return to_center * field.def.strength;
+    const Real softening = field.def.softening;
+    const Real distance = length(to_center);
+    const Real r = softening == Real{} ? distance : sqrt(mul_add(distance, distance, softening * softening));
+    if (r == Real{}) return {};
+    // strength / r^2 along to_center / r, divided in turn: r^3 would leave the range first.
+    const Real g = field.def.strength / r / r;
+    return {g * (to_center.x / r), g * (to_center.y / r), g * (to_center.z / r)};
+}
+
+Vec3 field_acceleration(std::span<const FieldRow> fields, Vec3 point) {
+    Vec3 sum{};
+    for (const FieldRow& field : fields) sum += acceleration_of(field, point);
+    return sum;
+}
+
+namespace {
+
+/// The free motion of one body over one substep: x' = v, v' = a(x), on Real.
+struct Path {
+    const FreeMotion& motion;
+    Vec3 constant; ///< gravity and force
+    Vec3 x, v;
+    std::int64_t substeps_per_second;
+
+    Vec3 a(Vec3 at) const { return constant + field_acceleration(motion.fields, at); }
+    Vec3 times_h(Vec3 rate) const {
+        const auto one = [this](Real r) { return Real::from_raw(divide_shifted(r.raw, substeps_per_second, 0)); };
+        return {one(rate.x), one(rate.y), one(rate.z)};
+    }
+    static Vec3 halved(Vec3 p) { return {half(p.x), half(p.y), half(p.z)}; }
+};
+
+struct Change {
+    Vec3 dv, dx;
+};
+
+Change semi_implicit_euler(const Path& p) {
+    const Vec3 dv = p.times_h(p.a(p.x));
+    return {dv, p.times_h(p.v + dv)};
+}
+
+/// Position Verlet: drift half, kick, drift half. source: Tuckerman, Berne, Martyna 1992
+Change verlet(const Path& p) {
+    const Vec3 half_drift = Path::halved(p.times_h(p.v));
+    const Vec3 dv = p.times_h(p.a(p.x + half_drift));
+    return {dv, half_drift + Path::halved(p.times_h(p.v + dv))};
+}
+
+/// Velocity Verlet: kick half, drift, kick half. source: Swope et al. 1982
+Change velocity_verlet(const Path& p) {
+    const Vec3 first = Path::halved(p.times_h(p.a(p.x)));
+    const Vec3 dx = p.times_h(p.v + first);
+    return {first + Path::halved(p.times_h(p.a(p.x + dx))), dx};
+}
+
+/// The classical fourth-order method on (x, v). source: Hairer, Norsett, Wanner, Solving ODEs I, II.1
+Change runge_kutta_4(const Path& p) {
+    const Vec3 kx1 = p.times_h(p.v), kv1 = p.times_h(p.a(p.x));
+    const Vec3 kx2 = p.times_h(p.v + Path::halved(kv1)), kv2 = p.times_h(p.a(p.x + Path::halved(kx1)));
+    const Vec3 kx3 = p.times_h(p.v + Path::halved(kv2)), kv3 = p.times_h(p.a(p.x + Path::halved(kx2)));
+    const Vec3 kx4 = p.times_h(p.v + kv3), kv4 = p.times_h(p.a(p.x + kx3));
+    const Real sixth = Real(6);
+    const auto blend = [&](Vec3 a, Vec3 b, Vec3 c, Vec3 d) { return (a + (b + c) * Real(2) + d) / sixth; };
+    return {blend(kv1, kv2, kv3, kv4), blend(kx1, kx2, kx3, kx4)};
+}
+
+Change change_of(const Path& p) {
+    switch (p.motion.scheme) {
+    case Scheme::verlet: return verlet(p);
+    case Scheme::velocity_verlet: return velocity_verlet(p);
+    case Scheme::runge_kutta_4: return runge_kutta_4(p);
+    default: return semi_implicit_euler(p);
+    }
+}
+
+constexpr Real kick_max = Real(2048); ///< [m/s] per substep: far beyond the speed limit, far below overflow
+constexpr int real_to_accumulator = accumulator_bits - Real::fraction_bits;
+
+/// Fields or a scheme other than the solver's own: the general path, in Real.
+void move_freely(const FreeMotion& motion, const BodyInfo& info, const Transform& pose, const StepConstants& step,
+                 SolverBody& b, BodyStep& s) {
+    const FreeMotion without{motion.scheme, {}};
+    const Path chosen{info.enable_fields != 0 ? motion : without, s.acceleration,
+                      pose.position + Vec3{Real::from_raw(std::int64_t{b.shift[0]} << 5), Real::from_raw(std::int64_t{b.shift[1]} << 5),
+                                           Real::from_raw(std::int64_t{b.shift[2]} << 5)},
+                      {Real::from_raw(shift_right_rounded(b.v[0], real_to_accumulator)),
+                       Real::from_raw(shift_right_rounded(b.v[1], real_to_accumulator)),
+                       Real::from_raw(shift_right_rounded(b.v[2], real_to_accumulator))},
+                      step.substeps_per_second};
+    const Change change = change_of(chosen);
+    const Vec3 by_velocity = chosen.times_h(chosen.v + change.dv);
+    for (int i = 0; i < 3; ++i) {
+        b.v[i] += (clamp(change.dv[i], -kick_max, kick_max).raw << real_to_accumulator) & b.keep[i];
+        s.drift[i] = ((change.dx[i] - by_velocity[i]).raw) & b.keep[i];
+    }
+}
+
+void damp(std::int64_t v[3], Unit keep) {
+    if (keep == unit_one) return;
+    for (int i = 0; i < 3; ++i) v[i] = narrow_rounded(Wide::product(v[i], keep.raw), Unit::fraction_bits);
+}
+
+/// Shortens v to `limit` when it is longer. True when it was.
+bool clamp_length(std::int64_t v[3], Speed limit) {
+    const std::int64_t x = v[0] >> row_bits, y = v[1] >> row_bits, z = v[2] >> row_bits;
+    const std::int64_t bound = limit.raw;
+    const auto outside = [](std::int64_t c) { return c > (std::int64_t{1} << 30) || c < -(std::int64_t{1} << 30); };
+    if (!outside(x) && !outside(y) && !outside(z) && x * x + y * y + z * z <= bound * bound) return false;
+    const Vec3 wide{Real::from_raw(x), Real::from_raw(y), Real::from_raw(z)};
+    const UnitVec3 direction = normalized(wide);
+    for (int i = 0; i < 3; ++i) // 30 + 19 bits to 47
+        v[i] = (std::int64_t{direction[i].raw} * bound) >> (Unit::fraction_bits + Speed::fraction_bits - accumulator_bits);
+    return true;
+}
+
+} // namespace
+
+void integrate_velocities(const FreeMotion& motion, const BodyColumns& columns, const StepConstants& step,
+                          SolverBodies& bodies) {
+    const bool general = motion.scheme != Scheme::semi_implicit_euler || !motion.fields.empty();
+    for (std::size_t i = 0; i < columns.info.size(); ++i) {
+        SolverBody& b = bodies.body[i];
+        BodyStep& s = bodies.step[i];
+        if (!s.moves) continue;
+        if (s.movable) {
+            if (general) move_freely(motion, columns.info[i], columns.pose[i], step, b, s);
+            else
+                for (int axis = 0; axis < 3; ++axis) b.v[axis] += s.dv[axis];
+            for (int axis = 0; axis < 3; ++axis) b.u[axis] += s.du[axis];
+            damp(b.v, s.linear_keep);
+            damp(b.u, s.angular_keep);
+        }
+        bodies.clamps.speed += clamp_length(b.v, step.linear_speed_max) ? 1u : 0u;
+        bodies.clamps.speed += clamp_length(b.u, step.tip_speed_max) ? 1u : 0u;
+    }
+}
+
+void integrate_poses(const StepConstants& step, SolverBodies& bodies) {
+    // Velocity with 27 fraction bits times time with 30: at most 15 m in a tick, so 2^61.
+    constexpr int to_separation = accumulator_bits - Separation::fraction_bits;
+    constexpr int drift_to_separation = Real::fraction_bits - Separation::fraction_bits;
+    const std::int64_t h = step.substep_time.raw;
+    const auto advance = [h](std::int32_t& x, std::int64_t v, std::int64_t drift) {
+        const std::int64_t by_velocity = shift_right_rounded((v >> to_separation) * h, Unit::fraction_bits);
+        x = saturate_to_int32(x + by_velocity + shift_right_rounded(drift, drift_to_separation));
+    };
+    for (std::size_t i = 0; i + 1 < bodies.body.size(); ++i) {
+        SolverBody& b = bodies.body[i];
+        const BodyStep& s = bodies.step[i];
+        if (!s.moves) continue;
+        bodies.clamps.speed += clamp_length(b.v, step.linear_speed_max) ? 1u : 0u;
+        bodies.clamps.speed += clamp_length(b.u, step.tip_speed_max) ? 1u : 0u;
+        for (int axis = 0; axis < 3; ++axis) {
+            advance(b.shift[axis], b.v[axis], s.drift[axis]);
+            advance(b.theta[axis], b.u[axis], 0);
+        }
+    }
+}
+
+} // namespace lockstone::dynamics

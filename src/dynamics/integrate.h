@@ -1,0 +1,27 @@
+// Free motion: what force fields, gravity and damping do to a body in one substep, by the world's integrator.
+#pragma once
+
+#include "dynamics/solver_body.h"
+
+namespace lockstone::dynamics {
+
+/// As lockstone::Integrator, which is declared a layer above.
+enum class Scheme : std::uint32_t { semi_implicit_euler, verlet, velocity_verlet, runge_kutta_4 };
+
+/// The forces of free motion in one tick.
+struct FreeMotion {
+    Scheme scheme;
+    std::span<const FieldRow> fields;
+};
+
+/// Velocity after the substep, before constraints. What the scheme moves a body beyond (velocity after) * time goes
+/// to BodyStep::drift, so contacts still correct the motion of every scheme.
+void integrate_velocities(const FreeMotion& motion, const BodyColumns& columns, const StepConstants& step,
+                          SolverBodies& bodies);
+/// shift += v h + drift, theta += u h.
+void integrate_poses(const StepConstants& step, SolverBodies& bodies);
+
+/// Acceleration of all fields at a point [m/s^2].
+Vec3 field_acceleration(std::span<const FieldRow> fields, Vec3 point);
+
+} // namespace lockstone::dynamics

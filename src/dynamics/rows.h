@@ -1,0 +1,89 @@
+// The state rows that the dynamics read and write. Formats: lockstone/formats.h.
+#pragma once
+
+#include "lockstone/command.h"
+
+namespace lockstone::dynamics {
+
+/// What commands say of a body; the solver only reads it.
+struct BodyInfo {
+    BodyId id;
+    BodyKind kind;
+    std::uint32_t locks;          ///< AxisLock bits
+    std::uint32_t gyroscopic;     ///< 0 or 1
+    std::uint32_t enable_fields;  ///< 0 or 1
+    std::uint32_t first_shape;    ///< shape slot + 1 of the newest shape, 0: none
+    std::uint32_t shape_count;
+    Real linear_damping, angular_damping; ///< [1/s]
+    Real gravity_scale;
+    Real mass_override; ///< [kg], 0: from the shapes
+    std::uint64_t user_key;
+};
+
+/// Derived from the shapes when they change.
+struct BodyMass {
+    Real mass;          ///< [kg]; 0: no mass, the body is not moved by impulses
+    Vec3 center;        ///< centre of mass from the body's origin, in its axes [m]
+    Vec3 gyration;      ///< principal gyration radii [m]
+    Quat principal;     ///< turns the body's axes into the principal axes
+};
+
+/// Of the centre of mass [m/s] and [rad/s].
+struct Velocity {
+    SpeedVec3 linear, angular;
+};
+
+/// Accumulated by commands for the next tick, zeroed by it.
+struct BodyForce {
+    Vec3 force, torque; ///< [N], [N m] about the centre of mass
+};
+
+/// The pair, in slot order: a.index < b.index.
+struct ContactKey {
+    ShapeId a, b;
+    friend constexpr bool operator==(const ContactKey&, const ContactKey&) = default;
+};
+
+/// Warm-start impulses of one point, over the reduced mass of the two bodies, per substep [m/s].
+struct ContactPointMemory {
+    std::uint32_t feature;
+    Speed normal, tangent_1, tangent_2; ///< along the normal and the two tangents of tangents_of()
+};
+
+enum ContactFlags : std::uint32_t {
+    contact_touching = 1,
+    contact_sensor = 2,      ///< one of the shapes is a sensor
+    contact_sensor_is_b = 4, ///< and it is the key's b
+};
+
+/// What a contact remembers from tick to tick. Dropping any of it would change the next tick.
+struct ContactMemory {
+    std::uint32_t flags; ///< ContactFlags
+    std::uint32_t count; ///< points in use
+    std::array<ContactPointMemory, 4> points;
+};
+
+template <class V> constexpr void describe(BodyInfo& b, V&& v) {
+    v("id", b.id), v("kind", b.kind), v("locks", b.locks), v("gyroscopic", b.gyroscopic);
+    v("enable_fields", b.enable_fields), v("first_shape", b.first_shape), v("shape_count", b.shape_count);
+    v("linear_damping", b.linear_damping), v("angular_damping", b.angular_damping);
+    v("gravity_scale", b.gravity_scale), v("mass_override", b.mass_override), v("user_key", b.user_key);
+}
+template <class V> constexpr void describe(BodyMass& m, V&& v) {
+    v("mass", m.mass), v("center", m.center), v("gyration", m.gyration), v("principal", m.principal);
+}
+template <class V> constexpr void describe(Velocity& x, V&& v) { v("linear", x.linear), v("angular", x.angular); }
+template <class V> constexpr void describe(BodyForce& f, V&& v) { v("force", f.force), v("torque", f.torque); }
+template <class V> constexpr void describe(ContactKey& k, V&& v) { v("a", k.a), v("b", k.b); }
+template <class V> constexpr void describe(ContactPointMemory& p, V&& v) {
+    v("feature", p.feature), v("normal", p.normal), v("tangent_1", p.tangent_1), v("tangent_2", p.tangent_2);
+}
+template <class V> constexpr void describe(ContactMemory& m, V&& v) {
+    v("flags", m.flags), v("count", m.count), v("points", m.points);
+}
+
+static_assert(StateRow<BodyInfo> && StateRow<BodyMass> && StateRow<Velocity> && StateRow<BodyForce>);
+static_assert(StateRow<ContactKey> && StateRow<ContactMemory>);
+static_assert(sizeof(Transform) + sizeof(Velocity) == 64, "the hot motion state of a body is one cache line");
+
+} // namespace lockstone::dynamics

@@ -1,0 +1,150 @@
+#include "dynamics/solver_body.h"
+
+#include "lockstone/math.h"
+
+#include <bit>
+
+namespace lockstone::dynamics {
+
+Symmetric<Real> rotated_diagonal(const Rotation& r, Vec3 d) {
+    if (d.x == d.y && d.y == d.z) return {d.x, d.x, d.x, Real{}, Real{}, Real{}};
+    const Vec3 ax = scale<Real>(r.x, d.x), ay = scale<Real>(r.y, d.y), az = scale<Real>(r.z, d.z);
+    using Sum = SumOfProducts<Real, Unit>;
+    const auto entry = [&](int i, int j) {
+        return Sum{}.add(ax[i], r.x[j]).add(ay[i], r.y[j]).add(az[i], r.z[j]).round<Real>();
+    };
+    return {entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(0, 2), entry(1, 2)};
+}
+
+static void set_mantissa(BodyStep& s) {
+    const Symmetric<Real>& k = s.gyration_inv;
+    const std::uint64_t any = magnitude(k.xx.raw) | magnitude(k.yy.raw) | magnitude(k.zz.raw) | magnitude(k.xy.raw) |
+                              magnitude(k.xz.raw) | magnitude(k.yz.raw);
+    const int drop = bit_length(any) - 30; // bits of the mantissa: 30, and the sign
+    s.inv_exponent = Real::fraction_bits - drop;
+    const auto mantissa = [drop](Real x) {
+        return saturate_to_int32(drop >= 0 ? shift_right_rounded(x.raw, drop) : shift_left_saturated(x.raw, -drop));
+    };
+    s.inv_mantissa = {mantissa(k.xx), mantissa(k.yy), mantissa(k.zz), mantissa(k.xy), mantissa(k.xz), mantissa(k.yz)};
+}
+
+static Vec3 reciprocals(Vec3 radii) {
+    const auto inverse = [](Real r) { return r > Real{} ? Real(1) / r : Real{}; };
+    return {inverse(radii.x), inverse(radii.y), inverse(radii.z)};
+}
+
+static void set_gyration(BodyStep& s, const BodyMass& mass, Quat rotation) {
+    const Rotation axes = to_rotation(rotation * mass.principal);
+    s.gyration = rotated_diagonal(axes, mass.gyration);
+    s.gyration_inv = rotated_diagonal(axes, reciprocals(mass.gyration));
+    set_mantissa(s);
+}
+
+/// 1 / (1 + damping * substep): velocity kept per substep.
+static Unit kept(Real damping, const StepConstants& step) {
+    if (damping == Real{}) return unit_one;
+    return to<Unit>(Real(step.substeps_per_second) / (Real(step.substeps_per_second) + damping));
+}
+
+static Vec3 masked(Vec3 v, std::uint32_t mask) {
+    return {mask & 1u ? v.x : Real{}, mask & 2u ? v.y : Real{}, mask & 4u ? v.z : Real{}};
+}
+
+/// acceleration / substeps_per_second with 47 fraction bits.
+static void per_substep(Vec3 acceleration, const StepConstants& step, std::int64_t out[3]) {
+    constexpr int extra = accumulator_bits - Real::fraction_bits;
+    // Beyond 2048 m/s a substep the speed limit acts anyway; the clamp keeps the sum with any velocity in range.
+    constexpr std::int64_t most = std::int64_t{2048} << accumulator_bits;
+    for (int i = 0; i < 3; ++i) {
+        const std::int64_t change = divide_shifted(acceleration[i].raw, step.substeps_per_second, extra);
+        out[i] = change > most ? most : change < -most ? -most : change;
+    }
+}
+
+static void begin_body(const BodyInfo& info, const BodyMass& mass, const BodyForce& force, const Transform& pose,
+                       const Velocity& velocity, Vec3 gravity, const StepConstants& step, SolverBody& b, BodyStep& s) {
+    s.movable = info.kind == BodyKind::dynamic && mass.mass > Real{};
+    s.moves = info.kind != BodyKind::static_;
+    const std::uint32_t linear_mask = s.movable ? ~info.locks & 7u : 7u;
+    s.angular_mask = s.movable ? ~(info.locks >> 3) & 7u : 7u;
+    for (int i = 0; i < 3; ++i) b.keep[i] = (linear_mask >> i) & 1u ? -1 : 0;
+    if (!s.moves) return;
+    set_gyration(s, mass, pose.rotation);
+    const SpeedVec3 u = mul<Speed>(s.gyration, to<Real>(velocity.angular));
+    for (int i = 0; i < 3; ++i) {
+        b.v[i] = std::int64_t{velocity.linear[i].raw} << row_bits;
+        b.u[i] = std::int64_t{u[i].raw} << row_bits;
+    }
+    s.linear_keep = s.angular_keep = unit_one;
+    if (!s.movable) return;
+    s.linear_keep = kept(info.linear_damping, step);
+    s.angular_keep = kept(info.angular_damping, step);
+    s.acceleration = masked(gravity * info.gravity_scale + force.force / mass.mass, linear_mask);
+    per_substep(s.acceleration, step, s.dv);
+    const Vec3 torque = masked(force.torque, s.angular_mask);
+    if (torque != Vec3{}) per_substep(mul<Real>(s.gyration_inv, torque / mass.mass), step, s.du);
+}
+
+void begin_step(const BodyColumns& c, Vec3 gravity, const StepConstants& step, SolverBodies& out) {
+    const std::size_t count = c.info.size();
+    out.body.assign(count + 1, SolverBody{});
+    out.step.assign(count + 1, BodyStep{});
+    for (std::size_t i = 0; i < count; ++i)
+        begin_body(c.info[i], c.mass[i], c.force[i], c.pose[i], c.velocity[i], gravity, step, out.body[i], out.step[i]);
+    // The still entry keeps no motion along any axis.
+}
+
+static SpeedVec3 rounded(const std::int64_t v[3]) {
+    const auto one = [](std::int64_t x) { return Speed::from_raw(saturate_to_int32(shift_right_rounded(x, row_bits))); };
+    return {one(v[0]), one(v[1]), one(v[2])};
+}
+
+/// The rotation of the tick and the angular velocity after it. Without torque the angular momentum per mass K u is
+/// kept exactly up to rounding: K is taken at the middle of the turn (midpoint rule, second order).
+static void turn(const BodyInfo& info, const BodyMass& mass, const StepConstants& step, const SolverBody& b, BodyStep& s,
+                 Transform& pose, Velocity& velocity) {
+    const Vector3<Separation> theta{Separation::from_raw(b.theta[0]), Separation::from_raw(b.theta[1]),
+                                    Separation::from_raw(b.theta[2])};
+    const Vec3 rotation = masked(mul<Real>(s.gyration_inv, theta), s.angular_mask);
+    const SpeedVec3 u = rounded(b.u);
+    const bool round_body = mass.gyration.x == mass.gyration.y && mass.gyration.y == mass.gyration.z;
+    const bool gyroscopic = s.movable && info.gyroscopic != 0 && s.angular_mask == 7u && !round_body;
+    if (!gyroscopic || rotation == Vec3{}) {
+        pose.rotation = integrate_rotation(pose.rotation, rotation);
+        velocity.angular = to<Speed>(masked(mul<Real>(s.gyration_inv, u), s.angular_mask));
+        return;
+    }
+    const Vec3 momentum = mul<Real>(s.gyration, u); // per mass
+    const Vec3 w = mul<Real>(s.gyration_inv, u);
+    const auto spin_at = [&](Quat q) { // K^-2 momentum
+        set_gyration(s, mass, q);
+        return mul<Real>(s.gyration_inv, mul<Real>(s.gyration_inv, momentum));
+    };
+    const Vec3 middle = spin_at(integrate_rotation(pose.rotation, Vec3{half(rotation.x), half(rotation.y), half(rotation.z)}));
+    pose.rotation = integrate_rotation(pose.rotation, rotation + (middle - w) / Real(step.ticks_per_second));
+    velocity.angular = to<Speed>(spin_at(pose.rotation));
+}
+
+void finish_step(const StepConstants& step, SolverBodies& bodies, const BodyColumns& c) {
+    constexpr int up = Real::fraction_bits - Separation::fraction_bits;
+    constexpr std::int64_t edge = std::int64_t{1000000000} << Real::fraction_bits;
+    for (std::size_t i = 0; i < c.info.size(); ++i) {
+        const SolverBody& b = bodies.body[i];
+        BodyStep& s = bodies.step[i];
+        if (!s.moves) continue;
+        for (int axis = 0; axis < 3; ++axis) {
+            Real& x = c.pose[i].position[axis];
+            x = x + Real::from_raw(std::int64_t{b.shift[axis]} << up);
+            if (magnitude(x.raw) > static_cast<std::uint64_t>(edge)) {
+                x.raw = x.raw < 0 ? -edge : edge;
+                ++bodies.clamps.position;
+            }
+        }
+        if (s.movable) c.velocity[i].linear = rounded(b.v);
+        Velocity turned = c.velocity[i];
+        turn(c.info[i], c.mass[i], step, b, s, c.pose[i], turned);
+        if (s.movable) c.velocity[i].angular = turned.angular;
+    }
+}
+
+} // namespace lockstone::dynamics

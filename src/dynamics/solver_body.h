@@ -1,0 +1,97 @@
+// Bodies as the solver sees them, in gyration-scaled form.
+//
+//   K = (inertia / mass)^(1/2)   gyration matrix in world axes [m], symmetric
+//   u = K w                      angular velocity as tip speed [m/s]; theta = K (rotation vector) [m]
+//
+// Then a row's Jacobian K^-1 (r x n) has no unit and stays below 4 whatever the size of the body, and mass enters
+// only as the ratio of the two masses of a pair: no inverse inertia, no wide dynamic range anywhere.
+// Velocities are accumulated with 47 fraction bits, so that a row's product (28 + 19 bits) is added unrounded.
+#pragma once
+
+#include "dynamics/rows.h"
+#include "dynamics/step.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace lockstone::dynamics {
+
+inline constexpr int accumulator_bits = 47;
+inline constexpr int row_bits = Jacobian::fraction_bits; ///< 28: accumulator_bits - Speed::fraction_bits
+static_assert(accumulator_bits == Speed::fraction_bits + row_bits);
+
+/// What rows read and write.
+struct SolverBody {
+    std::int64_t v[3], u[3];         ///< [m/s], 47 fraction bits
+    std::int32_t shift[3], theta[3]; ///< moved and turned (times K) since the start of the tick [m], Separation
+    std::int64_t keep[3];            ///< all ones where the body may move along the axis, zero where locked
+};
+
+/// A symmetric 3x3 matrix.
+template <class T> struct Symmetric {
+    T xx, yy, zz, xy, xz, yz;
+};
+
+/// What a tick needs of a body besides its SolverBody; constant within the tick.
+struct BodyStep {
+    Symmetric<Real> gyration, gyration_inv;   ///< K [m] and K^-1 [1/m], world axes
+    Symmetric<std::int32_t> inv_mantissa;     ///< K^-1 = mantissa / 2^inv_exponent, the largest entry in [2^29, 2^30)
+    std::int32_t inv_exponent;
+    std::int64_t dv[3], du[3];                ///< change per substep by gravity, force and torque, 47 fraction bits
+    Vec3 acceleration;                        ///< [m/s^2] of gravity and force, for the integrators
+    std::int64_t drift[3];                    ///< what the integrator adds to the move of this substep [m], 32 fraction bits
+    Unit linear_keep, angular_keep;           ///< velocity kept per substep under damping
+    std::uint32_t angular_mask;               ///< bit per axis that may turn
+    bool movable;                             ///< dynamic and with mass
+    bool moves;                               ///< dynamic or kinematic
+};
+
+struct FieldRow {
+    FieldId id;
+    FieldDef def;
+};
+template <class V> constexpr void describe(FieldRow& f, V&& v) { v("id", f.id), v("def", f.def); }
+
+/// The body columns, by row, as the tick hands them over.
+struct BodyColumns {
+    std::span<const BodyInfo> info;
+    std::span<const BodyMass> mass;
+    std::span<const BodyForce> force;
+    std::span<Transform> pose;
+    std::span<Velocity> velocity;
+};
+
+/// Counters of clamped values; added to the state's by the tick.
+struct ClampCounts {
+    std::uint64_t speed = 0, position = 0, impulse = 0;
+};
+
+/// The bodies of one tick: row i of the columns is entry i; one more at the end stands still and takes what is
+/// written to it, for the static side of a pair and for empty lanes.
+struct SolverBodies {
+    std::vector<SolverBody> body;
+    std::vector<BodyStep> step;
+    ClampCounts clamps;
+
+    void reserve(std::size_t bodies) { body.reserve(bodies + 1), step.reserve(bodies + 1); }
+    std::uint32_t still() const { return static_cast<std::uint32_t>(body.size() - 1); }
+};
+
+/// m v rounded once per component.
+template <FixedPoint To, FixedPoint B> Vector3<To> mul(const Symmetric<Real>& m, Vector3<B> v) {
+    using Sum = SumOfProducts<Real, B>;
+    return {Sum{}.add(m.xx, v.x).add(m.xy, v.y).add(m.xz, v.z).template round<To>(),
+            Sum{}.add(m.xy, v.x).add(m.yy, v.y).add(m.yz, v.z).template round<To>(),
+            Sum{}.add(m.xz, v.x).add(m.yz, v.y).add(m.zz, v.z).template round<To>()};
+}
+
+/// R diag(d) R^T. Equal entries give a multiple of the unit matrix without rounding.
+Symmetric<Real> rotated_diagonal(const Rotation& r, Vec3 d);
+
+/// Reads the columns into `out`: K of each pose, u of each velocity, the constant changes per substep.
+void begin_step(const BodyColumns& columns, Vec3 gravity, const StepConstants& step, SolverBodies& out);
+/// Writes poses and velocities back: moves by `shift`, turns by K^-1 theta, keeps angular momentum through the turn.
+void finish_step(const StepConstants& step, SolverBodies& bodies, const BodyColumns& columns);
+
+} // namespace lockstone::dynamics

@@ -1,0 +1,33 @@
+#include "dynamics/step.h"
+
+#include "lockstone/math.h"
+
+namespace lockstone::dynamics {
+
+static Softness softness(Real hertz, Real damping, std::int64_t substeps_per_second) {
+    const Real omega = two_pi * hertz;
+    const Real omega_h = omega / Real(substeps_per_second);
+    const Real a1 = damping * 2 + omega_h;
+    const Real a2 = omega_h * a1;
+    const Real a3 = Real(1) / (Real(1) + a2);
+    return {to<Speed>(omega / a1), to<Unit>(a2 * a3), to<Unit>(a3)};
+}
+
+StepConstants step_constants(const StepSettings& s) {
+    StepConstants c{};
+    c.ticks_per_second = s.ticks_per_second;
+    c.substeps = s.substeps;
+    c.substeps_per_second = std::int64_t{s.ticks_per_second} * s.substeps;
+    c.substep_time = to<Unit>(Real(1) / Real(c.substeps_per_second));
+    c.linear_speed_max = to<Speed>(min(linear_speed_limit, Real(15) * s.ticks_per_second));
+    c.tip_speed_max = to<Speed>(min(tip_speed_limit, Real(2) * s.ticks_per_second));
+    c.push_speed_max = to<Speed>(s.push_speed_max);
+    c.restitution_speed_min = to<Speed>(s.restitution_speed_min);
+    // Stiffer than a quarter of the substep rate, a contact would swing from step to step.
+    const Real hertz = min(s.contact_hertz, Real(c.substeps_per_second) / Real(4));
+    c.soft = softness(hertz, s.contact_damping, c.substeps_per_second);
+    c.soft_static = softness(hertz * 2, s.contact_damping, c.substeps_per_second);
+    return c;
+}
+
+} // namespace lockstone::dynamics

@@ -1,0 +1,94 @@
+// Making sessions: definitions are checked here, once, with sentences; what follows may rely on them.
+#include "session/peer_session.h"
+#include "session/sync_test.h"
+
+#include "base/text.h"
+
+#include <algorithm>
+
+namespace lockstone {
+
+namespace {
+
+using base::join;
+
+Status check(const SessionDef& def) {
+    if (def.players.empty() || def.players.size() > players_max)
+        return Error{join("session: ", def.players.size(), " players, expected 1 to ", players_max)};
+    if (def.input_size > input_bytes_max)
+        return Error{join("session: input_size is ", def.input_size, ", at most ", input_bytes_max, " bytes")};
+    if (std::ranges::find(def.players, def.self) == def.players.end())
+        return Error{join("session: no player plays at machine ", def.self, " (self)")};
+    if (def.input_delay > input_delay_limit)
+        return Error{join("session: input_delay is ", def.input_delay, ", at most ", input_delay_limit, " ticks")};
+    if (def.predictor == nullptr) return Error{"session: predictor is null; repeat_last_input() is the default"};
+    return {};
+}
+
+} // namespace
+
+SessionDef session_def(const Game& game, PeerId self, std::vector<PeerId> players) {
+    SessionDef def;
+    def.content_id = game.content_id();
+    def.input_size = game.input_size();
+    def.self = self;
+    def.players = std::move(players);
+    return def;
+}
+
+Result<std::unique_ptr<Session>> make_rollback_session(const SessionDef& def, Transport& transport) {
+    if (const Status status = check(def); !status) return status.error();
+    if (def.prediction_max == 0 || def.prediction_max > prediction_limit)
+        return Error{join("session: prediction_max is ", def.prediction_max, ", expected 1 to ", prediction_limit,
+                          " ticks; make_lockstep_session never predicts")};
+    return std::unique_ptr<Session>(std::make_unique<session::PeerSession>(def, transport));
+}
+
+Result<std::unique_ptr<Session>> make_lockstep_session(const SessionDef& def, Transport& transport) {
+    if (const Status status = check(def); !status) return status.error();
+    if (def.input_delay == 0) return Error{"session: input_delay is 0; lockstep needs at least 1 tick"};
+    SessionDef lockstep = def;
+    lockstep.prediction_max = 0;
+    return std::unique_ptr<Session>(std::make_unique<session::PeerSession>(lockstep, transport));
+}
+
+Result<std::unique_ptr<Session>> make_sync_test_session(const SessionDef& def, std::uint32_t depth) {
+    if (const Status status = check(def); !status) return status.error();
+    if (std::ranges::any_of(def.players, [&](PeerId peer) { return peer != def.self; }))
+        return Error{"session: a sync test has no remote players; let all play at self"};
+    if (depth == 0 || depth > prediction_limit)
+        return Error{join("session: depth is ", depth, ", expected 1 to ", prediction_limit, " ticks")};
+    return std::unique_ptr<Session>(std::make_unique<session::SyncTestSession>(def, depth));
+}
+
+const char* name_of(Stall stall) {
+    switch (stall) {
+    case Stall::none: return "none";
+    case Stall::connecting: return "connecting";
+    case Stall::inputs_missing: return "inputs missing";
+    case Stall::local_input_missing: return "local input missing";
+    case Stall::peer_behind: return "peer behind";
+    case Stall::finished: return "finished";
+    }
+    return "unknown";
+}
+
+const char* name_of(PacketFault fault) {
+    switch (fault) {
+    case PacketFault::stranger: return "from a stranger";
+    case PacketFault::damaged: return "damaged";
+    case PacketFault::version: return "another version of the packet format";
+    case PacketFault::match: return "another match, game or line-up of players";
+    case PacketFault::malformed: return "malformed";
+    case PacketFault::implausible: return "implausible";
+    }
+    return "unknown";
+}
+
+std::uint64_t SessionStats::bytes_per_player_second() const {
+    const std::uint64_t elapsed_ms = last_poll_ms - first_poll_ms;
+    if (elapsed_ms == 0 || local_players == 0) return 0;
+    return bytes_sent * 1000 / elapsed_ms / local_players;
+}
+
+} // namespace lockstone

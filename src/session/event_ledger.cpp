@@ -1,0 +1,61 @@
+#include "session/event_ledger.h"
+
+#include "base/assert.h"
+
+#include <algorithm>
+#include <tuple>
+
+namespace lockstone::session {
+
+namespace {
+/// The order that World documents, then the bodies: an id that a wrong timeline minted may name another body's shape.
+auto identity(const Event& e) { return std::tie(e.kind, e.shape_a, e.shape_b, e.body_a, e.body_b); }
+
+bool in_order(const Event& a, const Event& b) { return identity(a) < identity(b); }
+} // namespace
+
+EventLedger::EventLedger(std::uint32_t window) : ring(window) {}
+
+void EventLedger::record(std::uint64_t tick, std::span<const Event> events) {
+    LOCKSTONE_ASSERT(tick >= first_open && tick < first_open + ring.size(), "tick ", tick, ", open from ", first_open);
+    LOCKSTONE_ASSERT(std::ranges::adjacent_find(events, [](const Event& a, const Event& b) {
+                         return !in_order(a, b);
+                     }) == events.end(), "events of tick ", tick, " are out of order");
+    std::vector<Entry>& before = entries(tick);
+    merged.clear();
+    auto old = before.begin();
+    for (const Event& event : events) {
+        for (; old != before.end() && in_order(old->event, event); ++old) {
+            if (old->told) merged.push_back({old->event, old->id, true, false}); // gone: to be cancelled
+        }
+        if (old != before.end() && !in_order(event, old->event)) {
+            merged.push_back({event, old->id, old->told, true});
+            ++old;
+        } else {
+            merged.push_back({event, next_id++, false, true});
+        }
+    }
+    for (; old != before.end(); ++old) {
+        if (old->told) merged.push_back({old->event, old->id, true, false});
+    }
+    before.swap(merged);
+    end = std::max(end, tick + 1);
+}
+
+void EventLedger::publish(std::uint64_t confirmed_end, std::vector<SessionEvent>& out) {
+    for (std::uint64_t tick = first_open; tick < end; ++tick) publish_tick(entries(tick), tick < confirmed_end, out);
+    first_open = std::clamp(confirmed_end, first_open, end);
+}
+
+void EventLedger::publish_tick(std::vector<Entry>& tick, bool is_final, std::vector<SessionEvent>& out) {
+    for (Entry& entry : tick) {
+        if (!entry.present) out.push_back({entry.event, EventStatus::cancelled, entry.id});
+        else if (is_final) out.push_back({entry.event, EventStatus::confirmed, entry.id});
+        else if (!entry.told) out.push_back({entry.event, EventStatus::predicted, entry.id});
+        entry.told = true;
+    }
+    if (is_final) tick.clear();
+    else std::erase_if(tick, [](const Entry& entry) { return !entry.present; });
+}
+
+} // namespace lockstone::session

@@ -1,0 +1,163 @@
+// Packets in and out. A packet is decoded, then judged whole against what its sender can know, and only then applied:
+// a dropped packet has changed nothing. Everything lost is sent again, because every packet carries all the inputs
+// that its receiver has not acknowledged.
+#include "session/peer_session.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace lockstone::session {
+
+void PeerSession::poll(std::uint64_t now_ms) {
+    if (!std::exchange(polled, true)) counts.first_poll_ms = now_ms;
+    now = std::max(now, now_ms);
+    counts.last_poll_ms = now;
+    while (const std::optional<Datagram> datagram = transport.receive()) {
+        ++counts.packets_received;
+        counts.bytes_received += datagram->bytes.size();
+        if (const std::optional<PacketFault> fault = receive(*datagram)) {
+            ++counts.packets_dropped;
+            ++counts.dropped[static_cast<std::size_t>(*fault)];
+        }
+    }
+    drop_silent_peers();
+    settle_departures();
+    forget_old_inputs();
+    for (PeerLink& link : links) {
+        if (link.state == PeerLink::State::gone) continue;
+        compare_hashes(link);
+        send(link);
+    }
+}
+
+// ---- in ----------------------------------------------------------------------------------------------------------
+
+std::optional<PacketFault> PeerSession::receive(const Datagram& datagram) {
+    PeerLink* link = find_link(datagram.from);
+    if (link == nullptr || link->state == PeerLink::State::gone) return PacketFault::stranger;
+    if (const std::optional<PacketFault> fault = decode(datagram.bytes, context, incoming)) {
+        const bool incompatible = *fault == PacketFault::version || *fault == PacketFault::match;
+        if (incompatible && !link->told_incompatible) {
+            link->told_incompatible = true;
+            notices.push_back(PeerIncompatible{link->peer, name_of(*fault)});
+        }
+        return fault;
+    }
+    if (!plausible(*link)) return PacketFault::implausible;
+    apply(*link);
+    return std::nullopt;
+}
+
+bool PeerSession::plausible(const PeerLink& link) const {
+    std::uint64_t local_end = never; // nobody can have confirmed a tick without all local inputs
+    for (const InputQueue& queue : queues) {
+        const std::uint64_t next = incoming.next_input[queue.player()];
+        if (is_local(queue.player())) {
+            if (next > queue.next()) return false;
+            local_end = std::min(local_end, queue.next());
+        } else if (next > queue.oldest() + history_ticks) {
+            return false;
+        }
+    }
+    if (incoming.hash_first + incoming.hash_count > local_end) return false;
+    if (incoming.next_hash > confirmed) return false;
+    for (const InputBlock& block : incoming.input_blocks()) {
+        const InputQueue& queue = queues[block.player];
+        const bool its_own = def.players[block.player] == link.peer;
+        if (!its_own && !(is_gone(block.player) && !is_local(block.player))) return false;
+        if (block.first > queue.next()) return false; // senders start from what was acknowledged: no gaps
+    }
+    return true;
+}
+
+void PeerSession::apply(PeerLink& link) {
+    link.heard_ms = now;
+    if (link.state == PeerLink::State::connecting) {
+        link.state = PeerLink::State::connected;
+        notices.push_back(PeerConnected{link.peer});
+    }
+    link.gone |= incoming.gone;
+    for (std::uint32_t p = 0; p < queues.size(); ++p)
+        link.next_input[p] = std::max(link.next_input[p], incoming.next_input[p]);
+    for (const InputBlock& block : incoming.input_blocks()) {
+        InputQueue& queue = queues[block.player];
+        for_each_input(block, def.input_size, [&](std::uint64_t tick, std::span<const std::byte> input) {
+            if (tick == queue.next() && queue.room() > 0 && !queue.disconnected()) queue.confirm(input);
+        });
+    }
+    link.hashes.acknowledge(incoming.next_hash);
+    for (std::uint32_t i = 0; i < incoming.hash_count; ++i)
+        link.hashes.receive(incoming.hash_first + i, incoming.hashes[i]);
+    if (incoming.tick < link.tick) return; // overtaken on the way: the rest is old news
+    link.tick = incoming.tick;
+    if (incoming.quality) apply_quality(link, *incoming.quality);
+}
+
+void PeerSession::apply_quality(PeerLink& link, const QualityReport& report) {
+    constexpr std::int32_t ahead_max = 1000;      // more means nothing, and sums must not overflow
+    constexpr std::uint32_t ping_max_ms = 60'000; // an echo of no clock reading of ours
+    link.remote_ahead = std::clamp(report.ticks_ahead, -ahead_max, ahead_max);
+    link.echo_ms = report.sent_ms;
+    link.echo_received_ms = now;
+    const std::uint32_t ping = static_cast<std::uint32_t>(now) - report.echo_ms - report.echo_held_ms;
+    if (report.echo_ms != 0 && ping <= ping_max_ms) link.ping_ms = ping;
+}
+
+void PeerSession::compare_hashes(PeerLink& link) {
+    const std::uint64_t before = link.hashes.compared_through();
+    const auto local = [this](std::uint64_t tick) { return local_hash(tick); };
+    if (const std::optional<std::uint64_t> tick = link.hashes.compare(confirmed, local))
+        notices.push_back(Desync{*tick, local_hash(*tick), link.hashes.remote_hash(*tick), link.peer});
+    counts.hashes_compared += link.hashes.compared_through() - before;
+}
+
+// ---- out ---------------------------------------------------------------------------------------------------------
+
+void PeerSession::send(PeerLink& link) {
+    fill_status(link);
+    writer.begin(context, outgoing);
+    send_inputs(link);
+    const std::span<const std::byte> packet = writer.finish();
+    transport.send(link.peer, packet);
+    ++counts.packets_sent;
+    counts.bytes_sent += packet.size();
+}
+
+void PeerSession::fill_status(PeerLink& link) {
+    constexpr std::uint32_t packets_between_quality = 6;
+    outgoing.tick = current;
+    outgoing.gone = gone;
+    for (const InputQueue& queue : queues) outgoing.next_input[queue.player()] = queue.next();
+    outgoing.next_hash = link.hashes.next_wanted();
+    const HashLedger::Range range = link.hashes.to_send(confirmed);
+    outgoing.hash_first = range.first;
+    outgoing.hash_count = range.count;
+    for (std::uint32_t i = 0; i < range.count; ++i) outgoing.hashes[i] = local_hash(range.first + i);
+
+    const std::int64_t ahead = static_cast<std::int64_t>(current) - static_cast<std::int64_t>(link.tick);
+    const std::int32_t local_ahead = static_cast<std::int32_t>(std::clamp<std::int64_t>(ahead, -1000, 1000));
+    if (link.state == PeerLink::State::connected) link.time_sync.sample(local_ahead, link.remote_ahead);
+    outgoing.quality.reset();
+    if (link.packets_until_quality-- > 0) return;
+    link.packets_until_quality = packets_between_quality;
+    const std::uint64_t held = link.echo_ms == 0 ? 0 : now - link.echo_received_ms;
+    outgoing.quality = {local_ahead, static_cast<std::uint32_t>(now), link.echo_ms, static_cast<std::uint32_t>(held)};
+}
+
+/// Local players' inputs, and those of players who left as far as they are known here: a peer may lack the last ones.
+void PeerSession::send_inputs(const PeerLink& link) {
+    const auto wants = [&](const InputQueue& queue) {
+        const std::uint32_t p = queue.player();
+        const bool both_count_it_gone = is_gone(p) && (link.gone >> p & 1u) != 0; // sooner the peer would refuse it
+        return (is_local(p) || both_count_it_gone) && link.next_input[p] < queue.next();
+    };
+    std::uint32_t left = static_cast<std::uint32_t>(std::ranges::count_if(queues, wants));
+    for (const InputQueue& queue : queues) {
+        if (!wants(queue)) continue;
+        const std::uint64_t first = std::max(link.next_input[queue.player()], queue.oldest());
+        writer.add_inputs(queue.player(), first, queue.next() - first, --left,
+                          [&](std::uint64_t tick) { return queue.confirmed(tick); });
+    }
+}
+
+} // namespace lockstone::session

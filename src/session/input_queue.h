@@ -1,0 +1,66 @@
+// One player's inputs over time: the true ones, the guesses that were run instead, and where they first differ.
+//
+//      forgotten |  confirmed, still needed  | guesses that ticks have run on | unused
+//               oldest                      next                           used_end
+//
+// `next` is the first tick whose true input is unknown. A ring of fixed size: nothing is allocated after the
+// constructor, and nothing beyond the ring is ever accepted.
+#pragma once
+
+#include "lockstone/session.h"
+
+namespace lockstone::session {
+
+/// Ticks that a ring of inputs or hashes holds. Half of it is for confirmed entries; the other half leaves room for
+/// the guesses after them (prediction_limit) whatever peers send.
+inline constexpr std::uint64_t history_ticks = 512;
+inline constexpr std::uint64_t history_confirmed_max = history_ticks / 2;
+inline constexpr std::uint64_t never = ~std::uint64_t{0};
+
+class InputQueue {
+  public:
+    InputQueue(std::uint32_t player, std::uint32_t input_size);
+
+    std::uint32_t player() const { return player_index; }
+    std::uint64_t next() const { return first_unknown; }
+    /// Ticks below are settled: their inputs are confirmed, or the player has left.
+    std::uint64_t settled_through() const { return first_unknown >= cut ? never : first_unknown; }
+    std::uint64_t oldest() const { return first_kept; }
+
+    /// How many more confirmed inputs fit.
+    std::uint64_t room() const { return history_confirmed_max - (first_unknown - first_kept); }
+    /// The true input of tick next(). Needs room; ignored from the tick of a disconnection on.
+    void confirm(std::span<const std::byte> input);
+    /// The confirmed input of a tick in [oldest, next).
+    std::span<const std::byte> confirmed(std::uint64_t tick) const { return slot(tick); }
+
+    /// What tick `tick` runs on: the true input, else a guess, which is remembered; zeros from a disconnection on.
+    PlayerInput use(std::uint64_t tick, const InputPredictor& predictor);
+    /// The input of a settled tick, as the confirmed timeline shows it.
+    PlayerInput settled(std::uint64_t tick) const;
+
+    /// The first tick that ran on a guess which proved wrong, since the last call; `never` when there is none.
+    std::uint64_t take_first_wrong();
+
+    /// The player's inputs end here: tick `cut` and all after it are zero and settled. At most once; cut >= next().
+    void disconnect_at(std::uint64_t tick);
+    bool disconnected() const { return cut != never; }
+
+    /// Ticks before `tick` are needed no more. The newest confirmed one stays: guesses are made from it.
+    void forget_before(std::uint64_t tick);
+
+  private:
+    std::span<std::byte> slot(std::uint64_t tick);
+    std::span<const std::byte> slot(std::uint64_t tick) const;
+
+    std::uint32_t player_index;
+    std::uint32_t size; ///< bytes of an input
+    std::vector<std::byte> ring;
+    std::uint64_t first_kept = 0;
+    std::uint64_t first_unknown = 0;
+    std::uint64_t used_end = 0;
+    std::uint64_t first_wrong = never;
+    std::uint64_t cut = never;
+};
+
+} // namespace lockstone::session

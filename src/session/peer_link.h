@@ -1,0 +1,94 @@
+// What this machine knows of one remote machine: how far it has received, the hashes it reported, how it is doing.
+#pragma once
+
+#include "session/input_queue.h"
+#include "session/message.h"
+
+namespace lockstone::session {
+
+/// Hashes of consecutive confirmed ticks, from both sides of a link, compared in order.
+class HashLedger {
+  public:
+    HashLedger() : remote(history_ticks) {}
+
+    /// A report from the peer. Ticks outside the window are ignored: they come again.
+    void receive(std::uint64_t tick, std::uint64_t hash);
+    std::uint64_t next_wanted() const { return wanted; }
+
+    /// Compares what both sides know; `local(tick)` gives this machine's hash of a tick below `local_end`.
+    /// Returns the first tick that differs, once.
+    template <class LocalHash> std::optional<std::uint64_t> compare(std::uint64_t local_end, LocalHash&& local) {
+        std::optional<std::uint64_t> found;
+        for (; compared < std::min(local_end, wanted); ++compared) {
+            if (differs || local(compared) == remote[compared % history_ticks].hash) continue;
+            differs = true;
+            agreed_end = compared;
+            found = compared;
+        }
+        return found;
+    }
+    std::uint64_t compared_through() const { return compared; }
+    std::uint64_t agreed_through() const { return differs ? agreed_end : compared; }
+    std::uint64_t remote_hash(std::uint64_t tick) const { return remote[tick % history_ticks].hash; }
+
+    // ---- sending: every hash once, then again from the first that the peer lacks when it stays silent about it ----
+    void acknowledge(std::uint64_t next_hash);
+    std::uint64_t acknowledged() const { return acked; }
+    /// The ticks [first, first + count) to send now, of those below `local_end`.
+    struct Range {
+        std::uint64_t first;
+        std::uint32_t count;
+    };
+    Range to_send(std::uint64_t local_end);
+
+  private:
+    struct Slot {
+        std::uint64_t tick = never;
+        std::uint64_t hash = 0;
+    };
+    std::vector<Slot> remote;
+    std::uint64_t wanted = 0;   ///< first tick whose remote hash is missing
+    std::uint64_t compared = 0; ///< ticks below have been compared
+    std::uint64_t agreed_end = 0;
+    bool differs = false;
+    std::uint64_t acked = 0;    ///< the peer has the local hashes of ticks below
+    std::uint64_t sent = 0;     ///< cursor
+    std::uint32_t polls_without_progress = 0;
+};
+
+/// How far ahead of the peer this machine runs. Both sides count the same way and exchange their counts: half the
+/// difference is the true lead, whatever the latency, as long as it is alike both ways.
+class TimeSync {
+  public:
+    void sample(std::int32_t local_ahead, std::int32_t remote_ahead);
+    std::int32_t ticks_ahead() const;
+
+  private:
+    static constexpr std::int32_t window = 32; ///< polls
+    std::array<std::int32_t, window> leads{};
+    std::int32_t sum = 0;
+    std::uint32_t count = 0;
+};
+
+struct PeerLink {
+    explicit PeerLink(PeerId id) : peer(id) {}
+
+    enum class State { connecting, connected, gone };
+
+    PeerId peer;
+    State state = State::connecting;
+    bool told_incompatible = false;
+    std::uint64_t heard_ms = 0;      ///< when the last good packet came
+    std::uint64_t tick = 0;          ///< newest tick the peer told of
+    std::uint32_t gone = 0;          ///< bit p: the peer counts player p as gone
+    std::array<std::uint64_t, players_max> next_input{}; ///< by player: first tick whose input the peer lacks
+    HashLedger hashes;
+    TimeSync time_sync;
+    std::int32_t remote_ahead = 0;   ///< the peer's own count
+    std::uint32_t echo_ms = 0;       ///< its newest clock reading
+    std::uint64_t echo_received_ms = 0;
+    std::uint32_t ping_ms = 0;
+    std::uint32_t packets_until_quality = 0;
+};
+
+} // namespace lockstone::session

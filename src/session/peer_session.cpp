@@ -1,0 +1,143 @@
+#include "session/peer_session.h"
+
+#include "base/assert.h"
+#include "base/text.h"
+
+#include <algorithm>
+
+namespace lockstone::session {
+
+PeerSession::PeerSession(const SessionDef& session_def, Transport& packets)
+    : def(session_def), transport(packets), context(packet_context(session_def)), hashes(history_ticks) {
+    for (std::uint32_t p = 0; p < def.players.size(); ++p) {
+        queues.emplace_back(p, def.input_size);
+        if (is_local(p)) ++counts.local_players;
+    }
+    std::vector<PeerId> peers = def.players;
+    std::ranges::sort(peers);
+    peers.erase(std::unique(peers.begin(), peers.end()), peers.end());
+    for (const PeerId peer : peers) {
+        if (peer != def.self) links.emplace_back(peer);
+    }
+    requests.reserve(2 * (prediction_limit + 2));
+    inputs.reserve((prediction_limit + 3) * def.players.size());
+    notices.reserve(links.size() * 3 + def.players.size());
+}
+
+// ---- inputs ------------------------------------------------------------------------------------------------------
+
+void PeerSession::add_local_input(std::uint32_t player, std::span<const std::byte> input) {
+    LOCKSTONE_ASSERT(player < queues.size() && is_local(player), "player ", player, " does not play here");
+    InputQueue& queue = queues[player];
+    const std::uint64_t target = current + def.input_delay;
+    // The delay grew (or the match begins): the ticks between repeat what was, a match begins with zeros.
+    std::array<std::byte, input_bytes_max> before{};
+    if (queue.next() > 0) std::ranges::copy(queue.confirmed(queue.next() - 1), before.begin());
+    while (queue.next() < target && queue.room() > 1) queue.confirm(std::span(before).first(def.input_size));
+    if (queue.next() == target && queue.room() > 0) queue.confirm(input);
+}
+
+void PeerSession::set_input_delay(std::uint32_t ticks) {
+    LOCKSTONE_ASSERT(ticks <= input_delay_limit && (ticks > 0 || def.prediction_max > 0), ticks, " ticks");
+    def.input_delay = ticks;
+}
+
+std::uint64_t PeerSession::settled_through() const {
+    std::uint64_t end = never;
+    for (const InputQueue& queue : queues) end = std::min(end, queue.settled_through());
+    return end;
+}
+
+std::uint64_t PeerSession::take_first_wrong() {
+    std::uint64_t wrong = never;
+    for (InputQueue& queue : queues) wrong = std::min(wrong, queue.take_first_wrong());
+    return wrong;
+}
+
+/// An input stays until its tick is confirmed here and every peer that may ask for it has it.
+void PeerSession::forget_old_inputs() {
+    for (InputQueue& queue : queues) {
+        std::uint64_t needed_from = confirmed;
+        for (const PeerLink& link : links) {
+            if (link.state == PeerLink::State::gone || link.peer == def.players[queue.player()]) continue;
+            needed_from = std::min(needed_from, link.next_input[queue.player()]);
+        }
+        queue.forget_before(needed_from);
+    }
+}
+
+// ---- confirmed ticks and their hashes ----------------------------------------------------------------------------
+
+HashCheck PeerSession::report_hash(std::uint64_t tick, std::uint64_t hash) {
+    LOCKSTONE_ASSERT(tick >= confirmed && tick < current, "tick ", tick, " of [", confirmed, ", ", current, ")");
+    hashes[tick % history_ticks] = hash;
+    return HashCheck::accepted;
+}
+
+std::optional<ConfirmedTick> PeerSession::next_confirmed() {
+    if (confirmed == settled_end) return std::nullopt;
+    inputs.clear();
+    for (const InputQueue& queue : queues) inputs.push_back(queue.settled(confirmed));
+    const ConfirmedTick tick{confirmed, inputs, local_hash(confirmed)};
+    ++confirmed;
+    return tick;
+}
+
+// ---- what there is to tell ---------------------------------------------------------------------------------------
+
+std::optional<Notice> PeerSession::next_notice() {
+    if (notices_taken == notices.size()) {
+        notices.clear();
+        notices_taken = 0;
+        return std::nullopt;
+    }
+    return notices[notices_taken++];
+}
+
+PeerLink* PeerSession::find_link(PeerId peer) {
+    const auto found = std::ranges::find(links, peer, &PeerLink::peer);
+    return found == links.end() ? nullptr : &*found;
+}
+
+PeerQuality PeerSession::quality(PeerId peer) const {
+    const auto link = std::ranges::find(links, peer, &PeerLink::peer);
+    if (link == links.end()) return {};
+    return {link->state == PeerLink::State::connected, link->ping_ms, link->time_sync.ticks_ahead(),
+            link->hashes.agreed_through()};
+}
+
+/// The lead over the slowest peer, told once in a while: a lead takes time to show that it has been given up.
+std::uint32_t PeerSession::wait_recommended() {
+    constexpr std::uint64_t ticks_between = 60;
+    constexpr std::int32_t worth_waiting = 2;
+    if (current < next_wait_at) return 0;
+    std::int32_t lead = 0;
+    for (const PeerLink& link : links) {
+        if (link.state == PeerLink::State::connected) lead = std::max(lead, link.time_sync.ticks_ahead());
+    }
+    if (lead < worth_waiting) return 0;
+    next_wait_at = current + ticks_between;
+    return static_cast<std::uint32_t>(lead);
+}
+
+} // namespace lockstone::session
+
+namespace lockstone {
+
+namespace {
+
+class RepeatLastInput final : public InputPredictor {
+  public:
+    void predict(std::uint32_t, std::span<const std::byte> last, std::uint64_t, std::span<std::byte> out) const override {
+        std::ranges::copy(last, out.begin());
+    }
+};
+
+} // namespace
+
+const InputPredictor& repeat_last_input() {
+    static const RepeatLastInput repeat_last;
+    return repeat_last;
+}
+
+} // namespace lockstone

@@ -1,0 +1,118 @@
+// Executes requests. The ring holds one image per tick that can be returned to; all memory is allocated at the start.
+#include "lockstone/session.h"
+
+#include "base/assert.h"
+#include "base/text.h"
+#include "session/event_ledger.h"
+
+#include <algorithm>
+
+namespace lockstone {
+
+struct SessionRunner::Impl {
+    Session& session;
+    Simulation& simulation;
+    RunnerDef def;
+    std::vector<Image> ring; ///< by tick modulo its size
+    std::vector<std::uint64_t> ring_ticks;
+    session::EventLedger ledger;
+    std::vector<SessionEvent> events;
+    std::optional<SyncTestFailure> failure;
+    std::vector<std::byte> left_out; ///< scratch of the planted fault
+
+    Impl(Session& driver, Simulation& driven, RunnerDef runner_def)
+        : session(driver), simulation(driven), def(std::move(runner_def)), ring(driver.images_max()),
+          ring_ticks(driver.images_max()), ledger(driver.images_max() + 1) {
+        for (Image& image : ring) image.bytes.resize(simulation.state().layout().image_bytes_max());
+    }
+
+    void execute(const Save& save) {
+        const std::size_t slot = save.tick % ring.size();
+        simulation.save(ring[slot]);
+        ring_ticks[slot] = save.tick;
+    }
+
+    void execute(const Load& load) {
+        const Image& image = saved(load.tick);
+        if (def.column_left_out.empty()) simulation.restore(image);
+        else restore_without_column(image);
+        if (load.verify) check(load.tick - 1, SyncTestFailure::When::restored);
+    }
+
+    void execute(const Advance& advance) {
+        simulation.advance(advance.inputs);
+        check(advance.tick, SyncTestFailure::When::resimulated);
+        ledger.record(advance.tick, simulation.events());
+    }
+
+    const Image& saved(std::uint64_t tick) const {
+        const std::size_t slot = tick % ring.size();
+        LOCKSTONE_ASSERT(ring_ticks[slot] == tick, "tick ", tick, " is not saved, its slot holds ", ring_ticks[slot]);
+        return ring[slot];
+    }
+
+    /// Reports the hash of the state after `tick`. Where it differs from the first run's, the ring still holds that
+    /// run's state: a tick is saved again only after its hash was found to be the same.
+    void check(std::uint64_t tick, SyncTestFailure::When when) {
+        const std::uint64_t hash = simulation.hash();
+        if (session.report_hash(tick, hash) == HashCheck::accepted || failure) return;
+        State first = simulation.state();
+        first.restore(saved(tick + 1));
+        failure = {when, tick, first.hash(), hash, State::diff(first, simulation.state(), 8)};
+    }
+
+    void restore_without_column(const Image& image) {
+        State& state = simulation.state();
+        const ColumnInfo* info = state.layout().find_column(def.column_left_out);
+        LOCKSTONE_ASSERT(info != nullptr, "no column ", def.column_left_out);
+        const std::uint32_t column = static_cast<std::uint32_t>(info - state.layout().columns().data());
+        const std::span<const std::byte> present = std::as_const(state).bytes(column);
+        left_out.assign(present.begin(), present.end());
+        simulation.restore(image);
+        const std::span<std::byte> restored = state.bytes(column);
+        std::copy_n(left_out.begin(), std::min(left_out.size(), restored.size()), restored.begin());
+    }
+};
+
+SessionRunner::SessionRunner(Session& session, Simulation& simulation, RunnerDef def)
+    : impl(std::make_unique<Impl>(session, simulation, std::move(def))) {}
+SessionRunner::SessionRunner(SessionRunner&&) noexcept = default;
+SessionRunner& SessionRunner::operator=(SessionRunner&&) noexcept = default;
+SessionRunner::~SessionRunner() = default;
+
+Frame SessionRunner::frame(std::uint64_t now_ms) {
+    Session& session = impl->session;
+    session.poll(now_ms);
+    const Step step = session.advance();
+    for (const Request& request : step.requests) {
+        std::visit([this](const auto& r) { impl->execute(r); }, request);
+    }
+    std::uint64_t confirmed_end = 0;
+    while (const std::optional<ConfirmedTick> tick = session.next_confirmed()) {
+        confirmed_end = tick->tick + 1;
+        if (impl->def.sink != nullptr) impl->def.sink->on_confirmed(tick->tick, tick->inputs, tick->hash);
+    }
+    impl->events.clear();
+    impl->ledger.publish(confirmed_end, impl->events);
+    return {step.stall, step.wait_ticks};
+}
+
+void SessionRunner::wait(std::uint64_t now_ms) {
+    impl->session.poll(now_ms);
+    impl->events.clear();
+}
+
+std::span<const SessionEvent> SessionRunner::events() const { return impl->events; }
+
+const SyncTestFailure* SessionRunner::sync_failure() const { return impl->failure ? &*impl->failure : nullptr; }
+
+std::string to_string(const SyncTestFailure& failure) {
+    const bool restored = failure.when == SyncTestFailure::When::restored;
+    std::string out = base::join("tick ", failure.tick, restored ? ", restored: " : ", resimulated: ");
+    if (failure.differences.empty())
+        return out + base::join("hash ", base::hex(failure.first_hash), " against ", base::hex(failure.second_hash),
+                                ", though no field differs");
+    return out + to_string(failure.differences.front());
+}
+
+} // namespace lockstone

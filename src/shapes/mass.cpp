@@ -1,0 +1,156 @@
+// Mass, centre and squared gyration radii of the solid shapes.
+//
+// source: Eberly, Game Physics, 2nd ed., 2.5.5 (solids of revolution, parallel axis theorem); the capsule's form is
+// the cylinder's and two hemispheres' put together and simplified, so that one division is left.
+#include "lockstone/shape.h"
+
+#include "lockstone/math.h"
+
+#include <algorithm>
+
+namespace lockstone {
+namespace {
+
+using I4F60 = Fixed<std::int64_t, 60>;
+
+constexpr I4F60 pi_thirds = decimal<I4F60>("1.04719755119659774615421446109316763");
+constexpr I4F60 sphere_volume = decimal<I4F60>("4.18879020478639098461685784437267051"); // 4/3 pi
+
+/// A positive value mantissa * 2^exponent, 62 significant bits: volumes span 1e-7 to 1e6 m^3.
+struct Scaled {
+    std::int64_t mantissa;
+    int exponent;
+};
+
+/// A non-negative 128-bit value reduced to 62 significant bits, rounded.
+Scaled scaled(Wide value, int exponent) {
+    const std::uint64_t high = static_cast<std::uint64_t>(value.high_bits());
+    const int length = high != 0 ? 64 + bit_length(high) : bit_length(value.low_bits());
+    const int shift = length > 62 ? length - 62 : 0;
+    return {narrow_rounded(value, shift), exponent + shift};
+}
+
+Scaled operator*(Scaled a, Scaled b) { return scaled(Wide::product(a.mantissa, b.mantissa), a.exponent + b.exponent); }
+Scaled scaled(std::int64_t raw, int fraction_bits) { return {raw, -fraction_bits}; }
+template <FixedPoint T> Scaled scaled(T x) { return scaled(std::int64_t{x.raw}, T::fraction_bits); }
+
+template <FixedPoint T> T unscaled(Scaled s) {
+    const int shift = -s.exponent - T::fraction_bits;
+    if (shift <= -63) return s.mantissa == 0 ? T{} : T::max();
+    if (shift <= 0) return T::from_raw(shift_left_saturated(s.mantissa, -shift));
+    return shift > 62 ? T{} : T::from_raw(shift_right_rounded(s.mantissa, shift));
+}
+
+/// value / divisor for 0 <= value < 2^127, rounded; clamped to int64.
+std::int64_t divide_rounded(Wide value, std::uint64_t divisor) {
+    const Wide with_half = value + Wide::from(static_cast<std::int64_t>(divisor / 2));
+    const std::uint64_t high = static_cast<std::uint64_t>(with_half.high_bits());
+    if (high >= divisor) return std::numeric_limits<std::int64_t>::max();
+    const std::uint64_t q = divide_128_by_64(high, with_half.low_bits(), divisor).quotient;
+    return static_cast<std::int64_t>(std::min<std::uint64_t>(q, std::numeric_limits<std::int64_t>::max()));
+}
+
+MassProperties solid(Scaled volume, Real density, I20F44 xx, I20F44 yy, I20F44 zz) {
+    return {unscaled<Real>(volume * scaled(density)), Vec3{}, Matrix3<I20F44>::diagonal(xx, yy, zz)};
+}
+
+MassProperties sphere_mass(std::int64_t r, Real density) {
+    const Scaled radius = scaled(r, Length::fraction_bits);
+    const I20F44 k = I20F44::from_raw(divide_rounded(Wide::product(2 * r, r), 5 * 16)); // 2/5 r^2, F48 to F44
+    return solid(scaled(sphere_volume) * radius * (radius * radius), density, k, k, k);
+}
+
+MassProperties box_mass(const LengthVec3& h, Real density) {
+    const auto square = [](Length a) { return std::int64_t{a.raw} * a.raw; };
+    const auto third = [](std::int64_t sum) { return I20F44::from_raw(divide_rounded(Wide::from(sum), 3 * 16)); };
+    const Scaled octant = scaled(h.x) * scaled(h.y) * scaled(h.z);
+    return solid({octant.mantissa, octant.exponent + 3}, density, third(square(h.y) + square(h.z)),
+                 third(square(h.x) + square(h.z)), third(square(h.x) + square(h.y)));
+}
+
+/// h half the segment, r the radius:
+///   volume = pi/3 r^2 (6 h + 4 r)
+///   k_y^2  = r^2 (15 h + 8 r) / (10 (3 h + 2 r))
+///   k_x^2  = (20 h^3 + 40 h^2 r + 45 h r^2 + 16 r^3) / (20 (3 h + 2 r))
+MassProperties capsule_mass(std::int64_t h, std::int64_t r, Real density) {
+    const Scaled radius = scaled(r, Length::fraction_bits);
+    const Scaled volume = scaled(pi_thirds) * (radius * radius) * scaled(6 * h + 4 * r, Length::fraction_bits);
+    const std::uint64_t thirds = static_cast<std::uint64_t>(3 * h + 2 * r);
+    if (thirds == 0) return solid(volume, density, I20F44{}, I20F44{}, I20F44{});
+    const Wide along = Wide::product(r * r, 15 * h + 8 * r);
+    const Wide across = Wide::product(h * h, 20 * h + 40 * r) + Wide::product(r * r, 45 * h + 16 * r);
+    const I20F44 ky = I20F44::from_raw(divide_rounded(along, 10 * 16 * thirds));
+    const I20F44 kx = I20F44::from_raw(divide_rounded(across, 20 * 16 * thirds));
+    return solid(volume, density, kx, ky, kx);
+}
+
+/// R K R^T for symmetric K; the lower triangle mirrors the upper.
+Matrix3<I20F44> rotated(const Rotation& r, const Matrix3<I20F44>& k) {
+    const Matrix3<I20F44> half_way = mul<I20F44>(r, k);           // columns of R K
+    const Matrix3<I20F44> rows = transpose(half_way);             // rows of R K
+    const Rotation t = transpose(r);                              // rows of R
+    const I20F44 xy = dot<I20F44>(rows.x, t.y), xz = dot<I20F44>(rows.x, t.z), yz = dot<I20F44>(rows.y, t.z);
+    return {{dot<I20F44>(rows.x, t.x), xy, xz}, {xy, dot<I20F44>(rows.y, t.y), yz}, {xz, yz, dot<I20F44>(rows.z, t.z)}};
+}
+
+/// |d|^2 1 - d d^T: what a point mass at d adds to inertia / mass.
+Matrix3<I20F44> point_gyration(Vec3 d) {
+    using Sum = SumOfProducts<Real, Real>;
+    const I20F44 xx = Sum{}.add(d.y, d.y).add(d.z, d.z).round<I20F44>();
+    const I20F44 yy = Sum{}.add(d.x, d.x).add(d.z, d.z).round<I20F44>();
+    const I20F44 zz = Sum{}.add(d.x, d.x).add(d.y, d.y).round<I20F44>();
+    const I20F44 xy = Sum{}.sub(d.x, d.y).round<I20F44>(), xz = Sum{}.sub(d.x, d.z).round<I20F44>();
+    const I20F44 yz = Sum{}.sub(d.y, d.z).round<I20F44>();
+    return {{xx, xy, xz}, {xy, yy, yz}, {xz, yz, zz}};
+}
+
+} // namespace
+
+MassProperties mass_properties(const Geometry& g, Real density) {
+    switch (g.kind) {
+    case ShapeKind::sphere: return sphere_mass(g.radius.raw, density);
+    case ShapeKind::capsule: return capsule_mass(g.half_extent.y.raw, g.radius.raw, density);
+    case ShapeKind::box: return box_mass(g.half_extent, density);
+    case ShapeKind::plane: break;
+    }
+    return MassProperties{};
+}
+
+MassProperties combine(std::span<const MassPart> parts) {
+    MassProperties body{};
+    for (const MassPart& part : parts) body.mass += part.properties.mass;
+    if (body.mass <= Real{}) return MassProperties{};
+    const auto share = [&](const MassPart& part) {
+        return I2F62::from_raw(divide_shifted(part.properties.mass.raw, body.mass.raw, I2F62::fraction_bits));
+    };
+    for (const MassPart& part : parts)
+        body.center += scale<Real>(part.local * part.properties.center, share(part));
+    for (const MassPart& part : parts) {
+        const Vec3 offset = part.local * part.properties.center - body.center;
+        const Matrix3<I20F44> about_body =
+            rotated(to_rotation(part.local.rotation), part.properties.gyration_squared) + point_gyration(offset);
+        const I2F62 s = share(part);
+        const auto shared = [s](const Vector3<I20F44>& column) { return scale<I20F44>(column, s); };
+        body.gyration_squared = body.gyration_squared + Matrix3<I20F44>{shared(about_body.x), shared(about_body.y),
+                                                                        shared(about_body.z)};
+    }
+    return body;
+}
+
+PrincipalGyration principal_gyration(const MassProperties& properties) {
+    const Matrix3<I20F44>& k = properties.gyration_squared;
+    const std::int64_t widest = max(k.x.x, max(k.y.y, k.z.z)).raw;
+    // Scaled by a power of two that leaves `diagonalize` as many bits as small bodies have to give.
+    const int shift = widest <= 0 ? 0 : 56 - std::min(56, bit_length(static_cast<std::uint64_t>(widest)));
+    const auto column = [shift](const Vector3<I20F44>& c) {
+        const auto scaled_up = [shift](I20F44 v) { return Real::from_raw(shift_left_saturated(v.raw, shift)); };
+        return Vec3{scaled_up(c.x), scaled_up(c.y), scaled_up(c.z)};
+    };
+    const Diagonal diagonal = diagonalize({column(k.x), column(k.y), column(k.z)});
+    const auto radius = [shift](Real v) { // sqrt(raw 2^(-44 - shift)) in 32 fraction bits
+        return Real::from_raw(static_cast<std::int64_t>(isqrt((Wide::from(v.raw) << 20) >> shift)));
+    };
+    return {{radius(diagonal.values.x), radius(diagonal.values.y), radius(diagonal.values.z)}, diagonal.axes};
+}
+
+} // namespace lockstone

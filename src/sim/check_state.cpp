@@ -1,0 +1,132 @@
+// A state that came from a file or a peer is checked as a whole before it becomes a world's: every index that the tick
+// follows must stay inside its table, or a crafted image could make it read anywhere.
+#include "base/text.h"
+#include "sim/data.h"
+
+#include <cstring>
+
+namespace lockstone::sim {
+
+namespace {
+
+using base::join;
+
+Error bad(std::string_view column, std::size_t row, std::string_view why) {
+    return {join("portable image: ", column, " row ", row, ": ", why)};
+}
+
+/// Living slots and rows name each other; the free list visits each free slot once.
+template <class IdOfRow>
+Status check_slots(std::string_view name, std::span<const Slot> slots, std::size_t rows, std::uint32_t first_free, IdOfRow id_of) {
+    std::size_t living = 0;
+    for (std::size_t i = 0; i < slots.size(); ++i) {
+        const Slot& s = slots[i];
+        if (s.generation == 0 || s.alive > 1 || s.next_free > slots.size()) return bad(name, i, "no such slot can be");
+        if (s.alive == 0) continue;
+        ++living;
+        if (s.row >= rows) return bad(name, i, join("points to row ", s.row, " of ", rows));
+        const auto id = id_of(s.row);
+        if (id.index != i + 1 || id.generation != s.generation) return bad(name, i, "its row has another id");
+    }
+    if (living != rows) return bad(name, slots.size(), join(living, " living slots for ", rows, " rows"));
+    std::size_t free = 0;
+    for (std::uint32_t at = first_free; at != 0; at = slots[at - 1].next_free)
+        if (at > slots.size() || slots[at - 1].alive != 0 || ++free > slots.size())
+            return bad(name, at, "the free list is broken");
+    if (free != slots.size() - living) return bad(name, 0, "the free list misses slots");
+    return {};
+}
+
+bool unit_like(Quat q) {
+    const auto square = [](Unit u) { return (std::int64_t{u.raw} * u.raw) >> 2; };
+    const std::int64_t norm = square(q.x) + square(q.y) + square(q.z) + square(q.w);
+    constexpr std::int64_t one = std::int64_t{1} << 58;
+    return norm > one - (one >> 10) && norm < one + (one >> 10);
+}
+
+Status check_bodies(const Manifest& m, const State& s) {
+    const std::span<const BodyInfo> info = s.rows(m.body_info);
+    const std::span<const BodyMass> mass = s.rows(m.body_mass);
+    const std::span<const Transform> pose = s.rows(m.body_pose);
+    for (std::size_t i = 0; i < info.size(); ++i) {
+        if (info[i].kind > BodyKind::dynamic || info[i].locks > 63) return bad("body.info", i, "unknown kind or locks");
+        if (info[i].linear_damping < Real{} || info[i].angular_damping < Real{})
+            return bad("body.info", i, "damping is negative");
+        if (!unit_like(pose[i].rotation)) return bad("body.pose", i, "rotation is not a unit quaternion");
+        if (mass[i].mass < Real{} || !unit_like(mass[i].principal)) return bad("body.mass", i, "no such mass can be");
+        for (int axis = 0; axis < 3; ++axis) {
+            if (mass[i].gyration[axis] < Real{} || mass[i].gyration[axis] > Real(100000))
+                return bad("body.mass", i, "no such gyration radius can be");
+            if (abs(pose[i].position[axis]) > Real(1000000000)) return bad("body.pose", i, "position is out of range");
+        }
+    }
+    return {};
+}
+
+/// Each body's shape list holds exactly its own shapes.
+Status check_shapes(const Manifest& m, const State& s) {
+    const std::span<const ShapeRow> shapes = s.rows(m.shape);
+    const std::span<const Slot> slots = s.rows(m.shape_slot), body_slots = s.rows(m.body_slot);
+    const std::span<const BodyInfo> info = s.rows(m.body_info);
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+        const ShapeRow& r = shapes[i];
+        if (r.body.index == 0 || r.body.index > body_slots.size()) return bad("shape.row", i, "its body does not exist");
+        const Slot& owner = body_slots[r.body.index - 1];
+        if (owner.alive == 0 || owner.generation != r.body.generation) return bad("shape.row", i, "its body does not exist");
+        if (std::string e = validate(r.geometry); !e.empty()) return bad("shape.row", i, e);
+        if (r.geometry.kind == ShapeKind::plane && info[owner.row].kind != BodyKind::static_)
+            return bad("shape.row", i, "a plane on a body that moves");
+        if (!unit_like(r.local.rotation)) return bad("shape.row", i, "local.rotation is not a unit quaternion");
+        if (r.sensor > 1) return bad("shape.row", i, "sensor is neither 0 nor 1");
+        if (r.friction < Real{} || r.friction > Real(4) || r.restitution < Real{} || r.restitution > Real(1))
+            return bad("shape.row", i, "friction or restitution is out of range");
+    }
+    std::size_t listed = 0;
+    for (std::size_t i = 0; i < info.size(); ++i) {
+        std::uint32_t count = 0;
+        for (std::uint32_t slot = info[i].first_shape; slot != 0; ++count, ++listed) {
+            if (slot > slots.size() || slots[slot - 1].alive == 0 || count >= info[i].shape_count)
+                return bad("body.info", i, "its shape list is broken");
+            const ShapeRow& r = shapes[slots[slot - 1].row];
+            if (r.body != info[i].id) return bad("body.info", i, "its shape list holds another body's shape");
+            slot = r.next_shape;
+        }
+        if (count != info[i].shape_count) return bad("body.info", i, "its shape list is short");
+    }
+    if (listed != shapes.size()) return bad("shape.row", listed, "shapes in no list");
+    return {};
+}
+
+Status check_contacts(const Manifest& m, const State& s) {
+    const std::span<const ContactKey> keys = s.rows(m.contact_key);
+    const std::span<const ContactMemory> memories = s.rows(m.contact_memory);
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+        if (keys[i].a.index >= keys[i].b.index) return bad("contact.key", i, "its shapes are out of order");
+        if (i > 0 && std::pair(keys[i - 1].a.index, keys[i - 1].b.index) >= std::pair(keys[i].a.index, keys[i].b.index))
+            return bad("contact.key", i, "the table is out of order");
+        if (memories[i].count > 4) return bad("contact.memory", i, "more than 4 points");
+    }
+    return {};
+}
+
+} // namespace
+
+Status check_state(const Data& w, const State& s) {
+    const Manifest& m = w.m;
+    if (s.count(m.world) != 1 || s.count(m.records) != 1) return Error{"portable image: it has no world row"};
+    const Config &ours = w.state.rows(m.config)[0], &theirs = s.rows(m.config)[0];
+    if (std::memcmp(&ours, &theirs, sizeof ours) != 0)
+        return Error{"portable image: world.config differs: the image was saved by a world with another definition"};
+    const Header& h = s.rows(m.header)[0];
+    const auto body_id = [&](std::uint32_t row) { return s.rows(m.body_info)[row].id; };
+    const auto shape_id = [&](std::uint32_t row) { return s.rows(m.shape)[row].id; };
+    const auto field_id = [&](std::uint32_t row) { return s.rows(m.field)[row].id; };
+    if (Status e = check_slots("body.slot", s.rows(m.body_slot), s.count(m.bodies), h.body_free, body_id); !e) return e;
+    if (Status e = check_slots("shape.slot", s.rows(m.shape_slot), s.count(m.shapes), h.shape_free, shape_id); !e) return e;
+    if (Status e = check_slots("field.slot", s.rows(m.field_slot), s.count(m.fields), h.field_free, field_id); !e) return e;
+    if (Status e = check_bodies(m, s); !e) return e;
+    if (Status e = check_shapes(m, s); !e) return e;
+    return check_contacts(m, s);
+}
+
+} // namespace lockstone::sim

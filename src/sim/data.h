@@ -1,0 +1,95 @@
+// A world's inside: the state, and scratch that no later tick can see.
+#pragma once
+
+#include "collide/broad_phase.h"
+#include "collide/narrow_phase.h"
+#include "dynamics/contact.h"
+#include "dynamics/integrate.h"
+#include "sim/manifest.h"
+
+namespace lockstone::sim {
+
+/// What the tick derives and forgets. Caches in it (the broad phase, poses of static shapes) change speed only.
+struct Scratch {
+    explicit Scratch(const WorldDef& def) : broad_phase(def.shapes_max) {}
+
+    collide::BroadPhase broad_phase;
+    bool structure_stale = true;              ///< objects came, went or were restored since the last tick
+    std::vector<std::uint32_t> proxy_generation; ///< by shape slot: of the shape the broad phase holds, 0: none
+    std::vector<Transform> shape_pose;        ///< by shape slot, world
+    std::vector<Length> shape_margin;         ///< by shape slot: how far its contacts reach ahead
+    std::vector<std::uint32_t> planes;        ///< shape slots
+
+    std::vector<collide::ProxyPair> pairs;
+    std::vector<ContactKey> keys;             ///< the next contact table, while it is merged
+    std::vector<ContactMemory> memories;
+    struct Ended {
+        ContactKey key;
+        std::uint32_t flags; ///< dynamics::ContactFlags
+    };
+    std::vector<Ended> ended;                 ///< touching contacts that are gone
+
+    /// What the narrow phase saw of each row of the contact table.
+    struct Seen {
+        bool overlaps;   ///< near enough to count as touching, before the solve
+        bool flipped;    ///< the manifold's A is the key's b
+        UnitVec3 normal; ///< key a to key b
+        Vec3 point;      ///< deepest, world
+        Speed approach;  ///< [m/s], positive when closing
+        std::uint32_t contact; ///< index in `contacts`, no_contact: nothing to solve
+    };
+    std::vector<Seen> seen;
+    std::vector<dynamics::Contact> contacts;
+    std::vector<Vec3> contact_origin;         ///< of body a, by contact: turns levers into world points
+
+    dynamics::StepConstants step{};
+    dynamics::SolverBodies bodies;
+    dynamics::ContactSolver<1> solver;
+};
+
+struct Data {
+    Data(const WorldDef& def, const GameSchema& schema);
+    Data(const Data& other); ///< the state; fresh scratch, no journal
+
+    WorldDef def;
+    GameSchema schema;
+    Manifest m;
+    State state;
+    Scratch scratch;
+
+    Journal* journal = nullptr;
+    bool phase_hashes_on = false;
+    std::vector<PhaseHash> phase_hashes;
+    std::vector<Event> events;
+    std::vector<World::ContactPoint> contact_points;
+
+    Header& header() { return state.rows(m.header)[0]; }
+    const Header& header() const { return state.rows(m.header)[0]; }
+    dynamics::BodyColumns body_columns() {
+        return {state.rows(m.body_info), state.rows(m.body_mass), state.rows(m.body_force), state.rows(m.body_pose),
+                state.rows(m.body_velocity)};
+    }
+    /// Row of a living body or shape; `count` of the table when the id is dead.
+    std::uint32_t row_of(BodyId id) const { return row_of(state.rows(m.body_slot), id.index, id.generation); }
+    std::uint32_t row_of(ShapeId id) const { return row_of(state.rows(m.shape_slot), id.index, id.generation); }
+    std::uint32_t row_of(FieldId id) const { return row_of(state.rows(m.field_slot), id.index, id.generation); }
+    static constexpr std::uint32_t dead = 0xffffffffu;
+
+  private:
+    static std::uint32_t row_of(std::span<const Slot> slots, std::uint32_t index, std::uint32_t generation) {
+        if (index == 0 || index > slots.size()) return dead;
+        const Slot& slot = slots[index - 1];
+        return slot.alive != 0 && slot.generation == generation ? slot.row : dead;
+    }
+};
+
+/// One tick: see tick.cpp.
+void tick(Data& w);
+/// Checks a command, applies it and tells the journal. On error nothing has changed.
+Result<World::Applied> apply(Data& w, const Command& command);
+/// After the state was replaced from outside: what the caches hold of it is stale, the last tick's output is gone.
+void forget_derived(Data& w);
+/// Whether a state from outside can be this world's: same definition, every reference within its table.
+Status check_state(const Data& w, const State& state);
+
+} // namespace lockstone::sim

@@ -1,0 +1,110 @@
+// The table of contents of a world's state: every table and column, in hash order.
+#pragma once
+
+#include "dynamics/solver_body.h"
+#include "lockstone/state.h"
+#include "lockstone/world.h"
+
+#include <memory>
+
+namespace lockstone::sim {
+
+using dynamics::BodyForce;
+using dynamics::BodyInfo;
+using dynamics::BodyMass;
+using dynamics::ContactKey;
+using dynamics::ContactMemory;
+using dynamics::FieldRow;
+using dynamics::Velocity;
+
+/// What a world knows of itself besides its objects.
+struct Header {
+    std::uint64_t tick;
+    std::uint64_t commands; ///< applied so far
+    Vec3 gravity;
+    std::uint32_t body_free, shape_free, field_free; ///< first free slot + 1, 0: none
+    std::uint32_t reserved;
+};
+
+/// The definition the world was made with; never changes.
+struct Config {
+    std::uint32_t tick_rate, substeps;
+    Integrator integrator;
+    std::uint32_t bounds_shift;
+    std::uint32_t bodies_max, shapes_max, contacts_max, fields_max;
+    Real restitution_speed_min, contact_hertz, contact_damping, push_speed_max;
+    std::uint64_t seed;
+};
+
+/// Where an id's object stands now. A slot's generation grows when its object is destroyed.
+struct Slot {
+    std::uint32_t row;        ///< of the dense table; unused while free
+    std::uint32_t generation; ///< of the living object, or of the next one while free; never 0
+    std::uint32_t next_free;  ///< slot + 1, 0: last
+    std::uint32_t alive;      ///< 0 or 1
+};
+
+struct ShapeRow {
+    ShapeId id;
+    BodyId body;
+    Geometry geometry;
+    std::uint32_t next_shape; ///< of the same body: slot + 1, 0: last
+    Transform local;
+    Real density, friction, restitution;
+    std::uint32_t category, mask;
+    std::int32_t group;
+    std::uint32_t sensor;
+    std::uint64_t user_key;
+};
+
+template <class V> constexpr void describe(Header& h, V&& v) {
+    v("tick", h.tick), v("commands", h.commands), v("gravity", h.gravity), v("body_free", h.body_free);
+    v("shape_free", h.shape_free), v("field_free", h.field_free), v("reserved", h.reserved);
+}
+template <class V> constexpr void describe(Config& c, V&& v) {
+    v("tick_rate", c.tick_rate), v("substeps", c.substeps), v("integrator", c.integrator);
+    v("bounds_shift", c.bounds_shift), v("bodies_max", c.bodies_max), v("shapes_max", c.shapes_max);
+    v("contacts_max", c.contacts_max), v("fields_max", c.fields_max);
+    v("restitution_speed_min", c.restitution_speed_min), v("contact_hertz", c.contact_hertz);
+    v("contact_damping", c.contact_damping), v("push_speed_max", c.push_speed_max), v("seed", c.seed);
+}
+template <class V> constexpr void describe(Slot& s, V&& v) {
+    v("row", s.row), v("generation", s.generation), v("next_free", s.next_free), v("alive", s.alive);
+}
+template <class V> constexpr void describe(ShapeRow& s, V&& v) {
+    v("id", s.id), v("body", s.body), v("geometry", s.geometry), v("next_shape", s.next_shape), v("local", s.local);
+    v("density", s.density), v("friction", s.friction), v("restitution", s.restitution);
+    v("category", s.category), v("mask", s.mask), v("group", s.group), v("sensor", s.sensor);
+    v("user_key", s.user_key);
+}
+
+/// The manifest. Order here is the order of the hash, the dump and the portable image.
+struct Manifest {
+    std::shared_ptr<const StateLayout> layout;
+    TableId world, body_slots, bodies, shape_slots, shapes, field_slots, fields, contacts, records;
+
+    Column<Header> header;
+    Column<Config> config;
+    Column<Faults> faults;
+
+    Column<Slot> body_slot;
+    Column<BodyInfo> body_info;
+    Column<BodyMass> body_mass;
+    Column<BodyForce> body_force;
+    Column<Slot> shape_slot;
+    Column<ShapeRow> shape;
+    Column<Slot> field_slot;
+    Column<FieldRow> field;
+
+    Column<Transform> body_pose;
+    Column<Velocity> body_velocity;
+
+    Column<ContactKey> contact_key;
+    Column<ContactMemory> contact_memory;
+
+    std::vector<std::uint32_t> game; ///< column index in the layout, by game schema entry
+};
+
+Manifest make_manifest(const WorldDef& def, const GameSchema& schema);
+
+} // namespace lockstone::sim

@@ -1,0 +1,302 @@
+// World: the public face. Every mutator builds a command; reading goes straight to the columns.
+#include "lockstone/world.h"
+
+#include "base/assert.h"
+#include "base/text.h"
+#include "lockstone/decimal.h"
+#include "lockstone/math.h"
+#include "sim/data.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace lockstone {
+
+using base::join;
+
+const char* name_of(const Command& command) {
+    static constexpr const char* names[] = {
+        "create_body", "destroy_body", "create_shape", "destroy_shape", "create_field",   "destroy_field",
+        "set_pose",    "set_velocity", "add_force",    "add_force_at",  "add_impulse",    "add_impulse_at",
+        "set_body_parameters", "set_material", "set_gravity", "write_game"};
+    static_assert(std::size(names) == std::variant_size_v<Command>);
+    return names[command.index()];
+}
+
+const char* name_of(Integrator integrator) {
+    static constexpr const char* names[] = {"semi_implicit_euler", "verlet", "velocity_verlet", "runge_kutta_4"};
+    return names[static_cast<std::uint32_t>(integrator)];
+}
+
+std::uint32_t GameSchema::add(Entry entry) {
+    for (const Entry& e : list) LOCKSTONE_ASSERT(e.name != entry.name, "two game columns are named ", entry.name);
+    list.push_back(std::move(entry));
+    return static_cast<std::uint32_t>(list.size() - 1);
+}
+
+// ---- making ----------------------------------------------------------------------------------------------------
+
+namespace {
+
+std::string check_integer(const char* what, std::uint64_t value, std::uint64_t low, std::uint64_t high) {
+    if (value >= low && value <= high) return {};
+    return join("world: ", what, " is ", value, ", must be ", low, " to ", high);
+}
+std::string check_real(const char* what, Real value, Real low, Real high) {
+    if (value >= low && value <= high) return {};
+    return join("world: ", what, " is ", to_string(value), ", must be ", to_string(low), " to ", to_string(high));
+}
+
+/// Empty when good.
+std::string check(const WorldDef& d) {
+    constexpr std::uint64_t objects_max = 1u << 20;
+    const std::string checks[] = {
+        check_integer("tick_rate", d.tick_rate, 1, 1000),
+        check_integer("substeps", d.substeps, 1, 16),
+        check_integer("integrator", static_cast<std::uint64_t>(d.integrator), 0, 3),
+        check_integer("bounds_shift", d.bounds_shift, 0, collide::bounds_shift_max),
+        check_integer("bodies_max", d.bodies_max, 1, objects_max),
+        check_integer("shapes_max", d.shapes_max, 1, objects_max),
+        check_integer("contacts_max", d.contacts_max, 1, objects_max),
+        check_integer("fields_max", d.fields_max, 1, 1024),
+        check_real("gravity.x", d.gravity.x, Real(-1000), Real(1000)),
+        check_real("gravity.y", d.gravity.y, Real(-1000), Real(1000)),
+        check_real("gravity.z", d.gravity.z, Real(-1000), Real(1000)),
+        check_real("restitution_speed_min", d.restitution_speed_min, Real{}, Real(500)),
+        check_real("contact_hertz", d.contact_hertz, Real(1), Real(4000)),
+        check_real("contact_damping", d.contact_damping, 0.1_r, Real(100)),
+        check_real("push_speed_max", d.push_speed_max, Real{}, Real(500)),
+    };
+    for (const std::string& e : checks)
+        if (!e.empty()) return e;
+    return {};
+}
+
+sim::Config config_of(const WorldDef& d) {
+    return {d.tick_rate,  d.substeps,     d.integrator,  d.bounds_shift,          d.bodies_max,    d.shapes_max,
+            d.contacts_max, d.fields_max, d.restitution_speed_min, d.contact_hertz, d.contact_damping, d.push_speed_max,
+            d.seed};
+}
+
+} // namespace
+
+namespace sim {
+
+Data::Data(const WorldDef& d, const GameSchema& s)
+    : def(d), schema(s), m(make_manifest(d, s)), state(m.layout), scratch(d) {
+    state.resize(m.world, 1);
+    state.resize(m.records, 1);
+    header().gravity = d.gravity;
+    state.rows(m.config)[0] = config_of(d);
+    scratch.proxy_generation.assign(d.shapes_max, 0);
+    scratch.shape_pose.resize(d.shapes_max);
+    scratch.shape_margin.resize(d.shapes_max);
+    scratch.bodies.reserve(d.bodies_max);
+}
+
+Data::Data(const Data& other) : Data(other.def, other.schema) {
+    state = other.state;
+}
+
+void forget_derived(Data& w) {
+    w.scratch.structure_stale = true;
+    w.events.clear();
+    w.contact_points.clear();
+    w.phase_hashes.clear();
+}
+
+} // namespace sim
+
+struct World::Impl : sim::Data {
+    using sim::Data::Data;
+};
+
+World::World(std::unique_ptr<Impl> i) : impl(std::move(i)) {}
+World::World(World&&) noexcept = default;
+World& World::operator=(World&&) noexcept = default;
+World::~World() = default;
+
+Result<World> World::create(const WorldDef& def, const GameSchema& schema) {
+    if (std::string e = check(def); !e.empty()) return Error{std::move(e)};
+    return World(std::make_unique<Impl>(def, schema));
+}
+World World::clone() const { return World(std::make_unique<Impl>(*impl)); }
+
+void World::tick() { sim::tick(*impl); }
+std::uint64_t World::tick_count() const { return impl->header().tick; }
+const WorldDef& World::def() const { return impl->def; }
+
+// ---- commands --------------------------------------------------------------------------------------------------
+
+namespace {
+Status status_of(const Result<World::Applied>& applied) { return applied ? Status{} : Status{applied.error()}; }
+} // namespace
+
+Result<World::Applied> World::apply(const Command& command) { return sim::apply(*impl, command); }
+
+Result<BodyId> World::create_body(const BodyDef& def) {
+    const Result<Applied> applied = apply(CreateBody{def});
+    if (!applied) return applied.error();
+    return applied->body;
+}
+Result<ShapeId> World::create_shape(BodyId body, const ShapeDef& def) {
+    const Result<Applied> applied = apply(CreateShape{body, def});
+    if (!applied) return applied.error();
+    return applied->shape;
+}
+Result<FieldId> World::create_field(const FieldDef& def) {
+    const Result<Applied> applied = apply(CreateField{def});
+    if (!applied) return applied.error();
+    return applied->field;
+}
+Status World::destroy(BodyId body) { return status_of(apply(DestroyBody{body})); }
+Status World::destroy(ShapeId shape) { return status_of(apply(DestroyShape{shape})); }
+Status World::destroy(FieldId field) { return status_of(apply(DestroyField{field})); }
+Status World::set_pose(BodyId body, const Transform& pose) { return status_of(apply(SetPose{body, pose})); }
+Status World::set_velocity(BodyId body, Vec3 linear, Vec3 angular) {
+    return status_of(apply(SetVelocity{body, linear, angular}));
+}
+Status World::add_force(BodyId body, Vec3 force, Vec3 torque) { return status_of(apply(AddForce{body, force, torque})); }
+Status World::add_force_at(BodyId body, Vec3 force, Vec3 point) { return status_of(apply(AddForceAt{body, force, point})); }
+Status World::add_impulse(BodyId body, Vec3 linear, Vec3 angular) {
+    return status_of(apply(AddImpulse{body, linear, angular}));
+}
+Status World::add_impulse_at(BodyId body, Vec3 impulse, Vec3 point) {
+    return status_of(apply(AddImpulseAt{body, impulse, point}));
+}
+Status World::set_body_parameters(const SetBodyParameters& parameters) { return status_of(apply(parameters)); }
+Status World::set_material(ShapeId shape, Real friction, Real restitution) {
+    return status_of(apply(SetMaterial{shape, friction, restitution}));
+}
+Status World::set_gravity(Vec3 gravity) { return status_of(apply(SetGravity{gravity})); }
+
+Status World::write_bytes(std::uint32_t column, BodyId body, std::span<const std::byte> row) {
+    LOCKSTONE_ASSERT(column < impl->m.game.size(), "game column ", column, " of ", impl->m.game.size());
+    std::vector<std::byte> canonical;
+    append_canonical(row, impl->schema.entries()[column].leaves, canonical);
+    for (std::size_t offset = 0; offset < canonical.size(); offset += WriteGame{}.data.size()) {
+        WriteGame piece{};
+        piece.column = column;
+        piece.body = body;
+        piece.offset = offset;
+        piece.size = static_cast<std::uint32_t>(std::min(piece.data.size(), canonical.size() - offset));
+        std::memcpy(piece.data.data(), canonical.data() + offset, piece.size);
+        if (Status s = status_of(apply(piece)); !s) return s;
+    }
+    return {};
+}
+
+// ---- reading ---------------------------------------------------------------------------------------------------
+
+namespace {
+std::uint32_t living(const sim::Data& w, BodyId id) {
+    const std::uint32_t row = w.row_of(id);
+    LOCKSTONE_ASSERT(row != sim::Data::dead, "body ", id.index, ":", id.generation, " is not alive");
+    return row;
+}
+std::uint32_t living(const sim::Data& w, ShapeId id) {
+    const std::uint32_t row = w.row_of(id);
+    LOCKSTONE_ASSERT(row != sim::Data::dead, "shape ", id.index, ":", id.generation, " is not alive");
+    return row;
+}
+} // namespace
+
+bool World::is_alive(BodyId body) const { return impl->row_of(body) != sim::Data::dead; }
+bool World::is_alive(ShapeId shape) const { return impl->row_of(shape) != sim::Data::dead; }
+std::uint32_t World::body_count() const { return impl->state.count(impl->m.bodies); }
+BodyId World::body_at(std::uint32_t row) const { return std::as_const(impl->state).rows(impl->m.body_info)[row].id; }
+
+std::vector<BodyId> World::bodies() const {
+    std::vector<BodyId> out;
+    for (const sim::BodyInfo& info : std::as_const(impl->state).rows(impl->m.body_info)) out.push_back(info.id);
+    return out;
+}
+
+Transform World::pose(BodyId body) const {
+    const std::uint32_t row = living(*impl, body);
+    const Transform& pose = std::as_const(impl->state).rows(impl->m.body_pose)[row];
+    const Vec3 center = std::as_const(impl->state).rows(impl->m.body_mass)[row].center;
+    return {pose.position - rotate(pose.rotation, center), pose.rotation};
+}
+Vec3 World::center_of_mass(BodyId body) const { return std::as_const(impl->state).rows(impl->m.body_pose)[living(*impl, body)].position; }
+Vec3 World::linear_velocity(BodyId body) const {
+    return to<Real>(std::as_const(impl->state).rows(impl->m.body_velocity)[living(*impl, body)].linear);
+}
+Vec3 World::angular_velocity(BodyId body) const {
+    return to<Real>(std::as_const(impl->state).rows(impl->m.body_velocity)[living(*impl, body)].angular);
+}
+Real World::mass(BodyId body) const { return std::as_const(impl->state).rows(impl->m.body_mass)[living(*impl, body)].mass; }
+BodyKind World::kind(BodyId body) const { return std::as_const(impl->state).rows(impl->m.body_info)[living(*impl, body)].kind; }
+std::uint64_t World::user_key(BodyId body) const {
+    return std::as_const(impl->state).rows(impl->m.body_info)[living(*impl, body)].user_key;
+}
+
+std::vector<ShapeId> World::shapes(BodyId body) const {
+    const State& state = impl->state;
+    const std::span<const sim::Slot> slots = state.rows(impl->m.shape_slot);
+    const std::span<const sim::ShapeRow> shapes = state.rows(impl->m.shape);
+    std::vector<ShapeId> out;
+    std::uint32_t slot = state.rows(impl->m.body_info)[living(*impl, body)].first_shape;
+    for (; slot != 0; slot = shapes[slots[slot - 1].row].next_shape) out.push_back(shapes[slots[slot - 1].row].id);
+    std::reverse(out.begin(), out.end());
+    return out;
+}
+ShapeDef World::shape(ShapeId shape) const {
+    const sim::ShapeRow& r = std::as_const(impl->state).rows(impl->m.shape)[living(*impl, shape)];
+    return {r.geometry, r.local, r.density, r.friction, r.restitution, r.category, r.mask, r.group, r.sensor, r.user_key};
+}
+BodyId World::body_of(ShapeId shape) const { return std::as_const(impl->state).rows(impl->m.shape)[living(*impl, shape)].body; }
+
+Real World::kinetic_energy() const {
+    const State& state = impl->state;
+    Real sum{};
+    for (std::uint32_t row = 0; row < body_count(); ++row) {
+        const sim::BodyMass& mass = state.rows(impl->m.body_mass)[row];
+        if (mass.mass == Real{}) continue;
+        const sim::Velocity& v = state.rows(impl->m.body_velocity)[row];
+        const Rotation axes = to_rotation(state.rows(impl->m.body_pose)[row].rotation * mass.principal);
+        const Vec3 w = mul_transposed<Real>(axes, to<Real>(v.angular));
+        const Vec3 u{w.x * mass.gyration.x, w.y * mass.gyration.y, w.z * mass.gyration.z};
+        sum += half(mass.mass * (dot<Real>(v.linear, v.linear) + dot<Real>(u, u)));
+    }
+    return sum;
+}
+
+std::span<const std::byte> World::row_bytes(std::uint32_t column, BodyId body) const {
+    LOCKSTONE_ASSERT(column < impl->m.game.size(), "game column ", column, " of ", impl->m.game.size());
+    const GameSchema::Entry& entry = impl->schema.entries()[column];
+    const std::uint32_t row = entry.per_body ? living(*impl, body) : 0;
+    return std::as_const(impl->state).bytes(impl->m.game[column]).subspan(row * entry.row_size, entry.row_size);
+}
+
+Faults World::faults() const { return std::as_const(impl->state).rows(impl->m.faults)[0]; }
+std::span<const Event> World::events() const { return impl->events; }
+std::span<const World::ContactPoint> World::contacts() const { return impl->contact_points; }
+
+// ---- state -----------------------------------------------------------------------------------------------------
+
+std::uint64_t World::hash() const { return impl->state.hash(); }
+void World::save(Image& image) const { impl->state.save(image); }
+void World::restore(const Image& image) {
+    impl->state.restore(image);
+    sim::forget_derived(*impl);
+}
+std::vector<std::byte> World::save_portable() const { return impl->state.save_portable(); }
+
+Status World::restore_portable(std::span<const std::byte> image) {
+    State loaded(impl->state.layout_shared());
+    if (Status s = loaded.restore_portable(image); !s) return s;
+    if (Status s = sim::check_state(*impl, loaded); !s) return s;
+    impl->state = std::move(loaded);
+    sim::forget_derived(*impl);
+    return {};
+}
+
+const State& World::state() const { return impl->state; }
+const GameSchema& World::schema() const { return impl->schema; }
+void World::set_journal(Journal* journal) { impl->journal = journal; }
+void World::record_phase_hashes(bool on) { impl->phase_hashes_on = on; }
+std::span<const PhaseHash> World::phase_hashes() const { return impl->phase_hashes; }
+State& World::state_for_tests() { return impl->state; }
+
+} // namespace lockstone

@@ -1,0 +1,157 @@
+// Portable images. The format is specified in README.md beside this file.
+#include "base/bytes.h"
+#include "base/hash.h"
+#include "lockstone/state.h"
+#include "state/canonical.h"
+
+#include <cstring>
+
+namespace lockstone {
+
+namespace {
+
+using base::hex;
+using base::join;
+
+constexpr std::string_view magic = "LSSTATE\n"; // the line feed shows a transfer that rewrote line ends
+constexpr std::uint32_t version = 1;
+constexpr std::size_t size_offset = 12, checksum_size = 8;
+
+/// What a valid image holds; the spans point into it.
+struct Contents {
+    std::vector<std::uint32_t> counts;
+    std::vector<std::span<const std::byte>> rows; ///< by column, canonical
+};
+
+/// Records the error when two values that should agree do not.
+void expect_equal(base::ByteReader& in, std::size_t at, std::string_view what, std::uint64_t found,
+                  std::uint64_t wanted) {
+    if (found != wanted)
+        in.fail_at(at, join(what, " is ", found, " in the image, ", wanted, " in this build"));
+}
+void expect_equal(base::ByteReader& in, std::size_t at, std::string_view what, std::string_view found,
+                  std::string_view wanted) {
+    if (found != wanted)
+        in.fail_at(at, join(what, " is '", found, "' in the image, '", wanted, "' in this build"));
+}
+
+/// Magic, version, size and checksum: whether these are the bytes that were once written.
+void check_envelope(base::ByteReader& in, std::span<const std::byte> image) {
+    const auto found_magic = in.bytes(magic.size(), "magic");
+    if (in.ok() && std::memcmp(found_magic.data(), magic.data(), magic.size()) != 0)
+        in.fail_at(0, "not a state image: it should begin with 'LSSTATE' and a line feed");
+    const std::uint32_t found_version = in.u32("version");
+    if (in.ok() && found_version != version)
+        in.fail_at(magic.size(),
+                   join("format version ", found_version, ", this build reads version ", version));
+    const std::uint64_t size = in.u64("size");
+    if (in.ok() && size != image.size())
+        in.fail_at(size_offset, join("the image should be ", size, " bytes long, but it has ", image.size()));
+    if (in.ok() && in.remaining() < checksum_size)
+        in.fail(join("the checksum needs ", checksum_size, " bytes, only ", in.remaining(), " remain"));
+    if (!in.ok()) return;
+    const std::size_t end = image.size() - checksum_size;
+    const std::uint64_t stored = base::load_little_endian<std::uint64_t>(image.data() + end);
+    const std::uint64_t found = base::xxh3(image.first(end));
+    if (stored != found)
+        in.fail_at(end, join("damaged: the checksum is ", hex(stored), ", the bytes give ", hex(found)));
+}
+
+std::uint32_t read_table(base::ByteReader& in, const TableInfo& table) {
+    const std::size_t name_at = in.offset();
+    const std::string_view name = in.text("table name");
+    if (in.ok()) expect_equal(in, name_at, "table name", name, table.name);
+    const std::size_t count_at = in.offset();
+    const std::uint32_t count = in.u32("row count");
+    if (in.ok() && count > table.capacity)
+        in.fail_at(count_at, join("table '", table.name, "' has ", count,
+                                  " rows in the image, but capacity for ", table.capacity));
+    return count;
+}
+
+std::span<const std::byte> read_column(base::ByteReader& in, const ColumnInfo& column,
+                                       std::span<const std::uint32_t> counts) {
+    const std::size_t at = in.offset();
+    const std::string_view name = in.text("column name");
+    const std::uint32_t table = in.u32("column table"), group = in.u32("column group"),
+                        size = in.u32("row size");
+    if (!in.ok()) return {};
+    expect_equal(in, at, "column name", name, column.name);
+    expect_equal(in, at, join("table of column '", column.name, "'"), table, column.table);
+    expect_equal(in, at, join("group of column '", column.name, "'"), group,
+                 static_cast<std::uint32_t>(column.group));
+    expect_equal(in, at, join("row size of column '", column.name, "'"), size, column.row_size);
+    if (!in.ok()) return {};
+    return in.bytes(std::uint64_t{counts[column.table]} * column.row_size,
+                    join("rows of column '", name, "'"));
+}
+
+/// Reads and checks the whole image before anything is written anywhere.
+Result<Contents> parse(std::span<const std::byte> image, const StateLayout& layout) {
+    base::ByteReader in(image, "state image");
+    check_envelope(in, image);
+    if (!in.ok()) return in.error();
+
+    base::ByteReader body(image.first(image.size() - checksum_size), "state image");
+    body.bytes(size_offset + 8, "header");
+    const std::size_t schema_at = body.offset();
+    const std::uint64_t schema = body.u64("schema hash");
+    const std::size_t numbers_at = body.offset();
+    const std::uint32_t tables = body.u32("number of tables"), columns = body.u32("number of columns");
+    if (body.ok()) expect_equal(body, numbers_at, "number of tables", tables, layout.tables().size());
+    if (body.ok()) expect_equal(body, numbers_at + 4, "number of columns", columns, layout.columns().size());
+
+    Contents contents;
+    for (const TableInfo& table : layout.tables())
+        if (body.ok()) contents.counts.push_back(read_table(body, table));
+    for (const ColumnInfo& column : layout.columns())
+        if (body.ok()) contents.rows.push_back(read_column(body, column, contents.counts));
+    if (body.ok()) body.expect_end();
+    // Last, since a name that differs says more than two hashes that do.
+    if (body.ok() && schema != layout.schema_hash())
+        body.fail_at(schema_at,
+                     join("schema hash is ", hex(schema), " in the image, ", hex(layout.schema_hash()),
+                          " in this build: the fields of some column differ"));
+    if (!body.ok()) return body.error();
+    return contents;
+}
+
+} // namespace
+
+std::vector<std::byte> State::save_portable() const {
+    std::vector<std::byte> image;
+    base::ByteWriter out(image);
+    out.bytes(std::as_bytes(std::span(magic.data(), magic.size())));
+    out.u32(version);
+    out.u64(0); // the size, patched below
+    out.u64(shared_layout->schema_hash());
+    out.u32(static_cast<std::uint32_t>(shared_layout->tables().size()));
+    out.u32(static_cast<std::uint32_t>(shared_layout->columns().size()));
+    for (std::uint32_t table = 0; table < shared_layout->tables().size(); ++table) {
+        out.text(shared_layout->tables()[table].name);
+        out.u32(count({table}));
+    }
+    for (std::uint32_t index = 0; index < shared_layout->columns().size(); ++index) {
+        const ColumnInfo& column = shared_layout->columns()[index];
+        out.text(column.name);
+        out.u32(column.table);
+        out.u32(static_cast<std::uint32_t>(column.group));
+        out.u32(column.row_size);
+        append_canonical(bytes(index), column.leaves, image);
+    }
+    out.patch_u64(size_offset, image.size() + checksum_size);
+    out.u64(base::xxh3(image));
+    return image;
+}
+
+Status State::restore_portable(std::span<const std::byte> image) {
+    const Result<Contents> contents = parse(image, *shared_layout);
+    if (!contents) return contents.error();
+    for (std::uint32_t table = 0; table < contents->counts.size(); ++table)
+        resize({table}, contents->counts[table]);
+    for (std::uint32_t index = 0; index < contents->rows.size(); ++index)
+        read_canonical(contents->rows[index], shared_layout->columns()[index].leaves, bytes(index));
+    return {};
+}
+
+} // namespace lockstone

@@ -1,0 +1,136 @@
+#include "lockstone/state.h"
+
+#include "base/assert.h"
+
+#include <algorithm>
+#include <cstring>
+#include <new>
+
+namespace lockstone {
+
+namespace {
+
+constexpr std::align_val_t block_alignment{64};
+
+/// At least one byte, so that the block of an empty layout is an object too.
+std::byte* allocate_block(std::size_t size) {
+    return static_cast<std::byte*>(::operator new(std::max<std::size_t>(size, 1), block_alignment));
+}
+
+struct ImageHeader {
+    std::uint64_t schema;
+};
+
+/// Where the rows begin: the header and the counts, up to a cache line, since a misaligned copy is slower.
+std::size_t rows_offset(std::size_t tables) {
+    return (sizeof(ImageHeader) + tables * sizeof(std::uint32_t) + 63) / 64 * 64;
+}
+
+/// Walks the packed image: what copy(column, bytes of live rows) sees is in manifest order.
+template <class Copy>
+std::size_t walk_columns(const StateLayout& layout, std::span<const std::uint32_t> counts, Copy&& copy) {
+    std::size_t at = rows_offset(counts.size());
+    for (const ColumnInfo& column : layout.columns()) {
+        const std::size_t size = std::size_t{counts[column.table]} * column.row_size;
+        copy(column, at, size);
+        at += size;
+    }
+    return at;
+}
+
+} // namespace
+
+void State::AlignedFree::operator()(std::byte* p) const { ::operator delete(p, block_alignment); }
+
+State::State(std::shared_ptr<const StateLayout> layout) : shared_layout(std::move(layout)) {
+    LOCKSTONE_ASSERT(shared_layout != nullptr, "a State needs a layout");
+    block.reset(allocate_block(shared_layout->size_bytes()));
+    std::memset(block.get(), 0, shared_layout->size_bytes());
+}
+
+State::State(const State& other) : shared_layout(other.shared_layout) {
+    block.reset(allocate_block(shared_layout->size_bytes()));
+    std::memcpy(block.get(), other.block.get(), shared_layout->size_bytes());
+}
+
+State& State::operator=(const State& other) {
+    if (this == &other) return *this;
+    if (shared_layout != other.shared_layout) {
+        if (shared_layout == nullptr) return *this = State(other); // assigned to after it was moved from
+        LOCKSTONE_ASSERT(shared_layout->schema_hash() == other.shared_layout->schema_hash(),
+                         "states of different schemas");
+        LOCKSTONE_ASSERT(std::ranges::equal(shared_layout->tables(), other.shared_layout->tables(), {},
+                                            &TableInfo::capacity, &TableInfo::capacity),
+                         "states of different capacities");
+    }
+    std::memcpy(block.get(), other.block.get(), shared_layout->size_bytes());
+    return *this;
+}
+
+std::span<std::byte> State::bytes(std::uint32_t column) {
+    const ColumnInfo& info = shared_layout->columns()[column];
+    return {block.get() + info.offset, std::size_t{counts()[info.table]} * info.row_size};
+}
+
+std::span<const std::byte> State::bytes(std::uint32_t column) const {
+    const ColumnInfo& info = shared_layout->columns()[column];
+    return {block.get() + info.offset, std::size_t{counts()[info.table]} * info.row_size};
+}
+
+void State::resize(TableId table, std::uint32_t rows) {
+    LOCKSTONE_ASSERT(table.index < counts().size(), "table ", table.index, " of ", counts().size());
+    LOCKSTONE_ASSERT(rows <= capacity(table), "table ", shared_layout->tables()[table.index].name, ": ", rows,
+                     " rows, capacity ", capacity(table));
+    const std::uint32_t old = counts()[table.index];
+    counts()[table.index] = rows;
+    if (rows >= old) return; // what is not live is zero already
+    for (const ColumnInfo& column : shared_layout->columns())
+        if (column.table == table.index)
+            std::memset(block.get() + column.offset + std::size_t{rows} * column.row_size, 0,
+                        std::size_t{old - rows} * column.row_size);
+}
+
+std::size_t State::image_bytes() const {
+    return walk_columns(*shared_layout, counts(), [](const ColumnInfo&, std::size_t, std::size_t) {});
+}
+
+void State::save(Image& image) const {
+    // The largest image at once: a ring then never allocates again, however the world grows.
+    if (image.bytes.size() < image_bytes()) image.bytes.resize(shared_layout->image_bytes_max());
+    std::byte* to = image.bytes.data();
+    const ImageHeader header{shared_layout->schema_hash()};
+    std::memset(to, 0, rows_offset(counts().size())); // so that equal states give equal images
+    std::memcpy(to, &header, sizeof header);
+    if (!counts().empty()) std::memcpy(to + sizeof header, block.get(), counts().size_bytes());
+    image.size = walk_columns(*shared_layout, counts(),
+                              [&](const ColumnInfo& column, std::size_t at, std::size_t size) {
+                                  std::memcpy(to + at, block.get() + column.offset, size);
+                              });
+}
+
+void State::restore(const Image& image) {
+    const std::byte* from = image.bytes.data();
+    ImageHeader header{};
+    LOCKSTONE_ASSERT(image.size <= image.bytes.size() && image.size >= rows_offset(counts().size()),
+                     "image of ", image.size, " bytes");
+    std::memcpy(&header, from, sizeof header);
+    LOCKSTONE_ASSERT(header.schema == shared_layout->schema_hash(), "an image of another schema");
+    const auto count_in_image = [&](std::size_t table) {
+        std::uint32_t count = 0;
+        std::memcpy(&count, from + sizeof header + table * sizeof count, sizeof count);
+        return count;
+    };
+    // Rows beyond those of the image are zeroed by the resize.
+    for (std::uint32_t table = 0; table < counts().size(); ++table) {
+        LOCKSTONE_ASSERT(count_in_image(table) <= capacity({table}), "table ",
+                         shared_layout->tables()[table].name);
+        if (count_in_image(table) != counts()[table]) resize({table}, count_in_image(table));
+    }
+    LOCKSTONE_ASSERT(image.size == image_bytes(), "image of ", image.size, " bytes, its rows need ",
+                     image_bytes());
+    walk_columns(*shared_layout, counts(), [&](const ColumnInfo& column, std::size_t at, std::size_t size) {
+        std::memcpy(block.get() + column.offset, from + at, size);
+    });
+}
+
+} // namespace lockstone

@@ -1,0 +1,98 @@
+// Programmer's errors end the program and print the values. Each runs in a child process.
+#include "support/state_sample.h"
+
+#include <doctest/doctest.h>
+
+#if defined(__unix__)
+
+#include <csignal>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace lockstone::test {
+namespace {
+
+/// What `act` prints to stderr before it aborts; "survived" when it does not.
+template <class Act> std::string last_words(Act&& act) {
+    int ends[2];
+    REQUIRE(pipe(ends) == 0);
+    const pid_t child = fork();
+    REQUIRE(child >= 0);
+    if (child == 0) {
+        dup2(ends[1], STDERR_FILENO);
+        std::signal(SIGABRT, SIG_DFL);
+        act();
+        _exit(0);
+    }
+    close(ends[1]);
+    std::string text;
+    char buffer[512];
+    for (ssize_t n = 0; (n = read(ends[0], buffer, sizeof buffer)) > 0;)
+        text.append(buffer, static_cast<std::size_t>(n));
+    close(ends[0]);
+    int status = 0;
+    waitpid(child, &status, 0);
+    return WIFSIGNALED(status) && WTERMSIG(status) == SIGABRT ? text : "survived " + text;
+}
+
+bool begins_with(const std::string& text, std::string_view start) {
+    INFO(text);
+    const bool good = std::string_view(text).starts_with(start);
+    CHECK(good);
+    return good;
+}
+
+} // namespace
+
+TEST_CASE("a programmer's error aborts with the rule and the values") {
+    const Sample s = make_sample();
+    State state(s.layout);
+    CHECK(begins_with(last_words([&] { state.resize(s.body, 9); }),
+                      "lockstone: broken rule: rows <= capacity(table): table body: 9 rows, capacity 8"));
+    CHECK(begins_with(last_words([] {
+                          StateLayout layout;
+                          layout.add_table("t", 1);
+                          layout.add_table("t", 2);
+                      }),
+                      "lockstone: broken rule: table.name != name: two tables named t"));
+    CHECK(begins_with(last_words([] {
+                          StateLayout layout;
+                          const TableId t = layout.add_table("t", 1);
+                          layout.add_column<Real>(t, "c", Group::game);
+                          layout.add_column<Speed>(t, "c", Group::game);
+                      }),
+                      "lockstone: broken rule: find_column(name) == nullptr: two columns named c"));
+    CHECK(begins_with(last_words([] {
+                          StateLayout layout;
+                          layout.add_column(layout.add_table("t", 1), "c", Group::game, 8,
+                                            {{"x", 0, 4, LeafKind::signed_integer, 0}});
+                      }),
+                      "lockstone: broken rule: row_size"));
+    CHECK(begins_with(
+        last_words([&] {
+            StateLayout layout;
+            const State other(std::make_shared<const StateLayout>(layout));
+            Image image;
+            other.save(image);
+            state.restore(image);
+        }),
+        "lockstone: broken rule: header.schema == shared_layout->schema_hash(): an image of another"));
+    CHECK(begins_with(last_words([&] { state.restore(Image{}); }), "lockstone: broken rule: image.size"));
+    CHECK(begins_with(last_words([&] {
+                          const Sample larger = make_sample(9);
+                          Image image;
+                          random_state(larger, 9, 0, 0, 1).save(image);
+                          state.restore(image);
+                      }),
+                      "lockstone: broken rule: count_in_image(table) <= capacity"));
+    CHECK(begins_with(last_words([&] { state = State(make_sample(9).layout); }), "survived"));
+    CHECK(begins_with(last_words([&] {
+                          const State other(make_sample(9).layout);
+                          state = other;
+                      }),
+                      "lockstone: broken rule: std::ranges::equal"));
+}
+
+} // namespace lockstone::test
+
+#endif

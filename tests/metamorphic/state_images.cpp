@@ -1,0 +1,97 @@
+#include "support/allocation_counter.h"
+#include "support/state_sample.h"
+
+#include <doctest/doctest.h>
+
+namespace lockstone::test {
+
+TEST_CASE("restore(save) gives back the same block, whatever stood there") {
+    const Sample s = make_sample();
+    Image image;
+    for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+        const State saved = random_state(s, seed);
+        State state = random_state(s, seed + 1000);
+        saved.save(image);
+        CHECK(image.size == saved.image_bytes());
+        state.restore(image);
+        REQUIRE(same_bytes(state.block_bytes(), saved.block_bytes()));
+        REQUIRE(state.hash() == saved.hash());
+    }
+}
+
+TEST_CASE("an image fits the largest state, and the smallest") {
+    const Sample s = make_sample();
+    const State full = random_state(s, 8, 400, 100, 1), empty(s.layout);
+    CHECK(full.image_bytes() == s.layout->image_bytes_max());
+    Image image, fresh;
+    full.save(image);
+    empty.save(image);
+    empty.save(fresh);
+    CHECK(same_bytes({image.bytes.data(), image.size}, {fresh.bytes.data(), fresh.size}));
+    State state = full;
+    state.restore(image);
+    CHECK(same_bytes(state.block_bytes(), empty.block_bytes()));
+}
+
+TEST_CASE("a copy at another address has the same hash, and lives on its own") {
+    const Sample s = make_sample();
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+        State state = random_state(s, seed);
+        State copy(state);
+        CHECK(copy.block_bytes().data() != state.block_bytes().data());
+        CHECK(copy.hash() == state.hash());
+        State assigned(s.layout);
+        assigned = copy;
+        CHECK(same_bytes(assigned.block_bytes(), state.block_bytes()));
+        const State moved = std::move(copy);
+        CHECK(moved.hash() == state.hash());
+        state.resize(s.tag, (state.count(s.tag) + 1) % 100);
+        CHECK(state.hash() != moved.hash());
+        copy = moved; // a state may be assigned to after it was moved from
+        CHECK(copy.hash() == moved.hash());
+    }
+}
+
+TEST_CASE("save, restore and hash allocate nothing once the image has its size") {
+    const Sample s = make_sample();
+    State small = random_state(s, 1, 3, 1, 5), large = random_state(s, 8, 400, 100, 6);
+    Image image;
+    small.save(image);
+    const AllocationCounter counter;
+    std::uint64_t sum = 0;
+    for (int i = 0; i < 10; ++i) {
+        large.save(image);
+        small.restore(image);
+        sum += small.hash();
+        small.resize(s.contact, 3);
+        small.save(image);
+    }
+    CHECK(counter.count() == 0);
+    CHECK(sum != 0);
+}
+
+TEST_CASE("the allocation counter counts") {
+    const AllocationCounter counter;
+    const auto number = std::make_unique<int>(1);
+    const State state(make_sample().layout);
+    CHECK(*number == 1);
+    CHECK(counter.count() > 1);
+}
+
+TEST_CASE("a portable image passes through other capacities unchanged") {
+    const Sample s = make_sample(), larger = make_sample(50, 1000), tight = make_sample(5, 180);
+    const State state = random_state(s, 5, 180, 42, 9);
+    const auto image = state.save_portable();
+    State in_larger(larger.layout), in_tight = random_state(tight, 3);
+    REQUIRE(in_larger.restore_portable(image).ok());
+    CHECK(in_larger.hash() == state.hash());
+    const auto again = in_larger.save_portable();
+    CHECK(again == image);
+    REQUIRE(in_tight.restore_portable(again).ok());
+    CHECK(in_tight.hash() == state.hash());
+    State back = random_state(s, 77);
+    REQUIRE(back.restore_portable(in_tight.save_portable()).ok());
+    CHECK(same_bytes(back.block_bytes(), state.block_bytes()));
+}
+
+} // namespace lockstone::test

@@ -1,0 +1,245 @@
+// 72 bodies: the arena, 64 mixed props, four balls of which the players drive the first two to four, a sweeper and
+// two pillars. Players roll, jump and push; who touches a prop owns it; one is "it" until he tags another; every two
+// seconds a geyser throws a prop. Scores, owners, cooldowns and the random stream are game state like any other.
+#include "lockstone/random.h"
+#include "scenes/scene.h"
+
+#include <algorithm>
+#include <array>
+
+namespace lockstone::scenes_detail {
+namespace {
+
+constexpr std::uint32_t ball_count = 4, prop_count = 64, props_per_row = 8;
+constexpr std::uint32_t jump_pause = 45, push_pause = 30, tag_pause = 60, geyser_period = 120; ///< [ticks]
+constexpr Real ball_radius = 0.6_r, ball_mass = 80_r,
+               reach = 0.5_r; ///< [m], [kg], [m] beyond the ball's surface
+
+struct Match {
+    std::array<std::uint32_t, ball_count> score;      ///< props owned, and tags made
+    std::array<std::uint32_t, ball_count> jump_ready; ///< the first tick at which the player may jump again
+    std::array<std::uint32_t, ball_count> push_ready;
+    std::uint32_t tag_ready;
+    std::uint32_t it; ///< the player who is "it"
+    Random random;
+    friend bool operator==(const Match&, const Match&) = default;
+};
+template <class V> constexpr void describe(Match& m, V&& v) {
+    v("score", m.score), v("jump_ready", m.jump_ready), v("push_ready", m.push_ready);
+    v("tag_ready", m.tag_ready), v("it", m.it), v("random", m.random.state);
+}
+
+struct Cast {
+    std::array<BodyId, ball_count> balls;
+    std::array<BodyId, prop_count> props;
+};
+template <class V> constexpr void describe(Cast& c, V&& v) { v("balls", c.balls), v("props", c.props); }
+
+/// Of a prop: the player who touched it last, and how often it changed hands.
+struct Claim {
+    std::uint32_t owner; ///< player + 1; 0 for nobody
+    std::uint32_t changes;
+};
+template <class V> constexpr void describe(Claim& c, V&& v) { v("owner", c.owner), v("changes", c.changes); }
+
+struct Columns {
+    Column<Match> match;
+    Column<Cast> cast;
+    Column<Claim> claim;
+};
+Columns add_columns(GameSchema& schema) {
+    return {schema.add_record<Match>("game.match"), schema.add_record<Cast>("game.cast"),
+            schema.add_body_column<Claim>("game.claim")};
+}
+constexpr Columns columns{{0}, {1}, {2}}; ///< in the order in which add_columns adds them
+
+// ---- the start ------------------------------------------------------------------------------------------------
+
+void build_arena(Builder& build) {
+    constexpr Real half_side = 12_r, height = 1.5_r, thickness = 0.5_r;
+    const BodyId arena = build.ground();
+    for (const Real side : {-1_r, 1_r}) {
+        const Real offset = side * (half_side + thickness);
+        build.shape(
+            arena, {.geometry = box(thickness, height, half_side + 1_r), .local = at({offset, height, 0_r})});
+        build.shape(arena,
+                    {.geometry = box(half_side, height, thickness), .local = at({0_r, height, offset})});
+    }
+}
+
+void build_balls(Builder& build, Cast& cast) {
+    constexpr std::array<std::array<Real, 2>, ball_count> corners{
+        {{-10_r, -10_r}, {10_r, 10_r}, {10_r, -10_r}, {-10_r, 10_r}}};
+    for (std::uint32_t p = 0; p < ball_count; ++p)
+        cast.balls[p] =
+            build.body({.pose = at({corners[p][0], ball_radius, corners[p][1]}),
+                        .angular_damping = 0.5_r,
+                        .mass = ball_mass,
+                        .user_key = user_key_of(Role::player, p)},
+                       {.geometry = sphere(ball_radius), .friction = 0.8_r, .restitution = 0.3_r});
+}
+
+void build_props(Builder& build, Cast& cast, Random& random) {
+    const std::array<Geometry, 3> geometries{sphere(0.35_r), box(0.4_r, 0.4_r, 0.4_r), capsule(0.3_r, 0.3_r)};
+    constexpr UnitVec3 up{Unit{}, unit_one, Unit{}};
+    for (std::uint32_t i = 0; i < prop_count; ++i) {
+        const Real x = Real(i % props_per_row) * 2 - 7_r, z = Real(i / props_per_row) * 2 - 7_r;
+        const Real turn = random.range(-pi, pi);
+        cast.props[i] = build.body(
+            {.pose = at({x, 0.8_r, z}, from_axis_angle(up, turn)),
+             .linear_damping = 0.05_r,
+             .angular_damping = 0.2_r,
+             .user_key = user_key_of(Role::prop, i)},
+            {.geometry = geometries[i % geometries.size()], .density = 60_r, .restitution = 0.2_r});
+    }
+}
+
+void build_machines(Builder& build) {
+    build.body({.kind = BodyKind::kinematic,
+                .pose = at({0_r, 0.45_r, 0_r}),
+                .angular_velocity = {0_r, 0.5_r, 0_r},
+                .user_key = user_key_of(Role::machine, 0)},
+               {.geometry = box(4_r, 0.25_r, 0.2_r), .friction = 0.3_r});
+    for (std::uint32_t i = 0; i < 2; ++i)
+        build.body({.kind = BodyKind::static_,
+                    .pose = at({i == 0 ? -10_r : 10_r, 1.5_r, 0_r}),
+                    .user_key = user_key_of(Role::wall, i)},
+                   {.geometry = box(0.6_r, 1.5_r, 0.6_r)});
+}
+
+// ---- the rules ------------------------------------------------------------------------------------------------
+
+/// True while the distance of two centres is below `limit`, which is at most 100 m.
+bool within(Vec3 a, Vec3 b, Real limit) { return length_squared(a - b) < limit * limit; }
+
+void drive(World& world, BodyId ball, ArenaInput input) {
+    constexpr Real acceleration = 25_r, drag = 2_r; // [m/s^2], [1/s]: 12.5 m/s at most
+    const Vec3 velocity = world.linear_velocity(ball);
+    const auto along = [&](std::int8_t move, Real v) {
+        return ball_mass * (acceleration * Real(move) / 127_r - drag * v);
+    };
+    must(world.add_force(ball, {along(input.move_x, velocity.x), 0_r, along(input.move_z, velocity.z)}));
+}
+
+void jump(World& world, BodyId ball) {
+    constexpr Real speed = 6_r, floor_gap = 0.1_r;
+    if (world.pose(ball).position.y > ball_radius + floor_gap) return;
+    must(world.add_impulse(ball, {0_r, ball_mass * speed, 0_r}));
+}
+
+/// Throws the props around the ball away from it, the nearest hardest.
+void push(World& world, const Cast& cast, BodyId ball) {
+    constexpr Real range = 4_r, speed = 9_r;
+    const Vec3 from = world.pose(ball).position;
+    for (const BodyId prop : cast.props) {
+        const Vec3 away = world.pose(prop).position - from;
+        const Real distance = length(away);
+        if (distance >= range) continue;
+        const Real strength = world.mass(prop) * speed * (1_r - distance / range);
+        const Vec3 direction = to<Real>(normalized(away)) + Vec3{0_r, 0.4_r, 0_r};
+        must(world.add_impulse(prop, direction * strength));
+    }
+}
+
+void capture(World& world, const Cast& cast, Match& match, std::uint32_t player) {
+    const Vec3 at_ball = world.pose(cast.balls[player]).position;
+    for (const BodyId prop : cast.props) {
+        const Claim claim = world.read(columns.claim, prop);
+        if (claim.owner == player + 1 || !within(at_ball, world.pose(prop).position, ball_radius + reach))
+            continue;
+        if (claim.owner != 0) --match.score[claim.owner - 1];
+        ++match.score[player];
+        must(world.write(columns.claim, prop, Claim{player + 1, claim.changes + 1}));
+    }
+}
+
+void tag(const World& world, const Cast& cast, Match& match, std::uint32_t player, std::uint32_t now) {
+    if (player == match.it || now < match.tag_ready) return;
+    const Vec3 a = world.pose(cast.balls[match.it]).position, b = world.pose(cast.balls[player]).position;
+    if (!within(a, b, ball_radius * 2 + 0.1_r)) return;
+    match.score[match.it] += 3;
+    match.it = player;
+    match.tag_ready = now + tag_pause;
+}
+
+void geyser(World& world, const Cast& cast, Match& match) {
+    const BodyId prop = cast.props[match.random.below(prop_count)];
+    const Real speed = match.random.range(5_r, 9_r);
+    must(world.add_impulse(prop, {0_r, world.mass(prop) * speed, 0_r}));
+}
+
+class RollbackArena final : public Scene {
+  public:
+    using Scene::Scene;
+    std::uint32_t input_size() const override { return input_size_of<ArenaInput>; }
+
+    Result<World> start() const override {
+        GameSchema schema;
+        const Columns made = add_columns(schema);
+        Builder build(world_for(prop_count + ball_count, options.seed), schema);
+        Match match{};
+        match.random = Random::seeded(options.seed);
+        Cast cast{};
+        build_arena(build);
+        build_balls(build, cast);
+        build_props(build, cast, match.random);
+        build_machines(build);
+        build.record(made.match, match);
+        build.record(made.cast, cast);
+        return std::move(build).finish();
+    }
+
+    void advance(World& world, std::span<const PlayerInput> inputs) const override {
+        const auto now = static_cast<std::uint32_t>(world.tick_count());
+        const Cast cast = world.read(columns.cast);
+        const Match before = world.read(columns.match);
+        Match match = before;
+        for (std::uint32_t p = 0; p < inputs.size(); ++p) {
+            if (inputs[p].status == InputStatus::disconnected) continue;
+            play(world, cast, match, p, decode_input<ArenaInput>(inputs[p]), now);
+        }
+        if (now % geyser_period == geyser_period - 1) geyser(world, cast, match);
+        if (match != before) must(world.write(columns.match, match));
+        world.tick();
+    }
+
+    /// Holds a direction for a third of a second, jumps and pushes now and then.
+    void script(std::uint64_t seed, std::uint64_t tick, std::uint32_t player,
+                std::span<std::byte> input) const override {
+        constexpr std::uint64_t hold = 20;
+        Random held = Random::seeded(seed, 1 + player).split(tick / hold);
+        ArenaInput made;
+        made.move_x = static_cast<std::int8_t>(held.range(-127, 127));
+        made.move_z = static_cast<std::int8_t>(held.range(-127, 127));
+        const bool at_start = tick % hold == 0;
+        if (at_start && held.below(3) == 0) made.buttons |= arena_jump;
+        if (at_start && held.below(3) == 0) made.buttons |= arena_push;
+        const auto bytes = encode_input(made);
+        std::copy(bytes.begin(), bytes.end(), input.begin());
+    }
+
+  private:
+    static void play(World& world, const Cast& cast, Match& match, std::uint32_t p, ArenaInput input,
+                     std::uint32_t now) {
+        const BodyId ball = cast.balls[p];
+        drive(world, ball, input);
+        if ((input.buttons & arena_jump) != 0 && now >= match.jump_ready[p]) {
+            jump(world, ball);
+            match.jump_ready[p] = now + jump_pause;
+        }
+        if ((input.buttons & arena_push) != 0 && now >= match.push_ready[p]) {
+            push(world, cast, ball);
+            match.push_ready[p] = now + push_pause;
+        }
+        capture(world, cast, match, p);
+        tag(world, cast, match, p, now);
+    }
+};
+
+} // namespace
+
+std::unique_ptr<Scene> make_rollback_arena(const SceneInfo& info, const SceneOptions& options) {
+    return std::make_unique<RollbackArena>(info, options, 1);
+}
+
+} // namespace lockstone::scenes_detail

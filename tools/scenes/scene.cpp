@@ -1,0 +1,69 @@
+#include "scenes/scene.h"
+
+#include <cstdio>
+#include <cstdlib>
+
+namespace lockstone::scenes_detail {
+
+Scene::Scene(const SceneInfo& about, const SceneOptions& chosen, std::uint32_t version)
+    : info(about), options(chosen), rules_version(version) {}
+
+std::string Scene::name() const {
+    return std::string(info.name) + " size=" + std::to_string(options.size) +
+           " seed=" + std::to_string(options.seed) + " players=" + std::to_string(options.players);
+}
+
+std::uint64_t Scene::content_id() const {
+    const std::string text = name();
+    return hash_bytes(std::as_bytes(std::span(text)), rules_version);
+}
+
+void Scene::script(std::uint64_t, std::uint64_t, std::uint32_t, std::span<std::byte>) const {}
+
+Builder::Builder(const WorldDef& def, const GameSchema& schema) : made(World::create(def, schema)) {}
+
+BodyId Builder::body(const BodyDef& def, const ShapeDef& shape_def) {
+    if (!made.ok()) return {};
+    const Result<BodyId> body = made->create_body(def);
+    if (!body) {
+        made = body.error();
+        return {};
+    }
+    shape(*body, shape_def);
+    return *body;
+}
+
+void Builder::shape(BodyId body, const ShapeDef& shape_def) {
+    if (!made.ok()) return;
+    if (const Result<ShapeId> shape = made->create_shape(body, shape_def); !shape) made = shape.error();
+}
+
+BodyId Builder::ground() {
+    return body({.kind = BodyKind::static_, .user_key = user_key_of(Role::terrain, 0)},
+                {.geometry = plane()});
+}
+
+void Builder::keep(const Status& status) {
+    if (!status) made = status.error();
+}
+
+WorldDef world_for(std::uint32_t dynamic_bodies, std::uint64_t seed) {
+    constexpr std::uint32_t scenery = 16, pairs_per_body = 12;
+    WorldDef def;
+    def.bodies_max = dynamic_bodies + scenery;
+    def.shapes_max = dynamic_bodies + scenery;
+    def.contacts_max = pairs_per_body * (dynamic_bodies + scenery);
+    def.seed = seed;
+    return def;
+}
+
+void must(const Status& status) {
+    if (status) return;
+    std::fprintf(stderr, "a scene's own command failed: %s\n", status.error().message.c_str());
+    std::abort();
+}
+
+Transform at(Vec3 position) { return {position, Quat::identity()}; }
+Transform at(Vec3 position, Quat rotation) { return {position, rotation}; }
+
+} // namespace lockstone::scenes_detail

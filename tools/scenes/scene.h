@@ -1,0 +1,66 @@
+// What all scenes share: name, options, content id, and a builder that keeps the first error.
+#pragma once
+
+#include "scenes/scenes.h"
+
+namespace lockstone::scenes_detail {
+
+/// A scene with its options filled in. Scenes without players need `start` alone.
+class Scene : public Game {
+  public:
+    Scene(const SceneInfo& about, const SceneOptions& chosen, std::uint32_t version);
+
+    std::string name() const override;
+    std::uint64_t content_id() const override; ///< of the name, the options and the version of the rules
+    std::uint32_t player_count() const override { return options.players; }
+    std::uint32_t input_size() const override { return 0; }
+    void advance(World& world, std::span<const PlayerInput>) const override { world.tick(); }
+
+    /// See scripted_input; `input` is zero on entry.
+    virtual void script(std::uint64_t seed, std::uint64_t tick, std::uint32_t player,
+                        std::span<std::byte> input) const;
+
+  protected:
+    const SceneInfo& info;
+    const SceneOptions options; ///< nothing is left at "the scene's own"
+    const std::uint32_t rules_version;
+};
+
+/// Makes a world body by body; after the first error the rest is skipped and `finish` returns it.
+class Builder {
+  public:
+    explicit Builder(const WorldDef& def, const GameSchema& schema = {});
+
+    BodyId body(const BodyDef& def, const ShapeDef& shape);
+    void shape(BodyId body, const ShapeDef& shape);
+    BodyId ground(); ///< a plane through the origin
+    template <StateRow T> void record(Column<T> column, const T& value) {
+        if (made.ok()) keep(made->write(column, value));
+    }
+    Result<World> finish() && { return std::move(made); }
+
+  private:
+    void keep(const Status& status);
+    Result<World> made;
+};
+
+/// A world that holds `dynamic_bodies` bodies of one shape, the scenery, and their contacts.
+WorldDef world_for(std::uint32_t dynamic_bodies, std::uint64_t seed);
+
+/// For commands that cannot fail in a scene that is right: ends the program with the command's sentence.
+void must(const Status& status);
+
+/// Placed upright at a point.
+Transform at(Vec3 position);
+Transform at(Vec3 position, Quat rotation);
+
+// One per scene; the registry in scenes.cpp lists them.
+using MakeScene = std::unique_ptr<Scene> (*)(const SceneInfo&, const SceneOptions&);
+std::unique_ptr<Scene> make_two_blocks(const SceneInfo&, const SceneOptions&);
+std::unique_ptr<Scene> make_stack(const SceneInfo&, const SceneOptions&);
+std::unique_ptr<Scene> make_pyramid(const SceneInfo&, const SceneOptions&);
+std::unique_ptr<Scene> make_pile(const SceneInfo&, const SceneOptions&);
+std::unique_ptr<Scene> make_domino(const SceneInfo&, const SceneOptions&);
+std::unique_ptr<Scene> make_rollback_arena(const SceneInfo&, const SceneOptions&);
+
+} // namespace lockstone::scenes_detail

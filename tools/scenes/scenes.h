@@ -1,0 +1,78 @@
+// The built-in scenes: small games that the command line, the tests and the demo share.
+//
+//   auto game = make_scene("pyramid", {.size = 12});
+//   if (!game) return report(game.error().message);      // names the scenes there are
+//   World world = (*game)->start().value();
+//   std::vector<std::byte> input((*game)->input_size());
+//   scripted_input(**game, seed, world.tick_count(), player, input);
+//
+// Every scene is a lockstone::Game: a pure function of state and inputs, placed in fixed point alone.
+#pragma once
+
+#include "lockstone/input.h"
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace lockstone {
+
+struct SceneOptions {
+    std::uint32_t size = 0;    ///< 0: the scene's own; what it counts is SceneInfo::size_of
+    std::uint64_t seed = 1;    ///< of placement and of the game's random stream
+    std::uint32_t players = 0; ///< 0: the scene's own
+};
+
+struct SceneInfo {
+    std::string_view name;
+    std::string_view sentence;
+    std::string_view size_of;   ///< "boxes"; empty when the scene comes in one size
+    std::uint32_t size_default; ///< 0 when the scene comes in one size
+    std::uint32_t size_min, size_max;
+    std::uint32_t players_default, players_min, players_max; ///< 0 when nobody plays
+};
+
+/// In the order in which lists show them.
+std::span<const SceneInfo> scenes();
+const SceneInfo* find_scene(std::string_view name);
+
+/// The error names the scenes there are and the nearest one, or the range of the option.
+Result<std::unique_ptr<Game>> make_scene(std::string_view name, const SceneOptions& options = {});
+/// The game that Game::name() of a scene names: "pile size=1000 seed=1 players=0". Replays hold that text.
+Result<std::unique_ptr<Game>> make_scene_named(std::string_view game_name);
+
+/// What `player` does at `tick` when nobody sits at the controls: a pure function of its arguments.
+/// `input` has game.input_size() bytes; all zero for games that are not scenes.
+void scripted_input(const Game& game, std::uint64_t seed, std::uint64_t tick, std::uint32_t player,
+                    std::span<std::byte> input);
+
+// ---- rollback-arena's input, for players who do sit there -----------------------------------------------------
+
+/// One player's input; `encode_input` makes the bytes.
+struct ArenaInput {
+    std::int8_t move_x = 0, move_z = 0; ///< -127..127 of full force along x and z
+    std::uint8_t buttons = 0;           ///< ArenaButton bits
+};
+enum ArenaButton : std::uint8_t { arena_jump = 1, arena_push = 2 };
+template <class Visit> constexpr void describe(ArenaInput& i, Visit&& visit) {
+    visit("move_x", i.move_x), visit("move_z", i.move_z), visit("buttons", i.buttons);
+}
+
+// ---- what a body is, for viewers ------------------------------------------------------------------------------
+
+enum class Role : std::uint32_t { terrain, wall, prop, player, machine };
+
+/// A body's user_key in every scene: what it is, and which of its kind.
+constexpr std::uint64_t user_key_of(Role role, std::uint32_t number) {
+    return std::uint64_t{static_cast<std::uint32_t>(role)} << 32 | number;
+}
+struct Look {
+    Role role;
+    std::uint32_t number; ///< player 0.., prop 0..
+    std::uint32_t colour; ///< 0xRRGGBB
+};
+Look look_of(std::uint64_t user_key);
+
+} // namespace lockstone
