@@ -137,8 +137,9 @@ std::string leaf_fault(const LeafInfo& leaf, std::uint64_t offset_expected) {
 
 std::string entry_fault(const GameSchema::Entry& entry) {
     std::string fault = first_of(text_fault("column name", entry.name),
-                                 range_fault("column name's length", entry.name.size(), 1, text_bytes_max),
-                                 range_fault("row size", entry.row_size, 1, row_bytes_max));
+                                 range_fault("column name's length", entry.name.size(), 1, text_bytes_max));
+    if (!fault.empty()) return fault; // the name cannot be shown
+    fault = range_fault("row size", entry.row_size, 1, row_bytes_max);
     std::uint64_t end = 0;
     for (std::size_t i = 0; fault.empty() && i < entry.leaves.size(); ++i) {
         fault = leaf_fault(entry.leaves[i], end);

@@ -2,8 +2,6 @@
 
 #include "replay/codec.h"
 
-#include <limits>
-
 namespace lockstone::replay {
 namespace {
 
@@ -130,7 +128,7 @@ Status Player::seek_keyframe(std::size_t keyframe) {
     const std::string where = join("keyframe at ", which.time, ": ");
     if (const Status status = now.restore_portable(source->keyframe_image(keyframe)); !status)
         return error(where + status.error().message);
-    time_now = now.tick_count();
+    time_now = which.time;
     if (now.tick_count() != which.time) return error(join(where, "its state is of tick ", now.tick_count()));
     if (now.hash() != which.hash)
         return error(join(where, "its state has hash ", hex(now.hash()), ", recorded is ", hex(which.hash)));

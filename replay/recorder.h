@@ -18,7 +18,7 @@
 namespace lockstone::replay {
 
 struct RecorderOptions {
-    std::vector<Option> options;                         ///< for HEAD; sorted here, keys unique
+    std::vector<Option> options = {};                      ///< for HEAD; sorted here, keys unique
     std::uint64_t keyframe_ticks = keyframe_ticks_default; ///< 0: only the first
     std::uint32_t block_ticks = block_ticks_default;       ///< ticks that a crash may lose, 1..1024
 };

@@ -50,29 +50,30 @@ enum AxisLock : std::uint32_t {
 
 struct BodyDef {
     BodyKind kind = BodyKind::dynamic;
-    std::uint32_t locks = 0;                   ///< AxisLock bits
-    Transform pose = Transform::identity();    ///< of the body's origin [m]
-    Vec3 linear_velocity{};                    ///< of the centre of mass [m/s], |v| <= 500
-    Vec3 angular_velocity{};                   ///< [rad/s], each component within 4096
-    Real linear_damping{};                     ///< [1/s], 0..1000: v decays as exp(-damping t) to first order
-    Real angular_damping{};                    ///< [1/s], 0..1000
-    Real gravity_scale = Real(1);              ///< times the world's gravity, -100..100
-    Real mass{};                               ///< [kg]; 0: from the shapes' densities. 1e-3..1e9
-    std::uint32_t gyroscopic = 1;              ///< 0: skip the gyroscopic term (angular velocity kept instead of momentum)
-    std::uint32_t enable_fields = 1;           ///< 0: force fields do not act on it
-    std::uint64_t user_key = 0;                ///< the game's own; hashed, never read
+    std::uint32_t locks = 0;                ///< AxisLock bits
+    Transform pose = Transform::identity(); ///< of the body's origin [m]
+    Vec3 linear_velocity{};                 ///< of the centre of mass [m/s], |v| <= 500
+    Vec3 angular_velocity{};                ///< [rad/s], each component within 4096
+    Real linear_damping{};                  ///< [1/s], 0..1000: v decays as exp(-damping t) to first order
+    Real angular_damping{};                 ///< [1/s], 0..1000
+    Real gravity_scale = Real(1);           ///< times the world's gravity, -100..100
+    Real mass{};                            ///< [kg]; 0: from the shapes' densities. 1e-3..1e9
+    std::uint32_t gyroscopic = 1; ///< 0: skip the gyroscopic term (angular velocity kept instead of momentum)
+    std::uint32_t enable_fields = 1; ///< 0: force fields do not act on it
+    std::uint64_t user_key = 0;      ///< the game's own; hashed, never read
 };
 
 struct ShapeDef {
     Geometry geometry = sphere(Real::from_raw(std::int64_t{1} << 31));
     Transform local = Transform::identity(); ///< the shape's frame in the body's; within 64 m of the origin
     Real density = Real(1000);               ///< [kg/m^3], 0.01..1e5
-    Real friction = Real::from_raw(2576980378); ///< 0.6; Coulomb coefficient, 0..4; a pair uses the geometric mean
-    Real restitution{};                      ///< 0..1; a pair uses the larger
-    std::uint32_t category = 1;              ///< bits it is
-    std::uint32_t mask = 0xffffffffu;        ///< bits it meets: a pair needs category & mask both ways
-    std::int32_t group = 0;                  ///< same group: positive always meet, negative never
-    std::uint32_t sensor = 0;                ///< 1: reports overlaps, touches nothing
+    Real friction =
+        Real::from_raw(2576980378);   ///< 0.6; Coulomb coefficient, 0..4; a pair uses the geometric mean
+    Real restitution{};               ///< 0..1; a pair uses the larger
+    std::uint32_t category = 1;       ///< bits it is
+    std::uint32_t mask = 0xffffffffu; ///< bits it meets: a pair needs category & mask both ways
+    std::int32_t group = 0;           ///< same group: positive always meet, negative never
+    std::uint32_t sensor = 0;         ///< 1: reports overlaps, touches nothing
     std::uint64_t user_key = 0;
 };
 
@@ -84,31 +85,71 @@ enum class FieldKind : std::uint32_t {
 struct FieldDef {
     FieldKind kind = FieldKind::point_gravity;
     std::uint32_t reserved = 0;
-    Vec3 center{};   ///< [m]
-    Real strength{}; ///< see FieldKind; within 1e8
+    Vec3 center{};    ///< [m]
+    Real strength{};  ///< see FieldKind; within 1e8
     Real softening{}; ///< [m]; r^2 + softening^2 replaces r^2 of point gravity
 };
 
 // ---- commands ------------------------------------------------------------------------------------------------
 
-struct CreateBody { BodyDef def; };
-struct DestroyBody { BodyId body; };
-struct CreateShape { BodyId body; ShapeDef def; };
-struct DestroyShape { ShapeId shape; };
-struct CreateField { FieldDef def; };
-struct DestroyField { FieldId field; };
-struct SetPose { BodyId body; Transform pose; };
-struct SetVelocity { BodyId body; Vec3 linear, angular; };
+struct CreateBody {
+    BodyDef def;
+};
+struct DestroyBody {
+    BodyId body;
+};
+struct CreateShape {
+    BodyId body;
+    ShapeDef def;
+};
+struct DestroyShape {
+    ShapeId shape;
+};
+struct CreateField {
+    FieldDef def;
+};
+struct DestroyField {
+    FieldId field;
+};
+struct SetPose {
+    BodyId body;
+    Transform pose;
+};
+struct SetVelocity {
+    BodyId body;
+    Vec3 linear, angular;
+};
 /// Forces and torques act for the next tick only. Force at the centre of mass [N], torque [N m].
-struct AddForce { BodyId body; Vec3 force, torque; };
+struct AddForce {
+    BodyId body;
+    Vec3 force, torque;
+};
 /// Force [N] at a world point [m].
-struct AddForceAt { BodyId body; Vec3 force, point; };
+struct AddForceAt {
+    BodyId body;
+    Vec3 force, point;
+};
 /// Linear impulse [N s] at the centre of mass and angular impulse [N m s]: velocity changes at once.
-struct AddImpulse { BodyId body; Vec3 linear, angular; };
-struct AddImpulseAt { BodyId body; Vec3 impulse, point; };
-struct SetBodyParameters { BodyId body; Real linear_damping, angular_damping, gravity_scale; std::uint32_t locks, gyroscopic; };
-struct SetMaterial { ShapeId shape; Real friction, restitution; };
-struct SetGravity { Vec3 gravity; };
+struct AddImpulse {
+    BodyId body;
+    Vec3 linear, angular;
+};
+struct AddImpulseAt {
+    BodyId body;
+    Vec3 impulse, point;
+};
+struct SetBodyParameters {
+    BodyId body;
+    Real linear_damping, angular_damping, gravity_scale;
+    std::uint32_t locks, gyroscopic;
+};
+struct SetMaterial {
+    ShapeId shape;
+    Real friction, restitution;
+};
+struct SetGravity {
+    Vec3 gravity;
+};
 /// A piece of a row of a game column, at most 64 bytes in canonical order. World::write cuts longer rows up.
 struct WriteGame {
     std::uint32_t column; ///< of the game schema
@@ -118,9 +159,9 @@ struct WriteGame {
     std::array<std::uint8_t, 64> data;
 };
 
-using Command = std::variant<CreateBody, DestroyBody, CreateShape, DestroyShape, CreateField, DestroyField, SetPose,
-                             SetVelocity, AddForce, AddForceAt, AddImpulse, AddImpulseAt, SetBodyParameters,
-                             SetMaterial, SetGravity, WriteGame>;
+using Command = std::variant<CreateBody, DestroyBody, CreateShape, DestroyShape, CreateField, DestroyField,
+                             SetPose, SetVelocity, AddForce, AddForceAt, AddImpulse, AddImpulseAt,
+                             SetBodyParameters, SetMaterial, SetGravity, WriteGame>;
 /// Name of a command's kind, as in FORMAT.md and diffs: "create_body".
 const char* name_of(const Command& command);
 

@@ -29,9 +29,12 @@ template <FixedPoint T> constexpr T quantize(double value) {
     // |value| * 2^fraction_bits = m * 2^shift
     std::uint64_t m = exponent == 0 ? fraction : fraction | (std::uint64_t{1} << 52);
     const int shift = (exponent == 0 ? 1 : exponent) - 1075 + T::fraction_bits;
-    if (shift > 10) m = m == 0 ? 0 : std::uint64_t{1} << 63;
-    else if (shift >= 0) m <<= shift;
-    else if (shift < -54) m = 0;
+    if (shift > 10)
+        m = m == 0 ? 0 : std::uint64_t{1} << 63;
+    else if (shift >= 0)
+        m <<= shift;
+    else if (shift < -54)
+        m = 0;
     else {
         const std::uint64_t half_bit = std::uint64_t{1} << (-shift - 1), rest = m & (2 * half_bit - 1);
         m >>= -shift;
@@ -53,7 +56,9 @@ template <FixedPoint T> constexpr std::array<float, 3> to_float(Vector3<T> v) {
 constexpr std::array<double, 4> to_double(Quat q) {
     return {to_double(q.x), to_double(q.y), to_double(q.z), to_double(q.w)};
 }
-constexpr std::array<float, 4> to_float(Quat q) { return {to_float(q.x), to_float(q.y), to_float(q.z), to_float(q.w)}; }
+constexpr std::array<float, 4> to_float(Quat q) {
+    return {to_float(q.x), to_float(q.y), to_float(q.z), to_float(q.w)};
+}
 
 template <FixedPoint T> constexpr Vector3<T> quantize(const std::array<double, 3>& v) {
     return {quantize<T>(v[0]), quantize<T>(v[1]), quantize<T>(v[2])};
@@ -69,7 +74,8 @@ constexpr Quat quantize_quat(const std::array<double, 4>& q) {
 /// The 4 x 4 matrix of a pose, column by column, as graphics interfaces take it.
 constexpr std::array<float, 16> to_float_matrix(const Transform& t) {
     const Rotation r = to_rotation(t.rotation);
-    const std::array<float, 3> x = to_float(r.x), y = to_float(r.y), z = to_float(r.z), p = to_float(t.position);
+    const std::array<float, 3> x = to_float(r.x), y = to_float(r.y), z = to_float(r.z),
+                               p = to_float(t.position);
     return {x[0], x[1], x[2], 0, y[0], y[1], y[2], 0, z[0], z[1], z[2], 0, p[0], p[1], p[2], 1};
 }
 

@@ -38,11 +38,21 @@ template <FixedPoint T> std::string to_exact_string(T x) {
 }
 /// "(1, 0.5, -2)"
 template <FixedPoint T> std::string to_string(Vector3<T> v) {
-    return "(" + to_string(v.x) + ", " + to_string(v.y) + ", " + to_string(v.z) + ")";
+    std::string text = "(";
+    text.append(to_string(v.x))
+        .append(", ")
+        .append(to_string(v.y))
+        .append(", ")
+        .append(to_string(v.z))
+        .append(")");
+    return text;
 }
 /// "(x, y, z; w)"
 inline std::string to_string(Quat q) {
-    return "(" + to_string(q.x) + ", " + to_string(q.y) + ", " + to_string(q.z) + "; " + to_string(q.w) + ")";
+    std::string text = to_string(UnitVec3{q.x, q.y, q.z});
+    text.back() = ';';
+    text.append(" ").append(to_string(q.w)).append(")");
+    return text;
 }
 
 } // namespace lockstone

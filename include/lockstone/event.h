@@ -18,10 +18,10 @@ struct Event {
     std::uint32_t reserved;
     ShapeId shape_a, shape_b; ///< shape_a < shape_b for contacts; the sensor first for sensors
     BodyId body_a, body_b;
-    Vec3 point;               ///< world [m]; zero for end events
-    UnitVec3 normal;          ///< from a to b; zero for end and sensor events
-    Speed approach_speed;     ///< along the normal before the solve [m/s], positive when closing
-    std::uint64_t tick;       ///< the tick that produced it: world.tick_count() before that tick
+    Vec3 point;           ///< world [m]; zero for end events
+    UnitVec3 normal;      ///< from a to b; zero for end and sensor events
+    Speed approach_speed; ///< along the normal before the solve [m/s], positive when closing
+    std::uint64_t tick;   ///< the tick that produced it: world.tick_count() before that tick
 };
 template <class V> constexpr void describe(Event& e, V&& v) {
     v("kind", e.kind), v("reserved", e.reserved), v("shape_a", e.shape_a), v("shape_b", e.shape_b);

@@ -19,12 +19,12 @@
 namespace lockstone {
 
 template <class Rep, int FractionBits>
-    requires((std::same_as<Rep, std::int32_t> || std::same_as<Rep, std::int64_t>) && FractionBits >= 0 &&
-             FractionBits < std::numeric_limits<Rep>::digits + 1)
-struct Fixed {
+requires((std::same_as<Rep, std::int32_t> || std::same_as<Rep, std::int64_t>)&&FractionBits >= 0 &&
+         FractionBits < std::numeric_limits<Rep>::digits + 1) struct Fixed {
     using rep = Rep;
     static constexpr int fraction_bits = FractionBits;
-    static constexpr int integer_bits = std::numeric_limits<Rep>::digits + 1 - FractionBits; ///< sign included
+    static constexpr int integer_bits =
+        std::numeric_limits<Rep>::digits + 1 - FractionBits; ///< sign included
 
     Rep raw; ///< value * 2^FractionBits
 
@@ -48,26 +48,33 @@ struct Fixed {
     friend constexpr std::strong_ordering operator<=>(Fixed a, Fixed b) { return a.raw <=> b.raw; }
 
     friend constexpr Fixed operator+(Fixed a, Fixed b) {
-        if constexpr (sizeof(Rep) == 8) return from_raw(add_saturated(a.raw, b.raw));
-        else return from_raw(saturate_to_int32(static_cast<std::int64_t>(a.raw) + b.raw));
+        if constexpr (sizeof(Rep) == 8)
+            return from_raw(add_saturated(a.raw, b.raw));
+        else
+            return from_raw(saturate_to_int32(static_cast<std::int64_t>(a.raw) + b.raw));
     }
     friend constexpr Fixed operator-(Fixed a, Fixed b) {
-        if constexpr (sizeof(Rep) == 8) return from_raw(sub_saturated(a.raw, b.raw));
-        else return from_raw(saturate_to_int32(static_cast<std::int64_t>(a.raw) - b.raw));
+        if constexpr (sizeof(Rep) == 8)
+            return from_raw(sub_saturated(a.raw, b.raw));
+        else
+            return from_raw(saturate_to_int32(static_cast<std::int64_t>(a.raw) - b.raw));
     }
     friend constexpr Fixed operator-(Fixed a) { return Fixed{} - a; }
 
     friend constexpr Fixed operator*(Fixed a, Fixed b) {
-        if constexpr (sizeof(Rep) == 8) return from_raw(narrow_rounded(Wide::product(a.raw, b.raw), FractionBits));
+        if constexpr (sizeof(Rep) == 8)
+            return from_raw(narrow_rounded(Wide::product(a.raw, b.raw), FractionBits));
         else
-            return from_raw(
-                saturate_to_int32(shift_right_rounded(static_cast<std::int64_t>(a.raw) * b.raw, FractionBits)));
+            return from_raw(saturate_to_int32(
+                shift_right_rounded(static_cast<std::int64_t>(a.raw) * b.raw, FractionBits)));
     }
     /// Rounded as everything; x / 0 is the extreme value with the sign of x, 0 / 0 is 0.
     friend constexpr Fixed operator/(Fixed a, Fixed b) {
         const std::int64_t q = divide_shifted(a.raw, b.raw, FractionBits);
-        if constexpr (sizeof(Rep) == 8) return from_raw(q);
-        else return from_raw(saturate_to_int32(q));
+        if constexpr (sizeof(Rep) == 8)
+            return from_raw(q);
+        else
+            return from_raw(saturate_to_int32(q));
     }
     friend constexpr Fixed operator*(Fixed a, std::integral auto n) { return scaled(a, n); }
     friend constexpr Fixed operator*(std::integral auto n, Fixed a) { return scaled(a, n); }
@@ -81,14 +88,18 @@ struct Fixed {
     template <std::integral N> static constexpr Rep from_integer(N n) {
         if (std::cmp_greater(n, std::numeric_limits<std::int64_t>::max())) return max().raw;
         const std::int64_t v = shift_left_saturated(static_cast<std::int64_t>(n), FractionBits);
-        if constexpr (sizeof(Rep) == 8) return v;
-        else return saturate_to_int32(v);
+        if constexpr (sizeof(Rep) == 8)
+            return v;
+        else
+            return saturate_to_int32(v);
     }
     template <std::integral N> static constexpr Fixed scaled(Fixed a, N n) {
         static_assert(sizeof(N) < 8 || std::is_signed_v<N>, "scale by a signed 64-bit or smaller integer");
         const std::int64_t p = narrow_rounded(Wide::product(a.raw, static_cast<std::int64_t>(n)), 0);
-        if constexpr (sizeof(Rep) == 8) return from_raw(p);
-        else return from_raw(saturate_to_int32(p));
+        if constexpr (sizeof(Rep) == 8)
+            return from_raw(p);
+        else
+            return from_raw(saturate_to_int32(p));
     }
 };
 
@@ -115,18 +126,24 @@ using Real = I32F32;
 template <FixedPoint To> constexpr To round_from(std::int64_t raw, int fraction_bits) {
     const int shift = fraction_bits - To::fraction_bits;
     const std::int64_t v = shift >= 0 ? shift_right_rounded(raw, shift) : shift_left_saturated(raw, -shift);
-    if constexpr (sizeof(typename To::rep) == 8) return To::from_raw(v);
-    else return To::from_raw(saturate_to_int32(v));
+    if constexpr (sizeof(typename To::rep) == 8)
+        return To::from_raw(v);
+    else
+        return To::from_raw(saturate_to_int32(v));
 }
 template <FixedPoint To, class W>
-    requires requires(W w) { w.high_bits(); }
+requires requires(W w) { w.high_bits(); }
 constexpr To round_from(W raw, int fraction_bits) {
     const int shift = fraction_bits - To::fraction_bits;
     std::int64_t v = 0;
-    if (shift >= 0) v = narrow_rounded(raw, shift);
-    else v = shift_left_saturated(saturate_to_int64(raw), -shift);
-    if constexpr (sizeof(typename To::rep) == 8) return To::from_raw(v);
-    else return To::from_raw(saturate_to_int32(v));
+    if (shift >= 0)
+        v = narrow_rounded(raw, shift);
+    else
+        v = shift_left_saturated(saturate_to_int64(raw), -shift);
+    if constexpr (sizeof(typename To::rep) == 8)
+        return To::from_raw(v);
+    else
+        return To::from_raw(saturate_to_int32(v));
 }
 
 /// Another format: rounded once, clamped to its range.
@@ -145,13 +162,17 @@ template <FixedPoint A, FixedPoint B> class SumOfProducts {
     static constexpr int fraction_bits = A::fraction_bits + B::fraction_bits;
 
     constexpr SumOfProducts& add(A a, B b) {
-        if constexpr (narrow) total = add_saturated(total, static_cast<std::int64_t>(a.raw) * b.raw);
-        else total = add_saturated(total, Wide::product(a.raw, b.raw));
+        if constexpr (narrow)
+            total = add_saturated(total, static_cast<std::int64_t>(a.raw) * b.raw);
+        else
+            total = add_saturated(total, Wide::product(a.raw, b.raw));
         return *this;
     }
     constexpr SumOfProducts& sub(A a, B b) {
-        if constexpr (narrow) total = sub_saturated(total, static_cast<std::int64_t>(a.raw) * b.raw);
-        else total = sub_saturated(total, Wide::product(a.raw, b.raw));
+        if constexpr (narrow)
+            total = sub_saturated(total, static_cast<std::int64_t>(a.raw) * b.raw);
+        else
+            total = sub_saturated(total, Wide::product(a.raw, b.raw));
         return *this;
     }
     template <FixedPoint To> constexpr To round() const { return round_from<To>(total, fraction_bits); }
@@ -168,9 +189,10 @@ template <FixedPoint T> constexpr T mul_add(T a, T b, T c) {
         return round_from<T>(Wide::product(a.raw, b.raw) + (Wide::from(c.raw) << T::fraction_bits),
                              2 * T::fraction_bits);
     else
-        return round_from<T>(add_saturated(static_cast<std::int64_t>(a.raw) * b.raw,
-                                           static_cast<std::int64_t>(c.raw) * (std::int64_t{1} << T::fraction_bits)),
-                             2 * T::fraction_bits);
+        return round_from<T>(
+            add_saturated(static_cast<std::int64_t>(a.raw) * b.raw,
+                          static_cast<std::int64_t>(c.raw) * (std::int64_t{1} << T::fraction_bits)),
+            2 * T::fraction_bits);
 }
 
 template <FixedPoint T> constexpr T abs(T x) { return x.raw < 0 ? -x : x; }
@@ -187,7 +209,9 @@ template <FixedPoint T> constexpr T floor(T x) {
     return T::from_raw(static_cast<typename T::rep>(x.raw & ~fraction));
 }
 /// The largest integer not above x.
-template <FixedPoint T> constexpr std::int64_t floor_to_int(T x) { return std::int64_t{x.raw} >> T::fraction_bits; }
+template <FixedPoint T> constexpr std::int64_t floor_to_int(T x) {
+    return std::int64_t{x.raw} >> T::fraction_bits;
+}
 /// a + (b - a) * t for t in [0, 1], rounded once.
 template <FixedPoint T, FixedPoint U> constexpr T lerp(T a, T b, U t) { return a + mul<T>(b - a, t); }
 

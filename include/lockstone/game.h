@@ -27,11 +27,11 @@ struct PlayerInput {
 class Game {
   public:
     virtual ~Game() = default;
-    virtual std::string name() const = 0;             ///< stands in replays; with content_id names the rules
-    virtual std::uint64_t content_id() const = 0;     ///< changes whenever the rules or the start change
-    virtual std::uint32_t player_count() const = 0;   ///< 0..16
-    virtual std::uint32_t input_size() const = 0;     ///< bytes per player and tick, 0..64
-    virtual Result<World> start() const = 0;          ///< the world before tick 0
+    virtual std::string name() const = 0;           ///< stands in replays; with content_id names the rules
+    virtual std::uint64_t content_id() const = 0;   ///< changes whenever the rules or the start change
+    virtual std::uint32_t player_count() const = 0; ///< 0..16
+    virtual std::uint32_t input_size() const = 0;   ///< bytes per player and tick, 0..64
+    virtual Result<World> start() const = 0;        ///< the world before tick 0
     /// Issues commands from `inputs` (player_count() of them), then calls world.tick() exactly once.
     virtual void advance(World& world, std::span<const PlayerInput> inputs) const = 0;
 };

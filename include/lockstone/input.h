@@ -55,6 +55,8 @@ template <StateRow T> constexpr T decode_input(std::span<const std::byte> bytes)
     });
     return out;
 }
-template <StateRow T> constexpr T decode_input(const PlayerInput& input) { return decode_input<T>(input.bytes); }
+template <StateRow T> constexpr T decode_input(const PlayerInput& input) {
+    return decode_input<T>(input.bytes);
+}
 
 } // namespace lockstone

@@ -26,10 +26,12 @@ inline constexpr int log = 501;        ///< log and log2
 inline constexpr int exp = 501;        ///< exp and exp2; besides the relative part below
 inline constexpr int determinant = 2000;
 
-inline constexpr int exp_relative_bits = 59; ///< exp, exp2, pow add |result| * 2^-59 (pow: times max(1, |exponent|))
+inline constexpr int exp_relative_bits =
+    59; ///< exp, exp2, pow add |result| * 2^-59 (pow: times max(1, |exponent|))
 inline constexpr int tan_relative_bits = 60; ///< tan adds result^2 * 2^-60
 
-inline constexpr int rotation = 2000; ///< each component of a quaternion made from axis, angles, matrix, slerp, nlerp
+inline constexpr int rotation =
+    1500; ///< each component of a quaternion made from axis, angles, matrix, slerp, nlerp
 } // namespace error_bound
 
 // ---- roots ----------------------------------------------------------------------------------------------------
@@ -89,7 +91,8 @@ constexpr std::uint64_t isqrt(std::uint64_t high, std::uint64_t low) {
 constexpr std::uint64_t nearest_root(std::uint64_t high, std::uint64_t low, std::uint64_t root) {
     const Wide square = Wide::product_unsigned(root, root);
     const std::uint64_t rest = low - square.low_bits();
-    const bool rest_is_wide = high - static_cast<std::uint64_t>(square.high_bits()) != (low < square.low_bits() ? 1u : 0u);
+    const bool rest_is_wide =
+        high - static_cast<std::uint64_t>(square.high_bits()) != (low < square.low_bits() ? 1u : 0u);
     return rest_is_wide || rest > root ? root + (root != ~std::uint64_t{0} ? 1u : 0u) : root;
 }
 
@@ -106,12 +109,14 @@ constexpr InverseRoot inverse_root(std::uint64_t high, std::uint64_t low) {
     std::uint64_t n = (wide ? high : low) << zeros;
     if (wide && zeros != 0) n |= low >> (64 - zeros);
     std::uint64_t q = 0;
-    if (std::is_constant_evaluated()) q = inverse_root_integer(n);
-    else q = inverse_root_estimated(n);
+    if (std::is_constant_evaluated())
+        q = inverse_root_integer(n);
+    else
+        q = inverse_root_estimated(n);
     // q has 32 bits; what is left, 2^126 - q^2 n, gives the next 30 by one Newton step q + q (left / 2^127).
     const Wide square = Wide::product_unsigned(q * q, n);
-    const std::uint64_t left =
-        (std::uint64_t{1} << 62) - static_cast<std::uint64_t>(square.high_bits()) - (square.low_bits() != 0 ? 1u : 0u);
+    const std::uint64_t left = (std::uint64_t{1} << 62) - static_cast<std::uint64_t>(square.high_bits()) -
+                               (square.low_bits() != 0 ? 1u : 0u);
     const std::uint64_t next = (q * (left >> 1)) >> 32;
     return {static_cast<std::int64_t>((q << 30) + next), zeros / 2 + (wide ? 0 : 32)};
 }
@@ -170,11 +175,13 @@ template <FixedPoint T> constexpr T sqrt(T x) {
     const std::uint64_t raw = static_cast<std::uint64_t>(x.raw);
     if constexpr (sizeof(typename T::rep) == 4) {
         const std::uint64_t n = raw << T::fraction_bits, root = isqrt(n);
-        return T::from_raw(saturate_to_int32(static_cast<std::int64_t>(n - root * root > root ? root + 1 : root)));
+        return T::from_raw(
+            saturate_to_int32(static_cast<std::int64_t>(n - root * root > root ? root + 1 : root)));
     } else {
         constexpr int f = T::fraction_bits;
         const std::uint64_t high = f == 0 ? 0 : raw >> (64 - f), low = raw << f;
-        return T::from_raw(static_cast<std::int64_t>(detail::nearest_root(high, low, detail::isqrt(high, low))));
+        return T::from_raw(
+            static_cast<std::int64_t>(detail::nearest_root(high, low, detail::isqrt(high, low))));
     }
 }
 
@@ -186,9 +193,12 @@ template <FixedPoint T> constexpr T inv_sqrt(T x) {
     const std::uint64_t raw = static_cast<std::uint64_t>(x.raw);
     const detail::InverseRoot r = detail::inverse_root(odd != 0 ? raw >> 63 : 0, raw << odd);
     const int shift = 125 - r.up - (3 * T::fraction_bits + odd) / 2;
-    const std::int64_t v = shift > 0 ? narrow_rounded(Wide::from(r.mantissa), shift) : shift_left_saturated(r.mantissa, -shift);
-    if constexpr (sizeof(typename T::rep) == 8) return T::from_raw(v);
-    else return T::from_raw(saturate_to_int32(v));
+    const std::int64_t v =
+        shift > 0 ? narrow_rounded(Wide::from(r.mantissa), shift) : shift_left_saturated(r.mantissa, -shift);
+    if constexpr (sizeof(typename T::rep) == 8)
+        return T::from_raw(v);
+    else
+        return T::from_raw(saturate_to_int32(v));
 }
 
 /// 1 / x, rounded once; the extreme value for 0.
@@ -196,8 +206,10 @@ template <FixedPoint T> constexpr T reciprocal(T x) {
     static_assert(T::fraction_bits < 63, "1 is not within the 64 bits that the division starts from");
     if (x.raw == 0) return T::max();
     const std::int64_t q = divide_shifted(std::int64_t{1} << T::fraction_bits, x.raw, T::fraction_bits);
-    if constexpr (sizeof(typename T::rep) == 8) return T::from_raw(q);
-    else return T::from_raw(saturate_to_int32(q));
+    if constexpr (sizeof(typename T::rep) == 8)
+        return T::from_raw(q);
+    else
+        return T::from_raw(saturate_to_int32(q));
 }
 
 /// |v|, nearest (error_bound::length), clamped to the range.
@@ -205,7 +217,8 @@ template <FixedPoint T> constexpr T length(Vector3<T> v) {
     const detail::SquareSum n = detail::square_sum(v);
     if constexpr (sizeof(typename T::rep) == 4) {
         const std::uint64_t root = isqrt(n.low);
-        return T::from_raw(saturate_to_int32(static_cast<std::int64_t>(n.low - root * root > root ? root + 1 : root)));
+        return T::from_raw(
+            saturate_to_int32(static_cast<std::int64_t>(n.low - root * root > root ? root + 1 : root)));
     } else {
         const std::uint64_t root = detail::nearest_root(n.high, n.low, detail::isqrt(n.high, n.low));
         constexpr std::uint64_t largest = std::numeric_limits<std::int64_t>::max();
@@ -222,7 +235,8 @@ template <FixedPoint T> constexpr UnitVec3 normalized_or(Vector3<T> v, UnitVec3 
     const detail::SquareSum n = detail::square_sum(v);
     if ((n.high | n.low) == 0) return fallback;
     const detail::InverseRoot r = detail::inverse_root(n.high, n.low);
-    return {detail::scaled_to_unit(v.x.raw, r), detail::scaled_to_unit(v.y.raw, r), detail::scaled_to_unit(v.z.raw, r)};
+    return {detail::scaled_to_unit(v.x.raw, r), detail::scaled_to_unit(v.y.raw, r),
+            detail::scaled_to_unit(v.z.raw, r)};
 }
 /// v / |v|; zero for v = 0.
 template <FixedPoint T> constexpr UnitVec3 normalized(Vector3<T> v) { return normalized_or(v, UnitVec3{}); }

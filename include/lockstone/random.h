@@ -79,7 +79,8 @@ struct Random {
     constexpr Real range(Real low, Real high) {
         const std::uint64_t draw = next_u64();
         if (high <= low) return low;
-        const std::uint64_t width = static_cast<std::uint64_t>(high.raw) - static_cast<std::uint64_t>(low.raw);
+        const std::uint64_t width =
+            static_cast<std::uint64_t>(high.raw) - static_cast<std::uint64_t>(low.raw);
         const Wide scaled = Wide::product_unsigned(draw, width);
         return Real::from_raw(static_cast<std::int64_t>(static_cast<std::uint64_t>(low.raw) +
                                                         static_cast<std::uint64_t>(scaled.high_bits())));
@@ -120,7 +121,7 @@ struct Random {
     }
 
     /// Every order alike.   source: R. Durstenfeld, Algorithm 235, 1964
-    template <class T> constexpr void shuffle(std::span<T> items) {
+    template <class T, std::size_t Extent> constexpr void shuffle(std::span<T, Extent> items) {
         for (std::size_t left = items.size(); left > 1; --left) {
             const std::size_t pick = below(static_cast<std::uint32_t>(left));
             std::swap(items[left - 1], items[pick]);

@@ -50,14 +50,16 @@ template <class Visit> constexpr void describe(Transform& t, Visit&& visit) {
 
 /// An enum whose underlying type is written down; otherwise the compiler chooses its size and sign.
 template <class T>
-concept FixedEnum = std::is_enum_v<T> && requires { T{0}; } && !std::same_as<std::underlying_type_t<T>, bool>;
+concept FixedEnum = std::is_enum_v<T> && requires {
+    T{0};
+} && !std::same_as<std::underlying_type_t<T>, bool>;
 
 /// A value with no fields of its own: an integer, an enum or a fixed-point number. No bool, as two of its 256 byte
 /// values are legal; no char or wchar_t, as their sign or size differs between platforms.
 template <class T>
 concept Leaf = FixedPoint<T> || FixedEnum<T> ||
-               (std::integral<T> && sizeof(T) <= 8 && !std::same_as<T, bool> && !std::same_as<T, char> &&
-                !std::same_as<T, wchar_t>);
+    (std::integral<T> && sizeof(T) <= 8 && !std::same_as<T, bool> && !std::same_as<T, char> &&
+     !std::same_as<T, wchar_t>);
 
 template <class T> inline constexpr bool is_std_array = false;
 template <class T, std::size_t N> inline constexpr bool is_std_array<std::array<T, N>> = true;
@@ -79,7 +81,9 @@ struct IgnoreField {
 };
 
 template <class T>
-concept Described = requires(T& value) { describe(value, IgnoreField{}); };
+concept Described = requires(T& value) {
+    describe(value, IgnoreField{});
+};
 
 /// Whether every value that T's field list reaches, however deep, is a leaf.
 template <class T> consteval bool ends_in_leaves() {
@@ -123,7 +127,8 @@ template <class T> consteval bool names_every_byte() {
 /// What may stand in the state: plain, no padding, no floats, no pointers, every byte named once and in order.
 template <class T>
 concept StateRow = std::is_trivially_copyable_v<T> && std::has_unique_object_representations_v<T> &&
-                   alignof(T) <= 64 && detail::names_every_byte<T>();
+                       alignof(T) <= 64 &&
+                   detail::names_every_byte<T>();
 
 enum class LeafKind : std::uint8_t { unsigned_integer, signed_integer, fixed_point };
 
@@ -138,12 +143,16 @@ struct LeafInfo {
 
 namespace detail {
 template <class T> consteval bool is_signed_leaf() {
-    if constexpr (std::is_enum_v<T>) return std::is_signed_v<std::underlying_type_t<T>>;
-    else return std::is_signed_v<T>;
+    if constexpr (std::is_enum_v<T>)
+        return std::is_signed_v<std::underlying_type_t<T>>;
+    else
+        return std::is_signed_v<T>;
 }
-template <class T> void collect_leaves(T& value, const std::byte* base, const std::string& name, std::vector<LeafInfo>& out) {
+template <class T>
+void collect_leaves(T& value, const std::byte* base, const std::string& name, std::vector<LeafInfo>& out) {
     if constexpr (Leaf<T>) {
-        LeafInfo info{name.empty() ? "value" : name, static_cast<std::uint32_t>(reinterpret_cast<const std::byte*>(&value) - base),
+        LeafInfo info{name.empty() ? "value" : name,
+                      static_cast<std::uint32_t>(reinterpret_cast<const std::byte*>(&value) - base),
                       static_cast<std::uint8_t>(sizeof(T)), LeafKind::unsigned_integer, 0};
         if constexpr (FixedPoint<T>) {
             info.kind = LeafKind::fixed_point;
@@ -157,7 +166,8 @@ template <class T> void collect_leaves(T& value, const std::byte* base, const st
             collect_leaves(value[i], base, name + "[" + std::to_string(i) + "]", out);
     } else {
         describe(value, [&](const char* field_name, auto& field) {
-            collect_leaves(field, base, name.empty() ? std::string(field_name) : name + "." + field_name, out);
+            collect_leaves(field, base, name.empty() ? std::string(field_name) : name + "." + field_name,
+                           out);
         });
     }
 }

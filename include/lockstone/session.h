@@ -48,14 +48,15 @@ class InputPredictor {
 const InputPredictor& repeat_last_input();
 
 struct SessionDef {
-    std::uint64_t match_id = 0;          ///< agreed outside, the same on every machine; other matches' packets are refused
-    std::uint64_t content_id = 0;        ///< Game::content_id
-    std::uint32_t input_size = 0;        ///< bytes, 0..64
-    PeerId self = 0;                     ///< this machine
-    std::vector<PeerId> players;         ///< by player: the machine where they play; 1..16, the same on every machine
-    std::uint32_t input_delay = 2;       ///< [ticks], 0..32; lockstep needs at least 1; machines may differ
-    std::uint32_t prediction_max = 8;    ///< [ticks] that may run on guesses, 1..64; lockstep ignores it
-    std::uint64_t disconnect_ms = 5000;  ///< silence after which a peer counts as gone
+    std::uint64_t match_id =
+        0; ///< agreed outside, the same on every machine; other matches' packets are refused
+    std::uint64_t content_id = 0; ///< Game::content_id
+    std::uint32_t input_size = 0; ///< bytes, 0..64
+    PeerId self = 0;              ///< this machine
+    std::vector<PeerId> players; ///< by player: the machine where they play; 1..16, the same on every machine
+    std::uint32_t input_delay = 2;      ///< [ticks], 0..32; lockstep needs at least 1; machines may differ
+    std::uint32_t prediction_max = 8;   ///< [ticks] that may run on guesses, 1..64; lockstep ignores it
+    std::uint64_t disconnect_ms = 5000; ///< silence after which a peer counts as gone
     const InputPredictor* predictor = &repeat_last_input(); ///< not owned
 };
 /// match_id stays 0: set it where several matches share a network.
@@ -66,7 +67,7 @@ SessionDef session_def(const Game& game, PeerId self, std::vector<PeerId> player
 /// Make the state before tick `tick` the current one; it was saved earlier.
 struct Load {
     std::uint64_t tick;
-    bool verify; ///< then call report_hash(tick - 1, hash of the restored state): sync tests do
+    bool verify; ///< sync tests: the state's hash must be what it was at Save(tick)
 };
 /// Keep the state before tick `tick`; the newest save of a tick replaces older ones. A tick that rests on no guess is
 /// not saved: nothing will roll back to it.
@@ -87,14 +88,15 @@ enum class Stall {
     connecting,          ///< a peer has not been heard of yet
     inputs_missing,      ///< prediction_max ticks rest on guesses already (lockstep: an input is not here)
     local_input_missing, ///< add_local_input was not called for a local player
-    peer_behind,         ///< a peer confirms nothing any more; what it lacks must be kept and the memory is bounded
-    finished,            ///< tick 2^32 - 4096: two years at 60 Hz
+    peer_behind, ///< a peer confirms nothing any more; what it lacks must be kept and the memory is bounded
+    finished,    ///< tick 2^32 - 4096: two years at 60 Hz
 };
 const char* name_of(Stall stall);
 
 struct Step {
     Stall stall;
-    std::span<const Request> requests; ///< execute all, in order, also when stalled; valid until the next advance
+    std::span<const Request>
+        requests; ///< execute all, in order, also when stalled; valid until the next advance
     /// How many frames to skip (poll without advance) so that slower peers catch up; asked for once a second or so.
     std::uint32_t wait_ticks;
 };
@@ -148,14 +150,14 @@ inline constexpr std::uint32_t packet_fault_count = 6;
 const char* name_of(PacketFault fault);
 
 struct SessionStats {
-    std::uint64_t ticks = 0;     ///< run for the first time
+    std::uint64_t ticks = 0; ///< run for the first time
     std::uint64_t rollbacks = 0;
     std::uint64_t resimulated = 0; ///< ticks run again
     std::uint64_t depth_max = 0;   ///< of a rollback [ticks]
     std::uint64_t stalls = 0;      ///< calls of advance that ran no new tick
     std::uint64_t hashes_compared = 0;
     std::uint64_t packets_sent = 0, packets_received = 0, packets_dropped = 0;
-    std::uint64_t bytes_sent = 0, bytes_received = 0; ///< without transport headers
+    std::uint64_t bytes_sent = 0, bytes_received = 0;        ///< without transport headers
     std::array<std::uint64_t, packet_fault_count> dropped{}; ///< by PacketFault
     std::uint64_t first_poll_ms = 0, last_poll_ms = 0;
     std::uint32_t local_players = 0;
@@ -167,8 +169,8 @@ struct SessionStats {
 /// How a peer is doing, for display.
 struct PeerQuality {
     bool connected = false;
-    std::uint32_t ping_ms = 0;     ///< round trip
-    std::int32_t ticks_ahead = 0;  ///< of this machine, by both sides' own counts; negative: the peer is ahead
+    std::uint32_t ping_ms = 0;    ///< round trip
+    std::int32_t ticks_ahead = 0; ///< of this machine, by both sides' own counts; negative: the peer is ahead
     std::uint64_t hashes_agreed = 0; ///< ticks [0, n) compared and equal
 };
 
@@ -192,8 +194,10 @@ class Session {
     virtual std::optional<Notice> next_notice() = 0;
 
     virtual std::uint64_t current_tick() const = 0; ///< the next new tick
-    virtual std::uint32_t images_max() const = 0;   ///< saved states alive at once: ticks t and t + images_max() may share a slot
-    virtual void set_input_delay(std::uint32_t ticks) = 0; ///< 0..32, at any time; lockstep: at least 1 (asserted)
+    virtual std::uint32_t
+    images_max() const = 0; ///< saved states alive at once: ticks t and t + images_max() may share a slot
+    virtual void
+    set_input_delay(std::uint32_t ticks) = 0; ///< 0..32, at any time; lockstep: at least 1 (asserted)
     virtual PeerQuality quality(PeerId peer) const = 0;
     virtual const SessionStats& stats() const = 0;
 };
@@ -224,12 +228,12 @@ class Simulation {
 class WorldSimulation final : public Simulation {
   public:
     WorldSimulation(World& driven, const Game& rules) : world(driven), game(rules) {}
-    void save(Image& image) const override { world.save(image); }
-    void restore(const Image& image) override { world.restore(image); }
-    void advance(std::span<const PlayerInput> inputs) override { game.advance(world, inputs); }
-    std::uint64_t hash() const override { return world.hash(); }
-    std::span<const Event> events() const override { return world.events(); }
-    State& state() override { return world.state_for_tests(); }
+    void save(Image& image) const override;
+    void restore(const Image& image) override;
+    void advance(std::span<const PlayerInput> inputs) override;
+    std::uint64_t hash() const override;
+    std::span<const Event> events() const override;
+    State& state() override;
 
   private:
     World& world;
@@ -240,7 +244,8 @@ class WorldSimulation final : public Simulation {
 class ConfirmedSink {
   public:
     virtual ~ConfirmedSink() = default;
-    virtual void on_confirmed(std::uint64_t tick, std::span<const PlayerInput> inputs, std::uint64_t hash) = 0;
+    virtual void on_confirmed(std::uint64_t tick, std::span<const PlayerInput> inputs,
+                              std::uint64_t hash) = 0;
 };
 
 enum class EventStatus : std::uint8_t {
@@ -262,7 +267,7 @@ struct SyncTestFailure {
         restored,    ///< loading a state did not bring back what was saved
         resimulated, ///< running the tick again gave another state
     } when;
-    std::uint64_t tick; ///< the state after this tick differs
+    std::uint64_t tick; ///< restored: before which the state was saved; resimulated: which ran again
     std::uint64_t first_hash, second_hash;
     std::vector<Difference> differences; ///< first run left, second run right; at most 8
 };

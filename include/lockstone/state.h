@@ -31,9 +31,7 @@ struct TableId {
 };
 
 /// A typed column. Handed out by StateLayout::add_column.
-template <StateRow T> struct Column {
-    std::uint32_t index;
-};
+template <StateRow T> struct Column { std::uint32_t index; };
 
 struct TableInfo {
     std::string name;
@@ -90,8 +88,10 @@ template <class T> struct CacheLineAllocator {
     using value_type = T;
     CacheLineAllocator() = default;
     template <class U> CacheLineAllocator(const CacheLineAllocator<U>&) {}
-    T* allocate(std::size_t n) { return static_cast<T*>(::operator new(n * sizeof(T), std::align_val_t{64})); }
-    void deallocate(T* p, std::size_t) { ::operator delete(p, std::align_val_t{64}); }
+    T* allocate(std::size_t n) {
+        return static_cast<T*>(::operator new (n * sizeof(T), std::align_val_t{64}));
+    }
+    void deallocate(T* p, std::size_t) { ::operator delete (p, std::align_val_t{64}); }
     friend bool operator==(CacheLineAllocator, CacheLineAllocator) { return true; }
 };
 } // namespace detail
@@ -108,7 +108,7 @@ struct Image {
 struct Difference {
     std::string column; ///< "body.velocity"; for row counts the table's name
     std::uint32_t row;
-    std::string field; ///< "linear.x"; "count" for row counts
+    std::string field;       ///< "linear.x"; "count" for row counts
     std::string left, right; ///< decimal and raw: "-1.25 (raw 0xfff60000)"
 };
 /// "column body.velocity, row 7, linear.x: 1 (raw 0x80000) against 2 (raw 0x100000)"
@@ -118,10 +118,10 @@ std::string to_string(const Difference& difference);
 struct HashTree {
     std::uint64_t root;
     std::array<std::uint64_t, group_count> groups;
-    std::vector<std::uint64_t> columns;             ///< by column index
-    std::vector<std::vector<std::uint64_t>> pages;  ///< by column index, then page
-    std::vector<std::uint32_t> row_counts;          ///< by column index
-    std::vector<std::uint32_t> rows_per_page;       ///< by column index
+    std::vector<std::uint64_t> columns;            ///< by column index
+    std::vector<std::vector<std::uint64_t>> pages; ///< by column index, then page
+    std::vector<std::uint32_t> row_counts;         ///< by column index
+    std::vector<std::uint32_t> rows_per_page;      ///< by column index
 };
 
 /// A page of a column and the rows it holds, last_row included.
@@ -137,7 +137,8 @@ class State {
   public:
     explicit State(std::shared_ptr<const StateLayout> layout); ///< all counts zero, all bytes zero
     State(const State& other);                                 ///< deep copy at another address
-    State& operator=(const State& other); ///< the same layout, or one with equal schema and capacities (asserted)
+    State&
+    operator=(const State& other); ///< the same layout, or one with equal schema and capacities (asserted)
     State(State&&) noexcept = default;
     State& operator=(State&&) noexcept = default;
 
@@ -164,9 +165,9 @@ class State {
     std::span<const std::byte> block_bytes() const { return {block.get(), shared_layout->size_bytes()}; }
 
     // ---- ring images: the fast path of rollback ----
-    void save(Image& image) const;        ///< allocates only when the image is smaller than image_bytes_max()
-    void restore(const Image& image);     ///< of a state with the same schema whose rows fit (asserted)
-    std::size_t image_bytes() const;      ///< what save would write now
+    void save(Image& image) const;    ///< allocates only when the image is smaller than image_bytes_max()
+    void restore(const Image& image); ///< of a state with the same schema whose rows fit (asserted)
+    std::size_t image_bytes() const;  ///< what save would write now
 
     // ---- portable images: files, packets, other machines. Format: src/state/README.md ----
     std::vector<std::byte> save_portable() const;
@@ -184,7 +185,9 @@ class State {
     std::string dump() const;
 
   private:
-    std::span<std::uint32_t> counts() { return {reinterpret_cast<std::uint32_t*>(block.get()), shared_layout->tables().size()}; }
+    std::span<std::uint32_t> counts() {
+        return {reinterpret_cast<std::uint32_t*>(block.get()), shared_layout->tables().size()};
+    }
     std::span<const std::uint32_t> counts() const {
         return {reinterpret_cast<const std::uint32_t*>(block.get()), shared_layout->tables().size()};
     }
@@ -197,9 +200,11 @@ class State {
 
 // ---- the canonical bytes of a row: little-endian fields in order, as hashed, saved and sent ----
 /// Appends the row's canonical bytes.
-void append_canonical(std::span<const std::byte> row, std::span<const LeafInfo> leaves, std::vector<std::byte>& out);
+void append_canonical(std::span<const std::byte> row, std::span<const LeafInfo> leaves,
+                      std::vector<std::byte>& out);
 /// Reads canonical bytes into a row of the host; `from` has exactly the row's size.
-void read_canonical(std::span<const std::byte> from, std::span<const LeafInfo> leaves, std::span<std::byte> row);
+void read_canonical(std::span<const std::byte> from, std::span<const LeafInfo> leaves,
+                    std::span<std::byte> row);
 /// XXH3-64 of bytes, the one hash of the library.
 std::uint64_t hash_bytes(std::span<const std::byte> bytes, std::uint64_t seed = 0);
 

@@ -39,12 +39,12 @@ class Transport {
 /// How one direction between two endpoints behaves. Chances are in 1/1000, each packet on its own.
 struct LinkDef {
     std::uint32_t latency_ms = 0;
-    std::uint32_t jitter_ms = 0;          ///< added to the latency, uniform in 0..jitter_ms; reorders by itself
+    std::uint32_t jitter_ms = 0; ///< added to the latency, uniform in 0..jitter_ms; reorders by itself
     std::uint32_t loss_permille = 0;
     std::uint32_t duplicate_permille = 0; ///< arrives twice, with independent jitter
     std::uint32_t reorder_permille = 0;   ///< held back by reorder_ms, so that later packets overtake it
     std::uint32_t reorder_ms = 50;
-    std::uint32_t damage_permille = 0;    ///< one byte is changed on the way
+    std::uint32_t damage_permille = 0; ///< one byte is changed on the way
 };
 
 /// N endpoints in memory. The same seed and the same calls deliver the same packets in the same order, always.

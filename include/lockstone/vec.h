@@ -41,10 +41,13 @@ template <FixedPoint T> constexpr T dot(Vector3<T> a, Vector3<T> b) { return dot
 
 template <FixedPoint To, FixedPoint A, FixedPoint B> constexpr Vector3<To> cross(Vector3<A> a, Vector3<B> b) {
     using Sum = SumOfProducts<A, B>;
-    return {Sum{}.add(a.y, b.z).sub(a.z, b.y).template round<To>(), Sum{}.add(a.z, b.x).sub(a.x, b.z).template round<To>(),
+    return {Sum{}.add(a.y, b.z).sub(a.z, b.y).template round<To>(),
+            Sum{}.add(a.z, b.x).sub(a.x, b.z).template round<To>(),
             Sum{}.add(a.x, b.y).sub(a.y, b.x).template round<To>()};
 }
-template <FixedPoint T> constexpr Vector3<T> cross(Vector3<T> a, Vector3<T> b) { return cross<T, T, T>(a, b); }
+template <FixedPoint T> constexpr Vector3<T> cross(Vector3<T> a, Vector3<T> b) {
+    return cross<T, T, T>(a, b);
+}
 
 /// v * s, rounded once into To.
 template <FixedPoint To, FixedPoint A, FixedPoint B> constexpr Vector3<To> scale(Vector3<A> v, B s) {
@@ -63,14 +66,14 @@ template <FixedPoint T> struct Matrix3 {
     Vector3<T> x, y, z;
 
     static constexpr Matrix3 diagonal(T a, T b, T c) { return {{a, T{}, T{}}, {T{}, b, T{}}, {T{}, T{}, c}}; }
-    static constexpr Matrix3 identity()
-        requires(T::integer_bits >= 2)
-    {
-        return diagonal(T(1), T(1), T(1));
-    }
+    static constexpr Matrix3 identity() requires(T::integer_bits >= 2) { return diagonal(T(1), T(1), T(1)); }
     friend constexpr bool operator==(const Matrix3&, const Matrix3&) = default;
-    friend constexpr Matrix3 operator+(const Matrix3& a, const Matrix3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-    friend constexpr Matrix3 operator-(const Matrix3& a, const Matrix3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+    friend constexpr Matrix3 operator+(const Matrix3& a, const Matrix3& b) {
+        return {a.x + b.x, a.y + b.y, a.z + b.z};
+    }
+    friend constexpr Matrix3 operator-(const Matrix3& a, const Matrix3& b) {
+        return {a.x - b.x, a.y - b.y, a.z - b.z};
+    }
 };
 
 using Mat3 = Matrix3<Real>;
@@ -80,7 +83,8 @@ template <FixedPoint T> constexpr Matrix3<T> transpose(const Matrix3<T>& m) {
     return {{m.x.x, m.y.x, m.z.x}, {m.x.y, m.y.y, m.z.y}, {m.x.z, m.y.z, m.z.z}};
 }
 /// m v, each component rounded once into To.
-template <FixedPoint To, FixedPoint A, FixedPoint B> constexpr Vector3<To> mul(const Matrix3<A>& m, Vector3<B> v) {
+template <FixedPoint To, FixedPoint A, FixedPoint B>
+constexpr Vector3<To> mul(const Matrix3<A>& m, Vector3<B> v) {
     const Matrix3<A> t = transpose(m);
     return {dot<To>(t.x, v), dot<To>(t.y, v), dot<To>(t.z, v)};
 }
@@ -97,8 +101,12 @@ template <FixedPoint To, FixedPoint A, FixedPoint B>
 constexpr Matrix3<To> mul_transposed(const Matrix3<A>& a, const Matrix3<B>& b) {
     return {mul_transposed<To>(a, b.x), mul_transposed<To>(a, b.y), mul_transposed<To>(a, b.z)};
 }
-template <FixedPoint T> constexpr Vector3<T> operator*(const Matrix3<T>& m, Vector3<T> v) { return mul<T>(m, v); }
-template <FixedPoint T> constexpr Matrix3<T> operator*(const Matrix3<T>& a, const Matrix3<T>& b) { return mul<T>(a, b); }
+template <FixedPoint T> constexpr Vector3<T> operator*(const Matrix3<T>& m, Vector3<T> v) {
+    return mul<T>(m, v);
+}
+template <FixedPoint T> constexpr Matrix3<T> operator*(const Matrix3<T>& a, const Matrix3<T>& b) {
+    return mul<T>(a, b);
+}
 
 /// A rotation: unit quaternion w + xi + yj + zk.
 struct Quat {
@@ -135,7 +143,9 @@ constexpr Rotation to_rotation(Quat q) {
              once(Sum{}.add(q.w, q.w).sub(q.x, q.x).sub(q.y, q.y).add(q.z, q.z))}};
 }
 
-template <FixedPoint T> constexpr Vector3<T> rotate(Quat q, Vector3<T> v) { return mul<T>(to_rotation(q), v); }
+template <FixedPoint T> constexpr Vector3<T> rotate(Quat q, Vector3<T> v) {
+    return mul<T>(to_rotation(q), v);
+}
 template <FixedPoint T> constexpr Vector3<T> rotate_inverse(Quat q, Vector3<T> v) {
     return mul_transposed<T>(to_rotation(q), v);
 }
@@ -151,7 +161,9 @@ struct Transform {
 
 constexpr Vec3 operator*(const Transform& t, Vec3 p) { return t.position + rotate(t.rotation, p); }
 /// First b, then a. The product of many is renormalised with normalized(Quat) of math.h.
-constexpr Transform operator*(const Transform& a, const Transform& b) { return {a * b.position, a.rotation * b.rotation}; }
+constexpr Transform operator*(const Transform& a, const Transform& b) {
+    return {a * b.position, a.rotation * b.rotation};
+}
 constexpr Vec3 inverse_mul(const Transform& t, Vec3 p) { return rotate_inverse(t.rotation, p - t.position); }
 constexpr Transform inverse(const Transform& t) {
     return {rotate_inverse(t.rotation, -t.position), conjugate(t.rotation)};

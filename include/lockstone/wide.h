@@ -28,7 +28,8 @@ constexpr std::int32_t saturate_to_int32(std::int64_t v) {
 
 /// a + b clamped to the range of int64.
 constexpr std::int64_t add_saturated(std::int64_t a, std::int64_t b) {
-    const std::int64_t sum = static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b));
+    const std::int64_t sum =
+        static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b));
     // Overflow exactly when both terms have the sign that the sum has not.
     if (((a ^ sum) & (b ^ sum)) < 0)
         return a < 0 ? std::numeric_limits<std::int64_t>::min() : std::numeric_limits<std::int64_t>::max();
@@ -63,7 +64,9 @@ struct WidePortable {
     std::uint64_t low;
     std::int64_t high;
 
-    static constexpr WidePortable from(std::int64_t v) { return {static_cast<std::uint64_t>(v), v < 0 ? -1 : 0}; }
+    static constexpr WidePortable from(std::int64_t v) {
+        return {static_cast<std::uint64_t>(v), v < 0 ? -1 : 0};
+    }
 
     /// The unsigned product of two 64-bit values, from four 32-bit products.
     static constexpr WidePortable product_unsigned(std::uint64_t a, std::uint64_t b) {
@@ -92,7 +95,9 @@ struct WidePortable {
                 static_cast<std::int64_t>(static_cast<std::uint64_t>(a.high) -
                                           static_cast<std::uint64_t>(b.high) - (a.low < b.low ? 1u : 0u))};
     }
-    friend constexpr bool operator==(WidePortable a, WidePortable b) { return a.low == b.low && a.high == b.high; }
+    friend constexpr bool operator==(WidePortable a, WidePortable b) {
+        return a.low == b.low && a.high == b.high;
+    }
     friend constexpr bool operator<(WidePortable a, WidePortable b) {
         return a.high != b.high ? a.high < b.high : a.low < b.low;
     }
@@ -124,7 +129,9 @@ struct WideNative {
     int128_t value;
 
     static constexpr WideNative from(std::int64_t v) { return {v}; }
-    static constexpr WideNative product(std::int64_t a, std::int64_t b) { return {static_cast<int128_t>(a) * b}; }
+    static constexpr WideNative product(std::int64_t a, std::int64_t b) {
+        return {static_cast<int128_t>(a) * b};
+    }
     static constexpr WideNative product_unsigned(std::uint64_t a, std::uint64_t b) {
         return {static_cast<int128_t>(static_cast<uint128_t>(a) * b)};
     }
@@ -156,7 +163,7 @@ using Wide = WidePortable;
 
 /// a + b and a - b clamped to 128 bits: three squares of 64-bit values can reach 3 * 2^126.
 template <class W>
-    requires requires(W w) { w.high_bits(); }
+requires requires(W w) { w.high_bits(); }
 constexpr W add_saturated(W a, W b) {
     const W sum = a + b;
     if (((a.high_bits() ^ sum.high_bits()) & (b.high_bits() ^ sum.high_bits())) >= 0) return sum;
@@ -164,7 +171,7 @@ constexpr W add_saturated(W a, W b) {
     return a.is_negative() ? smallest : smallest - W::from(1);
 }
 template <class W>
-    requires requires(W w) { w.high_bits(); }
+requires requires(W w) { w.high_bits(); }
 constexpr W sub_saturated(W a, W b) {
     const W difference = a - b;
     if (((a.high_bits() ^ b.high_bits()) & (a.high_bits() ^ difference.high_bits())) >= 0) return difference;
@@ -176,7 +183,8 @@ constexpr W sub_saturated(W a, W b) {
 template <class W> constexpr std::int64_t saturate_to_int64(W w) {
     const std::int64_t low = static_cast<std::int64_t>(w.low_bits());
     if (w.high_bits() == (low < 0 ? -1 : 0)) return low;
-    return w.is_negative() ? std::numeric_limits<std::int64_t>::min() : std::numeric_limits<std::int64_t>::max();
+    return w.is_negative() ? std::numeric_limits<std::int64_t>::min()
+                           : std::numeric_limits<std::int64_t>::max();
 }
 
 /// floor(w / 2^shift + 1/2), clamped to int64. 0 <= shift <= 126.
@@ -192,7 +200,8 @@ struct QuotientRemainder {
 };
 
 /// Knuth's algorithm D with two 32-bit digits. source: Knuth, TAOCP vol. 2, 4.3.1; Warren, Hacker's Delight, 9-4.
-constexpr QuotientRemainder divide_128_by_64_portable(std::uint64_t high, std::uint64_t low, std::uint64_t divisor) {
+constexpr QuotientRemainder divide_128_by_64_portable(std::uint64_t high, std::uint64_t low,
+                                                      std::uint64_t divisor) {
     const int shift = std::countl_zero(divisor);
     const std::uint64_t d = divisor << shift;
     const std::uint64_t d1 = d >> 32, d0 = d & 0xffffffffu;
@@ -233,12 +242,16 @@ constexpr std::int64_t divide_shifted(std::int64_t n, std::int64_t d, int shift)
     const std::uint64_t nm = magnitude(n), dm = magnitude(d);
     const std::uint64_t high = shift == 0 ? 0 : nm >> (64 - shift), low = nm << shift;
     if (high >= dm) return negative ? smallest : largest;
-    const QuotientRemainder qr = high == 0 ? QuotientRemainder{low / dm, low % dm} : divide_128_by_64(high, low, dm);
+    const QuotientRemainder qr =
+        high == 0 ? QuotientRemainder{low / dm, low % dm} : divide_128_by_64(high, low, dm);
     // Ties go towards plus infinity: up when positive, down in magnitude when negative.
     const std::uint64_t rest = dm - qr.remainder;
     const std::uint64_t q = qr.quotient + ((negative ? qr.remainder > rest : qr.remainder >= rest) ? 1u : 0u);
-    if (!negative) return q > static_cast<std::uint64_t>(largest) || q < qr.quotient ? largest : static_cast<std::int64_t>(q);
-    return q > static_cast<std::uint64_t>(largest) || q < qr.quotient ? smallest : -static_cast<std::int64_t>(q);
+    if (!negative)
+        return q > static_cast<std::uint64_t>(largest) || q < qr.quotient ? largest
+                                                                          : static_cast<std::int64_t>(q);
+    return q > static_cast<std::uint64_t>(largest) || q < qr.quotient ? smallest
+                                                                      : -static_cast<std::int64_t>(q);
 }
 
 } // namespace lockstone

@@ -31,17 +31,19 @@ enum class Integrator : std::uint32_t {
 const char* name_of(Integrator integrator);
 
 struct WorldDef {
-    std::uint32_t tick_rate = 60;  ///< ticks per second, 1..1000
-    std::uint32_t substeps = 4;    ///< solver steps per tick, 1..16
+    std::uint32_t tick_rate = 60; ///< ticks per second, 1..1000
+    std::uint32_t substeps =
+        8; ///< solver steps per tick, 1..16; 8 hold a pyramid of base 40, 4 suffice for scattered bodies
     Vec3 gravity = {Real{}, Real::from_raw(-42133629174), Real{}}; ///< -9.81 m/s^2 along y; within 1000
     Integrator integrator = Integrator::semi_implicit_euler;
-    std::uint32_t bounds_shift = 0; ///< 0..8: broad-phase step 2^(shift-16) m, exact within 2^(15+shift) m of the origin
+    std::uint32_t bounds_shift =
+        0; ///< 0..8: broad-phase step 2^(shift-16) m, exact within 2^(15+shift) m of the origin
     std::uint32_t bodies_max = 1024;
     std::uint32_t shapes_max = 1024;
     std::uint32_t contacts_max = 8192; ///< shape pairs that are near each other
     std::uint32_t fields_max = 16;
     Real restitution_speed_min = Real(1); ///< [m/s]: slower impacts do not bounce
-    Real contact_hertz = Real(60);        ///< stiffness of contacts, at most a quarter of the substep rate
+    Real contact_hertz = Real(60);        ///< stiffness of contacts, at most an eighth of the substep rate
     Real contact_damping = Real(10);      ///< damping ratio of contacts
     Real push_speed_max = Real(3);        ///< [m/s]: how fast overlap is pushed out
     std::uint64_t seed = 1;               ///< part of the state; the game's random streams start from it
@@ -89,8 +91,10 @@ template <class V> constexpr void describe(Faults& f, V&& v) {
 class Journal {
   public:
     virtual ~Journal() = default;
-    virtual void on_command(std::uint64_t tick, const Command& command) = 0; ///< applied before tick `tick` runs
-    virtual void on_tick(std::uint64_t tick, std::uint64_t hash) = 0;        ///< tick ran; hash of the state after it
+    virtual void on_command(std::uint64_t tick,
+                            const Command& command) = 0; ///< applied before tick `tick` runs
+    virtual void on_tick(std::uint64_t tick,
+                         std::uint64_t hash) = 0; ///< tick ran; hash of the state after it
 };
 
 /// Hash of the whole state after one phase of a tick, for finding where two runs part.
@@ -108,8 +112,8 @@ class World {
     World clone() const; ///< same state at another address; no journal
 
     // ---- time ----
-    void tick();                       ///< one tick of 1 / tick_rate seconds
-    std::uint64_t tick_count() const;  ///< ticks so far
+    void tick();                      ///< one tick of 1 / tick_rate seconds
+    std::uint64_t tick_count() const; ///< ticks so far
     const WorldDef& def() const;
 
     // ---- commands: each builds a Command and applies it ----
@@ -138,19 +142,21 @@ class World {
     template <StateRow T> Status write(Column<T> column, BodyId body, const T& value) {
         return write_bytes(column.index, body, std::as_bytes(std::span(&value, 1)));
     }
-    template <StateRow T> Status write(Column<T> record, const T& value) { return write(record, BodyId{}, value); }
+    template <StateRow T> Status write(Column<T> record, const T& value) {
+        return write(record, BodyId{}, value);
+    }
 
     // ---- reading: valid ids only where a reference is returned (asserted); is_alive tells ----
     bool is_alive(BodyId body) const;
     bool is_alive(ShapeId shape) const;
     std::vector<BodyId> bodies() const; ///< by row; allocates
     std::uint32_t body_count() const;
-    BodyId body_at(std::uint32_t row) const; ///< row < body_count(); rows move when bodies are destroyed
-    Transform pose(BodyId body) const;            ///< of the body's origin
-    Vec3 center_of_mass(BodyId body) const;       ///< world [m]
-    Vec3 linear_velocity(BodyId body) const;      ///< of the centre of mass [m/s]
-    Vec3 angular_velocity(BodyId body) const;     ///< [rad/s]
-    Real mass(BodyId body) const;                 ///< [kg]; 0 when static or kinematic
+    BodyId body_at(std::uint32_t row) const;  ///< row < body_count(); rows move when bodies are destroyed
+    Transform pose(BodyId body) const;        ///< of the body's origin
+    Vec3 center_of_mass(BodyId body) const;   ///< world [m]
+    Vec3 linear_velocity(BodyId body) const;  ///< of the centre of mass [m/s]
+    Vec3 angular_velocity(BodyId body) const; ///< [rad/s]
+    Real mass(BodyId body) const;             ///< [kg]; 0 when static or kinematic
     BodyKind kind(BodyId body) const;
     std::uint64_t user_key(BodyId body) const;
     std::vector<ShapeId> shapes(BodyId body) const; ///< in order of creation; allocates
@@ -170,9 +176,9 @@ class World {
     struct ContactPoint {
         ShapeId shape_a, shape_b;
         Vec3 point;
-        UnitVec3 normal; ///< a to b
+        UnitVec3 normal;       ///< a to b
         Separation separation; ///< [m] at the start of the tick
-        Speed impulse;   ///< normal impulse over reduced mass, velocity units [m/s]
+        Speed impulse;         ///< normal impulse over reduced mass, velocity units [m/s]
     };
     std::span<const ContactPoint> contacts() const;
 
@@ -186,8 +192,8 @@ class World {
     const GameSchema& schema() const;
 
     // ---- diagnosis ----
-    void set_journal(Journal* journal); ///< null detaches; not owned, not state
-    void record_phase_hashes(bool on);  ///< off by default; costs a hash per phase
+    void set_journal(Journal* journal);              ///< null detaches; not owned, not state
+    void record_phase_hashes(bool on);               ///< off by default; costs a hash per phase
     std::span<const PhaseHash> phase_hashes() const; ///< of the last tick
     /// For tests and planted faults: the block itself. Anything written here is outside the contract.
     State& state_for_tests();

@@ -15,6 +15,7 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <string>
 #include <string_view>
@@ -44,7 +45,12 @@ class ByteWriter {
     void u64(std::uint64_t v) { append(v); }
     void i32(std::int32_t v) { append(static_cast<std::uint32_t>(v)); }
     void i64(std::int64_t v) { append(static_cast<std::uint64_t>(v)); }
-    void bytes(std::span<const std::byte> v) { out.insert(out.end(), v.begin(), v.end()); }
+    void bytes(std::span<const std::byte> v) {
+        // Not insert(): g++ 12 warns of an overflow inside it that cannot happen.
+        const std::size_t at = out.size();
+        out.resize(at + v.size());
+        if (!v.empty()) std::memcpy(out.data() + at, v.data(), v.size());
+    }
     /// A u32 length, then the bytes of the text.
     void text(std::string_view v) {
         u32(static_cast<std::uint32_t>(v.size()));

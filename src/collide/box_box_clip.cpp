@@ -63,22 +63,22 @@ void incident_corners(const Clip& c, ClipPoint* out) {
     }
 }
 
-/// a + (b - a) part, part in 24 fraction bits: |b - a| is at most 346 m < 2^39 steps, so the product fits.
-ClipPoint between(const ClipPoint& a, const ClipPoint& b, std::int64_t part_24) {
-    const auto mix = [&](std::int64_t x, std::int64_t y) { return x + shift_right_rounded((y - x) * part_24, 24); };
+/// a + (b - a) part / 2^bits.
+ClipPoint between(const ClipPoint& a, const ClipPoint& b, std::int64_t part, int bits) {
+    const auto mix = [&](std::int64_t x, std::int64_t y) { return x + shift_right_rounded((y - x) * part, bits); };
     return {mix(a.p, b.p), mix(a.q, b.q), mix(a.height, b.height), 0, 0};
 }
 
 /// Keeps what has inside(x) = limit - sign * x.*coordinate >= 0; `line` names the side.
 int clip_side(const ClipPoint* in, int count, ClipPoint* out, std::int64_t ClipPoint::* coordinate, std::int64_t sign,
-              std::int64_t limit, std::uint8_t line) {
+              std::int64_t limit, std::uint8_t line, int part_bits) {
     int n = 0;
     for (int k = 0; k < count && n < points_max; ++k) {
         const ClipPoint &a = in[k], &b = in[k + 1 == count ? 0 : k + 1];
         const std::int64_t inside_a = limit - sign * a.*coordinate, inside_b = limit - sign * b.*coordinate;
         if (inside_a >= 0) out[n++] = a;
         if ((inside_a >= 0) == (inside_b >= 0) || n == points_max) continue;
-        ClipPoint cut = between(a, b, up(inside_a, 24) / (inside_a - inside_b));
+        ClipPoint cut = between(a, b, up(inside_a, part_bits) / (inside_a - inside_b), part_bits);
         cut.*coordinate = sign * limit;
         cut.line_in = inside_a >= 0 ? a.line_out : line;
         cut.line_out = inside_a >= 0 ? line : a.line_out;
@@ -87,14 +87,24 @@ int clip_side(const ClipPoint* in, int count, ClipPoint* out, std::int64_t ClipP
     return n;
 }
 
+/// The bits that a fraction of an edge may have so that its products fit: 24 for the largest boxes, 30 for small ones.
+int part_bits_for(const Clip& c) {
+    std::int64_t reach = absolute(c.center_54[c.p] >> 24) + absolute(c.center_54[c.q] >> 24) +
+                         absolute(c.center_54[c.axis] >> 24);
+    for (int i = 0; i < 3; ++i) reach += up(2 * c.incident_half[i] + c.half[i], 6);
+    const int bits = 62 - bit_length(static_cast<std::uint64_t>(reach));
+    return bits < 24 ? 24 : bits > 30 ? 30 : bits;
+}
+
 int clip_polygon(const Clip& c, ClipPoint* polygon) {
     ClipPoint other[points_max];
     int count = 4;
+    const int bits = part_bits_for(c);
     const std::int64_t limit_p = up(c.half[c.p], 6), limit_q = up(c.half[c.q], 6);
-    count = clip_side(polygon, count, other, &ClipPoint::p, 1, limit_p, 4);
-    count = clip_side(other, count, polygon, &ClipPoint::p, -1, limit_p, 5);
-    count = clip_side(polygon, count, other, &ClipPoint::q, 1, limit_q, 6);
-    return clip_side(other, count, polygon, &ClipPoint::q, -1, limit_q, 7);
+    count = clip_side(polygon, count, other, &ClipPoint::p, 1, limit_p, 4, bits);
+    count = clip_side(other, count, polygon, &ClipPoint::p, -1, limit_p, 5, bits);
+    count = clip_side(polygon, count, other, &ClipPoint::q, 1, limit_q, 6, bits);
+    return clip_side(other, count, polygon, &ClipPoint::q, -1, limit_q, 7, bits);
 }
 
 /// The corner and edge names of the two boxes for the lines that meet in a polygon corner.

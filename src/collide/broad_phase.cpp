@@ -12,57 +12,101 @@
 namespace lockstone::collide {
 
 BroadPhase::BroadPhase(std::uint32_t proxy_capacity, Bound leaf_margin)
-    : entries(proxy_capacity, Entry{Bounds{}, BoundsTree::none, false, false}), moving(proxy_capacity),
-      fixed(proxy_capacity), margin(leaf_margin) {
+    : entries(proxy_capacity, Entry{Bounds{}, Bounds{}, BoundsTree::none, false, false, false, false, false}),
+      moving(proxy_capacity), fixed(proxy_capacity), margin(leaf_margin) {
+    moved.reserve(proxy_capacity);
     changed.reserve(proxy_capacity);
+    leaves.reserve(proxy_capacity);
     for (std::vector<ProxyPair>* pairs : {&leaf_pairs, &found, &merged}) pairs->reserve(std::size_t{8} * proxy_capacity);
     stack.reserve(256);
+}
+
+void BroadPhase::note_move(std::uint32_t proxy) {
+    Entry& entry = entries[proxy];
+    if (!entry.moved) moved.push_back(proxy);
+    if (!entry.fresh) changed.push_back(proxy);
+    entry.moved = entry.fresh = true;
 }
 
 void BroadPhase::set(std::uint32_t proxy, const Bounds& exact, bool is_static) {
     LOCKSTONE_ASSERT(proxy < entries.size(), "proxy ", proxy, ", capacity ", entries.size());
     Entry& entry = entries[proxy];
-    if (entry.leaf != BoundsTree::none) {
-        const BoundsTree& tree = entry.is_static ? fixed : moving;
-        const Bounds& leaf = tree.node(entry.leaf).bounds;
-        if (entry.is_static == is_static && (is_static ? leaf == exact : collide::contains(leaf, exact))) {
-            entry.exact = exact;
-            return;
-        }
-        remove(proxy);
-    }
-    insert_leaf(proxy, exact, is_static);
-}
-
-void BroadPhase::insert_leaf(std::uint32_t proxy, const Bounds& exact, bool is_static) {
-    Entry& entry = entries[proxy];
-    BoundsTree& tree = is_static ? fixed : moving;
-    entry.leaf = tree.insert(is_static ? exact : expand(exact, margin), proxy);
     entry.exact = exact;
+    if (entry.present && entry.is_static == is_static &&
+        (is_static ? entry.leaf_bounds == exact : collide::contains(entry.leaf_bounds, exact)))
+        return;
+    entry.present = true;
     entry.is_static = is_static;
-    if (!entry.fresh) changed.push_back(proxy);
-    entry.fresh = true;
+    entry.leaf_bounds = is_static ? exact : expand(exact, margin);
+    note_move(proxy);
 }
 
 void BroadPhase::remove(std::uint32_t proxy) {
     if (!contains(proxy)) return;
-    Entry& entry = entries[proxy];
-    (entry.is_static ? fixed : moving).remove(entry.leaf);
-    entry.leaf = BoundsTree::none;
-    if (!entry.fresh) changed.push_back(proxy);
-    entry.fresh = true;
+    entries[proxy].present = false;
+    note_move(proxy);
 }
 
 void BroadPhase::clear() {
-    for (Entry& entry : entries) entry.leaf = BoundsTree::none, entry.fresh = false;
+    for (Entry& entry : entries) entry = {Bounds{}, Bounds{}, BoundsTree::none, false, false, false, false, false};
     moving.clear();
     fixed.clear();
+    moved.clear();
     changed.clear();
     leaf_pairs.clear();
 }
 
+void BroadPhase::update_trees() {
+    if (moved.empty()) return;
+    std::uint32_t changes[2] = {0, 0};
+    for (std::uint32_t proxy : moved) {
+        const Entry& entry = entries[proxy];
+        if (entry.leaf != BoundsTree::none) ++changes[entry.in_fixed];
+        if (entry.present) ++changes[entry.is_static];
+    }
+    const bool anew[2] = {changes[0] * 8 > moving.leaf_count(), changes[1] * 8 > fixed.leaf_count()};
+    for (std::uint32_t proxy : moved) {
+        Entry& entry = entries[proxy];
+        if (entry.leaf != BoundsTree::none && !anew[entry.in_fixed]) tree_of(entry.in_fixed).remove(entry.leaf);
+        entry.leaf = BoundsTree::none;
+    }
+    for (bool is_fixed : {false, true}) {
+        if (anew[is_fixed]) rebuild(is_fixed);
+        else insert_moved(is_fixed);
+    }
+    for (std::uint32_t proxy : moved) entries[proxy].moved = false;
+    moved.clear();
+}
+
+void BroadPhase::rebuild(bool is_fixed) {
+    BoundsTree& tree = tree_of(is_fixed);
+    leaves.clear();
+    tree.for_each_leaf([&](BoundsTree::NodeId, const BoundsTree::Node& leaf) {
+        const Entry& entry = entries[leaf.proxy()];
+        if (!entry.moved) leaves.push_back({leaf.bounds, leaf.proxy(), entry.fresh});
+    });
+    for (std::uint32_t proxy : moved)
+        if (const Entry& entry = entries[proxy]; entry.present && entry.is_static == is_fixed)
+            leaves.push_back({entry.leaf_bounds, proxy, true});
+    tree.rebuild(leaves);
+    tree.for_each_leaf([&](BoundsTree::NodeId id, const BoundsTree::Node& leaf) {
+        entries[leaf.proxy()].leaf = id;
+        entries[leaf.proxy()].in_fixed = is_fixed;
+    });
+}
+
+void BroadPhase::insert_moved(bool is_fixed) {
+    for (std::uint32_t proxy : moved) {
+        Entry& entry = entries[proxy];
+        if (!entry.present || entry.is_static != is_fixed) continue;
+        entry.leaf = tree_of(is_fixed).insert(entry.leaf_bounds, proxy);
+        entry.in_fixed = is_fixed;
+    }
+}
+
 void BroadPhase::find_pairs(std::vector<ProxyPair>& out) {
     if (!changed.empty()) {
+        update_trees();
         forget_pairs_of_fresh_leaves();
         found.clear();
         find_fresh_pairs_within(moving);
@@ -145,7 +189,8 @@ void BroadPhase::merge_found() {
     leaf_pairs.swap(merged);
 }
 
-void BroadPhase::query(const Bounds& bounds, std::vector<std::uint32_t>& out) const {
+void BroadPhase::query(const Bounds& bounds, std::vector<std::uint32_t>& out) {
+    update_trees();
     out.clear();
     const auto add = [&](std::uint32_t proxy) {
         if (overlap(entries[proxy].exact, bounds)) out.push_back(proxy);

@@ -24,11 +24,11 @@ class BroadPhase {
     /// leaves of moving proxies reach beyond their bounds: larger means fewer tree updates and more pairs to filter.
     explicit BroadPhase(std::uint32_t proxy_capacity, Bound margin = decimal<Bound>("0.1"));
 
-    /// Inserts or moves a proxy, or changes its kind. Free while the bounds stay within the leaf.
+    /// Inserts or moves a proxy, or changes its kind. Costs next to nothing while the bounds stay within the leaf.
     void set(std::uint32_t proxy, const Bounds& exact, bool is_static);
     /// Does nothing for a proxy that is not there.
     void remove(std::uint32_t proxy);
-    bool contains(std::uint32_t proxy) const { return proxy < entries.size() && entries[proxy].leaf != BoundsTree::none; }
+    bool contains(std::uint32_t proxy) const { return proxy < entries.size() && entries[proxy].present; }
     void clear();
 
     /// All pairs, not both static, whose exact bounds overlap (touching counts), sorted by (a, b).
@@ -36,34 +36,45 @@ class BroadPhase {
     void find_pairs(std::vector<ProxyPair>& out);
 
     /// All proxies whose exact bounds overlap, sorted.
-    void query(const Bounds& bounds, std::vector<std::uint32_t>& out) const;
+    void query(const Bounds& bounds, std::vector<std::uint32_t>& out);
 
+    /// Of a proxy that is there.
     const Bounds& bounds(std::uint32_t proxy) const { return entries[proxy].exact; }
 
   private:
     struct Entry {
-        Bounds exact;
+        Bounds exact, leaf_bounds;
         BoundsTree::NodeId leaf;
-        bool is_static;
-        bool fresh; ///< its leaf is newer than `leaf_pairs`
+        bool present, is_static;
+        bool in_fixed; ///< where `leaf` is
+        bool moved;    ///< the tree does not know of its leaf bounds yet
+        bool fresh;    ///< `leaf_pairs` does not know of its leaf yet
     };
     struct NodePair {
         BoundsTree::NodeId a, b;
     };
 
-    void insert_leaf(std::uint32_t proxy, const Bounds& exact, bool is_static);
+    void note_move(std::uint32_t proxy);
+    /// Brings the trees up to date with the entries.
+    void update_trees();
+    void rebuild(bool is_fixed);
+    void insert_moved(bool is_fixed);
+    BoundsTree& tree_of(bool is_fixed) { return is_fixed ? fixed : moving; }
     void forget_pairs_of_fresh_leaves();
     void find_fresh_pairs_within(const BoundsTree& tree);
     void find_fresh_pairs_between(const BoundsTree& a, const BoundsTree& b);
     void merge_found();
 
-    std::vector<Entry> entries;   // by proxy
+    std::vector<Entry> entries; // by proxy
     BoundsTree moving, fixed;
     Bound margin;
-    std::vector<std::uint32_t> changed; // proxies inserted, reinserted or removed since the last find_pairs
+    std::vector<std::uint32_t> moved;   // since the trees were updated
+    std::vector<std::uint32_t> changed; // since the pairs were found
     std::vector<ProxyPair> leaf_pairs;  // whose leaves overlap, sorted: a superset of the answer
-    std::vector<ProxyPair> found, merged; // scratch
-    std::vector<NodePair> stack;          // scratch
+    // scratch
+    std::vector<ProxyPair> found, merged;
+    std::vector<NodePair> stack;
+    std::vector<BoundsTree::Leaf> leaves;
 };
 
 } // namespace lockstone::collide

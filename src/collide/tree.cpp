@@ -2,11 +2,14 @@
 // up); Kopta et al., Fast, Effective BVH Updates for Animated Scenes, I3D 2012 (rotations).
 #include "collide/tree.h"
 
+#include <algorithm>
+
 namespace lockstone::collide {
 
 BoundsTree::BoundsTree(std::uint32_t leaf_capacity) {
     nodes.reserve(std::size_t{2} * leaf_capacity);
     stack.reserve(256);
+    ranges.reserve(64);
 }
 
 BoundsTree::NodeId BoundsTree::take_node() {
@@ -15,21 +18,25 @@ BoundsTree::NodeId BoundsTree::take_node() {
         return static_cast<NodeId>(nodes.size() - 1);
     }
     const NodeId id = free_list;
-    free_list = at(id).parent;
+    free_list = at(id).child[1];
     return id;
 }
 
 void BoundsTree::free_node(NodeId id) {
-    at(id).parent = free_list;
+    at(id).parent = free_mark;
+    at(id).child[0] = none;
+    at(id).child[1] = free_list;
     free_list = id;
 }
 
 void BoundsTree::clear() {
     nodes.clear();
     top = free_list = none;
+    leaf_total = 0;
 }
 
 BoundsTree::NodeId BoundsTree::insert(const Bounds& bounds, std::uint32_t proxy) {
+    ++leaf_total;
     const NodeId leaf = take_node();
     at(leaf) = {bounds, none, {none, static_cast<NodeId>(proxy)}, true};
     if (top == none) {
@@ -48,6 +55,7 @@ BoundsTree::NodeId BoundsTree::insert(const Bounds& bounds, std::uint32_t proxy)
 }
 
 void BoundsTree::remove(NodeId leaf) {
+    --leaf_total;
     const NodeId parent = at(leaf).parent;
     free_node(leaf);
     if (parent == none) {
@@ -83,13 +91,17 @@ BoundsTree::NodeId BoundsTree::best_sibling(const Bounds& bounds) const {
     return id;
 }
 
+void BoundsTree::merge_children(NodeId id) {
+    Node& n = at(id);
+    const Node &a = at(n.child[0]), &b = at(n.child[1]);
+    n.bounds = merge(a.bounds, b.bounds);
+    n.fresh = a.fresh || b.fresh;
+}
+
 void BoundsTree::refit_up(NodeId id) {
     for (; id != none; id = at(id).parent) {
         rotate(id);
-        Node& n = at(id);
-        const Node &a = at(n.child[0]), &b = at(n.child[1]);
-        n.bounds = merge(a.bounds, b.bounds);
-        n.fresh = a.fresh || b.fresh;
+        merge_children(id);
     }
 }
 
@@ -121,9 +133,65 @@ void BoundsTree::swap_with_grandchild(NodeId id, int side, int grandchild) {
     at(rising).parent = id;
     o.child[grandchild] = down;
     at(down).parent = other;
-    const Node &a = at(o.child[0]), &b = at(o.child[1]);
-    o.bounds = merge(a.bounds, b.bounds);
-    o.fresh = a.fresh || b.fresh;
+    merge_children(other);
+}
+
+namespace {
+
+struct Center {
+    int axis;
+    std::int64_t operator()(const BoundsTree::Leaf& leaf) const {
+        return std::int64_t{leaf.bounds.lower[axis].raw} + leaf.bounds.upper[axis].raw;
+    }
+};
+
+/// The axis along which the centres spread most.
+int widest_axis(const BoundsTree::Leaf* begin, const BoundsTree::Leaf* end) {
+    int widest = 0;
+    std::int64_t spread = -1;
+    for (int axis = 0; axis < 3; ++axis) {
+        const Center center{axis};
+        std::int64_t low = center(*begin), high = low;
+        for (const BoundsTree::Leaf* leaf = begin + 1; leaf != end; ++leaf) {
+            low = std::min(low, center(*leaf));
+            high = std::max(high, center(*leaf));
+        }
+        if (high - low > spread) spread = high - low, widest = axis;
+    }
+    return widest;
+}
+
+} // namespace
+
+/// Splits at the median of the widest axis. A node comes before its children, so bounds are merged back to front.
+void BoundsTree::rebuild(std::vector<Leaf>& leaves) {
+    clear();
+    leaf_total = static_cast<std::uint32_t>(leaves.size());
+    ranges.clear();
+    if (!leaves.empty()) ranges.push_back({0, static_cast<std::uint32_t>(leaves.size()), none, 0});
+    while (!ranges.empty()) {
+        const Range r = ranges.back();
+        ranges.pop_back();
+        const NodeId id = take_node();
+        if (r.parent == none) top = id;
+        else at(r.parent).child[r.side] = id;
+        Leaf* const begin = leaves.data() + r.begin;
+        Leaf* const end = leaves.data() + r.end;
+        if (end - begin == 1) {
+            at(id) = {begin->bounds, r.parent, {none, static_cast<NodeId>(begin->proxy)}, begin->fresh};
+            continue;
+        }
+        at(id).parent = r.parent;
+        at(id).child[0] = id; // not a leaf; its children fill this in
+        const Center center{widest_axis(begin, end)};
+        const std::uint32_t middle = r.begin + (r.end - r.begin) / 2;
+        std::nth_element(begin, leaves.data() + middle, end,
+                         [center](const Leaf& a, const Leaf& b) { return center(a) < center(b); });
+        ranges.push_back({r.begin, middle, id, 0});
+        ranges.push_back({middle, r.end, id, 1});
+    }
+    for (std::size_t i = nodes.size(); i-- > 0;)
+        if (!nodes[i].is_leaf()) merge_children(static_cast<NodeId>(i));
 }
 
 void BoundsTree::clear_fresh() {

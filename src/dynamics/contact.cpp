@@ -12,8 +12,8 @@ Tangents tangents_of(UnitVec3 normal) {
     return {first, cross<Unit>(normal, first)};
 }
 
-void colour_contacts(std::span<const Contact> contacts, const SolverBodies& bodies, std::vector<std::uint64_t>& body_colours,
-                     std::vector<std::uint32_t>& colour) {
+void colour_contacts(std::span<const Contact> contacts, const SolverBodies& bodies,
+                     std::vector<std::uint64_t>& body_colours, std::vector<std::uint32_t>& colour) {
     body_colours.assign(bodies.body.size(), 0);
     colour.resize(contacts.size());
     for (std::size_t i = 0; i < contacts.size(); ++i) {
@@ -51,7 +51,7 @@ Row angular_row(const BodyStep& body, LengthVec3 lever, UnitVec3 d, std::int64_t
     const int shift = body.inv_exponent + Length::fraction_bits - row_bits;
     Row row{};
     for (int i = 0; i < 3; ++i) {
-        const std::int64_t v = shift >= 63   ? 0
+        const std::int64_t v = shift >= 63  ? 0
                                : shift >= 0 ? shift_right_rounded(sums[i], shift)
                                             : shift_left_saturated(sums[i], std::min(-shift, 63));
         row.x[i] = static_cast<std::int32_t>(sign * std::clamp(v, -jacobian_limit, jacobian_limit));
@@ -62,7 +62,8 @@ Row angular_row(const BodyStep& body, LengthVec3 lever, UnitVec3 d, std::int64_t
 /// |d|^2 over the axes the body may move along, plus |x|^2, with 56 fraction bits.
 std::int64_t row_length_squared(const SolverBody& body, const std::int32_t d[3], const Row& row) {
     std::int64_t sum = 0;
-    for (int i = 0; i < 3; ++i) sum += ((std::int64_t{d[i]} * d[i]) & body.keep[i]) + std::int64_t{row.x[i]} * row.x[i];
+    for (int i = 0; i < 3; ++i)
+        sum += ((std::int64_t{d[i]} * d[i]) & body.keep[i]) + std::int64_t{row.x[i]} * row.x[i];
     return sum;
 }
 
@@ -107,27 +108,62 @@ PointScalars point_scalars(const SolverBodies& bodies, const Contact& contact, c
     return p;
 }
 
-std::int32_t speed_along(const SolverBody& a, const SolverBody& b, const std::int32_t d[3], const Row& xa, const Row& xb) {
+std::int32_t speed_along(const SolverBody& a, const SolverBody& b, const std::int32_t d[3], const Row& xa,
+                         const Row& xb) {
     std::int64_t sum = 0;
     for (int i = 0; i < 3; ++i) {
-        const std::int64_t dv = std::int64_t{static_cast<std::int32_t>(b.v[i] >> row_bits)} - static_cast<std::int32_t>(a.v[i] >> row_bits);
+        const std::int64_t dv = std::int64_t{static_cast<std::int32_t>(b.v[i] >> row_bits)} -
+                                static_cast<std::int32_t>(a.v[i] >> row_bits);
         sum += d[i] * dv + std::int64_t{xa.x[i]} * static_cast<std::int32_t>(a.u[i] >> row_bits) +
                std::int64_t{xb.x[i]} * static_cast<std::int32_t>(b.u[i] >> row_bits);
     }
     return saturate_to_int32(shift_right_rounded(sum, row_bits));
 }
 
-const ContactPointMemory* remembered(const ContactMemory& memory, std::uint32_t feature) {
-    for (std::uint32_t i = 0; i < memory.count; ++i)
-        if (memory.points[i].feature == feature) return &memory.points[i];
-    return nullptr;
+/// How far a point may be from a remembered one of another feature and still be the same contact [m].
+constexpr std::int64_t same_point_distance = decimal<Length>("0.02").raw;
+
+std::int64_t distance_squared(LengthVec3 a, LengthVec3 b) {
+    const auto square = [](std::int64_t d) { return (d * d) >> 4; };
+    return square(std::int64_t{a.x.raw} - b.x.raw) + square(std::int64_t{a.y.raw} - b.y.raw) +
+           square(std::int64_t{a.z.raw} - b.z.raw);
+}
+
+/// For each point what it was in the last tick: by feature; for the rest the nearest that is left, if it is near. When
+/// two edges nearly coincide, the feature of a corner flips from one body's to the other's while the corner stays:
+/// a tower that forgets those impulses rocks.
+using Recollection = std::array<const ContactPointMemory*, 4>;
+
+Recollection recollect(const ContactMemory& memory, const Contact& contact) {
+    Recollection found{};
+    bool taken[4] = {};
+    for (std::uint32_t k = 0; k < contact.count; ++k)
+        for (std::uint32_t i = 0; i < memory.count; ++i)
+            if (memory.points[i].feature == contact.points[k].feature && !taken[i]) {
+                found[k] = &memory.points[i];
+                taken[i] = true;
+                break;
+            }
+    for (std::uint32_t k = 0; k < contact.count; ++k) {
+        if (found[k] != nullptr) continue;
+        std::int64_t nearest = (same_point_distance * same_point_distance) >> 4;
+        std::uint32_t best = 4;
+        for (std::uint32_t i = 0; i < memory.count; ++i) {
+            const std::int64_t d = distance_squared(memory.points[i].position, contact.points[k].position);
+            if (!taken[i] && d <= nearest) nearest = d, best = i;
+        }
+        if (best == 4) continue;
+        found[k] = &memory.points[best];
+        taken[best] = true;
+    }
+    return found;
 }
 
 constexpr std::int32_t impulse_limit = 1 << 30; ///< 2048 m/s
 
 template <unsigned N>
-void fill_point(PointPack<N>& pack, unsigned lane, const PointScalars& p, const ContactPoint& point, Shares shares,
-                const Softness& soft, std::int32_t approach, const ContactPointMemory* warm) {
+void fill_point(PointPack<N>& pack, unsigned lane, const PointScalars& p, const ContactPoint& point,
+                Shares shares, const Softness& soft, std::int32_t approach, const ContactPointMemory* warm) {
     pack.separation.lane[lane] = point.separation.raw;
     pack.approach.lane[lane] = approach;
     if (p.inverse_min == 0) return;
@@ -139,8 +175,8 @@ void fill_point(PointPack<N>& pack, unsigned lane, const PointScalars& p, const 
         if (p.inverse[r] >= least_inverse_mass)
             pack.kappa[r].lane[lane] = saturate_to_int32(divide_shifted(p.inverse_min, p.inverse[r], 30));
     }
-    pack.kappa_soft.lane[lane] =
-        static_cast<std::int32_t>(shift_right_rounded(std::int64_t{pack.kappa[0].lane[lane]} * soft.mass_scale.raw, 30));
+    pack.kappa_soft.lane[lane] = static_cast<std::int32_t>(
+        shift_right_rounded(std::int64_t{pack.kappa[0].lane[lane]} * soft.mass_scale.raw, 30));
     pack.ratio_a.lane[lane] = saturate_to_int32(divide_shifted(shares.a, p.inverse_min, 30));
     pack.ratio_b.lane[lane] = saturate_to_int32(divide_shifted(shares.b, p.inverse_min, 30));
     if (warm == nullptr) return;
@@ -148,13 +184,15 @@ void fill_point(PointPack<N>& pack, unsigned lane, const PointScalars& p, const 
     const std::int32_t j[3] = {warm->normal.raw, warm->tangent_1.raw, warm->tangent_2.raw};
     for (int r = 0; r < 3; ++r) {
         const std::int64_t impulse = narrow_rounded(Wide::product(j[r], p.inverse_min), 30);
-        pack.impulse[r].lane[lane] = static_cast<std::int32_t>(std::clamp<std::int64_t>(impulse, -impulse_limit, impulse_limit));
+        pack.impulse[r].lane[lane] =
+            static_cast<std::int32_t>(std::clamp<std::int64_t>(impulse, -impulse_limit, impulse_limit));
     }
 }
 
 template <unsigned N>
-void fill_lane(ContactPack<N>& pack, unsigned lane, std::uint32_t index, const Contact& contact, const ContactMemory& memory,
-               std::span<const BodyMass> mass, const StepConstants& step, const SolverBodies& bodies) {
+void fill_lane(ContactPack<N>& pack, unsigned lane, std::uint32_t index, const Contact& contact,
+               const ContactMemory& memory, std::span<const BodyMass> mass, const StepConstants& step,
+               const SolverBodies& bodies) {
     const BodyStep& sa = bodies.step[contact.body_a];
     const BodyStep& sb = bodies.step[contact.body_b];
     const Shares shares = shares_of(mass[contact.body_a], sa, mass[contact.body_b], sb);
@@ -175,12 +213,13 @@ void fill_lane(ContactPack<N>& pack, unsigned lane, std::uint32_t index, const C
     pack.restitution.lane[lane] = contact.restitution.raw;
     pack.bias_rate.lane[lane] = soft.bias_rate.raw;
     pack.impulse_scale.lane[lane] = soft.impulse_scale.raw;
+    const Recollection warm = recollect(memory, contact);
     for (std::uint32_t k = 0; k < contact.count; ++k) {
         const ContactPoint& point = contact.points[k];
         const PointScalars scalars = point_scalars(bodies, contact, point, directions, d, shares);
-        const std::int32_t approach =
-            speed_along(bodies.body[contact.body_a], bodies.body[contact.body_b], d[0], scalars.xa[0], scalars.xb[0]);
-        fill_point(pack.points[k], lane, scalars, point, shares, soft, approach, remembered(memory, point.feature));
+        const std::int32_t approach = speed_along(bodies.body[contact.body_a], bodies.body[contact.body_b],
+                                                  d[0], scalars.xa[0], scalars.xb[0]);
+        fill_point(pack.points[k], lane, scalars, point, shares, soft, approach, warm[k]);
     }
 }
 
@@ -194,7 +233,8 @@ template <unsigned N> void ContactSolver<N>::reserve(std::size_t contacts) {
 
 template <unsigned N>
 void ContactSolver<N>::prepare(std::span<const Contact> contacts, std::span<const ContactMemory> memory,
-                               std::span<const BodyMass> mass, const StepConstants& step, const SolverBodies& bodies) {
+                               std::span<const BodyMass> mass, const StepConstants& step,
+                               const SolverBodies& bodies) {
     colour_contacts(contacts, bodies, body_colours, colour);
     // Counting sort: by colour, within a colour by contact order.
     std::array<std::uint32_t, colour_max + 2> start{};
@@ -222,7 +262,8 @@ void ContactSolver<N>::prepare(std::span<const Contact> contacts, std::span<cons
 }
 
 template <unsigned N>
-void ContactSolver<N>::store(std::span<const Contact> contacts, std::span<ContactMemory> memory, ClampCounts& clamps) const {
+void ContactSolver<N>::store(std::span<const Contact> contacts, std::span<ContactMemory> memory,
+                             ClampCounts& clamps) const {
     for (const ContactPack<N>& pack : packs)
         for (unsigned lane = 0; lane < N; ++lane) {
             if (pack.contact[lane] == no_contact) continue;
@@ -234,11 +275,13 @@ void ContactSolver<N>::store(std::span<const Contact> contacts, std::span<Contac
                 const PointPack<N>& point = pack.points[k];
                 const std::int64_t ratio = std::int64_t{point.ratio_a.lane[lane]} + point.ratio_b.lane[lane];
                 const auto remember = [&](int r) {
-                    const std::int64_t j = shift_right_rounded(point.impulse[r].lane[lane] * (ratio >> 1), 29);
+                    const std::int64_t j =
+                        shift_right_rounded(point.impulse[r].lane[lane] * (ratio >> 1), 29);
                     if (magnitude(point.impulse[r].lane[lane]) >= impulse_limit) ++clamps.impulse;
                     return Speed::from_raw(saturate_to_int32(j));
                 };
-                m.points[k] = {contact.points[k].feature, remember(0), remember(1), remember(2)};
+                m.points[k] = {contact.points[k].position, contact.points[k].feature, remember(0),
+                               remember(1), remember(2)};
             }
         }
 }

@@ -20,14 +20,15 @@ struct ContactPoint {
     LengthVec3 lever_a, lever_b; ///< [m]
     Separation separation;       ///< [m]
     std::uint32_t feature;
+    LengthVec3 position; ///< in the manifold's frame [m]
 };
 struct Contact {
     std::uint32_t body_a, body_b; ///< rows of the body columns
     std::uint32_t memory;         ///< row of the contact columns
     std::uint32_t count;
-    UnitVec3 normal;              ///< a to b
-    Jacobian friction;            ///< combined coefficient
-    Unit restitution;             ///< combined
+    UnitVec3 normal;   ///< a to b
+    Jacobian friction; ///< combined coefficient
+    Unit restitution;  ///< combined
     std::array<ContactPoint, 4> points;
 };
 
@@ -66,8 +67,8 @@ inline constexpr std::uint32_t no_contact = 0xffffffffu;
 template <unsigned N> class ContactSolver {
   public:
     /// Colours the contacts, packs and prepares them. `memory` holds the warm-start impulses.
-    void prepare(std::span<const Contact> contacts, std::span<const ContactMemory> memory, std::span<const BodyMass> mass,
-                 const StepConstants& step, const SolverBodies& bodies);
+    void prepare(std::span<const Contact> contacts, std::span<const ContactMemory> memory,
+                 std::span<const BodyMass> mass, const StepConstants& step, const SolverBodies& bodies);
     void warm_start(SolverBodies& bodies) const;
     /// One pass over all rows. With bias, overlap is pushed out softly; without, what the push left is relaxed.
     void solve(const StepConstants& step, SolverBodies& bodies, bool bias);
@@ -80,8 +81,8 @@ template <unsigned N> class ContactSolver {
 
   private:
     std::vector<ContactPack<N>> packs;
-    std::vector<std::uint32_t> order;       ///< contacts by colour
-    std::vector<std::uint32_t> colour;      ///< by contact
+    std::vector<std::uint32_t> order;        ///< contacts by colour
+    std::vector<std::uint32_t> colour;       ///< by contact
     std::vector<std::uint64_t> body_colours; ///< bit c: a contact of colour c holds the body
 };
 
@@ -92,7 +93,7 @@ extern template class ContactSolver<4>;
 inline constexpr std::uint32_t colour_max = 63;
 
 /// First-fit colouring in contact order. Pure: depends on the order and on who can move, on nothing else.
-void colour_contacts(std::span<const Contact> contacts, const SolverBodies& bodies, std::vector<std::uint64_t>& body_colours,
-                     std::vector<std::uint32_t>& colour);
+void colour_contacts(std::span<const Contact> contacts, const SolverBodies& bodies,
+                     std::vector<std::uint64_t>& body_colours, std::vector<std::uint32_t>& colour);
 
 } // namespace lockstone::dynamics

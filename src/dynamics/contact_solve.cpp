@@ -10,9 +10,7 @@ namespace {
 constexpr std::int32_t impulse_limit = 1 << 30;
 
 /// The velocities of the two bodies of N contacts, gathered once and scattered once.
-template <unsigned N> struct Pair {
-    Int64<N> va[3], ua[3], vb[3], ub[3];
-};
+template <unsigned N> struct Pair { Int64<N> va[3], ua[3], vb[3], ub[3]; };
 
 template <unsigned N> Pair<N> gather(const ContactPack<N>& c, const SolverBodies& bodies) {
     Pair<N> p;
@@ -45,7 +43,8 @@ template <unsigned N> void scatter(const ContactPack<N>& c, const Pair<N>& p, So
 
 /// D . (v, u): the row's relative speed, Speed.
 template <unsigned N>
-inline Int32<N> row_speed(const Pair<N>& p, const Int32<N> (&d)[3], const Int32<N> (&xa)[3], const Int32<N> (&xb)[3]) {
+inline Int32<N> row_speed(const Pair<N>& p, const Int32<N> (&d)[3], const Int32<N> (&xa)[3],
+                          const Int32<N> (&xb)[3]) {
     Int64<N> sum{};
     for (int i = 0; i < 3; ++i) {
         const Int32<N> dv = rounded<row_bits>(p.vb[i] - p.va[i]);
@@ -67,7 +66,9 @@ inline void push(Pair<N>& p, const Int32<N> (&d)[3], const PointPack<N>& point, 
 }
 
 /// Current separation of a point, Separation, from the bodies' motion since the start of the tick.
-template <unsigned N> inline Int32<N> current_separation(const ContactPack<N>& c, const PointPack<N>& point, const SolverBodies& bodies) {
+template <unsigned N>
+inline Int32<N> current_separation(const ContactPack<N>& c, const PointPack<N>& point,
+                                   const SolverBodies& bodies) {
     Int32<N> s;
     for (unsigned lane = 0; lane < N; ++lane) {
         const SolverBody& a = bodies.body[c.body_a[lane]];
@@ -75,7 +76,8 @@ template <unsigned N> inline Int32<N> current_separation(const ContactPack<N>& c
         std::int64_t sum = 0;
         for (int i = 0; i < 3; ++i)
             sum += c.d[0][i].lane[lane] * (std::int64_t{b.shift[i]} - a.shift[i]) +
-                   std::int64_t{point.xa[0][i].lane[lane]} * a.theta[i] + std::int64_t{point.xb[0][i].lane[lane]} * b.theta[i];
+                   std::int64_t{point.xa[0][i].lane[lane]} * a.theta[i] +
+                   std::int64_t{point.xb[0][i].lane[lane]} * b.theta[i];
         s.lane[lane] = saturate_to_int32(point.separation.lane[lane] + shift_right_rounded(sum, row_bits));
     }
     return s;
@@ -83,7 +85,8 @@ template <unsigned N> inline Int32<N> current_separation(const ContactPack<N>& c
 
 /// Shortens the friction impulse (t1, t2) to friction * normal impulse: a true cone.
 inline void clamp_to_cone(std::int32_t friction, std::int32_t normal, std::int32_t& t1, std::int32_t& t2) {
-    const std::int64_t limit = std::int64_t{saturate_to_int32(shift_right_rounded(std::int64_t{friction} * normal, row_bits))};
+    const std::int64_t limit =
+        std::int64_t{saturate_to_int32(shift_right_rounded(std::int64_t{friction} * normal, row_bits))};
     const std::int64_t square = std::int64_t{t1} * t1 + std::int64_t{t2} * t2;
     if (square <= limit * limit) return;
     const std::int64_t size = isqrt(static_cast<std::uint64_t>(square));
@@ -91,7 +94,9 @@ inline void clamp_to_cone(std::int32_t friction, std::int32_t normal, std::int32
     t2 = static_cast<std::int32_t>(t2 * limit / (size + 1));
 }
 
-template <unsigned N> Int32<N> clamped(Int32<N> p) { return max(min(p, splat<N>(impulse_limit)), splat<N>(-impulse_limit)); }
+template <unsigned N> Int32<N> clamped(Int32<N> p) {
+    return max(min(p, splat<N>(impulse_limit)), splat<N>(-impulse_limit));
+}
 
 template <unsigned N> void solve_friction(ContactPack<N>& c, PointPack<N>& point, Pair<N>& p) {
     Int32<N> t[2];
@@ -108,9 +113,7 @@ template <unsigned N> void solve_friction(ContactPack<N>& c, PointPack<N>& point
 }
 
 /// What the normal row aims at besides zero speed.
-template <unsigned N> struct NormalTarget {
-    Int32<N> kappa, bias, impulse_scale;
-};
+template <unsigned N> struct NormalTarget { Int32<N> kappa, bias, impulse_scale; };
 
 template <unsigned N>
 NormalTarget<N> normal_target(const ContactPack<N>& c, const PointPack<N>& point, const StepConstants& step,
@@ -119,13 +122,14 @@ NormalTarget<N> normal_target(const ContactPack<N>& c, const PointPack<N>& point
     NormalTarget<N> t{point.kappa[0], splat<N>(0), splat<N>(0)};
     for (unsigned lane = 0; lane < N; ++lane) {
         if (s.lane[lane] > 0) { // speculative: close the gap by the end of the substep, no faster
-            t.bias.lane[lane] = saturate_to_int32(
-                shift_right_rounded(s.lane[lane] * step.substeps_per_second, Separation::fraction_bits - Speed::fraction_bits));
+            t.bias.lane[lane] = saturate_to_int32(shift_right_rounded(
+                s.lane[lane] * step.substeps_per_second, Separation::fraction_bits - Speed::fraction_bits));
             if (t.bias.lane[lane] > impulse_limit) t.bias.lane[lane] = impulse_limit;
         } else if (bias) {
-            const std::int64_t push_speed =
-                shift_right_rounded(std::int64_t{s.lane[lane]} * c.bias_rate.lane[lane], Separation::fraction_bits);
-            t.bias.lane[lane] = static_cast<std::int32_t>(push_speed < -step.push_speed_max.raw ? -step.push_speed_max.raw : push_speed);
+            const std::int64_t push_speed = shift_right_rounded(
+                std::int64_t{s.lane[lane]} * c.bias_rate.lane[lane], Separation::fraction_bits);
+            t.bias.lane[lane] = static_cast<std::int32_t>(
+                push_speed < -step.push_speed_max.raw ? -step.push_speed_max.raw : push_speed);
             t.kappa.lane[lane] = point.kappa_soft.lane[lane];
             t.impulse_scale.lane[lane] = c.impulse_scale.lane[lane];
         }
@@ -154,17 +158,26 @@ template <unsigned N> void ContactSolver<N>::warm_start(SolverBodies& bodies) co
     }
 }
 
-template <unsigned N> void ContactSolver<N>::solve(const StepConstants& step, SolverBodies& bodies, bool bias) {
-    for (ContactPack<N>& c : packs) {
+template <unsigned N>
+void ContactSolver<N>::solve(const StepConstants& step, SolverBodies& bodies, bool bias) {
+    // The relaxing pass visits packs and points backwards. One pass alone favours whoever comes first, and a tower
+    // that is pushed the same way every step starts to rock; a pair of mirrored passes does not.
+    const std::size_t count = packs.size();
+    for (std::size_t i = 0; i < count; ++i) {
+        ContactPack<N>& c = packs[i];
         Pair<N> p = gather(c, bodies);
-        for (int k = 0; k < c.point_count; ++k) solve_friction(c, c.points[k], p);
         for (int k = 0; k < c.point_count; ++k)
-            solve_normal(c, c.points[k], p, normal_target(c, c.points[k], step, bodies, bias));
+            solve_friction(c, c.points[bias ? k : c.point_count - 1 - k], p);
+        for (int k = 0; k < c.point_count; ++k) {
+            PointPack<N>& point = c.points[bias ? k : c.point_count - 1 - k];
+            solve_normal(c, point, p, normal_target(c, point, step, bodies, bias));
+        }
         scatter(c, p, bodies);
     }
 }
 
-template <unsigned N> void ContactSolver<N>::apply_restitution(const StepConstants& step, SolverBodies& bodies) {
+template <unsigned N>
+void ContactSolver<N>::apply_restitution(const StepConstants& step, SolverBodies& bodies) {
     for (ContactPack<N>& c : packs) {
         bool any = false;
         for (unsigned lane = 0; lane < N; ++lane) any = any || c.restitution.lane[lane] > 0;
@@ -176,10 +189,11 @@ template <unsigned N> void ContactSolver<N>::apply_restitution(const StepConstan
             Int32<N> target = splat<N>(0), kappa = splat<N>(0);
             for (unsigned lane = 0; lane < N; ++lane) {
                 const std::int32_t approach = point.approach.lane[lane];
-                if (c.restitution.lane[lane] == 0 || approach > -step.restitution_speed_min.raw || point.impulse_max.lane[lane] == 0)
+                if (c.restitution.lane[lane] == 0 || approach > -step.restitution_speed_min.raw ||
+                    point.impulse_max.lane[lane] == 0)
                     continue;
-                target.lane[lane] = static_cast<std::int32_t>(
-                    shift_right_rounded(std::int64_t{approach} * c.restitution.lane[lane], Unit::fraction_bits));
+                target.lane[lane] = static_cast<std::int32_t>(shift_right_rounded(
+                    std::int64_t{approach} * c.restitution.lane[lane], Unit::fraction_bits));
                 kappa.lane[lane] = point.kappa[0].lane[lane];
             }
             solve_normal(c, point, p, NormalTarget<N>{kappa, target, splat<N>(0)});

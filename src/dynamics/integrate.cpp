@@ -33,7 +33,9 @@ struct Path {
 
     Vec3 a(Vec3 at) const { return constant + field_acceleration(motion.fields, at); }
     Vec3 times_h(Vec3 rate) const {
-        const auto one = [this](Real r) { return Real::from_raw(divide_shifted(r.raw, substeps_per_second, 0)); };
+        const auto one = [this](Real r) {
+            return Real::from_raw(divide_shifted(r.raw, substeps_per_second, 0));
+        };
         return {one(rate.x), one(rate.y), one(rate.z)};
     }
     static Vec3 halved(Vec3 p) { return {half(p.x), half(p.y), half(p.z)}; }
@@ -75,10 +77,14 @@ Change runge_kutta_4(const Path& p) {
 
 Change change_of(const Path& p) {
     switch (p.motion.scheme) {
-    case Scheme::verlet: return verlet(p);
-    case Scheme::velocity_verlet: return velocity_verlet(p);
-    case Scheme::runge_kutta_4: return runge_kutta_4(p);
-    default: return semi_implicit_euler(p);
+    case Scheme::verlet:
+        return verlet(p);
+    case Scheme::velocity_verlet:
+        return velocity_verlet(p);
+    case Scheme::runge_kutta_4:
+        return runge_kutta_4(p);
+    default:
+        return semi_implicit_euler(p);
     }
 }
 
@@ -86,11 +92,13 @@ constexpr Real kick_max = Real(2048); ///< [m/s] per substep: far beyond the spe
 constexpr int real_to_accumulator = accumulator_bits - Real::fraction_bits;
 
 /// Fields or a scheme other than the solver's own: the general path, in Real.
-void move_freely(const FreeMotion& motion, const BodyInfo& info, const Transform& pose, const StepConstants& step,
-                 SolverBody& b, BodyStep& s) {
+void move_freely(const FreeMotion& motion, const BodyInfo& info, const Transform& pose,
+                 const StepConstants& step, SolverBody& b, BodyStep& s) {
     const FreeMotion without{motion.scheme, {}};
-    const Path chosen{info.enable_fields != 0 ? motion : without, s.acceleration,
-                      pose.position + Vec3{Real::from_raw(std::int64_t{b.shift[0]} << 5), Real::from_raw(std::int64_t{b.shift[1]} << 5),
+    const Path chosen{info.enable_fields != 0 ? motion : without,
+                      s.acceleration,
+                      pose.position + Vec3{Real::from_raw(std::int64_t{b.shift[0]} << 5),
+                                           Real::from_raw(std::int64_t{b.shift[1]} << 5),
                                            Real::from_raw(std::int64_t{b.shift[2]} << 5)},
                       {Real::from_raw(shift_right_rounded(b.v[0], real_to_accumulator)),
                        Real::from_raw(shift_right_rounded(b.v[1], real_to_accumulator)),
@@ -113,12 +121,15 @@ void damp(std::int64_t v[3], Unit keep) {
 bool clamp_length(std::int64_t v[3], Speed limit) {
     const std::int64_t x = v[0] >> row_bits, y = v[1] >> row_bits, z = v[2] >> row_bits;
     const std::int64_t bound = limit.raw;
-    const auto outside = [](std::int64_t c) { return c > (std::int64_t{1} << 30) || c < -(std::int64_t{1} << 30); };
+    const auto outside = [](std::int64_t c) {
+        return c > (std::int64_t{1} << 30) || c < -(std::int64_t{1} << 30);
+    };
     if (!outside(x) && !outside(y) && !outside(z) && x * x + y * y + z * z <= bound * bound) return false;
     const Vec3 wide{Real::from_raw(x), Real::from_raw(y), Real::from_raw(z)};
     const UnitVec3 direction = normalized(wide);
     for (int i = 0; i < 3; ++i) // 30 + 19 bits to 47
-        v[i] = (std::int64_t{direction[i].raw} * bound) >> (Unit::fraction_bits + Speed::fraction_bits - accumulator_bits);
+        v[i] = (std::int64_t{direction[i].raw} * bound) >>
+               (Unit::fraction_bits + Speed::fraction_bits - accumulator_bits);
     return true;
 }
 
@@ -132,7 +143,8 @@ void integrate_velocities(const FreeMotion& motion, const BodyColumns& columns, 
         BodyStep& s = bodies.step[i];
         if (!s.moves) continue;
         if (s.movable) {
-            if (general) move_freely(motion, columns.info[i], columns.pose[i], step, b, s);
+            if (general)
+                move_freely(motion, columns.info[i], columns.pose[i], step, b, s);
             else
                 for (int axis = 0; axis < 3; ++axis) b.v[axis] += s.dv[axis];
             for (int axis = 0; axis < 3; ++axis) b.u[axis] += s.du[axis];

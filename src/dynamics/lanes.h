@@ -5,12 +5,8 @@
 
 namespace lockstone::dynamics {
 
-template <unsigned N> struct Int32 {
-    std::int32_t lane[N];
-};
-template <unsigned N> struct Int64 {
-    std::int64_t lane[N];
-};
+template <unsigned N> struct Int32 { std::int32_t lane[N]; };
+template <unsigned N> struct Int64 { std::int64_t lane[N]; };
 
 // clang-format off
 /// Sums wrap; the bounds of the formats keep them from it.

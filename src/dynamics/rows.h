@@ -9,10 +9,10 @@ namespace lockstone::dynamics {
 struct BodyInfo {
     BodyId id;
     BodyKind kind;
-    std::uint32_t locks;          ///< AxisLock bits
-    std::uint32_t gyroscopic;     ///< 0 or 1
-    std::uint32_t enable_fields;  ///< 0 or 1
-    std::uint32_t first_shape;    ///< shape slot + 1 of the newest shape, 0: none
+    std::uint32_t locks;         ///< AxisLock bits
+    std::uint32_t gyroscopic;    ///< 0 or 1
+    std::uint32_t enable_fields; ///< 0 or 1
+    std::uint32_t first_shape;   ///< shape slot + 1 of the newest shape, 0: none
     std::uint32_t shape_count;
     Real linear_damping, angular_damping; ///< [1/s]
     Real gravity_scale;
@@ -22,10 +22,10 @@ struct BodyInfo {
 
 /// Derived from the shapes when they change.
 struct BodyMass {
-    Real mass;          ///< [kg]; 0: no mass, the body is not moved by impulses
-    Vec3 center;        ///< centre of mass from the body's origin, in its axes [m]
-    Vec3 gyration;      ///< principal gyration radii [m]
-    Quat principal;     ///< turns the body's axes into the principal axes
+    Real mass;      ///< [kg]; 0: no mass, the body is not moved by impulses
+    Vec3 center;    ///< centre of mass from the body's origin, in its axes [m]
+    Vec3 gyration;  ///< principal gyration radii [m]
+    Quat principal; ///< turns the body's axes into the principal axes
 };
 
 /// Of the centre of mass [m/s] and [rad/s].
@@ -46,6 +46,7 @@ struct ContactKey {
 
 /// Warm-start impulses of one point, over the reduced mass of the two bodies, per substep [m/s].
 struct ContactPointMemory {
+    LengthVec3 position; ///< in the manifold's frame [m]; finds the point again when its feature has changed
     std::uint32_t feature;
     Speed normal, tangent_1, tangent_2; ///< along the normal and the two tangents of tangents_of()
 };
@@ -72,11 +73,16 @@ template <class V> constexpr void describe(BodyInfo& b, V&& v) {
 template <class V> constexpr void describe(BodyMass& m, V&& v) {
     v("mass", m.mass), v("center", m.center), v("gyration", m.gyration), v("principal", m.principal);
 }
-template <class V> constexpr void describe(Velocity& x, V&& v) { v("linear", x.linear), v("angular", x.angular); }
-template <class V> constexpr void describe(BodyForce& f, V&& v) { v("force", f.force), v("torque", f.torque); }
+template <class V> constexpr void describe(Velocity& x, V&& v) {
+    v("linear", x.linear), v("angular", x.angular);
+}
+template <class V> constexpr void describe(BodyForce& f, V&& v) {
+    v("force", f.force), v("torque", f.torque);
+}
 template <class V> constexpr void describe(ContactKey& k, V&& v) { v("a", k.a), v("b", k.b); }
 template <class V> constexpr void describe(ContactPointMemory& p, V&& v) {
-    v("feature", p.feature), v("normal", p.normal), v("tangent_1", p.tangent_1), v("tangent_2", p.tangent_2);
+    v("position", p.position), v("feature", p.feature), v("normal", p.normal), v("tangent_1", p.tangent_1),
+        v("tangent_2", p.tangent_2);
 }
 template <class V> constexpr void describe(ContactMemory& m, V&& v) {
     v("flags", m.flags), v("count", m.count), v("points", m.points);

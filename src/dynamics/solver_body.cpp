@@ -18,14 +18,16 @@ Symmetric<Real> rotated_diagonal(const Rotation& r, Vec3 d) {
 
 static void set_mantissa(BodyStep& s) {
     const Symmetric<Real>& k = s.gyration_inv;
-    const std::uint64_t any = magnitude(k.xx.raw) | magnitude(k.yy.raw) | magnitude(k.zz.raw) | magnitude(k.xy.raw) |
-                              magnitude(k.xz.raw) | magnitude(k.yz.raw);
+    const std::uint64_t any = magnitude(k.xx.raw) | magnitude(k.yy.raw) | magnitude(k.zz.raw) |
+                              magnitude(k.xy.raw) | magnitude(k.xz.raw) | magnitude(k.yz.raw);
     const int drop = bit_length(any) - 30; // bits of the mantissa: 30, and the sign
     s.inv_exponent = Real::fraction_bits - drop;
     const auto mantissa = [drop](Real x) {
-        return saturate_to_int32(drop >= 0 ? shift_right_rounded(x.raw, drop) : shift_left_saturated(x.raw, -drop));
+        return saturate_to_int32(drop >= 0 ? shift_right_rounded(x.raw, drop)
+                                           : shift_left_saturated(x.raw, -drop));
     };
-    s.inv_mantissa = {mantissa(k.xx), mantissa(k.yy), mantissa(k.zz), mantissa(k.xy), mantissa(k.xz), mantissa(k.yz)};
+    s.inv_mantissa = {mantissa(k.xx), mantissa(k.yy), mantissa(k.zz),
+                      mantissa(k.xy), mantissa(k.xz), mantissa(k.yz)};
 }
 
 static Vec3 reciprocals(Vec3 radii) {
@@ -61,8 +63,9 @@ static void per_substep(Vec3 acceleration, const StepConstants& step, std::int64
     }
 }
 
-static void begin_body(const BodyInfo& info, const BodyMass& mass, const BodyForce& force, const Transform& pose,
-                       const Velocity& velocity, Vec3 gravity, const StepConstants& step, SolverBody& b, BodyStep& s) {
+static void begin_body(const BodyInfo& info, const BodyMass& mass, const BodyForce& force,
+                       const Transform& pose, const Velocity& velocity, Vec3 gravity,
+                       const StepConstants& step, SolverBody& b, BodyStep& s) {
     s.movable = info.kind == BodyKind::dynamic && mass.mass > Real{};
     s.moves = info.kind != BodyKind::static_;
     const std::uint32_t linear_mask = s.movable ? ~info.locks & 7u : 7u;
@@ -90,19 +93,22 @@ void begin_step(const BodyColumns& c, Vec3 gravity, const StepConstants& step, S
     out.body.assign(count + 1, SolverBody{});
     out.step.assign(count + 1, BodyStep{});
     for (std::size_t i = 0; i < count; ++i)
-        begin_body(c.info[i], c.mass[i], c.force[i], c.pose[i], c.velocity[i], gravity, step, out.body[i], out.step[i]);
+        begin_body(c.info[i], c.mass[i], c.force[i], c.pose[i], c.velocity[i], gravity, step, out.body[i],
+                   out.step[i]);
     // The still entry keeps no motion along any axis.
 }
 
 static SpeedVec3 rounded(const std::int64_t v[3]) {
-    const auto one = [](std::int64_t x) { return Speed::from_raw(saturate_to_int32(shift_right_rounded(x, row_bits))); };
+    const auto one = [](std::int64_t x) {
+        return Speed::from_raw(saturate_to_int32(shift_right_rounded(x, row_bits)));
+    };
     return {one(v[0]), one(v[1]), one(v[2])};
 }
 
 /// The rotation of the tick and the angular velocity after it. Without torque the angular momentum per mass K u is
 /// kept exactly up to rounding: K is taken at the middle of the turn (midpoint rule, second order).
-static void turn(const BodyInfo& info, const BodyMass& mass, const StepConstants& step, const SolverBody& b, BodyStep& s,
-                 Transform& pose, Velocity& velocity) {
+static void turn(const BodyInfo& info, const BodyMass& mass, const StepConstants& step, const SolverBody& b,
+                 BodyStep& s, Transform& pose, Velocity& velocity) {
     const Vector3<Separation> theta{Separation::from_raw(b.theta[0]), Separation::from_raw(b.theta[1]),
                                     Separation::from_raw(b.theta[2])};
     const Vec3 rotation = masked(mul<Real>(s.gyration_inv, theta), s.angular_mask);
@@ -120,7 +126,8 @@ static void turn(const BodyInfo& info, const BodyMass& mass, const StepConstants
         set_gyration(s, mass, q);
         return mul<Real>(s.gyration_inv, mul<Real>(s.gyration_inv, momentum));
     };
-    const Vec3 middle = spin_at(integrate_rotation(pose.rotation, Vec3{half(rotation.x), half(rotation.y), half(rotation.z)}));
+    const Vec3 middle = spin_at(
+        integrate_rotation(pose.rotation, Vec3{half(rotation.x), half(rotation.y), half(rotation.z)}));
     pose.rotation = integrate_rotation(pose.rotation, rotation + (middle - w) / Real(step.ticks_per_second));
     velocity.angular = to<Speed>(spin_at(pose.rotation));
 }

@@ -23,28 +23,28 @@ static_assert(accumulator_bits == Speed::fraction_bits + row_bits);
 
 /// What rows read and write.
 struct SolverBody {
-    std::int64_t v[3], u[3];         ///< [m/s], 47 fraction bits
-    std::int32_t shift[3], theta[3]; ///< moved and turned (times K) since the start of the tick [m], Separation
-    std::int64_t keep[3];            ///< all ones where the body may move along the axis, zero where locked
+    std::int64_t v[3], u[3]; ///< [m/s], 47 fraction bits
+    std::int32_t shift[3],
+        theta[3];         ///< moved and turned (times K) since the start of the tick [m], Separation
+    std::int64_t keep[3]; ///< all ones where the body may move along the axis, zero where locked
 };
 
 /// A symmetric 3x3 matrix.
-template <class T> struct Symmetric {
-    T xx, yy, zz, xy, xz, yz;
-};
+template <class T> struct Symmetric { T xx, yy, zz, xy, xz, yz; };
 
 /// What a tick needs of a body besides its SolverBody; constant within the tick.
 struct BodyStep {
-    Symmetric<Real> gyration, gyration_inv;   ///< K [m] and K^-1 [1/m], world axes
-    Symmetric<std::int32_t> inv_mantissa;     ///< K^-1 = mantissa / 2^inv_exponent, the largest entry in [2^29, 2^30)
+    Symmetric<Real> gyration, gyration_inv; ///< K [m] and K^-1 [1/m], world axes
+    Symmetric<std::int32_t>
+        inv_mantissa; ///< K^-1 = mantissa / 2^inv_exponent, the largest entry in [2^29, 2^30)
     std::int32_t inv_exponent;
-    std::int64_t dv[3], du[3];                ///< change per substep by gravity, force and torque, 47 fraction bits
-    Vec3 acceleration;                        ///< [m/s^2] of gravity and force, for the integrators
-    std::int64_t drift[3];                    ///< what the integrator adds to the move of this substep [m], 32 fraction bits
-    Unit linear_keep, angular_keep;           ///< velocity kept per substep under damping
-    std::uint32_t angular_mask;               ///< bit per axis that may turn
-    bool movable;                             ///< dynamic and with mass
-    bool moves;                               ///< dynamic or kinematic
+    std::int64_t dv[3], du[3]; ///< change per substep by gravity, force and torque, 47 fraction bits
+    Vec3 acceleration;         ///< [m/s^2] of gravity and force, for the integrators
+    std::int64_t drift[3];     ///< what the integrator adds to the move of this substep [m], 32 fraction bits
+    Unit linear_keep, angular_keep; ///< velocity kept per substep under damping
+    std::uint32_t angular_mask;     ///< bit per axis that may turn
+    bool movable;                   ///< dynamic and with mass
+    bool moves;                     ///< dynamic or kinematic
 };
 
 struct FieldRow {

@@ -23,8 +23,8 @@ StepConstants step_constants(const StepSettings& s) {
     c.tip_speed_max = to<Speed>(min(tip_speed_limit, Real(2) * s.ticks_per_second));
     c.push_speed_max = to<Speed>(s.push_speed_max);
     c.restitution_speed_min = to<Speed>(s.restitution_speed_min);
-    // Stiffer than a quarter of the substep rate, a contact would swing from step to step.
-    const Real hertz = min(s.contact_hertz, Real(c.substeps_per_second) / Real(4));
+    // With one pass a substep, towers on contacts stiffer than an eighth of the substep rate do not come to rest.
+    const Real hertz = min(s.contact_hertz, Real(c.substeps_per_second) / Real(8));
     c.soft = softness(hertz, s.contact_damping, c.substeps_per_second);
     c.soft_static = softness(hertz * 2, s.contact_damping, c.substeps_per_second);
     return c;

@@ -7,9 +7,9 @@ namespace lockstone::dynamics {
 
 /// A spring-damper as solver coefficients. source: Catto, Soft Constraints, GDC 2011; Solver2D, 2024
 struct Softness {
-    Speed bias_rate;      ///< [1/s]: overlap -> push speed
-    Unit mass_scale;      ///< of the effective mass
-    Unit impulse_scale;   ///< of the accumulated impulse
+    Speed bias_rate;    ///< [1/s]: overlap -> push speed
+    Unit mass_scale;    ///< of the effective mass
+    Unit impulse_scale; ///< of the accumulated impulse
 };
 
 struct StepConstants {

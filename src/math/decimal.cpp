@@ -37,7 +37,8 @@ DecimalText decimal_text(std::int64_t raw, int fraction_bits, DecimalForm form) 
         int digit = digits.next();
         if (form == DecimalForm::shortest) {
             half_step = (half_step << 3) + (half_step << 1);
-            const Wide below = Wide::product_unsigned(digits.rest, 1), above = (Wide::from(1) << bits) - below;
+            const Wide below = Wide::product_unsigned(digits.rest, 1),
+                       above = (Wide::from(1) << bits) - below;
             const bool can_end = below < half_step || (inclusive && below == half_step);
             const bool can_end_above = above < half_step || (inclusive && above == half_step);
             if (can_end_above && (!can_end || above < below)) ++digit;

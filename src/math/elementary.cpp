@@ -14,7 +14,8 @@ constexpr std::int64_t low_half(Wide w) { return static_cast<std::int64_t>(w.low
 constexpr std::int64_t factorial(int n) { return n <= 1 ? 1 : n * factorial(n - 1); }
 
 /// c[0] - z (c[1] - z (c[2] - ...))
-template <std::size_t N> constexpr std::int64_t alternating(const std::array<std::int64_t, N>& c, std::int64_t z) {
+template <std::size_t N>
+constexpr std::int64_t alternating(const std::array<std::int64_t, N>& c, std::int64_t z) {
     std::int64_t sum = c[N - 1];
     for (std::size_t i = N - 1; i-- > 0;) sum = c[i] - mul62(z, sum);
     return sum;
@@ -55,7 +56,8 @@ Logarithm logarithm(std::uint64_t raw) {
     const int bits = bit_length(raw);
     std::uint64_t m = bits > 63 ? raw >> 1 : raw << (63 - bits); // in [1, 2) with 62 fraction bits
     int exponent = bits - 1 - Real::fraction_bits, fraction_bits = 62;
-    if (m >= static_cast<std::uint64_t>(table::sqrt2)) fraction_bits = 63, ++exponent; // in [sqrt(1/2), sqrt(2))
+    if (m >= static_cast<std::uint64_t>(table::sqrt2))
+        fraction_bits = 63, ++exponent; // in [sqrt(1/2), sqrt(2))
     // ln m = ln c + 2 atanh((m - c) / (m + c)) with c = i / 32 nearest to m; h is twice the quotient.
     const std::uint64_t i = ((m >> (fraction_bits - 6)) + 1) >> 1, c = i << (fraction_bits - 5);
     const std::int64_t difference = static_cast<std::int64_t>(m - c);
@@ -77,10 +79,14 @@ SinCos62 sin_cos_62(std::int64_t raw, int fraction_bits) {
     const std::int64_t z = mul62(r, r);
     const std::int64_t s = mul62(r, alternating(sin_series, z)), c = alternating(cos_series, z);
     switch (quadrant & 3) {
-    case 0: return {s, c};
-    case 1: return {c, -s};
-    case 2: return {-s, -c};
-    default: return {-c, s};
+    case 0:
+        return {s, c};
+    case 1:
+        return {c, -s};
+    case 2:
+        return {-s, -c};
+    default:
+        return {-c, s};
     }
 }
 
@@ -109,8 +115,12 @@ SinCos sin_cos(Real radians) {
     const detail::SinCos62 t = detail::sin_cos_62(radians.raw, Real::fraction_bits);
     return {round_from<Unit>(t.sin, 62), round_from<Unit>(t.cos, 62)};
 }
-Real sin(Real radians) { return round_from<Real>(detail::sin_cos_62(radians.raw, Real::fraction_bits).sin, 62); }
-Real cos(Real radians) { return round_from<Real>(detail::sin_cos_62(radians.raw, Real::fraction_bits).cos, 62); }
+Real sin(Real radians) {
+    return round_from<Real>(detail::sin_cos_62(radians.raw, Real::fraction_bits).sin, 62);
+}
+Real cos(Real radians) {
+    return round_from<Real>(detail::sin_cos_62(radians.raw, Real::fraction_bits).cos, 62);
+}
 Real tan(Real radians) {
     const detail::SinCos62 t = detail::sin_cos_62(radians.raw, Real::fraction_bits);
     return Real::from_raw(divide_shifted(t.sin, t.cos, Real::fraction_bits));
@@ -165,7 +175,8 @@ Real log(Real x) {
 Real log2(Real x) {
     if (x.raw <= 0) return Real::min();
     const detail::Logarithm l = detail::logarithm(static_cast<std::uint64_t>(x.raw));
-    return round_from<Real>((Wide::from(l.exponent) << 62) + Wide::from(detail::mul62(l.ln, detail::table::log2_e)), 62);
+    return round_from<Real>(
+        (Wide::from(l.exponent) << 62) + Wide::from(detail::mul62(l.ln, detail::table::log2_e)), 62);
 }
 
 namespace {
@@ -177,7 +188,8 @@ Real pow_positive(std::uint64_t raw, Real y) {
     if (l.exponent != 0 && (y >= Real(256) || y <= Real(-256)))
         return (l.exponent > 0) == (y.raw > 0) ? Real::max() : Real{};
     const std::int64_t fraction = detail::mul62(l.ln, table::log2_e);
-    const Wide p = (Wide::product(y.raw, l.exponent) << 62) + Wide::product(y.raw, fraction); // y log2(x), 94 bits
+    const Wide p =
+        (Wide::product(y.raw, l.exponent) << 62) + Wide::product(y.raw, fraction); // y log2(x), 94 bits
     const std::int64_t whole = narrow_rounded(p, 94);
     if (whole >= 32) return Real::max();
     if (whole <= -35) return Real{};

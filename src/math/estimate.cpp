@@ -21,7 +21,9 @@ std::uint64_t isqrt_estimated(std::uint64_t high, std::uint64_t low) {
     return isqrt_128(high, low, [](std::uint64_t n) { return isqrt_from(estimate_sqrt(n), n); });
 }
 
-std::uint64_t inverse_root_estimated(std::uint64_t n) { return inverse_root_from(estimate_inverse_root(n), n); }
+std::uint64_t inverse_root_estimated(std::uint64_t n) {
+    return inverse_root_from(estimate_inverse_root(n), n);
+}
 
 #endif
 

@@ -20,7 +20,8 @@ std::int64_t shifted(Wide v, int shift) {
 
 int bit_length_of(Wide v) {
     if (v.is_negative()) v = Wide::from(0) - v;
-    return v.high_bits() != 0 ? 64 + bit_length(static_cast<std::uint64_t>(v.high_bits())) : bit_length(v.low_bits());
+    return v.high_bits() != 0 ? 64 + bit_length(static_cast<std::uint64_t>(v.high_bits()))
+                              : bit_length(v.low_bits());
 }
 
 struct Scaled3x3 {
@@ -93,7 +94,9 @@ Mat3 inverse(const Mat3& a) {
     const auto entry = [&](std::size_t i, std::size_t j) {
         const std::int64_t cofactor = adj.cofactors[i][j];
         if (up >= 0 && up <= 63) return Real::from_raw(divide_shifted(cofactor, determinant, up));
-        if (up < 0) return Real::from_raw(-up > 62 ? 0 : shift_right_rounded(divide_shifted(cofactor, determinant, 0), -up));
+        if (up < 0)
+            return Real::from_raw(
+                -up > 62 ? 0 : shift_right_rounded(divide_shifted(cofactor, determinant, 0), -up));
         return Real::from_raw(narrowed(Wide::from(divide_shifted(cofactor, determinant, 62)), up - 62));
     };
     return {{entry(0, 0), entry(1, 0), entry(2, 0)},
@@ -160,7 +163,8 @@ Diagonal diagonalize(const Mat3& symmetric) {
         return UnitVec3{round_from<Unit>(c[0], 60), round_from<Unit>(c[1], 60), round_from<Unit>(c[2], 60)};
     };
     const auto value = [&](std::size_t i) { return Real::from_raw(narrowed(Wide::from(m[i][i]), -s.shift)); };
-    return {{value(0), value(1), value(2)}, from_rotation({column(axes[0]), column(axes[1]), column(axes[2])})};
+    return {{value(0), value(1), value(2)},
+            from_rotation({column(axes[0]), column(axes[1]), column(axes[2])})};
 }
 
 } // namespace lockstone

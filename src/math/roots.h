@@ -10,8 +10,10 @@ inline std::uint64_t isqrt_from(std::uint64_t guess, std::uint64_t n) {
     std::uint64_t s = guess > 0xffffffffu ? 0xffffffffu : guess;
     // s is the root exactly when 0 <= n - s^2 <= 2 s. A negative difference wraps to more than 2 s.
     if (n - s * s <= 2 * s) return s;
-    if (s * s > n) --s;
-    else if (s < 0xffffffffu) ++s;
+    if (s * s > n)
+        --s;
+    else if (s < 0xffffffffu)
+        ++s;
     if (n - s * s <= 2 * s) return s;
     return isqrt_integer(n);
 }
@@ -22,9 +24,12 @@ inline std::uint64_t isqrt_from(std::uint64_t guess, std::uint64_t high, std::ui
     const Wide n = (Wide::from(static_cast<std::int64_t>(high)) << 64) + Wide::product_unsigned(low, 1);
     for (int attempt = 0; attempt < 2 && s < (std::uint64_t{1} << 53); ++attempt) {
         const Wide rest = n - Wide::product_unsigned(s, s);
-        if (rest.is_negative()) --s;
-        else if (Wide::product_unsigned(2 * s, 1) < rest) ++s;
-        else return s;
+        if (rest.is_negative())
+            --s;
+        else if (Wide::product_unsigned(2 * s, 1) < rest)
+            ++s;
+        else
+            return s;
     }
     return isqrt_integer(high, low);
 }
@@ -33,7 +38,9 @@ inline std::uint64_t isqrt_from(std::uint64_t guess, std::uint64_t high, std::ui
 inline std::uint64_t inverse_root_from(std::uint64_t guess, std::uint64_t n) {
     constexpr std::uint64_t largest = 0xffffffffu;
     // q is right exactly when 0 <= left < (2 q + 1) n with left = 2^126 - q^2 n.
-    const auto left = [n](std::uint64_t q) { return (Wide::from(1) << 126) - Wide::product_unsigned(q * q, n); };
+    const auto left = [n](std::uint64_t q) {
+        return (Wide::from(1) << 126) - Wide::product_unsigned(q * q, n);
+    };
     // A product above 2^126 shows as a negative rest or, past 2^127 + 2^126, as one above 2^126.
     const auto is_right = [n](std::uint64_t q, Wide rest) {
         return static_cast<std::uint64_t>(rest.high_bits()) < std::uint64_t{1} << 62 &&
@@ -42,8 +49,10 @@ inline std::uint64_t inverse_root_from(std::uint64_t guess, std::uint64_t n) {
     std::uint64_t q = guess > largest ? largest : guess;
     const Wide rest = left(q);
     if (is_right(q, rest)) return q;
-    if (rest.is_negative()) --q;
-    else ++q;
+    if (rest.is_negative())
+        --q;
+    else
+        ++q;
     if (q <= largest && is_right(q, left(q))) return q;
     return inverse_root_integer(n);
 }

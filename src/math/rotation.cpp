@@ -45,7 +45,8 @@ AxisAngle to_axis_angle(Quat q) {
 
 Quat from_to(UnitVec3 a, UnitVec3 b) {
     using Sum = SumOfProducts<Unit, Unit>;
-    const std::int64_t x = Sum{}.add(a.y, b.z).sub(a.z, b.y).exact(), y = Sum{}.add(a.z, b.x).sub(a.x, b.z).exact(),
+    const std::int64_t x = Sum{}.add(a.y, b.z).sub(a.z, b.y).exact(),
+                       y = Sum{}.add(a.z, b.x).sub(a.x, b.z).exact(),
                        z = Sum{}.add(a.x, b.y).sub(a.y, b.x).exact();
     const std::int64_t along = Sum{}.add(a.x, b.x).add(a.y, b.y).add(a.z, b.z).exact();
     if (x == 0 && y == 0 && z == 0) {
@@ -55,7 +56,8 @@ Quat from_to(UnitVec3 a, UnitVec3 b) {
     }
     // (a x b, |a| |b| + a . b), with the lengths as they are: taking them for 1 would lose nearly opposite vectors.
     const Wide lengths = Wide::product_unsigned(detail::square_sum(a).low, detail::square_sum(b).low);
-    const std::uint64_t both = detail::isqrt(static_cast<std::uint64_t>(lengths.high_bits()), lengths.low_bits());
+    const std::uint64_t both =
+        detail::isqrt(static_cast<std::uint64_t>(lengths.high_bits()), lengths.low_bits());
     const std::int64_t w = add_saturated(saturate_to_int64(Wide::product_unsigned(both, 1)), along);
     return detail::normalized_quat(bounded(x), bounded(y), bounded(z), bounded(w));
 }
@@ -64,7 +66,9 @@ Quat from_euler(Vec3 angles) {
     using detail::mul62;
     const detail::SinCos62 a = detail::sin_cos_62(angles.x.raw, 33), b = detail::sin_cos_62(angles.y.raw, 33),
                            c = detail::sin_cos_62(angles.z.raw, 33);
-    const auto product = [](std::int64_t p, std::int64_t q, std::int64_t r) { return mul62(mul62(p, q), r) >> 1; };
+    const auto product = [](std::int64_t p, std::int64_t q, std::int64_t r) {
+        return mul62(mul62(p, q), r) >> 1;
+    };
     return detail::normalized_quat(product(a.sin, b.cos, c.cos) - product(a.cos, b.sin, c.sin),
                                    product(a.cos, b.sin, c.cos) + product(a.sin, b.cos, c.sin),
                                    product(a.cos, b.cos, c.sin) - product(a.sin, b.sin, c.cos),
@@ -78,14 +82,17 @@ Quat from_rotation(const Rotation& m) {
     const std::int64_t xx = m.x.x.raw, yy = m.y.y.raw, zz = m.z.z.raw, trace = xx + yy + zz;
     const auto pair = [](Unit a, Unit b) { return std::int64_t{a.raw} + b.raw; };
     const auto difference = [](Unit a, Unit b) { return std::int64_t{a.raw} - b.raw; };
-    const std::int64_t yz = difference(m.y.z, m.z.y), zx = difference(m.z.x, m.x.z), xy = difference(m.x.y, m.y.x);
+    const std::int64_t yz = difference(m.y.z, m.z.y), zx = difference(m.z.x, m.x.z),
+                       xy = difference(m.x.y, m.y.x);
     Quat q{};
-    if (trace >= xx && trace >= yy && trace >= zz) q = detail::normalized_quat(yz, zx, xy, one + trace);
+    if (trace >= xx && trace >= yy && trace >= zz)
+        q = detail::normalized_quat(yz, zx, xy, one + trace);
     else if (xx >= yy && xx >= zz)
         q = detail::normalized_quat(one + 2 * xx - trace, pair(m.x.y, m.y.x), pair(m.x.z, m.z.x), yz);
     else if (yy >= zz)
         q = detail::normalized_quat(pair(m.x.y, m.y.x), one + 2 * yy - trace, pair(m.y.z, m.z.y), zx);
-    else q = detail::normalized_quat(pair(m.x.z, m.z.x), pair(m.y.z, m.z.y), one + 2 * zz - trace, xy);
+    else
+        q = detail::normalized_quat(pair(m.x.z, m.z.x), pair(m.y.z, m.z.y), one + 2 * zz - trace, xy);
     return q.w.raw < 0 ? negated(q) : q;
 }
 
@@ -130,22 +137,28 @@ std::int64_t scaled(std::int64_t v, int drop) {
 /// exp(h) = (h sinc, cosine) with the first three terms of each series: what is left out is below 2^-45.
 Quat turned_slightly(Quat q, std::int64_t hx, std::int64_t hy, std::int64_t hz) {
     const std::int64_t x36 = hx >> 10, y36 = hy >> 10, z36 = hz >> 10;
-    const std::int64_t z = (x36 * x36 + y36 * y36 + z36 * z36) >> 26;   // |h|^2, 46 bits
-    const std::int64_t zz = ((z >> 8) * (z >> 8)) >> 30;                // |h|^4
+    const std::int64_t z = (x36 * x36 + y36 * y36 + z36 * z36) >> 26; // |h|^2, 46 bits
+    const std::int64_t zz = ((z >> 8) * (z >> 8)) >> 30;              // |h|^4
     const std::int64_t sinc_less_1 = zz / 120 - z / 6, cos_less_1 = zz / 24 - z / 2;
     // Into 37 bits, the most that four products with any Quat leave room for.
-    const auto turn = [=](std::int64_t h) { return shift_right_rounded(h + (((h >> 8) * (sinc_less_1 >> 8)) >> 30), 9); };
+    const auto turn = [=](std::int64_t h) {
+        return shift_right_rounded(h + (((h >> 8) * (sinc_less_1 >> 8)) >> 30), 9);
+    };
     const std::int64_t x = turn(hx), y = turn(hy), zt = turn(hz), c = shift_right_rounded(cos_less_1, 9);
     const std::int64_t qx = q.x.raw, qy = q.y.raw, qz = q.z.raw, qw = q.w.raw;
-    const auto moved = [](std::int64_t from, std::int64_t change) { return from * (1 << 16) + (change >> 21); };
-    return normalized_quat(moved(qx, c * qx + x * qw + y * qz - zt * qy), moved(qy, c * qy - x * qz + y * qw + zt * qx),
-                           moved(qz, c * qz + x * qy - y * qx + zt * qw), moved(qw, c * qw - x * qx - y * qy - zt * qz));
+    const auto moved = [](std::int64_t from, std::int64_t change) {
+        return from * (1 << 16) + (change >> 21);
+    };
+    return normalized_quat(
+        moved(qx, c * qx + x * qw + y * qz - zt * qy), moved(qy, c * qy - x * qz + y * qw + zt * qx),
+        moved(qz, c * qz + x * qy - y * qx + zt * qw), moved(qw, c * qw - x * qx - y * qy - zt * qz));
 }
 
 /// Any turn. `v` has `fraction_bits` and a component of at least 1/64.
 Quat turned(Quat q, std::array<std::int64_t, 3> v, int fraction_bits) {
-    // Exactly scaled to 54 bits where it was shorter.
-    const int spare = 54 - bit_length(magnitude(v[0]) | magnitude(v[1]) | magnitude(v[2]));
+    // Exactly scaled to 54 bits where it was shorter; to 61 where it is longer than that.
+    const int bits = bit_length(magnitude(v[0]) | magnitude(v[1]) | magnitude(v[2]));
+    const int spare = bits < 54 ? 54 - bits : bits > 61 ? 61 - bits : 0;
     for (std::int64_t& c : v) c = scaled(c, -spare);
     const Wide n = Wide::product(v[0], v[0]) + Wide::product(v[1], v[1]) + Wide::product(v[2], v[2]);
     const std::uint64_t high = static_cast<std::uint64_t>(n.high_bits()), low = n.low_bits();
@@ -158,8 +171,9 @@ Quat turned(Quat q, std::array<std::int64_t, 3> v, int fraction_bits) {
         return static_cast<std::int64_t>((((a + b) + (c + d)) >> 33).low_bits());
     };
     const auto p = [](std::int64_t a, std::int64_t b) { return Wide::product(a, b); };
-    return normalized_quat(sum(p(w, qx), p(x, qw), p(y, qz), p(-z, qy)), sum(p(w, qy), p(-x, qz), p(y, qw), p(z, qx)),
-                           sum(p(w, qz), p(x, qy), p(-y, qx), p(z, qw)), sum(p(w, qw), p(-x, qx), p(-y, qy), p(-z, qz)));
+    return normalized_quat(
+        sum(p(w, qx), p(x, qw), p(y, qz), p(-z, qy)), sum(p(w, qy), p(-x, qz), p(y, qw), p(z, qx)),
+        sum(p(w, qz), p(x, qy), p(-y, qx), p(z, qw)), sum(p(w, qw), p(-x, qx), p(-y, qy), p(-z, qz)));
 }
 
 } // namespace

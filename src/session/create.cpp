@@ -16,12 +16,15 @@ Status check(const SessionDef& def) {
     if (def.players.empty() || def.players.size() > players_max)
         return Error{join("session: ", def.players.size(), " players, expected 1 to ", players_max)};
     if (def.input_size > input_bytes_max)
-        return Error{join("session: input_size is ", def.input_size, ", at most ", input_bytes_max, " bytes")};
+        return Error{
+            join("session: input_size is ", def.input_size, ", at most ", input_bytes_max, " bytes")};
     if (std::ranges::find(def.players, def.self) == def.players.end())
         return Error{join("session: no player plays at machine ", def.self, " (self)")};
     if (def.input_delay > input_delay_limit)
-        return Error{join("session: input_delay is ", def.input_delay, ", at most ", input_delay_limit, " ticks")};
-    if (def.predictor == nullptr) return Error{"session: predictor is null; repeat_last_input() is the default"};
+        return Error{
+            join("session: input_delay is ", def.input_delay, ", at most ", input_delay_limit, " ticks")};
+    if (def.predictor == nullptr)
+        return Error{"session: predictor is null; repeat_last_input() is the default"};
     return {};
 }
 
@@ -39,8 +42,8 @@ SessionDef session_def(const Game& game, PeerId self, std::vector<PeerId> player
 Result<std::unique_ptr<Session>> make_rollback_session(const SessionDef& def, Transport& transport) {
     if (const Status status = check(def); !status) return status.error();
     if (def.prediction_max == 0 || def.prediction_max > prediction_limit)
-        return Error{join("session: prediction_max is ", def.prediction_max, ", expected 1 to ", prediction_limit,
-                          " ticks; make_lockstep_session never predicts")};
+        return Error{join("session: prediction_max is ", def.prediction_max, ", expected 1 to ",
+                          prediction_limit, " ticks; make_lockstep_session never predicts")};
     return std::unique_ptr<Session>(std::make_unique<session::PeerSession>(def, transport));
 }
 
@@ -63,24 +66,36 @@ Result<std::unique_ptr<Session>> make_sync_test_session(const SessionDef& def, s
 
 const char* name_of(Stall stall) {
     switch (stall) {
-    case Stall::none: return "none";
-    case Stall::connecting: return "connecting";
-    case Stall::inputs_missing: return "inputs missing";
-    case Stall::local_input_missing: return "local input missing";
-    case Stall::peer_behind: return "peer behind";
-    case Stall::finished: return "finished";
+    case Stall::none:
+        return "none";
+    case Stall::connecting:
+        return "connecting";
+    case Stall::inputs_missing:
+        return "inputs missing";
+    case Stall::local_input_missing:
+        return "local input missing";
+    case Stall::peer_behind:
+        return "peer behind";
+    case Stall::finished:
+        return "finished";
     }
     return "unknown";
 }
 
 const char* name_of(PacketFault fault) {
     switch (fault) {
-    case PacketFault::stranger: return "from a stranger";
-    case PacketFault::damaged: return "damaged";
-    case PacketFault::version: return "another version of the packet format";
-    case PacketFault::match: return "another match, game or line-up of players";
-    case PacketFault::malformed: return "malformed";
-    case PacketFault::implausible: return "implausible";
+    case PacketFault::stranger:
+        return "from a stranger";
+    case PacketFault::damaged:
+        return "damaged";
+    case PacketFault::version:
+        return "another version of the packet format";
+    case PacketFault::match:
+        return "another match, game or line-up of players";
+    case PacketFault::malformed:
+        return "malformed";
+    case PacketFault::implausible:
+        return "implausible";
     }
     return "unknown";
 }

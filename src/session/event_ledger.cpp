@@ -14,13 +14,19 @@ auto identity(const Event& e) { return std::tie(e.kind, e.shape_a, e.shape_b, e.
 bool in_order(const Event& a, const Event& b) { return identity(a) < identity(b); }
 } // namespace
 
-EventLedger::EventLedger(std::uint32_t window) : ring(window) {}
+EventLedger::EventLedger(std::uint32_t window) : ring(window) {
+    constexpr std::size_t usual = 32; // events a tick; more allocate, once
+    for (std::vector<Entry>& tick : ring) tick.reserve(usual);
+    merged.reserve(usual);
+}
 
 void EventLedger::record(std::uint64_t tick, std::span<const Event> events) {
-    LOCKSTONE_ASSERT(tick >= first_open && tick < first_open + ring.size(), "tick ", tick, ", open from ", first_open);
-    LOCKSTONE_ASSERT(std::ranges::adjacent_find(events, [](const Event& a, const Event& b) {
-                         return !in_order(a, b);
-                     }) == events.end(), "events of tick ", tick, " are out of order");
+    LOCKSTONE_ASSERT(tick >= first_open && tick < first_open + ring.size(), "tick ", tick, ", open from ",
+                     first_open);
+    LOCKSTONE_ASSERT(
+        std::ranges::adjacent_find(events, [](const Event& a, const Event& b) { return !in_order(a, b); }) ==
+            events.end(),
+        "events of tick ", tick, " are out of order");
     std::vector<Entry>& before = entries(tick);
     merged.clear();
     auto old = before.begin();
@@ -43,19 +49,25 @@ void EventLedger::record(std::uint64_t tick, std::span<const Event> events) {
 }
 
 void EventLedger::publish(std::uint64_t confirmed_end, std::vector<SessionEvent>& out) {
-    for (std::uint64_t tick = first_open; tick < end; ++tick) publish_tick(entries(tick), tick < confirmed_end, out);
+    for (std::uint64_t tick = first_open; tick < end; ++tick)
+        publish_tick(entries(tick), tick < confirmed_end, out);
     first_open = std::clamp(confirmed_end, first_open, end);
 }
 
 void EventLedger::publish_tick(std::vector<Entry>& tick, bool is_final, std::vector<SessionEvent>& out) {
     for (Entry& entry : tick) {
-        if (!entry.present) out.push_back({entry.event, EventStatus::cancelled, entry.id});
-        else if (is_final) out.push_back({entry.event, EventStatus::confirmed, entry.id});
-        else if (!entry.told) out.push_back({entry.event, EventStatus::predicted, entry.id});
+        if (!entry.present)
+            out.push_back({entry.event, EventStatus::cancelled, entry.id});
+        else if (is_final)
+            out.push_back({entry.event, EventStatus::confirmed, entry.id});
+        else if (!entry.told)
+            out.push_back({entry.event, EventStatus::predicted, entry.id});
         entry.told = true;
     }
-    if (is_final) tick.clear();
-    else std::erase_if(tick, [](const Entry& entry) { return !entry.present; });
+    if (is_final)
+        tick.clear();
+    else
+        std::erase_if(tick, [](const Entry& entry) { return !entry.present; });
 }
 
 } // namespace lockstone::session

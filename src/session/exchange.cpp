@@ -141,14 +141,16 @@ void PeerSession::fill_status(PeerLink& link) {
     if (link.packets_until_quality-- > 0) return;
     link.packets_until_quality = packets_between_quality;
     const std::uint64_t held = link.echo_ms == 0 ? 0 : now - link.echo_received_ms;
-    outgoing.quality = {local_ahead, static_cast<std::uint32_t>(now), link.echo_ms, static_cast<std::uint32_t>(held)};
+    outgoing.quality = {local_ahead, static_cast<std::uint32_t>(now), link.echo_ms,
+                        static_cast<std::uint32_t>(held)};
 }
 
 /// Local players' inputs, and those of players who left as far as they are known here: a peer may lack the last ones.
 void PeerSession::send_inputs(const PeerLink& link) {
     const auto wants = [&](const InputQueue& queue) {
         const std::uint32_t p = queue.player();
-        const bool both_count_it_gone = is_gone(p) && (link.gone >> p & 1u) != 0; // sooner the peer would refuse it
+        const bool both_count_it_gone =
+            is_gone(p) && (link.gone >> p & 1u) != 0; // sooner the peer would refuse it
         return (is_local(p) || both_count_it_gone) && link.next_input[p] < queue.next();
     };
     std::uint32_t left = static_cast<std::uint32_t>(std::ranges::count_if(queues, wants));

@@ -33,9 +33,11 @@ void InputQueue::confirm(std::span<const std::byte> input) {
 
 PlayerInput InputQueue::use(std::uint64_t tick, const InputPredictor& predictor) {
     if (tick < first_unknown || tick >= cut) return settled(tick);
-    LOCKSTONE_ASSERT(tick < first_kept + history_ticks, "player ", player_index, ", tick ", tick, ", oldest ", first_kept);
-    const std::span<const std::byte> last =
-        first_unknown == 0 ? std::span(zeros).first(size) : std::span<const std::byte>(slot(first_unknown - 1));
+    LOCKSTONE_ASSERT(tick < first_kept + history_ticks, "player ", player_index, ", tick ", tick, ", oldest ",
+                     first_kept);
+    const std::span<const std::byte> last = first_unknown == 0
+                                                ? std::span(zeros).first(size)
+                                                : std::span<const std::byte>(slot(first_unknown - 1));
     predictor.predict(player_index, last, tick + 1 - first_unknown, slot(tick));
     used_end = std::max(used_end, tick + 1);
     return {slot(tick), InputStatus::predicted};
@@ -43,8 +45,8 @@ PlayerInput InputQueue::use(std::uint64_t tick, const InputPredictor& predictor)
 
 PlayerInput InputQueue::settled(std::uint64_t tick) const {
     if (tick >= cut) return {std::span(zeros).first(size), InputStatus::disconnected};
-    LOCKSTONE_ASSERT(tick >= first_kept && tick < first_unknown, "player ", player_index, ", tick ", tick, " of [",
-                     first_kept, ", ", first_unknown, ")");
+    LOCKSTONE_ASSERT(tick >= first_kept && tick < first_unknown, "player ", player_index, ", tick ", tick,
+                     " of [", first_kept, ", ", first_unknown, ")");
     return {slot(tick), InputStatus::confirmed};
 }
 

@@ -16,7 +16,9 @@ constexpr std::size_t block_header_bytes = 6;
 constexpr std::size_t checksum_bytes = 4;
 constexpr std::size_t shortest_packet = 12;
 
-std::uint32_t checksum(std::span<const std::byte> bytes) { return static_cast<std::uint32_t>(base::xxh3(bytes)); }
+std::uint32_t checksum(std::span<const std::byte> bytes) {
+    return static_cast<std::uint32_t>(base::xxh3(bytes));
+}
 
 std::size_t repeat_bytes(std::size_t inputs) { return (inputs + 7) / 8; }
 
@@ -28,7 +30,8 @@ PacketContext packet_context(const SessionDef& def) {
     hash.add(def.content_id);
     hash.add(def.input_size);
     for (const PeerId peer : def.players) hash.add(peer);
-    return {static_cast<std::uint32_t>(hash.digest()), static_cast<std::uint32_t>(def.players.size()), def.input_size};
+    return {static_cast<std::uint32_t>(hash.digest()), static_cast<std::uint32_t>(def.players.size()),
+            def.input_size};
 }
 
 // ---- writing -----------------------------------------------------------------------------------------------------
@@ -148,10 +151,12 @@ void read_blocks(base::ByteReader& in, const PacketContext& context, Message& ou
 
 } // namespace
 
-std::optional<PacketFault> decode(std::span<const std::byte> bytes, const PacketContext& context, Message& out) {
+std::optional<PacketFault> decode(std::span<const std::byte> bytes, const PacketContext& context,
+                                  Message& out) {
     if (bytes.size() < shortest_packet || bytes.size() > packet_bytes_max) return PacketFault::damaged;
     const std::span<const std::byte> body = bytes.first(bytes.size() - checksum_bytes);
-    if (base::load_little_endian<std::uint32_t>(body.data() + body.size()) != checksum(body)) return PacketFault::damaged;
+    if (base::load_little_endian<std::uint32_t>(body.data() + body.size()) != checksum(body))
+        return PacketFault::damaged;
 
     base::ByteReader in(body, "packet");
     if (in.u16("magic") != packet_magic) return PacketFault::damaged;

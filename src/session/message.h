@@ -21,27 +21,27 @@ PacketContext packet_context(const SessionDef& def);
 /// Consecutive inputs of one player.
 struct InputBlock {
     std::uint32_t player;
-    std::uint64_t first; ///< tick
-    std::uint32_t count; ///< 1..255
+    std::uint64_t first;                ///< tick
+    std::uint32_t count;                ///< 1..255
     std::span<const std::byte> repeats; ///< bit i: input i equals input i - 1, and is left out of `bytes`
     std::span<const std::byte> bytes;
 };
 
 struct QualityReport {
-    std::int32_t ticks_ahead; ///< sender's tick minus the newest receiver's tick it knows of
-    std::uint32_t sent_ms;    ///< sender's clock, low 32 bits
-    std::uint32_t echo_ms;    ///< the newest sent_ms that came from the receiver
+    std::int32_t ticks_ahead;   ///< sender's tick minus the newest receiver's tick it knows of
+    std::uint32_t sent_ms;      ///< sender's clock, low 32 bits
+    std::uint32_t echo_ms;      ///< the newest sent_ms that came from the receiver
     std::uint32_t echo_held_ms; ///< how long ago that was
 };
 
 struct Message {
-    std::uint64_t tick;        ///< the sender's next new tick
-    std::uint32_t gone;        ///< bit p: the sender counts player p as gone
+    std::uint64_t tick;                                ///< the sender's next new tick
+    std::uint32_t gone;                                ///< bit p: the sender counts player p as gone
     std::array<std::uint64_t, players_max> next_input; ///< by player: first tick whose input the sender lacks
-    std::uint64_t next_hash;   ///< first tick whose hash the sender lacks
+    std::uint64_t next_hash;                           ///< first tick whose hash the sender lacks
     std::array<InputBlock, players_max> blocks;
     std::uint32_t block_count;
-    std::uint64_t hash_first;  ///< tick
+    std::uint64_t hash_first; ///< tick
     std::uint32_t hash_count;
     std::array<std::uint64_t, hashes_per_packet> hashes; ///< of confirmed ticks
     std::optional<QualityReport> quality;
@@ -71,8 +71,8 @@ class PacketWriter {
     /// Adds inputs `first`, `first + 1`... as input_of(tick) gives them, as many of `count` as fit when `blocks_after`
     /// further blocks want as much room.
     template <class InputOf>
-    void add_inputs(std::uint32_t player, std::uint64_t first, std::uint64_t count, std::uint32_t blocks_after,
-                    InputOf&& input_of) {
+    void add_inputs(std::uint32_t player, std::uint64_t first, std::uint64_t count,
+                    std::uint32_t blocks_after, InputOf&& input_of) {
         std::uint32_t taken = open_block(player, first, count, blocks_after);
         for (std::uint32_t i = 0; i < taken; ++i) append_input(i, input_of(first + i));
     }
@@ -80,7 +80,8 @@ class PacketWriter {
     std::span<const std::byte> finish();
 
   private:
-    std::uint32_t open_block(std::uint32_t player, std::uint64_t first, std::uint64_t count, std::uint32_t blocks_after);
+    std::uint32_t open_block(std::uint32_t player, std::uint64_t first, std::uint64_t count,
+                             std::uint32_t blocks_after);
     void append_input(std::uint32_t index, std::span<const std::byte> input);
 
     std::vector<std::byte> buffer;
@@ -91,6 +92,7 @@ class PacketWriter {
 };
 
 /// Checks every field against the format; the views of `out` point into `bytes`. Never asserts, whatever the bytes.
-std::optional<PacketFault> decode(std::span<const std::byte> bytes, const PacketContext& context, Message& out);
+std::optional<PacketFault> decode(std::span<const std::byte> bytes, const PacketContext& context,
+                                  Message& out);
 
 } // namespace lockstone::session

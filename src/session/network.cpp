@@ -9,6 +9,8 @@ namespace lockstone {
 
 namespace {
 
+constexpr std::size_t usual_flights = 32; ///< at once to one endpoint; more allocate, once
+
 bool happens(std::uint64_t& state, std::uint32_t permille) { return split_mix(state) % 1000 < permille; }
 
 } // namespace
@@ -22,7 +24,7 @@ struct SimulatedNetwork::Endpoint final : Transport {
     };
     SimulatedNetwork* network = nullptr;
     PeerId self = 0;
-    std::vector<Flight> inbox;                   ///< on the way to this endpoint, by (due_ms, sequence), last first
+    std::vector<Flight> inbox; ///< on the way to this endpoint, by (due_ms, sequence), last first
     std::vector<std::vector<std::byte>> buffers; ///< of packets that have arrived, to be used again
     std::vector<std::byte> arrived;              ///< what receive handed out
 
@@ -47,16 +49,21 @@ struct SimulatedNetwork::Endpoint final : Transport {
         buffer.reserve(packet_bytes_max);
         buffer.assign(bytes.begin(), bytes.end());
         const auto later = [](const Flight& a, std::uint64_t due) { return a.due_ms > due; };
-        const auto place = std::lower_bound(inbox.begin(), inbox.end(), due_ms, later); // before its equals: last out
+        const auto place =
+            std::lower_bound(inbox.begin(), inbox.end(), due_ms, later); // before its equals: last out
         inbox.insert(place, Flight{due_ms, number, from, std::move(buffer)});
     }
 };
 
-SimulatedNetwork::SimulatedNetwork(std::uint32_t endpoint_count, const LinkDef& every_link, std::uint64_t seed) {
+SimulatedNetwork::SimulatedNetwork(std::uint32_t endpoint_count, const LinkDef& every_link,
+                                   std::uint64_t seed) {
     endpoints.resize(endpoint_count);
     for (PeerId id = 0; id < endpoint_count; ++id) {
         endpoints[id].network = this;
         endpoints[id].self = id;
+        endpoints[id].inbox.reserve(usual_flights);
+        endpoints[id].buffers.resize(usual_flights);
+        for (std::vector<std::byte>& buffer : endpoints[id].buffers) buffer.reserve(packet_bytes_max);
     }
     for (std::uint64_t i = 0; i < std::uint64_t{endpoint_count} * endpoint_count; ++i)
         links.push_back({every_link, split_mix(seed)});
@@ -70,7 +77,8 @@ Transport& SimulatedNetwork::endpoint(PeerId peer) {
 }
 
 SimulatedNetwork::Link& SimulatedNetwork::link(PeerId from, PeerId to) {
-    LOCKSTONE_ASSERT(from < endpoints.size() && to < endpoints.size(), from, " to ", to, " of ", endpoints.size());
+    LOCKSTONE_ASSERT(from < endpoints.size() && to < endpoints.size(), from, " to ", to, " of ",
+                     endpoints.size());
     return links[std::size_t{from} * endpoints.size() + to];
 }
 
@@ -103,7 +111,8 @@ void SimulatedNetwork::send(PeerId from, PeerId to, std::span<const std::byte> b
 }
 
 void SimulatedNetwork::put_on_the_way(Link& way, PeerId from, PeerId to, std::span<const std::byte> bytes) {
-    std::uint64_t due = now + way.def.latency_ms + split_mix(way.random_state) % (std::uint64_t{way.def.jitter_ms} + 1);
+    std::uint64_t due =
+        now + way.def.latency_ms + split_mix(way.random_state) % (std::uint64_t{way.def.jitter_ms} + 1);
     if (happens(way.random_state, way.def.reorder_permille)) due += way.def.reorder_ms;
     Endpoint& target = endpoints[to];
     target.accept(due, sequence++, from, bytes);

@@ -17,7 +17,8 @@ class HashLedger {
 
     /// Compares what both sides know; `local(tick)` gives this machine's hash of a tick below `local_end`.
     /// Returns the first tick that differs, once.
-    template <class LocalHash> std::optional<std::uint64_t> compare(std::uint64_t local_end, LocalHash&& local) {
+    template <class LocalHash>
+    std::optional<std::uint64_t> compare(std::uint64_t local_end, LocalHash&& local) {
         std::optional<std::uint64_t> found;
         for (; compared < std::min(local_end, wanted); ++compared) {
             if (differs || local(compared) == remote[compared % history_ticks].hash) continue;
@@ -51,8 +52,8 @@ class HashLedger {
     std::uint64_t compared = 0; ///< ticks below have been compared
     std::uint64_t agreed_end = 0;
     bool differs = false;
-    std::uint64_t acked = 0;    ///< the peer has the local hashes of ticks below
-    std::uint64_t sent = 0;     ///< cursor
+    std::uint64_t acked = 0; ///< the peer has the local hashes of ticks below
+    std::uint64_t sent = 0;  ///< cursor
     std::uint32_t polls_without_progress = 0;
 };
 
@@ -78,14 +79,14 @@ struct PeerLink {
     PeerId peer;
     State state = State::connecting;
     bool told_incompatible = false;
-    std::uint64_t heard_ms = 0;      ///< when the last good packet came
-    std::uint64_t tick = 0;          ///< newest tick the peer told of
-    std::uint32_t gone = 0;          ///< bit p: the peer counts player p as gone
+    std::uint64_t heard_ms = 0;                          ///< when the last good packet came
+    std::uint64_t tick = 0;                              ///< newest tick the peer told of
+    std::uint32_t gone = 0;                              ///< bit p: the peer counts player p as gone
     std::array<std::uint64_t, players_max> next_input{}; ///< by player: first tick whose input the peer lacks
     HashLedger hashes;
     TimeSync time_sync;
-    std::int32_t remote_ahead = 0;   ///< the peer's own count
-    std::uint32_t echo_ms = 0;       ///< its newest clock reading
+    std::int32_t remote_ahead = 0; ///< the peer's own count
+    std::uint32_t echo_ms = 0;     ///< its newest clock reading
     std::uint64_t echo_received_ms = 0;
     std::uint32_t ping_ms = 0;
     std::uint32_t packets_until_quality = 0;

@@ -69,7 +69,8 @@ void PeerSession::forget_old_inputs() {
 // ---- confirmed ticks and their hashes ----------------------------------------------------------------------------
 
 HashCheck PeerSession::report_hash(std::uint64_t tick, std::uint64_t hash) {
-    LOCKSTONE_ASSERT(tick >= confirmed && tick < current, "tick ", tick, " of [", confirmed, ", ", current, ")");
+    LOCKSTONE_ASSERT(tick >= confirmed && tick < current, "tick ", tick, " of [", confirmed, ", ", current,
+                     ")");
     hashes[tick % history_ticks] = hash;
     return HashCheck::accepted;
 }
@@ -128,7 +129,8 @@ namespace {
 
 class RepeatLastInput final : public InputPredictor {
   public:
-    void predict(std::uint32_t, std::span<const std::byte> last, std::uint64_t, std::span<std::byte> out) const override {
+    void predict(std::uint32_t, std::span<const std::byte> last, std::uint64_t,
+                 std::span<std::byte> out) const override {
         std::ranges::copy(last, out.begin());
     }
 };

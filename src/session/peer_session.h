@@ -72,10 +72,10 @@ class PeerSession final : public Session {
 
     bool polled = false;
     std::uint64_t now = 0;
-    std::uint64_t current = 0;      ///< next new tick
-    std::uint64_t settled_end = 0;  ///< ticks below have run on true inputs and will not run again
-    std::uint64_t confirmed = 0;    ///< ticks below were handed out by next_confirmed; their hashes may be sent
-    std::uint64_t next_wait_at = 0; ///< tick
+    std::uint64_t current = 0;     ///< next new tick
+    std::uint64_t settled_end = 0; ///< ticks below have run on true inputs and will not run again
+    std::uint64_t confirmed = 0; ///< ticks below were handed out by next_confirmed; their hashes may be sent
+    std::uint64_t next_wait_at = 0;    ///< tick
     std::vector<std::uint64_t> hashes; ///< by tick modulo history_ticks
 
     std::vector<Request> requests;

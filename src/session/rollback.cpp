@@ -14,7 +14,8 @@
 namespace lockstone::session {
 
 Step PeerSession::advance() {
-    LOCKSTONE_ASSERT(confirmed == settled_end, "take confirmed ticks first: ", confirmed, " of ", settled_end);
+    LOCKSTONE_ASSERT(confirmed == settled_end, "take confirmed ticks first: ", confirmed, " of ",
+                     settled_end);
     requests.clear();
     inputs.clear();
     if (const std::uint64_t wrong = take_first_wrong(); wrong < current) roll_back_to(wrong);

@@ -15,6 +15,8 @@ struct SessionRunner::Impl {
     RunnerDef def;
     std::vector<Image> ring; ///< by tick modulo its size
     std::vector<std::uint64_t> ring_ticks;
+    std::vector<std::uint64_t> ring_hashes;
+    std::uint64_t hash; ///< of the present state
     session::EventLedger ledger;
     std::vector<SessionEvent> events;
     std::optional<SyncTestFailure> failure;
@@ -22,7 +24,9 @@ struct SessionRunner::Impl {
 
     Impl(Session& driver, Simulation& driven, RunnerDef runner_def)
         : session(driver), simulation(driven), def(std::move(runner_def)), ring(driver.images_max()),
-          ring_ticks(driver.images_max()), ledger(driver.images_max() + 1) {
+          ring_ticks(driver.images_max()), ring_hashes(driver.images_max()), hash(driven.hash()),
+          ledger(driver.images_max() + 1) {
+        events.reserve(256);
         for (Image& image : ring) image.bytes.resize(simulation.state().layout().image_bytes_max());
     }
 
@@ -30,34 +34,42 @@ struct SessionRunner::Impl {
         const std::size_t slot = save.tick % ring.size();
         simulation.save(ring[slot]);
         ring_ticks[slot] = save.tick;
+        ring_hashes[slot] = hash;
     }
 
     void execute(const Load& load) {
         const Image& image = saved(load.tick);
-        if (def.column_left_out.empty()) simulation.restore(image);
-        else restore_without_column(image);
-        if (load.verify) check(load.tick - 1, SyncTestFailure::When::restored);
+        if (def.column_left_out.empty())
+            simulation.restore(image);
+        else
+            restore_without_column(image);
+        if (!load.verify) return;
+        hash = simulation.hash();
+        if (hash != ring_hashes[load.tick % ring.size()])
+            fail(SyncTestFailure::When::restored, load.tick, load.tick);
     }
 
     void execute(const Advance& advance) {
         simulation.advance(advance.inputs);
-        check(advance.tick, SyncTestFailure::When::resimulated);
+        hash = simulation.hash();
+        // The ring still holds what the tick led to before: it is saved again only afterwards.
+        if (session.report_hash(advance.tick, hash) == HashCheck::differs)
+            fail(SyncTestFailure::When::resimulated, advance.tick, advance.tick + 1);
         ledger.record(advance.tick, simulation.events());
     }
 
     const Image& saved(std::uint64_t tick) const {
         const std::size_t slot = tick % ring.size();
-        LOCKSTONE_ASSERT(ring_ticks[slot] == tick, "tick ", tick, " is not saved, its slot holds ", ring_ticks[slot]);
+        LOCKSTONE_ASSERT(ring_ticks[slot] == tick, "tick ", tick, " is not saved, its slot holds ",
+                         ring_ticks[slot]);
         return ring[slot];
     }
 
-    /// Reports the hash of the state after `tick`. Where it differs from the first run's, the ring still holds that
-    /// run's state: a tick is saved again only after its hash was found to be the same.
-    void check(std::uint64_t tick, SyncTestFailure::When when) {
-        const std::uint64_t hash = simulation.hash();
-        if (session.report_hash(tick, hash) == HashCheck::accepted || failure) return;
+    /// Names what differs between the state saved before `saved_tick` and the present one.
+    void fail(SyncTestFailure::When when, std::uint64_t tick, std::uint64_t saved_tick) {
+        if (failure) return;
         State first = simulation.state();
-        first.restore(saved(tick + 1));
+        first.restore(saved(saved_tick));
         failure = {when, tick, first.hash(), hash, State::diff(first, simulation.state(), 8)};
     }
 
@@ -104,14 +116,16 @@ void SessionRunner::wait(std::uint64_t now_ms) {
 
 std::span<const SessionEvent> SessionRunner::events() const { return impl->events; }
 
-const SyncTestFailure* SessionRunner::sync_failure() const { return impl->failure ? &*impl->failure : nullptr; }
+const SyncTestFailure* SessionRunner::sync_failure() const {
+    return impl->failure ? &*impl->failure : nullptr;
+}
 
 std::string to_string(const SyncTestFailure& failure) {
     const bool restored = failure.when == SyncTestFailure::When::restored;
     std::string out = base::join("tick ", failure.tick, restored ? ", restored: " : ", resimulated: ");
     if (failure.differences.empty())
-        return out + base::join("hash ", base::hex(failure.first_hash), " against ", base::hex(failure.second_hash),
-                                ", though no field differs");
+        return out + base::join("hash ", base::hex(failure.first_hash), " against ",
+                                base::hex(failure.second_hash), ", though no field differs");
     return out + to_string(failure.differences.front());
 }
 

@@ -31,7 +31,7 @@ Step SyncTestSession::advance() {
     // The present is kept before it is left: what the re-runs arrive at is compared with it.
     requests.push_back(Save{current});
     if (current >= depth) {
-        requests.push_back(Load{current - depth, current > depth});
+        requests.push_back(Load{current - depth, true});
         for (std::uint64_t tick = current - depth; tick < current; ++tick) {
             run(tick, InputStatus::confirmed);
             requests.push_back(Save{tick + 1});

@@ -3,13 +3,14 @@
 namespace lockstone {
 namespace {
 
-/// Six decimals, rounded towards zero: enough to tell a value from its limit.
+/// To the nearest micrometre, without trailing zeros.
 std::string metres(Length v) {
-    const std::uint64_t m = magnitude(v.raw);
-    const std::uint64_t micro = ((m & 0xffffffu) * 1'000'000u) >> Length::fraction_bits;
-    std::string digits = std::to_string(micro);
+    const std::uint64_t micro = (magnitude(v.raw) * 1'000'000u + (1u << 23)) >> Length::fraction_bits;
+    std::string digits = std::to_string(micro % 1'000'000u);
     digits.insert(0, 6 - digits.size(), '0');
-    return (v.raw < 0 ? "-" : "") + std::to_string(m >> Length::fraction_bits) + "." + digits + " m";
+    digits.erase(digits.find_last_not_of('0') + 1);
+    const std::string whole = (v.raw < 0 ? "-" : "") + std::to_string(micro / 1'000'000u);
+    return digits.empty() ? whole + " m" : whole + "." + digits + " m";
 }
 
 std::string check(const char* field, Length v, Length low = shape_size_min, Length high = shape_size_max) {

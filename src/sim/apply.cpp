@@ -27,14 +27,16 @@ bool within(Vec3 v, Real most) { return abs(v.x) <= most && abs(v.y) <= most && 
 /// Empty when good.
 std::string check_unit(const char* what, Quat q) {
     const auto square = [](Unit u) { return std::int64_t{u.raw} * u.raw; };
-    const std::int64_t norm = (square(q.x) >> 2) + (square(q.y) >> 2) + (square(q.z) >> 2) + (square(q.w) >> 2);
+    const std::int64_t norm =
+        (square(q.x) >> 2) + (square(q.y) >> 2) + (square(q.z) >> 2) + (square(q.w) >> 2);
     constexpr std::int64_t one = std::int64_t{1} << 58;
     if (norm > one - (one >> 10) && norm < one + (one >> 10)) return {};
     return join(what, " is not a unit quaternion: use Quat::identity(), from_axis_angle or normalized");
 }
 
 std::string check_pose(const char* what, const Transform& pose, Real most) {
-    if (!within(pose.position, most)) return join(what, ".position must be within ", floor_to_int(most), " m of the origin");
+    if (!within(pose.position, most))
+        return join(what, ".position must be within ", floor_to_int(most), " m of the origin");
     return check_unit(what, pose.rotation);
 }
 
@@ -44,25 +46,34 @@ std::string check_range(const char* what, Real value, Real low, Real high, const
 }
 
 std::string check(const BodyDef& d) {
-    if (d.kind > BodyKind::dynamic) return join("kind is ", static_cast<std::uint32_t>(d.kind), ", must be 0 to 2");
+    if (d.kind > BodyKind::dynamic)
+        return join("kind is ", static_cast<std::uint32_t>(d.kind), ", must be 0 to 2");
     if (d.locks > 63) return join("locks is ", d.locks, ", must be a sum of AxisLock bits, at most 63");
     if (d.gyroscopic > 1) return join("gyroscopic is ", d.gyroscopic, ", must be 0 or 1");
     if (d.enable_fields > 1) return join("enable_fields is ", d.enable_fields, ", must be 0 or 1");
     if (std::string e = check_pose("pose", d.pose, position_max); !e.empty()) return e;
     if (length(d.linear_velocity) > speed_max) return "linear_velocity must be at most 500 m/s long";
-    if (!within(d.angular_velocity, spin_max)) return "angular_velocity must be within 4095 rad/s on each axis";
-    if (std::string e = check_range("linear_damping", d.linear_damping, Real{}, Real(1000), " 1/s"); !e.empty()) return e;
-    if (std::string e = check_range("angular_damping", d.angular_damping, Real{}, Real(1000), " 1/s"); !e.empty()) return e;
-    if (std::string e = check_range("gravity_scale", d.gravity_scale, Real(-100), Real(100), ""); !e.empty()) return e;
+    if (!within(d.angular_velocity, spin_max))
+        return "angular_velocity must be within 4095 rad/s on each axis";
+    if (std::string e = check_range("linear_damping", d.linear_damping, Real{}, Real(1000), " 1/s");
+        !e.empty())
+        return e;
+    if (std::string e = check_range("angular_damping", d.angular_damping, Real{}, Real(1000), " 1/s");
+        !e.empty())
+        return e;
+    if (std::string e = check_range("gravity_scale", d.gravity_scale, Real(-100), Real(100), ""); !e.empty())
+        return e;
     if (d.mass == Real{}) return {};
     return check_range("mass", d.mass, 0.001_r, Real(1000000000), " kg, or 0 for that of the shapes");
 }
 
 std::string check(const ShapeDef& d, BodyKind kind) {
     if (std::string e = validate(d.geometry); !e.empty()) return e;
-    if (d.geometry.kind == ShapeKind::plane && kind != BodyKind::static_) return "a plane needs a static body";
+    if (d.geometry.kind == ShapeKind::plane && kind != BodyKind::static_)
+        return "a plane needs a static body";
     if (std::string e = check_pose("local", d.local, Real(64)); !e.empty()) return e;
-    if (std::string e = check_range("density", d.density, 0.01_r, Real(100000), " kg/m^3"); !e.empty()) return e;
+    if (std::string e = check_range("density", d.density, 0.01_r, Real(100000), " kg/m^3"); !e.empty())
+        return e;
     if (std::string e = check_range("friction", d.friction, Real{}, Real(4), ""); !e.empty()) return e;
     if (std::string e = check_range("restitution", d.restitution, Real{}, Real(1), ""); !e.empty()) return e;
     if (d.sensor > 1) return join("sensor is ", d.sensor, ", must be 0 or 1");
@@ -70,10 +81,13 @@ std::string check(const ShapeDef& d, BodyKind kind) {
 }
 
 std::string check(const FieldDef& d) {
-    if (d.kind > FieldKind::spring) return join("kind is ", static_cast<std::uint32_t>(d.kind), ", must be 0 or 1");
+    if (d.kind > FieldKind::spring)
+        return join("kind is ", static_cast<std::uint32_t>(d.kind), ", must be 0 or 1");
     if (d.reserved != 0) return "reserved must be 0";
     if (!within(d.center, position_max)) return "center must be within 1e9 m of the origin";
-    if (std::string e = check_range("strength", d.strength, Real(-100000000), Real(100000000), ""); !e.empty()) return e;
+    if (std::string e = check_range("strength", d.strength, Real(-100000000), Real(100000000), "");
+        !e.empty())
+        return e;
     return check_range("softening", d.softening, Real{}, Real(30000), " m");
 }
 
@@ -89,7 +103,8 @@ Error dead_shape(const char* command, ShapeId id) {
 // ---- slots ---------------------------------------------------------------------------------------------------
 
 /// A slot for a new object in row `row`; the caller has checked that there is room.
-std::uint32_t take_slot(State& state, TableId table, Column<Slot> column, std::uint32_t& first_free, std::uint32_t row) {
+std::uint32_t take_slot(State& state, TableId table, Column<Slot> column, std::uint32_t& first_free,
+                        std::uint32_t row) {
     std::uint32_t index = first_free;
     if (index == 0) {
         const std::uint32_t count = state.count(table);
@@ -180,8 +195,9 @@ void push(Data& w, std::uint32_t row, Vec3 linear, Vec3 angular) {
     const Rotation axes = to_rotation(w.state.rows(w.m.body_pose)[row].rotation * mass.principal);
     const Vec3 local = mul_transposed<Real>(axes, angular / mass.mass);
     const auto turned = [](Real l, Real k) { return l / k / k; };
-    const Vec3 spin = lockstone::mul<Real>(axes, Vec3{turned(local.x, mass.gyration.x), turned(local.y, mass.gyration.y),
-                                           turned(local.z, mass.gyration.z)});
+    const Vec3 spin =
+        lockstone::mul<Real>(axes, Vec3{turned(local.x, mass.gyration.x), turned(local.y, mass.gyration.y),
+                                        turned(local.z, mass.gyration.z)});
     const Vec3 dv = linear / mass.mass;
     for (int i = 0; i < 3; ++i) {
         if (!((locks >> i) & 1u)) velocity.linear[i] = velocity.linear[i] + to<Speed>(dv[i]);
@@ -204,8 +220,9 @@ struct Applier {
         const BodyId id{index, w.state.rows(w.m.body_slot)[index - 1].generation};
         w.state.resize(w.m.bodies, row + 1);
         const BodyDef& d = c.def;
-        w.state.rows(w.m.body_info)[row] = {id, d.kind, d.locks, d.gyroscopic, d.enable_fields, 0, 0, d.linear_damping,
-                                            d.angular_damping, d.gravity_scale, d.mass, d.user_key};
+        w.state.rows(w.m.body_info)[row] = {
+            id, d.kind,           d.locks,           d.gyroscopic,    d.enable_fields, 0,
+            0,  d.linear_damping, d.angular_damping, d.gravity_scale, d.mass,          d.user_key};
         w.state.rows(w.m.body_pose)[row] = {d.pose.position, normalized(d.pose.rotation)};
         w.state.rows(w.m.body_velocity)[row] = {to<Speed>(d.linear_velocity), to<Speed>(d.angular_velocity)};
         update_mass(w, row);
@@ -215,7 +232,8 @@ struct Applier {
     Result<Applied> operator()(const DestroyBody& c) {
         const std::uint32_t row = w.row_of(c.body);
         if (row == Data::dead) return dead_body("destroy_body", c.body);
-        while (const std::uint32_t slot = w.state.rows(w.m.body_info)[row].first_shape) remove_shape(row, slot);
+        while (const std::uint32_t slot = w.state.rows(w.m.body_info)[row].first_shape)
+            remove_shape(row, slot);
         const std::uint32_t last = w.state.count(w.m.bodies) - 1;
         const BodyId moved = w.state.rows(w.m.body_info)[last].id;
         remove_row(w.state, w.m.bodies, row);
@@ -233,13 +251,24 @@ struct Applier {
         const std::uint32_t row = w.state.count(w.m.shapes);
         if (row == w.state.capacity(w.m.shapes))
             return Error{join("create_shape: the world is full: shapes_max is ", row)};
-        const std::uint32_t index = take_slot(w.state, w.m.shape_slots, w.m.shape_slot, w.header().shape_free, row);
+        const std::uint32_t index =
+            take_slot(w.state, w.m.shape_slots, w.m.shape_slot, w.header().shape_free, row);
         const ShapeId id{index, w.state.rows(w.m.shape_slot)[index - 1].generation};
         w.state.resize(w.m.shapes, row + 1);
         const ShapeDef& d = c.def;
-        w.state.rows(w.m.shape)[row] = {id, c.body, d.geometry, info.first_shape,
-                                        {d.local.position, normalized(d.local.rotation)}, d.density, d.friction,
-                                        d.restitution, d.category, d.mask, d.group, d.sensor, d.user_key};
+        w.state.rows(w.m.shape)[row] = {id,
+                                        c.body,
+                                        d.geometry,
+                                        info.first_shape,
+                                        {d.local.position, normalized(d.local.rotation)},
+                                        d.density,
+                                        d.friction,
+                                        d.restitution,
+                                        d.category,
+                                        d.mask,
+                                        d.group,
+                                        d.sensor,
+                                        d.user_key};
         info.first_shape = index;
         ++info.shape_count;
         update_mass(w, body_row);
@@ -261,7 +290,8 @@ struct Applier {
         const std::uint32_t row = w.state.count(w.m.fields);
         if (row == w.state.capacity(w.m.fields))
             return Error{join("create_field: the world is full: fields_max is ", row)};
-        const std::uint32_t index = take_slot(w.state, w.m.field_slots, w.m.field_slot, w.header().field_free, row);
+        const std::uint32_t index =
+            take_slot(w.state, w.m.field_slots, w.m.field_slot, w.header().field_free, row);
         const FieldId id{index, w.state.rows(w.m.field_slot)[index - 1].generation};
         w.state.resize(w.m.fields, row + 1);
         w.state.rows(w.m.field)[row] = {id, c.def};
@@ -281,7 +311,8 @@ struct Applier {
     Result<Applied> operator()(const SetPose& c) {
         const std::uint32_t row = w.row_of(c.body);
         if (row == Data::dead) return dead_body("set_pose", c.body);
-        if (std::string e = check_pose("pose", c.pose, position_max); !e.empty()) return Error{"set_pose: " + e};
+        if (std::string e = check_pose("pose", c.pose, position_max); !e.empty())
+            return Error{"set_pose: " + e};
         const Quat rotation = normalized(c.pose.rotation);
         w.state.rows(w.m.body_pose)[row] = {c.pose.position + center_offset(w, row, rotation), rotation};
         w.scratch.structure_stale = true;
@@ -292,7 +323,8 @@ struct Applier {
         const std::uint32_t row = w.row_of(c.body);
         if (row == Data::dead) return dead_body("set_velocity", c.body);
         if (length(c.linear) > speed_max) return Error{"set_velocity: linear must be at most 500 m/s long"};
-        if (!within(c.angular, spin_max)) return Error{"set_velocity: angular must be within 4095 rad/s on each axis"};
+        if (!within(c.angular, spin_max))
+            return Error{"set_velocity: angular must be within 4095 rad/s on each axis"};
         w.state.rows(w.m.body_velocity)[row] = {to<Speed>(c.linear), to<Speed>(c.angular)};
         return Applied{};
     }
@@ -370,22 +402,25 @@ struct Applier {
     }
 
     Result<Applied> operator()(const SetGravity& c) {
-        if (!within(c.gravity, Real(1000))) return Error{"set_gravity: gravity must be within 1000 m/s^2 on each axis"};
+        if (!within(c.gravity, Real(1000)))
+            return Error{"set_gravity: gravity must be within 1000 m/s^2 on each axis"};
         w.header().gravity = c.gravity;
         return Applied{};
     }
 
     Result<Applied> operator()(const WriteGame& c) {
         if (c.column >= w.m.game.size())
-            return Error{join("write_game: game column ", c.column, " does not exist, the schema has ", w.m.game.size())};
+            return Error{join("write_game: game column ", c.column, " does not exist, the schema has ",
+                              w.m.game.size())};
         const GameSchema::Entry& entry = w.schema.entries()[c.column];
         if (c.size > c.data.size() || c.offset > entry.row_size || c.size > entry.row_size - c.offset)
-            return Error{join("write_game: ", c.size, " bytes at ", c.offset, " do not fit a row of ", entry.name, ", which has ",
-                              entry.row_size)};
+            return Error{join("write_game: ", c.size, " bytes at ", c.offset, " do not fit a row of ",
+                              entry.name, ", which has ", entry.row_size)};
         const std::uint32_t row = entry.per_body ? w.row_of(c.body) : 0;
         if (row == Data::dead) return dead_body("write_game", c.body);
         const std::uint32_t column = w.m.game[c.column];
-        const std::span<std::byte> bytes = w.state.bytes(column).subspan(std::size_t{row} * entry.row_size, entry.row_size);
+        const std::span<std::byte> bytes =
+            w.state.bytes(column).subspan(std::size_t{row} * entry.row_size, entry.row_size);
         // Through the canonical form, so that a piece may end inside a field on any byte order.
         std::vector<std::byte> canonical;
         append_canonical(bytes, entry.leaves, canonical);

@@ -17,11 +17,13 @@ Error bad(std::string_view column, std::size_t row, std::string_view why) {
 
 /// Living slots and rows name each other; the free list visits each free slot once.
 template <class IdOfRow>
-Status check_slots(std::string_view name, std::span<const Slot> slots, std::size_t rows, std::uint32_t first_free, IdOfRow id_of) {
+Status check_slots(std::string_view name, std::span<const Slot> slots, std::size_t rows,
+                   std::uint32_t first_free, IdOfRow id_of) {
     std::size_t living = 0;
     for (std::size_t i = 0; i < slots.size(); ++i) {
         const Slot& s = slots[i];
-        if (s.generation == 0 || s.alive > 1 || s.next_free > slots.size()) return bad(name, i, "no such slot can be");
+        if (s.generation == 0 || s.alive > 1 || s.next_free > slots.size())
+            return bad(name, i, "no such slot can be");
         if (s.alive == 0) continue;
         ++living;
         if (s.row >= rows) return bad(name, i, join("points to row ", s.row, " of ", rows));
@@ -49,15 +51,18 @@ Status check_bodies(const Manifest& m, const State& s) {
     const std::span<const BodyMass> mass = s.rows(m.body_mass);
     const std::span<const Transform> pose = s.rows(m.body_pose);
     for (std::size_t i = 0; i < info.size(); ++i) {
-        if (info[i].kind > BodyKind::dynamic || info[i].locks > 63) return bad("body.info", i, "unknown kind or locks");
+        if (info[i].kind > BodyKind::dynamic || info[i].locks > 63)
+            return bad("body.info", i, "unknown kind or locks");
         if (info[i].linear_damping < Real{} || info[i].angular_damping < Real{})
             return bad("body.info", i, "damping is negative");
         if (!unit_like(pose[i].rotation)) return bad("body.pose", i, "rotation is not a unit quaternion");
-        if (mass[i].mass < Real{} || !unit_like(mass[i].principal)) return bad("body.mass", i, "no such mass can be");
+        if (mass[i].mass < Real{} || !unit_like(mass[i].principal))
+            return bad("body.mass", i, "no such mass can be");
         for (int axis = 0; axis < 3; ++axis) {
             if (mass[i].gyration[axis] < Real{} || mass[i].gyration[axis] > Real(100000))
                 return bad("body.mass", i, "no such gyration radius can be");
-            if (abs(pose[i].position[axis]) > Real(1000000000)) return bad("body.pose", i, "position is out of range");
+            if (abs(pose[i].position[axis]) > Real(1000000000))
+                return bad("body.pose", i, "position is out of range");
         }
     }
     return {};
@@ -70,13 +75,16 @@ Status check_shapes(const Manifest& m, const State& s) {
     const std::span<const BodyInfo> info = s.rows(m.body_info);
     for (std::size_t i = 0; i < shapes.size(); ++i) {
         const ShapeRow& r = shapes[i];
-        if (r.body.index == 0 || r.body.index > body_slots.size()) return bad("shape.row", i, "its body does not exist");
+        if (r.body.index == 0 || r.body.index > body_slots.size())
+            return bad("shape.row", i, "its body does not exist");
         const Slot& owner = body_slots[r.body.index - 1];
-        if (owner.alive == 0 || owner.generation != r.body.generation) return bad("shape.row", i, "its body does not exist");
+        if (owner.alive == 0 || owner.generation != r.body.generation)
+            return bad("shape.row", i, "its body does not exist");
         if (std::string e = validate(r.geometry); !e.empty()) return bad("shape.row", i, e);
         if (r.geometry.kind == ShapeKind::plane && info[owner.row].kind != BodyKind::static_)
             return bad("shape.row", i, "a plane on a body that moves");
-        if (!unit_like(r.local.rotation)) return bad("shape.row", i, "local.rotation is not a unit quaternion");
+        if (!unit_like(r.local.rotation))
+            return bad("shape.row", i, "local.rotation is not a unit quaternion");
         if (r.sensor > 1) return bad("shape.row", i, "sensor is neither 0 nor 1");
         if (r.friction < Real{} || r.friction > Real(4) || r.restitution < Real{} || r.restitution > Real(1))
             return bad("shape.row", i, "friction or restitution is out of range");
@@ -102,7 +110,8 @@ Status check_contacts(const Manifest& m, const State& s) {
     const std::span<const ContactMemory> memories = s.rows(m.contact_memory);
     for (std::size_t i = 0; i < keys.size(); ++i) {
         if (keys[i].a.index >= keys[i].b.index) return bad("contact.key", i, "its shapes are out of order");
-        if (i > 0 && std::pair(keys[i - 1].a.index, keys[i - 1].b.index) >= std::pair(keys[i].a.index, keys[i].b.index))
+        if (i > 0 && std::pair(keys[i - 1].a.index, keys[i - 1].b.index) >=
+                         std::pair(keys[i].a.index, keys[i].b.index))
             return bad("contact.key", i, "the table is out of order");
         if (memories[i].count > 4) return bad("contact.memory", i, "more than 4 points");
     }
@@ -116,14 +125,20 @@ Status check_state(const Data& w, const State& s) {
     if (s.count(m.world) != 1 || s.count(m.records) != 1) return Error{"portable image: it has no world row"};
     const Config &ours = w.state.rows(m.config)[0], &theirs = s.rows(m.config)[0];
     if (std::memcmp(&ours, &theirs, sizeof ours) != 0)
-        return Error{"portable image: world.config differs: the image was saved by a world with another definition"};
+        return Error{
+            "portable image: world.config differs: the image was saved by a world with another definition"};
     const Header& h = s.rows(m.header)[0];
     const auto body_id = [&](std::uint32_t row) { return s.rows(m.body_info)[row].id; };
     const auto shape_id = [&](std::uint32_t row) { return s.rows(m.shape)[row].id; };
     const auto field_id = [&](std::uint32_t row) { return s.rows(m.field)[row].id; };
-    if (Status e = check_slots("body.slot", s.rows(m.body_slot), s.count(m.bodies), h.body_free, body_id); !e) return e;
-    if (Status e = check_slots("shape.slot", s.rows(m.shape_slot), s.count(m.shapes), h.shape_free, shape_id); !e) return e;
-    if (Status e = check_slots("field.slot", s.rows(m.field_slot), s.count(m.fields), h.field_free, field_id); !e) return e;
+    if (Status e = check_slots("body.slot", s.rows(m.body_slot), s.count(m.bodies), h.body_free, body_id); !e)
+        return e;
+    if (Status e = check_slots("shape.slot", s.rows(m.shape_slot), s.count(m.shapes), h.shape_free, shape_id);
+        !e)
+        return e;
+    if (Status e = check_slots("field.slot", s.rows(m.field_slot), s.count(m.fields), h.field_free, field_id);
+        !e)
+        return e;
     if (Status e = check_bodies(m, s); !e) return e;
     if (Status e = check_shapes(m, s); !e) return e;
     return check_contacts(m, s);

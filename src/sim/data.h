@@ -14,33 +14,34 @@ struct Scratch {
     explicit Scratch(const WorldDef& def) : broad_phase(def.shapes_max) {}
 
     collide::BroadPhase broad_phase;
-    bool structure_stale = true;              ///< objects came, went or were restored since the last tick
-    std::vector<std::uint32_t> proxy_generation; ///< by shape slot: of the shape the broad phase holds, 0: none
-    std::vector<Transform> shape_pose;        ///< by shape slot, world
-    std::vector<Length> shape_margin;         ///< by shape slot: how far its contacts reach ahead
-    std::vector<std::uint32_t> planes;        ///< shape slots
+    bool structure_stale = true; ///< objects came, went or were restored since the last tick
+    std::vector<std::uint32_t>
+        proxy_generation;              ///< by shape slot: of the shape the broad phase holds, 0: none
+    std::vector<Transform> shape_pose; ///< by shape slot, world
+    std::vector<Length> shape_margin;  ///< by shape slot: how far its contacts reach ahead
+    std::vector<std::uint32_t> planes; ///< shape slots
 
     std::vector<collide::ProxyPair> pairs;
-    std::vector<ContactKey> keys;             ///< the next contact table, while it is merged
+    std::vector<ContactKey> keys; ///< the next contact table, while it is merged
     std::vector<ContactMemory> memories;
     struct Ended {
         ContactKey key;
         std::uint32_t flags; ///< dynamics::ContactFlags
     };
-    std::vector<Ended> ended;                 ///< touching contacts that are gone
+    std::vector<Ended> ended; ///< touching contacts that are gone
 
     /// What the narrow phase saw of each row of the contact table.
     struct Seen {
-        bool overlaps;   ///< near enough to count as touching, before the solve
-        bool flipped;    ///< the manifold's A is the key's b
-        UnitVec3 normal; ///< key a to key b
-        Vec3 point;      ///< deepest, world
-        Speed approach;  ///< [m/s], positive when closing
+        bool overlaps;         ///< near enough to count as touching, before the solve
+        bool flipped;          ///< the manifold's A is the key's b
+        UnitVec3 normal;       ///< key a to key b
+        Vec3 point;            ///< deepest, world
+        Speed approach;        ///< [m/s], positive when closing
         std::uint32_t contact; ///< index in `contacts`, no_contact: nothing to solve
     };
     std::vector<Seen> seen;
     std::vector<dynamics::Contact> contacts;
-    std::vector<Vec3> contact_origin;         ///< of body a, by contact: turns levers into world points
+    std::vector<Vec3> contact_origin; ///< of body a, by contact: turns levers into world points
 
     dynamics::StepConstants step{};
     dynamics::SolverBodies bodies;
@@ -66,13 +67,17 @@ struct Data {
     Header& header() { return state.rows(m.header)[0]; }
     const Header& header() const { return state.rows(m.header)[0]; }
     dynamics::BodyColumns body_columns() {
-        return {state.rows(m.body_info), state.rows(m.body_mass), state.rows(m.body_force), state.rows(m.body_pose),
-                state.rows(m.body_velocity)};
+        return {state.rows(m.body_info), state.rows(m.body_mass), state.rows(m.body_force),
+                state.rows(m.body_pose), state.rows(m.body_velocity)};
     }
     /// Row of a living body or shape; `count` of the table when the id is dead.
     std::uint32_t row_of(BodyId id) const { return row_of(state.rows(m.body_slot), id.index, id.generation); }
-    std::uint32_t row_of(ShapeId id) const { return row_of(state.rows(m.shape_slot), id.index, id.generation); }
-    std::uint32_t row_of(FieldId id) const { return row_of(state.rows(m.field_slot), id.index, id.generation); }
+    std::uint32_t row_of(ShapeId id) const {
+        return row_of(state.rows(m.shape_slot), id.index, id.generation);
+    }
+    std::uint32_t row_of(FieldId id) const {
+        return row_of(state.rows(m.field_slot), id.index, id.generation);
+    }
     static constexpr std::uint32_t dead = 0xffffffffu;
 
   private:

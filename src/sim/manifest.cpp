@@ -36,7 +36,8 @@ Manifest make_manifest(const WorldDef& def, const GameSchema& schema) {
 
     m.records = l.add_table("game_records", 1);
     for (const GameSchema::Entry& e : schema.entries())
-        m.game.push_back(l.add_column(e.per_body ? m.bodies : m.records, e.name, Group::game, e.row_size, e.leaves));
+        m.game.push_back(
+            l.add_column(e.per_body ? m.bodies : m.records, e.name, Group::game, e.row_size, e.leaves));
     m.layout = std::move(layout);
     return m;
 }

@@ -72,7 +72,8 @@ template <class V> constexpr void describe(Slot& s, V&& v) {
     v("row", s.row), v("generation", s.generation), v("next_free", s.next_free), v("alive", s.alive);
 }
 template <class V> constexpr void describe(ShapeRow& s, V&& v) {
-    v("id", s.id), v("body", s.body), v("geometry", s.geometry), v("next_shape", s.next_shape), v("local", s.local);
+    v("id", s.id), v("body", s.body), v("geometry", s.geometry), v("next_shape", s.next_shape),
+        v("local", s.local);
     v("density", s.density), v("friction", s.friction), v("restitution", s.restitution);
     v("category", s.category), v("mask", s.mask), v("group", s.group), v("sensor", s.sensor);
     v("user_key", s.user_key);

@@ -9,7 +9,7 @@ namespace lockstone::sim {
 
 namespace {
 
-constexpr Length margin_base = decimal<Length>("0.01");        ///< [m]: contacts are made this far ahead of touching
+constexpr Length margin_base = decimal<Length>("0.01"); ///< [m]: contacts are made this far ahead of touching
 constexpr Separation touching_gap = decimal<Separation>("0.005"); ///< [m]: nearer counts as touching
 
 Transform shape_pose(const ShapeRow& shape, const Transform& body, const BodyMass& mass) {
@@ -25,8 +25,8 @@ Length inner_radius(const Geometry& g) {
 /// Contacts of a fast body are found before it arrives, as far ahead as its own size, so it lands on surfaces.
 Length margin_of(const Geometry& g, const Velocity& velocity, std::uint32_t tick_rate) {
     const Speed speed = length(velocity.linear);
-    const Length ahead = to<Length>(Real::from_raw(
-        divide_shifted(speed.raw, tick_rate, Real::fraction_bits - Speed::fraction_bits)));
+    const Length ahead = to<Length>(
+        Real::from_raw(divide_shifted(speed.raw, tick_rate, Real::fraction_bits - Speed::fraction_bits)));
     return margin_base + min(ahead, inner_radius(g));
 }
 
@@ -35,10 +35,12 @@ void set_proxy(Data& w, const ShapeRow& shape, std::uint32_t body_row) {
     const std::uint32_t slot = shape.id.index - 1;
     const BodyKind kind = w.state.rows(w.m.body_info)[body_row].kind;
     const Config& config = w.state.rows(w.m.config)[0];
-    s.shape_pose[slot] = shape_pose(shape, w.state.rows(w.m.body_pose)[body_row], w.state.rows(w.m.body_mass)[body_row]);
-    s.shape_margin[slot] = kind == BodyKind::static_
-                               ? margin_base
-                               : margin_of(shape.geometry, w.state.rows(w.m.body_velocity)[body_row], config.tick_rate);
+    s.shape_pose[slot] =
+        shape_pose(shape, w.state.rows(w.m.body_pose)[body_row], w.state.rows(w.m.body_mass)[body_row]);
+    s.shape_margin[slot] =
+        kind == BodyKind::static_
+            ? margin_base
+            : margin_of(shape.geometry, w.state.rows(w.m.body_velocity)[body_row], config.tick_rate);
     if (shape.geometry.kind == ShapeKind::plane) return;
     s.broad_phase.set(slot,
                       collide::bounds_of(shape.geometry, s.shape_pose[slot], s.shape_margin[slot],
@@ -52,7 +54,9 @@ void drop_dead_proxies(Data& w) {
     const std::span<const Slot> slots = w.state.rows(w.m.shape_slot);
     for (std::uint32_t slot = 0; slot < s.proxy_generation.size(); ++slot) {
         if (s.proxy_generation[slot] == 0) continue;
-        if (slot < slots.size() && slots[slot].alive != 0 && slots[slot].generation == s.proxy_generation[slot]) continue;
+        if (slot < slots.size() && slots[slot].alive != 0 &&
+            slots[slot].generation == s.proxy_generation[slot])
+            continue;
         s.broad_phase.remove(slot);
         s.proxy_generation[slot] = 0;
     }
@@ -77,7 +81,8 @@ bool may_meet(const ShapeRow& a, const BodyInfo& body_a, const ShapeRow& b, cons
 bool reaches(const collide::Bounds& bounds, const Transform& plane, std::uint32_t shift) {
     const UnitVec3 n = to_rotation(plane.rotation).y;
     const auto lowest = [](Unit along, Bound lower, Bound upper) { return along.raw > 0 ? lower : upper; };
-    const Vector3<Bound> corner{lowest(n.x, bounds.lower.x, bounds.upper.x), lowest(n.y, bounds.lower.y, bounds.upper.y),
+    const Vector3<Bound> corner{lowest(n.x, bounds.lower.x, bounds.upper.x),
+                                lowest(n.y, bounds.lower.y, bounds.upper.y),
                                 lowest(n.z, bounds.lower.z, bounds.upper.z)};
     const auto metres = [shift](Bound b) { return Real::from_raw(std::int64_t{b.raw} << (16 + shift)); };
     const Vec3 p = Vec3{metres(corner.x), metres(corner.y), metres(corner.z)} - plane.position;
@@ -141,7 +146,8 @@ bool manifold_of(const Data& w, const Couple& c, WorldManifold& out) {
     } else {
         relative = collide::relative_pose(pose_a, pose_b);
     }
-    collide::collide(c.a->geometry, c.b->geometry, relative, s.shape_margin[slot_a] + s.shape_margin[slot_b], manifold);
+    collide::collide(c.a->geometry, c.b->geometry, relative, s.shape_margin[slot_a] + s.shape_margin[slot_b],
+                     manifold);
     if (manifold.count == 0) return false;
 
     const Rotation axes = to_rotation(pose_a.rotation);
@@ -153,7 +159,7 @@ bool manifold_of(const Data& w, const Couple& c, WorldManifold& out) {
     for (std::uint32_t k = 0; k < manifold.count; ++k) {
         const collide::ManifoldPoint& p = manifold.points[k];
         const LengthVec3 arm = lockstone::mul<Length>(axes, p.position);
-        out.contact.points[k] = {arm + from_a, arm + from_b, p.separation, p.feature};
+        out.contact.points[k] = {arm + from_a, arm + from_b, p.separation, p.feature, p.position};
         if (k == 0 || p.separation < out.separation) {
             out.separation = p.separation;
             out.deepest = origin + to<Real>(arm);
@@ -201,7 +207,8 @@ void find_pairs(Data& w) {
     s.keys.clear(), s.memories.clear(), s.ended.clear();
     std::size_t old = 0;
     const auto retire = [&](std::size_t i) {
-        if (old_memories[i].flags & dynamics::contact_touching) s.ended.push_back({old_keys[i], old_memories[i].flags});
+        if (old_memories[i].flags & dynamics::contact_touching)
+            s.ended.push_back({old_keys[i], old_memories[i].flags});
     };
     std::uint64_t dropped = 0;
     for (const collide::ProxyPair& pair : s.pairs) {
@@ -215,8 +222,10 @@ void find_pairs(Data& w) {
         while (old < old_keys.size() && order(old_keys[old]) < order(key)) retire(old++);
         ContactMemory memory{};
         if (old < old_keys.size() && order(old_keys[old]) == order(key)) {
-            if (old_keys[old] == key) memory = old_memories[old];
-            else retire(old);
+            if (old_keys[old] == key)
+                memory = old_memories[old];
+            else
+                retire(old);
             ++old;
         }
         s.keys.push_back(key);
@@ -241,7 +250,8 @@ void collide(Data& w) {
         const Couple c = couple_of(w, keys[i]);
         const bool sensor = (c.a->sensor | c.b->sensor) != 0;
         const bool sensor_is_b = (c.flipped ? c.a : c.b)->sensor != 0;
-        memories[i].flags = (memories[i].flags & dynamics::contact_touching) | (sensor ? dynamics::contact_sensor : 0u) |
+        memories[i].flags = (memories[i].flags & dynamics::contact_touching) |
+                            (sensor ? dynamics::contact_sensor : 0u) |
                             (sensor_is_b ? dynamics::contact_sensor_is_b : 0u);
         WorldManifold manifold{};
         if (!manifold_of(w, c, manifold)) {
@@ -301,9 +311,9 @@ void publish_contact_points(Data& w) {
     for (std::size_t i = 0; i < s.contacts.size(); ++i) {
         const dynamics::Contact& c = s.contacts[i];
         for (std::uint32_t k = 0; k < c.count; ++k)
-            w.contact_points.push_back({keys[c.memory].a, keys[c.memory].b,
-                                        s.contact_origin[i] + to<Real>(c.points[k].lever_a), s.seen[c.memory].normal,
-                                        c.points[k].separation, memories[c.memory].points[k].normal});
+            w.contact_points.push_back(
+                {keys[c.memory].a, keys[c.memory].b, s.contact_origin[i] + to<Real>(c.points[k].lever_a),
+                 s.seen[c.memory].normal, c.points[k].separation, memories[c.memory].points[k].normal});
     }
 }
 
@@ -314,14 +324,17 @@ void publish_events(Data& w) {
     const std::span<const ContactKey> keys = w.state.rows(w.m.contact_key);
     const std::span<ContactMemory> memories = w.state.rows(w.m.contact_memory);
     w.events.clear();
-    for (const Scratch::Ended& ended : s.ended) w.events.push_back(event_of(w, ended.key, ended.flags, false));
+    for (const Scratch::Ended& ended : s.ended)
+        w.events.push_back(event_of(w, ended.key, ended.flags, false));
     for (std::uint32_t i = 0; i < keys.size(); ++i) {
         const Scratch::Seen& seen = s.seen[i];
         const bool sensor = (memories[i].flags & dynamics::contact_sensor) != 0;
         const bool before = (memories[i].flags & dynamics::contact_touching) != 0;
         const bool now = seen.overlaps || (!sensor && was_hit(memories[i]));
-        if (now) memories[i].flags |= dynamics::contact_touching;
-        else memories[i].flags &= ~std::uint32_t{dynamics::contact_touching};
+        if (now)
+            memories[i].flags |= dynamics::contact_touching;
+        else
+            memories[i].flags &= ~std::uint32_t{dynamics::contact_touching};
         if (now == before) continue;
         Event e = event_of(w, keys[i], memories[i].flags, now);
         if (now) {

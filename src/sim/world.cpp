@@ -16,20 +16,23 @@ using base::join;
 
 const char* name_of(const Command& command) {
     static constexpr const char* names[] = {
-        "create_body", "destroy_body", "create_shape", "destroy_shape", "create_field",   "destroy_field",
-        "set_pose",    "set_velocity", "add_force",    "add_force_at",  "add_impulse",    "add_impulse_at",
-        "set_body_parameters", "set_material", "set_gravity", "write_game"};
+        "create_body",         "destroy_body",  "create_shape", "destroy_shape",
+        "create_field",        "destroy_field", "set_pose",     "set_velocity",
+        "add_force",           "add_force_at",  "add_impulse",  "add_impulse_at",
+        "set_body_parameters", "set_material",  "set_gravity",  "write_game"};
     static_assert(std::size(names) == std::variant_size_v<Command>);
     return names[command.index()];
 }
 
 const char* name_of(Integrator integrator) {
-    static constexpr const char* names[] = {"semi_implicit_euler", "verlet", "velocity_verlet", "runge_kutta_4"};
+    static constexpr const char* names[] = {"semi_implicit_euler", "verlet", "velocity_verlet",
+                                            "runge_kutta_4"};
     return names[static_cast<std::uint32_t>(integrator)];
 }
 
 std::uint32_t GameSchema::add(Entry entry) {
-    for (const Entry& e : list) LOCKSTONE_ASSERT(e.name != entry.name, "two game columns are named ", entry.name);
+    for (const Entry& e : list)
+        LOCKSTONE_ASSERT(e.name != entry.name, "two game columns are named ", entry.name);
     list.push_back(std::move(entry));
     return static_cast<std::uint32_t>(list.size() - 1);
 }
@@ -44,7 +47,8 @@ std::string check_integer(const char* what, std::uint64_t value, std::uint64_t l
 }
 std::string check_real(const char* what, Real value, Real low, Real high) {
     if (value >= low && value <= high) return {};
-    return join("world: ", what, " is ", to_string(value), ", must be ", to_string(low), " to ", to_string(high));
+    return join("world: ", what, " is ", to_string(value), ", must be ", to_string(low), " to ",
+                to_string(high));
 }
 
 /// Empty when good.
@@ -73,9 +77,9 @@ std::string check(const WorldDef& d) {
 }
 
 sim::Config config_of(const WorldDef& d) {
-    return {d.tick_rate,  d.substeps,     d.integrator,  d.bounds_shift,          d.bodies_max,    d.shapes_max,
-            d.contacts_max, d.fields_max, d.restitution_speed_min, d.contact_hertz, d.contact_damping, d.push_speed_max,
-            d.seed};
+    return {d.tick_rate,       d.substeps,       d.integrator, d.bounds_shift,          d.bodies_max,
+            d.shapes_max,      d.contacts_max,   d.fields_max, d.restitution_speed_min, d.contact_hertz,
+            d.contact_damping, d.push_speed_max, d.seed};
 }
 
 } // namespace
@@ -94,9 +98,7 @@ Data::Data(const WorldDef& d, const GameSchema& s)
     scratch.bodies.reserve(d.bodies_max);
 }
 
-Data::Data(const Data& other) : Data(other.def, other.schema) {
-    state = other.state;
-}
+Data::Data(const Data& other) : Data(other.def, other.schema) { state = other.state; }
 
 void forget_derived(Data& w) {
     w.scratch.structure_stale = true;
@@ -129,7 +131,9 @@ const WorldDef& World::def() const { return impl->def; }
 // ---- commands --------------------------------------------------------------------------------------------------
 
 namespace {
-Status status_of(const Result<World::Applied>& applied) { return applied ? Status{} : Status{applied.error()}; }
+Status status_of(const Result<World::Applied>& applied) {
+    return applied ? Status{} : Status{applied.error()};
+}
 } // namespace
 
 Result<World::Applied> World::apply(const Command& command) { return sim::apply(*impl, command); }
@@ -156,15 +160,21 @@ Status World::set_pose(BodyId body, const Transform& pose) { return status_of(ap
 Status World::set_velocity(BodyId body, Vec3 linear, Vec3 angular) {
     return status_of(apply(SetVelocity{body, linear, angular}));
 }
-Status World::add_force(BodyId body, Vec3 force, Vec3 torque) { return status_of(apply(AddForce{body, force, torque})); }
-Status World::add_force_at(BodyId body, Vec3 force, Vec3 point) { return status_of(apply(AddForceAt{body, force, point})); }
+Status World::add_force(BodyId body, Vec3 force, Vec3 torque) {
+    return status_of(apply(AddForce{body, force, torque}));
+}
+Status World::add_force_at(BodyId body, Vec3 force, Vec3 point) {
+    return status_of(apply(AddForceAt{body, force, point}));
+}
 Status World::add_impulse(BodyId body, Vec3 linear, Vec3 angular) {
     return status_of(apply(AddImpulse{body, linear, angular}));
 }
 Status World::add_impulse_at(BodyId body, Vec3 impulse, Vec3 point) {
     return status_of(apply(AddImpulseAt{body, impulse, point}));
 }
-Status World::set_body_parameters(const SetBodyParameters& parameters) { return status_of(apply(parameters)); }
+Status World::set_body_parameters(const SetBodyParameters& parameters) {
+    return status_of(apply(parameters));
+}
 Status World::set_material(ShapeId shape, Real friction, Real restitution) {
     return status_of(apply(SetMaterial{shape, friction, restitution}));
 }
@@ -204,11 +214,14 @@ std::uint32_t living(const sim::Data& w, ShapeId id) {
 bool World::is_alive(BodyId body) const { return impl->row_of(body) != sim::Data::dead; }
 bool World::is_alive(ShapeId shape) const { return impl->row_of(shape) != sim::Data::dead; }
 std::uint32_t World::body_count() const { return impl->state.count(impl->m.bodies); }
-BodyId World::body_at(std::uint32_t row) const { return std::as_const(impl->state).rows(impl->m.body_info)[row].id; }
+BodyId World::body_at(std::uint32_t row) const {
+    return std::as_const(impl->state).rows(impl->m.body_info)[row].id;
+}
 
 std::vector<BodyId> World::bodies() const {
     std::vector<BodyId> out;
-    for (const sim::BodyInfo& info : std::as_const(impl->state).rows(impl->m.body_info)) out.push_back(info.id);
+    for (const sim::BodyInfo& info : std::as_const(impl->state).rows(impl->m.body_info))
+        out.push_back(info.id);
     return out;
 }
 
@@ -218,15 +231,21 @@ Transform World::pose(BodyId body) const {
     const Vec3 center = std::as_const(impl->state).rows(impl->m.body_mass)[row].center;
     return {pose.position - rotate(pose.rotation, center), pose.rotation};
 }
-Vec3 World::center_of_mass(BodyId body) const { return std::as_const(impl->state).rows(impl->m.body_pose)[living(*impl, body)].position; }
+Vec3 World::center_of_mass(BodyId body) const {
+    return std::as_const(impl->state).rows(impl->m.body_pose)[living(*impl, body)].position;
+}
 Vec3 World::linear_velocity(BodyId body) const {
     return to<Real>(std::as_const(impl->state).rows(impl->m.body_velocity)[living(*impl, body)].linear);
 }
 Vec3 World::angular_velocity(BodyId body) const {
     return to<Real>(std::as_const(impl->state).rows(impl->m.body_velocity)[living(*impl, body)].angular);
 }
-Real World::mass(BodyId body) const { return std::as_const(impl->state).rows(impl->m.body_mass)[living(*impl, body)].mass; }
-BodyKind World::kind(BodyId body) const { return std::as_const(impl->state).rows(impl->m.body_info)[living(*impl, body)].kind; }
+Real World::mass(BodyId body) const {
+    return std::as_const(impl->state).rows(impl->m.body_mass)[living(*impl, body)].mass;
+}
+BodyKind World::kind(BodyId body) const {
+    return std::as_const(impl->state).rows(impl->m.body_info)[living(*impl, body)].kind;
+}
 std::uint64_t World::user_key(BodyId body) const {
     return std::as_const(impl->state).rows(impl->m.body_info)[living(*impl, body)].user_key;
 }
@@ -237,15 +256,19 @@ std::vector<ShapeId> World::shapes(BodyId body) const {
     const std::span<const sim::ShapeRow> shapes = state.rows(impl->m.shape);
     std::vector<ShapeId> out;
     std::uint32_t slot = state.rows(impl->m.body_info)[living(*impl, body)].first_shape;
-    for (; slot != 0; slot = shapes[slots[slot - 1].row].next_shape) out.push_back(shapes[slots[slot - 1].row].id);
+    for (; slot != 0; slot = shapes[slots[slot - 1].row].next_shape)
+        out.push_back(shapes[slots[slot - 1].row].id);
     std::reverse(out.begin(), out.end());
     return out;
 }
 ShapeDef World::shape(ShapeId shape) const {
     const sim::ShapeRow& r = std::as_const(impl->state).rows(impl->m.shape)[living(*impl, shape)];
-    return {r.geometry, r.local, r.density, r.friction, r.restitution, r.category, r.mask, r.group, r.sensor, r.user_key};
+    return {r.geometry, r.local, r.density, r.friction, r.restitution,
+            r.category, r.mask,  r.group,   r.sensor,   r.user_key};
 }
-BodyId World::body_of(ShapeId shape) const { return std::as_const(impl->state).rows(impl->m.shape)[living(*impl, shape)].body; }
+BodyId World::body_of(ShapeId shape) const {
+    return std::as_const(impl->state).rows(impl->m.shape)[living(*impl, shape)].body;
+}
 
 Real World::kinetic_energy() const {
     const State& state = impl->state;
@@ -266,7 +289,9 @@ std::span<const std::byte> World::row_bytes(std::uint32_t column, BodyId body) c
     LOCKSTONE_ASSERT(column < impl->m.game.size(), "game column ", column, " of ", impl->m.game.size());
     const GameSchema::Entry& entry = impl->schema.entries()[column];
     const std::uint32_t row = entry.per_body ? living(*impl, body) : 0;
-    return std::as_const(impl->state).bytes(impl->m.game[column]).subspan(row * entry.row_size, entry.row_size);
+    return std::as_const(impl->state)
+        .bytes(impl->m.game[column])
+        .subspan(row * entry.row_size, entry.row_size);
 }
 
 Faults World::faults() const { return std::as_const(impl->state).rows(impl->m.faults)[0]; }

@@ -57,8 +57,10 @@ struct Exact {
     /// |raw - value * 2^fraction_bits| in steps, the value clamped to the range of 64 bits first. Spoils the value.
     double steps_off(std::int64_t raw, int fraction_bits) {
         mpfr_mul_2si(value, value, fraction_bits, MPFR_RNDN);
-        if (mpfr_cmp_d(value, 9223372036854775807.0) >= 0) mpfr_set_sj(value, std::numeric_limits<std::int64_t>::max(), MPFR_RNDN);
-        if (mpfr_cmp_d(value, -9223372036854775808.0) <= 0) mpfr_set_sj(value, std::numeric_limits<std::int64_t>::min(), MPFR_RNDN);
+        if (mpfr_cmp_d(value, 9223372036854775807.0) >= 0)
+            mpfr_set_sj(value, std::numeric_limits<std::int64_t>::max(), MPFR_RNDN);
+        if (mpfr_cmp_d(value, -9223372036854775808.0) <= 0)
+            mpfr_set_sj(value, std::numeric_limits<std::int64_t>::min(), MPFR_RNDN);
         mpfr_set_sj(other, raw, MPFR_RNDN);
         mpfr_sub(value, value, other, MPFR_RNDN);
         return std::fabs(mpfr_get_d(value, MPFR_RNDN));

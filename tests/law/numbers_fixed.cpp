@@ -33,8 +33,10 @@ namespace {
 template <FixedPoint T> int wrong_operators(T a, T b, T product) {
     constexpr int f = T::fraction_bits;
     const auto clamped = [](std::int64_t v) {
-        if constexpr (sizeof(typename T::rep) == 8) return T::from_raw(v);
-        else return T::from_raw(saturate_to_int32(v));
+        if constexpr (sizeof(typename T::rep) == 8)
+            return T::from_raw(v);
+        else
+            return T::from_raw(saturate_to_int32(v));
     };
     const Wide wa = Wide::from(a.raw), wb = Wide::from(b.raw), exact = Wide::product(a.raw, b.raw);
     int bad = 0;
@@ -67,7 +69,8 @@ template <FixedPoint T> long wrong_operators_everywhere(int count, std::int64_t 
     Random random = Random::seeded(4);
     constexpr int bits = std::numeric_limits<Rep>::digits;
     for (int i = 0; i < count; ++i) {
-        const std::int64_t a = any_magnitude(random, fault == 0 ? bits : bits / 2), b = any_magnitude(random, fault == 0 ? bits : bits / 2);
+        const std::int64_t a = any_magnitude(random, fault == 0 ? bits : bits / 2),
+                           b = any_magnitude(random, fault == 0 ? bits : bits / 2);
         check(T::from_raw(static_cast<Rep>(a)), T::from_raw(static_cast<Rep>(b)));
     }
     return bad;
@@ -75,8 +78,8 @@ template <FixedPoint T> long wrong_operators_everywhere(int count, std::int64_t 
 
 } // namespace
 
-TEST_CASE_TEMPLATE("operators round once and clamp, on all edge pairs and random operands", T, I32F32, I4F60, I2F62,
-                   I16F16, I13F19, I8F24, I5F27, I4F28, I2F30) {
+TEST_CASE_TEMPLATE("operators round once and clamp, on all edge pairs and random operands", T, I32F32, I4F60,
+                   I2F62, I16F16, I13F19, I8F24, I5F27, I4F28, I2F30) {
     CHECK(wrong_operators_everywhere<T>(points(300000), 0) == 0);
     CHECK(wrong_operators_everywhere<T>(1000, 1) >= 1000); // planted fault: a product one step too small
 }
@@ -143,19 +146,21 @@ TEST_CASE("decimals that are not one, too long or out of range are refused with 
     CHECK(parse_decimal<Real>("nan").error == DecimalError::bad_character);
     CHECK(parse_decimal<Real>("2147483648").error == DecimalError::out_of_range);
     CHECK(parse_decimal<Real>("-2147483648.0000000002").error == DecimalError::out_of_range);
-    CHECK(parse_decimal<Real>("2147483647.9999999999").error == DecimalError::out_of_range); // would round to 2^31
+    CHECK(parse_decimal<Real>("2147483647.9999999999").error ==
+          DecimalError::out_of_range); // would round to 2^31
     CHECK(parse_decimal<Real>("99999999999999999999999999").error == DecimalError::out_of_range);
     CHECK(parse_decimal<Unit>("2").error == DecimalError::out_of_range);
     CHECK(parse_decimal<Unit>("1.9999999996").error == DecimalError::out_of_range);
-    CHECK(parse_decimal<Fixed<std::int64_t, 63>>("0.99999999999999999999999").error == DecimalError::out_of_range);
-    CHECK(parse_decimal<Real>("0." + std::string(65, '0')).error == DecimalError::too_long);
-    CHECK(parse_decimal<Real>("0." + std::string(63, '0') + "1").error == DecimalError::none);
+    CHECK(parse_decimal<Fixed<std::int64_t, 63>>("0.99999999999999999999999").error ==
+          DecimalError::out_of_range);
+    CHECK(parse_decimal<Real>(std::string("0.").append(65, '0')).error == DecimalError::too_long);
+    CHECK(parse_decimal<Real>(std::string("0.").append(63, '0').append("1")).error == DecimalError::none);
     CHECK(parse_decimal<Real>("+1'000.5").value == 1000.5_r);
     CHECK(parse_decimal<Real>("-.5").value == -0.5_r);
 }
 
-TEST_CASE_TEMPLATE("the exact text has all digits, the shortest one reads back and cannot lose a digit", T, I32F32, I4F60,
-                   I2F62, I16F16, I13F19, I2F30) {
+TEST_CASE_TEMPLATE("the exact text has all digits, the shortest one reads back and cannot lose a digit", T,
+                   I32F32, I4F60, I2F62, I16F16, I13F19, I2F30) {
     using Rep = typename T::rep;
     std::vector<Rep> raws = edges<Rep>();
     Random random = Random::seeded(6);

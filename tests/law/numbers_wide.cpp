@@ -9,7 +9,9 @@ namespace {
 
 #if LOCKSTONE_HAS_INT128
 
-bool same(WidePortable p, WideNative n) { return p.low_bits() == n.low_bits() && p.high_bits() == n.high_bits(); }
+bool same(WidePortable p, WideNative n) {
+    return p.low_bits() == n.low_bits() && p.high_bits() == n.high_bits();
+}
 
 /// Disagreements of the two wide types over every operation on these operands.
 template <class Portable> int disagreements(std::int64_t a, std::int64_t b, std::int64_t c, int shift) {
@@ -29,7 +31,8 @@ template <class Portable> int disagreements(std::int64_t a, std::int64_t b, std:
     check(p2 >> shift, n2 >> shift);
     check(add_saturated(p2, p2), add_saturated(n2, n2));
     check(sub_saturated(p2, pd), sub_saturated(n2, nd));
-    count += (p2 < pd) != (n2 < nd) || (p2 == pd) != (n2 == nd) || p2.is_negative() != n2.is_negative() ? 1 : 0;
+    count +=
+        (p2 < pd) != (n2 < nd) || (p2 == pd) != (n2 == nd) || p2.is_negative() != n2.is_negative() ? 1 : 0;
     const int narrow_shift = shift > 126 ? 126 : shift;
     count += narrow_rounded(p2, narrow_shift) != narrow_rounded(n2, narrow_shift) ? 1 : 0;
     count += saturate_to_int64(p2) != saturate_to_int64(n2) ? 1 : 0;
@@ -40,8 +43,8 @@ template <class Portable> int disagreements(std::int64_t a, std::int64_t b, std:
 struct LostCarry : WidePortable {
     constexpr LostCarry(WidePortable w) : WidePortable(w) {}
     friend constexpr LostCarry operator+(LostCarry a, LostCarry b) {
-        return WidePortable{a.low + b.low,
-                            static_cast<std::int64_t>(static_cast<std::uint64_t>(a.high) + static_cast<std::uint64_t>(b.high))};
+        return WidePortable{a.low + b.low, static_cast<std::int64_t>(static_cast<std::uint64_t>(a.high) +
+                                                                     static_cast<std::uint64_t>(b.high))};
     }
     friend constexpr LostCarry operator-(LostCarry a, LostCarry b) {
         return static_cast<WidePortable>(a) - static_cast<WidePortable>(b);
@@ -70,7 +73,8 @@ template <class Portable> long disagreements_at_random(int count) {
 /// Whether q is floor(n 2^shift / d + 1/2), clamped, by the definition: 2 q d <= 2 n 2^shift + d < 2 (q + 1) d.
 bool is_rounded_quotient(std::int64_t n, std::int64_t d, int shift, std::int64_t q) {
     if (d < 0) {
-        if (n == std::numeric_limits<std::int64_t>::min() || d == std::numeric_limits<std::int64_t>::min()) return true;
+        if (n == std::numeric_limits<std::int64_t>::min() || d == std::numeric_limits<std::int64_t>::min())
+            return true;
         n = -n;
         d = -d;
     }
@@ -110,15 +114,19 @@ TEST_CASE("128 by 64 bit division returns the quotient and remainder that multip
     const auto check = [&](std::uint64_t high, std::uint64_t low, std::uint64_t divisor) {
         if (divisor == 0) return;
         high %= divisor;
-        const QuotientRemainder a = divide_128_by_64_portable(high, low, divisor), b = divide_128_by_64(high, low, divisor);
+        const QuotientRemainder a = divide_128_by_64_portable(high, low, divisor),
+                                b = divide_128_by_64(high, low, divisor);
         differing += a.quotient != b.quotient || a.remainder != b.remainder ? 1 : 0;
-        const WidePortable back = WidePortable::product_unsigned(a.quotient, divisor) + WidePortable{a.remainder, 0};
-        bad += back.low != low || static_cast<std::uint64_t>(back.high) != high || a.remainder >= divisor ? 1 : 0;
+        const WidePortable back =
+            WidePortable::product_unsigned(a.quotient, divisor) + WidePortable{a.remainder, 0};
+        bad += back.low != low || static_cast<std::uint64_t>(back.high) != high || a.remainder >= divisor ? 1
+                                                                                                          : 0;
     };
     for (std::int64_t a : special)
         for (std::int64_t b : special)
             for (std::int64_t c : {std::int64_t{0}, std::int64_t{-1}, a})
-                check(static_cast<std::uint64_t>(a), static_cast<std::uint64_t>(c), static_cast<std::uint64_t>(b));
+                check(static_cast<std::uint64_t>(a), static_cast<std::uint64_t>(c),
+                      static_cast<std::uint64_t>(b));
     for (int i = 0; i < points(2000000); ++i) {
         const std::uint64_t high = static_cast<std::uint64_t>(any_magnitude(random)), low = random.next_u64();
         check(high, low, static_cast<std::uint64_t>(any_magnitude(random)));
@@ -149,8 +157,9 @@ TEST_CASE("a shifted division is rounded by its definition and clamped") {
     CHECK(divide_shifted(5, 0, 32) == std::numeric_limits<std::int64_t>::max());
     CHECK(divide_shifted(-5, 0, 32) == std::numeric_limits<std::int64_t>::min());
     CHECK(divide_shifted(0, 0, 32) == 0);
-    CHECK(divide_shifted(std::numeric_limits<std::int64_t>::min(), -1, 0) == std::numeric_limits<std::int64_t>::max());
-    CHECK(divide_shifted(3, 2, 0) == 2);   // ties go up
+    CHECK(divide_shifted(std::numeric_limits<std::int64_t>::min(), -1, 0) ==
+          std::numeric_limits<std::int64_t>::max());
+    CHECK(divide_shifted(3, 2, 0) == 2); // ties go up
     CHECK(divide_shifted(-3, 2, 0) == -1);
 }
 
@@ -165,7 +174,8 @@ TEST_CASE("a right shift rounds to nearest, ties up, without overflow") {
     for (std::int64_t v : edges<std::int64_t>())
         for (int shift = 1; shift <= 62; ++shift) {
             const Wide sum = Wide::from(v) + Wide::from(std::int64_t{1} << (shift - 1));
-            bad += shift_right_rounded(v, shift) != static_cast<std::int64_t>((sum >> shift).low_bits()) ? 1 : 0;
+            bad +=
+                shift_right_rounded(v, shift) != static_cast<std::int64_t>((sum >> shift).low_bits()) ? 1 : 0;
         }
     CHECK(bad == 0);
 }

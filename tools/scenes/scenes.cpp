@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <initializer_list>
 #include <vector>
 
 namespace lockstone {
@@ -42,29 +43,34 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
     return row[b.size()];
 }
 
+/// Appends, since `"text" + std::string` trips a false alarm of g++ 12 (its bug 105329).
+std::string join(std::initializer_list<std::string_view> pieces) {
+    std::string out;
+    for (const std::string_view piece : pieces) out += piece;
+    return out;
+}
+
 Error unknown_scene(std::string_view name) {
     const auto nearest =
         std::min_element(infos.begin(), infos.end(), [&](const SceneInfo& a, const SceneInfo& b) {
             return edit_distance(name, a.name) < edit_distance(name, b.name);
         });
-    std::string sentence = "no scene is called '" + std::string(name) + "'";
+    std::string sentence = join({"no scene is called '", name, "'"});
     if (edit_distance(name, nearest->name) * 2 < nearest->name.size())
-        sentence += "; did you mean '" + std::string(nearest->name) + "'?";
+        sentence += join({"; did you mean '", nearest->name, "'?"});
     sentence += " The scenes are";
-    for (const SceneInfo& info : infos)
-        sentence += (&info == &infos.front() ? " " : ", ") + std::string(info.name);
+    for (const SceneInfo& info : infos) sentence += join({&info == &infos.front() ? " " : ", ", info.name});
     return {sentence};
 }
 
 Status check(std::string_view scene, std::string_view what, std::uint32_t value, std::uint32_t low,
              std::uint32_t high) {
     if (value >= low && value <= high) return {};
-    const std::string subject = std::string(scene) + ": " + std::string(what);
+    const std::string given = std::to_string(value);
     if (high == 0)
-        return Error{subject + " is not an option of this scene, but " + std::to_string(value) +
-                     " was given"};
-    return Error{subject + " is " + std::to_string(value) + ", it must be " + std::to_string(low) + " to " +
-                 std::to_string(high)};
+        return Error{join({scene, ": ", what, " is not an option of this scene, but ", given, " was given"})};
+    return Error{join({scene, ": ", what, " is ", given, ", it must be ", std::to_string(low), " to ",
+                       std::to_string(high)})};
 }
 
 /// Reads "key=number" from the front of `text`.
@@ -110,8 +116,8 @@ Result<std::unique_ptr<Game>> make_scene_named(std::string_view game_name) {
     const bool read = take_option(rest, "size", size) && take_option(rest, "seed", seed) &&
                       take_option(rest, "players", players) && rest.empty();
     if (!read || size > UINT32_MAX || players > UINT32_MAX)
-        return Error{"'" + std::string(game_name) +
-                     "' is not a scene with its options, like 'pile size=1000 seed=1 players=0'"};
+        return Error{join(
+            {"'", game_name, "' is not a scene with its options, like 'pile size=1000 seed=1 players=0'"})};
     return make_scene(name, {.size = static_cast<std::uint32_t>(size),
                              .seed = seed,
                              .players = static_cast<std::uint32_t>(players)});

@@ -1,0 +1,194 @@
+#include "app.h"
+
+#include "hud.h"
+#include "live_page.h"
+#include "netplay_page.h"
+#include "render/renderer.h"
+#include "replay_page.h"
+
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <stdexcept>
+
+namespace lockstone::demo {
+namespace {
+
+/// Everything that needs OpenGL, in the order in which it must be made.
+struct Screen {
+    explicit Screen(std::unique_ptr<Surface> made) : surface(std::move(made)), renderer(resources) {}
+    std::unique_ptr<Surface> surface;
+    ResourceManager resources;
+    Renderer renderer;
+};
+
+void complain(const std::string& sentence) { std::fprintf(stderr, "lockstone-demo: %s\n", sentence.c_str()); }
+
+Result<std::unique_ptr<Page>> open_page(const Options& options, Stage& stage) {
+    if (options.source_is_file()) return ReplayPage::open(options, stage);
+    return options.netplay ? NetplayPage::open(options, stage) : LivePage::open(options, stage);
+}
+
+class App {
+  public:
+    explicit App(const Options& options) : options_(options) {}
+    int run();
+
+  private:
+    void open_screen();
+    bool try_screen(bool window);
+    Status run_window();
+    Status run_offscreen();
+    Status run_page_offscreen();
+    Result<bool> follow_with_next(); ///< false: this was the last page
+    Moment moment(float seconds);
+    void take_picture();
+    void write_picture();
+
+    const Options& options_;
+    Stage stage_;
+    std::unique_ptr<Screen> screen_; ///< null: no pictures
+    bool window_ = false;
+    std::string frames_folder_;
+    std::unique_ptr<Page> page_;
+};
+
+// ---- the screen -------------------------------------------------------------------------------------------------
+
+bool App::try_screen(bool window) {
+    try {
+        const SurfaceOptions wanted{.size = {options_.width, options_.height}};
+        screen_ =
+            std::make_unique<Screen>(window ? Surface::open_window(wanted) : Surface::open_offscreen(wanted));
+        stage_.crate = screen_->resources.model("crate.obj");
+        return true;
+    } catch (const std::runtime_error& error) {
+        screen_.reset();
+        complain(std::string(window ? "no window: " : "no pictures: ") + error.what());
+        return false;
+    }
+}
+
+void App::open_screen() {
+    window_ = !options_.offscreen && Surface::display_available() && try_screen(true);
+    if (!window_) try_screen(false);
+    stage_.interactive = window_ && !options_.script;
+    frames_folder_ = options_.frames_folder;
+    if (frames_folder_.empty() && !window_) frames_folder_ = "lockstone-frames";
+    if (screen_ != nullptr && !frames_folder_.empty()) std::filesystem::create_directories(frames_folder_);
+}
+
+Moment App::moment(float seconds) {
+    const float scale = screen_->surface->pixel_scale();
+    const glm::vec2 size = glm::vec2(screen_->surface->size()) / scale;
+    return {.alpha = window_ ? stage_.clock.alpha() : 1.0f,
+            .seconds = seconds,
+            .size = size,
+            .pixel_scale = scale,
+            .cell = screen_->renderer.text_cell(*screen_->surface)};
+}
+
+void App::write_picture() {
+    char name[64];
+    std::snprintf(name, sizeof name, "%.20s-%06llu.png", std::string(page_->name()).c_str(),
+                  static_cast<unsigned long long>(page_->tick_count()));
+    screen_->surface->write_png(std::filesystem::path(frames_folder_) / name);
+}
+
+// ---- the loops --------------------------------------------------------------------------------------------------
+
+Result<bool> App::follow_with_next() {
+    Result<std::unique_ptr<Page>> next = page_->next();
+    if (!next) return next.error();
+    if (*next == nullptr) return false;
+    page_ = std::move(*next);
+    return true;
+}
+
+void App::take_picture() {
+    screen_->surface->poll();
+    const std::vector<Frame> frames = page_->draw(moment(static_cast<float>(options_.frame_every) / 60));
+    screen_->renderer.draw(*screen_->surface, frames);
+    screen_->surface->present();
+    write_picture();
+}
+
+Status App::run_page_offscreen() {
+    std::uint64_t next_picture = options_.frame_every;
+    while (!page_->finished()) {
+        if (const Status status = page_->tick(); !status) return status;
+        if (screen_ == nullptr || (page_->tick_count() < next_picture && !page_->finished())) continue;
+        take_picture();
+        next_picture = page_->tick_count() + options_.frame_every;
+    }
+    return {};
+}
+
+/// Page after page as fast as it goes, with a picture now and then if there is something to draw with.
+Status App::run_offscreen() {
+    for (;;) {
+        if (const Status status = run_page_offscreen(); !status) return status;
+        const Result<bool> more = follow_with_next();
+        if (!more) return more.error();
+        if (!*more) return {};
+    }
+}
+
+Status App::run_window() {
+    using Clock = std::chrono::steady_clock;
+    Clock::time_point before = Clock::now();
+    std::uint64_t next_picture = options_.frame_every;
+    while (!screen_->surface->close_requested()) {
+        const Input& input = screen_->surface->poll();
+        if (input.pressed(Key::escape)) break;
+        const Clock::time_point now = Clock::now();
+        const float seconds = std::min(std::chrono::duration<float>(now - before).count(), 0.25f);
+        before = now;
+        control_stage(stage_, input);
+        page_->control(input, moment(seconds));
+        for (int steps = stage_.clock.advance(seconds, page_->tick_rate()); steps > 0; --steps)
+            if (const Status status = page_->tick(); !status) return status;
+        screen_->renderer.draw(*screen_->surface, page_->draw(moment(seconds)));
+        screen_->surface->present();
+        if (!frames_folder_.empty() && page_->tick_count() >= next_picture) {
+            write_picture();
+            next_picture = page_->tick_count() + options_.frame_every;
+        }
+        if (!page_->finished()) continue;
+        const Result<bool> more = follow_with_next();
+        if (!more) return more.error();
+        if (*more)
+            next_picture = options_.frame_every;
+        else if (options_.script)
+            return {};
+    }
+    // What was played must still be proved: without pictures, if the window is gone.
+    const Result<bool> more = follow_with_next();
+    if (!more) return more.error();
+    while (*more && !page_->finished())
+        if (const Status status = page_->tick(); !status) return status;
+    return {};
+}
+
+int App::run() {
+    open_screen();
+    Result<std::unique_ptr<Page>> page = open_page(options_, stage_);
+    if (!page) {
+        complain(page.error().message);
+        return 2;
+    }
+    page_ = std::move(*page);
+    if (const Status status = window_ ? run_window() : run_offscreen(); !status) {
+        complain(status.error().message);
+        return 2;
+    }
+    const Verdict verdict = page_->verdict();
+    std::printf("%s\n", verdict.sentence.c_str());
+    return verdict.good ? 0 : 1;
+}
+
+} // namespace
+
+int run(const Options& options) { return App(options).run(); }
+
+} // namespace lockstone::demo

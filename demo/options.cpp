@@ -1,0 +1,85 @@
+#include "options.h"
+
+#include <CLI/CLI.hpp>
+
+#include <cstdio>
+#include <filesystem>
+
+namespace lockstone::demo {
+namespace {
+
+std::string scene_list() {
+    std::string list = "\nScenes:\n";
+    for (const SceneInfo& info : scenes()) {
+        std::string name(info.name);
+        name.resize(std::max<std::size_t>(name.size() + 2, 18), ' ');
+        list += "  " + name + std::string(info.sentence) + "\n";
+    }
+    return list + "\nKeys are listed in the window with F1. Without a display pictures go to a folder.\n"
+                  "Exit status: 0 all ticks bit-exact, 1 a tick differs, 2 bad usage or bad input.";
+}
+
+void add_options(CLI::App& app, Options& options) {
+    app.add_option("source", options.source, "a scene, or a replay file (.lsr); default rollback-arena");
+    app.add_option("--size", options.scene.size, "size of the scene, see `lockstone scenes`");
+    app.add_option("--seed", options.scene.seed, "seed of the scene and of scripted players");
+    app.add_option("--players", options.scene.players, "number of players");
+    app.add_option("--ticks", options.ticks, "how long to play [ticks]; of a replay: how far")
+        ->check(CLI::Range(1, 1'000'000));
+    app.add_option("--input", options.input_file, "play the inputs of this replay file");
+    app.add_option("--record", options.record_file, "write the replay to this file");
+    app.add_option("--frames", options.frames_folder, "write PNG pictures into this folder");
+    app.add_option("--frame-every", options.frame_every, "ticks per picture, default 60")
+        ->check(CLI::Range(1, 1'000'000));
+    app.add_option("--width", options.width, "of the picture [px]")->check(CLI::Range(64, 8192));
+    app.add_option("--height", options.height, "of the picture [px]")->check(CLI::Range(64, 8192));
+    app.add_flag("--offscreen", options.offscreen, "draw into memory even if there is a display");
+    app.add_flag("--netplay", options.netplay, "two rollback peers side by side over a simulated network");
+    app.add_option("--latency", options.latency_ms, "of netplay, one way [ms], default 80")
+        ->check(CLI::Range(0, 400));
+    app.add_option("--loss", options.loss_percent, "of netplay [% of packets], default 5")
+        ->check(CLI::Range(0, 60));
+    app.add_flag("--script", options.script, "nobody plays; ends by itself");
+}
+
+/// What CLI11 cannot know; empty when the options go together.
+std::string contradiction(const Options& options) {
+    if (!options.source_is_file()) return {};
+    if (options.netplay) return "--netplay needs a scene, not a replay file";
+    if (!options.record_file.empty()) return "--record needs a scene: " + options.source + " is a recording";
+    if (!options.input_file.empty())
+        return "--input needs a scene: " + options.source + " has its own inputs";
+    return {};
+}
+
+} // namespace
+
+bool Options::source_is_file() const {
+    if (find_scene(source) != nullptr) return false;
+    const std::filesystem::path path(source);
+    return path.extension() == ".lsr" || path.has_parent_path() || std::filesystem::exists(path);
+}
+
+std::variant<Options, int> parse_options(int argc, char** argv) {
+    Options options;
+    CLI::App app("Shows a scene or a replay of Lockstone, and proves that its replay is bit-exact.",
+                 "lockstone-demo");
+    app.footer(scene_list());
+    add_options(app, options);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::CallForHelp&) {
+        std::printf("%s", app.help().c_str());
+        return 0;
+    } catch (const CLI::ParseError& error) {
+        std::fprintf(stderr, "lockstone-demo: %s\n", error.what());
+        return 2;
+    }
+    if (const std::string why = contradiction(options); !why.empty()) {
+        std::fprintf(stderr, "lockstone-demo: %s\n", why.c_str());
+        return 2;
+    }
+    return options;
+}
+
+} // namespace lockstone::demo

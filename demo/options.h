@@ -1,0 +1,34 @@
+#pragma once
+/// The command line of the demo.
+
+#include "scenes/scenes.h"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+
+namespace lockstone::demo {
+
+struct Options {
+    std::string source = "rollback-arena"; ///< a scene's name, or a replay file
+    SceneOptions scene;
+    std::optional<std::uint64_t> ticks; ///< how long to play; of a replay: how far
+    std::string input_file;             ///< a replay whose inputs are played; empty: people or the script
+    std::string record_file;
+    std::string frames_folder;      ///< empty: lockstone-frames off-screen, none in a window
+    std::uint64_t frame_every = 60; ///< ticks per picture
+    int width = 1280, height = 720; ///< [px]
+    bool offscreen = false;
+    bool netplay = false;
+    std::uint32_t latency_ms = 80;  ///< one way
+    std::uint32_t loss_percent = 5; ///< of packets
+    bool script = false;            ///< nobody plays; the program ends by itself
+
+    bool source_is_file() const;
+};
+
+/// The options; or the exit status when there is nothing to do (help: 0, bad usage: 2, said on stderr).
+std::variant<Options, int> parse_options(int argc, char** argv);
+
+} // namespace lockstone::demo

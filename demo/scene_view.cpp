@@ -1,0 +1,210 @@
+#include "scene_view.h"
+
+#include "lockstone/convert.h"
+
+#include <glm/gtc/constants.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace lockstone::demo {
+namespace {
+
+constexpr float plane_half_side = 400; ///< a plane has no end; this far it is drawn [m]
+
+glm::vec3 to_glm(const std::array<float, 3>& v) { return {v[0], v[1], v[2]}; }
+
+glm::mat4 to_glm(const Transform& t) {
+    const std::array<float, 16> m = to_float_matrix(t);
+    glm::mat4 out;
+    for (int column = 0; column < 4; ++column)
+        for (int row = 0; row < 4; ++row) out[column][row] = m[static_cast<std::size_t>(4 * column + row)];
+    return out;
+}
+
+glm::vec3 to_colour(std::uint32_t rgb) {
+    return glm::vec3((rgb >> 16) & 0xffu, (rgb >> 8) & 0xffu, rgb & 0xffu) / 255.0f;
+}
+
+void add_box_lines(Frame& frame, const glm::vec3& low, const glm::vec3& high) {
+    const auto corner = [&](unsigned bits) {
+        return glm::vec3(bits & 1u ? high.x : low.x, bits & 2u ? high.y : low.y, bits & 4u ? high.z : low.z);
+    };
+    for (unsigned from = 0; from < 8; ++from)
+        for (const unsigned axis : {1u, 2u, 4u})
+            if ((from & axis) == 0)
+                frame.lines.push_back({.from = corner(from),
+                                       .to = corner(from | axis),
+                                       .colour = {0.35f, 0.75f, 1.0f},
+                                       .width = 1.2f});
+}
+
+/// Half the size of the axis-aligned box around a shape.
+glm::vec3 half_bounds(ShapeKind kind, const glm::vec3& size, const glm::mat4& pose) {
+    const glm::mat3 turn(pose);
+    if (kind == ShapeKind::sphere) return glm::vec3(size.x);
+    if (kind == ShapeKind::capsule) return glm::abs(turn[1]) * size.y + size.x;
+    return glm::abs(turn[0]) * size.x + glm::abs(turn[1]) * size.y + glm::abs(turn[2]) * size.z;
+}
+
+} // namespace
+
+// ---- reading ----------------------------------------------------------------------------------------------------
+
+SceneView::Part SceneView::read_part(const ShapeDef& def) {
+    const float radius = to_float(def.geometry.radius);
+    const glm::vec3 half = to_glm(to_float(def.geometry.half_extent));
+    const glm::mat4 local = to_glm(def.local);
+    switch (def.geometry.kind) {
+    case lockstone::ShapeKind::sphere:
+        return {ShapeKind::sphere, glm::vec3(radius), local, false};
+    case lockstone::ShapeKind::capsule:
+        return {ShapeKind::capsule, {radius, half.y, radius}, local, false};
+    case lockstone::ShapeKind::plane:
+        return {ShapeKind::plane, {plane_half_side, 0, plane_half_side}, local, false};
+    case lockstone::ShapeKind::box:
+        break;
+    }
+    const float smallest = std::min({half.x, half.y, half.z}), largest = std::max({half.x, half.y, half.z});
+    return {ShapeKind::box, half, local, largest < 1.3f * smallest};
+}
+
+SceneView::Body SceneView::read_body(const World& world, BodyId id, std::uint32_t row) {
+    const Look look = look_of(world.user_key(id));
+    const Transform pose = world.pose(id);
+    const std::array<float, 4> q = to_float(pose.rotation);
+    Body body{.id = id,
+              .role = look.role,
+              .number = look.number,
+              .dynamic = world.kind(id) == BodyKind::dynamic,
+              .colour = to_colour(look.colour),
+              .previous = {},
+              .current = {to_glm(to_float(pose.position)), glm::quat(q[3], q[0], q[1], q[2])},
+              .parts = {}};
+    if (const auto owner = prop_owner(world, row))
+        body.colour =
+            glm::mix(body.colour, to_colour(look_of(user_key_of(Role::player, *owner)).colour), 0.85f);
+    body.previous = body.current;
+    for (const ShapeId shape : world.shapes(id)) body.parts.push_back(read_part(world.shape(shape)));
+    return body;
+}
+
+const SceneView::Body* SceneView::find(BodyId id, std::size_t hint) const {
+    if (hint < bodies_.size() && bodies_[hint].id == id) return &bodies_[hint];
+    const auto found =
+        std::find_if(bodies_.begin(), bodies_.end(), [&](const Body& b) { return b.id == id; });
+    return found == bodies_.end() ? nullptr : &*found;
+}
+
+void SceneView::reset(const World& world) {
+    bodies_.clear();
+    capture(world);
+}
+
+void SceneView::capture(const World& world) {
+    std::vector<Body> now;
+    now.reserve(world.body_count());
+    for (std::uint32_t row = 0; row < world.body_count(); ++row) {
+        now.push_back(read_body(world, world.body_at(row), row));
+        if (const Body* before = find(now.back().id, row)) now.back().previous = before->current;
+    }
+    bodies_ = std::move(now);
+    contacts_.clear();
+    for (const World::ContactPoint& contact : world.contacts())
+        contacts_.push_back(
+            {to_glm(to_float(contact.point)), to_glm(to_float(contact.normal)), to_float(contact.impulse)});
+    match_ = match_values(world);
+    tick_ = world.tick_count();
+}
+
+// ---- drawing ----------------------------------------------------------------------------------------------------
+
+glm::mat4 SceneView::pose(const Body& body, float alpha) {
+    glm::mat4 out = glm::mat4_cast(glm::slerp(body.previous.rotation, body.current.rotation, alpha));
+    out[3] = glm::vec4(glm::mix(body.previous.position, body.current.position, alpha), 1);
+    return out;
+}
+
+void SceneView::draw(Frame& frame, float alpha, const Stage& stage) const {
+    for (const Body& body : bodies_) draw_body(frame, body, alpha, stage);
+    if (stage.view.contacts) draw_contacts(frame);
+    if (match_) draw_it(frame, alpha);
+}
+
+void SceneView::draw_body(Frame& frame, const Body& body, float alpha, const Stage& stage) const {
+    const glm::mat4 at = pose(body, alpha);
+    for (const Part& part : body.parts) {
+        const glm::mat4 place = at * part.local;
+        if (part.crate && stage.view.crates && stage.crate != nullptr && body.role == Role::prop) {
+            frame.objects.emplace_back(stage.crate,
+                                       glm::scale(place, 2.0f * part.size)); // the model is 1 m wide
+            frame.objects.back().set_tint(glm::mix(body.colour, glm::vec3(1), 0.25f));
+        } else {
+            frame.instances.push_back(
+                {.kind = part.kind, .size = part.size, .pose = place, .colour = body.colour});
+        }
+        if (!stage.view.bounds || part.kind == ShapeKind::plane) continue;
+        const glm::vec3 half = half_bounds(part.kind, part.size, place), centre(place[3]);
+        add_box_lines(frame, centre - half, centre + half);
+    }
+}
+
+void SceneView::draw_contacts(Frame& frame) const {
+    for (const Touch& touch : contacts_) {
+        // From yellow to red as the impulse grows; a touch without one is blue.
+        const float strength = 1 - std::exp(-2 * touch.impulse);
+        const glm::vec3 colour =
+            touch.impulse <= 0 ? glm::vec3(0.4f, 0.6f, 1.0f)
+                               : glm::mix(glm::vec3(1, 0.9f, 0.2f), glm::vec3(1, 0.15f, 0.1f), strength);
+        frame.points.push_back({.position = touch.point, .colour = colour, .diameter = 6});
+        frame.lines.push_back({.from = touch.point,
+                               .to = touch.point + 0.35f * touch.normal,
+                               .colour = {0.2f, 1.0f, 0.45f},
+                               .width = 1.6f});
+    }
+}
+
+/// A cone over the player who is "it".
+void SceneView::draw_it(Frame& frame, float alpha) const {
+    const auto position = player_position(static_cast<std::uint32_t>(match_->it), alpha);
+    if (!position) return;
+    const float bob = 0.08f * std::sin(0.12f * (static_cast<float>(tick_ % 100'000) + alpha));
+    const glm::mat4 place = glm::translate(glm::mat4(1), *position + glm::vec3(0, 1.25f + bob, 0));
+    frame.instances.push_back({.kind = ShapeKind::cone,
+                               .size = {0.22f, 0.28f, 0.22f},
+                               .pose = glm::rotate(place, glm::pi<float>(), {1, 0, 0}),
+                               .colour = {1.0f, 0.75f, 0.1f},
+                               .highlight = 0.5f});
+}
+
+std::optional<glm::vec3> SceneView::player_position(std::uint32_t player, float alpha) const {
+    for (const Body& body : bodies_)
+        if (body.role == Role::player && body.number == player) return glm::vec3(pose(body, alpha)[3]);
+    return std::nullopt;
+}
+
+std::uint32_t SceneView::player_count() const {
+    return static_cast<std::uint32_t>(
+        std::count_if(bodies_.begin(), bodies_.end(), [](const Body& b) { return b.role == Role::player; }));
+}
+
+Bounds SceneView::bounds() const {
+    const bool any_dynamic =
+        std::any_of(bodies_.begin(), bodies_.end(), [](const Body& b) { return b.dynamic; });
+    Bounds bounds;
+    for (const Body& body : bodies_) {
+        if (any_dynamic && !body.dynamic) continue;
+        for (const Part& part : body.parts) {
+            if (part.kind == ShapeKind::plane) continue;
+            const glm::mat4 place = pose(body, 1) * part.local;
+            const glm::vec3 half = half_bounds(part.kind, part.size, place), centre(place[3]);
+            bounds.add(centre - half);
+            bounds.add(centre + half);
+        }
+    }
+    if (bounds.empty()) bounds.add(glm::vec3(0));
+    return bounds;
+}
+
+} // namespace lockstone::demo

@@ -1,0 +1,76 @@
+#pragma once
+/// A world as a viewer sees it: read after every tick, drawn between two of them.
+
+#include "game_values.h"
+#include "page.h"
+#include "render/mesh.h"
+#include "scenes/scenes.h"
+
+#include <glm/gtc/quaternion.hpp>
+
+#include <optional>
+#include <vector>
+
+namespace lockstone::demo {
+
+class SceneView {
+  public:
+    /// Reads the world after a tick: what was the current state becomes the previous one.
+    void capture(const World& world);
+    /// Reads the world after a jump in time: nothing moves between the two states.
+    void reset(const World& world);
+
+    /// Adds the bodies and what `stage.view` asks for. `alpha`: 0 the previous state, 1 the current one.
+    void draw(Frame& frame, float alpha, const Stage& stage) const;
+
+    /// Of a player's body; nothing if there is none. [m]
+    std::optional<glm::vec3> player_position(std::uint32_t player, float alpha) const;
+    std::uint32_t player_count() const;
+
+    /// Around what moves, or around everything when nothing does. [m]
+    Bounds bounds() const;
+
+    std::size_t body_count() const { return bodies_.size(); }
+    std::size_t contact_count() const { return contacts_.size(); }
+    const std::optional<MatchValues>& match() const { return match_; }
+
+  private:
+    struct Pose {
+        glm::vec3 position{0};
+        glm::quat rotation{1, 0, 0, 0};
+    };
+    struct Part {
+        ShapeKind kind;
+        glm::vec3 size;
+        glm::mat4 local;
+        bool crate; ///< near enough to a cube for the model
+    };
+    struct Body {
+        BodyId id;
+        Role role;
+        std::uint32_t number;
+        bool dynamic;
+        glm::vec3 colour;
+        Pose previous, current;
+        std::vector<Part> parts;
+    };
+    struct Touch {
+        glm::vec3 point, normal;
+        float impulse;
+    };
+
+    static Body read_body(const World& world, BodyId id, std::uint32_t row);
+    static Part read_part(const ShapeDef& def);
+    const Body* find(BodyId id, std::size_t hint) const;
+    static glm::mat4 pose(const Body& body, float alpha);
+    void draw_body(Frame& frame, const Body& body, float alpha, const Stage& stage) const;
+    void draw_contacts(Frame& frame) const;
+    void draw_it(Frame& frame, float alpha) const;
+
+    std::vector<Body> bodies_; ///< by row
+    std::vector<Touch> contacts_;
+    std::optional<MatchValues> match_;
+    std::uint64_t tick_ = 0;
+};
+
+} // namespace lockstone::demo

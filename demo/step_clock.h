@@ -1,0 +1,50 @@
+#pragma once
+/// Turns the time of pictures into whole ticks.
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace lockstone::demo {
+
+/// A fixed-step accumulator: real time goes in, whole ticks come out, and the rest tells where between two
+/// ticks the picture is. Speed changes how much time goes in, never how long a tick is.
+class StepClock {
+  public:
+    static constexpr int steps_max =
+        8; ///< per picture: a slow machine shows slow motion, not a frozen window
+
+    /// The ticks to run now. `tick_rate` [1/s].
+    int advance(float seconds, std::uint32_t tick_rate) {
+        if (paused_) {
+            const int steps = single_steps_;
+            single_steps_ = 0;
+            if (steps != 0) rest_ = 1;
+            return steps;
+        }
+        rest_ += seconds * speed() * static_cast<float>(tick_rate);
+        const float whole = std::floor(rest_);
+        rest_ -= whole;
+        return static_cast<int>(std::min(whole, static_cast<float>(steps_max)));
+    }
+
+    /// 0 the state before the last tick, 1 the state after it.
+    float alpha() const { return rest_; }
+
+    bool paused() const { return paused_; }
+    void set_paused(bool paused) { paused_ = paused; }
+    /// Pauses, and runs one more tick.
+    void single_step() { paused_ = true, ++single_steps_; }
+
+    float speed() const { return std::ldexp(1.0f, speed_exponent_); }
+    void slower() { speed_exponent_ = std::max(speed_exponent_ - 1, -5); }
+    void faster() { speed_exponent_ = std::min(speed_exponent_ + 1, 3); }
+
+  private:
+    float rest_ = 0; ///< [ticks]
+    bool paused_ = false;
+    int single_steps_ = 0;
+    int speed_exponent_ = 0;
+};
+
+} // namespace lockstone::demo

@@ -1,0 +1,246 @@
+// Attacks with good checksums: whoever can change a file can make its checksums, so the checks behind them are on
+// their own. Every mutation ends in a sentence or a verdict, never in a crash, and never in `good` for other states.
+#include "support/small_recording.h"
+
+#include <doctest/doctest.h>
+
+#include <array>
+
+using namespace lockstone;
+using namespace lockstone::replay;
+using namespace lockstone::test;
+
+namespace {
+
+/// One small change somewhere in the bytes: a bit, a byte, an integer at the edge, a piece gone, doubled or new.
+void mutate(Bytes& bytes, Random& random) {
+    if (bytes.empty()) return;
+    const auto size = static_cast<std::uint32_t>(bytes.size());
+    const std::uint32_t at = random.below(size);
+    const auto place = bytes.begin() + at;
+    const std::uint32_t length = 1 + random.below(std::min<std::uint32_t>(size - at, 9));
+    static constexpr std::array<std::uint64_t, 8> edges = {
+        0, 1, 0x7f, 0xffff, 0x7fffffff, 0xffffffff, std::uint64_t{1} << 63, ~std::uint64_t{0}};
+    switch (random.below(6)) {
+    case 0: *place ^= static_cast<std::byte>(1u << random.below(8)); break;
+    case 1: *place = static_cast<std::byte>(random.below(256)); break;
+    case 2: {
+        std::array<std::byte, 8> integer{};
+        base::store_little_endian(edges[random.below(edges.size())], integer.data());
+        std::copy_n(integer.begin(), std::min<std::uint32_t>(size - at, random.below(2) == 0 ? 4 : 8), place);
+        break;
+    }
+    case 3: bytes.erase(place, place + length); break;
+    case 4: {
+        const Bytes piece(place, place + length);
+        bytes.insert(place, piece.begin(), piece.end());
+        break;
+    }
+    default: bytes.insert(place, length, static_cast<std::byte>(random.below(256)));
+    }
+}
+
+struct Tally {
+    int unread = 0, unplayable = 0, diverged = 0, good = 0;
+};
+
+/// Reads and verifies; a file found good must hold the states of the original, only its wrapping may be other (and
+/// its start, where that is forged: two states may have the same successor).
+void judge(Bytes file, const Recording& original, Tally& tally, bool forged_start = false) {
+    static const SmallGame game;
+    const auto result = read(std::move(file));
+    if (!result) {
+        ++tally.unread;
+        REQUIRE(result.error().message.size() > 30);
+        return;
+    }
+    const Game* rules = result->header().mode == Mode::inputs ? &game : nullptr;
+    const VerifyReport report = verify(*result, rules);
+    REQUIRE(report.sentence.size() > 30);
+    switch (report.verdict) {
+    case Verdict::good: ++tally.good; break;
+    case Verdict::diverged: ++tally.diverged; return;
+    default: ++tally.unplayable; return;
+    }
+    REQUIRE(result->tick_count() == original.tick_count());
+    for (std::uint64_t t = original.start_tick() + 1; t <= original.end_tick(); ++t)
+        REQUIRE(result->hash_at(t) == original.hash_at(t));
+    if (forged_start) return;
+    REQUIRE(result->hash_at(original.start_tick()) == original.hash_at(original.start_tick()));
+    for (std::size_t k = 0; k < result->keyframes().size(); ++k)
+        REQUIRE(result->keyframe_image(k) == original.keyframe_image(k));
+}
+
+/// `rounds` mutations of chunks of one type.
+Tally attack(const Bytes& good, std::uint32_t type, int rounds, std::uint64_t seed) {
+    const auto chunks = chunks_of(good);
+    const Recording original = must(read(good));
+    Random random(seed);
+    Tally tally;
+    for (int i = 0; i < rounds; ++i) {
+        auto bad = chunks;
+        std::size_t victim = random.below(static_cast<std::uint32_t>(chunks.size()));
+        while (bad[victim].type != type) victim = (victim + 1) % chunks.size();
+        for (std::uint32_t n = 1 + random.below(3); n > 0; --n) mutate(bad[victim].payload, random);
+        CAPTURE(i);
+        judge(file_of(std::move(bad), type != chunk_index && random.below(4) != 0), original, tally);
+    }
+    return tally;
+}
+
+const Bytes& inputs_file() {
+    static const Bytes file = record_inputs(24, {.keyframe_ticks = 10, .block_ticks = 6});
+    return file;
+}
+const Bytes& commands_file() {
+    static const Bytes file = record_commands(24, {.keyframe_ticks = 10, .block_ticks = 6});
+    return file;
+}
+
+} // namespace
+
+TEST_CASE("mutated headers, schemas and definitions under good checksums are refused, or change no state") {
+    for (const std::uint32_t type : {chunk_head, chunk_schema, chunk_world_def}) {
+        CAPTURE(chunk_name(type));
+        for (const Bytes* file : {&inputs_file(), &commands_file()}) {
+            const Tally tally = attack(*file, type, 1500, 11);
+            CHECK(tally.unread + tally.unplayable > 900); // texts and options may say anything
+        }
+    }
+}
+
+TEST_CASE("mutated ticks under good checksums are refused or diverge, and never crash") {
+    for (const Bytes* file : {&inputs_file(), &commands_file()}) {
+        const Tally tally = attack(*file, chunk_ticks, 8000, 12);
+        CHECK(tally.unread > 2000);
+        CHECK(tally.diverged > 500);
+    }
+}
+
+TEST_CASE("mutated keyframes, indexes and ends under good checksums are refused or diverge") {
+    for (const std::uint32_t type : {chunk_keyframe, chunk_index, chunk_end})
+        for (const Bytes* file : {&inputs_file(), &commands_file()}) {
+            CAPTURE(chunk_name(type));
+            const Tally tally = attack(*file, type, 1500, 13);
+            CHECK(tally.unread + tally.unplayable + tally.diverged > 900);
+        }
+}
+
+TEST_CASE("inputs that were changed and packed anew diverge at their tick, unless the game ignores them") {
+    const auto chunks = chunks_of(inputs_file());
+    const Recording original = must(read(inputs_file()));
+    Random random(14);
+    Tally tally;
+    for (int i = 0; i < 300; ++i) {
+        const std::uint64_t tick = random.below(24), player = random.below(2), byte = random.below(4);
+        const TickBlock block = original.block_with(tick);
+        BlockBuilder builder({Mode::inputs, 2, 4});
+        for (std::uint64_t t = block.first_tick(); t < block.end_tick(); ++t) {
+            std::vector<PlayerInput> inputs = block.inputs(t);
+            Bytes changed(inputs[player].bytes.begin(), inputs[player].bytes.end());
+            if (t == tick) changed[byte] ^= static_cast<std::byte>(1 + random.below(255));
+            inputs[player].bytes = changed;
+            must(builder.add_inputs(inputs, block.hash_after(t)));
+        }
+        auto bad = chunks;
+        Bytes payload;
+        builder.finish(block.first_tick(), payload);
+        for (Chunk& chunk : bad)
+            if (chunk.type == chunk_ticks && base::load_little_endian<std::uint64_t>(chunk.payload.data()) == block.first_tick())
+                chunk.payload = payload;
+        const Bytes file = file_of(bad, true);
+        const SmallGame game;
+        const VerifyReport report = verify(must(read(file)), &game);
+        if (report.verdict == Verdict::diverged) REQUIRE(report.first_bad_tick == tick);
+        judge(file, original, tally);
+    }
+    CHECK(tally.diverged > 100);
+    CHECK(tally.unread == 0);
+}
+
+TEST_CASE("a start whose image was forged with all its checksums and hashes is refused or does not match the ticks") {
+    // The deepest attack: the image's own checksum and the root hashes are right, so only the world's checks of its state
+    // and the re-simulation remain.
+    const Bytes& good = commands_file();
+    const auto chunks = chunks_of(good);
+    const Recording original = must(read(good));
+    const Bytes image = original.keyframe_image(0);
+    State state(must(World::create(original.world_def(), original.schema())).state().layout_shared());
+    Random random(15);
+    Tally tally;
+    int loaded = 0;
+    for (int i = 0; i < 4000; ++i) {
+        Bytes forged = image;
+        for (std::uint32_t n = 1 + random.below(2); n > 0; --n) {
+            const std::uint32_t at = random.below(static_cast<std::uint32_t>(image.size()) - 8);
+            forged[at] ^= static_cast<std::byte>(random.below(2) == 0 ? 1u << random.below(8) : 1 + random.below(255));
+        }
+        base::store_little_endian(hash_bytes(std::span(forged).first(forged.size() - 8)), forged.data() + forged.size() - 8);
+        if (!state.restore_portable(forged)) continue;
+        ++loaded;
+        auto bad = chunks;
+        Bytes& payload = bad[find_chunk(bad, chunk_keyframe)].payload;
+        payload.resize(8);
+        base::ByteWriter to(payload);
+        to.u64(state.hash());
+        to.u64(forged.size());
+        pack(forged, payload);
+        // Later keyframes are deltas to the first: drop them, so that only the ticks speak.
+        std::erase_if(bad, [&, n = 0](const Chunk& chunk) mutable { return chunk.type == chunk_keyframe && n++ > 0; });
+        judge(file_of(bad, true), original, tally, true);
+    }
+    CHECK(loaded > 1000);
+    CHECK(tally.unplayable > 100); // the world's own checks
+    CHECK(tally.diverged > 100);   // the hashes
+    CHECK(tally.good < loaded / 20); // a force too small to move anything, a game row that is written before it is read
+}
+
+TEST_CASE("a command of an unknown kind is refused by its number") {
+    auto chunks = chunks_of(commands_file());
+    BlockBuilder builder({Mode::commands, 0, 0});
+    const Command command = DestroyBody{{1, 1}};
+    must(builder.add_commands({&command, 1}, 0));
+    Bytes payload;
+    builder.finish(0, payload);
+    // unpacked: count u32, kind u8, fields; packed as a literal 01, a run of three zeros, literals.
+    const auto planes = must(unpack(std::span(payload).subspan(28), 13));
+    REQUIRE(planes[4] == std::byte{1});
+    for (const unsigned kind : {16u, 17u, 200u, 255u}) {
+        Bytes changed = planes;
+        changed[4] = static_cast<std::byte>(kind);
+        Bytes bad_payload(payload.begin(), payload.begin() + 28);
+        pack(changed, bad_payload);
+        chunks[find_chunk(chunks, chunk_ticks)].payload = bad_payload;
+        const auto result = read(file_of(chunks, true));
+        REQUIRE(!result);
+        CHECK(result.error().message.find("a command is of kind " + std::to_string(kind) + ", this engine knows 0..15") !=
+              std::string::npos);
+    }
+}
+
+TEST_CASE("a recording whose columns would assert or exhaust memory in World::create is refused") {
+    const auto chunks = chunks_of(commands_file());
+    const auto with_schema = [&](std::uint32_t row_size, bool per_body, const std::string& name) {
+        GameSchema schema;
+        GameSchema::Entry entry{name, per_body, row_size, {}};
+        for (std::uint32_t at = 0; at < row_size; at += 8)
+            entry.leaves.push_back({"f", at, 8, LeafKind::unsigned_integer, 0});
+        schema.add(std::move(entry));
+        WorldDef def;
+        def.bodies_max = 1u << 20;
+        auto bad = chunks;
+        Bytes& schema_payload = bad[find_chunk(bad, chunk_schema)].payload;
+        schema_payload.clear();
+        append_schema(schema, schema_payload);
+        Bytes& def_payload = bad[find_chunk(bad, chunk_world_def)].payload;
+        def_payload.clear();
+        append_world_def(def, def_payload);
+        return verify(must(read(file_of(bad, true))), nullptr);
+    };
+    const VerifyReport huge = with_schema(65536, true, "game.huge");
+    CHECK(huge.verdict == Verdict::unusable);
+    CHECK(huge.sentence.find("the game's columns would take 68719476736 bytes") != std::string::npos);
+    const VerifyReport taken = with_schema(8, false, "body.pose");
+    CHECK(taken.verdict == Verdict::unusable);
+    CHECK(taken.sentence.find("the game's column body.pose has the name of one of the engine's") != std::string::npos);
+}

@@ -1,0 +1,116 @@
+// The narrow phase against references in double precision written from the definitions, for all nine pairs.
+#include "oracle/double_shapes.h"
+
+#include <doctest/doctest.h>
+
+#include <cstdio>
+
+using namespace oracle;
+using namespace lockstone;
+
+namespace {
+
+const Length margin = quantize<Length>(0.02);
+
+/// What a comparison found, for the table.
+struct Comparison {
+    int poses = 0, hits = 0, wrong_hits = 0, wrong = 0;
+    double own_square = 0, own_max = 0; // the deepest point against the separation along the manifold's own normal
+    int own_count = 0;
+    double excess_max = 0;              // the depth above the least possible one: the preference for faces
+    std::string first;                  // what the checker said first
+};
+
+Comparison compare(ShapeKind kind_a, ShapeKind kind_b, double size_min, double size_max) {
+    Comparison c;
+    Random random(0x51ab1e + static_cast<std::uint64_t>(kind_a) * 16 + static_cast<std::uint64_t>(kind_b));
+    for (c.poses = 0; c.poses < pose_count(); ++c.poses) {
+        const Scene s = random_scene(random, kind_a, kind_b, size_min, size_max);
+        Manifold m;
+        collide::collide(s.a, s.b, s.pose, margin, m);
+        const std::string why = check_manifold(s.a, s.b, s.pose, to_double(margin), m);
+        if (!why.empty() && c.wrong++ == 0) c.first = "pose " + std::to_string(c.poses) + ": " + why;
+        const Placed a = place_a(s.a), b = place_b(s.b, s.pose);
+        const double truth = separation(a, b);
+        if (truth < -1e-6 && m.count == 0) ++c.wrong_hits;
+        if (m.count == 0) continue;
+        ++c.hits;
+        double deepest = 16;
+        for (std::uint32_t k = 0; k < m.count; ++k) deepest = std::min(deepest, to_double(m.points[k].separation));
+        if (deepest < -15.9) continue;
+        const double along = separation_along(a, b, to_double(m.normal));
+        const bool boxes = kind_a == ShapeKind::box && kind_b == ShapeKind::box;
+        c.excess_max = std::max(c.excess_max, truth - (boxes ? along : deepest));
+        // The deepest corner may lie beyond the face's side: then the point is another one.
+        if (const double error = std::abs(deepest - along); error < 1e-5) {
+            c.own_square += error * error;
+            c.own_max = std::max(c.own_max, error);
+            ++c.own_count;
+        }
+    }
+    std::printf("  %-7s %-7s %6d %6d %5d %5d   %8.1e %8.1e   %8.1e\n", name_of(kind_a), name_of(kind_b), c.poses, c.hits,
+                c.wrong_hits, c.wrong, std::sqrt(c.own_square / std::max(1, c.own_count)), c.own_max, c.excess_max);
+    return c;
+}
+
+void compare_all(double size_min, double size_max) {
+    std::printf("narrow phase against double, sizes %g .. %g m\n"
+                "  A       B        poses   hits  miss wrong   rms[m]   max[m]     face preference[m]\n",
+                size_min, size_max);
+    for (ShapeKind a : {ShapeKind::sphere, ShapeKind::capsule, ShapeKind::box, ShapeKind::plane})
+        for (ShapeKind b : {ShapeKind::sphere, ShapeKind::capsule, ShapeKind::box}) {
+            if (a < b) continue;
+            const Comparison c = compare(a, b, size_min, size_max);
+            INFO(std::string(name_of(a)), " and ", std::string(name_of(b)), ", ", c.first);
+            CHECK(c.wrong == 0);
+            CHECK(c.wrong_hits == 0);
+            CHECK(c.hits > c.poses / 3);
+        }
+}
+
+} // namespace
+
+TEST_CASE("manifolds of everyday sizes agree with double precision") { compare_all(0.05, 2); }
+
+TEST_CASE("manifolds from 5 mm to 100 m agree with double precision") { compare_all(0.0125, 50); }
+
+TEST_CASE("the manifold checker reports planted faults") {
+    struct Fault {
+        const char* what;
+        void (*plant)(Manifold&);
+        std::uint32_t points; // the manifold has at least so many
+        int planted = 0, reported = 0;
+    };
+    Fault faults[] = {
+        {"no points", [](Manifold& m) { m.count = 0; }, 1},
+        {"the normal from B to A", [](Manifold& m) { m.normal = -m.normal; }, 1},
+        {"a normal 0.1 % too long", [](Manifold& m) { m.normal = m.normal * decimal<Unit>("1.001"); }, 1},
+        {"20 mm too deep", [](Manifold& m) { m.points[0].separation -= decimal<Separation>("0.02"); }, 1},
+        {"beyond the margin", [](Manifold& m) { m.points[0].separation = decimal<Separation>("0.021"); }, 1},
+        {"two points with one feature", [](Manifold& m) { m.points[1].feature = m.points[0].feature; }, 2},
+        {"1 um off the surfaces",
+         [](Manifold& m) { m.points[1].position += scale<Length>(m.normal, decimal<Length>("0.000001")); }, 2},
+    };
+    Random random(99);
+    for (int i = 0; i < 3000; ++i) {
+        const Scene s = random_scene(random, ShapeKind::box, i % 2 == 0 ? ShapeKind::box : ShapeKind::sphere, 0.2, 1);
+        Manifold good;
+        collide::collide(s.a, s.b, s.pose, margin, good);
+        const auto verdict = [&](const Manifold& m) { return check_manifold(s.a, s.b, s.pose, to_double(margin), m); };
+        REQUIRE(verdict(good).empty());
+        const double truth = separation(place_a(s.a), place_b(s.b, s.pose));
+        if (truth > -0.005 || truth < -0.04) continue; // deeper, both directions out of a box can be as good
+        for (Fault& fault : faults) {
+            if (good.count < fault.points) continue;
+            Manifold bad = good;
+            fault.plant(bad);
+            ++fault.planted;
+            fault.reported += verdict(bad).empty() ? 0 : 1;
+        }
+    }
+    for (const Fault& fault : faults) {
+        INFO(std::string(fault.what));
+        CHECK(fault.planted > 50);
+        CHECK(fault.reported == fault.planted);
+    }
+}

@@ -1,0 +1,30 @@
+// In steady state a frame allocates nothing: not the session, not the runner, not the simulated network.
+#include "session/match.h"
+
+#include "support/allocation_counter.h"
+
+#include <doctest/doctest.h>
+
+using namespace lockstone;
+using namespace lockstone::test;
+
+namespace {
+
+std::uint64_t allocations_of_frames(bool lockstep) {
+    Match match({.lockstep = lockstep,
+                 .input_delay = 6,
+                 .link = {.latency_ms = 60, .jitter_ms = 20, .loss_permille = 50, .duplicate_permille = 20},
+                 .record = false});
+    match.run(2000);
+    const AllocationCounter counter;
+    match.run(1000);
+    CHECK(match.machine(0).session->current_tick() > 2500);
+    return counter.count();
+}
+
+} // namespace
+
+TEST_CASE("a thousand frames of a lossy match allocate nothing") {
+    CHECK(allocations_of_frames(/*lockstep=*/true) == 0);
+    CHECK(allocations_of_frames(/*lockstep=*/false) == 0);
+}

@@ -1,0 +1,140 @@
+// Events told of, then confirmed or cancelled.
+#include "session/event_ledger.h"
+#include "session/match.h"
+
+#include <doctest/doctest.h>
+
+using namespace lockstone;
+using namespace lockstone::test;
+using session::EventLedger;
+
+namespace {
+
+Event event_of(std::uint32_t shape, std::uint64_t tick = 0, std::uint32_t body = 1) {
+    Event e{};
+    e.shape_a = {shape, 1};
+    e.shape_b = {shape + 1, 1};
+    e.body_a = {body, 1};
+    e.tick = tick;
+    return e;
+}
+
+std::string tell(EventLedger& ledger, std::uint64_t confirmed_end) {
+    std::vector<SessionEvent> told;
+    ledger.publish(confirmed_end, told);
+    std::string out;
+    for (const SessionEvent& e : told)
+        out += std::string(1, "PCX"[static_cast<std::size_t>(e.status)]) +
+               std::to_string(e.event.shape_a.index) + "#" + std::to_string(e.id) + " ";
+    return out;
+}
+
+/// Runs random timelines through a ledger and the law; `spoil` may drop what is told.
+template <class Spoil> bool law_holds(std::uint64_t seed, Spoil&& spoil) {
+    test::Random random(seed);
+    EventLedger ledger(16);
+    EventLaw law;
+    std::vector<SessionEvent> told;
+    std::uint64_t confirmed = 0, end = 0;
+    for (int step = 0; step < 2000; ++step) {
+        const std::uint64_t from = confirmed + random.below(static_cast<std::uint32_t>(end - confirmed) + 1);
+        end = std::min(end + random.below(3), confirmed + 16);
+        for (std::uint64_t tick = from; tick < end; ++tick) {
+            std::vector<Event> events;
+            for (std::uint32_t shape = 1; shape < 6; ++shape) {
+                if (random.below(3) == 0) events.push_back(event_of(shape, tick, 1 + random.below(2)));
+            }
+            ledger.record(tick, events);
+        }
+        confirmed += random.below(static_cast<std::uint32_t>(end - confirmed) + 1);
+        told.clear();
+        ledger.publish(confirmed, told);
+        for (const SessionEvent& e : told) {
+            if (!spoil(e)) law.see(e);
+        }
+        if (!law.holds(confirmed)) return false;
+    }
+    return law.count(EventStatus::predicted) > 100 && law.count(EventStatus::cancelled) > 100 &&
+           law.count(EventStatus::confirmed) > 100;
+}
+
+} // namespace
+
+TEST_CASE("an event first seen in a confirmed tick is confirmed at once") {
+    EventLedger ledger(8);
+    ledger.record(0, std::array{event_of(1)});
+    CHECK(tell(ledger, 1) == "C1#0 ");
+    CHECK(tell(ledger, 1) == "");
+}
+
+TEST_CASE("an event of a guessed tick is predicted once, then confirmed under the same id") {
+    EventLedger ledger(8);
+    ledger.record(0, std::array{event_of(1), event_of(4)});
+    CHECK(tell(ledger, 0) == "P1#0 P4#1 ");
+    ledger.record(0, std::array{event_of(1), event_of(4)});
+    CHECK(tell(ledger, 0) == "");
+    CHECK(tell(ledger, 1) == "C1#0 C4#1 ");
+}
+
+TEST_CASE("an event that a later run lacks is cancelled, at once, and a new one is told") {
+    EventLedger ledger(8);
+    ledger.record(0, std::array{event_of(1), event_of(4)});
+    tell(ledger, 0);
+    ledger.record(0, std::array{event_of(2), event_of(4)});
+    CHECK(tell(ledger, 0) == "X1#0 P2#2 ");
+    CHECK(tell(ledger, 1) == "C2#2 C4#1 ");
+}
+
+TEST_CASE("an event cancelled and seen again is a new one") {
+    EventLedger ledger(8);
+    ledger.record(0, std::array{event_of(1)});
+    CHECK(tell(ledger, 0) == "P1#0 ");
+    ledger.record(0, {});
+    CHECK(tell(ledger, 0) == "X1#0 ");
+    ledger.record(0, std::array{event_of(1)});
+    CHECK(tell(ledger, 1) == "C1#1 ");
+}
+
+TEST_CASE("the same shape ids on another body are another event") {
+    EventLedger ledger(8);
+    ledger.record(0, std::array{event_of(1, 0, 1)});
+    tell(ledger, 0);
+    ledger.record(0, std::array{event_of(1, 0, 2)});
+    CHECK(tell(ledger, 1) == "X1#0 C1#1 ");
+}
+
+TEST_CASE("the confirmed event carries the values of the last run") {
+    EventLedger ledger(8);
+    ledger.record(0, std::array{event_of(1)});
+    tell(ledger, 0);
+    Event moved = event_of(1);
+    moved.point.x = Real(3);
+    ledger.record(0, std::array{moved});
+    std::vector<SessionEvent> told;
+    ledger.publish(1, told);
+    REQUIRE(told.size() == 1);
+    CHECK(told[0].event.point.x == Real(3));
+}
+
+TEST_CASE("every predicted event ends exactly once, over random timelines") {
+    for (std::uint64_t seed = 1; seed <= 20; ++seed)
+        CHECK(law_holds(seed, [](const SessionEvent&) { return false; }));
+}
+
+TEST_CASE("the law catches one cancel that is not told") {
+    std::uint32_t cancels = 0;
+    CHECK_FALSE(law_holds(
+        1, [&](const SessionEvent& e) { return e.status == EventStatus::cancelled && ++cancels == 50; }));
+}
+
+TEST_CASE("both machines of a match confirm the same events, each predicted one ended once") {
+    Match match({.link = {.latency_ms = 80, .jitter_ms = 20, .loss_permille = 50}});
+    match.run(2000);
+    for (PeerId id = 0; id < 2; ++id) {
+        const EventLaw& events = match.machine(id).events;
+        CHECK(events.holds(match.machine(id).timeline.ticks.size()));
+        CHECK(events.count(EventStatus::predicted) > 50);
+        CHECK(events.count(EventStatus::confirmed) > 50);
+        CHECK(events.count(EventStatus::cancelled) > 5);
+    }
+}

@@ -1,0 +1,183 @@
+// Whole matches in one process: N machines on a simulated network, driven frame by frame at 60 frames a second.
+#pragma once
+
+#include "session/arena.h"
+
+#include <map>
+
+namespace lockstone::test {
+
+/// Keeps the confirmed timeline, and notices when it is not one.
+class Timeline final : public ConfirmedSink {
+  public:
+    struct Tick {
+        std::vector<std::byte> inputs;
+        std::vector<InputStatus> statuses;
+        std::uint64_t hash;
+        friend bool operator==(const Tick&, const Tick&) = default;
+    };
+    void on_confirmed(std::uint64_t tick, std::span<const PlayerInput> inputs, std::uint64_t hash) override {
+        in_order = in_order && tick == ticks.size();
+        Tick& kept = ticks.emplace_back();
+        kept.hash = hash;
+        for (const PlayerInput& input : inputs) {
+            kept.inputs.insert(kept.inputs.end(), input.bytes.begin(), input.bytes.end());
+            kept.statuses.push_back(input.status);
+        }
+    }
+    std::vector<Tick> ticks;
+    bool in_order = true;
+};
+
+/// The law of session events: per id at most one `predicted`, then exactly one end; ends only after that.
+class EventLaw {
+  public:
+    void see(const SessionEvent& e) {
+        Life& life = lives[e.id];
+        if (e.status == EventStatus::predicted)
+            broken = broken || life.predicted || life.ended;
+        else
+            broken = broken || life.ended || (e.status == EventStatus::cancelled && !life.predicted);
+        life.predicted = life.predicted || e.status == EventStatus::predicted;
+        life.ended = life.ended || e.status != EventStatus::predicted;
+        life.tick = e.event.tick;
+        ++counts[static_cast<std::size_t>(e.status)];
+    }
+    /// Every event of a tick below `confirmed_end` has had its end.
+    bool holds(std::uint64_t confirmed_end) const {
+        if (broken) return false;
+        for (const auto& [id, life] : lives) {
+            if (life.tick < confirmed_end && !life.ended) return false;
+        }
+        return true;
+    }
+    std::uint64_t count(EventStatus status) const { return counts[static_cast<std::size_t>(status)]; }
+
+  private:
+    struct Life {
+        bool predicted = false, ended = false;
+        std::uint64_t tick = 0;
+    };
+    std::map<std::uint64_t, Life> lives;
+    std::array<std::uint64_t, 3> counts{};
+    bool broken = false;
+};
+
+struct MatchDef {
+    std::vector<PeerId> players = {0, 1};
+    std::uint32_t machines = 2;
+    bool lockstep = false;
+    std::uint32_t input_delay = 2;
+    std::uint32_t prediction_max = 8;
+    std::uint64_t disconnect_ms = 5000;
+    LinkDef link{};
+    bool record = true; ///< keep timelines and check events: both allocate
+    std::uint64_t seed = 1;
+};
+
+class Match {
+  public:
+    struct Machine {
+        std::unique_ptr<Session> session;
+        std::unique_ptr<Simulation> simulation;
+        Timeline timeline;
+        EventLaw events;
+        std::vector<Notice> notices;
+        std::unique_ptr<SessionRunner> runner;
+        std::uint32_t frames_to_wait = 0;
+    };
+
+    /// `make_simulation(peer)` gives a machine its world.
+    template <class Make>
+    Match(const MatchDef& match_def, Make&& make_simulation)
+        : def(match_def), network(match_def.machines, match_def.link, match_def.seed) {
+        for (PeerId id = 0; id < def.machines; ++id) {
+            Machine& m = *machines.emplace_back(std::make_unique<Machine>());
+            SessionDef session_def;
+            session_def.content_id = 7;
+            session_def.input_size = input_size_of<Pad>;
+            session_def.self = id;
+            session_def.players = def.players;
+            session_def.input_delay = def.input_delay;
+            session_def.prediction_max = def.prediction_max;
+            session_def.disconnect_ms = def.disconnect_ms;
+            m.session = (def.lockstep ? make_lockstep_session(session_def, network.endpoint(id))
+                                      : make_rollback_session(session_def, network.endpoint(id)))
+                            .value();
+            m.simulation = make_simulation(id);
+            m.runner = std::make_unique<SessionRunner>(*m.session, *m.simulation,
+                                                       RunnerDef{def.record ? &m.timeline : nullptr, ""});
+        }
+    }
+    explicit Match(const MatchDef& match_def)
+        : Match(match_def, [&](PeerId) {
+              return std::make_unique<Arena>(static_cast<std::uint32_t>(match_def.players.size()));
+          }) {}
+
+    /// One frame of every machine; machines in `asleep` (bits) do nothing.
+    void frame(std::uint32_t asleep = 0) {
+        ++frames;
+        now_ms = frames * 1000 / 60;
+        network.advance_to(now_ms);
+        for (PeerId id = 0; id < def.machines; ++id) {
+            if ((asleep >> id & 1u) == 0) frame_of(id);
+        }
+    }
+    void frame_of(PeerId id) {
+        Machine& m = *machines[id];
+        if (m.frames_to_wait > 0) {
+            --m.frames_to_wait;
+            m.runner->wait(now_ms);
+            return;
+        }
+        for (std::uint32_t p = 0; p < def.players.size(); ++p) {
+            if (def.players[p] == id)
+                m.session->add_local_input(p, encode_input(scripted_pad(p, m.session->current_tick())));
+        }
+        m.frames_to_wait = m.runner->frame(now_ms).wait_ticks;
+        if (def.record) {
+            for (const SessionEvent& e : m.runner->events()) m.events.see(e);
+        }
+        while (const auto notice = m.session->next_notice()) m.notices.push_back(*notice);
+    }
+    void run(std::uint64_t count) {
+        for (std::uint64_t i = 0; i < count; ++i) frame();
+    }
+    Machine& machine(PeerId id) { return *machines[id]; }
+    template <class N> std::vector<N> notices(PeerId id) const {
+        std::vector<N> found;
+        for (const Notice& notice : machines[id]->notices) {
+            if (const N* n = std::get_if<N>(&notice)) found.push_back(*n);
+        }
+        return found;
+    }
+    /// Ticks that both have confirmed; equal in inputs, statuses and hashes?
+    bool agree(PeerId a, PeerId b) const {
+        const auto &left = machines[a]->timeline, &right = machines[b]->timeline;
+        const std::size_t both = std::min(left.ticks.size(), right.ticks.size());
+        return left.in_order && right.in_order &&
+               std::equal(left.ticks.begin(), left.ticks.begin() + static_cast<std::ptrdiff_t>(both),
+                          right.ticks.begin());
+    }
+
+    MatchDef def;
+    SimulatedNetwork network;
+    std::vector<std::unique_ptr<Machine>> machines;
+    std::uint64_t frames = 0;
+    std::uint64_t now_ms = 0;
+};
+
+/// The hash after the last tick of a timeline whose inputs are run once, without any session.
+inline std::uint64_t run_straight(const Timeline& timeline, std::uint32_t players, Simulation& simulation) {
+    for (const Timeline::Tick& tick : timeline.ticks) {
+        std::vector<PlayerInput> inputs;
+        for (std::uint32_t p = 0; p < players; ++p) {
+            const std::size_t size = tick.inputs.size() / players;
+            inputs.push_back({std::span(tick.inputs).subspan(p * size, size), tick.statuses[p]});
+        }
+        simulation.advance(inputs);
+    }
+    return simulation.hash();
+}
+
+} // namespace lockstone::test

@@ -1,0 +1,181 @@
+// Whole matches: whatever the network does, all machines confirm the same ticks with the same inputs and states.
+#include "session/match.h"
+
+#include <doctest/doctest.h>
+
+using namespace lockstone;
+using namespace lockstone::test;
+
+namespace {
+
+void check_agreement(Match& match, std::uint64_t ticks_least) {
+    for (PeerId id = 0; id < match.def.machines; ++id) {
+        CAPTURE(id);
+        Match::Machine& m = match.machine(id);
+        CHECK(m.timeline.ticks.size() >= ticks_least);
+        CHECK(match.agree(0, id));
+        CHECK(match.notices<Desync>(id).empty());
+        CHECK(m.session->stats().hashes_compared > 0);
+        CHECK(m.events.holds(m.timeline.ticks.size()));
+        CHECK(m.session->stats().depth_max <= match.def.prediction_max);
+        const std::uint32_t players = static_cast<std::uint32_t>(match.def.players.size());
+        Arena straight(players);
+        CHECK(run_straight(m.timeline, players, straight) == m.timeline.ticks.back().hash);
+    }
+}
+
+constexpr LinkDef lossy{.latency_ms = 60,
+                        .jitter_ms = 30,
+                        .loss_permille = 100,
+                        .duplicate_permille = 20,
+                        .reorder_permille = 20,
+                        .damage_permille = 10};
+
+} // namespace
+
+TEST_CASE("two machines on a lossy network confirm the same inputs and hashes for thousands of ticks") {
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+        CAPTURE(seed);
+        Match match({.link = lossy, .seed = seed});
+        match.run(4000);
+        check_agreement(match, 3000);
+        const SessionStats& stats = match.machine(0).session->stats();
+        CHECK(stats.rollbacks > 100);
+        CHECK(stats.dropped[static_cast<std::size_t>(PacketFault::damaged)] > 0);
+        MESSAGE("rollback, seed ", seed, ": ticks ", stats.ticks, ", rollbacks ", stats.rollbacks,
+                ", resimulated ", stats.resimulated, ", depth ", stats.depth_max, ", stalls ", stats.stalls,
+                ", bytes/player/s ", stats.bytes_per_player_second());
+    }
+}
+
+TEST_CASE("lockstep on a lossy network confirms the same inputs and hashes, without a rollback") {
+    Match match({.lockstep = true, .input_delay = 8, .prediction_max = 0, .link = lossy});
+    match.run(4000);
+    check_agreement(match, 2500);
+    CHECK(match.machine(0).session->stats().rollbacks == 0);
+    CHECK(match.machine(0).session->stats().resimulated == 0);
+    CHECK(match.machine(0).events.count(EventStatus::predicted) == 0);
+    CHECK(match.machine(0).events.count(EventStatus::confirmed) > 0);
+}
+
+TEST_CASE("four players on three machines agree, though their windows of knowledge differ") {
+    Match match({.players = {0, 1, 1, 2}, .machines = 3, .link = lossy});
+    match.run(3000);
+    check_agreement(match, 2000);
+}
+
+TEST_CASE(
+    "nine packets in ten lost and two seconds of round trip slow a match down and change nothing else") {
+    Match match(
+        {.disconnect_ms = 60'000, .link = {.latency_ms = 1000, .jitter_ms = 100, .loss_permille = 900}});
+    match.run(30'000);
+    check_agreement(match, 500);
+    CHECK(match.machine(0).session->stats().stalls > 0);
+}
+
+TEST_CASE("the same seed gives the same match, packet by packet") {
+    const auto play = [](std::uint64_t seed) {
+        Match match({.link = lossy, .seed = seed});
+        match.run(1000);
+        const SessionStats& s = match.machine(1).session->stats();
+        return std::array{s.rollbacks,      s.resimulated, s.packets_received,
+                          s.bytes_received, s.bytes_sent,  match.machine(1).timeline.ticks.back().hash};
+    };
+    CHECK(play(11) == play(11));
+    CHECK(play(11) != play(12));
+}
+
+TEST_CASE("a machine that is ahead is told to wait until both are level") {
+    Match match({.link = {.latency_ms = 50}});
+    match.run(60);
+    for (int i = 0; i < 6; ++i) match.frame(/*asleep: machine 1*/ 2);
+    const std::uint64_t ahead =
+        match.machine(0).session->current_tick() - match.machine(1).session->current_tick();
+    CHECK(ahead >= 5);
+    match.run(300);
+    const std::int64_t left = static_cast<std::int64_t>(match.machine(0).session->current_tick()) -
+                              static_cast<std::int64_t>(match.machine(1).session->current_tick());
+    CHECK(left >= -2);
+    CHECK(left <= 2);
+    CHECK(match.machine(0).session->quality(1).ping_ms >= 100);
+    CHECK(match.machine(0).session->quality(1).ping_ms <= 140);
+}
+
+TEST_CASE("the input delay may change at any tick, differently on each machine") {
+    Match match({.link = lossy});
+    for (std::uint32_t i = 0; i < 40; ++i) {
+        match.machine(i % 2).session->set_input_delay(i * 7 % 12);
+        match.run(50);
+    }
+    check_agreement(match, 1000);
+}
+
+TEST_CASE("players of a machine that falls silent are disconnected at the tick where their inputs end") {
+    Match match({.disconnect_ms = 1000, .link = {.latency_ms = 60, .jitter_ms = 30, .loss_permille = 100}});
+    match.run(300);
+    match.network.unplug(1);
+    match.run(400);
+    const auto left = match.notices<PlayerDisconnected>(0);
+    REQUIRE(left.size() == 1);
+    CHECK(left[0].player == 1);
+    CHECK(left[0].peer == 1);
+    const auto& ticks = match.machine(0).timeline.ticks;
+    REQUIRE(ticks.size() > left[0].tick + 100); // the match goes on
+    CHECK(ticks[left[0].tick - 1].statuses[1] == InputStatus::confirmed);
+    for (std::uint64_t t = left[0].tick; t < ticks.size(); ++t) {
+        REQUIRE(ticks[t].statuses[1] == InputStatus::disconnected);
+        REQUIRE(std::ranges::all_of(std::span(ticks[t].inputs).subspan(4),
+                                    [](std::byte b) { return b == std::byte{}; }));
+    }
+    Arena straight(2);
+    CHECK(run_straight(match.machine(0).timeline, 2, straight) == ticks.back().hash);
+}
+
+TEST_CASE("machines that remain agree on the tick where a player left, though they heard different numbers "
+          "of inputs") {
+    for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+        CAPTURE(seed);
+        Match match({.players = {0, 1, 2},
+                     .machines = 3,
+                     .disconnect_ms = 1000,
+                     .link = {.latency_ms = 60, .jitter_ms = 30, .loss_permille = 100},
+                     .seed = seed});
+        match.run(300);
+        match.network.set_link(2, 0, {.loss_permille = 1000}); // machine 1 hears machine 2 a little longer
+        match.run(6);
+        match.network.unplug(2);
+        match.run(400);
+        CHECK(match.agree(0, 1));
+        const auto told_0 = match.notices<PlayerDisconnected>(0);
+        const auto told_1 = match.notices<PlayerDisconnected>(1);
+        REQUIRE(told_0.size() == 1);
+        REQUIRE(told_1.size() == 1);
+        CHECK(told_0[0].player == 2);
+        CHECK(told_0[0].tick == told_1[0].tick);
+        CHECK(match.machine(0).timeline.ticks.size() > 500);
+        CHECK(match.notices<Desync>(0).empty());
+    }
+}
+
+TEST_CASE("machines of another match or line-up are told of, and never understood") {
+    SimulatedNetwork network(2, {}, 1);
+    SessionDef def;
+    def.input_size = 4;
+    def.players = {0, 1};
+    const auto first = make_rollback_session(def, network.endpoint(0)).value();
+    def.self = 1;
+    def.match_id = 1;
+    const auto second = make_rollback_session(def, network.endpoint(1)).value();
+    for (std::uint64_t now = 0; now < 100; ++now) {
+        network.advance_to(now);
+        first->poll(now);
+        second->poll(now);
+        CHECK(first->advance().stall == Stall::connecting);
+    }
+    const auto notice = first->next_notice();
+    REQUIRE(notice);
+    CHECK(std::get<PeerIncompatible>(*notice).peer == 1);
+    CHECK_FALSE(first->next_notice());
+    CHECK(first->stats().dropped[static_cast<std::size_t>(PacketFault::match)] ==
+          first->stats().packets_received);
+}

@@ -1,0 +1,125 @@
+// Worlds for tests of the simulation: short ways to say what is in them, and checks that name where two of them part.
+#pragma once
+
+#include "lockstone/convert.h"
+#include "lockstone/decimal.h"
+#include "lockstone/math.h"
+#include "lockstone/world.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace lockstone::test::scene {
+
+using D3 = std::array<double, 3>;
+
+inline Real real(double x) { return quantize<Real>(x); }
+inline Vec3 vec(double x, double y, double z) { return {real(x), real(y), real(z)}; }
+inline Transform at(double x, double y, double z, Quat rotation = Quat::identity()) {
+    return {vec(x, y, z), rotation};
+}
+/// Turned about one of the axes by degrees.
+inline Quat turned(UnitVec3 axis, double degrees) {
+    return from_axis_angle(axis, real(degrees * 3.14159265358979323846 / 180));
+}
+inline constexpr UnitVec3 axis_x{unit_one, Unit{}, Unit{}}, axis_y{Unit{}, unit_one, Unit{}},
+    axis_z{Unit{}, Unit{}, unit_one};
+
+inline double length(D3 v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
+inline D3 operator-(D3 a, D3 b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+inline D3 operator+(D3 a, D3 b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+inline D3 operator*(double s, D3 a) { return {s * a[0], s * a[1], s * a[2]}; }
+inline double dot(D3 a, D3 b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+inline D3 position(const World& w, BodyId b) { return to_double(w.center_of_mass(b)); }
+inline D3 velocity(const World& w, BodyId b) { return to_double(w.linear_velocity(b)); }
+inline D3 spin(const World& w, BodyId b) { return to_double(w.angular_velocity(b)); }
+
+template <class T> T made(Result<T> result) {
+    if (!result) throw std::runtime_error(result.error().message);
+    return std::move(*result);
+}
+inline void done(const Status& status) {
+    if (!status) throw std::runtime_error(status.error().message);
+}
+
+/// A definition with small tables, so that states are small too.
+inline WorldDef small_def() {
+    WorldDef def;
+    def.bodies_max = def.shapes_max = 64;
+    def.contacts_max = 512;
+    def.fields_max = 4;
+    return def;
+}
+inline WorldDef weightless(WorldDef def = small_def()) {
+    def.gravity = {};
+    return def;
+}
+
+inline BodyId add(World& w, const BodyDef& body, const ShapeDef& shape) {
+    const BodyId id = made(w.create_body(body));
+    made(w.create_shape(id, shape));
+    return id;
+}
+inline BodyId add_floor(World& w, const ShapeDef& surface = {}) {
+    ShapeDef floor = surface;
+    floor.geometry = plane();
+    return add(w, {.kind = BodyKind::static_}, floor);
+}
+inline BodyId add_wall(World& w, const Transform& pose, Vec3 half_extent) {
+    return add(w, {.kind = BodyKind::static_, .pose = pose}, {.geometry = box(half_extent)});
+}
+inline BodyId add_crate(World& w, const Transform& pose, double half = 0.5) {
+    return add(w, {.pose = pose}, {.geometry = box(real(half), real(half), real(half))});
+}
+inline BodyId add_ball(World& w, const Transform& pose, double radius = 0.5, double restitution = 0) {
+    return add(w, {.pose = pose}, {.geometry = sphere(real(radius)), .restitution = real(restitution)});
+}
+
+/// Boxes of 1 m, one on another.
+inline std::vector<BodyId> add_stack(World& w, int height) {
+    std::vector<BodyId> boxes;
+    for (int i = 0; i < height; ++i) boxes.push_back(add_crate(w, at(0, 0.5 + i, 0)));
+    return boxes;
+}
+/// A wall of `base` boxes of 1 m below, one fewer in each row above.
+inline std::vector<BodyId> add_pyramid(World& w, int base) {
+    std::vector<BodyId> boxes;
+    for (int row = 0; row < base; ++row)
+        for (int i = 0; i < base - row; ++i)
+            boxes.push_back(add_crate(w, at(1.05 * (i - (base - row - 1) / 2.0), 0.5 + row, 0)));
+    return boxes;
+}
+
+/// What a pile does over time.
+struct Rest {
+    double drift = 0;       ///< farthest horizontal way of a centre of mass from where it was [m]
+    double penetration = 0; ///< deepest contact of the last tick [m]
+    double kinetic = 0;     ///< [J]
+};
+inline Rest rest_after(World& w, const std::vector<BodyId>& bodies, int ticks) {
+    std::vector<D3> start;
+    for (BodyId b : bodies) start.push_back(position(w, b));
+    for (int t = 0; t < ticks; ++t) w.tick();
+    Rest rest;
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+        const D3 way = position(w, bodies[i]) - start[i];
+        rest.drift = std::max(rest.drift, std::hypot(way[0], way[2]));
+    }
+    for (const World::ContactPoint& p : w.contacts())
+        rest.penetration = std::max(rest.penetration, -to_double(p.separation));
+    rest.kinetic = to_double(w.kinetic_energy());
+    return rest;
+}
+
+/// "tick 118, column body.velocity, row 7, linear.x: 1 (raw 0x80000) against 2 (raw 0x100000)"; empty when equal.
+inline std::string difference(const World& left, const World& right) {
+    const std::vector<Difference> found = State::diff(left.state(), right.state(), 1);
+    if (found.empty() && left.hash() == right.hash()) return {};
+    return "tick " + std::to_string(left.tick_count()) + ", " +
+           (found.empty() ? std::string("hashes differ, but no row does") : to_string(found[0]));
+}
+
+} // namespace lockstone::test::scene

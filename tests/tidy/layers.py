@@ -1,0 +1,125 @@
+"""Who may include whom: the layer table against every include and against CMakeLists.txt."""
+import re
+
+from tree import numbered, without_comments
+
+# What each layer links, as in CMakeLists.txt; what those link is allowed too.
+LINKS = {
+    "base": [],
+    "math": ["base"],
+    "state": ["base", "math"],
+    "shapes": ["base", "math"],
+    "collide": ["shapes", "state"],
+    "dynamics": ["collide"],
+    "sim": ["dynamics"],
+    "session": ["sim"],
+    "net": ["session"],
+    "replay": ["sim"],
+}
+# The layer that implements each public header.
+PUBLIC = {
+    "result.h": "base",
+    "wide.h": "math", "fixed.h": "math", "formats.h": "math", "vec.h": "math", "math.h": "math", "random.h": "math",
+    "decimal.h": "math", "row.h": "state", "state.h": "state", "shape.h": "shapes",
+    "command.h": "collide", "event.h": "collide",  # definitions and ids, which rows of the layers below sim hold
+    "world.h": "sim", "game.h": "sim", "input.h": "sim",
+    "transport.h": "session", "session.h": "session",
+    "convert.h": "outside",
+}
+# Headers from elsewhere, and the only places that may include them.
+FOREIGN = [
+    (r"xxhash\.h", ["src/base/hash.cpp"]),
+    (r"hwy/", ["src/base/", "src/dynamics/"]),
+    (r"(fcl|ccd)/", ["tests/oracle/", "tools/cook/", "tools/reference/"]),
+    (r"(mpfr|gmp)\.h", ["tests/"]),
+    (r"(glm|GLFW|epoxy|assimp)/", ["demo/", "tools/"]),
+    (r"doctest/", ["tests/"]),
+    (r"(CLI|nlohmann)/", ["tools/", "demo/", "tests/"]),
+    (r"sodium\.h", ["src/net/", "tests/"]),
+    (r"(sys/socket|netinet/\w+|arpa/inet|netdb|poll)\.h", ["src/net/", "tests/"]),
+]
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
+
+
+def closure(layer):
+    allowed = {layer}
+    for below in LINKS.get(layer, []):
+        allowed |= closure(below)
+    return allowed
+
+
+def layer_of(name):
+    """The layer of a file, and None for the outside (tools, demo, tests)."""
+    parts = name.split("/")
+    if name.startswith("include/lockstone/"):
+        return PUBLIC.get(parts[-1])
+    if parts[0] == "src":
+        return parts[1]
+    return "replay" if parts[0] == "replay" else None
+
+
+def target_of(include):
+    """The layer of an include of ours, and None for all others."""
+    if include.startswith("lockstone/"):
+        return PUBLIC.get(include.split("/")[-1], "unlisted")
+    first = include.split("/")[0]
+    return first if "/" in include and first in LINKS else None
+
+
+def complaints_of_include(name, number, include):
+    for pattern, places in FOREIGN:
+        if re.match(pattern, include) and not name.startswith(tuple(places)):
+            yield f"{name}:{number}: only {', '.join(places)} may include {include}"
+    layer, target = layer_of(name), target_of(include)
+    if target is None:
+        return
+    if target == "unlisted":
+        yield f"{name}:{number}: {include} has no layer in tests/tidy/layers.py"
+    elif layer is None:  # the outside sees public headers and replay; tests see everything
+        if not include.startswith(("lockstone/", "replay/")) and not name.startswith("tests/"):
+            yield f"{name}:{number}: {include} is inside the engine; use what include/lockstone offers"
+    elif layer != "outside" and target not in closure(layer):
+        yield f"{name}:{number}: layer {layer} includes {include} of layer {target}, which it does not link"
+
+
+def complaints_of_cmake(tree):
+    path = tree.root / "CMakeLists.txt"
+    if not path.exists():
+        return
+    for number, line in numbered(path.read_text()):
+        found = re.match(r"lockstone_layer\((\w+)(?: DIRECTORY \w+)?(?: LINKS ([\w ]+))?\)", line)
+        if found and LINKS.get(found.group(1)) != (found.group(2) or "").split():
+            yield f"CMakeLists.txt:{number}: layer {found.group(1)} is not as in tests/tidy/layers.py"
+
+
+def check(tree):
+    complaints = list(complaints_of_cmake(tree))
+    for path in tree.files():
+        name = tree.name(path)
+        if name.startswith("include/lockstone/") and path.name not in PUBLIC:
+            complaints.append(f"{name}:1: has no layer in tests/tidy/layers.py")
+        if name.startswith("src/") and name.split("/")[1] not in LINKS:
+            complaints.append(f"{name}:1: src/{name.split('/')[1]} is not a layer")
+        for number, line in numbered(without_comments(path.read_text(), keep_strings=True)):
+            if found := INCLUDE.match(line):
+                complaints += complaints_of_include(name, number, found.group(2))
+    return complaints
+
+
+PLANTED = [
+    ("math includes state", {"src/math/x.cpp": '#include "state/x.h"\n'}),
+    ("collide sees the world", {"src/collide/x.cpp": '#include "lockstone/world.h"\n'}),
+    ("session knows replay", {"src/session/x.cpp": '#include "replay/format.h"\n'}),
+    ("replay knows session", {"replay/x.cpp": '#include "lockstone/session.h"\n'}),
+    ("the simulation converts to floats", {"src/sim/x.cpp": '#include "lockstone/convert.h"\n'}),
+    ("a tool reaches inside", {"tools/cli/x.cpp": '#include "state/x.h"\n'}),
+    ("a socket outside net", {"src/session/x.cpp": "#include <sys/socket.h>\n"}),
+    ("FCL in the engine", {"src/collide/x.cpp": "#include <fcl/fcl.h>\n"}),
+    ("a public header without a layer", {"include/lockstone/brand_new.h": "#pragma once\n"}),
+    ("a layer that links upwards", {"CMakeLists.txt": "lockstone_layer(math LINKS base sim)\n"}),
+]
+GOOD = [
+    ("includes downwards", {"src/sim/x.cpp": '#include "dynamics/x.h"\n#include "base/x.h"\n#include "lockstone/vec.h"\n'}),
+    ("an include in a comment", {"src/math/x.cpp": '// #include "sim/x.h"\n'}),
+    ("tests that look inside", {"tests/law/x.cpp": '#include "state/x.h"\n#include "lockstone/convert.h"\n'}),
+]

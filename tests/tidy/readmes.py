@@ -1,0 +1,65 @@
+"""Every README and specification names only files that exist."""
+import re
+
+from tree import numbered
+
+ENDINGS = (".h", ".cpp", ".md", ".py", ".sh", ".txt", ".cmake", ".vert", ".frag", ".glsl", ".tsv", ".ttf", ".json")
+# Where a name may be meant from, besides the folder of the text itself.
+BASES = ("", "include", "src", "tools", "tests", "demo", "replay")
+MADE_BY_RUNNING = ("build/",)
+PLACEHOLDER = re.compile(r"(^|/)(NAME|FILE|SCENE|MESH|ASSET)\b")
+FOREIGN = ("xxhash.h",)
+NAME = re.compile(r"[\w.\-/*]+")
+
+
+def is_name(word, root):
+    """Words like `src/math`, `tick.cpp` or `tests/run` are names; `n/a`, `world.save` and `0.5` are not."""
+    if not NAME.fullmatch(word) or word.startswith(MADE_BY_RUNNING + ("/", "-", "http")):
+        return False
+    if PLACEHOLDER.search(word) or word in FOREIGN:
+        return False
+    return word.endswith(ENDINGS) or re.match(r"[\w.]*\w/", word) is not None and (root / word.split("/")[0]).is_dir()
+
+
+def exists(word, folder, root):
+    top = folder.relative_to(root).parts[:1]  # a bare name may lie anywhere in the text's own part of the tree
+    if "/" not in word and top and any((root / top[0]).rglob(word)):
+        return True
+    places = [folder] + [root / base for base in BASES]
+    if "*" in word:
+        return any(any(place.glob(word)) for place in places)
+    return any((place / word).exists() for place in places)
+
+
+def check(tree):
+    complaints = []
+    for path in sorted(tree.root.rglob("*.md")):
+        if tree.name(path).startswith(("build", ".git")):
+            continue
+        fenced = False
+        for number, line in numbered(path.read_text()):
+            if line.lstrip().startswith("```"):
+                fenced = not fenced
+            words = re.findall(r"\]\(([^)#\s]+)", line)
+            # In a block of commands each word counts, elsewhere what is quoted as code.
+            for code in [line] if fenced else re.findall(r"`([^`]+)`", line):
+                words += [w.removeprefix("./").rstrip(",;:") for w in code.split()]
+            for word in dict.fromkeys(words):
+                if is_name(word, tree.root) and not exists(word, path.parent, tree.root):
+                    if not (fenced and not (tree.root / word.split("/")[0]).is_dir()):
+                        complaints.append(f"{tree.name(path)}:{number}: there is no {word}")
+    return complaints
+
+
+PLANTED = [
+    ("a file that is gone", {"README.md": "Start at `src/sim/tick.cpp`.\n", "src/sim/world.cpp": ""}),
+    ("a script that is gone", {"README.md": "```\ntests/run --long\n```\n", "tests/main.cpp": ""}),
+    ("a link to nowhere", {"docs/a.md": "See [the spec](FORMAT.md).\n"}),
+    ("a pattern without a match", {"tests/README.md": "`law/*.cpp` hold the algebra.\n"}),
+]
+GOOD = [
+    ("files that exist, and words that are not files", {
+        "README.md": "`src/sim/tick.cpp`, `lockstone/vec.h`, `world.save()`, `0.5`, `n/a`, `build/release/bin/lockstone`\n",
+        "src/sim/tick.cpp": "", "include/lockstone/vec.h": ""}),
+    ("code that names what the reader will write", {"README.md": '```\n#include "game.h"\ncc my_game.cpp\n```\n'}),
+]

@@ -1,0 +1,71 @@
+#!/usr/bin/env python3
+"""Checks of the sources themselves, each with planted faults that it has to find.
+
+    tests/tidy/tidy.py words                      prints what is wrong, exits 1; silent and 0 when all is well
+    tests/tidy/tidy.py --planted words            makes small trees with one fault each, exits 1 if one is missed
+    tests/tidy/tidy.py                            all checks that need no build
+
+A check is a module with `check(tree)`, which returns sentences that start with file:line, and `PLANTED`, a list of
+(what is wrong, {path: text}) that `check` must complain about, beside `GOOD`, trees that it must accept.
+"""
+import argparse
+import importlib
+import pathlib
+import sys
+import tempfile
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+from tree import Tree  # noqa: E402
+
+WITHOUT_BUILD = ["words", "layers", "headers", "sizes", "readmes", "dead_headers"]
+CHECKS = WITHOUT_BUILD + ["instructions"]
+
+
+def run(name, tree):
+    complaints = importlib.import_module(name).check(tree)
+    for complaint in complaints:
+        print(f"{name}: {complaint}")
+    return not complaints
+
+
+def verdict_on(module, files, arguments):
+    with tempfile.TemporaryDirectory(prefix="lockstone-tidy-") as folder:
+        tree = Tree(pathlib.Path(folder), pathlib.Path(folder) / "build", arguments.cxx)
+        for path, text in files.items():
+            target = tree.root / path
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_text(text)
+        return module.check(tree)
+
+
+def run_planted(name, arguments):
+    module = importlib.import_module(name)
+    good = True
+    for fault, files in module.PLANTED:
+        if not verdict_on(module, files, arguments):
+            print(f"{name}: missed a planted fault: {fault}")
+            good = False
+    for claim, files in module.GOOD:
+        for complaint in verdict_on(module, files, arguments):
+            print(f"{name}: complains about {claim}: {complaint}")
+            good = False
+    return good
+
+
+def main():
+    here = pathlib.Path(__file__).resolve()
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("check", nargs="*", choices=CHECKS, default=WITHOUT_BUILD)
+    parser.add_argument("--root", type=pathlib.Path, default=here.parents[2])
+    parser.add_argument("--build", type=pathlib.Path, help="of the checks that read objects")
+    parser.add_argument("--cxx", default="c++")
+    parser.add_argument("--planted", action="store_true", help="check the checks")
+    arguments = parser.parse_args()
+    tree = Tree(arguments.root, arguments.build or arguments.root / "build/release", arguments.cxx)
+    names = [arguments.check] if isinstance(arguments.check, str) else arguments.check
+    results = [run_planted(n, arguments) if arguments.planted else run(n, tree) for n in names]
+    sys.exit(0 if all(results) else 1)
+
+
+if __name__ == "__main__":
+    main()

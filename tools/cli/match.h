@@ -1,0 +1,53 @@
+// A whole match in one process: peers with a world, a session and a recorder each, over a simulated network.
+#pragma once
+
+#include "lockstone/session.h"
+#include "replay/recorder.h"
+
+#include <string>
+#include <vector>
+
+namespace lockstone::cli {
+
+enum class MatchMode { rollback, lockstep };
+
+struct MatchDef {
+    std::uint64_t seed = 1;
+    std::uint64_t ticks = 600; ///< that every peer has to confirm
+    MatchMode mode = MatchMode::rollback;
+    LinkDef link;
+};
+
+/// One peer's view of what was confirmed, and its recording.
+class ConfirmedLog final : public ConfirmedSink {
+  public:
+    ConfirmedLog(replay::InputRecorder to, std::uint64_t ticks) : recorder(std::move(to)), ticks_max(ticks) {}
+    void on_confirmed(std::uint64_t tick, std::span<const PlayerInput> inputs, std::uint64_t hash) override;
+    Status close();
+
+    std::vector<std::uint64_t> hashes;       ///< by tick
+    std::vector<std::byte> inputs_confirmed; ///< of all players, tick by tick: status, then bytes
+
+  private:
+    replay::InputRecorder recorder;
+    std::uint64_t ticks_max;
+    Status state;
+};
+
+struct PeerOutcome {
+    std::vector<std::byte> recording; ///< the file
+    std::vector<std::uint64_t> hashes;
+    std::vector<std::byte> inputs;
+    SessionStats stats;
+};
+
+struct MatchOutcome {
+    std::vector<PeerOutcome> peers;
+    std::vector<std::string> desyncs; ///< what sessions reported
+    std::uint64_t milliseconds = 0;   ///< of simulated time
+};
+
+/// One peer per player of the game. Errors: the match did not get through in a generous time.
+Result<MatchOutcome> play_match(const Game& game, const MatchDef& def);
+
+} // namespace lockstone::cli

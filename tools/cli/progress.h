@@ -1,0 +1,25 @@
+// A progress bar on a terminal, nothing in a pipe.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace lockstone::cli {
+
+class Progress {
+  public:
+    Progress(std::string what, std::uint64_t total);
+    Progress(const Progress&) = delete;
+    Progress& operator=(const Progress&) = delete;
+    ~Progress(); ///< wipes the line
+
+    void at(std::uint64_t done);
+
+  private:
+    std::string label;
+    std::uint64_t total;
+    std::uint64_t shown = ~std::uint64_t{0}; ///< hundredths
+    bool on;
+};
+
+} // namespace lockstone::cli

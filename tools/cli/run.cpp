@@ -1,0 +1,123 @@
+// lockstone run
+#include "cli/input_source.h"
+#include "cli/progress.h"
+#include "cli/scene_choice.h"
+#include "cli/text.h"
+#include "cli/world_report.h"
+#include "replay/recorder.h"
+
+#include <cstdio>
+#include <optional>
+
+namespace lockstone::cli {
+namespace {
+
+struct Args {
+    SceneChoice choice;
+    std::uint64_t ticks = 600;
+    std::uint32_t threads = 1;
+    std::string simd = "scalar";
+    std::string input, record, hashes, report;
+    std::uint64_t keyframe_ticks = replay::keyframe_ticks_default;
+};
+
+void describe(CLI::App& command, Args& args) {
+    describe_scene(command, args.choice);
+    command.add_option("--ticks", args.ticks, "how long")->capture_default_str();
+    command.add_option("--threads", args.threads, "1 is what there is")->capture_default_str();
+    command.add_option("--simd", args.simd, "scalar is what there is")->capture_default_str();
+    command.add_option("--input", args.input,
+                       "inputs: a text file (tools/README.md) or a recording; else scripted from the seed");
+    command.add_option("--record", args.record, "write a recording (.lsr)");
+    command
+        .add_option("--keyframes", args.keyframe_ticks,
+                    "ticks from keyframe to keyframe of the recording; 0: only the first")
+        ->capture_default_str();
+    command.add_option("--hashes", args.hashes, "write tick, tab, root hash after that tick");
+    command.add_option("--report", args.report, "write numbers about the run as JSON");
+}
+
+/// What a run leaves behind besides its last state.
+struct Outputs {
+    std::optional<replay::FileSink> sink;
+    std::optional<replay::InputRecorder> recorder;
+    std::optional<WorldReport> report;
+    std::string hashes;
+};
+
+Status open_outputs(const Args& args, const Started& started, Outputs& out) {
+    if (!args.report.empty()) out.report.emplace(started.world);
+    // Before the work, not after it: an output that cannot be written is told at once.
+    if (!args.hashes.empty())
+        if (Status s = write_file(args.hashes, ""); !s) return s;
+    if (!args.report.empty())
+        if (Status s = write_file(args.report, ""); !s) return s;
+    if (args.record.empty()) return {};
+    Result<replay::FileSink> sink = replay::FileSink::create(args.record);
+    if (!sink) return sink.error();
+    out.sink.emplace(std::move(*sink));
+    replay::RecorderOptions options;
+    options.options = {{"scene", args.choice.scene}, {"seed", std::to_string(args.choice.options.seed)}};
+    options.keyframe_ticks = args.keyframe_ticks;
+    Result<replay::InputRecorder> recorder =
+        replay::InputRecorder::begin(*out.sink, *started.game, started.world, options);
+    if (!recorder) return recorder.error();
+    out.recorder.emplace(std::move(*recorder));
+    return {};
+}
+
+Status run_tick(Started& started, InputSource& source, Outputs& out, bool want_hashes) {
+    World& world = started.world;
+    const std::uint64_t tick = world.tick_count();
+    const std::span<const PlayerInput> inputs = source.at(tick);
+    const auto before = Clock::now();
+    started.game->advance(world, inputs);
+    const double took = microseconds_since(before);
+    if (out.report) out.report->add_tick(took, world);
+    if (want_hashes) out.hashes += std::to_string(tick) + '\t' + hash_text(world.hash()) + '\n';
+    return out.recorder ? out.recorder->after_tick(world, inputs) : Status{};
+}
+
+Status close_outputs(const Args& args, Started& started, Outputs& out) {
+    if (out.recorder)
+        if (Status s = out.recorder->close(); !s) return s;
+    if (!args.hashes.empty())
+        if (Status s = write_file(args.hashes, out.hashes); !s) return s;
+    if (!out.report) return {};
+    nlohmann::ordered_json json = {{"scene", started.game->name()}, {"ticks", started.world.tick_count()}};
+    json.update(out.report->json(started.world));
+    return write_file(args.report, json.dump(2) + '\n');
+}
+
+Result<Exit> run(const Args& args) {
+    if (Status s = check_threads(args.threads); !s) return s.error();
+    if (Status s = check_simd(args.simd); !s) return s.error();
+    Result<Started> started = start(args.choice);
+    if (!started) return started.error();
+    Result<InputSource> source =
+        args.input.empty()
+            ? Result<InputSource>(InputSource::scripted(*started->game, args.choice.options.seed))
+            : InputSource::open(*started->game, args.input);
+    if (!source) return source.error();
+    Outputs out;
+    if (Status s = open_outputs(args, *started, out); !s) return s.error();
+    {
+        Progress progress(args.choice.scene, args.ticks);
+        for (std::uint64_t tick = 0; tick < args.ticks; ++tick) {
+            if (Status s = run_tick(*started, *source, out, !args.hashes.empty()); !s) return s.error();
+            progress.at(tick + 1);
+        }
+    }
+    if (Status s = close_outputs(args, *started, out); !s) return s.error();
+    std::printf("%s: %llu ticks, hash %s\n", started->game->name().c_str(),
+                static_cast<unsigned long long>(args.ticks), hash_text(started->world.hash()).c_str());
+    return Exit::good;
+}
+
+} // namespace
+
+void add_run(CLI::App& app, Work& work) {
+    add_command<Args>(app, work, "run", "Run a scene; record it, hash it, report on it.", describe, run);
+}
+
+} // namespace lockstone::cli

@@ -1,0 +1,32 @@
+#include "cli/scene_choice.h"
+
+namespace lockstone::cli {
+
+void describe_options(CLI::App& command, SceneOptions& options) {
+    command.add_option("--size", options.size,
+                       "how many of what `lockstone scenes` says; 0: the scene's own");
+    command.add_option("--seed", options.seed, "of placement and chance")->capture_default_str();
+    command.add_option("--players", options.players, "0: the scene's own");
+}
+
+void describe_scene(CLI::App& command, SceneChoice& choice) {
+    command.add_option("SCENE", choice.scene, "one of `lockstone scenes`")->required();
+    describe_options(command, choice.options);
+}
+
+Result<Started> start(const SceneChoice& choice) {
+    Result<std::unique_ptr<Game>> game = make_scene(choice.scene, choice.options);
+    if (!game) return game.error();
+    Result<World> world = (*game)->start();
+    if (!world) return Error{choice.scene + ": cannot start: " + world.error().message};
+    return Started{std::move(*game), std::move(*world)};
+}
+
+Result<std::unique_ptr<Game>> scene_of_recording(const std::string& file, const std::string& game_name) {
+    Result<std::unique_ptr<Game>> game = make_scene_named(game_name);
+    if (!game)
+        return Error{file + ": was recorded with a game that is not built in: " + game.error().message};
+    return game;
+}
+
+} // namespace lockstone::cli

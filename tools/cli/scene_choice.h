@@ -1,0 +1,26 @@
+// SCENE --size --seed --players: the same on every command that takes a scene.
+#pragma once
+
+#include "cli/commands.h"
+#include "scenes/scenes.h"
+
+namespace lockstone::cli {
+
+struct SceneChoice {
+    std::string scene;
+    SceneOptions options;
+};
+void describe_options(CLI::App& command, SceneOptions& options);
+void describe_scene(CLI::App& command, SceneChoice& choice);
+
+struct Started {
+    std::unique_ptr<Game> game;
+    World world;
+};
+/// The scene and its world before tick 0.
+Result<Started> start(const SceneChoice& choice);
+
+/// The scene that a recording was made with.
+Result<std::unique_ptr<Game>> scene_of_recording(const std::string& file, const std::string& game_name);
+
+} // namespace lockstone::cli

@@ -1,0 +1,92 @@
+// lockstone synctest
+#include "cli/progress.h"
+#include "cli/scene_choice.h"
+#include "cli/text.h"
+#include "lockstone/session.h"
+
+#include <cstdio>
+
+namespace lockstone::cli {
+namespace {
+
+struct Args {
+    SceneChoice choice;
+    std::uint64_t ticks = 600;
+    std::uint32_t depth = 7;
+    std::string plant;
+};
+
+void describe(CLI::App& command, Args& args) {
+    describe_scene(command, args.choice);
+    command.add_option("--ticks", args.ticks, "how long")->capture_default_str();
+    command.add_option("--depth", args.depth, "how many ticks every tick rolls back")
+        ->check(CLI::Range(1, 64))
+        ->capture_default_str();
+    command.add_option("--plant", args.plant, "plant a fault: leave this column out of the snapshots");
+}
+
+/// Sessions have at least one player: gives one to a scene that has none, who presses nothing.
+class WithPlayer final : public Game {
+  public:
+    explicit WithPlayer(const Game& rules) : game(rules) {}
+    std::string name() const override { return game.name(); }
+    std::uint64_t content_id() const override { return game.content_id(); }
+    std::uint32_t player_count() const override { return std::max(1u, game.player_count()); }
+    std::uint32_t input_size() const override { return game.input_size(); }
+    Result<World> start() const override { return game.start(); }
+    void advance(World& world, std::span<const PlayerInput> inputs) const override {
+        game.advance(world, inputs.first(game.player_count()));
+    }
+
+  private:
+    const Game& game;
+};
+
+Status check_column(const World& world, const std::string& column) {
+    if (column.empty() || world.state().layout().find_column(column) != nullptr) return {};
+    std::string names;
+    for (const ColumnInfo& info : world.state().layout().columns())
+        names += (names.empty() ? "" : ", ") + info.name;
+    return Error{"--plant " + column + ": there is no such column; there are " + names};
+}
+
+Result<Exit> synctest(const Args& args) {
+    Result<Started> started = start(args.choice);
+    if (!started) return started.error();
+    if (Status s = check_column(started->world, args.plant); !s) return s.error();
+    const WithPlayer game(*started->game);
+    const std::vector<PeerId> players(game.player_count(), 0);
+    const Result<std::unique_ptr<Session>> session =
+        make_sync_test_session(session_def(game, 0, players), args.depth);
+    if (!session) return session.error();
+    WorldSimulation simulation(started->world, game);
+    SessionRunner runner(**session, simulation, {.sink = nullptr, .column_left_out = args.plant});
+    std::vector<std::byte> input(game.input_size());
+    Progress progress(args.choice.scene, args.ticks);
+    while ((*session)->current_tick() < args.ticks) {
+        const std::uint64_t tick = (*session)->current_tick();
+        for (std::uint32_t p = 0; p < game.player_count(); ++p) {
+            scripted_input(*started->game, args.choice.options.seed, tick, p, input);
+            (*session)->add_local_input(p, input);
+        }
+        runner.frame(tick);
+        if (const SyncTestFailure* failure = runner.sync_failure()) {
+            std::printf("%s: %s\n", started->game->name().c_str(), to_string(*failure).c_str());
+            return Exit::check_failed;
+        }
+        progress.at(tick + 1);
+    }
+    std::printf("%s: %llu ticks, each rolled back %u ticks and run again, are bit-exact, hash %s\n",
+                started->game->name().c_str(), static_cast<unsigned long long>(args.ticks), args.depth,
+                hash_text(started->world.hash()).c_str());
+    return Exit::good;
+}
+
+} // namespace
+
+void add_synctest(CLI::App& app, Work& work) {
+    add_command<Args>(app, work, "synctest", "Roll back every tick, run it again, compare complete hashes.",
+                      describe, synctest);
+}
+
+} // namespace lockstone::cli

@@ -1,0 +1,96 @@
+#include "cli/world_report.h"
+
+#include "cli/text.h"
+#include "lockstone/convert.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace lockstone::cli {
+namespace {
+
+double penetration(const World& world) {
+    double deepest = 0;
+    for (const World::ContactPoint& c : world.contacts())
+        deepest = std::max(deepest, -to_double(c.separation));
+    return deepest;
+}
+
+} // namespace
+
+double percentile(std::vector<double> samples, double fraction) {
+    if (samples.empty()) return 0;
+    const auto rank = static_cast<std::ptrdiff_t>(fraction * static_cast<double>(samples.size() - 1));
+    std::nth_element(samples.begin(), samples.begin() + rank, samples.end());
+    return samples[static_cast<std::size_t>(rank)];
+}
+
+double median_us(int repeats, const std::function<void()>& run) {
+    std::vector<double> samples;
+    for (int i = 0; i < repeats; ++i) {
+        const auto start = Clock::now();
+        run();
+        samples.push_back(microseconds_since(start));
+    }
+    return median(std::move(samples));
+}
+
+SnapshotCost measure_snapshot(World& world) {
+    constexpr int repeats = 101;
+    Image image;
+    world.save(image); // allocates once
+    std::vector<std::byte> copy(image.bytes.size());
+    volatile std::uint64_t kept = 0; // so that no hash is left out
+    SnapshotCost cost{};
+    cost.bytes = image.size;
+    cost.save_us = median_us(repeats, [&] { world.save(image); });
+    cost.restore_us = median_us(repeats, [&] { world.restore(image); });
+    cost.memcpy_us = median_us(repeats, [&] {
+        std::memcpy(copy.data(), image.bytes.data(), image.size);
+        kept = kept + std::to_integer<std::uint64_t>(copy[image.size / 2]);
+    });
+    cost.hash_us = median_us(repeats, [&] { kept = world.hash(); });
+    return cost;
+}
+
+WorldReport::WorldReport(const World& start) {
+    for (const BodyId body : start.bodies())
+        if (start.kind(body) == BodyKind::dynamic) start_positions[body] = start.pose(body).position;
+}
+
+void WorldReport::add_tick(double microseconds, const World& world) {
+    tick_us.push_back(microseconds);
+    penetration_ever = std::max(penetration_ever, penetration(world));
+}
+
+nlohmann::ordered_json WorldReport::json(World& end) const {
+    double drift = 0, displacement = 0;
+    std::size_t awake = 0;
+    for (const auto& [body, from] : start_positions) {
+        if (!end.is_alive(body)) continue;
+        const auto [x, y, z] = to_double(end.pose(body).position - from);
+        drift = std::max(drift, std::hypot(x, z));
+        displacement = std::max(displacement, std::hypot(x, y, z));
+        ++awake; // bodies do not sleep yet: every dynamic one is simulated
+    }
+    const SnapshotCost cost = measure_snapshot(end);
+    return {{"bodies", end.body_count()},
+            {"awake", awake},
+            {"contacts", end.contacts().size()},
+            {"penetration_max_m", penetration(end)},
+            {"penetration_ever_m", penetration_ever},
+            {"drift_max_m", drift},
+            {"displacement_max_m", displacement},
+            {"kinetic_energy_j", to_double(end.kinetic_energy())},
+            {"tick_us_median", median(tick_us)},
+            {"tick_us_p99", percentile(tick_us, 0.99)},
+            {"snapshot_bytes", cost.bytes},
+            {"save_us", cost.save_us},
+            {"restore_us", cost.restore_us},
+            {"memcpy_us", cost.memcpy_us},
+            {"hash_us", cost.hash_us},
+            {"hash", hash_text(end.hash())}};
+}
+
+} // namespace lockstone::cli

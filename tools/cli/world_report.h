@@ -1,0 +1,29 @@
+// Numbers about a world at the end of a run, and what its snapshots cost.
+#pragma once
+
+#include "cli/timing.h"
+#include "lockstone/world.h"
+
+#include <nlohmann/json.hpp>
+
+#include <map>
+
+namespace lockstone::cli {
+
+SnapshotCost measure_snapshot(World& world);
+
+/// Remembers where bodies start, and tells at the end how far they came.
+class WorldReport {
+  public:
+    explicit WorldReport(const World& start);
+    void add_tick(double microseconds, const World& world);
+    /// The keys that the design lists; lengths in metres, energies in joules, times in microseconds.
+    nlohmann::ordered_json json(World& end) const;
+
+  private:
+    std::map<BodyId, Vec3> start_positions; ///< of dynamic bodies
+    std::vector<double> tick_us;
+    double penetration_ever = 0;
+};
+
+} // namespace lockstone::cli
