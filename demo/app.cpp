@@ -46,8 +46,8 @@ class App {
     void write_picture();
 
     const Options& options_;
+    std::unique_ptr<Screen> screen_; ///< null: no pictures; outlives whatever holds GL objects
     Stage stage_;
-    std::unique_ptr<Screen> screen_; ///< null: no pictures
     bool window_ = false;
     std::string frames_folder_;
     std::unique_ptr<Page> page_;

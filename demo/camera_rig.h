@@ -1,5 +1,5 @@
 #pragma once
-/// The camera of a view: free, or behind a player.
+/// The camera of a view: it sees everything, follows a player, or is flown by hand.
 
 #include "render/camera.h"
 #include "render/input.h"
@@ -11,24 +11,33 @@ namespace lockstone::demo {
 
 class CameraRig {
   public:
-    /// Looks at all that `bounds` holds.
+    /// Looks at all that moves, and goes on doing so as it spreads.
     void frame_scene(const Bounds& bounds);
-    /// Stays behind a player; nothing flies freely.
+    /// Stays behind a player; nothing: flown by hand.
     void follow(std::optional<std::uint32_t> player);
     const std::optional<std::uint32_t>& followed() const { return followed_; }
 
-    /// C follows or lets go, Tab takes the next player, Home looks at everything. `letters_taken`: the letters belong
-    /// to a player, so they must not fly the camera.
+    /// C follows or lets go, Tab takes the next player, shift Home sees everything. `letters_taken`: the letters
+    /// belong to a player, so they must not fly the camera.
     void control(const Input& input, const SceneView& view, float height, float seconds, bool letters_taken);
-    /// Moves with the followed player, smoothly.
+    /// Moves with what it looks at, smoothly.
     void update(const SceneView& view, float alpha, float seconds);
 
     const Camera& camera() const { return camera_; }
 
   private:
+    struct Sphere {
+        glm::vec3 centre{0};
+        float radius = 1; ///< [m]
+    };
+    static Sphere around(const Bounds& bounds);
+    void update_overview(const SceneView& view, float seconds);
+
     Camera camera_;
     std::optional<std::uint32_t> followed_;
     bool arrived_ = false; ///< at the player, since it was chosen
+    bool overview_ = true; ///< sees everything, until flown by hand
+    Sphere aim_, seen_;    ///< of the overview: where it is going, where it is
 };
 
 } // namespace lockstone::demo

@@ -120,13 +120,15 @@ void draw_help(Frame& frame, const Moment& moment, const ViewOptions& view, cons
     panel.draw(frame);
 }
 
-void draw_match(Frame& frame, const Moment& moment, const SceneView& view) {
+void draw_match(Frame& frame, const Moment& moment, const SceneView& view, std::uint32_t players) {
     const auto& match = view.match();
     if (!match) return;
+    const auto shown =
+        std::min<std::size_t>(players == 0 ? match->scores.size() : players, match->scores.size());
     const glm::vec2 size = viewport_size(frame, moment);
     TextPanel panel(moment, {size.x - 12, 12});
     panel.title("score");
-    for (std::uint32_t p = 0; p < match->scores.size(); ++p) {
+    for (std::uint32_t p = 0; p < shown; ++p) {
         std::string score = std::to_string(match->scores[p]);
         score.insert(0, score.size() < 4 ? 4 - score.size() : 0, ' ');
         panel.line("player " + std::to_string(p + 1) + score + (match->it == p ? "  it" : "    "),
@@ -134,10 +136,11 @@ void draw_match(Frame& frame, const Moment& moment, const SceneView& view) {
     }
     panel.align_right();
     panel.draw(frame);
-    for (std::uint32_t p = 0; p < match->scores.size(); ++p) {
+    for (std::uint32_t p = 0; p < shown; ++p) {
         const auto position = view.player_position(p, moment.alpha);
         if (!position) continue;
-        const auto pixel = frame.camera.project(*position + glm::vec3(0, 0.95f, 0), size);
+        const float above = match->it == p ? 1.75f : 0.95f; // "it" wears a cone
+        const auto pixel = frame.camera.project(*position + glm::vec3(0, above, 0), size);
         if (!pixel) continue;
         const std::string name = match->it == p ? "it" : "P" + std::to_string(p + 1);
         frame.text.push_back({.text = name,

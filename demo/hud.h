@@ -50,8 +50,8 @@ void control_stage(Stage& stage, const Input& input);
 /// The list of keys, if it is switched on. `page_keys`: those of the page, one per line.
 void draw_help(Frame& frame, const Moment& moment, const ViewOptions& view, const std::string& page_keys);
 
-/// The scores of a match at the upper right, and names over the players.
-void draw_match(Frame& frame, const Moment& moment, const SceneView& view);
+/// The scores of the first `players` of a match (0: of all) at the upper right, and names over them.
+void draw_match(Frame& frame, const Moment& moment, const SceneView& view, std::uint32_t players);
 
 /// The size of a frame's viewport [design px].
 glm::vec2 viewport_size(const Frame& frame, const Moment& moment);

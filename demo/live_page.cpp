@@ -101,7 +101,7 @@ std::vector<Frame> LivePage::draw(const Moment& moment) {
     Frame frame;
     frame.camera = rig_.camera();
     frame.wireframe = stage_.view.wireframe;
-    view_.draw(frame, moment.alpha, stage_);
+    view_.draw(frame, moment.alpha, stage_, rig_.followed());
     if (stage_.view.overlay) draw_overlay(frame, moment);
     draw_help(frame, moment, stage_.view, page_keys);
     return {std::move(frame)};
@@ -119,7 +119,7 @@ void LivePage::draw_overlay(Frame& frame, const Moment& moment) const {
     panel.line("tick time  " + format_number(tick_us_, 0) + " \u00b5s");
     panel.line("recording  " + format_bytes(recorder_->bytes_written()), ink::red);
     panel.draw(frame);
-    draw_match(frame, moment, view_);
+    draw_match(frame, moment, view_, game_->player_count());
     if (!stage_.interactive) return;
     TextPanel hint(moment, {12, moment.size.y - 12});
     hint.line(people_play_ ? "WASD roll   Space jump   F push   Enter plays back   F1 keys"

@@ -91,11 +91,11 @@ Frame NetplayPage::draw_half(std::uint32_t index, const Moment& moment) {
     frame.viewport = {0.5f * static_cast<float>(index), 0, 0.5f, 1};
     frame.camera = half.rig.camera();
     frame.wireframe = stage_.view.wireframe;
-    half.view.draw(frame, moment.alpha, stage_);
+    half.view.draw(frame, moment.alpha, stage_, half.rig.followed());
     if (!stage_.view.overlay) return frame;
     draw_peer(frame, index, moment);
     draw_rollbacks(frame, match_->peer(index), moment);
-    draw_match(frame, moment, half.view);
+    draw_match(frame, moment, half.view, match_->game().player_count());
     return frame;
 }
 
@@ -127,7 +127,7 @@ void NetplayPage::draw_peer(Frame& frame, std::uint32_t index, const Moment& mom
 
 /// A bar per frame: how many ticks were run again.
 void NetplayPage::draw_rollbacks(Frame& frame, const Peer& peer, const Moment& moment) const {
-    constexpr float bar = 3, unit = 3, bottom = 84;
+    constexpr float bar = 3, unit = 3, bottom = 116;
     const glm::vec2 size = viewport_size(frame, moment);
     const float left = 12, base = size.y - bottom;
     for (std::size_t i = 0; i < peer.depths.size(); ++i) {

@@ -152,7 +152,7 @@ std::vector<Frame> ReplayPage::draw(const Moment& moment) {
     Frame frame;
     frame.camera = rig_.camera();
     frame.wireframe = stage_.view.wireframe;
-    view_.draw(frame, alpha, stage_);
+    view_.draw(frame, alpha, stage_, rig_.followed());
     if (stage_.view.overlay) draw_overlay(frame, moment);
     timeline_.draw(frame, moment, timeline_content());
     draw_help(frame, moment, stage_.view, page_keys);
@@ -177,7 +177,7 @@ void ReplayPage::draw_overlay(Frame& frame, const Moment& moment) const {
                    ink::red);
     if (!failure_.empty()) panel.line(failure_, ink::red);
     panel.draw(frame);
-    draw_match(frame, moment, view_);
+    draw_match(frame, moment, view_, recording_.header().player_count);
 }
 
 Verdict ReplayPage::verdict() const {

@@ -11,7 +11,8 @@
 namespace lockstone::demo {
 namespace {
 
-constexpr float plane_half_side = 400; ///< a plane has no end; this far it is drawn [m]
+constexpr float plane_half_side = 1400;       ///< a plane has no end; this far it is drawn [m]
+constexpr std::size_t crate_bodies_max = 200; ///< in larger crowds plain colours are easier to tell apart
 
 glm::vec3 to_glm(const std::array<float, 3>& v) { return {v[0], v[1], v[2]}; }
 
@@ -27,17 +28,34 @@ glm::vec3 to_colour(std::uint32_t rgb) {
     return glm::vec3((rgb >> 16) & 0xffu, (rgb >> 8) & 0xffu, rgb & 0xffu) / 255.0f;
 }
 
-void add_box_lines(Frame& frame, const glm::vec3& low, const glm::vec3& high) {
+/// The edges of a box of these half extents.
+void add_box_lines(Frame& frame, const glm::mat4& pose, const glm::vec3& half, const glm::vec3& colour) {
     const auto corner = [&](unsigned bits) {
-        return glm::vec3(bits & 1u ? high.x : low.x, bits & 2u ? high.y : low.y, bits & 4u ? high.z : low.z);
+        const glm::vec3 sign((bits & 1u) != 0 ? 1 : -1, (bits & 2u) != 0 ? 1 : -1, (bits & 4u) != 0 ? 1 : -1);
+        return glm::vec3(pose * glm::vec4(sign * half, 1));
     };
     for (unsigned from = 0; from < 8; ++from)
         for (const unsigned axis : {1u, 2u, 4u})
             if ((from & axis) == 0)
-                frame.lines.push_back({.from = corner(from),
-                                       .to = corner(from | axis),
-                                       .colour = {0.35f, 0.75f, 1.0f},
-                                       .width = 1.2f});
+                frame.lines.push_back(
+                    {.from = corner(from), .to = corner(from | axis), .colour = colour, .width = 1.4f});
+}
+
+/// Whether a box cuts the way from `eye` to `target`.
+bool hides(const glm::mat4& pose, const glm::vec3& half, const glm::vec3& eye, const glm::vec3& target) {
+    const glm::mat4 inverse = glm::inverse(pose);
+    const glm::vec3 from(inverse * glm::vec4(eye, 1)), way = glm::vec3(inverse * glm::vec4(target, 1)) - from;
+    float enter = 0, leave = 1;
+    for (int axis = 0; axis < 3; ++axis) {
+        if (std::abs(way[axis]) < 1e-6f) {
+            if (std::abs(from[axis]) > half[axis]) return false;
+            continue;
+        }
+        const float a = (-half[axis] - from[axis]) / way[axis], b = (half[axis] - from[axis]) / way[axis];
+        enter = std::max(enter, std::min(a, b));
+        leave = std::min(leave, std::max(a, b));
+    }
+    return enter < leave;
 }
 
 /// Half the size of the axis-aligned box around a shape.
@@ -77,7 +95,7 @@ SceneView::Body SceneView::read_body(const World& world, BodyId id, std::uint32_
     Body body{.id = id,
               .role = look.role,
               .number = look.number,
-              .dynamic = world.kind(id) == BodyKind::dynamic,
+              .kind = world.kind(id),
               .colour = to_colour(look.colour),
               .previous = {},
               .current = {to_glm(to_float(pose.position)), glm::quat(q[3], q[0], q[1], q[2])},
@@ -126,27 +144,51 @@ glm::mat4 SceneView::pose(const Body& body, float alpha) {
     return out;
 }
 
-void SceneView::draw(Frame& frame, float alpha, const Stage& stage) const {
-    for (const Body& body : bodies_) draw_body(frame, body, alpha, stage);
+void SceneView::draw(Frame& frame, float alpha, const Stage& stage,
+                     std::optional<std::uint32_t> followed) const {
+    const std::vector<glm::vec3> seen = sights(followed, alpha);
+    for (const Body& body : bodies_) draw_body(frame, body, alpha, stage, seen);
     if (stage.view.contacts) draw_contacts(frame);
     if (match_) draw_it(frame, alpha);
+    // A large scene is seen from afar: the haze must begin behind it, and the shadows reach as far.
+    frame.light.haze_distance = std::max(frame.light.haze_distance, 4 * frame.camera.distance());
+    frame.light.shadow_distance = std::max(frame.light.shadow_distance, 1.2f * frame.camera.distance());
 }
 
-void SceneView::draw_body(Frame& frame, const Body& body, float alpha, const Stage& stage) const {
+/// What must stay in sight [m].
+std::vector<glm::vec3> SceneView::sights(std::optional<std::uint32_t> followed, float alpha) const {
+    if (followed)
+        if (const auto player = player_position(*followed, alpha)) return {*player};
+    const Bounds all = bounds();
+    const glm::vec3 centre = all.centre(), half = 0.4f * (all.max - all.min);
+    return {centre, centre + glm::vec3(half.x, 0, half.z), centre + glm::vec3(half.x, 0, -half.z),
+            centre + glm::vec3(-half.x, 0, half.z), centre - glm::vec3(half.x, 0, half.z)};
+}
+
+void SceneView::draw_body(Frame& frame, const Body& body, float alpha, const Stage& stage,
+                          std::span<const glm::vec3> sights) const {
+    const bool as_crate = stage.view.crates && stage.crate != nullptr && body.role == Role::prop &&
+                          bodies_.size() <= crate_bodies_max;
     const glm::mat4 at = pose(body, alpha);
     for (const Part& part : body.parts) {
         const glm::mat4 place = at * part.local;
-        if (part.crate && stage.view.crates && stage.crate != nullptr && body.role == Role::prop) {
+        const bool in_the_way = body.kind == BodyKind::static_ && part.kind == ShapeKind::box &&
+                                std::any_of(sights.begin(), sights.end(), [&](const glm::vec3& sight) {
+                                    return hides(place, part.size, frame.camera.eye(), sight);
+                                });
+        if (in_the_way) {
+            add_box_lines(frame, place, part.size, glm::vec3(0.85f));
+        } else if (part.crate && as_crate) {
             frame.objects.emplace_back(stage.crate,
                                        glm::scale(place, 2.0f * part.size)); // the model is 1 m wide
-            frame.objects.back().set_tint(glm::mix(body.colour, glm::vec3(1), 0.25f));
+            frame.objects.back().set_tint(glm::mix(body.colour, glm::vec3(1), 0.35f));
         } else {
             frame.instances.push_back(
                 {.kind = part.kind, .size = part.size, .pose = place, .colour = body.colour});
         }
         if (!stage.view.bounds || part.kind == ShapeKind::plane) continue;
-        const glm::vec3 half = half_bounds(part.kind, part.size, place), centre(place[3]);
-        add_box_lines(frame, centre - half, centre + half);
+        add_box_lines(frame, glm::translate(glm::mat4(1), glm::vec3(place[3])),
+                      half_bounds(part.kind, part.size, place), {0.35f, 0.75f, 1.0f});
     }
 }
 
@@ -190,11 +232,11 @@ std::uint32_t SceneView::player_count() const {
 }
 
 Bounds SceneView::bounds() const {
-    const bool any_dynamic =
-        std::any_of(bodies_.begin(), bodies_.end(), [](const Body& b) { return b.dynamic; });
+    const bool any_dynamic = std::any_of(bodies_.begin(), bodies_.end(),
+                                         [](const Body& b) { return b.kind == BodyKind::dynamic; });
     Bounds bounds;
     for (const Body& body : bodies_) {
-        if (any_dynamic && !body.dynamic) continue;
+        if (any_dynamic && body.kind != BodyKind::dynamic) continue;
         for (const Part& part : body.parts) {
             if (part.kind == ShapeKind::plane) continue;
             const glm::mat4 place = pose(body, 1) * part.local;

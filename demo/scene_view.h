@@ -9,6 +9,7 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace lockstone::demo {
@@ -20,8 +21,9 @@ class SceneView {
     /// Reads the world after a jump in time: nothing moves between the two states.
     void reset(const World& world);
 
-    /// Adds the bodies and what `stage.view` asks for. `alpha`: 0 the previous state, 1 the current one.
-    void draw(Frame& frame, float alpha, const Stage& stage) const;
+    /// Adds the bodies and what `stage.view` asks for. `alpha`: 0 the previous state, 1 the current one. A static box
+    /// that stands between the frame's camera and the followed player (or all that moves) is drawn as its edges.
+    void draw(Frame& frame, float alpha, const Stage& stage, std::optional<std::uint32_t> followed) const;
 
     /// Of a player's body; nothing if there is none. [m]
     std::optional<glm::vec3> player_position(std::uint32_t player, float alpha) const;
@@ -49,7 +51,7 @@ class SceneView {
         BodyId id;
         Role role;
         std::uint32_t number;
-        bool dynamic;
+        BodyKind kind;
         glm::vec3 colour;
         Pose previous, current;
         std::vector<Part> parts;
@@ -63,7 +65,9 @@ class SceneView {
     static Part read_part(const ShapeDef& def);
     const Body* find(BodyId id, std::size_t hint) const;
     static glm::mat4 pose(const Body& body, float alpha);
-    void draw_body(Frame& frame, const Body& body, float alpha, const Stage& stage) const;
+    std::vector<glm::vec3> sights(std::optional<std::uint32_t> followed, float alpha) const;
+    void draw_body(Frame& frame, const Body& body, float alpha, const Stage& stage,
+                   std::span<const glm::vec3> sights) const;
     void draw_contacts(Frame& frame) const;
     void draw_it(Frame& frame, float alpha) const;
 

@@ -25,16 +25,19 @@ Status BlockBuilder::add_inputs(std::span<const PlayerInput> inputs, std::uint64
     for (std::size_t p = 0; p < inputs.size(); ++p) {
         const bool gone = inputs[p].status == InputStatus::disconnected;
         if (inputs[p].status == InputStatus::predicted)
-            return Error{join("the input of player ", p, " is a prediction; only confirmed ticks are recorded")};
+            return Error{
+                join("the input of player ", p, " is a prediction; only confirmed ticks are recorded")};
         if (inputs[p].bytes.size() != shape.input_size && !(gone && inputs[p].bytes.empty()))
-            return Error{join("the input of player ", p, " has ", inputs[p].bytes.size(), " bytes, must have ",
-                              shape.input_size)};
+            return Error{join("the input of player ", p, " has ", inputs[p].bytes.size(),
+                              " bytes, must have ", shape.input_size)};
     }
     for (const PlayerInput& input : inputs) {
         const bool gone = input.status == InputStatus::disconnected;
         input_rows.push_back(gone ? status_disconnected : status_confirmed);
-        if (gone) input_rows.insert(input_rows.end(), shape.input_size, std::byte{0});
-        else input_rows.insert(input_rows.end(), input.bytes.begin(), input.bytes.end());
+        if (gone)
+            input_rows.insert(input_rows.end(), shape.input_size, std::byte{0});
+        else
+            input_rows.insert(input_rows.end(), input.bytes.begin(), input.bytes.end());
     }
     hashes.push_back(hash);
     return {};
@@ -95,9 +98,12 @@ TickBlock TickBlock::read(ByteReader& in, BlockShape shape) {
         block.hashes.push_back(base::load_little_endian<std::uint64_t>(hash_bytes_read.data() + 8 * i));
     const std::size_t packed_at = in.offset();
     const auto unpacked = unpack(in.bytes(in.remaining(), "packed bytes"), size);
-    if (!unpacked) in.fail_at(packed_at, unpacked.error().message);
-    else if (shape.mode == Mode::inputs) block.read_inputs(in, *unpacked);
-    else block.read_commands(in, *unpacked);
+    if (!unpacked)
+        in.fail_at(packed_at, unpacked.error().message);
+    else if (shape.mode == Mode::inputs)
+        block.read_inputs(in, *unpacked);
+    else
+        block.read_commands(in, *unpacked);
     return block;
 }
 
@@ -112,10 +118,12 @@ void TickBlock::read_inputs(ByteReader& in, std::span<const std::byte> unpacked)
         const auto input = std::span(input_rows).subspan(at + 1, shape.input_size);
         const std::uint64_t tick = first + at / row_bytes, player = at % row_bytes / stride;
         if (status != status_confirmed && status != status_disconnected)
-            return in.fail(join("tick ", tick, ", player ", player, ": status is ", std::to_integer<int>(status),
-                                ", must be 0 or 1"));
-        if (status == status_disconnected && std::ranges::any_of(input, [](std::byte b) { return b != std::byte{0}; }))
-            return in.fail(join("tick ", tick, ", player ", player, " is disconnected, but the input is not zero"));
+            return in.fail(join("tick ", tick, ", player ", player, ": status is ",
+                                std::to_integer<int>(status), ", must be 0 or 1"));
+        if (status == status_disconnected &&
+            std::ranges::any_of(input, [](std::byte b) { return b != std::byte{0}; }))
+            return in.fail(
+                join("tick ", tick, ", player ", player, " is disconnected, but the input is not zero"));
     }
 }
 
@@ -128,7 +136,8 @@ void TickBlock::read_commands(ByteReader& in, std::span<const std::byte> unpacke
     for (std::size_t at = 0; at < counts.size(); at += 4) {
         first_command.push_back(static_cast<std::uint32_t>(total));
         total += base::load_little_endian<std::uint32_t>(counts.data() + at);
-        if (total > unpacked.size() / command_bytes_least) return fail(join("more commands are announced than ", unpacked.size(), " bytes can hold"));
+        if (total > unpacked.size() / command_bytes_least)
+            return fail(join("more commands are announced than ", unpacked.size(), " bytes can hold"));
     }
     first_command.push_back(static_cast<std::uint32_t>(total));
 
@@ -159,10 +168,12 @@ std::vector<PlayerInput> TickBlock::inputs(std::uint64_t tick) const {
     std::vector<PlayerInput> out;
     if (shape.mode != Mode::inputs) return out;
     std::span<const std::byte> row(input_rows);
-    row = row.subspan(static_cast<std::size_t>(tick - first) * shape.input_row_bytes(), shape.input_row_bytes());
+    row = row.subspan(static_cast<std::size_t>(tick - first) * shape.input_row_bytes(),
+                      shape.input_row_bytes());
     for (std::uint32_t p = 0; p < shape.player_count; ++p) {
         const bool gone = row[0] == status_disconnected;
-        out.push_back({row.subspan(1, shape.input_size), gone ? InputStatus::disconnected : InputStatus::confirmed});
+        out.push_back(
+            {row.subspan(1, shape.input_size), gone ? InputStatus::disconnected : InputStatus::confirmed});
         row = row.subspan(1 + std::size_t{shape.input_size});
     }
     return out;

@@ -23,19 +23,27 @@ Header header_of(const Recording& source, std::uint64_t at, const RecorderOption
     return header;
 }
 
+Result<Writer> begin_like(const Recording& source, const Header& header, Sink& sink,
+                          const RecorderOptions& options) {
+    return Writer::begin(sink, header, source.schema(), source.world_def(), source.keyframes().front().hash,
+                         source.keyframe_image(0), {options.block_ticks});
+}
+
+Status copy_tick(const Recording& source, const TickBlock& block, std::uint64_t tick, Writer& writer) {
+    const std::uint64_t hash = block.hash_after(tick);
+    return source.header().mode == Mode::inputs ? writer.add_inputs(block.inputs(tick), hash)
+                                                : writer.add_commands(block.commands(tick), hash);
+}
+
 /// The source up to `at`, which it holds, through a new writer. Nothing is simulated.
 Result<Writer> copy(const Recording& source, std::uint64_t at, Sink& sink, const RecorderOptions& options) {
-    Result<Writer> writer =
-        Writer::begin(sink, header_of(source, at, options), source.schema(), source.world_def(),
-                      source.keyframes().front().hash, source.keyframe_image(0), {options.block_ticks});
+    Result<Writer> writer = begin_like(source, header_of(source, at, options), sink, options);
     if (!writer) return writer.error();
     TickBlock block;
     std::size_t keyframe = 1;
     for (std::uint64_t tick = source.start_tick(); tick < at; ++tick) {
         if (!block.holds(tick)) block = source.block_with(tick);
-        const std::uint64_t hash = block.hash_after(tick);
-        Status status = source.header().mode == Mode::inputs ? writer->add_inputs(block.inputs(tick), hash)
-                                                             : writer->add_commands(block.commands(tick), hash);
+        Status status = copy_tick(source, block, tick, *writer);
         if (status && keyframe < source.keyframes().size() && source.keyframes()[keyframe].time == tick + 1)
             status = writer->add_keyframe(source.keyframe_image(keyframe++));
         if (!status) return status.error();
@@ -48,7 +56,8 @@ Result<World> world_at(const Recording& source, const Game* game, std::uint64_t 
     if (!player) return player.error();
     if (const Status status = player->seek(at); !status) return status.error();
     if (!player->agrees())
-        return Error{join(source.name(), ": cannot branch at ", at, ": re-simulation does not reach the recorded state there")};
+        return Error{join(source.name(), ": cannot branch at ", at,
+                          ": re-simulation does not reach the recorded state there")};
     return std::move(*player).release();
 }
 
@@ -76,6 +85,28 @@ Result<CommandBranch> branch_commands(const Recording& source, std::uint64_t at,
     Result<Writer> writer = copy(source, at, sink, options);
     if (!writer) return writer.error();
     return CommandBranch{std::move(*writer), std::move(*world)};
+}
+
+Status add_keyframes(const Recording& source, const Game* game, Sink& sink, const RecorderOptions& options) {
+    Result<Player> player = Player::open(source, game);
+    if (!player) return player.error();
+    Result<Writer> writer = begin_like(source, source.header(), sink, options);
+    if (!writer) return writer.error();
+    TickBlock block;
+    while (!player->at_end()) {
+        const std::uint64_t tick = player->time();
+        if (!block.holds(tick)) block = source.block_with(tick);
+        Status status = player->step();
+        if (status && !player->agrees())
+            status =
+                Error{join(source.name(), ": re-simulating tick ", tick, " does not give the recorded hash")};
+        if (status) status = copy_tick(source, block, tick, *writer);
+        if (status && options.keyframe_ticks != 0 &&
+            (tick + 1 - source.start_tick()) % options.keyframe_ticks == 0)
+            status = writer->add_keyframe(player->world().save_portable());
+        if (!status) return status;
+    }
+    return writer->close();
 }
 
 } // namespace lockstone::replay

@@ -1,4 +1,4 @@
-// What if: a recording copied up to a time, to go on from there with other inputs or commands.
+// Recordings made of recordings. What if: copied up to a time, to go on from there with other inputs or commands.
 #pragma once
 
 #include "replay/player.h"
@@ -23,5 +23,11 @@ struct CommandBranch {
 };
 Result<CommandBranch> branch_commands(const Recording& source, std::uint64_t at, Sink& sink,
                                       const RecorderOptions& options = {});
+
+/// The whole recording again with keyframes every keyframe_ticks, made by re-simulation: for one that was fed from a
+/// confirmed timeline, where no state was at hand, or that was recovered. Ends as a complete recording. Refuses a
+/// recording that re-simulation does not reproduce. The options are those of the source.
+Status add_keyframes(const Recording& source, const Game* game, Sink& sink,
+                     const RecorderOptions& options = {});
 
 } // namespace lockstone::replay

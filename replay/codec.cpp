@@ -15,7 +15,8 @@ using base::join;
 
 /// Empty, or why this cannot stand as a text: it would spoil a terminal, or is too long.
 std::string text_fault(std::string_view what, std::string_view text) {
-    if (text.size() > text_bytes_max) return join(what, " has ", text.size(), " bytes, at most ", text_bytes_max);
+    if (text.size() > text_bytes_max)
+        return join(what, " has ", text.size(), " bytes, at most ", text_bytes_max);
     for (std::size_t i = 0; i < text.size(); ++i) {
         const auto c = static_cast<unsigned char>(text[i]);
         if (c < 0x20 || c == 0x7f) return join(what, " holds the control character ", int{c}, " at ", i);
@@ -86,17 +87,19 @@ Header read_header(ByteReader& in) {
 
 std::string find_fault(const Header& header) {
     const bool has_players = header.mode == Mode::inputs;
-    std::string fault = first_of(text_fault("engine", header.engine), text_fault("game", header.game),
-                                 range_fault("tick rate", header.tick_rate, 1, tick_rate_max),
-                                 range_fault("players", header.player_count, 0, has_players ? players_max : 0),
-                                 range_fault("input size", header.input_size, 0, has_players ? input_bytes_max : 0),
-                                 range_fault("start", header.start_tick, 0, start_tick_max),
-                                 range_fault("number of options", header.options.size(), 0, options_max));
+    std::string fault =
+        first_of(text_fault("engine", header.engine), text_fault("game", header.game),
+                 range_fault("tick rate", header.tick_rate, 1, tick_rate_max),
+                 range_fault("players", header.player_count, 0, has_players ? players_max : 0),
+                 range_fault("input size", header.input_size, 0, has_players ? input_bytes_max : 0),
+                 range_fault("start", header.start_tick, 0, start_tick_max),
+                 range_fault("number of options", header.options.size(), 0, options_max));
     for (std::size_t i = 0; fault.empty() && i < header.options.size(); ++i) {
         const Option& option = header.options[i];
         fault = first_of(text_fault("option key", option.key), text_fault("option value", option.value));
         if (fault.empty() && i > 0 && header.options[i - 1].key >= option.key)
-            fault = join("option keys are not ascending: ", header.options[i - 1].key, " before ", option.key);
+            fault =
+                join("option keys are not ascending: ", header.options[i - 1].key, " before ", option.key);
     }
     return fault;
 }
@@ -169,7 +172,8 @@ std::string find_fault(const GameSchema& schema) {
     std::set<std::string_view> names;
     for (const GameSchema::Entry& entry : schema.entries()) {
         if (fault.empty()) fault = entry_fault(entry);
-        if (fault.empty() && !names.insert(entry.name).second) fault = join("two columns are named ", entry.name);
+        if (fault.empty() && !names.insert(entry.name).second)
+            fault = join("two columns are named ", entry.name);
     }
     return fault;
 }
@@ -211,12 +215,15 @@ template <class Visit> void for_each_field(WorldDef& d, Visit&& visit) {
     visit("seed", d.seed);
 }
 constexpr std::size_t world_def_bytes = 96;
-static_assert(sizeof(WorldDef) == world_def_bytes, "a field was added: for_each_field and FORMAT.md need it too");
+static_assert(sizeof(WorldDef) == world_def_bytes,
+              "a field was added: for_each_field and FORMAT.md need it too");
 
 template <Leaf T> void append_leaf(const T& leaf, std::vector<std::byte>& out) {
     const auto raw = std::bit_cast<std::array<std::byte, sizeof(T)>>(leaf);
-    if constexpr (std::endian::native == std::endian::little) out.insert(out.end(), raw.begin(), raw.end());
-    else out.insert(out.end(), raw.rbegin(), raw.rend());
+    if constexpr (std::endian::native == std::endian::little)
+        out.insert(out.end(), raw.begin(), raw.end());
+    else
+        out.insert(out.end(), raw.rbegin(), raw.rend());
 }
 
 template <Leaf T> void read_leaf_value(std::span<const std::byte> from, T& leaf) {
@@ -227,8 +234,10 @@ template <Leaf T> void read_leaf_value(std::span<const std::byte> from, T& leaf)
 }
 
 template <class T> std::int64_t printable(const T& leaf) {
-    if constexpr (FixedPoint<T>) return leaf.raw;
-    else return static_cast<std::int64_t>(leaf);
+    if constexpr (FixedPoint<T>)
+        return leaf.raw;
+    else
+        return static_cast<std::int64_t>(leaf);
 }
 
 } // namespace
@@ -276,7 +285,8 @@ template <class T> std::size_t leaf_bytes() {
 }
 
 template <std::size_t... I> const auto& command_sizes(std::index_sequence<I...>) {
-    static const std::array<std::size_t, sizeof...(I)> sizes = {leaf_bytes<std::variant_alternative_t<I, Command>>()...};
+    static const std::array<std::size_t, sizeof...(I)> sizes = {
+        leaf_bytes<std::variant_alternative_t<I, Command>>()...};
     return sizes;
 }
 
@@ -292,8 +302,8 @@ template <class T> Command read_fields(std::span<const std::byte> from) {
 template <std::size_t... I>
 Command read_kind(std::size_t kind, std::span<const std::byte> fields, std::index_sequence<I...>) {
     Command command;
-    static_cast<void>(
-        ((kind == I && (command = read_fields<std::variant_alternative_t<I, Command>>(fields), true)) || ...));
+    static_cast<void>((
+        (kind == I && (command = read_fields<std::variant_alternative_t<I, Command>>(fields), true)) || ...));
     return command;
 }
 
@@ -304,8 +314,7 @@ std::size_t command_bytes(std::size_t kind) {
 }
 
 void append_command(const Command& command, std::vector<std::byte>& out) {
-    std::visit(
-        [&](auto copy) { for_each_leaf(copy, [&](auto& leaf) { append_leaf(leaf, out); }); }, command);
+    std::visit([&](auto copy) { for_each_leaf(copy, [&](auto& leaf) { append_leaf(leaf, out); }); }, command);
 }
 
 Command read_command(std::size_t kind, std::span<const std::byte> fields) {

@@ -27,7 +27,8 @@ std::string describe_input(const PlayerInput& input) {
 std::string difference_of(std::span<const PlayerInput> left, std::span<const PlayerInput> right) {
     for (std::size_t p = 0; p < std::min(left.size(), right.size()); ++p)
         if (left[p].status != right[p].status || !std::ranges::equal(left[p].bytes, right[p].bytes))
-            return join("player ", p, ": input ", describe_input(left[p]), " against ", describe_input(right[p]));
+            return join("player ", p, ": input ", describe_input(left[p]), " against ",
+                        describe_input(right[p]));
     if (left.size() != right.size()) return join(left.size(), " players against ", right.size());
     return {};
 }
@@ -41,8 +42,8 @@ std::string difference_of(std::span<const Command> left, std::span<const Command
             return join("command ", i, ": ", name_of(left[i]), " against ", name_of(right[i]));
         if (l == r) continue;
         const auto at = std::ranges::mismatch(l, r).in1 - l.begin();
-        return join("command ", i, " (", name_of(left[i]), ") differs from byte ", at, " on: ",
-                    digits_of(std::span(l).subspan(static_cast<std::size_t>(at))), " against ",
+        return join("command ", i, " (", name_of(left[i]), ") differs from byte ", at,
+                    " on: ", digits_of(std::span(l).subspan(static_cast<std::size_t>(at))), " against ",
                     digits_of(std::span(r).subspan(static_cast<std::size_t>(at))));
     }
     if (left.size() != right.size()) return join(left.size(), " commands against ", right.size());
@@ -56,7 +57,8 @@ class TickPair {
     std::string difference(std::uint64_t tick) {
         if (!left_block.holds(tick)) left_block = left.block_with(tick);
         if (!right_block.holds(tick)) right_block = right.block_with(tick);
-        if (left.header().mode == Mode::inputs) return difference_of(left_block.inputs(tick), right_block.inputs(tick));
+        if (left.header().mode == Mode::inputs)
+            return difference_of(left_block.inputs(tick), right_block.inputs(tick));
         return difference_of(left_block.commands(tick), right_block.commands(tick));
     }
 
@@ -94,7 +96,8 @@ std::string first_phase(std::span<const PhaseHash> left, std::span<const PhaseHa
 }
 
 /// States of one layout; the sides' worlds may have other capacities, which State::diff does not mind.
-void compare(const State& left, const State& right, std::uint64_t time, std::size_t limit, DiffReport& report) {
+void compare(const State& left, const State& right, std::uint64_t time, std::size_t limit,
+             DiffReport& report) {
     report.compared_at = time;
     report.differences = State::diff(left, right, limit);
 }
@@ -134,27 +137,34 @@ void write_text(const Recording& left, const Recording& right, DiffReport& repor
     std::string& out = report.text;
     const bool inputs = left.header().mode == Mode::inputs;
     if (report.states_agree)
-        out = join("the states agree at all ", report.to - report.from + 1, " times from ", report.from, " to ", report.to, "\n");
-    else if (report.tick) out = join("first differing tick: ", *report.tick, "\n");
-    else out = join("the states differ already at time ", report.from, ", where the comparison begins\n");
+        out = join("the states agree at all ", report.to - report.from + 1, " times from ", report.from,
+                   " to ", report.to, "\n");
+    else if (report.tick)
+        out = join("first differing tick: ", *report.tick, "\n");
+    else
+        out = join("the states differ already at time ", report.from, ", where the comparison begins\n");
 
-    if (left.header().mode != right.header().mode) out += "one holds inputs, the other commands: only states are compared\n";
+    if (left.header().mode != right.header().mode)
+        out += "one holds inputs, the other commands: only states are compared\n";
     else if (report.input_tick)
-        out += join(inputs ? "first differing input: tick " : "first differing command: tick ", *report.input_tick, ", ",
-                    report.input_difference, "\n");
-    else out += inputs ? "the inputs are equal up to there\n" : "the commands are equal up to there\n";
+        out += join(inputs ? "first differing input: tick " : "first differing command: tick ",
+                    *report.input_tick, ", ", report.input_difference, "\n");
+    else
+        out += inputs ? "the inputs are equal up to there\n" : "the commands are equal up to there\n";
 
     if (!report.phase.empty()) out += join("first differing phase: ", report.phase, "\n");
     const auto blame = [&](const Recording& which, bool reproduces) {
         if (!reproduces)
-            out += join(which.name(), ": re-simulating tick ", *report.tick, " does not give the recorded hash: it was recorded by ",
+            out += join(which.name(), ": re-simulating tick ", *report.tick,
+                        " does not give the recorded hash: it was recorded by ",
                         "another engine, game or a faulty machine\n");
     };
     blame(left, report.left_reproduces);
     blame(right, report.right_reproduces);
     if (!report.differences.empty()) out += join("the states at time ", report.compared_at, ":\n");
     for (const Difference& difference : report.differences) out += join("  ", to_string(difference), "\n");
-    if (left.end_tick() != right.end_tick()) out += join("one ends at time ", left.end_tick(), ", the other at ", right.end_tick(), "\n");
+    if (left.end_tick() != right.end_tick())
+        out += join("one ends at time ", left.end_tick(), ", the other at ", right.end_tick(), "\n");
 }
 
 } // namespace
@@ -168,8 +178,8 @@ Result<DiffReport> diff(const Side& left, const Side& right, std::size_t limit) 
     report.from = std::max(l.start_tick(), r.start_tick());
     report.to = std::min(l.end_tick(), r.end_tick());
     if (report.from > report.to)
-        return Error{join(l.name(), " and ", r.name(), " have no time in common: ", l.start_tick(), "..", l.end_tick(), " and ",
-                          r.start_tick(), "..", r.end_tick())};
+        return Error{join(l.name(), " and ", r.name(), " have no time in common: ", l.start_tick(), "..",
+                          l.end_tick(), " and ", r.start_tick(), "..", r.end_tick())};
     find_first_hash(l, r, report);
     find_first_input(l, r, report);
     if (!report.states_agree) {

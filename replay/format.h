@@ -42,7 +42,8 @@ struct Header {
 /// The value of an option, or null.
 const std::string* find_option(const Header& header, std::string_view key);
 
-inline constexpr std::string_view engine_version = "0.1.0"; ///< as in CMakeLists.txt; a test holds them together
+inline constexpr std::string_view engine_version =
+    "0.1.0"; ///< as in CMakeLists.txt; a test holds them together
 inline constexpr std::uint16_t version_major = 1;
 inline constexpr std::uint16_t version_minor = 0;
 

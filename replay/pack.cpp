@@ -57,7 +57,8 @@ Result<std::vector<std::byte>> unpack(std::span<const std::byte> packed, std::ui
         const std::size_t takes = is_run ? 1 : yields;
         if (takes > packed.size() - at) return wrong("end in the middle of a stretch");
         if (yields > size - out.size()) return wrong("hold more bytes");
-        if (is_run) out.insert(out.end(), yields, packed[at]);
+        if (is_run)
+            out.insert(out.end(), yields, packed[at]);
         else {
             const auto from = packed.subspan(at, takes);
             out.insert(out.end(), from.begin(), from.end());

@@ -34,14 +34,16 @@ std::string preamble_fault(std::span<const std::byte> bytes) {
         return join("the recording is cut at byte ", bytes.size(), ", inside the preamble");
     const auto major = base::load_little_endian<std::uint16_t>(bytes.data() + 8);
     if (major != version_major)
-        return join("the recording is of format version ", major, ", this reader knows version ", version_major);
+        return join("the recording is of format version ", major, ", this reader knows version ",
+                    version_major);
     if (const auto reserved = base::load_little_endian<std::uint32_t>(bytes.data() + 12); reserved != 0)
         return join("the reserved field at byte 12 is ", reserved, ", must be 0");
     return {};
 }
 
 Status Parser::run(OnDamage on_damage) {
-    if (const std::string fault = preamble_fault(file); !fault.empty()) return Error{join(out.file_name, ": ", fault)};
+    if (const std::string fault = preamble_fault(file); !fault.empty())
+        return Error{join(out.file_name, ": ", fault)};
     const Status status = read_chunks();
     if (status) return {};
     out.damage_sentence = join(out.file_name, ": ", status.error().message);
@@ -63,7 +65,8 @@ Status Parser::read_chunks() {
         out.chain = chunk->checksum;
         at = static_cast<std::size_t>(chunk->payload_offset + chunk->payload_size) + checksum_bytes;
     }
-    if (at != file.size()) return Error{join(file.size() - at, " bytes follow the END. chunk (at byte ", at, ")")};
+    if (at != file.size())
+        return Error{join(file.size() - at, " bytes follow the END. chunk (at byte ", at, ")")};
     return {};
 }
 
@@ -93,7 +96,8 @@ Result<Parser::Chunk> Parser::read_frame() const {
     const std::size_t framed = remaining - chunk_head_bytes;
     if (framed < checksum_bytes || chunk.payload_size > framed - checksum_bytes) {
         if (ends_like_a_whole_file())
-            return Error{join(where, "its size is ", chunk.payload_size, ", but only ", framed, " bytes follow; the file is damaged")};
+            return Error{join(where, "its size is ", chunk.payload_size, ", but only ", framed,
+                              " bytes follow; the file is damaged")};
         return cut(join("is cut inside chunk ", chunk_name(chunk.type), ", which needs ", chunk.payload_size,
                         " bytes and a checksum where ", framed, " bytes follow"));
     }
@@ -103,13 +107,15 @@ Result<Parser::Chunk> Parser::read_frame() const {
     if (computed != chunk.checksum)
         return Error{join(where, "the checksum is ", base::hex(chunk.checksum), ", but its bytes give ",
                           base::hex(computed), "; the file is damaged here or before")};
-    if ((flags & ~flag_skippable) != 0) return Error{join(where, "its flags are ", flags, ", must be 0 or 1")};
+    if ((flags & ~flag_skippable) != 0)
+        return Error{join(where, "its flags are ", flags, ", must be 0 or 1")};
     return chunk;
 }
 
 Status Parser::read_chunk(const Chunk& chunk) {
     if (const Status status = check_order(chunk); !status)
-        return Error{join("chunk ", chunk_name(chunk.type), " at byte ", chunk.offset, ": ", status.error().message)};
+        return Error{
+            join("chunk ", chunk_name(chunk.type), " at byte ", chunk.offset, ": ", status.error().message)};
     const std::string subject = join("chunk ", chunk_name(chunk.type), " at byte ", chunk.offset);
     // The reader's offsets are those of the file: it begins at byte 0 and steps to the payload.
     const std::uint64_t end = chunk.payload_offset + chunk.payload_size;
@@ -127,7 +133,8 @@ Status Parser::read_chunk(const Chunk& chunk) {
 
 Status Parser::check_order(const Chunk& chunk) const {
     if (!is_known(chunk.type)) {
-        if (!chunk.skippable) return Error{"this reader does not know the type, and it is not marked skippable"};
+        if (!chunk.skippable)
+            return Error{"this reader does not know the type, and it is not marked skippable"};
         if (chunks_seen == 0) return Error{"HEAD must come first"};
         if (index_offset != 0) return Error{"nothing but END. may follow INDX"};
         return {};
@@ -146,14 +153,29 @@ Status Parser::check_order(const Chunk& chunk) const {
 
 void Parser::read_payload(const Chunk& chunk, ByteReader& in) {
     switch (chunk.type) {
-    case chunk_head: read_head(in); break;
-    case chunk_schema: out.game_schema = read_schema(in); break;
-    case chunk_world_def: read_world_definition(in); break;
-    case chunk_keyframe: read_keyframe(in); break;
-    case chunk_ticks: read_ticks(in, chunk); break;
-    case chunk_index: read_index(in); break;
-    case chunk_end: read_end(in); break;
-    default: return; // skippable
+    case chunk_head:
+        read_head(in);
+        break;
+    case chunk_schema:
+        out.game_schema = read_schema(in);
+        break;
+    case chunk_world_def:
+        read_world_definition(in);
+        break;
+    case chunk_keyframe:
+        read_keyframe(in);
+        break;
+    case chunk_ticks:
+        read_ticks(in, chunk);
+        break;
+    case chunk_index:
+        read_index(in);
+        break;
+    case chunk_end:
+        read_end(in);
+        break;
+    default:
+        return; // skippable
     }
     in.expect_end();
 }
@@ -179,11 +201,13 @@ void Parser::read_keyframe(ByteReader& in) {
     keyframe.packed_size = packed.size();
     if (!in.ok()) return;
     const bool is_first = out.keyframe_list.empty();
-    if (keyframe.time != out.time) return in.fail(join("its time is ", keyframe.time, ", must be ", out.time));
+    if (keyframe.time != out.time)
+        return in.fail(join("its time is ", keyframe.time, ", must be ", out.time));
     if (!is_first && keyframe.time == out.keyframe_list.back().time)
         return in.fail(join("there is a keyframe at time ", keyframe.time, " already"));
     if (!is_first && keyframe.hash != out.hash_now)
-        return in.fail(join("its hash is ", base::hex(keyframe.hash), ", the tick before it says ", base::hex(out.hash_now)));
+        return in.fail(join("its hash is ", base::hex(keyframe.hash), ", the tick before it says ",
+                            base::hex(out.hash_now)));
     if (keyframe.image_size > image_bytes_max)
         return in.fail(join("the image has ", keyframe.image_size, " bytes, at most ", image_bytes_max));
     Result<std::vector<std::byte>> image = unpack(packed, keyframe.image_size);
@@ -213,8 +237,9 @@ void Parser::read_index(ByteReader& in) {
         entry.offset = in.u64("entry's offset");
         entry.tick = in.u64("entry's tick");
         if (in.ok() && entry != index[i])
-            in.fail(join("entry ", i, " says ", chunk_name(entry.type), " at byte ", entry.offset, ", tick ", entry.tick, "; there is ",
-                         chunk_name(index[i].type), " at byte ", index[i].offset, ", tick ", index[i].tick));
+            in.fail(join("entry ", i, " says ", chunk_name(entry.type), " at byte ", entry.offset, ", tick ",
+                         entry.tick, "; there is ", chunk_name(index[i].type), " at byte ", index[i].offset,
+                         ", tick ", index[i].tick));
     }
 }
 
@@ -223,10 +248,13 @@ void Parser::read_end(ByteReader& in) {
     const std::uint64_t hash = in.u64("last hash");
     const std::uint64_t index_at = in.u64("offset of INDX");
     if (!in.ok()) return;
-    if (ticks != out.tick_count()) return in.fail(join("it counts ", ticks, " ticks, there are ", out.tick_count()));
+    if (ticks != out.tick_count())
+        return in.fail(join("it counts ", ticks, " ticks, there are ", out.tick_count()));
     if (hash != out.hash_now)
-        return in.fail(join("its hash is ", base::hex(hash), ", that of the last tick ", base::hex(out.hash_now)));
-    if (index_at != index_offset) return in.fail(join("it puts INDX at byte ", index_at, ", it is at byte ", index_offset));
+        return in.fail(
+            join("its hash is ", base::hex(hash), ", that of the last tick ", base::hex(out.hash_now)));
+    if (index_at != index_offset)
+        return in.fail(join("it puts INDX at byte ", index_at, ", it is at byte ", index_offset));
     ended = true;
 }
 

@@ -39,11 +39,11 @@ class Parser {
 
     Recording& out;
     std::span<const std::byte> file;
-    std::size_t at = 0;              ///< of the next chunk
-    std::uint32_t chunks_seen = 0;   ///< of the types this reader knows, up to the first keyframe
-    std::uint64_t index_offset = 0;  ///< 0 until INDX
+    std::size_t at = 0;             ///< of the next chunk
+    std::uint32_t chunks_seen = 0;  ///< of the types this reader knows, up to the first keyframe
+    std::uint64_t index_offset = 0; ///< 0 until INDX
     bool ended = false;
-    std::vector<IndexEntry> index;   ///< what INDX must say
+    std::vector<IndexEntry> index; ///< what INDX must say
 };
 
 } // namespace lockstone::replay

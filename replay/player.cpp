@@ -15,8 +15,8 @@ constexpr std::uint64_t game_bytes_max = std::uint64_t{1} << 30;
 std::string game_fault(const Header& header, const Game& game) {
     if (game.name() != header.game) return join("it is of the game ", header.game, ", this is ", game.name());
     if (game.content_id() != header.content_id)
-        return join("it was recorded with content id ", hex(header.content_id), " of ", header.game, ", this is ",
-                    hex(game.content_id()));
+        return join("it was recorded with content id ", hex(header.content_id), " of ", header.game,
+                    ", this is ", hex(game.content_id()));
     if (game.player_count() != header.player_count)
         return join("it has ", header.player_count, " players, the game ", game.player_count());
     if (game.input_size() != header.input_size)
@@ -25,7 +25,8 @@ std::string game_fault(const Header& header, const Game& game) {
 }
 
 std::string world_fault(const Recording& recording, const World& world) {
-    if (const std::string difference = first_difference(recording.world_def(), world.def()); !difference.empty())
+    if (const std::string difference = first_difference(recording.world_def(), world.def());
+        !difference.empty())
         return join("the recorded world is defined otherwise than the game's: ", difference);
     std::vector<std::byte> recorded, ours;
     append_schema(recording.schema(), recorded);
@@ -33,8 +34,9 @@ std::string world_fault(const Recording& recording, const World& world) {
     if (recorded != ours) return "the recorded game columns are not those of the game";
     const std::uint64_t schema = world.state().layout().schema_hash();
     if (schema != recording.header().schema_hash)
-        return join("its state has schema ", hex(recording.header().schema_hash), ", this engine's has ", hex(schema),
-                    ": it was recorded by engine ", recording.header().engine, ", this is ", engine_version);
+        return join("its state has schema ", hex(recording.header().schema_hash), ", this engine's has ",
+                    hex(schema), ": it was recorded by engine ", recording.header().engine, ", this is ",
+                    engine_version);
     return {};
 }
 
@@ -64,7 +66,9 @@ Result<Player> Player::open(const Recording& recording) { return open(recording,
 
 Result<Player> Player::open(const Recording& recording, const Game* game) {
     const Header& header = recording.header();
-    const auto refuse = [&](const std::string& why) { return Error{join(recording.name(), ": cannot be played: ", why)}; };
+    const auto refuse = [&](const std::string& why) {
+        return Error{join(recording.name(), ": cannot be played: ", why)};
+    };
     if (header.mode == Mode::commands) {
         if (const std::string fault = schema_fault(recording.world_def(), recording.schema()); !fault.empty())
             return refuse(fault);
@@ -95,7 +99,8 @@ Status Player::step() {
         game->advance(now, block.inputs(time_now));
     }
     if (now.tick_count() != time_now + 1)
-        return error(join("tick ", time_now, ": the game left the world at tick ", now.tick_count(), ", not ", time_now + 1));
+        return error(join("tick ", time_now, ": the game left the world at tick ", now.tick_count(), ", not ",
+                          time_now + 1));
     ++time_now;
     return {};
 }
@@ -105,8 +110,8 @@ Status Player::run_commands() {
     for (std::size_t i = 0; i < commands.size(); ++i) {
         const auto applied = now.apply(commands[i]);
         if (!applied)
-            return error(join("tick ", time_now, ": command ", i, " (", name_of(commands[i]), ") is refused: ",
-                              applied.error().message));
+            return error(join("tick ", time_now, ": command ", i, " (", name_of(commands[i]),
+                              ") is refused: ", applied.error().message));
     }
     now.tick();
     return {};

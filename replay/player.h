@@ -37,7 +37,8 @@ class Player {
     Status seek_keyframe(std::size_t keyframe);
 
   private:
-    Player(const Recording& from, const Game* by, World start) : source(&from), game(by), now(std::move(start)) {}
+    Player(const Recording& from, const Game* by, World start)
+        : source(&from), game(by), now(std::move(start)) {}
     static Result<Player> at_start(const Recording& recording, const Game* game, World world);
     Status run_commands();
     Error error(const std::string& sentence) const;

@@ -18,7 +18,8 @@ Header header_of(const World& world, const RecorderOptions& options) {
     return header;
 }
 
-Result<Writer> begin_at(Sink& sink, const Header& header, const World& world, const RecorderOptions& options) {
+Result<Writer> begin_at(Sink& sink, const Header& header, const World& world,
+                        const RecorderOptions& options) {
     return Writer::begin(sink, header, world.schema(), world.def(), world.hash(), world.save_portable(),
                          {options.block_ticks});
 }
@@ -28,7 +29,8 @@ bool is_due(const Writer& writer, std::uint64_t keyframe_ticks) {
 }
 
 Error out_of_order(std::uint64_t tick, std::uint64_t expected) {
-    return {join("cannot record tick ", tick, ": tick ", expected, " comes next; ticks are recorded once and in order")};
+    return {join("cannot record tick ", tick, ": tick ", expected,
+                 " comes next; ticks are recorded once and in order")};
 }
 
 } // namespace
@@ -53,6 +55,7 @@ InputRecorder InputRecorder::resume(Writer writer, std::uint64_t keyframe_ticks)
 }
 
 Status InputRecorder::on_tick(std::uint64_t tick, std::span<const PlayerInput> inputs, std::uint64_t hash) {
+    if (const Status status = writer.status(); !status) return status;
     if (tick != writer.next_tick()) return out_of_order(tick, writer.next_tick());
     return writer.add_inputs(inputs, hash);
 }
@@ -60,12 +63,14 @@ Status InputRecorder::on_tick(std::uint64_t tick, std::span<const PlayerInput> i
 bool InputRecorder::keyframe_due() const { return is_due(writer, keyframe_ticks); }
 
 Status InputRecorder::keyframe(const World& world) {
+    if (const Status status = writer.status(); !status) return status;
     if (world.tick_count() != writer.next_tick())
-        return Error{join("cannot record a keyframe: the world stands at ", world.tick_count(), ", the recording at ",
-                          writer.next_tick())};
+        return Error{join("cannot record a keyframe: the world stands at ", world.tick_count(),
+                          ", the recording at ", writer.next_tick())};
     if (world.hash() != writer.last_hash())
-        return Error{join("cannot record a keyframe at ", world.tick_count(), ": the world's hash is ", base::hex(world.hash()),
-                          ", the last tick was recorded with ", base::hex(writer.last_hash()))};
+        return Error{join("cannot record a keyframe at ", world.tick_count(), ": the world's hash is ",
+                          base::hex(world.hash()), ", the last tick was recorded with ",
+                          base::hex(writer.last_hash()))};
     return writer.add_keyframe(world.save_portable());
 }
 
@@ -77,8 +82,8 @@ Status InputRecorder::after_tick(const World& world, std::span<const PlayerInput
 
 // ---- CommandRecorder -----------------------------------------------------------------------------------------
 
-Result<std::unique_ptr<CommandRecorder>> CommandRecorder::begin(Sink& sink, World& world, const std::string& label,
-                                                                const RecorderOptions& options) {
+Result<std::unique_ptr<CommandRecorder>>
+CommandRecorder::begin(Sink& sink, World& world, const std::string& label, const RecorderOptions& options) {
     Header header = header_of(world, options);
     header.mode = Mode::commands;
     header.game = label;
@@ -87,7 +92,8 @@ Result<std::unique_ptr<CommandRecorder>> CommandRecorder::begin(Sink& sink, Worl
     return resume(std::move(*writer), world, options.keyframe_ticks);
 }
 
-std::unique_ptr<CommandRecorder> CommandRecorder::resume(Writer writer, World& world, std::uint64_t keyframe_ticks) {
+std::unique_ptr<CommandRecorder> CommandRecorder::resume(Writer writer, World& world,
+                                                         std::uint64_t keyframe_ticks) {
     std::unique_ptr<CommandRecorder> recorder(new CommandRecorder(std::move(writer), world, keyframe_ticks));
     world.set_journal(recorder.get());
     return recorder;
@@ -99,14 +105,18 @@ CommandRecorder::~CommandRecorder() {
 
 void CommandRecorder::on_command(std::uint64_t tick, const Command& command) {
     if (!state) return;
-    if (tick != writer.next_tick()) state = out_of_order(tick, writer.next_tick());
-    else pending.push_back(command);
+    if (tick != writer.next_tick())
+        state = out_of_order(tick, writer.next_tick());
+    else
+        pending.push_back(command);
 }
 
 void CommandRecorder::on_tick(std::uint64_t tick, std::uint64_t hash) {
     if (!state) return;
-    if (tick != writer.next_tick()) state = out_of_order(tick, writer.next_tick());
-    else state = writer.add_commands(pending, hash);
+    if (tick != writer.next_tick())
+        state = out_of_order(tick, writer.next_tick());
+    else
+        state = writer.add_commands(pending, hash);
     pending.clear();
     if (state && is_due(writer, keyframe_ticks)) state = writer.add_keyframe(world->save_portable());
 }

@@ -75,7 +75,8 @@ class CommandRecorder final : public Journal {
     std::uint64_t bytes_written() const { return writer.bytes_written(); }
 
   private:
-    CommandRecorder(Writer w, World& of, std::uint64_t every) : writer(std::move(w)), world(&of), keyframe_ticks(every) {}
+    CommandRecorder(Writer w, World& of, std::uint64_t every)
+        : writer(std::move(w)), world(&of), keyframe_ticks(every) {}
     Writer writer;
     World* world; ///< null after close
     std::uint64_t keyframe_ticks;

@@ -39,7 +39,8 @@ Result<std::vector<std::byte>> read_file(const std::string& path) {
             return Error{join(path, ": the file has more than ", file_bytes_max, " bytes")};
         if (got < step) return bytes;
         if (before == 0)
-            if (const std::string fault = preamble_fault(bytes); !fault.empty()) return Error{join(path, ": ", fault)};
+            if (const std::string fault = preamble_fault(bytes); !fault.empty())
+                return Error{join(path, ": ", fault)};
         step = std::max<std::size_t>(bytes.size() / 2, std::size_t{1} << 16);
     }
 }
@@ -61,7 +62,8 @@ Result<Recording> Recording::from_bytes(std::vector<std::byte> bytes, std::strin
 }
 
 std::uint64_t Recording::hash_at(std::uint64_t at) const {
-    LOCKSTONE_ASSERT(at >= start_tick() && at <= end_tick(), "time ", at, " of ", start_tick(), "..", end_tick());
+    LOCKSTONE_ASSERT(at >= start_tick() && at <= end_tick(), "time ", at, " of ", start_tick(), "..",
+                     end_tick());
     if (at == start_tick()) return keyframe_list.front().hash;
     const Block& block = find_block(at - 1);
     constexpr std::uint64_t hashes_at = 8 + 4 + 8; // behind first tick, count and unpacked size
@@ -87,7 +89,8 @@ std::vector<std::byte> Recording::keyframe_image(std::size_t keyframe) const {
 }
 
 const Recording::Block& Recording::find_block(std::uint64_t tick) const {
-    LOCKSTONE_ASSERT(tick >= start_tick() && tick < end_tick(), "tick ", tick, " of ", start_tick(), "..", end_tick());
+    LOCKSTONE_ASSERT(tick >= start_tick() && tick < end_tick(), "tick ", tick, " of ", start_tick(), "..",
+                     end_tick());
     return *(std::ranges::upper_bound(block_list, tick, {}, &Block::first_tick) - 1);
 }
 

@@ -25,7 +25,8 @@ Result<FileSink> FileSink::create(const std::string& path) {
 Status FileSink::append(std::span<const std::byte> bytes) {
     if (!file) return Error{base::join(path, ": cannot write, the file is closed")};
     errno = 0;
-    if (std::fwrite(bytes.data(), 1, bytes.size(), file.get()) == bytes.size() && std::fflush(file.get()) == 0)
+    if (std::fwrite(bytes.data(), 1, bytes.size(), file.get()) == bytes.size() &&
+        std::fflush(file.get()) == 0)
         return {};
     return Error{base::join(path, ": cannot write ", bytes.size(), " bytes: ", system_reason())};
 }

@@ -48,7 +48,8 @@ void check_tick(Player& player, Outcome& outcome) {
     ++outcome.hashes;
     const std::uint64_t computed = player.world().hash(), recorded = player.recording().hash_at(tick + 1);
     if (computed != recorded)
-        outcome.diverge(tick, join("tick ", tick, ": the state's hash is ", hex(computed), ", recorded is ", hex(recorded)));
+        outcome.diverge(tick, join("tick ", tick, ": the state's hash is ", hex(computed), ", recorded is ",
+                                   hex(recorded)));
 }
 
 void check_keyframe(Player& player, std::size_t keyframe, Outcome& outcome) {
@@ -58,7 +59,8 @@ void check_keyframe(Player& player, std::size_t keyframe, Outcome& outcome) {
     if (player.world().save_portable() == recorded) return;
     std::string why = join("keyframe at ", time, ": the recorded bytes are not those of the state");
     State image(player.world().state().layout_shared());
-    if (const Status status = image.restore_portable(recorded); !status) why += join(": ", status.error().message);
+    if (const Status status = image.restore_portable(recorded); !status)
+        why += join(": ", status.error().message);
     else if (const auto first = State::diff(player.world().state(), image, 1); !first.empty())
         why += join(": ", to_string(first.front()), " (computed against recorded)");
     outcome.diverge(time == player.recording().start_tick() ? time : time - 1, std::move(why));
@@ -91,7 +93,8 @@ Outcome run_apart(const Recording& recording, const Game* game, const VerifyOpti
         ++outcome.hashes; // of the state that the segment starts from
         if (const Status status = player->seek_keyframe(k); !status)
             outcome.diverge(recording.keyframes()[k].time, status.error().message);
-        else check_segment(*player, k, options, outcome);
+        else
+            check_segment(*player, k, options, outcome);
         all.add(outcome);
     }
     return all;
@@ -107,7 +110,8 @@ Outcome run_straight(Player& player, const VerifyOptions& options) {
 Outcome run_jobs(const Recording& recording, const Game* game, const VerifyOptions& options,
                  std::span<const std::size_t> segments) {
     std::atomic<std::size_t> next = 0;
-    const std::size_t jobs = std::clamp<std::size_t>(options.jobs, 1, std::max<std::size_t>(segments.size(), 1));
+    const std::size_t jobs =
+        std::clamp<std::size_t>(options.jobs, 1, std::max<std::size_t>(segments.size(), 1));
     std::vector<Outcome> outcomes(jobs);
     std::vector<std::thread> threads;
     for (std::size_t j = 1; j < jobs; ++j)
@@ -126,13 +130,14 @@ VerifyReport report_of(const Recording& recording, const Outcome& outcome) {
     report.keyframes_compared = outcome.keyframes;
     report.first_bad_tick = outcome.bad_tick;
     const bool names_file = outcome.sentence.starts_with(recording.name());
-    const std::string compared =
-        join(outcome.ticks, " ticks, ", outcome.hashes, " hashes and ", outcome.keyframes, " keyframes compared");
+    const std::string compared = join(outcome.ticks, " ticks, ", outcome.hashes, " hashes and ",
+                                      outcome.keyframes, " keyframes compared");
     if (outcome.bad_tick) {
         report.verdict = Verdict::diverged;
         report.sentence = names_file ? outcome.sentence : join(recording.name(), ": ", outcome.sentence);
         if (recording.header().engine != engine_version)
-            report.sentence += join(" (recorded by engine ", recording.header().engine, ", this is ", engine_version, ")");
+            report.sentence +=
+                join(" (recorded by engine ", recording.header().engine, ", this is ", engine_version, ")");
     } else if (!recording.complete()) {
         report.verdict = Verdict::incomplete;
         report.sentence = join(recording.damage(), " (", compared, ", all agree)");
@@ -171,7 +176,8 @@ VerifyReport verify(const Recording& recording, const Game* game, const VerifyOp
         return report;
     }
     std::vector<std::size_t> segments;
-    for (std::size_t k = options.shard; k < segment_count(recording); k += options.shards) segments.push_back(k);
+    for (std::size_t k = options.shard; k < segment_count(recording); k += options.shards)
+        segments.push_back(k);
 
     Outcome outcome;
     const bool has_start = options.shard == 0 && game != nullptr && recording.header().mode == Mode::inputs;
@@ -182,7 +188,8 @@ VerifyReport verify(const Recording& recording, const Game* game, const VerifyOp
     }
     report = report_of(recording, outcome);
     if (segments.empty())
-        report.sentence += join(" (there are ", segment_count(recording), " segments for ", options.shards, " shards)");
+        report.sentence +=
+            join(" (there are ", segment_count(recording), " segments for ", options.shards, " shards)");
     return report;
 }
 

@@ -94,7 +94,7 @@ Status Writer::add_tick(const Status& gathered, std::uint64_t hash) {
 
 Status Writer::add_keyframe(std::span<const std::byte> image) {
     if (closed) return Error{"the recording is closed"};
-    if (time == keyframe_time) return failure.empty() ? Status{} : Status(Error{failure});
+    if (time == keyframe_time) return status();
     if (const Status status = flush(); !status) return status;
     return write_keyframe(image);
 }
@@ -109,7 +109,7 @@ Status Writer::flush() {
 }
 
 Status Writer::close() {
-    if (closed) return failure.empty() ? Status{} : Status(Error{failure});
+    if (closed) return status();
     closed = true;
     if (const Status status = flush(); !status) return status;
     const std::uint64_t index_at = offset;
@@ -151,7 +151,8 @@ Status Writer::write_chunk(std::uint32_t type, std::uint64_t tick, std::span<con
 
 Status Writer::write_keyframe(std::span<const std::byte> image) {
     if (image.size() > image_bytes_max)
-        return fail({join("cannot record the keyframe at ", time, ": it has ", image.size(), " bytes, at most ", image_bytes_max)});
+        return fail({join("cannot record the keyframe at ", time, ": it has ", image.size(),
+                          " bytes, at most ", image_bytes_max)});
     std::vector<std::byte> payload;
     ByteWriter to(payload);
     to.u64(time);

@@ -14,9 +14,9 @@ struct WriterOptions {
 class Writer {
   public:
     /// Writes the preamble, HEAD, SCHM, WDEF and the first keyframe. `sink` outlives the writer.
-    static Result<Writer> begin(Sink& sink, const Header& header, const GameSchema& schema, const WorldDef& def,
-                                std::uint64_t start_hash, std::span<const std::byte> start_image,
-                                const WriterOptions& options = {});
+    static Result<Writer> begin(Sink& sink, const Header& header, const GameSchema& schema,
+                                const WorldDef& def, std::uint64_t start_hash,
+                                std::span<const std::byte> start_image, const WriterOptions& options = {});
 
     // After the first error of the sink nothing is written any more and every call returns that error.
     /// Tick next_tick(), by its inputs or its commands as the header's mode demands (asserted).
@@ -29,6 +29,8 @@ class Writer {
     Status flush();
     /// Writes what is pending, the index and the end, and closes the sink. Without it the recording is incomplete.
     Status close();
+    /// The first error, if there was one.
+    Status status() const { return failure.empty() ? Status{} : Status(Error{failure}); }
 
     const Header& header() const { return head; }
     std::uint64_t next_tick() const { return time; }
@@ -47,11 +49,11 @@ class Writer {
     Header head;
     std::uint32_t block_ticks;
     BlockBuilder block;
-    std::uint64_t time;          ///< the next tick
+    std::uint64_t time; ///< the next tick
     std::uint64_t keyframe_time;
-    std::uint64_t hash_now = 0;  ///< of the state at `time`
-    std::uint64_t offset = 0;    ///< bytes in the sink
-    std::uint64_t chain = 0;     ///< checksum of the last chunk
+    std::uint64_t hash_now = 0; ///< of the state at `time`
+    std::uint64_t offset = 0;   ///< bytes in the sink
+    std::uint64_t chain = 0;    ///< checksum of the last chunk
     std::vector<std::byte> first_image;
     std::vector<IndexEntry> index;
     bool closed = false;

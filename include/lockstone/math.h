@@ -24,14 +24,17 @@ inline constexpr int tan = 510;        ///< while |result| < 4096; see tan_relat
 inline constexpr int atan = 501;       ///< atan, atan2, asin, acos
 inline constexpr int log = 501;        ///< log and log2
 inline constexpr int exp = 501;        ///< exp and exp2; besides the relative part below
+inline constexpr int rotation = 1500;  ///< each component of a quaternion that is made or turned
 inline constexpr int determinant = 2000;
+inline constexpr int inverse = 3000; ///< all entries together (Frobenius norm)
 
-inline constexpr int exp_relative_bits =
-    59; ///< exp, exp2, pow add |result| * 2^-59 (pow: times max(1, |exponent|))
-inline constexpr int tan_relative_bits = 60; ///< tan adds result^2 * 2^-60
-
-inline constexpr int rotation =
-    1500; ///< each component of a quaternion made from axis, angles, matrix, slerp, nlerp
+// What is added to the steps above, as a power of two.
+inline constexpr int inv_sqrt_relative_bits = 60; ///< result * 2^-60: matters above 2^50 steps only
+inline constexpr int exp_relative_bits = 59; ///< exp, exp2, pow: result * 2^-59, for pow times max(1, |y|)
+inline constexpr int tan_relative_bits = 60; ///< result^2 * 2^-60
+inline constexpr int determinant_relative_bits = 58; ///< |m|^3 * 2^-58
+inline constexpr int inverse_relative_bits = 56;     ///< |inverse| * condition number * 2^-56
+inline constexpr int eigenvalue_relative_bits = 54;  ///< |m| * 2^-54, and the step of a Real
 } // namespace error_bound
 
 // ---- roots ----------------------------------------------------------------------------------------------------
@@ -185,7 +188,7 @@ template <FixedPoint T> constexpr T sqrt(T x) {
     }
 }
 
-/// 1 / sqrt(x), error_bound::inv_sqrt; the largest value for x <= 0.
+/// 1 / sqrt(x); the largest value for x <= 0. error_bound::inv_sqrt + result * 2^-inv_sqrt_relative_bits.
 template <FixedPoint T> constexpr T inv_sqrt(T x) {
     if (x.raw <= 0) return T::max();
     // Raw result = 2^(3f/2) / sqrt(raw); an odd 3f borrows a factor of two from raw.
@@ -296,7 +299,8 @@ struct AxisAngle {
     Real angle; ///< [rad], in [0, pi]
 };
 
-/// Turns by `radians` about `axis`, right-handed. All results below are normalised.
+/// Turns by `radians` about `axis`, right-handed. All quaternions below are normalised, and within
+/// error_bound::rotation.
 Quat from_axis_angle(UnitVec3 axis, Real radians);
 /// The identity has axis x.
 AxisAngle to_axis_angle(Quat q);
@@ -319,25 +323,26 @@ Quat integrate_rotation(Quat q, const std::array<std::int64_t, 3>& v, int fracti
 } // namespace detail
 
 /// q turned by the world-frame rotation vector v [rad] (axis times angle), of any length: the exponential map,
-/// renormalised. A small half turn enters with 37 fraction bits and the result is rounded once, so turns are not lost
-/// before that rounding.
+/// renormalised, error_bound::rotation. A small half turn enters with 37 fraction bits and the result is rounded once,
+/// so turns are not lost before that rounding.
 template <FixedPoint T> Quat integrate_rotation(Quat q, Vector3<T> v) {
     return detail::integrate_rotation(q, {v.x.raw, v.y.raw, v.z.raw}, T::fraction_bits);
 }
 
 // ---- small matrices -------------------------------------------------------------------------------------------
 
-/// Clamped to the range; error_bound::determinant, and 2^-58 of the product of the column lengths.
+/// Clamped to the range. error_bound::determinant and determinant_relative_bits.
 Real determinant(const Mat3& m);
-/// Zero for a singular matrix. Relative error: 2^-56 times the condition number, and one step.
+/// Zero for a singular matrix. error_bound::inverse and inverse_relative_bits.
 Mat3 inverse(const Mat3& m);
 
 struct Diagonal {
     Vec3 values; ///< m = R diag(values) R^T with R = to_rotation(axes)
     Quat axes;
 };
-/// The eigenvalues and axes of a symmetric matrix (its upper triangle is read). Axes keep the order the matrix has
-/// them nearest to: a diagonal matrix gives the identity, so does a multiple of the unit matrix.
+/// The eigenvalues (error_bound::eigenvalue_relative_bits) and axes of a symmetric matrix; its upper triangle is
+/// read. Axes keep the order the matrix has them nearest to: a diagonal matrix gives the identity, and so does a
+/// multiple of the unit matrix.
 Diagonal diagonalize(const Mat3& symmetric);
 
 } // namespace lockstone

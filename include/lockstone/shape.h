@@ -53,9 +53,9 @@ using I20F44 = Fixed<std::int64_t, 44>;
 
 /// The solver needs inertia only as inertia / mass, whose range does not depend on density.
 struct MassProperties {
-    Real mass;                         ///< [kg]
-    Vec3 center;                       ///< centre of mass in the shape's or the body's axes [m]
-    Matrix3<I20F44> gyration_squared;  ///< inertia about `center` / mass, symmetric, in the same axes [m^2]
+    Real mass;                        ///< [kg]
+    Vec3 center;                      ///< centre of mass in the shape's or the body's axes [m]
+    Matrix3<I20F44> gyration_squared; ///< inertia about `center` / mass, symmetric, in the same axes [m^2]
 };
 
 /// Exact closed forms, each entry rounded once; mass is clamped to Real. Density in kg/m^3.

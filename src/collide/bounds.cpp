@@ -24,7 +24,8 @@ Vector3<Fixed<std::int64_t, 24>> half_width(const Geometry& g, const Quat& rotat
 
 Bounds bounds_of(const Geometry& g, const Transform& pose, Length margin, int shift) {
     if (g.kind == ShapeKind::plane) {
-        const Vector3<Bound> low{Bound::min(), Bound::min(), Bound::min()}, high{Bound::max(), Bound::max(), Bound::max()};
+        const Vector3<Bound> low{Bound::min(), Bound::min(), Bound::min()},
+            high{Bound::max(), Bound::max(), Bound::max()};
         return {low, high};
     }
     const Vector3<Fixed<std::int64_t, 24>> h = half_width(g, pose.rotation);

@@ -23,18 +23,23 @@ Bounds bounds_of(const Geometry& geometry, const Transform& pose, Length margin,
 /// A length in bound steps, rounded up.
 constexpr Bound bound_steps(Length length, int shift) {
     const int drop = Length::fraction_bits - Bound::fraction_bits + shift;
-    return Bound::from_raw(static_cast<std::int32_t>((std::int64_t{length.raw} + (std::int64_t{1} << drop) - 1) >> drop));
+    return Bound::from_raw(
+        static_cast<std::int32_t>((std::int64_t{length.raw} + (std::int64_t{1} << drop) - 1) >> drop));
 }
 
 constexpr bool overlap(const Bounds& a, const Bounds& b) {
     // Not short-circuited: six predictable comparisons cost less than one mispredicted branch.
-    return (a.lower.x.raw <= b.upper.x.raw) & (b.lower.x.raw <= a.upper.x.raw) & (a.lower.y.raw <= b.upper.y.raw) &
-           (b.lower.y.raw <= a.upper.y.raw) & (a.lower.z.raw <= b.upper.z.raw) & (b.lower.z.raw <= a.upper.z.raw);
+    return (a.lower.x.raw <= b.upper.x.raw) & (b.lower.x.raw <= a.upper.x.raw) &
+           (a.lower.y.raw <= b.upper.y.raw) & (b.lower.y.raw <= a.upper.y.raw) &
+           (a.lower.z.raw <= b.upper.z.raw) & (b.lower.z.raw <= a.upper.z.raw);
 }
-constexpr Bounds merge(const Bounds& a, const Bounds& b) { return {min(a.lower, b.lower), max(a.upper, b.upper)}; }
+constexpr Bounds merge(const Bounds& a, const Bounds& b) {
+    return {min(a.lower, b.lower), max(a.upper, b.upper)};
+}
 constexpr bool contains(const Bounds& outer, const Bounds& inner) { return merge(outer, inner) == outer; }
 constexpr Bounds expand(const Bounds& b, Bound by) {
-    return {{b.lower.x - by, b.lower.y - by, b.lower.z - by}, {b.upper.x + by, b.upper.y + by, b.upper.z + by}};
+    return {{b.lower.x - by, b.lower.y - by, b.lower.z - by},
+            {b.upper.x + by, b.upper.y + by, b.upper.z + by}};
 }
 
 /// Half the surface, in units of 16 square steps, so that it fits 64 bits for any box. Needs lower <= upper.

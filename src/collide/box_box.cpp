@@ -16,7 +16,7 @@ constexpr std::int64_t sin2_min_60 = std::int64_t{1} << 44;
 /// The axis of greatest separation, after the preference for faces; `separation` in 30 fraction bits is its own.
 struct Axis {
     enum Kind { none, face_a, face_b, edges } kind; // none: further apart than the margin
-    int i, j;                 // A's face or edge axis, B's
+    int i, j;                                       // A's face or edge axis, B's
     std::int64_t separation;
 };
 
@@ -27,52 +27,52 @@ struct FaceAxis {
 
 FaceAxis best_face_of_a(const BoxPair& g) {
     FaceAxis best{std::numeric_limits<std::int64_t>::min(), 0};
-    for (int i = 0; i < 3; ++i) {
-        const std::int64_t s = up(absolute(g.t[i]) - g.a[i], 30) - absolute(g.r[0][i]) * g.b[0] -
-                               absolute(g.r[1][i]) * g.b[1] - absolute(g.r[2][i]) * g.b[2];
+    for_axes([&](auto i) {
+        const std::int64_t s = up(absolute(g.t[i]) - g.a[i], 30) - g.abs[0][i] * g.b[0] -
+                               g.abs[1][i] * g.b[1] - g.abs[2][i] * g.b[2];
         if (s > best.separation) best = {s, i};
-    }
+    });
     return best;
 }
 
 FaceAxis best_face_of_b(const BoxPair& g) {
     FaceAxis best{std::numeric_limits<std::int64_t>::min(), 0};
-    for (int j = 0; j < 3; ++j) {
-        const Long3& r = g.r[j];
-        const std::int64_t s = absolute(dot(g.t, r)) - up(g.b[j], 30) - absolute(r[0]) * g.a[0] -
-                               absolute(r[1]) * g.a[1] - absolute(r[2]) * g.a[2];
+    for_axes([&](auto j) {
+        const std::int64_t s = absolute(dot(g.t, g.r[j])) - up(g.b[j], 30) - dot(g.abs[j], g.a);
         if (s > best.separation) best = {s, j};
-    }
+    });
     return best;
+}
+
+/// The separation along e_i x r_j = (0, -r[i2], r[i1]) times that axis's length, 54 fraction bits.
+template <int i, int j> std::int64_t edge_separation(const BoxPair& g) {
+    constexpr int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+    return absolute(g.t[i2] * g.r[j][i1] - g.t[i1] * g.r[j][i2]) - g.abs[j][i2] * g.a[i1] -
+           g.abs[j][i1] * g.a[i2] - g.abs[j2][i] * g.b[j1] - g.abs[j1][i] * g.b[j2];
 }
 
 /// Replaces `best` by the edge axis that beats it by more than the bias. `best.separation` does not include the bias.
 void try_edges(const BoxPair& g, std::int64_t bias_30, std::int64_t margin_30, Axis& best) {
     std::int64_t to_beat = best.separation + bias_30;
-    for (int i = 0; i < 3; ++i) {
-        const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
-        for (int j = 0; j < 3; ++j) {
-            const Long3 &r = g.r[j], &r1 = g.r[(j + 1) % 3], &r2 = g.r[(j + 2) % 3];
-            // The axis e_i x r_j = (0, -r[i2], r[i1]) has length sin <= 1, so s_54 / sin <= s_54 while s_54 < 0:
-            // most axes are dropped before the root and the division.
-            const std::int64_t s_54 = absolute(g.t[i2] * r[i1] - g.t[i1] * r[i2]) - absolute(r[i2]) * g.a[i1] -
-                                      absolute(r[i1]) * g.a[i2] - absolute(r2[i]) * g.b[(j + 1) % 3] -
-                                      absolute(r1[i]) * g.b[(j + 2) % 3];
-            if (s_54 <= 0 && (s_54 >> 24) <= to_beat) continue;
-            const std::int64_t sin2_60 = r[i1] * r[i1] + r[i2] * r[i2];
-            if (sin2_60 < sin2_min_60) continue;
-            const int spare = std::countl_zero(static_cast<std::uint64_t>(sin2_60)) / 2; // all 32 bits of the root
+    for_axes([&](auto i) {
+        for_axes([&](auto j) {
+            // sin <= (1 + sin^2) / 2, so while s_54 < 0 most axes are dropped before the root and the division.
+            const std::int64_t s_54 = edge_separation<i, j>(g);
+            const std::int64_t r1 = g.r[j][(i + 1) % 3], r2 = g.r[j][(i + 2) % 3],
+                               sin2_60 = r1 * r1 + r2 * r2;
+            const std::int64_t sin_above_20 = ((std::int64_t{1} << 20) + (sin2_60 >> 40) + 2) >> 1;
+            if (s_54 <= 0 && (s_54 >> 24) <= (to_beat * sin_above_20) >> 20) return;
+            if (sin2_60 < sin2_min_60) return;
+            const int spare =
+                std::countl_zero(static_cast<std::uint64_t>(sin2_60)) / 2; // all 32 bits of the root
             const std::int64_t sin = isqrt(static_cast<std::uint64_t>(sin2_60) << (2 * spare));
             const std::int64_t s = divide_shifted(s_54, sin, 6 + spare);
-            if (s > margin_30) {
-                best.kind = Axis::none;
-                return;
-            }
-            if (s <= to_beat) continue;
-            best = {Axis::edges, i, j, s};
+            if (s <= to_beat) return;
             to_beat = s;
-        }
-    }
+            best = {s > margin_30 ? Axis::none : Axis::edges, i, j,
+                    s}; // what is apart stays apart: to_beat only grows
+        });
+    });
 }
 
 Axis find_axis(const BoxPair& g, std::int64_t bias_30, std::int64_t margin_30) {
@@ -98,7 +98,8 @@ void collide_edges(const BoxPair& g, const Axis& axis, Length margin, Manifold& 
     across[i2] = sign * r[i1];
     const Long3 normal = direction_of_30(across).unit;
     // (e_i x r_j) . r_j1 = r_j2[i] and (e_i x r_j) . r_j2 = -r_j1[i]
-    const bool a1 = normal[i1] >= 0, a2 = normal[i2] >= 0, b1 = sign * g.r[j2][i] < 0, b2 = sign * g.r[j1][i] >= 0;
+    const bool a1 = normal[i1] >= 0, a2 = normal[i2] >= 0, b1 = sign * g.r[j2][i] < 0,
+               b2 = sign * g.r[j1][i] >= 0;
     Long3 on_a{};
     on_a[i1] = a1 ? g.a[i1] : -g.a[i1];
     on_a[i2] = a2 ? g.a[i2] : -g.a[i2];
@@ -106,7 +107,8 @@ void collide_edges(const BoxPair& g, const Axis& axis, Length margin, Manifold& 
         shifted(up(g.t, 30) + g.r[j1] * (b1 ? g.b[j1] : -g.b[j1]) + g.r[j2] * (b2 ? g.b[j2] : -g.b[j2]), 30);
 
     const Long3 between = on_b - on_a;
-    const std::int64_t sin2_60 = r[i1] * r[i1] + r[i2] * r[i2], along_b = shift_right_rounded(dot(between, r), 30);
+    const std::int64_t sin2_60 = r[i1] * r[i1] + r[i2] * r[i2],
+                       along_b = shift_right_rounded(dot(between, r), 30);
     const std::int64_t line_s = divide_shifted(up(between[i], 30) - r[i] * along_b, sin2_60, 30);
     const std::int64_t line_u = divide_shifted(r[i] * between[i] - up(along_b, 30), sin2_60, 30);
     const std::int64_t s = clamped(line_s, -g.a[i], g.a[i]), u = clamped(line_u, -g.b[j], g.b[j]);
@@ -123,20 +125,26 @@ void collide_edges(const BoxPair& g, const Axis& axis, Length margin, Manifold& 
 
 } // namespace
 
-void collide_box_box(const Geometry& geometry_a, const Geometry& geometry_b, const RelativePose& pose, Length margin,
-                     Manifold& out) {
-    const BoxPair g{raw(geometry_a.half_extent),
-                    raw(geometry_b.half_extent),
-                    raw(pose.position),
-                    {raw(pose.rotation.x), raw(pose.rotation.y), raw(pose.rotation.z)}};
+void collide_box_box(const Geometry& geometry_a, const Geometry& geometry_b, const RelativePose& pose,
+                     Length margin, Manifold& out) {
+    BoxPair g{raw(geometry_a.half_extent),
+              raw(geometry_b.half_extent),
+              raw(pose.position),
+              {raw(pose.rotation.x), raw(pose.rotation.y), raw(pose.rotation.z)},
+              {}};
+    for_axes([&](auto j) { g.abs[j] = {absolute(g.r[j][0]), absolute(g.r[j][1]), absolute(g.r[j][2])}; });
     std::int64_t thinnest = up(face_bias.raw, 3); // 30 fraction bits; half_24 / 64 is the same number in 30
     for (int i = 0; i < 3; ++i) thinnest = smaller(thinnest, smaller(g.a[i], g.b[i]));
     const Axis axis = find_axis(g, thinnest, up(margin.raw, 6));
     switch (axis.kind) {
-    case Axis::none: return;
-    case Axis::face_a: return clip_faces(g, false, axis.i, axis.separation, margin, out);
-    case Axis::face_b: return clip_faces(g, true, axis.j, axis.separation, margin, out);
-    case Axis::edges: return collide_edges(g, axis, margin, out);
+    case Axis::none:
+        return;
+    case Axis::face_a:
+        return clip_faces(g, false, axis.i, axis.separation, margin, out);
+    case Axis::face_b:
+        return clip_faces(g, true, axis.j, axis.separation, margin, out);
+    case Axis::edges:
+        return collide_edges(g, axis, margin, out);
     }
 }
 

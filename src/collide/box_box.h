@@ -6,9 +6,10 @@
 namespace lockstone::collide {
 
 struct BoxPair {
-    Long3 a, b;  // half extents, 24 fraction bits
-    Long3 t;     // B's centre, 24
-    Long3 r[3];  // B's axes, 30
+    Long3 a, b;   // half extents, 24 fraction bits
+    Long3 t;      // B's centre, 24
+    Long3 r[3];   // B's axes, 30
+    Long3 abs[3]; // |r|
 };
 
 /// Fills the manifold from the incident face of one box clipped against face `axis` of the other, the reference:
@@ -18,7 +19,7 @@ void clip_faces(const BoxPair& g, bool reference_is_b, int axis, std::int64_t se
 
 /// A corner of the clipped polygon before the choice of four: place in the reference face, and height above it.
 struct ClipPoint {
-    std::int64_t p, q, height; // 30 fraction bits
+    std::int64_t p, q, height;      // 30 fraction bits
     std::uint8_t line_in, line_out; // the two lines that meet here: 0..3 incident edges, 4..7 reference sides
 };
 

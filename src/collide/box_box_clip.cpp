@@ -8,7 +8,8 @@
 namespace lockstone::collide {
 namespace {
 
-constexpr int points_max = 8; // a parallelogram cut by four lines; roundings could ask for more, and are refused
+constexpr int points_max =
+    8; // a parallelogram cut by four lines; roundings could ask for more, and are refused
 
 /// The reference box's frame: where the incident box is and how it is turned.
 struct Clip {
@@ -21,7 +22,7 @@ struct Clip {
 };
 
 Clip set_up(const BoxPair& g, bool reference_is_b, int axis) {
-    Clip c{};
+    Clip c;
     c.half = reference_is_b ? g.b : g.a;
     c.incident_half = reference_is_b ? g.a : g.b;
     c.axis = axis;
@@ -30,12 +31,15 @@ Clip set_up(const BoxPair& g, bool reference_is_b, int axis) {
     if (reference_is_b) {
         c.center_54 = {-dot(g.t, g.r[0]), -dot(g.t, g.r[1]), -dot(g.t, g.r[2])};
         for (int i = 0; i < 3; ++i) c.axes[i] = {g.r[0][i], g.r[1][i], g.r[2][i]};
-        c.sign = c.center_54[axis] > 0 ? 1 : -1; // centred boxes: the normal from A to B is +r, so B looks along -r
+        c.sign = c.center_54[axis] > 0
+                     ? 1
+                     : -1; // centred boxes: the normal from A to B is +r, so B looks along -r
     } else {
         c.center_54 = up(g.t, 30);
         for (int j = 0; j < 3; ++j) c.axes[j] = g.r[j];
         c.sign = sign_of(g.t[axis]);
     }
+    c.incident_axis = 0;
     for (int j = 1; j < 3; ++j)
         if (absolute(c.axes[j][axis]) > absolute(c.axes[c.incident_axis][axis])) c.incident_axis = j;
     c.u = (c.incident_axis + 1) % 3;
@@ -58,33 +62,50 @@ void incident_corners(const Clip& c, ClipPoint* out) {
     for (int k = 0; k < 4; ++k) {
         const Long3 half_way = corner_u[k] ? face + along_u : face - along_u;
         const Long3 x = shifted(corner_v[k] ? half_way + along_v : half_way - along_v, 24);
-        out[k] = {x[c.p], x[c.q], c.sign * x[c.axis] - up(c.half[c.axis], 6), static_cast<std::uint8_t>((k + 3) % 4),
-                  static_cast<std::uint8_t>(k)};
+        out[k] = {x[c.p], x[c.q], c.sign * x[c.axis] - up(c.half[c.axis], 6),
+                  static_cast<std::uint8_t>((k + 3) % 4), static_cast<std::uint8_t>(k)};
     }
 }
 
 /// a + (b - a) part / 2^bits.
 ClipPoint between(const ClipPoint& a, const ClipPoint& b, std::int64_t part, int bits) {
-    const auto mix = [&](std::int64_t x, std::int64_t y) { return x + shift_right_rounded((y - x) * part, bits); };
+    const auto mix = [&](std::int64_t x, std::int64_t y) {
+        return x + shift_right_rounded((y - x) * part, bits);
+    };
     return {mix(a.p, b.p), mix(a.q, b.q), mix(a.height, b.height), 0, 0};
 }
 
+struct Polygon {
+    ClipPoint points[points_max];
+    int count;
+};
+
 /// Keeps what has inside(x) = limit - sign * x.*coordinate >= 0; `line` names the side.
-int clip_side(const ClipPoint* in, int count, ClipPoint* out, std::int64_t ClipPoint::* coordinate, std::int64_t sign,
-              std::int64_t limit, std::uint8_t line, int part_bits) {
+void clip_side(Polygon& polygon, std::int64_t ClipPoint::*coordinate, std::int64_t sign, std::int64_t limit,
+               std::uint8_t line, int part_bits) {
+    std::int64_t inside[points_max], least = 0;
+    const int count = polygon.count;
+    for (int k = 0; k < count; ++k) {
+        inside[k] = limit - sign * polygon.points[k].*coordinate;
+        least = smaller(least, inside[k]);
+    }
+    if (least >= 0) return;
+    ClipPoint whole[points_max];
+    for (int k = 0; k < count; ++k) whole[k] = polygon.points[k];
+    ClipPoint* out = polygon.points;
     int n = 0;
     for (int k = 0; k < count && n < points_max; ++k) {
-        const ClipPoint &a = in[k], &b = in[k + 1 == count ? 0 : k + 1];
-        const std::int64_t inside_a = limit - sign * a.*coordinate, inside_b = limit - sign * b.*coordinate;
-        if (inside_a >= 0) out[n++] = a;
-        if ((inside_a >= 0) == (inside_b >= 0) || n == points_max) continue;
-        ClipPoint cut = between(a, b, up(inside_a, part_bits) / (inside_a - inside_b), part_bits);
+        const int next = k + 1 == count ? 0 : k + 1;
+        const ClipPoint &a = whole[k], &b = whole[next];
+        if (inside[k] >= 0) out[n++] = a;
+        if ((inside[k] >= 0) == (inside[next] >= 0) || n == points_max) continue;
+        ClipPoint cut = between(a, b, up(inside[k], part_bits) / (inside[k] - inside[next]), part_bits);
         cut.*coordinate = sign * limit;
-        cut.line_in = inside_a >= 0 ? a.line_out : line;
-        cut.line_out = inside_a >= 0 ? line : a.line_out;
+        cut.line_in = inside[k] >= 0 ? a.line_out : line;
+        cut.line_out = inside[k] >= 0 ? line : a.line_out;
         out[n++] = cut;
     }
-    return n;
+    polygon.count = n;
 }
 
 /// The bits that a fraction of an edge may have so that its products fit: 24 for the largest boxes, 30 for small ones.
@@ -96,15 +117,13 @@ int part_bits_for(const Clip& c) {
     return bits < 24 ? 24 : bits > 30 ? 30 : bits;
 }
 
-int clip_polygon(const Clip& c, ClipPoint* polygon) {
-    ClipPoint other[points_max];
-    int count = 4;
+void clip_polygon(const Clip& c, Polygon& polygon) {
     const int bits = part_bits_for(c);
     const std::int64_t limit_p = up(c.half[c.p], 6), limit_q = up(c.half[c.q], 6);
-    count = clip_side(polygon, count, other, &ClipPoint::p, 1, limit_p, 4, bits);
-    count = clip_side(other, count, polygon, &ClipPoint::p, -1, limit_p, 5, bits);
-    count = clip_side(polygon, count, other, &ClipPoint::q, 1, limit_q, 6, bits);
-    return clip_side(other, count, polygon, &ClipPoint::q, -1, limit_q, 7, bits);
+    clip_side(polygon, &ClipPoint::p, 1, limit_p, 4, bits);
+    clip_side(polygon, &ClipPoint::p, -1, limit_p, 5, bits);
+    clip_side(polygon, &ClipPoint::q, 1, limit_q, 6, bits);
+    clip_side(polygon, &ClipPoint::q, -1, limit_q, 7, bits);
 }
 
 /// The corner and edge names of the two boxes for the lines that meet in a polygon corner.
@@ -157,7 +176,7 @@ ClipPoint lowest_corner(const Clip& c, std::int64_t separation_30) {
 
 int reduce_points(ClipPoint* points, int count) {
     if (count <= 4) return count;
-    constexpr std::int64_t noise_30 = 1 << 17; // 0.12 mm
+    constexpr std::int64_t noise_30 = 1 << 17;               // 0.12 mm
     const auto p = [&](int k) { return points[k].p >> 10; }; // 20 fraction bits: products fit
     const auto q = [&](int k) { return points[k].q >> 10; };
     const auto to_front = [&](int k, int front) {
@@ -170,7 +189,9 @@ int reduce_points(ClipPoint* points, int count) {
         if (points[k].height < points[best].height - noise_30) best = k;
     to_front(best, 0);
 
-    const auto distance2 = [&](int k) { return (p(k) - p(0)) * (p(k) - p(0)) + (q(k) - q(0)) * (q(k) - q(0)); };
+    const auto distance2 = [&](int k) {
+        return (p(k) - p(0)) * (p(k) - p(0)) + (q(k) - q(0)) * (q(k) - q(0));
+    };
     std::int64_t most = 0;
     best = 1;
     for (int k = 1; k < count; ++k)
@@ -197,24 +218,25 @@ int reduce_points(ClipPoint* points, int count) {
 void clip_faces(const BoxPair& g, bool reference_is_b, int axis, std::int64_t separation_30, Length margin,
                 Manifold& out) {
     const Clip c = set_up(g, reference_is_b, axis);
-    ClipPoint polygon[points_max];
-    incident_corners(c, polygon);
+    Polygon polygon;
+    incident_corners(c, polygon.points);
+    polygon.count = 4;
+    clip_polygon(c, polygon);
     int count = 0;
-    const int clipped = clip_polygon(c, polygon);
-    for (int k = 0; k < clipped; ++k)
-        if (polygon[k].height <= up(margin.raw, 6)) polygon[count++] = polygon[k];
+    for (int k = 0; k < polygon.count; ++k)
+        if (polygon.points[k].height <= up(margin.raw, 6)) polygon.points[count++] = polygon.points[k];
     if (count == 0 && separation_30 <= 0) {
-        polygon[0] = lowest_corner(c, separation_30);
+        polygon.points[0] = lowest_corner(c, separation_30);
         count = 1;
     }
-    count = reduce_points(polygon, count);
+    count = reduce_points(polygon.points, count);
 
     Long3 normal{};
     normal[axis] = c.sign << 30;
     out.normal = unit_of_30(reference_is_b ? -(g.r[axis] * c.sign) : normal);
     const Names name{c, reference_is_b};
     for (int k = 0; k < count; ++k) {
-        const ClipPoint& x = polygon[k];
+        const ClipPoint& x = polygon.points[k];
         Long3 at{};
         at[c.p] = x.p;
         at[c.q] = x.q;

@@ -17,17 +17,20 @@ Long3 excess(Long3 point, Long3 half) {
     return {beyond(point[0], half[0]), beyond(point[1], half[1]), beyond(point[2], half[2])};
 }
 
-std::uint32_t face_bits(int axis, std::int64_t sign) { return static_cast<std::uint32_t>(2 * axis + (sign < 0 ? 1 : 0)); }
+std::uint32_t face_bits(int axis, std::int64_t sign) {
+    return static_cast<std::uint32_t>(2 * axis + (sign < 0 ? 1 : 0));
+}
 
 /// The capsule's core p(s) = center + s axis, |s| <= half_length, in the box's frame.
 struct CoreAndBox {
-    Long3 center, axis, half;     // 24, 30, 24 fraction bits
-    std::int64_t half_length;     // 24
+    Long3 center, axis, half; // 24, 30, 24 fraction bits
+    std::int64_t half_length; // 24
     Length radius, margin;
 
     /// The preference for faces, 30 fraction bits; 1 / 64 of a length in 24 is the same number in 30.
     std::int64_t bias() const {
-        return smaller(up(face_bias.raw, 3), smaller(radius.raw, smaller(half[0], smaller(half[1], half[2]))));
+        return smaller(up(face_bias.raw, 3),
+                       smaller(radius.raw, smaller(half[0], smaller(half[1], half[2]))));
     }
 
     Long3 at_54(std::int64_t s) const { return up(center, 30) + axis * s; }
@@ -128,13 +131,16 @@ bool add_edge_line(const CoreAndBox& g, int axis, Long3 normal, Long3 at_closest
 }
 
 /// The core is outside: `gap` leads from the box to its closest point at s.
-void collide_outside(const CoreAndBox& g, std::int64_t s, Long3 gap, const Direction& to_core, Manifold& out) {
+void collide_outside(const CoreAndBox& g, std::int64_t s, Long3 gap, const Direction& to_core,
+                     Manifold& out) {
     if (to_core.length > up(std::int64_t{g.radius.raw} + g.margin.raw, 6)) return;
     int axis = 0, on_axes = 0, free_axis = 0;
     for (int i = 0; i < 3; ++i) {
         if (absolute(gap[i]) > absolute(gap[axis])) axis = i;
-        if (gap[i] != 0) ++on_axes;
-        else free_axis = i;
+        if (gap[i] != 0)
+            ++on_axes;
+        else
+            free_axis = i;
     }
     if (to_core.length - absolute(gap[axis]) <= g.bias())
         return add_face_points(g, axis, sign_of(gap[axis]), s, out);
@@ -154,7 +160,8 @@ struct Overlap {
 Overlap least_overlap(const CoreAndBox& g) {
     Overlap best{std::numeric_limits<std::int64_t>::min(), 0, false};
     for (int i = 0; i < 3; ++i) {
-        const std::int64_t s_54 = up(absolute(g.center[i]) - g.half[i], 30) - g.half_length * absolute(g.axis[i]);
+        const std::int64_t s_54 =
+            up(absolute(g.center[i]) - g.half[i], 30) - g.half_length * absolute(g.axis[i]);
         if (const std::int64_t s = s_54 >> 24; s > best.separation) best = {s, i, false};
     }
     best.separation += g.bias();
@@ -197,13 +204,15 @@ void collide_inside(const CoreAndBox& g, std::int64_t touching, Manifold& out) {
 
 } // namespace
 
-void collide_box_sphere(const Geometry& a, const Geometry& b, const RelativePose& pose, Length margin, Manifold& out) {
+void collide_box_sphere(const Geometry& a, const Geometry& b, const RelativePose& pose, Length margin,
+                        Manifold& out) {
     const Long3 center = raw(pose.position), half = raw(a.half_extent);
     const Long3 gap = up(excess(center, half), 6);
     const Direction to_b = direction_of_30(gap);
     if (to_b.length > touching_30) {
         out.normal = unit_of_30(to_b.unit);
-        return add_round_point(out, up(center, 6) - gap, to_b.unit, to_b.length, Length{}, b.radius, margin, 1);
+        return add_round_point(out, up(center, 6) - gap, to_b.unit, to_b.length, Length{}, b.radius, margin,
+                               1);
     }
     int axis = 0;
     const auto depth = [&](int i) { return absolute(center[i]) - half[i]; };
@@ -219,13 +228,15 @@ void collide_box_sphere(const Geometry& a, const Geometry& b, const RelativePose
 
 void collide_box_capsule(const Geometry& a, const Geometry& b, const RelativePose& pose, Length margin,
                          Manifold& out) {
-    const CoreAndBox g{raw(pose.position), raw(pose.rotation.y), raw(a.half_extent),
-                       b.half_extent.y.raw, b.radius, margin};
+    const CoreAndBox g{
+        raw(pose.position), raw(pose.rotation.y), raw(a.half_extent), b.half_extent.y.raw, b.radius, margin};
     const std::int64_t s = closest_parameter(g);
     const Long3 gap = excess(g.at_30(s), up(g.half, 6));
     const Direction to_core = direction_of_30(gap);
-    if (to_core.length > touching_30) collide_outside(g, s, gap, to_core, out);
-    else collide_inside(g, s, out);
+    if (to_core.length > touching_30)
+        collide_outside(g, s, gap, to_core, out);
+    else
+        collide_inside(g, s, out);
 }
 
 } // namespace lockstone::collide

@@ -17,7 +17,8 @@ BroadPhase::BroadPhase(std::uint32_t proxy_capacity, Bound leaf_margin)
     moved.reserve(proxy_capacity);
     changed.reserve(proxy_capacity);
     leaves.reserve(proxy_capacity);
-    for (std::vector<ProxyPair>* pairs : {&leaf_pairs, &found, &merged}) pairs->reserve(std::size_t{8} * proxy_capacity);
+    for (std::vector<ProxyPair>* pairs : {&leaf_pairs, &found, &merged})
+        pairs->reserve(std::size_t{8} * proxy_capacity);
     stack.reserve(256);
 }
 
@@ -28,16 +29,32 @@ void BroadPhase::note_move(std::uint32_t proxy) {
     entry.moved = entry.fresh = true;
 }
 
+/// The bounds with the margin, and ahead by four times the last move (at most four margins): a body that keeps its
+/// course leaves its leaf less often.
+Bounds BroadPhase::moving_leaf(const Bounds& before, const Bounds& exact) const {
+    Bounds leaf = expand(exact, margin);
+    const Bound limit = margin * 4;
+    for (int i = 0; i < 3; ++i) {
+        const Bound ahead = clamp((exact.lower[i] - before.lower[i]) * 4, -limit, limit);
+        if (ahead < Bound{})
+            leaf.lower[i] += ahead;
+        else
+            leaf.upper[i] += ahead;
+    }
+    return leaf;
+}
+
 void BroadPhase::set(std::uint32_t proxy, const Bounds& exact, bool is_static) {
     LOCKSTONE_ASSERT(proxy < entries.size(), "proxy ", proxy, ", capacity ", entries.size());
     Entry& entry = entries[proxy];
+    const Bounds before = entry.present ? entry.exact : exact;
     entry.exact = exact;
     if (entry.present && entry.is_static == is_static &&
         (is_static ? entry.leaf_bounds == exact : collide::contains(entry.leaf_bounds, exact)))
         return;
     entry.present = true;
     entry.is_static = is_static;
-    entry.leaf_bounds = is_static ? exact : expand(exact, margin);
+    entry.leaf_bounds = is_static ? exact : moving_leaf(before, exact);
     note_move(proxy);
 }
 
@@ -48,7 +65,8 @@ void BroadPhase::remove(std::uint32_t proxy) {
 }
 
 void BroadPhase::clear() {
-    for (Entry& entry : entries) entry = {Bounds{}, Bounds{}, BoundsTree::none, false, false, false, false, false};
+    for (Entry& entry : entries)
+        entry = {Bounds{}, Bounds{}, BoundsTree::none, false, false, false, false, false};
     moving.clear();
     fixed.clear();
     moved.clear();
@@ -67,12 +85,15 @@ void BroadPhase::update_trees() {
     const bool anew[2] = {changes[0] * 8 > moving.leaf_count(), changes[1] * 8 > fixed.leaf_count()};
     for (std::uint32_t proxy : moved) {
         Entry& entry = entries[proxy];
-        if (entry.leaf != BoundsTree::none && !anew[entry.in_fixed]) tree_of(entry.in_fixed).remove(entry.leaf);
+        if (entry.leaf != BoundsTree::none && !anew[entry.in_fixed])
+            tree_of(entry.in_fixed).remove(entry.leaf);
         entry.leaf = BoundsTree::none;
     }
     for (bool is_fixed : {false, true}) {
-        if (anew[is_fixed]) rebuild(is_fixed);
-        else insert_moved(is_fixed);
+        if (anew[is_fixed])
+            rebuild(is_fixed);
+        else
+            insert_moved(is_fixed);
     }
     for (std::uint32_t proxy : moved) entries[proxy].moved = false;
     moved.clear();

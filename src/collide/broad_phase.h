@@ -18,11 +18,13 @@ struct ProxyPair {
     friend constexpr auto operator<=>(const ProxyPair&, const ProxyPair&) = default;
 };
 
+inline constexpr Bound leaf_margin_default = decimal<Bound>("0.1"); ///< [m] while bounds are not shifted
+
 class BroadPhase {
   public:
     /// Proxies are numbers below `proxy_capacity` (asserted); memory for them is taken here. `margin` is how far the
     /// leaves of moving proxies reach beyond their bounds: larger means fewer tree updates and more pairs to filter.
-    explicit BroadPhase(std::uint32_t proxy_capacity, Bound margin = decimal<Bound>("0.1"));
+    explicit BroadPhase(std::uint32_t proxy_capacity, Bound margin = leaf_margin_default);
 
     /// Inserts or moves a proxy, or changes its kind. Costs next to nothing while the bounds stay within the leaf.
     void set(std::uint32_t proxy, const Bounds& exact, bool is_static);
@@ -54,6 +56,7 @@ class BroadPhase {
         BoundsTree::NodeId a, b;
     };
 
+    Bounds moving_leaf(const Bounds& before, const Bounds& exact) const;
     void note_move(std::uint32_t proxy);
     /// Brings the trees up to date with the entries.
     void update_trees();

@@ -10,6 +10,7 @@
 #include "lockstone/math.h"
 
 #include <cstdint>
+#include <type_traits>
 
 namespace lockstone::collide {
 
@@ -36,17 +37,27 @@ constexpr std::int64_t clamped(std::int64_t x, std::int64_t low, std::int64_t hi
 constexpr std::int64_t smaller(std::int64_t a, std::int64_t b) { return b < a ? b : a; }
 constexpr std::int64_t larger(std::int64_t a, std::int64_t b) { return a < b ? b : a; }
 constexpr Long3 shifted(Long3 a, int drop) {
-    return {shift_right_rounded(a[0], drop), shift_right_rounded(a[1], drop), shift_right_rounded(a[2], drop)};
+    return {shift_right_rounded(a[0], drop), shift_right_rounded(a[1], drop),
+            shift_right_rounded(a[2], drop)};
 }
 constexpr std::int64_t up(std::int64_t x, int bits) { return x * (std::int64_t{1} << bits); }
 constexpr Long3 up(Long3 a, int bits) { return a * (std::int64_t{1} << bits); }
 
 constexpr Length length_of_30(std::int64_t x) { return round_from<Length>(x, 30); }
 constexpr Separation separation_of_30(std::int64_t x) { return round_from<Separation>(x, 30); }
-constexpr LengthVec3 point_of_30(Long3 p) { return {length_of_30(p[0]), length_of_30(p[1]), length_of_30(p[2])}; }
+constexpr LengthVec3 point_of_30(Long3 p) {
+    return {length_of_30(p[0]), length_of_30(p[1]), length_of_30(p[2])};
+}
 constexpr UnitVec3 unit_of_30(Long3 n) {
     const auto unit = [](std::int64_t x) { return Unit::from_raw(static_cast<std::int32_t>(x)); };
     return {unit(n[0]), unit(n[1]), unit(n[2])};
+}
+
+/// visit(0), visit(1), visit(2) with indices known to the compiler: the loops of the axis search unroll with it.
+template <class Visit> constexpr void for_axes(Visit&& visit) {
+    visit(std::integral_constant<int, 0>{});
+    visit(std::integral_constant<int, 1>{});
+    visit(std::integral_constant<int, 2>{});
 }
 
 /// d / |d| and |d|, both in 30 fraction bits; the direction of a zero vector is zero.
@@ -65,17 +76,19 @@ inline Direction direction_of_30(Long3 d) {
     for (int i = 0; i < 3; ++i) square += static_cast<std::uint64_t>(m[i] * m[i]);
     const std::int64_t root = isqrt(square);
     const auto ratio = [root](std::int64_t x) { return divide_shifted(x, root, 30); };
-    return {{ratio(m[0]), ratio(m[1]), ratio(m[2])}, shift >= 0 ? shift_right_rounded(root, shift) : up(root, -shift)};
+    return {{ratio(m[0]), ratio(m[1]), ratio(m[2])},
+            shift >= 0 ? shift_right_rounded(root, shift) : up(root, -shift)};
 }
 
 /// numerator * 2^shift / denominator, clamped to low..high. The denominator is not 0.
-inline std::int64_t ratio_clamped(std::int64_t numerator, std::int64_t denominator, int shift, std::int64_t low,
-                                  std::int64_t high) {
+inline std::int64_t ratio_clamped(std::int64_t numerator, std::int64_t denominator, int shift,
+                                  std::int64_t low, std::int64_t high) {
     return clamped(divide_shifted(numerator, denominator, shift), low, high);
 }
 
 /// Adds a point when it is within the margin; `position` and `separation` in 30 fraction bits.
-inline void add_point(Manifold& out, Long3 position, std::int64_t separation, Length margin, std::uint32_t feature) {
+inline void add_point(Manifold& out, Long3 position, std::int64_t separation, Length margin,
+                      std::uint32_t feature) {
     if (separation > up(margin.raw, 6)) return;
     out.points[out.count++] = {point_of_30(position), separation_of_30(separation), feature};
 }
@@ -84,7 +97,8 @@ inline void add_point(Manifold& out, Long3 position, std::int64_t separation, Le
 inline void add_round_point(Manifold& out, Long3 from, Long3 normal, std::int64_t distance, Length radius_a,
                             Length radius_b, Length margin, std::uint32_t feature) {
     const std::int64_t separation = distance - up(std::int64_t{radius_a.raw} + radius_b.raw, 6);
-    const std::int64_t offset_24 = radius_a.raw + shift_right_rounded(separation, 7); // to the middle of the gap
+    const std::int64_t offset_24 =
+        radius_a.raw + shift_right_rounded(separation, 7); // to the middle of the gap
     add_point(out, from + shifted(normal * offset_24, 24), separation, margin, feature);
 }
 
@@ -101,14 +115,22 @@ constexpr std::uint32_t edge_id(int axis, std::uint32_t signs) {
 }
 
 // The pairs, by kinds; A first. All need what `collide` needs and a zeroed manifold.
-void collide_sphere_sphere(const Geometry& a, const Geometry& b, const RelativePose&, Length margin, Manifold& out);
-void collide_capsule_sphere(const Geometry& a, const Geometry& b, const RelativePose&, Length margin, Manifold& out);
-void collide_capsule_capsule(const Geometry& a, const Geometry& b, const RelativePose&, Length margin, Manifold& out);
-void collide_box_sphere(const Geometry& a, const Geometry& b, const RelativePose&, Length margin, Manifold& out);
-void collide_box_capsule(const Geometry& a, const Geometry& b, const RelativePose&, Length margin, Manifold& out);
+void collide_sphere_sphere(const Geometry& a, const Geometry& b, const RelativePose&, Length margin,
+                           Manifold& out);
+void collide_capsule_sphere(const Geometry& a, const Geometry& b, const RelativePose&, Length margin,
+                            Manifold& out);
+void collide_capsule_capsule(const Geometry& a, const Geometry& b, const RelativePose&, Length margin,
+                             Manifold& out);
+void collide_box_sphere(const Geometry& a, const Geometry& b, const RelativePose&, Length margin,
+                        Manifold& out);
+void collide_box_capsule(const Geometry& a, const Geometry& b, const RelativePose&, Length margin,
+                         Manifold& out);
 void collide_box_box(const Geometry& a, const Geometry& b, const RelativePose&, Length margin, Manifold& out);
-void collide_plane_sphere(const Geometry& a, const Geometry& b, const RelativePose&, Length margin, Manifold& out);
-void collide_plane_capsule(const Geometry& a, const Geometry& b, const RelativePose&, Length margin, Manifold& out);
-void collide_plane_box(const Geometry& a, const Geometry& b, const RelativePose&, Length margin, Manifold& out);
+void collide_plane_sphere(const Geometry& a, const Geometry& b, const RelativePose&, Length margin,
+                          Manifold& out);
+void collide_plane_capsule(const Geometry& a, const Geometry& b, const RelativePose&, Length margin,
+                           Manifold& out);
+void collide_plane_box(const Geometry& a, const Geometry& b, const RelativePose&, Length margin,
+                       Manifold& out);
 
 } // namespace lockstone::collide

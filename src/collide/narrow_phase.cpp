@@ -25,7 +25,9 @@ LengthVec3 into_frame(const Rotation& r, Vec3 d) {
         if (d_32[i] > reach || d_32[i] < -reach) return {Length::max(), Length::max(), Length::max()};
     const Long3 high{d_32[0] >> 8, d_32[1] >> 8, d_32[2] >> 8};
     const Long3 low{d_32[0] & 255, d_32[1] & 255, d_32[2] & 255};
-    const auto along = [&](Long3 axis) { return round_from<Length>(dot(high, axis) + (dot(low, axis) >> 8), 54); };
+    const auto along = [&](Long3 axis) {
+        return round_from<Length>(dot(high, axis) + (dot(low, axis) >> 8), 54);
+    };
     return {along(raw(r.x)), along(raw(r.y)), along(raw(r.z))};
 }
 

@@ -32,7 +32,8 @@ PlaneView plane_view(const Transform& plane, const Transform& b);
 struct ManifoldPoint {
     LengthVec3 position;   ///< midway between the two surfaces, in A's axes from A's origin [m]
     Separation separation; ///< along the normal; negative is penetration, clamped at 16 m [m]
-    std::uint32_t feature; ///< what touches what: the same while the contact moves a little, unique in its manifold
+    std::uint32_t
+        feature; ///< what touches what: the same while the contact moves a little, unique in its manifold
 };
 
 struct Manifold {

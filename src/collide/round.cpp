@@ -10,8 +10,8 @@ constexpr std::int64_t one_30 = std::int64_t{1} << 30;
 
 /// Two capsule cores: A's runs along y through the origin, B's along `axis` through `center`.
 struct Segments {
-    Long3 center, axis;            // 24 and 30 fraction bits
-    std::int64_t half_a, half_b;   // 24
+    Long3 center, axis;          // 24 and 30 fraction bits
+    std::int64_t half_a, half_b; // 24
 
     /// From A's point at height s to B's point at u, 30 fraction bits.
     Long3 gap(std::int64_t s, std::int64_t u) const {
@@ -37,7 +37,8 @@ struct Segments {
 ///   sin^2 s = center . (y - axis.y axis)        (sin^2 without cancellation: axis.x^2 + axis.z^2)
 std::int64_t closest_parameter(const Segments& g) {
     const std::int64_t sin2_60 = g.axis[0] * g.axis[0] + g.axis[2] * g.axis[2];
-    if (sin2_60 < (std::int64_t{1} << 34)) // within 1.2e-4 rad of parallel: the middle of what lies side by side
+    if (sin2_60 <
+        (std::int64_t{1} << 34)) // within 1.2e-4 rad of parallel: the middle of what lies side by side
         return clamped((g.beside_low() + g.beside_high()) >> 1, -g.half_a, g.half_a);
     const Long3 across{shift_right_rounded(-g.axis[1] * g.axis[0], 30), shift_right_rounded(sin2_60, 30),
                        shift_right_rounded(-g.axis[1] * g.axis[2], 30)};
@@ -72,7 +73,8 @@ bool add_line(const Geometry& a, const Geometry& b, const Segments& g, const Dir
     constexpr std::int64_t micrometre_30 = 1 << 10;
     if (smaller(distance[0], distance[1]) > to_b.length + micrometre_30) return false; // the ends are closer
     for (std::uint32_t k = 0; k < 2; ++k)
-        add_round_point(out, {0, up(heights[k], 6), 0}, to_b.unit, distance[k], a.radius, b.radius, margin, 1 + k);
+        add_round_point(out, {0, up(heights[k], 6), 0}, to_b.unit, distance[k], a.radius, b.radius, margin,
+                        1 + k);
     return true;
 }
 

@@ -48,8 +48,10 @@ BoundsTree::NodeId BoundsTree::insert(const Bounds& bounds, std::uint32_t proxy)
     const NodeId above = at(sibling).parent;
     at(parent) = {merge(bounds, at(sibling).bounds), above, {sibling, leaf}, true};
     at(sibling).parent = at(leaf).parent = parent;
-    if (above == none) top = parent;
-    else at(above).child[at(above).child[1] == sibling ? 1 : 0] = parent;
+    if (above == none)
+        top = parent;
+    else
+        at(above).child[at(above).child[1] == sibling ? 1 : 0] = parent;
     refit_up(above);
     return leaf;
 }
@@ -66,8 +68,10 @@ void BoundsTree::remove(NodeId leaf) {
     const NodeId above = at(parent).parent;
     free_node(parent);
     at(sibling).parent = above;
-    if (above == none) top = sibling;
-    else at(above).child[at(above).child[1] == parent ? 1 : 0] = sibling;
+    if (above == none)
+        top = sibling;
+    else
+        at(above).child[at(above).child[1] == parent ? 1 : 0] = sibling;
     refit_up(above);
 }
 
@@ -173,8 +177,10 @@ void BoundsTree::rebuild(std::vector<Leaf>& leaves) {
         const Range r = ranges.back();
         ranges.pop_back();
         const NodeId id = take_node();
-        if (r.parent == none) top = id;
-        else at(r.parent).child[r.side] = id;
+        if (r.parent == none)
+            top = id;
+        else
+            at(r.parent).child[r.side] = id;
         Leaf* const begin = leaves.data() + r.begin;
         Leaf* const end = leaves.data() + r.end;
         if (end - begin == 1) {

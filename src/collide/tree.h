@@ -79,8 +79,8 @@ class BoundsTree {
     std::vector<Node> nodes;
     NodeId top = none, free_list = none; // a free node has the mark as parent, and the next one as child[1]
     std::uint32_t leaf_total = 0;
-    std::vector<Range> ranges;          // scratch
-    mutable std::vector<NodeId> stack;  // scratch
+    std::vector<Range> ranges;         // scratch
+    mutable std::vector<NodeId> stack; // scratch
 };
 
 template <class Visit> void BoundsTree::query(const Bounds& bounds, Visit&& visit) const {

@@ -189,6 +189,33 @@ void fill_point(PointPack<N>& pack, unsigned lane, const PointScalars& p, const 
     }
 }
 
+/// The mean of the normal rows in `points`; see MeanRow.
+template <unsigned N>
+void fill_mean(MeanRow<N>& mean, unsigned lane, const SolverBodies& bodies, const Contact& contact,
+               const std::int32_t normal[3], std::span<const PointScalars> points, Shares shares) {
+    const std::int64_t n = static_cast<std::int64_t>(points.size());
+    Row xa{}, xb{};
+    for (int i = 0; i < 3; ++i) {
+        std::int64_t a = 0, b = 0;
+        for (const PointScalars& p : points) a += p.xa[0].x[i], b += p.xb[0].x[i];
+        xa.x[i] = static_cast<std::int32_t>(a / n);
+        xb.x[i] = static_cast<std::int32_t>(b / n);
+    }
+    const std::int64_t qa = row_length_squared(bodies.body[contact.body_a], normal, xa);
+    const std::int64_t qb = row_length_squared(bodies.body[contact.body_b], normal, xb);
+    const std::int64_t inverse = shift_right_rounded((qa >> 30) * shares.a + (qb >> 30) * shares.b, 26);
+    if (inverse < least_inverse_mass) return;
+    for (int i = 0; i < 3; ++i) {
+        mean.xa[i].lane[lane] = xa.x[i];
+        mean.xb[i].lane[lane] = xb.x[i];
+    }
+    mean.ratio_a.lane[lane] = saturate_to_int32(divide_shifted(shares.a, inverse, 30));
+    mean.ratio_b.lane[lane] = saturate_to_int32(divide_shifted(shares.b, inverse, 30));
+    mean.count_inv.lane[lane] = static_cast<std::int32_t>((std::int64_t{1} << 30) / n);
+    for (std::size_t k = 0; k < points.size(); ++k)
+        mean.share[k].lane[lane] = saturate_to_int32(divide_shifted(points[k].inverse_min, inverse * n, 30));
+}
+
 template <unsigned N>
 void fill_lane(ContactPack<N>& pack, unsigned lane, std::uint32_t index, const Contact& contact,
                const ContactMemory& memory, std::span<const BodyMass> mass, const StepConstants& step,
@@ -214,13 +241,16 @@ void fill_lane(ContactPack<N>& pack, unsigned lane, std::uint32_t index, const C
     pack.bias_rate.lane[lane] = soft.bias_rate.raw;
     pack.impulse_scale.lane[lane] = soft.impulse_scale.raw;
     const Recollection warm = recollect(memory, contact);
+    PointScalars all[4];
     for (std::uint32_t k = 0; k < contact.count; ++k) {
         const ContactPoint& point = contact.points[k];
-        const PointScalars scalars = point_scalars(bodies, contact, point, directions, d, shares);
+        const PointScalars& scalars = all[k] = point_scalars(bodies, contact, point, directions, d, shares);
         const std::int32_t approach = speed_along(bodies.body[contact.body_a], bodies.body[contact.body_b],
                                                   d[0], scalars.xa[0], scalars.xb[0]);
         fill_point(pack.points[k], lane, scalars, point, shares, soft, approach, warm[k]);
     }
+    if (contact.count > 1)
+        fill_mean(pack.mean, lane, bodies, contact, d[0], std::span(all, contact.count), shares);
 }
 
 } // namespace

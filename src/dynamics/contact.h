@@ -6,6 +6,7 @@
 //   ratios       kappa_r = m_r / m_ref     in (0, 1];   ratio_A = m_ref / m_A, ratio_B = m_ref / m_B in [0, 1]
 //   step         p' = max(p - kappa (mass_scale speed + bias) - impulse_scale p, 0)
 //   separation   s = s0 + d . (shift_B - shift_A) + xA . theta_A + xB . theta_B
+//   mean row     the normal rows of a contact's points, averaged; takes an impact before the points share out the rest
 //
 // source: soft steps as in Catto, Solver2D (2024); the mass-free, gyration-scaled rows are this library's own.
 #pragma once
@@ -50,6 +51,15 @@ template <unsigned N> struct PointPack {
     Int32<N> approach;           ///< normal speed at the start of the tick, Speed
 };
 
+/// The average of the normal rows of N contacts. Points solved one after another turn a box that lands flat: the first
+/// takes the whole impact at one corner, and friction makes a slide of the turn. The mean row takes it at their centre.
+template <unsigned N> struct MeanRow {
+    Int32<N> xa[3], xb[3];     ///< Jacobian
+    Int32<N> ratio_a, ratio_b; ///< Unit: m_mean / m_A and m_mean / m_B; 0 where a contact has one point
+    Int32<N> share[4];         ///< Unit: of the impulse that goes to each point, over its own m_ref
+    Int32<N> count_inv;        ///< Unit: 1 / points of the lane
+};
+
 /// N contacts of one colour: no two of them share a body that can move.
 template <unsigned N> struct ContactPack {
     std::uint32_t body_a[N], body_b[N]; ///< entries of SolverBodies
@@ -59,6 +69,7 @@ template <unsigned N> struct ContactPack {
     Int32<N> friction;                  ///< Jacobian format
     Int32<N> restitution;               ///< Unit
     Int32<N> bias_rate, impulse_scale;  ///< Speed, Unit
+    MeanRow<N> mean;
     PointPack<N> points[4];
 };
 inline constexpr std::uint32_t no_contact = 0xffffffffu;

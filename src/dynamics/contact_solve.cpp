@@ -147,6 +147,40 @@ void solve_normal(ContactPack<N>& c, PointPack<N>& point, Pair<N>& p, const Norm
     push(p, c.d[0], point, 0, point.impulse[0] - old);
 }
 
+/// Slower than this on average, a contact rests, and its points settle among themselves [m/s]. Towers rest the better
+/// for it: a rigid mean row would take the softness from them.
+constexpr std::int32_t impact_speed_min = decimal<Speed>("0.25").raw;
+
+/// Takes an impact, or gives back what a warm start from one added too much, at the centre of the points.
+template <unsigned N>
+void solve_mean(ContactPack<N>& c, Pair<N>& p, const NormalTarget<N> (&targets)[4]) {
+    const MeanRow<N>& mean = c.mean;
+    Int64<N> bias{};
+    for (int k = 0; k < c.point_count; ++k) bias = bias + targets[k].bias * mean.count_inv;
+    const Int32<N> error = splat<N>(0) - (row_speed(p, c.d[0], mean.xa, mean.xb) + rounded<30>(bias));
+    const Int32<N> impact = max(error, splat<N>(0) - error) - splat<N>(impact_speed_min);
+    Int32<N> change = where_positive(impact, error, splat<N>(0));
+    // All points take part or none does.
+    for (int k = 0; k < c.point_count; ++k) {
+        const Int32<N> next = c.points[k].impulse[0] + rounded<30>(change * mean.share[k]);
+        for (unsigned lane = 0; lane < N; ++lane)
+            if (next.lane[lane] < 0 || (mean.share[k].lane[lane] != 0 && targets[k].kappa.lane[lane] == 0))
+                change.lane[lane] = 0;
+    }
+    for (int k = 0; k < c.point_count; ++k) {
+        PointPack<N>& point = c.points[k];
+        point.impulse[0] = clamped(point.impulse[0] + rounded<30>(change * mean.share[k]));
+        point.impulse_max = max(point.impulse_max, point.impulse[0]);
+    }
+    const Int32<N> da = rounded<30>(change * mean.ratio_a), db = rounded<30>(change * mean.ratio_b);
+    for (int i = 0; i < 3; ++i) {
+        p.va[i] = p.va[i] - c.d[0][i] * da;
+        p.ua[i] = p.ua[i] + mean.xa[i] * da;
+        p.vb[i] = p.vb[i] + c.d[0][i] * db;
+        p.ub[i] = p.ub[i] + mean.xb[i] * db;
+    }
+}
+
 } // namespace
 
 template <unsigned N> void ContactSolver<N>::warm_start(SolverBodies& bodies) const {
@@ -168,9 +202,13 @@ void ContactSolver<N>::solve(const StepConstants& step, SolverBodies& bodies, bo
         Pair<N> p = gather(c, bodies);
         for (int k = 0; k < c.point_count; ++k)
             solve_friction(c, c.points[bias ? k : c.point_count - 1 - k], p);
+        NormalTarget<N> targets[4];
+        for (int k = 0; k < c.point_count; ++k)
+            targets[k] = normal_target(c, c.points[k], step, bodies, bias);
+        if (c.point_count > 1) solve_mean(c, p, targets);
         for (int k = 0; k < c.point_count; ++k) {
-            PointPack<N>& point = c.points[bias ? k : c.point_count - 1 - k];
-            solve_normal(c, point, p, normal_target(c, point, step, bodies, bias));
+            const int at = bias ? k : c.point_count - 1 - k;
+            solve_normal(c, c.points[at], p, targets[at]);
         }
         scatter(c, p, bodies);
     }
@@ -183,8 +221,9 @@ void ContactSolver<N>::apply_restitution(const StepConstants& step, SolverBodies
         for (unsigned lane = 0; lane < N; ++lane) any = any || c.restitution.lane[lane] > 0;
         if (!any) continue;
         Pair<N> p = gather(c, bodies);
+        NormalTarget<N> targets[4];
         for (int k = 0; k < c.point_count; ++k) {
-            PointPack<N>& point = c.points[k];
+            const PointPack<N>& point = c.points[k];
             // Bounce where the point came in fast and was in fact hit; elsewhere aim at what is.
             Int32<N> target = splat<N>(0), kappa = splat<N>(0);
             for (unsigned lane = 0; lane < N; ++lane) {
@@ -196,8 +235,10 @@ void ContactSolver<N>::apply_restitution(const StepConstants& step, SolverBodies
                     std::int64_t{approach} * c.restitution.lane[lane], Unit::fraction_bits));
                 kappa.lane[lane] = point.kappa[0].lane[lane];
             }
-            solve_normal(c, point, p, NormalTarget<N>{kappa, target, splat<N>(0)});
+            targets[k] = {kappa, target, splat<N>(0)};
         }
+        if (c.point_count > 1) solve_mean(c, p, targets);
+        for (int k = 0; k < c.point_count; ++k) solve_normal(c, c.points[k], p, targets[k]);
         scatter(c, p, bodies);
     }
 }

@@ -117,22 +117,6 @@ void damp(std::int64_t v[3], Unit keep) {
     for (int i = 0; i < 3; ++i) v[i] = narrow_rounded(Wide::product(v[i], keep.raw), Unit::fraction_bits);
 }
 
-/// Shortens v to `limit` when it is longer. True when it was.
-bool clamp_length(std::int64_t v[3], Speed limit) {
-    const std::int64_t x = v[0] >> row_bits, y = v[1] >> row_bits, z = v[2] >> row_bits;
-    const std::int64_t bound = limit.raw;
-    const auto outside = [](std::int64_t c) {
-        return c > (std::int64_t{1} << 30) || c < -(std::int64_t{1} << 30);
-    };
-    if (!outside(x) && !outside(y) && !outside(z) && x * x + y * y + z * z <= bound * bound) return false;
-    const Vec3 wide{Real::from_raw(x), Real::from_raw(y), Real::from_raw(z)};
-    const UnitVec3 direction = normalized(wide);
-    for (int i = 0; i < 3; ++i) // 30 + 19 bits to 47
-        v[i] = (std::int64_t{direction[i].raw} * bound) >>
-               (Unit::fraction_bits + Speed::fraction_bits - accumulator_bits);
-    return true;
-}
-
 } // namespace
 
 void integrate_velocities(const FreeMotion& motion, const BodyColumns& columns, const StepConstants& step,

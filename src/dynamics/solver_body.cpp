@@ -16,6 +16,21 @@ Symmetric<Real> rotated_diagonal(const Rotation& r, Vec3 d) {
     return {entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(0, 2), entry(1, 2)};
 }
 
+bool clamp_length(std::int64_t v[3], Speed limit) {
+    const std::int64_t x = v[0] >> row_bits, y = v[1] >> row_bits, z = v[2] >> row_bits;
+    const std::int64_t bound = limit.raw;
+    const auto outside = [](std::int64_t c) {
+        return c > (std::int64_t{1} << 30) || c < -(std::int64_t{1} << 30);
+    };
+    if (!outside(x) && !outside(y) && !outside(z) && x * x + y * y + z * z <= bound * bound) return false;
+    const Vec3 wide{Real::from_raw(x), Real::from_raw(y), Real::from_raw(z)};
+    const UnitVec3 direction = normalized(wide);
+    for (int i = 0; i < 3; ++i) // 30 + 19 bits to 47
+        v[i] = (std::int64_t{direction[i].raw} * bound) >>
+               (Unit::fraction_bits + Speed::fraction_bits - accumulator_bits);
+    return true;
+}
+
 static void set_mantissa(BodyStep& s) {
     const Symmetric<Real>& k = s.gyration_inv;
     const std::uint64_t any = magnitude(k.xx.raw) | magnitude(k.yy.raw) | magnitude(k.zz.raw) |
@@ -65,7 +80,7 @@ static void per_substep(Vec3 acceleration, const StepConstants& step, std::int64
 
 static void begin_body(const BodyInfo& info, const BodyMass& mass, const BodyForce& force,
                        const Transform& pose, const Velocity& velocity, Vec3 gravity,
-                       const StepConstants& step, SolverBody& b, BodyStep& s) {
+                       const StepConstants& step, SolverBody& b, BodyStep& s, ClampCounts& clamps) {
     s.movable = info.kind == BodyKind::dynamic && mass.mass > Real{};
     s.moves = info.kind != BodyKind::static_;
     const std::uint32_t linear_mask = s.movable ? ~info.locks & 7u : 7u;
@@ -78,6 +93,9 @@ static void begin_body(const BodyInfo& info, const BodyMass& mass, const BodyFor
         b.v[i] = std::int64_t{velocity.linear[i].raw} << row_bits;
         b.u[i] = std::int64_t{u[i].raw} << row_bits;
     }
+    // Commands may leave any velocity; rows have room for these.
+    clamps.speed += clamp_length(b.v, step.linear_speed_max) ? 1u : 0u;
+    clamps.speed += clamp_length(b.u, step.tip_speed_max) ? 1u : 0u;
     s.linear_keep = s.angular_keep = unit_one;
     if (!s.movable) return;
     s.linear_keep = kept(info.linear_damping, step);
@@ -92,9 +110,10 @@ void begin_step(const BodyColumns& c, Vec3 gravity, const StepConstants& step, S
     const std::size_t count = c.info.size();
     out.body.assign(count + 1, SolverBody{});
     out.step.assign(count + 1, BodyStep{});
+    out.clamps = {};
     for (std::size_t i = 0; i < count; ++i)
         begin_body(c.info[i], c.mass[i], c.force[i], c.pose[i], c.velocity[i], gravity, step, out.body[i],
-                   out.step[i]);
+                   out.step[i], out.clamps);
     // The still entry keeps no motion along any axis.
 }
 

@@ -89,6 +89,9 @@ template <FixedPoint To, FixedPoint B> Vector3<To> mul(const Symmetric<Real>& m,
 /// R diag(d) R^T. Equal entries give a multiple of the unit matrix without rounding.
 Symmetric<Real> rotated_diagonal(const Rotation& r, Vec3 d);
 
+/// Shortens v (47 fraction bits) to `limit` when it is longer. True when it was.
+bool clamp_length(std::int64_t v[3], Speed limit);
+
 /// Reads the columns into `out`: K of each pose, u of each velocity, the constant changes per substep.
 void begin_step(const BodyColumns& columns, Vec3 gravity, const StepConstants& step, SolverBodies& out);
 /// Writes poses and velocities back: moves by `shift`, turns by K^-1 theta, keeps angular momentum through the turn.

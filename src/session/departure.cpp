@@ -35,6 +35,7 @@ void PeerSession::drop(PeerLink& link) {
     for (std::uint32_t p = 0; p < def.players.size(); ++p) {
         if (def.players[p] == link.peer) gone |= 1u << p;
     }
+    send(link); // if it can hear us, it need not wait for our silence
 }
 
 void PeerSession::settle_departures() {

@@ -10,9 +10,7 @@ constexpr std::uint32_t resend_polls = 30; ///< above most round trips at 60 pol
 
 void HashLedger::receive(std::uint64_t tick, std::uint64_t hash) {
     if (tick < wanted || tick >= compared + history_ticks) return;
-    Slot& slot = remote[tick % history_ticks];
-    if (slot.tick == tick) return; // the first report stands
-    slot = {tick, hash};
+    remote[tick % history_ticks] = {tick, hash};
     while (remote[wanted % history_ticks].tick == wanted) ++wanted;
 }
 

@@ -30,7 +30,9 @@ Scaled scaled(Wide value, int exponent) {
     return {narrow_rounded(value, shift), exponent + shift};
 }
 
-Scaled operator*(Scaled a, Scaled b) { return scaled(Wide::product(a.mantissa, b.mantissa), a.exponent + b.exponent); }
+Scaled operator*(Scaled a, Scaled b) {
+    return scaled(Wide::product(a.mantissa, b.mantissa), a.exponent + b.exponent);
+}
 Scaled scaled(std::int64_t raw, int fraction_bits) { return {raw, -fraction_bits}; }
 template <FixedPoint T> Scaled scaled(T x) { return scaled(std::int64_t{x.raw}, T::fraction_bits); }
 
@@ -62,7 +64,9 @@ MassProperties sphere_mass(std::int64_t r, Real density) {
 
 MassProperties box_mass(const LengthVec3& h, Real density) {
     const auto square = [](Length a) { return std::int64_t{a.raw} * a.raw; };
-    const auto third = [](std::int64_t sum) { return I20F44::from_raw(divide_rounded(Wide::from(sum), 3 * 16)); };
+    const auto third = [](std::int64_t sum) {
+        return I20F44::from_raw(divide_rounded(Wide::from(sum), 3 * 16));
+    };
     const Scaled octant = scaled(h.x) * scaled(h.y) * scaled(h.z);
     return solid({octant.mantissa, octant.exponent + 3}, density, third(square(h.y) + square(h.z)),
                  third(square(h.x) + square(h.z)), third(square(h.x) + square(h.y)));
@@ -74,7 +78,8 @@ MassProperties box_mass(const LengthVec3& h, Real density) {
 ///   k_x^2  = (20 h^3 + 40 h^2 r + 45 h r^2 + 16 r^3) / (20 (3 h + 2 r))
 MassProperties capsule_mass(std::int64_t h, std::int64_t r, Real density) {
     const Scaled radius = scaled(r, Length::fraction_bits);
-    const Scaled volume = scaled(pi_thirds) * (radius * radius) * scaled(6 * h + 4 * r, Length::fraction_bits);
+    const Scaled volume =
+        scaled(pi_thirds) * (radius * radius) * scaled(6 * h + 4 * r, Length::fraction_bits);
     const std::uint64_t thirds = static_cast<std::uint64_t>(3 * h + 2 * r);
     if (thirds == 0) return solid(volume, density, I20F44{}, I20F44{}, I20F44{});
     const Wide along = Wide::product(r * r, 15 * h + 8 * r);
@@ -86,11 +91,13 @@ MassProperties capsule_mass(std::int64_t h, std::int64_t r, Real density) {
 
 /// R K R^T for symmetric K; the lower triangle mirrors the upper.
 Matrix3<I20F44> rotated(const Rotation& r, const Matrix3<I20F44>& k) {
-    const Matrix3<I20F44> half_way = mul<I20F44>(r, k);           // columns of R K
-    const Matrix3<I20F44> rows = transpose(half_way);             // rows of R K
-    const Rotation t = transpose(r);                              // rows of R
+    const Matrix3<I20F44> half_way = mul<I20F44>(r, k); // columns of R K
+    const Matrix3<I20F44> rows = transpose(half_way);   // rows of R K
+    const Rotation t = transpose(r);                    // rows of R
     const I20F44 xy = dot<I20F44>(rows.x, t.y), xz = dot<I20F44>(rows.x, t.z), yz = dot<I20F44>(rows.y, t.z);
-    return {{dot<I20F44>(rows.x, t.x), xy, xz}, {xy, dot<I20F44>(rows.y, t.y), yz}, {xz, yz, dot<I20F44>(rows.z, t.z)}};
+    return {{dot<I20F44>(rows.x, t.x), xy, xz},
+            {xy, dot<I20F44>(rows.y, t.y), yz},
+            {xz, yz, dot<I20F44>(rows.z, t.z)}};
 }
 
 /// |d|^2 1 - d d^T: what a point mass at d adds to inertia / mass.
@@ -108,10 +115,14 @@ Matrix3<I20F44> point_gyration(Vec3 d) {
 
 MassProperties mass_properties(const Geometry& g, Real density) {
     switch (g.kind) {
-    case ShapeKind::sphere: return sphere_mass(g.radius.raw, density);
-    case ShapeKind::capsule: return capsule_mass(g.half_extent.y.raw, g.radius.raw, density);
-    case ShapeKind::box: return box_mass(g.half_extent, density);
-    case ShapeKind::plane: break;
+    case ShapeKind::sphere:
+        return sphere_mass(g.radius.raw, density);
+    case ShapeKind::capsule:
+        return capsule_mass(g.half_extent.y.raw, g.radius.raw, density);
+    case ShapeKind::box:
+        return box_mass(g.half_extent, density);
+    case ShapeKind::plane:
+        break;
     }
     return MassProperties{};
 }
@@ -128,11 +139,13 @@ MassProperties combine(std::span<const MassPart> parts) {
     for (const MassPart& part : parts) {
         const Vec3 offset = part.local * part.properties.center - body.center;
         const Matrix3<I20F44> about_body =
-            rotated(to_rotation(part.local.rotation), part.properties.gyration_squared) + point_gyration(offset);
+            rotated(to_rotation(part.local.rotation), part.properties.gyration_squared) +
+            point_gyration(offset);
         const I2F62 s = share(part);
         const auto shared = [s](const Vector3<I20F44>& column) { return scale<I20F44>(column, s); };
-        body.gyration_squared = body.gyration_squared + Matrix3<I20F44>{shared(about_body.x), shared(about_body.y),
-                                                                        shared(about_body.z)};
+        body.gyration_squared =
+            body.gyration_squared +
+            Matrix3<I20F44>{shared(about_body.x), shared(about_body.y), shared(about_body.z)};
     }
     return body;
 }
@@ -143,7 +156,9 @@ PrincipalGyration principal_gyration(const MassProperties& properties) {
     // Scaled by a power of two that leaves `diagonalize` as many bits as small bodies have to give.
     const int shift = widest <= 0 ? 0 : 56 - std::min(56, bit_length(static_cast<std::uint64_t>(widest)));
     const auto column = [shift](const Vector3<I20F44>& c) {
-        const auto scaled_up = [shift](I20F44 v) { return Real::from_raw(shift_left_saturated(v.raw, shift)); };
+        const auto scaled_up = [shift](I20F44 v) {
+            return Real::from_raw(shift_left_saturated(v.raw, shift));
+        };
         return Vec3{scaled_up(c.x), scaled_up(c.y), scaled_up(c.z)};
     };
     const Diagonal diagonal = diagonalize({column(k.x), column(k.y), column(k.z)});

@@ -24,16 +24,18 @@ std::string first_of(std::string a, std::string b) { return a.empty() ? b : a; }
 
 std::string validate(const Geometry& g) {
     switch (g.kind) {
-    case ShapeKind::sphere: return check("sphere radius", g.radius);
+    case ShapeKind::sphere:
+        return check("sphere radius", g.radius);
     case ShapeKind::capsule:
         return first_of(first_of(check("capsule radius", g.radius),
                                  check("capsule half_extent.y", g.half_extent.y, Length{})),
                         check("capsule half_extent.y + radius", g.half_extent.y + g.radius));
     case ShapeKind::box:
-        return first_of(
-            first_of(check("box half_extent.x", g.half_extent.x), check("box half_extent.y", g.half_extent.y)),
-            check("box half_extent.z", g.half_extent.z));
-    case ShapeKind::plane: return {};
+        return first_of(first_of(check("box half_extent.x", g.half_extent.x),
+                                 check("box half_extent.y", g.half_extent.y)),
+                        check("box half_extent.z", g.half_extent.z));
+    case ShapeKind::plane:
+        return {};
     }
     return "shape kind is " + std::to_string(static_cast<std::uint32_t>(g.kind)) + ", it must be in 0 .. 3";
 }

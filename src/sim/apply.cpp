@@ -21,6 +21,7 @@ constexpr Real position_max = Real(1000000000);
 constexpr Real speed_max = Real(500);
 constexpr Real spin_max = Real(4095);
 constexpr Real force_max = Real(2000000000);
+constexpr Real mass_min = 0.001_r, mass_max = Real(1000000000); ///< [kg]: the sum of two is a Real
 
 bool within(Vec3 v, Real most) { return abs(v.x) <= most && abs(v.y) <= most && abs(v.z) <= most; }
 
@@ -64,7 +65,7 @@ std::string check(const BodyDef& d) {
     if (std::string e = check_range("gravity_scale", d.gravity_scale, Real(-100), Real(100), ""); !e.empty())
         return e;
     if (d.mass == Real{}) return {};
-    return check_range("mass", d.mass, 0.001_r, Real(1000000000), " kg, or 0 for that of the shapes");
+    return check_range("mass", d.mass, mass_min, mass_max, " kg, or 0 for that of the shapes");
 }
 
 std::string check(const ShapeDef& d, BodyKind kind) {
@@ -170,7 +171,7 @@ void update_mass(Data& w, std::uint32_t row) {
         mass.principal = Quat::identity();
     }
     if (info.kind == BodyKind::dynamic) {
-        const Real from_shapes = total.mass == Real{} ? Real(1) : max(total.mass, 0.001_r);
+        const Real from_shapes = total.mass == Real{} ? Real(1) : clamp(total.mass, mass_min, mass_max);
         mass.mass = info.mass_override != Real{} ? info.mass_override : from_shapes;
     }
     const Vec3 moved = mass.center - old_center;
@@ -422,7 +423,8 @@ struct Applier {
         const std::span<std::byte> bytes =
             w.state.bytes(column).subspan(std::size_t{row} * entry.row_size, entry.row_size);
         // Through the canonical form, so that a piece may end inside a field on any byte order.
-        std::vector<std::byte> canonical;
+        std::vector<std::byte>& canonical = w.scratch.canonical_row;
+        canonical.clear();
         append_canonical(bytes, entry.leaves, canonical);
         std::memcpy(canonical.data() + c.offset, c.data.data(), c.size);
         read_canonical(canonical, entry.leaves, bytes);

@@ -43,6 +43,8 @@ struct Scratch {
     std::vector<dynamics::Contact> contacts;
     std::vector<Vec3> contact_origin; ///< of body a, by contact: turns levers into world points
 
+    std::vector<std::byte> written_row, canonical_row; ///< of a game column: to be written, as it was
+
     dynamics::StepConstants step{};
     dynamics::SolverBodies bodies;
     dynamics::ContactSolver<1> solver;

@@ -41,7 +41,12 @@ void set_proxy(Data& w, const ShapeRow& shape, std::uint32_t body_row) {
         kind == BodyKind::static_
             ? margin_base
             : margin_of(shape.geometry, w.state.rows(w.m.body_velocity)[body_row], config.tick_rate);
-    if (shape.geometry.kind == ShapeKind::plane) return;
+    if (shape.geometry.kind == ShapeKind::plane) {
+        // Before a restore this slot and generation may have held a shape with bounds.
+        if (s.proxy_generation[slot] != 0) s.broad_phase.remove(slot);
+        s.proxy_generation[slot] = 0;
+        return;
+    }
     s.broad_phase.set(slot,
                       collide::bounds_of(shape.geometry, s.shape_pose[slot], s.shape_margin[slot],
                                          static_cast<int>(config.bounds_shift)),

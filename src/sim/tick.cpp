@@ -26,7 +26,6 @@ void prepare(Data& w) {
     Scratch& s = w.scratch;
     s.step = constants_of(w.state.rows(w.m.config)[0]);
     dynamics::begin_step(w.body_columns(), w.header().gravity, s.step, s.bodies);
-    s.bodies.clamps = {};
     s.solver.prepare(s.contacts, w.state.rows(w.m.contact_memory), w.state.rows(w.m.body_mass), s.step,
                      s.bodies);
 }

@@ -182,7 +182,8 @@ Status World::set_gravity(Vec3 gravity) { return status_of(apply(SetGravity{grav
 
 Status World::write_bytes(std::uint32_t column, BodyId body, std::span<const std::byte> row) {
     LOCKSTONE_ASSERT(column < impl->m.game.size(), "game column ", column, " of ", impl->m.game.size());
-    std::vector<std::byte> canonical;
+    std::vector<std::byte>& canonical = impl->scratch.written_row;
+    canonical.clear();
     append_canonical(row, impl->schema.entries()[column].leaves, canonical);
     for (std::size_t offset = 0; offset < canonical.size(); offset += WriteGame{}.data.size()) {
         WriteGame piece{};

@@ -11,7 +11,8 @@ namespace {
 
 /// A sentence that names the file and is one line of printable text.
 bool is_sentence(const std::string& text) {
-    const bool printable = std::ranges::all_of(text, [](char c) { return static_cast<unsigned char>(c) >= 0x20; });
+    const bool printable =
+        std::ranges::all_of(text, [](char c) { return static_cast<unsigned char>(c) >= 0x20; });
     return text.starts_with("test.lsr: ") && text.size() > 30 && printable;
 }
 
@@ -108,7 +109,8 @@ TEST_CASE("a file that is no recording is refused by what it is") {
     CHECK(message("") == "test.lsr: the file is empty, it should be a recording (.lsr)");
     CHECK(message("\x89PNG\r\n\x1a\n................") ==
           "test.lsr: this is not a recording: it does not begin with the eight bytes of .lsr files");
-    CHECK(message("hello") == "test.lsr: this is not a recording: it does not begin with the eight bytes of .lsr files");
+    CHECK(message("hello") ==
+          "test.lsr: this is not a recording: it does not begin with the eight bytes of .lsr files");
     CHECK(message(std::string(100000, '\0')) ==
           "test.lsr: this is not a recording: it does not begin with the eight bytes of .lsr files");
     CHECK(message("\x89LSR\r\n\x1a\n") == "test.lsr: the recording is cut at byte 8, inside the preamble");
@@ -156,14 +158,18 @@ TEST_CASE("announced sizes are refused before anything of that size is allocated
         base::store_little_endian(value, bad[find_chunk(bad, type)].payload.data() + at);
         return read(file_of(bad, true)).error().message;
     };
-    CHECK(with_u64(chunk_ticks, 12, std::uint64_t{1} << 63).find("the unpacked size is 9223372036854775808, at most 67108864") !=
+    CHECK(with_u64(chunk_ticks, 12, std::uint64_t{1} << 63)
+              .find("the unpacked size is 9223372036854775808, at most 67108864") != std::string::npos);
+    CHECK(with_u64(chunk_ticks, 12, std::uint64_t{1} << 26).find("cannot hold as many bytes as that") !=
           std::string::npos);
-    CHECK(with_u64(chunk_ticks, 12, std::uint64_t{1} << 26).find("cannot hold as many bytes as that") != std::string::npos);
-    CHECK(with_u64(chunk_keyframe, 16, std::uint64_t{1} << 63).find("the image has 9223372036854775808 bytes") != std::string::npos);
-    CHECK(with_u64(chunk_keyframe, 16, std::uint64_t{1} << 31).find("cannot hold as many bytes as that") != std::string::npos);
+    CHECK(with_u64(chunk_keyframe, 16, std::uint64_t{1} << 63)
+              .find("the image has 9223372036854775808 bytes") != std::string::npos);
+    CHECK(with_u64(chunk_keyframe, 16, std::uint64_t{1} << 31).find("cannot hold as many bytes as that") !=
+          std::string::npos);
 }
 
-TEST_CASE("a chunk removed, repeated, swapped or taken from another recording breaks the chain of checksums") {
+TEST_CASE(
+    "a chunk removed, repeated, swapped or taken from another recording breaks the chain of checksums") {
     const Bytes good = record_inputs(12, {.keyframe_ticks = 6, .block_ticks = 2});
     const Bytes other = record_commands(12, {.keyframe_ticks = 6, .block_ticks = 2});
     std::vector<std::size_t> starts;
@@ -178,7 +184,9 @@ TEST_CASE("a chunk removed, repeated, swapped or taken from another recording br
     for (std::size_t skip = 0; skip + 1 < starts.size(); ++skip) {
         Bytes removed(good.begin(), good.begin() + preamble_bytes), repeated = removed, swapped = removed;
         for (std::size_t i = 0; i + 1 < starts.size(); ++i) {
-            const auto add = [&](Bytes& to, std::size_t k) { to.insert(to.end(), piece(k).begin(), piece(k).end()); };
+            const auto add = [&](Bytes& to, std::size_t k) {
+                to.insert(to.end(), piece(k).begin(), piece(k).end());
+            };
             if (i != skip) add(removed, i);
             add(repeated, i);
             if (i == skip) add(repeated, i);
@@ -199,7 +207,8 @@ TEST_CASE("a newer minor version is read, and its chunks are skipped only where 
     const auto whole = must(read(file_of(chunks, true)));
     for (std::size_t at = 1; at + 1 < chunks.size(); ++at) {
         auto with_new = chunks;
-        with_new.insert(with_new.begin() + static_cast<std::ptrdiff_t>(at), {chunk_type("NEWS"), flag_skippable, Bytes(5)});
+        with_new.insert(with_new.begin() + static_cast<std::ptrdiff_t>(at),
+                        {chunk_type("NEWS"), flag_skippable, Bytes(5)});
         const auto skipped = read(file_of(with_new, true, version_minor + 1));
         REQUIRE_MESSAGE(skipped.ok(), skipped.error().message);
         CHECK(skipped->tick_count() == whole.tick_count());
@@ -222,7 +231,8 @@ TEST_CASE("chunks in another order are refused though every checksum is good") {
         auto removed = chunks;
         removed.erase(removed.begin() + static_cast<std::ptrdiff_t>(i));
         const bool optional = chunks[i].type == chunk_keyframe && i != find_chunk(chunks, chunk_keyframe);
-        CHECK_MESSAGE(read(file_of(removed, true)).ok() == optional, "without chunk ", i, " ", chunk_name(chunks[i].type));
+        CHECK_MESSAGE(read(file_of(removed, true)).ok() == optional, "without chunk ", i, " ",
+                      chunk_name(chunks[i].type));
         auto repeated = chunks;
         repeated.insert(repeated.begin() + static_cast<std::ptrdiff_t>(i), chunks[i]);
         CHECK_MESSAGE(!read(file_of(repeated, true)), "chunk ", i, " twice");

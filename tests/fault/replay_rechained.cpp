@@ -22,21 +22,28 @@ void mutate(Bytes& bytes, Random& random) {
     static constexpr std::array<std::uint64_t, 8> edges = {
         0, 1, 0x7f, 0xffff, 0x7fffffff, 0xffffffff, std::uint64_t{1} << 63, ~std::uint64_t{0}};
     switch (random.below(6)) {
-    case 0: *place ^= static_cast<std::byte>(1u << random.below(8)); break;
-    case 1: *place = static_cast<std::byte>(random.below(256)); break;
+    case 0:
+        *place ^= static_cast<std::byte>(1u << random.below(8));
+        break;
+    case 1:
+        *place = static_cast<std::byte>(random.below(256));
+        break;
     case 2: {
         std::array<std::byte, 8> integer{};
         base::store_little_endian(edges[random.below(edges.size())], integer.data());
         std::copy_n(integer.begin(), std::min<std::uint32_t>(size - at, random.below(2) == 0 ? 4 : 8), place);
         break;
     }
-    case 3: bytes.erase(place, place + length); break;
+    case 3:
+        bytes.erase(place, place + length);
+        break;
     case 4: {
         const Bytes piece(place, place + length);
         bytes.insert(place, piece.begin(), piece.end());
         break;
     }
-    default: bytes.insert(place, length, static_cast<std::byte>(random.below(256)));
+    default:
+        bytes.insert(place, length, static_cast<std::byte>(random.below(256)));
     }
 }
 
@@ -58,9 +65,15 @@ void judge(Bytes file, const Recording& original, Tally& tally, bool forged_star
     const VerifyReport report = verify(*result, rules);
     REQUIRE(report.sentence.size() > 30);
     switch (report.verdict) {
-    case Verdict::good: ++tally.good; break;
-    case Verdict::diverged: ++tally.diverged; return;
-    default: ++tally.unplayable; return;
+    case Verdict::good:
+        ++tally.good;
+        break;
+    case Verdict::diverged:
+        ++tally.diverged;
+        return;
+    default:
+        ++tally.unplayable;
+        return;
     }
     REQUIRE(result->tick_count() == original.tick_count());
     for (std::uint64_t t = original.start_tick() + 1; t <= original.end_tick(); ++t)
@@ -146,7 +159,8 @@ TEST_CASE("inputs that were changed and packed anew diverge at their tick, unles
         Bytes payload;
         builder.finish(block.first_tick(), payload);
         for (Chunk& chunk : bad)
-            if (chunk.type == chunk_ticks && base::load_little_endian<std::uint64_t>(chunk.payload.data()) == block.first_tick())
+            if (chunk.type == chunk_ticks &&
+                base::load_little_endian<std::uint64_t>(chunk.payload.data()) == block.first_tick())
                 chunk.payload = payload;
         const Bytes file = file_of(bad, true);
         const SmallGame game;
@@ -158,7 +172,8 @@ TEST_CASE("inputs that were changed and packed anew diverge at their tick, unles
     CHECK(tally.unread == 0);
 }
 
-TEST_CASE("a start whose image was forged with all its checksums and hashes is refused or does not match the ticks") {
+TEST_CASE("a start whose image was forged with all its checksums and hashes is refused or does not match the "
+          "ticks") {
     // The deepest attack: the image's own checksum and the root hashes are right, so only the world's checks of its state
     // and the re-simulation remain.
     const Bytes& good = commands_file();
@@ -173,9 +188,11 @@ TEST_CASE("a start whose image was forged with all its checksums and hashes is r
         Bytes forged = image;
         for (std::uint32_t n = 1 + random.below(2); n > 0; --n) {
             const std::uint32_t at = random.below(static_cast<std::uint32_t>(image.size()) - 8);
-            forged[at] ^= static_cast<std::byte>(random.below(2) == 0 ? 1u << random.below(8) : 1 + random.below(255));
+            forged[at] ^=
+                static_cast<std::byte>(random.below(2) == 0 ? 1u << random.below(8) : 1 + random.below(255));
         }
-        base::store_little_endian(hash_bytes(std::span(forged).first(forged.size() - 8)), forged.data() + forged.size() - 8);
+        base::store_little_endian(hash_bytes(std::span(forged).first(forged.size() - 8)),
+                                  forged.data() + forged.size() - 8);
         if (!state.restore_portable(forged)) continue;
         ++loaded;
         auto bad = chunks;
@@ -186,13 +203,15 @@ TEST_CASE("a start whose image was forged with all its checksums and hashes is r
         to.u64(forged.size());
         pack(forged, payload);
         // Later keyframes are deltas to the first: drop them, so that only the ticks speak.
-        std::erase_if(bad, [&, n = 0](const Chunk& chunk) mutable { return chunk.type == chunk_keyframe && n++ > 0; });
+        std::erase_if(
+            bad, [&, n = 0](const Chunk& chunk) mutable { return chunk.type == chunk_keyframe && n++ > 0; });
         judge(file_of(bad, true), original, tally, true);
     }
     CHECK(loaded > 1000);
     CHECK(tally.unplayable > 100); // the world's own checks
     CHECK(tally.diverged > 100);   // the hashes
-    CHECK(tally.good < loaded / 20); // a force too small to move anything, a game row that is written before it is read
+    CHECK(tally.good <
+          loaded / 20); // a force too small to move anything, a game row that is written before it is read
 }
 
 TEST_CASE("a command of an unknown kind is refused by its number") {
@@ -213,8 +232,8 @@ TEST_CASE("a command of an unknown kind is refused by its number") {
         chunks[find_chunk(chunks, chunk_ticks)].payload = bad_payload;
         const auto result = read(file_of(chunks, true));
         REQUIRE(!result);
-        CHECK(result.error().message.find("a command is of kind " + std::to_string(kind) + ", this engine knows 0..15") !=
-              std::string::npos);
+        CHECK(result.error().message.find("a command is of kind " + std::to_string(kind) +
+                                          ", this engine knows 0..15") != std::string::npos);
     }
 }
 
@@ -242,5 +261,6 @@ TEST_CASE("a recording whose columns would assert or exhaust memory in World::cr
     CHECK(huge.sentence.find("the game's columns would take 68719476736 bytes") != std::string::npos);
     const VerifyReport taken = with_schema(8, false, "body.pose");
     CHECK(taken.verdict == Verdict::unusable);
-    CHECK(taken.sentence.find("the game's column body.pose has the name of one of the engine's") != std::string::npos);
+    CHECK(taken.sentence.find("the game's column body.pose has the name of one of the engine's") !=
+          std::string::npos);
 }

@@ -27,17 +27,22 @@ std::vector<std::byte> vector_on_page(const std::string& name) {
     std::vector<std::byte> bytes;
     bool inside = false;
     for (std::string line; std::getline(page, line);) {
-        if (line == "```lsr " + name) inside = true;
-        else if (line == "```") inside = false;
+        if (line == "```lsr " + name)
+            inside = true;
+        else if (line == "```")
+            inside = false;
         else if (inside) {
             std::istringstream words(line.substr(0, line.find('#')));
-            for (std::string word; words >> word;) bytes.push_back(static_cast<std::byte>(std::stoul(word, nullptr, 16)));
+            for (std::string word; words >> word;)
+                bytes.push_back(static_cast<std::byte>(std::stoul(word, nullptr, 16)));
         }
     }
     return bytes;
 }
 
-std::span<const std::byte> bytes_of(std::string_view text) { return std::as_bytes(std::span(text.data(), text.size())); }
+std::span<const std::byte> bytes_of(std::string_view text) {
+    return std::as_bytes(std::span(text.data(), text.size()));
+}
 
 Header tiny_header(Mode mode) {
     Header header;
@@ -84,7 +89,8 @@ WorldDef tiny_def() {
 std::vector<std::byte> tiny_inputs() {
     MemorySink sink;
     const std::string_view first = "portable image", second = "portable imago";
-    Writer writer = must(Writer::begin(sink, tiny_header(Mode::inputs), tiny_schema(), tiny_def(), 0xa0, bytes_of(first)));
+    Writer writer = must(
+        Writer::begin(sink, tiny_header(Mode::inputs), tiny_schema(), tiny_def(), 0xa0, bytes_of(first)));
     const std::byte up{1}, down{2};
     const auto tick = [&](std::byte a, std::optional<std::byte> b, std::uint64_t hash) {
         const PlayerInput gone{{}, InputStatus::disconnected};
@@ -102,7 +108,8 @@ std::vector<std::byte> tiny_inputs() {
 /// Two ticks from time 100: two commands before the first, none before the second.
 std::vector<std::byte> tiny_commands() {
     MemorySink sink;
-    Writer writer = must(Writer::begin(sink, tiny_header(Mode::commands), {}, tiny_def(), 0xb0, bytes_of("image")));
+    Writer writer =
+        must(Writer::begin(sink, tiny_header(Mode::commands), {}, tiny_def(), 0xb0, bytes_of("image")));
     const Command commands[] = {SetGravity{{Real{}, Real(-10), Real{}}}, DestroyBody{{3, 1}}};
     must(writer.add_commands(commands, 0xb1));
     must(writer.add_commands({}, 0xb2));
@@ -114,7 +121,9 @@ std::vector<std::byte> tiny_commands() {
 std::string first_difference(std::span<const std::byte> a, std::span<const std::byte> b) {
     std::size_t i = 0;
     while (i < a.size() && i < b.size() && a[i] == b[i]) ++i;
-    return i == a.size() && i == b.size() ? "" : "byte " + std::to_string(i) + " of " + std::to_string(a.size()) + " and " + std::to_string(b.size());
+    return i == a.size() && i == b.size() ? ""
+                                          : "byte " + std::to_string(i) + " of " + std::to_string(a.size()) +
+                                                " and " + std::to_string(b.size());
 }
 
 } // namespace
@@ -158,12 +167,14 @@ TEST_CASE("the table of commands in FORMAT.md is the engine's") {
     for (std::size_t kind = 0; kind < command_kinds; ++kind) {
         std::vector<std::byte> zeros(command_bytes(kind));
         const Command command = read_command(kind, zeros);
-        const std::string row = "| " + std::to_string(kind) + " | " + name_of(command) + " | " + std::to_string(command_bytes(kind)) + " |";
+        const std::string row = "| " + std::to_string(kind) + " | " + name_of(command) + " | " +
+                                std::to_string(command_bytes(kind)) + " |";
         CAPTURE(row);
         CHECK(page.find(row) != std::string::npos);
     }
 }
 
 TEST_CASE("recordings name the engine version of the build") {
-    CHECK(text_of("CMakeLists.txt").find("VERSION " + std::string(engine_version) + " ") != std::string::npos);
+    CHECK(text_of("CMakeLists.txt").find("VERSION " + std::string(engine_version) + " ") !=
+          std::string::npos);
 }

@@ -12,7 +12,8 @@ using oracle::to_double;
 namespace {
 
 /// Empty when the bounds hold the shape grown by `margin`, and are at most two steps and 2 um wider.
-std::string check_bounds(const Bounds& bounds, const Geometry& g, const Transform& pose, double margin, int shift) {
+std::string check_bounds(const Bounds& bounds, const Geometry& g, const Transform& pose, double margin,
+                         int shift) {
     oracle::Placed s = oracle::place_a(g);
     const Rotation r = to_rotation(pose.rotation);
     s.axes = {to_double(r.x), to_double(r.y), to_double(r.z)};
@@ -35,14 +36,17 @@ std::string check_bounds(const Bounds& bounds, const Geometry& g, const Transfor
 TEST_CASE("bounds are rounded outward by at most two steps, and a wrong one is reported") {
     oracle::Random random(21);
     for (int i = 0; i < 20000; ++i) {
-        const Geometry g = oracle::random_shape(random, static_cast<ShapeKind>(i % 3), random.log_uniform(0.0125, 60));
+        const Geometry g =
+            oracle::random_shape(random, static_cast<ShapeKind>(i % 3), random.log_uniform(0.0125, 60));
         const int shift = i % 5 == 0 ? static_cast<int>(random.below(9)) : 0;
         const auto place = [&] { return oracle::quantize<Real>(random.uniform(-30000, 30000)); };
         const Real x = place(), y = place(), z = place();
         const Transform pose{{x, y, z}, oracle::quat_of(random.direction(), random.uniform(0, 3))};
         const Length margin = oracle::quantize<Length>(random.uniform(0, 0.1));
         const Bounds good = bounds_of(g, pose, margin, shift);
-        const auto verdict = [&](const Bounds& b) { return check_bounds(b, g, pose, to_double(margin), shift); };
+        const auto verdict = [&](const Bounds& b) {
+            return check_bounds(b, g, pose, to_double(margin), shift);
+        };
         REQUIRE(verdict(good) == "");
         Bounds bad = good; // planted
         bad.upper.x = Bound::from_raw(bad.upper.x.raw - 3);
@@ -54,12 +58,14 @@ TEST_CASE("bounds are rounded outward by at most two steps, and a wrong one is r
 }
 
 TEST_CASE("bounds beyond the range are clamped to the border and still meet there") {
-    const Transform far{{10'000'000_r, 0_r, 0_r}, Quat::identity()}, further{{20'000'000_r, 0_r, 0_r}, Quat::identity()};
+    const Transform far{{10'000'000_r, 0_r, 0_r}, Quat::identity()},
+        further{{20'000'000_r, 0_r, 0_r}, Quat::identity()};
     const Bounds a = bounds_of(sphere(1_r), far, Length{}), b = bounds_of(sphere(1_r), further, Length{});
     CHECK(a.upper.x == Bound::max());
     CHECK(overlap(a, b));
     CHECK(!overlap(a, bounds_of(sphere(1_r), Transform::identity(), Length{})));
-    const Bounds wide = bounds_of(sphere(1_r), {{8'000'000_r, 0_r, 0_r}, Quat::identity()}, Length{}, bounds_shift_max);
+    const Bounds wide =
+        bounds_of(sphere(1_r), {{8'000'000_r, 0_r, 0_r}, Quat::identity()}, Length{}, bounds_shift_max);
     CHECK(wide.upper.x < Bound::max());
 }
 

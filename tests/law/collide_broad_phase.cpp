@@ -26,20 +26,27 @@ struct Crowd {
     Random random;
     double room;
 
-    Crowd(std::size_t count, double room_size, std::uint64_t seed) : members(count), random(seed), room(room_size) {
+    Crowd(std::size_t count, double room_size, std::uint64_t seed)
+        : members(count), random(seed), room(room_size) {
         for (Member& m : members) appear(m);
     }
     void appear(Member& m) {
         const auto coordinate = [&] { return random.uniform(-room, room); };
         const double x = coordinate(), y = coordinate(), z = coordinate();
-        m = {true, random.below(4) == 0, {x, y, z}, random.direction() * random.uniform(0, 0.2), random.log_uniform(0.1, 1.5), {}};
+        m = {true,
+             random.below(4) == 0,
+             {x, y, z},
+             random.direction() * random.uniform(0, 0.2),
+             random.log_uniform(0.1, 1.5),
+             {}};
         measure(m);
     }
     static void measure(Member& m) {
         const auto bound = [](double v) { return oracle::quantize<Bound>(v); };
         const oracle::D3 at = m.at;
         const double s = m.size;
-        m.bounds = {{bound(at.x - s), bound(at.y - s), bound(at.z - s)}, {bound(at.x + s), bound(at.y + s), bound(at.z + s)}};
+        m.bounds = {{bound(at.x - s), bound(at.y - s), bound(at.z - s)},
+                    {bound(at.x + s), bound(at.y + s), bound(at.z + s)}};
     }
     void step() {
         for (Member& m : members) {
@@ -57,15 +64,18 @@ struct Crowd {
     }
     void set(BroadPhase& phase, std::uint32_t i) const {
         const Member& m = members[i];
-        if (m.present) phase.set(i, m.bounds, m.is_static);
-        else phase.remove(i);
+        if (m.present)
+            phase.set(i, m.bounds, m.is_static);
+        else
+            phase.remove(i);
     }
     std::vector<ProxyPair> brute_force() const {
         std::vector<ProxyPair> out;
         for (std::uint32_t a = 0; a < members.size(); ++a)
             for (std::uint32_t b = a + 1; b < members.size(); ++b) {
                 const Member &x = members[a], &y = members[b];
-                if (x.present && y.present && !(x.is_static && y.is_static) && overlap(x.bounds, y.bounds)) out.push_back({a, b});
+                if (x.present && y.present && !(x.is_static && y.is_static) && overlap(x.bounds, y.bounds))
+                    out.push_back({a, b});
             }
         return out;
     }
@@ -109,7 +119,8 @@ TEST_CASE("three histories of one moving crowd yield the brute-force pairs in ev
         for (std::uint32_t i = count - 1; i > 0; --i) std::swap(order[i], order[random.below(i + 1)]);
         for (std::uint32_t i : order) {
             if (random.below(10) == 0) restless.remove(i);
-            if (random.below(10) == 0) restless.set(i, crowd.members[random.below(count)].bounds, random.below(2) == 0);
+            if (random.below(10) == 0)
+                restless.set(i, crowd.members[random.below(count)].bounds, random.below(2) == 0);
             crowd.set(restless, i);
         }
         if (frame % 3 != 1) restless.find_pairs(pairs); // twice, once or not at all in a frame

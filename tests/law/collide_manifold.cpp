@@ -37,8 +37,8 @@ RelativePose seen_from_b(const RelativePose& p) {
 }
 
 /// Empty when m and its twin computed from B agree: same depth, opposite normals.
-std::string check_symmetry(const RelativePose& pose, const Manifold& m, const Manifold& from_b, double tolerance,
-                           double angle) {
+std::string check_symmetry(const RelativePose& pose, const Manifold& m, const Manifold& from_b,
+                           double tolerance, double angle) {
     if ((m.count == 0) != (from_b.count == 0)) return "only one of them touches";
     if (m.count == 0) return {};
     if (std::abs(deepest(m) - deepest(from_b)) > tolerance) return "depths differ";
@@ -67,9 +67,11 @@ TEST_CASE("a box on a box touches with its four corners, each at its own separat
         for (const ManifoldPoint& p : m.points) {
             CHECK(std::abs(to_double(p.separation) - gap) < 1.3e-7);
             CHECK(std::abs(to_double(p.position.y) - (0.5 + gap / 2)) < 1.3e-7);
-            corners.insert({std::round(to_double(p.position.x) * 1e4) / 1e4, std::round(to_double(p.position.z) * 1e4) / 1e4});
+            corners.insert({std::round(to_double(p.position.x) * 1e4) / 1e4,
+                            std::round(to_double(p.position.z) * 1e4) / 1e4});
         }
-        CHECK(corners == std::set<std::pair<double, double>>{{-0.4, -0.95}, {-0.4, 0.55}, {0.6, -0.95}, {0.6, 0.55}});
+        CHECK(corners ==
+              std::set<std::pair<double, double>>{{-0.4, -0.95}, {-0.4, 0.55}, {0.6, -0.95}, {0.6, 0.55}});
     }
 }
 
@@ -89,11 +91,12 @@ TEST_CASE("equal boxes exactly face to face keep four distinct corners") {
 TEST_CASE("a tilted box meets the ground along its edge first") {
     const Geometry ground = box(2_r, 0.5_r, 2_r), cube = box(0.5_r, 0.5_r, 0.5_r);
     const double tilt = 0.02, height = 0.5 * (std::cos(tilt) + std::sin(tilt));
-    const Manifold m =
-        manifold_of(ground, cube, oracle::pose_of(oracle::quat_of({0, 0, 1}, tilt), {0, 0.5 + height - 0.001, 0}));
+    const Manifold m = manifold_of(
+        ground, cube, oracle::pose_of(oracle::quat_of({0, 0, 1}, tilt), {0, 0.5 + height - 0.001, 0}));
     REQUIRE(m.count == 4);
     std::multiset<int> tenths; // of a millimetre
-    for (const ManifoldPoint& p : m.points) tenths.insert(static_cast<int>(std::lround(to_double(p.separation) * 1e4)));
+    for (const ManifoldPoint& p : m.points)
+        tenths.insert(static_cast<int>(std::lround(to_double(p.separation) * 1e4)));
     CHECK(tenths == std::multiset<int>{-10, -10, 190, 190});
 }
 
@@ -119,7 +122,8 @@ TEST_CASE("two shapes of a kind see the same contact from either side") {
         const oracle::Scene s = oracle::random_scene(random, kind, kind, 0.2, 1);
         const Manifold m = manifold_of(s.a, s.b, s.pose), from_b = manifold_of(s.b, s.a, seen_from_b(s.pose));
         const bool boxes = kind == ShapeKind::box;
-        const double cores = boxes ? 1 : oracle::core_distance(oracle::place_a(s.a), oracle::place_b(s.b, s.pose));
+        const double cores =
+            boxes ? 1 : oracle::core_distance(oracle::place_a(s.a), oracle::place_b(s.b, s.pose));
         if (cores < 0.01) continue; // the direction between them is a few Length steps over their distance
         const double sin = norm(cross({0, 1, 0}, to_double(s.pose.rotation.y)));
         // Cores closer to parallel than 1.2e-4 rad count as parallel: their normal is at right angles to A's only.
@@ -128,7 +132,8 @@ TEST_CASE("two shapes of a kind see the same contact from either side") {
         touching += m.count > 0 ? 1 : 0;
         if (boxes && why != "" && m.count != 0 && from_b.count != 0) {
             ++other_face; // A's face is preferred to B's when they are as good within the bias
-        } else if (kind == ShapeKind::capsule && m.count != from_b.count && m.count != 0 && from_b.count != 0) {
+        } else if (kind == ShapeKind::capsule && m.count != from_b.count && m.count != 0 &&
+                   from_b.count != 0) {
             ++line_or_point; // a core that crosses the line of contact at a small angle
         } else {
             INFO("pair ", i);
@@ -156,11 +161,13 @@ TEST_CASE("feature keys survive small motions") {
         const Geometry shape = kind == ShapeKind::box ? box(0.5_r, 0.4_r, 0.3_r) : capsule(0.3_r, 0.5_r);
         const Geometry& under = i % 2 == 0 ? ground : box(0.45_r, 0.5_r, 0.45_r);
         const double yaw = random.uniform(0, 6.28), height = kind == ShapeKind::box ? 0.9 : 0.8;
-        const Quat lying = kind == ShapeKind::box ? Quat::identity() : oracle::quat_of({0, 0, 1}, 1.5707963267948966);
+        const Quat lying =
+            kind == ShapeKind::box ? Quat::identity() : oracle::quat_of({0, 0, 1}, 1.5707963267948966);
         const auto pose = [&](double jitter) {
             const Quat turned = oracle::quat_of({0, 1, 0}, yaw + random.uniform(-jitter, jitter));
             const Quat tilted = oracle::quat_of(random.direction(), random.uniform(-jitter, jitter));
-            const D3 at{0.1 + random.uniform(-jitter, jitter), height - 0.0005 + random.uniform(-jitter, jitter), 0.05};
+            const D3 at{0.1 + random.uniform(-jitter, jitter),
+                        height - 0.0005 + random.uniform(-jitter, jitter), 0.05};
             return oracle::pose_of(normalized(tilted * turned * lying), at);
         };
         const Manifold first = manifold_of(under, shape, pose(0));
@@ -179,8 +186,8 @@ TEST_CASE("feature keys survive small motions") {
 }
 
 TEST_CASE("coincident and degenerate shapes have a defined contact") {
-    const Geometry shapes[] = {sphere(0.5_r), capsule(0.5_r, 0_r), capsule(0.3_r, 0.6_r), box(0.5_r, 0.5_r, 0.5_r),
-                               box(1_r, 0.01_r, 1_r)};
+    const Geometry shapes[] = {sphere(0.5_r), capsule(0.5_r, 0_r), capsule(0.3_r, 0.6_r),
+                               box(0.5_r, 0.5_r, 0.5_r), box(1_r, 0.01_r, 1_r)};
     const Quat turns[] = {Quat::identity(), oracle::quat_of({0, 0, 1}, 1.5707963267948966),
                           oracle::quat_of({0.6, 0.48, 0.64}, 0.7)};
     for (const Geometry& a : shapes)
@@ -207,14 +214,16 @@ TEST_CASE("the largest shapes and poses stay within range and the furthest never
             const auto pick = [&] { return random.below(2) == 0 ? 100_r : 0.0025_r; };
             const Real x = pick(), y = pick(), z = pick();
             if (kind == ShapeKind::sphere) return sphere(x);
-            if (kind == ShapeKind::capsule) return x == 100_r ? capsule(0.0025_r, 99.9975_r) : capsule(99_r, 1_r);
+            if (kind == ShapeKind::capsule)
+                return x == 100_r ? capsule(0.0025_r, 99.9975_r) : capsule(99_r, 1_r);
             return kind == ShapeKind::box ? box(x, y, z) : plane();
         };
         const Geometry ga = shape(a), gb = shape(b);
         REQUIRE(validate(ga).empty());
         const auto place = [&] { return extremes[random.below(7)]; };
         const double x = place(), y = place(), z = place();
-        const Quat turn = random.below(2) == 0 ? Quat::identity() : oracle::quat_of(random.direction(), random.uniform(0, 3));
+        const Quat turn = random.below(2) == 0 ? Quat::identity()
+                                               : oracle::quat_of(random.direction(), random.uniform(0, 3));
         const Manifold m = manifold_of(ga, gb, oracle::pose_of(turn, {x, y, z}), decimal<Length>("1"));
         if (m.count > 0) CHECK(std::abs(norm(to_double(m.normal)) - 1) < 4e-9);
     }
@@ -225,9 +234,12 @@ TEST_CASE("the largest shapes and poses stay within range and the furthest never
 TEST_CASE("a relative pose is the same far from the world's origin") {
     Random random(13);
     for (int i = 0; i < 200; ++i) {
-        const Quat qa = oracle::quat_of(random.direction(), random.uniform(0, 3)), qb = oracle::quat_of(random.direction(), 1);
-        const Vec3 at{oracle::quantize<Real>(random.uniform(-2, 2)), 0.25_r, 1.5_r}, shift{1'000'000_r, -2'000'000.5_r, 3_r};
-        const RelativePose near = relative_pose({at, qa}, {Vec3{}, qb}), far = relative_pose({at + shift, qa}, {shift, qb});
+        const Quat qa = oracle::quat_of(random.direction(), random.uniform(0, 3)),
+                   qb = oracle::quat_of(random.direction(), 1);
+        const Vec3 at{oracle::quantize<Real>(random.uniform(-2, 2)), 0.25_r, 1.5_r},
+            shift{1'000'000_r, -2'000'000.5_r, 3_r};
+        const RelativePose near = relative_pose({at, qa}, {Vec3{}, qb}),
+                           far = relative_pose({at + shift, qa}, {shift, qb});
         CHECK(near.position == far.position);
         CHECK(near.rotation == far.rotation);
         const D3 expected = to_double(rotate_inverse(qa, -at));

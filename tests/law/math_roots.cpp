@@ -143,10 +143,13 @@ template <FixedPoint T> int wrong_roots(T x, std::int64_t fault) {
     const bool too_large = Wide::product_unsigned(largest, largest) < n;
     bad += (too_large ? root != T::max().raw : !is_nearest_root(n, static_cast<std::uint64_t>(root))) ? 1 : 0;
     // 2^(3f/2) / sqrt(raw), in long double: 64 bits, so good for any result here.
-    const long double exact = std::exp2(1.5L * T::fraction_bits) / std::sqrt(static_cast<long double>(x.raw));
+    static const long double scale = std::exp2(1.5L * T::fraction_bits);
+    const long double exact = scale / std::sqrt(static_cast<long double>(x.raw));
     const long double inverse = std::fmin(exact, static_cast<long double>(T::max().raw));
     const long double off = std::fabs(static_cast<long double>(inv) - inverse);
-    bad += off > error_bound::inv_sqrt / 1000.0L + inverse * 0x1p-60L ? 1 : 0;
+    bad += off > error_bound::inv_sqrt / 1000.0L + std::ldexp(inverse, -error_bound::inv_sqrt_relative_bits)
+               ? 1
+               : 0;
     bad += T::integer_bits >= 2 && reciprocal(x) != T(1) / x ? 1 : 0;
     return bad;
 }

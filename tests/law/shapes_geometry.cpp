@@ -21,7 +21,8 @@ TEST_CASE("shapes are built at compile time from exact sizes") {
 }
 
 TEST_CASE("good shapes pass") {
-    for (const Geometry& g : {sphere(0.0025_r), sphere(100_r), capsule(0.01_r, 0_r), capsule(50_r, 50_r), box(100_r, 0.0025_r, 1_r), plane()})
+    for (const Geometry& g : {sphere(0.0025_r), sphere(100_r), capsule(0.01_r, 0_r), capsule(50_r, 50_r),
+                              box(100_r, 0.0025_r, 1_r), plane()})
         CHECK(validate(g) == "");
 }
 

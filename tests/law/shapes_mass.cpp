@@ -26,7 +26,10 @@ Reference integrate_round(const Geometry& g, double density) {
         constexpr int pieces = 200;
         for (int i = 0; i <= 2 * pieces; ++i) {
             const double y = from + (to - from) * i / (2.0 * pieces);
-            const double weight = (to - from) / (6.0 * pieces) * (i == 0 || i == 2 * pieces ? 1 : i % 2 == 1 ? 4 : 2);
+            const double weight = (to - from) / (6.0 * pieces) *
+                                  (i == 0 || i == 2 * pieces ? 1
+                                   : i % 2 == 1              ? 4
+                                                             : 2);
             const double past = std::max(0.0, std::abs(y) - h), square = std::max(0.0, r * r - past * past);
             const double disc = 3.14159265358979323846 * square * weight;
             volume += disc;
@@ -42,10 +45,13 @@ Reference integrate_round(const Geometry& g, double density) {
 
 /// Empty when the properties match within `relative`.
 std::string check_round(const MassProperties& m, const Reference& e, double relative) {
-    const auto close = [&](double x, double expected) { return std::abs(x - expected) <= relative * expected + 1e-13; };
+    const auto close = [&](double x, double expected) {
+        return std::abs(x - expected) <= relative * expected + 1e-13;
+    };
     if (!(m.center == Vec3{})) return "centre";
     if (std::abs(to_double(m.mass) - e.mass) > 2e-10 + relative * e.mass) return "mass";
-    if (!close(to_double(m.gyration_squared.x.x), e.kx) || !close(to_double(m.gyration_squared.z.z), e.kx)) return "across";
+    if (!close(to_double(m.gyration_squared.x.x), e.kx) || !close(to_double(m.gyration_squared.z.z), e.kx))
+        return "across";
     if (!close(to_double(m.gyration_squared.y.y), e.ky)) return "along";
     return {};
 }
@@ -61,7 +67,8 @@ TEST_CASE("spheres and capsules from 5 mm to 100 m match numerical integration")
     oracle::Random random(31);
     for (int i = 0; i < 500; ++i) {
         const double size = random.log_uniform(0.0125, 60);
-        const Geometry g = oracle::random_shape(random, i % 2 == 0 ? ShapeKind::sphere : ShapeKind::capsule, size);
+        const Geometry g =
+            oracle::random_shape(random, i % 2 == 0 ? ShapeKind::sphere : ShapeKind::capsule, size);
         const double density = size < 1 ? 1000 : 10;
         const Reference expected = integrate_round(g, density);
         const MassProperties m = mass_properties(g, oracle::quantize<Real>(density));
@@ -81,7 +88,8 @@ TEST_CASE("boxes match their closed form") {
         const Geometry g = oracle::random_shape(random, ShapeKind::box, random.log_uniform(0.0125, 60));
         const MassProperties m = mass_properties(g, 50_r);
         const D3 h = to_double(g.half_extent);
-        CHECK(to_double(m.mass) == doctest::Approx(50 * 8 * h.x * h.y * h.z).epsilon(1e-12 + 3e-10 / to_double(m.mass)));
+        CHECK(to_double(m.mass) ==
+              doctest::Approx(50 * 8 * h.x * h.y * h.z).epsilon(1e-12 + 3e-10 / to_double(m.mass)));
         for (int k = 0; k < 3; ++k) {
             const double expected = (dot(h, h) - h[k] * h[k]) / 3;
             CHECK(std::abs(entry(m.gyration_squared, k, k) - expected) < 1e-13 + 1e-14 * expected);
@@ -99,7 +107,8 @@ TEST_CASE("random sampling finds the same mass and inertia") {
         double inside = 0, sum[3] = {0, 0, 0};
         constexpr int samples = 400'000;
         for (int i = 0; i < samples; ++i) {
-            const double x = random.uniform(-1.2, 1.2), y = random.uniform(-1.2, 1.2), z = random.uniform(-1.2, 1.2);
+            const double x = random.uniform(-1.2, 1.2), y = random.uniform(-1.2, 1.2),
+                         z = random.uniform(-1.2, 1.2);
             if (oracle::surface_distance(s, {x, y, z}) > 0) continue;
             inside += 1;
             sum[0] += y * y + z * z;
@@ -108,7 +117,8 @@ TEST_CASE("random sampling finds the same mass and inertia") {
         }
         const MassProperties m = mass_properties(g, 2_r);
         CHECK(to_double(m.mass) == doctest::Approx(2 * inside / samples * 2.4 * 2.4 * 2.4).epsilon(0.01));
-        for (int k = 0; k < 3; ++k) CHECK(entry(m.gyration_squared, k, k) == doctest::Approx(sum[k] / inside).epsilon(0.01));
+        for (int k = 0; k < 3; ++k)
+            CHECK(entry(m.gyration_squared, k, k) == doctest::Approx(sum[k] / inside).epsilon(0.01));
     }
 }
 
@@ -139,7 +149,8 @@ Body combine_double(const std::vector<MassPart>& parts) {
             for (int j = 0; j < 3; ++j) {
                 double k = (i == j ? dot(d, d) : 0) - d[i] * d[j];
                 for (int a = 0; a < 3; ++a)
-                    for (int b = 0; b < 3; ++b) k += r[a][i] * entry(parts[p].properties.gyration_squared, a, b) * r[b][j];
+                    for (int b = 0; b < 3; ++b)
+                        k += r[a][i] * entry(parts[p].properties.gyration_squared, a, b) * r[b][j];
                 body.inertia[i][j] += k * to_double(parts[p].properties.mass) / body.mass;
             }
     }
@@ -152,7 +163,8 @@ std::string check_body(const MassProperties& m, const Body& e, double relative) 
     if (norm(to_double(m.center) - e.center) > 1e-9 + relative * std::sqrt(size)) return "centre";
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
-            if (std::abs(entry(m.gyration_squared, i, j) - e.inertia[i][j]) > relative * size) return "inertia";
+            if (std::abs(entry(m.gyration_squared, i, j) - e.inertia[i][j]) > relative * size)
+                return "inertia";
     return {};
 }
 
@@ -163,7 +175,8 @@ std::vector<MassPart> random_parts(oracle::Random& random) {
         const Geometry g = oracle::random_shape(random, static_cast<ShapeKind>(random.below(3)), size);
         const auto place = [&] { return oracle::quantize<Real>(random.uniform(-size, size)); };
         const Real x = place(), y = place(), z = place();
-        parts.push_back({mass_properties(g, 100_r), {{x, y, z}, oracle::quat_of(random.direction(), random.uniform(0, 3))}});
+        parts.push_back({mass_properties(g, 100_r),
+                         {{x, y, z}, oracle::quat_of(random.direction(), random.uniform(0, 3))}});
     }
     return parts;
 }
@@ -188,12 +201,15 @@ TEST_CASE("a body of several parts obeys the parallel axis theorem") {
 }
 
 TEST_CASE("two halves of a box make the box") {
-    const MassProperties whole = mass_properties(box(1_r, 0.5_r, 0.25_r), 8_r), half = mass_properties(box(0.5_r, 0.5_r, 0.25_r), 8_r);
-    const MassPart parts[] = {{half, {{-0.5_r, 0_r, 0_r}, Quat::identity()}}, {half, {{0.5_r, 0_r, 0_r}, Quat::identity()}}};
+    const MassProperties whole = mass_properties(box(1_r, 0.5_r, 0.25_r), 8_r),
+                         half = mass_properties(box(0.5_r, 0.5_r, 0.25_r), 8_r);
+    const MassPart parts[] = {{half, {{-0.5_r, 0_r, 0_r}, Quat::identity()}},
+                              {half, {{0.5_r, 0_r, 0_r}, Quat::identity()}}};
     const MassProperties m = combine(parts);
     CHECK(m.mass == whole.mass);
     CHECK(m.center == Vec3{});
-    for (int k = 0; k < 3; ++k) CHECK(std::abs(entry(m.gyration_squared, k, k) - entry(whole.gyration_squared, k, k)) < 1e-12);
+    for (int k = 0; k < 3; ++k)
+        CHECK(std::abs(entry(m.gyration_squared, k, k) - entry(whole.gyration_squared, k, k)) < 1e-12);
 }
 
 TEST_CASE("principal radii and axes put the gyration back together") {
@@ -202,15 +218,19 @@ TEST_CASE("principal radii and axes put the gyration back together") {
         const MassProperties m = combine(random_parts(random));
         const PrincipalGyration p = principal_gyration(m);
         const Rotation rotation = to_rotation(p.axes);
-        const D3 r[3] = {to_double(rotation.x), to_double(rotation.y), to_double(rotation.z)}, k = to_double(p.radii);
+        const D3 r[3] = {to_double(rotation.x), to_double(rotation.y), to_double(rotation.z)},
+                 k = to_double(p.radii);
         const double size = dot(k, k);
         for (int a = 0; a < 3; ++a)
             for (int b = 0; b < 3; ++b) {
-                const double sum = r[0][a] * r[0][b] * k.x * k.x + r[1][a] * r[1][b] * k.y * k.y + r[2][a] * r[2][b] * k.z * k.z;
-                REQUIRE(std::abs(sum - entry(m.gyration_squared, a, b)) < 2e-8 * size + 1e-9 * std::sqrt(size));
+                const double sum = r[0][a] * r[0][b] * k.x * k.x + r[1][a] * r[1][b] * k.y * k.y +
+                                   r[2][a] * r[2][b] * k.z * k.z;
+                REQUIRE(std::abs(sum - entry(m.gyration_squared, a, b)) <
+                        2e-8 * size + 1e-9 * std::sqrt(size));
             }
     }
-    const PrincipalGyration cube = principal_gyration(mass_properties(box(0.0025_r, 0.0025_r, 0.0025_r), 1000_r));
+    const PrincipalGyration cube =
+        principal_gyration(mass_properties(box(0.0025_r, 0.0025_r, 0.0025_r), 1000_r));
     CHECK(to_double(cube.radii.x) == doctest::Approx(0.0025 * std::sqrt(2.0 / 3)).epsilon(1e-6));
     CHECK(principal_gyration(MassProperties{}).radii == Vec3{});
 }

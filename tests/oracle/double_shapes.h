@@ -52,24 +52,34 @@ struct Placed {
     }
 };
 inline Placed place_a(const Geometry& g) {
-    return {g.kind, to_double(g.radius), to_double(g.half_extent), {0, 0, 0}, {D3{1, 0, 0}, D3{0, 1, 0}, D3{0, 0, 1}}};
+    return {g.kind,
+            to_double(g.radius),
+            to_double(g.half_extent),
+            {0, 0, 0},
+            {D3{1, 0, 0}, D3{0, 1, 0}, D3{0, 0, 1}}};
 }
 inline Placed place_b(const Geometry& g, const RelativePose& p) {
-    return {g.kind, to_double(g.radius), to_double(g.half_extent), to_double(p.position),
+    return {g.kind,
+            to_double(g.radius),
+            to_double(g.half_extent),
+            to_double(p.position),
             {to_double(p.rotation.x), to_double(p.rotation.y), to_double(p.rotation.z)}};
 }
 
 /// The greatest n . x over the shape; infinite for a plane that n does not point out of.
 inline double support(const Placed& s, D3 n) {
     if (s.kind == ShapeKind::plane)
-        return norm(cross(n, s.axes[1])) < 1e-6 && dot(n, s.axes[1]) > 0 ? dot(n, s.center)
-                                                                         : std::numeric_limits<double>::infinity();
+        return norm(cross(n, s.axes[1])) < 1e-6 && dot(n, s.axes[1]) > 0
+                   ? dot(n, s.center)
+                   : std::numeric_limits<double>::infinity();
     double reach = s.radius * norm(n) + dot(n, s.center);
     for (int i = 0; i < 3; ++i) reach += std::abs(dot(n, s.axes[static_cast<std::size_t>(i)])) * s.half[i];
     return reach;
 }
 /// The gap between the shapes along n, from A to B.
-inline double separation_along(const Placed& a, const Placed& b, D3 n) { return -support(b, n * -1.0) - support(a, n); }
+inline double separation_along(const Placed& a, const Placed& b, D3 n) {
+    return -support(b, n * -1.0) - support(a, n);
+}
 
 /// Distance to the surface: negative inside.
 inline double surface_distance(const Placed& s, D3 point) {
@@ -121,8 +131,10 @@ inline double core_distance(const Placed& a, const Placed& b) {
     if (b.kind == ShapeKind::sphere) return distance(0);
     for (int i = 0; i < 120; ++i) {
         const double third = (high - low) / 3;
-        if (distance(low + third) <= distance(high - third)) high -= third;
-        else low += third;
+        if (distance(low + third) <= distance(high - third))
+            high -= third;
+        else
+            low += third;
     }
     return std::min({distance(low), distance((low + high) / 2), distance(-b.half.y), distance(b.half.y)});
 }
@@ -149,19 +161,34 @@ struct Tolerance {
 /// How far a shape reaches from its centre; a plane is as large as what it meets.
 inline double reach(const Placed& s) { return s.radius + norm(s.half); }
 
+/// What leaving nearly parallel edge axes to the faces can cost: at most their sine times the reach of the boxes.
+inline double parallel_slack(const Placed& a, const Placed& b, double sin_min) {
+    double least = 1;
+    for (const D3& e : a.axes)
+        for (const D3& f : b.axes)
+            if (a.kind == ShapeKind::box &&
+                (b.kind == ShapeKind::box || (b.kind == ShapeKind::capsule && &f == &b.axes[1])))
+                least = std::min(least, norm(cross(e, f)));
+    return least < sin_min * 1.2 ? 2 * sin_min * (reach(a) + reach(b)) : 0;
+}
+
 /// Whether a manifold point, moved to the two surfaces, lies on them.
-inline std::string check_surfaces(const Placed& a, const Placed& b, D3 on_a, D3 on_b, std::uint32_t k, std::uint32_t count,
-                                  double tolerance, double bias) {
+inline std::string check_surfaces(const Placed& a, const Placed& b, D3 on_a, D3 on_b, std::uint32_t k,
+                                  std::uint32_t count, double tolerance, double bias) {
     const bool boxes = a.kind == ShapeKind::box && b.kind == ShapeKind::box;
-    const bool leans = b.kind == ShapeKind::capsule; // a slanted core's ends touch inside of the capsule's side
+    const bool leans =
+        b.kind == ShapeKind::capsule; // a slanted core's ends touch inside of the capsule's side
     double out_a = tolerance, out_b = tolerance;
     // A face preferred to an edge within the bias lets the point slide sideways past the face a little.
-    if (a.kind == ShapeKind::box && leans) out_a += std::sqrt(2.2 * bias * (b.radius + norm(b.half) + norm(on_b - on_a)));
-    if (leans && count == 2) out_b += bias; // two points for a core that crosses the line of contact at a small angle
+    if (a.kind == ShapeKind::box && leans)
+        out_a += std::sqrt(2.2 * bias * (b.radius + norm(b.half) + norm(on_b - on_a)));
+    if (leans && count == 2)
+        out_b += bias; // two points for a core that crosses the line of contact at a small angle
     if (boxes && count == 1) out_a = out_b = 0.05; // the lowest corner, or the point of clamped edges
     const double off_a = surface_distance(a, on_a), off_b = surface_distance(b, on_b);
     std::ostringstream why;
-    if (off_a > out_a || (off_a < -out_a && a.kind != ShapeKind::capsule)) why << "point " << k << " is " << off_a << " off A; ";
+    if (off_a > out_a || (off_a < -out_a && a.kind != ShapeKind::capsule))
+        why << "point " << k << " is " << off_a << " off A; ";
     if (off_b > out_b || (off_b < -out_b && !leans)) why << "point " << k << " is " << off_b << " off B; ";
     return why.str();
 }
@@ -171,21 +198,13 @@ inline std::string check_surfaces(const Placed& a, const Placed& b, D3 on_a, D3 
 ///   - overlapping shapes yield a point, shapes further apart than the margin do not
 ///   - no point is deeper than the separation along the normal, none is beyond the margin
 ///   - stepping half the separation against and along the normal leads onto A's and into B's surface
-inline std::string check_manifold(const Geometry& ga, const Geometry& gb, const RelativePose& pose, double margin,
-                                  const Manifold& m, const Tolerance& t = {}) {
+inline std::string check_manifold(const Geometry& ga, const Geometry& gb, const RelativePose& pose,
+                                  double margin, const Manifold& m, const Tolerance& t = {}) {
     std::ostringstream why;
     const Placed a = place_a(ga), b = place_b(gb, pose);
     const double truth = separation(a, b);
     const double length_tolerance = t.length + t.relative * (reach(a) + reach(b));
-    // Leaving nearly parallel edge axes to the faces costs at most their sine times the reach of the boxes.
-    double slack = t.bias;
-    if (ga.kind == ShapeKind::box && gb.kind != ShapeKind::sphere) {
-        double sin_least = 1;
-        for (const D3& e : a.axes)
-            for (const D3& f : b.axes)
-                if (gb.kind == ShapeKind::box || &f == &b.axes[1]) sin_least = std::min(sin_least, norm(cross(e, f)));
-        if (sin_least < t.sin_min * 1.2) slack += 2 * t.sin_min * (norm(a.half) + norm(b.half));
-    }
+    const double slack = t.bias + parallel_slack(a, b, t.sin_min);
     if (m.count > 4) why << "count " << m.count << "; ";
     if (m.count == 0) {
         if (truth < -length_tolerance) why << "misses an overlap of " << -truth << "; ";
@@ -211,11 +230,13 @@ inline std::string check_manifold(const Geometry& ga, const Geometry& gb, const 
         const double s = to_double(m.points[k].separation);
         if (s > margin + length_tolerance) why << "point " << k << " is beyond the margin: " << s << "; ";
         // Deep overlaps are clamped to the range of Separation.
-        if (s < along - length_tolerance - 1e-9 && s > -15.9) why << "point " << k << " is deeper (" << s << ") than the shapes (" << along << "); ";
+        if (s < along - length_tolerance - 1e-9 && s > -15.9)
+            why << "point " << k << " is deeper (" << s << ") than the shapes (" << along << "); ";
         if (s < -15.9) continue;
         const D3 p = to_double(m.points[k].position);
         for (std::uint32_t l = 0; l < k; ++l)
-            if (m.points[l].feature == m.points[k].feature) why << "points " << l << " and " << k << " share a feature; ";
+            if (m.points[l].feature == m.points[k].feature)
+                why << "points " << l << " and " << k << " share a feature; ";
         why << check_surfaces(a, b, p - n * (s / 2), p + n * (s / 2), k, m.count, length_tolerance, t.bias);
     }
     return why.str();
@@ -272,19 +293,25 @@ inline Geometry random_shape(Random& random, ShapeKind kind, double size) {
     const auto real = [](double x) { return quantize<lockstone::Real>(x); };
     const double x = random.uniform(0.2, 1), y = random.uniform(0.2, 1), z = random.uniform(0.2, 1);
     switch (kind) {
-    case ShapeKind::sphere: return lockstone::sphere(real(size));
-    case ShapeKind::capsule: return lockstone::capsule(real(size * x), real(size * 1.5 * (y - 0.2)));
-    case ShapeKind::box: return lockstone::box(real(size * x), real(size * y), real(size * z));
-    case ShapeKind::plane: break;
+    case ShapeKind::sphere:
+        return lockstone::sphere(real(size));
+    case ShapeKind::capsule:
+        return lockstone::capsule(real(size * x), real(size * 1.5 * (y - 0.2)));
+    case ShapeKind::box:
+        return lockstone::box(real(size * x), real(size * y), real(size * z));
+    case ShapeKind::plane:
+        break;
     }
     return lockstone::plane();
 }
 
 /// Random, axis-aligned and nearly aligned orientations in turn; about two thirds of the poses touch.
-inline Scene random_scene(Random& random, ShapeKind kind_a, ShapeKind kind_b, double size_min, double size_max) {
+inline Scene random_scene(Random& random, ShapeKind kind_a, ShapeKind kind_b, double size_min,
+                          double size_max) {
     Scene s{};
     const double size_a = random.log_uniform(size_min, size_max);
-    const double size_b = random.log_uniform(std::max(size_min, size_a / 300), std::min(size_max, size_a * 300));
+    const double size_b =
+        random.log_uniform(std::max(size_min, size_a / 300), std::min(size_max, size_a * 300));
     s.a = random_shape(random, kind_a, size_a);
     s.b = random_shape(random, kind_b, size_b);
     D3 axis = random.direction();

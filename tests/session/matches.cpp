@@ -157,6 +157,80 @@ TEST_CASE("machines that remain agree on the tick where a player left, though th
     }
 }
 
+TEST_CASE("the machine that hears of a departure before it has all inputs waits for them") {
+    Match match({.players = {0, 1, 2}, .machines = 3, .disconnect_ms = 1000, .link = {.latency_ms = 60}});
+    match.run(300);
+    // Machine 0 hears machine 2 a second late, and never its last words; machine 1 hears all and gives up first.
+    match.network.set_link(2, 0, {.latency_ms = 900});
+    match.run(20);
+    match.network.set_link(2, 0, {.loss_permille = 1000});
+    match.run(6);
+    match.network.unplug(2);
+    match.run(400);
+    CHECK(match.agree(0, 1));
+    REQUIRE(match.notices<PlayerDisconnected>(0).size() == 1);
+    REQUIRE(match.notices<PlayerDisconnected>(1).size() == 1);
+    CHECK(match.notices<PlayerDisconnected>(0)[0].tick == match.notices<PlayerDisconnected>(1)[0].tick);
+    CHECK(match.machine(0).timeline.ticks.size() > 500);
+    CHECK(match.machine(0).session->stats().dropped[static_cast<std::size_t>(PacketFault::implausible)] == 0);
+}
+
+TEST_CASE("a machine that is not heard any more is told so") {
+    Match match({.disconnect_ms = 1000, .link = {.latency_ms = 60}});
+    match.run(300);
+    match.network.set_link(1, 0, {.loss_permille = 1000});
+    match.run(60 + 4 + 3); // 1 s of silence, then the latencies of the last packet and of the farewell
+    CHECK(match.notices<PlayerDisconnected>(0).size() == 1);
+    match.run(6);
+    CHECK(match.notices<PlayerDisconnected>(1).size() == 1);
+}
+
+TEST_CASE("a machine that one other cannot hear is dropped by all, on that one's word") {
+    Match match({.players = {0, 1, 2}, .machines = 3, .disconnect_ms = 1000, .link = {.latency_ms = 60}});
+    match.run(300);
+    match.network.set_link(2, 0, {.loss_permille = 1000});
+    match.run(600);
+    CHECK(match.agree(0, 1));
+    REQUIRE(match.notices<PlayerDisconnected>(0).size() == 1);
+    REQUIRE(match.notices<PlayerDisconnected>(1).size() == 1);
+    CHECK(match.notices<PlayerDisconnected>(0)[0].tick == match.notices<PlayerDisconnected>(1)[0].tick);
+    CHECK(match.notices<PlayerDisconnected>(2).size() == 2); // it plays on alone
+    CHECK(match.machine(0).timeline.ticks.size() > 600);
+}
+
+TEST_CASE(
+    "sixteen players with the widest inputs, fifteen on one machine, get through packets that hold a few") {
+    SimulatedNetwork network(2, {.latency_ms = 20}, 1);
+    SessionDef def;
+    def.input_size = input_bytes_max;
+    def.players.assign(16, 0);
+    def.players[15] = 1;
+    std::array<std::unique_ptr<Session>, 2> sessions;
+    for (PeerId id = 0; id < 2; ++id) {
+        def.self = id;
+        sessions[id] = make_rollback_session(def, network.endpoint(id)).value();
+    }
+    std::array<std::uint64_t, 2> confirmed{};
+    std::array<std::byte, input_bytes_max> input{};
+    for (std::uint64_t frame = 0; frame < 600; ++frame) {
+        network.advance_to(frame * 16);
+        for (PeerId id = 0; id < 2; ++id) {
+            input.fill(static_cast<std::byte>(sessions[id]->current_tick())); // never repeats
+            for (std::uint32_t p = 0; p < 16; ++p) {
+                if (def.players[p] == id) sessions[id]->add_local_input(p, input);
+            }
+            sessions[id]->poll(frame * 16);
+            for (const Request& request : sessions[id]->advance().requests) {
+                if (const Advance* a = std::get_if<Advance>(&request)) sessions[id]->report_hash(a->tick, 0);
+            }
+            while (sessions[id]->next_confirmed()) ++confirmed[id];
+        }
+    }
+    CHECK(confirmed[0] > 100);
+    CHECK(confirmed[1] > 100);
+    CHECK(sessions[0]->stats().packets_dropped == 0);
+}
+
 TEST_CASE("machines of another match or line-up are told of, and never understood") {
     SimulatedNetwork network(2, {}, 1);
     SessionDef def;

@@ -190,7 +190,7 @@ TEST_CASE("a sealed packet with a wrong field is refused for what is wrong") {
     constexpr std::size_t block_count_at = hash_count_at + 1 + 24 + 16;
     CHECK(refused(0, 0) == PacketFault::damaged);
     CHECK(refused(2, 9) == PacketFault::version);
-    CHECK(refused(3, 0x80) == PacketFault::malformed);
+    CHECK(refused(3, 0x83) == PacketFault::malformed);
     CHECK(refused(4, 0xff) == PacketFault::match);
     CHECK(refused(12, 0x10) == PacketFault::malformed); // player 4 of 4 is gone
     CHECK(refused(hash_count_at, 0) == PacketFault::malformed);

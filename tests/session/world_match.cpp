@@ -44,7 +44,8 @@ class PushGame final : public Game {
             if (world.kind(body) != BodyKind::dynamic) continue;
             const Pad pad = decode_input<Pad>(inputs[world.user_key(body) % 2]);
             const Vec3 place = world.pose(body).position; // pulled home, so that nobody leaves the ground
-            const Vec3 force{Real(pad.push / 8) - place.x * 400, 0_r, Real(pad.buttons) * 900 - place.z * 400};
+            const Vec3 force{Real(pad.push / 8) - place.x * 400, 0_r,
+                             Real(pad.buttons) * 900 - place.z * 400};
             if (!world.add_force(body, force)) continue; // out of range: none
         }
         world.tick();
@@ -78,13 +79,15 @@ const PushGame game;
 
 } // namespace
 
-TEST_CASE("two worlds 120 ms apart with 10 % loss agree at every one of 3,600 ticks, and with a run without sessions") {
+TEST_CASE("two worlds 120 ms apart with 10 % loss agree at every one of 3,600 ticks, and with a run without "
+          "sessions") {
     MatchDef def;
     def.link = {.latency_ms = 120, .jitter_ms = 20, .loss_permille = 100};
     Match match(def, [](PeerId) { return std::make_unique<PushSimulation>(game); });
     const auto start = std::chrono::steady_clock::now();
     for (int i = 0; i < 6000 && match.machine(0).timeline.ticks.size() < 3600; ++i) match.frame();
-    const auto took = std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::steady_clock::now() - start);
+    const auto took =
+        std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::steady_clock::now() - start);
     CHECK(match.machine(0).timeline.ticks.size() >= 3600);
     CHECK(match.agree(0, 1));
     for (PeerId id = 0; id < 2; ++id) {
@@ -93,13 +96,15 @@ TEST_CASE("two worlds 120 ms apart with 10 % loss agree at every one of 3,600 ti
         CHECK(match.machine(id).events.count(EventStatus::confirmed) > 20);
     }
     PushSimulation straight(game);
-    CHECK(run_straight(match.machine(0).timeline, 2, straight) == match.machine(0).timeline.ticks.back().hash);
+    CHECK(run_straight(match.machine(0).timeline, 2, straight) ==
+          match.machine(0).timeline.ticks.back().hash);
     const SessionStats& stats = match.machine(0).session->stats();
     const EventLaw& events = match.machine(0).events;
-    MESSAGE("worlds: ", took.count(), " ms, ticks ", stats.ticks, ", rollbacks ", stats.rollbacks, ", resimulated ",
-            stats.resimulated, ", depth ", stats.depth_max, ", stalls ", stats.stalls, ", bytes/player/s ",
-            stats.bytes_per_player_second(), ", events predicted ", events.count(EventStatus::predicted), ", confirmed ",
-            events.count(EventStatus::confirmed), ", cancelled ", events.count(EventStatus::cancelled));
+    MESSAGE("worlds: ", took.count(), " ms, ticks ", stats.ticks, ", rollbacks ", stats.rollbacks,
+            ", resimulated ", stats.resimulated, ", depth ", stats.depth_max, ", stalls ", stats.stalls,
+            ", bytes/player/s ", stats.bytes_per_player_second(), ", events predicted ",
+            events.count(EventStatus::predicted), ", confirmed ", events.count(EventStatus::confirmed),
+            ", cancelled ", events.count(EventStatus::cancelled));
 }
 
 TEST_CASE("a world passes the sync test") {
@@ -108,7 +113,8 @@ TEST_CASE("a world passes the sync test") {
     PushSimulation simulation(game);
     SessionRunner runner(*session, simulation);
     for (std::uint64_t tick = 0; tick < 300; ++tick) {
-        for (std::uint32_t p = 0; p < 2; ++p) session->add_local_input(p, encode_input(scripted_pad(p, tick)));
+        for (std::uint32_t p = 0; p < 2; ++p)
+            session->add_local_input(p, encode_input(scripted_pad(p, tick)));
         runner.frame(tick);
     }
     if (const SyncTestFailure* failure = runner.sync_failure()) FAIL_CHECK(to_string(*failure));
@@ -129,10 +135,12 @@ TEST_CASE("the sync test names every column that changes when the snapshot lacks
         const std::uint32_t index =
             static_cast<std::uint32_t>(std::ranges::find(names, name) - names.begin());
         for (std::uint64_t tick = 0; tick < 120 && runner.sync_failure() == nullptr; ++tick) {
-            for (std::uint32_t p = 0; p < 2; ++p) session->add_local_input(p, encode_input(scripted_pad(p, tick)));
+            for (std::uint32_t p = 0; p < 2; ++p)
+                session->add_local_input(p, encode_input(scripted_pad(p, tick)));
             runner.frame(tick);
             const auto bytes = std::as_const(simulation.state()).bytes(index);
-            changed = changed || (tick > 0 && bytes.size() == before.size() && !std::ranges::equal(bytes, before));
+            changed =
+                changed || (tick > 0 && bytes.size() == before.size() && !std::ranges::equal(bytes, before));
             before.assign(bytes.begin(), bytes.end());
         }
         const SyncTestFailure* failure = runner.sync_failure();

@@ -89,7 +89,7 @@ inline std::vector<BodyId> add_pyramid(World& w, int base) {
     std::vector<BodyId> boxes;
     for (int row = 0; row < base; ++row)
         for (int i = 0; i < base - row; ++i)
-            boxes.push_back(add_crate(w, at(1.05 * (i - (base - row - 1) / 2.0), 0.5 + row, 0)));
+            boxes.push_back(add_crate(w, at(1.02 * (i - (base - row - 1) / 2.0), 0.5 + row, 0)));
     return boxes;
 }
 

@@ -17,7 +17,7 @@
 namespace lockstone::test {
 
 struct SmallInput {
-    std::int8_t x, z; ///< push along the axes [4 N]
+    std::int8_t x, z;      ///< push along the axes [4 N]
     std::uint16_t buttons; ///< bit 0: jump; bit 1: throw a crate in
 };
 template <class V> constexpr void describe(SmallInput& p, V&& v) {
@@ -123,7 +123,8 @@ class SmallGame : public Game {
     static void throw_crate(World& world, SmallScore& s) {
         constexpr std::uint32_t fixed_bodies = 6, crates_max = 4;
         if (world.body_count() >= fixed_bodies + crates_max) must(world.destroy(world.body_at(fixed_bodies)));
-        add_crate(world, at(Real(static_cast<int>(s.crates % 5) - 2), 4_r, Real(static_cast<int>(s.crates % 3) - 1)));
+        add_crate(world, at(Real(static_cast<int>(s.crates % 5) - 2), 4_r,
+                            Real(static_cast<int>(s.crates % 3) - 1)));
         ++s.crates;
     }
     std::uint64_t fault_tick;

@@ -65,7 +65,8 @@ struct Chunk {
 inline std::vector<Chunk> chunks_of(std::span<const std::byte> file) {
     std::vector<Chunk> chunks;
     for (std::size_t at = replay::preamble_bytes; at < file.size();) {
-        const auto size = static_cast<std::size_t>(base::load_little_endian<std::uint64_t>(file.data() + at + 8));
+        const auto size =
+            static_cast<std::size_t>(base::load_little_endian<std::uint64_t>(file.data() + at + 8));
         const auto payload = file.subspan(at + replay::chunk_head_bytes, size);
         chunks.push_back({base::load_little_endian<std::uint32_t>(file.data() + at),
                           base::load_little_endian<std::uint32_t>(file.data() + at + 4),
@@ -76,7 +77,8 @@ inline std::vector<Chunk> chunks_of(std::span<const std::byte> file) {
 }
 
 /// A file of these chunks with good checksums. `renew_index`: INDX and END. tell the chunks' true offsets.
-inline Bytes file_of(std::vector<Chunk> chunks, bool renew_index, std::uint16_t minor = replay::version_minor) {
+inline Bytes file_of(std::vector<Chunk> chunks, bool renew_index,
+                     std::uint16_t minor = replay::version_minor) {
     auto first_bytes = replay::preamble();
     base::store_little_endian(minor, first_bytes.data() + 10);
     Bytes file(first_bytes.begin(), first_bytes.end());
@@ -97,7 +99,8 @@ inline Bytes file_of(std::vector<Chunk> chunks, bool renew_index, std::uint16_t 
         entry.u32(chunk.type);
         entry.u64(file.size());
         entry.u64(has_tick && chunk.payload.size() >= 8
-                      ? base::load_little_endian<std::uint64_t>(chunk.payload.data()) : 0);
+                      ? base::load_little_endian<std::uint64_t>(chunk.payload.data())
+                      : 0);
         ++entries;
 
         const std::size_t begin = file.size();

@@ -25,6 +25,13 @@ void add_all(CLI::App& app, Work& work) {
     add_bench(app, work);
 }
 
+/// Told before parsing: the parser would only say that a command is missing.
+bool is_unknown_command(const CLI::App& app, int argc, char** argv) {
+    if (argc < 2 || argv[1][0] == '-') return false;
+    const auto commands = app.get_subcommands([](const CLI::App*) { return true; });
+    return std::ranges::none_of(commands, [&](const CLI::App* c) { return c->get_name() == argv[1]; });
+}
+
 } // namespace
 
 int run_command_line(int argc, char** argv) {
@@ -33,6 +40,9 @@ int run_command_line(int argc, char** argv) {
     app.footer("Exit status: 0 good; 1 a check failed; 2 bad usage or bad input.");
     Work work;
     add_all(app, work);
+    if (is_unknown_command(app, argc, argv))
+        return report_bad_input(std::string("there is no command '") + argv[1] +
+                                "' (lockstone --help lists the commands)");
     try {
         app.parse(argc, argv);
     } catch (const CLI::Success& help) { return app.exit(help); } catch (const CLI::ParseError& e) {

@@ -74,11 +74,13 @@ nlohmann::ordered_json WorldReport::json(World& end) const {
         displacement = std::max(displacement, std::hypot(x, y, z));
         ++awake; // bodies do not sleep yet: every dynamic one is simulated
     }
-    const SnapshotCost cost = measure_snapshot(end);
+    const std::size_t contacts = end.contacts().size();
+    const double penetration_now = penetration(end);
+    const SnapshotCost cost = measure_snapshot(end); // restores, so contacts are gone after it
     return {{"bodies", end.body_count()},
             {"awake", awake},
-            {"contacts", end.contacts().size()},
-            {"penetration_max_m", penetration(end)},
+            {"contacts", contacts},
+            {"penetration_max_m", penetration_now},
             {"penetration_ever_m", penetration_ever},
             {"drift_max_m", drift},
             {"displacement_max_m", displacement},

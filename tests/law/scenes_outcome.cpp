@@ -1,0 +1,71 @@
+// What a watcher would call right: towers stand, piles stay in their pit, dominoes fall, games are played.
+#include "scenes/scenes.h"
+
+#include <doctest/doctest.h>
+
+namespace lockstone::test {
+namespace {
+
+World run(const Game& game, std::uint64_t ticks) {
+    World world = game.start().value();
+    std::vector<std::vector<std::byte>> bytes(game.player_count(), std::vector<std::byte>(game.input_size()));
+    std::vector<PlayerInput> inputs(game.player_count());
+    while (world.tick_count() < ticks) {
+        for (std::uint32_t p = 0; p < inputs.size(); ++p) {
+            scripted_input(game, 1, world.tick_count(), p, bytes[p]);
+            inputs[p] = {bytes[p]};
+        }
+        game.advance(world, inputs);
+    }
+    return world;
+}
+
+} // namespace
+
+TEST_CASE("a tower of ten boxes stands still for ten seconds") {
+    const World world = run(*make_scene("stack").value(), 600);
+    for (const BodyId body : world.bodies()) {
+        if (world.kind(body) != BodyKind::dynamic) continue;
+        const Vec3 p = world.pose(body).position;
+        const auto number = look_of(world.user_key(body)).number;
+        CHECK(abs(p.x) < 0.01_r);
+        CHECK(abs(p.z) < 0.01_r);
+        CHECK(abs(p.y - Real(number) - 0.5_r) < 0.02_r);
+    }
+}
+
+TEST_CASE("a pile stays in its pit and above its floor") {
+    const World world = run(*make_scene("pile", {.size = 120}).value(), 300);
+    for (const BodyId body : world.bodies()) {
+        if (world.kind(body) != BodyKind::dynamic) continue;
+        const Vec3 p = world.pose(body).position;
+        CHECK(abs(p.x) < 5_r);
+        CHECK(abs(p.z) < 5_r);
+        CHECK(p.y > 0_r);
+    }
+    CHECK(world.faults() == Faults{});
+}
+
+TEST_CASE("the last domino falls") {
+    const World world = run(*make_scene("domino", {.size = 60}).value(), 900);
+    for (const BodyId body : world.bodies()) {
+        const Look look = look_of(world.user_key(body));
+        if (look.role != Role::prop) continue;
+        CAPTURE(look.number);
+        CHECK(world.pose(body).position.y < 0.45_r); // upright it is 0.5
+    }
+}
+
+TEST_CASE("the arena's players play: props change hands and nobody leaves") {
+    const auto game = make_scene("rollback-arena", {.size = 0, .seed = 1, .players = 4}).value();
+    const World world = run(*game, 600);
+    const std::string dump = world.state().dump();
+    CHECK(dump.find("game.claim") != std::string::npos);
+    bool owned = false;
+    for (std::size_t at = dump.find("owner="); at != std::string::npos; at = dump.find("owner=", at + 1))
+        owned = owned || dump.compare(at, 7, "owner=0") != 0;
+    CHECK(owned);
+    for (const BodyId body : world.bodies()) CHECK(world.pose(body).position.y > -1_r);
+}
+
+} // namespace lockstone::test

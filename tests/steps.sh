@@ -1,0 +1,150 @@
+# The steps of tests/run. Expects: logs, jobs, hash_ticks, passed, failed.
+# shellcheck shell=bash disable=SC2154
+
+hash_scenes=("two-blocks" "stack" "pyramid --size 12" "pile --size 150" "domino --size 60" "rollback-arena" "rollback-arena --players 4 --seed 9")
+
+log_of() { printf '%s/%s.log' "$logs" "$(tr -cs 'a-zA-Z0-9' '-' <<<"$1")"; }
+
+# check NAME COMMAND...: one line; what the command printed only when it failed.
+check() {
+    local name=$1 log start=$SECONDS
+    shift
+    log=$(log_of "$name")
+    if "$@" >"$log" 2>&1 </dev/null; then
+        passed=$((passed + 1))
+        printf 'ok      %s (%d s)\n' "$name" $((SECONDS - start))
+    else
+        failed=$((failed + 1))
+        printf 'FAILED  %s (%d s), see %s\n' "$name" $((SECONDS - start)) "$log"
+        tail -n 60 "$log" | sed 's/^/        /'
+        return 0
+    fi
+}
+
+# build FOLDER CONFIGURE... [-- TARGET...]: configures and builds build/FOLDER.
+build() {
+    local folder=$1 configure=() targets=()
+    shift
+    while [ $# -gt 0 ] && [ "$1" != -- ]; do
+        configure+=("$1")
+        shift
+    done
+    [ $# -eq 0 ] || targets=(--target "${@:2}")
+    command -v ccache >/dev/null && configure+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+    "${configure[@]}" && cmake --build "build/$folder" -j "$jobs" "${targets[@]}"
+}
+
+# Adds the cases of doctest programs, and one for each other test, out of a log of ctest -V or of a program.
+tally() {
+    awk '
+        match($0, /\[doctest\] test cases: +[0-9]+ \| +[0-9]+ passed \| +[0-9]+ failed/) {
+            split(substr($0, RSTART, RLENGTH), field, "|")
+            split(field[2], p, " "); split(field[3], f, " ")
+            good += p[1]; bad += f[1]
+            test = $0; sub(/:.*/, "", test); counted[test] = f[1] + 0; has[test] = 1
+        }
+        match($0, /Test +#[0-9]+: /) {
+            test = substr($0, RSTART, RLENGTH); gsub(/[^0-9]/, "", test)
+            if ($0 ~ / Passed /) { if (!has[test]) good++ }
+            else if (!has[test] || counted[test] == 0) bad++
+        }
+        END { print good + 0, bad + 0 }' "$1"
+}
+
+add_tally() { # NAME LOG STATUS
+    local good bad
+    read -r good bad < <(tally "$2")
+    [ "$3" -eq 0 ] || [ "$bad" -gt 0 ] || bad=1
+    [ "$good" -gt 0 ] || [ "$bad" -gt 0 ] || bad=1 # nothing ran
+    passed=$((passed + good))
+    failed=$((failed + bad))
+    if [ "$bad" -eq 0 ]; then
+        printf 'ok      %s: %d tests\n' "$1" "$good"
+    else
+        printf 'FAILED  %s: %d of %d tests, see %s\n' "$1" "$bad" $((good + bad)) "$2"
+    fi
+}
+
+# All tests of build/FOLDER, each case counted.
+check_suite() {
+    local folder=$1 log status=0
+    log=$(log_of "$folder tests")
+    ctest --test-dir "build/$folder" -V -j "$jobs" --timeout 900 >"$log" 2>&1 || status=$?
+    add_tally "$folder: tests" "$log" "$status"
+    [ "$status" -eq 0 ] || { ctest --test-dir "build/$folder" --rerun-failed --output-on-failure --timeout 900 2>&1 || true; } | tail -n 200
+}
+
+# One doctest program, each case counted.
+check_program() {
+    local name=$1 program=$2 log status=0
+    log=$(log_of "$name")
+    "$program" >"$log" 2>&1 </dev/null || status=$?
+    add_tally "$name" "$log" "$status"
+    [ "$status" -eq 0 ] || tail -n 100 "$log"
+}
+
+# ---- hashes across builds ----
+
+hash_file() { printf 'build/hashes/%s/%s.tsv' "$1" "${2// /}"; }
+
+# Hashes of every scene after every tick by one build's command line.
+write_hashes() {
+    local name=$1 program=$2 scene words
+    mkdir -p "build/hashes/$name"
+    for scene in "${hash_scenes[@]}"; do
+        read -ra words <<<"$scene"
+        "$program" run "${words[@]}" --ticks "$hash_ticks" --hashes "$(hash_file "$name" "$scene")"
+    done
+}
+
+# Byte by byte against the release build's; prints the first differing line of each.
+compare_hashes() {
+    local name=$1 scene good=0
+    for scene in "${hash_scenes[@]}"; do
+        local expected found
+        expected=$(hash_file release "$scene")
+        found=$(hash_file "$name" "$scene")
+        if [ "$(wc -l <"$expected")" -ne "$hash_ticks" ]; then
+            echo "$scene: $expected does not hold $hash_ticks ticks"
+            good=1
+        elif ! cmp -s "$expected" "$found"; then
+            echo "$scene: differs from the release build at tick, hash (release first):"
+            diff "$expected" "$found" | sed -n '2p;/^>/{p;q}'
+            good=1
+        fi
+    done
+    return $good
+}
+
+# variant NAME COMPILER FLAGS CMAKE_OPTION...: the library and the command line, built otherwise.
+variant() {
+    local name=$1 compiler=$2 flags=$3
+    shift 3
+    check "$name: builds ($compiler $flags $*)" build "$name" cmake -S . -B "build/$name" -G Ninja -DCMAKE_CXX_COMPILER="$compiler" \
+        -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_FLAGS="$flags" -DLOCKSTONE_BUILD_DEMO=OFF -DLOCKSTONE_BUILD_TESTS=OFF "$@"
+    check "$name: hashes of every scene" write_hashes "$name" "build/$name/bin/lockstone"
+    check "$name: agrees with release" compare_hashes "$name"
+}
+
+# The comparison has to fail when one digit of one tick is changed, and to name the tick.
+planted_hash_is_noticed() {
+    local scene=${hash_scenes[0]} file report tick=$((hash_ticks / 2))
+    mkdir -p build/hashes/planted
+    for s in "${hash_scenes[@]}"; do cp "$(hash_file release "$s")" "$(hash_file planted "$s")"; done
+    compare_hashes planted || return 1
+    file=$(hash_file planted "$scene")
+    sed -i "$((tick + 1))y/0123456789abcdef/123456789abcdef0/" "$file"
+    sed -i "$((tick + 1))s/^[0-9]*/$tick/" "$file"
+    if report=$(compare_hashes planted); then
+        echo "the changed hash was not noticed"
+        return 1
+    fi
+    grep -q "^< $tick	" <<<"$report"
+}
+
+finish() {
+    echo
+    echo "$passed passed, $failed failed"
+    [ "$failed" -eq 0 ] && exit 0
+    exit 1
+}

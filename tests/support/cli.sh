@@ -1,0 +1,27 @@
+# What the scripts that drive the command line share. Expects: lockstone. Leaves the last command's output in out and err.
+# shellcheck shell=bash disable=SC2154
+
+fail() {
+    echo "FAILED: $1" >&2
+    exit 1
+}
+
+# expect STATUS ARGUMENT...
+expect() {
+    local wanted=$1 status=0
+    shift
+    "$lockstone" "$@" >out 2>err || status=$?
+    [ "$status" -eq "$wanted" ] || fail "'lockstone $*' ended with $status instead of $wanted; it printed: $(cat out err)"
+}
+
+# flip FILE BYTE: turns one bit round.
+flip() {
+    python3 - "$1" "$2" <<'PYTHON'
+import sys
+with open(sys.argv[1], "r+b") as file:
+    file.seek(int(sys.argv[2]))
+    byte = file.read(1)[0]
+    file.seek(int(sys.argv[2]))
+    file.write(bytes([byte ^ 0x10]))
+PYTHON
+}
