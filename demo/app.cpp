@@ -6,6 +6,7 @@
 #include "render/renderer.h"
 #include "replay_page.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -29,9 +30,16 @@ Result<std::unique_ptr<Page>> open_page(const Options& options, Stage& stage) {
     return options.netplay ? NetplayPage::open(options, stage) : LivePage::open(options, stage);
 }
 
+/// Before a window opens for nothing.
+Status check_scene(const Options& options) {
+    if (options.source_is_file()) return {};
+    const Result<std::unique_ptr<Game>> game = make_scene(options.source, options.scene);
+    return game ? Status{} : game.error();
+}
+
 class App {
   public:
-    explicit App(const Options& options) : options_(options) {}
+    explicit App(const Options& options);
     int run();
 
   private:
@@ -49,11 +57,21 @@ class App {
     std::unique_ptr<Screen> screen_; ///< null: no pictures; outlives whatever holds GL objects
     Stage stage_;
     bool window_ = false;
-    std::string frames_folder_;
+    bool pictures_ = false; ///< written every now and then
     std::unique_ptr<Page> page_;
 };
 
-// ---- the screen -------------------------------------------------------------------------------------------------
+App::App(const Options& options) : options_(options) {
+    const auto shown = [&](const char* what) {
+        return std::find(options.show.begin(), options.show.end(), what) != options.show.end();
+    };
+    stage_.view.wireframe = shown("wireframe");
+    stage_.view.contacts = shown("contacts");
+    stage_.view.bounds = shown("bounds");
+    stage_.view.help = shown("help");
+}
+
+// ---- the screen -------------------------------------------------------------------------------------------
 
 bool App::try_screen(bool window) {
     try {
@@ -73,9 +91,7 @@ void App::open_screen() {
     window_ = !options_.offscreen && Surface::display_available() && try_screen(true);
     if (!window_) try_screen(false);
     stage_.interactive = window_ && !options_.script;
-    frames_folder_ = options_.frames_folder;
-    if (frames_folder_.empty() && !window_) frames_folder_ = "lockstone-frames";
-    if (screen_ != nullptr && !frames_folder_.empty()) std::filesystem::create_directories(frames_folder_);
+    pictures_ = screen_ != nullptr && (!window_ || !options_.frames_folder.empty());
 }
 
 Moment App::moment(float seconds) {
@@ -92,10 +108,13 @@ void App::write_picture() {
     char name[64];
     std::snprintf(name, sizeof name, "%.20s-%06llu.png", std::string(page_->name()).c_str(),
                   static_cast<unsigned long long>(page_->tick_count()));
-    screen_->surface->write_png(std::filesystem::path(frames_folder_) / name);
+    const std::filesystem::path folder(options_.frames_folder.empty() ? "lockstone-frames"
+                                                                      : options_.frames_folder);
+    std::filesystem::create_directories(folder);
+    screen_->surface->write_png(folder / name);
 }
 
-// ---- the loops --------------------------------------------------------------------------------------------------
+// ---- the loops --------------------------------------------------------------------------------------------
 
 Result<bool> App::follow_with_next() {
     Result<std::unique_ptr<Page>> next = page_->next();
@@ -117,7 +136,7 @@ Status App::run_page_offscreen() {
     std::uint64_t next_picture = options_.frame_every;
     while (!page_->finished()) {
         if (const Status status = page_->tick(); !status) return status;
-        if (screen_ == nullptr || (page_->tick_count() < next_picture && !page_->finished())) continue;
+        if (!pictures_ || (page_->tick_count() < next_picture && !page_->finished())) continue;
         take_picture();
         next_picture = page_->tick_count() + options_.frame_every;
     }
@@ -150,7 +169,8 @@ Status App::run_window() {
             if (const Status status = page_->tick(); !status) return status;
         screen_->renderer.draw(*screen_->surface, page_->draw(moment(seconds)));
         screen_->surface->present();
-        if (!frames_folder_.empty() && page_->tick_count() >= next_picture) {
+        if (input.pressed(Key::f12)) write_picture();
+        if (pictures_ && page_->tick_count() >= next_picture) {
             write_picture();
             next_picture = page_->tick_count() + options_.frame_every;
         }
@@ -171,6 +191,10 @@ Status App::run_window() {
 }
 
 int App::run() {
+    if (const Status status = check_scene(options_); !status) {
+        complain(status.error().message);
+        return 2;
+    }
     open_screen();
     Result<std::unique_ptr<Page>> page = open_page(options_, stage_);
     if (!page) {

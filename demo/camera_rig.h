@@ -17,8 +17,8 @@ class CameraRig {
     void follow(std::optional<std::uint32_t> player);
     const std::optional<std::uint32_t>& followed() const { return followed_; }
 
-    /// C follows or lets go, Tab takes the next player, shift Home sees everything. `letters_taken`: the letters
-    /// belong to a player, so they must not fly the camera.
+    /// C follows or lets go, Tab takes the next player, shift Home sees everything. `letters_taken`: the
+    /// letters belong to a player, so they must not fly the camera.
     void control(const Input& input, const SceneView& view, float height, float seconds, bool letters_taken);
     /// Moves with what it looks at, smoothly.
     void update(const SceneView& view, float alpha, float seconds);

@@ -9,7 +9,8 @@
 
 namespace lockstone::demo {
 
-/// The number in a field of a row; fixed point is rounded down. Nothing if there is no such column, row or field.
+/// The number in a field of a row; fixed point is rounded down. Nothing if there is no such column, row or
+/// field.
 std::optional<std::int64_t> game_value(const World& world, std::string_view column, std::uint32_t row,
                                        std::string_view field);
 

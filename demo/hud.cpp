@@ -8,7 +8,8 @@
 namespace lockstone::demo {
 namespace {
 
-constexpr float line_height = TextLine{}.height, title_height = 24;
+constexpr float title_height = 24;
+const float line_height = TextLine{}.height;
 
 /// Letters, not bytes.
 std::size_t letters(const std::string& text) {
@@ -24,7 +25,7 @@ glm::vec4 player_ink(std::uint32_t player) {
 
 } // namespace
 
-// ---- panels -----------------------------------------------------------------------------------------------------
+// ---- panels -----------------------------------------------------------------------------------------------
 
 void TextPanel::add(const std::string& text, const glm::vec4& colour, float height) {
     lines_.push_back(
@@ -48,7 +49,7 @@ void TextPanel::draw(Frame& frame) const {
     }
 }
 
-// ---- words ------------------------------------------------------------------------------------------------------
+// ---- words ------------------------------------------------------------------------------------------------
 
 std::string format_hash(std::uint64_t hash) {
     std::array<char, 32> text{};
@@ -83,7 +84,7 @@ std::string format_speed(const StepClock& clock) {
     return speed >= 1 ? "\u00d7 " + format_number(speed, 0) : "\u00d7 1/" + format_number(1 / speed, 0);
 }
 
-// ---- what every page has ----------------------------------------------------------------------------------------
+// ---- what every page has ----------------------------------------------------------------------------------
 
 void control_stage(Stage& stage, const Input& input) {
     const auto toggle = [&](Key key, bool& flag) {
@@ -105,12 +106,13 @@ void draw_help(Frame& frame, const Moment& moment, const ViewOptions& view, cons
     if (!view.help) return;
     TextPanel panel(moment, {0, 0});
     panel.title("keys");
-    std::string rest = page_keys + "\n"
-                                   "P pause   . one tick   [ ] slower, faster\n"
-                                   "F2 wireframe   F3 contacts   F4 bounds   F5 crates   F6 text\n"
-                                   "right drag orbit   wheel zoom   middle drag pan   shift Home all\n"
-                                   "C follow or fly freely (WASD, Q, E)   Tab next player\n"
-                                   "F1 closes this   Escape ends";
+    std::string rest = page_keys +
+                       "\n"
+                       "P pause   . one tick   [ ] slower, faster\n"
+                       "F2 wireframe   F3 contacts   F4 bounds   F5 crates   F6 text   F12 picture\n"
+                       "right drag orbit   wheel zoom   middle drag pan   shift Home all\n"
+                       "C follow or fly freely (WASD, Q, E)   Tab next player\n"
+                       "F1 closes this   Escape ends";
     while (!rest.empty()) {
         const std::size_t end = std::min(rest.find('\n'), rest.size());
         panel.line(rest.substr(0, end), ink::white);
@@ -126,7 +128,8 @@ void draw_match(Frame& frame, const Moment& moment, const SceneView& view, std::
     const auto shown =
         std::min<std::size_t>(players == 0 ? match->scores.size() : players, match->scores.size());
     const glm::vec2 size = viewport_size(frame, moment);
-    TextPanel panel(moment, {size.x - 12, 12});
+    constexpr float narrow = 620, below_panels = 252; // [design px]: half a small window has no room beside
+    TextPanel panel(moment, {size.x - 12, size.x < narrow ? below_panels : 12});
     panel.title("score");
     for (std::uint32_t p = 0; p < shown; ++p) {
         std::string score = std::to_string(match->scores[p]);

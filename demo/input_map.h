@@ -12,14 +12,14 @@ namespace lockstone::demo {
 /// Whether this game takes ArenaInput, so that people can play it.
 bool is_playable(const Game& game);
 
-/// Seat 0: WASD, space jumps, F or left shift pushes. Seat 1: arrows, right control jumps, right shift pushes.
-/// Every seat: the gamepad of its number; left stick or cross moves, A jumps, X or B pushes.
+/// Seat 0: WASD, space jumps, F or left shift pushes. Seat 1: arrows, right control jumps, right shift
+/// pushes. Every seat: the gamepad of its number; left stick or cross moves, A jumps, X or B pushes.
 class InputMap {
   public:
     static constexpr std::size_t seat_count = 4;
 
-    /// Once per picture. Directions are those of the camera; buttons that were struck since the last take() count,
-    /// however short.
+    /// Once per picture. Directions are those of the camera; buttons that were struck since the last take()
+    /// count, however short.
     void poll(const Input& input, const Camera& camera);
 
     /// Whether anybody has ever used this seat.

@@ -27,7 +27,7 @@ std::string describe_notice(const Notice& notice) {
 
 } // namespace
 
-// ---- the confirmed timeline of one peer -------------------------------------------------------------------------
+// ---- the confirmed timeline of one peer -------------------------------------------------------------------
 
 Status ConfirmedLog::begin(const Game& game, const World& start, std::uint64_t ticks) {
     ticks_ = ticks;
@@ -52,7 +52,7 @@ Status ConfirmedLog::close() {
     return status_;
 }
 
-// ---- the peers --------------------------------------------------------------------------------------------------
+// ---- the peers --------------------------------------------------------------------------------------------
 
 Peer::Peer(World start, const Game& game, std::unique_ptr<Session> made, cli::InputSource source)
     : world(std::move(start)), simulation(world, game), session(std::move(made)),
@@ -104,7 +104,7 @@ void NetplayMatch::set_link(std::uint32_t latency_ms, std::uint32_t loss_percent
     network_.set_link(1, 0, link);
 }
 
-// ---- a frame ----------------------------------------------------------------------------------------------------
+// ---- a frame ----------------------------------------------------------------------------------------------
 
 void NetplayMatch::frame(InputMap* people) {
     if (finished()) return;

@@ -1,6 +1,6 @@
 #pragma once
-/// One game on two machines in one process: two worlds, two rollback sessions, a simulated network between them.
-/// It decides nothing about the game; it hands inputs to the sessions and keeps account of what they do.
+/// One game on two machines in one process: two worlds, two rollback sessions, a simulated network between
+/// them. It decides nothing about the game; it hands inputs to the sessions and keeps account of them.
 
 #include "cli/input_source.h"
 #include "input_map.h"

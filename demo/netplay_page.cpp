@@ -75,7 +75,7 @@ void NetplayPage::control(const Input& input, const Moment& moment) {
         half.rig.control(input, half.view, moment.size.y * moment.pixel_scale, moment.seconds, people_play_);
 }
 
-// ---- drawing ----------------------------------------------------------------------------------------------------
+// ---- drawing ----------------------------------------------------------------------------------------------
 
 std::vector<Frame> NetplayPage::draw(const Moment& moment) {
     std::vector<Frame> frames;
@@ -147,9 +147,14 @@ void NetplayPage::draw_rollbacks(Frame& frame, const Peer& peer, const Moment& m
 Frame NetplayPage::draw_middle(const Moment& moment) const {
     Frame frame;
     frame.scene = false;
-    frame.rects.push_back(
-        {.position = {0.5f * moment.size.x - 1, 0}, .size = {2, moment.size.y}, .colour = {0, 0, 0, 1}});
-    if (!stage_.view.overlay) return frame;
+    const auto divide = [&](float height) {
+        frame.rects.push_back(
+            {.position = {0.5f * moment.size.x - 1, 0}, .size = {2, height}, .colour = {0, 0, 0, 1}});
+    };
+    if (!stage_.view.overlay) {
+        divide(moment.size.y);
+        return frame;
+    }
     const NetplayMatch::Agreement& agreement = match_->agreement();
     const bool good = agreement.hashes == agreement.compared;
     TextPanel panel(moment, {0, 0});
@@ -162,6 +167,7 @@ Frame NetplayPage::draw_middle(const Moment& moment) const {
         panel.line("tick " + std::to_string(agreement.compared - 1) + "   " +
                    format_hash(match_->peer(0).log.hashes()[agreement.compared - 1]));
     panel.move_to({0.5f * (moment.size.x - panel.size().x), moment.size.y - panel.size().y - 10});
+    divide(moment.size.y - panel.size().y - 10);
     panel.draw(frame);
     draw_help(frame, moment, stage_.view, page_keys);
     return frame;

@@ -26,7 +26,8 @@ void add_options(CLI::App& app, Options& options) {
     app.add_option("--players", options.scene.players, "number of players");
     app.add_option("--ticks", options.ticks, "how long to play [ticks]; of a replay: how far")
         ->check(CLI::Range(1, 1'000'000));
-    app.add_option("--input", options.input_file, "play the inputs of this replay file");
+    app.add_option("--input", options.input_file,
+                   "play the inputs of this file: text as for `lockstone run`, or a replay");
     app.add_option("--record", options.record_file, "write the replay to this file");
     app.add_option("--frames", options.frames_folder, "write PNG pictures into this folder");
     app.add_option("--frame-every", options.frame_every, "ticks per picture, default 60")
@@ -39,6 +40,10 @@ void add_options(CLI::App& app, Options& options) {
         ->check(CLI::Range(0, 400));
     app.add_option("--loss", options.loss_percent, "of netplay [% of packets], default 5")
         ->check(CLI::Range(0, 60));
+    app.add_option("--show", options.show, "switch on, separated by commas")
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->check(CLI::IsMember({"wireframe", "contacts", "bounds", "help"}));
     app.add_flag("--script", options.script, "nobody plays; ends by itself");
 }
 

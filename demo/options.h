@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 namespace lockstone::demo {
 
@@ -14,9 +15,9 @@ struct Options {
     std::string source = "rollback-arena"; ///< a scene's name, or a replay file
     SceneOptions scene;
     std::optional<std::uint64_t> ticks; ///< how long to play; of a replay: how far
-    std::string input_file;             ///< a replay whose inputs are played; empty: people or the script
+    std::string input_file;             ///< inputs to play, text or a replay; empty: people or the script
     std::string record_file;
-    std::string frames_folder;      ///< empty: lockstone-frames off-screen, none in a window
+    std::string frames_folder;      ///< empty: lockstone-frames; in a window then only F12 writes
     std::uint64_t frame_every = 60; ///< ticks per picture
     int width = 1280, height = 720; ///< [px]
     bool offscreen = false;
@@ -24,6 +25,7 @@ struct Options {
     std::uint32_t latency_ms = 80;  ///< one way
     std::uint32_t loss_percent = 5; ///< of packets
     bool script = false;            ///< nobody plays; the program ends by itself
+    std::vector<std::string> show;  ///< what is switched on from the start: "wireframe", "contacts", ...
 
     bool source_is_file() const;
 };

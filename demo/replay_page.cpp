@@ -54,7 +54,7 @@ Result<std::unique_ptr<Page>> ReplayPage::open(replay::Recording recording, std:
     return std::unique_ptr<Page>(std::move(page));
 }
 
-// ---- time -------------------------------------------------------------------------------------------------------
+// ---- time -------------------------------------------------------------------------------------------------
 
 bool ReplayPage::finished() const { return !failure_.empty() || player_->time() >= last_; }
 
@@ -99,7 +99,7 @@ void ReplayPage::work_on_seek() {
     if (player_->time() >= *target_ || !failure_.empty()) target_.reset();
 }
 
-// ---- controls ---------------------------------------------------------------------------------------------------
+// ---- controls ---------------------------------------------------------------------------------------------
 
 std::optional<std::uint64_t> ReplayPage::key_target(const Input& input) const {
     const std::uint64_t now = target_.value_or(player_->time());
@@ -131,7 +131,7 @@ void ReplayPage::control(const Input& input, const Moment& moment) {
     rig_.control(input, view_, moment.size.y * moment.pixel_scale, moment.seconds, false);
 }
 
-// ---- drawing ----------------------------------------------------------------------------------------------------
+// ---- drawing ----------------------------------------------------------------------------------------------
 
 TimelineContent ReplayPage::timeline_content() const {
     TimelineContent content{.start = recording_.start_tick(),

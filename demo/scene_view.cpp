@@ -68,7 +68,7 @@ glm::vec3 half_bounds(ShapeKind kind, const glm::vec3& size, const glm::mat4& po
 
 } // namespace
 
-// ---- reading ----------------------------------------------------------------------------------------------------
+// ---- reading ----------------------------------------------------------------------------------------------
 
 SceneView::Part SceneView::read_part(const ShapeDef& def) {
     const float radius = to_float(def.geometry.radius);
@@ -136,7 +136,7 @@ void SceneView::capture(const World& world) {
     tick_ = world.tick_count();
 }
 
-// ---- drawing ----------------------------------------------------------------------------------------------------
+// ---- drawing ----------------------------------------------------------------------------------------------
 
 glm::mat4 SceneView::pose(const Body& body, float alpha) {
     glm::mat4 out = glm::mat4_cast(glm::slerp(body.previous.rotation, body.current.rotation, alpha));

@@ -21,8 +21,9 @@ class SceneView {
     /// Reads the world after a jump in time: nothing moves between the two states.
     void reset(const World& world);
 
-    /// Adds the bodies and what `stage.view` asks for. `alpha`: 0 the previous state, 1 the current one. A static box
-    /// that stands between the frame's camera and the followed player (or all that moves) is drawn as its edges.
+    /// Adds the bodies and what `stage.view` asks for. `alpha`: 0 the previous state, 1 the current one. A
+    /// static box that stands between the frame's camera and the followed player (or all that moves) is drawn
+    /// as its edges.
     void draw(Frame& frame, float alpha, const Stage& stage, std::optional<std::uint32_t> followed) const;
 
     /// Of a player's body; nothing if there is none. [m]

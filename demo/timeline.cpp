@@ -87,7 +87,8 @@ void Timeline::draw(Frame& frame, const Moment& moment, const TimelineContent& c
     const std::string text = format_time(content.now - content.start, content.tick_rate) + " of " +
                              format_time(content.end - content.start, content.tick_rate) + "   tick " +
                              std::to_string(content.now) + " of " + std::to_string(content.end) + "   " +
-                             std::to_string(content.keyframes.size()) + " keyframes";
+                             std::to_string(content.keyframes.size()) +
+                             (content.keyframes.size() == 1 ? " keyframe" : " keyframes");
     frame.text.push_back(
         {.text = text, .position = {bar.left, moment.size.y - height + 5}, .colour = ink::white});
 }

@@ -11,6 +11,8 @@ using base::join;
 /// A world of a file may not make the engine allocate more than this for the game's columns.
 constexpr std::uint64_t game_bytes_max = std::uint64_t{1} << 30;
 
+constexpr std::uint64_t kept_ticks = 60;
+
 /// Why this engine and game are not those of the recording; empty when they are.
 std::string game_fault(const Header& header, const Game& game) {
     if (game.name() != header.game) return join("it is of the game ", header.game, ", this is ", game.name());
@@ -102,7 +104,17 @@ Status Player::step() {
         return error(join("tick ", time_now, ": the game left the world at tick ", now.tick_count(), ", not ",
                           time_now + 1));
     ++time_now;
+    if (time_now % kept_ticks == 0) keep_state();
     return {};
+}
+
+void Player::keep_state() {
+    const std::size_t bytes = now.state().image_bytes();
+    if (kept.contains(time_now) || kept_bytes + bytes > kept_bytes_max || !agrees()) return;
+    Image& image = kept[time_now];
+    image.bytes.resize(bytes); // no more than this state needs
+    now.save(image);
+    kept_bytes += image.bytes.size();
 }
 
 Status Player::run_commands() {
@@ -121,8 +133,18 @@ Status Player::seek(std::uint64_t to) {
     if (to < source->start_tick() || to > source->end_tick())
         return error(join("time ", to, " lies outside of ", source->start_tick(), "..", source->end_tick()));
     const std::size_t keyframe = source->keyframe_before(to);
-    if (to < time_now || source->keyframes()[keyframe].time > time_now)
-        if (const Status status = seek_keyframe(keyframe); !status) return status;
+    const std::uint64_t keyframe_time = source->keyframes()[keyframe].time;
+    const auto after = kept.upper_bound(to);
+    const bool has_kept = after != kept.begin() && std::prev(after)->first >= keyframe_time;
+    const std::uint64_t nearest = has_kept ? std::prev(after)->first : keyframe_time;
+    if (to < time_now || nearest > time_now) {
+        if (has_kept) {
+            now.restore(std::prev(after)->second);
+            time_now = nearest;
+        } else if (const Status status = seek_keyframe(keyframe); !status) {
+            return status;
+        }
+    }
     while (time_now < to)
         if (const Status status = step(); !status) return status;
     return {};

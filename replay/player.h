@@ -8,6 +8,8 @@
 
 #include "replay/recording.h"
 
+#include <map>
+
 namespace lockstone::replay {
 
 class Player {
@@ -31,8 +33,11 @@ class Player {
 
     /// Runs tick time(). Errors: at the end; a command that the world refuses. What was reached stays; it may not agree.
     Status step();
-    /// To the state at a time start_tick() .. end_tick().
+    /// To the state at a time start_tick() .. end_tick(), from the nearest keyframe, or from a state that was passed
+    /// before: one in 60 is kept.
     Status seek(std::uint64_t to);
+    /// Bytes that kept states may take, 64 MiB by default; 0 keeps none from now on.
+    void keep_states(std::size_t bytes_max) { kept_bytes_max = bytes_max; }
     /// To the state that a keyframe holds. Its hash is checked.
     Status seek_keyframe(std::size_t keyframe);
 
@@ -41,13 +46,16 @@ class Player {
         : source(&from), game(by), now(std::move(start)) {}
     static Result<Player> at_start(const Recording& recording, const Game* game, World world);
     Status run_commands();
+    void keep_state();
     Error error(const std::string& sentence) const;
 
     const Recording* source;
     const Game* game; ///< null in commands mode
     World now;
     std::uint64_t time_now = 0;
-    TickBlock block; ///< the one with the last tick that was run
+    TickBlock block;                     ///< the one with the last tick that was run
+    std::map<std::uint64_t, Image> kept; ///< by time; only states that agree with the recording
+    std::size_t kept_bytes = 0, kept_bytes_max = std::size_t{64} << 20;
 };
 
 } // namespace lockstone::replay

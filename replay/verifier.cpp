@@ -87,6 +87,7 @@ Outcome run_apart(const Recording& recording, const Game* game, const VerifyOpti
         all.diverge(recording.start_tick(), player.error().message);
         return all;
     }
+    player->keep_states(0);
     for (std::size_t i = next.fetch_add(1); i < segments.size(); i = next.fetch_add(1)) {
         Outcome outcome;
         const std::size_t k = segments[i];
@@ -175,6 +176,7 @@ VerifyReport verify(const Recording& recording, const Game* game, const VerifyOp
         report.sentence = player.error().message;
         return report;
     }
+    player->keep_states(0);
     std::vector<std::size_t> segments;
     for (std::size_t k = options.shard; k < segment_count(recording); k += options.shards)
         segments.push_back(k);

@@ -44,7 +44,8 @@ struct Manifold {
 static_assert(std::has_unique_object_representations_v<Manifold>);
 
 /// Up to 4 points whose separation is at most `margin` (>= 0). Needs a.kind >= b.kind, b not a plane, and valid
-/// geometry. Shapes that overlap always yield a point, and shapes further apart than `margin` never do.
+/// geometry. Shapes that overlap always yield a point, shapes further apart than `margin` never do, and in between all
+/// do but boxes that are beside each other's faces.
 void collide(const Geometry& a, const Geometry& b, const RelativePose& pose, Length margin, Manifold& out);
 
 /// A face contact is preferred to an edge or a corner contact, A's face to B's, and two points along a capsule to one,

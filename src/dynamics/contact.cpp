@@ -160,6 +160,8 @@ Recollection recollect(const ContactMemory& memory, const Contact& contact) {
 }
 
 constexpr std::int32_t impulse_limit = 1 << 30; ///< 2048 m/s
+/// A point that parts faster has bounced: the impulse that sent it off is none to start from [m/s].
+constexpr std::int32_t leaving_speed = decimal<Speed>("0.25").raw;
 
 template <unsigned N>
 void fill_point(PointPack<N>& pack, unsigned lane, const PointScalars& p, const ContactPoint& point,
@@ -179,7 +181,7 @@ void fill_point(PointPack<N>& pack, unsigned lane, const PointScalars& p, const 
         shift_right_rounded(std::int64_t{pack.kappa[0].lane[lane]} * soft.mass_scale.raw, 30));
     pack.ratio_a.lane[lane] = saturate_to_int32(divide_shifted(shares.a, p.inverse_min, 30));
     pack.ratio_b.lane[lane] = saturate_to_int32(divide_shifted(shares.b, p.inverse_min, 30));
-    if (warm == nullptr) return;
+    if (warm == nullptr || approach > leaving_speed) return;
     // Remembered as lambda (1/mA + 1/mB); p = j k'min.
     const std::int32_t j[3] = {warm->normal.raw, warm->tangent_1.raw, warm->tangent_2.raw};
     for (int r = 0; r < 3; ++r) {
@@ -209,8 +211,6 @@ void fill_mean(MeanRow<N>& mean, unsigned lane, const SolverBodies& bodies, cons
         mean.xa[i].lane[lane] = xa.x[i];
         mean.xb[i].lane[lane] = xb.x[i];
     }
-    mean.ratio_a.lane[lane] = saturate_to_int32(divide_shifted(shares.a, inverse, 30));
-    mean.ratio_b.lane[lane] = saturate_to_int32(divide_shifted(shares.b, inverse, 30));
     mean.count_inv.lane[lane] = static_cast<std::int32_t>((std::int64_t{1} << 30) / n);
     for (std::size_t k = 0; k < points.size(); ++k)
         mean.share[k].lane[lane] = saturate_to_int32(divide_shifted(points[k].inverse_min, inverse * n, 30));

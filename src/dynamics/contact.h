@@ -48,16 +48,15 @@ template <unsigned N> struct PointPack {
     Int32<N> impulse[3];         ///< p, Speed: normal, tangent 1, tangent 2
     Int32<N> impulse_max;        ///< of the normal row over all substeps
     Int32<N> separation;         ///< s0, Separation
-    Int32<N> approach;           ///< normal speed at the start of the tick, Speed
+    Int32<N> approach;           ///< normal speed before it was hit in this tick, Speed
 };
 
 /// The average of the normal rows of N contacts. Points solved one after another turn a box that lands flat: the first
 /// takes the whole impact at one corner, and friction makes a slide of the turn. The mean row takes it at their centre.
 template <unsigned N> struct MeanRow {
-    Int32<N> xa[3], xb[3];     ///< Jacobian
-    Int32<N> ratio_a, ratio_b; ///< Unit: m_mean / m_A and m_mean / m_B; 0 where a contact has one point
-    Int32<N> share[4];         ///< Unit: of the impulse that goes to each point, over its own m_ref
-    Int32<N> count_inv;        ///< Unit: 1 / points of the lane
+    Int32<N> xa[3], xb[3]; ///< Jacobian
+    Int32<N> share[4];     ///< Unit: impulse of each point per mean speed; 0 where a contact has one point
+    Int32<N> count_inv;    ///< Unit: 1 / points of the lane
 };
 
 /// N contacts of one colour: no two of them share a body that can move.
@@ -80,7 +79,7 @@ template <unsigned N> class ContactSolver {
     /// Colours the contacts, packs and prepares them. `memory` holds the warm-start impulses.
     void prepare(std::span<const Contact> contacts, std::span<const ContactMemory> memory,
                  std::span<const BodyMass> mass, const StepConstants& step, const SolverBodies& bodies);
-    void warm_start(SolverBodies& bodies) const;
+    void warm_start(SolverBodies& bodies);
     /// One pass over all rows. With bias, overlap is pushed out softly; without, what the push left is relaxed.
     void solve(const StepConstants& step, SolverBodies& bodies, bool bias);
     void apply_restitution(const StepConstants& step, SolverBodies& bodies);

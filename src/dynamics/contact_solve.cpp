@@ -121,6 +121,7 @@ NormalTarget<N> normal_target(const ContactPack<N>& c, const PointPack<N>& point
     const Int32<N> s = current_separation(c, point, bodies);
     NormalTarget<N> t{point.kappa[0], splat<N>(0), splat<N>(0)};
     for (unsigned lane = 0; lane < N; ++lane) {
+        if (point.kappa[0].lane[lane] == 0) continue; // a point this lane lacks
         if (s.lane[lane] > 0) { // speculative: close the gap by the end of the substep, no faster
             t.bias.lane[lane] = saturate_to_int32(shift_right_rounded(
                 s.lane[lane] * step.substeps_per_second, Separation::fraction_bits - Speed::fraction_bits));
@@ -151,41 +152,60 @@ void solve_normal(ContactPack<N>& c, PointPack<N>& point, Pair<N>& p, const Norm
 /// for it: a rigid mean row would take the softness from them.
 constexpr std::int32_t impact_speed_min = decimal<Speed>("0.25").raw;
 
-/// Takes an impact, or gives back what a warm start from one added too much, at the centre of the points.
-template <unsigned N>
-void solve_mean(ContactPack<N>& c, Pair<N>& p, const NormalTarget<N> (&targets)[4]) {
+/// Takes an impact, or gives back what a warm start from one added too much, at the centre of the points. The points
+/// then solve what is left of it rigidly: softness would take a share of the whole impact from the first of them.
+template <unsigned N> void solve_mean(ContactPack<N>& c, Pair<N>& p, NormalTarget<N> (&targets)[4]) {
     const MeanRow<N>& mean = c.mean;
     Int64<N> bias{};
     for (int k = 0; k < c.point_count; ++k) bias = bias + targets[k].bias * mean.count_inv;
     const Int32<N> error = splat<N>(0) - (row_speed(p, c.d[0], mean.xa, mean.xb) + rounded<30>(bias));
     const Int32<N> impact = max(error, splat<N>(0) - error) - splat<N>(impact_speed_min);
     Int32<N> change = where_positive(impact, error, splat<N>(0));
-    // All points take part or none does.
-    for (int k = 0; k < c.point_count; ++k) {
-        const Int32<N> next = c.points[k].impulse[0] + rounded<30>(change * mean.share[k]);
-        for (unsigned lane = 0; lane < N; ++lane)
-            if (next.lane[lane] < 0 || (mean.share[k].lane[lane] != 0 && targets[k].kappa.lane[lane] == 0))
-                change.lane[lane] = 0;
+    bool any = false;
+    for (unsigned lane = 0; lane < N; ++lane) {
+        for (int k = 0; k < c.point_count; ++k) // all points take part or none does
+            if (mean.share[k].lane[lane] != 0 && targets[k].kappa.lane[lane] == 0) change.lane[lane] = 0;
+        any = any || change.lane[lane] != 0;
     }
+    if (!any) return;
     for (int k = 0; k < c.point_count; ++k) {
         PointPack<N>& point = c.points[k];
-        point.impulse[0] = clamped(point.impulse[0] + rounded<30>(change * mean.share[k]));
+        const Int32<N> old = point.impulse[0];
+        const Int32<N> wanted = clamped(max(old + rounded<30>(change * mean.share[k]), splat<N>(0)));
+        for (unsigned lane = 0; lane < N; ++lane) {
+            if (change.lane[lane] == 0) continue;
+            point.impulse[0].lane[lane] = wanted.lane[lane];
+            targets[k].kappa.lane[lane] = point.kappa[0].lane[lane];
+            targets[k].impulse_scale.lane[lane] = 0;
+        }
         point.impulse_max = max(point.impulse_max, point.impulse[0]);
+        push(p, c.d[0], point, 0, point.impulse[0] - old);
     }
-    const Int32<N> da = rounded<30>(change * mean.ratio_a), db = rounded<30>(change * mean.ratio_b);
-    for (int i = 0; i < 3; ++i) {
-        p.va[i] = p.va[i] - c.d[0][i] * da;
-        p.ua[i] = p.ua[i] + mean.xa[i] * da;
-        p.vb[i] = p.vb[i] + c.d[0][i] * db;
-        p.ub[i] = p.ub[i] + mean.xb[i] * db;
+}
+
+template <unsigned N> bool bounces(const ContactPack<N>& c) {
+    for (unsigned lane = 0; lane < N; ++lane)
+        if (c.restitution.lane[lane] > 0) return true;
+    return false;
+}
+
+/// Points that are not hit yet come in at this speed. Measured in every substep: a ball that returned with the speed
+/// it had at the start of the tick would lose what it gained in the rest of it, a twentieth of its height a bounce.
+template <unsigned N> void measure_approach(ContactPack<N>& c, const Pair<N>& p) {
+    for (int k = 0; k < c.point_count; ++k) {
+        PointPack<N>& point = c.points[k];
+        const Int32<N> speed = row_speed(p, c.d[0], point.xa[0], point.xb[0]);
+        const Int32<N> hit = max(point.impulse[0], point.impulse_max);
+        point.approach = where_positive(hit, point.approach, speed);
     }
 }
 
 } // namespace
 
-template <unsigned N> void ContactSolver<N>::warm_start(SolverBodies& bodies) const {
-    for (const ContactPack<N>& c : packs) {
+template <unsigned N> void ContactSolver<N>::warm_start(SolverBodies& bodies) {
+    for (ContactPack<N>& c : packs) {
         Pair<N> p = gather(c, bodies);
+        if (bounces(c)) measure_approach(c, p);
         for (int k = 0; k < c.point_count; ++k)
             for (int r = 0; r < 3; ++r) push(p, c.d[r], c.points[k], r, c.points[k].impulse[r]);
         scatter(c, p, bodies);
@@ -217,9 +237,7 @@ void ContactSolver<N>::solve(const StepConstants& step, SolverBodies& bodies, bo
 template <unsigned N>
 void ContactSolver<N>::apply_restitution(const StepConstants& step, SolverBodies& bodies) {
     for (ContactPack<N>& c : packs) {
-        bool any = false;
-        for (unsigned lane = 0; lane < N; ++lane) any = any || c.restitution.lane[lane] > 0;
-        if (!any) continue;
+        if (!bounces(c)) continue;
         Pair<N> p = gather(c, bodies);
         NormalTarget<N> targets[4];
         for (int k = 0; k < c.point_count; ++k) {
@@ -243,10 +261,10 @@ void ContactSolver<N>::apply_restitution(const StepConstants& step, SolverBodies
     }
 }
 
-template void ContactSolver<1>::warm_start(SolverBodies&) const;
+template void ContactSolver<1>::warm_start(SolverBodies&);
 template void ContactSolver<1>::solve(const StepConstants&, SolverBodies&, bool);
 template void ContactSolver<1>::apply_restitution(const StepConstants&, SolverBodies&);
-template void ContactSolver<4>::warm_start(SolverBodies&) const;
+template void ContactSolver<4>::warm_start(SolverBodies&);
 template void ContactSolver<4>::solve(const StepConstants&, SolverBodies&, bool);
 template void ContactSolver<4>::apply_restitution(const StepConstants&, SolverBodies&);
 

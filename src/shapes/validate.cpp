@@ -6,11 +6,13 @@ namespace {
 /// To the nearest micrometre, without trailing zeros.
 std::string metres(Length v) {
     const std::uint64_t micro = (magnitude(v.raw) * 1'000'000u + (1u << 23)) >> Length::fraction_bits;
-    std::string digits = std::to_string(micro % 1'000'000u);
-    digits.insert(0, 6 - digits.size(), '0');
+    std::string text = v.raw < 0 ? "-" : "";
+    text += std::to_string(micro / 1'000'000u);
+    std::string digits = std::to_string(1'000'000u + micro % 1'000'000u); // a leading 1 keeps the zeros
     digits.erase(digits.find_last_not_of('0') + 1);
-    const std::string whole = (v.raw < 0 ? "-" : "") + std::to_string(micro / 1'000'000u);
-    return digits.empty() ? whole + " m" : whole + "." + digits + " m";
+    digits[0] = '.';
+    if (digits.size() > 1) text += digits;
+    return text += " m";
 }
 
 std::string check(const char* field, Length v, Length low = shape_size_min, Length high = shape_size_max) {

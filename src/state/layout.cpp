@@ -113,7 +113,7 @@ void StateLayout::place_columns() {
         const std::uint64_t size = std::uint64_t{table_infos[column.table].capacity} * column.row_size;
         column.offset = static_cast<std::size_t>(block);
         block += round_up(size);
-        image += size;
+        image += round_up(size);
         LOCKSTONE_ASSERT(size < (std::uint64_t{1} << 48) &&
                              block <= std::numeric_limits<std::size_t>::max() / 2,
                          "column ", column.name, " needs ", size, " bytes");

@@ -21,21 +21,36 @@ struct ImageHeader {
     std::uint64_t schema;
 };
 
+constexpr std::size_t line = 64; ///< columns begin on one, in the block and in images
+
+std::size_t whole_lines(std::size_t size) { return (size + line - 1) / line * line; }
+
 /// Where the rows begin: the header and the counts, up to a cache line, since a misaligned copy is slower.
 std::size_t rows_offset(std::size_t tables) {
-    return (sizeof(ImageHeader) + tables * sizeof(std::uint32_t) + 63) / 64 * 64;
+    return whole_lines(sizeof(ImageHeader) + tables * sizeof(std::uint32_t));
 }
 
-/// Walks the packed image: what copy(column, bytes of live rows) sees is in manifest order.
+/// Walks the packed image in manifest order: copy(offset in the block, offset in the image, bytes). Live rows are taken
+/// in whole lines (what follows them in the block is zero), so columns of a full table lie one after another in
+/// both places and are one copy.
 template <class Copy>
 std::size_t walk_columns(const StateLayout& layout, std::span<const std::uint32_t> counts, Copy&& copy) {
     std::size_t at = rows_offset(counts.size());
+    std::size_t from = 0, size = 0; // the run so far
     for (const ColumnInfo& column : layout.columns()) {
-        const std::size_t size = std::size_t{counts[column.table]} * column.row_size;
-        copy(column, at, size);
+        const std::size_t next = whole_lines(std::size_t{counts[column.table]} * column.row_size);
+        if (next == 0) continue;
+        if (size != 0 && from + size == column.offset) {
+            size += next;
+            continue;
+        }
+        if (size != 0) copy(from, at, size);
         at += size;
+        from = column.offset;
+        size = next;
     }
-    return at;
+    if (size != 0) copy(from, at, size);
+    return at + size;
 }
 
 } // namespace
@@ -91,7 +106,7 @@ void State::resize(TableId table, std::uint32_t rows) {
 }
 
 std::size_t State::image_bytes() const {
-    return walk_columns(*shared_layout, counts(), [](const ColumnInfo&, std::size_t, std::size_t) {});
+    return walk_columns(*shared_layout, counts(), [](std::size_t, std::size_t, std::size_t) {});
 }
 
 void State::save(Image& image) const {
@@ -102,10 +117,10 @@ void State::save(Image& image) const {
     std::memset(to, 0, rows_offset(counts().size())); // so that equal states give equal images
     std::memcpy(to, &header, sizeof header);
     if (!counts().empty()) std::memcpy(to + sizeof header, block.get(), counts().size_bytes());
-    image.size = walk_columns(*shared_layout, counts(),
-                              [&](const ColumnInfo& column, std::size_t at, std::size_t size) {
-                                  std::memcpy(to + at, block.get() + column.offset, size);
-                              });
+    image.size =
+        walk_columns(*shared_layout, counts(), [&](std::size_t offset, std::size_t at, std::size_t size) {
+            std::memcpy(to + at, block.get() + offset, size);
+        });
 }
 
 void State::restore(const Image& image) {
@@ -128,8 +143,8 @@ void State::restore(const Image& image) {
     }
     LOCKSTONE_ASSERT(image.size == image_bytes(), "image of ", image.size, " bytes, its rows need ",
                      image_bytes());
-    walk_columns(*shared_layout, counts(), [&](const ColumnInfo& column, std::size_t at, std::size_t size) {
-        std::memcpy(block.get() + column.offset, from + at, size);
+    walk_columns(*shared_layout, counts(), [&](std::size_t offset, std::size_t at, std::size_t size) {
+        std::memcpy(block.get() + offset, from + at, size);
     });
 }
 

@@ -41,7 +41,7 @@ TEST_CASE("bounds are rounded outward by at most two steps, and a wrong one is r
         const int shift = i % 5 == 0 ? static_cast<int>(random.below(9)) : 0;
         const auto place = [&] { return oracle::quantize<Real>(random.uniform(-30000, 30000)); };
         const Real x = place(), y = place(), z = place();
-        const Transform pose{{x, y, z}, oracle::quat_of(random.direction(), random.uniform(0, 3))};
+        const Transform pose{{x, y, z}, random.rotation(0, 3)};
         const Length margin = oracle::quantize<Length>(random.uniform(0, 0.1));
         const Bounds good = bounds_of(g, pose, margin, shift);
         const auto verdict = [&](const Bounds& b) {

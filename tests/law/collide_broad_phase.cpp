@@ -33,12 +33,7 @@ struct Crowd {
     void appear(Member& m) {
         const auto coordinate = [&] { return random.uniform(-room, room); };
         const double x = coordinate(), y = coordinate(), z = coordinate();
-        m = {true,
-             random.below(4) == 0,
-             {x, y, z},
-             random.direction() * random.uniform(0, 0.2),
-             random.log_uniform(0.1, 1.5),
-             {}};
+        m = {true, random.below(4) == 0, {x, y, z}, random.vector(0, 0.2), random.log_uniform(0.1, 1.5), {}};
         measure(m);
     }
     static void measure(Member& m) {
@@ -119,8 +114,10 @@ TEST_CASE("three histories of one moving crowd yield the brute-force pairs in ev
         for (std::uint32_t i = count - 1; i > 0; --i) std::swap(order[i], order[random.below(i + 1)]);
         for (std::uint32_t i : order) {
             if (random.below(10) == 0) restless.remove(i);
-            if (random.below(10) == 0)
-                restless.set(i, crowd.members[random.below(count)].bounds, random.below(2) == 0);
+            if (random.below(10) == 0) {
+                const std::uint32_t other = random.below(count);
+                restless.set(i, crowd.members[other].bounds, random.below(2) == 0);
+            }
             crowd.set(restless, i);
         }
         if (frame % 3 != 1) restless.find_pairs(pairs); // twice, once or not at all in a frame

@@ -165,7 +165,7 @@ TEST_CASE("feature keys survive small motions") {
             kind == ShapeKind::box ? Quat::identity() : oracle::quat_of({0, 0, 1}, 1.5707963267948966);
         const auto pose = [&](double jitter) {
             const Quat turned = oracle::quat_of({0, 1, 0}, yaw + random.uniform(-jitter, jitter));
-            const Quat tilted = oracle::quat_of(random.direction(), random.uniform(-jitter, jitter));
+            const Quat tilted = random.rotation(-jitter, jitter);
             const D3 at{0.1 + random.uniform(-jitter, jitter),
                         height - 0.0005 + random.uniform(-jitter, jitter), 0.05};
             return oracle::pose_of(normalized(tilted * turned * lying), at);
@@ -222,8 +222,7 @@ TEST_CASE("the largest shapes and poses stay within range and the furthest never
         REQUIRE(validate(ga).empty());
         const auto place = [&] { return extremes[random.below(7)]; };
         const double x = place(), y = place(), z = place();
-        const Quat turn = random.below(2) == 0 ? Quat::identity()
-                                               : oracle::quat_of(random.direction(), random.uniform(0, 3));
+        const Quat turn = random.below(2) == 0 ? Quat::identity() : random.rotation(0, 3);
         const Manifold m = manifold_of(ga, gb, oracle::pose_of(turn, {x, y, z}), decimal<Length>("1"));
         if (m.count > 0) CHECK(std::abs(norm(to_double(m.normal)) - 1) < 4e-9);
     }
@@ -234,8 +233,7 @@ TEST_CASE("the largest shapes and poses stay within range and the furthest never
 TEST_CASE("a relative pose is the same far from the world's origin") {
     Random random(13);
     for (int i = 0; i < 200; ++i) {
-        const Quat qa = oracle::quat_of(random.direction(), random.uniform(0, 3)),
-                   qb = oracle::quat_of(random.direction(), 1);
+        const Quat qa = random.rotation(0, 3), qb = random.rotation(1, 1);
         const Vec3 at{oracle::quantize<Real>(random.uniform(-2, 2)), 0.25_r, 1.5_r},
             shift{1'000'000_r, -2'000'000.5_r, 3_r};
         const RelativePose near = relative_pose({at, qa}, {Vec3{}, qb}),

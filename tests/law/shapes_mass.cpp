@@ -175,8 +175,7 @@ std::vector<MassPart> random_parts(oracle::Random& random) {
         const Geometry g = oracle::random_shape(random, static_cast<ShapeKind>(random.below(3)), size);
         const auto place = [&] { return oracle::quantize<Real>(random.uniform(-size, size)); };
         const Real x = place(), y = place(), z = place();
-        parts.push_back({mass_properties(g, 100_r),
-                         {{x, y, z}, oracle::quat_of(random.direction(), random.uniform(0, 3))}});
+        parts.push_back({mass_properties(g, 100_r), {{x, y, z}, random.rotation(0, 3)}});
     }
     return parts;
 }

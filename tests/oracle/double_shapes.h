@@ -242,6 +242,15 @@ inline std::string check_manifold(const Geometry& ga, const Geometry& gb, const 
     return why.str();
 }
 
+template <lockstone::FixedPoint T> T quantize(double x) {
+    return T::from_raw(static_cast<typename T::rep>(std::llround(std::ldexp(x, T::fraction_bits))));
+}
+inline lockstone::Quat quat_of(D3 axis, double angle) {
+    using lockstone::Unit;
+    const D3 v = axis * std::sin(angle / 2);
+    const auto q = [](double x) { return quantize<Unit>(x); };
+    return {q(v.x), q(v.y), q(v.z), q(std::cos(angle / 2))};
+}
 /// A small generator of its own, so that scenes are the same everywhere.
 class Random {
     std::uint64_t state;
@@ -266,17 +275,17 @@ class Random {
             if (const double l = norm(d); l > 0.05 && l < 1) return d * (1 / l);
         }
     }
+    // Two draws in one expression would depend on the compiler's order of evaluation; these have one.
+    D3 vector(double length_min, double length_max) {
+        const D3 d = direction();
+        return d * uniform(length_min, length_max);
+    }
+    lockstone::Quat rotation(double angle_min, double angle_max) {
+        const D3 axis = direction();
+        return quat_of(axis, uniform(angle_min, angle_max));
+    }
 };
 
-template <lockstone::FixedPoint T> T quantize(double x) {
-    return T::from_raw(static_cast<typename T::rep>(std::llround(std::ldexp(x, T::fraction_bits))));
-}
-inline lockstone::Quat quat_of(D3 axis, double angle) {
-    using lockstone::Unit;
-    const D3 v = axis * std::sin(angle / 2);
-    const auto q = [](double x) { return quantize<Unit>(x); };
-    return {q(v.x), q(v.y), q(v.z), q(std::cos(angle / 2))};
-}
 inline RelativePose pose_of(lockstone::Quat q, D3 position) {
     using lockstone::Length;
     return {lockstone::to_rotation(q),
@@ -321,14 +330,15 @@ inline Scene random_scene(Random& random, ShapeKind kind_a, ShapeKind kind_b, do
         axis[static_cast<int>(random.below(3))] = 1;
         angle = random.below(3) * 1.5707963267948966;
         if (style == 2) {
-            angle += random.uniform(-1, 1) * random.log_uniform(1e-6, 0.03);
-            axis = axis + random.direction() * random.log_uniform(1e-6, 0.03);
+            const double turn = random.log_uniform(1e-6, 0.03), tilt = random.log_uniform(1e-6, 0.03);
+            angle += turn * random.uniform(-1, 1);
+            axis = axis + random.direction() * tilt;
             axis = axis * (1 / norm(axis));
         }
     }
     const double reaches = to_double(s.a.radius) + norm(to_double(s.a.half_extent)) + to_double(s.b.radius) +
                            norm(to_double(s.b.half_extent));
-    D3 offset = random.direction() * (random.uniform(0, 1.2) * reaches);
+    D3 offset = random.vector(0, 1.2 * reaches);
     if (kind_a == ShapeKind::plane) offset = {0, random.uniform(-0.5, 1) * reaches, 0};
     s.pose = pose_of(quat_of(axis, angle), offset);
     return s;

@@ -1,7 +1,7 @@
 """Every README and specification names only files that exist."""
 import re
 
-from tree import numbered
+from tree import CODE_FOLDERS, numbered
 
 ENDINGS = (".h", ".cpp", ".md", ".py", ".sh", ".txt", ".cmake", ".vert", ".frag", ".glsl", ".tsv", ".ttf", ".json")
 # Where a name may be meant from, besides the folder of the text itself.
@@ -22,8 +22,7 @@ def is_name(word, root):
 
 
 def exists(word, folder, root):
-    top = folder.relative_to(root).parts[:1]  # a bare name may lie anywhere in the text's own part of the tree
-    if "/" not in word and top and any((root / top[0]).rglob(word)):
+    if "/" not in word and any(any((root / top).rglob(word)) for top in CODE_FOLDERS if (root / top).is_dir()):
         return True
     places = [folder] + [root / base for base in BASES]
     if "*" in word:

@@ -55,14 +55,16 @@ def run_planted(name, arguments):
 def main():
     here = pathlib.Path(__file__).resolve()
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("check", nargs="*", choices=CHECKS, default=WITHOUT_BUILD)
+    parser.add_argument("check", nargs="*", metavar="CHECK", help=", ".join(CHECKS))
     parser.add_argument("--root", type=pathlib.Path, default=here.parents[2])
     parser.add_argument("--build", type=pathlib.Path, help="of the checks that read objects")
     parser.add_argument("--cxx", default="c++")
     parser.add_argument("--planted", action="store_true", help="check the checks")
     arguments = parser.parse_args()
     tree = Tree(arguments.root, arguments.build or arguments.root / "build/release", arguments.cxx)
-    names = [arguments.check] if isinstance(arguments.check, str) else arguments.check
+    names = arguments.check or WITHOUT_BUILD
+    if unknown := set(names) - set(CHECKS):
+        parser.error(f"there is no check {', '.join(sorted(unknown))}; there are {', '.join(CHECKS)}")
     results = [run_planted(n, arguments) if arguments.planted else run(n, tree) for n in names]
     sys.exit(0 if all(results) else 1)
 

@@ -24,12 +24,12 @@ class TwoBlocks final : public Scene {
         Builder build(def, schema);
         build.ground();
         const ShapeDef block{
-            .geometry = box(0.5_r, 0.5_r, 0.5_r), .density = 10_r, .friction = 0.5_r, .restitution = 0.5_r};
+            .geometry = box(0.5_r, 0.5_r, 0.5_r), .density = 10_r, .friction = 0.5_r, .restitution = 0.7_r};
         Cast blocks;
         blocks.first =
             build.body({.pose = at({-0.3_r, 3_r, 0_r}), .user_key = user_key_of(Role::prop, 0)}, block);
         blocks.second =
-            build.body({.pose = at({0.3_r, 5_r, 0.2_r}), .user_key = user_key_of(Role::prop, 1)}, block);
+            build.body({.pose = at({0.5_r, 5.2_r, 0.1_r}), .user_key = user_key_of(Role::prop, 1)}, block);
         build.record(cast, blocks);
         return std::move(build).finish();
     }
@@ -37,8 +37,8 @@ class TwoBlocks final : public Scene {
     void advance(World& world, std::span<const PlayerInput>) const override {
         if (world.tick_count() < push_ticks) {
             const Cast& blocks = world.read(Column<Cast>{0});
-            must(world.add_force(blocks.first, {40_r, 0_r, 0_r}, {3_r, 0_r, -12_r}));
-            must(world.add_force(blocks.second, {-60_r, -150_r, 0_r}, {-4_r, 2_r, 9_r}));
+            must(world.add_force(blocks.first, {40_r, 0_r, 0_r}, {1_r, 0_r, -6_r}));
+            must(world.add_force(blocks.second, {-30_r, -40_r, 0_r}, {-2_r, 1_r, 4_r}));
         }
         world.tick();
     }

@@ -1,0 +1,211 @@
+// Contacts against closed forms: bouncing, rolling, friction, momentum, energy.
+#include "support/sim_scenes.h"
+
+#include <doctest/doctest.h>
+
+#include <cstdio>
+
+using namespace lockstone;
+using namespace lockstone::test::scene;
+
+namespace {
+
+constexpr double g = 9.81, degree = 3.14159265358979323846 / 180;
+
+/// Kinetic energy and height times weight of all bodies, per kilogram of all of them [J/kg].
+double energy_per_mass(const World& w) {
+    double potential = 0, mass = 0;
+    for (BodyId b : w.bodies()) {
+        potential += to_double(w.mass(b)) * g * position(w, b)[1];
+        mass += to_double(w.mass(b));
+    }
+    return (to_double(w.kinetic_energy()) + potential) / mass;
+}
+
+D3 momentum(const World& w) {
+    D3 sum{};
+    for (BodyId b : w.bodies()) sum = sum + to_double(w.mass(b)) * velocity(w, b);
+    return sum;
+}
+
+/// The heights of the bounces of a ball dropped from 3 m, as far as its lowest point.
+std::vector<double> bounces(double restitution, int count) {
+    World w = made(World::create(small_def()));
+    add_floor(w, {.restitution = real(restitution)});
+    const BodyId ball = add_ball(w, at(0, 3.5, 0), 0.5, restitution);
+    std::vector<double> heights;
+    double top = 0;
+    bool rises = false;
+    for (int t = 0; t < 3000 && static_cast<int>(heights.size()) < count; ++t) {
+        w.tick();
+        const double y = position(w, ball)[1] - 0.5, v = velocity(w, ball)[1];
+        if (v > 0) rises = true, top = y + v * v / (2 * g);
+        if (v <= 0 && rises) heights.push_back(top), rises = false;
+    }
+    return heights;
+}
+
+/// How fast a cube of 1 m on a floor under gravity tilted by `degrees` towards `direction` slides after 2 s.
+double slide_speed(double friction, double degrees, double direction) {
+    WorldDef def = small_def();
+    const double down = std::cos(degrees * degree), along = std::sin(degrees * degree);
+    def.gravity = vec(g * along * std::cos(direction), -g * down, g * along * std::sin(direction));
+    World w = made(World::create(def));
+    add_floor(w, {.friction = real(friction)});
+    // Flat enough that it slides before it tips.
+    const BodyId block = add(w, {.pose = at(0, 0.1, 0)},
+                             {.geometry = box(real(0.5), real(0.1), real(0.5)), .friction = real(friction)});
+    for (int t = 0; t < 120; ++t) w.tick();
+    return std::hypot(velocity(w, block)[0], velocity(w, block)[2]);
+}
+
+/// The angle at which the block begins to slide, between two others [degrees].
+double slide_angle(double friction, double direction) {
+    double low = 0, high = 80;
+    while (high - low > 0.02) {
+        const double middle = (low + high) / 2;
+        (slide_speed(friction, middle, direction) > 0.02 ? high : low) = middle;
+    }
+    return (low + high) / 2;
+}
+
+} // namespace
+
+TEST_CASE("a ball bounces to restitution squared of its height, and not at all at 0") {
+    for (double e : {0.5, 0.8, 1.0}) {
+        const std::vector<double> heights = bounces(e, 4);
+        double expected = 3;
+        std::printf("  restitution %.1f from 3 m:", e);
+        REQUIRE(!heights.empty());
+        for (std::size_t i = 0; i < heights.size(); ++i) {
+            expected *= e * e;
+            std::printf(" %.4f (%.4f)", heights[i], expected);
+            CHECK(heights[i] < expected + 0.001);
+            // A bounce begins up to a substep of fall, 1.6 cm at 7.7 m/s, from the floor.
+            CHECK(heights[i] > expected * (1 - 0.011 * static_cast<double>(i + 1)) - 0.006);
+        }
+        std::printf("\n");
+    }
+    for (double h : bounces(0, 3)) CHECK(h < 0.002);
+}
+
+TEST_CASE("planted fault: restitution 0.8 is told from 0.7") {
+    CHECK(bounces(0.7, 1)[0] < 0.64 * 3 * (1 - 0.011) - 0.006);
+}
+
+TEST_CASE("a ball rolls down without slipping at 5/7 of g sin") {
+    for (double angle : {5.0, 15.0, 30.0}) {
+        WorldDef def = small_def();
+        def.gravity = vec(g * std::sin(angle * degree), -g * std::cos(angle * degree), 0);
+        World w = made(World::create(def));
+        add_floor(w);
+        const BodyId ball = add_ball(w, at(0, 0.5, 0));
+        for (int t = 0; t < 120; ++t) w.tick();
+        const double expected = 5.0 / 7 * g * std::sin(angle * degree) * 2;
+        std::printf("  ball on %.0f degrees after 2 s: %.4f m/s (%.4f)\n", angle, velocity(w, ball)[0],
+                    expected);
+        CHECK(velocity(w, ball)[0] == doctest::Approx(expected).epsilon(0.005));
+        CHECK(spin(w, ball)[2] * -0.5 == doctest::Approx(velocity(w, ball)[0]).epsilon(0.005));
+        CHECK(std::abs(velocity(w, ball)[2]) < 1e-4);
+    }
+}
+
+TEST_CASE("a ball rolls down a plane that is itself turned at 5/7 of g sin") {
+    World w = made(World::create(small_def()));
+    const Quat rotation = normalized(turned(axis_y, 30) * turned(axis_z, -20));
+    add(w, {.kind = BodyKind::static_, .pose = {{}, rotation}}, {.geometry = plane()});
+    const BodyId ball = add(w, {.pose = {rotate(rotation, vec(0, 0.5, 0)), Quat::identity()}},
+                            {.geometry = sphere(real(0.5))});
+    for (int t = 0; t < 120; ++t) w.tick();
+    CHECK(length(velocity(w, ball)) == doctest::Approx(5.0 / 7 * g * std::sin(20 * degree) * 2).epsilon(0.005));
+}
+
+TEST_CASE("a block holds on an incline up to atan(friction), in every direction") {
+    for (double friction : {0.2, 0.6, 1.0})
+        for (double direction : {0.0, 45.0, 73.0}) {
+            const double angle = slide_angle(friction, direction * degree);
+            const double expected = std::atan(friction) / degree;
+            std::printf("  friction %.1f towards %.0f degrees: slides from %.2f degrees (%.2f)\n", friction,
+                        direction, angle, expected);
+            CHECK(std::abs(angle - expected) < 0.5);
+        }
+}
+
+TEST_CASE("a sliding block slows down by friction times g") {
+    World w = made(World::create(small_def()));
+    add_floor(w, {.friction = real(0.3)});
+    const BodyId block = add(w, {.pose = at(0, 0.1, 0), .linear_velocity = vec(6, 0, 3)},
+                             {.geometry = box(real(0.5), real(0.1), real(0.5)), .friction = real(0.3)});
+    for (int t = 0; t < 60; ++t) w.tick();
+    const double expected = std::hypot(6, 3) - 0.3 * g;
+    const D3 v = velocity(w, block);
+    std::printf("  sliding block after 1 s: %.4f m/s (%.4f), %.4f rad/s of turn\n", std::hypot(v[0], v[2]),
+                expected, spin(w, block)[1]);
+    CHECK(std::hypot(v[0], v[2]) == doctest::Approx(expected).epsilon(0.01));
+    CHECK(std::abs(v[0] - 2 * v[2]) < 0.02);
+}
+
+TEST_CASE("two bodies that collide in space keep their momentum and, elastic, their energy") {
+    for (double e : {0.0, 0.5, 1.0}) {
+        World w = made(World::create(weightless()));
+        add(w, {.pose = at(-2, 0, 0), .linear_velocity = vec(5, 0, 0), .mass = Real(3)},
+                             {.geometry = sphere(real(0.5)), .friction = Real{}, .restitution = real(e)});
+        add(w, {.pose = at(2, 0.3, 0), .linear_velocity = vec(-4, 0, 0), .mass = Real(1)},
+                             {.geometry = sphere(real(0.5)), .friction = Real{}, .restitution = real(e)});
+        const D3 before = momentum(w);
+        const double energy = to_double(w.kinetic_energy());
+        for (int t = 0; t < 60; ++t) w.tick();
+        CHECK(length(momentum(w) - before) < 2e-5);
+        // Along the line of centres at impact: sin = 0.3 of the distance.
+        const double normal_speed = 9 * std::sqrt(1 - 0.09), reduced = 0.75;
+        const double lost = reduced / 2 * normal_speed * normal_speed * (1 - e * e);
+        std::printf("  collision, restitution %.1f: momentum off by %.2g, energy %.4f J (%.4f)\n", e,
+                    length(momentum(w) - before), to_double(w.kinetic_energy()), energy - lost);
+        CHECK(to_double(w.kinetic_energy()) == doctest::Approx(energy - lost).epsilon(0.02));
+    }
+}
+
+TEST_CASE("a cloud of bodies in space keeps its momentum through all collisions") {
+    World w = made(World::create(weightless()));
+    for (int i = 0; i < 40; ++i) {
+        const Geometry shapes[] = {box(real(0.4), real(0.3), real(0.5)), sphere(real(0.35)),
+                                   capsule(real(0.2), real(0.3))};
+        const BodyDef body{.pose = at(i % 4 * 1.2, i / 4 % 4 * 1.2, i / 16 * 1.2, turned(axis_x, 31 * i)),
+                           .linear_velocity = vec(3 - i % 4 * 2, 3 - i / 4 % 4 * 2, 2 - i / 16 * 2),
+                           .angular_velocity = vec(i % 3, i % 5, i % 7)};
+        add(w, body, {.geometry = shapes[i % 3], .restitution = real(0.5)});
+    }
+    const D3 before = momentum(w);
+    double mass = 0;
+    for (BodyId b : w.bodies()) mass += to_double(w.mass(b));
+    for (int t = 0; t < 300; ++t) w.tick();
+    std::printf("  cloud of 40: velocity of the whole off by %.2g m/s\n", length(momentum(w) - before) / mass);
+    CHECK(length(momentum(w) - before) / mass < 1e-5);
+}
+
+TEST_CASE("energy never grows in a closed scene that nothing drives") {
+    for (double restitution : {0.0, 0.5, 1.0}) {
+        World w = made(World::create(small_def()));
+        add_floor(w);
+        for (double x : {-2.5, 2.5}) add_wall(w, at(x, 5, 0), vec(0.5, 8, 3));
+        for (double z : {-2.5, 2.5}) add_wall(w, at(0, 5, z), vec(3, 8, 0.5));
+        for (int i = 0; i < 30; ++i) {
+            const Geometry shapes[] = {box(real(0.4), real(0.3), real(0.5)), sphere(real(0.35)),
+                                       capsule(real(0.2), real(0.3))};
+            add(w, {.pose = at(i % 3 - 1, 1 + i / 3, i % 2 - 0.5, turned(axis_z, 23 * i))},
+                {.geometry = shapes[i % 3], .restitution = real(restitution)});
+        }
+        const double start = energy_per_mass(w);
+        double worst = -1e9, rise = 0, lowest = start;
+        for (int t = 0; t < 1200; ++t) {
+            w.tick();
+            const double e = energy_per_mass(w);
+            worst = std::max(worst, e - start), rise = std::max(rise, e - lowest);
+            lowest = std::min(lowest, e);
+        }
+        std::printf("  closed scene, restitution %.1f: %.4f J/kg at first, at most %+.4f, rises by %.4f, ends %.4f\n",
+                    restitution, start, worst, rise, energy_per_mass(w));
+        CHECK(worst < 0.02);
+        CHECK(rise < 0.15); // overlap that is pushed out lifts what lies on it
+    }
+}
