@@ -163,7 +163,8 @@ template <unsigned N> void solve_mean(ContactPack<N>& c, Pair<N>& p, NormalTarge
     Int32<N> change = where_positive(impact, error, splat<N>(0));
     bool any = false;
     for (unsigned lane = 0; lane < N; ++lane) {
-        for (int k = 0; k < c.point_count; ++k) // all points take part or none does
+        if (mean.count_inv.lane[lane] == 0) change.lane[lane] = 0; // one point or none
+        for (int k = 0; k < c.point_count; ++k)                    // all points take part or none does
             if (mean.share[k].lane[lane] != 0 && targets[k].kappa.lane[lane] == 0) change.lane[lane] = 0;
         any = any || change.lane[lane] != 0;
     }

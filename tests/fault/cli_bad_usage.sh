@@ -28,6 +28,9 @@ refused 'players is not an option' run pile --players 2
 refused '--threads 8' run stack --threads 8
 refused 'scalar' run stack --simd avx512
 refused '--ticks' run stack --ticks many
+refused "'-1' is not a whole number" run stack --ticks -1
+refused '--size' run stack --size 1e3
+refused '--seed' run stack --seed 18446744073709551616
 refused 'nowhere/x.tsv' run stack --ticks 1 --hashes nowhere/x.tsv
 refused 'nowhere/x.lsr' run stack --ticks 1 --record nowhere/x.lsr
 refused 'nowhere/x.json' run stack --ticks 1 --report nowhere/x.json
@@ -35,6 +38,9 @@ refused 'missing.lsr' verify missing.lsr
 refused 'missing.lsr' replay missing.lsr
 refused 'missing.lsr' info missing.lsr
 refused 'missing.txt' run stack --ticks 1 --input missing.txt
+refused 'directory' run stack --ticks 1 --input .
+refused '/dev/full' run stack --ticks 1 --hashes /dev/full
+refused '/dev/full' run stack --ticks 1 --record /dev/full
 refused '--plant' synctest stack --plant body.nonsense
 refused 'body.' synctest stack --plant body.nonsense
 refused '--depth' synctest stack --depth 0
@@ -64,6 +70,8 @@ input_line '0 0 7f0000' 'does not come after'
 refused 'holds ticks 0 to 30' replay s.lsr --from 40
 refused 'holds ticks 0 to 30' replay s.lsr --from 20 --to 10
 refused 'holds ticks 0 to 30' branch s.lsr --at 31 -o b.lsr
+refused 'is what is read from' branch s.lsr --at 3 -o ./s.lsr
+refused 'is what is read from' run stack --input s.lsr --record s.lsr
 refused '--shard' verify s.lsr --shard 3/3
 refused '--shard' verify s.lsr --shard all
 refused 's.lsr' run rollback-arena --ticks 1 --input s.lsr

@@ -37,7 +37,9 @@ void zero(State& s, const char* name) {
     const std::span<std::byte> bytes = s.bytes(index_of(s, column(s, name)));
     std::memset(bytes.data(), 0, bytes.size());
 }
-bool names(const std::string& verdict, const std::string& what) { return verdict.find(what) != std::string::npos; }
+bool names(const std::string& verdict, const std::string& what) {
+    return verdict.find(what) != std::string::npos;
+}
 
 } // namespace
 
@@ -67,7 +69,8 @@ TEST_CASE("planted fault: a column left out of the restore is found out and name
     w.restore(the_run().images[restored_at]);
     for (const ColumnInfo& info : w.state().layout().columns()) {
         const std::span<const std::byte> bytes = w.state().bytes(index_of(w.state(), info));
-        if (std::ranges::all_of(bytes, [](std::byte b) { return b == std::byte{}; })) continue; // nothing to lose
+        if (std::ranges::all_of(bytes, [](std::byte b) { return b == std::byte{}; }))
+            continue; // nothing to lose
         INFO(info.name);
         CHECK(names(verdict([&](State& s) { zero(s, info.name.c_str()); }), "column " + info.name));
     }

@@ -33,11 +33,8 @@ const Problem spring{"spring",
                      {{50, 0, 0}, {0, 20, 10}},
                      6,
                      {{8, 16, 32, 64}, {4, 6, 8}}};
-const Problem gravity{"point gravity",
-                      {.strength = Real(20000)},
-                      {{50, 0, 0}, {0, 17, 0}},
-                      10,
-                      {{8, 16, 32, 64}, {4, 6, 8}}};
+const Problem gravity{
+    "point gravity", {.strength = Real(20000)}, {{50, 0, 0}, {0, 17, 0}}, 10, {{8, 16, 32, 64}, {4, 6, 8}}};
 
 D3 acceleration(const Problem& p, D3 x) {
     const double strength = to_double(p.field.strength);
@@ -167,7 +164,8 @@ TEST_CASE("on an orbit the energy of symplectic integrators swings but does not 
 
 TEST_CASE("in coarse steps the energy of the fourth-order method drifts, that of Verlet does not") {
     const Orbit fourth = orbit(Integrator::runge_kutta_4, 4), second = orbit(Integrator::verlet, 4);
-    std::printf("  orbit at 4 ticks/s: energy drifts %.3g per revolution (fourth order), %.3g (Verlet, swings %.3g)\n",
+    std::printf("  orbit at 4 ticks/s: energy drifts %.3g per revolution (fourth order), %.3g (Verlet, "
+                "swings %.3g)\n",
                 fourth.drift, second.drift, second.swing_first);
     CHECK(std::abs(fourth.drift) > 10 * std::abs(second.drift));
     CHECK(second.swing_last < 1.2 * second.swing_first);

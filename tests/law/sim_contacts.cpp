@@ -117,7 +117,8 @@ TEST_CASE("a ball rolls down a plane that is itself turned at 5/7 of g sin") {
     const BodyId ball = add(w, {.pose = {rotate(rotation, vec(0, 0.5, 0)), Quat::identity()}},
                             {.geometry = sphere(real(0.5))});
     for (int t = 0; t < 120; ++t) w.tick();
-    CHECK(length(velocity(w, ball)) == doctest::Approx(5.0 / 7 * g * std::sin(20 * degree) * 2).epsilon(0.005));
+    CHECK(length(velocity(w, ball)) ==
+          doctest::Approx(5.0 / 7 * g * std::sin(20 * degree) * 2).epsilon(0.005));
 }
 
 TEST_CASE("a block holds on an incline up to atan(friction), in every direction") {
@@ -149,9 +150,9 @@ TEST_CASE("two bodies that collide in space keep their momentum and, elastic, th
     for (double e : {0.0, 0.5, 1.0}) {
         World w = made(World::create(weightless()));
         add(w, {.pose = at(-2, 0, 0), .linear_velocity = vec(5, 0, 0), .mass = Real(3)},
-                             {.geometry = sphere(real(0.5)), .friction = Real{}, .restitution = real(e)});
+            {.geometry = sphere(real(0.5)), .friction = Real{}, .restitution = real(e)});
         add(w, {.pose = at(2, 0.3, 0), .linear_velocity = vec(-4, 0, 0), .mass = Real(1)},
-                             {.geometry = sphere(real(0.5)), .friction = Real{}, .restitution = real(e)});
+            {.geometry = sphere(real(0.5)), .friction = Real{}, .restitution = real(e)});
         const D3 before = momentum(w);
         const double energy = to_double(w.kinetic_energy());
         for (int t = 0; t < 60; ++t) w.tick();
@@ -179,7 +180,8 @@ TEST_CASE("a cloud of bodies in space keeps its momentum through all collisions"
     double mass = 0;
     for (BodyId b : w.bodies()) mass += to_double(w.mass(b));
     for (int t = 0; t < 300; ++t) w.tick();
-    std::printf("  cloud of 40: velocity of the whole off by %.2g m/s\n", length(momentum(w) - before) / mass);
+    std::printf("  cloud of 40: velocity of the whole off by %.2g m/s\n",
+                length(momentum(w) - before) / mass);
     CHECK(length(momentum(w) - before) / mass < 1e-5);
 }
 
@@ -203,8 +205,9 @@ TEST_CASE("energy never grows in a closed scene that nothing drives") {
             worst = std::max(worst, e - start), rise = std::max(rise, e - lowest);
             lowest = std::min(lowest, e);
         }
-        std::printf("  closed scene, restitution %.1f: %.4f J/kg at first, at most %+.4f, rises by %.4f, ends %.4f\n",
-                    restitution, start, worst, rise, energy_per_mass(w));
+        std::printf(
+            "  closed scene, restitution %.1f: %.4f J/kg at first, at most %+.4f, rises by %.4f, ends %.4f\n",
+            restitution, start, worst, rise, energy_per_mass(w));
         CHECK(worst < 0.02);
         CHECK(rise < 0.15); // overlap that is pushed out lifts what lies on it
     }

@@ -23,7 +23,8 @@ std::string out_of_order(std::span<const Event> events) {
             std::tie(events[i].kind, events[i].shape_a, events[i].shape_b))
             return "event " + std::to_string(i) + " is before its predecessor";
     for (const Event& e : events)
-        if (e.kind <= EventKind::contact_end && !(e.shape_a < e.shape_b)) return "a contact's shapes are swapped";
+        if (e.kind <= EventKind::contact_end && !(e.shape_a < e.shape_b))
+            return "a contact's shapes are swapped";
     return {};
 }
 
@@ -92,7 +93,8 @@ TEST_CASE("a sensor reports who enters and leaves, and stops nobody") {
     CHECK(w.events()[0].body_b == ball);
     CHECK(w.events()[0].normal == UnitVec3{});
     CHECK(next_events(w) == "sensor_end");
-    CHECK(velocity(w, ball)[1] == doctest::Approx(-9.81 * static_cast<double>(w.tick_count()) / 60).epsilon(1e-4));
+    CHECK(velocity(w, ball)[1] ==
+          doctest::Approx(-9.81 * static_cast<double>(w.tick_count()) / 60).epsilon(1e-4));
 }
 
 TEST_CASE("destroying a touching shape or body ends its contacts and sensor overlaps") {
@@ -121,7 +123,8 @@ TEST_CASE("destroying a touching shape or body ends its contacts and sensor over
     CHECK(kinds(w) == "contact_end sensor_end");
 }
 
-TEST_CASE("a shape that replaces a touching one in its slot ends one contact and begins another in the same tick") {
+TEST_CASE(
+    "a shape that replaces a touching one in its slot ends one contact and begins another in the same tick") {
     World w = made(World::create(small_def()));
     add_floor(w);
     const BodyId ball = add_ball(w, at(0, 0.5, 0));

@@ -219,8 +219,8 @@ TEST_CASE("a torque-free top keeps its angular momentum and energy for a minute"
     double momentum_error = 0, energy_error = 0;
     for (int t = 0; t < 3600; ++t) {
         w.tick();
-        momentum_error = std::max(momentum_error,
-                                  length(angular_momentum(w, b, block) - momentum) / length(momentum));
+        momentum_error =
+            std::max(momentum_error, length(angular_momentum(w, b, block) - momentum) / length(momentum));
         energy_error = std::max(energy_error, std::abs(spin_energy(w, b, block) / energy - 1));
     }
     std::printf("  torque-free top, 60 s: angular momentum off by %.3g, energy by %.3g\n", momentum_error,

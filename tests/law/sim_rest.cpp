@@ -83,7 +83,8 @@ TEST_CASE("a box that lands flat stays where it landed, from 0.1 m to 20 m") {
                 const BodyId b = add(w, {.pose = at(0, half[1] + height, 0, turned(axis_y, yaw))},
                                      {.geometry = box(quantize<Real>(half))});
                 const Rest r = rest_after(w, {b}, 240);
-                INFO("half extents ", half[0], " ", half[1], " ", half[2], ", from ", height, " m, yaw ", yaw);
+                INFO("half extents ", half[0], " ", half[1], " ", half[2], ", from ", height, " m, yaw ",
+                     yaw);
                 CHECK(r.drift < 0.005);
                 CHECK(to_double(w.pose(b).position.y) == doctest::Approx(half[1]).epsilon(0.01));
             }

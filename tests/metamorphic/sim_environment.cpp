@@ -122,7 +122,8 @@ TEST_CASE("rounding modes and flushing of denormals around a tick change nothing
     }
 }
 
-TEST_CASE("ticks, saves, hashes, restores and the commands of a tick do not allocate once a scene has warmed up") {
+TEST_CASE(
+    "ticks, saves, hashes, restores and the commands of a tick do not allocate once a scene has warmed up") {
     for (Scenery scenery : sceneries) {
         INFO(std::string(name_of(scenery)));
         World w = start_script(scenery);

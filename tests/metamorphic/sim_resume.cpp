@@ -84,15 +84,18 @@ TEST_CASE("a portable image of any tick, loaded by a fresh world, replays to the
 TEST_CASE("a clone at another address goes on alike and leaves its original alone") {
     for (Scenery scenery : sceneries) {
         INFO(std::string(name_of(scenery)));
-        CHECK(moved_at_every_tick(run_of(scenery, run_length()), [](const World& w) { return w.clone(); }, 20) == "");
+        CHECK(moved_at_every_tick(
+                  run_of(scenery, run_length()), [](const World& w) { return w.clone(); }, 20) == "");
     }
 }
 
 TEST_CASE("restoring works alike under every integrator") {
-    for (Integrator integrator : {Integrator::verlet, Integrator::velocity_verlet, Integrator::runge_kutta_4}) {
+    for (Integrator integrator :
+         {Integrator::verlet, Integrator::velocity_verlet, Integrator::runge_kutta_4}) {
         INFO(std::string(name_of(integrator)));
         const Run run = run_of(Scenery::fields, 60, integrator);
-        CHECK(moved_at_every_tick(run, [](const World& w) { return w.clone(); }, 60) == "");
+        CHECK(moved_at_every_tick(
+                  run, [](const World& w) { return w.clone(); }, 60) == "");
     }
 }
 
@@ -125,7 +128,8 @@ TEST_CASE("phase hashes agree between a run and its replay, and switching them o
     }
 }
 
-TEST_CASE("a shape that takes the slot and generation of another kind of shape after a restore is alone there") {
+TEST_CASE(
+    "a shape that takes the slot and generation of another kind of shape after a restore is alone there") {
     // The broad phase must not keep the crate's bounds for the plane that came after the restore.
     const auto start = [] {
         World w = made(World::create(small_def()));

@@ -45,7 +45,9 @@ struct Tape : Journal {
     };
     std::vector<Entry> commands;
     std::vector<std::uint64_t> hashes; ///< by tick
-    void on_command(std::uint64_t tick, const Command& command) override { commands.push_back({tick, command}); }
+    void on_command(std::uint64_t tick, const Command& command) override {
+        commands.push_back({tick, command});
+    }
     void on_tick(std::uint64_t tick, std::uint64_t hash) override {
         if (tick != hashes.size()) throw std::runtime_error("the journal heard of ticks out of order");
         hashes.push_back(hash);

@@ -42,13 +42,16 @@ inline const char* name_of(Scenery s) {
 inline BodyId add_something(World& w, int i, const BodyDef& body) {
     const BodyId b = made(w.create_body(body));
     const Real bounce = real(0.1 * (i % 4));
-    if (i % 4 == 0) made(w.create_shape(b, {.geometry = box(real(0.4), real(0.3), real(0.5)), .friction = Real(1)}));
+    if (i % 4 == 0)
+        made(w.create_shape(b, {.geometry = box(real(0.4), real(0.3), real(0.5)), .friction = Real(1)}));
     if (i % 4 == 1) made(w.create_shape(b, {.geometry = sphere(real(0.35)), .restitution = bounce}));
-    if (i % 4 == 2) made(w.create_shape(b, {.geometry = capsule(real(0.2), real(0.3)), .density = Real(300)}));
+    if (i % 4 == 2)
+        made(w.create_shape(b, {.geometry = capsule(real(0.2), real(0.3)), .density = Real(300)}));
     if (i % 4 == 3) {
         for (double end : {-0.4, 0.4})
             made(w.create_shape(b, {.geometry = sphere(real(0.25)), .local = at(end, 0.05, 0)}));
-        made(w.create_shape(b, {.geometry = capsule(real(0.1), real(0.4)), .local = at(0, 0, 0, turned(axis_z, 90))}));
+        made(w.create_shape(
+            b, {.geometry = capsule(real(0.1), real(0.4)), .local = at(0, 0, 0, turned(axis_z, 90))}));
     }
     done(w.write(health_column, b, {real(100 - i), static_cast<std::int16_t>(-i), 7, 0}));
     return b;
@@ -64,8 +67,9 @@ inline World start_script(Scenery scenery, Integrator integrator = Integrator::s
         made(w.create_field({.center = vec(0, 3, 0), .strength = Real(30), .softening = Real(1)}));
         made(w.create_field({.kind = FieldKind::spring, .center = vec(0, 2, 0), .strength = real(0.5)}));
         for (int i = 0; i < 16; ++i)
-            add_something(w, i, {.pose = at(i % 4 - 1.5, 1 + 1.1 * (i / 4), i % 3 - 1, turned(axis_x, 20 * i)),
-                                 .angular_velocity = vec(1, i % 3, 0)});
+            add_something(w, i,
+                          {.pose = at(i % 4 - 1.5, 1 + 1.1 * (i / 4), i % 3 - 1, turned(axis_x, 20 * i)),
+                           .angular_velocity = vec(1, i % 3, 0)});
         return w;
     }
     add_floor(w);
@@ -76,8 +80,10 @@ inline World start_script(Scenery scenery, Integrator integrator = Integrator::s
         add_wall(w, at(0, 1, side), vec(2.5, 2, 0.3));
     }
     for (int i = 0; i < loose; ++i)
-        add_something(w, i, {.pose = at(1.3 - 0.6 * (i % 3), 1 + 0.7 * i, 0.9 - 0.5 * (i % 4), turned(axis_z, 31 * i)),
-                             .linear_damping = real(0.05 * (i % 2))});
+        add_something(
+            w, i,
+            {.pose = at(1.3 - 0.6 * (i % 3), 1 + 0.7 * i, 0.9 - 0.5 * (i % 4), turned(axis_z, 31 * i)),
+             .linear_damping = real(0.05 * (i % 2))});
     const BodyId gate = made(w.create_body({.kind = BodyKind::static_, .pose = at(0.5, 1, 0.5)}));
     made(w.create_shape(gate, {.geometry = box(real(0.8), real(0.5), real(0.8)), .sensor = 1}));
     add(w, {.kind = BodyKind::kinematic, .pose = at(0, 0.4, -1.2), .angular_velocity = vec(0, 2, 0)},
@@ -99,22 +105,42 @@ inline void throw_one(World& w, std::uint64_t tick, Tally& tally) {
     BodyId& slot = tally.thrown[tick / 9 % tally.thrown.size()];
     if (w.is_alive(slot)) done(w.destroy(slot));
     const int i = static_cast<int>(tick % 1000);
-    slot = add_something(w, i / 3, {.pose = at(0.3 * (i % 5) - 0.6, 4.5, 0.2 * (i % 7) - 0.6, turned(axis_y, 7 * i)),
-                                    .linear_velocity = vec(1 - i % 3, -4, 0.5 * (i % 2))});
+    slot = add_something(w, i / 3,
+                         {.pose = at(0.3 * (i % 5) - 0.6, 4.5, 0.2 * (i % 7) - 0.6, turned(axis_y, 7 * i)),
+                          .linear_velocity = vec(1 - i % 3, -4, 0.5 * (i % 2))});
 }
 
 inline void command_one(World& w, std::uint64_t tick, BodyId b) {
     switch (tick % 23) {
-    case 2: done(w.add_force(b, vec(900, 2000, -300), vec(10, 0, 30))); break;
-    case 5: done(w.add_impulse(b, vec(0, 300, 100), vec(5, 5, 5))); break;
-    case 8: done(w.set_body_parameters({b, real(0.1), real(0.2), real(1.1), lock_angular_y, 1})); break;
-    case 9: done(w.add_impulse_at(b, vec(40, 0, 0), w.center_of_mass(b) + vec(0, 0.2, 0.1))); break;
-    case 13: done(w.set_velocity(b, vec(1, 3, -1), vec(4, 0, 2))); break;
-    case 15: done(w.set_body_parameters({b, {}, {}, Real(1), 0, 0})); break;
-    case 17: done(w.add_force_at(b, vec(0, 3000, 0), w.center_of_mass(b) + vec(0.3, 0, 0))); break;
-    case 19: done(w.set_pose(b, at(0.1, 5, 0.1, turned(axis_x, 33)))); break;
-    case 21: done(w.set_material(w.shapes(b).front(), real(0.3), real(0.4))); break;
-    default: break;
+    case 2:
+        done(w.add_force(b, vec(900, 2000, -300), vec(10, 0, 30)));
+        break;
+    case 5:
+        done(w.add_impulse(b, vec(0, 300, 100), vec(5, 5, 5)));
+        break;
+    case 8:
+        done(w.set_body_parameters({b, real(0.1), real(0.2), real(1.1), lock_angular_y, 1}));
+        break;
+    case 9:
+        done(w.add_impulse_at(b, vec(40, 0, 0), w.center_of_mass(b) + vec(0, 0.2, 0.1)));
+        break;
+    case 13:
+        done(w.set_velocity(b, vec(1, 3, -1), vec(4, 0, 2)));
+        break;
+    case 15:
+        done(w.set_body_parameters({b, {}, {}, Real(1), 0, 0}));
+        break;
+    case 17:
+        done(w.add_force_at(b, vec(0, 3000, 0), w.center_of_mass(b) + vec(0.3, 0, 0)));
+        break;
+    case 19:
+        done(w.set_pose(b, at(0.1, 5, 0.1, turned(axis_x, 33))));
+        break;
+    case 21:
+        done(w.set_material(w.shapes(b).front(), real(0.3), real(0.4)));
+        break;
+    default:
+        break;
     }
 }
 } // namespace detail

@@ -19,9 +19,7 @@ struct Args {
 void describe(CLI::App& command, Args& args) {
     command.add_option("SCENE", args.scenes, "scenes; none: all");
     describe_options(command, args.options);
-    command.add_option("--ticks", args.ticks, "to measure")
-        ->check(CLI::PositiveNumber)
-        ->capture_default_str();
+    add_number(command, "--ticks", args.ticks, "to measure", 1, UINT64_MAX);
     command.add_flag("--json", args.json, "for programs");
 }
 

@@ -18,11 +18,11 @@ struct Args {
 
 void describe(CLI::App& command, Args& args) {
     command.add_option("FILE", args.file, "a recording (.lsr)")->required();
-    command.add_option("--at", args.at, "the tick up to which it is copied")->required();
+    add_number(command, "--at", args.at, "the tick up to which it is copied")->required();
     command.add_option("--input", args.input,
                        "what the players do from there on: a text file (tools/README.md) or a recording");
-    command.add_option("--ticks", args.ticks,
-                       "how many ticks follow; left out: with --input up to the recording's end, else none");
+    add_number(command, "--ticks", args.ticks,
+               "how many ticks follow; left out: with --input up to the recording's end, else none");
     command.add_option("-o,--output", args.out, "the new recording")->required();
 }
 
@@ -60,6 +60,8 @@ Result<World> branch_without_game(const Args& args, const Loaded& loaded, replay
 }
 
 Result<Exit> branch(const Args& args) {
+    for (const std::string& source : {args.file, args.input})
+        if (Status s = check_output(args.out, source); !s) return s.error();
     const Result<Loaded> loaded = load(args.file);
     if (!loaded) return loaded.error();
     const replay::Recording& recording = loaded->recording;

@@ -1,6 +1,7 @@
 #include "cli/commands.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cstdio>
 
 namespace lockstone::cli {
@@ -32,7 +33,39 @@ bool is_unknown_command(const CLI::App& app, int argc, char** argv) {
     return std::ranges::none_of(commands, [&](const CLI::App* c) { return c->get_name() == argv[1]; });
 }
 
+/// Empty when `text` is a number of the range, else the sentence.
+std::string check_number(const std::string& text, std::uint64_t low, std::uint64_t high) {
+    std::uint64_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error == std::errc{} && end == text.data() + text.size() && value >= low && value <= high) return {};
+    return "'" + text + "' is not a whole number from " + std::to_string(low) + " to " + std::to_string(high);
+}
+
+template <class N>
+CLI::Option* add_checked(CLI::App& command, const std::string& name, N& value, const std::string& sentence,
+                         std::uint64_t low, std::uint64_t high) {
+    CLI::Option* option = command.add_option(name, value, sentence);
+    option->check(
+        CLI::Validator([low, high](const std::string& text) { return check_number(text, low, high); }, ""));
+    return option;
+}
+
 } // namespace
+
+CLI::Option* add_number(CLI::App& command, const std::string& name, std::uint64_t& value,
+                        const std::string& sentence, std::uint64_t low, std::uint64_t high) {
+    return add_checked(command, name, value, sentence, low, high)->capture_default_str();
+}
+
+CLI::Option* add_number(CLI::App& command, const std::string& name, std::uint32_t& value,
+                        const std::string& sentence, std::uint32_t low, std::uint32_t high) {
+    return add_checked(command, name, value, sentence, low, high)->capture_default_str();
+}
+
+CLI::Option* add_number(CLI::App& command, const std::string& name, std::optional<std::uint64_t>& value,
+                        const std::string& sentence) {
+    return add_checked(command, name, value, sentence, 0, UINT64_MAX);
+}
 
 int run_command_line(int argc, char** argv) {
     CLI::App app("Runs, records, replays and verifies deterministic worlds.", "lockstone");

@@ -5,8 +5,11 @@
 
 #include <CLI/CLI.hpp>
 
+#include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
+#include <string>
 
 namespace lockstone::cli {
 
@@ -39,6 +42,15 @@ void add_command(CLI::App& app, Work& work, const std::string& name, const std::
     describe(*command, *args);
     command->callback([&work, args, act] { work = [args, act] { return act(*args); }; });
 }
+
+/// An option that is a whole number from `low` to `high`: digits and nothing else. The parser's own conversion takes
+/// -1 for 2^64 - 1.
+CLI::Option* add_number(CLI::App& command, const std::string& name, std::uint64_t& value,
+                        const std::string& sentence, std::uint64_t low = 0, std::uint64_t high = UINT64_MAX);
+CLI::Option* add_number(CLI::App& command, const std::string& name, std::uint32_t& value,
+                        const std::string& sentence, std::uint32_t low = 0, std::uint32_t high = UINT32_MAX);
+CLI::Option* add_number(CLI::App& command, const std::string& name, std::optional<std::uint64_t>& value,
+                        const std::string& sentence);
 
 int run_command_line(int argc, char** argv);
 

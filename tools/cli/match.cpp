@@ -23,19 +23,11 @@ struct Args {
 void describe(CLI::App& command, Args& args) {
     command.add_option("SCENE", args.scene, "one of `lockstone scenes` with players")->capture_default_str();
     command.add_option("--seeds", args.seeds, "A..B: one match for each")->capture_default_str();
-    command.add_option("--peers", args.peers, "machines, one player each")->capture_default_str();
-    command.add_option("--loss", args.loss_percent, "packets that are lost [%]")
-        ->check(CLI::Range(0, 99))
-        ->capture_default_str();
-    command.add_option("--latency", args.latency_ms, "one way [ms]")
-        ->check(CLI::Range(0, 10000))
-        ->capture_default_str();
-    command.add_option("--jitter", args.jitter_ms, "added, up to [ms]")
-        ->check(CLI::Range(0, 10000))
-        ->capture_default_str();
-    command.add_option("--ticks", args.ticks, "that every peer has to confirm")
-        ->check(CLI::PositiveNumber)
-        ->capture_default_str();
+    add_number(command, "--peers", args.peers, "machines, one player each");
+    add_number(command, "--loss", args.loss_percent, "packets that are lost [%]", 0, 99);
+    add_number(command, "--latency", args.latency_ms, "one way [ms]", 0, 10000);
+    add_number(command, "--jitter", args.jitter_ms, "added, up to [ms]", 0, 10000);
+    add_number(command, "--ticks", args.ticks, "that every peer has to confirm", 1, UINT64_MAX);
     command.add_option("--mode", args.mode, "rollback or lockstep")
         ->check(CLI::IsMember({"rollback", "lockstep"}))
         ->capture_default_str();

@@ -20,9 +20,9 @@ struct ReplayArgs {
 
 void describe(CLI::App& command, ReplayArgs& args) {
     command.add_option("FILE", args.file, "a recording (.lsr)")->required();
-    command.add_option("--from", args.from, "start there, from the keyframe before it");
-    command.add_option("--to", args.to, "stop there");
-    command.add_option("--threads", args.threads, "1 is what there is")->capture_default_str();
+    add_number(command, "--from", args.from, "start there, from the keyframe before it");
+    add_number(command, "--to", args.to, "stop there");
+    add_number(command, "--threads", args.threads, "1 is what there is");
     command.add_option("--hashes", args.hashes, "write tick, tab, root hash after that tick");
 }
 

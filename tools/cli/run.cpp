@@ -23,16 +23,14 @@ struct Args {
 
 void describe(CLI::App& command, Args& args) {
     describe_scene(command, args.choice);
-    command.add_option("--ticks", args.ticks, "how long")->capture_default_str();
-    command.add_option("--threads", args.threads, "1 is what there is")->capture_default_str();
+    add_number(command, "--ticks", args.ticks, "how long");
+    add_number(command, "--threads", args.threads, "1 is what there is");
     command.add_option("--simd", args.simd, "scalar is what there is")->capture_default_str();
     command.add_option("--input", args.input,
                        "inputs: a text file (tools/README.md) or a recording; else scripted from the seed");
     command.add_option("--record", args.record, "write a recording (.lsr)");
-    command
-        .add_option("--keyframes", args.keyframe_ticks,
-                    "ticks from keyframe to keyframe of the recording; 0: only the first")
-        ->capture_default_str();
+    add_number(command, "--keyframes", args.keyframe_ticks,
+               "ticks from keyframe to keyframe of the recording; 0: only the first");
     command.add_option("--hashes", args.hashes, "write tick, tab, root hash after that tick");
     command.add_option("--report", args.report, "write numbers about the run as JSON");
 }
@@ -92,6 +90,8 @@ Status close_outputs(const Args& args, Started& started, Outputs& out) {
 Result<Exit> run(const Args& args) {
     if (Status s = check_threads(args.threads); !s) return s.error();
     if (Status s = check_simd(args.simd); !s) return s.error();
+    for (const std::string& output : {args.record, args.hashes, args.report})
+        if (Status s = check_output(output, args.input); !s) return s.error();
     Result<Started> started = start(args.choice);
     if (!started) return started.error();
     Result<InputSource> source =

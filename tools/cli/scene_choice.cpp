@@ -3,10 +3,10 @@
 namespace lockstone::cli {
 
 void describe_options(CLI::App& command, SceneOptions& options) {
-    command.add_option("--size", options.size,
-                       "how many of what `lockstone scenes` says; 0: the scene's own");
-    command.add_option("--seed", options.seed, "of placement and chance")->capture_default_str();
-    command.add_option("--players", options.players, "0: the scene's own");
+    add_number(command, "--size", options.size,
+               "how many of what `lockstone scenes` says; 0: the scene's own");
+    add_number(command, "--seed", options.seed, "of placement and chance");
+    add_number(command, "--players", options.players, "0: the scene's own");
 }
 
 void describe_scene(CLI::App& command, SceneChoice& choice) {

@@ -18,10 +18,8 @@ struct Args {
 
 void describe(CLI::App& command, Args& args) {
     describe_scene(command, args.choice);
-    command.add_option("--ticks", args.ticks, "how long")->capture_default_str();
-    command.add_option("--depth", args.depth, "how many ticks every tick rolls back")
-        ->check(CLI::Range(1, 64))
-        ->capture_default_str();
+    add_number(command, "--ticks", args.ticks, "how long");
+    add_number(command, "--depth", args.depth, "how many ticks every tick rolls back", 1, 64);
     command.add_option("--plant", args.plant, "plant a fault: leave this column out of the snapshots");
 }
 

@@ -3,8 +3,8 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
-#include <iterator>
 
 namespace lockstone::cli {
 
@@ -26,9 +26,18 @@ Status write_file(const std::string& path, const std::string& text) {
 Result<std::string> read_file(const std::string& path) {
     errno = 0;
     std::ifstream file(path, std::ios::binary);
-    std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    std::string text;
+    char chunk[4096];
+    while (file.read(chunk, sizeof chunk), file.gcount() > 0)
+        text.append(chunk, static_cast<std::size_t>(file.gcount()));
     if (!file.is_open() || file.bad()) return Error{path + ": cannot read: " + std::strerror(errno)};
     return text;
+}
+
+Status check_output(const std::string& output, const std::string& source) {
+    std::error_code none;
+    if (output.empty() || source.empty() || !std::filesystem::equivalent(output, source, none)) return {};
+    return Error{output + ": is what is read from; write to another file"};
 }
 
 Status check_threads(std::uint32_t threads) {

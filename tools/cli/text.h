@@ -13,6 +13,8 @@ std::string hash_text(std::uint64_t hash);
 /// Replaces the file. The error names it and the reason.
 Status write_file(const std::string& path, const std::string& text);
 Result<std::string> read_file(const std::string& path);
+/// Refuses to overwrite what is read.
+Status check_output(const std::string& output, const std::string& source);
 
 /// What is there to choose from, until there is more: one thread, scalar code. The error says so.
 Status check_threads(std::uint32_t threads);

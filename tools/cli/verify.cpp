@@ -22,9 +22,7 @@ struct Args {
 
 void describe(CLI::App& command, Args& args) {
     command.add_option("FILE", args.files, "recordings (.lsr)")->required();
-    command.add_option("--jobs", args.jobs, "threads per recording, each from keyframe to keyframe")
-        ->check(CLI::Range(1, 256))
-        ->capture_default_str();
+    add_number(command, "--jobs", args.jobs, "threads per recording, each from keyframe to keyframe", 1, 256);
     command.add_option("--shard", args.shard, "I/N: part I, from 0, of N equal parts")->capture_default_str();
     command.add_flag("--json", args.json, "for programs");
 }
