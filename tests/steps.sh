@@ -142,6 +142,14 @@ planted_hash_is_noticed() {
     grep -q "^< $tick	" <<<"$report"
 }
 
+# The sync test has to fail, with status 1, and to name the column that its snapshots lack.
+planted_column_is_named() {
+    local report status=0
+    report=$(build/release/bin/lockstone synctest rollback-arena --ticks 600 --depth 8 --plant body.velocity) || status=$?
+    echo "$report"
+    [ "$status" -eq 1 ] && grep -q 'column body.velocity' <<<"$report"
+}
+
 finish() {
     echo
     echo "$passed passed, $failed failed"

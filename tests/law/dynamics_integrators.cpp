@@ -4,7 +4,6 @@
 #include <doctest/doctest.h>
 
 #include <cstdio>
-#include <functional>
 
 using namespace lockstone;
 using namespace lockstone::test::scene;

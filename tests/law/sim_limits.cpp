@@ -5,7 +5,6 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 
 using namespace lockstone;
 using namespace lockstone::test::scene;
