@@ -64,6 +64,12 @@ class StateLayout {
 
     std::span<const TableInfo> tables() const { return table_infos; }
     std::span<const ColumnInfo> columns() const { return column_infos; }
+    /// Where each column lies, by column index: what saving walks, without the names in between.
+    struct Placement {
+        std::size_t offset; ///< of row 0 from the start of the block
+        std::uint32_t row_size, table;
+    };
+    std::span<const Placement> placements() const { return column_placements; }
     /// Bytes of a whole block: counts, then every column at capacity.
     std::size_t size_bytes() const { return block_size; }
     /// Bytes of the largest ring image.
@@ -77,6 +83,7 @@ class StateLayout {
 
     std::vector<TableInfo> table_infos;
     std::vector<ColumnInfo> column_infos;
+    std::vector<Placement> column_placements;
     std::size_t block_size = 0;
     std::size_t image_size_max = 0;
     std::uint64_t schema = 0;

@@ -118,6 +118,9 @@ void StateLayout::place_columns() {
                              block <= std::numeric_limits<std::size_t>::max() / 2,
                          "column ", column.name, " needs ", size, " bytes");
     }
+    column_placements.clear();
+    for (const ColumnInfo& column : column_infos)
+        column_placements.push_back({column.offset, column.row_size, column.table});
     block_size = static_cast<std::size_t>(block);
     image_size_max = static_cast<std::size_t>(image);
     schema = hash_of(table_infos, column_infos);

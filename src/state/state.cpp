@@ -37,7 +37,7 @@ template <class Copy>
 std::size_t walk_columns(const StateLayout& layout, std::span<const std::uint32_t> counts, Copy&& copy) {
     std::size_t at = rows_offset(counts.size());
     std::size_t from = 0, size = 0; // the run so far
-    for (const ColumnInfo& column : layout.columns()) {
+    for (const StateLayout::Placement& column : layout.placements()) {
         const std::size_t next = whole_lines(std::size_t{counts[column.table]} * column.row_size);
         if (next == 0) continue;
         if (size != 0 && from + size == column.offset) {
@@ -111,7 +111,8 @@ std::size_t State::image_bytes() const {
 
 void State::save(Image& image) const {
     // The largest image at once: a ring then never allocates again, however the world grows.
-    if (image.bytes.size() < image_bytes()) image.bytes.resize(shared_layout->image_bytes_max());
+    if (image.bytes.size() < shared_layout->image_bytes_max())
+        image.bytes.resize(shared_layout->image_bytes_max());
     std::byte* to = image.bytes.data();
     const ImageHeader header{shared_layout->schema_hash()};
     std::memset(to, 0, rows_offset(counts().size())); // so that equal states give equal images

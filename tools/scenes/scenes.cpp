@@ -58,6 +58,8 @@ Error unknown_scene(std::string_view name) {
     std::string sentence = join({"no scene is called '", name, "'"});
     if (edit_distance(name, nearest->name) * 2 < nearest->name.size())
         sentence += join({"; did you mean '", nearest->name, "'?"});
+    else
+        sentence += ".";
     sentence += " The scenes are";
     for (const SceneInfo& info : infos) sentence += join({&info == &infos.front() ? " " : ", ", info.name});
     return {sentence};
