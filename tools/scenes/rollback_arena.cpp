@@ -176,7 +176,11 @@ class RollbackArena final : public Scene {
     Result<World> start() const override {
         GameSchema schema;
         const Columns made = add_columns(schema);
-        Builder build(world_for(prop_count + ball_count, options.seed), schema);
+        WorldDef def = world_for(prop_count + ball_count, options.seed);
+        // Nobody comes or goes, so the tables are exactly full: columns of full tables are saved in one copy.
+        def.bodies_max = prop_count + ball_count + 4;
+        def.shapes_max = def.bodies_max + 4;
+        Builder build(def, schema);
         Match match{};
         match.random = Random::seeded(options.seed);
         Cast cast{};
