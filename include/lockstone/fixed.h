@@ -110,6 +110,7 @@ concept FixedPoint = is_fixed<T>;
 
 // Formats are named by their bits: integer bits including the sign, then fraction bits. Roles are in formats.h.
 using I32F32 = Fixed<std::int64_t, 32>;
+using I40F24 = Fixed<std::int64_t, 24>;
 using I4F60 = Fixed<std::int64_t, 60>;
 using I2F62 = Fixed<std::int64_t, 62>;
 using I16F16 = Fixed<std::int32_t, 16>;

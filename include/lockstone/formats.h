@@ -7,6 +7,7 @@
 //   Length          shape vertices, lever arms [m]    I8F24    128          6.0e-8
 //   Separation      gap, pose change in a tick [m]    I5F27    16           7.5e-9    its step sets the resting jitter
 //   Jacobian        rows of the solver                I4F28    8            3.7e-9
+//   Coordinate      within an asset, between shapes   I40F24    5.5e11       6.0e-8    of meshes and far or large shapes
 //   Bound           broad-phase bounds [m]            I16F16   32768        1.5e-5    rounded outward
 #pragma once
 
@@ -17,6 +18,7 @@ namespace lockstone {
 using Speed = I13F19;
 using Unit = I2F30;
 using Length = I8F24;
+using Coordinate = I40F24;
 using Separation = I5F27;
 using Jacobian = I4F28;
 using Bound = I16F16;

@@ -15,23 +15,60 @@
 namespace lockstone {
 
 /// The order is the canonical order of a pair: the greater kind is shape A of a manifold.
-enum class ShapeKind : std::uint32_t { sphere, capsule, box, plane };
+enum class ShapeKind : std::uint32_t {
+    sphere,
+    capsule,
+    cylinder,
+    cone,
+    box,
+    hull,
+    compound,
+    height_field,
+    mesh,
+    plane,
+};
+const char* name_of(ShapeKind kind); ///< "height_field"
 
-/// One plain row: 20 bytes, no padding. Each shape is centred on its own origin.
-///   sphere   radius
-///   capsule  radius; half_extent.y is half the segment between the two cap centres, along local y
-///   box      half_extent; radius is 0
-///   plane    the half-space below local y = 0, normal +y, without bounds; for static bodies only
+/// Names an asset by its content (see lockstone/asset.h); zero is none.
+struct AssetId {
+    std::uint64_t value = 0;
+
+    constexpr explicit operator bool() const { return value != 0; }
+    friend constexpr bool operator==(AssetId, AssetId) = default;
+    friend constexpr auto operator<=>(AssetId, AssetId) = default;
+};
+
+inline constexpr LengthVec3 scale_one{Length::from_raw(1 << 24), Length::from_raw(1 << 24),
+                                      Length::from_raw(1 << 24)};
+
+/// One plain row: 40 bytes, no padding. Primitives are centred on their own origin; the points of an asset are where
+/// it has them.
+///   sphere        radius
+///   capsule       radius; half_extent.y is half the segment between the two cap centres, along local y
+///   cylinder      half_extent.x = half_extent.z its radius, half_extent.y half its height, along local y
+///   cone          half_extent.x = half_extent.z the radius of its base at local y = -half_extent.y; apex at +half_extent.y
+///   box           half_extent
+///   hull          asset
+///   compound      asset: convex parts, each with a place
+///   height_field  asset; static or kinematic bodies only
+///   mesh          asset; static or kinematic bodies only
+///   plane         the half-space below local y = 0, normal +y, without bounds; static bodies only
+/// `radius` of a cylinder, cone, box or hull rounds it: every point nearer than that to the described shape belongs to it.
 struct Geometry {
     ShapeKind kind;
     Length radius;          ///< [m]
-    LengthVec3 half_extent; ///< [m]
+    LengthVec3 half_extent; ///< [m]; zero for kinds that do not name it
+    LengthVec3 scale =
+        scale_one; ///< hull, mesh, height field: factors of the asset's axes, each in 1/128 .. 100.
+                   ///< Primitives: (s, s, s), s = 1, 2, 4 or 8 times `half_extent` and `radius`, for
+                   ///< static shapes of up to 1 km. Compound, plane: 1.
+    AssetId asset{};
 
     friend constexpr bool operator==(const Geometry&, const Geometry&) = default;
 };
-static_assert(sizeof(Geometry) == 20 && std::has_unique_object_representations_v<Geometry>);
+static_assert(sizeof(Geometry) == 40 && std::has_unique_object_representations_v<Geometry>);
 
-/// The range of every radius and half extent, and of half_extent.y + radius of a capsule [m].
+/// The range of every radius and half extent, and of half_extent.y + radius of a capsule, before scale [m].
 inline constexpr Length shape_size_min = decimal<Length>("0.0025");
 inline constexpr Length shape_size_max = decimal<Length>("100");
 
@@ -40,9 +77,32 @@ constexpr Geometry sphere(Real radius) { return {ShapeKind::sphere, to<Length>(r
 constexpr Geometry capsule(Real radius, Real half_height) {
     return {ShapeKind::capsule, to<Length>(radius), {Length{}, to<Length>(half_height), Length{}}};
 }
+constexpr Geometry cylinder(Real radius, Real half_height) {
+    const Length r = to<Length>(radius);
+    return {ShapeKind::cylinder, Length{}, {r, to<Length>(half_height), r}};
+}
+constexpr Geometry cone(Real base_radius, Real half_height) {
+    const Length r = to<Length>(base_radius);
+    return {ShapeKind::cone, Length{}, {r, to<Length>(half_height), r}};
+}
 constexpr Geometry box(Vec3 half_extent) { return {ShapeKind::box, Length{}, to<Length>(half_extent)}; }
 constexpr Geometry box(Real hx, Real hy, Real hz) { return box(Vec3{hx, hy, hz}); }
 constexpr Geometry plane() { return {ShapeKind::plane, Length{}, LengthVec3{}}; }
+/// Of a hull, compound, mesh or height field; `kind` is that of the asset (AssetLibrary::geometry fills it in).
+constexpr Geometry instance(ShapeKind kind, AssetId asset, LengthVec3 scale = scale_one) {
+    return {kind, Length{}, LengthVec3{}, scale, asset};
+}
+/// The same shape with its edges and corners rounded by `radius` [m]: it grows by that much.
+constexpr Geometry rounded(Geometry geometry, Real radius) {
+    geometry.radius = to<Length>(radius);
+    return geometry;
+}
+/// The same shape, `factor` times as large in all directions; see Geometry::scale for what is allowed.
+constexpr Geometry scaled(Geometry geometry, Real factor) {
+    const Length f = to<Length>(factor);
+    geometry.scale = {f, f, f};
+    return geometry;
+}
 
 /// Empty when the geometry is good, else a sentence that names the field, its value and its range.
 std::string validate(const Geometry& geometry);
@@ -58,8 +118,9 @@ struct MassProperties {
     Matrix3<I20F44> gyration_squared; ///< inertia about `center` / mass, symmetric, in the same axes [m^2]
 };
 
-/// Exact closed forms, each entry rounded once; mass is clamped to Real. Density in kg/m^3.
-/// A plane has no mass: mass and gyration are 0.
+/// Closed forms, each entry rounded once; mass is clamped to Real. Density in kg/m^3. Rounded boxes, cylinders and cones
+/// too, to 2^-58, a cone's rounding to 2^-31.
+/// A plane and what names an asset have no mass here: mass and gyration are 0 (an asset's is shapes::mass_properties).
 MassProperties mass_properties(const Geometry& geometry, Real density);
 
 /// One shape of a body: its own properties, and where it sits in the body's axes.

@@ -27,6 +27,7 @@ template <FixedPoint T> struct Vector3 {
 using Vec3 = Vector3<Real>;
 using UnitVec3 = Vector3<Unit>;
 using LengthVec3 = Vector3<Length>;
+using CoordinateVec3 = Vector3<Coordinate>;
 using SpeedVec3 = Vector3<Speed>;
 
 template <FixedPoint To, FixedPoint From> constexpr Vector3<To> to(Vector3<From> v) {

@@ -5,43 +5,19 @@
 #include "lockstone/shape.h"
 
 #include "lockstone/math.h"
+#include "shapes/mass.h"
 
 #include <algorithm>
 
 namespace lockstone {
 namespace {
 
-using I4F60 = Fixed<std::int64_t, 60>;
+using shapes::Scaled;
+using shapes::scaled;
+using shapes::unscaled;
 
 constexpr I4F60 pi_thirds = decimal<I4F60>("1.04719755119659774615421446109316763");
 constexpr I4F60 sphere_volume = decimal<I4F60>("4.18879020478639098461685784437267051"); // 4/3 pi
-
-/// A positive value mantissa * 2^exponent, 62 significant bits: volumes span 1e-7 to 1e6 m^3.
-struct Scaled {
-    std::int64_t mantissa;
-    int exponent;
-};
-
-/// A non-negative 128-bit value reduced to 62 significant bits, rounded.
-Scaled scaled(Wide value, int exponent) {
-    const std::uint64_t high = static_cast<std::uint64_t>(value.high_bits());
-    const int length = high != 0 ? 64 + bit_length(high) : bit_length(value.low_bits());
-    const int shift = length > 62 ? length - 62 : 0;
-    return {narrow_rounded(value, shift), exponent + shift};
-}
-
-Scaled operator*(Scaled a, Scaled b) {
-    return scaled(Wide::product(a.mantissa, b.mantissa), a.exponent + b.exponent);
-}
-Scaled scaled(std::int64_t raw, int fraction_bits) { return {raw, -fraction_bits}; }
-template <FixedPoint T> Scaled scaled(T x) { return scaled(std::int64_t{x.raw}, T::fraction_bits); }
-
-template <FixedPoint T> T unscaled(Scaled s) {
-    const int shift = -s.exponent - T::fraction_bits;
-    if (shift <= -63) return s.mantissa == 0 ? T{} : T::max();
-    if (shift <= 0) return T::from_raw(shift_left_saturated(s.mantissa, -shift));
-    return shift > 62 ? T{} : T::from_raw(shift_right_rounded(s.mantissa, shift));
-}
 
 /// value / divisor for 0 <= value < 2^127, rounded; clamped to int64.
 std::int64_t divide_rounded(Wide value, std::uint64_t divisor) {
@@ -89,6 +65,47 @@ MassProperties capsule_mass(std::int64_t h, std::int64_t r, Real density) {
     return solid(volume, density, kx, ky, kx);
 }
 
+/// volume = 2 pi r^2 h, k_y^2 = r^2 / 2, k_x^2 = r^2 / 4 + h^2 / 3
+MassProperties cylinder_mass(std::int64_t r, std::int64_t h, Real density) {
+    const Scaled radius = scaled(r, Length::fraction_bits);
+    const Scaled volume = scaled(pi_thirds) * (radius * radius) * scaled(6 * h, Length::fraction_bits);
+    const I20F44 ky = I20F44::from_raw(divide_rounded(Wide::product(r, r), 2 * 16));
+    const I20F44 kx = I20F44::from_raw(divide_rounded(Wide::from(3 * r * r + 4 * h * h), 12 * 16));
+    return solid(volume, density, kx, ky, kx);
+}
+
+/// volume = 2/3 pi r^2 h, centre at y = -h / 2, k_y^2 = 3/10 r^2, k_x^2 = 3/20 (r^2 + h^2)
+MassProperties cone_mass(std::int64_t r, std::int64_t h, Real density) {
+    const Scaled radius = scaled(r, Length::fraction_bits);
+    const Scaled volume = scaled(pi_thirds) * (radius * radius) * scaled(2 * h, Length::fraction_bits);
+    const I20F44 ky = I20F44::from_raw(divide_rounded(Wide::product(3 * r, r), 10 * 16));
+    const I20F44 kx = I20F44::from_raw(divide_rounded(Wide::product(3, r * r + h * h), 20 * 16));
+    MassProperties m = solid(volume, density, kx, ky, kx);
+    m.center.y = round_from<Real>(-h, Length::fraction_bits + 1);
+    return m;
+}
+
+MassProperties primitive_mass(const Geometry& g, Real density) {
+    const LengthVec3& half = g.half_extent;
+    const bool round = g.radius > Length{};
+    switch (g.kind) {
+    case ShapeKind::sphere:
+        return sphere_mass(g.radius.raw, density);
+    case ShapeKind::capsule:
+        return capsule_mass(half.y.raw, g.radius.raw, density);
+    case ShapeKind::cylinder:
+        return round ? shapes::rounded_cylinder_mass(half.x, half.y, g.radius, density)
+                     : cylinder_mass(half.x.raw, half.y.raw, density);
+    case ShapeKind::cone:
+        return round ? shapes::rounded_cone_mass(half.x, half.y, g.radius, density)
+                     : cone_mass(half.x.raw, half.y.raw, density);
+    case ShapeKind::box:
+        return round ? shapes::rounded_box_mass(half, g.radius, density) : box_mass(half, density);
+    default:
+        return MassProperties{};
+    }
+}
+
 /// R K R^T for symmetric K; the lower triangle mirrors the upper.
 Matrix3<I20F44> rotated(const Rotation& r, const Matrix3<I20F44>& k) {
     const Matrix3<I20F44> half_way = mul<I20F44>(r, k); // columns of R K
@@ -114,17 +131,17 @@ Matrix3<I20F44> point_gyration(Vec3 d) {
 } // namespace
 
 MassProperties mass_properties(const Geometry& g, Real density) {
-    switch (g.kind) {
-    case ShapeKind::sphere:
-        return sphere_mass(g.radius.raw, density);
-    case ShapeKind::capsule:
-        return capsule_mass(g.half_extent.y.raw, g.radius.raw, density);
-    case ShapeKind::box:
-        return box_mass(g.half_extent, density);
-    case ShapeKind::plane:
-        break;
-    }
-    return MassProperties{};
+    MassProperties m = primitive_mass(g, density);
+    const std::int64_t factor = g.scale.x.raw >> Length::fraction_bits; // 1, 2, 4 or 8
+    if (factor <= 1) return m;
+    m.mass = m.mass * (factor * factor * factor);
+    m.center = {m.center.x * factor, m.center.y * factor, m.center.z * factor};
+    const auto square = [factor](const Vector3<I20F44>& c) {
+        return Vector3<I20F44>{c.x * (factor * factor), c.y * (factor * factor), c.z * (factor * factor)};
+    };
+    m.gyration_squared = {square(m.gyration_squared.x), square(m.gyration_squared.y),
+                          square(m.gyration_squared.z)};
+    return m;
 }
 
 MassProperties combine(std::span<const MassPart> parts) {

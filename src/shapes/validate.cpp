@@ -3,8 +3,11 @@
 namespace lockstone {
 namespace {
 
-/// To the nearest micrometre, without trailing zeros.
-std::string metres(Length v) {
+constexpr Length scale_min = Length::from_raw(1 << (Length::fraction_bits - 7)); // 1/128
+constexpr Length scale_max = Length(100);
+
+/// To the nearest millionth, without trailing zeros.
+std::string decimal_of(Length v) {
     const std::uint64_t micro = (magnitude(v.raw) * 1'000'000u + (1u << 23)) >> Length::fraction_bits;
     std::string text = v.raw < 0 ? "-" : "";
     text += std::to_string(micro / 1'000'000u);
@@ -12,34 +15,98 @@ std::string metres(Length v) {
     digits.erase(digits.find_last_not_of('0') + 1);
     digits[0] = '.';
     if (digits.size() > 1) text += digits;
-    return text += " m";
+    return text;
 }
 
-std::string check(const char* field, Length v, Length low = shape_size_min, Length high = shape_size_max) {
+std::string check(std::string field, Length v, Length low, Length high, const char* unit = " m") {
     if (v >= low && v <= high) return {};
-    return std::string(field) + " is " + metres(v) + ", it must be in " + metres(low) + " .. " + metres(high);
+    return field + " is " + decimal_of(v) + unit + ", it must be in " + decimal_of(low) + unit + " .. " +
+           decimal_of(high) + unit;
+}
+std::string check(std::string field, Length v) {
+    return check(std::move(field), v, shape_size_min, shape_size_max);
 }
 
-std::string first_of(std::string a, std::string b) { return a.empty() ? b : a; }
+template <class... More> std::string first_of(std::string a, More... more) {
+    if constexpr (sizeof...(More) == 0)
+        return a;
+    else
+        return a.empty() ? first_of(std::move(more)...) : a;
+}
 
-} // namespace
+/// A rounding radius is not negative, and the whole stays within 100 m.
+std::string check_rounded(const std::string& name, const Geometry& g, Length widest) {
+    return first_of(check(name + " radius", g.radius, Length{}, shape_size_max),
+                    check(name + " half_extent + radius", widest + g.radius, Length{}, shape_size_max));
+}
 
-std::string validate(const Geometry& g) {
+std::string check_round_core(const std::string& name, const Geometry& g) {
+    const LengthVec3& half = g.half_extent;
+    if (half.x != half.z)
+        return name + " half_extent.x is " + decimal_of(half.x) + " m and half_extent.z is " +
+               decimal_of(half.z) + " m, they must be equal";
+    return first_of(check(name + " half_extent.x", half.x), check(name + " half_extent.y", half.y),
+                    check_rounded(name, g, max(half.x, half.y)));
+}
+
+std::string check_sizes(const Geometry& g) {
+    const LengthVec3& half = g.half_extent;
     switch (g.kind) {
     case ShapeKind::sphere:
         return check("sphere radius", g.radius);
     case ShapeKind::capsule:
-        return first_of(first_of(check("capsule radius", g.radius),
-                                 check("capsule half_extent.y", g.half_extent.y, Length{})),
-                        check("capsule half_extent.y + radius", g.half_extent.y + g.radius));
+        return first_of(check("capsule radius", g.radius),
+                        check("capsule half_extent.y", half.y, Length{}, shape_size_max),
+                        check("capsule half_extent.y + radius", half.y + g.radius));
+    case ShapeKind::cylinder:
+        return check_round_core("cylinder", g);
+    case ShapeKind::cone:
+        return check_round_core("cone", g);
     case ShapeKind::box:
-        return first_of(first_of(check("box half_extent.x", g.half_extent.x),
-                                 check("box half_extent.y", g.half_extent.y)),
-                        check("box half_extent.z", g.half_extent.z));
-    case ShapeKind::plane:
-        return {};
+        return first_of(check("box half_extent.x", half.x), check("box half_extent.y", half.y),
+                        check("box half_extent.z", half.z),
+                        check_rounded("box", g, max(half.x, max(half.y, half.z))));
+    case ShapeKind::hull:
+        return check("hull radius", g.radius, Length{}, shape_size_max);
+    default: // a plane has no size, the others have no radius
+        return check(std::string(name_of(g.kind)) + " radius", g.radius, Length{}, Length{});
     }
-    return "shape kind is " + std::to_string(static_cast<std::uint32_t>(g.kind)) + ", it must be in 0 .. 3";
+}
+
+std::string check_scale(const Geometry& g) {
+    const std::string name = std::string(name_of(g.kind)) + " scale";
+    const Length x = g.scale.x, y = g.scale.y, z = g.scale.z;
+    if (g.kind == ShapeKind::hull || g.kind == ShapeKind::mesh || g.kind == ShapeKind::height_field)
+        return first_of(check(name + ".x", x, scale_min, scale_max, ""),
+                        check(name + ".y", y, scale_min, scale_max, ""),
+                        check(name + ".z", z, scale_min, scale_max, ""));
+    const bool fixed = g.kind == ShapeKind::compound || g.kind == ShapeKind::plane;
+    const auto allowed = [&](int factor) { return x == Length(factor) && (factor == 1 || !fixed); };
+    if (x == y && y == z && (allowed(1) || allowed(2) || allowed(4) || allowed(8))) return {};
+    return name + " is (" + decimal_of(x) + ", " + decimal_of(y) + ", " + decimal_of(z) + "), it must be " +
+           (fixed ? "(1, 1, 1)" : "1, 2, 4 or 8 on all axes");
+}
+
+std::string check_asset(const Geometry& g) {
+    const bool wanted = g.kind >= ShapeKind::hull && g.kind <= ShapeKind::mesh;
+    if (wanted == static_cast<bool>(g.asset)) return {};
+    return std::string(name_of(g.kind)) + (wanted ? " names no asset" : " names an asset, it can have none");
+}
+
+} // namespace
+
+const char* name_of(ShapeKind kind) {
+    constexpr const char* names[] = {"sphere", "capsule",  "cylinder",     "cone", "box",
+                                     "hull",   "compound", "height_field", "mesh", "plane"};
+    const auto index = static_cast<std::uint32_t>(kind);
+    return index < std::size(names) ? names[index] : "unknown";
+}
+
+std::string validate(const Geometry& g) {
+    if (g.kind > ShapeKind::plane)
+        return "shape kind is " + std::to_string(static_cast<std::uint32_t>(g.kind)) +
+               ", it must be in 0 .. 9";
+    return first_of(check_sizes(g), check_scale(g), check_asset(g));
 }
 
 } // namespace lockstone

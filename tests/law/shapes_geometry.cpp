@@ -35,6 +35,56 @@ TEST_CASE("bad shapes are refused with the field, its value and its range") {
     CHECK(mentions(validate(box(1_r, 0_r, 1_r)), "box half_extent.y is 0 m"));
     CHECK(mentions(validate(box(1_r, 1_r, 101_r)), "box half_extent.z"));
     Geometry odd = sphere(1_r);
-    odd.kind = static_cast<ShapeKind>(9);
-    CHECK(mentions(validate(odd), "shape kind is 9"));
+    odd.kind = static_cast<ShapeKind>(17);
+    CHECK(mentions(validate(odd), "shape kind is 17, it must be in 0 .. 9"));
+}
+
+TEST_CASE("cylinders, cones and rounded shapes within their ranges pass, others are told why not") {
+    for (const Geometry& g :
+         {cylinder(0.0025_r, 100_r), cone(100_r, 0.0025_r), rounded(cylinder(1_r, 1_r), 99_r),
+          rounded(cone(1_r, 2_r), 0.5_r), rounded(box(1_r, 2_r, 3_r), 97_r)})
+        CHECK(validate(g) == "");
+    CHECK(mentions(validate(cylinder(0.001_r, 1_r)), "cylinder half_extent.x is 0.001 m"));
+    CHECK(mentions(validate(cone(1_r, 101_r)), "cone half_extent.y is 101 m"));
+    CHECK(mentions(validate(rounded(box(1_r, 2_r, 3_r), -0.5_r)), "box radius is -0.5 m"));
+    CHECK(mentions(validate(rounded(cone(1_r, 2_r), 99_r)), "cone half_extent + radius is 101 m"));
+    Geometry oval = cylinder(1_r, 1_r);
+    oval.half_extent.z = Length(2);
+    CHECK(validate(oval) == "cylinder half_extent.x is 1 m and half_extent.z is 2 m, they must be equal");
+}
+
+TEST_CASE("scales and assets belong to some kinds only") {
+    for (const Real factor : {1_r, 2_r, 4_r, 8_r}) CHECK(validate(scaled(box(1_r, 1_r, 1_r), factor)) == "");
+    for (const Real factor : {0_r, 3_r, 16_r, 0.5_r})
+        CHECK(mentions(validate(scaled(sphere(1_r), factor)), "it must be 1, 2, 4 or 8 on all axes"));
+    Geometry uneven = box(1_r, 1_r, 1_r);
+    uneven.scale.y = Length(2);
+    CHECK(validate(uneven) == "box scale is (1, 2, 1), it must be 1, 2, 4 or 8 on all axes");
+    CHECK(mentions(validate(scaled(plane(), 2_r)), "it must be (1, 1, 1)"));
+    const AssetId id{5};
+    for (ShapeKind kind : {ShapeKind::hull, ShapeKind::compound, ShapeKind::height_field, ShapeKind::mesh}) {
+        CHECK(validate(instance(kind, id)) == "");
+        CHECK(mentions(validate(instance(kind, {})), " names no asset"));
+        CHECK((validate(scaled(instance(kind, id), 100_r)) == "") == (kind != ShapeKind::compound));
+        CHECK(mentions(validate(scaled(instance(kind, id), 101_r)), " scale"));
+        CHECK((validate(rounded(instance(kind, id), 0.5_r)) == "") == (kind == ShapeKind::hull));
+    }
+    Geometry odd = sphere(1_r);
+    odd.asset = id;
+    CHECK(validate(odd) == "sphere names an asset, it can have none");
+    CHECK(std::string(name_of(ShapeKind::height_field)) == "height_field");
+    CHECK(std::string(name_of(static_cast<ShapeKind>(10))) == "unknown");
+}
+
+TEST_CASE("a scale of 2, 4 or 8 multiplies the mass by its cube and the gyration by its square") {
+    for (const Geometry& g : {sphere(1_r), capsule(0.5_r, 1_r), cylinder(1_r, 0.5_r), cone(1_r, 2_r),
+                              rounded(box(1_r, 2_r, 3_r), 0.5_r)})
+        for (const int factor : {2, 4, 8}) {
+            const MassProperties one = mass_properties(g, 1_r),
+                                 large = mass_properties(scaled(g, Real(factor)), 1_r);
+            CHECK(large.mass == one.mass * (factor * factor * factor));
+            CHECK(large.center == one.center * Real(factor));
+            CHECK(large.gyration_squared.x.x == one.gyration_squared.x.x * (factor * factor));
+            CHECK(large.mass != one.mass * (factor * factor)); // planted
+        }
 }

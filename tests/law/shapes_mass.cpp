@@ -172,7 +172,8 @@ std::vector<MassPart> random_parts(oracle::Random& random) {
     std::vector<MassPart> parts;
     const double size = random.log_uniform(0.02, 20);
     for (std::uint32_t k = 0; k < 1 + random.below(6); ++k) {
-        const Geometry g = oracle::random_shape(random, static_cast<ShapeKind>(random.below(3)), size);
+        constexpr ShapeKind kinds[] = {ShapeKind::sphere, ShapeKind::capsule, ShapeKind::box};
+        const Geometry g = oracle::random_shape(random, kinds[random.below(3)], size);
         const auto place = [&] { return oracle::quantize<Real>(random.uniform(-size, size)); };
         const Real x = place(), y = place(), z = place();
         parts.push_back({mass_properties(g, 100_r), {{x, y, z}, random.rotation(0, 3)}});
