@@ -1,46 +1,118 @@
 // source: Ericson, Real-Time Collision Detection, 4.2.6 (bounds of a rotated box from |R|)
 #include "collide/bounds.h"
 
+#include "lockstone/math.h"
+
+#include <limits>
+
 namespace lockstone::collide {
 namespace {
 
-/// What the roundings of the rotation and of the narrow phase can add up to for shapes of 100 m: 1 um.
+/// What the roundings of the rotation and of the narrow phase can add up to: 1 um for shapes of 100 m, and as much more
+/// for larger ones as their size.
 constexpr std::int64_t guard = 16; // Length steps
 
-/// Half the width of the shape along each world axis, rounded up, in Length steps.
-Vector3<Fixed<std::int64_t, 24>> half_width(const Geometry& g, const Quat& rotation) {
-    const Rotation r = to_rotation(rotation);
-    const auto along = [&](Unit rx, Unit ry, Unit rz) {
-        const std::int64_t sum = static_cast<std::int64_t>(magnitude(rx.raw)) * g.half_extent.x.raw +
-                                 static_cast<std::int64_t>(magnitude(ry.raw)) * g.half_extent.y.raw +
-                                 static_cast<std::int64_t>(magnitude(rz.raw)) * g.half_extent.z.raw;
-        constexpr std::int64_t up = (std::int64_t{1} << Unit::fraction_bits) - 1;
-        return Fixed<std::int64_t, 24>::from_raw(((sum + up) >> Unit::fraction_bits) + g.radius.raw);
+constexpr std::int64_t up_30 = (std::int64_t{1} << Unit::fraction_bits) - 1;
+
+/// How far a shape reaches from its origin along a world axis, in Length steps, rounded outward.
+struct Reach {
+    std::int64_t low, high;
+};
+
+std::int64_t times(Unit along, Length half) {
+    return static_cast<std::int64_t>(magnitude(along.raw)) * half.raw;
+}
+
+/// `r`: the world axis in the shape's axes.
+Reach reach_of_primitive(const Geometry& g, UnitVec3 r) {
+    const LengthVec3& half = g.half_extent;
+    const std::int64_t factor = g.scale.x.raw >> Length::fraction_bits;
+    const auto ceiling = [&](std::int64_t sum_54) {
+        return (((sum_54 + up_30) >> Unit::fraction_bits) + g.radius.raw) * factor;
     };
-    return {along(r.x.x, r.y.x, r.z.x), along(r.x.y, r.y.y, r.z.y), along(r.x.z, r.y.z, r.z.z)};
+    if (g.kind != ShapeKind::cylinder && g.kind != ShapeKind::cone) {
+        const std::int64_t reach = ceiling(times(r.x, half.x) + times(r.y, half.y) + times(r.z, half.z));
+        return {-reach, reach};
+    }
+    const auto square =
+        static_cast<std::uint64_t>(std::int64_t{r.x.raw} * r.x.raw + std::int64_t{r.z.raw} * r.z.raw);
+    const std::int64_t rim = (std::int64_t{isqrt(square)} + 1) * half.x.raw; // of the disc
+    const std::int64_t height = std::int64_t{r.y.raw} * half.y.raw;
+    if (g.kind == ShapeKind::cylinder) {
+        const std::int64_t reach = ceiling(rim + (height < 0 ? -height : height));
+        return {-reach, reach};
+    }
+    const auto greater = [](std::int64_t a, std::int64_t b) { return a < b ? b : a; };
+    return {-ceiling(greater(rim + height, -height)), ceiling(greater(rim - height, height))};
+}
+
+Reach reach_of_hull(const shapes::Hull& hull, Length radius, UnitVec3 r) {
+    std::int64_t low = std::numeric_limits<std::int64_t>::max(),
+                 high = std::numeric_limits<std::int64_t>::min();
+    for (const LengthVec3& v : hull.vertices) { // |r| is 2^30 to a rounding and |v| below 2^8 m: the sum fits
+        const std::int64_t along = std::int64_t{r.x.raw} * v.x.raw + std::int64_t{r.y.raw} * v.y.raw +
+                                   std::int64_t{r.z.raw} * v.z.raw;
+        low = along < low ? along : low;
+        high = high < along ? along : high;
+    }
+    return {(low >> Unit::fraction_bits) - radius.raw, ((high + up_30) >> Unit::fraction_bits) + radius.raw};
+}
+
+/// Of what lies within an extent of asset coordinates; those reach 2^20 m at most.
+Reach reach_of_extent(const shapes::Extent& e, UnitVec3 r) {
+    std::int64_t low = 0, high = 0;
+    for (int i = 0; i < 3; ++i) {
+        const std::int64_t a = e.lower[i].raw, b = e.upper[i].raw, along = r[i].raw;
+        low += narrow_rounded(Wide::product(along < 0 ? b : a, along), Unit::fraction_bits) - 1;
+        high += narrow_rounded(Wide::product(along < 0 ? a : b, along), Unit::fraction_bits) + 1;
+    }
+    return {low, high};
+}
+
+Reach reach_along(const shapes::Solid& solid, const shapes::Extent& extent, UnitVec3 r) {
+    switch (solid.geometry.kind) {
+    case ShapeKind::hull:
+        return reach_of_hull(*solid.hull, solid.geometry.radius, r);
+    case ShapeKind::compound:
+    case ShapeKind::height_field:
+    case ShapeKind::mesh:
+        return reach_of_extent(extent, r);
+    default:
+        return reach_of_primitive(solid.geometry, r);
+    }
+}
+
+bool has_extent(ShapeKind kind) {
+    return kind == ShapeKind::compound || kind == ShapeKind::height_field || kind == ShapeKind::mesh;
 }
 
 } // namespace
 
-Bounds bounds_of(const Geometry& g, const Transform& pose, Length margin, int shift) {
-    if (g.kind == ShapeKind::plane) {
+Bounds bounds_of(const shapes::Solid& solid, const Transform& pose, Length margin, int shift) {
+    if (solid.geometry.kind == ShapeKind::plane) {
         const Vector3<Bound> low{Bound::min(), Bound::min(), Bound::min()},
             high{Bound::max(), Bound::max(), Bound::max()};
         return {low, high};
     }
-    const Vector3<Fixed<std::int64_t, 24>> h = half_width(g, pose.rotation);
+    const Rotation r = to_rotation(pose.rotation);
+    const shapes::Extent extent =
+        has_extent(solid.geometry.kind) ? shapes::extent_of(solid) : shapes::Extent{};
     const int drop = Real::fraction_bits - Bound::fraction_bits + shift;
-    const auto reach = [&](Fixed<std::int64_t, 24> half_width) {
-        return (half_width.raw + margin.raw + guard) << (Real::fraction_bits - Length::fraction_bits);
-    };
-    const auto low = [&](Real p, Fixed<std::int64_t, 24> width) {
-        return Bound::from_raw(saturate_to_int32(sub_saturated(p.raw, reach(width)) >> drop));
-    };
-    const auto high = [&](Real p, Fixed<std::int64_t, 24> width) { // ceil: one above the floor
-        return Bound::from_raw(saturate_to_int32((add_saturated(p.raw, reach(width)) >> drop) + 1));
-    };
-    return {{low(pose.position.x, h.x), low(pose.position.y, h.y), low(pose.position.z, h.z)},
-            {high(pose.position.x, h.x), high(pose.position.y, h.y), high(pose.position.z, h.z)}};
+    Bounds out{};
+    for (int i = 0; i < 3; ++i) {
+        const Reach reach = reach_along(solid, extent, {r.x[i], r.y[i], r.z[i]});
+        const std::int64_t size = reach.high - reach.low;
+        const std::int64_t more = margin.raw + guard + (size >> 28); // 2^32 steps: 256 m
+        const auto at = [&](std::int64_t along_24) {
+            return add_saturated(pose.position[i].raw,
+                                 along_24 *
+                                     (std::int64_t{1} << (Real::fraction_bits - Length::fraction_bits)));
+        };
+        out.lower[i] = Bound::from_raw(saturate_to_int32(at(reach.low - more) >> drop));
+        out.upper[i] = // ceil: one above the floor
+            Bound::from_raw(saturate_to_int32((at(reach.high + more) >> drop) + 1));
+    }
+    return out;
 }
 
 } // namespace lockstone::collide

@@ -1,7 +1,7 @@
 // Axis-aligned bounds on 32-bit integers, rounded outward: what the broad phase compares.
 #pragma once
 
-#include "lockstone/shape.h"
+#include "shapes/asset.h"
 
 namespace lockstone::collide {
 
@@ -16,9 +16,10 @@ struct Bounds {
 inline constexpr int bounds_shift_max = 8;
 
 /// Contains every point of the shape and everything closer to it than `margin` (>= 0), whatever the roundings; at most
-/// 2 steps + 2 um too large on each side. A coordinate beyond the range is clamped: shapes out there then meet on the
+/// 2 steps + 2 um + 2^-27 of its size too large on each side (a compound, mesh or height field: that of the box around
+/// it). A coordinate beyond the range is clamped: shapes out there then meet on the
 /// border, a superset again. A plane fills all space.
-Bounds bounds_of(const Geometry& geometry, const Transform& pose, Length margin, int shift = 0);
+Bounds bounds_of(const shapes::Solid& solid, const Transform& pose, Length margin, int shift = 0);
 
 /// A length in bound steps, rounded up.
 constexpr Bound bound_steps(Length length, int shift) {

@@ -5,6 +5,7 @@
 // between Convex Polyhedra, GDC 2013 (reference and incident face); Sutherland, Hodgman, Reentrant Polygon Clipping,
 // CACM 1974.
 #include "collide/box_box.h"
+#include "collide/convex.h"
 
 namespace lockstone::collide {
 namespace {
@@ -123,6 +124,15 @@ void collide_edges(const BoxPair& g, const Axis& axis, Length margin, Manifold& 
               edge_feature(edge_id(i, bit(a1, i1) | bit(a2, i2)), edge_id(j, bit(b1, j1) | bit(b2, j2))));
 }
 
+/// Boxes beside each other's faces and edges: near a corner, or across two edges too close to parallel for an axis.
+void collide_beside(const Geometry& a, const Geometry& b, const RelativePose& pose, Length margin,
+                    Manifold& out) {
+    collide_convex(convex_of({a}, Rotation::identity(), CoordinateVec3{}),
+                   convex_of({b}, pose.rotation, pose.position), margin, out);
+    for (std::uint32_t k = 0; k < out.count; ++k)
+        out.points[k].position = to<Length>(to<Coordinate>(out.points[k].position) + pose.position);
+}
+
 } // namespace
 
 void collide_box_box(const Geometry& geometry_a, const Geometry& geometry_b, const RelativePose& pose,
@@ -140,12 +150,16 @@ void collide_box_box(const Geometry& geometry_a, const Geometry& geometry_b, con
     case Axis::none:
         return;
     case Axis::face_a:
-        return clip_faces(g, false, axis.i, axis.separation, margin, out);
+        clip_faces(g, false, axis.i, margin, out);
+        break;
     case Axis::face_b:
-        return clip_faces(g, true, axis.j, axis.separation, margin, out);
+        clip_faces(g, true, axis.j, margin, out);
+        break;
     case Axis::edges:
-        return collide_edges(g, axis, margin, out);
+        collide_edges(g, axis, margin, out);
+        break;
     }
+    if (out.count == 0) collide_beside(geometry_a, geometry_b, pose, margin, out);
 }
 
 } // namespace lockstone::collide

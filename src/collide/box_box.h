@@ -13,9 +13,8 @@ struct BoxPair {
 };
 
 /// Fills the manifold from the incident face of one box clipped against face `axis` of the other, the reference:
-/// A, or B when `reference_is_b`. `separation_30` is the boxes' separation along that face's normal.
-void clip_faces(const BoxPair& g, bool reference_is_b, int axis, std::int64_t separation_30, Length margin,
-                Manifold& out);
+/// A, or B when `reference_is_b`. No points when nothing within the margin is over that face.
+void clip_faces(const BoxPair& g, bool reference_is_b, int axis, Length margin, Manifold& out);
 
 /// A corner of the clipped polygon before the choice of four: place in the reference face, and height above it.
 struct ClipPoint {

@@ -158,20 +158,6 @@ struct Names {
     static std::uint32_t bit(bool positive, int at) { return positive ? 1u << at : 0u; }
 };
 
-/// Boxes that overlap have a lowest corner on the incident face; it counts even where the clipped polygon is empty.
-ClipPoint lowest_corner(const Clip& c, std::int64_t separation_30) {
-    ClipPoint corners[4];
-    incident_corners(c, corners);
-    int lowest = 0;
-    for (int k = 1; k < 4; ++k)
-        if (corners[k].height < corners[lowest].height) lowest = k;
-    ClipPoint x = corners[lowest];
-    x.p = clamped(x.p, -up(c.half[c.p], 6), up(c.half[c.p], 6));
-    x.q = clamped(x.q, -up(c.half[c.q], 6), up(c.half[c.q], 6));
-    x.height = separation_30;
-    return x;
-}
-
 } // namespace
 
 int reduce_points(ClipPoint* points, int count) {
@@ -215,8 +201,7 @@ int reduce_points(ClipPoint* points, int count) {
     return kept;
 }
 
-void clip_faces(const BoxPair& g, bool reference_is_b, int axis, std::int64_t separation_30, Length margin,
-                Manifold& out) {
+void clip_faces(const BoxPair& g, bool reference_is_b, int axis, Length margin, Manifold& out) {
     const Clip c = set_up(g, reference_is_b, axis);
     Polygon polygon;
     incident_corners(c, polygon.points);
@@ -225,10 +210,6 @@ void clip_faces(const BoxPair& g, bool reference_is_b, int axis, std::int64_t se
     int count = 0;
     for (int k = 0; k < polygon.count; ++k)
         if (polygon.points[k].height <= up(margin.raw, 6)) polygon.points[count++] = polygon.points[k];
-    if (count == 0 && separation_30 <= 0) {
-        polygon.points[0] = lowest_corner(c, separation_30);
-        count = 1;
-    }
     count = reduce_points(polygon.points, count);
 
     Long3 normal{};

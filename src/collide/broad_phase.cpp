@@ -210,15 +210,23 @@ void BroadPhase::merge_found() {
     leaf_pairs.swap(merged);
 }
 
-void BroadPhase::query(const Bounds& bounds, std::vector<std::uint32_t>& out) {
+template <class MayMeet> void BroadPhase::query_if(MayMeet&& may_meet, std::vector<std::uint32_t>& out) {
     update_trees();
     out.clear();
     const auto add = [&](std::uint32_t proxy) {
-        if (overlap(entries[proxy].exact, bounds)) out.push_back(proxy);
+        if (may_meet(entries[proxy].exact)) out.push_back(proxy);
     };
-    moving.query(bounds, add);
-    fixed.query(bounds, add);
+    moving.query_if(may_meet, add);
+    fixed.query_if(may_meet, add);
     std::sort(out.begin(), out.end());
+}
+
+void BroadPhase::query(const Bounds& bounds, std::vector<std::uint32_t>& out) {
+    query_if([&](const Bounds& b) { return overlap(b, bounds); }, out);
+}
+
+void BroadPhase::query(const SweptBox& box, std::vector<std::uint32_t>& out) {
+    query_if([&](const Bounds& b) { return box.may_meet(b); }, out);
 }
 
 } // namespace lockstone::collide

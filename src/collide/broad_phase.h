@@ -4,6 +4,7 @@
 // calls that set them, so it can be thrown away, rebuilt or left as it is at any tick.
 #pragma once
 
+#include "collide/swept_box.h"
 #include "collide/tree.h"
 
 #include <cstdint>
@@ -39,6 +40,8 @@ class BroadPhase {
 
     /// All proxies whose exact bounds overlap, sorted.
     void query(const Bounds& bounds, std::vector<std::uint32_t>& out);
+    /// All proxies whose exact bounds a moving box may meet, sorted.
+    void query(const SweptBox& box, std::vector<std::uint32_t>& out);
 
     /// Of a proxy that is there.
     const Bounds& bounds(std::uint32_t proxy) const { return entries[proxy].exact; }
@@ -56,6 +59,7 @@ class BroadPhase {
         BoundsTree::NodeId a, b;
     };
 
+    template <class MayMeet> void query_if(MayMeet&& may_meet, std::vector<std::uint32_t>& out);
     Bounds moving_leaf(const Bounds& before, const Bounds& exact) const;
     void note_move(std::uint32_t proxy);
     /// Brings the trees up to date with the entries.

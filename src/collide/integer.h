@@ -1,9 +1,9 @@
 // The plain integers of the narrow phase. A name's suffix tells the fraction bits: x_24, x_30, x_54.
 //
-// Bounds that every function here relies on: a shape reaches at most 174 m from its origin (a box of 3 x 100 m), a
-// relative position at most 222 m (3 x 128 m), so no point is further than 396 m < 2^9 m from the frame's origin. A
-// dot product with a unit vector (30 fraction bits) of a length in 24 fraction bits then stays below 2^63, partial
-// sums included, and needs no check.
+// Bounds that the routines of plain spheres, capsules and boxes rely on: a shape reaches at most 174 m from its origin
+// (a box of 3 x 100 m), a relative position at most 222 m (3 x 128 m), so no point is further than 396 m < 2^9 m from
+// the frame's origin. A dot product with a unit vector (30 fraction bits) of a length in 24 fraction bits then stays
+// below 2^63, partial sums included, and needs no check.
 #pragma once
 
 #include "collide/narrow_phase.h"
@@ -114,7 +114,14 @@ constexpr std::uint32_t edge_id(int axis, std::uint32_t signs) {
     return static_cast<std::uint32_t>(axis) << 3 | (signs & ~(1u << axis));
 }
 
-// The pairs, by kinds; A first. All need what `collide` needs and a zeroed manifold.
+/// length * axis: a vector of 30 fraction bits from 24 and 30, rounded once. For lengths of up to 2^20 m.
+inline Long3 along_30(Long3 axis_30, std::int64_t length_24) {
+    const auto part = [&](std::int64_t x) { return narrow_rounded(Wide::product(x, length_24), 24); };
+    return {part(axis_30[0]), part(axis_30[1]), part(axis_30[2])};
+}
+
+// The pairs, by kinds; A first. All need what `collide` needs, no rounding, scale 1 and a zeroed manifold; positions
+// are from A's origin.
 void collide_sphere_sphere(const Geometry& a, const Geometry& b, const RelativePose&, Length margin,
                            Manifold& out);
 void collide_capsule_sphere(const Geometry& a, const Geometry& b, const RelativePose&, Length margin,
@@ -126,11 +133,5 @@ void collide_box_sphere(const Geometry& a, const Geometry& b, const RelativePose
 void collide_box_capsule(const Geometry& a, const Geometry& b, const RelativePose&, Length margin,
                          Manifold& out);
 void collide_box_box(const Geometry& a, const Geometry& b, const RelativePose&, Length margin, Manifold& out);
-void collide_plane_sphere(const Geometry& a, const Geometry& b, const RelativePose&, Length margin,
-                          Manifold& out);
-void collide_plane_capsule(const Geometry& a, const Geometry& b, const RelativePose&, Length margin,
-                           Manifold& out);
-void collide_plane_box(const Geometry& a, const Geometry& b, const RelativePose&, Length margin,
-                       Manifold& out);
 
 } // namespace lockstone::collide

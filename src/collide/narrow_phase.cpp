@@ -1,39 +1,62 @@
 #include "collide/narrow_phase.h"
 
 #include "base/assert.h"
-#include "collide/integer.h"
+#include "collide/convex.h"
+#include "collide/pairs.h"
 
 namespace lockstone::collide {
 namespace {
 
 using Routine = void (*)(const Geometry&, const Geometry&, const RelativePose&, Length, Manifold&);
 
-/// By [a.kind][b.kind].
-constexpr Routine routines[4][4] = {
-    {collide_sphere_sphere, nullptr, nullptr, nullptr},
-    {collide_capsule_sphere, collide_capsule_capsule, nullptr, nullptr},
-    {collide_box_sphere, collide_box_capsule, collide_box_box, nullptr},
-    {collide_plane_sphere, collide_plane_capsule, collide_plane_box, nullptr},
-};
+/// The routine of a pair of spheres, capsules and boxes that have one; else null.
+Routine routine_of(ShapeKind a, ShapeKind b) {
+    switch (a) {
+    case ShapeKind::sphere:
+        return b == ShapeKind::sphere ? collide_sphere_sphere : nullptr;
+    case ShapeKind::capsule:
+        return b == ShapeKind::sphere    ? collide_capsule_sphere
+               : b == ShapeKind::capsule ? collide_capsule_capsule
+                                         : nullptr;
+    case ShapeKind::box:
+        return b == ShapeKind::sphere    ? collide_box_sphere
+               : b == ShapeKind::capsule ? collide_box_capsule
+               : b == ShapeKind::box     ? collide_box_box
+                                         : nullptr;
+    default:
+        return nullptr;
+    }
+}
 
-/// R^T d for a difference of world positions, rounded once to Length.
-/// d is split in two so that all products fit 64 bits: d = high_24 + low_32, with 8 bits in the low part.
-LengthVec3 into_frame(const Rotation& r, Vec3 d) {
+/// Within the sizes that the routines of their own are proved for, and without rounding where they know none.
+bool is_plain(const Geometry& g) {
+    return g.scale.x == scale_one.x && (g.kind != ShapeKind::box || g.radius == Length{});
+}
+
+bool is_near(const CoordinateVec3& p, Coordinate limit) {
+    return abs(p.x) < limit && abs(p.y) < limit && abs(p.z) < limit;
+}
+
+/// R^T d for a difference of world positions, rounded once to Coordinate.
+/// d is split in two so that all products fit 64 bits: d = high 2^16 + low.
+CoordinateVec3 into_frame(const Rotation& r, Vec3 d) {
     const Long3 d_32 = raw(d);
-    constexpr std::int64_t reach = std::int64_t{256} << Real::fraction_bits;
+    constexpr std::int64_t reach = std::int64_t{32768} << Real::fraction_bits;
+    constexpr Coordinate far = relative_position_max;
     for (int i = 0; i < 3; ++i)
-        if (d_32[i] > reach || d_32[i] < -reach) return {Length::max(), Length::max(), Length::max()};
-    const Long3 high{d_32[0] >> 8, d_32[1] >> 8, d_32[2] >> 8};
-    const Long3 low{d_32[0] & 255, d_32[1] & 255, d_32[2] & 255};
+        if (d_32[i] > reach || d_32[i] < -reach) return {far, far, far};
+    const Long3 high{d_32[0] >> 16, d_32[1] >> 16, d_32[2] >> 16};
+    const Long3 low{d_32[0] & 0xffff, d_32[1] & 0xffff, d_32[2] & 0xffff};
     const auto along = [&](Long3 axis) {
-        return round_from<Length>(dot(high, axis) + (dot(low, axis) >> 8), 54);
+        return clamp(round_from<Coordinate>(dot(high, axis) + (dot(low, axis) >> 16), 46), -far, far);
     };
     return {along(raw(r.x)), along(raw(r.y)), along(raw(r.z))};
 }
 
-bool too_far(const LengthVec3& p) {
-    const auto at_end = [](Length x) { return x == Length::max() || x <= -Length::max(); };
-    return at_end(p.x) || at_end(p.y) || at_end(p.z);
+/// From A's origin to B's.
+void move_to_b(Manifold& m, const CoordinateVec3& position) {
+    for (std::uint32_t k = 0; k < m.count; ++k)
+        m.points[k].position = to<Length>(to<Coordinate>(m.points[k].position) - position);
 }
 
 } // namespace
@@ -43,21 +66,43 @@ RelativePose relative_pose(const Transform& a, const Transform& b) {
             into_frame(to_rotation(a.rotation), b.position - a.position)};
 }
 
-PlaneView plane_view(const Transform& plane, const Transform& b) {
-    constexpr Real height_max = 120_r;
+RelativePose plane_relative_pose(const Transform& plane, const Transform& b) {
+    constexpr Real height_max = 16000_r;
     const UnitVec3 normal = to_rotation(plane.rotation).y;
     const Real height = dot<Real>(normal, b.position - plane.position);
-    const Length near = to<Length>(clamp(height, -height_max, height_max));
-    return {{to_rotation(conjugate(plane.rotation) * b.rotation), {Length{}, near, Length{}}},
-            b.position - scale<Real>(normal, near)};
+    return {to_rotation(conjugate(plane.rotation) * b.rotation),
+            {Coordinate{}, to<Coordinate>(clamp(height, -height_max, height_max)), Coordinate{}}};
 }
 
-void collide(const Geometry& a, const Geometry& b, const RelativePose& pose, Length margin, Manifold& out) {
-    const auto kind_a = static_cast<std::uint32_t>(a.kind), kind_b = static_cast<std::uint32_t>(b.kind);
-    LOCKSTONE_ASSERT(kind_a <= 3 && kind_b <= kind_a && kind_b != 3, "shape kinds ", kind_a, " and ", kind_b);
+void collide_pair(const shapes::Solid& a, const shapes::Solid& b, const RelativePose& pose, Length margin,
+                  Manifold& out) {
     out = Manifold{};
-    if (too_far(pose.position)) return;
-    routines[kind_a][kind_b](a, b, pose, margin, out);
+    if (a.geometry.kind == ShapeKind::plane) return collide_plane(b, pose, margin, out);
+    const Routine own = routine_of(a.geometry.kind, b.geometry.kind);
+    if (own != nullptr && is_plain(a.geometry) && is_plain(b.geometry) &&
+        is_near(pose.position, Coordinate(128))) {
+        own(a.geometry, b.geometry, pose, margin, out);
+        return move_to_b(out, pose.position);
+    }
+    collide_convex(convex_of(a, Rotation::identity(), CoordinateVec3{}),
+                   convex_of(b, pose.rotation, pose.position), margin, out);
+}
+
+void collide(const shapes::Solid& a, const shapes::Solid& b, const RelativePose& pose, Length margin,
+             NarrowScratch& scratch, Manifolds& out) {
+    const ShapeKind kind_a = a.geometry.kind, kind_b = b.geometry.kind;
+    const bool convex = kind_a < ShapeKind::compound && kind_b < ShapeKind::compound;
+    LOCKSTONE_ASSERT(kind_a <= ShapeKind::plane && (convex || kind_b <= kind_a), "shape kinds ",
+                     static_cast<std::uint32_t>(kind_a), " and ", static_cast<std::uint32_t>(kind_b));
+    out.count = 0;
+    if (!is_near(pose.position, relative_position_max)) return;
+    if (kind_b > ShapeKind::compound) return; // of two of height field, mesh and plane there is no contact
+    if (kind_b == ShapeKind::compound || kind_a == ShapeKind::compound)
+        return collide_compound(a, b, pose, margin, scratch, out);
+    if (kind_a == ShapeKind::height_field || kind_a == ShapeKind::mesh)
+        return collide_triangles(a, b, pose, margin, scratch, out);
+    collide_pair(a, b, pose, margin, out.items[0]);
+    out.count = out.items[0].count > 0 ? 1 : 0;
 }
 
 } // namespace lockstone::collide

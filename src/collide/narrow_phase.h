@@ -1,36 +1,32 @@
-// Contact manifolds of two shapes, computed in the frame of the first on 32-bit integers with 64-bit products.
+// Contact manifolds of two shapes, computed in the frame of the first on integers.
 //
 //   const RelativePose pose = relative_pose(world_pose_of_box, world_pose_of_sphere);
-//   Manifold m;
-//   collide(box_geometry, sphere_geometry, pose, margin, m);       // the greater kind is shape A
+//   Manifolds m;
+//   collide(box_solid, sphere_solid, pose, margin, scratch, m);    // the greater kind is shape A
 //
 // Every result is a pure function of the arguments: no history, no hysteresis.
 #pragma once
 
-#include "lockstone/shape.h"
+#include "shapes/asset.h"
+
+#include <vector>
 
 namespace lockstone::collide {
 
 /// Shape B's frame seen from shape A's: a point p of B is rotation p + position in A.
-/// A component of `position` at the end of its range (128 m) means "too far away": such a pair never touches. So a
-/// pair is exact while B's origin is within 128 m of A's along each of A's axes; of two boxes, let the larger be A.
+/// A component of `position` at +-relative_position_max means "too far away": such a pair never touches.
 struct RelativePose {
     Rotation rotation;
-    LengthVec3 position; ///< [m], each component rounded once
+    CoordinateVec3 position; ///< [m], each component rounded once
 };
+inline constexpr Coordinate relative_position_max = Coordinate(16384);
 RelativePose relative_pose(const Transform& a, const Transform& b);
-
-/// A plane has no useful origin: B is seen from the foot of its own origin on the plane, however far that is from the
-/// plane's position. A manifold point p of this pose is at `origin + plane.rotation p` in the world.
-/// The height of B's origin is clamped to +-120 m.
-struct PlaneView {
-    RelativePose pose; ///< in the plane's axes; position is (0, height, 0)
-    Vec3 origin;       ///< the foot, in the world [m]
-};
-PlaneView plane_view(const Transform& plane, const Transform& b);
+/// A plane has no useful origin: seen from it, B is straight above the origin of its frame.
+/// position is (0, height of B's origin, 0), the height clamped to +-16000 m.
+RelativePose plane_relative_pose(const Transform& plane, const Transform& b);
 
 struct ManifoldPoint {
-    LengthVec3 position;   ///< midway between the two surfaces, in A's axes from A's origin [m]
+    LengthVec3 position;   ///< midway between the two surfaces, from B's origin, in A's axes [m]
     Separation separation; ///< along the normal; negative is penetration, clamped at 16 m [m]
     std::uint32_t
         feature; ///< what touches what: the same while the contact moves a little, unique in its manifold
@@ -43,10 +39,26 @@ struct Manifold {
 };
 static_assert(std::has_unique_object_representations_v<Manifold>);
 
-/// Up to 4 points whose separation is at most `margin` (>= 0). Needs a.kind >= b.kind, b not a plane, and valid
-/// geometry. Shapes that overlap always yield a point, shapes further apart than `margin` never do, and in between all
-/// do but boxes that are beside each other's faces.
-void collide(const Geometry& a, const Geometry& b, const RelativePose& pose, Length margin, Manifold& out);
+/// One manifold for a pair of convex shapes; one for each distinct normal where a shape has many parts or triangles.
+struct Manifolds {
+    static constexpr std::uint32_t max = 8;
+    std::uint32_t count; ///< 0: apart
+    Manifold items[max]; ///< deepest first; beyond `count`: unspecified
+};
+
+/// Memory that `collide` uses again from call to call; no trace of earlier calls shows.
+struct NarrowScratch {
+    std::vector<std::uint32_t> triangles, parts;
+    std::vector<Manifold> pieces;
+    std::vector<std::uint32_t> order;
+};
+
+/// Points whose separation is at most `margin` (>= 0). Needs valid solids and a.geometry.kind >= b.geometry.kind, but
+/// two convex shapes may come in any order: positions end at 128 m from B's origin, so a shape of scale > 1 wants to be
+/// A. Of two of height_field, mesh and plane there is no contact. Shapes that overlap always yield a point, shapes
+/// further apart than `margin` never do.
+void collide(const shapes::Solid& a, const shapes::Solid& b, const RelativePose& pose, Length margin,
+             NarrowScratch& scratch, Manifolds& out);
 
 /// A face contact is preferred to an edge or a corner contact, A's face to B's, and two points along a capsule to one,
 /// unless the other is better by this much: stacks then keep their kind of contact. Small shapes use 1/64 of their

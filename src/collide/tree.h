@@ -55,7 +55,11 @@ class BoundsTree {
             if (nodes[i].is_leaf() && nodes[i].parent != free_mark) visit(static_cast<NodeId>(i), nodes[i]);
     }
     /// Calls visit(proxy) for every leaf that overlaps, in the tree's order.
-    template <class Visit> void query(const Bounds& bounds, Visit&& visit) const;
+    template <class Visit> void query(const Bounds& bounds, Visit&& visit) const {
+        query_if([&](const Bounds& b) { return overlap(b, bounds); }, visit);
+    }
+    /// The same where may_meet(bounds) holds of the leaf and of all nodes above it.
+    template <class MayMeet, class Visit> void query_if(MayMeet&& may_meet, Visit&& visit) const;
 
   private:
     static constexpr NodeId free_mark = -2;
@@ -83,13 +87,13 @@ class BoundsTree {
     mutable std::vector<NodeId> stack; // scratch
 };
 
-template <class Visit> void BoundsTree::query(const Bounds& bounds, Visit&& visit) const {
+template <class MayMeet, class Visit> void BoundsTree::query_if(MayMeet&& may_meet, Visit&& visit) const {
     stack.clear();
     if (top != none) stack.push_back(top);
     while (!stack.empty()) {
         const Node& n = node(stack.back());
         stack.pop_back();
-        if (!overlap(n.bounds, bounds)) continue;
+        if (!may_meet(n.bounds)) continue;
         if (n.is_leaf()) {
             visit(n.proxy());
         } else {

@@ -34,16 +34,16 @@ std::string check_bounds(const Bounds& bounds, const Geometry& g, const Transfor
 } // namespace
 
 TEST_CASE("bounds are rounded outward by at most two steps, and a wrong one is reported") {
+    constexpr ShapeKind kinds[] = {ShapeKind::sphere, ShapeKind::capsule, ShapeKind::box};
     oracle::Random random(21);
     for (int i = 0; i < 20000; ++i) {
-        const Geometry g =
-            oracle::random_shape(random, static_cast<ShapeKind>(i % 3), random.log_uniform(0.0125, 60));
+        const Geometry g = oracle::random_shape(random, kinds[i % 3], random.log_uniform(0.0125, 60));
         const int shift = i % 5 == 0 ? static_cast<int>(random.below(9)) : 0;
         const auto place = [&] { return oracle::quantize<Real>(random.uniform(-30000, 30000)); };
         const Real x = place(), y = place(), z = place();
         const Transform pose{{x, y, z}, random.rotation(0, 3)};
         const Length margin = oracle::quantize<Length>(random.uniform(0, 0.1));
-        const Bounds good = bounds_of(g, pose, margin, shift);
+        const Bounds good = bounds_of({g}, pose, margin, shift);
         const auto verdict = [&](const Bounds& b) {
             return check_bounds(b, g, pose, to_double(margin), shift);
         };
@@ -60,18 +60,19 @@ TEST_CASE("bounds are rounded outward by at most two steps, and a wrong one is r
 TEST_CASE("bounds beyond the range are clamped to the border and still meet there") {
     const Transform far{{10'000'000_r, 0_r, 0_r}, Quat::identity()},
         further{{20'000'000_r, 0_r, 0_r}, Quat::identity()};
-    const Bounds a = bounds_of(sphere(1_r), far, Length{}), b = bounds_of(sphere(1_r), further, Length{});
+    const Bounds a = bounds_of({sphere(1_r)}, far, Length{}), b = bounds_of({sphere(1_r)}, further, Length{});
     CHECK(a.upper.x == Bound::max());
     CHECK(overlap(a, b));
-    CHECK(!overlap(a, bounds_of(sphere(1_r), Transform::identity(), Length{})));
+    CHECK(!overlap(a, bounds_of({sphere(1_r)}, Transform::identity(), Length{})));
     const Bounds wide =
-        bounds_of(sphere(1_r), {{8'000'000_r, 0_r, 0_r}, Quat::identity()}, Length{}, bounds_shift_max);
+        bounds_of({sphere(1_r)}, {{8'000'000_r, 0_r, 0_r}, Quat::identity()}, Length{}, bounds_shift_max);
     CHECK(wide.upper.x < Bound::max());
 }
 
 TEST_CASE("a plane fills all space") {
-    const Bounds everything = bounds_of(plane(), Transform::identity(), Length{});
-    CHECK(contains(everything, bounds_of(sphere(1_r), {{-90'000_r, 9_r, 0_r}, Quat::identity()}, Length{})));
+    const Bounds everything = bounds_of({plane()}, Transform::identity(), Length{});
+    CHECK(
+        contains(everything, bounds_of({sphere(1_r)}, {{-90'000_r, 9_r, 0_r}, Quat::identity()}, Length{})));
     CHECK(half_area(everything) > 0);
 }
 

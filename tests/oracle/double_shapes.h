@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <limits>
 #include <sstream>
 #include <string>
@@ -174,7 +175,7 @@ inline double parallel_slack(const Placed& a, const Placed& b, double sin_min) {
 
 /// Whether a manifold point, moved to the two surfaces, lies on them.
 inline std::string check_surfaces(const Placed& a, const Placed& b, D3 on_a, D3 on_b, std::uint32_t k,
-                                  std::uint32_t count, double tolerance, double bias) {
+                                  std::uint32_t count, double tolerance, double bias, bool apart) {
     const bool boxes = a.kind == ShapeKind::box && b.kind == ShapeKind::box;
     const bool leans =
         b.kind == ShapeKind::capsule; // a slanted core's ends touch inside of the capsule's side
@@ -184,7 +185,11 @@ inline std::string check_surfaces(const Placed& a, const Placed& b, D3 on_a, D3 
         out_a += std::sqrt(2.2 * bias * (b.radius + norm(b.half) + norm(on_b - on_a)));
     if (leans && count == 2)
         out_b += bias; // two points for a core that crosses the line of contact at a small angle
-    if (boxes && count == 1) out_a = out_b = 0.05; // the lowest corner, or the point of clamped edges
+    if (boxes && count == 1) out_a = out_b = 0.05; // the point of clamped edges
+    if (boxes && count > 1 && apart) {             // edges that run along each other
+        out_a += 1e-6;
+        out_b += bias;
+    }
     const double off_a = surface_distance(a, on_a), off_b = surface_distance(b, on_b);
     std::ostringstream why;
     if (off_a > out_a || (off_a < -out_a && a.kind != ShapeKind::capsule))
@@ -233,11 +238,12 @@ inline std::string check_manifold(const Geometry& ga, const Geometry& gb, const 
         if (s < along - length_tolerance - 1e-9 && s > -15.9)
             why << "point " << k << " is deeper (" << s << ") than the shapes (" << along << "); ";
         if (s < -15.9) continue;
-        const D3 p = to_double(m.points[k].position);
+        const D3 p = to_double(m.points[k].position) + b.center;
         for (std::uint32_t l = 0; l < k; ++l)
             if (m.points[l].feature == m.points[k].feature)
                 why << "points " << l << " and " << k << " share a feature; ";
-        why << check_surfaces(a, b, p - n * (s / 2), p + n * (s / 2), k, m.count, length_tolerance, t.bias);
+        why << check_surfaces(a, b, p - n * (s / 2), p + n * (s / 2), k, m.count, length_tolerance, t.bias,
+                              truth > 0);
     }
     return why.str();
 }
@@ -287,9 +293,10 @@ class Random {
 };
 
 inline RelativePose pose_of(lockstone::Quat q, D3 position) {
-    using lockstone::Length;
+    using lockstone::Coordinate;
     return {lockstone::to_rotation(q),
-            {quantize<Length>(position.x), quantize<Length>(position.y), quantize<Length>(position.z)}};
+            {quantize<Coordinate>(position.x), quantize<Coordinate>(position.y),
+             quantize<Coordinate>(position.z)}};
 }
 
 /// A pair of shapes and how one lies to the other.
@@ -308,10 +315,9 @@ inline Geometry random_shape(Random& random, ShapeKind kind, double size) {
         return lockstone::capsule(real(size * x), real(size * 1.5 * (y - 0.2)));
     case ShapeKind::box:
         return lockstone::box(real(size * x), real(size * y), real(size * z));
-    case ShapeKind::plane:
-        break;
+    default:
+        return lockstone::plane();
     }
-    return lockstone::plane();
 }
 
 /// Random, axis-aligned and nearly aligned orientations in turn; about two thirds of the poses touch.
@@ -344,9 +350,14 @@ inline Scene random_scene(Random& random, ShapeKind kind_a, ShapeKind kind_b, do
     return s;
 }
 
-inline const char* name_of(ShapeKind kind) {
-    constexpr const char* names[] = {"sphere", "capsule", "box", "plane"};
-    return names[static_cast<std::size_t>(kind)];
+/// The manifold of two shapes without assets.
+inline Manifold collide_geometries(const Geometry& a, const Geometry& b, const RelativePose& pose,
+                                   lockstone::Length margin) {
+    lockstone::collide::NarrowScratch scratch;
+    lockstone::collide::Manifolds all;
+    std::memset(static_cast<void*>(&all), 0xa5, sizeof all); // whatever was there must not show
+    lockstone::collide::collide({a}, {b}, pose, margin, scratch, all);
+    return all.count == 0 ? Manifold{} : all.items[0];
 }
 
 /// 10,000 poses by default, 100,000 with LOCKSTONE_LONG=1 in the environment.

@@ -31,7 +31,8 @@ std::uint64_t AllocationCounter::count() const { return allocations - start; }
 
 } // namespace lockstone::test
 
-// The array and nothrow forms of the library forward to these.
+// The array forms of the library forward to these; the nothrow one is here for the sanitizers, whose own does not.
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept { return allocate(size, 1); }
 void* operator new(std::size_t size) { return allocate_or_throw(size, 1); }
 void* operator new(std::size_t size, std::align_val_t alignment) {
     return allocate_or_throw(size, static_cast<std::size_t>(alignment));

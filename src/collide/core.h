@@ -1,0 +1,121 @@
+// A convex core made ready for many support queries, and the Minkowski difference of two of them on scaled integers:
+// what GJK and EPA share.
+#pragma once
+
+#include "collide/convex.h"
+
+namespace lockstone::collide {
+
+constexpr Long3 cross(Long3 a, Long3 b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+constexpr Wide wide_dot(Long3 a, Long3 b) {
+    return Wide::product(a[0], b[0]) + Wide::product(a[1], b[1]) + Wide::product(a[2], b[2]);
+}
+constexpr int sign_of(Wide x) { return x.is_negative() ? -1 : x == Wide::from(0) ? 0 : 1; }
+constexpr std::int64_t widest(Long3 a) {
+    return larger(absolute(a[0]), larger(absolute(a[1]), absolute(a[2])));
+}
+constexpr bool is_zero(Long3 a) { return (a[0] | a[1] | a[2]) == 0; }
+constexpr bool is_same(Long3 a, Long3 b) { return a[0] == b[0] && a[1] == b[1] && a[2] == b[2]; }
+/// The same direction with its widest component in [2^(bits - 1), 2^bits); zero stays zero. |a| < 2^63.
+constexpr Long3 with_bits(Long3 a, int bits) {
+    const int shift = bits - bit_length(static_cast<std::uint64_t>(widest(a)));
+    if (shift >= 0) return is_zero(a) ? a : up(a, shift);
+    return {a[0] >> -shift, a[1] >> -shift, a[2] >> -shift};
+}
+/// a x b in 128 bits, brought to `bits` bits; exact before that. |a|, |b| < 2^62.
+Long3 cross_with_bits(Long3 a, Long3 b, int bits);
+
+/// A shape further along a unit direction.
+Convex moved_along(const Convex& shape, Long3 unit_30, std::int64_t by_24);
+
+/// A convex whose vectors are multiplied out. The corner of a hull where the last query ended is where the next
+/// begins: it saves steps and changes no answer but which of several equally far corners is named.
+class Core {
+  public:
+    explicit Core(const Convex& shape);
+
+    /// The point furthest along a direction of at most 2^31, 30 fraction bits.
+    SupportPoint support(Long3 direction);
+    /// No point of the core is further than this from `middle()`, on each axis; 30 fraction bits.
+    Long3 reach() const { return half_reach; }
+    Long3 middle() const { return center; }
+    bool is_smooth() const {
+        return shape->core == Convex::Core::cylinder || shape->core == Convex::Core::cone;
+    }
+    const Convex& convex() const { return *shape; }
+
+  private:
+    Long3 support_rim(Long3 direction) const;
+    SupportPoint support_hull(Long3 direction);
+
+    const Convex* shape;
+    Long3 origin_30; ///< the shape's origin
+    Long3 center;    ///< of the core's extent
+    Long3 half_reach;
+    Long3 extent_30[3]; ///< half extents along the axes; cylinder and cone: x and z are radii
+    std::uint32_t corner = 0;
+};
+
+/// A point of the difference A - B, in steps of 2^shift of 30 fraction bits, and the two points it comes of.
+struct Vertex {
+    Long3 w;
+    Long3 a_30, b_30;
+};
+
+/// A - B with a step such that no coordinate exceeds 2^29. Edges are then within 2^30, their cross products within
+/// 2^61, and triple products fit 128 bits with room for one more factor.
+class Difference {
+  public:
+    Difference(const Convex& a, const Convex& b);
+    /// Furthest along a direction of at most 2^31.
+    Vertex support(Long3 direction) {
+        const Long3 p = a.support(direction).at_30, q = b.support(-direction).at_30;
+        return {shifted(p - q, drop), p, q};
+    }
+    /// Separation along a unit direction from A to B.
+    std::int64_t separation_30(Long3 normal) {
+        const Long3 p = a.support(normal).at_30, q = b.support(-normal).at_30;
+        return narrow_rounded(wide_dot(q - p, normal), 30);
+    }
+    /// From B's middle to A's, 30 fraction bits.
+    Long3 between() const { return a.middle() - b.middle(); }
+    int shift() const { return drop; }
+    bool is_smooth() const { return a.is_smooth() || b.is_smooth(); }
+
+    Core a, b;
+
+  private:
+    int drop;
+};
+
+/// A simplex of the difference in which the origin's closest point is an inner point; see gjk.cpp.
+struct Simplex {
+    Vertex v[4];
+    int count = 0;
+    Long3 direction{}; ///< from the origin to that point, widest component of 30 bits
+};
+
+/// GJK until it is settled whether the difference holds the origin. True: the simplex (1 to 4 vertices) holds it.
+/// False: the simplex is the closest one, or `beyond` is set and the distance is above the limit.
+/// `limit_30` < 0: none. The search starts along the simplex' direction.
+bool find_simplex(Difference& difference, std::int64_t limit_30, Simplex& simplex, bool& beyond);
+
+/// `closest_points_within`, starting from a direction that leads from B to A, and leaving the simplex. A negative
+/// limit is none.
+Gap find_gap(Difference& difference, std::int64_t limit_30, Long3 start, Simplex& simplex);
+
+/// The points of the two cores whose difference is the simplex' point nearest to the origin; of one that does not hold
+/// it.
+void set_points(const Simplex& simplex, Gap& gap);
+
+/// Points of two overlapping cores that touch when they are just parted.
+struct Touch {
+    bool is_known = false;
+    Long3 on_a_30{}, on_b_30{};
+};
+/// `penetration`, from the simplex that `find_gap` has left.
+Penetration find_move(Difference& difference, Simplex& simplex, Touch& touch);
+
+} // namespace lockstone::collide

@@ -1,0 +1,123 @@
+// The edge or corner of a convex core that lies furthest along a direction.
+#include "collide/manifold.h"
+
+#include <algorithm>
+
+namespace lockstone::collide {
+namespace {
+
+/// An edge is at right angles to the direction when the sine of what is missing is below this, 30 fraction bits.
+constexpr std::int64_t sine_max_30 = std::int64_t{1} << 24; // 1/64
+
+Long3 place(const Convex& shape, Long3 at_24) {
+    Long3 p = up(shape.center_24, 6);
+    for (int i = 0; i < 3; ++i) p = p + along_30(shape.axes_30[i], at_24[i]);
+    return p;
+}
+
+/// How far `to` drops behind `from` along the direction, over their distance: 30 fraction bits.
+std::int64_t drop_sine(Long3 from, Long3 to, Long3 direction) {
+    const Direction d = direction_of_30(from - to);
+    return shift_right_rounded(dot(d.unit, direction), 30);
+}
+
+void add(SupportingFace& face, Long3 at, std::uint32_t id) {
+    face.corners_30[face.count] = at;
+    face.ids[face.count++] = id;
+}
+
+/// The corner and, where one of its neighbours is as far along the direction within the angle, that neighbour.
+class BestEdge {
+  public:
+    BestEdge(const SupportPoint& corner, Long3 direction)
+        : corner_30(corner.at_30), direction_30(direction), id(corner.id) {}
+    void consider(Long3 neighbour, std::uint32_t neighbour_id) {
+        const std::int64_t sine = drop_sine(corner_30, neighbour, direction_30);
+        within += sine < sine_max_30 ? 1 : 0;
+        if (sine >= least) return;
+        least = sine, best_30 = neighbour, best_id = neighbour_id, found = true;
+    }
+    void
+    finish(SupportingFace& face) const { // the lower name first, so that it does not matter which end leads
+        const bool swapped = found && best_id < id;
+        if (swapped) add(face, best_30, best_id);
+        add(face, corner_30, id);
+        if (found && !swapped) add(face, best_30, best_id);
+        face.flat = within > 1;
+    }
+
+  private:
+    Long3 corner_30, direction_30, best_30{};
+    std::uint32_t id, best_id = 0;
+    std::int64_t least = sine_max_30;
+    int within = 0;
+    bool found = false;
+};
+
+void polytope_edge(const Convex& shape, Long3 direction, SupportingFace& face) {
+    const SupportPoint top = support(shape, direction);
+    BestEdge best(top, direction);
+    if (shape.core == Convex::Core::box)
+        for (int i = 0; i < 3; ++i) {
+            const std::uint32_t id = top.id ^ (1u << i);
+            const Long3 along = along_30(shape.axes_30[i], 2 * shape.half_24[i]);
+            best.consider((id >> i & 1u) != 0 ? top.at_30 + along : top.at_30 - along, id);
+        }
+    if (shape.core == Convex::Core::triangle)
+        for (std::uint32_t k = 0; k < 3; ++k)
+            if (k != top.id) best.consider(up(shape.corners_24[k], 6), k);
+    if (shape.core == Convex::Core::hull) {
+        const shapes::Hull& hull = *shape.hull;
+        for (std::uint32_t k = hull.first_neighbour[top.id]; k < hull.first_neighbour[top.id + 1]; ++k)
+            best.consider(place(shape, raw(hull.vertices[hull.neighbours[k]])), hull.neighbours[k]);
+    }
+    best.finish(face);
+}
+
+void round_edge(const Convex& shape, Long3 direction, SupportingFace& face) {
+    const SupportingFace whole = supporting_face(shape, direction);
+    if (whole.count == 2 &&
+        absolute(drop_sine(whole.corners_30[0], whole.corners_30[1], direction)) < sine_max_30) {
+        face = whole;
+        return;
+    }
+    const SupportPoint top = support(shape, direction);
+    const Long3 up_30 = shape.axes_30[1];
+    const bool is_top = dot(top.at_30 - up(shape.center_24, 6), up_30) > 0;
+    add(face, top.at_30, is_top ? 24 : 8);
+    const Long3 local{shift_right_rounded(dot(shape.axes_30[0], direction), 30), 0,
+                      shift_right_rounded(dot(shape.axes_30[2], direction), 30)};
+    face.flat = whole.count > 2 && direction_of_30(local).length < sine_max_30;
+}
+
+} // namespace
+
+SupportingFace supporting_edge(const Convex& shape, Long3 direction) {
+    SupportingFace face;
+    face.count = 0;
+    face.normal_30 = direction;
+    face.id = 0;
+    face.flat = false;
+    switch (shape.core) {
+    case Convex::Core::point:
+        add(face, up(shape.center_24, 6), 0);
+        break;
+    case Convex::Core::segment:
+        if (absolute(dot(shape.axes_30[1], direction)) >> 30 < sine_max_30)
+            return supporting_face(shape, direction);
+        {
+            const SupportPoint end = support(shape, direction);
+            add(face, end.at_30, end.id);
+        }
+        break;
+    case Convex::Core::cylinder:
+    case Convex::Core::cone:
+        round_edge(shape, direction, face);
+        break;
+    default:
+        polytope_edge(shape, direction, face);
+    }
+    return face;
+}
+
+} // namespace lockstone::collide

@@ -1,0 +1,234 @@
+// From two convex cores and a normal to a manifold.
+//
+// source: Gregorius, Robust Contact Creation for Physics Simulations, GDC 2015 (supporting features, one-shot
+// manifolds).
+#include "collide/manifold.h"
+
+#include <limits>
+#include <utility>
+
+namespace lockstone::collide {
+namespace {
+
+/// A face serves as the reference when the normal is within this of its own: cos of 0.5 degrees.
+constexpr std::int64_t cosine_min_30 = (std::int64_t{1} << 30) - 40902;
+
+bool serves(const SupportingFace& f, Long3 direction, std::int64_t& cosine) {
+    cosine = shift_right_rounded(dot(f.normal_30, direction), 30);
+    return f.count >= 3 && f.flat && cosine >= cosine_min_30;
+}
+
+/// A length that tells small shapes: their smallest half extent, radius or inner radius, 24 fraction bits.
+std::int64_t thickness(const Convex& shape) {
+    const Long3& h = shape.half_24;
+    switch (shape.core) {
+    case Convex::Core::point:
+    case Convex::Core::segment:
+        return shape.radius.raw;
+    case Convex::Core::triangle:
+        return std::numeric_limits<std::int64_t>::max();
+    case Convex::Core::hull:
+        return shape.hull->inner_radius.raw;
+    default:
+        return smaller(h[0], smaller(h[1], h[2]));
+    }
+}
+
+/// The preference for faces, 30 fraction bits; 1 / 64 of a length in 24 is the same number in 30.
+std::int64_t bias_of(const Convex& a, const Convex& b) {
+    return smaller(up(face_bias.raw, 3), smaller(thickness(a), thickness(b)));
+}
+
+/// How round an edge or generator is across itself; a cone's is not, towards its apex.
+std::int64_t edge_radius_30(const Convex& shape) {
+    return up(shape.radius.raw + (shape.core == Convex::Core::cylinder ? shape.half_24[0] : 0), 6);
+}
+
+/// Two edges that face each other: A's through `a` along `axis_a`, B's through `b`.
+struct Lines {
+    Long3 a, b; // 30
+    Direction along_a, along_b;
+
+    Long3 on_a(std::int64_t s) const { return moved(a, along_a.unit, s); }
+    Long3 on_b(std::int64_t s) const { return moved(b, along_b.unit, s); }
+    /// B's parameter nearest to a point; not clamped.
+    std::int64_t beside_on_b(Long3 x) const { return narrow_rounded(wide_dot(x - b, along_b.unit), 30); }
+    std::int64_t beside_on_a(Long3 x) const { return narrow_rounded(wide_dot(x - a, along_a.unit), 30); }
+
+  private:
+    static Long3 moved(Long3 from, Long3 unit, std::int64_t s) {
+        const auto part = [&](int i) { return from[i] + narrow_rounded(Wide::product(unit[i], s), 30); };
+        return {part(0), part(1), part(2)};
+    }
+};
+
+/// Two points where the edges run along each other; false when they cross or leave each other.
+bool touch_along(Contact& c, const Lines& g, const SupportingFace& ea, const SupportingFace& eb) {
+    const std::int64_t cosine = shift_right_rounded(dot(g.along_a.unit, g.along_b.unit), 30);
+    if (absolute(cosine) < std::int64_t{1} << 29) return false;
+    std::int64_t low = g.beside_on_a(eb.corners_30[0]), high = g.beside_on_a(eb.corners_30[1]);
+    if (low > high) std::swap(low, high);
+    low = larger(low, 0), high = smaller(high, g.along_a.length);
+    if (low >= high) return false;
+    const std::int64_t bias = bias_of(c.a, c.b),
+                       radius = smaller(larger(edge_radius_30(c.a), bias), larger(edge_radius_30(c.b), bias));
+    std::int64_t separation[2];
+    const std::int64_t at[2] = {low, high};
+    for (int k = 0; k < 2; ++k) {
+        const Long3 x = g.on_a(at[k]);
+        // The point of B's edge above x: along the edge until it is level with x along A's.
+        const std::int64_t u = g.beside_on_b(x), within = clamped(u, 0, g.along_b.length);
+        if (absolute(u - within) > bias) return false;
+        const Long3 gap = g.on_b(within) - x;
+        const std::int64_t along = narrow_rounded(wide_dot(gap, c.normal_30), 30);
+        const auto beside = [&](int i) {
+            return gap[i] - narrow_rounded(Wide::product(c.normal_30[i], along), 30);
+        };
+        const std::int64_t off = direction_of_30({beside(0), beside(1), beside(2)}).length;
+        if (Wide::product(2 * bias, radius) < Wide::product(off, off)) return false;
+        separation[k] = along - c.radius_a_30() - c.radius_b_30();
+    }
+    constexpr std::int64_t micrometre_30 = 1 << 10;
+    if (smaller(separation[0], separation[1]) > c.separation_30 + bias + micrometre_30) return false;
+    const std::uint32_t name = edges_of(edge_of(ea.ids[0], ea.ids[1]), edge_of(eb.ids[0], eb.ids[1]));
+    // A low and a high point: the bit keeps them apart, and is in no corner's name.
+    for (std::uint32_t k = 0; k < 2; ++k) c.add_above_a(g.on_a(at[k]), separation[k], name ^ (k << 31));
+    return true;
+}
+
+/// How little a supporting edge tells where it is touched: a corner, an edge, part of a face.
+int freedom(const SupportingFace& edge) { return edge.flat ? 2 : edge.count - 1; }
+
+std::uint32_t single_name(const SupportingFace& ea, const SupportingFace& eb) {
+    if (freedom(ea) == 0) return corner_of_a(ea.ids[0]);
+    if (freedom(eb) == 0) return corner_of_b(eb.ids[0]);
+    const auto name = [](const SupportingFace& e) { return edge_of(e.ids[0], e.ids[e.count - 1]); };
+    return edges_of(name(ea), name(eb));
+}
+
+/// The closest points of two cores: as found, or of overlapping ones at the places where they touch when the second is
+/// moved along the normal until they just part.
+Gap touching_points(const Convex& a, const Convex& b, Long3 normal, std::int64_t separation_30) {
+    constexpr std::int64_t gap_24 =
+        1 << 8; // 15 um: far enough for a direction, near enough to be the same place
+    const std::int64_t by_24 = gap_24 - (separation_30 >> 6);
+    if (by_24 <= 0) return closest_points(a, b);
+    const Convex moved = moved_along(b, normal, by_24);
+    Gap gap = closest_points(a, moved);
+    gap.on_b_30 = gap.on_b_30 - up(moved.center_24 - b.center_24, 6);
+    return gap;
+}
+
+/// The straight line that a supporting edge of two corners stands for: the axis of a cylinder, else the edge.
+Long3 line_of(const Convex& shape, const SupportingFace& edge) {
+    return shape.core == Convex::Core::cylinder ? up(shape.center_24, 6) : edge.corners_30[0];
+}
+
+/// The search for the normal of a cylinder's side ends when it is right to a few nanometres, that is 1e-4 rad. Where
+/// two straight lines face each other their normal is known: across both, or from one to the other when they are
+/// parallel. It is taken when it parts the cores as well.
+void refine_normal(Difference& difference, Long3& normal, std::int64_t& separation) {
+    const Convex &a = difference.a.convex(), &b = difference.b.convex();
+    if (a.core != Convex::Core::cylinder && b.core != Convex::Core::cylinder) return;
+    if (a.core == Convex::Core::cone || b.core == Convex::Core::cone) return;
+    const SupportingFace ea = supporting_edge(a, normal), eb = supporting_edge(b, -normal);
+    if (ea.count != 2 || eb.count != 2) return;
+    const Long3 u = direction_of_30(ea.corners_30[1] - ea.corners_30[0]).unit,
+                v = direction_of_30(eb.corners_30[1] - eb.corners_30[0]).unit;
+    const Direction across = direction_of_30(shifted(cross(u, v), 30));
+    Long3 better = across.unit;
+    if (across.length < std::int64_t{1} << 22) { // within 0.004 rad of parallel
+        const Long3 d = line_of(b, eb) - line_of(a, ea);
+        const std::int64_t along = narrow_rounded(wide_dot(d, u), 30);
+        const auto part = [&](int i) { return d[i] - narrow_rounded(Wide::product(u[i], along), 30); };
+        better = direction_of_30({part(0), part(1), part(2)}).unit;
+    }
+    if (dot(better, normal) < 0) better = -better;
+    constexpr std::int64_t noise_30 = 1 << 7; // 0.1 um
+    const std::int64_t s = difference.separation_30(better);
+    if (!is_zero(better) && s >= separation - noise_30) normal = better, separation = s;
+}
+
+/// The points of a face that the normal is that of, to within half a degree; none when there is no such face.
+void touch_faces(Contact& c) {
+    const SupportingFace face_a = supporting_face(c.a, c.normal_30),
+                         face_b = supporting_face(c.b, -c.normal_30);
+    std::int64_t cosine_a = 0, cosine_b = 0;
+    const bool a_serves = serves(face_a, c.normal_30, cosine_a),
+               b_serves = serves(face_b, -c.normal_30, cosine_b);
+    constexpr std::int64_t better = 1 << 6; // the cosine of 0.3 mrad
+    if (a_serves && (!b_serves || cosine_b <= cosine_a + better))
+        clip_to_face(c, false, face_a, face_b);
+    else if (b_serves)
+        clip_to_face(c, true, face_b, face_a);
+}
+
+} // namespace
+
+void touch_edges(Contact& c, const Touch& touch) {
+    const SupportingFace ea = supporting_edge(c.a, c.normal_30), eb = supporting_edge(c.b, -c.normal_30);
+    if (freedom(ea) == 1 && freedom(eb) == 1) {
+        const Lines g{ea.corners_30[0], eb.corners_30[0],
+                      direction_of_30(ea.corners_30[1] - ea.corners_30[0]),
+                      direction_of_30(eb.corners_30[1] - eb.corners_30[0])};
+        if (touch_along(c, g, ea, eb) && c.out.count > 0) return;
+    }
+    const std::uint32_t name = single_name(ea, eb);
+    if (touch.is_known) return c.add_between(touch.on_a_30, touch.on_b_30, name);
+    const Gap found =
+        touching_points(c.a, c.b, c.normal_30, c.separation_30 + c.radius_a_30() + c.radius_b_30());
+    if (!found.overlap) return c.add_between(found.on_a_30, found.on_b_30, name);
+    c.add_below_b(eb.corners_30[0], c.separation_30, name);
+}
+
+void manifold_from_faces(const Convex& a, const Convex& b, Long3 normal_30, std::int64_t separation_30,
+                         Length margin, Manifold& out) {
+    out = Manifold{};
+    if (separation_30 > up(margin.raw, 6)) return;
+    Contact c{a, b, normal_30, separation_30, margin, out};
+    out.normal = unit_of_30(normal_30);
+    touch_faces(c);
+    if (out.count == 0) touch_edges(c, Touch{});
+}
+
+void collide_convex(const Convex& a, const Convex& b, Length margin, Manifold& out) {
+    out = Manifold{};
+    const std::int64_t radii = up(a.radius.raw + b.radius.raw, 6), limit = radii + up(margin.raw, 6);
+    Difference difference(a, b);
+    Simplex simplex;
+    const Gap gap = find_gap(difference, limit, difference.between(), simplex);
+    if (!gap.overlap && gap.distance_30 > limit) return;
+    Long3 normal = gap.normal_30;
+    std::int64_t separation = gap.distance_30;
+    Touch touch{true, gap.on_a_30, gap.on_b_30};
+    if (gap.overlap) {
+        touch.is_known = false;
+        const Penetration p = find_move(difference, simplex, touch);
+        normal = p.normal_30, separation = -p.depth_30;
+    }
+    refine_normal(difference, normal, separation);
+    // A face whose separation is as good to within the bias gives the normal; A's rather than B's.
+    const std::int64_t bias = bias_of(a, b);
+    const SupportingFace face_a = supporting_face(a, normal), face_b = supporting_face(b, -normal);
+    constexpr std::int64_t none = std::numeric_limits<std::int64_t>::min() / 2;
+    std::int64_t of_a = none, of_b = none;
+    if (face_a.flat) of_a = difference.separation_30(face_a.normal_30);
+    if (face_b.flat) of_b = difference.separation_30(-face_b.normal_30);
+    const bool by_a = of_a >= separation - bias && of_a >= of_b - bias,
+               by_b = !by_a && of_b >= separation - bias;
+    if (by_a || by_b) {
+        const Long3 of_face = by_a ? face_a.normal_30 : -face_b.normal_30;
+        Contact c{a, b, of_face, (by_a ? of_a : of_b) - radii, margin, out};
+        out.normal = unit_of_30(of_face);
+        if (by_a)
+            clip_to_face(c, false, face_a, supporting_face(b, -of_face));
+        else
+            clip_to_face(c, true, face_b, supporting_face(a, of_face));
+        if (out.count > 0) return;
+    }
+    Contact c{a, b, normal, separation - radii, margin, out};
+    out.normal = unit_of_30(normal);
+    touch_edges(c, touch);
+}
+
+} // namespace lockstone::collide

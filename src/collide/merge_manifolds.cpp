@@ -1,0 +1,154 @@
+#include "collide/merge_manifolds.h"
+
+#include "collide/triangle_contact.h"
+
+#include <algorithm>
+
+namespace lockstone::collide {
+namespace {
+
+constexpr std::int64_t parallel_60 = 1150670148478107000; // cos 3.6 degrees
+constexpr std::int32_t noise_27 = 1 << 14;                // 0.12 mm
+constexpr std::int64_t place_noise_20 = 1 << 11;          // 2 mm
+
+std::int32_t deepest_of(const Manifold& m) {
+    std::int32_t least = m.points[0].separation.raw;
+    for (std::uint32_t k = 1; k < m.count; ++k) least = std::min(least, m.points[k].separation.raw);
+    return least;
+}
+
+/// The manifolds of one normal: pieces[order[0 .. count)].
+struct Cluster {
+    std::span<const Manifold> pieces;
+    std::span<const std::uint32_t> order;
+    Long3 normal_30;
+
+    template <class Visit> void for_each_point(Visit&& visit) const {
+        for (const std::uint32_t i : order)
+            for (std::uint32_t k = 0; k < pieces[i].count; ++k) visit(pieces[i].points[k]);
+    }
+};
+
+/// 20 fraction bits: differences are below 2^28.
+Long3 between_20(const ManifoldPoint& from, const ManifoldPoint& to) {
+    const Long3 d = raw(to.position) - raw(from.position);
+    return {d[0] >> 4, d[1] >> 4, d[2] >> 4};
+}
+
+ManifoldPoint deepest_point(const Cluster& c, bool exact) {
+    std::int32_t least = std::numeric_limits<std::int32_t>::max();
+    c.for_each_point([&](const ManifoldPoint& p) { least = std::min(least, p.separation.raw); });
+    const std::int64_t limit = std::int64_t{least} + (exact ? 0 : noise_27);
+    const ManifoldPoint* first = nullptr;
+    c.for_each_point([&](const ManifoldPoint& p) {
+        if (first == nullptr && p.separation.raw <= limit) first = &p;
+    });
+    const ManifoldPoint* best = first; // the depth of its place, whatever else was measured there
+    c.for_each_point([&](const ManifoldPoint& p) {
+        const Long3 d = between_20(*first, p);
+        if (p.separation < best->separation && dot(d, d) <= place_noise_20 * place_noise_20) best = &p;
+    });
+    return *best;
+}
+
+/// Twice the area of p with the line from a to b, seen against the normal: positive to the left. 40 fraction bits.
+struct Side {
+    Side(const Cluster& c, const ManifoldPoint& a, const ManifoldPoint& b) : from(a) {
+        const Long3 line = between_20(a, b), n = c.normal_30;
+        across = shifted(Long3{n[1] * line[2] - n[2] * line[1], n[2] * line[0] - n[0] * line[2],
+                               n[0] * line[1] - n[1] * line[0]},
+                         30);
+    }
+    std::int64_t area(const ManifoldPoint& p) const { return dot(across, between_20(from, p)); }
+
+    const ManifoldPoint& from;
+    Long3 across;
+};
+
+/// Appends the point that is furthest from the first, the one that is furthest from the line of both, and the one
+/// that adds most to the triangle of the three.
+void add_spread(const Cluster& c, Manifold& out) {
+    const ManifoldPoint first = out.points[0];
+    const ManifoldPoint* second = nullptr;
+    std::int64_t most = place_noise_20 * place_noise_20;
+    c.for_each_point([&](const ManifoldPoint& p) {
+        const Long3 d = between_20(first, p);
+        if (const std::int64_t square = dot(d, d); square > most + (most >> 4)) second = &p, most = square;
+    });
+    if (second == nullptr) return;
+    out.points[out.count++] = *second;
+    const Side base(c, first, *second);
+    const std::int64_t least =
+        isqrt(static_cast<std::uint64_t>(dot(base.across, base.across))) * place_noise_20;
+    const ManifoldPoint* third = nullptr;
+    most = least;
+    c.for_each_point([&](const ManifoldPoint& p) {
+        if (const std::int64_t area = absolute(base.area(p)); area > most + (most >> 4))
+            third = &p, most = area;
+    });
+    if (third == nullptr) return;
+    out.points[out.count++] = *third;
+    const std::int64_t turn = base.area(*third) > 0 ? -1 : 1; // outside is to the right of a left turn
+    const Side sides[3] = {base, Side(c, *second, *third), Side(c, *third, first)};
+    const ManifoldPoint* fourth = nullptr;
+    most = least;
+    c.for_each_point([&](const ManifoldPoint& p) {
+        for (const Side& side : sides)
+            if (const std::int64_t area = turn * side.area(p); area > most + (most >> 4))
+                fourth = &p, most = area;
+    });
+    if (fourth != nullptr) out.points[out.count++] = *fourth;
+}
+
+void make_features_unique(Manifolds& out) {
+    std::uint32_t used[Manifolds::max * 4];
+    std::uint32_t count = 0;
+    for (std::uint32_t i = 0; i < out.count; ++i) {
+        for (std::uint32_t k = 0; k < out.items[i].count; ++k) {
+            std::uint32_t& feature = out.items[i].points[k].feature;
+            for (std::uint32_t salt = 1; std::find(used, used + count, feature) != used + count; ++salt)
+                feature = feature_of(5, feature, i, salt);
+            used[count++] = feature;
+        }
+    }
+}
+
+} // namespace
+
+void merge_manifolds(std::span<const Manifold> pieces, bool one_point, std::vector<std::uint32_t>& order,
+                     Manifolds& out) {
+    out.count = 0;
+    order.clear();
+    for (std::uint32_t i = 0; i < pieces.size(); ++i)
+        if (pieces[i].count > 0) order.push_back(i);
+    std::span<std::uint32_t> rest(order);
+    while (!rest.empty() && out.count < Manifolds::max) {
+        std::int64_t least = std::numeric_limits<std::int64_t>::max();
+        for (const std::uint32_t i : rest) least = std::min<std::int64_t>(least, deepest_of(pieces[i]));
+        const std::int64_t limit = least + (one_point ? 0 : noise_27);
+        const auto leader =
+            std::find_if(rest.begin(), rest.end(), [&](auto i) { return deepest_of(pieces[i]) <= limit; });
+        const Long3 normal = raw(pieces[*leader].normal);
+        Manifold& m = out.items[out.count++];
+        m = Manifold{};
+        m.normal = pieces[*leader].normal;
+        // The members to the front, all in their order: a stable partition in place, without memory.
+        std::size_t members = 0;
+        for (std::size_t k = 0; k < rest.size(); ++k) {
+            if (dot(raw(pieces[rest[k]].normal), normal) < parallel_60) continue;
+            std::rotate(rest.begin() + static_cast<std::ptrdiff_t>(members),
+                        rest.begin() + static_cast<std::ptrdiff_t>(k),
+                        rest.begin() + static_cast<std::ptrdiff_t>(k) + 1);
+            ++members;
+        }
+        const Cluster cluster{pieces, rest.first(members), normal};
+        m.points[m.count++] = deepest_point(cluster, one_point);
+        if (!one_point) add_spread(cluster, m);
+        rest = rest.subspan(members);
+    }
+    std::stable_sort(out.items, out.items + out.count,
+                     [](const Manifold& a, const Manifold& b) { return deepest_of(a) < deepest_of(b); });
+    make_features_unique(out);
+}
+
+} // namespace lockstone::collide

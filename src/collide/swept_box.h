@@ -1,0 +1,58 @@
+// A box that moves along a segment, in the broad phase's integers: a ray when it has no size.
+#pragma once
+
+#include "collide/bounds.h"
+
+#include <cstdint>
+
+namespace lockstone::collide {
+
+/// Says for any bounds whether the moving box may meet them: never no when it does, and seldom yes when it does not.
+class SweptBox {
+  public:
+    /// From `begin` to `end`, both of the same size up to a rounding.
+    SweptBox(const Bounds& begin, const Bounds& end) : hull(merge(begin, end)) {
+        for (int i = 0; i < 3; ++i) {
+            const std::int64_t low = begin.lower[i].raw, high = begin.upper[i].raw;
+            const std::int64_t low_end = end.lower[i].raw, high_end = end.upper[i].raw;
+            middle[i] = (low + high + low_end + high_end) >> 2;
+            half_way[i] = (low_end + high_end - low - high) >> 2;
+            half_size[i] = (high - low > high_end - low_end ? high - low : high_end - low_end) / 2 + 2;
+            // On the border of the range positions are clamped, and the direction is not known.
+            is_clamped |= hull.lower[i] == Bound::min() || hull.upper[i] == Bound::max();
+        }
+    }
+    const Bounds& bounds() const { return hull; }
+
+    /// source: Ericson, Real-Time Collision Detection, 5.3.3 (segment against box by separating axes)
+    bool may_meet(const Bounds& b) const {
+        if (!overlap(hull, b)) return false;
+        if (is_clamped) return true;
+        // In units of four steps, below 2^31: products of two, and their sums, fit 64 bits.
+        std::int64_t m[3], h[3], d[3];
+        for (int i = 0; i < 3; ++i) {
+            const std::int64_t low = b.lower[i].raw, high = b.upper[i].raw;
+            m[i] = (middle[i] - ((low + high) >> 1)) >> 2;
+            h[i] = ((((high - low) >> 1) + half_size[i]) >> 2) + 2;
+            d[i] = half_way[i] >> 2;
+        }
+        const auto magnitude_of = [](std::int64_t x) { return x < 0 ? -x : x; };
+        for (int i = 0; i < 3; ++i) {
+            const int j = i == 2 ? 0 : i + 1, k = i == 0 ? 2 : i - 1;
+            const std::int64_t apart = magnitude_of(d[j] * m[k] - d[k] * m[j]);
+            const std::int64_t together = h[j] * magnitude_of(d[k]) + h[k] * magnitude_of(d[j]);
+            // d is rounded by less than one unit, m by two.
+            const std::int64_t rounding = magnitude_of(m[j]) + magnitude_of(m[k]) + h[j] + h[k] +
+                                          2 * (magnitude_of(d[j]) + magnitude_of(d[k])) + 8;
+            if (apart > together + rounding) return false;
+        }
+        return true;
+    }
+
+  private:
+    Bounds hull;
+    std::int64_t middle[3], half_way[3], half_size[3];
+    bool is_clamped = false;
+};
+
+} // namespace lockstone::collide
