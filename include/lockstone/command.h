@@ -60,20 +60,33 @@ struct BodyDef {
     Real mass{};                            ///< [kg]; 0: from the shapes' densities. 1e-3..1e9
     std::uint32_t gyroscopic = 1; ///< 0: skip the gyroscopic term (angular velocity kept instead of momentum)
     std::uint32_t enable_fields = 1; ///< 0: force fields do not act on it
-    std::uint64_t user_key = 0;      ///< the game's own; hashed, never read
+    std::uint32_t bullet = 0; ///< 1: never passes through dynamic bodies either; costs a sweep in fast ticks
+    std::uint64_t user_key = 0; ///< the game's own; hashed, never read
 };
+
+/// How a pair's coefficient follows from those of its two shapes. Of two different rules the one further down holds.
+enum class Mix : std::uint32_t { geometric_mean, average, minimum, multiply, maximum };
 
 struct ShapeDef {
     Geometry geometry = sphere(Real::from_raw(std::int64_t{1} << 31));
     Transform local = Transform::identity(); ///< the shape's frame in the body's; within 64 m of the origin
     Real density = Real(1000);               ///< [kg/m^3], 0.01..1e5
-    Real friction =
-        Real::from_raw(2576980378);   ///< 0.6; Coulomb coefficient, 0..4; a pair uses the geometric mean
-    Real restitution{};               ///< 0..1; a pair uses the larger
+    Real friction = Real::from_raw(2576980378); ///< 0.6; Coulomb coefficient, 0..4
+    Real restitution{};                         ///< 0..1
+    Real
+        rolling_resistance{}; ///< [m], 0..1: a pair's larger one, times the normal force, is the torque that brakes
+                              ///< turning against each other
+    Vec3 surface_velocity{}; ///< of a conveyor's surface, in the shape's axes [m/s], each within 100
+    Mix friction_mix = Mix::geometric_mean;
+    Mix restitution_mix = Mix::maximum;
+    std::uint32_t material = 0;       ///< the game's own name for what it is made of; hashed, never read
     std::uint32_t category = 1;       ///< bits it is
     std::uint32_t mask = 0xffffffffu; ///< bits it meets: a pair needs category & mask both ways
     std::int32_t group = 0;           ///< same group: positive always meet, negative never
     std::uint32_t sensor = 0;         ///< 1: reports overlaps, touches nothing
+    std::uint32_t one_way =
+        0; ///< 1: stops only what comes from the side of its local +y; the rest passes until it
+           ///< is out again
     std::uint64_t user_key = 0;
 };
 
@@ -141,11 +154,31 @@ struct AddImpulseAt {
 struct SetBodyParameters {
     BodyId body;
     Real linear_damping, angular_damping, gravity_scale;
-    std::uint32_t locks, gyroscopic;
+    std::uint32_t locks, gyroscopic, bullet;
 };
 struct SetMaterial {
     ShapeId shape;
-    Real friction, restitution;
+    Real friction, restitution, rolling_resistance;
+    Vec3 surface_velocity;
+};
+/// What a shape is and meets; see ShapeDef.
+struct SetFilter {
+    ShapeId shape;
+    std::uint32_t category, mask;
+    std::int32_t group;
+};
+/// Whether two bodies may touch at all; 1 is where every pair starts. Ends with either body.
+struct SetPairFilter {
+    BodyId a, b;
+    std::uint32_t collide; ///< 0 or 1
+};
+/// Overrides what follows from the shapes, until it is called with a mass of 0.
+struct SetMass {
+    BodyId body;
+    Real mass;      ///< [kg], 1e-3..1e9; 0: from the shapes again, and the rest is ignored
+    Vec3 center;    ///< of mass, from the body's origin in its axes [m], within 64
+    Vec3 gyration;  ///< principal radii of gyration, sqrt(inertia / mass) [m], 0.001..100
+    Quat principal; ///< turns the body's axes into the principal axes
 };
 struct SetGravity {
     Vec3 gravity;
@@ -159,28 +192,34 @@ struct WriteGame {
     std::array<std::uint8_t, 64> data;
 };
 
-using Command = std::variant<CreateBody, DestroyBody, CreateShape, DestroyShape, CreateField, DestroyField,
-                             SetPose, SetVelocity, AddForce, AddForceAt, AddImpulse, AddImpulseAt,
-                             SetBodyParameters, SetMaterial, SetGravity, WriteGame>;
+using Command =
+    std::variant<CreateBody, DestroyBody, CreateShape, DestroyShape, CreateField, DestroyField, SetPose,
+                 SetVelocity, AddForce, AddForceAt, AddImpulse, AddImpulseAt, SetBodyParameters, SetMaterial,
+                 SetGravity, WriteGame, SetFilter, SetPairFilter, SetMass>;
 /// Name of a command's kind, as in FORMAT.md and diffs: "create_body".
 const char* name_of(const Command& command);
 
 // ---- field lists: the wire order of every command ---------------------------------------------------------------
 
+template <class V> constexpr void describe(AssetId& id, V&& v) { v("value", id.value); }
 template <class V> constexpr void describe(Geometry& g, V&& v) {
-    v("kind", g.kind), v("radius", g.radius), v("half_extent", g.half_extent);
+    v("kind", g.kind), v("radius", g.radius), v("half_extent", g.half_extent), v("scale", g.scale);
+    v("asset", g.asset);
 }
 template <class V> constexpr void describe(BodyDef& d, V&& v) {
     v("kind", d.kind), v("locks", d.locks), v("pose", d.pose);
     v("linear_velocity", d.linear_velocity), v("angular_velocity", d.angular_velocity);
     v("linear_damping", d.linear_damping), v("angular_damping", d.angular_damping);
     v("gravity_scale", d.gravity_scale), v("mass", d.mass), v("gyroscopic", d.gyroscopic);
-    v("enable_fields", d.enable_fields), v("user_key", d.user_key);
+    v("enable_fields", d.enable_fields), v("bullet", d.bullet), v("user_key", d.user_key);
 }
 template <class V> constexpr void describe(ShapeDef& d, V&& v) {
     v("geometry", d.geometry), v("local", d.local), v("density", d.density), v("friction", d.friction);
-    v("restitution", d.restitution), v("category", d.category), v("mask", d.mask), v("group", d.group);
-    v("sensor", d.sensor), v("user_key", d.user_key);
+    v("restitution", d.restitution), v("rolling_resistance", d.rolling_resistance);
+    v("surface_velocity", d.surface_velocity), v("friction_mix", d.friction_mix);
+    v("restitution_mix", d.restitution_mix), v("material", d.material), v("category", d.category);
+    v("mask", d.mask), v("group", d.group), v("sensor", d.sensor), v("one_way", d.one_way);
+    v("user_key", d.user_key);
 }
 template <class V> constexpr void describe(FieldDef& d, V&& v) {
     v("kind", d.kind), v("reserved", d.reserved), v("center", d.center), v("strength", d.strength);
@@ -211,9 +250,21 @@ template <class V> constexpr void describe(AddImpulseAt& c, V&& v) {
 template <class V> constexpr void describe(SetBodyParameters& c, V&& v) {
     v("body", c.body), v("linear_damping", c.linear_damping), v("angular_damping", c.angular_damping);
     v("gravity_scale", c.gravity_scale), v("locks", c.locks), v("gyroscopic", c.gyroscopic);
+    v("bullet", c.bullet);
 }
 template <class V> constexpr void describe(SetMaterial& c, V&& v) {
     v("shape", c.shape), v("friction", c.friction), v("restitution", c.restitution);
+    v("rolling_resistance", c.rolling_resistance), v("surface_velocity", c.surface_velocity);
+}
+template <class V> constexpr void describe(SetFilter& c, V&& v) {
+    v("shape", c.shape), v("category", c.category), v("mask", c.mask), v("group", c.group);
+}
+template <class V> constexpr void describe(SetPairFilter& c, V&& v) {
+    v("a", c.a), v("b", c.b), v("collide", c.collide);
+}
+template <class V> constexpr void describe(SetMass& c, V&& v) {
+    v("body", c.body), v("mass", c.mass), v("center", c.center), v("gyration", c.gyration);
+    v("principal", c.principal);
 }
 template <class V> constexpr void describe(SetGravity& c, V&& v) { v("gravity", c.gravity); }
 template <class V> constexpr void describe(WriteGame& c, V&& v) {

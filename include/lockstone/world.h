@@ -11,10 +11,13 @@
 // fixed when the world is made. Errors from outside come back as sentences and leave the world as it was.
 #pragma once
 
+#include "lockstone/asset.h"
 #include "lockstone/event.h"
+#include "lockstone/query.h"
 #include "lockstone/state.h"
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -40,8 +43,11 @@ struct WorldDef {
         0; ///< 0..8: broad-phase step 2^(shift-16) m, exact within 2^(15+shift) m of the origin
     std::uint32_t bodies_max = 1024;
     std::uint32_t shapes_max = 1024;
-    std::uint32_t contacts_max = 8192; ///< shape pairs that are near each other
+    std::uint32_t contacts_max =
+        8192; ///< shape pairs that are near each other; several for a shape of many parts
     std::uint32_t fields_max = 16;
+    std::uint32_t pair_filters_max = 64;  ///< pairs of bodies that were told not to touch
+    std::uint32_t continuous = 1;         ///< 0: fast bodies are not swept and may pass through what is thin
     Real restitution_speed_min = Real(1); ///< [m/s]: slower impacts do not bounce
     Real contact_hertz = Real(60);        ///< stiffness of contacts, at most an eighth of the substep rate
     Real contact_damping = Real(10);      ///< damping ratio of contacts
@@ -105,7 +111,9 @@ struct PhaseHash {
 
 class World {
   public:
-    static Result<World> create(const WorldDef& def, const GameSchema& schema = {});
+    /// `assets` are what hulls, meshes, height fields and compounds are made of; see lockstone/asset.h.
+    static Result<World> create(const WorldDef& def, const GameSchema& schema = {},
+                                std::shared_ptr<const AssetLibrary> assets = {});
     World(World&&) noexcept;
     World& operator=(World&&) noexcept;
     ~World();
@@ -115,6 +123,8 @@ class World {
     void tick();                      ///< one tick of 1 / tick_rate seconds
     std::uint64_t tick_count() const; ///< ticks so far
     const WorldDef& def() const;
+    const AssetLibrary& assets() const;
+    std::shared_ptr<const AssetLibrary> assets_shared() const;
 
     // ---- commands: each builds a Command and applies it ----
     struct Applied {
@@ -136,7 +146,10 @@ class World {
     Status add_impulse(BodyId body, Vec3 linear, Vec3 angular = {});
     Status add_impulse_at(BodyId body, Vec3 impulse, Vec3 point);
     Status set_body_parameters(const SetBodyParameters& parameters);
-    Status set_material(ShapeId shape, Real friction, Real restitution);
+    Status set_material(const SetMaterial& material);
+    Status set_filter(const SetFilter& filter);
+    Status set_pair_filter(BodyId a, BodyId b, bool collide);
+    Status set_mass(const SetMass& mass);
     Status set_gravity(Vec3 gravity);
     /// Replaces a row of a game column (`body` null for records).
     template <StateRow T> Status write(Column<T> column, BodyId body, const T& value) {
@@ -181,6 +194,30 @@ class World {
         Speed impulse;         ///< normal impulse over reduced mass, velocity units [m/s]
     };
     std::span<const ContactPoint> contacts() const;
+
+    // ---- queries ---- see lockstone/query.h; they change nothing that a tick or a hash could see
+    std::optional<QueryHit> cast_ray(const Ray& ray, const QueryFilter& filter = {}) const; ///< the first hit
+    bool cast_ray_any(const Ray& ray, const QueryFilter& filter = {}) const;
+    /// All hits in order. Replaces `hits`.
+    void cast_ray_all(const Ray& ray, const QueryFilter& filter, std::vector<QueryHit>& hits) const;
+    /// cast_ray for each; as many as the shorter of the two spans has.
+    void cast_rays(std::span<const Ray> rays, const QueryFilter& filter,
+                   std::span<std::optional<QueryHit>> hits) const;
+    /// A convex shape or compound that moves by `translation` without turning, from `pose` of its frame.
+    std::optional<QueryHit> cast_shape(const Geometry& geometry, const Transform& pose, Vec3 translation,
+                                       const QueryFilter& filter = {}) const;
+    bool cast_shape_any(const Geometry& geometry, const Transform& pose, Vec3 translation,
+                        const QueryFilter& filter = {}) const;
+    void cast_shape_all(const Geometry& geometry, const Transform& pose, Vec3 translation,
+                        const QueryFilter& filter, std::vector<QueryHit>& hits) const;
+    /// The shapes that overlap or touch it, ascending. Replaces `shapes`.
+    void overlap(const Geometry& geometry, const Transform& pose, const QueryFilter& filter,
+                 std::vector<ShapeId>& shapes) const;
+    /// The nearest shape within `limit` [m] and where; `normal` leads from it to the geometry.
+    std::optional<QueryHit> nearest(const Geometry& geometry, const Transform& pose, Real limit,
+                                    const QueryFilter& filter = {}) const;
+    /// Of two shapes that are not both planes, meshes or height fields; empty also beyond query_length_max.
+    std::optional<ShapeDistance> distance(ShapeId a, ShapeId b) const;
 
     // ---- state ----
     std::uint64_t hash() const; ///< of everything that can affect a later tick

@@ -120,52 +120,13 @@ std::int32_t speed_along(const SolverBody& a, const SolverBody& b, const std::in
     return saturate_to_int32(shift_right_rounded(sum, row_bits));
 }
 
-/// How far a point may be from a remembered one of another feature and still be the same contact [m].
-constexpr std::int64_t same_point_distance = decimal<Length>("0.02").raw;
-
-std::int64_t distance_squared(LengthVec3 a, LengthVec3 b) {
-    const auto square = [](std::int64_t d) { return (d * d) >> 4; };
-    return square(std::int64_t{a.x.raw} - b.x.raw) + square(std::int64_t{a.y.raw} - b.y.raw) +
-           square(std::int64_t{a.z.raw} - b.z.raw);
-}
-
-/// For each point what it was in the last tick: by feature; for the rest the nearest that is left, if it is near. When
-/// two edges nearly coincide, the feature of a corner flips from one body's to the other's while the corner stays:
-/// a tower that forgets those impulses rocks.
-using Recollection = std::array<const ContactPointMemory*, 4>;
-
-Recollection recollect(const ContactMemory& memory, const Contact& contact) {
-    Recollection found{};
-    bool taken[4] = {};
-    for (std::uint32_t k = 0; k < contact.count; ++k)
-        for (std::uint32_t i = 0; i < memory.count; ++i)
-            if (memory.points[i].feature == contact.points[k].feature && !taken[i]) {
-                found[k] = &memory.points[i];
-                taken[i] = true;
-                break;
-            }
-    for (std::uint32_t k = 0; k < contact.count; ++k) {
-        if (found[k] != nullptr) continue;
-        std::int64_t nearest = (same_point_distance * same_point_distance) >> 4;
-        std::uint32_t best = 4;
-        for (std::uint32_t i = 0; i < memory.count; ++i) {
-            const std::int64_t d = distance_squared(memory.points[i].position, contact.points[k].position);
-            if (!taken[i] && d <= nearest) nearest = d, best = i;
-        }
-        if (best == 4) continue;
-        found[k] = &memory.points[best];
-        taken[best] = true;
-    }
-    return found;
-}
-
 constexpr std::int32_t impulse_limit = 1 << 30; ///< 2048 m/s
 /// A point that parts faster has bounced: the impulse that sent it off is none to start from [m/s].
 constexpr std::int32_t leaving_speed = decimal<Speed>("0.25").raw;
 
 template <unsigned N>
 void fill_point(PointPack<N>& pack, unsigned lane, const PointScalars& p, const ContactPoint& point,
-                Shares shares, const Softness& soft, std::int32_t approach, const ContactPointMemory* warm) {
+                Shares shares, const Softness& soft, std::int32_t approach, const ContactPointMemory& warm) {
     pack.separation.lane[lane] = point.separation.raw;
     pack.approach.lane[lane] = approach;
     if (p.inverse_min == 0) return;
@@ -181,9 +142,9 @@ void fill_point(PointPack<N>& pack, unsigned lane, const PointScalars& p, const 
         shift_right_rounded(std::int64_t{pack.kappa[0].lane[lane]} * soft.mass_scale.raw, 30));
     pack.ratio_a.lane[lane] = saturate_to_int32(divide_shifted(shares.a, p.inverse_min, 30));
     pack.ratio_b.lane[lane] = saturate_to_int32(divide_shifted(shares.b, p.inverse_min, 30));
-    if (warm == nullptr || approach > leaving_speed) return;
+    if (approach > leaving_speed) return;
     // Remembered as lambda (1/mA + 1/mB); p = j k'min.
-    const std::int32_t j[3] = {warm->normal.raw, warm->tangent_1.raw, warm->tangent_2.raw};
+    const std::int32_t j[3] = {warm.normal.raw, warm.tangent_1.raw, warm.tangent_2.raw};
     for (int r = 0; r < 3; ++r) {
         const std::int64_t impulse = narrow_rounded(Wide::product(j[r], p.inverse_min), 30);
         pack.impulse[r].lane[lane] =
@@ -216,10 +177,82 @@ void fill_mean(MeanRow<N>& mean, unsigned lane, const SolverBodies& bodies, cons
         mean.share[k].lane[lane] = saturate_to_int32(divide_shifted(points[k].inverse_min, inverse * n, 30));
 }
 
+/// L = the largest principal gyration radius, but at most four times the smallest, of the body that turns more easily:
+/// rows then stay within their format.
+Real rolling_length(const BodyMass& mass) {
+    const Vec3& k = mass.gyration;
+    const Real least = min(k.x, min(k.y, k.z)), most = max(k.x, max(k.y, k.z));
+    return min(most, least * 4);
+}
+
+/// L K^-1 e for world axis `axis`, with locked axes left out.
+Row rolling_row(const BodyStep& body, Real length, int axis, std::int64_t sign) {
+    const Symmetric<Real>& m = body.gyration_inv;
+    if (!((body.angular_mask >> axis) & 1u)) return {};
+    const Real column[3] = {axis == 0   ? m.xx
+                            : axis == 1 ? m.xy
+                                        : m.xz,
+                            axis == 0   ? m.xy
+                            : axis == 1 ? m.yy
+                                        : m.yz,
+                            axis == 0   ? m.xz
+                            : axis == 1 ? m.yz
+                                        : m.zz};
+    Row row{};
+    for (int i = 0; i < 3; ++i) {
+        const std::int64_t x = to<Fixed<std::int64_t, row_bits>>(column[i] * length).raw;
+        row.x[i] = static_cast<std::int32_t>(sign * std::clamp(x, -jacobian_limit, jacobian_limit));
+    }
+    return row;
+}
+
 template <unsigned N>
-void fill_lane(ContactPack<N>& pack, unsigned lane, std::uint32_t index, const Contact& contact,
-               const ContactMemory& memory, std::span<const BodyMass> mass, const StepConstants& step,
-               const SolverBodies& bodies) {
+void fill_rolling(RollingRows<N>& rows, unsigned lane, const SolverBodies& bodies, const Contact& contact,
+                  const ContactMemory& memory, std::span<const BodyMass> mass,
+                  std::span<const PointScalars> points, Shares shares) {
+    const BodyStep& sa = bodies.step[contact.body_a];
+    const BodyStep& sb = bodies.step[contact.body_b];
+    const Real la = rolling_length(mass[contact.body_a]), lb = rolling_length(mass[contact.body_b]);
+    const Real length = !sa.movable ? lb : !sb.movable ? la : min(la, lb);
+    if (length <= Real{} || (!sa.movable && !sb.movable)) return;
+    Row xa[3], xb[3];
+    std::int64_t inverse[3], least = 0;
+    constexpr std::int32_t nothing[3] = {0, 0, 0};
+    for (int r = 0; r < 3; ++r) {
+        if (sa.moves) xa[r] = rolling_row(sa, length, r, -1);
+        if (sb.moves) xb[r] = rolling_row(sb, length, r, 1);
+        const std::int64_t qa = row_length_squared(bodies.body[contact.body_a], nothing, xa[r]);
+        const std::int64_t qb = row_length_squared(bodies.body[contact.body_b], nothing, xb[r]);
+        inverse[r] = shift_right_rounded((qa >> 30) * shares.a + (qb >> 30) * shares.b, 26);
+        if (inverse[r] >= least_inverse_mass && (least == 0 || inverse[r] < least)) least = inverse[r];
+    }
+    if (least == 0) return;
+    const std::int32_t warm[3] = {memory.rolling.x.raw, memory.rolling.y.raw, memory.rolling.z.raw};
+    for (int r = 0; r < 3; ++r) {
+        if (inverse[r] < least_inverse_mass) continue;
+        for (int i = 0; i < 3; ++i) {
+            rows.xa[r][i].lane[lane] = xa[r].x[i];
+            rows.xb[r][i].lane[lane] = xb[r].x[i];
+        }
+        rows.kappa[r].lane[lane] = saturate_to_int32(divide_shifted(least, inverse[r], 30));
+        const std::int64_t impulse = narrow_rounded(Wide::product(warm[r], least), 30);
+        rows.impulse[r].lane[lane] =
+            static_cast<std::int32_t>(std::clamp<std::int64_t>(impulse, -impulse_limit, impulse_limit));
+    }
+    rows.ratio_a.lane[lane] = saturate_to_int32(divide_shifted(shares.a, least, 30));
+    rows.ratio_b.lane[lane] = saturate_to_int32(divide_shifted(shares.b, least, 30));
+    const std::int64_t per_length =
+        std::min(divide_shifted(contact.rolling.raw, length.raw, 30), jacobian_limit);
+    for (std::size_t k = 0; k < points.size(); ++k)
+        if (points[k].inverse_min != 0)
+            rows.share[k].lane[lane] = static_cast<std::int32_t>(std::min(
+                divide_shifted(per_length * (least >> 8), points[k].inverse_min, 8), jacobian_limit));
+}
+
+template <unsigned N>
+void fill_lane(ContactPack<N>& pack, std::vector<RollingRows<N>>& rolling, unsigned lane, std::uint32_t index,
+               const Contact& contact, const ContactMemory& memory, std::span<const BodyMass> mass,
+               const StepConstants& step, const SolverBodies& bodies) {
     const BodyStep& sa = bodies.step[contact.body_a];
     const BodyStep& sb = bodies.step[contact.body_b];
     const Shares shares = shares_of(mass[contact.body_a], sa, mass[contact.body_b], sb);
@@ -240,23 +273,33 @@ void fill_lane(ContactPack<N>& pack, unsigned lane, std::uint32_t index, const C
     pack.restitution.lane[lane] = contact.restitution.raw;
     pack.bias_rate.lane[lane] = soft.bias_rate.raw;
     pack.impulse_scale.lane[lane] = soft.impulse_scale.raw;
-    const Recollection warm = recollect(memory, contact);
+    const SpeedVec3& slip = contact.surface_velocity;
+    pack.surface[0].lane[lane] = dot<Speed>(slip, tangents.first).raw;
+    pack.surface[1].lane[lane] = dot<Speed>(slip, tangents.second).raw;
     PointScalars all[4];
     for (std::uint32_t k = 0; k < contact.count; ++k) {
         const ContactPoint& point = contact.points[k];
         const PointScalars& scalars = all[k] = point_scalars(bodies, contact, point, directions, d, shares);
         const std::int32_t approach = speed_along(bodies.body[contact.body_a], bodies.body[contact.body_b],
                                                   d[0], scalars.xa[0], scalars.xb[0]);
-        fill_point(pack.points[k], lane, scalars, point, shares, soft, approach, warm[k]);
+        fill_point(pack.points[k], lane, scalars, point, shares, soft, approach, memory.points[k]);
     }
     if (contact.count > 1)
         fill_mean(pack.mean, lane, bodies, contact, d[0], std::span(all, contact.count), shares);
+    if (contact.rolling <= Unit{}) return;
+    if (pack.rolling == no_contact) {
+        pack.rolling = static_cast<std::uint32_t>(rolling.size());
+        rolling.emplace_back();
+    }
+    fill_rolling(rolling[pack.rolling], lane, bodies, contact, memory, mass, std::span(all, contact.count),
+                 shares);
 }
 
 } // namespace
 
 template <unsigned N> void ContactSolver<N>::reserve(std::size_t contacts) {
     packs.reserve(contacts);
+    rolling.reserve(contacts);
     order.reserve(contacts);
     colour.reserve(contacts);
 }
@@ -275,21 +318,34 @@ void ContactSolver<N>::prepare(std::span<const Contact> contacts, std::span<cons
     for (std::uint32_t i = 0; i < contacts.size(); ++i) order[next[colour[i]]++] = i;
 
     packs.clear();
+    rolling.clear();
     for (std::uint32_t c = 0; c <= colour_max; ++c) {
         const std::uint32_t lanes = c == colour_max ? 1 : N; // the last colour's contacts may share bodies
         for (std::uint32_t i = start[c]; i < start[c + 1]; i += lanes) {
             ContactPack<N>& pack = packs.emplace_back();
+            pack.rolling = no_contact;
             for (unsigned lane = 0; lane < N; ++lane) {
                 pack.body_a[lane] = pack.body_b[lane] = bodies.still();
                 pack.contact[lane] = no_contact;
                 if (lane >= lanes || i + lane >= start[c + 1]) continue;
                 const std::uint32_t index = order[i + lane];
-                fill_lane(pack, lane, index, contacts[index], memory[contacts[index].memory], mass, step,
-                          bodies);
+                fill_lane(pack, rolling, lane, index, contacts[index], memory[contacts[index].memory], mass,
+                          step, bodies);
             }
         }
     }
 }
+
+namespace {
+
+/// An impulse in units of the row's own mass, as it is remembered: over the reduced mass of the two bodies.
+Speed remembered(std::int32_t impulse, std::int32_t ratio_a, std::int32_t ratio_b, ClampCounts& clamps) {
+    const std::int64_t ratio = std::int64_t{ratio_a} + ratio_b;
+    if (magnitude(impulse) >= impulse_limit) ++clamps.impulse;
+    return Speed::from_raw(saturate_to_int32(shift_right_rounded(impulse * (ratio >> 1), 29)));
+}
+
+} // namespace
 
 template <unsigned N>
 void ContactSolver<N>::store(std::span<const Contact> contacts, std::span<ContactMemory> memory,
@@ -299,20 +355,21 @@ void ContactSolver<N>::store(std::span<const Contact> contacts, std::span<Contac
             if (pack.contact[lane] == no_contact) continue;
             const Contact& contact = contacts[pack.contact[lane]];
             ContactMemory& m = memory[contact.memory];
-            m.count = contact.count;
-            m.points = {};
             for (std::uint32_t k = 0; k < contact.count; ++k) {
                 const PointPack<N>& point = pack.points[k];
-                const std::int64_t ratio = std::int64_t{point.ratio_a.lane[lane]} + point.ratio_b.lane[lane];
                 const auto remember = [&](int r) {
-                    const std::int64_t j =
-                        shift_right_rounded(point.impulse[r].lane[lane] * (ratio >> 1), 29);
-                    if (magnitude(point.impulse[r].lane[lane]) >= impulse_limit) ++clamps.impulse;
-                    return Speed::from_raw(saturate_to_int32(j));
+                    return remembered(point.impulse[r].lane[lane], point.ratio_a.lane[lane],
+                                      point.ratio_b.lane[lane], clamps);
                 };
-                m.points[k] = {contact.points[k].position, contact.points[k].feature, remember(0),
-                               remember(1), remember(2)};
+                m.points[k].normal = remember(0);
+                m.points[k].tangent_1 = remember(1);
+                m.points[k].tangent_2 = remember(2);
             }
+            if (pack.rolling == no_contact) continue;
+            const RollingRows<N>& rows = rolling[pack.rolling];
+            for (int r = 0; r < 3; ++r)
+                m.rolling[r] = remembered(rows.impulse[r].lane[lane], rows.ratio_a.lane[lane],
+                                          rows.ratio_b.lane[lane], clamps);
         }
 }
 

@@ -6,6 +6,8 @@
 //   ratios       kappa_r = m_r / m_ref     in (0, 1];   ratio_A = m_ref / m_A, ratio_B = m_ref / m_B in [0, 1]
 //   step         p' = max(p - kappa (mass_scale speed + bias) - impulse_scale p, 0)
 //   separation   s = s0 + d . (shift_B - shift_A) + xA . theta_A + xB . theta_B
+//   rolling      for each world axis e: D = (0, -L K_A^-1 e ; 0, L K_B^-1 e), L a gyration radius; |p| <= coefficient / L times
+//                the normal impulse
 //   mean row     the normal rows of a contact's points, averaged; takes an impact before the points share out the rest
 //
 // source: soft steps as in Catto, Solver2D (2024); the mass-free, gyration-scaled rows are this library's own.
@@ -20,16 +22,16 @@ namespace lockstone::dynamics {
 struct ContactPoint {
     LengthVec3 lever_a, lever_b; ///< [m]
     Separation separation;       ///< [m]
-    std::uint32_t feature;
-    LengthVec3 position; ///< in the manifold's frame [m]
 };
 struct Contact {
     std::uint32_t body_a, body_b; ///< rows of the body columns
-    std::uint32_t memory;         ///< row of the contact columns
+    std::uint32_t memory;         ///< row of the contact columns; its points are these points
     std::uint32_t count;
-    UnitVec3 normal;   ///< a to b
-    Jacobian friction; ///< combined coefficient
-    Unit restitution;  ///< combined
+    UnitVec3 normal;            ///< a to b
+    Jacobian friction;          ///< combined coefficient
+    Unit restitution;           ///< combined
+    Unit rolling;               ///< combined rolling resistance [m]
+    SpeedVec3 surface_velocity; ///< of b's surface against a's, world axes [m/s]
     std::array<ContactPoint, 4> points;
 };
 
@@ -59,6 +61,15 @@ template <unsigned N> struct MeanRow {
     Int32<N> count_inv;    ///< Unit: 1 / points of the lane
 };
 
+/// Brakes the turning of two bodies against each other; see the table above.
+template <unsigned N> struct RollingRows {
+    Int32<N> xa[3][3], xb[3][3]; ///< [axis][component], Jacobian
+    Int32<N> kappa[3];           ///< Unit
+    Int32<N> ratio_a, ratio_b;   ///< Unit
+    Int32<N> share[4];           ///< Jacobian: bound of |p| per normal impulse of each point
+    Int32<N> impulse[3];         ///< p, Speed
+};
+
 /// N contacts of one colour: no two of them share a body that can move.
 template <unsigned N> struct ContactPack {
     std::uint32_t body_a[N], body_b[N]; ///< entries of SolverBodies
@@ -68,10 +79,15 @@ template <unsigned N> struct ContactPack {
     Int32<N> friction;                  ///< Jacobian format
     Int32<N> restitution;               ///< Unit
     Int32<N> bias_rate, impulse_scale;  ///< Speed, Unit
+    Int32<N> surface[2];                ///< Speed: what the friction rows take for rest is this much off
+    std::uint32_t rolling;              ///< index of its RollingRows, no_contact: none
     MeanRow<N> mean;
     PointPack<N> points[4];
 };
 inline constexpr std::uint32_t no_contact = 0xffffffffu;
+
+/// The velocities of the two bodies of N contacts, gathered once and scattered once.
+template <unsigned N> struct Pair { Int64<N> va[3], ua[3], vb[3], ub[3]; };
 
 /// All contacts of a tick in solving order, at a lane width of N.
 template <unsigned N> class ContactSolver {
@@ -83,14 +99,17 @@ template <unsigned N> class ContactSolver {
     /// One pass over all rows. With bias, overlap is pushed out softly; without, what the push left is relaxed.
     void solve(const StepConstants& step, SolverBodies& bodies, bool bias);
     void apply_restitution(const StepConstants& step, SolverBodies& bodies);
-    /// Writes impulses and features to `memory` for the next tick.
+    /// Writes impulses to `memory` for the next tick.
     void store(std::span<const Contact> contacts, std::span<ContactMemory> memory, ClampCounts& clamps) const;
 
     std::size_t pack_count() const { return packs.size(); }
     void reserve(std::size_t contacts);
 
   private:
+    void solve_rolling(const ContactPack<N>& pack, Pair<N>& pair);
+
     std::vector<ContactPack<N>> packs;
+    std::vector<RollingRows<N>> rolling;
     std::vector<std::uint32_t> order;        ///< contacts by colour
     std::vector<std::uint32_t> colour;       ///< by contact
     std::vector<std::uint64_t> body_colours; ///< bit c: a contact of colour c holds the body

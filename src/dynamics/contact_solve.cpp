@@ -9,9 +9,6 @@ namespace {
 
 constexpr std::int32_t impulse_limit = 1 << 30;
 
-/// The velocities of the two bodies of N contacts, gathered once and scattered once.
-template <unsigned N> struct Pair { Int64<N> va[3], ua[3], vb[3], ub[3]; };
-
 template <unsigned N> Pair<N> gather(const ContactPack<N>& c, const SolverBodies& bodies) {
     Pair<N> p;
     for (unsigned lane = 0; lane < N; ++lane) {
@@ -101,7 +98,7 @@ template <unsigned N> Int32<N> clamped(Int32<N> p) {
 template <unsigned N> void solve_friction(ContactPack<N>& c, PointPack<N>& point, Pair<N>& p) {
     Int32<N> t[2];
     for (int r = 1; r < 3; ++r) {
-        const Int32<N> speed = row_speed(p, c.d[r], point.xa[r], point.xb[r]);
+        const Int32<N> speed = row_speed(p, c.d[r], point.xa[r], point.xb[r]) + c.surface[r - 1];
         t[r - 1] = clamped(point.impulse[r] - rounded<30>(speed * point.kappa[r]));
     }
     for (unsigned lane = 0; lane < N; ++lane)
@@ -203,12 +200,61 @@ template <unsigned N> void measure_approach(ContactPack<N>& c, const Pair<N>& p)
 
 } // namespace
 
+namespace {
+
+/// Adds an angular impulse change about one axis to both bodies.
+template <unsigned N> inline void twist(Pair<N>& p, const RollingRows<N>& rows, int axis, Int32<N> dp) {
+    const Int32<N> da = rounded<30>(dp * rows.ratio_a), db = rounded<30>(dp * rows.ratio_b);
+    for (int i = 0; i < 3; ++i) {
+        p.ua[i] = p.ua[i] + rows.xa[axis][i] * da;
+        p.ub[i] = p.ub[i] + rows.xb[axis][i] * db;
+    }
+}
+
+/// Shortens an impulse of three components to `limit`.
+inline void clamp_to_ball(std::int64_t limit, std::int32_t& x, std::int32_t& y, std::int32_t& z) {
+    const std::uint64_t square = static_cast<std::uint64_t>(std::int64_t{x} * x) +
+                                 static_cast<std::uint64_t>(std::int64_t{y} * y) +
+                                 static_cast<std::uint64_t>(std::int64_t{z} * z);
+    if (square <= static_cast<std::uint64_t>(limit * limit)) return;
+    const std::int64_t size = std::int64_t{isqrt(square)} + 1;
+    for (std::int32_t* component : {&x, &y, &z})
+        *component = static_cast<std::int32_t>(*component * limit / size);
+}
+
+} // namespace
+
+template <unsigned N> void ContactSolver<N>::solve_rolling(const ContactPack<N>& c, Pair<N>& p) {
+    RollingRows<N>& rows = rolling[c.rolling];
+    constexpr Int32<N> none{};
+    constexpr Int32<N> nothing[3] = {none, none, none};
+    Int32<N> t[3];
+    for (int r = 0; r < 3; ++r) {
+        const Int32<N> speed = row_speed(p, nothing, rows.xa[r], rows.xb[r]);
+        t[r] = clamped(rows.impulse[r] - rounded<30>(speed * rows.kappa[r]));
+    }
+    for (unsigned lane = 0; lane < N; ++lane) {
+        std::int64_t limit = 0;
+        for (int k = 0; k < c.point_count; ++k)
+            limit += shift_right_rounded(
+                std::int64_t{rows.share[k].lane[lane]} * c.points[k].impulse[0].lane[lane], row_bits);
+        clamp_to_ball(limit < impulse_limit ? limit : impulse_limit, t[0].lane[lane], t[1].lane[lane],
+                      t[2].lane[lane]);
+    }
+    for (int r = 0; r < 3; ++r) {
+        twist(p, rows, r, t[r] - rows.impulse[r]);
+        rows.impulse[r] = t[r];
+    }
+}
+
 template <unsigned N> void ContactSolver<N>::warm_start(SolverBodies& bodies) {
     for (ContactPack<N>& c : packs) {
         Pair<N> p = gather(c, bodies);
         if (bounces(c)) measure_approach(c, p);
         for (int k = 0; k < c.point_count; ++k)
             for (int r = 0; r < 3; ++r) push(p, c.d[r], c.points[k], r, c.points[k].impulse[r]);
+        if (c.rolling != no_contact)
+            for (int r = 0; r < 3; ++r) twist(p, rolling[c.rolling], r, rolling[c.rolling].impulse[r]);
         scatter(c, p, bodies);
     }
 }
@@ -221,6 +267,7 @@ void ContactSolver<N>::solve(const StepConstants& step, SolverBodies& bodies, bo
     for (std::size_t i = 0; i < count; ++i) {
         ContactPack<N>& c = packs[i];
         Pair<N> p = gather(c, bodies);
+        if (c.rolling != no_contact) solve_rolling(c, p);
         for (int k = 0; k < c.point_count; ++k)
             solve_friction(c, c.points[bias ? k : c.point_count - 1 - k], p);
         NormalTarget<N> targets[4];
@@ -262,9 +309,11 @@ void ContactSolver<N>::apply_restitution(const StepConstants& step, SolverBodies
     }
 }
 
+template void ContactSolver<1>::solve_rolling(const ContactPack<1>&, Pair<1>&);
 template void ContactSolver<1>::warm_start(SolverBodies&);
 template void ContactSolver<1>::solve(const StepConstants&, SolverBodies&, bool);
 template void ContactSolver<1>::apply_restitution(const StepConstants&, SolverBodies&);
+template void ContactSolver<4>::solve_rolling(const ContactPack<4>&, Pair<4>&);
 template void ContactSolver<4>::warm_start(SolverBodies&);
 template void ContactSolver<4>::solve(const StepConstants&, SolverBodies&, bool);
 template void ContactSolver<4>::apply_restitution(const StepConstants&, SolverBodies&);

@@ -12,6 +12,8 @@ struct BodyInfo {
     std::uint32_t locks;         ///< AxisLock bits
     std::uint32_t gyroscopic;    ///< 0 or 1
     std::uint32_t enable_fields; ///< 0 or 1
+    std::uint32_t bullet;        ///< 0 or 1
+    std::uint32_t mass_fixed;    ///< 1: BodyMass was set by command
     std::uint32_t first_shape;   ///< shape slot + 1 of the newest shape, 0: none
     std::uint32_t shape_count;
     Real linear_damping, angular_damping; ///< [1/s]
@@ -38,35 +40,47 @@ struct BodyForce {
     Vec3 force, torque; ///< [N], [N m] about the centre of mass
 };
 
-/// The pair, in slot order: a.index < b.index.
+/// The pair, in slot order: a.index < b.index. A pair with several manifolds has as many rows, one after another.
 struct ContactKey {
     ShapeId a, b;
     friend constexpr bool operator==(const ContactKey&, const ContactKey&) = default;
 };
 
-/// Warm-start impulses of one point, over the reduced mass of the two bodies, per substep [m/s].
+/// One point of a manifold, and the impulses per substep that hold it, over the reduced mass of the two bodies [m/s].
 struct ContactPointMemory {
-    LengthVec3 position; ///< in the manifold's frame [m]; finds the point again when its feature has changed
+    LengthVec3
+        position; ///< from shape B's origin, in shape A's axes [m]; finds the point again when its feature changed
     std::uint32_t feature;
+    Separation separation;              ///< when the manifold was made [m]
     Speed normal, tangent_1, tangent_2; ///< along the normal and the two tangents of tangents_of()
 };
 
 enum ContactFlags : std::uint32_t {
-    contact_touching = 1,
+    contact_touching = 1,    ///< of the pair: set in its first row
     contact_sensor = 2,      ///< one of the shapes is a sensor
     contact_sensor_is_b = 4, ///< and it is the key's b
+    contact_flipped = 8,     ///< the manifold's shape A is the key's b
+    contact_passing = 16,    ///< goes through a one-way shape until they are apart
 };
 
-/// What a contact remembers from tick to tick. Dropping any of it would change the next tick.
+/// What a contact remembers from tick to tick: the manifold, where it was made, and the impulses. While the shapes stay
+/// where they were to each other, the manifold is used again instead of being made anew, so all of it is state.
 struct ContactMemory {
     std::uint32_t flags; ///< ContactFlags
     std::uint32_t count; ///< points in use
     std::array<ContactPointMemory, 4> points;
+    CoordinateVec3 made_position; ///< of B's origin in A's frame when the manifold was made [m]
+    Quat made_rotation;           ///< B's axes in A's, then
+    UnitVec3 normal;              ///< from A to B, in A's axes
+    Length margin;                ///< what counted as near, then [m]
+    SpeedVec3 rolling;            ///< angular impulse against rolling, world axes, as RollingRows has it
+    std::uint32_t reserved;
 };
 
 template <class V> constexpr void describe(BodyInfo& b, V&& v) {
     v("id", b.id), v("kind", b.kind), v("locks", b.locks), v("gyroscopic", b.gyroscopic);
-    v("enable_fields", b.enable_fields), v("first_shape", b.first_shape), v("shape_count", b.shape_count);
+    v("enable_fields", b.enable_fields), v("bullet", b.bullet), v("mass_fixed", b.mass_fixed);
+    v("first_shape", b.first_shape), v("shape_count", b.shape_count);
     v("linear_damping", b.linear_damping), v("angular_damping", b.angular_damping);
     v("gravity_scale", b.gravity_scale), v("mass_override", b.mass_override), v("user_key", b.user_key);
 }
@@ -81,11 +95,14 @@ template <class V> constexpr void describe(BodyForce& f, V&& v) {
 }
 template <class V> constexpr void describe(ContactKey& k, V&& v) { v("a", k.a), v("b", k.b); }
 template <class V> constexpr void describe(ContactPointMemory& p, V&& v) {
-    v("position", p.position), v("feature", p.feature), v("normal", p.normal), v("tangent_1", p.tangent_1),
-        v("tangent_2", p.tangent_2);
+    v("position", p.position), v("feature", p.feature), v("separation", p.separation), v("normal", p.normal);
+    v("tangent_1", p.tangent_1), v("tangent_2", p.tangent_2);
 }
 template <class V> constexpr void describe(ContactMemory& m, V&& v) {
-    v("flags", m.flags), v("count", m.count), v("points", m.points);
+    v("flags", m.flags), v("count", m.count), v("points", m.points), v("made_position", m.made_position);
+    v("made_rotation", m.made_rotation), v("normal", m.normal), v("margin", m.margin),
+        v("rolling", m.rolling);
+    v("reserved", m.reserved);
 }
 
 static_assert(StateRow<BodyInfo> && StateRow<BodyMass> && StateRow<Velocity> && StateRow<BodyForce>);

@@ -51,6 +51,7 @@ std::string check(const BodyDef& d) {
         return join("kind is ", static_cast<std::uint32_t>(d.kind), ", must be 0 to 2");
     if (d.locks > 63) return join("locks is ", d.locks, ", must be a sum of AxisLock bits, at most 63");
     if (d.gyroscopic > 1) return join("gyroscopic is ", d.gyroscopic, ", must be 0 or 1");
+    if (d.bullet > 1) return join("bullet is ", d.bullet, ", must be 0 or 1");
     if (d.enable_fields > 1) return join("enable_fields is ", d.enable_fields, ", must be 0 or 1");
     if (std::string e = check_pose("pose", d.pose, position_max); !e.empty()) return e;
     if (length(d.linear_velocity) > speed_max) return "linear_velocity must be at most 500 m/s long";
@@ -68,16 +69,42 @@ std::string check(const BodyDef& d) {
     return check_range("mass", d.mass, mass_min, mass_max, " kg, or 0 for that of the shapes");
 }
 
+/// Empty when the kind of body can have the geometry.
+std::string check_body_kind(const Geometry& g, BodyKind kind) {
+    if (g.kind == ShapeKind::plane && kind != BodyKind::static_) return "a plane needs a static body";
+    if ((g.kind == ShapeKind::mesh || g.kind == ShapeKind::height_field) && kind == BodyKind::dynamic)
+        return join("a ", name_of(g.kind), " needs a static or kinematic body");
+    const bool is_primitive = g.kind <= ShapeKind::box;
+    if (is_primitive && g.scale != scale_one && kind != BodyKind::static_)
+        return "a scaled primitive needs a static body";
+    return {};
+}
+
+std::string check_surface(Real friction, Real restitution, Real rolling_resistance, Vec3 surface_velocity) {
+    if (std::string e = check_range("friction", friction, Real{}, Real(4), ""); !e.empty()) return e;
+    if (std::string e = check_range("restitution", restitution, Real{}, Real(1), ""); !e.empty()) return e;
+    if (std::string e = check_range("rolling_resistance", rolling_resistance, Real{}, Real(1), " m");
+        !e.empty())
+        return e;
+    if (!within(surface_velocity, Real(100))) return "surface_velocity must be within 100 m/s on each axis";
+    return {};
+}
+
 std::string check(const ShapeDef& d, BodyKind kind) {
     if (std::string e = validate(d.geometry); !e.empty()) return e;
-    if (d.geometry.kind == ShapeKind::plane && kind != BodyKind::static_)
-        return "a plane needs a static body";
+    if (std::string e = check_body_kind(d.geometry, kind); !e.empty()) return e;
     if (std::string e = check_pose("local", d.local, Real(64)); !e.empty()) return e;
     if (std::string e = check_range("density", d.density, 0.01_r, Real(100000), " kg/m^3"); !e.empty())
         return e;
-    if (std::string e = check_range("friction", d.friction, Real{}, Real(4), ""); !e.empty()) return e;
-    if (std::string e = check_range("restitution", d.restitution, Real{}, Real(1), ""); !e.empty()) return e;
+    if (std::string e = check_surface(d.friction, d.restitution, d.rolling_resistance, d.surface_velocity);
+        !e.empty())
+        return e;
+    for (const auto& [what, rule] :
+         {std::pair("friction_mix", d.friction_mix), {"restitution_mix", d.restitution_mix}})
+        if (rule > Mix::maximum)
+            return join(what, " is ", static_cast<std::uint32_t>(rule), ", must be 0 to 4");
     if (d.sensor > 1) return join("sensor is ", d.sensor, ", must be 0 or 1");
+    if (d.one_way > 1) return join("one_way is ", d.one_way, ", must be 0 or 1");
     return {};
 }
 
@@ -146,41 +173,65 @@ void remove_row(State& state, TableId table, std::uint32_t row) {
 
 // ---- mass ----------------------------------------------------------------------------------------------------
 
-/// Sums up the shapes of a body. The body's origin stays where it is, its centre of mass moves.
-void update_mass(Data& w, std::uint32_t row) {
-    const std::span<const Slot> slots = w.state.rows(w.m.shape_slot);
-    const std::span<const ShapeRow> shapes = w.state.rows(w.m.shape);
-    const BodyInfo& info = w.state.rows(w.m.body_info)[row];
-    std::vector<MassPart> parts;
-    for (std::uint32_t slot = info.first_shape; slot != 0; slot = shapes[slots[slot - 1].row].next_shape) {
-        const ShapeRow& shape = shapes[slots[slot - 1].row];
-        if (shape.sensor == 0) parts.push_back({mass_properties(shape.geometry, shape.density), shape.local});
-    }
-    std::reverse(parts.begin(), parts.end()); // in order of creation
-    const MassProperties total = combine(parts);
-    const PrincipalGyration principal = principal_gyration(total);
+/// Moves the centre of mass within a body whose origin stays where it is.
+void set_mass(Data& w, std::uint32_t row, const BodyMass& fresh) {
     BodyMass& mass = w.state.rows(w.m.body_mass)[row];
-    const Vec3 old_center = mass.center;
-    mass = {};
-    mass.center = total.center;
-    mass.gyration = principal.radii;
-    mass.principal = principal.axes;
-    // Without shapes: a ball of 1 kg with a gyration radius of 1 m.
-    if (total.mass == Real{}) {
-        mass.gyration = {Real(1), Real(1), Real(1)};
-        mass.principal = Quat::identity();
-    }
-    if (info.kind == BodyKind::dynamic) {
-        const Real from_shapes = total.mass == Real{} ? Real(1) : clamp(total.mass, mass_min, mass_max);
-        mass.mass = info.mass_override != Real{} ? info.mass_override : from_shapes;
-    }
-    const Vec3 moved = mass.center - old_center;
+    const Vec3 moved = fresh.center - mass.center;
+    mass = fresh;
     if (moved == Vec3{}) return;
     Transform& pose = w.state.rows(w.m.body_pose)[row];
     Velocity& velocity = w.state.rows(w.m.body_velocity)[row];
     const Vec3 arm = rotate(pose.rotation, moved);
     pose.position += arm;
     velocity.linear += cross<Speed>(velocity.angular, arm);
+}
+
+/// How far a body's shapes reach from its origin: stands in for the gyration radius of one that nothing turns, so that
+/// the solver's rows of its contacts stay within their format.
+Real reach_of(Data& w, const BodyInfo& info) {
+    const std::span<const Slot> slots = w.state.rows(w.m.shape_slot);
+    const std::span<const ShapeRow> shapes = w.state.rows(w.m.shape);
+    Real reach = Real(1);
+    for (std::uint32_t slot = info.first_shape; slot != 0; slot = shapes[slots[slot - 1].row].next_shape) {
+        const ShapeRow& shape = shapes[slots[slot - 1].row];
+        if (shape.geometry.kind == ShapeKind::plane) continue;
+        const shapes::Extent e = shapes::extent_of(solid_of(w, shape));
+        reach = max(reach, to<Real>(length(max(abs(e.lower), abs(e.upper)))) + length(shape.local.position));
+    }
+    return reach;
+}
+
+/// Sums up the shapes of a body. The body's origin stays where it is, its centre of mass moves.
+void update_mass(Data& w, std::uint32_t row) {
+    const std::span<const Slot> slots = w.state.rows(w.m.shape_slot);
+    const std::span<const ShapeRow> shapes = w.state.rows(w.m.shape);
+    const BodyInfo& info = w.state.rows(w.m.body_info)[row];
+    if (info.mass_fixed != 0) return;
+    std::vector<MassPart>& parts = w.scratch.mass_parts;
+    parts.clear();
+    for (std::uint32_t slot = info.first_shape; slot != 0; slot = shapes[slots[slot - 1].row].next_shape) {
+        const ShapeRow& shape = shapes[slots[slot - 1].row];
+        if (shape.sensor == 0)
+            parts.push_back({shapes::mass_properties(solid_of(w, shape), shape.density), shape.local});
+    }
+    std::reverse(parts.begin(), parts.end()); // in order of creation
+    const MassProperties total = combine(parts);
+    const PrincipalGyration principal = principal_gyration(total);
+    BodyMass mass{};
+    mass.center = total.center;
+    mass.gyration = principal.radii;
+    mass.principal = principal.axes;
+    // Without shapes: a ball of 1 kg with a gyration radius of 1 m.
+    if (total.mass == Real{}) {
+        const Real radius = info.kind == BodyKind::dynamic ? Real(1) : reach_of(w, info);
+        mass.gyration = {radius, radius, radius};
+        mass.principal = Quat::identity();
+    }
+    if (info.kind == BodyKind::dynamic) {
+        const Real from_shapes = total.mass == Real{} ? Real(1) : clamp(total.mass, mass_min, mass_max);
+        mass.mass = info.mass_override != Real{} ? info.mass_override : from_shapes;
+    }
+    set_mass(w, row, mass);
 }
 
 Vec3 center_offset(const Data& w, std::uint32_t row, Quat rotation) {
@@ -222,8 +273,8 @@ struct Applier {
         w.state.resize(w.m.bodies, row + 1);
         const BodyDef& d = c.def;
         w.state.rows(w.m.body_info)[row] = {
-            id, d.kind,           d.locks,           d.gyroscopic,    d.enable_fields, 0,
-            0,  d.linear_damping, d.angular_damping, d.gravity_scale, d.mass,          d.user_key};
+            id, d.kind, d.locks,          d.gyroscopic,      d.enable_fields, d.bullet, 0,
+            0,  0,      d.linear_damping, d.angular_damping, d.gravity_scale, d.mass,   d.user_key};
         w.state.rows(w.m.body_pose)[row] = {d.pose.position, normalized(d.pose.rotation)};
         w.state.rows(w.m.body_velocity)[row] = {to<Speed>(d.linear_velocity), to<Speed>(d.angular_velocity)};
         update_mass(w, row);
@@ -240,6 +291,7 @@ struct Applier {
         remove_row(w.state, w.m.bodies, row);
         w.state.rows(w.m.body_slot)[moved.index - 1].row = row;
         free_slot(w.state.rows(w.m.body_slot), c.body.index, w.header().body_free);
+        forget_filters_of(c.body);
         w.scratch.structure_stale = true;
         return Applied{};
     }
@@ -249,6 +301,8 @@ struct Applier {
         if (body_row == Data::dead) return dead_body("create_shape", c.body);
         BodyInfo& info = w.state.rows(w.m.body_info)[body_row];
         if (std::string e = check(c.def, info.kind); !e.empty()) return Error{"create_shape: " + e};
+        if (const Result<shapes::Solid> solid = w.scratch.solids.resolve(c.def.geometry); !solid)
+            return Error{"create_shape: " + solid.error().message};
         const std::uint32_t row = w.state.count(w.m.shapes);
         if (row == w.state.capacity(w.m.shapes))
             return Error{join("create_shape: the world is full: shapes_max is ", row)};
@@ -261,14 +315,21 @@ struct Applier {
                                         c.body,
                                         d.geometry,
                                         info.first_shape,
+                                        d.material,
                                         {d.local.position, normalized(d.local.rotation)},
                                         d.density,
                                         d.friction,
                                         d.restitution,
+                                        d.rolling_resistance,
+                                        d.surface_velocity,
+                                        d.friction_mix,
+                                        d.restitution_mix,
                                         d.category,
                                         d.mask,
                                         d.group,
                                         d.sensor,
+                                        d.one_way,
+                                        0,
                                         d.user_key};
         info.first_shape = index;
         ++info.shape_count;
@@ -379,6 +440,7 @@ struct Applier {
         d.gravity_scale = c.gravity_scale;
         d.locks = c.locks;
         d.gyroscopic = c.gyroscopic;
+        d.bullet = c.bullet;
         if (std::string e = check(d); !e.empty()) return Error{"set_body_parameters: " + e};
         BodyInfo& info = w.state.rows(w.m.body_info)[row];
         info.linear_damping = c.linear_damping;
@@ -386,19 +448,83 @@ struct Applier {
         info.gravity_scale = c.gravity_scale;
         info.locks = c.locks;
         info.gyroscopic = c.gyroscopic;
+        info.bullet = c.bullet;
         return Applied{};
     }
 
     Result<Applied> operator()(const SetMaterial& c) {
         const std::uint32_t row = w.row_of(c.shape);
         if (row == Data::dead) return dead_shape("set_material", c.shape);
-        if (std::string e = check_range("friction", c.friction, Real{}, Real(4), ""); !e.empty())
-            return Error{"set_material: " + e};
-        if (std::string e = check_range("restitution", c.restitution, Real{}, Real(1), ""); !e.empty())
+        if (std::string e =
+                check_surface(c.friction, c.restitution, c.rolling_resistance, c.surface_velocity);
+            !e.empty())
             return Error{"set_material: " + e};
         ShapeRow& shape = w.state.rows(w.m.shape)[row];
         shape.friction = c.friction;
         shape.restitution = c.restitution;
+        shape.rolling_resistance = c.rolling_resistance;
+        shape.surface_velocity = c.surface_velocity;
+        return Applied{};
+    }
+
+    Result<Applied> operator()(const SetFilter& c) {
+        const std::uint32_t row = w.row_of(c.shape);
+        if (row == Data::dead) return dead_shape("set_filter", c.shape);
+        ShapeRow& shape = w.state.rows(w.m.shape)[row];
+        shape.category = c.category;
+        shape.mask = c.mask;
+        shape.group = c.group;
+        return Applied{};
+    }
+
+    Result<Applied> operator()(const SetPairFilter& c) {
+        for (BodyId body : {c.a, c.b})
+            if (w.row_of(body) == Data::dead) return dead_body("set_pair_filter", body);
+        if (c.a == c.b) return Error{"set_pair_filter: a and b are the same body"};
+        if (c.collide > 1) return Error{join("set_pair_filter: collide is ", c.collide, ", must be 0 or 1")};
+        const PairFilterRow fresh{std::min(c.a, c.b), std::max(c.a, c.b)};
+        const std::span<PairFilterRow> rows = w.state.rows(w.m.pair_filter);
+        const std::uint32_t count = static_cast<std::uint32_t>(rows.size());
+        const auto at = std::lower_bound(rows.begin(), rows.end(), fresh);
+        const std::uint32_t index = static_cast<std::uint32_t>(at - rows.begin());
+        const bool is_there = at != rows.end() && *at == fresh;
+        if (is_there == (c.collide == 0)) return Applied{};
+        if (is_there) {
+            std::copy(at + 1, rows.end(), at);
+            w.state.resize(w.m.pair_filters, count - 1);
+            return Applied{};
+        }
+        if (count == w.state.capacity(w.m.pair_filters))
+            return Error{join("set_pair_filter: the world is full: pair_filters_max is ", count)};
+        w.state.resize(w.m.pair_filters, count + 1);
+        const std::span<PairFilterRow> wider = w.state.rows(w.m.pair_filter);
+        std::copy_backward(wider.begin() + index, wider.end() - 1, wider.end());
+        wider[index] = fresh;
+        return Applied{};
+    }
+
+    Result<Applied> operator()(const SetMass& c) {
+        const std::uint32_t row = w.row_of(c.body);
+        if (row == Data::dead) return dead_body("set_mass", c.body);
+        BodyInfo& info = w.state.rows(w.m.body_info)[row];
+        if (c.mass == Real{}) {
+            info.mass_fixed = 0;
+            update_mass(w, row);
+            return Applied{};
+        }
+        if (info.kind != BodyKind::dynamic) return Error{"set_mass: only a dynamic body has a mass"};
+        if (std::string e =
+                check_range("mass", c.mass, mass_min, mass_max, " kg, or 0 for that of the shapes");
+            !e.empty())
+            return Error{"set_mass: " + e};
+        if (!within(c.center, Real(64))) return Error{"set_mass: center must be within 64 m on each axis"};
+        for (int i = 0; i < 3; ++i)
+            if (std::string e = check_range("gyration", c.gyration[i], mass_min, Real(100), " m"); !e.empty())
+                return Error{"set_mass: " + e};
+        if (std::string e = check_unit("principal", c.principal); !e.empty()) return Error{"set_mass: " + e};
+        info.mass_fixed = 1;
+        set_mass(w, row, {c.mass, c.center, c.gyration, normalized(c.principal)});
+        w.scratch.structure_stale = true;
         return Applied{};
     }
 
@@ -429,6 +555,13 @@ struct Applier {
         std::memcpy(canonical.data() + c.offset, c.data.data(), c.size);
         read_canonical(canonical, entry.leaves, bytes);
         return Applied{};
+    }
+
+    void forget_filters_of(BodyId body) {
+        const std::span<PairFilterRow> rows = w.state.rows(w.m.pair_filter);
+        const auto end = std::remove_if(
+            rows.begin(), rows.end(), [body](const PairFilterRow& r) { return r.a == body || r.b == body; });
+        w.state.resize(w.m.pair_filters, static_cast<std::uint32_t>(end - rows.begin()));
     }
 
     void remove_shape(std::uint32_t body_row, std::uint32_t slot) {

@@ -56,6 +56,8 @@ Status check_bodies(const Manifest& m, const State& s) {
         if (info[i].linear_damping < Real{} || info[i].angular_damping < Real{})
             return bad("body.info", i, "damping is negative");
         if (!unit_like(pose[i].rotation)) return bad("body.pose", i, "rotation is not a unit quaternion");
+        if (info[i].bullet > 1 || info[i].mass_fixed > 1 || info[i].gyroscopic > 1)
+            return bad("body.info", i, "a flag is neither 0 nor 1");
         if (mass[i].mass < Real{} || !unit_like(mass[i].principal))
             return bad("body.mass", i, "no such mass can be");
         for (int axis = 0; axis < 3; ++axis) {
@@ -69,7 +71,7 @@ Status check_bodies(const Manifest& m, const State& s) {
 }
 
 /// Each body's shape list holds exactly its own shapes.
-Status check_shapes(const Manifest& m, const State& s) {
+Status check_shapes(shapes::SolidCache& solids, const Manifest& m, const State& s) {
     const std::span<const ShapeRow> shapes = s.rows(m.shape);
     const std::span<const Slot> slots = s.rows(m.shape_slot), body_slots = s.rows(m.body_slot);
     const std::span<const BodyInfo> info = s.rows(m.body_info);
@@ -81,11 +83,26 @@ Status check_shapes(const Manifest& m, const State& s) {
         if (owner.alive == 0 || owner.generation != r.body.generation)
             return bad("shape.row", i, "its body does not exist");
         if (std::string e = validate(r.geometry); !e.empty()) return bad("shape.row", i, e);
-        if (r.geometry.kind == ShapeKind::plane && info[owner.row].kind != BodyKind::static_)
+        if (const Result<shapes::Solid> solid = solids.resolve(r.geometry); !solid)
+            return bad("shape.row", i, solid.error().message);
+        const BodyKind kind = info[owner.row].kind;
+        if (r.geometry.kind == ShapeKind::plane && kind != BodyKind::static_)
             return bad("shape.row", i, "a plane on a body that moves");
+        if ((r.geometry.kind == ShapeKind::mesh || r.geometry.kind == ShapeKind::height_field) &&
+            kind == BodyKind::dynamic)
+            return bad("shape.row", i, "a mesh or height field on a dynamic body");
+        if (r.geometry.kind <= ShapeKind::box && r.geometry.scale != scale_one && kind != BodyKind::static_)
+            return bad("shape.row", i, "a scaled primitive on a body that moves");
         if (!unit_like(r.local.rotation))
             return bad("shape.row", i, "local.rotation is not a unit quaternion");
-        if (r.sensor > 1) return bad("shape.row", i, "sensor is neither 0 nor 1");
+        if (r.sensor > 1 || r.one_way > 1) return bad("shape.row", i, "sensor or one_way is neither 0 nor 1");
+        if (r.friction_mix > Mix::maximum || r.restitution_mix > Mix::maximum)
+            return bad("shape.row", i, "unknown mixing rule");
+        if (r.rolling_resistance < Real{} || r.rolling_resistance > Real(1))
+            return bad("shape.row", i, "rolling_resistance is out of range");
+        for (int axis = 0; axis < 3; ++axis)
+            if (abs(r.surface_velocity[axis]) > Real(100) || abs(r.local.position[axis]) > Real(64))
+                return bad("shape.row", i, "surface_velocity or local is out of range");
         if (r.friction < Real{} || r.friction > Real(4) || r.restitution < Real{} || r.restitution > Real(1))
             return bad("shape.row", i, "friction or restitution is out of range");
     }
@@ -108,19 +125,35 @@ Status check_shapes(const Manifest& m, const State& s) {
 Status check_contacts(const Manifest& m, const State& s) {
     const std::span<const ContactKey> keys = s.rows(m.contact_key);
     const std::span<const ContactMemory> memories = s.rows(m.contact_memory);
+    const std::span<const Slot> slots = s.rows(m.shape_slot);
+    std::uint32_t rows = 0;
     for (std::size_t i = 0; i < keys.size(); ++i) {
-        if (keys[i].a.index >= keys[i].b.index) return bad("contact.key", i, "its shapes are out of order");
-        if (i > 0 && std::pair(keys[i - 1].a.index, keys[i - 1].b.index) >=
-                         std::pair(keys[i].a.index, keys[i].b.index))
+        const std::pair order(keys[i].a.index, keys[i].b.index);
+        if (order.first >= order.second) return bad("contact.key", i, "its shapes are out of order");
+        if (order.first == 0 || order.second > slots.size())
+            return bad("contact.key", i, "names a shape that never was");
+        rows = i > 0 && keys[i] == keys[i - 1] ? rows + 1 : 1;
+        if (rows > collide::Manifolds::max) return bad("contact.key", i, "too many manifolds of one pair");
+        if (i > 0 && rows == 1 && std::pair(keys[i - 1].a.index, keys[i - 1].b.index) >= order)
             return bad("contact.key", i, "the table is out of order");
         if (memories[i].count > 4) return bad("contact.memory", i, "more than 4 points");
+        if (memories[i].flags > 31 || memories[i].margin < Length{})
+            return bad("contact.memory", i, "unknown flags or a negative margin");
     }
+    return {};
+}
+
+Status check_filters(const Manifest& m, const State& s) {
+    const std::span<const PairFilterRow> rows = s.rows(m.pair_filter);
+    for (std::size_t i = 0; i < rows.size(); ++i)
+        if (rows[i].a >= rows[i].b || (i > 0 && rows[i - 1] >= rows[i]))
+            return bad("pair_filter.row", i, "the table is out of order");
     return {};
 }
 
 } // namespace
 
-Status check_state(const Data& w, const State& s) {
+Status check_state(Data& w, const State& s) {
     const Manifest& m = w.m;
     if (s.count(m.world) != 1 || s.count(m.records) != 1) return Error{"portable image: it has no world row"};
     const Config &ours = w.state.rows(m.config)[0], &theirs = s.rows(m.config)[0];
@@ -140,7 +173,8 @@ Status check_state(const Data& w, const State& s) {
         !e)
         return e;
     if (Status e = check_bodies(m, s); !e) return e;
-    if (Status e = check_shapes(m, s); !e) return e;
+    if (Status e = check_shapes(w.scratch.solids, m, s); !e) return e;
+    if (Status e = check_filters(m, s); !e) return e;
     return check_contacts(m, s);
 }
 

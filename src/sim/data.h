@@ -4,46 +4,72 @@
 #include "collide/broad_phase.h"
 #include "collide/narrow_phase.h"
 #include "dynamics/contact.h"
+#include "dynamics/contact_memory.h"
 #include "dynamics/integrate.h"
 #include "sim/manifest.h"
+#include "sim/query.h"
+#include "sim/sweep.h"
 
 namespace lockstone::sim {
 
 /// What the tick derives and forgets. Caches in it (the broad phase, poses of static shapes) change speed only.
 struct Scratch {
-    explicit Scratch(const WorldDef& def) : broad_phase(def.shapes_max) {}
+    Scratch(const WorldDef& def, std::shared_ptr<const AssetLibrary> assets)
+        : solids(std::move(assets)), broad_phase(def.shapes_max) {}
 
+    shapes::SolidCache solids;
     collide::BroadPhase broad_phase;
     bool structure_stale = true; ///< objects came, went or were restored since the last tick
     std::vector<std::uint32_t>
-        proxy_generation;              ///< by shape slot: of the shape the broad phase holds, 0: none
-    std::vector<Transform> shape_pose; ///< by shape slot, world
-    std::vector<Length> shape_margin;  ///< by shape slot: how far its contacts reach ahead
+        proxy_generation; ///< by shape slot: of the shape the broad phase holds, 0: none
+    /// What the tick knows of a living shape, by shape slot.
+    struct Shape {
+        shapes::Solid solid;
+        Transform pose;   ///< world
+        Length margin;    ///< how far its contacts reach ahead
+        Coordinate reach; ///< of its points from its origin [m]
+    };
+    std::vector<Shape> shape;
     std::vector<std::uint32_t> planes; ///< shape slots
 
     std::vector<collide::ProxyPair> pairs;
-    std::vector<ContactKey> keys; ///< the next contact table, while it is merged
+    /// Two shapes that may meet and are near, with their rows of the last contact table.
+    struct Near {
+        ContactKey key;
+        std::uint32_t old_first, old_count;
+    };
+    std::vector<Near> near;
+    std::vector<ContactKey> old_keys; ///< the last contact table
+    std::vector<ContactMemory> old_memories;
+    std::vector<ContactKey> keys; ///< the contact table of this tick, while it is made
     std::vector<ContactMemory> memories;
+    collide::NarrowScratch narrow;
+    collide::Manifolds manifolds;
+
     struct Ended {
         ContactKey key;
         std::uint32_t flags; ///< dynamics::ContactFlags
     };
     std::vector<Ended> ended; ///< touching contacts that are gone
 
-    /// What the narrow phase saw of each row of the contact table.
+    /// What the narrow phase saw of a pair.
     struct Seen {
-        bool overlaps;         ///< near enough to count as touching, before the solve
-        bool flipped;          ///< the manifold's A is the key's b
-        UnitVec3 normal;       ///< key a to key b
-        Vec3 point;            ///< deepest, world
-        Speed approach;        ///< [m/s], positive when closing
-        std::uint32_t contact; ///< index in `contacts`, no_contact: nothing to solve
+        std::uint32_t first_row, row_count; ///< of the contact table
+        bool was_touching;
+        bool overlaps;   ///< near enough to count as touching, before the solve
+        UnitVec3 normal; ///< key a to key b
+        Vec3 point;      ///< deepest, world
+        Speed approach;  ///< [m/s], positive when closing
     };
     std::vector<Seen> seen;
     std::vector<dynamics::Contact> contacts;
-    std::vector<Vec3> contact_origin; ///< of body a, by contact: turns levers into world points
+    std::vector<Transform> pose_before; ///< of the bodies, by row, when the tick began
+
+    QueryScratch query;
+    SweepScratch sweep;
 
     std::vector<std::byte> written_row, canonical_row; ///< of a game column: to be written, as it was
+    std::vector<MassPart> mass_parts;
 
     dynamics::StepConstants step{};
     dynamics::SolverBodies bodies;
@@ -51,7 +77,7 @@ struct Scratch {
 };
 
 struct Data {
-    Data(const WorldDef& def, const GameSchema& schema);
+    Data(const WorldDef& def, const GameSchema& schema, std::shared_ptr<const AssetLibrary> assets);
     Data(const Data& other); ///< the state; fresh scratch, no journal
 
     WorldDef def;
@@ -96,7 +122,11 @@ void tick(Data& w);
 Result<World::Applied> apply(Data& w, const Command& command);
 /// After the state was replaced from outside: what the caches hold of it is stale, the last tick's output is gone.
 void forget_derived(Data& w);
+/// Whether two shapes may meet: a pure function of the state.
+bool may_meet(const Data& w, const ShapeRow& a, const ShapeRow& b);
+/// What collision sees of a shape. Its asset was found when the shape was made, so it is there.
+const shapes::Solid& solid_of(Data& w, const ShapeRow& shape);
 /// Whether a state from outside can be this world's: same definition, every reference within its table.
-Status check_state(const Data& w, const State& state);
+Status check_state(Data& w, const State& state);
 
 } // namespace lockstone::sim

@@ -27,6 +27,9 @@ Manifest make_manifest(const WorldDef& def, const GameSchema& schema) {
     m.fields = l.add_table("fields", def.fields_max);
     m.field = l.add_column<FieldRow>(m.fields, "field.row", Group::definition);
 
+    m.pair_filters = l.add_table("pair_filters", def.pair_filters_max);
+    m.pair_filter = l.add_column<PairFilterRow>(m.pair_filters, "pair_filter.row", Group::definition);
+
     m.body_pose = l.add_column<Transform>(m.bodies, "body.pose", Group::motion);
     m.body_velocity = l.add_column<Velocity>(m.bodies, "body.velocity", Group::motion);
 

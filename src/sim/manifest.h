@@ -31,7 +31,7 @@ struct Config {
     std::uint32_t tick_rate, substeps;
     Integrator integrator;
     std::uint32_t bounds_shift;
-    std::uint32_t bodies_max, shapes_max, contacts_max, fields_max;
+    std::uint32_t bodies_max, shapes_max, contacts_max, fields_max, pair_filters_max, continuous;
     Real restitution_speed_min, contact_hertz, contact_damping, push_speed_max;
     std::uint64_t seed;
 };
@@ -49,12 +49,21 @@ struct ShapeRow {
     BodyId body;
     Geometry geometry;
     std::uint32_t next_shape; ///< of the same body: slot + 1, 0: last
+    std::uint32_t material;
     Transform local;
-    Real density, friction, restitution;
+    Real density, friction, restitution, rolling_resistance;
+    Vec3 surface_velocity;
+    Mix friction_mix, restitution_mix;
     std::uint32_t category, mask;
     std::int32_t group;
-    std::uint32_t sensor;
+    std::uint32_t sensor, one_way, reserved;
     std::uint64_t user_key;
+};
+
+/// Two bodies that do not touch; a < b. The table is sorted.
+struct PairFilterRow {
+    BodyId a, b;
+    friend constexpr auto operator<=>(const PairFilterRow&, const PairFilterRow&) = default;
 };
 
 template <class V> constexpr void describe(Header& h, V&& v) {
@@ -65,6 +74,7 @@ template <class V> constexpr void describe(Config& c, V&& v) {
     v("tick_rate", c.tick_rate), v("substeps", c.substeps), v("integrator", c.integrator);
     v("bounds_shift", c.bounds_shift), v("bodies_max", c.bodies_max), v("shapes_max", c.shapes_max);
     v("contacts_max", c.contacts_max), v("fields_max", c.fields_max);
+    v("pair_filters_max", c.pair_filters_max), v("continuous", c.continuous);
     v("restitution_speed_min", c.restitution_speed_min), v("contact_hertz", c.contact_hertz);
     v("contact_damping", c.contact_damping), v("push_speed_max", c.push_speed_max), v("seed", c.seed);
 }
@@ -72,17 +82,21 @@ template <class V> constexpr void describe(Slot& s, V&& v) {
     v("row", s.row), v("generation", s.generation), v("next_free", s.next_free), v("alive", s.alive);
 }
 template <class V> constexpr void describe(ShapeRow& s, V&& v) {
-    v("id", s.id), v("body", s.body), v("geometry", s.geometry), v("next_shape", s.next_shape),
-        v("local", s.local);
+    v("id", s.id), v("body", s.body), v("geometry", s.geometry), v("next_shape", s.next_shape);
+    v("material", s.material), v("local", s.local);
     v("density", s.density), v("friction", s.friction), v("restitution", s.restitution);
+    v("rolling_resistance", s.rolling_resistance), v("surface_velocity", s.surface_velocity);
+    v("friction_mix", s.friction_mix), v("restitution_mix", s.restitution_mix);
     v("category", s.category), v("mask", s.mask), v("group", s.group), v("sensor", s.sensor);
-    v("user_key", s.user_key);
+    v("one_way", s.one_way), v("reserved", s.reserved), v("user_key", s.user_key);
 }
+template <class V> constexpr void describe(PairFilterRow& r, V&& v) { v("a", r.a), v("b", r.b); }
 
 /// The manifest. Order here is the order of the hash, the dump and the portable image.
 struct Manifest {
     std::shared_ptr<const StateLayout> layout;
-    TableId world, body_slots, bodies, shape_slots, shapes, field_slots, fields, contacts, records;
+    TableId world, body_slots, bodies, shape_slots, shapes, field_slots, fields, pair_filters, contacts,
+        records;
 
     Column<Header> header;
     Column<Config> config;
@@ -96,6 +110,7 @@ struct Manifest {
     Column<ShapeRow> shape;
     Column<Slot> field_slot;
     Column<FieldRow> field;
+    Column<PairFilterRow> pair_filter;
 
     Column<Transform> body_pose;
     Column<Velocity> body_velocity;

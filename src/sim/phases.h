@@ -5,9 +5,13 @@
 
 namespace lockstone::sim {
 
-void update_bounds(Data& w);  ///< world poses, margins and bounds of shapes that may have moved
-void find_pairs(Data& w);     ///< the contact table of this tick, memories carried over, in pair order
-void collide(Data& w);        ///< manifolds, in world axes
-void publish_events(Data& w); ///< touching flags; events in their total order; contact points for drawing
+inline constexpr Length margin_base =
+    decimal<Length>("0.01"); ///< [m]: contacts are made this far ahead of touching
+
+void update_bounds(Data& w); ///< world poses, margins and bounds of shapes that may have moved   (bounds.cpp)
+void find_pairs(Data& w);    ///< shapes that may meet and are near, in pair order                (pairs.cpp)
+void collide(Data& w); ///< manifolds, with what they keep of the last tick: the contact table (contacts.cpp)
+void publish_events(
+    Data& w); ///< touching flags; events in their total order; contact points      (events.cpp)
 
 } // namespace lockstone::sim

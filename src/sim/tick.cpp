@@ -25,6 +25,7 @@ bool relaxes_after(std::int32_t substep, const dynamics::StepConstants& step) {
 void prepare(Data& w) {
     Scratch& s = w.scratch;
     s.step = constants_of(w.state.rows(w.m.config)[0]);
+    s.pose_before.assign(w.state.rows(w.m.body_pose).begin(), w.state.rows(w.m.body_pose).end());
     dynamics::begin_step(w.body_columns(), w.header().gravity, s.step, s.bodies);
     s.solver.prepare(s.contacts, w.state.rows(w.m.contact_memory), w.state.rows(w.m.body_mass), s.step,
                      s.bodies);
@@ -49,8 +50,8 @@ void tick(Data& w) {
 
     update_bounds(w);
     find_pairs(w);
-    checkpoint(w, "find_pairs");
     collide(w);
+    checkpoint(w, "collide");
     prepare(w);
 
     const dynamics::FreeMotion motion{static_cast<dynamics::Scheme>(w.state.rows(w.m.config)[0].integrator),
@@ -67,6 +68,8 @@ void tick(Data& w) {
     checkpoint(w, "solve");
     finish(w);
     checkpoint(w, "finish");
+    if (w.state.rows(w.m.config)[0].continuous != 0) sweep_fast_bodies(w);
+    checkpoint(w, "sweep_fast_bodies");
 
     publish_events(w);
     ++w.header().tick;

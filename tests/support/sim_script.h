@@ -119,7 +119,7 @@ inline void command_one(World& w, std::uint64_t tick, BodyId b) {
         done(w.add_impulse(b, vec(0, 300, 100), vec(5, 5, 5)));
         break;
     case 8:
-        done(w.set_body_parameters({b, real(0.1), real(0.2), real(1.1), lock_angular_y, 1}));
+        done(w.set_body_parameters({b, real(0.1), real(0.2), real(1.1), lock_angular_y, 1, 0}));
         break;
     case 9:
         done(w.add_impulse_at(b, vec(40, 0, 0), w.center_of_mass(b) + vec(0, 0.2, 0.1)));
@@ -128,7 +128,7 @@ inline void command_one(World& w, std::uint64_t tick, BodyId b) {
         done(w.set_velocity(b, vec(1, 3, -1), vec(4, 0, 2)));
         break;
     case 15:
-        done(w.set_body_parameters({b, {}, {}, Real(1), 0, 0}));
+        done(w.set_body_parameters({b, {}, {}, Real(1), 0, 0, 1}));
         break;
     case 17:
         done(w.add_force_at(b, vec(0, 3000, 0), w.center_of_mass(b) + vec(0.3, 0, 0)));
@@ -137,7 +137,7 @@ inline void command_one(World& w, std::uint64_t tick, BodyId b) {
         done(w.set_pose(b, at(0.1, 5, 0.1, turned(axis_x, 33))));
         break;
     case 21:
-        done(w.set_material(w.shapes(b).front(), real(0.3), real(0.4)));
+        done(w.set_material({w.shapes(b).front(), real(0.3), real(0.4), real(0.02), vec(0.5, 0, 0)}));
         break;
     default:
         break;

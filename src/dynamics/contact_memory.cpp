@@ -1,0 +1,102 @@
+#include "dynamics/contact_memory.h"
+
+#include <algorithm>
+
+namespace lockstone::dynamics {
+
+namespace {
+
+/// How far a point may be from a remembered one of another feature and still be the same contact [m].
+constexpr std::int64_t same_point_distance = decimal<Length>("0.02").raw;
+
+std::int64_t distance_squared(LengthVec3 a, LengthVec3 b) {
+    const auto square = [](std::int64_t d) { return (d * d) >> 4; };
+    return square(std::int64_t{a.x.raw} - b.x.raw) + square(std::int64_t{a.y.raw} - b.y.raw) +
+           square(std::int64_t{a.z.raw} - b.z.raw);
+}
+
+constexpr Unit same_direction = decimal<Unit>("0.94"); ///< cosine of 20 degrees
+
+bool has_impulses(const ContactMemory& old, const ContactMemory& fresh) {
+    return old.count != 0 && dot<Unit>(old.normal, fresh.normal) >= same_direction;
+}
+
+void take(const ContactPointMemory& from, ContactPointMemory& to) {
+    to.normal = from.normal;
+    to.tangent_1 = from.tangent_1;
+    to.tangent_2 = from.tangent_2;
+}
+
+/// Calls visit(bit, point) for every old point that is left, in order.
+template <class Visit>
+void for_each_left(std::span<const ContactMemory> old, const std::uint32_t& taken, const ContactMemory& fresh,
+                   Visit&& visit) {
+    for (std::uint32_t m = 0; m < old.size(); ++m) {
+        if (!has_impulses(old[m], fresh)) continue;
+        for (std::uint32_t i = 0; i < old[m].count; ++i)
+            if (const std::uint32_t bit = 1u << (4 * m + i); !(taken & bit)) visit(bit, old[m].points[i]);
+    }
+}
+
+/// [m]: a manifold serves while nothing of B has moved further than this from where it was.
+constexpr std::int64_t recycling_distance = decimal<Length>("0.0001").raw;
+
+} // namespace
+
+void carry_impulses(std::span<const ContactMemory> old, std::uint32_t& taken, ContactMemory& fresh) {
+    bool found[4] = {};
+    for (std::uint32_t k = 0; k < fresh.count; ++k)
+        for_each_left(old, taken, fresh, [&](std::uint32_t bit, const ContactPointMemory& point) {
+            if (found[k] || point.feature != fresh.points[k].feature) return;
+            take(point, fresh.points[k]);
+            found[k] = true;
+            taken |= bit;
+        });
+    for (std::uint32_t k = 0; k < fresh.count; ++k) {
+        if (found[k]) continue;
+        std::int64_t nearest = (same_point_distance * same_point_distance) >> 4;
+        std::uint32_t best = 0;
+        for_each_left(old, taken, fresh, [&](std::uint32_t bit, const ContactPointMemory& point) {
+            const std::int64_t d = distance_squared(point.position, fresh.points[k].position);
+            if (d > nearest) return;
+            take(point, fresh.points[k]);
+            nearest = d, best = bit;
+        });
+        taken |= best;
+    }
+    for (const ContactMemory& m : old)
+        if (has_impulses(m, fresh)) {
+            fresh.rolling = m.rolling;
+            break;
+        }
+}
+
+bool still_good(const ContactMemory& memory, CoordinateVec3 position, Quat rotation, Coordinate reach,
+                Length margin, Shift& shift) {
+    if (margin > memory.margin) return false;
+    const CoordinateVec3 moved = position - memory.made_position;
+    // rotation = turn * made_rotation; for a small turn its vector part is half the rotation vector.
+    const Quat turn = rotation * conjugate(memory.made_rotation);
+    const Unit sign = turn.w < Unit{} ? Unit(-1) : Unit(1);
+    std::int64_t furthest = 0, widest = 0;
+    for (int i = 0; i < 3; ++i) {
+        furthest = std::max(furthest, static_cast<std::int64_t>(magnitude(moved[i].raw)));
+        const Unit half = i == 0 ? turn.x : i == 1 ? turn.y : turn.z;
+        widest = std::max(widest, static_cast<std::int64_t>(magnitude(half.raw)));
+    }
+    if (furthest > recycling_distance || widest > std::int64_t{1} << 24) return false;
+    // |turn| <= sqrt(3) * 2 * widest < 4 * widest; 30 fraction bits times 24.
+    if (furthest * 2 + ((4 * widest * reach.raw) >> 30) > recycling_distance) return false;
+    shift.moved = to<Length>(moved);
+    shift.turned = {turn.x * sign + turn.x * sign, turn.y * sign + turn.y * sign,
+                    turn.z * sign + turn.z * sign};
+    return true;
+}
+
+Separation separation_after(const ContactMemory& memory, std::uint32_t point, const Shift& shift) {
+    const ContactPointMemory& p = memory.points[point];
+    const LengthVec3 way = shift.moved + cross<Length>(shift.turned, p.position);
+    return p.separation + dot<Separation>(memory.normal, way);
+}
+
+} // namespace lockstone::dynamics

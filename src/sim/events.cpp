@@ -1,0 +1,82 @@
+// What a tick reports: which pairs began or ceased to touch, and the points where they do.
+#include "sim/phases.h"
+
+#include <algorithm>
+#include <tuple>
+
+namespace lockstone::sim {
+
+namespace {
+
+/// Bodies of destroyed shapes are null.
+Event event_of(const Data& w, const ContactKey& key, std::uint32_t flags, bool begin) {
+    const bool sensor = (flags & dynamics::contact_sensor) != 0;
+    const bool swap = (flags & dynamics::contact_sensor_is_b) != 0;
+    const auto body = [&](ShapeId id) {
+        const std::uint32_t row = w.row_of(id);
+        return row == Data::dead ? BodyId{} : w.state.rows(w.m.shape)[row].body;
+    };
+    Event e{};
+    e.kind = sensor ? (begin ? EventKind::sensor_begin : EventKind::sensor_end)
+                    : (begin ? EventKind::contact_begin : EventKind::contact_end);
+    e.shape_a = swap ? key.b : key.a;
+    e.shape_b = swap ? key.a : key.b;
+    e.body_a = body(e.shape_a);
+    e.body_b = body(e.shape_b);
+    e.tick = w.header().tick;
+    return e;
+}
+
+bool was_hit(std::span<const ContactMemory> rows) {
+    for (const ContactMemory& memory : rows)
+        for (std::uint32_t k = 0; k < memory.count; ++k)
+            if (memory.points[k].normal.raw > 0) return true;
+    return false;
+}
+
+void publish_contact_points(Data& w) {
+    const Scratch& s = w.scratch;
+    const std::span<const ContactKey> keys = w.state.rows(w.m.contact_key);
+    const std::span<const ContactMemory> memories = w.state.rows(w.m.contact_memory);
+    w.contact_points.clear();
+    for (const dynamics::Contact& c : s.contacts) {
+        const bool flipped = (memories[c.memory].flags & dynamics::contact_flipped) != 0;
+        for (std::uint32_t k = 0; k < c.count; ++k)
+            w.contact_points.push_back({keys[c.memory].a, keys[c.memory].b,
+                                        s.pose_before[c.body_b].position + to<Real>(c.points[k].lever_b),
+                                        flipped ? -c.normal : c.normal, c.points[k].separation,
+                                        memories[c.memory].points[k].normal});
+    }
+}
+
+} // namespace
+
+void publish_events(Data& w) {
+    Scratch& s = w.scratch;
+    const std::span<const ContactKey> keys = w.state.rows(w.m.contact_key);
+    const std::span<ContactMemory> memories = w.state.rows(w.m.contact_memory);
+    w.events.clear();
+    for (const Scratch::Ended& ended : s.ended)
+        w.events.push_back(event_of(w, ended.key, ended.flags, false));
+    for (const Scratch::Seen& seen : s.seen) {
+        const std::span<ContactMemory> rows = memories.subspan(seen.first_row, seen.row_count);
+        const bool sensor = (rows[0].flags & dynamics::contact_sensor) != 0;
+        const bool now = seen.overlaps || (!sensor && was_hit(rows));
+        for (ContactMemory& row : rows) row.flags &= ~std::uint32_t{dynamics::contact_touching};
+        if (now) rows[0].flags |= dynamics::contact_touching;
+        if (now == seen.was_touching) continue;
+        Event e = event_of(w, keys[seen.first_row], rows[0].flags, now);
+        if (now) {
+            e.point = seen.point;
+            if (!sensor) e.normal = seen.normal;
+            e.approach_speed = seen.approach;
+        }
+        w.events.push_back(e);
+    }
+    std::sort(w.events.begin(), w.events.end(), [](const Event& x, const Event& y) {
+        return std::tie(x.kind, x.shape_a, x.shape_b) < std::tie(y.kind, y.shape_a, y.shape_b);
+    });
+    publish_contact_points(w);
+}
+
+} // namespace lockstone::sim

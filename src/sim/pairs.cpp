@@ -1,0 +1,92 @@
+// Which shapes may meet: bounds that overlap, planes that are reached, and the filters.
+#include "sim/phases.h"
+
+#include <algorithm>
+#include <tuple>
+
+namespace lockstone::sim {
+
+namespace {
+
+bool is_filtered(const Data& w, BodyId a, BodyId b) {
+    const std::span<const PairFilterRow> rows = w.state.rows(w.m.pair_filter);
+    if (rows.empty()) return false;
+    return std::binary_search(rows.begin(), rows.end(), PairFilterRow{std::min(a, b), std::max(a, b)});
+}
+
+/// Whether bounds reach below a plane.
+bool reaches(const collide::Bounds& bounds, const Transform& plane, std::uint32_t shift) {
+    const UnitVec3 n = to_rotation(plane.rotation).y;
+    const auto lowest = [](Unit along, Bound lower, Bound upper) { return along.raw > 0 ? lower : upper; };
+    const Vector3<Bound> corner{lowest(n.x, bounds.lower.x, bounds.upper.x),
+                                lowest(n.y, bounds.lower.y, bounds.upper.y),
+                                lowest(n.z, bounds.lower.z, bounds.upper.z)};
+    const auto metres = [shift](Bound b) { return Real::from_raw(std::int64_t{b.raw} << (16 + shift)); };
+    const Vec3 p = Vec3{metres(corner.x), metres(corner.y), metres(corner.z)} - plane.position;
+    return dot<Real>(n, p) <= to<Real>(margin_base);
+}
+
+void find_plane_pairs(Data& w) {
+    Scratch& s = w.scratch;
+    const std::uint32_t shift = w.state.rows(w.m.config)[0].bounds_shift;
+    const std::size_t before = s.pairs.size();
+    for (std::uint32_t plane : s.planes)
+        for (const ShapeRow& shape : w.state.rows(w.m.shape)) {
+            const std::uint32_t slot = shape.id.index - 1;
+            if (shape.geometry.kind == ShapeKind::plane) continue;
+            if (w.state.rows(w.m.body_info)[w.row_of(shape.body)].kind == BodyKind::static_) continue;
+            if (reaches(s.broad_phase.bounds(slot), s.shape[plane].pose, shift))
+                s.pairs.push_back({std::min(plane, slot), std::max(plane, slot)});
+        }
+    if (s.pairs.size() != before) std::sort(s.pairs.begin(), s.pairs.end());
+}
+
+} // namespace
+
+bool may_meet(const Data& w, const ShapeRow& a, const ShapeRow& b) {
+    if (a.body == b.body || (a.sensor != 0 && b.sensor != 0)) return false;
+    const std::span<const BodyInfo> info = w.state.rows(w.m.body_info);
+    const BodyKind kind_a = info[w.row_of(a.body)].kind, kind_b = info[w.row_of(b.body)].kind;
+    const bool any_dynamic = kind_a == BodyKind::dynamic || kind_b == BodyKind::dynamic;
+    const bool any_moves = kind_a != BodyKind::static_ || kind_b != BodyKind::static_;
+    if (!any_dynamic && !(any_moves && (a.sensor | b.sensor) != 0)) return false;
+    if (a.group != 0 && a.group == b.group) return a.group > 0;
+    return (a.category & b.mask) != 0 && (b.category & a.mask) != 0 && !is_filtered(w, a.body, b.body);
+}
+
+void find_pairs(Data& w) {
+    Scratch& s = w.scratch;
+    s.broad_phase.find_pairs(s.pairs);
+    find_plane_pairs(w);
+
+    const std::span<const Slot> slots = w.state.rows(w.m.shape_slot);
+    const std::span<const ShapeRow> shapes = w.state.rows(w.m.shape);
+    s.old_keys.assign(w.state.rows(w.m.contact_key).begin(), w.state.rows(w.m.contact_key).end());
+    s.old_memories.assign(w.state.rows(w.m.contact_memory).begin(), w.state.rows(w.m.contact_memory).end());
+    const auto order = [](const ContactKey& k) { return std::pair(k.a.index, k.b.index); };
+
+    s.near.clear(), s.ended.clear();
+    const std::uint32_t count = static_cast<std::uint32_t>(s.old_keys.size());
+    std::uint32_t old = 0;
+    const auto retire = [&](std::uint32_t i) {
+        if (s.old_memories[i].flags & dynamics::contact_touching)
+            s.ended.push_back({s.old_keys[i], s.old_memories[i].flags});
+    };
+    for (const collide::ProxyPair& pair : s.pairs) {
+        const ShapeRow &a = shapes[slots[pair.a].row], &b = shapes[slots[pair.b].row];
+        if (!may_meet(w, a, b)) continue;
+        const ContactKey key{a.id, b.id};
+        while (old < count && order(s.old_keys[old]) < order(key)) retire(old++);
+        Scratch::Near near{key, old, 0};
+        for (; old < count && order(s.old_keys[old]) == order(key); ++old) {
+            if (s.old_keys[old] == key)
+                ++near.old_count;
+            else
+                retire(old), near.old_first = old + 1;
+        }
+        s.near.push_back(near);
+    }
+    while (old < count) retire(old++);
+}
+
+} // namespace lockstone::sim

@@ -1,0 +1,34 @@
+// Continuous collision: what moved far in the tick is stopped where it first met something.
+//
+//   body          static   kinematic   dynamic
+//   any, fast     yes      yes         no
+//   bullet        yes      yes         yes, other bullets too
+//
+// Guarantee: the core of a shape (a ball of half its inner radius about its core centre) never passes through what its
+// body is swept against, and a shape that was apart from a piece (a convex part, a triangle) stops where it comes within
+// collide::stop_gap of it. Velocity is kept: the contacts of the next tick stop it.
+//
+// Fast: a point of the shape may have moved in the tick, against what it is swept against, by more than half of the
+// shape's inner radius (a quarter where that moves); turning counts with the shape's reach. Slower ones are left to the contacts, whose margin looks
+// further ahead than that.
+// Not swept: sensors, shapes that may not meet, pairs of which neither moves.
+#pragma once
+
+#include "lockstone/vec.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace lockstone::sim {
+
+struct Data;
+
+struct SweepScratch {
+    std::vector<std::uint32_t> slots; ///< of shapes near the way
+    std::vector<UnitVec3> touching;
+};
+
+/// Poses of fast bodies in the state, from scratch.pose_before and where finish_step put them. A pure function of these.
+void sweep_fast_bodies(Data& w);
+
+} // namespace lockstone::sim

@@ -1,0 +1,195 @@
+// Bullets against thin bodies that move themselves, against each other, and what a sweep must not do.
+#include "support/sim_scenes.h"
+
+#include <doctest/doctest.h>
+
+#include <cstdlib>
+#include <memory>
+#include <random>
+
+using namespace lockstone;
+using namespace lockstone::test::scene;
+
+namespace {
+
+struct Random {
+    std::mt19937_64 engine;
+    double operator()(double low, double high) {
+        return low + (high - low) * static_cast<double>(engine() >> 11) * 0x1p-53;
+    }
+};
+
+int samples(int quick, int thorough) { return std::getenv("LOCKSTONE_LONG") != nullptr ? thorough : quick; }
+
+constexpr double half_plate = 1, half_thickness = 0.005;
+
+/// Where the bullet is in the plate's axes.
+D3 seen_from(const World& w, BodyId plate, BodyId bullet) {
+    const Vec3 local = inverse_mul(w.pose(plate), w.center_of_mass(bullet));
+    return to_double(local);
+}
+
+/// Whether a bullet went through a plate: its centre crossed the plate's middle plane inside the plate's rim.
+bool crosses(D3 before, D3 after) {
+    if ((before[1] > 0) == (after[1] > 0)) return false;
+    const double t = before[1] / (before[1] - after[1]);
+    const D3 at = before + t * (after - before);
+    return std::abs(at[0]) < half_plate - 0.1 && std::abs(at[2]) < half_plate - 0.1;
+}
+
+struct Volley {
+    int shots = 0, through = 0, hits = 0;
+};
+
+/// Shots of balls and boxes at plates that come towards them, flee, slide across and turn.
+Volley shoot_plates(int count, BodyKind kind, bool bullet, bool resting_bullet) {
+    Random random{std::mt19937_64(7)};
+    Volley volley;
+    for (int i = 0; i < count; ++i) {
+        World w = made(World::create(weightless()));
+        const double plate_speed = resting_bullet ? random(40, 150) : random(-40, 40);
+        const BodyDef plate_def{.kind = kind,
+                                .pose = at(0, 0, 0),
+                                .linear_velocity = vec(random(-5, 5), plate_speed, random(-5, 5)),
+                                .angular_velocity = vec(random(-3, 3), random(-3, 3), random(-3, 3)),
+                                .mass = real(kind == BodyKind::dynamic ? 500 : 0)};
+        const BodyId plate =
+            add(w, plate_def, {.geometry = box(real(half_plate), real(half_thickness), real(half_plate))});
+        const double speed = resting_bullet ? 0 : random(60, 500), size = random(0.01, 0.05);
+        const double distance = random(1, 5);
+        const BodyDef shot{.pose = at(random(-0.5, 0.5), distance, random(-0.5, 0.5)),
+                           .linear_velocity =
+                               vec(random(-10, 10) * (speed > 0), -speed, random(-10, 10) * (speed > 0)),
+                           .angular_velocity = vec(random(-50, 50), random(-50, 50), random(-50, 50)),
+                           .bullet = bullet ? 1u : 0u};
+        const BodyId ball =
+            add(w, shot,
+                {.geometry = i % 2 == 0 ? sphere(real(size)) : box(real(size), real(size), real(2 * size))});
+        bool through = false, hit = false;
+        D3 before = seen_from(w, plate, ball);
+        for (int t = 0; t < 20; ++t) {
+            w.tick();
+            const D3 after = seen_from(w, plate, ball);
+            through |= crosses(before, after);
+            hit |= !w.contacts().empty();
+            before = after;
+        }
+        ++volley.shots;
+        volley.through += through;
+        volley.hits += hit;
+    }
+    return volley;
+}
+
+} // namespace
+
+TEST_CASE("bullets never pass through thin bodies that move") {
+    const Volley dynamic = shoot_plates(samples(100, 3000), BodyKind::dynamic, true, false);
+    CHECK(dynamic.through == 0);
+    CHECK(dynamic.hits > dynamic.shots / 2);
+    const Volley resting = shoot_plates(samples(60, 1000), BodyKind::dynamic, true, true);
+    CHECK(resting.through == 0);
+    CHECK(resting.hits > resting.shots / 2);
+}
+
+TEST_CASE("nothing passes through kinematic plates, bullet or not") {
+    CHECK(shoot_plates(samples(60, 1000), BodyKind::kinematic, false, false).through == 0);
+    CHECK(shoot_plates(samples(60, 1000), BodyKind::kinematic, false, true).through == 0);
+    CHECK(shoot_plates(samples(60, 1000), BodyKind::kinematic, true, false).through == 0);
+}
+
+TEST_CASE("planted: bodies that are no bullets pass through thin dynamic ones") {
+    CHECK(shoot_plates(100, BodyKind::dynamic, false, false).through > 10);
+}
+
+TEST_CASE("bullets never pass through each other") {
+    Random random{std::mt19937_64(8)};
+    int through = 0, touched = 0;
+    const int count = samples(100, 3000);
+    for (int i = 0; i < count; ++i) {
+        World w = made(World::create(weightless()));
+        const double r = random(0.02, 0.1);
+        const auto shot = [&](double x, double speed) {
+            return add(
+                w,
+                {.pose = at(x, random(-0.5, 0.5) * r, 0), .linear_velocity = vec(speed, 0, 0), .bullet = 1},
+                {.geometry = sphere(real(r))});
+        };
+        const bool swap = random(0, 1) < 0.5;
+        const double slow = random(-100, 100), fast = slow + random(50, 300);
+        const BodyId first = swap ? shot(4, slow) : shot(0, fast),
+                     second = swap ? shot(0, fast) : shot(4, slow);
+        bool hit = false;
+        const double sign = swap ? -1 : 1;
+        for (int t = 0; t < 20; ++t) {
+            w.tick();
+            hit |= !w.contacts().empty();
+            const D3 way = position(w, second) - position(w, first);
+            if (sign * way[0] < 0 && std::hypot(way[1], way[2]) < r) ++through, t = 20;
+        }
+        touched += hit;
+    }
+    CHECK(through == 0);
+    CHECK(touched > count / 3);
+}
+
+TEST_CASE("a sweep does not hold up what slides over seams") {
+    // A frictionless ball goes as far as without sweeps, on one slab, on tiles (whose seams the contacts feel) and on a mesh.
+    const auto slide = [](int kind, std::uint32_t continuous) {
+        auto library = std::make_shared<AssetLibrary>();
+        std::vector<Vec3> vertices;
+        std::vector<std::array<std::uint32_t, 3>> triangles;
+        for (std::uint32_t i = 0; i <= 50; ++i)
+            for (double z : {-2.0, 2.0}) vertices.push_back(vec(i - 10.0, 0, z));
+        for (std::uint32_t i = 0; i < 50; ++i) {
+            triangles.push_back({2 * i, 2 * i + 1, 2 * i + 3});
+            triangles.push_back({2 * i, 2 * i + 3, 2 * i + 2});
+        }
+        const AssetId mesh = library->add(bake_mesh({.vertices = vertices, .triangles = triangles})).value();
+        WorldDef def = small_def();
+        def.continuous = continuous;
+        World w = made(World::create(def, {}, library));
+        const auto fixed = [&](double x, const Geometry& g) {
+            add(w, {.kind = BodyKind::static_, .pose = at(x, kind == 2 ? 0 : -0.5, 0)},
+                {.geometry = g, .friction = Real{}});
+        };
+        if (kind == 0) fixed(0, box(60_r, 0.5_r, 2_r));
+        for (int i = 0; kind == 1 && i < 40; ++i) fixed(-10 + 1.5 * i, box(0.75_r, 0.5_r, 2_r));
+        if (kind == 2) fixed(0, library->geometry(mesh).value());
+        const BodyId puck = add(w, {.pose = at(-8, 0.2, 0)}, {.geometry = sphere(0.2_r), .friction = Real{}});
+        for (int t = 0; t < 60; ++t) w.tick();
+        done(w.set_velocity(puck, vec(90, 0, 0), Vec3{}));
+        for (int t = 0; t < 24; ++t) w.tick();
+        return position(w, puck)[0] + 8;
+    };
+    CHECK(slide(0, 1) == doctest::Approx(36).epsilon(0.001));
+    CHECK(slide(2, 1) == doctest::Approx(36).epsilon(0.001));
+    for (int kind = 0; kind < 3; ++kind) CHECK(slide(kind, 1) == slide(kind, 0));
+}
+
+TEST_CASE("a shot stops at what it hits, keeps its velocity in that tick, and is sent back by the next") {
+    World w = made(World::create(weightless()));
+    add_wall(w, at(0, 0, 0), vec(1, 1, 0.005));
+    const BodyId ball = add(w, {.pose = at(0, 0, -3), .linear_velocity = vec(0, 0, 300)},
+                            {.geometry = sphere(0.05_r), .restitution = 1_r});
+    w.tick();
+    CHECK(position(w, ball)[2] == doctest::Approx(-0.005 - 0.05 - 0.002).epsilon(0.01));
+    CHECK(velocity(w, ball)[2] == doctest::Approx(300));
+    w.tick();
+    CHECK(velocity(w, ball)[2] < -250);
+}
+
+TEST_CASE("a sweep heeds filters: sensors, groups and masks let a shot pass") {
+    const auto passes = [](const ShapeDef& wall_shape, const ShapeDef& ball_shape) {
+        World w = made(World::create(weightless()));
+        add(w, {.kind = BodyKind::static_}, wall_shape);
+        const BodyId ball = add(w, {.pose = at(0, 0, -3), .linear_velocity = vec(0, 0, 300)}, ball_shape);
+        for (int t = 0; t < 3; ++t) w.tick();
+        return position(w, ball)[2] > 1;
+    };
+    const Geometry wall = box(1_r, 1_r, 0.005_r), ball = sphere(0.05_r);
+    CHECK(!passes({.geometry = wall}, {.geometry = ball}));
+    CHECK(passes({.geometry = wall, .sensor = 1}, {.geometry = ball}));
+    CHECK(passes({.geometry = wall, .group = -2}, {.geometry = ball, .group = -2}));
+    CHECK(passes({.geometry = wall, .category = 2}, {.geometry = ball, .mask = 1}));
+}

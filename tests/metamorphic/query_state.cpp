@@ -1,0 +1,82 @@
+// Questions change nothing, and are answered by the state alone.
+#include "support/query_scene.h"
+
+#include <doctest/doctest.h>
+
+#include <cstdlib>
+
+using namespace lockstone;
+using namespace lockstone::test::query;
+
+namespace {
+
+int samples(int quick, int thorough) { return std::getenv("LOCKSTONE_LONG") != nullptr ? thorough : quick; }
+
+/// The tick at which the hashes of a world that is asked and of one that is not first differ; -1: never. With `disturb`
+/// asking does what it must not.
+int first_difference(int ticks, int questions, bool disturb) {
+    const Assets assets;
+    World asked = crowd(assets, 60), silent = crowd(assets, 60);
+    for (int t = 0; t < ticks; ++t) {
+        ask(asked, assets, static_cast<std::uint64_t>(t), questions);
+        if (disturb && t == 20) asked.state_for_tests().bytes(0)[0] ^= std::byte{1};
+        if (asked.hash() != silent.hash()) return t;
+        asked.tick();
+        silent.tick();
+        if (asked.hash() != silent.hash()) return t;
+    }
+    return -1;
+}
+
+} // namespace
+
+TEST_CASE("thousands of questions between all ticks change no hash") {
+    CHECK(first_difference(samples(60, 600), samples(100, 400), false) == -1);
+}
+
+TEST_CASE("planted: a question that changed the state would be noticed") {
+    CHECK(first_difference(30, 8, true) == 20);
+}
+
+TEST_CASE("clones, restored worlds and worlds of another history give the same answers") {
+    const Assets assets;
+    World w = crowd(assets, 60);
+    for (int t = 0; t < 40; ++t) w.tick();
+    Image image;
+    w.save(image);
+    const Answers answers = ask(w, assets, 1, 400);
+    CHECK(answers.bytes.size() > 5000);
+    CHECK(ask(w, assets, 1, 400) == answers);
+    CHECK(ask(w.clone(), assets, 1, 400) == answers);
+    for (int t = 0; t < 25; ++t) {
+        w.tick();
+        ask(w, assets, 2, 20);
+    }
+    CHECK(!(ask(w, assets, 1, 400) == answers));
+    w.restore(image);
+    CHECK(ask(w, assets, 1, 400) == answers);
+
+    World other = crowd(assets, 10); // a tree of another shape
+    for (int t = 0; t < 90; ++t) {
+        other.tick();
+        ask(other, assets, 3, 8);
+    }
+    other.restore(image);
+    CHECK(ask(other, assets, 1, 400) == answers);
+}
+
+TEST_CASE("commands since the last tick count") {
+    World w = made(World::create(small_def()));
+    const BodyId ball = add_ball(w, at(0, 0, 0));
+    const Ray ray{vec(-5, 3, 0), vec(10, 0, 0)};
+    CHECK(!w.cast_ray(ray));
+    done(w.set_pose(ball, at(0, 3, 0)));
+    REQUIRE(w.cast_ray(ray));
+    CHECK(to_double(w.cast_ray(ray)->distance) == doctest::Approx(4.5));
+    const BodyId wall = add_wall(w, at(-3, 3, 0), vec(0.1, 1, 1));
+    CHECK(w.cast_ray(ray)->body == wall);
+    done(w.destroy(wall));
+    CHECK(w.cast_ray(ray)->body == ball);
+    done(w.destroy(ball));
+    CHECK(!w.cast_ray(ray));
+}

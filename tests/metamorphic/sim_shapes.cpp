@@ -1,0 +1,99 @@
+// The contract, with shapes of every kind: restored at every tick, through a file, in another world, with its assets or
+// without.
+#include "support/sim_shapes.h"
+
+#include <doctest/doctest.h>
+
+using namespace lockstone;
+using namespace lockstone::test::scene;
+
+TEST_CASE("every kind of shape: a world restored at every tick is the world that never stopped") {
+    const Zoo zoo = make_zoo();
+    World straight = zoo_world(zoo), rolled_back = zoo_world(zoo);
+    Image image;
+    for (int t = 0; t < 240; ++t) {
+        straight.tick();
+        rolled_back.save(image);
+        for (int again = 0; again < 3; ++again) rolled_back.tick();
+        rolled_back.restore(image);
+        rolled_back.tick();
+        REQUIRE(difference(straight, rolled_back) == "");
+    }
+    CHECK(straight.faults() == Faults{});
+}
+
+TEST_CASE("every kind of shape: a world loaded from a portable image goes on alike") {
+    const Zoo zoo = make_zoo();
+    World straight = zoo_world(zoo);
+    for (int t = 0; t < 60; ++t) straight.tick();
+    World loaded = made(World::create(straight.def(), {}, zoo.library));
+    for (int t = 0; t < 60; ++t) {
+        done(loaded.restore_portable(straight.save_portable()));
+        straight.tick(), loaded.tick();
+        REQUIRE(difference(straight, loaded) == "");
+    }
+}
+
+TEST_CASE("a world without an asset refuses a state that names it, and says which") {
+    const Zoo zoo = make_zoo();
+    const World full = zoo_world(zoo);
+    World bare = made(World::create(full.def()));
+    const Status status = bare.restore_portable(full.save_portable());
+    REQUIRE_FALSE(status);
+    CHECK(status.error().message.find("shape.row") != std::string::npos);
+    const Result<ShapeId> shape =
+        bare.create_shape(made(bare.create_body({})), {.geometry = instance(ShapeKind::hull, zoo.hull)});
+    REQUIRE_FALSE(shape);
+    CHECK(shape.error().message.find("asset") != std::string::npos);
+}
+
+TEST_CASE("assets added in another order, and others besides, change nothing") {
+    const Zoo zoo = make_zoo();
+    AssetLibrary other;
+    made(other.add(wave_bytes(9)));
+    made(other.add(step_bytes()));
+    made(other.add(wave_bytes()));
+    made(other.add(gem_bytes()));
+    made(other.add(zoo.library->bytes(zoo.table)));
+    Zoo shuffled = zoo;
+    shuffled.library = std::make_shared<const AssetLibrary>(std::move(other));
+    World a = zoo_world(zoo), b = zoo_world(shuffled);
+    for (int t = 0; t < 120; ++t) {
+        a.tick(), b.tick();
+        REQUIRE(difference(a, b) == "");
+    }
+}
+
+TEST_CASE("a state without its manifolds' poses goes another way: they are state") {
+    const Zoo zoo = make_zoo();
+    World w = zoo_world(zoo);
+    for (int t = 0; t < 200; ++t) w.tick();
+    World without = w.clone();
+    State& state = without.state_for_tests();
+    const std::span<const ColumnInfo> columns = state.layout().columns();
+    for (std::uint32_t c = 0; c < columns.size(); ++c)
+        if (columns[c].name == "contact.memory") std::ranges::fill(state.bytes(c), std::byte{0});
+    bool parted = false;
+    for (int t = 0; t < 30 && !parted; ++t) {
+        w.tick(), without.tick();
+        parted = difference(w, without) != "";
+    }
+    CHECK(parted);
+}
+
+TEST_CASE("a terrain costs a snapshot nothing: as many bytes with it as without") {
+    std::vector<Length> heights(320 * 320);
+    for (std::size_t i = 0; i < heights.size(); ++i)
+        heights[i] = to<Length>(real(0.01 * static_cast<double>(i % 7)));
+    AssetLibrary library;
+    const AssetId terrain = made(library.add(bake_height_field({320, 320, to<Length>(1_r), heights})));
+    World with =
+        made(World::create(small_def(), {}, std::make_shared<const AssetLibrary>(std::move(library))));
+    World without = made(World::create(small_def()));
+    add(with, {.kind = BodyKind::static_}, {.geometry = instance(ShapeKind::height_field, terrain)});
+    add(without, {.kind = BodyKind::static_}, {.geometry = box(10_r, 1_r, 10_r)});
+    Image a, b;
+    with.save(a), without.save(b);
+    CHECK(a.bytes.size() == b.bytes.size());
+    CHECK(with.save_portable().size() == without.save_portable().size());
+}
