@@ -1,5 +1,7 @@
 #include "replay/branch.h"
 
+#include "replay/codec.h"
+
 #include <algorithm>
 
 namespace lockstone::replay {
@@ -26,7 +28,7 @@ Header header_of(const Recording& source, std::uint64_t at, const RecorderOption
 Result<Writer> begin_like(const Recording& source, const Header& header, Sink& sink,
                           const RecorderOptions& options) {
     return Writer::begin(sink, header, source.schema(), source.world_def(), source.keyframes().front().hash,
-                         source.keyframe_image(0), {options.block_ticks});
+                         source.keyframe_image(0), {options.block_ticks, assets_in_order(*source.assets())});
 }
 
 Status copy_tick(const Recording& source, const TickBlock& block, std::uint64_t tick, Writer& writer) {

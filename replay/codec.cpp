@@ -210,11 +210,12 @@ template <class Visit> void for_each_field(WorldDef& d, Visit&& visit) {
     visit("integrator", d.integrator), visit("bounds_shift", d.bounds_shift);
     visit("bodies_max", d.bodies_max), visit("shapes_max", d.shapes_max);
     visit("contacts_max", d.contacts_max), visit("fields_max", d.fields_max);
+    visit("pair_filters_max", d.pair_filters_max), visit("continuous", d.continuous);
     visit("restitution_speed_min", d.restitution_speed_min), visit("contact_hertz", d.contact_hertz);
     visit("contact_damping", d.contact_damping), visit("push_speed_max", d.push_speed_max);
     visit("seed", d.seed);
 }
-constexpr std::size_t world_def_bytes = 96;
+constexpr std::size_t world_def_bytes = 104;
 static_assert(sizeof(WorldDef) == world_def_bytes,
               "a field was added: for_each_field and FORMAT.md need it too");
 
@@ -271,6 +272,18 @@ std::string first_difference(const WorldDef& left, const WorldDef& right) {
         ++i;
     });
     return difference;
+}
+
+// ---- ASET ----------------------------------------------------------------------------------------------------
+
+std::vector<std::span<const std::byte>> assets_in_order(const AssetLibrary& library) {
+    std::vector<std::span<const std::byte>> out;
+    // Compounds name hulls, so they come after them.
+    for (const bool compounds : {false, true})
+        for (AssetId id : library.ids())
+            if ((library.geometry(id)->kind == ShapeKind::compound) == compounds)
+                out.push_back(library.bytes(id));
+    return out;
 }
 
 // ---- commands ------------------------------------------------------------------------------------------------

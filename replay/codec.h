@@ -23,6 +23,9 @@ WorldDef read_world_def(base::ByteReader& in);
 /// The first field in which two definitions differ: "substeps: 4 against 8"; empty when they are equal.
 std::string first_difference(const WorldDef& left, const WorldDef& right);
 
+/// Every asset, in an order in which they can be added to an empty library.
+std::vector<std::span<const std::byte>> assets_in_order(const AssetLibrary& library);
+
 // ---- commands: kind = index in the variant ----
 inline constexpr std::size_t command_kinds = std::variant_size_v<Command>;
 /// Bytes of the fields of a kind, kind < command_kinds.

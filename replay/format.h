@@ -44,7 +44,7 @@ const std::string* find_option(const Header& header, std::string_view key);
 
 inline constexpr std::string_view engine_version =
     "0.1.0"; ///< as in CMakeLists.txt; a test holds them together
-inline constexpr std::uint16_t version_major = 1;
+inline constexpr std::uint16_t version_major = 2;
 inline constexpr std::uint16_t version_minor = 0;
 
 // ---- limits: a file beyond them is refused, by the writer and by the reader ----
@@ -79,6 +79,7 @@ constexpr std::uint32_t chunk_type(const char (&name)[5]) {
 inline constexpr std::uint32_t chunk_head = chunk_type("HEAD");
 inline constexpr std::uint32_t chunk_schema = chunk_type("SCHM");
 inline constexpr std::uint32_t chunk_world_def = chunk_type("WDEF");
+inline constexpr std::uint32_t chunk_asset = chunk_type("ASET");
 inline constexpr std::uint32_t chunk_keyframe = chunk_type("KEYF");
 inline constexpr std::uint32_t chunk_ticks = chunk_type("TICK");
 inline constexpr std::uint32_t chunk_index = chunk_type("INDX");

@@ -17,8 +17,8 @@ namespace {
 constexpr std::array opening = {chunk_head, chunk_schema, chunk_world_def, chunk_keyframe};
 
 bool is_known(std::uint32_t type) {
-    constexpr std::array known = {chunk_head,  chunk_schema, chunk_world_def, chunk_keyframe,
-                                  chunk_ticks, chunk_index,  chunk_end};
+    constexpr std::array known = {chunk_head,     chunk_schema, chunk_world_def, chunk_asset,
+                                  chunk_keyframe, chunk_ticks,  chunk_index,     chunk_end};
     return std::ranges::find(known, type) != known.end();
 }
 
@@ -140,6 +140,10 @@ Status Parser::check_order(const Chunk& chunk) const {
         return {};
     }
     if (chunk.skippable) return Error{"it is marked skippable, which this type never is"};
+    if (chunk.type == chunk_asset) {
+        if (chunks_seen + 1 == opening.size()) return {};
+        return Error{"assets stand between WDEF and the first KEYF"};
+    }
     if (chunks_seen < opening.size()) {
         if (chunk.type == opening[chunks_seen]) return {};
         return Error{join(chunk_name(opening[chunks_seen]), " must come before it")};
@@ -161,6 +165,9 @@ void Parser::read_payload(const Chunk& chunk, ByteReader& in) {
         break;
     case chunk_world_def:
         read_world_definition(in);
+        break;
+    case chunk_asset:
+        read_asset(in);
         break;
     case chunk_keyframe:
         read_keyframe(in);
@@ -189,6 +196,13 @@ void Parser::read_world_definition(ByteReader& in) {
     out.def = read_world_def(in);
     if (out.def.tick_rate != out.head.tick_rate)
         in.fail(join("the tick rate is ", out.def.tick_rate, ", HEAD says ", out.head.tick_rate));
+}
+
+void Parser::read_asset(ByteReader& in) {
+    const std::size_t before = out.library->ids().size();
+    const Result<AssetId> id = out.library->add(in.bytes(in.remaining(), "asset"));
+    if (!id) return in.fail(id.error().message);
+    if (out.library->ids().size() == before) in.fail("the asset stands twice");
 }
 
 void Parser::read_keyframe(ByteReader& in) {

@@ -30,6 +30,7 @@ class Parser {
     void read_payload(const Chunk& chunk, base::ByteReader& in);
     void read_head(base::ByteReader& in);
     void read_world_definition(base::ByteReader& in);
+    void read_asset(base::ByteReader& in);
     void read_keyframe(base::ByteReader& in);
     void read_ticks(base::ByteReader& in, const Chunk& chunk);
     void read_index(base::ByteReader& in);

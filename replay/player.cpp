@@ -45,7 +45,7 @@ std::string world_fault(const Recording& recording, const World& world) {
 /// What World::create asserts rather than reports, because its caller is a program and ours is a file.
 std::string schema_fault(const WorldDef& def, const GameSchema& schema) {
     WorldDef least;
-    least.bodies_max = least.shapes_max = least.contacts_max = least.fields_max = 1;
+    least.bodies_max = least.shapes_max = least.contacts_max = least.fields_max = least.pair_filters_max = 1;
     const Result<World> plain = World::create(least);
     if (!plain) return plain.error().message;
     std::uint64_t bytes = 0;
@@ -74,7 +74,7 @@ Result<Player> Player::open(const Recording& recording, const Game* game) {
     if (header.mode == Mode::commands) {
         if (const std::string fault = schema_fault(recording.world_def(), recording.schema()); !fault.empty())
             return refuse(fault);
-        Result<World> world = World::create(recording.world_def(), recording.schema());
+        Result<World> world = World::create(recording.world_def(), recording.schema(), recording.assets());
         return world ? at_start(recording, nullptr, std::move(*world)) : refuse(world.error().message);
     }
     if (game == nullptr) return refuse(join("it holds inputs, so it needs the game ", header.game));

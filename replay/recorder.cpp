@@ -1,5 +1,7 @@
 #include "replay/recorder.h"
 
+#include "replay/codec.h"
+
 #include <algorithm>
 
 namespace lockstone::replay {
@@ -20,8 +22,10 @@ Header header_of(const World& world, const RecorderOptions& options) {
 
 Result<Writer> begin_at(Sink& sink, const Header& header, const World& world,
                         const RecorderOptions& options) {
+    WriterOptions writing{options.block_ticks};
+    if (header.mode == Mode::commands) writing.assets = assets_in_order(world.assets());
     return Writer::begin(sink, header, world.schema(), world.def(), world.hash(), world.save_portable(),
-                         {options.block_ticks});
+                         writing);
 }
 
 bool is_due(const Writer& writer, std::uint64_t keyframe_ticks) {

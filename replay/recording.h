@@ -29,6 +29,8 @@ class Recording {
     const Header& header() const { return head; }
     const GameSchema& schema() const { return game_schema; }
     const WorldDef& world_def() const { return def; }
+    /// What its commands need; empty in inputs mode, where the game has them.
+    const std::shared_ptr<AssetLibrary>& assets() const { return library; }
 
     /// Empty for a complete recording; else the sentence that says where and why it ends early.
     const std::string& damage() const { return damage_sentence; }
@@ -74,6 +76,7 @@ class Recording {
     Header head;
     GameSchema game_schema;
     WorldDef def;
+    std::shared_ptr<AssetLibrary> library = std::make_shared<AssetLibrary>();
     std::vector<Keyframe> keyframe_list;
     std::vector<std::byte> first_image;
     std::vector<Block> block_list;

@@ -55,6 +55,8 @@ Result<Writer> Writer::begin(Sink& sink, const Header& header, const GameSchema&
     Status status = writer.write_chunk(chunk_head, 0, head_payload);
     if (status) status = writer.write_chunk(chunk_schema, 0, schema_payload);
     if (status) status = writer.write_chunk(chunk_world_def, 0, def_payload);
+    for (const std::span<const std::byte> asset : options.assets)
+        if (status) status = writer.write_chunk(chunk_asset, 0, asset);
     if (status) status = writer.write_keyframe(start_image);
     if (!status) return status.error();
     writer.first_image.assign(start_image.begin(), start_image.end());

@@ -9,11 +9,13 @@ namespace lockstone::replay {
 
 struct WriterOptions {
     std::uint32_t block_ticks = block_ticks_default; ///< 1..1024: ticks that a crash may lose
+    /// What a recording of commands is played with: every asset, each after those it names.
+    std::vector<std::span<const std::byte>> assets = {};
 };
 
 class Writer {
   public:
-    /// Writes the preamble, HEAD, SCHM, WDEF and the first keyframe. `sink` outlives the writer.
+    /// Writes the preamble, HEAD, SCHM, WDEF, the assets and the first keyframe. `sink` outlives the writer.
     static Result<Writer> begin(Sink& sink, const Header& header, const GameSchema& schema,
                                 const WorldDef& def, std::uint64_t start_hash,
                                 std::span<const std::byte> start_image, const WriterOptions& options = {});

@@ -11,6 +11,8 @@ small() { # the scene at a size that is quick to run
     case $1 in
         pyramid) echo --size 8 ;;
         pile) echo --size 60 ;;
+        convex-pile | washer) echo --size 40 ;;
+        terrain) echo --size 20 ;;
         domino) echo --size 30 ;;
     esac
 }

@@ -76,6 +76,8 @@ WorldDef tiny_def() {
     def.shapes_max = 9;
     def.contacts_max = 10;
     def.fields_max = 3;
+    def.pair_filters_max = 5;
+    def.continuous = 1;
     def.restitution_speed_min = Real(1);
     def.contact_hertz = Real(60);
     def.contact_damping = Real(10);
