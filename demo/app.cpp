@@ -33,7 +33,7 @@ Result<std::unique_ptr<Page>> open_page(const Options& options, Stage& stage) {
 /// Before a window opens for nothing.
 Status check_scene(const Options& options) {
     if (options.source_is_file()) return {};
-    const Result<std::unique_ptr<Game>> game = make_scene(options.source, options.scene);
+    const Result<std::unique_ptr<Game>> game = make_game(options);
     return game ? Status{} : game.error();
 }
 

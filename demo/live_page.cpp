@@ -40,7 +40,7 @@ LivePage::LivePage(const Options& options, Stage& stage, std::unique_ptr<Game> g
 }
 
 Result<std::unique_ptr<Page>> LivePage::open(const Options& options, Stage& stage) {
-    Result<std::unique_ptr<Game>> game = make_scene(options.source, options.scene);
+    Result<std::unique_ptr<Game>> game = make_game(options);
     if (!game) return game.error();
     Result<World> world = (*game)->start();
     if (!world) return world.error();

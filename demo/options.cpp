@@ -1,5 +1,7 @@
 #include "options.h"
 
+#include "scenes/asset_set.h"
+
 #include <CLI/CLI.hpp>
 
 #include <cstdio>
@@ -21,6 +23,8 @@ std::string scene_list() {
 
 void add_options(CLI::App& app, Options& options) {
     app.add_option("source", options.source, "a scene, or a replay file (.lsr); default rollback-arena");
+    app.add_option("--asset", options.asset_file,
+                   "show an asset that `lockstone cook` made, instead of a scene");
     app.add_option("--size", options.scene.size, "size of the scene, see `lockstone scenes`");
     app.add_option("--seed", options.scene.seed, "seed of the scene and of scripted players");
     app.add_option("--players", options.scene.players, "number of players");
@@ -49,6 +53,7 @@ void add_options(CLI::App& app, Options& options) {
 
 /// What CLI11 cannot know; empty when the options go together.
 std::string contradiction(const Options& options) {
+    if (!options.asset_file.empty() && options.netplay) return "--netplay needs a scene, not an asset";
     if (!options.source_is_file()) return {};
     if (options.netplay) return "--netplay needs a scene, not a replay file";
     if (!options.record_file.empty()) return "--record needs a scene: " + options.source + " is a recording";
@@ -60,9 +65,18 @@ std::string contradiction(const Options& options) {
 } // namespace
 
 bool Options::source_is_file() const {
+    if (!asset_file.empty()) return false;
     if (find_scene(source) != nullptr) return false;
     const std::filesystem::path path(source);
     return path.extension() == ".lsr" || path.has_parent_path() || std::filesystem::exists(path);
+}
+
+Result<std::unique_ptr<Game>> make_game(const Options& options) {
+    if (options.asset_file.empty()) return make_scene(options.source, options.scene);
+    AssetLibrary library;
+    const Result<AssetId> id = load_assets(options.asset_file, library);
+    if (!id) return id.error();
+    return make_asset_scene(std::make_shared<const AssetLibrary>(std::move(library)), *id, options.scene);
 }
 
 std::variant<Options, int> parse_options(int argc, char** argv) {
@@ -73,6 +87,9 @@ std::variant<Options, int> parse_options(int argc, char** argv) {
     add_options(app, options);
     try {
         app.parse(argc, argv);
+        if (!options.asset_file.empty() && app.count("source") != 0)
+            throw CLI::ValidationError("--asset takes the place of a scene: leave " + options.source +
+                                       " out");
     } catch (const CLI::CallForHelp&) {
         std::printf("%s", app.help().c_str());
         return 0;

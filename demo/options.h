@@ -13,6 +13,7 @@ namespace lockstone::demo {
 
 struct Options {
     std::string source = "rollback-arena"; ///< a scene's name, or a replay file
+    std::string asset_file;                ///< shown instead of a scene; empty: none
     SceneOptions scene;
     std::optional<std::uint64_t> ticks; ///< how long to play; of a replay: how far
     std::string input_file;             ///< inputs to play, text or a replay; empty: people or the script
@@ -32,5 +33,8 @@ struct Options {
 
 /// The options; or the exit status when there is nothing to do (help: 0, bad usage: 2, said on stderr).
 std::variant<Options, int> parse_options(int argc, char** argv);
+
+/// The scene or the asset that the options choose. The error names the scene, the file, the reason.
+Result<std::unique_ptr<Game>> make_game(const Options& options);
 
 } // namespace lockstone::demo

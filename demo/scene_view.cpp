@@ -58,12 +58,13 @@ bool hides(const glm::mat4& pose, const glm::vec3& half, const glm::vec3& eye, c
     return enter < leave;
 }
 
-/// Half the size of the axis-aligned box around a shape.
-glm::vec3 half_bounds(ShapeKind kind, const glm::vec3& size, const glm::mat4& pose) {
-    const glm::mat3 turn(pose);
-    if (kind == ShapeKind::sphere) return glm::vec3(size.x);
-    if (kind == ShapeKind::capsule) return glm::abs(turn[1]) * size.y + size.x;
-    return glm::abs(turn[0]) * size.x + glm::abs(turn[1]) * size.y + glm::abs(turn[2]) * size.z;
+/// The axis-aligned box, in the world, around one in a shape's frame.
+Bounds moved(const Bounds& bounds, const glm::mat4& pose) {
+    const glm::vec3 half = 0.5f * (bounds.max - bounds.min);
+    const glm::vec3 reach = glm::abs(glm::vec3(pose[0])) * half.x + glm::abs(glm::vec3(pose[1])) * half.y +
+                            glm::abs(glm::vec3(pose[2])) * half.z;
+    const glm::vec3 centre(pose * glm::vec4(bounds.centre(), 1));
+    return {centre - reach, centre + reach};
 }
 
 } // namespace
@@ -71,21 +72,33 @@ glm::vec3 half_bounds(ShapeKind kind, const glm::vec3& size, const glm::mat4& po
 // ---- reading ----------------------------------------------------------------------------------------------
 
 SceneView::Part SceneView::read_part(const ShapeDef& def) {
-    const float radius = to_float(def.geometry.radius);
-    const glm::vec3 half = to_glm(to_float(def.geometry.half_extent));
-    const glm::mat4 local = to_glm(def.local);
-    switch (def.geometry.kind) {
-    case lockstone::ShapeKind::sphere:
-        return {ShapeKind::sphere, glm::vec3(radius), local, false};
-    case lockstone::ShapeKind::capsule:
-        return {ShapeKind::capsule, {radius, half.y, radius}, local, false};
-    case lockstone::ShapeKind::plane:
-        return {ShapeKind::plane, {plane_half_side, 0, plane_half_side}, local, false};
-    case lockstone::ShapeKind::box:
-        break;
-    }
-    const float smallest = std::min({half.x, half.y, half.z}), largest = std::max({half.x, half.y, half.z});
-    return {ShapeKind::box, half, local, largest < 1.3f * smallest};
+    const Geometry& g = def.geometry;
+    const float radius = to_float(g.radius) * to_float(g.scale.x);
+    const glm::vec3 half = to_glm(to_float(g.half_extent)) * to_glm(to_float(g.scale));
+    Part part{.geometry = g, .local = to_glm(def.local)};
+    const auto be = [&](ShapeKind kind, const glm::vec3& size, const glm::vec3& reach) {
+        part.primitive = kind;
+        part.size = size;
+        part.bounds = {-reach, reach};
+    };
+    const bool is_rounded = g.radius > Length{};
+    if (g.kind == lockstone::ShapeKind::sphere)
+        be(ShapeKind::sphere, glm::vec3(radius), glm::vec3(radius));
+    else if (g.kind == lockstone::ShapeKind::capsule)
+        be(ShapeKind::capsule, {radius, half.y, radius}, {radius, half.y + radius, radius});
+    else if (g.kind == lockstone::ShapeKind::plane)
+        be(ShapeKind::plane, {plane_half_side, 0, plane_half_side}, {plane_half_side, 0, plane_half_side});
+    else if (g.kind == lockstone::ShapeKind::cylinder && !is_rounded)
+        be(ShapeKind::cylinder, half, half);
+    else if (g.kind == lockstone::ShapeKind::cone && !is_rounded)
+        be(ShapeKind::cone, half, half);
+    else if (g.kind == lockstone::ShapeKind::box && !is_rounded)
+        be(ShapeKind::box, half, half);
+    else
+        part.bounds = meshes_->bounds(g, *assets_);
+    part.crate = part.primitive == ShapeKind::box &&
+                 std::max({half.x, half.y, half.z}) < 1.3f * std::min({half.x, half.y, half.z});
+    return part;
 }
 
 SceneView::Body SceneView::read_body(const World& world, BodyId id, std::uint32_t row) {
@@ -121,6 +134,7 @@ void SceneView::reset(const World& world) {
 }
 
 void SceneView::capture(const World& world) {
+    assets_ = world.assets_shared();
     std::vector<Body> now;
     now.reserve(world.body_count());
     for (std::uint32_t row = 0; row < world.body_count(); ++row) {
@@ -172,23 +186,32 @@ void SceneView::draw_body(Frame& frame, const Body& body, float alpha, const Sta
     const glm::mat4 at = pose(body, alpha);
     for (const Part& part : body.parts) {
         const glm::mat4 place = at * part.local;
-        const bool in_the_way = body.kind == BodyKind::static_ && part.kind == ShapeKind::box &&
+        const bool in_the_way = body.kind == BodyKind::static_ && part.primitive == ShapeKind::box &&
                                 std::any_of(sights.begin(), sights.end(), [&](const glm::vec3& sight) {
                                     return hides(place, part.size, frame.camera.eye(), sight);
                                 });
-        if (in_the_way) {
+        if (in_the_way)
             add_box_lines(frame, place, part.size, glm::vec3(0.85f));
-        } else if (part.crate && as_crate) {
-            frame.objects.emplace_back(stage.crate,
-                                       glm::scale(place, 2.0f * part.size)); // the model is 1 m wide
-            frame.objects.back().set_tint(glm::mix(body.colour, glm::vec3(1), 0.35f));
-        } else {
-            frame.instances.push_back(
-                {.kind = part.kind, .size = part.size, .pose = place, .colour = body.colour});
-        }
-        if (!stage.view.bounds || part.kind == ShapeKind::plane) continue;
-        add_box_lines(frame, glm::translate(glm::mat4(1), glm::vec3(place[3])),
-                      half_bounds(part.kind, part.size, place), {0.35f, 0.75f, 1.0f});
+        else
+            draw_part(frame, body, part, place, part.crate && as_crate, stage);
+        if (!stage.view.bounds || part.primitive == ShapeKind::plane) continue;
+        const Bounds box = moved(part.bounds, place);
+        add_box_lines(frame, glm::translate(glm::mat4(1), box.centre()), 0.5f * (box.max - box.min),
+                      {0.35f, 0.75f, 1.0f});
+    }
+}
+
+void SceneView::draw_part(Frame& frame, const Body& body, const Part& part, const glm::mat4& place,
+                          bool as_crate, const Stage& stage) const {
+    if (as_crate) {
+        frame.objects.emplace_back(stage.crate, glm::scale(place, 2.0f * part.size)); // the model is 1 m wide
+        frame.objects.back().set_tint(glm::mix(body.colour, glm::vec3(1), 0.35f));
+    } else if (part.primitive) {
+        frame.instances.push_back(
+            {.kind = *part.primitive, .size = part.size, .pose = place, .colour = body.colour});
+    } else if (const auto model = meshes_->model(part.geometry, *assets_)) {
+        frame.objects.emplace_back(model, place);
+        frame.objects.back().set_tint(body.colour);
     }
 }
 
@@ -232,17 +255,16 @@ std::uint32_t SceneView::player_count() const {
 }
 
 Bounds SceneView::bounds() const {
-    const bool any_dynamic = std::any_of(bodies_.begin(), bodies_.end(),
-                                         [](const Body& b) { return b.kind == BodyKind::dynamic; });
+    const bool any_moves = std::any_of(bodies_.begin(), bodies_.end(),
+                                       [](const Body& b) { return b.kind != BodyKind::static_; });
     Bounds bounds;
     for (const Body& body : bodies_) {
-        if (any_dynamic && body.kind != BodyKind::dynamic) continue;
+        if (any_moves && body.kind == BodyKind::static_) continue;
         for (const Part& part : body.parts) {
-            if (part.kind == ShapeKind::plane) continue;
-            const glm::mat4 place = pose(body, 1) * part.local;
-            const glm::vec3 half = half_bounds(part.kind, part.size, place), centre(place[3]);
-            bounds.add(centre - half);
-            bounds.add(centre + half);
+            if (part.primitive == ShapeKind::plane) continue;
+            const Bounds box = moved(part.bounds, pose(body, 1) * part.local);
+            bounds.add(box.min);
+            bounds.add(box.max);
         }
     }
     if (bounds.empty()) bounds.add(glm::vec3(0));

@@ -5,6 +5,7 @@
 #include "page.h"
 #include "render/mesh.h"
 #include "scenes/scenes.h"
+#include "shape_meshes.h"
 
 #include <glm/gtc/quaternion.hpp>
 
@@ -43,10 +44,12 @@ class SceneView {
         glm::quat rotation{1, 0, 0, 0};
     };
     struct Part {
-        ShapeKind kind;
-        glm::vec3 size;
+        Geometry geometry;
         glm::mat4 local;
-        bool crate; ///< near enough to a cube for the model
+        Bounds bounds{};                      ///< in the shape's frame
+        std::optional<ShapeKind> primitive{}; ///< how it is drawn; none: as triangles of its own
+        glm::vec3 size{0};                    ///< of the primitive
+        bool crate = false;                   ///< near enough to a cube for the model
     };
     struct Body {
         BodyId id;
@@ -62,19 +65,23 @@ class SceneView {
         float impulse;
     };
 
-    static Body read_body(const World& world, BodyId id, std::uint32_t row);
-    static Part read_part(const ShapeDef& def);
+    Body read_body(const World& world, BodyId id, std::uint32_t row);
+    Part read_part(const ShapeDef& def);
     const Body* find(BodyId id, std::size_t hint) const;
     static glm::mat4 pose(const Body& body, float alpha);
     std::vector<glm::vec3> sights(std::optional<std::uint32_t> followed, float alpha) const;
     void draw_body(Frame& frame, const Body& body, float alpha, const Stage& stage,
                    std::span<const glm::vec3> sights) const;
+    void draw_part(Frame& frame, const Body& body, const Part& part, const glm::mat4& place, bool as_crate,
+                   const Stage& stage) const;
     void draw_contacts(Frame& frame) const;
     void draw_it(Frame& frame, float alpha) const;
 
     std::vector<Body> bodies_; ///< by row
     std::vector<Touch> contacts_;
     std::optional<MatchValues> match_;
+    std::shared_ptr<const AssetLibrary> assets_;
+    std::unique_ptr<ShapeMeshes> meshes_ = std::make_unique<ShapeMeshes>();
     std::uint64_t tick_ = 0;
 };
 

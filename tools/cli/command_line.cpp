@@ -24,6 +24,9 @@ void add_all(CLI::App& app, Work& work) {
     add_synctest(app, work);
     add_match(app, work);
     add_bench(app, work);
+#ifdef LOCKSTONE_COOK
+    add_cook(app, work);
+#endif
 }
 
 /// Told before parsing: the parser would only say that a command is missing.

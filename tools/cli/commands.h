@@ -32,6 +32,7 @@ void add_branch(CLI::App& app, Work& work);
 void add_synctest(CLI::App& app, Work& work);
 void add_match(CLI::App& app, Work& work);
 void add_bench(CLI::App& app, Work& work);
+void add_cook(CLI::App& app, Work& work); ///< only where LOCKSTONE_BUILD_COOK is on
 
 /// A subcommand whose arguments live as long as the parser: `describe` adds options that fill the Args, `act` runs.
 template <class Args>

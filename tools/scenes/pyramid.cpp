@@ -9,7 +9,8 @@ class Pyramid final : public Scene {
     using Scene::Scene;
 
     Result<World> start() const override {
-        constexpr Real gap = 0.001_r; // between neighbours of a row: near enough to lean on each other, not squeezed
+        constexpr Real gap =
+            0.001_r; // between neighbours of a row: near enough to lean on each other, not squeezed
         const std::uint32_t base = options.size;
         Builder build(world_for(base * (base + 1) / 2, options.seed));
         build.ground();

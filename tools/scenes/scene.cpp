@@ -20,7 +20,22 @@ std::uint64_t Scene::content_id() const {
 
 void Scene::script(std::uint64_t, std::uint64_t, std::uint32_t, std::span<std::byte>) const {}
 
-Builder::Builder(const WorldDef& def, const GameSchema& schema) : made(World::create(def, schema)) {}
+Geometry Shelf::add(const Result<AssetBytes>& baked) {
+    if (!status) return {};
+    const Result<AssetId> id = library.add(baked);
+    const Result<Geometry> geometry = id ? library.geometry(*id) : Result<Geometry>(id.error());
+    if (geometry) return *geometry;
+    status = geometry.error();
+    return {};
+}
+
+Result<std::shared_ptr<const AssetLibrary>> Shelf::finish() && {
+    if (!status) return status.error();
+    return std::make_shared<const AssetLibrary>(std::move(library));
+}
+
+Builder::Builder(const WorldDef& def, const GameSchema& schema, std::shared_ptr<const AssetLibrary> assets)
+    : made(World::create(def, schema, std::move(assets))) {}
 
 BodyId Builder::body(const BodyDef& def, const ShapeDef& shape_def) {
     if (!made.ok()) return {};

@@ -26,10 +26,24 @@ class Scene : public Game {
     const std::uint32_t rules_version;
 };
 
+/// The assets of a scene, baked as it starts; after the first error the rest is skipped and `finish` returns it.
+class Shelf {
+  public:
+    Shelf() = default;
+    explicit Shelf(AssetLibrary with) : library(std::move(with)) {}
+    Geometry add(const Result<AssetBytes>& baked); ///< with the kind that it has
+    Result<std::shared_ptr<const AssetLibrary>> finish() &&;
+
+  private:
+    AssetLibrary library;
+    Status status;
+};
+
 /// Makes a world body by body; after the first error the rest is skipped and `finish` returns it.
 class Builder {
   public:
-    explicit Builder(const WorldDef& def, const GameSchema& schema = {});
+    explicit Builder(const WorldDef& def, const GameSchema& schema = {},
+                     std::shared_ptr<const AssetLibrary> assets = nullptr);
 
     BodyId body(const BodyDef& def, const ShapeDef& shape);
     void shape(BodyId body, const ShapeDef& shape);
@@ -60,6 +74,9 @@ std::unique_ptr<Scene> make_two_blocks(const SceneInfo&, const SceneOptions&);
 std::unique_ptr<Scene> make_stack(const SceneInfo&, const SceneOptions&);
 std::unique_ptr<Scene> make_pyramid(const SceneInfo&, const SceneOptions&);
 std::unique_ptr<Scene> make_pile(const SceneInfo&, const SceneOptions&);
+std::unique_ptr<Scene> make_convex_pile(const SceneInfo&, const SceneOptions&);
+std::unique_ptr<Scene> make_terrain(const SceneInfo&, const SceneOptions&);
+std::unique_ptr<Scene> make_washer(const SceneInfo&, const SceneOptions&);
 std::unique_ptr<Scene> make_domino(const SceneInfo&, const SceneOptions&);
 std::unique_ptr<Scene> make_rollback_arena(const SceneInfo&, const SceneOptions&);
 

@@ -11,7 +11,7 @@ namespace {
 
 using namespace scenes_detail;
 
-constexpr std::array<SceneInfo, 6> infos{{
+constexpr std::array<SceneInfo, 9> infos{{
     {"two-blocks",
      "two blocks in the air get a push and a twist, meet above the ground, bounce apart and settle", "", 0, 0,
      0, 0, 0, 0},
@@ -20,12 +20,20 @@ constexpr std::array<SceneInfo, 6> infos{{
      100, 0, 0, 0},
     {"pile", "spheres, boxes and capsules dropped into a walled pit of 10 x 10 m", "bodies", 1000, 3, 8000, 0,
      0, 0},
+    {"convex-pile",
+     "hulls, cylinders, cones, rounded boxes and capsules dropped into a walled pit of 8 x 8 m", "bodies",
+     400, 1, 4000, 0, 0, 0},
+    {"terrain", "bodies of every kind roll down hills of 204,800 triangles, with an arch that is a mesh",
+     "bodies", 240, 1, 4000, 0, 0, 0},
+    {"washer", "a turning drum with paddles, and small bodies that tumble in it for ever", "bodies", 300, 1,
+     640, 0, 0, 0},
     {"domino", "a spiral of dominoes that a rolling ball topples", "dominoes", 150, 2, 2000, 0, 0, 0},
     {"rollback-arena", "72 bodies and up to four players who roll, jump, push, capture props and play tag",
      "", 0, 0, 0, 2, 2, 4},
 }};
-constexpr std::array<MakeScene, infos.size()> makers{make_two_blocks, make_stack,  make_pyramid,
-                                                     make_pile,       make_domino, make_rollback_arena};
+constexpr std::array<MakeScene, infos.size()> makers{make_two_blocks, make_stack,       make_pyramid,
+                                                     make_pile,       make_convex_pile, make_terrain,
+                                                     make_washer,     make_domino,      make_rollback_arena};
 
 /// Levenshtein's distance: the fewest letters to insert, delete or replace.
 std::size_t edit_distance(std::string_view a, std::string_view b) {

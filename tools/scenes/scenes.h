@@ -43,6 +43,11 @@ Result<std::unique_ptr<Game>> make_scene(std::string_view name, const SceneOptio
 /// The game that Game::name() of a scene names: "pile size=1000 seed=1 players=0". Replays hold that text.
 Result<std::unique_ptr<Game>> make_scene_named(std::string_view game_name);
 
+/// Shows an asset: a hull or a compound falls onto a plane a few times over, a mesh or a height field is the ground
+/// that bodies fall on. No scene of the list: recordings of it can be played only with the asset at hand.
+Result<std::unique_ptr<Game>> make_asset_scene(std::shared_ptr<const AssetLibrary> assets, AssetId shown,
+                                               const SceneOptions& options = {});
+
 /// What `player` does at `tick` when nobody sits at the controls: a pure function of its arguments.
 /// `input` has game.input_size() bytes; all zero for games that are not scenes.
 void scripted_input(const Game& game, std::uint64_t seed, std::uint64_t tick, std::uint32_t player,

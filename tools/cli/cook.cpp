@@ -1,0 +1,145 @@
+// lockstone cook
+#include "cook/cook.h"
+#include "cli/commands.h"
+#include "cli/text.h"
+#include "cook/import.h"
+#include "scenes/asset_set.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cstdio>
+
+namespace lockstone::cli {
+namespace {
+
+struct Args {
+    std::string model, asset, as = "hull";
+    cook::CookOptions options;
+    bool json = false;
+};
+
+const std::map<std::string, cook::Wanted> kinds{{"hull", cook::Wanted::hull},
+                                                {"convex", cook::Wanted::convex},
+                                                {"mesh", cook::Wanted::mesh},
+                                                {"height-field", cook::Wanted::height_field}};
+
+/// A number in a range, not-a-number excluded.
+void add_real(CLI::App& command, const std::string& name, auto& value, const std::string& sentence,
+              double low, double high) {
+    command.add_option(name, value, sentence)
+        ->check(CLI::Validator(
+            [low, high](const std::string& text) {
+                double given = 0;
+                const bool is_number =
+                    CLI::detail::lexical_cast(text, given) && given >= low && given <= high;
+                char range[96];
+                std::snprintf(range, sizeof range, "' is not a number from %g to %g", low, high);
+                return is_number ? std::string() : "'" + text + range;
+            },
+            ""));
+}
+
+void describe(CLI::App& command, Args& args) {
+    command.add_option("MESH", args.model, "a model: glTF, OBJ, FBX, STL, PLY")->required();
+    command.add_option("-o", args.asset, "the file to write")->required()->type_name("ASSET");
+    std::vector<std::string> names;
+    for (const auto& [name, kind] : kinds) names.push_back(name);
+    command.add_option("--as", args.as, "hull, convex (a compound of hulls), mesh, height-field")
+        ->check(CLI::IsMember(names))
+        ->capture_default_str();
+    add_real(command, "--scale", args.options.scale, "metres per unit of the model, default 1", 1e-9, 1e9);
+    add_real(command, "--deviation", args.options.deviation,
+             "allowed [m]; default: 1 % of the model's largest extent", 0, 1e4);
+    add_number(command, "--parts", args.options.parts_max, "convex: at most so many hulls", 1,
+               compound_parts_max);
+    add_number(command, "--vertices", args.options.corners_max,
+               "hull, convex: at most so many corners a hull", 4, hull_vertices_max);
+    command.add_flag("--two-sided", args.options.two_sided, "mesh: walls to both sides, nothing is inside");
+    add_real(command, "--flat", args.options.flat,
+             "mesh, height-field: edges that bend less are not felt [degrees]", 0, 90);
+    add_real(command, "--spacing", args.options.spacing,
+             "height-field: between samples [m]; default: as coarse as the deviation allows", 1e-4, 1e3);
+    command.add_flag("--z-up", args.options.z_up, "the model's z axis points up");
+    command.add_flag("--json", args.json, "for programs");
+}
+
+nlohmann::ordered_json report_of(const Args& args, const cook::Cooked& made) {
+    const cook::Point origin = made.origin;
+    nlohmann::ordered_json json{{"model", args.model},
+                                {"asset", args.asset},
+                                {"kind", name_of(made.kind)},
+                                {"id", hash_text(made.id.value)},
+                                {"bytes", made.bytes()},
+                                {"source_vertices", made.source_vertices},
+                                {"source_triangles", made.source_triangles},
+                                {"vertices", made.vertices},
+                                {"triangles", made.triangles},
+                                {"parts", made.parts},
+                                {"deviation_m", made.deviation},
+                                {"deviation_allowed_m", made.deviation_max}};
+    if (made.kind == ShapeKind::hull) json["gap_m"] = made.gap;
+    if (made.parts_dropped > 0) json["parts_dropped"] = made.parts_dropped;
+    if (made.kind == ShapeKind::height_field) {
+        json["spacing_m"] = made.spacing;
+        json["origin_m"] = {origin.x, origin.y, origin.z};
+    }
+    return json;
+}
+
+void print(const Args& args, const cook::Cooked& made) {
+    if (args.json) {
+        std::printf("%s\n", report_of(args, made).dump(2).c_str());
+        return;
+    }
+    std::printf("%s: %s %s, %zu vertices, %zu triangles", args.asset.c_str(), name_of(made.kind),
+                hash_text(made.id.value).c_str(), made.vertices, made.triangles);
+    if (made.parts > 0) std::printf(", %zu %s", made.parts, made.parts == 1 ? "part" : "parts");
+    std::printf(", %zu bytes\ndeviation %.3g m of %.3g m allowed\n", made.bytes(), made.deviation,
+                made.deviation_max);
+    if (made.kind == ShapeKind::hull && made.gap > made.deviation_max)
+        std::printf("the model is concave: the hull reaches %.3g m beyond it (--as convex follows it)\n",
+                    made.gap);
+    if (made.parts_dropped > 0) std::printf("%zu parts were too thin and are left out\n", made.parts_dropped);
+    if (made.kind == ShapeKind::height_field)
+        std::printf("samples every %.6g m; the first lies at %.6g %.6g %.6g m in the model\n", made.spacing,
+                    made.origin.x, made.origin.y, made.origin.z);
+}
+
+/// Writes, reads what was written, and compares.
+Status write_and_read(const std::string& path, const cook::Cooked& made) {
+    const AssetBytes bytes = encode_assets(made.assets);
+    const char* text = reinterpret_cast<const char*>(bytes.data());
+    if (Status s = write_file(path, std::string(text, bytes.size())); !s) return s;
+    AssetLibrary library;
+    const Result<AssetId> id = load_assets(path, library);
+    if (!id) return id.error();
+    return *id == made.id ? Status{} : Error{path + ": what was written is not what is read"};
+}
+
+Result<Exit> run(const Args& args) {
+    if (Status s = check_output(args.asset, args.model); !s) return s.error();
+    cook::CookOptions options = args.options;
+    options.as = kinds.at(args.as);
+    const Result<cook::Soup> model = cook::import_model(args.model);
+    if (!model) return model.error();
+    const Result<cook::Cooked> made = cook::cook(*model, options);
+    if (!made) return Error{args.model + ": as " + args.as + ": " + made.error().message};
+    if (!made->good()) {
+        print(args, *made);
+        std::fprintf(stderr, "lockstone: %s: deviates by %g m, %g m are allowed; nothing was written\n",
+                     args.model.c_str(), made->deviation, made->deviation_max);
+        return Exit::check_failed;
+    }
+    if (Status s = write_and_read(args.asset, *made); !s) return s.error();
+    print(args, *made);
+    return Exit::good;
+}
+
+} // namespace
+
+void add_cook(CLI::App& app, Work& work) {
+    add_command<Args>(app, work, "cook",
+                      "Make an asset of a model; prove it and measure how far it deviates.", describe, run);
+}
+
+} // namespace lockstone::cli

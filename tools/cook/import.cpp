@@ -1,0 +1,214 @@
+#include "cook/import.h"
+
+#include <assimp/DefaultLogger.hpp>
+#include <assimp/Importer.hpp>
+#include <assimp/config.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+
+#include <sys/resource.h>
+#include <sys/select.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <optional>
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define LOCKSTONE_SANITIZED 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define LOCKSTONE_SANITIZED 1
+#endif
+#endif
+
+namespace lockstone::cook {
+namespace {
+
+/// What the child sends first. Then `text` bytes of a sentence, or the vertices and the triangles.
+struct Header {
+    std::uint64_t magic, text, vertices, triangles;
+};
+constexpr std::uint64_t magic = 0x4c4f434b434f4f4b;
+constexpr std::uint64_t text_max = 4096;
+constexpr double import_coordinate_max = 1e9; ///< in the file's unit, before --scale
+
+// ---- the child ------------------------------------------------------------------------------------------------
+
+void limit_child() {
+#ifndef LOCKSTONE_SANITIZED // whose shadow memory is larger than any limit
+    const rlimit memory{import_memory_max, import_memory_max};
+    setrlimit(RLIMIT_AS, &memory);
+#endif
+    const rlimit seconds{import_seconds_max, import_seconds_max}, none{0, 0};
+    setrlimit(RLIMIT_CPU, &seconds);
+    setrlimit(RLIMIT_CORE, &none);
+}
+
+bool send_all(int pipe, const void* data, std::size_t size) {
+    const char* at = static_cast<const char*>(data);
+    while (size > 0) {
+        const ssize_t sent = write(pipe, at, size);
+        if (sent < 0 && errno == EINTR) continue;
+        if (sent <= 0) return false;
+        at += sent;
+        size -= static_cast<std::size_t>(sent);
+    }
+    return true;
+}
+
+/// The soup of what assimp read; or the reason why there is none.
+Result<Soup> read_with_assimp(const std::string& path) {
+    Assimp::Importer importer;
+    importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
+    const aiScene* scene =
+        importer.ReadFile(path, aiProcess_Triangulate | aiProcess_JoinIdenticalVertices |
+                                    aiProcess_SortByPType | aiProcess_PreTransformVertices);
+    if (scene == nullptr) return Error{importer.GetErrorString()};
+    Soup soup;
+    for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
+        const aiMesh& mesh = *scene->mMeshes[m];
+        const auto base = static_cast<std::uint32_t>(soup.vertices.size());
+        if (soup.vertices.size() + mesh.mNumVertices > import_vertices_max ||
+            soup.triangles.size() + mesh.mNumFaces > import_triangles_max)
+            return Error{"it has more than " + std::to_string(import_triangles_max) + " triangles"};
+        for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
+            const aiVector3D& v = mesh.mVertices[i];
+            soup.vertices.push_back(
+                {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)});
+        }
+        for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
+            const aiFace& face = mesh.mFaces[i];
+            if (face.mNumIndices == 3)
+                soup.triangles.push_back(
+                    {base + face.mIndices[0], base + face.mIndices[1], base + face.mIndices[2]});
+        }
+    }
+    if (soup.triangles.empty()) return Error{"it has no triangles"};
+    return soup;
+}
+
+[[noreturn]] void run_child(int pipe, const std::string& path) {
+    limit_child();
+    Header header{magic, 0, 0, 0};
+    std::string sentence;
+    Soup soup;
+    try {
+        Result<Soup> read = read_with_assimp(path);
+        if (read)
+            soup = std::move(*read);
+        else
+            sentence = read.error().message;
+    } catch (const std::exception& error) { sentence = error.what(); }
+    if (soup.triangles.empty() && sentence.empty()) sentence = "the importer gave no reason";
+    sentence.resize(std::min<std::size_t>(sentence.size(), text_max));
+    header.text = sentence.size();
+    if (sentence.empty()) {
+        header.vertices = soup.vertices.size();
+        header.triangles = soup.triangles.size();
+    }
+    const bool sent = send_all(pipe, &header, sizeof header) &&
+                      send_all(pipe, sentence.data(), sentence.size()) &&
+                      send_all(pipe, soup.vertices.data(), header.vertices * sizeof(Point)) &&
+                      send_all(pipe, soup.triangles.data(), header.triangles * sizeof(Indices));
+    _exit(sent ? 0 : 1);
+}
+
+// ---- the parent -----------------------------------------------------------------------------------------------
+
+/// Reads from the child until a fixed moment.
+class Reader {
+  public:
+    explicit Reader(int from) : pipe(from) {}
+
+    /// False when the child ended early or the time is over.
+    bool take(void* out, std::size_t size) {
+        char* at = static_cast<char*>(out);
+        while (size > 0) {
+            const auto left = std::chrono::duration_cast<std::chrono::seconds>(deadline - Clock::now());
+            timeval wait{left.count(), 0};
+            fd_set readable;
+            FD_ZERO(&readable);
+            FD_SET(pipe, &readable);
+            const int ready = left.count() <= 0 ? 0 : select(pipe + 1, &readable, nullptr, nullptr, &wait);
+            if (ready < 0 && errno == EINTR) continue;
+            if (ready == 0) return !(late = true);
+            const ssize_t got = read(pipe, at, size);
+            if (got < 0 && errno == EINTR) continue;
+            if (got <= 0) return !(ended = true);
+            at += got;
+            size -= static_cast<std::size_t>(got);
+        }
+        return true;
+    }
+    bool late = false;
+    bool ended = false; ///< the child closed its end: it is gone, or going
+
+  private:
+    using Clock = std::chrono::steady_clock;
+    int pipe;
+    Clock::time_point deadline = Clock::now() + std::chrono::seconds(import_seconds_max);
+};
+
+/// The soup or the child's own sentence; nothing when what came is neither.
+std::optional<Result<Soup>> receive(Reader& reader) {
+    Header header{};
+    if (!reader.take(&header, sizeof header)) return std::nullopt;
+    if (header.magic != magic || header.text > text_max || header.vertices > import_vertices_max ||
+        header.triangles > import_triangles_max)
+        return std::nullopt;
+    if (header.text > 0) {
+        std::string sentence(header.text, ' ');
+        if (!reader.take(sentence.data(), sentence.size())) return std::nullopt;
+        return Error{sentence};
+    }
+    Soup soup;
+    soup.vertices.resize(header.vertices);
+    soup.triangles.resize(header.triangles);
+    if (!reader.take(soup.vertices.data(), header.vertices * sizeof(Point)) ||
+        !reader.take(soup.triangles.data(), header.triangles * sizeof(Indices)))
+        return std::nullopt;
+    return soup;
+}
+
+/// Why no answer came from a child that ended with `status`.
+std::string reason_of(const Reader& reader, int status) {
+    if (reader.late) return "the importer took longer than " + std::to_string(import_seconds_max) + " s";
+    if (!reader.ended || !WIFSIGNALED(status)) return "the importer sent nothing that can be read";
+    const int signal = WTERMSIG(status);
+    if (signal == SIGXCPU || signal == SIGKILL) return "the importer took too much time or memory";
+    return std::string("the importer crashed (") + strsignal(signal) + ")";
+}
+
+} // namespace
+
+Result<Soup> import_model(const std::string& path) {
+    std::error_code none;
+    if (!std::filesystem::is_regular_file(path, none)) return Error{path + ": there is no such file"};
+    int ends[2];
+    if (pipe(ends) != 0) return Error{path + ": cannot make a pipe: " + std::strerror(errno)};
+    const pid_t child = fork();
+    if (child < 0) return Error{path + ": cannot start the importer: " + std::strerror(errno)};
+    if (child == 0) {
+        close(ends[0]);
+        run_child(ends[1], path);
+    }
+    close(ends[1]);
+    Reader reader(ends[0]);
+    const std::optional<Result<Soup>> answer = receive(reader);
+    close(ends[0]);
+    if (!answer && !reader.ended) kill(child, SIGKILL);
+    int status = 0;
+    while (waitpid(child, &status, 0) < 0 && errno == EINTR) {}
+    if (!answer) return Error{path + ": " + reason_of(reader, status)};
+    if (!*answer) return Error{path + ": " + answer->error().message};
+    if (const std::string why = check(**answer, import_coordinate_max); !why.empty())
+        return Error{path + ": " + why};
+    return *answer;
+}
+
+} // namespace lockstone::cook

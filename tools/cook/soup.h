@@ -1,0 +1,81 @@
+// Points and triangles in double precision: what models hold before they are quantised. Right-handed, y up, metres.
+#pragma once
+
+#include "lockstone/asset.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace lockstone::cook {
+
+struct Point {
+    double x = 0, y = 0, z = 0;
+
+    double& operator[](int i) { return i == 0 ? x : i == 1 ? y : z; }
+    double operator[](int i) const { return i == 0 ? x : i == 1 ? y : z; }
+    friend bool operator==(const Point&, const Point&) = default;
+    friend Point operator+(Point a, Point b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+    friend Point operator-(Point a, Point b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+    friend Point operator*(Point a, double s) { return {a.x * s, a.y * s, a.z * s}; }
+};
+inline double dot(Point a, Point b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline Point cross(Point a, Point b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+inline double length(Point a) { return std::sqrt(dot(a, a)); }
+
+/// Neither infinite nor not-a-number; by the bits, since -ffast-math takes std::isfinite for true.
+inline bool is_finite(double v) { return ((std::bit_cast<std::uint64_t>(v) >> 52) & 0x7ff) != 0x7ff; }
+
+using Indices = std::array<std::uint32_t, 3>; ///< a triangle, counter-clockwise seen from outside
+
+struct Soup {
+    std::vector<Point> vertices;
+    std::vector<Indices> triangles;
+
+    std::array<Point, 3> corners(std::size_t triangle) const {
+        const Indices& t = triangles[triangle];
+        return {vertices[t[0]], vertices[t[1]], vertices[t[2]]};
+    }
+    void append(const Soup& other);
+};
+
+/// Axis-aligned; empty while lower exceeds upper.
+struct Box {
+    Point lower{1e300, 1e300, 1e300}, upper{-1e300, -1e300, -1e300};
+
+    void add(Point p) {
+        for (int i = 0; i < 3; ++i) lower[i] = std::min(lower[i], p[i]), upper[i] = std::max(upper[i], p[i]);
+    }
+    bool empty() const { return lower.x > upper.x; }
+    Point size() const { return empty() ? Point{} : upper - lower; }
+    double largest() const { return std::max({size().x, size().y, size().z}); }
+};
+Box bounds_of(const std::vector<Point>& points);
+
+/// Coordinates beyond this are refused: no asset reaches so far, and products of three still have room [m].
+inline constexpr double coordinate_max = 16'000;
+
+/// Empty when every coordinate is finite and within `limit` of 0 and every index names a vertex; else the sentence.
+std::string check(const Soup& soup, double limit = coordinate_max);
+/// Vertices with equal coordinates become one; triangles that name one twice or have no area are left out.
+Soup welded(const Soup& soup);
+/// Without the vertices that no triangle names.
+Soup compacted(const Soup& soup);
+
+/// `count` points spread evenly over the surface: the same for the same soup. None when there is no area.
+std::vector<Point> sample_surface(const Soup& soup, std::size_t count);
+/// The `index`-th point of a sequence that fills the unit cube evenly.
+/// Source: Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018.
+Point even_point(std::uint64_t index);
+
+/// The triangles of a shape as doubles.
+Soup to_soup(const TriangleSoup& soup);
+
+} // namespace lockstone::cook
