@@ -1,7 +1,7 @@
 # The steps of tests/run. Expects: logs, jobs, hash_ticks, passed, failed.
 # shellcheck shell=bash disable=SC2154
 
-hash_scenes=("two-blocks" "stack" "pyramid --size 12" "pile --size 150" "domino --size 60" "rollback-arena" "rollback-arena --players 4 --seed 9")
+hash_scenes=("two-blocks" "stack" "pyramid --size 12" "pile --size 150" "convex-pile --size 60" "terrain --size 40" "washer --size 60" "domino --size 60" "rollback-arena" "rollback-arena --players 4 --seed 9")
 
 log_of() { printf '%s/%s.log' "$logs" "$(tr -cs 'a-zA-Z0-9' '-' <<<"$1")"; }
 
@@ -121,7 +121,7 @@ variant() {
     local name=$1 compiler=$2 flags=$3
     shift 3
     check "$name: builds ($compiler $flags $*)" build "$name" cmake -S . -B "build/$name" -G Ninja -DCMAKE_CXX_COMPILER="$compiler" \
-        -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_FLAGS="$flags" -DLOCKSTONE_BUILD_DEMO=OFF -DLOCKSTONE_BUILD_TESTS=OFF "$@"
+        -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_FLAGS="$flags" -DLOCKSTONE_BUILD_DEMO=OFF -DLOCKSTONE_BUILD_TESTS=OFF -DLOCKSTONE_BUILD_COOK=OFF "$@"
     check "$name: hashes of every scene" write_hashes "$name" "build/$name/bin/lockstone"
     check "$name: agrees with release" compare_hashes "$name"
 }
@@ -140,6 +140,23 @@ planted_hash_is_noticed() {
         return 1
     fi
     grep -q "^< $tick	" <<<"$report"
+}
+
+# ---- fuzzing ----
+
+build_fuzzers() {
+    build fuzz cmake -S . -B build/fuzz -G Ninja -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_BUILD_TYPE=None \
+        -DCMAKE_CXX_FLAGS="-O1 -g1 -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all" \
+        -DLOCKSTONE_BUILD_DEMO=OFF -DLOCKSTONE_BUILD_TESTS=OFF -DLOCKSTONE_BUILD_TOOLS=OFF -DLOCKSTONE_BUILD_COOK=ON -DLOCKSTONE_BUILD_FUZZERS=ON
+}
+
+# fuzz TARGET CORPUS RUNS: new inputs go to build/, a crash is kept there too.
+fuzz() {
+    mkdir -p "build/fuzz-corpus/$1" "build/fuzz-corpus/none"
+    local kept=tests/fuzz/corpus/$2
+    [ -d "$kept" ] || kept=build/fuzz-corpus/none
+    build/fuzz/bin/fuzz_"$1" -runs="$3" -seed=1 -max_len=4096 -timeout=20 -rss_limit_mb=3000 -print_final_stats=1 \
+        -artifact_prefix="build/fuzz-corpus/$1-" "build/fuzz-corpus/$1" "$kept"
 }
 
 # The sync test has to fail, with status 1, and to name the column that its snapshots lack.

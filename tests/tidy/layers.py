@@ -20,8 +20,8 @@ LINKS = {
 PUBLIC = {
     "result.h": "base",
     "wide.h": "math", "fixed.h": "math", "formats.h": "math", "vec.h": "math", "math.h": "math", "random.h": "math",
-    "decimal.h": "math", "row.h": "state", "state.h": "state", "shape.h": "shapes",
-    "command.h": "collide", "event.h": "collide",  # definitions and ids, which rows of the layers below sim hold
+    "decimal.h": "math", "row.h": "state", "state.h": "state", "shape.h": "shapes", "asset.h": "shapes",
+    "command.h": "collide", "event.h": "collide", "query.h": "collide",  # definitions and ids, which rows of the layers below sim hold
     "world.h": "sim", "game.h": "sim", "input.h": "sim",
     "transport.h": "session", "session.h": "session",
     "convert.h": "outside",
