@@ -82,8 +82,7 @@ void round_edge(const Convex& shape, Long3 direction, SupportingFace& face) {
         return;
     }
     const SupportPoint top = support(shape, direction);
-    const Long3 up_30 = shape.axes_30[1];
-    const bool is_top = dot(top.at_30 - up(shape.center_24, 6), up_30) > 0;
+    const bool is_top = Wide::from(0) < wide_dot(top.at_30 - up(shape.center_24, 6), shape.axes_30[1]);
     add(face, top.at_30, is_top ? 24 : 8);
     const Long3 local{shift_right_rounded(dot(shape.axes_30[0], direction), 30), 0,
                       shift_right_rounded(dot(shape.axes_30[2], direction), 30)};
