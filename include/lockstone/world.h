@@ -222,7 +222,7 @@ class World {
     // ---- state ----
     std::uint64_t hash() const; ///< of everything that can affect a later tick
     void save(Image& image) const;
-    void restore(const Image& image);
+    void restore(const Image& image); ///< of a world with the same definition, schema and assets
     std::vector<std::byte> save_portable() const;
     Status restore_portable(std::span<const std::byte> image); ///< on error the world is as it was
     const State& state() const;
