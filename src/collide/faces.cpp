@@ -96,7 +96,7 @@ void hull_face(const Convex& shape, Long3 direction, SupportingFace& face) {
     face.flat = true;
 }
 
-/// The part of a direction across the y axis, in the shape's axes: unit, and its length; zero along the axis.
+/// The part of a direction across the y axis, in the shape's axes: unit, and its length; along the axis x and zero.
 struct Flat {
     std::int64_t x, z, length, height;
 };
@@ -104,7 +104,8 @@ Flat across(const Convex& shape, Long3 direction) {
     const Long3 local{shift_right_rounded(dot(shape.axes_30[0], direction), 30), 0,
                       shift_right_rounded(dot(shape.axes_30[2], direction), 30)};
     const Direction d = direction_of_30(local);
-    return {d.unit[0], d.unit[2], d.length, shift_right_rounded(dot(shape.axes_30[1], direction), 30)};
+    return {is_zero(local) ? one_30 : d.unit[0], d.unit[2], d.length,
+            shift_right_rounded(dot(shape.axes_30[1], direction), 30)};
 }
 
 Long3 rim_24(const Convex& shape, std::int64_t x_30, std::int64_t z_30, std::int64_t y_24) {

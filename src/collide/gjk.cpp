@@ -153,8 +153,9 @@ Long3 full_direction(const Simplex& s) {
 }
 
 /// Where the simplex may be as small as the roundings of its vertices, as of smooth cores, its direction is not the
-/// last word: the one between the points or a face's normal is taken when it parts the cores by more.
-void choose_normal(Difference& difference, Gap& gap) {
+/// last word: the one between the points or a face's normal is taken when it parts the cores by more. And when none
+/// parts them by what the points are apart, the one that the search ended with: it does, to a step of the pair's scale.
+void choose_normal(Difference& difference, const Simplex& s, Gap& gap) {
     const Long3 apart = gap.on_b_30 - gap.on_a_30;
     std::int64_t most = difference.separation_30(gap.normal_30);
     const auto consider = [&](Long3 normal) {
@@ -166,6 +167,9 @@ void choose_normal(Difference& difference, Gap& gap) {
                          face_b = supporting_face(difference.b.convex(), -gap.normal_30);
     if (face_a.flat) consider(face_a.normal_30);
     if (face_b.flat) consider(-face_b.normal_30);
+    const std::int64_t between = direction_of_30(apart).length;
+    constexpr std::int64_t micrometre_30 = 1 << 10;
+    if (between - most > micrometre_30 + (between >> 16)) consider(-direction_of_30(s.direction).unit);
     gap.distance_30 = narrow_rounded(wide_dot(gap.normal_30, apart), 30);
 }
 
@@ -177,7 +181,7 @@ Gap gap_of(Difference& difference, const Simplex& s) {
     gap.normal_30 = -exact.unit;
     gap.distance_30 =
         s.count == 1 ? exact.length : narrow_rounded(wide_dot(gap.normal_30, gap.on_b_30 - gap.on_a_30), 30);
-    if (difference.is_smooth() || difference.shift() > 4) choose_normal(difference, gap);
+    if (difference.is_smooth() || difference.shift() > 4) choose_normal(difference, s, gap);
     if (gap.distance_30 <= 0) return Gap{true, {}, 0, {}, {}};
     return gap;
 }

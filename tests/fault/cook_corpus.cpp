@@ -1,5 +1,7 @@
 // The corpus of the cook fuzzer and thousands of mutations of it, the same in every run: each is refused with a
 // sentence or becomes assets that load.
+#include "cook/import.h"
+#include "cook/read_model.h"
 #include "fuzz/cook_input.h"
 #include "lockstone/random.h"
 
@@ -18,10 +20,10 @@ namespace {
 using Data = std::vector<std::uint8_t>;
 
 /// Sorted by name: the order of a directory is anybody's.
-std::vector<Data> corpus() {
+std::vector<Data> corpus(const char* of = "cook") {
     std::vector<std::filesystem::path> paths;
     for (const auto& entry :
-         std::filesystem::directory_iterator(LOCKSTONE_SOURCE_DIR "/tests/fuzz/corpus/cook"))
+         std::filesystem::directory_iterator(std::string(LOCKSTONE_SOURCE_DIR "/tests/fuzz/corpus/") + of))
         paths.push_back(entry.path());
     std::sort(paths.begin(), paths.end());
     std::vector<Data> all;
@@ -84,6 +86,28 @@ TEST_CASE("models of the cook corpus and their mutations end as a sentence or as
         good += input.model.triangles.size() > 4 ? 1 : 0;
     }
     CHECK(good > runs / 3); // mutations leave enough models that are worth cooking
+}
+
+TEST_CASE("the model files that fuzzing starts from are models, from memory as from files") {
+    const std::vector<Data> all = corpus("cook_import");
+    CHECK(all.size() >= 9);
+    const std::filesystem::path folder = std::filesystem::temp_directory_path();
+    for (const Data& data : all) {
+        const std::string extension = fuzz::import_extensions[data[0] % fuzz::import_extensions.size()];
+        const auto bytes = std::as_bytes(std::span(data)).subspan(1);
+        const Result<cook::Soup> model = cook::read_model(bytes, extension);
+        INFO(extension, ": ", model.ok() ? "" : model.error().message);
+        REQUIRE(model.ok());
+        CHECK(cook::welded(*model).triangles.size() >= 4);
+        const std::filesystem::path path = folder / ("lockstone-corpus." + extension);
+        std::ofstream(path, std::ios::binary)
+            .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+        const Result<cook::Soup> again = cook::import_model(path.string());
+        std::filesystem::remove(path);
+        REQUIRE(again.ok());
+        CHECK(again->vertices == model->vertices);
+        CHECK(again->triangles == model->triangles);
+    }
 }
 
 TEST_CASE("planted: the corpus check notices an asset that does not load") {

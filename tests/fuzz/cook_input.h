@@ -4,6 +4,7 @@
 #include "cook/cook.h"
 #include "scenes/asset_set.h"
 
+#include <array>
 #include <cstring>
 #include <span>
 
@@ -27,6 +28,9 @@ class Bytes {
   private:
     std::span<const std::uint8_t> rest;
 };
+
+/// The formats of model files, by the first byte of an input of fuzz_cook_import.
+inline constexpr std::array import_extensions = {"stl", "ply", "obj", "gltf", "glb", "fbx", "off"};
 
 struct CookInput {
     lockstone::cook::Soup model;

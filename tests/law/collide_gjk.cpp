@@ -56,7 +56,8 @@ Piece triangle_piece(Random& random, double size, D3 at) {
         for (int i = 0; i < 3; ++i) corner[i] = quantize<Coordinate>(p[i] + at[i]).raw;
         reference.points.push_back(from_bits(corner, 24));
     }
-    reference.faces = {{0, 1, 2}, {0, 2, 1}};
+    static constexpr std::array<std::array<std::uint8_t, 3>, 2> both_sides{{{0, 1, 2}, {0, 2, 1}}};
+    reference.faces = both_sides;
     return {collide::convex_of_triangle(corners), reference, nullptr};
 }
 

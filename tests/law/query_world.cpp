@@ -20,17 +20,85 @@ std::vector<std::array<std::int64_t, 3>> keys_of(const World& w, const std::vect
     return keys;
 }
 
-bool is_sorted(const std::vector<QueryHit>& hits) {
-    for (std::size_t i = 1; i < hits.size(); ++i)
-        if (!(hits[i - 1] < hits[i])) return false;
-    return true;
-}
-
 bool same(const std::optional<QueryHit>& a, const std::optional<QueryHit>& b) {
     Answers x, y;
     x.put(a);
     y.put(b);
     return x == y;
+}
+
+/// What three questions about one ray or moving shape were answered with.
+struct AlongAWay {
+    std::vector<QueryHit> all;
+    std::optional<QueryHit> first;
+    bool any;
+};
+AlongAWay ask_ray(const World& w, const Ray& ray) {
+    AlongAWay answer{{}, w.cast_ray(ray), w.cast_ray_any(ray)};
+    w.cast_ray_all(ray, {}, answer.all);
+    return answer;
+}
+AlongAWay ask_shape(const World& w, const Geometry& g, const Transform& pose, Vec3 way) {
+    AlongAWay answer{{}, w.cast_shape(g, pose, way), w.cast_shape_any(g, pose, way)};
+    w.cast_shape_all(g, pose, way, {}, answer.all);
+    return answer;
+}
+/// All in order, the first of them as the first, and any exactly when there is one.
+bool agrees(const AlongAWay& answer) {
+    for (std::size_t i = 1; i < answer.all.size(); ++i)
+        if (!(answer.all[i - 1] < answer.all[i])) return false;
+    return answer.any == !answer.all.empty() &&
+           same(answer.first, answer.all.empty() ? std::nullopt : std::optional(answer.all.front()));
+}
+
+/// What is at a place, and what is nearest to it within 6 m.
+struct AtAPlace {
+    std::vector<ShapeId> overlapping;
+    std::optional<QueryHit> nearest;
+};
+AtAPlace ask_place(const World& w, const Geometry& g, const Transform& pose) {
+    AtAPlace answer{{}, w.nearest(g, pose, 6_r)};
+    w.overlap(g, pose, {}, answer.overlapping);
+    return answer;
+}
+/// In order; overlap is a distance of zero; and a body of that shape there is as far from the nearest shape as was said,
+/// while nothing is nearer.
+bool agrees(const World& w, const Geometry& g, const Transform& pose, const AtAPlace& answer) {
+    const std::optional<QueryHit>& nearest = answer.nearest;
+    if (!std::is_sorted(answer.overlapping.begin(), answer.overlapping.end())) return false;
+    if (!answer.overlapping.empty())
+        return nearest && nearest->distance == Real{} && nearest->shape == answer.overlapping.front();
+    if (!nearest) return !w.nearest(g, pose, 6_r);
+    if (nearest->distance == Real{}) return false;
+    World other = w.clone();
+    const BodyId probe = other.create_body({.kind = BodyKind::static_, .pose = pose}).value();
+    const ShapeId probe_shape = other.create_shape(probe, {.geometry = g}).value();
+    const std::optional<ShapeDistance> d = other.distance(nearest->shape, probe_shape),
+                                       back = other.distance(probe_shape, nearest->shape);
+    return d && std::abs(to_double(d->distance) - to_double(nearest->distance)) <= 3e-6 && back &&
+           back->distance == d->distance && std::abs(to_double(back->normal.y + d->normal.y)) <= 1e-6 &&
+           !w.nearest(g, pose, nearest->distance - 0.001_r);
+}
+
+/// Of random questions asked of two worlds, those that are answered otherwise.
+struct Differences {
+    int wrong = 0, met = 0;
+};
+Differences differences(const Assets& assets, const World& w, const World& other, int questions) {
+    Random random(4);
+    Differences found;
+    for (int i = 0; i < questions; ++i) {
+        const Ray ray = random_ray(random);
+        const Transform pose{ray.from, random.rotation()};
+        const auto ask = [&](const World& of) {
+            return i % 2 == 0 ? ask_ray(of, ray)
+                              : ask_shape(of, moving_geometry(assets, i), pose, ray.translation);
+        };
+        const AlongAWay answer = ask(w);
+        found.wrong += keys_of(w, answer.all) != keys_of(other, ask(other).all);
+        found.met += !answer.all.empty();
+    }
+    return found;
 }
 
 } // namespace
@@ -40,29 +108,37 @@ TEST_CASE("the first hit is the first of all hits, which are in order, and any s
     World w = crowd(assets, 80);
     for (int t = 0; t < 30; ++t) w.tick();
     Random random(3);
-    std::vector<QueryHit> hits;
     int several = 0, wrong = 0;
-    for (int i = 0; i < 2000; ++i) {
-        const Ray ray = random_ray(random);
-        w.cast_ray_all(ray, {}, hits);
-        wrong += !is_sorted(hits);
-        wrong += w.cast_ray_any(ray) == hits.empty();
-        wrong += !same(w.cast_ray(ray), hits.empty() ? std::nullopt : std::optional(hits.front()));
-        several += hits.size() > 1;
-    }
-    for (int i = 0; i < 300; ++i) {
+    for (int i = 0; i < 2300; ++i) {
         const Ray ray = random_ray(random);
         const Transform pose{ray.from, random.rotation()};
-        const Geometry g = moving_geometry(assets, i);
-        w.cast_shape_all(g, pose, ray.translation, {}, hits);
-        wrong += !is_sorted(hits);
-        wrong += w.cast_shape_any(g, pose, ray.translation) == hits.empty();
-        wrong += !same(w.cast_shape(g, pose, ray.translation),
-                       hits.empty() ? std::nullopt : std::optional(hits.front()));
-        several += hits.size() > 1;
+        const AlongAWay answer =
+            i < 2000 ? ask_ray(w, ray) : ask_shape(w, moving_geometry(assets, i), pose, ray.translation);
+        wrong += !agrees(answer);
+        several += answer.all.size() > 1;
     }
     CHECK(wrong == 0);
     CHECK(several > 200);
+}
+
+TEST_CASE("planted: hits out of order, lost, moved or denied are noticed") {
+    const Assets assets;
+    const World w = crowd(assets, 80);
+    Random random(3);
+    int planted = 0, noticed = 0;
+    for (int i = 0; i < 1000; ++i) {
+        const AlongAWay good = ask_ray(w, random_ray(random));
+        if (good.all.size() < 2) continue;
+        AlongAWay bad[] = {good, good, good, good, good};
+        std::swap(bad[0].all[0], bad[0].all[1]);
+        bad[1].all.erase(bad[1].all.begin());
+        bad[2].any = false;
+        bad[3].first->distance += Real::from_raw(1);
+        bad[4].first.reset();
+        for (const AlongAWay& b : bad) ++planted, noticed += !agrees(b);
+    }
+    CHECK(planted > 200);
+    CHECK(noticed == planted);
 }
 
 TEST_CASE("what a ray or a shape meets does not depend on the order in which things were made") {
@@ -71,62 +147,45 @@ TEST_CASE("what a ray or a shape meets does not depend on the order in which thi
     std::iota(order.begin(), order.end(), 0);
     const World w = crowd(assets, 60);
     std::shuffle(order.begin(), order.end(), std::mt19937_64(9));
-    const World shuffled = crowd(assets, 60, order);
-    Random random(4);
-    std::vector<QueryHit> a, b;
-    int wrong = 0, met = 0;
-    for (int i = 0; i < 1000; ++i) {
-        const Ray ray = random_ray(random);
-        if (i % 2 == 0) {
-            w.cast_ray_all(ray, {}, a);
-            shuffled.cast_ray_all(ray, {}, b);
-        } else {
-            const Transform pose{ray.from, random.rotation()};
-            w.cast_shape_all(moving_geometry(assets, i), pose, ray.translation, {}, a);
-            shuffled.cast_shape_all(moving_geometry(assets, i), pose, ray.translation, {}, b);
-        }
-        wrong += keys_of(w, a) != keys_of(shuffled, b);
-        met += !a.empty();
-    }
-    CHECK(wrong == 0);
-    CHECK(met > 300);
+    const Differences found = differences(assets, w, crowd(assets, 60, order), 1000);
+    CHECK(found.wrong == 0);
+    CHECK(found.met > 300);
+    // A world in which one thing lies elsewhere.
+    World other = crowd(assets, 60);
+    const BodyId last = other.body_at(other.body_count() - 1);
+    done(other.set_pose(last, {other.pose(last).position + vec(0.01, 0, 0), other.pose(last).rotation}));
+    CHECK(differences(assets, w, other, 1000).wrong > 0);
 }
 
-TEST_CASE("overlap, nearest and distance agree") {
+TEST_CASE("overlap, nearest and distance agree, and a damaged answer is noticed") {
     const Assets assets;
     World w = crowd(assets, 60);
     for (int t = 0; t < 20; ++t) w.tick();
     Random random(6);
-    int wrong = 0, overlapping = 0, near = 0;
-    std::vector<ShapeId> shapes;
-    for (int i = 0; i < 400; ++i) {
+    int wrong = 0, overlapping = 0, near = 0, planted = 0, noticed = 0;
+    for (int i = 0; i < 600; ++i) {
         const Geometry g = moving_geometry(assets, i);
         const Transform pose{vec3(random.point(10, -1, 6)), random.rotation()};
-        w.overlap(g, pose, {}, shapes);
-        const std::optional<QueryHit> nearest = w.nearest(g, pose, 6_r);
-        wrong += !std::is_sorted(shapes.begin(), shapes.end());
-        if (!shapes.empty()) {
-            ++overlapping;
-            wrong += !nearest || nearest->distance != Real{} || nearest->shape != shapes.front();
-            continue;
-        }
-        if (!nearest) continue;
-        ++near;
-        // A body of that shape there is as far from it.
-        World other = w.clone();
-        const BodyId probe = other.create_body({.kind = BodyKind::static_, .pose = pose}).value();
-        const ShapeId probe_shape = other.create_shape(probe, {.geometry = g}).value();
-        const std::optional<ShapeDistance> d = other.distance(nearest->shape, probe_shape);
-        const std::optional<ShapeDistance> back = other.distance(probe_shape, nearest->shape);
-        wrong += !d || std::abs(to_double(d->distance) - to_double(nearest->distance)) > 3e-6;
-        wrong += !back || back->distance != d->distance ||
-                 std::abs(to_double(back->normal.y + d->normal.y)) > 1e-6;
-        // A ball of that radius about the nearest point touches it, and no smaller one does.
-        wrong += w.nearest(g, pose, nearest->distance - 0.001_r).has_value();
+        const AtAPlace answer = ask_place(w, g, pose);
+        wrong += !agrees(w, g, pose, answer);
+        overlapping += !answer.overlapping.empty();
+        near += answer.overlapping.empty() && answer.nearest;
+        const auto plant = [&](const AtAPlace& bad) { ++planted, noticed += !agrees(w, g, pose, bad); };
+        if (!answer.nearest || i % 5 != 0) continue;
+        plant({answer.overlapping, {}});
+        AtAPlace farther = answer;
+        farther.nearest->distance += 0.002_r;
+        plant(farther);
+        if (answer.overlapping.empty())
+            plant({{answer.nearest->shape}, answer.nearest}); // not the distance of what overlaps
+        else
+            plant({{}, answer.nearest});
     }
     CHECK(wrong == 0);
     CHECK(overlapping > 50);
     CHECK(near > 50);
+    CHECK(planted > 100);
+    CHECK(noticed == planted);
 }
 
 TEST_CASE("filters: categories, kinds, sensors and the own body") {

@@ -1,36 +1,14 @@
 // Fast bodies against what is thin: none gets through.
-#include "support/sim_scenes.h"
+#include "support/random.h"
 
 #include <doctest/doctest.h>
 
-#include <cstdio>
-#include <cstdlib>
 #include <memory>
-#include <random>
 
 using namespace lockstone;
 using namespace lockstone::test::scene;
 
 namespace {
-
-struct Random {
-    std::mt19937_64 engine;
-    double operator()(double low, double high) {
-        return low + (high - low) * static_cast<double>(engine() >> 11) * 0x1p-53;
-    }
-    D3 direction() {
-        for (;;) {
-            const D3 v{(*this)(-1, 1), (*this)(-1, 1), (*this)(-1, 1)};
-            if (length(v) > 0.05 && length(v) < 1) return (1 / length(v)) * v;
-        }
-    }
-    Quat rotation() {
-        const D3 a = direction();
-        return from_axis_angle({quantize<Unit>(a[0]), quantize<Unit>(a[1]), quantize<Unit>(a[2])},
-                               real((*this)(-3.1, 3.1)));
-    }
-};
-Vec3 vec3(D3 v) { return vec(v[0], v[1], v[2]); }
 
 /// What is shot.
 enum class Shot { ball, capsule, cylinder, cone, cube, plate, needle, rounded, group, count };
@@ -157,7 +135,7 @@ struct Tally {
 /// Shots from above, mostly down, at all speeds; some at seams and corners, which lie at whole metres.
 Tally shoot(Wall wall, Shot shot, int count, bool continuous) {
     static const Assets assets;
-    Random random{std::mt19937_64(static_cast<std::uint64_t>(wall) * 100 + static_cast<std::uint64_t>(shot))};
+    Random random(static_cast<std::uint64_t>(wall) * 100 + static_cast<std::uint64_t>(shot));
     Tally tally;
     for (int i = 0; i < count; ++i) {
         WorldDef def = small_def();
@@ -193,8 +171,6 @@ Tally shoot(Wall wall, Shot shot, int count, bool continuous) {
     }
     return tally;
 }
-
-int samples(int quick, int thorough) { return std::getenv("LOCKSTONE_LONG") != nullptr ? thorough : quick; }
 
 } // namespace
 

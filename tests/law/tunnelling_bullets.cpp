@@ -1,25 +1,14 @@
 // Bullets against thin bodies that move themselves, against each other, and what a sweep must not do.
-#include "support/sim_scenes.h"
+#include "support/random.h"
 
 #include <doctest/doctest.h>
 
-#include <cstdlib>
 #include <memory>
-#include <random>
 
 using namespace lockstone;
 using namespace lockstone::test::scene;
 
 namespace {
-
-struct Random {
-    std::mt19937_64 engine;
-    double operator()(double low, double high) {
-        return low + (high - low) * static_cast<double>(engine() >> 11) * 0x1p-53;
-    }
-};
-
-int samples(int quick, int thorough) { return std::getenv("LOCKSTONE_LONG") != nullptr ? thorough : quick; }
 
 constexpr double half_plate = 1, half_thickness = 0.005;
 
@@ -43,7 +32,7 @@ struct Volley {
 
 /// Shots of balls and boxes at plates that come towards them, flee, slide across and turn.
 Volley shoot_plates(int count, BodyKind kind, bool bullet, bool resting_bullet) {
-    Random random{std::mt19937_64(7)};
+    Random random(7);
     Volley volley;
     for (int i = 0; i < count; ++i) {
         World w = made(World::create(weightless()));
@@ -103,7 +92,7 @@ TEST_CASE("planted: bodies that are no bullets pass through thin dynamic ones") 
 }
 
 TEST_CASE("bullets never pass through each other") {
-    Random random{std::mt19937_64(8)};
+    Random random(8);
     int through = 0, touched = 0;
     const int count = samples(100, 3000);
     for (int i = 0; i < count; ++i) {

@@ -3,14 +3,10 @@
 
 #include <doctest/doctest.h>
 
-#include <cstdlib>
-
 using namespace lockstone;
 using namespace lockstone::test::query;
 
 namespace {
-
-int samples(int quick, int thorough) { return std::getenv("LOCKSTONE_LONG") != nullptr ? thorough : quick; }
 
 /// The tick at which the hashes of a world that is asked and of one that is not first differ; -1: never. With `disturb`
 /// asking does what it must not.
@@ -19,7 +15,7 @@ int first_difference(int ticks, int questions, bool disturb) {
     World asked = crowd(assets, 60), silent = crowd(assets, 60);
     for (int t = 0; t < ticks; ++t) {
         ask(asked, assets, static_cast<std::uint64_t>(t), questions);
-        if (disturb && t == 20) asked.state_for_tests().bytes(0)[0] ^= std::byte{1};
+        if (disturb && t == 20) asked.state_for_tests().edit_bytes(0)[0] ^= std::byte{1};
         if (asked.hash() != silent.hash()) return t;
         asked.tick();
         silent.tick();

@@ -6,6 +6,7 @@
 #include "oracle/double_shapes.h"
 
 #include <algorithm>
+#include <span>
 #include <vector>
 
 namespace oracle {
@@ -26,8 +27,8 @@ struct DoubleCore {
     D3 center{0, 0, 0};
     D3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     D3 half{0, 0, 0};
-    std::vector<D3> points;                        ///< of a hull or triangle
-    std::vector<std::array<std::size_t, 3>> faces; ///< of a hull
+    std::vector<D3> points;                               ///< of a hull or triangle
+    std::span<const std::array<std::uint8_t, 3>> faces{}; ///< of a hull, which is kept by whoever has it
 
     DoubleCore(const Solid& s, const RelativePose& pose)
         : kind(s.geometry.kind), radius(to_double(s.geometry.radius)),
@@ -35,8 +36,9 @@ struct DoubleCore {
                                                  to_double(pose.rotation.z)},
           half(to_double(s.geometry.half_extent)) {
         if (kind == ShapeKind::hull) {
+            points.reserve(s.hull->vertices.size());
             for (const lockstone::LengthVec3& v : s.hull->vertices) points.push_back(place(to_double(v)));
-            for (const auto& t : s.hull->triangles) faces.push_back({t[0], t[1], t[2]});
+            faces = s.hull->triangles;
         } else {
             const double factor = to_double(s.geometry.scale.x);
             radius *= factor;
@@ -80,7 +82,12 @@ struct DoubleCore {
                                      [&](D3 a, D3 b) { return dot(a, n) < dot(b, n); });
         }
     }
-    double support(D3 n) const { return dot(n, support_point(n)); }
+    double support(D3 n) const {
+        if (points.empty()) return dot(n, support_point(n));
+        double most = dot(n, points[0]);
+        for (const D3& p : points) most = std::max(most, dot(n, p));
+        return most;
+    }
 
     /// How far a point is outside of the core; 0 or less inside. Of a hull: of the furthest plane.
     double outside(D3 point) const {
@@ -165,9 +172,8 @@ class SeparationSearch {
         for (const D3& x : a.axes)
             for (const D3& y : b.axes) consider_both(cross(x, y));
         consider_both(b.center - a.center);
-        for (const DoubleCore* s : {&a, &b})
-            for (const auto& t : s->faces)
-                consider_both(cross(s->points[t[1]] - s->points[t[0]], s->points[t[2]] - s->points[t[0]]));
+        for (const auto& t : a.faces) consider_out_of(a, t, 1);
+        for (const auto& t : b.faces) consider_out_of(b, t, -1);
     }
     void search(Random& random, int spread, int tries) {
         for (int k = 0; k < spread; ++k) consider(random.direction());
@@ -180,6 +186,11 @@ class SeparationSearch {
     double separation() const { return most; }
 
   private:
+    /// Inward a face cannot be what parts two cores.
+    void consider_out_of(const DoubleCore& s, const std::array<std::uint8_t, 3>& t, double side) {
+        consider(cross(s.points[t[1]] - s.points[t[0]], s.points[t[2]] - s.points[t[0]]) * side);
+    }
+
     const DoubleCore &a, &b;
     double most = -1e300;
     D3 best{0, 1, 0};
@@ -197,8 +208,11 @@ inline std::string judge(const DoubleCore& a, const DoubleCore& b, const CoreAns
     if (!answer.overlap) {
         const double between = norm(answer.on_b - answer.on_a);
         const double smooth = a.is_smooth() || b.is_smooth() ? 1e-6 * between + 5e-7 : 0;
+        // The direction of a small gap between points that are each rounded to 2^-30 m turns the planes by that much.
+        const double turned =
+            std::min(3e-9 / between, 2e-7) * (a.reach() + b.reach() + norm(b.center - a.center));
         if (answer.distance <= 0) why << "apart by " << answer.distance << "; ";
-        if (between > along + tolerance + smooth)
+        if (between > along + tolerance + smooth + turned)
             why << "points " << between << " apart, planes " << along << "; ";
         if (std::abs(between - answer.distance) > tolerance)
             why << "says " << answer.distance << ", points " << between << "; ";

@@ -18,18 +18,20 @@ enum class ConvexKind {
     round_cylinder,
     round_cone,
     round_box,
-    round_hull
+    round_hull,
+    plane ///< of all shapes: only as A
 };
-inline constexpr int convex_kinds = 10;
+inline constexpr int convex_kinds = 10; ///< without the plane
 inline const char* name_of(ConvexKind kind) {
-    constexpr const char* names[] = {"sphere", "capsule",   "cylinder", "cone", "box",
-                                     "hull",   "~cylinder", "~cone",    "~box", "~hull"};
+    constexpr const char* names[] = {"sphere",    "capsule", "cylinder", "cone",  "box",  "hull",
+                                     "~cylinder", "~cone",   "~box",     "~hull", "plane"};
     return names[static_cast<std::size_t>(kind)];
 }
 inline ShapeKind core_kind(ConvexKind kind) {
-    constexpr ShapeKind kinds[] = {
-        ShapeKind::sphere, ShapeKind::capsule,  ShapeKind::cylinder, ShapeKind::cone, ShapeKind::box,
-        ShapeKind::hull,   ShapeKind::cylinder, ShapeKind::cone,     ShapeKind::box,  ShapeKind::hull};
+    constexpr ShapeKind kinds[] = {ShapeKind::sphere,   ShapeKind::capsule, ShapeKind::cylinder,
+                                   ShapeKind::cone,     ShapeKind::box,     ShapeKind::hull,
+                                   ShapeKind::cylinder, ShapeKind::cone,    ShapeKind::box,
+                                   ShapeKind::hull,     ShapeKind::plane};
     return kinds[static_cast<std::size_t>(kind)];
 }
 
@@ -46,9 +48,9 @@ class HullPool {
         const Solid* best = nullptr;
         double least = 1e300;
         for (int k = 0; k < 6; ++k) {
-            const Solid& s = hulls[random.below(static_cast<std::uint32_t>(hulls.size()))];
-            const double off = std::abs(std::log(DoubleCore(s).reach() / size));
-            if (off < least) least = off, best = &s;
+            const std::size_t i = random.below(static_cast<std::uint32_t>(hulls.size()));
+            const double off = std::abs(std::log(reaches[i] / size));
+            if (off < least) least = off, best = &hulls[i];
         }
         return *best;
     }
@@ -75,10 +77,12 @@ class HullPool {
         const auto id = library.add(baked);
         if (!id) return;
         hulls.push_back({library.geometry(*id).value(), library.find(*id)->hull.get()});
+        reaches.push_back(DoubleCore(hulls.back()).reach());
     }
 
     lockstone::AssetLibrary library;
     std::vector<Solid> hulls;
+    std::vector<double> reaches; ///< of each hull
 };
 
 struct ConvexScene {

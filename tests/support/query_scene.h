@@ -1,34 +1,15 @@
 // A world with one of everything, and random questions to it.
 #pragma once
 
-#include "support/sim_scenes.h"
+#include "support/random.h"
 
 #include <cstring>
 #include <memory>
 #include <optional>
-#include <random>
 
 namespace lockstone::test::query {
 
 using namespace lockstone::test::scene;
-
-struct Random {
-    std::mt19937_64 engine;
-    explicit Random(std::uint64_t seed) : engine(seed) {}
-    double operator()(double low, double high) {
-        return low + (high - low) * static_cast<double>(engine() >> 11) * 0x1p-53;
-    }
-    D3 point(double x, double low, double high) {
-        return {(*this)(-x, x), (*this)(low, high), (*this)(-x, x)};
-    }
-    Quat rotation() {
-        const D3 a = point(1, -1, 1);
-        const double n = length(a) + 1e-9;
-        return from_axis_angle({quantize<Unit>(a[0] / n), quantize<Unit>(a[1] / n), quantize<Unit>(a[2] / n)},
-                               real((*this)(-3.1, 3.1)));
-    }
-};
-inline Vec3 vec3(D3 v) { return vec(v[0], v[1], v[2]); }
 
 struct Assets {
     std::shared_ptr<AssetLibrary> library = std::make_shared<AssetLibrary>();

@@ -39,6 +39,20 @@ Result<Soup> load_again(const std::vector<AssetBytes>& assets, AssetLibrary& lib
     return soup;
 }
 
+/// What loading made of an asset that was just baked.
+Result<Soup> keep(Result<AssetBytes> baked, Cooked& out) {
+    if (!baked) return baked.error();
+    out.assets.push_back(std::move(*baked));
+    AssetLibrary library;
+    return load_again(out.assets, library, out);
+}
+
+Result<Cooked> with_deviation(Cooked out, const Result<Deviation>& found) {
+    if (!found) return found.error();
+    out.deviation = found->largest();
+    return out;
+}
+
 std::vector<LengthVec3> quantized(const std::vector<Point>& points) {
     std::vector<LengthVec3> out;
     for (const Point& p : points) out.push_back(quantize<Length>(std::array<double, 3>{p.x, p.y, p.z}));
@@ -61,21 +75,14 @@ Result<Cooked> cook_hull(const Source& source) {
     if (!whole) return whole.error();
     const Result<Convex> few = reduced(*whole, source.options.corners_max);
     if (!few) return few.error();
-    Result<AssetBytes> bytes = bake_hull(quantized(few->surface.vertices));
-    if (!bytes) return bytes.error();
     Cooked out;
-    out.assets.push_back(std::move(*bytes));
-    AssetLibrary library;
-    const Result<Soup> loaded = load_again(out.assets, library, out);
+    const Result<Soup> loaded = keep(bake_hull(quantized(few->surface.vertices)), out);
     if (!loaded) return loaded.error();
     const Result<Convex> result = convex_hull(loaded->vertices);
     if (!result) return result.error();
-    const Result<Deviation> deviation = deviation_of_hulls(*whole, *result);
-    if (!deviation) return deviation.error();
-    out.deviation = deviation->largest();
     out.gap = excess(*result, source.surface, source.options.samples / 10);
     out.parts = 1;
-    return out;
+    return with_deviation(std::move(out), deviation_of_hulls(*whole, *result));
 }
 
 // ---- convex decomposition -------------------------------------------------------------------------------------
@@ -129,12 +136,9 @@ Result<Cooked> cook_parts(const Source& source, double deviation) {
     std::size_t triangles = 0;
     for (const CompoundPart& part : parts) triangles += triangulate(part.geometry, library).triangles.size();
     if (triangles != all->triangles.size()) return Error{"the compound does not hold what its parts hold"};
-    const Result<Deviation> found =
-        deviation_of_solids(source.soup, source.surface, loaded, source.options.samples);
-    if (!found) return found.error();
-    out.deviation = found->largest();
     out.parts = parts.size();
-    return out;
+    return with_deviation(std::move(out),
+                          deviation_of_solids(source.soup, source.surface, loaded, source.options.samples));
 }
 
 /// What the decomposition samples is coarse: when the check finds more deviation, it is asked for less.
@@ -159,19 +163,12 @@ Result<Cooked> cook_mesh(const Source& source) {
     MeshDef def{.vertices = vertices, .triangles = source.soup.triangles};
     def.two_sided = source.options.two_sided;
     def.flat_sine = sine_of_flat(source.options, def.flat_sine);
-    Result<AssetBytes> bytes = bake_mesh(def);
-    if (!bytes) return bytes.error();
     Cooked out;
-    out.assets.push_back(std::move(*bytes));
-    AssetLibrary library;
-    const Result<Soup> loaded = load_again(out.assets, library, out);
+    const Result<Soup> loaded = keep(bake_mesh(def), out);
     if (!loaded) return loaded.error();
     if (loaded->triangles.empty()) return Error{"every triangle is degenerate"};
-    const Result<Deviation> deviation =
-        deviation_of_surfaces(source.soup, source.surface, *loaded, source.options.samples);
-    if (!deviation) return deviation.error();
-    out.deviation = deviation->largest();
-    return out;
+    return with_deviation(
+        std::move(out), deviation_of_surfaces(source.soup, source.surface, *loaded, source.options.samples));
 }
 
 Result<Cooked> cook_heights(const Source& source, double spacing) {
@@ -183,22 +180,15 @@ Result<Cooked> cook_heights(const Source& source, double spacing) {
                        .heights = heights->heights,
                        .cells = heights->cells};
     def.flat_sine = sine_of_flat(source.options, def.flat_sine);
-    Result<AssetBytes> bytes = bake_height_field(def);
-    if (!bytes) return bytes.error();
     Cooked out;
-    out.assets.push_back(std::move(*bytes));
-    AssetLibrary library;
-    Result<Soup> loaded = load_again(out.assets, library, out);
+    Result<Soup> loaded = keep(bake_height_field(def), out);
     if (!loaded) return loaded.error();
     if (loaded->triangles.empty()) return Error{"nothing of the model is seen from above"};
     out.origin = heights->origin;
     out.spacing = to_double(heights->spacing);
     for (Point& p : loaded->vertices) p = p + heights->origin;
-    const Result<Deviation> deviation =
-        deviation_from_above(source.soup, source.surface, *loaded, source.options.samples);
-    if (!deviation) return deviation.error();
-    out.deviation = deviation->largest();
-    return out;
+    return with_deviation(std::move(out),
+                          deviation_from_above(source.soup, source.surface, *loaded, source.options.samples));
 }
 
 /// With no spacing given: from coarse to fine until the deviation is allowed.

@@ -1,10 +1,6 @@
 #include "cook/import.h"
 
-#include <assimp/DefaultLogger.hpp>
-#include <assimp/Importer.hpp>
-#include <assimp/config.h>
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
+#include "cook/read_model.h"
 
 #include <sys/resource.h>
 #include <sys/select.h>
@@ -35,7 +31,6 @@ struct Header {
 };
 constexpr std::uint64_t magic = 0x4c4f434b434f4f4b;
 constexpr std::uint64_t text_max = 4096;
-constexpr double import_coordinate_max = 1e9; ///< in the file's unit, before --scale
 
 // ---- the child ------------------------------------------------------------------------------------------------
 
@@ -61,44 +56,13 @@ bool send_all(int pipe, const void* data, std::size_t size) {
     return true;
 }
 
-/// The soup of what assimp read; or the reason why there is none.
-Result<Soup> read_with_assimp(const std::string& path) {
-    Assimp::Importer importer;
-    importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-    const aiScene* scene =
-        importer.ReadFile(path, aiProcess_Triangulate | aiProcess_JoinIdenticalVertices |
-                                    aiProcess_SortByPType | aiProcess_PreTransformVertices);
-    if (scene == nullptr) return Error{importer.GetErrorString()};
-    Soup soup;
-    for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
-        const aiMesh& mesh = *scene->mMeshes[m];
-        const auto base = static_cast<std::uint32_t>(soup.vertices.size());
-        if (soup.vertices.size() + mesh.mNumVertices > import_vertices_max ||
-            soup.triangles.size() + mesh.mNumFaces > import_triangles_max)
-            return Error{"it has more than " + std::to_string(import_triangles_max) + " triangles"};
-        for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
-            const aiVector3D& v = mesh.mVertices[i];
-            soup.vertices.push_back(
-                {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)});
-        }
-        for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
-            const aiFace& face = mesh.mFaces[i];
-            if (face.mNumIndices == 3)
-                soup.triangles.push_back(
-                    {base + face.mIndices[0], base + face.mIndices[1], base + face.mIndices[2]});
-        }
-    }
-    if (soup.triangles.empty()) return Error{"it has no triangles"};
-    return soup;
-}
-
 [[noreturn]] void run_child(int pipe, const std::string& path) {
     limit_child();
     Header header{magic, 0, 0, 0};
     std::string sentence;
     Soup soup;
     try {
-        Result<Soup> read = read_with_assimp(path);
+        Result<Soup> read = read_model(path);
         if (read)
             soup = std::move(*read);
         else

@@ -12,6 +12,7 @@ inline constexpr std::uint64_t import_vertices_max = 3 * import_triangles_max;
 inline constexpr std::uint64_t import_memory_max = std::uint64_t{4}
                                                    << 30; ///< [bytes] of the importing process
 inline constexpr int import_seconds_max = 120;
+inline constexpr double import_coordinate_max = 1e9; ///< in the file's unit, before --scale
 
 /// All meshes of the file in one soup, in the file's own unit: glTF, OBJ, FBX, STL, PLY and what else assimp reads.
 /// Lines and points are left out, polygons cut into triangles. The error names the file and the reason.

@@ -63,8 +63,7 @@ class AssetScene final : public Scene {
         const Vec3 size = upper - lower;
         const Real prop = clamp(max(size.x, size.z) / 40_r, 0.05_r, 0.8_r);
         Shelf shelf(std::move(with_props));
-        std::vector<Geometry> shapes = bake_hulls(shelf, prop);
-        for (const Geometry& shape : round_shapes(prop)) shapes.push_back(shape);
+        const std::vector<Geometry> shapes = bake_props(shelf, prop);
         const auto all = std::move(shelf).finish();
         if (!all) return all.error();
         const std::uint32_t count = options.size * 5;

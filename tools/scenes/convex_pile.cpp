@@ -1,6 +1,5 @@
 // Hulls, cylinders, cones, rounded boxes and capsules fall into a walled pit of 8 x 8 m.
 #include "lockstone/math.h"
-#include "lockstone/random.h"
 #include "scenes/props.h"
 
 namespace lockstone::scenes_detail {
@@ -17,17 +16,13 @@ class ConvexPile final : public Scene {
 
     Result<World> start() const override {
         Shelf shelf;
-        std::vector<Geometry> shapes = bake_hulls(shelf, size);
-        for (const Geometry& shape : round_shapes(size)) shapes.push_back(shape);
+        const std::vector<Geometry> shapes = bake_props(shelf, size);
         const auto assets = std::move(shelf).finish();
         if (!assets) return assets.error();
         Builder build(world_for(options.size, options.seed), {}, *assets);
         build.ground();
         build_walls(build);
-        Random random = Random::seeded(options.seed);
-        for (std::uint32_t i = 0; i < options.size; ++i)
-            build.body({.pose = place(i, random), .user_key = user_key_of(Role::prop, i)},
-                       {.geometry = shapes[i % shapes.size()]});
+        add_props(build, options, shapes, place);
         return std::move(build).finish();
     }
 
@@ -37,8 +32,7 @@ class ConvexPile final : public Scene {
         const Real edge = half(spacing * Real(layer_side - 1));
         const Real x = spacing * Real(in_layer % layer_side) - edge + random.range(-0.04_r, 0.04_r);
         const Real z = spacing * Real(in_layer / layer_side) - edge + random.range(-0.04_r, 0.04_r);
-        const Real a = random.range(-pi, pi), b = random.range(-1_r, 1_r), c = random.range(-pi, pi);
-        return at({x, 1_r + spacing * Real(layer), z}, from_euler({a, b, c}));
+        return at({x, 1_r + spacing * Real(layer), z}, random_turn(random));
     }
 
     /// Thick, and as high as the bodies start.

@@ -1,7 +1,6 @@
 #include "scenes/props.h"
 
 #include "lockstone/math.h"
-#include "lockstone/random.h"
 
 #include <array>
 
@@ -65,21 +64,23 @@ Corners rock(Real size) {
 
 } // namespace
 
-std::vector<Geometry> bake_hulls(Shelf& shelf, Real size) {
+std::vector<Geometry> bake_props(Shelf& shelf, Real size) {
     std::vector<Geometry> out;
     for (const Corners& corners : {gem(size), icosahedron(size), wedge(size), tetrahedron(size), rock(size)})
         out.push_back(shelf.add(bake_hull(corners)));
+    const auto of = [&](Real share) { return share * size; };
+    out.push_back(cylinder(of(0.6_r), of(0.7_r)));
+    out.push_back(cone(of(0.75_r), of(0.6_r)));
+    out.push_back(capsule(of(0.45_r), of(0.5_r)));
+    out.push_back(rounded(box(of(0.55_r), of(0.4_r), of(0.4_r)), of(0.12_r)));
+    out.push_back(rounded(cylinder(of(0.6_r), of(0.3_r)), of(0.12_r)));
+    out.push_back(rounded(cone(of(0.55_r), of(0.5_r)), of(0.12_r)));
     return out;
 }
 
-std::vector<Geometry> round_shapes(Real size) {
-    const auto of = [&](Real share) { return share * size; };
-    return {cylinder(of(0.6_r), of(0.7_r)),
-            cone(of(0.75_r), of(0.6_r)),
-            capsule(of(0.45_r), of(0.5_r)),
-            rounded(box(of(0.55_r), of(0.4_r), of(0.4_r)), of(0.12_r)),
-            rounded(cylinder(of(0.6_r), of(0.3_r)), of(0.12_r)),
-            rounded(cone(of(0.55_r), of(0.5_r)), of(0.12_r))};
+Quat random_turn(Random& random) {
+    const Real a = random.range(-pi, pi), b = random.range(-1_r, 1_r), c = random.range(-pi, pi);
+    return from_euler({a, b, c});
 }
 
 } // namespace lockstone::scenes_detail

@@ -1,17 +1,32 @@
 // Small bodies of many shapes, shared by the scenes that drop them.
 #pragma once
 
+#include "lockstone/random.h"
 #include "scenes/scene.h"
 
 #include <vector>
 
 namespace lockstone::scenes_detail {
 
-/// Bakes five hulls: a gem, an icosahedron, a wedge, a tetrahedron and a rock of 40 random corners. Each fits a ball of
-/// radius `size` [m].
-std::vector<Geometry> bake_hulls(Shelf& shelf, Real size);
+/// Eleven shapes that each fit a ball of radius `size` [m]: five hulls (a gem, an icosahedron, a wedge, a tetrahedron, a
+/// rock of 40 random corners), which are baked, then cylinder, cone, capsule, rounded box, rounded cylinder, rounded
+/// cone.
+std::vector<Geometry> bake_props(Shelf& shelf, Real size);
 
-/// Cylinder, cone, capsule, rounded box, rounded cylinder, rounded cone; each fits a ball of radius `size` [m].
-std::vector<Geometry> round_shapes(Real size);
+/// Turned anyhow.
+Quat random_turn(Random& random);
+
+/// As many bodies as the options say: the i-th at place(i, random), of the shapes in turn, with the surface's friction
+/// and so on.
+template <class Place>
+void add_props(Builder& build, const SceneOptions& options, const std::vector<Geometry>& shapes,
+               Place&& place, const ShapeDef& surface = {}) {
+    Random random = Random::seeded(options.seed);
+    for (std::uint32_t i = 0; i < options.size; ++i) {
+        ShapeDef shape = surface;
+        shape.geometry = shapes[i % shapes.size()];
+        build.body({.pose = place(i, random), .user_key = user_key_of(Role::prop, i)}, shape);
+    }
+}
 
 } // namespace lockstone::scenes_detail

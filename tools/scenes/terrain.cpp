@@ -1,7 +1,6 @@
 // Hills of 320 x 320 cells, 204,800 triangles: a height field of 160 x 160 m with a bowl in the middle. Bodies of every
 // kind roll and slide down into the bowl; an arch, which is a mesh, stands at its bottom.
 #include "lockstone/math.h"
-#include "lockstone/random.h"
 #include "scenes/props.h"
 
 #include <array>
@@ -66,8 +65,7 @@ class Terrain final : public Scene {
     Result<World> start() const override {
         Shelf shelf;
         const Geometry hills = shelf.add(bake_hills()), arch = shelf.add(bake_arch());
-        std::vector<Geometry> shapes = bake_hulls(shelf, 0.6_r);
-        for (const Geometry& shape : round_shapes(0.6_r)) shapes.push_back(shape);
+        std::vector<Geometry> shapes = bake_props(shelf, 0.6_r);
         shapes.push_back(sphere(0.45_r));
         shapes.push_back(box(0.4_r, 0.4_r, 0.4_r));
         const auto assets = std::move(shelf).finish();
@@ -83,10 +81,7 @@ class Terrain final : public Scene {
                     .pose = at({0_r, height_at(0_r, 0_r) - 1_r, 0_r}),
                     .user_key = user_key_of(Role::wall, 0)},
                    {.geometry = arch});
-        Random random = Random::seeded(options.seed);
-        for (std::uint32_t i = 0; i < options.size; ++i)
-            build.body({.pose = place(i, random), .user_key = user_key_of(Role::prop, i)},
-                       {.geometry = shapes[i % shapes.size()]});
+        add_props(build, options, shapes, place);
         return std::move(build).finish();
     }
 
@@ -98,8 +93,7 @@ class Terrain final : public Scene {
         const Real radius = 12_r + 1.5_r * Real(ring % 30), lift = 2_r + 1.5_r * Real(ring / 30);
         const Real angle = two_pi * (Real(i % per_ring) + half(Real(ring % 2))) / Real(per_ring);
         const Real x = radius * cos(angle), z = radius * sin(angle);
-        const Real a = random.range(-pi, pi), b = random.range(-1_r, 1_r), c = random.range(-pi, pi);
-        return at({x, height_at(x, z) + lift, z}, from_euler({a, b, c}));
+        return at({x, height_at(x, z) + lift, z}, random_turn(random));
     }
 };
 

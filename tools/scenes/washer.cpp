@@ -1,7 +1,6 @@
 // A drum with paddles turns about a level axis for ever, and small bodies tumble in it. The drum is one compound of
 // boxes on a kinematic body; a plane that looks into it stands before its open end.
 #include "lockstone/math.h"
-#include "lockstone/random.h"
 #include "scenes/props.h"
 
 #include <array>
@@ -42,8 +41,7 @@ class Washer final : public Scene {
     Result<World> start() const override {
         Shelf shelf;
         const Geometry drum = shelf.add(bake_drum());
-        std::vector<Geometry> shapes = bake_hulls(shelf, 0.2_r);
-        for (const Geometry& shape : round_shapes(0.2_r)) shapes.push_back(shape);
+        std::vector<Geometry> shapes = bake_props(shelf, 0.2_r);
         shapes.push_back(sphere(0.15_r));
         shapes.push_back(box(0.12_r, 0.12_r, 0.12_r));
         const auto assets = std::move(shelf).finish();
@@ -61,10 +59,7 @@ class Washer final : public Scene {
                     .pose = at({0_r, 0_r, half_depth}, from_axis_angle(along_x, -half_pi)),
                     .user_key = user_key_of(Role::wall, 0)},
                    {.geometry = plane(), .friction = 0_r});
-        Random random = Random::seeded(options.seed);
-        for (std::uint32_t i = 0; i < options.size; ++i)
-            build.body({.pose = place(i, random), .user_key = user_key_of(Role::prop, i)},
-                       {.geometry = shapes[i % shapes.size()], .friction = 0.5_r});
+        add_props(build, options, shapes, place, {.friction = 0.5_r});
         return std::move(build).finish();
     }
 
@@ -78,9 +73,8 @@ class Washer final : public Scene {
         const Real x = step * Real(index % side) - step * half(Real(side - 1));
         const Real y = step * Real(index / side % side) - step * half(Real(side - 1));
         const Real z = step * Real(index / (side * side)) - step * half(Real(deep - 1));
-        const Real a = random.range(-pi, pi), b = random.range(-1_r, 1_r), c = random.range(-pi, pi);
         const Real shift = half(step) * Real(static_cast<std::int32_t>(i / (side * side * deep) % 2));
-        return at({x + shift, height + y + shift, z}, from_euler({a, b, c}));
+        return at({x + shift, height + y + shift, z}, random_turn(random));
     }
 };
 

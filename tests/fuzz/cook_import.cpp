@@ -1,0 +1,48 @@
+// Any bytes as a model file: what assimp makes of them has to be a sentence or a soup that the checks judge.
+//
+// The reader runs in this process, from memory. What would end the importing process (tools/cook/import.h) is no fault
+// of ours and must not end the run: a failed assertion within assimp becomes an exception below, after a crash or an
+// endless loop libFuzzer's -fork=1 -ignore_crashes=1 -ignore_timeouts=1 -ignore_ooms=1 goes on, and `lockstone cook`
+// answers the inputs that are left with a sentence.
+//
+// The first byte of an input chooses the format, the rest is the file.
+#include "cook/import.h"
+#include "cook/read_model.h"
+#include "cook_input.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <stdexcept>
+
+namespace Assimp {
+/// In place of the library's own, which aborts.
+void aiAssertViolation(const char* failed, const char* file, int line);
+void aiAssertViolation(const char* failed, const char*, int) { throw std::runtime_error(failed); }
+} // namespace Assimp
+
+namespace {
+
+using namespace lockstone;
+using namespace lockstone::cook;
+
+std::string complaint(std::span<const std::byte> file, const char* extension) {
+    const Result<Soup> soup = read_model(file, extension);
+    if (!soup) return soup.error().message.empty() ? "an error without a sentence" : "";
+    if (soup->triangles.empty()) return "a model without triangles";
+    if (!check(*soup, import_coordinate_max).empty()) return {}; // `import_model` refuses it
+    return check(compacted(welded(*soup)), import_coordinate_max).empty() ? "" : "welding breaks it";
+}
+
+} // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    if (size == 0) return 0;
+    std::string wrong;
+    try {
+        wrong = complaint(std::as_bytes(std::span(data + 1, size - 1)),
+                          fuzz::import_extensions[data[0] % fuzz::import_extensions.size()]);
+    } catch (const std::exception&) {} // the importing process sends it as a sentence
+    if (wrong.empty()) return 0;
+    std::fprintf(stderr, "ERROR: cook import: %s\n", wrong.c_str());
+    std::abort();
+}
