@@ -68,6 +68,7 @@ App::App(const Options& options) : options_(options) {
     stage_.view.wireframe = shown("wireframe");
     stage_.view.contacts = shown("contacts");
     stage_.view.bounds = shown("bounds");
+    stage_.view.joints = shown("joints");
     stage_.view.help = shown("help");
 }
 

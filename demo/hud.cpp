@@ -96,6 +96,7 @@ void control_stage(Stage& stage, const Input& input) {
     toggle(Key::f4, stage.view.bounds);
     toggle(Key::f5, stage.view.crates);
     toggle(Key::f6, stage.view.overlay);
+    toggle(Key::f7, stage.view.joints);
     if (input.pressed(Key::p)) stage.clock.set_paused(!stage.clock.paused());
     if (input.pressed(Key::period)) stage.clock.single_step();
     if (input.pressed(Key::left_bracket)) stage.clock.slower();
@@ -106,13 +107,13 @@ void draw_help(Frame& frame, const Moment& moment, const ViewOptions& view, cons
     if (!view.help) return;
     TextPanel panel(moment, {0, 0});
     panel.title("keys");
-    std::string rest = page_keys +
-                       "\n"
-                       "P pause   . one tick   [ ] slower, faster\n"
-                       "F2 wireframe   F3 contacts   F4 bounds   F5 crates   F6 text   F12 picture\n"
-                       "right drag orbit   wheel zoom   middle drag pan   shift Home all\n"
-                       "C follow or fly freely (WASD, Q, E)   Tab next player\n"
-                       "F1 closes this   Escape ends";
+    std::string rest =
+        page_keys + "\n"
+                    "P pause   . one tick   [ ] slower, faster\n"
+                    "F2 wireframe   F3 contacts   F4 bounds   F5 crates   F6 text   F7 joints   F12 picture\n"
+                    "right drag orbit   wheel zoom   middle drag pan   shift Home all\n"
+                    "C follow or fly freely (WASD, Q, E)   Tab next player\n"
+                    "F1 closes this   Escape ends";
     while (!rest.empty()) {
         const std::size_t end = std::min(rest.find('\n'), rest.size());
         panel.line(rest.substr(0, end), ink::white);

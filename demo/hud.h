@@ -44,7 +44,7 @@ std::string format_number(double value, int decimals);
 /// "× 0.25", "paused".
 std::string format_speed(const StepClock& clock);
 
-/// Keys that every page knows: wireframe, contacts, bounds, crates, overlay, help, pause, step, speed.
+/// Keys that every page knows: wireframe, contacts, bounds, crates, overlay, joints, help, pause, step, speed.
 void control_stage(Stage& stage, const Input& input);
 
 /// The list of keys, if it is switched on. `page_keys`: those of the page, one per line.

@@ -22,7 +22,9 @@ std::int8_t to_axis(float value) {
 } // namespace
 
 bool is_playable(const Game& game) {
-    return game.input_size() == input_size_of<ArenaInput> && game.name().starts_with("rollback-arena");
+    return game.input_size() == input_size_of<ArenaInput> &&
+           (game.name().starts_with("rollback-arena") || game.name().starts_with("cars") ||
+            game.name().starts_with("character "));
 }
 
 void InputMap::read_keys(const Input& input, std::size_t seat, glm::vec2& stick, Seat& out) {

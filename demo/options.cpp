@@ -47,7 +47,7 @@ void add_options(CLI::App& app, Options& options) {
     app.add_option("--show", options.show, "switch on, separated by commas")
         ->delimiter(',')
         ->allow_extra_args(false)
-        ->check(CLI::IsMember({"wireframe", "contacts", "bounds", "help"}));
+        ->check(CLI::IsMember({"wireframe", "contacts", "bounds", "joints", "help"}));
     app.add_flag("--script", options.script, "nobody plays; ends by itself");
 }
 

@@ -19,6 +19,7 @@ struct ViewOptions {
     bool wireframe = false;
     bool contacts = false; ///< points, normals
     bool bounds = false;   ///< boxes around shapes
+    bool joints = false;   ///< axes, limits, cones
     bool crates = true;    ///< boxes of props as the textured model
     bool help = false;
     bool overlay = true;

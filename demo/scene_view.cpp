@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace lockstone::demo {
 namespace {
@@ -116,9 +117,50 @@ SceneView::Body SceneView::read_body(const World& world, BodyId id, std::uint32_
     if (const auto owner = prop_owner(world, row))
         body.colour =
             glm::mix(body.colour, to_colour(look_of(user_key_of(Role::player, *owner)).colour), 0.85f);
+    if (body.kind == BodyKind::dynamic && !world.is_awake(id))
+        body.colour = glm::mix(body.colour, glm::vec3(0.45f), 0.6f); // asleep
     body.previous = body.current;
     for (const ShapeId shape : world.shapes(id)) body.parts.push_back(read_part(world.shape(shape)));
     return body;
+}
+
+/// A tyre and a bar across it, which shows that it turns.
+void SceneView::read_wheels(const World& world) {
+    std::vector<Body> now;
+    for (std::uint32_t row = 0; row < world.vehicle_count(); ++row) {
+        const VehicleId id = world.vehicle_at(row);
+        const VehicleDef& def = world.vehicle(id);
+        const VehicleState state = world.vehicle_state(id);
+        for (std::uint32_t i = 0; i < state.wheel_count; ++i) {
+            const WheelState& wheel = state.wheel[i];
+            const std::array<float, 4> q = to_float(wheel.pose.rotation);
+            const glm::quat hub = glm::quat(q[3], q[0], q[1], q[2]) *
+                                  glm::angleAxis(to_float(wheel.rotation), glm::vec3(1, 0, 0));
+            const float radius = to_float(def.wheel[i].radius),
+                        half_width = 0.5f * to_float(def.wheel[i].width);
+            Part tyre{}, bar{};
+            tyre.primitive = ShapeKind::cylinder;
+            tyre.size = {radius, half_width, radius};
+            tyre.local = glm::rotate(glm::mat4(1), glm::half_pi<float>(), glm::vec3(0, 0, 1));
+            tyre.bounds = {-tyre.size, tyre.size};
+            bar.primitive = ShapeKind::box;
+            bar.size = {half_width * 1.1f, radius * 0.7f, radius * 0.15f};
+            bar.local = glm::mat4(1);
+            bar.bounds = {-bar.size, bar.size};
+            Body body{.id = def.chassis,
+                      .role = Role::machine,
+                      .number = i,
+                      .kind = BodyKind::dynamic,
+                      .colour = glm::vec3(0.22f),
+                      .previous = {},
+                      .current = {to_glm(to_float(wheel.pose.position)), hub},
+                      .parts = {tyre, bar}};
+            const bool was_there = now.size() < wheels_.size() && wheels_[now.size()].id == def.chassis;
+            body.previous = was_there ? wheels_[now.size()].current : body.current;
+            now.push_back(std::move(body));
+        }
+    }
+    wheels_ = std::move(now);
 }
 
 const SceneView::Body* SceneView::find(BodyId id, std::size_t hint) const {
@@ -130,6 +172,7 @@ const SceneView::Body* SceneView::find(BodyId id, std::size_t hint) const {
 
 void SceneView::reset(const World& world) {
     bodies_.clear();
+    wheels_.clear();
     capture(world);
 }
 
@@ -142,10 +185,14 @@ void SceneView::capture(const World& world) {
         if (const Body* before = find(now.back().id, row)) now.back().previous = before->current;
     }
     bodies_ = std::move(now);
+    read_wheels(world);
     contacts_.clear();
     for (const World::ContactPoint& contact : world.contacts())
         contacts_.push_back(
             {to_glm(to_float(contact.point)), to_glm(to_float(contact.normal)), to_float(contact.impulse)});
+    joints_.clear();
+    for (std::uint32_t row = 0; row < world.joint_count(); ++row)
+        joints_.push_back(read_joint(world, world.joint_at(row)));
     match_ = match_values(world);
     tick_ = world.tick_count();
 }
@@ -162,7 +209,9 @@ void SceneView::draw(Frame& frame, float alpha, const Stage& stage,
                      std::optional<std::uint32_t> followed) const {
     const std::vector<glm::vec3> seen = sights(followed, alpha);
     for (const Body& body : bodies_) draw_body(frame, body, alpha, stage, seen);
+    for (const Body& wheel : wheels_) draw_body(frame, wheel, alpha, stage, {});
     if (stage.view.contacts) draw_contacts(frame);
+    draw_joints(frame, alpha, stage.view.joints);
     if (match_) draw_it(frame, alpha);
     // A large scene is seen from afar: the haze must begin behind it, and the shadows reach as far.
     frame.light.haze_distance = std::max(frame.light.haze_distance, 4 * frame.camera.distance());
@@ -227,6 +276,21 @@ void SceneView::draw_contacts(Frame& frame) const {
                                .to = touch.point + 0.35f * touch.normal,
                                .colour = {0.2f, 1.0f, 0.45f},
                                .width = 1.6f});
+    }
+}
+
+void SceneView::draw_joints(Frame& frame, float alpha, bool all) const {
+    std::map<BodyId, const Body*> by_id;
+    if (!joints_.empty())
+        for (const Body& body : bodies_) by_id[body.id] = &body;
+    const auto place = [&](BodyId id) {
+        const auto found = by_id.find(id);
+        return found == by_id.end() ? glm::mat4(1) : pose(*found->second, alpha);
+    };
+    for (const JointMark& joint : joints_) {
+        const glm::mat4 a = place(joint.body_a), b = place(joint.body_b);
+        draw_line_joint(frame, joint, a, b);
+        if (all) draw_joint(frame, joint, a, b);
     }
 }
 

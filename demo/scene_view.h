@@ -2,6 +2,7 @@
 /// A world as a viewer sees it: read after every tick, drawn between two of them.
 
 #include "game_values.h"
+#include "joint_marks.h"
 #include "page.h"
 #include "render/mesh.h"
 #include "scenes/scenes.h"
@@ -66,6 +67,7 @@ class SceneView {
     };
 
     Body read_body(const World& world, BodyId id, std::uint32_t row);
+    void read_wheels(const World& world);
     Part read_part(const ShapeDef& def);
     const Body* find(BodyId id, std::size_t hint) const;
     static glm::mat4 pose(const Body& body, float alpha);
@@ -75,10 +77,13 @@ class SceneView {
     void draw_part(Frame& frame, const Body& body, const Part& part, const glm::mat4& place, bool as_crate,
                    const Stage& stage) const;
     void draw_contacts(Frame& frame) const;
+    void draw_joints(Frame& frame, float alpha, bool all) const;
     void draw_it(Frame& frame, float alpha) const;
 
     std::vector<Body> bodies_; ///< by row
+    std::vector<Body> wheels_; ///< of vehicles: drawn, but no bodies of the world; `id` is the chassis
     std::vector<Touch> contacts_;
+    std::vector<JointMark> joints_;
     std::optional<MatchValues> match_;
     std::shared_ptr<const AssetLibrary> assets_;
     std::unique_ptr<ShapeMeshes> meshes_ = std::make_unique<ShapeMeshes>();

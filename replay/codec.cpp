@@ -210,12 +210,15 @@ template <class Visit> void for_each_field(WorldDef& d, Visit&& visit) {
     visit("integrator", d.integrator), visit("bounds_shift", d.bounds_shift);
     visit("bodies_max", d.bodies_max), visit("shapes_max", d.shapes_max);
     visit("contacts_max", d.contacts_max), visit("fields_max", d.fields_max);
-    visit("pair_filters_max", d.pair_filters_max), visit("continuous", d.continuous);
+    visit("pair_filters_max", d.pair_filters_max), visit("joints_max", d.joints_max);
+    visit("characters_max", d.characters_max), visit("vehicles_max", d.vehicles_max);
+    visit("continuous", d.continuous), visit("sleeping", d.sleeping);
     visit("restitution_speed_min", d.restitution_speed_min), visit("contact_hertz", d.contact_hertz);
     visit("contact_damping", d.contact_damping), visit("push_speed_max", d.push_speed_max);
+    visit("sleep_speed", d.sleep_speed), visit("sleep_time", d.sleep_time);
     visit("seed", d.seed);
 }
-constexpr std::size_t world_def_bytes = 104;
+constexpr std::size_t world_def_bytes = 136;
 static_assert(sizeof(WorldDef) == world_def_bytes,
               "a field was added: for_each_field and FORMAT.md need it too");
 

@@ -46,6 +46,7 @@ std::string world_fault(const Recording& recording, const World& world) {
 std::string schema_fault(const WorldDef& def, const GameSchema& schema) {
     WorldDef least;
     least.bodies_max = least.shapes_max = least.contacts_max = least.fields_max = least.pair_filters_max = 1;
+    least.joints_max = least.characters_max = least.vehicles_max = 1;
     const Result<World> plain = World::create(least);
     if (!plain) return plain.error().message;
     std::uint64_t bytes = 0;
@@ -111,10 +112,8 @@ Status Player::step() {
 void Player::keep_state() {
     const std::size_t bytes = now.state().image_bytes();
     if (kept.contains(time_now) || kept_bytes + bytes > kept_bytes_max || !agrees()) return;
-    Image& image = kept[time_now];
-    image.bytes.resize(bytes); // no more than this state needs
-    now.save(image);
-    kept_bytes += image.bytes.size();
+    now.save(kept[time_now]);
+    kept_bytes += bytes;
 }
 
 Status Player::run_commands() {

@@ -78,6 +78,10 @@ void check_segment(Player& player, std::size_t k, const VerifyOptions& options, 
     if (!outcome.bad_tick && has_next) check_keyframe(player, k + 1, outcome);
 }
 
+std::unique_ptr<Tasks> tasks_of(const VerifyOptions& options) {
+    return options.threads > 1 ? make_worker_pool(options.threads) : nullptr;
+}
+
 /// The segments that `next` hands out, on a player of its own.
 Outcome run_apart(const Recording& recording, const Game* game, const VerifyOptions& options,
                   std::span<const std::size_t> segments, std::atomic<std::size_t>& next) {
@@ -87,6 +91,8 @@ Outcome run_apart(const Recording& recording, const Game* game, const VerifyOpti
         all.diverge(recording.start_tick(), player.error().message);
         return all;
     }
+    const std::unique_ptr<Tasks> tasks = tasks_of(options);
+    player->world().set_tasks(tasks.get());
     player->keep_states(0);
     for (std::size_t i = next.fetch_add(1); i < segments.size(); i = next.fetch_add(1)) {
         Outcome outcome;
@@ -102,9 +108,12 @@ Outcome run_apart(const Recording& recording, const Game* game, const VerifyOpti
 }
 
 Outcome run_straight(Player& player, const VerifyOptions& options) {
+    const std::unique_ptr<Tasks> tasks = tasks_of(options);
+    player.world().set_tasks(tasks.get());
     Outcome outcome;
     for (std::size_t k = 0; !outcome.bad_tick && k < segment_count(player.recording()); ++k)
         check_segment(player, k, options, outcome);
+    player.world().set_tasks(nullptr);
     return outcome;
 }
 

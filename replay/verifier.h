@@ -1,6 +1,7 @@
 // Re-simulates a recording and compares every tick's hash and every keyframe's bytes with what was recorded.
 #pragma once
 
+#include "lockstone/tasks.h"
 #include "replay/player.h"
 
 #include <atomic>
@@ -11,6 +12,7 @@ namespace lockstone::replay {
 struct VerifyOptions {
     /// More than one: that many threads, each from keyframe to keyframe. Then the game is used by several at once.
     std::uint32_t jobs = 1;
+    std::uint32_t threads = 1; ///< of each job, that share the work of a tick: 1 to workers_max
     /// Which of `shards` parts of the segments to verify, 0 .. shards - 1: for spreading one recording over machines.
     std::uint32_t shard = 0, shards = 1;
     /// Restore every keyframe even when one thread verifies all. Without it the run is one, straight from the start.

@@ -1,6 +1,6 @@
-// Prints what saving, restoring and hashing cost, against one memcpy of the same bytes and
-// one memcpy for each column. No assertions: timings depend
-// on the machine. Run it on an idle core.
+// Prints what saving, restoring and hashing cost: of all rows, against one memcpy of the same bytes; and of a part that
+// was written while the rest slept, against a state that has only that part. No assertions: timings depend on the
+// machine. Run it on an idle core.
 #include "support/state_sample.h"
 
 #include <algorithm>
@@ -52,36 +52,78 @@ template <class Act> double median_ns(std::size_t bytes, Act&& act) {
     return samples[15];
 }
 
+/// Marks rows of every column as written.
+void touch(State& state, std::uint32_t rows) {
+    for (std::uint32_t column = 0; column < state.layout().columns().size(); ++column)
+        state.edit_bytes(column, 0, rows);
+}
+
+struct Costs {
+    double touch, save, restore, hash; ///< [ns], marking the rows included in all four
+};
+/// Of a world whose first rows are written before each call.
+Costs costs_of(World& world, std::uint32_t written) {
+    const std::size_t bytes = world.state.image_bytes();
+    Image image, before;
+    world.state.save(image);
+    world.state.save(before);
+    Costs costs{};
+    const auto measured = [&](auto&& act) {
+        return median_ns(bytes, [&] {
+            touch(world.state, written);
+            act();
+        });
+    };
+    std::uint64_t sum = world.state.hash();
+    costs.touch = measured([] {});
+    costs.save = measured([&] { world.state.save(image); });
+    costs.restore = measured([&] { world.state.restore(before); });
+    costs.hash = measured([&] { sum += world.state.hash(); });
+    if (sum == 0) std::printf(" ");
+    return costs;
+}
+
+double memcpy_ns(std::size_t bytes) {
+    const detail::Block from(bytes), to(bytes);
+    std::memset(from.get(), 1, bytes);
+    volatile std::byte sink{};
+    return median_ns(bytes, [&] {
+        std::memcpy(to.get(), from.get(), bytes);
+        sink = to.get()[bytes / 2];
+    });
+}
+
+void print_all_written() {
+    std::printf("all rows written\n%8s %10s %10s %9s %10s %6s %10s %6s %10s %6s\n", "rows", "bytes",
+                "memcpy ns", "mark ns", "save ns", "ratio", "restore ns", "ratio", "hash ns", "GB/s");
+    for (const std::uint32_t rows : {16u, 72u, 120u, 256u, 1024u, 4096u, 16384u}) {
+        World world = make_world(rows, rows * 2);
+        const std::size_t bytes = world.state.image_bytes();
+        const double copy = memcpy_ns(bytes);
+        const Costs c = costs_of(world, rows);
+        std::printf("%8u %10zu %10.0f %9.0f %10.0f %6.2f %10.0f %6.2f %10.0f %6.2f\n", rows, bytes, copy,
+                    c.touch, c.save, c.save / copy, c.restore, c.restore / copy, c.hash,
+                    static_cast<double>(bytes) / c.hash);
+    }
+}
+
+void print_part_written() {
+    constexpr std::uint32_t awake = 400;
+    World alone = make_world(awake, 1000000);
+    const Costs one = costs_of(alone, awake);
+    std::printf("\n%u rows written, in tables with room for 1,000,000\n%8s %10s %10s %6s %10s %6s %10s %6s\n",
+                awake, "rows", "bytes", "save ns", "ratio", "restore ns", "ratio", "hash ns", "ratio");
+    for (const std::uint32_t rows : {awake, awake + 2000, awake + 20000}) {
+        World world = make_world(rows, 1000000);
+        const Costs c = costs_of(world, awake);
+        std::printf("%8u %10zu %10.0f %6.2f %10.0f %6.2f %10.0f %6.2f\n", rows, world.state.image_bytes(),
+                    c.save, c.save / one.save, c.restore, c.restore / one.restore, c.hash, c.hash / one.hash);
+    }
+}
+
 } // namespace
 
 int main() {
-    std::printf("%8s %10s %10s %10s %10s %7s %10s %7s %10s %9s\n", "rows", "bytes", "memcpy ns", "by column",
-                "save ns", "ratio", "restore ns", "ratio", "hash ns", "hash GB/s");
-    for (std::uint32_t rows : {16u, 72u, 256u, 1024u, 4096u, 16384u}) {
-        World world = make_world(rows, rows * 2);
-        Image image, plain;
-        world.state.save(image);
-        plain.bytes.resize(image.bytes.size());
-        volatile std::byte sink{};
-        const double copy = median_ns(image.size, [&] {
-            std::memcpy(plain.bytes.data(), image.bytes.data(), image.size);
-            sink = plain.bytes[image.size / 2];
-        });
-        const double twenty = median_ns(image.size, [&] {
-            std::byte* to = plain.bytes.data();
-            for (std::uint32_t column = 0; column < world.state.layout().columns().size(); ++column) {
-                const auto from = std::as_const(world.state).bytes(column);
-                std::memcpy(to, from.data(), from.size());
-                to += from.size();
-            }
-            sink = plain.bytes[image.size / 2];
-        });
-        const double save = median_ns(image.size, [&] { world.state.save(image); });
-        const double restore = median_ns(image.size, [&] { world.state.restore(image); });
-        std::uint64_t sum = 0;
-        const double hash = median_ns(image.size, [&] { sum += world.state.hash(); });
-        std::printf("%8u %10zu %10.0f %10.0f %10.0f %7.2f %10.0f %7.2f %10.0f %9.2f%s\n", rows, image.size,
-                    copy, twenty, save, save / copy, restore, restore / copy, hash,
-                    static_cast<double>(image.size) / hash, sum == 0 ? " " : "");
-    }
+    print_all_written();
+    print_part_written();
 }

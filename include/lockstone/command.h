@@ -4,32 +4,16 @@
 // sees the whole story of a world; applying the same commands between the same ticks gives the same bits.
 #pragma once
 
-#include "lockstone/row.h"
+#include "lockstone/character.h"
+#include "lockstone/joint.h"
 #include "lockstone/shape.h"
+#include "lockstone/vehicle.h"
 
 #include <array>
 #include <cstdint>
 #include <variant>
 
 namespace lockstone {
-
-/// Names one body or shape for ever: a slot and the slot's generation. Zero is null. An id of a destroyed object, or
-/// one minted after the snapshot that was restored, is dead: commands on it return an error.
-template <class Tag> struct Id {
-    std::uint32_t index = 0; ///< slot + 1
-    std::uint32_t generation = 0;
-
-    constexpr explicit operator bool() const { return index != 0; }
-    friend constexpr bool operator==(Id, Id) = default;
-    friend constexpr auto operator<=>(Id, Id) = default;
-};
-template <class Tag, class Visit> constexpr void describe(Id<Tag>& id, Visit&& visit) {
-    visit("index", id.index);
-    visit("generation", id.generation);
-}
-using BodyId = Id<struct BodyTag>;
-using ShapeId = Id<struct ShapeTag>;
-using FieldId = Id<struct FieldTag>;
 
 enum class BodyKind : std::uint32_t {
     static_,   ///< never moves but by command; infinite mass
@@ -183,6 +167,50 @@ struct SetMass {
 struct SetGravity {
     Vec3 gravity;
 };
+struct WakeBody {
+    BodyId body;
+};
+struct CreateJoint {
+    JointDef def;
+};
+struct DestroyJoint {
+    JointId joint;
+};
+/// Limits, spring, motor and friction of one axis, anew.
+struct SetJointAxis {
+    JointId joint;
+    std::uint32_t index; ///< JointAxisIndex
+    std::uint32_t reserved;
+    JointAxis axis;
+};
+/// Where a joint holds its bodies: moves a mouse joint's target, turns a motor joint's.
+struct SetJointFrames {
+    JointId joint;
+    Transform frame_a, frame_b; ///< as in JointDef
+};
+struct CreateVehicle {
+    VehicleDef def;
+};
+struct DestroyVehicle {
+    VehicleId vehicle;
+};
+struct SetVehicleInput {
+    VehicleId vehicle;
+    VehicleInput input;
+};
+/// Makes its body and its shape too.
+struct CreateCharacter {
+    CharacterDef def;
+};
+/// With its body and all that belongs to that.
+struct DestroyCharacter {
+    CharacterId character;
+};
+/// Holds until the next one.
+struct SetCharacterInput {
+    CharacterId character;
+    CharacterInput input;
+};
 /// A piece of a row of a game column, at most 64 bytes in canonical order. World::write cuts longer rows up.
 struct WriteGame {
     std::uint32_t column; ///< of the game schema
@@ -192,10 +220,12 @@ struct WriteGame {
     std::array<std::uint8_t, 64> data;
 };
 
-using Command =
-    std::variant<CreateBody, DestroyBody, CreateShape, DestroyShape, CreateField, DestroyField, SetPose,
-                 SetVelocity, AddForce, AddForceAt, AddImpulse, AddImpulseAt, SetBodyParameters, SetMaterial,
-                 SetGravity, WriteGame, SetFilter, SetPairFilter, SetMass>;
+using Command = std::variant<CreateBody, DestroyBody, CreateShape, DestroyShape, CreateField, DestroyField,
+                             SetPose, SetVelocity, AddForce, AddForceAt, AddImpulse, AddImpulseAt,
+                             SetBodyParameters, SetMaterial, SetGravity, WriteGame, SetFilter, SetPairFilter,
+                             SetMass, CreateJoint, DestroyJoint, SetJointAxis, SetJointFrames, WakeBody, CreateVehicle,
+                             DestroyVehicle, SetVehicleInput, CreateCharacter, DestroyCharacter,
+                             SetCharacterInput>;
 /// Name of a command's kind, as in FORMAT.md and diffs: "create_body".
 const char* name_of(const Command& command);
 
@@ -265,6 +295,25 @@ template <class V> constexpr void describe(SetPairFilter& c, V&& v) {
 template <class V> constexpr void describe(SetMass& c, V&& v) {
     v("body", c.body), v("mass", c.mass), v("center", c.center), v("gyration", c.gyration);
     v("principal", c.principal);
+}
+template <class V> constexpr void describe(WakeBody& c, V&& v) { v("body", c.body); }
+template <class V> constexpr void describe(CreateJoint& c, V&& v) { v("def", c.def); }
+template <class V> constexpr void describe(DestroyJoint& c, V&& v) { v("joint", c.joint); }
+template <class V> constexpr void describe(SetJointAxis& c, V&& v) {
+    v("joint", c.joint), v("index", c.index), v("reserved", c.reserved), v("axis", c.axis);
+}
+template <class V> constexpr void describe(SetJointFrames& c, V&& v) {
+    v("joint", c.joint), v("frame_a", c.frame_a), v("frame_b", c.frame_b);
+}
+template <class V> constexpr void describe(CreateVehicle& c, V&& v) { v("def", c.def); }
+template <class V> constexpr void describe(DestroyVehicle& c, V&& v) { v("vehicle", c.vehicle); }
+template <class V> constexpr void describe(SetVehicleInput& c, V&& v) {
+    v("vehicle", c.vehicle), v("input", c.input);
+}
+template <class V> constexpr void describe(CreateCharacter& c, V&& v) { v("def", c.def); }
+template <class V> constexpr void describe(DestroyCharacter& c, V&& v) { v("character", c.character); }
+template <class V> constexpr void describe(SetCharacterInput& c, V&& v) {
+    v("character", c.character), v("input", c.input);
 }
 template <class V> constexpr void describe(SetGravity& c, V&& v) { v("gravity", c.gravity); }
 template <class V> constexpr void describe(WriteGame& c, V&& v) {

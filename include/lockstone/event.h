@@ -5,12 +5,16 @@
 
 namespace lockstone {
 
-/// Order within a tick: by kind, then by the pair's shape ids. At most one event of a kind per pair and tick.
+/// Order within a tick: by kind, then by the pair's shape ids, then by the joint, then by body_a. At most one event of a kind per
+/// pair or joint and tick.
 enum class EventKind : std::uint32_t {
     contact_begin, ///< two shapes touch that did not touch after the last tick
     contact_end,   ///< they no longer do, or one of them was destroyed
     sensor_begin,  ///< shape_b entered the sensor shape_a
     sensor_end,
+    joint_break, ///< a joint bore more than its break_force or break_torque and is gone
+    body_wake,   ///< body_a was asleep when the last tick ended
+    body_sleep,  ///< body_a fell asleep at the end of this tick
 };
 
 struct Event {
@@ -18,6 +22,7 @@ struct Event {
     std::uint32_t reserved;
     ShapeId shape_a, shape_b; ///< shape_a < shape_b for contacts; the sensor first for sensors
     BodyId body_a, body_b;
+    JointId joint;        ///< of joint_break, else null
     Vec3 point;           ///< world [m]; zero for end events
     UnitVec3 normal;      ///< from a to b; zero for end and sensor events
     Speed approach_speed; ///< along the normal before the solve [m/s], positive when closing
@@ -25,7 +30,8 @@ struct Event {
 };
 template <class V> constexpr void describe(Event& e, V&& v) {
     v("kind", e.kind), v("reserved", e.reserved), v("shape_a", e.shape_a), v("shape_b", e.shape_b);
-    v("body_a", e.body_a), v("body_b", e.body_b), v("point", e.point), v("normal", e.normal);
+    v("body_a", e.body_a), v("body_b", e.body_b), v("joint", e.joint), v("point", e.point),
+        v("normal", e.normal);
     v("approach_speed", e.approach_speed), v("tick", e.tick);
 }
 

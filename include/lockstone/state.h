@@ -12,7 +12,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <new>
 #include <span>
 #include <string>
 #include <string_view>
@@ -68,11 +67,16 @@ class StateLayout {
     struct Placement {
         std::size_t offset; ///< of row 0 from the start of the block
         std::uint32_t row_size, table;
+        std::uint32_t rows_per_page;
+        std::size_t first_page; ///< among the pages of all columns at capacity; a multiple of pages_per_chunk
     };
     std::span<const Placement> placements() const { return column_placements; }
+    static constexpr std::size_t pages_per_chunk = 16;
+    /// Pages of all columns at capacity, each column's filled up to whole chunks.
+    std::size_t page_count() const { return pages_total; }
     /// Bytes of a whole block: counts, then every column at capacity.
     std::size_t size_bytes() const { return block_size; }
-    /// Bytes of the largest ring image.
+    /// What image_bytes() of a full state is.
     std::size_t image_bytes_max() const { return image_size_max; }
     /// XXH3 of all names, sizes and formats (not capacities): two states compare or load only where these agree.
     std::uint64_t schema_hash() const { return schema; }
@@ -86,29 +90,57 @@ class StateLayout {
     std::vector<Placement> column_placements;
     std::size_t block_size = 0;
     std::size_t image_size_max = 0;
+    std::size_t pages_total = 0;
     std::uint64_t schema = 0;
 };
 
 namespace detail {
-/// Memory that begins at a cache line: packing into it is a fifth faster than 16 bytes off.
-template <class T> struct CacheLineAllocator {
-    using value_type = T;
-    CacheLineAllocator() = default;
-    template <class U> CacheLineAllocator(const CacheLineAllocator<U>&) {}
-    T* allocate(std::size_t n) {
-        return static_cast<T*>(::operator new (n * sizeof(T), std::align_val_t{64}));
-    }
-    void deallocate(T* p, std::size_t) { ::operator delete (p, std::align_val_t{64}); }
-    friend bool operator==(CacheLineAllocator, CacheLineAllocator) { return true; }
+/// Bytes that begin at a cache line and are not touched before they are written.
+class Block {
+  public:
+    Block() = default;
+    explicit Block(std::size_t size);
+    std::byte* get() const { return memory.get(); }
+
+  private:
+    struct Free {
+        void operator()(std::byte* p) const;
+    };
+    std::unique_ptr<std::byte[], Free> memory;
 };
+
+/// Which contents stand where. A version names what a page, a chunk of pages or a column holds: two places with the
+/// same version, given out by the same state, hold the same live rows, and as many. Bookkeeping, never hashed or sent.
+/// 0: of no contents.
+struct Versions {
+    std::vector<std::uint64_t> pages;   ///< as in StateLayout::Placement::first_page
+    std::vector<std::uint64_t> chunks;  ///< by page / StateLayout::pages_per_chunk
+    std::vector<std::uint64_t> columns; ///< by column index
+};
+/// Whose versions they are: alive, and so another than any other state's, while anything names it.
+using Owner = std::shared_ptr<const std::byte>;
 } // namespace detail
 
-/// A ring image: the live rows of every column, packed, in host byte order. Only for this process: see save_portable
-/// for files and packets. Its memory is allocated once and reused.
-struct Image {
-    /// Capacity; the first `size` bytes hold the image.
-    std::vector<std::byte, detail::CacheLineAllocator<std::byte>> bytes;
-    std::size_t size = 0;
+/// A ring image: the rows of a state at one time, only for this process (save_portable is for files and packets). It
+/// has memory for a state at capacity, of which only what was ever live is touched. Saving into an image that already
+/// holds most of the state, and restoring from one, copies the pages that differ.
+class Image {
+  public:
+    /// What image_bytes() was of the state when it was saved; 0: nothing was.
+    std::size_t size() const { return packed_size; }
+    /// The same schema, counts and rows.
+    friend bool operator==(const Image& left, const Image& right);
+
+  private:
+    friend class State;
+    std::span<const std::uint32_t> counts() const {
+        return {reinterpret_cast<const std::uint32_t*>(block.get()), layout->tables().size()};
+    }
+    std::shared_ptr<const StateLayout> layout;
+    detail::Block block; ///< laid out as the state's; zero from the last live row up to a whole cache line
+    detail::Owner owner;
+    detail::Versions versions;
+    std::size_t packed_size = 0;
 };
 
 /// Where two states first differ, ready to print.
@@ -140,6 +172,7 @@ struct PageRef {
 /// The pages whose hashes differ, or that only one tree has; by column, then page. Trees of the same schema.
 std::vector<PageRef> differing_pages(const HashTree& left, const HashTree& right);
 
+/// One thread at a time, reading included: hash() keeps what it found for the next time.
 class State {
   public:
     explicit State(std::shared_ptr<const StateLayout> layout); ///< all counts zero, all bytes zero
@@ -158,23 +191,36 @@ class State {
     void resize(TableId table, std::uint32_t rows);
 
     /// The live rows of a column. Valid until the state is moved or its table resized.
-    template <StateRow T> std::span<T> rows(Column<T> column) {
-        const ColumnInfo& info = shared_layout->columns()[column.index];
-        return {reinterpret_cast<T*>(block.get() + info.offset), counts()[info.table]};
-    }
     template <StateRow T> std::span<const T> rows(Column<T> column) const {
-        const ColumnInfo& info = shared_layout->columns()[column.index];
-        return {reinterpret_cast<const T*>(block.get() + info.offset), counts()[info.table]};
+        const std::span<const std::byte> all = bytes(column.index);
+        return {reinterpret_cast<const T*>(all.data()), all.size() / sizeof(T)};
     }
-    std::span<std::byte> bytes(std::uint32_t column); ///< live rows, raw
-    std::span<const std::byte> bytes(std::uint32_t column) const;
+    std::span<const std::byte> bytes(std::uint32_t column) const; ///< live rows, raw
+
+    // ---- writing: whatever these name counts as written ----
+    // Use what they return at once: it is valid until the state is moved or the table resized, and a write through it
+    // after a save, a restore or a hash goes unnoticed.
+    /// All live rows.
+    template <StateRow T> std::span<T> edit(Column<T> column) { return as_rows<T>(edit_bytes(column.index)); }
+    /// `count` live rows from `first` (asserted).
+    template <StateRow T> std::span<T> edit(Column<T> column, std::uint32_t first, std::uint32_t count) {
+        return as_rows<T>(edit_bytes(column.index, first, count));
+    }
+    template <StateRow T> T& edit_row(Column<T> column, std::uint32_t row) { return edit(column, row, 1)[0]; }
+    std::span<std::byte> edit_bytes(std::uint32_t column);
+    std::span<std::byte> edit_bytes(std::uint32_t column, std::uint32_t first_row, std::uint32_t count);
+
     /// The whole block. What is not a live row is zero, so equal states are equal blocks.
     std::span<const std::byte> block_bytes() const { return {block.get(), shared_layout->size_bytes()}; }
 
     // ---- ring images: the fast path of rollback ----
-    void save(Image& image) const;    ///< allocates only when the image is smaller than image_bytes_max()
-    void restore(const Image& image); ///< of a state with the same schema whose rows fit (asserted)
-    std::size_t image_bytes() const;  ///< what save would write now
+    /// Copies what the image does not hold yet. Allocates only for an image that was of another layout, or of none.
+    void save(Image& image) const;
+    /// Of a state with the same schema whose rows fit (asserted). Of this state's own images, copies what differs.
+    void restore(const Image& image);
+    /// Gives an image its memory ahead of the first save.
+    void reserve(Image& image) const;
+    std::size_t image_bytes() const; ///< of the live rows, packed: what a save copies at most
 
     // ---- portable images: files, packets, other machines. Format: src/state/README.md ----
     std::vector<std::byte> save_portable() const;
@@ -182,8 +228,15 @@ class State {
     Status restore_portable(std::span<const std::byte> image);
 
     // ---- hashing ----
-    std::uint64_t hash() const; ///< the root; always complete, never allocates
+    /// The root, over all live rows; hashes the pages that were written since it was last asked. Never allocates.
+    std::uint64_t hash() const;
     HashTree hash_tree() const;
+
+    // ---- checks of the bookkeeping; builds without NDEBUG make them at each hash, save and restore ----
+    /// Hashes every page anew: refuses, with the column and the rows, where hash() would use another value.
+    Status verify_versions() const;
+    /// Refuses where a page of the image has the version of this state's page, but other rows.
+    Status verify_versions(const Image& image) const;
 
     /// Row counts first, then the rows that both have, in manifest order; at most `limit` entries. Schemas must agree
     /// (asserted).
@@ -192,17 +245,33 @@ class State {
     std::string dump() const;
 
   private:
+    template <class T> static std::span<T> as_rows(std::span<std::byte> bytes) {
+        return {reinterpret_cast<T*>(bytes.data()), bytes.size() / sizeof(T)};
+    }
     std::span<std::uint32_t> counts() {
         return {reinterpret_cast<std::uint32_t*>(block.get()), shared_layout->tables().size()};
     }
     std::span<const std::uint32_t> counts() const {
         return {reinterpret_cast<const std::uint32_t*>(block.get()), shared_layout->tables().size()};
     }
-    struct AlignedFree {
-        void operator()(std::byte* p) const;
-    };
+    void forget_all();
+    void mark(std::uint32_t column, std::size_t first_page, std::size_t end_page);
+    void restore_foreign(const Image& image);
+    std::uint64_t column_hash(std::uint32_t column) const;
+    std::uint64_t hash_state(HashTree* tree) const;
+
     std::shared_ptr<const StateLayout> shared_layout;
-    std::unique_ptr<std::byte[], AlignedFree> block; ///< 64-byte aligned
+    detail::Block block;
+    detail::Owner owner;
+    detail::Versions versions; ///< of a page without a live row: 0
+    std::uint64_t version_last = 0;
+    /// Of pages and columns, and the versions they are of.
+    struct Hashes {
+        std::vector<std::uint64_t> page; ///< and room for one value after the last
+        std::vector<std::uint64_t> column;
+        detail::Versions of;
+    };
+    mutable Hashes hashes;
 };
 
 // ---- the canonical bytes of a row: little-endian fields in order, as hashed, saved and sent ----

@@ -24,6 +24,8 @@
 
 namespace lockstone {
 
+class Tasks; // lockstone/tasks.h
+
 /// How bodies move between contacts. Order: of the error of position and velocity in the step under smooth fields.
 enum class Integrator : std::uint32_t {
     semi_implicit_euler, ///< order 1, symplectic, the cheapest
@@ -46,13 +48,21 @@ struct WorldDef {
     std::uint32_t contacts_max =
         8192; ///< shape pairs that are near each other; several for a shape of many parts
     std::uint32_t fields_max = 16;
-    std::uint32_t pair_filters_max = 64;  ///< pairs of bodies that were told not to touch
+    std::uint32_t pair_filters_max = 64; ///< pairs of bodies that were told not to touch
+    std::uint32_t joints_max = 256;
+    std::uint32_t characters_max = 16;
+    std::uint32_t vehicles_max = 16;
     std::uint32_t continuous = 1;         ///< 0: fast bodies are not swept and may pass through what is thin
+    std::uint32_t sleeping = 1;           ///< 0: bodies that rest are simulated all the same
     Real restitution_speed_min = Real(1); ///< [m/s]: slower impacts do not bounce
     Real contact_hertz = Real(60);        ///< stiffness of contacts, at most an eighth of the substep rate
     Real contact_damping = Real(10);      ///< damping ratio of contacts
     Real push_speed_max = Real(3);        ///< [m/s]: how fast overlap is pushed out
-    std::uint64_t seed = 1;               ///< part of the state; the game's random streams start from it
+    Real sleep_speed =
+        Real::from_raw(128849019); ///< [m/s]: 0.03; slower than this, at every point, is at rest
+    Real sleep_time =
+        Real::from_raw(std::int64_t{1} << 31); ///< [s]: 0.5; an island that long at rest falls asleep
+    std::uint64_t seed = 1;                    ///< part of the state; the game's random streams start from it
 };
 
 /// The game's own columns, in the same block as the engine's: saved, hashed, compared and dumped with them.
@@ -128,17 +138,32 @@ class World {
 
     // ---- commands: each builds a Command and applies it ----
     struct Applied {
-        BodyId body; ///< of CreateBody
-        ShapeId shape;
-        FieldId field;
+        BodyId body{}; ///< of CreateBody
+        ShapeId shape{};
+        FieldId field{};
+        JointId joint{};
+        CharacterId character{};
+        VehicleId vehicle{};
     };
     Result<Applied> apply(const Command& command);
     Result<BodyId> create_body(const BodyDef& def);
     Result<ShapeId> create_shape(BodyId body, const ShapeDef& def);
     Result<FieldId> create_field(const FieldDef& def);
-    Status destroy(BodyId body);
+    Result<JointId> create_joint(const JointDef& def);
+    /// Between two bodies where they stand now: both frames are at `at`, a place in the world. `a` may be null.
+    Result<JointId> create_joint(JointDef def, BodyId a, BodyId b, const Transform& at);
+    Status destroy(BodyId body); ///< and its shapes and joints
     Status destroy(ShapeId shape);
     Status destroy(FieldId field);
+    Status destroy(JointId joint);
+    Result<CharacterId> create_character(const CharacterDef& def);
+    Status destroy(CharacterId character); ///< and its body
+    Status set_character_input(CharacterId character, const CharacterInput& input);
+    Status set_joint_axis(JointId joint, JointAxisIndex index, const JointAxis& axis);
+    Status set_joint_frames(JointId joint, const Transform& frame_a, const Transform& frame_b);
+    Result<VehicleId> create_vehicle(const VehicleDef& def);
+    Status destroy(VehicleId vehicle);
+    Status set_vehicle_input(VehicleId vehicle, const VehicleInput& input);
     Status set_pose(BodyId body, const Transform& pose);
     Status set_velocity(BodyId body, Vec3 linear, Vec3 angular);
     Status add_force(BodyId body, Vec3 force, Vec3 torque = {});
@@ -151,6 +176,7 @@ class World {
     Status set_pair_filter(BodyId a, BodyId b, bool collide);
     Status set_mass(const SetMass& mass);
     Status set_gravity(Vec3 gravity);
+    Status wake_body(BodyId body); ///< and the island it sleeps in; commands on a body do so too
     /// Replaces a row of a game column (`body` null for records).
     template <StateRow T> Status write(Column<T> column, BodyId body, const T& value) {
         return write_bytes(column.index, body, std::as_bytes(std::span(&value, 1)));
@@ -162,9 +188,13 @@ class World {
     // ---- reading: valid ids only where a reference is returned (asserted); is_alive tells ----
     bool is_alive(BodyId body) const;
     bool is_alive(ShapeId shape) const;
+    bool is_alive(JointId joint) const;
+    bool is_alive(VehicleId vehicle) const;
     std::vector<BodyId> bodies() const; ///< by row; allocates
+    bool is_awake(BodyId body) const; ///< static and kinematic bodies that nothing moves are not
+    std::uint32_t awake_count() const; ///< bodies of all kinds
     std::uint32_t body_count() const;
-    BodyId body_at(std::uint32_t row) const;  ///< row < body_count(); rows move when bodies are destroyed
+    BodyId body_at(std::uint32_t row) const;  ///< row < body_count(); rows move when bodies are destroyed, fall asleep, wake
     Transform pose(BodyId body) const;        ///< of the body's origin
     Vec3 center_of_mass(BodyId body) const;   ///< world [m]
     Vec3 linear_velocity(BodyId body) const;  ///< of the centre of mass [m/s]
@@ -175,7 +205,24 @@ class World {
     std::vector<ShapeId> shapes(BodyId body) const; ///< in order of creation; allocates
     ShapeDef shape(ShapeId shape) const;
     BodyId body_of(ShapeId shape) const;
-    Real kinetic_energy() const; ///< [J], of all dynamic bodies; saturates
+    bool is_alive(CharacterId character) const;
+    std::uint32_t character_count() const;
+    CharacterId character_at(std::uint32_t row) const; ///< row < character_count()
+    BodyId body_of(CharacterId character) const;       ///< its origin is at the feet
+    CharacterDef character(CharacterId character) const;
+    CharacterInput character_input(CharacterId character) const;
+    CharacterState character_state(CharacterId character) const;
+    std::uint32_t joint_count() const;
+    JointId joint_at(std::uint32_t row) const; ///< row < joint_count()
+    JointDef joint(JointId joint) const;
+    JointState joint_state(JointId joint) const;
+    std::vector<JointId> joints(BodyId body) const; ///< newest first; allocates
+    std::uint32_t vehicle_count() const;
+    VehicleId vehicle_at(std::uint32_t row) const;         ///< row < vehicle_count()
+    const VehicleDef& vehicle(VehicleId vehicle) const;    ///< valid until the state changes
+    VehicleInput vehicle_input(VehicleId vehicle) const;
+    VehicleState vehicle_state(VehicleId vehicle) const;
+    Real kinetic_energy() const;                    ///< [J], of all dynamic bodies; saturates
     template <StateRow T> const T& read(Column<T> column, BodyId body) const {
         return *reinterpret_cast<const T*>(row_bytes(column.index, body).data());
     }
@@ -227,6 +274,10 @@ class World {
     Status restore_portable(std::span<const std::byte> image); ///< on error the world is as it was
     const State& state() const;
     const GameSchema& schema() const;
+
+    // ---- workers ----
+    /// Who runs the parts of a tick; null, the default: the caller, alone. Not owned, not state; a clone has none.
+    void set_tasks(Tasks* tasks);
 
     // ---- diagnosis ----
     void set_journal(Journal* journal);              ///< null detaches; not owned, not state

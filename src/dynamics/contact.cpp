@@ -177,6 +177,12 @@ void fill_mean(MeanRow<N>& mean, unsigned lane, const SolverBodies& bodies, cons
         mean.share[k].lane[lane] = saturate_to_int32(divide_shifted(points[k].inverse_min, inverse * n, 30));
 }
 
+/// The still body, behind the last, has none.
+const BodyMass& mass_of(std::span<const BodyMass> mass, std::uint32_t body) {
+    static constexpr BodyMass none{};
+    return body < mass.size() ? mass[body] : none;
+}
+
 /// L = the largest principal gyration radius, but at most four times the smallest, of the body that turns more easily:
 /// rows then stay within their format.
 Real rolling_length(const BodyMass& mass) {
@@ -212,7 +218,8 @@ void fill_rolling(RollingRows<N>& rows, unsigned lane, const SolverBodies& bodie
                   std::span<const PointScalars> points, Shares shares) {
     const BodyStep& sa = bodies.step[contact.body_a];
     const BodyStep& sb = bodies.step[contact.body_b];
-    const Real la = rolling_length(mass[contact.body_a]), lb = rolling_length(mass[contact.body_b]);
+    const Real la = rolling_length(mass_of(mass, contact.body_a)),
+               lb = rolling_length(mass_of(mass, contact.body_b));
     const Real length = !sa.movable ? lb : !sb.movable ? la : min(la, lb);
     if (length <= Real{} || (!sa.movable && !sb.movable)) return;
     Row xa[3], xb[3];
@@ -250,12 +257,12 @@ void fill_rolling(RollingRows<N>& rows, unsigned lane, const SolverBodies& bodie
 }
 
 template <unsigned N>
-void fill_lane(ContactPack<N>& pack, std::vector<RollingRows<N>>& rolling, unsigned lane, std::uint32_t index,
-               const Contact& contact, const ContactMemory& memory, std::span<const BodyMass> mass,
-               const StepConstants& step, const SolverBodies& bodies) {
+void fill_lane(ContactPack<N>& pack, std::span<RollingRows<N>> rolling, unsigned lane, const Contact& contact,
+               const ContactMemory& memory, std::span<const BodyMass> mass, const StepConstants& step,
+               const SolverBodies& bodies) {
     const BodyStep& sa = bodies.step[contact.body_a];
     const BodyStep& sb = bodies.step[contact.body_b];
-    const Shares shares = shares_of(mass[contact.body_a], sa, mass[contact.body_b], sb);
+    const Shares shares = shares_of(mass_of(mass, contact.body_a), sa, mass_of(mass, contact.body_b), sb);
     const Softness& soft = sa.movable && sb.movable ? step.soft : step.soft_static;
     const Tangents tangents = tangents_of(contact.normal);
     const UnitVec3 directions[3] = {contact.normal, tangents.first, tangents.second};
@@ -267,7 +274,8 @@ void fill_lane(ContactPack<N>& pack, std::vector<RollingRows<N>>& rolling, unsig
         }
     pack.body_a[lane] = contact.body_a;
     pack.body_b[lane] = contact.body_b;
-    pack.contact[lane] = index;
+    pack.moves_a |= (sa.movable ? 1u : 0u) << lane;
+    pack.moves_b |= (sb.movable ? 1u : 0u) << lane;
     pack.point_count = std::max(pack.point_count, static_cast<std::int32_t>(contact.count));
     pack.friction.lane[lane] = contact.friction.raw;
     pack.restitution.lane[lane] = contact.restitution.raw;
@@ -287,10 +295,6 @@ void fill_lane(ContactPack<N>& pack, std::vector<RollingRows<N>>& rolling, unsig
     if (contact.count > 1)
         fill_mean(pack.mean, lane, bodies, contact, d[0], std::span(all, contact.count), shares);
     if (contact.rolling <= Unit{}) return;
-    if (pack.rolling == no_contact) {
-        pack.rolling = static_cast<std::uint32_t>(rolling.size());
-        rolling.emplace_back();
-    }
     fill_rolling(rolling[pack.rolling], lane, bodies, contact, memory, mass, std::span(all, contact.count),
                  shares);
 }
@@ -304,11 +308,7 @@ template <unsigned N> void ContactSolver<N>::reserve(std::size_t contacts) {
     colour.reserve(contacts);
 }
 
-template <unsigned N>
-void ContactSolver<N>::prepare(std::span<const Contact> contacts, std::span<const ContactMemory> memory,
-                               std::span<const BodyMass> mass, const StepConstants& step,
-                               const SolverBodies& bodies) {
-    colour_contacts(contacts, bodies, body_colours, colour);
+template <unsigned N> void ContactSolver<N>::place_packs(std::span<const Contact> contacts) {
     // Counting sort: by colour, within a colour by contact order.
     std::array<std::uint32_t, colour_max + 2> start{};
     for (std::uint32_t c : colour) ++start[c + 1];
@@ -317,23 +317,50 @@ void ContactSolver<N>::prepare(std::span<const Contact> contacts, std::span<cons
     order.resize(contacts.size());
     for (std::uint32_t i = 0; i < contacts.size(); ++i) order[next[colour[i]]++] = i;
 
-    packs.clear();
-    rolling.clear();
+    std::uint32_t placed = 0, rolling_count = 0;
+    packs.resize(contacts.size());
     for (std::uint32_t c = 0; c <= colour_max; ++c) {
+        colour_begin[c] = placed;
         const std::uint32_t lanes = c == colour_max ? 1 : N; // the last colour's contacts may share bodies
         for (std::uint32_t i = start[c]; i < start[c + 1]; i += lanes) {
-            ContactPack<N>& pack = packs.emplace_back();
-            pack.rolling = no_contact;
+            ContactPack<N>& pack = packs[placed++];
+            bool rolls = false;
             for (unsigned lane = 0; lane < N; ++lane) {
-                pack.body_a[lane] = pack.body_b[lane] = bodies.still();
-                pack.contact[lane] = no_contact;
-                if (lane >= lanes || i + lane >= start[c + 1]) continue;
-                const std::uint32_t index = order[i + lane];
-                fill_lane(pack, rolling, lane, index, contacts[index], memory[contacts[index].memory], mass,
-                          step, bodies);
+                const bool is_empty = lane >= lanes || i + lane >= start[c + 1];
+                pack.contact[lane] = is_empty ? no_contact : order[i + lane];
+                rolls |= !is_empty && contacts[order[i + lane]].rolling > Unit{};
             }
+            pack.rolling = rolls ? rolling_count++ : no_contact;
         }
     }
+    colour_begin[colour_max + 1] = placed;
+    packs.resize(placed);
+    rolling.resize(rolling_count);
+}
+
+template <unsigned N>
+void ContactSolver<N>::prepare(std::span<const Contact> contacts, std::span<const ContactMemory> memory,
+                               std::span<const BodyMass> mass, const StepConstants& step,
+                               const SolverBodies& bodies, Tasks* tasks) {
+    colour_contacts(contacts, bodies, body_colours, colour);
+    place_packs(contacts);
+    const auto fill = [&](ContactPack<N>& pack) {
+        const ContactPack<N> placed = pack;
+        pack = {};
+        pack.rolling = placed.rolling;
+        if (pack.rolling != no_contact) rolling[pack.rolling] = {};
+        for (unsigned lane = 0; lane < N; ++lane) {
+            const std::uint32_t index = pack.contact[lane] = placed.contact[lane];
+            pack.body_a[lane] = pack.body_b[lane] = bodies.still();
+            if (index != no_contact)
+                fill_lane(pack, std::span(rolling), lane, contacts[index], memory[contacts[index].memory],
+                          mass, step, bodies);
+        }
+    };
+    base::for_chunks(tasks, static_cast<std::uint32_t>(packs.size()), pack_chunk,
+                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                         for (std::uint32_t i = first; i < last; ++i) fill(packs[i]);
+                     });
 }
 
 namespace {
@@ -349,28 +376,34 @@ Speed remembered(std::int32_t impulse, std::int32_t ratio_a, std::int32_t ratio_
 
 template <unsigned N>
 void ContactSolver<N>::store(std::span<const Contact> contacts, std::span<ContactMemory> memory,
-                             ClampCounts& clamps) const {
-    for (const ContactPack<N>& pack : packs)
-        for (unsigned lane = 0; lane < N; ++lane) {
-            if (pack.contact[lane] == no_contact) continue;
-            const Contact& contact = contacts[pack.contact[lane]];
-            ContactMemory& m = memory[contact.memory];
-            for (std::uint32_t k = 0; k < contact.count; ++k) {
-                const PointPack<N>& point = pack.points[k];
-                const auto remember = [&](int r) {
-                    return remembered(point.impulse[r].lane[lane], point.ratio_a.lane[lane],
-                                      point.ratio_b.lane[lane], clamps);
-                };
-                m.points[k].normal = remember(0);
-                m.points[k].tangent_1 = remember(1);
-                m.points[k].tangent_2 = remember(2);
-            }
-            if (pack.rolling == no_contact) continue;
-            const RollingRows<N>& rows = rolling[pack.rolling];
-            for (int r = 0; r < 3; ++r)
-                m.rolling[r] = remembered(rows.impulse[r].lane[lane], rows.ratio_a.lane[lane],
-                                          rows.ratio_b.lane[lane], clamps);
+                             ClampCounts& clamps, Tasks* tasks) const {
+    const auto store_lane = [&](const ContactPack<N>& pack, unsigned lane, ClampCounts& counts) {
+        const Contact& contact = contacts[pack.contact[lane]];
+        ContactMemory& m = memory[contact.memory];
+        for (std::uint32_t k = 0; k < contact.count; ++k) {
+            const PointPack<N>& point = pack.points[k];
+            const auto remember = [&](int r) {
+                return remembered(point.impulse[r].lane[lane], point.ratio_a.lane[lane],
+                                  point.ratio_b.lane[lane], counts);
+            };
+            m.points[k].normal = remember(0);
+            m.points[k].tangent_1 = remember(1);
+            m.points[k].tangent_2 = remember(2);
         }
+        if (pack.rolling == no_contact) return;
+        const RollingRows<N>& rows = rolling[pack.rolling];
+        for (int r = 0; r < 3; ++r)
+            m.rolling[r] = remembered(rows.impulse[r].lane[lane], rows.ratio_a.lane[lane],
+                                      rows.ratio_b.lane[lane], counts);
+    };
+    base::for_chunks(tasks, static_cast<std::uint32_t>(packs.size()), 4 * pack_chunk,
+                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                         ClampCounts counts;
+                         for (std::uint32_t i = first; i < last; ++i)
+                             for (unsigned lane = 0; lane < N; ++lane)
+                                 if (packs[i].contact[lane] != no_contact) store_lane(packs[i], lane, counts);
+                         base::add_count(clamps.impulse, counts.impulse);
+                     });
 }
 
 template class ContactSolver<1>;

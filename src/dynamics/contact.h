@@ -13,6 +13,7 @@
 // source: soft steps as in Catto, Solver2D (2024); the mass-free, gyration-scaled rows are this library's own.
 #pragma once
 
+#include "base/parallel.h"
 #include "dynamics/lanes.h"
 #include "dynamics/solver_body.h"
 
@@ -74,41 +75,54 @@ template <unsigned N> struct RollingRows {
 template <unsigned N> struct ContactPack {
     std::uint32_t body_a[N], body_b[N]; ///< entries of SolverBodies
     std::uint32_t contact[N];           ///< index in the tick's contacts; no_contact for an empty lane
-    std::int32_t point_count;           ///< most of any lane; the points a lane lacks are zero
-    Int32<N> d[3][3];                   ///< [row][axis], Jacobian
-    Int32<N> friction;                  ///< Jacobian format
-    Int32<N> restitution;               ///< Unit
-    Int32<N> bias_rate, impulse_scale;  ///< Speed, Unit
-    Int32<N> surface[2];                ///< Speed: what the friction rows take for rest is this much off
-    std::uint32_t rolling;              ///< index of its RollingRows, no_contact: none
+    std::uint32_t moves_a, moves_b; ///< bit per lane: impulses move the body; others are read, never written
+    std::int32_t point_count;       ///< most of any lane; the points a lane lacks are zero
+    Int32<N> d[3][3];               ///< [row][axis], Jacobian
+    Int32<N> friction;              ///< Jacobian format
+    Int32<N> restitution;           ///< Unit
+    Int32<N> bias_rate, impulse_scale; ///< Speed, Unit
+    Int32<N> surface[2];               ///< Speed: what the friction rows take for rest is this much off
+    std::uint32_t rolling;             ///< index of its RollingRows, no_contact: none
     MeanRow<N> mean;
     PointPack<N> points[4];
 };
 inline constexpr std::uint32_t no_contact = 0xffffffffu;
 
+/// The number of colours with disjoint bodies; what fits none of them goes to a last one that is solved one by one.
+inline constexpr std::uint32_t colour_max = 63;
+/// Packs per piece of work that workers take.
+inline constexpr std::uint32_t pack_chunk = 16;
+
 /// The velocities of the two bodies of N contacts, gathered once and scattered once.
 template <unsigned N> struct Pair { Int64<N> va[3], ua[3], vb[3], ub[3]; };
 
-/// All contacts of a tick in solving order, at a lane width of N.
+/// All contacts of a tick in solving order, at a lane width of N. Colour by colour: within one, packs share nothing that
+/// is written, so workers take them in any order.
 template <unsigned N> class ContactSolver {
   public:
     /// Colours the contacts, packs and prepares them. `memory` holds the warm-start impulses.
     void prepare(std::span<const Contact> contacts, std::span<const ContactMemory> memory,
-                 std::span<const BodyMass> mass, const StepConstants& step, const SolverBodies& bodies);
-    void warm_start(SolverBodies& bodies);
+                 std::span<const BodyMass> mass, const StepConstants& step, const SolverBodies& bodies,
+                 Tasks* tasks = nullptr);
+    void warm_start(SolverBodies& bodies, Tasks* tasks = nullptr);
     /// One pass over all rows. With bias, overlap is pushed out softly; without, what the push left is relaxed.
-    void solve(const StepConstants& step, SolverBodies& bodies, bool bias);
-    void apply_restitution(const StepConstants& step, SolverBodies& bodies);
+    void solve(const StepConstants& step, SolverBodies& bodies, bool bias, Tasks* tasks = nullptr);
+    void apply_restitution(const StepConstants& step, SolverBodies& bodies, Tasks* tasks = nullptr);
     /// Writes impulses to `memory` for the next tick.
-    void store(std::span<const Contact> contacts, std::span<ContactMemory> memory, ClampCounts& clamps) const;
+    void store(std::span<const Contact> contacts, std::span<ContactMemory> memory, ClampCounts& clamps,
+               Tasks* tasks = nullptr) const;
 
     std::size_t pack_count() const { return packs.size(); }
     void reserve(std::size_t contacts);
 
   private:
+    void place_packs(std::span<const Contact> contacts); ///< which contacts each pack has
+    void solve_pack(const StepConstants& step, SolverBodies& bodies, bool bias, ContactPack<N>& pack);
     void solve_rolling(const ContactPack<N>& pack, Pair<N>& pair);
+    template <class Visit> void for_each_pack(Tasks* tasks, Visit&& visit);
 
     std::vector<ContactPack<N>> packs;
+    std::array<std::uint32_t, colour_max + 2> colour_begin{}; ///< first pack of each colour, and the end
     std::vector<RollingRows<N>> rolling;
     std::vector<std::uint32_t> order;        ///< contacts by colour
     std::vector<std::uint32_t> colour;       ///< by contact
@@ -117,9 +131,6 @@ template <unsigned N> class ContactSolver {
 
 extern template class ContactSolver<1>;
 extern template class ContactSolver<4>;
-
-/// The number of colours with disjoint bodies; what fits none of them goes to a last one that is solved one by one.
-inline constexpr std::uint32_t colour_max = 63;
 
 /// First-fit colouring in contact order. Pure: depends on the order and on who can move, on nothing else.
 void colour_contacts(std::span<const Contact> contacts, const SolverBodies& bodies,

@@ -3,6 +3,8 @@
 
 #include "lockstone/math.h"
 
+#include <algorithm>
+
 namespace lockstone::dynamics {
 
 namespace {
@@ -24,16 +26,22 @@ template <unsigned N> Pair<N> gather(const ContactPack<N>& c, const SolverBodies
     return p;
 }
 
-/// Bodies that nothing moves have ratio 0, so what is written back to them is what was read.
+/// Bodies that nothing moves are shared by the packs of a colour, so they are not written.
 template <unsigned N> void scatter(const ContactPack<N>& c, const Pair<N>& p, SolverBodies& bodies) {
     for (unsigned lane = 0; lane < N; ++lane) {
-        SolverBody& a = bodies.body[c.body_a[lane]];
-        SolverBody& b = bodies.body[c.body_b[lane]];
-        for (int i = 0; i < 3; ++i) {
-            a.v[i] = p.va[i].lane[lane] & a.keep[i];
-            a.u[i] = p.ua[i].lane[lane];
-            b.v[i] = p.vb[i].lane[lane] & b.keep[i];
-            b.u[i] = p.ub[i].lane[lane];
+        if ((c.moves_a >> lane) & 1u) {
+            SolverBody& a = bodies.body[c.body_a[lane]];
+            for (int i = 0; i < 3; ++i) {
+                a.v[i] = p.va[i].lane[lane] & a.keep[i];
+                a.u[i] = p.ua[i].lane[lane];
+            }
+        }
+        if ((c.moves_b >> lane) & 1u) {
+            SolverBody& b = bodies.body[c.body_b[lane]];
+            for (int i = 0; i < 3; ++i) {
+                b.v[i] = p.vb[i].lane[lane] & b.keep[i];
+                b.u[i] = p.ub[i].lane[lane];
+            }
         }
     }
 }
@@ -175,8 +183,8 @@ template <unsigned N> void solve_mean(ContactPack<N>& c, Pair<N>& p, NormalTarge
             point.impulse[0].lane[lane] = wanted.lane[lane];
             targets[k].kappa.lane[lane] = point.kappa[0].lane[lane];
             targets[k].impulse_scale.lane[lane] = 0;
+            point.impulse_max.lane[lane] = std::max(point.impulse_max.lane[lane], wanted.lane[lane]);
         }
-        point.impulse_max = max(point.impulse_max, point.impulse[0]);
         push(p, c.d[0], point, 0, point.impulse[0] - old);
     }
 }
@@ -247,8 +255,22 @@ template <unsigned N> void ContactSolver<N>::solve_rolling(const ContactPack<N>&
     }
 }
 
-template <unsigned N> void ContactSolver<N>::warm_start(SolverBodies& bodies) {
-    for (ContactPack<N>& c : packs) {
+/// visit(pack) for all packs: one colour after the other, the packs of a colour by workers, those of the last by one.
+template <unsigned N>
+template <class Visit>
+void ContactSolver<N>::for_each_pack(Tasks* tasks, Visit&& visit) {
+    for (std::uint32_t c = 0; c <= colour_max; ++c) {
+        const std::uint32_t begin = colour_begin[c], count = colour_begin[c + 1] - begin;
+        if (count == 0) continue;
+        base::for_chunks(c == colour_max ? nullptr : tasks, count, pack_chunk,
+                         [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                             for (std::uint32_t i = first; i < last; ++i) visit(packs[begin + i]);
+                         });
+    }
+}
+
+template <unsigned N> void ContactSolver<N>::warm_start(SolverBodies& bodies, Tasks* tasks) {
+    for_each_pack(tasks, [&](ContactPack<N>& c) {
         Pair<N> p = gather(c, bodies);
         if (bounces(c)) measure_approach(c, p);
         for (int k = 0; k < c.point_count; ++k)
@@ -256,36 +278,36 @@ template <unsigned N> void ContactSolver<N>::warm_start(SolverBodies& bodies) {
         if (c.rolling != no_contact)
             for (int r = 0; r < 3; ++r) twist(p, rolling[c.rolling], r, rolling[c.rolling].impulse[r]);
         scatter(c, p, bodies);
-    }
+    });
 }
 
 template <unsigned N>
-void ContactSolver<N>::solve(const StepConstants& step, SolverBodies& bodies, bool bias) {
-    // The relaxing pass visits packs and points backwards. One pass alone favours whoever comes first, and a tower
-    // that is pushed the same way every step starts to rock; a pair of mirrored passes does not.
-    const std::size_t count = packs.size();
-    for (std::size_t i = 0; i < count; ++i) {
-        ContactPack<N>& c = packs[i];
-        Pair<N> p = gather(c, bodies);
-        if (c.rolling != no_contact) solve_rolling(c, p);
-        for (int k = 0; k < c.point_count; ++k)
-            solve_friction(c, c.points[bias ? k : c.point_count - 1 - k], p);
-        NormalTarget<N> targets[4];
-        for (int k = 0; k < c.point_count; ++k)
-            targets[k] = normal_target(c, c.points[k], step, bodies, bias);
-        if (c.point_count > 1) solve_mean(c, p, targets);
-        for (int k = 0; k < c.point_count; ++k) {
-            const int at = bias ? k : c.point_count - 1 - k;
-            solve_normal(c, c.points[at], p, targets[at]);
-        }
-        scatter(c, p, bodies);
+void ContactSolver<N>::solve_pack(const StepConstants& step, SolverBodies& bodies, bool bias,
+                                  ContactPack<N>& c) {
+    Pair<N> p = gather(c, bodies);
+    if (c.rolling != no_contact) solve_rolling(c, p);
+    for (int k = 0; k < c.point_count; ++k) solve_friction(c, c.points[bias ? k : c.point_count - 1 - k], p);
+    NormalTarget<N> targets[4];
+    for (int k = 0; k < c.point_count; ++k) targets[k] = normal_target(c, c.points[k], step, bodies, bias);
+    if (c.point_count > 1) solve_mean(c, p, targets);
+    for (int k = 0; k < c.point_count; ++k) {
+        const int at = bias ? k : c.point_count - 1 - k;
+        solve_normal(c, c.points[at], p, targets[at]);
     }
+    scatter(c, p, bodies);
 }
 
 template <unsigned N>
-void ContactSolver<N>::apply_restitution(const StepConstants& step, SolverBodies& bodies) {
-    for (ContactPack<N>& c : packs) {
-        if (!bounces(c)) continue;
+void ContactSolver<N>::solve(const StepConstants& step, SolverBodies& bodies, bool bias, Tasks* tasks) {
+    // The relaxing pass visits points backwards. One pass alone favours whoever comes first, and a tower that is pushed
+    // the same way every step starts to rock; a pair of mirrored passes does not.
+    for_each_pack(tasks, [&](ContactPack<N>& c) { solve_pack(step, bodies, bias, c); });
+}
+
+template <unsigned N>
+void ContactSolver<N>::apply_restitution(const StepConstants& step, SolverBodies& bodies, Tasks* tasks) {
+    for_each_pack(tasks, [&](ContactPack<N>& c) {
+        if (!bounces(c)) return;
         Pair<N> p = gather(c, bodies);
         NormalTarget<N> targets[4];
         for (int k = 0; k < c.point_count; ++k) {
@@ -306,16 +328,18 @@ void ContactSolver<N>::apply_restitution(const StepConstants& step, SolverBodies
         if (c.point_count > 1) solve_mean(c, p, targets);
         for (int k = 0; k < c.point_count; ++k) solve_normal(c, c.points[k], p, targets[k]);
         scatter(c, p, bodies);
-    }
+    });
 }
 
+template void ContactSolver<1>::solve_pack(const StepConstants&, SolverBodies&, bool, ContactPack<1>&);
 template void ContactSolver<1>::solve_rolling(const ContactPack<1>&, Pair<1>&);
-template void ContactSolver<1>::warm_start(SolverBodies&);
-template void ContactSolver<1>::solve(const StepConstants&, SolverBodies&, bool);
-template void ContactSolver<1>::apply_restitution(const StepConstants&, SolverBodies&);
+template void ContactSolver<1>::warm_start(SolverBodies&, Tasks*);
+template void ContactSolver<1>::solve(const StepConstants&, SolverBodies&, bool, Tasks*);
+template void ContactSolver<1>::apply_restitution(const StepConstants&, SolverBodies&, Tasks*);
+template void ContactSolver<4>::solve_pack(const StepConstants&, SolverBodies&, bool, ContactPack<4>&);
 template void ContactSolver<4>::solve_rolling(const ContactPack<4>&, Pair<4>&);
-template void ContactSolver<4>::warm_start(SolverBodies&);
-template void ContactSolver<4>::solve(const StepConstants&, SolverBodies&, bool);
-template void ContactSolver<4>::apply_restitution(const StepConstants&, SolverBodies&);
+template void ContactSolver<4>::warm_start(SolverBodies&, Tasks*);
+template void ContactSolver<4>::solve(const StepConstants&, SolverBodies&, bool, Tasks*);
+template void ContactSolver<4>::apply_restitution(const StepConstants&, SolverBodies&, Tasks*);
 
 } // namespace lockstone::dynamics

@@ -117,15 +117,31 @@ void damp(std::int64_t v[3], Unit keep) {
     for (int i = 0; i < 3; ++i) v[i] = narrow_rounded(Wide::product(v[i], keep.raw), Unit::fraction_bits);
 }
 
+/// Returns how many of its two velocities were clamped.
+std::uint64_t clamp_speeds(SolverBody& b, const StepConstants& step) {
+    return (clamp_length(b.v, step.linear_speed_max) ? 1u : 0u) +
+           (clamp_length(b.u, step.tip_speed_max) ? 1u : 0u);
+}
+
+/// Calls visit(i) for each body and adds what it returns to the clamped speeds.
+template <class Visit> void for_each_body(SolverBodies& bodies, Tasks* tasks, Visit&& visit) {
+    base::for_chunks(tasks, bodies.still(), body_chunk,
+                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                         std::uint64_t clamped = 0;
+                         for (std::uint32_t i = first; i < last; ++i) clamped += visit(i);
+                         base::add_count(bodies.clamps.speed, clamped);
+                     });
+}
+
 } // namespace
 
 void integrate_velocities(const FreeMotion& motion, const BodyColumns& columns, const StepConstants& step,
-                          SolverBodies& bodies) {
+                          SolverBodies& bodies, Tasks* tasks) {
     const bool general = motion.scheme != Scheme::semi_implicit_euler || !motion.fields.empty();
-    for (std::size_t i = 0; i < columns.info.size(); ++i) {
+    for_each_body(bodies, tasks, [&](std::uint32_t i) -> std::uint64_t {
         SolverBody& b = bodies.body[i];
         BodyStep& s = bodies.step[i];
-        if (!s.moves) continue;
+        if (!s.moves) return 0;
         if (s.movable) {
             if (general)
                 move_freely(motion, columns.info[i], columns.pose[i], step, b, s);
@@ -135,12 +151,11 @@ void integrate_velocities(const FreeMotion& motion, const BodyColumns& columns, 
             damp(b.v, s.linear_keep);
             damp(b.u, s.angular_keep);
         }
-        bodies.clamps.speed += clamp_length(b.v, step.linear_speed_max) ? 1u : 0u;
-        bodies.clamps.speed += clamp_length(b.u, step.tip_speed_max) ? 1u : 0u;
-    }
+        return clamp_speeds(b, step);
+    });
 }
 
-void integrate_poses(const StepConstants& step, SolverBodies& bodies) {
+void integrate_poses(const StepConstants& step, SolverBodies& bodies, Tasks* tasks) {
     // Velocity with 27 fraction bits times time with 30: at most 15 m in a tick, so 2^61.
     constexpr int to_separation = accumulator_bits - Separation::fraction_bits;
     constexpr int drift_to_separation = Real::fraction_bits - Separation::fraction_bits;
@@ -149,17 +164,17 @@ void integrate_poses(const StepConstants& step, SolverBodies& bodies) {
         const std::int64_t by_velocity = shift_right_rounded((v >> to_separation) * h, Unit::fraction_bits);
         x = saturate_to_int32(x + by_velocity + shift_right_rounded(drift, drift_to_separation));
     };
-    for (std::size_t i = 0; i + 1 < bodies.body.size(); ++i) {
+    for_each_body(bodies, tasks, [&](std::uint32_t i) -> std::uint64_t {
         SolverBody& b = bodies.body[i];
         const BodyStep& s = bodies.step[i];
-        if (!s.moves) continue;
-        bodies.clamps.speed += clamp_length(b.v, step.linear_speed_max) ? 1u : 0u;
-        bodies.clamps.speed += clamp_length(b.u, step.tip_speed_max) ? 1u : 0u;
+        if (!s.moves) return 0;
+        const std::uint64_t clamped = clamp_speeds(b, step);
         for (int axis = 0; axis < 3; ++axis) {
             advance(b.shift[axis], b.v[axis], s.drift[axis]);
             advance(b.theta[axis], b.u[axis], 0);
         }
-    }
+        return clamped;
+    });
 }
 
 } // namespace lockstone::dynamics

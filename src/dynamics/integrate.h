@@ -17,9 +17,9 @@ struct FreeMotion {
 /// Velocity after the substep, before constraints. What the scheme moves a body beyond (velocity after) * time goes
 /// to BodyStep::drift, so contacts still correct the motion of every scheme.
 void integrate_velocities(const FreeMotion& motion, const BodyColumns& columns, const StepConstants& step,
-                          SolverBodies& bodies);
+                          SolverBodies& bodies, Tasks* tasks = nullptr);
 /// shift += v h + drift, theta += u h.
-void integrate_poses(const StepConstants& step, SolverBodies& bodies);
+void integrate_poses(const StepConstants& step, SolverBodies& bodies, Tasks* tasks = nullptr);
 
 /// Acceleration of all fields at a point [m/s^2].
 Vec3 field_acceleration(std::span<const FieldRow> fields, Vec3 point);

@@ -16,6 +16,8 @@ struct BodyInfo {
     std::uint32_t mass_fixed;    ///< 1: BodyMass was set by command
     std::uint32_t first_shape;   ///< shape slot + 1 of the newest shape, 0: none
     std::uint32_t shape_count;
+    std::uint32_t first_joint; ///< joint slot + 1 of the newest joint, 0: none
+    std::uint32_t reserved;
     Real linear_damping, angular_damping; ///< [1/s]
     Real gravity_scale;
     Real mass_override; ///< [kg], 0: from the shapes
@@ -33,6 +35,16 @@ struct BodyMass {
 /// Of the centre of mass [m/s] and [rad/s].
 struct Velocity {
     SpeedVec3 linear, angular;
+    friend constexpr bool operator==(const Velocity&, const Velocity&) = default;
+};
+
+/// Whether a body rests, and with whom it sleeps.
+struct BodySleep {
+    std::uint32_t still_ticks; ///< in a row that it was slower than the world's sleep speed
+    std::uint32_t
+        island; ///< body slot + 1 of the sleeping island's first body, 0: awake; kept until its waking is reported
+    std::uint32_t next; ///< body slot + 1 of the next body of the sleeping island, a ring; 0: awake
+    std::uint32_t reserved;
 };
 
 /// Accumulated by commands for the next tick, zeroed by it.
@@ -77,10 +89,33 @@ struct ContactMemory {
     std::uint32_t reserved;
 };
 
+/// A joint as it was made or changed by commands, and its place in the lists of its bodies.
+struct JointRow {
+    JointId id;
+    JointDef def;
+    std::uint32_t next_a, next_b; ///< next joint of body A, of body B: slot + 1, 0: last
+};
+
+/// Impulses of one axis per substep, lambda (1/mA + 1/mB) [m/s] or [m^2/s].
+struct JointAxisImpulses {
+    Real spring;       ///< or of the lock
+    Real motor;        ///< and friction
+    Real lower, upper; ///< of the limits: at least, at most zero
+};
+
+/// What a joint remembers from tick to tick, and what it did in the last one.
+struct JointMemory {
+    std::array<JointAxisImpulses, joint_axis_count> axis;
+    Real swing;         ///< impulse of the cone, at most zero
+    Real twist;         ///< angle about x with its whole turns; of gears and racks what they are out by
+    Vec3 force, torque; ///< on B at its frame [N], [N m]; means over the tick
+};
+
 template <class V> constexpr void describe(BodyInfo& b, V&& v) {
     v("id", b.id), v("kind", b.kind), v("locks", b.locks), v("gyroscopic", b.gyroscopic);
     v("enable_fields", b.enable_fields), v("bullet", b.bullet), v("mass_fixed", b.mass_fixed);
     v("first_shape", b.first_shape), v("shape_count", b.shape_count);
+    v("first_joint", b.first_joint), v("reserved", b.reserved);
     v("linear_damping", b.linear_damping), v("angular_damping", b.angular_damping);
     v("gravity_scale", b.gravity_scale), v("mass_override", b.mass_override), v("user_key", b.user_key);
 }
@@ -89,6 +124,9 @@ template <class V> constexpr void describe(BodyMass& m, V&& v) {
 }
 template <class V> constexpr void describe(Velocity& x, V&& v) {
     v("linear", x.linear), v("angular", x.angular);
+}
+template <class V> constexpr void describe(BodySleep& s, V&& v) {
+    v("still_ticks", s.still_ticks), v("island", s.island), v("next", s.next), v("reserved", s.reserved);
 }
 template <class V> constexpr void describe(BodyForce& f, V&& v) {
     v("force", f.force), v("torque", f.torque);
@@ -104,8 +142,19 @@ template <class V> constexpr void describe(ContactMemory& m, V&& v) {
         v("rolling", m.rolling);
     v("reserved", m.reserved);
 }
+template <class V> constexpr void describe(JointRow& r, V&& v) {
+    v("id", r.id), v("def", r.def), v("next_a", r.next_a), v("next_b", r.next_b);
+}
+template <class V> constexpr void describe(JointAxisImpulses& a, V&& v) {
+    v("spring", a.spring), v("motor", a.motor), v("lower", a.lower), v("upper", a.upper);
+}
+template <class V> constexpr void describe(JointMemory& m, V&& v) {
+    v("axis", m.axis), v("swing", m.swing), v("twist", m.twist), v("force", m.force), v("torque", m.torque);
+}
 
-static_assert(StateRow<BodyInfo> && StateRow<BodyMass> && StateRow<Velocity> && StateRow<BodyForce>);
+static_assert(StateRow<JointRow> && StateRow<JointMemory>);
+static_assert(StateRow<BodyInfo> && StateRow<BodyMass> && StateRow<Velocity> && StateRow<BodyForce> &&
+              StateRow<BodySleep>);
 static_assert(StateRow<ContactKey> && StateRow<ContactMemory>);
 static_assert(sizeof(Transform) + sizeof(Velocity) == 64, "the hot motion state of a body is one cache line");
 

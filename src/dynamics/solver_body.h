@@ -8,6 +8,7 @@
 // Velocities are accumulated with 47 fraction bits, so that a row's product (28 + 19 bits) is added unrounded.
 #pragma once
 
+#include "base/parallel.h"
 #include "dynamics/rows.h"
 #include "dynamics/step.h"
 
@@ -92,9 +93,14 @@ Symmetric<Real> rotated_diagonal(const Rotation& r, Vec3 d);
 /// Shortens v (47 fraction bits) to `limit` when it is longer. True when it was.
 bool clamp_length(std::int64_t v[3], Speed limit);
 
+/// Bodies per piece of work that workers take.
+inline constexpr std::uint32_t body_chunk = 64;
+
 /// Reads the columns into `out`: K of each pose, u of each velocity, the constant changes per substep.
-void begin_step(const BodyColumns& columns, Vec3 gravity, const StepConstants& step, SolverBodies& out);
+void begin_step(const BodyColumns& columns, Vec3 gravity, const StepConstants& step, SolverBodies& out,
+                Tasks* tasks = nullptr);
 /// Writes poses and velocities back: moves by `shift`, turns by K^-1 theta, keeps angular momentum through the turn.
-void finish_step(const StepConstants& step, SolverBodies& bodies, const BodyColumns& columns);
+void finish_step(const StepConstants& step, SolverBodies& bodies, const BodyColumns& columns,
+                 Tasks* tasks = nullptr);
 
 } // namespace lockstone::dynamics

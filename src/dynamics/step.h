@@ -12,6 +12,12 @@ struct Softness {
     Unit impulse_scale; ///< of the accumulated impulse
 };
 
+/// A spring of a joint. As Softness, but stiffer: up to 1000 Hz.
+struct SpringSoftness {
+    Real rate; ///< [1/s]
+    Unit mass_scale, impulse_scale;
+};
+
 struct StepConstants {
     std::int32_t ticks_per_second;
     std::int32_t substeps;
@@ -22,6 +28,8 @@ struct StepConstants {
     Speed push_speed_max;             ///< [m/s]
     Speed restitution_speed_min;      ///< [m/s]
     Softness soft, soft_static;       ///< against dynamic bodies; against what does not move
+    SpringSoftness joint;             ///< of locks
+    Real joint_push_max;              ///< [m/s] or [rad/s]: most that a lock is pushed by its error
 };
 
 struct StepSettings {
@@ -30,6 +38,7 @@ struct StepSettings {
 };
 
 StepConstants step_constants(const StepSettings& settings);
+SpringSoftness spring_softness(Real hertz, Real damping, const StepConstants& step);
 
 inline constexpr Real linear_speed_limit = Real(500); ///< [m/s]
 inline constexpr Real tip_speed_limit = Real(170);    ///< [m/s] at one gyration radius

@@ -27,7 +27,7 @@ struct SessionRunner::Impl {
           ring_ticks(driver.images_max()), ring_hashes(driver.images_max()), hash(driven.hash()),
           ledger(driver.images_max() + 1) {
         events.reserve(256);
-        for (Image& image : ring) image.bytes.resize(simulation.state().layout().image_bytes_max());
+        for (Image& image : ring) simulation.state().reserve(image);
     }
 
     void execute(const Save& save) {
@@ -78,10 +78,10 @@ struct SessionRunner::Impl {
         const ColumnInfo* info = state.layout().find_column(def.column_left_out);
         LOCKSTONE_ASSERT(info != nullptr, "no column ", def.column_left_out);
         const std::uint32_t column = static_cast<std::uint32_t>(info - state.layout().columns().data());
-        const std::span<const std::byte> present = std::as_const(state).bytes(column);
+        const std::span<const std::byte> present = state.bytes(column);
         left_out.assign(present.begin(), present.end());
         simulation.restore(image);
-        const std::span<std::byte> restored = state.bytes(column);
+        const std::span<std::byte> restored = state.edit_bytes(column);
         std::copy_n(left_out.begin(), std::min(left_out.size(), restored.size()), restored.begin());
     }
 };

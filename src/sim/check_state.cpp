@@ -1,8 +1,10 @@
 // A state that came from a file or a peer is checked as a whole before it becomes a world's: every index that the tick
 // follows must stay inside its table, or a crafted image could make it read anywhere.
 #include "base/text.h"
+#include "sim/checks.h"
 #include "sim/data.h"
 
+#include <algorithm>
 #include <cstring>
 
 namespace lockstone::sim {
@@ -122,9 +124,10 @@ Status check_shapes(shapes::SolidCache& solids, const Manifest& m, const State& 
     return {};
 }
 
-Status check_contacts(const Manifest& m, const State& s) {
-    const std::span<const ContactKey> keys = s.rows(m.contact_key);
-    const std::span<const ContactMemory> memories = s.rows(m.contact_memory);
+Status check_contacts(const Manifest& m, const State& s, Column<ContactKey> key_column,
+                      Column<ContactMemory> memory_column) {
+    const std::span<const ContactKey> keys = s.rows(key_column);
+    const std::span<const ContactMemory> memories = s.rows(memory_column);
     const std::span<const Slot> slots = s.rows(m.shape_slot);
     std::uint32_t rows = 0;
     for (std::size_t i = 0; i < keys.size(); ++i) {
@@ -139,6 +142,129 @@ Status check_contacts(const Manifest& m, const State& s) {
         if (memories[i].count > 4) return bad("contact.memory", i, "more than 4 points");
         if (memories[i].flags > 31 || memories[i].margin < Length{})
             return bad("contact.memory", i, "unknown flags or a negative margin");
+    }
+    return {};
+}
+
+/// Each body's joint list holds exactly its own joints.
+Status check_joints(const Manifest& m, const State& s) {
+    const std::span<const JointRow> joints = s.rows(m.joint);
+    const std::span<const Slot> slots = s.rows(m.joint_slot), body_slots = s.rows(m.body_slot);
+    const std::span<const BodyInfo> info = s.rows(m.body_info);
+    const auto lives = [&](BodyId id) {
+        return id.index != 0 && id.index <= body_slots.size() && body_slots[id.index - 1].alive != 0 &&
+               body_slots[id.index - 1].generation == id.generation;
+    };
+    std::size_t ends = 0, listed = 0;
+    for (std::size_t i = 0; i < joints.size(); ++i) {
+        const JointDef& d = joints[i].def;
+        if (std::string e = check(d); !e.empty()) return bad("joint.row", i, e);
+        if (!lives(d.body_b) || (d.body_a && !lives(d.body_a)) || d.body_a == d.body_b)
+            return bad("joint.row", i, "its bodies do not exist");
+        ends += d.body_a ? 2u : 1u;
+    }
+    for (std::size_t i = 0; i < info.size(); ++i)
+        for (std::uint32_t slot = info[i].first_joint; slot != 0; ++listed) {
+            if (slot > slots.size() || slots[slot - 1].alive == 0 || listed >= ends)
+                return bad("body.info", i, "its joint list is broken");
+            const JointRow& r = joints[slots[slot - 1].row];
+            if (r.def.body_a != info[i].id && r.def.body_b != info[i].id)
+                return bad("body.info", i, "its joint list holds another body's joint");
+            slot = r.def.body_a == info[i].id ? r.next_a : r.next_b;
+        }
+    if (listed != ends) return bad("joint.row", joints.size(), "joints in no list");
+    return {};
+}
+
+/// Of shapes that live, on bodies that rest; with the others they fit the table.
+Status check_sleeping_contacts(const Manifest& m, const State& s) {
+    const std::span<const ContactKey> keys = s.rows(m.sleeping_key);
+    const std::span<const Slot> slots = s.rows(m.shape_slot), body_slots = s.rows(m.body_slot);
+    if (keys.size() + s.count(m.contacts) > s.capacity(m.contacts))
+        return bad("sleeping_contact.key", keys.size(), "too many contacts");
+    for (std::size_t i = 0; i < keys.size(); ++i)
+        for (ShapeId id : {keys[i].a, keys[i].b}) {
+            if (id.index == 0 || id.index > slots.size() || slots[id.index - 1].alive == 0 ||
+                slots[id.index - 1].generation != id.generation)
+                return bad("sleeping_contact.key", i, "its shape does not exist");
+            const BodyId body = s.rows(m.shape)[slots[id.index - 1].row].body;
+            if (body_slots[body.index - 1].row < s.rows(m.header)[0].bodies_awake)
+                return bad("sleeping_contact.key", i, "its body is awake");
+        }
+    return {};
+}
+
+/// What is awake stands first; rings of sleeping islands are closed; contacts stand in the right table.
+Status check_sleep(const Manifest& m, const State& s) {
+    const Header& h = s.rows(m.header)[0];
+    const std::span<const BodyInfo> info = s.rows(m.body_info);
+    const std::span<const BodySleep> sleep = s.rows(m.body_sleep);
+    const std::span<const Slot> slots = s.rows(m.body_slot);
+    if (h.bodies_awake > info.size() || h.joints_awake > s.count(m.joints))
+        return bad("world.header", 0, "more is awake than there is");
+    for (std::size_t i = 0; i < info.size(); ++i) {
+        const bool in_ring = sleep[i].next != 0;
+        if (in_ring && (i < h.bodies_awake || info[i].kind != BodyKind::dynamic || sleep[i].island == 0))
+            return bad("body.sleep", i, "sleeps where it cannot");
+        if (sleep[i].island > slots.size()) return bad("body.sleep", i, "its island does not exist");
+        if (!in_ring) continue;
+        if (sleep[i].next > slots.size() || slots[sleep[i].next - 1].alive == 0)
+            return bad("body.sleep", i, "its ring is broken");
+        const std::uint32_t next = slots[sleep[i].next - 1].row;
+        if (next < h.bodies_awake || sleep[next].island != sleep[i].island || sleep[next].next == 0 ||
+            (sleep[i].next <= info[i].id.index && sleep[i].next != sleep[i].island))
+            return bad("body.sleep", i, "its ring is broken");
+    }
+    return {};
+}
+
+/// Each stands on a dynamic body of its own.
+Status check_vehicles(const Manifest& m, const State& s) {
+    const std::span<const VehicleRow> rows = s.rows(m.vehicle);
+    const std::span<const VehicleMemory> memories = s.rows(m.vehicle_memory);
+    const std::span<const Slot> slots = s.rows(m.body_slot);
+    std::vector<BodyId> chassis;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const VehicleDef& d = rows[i].def;
+        if (std::string e = validate(d); !e.empty()) return bad("vehicle.row", i, e);
+        if (std::string e = validate(rows[i].input); !e.empty()) return bad("vehicle.row", i, e);
+        const bool lives = d.chassis.index != 0 && d.chassis.index <= slots.size() &&
+                           slots[d.chassis.index - 1].alive != 0 &&
+                           slots[d.chassis.index - 1].generation == d.chassis.generation;
+        if (!lives || s.rows(m.body_info)[slots[d.chassis.index - 1].row].kind != BodyKind::dynamic)
+            return bad("vehicle.row", i, "its chassis is no dynamic body");
+        chassis.push_back(d.chassis);
+        const std::int32_t gears = static_cast<std::int32_t>(d.gearbox.forward_count);
+        for (std::int32_t gear : {memories[i].gear, memories[i].gear_next})
+            if (gear < -1 || gear > gears) return bad("vehicle.memory", i, "it has no such gear");
+    }
+    std::sort(chassis.begin(), chassis.end());
+    if (std::adjacent_find(chassis.begin(), chassis.end()) != chassis.end())
+        return bad("vehicle.row", rows.size(), "two vehicles have the same chassis");
+    return {};
+}
+
+/// Each character has a body that no other has, and a capsule on it.
+Status check_characters(const Manifest& m, const State& s) {
+    const std::span<const Slot> body_slots = s.rows(m.body_slot), shape_slots = s.rows(m.shape_slot);
+    const std::span<const CharacterRow> rows = s.rows(m.character);
+    std::vector<std::uint8_t> has_character(body_slots.size());
+    const auto row_of = [](std::span<const Slot> slots, auto id, std::uint32_t& row) {
+        if (id.index == 0 || id.index > slots.size() || slots[id.index - 1].alive == 0 ||
+            slots[id.index - 1].generation != id.generation)
+            return false;
+        row = slots[id.index - 1].row;
+        return true;
+    };
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const CharacterRow& r = rows[i];
+        if (std::string e = check(r); !e.empty()) return bad("character.row", i, e);
+        std::uint32_t body = 0, shape = 0;
+        if (!row_of(body_slots, r.body, body) || !row_of(shape_slots, r.shape, shape))
+            return bad("character.row", i, "its body or shape does not exist");
+        if (s.rows(m.body_info)[body].kind != BodyKind::kinematic || s.rows(m.shape)[shape].body != r.body)
+            return bad("character.row", i, "its body is not kinematic, or its shape not that body's");
+        if (has_character[r.body.index - 1]++ != 0) return bad("character.row", i, "its body is another's");
     }
     return {};
 }
@@ -174,8 +300,28 @@ Status check_state(Data& w, const State& s) {
         return e;
     if (Status e = check_bodies(m, s); !e) return e;
     if (Status e = check_shapes(w.scratch.solids, m, s); !e) return e;
+    const auto joint_id = [&](std::uint32_t row) { return s.rows(m.joint)[row].id; };
+    if (Status e = check_slots("joint.slot", s.rows(m.joint_slot), s.count(m.joints), h.joint_free, joint_id);
+        !e)
+        return e;
+    if (Status e = check_joints(m, s); !e) return e;
+    const auto vehicle_id = [&](std::uint32_t row) { return s.rows(m.vehicle)[row].id; };
+    if (Status e =
+            check_slots("vehicle.slot", s.rows(m.vehicle_slot), s.count(m.vehicles), h.vehicle_free, vehicle_id);
+        !e)
+        return e;
+    if (Status e = check_vehicles(m, s); !e) return e;
+    if (Status e = check_sleep(m, s); !e) return e;
+    const auto character_id = [&](std::uint32_t row) { return s.rows(m.character)[row].id; };
+    if (Status e = check_slots("character.slot", s.rows(m.character_slot), s.count(m.characters),
+                               h.character_free, character_id);
+        !e)
+        return e;
+    if (Status e = check_characters(m, s); !e) return e;
     if (Status e = check_filters(m, s); !e) return e;
-    return check_contacts(m, s);
+    if (Status e = check_sleeping_contacts(m, s); !e) return e;
+    if (Status e = check_contacts(m, s, m.sleeping_key, m.sleeping_memory); !e) return e;
+    return check_contacts(m, s, m.contact_key, m.contact_memory);
 }
 
 } // namespace lockstone::sim

@@ -102,23 +102,25 @@ SpeedVec3 surface_velocity(const Couple& c) {
 }
 
 /// Closing speed of the two bodies at a point, along the normal.
-Speed approach_speed(const Data& w, const dynamics::Contact& c, const dynamics::ContactPoint& p) {
+Speed approach_speed(const Data& w, const Couple& c, UnitVec3 normal, const dynamics::ContactPoint& p) {
     const std::span<const Velocity> v = w.state.rows(w.m.body_velocity);
     const SpeedVec3 at_a = v[c.body_a].linear + cross<Speed>(v[c.body_a].angular, p.lever_a);
     const SpeedVec3 at_b = v[c.body_b].linear + cross<Speed>(v[c.body_b].angular, p.lever_b);
-    return -dot<Speed>(at_b - at_a, c.normal);
+    return -dot<Speed>(at_b - at_a, normal);
 }
 
 /// One manifold as the solver wants it, with the separations of this tick; tells `seen` of its deepest point.
-void add_contact(Data& w, const Couple& c, std::uint32_t row, const ContactMemory& memory,
-                 const dynamics::Shift& shift, Separation& deepest, Scratch::Seen& seen) {
+void add_contact(const Data& w, const Couple& c, std::uint32_t row, const ContactMemory& memory,
+                 const dynamics::Shift& shift, Separation& deepest, Scratch::Seen& seen,
+                 std::vector<dynamics::Contact>& contacts) {
     const std::span<const Transform> poses = w.state.rows(w.m.body_pose);
     const Rotation axes = to_rotation(c.at_a->pose.rotation);
     const LengthVec3 from_a = to<Length>(c.at_b->pose.position - poses[c.body_a].position);
     const LengthVec3 from_b = to<Length>(c.at_b->pose.position - poses[c.body_b].position);
     dynamics::Contact contact{};
-    contact.body_a = c.body_a;
-    contact.body_b = c.body_b;
+    // What rests is the solver's still body.
+    contact.body_a = std::min(c.body_a, w.header().bodies_awake);
+    contact.body_b = std::min(c.body_b, w.header().bodies_awake);
     contact.memory = row;
     contact.count = memory.count;
     contact.normal = lockstone::mul<Unit>(axes, memory.normal);
@@ -130,23 +132,24 @@ void add_contact(Data& w, const Couple& c, std::uint32_t row, const ContactMemor
         deepest = separation;
         seen.point = c.at_b->pose.position + to<Real>(arm);
         seen.normal = c.flipped ? -contact.normal : contact.normal;
-        seen.approach = approach_speed(w, contact, contact.points[k]);
+        seen.approach = approach_speed(w, c, contact.normal, contact.points[k]);
     }
     if (c.sensor || (memory.flags & dynamics::contact_passing) != 0) return;
+    if (is_movers_contact(w, c.a->body, c.b->body, contact.normal)) return;
     contact.friction =
         to<Jacobian>(mixed(c.a->friction_mix, c.b->friction_mix, c.a->friction, c.b->friction));
     contact.restitution =
         to<Unit>(mixed(c.a->restitution_mix, c.b->restitution_mix, c.a->restitution, c.b->restitution));
     contact.rolling = to<Unit>(max(c.a->rolling_resistance, c.b->rolling_resistance));
     contact.surface_velocity = surface_velocity(c);
-    w.scratch.contacts.push_back(contact);
+    contacts.push_back(contact);
 }
 
-/// The rows of one pair, into `rows`: those of the last tick while the shapes stand to each other as they did, else
+/// The rows of one pair, into the worker's: those of the last tick while the shapes stand to each other as they did, else
 /// new ones. At least one row, which may have no points. Returns how many.
-std::uint32_t manifolds_of(Data& w, const Couple& c, std::span<const ContactMemory> old,
-                           dynamics::Shift& shift, std::array<ContactMemory, collide::Manifolds::max>& rows) {
-    Scratch& s = w.scratch;
+std::uint32_t manifolds_of(const Couple& c, std::span<const ContactMemory> old, dynamics::Shift& shift,
+                           Scratch::NarrowWorker& worker) {
+    std::array<ContactMemory, collide::Manifolds::max>& rows = worker.rows;
     if (!old.empty() && ((old[0].flags & dynamics::contact_flipped) != 0) == c.flipped &&
         dynamics::still_good(old[0], c.pose.position, c.rotation, c.at_b->reach, c.margin, shift)) {
         std::ranges::copy(old, rows.begin());
@@ -156,60 +159,154 @@ std::uint32_t manifolds_of(Data& w, const Couple& c, std::span<const ContactMemo
     std::uint32_t flags = (c.flipped ? dynamics::contact_flipped : 0u);
     if (c.sensor) flags |= dynamics::contact_sensor;
     if ((c.flipped ? c.a : c.b)->sensor != 0) flags |= dynamics::contact_sensor_is_b;
-    collide::collide(c.at_a->solid, c.at_b->solid, c.pose, c.margin, s.narrow, s.manifolds);
-    if (s.manifolds.count == 0) {
+    collide::collide(c.at_a->solid, c.at_b->solid, c.pose, c.margin, worker.narrow, worker.manifolds);
+    if (worker.manifolds.count == 0) {
         rows[0] = memory_of(c, {}, flags);
         return 1;
     }
     const Rotation axes = to_rotation(c.at_a->pose.rotation);
     if ((c.a->one_way | c.b->one_way) != 0 &&
-        passes(c, old, lockstone::mul<Unit>(axes, s.manifolds.items[0].normal)))
+        passes(c, old, lockstone::mul<Unit>(axes, worker.manifolds.items[0].normal)))
         flags |= dynamics::contact_passing;
     std::uint32_t taken = 0;
-    for (std::uint32_t i = 0; i < s.manifolds.count; ++i) {
-        rows[i] = memory_of(c, s.manifolds.items[i], flags);
+    for (std::uint32_t i = 0; i < worker.manifolds.count; ++i) {
+        rows[i] = memory_of(c, worker.manifolds.items[i], flags);
         dynamics::carry_impulses(old, taken, rows[i]);
     }
-    return s.manifolds.count;
+    return worker.manifolds.count;
+}
+
+constexpr std::uint32_t pairs_per_chunk = 16;
+
+using NearChunk = Scratch::NearChunk;
+
+std::span<const ContactMemory> old_rows(const Scratch& s, const Scratch::Near& near) {
+    return std::span(s.old_memories).subspan(near.old_first, near.old_count);
+}
+
+/// The rows and contacts of one pair, at the end of the chunk's. Writes to the chunk and the worker alone.
+void collide_pair(const Data& w, const Scratch::Near& near, Scratch::NarrowWorker& worker, NearChunk& chunk) {
+    const Couple c = couple_of(w, near.key);
+    const std::span<const ContactMemory> old = old_rows(w.scratch, near);
+    dynamics::Shift shift{};
+    const std::uint32_t count = manifolds_of(c, old, shift, worker);
+    Scratch::Seen seen{};
+    seen.first_row = static_cast<std::uint32_t>(chunk.keys.size());
+    seen.row_count = count;
+    seen.was_touching = !old.empty() && (old[0].flags & dynamics::contact_touching) != 0;
+    Separation deepest = Separation::max();
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const ContactMemory& row = worker.rows[i];
+        if (row.count != 0) add_contact(w, c, seen.first_row + i, row, shift, deepest, seen, chunk.contacts);
+        chunk.keys.push_back(near.key);
+        chunk.memories.push_back(row);
+    }
+    seen.overlaps = deepest <= (c.sensor ? Separation{} : touching_gap) &&
+                    (worker.rows[0].flags & dynamics::contact_passing) == 0;
+    chunk.seen.push_back(seen);
+}
+
+/// Takes those pairs out of a chunk whose rows do not fit into `room`. Returns how many rows that were.
+std::uint32_t drop_pairs(Scratch& s, std::span<const Scratch::Near> pairs, NearChunk& chunk,
+                         std::size_t room) {
+    std::uint32_t dropped = 0, rows = 0, contacts = 0, kept = 0;
+    std::size_t contact = 0;
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        Scratch::Seen seen = chunk.seen[i];
+        const std::uint32_t end = seen.first_row + seen.row_count;
+        const bool fits = seen.row_count <= room - rows;
+        if (!fits && seen.was_touching) s.ended.push_back({pairs[i].key, old_rows(s, pairs[i])[0].flags});
+        for (; contact < chunk.contacts.size() && chunk.contacts[contact].memory < end; ++contact) {
+            if (!fits) continue;
+            dynamics::Contact& moved = chunk.contacts[contacts++] = chunk.contacts[contact];
+            moved.memory = moved.memory - seen.first_row + rows;
+        }
+        if (!fits) {
+            dropped += seen.row_count;
+            continue;
+        }
+        for (std::uint32_t from = seen.first_row; from < end; ++from) {
+            chunk.keys[rows + (from - seen.first_row)] = chunk.keys[from];
+            chunk.memories[rows + (from - seen.first_row)] = chunk.memories[from];
+        }
+        seen.first_row = rows;
+        rows += seen.row_count;
+        chunk.seen[kept++] = seen;
+    }
+    chunk.keys.resize(rows), chunk.memories.resize(rows);
+    chunk.contacts.resize(contacts), chunk.seen.resize(kept);
+    return dropped;
+}
+
+/// Where each chunk goes, in pair order. What the table has no room for is dropped.
+void place_chunks(Data& w, std::span<NearChunk> chunks) {
+    Scratch& s = w.scratch;
+    const std::uint32_t room = w.state.capacity(w.m.contacts) - w.state.count(w.m.sleeping_contacts);
+    std::uint32_t rows = 0, seen = 0, contacts = 0, dropped = 0;
+    for (std::size_t i = 0; i < chunks.size(); ++i) {
+        NearChunk& chunk = chunks[i];
+        if (chunk.keys.size() > room - rows)
+            dropped += drop_pairs(s, std::span(s.near).subspan(i * pairs_per_chunk, chunk.seen.size()), chunk,
+                                  room - rows);
+        chunk.first_row = rows, chunk.first_seen = seen, chunk.first_contact = contacts;
+        rows += static_cast<std::uint32_t>(chunk.keys.size());
+        seen += static_cast<std::uint32_t>(chunk.seen.size());
+        contacts += static_cast<std::uint32_t>(chunk.contacts.size());
+    }
+    w.state.resize(w.m.contacts, rows);
+    s.seen.resize(seen);
+    s.contacts.resize(contacts);
+    if (dropped != 0) w.state.edit_row(w.m.faults, 0).contacts_dropped += dropped;
+}
+
+void copy_chunk(const NearChunk& chunk, std::span<ContactKey> keys, std::span<ContactMemory> memories,
+                Scratch& s) {
+    std::ranges::copy(chunk.keys, keys.begin() + chunk.first_row);
+    std::ranges::copy(chunk.memories, memories.begin() + chunk.first_row);
+    for (std::size_t i = 0; i < chunk.seen.size(); ++i) {
+        Scratch::Seen& seen = s.seen[chunk.first_seen + i] = chunk.seen[i];
+        seen.first_row += chunk.first_row;
+    }
+    for (std::size_t i = 0; i < chunk.contacts.size(); ++i) {
+        dynamics::Contact& contact = s.contacts[chunk.first_contact + i] = chunk.contacts[i];
+        contact.memory += chunk.first_row;
+    }
 }
 
 } // namespace
 
+bool has_contact_points(Data& w, const ContactKey& key) {
+    const Couple c = couple_of(w, key);
+    collide::collide(c.at_a->solid, c.at_b->solid, c.pose, c.margin, w.scratch.narrow, w.scratch.manifolds);
+    return w.scratch.manifolds.count != 0;
+}
+
 void collide(Data& w) {
     Scratch& s = w.scratch;
-    s.contacts.clear(), s.seen.clear(), s.keys.clear(), s.memories.clear();
-    std::array<ContactMemory, collide::Manifolds::max> rows;
-    std::uint64_t dropped = 0;
-    for (const Scratch::Near& near : s.near) {
-        const Couple c = couple_of(w, near.key);
-        const std::span<const ContactMemory> old =
-            std::span(s.old_memories).subspan(near.old_first, near.old_count);
-        const bool was_touching = !old.empty() && (old[0].flags & dynamics::contact_touching) != 0;
-        dynamics::Shift shift{};
-        const std::uint32_t count = manifolds_of(w, c, old, shift, rows);
-        if (count > w.state.capacity(w.m.contacts) - s.keys.size()) {
-            dropped += count;
-            if (was_touching) s.ended.push_back({near.key, old[0].flags});
-            continue;
-        }
-        Scratch::Seen seen{};
-        seen.first_row = static_cast<std::uint32_t>(s.keys.size());
-        seen.row_count = count;
-        seen.was_touching = was_touching;
-        Separation deepest = Separation::max();
-        for (std::uint32_t i = 0; i < count; ++i) {
-            if (rows[i].count != 0) add_contact(w, c, seen.first_row + i, rows[i], shift, deepest, seen);
-            s.keys.push_back(near.key);
-            s.memories.push_back(rows[i]);
-        }
-        seen.overlaps = deepest <= (c.sensor ? Separation{} : touching_gap) &&
-                        (rows[0].flags & dynamics::contact_passing) == 0;
-        s.seen.push_back(seen);
+    const std::uint32_t pairs = static_cast<std::uint32_t>(s.near.size());
+    const std::uint32_t chunk_count = (pairs + pairs_per_chunk - 1) / pairs_per_chunk;
+    while (s.near_chunks.size() < chunk_count) {
+        NearChunk& chunk = s.near_chunks.emplace_back();
+        chunk.keys.reserve(2 * pairs_per_chunk), chunk.memories.reserve(2 * pairs_per_chunk);
+        chunk.contacts.reserve(2 * pairs_per_chunk), chunk.seen.reserve(pairs_per_chunk);
     }
-    w.state.resize(w.m.contacts, static_cast<std::uint32_t>(s.keys.size()));
-    std::ranges::copy(s.keys, w.state.rows(w.m.contact_key).begin());
-    std::ranges::copy(s.memories, w.state.rows(w.m.contact_memory).begin());
-    w.state.rows(w.m.faults)[0].contacts_dropped += dropped;
+    if (s.narrow_workers.size() < base::worker_count(w.tasks))
+        s.narrow_workers.resize(base::worker_count(w.tasks));
+    const Data& seen = w;
+    base::for_chunks(
+        w.tasks, pairs, pairs_per_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t worker) {
+            NearChunk& chunk = s.near_chunks[first / pairs_per_chunk];
+            chunk.keys.clear(), chunk.memories.clear(), chunk.seen.clear(), chunk.contacts.clear();
+            for (std::uint32_t i = first; i < last; ++i)
+                collide_pair(seen, seen.scratch.near[i], s.narrow_workers[worker], chunk);
+        });
+    const std::span<NearChunk> chunks = std::span(s.near_chunks).first(chunk_count);
+    place_chunks(w, chunks);
+    const std::span<ContactKey> keys = w.state.edit(w.m.contact_key);
+    const std::span<ContactMemory> memories = w.state.edit(w.m.contact_memory);
+    base::for_chunks(w.tasks, chunk_count, 8, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+        for (std::uint32_t i = first; i < last; ++i) copy_chunk(chunks[i], keys, memories, s);
+    });
 }
 
 } // namespace lockstone::sim

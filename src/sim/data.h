@@ -1,14 +1,18 @@
 // A world's inside: the state, and scratch that no later tick can see.
 #pragma once
 
+#include "base/parallel.h"
 #include "collide/broad_phase.h"
 #include "collide/narrow_phase.h"
 #include "dynamics/contact.h"
 #include "dynamics/contact_memory.h"
 #include "dynamics/integrate.h"
+#include "dynamics/joint.h"
 #include "sim/manifest.h"
 #include "sim/query.h"
+#include "sim/sleep_scratch.h"
 #include "sim/sweep.h"
+#include "sim/vehicle.h"
 
 namespace lockstone::sim {
 
@@ -28,6 +32,11 @@ struct Scratch {
         Transform pose;   ///< world
         Length margin;    ///< how far its contacts reach ahead
         Coordinate reach; ///< of its points from its origin [m]
+        collide::Bounds bounds;
+        bool is_placed; ///< while bounds are updated: pose, margin and bounds are those of this tick
+        bool rests;     ///< the broad phase has it among what rests, as made of:
+        Transform resting_local, resting_at;
+        Vec3 resting_center;
     };
     std::vector<Shape> shape;
     std::vector<std::uint32_t> planes; ///< shape slots
@@ -41,8 +50,6 @@ struct Scratch {
     std::vector<Near> near;
     std::vector<ContactKey> old_keys; ///< the last contact table
     std::vector<ContactMemory> old_memories;
-    std::vector<ContactKey> keys; ///< the contact table of this tick, while it is made
-    std::vector<ContactMemory> memories;
     collide::NarrowScratch narrow;
     collide::Manifolds manifolds;
 
@@ -63,10 +70,28 @@ struct Scratch {
     };
     std::vector<Seen> seen;
     std::vector<dynamics::Contact> contacts;
+    /// What a chunk of `near` makes, before it is known where it goes: rows count from the chunk's own first.
+    struct NearChunk {
+        std::vector<ContactKey> keys;
+        std::vector<ContactMemory> memories;
+        std::vector<Seen> seen; ///< by pair
+        std::vector<dynamics::Contact> contacts;
+        std::uint32_t first_row, first_seen, first_contact; ///< where it goes
+    };
+    std::vector<NearChunk> near_chunks;
+    /// What a worker of the narrow phase needs for itself.
+    struct alignas(64) NarrowWorker {
+        collide::NarrowScratch narrow;
+        collide::Manifolds manifolds;
+        std::array<ContactMemory, collide::Manifolds::max> rows;
+    };
+    std::vector<NarrowWorker> narrow_workers;
     std::vector<Transform> pose_before; ///< of the bodies, by row, when the tick began
 
     QueryScratch query;
     SweepScratch sweep;
+    SleepScratch sleep;
+    CharacterScratch characters;
 
     std::vector<std::byte> written_row, canonical_row; ///< of a game column: to be written, as it was
     std::vector<MassPart> mass_parts;
@@ -74,11 +99,15 @@ struct Scratch {
     dynamics::StepConstants step{};
     dynamics::SolverBodies bodies;
     dynamics::ContactSolver<1> solver;
+    dynamics::JointSolver joint_solver;
+    std::vector<dynamics::Joint> joints; ///< in slot order
+    std::vector<JointId> broken;
+    VehicleSolver vehicle_solver;
 };
 
 struct Data {
     Data(const WorldDef& def, const GameSchema& schema, std::shared_ptr<const AssetLibrary> assets);
-    Data(const Data& other); ///< the state; fresh scratch, no journal
+    Data(const Data& other); ///< the state; fresh scratch, no journal, no tasks
 
     WorldDef def;
     GameSchema schema;
@@ -86,17 +115,21 @@ struct Data {
     State state;
     Scratch scratch;
 
+    Tasks* tasks = nullptr; ///< null: all on one thread
     Journal* journal = nullptr;
     bool phase_hashes_on = false;
     std::vector<PhaseHash> phase_hashes;
     std::vector<Event> events;
     std::vector<World::ContactPoint> contact_points;
 
-    Header& header() { return state.rows(m.header)[0]; }
     const Header& header() const { return state.rows(m.header)[0]; }
+    Header& edit_header() { return state.edit_row(m.header, 0); }
+    /// The columns of what is awake.
     dynamics::BodyColumns body_columns() {
-        return {state.rows(m.body_info), state.rows(m.body_mass), state.rows(m.body_force),
-                state.rows(m.body_pose), state.rows(m.body_velocity)};
+        const std::uint32_t awake = header().bodies_awake;
+        return {state.rows(m.body_info).first(awake), state.rows(m.body_mass).first(awake),
+                state.rows(m.body_force).first(awake), state.edit(m.body_pose, 0, awake),
+                state.edit(m.body_velocity, 0, awake)};
     }
     /// Row of a living body or shape; `count` of the table when the id is dead.
     std::uint32_t row_of(BodyId id) const { return row_of(state.rows(m.body_slot), id.index, id.generation); }
@@ -105,6 +138,15 @@ struct Data {
     }
     std::uint32_t row_of(FieldId id) const {
         return row_of(state.rows(m.field_slot), id.index, id.generation);
+    }
+    std::uint32_t row_of(JointId id) const {
+        return row_of(state.rows(m.joint_slot), id.index, id.generation);
+    }
+    std::uint32_t row_of(CharacterId id) const {
+        return row_of(state.rows(m.character_slot), id.index, id.generation);
+    }
+    std::uint32_t row_of(VehicleId id) const {
+        return row_of(state.rows(m.vehicle_slot), id.index, id.generation);
     }
     static constexpr std::uint32_t dead = 0xffffffffu;
 
@@ -124,6 +166,8 @@ Result<World::Applied> apply(Data& w, const Command& command);
 void forget_derived(Data& w);
 /// Whether two shapes may meet: a pure function of the state.
 bool may_meet(const Data& w, const ShapeRow& a, const ShapeRow& b);
+/// Whether groups, categories and pair filters let two shapes of different bodies touch.
+bool filters_allow(const Data& w, const ShapeRow& a, const ShapeRow& b);
 /// What collision sees of a shape. Its asset was found when the shape was made, so it is there.
 const shapes::Solid& solid_of(Data& w, const ShapeRow& shape);
 /// Whether a state from outside can be this world's: same definition, every reference within its table.

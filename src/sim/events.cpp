@@ -41,11 +41,26 @@ void publish_contact_points(Data& w) {
     w.contact_points.clear();
     for (const dynamics::Contact& c : s.contacts) {
         const bool flipped = (memories[c.memory].flags & dynamics::contact_flipped) != 0;
+        const ShapeId shape = flipped ? keys[c.memory].a : keys[c.memory].b;
+        const std::uint32_t body_b = w.row_of(w.state.rows(w.m.shape)[w.row_of(shape)].body);
         for (std::uint32_t k = 0; k < c.count; ++k)
             w.contact_points.push_back({keys[c.memory].a, keys[c.memory].b,
-                                        s.pose_before[c.body_b].position + to<Real>(c.points[k].lever_b),
+                                        pose_before(w, body_b).position + to<Real>(c.points[k].lever_b),
                                         flipped ? -c.normal : c.normal, c.points[k].separation,
                                         memories[c.memory].points[k].normal});
+    }
+}
+
+/// Of bodies that slept when the last tick ended.
+void publish_waking(Data& w) {
+    for (std::uint32_t row = 0; row < w.header().bodies_awake; ++row) {
+        if (w.state.rows(w.m.body_sleep)[row].island == 0) continue;
+        w.state.edit_row(w.m.body_sleep, row).island = 0;
+        Event e{};
+        e.kind = EventKind::body_wake;
+        e.body_a = w.state.rows(w.m.body_info)[row].id;
+        e.tick = w.header().tick;
+        w.events.push_back(e);
     }
 }
 
@@ -54,8 +69,7 @@ void publish_contact_points(Data& w) {
 void publish_events(Data& w) {
     Scratch& s = w.scratch;
     const std::span<const ContactKey> keys = w.state.rows(w.m.contact_key);
-    const std::span<ContactMemory> memories = w.state.rows(w.m.contact_memory);
-    w.events.clear();
+    const std::span<ContactMemory> memories = w.state.edit(w.m.contact_memory);
     for (const Scratch::Ended& ended : s.ended)
         w.events.push_back(event_of(w, ended.key, ended.flags, false));
     for (const Scratch::Seen& seen : s.seen) {
@@ -73,8 +87,10 @@ void publish_events(Data& w) {
         }
         w.events.push_back(e);
     }
+    publish_waking(w);
     std::sort(w.events.begin(), w.events.end(), [](const Event& x, const Event& y) {
-        return std::tie(x.kind, x.shape_a, x.shape_b) < std::tie(y.kind, y.shape_a, y.shape_b);
+        return std::tie(x.kind, x.shape_a, x.shape_b, x.joint, x.body_a) <
+               std::tie(y.kind, y.shape_a, y.shape_b, y.joint, y.body_a);
     });
     publish_contact_points(w);
 }

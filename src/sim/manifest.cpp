@@ -2,6 +2,29 @@
 
 namespace lockstone::sim {
 
+/// Characters and vehicles.
+static void add_bodies_of_play(StateLayout& l, const WorldDef& def, Manifest& m) {
+    m.character_slots = l.add_table("character_slots", def.characters_max);
+    m.character_slot = l.add_column<Slot>(m.character_slots, "character.slot", Group::definition);
+    m.characters = l.add_table("characters", def.characters_max);
+    m.character = l.add_column<CharacterRow>(m.characters, "character.row", Group::definition);
+    m.vehicle_slots = l.add_table("vehicle_slots", def.vehicles_max);
+    m.vehicle_slot = l.add_column<Slot>(m.vehicle_slots, "vehicle.slot", Group::definition);
+    m.vehicles = l.add_table("vehicles", def.vehicles_max);
+    m.vehicle = l.add_column<VehicleRow>(m.vehicles, "vehicle.row", Group::definition);
+}
+
+/// Of what is awake, and of what is not.
+static void add_contacts(StateLayout& l, const WorldDef& def, Manifest& m) {
+    m.contacts = l.add_table("contacts", def.contacts_max);
+    m.contact_key = l.add_column<ContactKey>(m.contacts, "contact.key", Group::contact);
+    m.contact_memory = l.add_column<ContactMemory>(m.contacts, "contact.memory", Group::contact);
+    m.sleeping_contacts = l.add_table("sleeping_contacts", def.contacts_max);
+    m.sleeping_key = l.add_column<ContactKey>(m.sleeping_contacts, "sleeping_contact.key", Group::contact);
+    m.sleeping_memory =
+        l.add_column<ContactMemory>(m.sleeping_contacts, "sleeping_contact.memory", Group::contact);
+}
+
 Manifest make_manifest(const WorldDef& def, const GameSchema& schema) {
     auto layout = std::make_shared<StateLayout>();
     StateLayout& l = *layout;
@@ -30,12 +53,21 @@ Manifest make_manifest(const WorldDef& def, const GameSchema& schema) {
     m.pair_filters = l.add_table("pair_filters", def.pair_filters_max);
     m.pair_filter = l.add_column<PairFilterRow>(m.pair_filters, "pair_filter.row", Group::definition);
 
+    m.joint_slots = l.add_table("joint_slots", def.joints_max);
+    m.joint_slot = l.add_column<Slot>(m.joint_slots, "joint.slot", Group::definition);
+    m.joints = l.add_table("joints", def.joints_max);
+    m.joint = l.add_column<JointRow>(m.joints, "joint.row", Group::definition);
+
+    add_bodies_of_play(l, def, m);
+
     m.body_pose = l.add_column<Transform>(m.bodies, "body.pose", Group::motion);
     m.body_velocity = l.add_column<Velocity>(m.bodies, "body.velocity", Group::motion);
 
-    m.contacts = l.add_table("contacts", def.contacts_max);
-    m.contact_key = l.add_column<ContactKey>(m.contacts, "contact.key", Group::contact);
-    m.contact_memory = l.add_column<ContactMemory>(m.contacts, "contact.memory", Group::contact);
+    m.body_sleep = l.add_column<BodySleep>(m.bodies, "body.sleep", Group::motion);
+
+    add_contacts(l, def, m);
+    m.joint_memory = l.add_column<JointMemory>(m.joints, "joint.memory", Group::contact);
+    m.vehicle_memory = l.add_column<VehicleMemory>(m.vehicles, "vehicle.memory", Group::motion);
 
     m.records = l.add_table("game_records", 1);
     for (const GameSchema::Entry& e : schema.entries())

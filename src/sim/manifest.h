@@ -4,6 +4,8 @@
 #include "dynamics/solver_body.h"
 #include "lockstone/state.h"
 #include "lockstone/world.h"
+#include "sim/character.h"
+#include "sim/vehicle_rows.h"
 
 #include <memory>
 
@@ -12,9 +14,12 @@ namespace lockstone::sim {
 using dynamics::BodyForce;
 using dynamics::BodyInfo;
 using dynamics::BodyMass;
+using dynamics::BodySleep;
 using dynamics::ContactKey;
 using dynamics::ContactMemory;
 using dynamics::FieldRow;
+using dynamics::JointMemory;
+using dynamics::JointRow;
 using dynamics::Velocity;
 
 /// What a world knows of itself besides its objects.
@@ -22,8 +27,9 @@ struct Header {
     std::uint64_t tick;
     std::uint64_t commands; ///< applied so far
     Vec3 gravity;
-    std::uint32_t body_free, shape_free, field_free; ///< first free slot + 1, 0: none
-    std::uint32_t reserved;
+    std::uint32_t body_free, shape_free, field_free, joint_free,
+        character_free, vehicle_free; ///< first free slot + 1, 0: none
+    std::uint32_t bodies_awake, joints_awake; ///< the first rows of their tables; see sleep.h
 };
 
 /// The definition the world was made with; never changes.
@@ -31,8 +37,10 @@ struct Config {
     std::uint32_t tick_rate, substeps;
     Integrator integrator;
     std::uint32_t bounds_shift;
-    std::uint32_t bodies_max, shapes_max, contacts_max, fields_max, pair_filters_max, continuous;
+    std::uint32_t bodies_max, shapes_max, contacts_max, fields_max, pair_filters_max, joints_max;
+    std::uint32_t characters_max, vehicles_max, continuous, sleeping;
     Real restitution_speed_min, contact_hertz, contact_damping, push_speed_max;
+    Real sleep_speed, sleep_time;
     std::uint64_t seed;
 };
 
@@ -68,15 +76,20 @@ struct PairFilterRow {
 
 template <class V> constexpr void describe(Header& h, V&& v) {
     v("tick", h.tick), v("commands", h.commands), v("gravity", h.gravity), v("body_free", h.body_free);
-    v("shape_free", h.shape_free), v("field_free", h.field_free), v("reserved", h.reserved);
+    v("shape_free", h.shape_free), v("field_free", h.field_free), v("joint_free", h.joint_free);
+    v("character_free", h.character_free), v("vehicle_free", h.vehicle_free);
+    v("bodies_awake", h.bodies_awake), v("joints_awake", h.joints_awake);
 }
 template <class V> constexpr void describe(Config& c, V&& v) {
     v("tick_rate", c.tick_rate), v("substeps", c.substeps), v("integrator", c.integrator);
     v("bounds_shift", c.bounds_shift), v("bodies_max", c.bodies_max), v("shapes_max", c.shapes_max);
     v("contacts_max", c.contacts_max), v("fields_max", c.fields_max);
-    v("pair_filters_max", c.pair_filters_max), v("continuous", c.continuous);
+    v("pair_filters_max", c.pair_filters_max), v("joints_max", c.joints_max);
+    v("characters_max", c.characters_max), v("vehicles_max", c.vehicles_max);
+    v("continuous", c.continuous), v("sleeping", c.sleeping);
     v("restitution_speed_min", c.restitution_speed_min), v("contact_hertz", c.contact_hertz);
-    v("contact_damping", c.contact_damping), v("push_speed_max", c.push_speed_max), v("seed", c.seed);
+    v("contact_damping", c.contact_damping), v("push_speed_max", c.push_speed_max);
+    v("sleep_speed", c.sleep_speed), v("sleep_time", c.sleep_time), v("seed", c.seed);
 }
 template <class V> constexpr void describe(Slot& s, V&& v) {
     v("row", s.row), v("generation", s.generation), v("next_free", s.next_free), v("alive", s.alive);
@@ -95,8 +108,9 @@ template <class V> constexpr void describe(PairFilterRow& r, V&& v) { v("a", r.a
 /// The manifest. Order here is the order of the hash, the dump and the portable image.
 struct Manifest {
     std::shared_ptr<const StateLayout> layout;
-    TableId world, body_slots, bodies, shape_slots, shapes, field_slots, fields, pair_filters, contacts,
-        records;
+    TableId character_slots, characters;
+    TableId world, body_slots, bodies, shape_slots, shapes, field_slots, fields, pair_filters, joint_slots,
+        joints, vehicle_slots, vehicles, contacts, sleeping_contacts, records;
 
     Column<Header> header;
     Column<Config> config;
@@ -111,12 +125,23 @@ struct Manifest {
     Column<Slot> field_slot;
     Column<FieldRow> field;
     Column<PairFilterRow> pair_filter;
+    Column<Slot> joint_slot;
+    Column<JointRow> joint;
+    Column<Slot> character_slot;
+    Column<CharacterRow> character;
+    Column<Slot> vehicle_slot;
+    Column<VehicleRow> vehicle;
 
     Column<Transform> body_pose;
     Column<Velocity> body_velocity;
+    Column<BodySleep> body_sleep;
 
     Column<ContactKey> contact_key;
     Column<ContactMemory> contact_memory;
+    Column<ContactKey> sleeping_key; ///< contacts of which no body is awake
+    Column<ContactMemory> sleeping_memory;
+    Column<JointMemory> joint_memory;
+    Column<VehicleMemory> vehicle_memory;
 
     std::vector<std::uint32_t> game; ///< column index in the layout, by game schema entry
 };

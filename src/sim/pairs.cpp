@@ -1,5 +1,6 @@
 // Which shapes may meet: bounds that overlap, planes that are reached, and the filters.
 #include "sim/phases.h"
+#include "sim/sleep.h"
 
 #include <algorithm>
 #include <tuple>
@@ -12,6 +13,22 @@ bool is_filtered(const Data& w, BodyId a, BodyId b) {
     const std::span<const PairFilterRow> rows = w.state.rows(w.m.pair_filter);
     if (rows.empty()) return false;
     return std::binary_search(rows.begin(), rows.end(), PairFilterRow{std::min(a, b), std::max(a, b)});
+}
+
+/// Whether a joint that does not let its bodies touch holds two bodies together.
+bool are_joined(const Data& w, BodyId a, BodyId b) {
+    const std::span<const BodyInfo> info = w.state.rows(w.m.body_info);
+    const std::span<const Slot> slots = w.state.rows(w.m.joint_slot);
+    const std::span<const JointRow> joints = w.state.rows(w.m.joint);
+    // Many joints may end at what does not move.
+    if (info[w.row_of(a)].kind == BodyKind::static_) std::swap(a, b);
+    for (std::uint32_t slot = info[w.row_of(a)].first_joint; slot != 0;) {
+        const JointRow& r = joints[slots[slot - 1].row];
+        const bool is_a = r.def.body_a == a;
+        if (r.def.collide_connected == 0 && (is_a ? r.def.body_b : r.def.body_a) == b) return true;
+        slot = is_a ? r.next_a : r.next_b;
+    }
+    return false;
 }
 
 /// Whether bounds reach below a plane.
@@ -30,14 +47,22 @@ void find_plane_pairs(Data& w) {
     Scratch& s = w.scratch;
     const std::uint32_t shift = w.state.rows(w.m.config)[0].bounds_shift;
     const std::size_t before = s.pairs.size();
-    for (std::uint32_t plane : s.planes)
-        for (const ShapeRow& shape : w.state.rows(w.m.shape)) {
-            const std::uint32_t slot = shape.id.index - 1;
-            if (shape.geometry.kind == ShapeKind::plane) continue;
-            if (w.state.rows(w.m.body_info)[w.row_of(shape.body)].kind == BodyKind::static_) continue;
-            if (reaches(s.broad_phase.bounds(slot), s.shape[plane].pose, shift))
-                s.pairs.push_back({std::min(plane, slot), std::max(plane, slot)});
-        }
+    const std::span<const ShapeRow> shapes = w.state.rows(w.m.shape);
+    const std::span<const Slot> slots = w.state.rows(w.m.shape_slot);
+    for (std::uint32_t plane : s.planes) {
+        // A plane that a command has just put there meets all bodies, others those that are awake.
+        const bool is_fresh = is_awake(w, w.row_of(shapes[slots[plane].row].body));
+        const std::uint32_t rows = is_fresh ? w.state.count(w.m.bodies) : w.header().bodies_awake;
+        for (std::uint32_t row = 0; row < rows; ++row)
+            for (std::uint32_t at = w.state.rows(w.m.body_info)[row].first_shape; at != 0;) {
+                const std::uint32_t slot = at - 1;
+                const ShapeRow& shape = shapes[slots[slot].row];
+                at = shape.next_shape;
+                if (shape.geometry.kind == ShapeKind::plane) continue;
+                if (reaches(s.broad_phase.bounds(slot), s.shape[plane].pose, shift))
+                    s.pairs.push_back({std::min(plane, slot), std::max(plane, slot)});
+            }
+    }
     if (s.pairs.size() != before) std::sort(s.pairs.begin(), s.pairs.end());
 }
 
@@ -50,6 +75,11 @@ bool may_meet(const Data& w, const ShapeRow& a, const ShapeRow& b) {
     const bool any_dynamic = kind_a == BodyKind::dynamic || kind_b == BodyKind::dynamic;
     const bool any_moves = kind_a != BodyKind::static_ || kind_b != BodyKind::static_;
     if (!any_dynamic && !(any_moves && (a.sensor | b.sensor) != 0)) return false;
+    if (are_joined(w, a.body, b.body)) return false;
+    return filters_allow(w, a, b);
+}
+
+bool filters_allow(const Data& w, const ShapeRow& a, const ShapeRow& b) {
     if (a.group != 0 && a.group == b.group) return a.group > 0;
     return (a.category & b.mask) != 0 && (b.category & a.mask) != 0 && !is_filtered(w, a.body, b.body);
 }
@@ -74,6 +104,7 @@ void find_pairs(Data& w) {
     };
     for (const collide::ProxyPair& pair : s.pairs) {
         const ShapeRow &a = shapes[slots[pair.a].row], &b = shapes[slots[pair.b].row];
+        if (!is_awake(w, w.row_of(a.body)) && !is_awake(w, w.row_of(b.body))) continue;
         if (!may_meet(w, a, b)) continue;
         const ContactKey key{a.id, b.id};
         while (old < count && order(s.old_keys[old]) < order(key)) retire(old++);

@@ -5,12 +5,25 @@
 
 namespace lockstone::sim {
 
+/// Where a body was when the tick began.
+inline const Transform& pose_before(const Data& w, std::uint32_t row) {
+    return row < w.scratch.pose_before.size() ? w.scratch.pose_before[row] : w.state.rows(w.m.body_pose)[row];
+}
+
 inline constexpr Length margin_base =
     decimal<Length>("0.01"); ///< [m]: contacts are made this far ahead of touching
 
 void update_bounds(Data& w); ///< world poses, margins and bounds of shapes that may have moved   (bounds.cpp)
-void find_pairs(Data& w);    ///< shapes that may meet and are near, in pair order                (pairs.cpp)
+/// Islands that something awake touches; true when there were any, and bounds and pairs have to be found again.
+bool wake_touched(Data& w); //                                                                    (sleep.cpp)
+bool has_contact_points(Data& w,
+                        const ContactKey& key); //                                      (contacts.cpp)
+void find_pairs(Data& w); ///< shapes that may meet and are near, in pair order                (pairs.cpp)
 void collide(Data& w); ///< manifolds, with what they keep of the last tick: the contact table (contacts.cpp)
+void list_joints(
+    Data& w); ///< in slot order, as the solver takes them                            (joints.cpp)
+void break_joints(Data& w); ///< of joints that bore too much                                    (joints.cpp)
+void settle(Data& w); ///< islands that rest fall asleep                                         (sleep.cpp)
 void publish_events(
     Data& w); ///< touching flags; events in their total order; contact points      (events.cpp)
 

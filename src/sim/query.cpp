@@ -273,12 +273,25 @@ std::optional<QueryHit> nearest_shape(Data& w, const shapes::Solid& solid, const
 }
 
 } // namespace
+
+std::optional<QueryHit> cast_ray(Data& w, const Ray& ray, const QueryFilter& filter) {
+    Cast cast{};
+    if (!make_cast(ray.from, ray.translation, cast)) return std::nullopt;
+    return first_hit(w, cast, filter);
+}
+
+std::optional<QueryHit> cast_shape(Data& w, const Geometry& geometry, const Transform& pose, Vec3 translation,
+                                   const QueryFilter& filter) {
+    Cast cast{};
+    shapes::Solid solid{};
+    if (!make_shape_cast(w, geometry, pose, translation, solid, cast)) return std::nullopt;
+    return first_hit(w, cast, filter);
+}
+
 } // namespace sim
 
 std::optional<QueryHit> World::cast_ray(const Ray& ray, const QueryFilter& filter) const {
-    sim::Cast cast{};
-    if (!sim::make_cast(ray.from, ray.translation, cast)) return std::nullopt;
-    return sim::first_hit(*impl, cast, filter);
+    return sim::cast_ray(*impl, ray, filter);
 }
 
 bool World::cast_ray_any(const Ray& ray, const QueryFilter& filter) const {
@@ -299,10 +312,7 @@ void World::cast_rays(std::span<const Ray> rays, const QueryFilter& filter,
 
 std::optional<QueryHit> World::cast_shape(const Geometry& geometry, const Transform& pose, Vec3 translation,
                                           const QueryFilter& filter) const {
-    sim::Cast cast{};
-    shapes::Solid solid{};
-    if (!sim::make_shape_cast(*impl, geometry, pose, translation, solid, cast)) return std::nullopt;
-    return sim::first_hit(*impl, cast, filter);
+    return sim::cast_shape(*impl, geometry, pose, translation, filter);
 }
 
 bool World::cast_shape_any(const Geometry& geometry, const Transform& pose, Vec3 translation,
@@ -350,7 +360,7 @@ std::optional<ShapeDistance> World::distance(ShapeId a, ShapeId b) const {
     const std::uint32_t row_a = impl->row_of(a), row_b = impl->row_of(b);
     if (row_a == sim::Data::dead || row_b == sim::Data::dead) return std::nullopt;
     sim::refresh(*impl);
-    const std::span<const sim::ShapeRow> rows = std::as_const(impl->state).rows(impl->m.shape);
+    const std::span<const sim::ShapeRow> rows = impl->state.rows(impl->m.shape);
     // In one order, so that asking the other way round gives the same numbers.
     const bool swaps = std::pair(rows[row_a].geometry.kind, b) < std::pair(rows[row_b].geometry.kind, a);
     const sim::ShapeRow &first = rows[swaps ? row_b : row_a], &second = rows[swaps ? row_a : row_b];

@@ -4,9 +4,12 @@
 #include "lockstone/query.h"
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace lockstone::sim {
+
+struct Data;
 
 struct QueryScratch {
     bool is_fresh = false; ///< poses and bounds of the tick's scratch are those of the state, as it was at:
@@ -18,5 +21,10 @@ struct QueryScratch {
     };
     std::vector<Candidate> candidates;
 };
+
+/// As World's; for phases that ask while a tick runs.
+std::optional<QueryHit> cast_ray(Data& w, const Ray& ray, const QueryFilter& filter);
+std::optional<QueryHit> cast_shape(Data& w, const Geometry& geometry, const Transform& pose, Vec3 translation,
+                                   const QueryFilter& filter);
 
 } // namespace lockstone::sim

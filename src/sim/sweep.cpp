@@ -18,7 +18,7 @@ using collide::Sweep;
 
 struct Sweeper {
     Data& w;
-    std::span<Transform> pose;
+    std::span<const Transform> pose;
     std::span<const BodyInfo> info;
     std::span<const BodyMass> mass;
     std::span<const ShapeRow> shapes;
@@ -35,9 +35,8 @@ struct Sweeper {
         return w.scratch.shape[shape.id.index - 1].solid;
     }
     Sweep sweep(std::uint32_t row, const ShapeRow& shape) const {
-        return {w.scratch.pose_before[row],
-                pose[row],
-                {shape.local.position - mass[row].center, shape.local.rotation}};
+        return {
+            pose_before(w, row), pose[row], {shape.local.position - mass[row].center, shape.local.rotation}};
     }
     /// Of its turning points from the centre of mass.
     Real reach(std::uint32_t row, const ShapeRow& shape) const {
@@ -57,7 +56,7 @@ struct Sweeper {
 constexpr Sweep still{Transform::identity(), Transform::identity(), Transform::identity()};
 
 Real motion_of(const Sweeper& s, std::uint32_t row) {
-    if (s.w.scratch.pose_before[row] == s.pose[row]) return Real{};
+    if (pose_before(s.w, row) == s.pose[row]) return Real{};
     Real most{};
     s.for_each_shape(row, [&](const ShapeRow& shape) {
         const Real motion = collide::relative_motion(still, s.sweep(row, shape), s.reach(row, shape));
@@ -69,7 +68,7 @@ Real motion_of(const Sweeper& s, std::uint32_t row) {
 /// No less than what relative_motion says of the body alone, without roots: a turn's rate is at most 2.9 times the length of
 /// the quaternion's change.
 Real coarse_motion(const Sweeper& s, std::uint32_t row, const ShapeRow& shape) {
-    const Transform &a = s.w.scratch.pose_before[row], &b = s.pose[row];
+    const Transform &a = pose_before(s.w, row), &b = s.pose[row];
     const Vec3 way = abs(b.position - a.position);
     const Quat p = a.rotation, q = b.rotation;
     const Real turn = abs(to<Real>(q.x) - to<Real>(p.x)) + abs(to<Real>(q.y) - to<Real>(p.y)) +
@@ -102,9 +101,7 @@ bool passes_one_way(const Sweeper& s, const ShapeRow& shape, const ShapeRow& wal
     if (wall.one_way == 0) return false;
     const UnitVec3 up = to_rotation(s.w.scratch.shape[wall.id.index - 1].pose.rotation).y;
     const std::uint32_t row = s.w.row_of(shape.body), other = s.w.row_of(wall.body);
-    const auto moved = [&](std::uint32_t r) {
-        return s.pose[r].position - s.w.scratch.pose_before[r].position;
-    };
+    const auto moved = [&](std::uint32_t r) { return s.pose[r].position - pose_before(s.w, r).position; };
     return dot<Real>(up, moved(row) - moved(other)) >= Real{};
 }
 
@@ -192,12 +189,12 @@ Stop find_stop(const Sweeper& s, const Way& way) {
 /// Sets the body's pose to where it was stopped, moved on with what stopped it: shifted, or when that lets it turn
 /// through the body, turned too.
 void sweep_body(const Sweeper& s, std::uint32_t row) {
-    const Transform from = s.w.scratch.pose_before[row], to = s.pose[row];
+    const Transform from = pose_before(s.w, row), to = s.pose[row];
     const Stop stop = find_stop(s, {row, from, to, Unit{}, Data::dead});
     if (stop.row == Data::dead) return;
     const Transform at = collide::body_pose_at({from, to, Transform::identity()}, stop.fraction);
-    s.pose[row] = at;
-    const Sweep theirs{s.w.scratch.pose_before[stop.row], s.pose[stop.row], Transform::identity()};
+    s.w.state.edit_row(s.w.m.body_pose, row) = at;
+    const Sweep theirs{pose_before(s.w, stop.row), s.pose[stop.row], Transform::identity()};
     if (theirs.from == theirs.to) return;
     const Transform met = collide::body_pose_at(theirs, stop.fraction);
     Transform end{at.position + (theirs.to.position - met.position), at.rotation};
@@ -207,7 +204,8 @@ void sweep_body(const Sweeper& s, std::uint32_t row) {
         end = {theirs.to * relative.position, normalized(theirs.to.rotation * relative.rotation)};
         again = find_stop(s, {row, at, end, stop.fraction, stop.row});
     }
-    s.pose[row] = collide::body_pose_at({at, end, Transform::identity()}, again.fraction);
+    s.w.state.edit_row(s.w.m.body_pose, row) =
+        collide::body_pose_at({at, end, Transform::identity()}, again.fraction);
 }
 
 } // namespace
@@ -215,7 +213,7 @@ void sweep_body(const Sweeper& s, std::uint32_t row) {
 void sweep_fast_bodies(Data& w) {
     Sweeper s(w);
     bool any_bullet = false;
-    const auto rows = static_cast<std::uint32_t>(s.info.size());
+    const std::uint32_t rows = w.header().bodies_awake;
     for (std::uint32_t row = 0; row < rows; ++row) {
         if (s.info[row].kind == BodyKind::kinematic)
             s.kinematic_motion_max = max(s.kinematic_motion_max, motion_of(s, row));

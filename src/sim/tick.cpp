@@ -1,5 +1,6 @@
 // One tick, on one screen. Everything from outside came in as commands before it (apply.cpp); everything that leaves,
 // leaves as event arrays at the bottom. Each phase is a pure function of the columns and of this tick's scratch.
+// Where a phase takes w.tasks, workers share it: each writes what no other reads, and what they made is put together in order.
 #include "sim/phases.h"
 
 namespace lockstone::sim {
@@ -17,25 +18,24 @@ dynamics::StepConstants constants_of(const Config& c) {
                                      c.contact_damping, c.push_speed_max, c.restitution_speed_min});
 }
 
-/// Half as many relaxing passes as substeps: twice the substeps for the same work hold a tower better than as many.
-bool relaxes_after(std::int32_t substep, const dynamics::StepConstants& step) {
-    return substep % 2 == 1 || substep + 1 == step.substeps;
-}
-
 void prepare(Data& w) {
     Scratch& s = w.scratch;
     s.step = constants_of(w.state.rows(w.m.config)[0]);
-    s.pose_before.assign(w.state.rows(w.m.body_pose).begin(), w.state.rows(w.m.body_pose).end());
-    dynamics::begin_step(w.body_columns(), w.header().gravity, s.step, s.bodies);
-    s.solver.prepare(s.contacts, w.state.rows(w.m.contact_memory), w.state.rows(w.m.body_mass), s.step,
-                     s.bodies);
+    const std::span<const Transform> poses = w.state.rows(w.m.body_pose).first(w.header().bodies_awake);
+    s.pose_before.assign(poses.begin(), poses.end());
+    dynamics::begin_step(w.body_columns(), w.header().gravity, s.step, s.bodies, w.tasks);
+    s.solver.prepare(s.contacts, w.state.rows(w.m.contact_memory),
+                     w.state.rows(w.m.body_mass).first(w.header().bodies_awake), s.step, s.bodies, w.tasks);
+    list_joints(w);
+    s.joint_solver.prepare(s.joints, w.state.rows(w.m.joint_memory), w.body_columns(), s.step, s.bodies);
+    s.vehicle_solver.prepare(w);
 }
 
 void finish(Data& w) {
     Scratch& s = w.scratch;
-    dynamics::finish_step(s.step, s.bodies, w.body_columns());
-    for (BodyForce& force : w.state.rows(w.m.body_force)) force = {};
-    Faults& faults = w.state.rows(w.m.faults)[0];
+    dynamics::finish_step(s.step, s.bodies, w.body_columns(), w.tasks);
+    for (BodyForce& force : w.state.edit(w.m.body_force, 0, w.header().bodies_awake)) force = {};
+    Faults& faults = w.state.edit_row(w.m.faults, 0);
     faults.speed_clamped += s.bodies.clamps.speed;
     faults.position_clamped += s.bodies.clamps.position;
     faults.impulse_clamped += s.bodies.clamps.impulse;
@@ -48,32 +48,48 @@ void tick(Data& w) {
     w.phase_hashes.clear();
     checkpoint(w, "commands");
 
-    update_bounds(w);
-    find_pairs(w);
+    move_characters(w);
+    do {
+        update_bounds(w);
+        find_pairs(w);
+    } while (wake_touched(w) || s.vehicle_solver.cast(w));
     collide(w);
     checkpoint(w, "collide");
     prepare(w);
 
     const dynamics::FreeMotion motion{static_cast<dynamics::Scheme>(w.state.rows(w.m.config)[0].integrator),
                                       w.state.rows(w.m.field)};
+    s.joint_solver.update(s.step, s.bodies);
     for (std::int32_t i = 0; i < s.step.substeps; ++i) {
-        integrate_velocities(motion, w.body_columns(), s.step, s.bodies);
-        s.solver.warm_start(s.bodies);
-        s.solver.solve(s.step, s.bodies, /*bias=*/true);
-        integrate_poses(s.step, s.bodies);
-        if (relaxes_after(i, s.step)) s.solver.solve(s.step, s.bodies, /*bias=*/false);
+        integrate_velocities(motion, w.body_columns(), s.step, s.bodies, w.tasks);
+        s.joint_solver.warm_start(s.bodies);
+        s.vehicle_solver.warm_start(s.step, s.bodies);
+        s.solver.warm_start(s.bodies, w.tasks);
+        // Contacts first: what a warm start after an impact gave too much is taken back before joints pull at it.
+        s.solver.solve(s.step, s.bodies, /*bias=*/true, w.tasks);
+        s.joint_solver.solve(s.step, s.bodies, /*bias=*/true);
+        s.vehicle_solver.solve(s.step, s.bodies, /*bias=*/true);
+        integrate_poses(s.step, s.bodies, w.tasks);
+        s.joint_solver.update(s.step, s.bodies);
+        s.joint_solver.solve(s.step, s.bodies, /*bias=*/false);
+        s.vehicle_solver.solve(s.step, s.bodies, /*bias=*/false);
+        s.solver.solve(s.step, s.bodies, /*bias=*/false, w.tasks);
     }
-    s.solver.apply_restitution(s.step, s.bodies);
-    s.solver.store(s.contacts, w.state.rows(w.m.contact_memory), s.bodies.clamps);
+    s.solver.apply_restitution(s.step, s.bodies, w.tasks);
+    s.solver.store(s.contacts, w.state.edit(w.m.contact_memory), s.bodies.clamps, w.tasks);
+    s.joint_solver.store(s.step, w.state.edit(w.m.joint_memory), s.bodies.clamps);
+    s.vehicle_solver.store(w);
     checkpoint(w, "solve");
     finish(w);
     checkpoint(w, "finish");
     if (w.state.rows(w.m.config)[0].continuous != 0) sweep_fast_bodies(w);
     checkpoint(w, "sweep_fast_bodies");
 
+    break_joints(w);
     publish_events(w);
-    ++w.header().tick;
-    checkpoint(w, "publish_events");
+    settle(w);
+    ++w.edit_header().tick;
+    checkpoint(w, "settle");
     if (w.journal != nullptr) w.journal->on_tick(w.header().tick - 1, w.state.hash());
 }
 

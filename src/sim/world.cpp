@@ -5,6 +5,7 @@
 #include "base/text.h"
 #include "lockstone/decimal.h"
 #include "lockstone/math.h"
+#include "sim/sleep.h"
 #include "sim/world_impl.h"
 
 #include <algorithm>
@@ -16,10 +17,13 @@ using base::join;
 
 const char* name_of(const Command& command) {
     static constexpr const char* names[] = {
-        "create_body",   "destroy_body",   "create_shape",        "destroy_shape", "create_field",
-        "destroy_field", "set_pose",       "set_velocity",        "add_force",     "add_force_at",
-        "add_impulse",   "add_impulse_at", "set_body_parameters", "set_material",  "set_gravity",
-        "write_game",    "set_filter",     "set_pair_filter",     "set_mass"};
+        "create_body",     "destroy_body",     "create_shape",        "destroy_shape", "create_field",
+        "destroy_field",   "set_pose",         "set_velocity",        "add_force",     "add_force_at",
+        "add_impulse",     "add_impulse_at",   "set_body_parameters", "set_material",  "set_gravity",
+        "write_game",      "set_filter",       "set_pair_filter",     "set_mass",      "create_joint",
+        "destroy_joint",   "set_joint_axis",   "set_joint_frames",    "wake_body",     "create_vehicle",
+        "destroy_vehicle", "set_vehicle_input",
+        "create_character", "destroy_character", "set_character_input"};
     static_assert(std::size(names) == std::variant_size_v<Command>);
     return names[command.index()];
 }
@@ -64,7 +68,11 @@ std::string check(const WorldDef& d) {
         check_integer("contacts_max", d.contacts_max, 1, objects_max),
         check_integer("fields_max", d.fields_max, 1, 1024),
         check_integer("pair_filters_max", d.pair_filters_max, 1, objects_max),
+        check_integer("joints_max", d.joints_max, 1, objects_max),
+        check_integer("characters_max", d.characters_max, 1, 65536),
+        check_integer("vehicles_max", d.vehicles_max, 1, 65536),
         check_integer("continuous", d.continuous, 0, 1),
+        check_integer("sleeping", d.sleeping, 0, 1),
         check_real("gravity.x", d.gravity.x, Real(-1000), Real(1000)),
         check_real("gravity.y", d.gravity.y, Real(-1000), Real(1000)),
         check_real("gravity.z", d.gravity.z, Real(-1000), Real(1000)),
@@ -72,6 +80,8 @@ std::string check(const WorldDef& d) {
         check_real("contact_hertz", d.contact_hertz, Real(1), Real(4000)),
         check_real("contact_damping", d.contact_damping, 0.1_r, Real(100)),
         check_real("push_speed_max", d.push_speed_max, Real{}, Real(500)),
+        check_real("sleep_speed", d.sleep_speed, Real{}, Real(10)),
+        check_real("sleep_time", d.sleep_time, Real{}, Real(3600)),
     };
     for (const std::string& e : checks)
         if (!e.empty()) return e;
@@ -79,21 +89,13 @@ std::string check(const WorldDef& d) {
 }
 
 sim::Config config_of(const WorldDef& d) {
-    return {d.tick_rate,
-            d.substeps,
-            d.integrator,
-            d.bounds_shift,
-            d.bodies_max,
-            d.shapes_max,
-            d.contacts_max,
-            d.fields_max,
-            d.pair_filters_max,
-            d.continuous,
-            d.restitution_speed_min,
-            d.contact_hertz,
-            d.contact_damping,
-            d.push_speed_max,
-            d.seed};
+    return {d.tick_rate,     d.substeps,        d.integrator,
+            d.bounds_shift,  d.bodies_max,      d.shapes_max,
+            d.contacts_max,  d.fields_max,      d.pair_filters_max,
+            d.joints_max,    d.characters_max,  d.vehicles_max,
+            d.continuous,    d.sleeping,        d.restitution_speed_min,
+            d.contact_hertz, d.contact_damping, d.push_speed_max,
+            d.sleep_speed,   d.sleep_time,      d.seed};
 }
 
 } // namespace
@@ -104,11 +106,19 @@ Data::Data(const WorldDef& d, const GameSchema& s, std::shared_ptr<const AssetLi
     : def(d), schema(s), m(make_manifest(d, s)), state(m.layout), scratch(d, std::move(assets)) {
     state.resize(m.world, 1);
     state.resize(m.records, 1);
-    header().gravity = d.gravity;
-    state.rows(m.config)[0] = config_of(d);
+    edit_header().gravity = d.gravity;
+    state.edit_row(m.config, 0) = config_of(d);
     scratch.proxy_generation.assign(d.shapes_max, 0);
     scratch.shape.resize(d.shapes_max);
     scratch.bodies.reserve(d.bodies_max);
+    SleepScratch& sleep = scratch.sleep;
+    for (std::vector<std::uint32_t>* rows : {&sleep.parent, &sleep.still_ticks, &sleep.first, &sleep.last})
+        rows->reserve(d.bodies_max);
+    sleep.leaving.reserve(d.bodies_max);
+    for (std::vector<ContactKey>* keys : {&sleep.keys, &sleep.other_keys}) keys->reserve(d.contacts_max);
+    for (std::vector<ContactMemory>* rows : {&sleep.memories, &sleep.other_memories})
+        rows->reserve(d.contacts_max);
+    events.reserve(std::size_t{2} * d.bodies_max);
 }
 
 Data::Data(const Data& other) : Data(other.def, other.schema, other.scratch.solids.library()) {
@@ -168,6 +178,31 @@ Result<FieldId> World::create_field(const FieldDef& def) {
     if (!applied) return applied.error();
     return applied->field;
 }
+Result<JointId> World::create_joint(const JointDef& def) {
+    const Result<Applied> applied = apply(CreateJoint{def});
+    if (!applied) return applied.error();
+    return applied->joint;
+}
+Result<JointId> World::create_joint(JointDef def, BodyId a, BodyId b, const Transform& at) {
+    const auto frame_in = [&](BodyId body) {
+        if (!is_alive(body)) return at; // null is the world; what is dead is refused by the command
+        const Transform p = pose(body);
+        const Quat back = conjugate(p.rotation);
+        return Transform{rotate(back, at.position - p.position), normalized(back * at.rotation)};
+    };
+    def.body_a = a;
+    def.body_b = b;
+    def.frame_a = frame_in(a);
+    def.frame_b = frame_in(b);
+    return create_joint(def);
+}
+Status World::destroy(JointId joint) { return status_of(apply(DestroyJoint{joint})); }
+Status World::set_joint_axis(JointId joint, JointAxisIndex index, const JointAxis& axis) {
+    return status_of(apply(SetJointAxis{joint, index, 0, axis}));
+}
+Status World::set_joint_frames(JointId joint, const Transform& frame_a, const Transform& frame_b) {
+    return status_of(apply(SetJointFrames{joint, frame_a, frame_b}));
+}
 Status World::destroy(BodyId body) { return status_of(apply(DestroyBody{body})); }
 Status World::destroy(ShapeId shape) { return status_of(apply(DestroyShape{shape})); }
 Status World::destroy(FieldId field) { return status_of(apply(DestroyField{field})); }
@@ -196,6 +231,7 @@ Status World::set_pair_filter(BodyId a, BodyId b, bool collide) {
     return status_of(apply(SetPairFilter{a, b, collide ? 1u : 0u}));
 }
 Status World::set_mass(const SetMass& mass) { return status_of(apply(mass)); }
+Status World::wake_body(BodyId body) { return status_of(apply(WakeBody{body})); }
 Status World::set_gravity(Vec3 gravity) { return status_of(apply(SetGravity{gravity})); }
 
 Status World::write_bytes(std::uint32_t column, BodyId body, std::span<const std::byte> row) {
@@ -228,45 +264,48 @@ std::uint32_t living(const sim::Data& w, ShapeId id) {
     LOCKSTONE_ASSERT(row != sim::Data::dead, "shape ", id.index, ":", id.generation, " is not alive");
     return row;
 }
+std::uint32_t living(const sim::Data& w, JointId id) {
+    const std::uint32_t row = w.row_of(id);
+    LOCKSTONE_ASSERT(row != sim::Data::dead, "joint ", id.index, ":", id.generation, " is not alive");
+    return row;
+}
 } // namespace
 
 bool World::is_alive(BodyId body) const { return impl->row_of(body) != sim::Data::dead; }
 bool World::is_alive(ShapeId shape) const { return impl->row_of(shape) != sim::Data::dead; }
+bool World::is_alive(JointId joint) const { return impl->row_of(joint) != sim::Data::dead; }
+bool World::is_awake(BodyId body) const { return sim::is_awake(*impl, living(*impl, body)); }
+std::uint32_t World::awake_count() const { return impl->header().bodies_awake; }
 std::uint32_t World::body_count() const { return impl->state.count(impl->m.bodies); }
-BodyId World::body_at(std::uint32_t row) const {
-    return std::as_const(impl->state).rows(impl->m.body_info)[row].id;
-}
+BodyId World::body_at(std::uint32_t row) const { return impl->state.rows(impl->m.body_info)[row].id; }
 
 std::vector<BodyId> World::bodies() const {
     std::vector<BodyId> out;
-    for (const sim::BodyInfo& info : std::as_const(impl->state).rows(impl->m.body_info))
-        out.push_back(info.id);
+    for (const sim::BodyInfo& info : impl->state.rows(impl->m.body_info)) out.push_back(info.id);
     return out;
 }
 
 Transform World::pose(BodyId body) const {
     const std::uint32_t row = living(*impl, body);
-    const Transform& pose = std::as_const(impl->state).rows(impl->m.body_pose)[row];
-    const Vec3 center = std::as_const(impl->state).rows(impl->m.body_mass)[row].center;
+    const Transform& pose = impl->state.rows(impl->m.body_pose)[row];
+    const Vec3 center = impl->state.rows(impl->m.body_mass)[row].center;
     return {pose.position - rotate(pose.rotation, center), pose.rotation};
 }
 Vec3 World::center_of_mass(BodyId body) const {
-    return std::as_const(impl->state).rows(impl->m.body_pose)[living(*impl, body)].position;
+    return impl->state.rows(impl->m.body_pose)[living(*impl, body)].position;
 }
 Vec3 World::linear_velocity(BodyId body) const {
-    return to<Real>(std::as_const(impl->state).rows(impl->m.body_velocity)[living(*impl, body)].linear);
+    return to<Real>(impl->state.rows(impl->m.body_velocity)[living(*impl, body)].linear);
 }
 Vec3 World::angular_velocity(BodyId body) const {
-    return to<Real>(std::as_const(impl->state).rows(impl->m.body_velocity)[living(*impl, body)].angular);
+    return to<Real>(impl->state.rows(impl->m.body_velocity)[living(*impl, body)].angular);
 }
-Real World::mass(BodyId body) const {
-    return std::as_const(impl->state).rows(impl->m.body_mass)[living(*impl, body)].mass;
-}
+Real World::mass(BodyId body) const { return impl->state.rows(impl->m.body_mass)[living(*impl, body)].mass; }
 BodyKind World::kind(BodyId body) const {
-    return std::as_const(impl->state).rows(impl->m.body_info)[living(*impl, body)].kind;
+    return impl->state.rows(impl->m.body_info)[living(*impl, body)].kind;
 }
 std::uint64_t World::user_key(BodyId body) const {
-    return std::as_const(impl->state).rows(impl->m.body_info)[living(*impl, body)].user_key;
+    return impl->state.rows(impl->m.body_info)[living(*impl, body)].user_key;
 }
 
 std::vector<ShapeId> World::shapes(BodyId body) const {
@@ -281,7 +320,7 @@ std::vector<ShapeId> World::shapes(BodyId body) const {
     return out;
 }
 ShapeDef World::shape(ShapeId shape) const {
-    const sim::ShapeRow& r = std::as_const(impl->state).rows(impl->m.shape)[living(*impl, shape)];
+    const sim::ShapeRow& r = impl->state.rows(impl->m.shape)[living(*impl, shape)];
     return {r.geometry,
             r.local,
             r.density,
@@ -300,7 +339,41 @@ ShapeDef World::shape(ShapeId shape) const {
             r.user_key};
 }
 BodyId World::body_of(ShapeId shape) const {
-    return std::as_const(impl->state).rows(impl->m.shape)[living(*impl, shape)].body;
+    return impl->state.rows(impl->m.shape)[living(*impl, shape)].body;
+}
+
+std::uint32_t World::joint_count() const { return impl->state.count(impl->m.joints); }
+JointId World::joint_at(std::uint32_t row) const { return impl->state.rows(impl->m.joint)[row].id; }
+JointDef World::joint(JointId joint) const {
+    return impl->state.rows(impl->m.joint)[living(*impl, joint)].def;
+}
+
+JointState World::joint_state(JointId joint) const {
+    const std::uint32_t row = living(*impl, joint);
+    const JointDef& def = impl->state.rows(impl->m.joint)[row].def;
+    const sim::JointMemory& memory = impl->state.rows(impl->m.joint_memory)[row];
+    const auto frame = [&](BodyId body, const Transform& local) {
+        if (!is_alive(body)) return local;
+        const Transform p = pose(body);
+        return Transform{p.position + rotate(p.rotation, local.position),
+                         normalized(p.rotation * local.rotation)};
+    };
+    return {dynamics::joint_coordinates(def, frame(def.body_a, def.frame_a), frame(def.body_b, def.frame_b),
+                                        memory.twist),
+            memory.force, memory.torque};
+}
+
+std::vector<JointId> World::joints(BodyId body) const {
+    const std::span<const sim::Slot> slots = impl->state.rows(impl->m.joint_slot);
+    const std::span<const sim::JointRow> joints = impl->state.rows(impl->m.joint);
+    std::vector<JointId> out;
+    std::uint32_t slot = impl->state.rows(impl->m.body_info)[living(*impl, body)].first_joint;
+    while (slot != 0) {
+        const sim::JointRow& r = joints[slots[slot - 1].row];
+        out.push_back(r.id);
+        slot = r.def.body_a == body ? r.next_a : r.next_b;
+    }
+    return out;
 }
 
 Real World::kinetic_energy() const {
@@ -322,12 +395,10 @@ std::span<const std::byte> World::row_bytes(std::uint32_t column, BodyId body) c
     LOCKSTONE_ASSERT(column < impl->m.game.size(), "game column ", column, " of ", impl->m.game.size());
     const GameSchema::Entry& entry = impl->schema.entries()[column];
     const std::uint32_t row = entry.per_body ? living(*impl, body) : 0;
-    return std::as_const(impl->state)
-        .bytes(impl->m.game[column])
-        .subspan(row * entry.row_size, entry.row_size);
+    return impl->state.bytes(impl->m.game[column]).subspan(row * entry.row_size, entry.row_size);
 }
 
-Faults World::faults() const { return std::as_const(impl->state).rows(impl->m.faults)[0]; }
+Faults World::faults() const { return impl->state.rows(impl->m.faults)[0]; }
 std::span<const Event> World::events() const { return impl->events; }
 std::span<const World::ContactPoint> World::contacts() const { return impl->contact_points; }
 
@@ -353,6 +424,7 @@ Status World::restore_portable(std::span<const std::byte> image) {
 const State& World::state() const { return impl->state; }
 const GameSchema& World::schema() const { return impl->schema; }
 void World::set_journal(Journal* journal) { impl->journal = journal; }
+void World::set_tasks(Tasks* tasks) { impl->tasks = tasks; }
 void World::record_phase_hashes(bool on) { impl->phase_hashes_on = on; }
 std::span<const PhaseHash> World::phase_hashes() const { return impl->phase_hashes; }
 State& World::state_for_tests() { return impl->state; }

@@ -1,42 +1,80 @@
+#include "base/assert.h"
 #include "base/hash.h"
 #include "lockstone/state.h"
 #include "state/canonical.h"
+#include "state/pages.h"
 
 #include <algorithm>
+#include <bit>
+#include <utility>
 
 namespace lockstone {
 
 namespace {
 
-/// The page and column hashes of one column; pages are also written down where `pages` is given.
-std::uint64_t hash_column(const ColumnInfo& column, std::span<const std::byte> rows, std::uint32_t row_count,
-                          std::vector<std::uint64_t>* pages) {
-    const std::size_t page_size = std::size_t{column.rows_per_page} * column.row_size;
-    base::HashStream stream(column.name_hash);
-    for (std::size_t at = 0; at < rows.size(); at += page_size) {
-        const std::span<const std::byte> page = rows.subspan(at, std::min(page_size, rows.size() - at));
-        const std::uint64_t page_hash = hash_canonical(std::endian::native, column.leaves, page);
-        stream.add(page_hash);
-        if (pages != nullptr) pages->push_back(page_hash);
+#ifdef NDEBUG
+constexpr bool checks_versions = false;
+#else
+constexpr bool checks_versions = true;
+#endif
+
+/// H(page hashes ..., row count, seed). `pages` has room for one more value, which is as it was afterwards: hashing one
+/// stretch of bytes is several times faster than a stream of few.
+std::uint64_t hash_of_pages(std::span<std::uint64_t> pages, std::uint32_t rows, std::uint64_t seed) {
+    if constexpr (std::endian::native == std::endian::little) {
+        const std::uint64_t next = std::exchange(pages.back(), rows);
+        const std::uint64_t found =
+            base::xxh3(std::as_bytes(pages).first(pages.size_bytes() - sizeof rows), seed);
+        pages.back() = next;
+        return found;
     }
-    stream.add(row_count);
+    base::HashStream stream(seed);
+    for (const std::uint64_t page : pages.first(pages.size() - 1)) stream.add(page);
+    stream.add(rows);
     return stream.digest();
 }
 
-/// One walk for hash() and hash_tree(), so that they cannot disagree. A null tree makes it allocate nothing.
-std::uint64_t hash_state(const State& state, HashTree* tree) {
-    const StateLayout& layout = state.layout();
+} // namespace
+
+/// Hashes the pages whose hash is of another version, and with any the column.
+std::uint64_t State::column_hash(std::uint32_t column) const {
+    if (hashes.of.columns[column] == versions.columns[column]) return hashes.column[column];
+    const ColumnInfo& info = shared_layout->columns()[column];
+    const StateLayout::Placement& place = shared_layout->placements()[column];
+    const std::span<const std::byte> rows = bytes(column);
+    const std::size_t size = page_bytes(place);
+    const std::uint32_t row_count = counts()[place.table];
+    take_versions(*shared_layout, column, row_count, versions, hashes.of, [&](std::size_t page) {
+        hashes.page[place.first_page + page] =
+            hash_canonical(std::endian::native, info.leaves,
+                           rows.subspan(page * size, std::min(size, rows.size() - page * size)));
+    });
+    const std::span<std::uint64_t> pages =
+        std::span(hashes.page).subspan(place.first_page, pages_of(place, row_count) + 1);
+    return hashes.column[column] = hash_of_pages(pages, row_count, info.name_hash);
+}
+
+/// One walk for hash() and hash_tree(), so that they cannot disagree. A null
+/// tree makes it allocate nothing.
+std::uint64_t State::hash_state(HashTree* tree) const {
+    if constexpr (checks_versions) {
+        const Status status = verify_versions();
+        LOCKSTONE_ASSERT(status.ok(), status.error().message);
+    }
+    const std::span<const StateLayout::Placement> places = shared_layout->placements();
+    const std::span<const ColumnInfo> columns = shared_layout->columns();
     std::array<base::HashStream, group_count> groups{};
-    for (std::uint32_t index = 0; index < layout.columns().size(); ++index) {
-        const ColumnInfo& column = layout.columns()[index];
-        const std::uint32_t row_count = state.count({column.table});
-        const std::uint64_t column_hash = hash_column(
-            column, state.bytes(index), row_count, tree != nullptr ? &tree->pages.emplace_back() : nullptr);
-        groups[static_cast<std::uint32_t>(column.group)].add(column_hash);
+    for (std::uint32_t column = 0; column < columns.size(); ++column) {
+        const std::uint64_t found = column_hash(column);
+        groups[static_cast<std::uint32_t>(columns[column].group)].add(found);
         if (tree == nullptr) continue;
-        tree->columns.push_back(column_hash);
-        tree->row_counts.push_back(row_count);
-        tree->rows_per_page.push_back(column.rows_per_page);
+        const std::uint32_t rows = counts()[places[column].table];
+        const std::span<const std::uint64_t> pages =
+            std::span(hashes.page).subspan(places[column].first_page, pages_of(places[column], rows));
+        tree->pages.emplace_back(pages.begin(), pages.end());
+        tree->columns.push_back(found);
+        tree->row_counts.push_back(rows);
+        tree->rows_per_page.push_back(columns[column].rows_per_page);
     }
     base::HashStream root;
     for (std::uint32_t group = 0; group < group_count; ++group) {
@@ -44,18 +82,16 @@ std::uint64_t hash_state(const State& state, HashTree* tree) {
         root.add(group_hash);
         if (tree != nullptr) tree->groups[group] = group_hash;
     }
-    for (std::uint32_t table = 0; table < layout.tables().size(); ++table) root.add(state.count({table}));
-    root.add(layout.schema_hash());
+    for (const std::uint32_t count : counts()) root.add(count);
+    root.add(shared_layout->schema_hash());
     return root.digest();
 }
 
-} // namespace
-
-std::uint64_t State::hash() const { return hash_state(*this, nullptr); }
+std::uint64_t State::hash() const { return hash_state(nullptr); }
 
 HashTree State::hash_tree() const {
     HashTree tree{};
-    tree.root = hash_state(*this, &tree);
+    tree.root = hash_state(&tree);
     return tree;
 }
 

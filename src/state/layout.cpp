@@ -18,7 +18,8 @@ constexpr std::uint64_t round_up(std::uint64_t size) {
     return (size + column_alignment - 1) / column_alignment * column_alignment;
 }
 
-/// The leaves tile the row: in order, without a gap, and of kinds that every host can read.
+/// The leaves tile the row: in order, without a gap, and of kinds that every
+/// host can read.
 bool describes(std::span<const LeafInfo> leaves, std::size_t row_size) {
     std::size_t end = 0;
     for (const LeafInfo& leaf : leaves) {
@@ -104,7 +105,8 @@ std::uint32_t StateLayout::add_column(TableId table, std::string name, Group gro
     return static_cast<std::uint32_t>(column_infos.size() - 1);
 }
 
-/// Offsets, sizes and the schema hash follow from the two lists; all are found anew at each addition.
+/// Offsets, sizes and the schema hash follow from the two lists; all are found
+/// anew at each addition.
 void StateLayout::place_columns() {
     const std::uint64_t header = table_infos.size() * sizeof(std::uint32_t);
     std::uint64_t block = round_up(header);
@@ -119,8 +121,15 @@ void StateLayout::place_columns() {
                          "column ", column.name, " needs ", size, " bytes");
     }
     column_placements.clear();
-    for (const ColumnInfo& column : column_infos)
-        column_placements.push_back({column.offset, column.row_size, column.table});
+    pages_total = 0;
+    for (const ColumnInfo& column : column_infos) {
+        column_placements.push_back(
+            {column.offset, column.row_size, column.table, column.rows_per_page, pages_total});
+        const std::uint32_t capacity = table_infos[column.table].capacity;
+        const std::size_t pages =
+            capacity / column.rows_per_page + (capacity % column.rows_per_page != 0 ? 1 : 0);
+        pages_total += (pages + pages_per_chunk - 1) / pages_per_chunk * pages_per_chunk;
+    }
     block_size = static_cast<std::size_t>(block);
     image_size_max = static_cast<std::size_t>(image);
     schema = hash_of(table_infos, column_infos);

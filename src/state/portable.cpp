@@ -150,7 +150,7 @@ Status State::restore_portable(std::span<const std::byte> image) {
     for (std::uint32_t table = 0; table < contents->counts.size(); ++table)
         resize({table}, contents->counts[table]);
     for (std::uint32_t index = 0; index < contents->rows.size(); ++index)
-        read_canonical(contents->rows[index], shared_layout->columns()[index].leaves, bytes(index));
+        read_canonical(contents->rows[index], shared_layout->columns()[index].leaves, edit_bytes(index));
     return {};
 }
 

@@ -1,6 +1,7 @@
 #include "lockstone/state.h"
 
 #include "base/assert.h"
+#include "state/pages.h"
 
 #include <algorithm>
 #include <cstring>
@@ -8,63 +9,44 @@
 
 namespace lockstone {
 
-namespace {
+namespace detail {
 
+namespace {
 constexpr std::align_val_t block_alignment{64};
+}
 
 /// At least one byte, so that the block of an empty layout is an object too.
-std::byte* allocate_block(std::size_t size) {
-    return static_cast<std::byte*>(::operator new(std::max<std::size_t>(size, 1), block_alignment));
-}
+Block::Block(std::size_t size)
+    : memory(static_cast<std::byte*>(::operator new(std::max<std::size_t>(size, 1), block_alignment))) {}
 
-struct ImageHeader {
-    std::uint64_t schema;
-};
+void Block::Free::operator()(std::byte* p) const { ::operator delete(p, block_alignment); }
 
-constexpr std::size_t line = 64; ///< columns begin on one, in the block and in images
+} // namespace detail
 
-std::size_t whole_lines(std::size_t size) { return (size + line - 1) / line * line; }
-
-/// Where the rows begin: the header and the counts, up to a cache line, since a misaligned copy is slower.
-std::size_t rows_offset(std::size_t tables) {
-    return whole_lines(sizeof(ImageHeader) + tables * sizeof(std::uint32_t));
-}
-
-/// Walks the packed image in manifest order: copy(offset in the block, offset in the image, bytes). Live rows are taken
-/// in whole lines (what follows them in the block is zero), so columns of a full table lie one after another in
-/// both places and are one copy.
-template <class Copy>
-std::size_t walk_columns(const StateLayout& layout, std::span<const std::uint32_t> counts, Copy&& copy) {
-    std::size_t at = rows_offset(counts.size());
-    std::size_t from = 0, size = 0; // the run so far
-    for (const StateLayout::Placement& column : layout.placements()) {
-        const std::size_t next = whole_lines(std::size_t{counts[column.table]} * column.row_size);
-        if (next == 0) continue;
-        if (size != 0 && from + size == column.offset) {
-            size += next;
-            continue;
-        }
-        if (size != 0) copy(from, at, size);
-        at += size;
-        from = column.offset;
-        size = next;
-    }
-    if (size != 0) copy(from, at, size);
-    return at + size;
-}
-
+namespace {
+detail::Owner new_owner() { return std::make_shared<const std::byte>(); }
 } // namespace
 
-void State::AlignedFree::operator()(std::byte* p) const { ::operator delete(p, block_alignment); }
-
-State::State(std::shared_ptr<const StateLayout> layout) : shared_layout(std::move(layout)) {
+State::State(std::shared_ptr<const StateLayout> layout)
+    : shared_layout(std::move(layout)), owner(new_owner()) {
     LOCKSTONE_ASSERT(shared_layout != nullptr, "a State needs a layout");
-    block.reset(allocate_block(shared_layout->size_bytes()));
+    block = detail::Block(shared_layout->size_bytes());
     std::memset(block.get(), 0, shared_layout->size_bytes());
+    const std::size_t pages = shared_layout->page_count(), columns = shared_layout->columns().size();
+    versions.pages.assign(pages, 0);
+    versions.chunks.assign(pages / StateLayout::pages_per_chunk, 0);
+    versions.columns.assign(columns, 0);
+    hashes.page.assign(pages + 1, 0);
+    hashes.column.assign(columns, 0);
+    hashes.of = versions;
+    std::ranges::fill(versions.columns, ++version_last);
 }
 
-State::State(const State& other) : shared_layout(other.shared_layout) {
-    block.reset(allocate_block(shared_layout->size_bytes()));
+/// The versions keep their meaning within the copy, and so do the hashes;
+/// another owner gives them out from now on.
+State::State(const State& other)
+    : shared_layout(other.shared_layout), block(shared_layout->size_bytes()), owner(new_owner()),
+      versions(other.versions), version_last(other.version_last), hashes(other.hashes) {
     std::memcpy(block.get(), other.block.get(), shared_layout->size_bytes());
 }
 
@@ -79,17 +61,55 @@ State& State::operator=(const State& other) {
                          "states of different capacities");
     }
     std::memcpy(block.get(), other.block.get(), shared_layout->size_bytes());
+    forget_all();
     return *this;
 }
 
-std::span<std::byte> State::bytes(std::uint32_t column) {
-    const ColumnInfo& info = shared_layout->columns()[column];
-    return {block.get() + info.offset, std::size_t{counts()[info.table]} * info.row_size};
+/// Every live page and every column may hold anything: none has a version that
+/// was given out before.
+void State::forget_all() {
+    ++version_last;
+    const std::span<const StateLayout::Placement> places = shared_layout->placements();
+    std::ranges::fill(versions.pages, 0);
+    std::ranges::fill(versions.chunks, version_last);
+    std::ranges::fill(versions.columns, version_last);
+    for (const StateLayout::Placement& place : places)
+        std::fill_n(versions.pages.data() + place.first_page, pages_of(place, counts()[place.table]),
+                    version_last);
 }
 
 std::span<const std::byte> State::bytes(std::uint32_t column) const {
-    const ColumnInfo& info = shared_layout->columns()[column];
-    return {block.get() + info.offset, std::size_t{counts()[info.table]} * info.row_size};
+    const StateLayout::Placement& place = shared_layout->placements()[column];
+    return {block.get() + place.offset, std::size_t{counts()[place.table]} * place.row_size};
+}
+
+/// Gives pages of a column a version that was never given out.
+void State::mark(std::uint32_t column, std::size_t first_page, std::size_t end_page) {
+    constexpr std::size_t step = StateLayout::pages_per_chunk;
+    const std::uint64_t version = ++version_last;
+    const std::size_t first = shared_layout->placements()[column].first_page + first_page;
+    const std::size_t end = shared_layout->placements()[column].first_page + end_page;
+    for (std::size_t page = first; page < end; ++page) versions.pages[page] = version;
+    for (std::size_t chunk = first / step; chunk * step < end; ++chunk) versions.chunks[chunk] = version;
+    versions.columns[column] = version;
+}
+
+std::span<std::byte> State::edit_bytes(std::uint32_t column) {
+    const StateLayout::Placement& place = shared_layout->placements()[column];
+    const std::uint32_t live = counts()[place.table];
+    mark(column, 0, pages_of(place, live));
+    return {block.get() + place.offset, std::size_t{live} * place.row_size};
+}
+
+std::span<std::byte> State::edit_bytes(std::uint32_t column, std::uint32_t first_row, std::uint32_t count) {
+    const StateLayout::Placement& place = shared_layout->placements()[column];
+    const std::uint32_t live = counts()[place.table];
+    LOCKSTONE_ASSERT(first_row <= live && count <= live - first_row, "rows ", first_row, " and ", count,
+                     " from it of ", live, " in column ", shared_layout->columns()[column].name);
+    if (count != 0)
+        mark(column, first_row / place.rows_per_page, (first_row + (count - 1)) / place.rows_per_page + 1);
+    return {block.get() + place.offset + std::size_t{first_row} * place.row_size,
+            std::size_t{count} * place.row_size};
 }
 
 void State::resize(TableId table, std::uint32_t rows) {
@@ -97,56 +117,21 @@ void State::resize(TableId table, std::uint32_t rows) {
     LOCKSTONE_ASSERT(rows <= capacity(table), "table ", shared_layout->tables()[table.index].name, ": ", rows,
                      " rows, capacity ", capacity(table));
     const std::uint32_t old = counts()[table.index];
+    if (rows == old) return;
     counts()[table.index] = rows;
-    if (rows >= old) return; // what is not live is zero already
-    for (const ColumnInfo& column : shared_layout->columns())
-        if (column.table == table.index)
-            std::memset(block.get() + column.offset + std::size_t{rows} * column.row_size, 0,
-                        std::size_t{old - rows} * column.row_size);
-}
-
-std::size_t State::image_bytes() const {
-    return walk_columns(*shared_layout, counts(), [](std::size_t, std::size_t, std::size_t) {});
-}
-
-void State::save(Image& image) const {
-    // The largest image at once: a ring then never allocates again, however the world grows.
-    if (image.bytes.size() < shared_layout->image_bytes_max())
-        image.bytes.resize(shared_layout->image_bytes_max());
-    std::byte* to = image.bytes.data();
-    const ImageHeader header{shared_layout->schema_hash()};
-    std::memset(to, 0, rows_offset(counts().size())); // so that equal states give equal images
-    std::memcpy(to, &header, sizeof header);
-    if (!counts().empty()) std::memcpy(to + sizeof header, block.get(), counts().size_bytes());
-    image.size =
-        walk_columns(*shared_layout, counts(), [&](std::size_t offset, std::size_t at, std::size_t size) {
-            std::memcpy(to + at, block.get() + offset, size);
-        });
-}
-
-void State::restore(const Image& image) {
-    const std::byte* from = image.bytes.data();
-    ImageHeader header{};
-    LOCKSTONE_ASSERT(image.size <= image.bytes.size() && image.size >= rows_offset(counts().size()),
-                     "image of ", image.size, " bytes");
-    std::memcpy(&header, from, sizeof header);
-    LOCKSTONE_ASSERT(header.schema == shared_layout->schema_hash(), "an image of another schema");
-    const auto count_in_image = [&](std::size_t table) {
-        std::uint32_t count = 0;
-        std::memcpy(&count, from + sizeof header + table * sizeof count, sizeof count);
-        return count;
-    };
-    // Rows beyond those of the image are zeroed by the resize.
-    for (std::uint32_t table = 0; table < counts().size(); ++table) {
-        LOCKSTONE_ASSERT(count_in_image(table) <= capacity({table}), "table ",
-                         shared_layout->tables()[table].name);
-        if (count_in_image(table) != counts()[table]) resize({table}, count_in_image(table));
+    const std::span<const StateLayout::Placement> places = shared_layout->placements();
+    for (std::uint32_t column = 0; column < places.size(); ++column) {
+        const StateLayout::Placement& place = places[column];
+        if (place.table != table.index) continue;
+        // A page that was or is filled in part has other live rows now, even where
+        // its bytes stay.
+        const std::size_t now = pages_of(place, rows), before = pages_of(place, old);
+        mark(column, std::min(rows, old) / place.rows_per_page, std::max(now, before));
+        if (rows > old) continue; // what is not live is zero already
+        std::memset(block.get() + place.offset + std::size_t{rows} * place.row_size, 0,
+                    std::size_t{old - rows} * place.row_size);
+        std::fill_n(versions.pages.data() + place.first_page + now, before - now, 0);
     }
-    LOCKSTONE_ASSERT(image.size == image_bytes(), "image of ", image.size, " bytes, its rows need ",
-                     image_bytes());
-    walk_columns(*shared_layout, counts(), [&](std::size_t offset, std::size_t at, std::size_t size) {
-        std::memcpy(block.get() + offset, from + at, size);
-    });
 }
 
 } // namespace lockstone

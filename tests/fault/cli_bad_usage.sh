@@ -25,7 +25,7 @@ refused 'SCENE' run
 refused 'must be 1 to 100' run pyramid --size 5000
 refused 'must be 2 to 4' run rollback-arena --players 7
 refused 'players is not an option' run pile --players 2
-refused '--threads 8' run stack --threads 8
+refused '--threads' run stack --threads 65
 refused 'scalar' run stack --simd avx512
 refused '--ticks' run stack --ticks many
 refused "'-1' is not a whole number" run stack --ticks -1

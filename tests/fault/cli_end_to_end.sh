@@ -13,7 +13,9 @@ small() { # the scene at a size that is quick to run
         pile) echo --size 60 ;;
         convex-pile | washer) echo --size 40 ;;
         terrain) echo --size 20 ;;
-        domino) echo --size 30 ;;
+        domino | bridge) echo --size 30 ;;
+        ragdolls) echo --size 3 ;;
+        wrecking-ball) echo --size 8 ;;
     esac
 }
 

@@ -82,7 +82,7 @@ TEST_CASE("a keyframe that is off by one bit is found by its bytes, or by its ha
     State state(must(game.start()).state().layout_shared());
     must(state.restore_portable(image));
     for (std::uint32_t c = 0; c < state.layout().columns().size(); ++c)
-        if (state.layout().columns()[c].name == "body.velocity") state.bytes(c)[5] ^= std::byte{1};
+        if (state.layout().columns()[c].name == "body.velocity") state.edit_bytes(c)[5] ^= std::byte{1};
     image = state.save_portable();
 
     auto chunks = chunks_of(good);

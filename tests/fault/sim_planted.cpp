@@ -34,7 +34,7 @@ std::uint32_t index_of(const State& s, const ColumnInfo& info) {
     return static_cast<std::uint32_t>(&info - s.layout().columns().data());
 }
 void zero(State& s, const char* name) {
-    const std::span<std::byte> bytes = s.bytes(index_of(s, column(s, name)));
+    const std::span<std::byte> bytes = s.edit_bytes(index_of(s, column(s, name)));
     std::memset(bytes.data(), 0, bytes.size());
 }
 bool names(const std::string& verdict, const std::string& what) {
@@ -79,7 +79,7 @@ TEST_CASE("planted fault: a column left out of the restore is found out and name
 TEST_CASE("planted fault: a generation that is not restored is found out") {
     const std::string v = verdict([](State& s) {
         const ColumnInfo& info = column(s, "body.slot");
-        s.bytes(index_of(s, info))[3 * info.row_size + 4] ^= std::byte{1};
+        s.edit_bytes(index_of(s, info))[3 * info.row_size + 4] ^= std::byte{1};
     });
     CHECK(names(v, "column body.slot, row 3, generation"));
 }
@@ -87,7 +87,7 @@ TEST_CASE("planted fault: a generation that is not restored is found out") {
 TEST_CASE("planted fault: one bit of one velocity is found out with its row and field") {
     const std::string v = verdict([](State& s) {
         const ColumnInfo& info = column(s, "body.velocity");
-        s.bytes(index_of(s, info))[7 * info.row_size + 4] ^= std::byte{1};
+        s.edit_bytes(index_of(s, info))[7 * info.row_size + 4] ^= std::byte{1};
     });
     CHECK(names(v, "column body.velocity, row 7, linear.y"));
 }

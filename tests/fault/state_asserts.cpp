@@ -1,4 +1,5 @@
-// Programmer's errors end the program and print the values. Each runs in a child process.
+// Programmer's errors end the program and print the values. Each runs in a
+// child process.
 #include "support/state_sample.h"
 
 #include <doctest/doctest.h>
@@ -48,7 +49,8 @@ TEST_CASE("a programmer's error aborts with the rule and the values") {
     const Sample s = make_sample();
     State state(s.layout);
     CHECK(begins_with(last_words([&] { state.resize(s.body, 9); }),
-                      "lockstone: broken rule: rows <= capacity(table): table body: 9 rows, capacity 8"));
+                      "lockstone: broken rule: rows <= capacity(table): table "
+                      "body: 9 rows, capacity 8"));
     CHECK(begins_with(last_words([] {
                           StateLayout layout;
                           layout.add_table("t", 1);
@@ -61,30 +63,32 @@ TEST_CASE("a programmer's error aborts with the rule and the values") {
                           layout.add_column<Real>(t, "c", Group::game);
                           layout.add_column<Speed>(t, "c", Group::game);
                       }),
-                      "lockstone: broken rule: find_column(name) == nullptr: two columns named c"));
+                      "lockstone: broken rule: find_column(name) == nullptr: two "
+                      "columns named c"));
     CHECK(begins_with(last_words([] {
                           StateLayout layout;
                           layout.add_column(layout.add_table("t", 1), "c", Group::game, 8,
                                             {{"x", 0, 4, LeafKind::signed_integer, 0}});
                       }),
                       "lockstone: broken rule: row_size"));
-    CHECK(begins_with(
-        last_words([&] {
-            StateLayout layout;
-            const State other(std::make_shared<const StateLayout>(layout));
-            Image image;
-            other.save(image);
-            state.restore(image);
-        }),
-        "lockstone: broken rule: header.schema == shared_layout->schema_hash(): an image of another"));
-    CHECK(begins_with(last_words([&] { state.restore(Image{}); }), "lockstone: broken rule: image.size"));
+    CHECK(begins_with(last_words([&] {
+                          StateLayout layout;
+                          const State other(std::make_shared<const StateLayout>(layout));
+                          Image image;
+                          other.save(image);
+                          state.restore(image);
+                      }),
+                      "lockstone: broken rule: image.layout->schema_hash() == "
+                      "shared_layout->schema_hash(): an image"));
+    CHECK(begins_with(last_words([&] { state.restore(Image{}); }),
+                      "lockstone: broken rule: image.size() != 0"));
     CHECK(begins_with(last_words([&] {
                           const Sample larger = make_sample(9);
                           Image image;
                           random_state(larger, 9, 0, 0, 1).save(image);
                           state.restore(image);
                       }),
-                      "lockstone: broken rule: count_in_image(table) <= capacity"));
+                      "lockstone: broken rule: image.counts()[table] <= capacity"));
     CHECK(begins_with(last_words([&] { state = State(make_sample(9).layout); }), "survived"));
     CHECK(begins_with(last_words([&] {
                           const State other(make_sample(9).layout);

@@ -13,12 +13,11 @@ namespace {
 template <class Hash> std::string first_unhashed_bit(State state, Hash&& hash) {
     const std::uint64_t before = hash(state);
     for (std::uint32_t column = 0; column < state.layout().columns().size(); ++column) {
-        const auto bytes = state.bytes(column);
-        for (std::size_t bit = 0; bit < bytes.size() * 8; ++bit) {
+        for (std::size_t bit = 0; bit < state.bytes(column).size() * 8; ++bit) {
             const auto mask = static_cast<std::byte>(1u << (bit % 8));
-            bytes[bit / 8] ^= mask;
+            state.edit_bytes(column)[bit / 8] ^= mask;
             const bool seen = hash(state) != before;
-            bytes[bit / 8] ^= mask;
+            state.edit_bytes(column)[bit / 8] ^= mask;
             if (!seen) return base::join(state.layout().columns()[column].name, " bit ", bit);
         }
     }
@@ -83,7 +82,7 @@ TEST_CASE("hash() is the root of hash_tree(), and every node of the path changes
     }
     State state = small_state(s);
     const HashTree before = state.hash_tree();
-    state.rows(s.manifold)[170].key ^= 1;
+    state.edit_row(s.manifold, 170).key ^= 1;
     const HashTree after = state.hash_tree();
     CHECK(after.root != before.root);
     for (std::uint32_t group = 0; group < group_count; ++group)
@@ -110,9 +109,9 @@ TEST_CASE("two trees are descended to the pages that differ") {
     const Sample s = make_sample();
     State left = random_state(s, 8, 400, 0, 4), right = left;
     CHECK(differing_pages(left.hash_tree(), right.hash_tree()).empty());
-    right.rows(s.manifold)[169].key ^= 1;
-    right.rows(s.manifold)[399].key ^= 1;
-    right.rows(s.velocity)[2].z.raw ^= 1;
+    right.edit_row(s.manifold, 169).key ^= 1;
+    right.edit_row(s.manifold, 399).key ^= 1;
+    right.edit_row(s.velocity, 2).z.raw ^= 1;
     CHECK(differing_pages(left.hash_tree(), right.hash_tree()) ==
           std::vector<PageRef>{
               {s.velocity.index, 0, 0, 7}, {s.manifold.index, 0, 0, 169}, {s.manifold.index, 2, 340, 399}});

@@ -76,9 +76,9 @@ TEST_CASE("the portable bytes of a tiny state are these") {
     const auto key = layout.add_column<std::uint64_t>(t, "t.key", Group::game);
     State state(std::make_shared<const StateLayout>(std::move(layout)));
     state.resize(t, 2);
-    state.rows(speed)[0] = decimal<Speed>("1.5");
-    state.rows(speed)[1] = decimal<Speed>("-0.25");
-    state.rows(key)[1] = 0x0102030405060708;
+    state.edit_row(speed, 0) = decimal<Speed>("1.5");
+    state.edit_row(speed, 1) = decimal<Speed>("-0.25");
+    state.edit_row(key, 1) = 0x0102030405060708;
     const std::string golden = // worked out apart from this code, from the format's README
         "4c5353544154450a"     // magic
         "01000000"             // version

@@ -21,7 +21,7 @@ struct ForgetfulSaver {
     void operator()(const State& from, State& to) const {
         for (std::uint32_t column = 0; column < from.layout().columns().size(); ++column)
             if (from.layout().columns()[column].name != forgotten)
-                std::ranges::copy(from.bytes(column), to.bytes(column).begin());
+                std::ranges::copy(from.bytes(column), to.edit_bytes(column).begin());
     }
 };
 

@@ -77,11 +77,17 @@ WorldDef tiny_def() {
     def.contacts_max = 10;
     def.fields_max = 3;
     def.pair_filters_max = 5;
+    def.joints_max = 6;
+    def.characters_max = 1;
+    def.vehicles_max = 2;
     def.continuous = 1;
+    def.sleeping = 1;
     def.restitution_speed_min = Real(1);
     def.contact_hertz = Real(60);
     def.contact_damping = Real(10);
     def.push_speed_max = Real(3);
+    def.sleep_speed = 0.25_r;
+    def.sleep_time = 0.5_r;
     def.seed = 7;
     return def;
 }

@@ -41,15 +41,15 @@ TEST_CASE("the text of a Real reads back as the same bits") {
 TEST_CASE("a difference names the column, row, field and both values, in decimal and raw") {
     const Sample s = make_sample();
     State left = random_state(s, 5, 9, 2, 3);
-    left.rows(s.velocity)[3].y = Speed::from_raw(-655360);
-    left.rows(s.manifold)[8].points[1].feature = 40;
-    left.rows(s.health)[0].luck = -1;
+    left.edit_row(s.velocity, 3).y = Speed::from_raw(-655360);
+    left.edit_row(s.manifold, 8).points[1].feature = 40;
+    left.edit_row(s.health, 0).luck = -1;
     State right = left;
     CHECK(State::diff(left, right, 10).empty());
 
-    right.rows(s.velocity)[3].y = Speed::from_raw(524288);
-    right.rows(s.manifold)[8].points[1].feature = 41;
-    right.rows(s.health)[0].luck = 127;
+    right.edit_row(s.velocity, 3).y = Speed::from_raw(524288);
+    right.edit_row(s.manifold, 8).points[1].feature = 41;
+    right.edit_row(s.health, 0).luck = 127;
     right.resize(s.tag, 12);
     const auto differences = State::diff(left, right, 10);
     REQUIRE(differences.size() == 4);
@@ -69,8 +69,9 @@ TEST_CASE("a dump has one line for each live row, with every field") {
     State state(s.layout);
     CHECK(state.dump().empty());
     state.resize(s.body, 2);
-    state.rows(s.pose)[1].position.x = 1.5_r;
-    state.rows(s.health)[1] = {.shield = -0.25_r, .points = -7, .bonus = 3, .mood = Mood::alert, .luck = 0};
+    state.edit_row(s.pose, 1).position.x = 1.5_r;
+    state.edit_row(s.health,
+                   1) = {.shield = -0.25_r, .points = -7, .bonus = 3, .mood = Mood::alert, .luck = 0};
     CHECK(state.dump() ==
           "body.pose[0] position.x=0 position.y=0 position.z=0 rotation.x=0 rotation.y=0 rotation.z=0 "
           "rotation.w=0\n"

@@ -72,7 +72,7 @@ TEST_CASE("a state without its manifolds' poses goes another way: they are state
     State& state = without.state_for_tests();
     const std::span<const ColumnInfo> columns = state.layout().columns();
     for (std::uint32_t c = 0; c < columns.size(); ++c)
-        if (columns[c].name == "contact.memory") std::ranges::fill(state.bytes(c), std::byte{0});
+        if (columns[c].name == "contact.memory") std::ranges::fill(state.edit_bytes(c), std::byte{0});
     bool parted = false;
     for (int t = 0; t < 30 && !parted; ++t) {
         w.tick(), without.tick();
@@ -94,6 +94,6 @@ TEST_CASE("a terrain costs a snapshot nothing: as many bytes with it as without"
     add(without, {.kind = BodyKind::static_}, {.geometry = box(10_r, 1_r, 10_r)});
     Image a, b;
     with.save(a), without.save(b);
-    CHECK(a.bytes.size() == b.bytes.size());
+    CHECK(a.size() == b.size());
     CHECK(with.save_portable().size() == without.save_portable().size());
 }

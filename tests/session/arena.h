@@ -71,7 +71,7 @@ class Arena : public Simulation {
     State& state() override { return state_block; }
 
     void advance(std::span<const PlayerInput> inputs) override {
-        Clock& clock = state_block.rows(arena_columns().clock)[0];
+        Clock& clock = state_block.edit_row(arena_columns().clock, 0);
         std::uint32_t gone = 0;
         for (const PlayerInput& input : inputs) gone += input.status == InputStatus::disconnected ? 1 : 0;
         const std::uint64_t noise = split_mix(clock.dice);
@@ -87,7 +87,7 @@ class Arena : public Simulation {
     }
 
   protected:
-    std::span<Agent> agents() { return state_block.rows(arena_columns().agent); }
+    std::span<Agent> agents() { return state_block.edit(arena_columns().agent); }
 
   private:
     void meet(std::uint64_t tick) {

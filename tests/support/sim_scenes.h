@@ -51,6 +51,12 @@ inline WorldDef small_def() {
     def.bodies_max = def.shapes_max = 64;
     def.contacts_max = 512;
     def.fields_max = 4;
+    def.sleeping = 0; // or what is looked at may have fallen asleep
+    return def;
+}
+inline WorldDef drowsy_def() {
+    WorldDef def = small_def();
+    def.sleeping = 1;
     return def;
 }
 inline WorldDef weightless(WorldDef def = small_def()) {

@@ -58,7 +58,7 @@ inline BodyId add_something(World& w, int i, const BodyDef& body) {
 }
 
 inline World start_script(Scenery scenery, Integrator integrator = Integrator::semi_implicit_euler) {
-    WorldDef def = small_def();
+    WorldDef def = drowsy_def();
     def.bodies_max = 48, def.shapes_max = 96;
     def.integrator = integrator;
     World w = made(World::create(def, script_schema()));

@@ -104,7 +104,7 @@ inline Sample make_sample(std::uint32_t body_capacity = 8, std::uint32_t contact
 /// Fills all live rows with random bytes.
 inline void scramble(State& state, Random& random) {
     for (std::uint32_t column = 0; column < state.layout().columns().size(); ++column)
-        for (std::byte& byte : state.bytes(column)) byte = static_cast<std::byte>(random.next() & 255u);
+        for (std::byte& byte : state.edit_bytes(column)) byte = static_cast<std::byte>(random.next() & 255u);
 }
 
 /// A state with these row counts and random rows.

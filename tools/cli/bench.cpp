@@ -13,6 +13,7 @@ struct Args {
     std::vector<std::string> scenes;
     SceneOptions options;
     std::uint64_t ticks = 240;
+    std::uint32_t threads = 1;
     bool json = false;
 };
 
@@ -20,6 +21,7 @@ void describe(CLI::App& command, Args& args) {
     command.add_option("SCENE", args.scenes, "scenes; none: all");
     describe_options(command, args.options);
     add_number(command, "--ticks", args.ticks, "to measure", 1, UINT64_MAX);
+    add_threads(command, args.threads);
     command.add_flag("--json", args.json, "for programs");
 }
 
@@ -27,6 +29,8 @@ Result<nlohmann::ordered_json> measure(const std::string& scene, const Args& arg
     Result<Started> started = start({scene, args.options});
     if (!started) return started.error();
     World& world = started->world;
+    const std::unique_ptr<Tasks> tasks = tasks_of(args.threads);
+    world.set_tasks(tasks.get());
     InputSource source = InputSource::scripted(*started->game, args.options.seed);
     std::vector<double> tick_us;
     Progress progress(scene, args.ticks);

@@ -70,6 +70,15 @@ CLI::Option* add_number(CLI::App& command, const std::string& name, std::optiona
     return add_checked(command, name, value, sentence, 0, UINT64_MAX);
 }
 
+void add_threads(CLI::App& command, std::uint32_t& threads) {
+    add_number(command, "--threads", threads, "that share the work of a tick; the result does not depend on it",
+               1, workers_max);
+}
+
+std::unique_ptr<Tasks> tasks_of(std::uint32_t threads) {
+    return threads > 1 ? make_worker_pool(threads) : nullptr;
+}
+
 int run_command_line(int argc, char** argv) {
     CLI::App app("Runs, records, replays and verifies deterministic worlds.", "lockstone");
     app.require_subcommand(1);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "lockstone/result.h"
+#include "lockstone/tasks.h"
 
 #include <CLI/CLI.hpp>
 
@@ -52,6 +53,11 @@ CLI::Option* add_number(CLI::App& command, const std::string& name, std::uint32_
                         const std::string& sentence, std::uint32_t low = 0, std::uint32_t high = UINT32_MAX);
 CLI::Option* add_number(CLI::App& command, const std::string& name, std::optional<std::uint64_t>& value,
                         const std::string& sentence);
+
+/// --threads, 1 to workers_max.
+void add_threads(CLI::App& command, std::uint32_t& threads);
+/// For World::set_tasks: null when one thread is to do it all.
+std::unique_ptr<Tasks> tasks_of(std::uint32_t threads);
 
 int run_command_line(int argc, char** argv);
 

@@ -22,7 +22,7 @@ void describe(CLI::App& command, ReplayArgs& args) {
     command.add_option("FILE", args.file, "a recording (.lsr)")->required();
     add_number(command, "--from", args.from, "start there, from the keyframe before it");
     add_number(command, "--to", args.to, "stop there");
-    add_number(command, "--threads", args.threads, "1 is what there is");
+    add_threads(command, args.threads);
     command.add_option("--hashes", args.hashes, "write tick, tab, root hash after that tick");
 }
 
@@ -47,13 +47,14 @@ Exit parted(const std::string& file, std::uint64_t tick, const World& world, std
 }
 
 Result<Exit> play(const ReplayArgs& args) {
-    if (Status s = check_threads(args.threads); !s) return s.error();
     const Result<Loaded> loaded = load(args.file);
     if (!loaded) return loaded.error();
     const Result<Range> range = range_of(args, loaded->recording);
     if (!range) return range.error();
     Result<replay::Player> player = replay::Player::open(loaded->recording, loaded->game.get());
     if (!player) return player.error();
+    const std::unique_ptr<Tasks> tasks = tasks_of(args.threads);
+    player->world().set_tasks(tasks.get());
     if (Status s = player->seek(range->from); !s) return s.error();
     if (!player->agrees())
         return parted(args.file, range->from, player->world(), loaded->recording.hash_at(range->from));

@@ -24,7 +24,7 @@ struct Args {
 void describe(CLI::App& command, Args& args) {
     describe_scene(command, args.choice);
     add_number(command, "--ticks", args.ticks, "how long");
-    add_number(command, "--threads", args.threads, "1 is what there is");
+    add_threads(command, args.threads);
     command.add_option("--simd", args.simd, "scalar is what there is")->capture_default_str();
     command.add_option("--input", args.input,
                        "inputs: a text file (tools/README.md) or a recording; else scripted from the seed");
@@ -88,12 +88,13 @@ Status close_outputs(const Args& args, Started& started, Outputs& out) {
 }
 
 Result<Exit> run(const Args& args) {
-    if (Status s = check_threads(args.threads); !s) return s.error();
     if (Status s = check_simd(args.simd); !s) return s.error();
     for (const std::string& output : {args.record, args.hashes, args.report})
         if (Status s = check_output(output, args.input); !s) return s.error();
     Result<Started> started = start(args.choice);
     if (!started) return started.error();
+    const std::unique_ptr<Tasks> tasks = tasks_of(args.threads);
+    started->world.set_tasks(tasks.get());
     Result<InputSource> source =
         args.input.empty()
             ? Result<InputSource>(InputSource::scripted(*started->game, args.choice.options.seed))

@@ -12,7 +12,7 @@ namespace {
 struct Args {
     SceneChoice choice;
     std::uint64_t ticks = 600;
-    std::uint32_t depth = 7;
+    std::uint32_t depth = 7, threads = 1;
     std::string plant;
 };
 
@@ -20,6 +20,7 @@ void describe(CLI::App& command, Args& args) {
     describe_scene(command, args.choice);
     add_number(command, "--ticks", args.ticks, "how long");
     add_number(command, "--depth", args.depth, "how many ticks every tick rolls back", 1, 64);
+    add_threads(command, args.threads);
     command.add_option("--plant", args.plant, "plant a fault: leave this column out of the snapshots");
 }
 
@@ -57,6 +58,8 @@ Result<Exit> synctest(const Args& args) {
     const Result<std::unique_ptr<Session>> session =
         make_sync_test_session(session_def(game, 0, players), args.depth);
     if (!session) return session.error();
+    const std::unique_ptr<Tasks> tasks = tasks_of(args.threads);
+    started->world.set_tasks(tasks.get());
     WorldSimulation simulation(started->world, game);
     SessionRunner runner(**session, simulation, {.sink = nullptr, .column_left_out = args.plant});
     std::vector<std::byte> input(game.input_size());

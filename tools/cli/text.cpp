@@ -40,12 +40,6 @@ Status check_output(const std::string& output, const std::string& source) {
     return Error{output + ": is what is read from; write to another file"};
 }
 
-Status check_threads(std::uint32_t threads) {
-    if (threads == 1) return {};
-    return Error{"--threads " + std::to_string(threads) +
-                 ": a tick of this build runs on one thread; leave it out or give 1"};
-}
-
 Status check_simd(const std::string& level) {
     if (level == "scalar") return {};
     return Error{"--simd " + level + ": this build has one level, scalar"};

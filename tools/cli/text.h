@@ -16,8 +16,7 @@ Result<std::string> read_file(const std::string& path);
 /// Refuses to overwrite what is read.
 Status check_output(const std::string& output, const std::string& source);
 
-/// What is there to choose from, until there is more: one thread, scalar code. The error says so.
-Status check_threads(std::uint32_t threads);
+/// What is there to choose from, until there is more: scalar code. The error says so.
 Status check_simd(const std::string& level);
 
 } // namespace lockstone::cli

@@ -15,7 +15,7 @@ namespace {
 
 struct Args {
     std::vector<std::string> files;
-    std::uint32_t jobs = 1;
+    std::uint32_t jobs = 1, threads = 1;
     std::string shard = "0/1";
     bool json = false;
 };
@@ -23,6 +23,7 @@ struct Args {
 void describe(CLI::App& command, Args& args) {
     command.add_option("FILE", args.files, "recordings (.lsr)")->required();
     add_number(command, "--jobs", args.jobs, "threads per recording, each from keyframe to keyframe", 1, 256);
+    add_threads(command, args.threads);
     command.add_option("--shard", args.shard, "I/N: part I, from 0, of N equal parts")->capture_default_str();
     command.add_flag("--json", args.json, "for programs");
 }
@@ -79,6 +80,7 @@ nlohmann::ordered_json to_json(const std::string& file, const replay::VerifyRepo
 replay::VerifyReport verify_file(const std::string& file, const Args& args, Shard shard) {
     replay::VerifyOptions options;
     options.jobs = args.jobs;
+    options.threads = args.threads;
     options.shard = shard.part;
     options.shards = shard.parts;
     const Result<Loaded> loaded = load(file);

@@ -12,7 +12,9 @@ class Pyramid final : public Scene {
         constexpr Real gap =
             0.001_r; // between neighbours of a row: near enough to lean on each other, not squeezed
         const std::uint32_t base = options.size;
-        Builder build(world_for(base * (base + 1) / 2, options.seed));
+        WorldDef def = world_for(base * (base + 1) / 2, options.seed);
+        def.sleeping = 0; // what stands is to be measured, not what sleeps
+        Builder build(def);
         build.ground();
         std::uint32_t number = 0;
         for (std::uint32_t row = 0; row < base; ++row) {

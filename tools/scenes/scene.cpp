@@ -53,9 +53,36 @@ void Builder::shape(BodyId body, const ShapeDef& shape_def) {
     if (const Result<ShapeId> shape = made->create_shape(body, shape_def); !shape) made = shape.error();
 }
 
+VehicleId Builder::vehicle(const VehicleDef& def) {
+    if (!made.ok()) return {};
+    const Result<VehicleId> vehicle = made->create_vehicle(def);
+    if (!vehicle) made = vehicle.error();
+    return vehicle.ok() ? *vehicle : VehicleId{};
+}
+
 BodyId Builder::ground() {
     return body({.kind = BodyKind::static_, .user_key = user_key_of(Role::terrain, 0)},
                 {.geometry = plane()});
+}
+
+JointId Builder::joint(const JointDef& def, BodyId a, BodyId b, const Transform& at) {
+    if (!made.ok()) return {};
+    return keep(made->create_joint(def, a, b, at));
+}
+
+JointId Builder::joint(const JointDef& def) {
+    if (!made.ok()) return {};
+    return keep(made->create_joint(def));
+}
+
+CharacterId Builder::character(const CharacterDef& def) {
+    if (!made.ok()) return {};
+    return keep(made->create_character(def));
+}
+
+Ragdoll Builder::ragdoll(const RagdollDef& def) {
+    if (!made.ok()) return {};
+    return keep(make_ragdoll(*made, def));
 }
 
 void Builder::keep(const Status& status) {

@@ -1,6 +1,7 @@
 // What all scenes share: name, options, content id, and a builder that keeps the first error.
 #pragma once
 
+#include "lockstone/ragdoll.h"
 #include "scenes/scenes.h"
 
 namespace lockstone::scenes_detail {
@@ -48,6 +49,12 @@ class Builder {
     BodyId body(const BodyDef& def, const ShapeDef& shape);
     void shape(BodyId body, const ShapeDef& shape);
     BodyId ground(); ///< a plane through the origin
+    /// Between two bodies where they stand, the first of which may be null; see World::create_joint.
+    JointId joint(const JointDef& def, BodyId a, BodyId b, const Transform& at);
+    JointId joint(const JointDef& def);
+    Ragdoll ragdoll(const RagdollDef& def);
+    VehicleId vehicle(const VehicleDef& def);
+    CharacterId character(const CharacterDef& def);
     template <StateRow T> void record(Column<T> column, const T& value) {
         if (made.ok()) keep(made->write(column, value));
     }
@@ -55,6 +62,11 @@ class Builder {
 
   private:
     void keep(const Status& status);
+    template <class T> T keep(const Result<T>& result) {
+        if (result) return *result;
+        made = result.error();
+        return {};
+    }
     Result<World> made;
 };
 
@@ -78,6 +90,12 @@ std::unique_ptr<Scene> make_convex_pile(const SceneInfo&, const SceneOptions&);
 std::unique_ptr<Scene> make_terrain(const SceneInfo&, const SceneOptions&);
 std::unique_ptr<Scene> make_washer(const SceneInfo&, const SceneOptions&);
 std::unique_ptr<Scene> make_domino(const SceneInfo&, const SceneOptions&);
+std::unique_ptr<Scene> make_cars(const SceneInfo&, const SceneOptions&);
+std::unique_ptr<Scene> make_character(const SceneInfo&, const SceneOptions&);
+std::unique_ptr<Scene> make_ragdolls(const SceneInfo&, const SceneOptions&);
+std::unique_ptr<Scene> make_joint_grid(const SceneInfo&, const SceneOptions&);
+std::unique_ptr<Scene> make_bridge(const SceneInfo&, const SceneOptions&);
+std::unique_ptr<Scene> make_wrecking_ball(const SceneInfo&, const SceneOptions&);
 std::unique_ptr<Scene> make_rollback_arena(const SceneInfo&, const SceneOptions&);
 
 } // namespace lockstone::scenes_detail

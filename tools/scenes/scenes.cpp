@@ -11,7 +11,7 @@ namespace {
 
 using namespace scenes_detail;
 
-constexpr std::array<SceneInfo, 9> infos{{
+constexpr std::array<SceneInfo, 15> infos{{
     {"two-blocks",
      "two blocks in the air get a push and a twist, meet above the ground, bounce apart and settle", "", 0, 0,
      0, 0, 0, 0},
@@ -28,12 +28,24 @@ constexpr std::array<SceneInfo, 9> infos{{
     {"washer", "a turning drum with paddles, and small bodies that tumble in it for ever", "bodies", 300, 1,
      640, 0, 0, 0},
     {"domino", "a spiral of dominoes that a rolling ball topples", "dominoes", 150, 2, 2000, 0, 0, 0},
+    {"character", "up to four characters on a round of stairs, crates, a tunnel, platforms and a seesaw", "", 0,
+     0, 0, 1, 1, 4},
+    {"cars", "cars of up to four drivers and a tank on hills, with ramps and crates", "", 0, 0, 0, 1, 1, 4},
+    {"ragdolls", "humans fall down a flight of stairs, heap up below and come to rest", "ragdolls", 20, 1,
+     200, 0, 0, 0},
+    {"joint-grid",
+     "a station for every kind of joint: motors, springs, limits, friction, and one that breaks", "", 0, 0, 0,
+     0, 0, 0},
+    {"bridge", "planks on hinges between two banks, loaded with boxes", "planks", 200, 4, 400, 0, 0, 0},
+    {"wrecking-ball", "a ball of a thousand links' mass swings on their chain into a wall", "links", 30, 4,
+     60, 0, 0, 0},
     {"rollback-arena", "72 bodies and up to four players who roll, jump, push, capture props and play tag",
      "", 0, 0, 0, 2, 2, 4},
 }};
-constexpr std::array<MakeScene, infos.size()> makers{make_two_blocks, make_stack,       make_pyramid,
-                                                     make_pile,       make_convex_pile, make_terrain,
-                                                     make_washer,     make_domino,      make_rollback_arena};
+constexpr std::array<MakeScene, infos.size()> makers{
+    make_two_blocks, make_stack,  make_pyramid,       make_pile,          make_convex_pile,
+    make_terrain,    make_washer, make_domino,        make_character, make_cars,          make_ragdolls,
+    make_joint_grid, make_bridge, make_wrecking_ball, make_rollback_arena};
 
 /// Levenshtein's distance: the fewest letters to insert, delete or replace.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
@@ -139,9 +151,30 @@ void scripted_input(const Game& game, std::uint64_t seed, std::uint64_t tick, st
     if (const auto* scene = dynamic_cast<const Scene*>(&game)) scene->script(seed, tick, player, input);
 }
 
+constexpr std::array<std::uint32_t, 6> prop_colours{0x4e79a7, 0xf28e2b, 0x59a14f,
+                                                    0xedc948, 0xb07aa1, 0x76b7b2};
+
+/// A shirt of its own, trousers, shoes and skin like everybody's.
+static std::uint32_t human_colour(std::uint32_t number) {
+    switch (static_cast<RagdollPart>(number % human_stride)) {
+    case RagdollPart::abdomen:
+    case RagdollPart::chest:
+    case RagdollPart::upper_arm_left:
+    case RagdollPart::upper_arm_right:
+        return prop_colours[number / human_stride % prop_colours.size()];
+    case RagdollPart::head:
+    case RagdollPart::forearm_left:
+    case RagdollPart::forearm_right:
+        return 0xd9a066;
+    case RagdollPart::foot_left:
+    case RagdollPart::foot_right:
+        return 0x2b2622;
+    default:
+        return 0x3d4a5c;
+    }
+}
+
 Look look_of(std::uint64_t user_key) {
-    constexpr std::array<std::uint32_t, 6> prop_colours{0x4e79a7, 0xf28e2b, 0x59a14f,
-                                                        0xedc948, 0xb07aa1, 0x76b7b2};
     constexpr std::array<std::uint32_t, 4> player_colours{0xe15759, 0x2f6fde, 0x2ca02c, 0xffbf00};
     const Role role = static_cast<Role>(user_key >> 32);
     const auto number = static_cast<std::uint32_t>(user_key);
@@ -156,6 +189,8 @@ Look look_of(std::uint64_t user_key) {
         return {role, number, player_colours[number % player_colours.size()]};
     case Role::machine:
         return {role, number, 0x3b3f46};
+    case Role::human:
+        return {role, number, human_colour(number)};
     }
     return {Role::prop, number, prop_colours[0]};
 }

@@ -67,7 +67,9 @@ template <class Visit> constexpr void describe(ArenaInput& i, Visit&& visit) {
 
 // ---- what a body is, for viewers ------------------------------------------------------------------------------
 
-enum class Role : std::uint32_t { terrain, wall, prop, player, machine };
+enum class Role : std::uint32_t { terrain, wall, prop, player, machine, human };
+/// Of a human's part the number is this times which human, plus RagdollPart.
+inline constexpr std::uint32_t human_stride = 16;
 
 /// A body's user_key in every scene: what it is, and which of its kind.
 constexpr std::uint64_t user_key_of(Role role, std::uint32_t number) {
@@ -75,7 +77,7 @@ constexpr std::uint64_t user_key_of(Role role, std::uint32_t number) {
 }
 struct Look {
     Role role;
-    std::uint32_t number; ///< player 0.., prop 0..
+    std::uint32_t number; ///< player 0.., prop 0..; see human_stride
     std::uint32_t colour; ///< 0xRRGGBB
 };
 Look look_of(std::uint64_t user_key);

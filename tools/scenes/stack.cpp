@@ -9,7 +9,9 @@ class Stack final : public Scene {
     using Scene::Scene;
 
     Result<World> start() const override {
-        Builder build(world_for(options.size, options.seed));
+        WorldDef def = world_for(options.size, options.seed);
+        def.sleeping = 0; // what stands is to be measured, not what sleeps
+        Builder build(def);
         build.ground();
         for (std::uint32_t i = 0; i < options.size; ++i)
             build.body({.pose = at({0_r, Real(i) + 0.5_r, 0_r}), .user_key = user_key_of(Role::prop, i)},

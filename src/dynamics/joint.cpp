@@ -1,0 +1,163 @@
+#include "dynamics/joint.h"
+
+#include "dynamics/joint_work.h"
+#include "lockstone/math.h"
+
+#include <algorithm>
+
+namespace lockstone::dynamics {
+
+JointSolver::JointSolver() : work(std::make_unique<JointTick>()) {}
+JointSolver::~JointSolver() = default;
+JointSolver::JointSolver(JointSolver&&) noexcept = default;
+JointSolver& JointSolver::operator=(JointSolver&&) noexcept = default;
+
+void JointSolver::reserve(std::size_t joints) {
+    work->joints.reserve(joints);
+    work->blocks.reserve(2 * joints);
+    work->axes.reserve(7 * joints);
+    work->bodies.reserve(2 * joints);
+}
+
+namespace {
+
+std::uint32_t cached(JointTick& tick, std::uint32_t body, const BodyColumns& columns,
+                     const SolverBodies& bodies) {
+    std::uint32_t& at = tick.cache_of[body];
+    if (at == 0) {
+        tick.bodies.push_back({});
+        tick.bodies.back().body = body;
+        start_body(tick.bodies.back(), columns.pose[body], bodies.body[body], bodies.step[body]);
+        at = static_cast<std::uint32_t>(tick.bodies.size());
+    }
+    return at - 1;
+}
+
+/// Of a body that moves, levers beyond 128 m are clamped.
+JointWorkSide side(JointTick& tick, std::uint32_t body, const Transform& frame, const BodyColumns& columns,
+                   const SolverBodies& bodies) {
+    JointWorkSide s{};
+    s.body = body;
+    s.frame = normalized(frame.rotation);
+    s.anchor = frame.position;
+    s.world = body == bodies.still() || !bodies.step[body].moves;
+    if (body == bodies.still()) return s;
+    const Vec3 lever = frame.position - columns.mass[body].center;
+    if (s.world) {
+        const Transform& pose = columns.pose[body];
+        s.anchor = pose.position + rotate(pose.rotation, lever);
+        s.frame = normalized(pose.rotation * frame.rotation);
+        return s;
+    }
+    s.cache = cached(tick, body, columns, bodies);
+    s.lever = to<Length>(lever);
+    return s;
+}
+
+Real mul_share(Real mass, Share share) {
+    return Real::from_raw(narrow_rounded(Wide::product(mass.raw, share.mantissa), 30 + share.shift));
+}
+
+/// mA mB / (mA + mB); of the only one that moves, or zero.
+Real reduced_mass(const Shares& shares, const BodyMass& a, const BodyMass& b) {
+    return shares.a.mantissa != 0 ? mul_share(a.mass, shares.a) : mul_share(b.mass, shares.b);
+}
+
+} // namespace
+
+void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMemory> memory,
+                          const BodyColumns& columns, const StepConstants& step, const SolverBodies& bodies) {
+    JointTick& tick = *work;
+    tick.joints.clear(), tick.blocks.clear(), tick.axes.clear(), tick.bodies.clear();
+    tick.cache_of.assign(bodies.body.size(), 0);
+    tick.pose = columns.pose;
+    tick.clamped = 0;
+    tick.first = true;
+    constexpr BodyMass none{};
+    for (const Joint& joint : joints) {
+        JointWork w{};
+        w.def = joint.def;
+        w.memory = joint.memory;
+        w.a = side(tick, joint.body_a, joint.frame_a, columns, bodies);
+        w.b = side(tick, joint.body_b, joint.frame_b, columns, bodies);
+        const BodyMass& ma = joint.body_a == bodies.still() ? none : columns.mass[joint.body_a];
+        const BodyMass& mb = joint.body_b == bodies.still() ? none : columns.mass[joint.body_b];
+        w.shares = joint_shares(ma, bodies.step[joint.body_a], mb, bodies.step[joint.body_b]);
+        w.mass = reduced_mass(w.shares, ma, mb);
+        w.twist = memory[joint.memory].twist;
+        w.travel = memory[joint.memory].twist;
+        assemble(tick, w, step, memory[joint.memory]);
+        tick.joints.push_back(w);
+    }
+    for (JointWork& w : tick.joints) make_rows(tick, w, step, bodies);
+}
+
+void JointSolver::update(const StepConstants& step, const SolverBodies& bodies) {
+    JointTick& tick = *work;
+    for (JointBody& now : tick.bodies)
+        place_body(now, tick.pose[now.body], bodies.body[now.body], bodies.step[now.body]);
+    const auto stirred = [&](const JointWorkSide& s) { return !s.world && tick.bodies[s.cache].stirred; };
+    for (JointWork& w : tick.joints)
+        if (stirred(w.a) || stirred(w.b)) make_rows(tick, w, step, bodies);
+}
+
+// ---- after the substeps -------------------------------------------------------------------------------------------
+
+namespace {
+
+/// Sums of impulses over the tick along world directions, unscaled.
+struct Wrench {
+    Vec3 force, torque;
+    void add(Real sum, Vec3 direction, bool is_force) { (is_force ? force : torque) += direction * sum; }
+};
+
+void store_axis(const JointAxisPart& part, JointMemory& memory, Wrench& wrench) {
+    const auto unscaled = [&](std::int32_t p) { return unscaled_impulse(p, part.exponent); };
+    wrench.add(part.sum + unscaled(part.spring) + unscaled(part.motor) + unscaled(part.lower) +
+                   unscaled(part.upper),
+               part.direction, part.is_force);
+    if (part.features & is_swing) {
+        memory.swing = unscaled(part.upper);
+        return;
+    }
+    JointAxisImpulses& axis = memory.axis[part.slot];
+    if (part.features & has_spring) axis.spring = unscaled(part.spring);
+    if (part.features & has_motor) axis.motor = unscaled(part.motor);
+    if (part.features & has_lower) axis.lower = unscaled(part.lower);
+    if (part.features & has_upper) axis.upper = unscaled(part.upper);
+}
+
+void store_block(const JointBlock& block, JointMemory& memory, Wrench& wrench) {
+    for (int i = 0; i < block.count; ++i) {
+        const Real p = unscaled_impulse(block.impulse[i], block.exponent);
+        memory.axis[block.slot[i]].spring = p;
+        wrench.add(block.sum[i] + p, block.direction[i], block.is_force[i]);
+    }
+}
+
+Quat frame_rotation(const JointTick& tick, const JointWorkSide& s) {
+    return s.world ? s.frame : tick.bodies[s.cache].rotation * s.frame;
+}
+
+} // namespace
+
+void JointSolver::store(const StepConstants& step, std::span<JointMemory> memory, ClampCounts& clamps) const {
+    const JointTick& tick = *work;
+    for (const JointWork& w : tick.joints) {
+        JointMemory& m = memory[w.memory];
+        m.axis = {}, m.swing = Real{};
+        Wrench wrench{};
+        for (std::uint32_t i = 0; i < w.axis_count; ++i) store_axis(tick.axes[w.first_axis + i], m, wrench);
+        for (std::uint32_t i = 0; i < w.block_count; ++i)
+            store_block(tick.blocks[w.first_block + i], m, wrench);
+        m.twist = w.needs_travel
+                      ? w.travel
+                      : twist_between(frame_rotation(tick, w.a), frame_rotation(tick, w.b), w.twist);
+        const Real mass_rate = w.mass * step.ticks_per_second;
+        m.force = wrench.force * mass_rate;
+        m.torque = wrench.torque * mass_rate;
+    }
+    clamps.impulse += tick.clamped;
+}
+
+} // namespace lockstone::dynamics

@@ -1,0 +1,230 @@
+// Bodies and shapes come and go; masses follow.
+#include "sim/applier.h"
+
+#include "lockstone/decimal.h"
+#include "lockstone/math.h"
+#include "sim/checks.h"
+#include "sim/sleep.h"
+
+#include <algorithm>
+
+namespace lockstone::sim {
+
+using Applied = World::Applied;
+using base::join;
+
+// ---- mass ----------------------------------------------------------------------------------------------------
+
+/// Moves the centre of mass within a body whose origin stays where it is.
+static void set_mass(Data& w, std::uint32_t row, const BodyMass& fresh) {
+    BodyMass& mass = w.state.edit_row(w.m.body_mass, row);
+    const Vec3 moved = fresh.center - mass.center;
+    mass = fresh;
+    if (moved == Vec3{}) return;
+    Transform& pose = w.state.edit_row(w.m.body_pose, row);
+    Velocity& velocity = w.state.edit_row(w.m.body_velocity, row);
+    const Vec3 arm = rotate(pose.rotation, moved);
+    pose.position += arm;
+    velocity.linear += cross<Speed>(velocity.angular, arm);
+}
+
+/// How far a body's shapes reach from its origin: stands in for the gyration radius of one that nothing turns, so that
+/// the solver's rows of its contacts stay within their format.
+static Real reach_of(Data& w, const BodyInfo& info) {
+    const std::span<const Slot> slots = w.state.rows(w.m.shape_slot);
+    const std::span<const ShapeRow> shapes = w.state.rows(w.m.shape);
+    Real reach = Real(1);
+    for (std::uint32_t slot = info.first_shape; slot != 0; slot = shapes[slots[slot - 1].row].next_shape) {
+        const ShapeRow& shape = shapes[slots[slot - 1].row];
+        if (shape.geometry.kind == ShapeKind::plane) continue;
+        const shapes::Extent e = shapes::extent_of(solid_of(w, shape));
+        reach = max(reach, to<Real>(length(max(abs(e.lower), abs(e.upper)))) + length(shape.local.position));
+    }
+    return reach;
+}
+
+void update_mass(Data& w, std::uint32_t row) {
+    const std::span<const Slot> slots = w.state.rows(w.m.shape_slot);
+    const std::span<const ShapeRow> shapes = w.state.rows(w.m.shape);
+    const BodyInfo& info = w.state.rows(w.m.body_info)[row];
+    if (info.mass_fixed != 0) return;
+    std::vector<MassPart>& parts = w.scratch.mass_parts;
+    parts.clear();
+    for (std::uint32_t slot = info.first_shape; slot != 0; slot = shapes[slots[slot - 1].row].next_shape) {
+        const ShapeRow& shape = shapes[slots[slot - 1].row];
+        if (shape.sensor == 0)
+            parts.push_back({shapes::mass_properties(solid_of(w, shape), shape.density), shape.local});
+    }
+    std::reverse(parts.begin(), parts.end()); // in order of creation
+    const MassProperties total = combine(parts);
+    const PrincipalGyration principal = principal_gyration(total);
+    BodyMass mass{};
+    mass.center = total.center;
+    mass.gyration = principal.radii;
+    mass.principal = principal.axes;
+    // Without shapes: a ball of 1 kg with a gyration radius of 1 m.
+    if (total.mass == Real{}) {
+        const Real radius = info.kind == BodyKind::dynamic ? Real(1) : reach_of(w, info);
+        mass.gyration = {radius, radius, radius};
+        mass.principal = Quat::identity();
+    }
+    if (info.kind == BodyKind::dynamic) {
+        const Real from_shapes = total.mass == Real{} ? Real(1) : clamp(total.mass, mass_min, mass_max);
+        mass.mass = info.mass_override != Real{} ? info.mass_override : from_shapes;
+    }
+    set_mass(w, row, mass);
+}
+
+// ---- bodies and shapes ---------------------------------------------------------------------------------------
+
+Result<World::Applied> Applier::operator()(const CreateBody& c) {
+    if (std::string e = check(c.def); !e.empty()) return Error{"create_body: " + e};
+    const std::uint32_t row = w.state.count(w.m.bodies);
+    if (row == w.state.capacity(w.m.bodies))
+        return Error{join("create_body: the world is full: bodies_max is ", row)};
+    Header& h = w.edit_header();
+    const std::uint32_t index = take_slot(w.state, w.m.body_slots, w.m.body_slot, h.body_free, row);
+    const BodyId id{index, w.state.rows(w.m.body_slot)[index - 1].generation};
+    w.state.resize(w.m.bodies, row + 1);
+    const BodyDef& d = c.def;
+    BodyInfo& info = w.state.edit_row(w.m.body_info, row);
+    info = {};
+    info.id = id;
+    info.kind = d.kind;
+    info.locks = d.locks;
+    info.gyroscopic = d.gyroscopic;
+    info.enable_fields = d.enable_fields;
+    info.bullet = d.bullet;
+    info.linear_damping = d.linear_damping;
+    info.angular_damping = d.angular_damping;
+    info.gravity_scale = d.gravity_scale;
+    info.mass_override = d.mass;
+    info.user_key = d.user_key;
+    w.state.edit_row(w.m.body_pose, row) = {d.pose.position, normalized(d.pose.rotation)};
+    w.state.edit_row(w.m.body_velocity, row) = {to<Speed>(d.linear_velocity), to<Speed>(d.angular_velocity)};
+    wake(w, id);
+    update_mass(w, w.row_of(id));
+    return Applied{.body = id};
+}
+
+Result<World::Applied> Applier::operator()(const DestroyBody& c) {
+    if (w.row_of(c.body) == Data::dead) return dead_body("destroy_body", c.body);
+    std::uint32_t row = wake(w, c.body);
+    while (const std::uint32_t slot = w.state.rows(w.m.body_info)[row].first_shape) remove_shape(row, slot);
+    while (const std::uint32_t slot = w.state.rows(w.m.body_info)[row].first_joint) remove_joint(slot);
+    remove_character_of(c.body);
+    remove_vehicle_of(c.body);
+    row = put_to_rest(w, row);
+    const std::uint32_t last = w.state.count(w.m.bodies) - 1;
+    const BodyId moved = w.state.rows(w.m.body_info)[last].id;
+    remove_row(w.state, w.m.bodies, row);
+    w.state.edit_row(w.m.body_slot, moved.index - 1).row = row;
+    free_slot(w.state, w.m.body_slot, c.body.index, w.edit_header().body_free);
+    forget_filters_of(c.body);
+    w.scratch.structure_stale = true;
+    return Applied{};
+}
+
+Result<World::Applied> Applier::operator()(const CreateShape& c) {
+    std::uint32_t body_row = w.row_of(c.body);
+    if (body_row == Data::dead) return dead_body("create_shape", c.body);
+    if (std::string e = check(c.def, w.state.rows(w.m.body_info)[body_row].kind); !e.empty())
+        return Error{"create_shape: " + e};
+    if (const Result<shapes::Solid> solid = w.scratch.solids.resolve(c.def.geometry); !solid)
+        return Error{"create_shape: " + solid.error().message};
+    const std::uint32_t row = w.state.count(w.m.shapes);
+    if (row == w.state.capacity(w.m.shapes))
+        return Error{join("create_shape: the world is full: shapes_max is ", row)};
+    body_row = wake(w, c.body);
+    const std::uint32_t index =
+        take_slot(w.state, w.m.shape_slots, w.m.shape_slot, w.edit_header().shape_free, row);
+    const ShapeId id{index, w.state.rows(w.m.shape_slot)[index - 1].generation};
+    w.state.resize(w.m.shapes, row + 1);
+    const ShapeDef& d = c.def;
+    BodyInfo& info = w.state.edit_row(w.m.body_info, body_row);
+    w.state.edit_row(w.m.shape, row) = {id,
+                                        c.body,
+                                        d.geometry,
+                                        info.first_shape,
+                                        d.material,
+                                        {d.local.position, normalized(d.local.rotation)},
+                                        d.density,
+                                        d.friction,
+                                        d.restitution,
+                                        d.rolling_resistance,
+                                        d.surface_velocity,
+                                        d.friction_mix,
+                                        d.restitution_mix,
+                                        d.category,
+                                        d.mask,
+                                        d.group,
+                                        d.sensor,
+                                        d.one_way,
+                                        0,
+                                        d.user_key};
+    info.first_shape = index;
+    ++info.shape_count;
+    update_mass(w, body_row);
+    w.scratch.structure_stale = true;
+    return Applied{.shape = id};
+}
+
+Result<World::Applied> Applier::operator()(const DestroyShape& c) {
+    const std::uint32_t row = w.row_of(c.shape);
+    if (row == Data::dead) return dead_shape("destroy_shape", c.shape);
+    if (is_characters_shape(w, c.shape))
+        return Error{join("destroy_shape: shape ", text_of(c.shape), " is a character's capsule")};
+    const std::uint32_t body_row = wake(w, w.state.rows(w.m.shape)[row].body);
+    remove_shape(body_row, c.shape.index);
+    update_mass(w, body_row);
+    return Applied{};
+}
+
+void Applier::remove_shape(std::uint32_t body_row, std::uint32_t slot) {
+    const auto row_at = [this](std::uint32_t at) { return w.state.rows(w.m.shape_slot)[at - 1].row; };
+    BodyInfo& info = w.state.edit_row(w.m.body_info, body_row);
+    const std::uint32_t row = row_at(slot);
+    const std::uint32_t next = w.state.rows(w.m.shape)[row].next_shape;
+    --info.shape_count;
+    if (info.first_shape == slot) {
+        info.first_shape = next;
+    } else {
+        std::uint32_t before = row_at(info.first_shape);
+        while (w.state.rows(w.m.shape)[before].next_shape != slot)
+            before = row_at(w.state.rows(w.m.shape)[before].next_shape);
+        w.state.edit_row(w.m.shape, before).next_shape = next;
+    }
+    const ShapeId moved = w.state.rows(w.m.shape).back().id;
+    remove_row(w.state, w.m.shapes, row);
+    w.state.edit_row(w.m.shape_slot, moved.index - 1).row = row;
+    free_slot(w.state, w.m.shape_slot, slot, w.edit_header().shape_free);
+    w.scratch.structure_stale = true;
+}
+
+Result<World::Applied> Applier::operator()(const SetMass& c) {
+    std::uint32_t row = w.row_of(c.body);
+    if (row == Data::dead) return dead_body("set_mass", c.body);
+    if (c.mass == Real{}) {
+        row = wake(w, c.body);
+        w.state.edit_row(w.m.body_info, row).mass_fixed = 0;
+        update_mass(w, row);
+        return Applied{};
+    }
+    if (w.state.rows(w.m.body_info)[row].kind != BodyKind::dynamic)
+        return Error{"set_mass: only a dynamic body has a mass"};
+    if (std::string e = check_range("mass", c.mass, mass_min, mass_max, " kg, or 0 for that of the shapes");
+        !e.empty())
+        return Error{"set_mass: " + e};
+    if (!within(c.center, Real(64))) return Error{"set_mass: center must be within 64 m on each axis"};
+    for (int i = 0; i < 3; ++i)
+        if (std::string e = check_range("gyration", c.gyration[i], mass_min, Real(100), " m"); !e.empty())
+            return Error{"set_mass: " + e};
+    if (std::string e = check_unit("principal", c.principal); !e.empty()) return Error{"set_mass: " + e};
+    row = wake(w, c.body);
+    w.state.edit_row(w.m.body_info, row).mass_fixed = 1;
+    set_mass(w, row, {c.mass, c.center, c.gyration, normalized(c.principal)});
+    w.scratch.structure_stale = true;
+    return Applied{};
+}
+
+} // namespace lockstone::sim

@@ -1,0 +1,28 @@
+// Definitions from outside, checked field by field. Each function returns an empty text when all is good, else what is wrong.
+#pragma once
+
+#include "lockstone/world.h"
+
+#include <string>
+
+namespace lockstone::sim {
+
+inline constexpr Real position_max = Real(1000000000);
+inline constexpr Real speed_max = Real(500);
+inline constexpr Real spin_max = Real(4095);
+inline constexpr Real force_max = Real(2000000000);
+inline constexpr Real mass_min = 0.001_r, mass_max = Real(1000000000); ///< [kg]: the sum of two is a Real
+
+bool within(Vec3 v, Real most); ///< each component
+std::string check_unit(const char* what, Quat q);
+std::string check_pose(const char* what, const Transform& pose, Real most);
+std::string check_range(const char* what, Real value, Real low, Real high, const char* unit);
+std::string check_surface(Real friction, Real restitution, Real rolling_resistance, Vec3 surface_velocity);
+std::string check(const BodyDef& d);
+std::string check(const ShapeDef& d, BodyKind kind);
+std::string check(const FieldDef& d);
+std::string check(const JointDef& d); ///< its numbers; not whether its bodies live
+std::string check(const JointAxis& d, std::uint32_t index);
+std::string check(const CharacterDef& d);
+
+} // namespace lockstone::sim

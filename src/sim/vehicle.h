@@ -1,0 +1,140 @@
+// Vehicles in the solver: per wheel a suspension row and two tyre rows, per vehicle a train of turning masses.
+//
+//   row          D = (d, xc ; -d, xg)   d: normal n, forwards f, left s;  xc = K_c^-1 (rc x d), xg = -K_g^-1 (rg x d)
+//   speed        D . (vc, uc, vg, ug)   of the patch of the chassis over the ground
+//   impulse      p = lambda / m         m: mass of the chassis; velocity units [m/s]
+//   mobility     kappa = D . D          with the ground's part times m / mg: speed per impulse
+//   spring       p = h k x + a (rate + kappa p)   k = share (2 pi f)^2, a = h^2 k + h c: implicit, cannot overshoot
+//   stop         unilateral and soft as a contact, below the least suspension length
+//   anti-roll    p = h k (xa - xb) + a (rate a - rate b) on a, -p on b
+//   tyre         |p| = N grip(slip),  slip = |slide| / |ground speed|,  N the load: implicit in p, so that it can stick
+//   spin         I (w' - w) = T + b - m r p   T from the train, b of the brake; solved together with the tyre
+//   coupling     e = ce W + sum cg wg: clutch, differential, steering of tracks; |lambda| <= cap; W the engine's speed
+//
+// A substep: velocities, warm start (springs and tyres start from the last substep's impulses; the train is solved
+// against what the tyres will answer), solve (springs, stops, bars, tyres), poses.
+// source: implicit springs as in Catto, Soft Constraints, GDC 2011; slip and its combination as in Pacejka, Tire and
+// Vehicle Dynamics, 1.2; the rest is this library's own.
+#pragma once
+
+#include "dynamics/solver_body.h"
+#include "lockstone/query.h"
+#include "sim/vehicle_rows.h"
+
+#include <span>
+#include <vector>
+
+namespace lockstone::sim {
+
+struct Data;
+
+/// A constraint direction of a wheel.
+struct WheelLine {
+    UnitVec3 d;
+    Vec3 xc, xg;
+    Real kappa;
+};
+
+/// A wheel within a tick.
+struct Wheel {
+    bool touches;         ///< the ground, or may within the tick
+    std::uint32_t ground; ///< entry of SolverBodies
+    Real ratio;           ///< m / mg, 0 for a ground that nothing moves
+    WheelLine normal, along, across;
+    Vec3 surface;                  ///< velocity of a conveyor's surface [m/s]
+    Real length_begin, per_length; ///< at the start of the tick [m]; suspension length per separation
+    Real length;                   ///< now
+    Real compression;              ///< of the spring when the substep began [m], 0: it hangs
+    Real spring_rate, spring_soft, damper[2]; ///< h k [1/s]; h^2 k; h c of rebound and compression
+    Real grip;                                ///< factor of the tyre's curves on this ground
+    std::uint32_t group;
+    Real spring, stop, bars;       ///< impulses along the normal; `bars` is the sum of the anti-roll bars
+    Real along_p, across_p, try_p; ///< of the tyre; `try_p` while the train is solved
+    Real ahead, aside;             ///< speeds of the patch then [m/s]
+    Real slip, slip_side;
+};
+
+/// What turns as one: a wheel, or a track's wheels.
+struct SpinGroup {
+    Real inertia, spin_begin, spin; ///< [kg m^2], [rad/s]; spin_begin is that of the substep
+    Real torque;                    ///< impulse of the train in this substep [N m s]
+    Real brake;                     ///< most impulse of the brake
+    Real answer;                    ///< d spin / d torque
+    bool coupled;                   ///< to the train
+};
+
+struct Coupling {
+    std::uint32_t source;                       ///< 0..3: differential, else one of the two below
+    Real engine;                                ///< ce
+    std::array<Real, vehicle_wheels_max> group; ///< cg
+    Real cap;                                   ///< [N m s]
+    Real impulse;
+};
+inline constexpr std::uint32_t coupling_clutch = 4, coupling_steering = 5;
+
+/// A vehicle within a tick.
+struct Vehicle {
+    const VehicleDef* def; ///< of the state; nothing is made or destroyed within a tick
+    VehicleInput input;
+    VehicleMemory memory;
+    std::uint32_t row, chassis; ///< rows of the vehicle and body columns
+    Real mass;
+    Real engine_speed,
+        ratio; ///< [rad/s]; engine turns per turn of the wheels, 0: in neutral or between gears
+    std::uint32_t group_count, coupling_count;
+    std::array<Wheel, vehicle_wheels_max> wheel;
+    std::array<SpinGroup, vehicle_wheels_max> group;
+    std::array<Coupling, vehicle_couplings_max + 2> coupling;
+};
+
+/// What a wheel stands on.
+struct WheelGround {
+    bool found;
+    QueryHit hit;
+    Real length; ///< of the suspension [m]
+};
+
+class VehicleSolver {
+  public:
+    /// Casts the wheels, once the bounds of the tick are known. Wakes what they stand on; true when it did.
+    bool cast(Data& w);
+    /// Rows, gears, couplings. Once a tick, when the bodies are in solver form.
+    void prepare(Data& w);
+    /// At the begin of a substep, after the velocities were integrated.
+    void warm_start(const dynamics::StepConstants& step, dynamics::SolverBodies& bodies);
+    /// Springs, stops and bars in the pass with bias; tyres in every pass.
+    void solve(const dynamics::StepConstants& step, dynamics::SolverBodies& bodies, bool bias);
+    void store(Data& w) const;
+
+  private:
+    std::vector<Vehicle> vehicles;
+    std::vector<std::array<WheelGround, vehicle_wheels_max>> grounds; ///< by row
+};
+
+// ---- parts -------------------------------------------------------------------------------------------------------
+
+/// `share`: of the chassis' mass.
+void prepare_wheel(Data& w, Vehicle& v, std::uint32_t wheel, Real share, const WheelGround& ground);
+void shift_gears(const Data& w, Vehicle& v);
+void prepare_train(Vehicle& v);
+/// Torques of clutch, differentials and steering for this substep; leaves the impulses of tyres as they are.
+void solve_train(const dynamics::StepConstants& step, const dynamics::SolverBodies& bodies, Vehicle& v);
+
+/// Impulse of a tyre against a slide.
+struct TyreAnswer {
+    Real impulse; ///< at least 0, against the slide
+    Real give;    ///< slide per impulse beside kappa: 0 where it sticks, the largest Real where it slides
+    Real slip;
+};
+/// The q >= 0 with q = load grip(s), s = (slide - kappa q) / speed, that has the least slip; at most `cap`. `slide` >= 0
+/// is what the patch does without q. A speed of 0 is rest: the tyre sticks while the peak of the curve lasts.
+TyreAnswer tyre_answer(const std::array<CurvePoint, 4>& curve, Real load, Real cap, Real slide, Real kappa,
+                       Real speed);
+/// y at x, level beyond the ends.
+Real curve_at(std::span<const CurvePoint> curve, Real x);
+/// Fractions of the chassis' mass on each wheel, so that equal frequencies sag level; `center` is that of mass.
+std::array<Real, vehicle_wheels_max> sprung_shares(const VehicleDef& def, Vec3 center);
+/// To the left [rad].
+Real steer_angle(const VehicleDef& def, std::uint32_t wheel, Real steer);
+
+} // namespace lockstone::sim

@@ -1,0 +1,342 @@
+// The begin of a vehicle's tick: where its wheels stand, which gear is in, what is coupled to what.
+#include "lockstone/math.h"
+#include "sim/data.h"
+#include "sim/sleep.h"
+#include "sim/vehicle.h"
+
+#include <algorithm>
+
+namespace lockstone::sim {
+
+using dynamics::BodyStep;
+using dynamics::SolverBodies;
+using dynamics::SolverBody;
+
+namespace {
+
+constexpr Real steepest = 0.17_r; ///< least cosine between a ground's normal and the suspension: 80 degrees
+constexpr Real ratio_max =
+    Real(65536); ///< of the masses of chassis and ground; a lighter ground acts as if it had this
+constexpr Real arm_max = Real(64); ///< of a row's turning arm K^-1 (r x d)
+constexpr Real impulse_max = Real(2048);
+constexpr Real spin_max = Real(100000); ///< [rad/s], of wheels and engines
+
+Vec3 arm_of(const BodyStep& body, Vec3 lever, UnitVec3 d, std::int32_t sign) {
+    Vec3 turn = cross<Real>(lever, d);
+    for (int i = 0; i < 3; ++i) turn[i] = (body.angular_mask >> i & 1u) != 0 ? turn[i] * sign : Real{};
+    const Vec3 x = dynamics::mul<Real>(body.gyration_inv, turn);
+    return {clamp(x.x, -arm_max, arm_max), clamp(x.y, -arm_max, arm_max), clamp(x.z, -arm_max, arm_max)};
+}
+
+Real mobility(const SolverBody& body, UnitVec3 d, Vec3 x) {
+    Real sum = dot<Real>(x, x);
+    for (int i = 0; i < 3; ++i)
+        if (body.keep[i] != 0) sum += mul<Real>(d[i], d[i]);
+    return sum;
+}
+
+struct Levers {
+    Vec3 chassis, ground;
+};
+
+WheelLine line_of(const SolverBodies& bodies, std::uint32_t chassis, const Wheel& wheel, UnitVec3 d,
+                  const Levers& levers) {
+    WheelLine line{d, arm_of(bodies.step[chassis], levers.chassis, d, 1), Vec3{}, Real{}};
+    line.kappa = mobility(bodies.body[chassis], d, line.xc);
+    if (wheel.ground == bodies.still()) return line;
+    line.xg = arm_of(bodies.step[wheel.ground], levers.ground, d, -1);
+    if (wheel.ratio > Real{}) line.kappa += wheel.ratio * mobility(bodies.body[wheel.ground], d, line.xg);
+    return line;
+}
+
+/// What a wheel is cast with, in world axes.
+struct WheelCastWay {
+    Vec3 from; ///< a radius above the attachment
+    UnitVec3 down;
+    Quat rotation; ///< y along the axle
+    Real reach;    ///< beyond a hanging suspension [m]
+};
+
+bool stands_on(const QueryHit& hit, UnitVec3 down) { return -dot<Real>(hit.normal, down) >= steepest; }
+
+WheelGround cast_wheel(Data& w, const VehicleDef& def, const WheelDef& wheel, const WheelCastWay& way) {
+    const QueryFilter filter{def.category, def.mask, 7, 0, def.chassis};
+    const Real to_hub = wheel.radius + wheel.length_max + way.reach;
+    if (def.cast != WheelCast::ray) {
+        const Geometry shape =
+            def.cast == WheelCast::sphere ? sphere(wheel.radius) : cylinder(wheel.radius, half(wheel.width));
+        const std::optional<QueryHit> hit =
+            cast_shape(w, shape, {way.from, way.rotation}, lockstone::scale<Real>(way.down, to_hub), filter);
+        if (!hit) return {};
+        if (stands_on(*hit, way.down)) return {true, *hit, hit->distance - wheel.radius};
+        // A wall beside the wheel, or something it starts in: look past it.
+    }
+    const std::optional<QueryHit> hit =
+        cast_ray(w, {way.from, lockstone::scale<Real>(way.down, to_hub + wheel.radius)}, filter);
+    if (!hit || !stands_on(*hit, way.down)) return {};
+    return {true, *hit, hit->distance - wheel.radius - wheel.radius};
+}
+
+constexpr UnitVec3 up_axis{Unit{}, unit_one, Unit{}};
+constexpr Unit half_root = Unit::from_raw(759250125); ///< 1 / sqrt(2)
+constexpr Quat y_to_x{Unit{}, Unit{}, -half_root, half_root};
+
+/// How a wheel is cast from where its chassis stands.
+WheelCastWay way_of(const Data& w, std::uint32_t chassis, const WheelDef& wheel, Real steer) {
+    const Transform& pose = w.state.rows(w.m.body_pose)[chassis];
+    const Vec3 center = w.state.rows(w.m.body_mass)[chassis].center;
+    const Rotation axes = to_rotation(pose.rotation);
+    const UnitVec3 down = lockstone::mul<Unit>(axes, wheel.direction);
+    const Vec3 attachment = pose.position + lockstone::mul<Real>(axes, wheel.attachment - center);
+    const Speed speed = length(w.state.rows(w.m.body_velocity)[chassis].linear);
+    const Real per_tick = to<Real>(speed) / Real(w.state.rows(w.m.config)[0].tick_rate);
+    return {attachment - lockstone::scale<Real>(down, wheel.radius), down,
+            normalized(pose.rotation * from_axis_angle(up_axis, steer) * y_to_x), min(per_tick, Real(1))};
+}
+
+void forget_ground(WheelMemory& m) {
+    m.ground = {};
+    m.spring = m.stop = m.along = m.across = m.slip = m.slip_side = Real{};
+}
+
+Real bounded(Real x, Real most) { return clamp(x, -most, most); }
+
+} // namespace
+
+bool VehicleSolver::cast(Data& w) {
+    const std::span<const VehicleRow> rows = w.state.rows(w.m.vehicle);
+    if (rows.empty()) return false;
+    // update_bounds ran just now.
+    w.scratch.query.is_fresh = true;
+    w.scratch.query.tick = w.header().tick;
+    w.scratch.query.commands = w.header().commands;
+    grounds.resize(rows.size());
+    bool woke = false;
+    for (std::uint32_t k = 0; k < rows.size(); ++k) {
+        const VehicleDef& def = rows[k].def;
+        if (!is_awake(w, w.row_of(def.chassis))) continue;
+        for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
+            const Real steer = w.state.rows(w.m.vehicle_memory)[k].wheel[i].steer;
+            const WheelGround& ground = grounds[k][i] =
+                cast_wheel(w, def, def.wheel[i], way_of(w, w.row_of(def.chassis), def.wheel[i], steer));
+            if (!ground.found || is_awake(w, w.row_of(ground.hit.body))) continue;
+            if (w.state.rows(w.m.body_info)[w.row_of(ground.hit.body)].kind != BodyKind::dynamic) continue;
+            wake(w, ground.hit.body);
+            woke = true;
+        }
+    }
+    return woke;
+}
+
+void prepare_wheel(Data& w, Vehicle& v, std::uint32_t i, Real share, const WheelGround& ground) {
+    const SolverBodies& bodies = w.scratch.bodies;
+    const dynamics::StepConstants& step = w.scratch.step;
+    const WheelDef& def = v.def->wheel[i];
+    WheelMemory& memory = v.memory.wheel[i];
+    Wheel& wheel = v.wheel[i] = Wheel{};
+    wheel.ground = bodies.still();
+    wheel.length = memory.length = def.length_max;
+    memory.steer = steer_angle(*v.def, i, v.memory.steer);
+    if (!ground.found) return forget_ground(memory);
+
+    const Transform& pose = w.state.rows(w.m.body_pose)[v.chassis];
+    const Rotation turned = to_rotation(normalized(pose.rotation * from_axis_angle(up_axis, memory.steer)));
+    const UnitVec3 down = lockstone::mul<Unit>(to_rotation(pose.rotation), def.direction);
+    const QueryHit& hit = ground.hit;
+    const UnitVec3 n = hit.normal;
+    const ShapeRow& shape = w.state.rows(w.m.shape)[w.row_of(hit.shape)];
+    const std::uint32_t row = w.row_of(hit.body);
+    const bool moves = row < bodies.still() && bodies.step[row].moves;
+    wheel.ground = moves ? row : bodies.still();
+    if (moves && bodies.step[row].movable)
+        wheel.ratio = min(v.mass / w.state.rows(w.m.body_mass)[row].mass, ratio_max);
+    wheel.surface = rotate(w.scratch.shape[hit.shape.index - 1].pose.rotation, shape.surface_velocity);
+    const Levers levers{hit.point - pose.position, hit.point - w.state.rows(w.m.body_pose)[row].position};
+    const UnitVec3 axle = turned.x;
+    const UnitVec3 left =
+        normalized_or(to<Real>(axle) - lockstone::scale<Real>(n, dot<Real>(n, axle)), any_perpendicular(n));
+    wheel.normal = line_of(bodies, v.chassis, wheel, n, levers);
+    wheel.touches = wheel.normal.kappa > Real{};
+    if (!wheel.touches) return forget_ground(memory); // nothing can move
+    wheel.along = line_of(bodies, v.chassis, wheel, cross<Unit>(left, n), levers);
+    wheel.across = line_of(bodies, v.chassis, wheel, left, levers);
+    wheel.length_begin = ground.length;
+    wheel.per_length = Real(1) / max(-dot<Real>(n, down), 0.5_r);
+    const Tyre& tyre = v.def->tyre[def.tyre];
+    wheel.grip = shape.friction / tyre.ground_friction;
+
+    const Real h = Real(1) / Real(step.substeps_per_second);
+    const Real omega = two_pi * def.frequency;
+    wheel.spring_rate = share * omega * omega * h;
+    wheel.spring_soft = wheel.spring_rate * h;
+    wheel.damper[0] = share * omega * def.damping_rebound * h * 2;
+    wheel.damper[1] = share * omega * def.damping_compression * h * 2;
+    // Impulses against another ground are none to start from.
+    if (memory.ground != hit.shape) forget_ground(memory);
+    memory.ground = hit.shape;
+    memory.normal = n;
+    wheel.spring = clamp(memory.spring, Real{}, impulse_max);
+    wheel.stop = clamp(memory.stop, Real{}, impulse_max);
+    wheel.along_p = bounded(memory.along, impulse_max);
+    wheel.across_p = bounded(memory.across, impulse_max);
+}
+
+// ---- the gearbox ---------------------------------------------------------------------------------------------------
+
+namespace {
+
+constexpr Real rpm_per_speed = decimal<Real>("9.54929658551372014613"); ///< 60 / (2 pi)
+
+std::uint32_t ticks_of(Real seconds, std::int32_t ticks_per_second) {
+    const std::int64_t ticks = floor_to_int(seconds * ticks_per_second + half(Real(1)));
+    return static_cast<std::uint32_t>(std::clamp<std::int64_t>(ticks, 0, 100000));
+}
+
+Real ratio_of(const GearboxDef& box, std::int32_t gear) {
+    if (gear == 0) return Real{};
+    if (gear < 0) return -(box.reverse * box.final_drive);
+    return box.forward[static_cast<std::size_t>(gear - 1)] * box.final_drive;
+}
+
+/// The gear an automatic box wants. Wheels that spin do not shift it up: the road has to go by fast enough as well.
+std::int32_t automatic_gear(const GearboxDef& box, const VehicleInput& input, std::int32_t gear,
+                            Real wheel_speed, Real road_speed) {
+    if (input.gear <= 0) return input.gear < 0 ? -1 : 0;
+    if (gear <= 0) return 1;
+    const Real rpm = wheel_speed * ratio_of(box, gear) * rpm_per_speed;
+    const Real rpm_road = road_speed * ratio_of(box, gear) * rpm_per_speed;
+    if (rpm > box.rpm_up && rpm_road > box.rpm_up * decimal<Real>("0.7") &&
+        gear < static_cast<std::int32_t>(box.forward_count))
+        return gear + 1;
+    if (rpm >= box.rpm_down || gear == 1) return gear;
+    const Real rpm_below = wheel_speed * ratio_of(box, gear - 1) * rpm_per_speed;
+    return rpm_below < box.rpm_up ? gear - 1 : gear;
+}
+
+} // namespace
+
+void shift_gears(const Data& w, Vehicle& v) {
+    VehicleMemory& m = v.memory;
+    const GearboxDef& box = v.def->gearbox;
+    const std::int32_t rate = w.scratch.step.ticks_per_second;
+    const std::int32_t count = static_cast<std::int32_t>(box.forward_count);
+    if (m.pause_ticks > 0) --m.pause_ticks;
+    if (m.shift_ticks > 0 && --m.shift_ticks == 0) {
+        m.gear = m.gear_next;
+        m.pause_ticks = ticks_of(box.shift_pause, rate);
+    }
+    Real turns{}, radius{}, driven{};
+    for (std::uint32_t i = 0; i < v.def->wheel_count; ++i) {
+        const WheelDef& wheel = v.def->wheel[i];
+        const Real share =
+            v.def->tracks.enabled != 0 ? Real(1) / Real(v.def->wheel_count) : wheel.drive_share;
+        turns += m.wheel[i].spin * share;
+        radius += wheel.radius * share;
+        driven += share;
+    }
+    if (driven > Real{}) turns = turns / driven, radius = radius / driven;
+    const UnitVec3 forward = to_rotation(w.state.rows(w.m.body_pose)[v.chassis].rotation).z;
+    const Real speed = dot<Real>(forward, w.state.rows(w.m.body_velocity)[v.chassis].linear);
+    std::int32_t wanted = std::clamp(v.input.gear, -1, count);
+    if (box.mode == GearboxMode::automatic)
+        wanted = automatic_gear(box, v.input, m.gear, turns, radius > Real{} ? speed / radius : Real{});
+    const bool chooses = box.mode == GearboxMode::automatic && wanted > 0 && m.gear > 0;
+    if (m.shift_ticks == 0 && wanted != m.gear && !(chooses && m.pause_ticks > 0)) {
+        m.gear_next = wanted;
+        m.shift_ticks = ticks_of(box.shift_time, rate);
+        if (m.shift_ticks == 0) m.gear = wanted, m.pause_ticks = ticks_of(box.shift_pause, rate);
+    }
+    v.ratio = m.shift_ticks > 0 ? Real{} : ratio_of(box, m.gear);
+}
+
+// ---- what turns ---------------------------------------------------------------------------------------------------
+
+void prepare_train(Vehicle& v) {
+    const VehicleDef& def = *v.def;
+    const bool tracked = def.tracks.enabled != 0;
+    v.group_count = tracked ? 2 : def.wheel_count;
+    v.coupling_count = 0;
+    for (SpinGroup& g : v.group) g = SpinGroup{};
+    std::array<Real, vehicle_wheels_max> share{};
+    Real driven{};
+    for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
+        const std::uint32_t group = v.wheel[i].group = tracked ? def.wheel[i].track : i;
+        SpinGroup& g = v.group[group];
+        g.inertia += def.wheel[i].inertia;
+        g.spin = bounded(v.memory.wheel[i].spin, spin_max);
+        share[group] = tracked ? half(Real(1)) : def.wheel[i].drive_share;
+        driven += def.wheel[i].drive_share;
+    }
+    v.engine_speed = clamp(v.memory.engine_speed, Real{}, spin_max);
+    if (v.ratio != Real{} && (tracked || driven > Real{})) {
+        Coupling& c = v.coupling[v.coupling_count++];
+        c = {coupling_clutch, Real(1), {}, Real{}, v.memory.clutch};
+        for (std::uint32_t g = 0; g < v.group_count; ++g) c.group[g] = -(v.ratio * share[g]);
+    } else {
+        v.memory.clutch = Real{};
+    }
+    for (std::uint32_t d = 0; d < vehicle_couplings_max && !tracked; ++d) {
+        const Differential& diff = def.differential[d];
+        if (diff.kind == DifferentialKind::open || diff.wheels_a == 0 || diff.wheels_b == 0) continue;
+        Coupling& c = v.coupling[v.coupling_count++];
+        c = {d, Real{}, {}, Real{}, v.memory.differential[d]};
+        for (std::uint32_t g = 0; g < v.group_count; ++g) {
+            if ((diff.wheels_a >> g & 1u) != 0) c.group[g] = Real(1) / Real(std::popcount(diff.wheels_a));
+            if ((diff.wheels_b >> g & 1u) != 0) c.group[g] = -(Real(1) / Real(std::popcount(diff.wheels_b)));
+        }
+    }
+    if (tracked) { // left faster than right by steer / ratio of the engine's speed
+        Coupling& c = v.coupling[v.coupling_count++];
+        c = {coupling_steering, v.memory.steer / def.tracks.steer_ratio, {}, Real{}, v.memory.steer_coupling};
+        c.group[0] = Real(-1);
+        c.group[1] = Real(1);
+    }
+    for (std::uint32_t k = 0; k < v.coupling_count; ++k)
+        for (std::uint32_t g = 0; g < v.group_count; ++g)
+            v.group[g].coupled = v.group[g].coupled || v.coupling[k].group[g] != Real{};
+}
+
+namespace {
+
+void prepare_bars(Vehicle& v) {
+    for (std::uint32_t k = 0; k < vehicle_couplings_max; ++k) {
+        const AntiRollBar& bar = v.def->anti_roll[k];
+        Wheel &a = v.wheel[bar.wheel_a], &b = v.wheel[bar.wheel_b];
+        Real& p = v.memory.anti_roll[k];
+        p = a.touches && b.touches && bar.wheel_a != bar.wheel_b ? bounded(p, impulse_max) : Real{};
+        a.bars += p;
+        b.bars -= p;
+    }
+}
+
+} // namespace
+
+void VehicleSolver::prepare(Data& w) {
+    const std::span<const VehicleRow> rows = w.state.rows(w.m.vehicle);
+    const std::span<const VehicleMemory> memories = w.state.rows(w.m.vehicle_memory);
+    vehicles.resize(rows.size());
+    std::size_t count = 0;
+    for (std::uint32_t i = 0; i < rows.size(); ++i) {
+        const std::uint32_t chassis = w.row_of(rows[i].def.chassis);
+        if (chassis >= w.scratch.bodies.still()) continue; // it sleeps
+        Vehicle& v = vehicles[count++];
+        v.def = &rows[i].def;
+        v.input = rows[i].input;
+        v.memory = memories[i];
+        v.row = i;
+        v.chassis = chassis;
+        v.mass = w.state.rows(w.m.body_mass)[chassis].mass;
+        const Real way = v.def->steer_speed / Real(w.scratch.step.ticks_per_second);
+        const Real turn = v.input.steer - v.memory.steer;
+        v.memory.steer = way > Real{} ? v.memory.steer + bounded(turn, way) : v.input.steer;
+        const auto shares = sprung_shares(*v.def, w.state.rows(w.m.body_mass)[chassis].center);
+        for (std::uint32_t k = 0; k < v.def->wheel_count; ++k)
+            prepare_wheel(w, v, k, shares[k], grounds[i][k]);
+        prepare_bars(v);
+        shift_gears(w, v);
+        prepare_train(v);
+    }
+    vehicles.resize(count);
+}
+
+} // namespace lockstone::sim

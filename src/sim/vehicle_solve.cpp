@@ -1,0 +1,264 @@
+// The rows of vehicles: springs, stops, anti-roll bars, tyres. See vehicle.h for the symbols.
+#include "lockstone/math.h"
+#include "sim/data.h"
+#include "sim/vehicle.h"
+#include "sim/vehicle_lines.h"
+
+namespace lockstone::sim {
+
+using dynamics::SolverBodies;
+using dynamics::SolverBody;
+using dynamics::StepConstants;
+
+// ---- rims ----------------------------------------------------------------------------------------------------------
+
+TyreCaps tyre_caps(const Tyre& tyre, Real load, Real slide_along, Real slide_across) {
+    Real peak_along{}, peak_across{};
+    for (const CurvePoint& c : tyre.along) peak_along = max(peak_along, c.y);
+    for (const CurvePoint& c : tyre.across) peak_across = max(peak_across, c.y);
+    // At rest both directions hold their peaks; from here on the slide decides [m/s].
+    constexpr Real rest = 0.1_r;
+    const Real slide = length(Vec3{slide_along, slide_across, Real{}}) + rest;
+    return {load * peak_along * ((slide_along + rest) / slide),
+            load * peak_across * ((slide_across + rest) / slide)};
+}
+
+Real braked_spin(const SpinGroup& group, Real spin) {
+    const Real most = group.brake / group.inertia;
+    return spin > most ? spin - most : spin < -most ? spin + most : Real{};
+}
+
+Real free_spin(const Vehicle& v, std::uint32_t wheel, Real Wheel::*impulse) {
+    const SpinGroup& g = v.group[v.wheel[wheel].group];
+    Real torque = g.torque;
+    for (std::uint32_t i = 0; i < v.def->wheel_count; ++i)
+        if (i != wheel && v.wheel[i].group == v.wheel[wheel].group && v.wheel[i].touches)
+            torque -= v.wheel[i].*impulse * v.def->wheel[i].radius * v.mass;
+    return g.spin_begin + torque / g.inertia;
+}
+
+RimAnswer turn_rim(const Vehicle& v, const Wheel& wheel, std::uint32_t index, Real free, Real patch,
+                   Real ground_speed, Real cap) {
+    const SpinGroup& g = v.group[wheel.group];
+    const WheelDef& def = v.def->wheel[index];
+    const Tyre& tyre = v.def->tyre[def.tyre];
+    const Real load = load_of(wheel) * wheel.grip, arm = def.radius * v.mass / g.inertia; // spin per impulse
+    const auto answer = [&](Real slide, Real kappa) {
+        TyreAnswer a = tyre_answer(tyre.along, load, cap, abs(slide), kappa, ground_speed);
+        if (slide > Real{}) a.impulse = -a.impulse; // against the slide
+        if (slide > Real{}) a.slip = -a.slip;       // a rim that is faster than the ground drives: positive
+        return a;
+    };
+    // Held by the brake, if it can: then only the chassis gives. A rim that no tyre could stop is not.
+    Real rest = free;
+    if ((abs(free) - arm * cap) * g.inertia <= g.brake) {
+        const TyreAnswer held = answer(patch, wheel.along.kappa);
+        rest = free - arm * held.impulse;
+        if (abs(rest) * g.inertia <= g.brake) return {held.impulse, Real{}, held.give, held.slip, true};
+    }
+    const Real braked = free + (rest > Real{} ? -g.brake : g.brake) / g.inertia;
+    const Real kappa = wheel.along.kappa + arm * def.radius;
+    const TyreAnswer turning = answer(patch - braked * def.radius, kappa);
+    return {turning.impulse, braked - arm * turning.impulse, turning.give, turning.slip, false};
+}
+
+// ---- springs -------------------------------------------------------------------------------------------------------
+
+namespace {
+
+/// How far the patch moved along the normal since the start of the tick [m].
+Real moved(const Wheel& wheel, const SolverBodies& bodies, std::uint32_t chassis) {
+    constexpr int up = Real::fraction_bits - Separation::fraction_bits;
+    const auto real = [](std::int64_t x) { return Real::from_raw(x * (std::int64_t{1} << up)); };
+    const SolverBody &c = bodies.body[chassis], &g = bodies.body[wheel.ground];
+    SumOfProducts<Real, Unit> along;
+    SumOfProducts<Real, Real> turning;
+    for (int i = 0; i < 3; ++i) {
+        along.add(real(std::int64_t{c.shift[i]} - g.shift[i]), wheel.normal.d[i]);
+        turning.add(real(c.theta[i]), wheel.normal.xc[i]).add(real(g.theta[i]), wheel.normal.xg[i]);
+    }
+    return along.round<Real>() + turning.round<Real>();
+}
+
+void set_normal(Vehicle& v, Wheel& wheel, Real Wheel::*part, Real impulse, SolverBodies& bodies) {
+    push_line(wheel, wheel.normal, impulse - wheel.*part, bodies, v.chassis);
+    wheel.*part = impulse;
+}
+
+void solve_spring(const StepConstants& step, SolverBodies& bodies, Vehicle& v, std::uint32_t i) {
+    Wheel& wheel = v.wheel[i];
+    const Real kappa = wheel.normal.kappa;
+    Real speed = line_speed(wheel, wheel.normal, bodies, v.chassis), p{};
+    if (wheel.compression > Real{}) {
+        const Real a = wheel.spring_soft + wheel.damper[speed < Real{} ? 1 : 0];
+        p = (wheel.spring_rate * wheel.compression + a * (kappa * wheel.spring - speed)) /
+            (Real(1) + a * kappa);
+    }
+    p = max(p, Real{});
+    speed += kappa * (p - wheel.spring);
+    set_normal(v, wheel, &Wheel::spring, p, bodies);
+
+    const Real gap = wheel.length - v.def->wheel[i].length_min;
+    if (gap > Real{}) {
+        p = wheel.stop - (speed + gap * step.substeps_per_second) / kappa;
+    } else {
+        const Real bias = max(gap * to<Real>(step.soft_static.bias_rate), -to<Real>(step.push_speed_max));
+        p = wheel.stop - mul<Real>((speed + bias) / kappa, step.soft_static.mass_scale) -
+            mul<Real>(wheel.stop, step.soft_static.impulse_scale);
+    }
+    set_normal(v, wheel, &Wheel::stop, max(p, Real{}), bodies);
+}
+
+void solve_bar(const StepConstants& step, SolverBodies& bodies, Vehicle& v, std::uint32_t k) {
+    const AntiRollBar& bar = v.def->anti_roll[k];
+    if (bar.wheel_a == bar.wheel_b || bar.stiffness == Real{}) return;
+    Wheel &a = v.wheel[bar.wheel_a], &b = v.wheel[bar.wheel_b];
+    Real& p = v.memory.anti_roll[k];
+    Real next{};
+    if (a.touches && b.touches && a.compression > Real{} && b.compression > Real{}) {
+        const Real rate = bar.stiffness / v.mass / Real(step.substeps_per_second);
+        const Real soft = rate / Real(step.substeps_per_second);
+        Real shared = dot<Real>(a.normal.xc, b.normal.xc);
+        for (int i = 0; i < 3; ++i)
+            if (bodies.body[v.chassis].keep[i] != 0) shared += mul<Real>(a.normal.d[i], b.normal.d[i]);
+        const Real kappa = max(a.normal.kappa + b.normal.kappa - shared * 2, Real{});
+        const Real speed =
+            line_speed(a, a.normal, bodies, v.chassis) - line_speed(b, b.normal, bodies, v.chassis);
+        next =
+            (rate * (a.compression - b.compression) + soft * (kappa * p - speed)) / (Real(1) + soft * kappa);
+        // Neither wheel is lifted by more than it bears.
+        next = clamp(next, p - (a.spring + a.stop + a.bars), p + (b.spring + b.stop + b.bars));
+    }
+    const Real change = next - p;
+    p = next;
+    set_normal(v, a, &Wheel::bars, a.bars + change, bodies);
+    set_normal(v, b, &Wheel::bars, b.bars - change, bodies);
+}
+
+// ---- tyres ---------------------------------------------------------------------------------------------------------
+
+void solve_tyre(SolverBodies& bodies, Vehicle& v, std::uint32_t i) {
+    Wheel& wheel = v.wheel[i];
+    const WheelDef& def = v.def->wheel[i];
+    const Tyre& tyre = v.def->tyre[def.tyre];
+    SpinGroup& g = v.group[wheel.group];
+    const Real load = load_of(wheel) * wheel.grip;
+    const Real ahead = line_speed(wheel, wheel.along, bodies, v.chassis);
+    const Real aside = line_speed(wheel, wheel.across, bodies, v.chassis);
+    const TyreCaps caps = tyre_caps(tyre, load, abs(ahead - g.spin * def.radius), abs(aside));
+    const RimAnswer rim = turn_rim(v, wheel, i, free_spin(v, i, &Wheel::along_p),
+                                   ahead - wheel.along.kappa * wheel.along_p, abs(ahead), caps.along);
+    push_line(wheel, wheel.along, rim.impulse - wheel.along_p, bodies, v.chassis);
+    wheel.along_p = rim.impulse;
+    wheel.slip = rim.slip;
+    g.spin = rim.spin;
+
+    const Real slide =
+        line_speed(wheel, wheel.across, bodies, v.chassis) - wheel.across.kappa * wheel.across_p;
+    TyreAnswer side = tyre_answer(tyre.across, load, caps.across, abs(slide), wheel.across.kappa, abs(ahead));
+    if (slide > Real{}) side.impulse = -side.impulse;
+    push_line(wheel, wheel.across, side.impulse - wheel.across_p, bodies, v.chassis);
+    wheel.across_p = side.impulse;
+    wheel.slip_side = slide > Real{} ? side.slip : -side.slip;
+}
+
+/// What the brakes and the rolling of the tyres can take from each group in this substep.
+void set_brakes(const StepConstants& step, Vehicle& v) {
+    for (std::uint32_t g = 0; g < v.group_count; ++g) v.group[g].brake = Real{};
+    for (std::uint32_t i = 0; i < v.def->wheel_count; ++i) {
+        const WheelDef& def = v.def->wheel[i];
+        const Real torque = v.input.brake * def.brake_torque + v.input.hand_brake * def.hand_brake_torque;
+        const Real rolling =
+            v.def->tyre[def.tyre].rolling_resistance * load_of(v.wheel[i]) * v.mass * def.radius;
+        v.group[v.wheel[i].group].brake += torque / Real(step.substeps_per_second) + rolling;
+    }
+}
+
+/// Groups of which no wheel is on the ground.
+void spin_in_the_air(Vehicle& v) {
+    std::uint32_t grounded = 0;
+    for (std::uint32_t i = 0; i < v.def->wheel_count; ++i)
+        if (v.wheel[i].touches) grounded |= 1u << v.wheel[i].group;
+    for (std::uint32_t k = 0; k < v.group_count; ++k) {
+        SpinGroup& g = v.group[k];
+        if ((grounded >> k & 1u) == 0) g.spin = braked_spin(g, g.spin_begin + g.torque / g.inertia);
+    }
+}
+
+} // namespace
+
+void VehicleSolver::warm_start(const StepConstants& step, SolverBodies& bodies) {
+    for (Vehicle& v : vehicles) {
+        for (std::uint32_t i = 0; i < v.def->wheel_count; ++i) {
+            Wheel& wheel = v.wheel[i];
+            const WheelDef& def = v.def->wheel[i];
+            wheel.compression = Real{};
+            if (!wheel.touches) continue;
+            wheel.length = wheel.length_begin + wheel.per_length * moved(wheel, bodies, v.chassis);
+            if (wheel.length < def.length_max)
+                wheel.compression = def.length_max + def.preload - wheel.length;
+            push_line(wheel, wheel.normal, wheel.spring + wheel.stop + wheel.bars, bodies, v.chassis);
+            push_line(wheel, wheel.along, wheel.along_p, bodies, v.chassis);
+            push_line(wheel, wheel.across, wheel.across_p, bodies, v.chassis);
+        }
+        for (std::uint32_t g = 0; g < v.group_count; ++g) {
+            v.group[g].spin_begin = v.group[g].spin;
+            v.group[g].torque = Real{};
+        }
+        set_brakes(step, v);
+        solve_train(step, bodies, v);
+    }
+}
+
+void VehicleSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bias) {
+    for (Vehicle& v : vehicles) {
+        const std::uint32_t count = v.def->wheel_count;
+        for (std::uint32_t i = 0; i < count && bias; ++i)
+            if (v.wheel[i].touches) solve_spring(step, bodies, v, i);
+        for (std::uint32_t k = 0; k < vehicle_couplings_max && bias; ++k) solve_bar(step, bodies, v, k);
+        for (std::uint32_t i = 0; i < count; ++i)
+            if (v.wheel[i].touches) solve_tyre(bodies, v, i);
+        spin_in_the_air(v);
+        for (std::uint32_t i = 0; i < count && bias; ++i) {
+            Real& turned = v.memory.wheel[i].rotation;
+            turned += v.group[v.wheel[i].group].spin / Real(step.substeps_per_second);
+        }
+    }
+}
+
+void VehicleSolver::store(Data& w) const {
+    for (const Vehicle& v : vehicles) {
+        // A vehicle and what it stands on stay awake.
+        w.state.edit_row(w.m.body_sleep, v.chassis).still_ticks = 0;
+        VehicleMemory& m = w.state.edit_row(w.m.vehicle_memory, v.row);
+        m = v.memory;
+        m.engine_speed = v.engine_speed;
+        m.clutch = m.steer_coupling = Real{};
+        m.differential = {};
+        for (std::uint32_t k = 0; k < v.coupling_count; ++k) {
+            const Coupling& c = v.coupling[k];
+            (c.source == coupling_clutch     ? m.clutch
+             : c.source == coupling_steering ? m.steer_coupling
+                                             : m.differential[c.source]) = c.impulse;
+        }
+        for (std::uint32_t i = 0; i < v.def->wheel_count; ++i) {
+            const Wheel& wheel = v.wheel[i];
+            WheelMemory& out = m.wheel[i];
+            out.spin = v.group[wheel.group].spin;
+            const Real turns = out.rotation / two_pi;
+            out.rotation = clamp(out.rotation - two_pi * floor(turns), Real{}, two_pi);
+            if (!wheel.touches) continue;
+            if (wheel.ratio > Real{}) w.state.edit_row(w.m.body_sleep, wheel.ground).still_ticks = 0;
+            out.length = clamp(wheel.length, min(v.def->wheel[i].length_min, wheel.length),
+                               v.def->wheel[i].length_max);
+            out.spring = wheel.spring;
+            out.stop = wheel.stop;
+            out.along = wheel.along_p;
+            out.across = wheel.across_p;
+            out.slip = wheel.slip;
+            out.slip_side = wheel.slip_side;
+        }
+    }
+}
+
+} // namespace lockstone::sim

@@ -1,0 +1,142 @@
+// Ring images: what differs by version is copied, neighbouring pages in one go.
+#include "base/assert.h"
+#include "lockstone/state.h"
+#include "state/pages.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace lockstone {
+
+namespace {
+
+using Placement = StateLayout::Placement;
+
+/// Collects stretches of the block and copies those that touch each other at
+/// once.
+class Run {
+  public:
+    Run(const std::byte* source, std::byte* target) : from(source), to(target) {}
+    void add(std::size_t begin, std::size_t end) {
+        if (begin != last) {
+            flush();
+            first = begin;
+        }
+        last = end;
+    }
+    void flush() const {
+        if (first != last) std::memcpy(to + first, from + first, last - first);
+    }
+
+  private:
+    const std::byte* from;
+    std::byte* to;
+    std::size_t first = 0, last = 0;
+};
+
+/// Copies all that differs between two blocks of one layout, counts apart. A last page that is filled in part is taken
+/// up to a whole cache line (what follows the live rows there is zero), so columns of a full table are one stretch.
+/// Beyond the page nothing is taken: the image may hold rows there of a time when there were more.
+void copy_columns(const StateLayout& layout, std::span<const std::uint32_t> counts, const std::byte* from,
+                  const detail::Versions& source, std::byte* to, detail::Versions& target) {
+    Run run(from, to);
+    const std::span<const Placement> places = layout.placements();
+    for (std::size_t c = 0; c < places.size(); ++c) {
+        const std::size_t size = page_bytes(places[c]), offset = places[c].offset;
+        const std::uint32_t rows = counts[places[c].table];
+        const std::size_t end = whole_lines(std::size_t{rows} * places[c].row_size);
+        take_versions(layout, c, rows, source, target, [&](std::size_t page) {
+            run.add(offset + page * size, offset + std::min((page + 1) * size, end));
+        });
+    }
+    run.flush();
+}
+
+#ifdef NDEBUG
+constexpr bool checks_versions = false;
+#else
+constexpr bool checks_versions = true;
+#endif
+
+} // namespace
+
+bool operator==(const Image& left, const Image& right) {
+    if (left.layout == nullptr || right.layout == nullptr) return left.layout == right.layout;
+    if (left.layout->schema_hash() != right.layout->schema_hash()) return false;
+    if (!std::ranges::equal(left.counts(), right.counts())) return false;
+    const std::span<const Placement> a = left.layout->placements(), b = right.layout->placements();
+    for (std::size_t c = 0; c < a.size(); ++c) {
+        const std::size_t size = std::size_t{left.counts()[a[c].table]} * a[c].row_size;
+        if (size != 0 &&
+            std::memcmp(left.block.get() + a[c].offset, right.block.get() + b[c].offset, size) != 0)
+            return false;
+    }
+    return true;
+}
+
+std::size_t State::image_bytes() const {
+    // The schema hash and the counts, then the rows.
+    std::size_t size = whole_lines(sizeof(std::uint64_t) + counts().size_bytes());
+    for (const Placement& column : shared_layout->placements())
+        size += whole_lines(std::size_t{counts()[column.table]} * column.row_size);
+    return size;
+}
+
+void State::reserve(Image& image) const {
+    if (image.layout == shared_layout) return;
+    image.block = detail::Block(shared_layout->size_bytes());
+    std::memset(image.block.get(), 0, counts().size_bytes());
+    image.owner = nullptr;
+    image.layout = shared_layout;
+    image.packed_size = 0;
+}
+
+void State::save(Image& image) const {
+    reserve(image);
+    detail::Versions& theirs = image.versions;
+    if (image.owner != owner) {
+        image.owner = owner;
+        theirs.pages.assign(versions.pages.size(), 0);
+        theirs.chunks.assign(versions.chunks.size(), 0);
+        theirs.columns.assign(versions.columns.size(), 0);
+    }
+    if (!counts().empty()) std::memcpy(image.block.get(), block.get(), counts().size_bytes());
+    copy_columns(*shared_layout, counts(), block.get(), versions, image.block.get(), theirs);
+    image.packed_size = image_bytes();
+    if constexpr (checks_versions) {
+        const Status status = verify_versions(image);
+        LOCKSTONE_ASSERT(status.ok(), status.error().message);
+    }
+}
+
+void State::restore(const Image& image) {
+    LOCKSTONE_ASSERT(image.size() != 0, "an image that nothing was saved into");
+    LOCKSTONE_ASSERT(image.layout->schema_hash() == shared_layout->schema_hash(),
+                     "an image of another schema");
+    // Rows beyond those of the image are zeroed by the resize.
+    for (std::uint32_t table = 0; table < counts().size(); ++table) {
+        LOCKSTONE_ASSERT(image.counts()[table] <= capacity({table}), "table ",
+                         shared_layout->tables()[table].name);
+        resize({table}, image.counts()[table]);
+    }
+    if (image.layout == shared_layout && image.owner == owner)
+        copy_columns(*shared_layout, counts(), image.block.get(), image.versions, block.get(), versions);
+    else
+        restore_foreign(image);
+    if constexpr (checks_versions) {
+        const Status status = verify_versions(image);
+        LOCKSTONE_ASSERT(status.ok(), status.error().message);
+    }
+}
+
+/// The versions of another state's image mean nothing here: its rows are
+/// written like any others.
+void State::restore_foreign(const Image& image) {
+    const std::span<const Placement> places = image.layout->placements();
+    for (std::uint32_t column = 0; column < places.size(); ++column) {
+        const std::span<std::byte> rows = edit_bytes(column);
+        if (!rows.empty()) std::memcpy(rows.data(), image.block.get() + places[column].offset, rows.size());
+    }
+}
+
+} // namespace lockstone

@@ -1,0 +1,168 @@
+// The pool keeps its contract under contention; and what would break the rule that tasks cannot be told is noticed.
+#include "support/task_worlds.h"
+
+#include <doctest/doctest.h>
+
+#include <cstdlib>
+
+using namespace lockstone;
+using namespace lockstone::test;
+
+namespace {
+
+const bool is_long = std::getenv("LOCKSTONE_LONG") != nullptr;
+
+/// What one run is checked by.
+struct Count {
+    std::vector<std::uint32_t> times;                    ///< by item; not atomic: each item has its own
+    std::array<std::atomic<int>, workers_max> at_work{}; ///< by worker
+    std::atomic<bool> two_at_once = false;
+    std::uint32_t worker_count = 0;
+    std::atomic<bool> unknown_worker = false;
+};
+
+void count_item(void* context, std::uint32_t index, std::uint32_t worker) {
+    Count& count = *static_cast<Count*>(context);
+    if (worker >= count.worker_count) {
+        count.unknown_worker = true;
+        return;
+    }
+    if (count.at_work[worker].fetch_add(1) != 0) count.two_at_once = true;
+    ++count.times[index];
+    count.at_work[worker].fetch_sub(1);
+}
+
+/// Empty when every item of many runs was run once, by a worker that did nothing else meanwhile.
+std::string complaint(Tasks& tasks, int runs) {
+    std::mt19937 random(11);
+    Count count;
+    count.worker_count = tasks.worker_count();
+    for (int run = 0; run < runs; ++run) {
+        const std::uint32_t items = static_cast<std::uint32_t>(random() % (run % 8 == 0 ? 2000 : 12));
+        count.times.assign(items, 0);
+        tasks.run(items, count_item, &count);
+        for (std::uint32_t i = 0; i < items; ++i)
+            if (count.times[i] != 1)
+                return "run " + std::to_string(run) + ": item " + std::to_string(i) + " of " +
+                       std::to_string(items) + " was run " + std::to_string(count.times[i]) + " times";
+        if (run % 500 == 0) std::this_thread::yield();
+    }
+    if (count.unknown_worker) return "a worker beyond worker_count()";
+    return count.two_at_once ? "one worker had two items at once" : "";
+}
+
+/// Small worlds on a pile, whose rules run tasks of their own and write down what these did.
+struct Note {
+    std::uint64_t sum;
+};
+template <class V> constexpr void describe(Note& n, V&& v) { v("sum", n.sum); }
+constexpr Column<Note> note{0};
+
+World noting_world() {
+    GameSchema schema;
+    schema.add_record<Note>("game.note");
+    World world = scene::made(World::create(scene::small_def(), schema));
+    scene::add_floor(world);
+    scene::add_stack(world, 3);
+    return world;
+}
+
+/// Rules that fold the numbers of their items: `fold` says how.
+template <class Fold> std::string departure_of(Fold&& fold) {
+    ShuffledTasks shuffled(4);
+    return first_departure(
+        noting_world(), std::array<Tasks*, 1>{&shuffled}, 10, [&](World& world, Tasks* tasks) {
+            struct Job {
+                std::uint64_t sum = 1;
+                Fold& combine;
+            } job{1, fold};
+            const Tasks::Item item = [](void* context, std::uint32_t index, std::uint32_t) {
+                Job& j = *static_cast<Job*>(context);
+                j.sum = j.combine(j.sum, std::uint64_t{index} + 1);
+            };
+            if (tasks != nullptr)
+                tasks->run(20, item, &job);
+            else
+                for (std::uint32_t i = 0; i < 20; ++i) item(&job, i, 0);
+            scene::done(world.write(note, {job.sum}));
+            world.tick();
+        });
+}
+
+} // namespace
+
+TEST_CASE("a pool runs every item once, whatever the number of workers") {
+    for (const std::uint32_t workers : {1u, 2u, 3u, 8u, 64u}) {
+        INFO(workers);
+        const auto pool = make_worker_pool(workers);
+        CHECK(complaint(*pool, is_long ? 20000 : workers > 8 ? 4 : 60) == "");
+    }
+    UnsteadyTasks unsteady(4, 3);
+    CHECK(complaint(unsteady, 20) == "");
+}
+
+TEST_CASE("what items wrote is seen by the next run") {
+    const auto pool = make_worker_pool(4);
+    std::vector<std::uint64_t> numbers(300, 1);
+    struct Job {
+        std::vector<std::uint64_t>& numbers;
+        std::size_t shift;
+    };
+    std::vector<std::uint64_t> expected = numbers;
+    for (std::size_t shift = 1; shift < 80; ++shift) {
+        // Even runs read the upper half and write the lower one, odd runs the other way round.
+        Job job{numbers, shift};
+        const Tasks::Item item = [](void* context, std::uint32_t index, std::uint32_t) {
+            const Job& j = *static_cast<const Job*>(context);
+            const std::size_t to = j.shift % 2 == 0 ? 0 : 150, from = 150 - to;
+            j.numbers[to + index] += j.numbers[from + (index + j.shift) % 150];
+        };
+        pool->run(150, item, &job);
+        Job again{expected, shift};
+        for (std::uint32_t i = 0; i < 150; ++i) item(&again, i, 0);
+    }
+    CHECK(numbers == expected);
+}
+
+TEST_CASE("pools come and go, used or not") {
+    for (int i = 0; i < 20; ++i) {
+        const auto pool = make_worker_pool(1 + static_cast<std::uint32_t>(i) % 5);
+        if (i % 3 != 0) CHECK(complaint(*pool, i % 7) == "");
+    }
+}
+
+TEST_CASE("planted fault: tasks that leave an item out or run one twice are found out by the count") {
+    FaultyTasks leaves_out(FaultyTasks::Fault::leaves_out, 40), twice(FaultyTasks::Fault::runs_twice, 40);
+    CHECK(complaint(leaves_out, 60).find("run 40: ") == 0);
+    CHECK(complaint(twice, 60).find("was run 2 times") != std::string::npos);
+}
+
+TEST_CASE("planted fault: work whose result depends on the order of its items is noticed by the comparison "
+          "of worlds") {
+    CHECK(departure_of([](std::uint64_t sum, std::uint64_t item) { return sum + item; }) == "");
+    const std::string found =
+        departure_of([](std::uint64_t sum, std::uint64_t item) { return sum * 31 + item; });
+    CHECK(found.find("column game.note, row 0, sum") != std::string::npos);
+}
+
+TEST_CASE("planted fault: a world whose tasks leave an item out, or run one twice, is noticed") {
+    const auto game = small_scene(*find_scene("pile"));
+    FaultyTasks sound(FaultyTasks::Fault::leaves_out, ~std::uint64_t{0});
+    CHECK(first_departure(*game, std::array<Tasks*, 1>{&sound}, 20, 10) == "");
+    REQUIRE(sound.runs > 200);
+    for (const std::uint64_t first : {sound.runs / 2, sound.runs - 40}) {
+        INFO(first);
+        int noticed = 0; // a pass over bodies that nothing pushes is not missed
+        for (std::uint64_t run = first; run < first + 8; ++run) {
+            FaultyTasks leaves_out(FaultyTasks::Fault::leaves_out, run);
+            noticed += first_departure(*game, std::array<Tasks*, 1>{&leaves_out}, 20, 10) != "" ? 1 : 0;
+        }
+        CHECK(noticed >= 2);
+    }
+    bool any_twice = false; // twice is harmless for what only copies
+    for (std::uint64_t run = sound.runs / 2; run < sound.runs / 2 + 8; ++run) {
+        FaultyTasks twice(FaultyTasks::Fault::runs_twice, run);
+        any_twice = any_twice || first_departure(*game, std::array<Tasks*, 1>{&twice}, 20, 10) != "";
+    }
+    CHECK(any_twice);
+}

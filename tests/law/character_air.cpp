@@ -1,0 +1,178 @@
+// Characters in the air: jumps, falls, steep slopes, fast ones, one-way platforms.
+#include "support/character_course.h"
+
+#include <doctest/doctest.h>
+
+using namespace lockstone;
+using namespace lockstone::test::character;
+
+namespace {
+
+constexpr double skin = 0.004, tick_time = 1.0 / 60;
+
+} // namespace
+
+TEST_CASE("a jump is as high as v^2 / 2g, and takes 2v / g") {
+    for (const double speed : {3.0, 5.0, 9.0})
+        for (const double gravity : {9.81, 20.0}) {
+            World w = made(World::create(small_def()));
+            add_floor(w);
+            CharacterDef def;
+            def.jump_speed = real(speed), def.gravity = real(gravity);
+            const CharacterId c = add_character(w, 0, 0.01, 0, def);
+            run(w, 30);
+            drive(w, c, 0, 0, true);
+            double highest = 0;
+            int ticks = 0;
+            do {
+                w.tick();
+                highest = std::max(highest, feet(w, c)[1]);
+                ++ticks;
+            } while (!stands(w, c) && ticks < 600);
+            INFO("speed ", speed, ", gravity ", gravity);
+            CHECK(highest - skin == doctest::Approx(speed * speed / (2 * gravity)).epsilon(0.005));
+            CHECK(std::abs(ticks * tick_time - 2 * speed / gravity) <= 1.01 * tick_time);
+        }
+}
+
+TEST_CASE("one press is one jump; a press just before landing or just after an edge still counts") {
+    World w = made(World::create(small_def()));
+    add_floor(w);
+    add_wall(w, at(-2, 0.5, 0), vec(2, 0.5, 2)); // its edge at x = 0
+    const CharacterId c = add_character(w, -1, 1.01, 0);
+    run(w, 30);
+    int jumps = 0;
+    const auto count = [&](int ticks) {
+        for (int i = 0; i < ticks; ++i) {
+            const bool rose = w.character_state(c).velocity.y > 0_r;
+            w.tick();
+            jumps += !rose && w.character_state(c).velocity.y > 1_r;
+        }
+    };
+    drive(w, c, 0, 0, true); // held for two seconds
+    count(120);
+    CHECK(jumps == 1);
+    drive(w, c, 0, 0, false);
+    count(2);
+    drive(w, c, 0, 0, true);
+    count(50);
+    drive(w, c, 0, 0, false);
+    count(8);
+    drive(w, c, 0, 0, true); // a few ticks before it is back: 2 v / g are 61
+    count(30);
+    CHECK(jumps == 3);
+    drive(w, c, 0, 0, false);
+    count(2);
+    drive(w, c, 0, 0, true); // much too early
+    count(90);
+    CHECK(jumps == 3);
+    drive(w, c, 3, 0, false);
+    run(w, 60);
+    for (const int late : {3, 20}) { // ticks after the edge
+        done(w.set_pose(w.body_of(c), at(-1, 1.004, 0)));
+        drive(w, c, 0, 0);
+        run(w, 60);
+        drive(w, c, 3, 0);
+        while (stands(w, c)) w.tick();
+        run(w, late);
+        jumps = 0;
+        drive(w, c, 3, 0, true);
+        count(4);
+        INFO("ticks late: ", late);
+        CHECK(jumps == (late == 3 ? 1 : 0));
+    }
+}
+
+TEST_CASE("a slope that is too steep lets a character slide down, not up, and not jump") {
+    World w = made(World::create(small_def()));
+    add_floor(w);
+    add_ramp(w, 60);
+    const CharacterId c = add_character(w, 2, 6, 0);
+    run(w, 30);
+    double before = feet(w, c)[1];
+    drive(w, c, 4, 0); // uphill
+    run(w, 20);
+    for (int i = 0; i < 30 && !stands(w, c); ++i) {
+        w.tick();
+        CHECK(feet(w, c)[1] <= before);
+        before = feet(w, c)[1];
+        CHECK(overlap(w, c) == 0);
+    }
+    run(w, 120);
+    CHECK(feet(w, c)[1] == doctest::Approx(skin).epsilon(0.2));
+    // Neither does running and jumping at it get one up.
+    for (int i = 0; i < 10; ++i) {
+        drive(w, c, 8, 0, i % 2 == 0);
+        run(w, 30);
+    }
+    CHECK(feet(w, c)[1] < 1.5);
+}
+
+TEST_CASE("at 50 m/s nothing is passed through, however thin") {
+    for (const double speed : {10.0, 50.0, 90.0}) {
+        World w = made(World::create(small_def()));
+        add_floor(w);
+        add_wall(w, at(5, 5, 0), vec(0.005, 5, 40));
+        CharacterDef def;
+        def.acceleration = real(100000), def.air_acceleration = real(100000);
+        const CharacterId c = add_character(w, 0, 0.01, 0, def);
+        drive(w, c, speed, speed / 5);
+        for (int i = 0; i < 60; ++i) {
+            w.tick();
+            INFO("speed ", speed, ", tick ", i);
+            CHECK(feet(w, c)[0] < 5 - 0.3);
+            CHECK(overlap(w, c) == 0);
+        }
+        CHECK(feet(w, c)[0] > 4.6);
+    }
+    // Falling onto a thin floor.
+    World w = made(World::create(small_def()));
+    add_wall(w, at(0, 0, 0), vec(5, 0.005, 5));
+    CharacterDef def;
+    def.fall_speed_max = real(300), def.gravity = real(300);
+    const CharacterId c = add_character(w, 0, 90, 0, def);
+    run(w, 120);
+    CHECK(feet(w, c)[1] == doctest::Approx(0.005 + skin).epsilon(0.1));
+}
+
+TEST_CASE("a one-way platform is jumped through from below and stood on from above") {
+    World w = made(World::create(small_def()));
+    add_floor(w);
+    add(w, {.kind = BodyKind::static_, .pose = at(0, 1, 0)},
+        {.geometry = box(2_r, 0.05_r, 2_r), .one_way = 1});
+    CharacterDef def;
+    def.jump_speed = real(6);
+    const CharacterId c = add_character(w, 0, 0.01, 0, def);
+    run(w, 30);
+    CHECK(feet(w, c)[1] < 0.01);
+    drive(w, c, 0, 0, true);
+    run(w, 120);
+    CHECK(stands(w, c));
+    CHECK(feet(w, c)[1] == doctest::Approx(1.05 + skin).epsilon(0.001));
+
+    World solid = made(World::create(small_def())); // the twin: the same box, not one-way, is a ceiling
+    add_floor(solid);
+    add_wall(solid, at(0, 2.2, 0), vec(2, 0.05, 2));
+    const CharacterId below = add_character(solid, 0, 0.01, 0, def);
+    run(solid, 30);
+    drive(solid, below, 0, 0, true);
+    for (int i = 0; i < 60; ++i) {
+        solid.tick();
+        CHECK(feet(solid, below)[1] < 0.36);
+        CHECK(overlap(solid, below) == 0);
+    }
+}
+
+TEST_CASE("made inside something, a character comes out") {
+    World w = made(World::create(small_def()));
+    add_floor(w);
+    add_wall(w, at(0, 0.5, 0), vec(1, 0.5, 1));
+    const CharacterId c = add_character(w, 0.2, 0.7, 0.1);
+    run(w, 10);
+    CHECK(overlap(w, c) == 0);
+    CHECK(w.character_state(c).squeezed == 0);
+    const CharacterId deep = add_character(w, 5, -0.5, 0);
+    run(w, 10);
+    CHECK(overlap(w, deep) == 0);
+    CHECK(feet(w, deep)[1] == doctest::Approx(skin).epsilon(0.1));
+}

@@ -1,0 +1,233 @@
+// Characters and what moves: platforms, doors, crates, balls, each other.
+#include "support/character_course.h"
+
+#include <doctest/doctest.h>
+
+using namespace lockstone;
+using namespace lockstone::test::character;
+
+namespace {
+
+constexpr double skin = 0.004;
+
+BodyId add_platform(World& w, const Transform& pose, Vec3 half, Vec3 velocity, Vec3 spin = {}) {
+    return add(
+        w, {.kind = BodyKind::kinematic, .pose = pose, .linear_velocity = velocity, .angular_velocity = spin},
+        {.geometry = box(half)});
+}
+
+struct Crate {
+    World w;
+    CharacterId c;
+    BodyId crate;
+};
+/// A character that is about to walk into a crate of 1 m with a mass and friction.
+Crate crate_ahead(double mass, double friction, double push_force) {
+    World w = made(World::create(small_def()));
+    add_floor(w);
+    const BodyId crate =
+        add(w, {.pose = at(2, 0.5, 0), .mass = real(mass)},
+            {.geometry = box(0.5_r, 0.5_r, 0.5_r), .friction = real(friction), .friction_mix = Mix::minimum});
+    CharacterDef def;
+    def.push_force = real(push_force);
+    const CharacterId c = add_character(w, 0.5, 0.01, 0, def);
+    run(w, 30);
+    drive(w, c, 3, 0);
+    return {std::move(w), c, crate};
+}
+
+} // namespace
+
+TEST_CASE("a platform carries a character at its own speed, level, up and down") {
+    for (const D3 velocity : {D3{2, 0, 0}, D3{0, 1.5, 0}, D3{0, -1.5, 0}, D3{-1, 1, 3}, D3{12, -4, 0}}) {
+        World w = made(World::create(small_def()));
+        const BodyId platform = add_platform(w, at(0, 5, 0), vec(2, 0.2, 2), {});
+        const CharacterId c = add_character(w, 0.5, 5.21, 0.5);
+        run(w, 20);
+        done(w.set_velocity(platform, quantize<Real>(velocity), {}));
+        const D3 before = feet(w, c) - position(w, platform);
+        for (int i = 0; i < 120; ++i) {
+            w.tick();
+            CHECK(stands(w, c));
+            CHECK(length(feet(w, c) - position(w, platform) - before) < 1e-4);
+        }
+        CHECK(w.character_state(c).ground_body == platform);
+    }
+}
+
+TEST_CASE("a turning platform carries a character round, and turns it") {
+    World w = made(World::create(small_def()));
+    add_platform(w, at(0, 1, 0), vec(4, 0.2, 4), {}, vec(0, 1, 0));
+    const CharacterId c = add_character(w, 3, 1.21, 0);
+    run(w, 15);
+    const D3 from = feet(w, c);
+    const double angle_before = std::atan2(-from[2], from[0]);
+    run(w, 120);
+    const D3 to = feet(w, c);
+    CHECK(std::hypot(to[0], to[2]) == doctest::Approx(std::hypot(from[0], from[2])).epsilon(0.001));
+    CHECK(std::remainder(std::atan2(-to[2], to[0]) - angle_before - 2.0, 6.283185307179586) ==
+          doctest::Approx(0).epsilon(0.001));
+    const D3 facing = to_double(to_rotation(w.pose(w.body_of(c)).rotation).x);
+    CHECK(std::hypot(facing[0], facing[2]) == doctest::Approx(1).epsilon(1e-6));
+    CHECK(std::abs(to_double(w.angular_velocity(w.body_of(c)).y) - 1) < 1e-5);
+}
+
+TEST_CASE("who jumps off a platform takes its velocity along") {
+    World w = made(World::create(small_def()));
+    const BodyId platform = add_platform(w, at(0, 5, 0), vec(2, 0.2, 2), {});
+    CharacterDef def;
+    def.air_acceleration = {};
+    const CharacterId c = add_character(w, 0, 5.21, 0, def);
+    run(w, 20);
+    done(w.set_velocity(platform, vec(3, 1, 0), {}));
+    run(w, 20);
+    drive(w, c, 0, 0, true);
+    w.tick();
+    const D3 v = to_double(w.character_state(c).velocity);
+    CHECK(v[0] == doctest::Approx(3).epsilon(0.001));
+    CHECK(v[1] == doctest::Approx(5 + 1 - 9.81 / 60).epsilon(0.001));
+}
+
+TEST_CASE("a door pushes a character ahead of it, and a wall behind keeps it out of the wall") {
+    World w = made(World::create(small_def()));
+    add_floor(w);
+    const BodyId door = add_platform(w, at(-3, 1, 0), vec(0.05, 0.99, 2), vec(6, 0, 0));
+    const CharacterId c = add_character(w, 0, 0.01, 0);
+    for (int i = 0; i < 60; ++i) {
+        w.tick();
+        CHECK(overlap(w, c) == 0);
+        CHECK(feet(w, c)[0] > position(w, door)[0]);
+    }
+    CHECK(feet(w, c)[0] == doctest::Approx(3 + 0.05 + 0.3 + skin).epsilon(0.002));
+    const BodyId wall = add_wall(w, at(6, 1, 0), vec(0.5, 1, 5));
+    bool squeezed = false;
+    for (int i = 0; i < 60; ++i) {
+        w.tick();
+        CHECK(feet(w, c)[0] < 5.5 - 0.3);
+        squeezed |= w.character_state(c).squeezed != 0;
+    }
+    CHECK(w.is_alive(wall));
+    CHECK(squeezed);
+}
+
+TEST_CASE("a crate is pushed with at most push_force") {
+    // Without friction: acceleration push_force / mass, until it is as fast as the character.
+    for (const double mass : {50.0, 400.0}) {
+        Crate k = crate_ahead(mass, 0, 300);
+        double before = 0, most = 0;
+        for (int i = 0; i < 90; ++i) {
+            k.w.tick();
+            const double now = velocity(k.w, k.crate)[0];
+            most = std::max(most, (now - before) * 60 * mass);
+            before = now;
+        }
+        INFO("mass ", mass);
+        CHECK(most < 300 * 1.01);
+        CHECK(most > 300 * 0.9);
+        if (mass == 50) CHECK(before == doctest::Approx(3).epsilon(0.02));
+        CHECK(overlap(k.w, k.c) < 0.006);
+    }
+    Crate strong = crate_ahead(50, 0, 3000); // the twin: more force, more acceleration
+    double most = 0, before = 0;
+    for (int i = 0; i < 60; ++i) {
+        strong.w.tick();
+        most = std::max(most, (velocity(strong.w, strong.crate)[0] - before) * 60 * 50);
+        before = velocity(strong.w, strong.crate)[0];
+    }
+    CHECK(most > 400);
+}
+
+TEST_CASE("friction holds what push_force is too weak for") {
+    Crate held = crate_ahead(100, 0.5, 400); // 490 N hold it
+    run(held.w, 240);
+    CHECK(std::abs(position(held.w, held.crate)[0] - 2) < 0.002);
+    CHECK(overlap(held.w, held.c) == 0);
+    Crate moved = crate_ahead(100, 0.5, 600);
+    run(moved.w, 240);
+    CHECK(position(moved.w, moved.crate)[0] > 3);
+}
+
+TEST_CASE("a ball that hits a character is stopped as by a body of its mass, and the character stays put") {
+    for (const double mass : {1.0, 800.0}) {
+        World w = made(World::create(small_def()));
+        add_floor(w);
+        const BodyId ball = add(w,
+                                {.pose = at(-3, 0.9, 0),
+                                 .linear_velocity = vec(8, 0, 0),
+                                 .gravity_scale = {},
+                                 .mass = real(mass)},
+                                {.geometry = sphere(0.3_r), .friction = {}});
+        CharacterDef def;
+        def.push_force = {};
+        const CharacterId c = add_character(w, 0, 0.01, 0, def);
+        run(w, 22);
+        const double after = velocity(w, ball)[0];
+        INFO("mass ", mass);
+        if (mass == 1) CHECK(std::abs(after) < 0.3);
+        if (mass == 800) CHECK(after > 6);
+        if (mass == 1) CHECK(std::abs(feet(w, c)[0]) < 0.02);
+        if (mass == 800) CHECK(feet(w, c)[0] > 0.1);
+        CHECK(overlap(w, c) < 0.02);
+    }
+}
+
+TEST_CASE("a character weighs on what it stands on, and things lie on its head") {
+    // A raft of 400 kg that floats in the air, and 80 kg on it.
+    World w = made(World::create(small_def()));
+    const BodyId cart = add(w, {.locks = 61, .pose = at(0, 5, 0), .gravity_scale = {}, .mass = real(400)},
+                            {.geometry = box(2_r, 0.2_r, 2_r)});
+    const CharacterId c = add_character(w, 0, 5.21, 0);
+    run(w, 20);
+    const double before = velocity(w, cart)[1];
+    run(w, 30);
+    CHECK((before - velocity(w, cart)[1]) * 2 == doctest::Approx(9.81 * 80 / 400).epsilon(0.01));
+    CHECK(w.character_state(c).ground_body == cart);
+
+    World head = made(World::create(small_def()));
+    add_floor(head);
+    const CharacterId below = add_character(head, 0, 0.01, 0);
+    run(head, 20);
+    const BodyId crate = add_crate(head, at(0, 2.4, 0), 0.5);
+    run(head, 120);
+    CHECK(position(head, crate)[1] > 2.25);
+    CHECK(std::abs(feet(head, below)[1] - skin) < 1e-4);
+}
+
+TEST_CASE("characters are obstacles to each other") {
+    World w = made(World::create(small_def()));
+    add_floor(w);
+    const CharacterId a = add_character(w, -2, 0.01, 0), b = add_character(w, 2, 0.01, 0.01);
+    drive(w, a, 4, 0);
+    drive(w, b, -4, 0);
+    for (int i = 0; i < 90; ++i) {
+        w.tick();
+        const D3 apart = feet(w, a) - feet(w, b);
+        CHECK(std::hypot(apart[0], apart[2]) > 0.6);
+    }
+    const CharacterId ghost = add_character(w, -4, 0.01, 0, {.mask = 2});
+    run(w, 10);
+    CHECK_FALSE(stands(w, ghost)); // the twin: what its mask leaves out is not there, the floor included
+}
+
+TEST_CASE("destroying what a character stands on or is made of leaves a good world") {
+    World w = made(World::create(small_def()));
+    const BodyId floor = add_wall(w, at(0, -0.5, 0), vec(5, 0.5, 5));
+    const CharacterId a = add_character(w, 0, 0.01, 0), b = add_character(w, 1, 0.01, 0);
+    run(w, 20);
+    CHECK(stands(w, a));
+    done(w.destroy(floor));
+    run(w, 2);
+    CHECK_FALSE(stands(w, a));
+    CHECK_FALSE(w.destroy(w.shapes(w.body_of(b))[0]).ok());
+    done(w.destroy(w.body_of(a)));
+    CHECK_FALSE(w.is_alive(a));
+    CHECK(w.is_alive(b));
+    CHECK_FALSE(w.set_character_input(a, {}).ok());
+    run(w, 5);
+    done(w.destroy(b));
+    CHECK(w.character_count() == 0);
+    CHECK(w.body_count() == 0);
+    CHECK_FALSE(w.create_character({.height = 0.1_r}).ok());
+    CHECK_FALSE(w.create_character({.up = {}}).ok());
+    w.tick();
+}

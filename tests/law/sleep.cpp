@@ -1,0 +1,231 @@
+// Islands that rest fall asleep as a whole and wake as a whole; what sleeps is not touched by a tick.
+#include "support/sim_scenes.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cstring>
+
+using namespace lockstone;
+using namespace lockstone::test::scene;
+
+namespace {
+
+BodyId crate_at(World& w, double x, double y, double z = 0) {
+    return add(w, {.pose = at(x, y, z)}, {.geometry = box(real(0.5), real(0.5), real(0.5))});
+}
+void run(World& w, int ticks) {
+    for (int i = 0; i < ticks; ++i) w.tick();
+}
+std::size_t events_of(const World& w, EventKind kind, BodyId body) {
+    return static_cast<std::size_t>(std::ranges::count_if(
+        w.events(), [&](const Event& e) { return e.kind == kind && e.body_a == body; }));
+}
+/// Ticks until the body sleeps, at most `limit`.
+int ticks_to_sleep(World& w, BodyId body, int limit) {
+    int ticks = 0;
+    while (w.is_awake(body) && ticks < limit) w.tick(), ++ticks;
+    return ticks;
+}
+
+} // namespace
+
+TEST_CASE("a box at rest sleeps after the sleep time, with one event, and stands still to the bit") {
+    World w = made(World::create(drowsy_def()));
+    add_floor(w);
+    const BodyId crate = crate_at(w, 0, 0.5);
+    std::size_t slept = 0;
+    int ticks = 0;
+    for (; w.is_awake(crate) && ticks < 200; ++ticks)
+        w.tick(), slept += events_of(w, EventKind::body_sleep, crate);
+    CHECK(ticks >= 30);
+    CHECK(ticks < 60);
+    CHECK(slept == 1);
+    CHECK(w.awake_count() == 0);
+    CHECK(w.linear_velocity(crate) == Vec3{});
+    const Transform before = w.pose(crate);
+    run(w, 100);
+    CHECK(w.pose(crate) == before);
+    CHECK(w.events().empty());
+}
+
+TEST_CASE("nothing sleeps in a world that is told so, nor while it moves") {
+    WorldDef def = drowsy_def();
+    def.sleeping = 0;
+    World sleepless = made(World::create(def));
+    add_floor(sleepless);
+    const BodyId crate = crate_at(sleepless, 0, 0.5);
+    run(sleepless, 300);
+    CHECK(sleepless.is_awake(crate));
+
+    World w = made(World::create(weightless(drowsy_def())));
+    const BodyId drifting =
+        add(w, {.pose = at(0, 0, 0), .linear_velocity = vec(0.06, 0, 0)}, {.geometry = sphere(real(0.5))});
+    const BodyId turning =
+        add(w, {.pose = at(5, 0, 0), .angular_velocity = vec(0, 0.2, 0)}, {.geometry = sphere(real(0.5))});
+    const BodyId still = add(w, {.pose = at(9, 0, 0)}, {.geometry = sphere(real(0.5))});
+    run(w, 300);
+    CHECK(w.is_awake(drifting));
+    CHECK(w.is_awake(turning));
+    CHECK(!w.is_awake(still));
+}
+
+TEST_CASE("an island sleeps and wakes as a whole, and its neighbour does not notice") {
+    World w = made(World::create(drowsy_def()));
+    add_floor(w);
+    std::vector<BodyId> tower, other;
+    for (int i = 0; i < 4; ++i) tower.push_back(crate_at(w, 0, 0.5 + i));
+    for (int i = 0; i < 3; ++i) other.push_back(crate_at(w, 4, 0.5 + i));
+    run(w, 90);
+    REQUIRE(w.awake_count() == 0);
+    done(w.add_impulse(tower[3], vec(0, 10, 0)));
+    CHECK(w.is_awake(tower[0])); // at once, by the command
+    w.tick();
+    for (BodyId b : tower) {
+        CHECK(w.is_awake(b));
+        CHECK(events_of(w, EventKind::body_wake, b) == 1);
+    }
+    for (BodyId b : other) CHECK(!w.is_awake(b));
+    w.tick();
+    CHECK(events_of(w, EventKind::body_wake, tower[0]) == 0);
+    CHECK(ticks_to_sleep(w, tower[0], 200) < 200);
+}
+
+TEST_CASE(
+    "what falls on a sleeper wakes it in the tick of the touch, and it moves as if it had never slept") {
+    WorldDef sleepless_def = drowsy_def();
+    sleepless_def.sleeping = 0;
+    const auto start = [](const WorldDef& def) {
+        World w = made(World::create(def));
+        add_floor(w);
+        add(w, {.pose = at(0, 0.5, 0), .user_key = 1}, {.geometry = box(real(0.5), real(0.5), real(0.5))});
+        return w;
+    };
+    World w = start(drowsy_def()), sleepless = start(sleepless_def);
+    run(w, 60), run(sleepless, 60);
+    const BodyId crate = [&] {
+        for (BodyId b : w.bodies())
+            if (w.user_key(b) == 1) return b;
+        return BodyId{};
+    }();
+    REQUIRE(!w.is_awake(crate));
+    for (World* each : {&w, &sleepless})
+        add(*each, {.pose = at(0.2, 3, 0), .linear_velocity = vec(0, -6, 0)},
+            {.geometry = sphere(real(0.4))});
+    int woken_at = -1;
+    for (int i = 0; i < 60; ++i) {
+        w.tick(), sleepless.tick();
+        if (woken_at < 0 && w.is_awake(crate)) woken_at = i;
+    }
+    CHECK(woken_at > 10);
+    const Vec3 off = w.pose(crate).position - sleepless.pose(crate).position;
+    CHECK(length(off) < real(0.01)); // the velocity that sleep took was below 0.05 m/s
+}
+
+TEST_CASE("a joint, a kinematic body that starts, a floor that goes: each wakes what it holds") {
+    World w = made(World::create(drowsy_def()));
+    const BodyId floor = add_floor(w);
+    const BodyId lift = add(w, {.kind = BodyKind::kinematic, .pose = at(-4, 0.25, 0)},
+                            {.geometry = box(real(1), real(0.25), real(1))});
+    const BodyId rider = crate_at(w, -4, 1.0);
+    const BodyId a = crate_at(w, 3, 0.5), b = crate_at(w, 6, 0.5);
+    const JointId rope = made(w.create_joint(rope_joint(real(4)), a, b, at(4.5, 0.5, 0)));
+    run(w, 90);
+    REQUIRE(w.awake_count() == 0);
+
+    done(w.set_velocity(lift, vec(0, 0.02, 0), vec(0, 0, 0)));
+    CHECK(w.is_awake(rider));
+    run(w, 120);
+    CHECK(w.is_awake(rider)); // slower than the sleep speed, but carried
+    done(w.set_velocity(lift, vec(0, 0, 0), vec(0, 0, 0)));
+    run(w, 60);
+    CHECK(!w.is_awake(rider));
+
+    done(w.add_impulse(a, vec(0, 5, 0)));
+    CHECK(w.is_awake(b)); // joined bodies sleep and wake together
+    run(w, 90);
+    CHECK(!w.is_awake(a));
+    done(w.destroy(rope));
+    CHECK(w.is_awake(a));
+    run(w, 90);
+    REQUIRE(w.awake_count() == 0);
+
+    done(w.destroy(floor));
+    CHECK(w.is_awake(a));
+    CHECK(w.is_awake(b));
+    run(w, 30);
+    CHECK(w.pose(a).position.y < real(0));
+    CHECK(w.pose(rider).position.y > real(0.5)); // still on the lift
+}
+
+TEST_CASE("gravity, fields, filters, materials, shapes and static bodies wake whom they concern") {
+    const auto woken_by = [](auto&& command) {
+        World w = made(World::create(drowsy_def()));
+        const BodyId floor = add_floor(w);
+        const BodyId crate = crate_at(w, 0, 0.5);
+        const BodyId far = crate_at(w, 20, 0.5);
+        run(w, 90);
+        REQUIRE(w.awake_count() == 0);
+        command(w, floor, crate);
+        const bool at_once = w.is_awake(crate);
+        w.tick();
+        return std::tuple(at_once, w.is_awake(crate), w.is_awake(far));
+    };
+    using Woken = std::tuple<bool, bool, bool>;
+    CHECK(woken_by([](World& w, BodyId, BodyId) { done(w.set_gravity(vec(1, -9, 0))); }) ==
+          Woken{true, true, true});
+    CHECK(woken_by([](World& w, BodyId, BodyId) { made(w.create_field({.strength = Real(1)})); }) ==
+          Woken{true, true, true});
+    CHECK(woken_by([](World& w, BodyId, BodyId c) {
+              done(w.set_filter({w.shapes(c)[0], 2, 2, 0}));
+          }) == Woken{true, true, false});
+    CHECK(woken_by([](World& w, BodyId f, BodyId) {
+              done(w.set_material({w.shapes(f)[0], Real(0), Real(0), Real(0), {}}));
+          }) == Woken{true, true, true}); // both stand on it
+    CHECK(woken_by([](World& w, BodyId, BodyId c) { done(w.set_pose(c, at(0, 2, 0))); }) ==
+          Woken{true, true, false});
+    CHECK(woken_by([](World& w, BodyId f, BodyId c) { done(w.set_pair_filter(f, c, false)); }) ==
+          Woken{true, true, true});
+    CHECK(woken_by([](World& w, BodyId, BodyId c) { done(w.wake_body(c)); }) == Woken{true, true, false});
+    // A wall that appears in a sleeper wakes it when the next tick finds them together; one that appears elsewhere does not.
+    CHECK(woken_by([](World& w, BodyId, BodyId) { add_wall(w, at(0.7, 0.5, 0), vec(0.3, 0.5, 0.5)); }) ==
+          Woken{false, true, false});
+    CHECK(woken_by([](World& w, BodyId, BodyId) { add_wall(w, at(8, 0.5, 0), vec(0.3, 0.5, 0.5)); }) ==
+          Woken{false, false, false});
+}
+
+TEST_CASE("an awake body that only comes near leaves a sleeper alone") {
+    World w = made(World::create(drowsy_def()));
+    add_floor(w);
+    const BodyId crate = crate_at(w, 0, 0.5);
+    run(w, 90);
+    REQUIRE(!w.is_awake(crate));
+    add(w, {.pose = at(-6, 0.5, 1.2), .linear_velocity = vec(4, 0, 0)}, {.geometry = sphere(real(0.5))});
+    run(w, 120);
+    CHECK(!w.is_awake(crate));
+    add(w, {.pose = at(-6, 0.5, 0.3), .linear_velocity = vec(4, 0, 0)}, {.geometry = sphere(real(0.5))});
+    run(w, 120);
+    CHECK(w.pose(crate).position.x > real(0.01));
+}
+
+TEST_CASE("contacts of sleepers are remembered: no event of an end, none of a beginning, and the tower wakes "
+          "standing") {
+    World w = made(World::create(drowsy_def()));
+    add_floor(w);
+    std::vector<BodyId> tower;
+    for (int i = 0; i < 6; ++i) tower.push_back(crate_at(w, 0, 0.5 + i));
+    run(w, 90);
+    REQUIRE(w.awake_count() == 0);
+    std::size_t touches = 0;
+    const double top = to_double(w.pose(tower[5]).position.y);
+    for (int round = 0; round < 5; ++round) {
+        done(w.wake_body(tower[0]));
+        for (int i = 0; i < 45; ++i) {
+            w.tick();
+            for (const Event& e : w.events()) touches += e.kind <= EventKind::contact_end ? 1 : 0;
+        }
+        CHECK(!w.is_awake(tower[0]));
+    }
+    CHECK(touches == 0);
+    CHECK(std::abs(to_double(w.pose(tower[5]).position.y) - top) < 1e-5);
+}

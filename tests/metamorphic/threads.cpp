@@ -1,0 +1,133 @@
+// Nobody can tell from a world how many workers ran its ticks, which of them, or in which order.
+#include "support/allocation_counter.h"
+#include "support/task_worlds.h"
+
+#include <doctest/doctest.h>
+
+#include <cstdlib>
+
+using namespace lockstone;
+using namespace lockstone::test;
+
+namespace {
+
+const bool is_long = std::getenv("LOCKSTONE_LONG") != nullptr;
+/// Of runs on one thread, and on several: pools larger than the machine are slow.
+const int tick_count = is_long ? 600 : 40, pool_ticks = is_long ? 200 : 3;
+
+} // namespace
+
+TEST_CASE("every scene has the same hashes on 1, 2, 3, 8 and 16 workers as on none") {
+    std::vector<std::unique_ptr<Tasks>> pools;
+    std::vector<Tasks*> tasks;
+    for (const std::uint32_t workers : {1u, 2u, 3u, 8u, 16u}) {
+        pools.push_back(make_worker_pool(workers));
+        REQUIRE(pools.back()->worker_count() == workers);
+        tasks.push_back(pools.back().get());
+    }
+    for (const SceneInfo& info : scenes()) {
+        INFO(info.name);
+        CHECK(first_departure(*small_scene(info), tasks, 30, pool_ticks) == "");
+    }
+}
+
+TEST_CASE("every scene has the same hashes when its tasks run in random order, and there are such tasks") {
+    std::uint64_t runs = 0, items = 0;
+    for (const SceneInfo& info : scenes()) {
+        INFO(info.name);
+        ShuffledTasks one(1), many(2, 64);
+        CHECK(first_departure(*small_scene(info), std::array<Tasks*, 2>{&one, &many}, 25,
+                              is_long ? 300 : 8) == "");
+        runs += one.runs, items += one.items_run;
+    }
+    CHECK(runs > 1000);
+    CHECK(items > 3 * runs);
+}
+
+TEST_CASE("every scene has the same hashes when its workers are interrupted at random") {
+    UnsteadyTasks three(3, 7), eight(8, 8);
+    for (const SceneInfo& info : scenes()) {
+        INFO(info.name);
+        CHECK(first_departure(*small_scene(info), std::array<Tasks*, 2>{&three, &eight}, 40, pool_ticks) ==
+              "");
+    }
+}
+
+TEST_CASE("a world restored to any tick goes on alike with another number of workers") {
+    const auto pool = make_worker_pool(3);
+    ShuffledTasks shuffled(5);
+    for (const char* name : {"pile", "convex-pile", "rollback-arena", "terrain"}) {
+        INFO(name);
+        const auto game = small_scene(*find_scene(name));
+        ScriptedInputs inputs(*game);
+        World world = game->start().value();
+        World with_pool = world.clone(), with_shuffled = world.clone();
+        with_pool.set_tasks(pool.get()), with_shuffled.set_tasks(&shuffled);
+        std::vector<Image> images;
+        std::vector<std::uint64_t> hashes;
+        for (int t = 0; t < tick_count; ++t) {
+            world.save(images.emplace_back());
+            hashes.push_back(world.hash());
+            game->advance(world, inputs.at(world.tick_count()));
+        }
+        for (std::size_t from = 0; from + 5 < images.size(); from += 7)
+            for (World* w : {&with_pool, &with_shuffled}) {
+                w->restore(images[from]);
+                for (std::size_t t = from; t < from + 5; ++t) {
+                    REQUIRE(w->hash() == hashes[t]);
+                    game->advance(*w, inputs.at(w->tick_count()));
+                }
+            }
+    }
+}
+
+TEST_CASE("contacts beyond the capacity are dropped alike") {
+    WorldDef def = scene::small_def();
+    def.bodies_max = def.shapes_max = 300;
+    def.contacts_max = 130;
+    World world = scene::made(World::create(def));
+    scene::add_floor(world);
+    for (int i = 0; i < 200; ++i)
+        scene::add_crate(world, scene::at(i % 7 * 0.98, 0.5 + i / 49 * 0.98, i / 7 % 7 * 0.98));
+    const auto pool = make_worker_pool(4);
+    ShuffledTasks shuffled(9);
+    CHECK(first_departure(world, std::array<Tasks*, 2>{pool.get(), &shuffled}, 20,
+                          [](World& w, Tasks*) { w.tick(); }) == "");
+    world.tick();
+    CHECK(world.faults().contacts_dropped > 0);
+}
+
+TEST_CASE("tasks are no part of a world: a clone has none, and they can change between ticks") {
+    const auto game = small_scene(*find_scene("pile"));
+    World world = game->start().value();
+    ShuffledTasks first(1), second(2);
+    world.set_tasks(&first);
+    for (int t = 0; t < 5; ++t) world.tick();
+    CHECK(first.runs > 0);
+    const std::uint64_t runs = first.runs;
+    World copy = world.clone();
+    world.set_tasks(&second);
+    for (int t = 0; t < 5; ++t) world.tick(), copy.tick();
+    CHECK(first.runs == runs);
+    CHECK(second.runs > 0);
+    world.set_tasks(nullptr);
+    const std::uint64_t before = second.runs;
+    world.tick(), copy.tick();
+    CHECK(second.runs == before);
+    CHECK(world.hash() == copy.hash());
+}
+
+TEST_CASE("the thread that ticks on a pool allocates no more than one that ticks alone") {
+    const auto allocations = [](Tasks* tasks) {
+        const auto game = make_scene("pyramid", {.size = 12}).value();
+        World world = game->start().value();
+        world.set_tasks(tasks);
+        for (int t = 0; t < 20; ++t) world.tick();
+        const AllocationCounter counter;
+        for (int t = 0; t < 20; ++t) world.tick();
+        return counter.count();
+    };
+    const auto pool = make_worker_pool(2);
+    CHECK(allocations(nullptr) == 0);
+    CHECK(allocations(pool.get()) == 0);
+}

@@ -1,0 +1,84 @@
+// Worlds that start alike, on different tasks: do they stay alike?
+#pragma once
+
+#include "scenes/scenes.h"
+#include "support/sim_scenes.h"
+#include "support/task_runners.h"
+
+namespace lockstone::test {
+
+/// The built-in scenes, small enough to run many times, large enough for more than one chunk of everything.
+inline std::unique_ptr<Game> small_scene(const SceneInfo& info) {
+    SceneOptions options;
+    if (info.size_default != 0)
+        options.size =
+            std::min(info.size_max, info.name == "pyramid" ? 14u : std::min(info.size_default, 150u));
+    return make_scene(info.name, options).value();
+}
+
+/// Inputs of all players at a tick, as scripted.
+class ScriptedInputs {
+  public:
+    explicit ScriptedInputs(const Game& from)
+        : game(from), bytes(game.player_count(), std::vector<std::byte>(game.input_size())),
+          inputs(game.player_count()) {}
+    std::span<const PlayerInput> at(std::uint64_t tick) {
+        for (std::uint32_t p = 0; p < inputs.size(); ++p) {
+            scripted_input(game, 1, tick, p, bytes[p]);
+            inputs[p] = {bytes[p]};
+        }
+        return inputs;
+    }
+
+  private:
+    const Game& game;
+    std::vector<std::vector<std::byte>> bytes;
+    std::vector<PlayerInput> inputs;
+};
+
+/// Where the outputs of the last tick part; empty when they do not.
+inline std::string output_difference(const World& left, const World& right) {
+    const auto bytes = [](const auto& rows) {
+        std::vector<std::byte> out;
+        using Row = typename std::decay_t<decltype(rows)>::value_type;
+        for (const Row& row : rows)
+            append_canonical(std::as_bytes(std::span(&row, 1)), leaves_of<Row>(), out);
+        return out;
+    };
+    if (bytes(left.events()) != bytes(right.events())) return "events differ";
+    const auto same = [](const World::ContactPoint& a, const World::ContactPoint& b) {
+        return a.shape_a == b.shape_a && a.shape_b == b.shape_b && a.point == b.point &&
+               a.normal == b.normal && a.separation == b.separation && a.impulse == b.impulse;
+    };
+    return std::ranges::equal(left.contacts(), right.contacts(), same) ? "" : "contacts differ";
+}
+
+/// Runs the rules on a world without tasks, and on a clone of it for each of `tasks`, tick by tick. `advance` gets a world
+/// and its tasks. Says where the first of them departs; empty when none does.
+template <class Advance>
+std::string first_departure(const World& start, std::span<Tasks* const> tasks, int ticks, Advance&& advance) {
+    World expected = start.clone();
+    std::vector<World> worlds;
+    for (Tasks* with : tasks) worlds.push_back(start.clone()), worlds.back().set_tasks(with);
+    for (int t = 0; t < ticks; ++t) {
+        advance(expected, nullptr);
+        for (std::size_t i = 0; i < worlds.size(); ++i) {
+            advance(worlds[i], tasks[i]);
+            std::string found = scene::difference(expected, worlds[i]);
+            if (found.empty()) found = output_difference(expected, worlds[i]);
+            if (!found.empty()) return "tasks " + std::to_string(i) + ": " + found;
+        }
+    }
+    return {};
+}
+
+/// The scene's rules, after `before` ticks without tasks.
+inline std::string first_departure(const Game& game, std::span<Tasks* const> tasks, int before, int ticks) {
+    ScriptedInputs inputs(game);
+    World start = game.start().value();
+    const auto advance = [&](World& world, Tasks*) { game.advance(world, inputs.at(world.tick_count())); };
+    for (int t = 0; t < before; ++t) advance(start, nullptr);
+    return first_departure(start, tasks, ticks, advance);
+}
+
+} // namespace lockstone::test

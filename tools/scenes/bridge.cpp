@@ -1,0 +1,85 @@
+// Planks on hinges between two banks, and boxes that fall on them.
+#include "lockstone/math.h"
+#include "lockstone/random.h"
+#include "scenes/scene.h"
+
+#include <algorithm>
+
+namespace lockstone::scenes_detail {
+namespace {
+
+constexpr Real pitch = 0.4_r, half_plank = 0.19_r, half_thickness = 0.05_r, half_width = 0.9_r; ///< [m]
+constexpr Real arc = 0.85_r; ///< angle of the arc that the planks start in [rad]: 3 % longer than the gap
+constexpr std::uint32_t planks_per_box = 8;
+constexpr UnitVec3 axis_y{Unit{}, unit_one, Unit{}}, axis_z{Unit{}, Unit{}, unit_one};
+
+class Bridge final : public Scene {
+  public:
+    using Scene::Scene;
+
+    Result<World> start() const override {
+        const std::uint32_t boxes = std::max(1u, options.size / planks_per_box);
+        WorldDef def = world_for(options.size + boxes, options.seed);
+        def.joints_max = options.size + 1;
+        Builder build(def);
+        build.ground();
+        const Real length = pitch * Real(options.size), height = 2_r + length * 0.12_r;
+        const Real span = build_planks(build, height);
+        Random random = Random::seeded(options.seed);
+        for (std::uint32_t i = 0; i < boxes; ++i) {
+            const Real x = span * ((Real(i) + 0.5_r) / Real(boxes) - 0.5_r);
+            const Real side = random.range(-0.3_r, 0.3_r), turn = random.range(-pi, pi);
+            build.body(
+                {.pose = at({x, height + random.range(0.8_r, 3_r), side}, from_axis_angle(axis_y, turn)),
+                 .user_key = user_key_of(Role::prop, 6 * options.size + i)},
+                {.geometry = box(0.35_r, 0.35_r, 0.35_r), .density = 150_r, .friction = 0.9_r});
+        }
+        return std::move(build).finish();
+    }
+
+  private:
+    Real slope(std::uint32_t plank) const {
+        return arc * ((Real(plank) + 0.5_r) / Real(options.size) - 0.5_r);
+    }
+
+    /// A sagging arc of planks, its ends hinged to the banks. Returns the gap between these.
+    Real build_planks(Builder& build, Real height) const {
+        const Quat across = from_axis_angle(axis_y, -half_pi); // a hinge turns about x of its frame: here z
+        Real span{};
+        for (std::uint32_t i = 0; i < options.size; ++i) span += pitch * cos(slope(i));
+        BodyId before = build_bank(build, -half(span), -1_r, height);
+        Vec3 hinge{-half(span), height, 0_r};
+        for (std::uint32_t i = 0; i < options.size; ++i) {
+            const Vec3 along{pitch * cos(slope(i)), pitch * sin(slope(i)), 0_r};
+            const BodyId plank =
+                build.body({.pose = at(hinge + along * 0.5_r, from_axis_angle(axis_z, slope(i))),
+                            .linear_damping = 0.2_r,
+                            .angular_damping = 0.5_r,
+                            .user_key = user_key_of(Role::prop, 6 * i + (i % 2 == 0 ? 1 : 3))},
+                           {.geometry = box(half_plank, half_thickness, half_width),
+                            .density = 500_r,
+                            .friction = 0.9_r});
+            build.joint(hinge_joint(), before, plank, at(hinge, across));
+            before = plank;
+            hinge += along;
+        }
+        build.joint(hinge_joint(), build_bank(build, half(span), 1_r, height), before, at(hinge, across));
+        return span;
+    }
+
+    /// Its edge at `edge`, the rest of it on the side that `side` says.
+    static BodyId build_bank(Builder& build, Real edge, Real side, Real height) {
+        return build.body({.kind = BodyKind::static_,
+                           .pose = at({edge + side * 2_r, half(height), 0_r}),
+                           .user_key = user_key_of(Role::wall, side < 0_r ? 0 : 1)},
+                          {.geometry = box(2_r, half(height), 2_r)});
+    }
+};
+
+} // namespace
+
+std::unique_ptr<Scene> make_bridge(const SceneInfo& info, const SceneOptions& options) {
+    return std::make_unique<Bridge>(info, options, 1);
+}
+
+} // namespace lockstone::scenes_detail
