@@ -87,13 +87,14 @@ check_program() {
 
 hash_file() { printf 'build/hashes/%s/%s.tsv' "$1" "${2// /}"; }
 
-# Hashes of every scene after every tick by one build's command line.
+# Hashes of every scene after every tick by one build's command line, with further arguments if there are any.
 write_hashes() {
     local name=$1 program=$2 scene words
+    shift 2
     mkdir -p "build/hashes/$name"
     for scene in "${hash_scenes[@]}"; do
         read -ra words <<<"$scene"
-        "$program" run "${words[@]}" --ticks "$hash_ticks" --hashes "$(hash_file "$name" "$scene")"
+        "$program" run "${words[@]}" --ticks "$hash_ticks" --hashes "$(hash_file "$name" "$scene")" "$@"
     done
 }
 

@@ -1,0 +1,86 @@
+// Prints what a tick, a save, a restore with the tick after it, and a hash cost in a world of 200 awake bodies alone, and with
+// 10,000 sleepers around them. No assertions: timings depend on the machine. Run it on an idle core.
+#include "support/sim_scenes.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+
+using namespace lockstone;
+using namespace lockstone::test::scene;
+
+namespace {
+
+constexpr int awake_bodies = 200, rounds = 120;
+
+/// Spheres that bounce for ever in a bowl of walls, and pairs of crates that fall asleep at once.
+World make_world(int sleepers) {
+    WorldDef def;
+    def.bodies_max = def.shapes_max = static_cast<std::uint32_t>(awake_bodies + sleepers + 8);
+    def.contacts_max = 16 * def.bodies_max;
+    World w = made(World::create(def));
+    add_floor(w);
+    for (double side : {-9.0, 9.0}) {
+        add_wall(w, at(side, 5, 0), vec(0.5, 5, 9.5));
+        add_wall(w, at(0, 5, side), vec(9.5, 5, 0.5));
+    }
+    for (int i = 0; i < awake_bodies; ++i)
+        add_ball(w, at(i % 8 * 2 - 7, 1 + i / 64 * 1.5, i / 8 % 8 * 2 - 7), 0.5, 1);
+    for (int i = 0; i < sleepers; ++i)
+        add_crate(w, at(30 + i / 2 % 100 * 1.5, 0.5 + i % 2, i / 200 * 1.5 - 40));
+    for (int t = 0; t < 90; ++t) {
+        for (std::uint32_t row = 0; row < w.awake_count(); ++row)
+            if (const BodyId b = w.body_at(row); w.shape(w.shapes(b)[0]).geometry.kind == ShapeKind::sphere)
+                done(w.wake_body(b)); // a ball that has come to rest stays awake
+        w.tick();
+    }
+    return w;
+}
+
+double median(std::vector<double>& times) {
+    std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2),
+                     times.end());
+    return times[times.size() / 2];
+}
+template <class Work> double microseconds(Work&& work) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
+}
+
+struct Cost {
+    double tick, save, restore, resumed, hash;
+};
+Cost measure(World& w) {
+    std::vector<Image> ring(8);
+    for (Image& image : ring) w.save(image);
+    std::vector<double> tick, save, restore, resumed, hash;
+    std::uint64_t sum = 0;
+    for (std::size_t i = 0; i < rounds; ++i) {
+        save.push_back(microseconds([&] { w.save(ring[i % 8]); }));
+        tick.push_back(microseconds([&] { w.tick(); }));
+        hash.push_back(microseconds([&] { sum += w.hash(); }));
+        if (i % 8 != 7) continue;
+        restore.push_back(microseconds([&] { w.restore(ring[1]); })); // seven ticks back
+        resumed.push_back(microseconds([&] { w.tick(); }));
+    }
+    std::printf("%u awake of %u, hash sum %016llx\n", w.awake_count(), w.body_count(),
+                static_cast<unsigned long long>(sum));
+    return {median(tick), median(save), median(restore), median(resumed), median(hash)};
+}
+
+} // namespace
+
+int main() {
+    World alone = make_world(0), among = make_world(10000);
+    const Cost a = measure(alone), b = measure(among);
+    std::printf("%-24s %10s %14s %8s\n", "[us]", "200 awake", "and 10,000", "ratio");
+    const auto row = [](const char* what, double x, double y) {
+        std::printf("%-24s %10.2f %14.2f %8.2f\n", what, x, y, y / x);
+    };
+    row("tick", a.tick, b.tick);
+    row("save", a.save, b.save);
+    row("restore", a.restore, b.restore);
+    row("tick after a restore", a.resumed, b.resumed);
+    row("hash", a.hash, b.hash);
+}
