@@ -15,6 +15,7 @@ namespace {
 struct Args {
     std::string model, asset, as = "hull";
     cook::CookOptions options;
+    cook::ImportLimits limits;
     bool json = false;
 };
 
@@ -59,6 +60,8 @@ void describe(CLI::App& command, Args& args) {
              "mesh, height-field: edges that bend less are not felt [degrees]", 0, 90);
     add_real(command, "--spacing", args.options.spacing,
              "height-field: between samples [m]; default: as coarse as the deviation allows", 1e-4, 1e3);
+    add_number(command, "--seconds", args.limits.seconds, "give up on a model that takes longer to read", 1,
+               86400);
     command.add_flag("--z-up", args.options.z_up, "the model's z axis points up");
     command.add_flag("--json", args.json, "for programs");
 }
@@ -120,7 +123,7 @@ Result<Exit> run(const Args& args) {
     if (Status s = check_output(args.asset, args.model); !s) return s.error();
     cook::CookOptions options = args.options;
     options.as = kinds.at(args.as);
-    const Result<cook::Soup> model = cook::import_model(args.model);
+    const Result<cook::Soup> model = cook::import_model(args.model, args.limits);
     if (!model) return model.error();
     const Result<cook::Cooked> made = cook::cook(*model, options);
     if (!made) return Error{args.model + ": as " + args.as + ": " + made.error().message};

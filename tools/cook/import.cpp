@@ -34,12 +34,12 @@ constexpr std::uint64_t text_max = 4096;
 
 // ---- the child ------------------------------------------------------------------------------------------------
 
-void limit_child() {
+void limit_child(const ImportLimits& limits) {
 #ifndef LOCKSTONE_SANITIZED // whose shadow memory is larger than any limit
-    const rlimit memory{import_memory_max, import_memory_max};
+    const rlimit memory{limits.memory, limits.memory};
     setrlimit(RLIMIT_AS, &memory);
 #endif
-    const rlimit seconds{import_seconds_max, import_seconds_max}, none{0, 0};
+    const rlimit seconds{limits.seconds, limits.seconds}, none{0, 0};
     setrlimit(RLIMIT_CPU, &seconds);
     setrlimit(RLIMIT_CORE, &none);
 }
@@ -56,8 +56,8 @@ bool send_all(int pipe, const void* data, std::size_t size) {
     return true;
 }
 
-[[noreturn]] void run_child(int pipe, const std::string& path) {
-    limit_child();
+[[noreturn]] void run_child(int pipe, const std::string& path, const ImportLimits& limits) {
+    limit_child(limits);
     Header header{magic, 0, 0, 0};
     std::string sentence;
     Soup soup;
@@ -87,14 +87,15 @@ bool send_all(int pipe, const void* data, std::size_t size) {
 /// Reads from the child until a fixed moment.
 class Reader {
   public:
-    explicit Reader(int from) : pipe(from) {}
+    Reader(int from, std::uint32_t seconds)
+        : pipe(from), deadline(Clock::now() + std::chrono::seconds(seconds)) {}
 
     /// False when the child ended early or the time is over.
     bool take(void* out, std::size_t size) {
         char* at = static_cast<char*>(out);
         while (size > 0) {
-            const auto left = std::chrono::duration_cast<std::chrono::seconds>(deadline - Clock::now());
-            timeval wait{left.count(), 0};
+            const auto left = std::chrono::duration_cast<std::chrono::microseconds>(deadline - Clock::now());
+            timeval wait{left.count() / 1'000'000, left.count() % 1'000'000};
             fd_set readable;
             FD_ZERO(&readable);
             FD_SET(pipe, &readable);
@@ -115,7 +116,7 @@ class Reader {
   private:
     using Clock = std::chrono::steady_clock;
     int pipe;
-    Clock::time_point deadline = Clock::now() + std::chrono::seconds(import_seconds_max);
+    Clock::time_point deadline;
 };
 
 /// The soup or the child's own sentence; nothing when what came is neither.
@@ -140,8 +141,8 @@ std::optional<Result<Soup>> receive(Reader& reader) {
 }
 
 /// Why no answer came from a child that ended with `status`.
-std::string reason_of(const Reader& reader, int status) {
-    if (reader.late) return "the importer took longer than " + std::to_string(import_seconds_max) + " s";
+std::string reason_of(const Reader& reader, int status, const ImportLimits& limits) {
+    if (reader.late) return "the importer took longer than " + std::to_string(limits.seconds) + " s";
     if (!reader.ended || !WIFSIGNALED(status)) return "the importer sent nothing that can be read";
     const int signal = WTERMSIG(status);
     if (signal == SIGXCPU || signal == SIGKILL) return "the importer took too much time or memory";
@@ -150,7 +151,7 @@ std::string reason_of(const Reader& reader, int status) {
 
 } // namespace
 
-Result<Soup> import_model(const std::string& path) {
+Result<Soup> import_model(const std::string& path, const ImportLimits& limits) {
     std::error_code none;
     if (!std::filesystem::is_regular_file(path, none)) return Error{path + ": there is no such file"};
     int ends[2];
@@ -159,16 +160,16 @@ Result<Soup> import_model(const std::string& path) {
     if (child < 0) return Error{path + ": cannot start the importer: " + std::strerror(errno)};
     if (child == 0) {
         close(ends[0]);
-        run_child(ends[1], path);
+        run_child(ends[1], path, limits);
     }
     close(ends[1]);
-    Reader reader(ends[0]);
+    Reader reader(ends[0], limits.seconds);
     const std::optional<Result<Soup>> answer = receive(reader);
     close(ends[0]);
     if (!answer && !reader.ended) kill(child, SIGKILL);
     int status = 0;
     while (waitpid(child, &status, 0) < 0 && errno == EINTR) {}
-    if (!answer) return Error{path + ": " + reason_of(reader, status)};
+    if (!answer) return Error{path + ": " + reason_of(reader, status, limits)};
     if (!*answer) return Error{path + ": " + answer->error().message};
     if (const std::string why = check(**answer, import_coordinate_max); !why.empty())
         return Error{path + ": " + why};

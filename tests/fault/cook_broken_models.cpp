@@ -1,0 +1,47 @@
+// Models that the importer does not survive: what is kept in tests/fuzz/corpus/broken ends as a sentence that names the
+// file and the reason, within the limits that were given, and the process that asked goes on.
+#include "cook/import.h"
+
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace {
+
+using namespace lockstone;
+
+const std::filesystem::path folder = std::filesystem::path(LOCKSTONE_SOURCE_DIR) / "tests/fuzz/corpus/broken";
+
+/// Empty when the model was refused, with its name, because the importer did not come to an end of itself.
+std::string uncontained(const std::filesystem::path& model, const cook::ImportLimits& limits) {
+    const Result<cook::Soup> soup = cook::import_model(model.string(), limits);
+    if (soup) return "was read";
+    const std::string& message = soup.error().message;
+    if (!message.starts_with(model.string() + ": the importer ")) return "refused otherwise: " + message;
+    return {};
+}
+
+} // namespace
+
+TEST_CASE("models that break the importer end as a sentence") {
+    int count = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+        INFO(entry.path());
+        CHECK(uncontained(entry.path(), {.seconds = 2}) == "");
+        ++count;
+    }
+    CHECK(count >= 1);
+}
+
+TEST_CASE("planted: a model that is read, or refused for what it says, did not break the importer") {
+    const std::string text =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n2 0 0\n2 1 0\n3 0 1 2\n";
+    const std::filesystem::path path = std::filesystem::temp_directory_path() / "lockstone-mended.ply";
+    std::ofstream(path, std::ios::binary) << text;
+    CHECK(uncontained(path, {.seconds = 2}) == "was read");
+    std::ofstream(path, std::ios::binary) << "ply\nformat nonsense\n";
+    CHECK(uncontained(path, {.seconds = 2}).starts_with("refused otherwise: "));
+    std::filesystem::remove(path);
+}
