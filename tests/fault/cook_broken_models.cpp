@@ -31,7 +31,7 @@ TEST_CASE("models that break the importer end as a sentence") {
         CHECK(uncontained(entry.path(), {.seconds = 2}) == "");
         ++count;
     }
-    CHECK(count >= 1);
+    CHECK(count >= 2); // one that does not end, one that crashes
 }
 
 TEST_CASE("planted: a model that is read, or refused for what it says, did not break the importer") {
