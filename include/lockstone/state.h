@@ -143,6 +143,19 @@ class Image {
     std::size_t packed_size = 0;
 };
 
+/// Rows [first, end) of a table.
+struct RowRange {
+    std::uint32_t first, end;
+};
+
+/// How far a reader has followed a state, column by column: see State::take_changes. A fresh one has seen nothing.
+class ChangeMark {
+    friend class State;
+    detail::Owner owner;
+    detail::Versions versions;       ///< of what the reader saw; 0: of pages that were not live then
+    std::vector<std::uint32_t> rows; ///< by column: how many there were
+};
+
 /// Where two states first differ, ready to print.
 struct Difference {
     std::string column; ///< "body.velocity"; for row counts the table's name
@@ -231,6 +244,12 @@ class State {
     /// The root, over all live rows; hashes the pages that were written since it was last asked. Never allocates.
     std::uint64_t hash() const;
     HashTree hash_tree() const;
+
+    // ---- following changes: for what is derived from rows and kept beside the state ----
+    /// The live rows of a column that may be others than when this was last called with the mark, in whole pages, in
+    /// order; `out` is written anew. Returns how many rows there were then: those from there on that are gone are not
+    /// in `out`. Of a state that was replaced by another, all rows.
+    std::uint32_t take_changes(std::uint32_t column, ChangeMark& mark, std::vector<RowRange>& out) const;
 
     // ---- checks of the bookkeeping; builds without NDEBUG make them at each hash, save and restore ----
     /// Hashes every page anew: refuses, with the column and the rows, where hash() would use another value.

@@ -47,26 +47,26 @@ void hand_over(Data& w, const ShapeRow& shape, std::uint32_t body_row) {
     Scratch& s = w.scratch;
     const std::uint32_t slot = shape.id.index - 1;
     Scratch::Shape& at = s.shape[slot];
-    at.rests = false;
+    at.rests = !is_awake(w, body_row);
     if (shape.geometry.kind == ShapeKind::plane) {
         // Before a restore this slot and generation may have held a shape with bounds.
         if (s.proxy_generation[slot] != 0) s.broad_phase.remove(slot);
         s.proxy_generation[slot] = 0;
         return;
     }
-    const bool rests = !is_awake(w, body_row);
-    s.broad_phase.set(slot, at.bounds, rests);
+    s.broad_phase.set(slot, at.bounds, at.rests);
     s.proxy_generation[slot] = shape.id.generation;
-    if (!rests) return;
+    if (!at.rests) return;
     at.resting_local = shape.local;
     at.resting_at = w.state.rows(w.m.body_pose)[body_row];
     at.resting_center = w.state.rows(w.m.body_mass)[body_row].center;
-    at.rests = true;
 }
 
 void set_proxy(Data& w, const ShapeRow& shape, std::uint32_t body_row) {
+    Scratch::Shape& at = w.scratch.shape[shape.id.index - 1];
+    at.rests = false;
     solid_of(w, shape);
-    place(w, shape, body_row, w.scratch.shape[shape.id.index - 1]);
+    place(w, shape, body_row, at);
     hand_over(w, shape, body_row);
 }
 
@@ -115,22 +115,72 @@ void update_awake(Data& w) {
         });
 }
 
-void drop_dead_proxies(Data& w) {
-    Scratch& s = w.scratch;
+bool is_living_plane(const Data& w, std::uint32_t slot) {
     const std::span<const Slot> slots = w.state.rows(w.m.shape_slot);
-    for (std::uint32_t slot = 0; slot < s.proxy_generation.size(); ++slot) {
-        if (s.proxy_generation[slot] == 0) continue;
-        if (slot < slots.size() && slots[slot].alive != 0 &&
-            slots[slot].generation == s.proxy_generation[slot])
-            continue;
-        s.broad_phase.remove(slot);
-        s.proxy_generation[slot] = 0;
+    return slot < slots.size() && slots[slot].alive != 0 &&
+           w.state.rows(w.m.shape)[slots[slot].row].geometry.kind == ShapeKind::plane;
+}
+
+void drop_if_dead(Data& w, std::uint32_t slot) {
+    Scratch& s = w.scratch;
+    if (s.proxy_generation[slot] == 0) return;
+    const std::span<const Slot> slots = w.state.rows(w.m.shape_slot);
+    if (slot < slots.size() && slots[slot].alive != 0 && slots[slot].generation == s.proxy_generation[slot])
+        return;
+    s.broad_phase.remove(slot);
+    s.proxy_generation[slot] = 0;
+}
+
+void set_resting_proxies(Data& w, std::uint32_t first_body, std::uint32_t end_body) {
+    for (std::uint32_t row = std::max(first_body, w.header().bodies_awake); row < end_body; ++row)
+        for_each_shape(w, row, [&](const ShapeRow& shape) { set_resting_proxy(w, shape, row); });
+}
+
+/// A shape that may not have been there before.
+void meet_shape(Data& w, const ShapeRow& shape) {
+    std::vector<std::uint32_t>& planes = w.scratch.planes;
+    const std::uint32_t slot = shape.id.index - 1, body_row = w.row_of(shape.body);
+    if (shape.geometry.kind == ShapeKind::plane) {
+        const auto at = std::lower_bound(planes.begin(), planes.end(), slot);
+        if (at == planes.end() || *at != slot) planes.insert(at, slot);
     }
-    s.planes.clear();
-    for (std::uint32_t slot = 0; slot < slots.size(); ++slot)
-        if (slots[slot].alive != 0 &&
-            w.state.rows(w.m.shape)[slots[slot].row].geometry.kind == ShapeKind::plane)
-            s.planes.push_back(slot);
+    if (!is_awake(w, body_row)) set_resting_proxy(w, shape, body_row);
+}
+
+/// Proxies of what rests, and the planes, after anything may have happened to the state. Where the pages of a shape and of
+/// its body are those of the last time, and the body rested then too, its proxy is right: what made it has not changed.
+void update_resting(Data& w) {
+    Scratch& s = w.scratch;
+    const State& state = w.state;
+    const std::uint32_t slots_before = state.take_changes(w.m.shape_slot.index, s.proxies_of, s.changed);
+    for (const RowRange& range : s.changed)
+        for (std::uint32_t slot = range.first; slot < range.end; ++slot) drop_if_dead(w, slot);
+    for (std::uint32_t slot = state.count(w.m.shape_slots); slot < slots_before; ++slot)
+        drop_if_dead(w, slot);
+    std::erase_if(s.planes, [&](std::uint32_t slot) { return !is_living_plane(w, slot); });
+
+    state.take_changes(w.m.shape.index, s.proxies_of, s.changed);
+    for (const RowRange& range : s.changed)
+        for (std::uint32_t row = range.first; row < range.end; ++row)
+            meet_shape(w, state.rows(w.m.shape)[row]);
+    for (const std::uint32_t column : {w.m.body_info.index, w.m.body_mass.index, w.m.body_pose.index}) {
+        state.take_changes(column, s.proxies_of, s.changed);
+        for (const RowRange& range : s.changed) set_resting_proxies(w, range.first, range.end);
+    }
+    // Awake then, and now not: the pages may be those of an earlier time.
+    set_resting_proxies(w, w.header().bodies_awake, std::min(s.awake_before, state.count(w.m.bodies)));
+    for (const std::uint32_t slot : s.solids_replaced)
+        if (slot < state.count(w.m.shape_slots) && state.rows(w.m.shape_slot)[slot].alive != 0)
+            meet_shape(w, state.rows(w.m.shape)[state.rows(w.m.shape_slot)[slot].row]);
+    s.solids_replaced.clear();
+}
+
+/// The same when nothing that rests has changed: only what is awake, and who is.
+void pass_over_changes(Data& w) {
+    Scratch& s = w.scratch;
+    for (const std::uint32_t column : {w.m.shape_slot.index, w.m.shape.index, w.m.body_info.index,
+                                       w.m.body_mass.index, w.m.body_pose.index})
+        w.state.take_changes(column, s.proxies_of, s.changed);
 }
 
 } // namespace
@@ -140,6 +190,8 @@ const shapes::Solid& solid_of(Data& w, const ShapeRow& shape) {
     if (at.solid.geometry == shape.geometry) return at.solid;
     Result<shapes::Solid> solid = w.scratch.solids.resolve(shape.geometry);
     LOCKSTONE_ASSERT(solid.ok(), "shape ", shape.id.index, ": ", solid.ok() ? "" : solid.error().message);
+    if (at.rests) w.scratch.solids_replaced.push_back(shape.id.index - 1);
+    at.rests = false; // its bounds are of the other solid
     at.solid = *solid;
     at.reach = reach_of(at.solid);
     return at.solid;
@@ -147,12 +199,12 @@ const shapes::Solid& solid_of(Data& w, const ShapeRow& shape) {
 
 void update_bounds(Data& w) {
     Scratch& s = w.scratch;
-    if (s.structure_stale) {
-        drop_dead_proxies(w);
-        for (std::uint32_t row = w.header().bodies_awake; row < w.state.count(w.m.bodies); ++row)
-            for_each_shape(w, row, [&](const ShapeRow& shape) { set_resting_proxy(w, shape, row); });
-        s.structure_stale = false;
-    }
+    if (s.structure_stale)
+        update_resting(w);
+    else
+        pass_over_changes(w);
+    s.structure_stale = false;
+    s.awake_before = w.header().bodies_awake;
     update_awake(w);
 }
 

@@ -34,12 +34,18 @@ struct Scratch {
         Coordinate reach; ///< of its points from its origin [m]
         collide::Bounds bounds;
         bool is_placed; ///< while bounds are updated: pose, margin and bounds are those of this tick
-        bool rests;     ///< the broad phase has it among what rests, as made of:
+        bool rests;     ///< it was handed over as resting, as made of:
         Transform resting_local, resting_at;
         Vec3 resting_center;
     };
     std::vector<Shape> shape;
-    std::vector<std::uint32_t> planes; ///< shape slots
+    std::vector<std::uint32_t> planes; ///< shape slots, sorted
+
+    // What the proxies of resting shapes were made of, so that only what changed since is looked at.
+    ChangeMark proxies_of;
+    std::uint32_t awake_before = 0;              ///< bodies, when bounds were last updated
+    std::vector<std::uint32_t> solids_replaced; ///< shape slots that rested when another solid was put there
+    std::vector<RowRange> changed;
 
     std::vector<collide::ProxyPair> pairs;
     /// Two shapes that may meet and are near, with their rows of the last contact table.

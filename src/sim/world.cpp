@@ -110,6 +110,8 @@ Data::Data(const WorldDef& d, const GameSchema& s, std::shared_ptr<const AssetLi
     state.edit_row(m.config, 0) = config_of(d);
     scratch.proxy_generation.assign(d.shapes_max, 0);
     scratch.shape.resize(d.shapes_max);
+    scratch.solids_replaced.reserve(d.shapes_max);
+    scratch.changed.reserve(64);
     scratch.bodies.reserve(d.bodies_max);
     SleepScratch& sleep = scratch.sleep;
     for (std::vector<std::uint32_t>* rows : {&sleep.parent, &sleep.still_ticks, &sleep.first, &sleep.last})

@@ -1,0 +1,39 @@
+// What a reader has not seen yet: pages by version, as images copy them.
+#include "lockstone/state.h"
+#include "state/pages.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace lockstone {
+
+std::uint32_t State::take_changes(std::uint32_t column, ChangeMark& mark, std::vector<RowRange>& out) const {
+    constexpr std::size_t step = StateLayout::pages_per_chunk;
+    if (mark.owner != owner) {
+        mark.owner = owner;
+        mark.versions.pages.assign(versions.pages.size(), 0);
+        mark.versions.chunks.assign(versions.chunks.size(), 0);
+        mark.versions.columns.assign(versions.columns.size(), 0);
+        mark.rows.resize(versions.columns.size());
+    }
+    out.clear();
+    const StateLayout::Placement& place = shared_layout->placements()[column];
+    const std::uint32_t now = counts()[place.table], before = std::exchange(mark.rows[column], now);
+    take_versions(*shared_layout, column, now, versions, mark.versions, [&](std::size_t page) {
+        // Below the row count, so the products fit.
+        const std::uint32_t first = static_cast<std::uint32_t>(page) * place.rows_per_page;
+        const std::uint32_t end = first + std::min(place.rows_per_page, now - first);
+        if (!out.empty() && out.back().end == first)
+            out.back().end = end;
+        else
+            out.push_back({first, end});
+    });
+    // A page that is gone is news when it comes back, even with the version that it had.
+    const std::size_t live = pages_of(place, now), gone = pages_of(place, before);
+    for (std::size_t page = live; page < gone; ++page) mark.versions.pages[place.first_page + page] = 0;
+    for (std::size_t chunk = (live + step - 1) / step; chunk * step < gone; ++chunk)
+        mark.versions.chunks[place.first_page / step + chunk] = 0;
+    return before;
+}
+
+} // namespace lockstone
