@@ -206,6 +206,9 @@ Status check_sleep(const Manifest& m, const State& s) {
         const bool in_ring = sleep[i].next != 0;
         if (in_ring && (i < h.bodies_awake || info[i].kind != BodyKind::dynamic || sleep[i].island == 0))
             return bad("body.sleep", i, "sleeps where it cannot");
+        const bool moves = info[i].kind != BodyKind::static_ && s.rows(m.body_velocity)[i] != Velocity{};
+        if (moves && i >= h.bodies_awake)
+            return bad("body.velocity", i, "moves, but stands among resting bodies");
         if (sleep[i].island > slots.size()) return bad("body.sleep", i, "its island does not exist");
         if (!in_ring) continue;
         if (sleep[i].next > slots.size() || slots[sleep[i].next - 1].alive == 0)
@@ -214,6 +217,22 @@ Status check_sleep(const Manifest& m, const State& s) {
         if (next < h.bodies_awake || sleep[next].island != sleep[i].island || sleep[next].next == 0 ||
             (sleep[i].next <= info[i].id.index && sleep[i].next != sleep[i].island))
             return bad("body.sleep", i, "its ring is broken");
+    }
+    return {};
+}
+
+/// Joints of which a body is awake stand first, those of resting bodies behind them.
+Status check_joints_awake(const Manifest& m, const State& s) {
+    const Header& h = s.rows(m.header)[0];
+    const std::span<const JointRow> joints = s.rows(m.joint);
+    const std::span<const Slot> slots = s.rows(m.body_slot);
+    const auto is_awake = [&](BodyId body) { return body && slots[body.index - 1].row < h.bodies_awake; };
+    for (std::size_t i = 0; i < joints.size(); ++i) {
+        const bool held = is_awake(joints[i].def.body_a) || is_awake(joints[i].def.body_b);
+        if (held && i >= h.joints_awake)
+            return bad("joint.row", i, "stands among resting joints, but a body of it is awake");
+        if (!held && i < h.joints_awake)
+            return bad("joint.row", i, "stands among awake joints, but no body of it is awake");
     }
     return {};
 }
@@ -306,12 +325,13 @@ Status check_state(Data& w, const State& s) {
         return e;
     if (Status e = check_joints(m, s); !e) return e;
     const auto vehicle_id = [&](std::uint32_t row) { return s.rows(m.vehicle)[row].id; };
-    if (Status e =
-            check_slots("vehicle.slot", s.rows(m.vehicle_slot), s.count(m.vehicles), h.vehicle_free, vehicle_id);
+    if (Status e = check_slots("vehicle.slot", s.rows(m.vehicle_slot), s.count(m.vehicles), h.vehicle_free,
+                               vehicle_id);
         !e)
         return e;
     if (Status e = check_vehicles(m, s); !e) return e;
     if (Status e = check_sleep(m, s); !e) return e;
+    if (Status e = check_joints_awake(m, s); !e) return e;
     const auto character_id = [&](std::uint32_t row) { return s.rows(m.character)[row].id; };
     if (Status e = check_slots("character.slot", s.rows(m.character_slot), s.count(m.characters),
                                h.character_free, character_id);

@@ -131,6 +131,32 @@ TEST_CASE("broken rings of sleepers are refused") {
                "body.sleep"));
 }
 
+TEST_CASE(
+    "joints on the wrong side of those that are awake are refused, and so are resting bodies that move") {
+    const auto count_as_awake = [](int more) {
+        return verdict([more](State& s) {
+            std::uint32_t& awake = rows<sim::Header>(s, "world.header")[0].joints_awake;
+            REQUIRE(awake == 2);
+            awake = static_cast<std::uint32_t>(static_cast<int>(awake) + more);
+        });
+    };
+    CHECK(count_as_awake(0) == "accepted");
+    CHECK(
+        says(count_as_awake(-1), "joint.row row 1: stands among resting joints, but a body of it is awake"));
+    CHECK(says(count_as_awake(1), "joint.row row 2: stands among awake joints, but no body of it is awake"));
+    const auto push = [](bool resting) {
+        return verdict([resting](State& s) {
+            for (std::size_t i = 0; i < rows<BodyInfo>(s, "body.info").size(); ++i) {
+                if (rows<BodyInfo>(s, "body.info")[i].kind != BodyKind::dynamic) continue;
+                if ((i >= rows<sim::Header>(s, "world.header")[0].bodies_awake) != resting) continue;
+                rows<dynamics::Velocity>(s, "body.velocity")[i].linear.y = Speed(1);
+            }
+        });
+    };
+    CHECK(push(false) == "accepted");
+    CHECK(says(push(true), "moves, but stands among resting bodies"));
+}
+
 TEST_CASE("random bytes in the columns of joints and sleepers: refused, or a world that ticks on") {
     Random random = Random::seeded(3);
     int refused = 0;
