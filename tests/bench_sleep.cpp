@@ -13,11 +13,12 @@ namespace {
 
 constexpr int awake_bodies = 200, rounds = 120;
 
-/// Spheres that bounce for ever in a bowl of walls, and pairs of crates that fall asleep at once.
+/// Spheres that bounce for ever in a bowl of walls, and pairs of crates, joined, that fall asleep at once.
 World make_world(int sleepers) {
     WorldDef def;
     def.bodies_max = def.shapes_max = static_cast<std::uint32_t>(awake_bodies + sleepers + 8);
     def.contacts_max = 16 * def.bodies_max;
+    def.joints_max = static_cast<std::uint32_t>(sleepers / 2 + 8);
     World w = made(World::create(def));
     add_floor(w);
     for (double side : {-9.0, 9.0}) {
@@ -26,8 +27,13 @@ World make_world(int sleepers) {
     }
     for (int i = 0; i < awake_bodies; ++i)
         add_ball(w, at(i % 8 * 2 - 7, 1 + i / 64 * 1.5, i / 8 % 8 * 2 - 7), 0.5, 1);
-    for (int i = 0; i < sleepers; ++i)
-        add_crate(w, at(30 + i / 2 % 100 * 1.5, 0.5 + i % 2, i / 200 * 1.5 - 40));
+    BodyId below{};
+    for (int i = 0; i < sleepers; ++i) {
+        const Transform pose = at(30 + i / 2 % 100 * 1.5, 0.5 + i % 2, i / 200 * 1.5 - 40);
+        const BodyId crate = add_crate(w, pose);
+        if (i % 2 != 0) made(w.create_joint(weld_joint(), below, crate, pose));
+        below = crate;
+    }
     for (int t = 0; t < 90; ++t) {
         for (std::uint32_t row = 0; row < w.awake_count(); ++row)
             if (const BodyId b = w.body_at(row); w.shape(w.shapes(b)[0]).geometry.kind == ShapeKind::sphere)
