@@ -5,6 +5,7 @@
 #pragma once
 
 #include "lockstone/character.h"
+#include "lockstone/field.h"
 #include "lockstone/joint.h"
 #include "lockstone/shape.h"
 #include "lockstone/vehicle.h"
@@ -41,6 +42,7 @@ struct BodyDef {
     Real linear_damping{};                  ///< [1/s], 0..1000: v decays as exp(-damping t) to first order
     Real angular_damping{};                 ///< [1/s], 0..1000
     Real gravity_scale = Real(1);           ///< times the world's gravity, -100..100
+    Real drag_scale = Real(1);              ///< times the drag of fluids, 0..100
     Real mass{};                            ///< [kg]; 0: from the shapes' densities. 1e-3..1e9
     std::uint32_t gyroscopic = 1; ///< 0: skip the gyroscopic term (angular velocity kept instead of momentum)
     std::uint32_t enable_fields = 1; ///< 0: force fields do not act on it
@@ -72,19 +74,6 @@ struct ShapeDef {
         0; ///< 1: stops only what comes from the side of its local +y; the rest passes until it
            ///< is out again
     std::uint64_t user_key = 0;
-};
-
-enum class FieldKind : std::uint32_t {
-    point_gravity, ///< acceleration strength / r^2 towards the centre, strength = G M [m^3/s^2]
-    spring,        ///< acceleration strength * r towards the centre, strength = omega^2 [1/s^2]
-};
-/// A force field: an acceleration that depends on position, on every dynamic body that enables fields.
-struct FieldDef {
-    FieldKind kind = FieldKind::point_gravity;
-    std::uint32_t reserved = 0;
-    Vec3 center{};    ///< [m]
-    Real strength{};  ///< see FieldKind; within 1e8
-    Real softening{}; ///< [m]; r^2 + softening^2 replaces r^2 of point gravity
 };
 
 // ---- commands ------------------------------------------------------------------------------------------------
@@ -139,6 +128,8 @@ struct SetBodyParameters {
     BodyId body;
     Real linear_damping, angular_damping, gravity_scale;
     std::uint32_t locks, gyroscopic, bullet;
+    std::uint32_t enable_fields = 1;
+    Real drag_scale = Real(1);
 };
 struct SetMaterial {
     ShapeId shape;
@@ -211,6 +202,15 @@ struct SetCharacterInput {
     CharacterId character;
     CharacterInput input;
 };
+/// A field as it is to be from now on.
+struct SetField {
+    FieldId field;
+    FieldDef def;
+};
+/// Velocities change at once, and what is hit wakes.
+struct Explode {
+    ExplosionDef def;
+};
 /// A piece of a row of a game column, at most 64 bytes in canonical order. World::write cuts longer rows up.
 struct WriteGame {
     std::uint32_t column; ///< of the game schema
@@ -220,12 +220,12 @@ struct WriteGame {
     std::array<std::uint8_t, 64> data;
 };
 
-using Command = std::variant<CreateBody, DestroyBody, CreateShape, DestroyShape, CreateField, DestroyField,
-                             SetPose, SetVelocity, AddForce, AddForceAt, AddImpulse, AddImpulseAt,
-                             SetBodyParameters, SetMaterial, SetGravity, WriteGame, SetFilter, SetPairFilter,
-                             SetMass, CreateJoint, DestroyJoint, SetJointAxis, SetJointFrames, WakeBody, CreateVehicle,
-                             DestroyVehicle, SetVehicleInput, CreateCharacter, DestroyCharacter,
-                             SetCharacterInput>;
+using Command =
+    std::variant<CreateBody, DestroyBody, CreateShape, DestroyShape, CreateField, DestroyField, SetPose,
+                 SetVelocity, AddForce, AddForceAt, AddImpulse, AddImpulseAt, SetBodyParameters, SetMaterial,
+                 SetGravity, WriteGame, SetFilter, SetPairFilter, SetMass, CreateJoint, DestroyJoint,
+                 SetJointAxis, SetJointFrames, WakeBody, CreateVehicle, DestroyVehicle, SetVehicleInput,
+                 CreateCharacter, DestroyCharacter, SetCharacterInput, SetField, Explode>;
 /// Name of a command's kind, as in FORMAT.md and diffs: "create_body".
 const char* name_of(const Command& command);
 
@@ -240,7 +240,8 @@ template <class V> constexpr void describe(BodyDef& d, V&& v) {
     v("kind", d.kind), v("locks", d.locks), v("pose", d.pose);
     v("linear_velocity", d.linear_velocity), v("angular_velocity", d.angular_velocity);
     v("linear_damping", d.linear_damping), v("angular_damping", d.angular_damping);
-    v("gravity_scale", d.gravity_scale), v("mass", d.mass), v("gyroscopic", d.gyroscopic);
+    v("gravity_scale", d.gravity_scale), v("drag_scale", d.drag_scale), v("mass", d.mass);
+    v("gyroscopic", d.gyroscopic);
     v("enable_fields", d.enable_fields), v("bullet", d.bullet), v("user_key", d.user_key);
 }
 template <class V> constexpr void describe(ShapeDef& d, V&& v) {
@@ -250,10 +251,6 @@ template <class V> constexpr void describe(ShapeDef& d, V&& v) {
     v("restitution_mix", d.restitution_mix), v("material", d.material), v("category", d.category);
     v("mask", d.mask), v("group", d.group), v("sensor", d.sensor), v("one_way", d.one_way);
     v("user_key", d.user_key);
-}
-template <class V> constexpr void describe(FieldDef& d, V&& v) {
-    v("kind", d.kind), v("reserved", d.reserved), v("center", d.center), v("strength", d.strength);
-    v("softening", d.softening);
 }
 template <class V> constexpr void describe(CreateBody& c, V&& v) { v("def", c.def); }
 template <class V> constexpr void describe(DestroyBody& c, V&& v) { v("body", c.body); }
@@ -280,7 +277,7 @@ template <class V> constexpr void describe(AddImpulseAt& c, V&& v) {
 template <class V> constexpr void describe(SetBodyParameters& c, V&& v) {
     v("body", c.body), v("linear_damping", c.linear_damping), v("angular_damping", c.angular_damping);
     v("gravity_scale", c.gravity_scale), v("locks", c.locks), v("gyroscopic", c.gyroscopic);
-    v("bullet", c.bullet);
+    v("bullet", c.bullet), v("enable_fields", c.enable_fields), v("drag_scale", c.drag_scale);
 }
 template <class V> constexpr void describe(SetMaterial& c, V&& v) {
     v("shape", c.shape), v("friction", c.friction), v("restitution", c.restitution);
@@ -315,6 +312,8 @@ template <class V> constexpr void describe(DestroyCharacter& c, V&& v) { v("char
 template <class V> constexpr void describe(SetCharacterInput& c, V&& v) {
     v("character", c.character), v("input", c.input);
 }
+template <class V> constexpr void describe(SetField& c, V&& v) { v("field", c.field), v("def", c.def); }
+template <class V> constexpr void describe(Explode& c, V&& v) { v("def", c.def); }
 template <class V> constexpr void describe(SetGravity& c, V&& v) { v("gravity", c.gravity); }
 template <class V> constexpr void describe(WriteGame& c, V&& v) {
     v("column", c.column), v("size", c.size), v("body", c.body), v("offset", c.offset), v("data", c.data);

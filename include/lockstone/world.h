@@ -155,6 +155,8 @@ class World {
     Status destroy(BodyId body); ///< and its shapes and joints
     Status destroy(ShapeId shape);
     Status destroy(FieldId field);
+    Status set_field(FieldId field, const FieldDef& def);
+    Status explode(const ExplosionDef& def);
     Status destroy(JointId joint);
     Result<CharacterId> create_character(const CharacterDef& def);
     Status destroy(CharacterId character); ///< and its body
@@ -190,6 +192,10 @@ class World {
     bool is_alive(ShapeId shape) const;
     bool is_alive(JointId joint) const;
     bool is_alive(VehicleId vehicle) const;
+    bool is_alive(FieldId field) const;
+    std::uint32_t field_count() const;
+    FieldId field_at(std::uint32_t row) const; ///< row < field_count()
+    FieldDef field(FieldId field) const;
     std::vector<BodyId> bodies() const; ///< by row; allocates
     bool is_awake(BodyId body) const; ///< static and kinematic bodies that nothing moves are not
     std::uint32_t awake_count() const; ///< bodies of all kinds

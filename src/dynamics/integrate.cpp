@@ -1,10 +1,13 @@
 #include "dynamics/integrate.h"
 
+#include "dynamics/region.h"
 #include "lockstone/math.h"
 
 namespace lockstone::dynamics {
 
 static Vec3 acceleration_of(const FieldRow& field, Vec3 point) {
+    if (!contains(field.def.region, point)) return {};
+    if (field.def.kind == FieldKind::uniform) return field.def.acceleration;
     const Vec3 to_center = field.def.center - point;
     if (field.def.kind == FieldKind::spring) return to_center * field.def.strength;
     const Real softening = field.def.softening;
@@ -16,9 +19,12 @@ static Vec3 acceleration_of(const FieldRow& field, Vec3 point) {
     return {g * (to_center.x / r), g * (to_center.y / r), g * (to_center.z / r)};
 }
 
-Vec3 field_acceleration(std::span<const FieldRow> fields, Vec3 point) {
+Vec3 field_acceleration(std::span<const FieldRow> fields, Vec3 point, std::uint32_t categories) {
     Vec3 sum{};
-    for (const FieldRow& field : fields) sum += acceleration_of(field, point);
+    for (const FieldRow& field : fields) {
+        const bool meant = field.def.mask == every_category || (field.def.mask & categories) != 0;
+        if (meant && field.def.kind != FieldKind::fluid) sum += acceleration_of(field, point);
+    }
     return sum;
 }
 
@@ -28,10 +34,11 @@ namespace {
 struct Path {
     const FreeMotion& motion;
     Vec3 constant; ///< gravity and force
+    std::uint32_t categories;
     Vec3 x, v;
     std::int64_t substeps_per_second;
 
-    Vec3 a(Vec3 at) const { return constant + field_acceleration(motion.fields, at); }
+    Vec3 a(Vec3 at) const { return constant + field_acceleration(motion.fields, at, categories); }
     Vec3 times_h(Vec3 rate) const {
         const auto one = [this](Real r) {
             return Real::from_raw(divide_shifted(r.raw, substeps_per_second, 0));
@@ -92,11 +99,12 @@ constexpr Real kick_max = Real(2048); ///< [m/s] per substep: far beyond the spe
 constexpr int real_to_accumulator = accumulator_bits - Real::fraction_bits;
 
 /// Fields or a scheme other than the solver's own: the general path, in Real.
-void move_freely(const FreeMotion& motion, const BodyInfo& info, const Transform& pose,
-                 const StepConstants& step, SolverBody& b, BodyStep& s) {
-    const FreeMotion without{motion.scheme, {}};
+void move_freely(const FreeMotion& motion, const BodyInfo& info, std::uint32_t categories,
+                 const Transform& pose, const StepConstants& step, SolverBody& b, BodyStep& s) {
+    const FreeMotion without{motion.scheme, {}, {}};
     const Path chosen{info.enable_fields != 0 ? motion : without,
                       s.acceleration,
+                      categories,
                       pose.position + Vec3{Real::from_raw(std::int64_t{b.shift[0]} << 5),
                                            Real::from_raw(std::int64_t{b.shift[1]} << 5),
                                            Real::from_raw(std::int64_t{b.shift[2]} << 5)},
@@ -144,7 +152,9 @@ void integrate_velocities(const FreeMotion& motion, const BodyColumns& columns, 
         if (!s.moves) return 0;
         if (s.movable) {
             if (general)
-                move_freely(motion, columns.info[i], columns.pose[i], step, b, s);
+                move_freely(motion, columns.info[i],
+                            motion.categories.empty() ? every_category : motion.categories[i],
+                            columns.pose[i], step, b, s);
             else
                 for (int axis = 0; axis < 3; ++axis) b.v[axis] += s.dv[axis];
             for (int axis = 0; axis < 3; ++axis) b.u[axis] += s.du[axis];

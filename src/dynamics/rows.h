@@ -19,7 +19,7 @@ struct BodyInfo {
     std::uint32_t first_joint; ///< joint slot + 1 of the newest joint, 0: none
     std::uint32_t reserved;
     Real linear_damping, angular_damping; ///< [1/s]
-    Real gravity_scale;
+    Real gravity_scale, drag_scale;
     Real mass_override; ///< [kg], 0: from the shapes
     std::uint64_t user_key;
 };
@@ -117,7 +117,8 @@ template <class V> constexpr void describe(BodyInfo& b, V&& v) {
     v("first_shape", b.first_shape), v("shape_count", b.shape_count);
     v("first_joint", b.first_joint), v("reserved", b.reserved);
     v("linear_damping", b.linear_damping), v("angular_damping", b.angular_damping);
-    v("gravity_scale", b.gravity_scale), v("mass_override", b.mass_override), v("user_key", b.user_key);
+    v("gravity_scale", b.gravity_scale), v("drag_scale", b.drag_scale);
+    v("mass_override", b.mass_override), v("user_key", b.user_key);
 }
 template <class V> constexpr void describe(BodyMass& m, V&& v) {
     v("mass", m.mass), v("center", m.center), v("gyration", m.gyration), v("principal", m.principal);

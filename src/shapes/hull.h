@@ -37,6 +37,8 @@ SurfaceMass integrate(std::span<const LengthVec3> vertices,
 /// A hull swollen by a polytope of 26 corners, each `factor` times the radius from its centre: with 1 the corners lie on
 /// the ball.
 ConvexSurface rounded_surface(const Hull& hull, Length radius, Real factor);
+/// Of a hull swollen by a radius [m], by Steiner's formula [m^3].
+Scaled rounded_volume(const Hull& hull, Scaled radius);
 /// Of a hull swollen by `radius`: the volume by Steiner's formula; for centre and gyration the ball is taken as such a
 /// polytope with the ball's volume, which is right to a percent.
 SurfaceMass integrate_rounded(const Hull& hull, Length radius);

@@ -81,7 +81,9 @@ SurfaceMass sum_over(std::span<const LengthVec3> vertices, std::span<const std::
     return moments.result(origin);
 }
 
-/// Steiner's formula: volume + area r + sum of edge lengths times the angles between their triangles r^2 / 2 + ball.
+} // namespace
+
+// Volume + area r + sum of edge lengths times the angles between their triangles r^2 / 2 + ball.
 Scaled rounded_volume(const Hull& hull, Scaled r) {
     struct Side {
         std::uint8_t low, high; // vertices of an edge
@@ -110,6 +112,8 @@ Scaled rounded_volume(const Hull& hull, Scaled r) {
     const Scaled two = scaled(2, 0), ball = 4 * scaled_pi * (r * r * r) / scaled(3, 0);
     return hull.volume + twice_area * r / two + twice_wedges * (r * r) / two + ball;
 }
+
+namespace {
 
 // The hull of the 26 vectors from a cube's centre to its corners, edges and faces, all made as long as this, has the
 // volume of the unit ball: with length 1 it has 8 / sqrt(6).

@@ -40,6 +40,8 @@ struct Applier {
     Result<World::Applied> operator()(const CreateCharacter& c);
     Result<World::Applied> operator()(const DestroyCharacter& c);
     Result<World::Applied> operator()(const SetCharacterInput& c);
+    Result<World::Applied> operator()(const SetField& c);
+    Result<World::Applied> operator()(const Explode& c);
 
     void remove_character_of(BodyId body); ///< if it is one's; the body is left as it was
     void remove_shape(std::uint32_t body_row, std::uint32_t slot); ///< the mass is left as it was

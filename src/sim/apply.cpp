@@ -159,6 +159,8 @@ Result<World::Applied> Applier::operator()(const SetBodyParameters& c) {
     d.locks = c.locks;
     d.gyroscopic = c.gyroscopic;
     d.bullet = c.bullet;
+    d.enable_fields = c.enable_fields;
+    d.drag_scale = c.drag_scale;
     if (std::string e = check(d); !e.empty()) return Error{"set_body_parameters: " + e};
     row = wake(w, c.body);
     BodyInfo& info = w.state.edit_row(w.m.body_info, row);
@@ -168,10 +170,12 @@ Result<World::Applied> Applier::operator()(const SetBodyParameters& c) {
     info.locks = c.locks;
     info.gyroscopic = c.gyroscopic;
     info.bullet = c.bullet;
+    info.enable_fields = c.enable_fields;
+    info.drag_scale = c.drag_scale;
     return Applied{};
 }
 
-// ---- surfaces, filters, fields, gravity, game columns --------------------------------------------------------
+// ---- surfaces, filters, gravity, game columns ----------------------------------------------------------------
 
 Result<World::Applied> Applier::operator()(const SetMaterial& c) {
     const std::uint32_t row = w.row_of(c.shape);
@@ -234,31 +238,6 @@ void Applier::forget_filters_of(BodyId body) {
     const std::span<PairFilterRow> rows = w.state.edit(w.m.pair_filter);
     const auto end = std::remove_if(rows.begin(), rows.end(), is_of);
     w.state.resize(w.m.pair_filters, static_cast<std::uint32_t>(end - rows.begin()));
-}
-
-Result<World::Applied> Applier::operator()(const CreateField& c) {
-    if (std::string e = check(c.def); !e.empty()) return Error{"create_field: " + e};
-    const std::uint32_t row = w.state.count(w.m.fields);
-    if (row == w.state.capacity(w.m.fields))
-        return Error{join("create_field: the world is full: fields_max is ", row)};
-    wake_all(w);
-    const std::uint32_t index =
-        take_slot(w.state, w.m.field_slots, w.m.field_slot, w.edit_header().field_free, row);
-    const FieldId id{index, w.state.rows(w.m.field_slot)[index - 1].generation};
-    w.state.resize(w.m.fields, row + 1);
-    w.state.edit_row(w.m.field, row) = {id, c.def};
-    return Applied{.field = id};
-}
-
-Result<World::Applied> Applier::operator()(const DestroyField& c) {
-    const std::uint32_t row = w.row_of(c.field);
-    if (row == Data::dead) return Error{join("destroy_field: field ", text_of(c.field), " is not alive")};
-    wake_all(w);
-    const FieldId moved = w.state.rows(w.m.field)[w.state.count(w.m.fields) - 1].id;
-    remove_row(w.state, w.m.fields, row);
-    w.state.edit_row(w.m.field_slot, moved.index - 1).row = row;
-    free_slot(w.state, w.m.field_slot, c.field.index, w.edit_header().field_free);
-    return Applied{};
 }
 
 Result<World::Applied> Applier::operator()(const SetGravity& c) {

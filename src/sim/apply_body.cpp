@@ -98,6 +98,7 @@ Result<World::Applied> Applier::operator()(const CreateBody& c) {
     info.linear_damping = d.linear_damping;
     info.angular_damping = d.angular_damping;
     info.gravity_scale = d.gravity_scale;
+    info.drag_scale = d.drag_scale;
     info.mass_override = d.mass;
     info.user_key = d.user_key;
     w.state.edit_row(w.m.body_pose, row) = {d.pose.position, normalized(d.pose.rotation)};

@@ -57,6 +57,8 @@ Status check_bodies(const Manifest& m, const State& s) {
             return bad("body.info", i, "unknown kind or locks");
         if (info[i].linear_damping < Real{} || info[i].angular_damping < Real{})
             return bad("body.info", i, "damping is negative");
+        if (info[i].enable_fields > 1 || info[i].drag_scale < Real{} || info[i].drag_scale > Real(100))
+            return bad("body.info", i, "enable_fields or drag_scale is out of range");
         if (!unit_like(pose[i].rotation)) return bad("body.pose", i, "rotation is not a unit quaternion");
         if (info[i].bullet > 1 || info[i].mass_fixed > 1 || info[i].gyroscopic > 1)
             return bad("body.info", i, "a flag is neither 0 nor 1");
@@ -69,6 +71,13 @@ Status check_bodies(const Manifest& m, const State& s) {
                 return bad("body.pose", i, "position is out of range");
         }
     }
+    return {};
+}
+
+Status check_fields(const Manifest& m, const State& s) {
+    const std::span<const FieldRow> fields = s.rows(m.field);
+    for (std::size_t i = 0; i < fields.size(); ++i)
+        if (std::string e = check(fields[i].def); !e.empty()) return bad("field.row", i, e);
     return {};
 }
 
@@ -317,6 +326,7 @@ Status check_state(Data& w, const State& s) {
     if (Status e = check_slots("field.slot", s.rows(m.field_slot), s.count(m.fields), h.field_free, field_id);
         !e)
         return e;
+    if (Status e = check_fields(m, s); !e) return e;
     if (Status e = check_bodies(m, s); !e) return e;
     if (Status e = check_shapes(w.scratch.solids, m, s); !e) return e;
     const auto joint_id = [&](std::uint32_t row) { return s.rows(m.joint)[row].id; };

@@ -49,6 +49,7 @@ std::string check(const BodyDef& d) {
         return e;
     if (std::string e = check_range("gravity_scale", d.gravity_scale, Real(-100), Real(100), ""); !e.empty())
         return e;
+    if (std::string e = check_range("drag_scale", d.drag_scale, Real{}, Real(100), ""); !e.empty()) return e;
     if (d.mass == Real{}) return {};
     return check_range("mass", d.mass, mass_min, mass_max, " kg, or 0 for that of the shapes");
 }
@@ -92,15 +93,51 @@ std::string check(const ShapeDef& d, BodyKind kind) {
     return {};
 }
 
+static std::string check(const Region& r) {
+    if (r.kind > RegionKind::sphere)
+        return join("region.kind is ", static_cast<std::uint32_t>(r.kind), ", must be 0 to 2");
+    if (r.reserved != 0) return "region.reserved must be 0";
+    if (std::string e = check_pose("region.pose", r.pose, position_max); !e.empty()) return e;
+    constexpr const char* names[] = {"region.half_extent.x", "region.half_extent.y", "region.half_extent.z"};
+    for (int i = 0; i < 3; ++i) {
+        const bool used = r.kind == RegionKind::box || (r.kind == RegionKind::sphere && i == 0);
+        const Real least = used ? 0.001_r : Real{};
+        if (std::string e = check_range(names[i], r.half_extent[i], least, Real(1000000), " m"); !e.empty())
+            return e;
+    }
+    return {};
+}
+
 std::string check(const FieldDef& d) {
-    if (d.kind > FieldKind::spring)
-        return join("kind is ", static_cast<std::uint32_t>(d.kind), ", must be 0 or 1");
+    if (d.kind > FieldKind::fluid)
+        return join("kind is ", static_cast<std::uint32_t>(d.kind), ", must be 0 to 3");
     if (d.reserved != 0) return "reserved must be 0";
     if (!within(d.center, position_max)) return "center must be within 1e9 m of the origin";
-    if (std::string e = check_range("strength", d.strength, Real(-100000000), Real(100000000), "");
-        !e.empty())
-        return e;
-    return check_range("softening", d.softening, Real{}, Real(30000), " m");
+    if (!within(d.acceleration, Real(1000))) return "acceleration must be within 1000 m/s^2 on each axis";
+    if (length(d.velocity) > speed_max) return "velocity must be at most 500 m/s long";
+    struct Range {
+        const char* what;
+        Real value, low, high;
+        const char* unit;
+    };
+    const Real drag_max = Real(1000000);
+    for (const Range& r : {Range{"strength", d.strength, Real(-100000000), Real(100000000), ""},
+                           {"softening", d.softening, Real{}, Real(30000), " m"},
+                           {"density", d.density, Real{}, Real(100000), " kg/m^3"},
+                           {"drag_linear", d.drag_linear, Real{}, drag_max, " kg/(m^2 s)"},
+                           {"drag_quadratic", d.drag_quadratic, Real{}, drag_max, " kg/m^3"},
+                           {"drag_angular", d.drag_angular, Real{}, drag_max, " kg/(m^2 s)"}})
+        if (std::string e = check_range(r.what, r.value, r.low, r.high, r.unit); !e.empty()) return e;
+    return check(d.region);
+}
+
+std::string check(const ExplosionDef& d) {
+    if (d.falloff > Falloff::inverse_square)
+        return join("falloff is ", static_cast<std::uint32_t>(d.falloff), ", must be 0 to 2");
+    if (!within(d.center, position_max)) return "center must be within 1e9 m of the origin";
+    if (std::string e = check_range("radius", d.radius, 0.001_r, Real(30000), " m"); !e.empty()) return e;
+    if (std::string e = check_range("core", d.core, 0.001_r, Real(30000), " m"); !e.empty()) return e;
+    return check_range("impulse", d.impulse, Real(-100000000), Real(100000000), " N s/m^2");
 }
 
 std::string check(const JointAxis& d, std::uint32_t index) {

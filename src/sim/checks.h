@@ -21,6 +21,7 @@ std::string check_surface(Real friction, Real restitution, Real rolling_resistan
 std::string check(const BodyDef& d);
 std::string check(const ShapeDef& d, BodyKind kind);
 std::string check(const FieldDef& d);
+std::string check(const ExplosionDef& d);
 std::string check(const JointDef& d); ///< its numbers; not whether its bodies live
 std::string check(const JointAxis& d, std::uint32_t index);
 std::string check(const CharacterDef& d);

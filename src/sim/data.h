@@ -8,6 +8,7 @@
 #include "dynamics/contact_memory.h"
 #include "dynamics/integrate.h"
 #include "dynamics/joint.h"
+#include "sim/fluids.h"
 #include "sim/manifest.h"
 #include "sim/query.h"
 #include "sim/sleep_scratch.h"
@@ -109,6 +110,9 @@ struct Scratch {
     std::vector<dynamics::Joint> joints; ///< in slot order
     std::vector<JointId> broken;
     VehicleSolver vehicle_solver;
+    std::vector<FieldRow> pulls; ///< fields of acceleration, in row order
+    std::vector<std::uint32_t> categories; ///< by row of what is awake, of its shapes; empty while no pull looks at them
+    FluidSolver fluids;
 };
 
 struct Data {

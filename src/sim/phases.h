@@ -22,6 +22,7 @@ void find_pairs(Data& w); ///< shapes that may meet and are near, in pair order 
 void collide(Data& w); ///< manifolds, with what they keep of the last tick: the contact table (contacts.cpp)
 void list_joints(
     Data& w); ///< in slot order, as the solver takes them                            (joints.cpp)
+void list_fields(Data& w); ///< those of acceleration, and whose shapes they look at               (fields.cpp)
 void break_joints(Data& w); ///< of joints that bore too much                                    (joints.cpp)
 void settle(Data& w); ///< islands that rest fall asleep                                         (sleep.cpp)
 void publish_events(

@@ -29,6 +29,8 @@ void prepare(Data& w) {
     list_joints(w);
     s.joint_solver.prepare(s.joints, w.state.rows(w.m.joint_memory), w.body_columns(), s.step, s.bodies);
     s.vehicle_solver.prepare(w);
+    list_fields(w);
+    s.fluids.prepare(w);
 }
 
 void finish(Data& w) {
@@ -58,10 +60,11 @@ void tick(Data& w) {
     prepare(w);
 
     const dynamics::FreeMotion motion{static_cast<dynamics::Scheme>(w.state.rows(w.m.config)[0].integrator),
-                                      w.state.rows(w.m.field)};
+                                      s.pulls, s.categories};
     s.joint_solver.update(s.step, s.bodies);
     for (std::int32_t i = 0; i < s.step.substeps; ++i) {
         integrate_velocities(motion, w.body_columns(), s.step, s.bodies, w.tasks);
+        s.fluids.push(w, s.step, s.bodies, w.tasks);
         s.joint_solver.warm_start(s.bodies);
         s.vehicle_solver.warm_start(s.step, s.bodies);
         s.solver.warm_start(s.bodies, w.tasks);

@@ -17,13 +17,14 @@ using base::join;
 
 const char* name_of(const Command& command) {
     static constexpr const char* names[] = {
-        "create_body",     "destroy_body",     "create_shape",        "destroy_shape", "create_field",
-        "destroy_field",   "set_pose",         "set_velocity",        "add_force",     "add_force_at",
-        "add_impulse",     "add_impulse_at",   "set_body_parameters", "set_material",  "set_gravity",
-        "write_game",      "set_filter",       "set_pair_filter",     "set_mass",      "create_joint",
-        "destroy_joint",   "set_joint_axis",   "set_joint_frames",    "wake_body",     "create_vehicle",
-        "destroy_vehicle", "set_vehicle_input",
-        "create_character", "destroy_character", "set_character_input"};
+        "create_body",         "destroy_body",        "create_shape",      "destroy_shape",
+        "create_field",        "destroy_field",       "set_pose",          "set_velocity",
+        "add_force",           "add_force_at",        "add_impulse",       "add_impulse_at",
+        "set_body_parameters", "set_material",        "set_gravity",       "write_game",
+        "set_filter",          "set_pair_filter",     "set_mass",          "create_joint",
+        "destroy_joint",       "set_joint_axis",      "set_joint_frames",  "wake_body",
+        "create_vehicle",      "destroy_vehicle",     "set_vehicle_input", "create_character",
+        "destroy_character",   "set_character_input", "set_field",         "explode"};
     static_assert(std::size(names) == std::variant_size_v<Command>);
     return names[command.index()];
 }
@@ -207,6 +208,8 @@ Status World::set_joint_frames(JointId joint, const Transform& frame_a, const Tr
 }
 Status World::destroy(BodyId body) { return status_of(apply(DestroyBody{body})); }
 Status World::destroy(ShapeId shape) { return status_of(apply(DestroyShape{shape})); }
+Status World::set_field(FieldId field, const FieldDef& def) { return status_of(apply(SetField{field, def})); }
+Status World::explode(const ExplosionDef& def) { return status_of(apply(Explode{def})); }
 Status World::destroy(FieldId field) { return status_of(apply(DestroyField{field})); }
 Status World::set_pose(BodyId body, const Transform& pose) { return status_of(apply(SetPose{body, pose})); }
 Status World::set_velocity(BodyId body, Vec3 linear, Vec3 angular) {
@@ -276,6 +279,14 @@ std::uint32_t living(const sim::Data& w, JointId id) {
 bool World::is_alive(BodyId body) const { return impl->row_of(body) != sim::Data::dead; }
 bool World::is_alive(ShapeId shape) const { return impl->row_of(shape) != sim::Data::dead; }
 bool World::is_alive(JointId joint) const { return impl->row_of(joint) != sim::Data::dead; }
+bool World::is_alive(FieldId field) const { return impl->row_of(field) != sim::Data::dead; }
+std::uint32_t World::field_count() const { return impl->state.count(impl->m.fields); }
+FieldId World::field_at(std::uint32_t row) const { return impl->state.rows(impl->m.field)[row].id; }
+FieldDef World::field(FieldId field) const {
+    const std::uint32_t row = impl->row_of(field);
+    LOCKSTONE_ASSERT(row != sim::Data::dead, "field ", field.index, ":", field.generation, " is not alive");
+    return impl->state.rows(impl->m.field)[row].def;
+}
 bool World::is_awake(BodyId body) const { return sim::is_awake(*impl, living(*impl, body)); }
 std::uint32_t World::awake_count() const { return impl->header().bodies_awake; }
 std::uint32_t World::body_count() const { return impl->state.count(impl->m.bodies); }

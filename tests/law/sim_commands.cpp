@@ -185,7 +185,7 @@ TEST_CASE("a definition out of range is refused with its field and its range") {
         {with([](ShapeDef& d) { d.restitution = Real(2); }), "restitution is 2"},
         {with([](ShapeDef& d) { d.sensor = 2; }), "sensor is 2"}};
     for (const auto& [def, words] : shapes) CHECK(refusal_fault(w, CreateShape{body, def}, words) == "");
-    CHECK(refusal_fault(w, CreateField{{.kind = static_cast<FieldKind>(2)}}, "kind is 2") == "");
+    CHECK(refusal_fault(w, CreateField{{.kind = static_cast<FieldKind>(4)}}, "kind is 4") == "");
     CHECK(refusal_fault(w, SetGravity{vec(1001, 0, 0)}, "1000 m/s^2") == "");
     CHECK(refusal_fault(w, AddForce{body, vec(2.1e9, 0, 0), {}}, "2e9") == "");
     CHECK(refusal_fault(w, WriteGame{}, "does not exist") == "");

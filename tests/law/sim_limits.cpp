@@ -109,10 +109,29 @@ ShapeDef shape_def(Random& r) {
     return d;
 }
 
+FieldDef field_def(Random& r) {
+    FieldDef d;
+    d.kind = static_cast<FieldKind>(flag(r, 4));
+    d.center = vector(r), d.strength = number(r), d.softening = abs(number(r));
+    d.acceleration = vector(r), d.velocity = vector(r);
+    d.density = abs(number(r)), d.drag_linear = abs(number(r));
+    d.drag_quadratic = abs(number(r)), d.drag_angular = abs(number(r));
+    d.priority = static_cast<std::int32_t>(flag(r, 3));
+    d.region.kind = static_cast<RegionKind>(flag(r, 3));
+    d.region.pose = pose(r);
+    d.region.half_extent = {abs(number(r)), abs(number(r)), abs(number(r))};
+    return d;
+}
+
+ExplosionDef explosion_def(Random& r) {
+    return {vector(r),  abs(number(r)), number(r), abs(number(r)), static_cast<Falloff>(flag(r, 3)),
+            0xffffffffu};
+}
+
 Command some_command(Random& r, const World& w) {
     const BodyId body = some_body(r, w);
     const Vec3 a = vector(r), b = vector(r);
-    switch (r.below(25)) {
+    switch (r.below(27)) {
     case 0:
     case 1:
     case 2:
@@ -126,7 +145,7 @@ Command some_command(Random& r, const World& w) {
     case 7:
         return DestroyShape{some_shape(r, w)};
     case 8:
-        return CreateField{{static_cast<FieldKind>(flag(r, 2)), 0, a, number(r), abs(number(r))}};
+        return CreateField{field_def(r)};
     case 9:
         return DestroyField{some_id<FieldTag>(r)};
     case 10:
@@ -153,6 +172,10 @@ Command some_command(Random& r, const World& w) {
         return SetFilter{some_shape(r, w), flag(r, 4), flag(r, 4), 0};
     case 22:
         return SetPairFilter{body, some_body(r, w), flag(r, 2)};
+    case 24:
+        return Explode{explosion_def(r)};
+    case 25:
+        return SetField{some_id<FieldTag>(r), field_def(r)};
     case 23:
         return SetMass{body, abs(number(r)), a, abs(b), rotation(r)};
     default:

@@ -21,7 +21,7 @@ PUBLIC = {
     "result.h": "base", "tasks.h": "base",
     "wide.h": "math", "fixed.h": "math", "formats.h": "math", "vec.h": "math", "math.h": "math", "random.h": "math",
     "decimal.h": "math", "row.h": "state", "state.h": "state", "shape.h": "shapes", "asset.h": "shapes",
-    "ids.h": "collide", "character.h": "collide", "joint.h": "collide", "vehicle.h": "collide", "ragdoll.h": "sim",
+    "ids.h": "collide", "field.h": "collide", "character.h": "collide", "joint.h": "collide", "vehicle.h": "collide", "ragdoll.h": "sim",
     "command.h": "collide", "event.h": "collide", "query.h": "collide",  # definitions and ids, which rows of the layers below sim hold
     "world.h": "sim", "game.h": "sim", "input.h": "sim",
     "transport.h": "session", "session.h": "session",

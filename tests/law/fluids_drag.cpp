@@ -1,0 +1,257 @@
+// Drag, wind, and explosions.
+#include "support/sim_scenes.h"
+
+#include <doctest/doctest.h>
+
+using namespace lockstone;
+using namespace lockstone::test::scene;
+
+namespace {
+
+constexpr double pi_ = 3.14159265358979323846, g = 9.81;
+
+FieldDef air(double linear, double quadratic, Vec3 velocity = {}) {
+    FieldDef d = wind(velocity);
+    d.drag_linear = real(linear);
+    d.drag_quadratic = real(quadratic);
+    return d;
+}
+void run(World& w, int ticks) {
+    for (int i = 0; i < ticks; ++i) w.tick();
+}
+std::string near(double value, double expected, double share) {
+    if (std::abs(value - expected) <= share * std::abs(expected)) return {};
+    return std::to_string(value) + ", not " + std::to_string(expected);
+}
+
+/// Falling for 20 s: m g = (c1 + c2 v) v A.
+std::string terminal_fault(const Geometry& shape, double area, double linear, double quadratic,
+                           double scale = 1) {
+    World w = made(World::create(small_def()));
+    made(w.create_field(air(linear, quadratic)));
+    const BodyId b = add(w, {.pose = at(0, 3000, 0), .drag_scale = real(scale)}, {.geometry = shape});
+    run(w, 1200);
+    const double m = to_double(w.mass(b)), c1 = linear * area, c2 = quadratic * area;
+    const double v = c2 == 0 ? m * g / c1 : (-c1 + std::sqrt(c1 * c1 + 4 * c2 * m * g)) / (2 * c2);
+    return near(-velocity(w, b)[1], v, 0.005);
+}
+
+/// Speed that a blast at `distance` gives a free ball of 0.25 m.
+D3 blast_speed(double distance, Falloff falloff, double radius = 100) {
+    World w = made(World::create(weightless()));
+    const BodyId b = add(w, {.pose = at(distance, 0, 0)}, {.geometry = sphere(real(0.25))});
+    ExplosionDef blast;
+    blast.radius = real(radius);
+    blast.impulse = Real(5000);
+    blast.core = real(0.5);
+    blast.falloff = falloff;
+    done(w.explode(blast));
+    return velocity(w, b);
+}
+const double ball_mass = 1000 * 4.0 / 3 * pi_ * 0.25 * 0.25 * 0.25;
+
+} // namespace
+
+TEST_CASE("falling bodies reach the speed at which drag bears their weight") {
+    CHECK(terminal_fault(sphere(real(0.1)), pi_ * 0.01, 0, 50) == "");
+    CHECK(terminal_fault(sphere(real(0.1)), pi_ * 0.01, 400, 0) == "");
+    CHECK(terminal_fault(sphere(real(0.1)), pi_ * 0.01, 100, 20) == "");
+    CHECK(terminal_fault(box(real(0.3), real(0.1), real(0.2)), 0.24, 0, 40) == "");
+    CHECK(terminal_fault(capsule(real(0.1), real(0.2)), pi_ * 0.01, 0, 400) == "");
+    CHECK(terminal_fault(cylinder(real(0.2), real(0.05)), pi_ * 0.04, 0, 40) == "");
+}
+
+TEST_CASE("planted fault: a body with a tenth more drag is found to fall too slowly") {
+    CHECK(terminal_fault(sphere(real(0.1)), pi_ * 0.01, 0, 50, 1.1) != "");
+    CHECK(terminal_fault(sphere(real(0.1)), pi_ * 0.011, 400, 0) != "");
+}
+
+TEST_CASE("wind carries what is free along, at last at its own speed; drag_scale 0 is left behind") {
+    World w = made(World::create(weightless()));
+    made(w.create_field(air(50, 10, vec(8, 0, -3))));
+    const BodyId leaf = add(w, {.pose = at(0, 0, 0)},
+                            {.geometry = box(real(0.2), real(0.02), real(0.2)), .density = Real(50)});
+    const BodyId ghost = add(w, {.pose = at(0, 5, 0), .drag_scale = {}}, {.geometry = sphere(real(0.2))});
+    run(w, 900);
+    CHECK(near(velocity(w, leaf)[0], 8, 0.005) == "");
+    CHECK(near(velocity(w, leaf)[2], -3, 0.005) == "");
+    CHECK(w.linear_velocity(ghost) == Vec3{});
+}
+
+TEST_CASE("wind turns a vane: the larger end goes to leeward") {
+    World w = made(World::create(weightless()));
+    made(w.create_field(air(20, 5, vec(10, 0, 0))));
+    const BodyId vane =
+        add(w, {}, {.geometry = box(real(0.05), real(0.05), real(0.05)), .density = Real(100)});
+    made(w.create_shape(
+        vane,
+        {.geometry = box(real(0.02), real(0.3), real(0.3)), .local = at(0, 0, 1), .density = real(0.05)}));
+    JointDef def = hinge_joint();
+    def.axis[about_x].friction = real(0.02);
+    made(w.create_joint(def, {}, vane, at(0, 0, 0, turned(axis_z, 90)))); // about y
+    run(w, 1800);
+    const Vec3 points = rotate(w.pose(vane).rotation, vec(0, 0, 1));
+    CHECK(to_double(points.x) > 0.98);
+}
+
+TEST_CASE("turning dies out as exp(-c A / m t)") {
+    World w = made(World::create(weightless()));
+    FieldDef still = air(0, 0);
+    still.drag_angular = Real(200);
+    made(w.create_field(still));
+    const BodyId b = add(w, {.angular_velocity = vec(0, 5, 0)}, {.geometry = sphere(real(0.25))});
+    run(w, 60);
+    CHECK(near(spin(w, b)[1], 5 * std::exp(-200 * pi_ * 0.0625 / ball_mass), 0.005) == "");
+}
+
+TEST_CASE("the wind blows on what stands out of the water, and the current takes what is under") {
+    const auto drift = [](double density) {
+        World w = made(World::create(small_def()));
+        Region region{.kind = RegionKind::box, .pose = at(0, -4, 0)};
+        region.half_extent = vec(500, 4, 500);
+        FieldDef sea = water(region);
+        sea.velocity = vec(0, 0, 1);
+        made(w.create_field(sea));
+        made(w.create_field(air(300, 0, vec(1, 0, 0)))); // as strong as the water's
+        const BodyId b =
+            add(w, {}, {.geometry = box(real(1), real(0.25), real(1)), .density = real(density)});
+        run(w, 1800);
+        return velocity(w, b);
+    };
+    const D3 deep = drift(950), high = drift(100);
+    CHECK(deep[2] > 0.9);
+    CHECK(deep[0] < 0.1);
+    CHECK(high[0] > 0.3);
+    CHECK(high[0] > 3 * deep[0]);
+}
+
+TEST_CASE("a light sheet in a strong drag neither shoots back nor gains energy, at any coefficient") {
+    for (double c : {1.0, 1e3, 1e6}) {
+        World w = made(World::create(weightless()));
+        made(w.create_field(air(c, c)));
+        const BodyId b = add(w, {.linear_velocity = vec(30, -20, 10), .angular_velocity = vec(3, 8, -5)},
+                             {.geometry = box(real(1), real(0.01), real(1)), .density = real(0.01)});
+        double last = to_double(w.kinetic_energy());
+        for (int t = 0; t < 120; ++t) {
+            w.tick();
+            const double now = to_double(w.kinetic_energy());
+            CHECK(now <= last * 1.0001 + 1e-9);
+            last = now;
+        }
+        CHECK(velocity(w, b)[0] > -0.01);
+    }
+}
+
+TEST_CASE("regions and masks of fields of acceleration") {
+    World w = made(World::create(weightless()));
+    FieldDef lift;
+    lift.kind = FieldKind::uniform;
+    lift.acceleration = vec(0, 4, 0);
+    lift.mask = 4;
+    lift.region.kind = RegionKind::sphere;
+    lift.region.half_extent.x = Real(10);
+    made(w.create_field(lift));
+    const auto ball = [&](double x, std::uint32_t category) {
+        return add(w, {.pose = at(x, 0, 0)}, {.geometry = sphere(real(0.25)), .category = category});
+    };
+    const BodyId in = ball(0, 5), out = ball(11, 5), other = ball(3, 3);
+    run(w, 60);
+    CHECK(near(velocity(w, in)[1], 4, 0.001) == "");
+    CHECK(w.linear_velocity(out) == Vec3{});
+    CHECK(w.linear_velocity(other) == Vec3{});
+}
+
+TEST_CASE("a blast gives a ball its impulse per solid angle times pi a^2 / r^2, far and near") {
+    // An impulse of j per steradian that a ball takes up gives j pi sin^2 of its half angle: the same expression.
+    for (double r : {0.6, 1.0, 2.0, 5.0, 20.0}) {
+        const double expected = 5000 * (0.5 / r) * (0.5 / r) * pi_ * 0.0625 / ball_mass;
+        CHECK(near(blast_speed(r, Falloff::inverse_square)[0], expected, 0.001 + 1e-5 * r * r) == "");
+    }
+    CHECK(near(blast_speed(3, Falloff::none)[0], 5000 * pi_ * 0.0625 / ball_mass, 0.001) == "");
+    CHECK(near(blast_speed(3.25, Falloff::linear, 6)[0], 0.5 * 5000 * pi_ * 0.0625 / ball_mass, 0.001) == "");
+    CHECK(blast_speed(7, Falloff::none, 6)[0] == 0);
+}
+
+TEST_CASE("planted fault: a fall off with the distance is found not to be one with its square") {
+    CHECK(near(blast_speed(2, Falloff::linear, 4)[0], 5000 / 16.0 * pi_ * 0.0625 / ball_mass, 0.001) != "");
+}
+
+TEST_CASE("a blast pushes boxes by the side they show, wakes what it hits and nothing else") {
+    World w = made(World::create(drowsy_def()));
+    add_floor(w);
+    const BodyId near_crate = add_crate(w, at(3, 0.5, 0)), far_crate = add_crate(w, at(20, 0.5, 0));
+    const BodyId sensor =
+        add(w, {.kind = BodyKind::static_, .pose = at(0, 1, 0)}, {.geometry = sphere(real(1)), .sensor = 1});
+    run(w, 120);
+    REQUIRE(!w.is_awake(near_crate));
+    done(w.explode({.center = vec(0, 0.5, 0), .radius = Real(5), .impulse = Real(1000)}));
+    CHECK(w.is_awake(near_crate));
+    CHECK(!w.is_awake(far_crate));
+    CHECK(!w.is_awake(sensor));
+    CHECK(near(velocity(w, near_crate)[0], 1000.0 / 9 / 1000, 0.001) == "");
+    CHECK(length(spin(w, near_crate)) < 1e-6);
+    done(w.explode({.center = vec(0, 0.5, 0), .radius = Real(5), .impulse = Real(1000), .mask = 2}));
+    CHECK(near(velocity(w, near_crate)[0], 1000.0 / 9 / 1000, 0.001) == "");
+}
+
+TEST_CASE("the order in which bodies were made changes nothing of water, wind and blasts") {
+    const auto after = [](bool reversed) {
+        World w = made(World::create(small_def()));
+        Region region{.kind = RegionKind::box, .pose = at(0, -4, 0)};
+        region.half_extent = vec(60, 4, 60);
+        if (reversed) made(w.create_field(wind(vec(3, 0, 1))));
+        made(w.create_field(water(region)));
+        if (!reversed) made(w.create_field(wind(vec(3, 0, 1))));
+        std::vector<Transform> poses(12);
+        std::vector<BodyId> ids(12);
+        for (std::size_t i = 0; i < 12; ++i) {
+            const std::size_t k = reversed ? 11 - i : i;
+            const double x = 5.0 * static_cast<double>(k) - 28;
+            ids[k] = add(w, {.pose = at(x, 1, 0, turned(axis_x, 17.0 * static_cast<double>(k)))},
+                         {.geometry = k % 3 == 0   ? sphere(real(0.5))
+                                      : k % 3 == 1 ? box(real(0.7), real(0.3), real(0.4))
+                                                   : capsule(real(0.3), real(0.5)),
+                          .density = Real(300 + 100 * static_cast<int>(k))});
+        }
+        for (int t = 0; t < 120; ++t) {
+            if (t == 60)
+                done(w.explode(
+                    {.center = vec(1, -1, 2), .radius = Real(40), .impulse = Real(3000), .core = Real(2)}));
+            w.tick();
+        }
+        for (std::size_t k = 0; k < 12; ++k) poses[k] = w.pose(ids[k]);
+        return poses;
+    };
+    CHECK(after(false) == after(true));
+}
+
+TEST_CASE("fields and explosions that cannot be are refused with a sentence that names the field") {
+    World w = made(World::create(small_def()));
+    const auto refusal = [&](const Command& c) {
+        const auto result = w.apply(c);
+        return result ? std::string() : result.error().message;
+    };
+    const auto field = [](auto&& change) {
+        FieldDef d = wind({});
+        change(d);
+        return CreateField{d};
+    };
+    CHECK(refusal(field([](FieldDef& d) { d.density = Real(-1); })) ==
+          "create_field: density is -1, must be 0 to 100000 kg/m^3");
+    CHECK(refusal(field([](FieldDef& d) {
+              d.region.kind = RegionKind::box;
+          })).starts_with("create_field: region.half_extent.x is 0"));
+    CHECK(refusal(field([](FieldDef& d) {
+              d.region.kind = static_cast<RegionKind>(9);
+          })).starts_with("create_field: region.kind is 9"));
+    CHECK(refusal(field([](FieldDef& d) { d.velocity = vec(400, 400, 0); })) ==
+          "create_field: velocity must be at most 500 m/s long");
+    CHECK(refusal(field([](FieldDef& d) {
+              d.drag_angular = Real(2000000);
+          })).starts_with("create_field: drag_angular is 2000000"));
+    CHECK(refusal(SetField{{}, wind({})}).starts_with("set_field: field 0:0 is not alive"));
+    CHECK(refusal(Explode{{.radius = {}}}).starts_with("explode: radius is 0"));
+    CHECK(refusal(Explode{{.falloff = static_cast<Falloff>(3)}}) == "explode: falloff is 3, must be 0 to 2");
+    CHECK(refusal(CreateBody{{.drag_scale = Real(101)}}).starts_with("create_body: drag_scale is 101"));
+    CHECK(w.field_count() == 0);
+}
