@@ -65,6 +65,7 @@ Result<World::Applied> Applier::operator()(const SetVehicleInput& c) {
     const std::uint32_t row = w.row_of(c.vehicle);
     if (row == Data::dead) return dead("set_vehicle_input", "vehicle", c.vehicle);
     if (std::string e = validate(c.input); !e.empty()) return Error{"set_vehicle_input: " + e};
+    if (w.state.rows(w.m.vehicle)[row].input == c.input) return Applied{}; // a parked car may sleep
     w.state.edit_row(w.m.vehicle, row).input = c.input;
     wake(w, w.state.rows(w.m.vehicle)[row].def.chassis);
     return Applied{};

@@ -126,7 +126,7 @@ void rest_contacts(Data& w) {
              m.sleeping_memory, false);
 }
 
-/// The islands of bodies that rest on a body or are joined to it.
+/// The islands of bodies that rest on a body or are joined to it, and of vehicles that stand on it.
 void raise_neighbours(Data& w, BodyId body) {
     for (std::size_t i = 0; i < w.state.rows(w.m.sleeping_key).size(); ++i) {
         const ContactKey key = w.state.rows(w.m.sleeping_key)[i];
@@ -134,6 +134,13 @@ void raise_neighbours(Data& w, BodyId body) {
         const BodyId b = w.state.rows(w.m.shape)[w.row_of(key.b)].body;
         if (a == body) raise_island(w, b);
         if (b == body) raise_island(w, a);
+    }
+    for (std::uint32_t k = 0; k < w.state.count(w.m.vehicles); ++k) {
+        const BodyId chassis = w.state.rows(w.m.vehicle)[k].def.chassis;
+        for (const WheelMemory& wheel : w.state.rows(w.m.vehicle_memory)[k].wheel) {
+            const std::uint32_t shape = w.row_of(wheel.ground);
+            if (shape != Data::dead && w.state.rows(w.m.shape)[shape].body == body) raise_island(w, chassis);
+        }
     }
     std::vector<BodyId>& joined = w.scratch.sleep.leaving;
     joined.clear();
@@ -250,6 +257,7 @@ struct Islands {
         for (std::uint32_t row = 0; row < awake; ++row) s.parent[row] = row;
         for (const dynamics::Contact& c : w.scratch.contacts) link(c.body_a, c.body_b);
         for (const dynamics::Joint& j : w.scratch.joints) link(j.body_a, j.body_b);
+        for (const Standing& v : w.scratch.vehicle_solver.standing()) link(v.chassis, v.ground);
         for (std::uint32_t row = 0; row < awake; ++row) {
             std::uint32_t& least = s.still_ticks[root(row)];
             least = std::min(least, s.still_ticks[row]);

@@ -94,9 +94,15 @@ struct WheelGround {
     Real length; ///< of the suspension [m]
 };
 
+/// A chassis and a body that one of its wheels stands on, by row.
+struct Standing {
+    std::uint32_t chassis, ground;
+};
+
 class VehicleSolver {
   public:
-    /// Casts the wheels, once the bounds of the tick are known. Wakes what they stand on; true when it did.
+    /// Casts the wheels, once the bounds of the tick are known. Wakes what they stand on, and a vehicle that sleeps when
+    /// something else came under its wheels; true when it woke anything.
     bool cast(Data& w);
     /// Rows, gears, couplings. Once a tick, when the bodies are in solver form.
     void prepare(Data& w);
@@ -104,9 +110,14 @@ class VehicleSolver {
     void warm_start(const dynamics::StepConstants& step, dynamics::SolverBodies& bodies);
     /// Springs, stops and bars in the pass with bias; tyres in every pass.
     void solve(const dynamics::StepConstants& step, dynamics::SolverBodies& bodies, bool bias);
-    void store(Data& w) const;
+    void store(Data& w);
+    /// In the tick that was stored last: vehicles sleep and wake with what they stand on.
+    std::span<const Standing> standing() const { return stands; }
 
   private:
+    bool stands_as_before(Data& w, std::uint32_t vehicle_row) const;
+
+    std::vector<Standing> stands;
     std::vector<Vehicle> vehicles;
     std::vector<std::array<WheelGround, vehicle_wheels_max>> grounds; ///< by row
 };

@@ -103,6 +103,18 @@ Real bounded(Real x, Real most) { return clamp(x, -most, most); }
 
 } // namespace
 
+/// Whether the wheels of a vehicle that sleeps find what they found last, and that sleeps too.
+bool VehicleSolver::stands_as_before(Data& w, std::uint32_t k) const {
+    const VehicleDef& def = w.state.rows(w.m.vehicle)[k].def;
+    for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
+        const WheelMemory& memory = w.state.rows(w.m.vehicle_memory)[k].wheel[i];
+        const WheelGround ground =
+            cast_wheel(w, def, def.wheel[i], way_of(w, w.row_of(def.chassis), def.wheel[i], memory.steer));
+        if ((ground.found ? ground.hit.shape : ShapeId{}) != memory.ground) return false;
+    }
+    return true;
+}
+
 bool VehicleSolver::cast(Data& w) {
     const std::span<const VehicleRow> rows = w.state.rows(w.m.vehicle);
     if (rows.empty()) return false;
@@ -114,7 +126,13 @@ bool VehicleSolver::cast(Data& w) {
     bool woke = false;
     for (std::uint32_t k = 0; k < rows.size(); ++k) {
         const VehicleDef& def = rows[k].def;
-        if (!is_awake(w, w.row_of(def.chassis))) continue;
+        if (!is_awake(w, w.row_of(def.chassis))) {
+            // Wheels are no shapes: nothing touches them.
+            if (w.header().bodies_awake == 0 || stands_as_before(w, k)) continue;
+            wake(w, def.chassis);
+            woke = true;
+            continue;
+        }
         for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
             const Real steer = w.state.rows(w.m.vehicle_memory)[k].wheel[i].steer;
             const WheelGround& ground = grounds[k][i] =

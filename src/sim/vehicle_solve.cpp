@@ -226,10 +226,22 @@ void VehicleSolver::solve(const StepConstants& step, SolverBodies& bodies, bool 
     }
 }
 
-void VehicleSolver::store(Data& w) const {
+/// Nobody drives it, and nothing in it turns: it may sleep once its chassis rests.
+static bool is_parked(const Data& w, const Vehicle& v) {
+    const Real slow = w.state.rows(w.m.config)[0].sleep_speed;
+    const Real engine_before = w.state.rows(w.m.vehicle_memory)[v.row].engine_speed;
+    if (v.input.throttle != Real{} || v.input.steer != v.memory.steer || v.memory.shift_ticks != 0)
+        return false;
+    if (abs(v.engine_speed - engine_before) > Real(1)) return false; // [rad/s] in a tick
+    for (std::uint32_t i = 0; i < v.def->wheel_count; ++i)
+        if (abs(v.group[v.wheel[i].group].spin * v.def->wheel[i].radius) > slow) return false;
+    return true;
+}
+
+void VehicleSolver::store(Data& w) {
+    stands.clear();
     for (const Vehicle& v : vehicles) {
-        // A vehicle and what it stands on stay awake.
-        w.state.edit_row(w.m.body_sleep, v.chassis).still_ticks = 0;
+        if (!is_parked(w, v)) w.state.edit_row(w.m.body_sleep, v.chassis).still_ticks = 0;
         VehicleMemory& m = w.state.edit_row(w.m.vehicle_memory, v.row);
         m = v.memory;
         m.engine_speed = v.engine_speed;
@@ -248,7 +260,7 @@ void VehicleSolver::store(Data& w) const {
             const Real turns = out.rotation / two_pi;
             out.rotation = clamp(out.rotation - two_pi * floor(turns), Real{}, two_pi);
             if (!wheel.touches) continue;
-            if (wheel.ratio > Real{}) w.state.edit_row(w.m.body_sleep, wheel.ground).still_ticks = 0;
+            if (wheel.ground != w.scratch.bodies.still()) stands.push_back({v.chassis, wheel.ground});
             out.length = clamp(wheel.length, min(v.def->wheel[i].length_min, wheel.length),
                                v.def->wheel[i].length_max);
             out.spring = wheel.spring;
