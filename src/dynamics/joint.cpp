@@ -89,7 +89,9 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
         assemble(tick, w, step, memory[joint.memory]);
         tick.joints.push_back(w);
     }
+    plan_trees(tick, columns, bodies);
     for (JointWork& w : tick.joints) make_rows(tick, w, step, bodies);
+    factorise_trees(tick, bodies);
 }
 
 void JointSolver::update(const StepConstants& step, const SolverBodies& bodies) {
@@ -99,6 +101,7 @@ void JointSolver::update(const StepConstants& step, const SolverBodies& bodies) 
     const auto stirred = [&](const JointWorkSide& s) { return !s.world && tick.bodies[s.cache].stirred; };
     for (JointWork& w : tick.joints)
         if (stirred(w.a) || stirred(w.b)) make_rows(tick, w, step, bodies);
+    factorise_trees(tick, bodies);
 }
 
 // ---- after the substeps -------------------------------------------------------------------------------------------

@@ -130,8 +130,7 @@ JointPlace place_of(const JointTick& tick, JointWork& work, const SolverBodies& 
             p.arc_in_a = p.arc - cross(p.a.w, slip) * Real(2) + cross(p.a.w, cross(p.a.w, p.s));
     }
     if (work.needs_twist)
-        work.twist =
-            twist_between(p.a.rotation, p.b.rotation, counts_turns(*work.def) ? work.twist : Real{});
+        work.twist = twist_between(p.a.rotation, p.b.rotation, counts_turns(*work.def) ? work.twist : Real{});
     if (work.needs_travel) add_travel(tick, work, p, bodies);
     p.twist = work.twist;
     p.travel = work.travel;
@@ -150,8 +149,8 @@ JointPlace place_of(const JointTick& tick, JointWork& work, const SolverBodies& 
 
 /// x h / 2, no more than a lock is pushed by: at a radian per substep the arc is no guide any more.
 Real half_step(Real x, const StepConstants& step) {
-    const Real speed = Real::from_raw(
-        narrow_rounded(Wide::product(x.raw, step.substep_time.raw), Unit::fraction_bits + 1));
+    const Real speed =
+        Real::from_raw(narrow_rounded(Wide::product(x.raw, step.substep_time.raw), Unit::fraction_bits + 1));
     return clamp(speed, -step.joint_push_max, step.joint_push_max);
 }
 
@@ -228,7 +227,7 @@ void make_block(JointBlock& block, const JointWork& work, const JointPlace& plac
             block.impulse[i] = rescaled_impulse(block.impulse[i], before, block.exponent);
         }
     }
-    block.inverse = invert(block.row, block.count);
+    if (work.tree == no_tree) block.inverse = invert(block.row, block.count);
     set_block_targets(block, values, step);
 }
 
@@ -257,6 +256,14 @@ void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, cons
     for (std::uint32_t i = 0; i < work.block_count; ++i)
         make_block(tick.blocks[work.first_block + i], work, place, both, step);
     work.made = true;
+    if (work.tree != no_tree) tick.forest.trees[work.tree].changed = true;
+}
+
+void invert_blocks(JointTick& tick, const JointWork& work) {
+    for (std::uint32_t i = 0; i < work.block_count; ++i) {
+        JointBlock& block = tick.blocks[work.first_block + i];
+        block.inverse = invert(block.row, block.count);
+    }
 }
 
 void place_body(JointBody& now, const Transform& pose, const SolverBody& body, const BodyStep& step) {

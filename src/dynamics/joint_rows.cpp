@@ -197,6 +197,8 @@ static Inverse quotient(const std::int64_t adjugate[6], std::int64_t determinant
     return inverse;
 }
 
+std::int64_t mobility(const Row& row) { return product(row, row); }
+
 Inverse invert(const Row* rows, int count) {
     if (count == 1) return invert_one(product(rows[0], rows[0]));
     const Stiffness s = stiffness(rows, count);

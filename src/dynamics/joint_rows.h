@@ -57,6 +57,8 @@ Scaled3 turning(const BodyStep& body, const std::int64_t arm[3], int fraction_bi
 int set_rows(Row* rows, const WideRow* wide, int count);
 /// Responses of a row: shares, and the axes that the bodies may move along.
 void set_responses(Row& row, const Shares& shares, const SolverBody& a, const SolverBody& b);
+/// k = J . r of one row, 48 fraction bits, below 2^54.
+std::int64_t mobility(const Row& row);
 /// k of one to three rows, and its inverse. Directions along which nothing moves are left out.
 Inverse invert(const Row* rows, int count);
 

@@ -1,4 +1,5 @@
 // The passes over joints. See joint.h for the symbols.
+#include "dynamics/joint_motion.h"
 #include "dynamics/joint_work.h"
 
 #include <algorithm>
@@ -7,77 +8,11 @@ namespace lockstone::dynamics {
 
 namespace {
 
-/// Velocities of the two bodies of a joint: along, then about.
-struct Motion {
-    std::int64_t a[6], b[6]; ///< 47 fraction bits
-};
-
 constexpr std::int64_t impulse_change_max = std::int64_t{4} * joint_impulse_max;
-constexpr std::int64_t motion_max = std::int64_t{joint_speed_max} << row_bits;
 
-Motion read(const SolverBody& a, const SolverBody& b) {
-    Motion m;
-    for (int i = 0; i < 3; ++i) m.a[i] = a.v[i], m.a[i + 3] = a.u[i], m.b[i] = b.v[i], m.b[i + 3] = b.u[i];
-    return m;
-}
-void write(const Motion& m, SolverBody& a, SolverBody& b) {
-    for (int i = 0; i < 3; ++i) a.v[i] = m.a[i], a.u[i] = m.a[i + 3], b.v[i] = m.b[i], b.u[i] = m.b[i + 3];
-}
-
-/// Keeps what rows read within 1024 m/s. Nothing gets there but by impulses beyond all bounds.
-void clamp_motion(Motion& m) {
-    for (int i = 0; i < 6; ++i) {
-        m.a[i] = std::clamp(m.a[i], -motion_max, motion_max);
-        m.b[i] = std::clamp(m.b[i], -motion_max, motion_max);
-    }
-}
-
-/// A change of impulse below this moves a body by less than 16 m/s: the 30 or so of one joint and pass leave what is
-/// read below 2048 m/s without clamping.
-constexpr std::int32_t small_impulse = 1 << 22;
-
-/// The motion as rows read it, Speed.
-struct Speeds {
-    std::int32_t a[6], b[6];
-    explicit Speeds(const Motion& m) {
-        for (int i = 0; i < 6; ++i) {
-            a[i] = static_cast<std::int32_t>((m.a[i] + half_step) >> row_bits);
-            b[i] = static_cast<std::int32_t>((m.b[i] + half_step) >> row_bits);
-        }
-    }
-    static constexpr std::int64_t half_step = std::int64_t{1} << (row_bits - 1);
-};
-
-/// J . (v, u), Speed: twelve products of 29 and 30 bits.
-std::int32_t speed_along(const Row& row, const Speeds& now) {
-    std::int64_t sum = 0;
-    for (int i = 0; i < 6; ++i)
-        sum += std::int64_t{row.ja[i]} * now.a[i] + std::int64_t{row.jb[i]} * now.b[i];
-    const std::int64_t speed = shift_right_rounded(sum, row_bits);
-    return static_cast<std::int32_t>(std::clamp<std::int64_t>(speed, -joint_impulse_max, joint_impulse_max));
-}
-
-void add_rounded(std::int64_t (&v)[6], const std::int64_t (&sum)[6], int shift) {
-    if (shift == 0)
-        for (int i = 0; i < 6; ++i) v[i] += sum[i];
-    else
-        for (int i = 0; i < 6; ++i) v[i] += (sum[i] >> shift) + ((sum[i] >> (shift - 1)) & 1);
-}
-
-/// v += sum of r p over the rows of a part: 29 bits times 31, three times.
-void push(const Row* rows, const std::int32_t* p, int count, Motion& m) {
-    std::int64_t a[6] = {}, b[6] = {};
-    std::uint32_t any = 0;
-    for (int r = 0; r < count; ++r) {
-        any |= static_cast<std::uint32_t>(p[r] < 0 ? -p[r] : p[r]);
-        for (int i = 0; i < 6; ++i) {
-            a[i] += std::int64_t{rows[r].ra[i]} * p[r];
-            b[i] += std::int64_t{rows[r].rb[i]} * p[r];
-        }
-    }
-    add_rounded(m.a, a, rows[0].shift_a);
-    add_rounded(m.b, b, rows[0].shift_b);
-    if (any >= small_impulse) clamp_motion(m);
+/// As push(), and what rows read stays within its bounds.
+void push_clamped(const Row* rows, const std::int32_t* p, int count, Motion& m) {
+    if (push(rows, p, count, m) >= small_impulse) clamp_motion(m);
 }
 
 std::int64_t shifted(std::int64_t v, int shift) {
@@ -116,7 +51,7 @@ void solve_block(JointBlock& block, Motion& m, const StepConstants& step, bool b
         change[i] = p - block.impulse[i];
         block.impulse[i] = p;
     }
-    push(block.row, change, block.count, m);
+    push_clamped(block.row, change, block.count, m);
 }
 
 // ---- axes ---------------------------------------------------------------------------------------------------------
@@ -141,7 +76,7 @@ struct AxisPass {
         if (next == p) return;
         if (next != wanted && (next == joint_impulse_max || next == -joint_impulse_max)) ++clamped;
         const std::int32_t change = next - p;
-        push(&part.row, &change, 1, m);
+        push_clamped(&part.row, &change, 1, m);
         p = next;
         speed = speed_along(part.row, Speeds(m));
     }
@@ -169,20 +104,48 @@ void solve_axis(JointAxisPart& part, Motion& m, bool bias, std::uint64_t& clampe
 
 } // namespace
 
-void JointSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bias) {
-    JointTick& tick = *work;
-    const std::size_t count = tick.joints.size();
-    for (std::size_t k = 0; k < count; ++k) { // relaxing goes back the way the biased pass came
-        const JointWork& w = tick.joints[bias ? k : count - 1 - k];
+namespace {
+
+/// Joint after joint: what acts along axes, and locks that no tree solves.
+void pass_joint(JointTick& tick, const JointWork& w, const StepConstants& step, SolverBodies& bodies,
+                bool bias) {
+    const bool locks = w.tree == no_tree || !tick.forest.trees[w.tree].direct;
+    if (!locks && w.axis_count == 0) return;
+    SolverBody &a = bodies.body[w.a.body], &b = bodies.body[w.b.body];
+    Motion m = read(a, b);
+    clamp_motion(m);
+    for (std::uint32_t i = 0; i < w.axis_count; ++i)
+        solve_axis(tick.axes[w.first_axis + i], m, bias, tick.clamped);
+    for (std::uint32_t i = 0; locks && i < w.block_count; ++i)
+        solve_block(tick.blocks[w.first_block + i], m, step, bias, tick.clamped);
+    write(m, a, b);
+}
+
+/// The locks of a tree joint after joint, when their impulses leave their range.
+void pass_tree(JointTick& tick, const JointTree& tree, const StepConstants& step, SolverBodies& bodies,
+               bool bias) {
+    for (std::uint32_t i = 0; i < tree.joint_count; ++i) {
+        const std::uint32_t k = bias ? i : tree.joint_count - 1 - i;
+        const JointWork& w = tick.joints[tick.forest.joints[tree.first_joint + k].joint];
+        invert_blocks(tick, w);
         SolverBody &a = bodies.body[w.a.body], &b = bodies.body[w.b.body];
         Motion m = read(a, b);
         clamp_motion(m);
-        for (std::uint32_t i = 0; i < w.axis_count; ++i)
-            solve_axis(tick.axes[w.first_axis + i], m, bias, tick.clamped);
-        for (std::uint32_t i = 0; i < w.block_count; ++i)
-            solve_block(tick.blocks[w.first_block + i], m, step, bias, tick.clamped);
+        for (std::uint32_t r = 0; r < w.block_count; ++r)
+            solve_block(tick.blocks[w.first_block + r], m, step, bias, tick.clamped);
         write(m, a, b);
     }
+}
+
+} // namespace
+
+void JointSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bias) {
+    JointTick& tick = *work;
+    const std::size_t count = tick.joints.size();
+    for (std::size_t k = 0; k < count; ++k) // relaxing goes back the way the biased pass came
+        pass_joint(tick, tick.joints[bias ? k : count - 1 - k], step, bodies, bias);
+    for (const JointTree& tree : tick.forest.trees)
+        if (tree.direct && !solve_tree(tick, tree, bodies, bias)) pass_tree(tick, tree, step, bodies, bias);
 }
 
 // ---- warm start ---------------------------------------------------------------------------------------------------
@@ -198,13 +161,13 @@ void JointSolver::warm_start(SolverBodies& bodies) {
             const std::int64_t sum = std::int64_t{part.spring} + part.motor + part.lower + part.upper;
             const std::int32_t p = bounded(sum, -joint_impulse_max, joint_impulse_max);
             if (!tick.first) part.sum += unscaled_impulse(p, part.exponent);
-            push(&part.row, &p, 1, m);
+            push_clamped(&part.row, &p, 1, m);
         }
         for (std::uint32_t i = 0; i < w.block_count; ++i) {
             JointBlock& block = tick.blocks[w.first_block + i];
             for (int r = 0; r < block.count && !tick.first; ++r)
                 block.sum[r] += unscaled_impulse(block.impulse[r], block.exponent);
-            push(block.row, block.impulse, block.count, m);
+            push_clamped(block.row, block.impulse, block.count, m);
         }
         write(m, a, b);
     }

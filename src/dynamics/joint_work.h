@@ -3,6 +3,7 @@
 
 #include "dynamics/joint.h"
 #include "dynamics/joint_parts.h"
+#include "dynamics/joint_tree.h"
 
 #include <vector>
 
@@ -86,6 +87,7 @@ struct JointWork {
     Real mass; ///< mA mB / (mA + mB) [kg]
     std::uint32_t memory;
     std::uint32_t first_block, first_axis;
+    std::uint32_t tree; ///< that solves its locks; no_tree: they are solved by themselves
     std::uint8_t block_count, axis_count;
     bool needs_twist, needs_target, needs_orientation, needs_travel, needs_slip, made;
     Real twist, travel;
@@ -97,6 +99,7 @@ struct JointTick {
     std::vector<JointBlock> blocks;
     std::vector<JointAxisPart> axes;
     std::vector<JointBody> bodies;
+    JointForest forest;
     std::vector<std::uint32_t> cache_of; ///< by body: entry of `bodies` + 1
     std::span<const Transform> pose;
     std::uint64_t clamped; ///< impulses that met joint_impulse_max
@@ -109,5 +112,7 @@ void start_body(JointBody& now, const Transform& pose, const SolverBody& body, c
 void place_body(JointBody& now, const Transform& pose, const SolverBody& body, const BodyStep& step);
 /// Rows, responses, inverses and targets of a joint's parts.
 void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, const SolverBodies& bodies);
+/// Inverses of a joint's blocks, which make_rows() leaves out where a tree solves them.
+void invert_blocks(JointTick& tick, const JointWork& work);
 
 } // namespace lockstone::dynamics

@@ -1,0 +1,84 @@
+// What a joint reads and writes of its two bodies.
+#pragma once
+
+#include "dynamics/joint_rows.h"
+
+#include <algorithm>
+
+namespace lockstone::dynamics {
+
+/// Velocities of the two bodies of a joint: along, then about.
+struct Motion {
+    std::int64_t a[6], b[6]; ///< 47 fraction bits
+};
+
+inline constexpr std::int64_t motion_max = std::int64_t{joint_speed_max} << row_bits;
+/// 32768 m/s: what it may be while the impulses of a tree are given one after another, with room for one joint's.
+inline constexpr std::int64_t motion_between_max = std::int64_t{1} << 62;
+
+inline Motion read(const SolverBody& a, const SolverBody& b) {
+    Motion m;
+    for (int i = 0; i < 3; ++i) m.a[i] = a.v[i], m.a[i + 3] = a.u[i], m.b[i] = b.v[i], m.b[i + 3] = b.u[i];
+    return m;
+}
+inline void write(const Motion& m, SolverBody& a, SolverBody& b) {
+    for (int i = 0; i < 3; ++i) a.v[i] = m.a[i], a.u[i] = m.a[i + 3], b.v[i] = m.b[i], b.u[i] = m.b[i + 3];
+}
+
+/// Keeps what rows read within 1024 m/s. Nothing gets there but by impulses beyond all bounds.
+inline void clamp_motion(Motion& m, std::int64_t most = motion_max) {
+    for (int i = 0; i < 6; ++i) {
+        m.a[i] = std::clamp(m.a[i], -most, most);
+        m.b[i] = std::clamp(m.b[i], -most, most);
+    }
+}
+
+/// A change of impulse below this moves a body by less than 16 m/s: the 30 or so of one joint and pass leave what is
+/// read below 2048 m/s without clamping.
+inline constexpr std::int32_t small_impulse = 1 << 22;
+
+/// The motion as rows read it, Speed.
+struct Speeds {
+    std::int32_t a[6], b[6];
+    explicit Speeds(const Motion& m) {
+        for (int i = 0; i < 6; ++i) {
+            a[i] = static_cast<std::int32_t>((m.a[i] + half_step) >> row_bits);
+            b[i] = static_cast<std::int32_t>((m.b[i] + half_step) >> row_bits);
+        }
+    }
+    static constexpr std::int64_t half_step = std::int64_t{1} << (row_bits - 1);
+};
+
+/// J . (v, u), Speed: twelve products of 29 and 30 bits.
+inline std::int32_t speed_along(const Row& row, const Speeds& now) {
+    std::int64_t sum = 0;
+    for (int i = 0; i < 6; ++i)
+        sum += std::int64_t{row.ja[i]} * now.a[i] + std::int64_t{row.jb[i]} * now.b[i];
+    const std::int64_t speed = shift_right_rounded(sum, row_bits);
+    return static_cast<std::int32_t>(std::clamp<std::int64_t>(speed, -joint_impulse_max, joint_impulse_max));
+}
+
+inline void add_rounded(std::int64_t (&v)[6], const std::int64_t (&sum)[6], int shift) {
+    if (shift == 0)
+        for (int i = 0; i < 6; ++i) v[i] += sum[i];
+    else
+        for (int i = 0; i < 6; ++i) v[i] += (sum[i] >> shift) + ((sum[i] >> (shift - 1)) & 1);
+}
+
+/// v += sum of r p over the rows of a part: 29 bits times 31, three times. Returns the sizes of p, or-ed.
+inline std::uint32_t push(const Row* rows, const std::int32_t* p, int count, Motion& m) {
+    std::int64_t a[6] = {}, b[6] = {};
+    std::uint32_t any = 0;
+    for (int r = 0; r < count; ++r) {
+        any |= static_cast<std::uint32_t>(p[r] < 0 ? -p[r] : p[r]);
+        for (int i = 0; i < 6; ++i) {
+            a[i] += std::int64_t{rows[r].ra[i]} * p[r];
+            b[i] += std::int64_t{rows[r].rb[i]} * p[r];
+        }
+    }
+    add_rounded(m.a, a, rows[0].shift_a);
+    add_rounded(m.b, b, rows[0].shift_b);
+    return any;
+}
+
+} // namespace lockstone::dynamics

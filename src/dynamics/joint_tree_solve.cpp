@@ -1,0 +1,253 @@
+// Factors of trees of joints, and their solution. See joint_tree.h for the symbols.
+#include "dynamics/joint_motion.h"
+#include "dynamics/joint_work.h"
+
+#include <algorithm>
+
+namespace lockstone::dynamics {
+
+namespace {
+
+// ---- factor -------------------------------------------------------------------------------------------------------
+
+void take_row(TreeJoint& t, int r, const Row& row, const SolverBody& a, const SolverBody& b) {
+    const std::int32_t* below = t.child_is_b ? row.jb : row.ja;
+    const std::int32_t* above = t.child_is_b ? row.ja : row.jb;
+    const SolverBody& child = t.child_is_b ? b : a;
+    const SolverBody& parent = t.child_is_b ? a : b;
+    for (int i = 0; i < 6; ++i) {
+        t.below[r][i] = i < 3 ? static_cast<std::int32_t>(below[i] & child.keep[i]) : below[i];
+        t.above[i][r] = i < 3 ? static_cast<std::int32_t>(above[i] & parent.keep[i]) : above[i];
+    }
+    t.mobility[r] = mobility(row);
+}
+
+void take_rows(const JointTick& tick, TreeJoint& t, const SolverBodies& bodies) {
+    const JointWork& w = tick.joints[t.joint];
+    int r = 0;
+    for (std::uint32_t i = 0; i < w.block_count; ++i) {
+        const JointBlock& block = tick.blocks[w.first_block + i];
+        for (int k = 0; k < block.count; ++k)
+            take_row(t, r++, block.row[k], bodies.body[w.a.body], bodies.body[w.b.body]);
+    }
+}
+
+/// epsilon k / m, per row.
+void soften(const TreeJoint& t, SymmetricBlock& d) {
+    Scaled g[6];
+    for (int r = 0; r < t.rows; ++r) {
+        const Scaled k = scaled(t.mobility[r], 48 + tree_softness_bits);
+        g[r] = scaled((k.m >> 30) * t.inverse_mass, 60); // 30 bits times 31
+        g[r].exponent += k.exponent - t.mass_exponent;
+    }
+    add_diagonal(d, g, t.rows);
+}
+
+/// H of a node that carries nothing is a multiple of the unit matrix.
+BlockFactor plain_factor(Scaled mass) {
+    BlockFactor f{};
+    for (std::int64_t& inverse : f.inverse) // of m in [1/2, 1)
+        inverse = (std::int64_t{1} << 62) / (mass.m >> 30) << (block_bits + block_inverse_bits - 92);
+    return f;
+}
+
+bool factorise_node(TreeNode& node) {
+    if (!node.plain) return factorise(node.h, 6, node.factor);
+    node.factor = plain_factor(node.mass);
+    return true;
+}
+
+bool factorise_tree(JointTick& tick, const JointTree& tree, const SolverBodies& bodies) {
+    JointForest& f = tick.forest;
+    for (std::uint32_t i = 0; i < tree.node_count; ++i) {
+        TreeNode& node = f.nodes[tree.first_node + i];
+        node.h = block_of(node.mass, 6);
+    }
+    for (std::uint32_t i = 0; i < tree.joint_count; ++i) {
+        TreeJoint& t = f.joints[tree.first_joint + i];
+        take_rows(tick, t, bodies);
+        SymmetricBlock d{};
+        d.zero = true;
+        if (t.child != no_tree) {
+            TreeNode& child = f.nodes[t.child];
+            if (!factorise_node(child)) return false;
+            condense(child.factor, child.h.exponent, 6, t.below, t.rows, t.z, d);
+        }
+        soften(t, d);
+        factorise_raised(d, t.rows, t.factor);
+        t.exponent = d.exponent;
+        if (t.parent == no_tree) continue;
+        std::int64_t z[6][6];
+        SymmetricBlock carried;
+        condense(t.factor, d.exponent, t.rows, t.above, 6, z, carried);
+        add(f.nodes[t.parent].h, carried, 6);
+    }
+    TreeNode& root = f.nodes[tree.first_node];
+    return f.above_of[tree.first_node] != 0 || factorise_node(root);
+}
+
+// ---- solution -----------------------------------------------------------------------------------------------------
+
+constexpr int speed_up = block_speed_bits - Speed::fraction_bits;
+
+/// - speed - bias - epsilon k p'
+void take_residual(const JointTick& tick, TreeJoint& t, const SolverBodies& bodies, bool bias) {
+    const JointWork& w = tick.joints[t.joint];
+    Motion m = read(bodies.body[w.a.body], bodies.body[w.b.body]);
+    clamp_motion(m);
+    const Speeds now(m);
+    int r = 0;
+    for (std::uint32_t i = 0; i < w.block_count; ++i) {
+        const JointBlock& block = tick.blocks[w.first_block + i];
+        for (int k = 0; k < block.count; ++k, ++r) {
+            std::int64_t residual = speed_along(block.row[k], now);
+            if (bias) {
+                // 54 bits times 30
+                const Wide soft = Wide::product(t.mobility[r], block.impulse[k]);
+                residual += block.bias[k];
+                t.solution[r] = narrow_rounded(soft, 48 + tree_softness_bits - speed_up);
+            } else {
+                t.solution[r] = 0;
+            }
+            t.solution[r] = -(residual << speed_up) - t.solution[r];
+        }
+    }
+}
+
+/// From the leaf inwards: x becomes D^-1 g, and what the parent is pushed by.
+void eliminate(JointForest& f, TreeJoint& t) {
+    if (t.child != no_tree && f.nodes[t.child].passes) {
+        TreeNode& child = f.nodes[t.child];
+        solve_lower(child.factor, 6, child.f);
+        for (int r = 0; r < t.rows; ++r) {
+            Wide sum = Wide::from(0); // 2^61 times 2^61, six times
+            for (int i = 0; i < 6; ++i) sum = sum + Wide::product(t.z[r][i], child.f[i]);
+            t.solution[r] = std::clamp(t.solution[r] - block_narrow(sum, block_column_bits),
+                                       -block_value_max, block_value_max);
+        }
+    }
+    solve_lower(t.factor, t.rows, t.solution);
+    solve_diagonal(t.factor, t.rows, t.solution);
+    solve_upper(t.factor, t.rows, t.solution);
+    if (t.parent == no_tree) return;
+    TreeNode& parent = f.nodes[t.parent];
+    const int shift = row_bits + t.exponent + parent.h.exponent;
+    for (int i = 0; i < 6; ++i) {
+        Wide sum = Wide::from(0);
+        for (int r = 0; r < t.rows; ++r) sum = sum + Wide::product(t.above[i][r], t.solution[r]);
+        parent.f[i] = std::clamp(parent.f[i] + block_shift(sum, shift), -block_value_max, block_value_max);
+    }
+}
+
+/// dv of a body from L^-1 f and from the impulses of the joint above it.
+void move_node(TreeNode& node, const TreeJoint* above) {
+    const int shift = above == nullptr ? 0 : block_column_bits + above->exponent + node.h.exponent;
+    for (int i = 0; i < 6; ++i) {
+        node.speed[i] = block_narrow(Wide::product(node.f[i], node.factor.inverse[i]), block_inverse_bits);
+        if (above == nullptr) continue;
+        Wide sum = Wide::from(0);
+        for (int r = 0; r < above->rows; ++r) sum = sum + Wide::product(above->z[r][i], above->solution[r]);
+        node.speed[i] =
+            std::clamp(node.speed[i] + block_shift(sum, shift), -block_value_max, block_value_max);
+    }
+    solve_upper(node.factor, 6, node.speed);
+}
+
+/// From the root outwards: lambda, and the speed it gives the child.
+void substitute(JointForest& f, TreeJoint& t) {
+    if (t.parent != no_tree) {
+        const TreeNode& parent = f.nodes[t.parent];
+        std::int64_t x[6];
+        for (int r = 0; r < t.rows; ++r) {
+            Wide sum = Wide::from(0);
+            for (int i = 0; i < 6; ++i) sum = sum + Wide::product(t.above[i][r], parent.speed[i]);
+            x[r] = block_narrow(sum, row_bits);
+        }
+        solve_lower(t.factor, t.rows, x);
+        solve_diagonal(t.factor, t.rows, x);
+        solve_upper(t.factor, t.rows, x);
+        for (int r = 0; r < t.rows; ++r)
+            t.solution[r] = std::clamp(t.solution[r] - x[r], -block_value_max, block_value_max);
+    }
+    if (t.child != no_tree && f.nodes[t.child].passes) move_node(f.nodes[t.child], &t);
+}
+
+/// Changes of p'. False when one, or what it leads to, is beyond its range.
+bool take_changes(const JointTick& tick, TreeJoint& t) {
+    constexpr std::int64_t change_max = joint_speed_max; // 1024 m/s
+    const JointWork& w = tick.joints[t.joint];
+    const int shift = block_speed_bits + 30 - Speed::fraction_bits + t.exponent + t.mass_exponent;
+    int r = 0;
+    for (std::uint32_t i = 0; i < w.block_count; ++i) {
+        const JointBlock& block = tick.blocks[w.first_block + i];
+        for (int k = 0; k < block.count; ++k, ++r) {
+            t.change[r] = block_shift(Wide::product(t.solution[r], t.inverse_mass), shift);
+            if (magnitude(t.change[r]) > change_max ||
+                magnitude(t.change[r] + block.impulse[k]) > joint_impulse_max)
+                return false;
+        }
+    }
+    return true;
+}
+
+/// Two parts of three rows: 29 bits times 30, six times, below 2^61 beside motion_between_max.
+void give_changes(JointTick& tick, const TreeJoint& t, SolverBodies& bodies) {
+    const JointWork& w = tick.joints[t.joint];
+    SolverBody &a = bodies.body[w.a.body], &b = bodies.body[w.b.body];
+    Motion m = read(a, b);
+    clamp_motion(m, motion_between_max);
+    int r = 0;
+    for (std::uint32_t i = 0; i < w.block_count; ++i) {
+        JointBlock& block = tick.blocks[w.first_block + i];
+        std::int32_t change[3];
+        for (int k = 0; k < block.count; ++k, ++r) {
+            change[k] = static_cast<std::int32_t>(t.change[r]);
+            block.impulse[k] += change[k];
+        }
+        push(block.row, change, block.count, m);
+    }
+    write(m, a, b);
+}
+
+void clamp_body(SolverBody& body) {
+    for (int i = 0; i < 3; ++i) {
+        body.v[i] = std::clamp(body.v[i], -motion_max, motion_max);
+        body.u[i] = std::clamp(body.u[i], -motion_max, motion_max);
+    }
+}
+
+} // namespace
+
+void factorise_trees(JointTick& tick, const SolverBodies& bodies) {
+    for (JointTree& tree : tick.forest.trees) {
+        if (!tree.changed) continue;
+        tree.changed = false;
+        tree.direct = factorise_tree(tick, tree, bodies);
+        for (std::uint32_t i = 0; !tree.direct && i < tree.joint_count; ++i)
+            invert_blocks(tick, tick.joints[tick.forest.joints[tree.first_joint + i].joint]);
+    }
+}
+
+bool solve_tree(JointTick& tick, const JointTree& tree, SolverBodies& bodies, bool bias) {
+    JointForest& f = tick.forest;
+    const std::span<TreeJoint> joints(f.joints.data() + tree.first_joint, tree.joint_count);
+    const std::span<TreeNode> nodes(f.nodes.data() + tree.first_node, tree.node_count);
+    for (TreeNode& node : nodes)
+        for (std::int64_t& x : node.f) x = 0;
+    for (TreeJoint& t : joints) {
+        take_residual(tick, t, bodies, bias);
+        eliminate(f, t);
+    }
+    if (f.above_of[tree.first_node] == 0) {
+        solve_lower(nodes[0].factor, 6, nodes[0].f);
+        move_node(nodes[0], nullptr);
+    }
+    for (std::size_t i = joints.size(); i-- > 0;) substitute(f, joints[i]);
+    for (TreeJoint& t : joints)
+        if (!take_changes(tick, t)) return false;
+    for (const TreeJoint& t : joints) give_changes(tick, t, bodies);
+    for (const TreeNode& node : nodes) clamp_body(bodies.body[node.body]);
+    return true;
+}
+
+} // namespace lockstone::dynamics
