@@ -154,10 +154,10 @@ Real half_step(Real x, const StepConstants& step) {
     return clamp(speed, -step.joint_push_max, step.joint_push_max);
 }
 
-void set_block_targets(JointBlock& block, const RowValue* values, const StepConstants& step) {
+void set_block_targets(JointBlock& block, const RowValue* values, Real rate, const StepConstants& step) {
     const Real most = step.joint_push_max;
     for (int i = 0; i < block.count; ++i) {
-        const Real push = clamp((values[i].position - block.at[i]) * step.joint.rate, -most, most);
+        const Real push = clamp((values[i].position - block.at[i]) * rate, -most, most);
         block.bias[i] =
             scaled_speed((push + half_step(values[i].arc, step)).raw, Real::fraction_bits, block.exponent);
         block.direction[i] = values[i].direction;
@@ -228,7 +228,7 @@ void make_block(JointBlock& block, const JointWork& work, const JointPlace& plac
         }
     }
     if (work.tree == no_tree) block.inverse = invert(block.row, block.count);
-    set_block_targets(block, values, step);
+    set_block_targets(block, values, work.tree == no_tree ? step.joint.rate : step.tree_rate, step);
 }
 
 void make_axis(JointAxisPart& part, const JointWork& work, const JointPlace& place, Bodies bodies,

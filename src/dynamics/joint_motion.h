@@ -13,7 +13,7 @@ struct Motion {
 };
 
 inline constexpr std::int64_t motion_max = std::int64_t{joint_speed_max} << row_bits;
-/// 32768 m/s: what it may be while the impulses of a tree are given one after another, with room for one joint's.
+/// 32768 m/s: what it may be while the impulses of a tree are given one after another, with room for a part's.
 inline constexpr std::int64_t motion_between_max = std::int64_t{1} << 62;
 
 inline Motion read(const SolverBody& a, const SolverBody& b) {

@@ -121,22 +121,6 @@ void pass_joint(JointTick& tick, const JointWork& w, const StepConstants& step, 
     write(m, a, b);
 }
 
-/// The locks of a tree joint after joint, when their impulses leave their range.
-void pass_tree(JointTick& tick, const JointTree& tree, const StepConstants& step, SolverBodies& bodies,
-               bool bias) {
-    for (std::uint32_t i = 0; i < tree.joint_count; ++i) {
-        const std::uint32_t k = bias ? i : tree.joint_count - 1 - i;
-        const JointWork& w = tick.joints[tick.forest.joints[tree.first_joint + k].joint];
-        invert_blocks(tick, w);
-        SolverBody &a = bodies.body[w.a.body], &b = bodies.body[w.b.body];
-        Motion m = read(a, b);
-        clamp_motion(m);
-        for (std::uint32_t r = 0; r < w.block_count; ++r)
-            solve_block(tick.blocks[w.first_block + r], m, step, bias, tick.clamped);
-        write(m, a, b);
-    }
-}
-
 } // namespace
 
 void JointSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bias) {
@@ -145,7 +129,7 @@ void JointSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bi
     for (std::size_t k = 0; k < count; ++k) // relaxing goes back the way the biased pass came
         pass_joint(tick, tick.joints[bias ? k : count - 1 - k], step, bodies, bias);
     for (const JointTree& tree : tick.forest.trees)
-        if (tree.direct && !solve_tree(tick, tree, bodies, bias)) pass_tree(tick, tree, step, bodies, bias);
+        if (tree.direct) solve_tree(tick, tree, bodies, bias);
 }
 
 // ---- warm start ---------------------------------------------------------------------------------------------------

@@ -7,7 +7,7 @@
 //   M          mass of a body times the unit matrix: in gyration-scaled form it is that
 //   J          rows of the locks, Jacobian entries of axes that are locked left out
 //   lambda     impulse change m p' [kg m/s], m = mA mB / (mA + mB)
-//   softness   G = epsilon k / m, k = J . r of the row: a two-thousandth of what the pair alone would yield
+//   softness   G = epsilon k / m, k = J . r of the row: a four-thousandth of what the pair alone would yield
 //
 //   for all at once   M dv = J^T lambda,   J dv + G lambda = - speed - bias - G (m p')  (no bias, no p' when relaxing)
 //   body i            H_i = M_i + sum over joints below of J^T D^-1 J,  f_i = sum of J^T D^-1 g
@@ -16,8 +16,7 @@
 //
 // The residual is what the rows read, and impulses act through the rows as everywhere: a factor that is a little off
 // costs a little of the solution, never momentum. Sums of H only grow, so nothing cancels. A body lighter than
-// 2^-24 of what hangs on it is beyond the factor, and impulses beyond their range beyond the solution: such a tree is
-// solved joint after joint instead.
+// 2^-24 of what hangs on it is beyond the factor: such a tree is solved joint after joint instead.
 #pragma once
 
 #include "dynamics/block_matrix.h"
@@ -33,7 +32,7 @@ namespace lockstone::dynamics {
 struct JointTick;
 
 inline constexpr std::uint32_t no_tree = 0xffffffffu;
-inline constexpr int tree_softness_bits = 11; ///< epsilon = 2^-11
+inline constexpr int tree_softness_bits = 12; ///< epsilon = 2^-12
 
 struct TreeNode {
     std::uint32_t body;
@@ -97,6 +96,6 @@ void plan_trees(JointTick& tick, const BodyColumns& columns, const SolverBodies&
 /// Factorises what changed. A tree that cannot be is solved joint after joint until it changes again.
 void factorise_trees(JointTick& tick, const SolverBodies& bodies);
 /// Impulses for one tree. False, and nothing done, when one would leave its range.
-bool solve_tree(JointTick& tick, const JointTree& tree, SolverBodies& bodies, bool bias);
+void solve_tree(JointTick& tick, const JointTree& tree, SolverBodies& bodies, bool bias);
 
 } // namespace lockstone::dynamics

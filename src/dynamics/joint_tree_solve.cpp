@@ -122,8 +122,8 @@ void eliminate(JointForest& f, TreeJoint& t) {
         for (int r = 0; r < t.rows; ++r) {
             Wide sum = Wide::from(0); // 2^61 times 2^61, six times
             for (int i = 0; i < 6; ++i) sum = sum + Wide::product(t.z[r][i], child.f[i]);
-            t.solution[r] = std::clamp(t.solution[r] - block_narrow(sum, block_column_bits),
-                                       -block_value_max, block_value_max);
+            t.solution[r] = std::clamp(t.solution[r] - block_narrow(sum, block_column_bits), -block_value_max,
+                                       block_value_max);
         }
     }
     solve_lower(t.factor, t.rows, t.solution);
@@ -172,30 +172,43 @@ void substitute(JointForest& f, TreeJoint& t) {
     if (t.child != no_tree && f.nodes[t.child].passes) move_node(f.nodes[t.child], &t);
 }
 
-/// Changes of p'. False when one, or what it leads to, is beyond its range.
-bool take_changes(const JointTick& tick, TreeJoint& t) {
-    constexpr std::int64_t change_max = joint_speed_max; // 1024 m/s
+/// Changes of p', and the largest p' that they lead to.
+std::int64_t take_changes(const JointTick& tick, TreeJoint& t) {
     const JointWork& w = tick.joints[t.joint];
     const int shift = block_speed_bits + 30 - Speed::fraction_bits + t.exponent + t.mass_exponent;
+    std::int64_t most = 0;
     int r = 0;
     for (std::uint32_t i = 0; i < w.block_count; ++i) {
         const JointBlock& block = tick.blocks[w.first_block + i];
         for (int k = 0; k < block.count; ++k, ++r) {
             t.change[r] = block_shift(Wide::product(t.solution[r], t.inverse_mass), shift);
-            if (magnitude(t.change[r]) > change_max ||
-                magnitude(t.change[r] + block.impulse[k]) > joint_impulse_max)
-                return false;
+            most = std::max<std::int64_t>(most, std::abs(t.change[r] + block.impulse[k]));
         }
     }
-    return true;
+    return most;
 }
 
-/// Two parts of three rows: 29 bits times 30, six times, below 2^61 beside motion_between_max.
+/// p' + change becomes a part of itself, most / 2^62 of the tree's largest the most that there may be: bodies then move as
+/// between free and held.
+void scale_changes(const JointTick& tick, TreeJoint& t, std::int64_t most) {
+    const JointWork& w = tick.joints[t.joint];
+    int r = 0;
+    for (std::uint32_t i = 0; i < w.block_count; ++i) {
+        const JointBlock& block = tick.blocks[w.first_block + i];
+        for (int k = 0; k < block.count; ++k, ++r) // below 1, times joint_impulse_max
+            t.change[r] =
+                narrow_rounded(Wide::product(divide_shifted(t.change[r] + block.impulse[k], most, 62),
+                                             joint_impulse_max),
+                               62) -
+                block.impulse[k];
+    }
+}
+
+/// A part of three rows adds 29 bits times 31, three times, to motion_between_max: below 2^63.
 void give_changes(JointTick& tick, const TreeJoint& t, SolverBodies& bodies) {
     const JointWork& w = tick.joints[t.joint];
     SolverBody &a = bodies.body[w.a.body], &b = bodies.body[w.b.body];
     Motion m = read(a, b);
-    clamp_motion(m, motion_between_max);
     int r = 0;
     for (std::uint32_t i = 0; i < w.block_count; ++i) {
         JointBlock& block = tick.blocks[w.first_block + i];
@@ -205,6 +218,7 @@ void give_changes(JointTick& tick, const TreeJoint& t, SolverBodies& bodies) {
             block.impulse[k] += change[k];
         }
         push(block.row, change, block.count, m);
+        clamp_motion(m, motion_between_max);
     }
     write(m, a, b);
 }
@@ -228,7 +242,7 @@ void factorise_trees(JointTick& tick, const SolverBodies& bodies) {
     }
 }
 
-bool solve_tree(JointTick& tick, const JointTree& tree, SolverBodies& bodies, bool bias) {
+void solve_tree(JointTick& tick, const JointTree& tree, SolverBodies& bodies, bool bias) {
     JointForest& f = tick.forest;
     const std::span<TreeJoint> joints(f.joints.data() + tree.first_joint, tree.joint_count);
     const std::span<TreeNode> nodes(f.nodes.data() + tree.first_node, tree.node_count);
@@ -243,11 +257,14 @@ bool solve_tree(JointTick& tick, const JointTree& tree, SolverBodies& bodies, bo
         move_node(nodes[0], nullptr);
     }
     for (std::size_t i = joints.size(); i-- > 0;) substitute(f, joints[i]);
-    for (TreeJoint& t : joints)
-        if (!take_changes(tick, t)) return false;
+    std::int64_t most = 0;
+    for (TreeJoint& t : joints) most = std::max(most, take_changes(tick, t));
+    if (most > joint_impulse_max) {
+        for (TreeJoint& t : joints) scale_changes(tick, t, most);
+        ++tick.clamped;
+    }
     for (const TreeJoint& t : joints) give_changes(tick, t, bodies);
     for (const TreeNode& node : nodes) clamp_body(bodies.body[node.body]);
-    return true;
 }
 
 } // namespace lockstone::dynamics

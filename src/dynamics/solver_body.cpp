@@ -52,8 +52,8 @@ static Vec3 reciprocals(Vec3 radii) {
 
 static void set_gyration(BodyStep& s, const BodyMass& mass, Quat rotation) {
     const Rotation axes = to_rotation(rotation * mass.principal);
-    s.gyration = rotated_diagonal(axes, mass.gyration);
-    s.gyration_inv = rotated_diagonal(axes, reciprocals(mass.gyration));
+    s.gyration = rotated_diagonal(axes, s.radii);
+    s.gyration_inv = rotated_diagonal(axes, reciprocals(s.radii));
     set_mantissa(s);
 }
 
@@ -78,6 +78,21 @@ static void per_substep(Vec3 acceleration, const StepConstants& step, std::int64
     }
 }
 
+/// K, and u of the velocity within its bounds.
+static void begin_turning(const BodyMass& mass, const Transform& pose, const Velocity& velocity,
+                          const StepConstants& step, SolverBody& b, BodyStep& s, ClampCounts& clamps) {
+    set_gyration(s, mass, pose.rotation);
+    const SpeedVec3 u = mul<Speed>(s.gyration, to<Real>(velocity.angular));
+    for (int i = 0; i < 3; ++i) b.u[i] = std::int64_t{u[i].raw} << row_bits;
+    clamps.speed += clamp_length(b.u, step.tip_speed_max) ? 1u : 0u;
+}
+
+static void begin_torque(const BodyMass& mass, const BodyForce& force, const StepConstants& step,
+                         BodyStep& s) {
+    const Vec3 torque = masked(force.torque, s.angular_mask);
+    if (torque != Vec3{}) per_substep(mul<Real>(s.gyration_inv, torque / mass.mass), step, s.du);
+}
+
 static void begin_body(const BodyInfo& info, const BodyMass& mass, const BodyForce& force,
                        const Transform& pose, const Velocity& velocity, Vec3 gravity,
                        const StepConstants& step, SolverBody& b, BodyStep& s, ClampCounts& clamps) {
@@ -87,23 +102,26 @@ static void begin_body(const BodyInfo& info, const BodyMass& mass, const BodyFor
     s.angular_mask = s.movable ? ~(info.locks >> 3) & 7u : 7u;
     for (int i = 0; i < 3; ++i) b.keep[i] = (linear_mask >> i) & 1u ? -1 : 0;
     if (!s.moves) return;
-    set_gyration(s, mass, pose.rotation);
-    const SpeedVec3 u = mul<Speed>(s.gyration, to<Real>(velocity.angular));
-    for (int i = 0; i < 3; ++i) {
-        b.v[i] = std::int64_t{velocity.linear[i].raw} << row_bits;
-        b.u[i] = std::int64_t{u[i].raw} << row_bits;
-    }
+    s.radii = mass.gyration;
+    for (int i = 0; i < 3; ++i) b.v[i] = std::int64_t{velocity.linear[i].raw} << row_bits;
     // Commands may leave any velocity; rows have room for these.
     clamps.speed += clamp_length(b.v, step.linear_speed_max) ? 1u : 0u;
-    clamps.speed += clamp_length(b.u, step.tip_speed_max) ? 1u : 0u;
+    begin_turning(mass, pose, velocity, step, b, s, clamps);
     s.linear_keep = s.angular_keep = unit_one;
     if (!s.movable) return;
     s.linear_keep = kept(info.linear_damping, step);
     s.angular_keep = kept(info.angular_damping, step);
     s.acceleration = masked(gravity * info.gravity_scale + force.force / mass.mass, linear_mask);
     per_substep(s.acceleration, step, s.dv);
-    const Vec3 torque = masked(force.torque, s.angular_mask);
-    if (torque != Vec3{}) per_substep(mul<Real>(s.gyration_inv, torque / mass.mass), step, s.du);
+    begin_torque(mass, force, step, s);
+}
+
+void set_radii(const BodyColumns& c, std::uint32_t row, Vec3 radii, const StepConstants& step,
+               SolverBodies& bodies) {
+    BodyStep& s = bodies.step[row];
+    s.radii = radii;
+    begin_turning(c.mass[row], c.pose[row], c.velocity[row], step, bodies.body[row], s, bodies.clamps);
+    begin_torque(c.mass[row], c.force[row], step, s);
 }
 
 void begin_step(const BodyColumns& c, Vec3 gravity, const StepConstants& step, SolverBodies& out,
@@ -153,7 +171,7 @@ static void turn(const BodyInfo& info, const BodyMass& mass, const StepConstants
                                     Separation::from_raw(b.theta[2])};
     const Vec3 rotation = masked(mul<Real>(s.gyration_inv, theta), s.angular_mask);
     const SpeedVec3 u = rounded(b.u);
-    const bool round_body = mass.gyration.x == mass.gyration.y && mass.gyration.y == mass.gyration.z;
+    const bool round_body = s.radii.x == s.radii.y && s.radii.y == s.radii.z;
     const bool gyroscopic = s.movable && info.gyroscopic != 0 && s.angular_mask == 7u && !round_body;
     if (!gyroscopic || rotation == Vec3{}) {
         pose.rotation = integrate_rotation(pose.rotation, rotation);

@@ -35,6 +35,9 @@ template <class T> struct Symmetric { T xx, yy, zz, xy, xz, yz; };
 
 /// What a tick needs of a body besides its SolverBody; constant within the tick.
 struct BodyStep {
+    Vec3
+        radii; ///< of gyration in this tick [m]: the body's own, or more where joints pull hard; joint_stiffness.h
+    Vec3 pull;                              ///< what joints ask for, while that is found [m^2]
     Symmetric<Real> gyration, gyration_inv; ///< K [m] and K^-1 [1/m], world axes
     Symmetric<std::int32_t>
         inv_mantissa; ///< K^-1 = mantissa / 2^inv_exponent, the largest entry in [2^29, 2^30)
@@ -99,6 +102,9 @@ inline constexpr std::uint32_t body_chunk = 64;
 /// Reads the columns into `out`: K of each pose, u of each velocity, the constant changes per substep.
 void begin_step(const BodyColumns& columns, Vec3 gravity, const StepConstants& step, SolverBodies& out,
                 Tasks* tasks = nullptr);
+/// Turning parts of a dynamic body's entries for other radii of gyration, its angular velocity kept.
+void set_radii(const BodyColumns& columns, std::uint32_t row, Vec3 radii, const StepConstants& step,
+               SolverBodies& bodies);
 /// Writes poses and velocities back: moves by `shift`, turns by K^-1 theta, keeps angular momentum through the turn.
 void finish_step(const StepConstants& step, SolverBodies& bodies, const BodyColumns& columns,
                  Tasks* tasks = nullptr);

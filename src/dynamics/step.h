@@ -28,7 +28,8 @@ struct StepConstants {
     Speed push_speed_max;             ///< [m/s]
     Speed restitution_speed_min;      ///< [m/s]
     Softness soft, soft_static;       ///< against dynamic bodies; against what does not move
-    SpringSoftness joint;             ///< of locks
+    SpringSoftness joint;             ///< of locks that are solved one after another
+    Real tree_rate;                   ///< [1/s]: error -> push speed, of locks that are solved at once
     Real joint_push_max;              ///< [m/s] or [rad/s]: most that a lock is pushed by its error
 };
 

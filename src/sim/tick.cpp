@@ -1,6 +1,7 @@
 // One tick, on one screen. Everything from outside came in as commands before it (apply.cpp); everything that leaves,
 // leaves as event arrays at the bottom. Each phase is a pure function of the columns and of this tick's scratch.
 // Where a phase takes w.tasks, workers share it: each writes what no other reads, and what they made is put together in order.
+#include "dynamics/joint_stiffness.h"
 #include "sim/phases.h"
 
 namespace lockstone::sim {
@@ -24,9 +25,10 @@ void prepare(Data& w) {
     const std::span<const Transform> poses = w.state.rows(w.m.body_pose).first(w.header().bodies_awake);
     s.pose_before.assign(poses.begin(), poses.end());
     dynamics::begin_step(w.body_columns(), w.header().gravity, s.step, s.bodies, w.tasks);
+    list_joints(w);
+    dynamics::stiffen_bodies(s.joints, w.state.rows(w.m.joint_memory), w.body_columns(), s.step, s.bodies);
     s.solver.prepare(s.contacts, w.state.rows(w.m.contact_memory),
                      w.state.rows(w.m.body_mass).first(w.header().bodies_awake), s.step, s.bodies, w.tasks);
-    list_joints(w);
     s.joint_solver.prepare(s.joints, w.state.rows(w.m.joint_memory), w.body_columns(), s.step, s.bodies);
     s.vehicle_solver.prepare(w);
     list_fields(w);

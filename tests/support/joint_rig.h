@@ -4,6 +4,7 @@
 #include "dynamics/integrate.h"
 #include "dynamics/joint.h"
 #include "dynamics/joint_parts.h"
+#include "dynamics/joint_stiffness.h"
 #include "lockstone/convert.h"
 #include "lockstone/math.h"
 
@@ -97,6 +98,7 @@ struct Rig {
             ready[i].def = &defs[i];
             if (ready[i].body_a == world) ready[i].body_a = bodies.still();
         }
+        stiffen_bodies(ready, memory, columns(), step, bodies);
         solver.prepare(ready, memory, columns(), step, bodies);
     }
     void substep(const StepConstants& step, std::int32_t i) {

@@ -1,0 +1,67 @@
+#include "dynamics/joint_stiffness.h"
+
+#include "lockstone/math.h"
+
+namespace lockstone::dynamics {
+
+namespace {
+
+Real sum_of_sizes(Vec3 v) {
+    const Vec3 a = abs(v);
+    return a.x + a.y + a.z;
+}
+
+/// Adds h^2 ((r . f) 1 - r f^T) / m of one side, its diagonal in principal axes [m^2]. False where it cannot matter.
+bool add_pull(const BodyColumns& columns, std::uint32_t row, Vec3 force, Vec3 place,
+              const StepConstants& step, BodyStep& s) {
+    const BodyMass& mass = columns.mass[row];
+    const Real rate = Real(step.substeps_per_second);
+    const Vec3 speed = force / mass.mass / rate; // per substep
+    const Vec3 lever = place - mass.center;
+    const Vec3& k = mass.gyration;
+    const Real least = min(k.x, min(k.y, k.z));
+    if (sum_of_sizes(speed) * sum_of_sizes(lever) / rate * 32 < least * least) return false;
+    const Vec3 r = rotate(conjugate(mass.principal), lever);
+    const Vec3 f = rotate(conjugate(columns.pose[row].rotation * mass.principal), speed);
+    const Real all = dot(r, f);
+    for (int i = 0; i < 3; ++i) s.pull[i] = s.pull[i] + (all - r[i] * f[i]) / rate;
+    return true;
+}
+
+/// (k^2 + s)^(1/2), s the pull beyond a quarter of k^2.
+Real stiffened(Real k, Real pull) {
+    const Real own = k * k, more = pull - own / Real(4);
+    return more > Real{} ? sqrt(own + more) : k;
+}
+
+void stiffen(const BodyColumns& columns, std::uint32_t row, const StepConstants& step, SolverBodies& bodies) {
+    BodyStep& s = bodies.step[row];
+    const Vec3& k = columns.mass[row].gyration;
+    const Vec3 radii{stiffened(k.x, s.pull.x), stiffened(k.y, s.pull.y), stiffened(k.z, s.pull.z)};
+    s.pull = Vec3{};
+    if (radii != k) set_radii(columns, row, radii, step, bodies);
+}
+
+} // namespace
+
+void stiffen_bodies(std::span<const Joint> joints, std::span<const JointMemory> memory,
+                    const BodyColumns& columns, const StepConstants& step, SolverBodies& bodies) {
+    bool any = false;
+    for (const Joint& joint : joints) {
+        const Vec3 force = memory[joint.memory].force;
+        if (force == Vec3{}) continue;
+        if (bodies.step[joint.body_a].movable)
+            any |= add_pull(columns, joint.body_a, -force, joint.frame_a.position, step,
+                            bodies.step[joint.body_a]);
+        if (bodies.step[joint.body_b].movable)
+            any |= add_pull(columns, joint.body_b, force, joint.frame_b.position, step,
+                            bodies.step[joint.body_b]);
+    }
+    if (!any) return;
+    for (const Joint& joint : joints)
+        for (const std::uint32_t row : {joint.body_a, joint.body_b})
+            if (bodies.step[row].movable && bodies.step[row].pull != Vec3{})
+                stiffen(columns, row, step, bodies);
+}
+
+} // namespace lockstone::dynamics
