@@ -20,6 +20,7 @@ BroadPhase::BroadPhase(std::uint32_t proxy_capacity, Bound leaf_margin)
     for (std::vector<ProxyPair>* pairs : {&leaf_pairs, &found, &merged})
         pairs->reserve(std::size_t{8} * proxy_capacity);
     stack.reserve(256);
+    open.reserve(256);
 }
 
 void BroadPhase::note_move(std::uint32_t proxy) {
@@ -210,23 +211,31 @@ void BroadPhase::merge_found() {
     leaf_pairs.swap(merged);
 }
 
-template <class MayMeet> void BroadPhase::query_if(MayMeet&& may_meet, std::vector<std::uint32_t>& out) {
-    update_trees();
+template <class MayMeet>
+void BroadPhase::query_if(MayMeet&& may_meet, std::vector<BoundsTree::NodeId>& own,
+                          std::vector<std::uint32_t>& out) const {
     out.clear();
     const auto add = [&](std::uint32_t proxy) {
         if (may_meet(entries[proxy].exact)) out.push_back(proxy);
     };
-    moving.query_if(may_meet, add);
-    fixed.query_if(may_meet, add);
+    moving.query_if(may_meet, own, add);
+    fixed.query_if(may_meet, own, add);
     std::sort(out.begin(), out.end());
 }
 
 void BroadPhase::query(const Bounds& bounds, std::vector<std::uint32_t>& out) {
-    query_if([&](const Bounds& b) { return overlap(b, bounds); }, out);
+    update_trees();
+    query_if([&](const Bounds& b) { return overlap(b, bounds); }, open, out);
 }
 
 void BroadPhase::query(const SweptBox& box, std::vector<std::uint32_t>& out) {
-    query_if([&](const Bounds& b) { return box.may_meet(b); }, out);
+    update_trees();
+    query_if([&](const Bounds& b) { return box.may_meet(b); }, open, out);
+}
+
+void BroadPhase::query(const SweptBox& box, Asker& asker) const {
+    LOCKSTONE_ASSERT(moved.empty(), moved.size(), " proxies that the trees do not know yet");
+    query_if([&](const Bounds& b) { return box.may_meet(b); }, asker.open, asker.proxies);
 }
 
 } // namespace lockstone::collide

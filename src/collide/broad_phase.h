@@ -43,6 +43,16 @@ class BroadPhase {
     /// All proxies whose exact bounds a moving box may meet, sorted.
     void query(const SweptBox& box, std::vector<std::uint32_t>& out);
 
+    /// What one of several that ask at once needs for itself.
+    struct Asker {
+        std::vector<BoundsTree::NodeId> open;
+        std::vector<std::uint32_t> proxies; ///< the answer
+    };
+    /// As query(box), which several may ask at once: the trees have to be up to date (asserted).
+    void query(const SweptBox& box, Asker& asker) const;
+    /// Brings the trees up to date with the proxies that were set.
+    void update_trees();
+
     /// Of a proxy that is there.
     const Bounds& bounds(std::uint32_t proxy) const { return entries[proxy].exact; }
 
@@ -59,11 +69,11 @@ class BroadPhase {
         BoundsTree::NodeId a, b;
     };
 
-    template <class MayMeet> void query_if(MayMeet&& may_meet, std::vector<std::uint32_t>& out);
+    template <class MayMeet>
+    void query_if(MayMeet&& may_meet, std::vector<BoundsTree::NodeId>& open,
+                  std::vector<std::uint32_t>& out) const;
     Bounds moving_leaf(const Bounds& before, const Bounds& exact) const;
     void note_move(std::uint32_t proxy);
-    /// Brings the trees up to date with the entries.
-    void update_trees();
     void rebuild(bool is_fixed);
     void insert_moved(bool is_fixed);
     BoundsTree& tree_of(bool is_fixed) { return is_fixed ? fixed : moving; }
@@ -81,6 +91,7 @@ class BroadPhase {
     // scratch
     std::vector<ProxyPair> found, merged;
     std::vector<NodePair> stack;
+    std::vector<BoundsTree::NodeId> open;
     std::vector<BoundsTree::Leaf> leaves;
 };
 

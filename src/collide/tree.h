@@ -54,12 +54,10 @@ class BoundsTree {
         for (std::size_t i = 0; i < nodes.size(); ++i)
             if (nodes[i].is_leaf() && nodes[i].parent != free_mark) visit(static_cast<NodeId>(i), nodes[i]);
     }
-    /// Calls visit(proxy) for every leaf that overlaps, in the tree's order.
-    template <class Visit> void query(const Bounds& bounds, Visit&& visit) const {
-        query_if([&](const Bounds& b) { return overlap(b, bounds); }, visit);
-    }
-    /// The same where may_meet(bounds) holds of the leaf and of all nodes above it.
-    template <class MayMeet, class Visit> void query_if(MayMeet&& may_meet, Visit&& visit) const;
+    /// Calls visit(proxy) for every leaf where may_meet(bounds) holds of it and of all nodes above, in the tree's order.
+    /// `open` is the caller's memory: several may ask at once, each with its own.
+    template <class MayMeet, class Visit>
+    void query_if(MayMeet&& may_meet, std::vector<NodeId>& open, Visit&& visit) const;
 
   private:
     static constexpr NodeId free_mark = -2;
@@ -83,22 +81,23 @@ class BoundsTree {
     std::vector<Node> nodes;
     NodeId top = none, free_list = none; // a free node has the mark as parent, and the next one as child[1]
     std::uint32_t leaf_total = 0;
-    std::vector<Range> ranges;         // scratch
-    mutable std::vector<NodeId> stack; // scratch
+    std::vector<Range> ranges; // scratch
+    std::vector<NodeId> stack; // scratch
 };
 
-template <class MayMeet, class Visit> void BoundsTree::query_if(MayMeet&& may_meet, Visit&& visit) const {
-    stack.clear();
-    if (top != none) stack.push_back(top);
-    while (!stack.empty()) {
-        const Node& n = node(stack.back());
-        stack.pop_back();
+template <class MayMeet, class Visit>
+void BoundsTree::query_if(MayMeet&& may_meet, std::vector<NodeId>& open, Visit&& visit) const {
+    open.clear();
+    if (top != none) open.push_back(top);
+    while (!open.empty()) {
+        const Node& n = node(open.back());
+        open.pop_back();
         if (!may_meet(n.bounds)) continue;
         if (n.is_leaf()) {
             visit(n.proxy());
         } else {
-            stack.push_back(n.child[0]);
-            stack.push_back(n.child[1]);
+            open.push_back(n.child[0]);
+            open.push_back(n.child[1]);
         }
     }
 }

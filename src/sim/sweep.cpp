@@ -1,6 +1,7 @@
 // Bodies are taken one after the other, first all that are no bullets, then the bullets, by row. Each is swept against ways
 // that are final: of static and kinematic bodies, and for a bullet of all dynamic bodies taken before it. So for any
 // two there is a motion from the poses before to the poses after in which they do not pass through each other.
+// Those that are no bullets do not see each other, so workers share them; the poses are written when all are known.
 //
 // A body that was hit by a moving one is carried along by it for the rest of the tick.
 #include "sim/sweep.h"
@@ -96,13 +97,10 @@ bool is_swept_against(const Sweeper& s, std::uint32_t row, std::uint32_t other) 
     return s.info[other].bullet == 0 || other < row;
 }
 
-/// A one-way surface stops what moves against its +y and began above it.
-bool passes_one_way(const Sweeper& s, const ShapeRow& shape, const ShapeRow& wall) {
+/// A one-way surface stops what moves against its +y and began above it. `moved`: the other body against the wall's.
+bool passes_one_way(const Sweeper& s, const ShapeRow& wall, Vec3 moved) {
     if (wall.one_way == 0) return false;
-    const UnitVec3 up = to_rotation(s.w.scratch.shape[wall.id.index - 1].pose.rotation).y;
-    const std::uint32_t row = s.w.row_of(shape.body), other = s.w.row_of(wall.body);
-    const auto moved = [&](std::uint32_t r) { return s.pose[r].position - pose_before(s.w, r).position; };
-    return dot<Real>(up, moved(row) - moved(other)) >= Real{};
+    return dot<Real>(to_rotation(s.w.scratch.shape[wall.id.index - 1].pose.rotation).y, moved) >= Real{};
 }
 
 /// The way of the body in a row, or a later part of it: then the others' ways begin at the same time.
@@ -111,15 +109,17 @@ struct Way {
     Transform from, to; ///< of the centre of mass
     Unit begin;
     std::uint32_t except; ///< a row that is not looked at
+    Vec3 moved;           ///< in the tick as far as is known, for one-way surfaces
 };
 
 /// visit(wall, row of its body, way of its body, way of the shape's body) for the shapes that may stop this one.
 template <class Visit>
-void for_each_wall(const Sweeper& s, const Way& whole, const ShapeRow& shape, Visit&& visit) {
+void for_each_wall(const Sweeper& s, const Way& whole, const ShapeRow& shape,
+                   collide::BroadPhase::Asker& near, Visit&& visit) {
     const std::uint32_t row = whole.row;
     Sweep way = s.sweep(row, shape);
     way.from = whole.from, way.to = whole.to;
-    Scratch& scratch = s.w.scratch;
+    const Scratch& scratch = s.w.scratch;
     const int shift = static_cast<int>(s.w.state.rows(s.w.m.config)[0].bounds_shift);
     const Real others = s.info[row].bullet != 0 ? s.motion_max : s.kinematic_motion_max;
     const Real around = length(way.local.position) + to<Real>(scratch.shape[shape.id.index - 1].reach) +
@@ -134,16 +134,17 @@ void for_each_wall(const Sweeper& s, const Way& whole, const ShapeRow& shape, Vi
         };
         return collide::Bounds{{low(p.x), low(p.y), low(p.z)}, {high(p.x), high(p.y), high(p.z)}};
     };
-    scratch.broad_phase.query(collide::SweptBox(box(way.from.position), box(way.to.position)),
-                              scratch.sweep.slots);
-    scratch.sweep.slots.insert(scratch.sweep.slots.end(), scratch.planes.begin(), scratch.planes.end());
-    for (const std::uint32_t slot : scratch.sweep.slots) {
+    scratch.broad_phase.query(collide::SweptBox(box(way.from.position), box(way.to.position)), near);
+    near.proxies.insert(near.proxies.end(), scratch.planes.begin(), scratch.planes.end());
+    for (const std::uint32_t slot : near.proxies) {
         const ShapeRow& wall = s.shapes[s.slots[slot].row];
         const std::uint32_t other = s.w.row_of(wall.body);
         if (wall.sensor != 0 || other == whole.except || !is_swept_against(s, row, other) ||
             !may_meet(s.w, shape, wall))
             continue;
-        if (passes_one_way(s, shape, wall) || passes_one_way(s, wall, shape)) continue;
+        const Vec3 moved = s.pose[other].position - pose_before(s.w, other).position;
+        if (passes_one_way(s, wall, whole.moved - moved) || passes_one_way(s, shape, moved - whole.moved))
+            continue;
         Sweep theirs = s.sweep(other, wall);
         theirs.from = collide::body_pose_at(theirs, whole.begin);
         if (!is_fast(collide::relative_motion(theirs, way, s.reach(row, shape)), s.solid(shape),
@@ -153,16 +154,20 @@ void for_each_wall(const Sweeper& s, const Way& whole, const ShapeRow& shape, Vi
     }
 }
 
+/// A worker's memory.
+struct Hand {
+    SweepScratch::Worker& own;
+    collide::NarrowScratch& narrow;
+};
+
 /// Where the first of the body's shapes is stopped, with what is in `touching`.
-Stop first_stop(const Sweeper& s, const Way& way) {
-    Scratch& scratch = s.w.scratch;
+Stop first_stop(const Sweeper& s, const Way& way, const Hand& hand) {
     Stop stop;
     s.for_each_shape(way.row, [&](const ShapeRow& shape) {
-        for_each_wall(s, way, shape,
+        for_each_wall(s, way, shape, hand.own.near,
                       [&](const ShapeRow& wall, std::uint32_t other, const Sweep& theirs, const Sweep& own) {
-                          const Unit fraction =
-                              collide::stop_fraction(s.solid(wall), theirs, s.solid(shape), own,
-                                                     scratch.sweep.touching, scratch.narrow);
+                          const Unit fraction = collide::stop_fraction(s.solid(wall), theirs, s.solid(shape),
+                                                                       own, hand.own.touching, hand.narrow);
                           if (fraction < stop.fraction) stop = {fraction, other};
                       });
     });
@@ -171,41 +176,75 @@ Stop first_stop(const Sweeper& s, const Way& way) {
 
 /// Where the body is stopped. What it touches at the start can only make it pass what would stop it otherwise, so that is
 /// looked for last.
-Stop find_stop(const Sweeper& s, const Way& way) {
-    Scratch& scratch = s.w.scratch;
-    scratch.sweep.touching.clear();
-    const Stop stop = first_stop(s, way);
+Stop find_stop(const Sweeper& s, const Way& way, const Hand& hand) {
+    hand.own.touching.clear();
+    const Stop stop = first_stop(s, way, hand);
     if (stop.row == Data::dead) return stop;
     s.for_each_shape(way.row, [&](const ShapeRow& shape) {
-        for_each_wall(s, way, shape,
+        for_each_wall(s, way, shape, hand.own.near,
                       [&](const ShapeRow& wall, std::uint32_t, const Sweep& theirs, const Sweep& own) {
                           collide::touching_directions(s.solid(wall), theirs, s.solid(shape), own,
-                                                       scratch.narrow, scratch.sweep.touching);
+                                                       hand.narrow, hand.own.touching);
                       });
     });
-    return scratch.sweep.touching.empty() ? stop : first_stop(s, way);
+    return hand.own.touching.empty() ? stop : first_stop(s, way, hand);
 }
 
-/// Sets the body's pose to where it was stopped, moved on with what stopped it: shifted, or when that lets it turn
-/// through the body, turned too.
-void sweep_body(const Sweeper& s, std::uint32_t row) {
+/// Where the body was stopped, if it was, and moved on with what stopped it: shifted, or when that lets it turn through
+/// the body, turned too.
+std::optional<Transform> sweep_body(const Sweeper& s, std::uint32_t row, const Hand& hand) {
     const Transform from = pose_before(s.w, row), to = s.pose[row];
-    const Stop stop = find_stop(s, {row, from, to, Unit{}, Data::dead});
-    if (stop.row == Data::dead) return;
+    const Stop stop = find_stop(s, {row, from, to, Unit{}, Data::dead, to.position - from.position}, hand);
+    if (stop.row == Data::dead) return std::nullopt;
     const Transform at = collide::body_pose_at({from, to, Transform::identity()}, stop.fraction);
-    s.w.state.edit_row(s.w.m.body_pose, row) = at;
     const Sweep theirs{pose_before(s.w, stop.row), s.pose[stop.row], Transform::identity()};
-    if (theirs.from == theirs.to) return;
+    if (theirs.from == theirs.to) return at;
     const Transform met = collide::body_pose_at(theirs, stop.fraction);
+    const Vec3 moved = at.position - from.position;
     Transform end{at.position + (theirs.to.position - met.position), at.rotation};
-    Stop again = find_stop(s, {row, at, end, stop.fraction, Data::dead});
+    Stop again = find_stop(s, {row, at, end, stop.fraction, Data::dead, moved}, hand);
     if (again.row == stop.row) {
         const Transform relative{inverse_mul(met, at.position), conjugate(met.rotation) * at.rotation};
         end = {theirs.to * relative.position, normalized(theirs.to.rotation * relative.rotation)};
-        again = find_stop(s, {row, at, end, stop.fraction, stop.row});
+        again = find_stop(s, {row, at, end, stop.fraction, stop.row, moved}, hand);
     }
-    s.w.state.edit_row(s.w.m.body_pose, row) =
-        collide::body_pose_at({at, end, Transform::identity()}, again.fraction);
+    return collide::body_pose_at({at, end, Transform::identity()}, again.fraction);
+}
+
+/// Whether a body may be fast against what moves by up to `others` in the tick.
+bool may_be_fast(const Sweeper& s, std::uint32_t row, Real others) {
+    bool fast = false;
+    const bool all_stands_still = others == Real{};
+    s.for_each_shape(row, [&](const ShapeRow& shape) {
+        fast |= is_fast(coarse_motion(s, row, shape) + others, s.solid(shape), all_stands_still);
+    });
+    if (!fast) return false;
+    fast = false;
+    const Real motion = motion_of(s, row) + others;
+    s.for_each_shape(
+        row, [&](const ShapeRow& shape) { fast |= is_fast(motion, s.solid(shape), all_stands_still); });
+    return fast;
+}
+
+constexpr std::uint32_t bodies_per_chunk = 16;
+
+/// All that are no bullets. They are swept against static and kinematic bodies alone, whose poses nobody writes here.
+void sweep_plain_bodies(Data& w, const Sweeper& s) {
+    SweepScratch& sweep = w.scratch.sweep;
+    const std::uint32_t rows = w.header().bodies_awake;
+    sweep.stopped.resize(rows);
+    base::for_chunks(w.tasks, rows, bodies_per_chunk,
+                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t worker) {
+                         const Hand hand{sweep.workers[worker], w.scratch.narrow_workers[worker].narrow};
+                         for (std::uint32_t row = first; row < last; ++row) {
+                             sweep.stopped[row].reset();
+                             if (s.info[row].kind == BodyKind::dynamic && s.info[row].bullet == 0 &&
+                                 may_be_fast(s, row, s.kinematic_motion_max))
+                                 sweep.stopped[row] = sweep_body(s, row, hand);
+                         }
+                     });
+    for (std::uint32_t row = 0; row < rows; ++row)
+        if (sweep.stopped[row]) w.state.edit_row(w.m.body_pose, row) = *sweep.stopped[row];
 }
 
 } // namespace
@@ -219,29 +258,18 @@ void sweep_fast_bodies(Data& w) {
             s.kinematic_motion_max = max(s.kinematic_motion_max, motion_of(s, row));
         any_bullet |= s.info[row].bullet != 0;
     }
-    const auto may_be_fast = [&](std::uint32_t row, Real others) {
-        bool fast = false;
-        const bool all_stands_still = others == Real{};
-        s.for_each_shape(row, [&](const ShapeRow& shape) {
-            fast |= is_fast(coarse_motion(s, row, shape) + others, s.solid(shape), all_stands_still);
-        });
-        if (!fast) return false;
-        fast = false;
-        const Real motion = motion_of(s, row) + others;
-        s.for_each_shape(
-            row, [&](const ShapeRow& shape) { fast |= is_fast(motion, s.solid(shape), all_stands_still); });
-        return fast;
-    };
-    for (std::uint32_t row = 0; row < rows; ++row)
-        if (s.info[row].kind == BodyKind::dynamic && s.info[row].bullet == 0 &&
-            may_be_fast(row, s.kinematic_motion_max))
-            sweep_body(s, row);
+    const std::uint32_t workers = base::worker_count(w.tasks);
+    if (w.scratch.sweep.workers.size() < workers) w.scratch.sweep.workers.resize(workers);
+    w.scratch.broad_phase.update_trees();
+    sweep_plain_bodies(w, s);
     if (!any_bullet) return;
     for (std::uint32_t row = 0; row < rows; ++row) s.motion_max = max(s.motion_max, motion_of(s, row));
+    const Hand hand{w.scratch.sweep.workers[0], w.scratch.narrow_workers[0].narrow};
     for (std::uint32_t row = 0; row < rows; ++row)
         if (s.info[row].kind == BodyKind::dynamic && s.info[row].bullet != 0 &&
-            may_be_fast(row, s.motion_max))
-            sweep_body(s, row);
+            may_be_fast(s, row, s.motion_max))
+            if (const std::optional<Transform> stopped = sweep_body(s, row, hand))
+                w.state.edit_row(w.m.body_pose, row) = *stopped;
 }
 
 } // namespace lockstone::sim

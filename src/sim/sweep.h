@@ -14,9 +14,11 @@
 // Not swept: sensors, shapes that may not meet, pairs of which neither moves.
 #pragma once
 
+#include "collide/broad_phase.h"
 #include "lockstone/vec.h"
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace lockstone::sim {
@@ -24,8 +26,13 @@ namespace lockstone::sim {
 struct Data;
 
 struct SweepScratch {
-    std::vector<std::uint32_t> slots; ///< of shapes near the way
-    std::vector<UnitVec3> touching;
+    /// What a worker needs for itself.
+    struct alignas(64) Worker {
+        collide::BroadPhase::Asker near; ///< shapes near the way
+        std::vector<UnitVec3> touching;
+    };
+    std::vector<Worker> workers;
+    std::vector<std::optional<Transform>> stopped; ///< by row: where, if the body was
 };
 
 /// Poses of fast bodies in the state, from scratch.pose_before and where finish_step put them. A pure function of these.
