@@ -48,7 +48,8 @@ struct Scratch {
     std::vector<std::uint32_t> solids_replaced; ///< shape slots that rested when another solid was put there
     std::vector<RowRange> changed;
 
-    std::vector<collide::ProxyPair> pairs;
+    std::vector<collide::ProxyPair> pairs, plane_pairs, merged_pairs;
+    std::vector<ContactKey> pair_keys; ///< by pair
     /// Two shapes that may meet and are near, with their rows of the last contact table.
     struct Near {
         ContactKey key;

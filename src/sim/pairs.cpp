@@ -31,39 +31,67 @@ bool are_joined(const Data& w, BodyId a, BodyId b) {
     return false;
 }
 
-/// Whether bounds reach below a plane.
-bool reaches(const collide::Bounds& bounds, const Transform& plane, std::uint32_t shift) {
-    const UnitVec3 n = to_rotation(plane.rotation).y;
+/// Whether bounds reach below the plane through a point.
+bool reaches(const collide::Bounds& bounds, UnitVec3 n, Vec3 point, std::uint32_t shift) {
     const auto lowest = [](Unit along, Bound lower, Bound upper) { return along.raw > 0 ? lower : upper; };
     const Vector3<Bound> corner{lowest(n.x, bounds.lower.x, bounds.upper.x),
                                 lowest(n.y, bounds.lower.y, bounds.upper.y),
                                 lowest(n.z, bounds.lower.z, bounds.upper.z)};
     const auto metres = [shift](Bound b) { return Real::from_raw(std::int64_t{b.raw} << (16 + shift)); };
-    const Vec3 p = Vec3{metres(corner.x), metres(corner.y), metres(corner.z)} - plane.position;
+    const Vec3 p = Vec3{metres(corner.x), metres(corner.y), metres(corner.z)} - point;
     return dot<Real>(n, p) <= to<Real>(margin_base);
 }
 
 void find_plane_pairs(Data& w) {
     Scratch& s = w.scratch;
     const std::uint32_t shift = w.state.rows(w.m.config)[0].bounds_shift;
-    const std::size_t before = s.pairs.size();
+    s.plane_pairs.clear();
     const std::span<const ShapeRow> shapes = w.state.rows(w.m.shape);
     const std::span<const Slot> slots = w.state.rows(w.m.shape_slot);
     for (std::uint32_t plane : s.planes) {
         // A plane that a command has just put there meets all bodies, others those that are awake.
         const bool is_fresh = is_awake(w, w.row_of(shapes[slots[plane].row].body));
         const std::uint32_t rows = is_fresh ? w.state.count(w.m.bodies) : w.header().bodies_awake;
+        const Transform& at_plane = s.shape[plane].pose;
+        const UnitVec3 n = to_rotation(at_plane.rotation).y;
         for (std::uint32_t row = 0; row < rows; ++row)
             for (std::uint32_t at = w.state.rows(w.m.body_info)[row].first_shape; at != 0;) {
                 const std::uint32_t slot = at - 1;
                 const ShapeRow& shape = shapes[slots[slot].row];
                 at = shape.next_shape;
                 if (shape.geometry.kind == ShapeKind::plane) continue;
-                if (reaches(s.broad_phase.bounds(slot), s.shape[plane].pose, shift))
-                    s.pairs.push_back({std::min(plane, slot), std::max(plane, slot)});
+                if (reaches(s.broad_phase.bounds(slot), n, at_plane.position, shift))
+                    s.plane_pairs.push_back({std::min(plane, slot), std::max(plane, slot)});
             }
     }
-    if (s.pairs.size() != before) std::sort(s.pairs.begin(), s.pairs.end());
+    if (s.plane_pairs.empty()) return;
+    std::sort(s.plane_pairs.begin(), s.plane_pairs.end());
+    s.merged_pairs.resize(s.pairs.size() + s.plane_pairs.size());
+    std::merge(s.pairs.begin(), s.pairs.end(), s.plane_pairs.begin(), s.plane_pairs.end(),
+               s.merged_pairs.begin());
+    s.pairs.swap(s.merged_pairs);
+}
+
+constexpr std::uint32_t pairs_per_chunk = 128;
+
+/// By pair its key; a null one when the two do not meet, or both rest.
+void find_keys(Data& w) {
+    const Data& seen = w;
+    std::vector<ContactKey>& keys = w.scratch.pair_keys;
+    const std::uint32_t count = static_cast<std::uint32_t>(w.scratch.pairs.size());
+    keys.resize(count);
+    base::for_chunks(
+        w.tasks, count, pairs_per_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+            const std::span<const Slot> slots = seen.state.rows(seen.m.shape_slot);
+            const std::span<const ShapeRow> shapes = seen.state.rows(seen.m.shape);
+            for (std::uint32_t i = first; i < last; ++i) {
+                const collide::ProxyPair pair = seen.scratch.pairs[i];
+                const ShapeRow &a = shapes[slots[pair.a].row], &b = shapes[slots[pair.b].row];
+                const bool any_awake =
+                    is_awake(seen, seen.row_of(a.body)) || is_awake(seen, seen.row_of(b.body));
+                keys[i] = any_awake && may_meet(seen, a, b) ? ContactKey{a.id, b.id} : ContactKey{};
+            }
+        });
 }
 
 } // namespace
@@ -88,9 +116,7 @@ void find_pairs(Data& w) {
     Scratch& s = w.scratch;
     s.broad_phase.find_pairs(s.pairs);
     find_plane_pairs(w);
-
-    const std::span<const Slot> slots = w.state.rows(w.m.shape_slot);
-    const std::span<const ShapeRow> shapes = w.state.rows(w.m.shape);
+    find_keys(w);
     s.old_keys.assign(w.state.rows(w.m.contact_key).begin(), w.state.rows(w.m.contact_key).end());
     s.old_memories.assign(w.state.rows(w.m.contact_memory).begin(), w.state.rows(w.m.contact_memory).end());
     const auto order = [](const ContactKey& k) { return std::pair(k.a.index, k.b.index); };
@@ -102,11 +128,8 @@ void find_pairs(Data& w) {
         if (s.old_memories[i].flags & dynamics::contact_touching)
             s.ended.push_back({s.old_keys[i], s.old_memories[i].flags});
     };
-    for (const collide::ProxyPair& pair : s.pairs) {
-        const ShapeRow &a = shapes[slots[pair.a].row], &b = shapes[slots[pair.b].row];
-        if (!is_awake(w, w.row_of(a.body)) && !is_awake(w, w.row_of(b.body))) continue;
-        if (!may_meet(w, a, b)) continue;
-        const ContactKey key{a.id, b.id};
+    for (const ContactKey& key : s.pair_keys) {
+        if (!key.a) continue;
         while (old < count && order(s.old_keys[old]) < order(key)) retire(old++);
         Scratch::Near near{key, old, 0};
         for (; old < count && order(s.old_keys[old]) == order(key); ++old) {

@@ -17,6 +17,7 @@
 // Vehicle Dynamics, 1.2; the rest is this library's own.
 #pragma once
 
+#include "base/parallel.h"
 #include "dynamics/solver_body.h"
 #include "lockstone/query.h"
 #include "sim/vehicle_rows.h"
@@ -99,6 +100,8 @@ struct Standing {
     std::uint32_t chassis, ground;
 };
 
+/// Vehicles of one convoy push bodies that others of it push too, so they are solved one after the other; convoys share
+/// nothing that is written, so workers take them in any order.
 class VehicleSolver {
   public:
     /// Casts the wheels, once the bounds of the tick are known. Wakes what they stand on, and a vehicle that sleeps when
@@ -116,16 +119,34 @@ class VehicleSolver {
 
   private:
     bool stands_as_before(Data& w, std::uint32_t vehicle_row) const;
+    void find_convoys(const dynamics::SolverBodies& bodies);
+    template <class Visit> void for_each_vehicle(Visit&& visit) {
+        base::for_chunks(tasks, static_cast<std::uint32_t>(convoy_begin.size() - 1), 1,
+                         [&](std::uint32_t k, std::uint32_t, std::uint32_t) {
+                             for (std::uint32_t i = convoy_begin[k]; i < convoy_begin[k + 1]; ++i)
+                                 visit(vehicles[order[i]]);
+                         });
+    }
 
     std::vector<Standing> stands;
     std::vector<Vehicle> vehicles;
+    Tasks* tasks = nullptr;                        ///< of this tick
+    std::vector<std::uint32_t> order;              ///< of vehicles: by convoy, then by row
+    std::vector<std::uint32_t> convoy_begin = {0}; ///< in `order`, and the end
+    /// A body that a vehicle pushes.
+    struct Pushed {
+        std::uint32_t body, vehicle;
+        friend constexpr auto operator<=>(const Pushed&, const Pushed&) = default;
+    };
+    std::vector<Pushed> pushed;
+    std::vector<std::uint32_t> convoy; ///< by vehicle: the first vehicle of its convoy, when all are found
     std::vector<std::array<WheelGround, vehicle_wheels_max>> grounds; ///< by row
 };
 
 // ---- parts -------------------------------------------------------------------------------------------------------
 
 /// `share`: of the chassis' mass.
-void prepare_wheel(Data& w, Vehicle& v, std::uint32_t wheel, Real share, const WheelGround& ground);
+void prepare_wheel(const Data& w, Vehicle& v, std::uint32_t wheel, Real share, const WheelGround& ground);
 void shift_gears(const Data& w, Vehicle& v);
 void prepare_train(Vehicle& v);
 /// Torques of clutch, differentials and steering for this substep; leaves the impulses of tyres as they are.

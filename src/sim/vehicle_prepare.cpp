@@ -146,7 +146,7 @@ bool VehicleSolver::cast(Data& w) {
     return woke;
 }
 
-void prepare_wheel(Data& w, Vehicle& v, std::uint32_t i, Real share, const WheelGround& ground) {
+void prepare_wheel(const Data& w, Vehicle& v, std::uint32_t i, Real share, const WheelGround& ground) {
     const SolverBodies& bodies = w.scratch.bodies;
     const dynamics::StepConstants& step = w.scratch.step;
     const WheelDef& def = v.def->wheel[i];
@@ -329,32 +329,70 @@ void prepare_bars(Vehicle& v) {
 
 } // namespace
 
+/// Vehicles that push the same body belong together: the chassis of one may be what another stands on. A ground that
+/// nothing pushes may be shared.
+void VehicleSolver::find_convoys(const SolverBodies& bodies) {
+    const std::uint32_t count = static_cast<std::uint32_t>(vehicles.size());
+    pushed.clear(), order.clear(), convoy.clear(), convoy_begin.clear();
+    for (std::uint32_t k = 0; k < count; ++k) {
+        convoy.push_back(k);
+        order.push_back(k);
+        pushed.push_back({vehicles[k].chassis, k});
+        for (std::uint32_t i = 0; i < vehicles[k].def->wheel_count; ++i)
+            if (bodies.step[vehicles[k].wheel[i].ground].movable)
+                pushed.push_back({vehicles[k].wheel[i].ground, k});
+    }
+    std::sort(pushed.begin(), pushed.end());
+    const auto first_of = [&](std::uint32_t k) {
+        while (convoy[k] != k) k = convoy[k];
+        return k;
+    };
+    for (std::size_t i = 1; i < pushed.size(); ++i) {
+        if (pushed[i].body != pushed[i - 1].body) continue;
+        const std::uint32_t a = first_of(pushed[i].vehicle), b = first_of(pushed[i - 1].vehicle);
+        convoy[std::max(a, b)] = std::min(a, b);
+    }
+    for (std::uint32_t k = 0; k < count; ++k) convoy[k] = first_of(k);
+    std::sort(order.begin(), order.end(), [&](std::uint32_t x, std::uint32_t y) {
+        return std::pair(convoy[x], x) < std::pair(convoy[y], y);
+    });
+    for (std::uint32_t i = 0; i < count; ++i)
+        if (i == 0 || convoy[order[i]] != convoy[order[i - 1]]) convoy_begin.push_back(i);
+    convoy_begin.push_back(count);
+}
+
 void VehicleSolver::prepare(Data& w) {
     const std::span<const VehicleRow> rows = w.state.rows(w.m.vehicle);
     const std::span<const VehicleMemory> memories = w.state.rows(w.m.vehicle_memory);
+    tasks = w.tasks;
     vehicles.resize(rows.size());
-    std::size_t count = 0;
+    std::uint32_t count = 0;
     for (std::uint32_t i = 0; i < rows.size(); ++i) {
         const std::uint32_t chassis = w.row_of(rows[i].def.chassis);
         if (chassis >= w.scratch.bodies.still()) continue; // it sleeps
         Vehicle& v = vehicles[count++];
-        v.def = &rows[i].def;
-        v.input = rows[i].input;
-        v.memory = memories[i];
         v.row = i;
         v.chassis = chassis;
-        v.mass = w.state.rows(w.m.body_mass)[chassis].mass;
-        const Real way = v.def->steer_speed / Real(w.scratch.step.ticks_per_second);
-        const Real turn = v.input.steer - v.memory.steer;
-        v.memory.steer = way > Real{} ? v.memory.steer + bounded(turn, way) : v.input.steer;
-        const auto shares = sprung_shares(*v.def, w.state.rows(w.m.body_mass)[chassis].center);
-        for (std::uint32_t k = 0; k < v.def->wheel_count; ++k)
-            prepare_wheel(w, v, k, shares[k], grounds[i][k]);
-        prepare_bars(v);
-        shift_gears(w, v);
-        prepare_train(v);
     }
     vehicles.resize(count);
+    const Data& seen = w;
+    base::for_chunks(tasks, count, 1, [&](std::uint32_t k, std::uint32_t, std::uint32_t) {
+        Vehicle& v = vehicles[k];
+        v.def = &rows[v.row].def;
+        v.input = rows[v.row].input;
+        v.memory = memories[v.row];
+        v.mass = seen.state.rows(seen.m.body_mass)[v.chassis].mass;
+        const Real way = v.def->steer_speed / Real(seen.scratch.step.ticks_per_second);
+        const Real turn = v.input.steer - v.memory.steer;
+        v.memory.steer = way > Real{} ? v.memory.steer + bounded(turn, way) : v.input.steer;
+        const auto shares = sprung_shares(*v.def, seen.state.rows(seen.m.body_mass)[v.chassis].center);
+        for (std::uint32_t i = 0; i < v.def->wheel_count; ++i)
+            prepare_wheel(seen, v, i, shares[i], grounds[v.row][i]);
+        prepare_bars(v);
+        shift_gears(seen, v);
+        prepare_train(v);
+    });
+    find_convoys(w.scratch.bodies);
 }
 
 } // namespace lockstone::sim

@@ -188,7 +188,7 @@ void spin_in_the_air(Vehicle& v) {
 } // namespace
 
 void VehicleSolver::warm_start(const StepConstants& step, SolverBodies& bodies) {
-    for (Vehicle& v : vehicles) {
+    for_each_vehicle([&](Vehicle& v) {
         for (std::uint32_t i = 0; i < v.def->wheel_count; ++i) {
             Wheel& wheel = v.wheel[i];
             const WheelDef& def = v.def->wheel[i];
@@ -207,11 +207,11 @@ void VehicleSolver::warm_start(const StepConstants& step, SolverBodies& bodies) 
         }
         set_brakes(step, v);
         solve_train(step, bodies, v);
-    }
+    });
 }
 
 void VehicleSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bias) {
-    for (Vehicle& v : vehicles) {
+    for_each_vehicle([&](Vehicle& v) {
         const std::uint32_t count = v.def->wheel_count;
         for (std::uint32_t i = 0; i < count && bias; ++i)
             if (v.wheel[i].touches) solve_spring(step, bodies, v, i);
@@ -223,7 +223,7 @@ void VehicleSolver::solve(const StepConstants& step, SolverBodies& bodies, bool 
             Real& turned = v.memory.wheel[i].rotation;
             turned += v.group[v.wheel[i].group].spin / Real(step.substeps_per_second);
         }
-    }
+    });
 }
 
 /// Nobody drives it, and nothing in it turns: it may sleep once its chassis rests.
