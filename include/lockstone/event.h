@@ -6,7 +6,7 @@
 namespace lockstone {
 
 /// Order within a tick: by kind, then by the pair's shape ids, then by the joint, then by body_a. At most one event of a kind per
-/// pair or joint and tick.
+/// pair, joint or character and tick.
 enum class EventKind : std::uint32_t {
     contact_begin, ///< two shapes touch that did not touch after the last tick
     contact_end,   ///< they no longer do, or one of them was destroyed
@@ -15,6 +15,7 @@ enum class EventKind : std::uint32_t {
     joint_break, ///< a joint bore more than its break_force or break_torque and is gone
     body_wake,   ///< body_a was asleep when the last tick ended
     body_sleep,  ///< body_a fell asleep at the end of this tick
+    character_landed, ///< a character, body_a, came down on body_b and stands; approach_speed: how fast, along its up
 };
 
 struct Event {

@@ -21,6 +21,7 @@ Mover::Mover(Data& data, std::uint32_t character_row)
     const Transform& pose = w.state.rows(w.m.body_pose)[body];
     begin = feet = pose.position - rotate(pose.rotation, w.state.rows(w.m.body_mass)[body].center);
     stood_on = ground_body();
+    was_in_air = row.state.ground != CharacterGround::walkable && row.state.air_ticks > 0;
 }
 
 void Mover::run() {
@@ -216,7 +217,7 @@ void Mover::finish() {
 
 void move_characters(Data& w) {
     CharacterScratch& s = w.scratch.characters;
-    s.order_of_body.clear();
+    s.order_of_body.clear(), s.landings.clear();
     const std::span<const CharacterRow> rows = w.state.rows(w.m.character);
     if (rows.empty()) return;
     update_bounds(w);

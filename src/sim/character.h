@@ -50,7 +50,8 @@ struct CharacterScratch {
     std::vector<std::uint32_t> slots;
     std::vector<Neighbour> neighbours;
     std::vector<CharacterPush> pushes;
-    Real motion_max; ///< of any body that moves, in this tick [m], at most 4
+    std::vector<Event> landings; ///< of this tick
+    Real motion_max;             ///< of any body that moves, in this tick [m], at most 4
 };
 
 /// Sets the velocity of every character's body for this tick, pushes what they walk into, and remembers what they stand

@@ -38,6 +38,7 @@ class Mover {
     bool face_is_walkable(const SpaceHit& hit) const;
     void land(const SpaceHit& hit);
     void leave_ground();
+    void report_landing(const SpaceHit& hit, Vec3 ground_velocity);
 
     Real along(Vec3 v) const { return dot<Real>(up, v); }
     Vec3 level(Vec3 v) const { return v - scale<Real>(up, along(v)); }
@@ -58,6 +59,7 @@ class Mover {
     CharacterSpace space;
     Vec3 begin, feet; ///< where the feet were, and are by now
     BodyId stood_on;  ///< when the tick began
+    bool was_in_air;  ///< then
     Vec3 carried{};   ///< by the ground in this tick [m]
     Vec3 ground_point{};
     Real spin{};             ///< of the ground about `up` [rad/s]

@@ -44,11 +44,28 @@ bool Mover::stands_on(SpaceHit& hit, Vec3 landed) const {
     return found;
 }
 
+void Mover::report_landing(const SpaceHit& hit, Vec3 ground_velocity) {
+    const Neighbour& n = space.neighbour(hit.neighbour);
+    Event e{};
+    e.kind = EventKind::character_landed;
+    e.shape_a = row.shape;
+    e.shape_b = w.state.rows(w.m.shape)[w.state.rows(w.m.shape_slot)[n.slot].row].id;
+    e.body_a = row.body;
+    e.body_b = n.body;
+    e.point = hit.point;
+    e.normal = -hit.normal;
+    e.approach_speed = to<Speed>(max(-along(row.state.velocity - ground_velocity), Real{}));
+    e.tick = w.header().tick;
+    w.scratch.characters.landings.push_back(e);
+    was_in_air = false;
+}
+
 void Mover::land(const SpaceHit& hit) {
     CharacterState& s = row.state;
     const Neighbour& n = space.neighbour(hit.neighbour);
     const BodyId body = n.body;
     const Vec3 velocity = n.moves ? velocity_of(body, feet) : Vec3{};
+    if (was_in_air) report_landing(hit, velocity);
     if (s.ground != CharacterGround::walkable)
         s.velocity = level(s.velocity - velocity);
     else if (s.ground_body != body)

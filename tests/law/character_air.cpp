@@ -176,3 +176,77 @@ TEST_CASE("made inside something, a character comes out") {
     CHECK(overlap(w, deep) == 0);
     CHECK(feet(w, deep)[1] == doctest::Approx(skin).epsilon(0.1));
 }
+
+// ---- landing ---------------------------------------------------------------------------------------------------
+
+namespace {
+
+/// How often a character that is dropped from `height` lands within three seconds, and how fast, by its events.
+struct Landings {
+    int count = 0;
+    double speed = 0;
+    BodyId ground{};
+};
+Landings drop_from(double height, bool onto_lift = false) {
+    World w = made(World::create(small_def()));
+    const BodyId ground =
+        onto_lift
+            ? add(w, {.kind = BodyKind::kinematic, .pose = at(0, -1, 0), .linear_velocity = vec(0, 1, 0)},
+                  {.geometry = box(Real(3), real(0.5), Real(3))})
+            : add_floor(w);
+    const CharacterId c = add_character(w, 0, height, 0);
+    Landings out;
+    for (int t = 0; t < 180; ++t) {
+        w.tick();
+        for (const Event& e : w.events()) {
+            if (e.kind != EventKind::character_landed) continue;
+            CHECK(e.body_a == w.body_of(c));
+            CHECK(e.tick == w.tick_count() - 1);
+            ++out.count, out.speed = to_double(e.approach_speed), out.ground = e.body_b;
+        }
+    }
+    CHECK(out.ground == ground);
+    return out;
+}
+
+} // namespace
+
+TEST_CASE("a character that lands says so once, with its ground and the speed of its fall") {
+    for (const double height : {0.5, 2.0, 5.0}) {
+        const Landings l = drop_from(height);
+        CHECK(l.count == 1);
+        CHECK(l.speed == doctest::Approx(std::sqrt(2 * 9.81 * height)).epsilon(0.05));
+    }
+    CHECK(drop_from(2, true).speed > drop_from(2).speed + 0.8); // onto a lift that comes up
+}
+
+TEST_CASE("planted fault: the speed of a fall from another height is found to be wrong") {
+    CHECK(drop_from(2).speed != doctest::Approx(std::sqrt(2 * 9.81 * 2.5)).epsilon(0.05));
+}
+
+TEST_CASE("walking, stairs and standing tell of no landing; every jump of one") {
+    World w = made(World::create(small_def()));
+    add_floor(w);
+    for (int i = 0; i < 4; ++i) add_wall(w, at(3 + 0.5 * i, 0.1 * (i + 1), 0), vec(0.25, 0.1 * (i + 1), 2));
+    const CharacterId c = add_character(w, 0, 0.01, 0);
+    run(w, 30);
+    int landings = 0;
+    const auto count = [&](int ticks) {
+        for (int t = 0; t < ticks; ++t) {
+            w.tick();
+            for (const Event& e : w.events()) landings += e.kind == EventKind::character_landed;
+        }
+    };
+    drive(w, c, 2, 0);
+    count(110);
+    drive(w, c, 0, 0);
+    count(30);
+    CHECK(landings == 0);
+    for (int i = 1; i <= 3; ++i) {
+        drive(w, c, 0, 0, true);
+        count(5);
+        drive(w, c, 0, 0);
+        count(90);
+        CHECK(landings == i);
+    }
+}
