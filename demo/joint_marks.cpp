@@ -1,6 +1,6 @@
 #include "joint_marks.h"
 
-#include "lockstone/convert.h"
+#include "to_glm.h"
 
 #include <cmath>
 
@@ -10,18 +10,6 @@ namespace {
 constexpr float reach = 0.25f; ///< of axes and arcs [m]
 const glm::vec3 axis_colour(1.0f, 0.55f, 0.1f), limit_colour(0.3f, 0.85f, 1.0f),
     hand_colour(1.0f, 0.95f, 0.4f), rope_colour(0.16f, 0.13f, 0.1f), gap_colour(1.0f, 0.1f, 0.2f);
-
-glm::mat4 to_glm(const Transform& t) {
-    const std::array<float, 16> m = to_float_matrix(t);
-    glm::mat4 out;
-    for (int column = 0; column < 4; ++column)
-        for (int row = 0; row < 4; ++row) out[column][row] = m[static_cast<std::size_t>(4 * column + row)];
-    return out;
-}
-glm::vec3 to_glm(Vec3 v) {
-    const std::array<float, 3> f = to_float(v);
-    return {f[0], f[1], f[2]};
-}
 
 void add_line(Frame& frame, const glm::vec3& from, const glm::vec3& to, const glm::vec3& colour,
               float width) {

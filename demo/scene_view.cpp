@@ -1,6 +1,6 @@
 #include "scene_view.h"
 
-#include "lockstone/convert.h"
+#include "to_glm.h"
 
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_transform.hpp>
@@ -14,16 +14,6 @@ namespace {
 
 constexpr float plane_half_side = 1400;       ///< a plane has no end; this far it is drawn [m]
 constexpr std::size_t crate_bodies_max = 200; ///< in larger crowds plain colours are easier to tell apart
-
-glm::vec3 to_glm(const std::array<float, 3>& v) { return {v[0], v[1], v[2]}; }
-
-glm::mat4 to_glm(const Transform& t) {
-    const std::array<float, 16> m = to_float_matrix(t);
-    glm::mat4 out;
-    for (int column = 0; column < 4; ++column)
-        for (int row = 0; row < 4; ++row) out[column][row] = m[static_cast<std::size_t>(4 * column + row)];
-    return out;
-}
 
 glm::vec3 to_colour(std::uint32_t rgb) {
     return glm::vec3((rgb >> 16) & 0xffu, (rgb >> 8) & 0xffu, rgb & 0xffu) / 255.0f;
@@ -193,6 +183,9 @@ void SceneView::capture(const World& world) {
     joints_.clear();
     for (std::uint32_t row = 0; row < world.joint_count(); ++row)
         joints_.push_back(read_joint(world, world.joint_at(row)));
+    fields_.clear();
+    for (std::uint32_t row = 0; row < world.field_count(); ++row)
+        fields_.push_back(read_field(world, world.field_at(row)));
     match_ = match_values(world);
     tick_ = world.tick_count();
 }
@@ -212,6 +205,7 @@ void SceneView::draw(Frame& frame, float alpha, const Stage& stage,
     for (const Body& wheel : wheels_) draw_body(frame, wheel, alpha, stage, {});
     if (stage.view.contacts) draw_contacts(frame);
     draw_joints(frame, alpha, stage.view.joints);
+    for (const FieldMark& field : fields_) draw_field(frame, field);
     if (match_) draw_it(frame, alpha);
     // A large scene is seen from afar: the haze must begin behind it, and the shadows reach as far.
     frame.light.haze_distance = std::max(frame.light.haze_distance, 4 * frame.camera.distance());

@@ -1,6 +1,7 @@
 #pragma once
 /// A world as a viewer sees it: read after every tick, drawn between two of them.
 
+#include "field_marks.h"
 #include "game_values.h"
 #include "joint_marks.h"
 #include "page.h"
@@ -84,6 +85,7 @@ class SceneView {
     std::vector<Body> wheels_; ///< of vehicles: drawn, but no bodies of the world; `id` is the chassis
     std::vector<Touch> contacts_;
     std::vector<JointMark> joints_;
+    std::vector<FieldMark> fields_;
     std::optional<MatchValues> match_;
     std::shared_ptr<const AssetLibrary> assets_;
     std::unique_ptr<ShapeMeshes> meshes_ = std::make_unique<ShapeMeshes>();

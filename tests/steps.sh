@@ -1,7 +1,7 @@
 # The steps of tests/run. Expects: logs, jobs, hash_ticks, passed, failed.
 # shellcheck shell=bash disable=SC2154
 
-hash_scenes=("two-blocks" "stack" "pyramid --size 12" "pile --size 150" "convex-pile --size 60" "terrain --size 40" "washer --size 60" "domino --size 60" "ragdolls --size 4" "joint-grid" "bridge --size 40" "wrecking-ball --size 12" "character --players 2" "cars --players 2" "rollback-arena" "rollback-arena --players 4 --seed 9")
+hash_scenes=("two-blocks" "stack" "pyramid --size 12" "pile --size 150" "convex-pile --size 60" "terrain --size 40" "washer --size 60" "domino --size 60" "ragdolls --size 4" "joint-grid" "bridge --size 40" "wrecking-ball --size 12" "water --size 30" "blast --size 6" "character --players 2" "cars --players 2" "rollback-arena" "rollback-arena --players 4 --seed 9")
 
 log_of() { printf '%s/%s.log' "$logs" "$(tr -cs 'a-zA-Z0-9' '-' <<<"$1")"; }
 

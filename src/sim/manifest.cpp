@@ -2,15 +2,20 @@
 
 namespace lockstone::sim {
 
+/// Objects with ids: the table "body_slots" with its column "body.slot", and the table "bodies", which is returned.
+static TableId add_objects(StateLayout& l, const std::string& one, const std::string& many,
+                           std::uint32_t count, TableId& slots, Column<Slot>& slot) {
+    slots = l.add_table(one + "_slots", count);
+    slot = l.add_column<Slot>(slots, one + ".slot", Group::definition);
+    return l.add_table(many, count);
+}
+
 /// Characters and vehicles.
 static void add_bodies_of_play(StateLayout& l, const WorldDef& def, Manifest& m) {
-    m.character_slots = l.add_table("character_slots", def.characters_max);
-    m.character_slot = l.add_column<Slot>(m.character_slots, "character.slot", Group::definition);
-    m.characters = l.add_table("characters", def.characters_max);
+    m.characters =
+        add_objects(l, "character", "characters", def.characters_max, m.character_slots, m.character_slot);
     m.character = l.add_column<CharacterRow>(m.characters, "character.row", Group::definition);
-    m.vehicle_slots = l.add_table("vehicle_slots", def.vehicles_max);
-    m.vehicle_slot = l.add_column<Slot>(m.vehicle_slots, "vehicle.slot", Group::definition);
-    m.vehicles = l.add_table("vehicles", def.vehicles_max);
+    m.vehicles = add_objects(l, "vehicle", "vehicles", def.vehicles_max, m.vehicle_slots, m.vehicle_slot);
     m.vehicle = l.add_column<VehicleRow>(m.vehicles, "vehicle.row", Group::definition);
 }
 
@@ -35,27 +40,19 @@ Manifest make_manifest(const WorldDef& def, const GameSchema& schema) {
     m.config = l.add_column<Config>(m.world, "world.config", Group::world);
     m.faults = l.add_column<Faults>(m.world, "world.faults", Group::world);
 
-    m.body_slots = l.add_table("body_slots", def.bodies_max);
-    m.body_slot = l.add_column<Slot>(m.body_slots, "body.slot", Group::definition);
-    m.bodies = l.add_table("bodies", def.bodies_max);
+    m.bodies = add_objects(l, "body", "bodies", def.bodies_max, m.body_slots, m.body_slot);
     m.body_info = l.add_column<BodyInfo>(m.bodies, "body.info", Group::definition);
     m.body_mass = l.add_column<BodyMass>(m.bodies, "body.mass", Group::definition);
     m.body_force = l.add_column<BodyForce>(m.bodies, "body.force", Group::definition);
-    m.shape_slots = l.add_table("shape_slots", def.shapes_max);
-    m.shape_slot = l.add_column<Slot>(m.shape_slots, "shape.slot", Group::definition);
-    m.shapes = l.add_table("shapes", def.shapes_max);
+    m.shapes = add_objects(l, "shape", "shapes", def.shapes_max, m.shape_slots, m.shape_slot);
     m.shape = l.add_column<ShapeRow>(m.shapes, "shape.row", Group::definition);
-    m.field_slots = l.add_table("field_slots", def.fields_max);
-    m.field_slot = l.add_column<Slot>(m.field_slots, "field.slot", Group::definition);
-    m.fields = l.add_table("fields", def.fields_max);
+    m.fields = add_objects(l, "field", "fields", def.fields_max, m.field_slots, m.field_slot);
     m.field = l.add_column<FieldRow>(m.fields, "field.row", Group::definition);
 
     m.pair_filters = l.add_table("pair_filters", def.pair_filters_max);
     m.pair_filter = l.add_column<PairFilterRow>(m.pair_filters, "pair_filter.row", Group::definition);
 
-    m.joint_slots = l.add_table("joint_slots", def.joints_max);
-    m.joint_slot = l.add_column<Slot>(m.joint_slots, "joint.slot", Group::definition);
-    m.joints = l.add_table("joints", def.joints_max);
+    m.joints = add_objects(l, "joint", "joints", def.joints_max, m.joint_slots, m.joint_slot);
     m.joint = l.add_column<JointRow>(m.joints, "joint.row", Group::definition);
 
     add_bodies_of_play(l, def, m);

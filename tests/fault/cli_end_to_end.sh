@@ -16,6 +16,8 @@ small() { # the scene at a size that is quick to run
         domino | bridge) echo --size 30 ;;
         ragdolls) echo --size 3 ;;
         wrecking-ball) echo --size 8 ;;
+        water) echo --size 12 ;;
+        blast) echo --size 3 ;;
     esac
 }
 

@@ -70,6 +70,10 @@ JointId Builder::joint(const JointDef& def, BodyId a, BodyId b, const Transform&
     return keep(made->create_joint(def, a, b, at));
 }
 
+FieldId Builder::field(const FieldDef& def) {
+    if (!made.ok()) return {};
+    return keep(made->create_field(def));
+}
 JointId Builder::joint(const JointDef& def) {
     if (!made.ok()) return {};
     return keep(made->create_joint(def));

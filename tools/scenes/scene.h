@@ -52,6 +52,7 @@ class Builder {
     /// Between two bodies where they stand, the first of which may be null; see World::create_joint.
     JointId joint(const JointDef& def, BodyId a, BodyId b, const Transform& at);
     JointId joint(const JointDef& def);
+    FieldId field(const FieldDef& def);
     Ragdoll ragdoll(const RagdollDef& def);
     VehicleId vehicle(const VehicleDef& def);
     CharacterId character(const CharacterDef& def);
@@ -96,6 +97,8 @@ std::unique_ptr<Scene> make_ragdolls(const SceneInfo&, const SceneOptions&);
 std::unique_ptr<Scene> make_joint_grid(const SceneInfo&, const SceneOptions&);
 std::unique_ptr<Scene> make_bridge(const SceneInfo&, const SceneOptions&);
 std::unique_ptr<Scene> make_wrecking_ball(const SceneInfo&, const SceneOptions&);
+std::unique_ptr<Scene> make_water(const SceneInfo&, const SceneOptions&);
+std::unique_ptr<Scene> make_blast(const SceneInfo&, const SceneOptions&);
 std::unique_ptr<Scene> make_rollback_arena(const SceneInfo&, const SceneOptions&);
 
 } // namespace lockstone::scenes_detail

@@ -11,7 +11,7 @@ namespace {
 
 using namespace scenes_detail;
 
-constexpr std::array<SceneInfo, 15> infos{{
+constexpr std::array<SceneInfo, 17> infos{{
     {"two-blocks",
      "two blocks in the air get a push and a twist, meet above the ground, bounce apart and settle", "", 0, 0,
      0, 0, 0, 0},
@@ -39,13 +39,16 @@ constexpr std::array<SceneInfo, 15> infos{{
     {"bridge", "planks on hinges between two banks, loaded with boxes", "planks", 200, 4, 400, 0, 0, 0},
     {"wrecking-ball", "a ball of a thousand links' mass swings on their chain into a wall", "links", 30, 4,
      60, 0, 0, 0},
+    {"water", "boats, crates and a ball of each density in a basin with a current, under a wind", "crates", 40, 1,
+     400, 0, 0, 0},
+    {"blast", "houses of crates, and an explosion among them every three seconds", "houses", 12, 1, 60, 0, 0, 0},
     {"rollback-arena", "72 bodies and up to four players who roll, jump, push, capture props and play tag",
      "", 0, 0, 0, 2, 2, 4},
 }};
 constexpr std::array<MakeScene, infos.size()> makers{
     make_two_blocks, make_stack,  make_pyramid,       make_pile,          make_convex_pile,
     make_terrain,    make_washer, make_domino,        make_character, make_cars,          make_ragdolls,
-    make_joint_grid, make_bridge, make_wrecking_ball, make_rollback_arena};
+    make_joint_grid, make_bridge, make_wrecking_ball, make_water, make_blast, make_rollback_arena};
 
 /// Levenshtein's distance: the fewest letters to insert, delete or replace.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
