@@ -32,18 +32,20 @@ struct CurvePoint {
 /// Slip along: |rim speed - ground speed| / ground speed; across: tangent of the slip angle.
 /// A tyre that slides both ways shares its grip out along the direction in which it slides.
 struct Tyre {
-    std::array<CurvePoint, 4> along{{{Real(0), Real(0)},
-                                     {decimal<Real>("0.08"), decimal<Real>("1.1")},
-                                     {decimal<Real>("0.3"), decimal<Real>("0.95")},
-                                     {Real(1), decimal<Real>("0.9")}}}; ///< y 0..10
-    std::array<CurvePoint, 4> across{{{Real(0), Real(0)},
-                                      {decimal<Real>("0.12"), Real(1)},
-                                      {decimal<Real>("0.4"), decimal<Real>("0.9")},
-                                      {Real(2), decimal<Real>("0.85")}}};
-    Real ground_friction =
-        decimal<Real>("0.6"); ///< of the ground on which the curves hold, 0.01..4: the grip grows
-                              ///< in proportion to that of the ground's shape
-    Real rolling_resistance = decimal<Real>("0.01"); ///< force over load, 0..1
+    std::array<CurvePoint, 4> along{
+        {{Real(0), Real(0)},
+         {Real::from_raw(343597384 /* 0.08 */), Real::from_raw(4724464026 /* 1.1 */)},
+         {Real::from_raw(1288490189 /* 0.3 */), Real::from_raw(4080218931 /* 0.95 */)},
+         {Real(1), Real::from_raw(3865470566 /* 0.9 */)}}}; ///< y 0..10
+    std::array<CurvePoint, 4> across{
+        {{Real(0), Real(0)},
+         {Real::from_raw(515396076 /* 0.12 */), Real(1)},
+         {Real::from_raw(1717986918 /* 0.4 */), Real::from_raw(3865470566 /* 0.9 */)},
+         {Real(2), Real::from_raw(3650722202 /* 0.85 */)}}};
+    Real ground_friction = Real::from_raw(
+        2576980378 /* 0.6 */); ///< of the ground on which the curves hold, 0.01..4: the grip grows
+                               ///< in proportion to that of the ground's shape
+    Real rolling_resistance = Real::from_raw(42949673 /* 0.01 */); ///< force over load, 0..1
 };
 
 enum class WheelCast : std::uint32_t {
@@ -57,18 +59,19 @@ struct WheelDef {
         attachment{}; ///< where the hub is at a suspension length of 0, from the body's origin [m], within 64
     UnitVec3 direction{Unit{}, -unit_one, Unit{}}; ///< in which the suspension extends, downwards
     std::uint32_t tyre = 0;                        ///< index of VehicleDef::tyre
-    Real length_min = decimal<Real>("0.1");        ///< of the suspension when it meets its stop [m], 0..4
-    Real length_max = decimal<Real>("0.5");        ///< when it hangs
+    Real length_min =
+        Real::from_raw(429496730 /* 0.1 */); ///< of the suspension when it meets its stop [m], 0..4
+    Real length_max = Real::from_raw(2147483648 /* 0.5 */); ///< when it hangs
     Real preload{}; ///< how much longer than length_max its spring is [m], 0..4
-    Real frequency =
-        decimal<Real>("1.5"); ///< [Hz], 0.1..50: of the spring under the mass that rests on this wheel;
-                              ///< it gives by g / (2 pi frequency)^2 at rest
-    Real damping_compression = decimal<Real>("0.4"); ///< damping ratio, 0..10
-    Real damping_rebound = decimal<Real>("0.6");
-    Real radius = decimal<Real>("0.35"); ///< [m], 0.01..10
-    Real width = decimal<Real>("0.25");  ///< [m], 0.01..10
-    Real inertia =
-        decimal<Real>("0.9"); ///< [kg m^2], 0.001..1e6, of the turning wheel; in a track they add up
+    Real frequency = Real::from_raw(
+        6442450944 /* 1.5 */); ///< [Hz], 0.1..50: of the spring under the mass that rests on this wheel;
+                               ///< it gives by g / (2 pi frequency)^2 at rest
+    Real damping_compression = Real::from_raw(1717986918 /* 0.4 */); ///< damping ratio, 0..10
+    Real damping_rebound = Real::from_raw(2576980378 /* 0.6 */);
+    Real radius = Real::from_raw(1503238554 /* 0.35 */); ///< [m], 0.01..10
+    Real width = Real::from_raw(1073741824 /* 0.25 */);  ///< [m], 0.01..10
+    Real inertia = Real::from_raw(
+        3865470566 /* 0.9 */); ///< [kg m^2], 0.001..1e6, of the turning wheel; in a track they add up
     Real steer_max{}; ///< angle at full steering [rad], within 1.3; negative for wheels that steer against it
     Real drive_share{};       ///< of the engine's torque, 0..1; all together 1, or 0 if nothing is driven
     Real brake_torque{};      ///< at full brake [N m], 0..1e8
@@ -100,18 +103,19 @@ struct Differential {
 struct EngineDef {
     Real torque_max = Real(400); ///< [N m], 0..1e7
     /// Share of torque_max at full throttle over rpm / rpm_max.
-    std::array<CurvePoint, 8> torque{{{Real(0), decimal<Real>("0.8")},
-                                      {decimal<Real>("0.2"), decimal<Real>("0.85")},
-                                      {decimal<Real>("0.4"), decimal<Real>("0.95")},
-                                      {decimal<Real>("0.65"), Real(1)},
-                                      {decimal<Real>("0.85"), decimal<Real>("0.95")},
-                                      {Real(1), decimal<Real>("0.8")},
-                                      {decimal<Real>("1.1"), decimal<Real>("0.7")},
-                                      {decimal<Real>("1.2"), decimal<Real>("0.6")}}};
-    Real inertia = decimal<Real>("0.3"); ///< of crankshaft and flywheel [kg m^2], 0.001..1e5
-    Real rpm_idle = Real(900);           ///< 1..rpm_max; below it the engine does not fall: it never stalls
-    Real rpm_max = Real(6500);           ///< the limiter cuts the fuel, 10..1e5
-    Real brake_torque = Real(60);        ///< without throttle at rpm_max, in proportion to rpm [N m], 0..1e7
+    std::array<CurvePoint, 8> torque{
+        {{Real(0), Real::from_raw(3435973837 /* 0.8 */)},
+         {Real::from_raw(858993459 /* 0.2 */), Real::from_raw(3650722202 /* 0.85 */)},
+         {Real::from_raw(1717986918 /* 0.4 */), Real::from_raw(4080218931 /* 0.95 */)},
+         {Real::from_raw(2791728742 /* 0.65 */), Real(1)},
+         {Real::from_raw(3650722202 /* 0.85 */), Real::from_raw(4080218931 /* 0.95 */)},
+         {Real(1), Real::from_raw(3435973837 /* 0.8 */)},
+         {Real::from_raw(4724464026 /* 1.1 */), Real::from_raw(3006477107 /* 0.7 */)},
+         {Real::from_raw(5153960755 /* 1.2 */), Real::from_raw(2576980378 /* 0.6 */)}}};
+    Real inertia = Real::from_raw(1288490189 /* 0.3 */); ///< of crankshaft and flywheel [kg m^2], 0.001..1e5
+    Real rpm_idle = Real(900);    ///< 1..rpm_max; below it the engine does not fall: it never stalls
+    Real rpm_max = Real(6500);    ///< the limiter cuts the fuel, 10..1e5
+    Real brake_torque = Real(60); ///< without throttle at rpm_max, in proportion to rpm [N m], 0..1e7
 };
 
 enum class GearboxMode : std::uint32_t {
@@ -121,18 +125,20 @@ enum class GearboxMode : std::uint32_t {
 struct GearboxDef {
     GearboxMode mode = GearboxMode::automatic;
     std::uint32_t forward_count = 5; ///< 1..8
-    std::array<Real, vehicle_gears_max> forward{decimal<Real>("3.6"),
-                                                decimal<Real>("2.1"),
-                                                decimal<Real>("1.4"),
+    std::array<Real, vehicle_gears_max> forward{Real::from_raw(15461882266 /* 3.6 */),
+                                                Real::from_raw(9019431322 /* 2.1 */),
+                                                Real::from_raw(6012954214 /* 1.4 */),
                                                 Real(1),
-                                                decimal<Real>("0.8"),
+                                                Real::from_raw(3435973837 /* 0.8 */),
                                                 Real(0),
                                                 Real(0),
-                                                Real(0)}; ///< engine turns per turn
-    Real reverse = decimal<Real>("3.2");                  ///< 0.001..1000, as all ratios
-    Real final_drive = decimal<Real>("3.7");              ///< 0.001..1000
-    Real shift_time = decimal<Real>("0.3");  ///< the clutch is open while a gear changes [s], 0..10
-    Real shift_pause = decimal<Real>("0.5"); ///< least time between changes of an automatic box [s], 0..10
+                                                Real(0)};     ///< engine turns per turn
+    Real reverse = Real::from_raw(13743895347 /* 3.2 */);     ///< 0.001..1000, as all ratios
+    Real final_drive = Real::from_raw(15891378995 /* 3.7 */); ///< 0.001..1000
+    Real shift_time =
+        Real::from_raw(1288490189 /* 0.3 */); ///< the clutch is open while a gear changes [s], 0..10
+    Real shift_pause =
+        Real::from_raw(2147483648 /* 0.5 */); ///< least time between changes of an automatic box [s], 0..10
     Real rpm_up = Real(5500), rpm_down = Real(2200); ///< where an automatic box changes, rpm_down < rpm_up
     Real clutch_torque =
         Real(900); ///< most that the clutch carries [N m], 0..1e8; it closes from rpm_idle on, within

@@ -1,0 +1,90 @@
+// The proof of determinism, for any simulation: run it again, roll it back, move it, shuffle its workers, flip its bits.
+//
+//   Result<Proof> proof = prove(game);                     // a lockstone::Game, with random inputs
+//   puts(to_string(*proof).c_str());                       // a line for each check
+//   assert(proof->holds());
+//
+// A simulation that is not a World implements Provable. A proof is a test: it finds what it can see in the ticks it runs.
+// What it cannot see in one process (another compiler, another machine) is for recordings that both verify.
+#pragma once
+
+#include "lockstone/game.h"
+#include "lockstone/tasks.h"
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace lockstone {
+
+/// A simulation that can be saved, and made again. What it does in a tick depends on its state and the tick's number.
+class Provable {
+  public:
+    virtual ~Provable() = default;
+    /// Another one, at the start, at another address. The same at every call.
+    virtual std::unique_ptr<Provable> make() const = 0;
+    /// Runs tick `tick`: 0, 1, 2 ...
+    virtual void step(std::uint64_t tick) = 0;
+    virtual std::vector<std::byte> save() const = 0;
+    /// Of bytes that save() of any other gave.
+    virtual Status load(std::span<const std::byte> bytes) = 0;
+    virtual std::uint64_t hash() const = 0;
+
+    // ---- what a simulation may have besides; a proof says what it could not check ----
+    /// The fast way of rollback, when there is one: up to `slots` states kept in memory. By default save() and load().
+    virtual void keep(std::size_t slot);
+    virtual Status back(std::size_t slot);
+    /// Who runs the parts of a tick from now on; false: ticks have no parts.
+    virtual bool set_tasks(Tasks*) { return false; }
+    /// How many bits of state there are to flip, and one of them.
+    virtual std::uint64_t bit_count() const { return 0; }
+    virtual void flip(std::uint64_t) {}
+    /// Where the two part, in words: "column body.velocity, row 7, linear.x: 1 against 2".
+    virtual std::string difference(const Provable&) const { return "the hashes differ"; }
+
+  private:
+    std::vector<std::vector<std::byte>> kept;
+};
+
+struct ProofOptions {
+    std::uint64_t ticks = 60;       ///< of the run that everything is compared with, at least 1
+    std::uint32_t depth = 4;        ///< ticks that are run again after each restore, at least 1
+    std::uint32_t workers = 3;      ///< of the pool, besides workers in random order; 0: no pool
+    std::uint64_t bits_max = 20000; ///< flipped in turn at the end of the run, spread evenly; 0: none
+    std::uint64_t seed = 1;         ///< of inputs, of the order of workers and of what memory is filled with
+};
+
+struct ProofCheck {
+    std::string name;           ///< "rolls back"
+    bool passed;                ///< also when there was nothing to check; then `compared` is 0
+    std::uint64_t compared = 0; ///< hashes, or flipped bits
+    std::string
+        sentence; ///< the first thing that was wrong: tick and place; or why there was nothing to check
+};
+
+struct Proof {
+    std::vector<ProofCheck> checks; ///< in the order of the list at prove()
+    bool holds() const;
+};
+/// One line a check: "ok      rolls back: 240 compared" or "FAILED  rolls back: tick 12, ...".
+std::string to_string(const Proof& proof);
+
+/// The checks, each on simulations of its own:
+///   repeats           made and run twice, at other addresses, over memory filled otherwise: the same hash at every tick
+///   rolls back        before every tick, back by `depth` ticks and run again, through keep and back
+///   saves everything  a state that was loaded saves the same bytes and has the same hash, at every tick
+///   moves             at every tick the state goes on in another object that knows nothing else
+///   forgets           one that ran to the end goes on from every earlier tick, last first, `depth` ticks each
+///   shuffles          tasks in random order, then on a pool of `workers`: the same hash at every tick
+///   every bit counts  flipping a bit of the state changes the hash; flipping it back restores the hash
+Proof prove(const Provable& simulation, const ProofOptions& options = {});
+
+/// Fills `input` with what a player does at a tick: a pure function, zero on entry.
+using ProofInput = std::function<void(std::uint64_t tick, std::uint32_t player, std::span<std::byte> input)>;
+
+/// The same of a game and the world it starts: rolled back through ring images, moved through portable ones, every
+/// column's rows flipped. Without `input`, random bytes from the seed. The error is the game's own at its start.
+Result<Proof> prove(const Game& game, const ProofOptions& options = {}, ProofInput input = {});
+
+} // namespace lockstone

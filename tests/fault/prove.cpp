@@ -1,0 +1,150 @@
+// lockstone::prove on a small simulation that breaks one rule at a time: the check that is meant for it has to see it.
+#include "lockstone/prove.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cstring>
+
+using namespace lockstone;
+
+namespace {
+
+enum class Fault {
+    none,
+    static_counter,    ///< a tick reads what an earlier run left in the process
+    address,           ///< a tick adds an address
+    column_left_out,   ///< save() forgets a value
+    hash_left_out,     ///< hash() forgets a value
+    scratch_read,      ///< a tick reads what the last tick left outside of the state
+    stale_cache,       ///< a cache is made once and not thrown away by load()
+    knows_the_future,  ///< a tick reads how far the object ever was
+    keep_is_shallow,   ///< keep() remembers only the last state
+    order_of_tasks,    ///< a sum that depends on which part came first
+    worker_number,     ///< a part writes who ran it
+    load_refuses_late, ///< load() refuses states after tick 5
+};
+
+std::uint64_t runs_made = 0;
+
+/// Eight numbers that mix.
+class Toy final : public Provable {
+  public:
+    explicit Toy(Fault what) : fault(what) {}
+    std::unique_ptr<Provable> make() const override {
+        ++runs_made;
+        return std::make_unique<Toy>(fault);
+    }
+    void step(std::uint64_t tick) override {
+        if (fault == Fault::static_counter) state[0] += runs_made;
+        if (fault == Fault::address) state[1] += reinterpret_cast<std::uintptr_t>(this);
+        if (fault == Fault::scratch_read) state[2] += scratch;
+        farthest = std::max(farthest, tick);
+        if (fault == Fault::knows_the_future && farthest > tick + 6) ++state[0];
+        if (cache == 0) cache = state[3] + 1;
+        if (fault == Fault::stale_cache) state[3] += cache;
+        scratch = state[4] ^ tick;
+        run_parts();
+        for (std::size_t i = 0; i < 8; ++i)
+            state[i] = state[i] * 6364136223846793005u + state[(i + 1) % 8] + tick;
+    }
+    std::vector<std::byte> save() const override {
+        std::array<std::uint64_t, 8> out = state;
+        if (fault == Fault::column_left_out) out[5] = 0;
+        const auto bytes = std::as_bytes(std::span(out));
+        return {bytes.begin(), bytes.end()};
+    }
+    Status load(std::span<const std::byte> bytes) override {
+        std::array<std::uint64_t, 8> from;
+        std::memcpy(from.data(), bytes.data(), sizeof from);
+        if (fault == Fault::load_refuses_late && from[0] > (std::uint64_t{1} << 63))
+            return Error{"it is late"};
+        state = from;
+        if (fault != Fault::stale_cache) cache = 0;
+        return {};
+    }
+    std::uint64_t hash() const override {
+        std::array<std::uint64_t, 8> in = state;
+        if (fault == Fault::hash_left_out) in[6] = 0;
+        return hash_bytes(std::as_bytes(std::span(in)));
+    }
+    void keep(std::size_t slot) override { Provable::keep(fault == Fault::keep_is_shallow ? 0 : slot); }
+    Status back(std::size_t slot) override {
+        return Provable::back(fault == Fault::keep_is_shallow ? 0 : slot);
+    }
+    bool set_tasks(Tasks* with) override {
+        tasks = with;
+        return true;
+    }
+    std::uint64_t bit_count() const override { return sizeof state * 8; }
+    void flip(std::uint64_t bit) override { state[bit / 64] ^= std::uint64_t{1} << (bit % 64); }
+
+  private:
+    void run_parts() {
+        const Tasks::Item item = [](void* context, std::uint32_t index, std::uint32_t worker) {
+            Toy& toy = *static_cast<Toy*>(context);
+            if (toy.fault == Fault::order_of_tasks) toy.state[7] = toy.state[7] * 31 + index;
+            if (toy.fault == Fault::worker_number) toy.state[index] += worker;
+        };
+        if (tasks != nullptr && fault == Fault::worker_number) return tasks->run(8, item, this);
+        // A shared sum in a pool would be a race, which is another fault than this one: random order shows it.
+        if (tasks != nullptr && tasks->worker_count() == 5) return tasks->run(8, item, this);
+        for (std::uint32_t i = 0; i < 8; ++i) item(this, i, 0);
+    }
+
+    Fault fault;
+    std::array<std::uint64_t, 8> state{1, 2, 3, 4, 5, 6, 7, 8};
+    std::uint64_t scratch = 0, cache = 0, farthest = 0;
+    Tasks* tasks = nullptr;
+};
+
+Proof proof_of(Fault fault) {
+    ProofOptions options;
+    options.ticks = 12;
+    return prove(Toy(fault), options);
+}
+
+const ProofCheck& check_named(const Proof& proof, const std::string& name) {
+    for (const ProofCheck& check : proof.checks)
+        if (check.name == name) return check;
+    FAIL("no check ", name);
+    return proof.checks.front();
+}
+
+} // namespace
+
+TEST_CASE("a simulation without a fault is proven, by all seven checks") {
+    const Proof proof = proof_of(Fault::none);
+    INFO(to_string(proof));
+    CHECK(proof.holds());
+    CHECK(proof.checks.size() == 7);
+    for (const ProofCheck& check : proof.checks) CHECK(check.compared >= 12);
+    CHECK(to_string(proof).starts_with("ok      repeats: "));
+}
+
+TEST_CASE("planted fault: whatever rule a simulation breaks, the check that is meant for it says so") {
+    const std::pair<Fault, const char*> meant[] = {
+        {Fault::static_counter, "repeats"},
+        {Fault::address, "repeats"},
+        {Fault::column_left_out, "rolls back"},
+        {Fault::hash_left_out, "every bit counts"},
+        {Fault::scratch_read, "moves"},
+        {Fault::stale_cache, "moves"},
+        {Fault::knows_the_future, "forgets"},
+        {Fault::keep_is_shallow, "rolls back"},
+        {Fault::order_of_tasks, "shuffles"},
+        {Fault::worker_number, "shuffles"},
+        {Fault::load_refuses_late, "saves everything"},
+    };
+    for (const auto& [fault, name] : meant) {
+        const Proof proof = proof_of(fault);
+        INFO(static_cast<int>(fault), "\n", to_string(proof));
+        CHECK_FALSE(proof.holds());
+        const ProofCheck& check = check_named(proof, name);
+        CHECK_FALSE(check.passed);
+        CHECK(check.sentence != "");
+        CHECK(to_string(proof).find(std::string("FAILED  ") + name) != std::string::npos);
+    }
+}
+
+TEST_CASE("a proof without a check does not hold") { CHECK_FALSE(Proof{}.holds()); }

@@ -1,0 +1,141 @@
+"""The cells: what a simulation may be built by, built for and run in."""
+from dataclasses import dataclass, field, replace
+
+
+@dataclass(frozen=True)
+class Build:
+    cxx: str
+    flags: tuple
+    target: str = ""        # "": this machine; else a key of TARGETS
+    patch: tuple = ()       # (file, find, put): a fault
+
+    def label(self):
+        return " ".join((self.cxx,) + self.flags)
+
+
+@dataclass(frozen=True)
+class Cell:
+    name: str
+    dimension: str
+    build: Build
+    arguments: tuple = ()
+    environment: dict = field(default_factory=dict)
+    ticks: int = 60
+    state: bool = False     # writes snapshots and recordings, reads those of others
+    sample: bool = False
+    red: bool = False       # a planted fault: this cell has to differ
+    browser: bool = False
+
+
+@dataclass(frozen=True)
+class Target:
+    triple: str
+    qemu: str               # "": runs without
+    endian: str = "little"
+
+    @property
+    def package(self):
+        return f"g++-{self.triple.replace('_', '-')}"
+
+
+TARGETS = {
+    "i386": Target("i686-linux-gnu", ""),
+    "arm64": Target("aarch64-linux-gnu", "qemu-aarch64"),
+    "arm32": Target("arm-linux-gnueabihf", "qemu-arm"),
+    "riscv64": Target("riscv64-linux-gnu", "qemu-riscv64"),
+    "ppc64le": Target("powerpc64le-linux-gnu", "qemu-ppc64le"),
+    "s390x": Target("s390x-linux-gnu", "qemu-s390x", "big"),
+}
+WASM_FLAGS = ("--target=wasm32-wasi", "-O2", "-DLOCKSTONE_NO_THREADS=1")
+PORTABLE, NO_DOUBLE = "-DLOCKSTONE_PORTABLE_WIDE=1", "-DLOCKSTONE_NO_DOUBLE=1"
+# Hashes integers in the order that the host has them in: right wherever bytes are little-endian.
+HOST_ORDER = ("src/base/hash.cpp", "store_little_endian(value, bytes);", "std::copy_n(reinterpret_cast<std::byte*>(&value), sizeof value, bytes);")
+REFERENCE = Build("g++", ("-O2",))
+
+
+def host(cxx, *flags):
+    return Build(cxx, flags)
+
+
+def all_cells(cpu_flags):
+    cells = [Cell("reference", "compiler", REFERENCE, state=True, sample=True)]
+
+    def built(dimension, build, **more):
+        cells.append(Cell(build.label(), dimension, build, **more))
+
+    for level in ("-O0", "-O1", "-O3", "-Os"):
+        built("optimisation", host("g++", level), ticks=16 if level == "-O0" else 60)
+    built("optimisation", host("g++", "-O2", "-flto"))
+    built("optimisation", host("clang++-19", "-O2", "-flto=thin"))
+    for cxx in ("clang++-14", "clang++-19"):
+        built("compiler", host(cxx, "-O2"))
+        built("compiler", host(cxx, "-O0"), ticks=16)
+    for flags in (("-O3", "-march=native"), ("-O3", "-ffast-math"), ("-O3", "-march=native", "-ffast-math"), ("-O2", "-fno-strict-aliasing"),
+                  ("-O2", "-fstrict-aliasing"), ("-O2", "-march=native", "-ffp-contract=fast"), ("-O2", "-march=native", "-ffp-contract=off")):
+        built("flags", host("g++", *flags))
+    built("flags", host("clang++-19", "-O3", "-march=native", "-ffast-math"))
+    built("sanitizers", host("g++", "-O1", "-fsanitize=address", "-DLOCKSTONE_OWN_ALLOCATOR=1"), ticks=16)
+    built("sanitizers", host("clang++-14", "-O1", "-fsanitize=undefined", "-fno-sanitize-recover=all"), ticks=16)
+    cells.append(Cell("g++ -O1 -fsanitize=thread, 4 workers", "sanitizers", host("g++", "-O1", "-fsanitize=thread", "-DLOCKSTONE_OWN_ALLOCATOR=1"),
+                      arguments=("--workers", "4"), ticks=8))
+    for level, needed in (("x86-64", ()), ("x86-64-v2", ("sse4_1",)), ("x86-64-v3", ("avx2", "fma")), ("x86-64-v4", ("avx512f", "avx512bw"))):
+        if set(needed) <= cpu_flags:
+            built("SIMD", host("g++", "-O2", f"-march={level}"))
+    built("SIMD", host("g++", "-O2", "-fno-tree-vectorize", "-fno-tree-slp-vectorize"))
+    for flags in ((PORTABLE,), (NO_DOUBLE,), (PORTABLE, NO_DOUBLE)):
+        built("arithmetic", host("g++", "-O2", *flags))
+
+    def run(name, dimension, arguments=(), environment=None, sample=False, ticks=60):
+        cells.append(Cell(name, dimension, REFERENCE, tuple(arguments), environment or {}, sample=sample, ticks=ticks))
+
+    for workers in (1, 2, 3, 4, 6, 8, 12, 16):
+        run(f"{workers} workers", "workers", ("--workers", str(workers)), sample=workers == 3, ticks=16)
+    for seed in (1, 2, 3):
+        run(f"tasks in random order {seed}", "workers", ("--shuffle", str(seed)), sample=seed == 1)
+    run("rounding, flushing and precision change before each tick", "floating-point unit", ("--fpu",), sample=True)
+    for byte in ("0x00", "0xa5", "0xff"):
+        run(f"memory poisoned with {byte}", "memory", ("--poison", byte), sample=byte == "0xa5")
+    for seed in (1, 2, 3):
+        run(f"other addresses {seed}", "memory", ("--move", str(seed)), sample=seed == 1)
+    run("LANG, LC_ALL, TZ, HOME, MALLOC_PERTURB_ changed", "environment", environment={
+        "LANG": "tr_TR.UTF-8", "LC_ALL": "de_DE.UTF-8", "TZ": "Pacific/Chatham", "HOME": "/", "MALLOC_PERTURB_": "91",
+        "MALLOC_ARENA_MAX": "1"}, sample=True)
+
+    for name, target in TARGETS.items():
+        cxx = f"{target.triple}-g++"
+        static = ("-static",) + (("-latomic",) if name in ("arm32", "riscv64") else ())
+        for level in ("-O1", "-O2", "-O3"):
+            cells.append(Cell(f"{name} {level}", "architecture", Build(cxx, (level,) + static, name), ticks=8, state=level == "-O1",
+                              sample=level == "-O1" and name in ("s390x", "arm32")))
+        at_o1 = Build(cxx, ("-O1",) + static, name)
+        cells.append(Cell(f"{name} -O1, rounding and flushing change", "floating-point unit", at_o1, ("--fpu",), ticks=8))
+        cells.append(Cell(f"{name} -O1, 3 workers", "workers", at_o1, ("--workers", "3"), ticks=4))
+        for flags in ((PORTABLE,), (NO_DOUBLE,)):
+            cells.append(Cell(f"{name} -O1 {flags[0]}", "arithmetic", Build(cxx, ("-O1",) + flags + static, name), ticks=4))
+        if target.endian == "big":
+            cells.append(Cell(f"planted: integers hashed in host order, {name}", "planted", replace(at_o1, patch=HOST_ORDER), ticks=1, sample=True,
+                              red=True))
+    cells.append(Cell("planted: integers hashed in host order, here: right all the same", "planted", replace(REFERENCE, patch=HOST_ORDER), ticks=4,
+                      sample=True))
+    for name, flags in (("wasm32", ()), ("wasm32 SIMD", ("-msimd128",))):
+        build = Build("clang++-19", WASM_FLAGS + flags, "wasm")
+        cells.append(Cell(f"{name}, Node", "architecture", build, ticks=16, state=True, sample=not flags))
+        cells.append(Cell(f"{name}, Chromium", "architecture", build, ticks=8, browser=True))
+    return cells
+
+
+def packages(cells):
+    """Debian packages that the cells need."""
+    names = {"g++", "libxxhash-dev"}
+    for cell in cells:
+        if cell.build.cxx == "clang++-14":
+            names |= {"clang-14", "libclang-rt-14-dev"}
+        if cell.build.cxx == "clang++-19":
+            names |= {"clang-19", "lld-19"}
+        if cell.build.target == "wasm":
+            names |= {"wasi-libc", "libc++-19-dev-wasm32", "libc++abi-19-dev-wasm32", "libclang-rt-19-dev-wasm32"}
+            names |= {"chromium"} if cell.browser else set()
+        elif cell.build.target:
+            target = TARGETS[cell.build.target]
+            names |= {target.package} | ({"qemu-user"} if target.qemu else set())
+    return sorted(names)

@@ -1,0 +1,207 @@
+// One cell of the matrix: runs games and prints their hashes, as tests/golden/hashes.tsv has them, in whatever
+// surroundings the options ask for. Builds with any C++20 compiler for any machine: no library but xxHash's header.
+//
+//   matrix_hash [OPTION...] GAME...      GAME: a Game::name(), as in the golden table
+//
+//   --ticks N        0: prints the hash of the start alone
+//   --powers         prints ticks 0, 1, 2, 4, 8 ... and the last; else every tick
+//   --workers N      runs ticks on a pool of N workers (builds without threads refuse)
+//   --shuffle SEED   runs the tasks of ticks in random order
+//   --fpu            before each tick the next of all rounding modes, with and without flushing of denormals
+//   --poison BYTE    fills memory with the byte when it is allocated and when it is freed
+//   --move SEED      allocates and frees at random before and between ticks, so that addresses differ
+//   --write FOLDER   writes a snapshot at half of the ticks and a recording of all
+//   --read FOLDER    continues from those snapshots, and plays those recordings against their own hashes
+//
+// Exit status: 0 good, 1 a check failed, 2 bad usage.
+#include "host.h"
+#include "replay/player.h"
+#include "replay/recorder.h"
+#include "scenes/scenes.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <string>
+#include <vector>
+
+using namespace lockstone;
+
+namespace {
+
+struct Options {
+    std::uint64_t ticks = 8;
+    bool powers = false;
+    std::uint32_t workers = 0;
+    std::uint64_t shuffle = 0, move = 0;
+    bool fpu = false;
+    std::string write, read;
+    std::vector<std::string> games;
+};
+
+[[noreturn]] void refuse(const std::string& sentence) {
+    std::fprintf(stderr, "matrix_hash: %s\n", sentence.c_str());
+    std::exit(2);
+}
+[[noreturn]] void fail(const std::string& sentence) {
+    std::fflush(stdout);
+    std::fprintf(stderr, "matrix_hash: %s\n", sentence.c_str());
+    std::exit(1);
+}
+template <class T> T got(Result<T> result, const std::string& what) {
+    if (!result) fail(what + ": " + result.error().message);
+    return std::move(*result);
+}
+void good(const Status& status, const std::string& what) {
+    if (!status) fail(what + ": " + status.error().message);
+}
+
+Options parse(int argc, char** argv) {
+    Options o;
+    for (int i = 1; i < argc; ++i) {
+        const std::string a = argv[i];
+        const auto value = [&] {
+            if (++i == argc) refuse(a + " wants a value");
+            return std::string(argv[i]);
+        };
+        const auto number = [&] { return std::strtoull(value().c_str(), nullptr, 0); };
+        if (a == "--ticks")
+            o.ticks = number();
+        else if (a == "--powers")
+            o.powers = true;
+        else if (a == "--workers")
+            o.workers = static_cast<std::uint32_t>(number());
+        else if (a == "--shuffle")
+            o.shuffle = number();
+        else if (a == "--fpu")
+            o.fpu = true;
+        else if (a == "--poison")
+            host::poison(static_cast<unsigned char>(number()));
+        else if (a == "--move")
+            o.move = number();
+        else if (a == "--write")
+            o.write = value();
+        else if (a == "--read")
+            o.read = value();
+        else if (a.starts_with("--"))
+            refuse("there is no option " + a);
+        else
+            o.games.push_back(a);
+    }
+    if (o.games.empty()) refuse("name a game");
+    return o;
+}
+
+/// Inputs of all players at a tick, as scripted from seed 1.
+class Inputs {
+  public:
+    explicit Inputs(const Game& from)
+        : game(from), bytes(game.player_count(), std::vector<std::byte>(game.input_size())),
+          inputs(game.player_count()) {}
+    std::span<const PlayerInput> at(std::uint64_t tick) {
+        for (std::uint32_t p = 0; p < inputs.size(); ++p) {
+            scripted_input(game, 1, tick, p, bytes[p]);
+            inputs[p] = {bytes[p]};
+        }
+        return inputs;
+    }
+
+  private:
+    const Game& game;
+    std::vector<std::vector<std::byte>> bytes;
+    std::vector<PlayerInput> inputs;
+};
+
+/// "rollback-arena-size-0-seed-1-players-2"
+std::string file_name(const std::string& folder, const std::string& game, const char* ending) {
+    std::string name = game;
+    for (char& c : name)
+        if (c == ' ' || c == '=') c = '-';
+    return folder + "/" + name + ending;
+}
+
+void write_bytes(const std::string& path, std::span<const std::byte> bytes) {
+    std::FILE* file = std::fopen(path.c_str(), "wb");
+    if (file == nullptr || std::fwrite(bytes.data(), 1, bytes.size(), file) != bytes.size() ||
+        std::fclose(file) != 0)
+        fail(path + ": cannot be written");
+}
+std::vector<std::byte> read_bytes(const std::string& path) {
+    std::FILE* file = std::fopen(path.c_str(), "rb");
+    if (file == nullptr) fail(path + ": cannot be read");
+    std::vector<std::byte> bytes;
+    std::byte piece[4096];
+    for (std::size_t n; (n = std::fread(piece, 1, sizeof piece, file)) != 0;)
+        bytes.insert(bytes.end(), piece, piece + n);
+    std::fclose(file);
+    return bytes;
+}
+
+void print(const Options& o, const std::string& game, const World& world) {
+    const std::uint64_t tick = world.tick_count();
+    if (o.powers && (tick & (tick - 1)) != 0 && tick != o.ticks) return;
+    std::printf("%s\t%llu\t%016llx\n", game.c_str(), static_cast<unsigned long long>(tick),
+                static_cast<unsigned long long>(world.hash()));
+}
+
+void advance(const Options& o, const Game& game, World& world, Inputs& inputs) {
+    if (o.move != 0) host::move_heap(o.move + world.tick_count());
+    const std::span<const PlayerInput> now = inputs.at(world.tick_count());
+    const host::FloatingPoint odd(o.fpu, world.tick_count());
+    game.advance(world, now);
+}
+
+void run(const Options& o, const std::string& name) {
+    const std::unique_ptr<Game> game = got(make_scene_named(name), name);
+    if (o.move != 0) host::move_heap(o.move);
+    const std::unique_ptr<Tasks> tasks = host::make_tasks(o.workers, o.shuffle);
+    World world = got(game->start(), name);
+    Inputs inputs(*game);
+    replay::MemorySink file;
+    auto recorder = got(replay::InputRecorder::begin(file, *game, world), name);
+    if (!o.read.empty()) {
+        const std::string path = file_name(o.read, name, ".state");
+        good(world.restore_portable(read_bytes(path)), path);
+    }
+    world.set_tasks(tasks.get());
+    print(o, name, world);
+    while (world.tick_count() < o.ticks) {
+        advance(o, *game, world, inputs);
+        print(o, name, world);
+        if (o.write.empty()) continue;
+        good(recorder.after_tick(world, inputs.at(world.tick_count() - 1)), name);
+        if (world.tick_count() == o.ticks / 2)
+            write_bytes(file_name(o.write, name, ".state"), world.save_portable());
+    }
+    if (o.write.empty()) return;
+    good(recorder.close(), name);
+    write_bytes(file_name(o.write, name, ".lsr"), file.bytes);
+}
+
+/// Plays a recording that another cell made: every tick has to give the hash that stands in it.
+void play(const Options& o, const std::string& name) {
+    const std::string path = file_name(o.read, name, ".lsr");
+    const auto recording = got(replay::Recording::open(path), path);
+    const std::unique_ptr<Game> game = got(make_scene_named(recording.header().game), path);
+    auto player = got(replay::Player::open(recording, *game), path);
+    std::uint64_t compared = 0;
+    for (;; ++compared) {
+        if (!player.agrees()) fail(path + ": differs at time " + std::to_string(player.time()));
+        if (player.at_end()) break;
+        good(player.step(), path);
+    }
+    if (compared != o.ticks) fail(path + ": holds " + std::to_string(compared) + " ticks");
+    std::printf("# %s: played, %llu ticks agree\n", name.c_str(), static_cast<unsigned long long>(compared));
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    const Options o = parse(argc, argv);
+    for (const std::string& game : o.games) {
+        run(o, game);
+        if (!o.read.empty()) play(o, game);
+    }
+    return 0;
+}

@@ -1,0 +1,48 @@
+// lockstone::prove on every scene: the properties of the contract, at every tick.
+#include "lockstone/prove.h"
+#include "support/task_worlds.h"
+
+#include <doctest/doctest.h>
+
+#include <cstdlib>
+
+using namespace lockstone;
+
+namespace {
+
+const bool is_long = std::getenv("LOCKSTONE_LONG") != nullptr;
+
+/// Small, so that the bits of its state are few.
+std::unique_ptr<Game> smaller_scene(const SceneInfo& info) {
+    if (is_long) return test::small_scene(info);
+    return make_scene(info.name, {.size = std::min(info.size_default, std::max(info.size_min, 20u))}).value();
+}
+
+} // namespace
+
+TEST_CASE("every scene is proven: repeats, rolls back, saves everything, moves, forgets, shuffles, every bit "
+          "counts") {
+    ProofOptions options;
+    options.ticks = is_long ? 200 : 8;
+    options.depth = is_long ? 8 : 3;
+    options.bits_max = is_long ? 1000000 : 1500;
+    for (const SceneInfo& info : scenes()) {
+        const std::unique_ptr<Game> game = smaller_scene(info);
+        const ProofInput scripted = [&](std::uint64_t tick, std::uint32_t player,
+                                        std::span<std::byte> input) {
+            scripted_input(*game, 1, tick, player, input);
+        };
+        const Proof proof = prove(*game, options, scripted).value();
+        INFO(info.name, "\n", to_string(proof));
+        CHECK(proof.holds());
+        REQUIRE(proof.checks.size() == 7);
+        for (const ProofCheck& check : proof.checks) CHECK(check.compared > 0);
+    }
+}
+
+TEST_CASE("inputs of a proof are random bytes from its seed where the game's own are not given") {
+    const std::unique_ptr<Game> game = make_scene("rollback-arena").value();
+    ProofOptions options;
+    options.ticks = 10, options.bits_max = 100;
+    CHECK(prove(*game, options).value().holds());
+}
