@@ -5,8 +5,6 @@ namespace lockstone::dynamics {
 namespace {
 
 constexpr std::int64_t pivot_min = std::int64_t{1} << (block_bits - 24);
-constexpr std::int64_t factor_max = std::int64_t{1} << (block_factor_bits + 13);
-constexpr std::int64_t arm_max = std::int64_t{1} << (block_arm_bits + 17);
 constexpr int row_bits = 28; ///< of B
 
 /// a / 2^drop, rounded.
@@ -39,37 +37,43 @@ void normalise(SymmetricBlock& a, int n) {
     if (most >= std::int64_t{1} << block_bits) lower_exponent(a, n, a.exponent + 1);
 }
 
-/// x - the sum of l y over what is known already: 2^57 times 2^61, five times.
-template <int Bits> struct Remainder {
+/// x - the sum of l y over what is known already: five products of values and one of 2^105.
+struct Remainder {
     Wide sum;
-    explicit Remainder(std::int64_t x) : sum(Wide::from(x) << Bits) {}
-    void subtract(std::int64_t l, std::int64_t y) { sum = sum - Wide::product(l, y); }
-    std::int64_t within(std::int64_t most) const {
-        return std::clamp(narrow_rounded(sum, Bits), -most, most);
-    }
+    explicit Remainder(std::int64_t x) : sum(block_product(x, std::int64_t{1} << block_factor_bits)) {}
+    void subtract(std::int64_t l, std::int64_t y) { sum = sum - block_product(l, y); }
+    std::int64_t value() const { return block_narrow<block_factor_bits>(sum); }
 };
+
+/// a b / 2^Shift
+template <int Shift> std::int64_t product(std::int64_t a, std::int64_t b) {
+    return block_narrow<Shift>(block_product(a, b));
+}
 
 /// c = L D by columns; true when every pivot is large enough or may be raised.
 template <int N, bool Raise> bool factorise_rows(const SymmetricBlock& a, BlockFactor& out) {
     std::int64_t c[6][6];
-    for (int j = 0; j < N; ++j) {
-        for (int i = j; i < N; ++i) {
-            Remainder<block_factor_bits> rest(a.m[block_index(i, j)]);
-            for (int k = 0; k < j; ++k) rest.subtract(out.l[block_index(j - 1, k)], c[i][k]);
-            c[i][j] = rest.within(std::int64_t{1} << block_bits);
-        }
+    bool good = true;
+    each<N>([&](auto j) {
+        each<N - j>([&](auto below) {
+            constexpr int i = j + below;
+            Remainder rest(a.m[block_index(i, j)]);
+            each<j>([&](auto k) { rest.subtract(out.l[block_index(j - 1, k)], c[i][k]); });
+            c[i][j] = rest.value();
+        });
         std::int64_t pivot = c[j][j];
         if (pivot < pivot_min) {
-            if (!Raise) return false;
+            good = false;
             pivot = a.m[block_index(j, j)] == 0 ? 0 : pivot_min;
         }
         out.inverse[j] = pivot == 0 ? 0 : pivot_inverse(pivot);
         constexpr int drop = block_bits + block_inverse_bits - block_factor_bits;
-        for (int i = j + 1; i < N; ++i) // 60 bits times 60
-            out.l[block_index(i - 1, j)] = std::clamp(
-                narrow_rounded(Wide::product(c[i][j], out.inverse[j]), drop), -factor_max, factor_max);
-    }
-    return true;
+        each<N - j - 1>([&](auto below) { // 61 bits times 60
+            constexpr int i = j + 1 + below;
+            out.l[block_index(i - 1, j)] = product<drop>(c[i][j], out.inverse[j]);
+        });
+    });
+    return Raise || good;
 }
 
 template <bool Raise> bool factorise_any(const SymmetricBlock& a, int n, BlockFactor& out) {
@@ -89,24 +93,26 @@ template <bool Raise> bool factorise_any(const SymmetricBlock& a, int n, BlockFa
     }
 }
 
-template <int N, int M>
-void condense_rows(const BlockFactor& a, int exponent, const std::int32_t (*b)[6], std::int64_t (*z)[6],
-                   SymmetricBlock& out) {
+/// B^T A^-1 B of A with N rows, B with M columns. B is J with N rows of six entries, or its transpose.
+template <int N, int M, bool Transposed>
+void condense(const BlockFactor& a, int exponent, const std::int32_t (*j)[6], std::int64_t (*z)[6],
+              SymmetricBlock& out) {
     std::int64_t x[6][6];
     for (int c = 0; c < M; ++c)
-        for (int i = 0; i < N; ++i) {
-            Remainder<block_factor_bits> rest(std::int64_t{b[c][i]} << (block_arm_bits - row_bits));
-            for (int k = 0; k < i; ++k) rest.subtract(a.l[block_index(i - 1, k)], x[c][k]);
-            x[c][i] = rest.within(arm_max);
-            z[c][i] = block_narrow(Wide::product(x[c][i], a.inverse[i]),
-                                   block_arm_bits + block_inverse_bits - block_column_bits);
-        }
+        each<N>([&](auto i) {
+            const std::int64_t b = Transposed ? j[c][i] : j[i][c];
+            Remainder rest(b * (std::int64_t{1} << (block_arm_bits - row_bits)));
+            each<i>([&](auto k) { rest.subtract(a.l[block_index(i - 1, k)], x[c][k]); });
+            x[c][i] = rest.value();
+            z[c][i] = product<block_arm_bits + block_inverse_bits - block_column_bits>(x[c][i], a.inverse[i]);
+        });
     Wide sum[21];
     int top = 0;
     for (int r = 0; r < M; ++r)
-        for (int c = 0; c <= r; ++c) { // 2^57 times 2^61, six times
-            Wide& s = sum[block_index(r, c)] = Wide::from(0);
-            for (int i = 0; i < N; ++i) s = s + Wide::product(x[r][i], z[c][i]);
+        for (int c = 0; c <= r; ++c) { // six products of values
+            Wide s = block_product(x[r][0], z[c][0]);
+            each<N - 1>([&](auto i) { s = s + block_product(x[r][i + 1], z[c][i + 1]); });
+            sum[block_index(r, c)] = s;
             if (r == c) top = std::max(top, bit_length(s));
         }
     out.zero = top == 0;
@@ -126,10 +132,12 @@ Scaled scaled(std::int64_t v, int fraction_bits) {
     return {m, length - fraction_bits};
 }
 
-std::int64_t block_shift(Wide sum, int shift) {
-    if (shift >= 0) return block_narrow(sum, std::min(shift, 126));
-    const std::int64_t v = block_narrow(sum, 0);
-    return std::clamp(shift_left_saturated(v, std::min(-shift, 63)), -block_value_max, block_value_max);
+std::int64_t block_shift_far(Wide sum, int shift) {
+    if (shift < 0) {
+        const std::int64_t v = std::clamp(narrow_rounded(sum, 0), -block_value_max, block_value_max);
+        return std::clamp(shift_left_saturated(v, std::min(-shift, 63)), -block_value_max, block_value_max);
+    }
+    return std::clamp(narrow_rounded(sum, std::min(shift, 126)), -block_value_max, block_value_max);
 }
 
 SymmetricBlock block_of(Scaled value, int n) {
@@ -175,56 +183,90 @@ void add_diagonal(SymmetricBlock& a, const Scaled* d, int n) {
 bool factorise(const SymmetricBlock& a, int n, BlockFactor& out) { return factorise_any<false>(a, n, out); }
 void factorise_raised(const SymmetricBlock& a, int n, BlockFactor& out) { factorise_any<true>(a, n, out); }
 
-void condense(const BlockFactor& a, int exponent, int n, const std::int32_t (*b)[6], int columns,
-              std::int64_t (*z)[6], SymmetricBlock& out) {
-    if (n == 6) {
-        switch (columns) {
-        case 1:
-            return condense_rows<6, 1>(a, exponent, b, z, out);
-        case 2:
-            return condense_rows<6, 2>(a, exponent, b, z, out);
-        case 3:
-            return condense_rows<6, 3>(a, exponent, b, z, out);
-        case 4:
-            return condense_rows<6, 4>(a, exponent, b, z, out);
-        case 5:
-            return condense_rows<6, 5>(a, exponent, b, z, out);
-        default:
-            return condense_rows<6, 6>(a, exponent, b, z, out);
-        }
+void condense_rows(const BlockFactor& a, int exponent, const std::int32_t (*j)[6], int rows,
+                   SymmetricBlock& out) {
+    std::int64_t z[6][6];
+    switch (rows) {
+    case 1:
+        return condense<1, 6, false>(a, exponent, j, z, out);
+    case 2:
+        return condense<2, 6, false>(a, exponent, j, z, out);
+    case 3:
+        return condense<3, 6, false>(a, exponent, j, z, out);
+    case 4:
+        return condense<4, 6, false>(a, exponent, j, z, out);
+    case 5:
+        return condense<5, 6, false>(a, exponent, j, z, out);
+    default:
+        return condense<6, 6, false>(a, exponent, j, z, out);
     }
+}
+
+void condense_columns(const BlockFactor& a, int exponent, const std::int32_t (*j)[6], int rows,
+                      std::int64_t (*z)[6], SymmetricBlock& out) {
+    switch (rows) {
+    case 1:
+        return condense<6, 1, true>(a, exponent, j, z, out);
+    case 2:
+        return condense<6, 2, true>(a, exponent, j, z, out);
+    case 3:
+        return condense<6, 3, true>(a, exponent, j, z, out);
+    case 4:
+        return condense<6, 4, true>(a, exponent, j, z, out);
+    case 5:
+        return condense<6, 5, true>(a, exponent, j, z, out);
+    default:
+        return condense<6, 6, true>(a, exponent, j, z, out);
+    }
+}
+
+namespace {
+
+template <int N> void lower(const BlockFactor& a, std::int64_t* x) {
+    each<N>([&](auto i) {
+        Remainder rest(x[i]);
+        each<i>([&](auto k) { rest.subtract(a.l[block_index(i - 1, k)], x[k]); });
+        x[i] = rest.value();
+    });
+}
+
+template <int N> void upper(const BlockFactor& a, std::int64_t* x) {
+    each<N>([&](auto done) {
+        constexpr int i = N - 1 - done;
+        Remainder rest(x[i]);
+        each<done>([&](auto further) {
+            constexpr int k = i + 1 + further;
+            rest.subtract(a.l[block_index(k - 1, i)], x[k]);
+        });
+        x[i] = rest.value();
+    });
+}
+
+template <int N> void solve_rows(const BlockFactor& a, std::int64_t* x) {
+    lower<N>(a, x);
+    for (int i = 0; i < N; ++i) x[i] = product<block_inverse_bits>(x[i], a.inverse[i]);
+    upper<N>(a, x);
+}
+
+} // namespace
+
+void solve(const BlockFactor& a, int n, std::int64_t* x) {
     switch (n) {
     case 1:
-        return condense_rows<1, 6>(a, exponent, b, z, out);
+        return solve_rows<1>(a, x);
     case 2:
-        return condense_rows<2, 6>(a, exponent, b, z, out);
+        return solve_rows<2>(a, x);
     case 3:
-        return condense_rows<3, 6>(a, exponent, b, z, out);
+        return solve_rows<3>(a, x);
     case 4:
-        return condense_rows<4, 6>(a, exponent, b, z, out);
+        return solve_rows<4>(a, x);
+    case 5:
+        return solve_rows<5>(a, x);
     default:
-        return condense_rows<5, 6>(a, exponent, b, z, out);
+        return solve_rows<6>(a, x);
     }
 }
-
-void solve_lower(const BlockFactor& a, int n, std::int64_t* x) {
-    for (int i = 1; i < n; ++i) {
-        Remainder<block_factor_bits> rest(x[i]);
-        for (int k = 0; k < i; ++k) rest.subtract(a.l[block_index(i - 1, k)], x[k]);
-        x[i] = rest.within(block_value_max);
-    }
-}
-
-void solve_diagonal(const BlockFactor& a, int n, std::int64_t* x) {
-    for (int i = 0; i < n; ++i) x[i] = block_narrow(Wide::product(x[i], a.inverse[i]), block_inverse_bits);
-}
-
-void solve_upper(const BlockFactor& a, int n, std::int64_t* x) {
-    for (int i = n - 2; i >= 0; --i) {
-        Remainder<block_factor_bits> rest(x[i]);
-        for (int k = i + 1; k < n; ++k) rest.subtract(a.l[block_index(k - 1, i)], x[k]);
-        x[i] = rest.within(block_value_max);
-    }
-}
+void solve_lower(const BlockFactor& a, std::int64_t* x) { lower<6>(a, x); }
+void solve_upper(const BlockFactor& a, std::int64_t* x) { upper<6>(a, x); }
 
 } // namespace lockstone::dynamics

@@ -5,13 +5,15 @@
 //   pivots     at least 2^-24, so that |L| <= 2^12 and 1 / D <= 2^24
 //   B^T A^-1 B = X^T D^-1 X, X = L^-1 B            of B with entries below 2
 //
-// What cannot be within these bounds is clamped to them: then a solution is wrong, but nothing overflows.
+// Values are within 2^61: what cannot be is clamped, then a solution is wrong, but nothing overflows. Entries of L and X
+// are below 2^58 where A has the pivots above.
 #pragma once
 
 #include "lockstone/wide.h"
 
 #include <algorithm>
 #include <cstdint>
+#include <utility>
 
 namespace lockstone::dynamics {
 
@@ -56,25 +58,65 @@ bool factorise(const SymmetricBlock& a, int n, BlockFactor& out);
 /// Pivots that are too small are raised to the least; rows of zeros are left out.
 void factorise_raised(const SymmetricBlock& a, int n, BlockFactor& out);
 
-/// B^T A^-1 B of A with n rows; B has `columns` columns, given one after another with 28 fraction bits and below 2.
-/// One of n and columns is 6. Z = D^-1 L^-1 B is kept for the solution, column by column.
-void condense(const BlockFactor& a, int exponent, int n, const std::int32_t (*b)[6], int columns,
-              std::int64_t (*z)[6], SymmetricBlock& out);
+/// J^T A^-1 J of A with `rows` rows, and J A^-1 J^T of A with six. J has `rows` rows of six entries below 2, 28 fraction
+/// bits. Of the second Z = D^-1 L^-1 J^T is kept for the solution, row by row of J.
+void condense_rows(const BlockFactor& a, int exponent, const std::int32_t (*j)[6], int rows,
+                   SymmetricBlock& out);
+void condense_columns(const BlockFactor& a, int exponent, const std::int32_t (*j)[6], int rows,
+                      std::int64_t (*z)[6], SymmetricBlock& out);
 
 inline constexpr std::int64_t block_value_max = std::int64_t{1} << 61;
 
-/// (a - sum) / 2^shift, within the bounds of values.
-inline std::int64_t block_narrow(Wide sum, int shift) {
-    return std::clamp(narrow_rounded(sum, shift), -block_value_max, block_value_max);
+/// a b. GCC 12 finds the sign of a factor that it uses twice in advance, and then multiplies by the signs as well: three
+/// times the work. It does not where it cannot know that it has met the factor before.
+inline Wide block_product(std::int64_t a, std::int64_t b) {
+#if defined(__GNUC__) && !defined(__clang__)
+    __asm__("" : "+r"(a));
+    __asm__("" : "+r"(b));
+#endif
+    return Wide::product(a, b);
 }
-/// The same for any shift; a negative one multiplies.
-std::int64_t block_shift(Wide sum, int shift);
 
-/// x := L^-1 x
-void solve_lower(const BlockFactor& a, int n, std::int64_t* x);
-/// x := D^-1 x
-void solve_diagonal(const BlockFactor& a, int n, std::int64_t* x);
-/// x := L^-T x
-void solve_upper(const BlockFactor& a, int n, std::int64_t* x);
+/// floor(sum / 2^Shift), within the bounds of values. The bits that are lost are far below those of a Speed.
+template <int Shift> std::int64_t block_narrow(Wide sum) {
+    static_assert(Shift > 3 && Shift < 64);
+    // Within the bounds the high half is less than this, and the low one is shifted into it.
+    constexpr std::uint64_t reach = std::uint64_t{1} << (Shift - 3);
+    const auto high = static_cast<std::uint64_t>(sum.high_bits());
+    if (high + reach < 2 * reach)
+        return static_cast<std::int64_t>((high << (64 - Shift)) | (sum.low_bits() >> Shift));
+    return sum.is_negative() ? -block_value_max : block_value_max;
+}
+
+std::int64_t block_shift_far(Wide sum, int shift);
+/// sum / 2^shift for any shift, within the bounds of values; a negative one multiplies.
+inline std::int64_t block_shift(Wide sum, int shift) {
+    if (shift < 4 || shift > 63) return block_shift_far(sum, shift);
+    const std::uint64_t reach = std::uint64_t{1} << (shift - 3);
+    const auto high = static_cast<std::uint64_t>(sum.high_bits());
+    if (high + reach < 2 * reach)
+        return static_cast<std::int64_t>((high << (64 - shift)) | (sum.low_bits() >> shift));
+    return sum.is_negative() ? -block_value_max : block_value_max;
+}
+
+/// f(0), f(1), ... f(N - 1), unrolled.
+template <int N, class F> constexpr void each(F&& f) {
+    [&]<int... I>(std::integer_sequence<int, I...>) { (f(std::integral_constant<int, I>{}), ...); }
+    (std::make_integer_sequence<int, N>{});
+}
+
+/// a . b of six entries: six products of two values stay below 2^125.
+template <class T> Wide block_dot(const T* a, const std::int64_t* b) {
+    Wide sum = block_product(a[0], b[0]);
+    each<5>([&](auto i) { sum = sum + block_product(a[i + 1], b[i + 1]); });
+    return sum;
+}
+
+/// x := A^-1 x
+void solve(const BlockFactor& a, int n, std::int64_t* x);
+/// x := L^-1 x of six rows
+void solve_lower(const BlockFactor& a, std::int64_t* x);
+/// x := L^-T x of six rows
+void solve_upper(const BlockFactor& a, std::int64_t* x);
 
 } // namespace lockstone::dynamics

@@ -53,14 +53,13 @@ struct TreeJoint {
     int rows;
     std::int64_t inverse_mass; ///< 1 / m = inverse_mass / 2^30 2^-mass_exponent
     int mass_exponent;
-    int exponent;             ///< of D
-    std::int32_t below[6][6]; ///< J of the child by rows, 28 fraction bits
-    std::int32_t above[6][6]; ///< J of the parent by columns
-    std::int64_t mobility[6]; ///< k, 48 fraction bits
-    std::int64_t z[6][6];     ///< of H of the child
-    BlockFactor factor;       ///< of D
-    std::int64_t solution[6]; ///< D^-1 g, then lambda: 2^-exponent of D^-1
-    std::int64_t change[6];   ///< of p', Speed
+    int exponent;                          ///< of D
+    std::int32_t below[6][6], above[6][6]; ///< J of the child and of the parent, 28 fraction bits
+    std::int64_t mobility[6];              ///< k, 48 fraction bits
+    std::int64_t z[6][6];                  ///< of H of the child
+    BlockFactor factor;                    ///< of D
+    std::int64_t solution[6];              ///< D^-1 g, then lambda: 2^-exponent of D^-1
+    std::int64_t change[6];                ///< of p', Speed
 };
 
 /// One tree: consecutive entries of JointForest.

@@ -17,7 +17,7 @@ void take_row(TreeJoint& t, int r, const Row& row, const SolverBody& a, const So
     const SolverBody& parent = t.child_is_b ? a : b;
     for (int i = 0; i < 6; ++i) {
         t.below[r][i] = i < 3 ? static_cast<std::int32_t>(below[i] & child.keep[i]) : below[i];
-        t.above[i][r] = i < 3 ? static_cast<std::int32_t>(above[i] & parent.keep[i]) : above[i];
+        t.above[r][i] = i < 3 ? static_cast<std::int32_t>(above[i] & parent.keep[i]) : above[i];
     }
     t.mobility[r] = mobility(row);
 }
@@ -71,15 +71,14 @@ bool factorise_tree(JointTick& tick, const JointTree& tree, const SolverBodies& 
         if (t.child != no_tree) {
             TreeNode& child = f.nodes[t.child];
             if (!factorise_node(child)) return false;
-            condense(child.factor, child.h.exponent, 6, t.below, t.rows, t.z, d);
+            condense_columns(child.factor, child.h.exponent, t.below, t.rows, t.z, d);
         }
         soften(t, d);
         factorise_raised(d, t.rows, t.factor);
         t.exponent = d.exponent;
         if (t.parent == no_tree) continue;
-        std::int64_t z[6][6];
         SymmetricBlock carried;
-        condense(t.factor, d.exponent, t.rows, t.above, 6, z, carried);
+        condense_rows(t.factor, d.exponent, t.above, t.rows, carried);
         add(f.nodes[t.parent].h, carried, 6);
     }
     TreeNode& root = f.nodes[tree.first_node];
@@ -96,61 +95,57 @@ void take_residual(const JointTick& tick, TreeJoint& t, const SolverBodies& bodi
     Motion m = read(bodies.body[w.a.body], bodies.body[w.b.body]);
     clamp_motion(m);
     const Speeds now(m);
+    constexpr int k_bits = 24;
     int r = 0;
     for (std::uint32_t i = 0; i < w.block_count; ++i) {
         const JointBlock& block = tick.blocks[w.first_block + i];
         for (int k = 0; k < block.count; ++k, ++r) {
-            std::int64_t residual = speed_along(block.row[k], now);
-            if (bias) {
-                // 54 bits times 30
-                const Wide soft = Wide::product(t.mobility[r], block.impulse[k]);
-                residual += block.bias[k];
-                t.solution[r] = narrow_rounded(soft, 48 + tree_softness_bits - speed_up);
-            } else {
-                t.solution[r] = 0;
-            }
-            t.solution[r] = -(residual << speed_up) - t.solution[r];
+            t.solution[r] = -(std::int64_t{speed_along(block.row[k], now)} << speed_up);
+            if (!bias) continue;
+            const std::int64_t soft = (t.mobility[r] >> (48 - k_bits)) * block.impulse[k]; // 30 bits times 30
+            t.solution[r] -= (std::int64_t{block.bias[k]} << speed_up) +
+                             shift_right_rounded(soft, k_bits + tree_softness_bits - speed_up);
         }
     }
 }
+
+/// sum over the rows of their six entries times x, and what becomes of it
+template <class T, class F> void combine(const T (*rows)[6], const std::int64_t* x, int count, F&& take) {
+    Wide sum[6] = {Wide::from(0), Wide::from(0), Wide::from(0), Wide::from(0), Wide::from(0), Wide::from(0)};
+    for (int r = 0; r < count; ++r)
+        each<6>([&](int i) { sum[i] = sum[i] + block_product(rows[r][i], x[r]); });
+    each<6>([&](int i) { take(i, sum[i]); });
+}
+
+std::int64_t bounded(std::int64_t v) { return std::clamp(v, -block_value_max, block_value_max); }
 
 /// From the leaf inwards: x becomes D^-1 g, and what the parent is pushed by.
 void eliminate(JointForest& f, TreeJoint& t) {
     if (t.child != no_tree && f.nodes[t.child].passes) {
         TreeNode& child = f.nodes[t.child];
-        solve_lower(child.factor, 6, child.f);
-        for (int r = 0; r < t.rows; ++r) {
-            Wide sum = Wide::from(0); // 2^61 times 2^61, six times
-            for (int i = 0; i < 6; ++i) sum = sum + Wide::product(t.z[r][i], child.f[i]);
-            t.solution[r] = std::clamp(t.solution[r] - block_narrow(sum, block_column_bits), -block_value_max,
-                                       block_value_max);
-        }
+        solve_lower(child.factor, child.f);
+        for (int r = 0; r < t.rows; ++r)
+            t.solution[r] =
+                bounded(t.solution[r] - block_narrow<block_column_bits>(block_dot(t.z[r], child.f)));
     }
-    solve_lower(t.factor, t.rows, t.solution);
-    solve_diagonal(t.factor, t.rows, t.solution);
-    solve_upper(t.factor, t.rows, t.solution);
+    solve(t.factor, t.rows, t.solution);
     if (t.parent == no_tree) return;
     TreeNode& parent = f.nodes[t.parent];
     const int shift = row_bits + t.exponent + parent.h.exponent;
-    for (int i = 0; i < 6; ++i) {
-        Wide sum = Wide::from(0);
-        for (int r = 0; r < t.rows; ++r) sum = sum + Wide::product(t.above[i][r], t.solution[r]);
-        parent.f[i] = std::clamp(parent.f[i] + block_shift(sum, shift), -block_value_max, block_value_max);
-    }
+    combine(t.above, t.solution, t.rows,
+            [&](int i, Wide sum) { parent.f[i] = bounded(parent.f[i] + block_shift(sum, shift)); });
 }
 
 /// dv of a body from L^-1 f and from the impulses of the joint above it.
 void move_node(TreeNode& node, const TreeJoint* above) {
-    const int shift = above == nullptr ? 0 : block_column_bits + above->exponent + node.h.exponent;
-    for (int i = 0; i < 6; ++i) {
-        node.speed[i] = block_narrow(Wide::product(node.f[i], node.factor.inverse[i]), block_inverse_bits);
-        if (above == nullptr) continue;
-        Wide sum = Wide::from(0);
-        for (int r = 0; r < above->rows; ++r) sum = sum + Wide::product(above->z[r][i], above->solution[r]);
-        node.speed[i] =
-            std::clamp(node.speed[i] + block_shift(sum, shift), -block_value_max, block_value_max);
+    for (int i = 0; i < 6; ++i)
+        node.speed[i] = block_narrow<block_inverse_bits>(block_product(node.f[i], node.factor.inverse[i]));
+    if (above != nullptr) {
+        const int shift = block_column_bits + above->exponent + node.h.exponent;
+        combine(above->z, above->solution, above->rows,
+                [&](int i, Wide sum) { node.speed[i] = bounded(node.speed[i] + block_shift(sum, shift)); });
     }
-    solve_upper(node.factor, 6, node.speed);
+    solve_upper(node.factor, node.speed);
 }
 
 /// From the root outwards: lambda, and the speed it gives the child.
@@ -158,16 +153,9 @@ void substitute(JointForest& f, TreeJoint& t) {
     if (t.parent != no_tree) {
         const TreeNode& parent = f.nodes[t.parent];
         std::int64_t x[6];
-        for (int r = 0; r < t.rows; ++r) {
-            Wide sum = Wide::from(0);
-            for (int i = 0; i < 6; ++i) sum = sum + Wide::product(t.above[i][r], parent.speed[i]);
-            x[r] = block_narrow(sum, row_bits);
-        }
-        solve_lower(t.factor, t.rows, x);
-        solve_diagonal(t.factor, t.rows, x);
-        solve_upper(t.factor, t.rows, x);
-        for (int r = 0; r < t.rows; ++r)
-            t.solution[r] = std::clamp(t.solution[r] - x[r], -block_value_max, block_value_max);
+        for (int r = 0; r < t.rows; ++r) x[r] = block_narrow<row_bits>(block_dot(t.above[r], parent.speed));
+        solve(t.factor, t.rows, x);
+        for (int r = 0; r < t.rows; ++r) t.solution[r] = bounded(t.solution[r] - x[r]);
     }
     if (t.child != no_tree && f.nodes[t.child].passes) move_node(f.nodes[t.child], &t);
 }
@@ -181,7 +169,7 @@ std::int64_t take_changes(const JointTick& tick, TreeJoint& t) {
     for (std::uint32_t i = 0; i < w.block_count; ++i) {
         const JointBlock& block = tick.blocks[w.first_block + i];
         for (int k = 0; k < block.count; ++k, ++r) {
-            t.change[r] = block_shift(Wide::product(t.solution[r], t.inverse_mass), shift);
+            t.change[r] = block_shift(block_product(t.solution[r], t.inverse_mass), shift);
             most = std::max<std::int64_t>(most, std::abs(t.change[r] + block.impulse[k]));
         }
     }
@@ -197,7 +185,7 @@ void scale_changes(const JointTick& tick, TreeJoint& t, std::int64_t most) {
         const JointBlock& block = tick.blocks[w.first_block + i];
         for (int k = 0; k < block.count; ++k, ++r) // below 1, times joint_impulse_max
             t.change[r] =
-                narrow_rounded(Wide::product(divide_shifted(t.change[r] + block.impulse[k], most, 62),
+                narrow_rounded(block_product(divide_shifted(t.change[r] + block.impulse[k], most, 62),
                                              joint_impulse_max),
                                62) -
                 block.impulse[k];
@@ -253,7 +241,7 @@ void solve_tree(JointTick& tick, const JointTree& tree, SolverBodies& bodies, bo
         eliminate(f, t);
     }
     if (f.above_of[tree.first_node] == 0) {
-        solve_lower(nodes[0].factor, 6, nodes[0].f);
+        solve_lower(nodes[0].factor, nodes[0].f);
         move_node(nodes[0], nullptr);
     }
     for (std::size_t i = joints.size(); i-- > 0;) substitute(f, joints[i]);
