@@ -22,10 +22,11 @@ struct ClipPoint {
     std::uint8_t line_in, line_out; // the two lines that meet here: 0..3 incident edges, 4..7 reference sides
 };
 
-/// Moves four well-spread points of `count` to the front, in a fixed order; a pure function of the points.
-///   1 the lowest   2 the furthest from it   3 and 4 those that span most area on the two sides of the line 1 - 2
-/// A later point replaces an earlier one only when it is better by more than noise, so the choice survives small
-/// motions. Returns how many there are, at most 4.
+/// Drops corners of a convex polygon, given in cyclic order, until four are left: each time the one that cuts off least
+/// area, but never the lowest when it is lower than the rest by more than noise. Of faces that nearly coincide the corners
+/// of the edges' crossings go, which lie anywhere along an edge: a tower held by those starts to rock.
+/// A later corner goes instead of an earlier one only when it cuts off less by more than a sixteenth, so the choice
+/// survives small motions. Returns how many there are, at most 4, in the order they had.
 int reduce_points(ClipPoint* points, int count);
 
 } // namespace lockstone::collide

@@ -1,15 +1,17 @@
 // Face against face: the incident face, a parallelogram, clipped by the four sides of the reference face, then
 // reduced to four points.
 //
-// source: Sutherland, Hodgman, Reentrant Polygon Clipping, CACM 1974; the reduction follows Coumans, Contact
-// generation between 3D convex meshes, GDC 2010 (deepest, furthest, most area).
+// source: Sutherland, Hodgman, Reentrant Polygon Clipping, CACM 1974; the reduction follows Visvalingam, Whyatt, Line
+// Generalisation by Repeated Elimination of Points, 1993.
 #include "collide/box_box.h"
 
 namespace lockstone::collide {
 namespace {
 
-constexpr int points_max =
-    8; // a parallelogram cut by four lines; roundings could ask for more, and are refused
+constexpr int points_max = 12; // a parallelogram cut by four lines has 8; roundings may ask for more
+
+/// Corners beyond a side by no more than this are kept: of faces that nearly coincide, cuts would lie anywhere.
+constexpr std::int64_t slack_30 = std::int64_t{1} << 14; // 15 um
 
 /// The reference box's frame: where the incident box is and how it is turned.
 struct Clip {
@@ -89,7 +91,7 @@ void clip_side(Polygon& polygon, std::int64_t ClipPoint::*coordinate, std::int64
         inside[k] = limit - sign * polygon.points[k].*coordinate;
         least = smaller(least, inside[k]);
     }
-    if (least >= 0) return;
+    if (least >= -slack_30) return;
     ClipPoint whole[points_max];
     for (int k = 0; k < count; ++k) whole[k] = polygon.points[k];
     ClipPoint* out = polygon.points;
@@ -97,12 +99,15 @@ void clip_side(Polygon& polygon, std::int64_t ClipPoint::*coordinate, std::int64
     for (int k = 0; k < count && n < points_max; ++k) {
         const int next = k + 1 == count ? 0 : k + 1;
         const ClipPoint &a = whole[k], &b = whole[next];
-        if (inside[k] >= 0) out[n++] = a;
-        if ((inside[k] >= 0) == (inside[next] >= 0) || n == points_max) continue;
-        ClipPoint cut = between(a, b, up(inside[k], part_bits) / (inside[k] - inside[next]), part_bits);
+        const bool a_stays = inside[k] >= -slack_30, b_stays = inside[next] >= -slack_30;
+        if (a_stays) out[n++] = a;
+        if (a_stays == b_stays || n == points_max) continue;
+        const std::int64_t one = std::int64_t{1} << part_bits,
+                           part = up(inside[k], part_bits) / (inside[k] - inside[next]);
+        ClipPoint cut = between(a, b, part < 0 ? 0 : part > one ? one : part, part_bits);
         cut.*coordinate = sign * limit;
-        cut.line_in = inside[k] >= 0 ? a.line_out : line;
-        cut.line_out = inside[k] >= 0 ? line : a.line_out;
+        cut.line_in = a_stays ? a.line_out : line;
+        cut.line_out = a_stays ? line : a.line_out;
         out[n++] = cut;
     }
     polygon.count = n;
@@ -162,43 +167,31 @@ struct Names {
 
 int reduce_points(ClipPoint* points, int count) {
     if (count <= 4) return count;
-    constexpr std::int64_t noise_30 = 1 << 17;               // 0.12 mm
-    const auto p = [&](int k) { return points[k].p >> 10; }; // 20 fraction bits: products fit
-    const auto q = [&](int k) { return points[k].q >> 10; };
-    const auto to_front = [&](int k, int front) {
-        const ClipPoint x = points[k];
-        for (; k > front; --k) points[k] = points[k - 1];
-        points[front] = x;
-    };
-    int best = 0;
+    constexpr std::int64_t noise_30 = 1 << 17; // 0.12 mm
+    int lowest = 0;
     for (int k = 1; k < count; ++k)
-        if (points[k].height < points[best].height - noise_30) best = k;
-    to_front(best, 0);
+        if (points[k].height < points[lowest].height) lowest = k;
+    for (int k = 0; k < count; ++k) // no other is as low to within noise
+        if (k != lowest && lowest >= 0 && points[k].height <= points[lowest].height + noise_30) lowest = -1;
 
-    const auto distance2 = [&](int k) {
-        return (p(k) - p(0)) * (p(k) - p(0)) + (q(k) - q(0)) * (q(k) - q(0));
+    // Twice the area that corner k cuts off, 20 fraction bits for each coordinate: products fit.
+    const auto cut = [&](int k) {
+        const ClipPoint &a = points[k == 0 ? count - 1 : k - 1], &b = points[k],
+                        &c = points[k + 1 == count ? 0 : k + 1];
+        const auto way = [](std::int64_t from, std::int64_t to) { return (to >> 10) - (from >> 10); };
+        return absolute(way(a.p, b.p) * way(a.q, c.q) - way(a.q, b.q) * way(a.p, c.p));
     };
-    std::int64_t most = 0;
-    best = 1;
-    for (int k = 1; k < count; ++k)
-        if (const std::int64_t d = distance2(k); d > most + (most >> 4)) best = k, most = d;
-    to_front(best, 1);
-
-    const auto area = [&](int k) { return (p(1) - p(0)) * (q(k) - q(0)) - (q(1) - q(0)) * (p(k) - p(0)); };
-    int left = 0, right = 0; // 0: none on that side
-    std::int64_t most_left = 0, most_right = 0;
-    for (int k = 2; k < count; ++k) {
-        const std::int64_t s = area(k);
-        if (s > most_left + (most_left >> 4)) left = k, most_left = s;
-        if (-s > most_right + (most_right >> 4)) right = k, most_right = -s;
+    for (; count > 4; --count) {
+        int least = lowest == 0 ? 1 : 0;
+        std::int64_t least_cut = cut(least);
+        for (int k = least + 1; k < count; ++k) {
+            if (k == lowest) continue;
+            if (const std::int64_t x = cut(k); x < least_cut - (least_cut >> 4)) least = k, least_cut = x;
+        }
+        for (int k = least + 1; k < count; ++k) points[k - 1] = points[k];
+        if (least < lowest) --lowest;
     }
-    int kept = 2;
-    if (left != 0) {
-        to_front(left, kept++);
-        if (right != 0 && right < left) ++right; // moved up by one
-    }
-    if (right != 0) to_front(right, kept++);
-    return kept;
+    return count;
 }
 
 void clip_faces(const BoxPair& g, bool reference_is_b, int axis, Length margin, Manifold& out) {

@@ -44,6 +44,21 @@ std::string check_symmetry(const RelativePose& pose, const Manifold& m, const Ma
     return {};
 }
 
+/// Empty when the points are the four corners of a face of half extent 0.5 m across y, each to within `tolerance` [m].
+std::string check_corners(const Manifold& m, double tolerance) {
+    for (const double x : {-0.5, 0.5})
+        for (const double z : {-0.5, 0.5}) {
+            double nearest = 100;
+            for (std::uint32_t k = 0; k < m.count; ++k)
+                nearest = std::min(nearest, std::hypot(to_double(m.points[k].position.x) - x,
+                                                       to_double(m.points[k].position.z) - z));
+            if (nearest > tolerance)
+                return "no point within " + std::to_string(tolerance) + " m of a corner, but one at " +
+                       std::to_string(nearest);
+        }
+    return {};
+}
+
 std::set<std::uint32_t> features(const Manifold& m) {
     std::set<std::uint32_t> out;
     for (std::uint32_t k = 0; k < m.count; ++k) out.insert(m.points[k].feature);
@@ -83,6 +98,25 @@ TEST_CASE("equal boxes exactly face to face keep four distinct corners") {
             CHECK(features(m).size() == 4);
             CHECK(deepest(m) == 0);
         }
+}
+
+TEST_CASE("equal boxes that stand nearly flush on each other are held at their corners") {
+    Random random(12);
+    const Geometry cube = box(0.5_r, 0.5_r, 0.5_r);
+    int planted = 0;
+    for (int i = 0; i < 2000; ++i) {
+        const double off = std::pow(10, random.uniform(-7, -3)), tilt = std::pow(10, random.uniform(-8, -4));
+        const Quat turned = random.rotation(-tilt, tilt);
+        const D3 at{random.uniform(-off, off), 0.9999, random.uniform(-off, off)};
+        Manifold m = manifold_of(cube, cube, oracle::pose_of(turned, at));
+        REQUIRE(m.count == 4);
+        const double tolerance = 2 * off + 2 * tilt + 1e-4; // what the boxes are off, and the slack
+        CHECK(check_corners(m, tolerance) == "");
+        // The twin: a point where two edges cross, an eighth of an edge from the corner.
+        m.points[random.next() % 4].position.x = oracle::quantize<Length>(0.375);
+        planted += check_corners(m, tolerance) != "" ? 1 : 0;
+    }
+    CHECK(planted == 2000);
 }
 
 TEST_CASE("a tilted box meets the ground along its edge first") {
