@@ -117,6 +117,28 @@ compare_hashes() {
     return $good
 }
 
+# run_on_workers PROGRAM TICKS: every scene, for what a sanitizer says of it.
+run_on_workers() {
+    local scene words
+    for scene in "${hash_scenes[@]}"; do
+        read -ra words <<<"$scene"
+        "$1" run "${words[@]}" --ticks "$2" --threads 3 || return 1
+    done
+}
+
+# Two threads that add to one number.
+planted_race_is_noticed() {
+    local report
+    g++ -x c++ -std=c++20 -O1 -fsanitize=thread -o build/tsan/race - <<<'#include <thread>
+int sum;
+int main() { std::thread other([] { ++sum; }); ++sum; other.join(); }' || return 1
+    if report=$(build/tsan/race 2>&1); then
+        echo "the race was not noticed"
+        return 1
+    fi
+    grep -q 'data race' <<<"$report"
+}
+
 # variant NAME COMPILER FLAGS CMAKE_OPTION...: the library and the command line, built otherwise.
 variant() {
     local name=$1 compiler=$2 flags=$3
