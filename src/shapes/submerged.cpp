@@ -206,16 +206,17 @@ Surface surface_of(const Solid& solid, Work& work, CapsulePoints& capsule) {
     const Real radius = to<Real>(g.radius);
     if (solid.hull != nullptr) {
         const Hull& hull = *solid.hull;
-        const Vec3 low = to<Real>(hull.extent.lower), high = to<Real>(hull.extent.upper);
-        const Vec3 sum = low + high, size = high - low;
-        const Vec3 middle{lockstone::half(sum.x), lockstone::half(sum.y), lockstone::half(sum.z)};
-        const Vec3 reach{lockstone::half(size.x), lockstone::half(size.y), lockstone::half(size.z)};
+        const CoordinateVec3 sum = hull.extent.lower + hull.extent.upper,
+                             size = hull.extent.upper - hull.extent.lower;
         const std::size_t count = std::min(hull.vertices.size(), work.points.size());
-        for (std::size_t k = 0; k < count; ++k) {
-            const Vec3 x = to<Real>(hull.vertices[k]) - middle;
-            for (int i = 0; i < 3; ++i)
-                work.points[k][static_cast<std::size_t>(i)] = static_cast<std::int32_t>(
-                    std::clamp(divide_shifted(x[i].raw, reach[i].raw, bits), -one, one));
+        Vec3 middle{}, reach{};
+        for (int i = 0; i < 3; ++i) {
+            middle[i] = lockstone::half(to<Real>(sum[i])), reach[i] = lockstone::half(to<Real>(size[i]));
+            // (2 x - sum) / size: below 2^56 + a rounding, since |2 x - sum| <= size, which is not 0.
+            const std::int64_t inverse = (std::int64_t{1} << 56) / std::max<std::int64_t>(size[i].raw, 1);
+            for (std::size_t k = 0; k < count; ++k)
+                work.points[k][static_cast<std::size_t>(i)] = static_cast<std::int32_t>(shift_right_rounded(
+                    (2 * std::int64_t{hull.vertices[k][i].raw} - sum[i].raw) * inverse, 56 - bits));
         }
         return {std::span(work.points).first(count), hull.triangles, middle, reach, radius};
     }

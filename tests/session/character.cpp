@@ -18,6 +18,7 @@ struct Course {
     std::unique_ptr<Session> session;
     EventLaw events;
     SessionRunner runner;
+    std::uint64_t landings = 0; ///< confirmed
 
     explicit Course(std::uint32_t depth, std::string column_left_out = "")
         : session(make(*game, depth)), runner(*session, simulation, {nullptr, std::move(column_left_out)}) {}
@@ -38,7 +39,10 @@ struct Course {
                 session->add_local_input(p, input);
             }
             REQUIRE(runner.frame(i).stall == Stall::none);
-            for (const SessionEvent& e : runner.events()) events.see(e), ++seen;
+            for (const SessionEvent& e : runner.events()) {
+                events.see(e), ++seen;
+                landings += e.event.kind == EventKind::character_landed && e.status == EventStatus::confirmed;
+            }
         }
         return seen;
     }
@@ -53,6 +57,7 @@ TEST_CASE("characters that walk, climb, crouch, push and ride survive rollback a
         INFO("depth ", depth);
         CHECK(course.runner.sync_failure() == nullptr);
         CHECK(seen > 0);
+        CHECK(course.landings > 0);
         CHECK(course.events.holds(course.session->current_tick() - depth - 1));
         CHECK(course.session->stats().hashes_compared > 200);
     }
