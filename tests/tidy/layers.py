@@ -23,7 +23,7 @@ PUBLIC = {
     "decimal.h": "math", "row.h": "state", "state.h": "state", "shape.h": "shapes", "asset.h": "shapes",
     "ids.h": "collide", "field.h": "collide", "character.h": "collide", "joint.h": "collide", "vehicle.h": "collide", "ragdoll.h": "sim",
     "command.h": "collide", "event.h": "collide", "query.h": "collide",  # definitions and ids, which rows of the layers below sim hold
-    "world.h": "sim", "game.h": "sim", "input.h": "sim",
+    "world.h": "sim", "assemble.h": "sim", "game.h": "sim", "input.h": "sim",
     "transport.h": "session", "session.h": "session", "prove.h": "session",
     "convert.h": "outside",
 }
