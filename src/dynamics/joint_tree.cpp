@@ -83,9 +83,10 @@ void add_joint(JointTick& tick, std::uint32_t link, std::uint32_t child, std::ui
     const std::uint32_t b = w.b.world ? no_tree : f.node_of[w.b.cache];
     t.child_is_b = child != no_tree ? b == child + 1 : b != parent + 1;
     for (std::uint32_t i = 0; i < w.block_count; ++i) t.rows += tick.blocks[w.first_block + i].count;
-    const Scaled mass = scaled(w.mass.raw, Real::fraction_bits);
-    t.inverse_mass = (std::int64_t{1} << 62) / (mass.m >> (block_bits - 32)); // in (2^30, 2^31]
-    t.mass_exponent = mass.exponent;
+    t.mass = scaled(w.mass.raw, Real::fraction_bits);
+    // 2^62 / [2^31, 2^32) = (2^30, 2^31]
+    t.inverse_mass = scaled((std::int64_t{1} << 62) / (t.mass.m >> (block_bits - 32)), 30);
+    t.inverse_mass.exponent -= t.mass.exponent;
     if (parent == no_tree) return;
     TreeNode& node = f.nodes[parent];
     node.plain = false, node.passes = true;

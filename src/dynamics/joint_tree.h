@@ -7,7 +7,7 @@
 //   M          mass of a body times the unit matrix: in gyration-scaled form it is that
 //   J          rows of the locks, Jacobian entries of axes that are locked left out
 //   lambda     impulse change m p' [kg m/s], m = mA mB / (mA + mB)
-//   softness   G = epsilon k / m, k = J . r of the row: a four-thousandth of what the pair alone would yield
+//   softness   G = epsilon of D by rows; epsilon k / m, k = J . r, of a joint to the world below the root
 //
 //   for all at once   M dv = J^T lambda,   J dv + G lambda = - speed - bias - G (m p')  (no bias, no p' when relaxing)
 //   body i            H_i = M_i + sum over joints below of J^T D^-1 J,  f_i = sum of J^T D^-1 g
@@ -32,7 +32,9 @@ namespace lockstone::dynamics {
 struct JointTick;
 
 inline constexpr std::uint32_t no_tree = 0xffffffffu;
-inline constexpr int tree_softness_bits = 12; ///< epsilon = 2^-12
+inline constexpr int tree_softness_bits = 12; ///< epsilon = 2^-12 of D
+inline constexpr int tree_floor_bits = 20;    ///< G is at least 2^-20 of what the pair alone would yield
+inline constexpr int tree_soft_bits = 36;
 
 struct TreeNode {
     std::uint32_t body;
@@ -51,11 +53,11 @@ struct TreeJoint {
     std::uint32_t child, parent; ///< nodes; no_tree for the world
     bool child_is_b;
     int rows;
-    std::int64_t inverse_mass; ///< 1 / m = inverse_mass / 2^30 2^-mass_exponent
-    int mass_exponent;
+    Scaled mass, inverse_mass;             ///< m
     int exponent;                          ///< of D
     std::int32_t below[6][6], above[6][6]; ///< J of the child and of the parent, 28 fraction bits
     std::int64_t mobility[6];              ///< k, 48 fraction bits
+    std::int64_t softness[6];              ///< G m, tree_soft_bits
     std::int64_t z[6][6];                  ///< of H of the child
     BlockFactor factor;                    ///< of D
     std::int64_t solution[6];              ///< D^-1 g, then lambda: 2^-exponent of D^-1

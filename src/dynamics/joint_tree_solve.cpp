@@ -32,13 +32,28 @@ void take_rows(const JointTick& tick, TreeJoint& t, const SolverBodies& bodies) 
     }
 }
 
-/// epsilon k / m, per row.
-void soften(const TreeJoint& t, SymmetricBlock& d) {
+/// a b
+Scaled product(Scaled a, Scaled b) {
+    Scaled p = scaled((a.m >> 30) * (b.m >> 30), block_bits);
+    p.exponent += a.exponent + b.exponent;
+    return p;
+}
+
+/// G by rows: epsilon of D, and a little of what the pair alone would yield. Where the child cannot yield, or is the
+/// world, epsilon of the pair.
+void soften(TreeJoint& t, SymmetricBlock& d) {
     Scaled g[6];
+    const auto shifted = [](Scaled s, int by) { return Scaled{s.m, s.exponent - by}; };
+    const auto size = [](Scaled s) { return s.m == 0 ? -100000 : s.exponent; };
     for (int r = 0; r < t.rows; ++r) {
-        const Scaled k = scaled(t.mobility[r], 48 + tree_softness_bits);
-        g[r] = scaled((k.m >> 30) * t.inverse_mass, 60); // 30 bits times 31
-        g[r].exponent += k.exponent - t.mass_exponent;
+        const Scaled pair = product(scaled(t.mobility[r], 48), t.inverse_mass);
+        Scaled own = scaled(d.m[block_index(r, r)], block_bits);
+        own.exponent += d.exponent;
+        const bool yields = !d.zero && size(own) > size(pair) - tree_floor_bits;
+        g[r] = shifted(yields ? own : pair, tree_softness_bits);
+        if (yields && size(pair) - tree_floor_bits > size(g[r])) g[r] = shifted(pair, tree_floor_bits);
+        const Scaled soft = product(g[r], t.mass); // of p'
+        t.softness[r] = block_shift(Wide::from(soft.m), block_bits - soft.exponent - tree_soft_bits);
     }
     add_diagonal(d, g, t.rows);
 }
@@ -95,16 +110,15 @@ void take_residual(const JointTick& tick, TreeJoint& t, const SolverBodies& bodi
     Motion m = read(bodies.body[w.a.body], bodies.body[w.b.body]);
     clamp_motion(m);
     const Speeds now(m);
-    constexpr int k_bits = 24;
     int r = 0;
     for (std::uint32_t i = 0; i < w.block_count; ++i) {
         const JointBlock& block = tick.blocks[w.first_block + i];
         for (int k = 0; k < block.count; ++k, ++r) {
             t.solution[r] = -(std::int64_t{speed_along(block.row[k], now)} << speed_up);
             if (!bias) continue;
-            const std::int64_t soft = (t.mobility[r] >> (48 - k_bits)) * block.impulse[k]; // 30 bits times 30
+            const std::int64_t soft = t.softness[r] * block.impulse[k]; // 31 bits times 30
             t.solution[r] -= (std::int64_t{block.bias[k]} << speed_up) +
-                             shift_right_rounded(soft, k_bits + tree_softness_bits - speed_up);
+                             shift_right_rounded(soft, tree_soft_bits - speed_up);
         }
     }
 }
@@ -163,13 +177,14 @@ void substitute(JointForest& f, TreeJoint& t) {
 /// Changes of p', and the largest p' that they lead to.
 std::int64_t take_changes(const JointTick& tick, TreeJoint& t) {
     const JointWork& w = tick.joints[t.joint];
-    const int shift = block_speed_bits + 30 - Speed::fraction_bits + t.exponent + t.mass_exponent;
+    const int shift =
+        block_speed_bits + block_bits - Speed::fraction_bits + t.exponent - t.inverse_mass.exponent;
     std::int64_t most = 0;
     int r = 0;
     for (std::uint32_t i = 0; i < w.block_count; ++i) {
         const JointBlock& block = tick.blocks[w.first_block + i];
         for (int k = 0; k < block.count; ++k, ++r) {
-            t.change[r] = block_shift(block_product(t.solution[r], t.inverse_mass), shift);
+            t.change[r] = block_shift(block_product(t.solution[r], t.inverse_mass.m), shift);
             most = std::max<std::int64_t>(most, std::abs(t.change[r] + block.impulse[k]));
         }
     }

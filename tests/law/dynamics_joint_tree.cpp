@@ -105,7 +105,9 @@ Numbers less(const Numbers& a, const Numbers& b) {
     return out;
 }
 /// (2 kinetic energy)^(1/2): the size of a motion that does not know units or masses.
-double size(const Rig& rig, const Numbers& motion) { return std::sqrt(dot(motion, times_mass(rig, motion, 1))); }
+double size(const Rig& rig, const Numbers& motion) {
+    return std::sqrt(dot(motion, times_mass(rig, motion, 1)));
+}
 
 /// One row over all bodies: B pulled along `along` at its anchor and turned about `about`, A the other way.
 Numbers row(const Rig& rig, std::uint32_t j, D3 along, D3 about) {
@@ -181,16 +183,19 @@ Rig drawn_tree(Draw& draw, int bodies, double ratio, bool anchored) {
     for (int i = 0; i < bodies; ++i) {
         const std::uint32_t on = i == 0 ? Rig::world : static_cast<std::uint32_t>(draw.below(i));
         const D3 at = i == 0 ? D3{} : rig.x(on) + draw.vector(1);
-        const std::uint32_t b = rig.add(std::pow(ratio, draw(0, 1)), {draw(0.2, 0.5), draw(0.2, 0.5), draw(0.2, 0.5)},
-                                        at, draw.rotation());
-        rig.velocity[b] = {to<Speed>(vec(draw.vector(2))), to<Speed>(vec(draw.vector(2)))};
+        const std::uint32_t b =
+            rig.add(std::pow(ratio, draw(0, 1)), {draw(0.2, 0.5), draw(0.2, 0.5), draw(0.2, 0.5)}, at,
+                    draw.rotation());
+        const double fast = std::min(2.0, 1000 / ratio); // impulses have their range
+        rig.velocity[b] = {to<Speed>(vec(draw.vector(fast))), to<Speed>(vec(draw.vector(fast)))};
         if (i == 0 && !anchored) continue;
         if (draw.below(5) == 0) {
             JointDef def = distance_joint(real(1));
             def.frame_a = {i == 0 ? vec(0.7, 0.5, 0.3) : vec(draw.vector(0.3)), Quat::identity()};
             def.frame_b = {vec(draw.vector(0.3)), Quat::identity()};
             const std::uint32_t j = rig.join_as_is(def, on, b);
-            rig.defs[j].axis[0].target = real(length(d3(rig.frame_b(j).position) - d3(rig.frame_a(j).position)));
+            rig.defs[j].axis[0].target =
+                real(length(d3(rig.frame_b(j).position) - d3(rig.frame_a(j).position)));
             continue;
         }
         rig.join(drawn_joint(draw), on, b, i == 0 ? at : 0.5 * (at + rig.x(on)), draw.rotation());
@@ -281,7 +286,8 @@ TEST_CASE("joint tree: a block's factor solves it") {
             const Numbers wanted = dense_solve(a, right);
             double most = 0, off = 0;
             for (std::size_t i = 0; i < a.size(); ++i) {
-                off = std::max(off, std::abs(static_cast<double>(y[i]) * 0x1p-36 * unit * 0x1p-60 - wanted[i]));
+                off =
+                    std::max(off, std::abs(static_cast<double>(y[i]) * 0x1p-36 * unit * 0x1p-60 - wanted[i]));
                 most = std::max(most, std::abs(wanted[i]));
             }
             return off / most;
@@ -306,22 +312,131 @@ TEST_CASE("joint tree: pivots too small are refused or raised, and rows of zeros
 // ---- trees ----------------------------------------------------------------------------------------------------
 
 TEST_CASE("joint tree: three passes are the dense solution, whatever the masses") {
-    for (const double ratio : {1.0, 100.0, 1e4}) {
+    struct Case {
+        double ratio,
+            most; ///< at a ratio of 10000 speeds are small, for impulses have their range, and rounding shows
+    };
+    for (const Case c : {Case{1, 1e-4}, Case{100, 1e-4}, Case{1e4, 5e-3}}) {
         Draw draw{std::mt19937_64{7}};
-        double most = 0, least_planted = 1;
-        for (int round = 0; round < rounds(40, 2000); ++round) {
-            Rig rig = drawn_tree(draw, 3 + draw.below(10), ratio, draw.below(2) == 0);
+        double most = 0, planted = 0;
+        const int count = rounds(40, 2000);
+        for (int round = 0; round < count; ++round) {
+            Rig rig = drawn_tree(draw, 3 + draw.below(10), c.ratio, draw.below(2) == 0);
             const Table rows = all_rows(rig);
             most = std::max(most, off_after(rig, rows, 3));
             // planted: a joint that the engine does not have
-            const std::size_t lost = static_cast<std::size_t>(draw.below(static_cast<int>(rig.joints.size())));
-            rig.joints.erase(rig.joints.begin() + static_cast<std::ptrdiff_t>(lost));
-            rig.defs.erase(rig.defs.begin() + static_cast<std::ptrdiff_t>(lost));
-            least_planted = std::min(least_planted, off_after(rig, rows, 3));
+            const auto lost = static_cast<std::ptrdiff_t>(draw.below(static_cast<int>(rig.joints.size())));
+            rig.joints.erase(rig.joints.begin() + lost), rig.defs.erase(rig.defs.begin() + lost);
+            planted += off_after(rig, rows, 3) / count;
         }
-        CAPTURE(ratio);
-        MESSAGE("ratio ", ratio, ": off by ", most, ", planted ", least_planted);
-        CHECK(most < 1e-3);
-        CHECK(least_planted > 1e-3);
+        CAPTURE(c.ratio);
+        CHECK(most < c.most);
+        CHECK(planted > 10 * c.most);
     }
+}
+
+TEST_CASE("joint tree: loops close as passes go on") {
+    Draw draw{std::mt19937_64{11}};
+    const int count = rounds(20, 500);
+    double off = 0, planted = 0;
+    for (int round = 0; round < count; ++round) {
+        Rig rig = drawn_tree(draw, 5 + draw.below(5), 10, true);
+        const auto last = static_cast<std::uint32_t>(rig.info.size() - 1);
+        rig.join(ball_joint(), 0, last, 0.5 * (rig.x(0) + rig.x(last)));
+        const Table rows = all_rows(rig);
+        off += off_after(rig, rows, 300) / count;
+        rig.joints.pop_back(), rig.defs.pop_back(); // the joint that closes the loop
+        planted += off_after(rig, rows, 300) / count;
+    }
+    CHECK(off < 0.03);
+    CHECK(planted > 0.03);
+}
+
+// ---- motion ---------------------------------------------------------------------------------------------------
+
+TEST_CASE("joint tree: a chain holds ten thousand times its link and gains no energy") {
+    const Swing s = swing(chain(20, 1, 10000), 240);
+    CHECK(s.gap < 0.03);
+    CHECK(s.energy_gain <
+          10000 * 9.81 * 0.05);     // the ball raised by five centimetres of the ten metres that it falls
+    Rig torn = chain(20, 1, 10000); // planted: a joint is missing
+    const D3 at = torn.x(10);
+    torn.joints[10] = torn.joints[9], torn.defs[10] = torn.defs[9];
+    torn.run(60);
+    CHECK(length(torn.x(10) - at) > 1);
+}
+
+TEST_CASE("joint tree: beyond its range a chain lets go without energy of its own") {
+    for (const double link : {1.0, 0.001}) {
+        const Swing s = swing(chain(10, link, 1e9), 240);
+        CAPTURE(link);
+        CHECK(s.energy_gain < 1e9 * 9.81 * 0.01); // the ball raised by a centimetre
+        CHECK(s.speed < 1000);
+    }
+}
+
+TEST_CASE("joint tree: a bridge that swings loses energy, and each joint bears what hangs below") {
+    Rig rig;
+    rig.relax_all = true;
+    std::uint32_t last = Rig::world;
+    const Quat across = turn({0, 1, 0}, -1.5707963267948966);
+    constexpr int planks = 30;
+    for (int i = 0; i < planks; ++i) {
+        const std::uint32_t b = rig.add(55, {0.58, 0.59, 0.14}, {0.5 * (i + 0.5), 0, 0});
+        rig.join(hinge_joint(), last, b, {0.5 * i, 0, 0}, across);
+        last = b;
+    }
+    rig.join(hinge_joint(), Rig::world, last, {0.5 * planks, 0, 0}, across);
+    for (std::uint32_t b = 0; b < planks; ++b)
+        rig.velocity[b].linear = to<Speed>(vec(0, 0.5 * std::sin(2 * 3.14159265 * (b + 0.5) / planks), 0));
+    double before = rig.energy();
+    const double start = before;
+    for (int second = 0; second < 6; ++second) {
+        rig.run(60);
+        CHECK(rig.energy() < before + 1); // of some 30 kJ
+        before = rig.energy();
+    }
+    CHECK(before < start - 100);
+    CHECK(widest(rig) < 1e-3);
+}
+
+TEST_CASE("joint tree: each joint of a hanging chain bears what hangs below") {
+    Rig rig;
+    rig.relax_all = true;
+    std::uint32_t last = Rig::world;
+    constexpr int links = 12;
+    for (int i = 0; i < links; ++i) {
+        const std::uint32_t b =
+            rig.add(i + 1 == links ? 500 : 2, {0.14, 0.05, 0.14}, {0, -0.5 * (i + 0.5), 0});
+        rig.join(i % 2 == 0 ? ball_joint() : hinge_joint(), last, b, {0, -0.5 * i, 0});
+        last = b;
+    }
+    rig.run(240);
+    for (std::uint32_t j = 0; j < links; ++j) {
+        const double below = (500 + 2.0 * (links - 1 - j)) * 9.81;
+        CAPTURE(j);
+        CHECK(to_double(rig.memory[j].force.y) == doctest::Approx(below).epsilon(0.002));
+    }
+    CHECK(widest(rig) < 2e-3);
+}
+
+TEST_CASE("joint tree: what is locked twice shares the load and stays") {
+    Rig rig;
+    rig.relax_all = true;
+    const std::uint32_t door = rig.add(40, {0.05, 0.6, 0.3}, {0.5, 0, 0}),
+                        handle = rig.add(1, {0.05, 0.05, 0.05}, {0.9, 0, 0});
+    const Quat up = turn({0, 0, 1}, 1.5707963267948966); // x of the frame upwards
+    for (const double y : {-0.8, 0.8}) rig.join(hinge_joint(), Rig::world, door, {0, y, 0}, up);
+    rig.join(weld_joint(), door, handle, {0.9, 0, 0});
+    rig.run(240);
+    CHECK(length(rig.x(door) - D3{0.5, 0, 0}) < 1e-3);
+    CHECK(to_double(rig.memory[0].force.y + rig.memory[1].force.y) ==
+          doctest::Approx(41 * 9.81).epsilon(0.01));
+    // the lower hinge is pushed, the upper one pulled: 41 kg half a metre out over 1.6 m
+    const double turning = 40 * 9.81 * 0.5 + 9.81 * 0.9;
+    CHECK(std::abs(to_double(rig.memory[1].force.x)) < turning / 1.6 * 1.5);
+    rig.joints.pop_back(), rig.joints.erase(rig.joints.begin()),
+        rig.joints.erase(rig.joints.begin()); // planted: no hinges
+    rig.run(60);
+    CHECK(length(rig.x(door) - D3{0.5, 0, 0}) > 1);
 }
