@@ -209,6 +209,13 @@ void drag(SolverBody& b, const BodyStep& s, const StepConstants& step, Vec3 leve
     kick(b, -lockstone::scale<Real>(d, lost), -(x * lost));
 }
 
+/// u' (1 + rate h) = u.
+void slow_turning(SolverBody& b, const StepConstants& step, Real rate) {
+    const Real substeps = Real(step.substeps_per_second);
+    const Unit keep = to<Unit>(substeps / (substeps + rate));
+    for (std::int64_t& u : b.u) u = narrow_rounded(Wide::product(u, keep.raw), Unit::fraction_bits);
+}
+
 /// The share of a part that fluids of higher priority have taken, while its fluids are visited.
 struct Shares {
     Unit rest = unit_one, taken{}; ///< left; taken by those of the priority at hand
@@ -235,16 +242,22 @@ struct Shares {
 std::uint64_t FluidSolver::push_body(const Transform& pose, const Body& body, const StepConstants& step,
                                      SolverBody& b, const BodyStep& s) const {
     const Now now = now_of(pose, b, s);
+    const Rotation turn = to_rotation(now.rotation);
     std::uint64_t clamped = 0;
     Shares shares;
+    Rotation axes{}; // of the part at hand, and where it is
+    Vec3 origin{}, middle{};
     for (std::uint32_t k = body.first; k < body.first + body.count; ++k) {
         const Part& part = parts[k];
         const Fluid& fluid = fluids[part.fluid];
-        if (part.is_first) shares = {};
+        if (part.is_first) {
+            shares = {};
+            axes = part.local.rotation == Quat::identity() ? turn
+                                                           : to_rotation(now.rotation * part.local.rotation);
+            origin = lockstone::mul<Real>(turn, part.local.position);
+            middle = shapes::volume_center(*part.solid);
+        }
         if (!part.is_equal) shares.next_priority();
-        const Rotation axes = to_rotation(now.rotation * part.local.rotation);
-        const Vec3 origin = rotate(now.rotation, part.local.position);
-        const Vec3 middle = shapes::volume_center(*part.solid);
         shapes::Submerged under{unit_one, middle};
         if (part.is_cut) {
             const Real height = dot<Real>(fluid.surface - (now.position + origin), fluid.up);
@@ -253,15 +266,16 @@ std::uint64_t FluidSolver::push_body(const Transform& pose, const Body& body, co
         under = shares.take(under, middle);
         if (under.fraction < least_share) continue;
         const Real share = to<Real>(under.fraction);
-        const Vec3 lift = body.pull * -(part.displaced * share);
-        const Vec3 dv{per_substep(lift.x, step), per_substep(lift.y, step), per_substep(lift.z, step)};
-        kick(b, dv, arm_of(s, origin + lockstone::mul<Real>(axes, under.center), dv));
+        if (part.displaced != Real{}) {
+            const Vec3 lift = body.pull * -(part.displaced * share);
+            const Vec3 dv{per_substep(lift.x, step), per_substep(lift.y, step), per_substep(lift.z, step)};
+            kick(b, dv, arm_of(s, origin + lockstone::mul<Real>(axes, under.center), dv));
+        }
         // The shown area's centre moves with what is under.
-        drag(b, s, step, origin + lockstone::mul<Real>(axes, part.area_center + under.center - middle),
-             fluid.def.velocity, part.linear * share, part.quadratic * share);
-        const Real substeps = Real(step.substeps_per_second);
-        const Unit keep = to<Unit>(substeps / (substeps + part.angular * share));
-        for (std::int64_t& u : b.u) u = narrow_rounded(Wide::product(u, keep.raw), Unit::fraction_bits);
+        if (part.linear != Real{} || part.quadratic != Real{})
+            drag(b, s, step, origin + lockstone::mul<Real>(axes, part.area_center + under.center - middle),
+                 fluid.def.velocity, part.linear * share, part.quadratic * share);
+        if (part.angular != Real{}) slow_turning(b, step, part.angular * share);
         clamped += dynamics::clamp_length(b.v, step.linear_speed_max) ? 1u : 0u;
         clamped += dynamics::clamp_length(b.u, step.tip_speed_max) ? 1u : 0u;
     }

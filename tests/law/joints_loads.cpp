@@ -71,9 +71,10 @@ std::string load_fault(JointKind kind, std::uint64_t seed, double factor = 1) {
     Jointed j = jointed(kind, seed);
     Loads loads = seeded_loads(seed);
     const double force = loads.force, torque = loads.torque;
-    double off = 1e9; // the least of the last ticks: a rope jumps when a body whips past its pulley
+    double off =
+        1e9; // of a rope the least of the quiet ticks: it gives while a body is wound about its pulley
     for (int t = 0; t < loaded_ticks + quiet_ticks; ++t) {
-        if (t >= loaded_ticks + quiet_ticks - (kind == JointKind::pulley ? 10 : 1))
+        if (t >= loaded_ticks + quiet_ticks - (kind == JointKind::pulley ? quiet_ticks : 1))
             off = std::min(off, violation(j, kind));
         if (t < loaded_ticks) apply(loads, j, force, torque);
         j.world.tick();

@@ -32,16 +32,16 @@ class Water final : public Scene {
 
   private:
     static void build_basin(Builder& build) {
-        const Real high = half(depth) + half(half_side), middle = high, far = half_side + 0.5_r;
-        const BodyId walls = build.body({.kind = BodyKind::static_, .user_key = user_key_of(Role::wall, 0)},
-                                        {.geometry = box(0.5_r, half(depth + 1_r), far + 0.5_r),
-                                         .local = at({-far, half(depth + 1_r), 0_r})});
+        const Real high = half(depth + 1_r), far = half_side + 0.5_r;
+        const BodyId walls =
+            build.body({.kind = BodyKind::static_, .user_key = user_key_of(Role::wall, 0)},
+                       {.geometry = box(0.5_r, high, far + 0.5_r), .local = at({-far, high, 0_r})});
         const auto wall = [&](Vec3 half_extent, Vec3 place) {
             build.shape(walls, {.geometry = box(half_extent), .local = at(place)});
         };
-        wall({0.5_r, middle, far + 0.5_r}, {far, high, 0_r}); // to leeward, higher
-        wall({half_side, half(depth + 1_r), 0.5_r}, {0_r, half(depth + 1_r), -far});
-        wall({half_side, half(depth + 1_r), 0.5_r}, {0_r, half(depth + 1_r), far});
+        wall({0.5_r, high, far + 0.5_r}, {far, high, 0_r});
+        wall({half_side, high, 0.5_r}, {0_r, high, -far});
+        wall({half_side, high, 0.5_r}, {0_r, high, far});
     }
 
     /// From cork to stone, a tenth of water's density apart.
