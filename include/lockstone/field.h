@@ -82,13 +82,13 @@ constexpr FieldDef wind(Vec3 velocity, const Region& region = {}) {
 
 enum class Falloff : std::uint32_t {
     none,           ///< the same up to the radius
-    linear,         ///< to nothing at the radius
+    linear,         ///< to nothing at the radius, by the distance of the box around the shape
     inverse_square, ///< (core / r)^2 beyond the core, none beyond the radius
 };
 
 /// A blast hits each shape on the area it shows to the centre, away from it, at that area's centre; the area counts
 /// up to the blast's own, pi radius^2. r is measured to the shape's centre of volume, and a shape is hit when the box around
-/// it comes within the radius. Nothing is in the shade of anything.
+/// it comes within the radius; one whose centre is the blast's is not moved. Nothing is in the shade of anything.
 struct ExplosionDef {
     Vec3 center{};         ///< [m]
     Real radius = Real(1); ///< [m], 0.001..30000
