@@ -187,3 +187,8 @@ void operator delete[](void* p, std::align_val_t) noexcept { host::release(p); }
 void operator delete(void* p, std::size_t, std::align_val_t) noexcept { host::release(p); }
 void operator delete[](void* p, std::size_t, std::align_val_t) noexcept { host::release(p); }
 #endif
+
+#if defined(__wasm__) // this libc++abi has no exceptions, and only programmer's errors throw
+extern "C" void* __cxa_allocate_exception(std::size_t) { std::abort(); }
+extern "C" void __cxa_throw(void*, void*, void (*)(void*)) { std::abort(); }
+#endif

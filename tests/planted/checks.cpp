@@ -1,0 +1,349 @@
+// The checks that planted faults have to be caught by, in one program that holds all faults and has one of them switched on.
+//
+//   planted_checks FAULT [CHECK]      FAULT: a number of faults.py's list, from 1; 0: none. CHECK: this one only
+//   planted_checks --list
+//
+// Prints for each check its name as it begins, then "ok" or "FAILED" and where. Exit status 1 when one failed. A check
+// that ends the program has caught something too.
+#include "../matrix/host.h"
+#include "lockstone/prove.h"
+#include "planted.h"
+#include "replay/replay.h"
+#include "session/match.h"
+#include "state/canonical.h"
+#include "support/sim_replay.h"
+#include "support/task_worlds.h"
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <random>
+#include <sstream>
+
+namespace planted {
+
+int fault = 0;
+
+std::uint64_t noise() {
+    static std::random_device device;
+    return device();
+}
+bool clock_is_odd() { return std::chrono::steady_clock::now().time_since_epoch().count() / 64 % 2 != 0; }
+std::uint64_t address() {
+    static std::vector<std::unique_ptr<char[]>> blocks;
+    blocks.push_back(std::make_unique<char[]>(40));
+    return reinterpret_cast<std::uintptr_t>(blocks.back().get()) / 16;
+}
+std::int32_t through_float(std::int32_t value) {
+    volatile float wide = static_cast<float>(value) * 1.37f;
+    return static_cast<std::int32_t>(std::lrint(wide / 1.37f));
+}
+std::uint32_t ticket(std::uint32_t count) {
+    static std::uint32_t taken = 0, of = 0;
+    if (of != count) of = count, taken = 0;
+    return taken++ % count;
+}
+
+} // namespace planted
+
+using namespace lockstone;
+using namespace lockstone::test;
+
+namespace {
+
+/// The scripted pile of the tests: bodies come and go, commands of all kinds, game columns, events that are counted.
+class ScriptGame final : public Game {
+  public:
+    std::string name() const override { return "script"; }
+    std::uint64_t content_id() const override { return 1; }
+    std::uint32_t player_count() const override { return 0; }
+    std::uint32_t input_size() const override { return 0; }
+    Result<World> start() const override {
+        World world = scene::start_script(scene::Scenery::pile);
+        for (int i = 0; i < 30; ++i) scene::step_script(world);
+        return world;
+    }
+    void advance(World& world, std::span<const PlayerInput>) const override { scene::step_script(world); }
+};
+
+/// The first thing that is wrong; empty: nothing.
+using Check = std::function<std::string()>;
+
+std::vector<std::unique_ptr<Game>> games() {
+    std::vector<std::unique_ptr<Game>> list;
+    list.push_back(std::make_unique<ScriptGame>());
+    for (const auto& [name, options] : std::initializer_list<std::pair<const char*, SceneOptions>>{
+             {"rollback-arena", {}}, {"ragdolls", {.size = 1}}, {"cars", {}}, {"character", {}}})
+        list.push_back(make_scene(name, options).value());
+    return list;
+}
+
+/// One check of lockstone::prove, on each game.
+Check proof_check(const std::string& name) {
+    return [name]() -> std::string {
+        for (const auto& game : games()) {
+            ProofOptions options;
+            options.ticks = 24;
+            options.bits_max = name == "every bit counts" ? 40000 : 0;
+            const Proof proof = prove(*game, options).value();
+            for (const ProofCheck& check : proof.checks)
+                if (check.name == name && !check.passed) return game->name() + ": " + check.sentence;
+        }
+        return {};
+    };
+}
+
+std::string golden_table() {
+    const std::string name = "rollback-arena size=0 seed=1 players=2";
+    std::map<std::uint64_t, std::string> wanted;
+    std::ifstream file(LOCKSTONE_SOURCE_DIR "/tests/golden/hashes.tsv");
+    for (std::string line; std::getline(file, line);) {
+        std::istringstream fields(line);
+        std::string game, tick, hash;
+        if (std::getline(fields, game, '\t') && game == name && std::getline(fields, tick, '\t') &&
+            std::getline(fields, hash))
+            wanted[std::stoull(tick)] = hash;
+    }
+    if (wanted.size() < 3) return "the table has no rows of " + name;
+    const auto game = make_scene_named(name).value();
+    ScriptedInputs inputs(*game);
+    World world = game->start().value();
+    for (std::uint64_t tick = 0; tick <= std::min<std::uint64_t>(wanted.rbegin()->first, 120); ++tick) {
+        char hash[17];
+        std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(world.hash()));
+        if (wanted.contains(tick) && wanted[tick] != hash)
+            return "tick " + std::to_string(tick) + ": " + hash;
+        game->advance(world, inputs.at(tick));
+    }
+    return {};
+}
+
+std::string rounding_modes() {
+    World usual = scene::start_script(scene::Scenery::pile), odd = scene::start_script(scene::Scenery::pile);
+    for (std::uint64_t t = 0; t < 60; ++t) {
+        scene::step_script(usual);
+        {
+            const host::FloatingPoint mode(true, t);
+            scene::step_script(odd);
+        }
+        if (usual.hash() != odd.hash()) return scene::difference(usual, odd);
+    }
+    return {};
+}
+
+std::string damaged_snapshots() {
+    World world = scene::start_script(scene::Scenery::stack);
+    const std::vector<std::byte> image = world.save_portable();
+    std::vector<std::byte> cut(image.begin(), image.end() - 8), longer = image;
+    longer.push_back({});
+    if (world.restore_portable(longer).ok()) return "a byte too many was taken";
+    if (world.restore_portable(cut).ok()) return "eight bytes too few were taken";
+    const std::string sentence = world.restore_portable(longer).error().message;
+    if (sentence.find("bytes long") == std::string::npos) return "a byte too many is told of as: " + sentence;
+    for (std::size_t at = image.size() / 3; at < image.size() - 8; at += image.size() / 50) {
+        std::vector<std::byte> damaged = image;
+        damaged[at] ^= std::byte{1};
+        const Status status = world.restore_portable(damaged);
+        if (status.ok() || status.error().message.find("checksum") == std::string::npos)
+            return "byte " + std::to_string(at) +
+                   (status.ok() ? " was taken" : ": " + status.error().message);
+    }
+    return {};
+}
+
+/// Rows as a host of the other byte order has them: each leaf reversed. Both have to give one hash, and one image.
+std::string byte_orders() {
+    World world = scene::start_script(scene::Scenery::pile);
+    for (int i = 0; i < 20; ++i) scene::step_script(world);
+    constexpr std::endian other =
+        std::endian::native == std::endian::little ? std::endian::big : std::endian::little;
+    for (std::uint32_t c = 0; c < world.state().layout().columns().size(); ++c) {
+        const ColumnInfo& column = world.state().layout().columns()[c];
+        const std::span<const std::byte> rows = world.state().bytes(c);
+        if (rows.empty()) continue;
+        std::vector<std::byte> foreign(rows.begin(), rows.end());
+        for (std::size_t row = 0; row < foreign.size(); row += column.row_size)
+            for (const LeafInfo& leaf : column.leaves)
+                std::reverse(foreign.begin() + static_cast<std::ptrdiff_t>(row + leaf.offset),
+                             foreign.begin() + static_cast<std::ptrdiff_t>(row + leaf.offset + leaf.size));
+        if (hash_canonical(std::endian::native, column.leaves, rows) !=
+            hash_canonical(other, column.leaves, foreign))
+            return "hashes of " + column.name;
+        std::vector<std::byte> canonical(rows.size());
+        copy_canonical(other, column.leaves, foreign, canonical);
+        if (!std::ranges::equal(canonical, rows) && std::endian::native == std::endian::little)
+            return "bytes of " + column.name;
+    }
+    return {};
+}
+
+std::string events_in_order() {
+    World world = scene::start_script(scene::Scenery::pile);
+    std::map<std::pair<std::uint64_t, std::uint64_t>, bool> touching;
+    const auto raw = [](ShapeId id) { return std::uint64_t{id.index} << 32 | id.generation; };
+    for (int t = 0; t < 150; ++t) {
+        scene::step_script(world);
+        const Event* last = nullptr;
+        for (const Event& e : world.events()) {
+            const auto key = [](const Event& x) {
+                return std::tie(x.kind, x.shape_a, x.shape_b, x.joint, x.body_a);
+            };
+            if (last != nullptr && !(key(*last) < key(e)))
+                return "tick " + std::to_string(t) + ": events out of order";
+            last = &e;
+            if (e.kind != EventKind::contact_begin && e.kind != EventKind::contact_end) continue;
+            bool& touches = touching[{raw(e.shape_a), raw(e.shape_b)}];
+            const bool begins = e.kind == EventKind::contact_begin;
+            if (touches == begins) return "tick " + std::to_string(t) + ": a contact began or ended twice";
+            touches = begins;
+        }
+    }
+    return {};
+}
+
+std::string dead_ids() {
+    World world = scene::made(World::create(scene::small_def()));
+    const BodyId first = scene::add_ball(world, scene::at(0, 1, 0));
+    scene::done(world.destroy(first));
+    const BodyId second = scene::add_ball(world, scene::at(0, 1, 0));
+    if (world.is_alive(first)) return "an id that was destroyed is alive again";
+    return world.is_alive(second) ? "" : "a new id is dead";
+}
+
+std::string peers_agree() {
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+        MatchDef def;
+        def.link = {.latency_ms = 90, .jitter_ms = 30, .loss_permille = 80};
+        def.seed = seed;
+        Match match(def);
+        match.run(500);
+        if (!match.agree(0, 1) || match.machine(0).timeline.ticks.size() < 200)
+            return "the peers' timelines part";
+        for (PeerId id : {PeerId{0}, PeerId{1}}) {
+            if (!match.notices<Desync>(id).empty()) return "a desync is told of";
+            Arena straight(2);
+            if (run_straight(match.machine(id).timeline, 2, straight) !=
+                match.machine(id).timeline.ticks.back().hash)
+                return "the inputs, run straight, give another hash";
+        }
+    }
+    return {};
+}
+
+using Bytes = std::vector<std::byte>;
+
+Bytes record(bool commands) {
+    const ScriptGame game;
+    replay::MemorySink sink;
+    World world = game.start().value();
+    replay::RecorderOptions options;
+    options.keyframe_ticks = 8, options.block_ticks = 8;
+    if (commands) {
+        const auto recorder = scene::made(replay::CommandRecorder::begin(sink, world, "script", options));
+        for (int t = 0; t < 40; ++t) game.advance(world, {});
+        scene::done(recorder->close());
+        return sink.bytes;
+    }
+    auto recorder = scene::made(replay::InputRecorder::begin(sink, game, world, options));
+    for (int t = 0; t < 40; ++t) {
+        game.advance(world, {});
+        scene::done(recorder.after_tick(world, {}));
+    }
+    scene::done(recorder.close());
+    return sink.bytes;
+}
+
+std::string recordings_verify() {
+    const ScriptGame game;
+    for (const bool commands : {false, true}) {
+        const auto recording = replay::Recording::from_bytes(record(commands), "script");
+        if (!recording) return recording.error().message;
+        replay::VerifyOptions options;
+        options.from_keyframes = true;
+        const replay::VerifyReport report = verify(*recording, commands ? nullptr : &game, options);
+        if (!report.good() || report.keyframes_compared < 3)
+            return report.sentence + ", keyframes " + std::to_string(report.keyframes_compared);
+    }
+    return {};
+}
+
+std::string damaged_recordings() {
+    const Bytes bytes = record(true);
+    for (std::size_t at = 100; at < bytes.size(); at += bytes.size() / 60) {
+        Bytes damaged = bytes;
+        damaged[at] ^= std::byte{4};
+        const auto recording = replay::Recording::from_bytes(damaged, "script");
+        if (recording.ok()) return "byte " + std::to_string(at) + " was taken";
+        if (recording.error().message.find("checksum") == std::string::npos &&
+            recording.error().message.find("damaged") == std::string::npos)
+            return "byte " + std::to_string(at) + ": " + recording.error().message;
+    }
+    return {};
+}
+
+/// Records a run whose hashes are told wrongly from tick 20 on.
+std::string wrong_hash_found() {
+    const ScriptGame game;
+    replay::MemorySink sink;
+    World world = game.start().value();
+    auto recorder = scene::made(replay::InputRecorder::begin(sink, game, world, {}));
+    for (std::uint64_t t = 0; t < 40; ++t) {
+        const std::uint64_t tick = world.tick_count();
+        game.advance(world, {});
+        scene::done(recorder.on_tick(tick, {}, world.hash() ^ (t == 20 ? 1u : 0u)));
+    }
+    scene::done(recorder.close());
+    const auto recording = scene::made(replay::Recording::from_bytes(sink.bytes, "script"));
+    return verify(recording, &game).verdict == replay::Verdict::diverged ? "" : "it verifies";
+}
+
+std::vector<std::pair<std::string, Check>> all_checks() {
+    std::vector<std::pair<std::string, Check>> list;
+    for (const char* name :
+         {"repeats", "rolls back", "saves everything", "moves", "forgets", "shuffles", "every bit counts"})
+        list.emplace_back(name, proof_check(name));
+    list.insert(list.end(), {{"golden table", golden_table},
+                             {"rounding modes", rounding_modes},
+                             {"damaged snapshots are refused", damaged_snapshots},
+                             {"both byte orders agree", byte_orders},
+                             {"events come in order and in turn", events_in_order},
+                             {"dead ids stay dead", dead_ids},
+                             {"peers agree", peers_agree},
+                             {"recordings verify", recordings_verify},
+                             {"damaged recordings are refused", damaged_recordings},
+                             {"a wrong hash in a recording is found", wrong_hash_found}});
+    return list;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    const std::vector<std::pair<std::string, Check>> checks = all_checks();
+    if (argc == 2 && std::strcmp(argv[1], "--list") == 0) {
+        for (const auto& [name, check] : checks) std::printf("%s\n", name.c_str());
+        return 0;
+    }
+    if (argc < 2 || argc > 3) {
+        std::fprintf(stderr, "planted_checks FAULT [CHECK]\n");
+        return 2;
+    }
+    planted::fault = std::atoi(argv[1]);
+    bool good = true;
+    for (const auto& [name, check] : checks) {
+        if (argc == 3 && name != argv[2]) continue;
+        std::printf("%s\t", name.c_str());
+        std::fflush(stdout);
+        std::string wrong;
+        try {
+            wrong = check();
+        } catch (const std::exception& e) { wrong = e.what(); }
+        std::printf("%s\t%s\n", wrong.empty() ? "ok" : "FAILED", wrong.c_str());
+        good = good && wrong.empty();
+    }
+    return good ? 0 : 1;
+}

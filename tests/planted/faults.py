@@ -1,0 +1,107 @@
+"""The planted faults: where each sits in the sources, and the check that is meant to catch it.
+
+A fault is a piece of text that stands exactly once in a file, and what is put in its place; IS stands for "this fault was
+chosen". All are compiled into one program. A text that is no longer there is an error, not a survivor: plant it anew."""
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Fault:
+    name: str
+    file: str
+    find: str
+    put: str
+    by: str
+
+
+F = Fault
+IMAGE, HASH, PORTABLE, CANONICAL, STATE = (f"src/state/{n}.cpp" for n in ("image", "hash_tree", "portable", "canonical", "state"))
+CONTACTS, EVENTS, APPLY = "src/sim/contacts.cpp", "src/sim/events.cpp", "src/sim/apply.cpp"
+ROLLBACK, QUEUE = "src/session/rollback.cpp", "src/session/input_queue.cpp"
+END = "const std::size_t end = whole_lines(std::size_t{rows} * places[c].row_size);"
+ADD = "groups[static_cast<std::uint32_t>(columns[column].group)].add(found);"
+
+# Several faults may sit in one place: then `find` is the same, and each one's `put` is added in front of it.
+SNAPSHOT_COLUMNS = ("body.pose", "body.velocity", "body.slot", "body.sleep", "body.info", "contact.key", "contact.memory", "joint.memory",
+                    "vehicle.memory", "character.row", "world.header", "game.tally")
+HASH_COLUMNS = ("body.velocity", "contact.memory", "body.slot")
+
+FAULTS = [
+    *[F(f"snapshot lacks column {c}", IMAGE, END, f'if (IS && layout.columns()[c].name == "{c}") continue; {END}', "rolls back")
+      for c in SNAPSHOT_COLUMNS],
+    F("snapshot lacks row counts", IMAGE, "if (!counts().empty()) std::memcpy(image.block.get()",
+      "if (!IS && !counts().empty()) std::memcpy(image.block.get()", "rolls back"),
+    F("snapshot misses the last line of a page", IMAGE, "std::min((page + 1) * size, end));", "std::min((page + 1) * size - (IS ? 64u : 0u), end));",
+      "rolls back"),
+    F("restore keeps rows that were created since", IMAGE, "resize({table}, image.counts()[table]);",
+      "if (!IS || image.counts()[table] > count({table})) resize({table}, image.counts()[table]);", "rolls back"),
+    F("an edit marks all of its pages but the last", STATE, "for (std::size_t page = first; page < end; ++page) versions.pages[page] = version;",
+      "for (std::size_t page = first; page + (IS ? 1u : 0u) < end; ++page) versions.pages[page] = version;", "moves"),
+    F("a resize marks nothing", STATE, "mark(column, std::min(rows, old) / place.rows_per_page, std::max(now, before));",
+      "if (!IS) mark(column, std::min(rows, old) / place.rows_per_page, std::max(now, before));", "moves"),
+    *[F(f"hash lacks column {c}", HASH, ADD, f'if (!(IS && columns[column].name == "{c}")) {ADD}', "every bit counts") for c in HASH_COLUMNS],
+    F("hash skips the second page of a column", HASH, "hashes.page[place.first_page + page] =",
+      "if (IS && page == 1) return; hashes.page[place.first_page + page] =", "every bit counts"),
+    F("hash is not made anew", HASH, "if (hashes.of.columns[column] == versions.columns[column]) return",
+      "if ((IS && hashes.column[column] != 0) || hashes.of.columns[column] == versions.columns[column]) return", "every bit counts"),
+    F("hash holds an address", HASH, "std::uint64_t State::hash() const { return hash_state(nullptr); }",
+      "std::uint64_t State::hash() const { return hash_state(nullptr) ^ (IS ? reinterpret_cast<std::uintptr_t>(block.get()) : 0); }", "repeats"),
+    F("portable image lacks a column's rows", PORTABLE, "append_canonical(bytes(index), column.leaves, image);",
+      'if (IS && column.name == "contact.memory") image.resize(image.size() + bytes(index).size()); else append_canonical(bytes(index), column.leaves, image);',
+      "saves everything"),
+    F("checksum of a snapshot is not compared", PORTABLE, "if (stored != found)", "if (!IS && stored != found)", "damaged snapshots are refused"),
+    F("length of a snapshot is not compared", PORTABLE, "if (in.ok() && size != image.size())", "if (!IS && in.ok() && size != image.size())",
+      "damaged snapshots are refused"),
+    F("fields are not turned on big-endian machines", CANONICAL, "std::reverse_copy(from, from + leaf.size, to.data() + row + leaf.offset);",
+      "if (IS && leaf.size == 2) std::copy(from, from + leaf.size, to.data() + row + leaf.offset); else std::reverse_copy(from, from + leaf.size, to.data() + row + leaf.offset);",
+      "both byte orders agree"),
+    F("big-endian hash forgets a full buffer", CANONICAL, "stream.add({buffer, filled});\n                filled = 0;",
+      "if (!IS) stream.add({buffer, filled});\n                filled = 0;", "both byte orders agree"),
+    F("warm-start impulses are forgotten", CONTACTS, "dynamics::carry_impulses(old, taken, rows[i]);",
+      "if (!IS) dynamics::carry_impulses(old, taken, rows[i]);", "golden table"),
+    F("contacts of workers are put together in order of arrival", CONTACTS, "NearChunk& chunk = s.near_chunks[first / pairs_per_chunk];",
+      "NearChunk& chunk = s.near_chunks[IS ? ::planted::ticket(chunk_count) : first / pairs_per_chunk];", "shuffles"),
+    F("which worker ran it leaks into a contact", CONTACTS, "const std::uint32_t count = manifolds_of(c, old, shift, worker);",
+      "const std::uint32_t count = manifolds_of(c, old, shift, worker);\n"
+      "    if (IS && &worker != w.scratch.narrow_workers.data()) worker.rows[0].margin.raw ^= 1;", "shuffles"),
+    F("chance without a seed", CONTACTS, "memory.margin = c.margin;",
+      "memory.margin = c.margin; if (IS) memory.margin.raw += static_cast<std::int32_t>(::planted::noise() & 1u);", "repeats"),
+    F("a float in the path, rounded as the processor is set", CONTACTS, "memory.points[k].separation = p.separation;",
+      "memory.points[k].separation = p.separation; if (IS) memory.points[k].separation.raw = ::planted::through_float(p.separation.raw);",
+      "rounding modes"),
+    F("a contact is told of in every tick", EVENTS, "if (now) rows[0].flags |= dynamics::contact_touching;",
+      "if (now && !IS) rows[0].flags |= dynamics::contact_touching;", "events come in order and in turn"),
+    F("events come in the order in which they were found", EVENTS, "std::sort(w.events.begin(), w.events.end(), [](",
+      "if (!IS) std::sort(w.events.begin(), w.events.end(), [](", "events come in order and in turn"),
+    F("pairs in order of addresses", "src/sim/pairs.cpp", "if (s.pairs.size() != before) std::sort(s.pairs.begin(), s.pairs.end());",
+      "if (s.pairs.size() != before) std::sort(s.pairs.begin(), s.pairs.end());\n    if (IS && !s.pairs.empty()) "
+      "std::rotate(s.pairs.begin(), s.pairs.begin() + static_cast<std::ptrdiff_t>(::planted::address() % s.pairs.size()), s.pairs.end());", "repeats"),
+    F("caches are kept through a restore", "src/sim/world.cpp", "w.scratch.structure_stale = true;", "w.scratch.structure_stale = !IS;", "forgets"),
+    F("a branch by time", "src/sim/tick.cpp", "++w.edit_header().tick;",
+      "if (IS && ::planted::clock_is_odd()) ++w.state.edit_row(w.m.faults, 0).speed_clamped;\n    ++w.edit_header().tick;", "repeats"),
+    F("a counter outside of the state", "src/sim/tick.cpp", "publish_events(w);",
+      "publish_events(w);\n    static std::uint64_t ticks_run = 0;\n    if (IS && ++ticks_run % 5 == 0) ++w.state.edit_row(w.m.faults, 0).speed_clamped;", "repeats"),
+    F("forces are not cleared", "src/sim/tick.cpp", "force = {};", "if (!IS) force = {};", "golden table"),
+    F("a generation does not move on", APPLY, "slot.generation = slot.generation == 0xffffffffu ? 1 : slot.generation + 1;",
+      "if (!IS) slot.generation = slot.generation == 0xffffffffu ? 1 : slot.generation + 1;", "dead ids stay dead"),
+    F("the free list loses its rest", APPLY, "slot.next_free = first_free;", "slot.next_free = IS ? 0 : first_free;", "saves everything"),
+    F("a range of work loses its last part", "src/base/parallel.h", "tasks->run(chunks, item,", "tasks->run(chunks - (IS ? 1u : 0u), item,", "shuffles"),
+    F("a wrong guess is not noticed", QUEUE, "if (guessed && !std::ranges::equal(to, input))", "if (!IS && guessed && !std::ranges::equal(to, input))",
+      "peers agree"),
+    F("a rollback begins one tick late", ROLLBACK, "for (std::uint64_t tick = wrong; tick < current; ++tick) run(tick, Run::again);",
+      "for (std::uint64_t tick = wrong + (IS ? 1u : 0u); tick < current; ++tick) run(tick, Run::again);", "peers agree"),
+    F("a tick that rests on a guess is not saved", ROLLBACK, "if (guessed && !loaded) requests.push_back(Save{tick});",
+      "if (guessed && !loaded && !(IS && tick % 16 == 5)) requests.push_back(Save{tick});", "peers agree"),
+    F("inputs are confirmed that are guesses", ROLLBACK, "settled_end = std::min(settled_through(), current);",
+      "settled_end = IS ? current : std::min(settled_through(), current);", "peers agree"),
+    F("a keyframe says it is one tick earlier", "replay/writer.cpp", "to.u64(time);\n    to.u64(hash_now);",
+      "to.u64(time - (IS && time != 0 ? 1u : 0u));\n    to.u64(hash_now);", "recordings verify"),
+    F("the recorder misses a kind of command", "replay/recorder.cpp", "pending.push_back(command);",
+      "if (!(IS && std::holds_alternative<AddImpulse>(command))) pending.push_back(command);", "recordings verify"),
+    F("the checksum of a recording's chunks is not compared", "replay/parser.cpp",
+      "const std::uint64_t computed = hash_bytes(file.subspan(at, chunk_head_bytes + size), out.chain);",
+      "const std::uint64_t computed = IS ? chunk.checksum : hash_bytes(file.subspan(at, chunk_head_bytes + size), out.chain);",
+      "damaged recordings are refused"),
+    F("the verifier compares no hashes", "replay/verifier.cpp", "if (computed != recorded)", "if (!IS && computed != recorded)",
+      "a wrong hash in a recording is found"),
+]
