@@ -49,6 +49,7 @@ template <unsigned N> struct PointPack {
     Int32<N> kappa_soft;         ///< Unit: kappa * mass_scale of the normal row
     Int32<N> ratio_a, ratio_b;   ///< Unit
     Int32<N> impulse[3];         ///< p, Speed: normal, tangent 1, tangent 2
+    Int32<N> impact;             ///< what of impulse[0] stopped the bodies in this substep, Speed
     Int32<N> impulse_max;        ///< of the normal row over all substeps
     Int32<N> separation;         ///< s0, Separation
     Int32<N> approach;           ///< normal speed before it was hit in this tick, Speed

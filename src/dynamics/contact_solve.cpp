@@ -70,21 +70,33 @@ inline void push(Pair<N>& p, const Int32<N> (&d)[3], const PointPack<N>& point, 
     }
 }
 
-/// Current separation of a point, Separation, from the bodies' motion since the start of the tick.
-template <unsigned N>
-inline Int32<N> current_separation(const ContactPack<N>& c, const PointPack<N>& point,
-                                   const SolverBodies& bodies) {
-    Int32<N> s;
+/// How the bodies of N contacts moved since the start of the tick, gathered once for all points; Separation.
+template <unsigned N> struct Motion { Int32<N> apart[3], ta[3], tb[3]; };
+
+template <unsigned N> Motion<N> gather_motion(const ContactPack<N>& c, const SolverBodies& bodies) {
+    Motion<N> m;
     for (unsigned lane = 0; lane < N; ++lane) {
         const SolverBody& a = bodies.body[c.body_a[lane]];
         const SolverBody& b = bodies.body[c.body_b[lane]];
-        std::int64_t sum = 0;
-        for (int i = 0; i < 3; ++i)
-            sum += c.d[0][i].lane[lane] * (std::int64_t{b.shift[i]} - a.shift[i]) +
-                   std::int64_t{point.xa[0][i].lane[lane]} * a.theta[i] +
-                   std::int64_t{point.xb[0][i].lane[lane]} * b.theta[i];
-        s.lane[lane] = saturate_to_int32(point.separation.lane[lane] + shift_right_rounded(sum, row_bits));
+        for (int i = 0; i < 3; ++i) {
+            m.apart[i].lane[lane] = saturate_to_int32(std::int64_t{b.shift[i]} - a.shift[i]);
+            m.ta[i].lane[lane] = a.theta[i];
+            m.tb[i].lane[lane] = b.theta[i];
+        }
     }
+    return m;
+}
+
+/// Current separation of a point, Separation.
+template <unsigned N>
+inline Int32<N> current_separation(const ContactPack<N>& c, const PointPack<N>& point, const Motion<N>& m) {
+    Int64<N> sum{};
+    for (int i = 0; i < 3; ++i)
+        sum = sum + c.d[0][i] * m.apart[i] + point.xa[0][i] * m.ta[i] + point.xb[0][i] * m.tb[i];
+    Int32<N> s;
+    for (unsigned lane = 0; lane < N; ++lane)
+        s.lane[lane] =
+            saturate_to_int32(point.separation.lane[lane] + shift_right_rounded(sum.lane[lane], row_bits));
     return s;
 }
 
@@ -122,8 +134,8 @@ template <unsigned N> struct NormalTarget { Int32<N> kappa, bias, impulse_scale;
 
 template <unsigned N>
 NormalTarget<N> normal_target(const ContactPack<N>& c, const PointPack<N>& point, const StepConstants& step,
-                              const SolverBodies& bodies, bool bias) {
-    const Int32<N> s = current_separation(c, point, bodies);
+                              const Motion<N>& motion, bool bias) {
+    const Int32<N> s = current_separation(c, point, motion);
     NormalTarget<N> t{point.kappa[0], splat<N>(0), splat<N>(0)};
     for (unsigned lane = 0; lane < N; ++lane) {
         if (point.kappa[0].lane[lane] == 0) continue; // a point this lane lacks
@@ -143,6 +155,10 @@ NormalTarget<N> normal_target(const ContactPack<N>& c, const PointPack<N>& point
     return t;
 }
 
+/// Slower than this on average, a contact rests, and its points settle among themselves [m/s]. Towers rest the better
+/// for it: a rigid mean row would take the softness from them.
+constexpr std::int32_t impact_speed_min = decimal<Speed>("0.25").raw;
+
 template <unsigned N>
 void solve_normal(ContactPack<N>& c, PointPack<N>& point, Pair<N>& p, const NormalTarget<N>& target) {
     const Int32<N> speed = row_speed(p, c.d[0], point.xa[0], point.xb[0]) + target.bias;
@@ -150,12 +166,11 @@ void solve_normal(ContactPack<N>& c, PointPack<N>& point, Pair<N>& p, const Norm
     const Int32<N> wanted = old - rounded<30>(speed * target.kappa) - rounded<30>(old * target.impulse_scale);
     point.impulse[0] = clamped(max(wanted, splat<N>(0)));
     point.impulse_max = max(point.impulse_max, point.impulse[0]);
-    push(p, c.d[0], point, 0, point.impulse[0] - old);
+    const Int32<N> change = point.impulse[0] - old;
+    const Int32<N> hit = max(speed, splat<N>(0) - speed) - splat<N>(impact_speed_min);
+    point.impact = clamped(point.impact + where_positive(hit, change, splat<N>(0)));
+    push(p, c.d[0], point, 0, change);
 }
-
-/// Slower than this on average, a contact rests, and its points settle among themselves [m/s]. Towers rest the better
-/// for it: a rigid mean row would take the softness from them.
-constexpr std::int32_t impact_speed_min = decimal<Speed>("0.25").raw;
 
 /// Takes an impact, or gives back what a warm start from one added too much, at the centre of the points. The points
 /// then solve what is left of it rigidly: softness would take a share of the whole impact from the first of them.
@@ -181,6 +196,9 @@ template <unsigned N> void solve_mean(ContactPack<N>& c, Pair<N>& p, NormalTarge
         for (unsigned lane = 0; lane < N; ++lane) {
             if (change.lane[lane] == 0) continue;
             point.impulse[0].lane[lane] = wanted.lane[lane];
+            point.impact.lane[lane] = static_cast<std::int32_t>(
+                std::clamp(std::int64_t{point.impact.lane[lane]} + wanted.lane[lane] - old.lane[lane],
+                           -std::int64_t{impulse_limit}, std::int64_t{impulse_limit}));
             targets[k].kappa.lane[lane] = point.kappa[0].lane[lane];
             targets[k].impulse_scale.lane[lane] = 0;
             point.impulse_max.lane[lane] = std::max(point.impulse_max.lane[lane], wanted.lane[lane]);
@@ -230,6 +248,20 @@ inline void clamp_to_ball(std::int64_t limit, std::int32_t& x, std::int32_t& y, 
         *component = static_cast<std::int32_t>(*component * limit / size);
 }
 
+/// What stopped the bodies in the last substep does not hold them in this one. Given to them again it would have to be
+/// taken back, which one pass does not do wholly for a body between two others: elastic balls would gain energy.
+template <unsigned N> void forget_impact(const ContactPack<N>& c, PointPack<N>& point) {
+    for (unsigned lane = 0; lane < N; ++lane) {
+        std::int32_t& normal = point.impulse[0].lane[lane];
+        const std::int32_t impact = std::clamp(point.impact.lane[lane], 0, normal);
+        point.impact.lane[lane] = 0;
+        if (impact == 0) continue;
+        normal -= impact;
+        clamp_to_cone(c.friction.lane[lane], normal, point.impulse[1].lane[lane],
+                      point.impulse[2].lane[lane]);
+    }
+}
+
 } // namespace
 
 template <unsigned N> void ContactSolver<N>::solve_rolling(const ContactPack<N>& c, Pair<N>& p) {
@@ -273,6 +305,7 @@ template <unsigned N> void ContactSolver<N>::warm_start(SolverBodies& bodies, Ta
     for_each_pack(tasks, [&](ContactPack<N>& c) {
         Pair<N> p = gather(c, bodies);
         if (bounces(c)) measure_approach(c, p);
+        for (int k = 0; k < c.point_count; ++k) forget_impact(c, c.points[k]);
         for (int k = 0; k < c.point_count; ++k)
             for (int r = 0; r < 3; ++r) push(p, c.d[r], c.points[k], r, c.points[k].impulse[r]);
         if (c.rolling != no_contact)
@@ -288,7 +321,8 @@ void ContactSolver<N>::solve_pack(const StepConstants& step, SolverBodies& bodie
     if (c.rolling != no_contact) solve_rolling(c, p);
     for (int k = 0; k < c.point_count; ++k) solve_friction(c, c.points[bias ? k : c.point_count - 1 - k], p);
     NormalTarget<N> targets[4];
-    for (int k = 0; k < c.point_count; ++k) targets[k] = normal_target(c, c.points[k], step, bodies, bias);
+    const Motion<N> motion = gather_motion(c, bodies);
+    for (int k = 0; k < c.point_count; ++k) targets[k] = normal_target(c, c.points[k], step, motion, bias);
     if (c.point_count > 1) solve_mean(c, p, targets);
     for (int k = 0; k < c.point_count; ++k) {
         const int at = bias ? k : c.point_count - 1 - k;

@@ -166,6 +166,37 @@ TEST_CASE("two bodies that collide in space keep their momentum and, elastic, th
     }
 }
 
+TEST_CASE("elastic balls that fly into each other gain no energy") {
+    // 64 of them rush at the middle of a cube, so many are hit from two sides in a tick.
+    const auto rise = [](int boosted_at) { // most that energy grows again, of what there was at first
+        World w = made(World::create(weightless()));
+        std::vector<BodyId> balls;
+        for (int i = 0; i < 64; ++i) {
+            const double x = i % 4 - 1.5, y = i / 4 % 4 - 1.5, z = i / 16 - 1.5;
+            const double skew = 0.1 * (i % 7) - 0.3;
+            balls.push_back(add(w,
+                                {.pose = at(x * 1.1, y * 1.1, z * 1.1),
+                                 .linear_velocity = vec(-3 * x + skew, -3 * y - skew, -3 * z + 2 * skew)},
+                                {.geometry = sphere(real(0.4)), .friction = Real{}, .restitution = Real(1)}));
+        }
+        const double first = to_double(w.kinetic_energy());
+        double least = first, most = 0;
+        for (int t = 0; t < 90; ++t) {
+            if (t == boosted_at)
+                REQUIRE(w.add_impulse(balls[0], vec(to_double(w.mass(balls[0])), 0, 0)).ok());
+            w.tick();
+            const double now = to_double(w.kinetic_energy());
+            most = std::max(most, now - least), least = std::min(least, now);
+        }
+        return most / first;
+    };
+    const double clean = rise(-1), planted = rise(45);
+    std::printf("  64 elastic balls: energy grows by %.2g of itself, with one pushed by %.2g\n", clean,
+                planted);
+    CHECK(clean < 2e-4);
+    CHECK_FALSE(planted < 2e-4);
+}
+
 TEST_CASE("a cloud of bodies in space keeps its momentum through all collisions") {
     World w = made(World::create(weightless()));
     for (int i = 0; i < 40; ++i) {
