@@ -55,7 +55,7 @@ struct WorldDef {
     std::uint32_t continuous = 1;         ///< 0: fast bodies are not swept and may pass through what is thin
     std::uint32_t sleeping = 1;           ///< 0: bodies that rest are simulated all the same
     Real restitution_speed_min = Real(1); ///< [m/s]: slower impacts do not bounce
-    Real contact_hertz = Real(60);        ///< stiffness of contacts, at most an eighth of the substep rate
+    Real contact_hertz = Real(90);        ///< stiffness of contacts, at most 3 / 16 of the substep rate
     Real contact_damping = Real(10);      ///< damping ratio of contacts
     Real push_speed_max = Real(3);        ///< [m/s]: how fast overlap is pushed out
     Real sleep_speed =

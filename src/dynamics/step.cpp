@@ -32,8 +32,8 @@ StepConstants step_constants(const StepSettings& s) {
     c.tip_speed_max = to<Speed>(min(tip_speed_limit, Real(2) * s.ticks_per_second));
     c.push_speed_max = to<Speed>(s.push_speed_max);
     c.restitution_speed_min = to<Speed>(s.restitution_speed_min);
-    // With one pass a substep, towers on contacts stiffer than an eighth of the substep rate do not come to rest.
-    const Real hertz = min(s.contact_hertz, Real(c.substeps_per_second) / Real(8));
+    // With one pass a substep, towers on contacts stiffer than 3 / 16 of the substep rate do not come to rest.
+    const Real hertz = min(s.contact_hertz, Real(c.substeps_per_second * 3) / Real(16));
     c.soft = softness(hertz, s.contact_damping, c.substeps_per_second);
     c.soft_static = softness(hertz * 2, s.contact_damping, c.substeps_per_second);
     // Rigid locks gain energy in chains that swing, more the heavier the end: one pass is not the exact solution, and
