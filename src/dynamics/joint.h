@@ -30,9 +30,10 @@
 // substeps/s a pendulum so loses 0.03 % of its energy in a second instead of 0.6 %, and is 0.07 mm off its pivot
 // instead of 0.85 mm. source: RATTLE, Andersen 1983; soft solve and relaxation: Catto, Solver2D, 2024.
 //
-// Locks let go of a twentieth of their impulse in the solve with bias and are rigid in the relaxation: rigid
-// throughout, chains gain energy while they swing, for one pass is not the exact solution and nothing takes the
-// difference out. Springs give their impulse in the solve with bias only; motors, friction and limits act in both.
+// Locks of trees are solved at once, see joint_tree.h. Those of joints alone and of loops let go of a twentieth of their
+// impulse in the solve with bias and are rigid in the relaxation: rigid throughout, they gain energy while they swing,
+// for one pass is not the exact solution and nothing takes the difference out. Springs give their impulse in the solve
+// with bias only; motors, friction and limits act in both.
 #pragma once
 
 #include "dynamics/solver_body.h"
@@ -67,7 +68,7 @@ class JointSolver {
     /// Rows from where the bodies are now: before the first substep and after each move.
     void update(const StepConstants& step, const SolverBodies& bodies);
     void warm_start(SolverBodies& bodies);
-    /// One pass over all joints: springs and motors, limits, locks.
+    /// One pass over all joints: springs and motors, limits, locks; then the locks of trees.
     void solve(const StepConstants& step, SolverBodies& bodies, bool bias);
     /// Impulses, unwrapped angles and reactions for the next tick and for readers.
     void store(const StepConstants& step, std::span<JointMemory> memory, ClampCounts& clamps) const;

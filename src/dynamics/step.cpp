@@ -42,7 +42,7 @@ StepConstants step_constants(const StepSettings& s) {
     // What pushes a body turns with it until relaxing takes it out, and a part stays: chains that whip gain energy from
     // 1 / 12 of the substep rate on. A tenth of a second is quick enough where substeps are few.
     const Real rate = Real(c.substeps_per_second);
-    c.tree_rate = max(rate / Real(24), min(Real(10), rate / Real(6)));
+    c.tree_rate = max(rate / Real(16), min(Real(10), rate / Real(6)));
     c.joint_push_max = Real(4);
     return c;
 }
