@@ -113,7 +113,7 @@ TEST_CASE("equal boxes that stand nearly flush on each other are held at their c
         const double tolerance = 2 * off + 2 * tilt + 1e-4; // what the boxes are off, and the slack
         CHECK(check_corners(m, tolerance) == "");
         // The twin: a point where two edges cross, an eighth of an edge from the corner.
-        m.points[random.next() % 4].position.x = oracle::quantize<Length>(0.375);
+        m.points[random.below(4)].position.x = oracle::quantize<Length>(0.375);
         planted += check_corners(m, tolerance) != "" ? 1 : 0;
     }
     CHECK(planted == 2000);
