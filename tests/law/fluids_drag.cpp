@@ -283,7 +283,7 @@ TEST_CASE(
             body.mass = pick({0, 0.001, 1e9}), body.drag_scale = pick({0, 1, 100});
             body.linear_velocity = vec3(r.point(250, -250, 250)),
             body.angular_velocity = vec3(r.point(900, -900, 900));
-            body.locks = r(0, 4) < 1 ? lock_planar_xy : 0;
+            if (r(0, 4) < 1) body.locks = lock_planar_xy;
             const Geometry shapes[] = {sphere(size), box(size, real(0.0025), size),
                                        capsule(real(0.0025), size), cylinder(size, size),
                                        rounded(cone(size, size), real(0.1))};
