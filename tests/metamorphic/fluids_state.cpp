@@ -28,6 +28,9 @@ Story story_of(const char* name, std::uint32_t size, int ticks) {
     return s;
 }
 
+/// Small enough to run many times.
+std::uint32_t size_of(std::string_view scene) { return scene == "water" ? 8 : 2; }
+
 /// Where a world that stands at `tick` parts from the story within `ticks`, -1: nowhere.
 int parts_at(const Story& s, World& w, std::size_t tick, std::size_t ticks) {
     for (std::size_t t = tick; t < s.hashes.size() && t <= tick + ticks; ++t) {
@@ -40,8 +43,8 @@ int parts_at(const Story& s, World& w, std::size_t tick, std::size_t ticks) {
 } // namespace
 
 TEST_CASE("water and blasts go on alike from every tick they are rolled back to") {
-    for (const auto& [name, size] : {std::pair("water", 8u), {"blast", 2u}}) {
-        const Story s = story_of(name, size, 260);
+    for (const char* name : {"water", "blast"}) {
+        const Story s = story_of(name, size_of(name), 260);
         World w = s.game->start().value();
         for (std::size_t t = 0; t < s.images.size(); ++t) {
             w.restore(s.images[t]);
@@ -52,8 +55,8 @@ TEST_CASE("water and blasts go on alike from every tick they are rolled back to"
 }
 
 TEST_CASE("a portable image of them, in a fresh world, too") {
-    for (const auto& [name, size] : {std::pair("water", 8u), {"blast", 2u}}) {
-        const Story s = story_of(name, size, 240);
+    for (const char* name : {"water", "blast"}) {
+        const Story s = story_of(name, size_of(name), 240);
         World w = s.game->start().value();
         for (std::size_t t = 0; t < s.images.size(); t += 30) {
             w.restore(s.images[t]);
