@@ -171,8 +171,11 @@ class Soaked {
                 {.geometry = v.geometry(), .local = {v.vector(1), v.turn()}, .sensor = v.chance(5)}));
         case destroy_shape:
             return told(world.destroy(shape(s.a)));
-        case create_joint:
-            return told(world.create_joint(joint(v), body(s.a), body(s.b), v.pose()));
+        case create_joint: {
+            // One after the other: compilers differ in the order of a call's arguments.
+            const JointDef def = joint(v);
+            return told(world.create_joint(def, body(s.a), body(s.b), v.pose()));
+        }
         case destroy_joint:
             return world.joint_count() == 0 ? void()
                                             : told(world.destroy(world.joint_at(s.a % world.joint_count())));
