@@ -73,9 +73,9 @@ FAULTS = [
       "if (now && !IS) rows[0].flags |= dynamics::contact_touching;", "events come in order and in turn"),
     F("events come in the order in which they were found", EVENTS, "std::sort(w.events.begin(), w.events.end(), [](",
       "if (!IS) std::sort(w.events.begin(), w.events.end(), [](", "events come in order and in turn"),
-    F("pairs in order of addresses", "src/sim/pairs.cpp", "if (s.pairs.size() != before) std::sort(s.pairs.begin(), s.pairs.end());",
-      "if (s.pairs.size() != before) std::sort(s.pairs.begin(), s.pairs.end());\n    if (IS && !s.pairs.empty()) "
-      "std::rotate(s.pairs.begin(), s.pairs.begin() + static_cast<std::ptrdiff_t>(::planted::address() % s.pairs.size()), s.pairs.end());", "repeats"),
+    F("pairs in order of addresses", "src/sim/pairs.cpp", "find_keys(w);",
+      "if (IS && !s.pairs.empty())\n        std::rotate(s.pairs.begin(), s.pairs.begin() + static_cast<std::ptrdiff_t>(::planted::address() % s.pairs.size()), "
+      "s.pairs.end());\n    find_keys(w);", "repeats"),
     F("caches are kept through a restore", "src/sim/world.cpp", "w.scratch.structure_stale = true;", "w.scratch.structure_stale = !IS;", "forgets"),
     F("a branch by time", "src/sim/tick.cpp", "++w.edit_header().tick;",
       "if (IS && ::planted::clock_is_odd()) ++w.state.edit_row(w.m.faults, 0).speed_clamped;\n    ++w.edit_header().tick;", "repeats"),
