@@ -32,6 +32,7 @@ class Blast final : public Scene {
 
   private:
     static constexpr std::uint32_t row_length = 4;
+    static constexpr std::uint32_t parts = 13; ///< of a house
 
     Vec3 center_of(std::uint32_t house) const {
         const Real edge = 3_r * Real(row_length - 1);
@@ -41,15 +42,15 @@ class Blast final : public Scene {
     /// Four pillars of three crates each, and a roof on them.
     void add_house(Builder& build, std::uint32_t house) const {
         const Vec3 center = center_of(house);
-        const std::uint64_t key = user_key_of(Role::prop, house);
+        std::uint32_t number = house * parts; // of a part among all
         constexpr Real out = 1.2_r;
         const Vec3 pillars[4] = {{out, 0_r, 0_r}, {-out, 0_r, 0_r}, {0_r, 0_r, out}, {0_r, 0_r, -out}};
         for (const Vec3& pillar : pillars)
             for (std::uint32_t floor = 0; floor < 3; ++floor)
-                build.body(
-                    {.pose = at(center + pillar + Vec3{0_r, Real(floor) + 0.5_r, 0_r}), .user_key = key},
-                    {.geometry = box(0.5_r, 0.5_r, 0.5_r), .density = 300_r});
-        build.body({.pose = at(center + Vec3{0_r, 3.1_r, 0_r}), .user_key = key},
+                build.body({.pose = at(center + pillar + Vec3{0_r, Real(floor) + 0.5_r, 0_r}),
+                            .user_key = user_key_of(Role::prop, number++)},
+                           {.geometry = box(0.5_r, 0.5_r, 0.5_r), .density = 300_r});
+        build.body({.pose = at(center + Vec3{0_r, 3.1_r, 0_r}), .user_key = user_key_of(Role::prop, number)},
                    {.geometry = box(1.8_r, 0.1_r, 1.8_r), .density = 300_r});
     }
 };
