@@ -23,7 +23,7 @@ struct ClipPoint {
 };
 
 /// Drops corners of a convex polygon, given in cyclic order, until four are left: each time the one that cuts off least
-/// area, but never the lowest when it is lower than the rest by more than noise. Of faces that nearly coincide the corners
+/// area, but never the last of those that are the lowest to within noise. Of faces that nearly coincide the corners
 /// of the edges' crossings go, which lie anywhere along an edge: a tower held by those starts to rock.
 /// A later corner goes instead of an earlier one only when it cuts off less by more than a sixteenth, so the choice
 /// survives small motions. Returns how many there are, at most 4, in the order they had.

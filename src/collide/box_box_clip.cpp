@@ -168,11 +168,13 @@ struct Names {
 int reduce_points(ClipPoint* points, int count) {
     if (count <= 4) return count;
     constexpr std::int64_t noise_30 = 1 << 17; // 0.12 mm
-    int lowest = 0;
+    std::int64_t low = points[0].height;
     for (int k = 1; k < count; ++k)
-        if (points[k].height < points[lowest].height) lowest = k;
-    for (int k = 0; k < count; ++k) // no other is as low to within noise
-        if (k != lowest && lowest >= 0 && points[k].height <= points[lowest].height + noise_30) lowest = -1;
+        if (points[k].height < low) low = points[k].height;
+    low += noise_30;
+    int low_left = 0;
+    for (int k = 0; k < count; ++k) low_left += points[k].height <= low ? 1 : 0;
+    const auto must_stay = [&](int k) { return low_left == 1 && points[k].height <= low; };
 
     // Twice the area that corner k cuts off, 20 fraction bits for each coordinate: products fit.
     const auto cut = [&](int k) {
@@ -182,14 +184,14 @@ int reduce_points(ClipPoint* points, int count) {
         return absolute(way(a.p, b.p) * way(a.q, c.q) - way(a.q, b.q) * way(a.p, c.p));
     };
     for (; count > 4; --count) {
-        int least = lowest == 0 ? 1 : 0;
+        int least = must_stay(0) ? 1 : 0;
         std::int64_t least_cut = cut(least);
         for (int k = least + 1; k < count; ++k) {
-            if (k == lowest) continue;
+            if (must_stay(k)) continue;
             if (const std::int64_t x = cut(k); x < least_cut - (least_cut >> 4)) least = k, least_cut = x;
         }
+        if (points[least].height <= low) --low_left;
         for (int k = least + 1; k < count; ++k) points[k - 1] = points[k];
-        if (least < lowest) --lowest;
     }
     return count;
 }

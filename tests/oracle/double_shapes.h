@@ -190,6 +190,10 @@ inline std::string check_surfaces(const Placed& a, const Placed& b, D3 on_a, D3 
         out_a += 1e-6;
         out_b += bias;
     }
+    if (boxes && count > 1) { // corners up to 15 um beyond each of two sides are kept
+        out_a += 2.2e-5;
+        out_b += 2.2e-5;
+    }
     const double off_a = surface_distance(a, on_a), off_b = surface_distance(b, on_b);
     std::ostringstream why;
     if (off_a > out_a || (off_a < -out_a && a.kind != ShapeKind::capsule))

@@ -42,7 +42,7 @@ Result<nlohmann::ordered_json> measure(const std::string& scene, const Args& arg
         progress.at(tick + 1);
     }
     const std::size_t contacts = world.contacts().size();
-    const SnapshotCost cost = measure_snapshot(world); // restores, so contacts are gone after it
+    const SnapshotCost cost = measure_snapshot(world);
     return nlohmann::ordered_json{{"scene", scene},
                                   {"bodies", world.body_count()},
                                   {"contacts", contacts},

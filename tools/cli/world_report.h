@@ -10,7 +10,7 @@
 
 namespace lockstone::cli {
 
-SnapshotCost measure_snapshot(World& world);
+SnapshotCost measure_snapshot(const World& world);
 
 /// Remembers where bodies start, and tells at the end how far they came.
 class WorldReport {
