@@ -139,16 +139,6 @@ int main() { std::thread other([] { ++sum; }); ++sum; other.join(); }' || return
     grep -q 'data race' <<<"$report"
 }
 
-# variant NAME COMPILER FLAGS CMAKE_OPTION...: the library and the command line, built otherwise.
-variant() {
-    local name=$1 compiler=$2 flags=$3
-    shift 3
-    check "$name: builds ($compiler $flags $*)" build "$name" cmake -S . -B "build/$name" -G Ninja -DCMAKE_CXX_COMPILER="$compiler" \
-        -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_FLAGS="$flags" -DLOCKSTONE_BUILD_DEMO=OFF -DLOCKSTONE_BUILD_TESTS=OFF -DLOCKSTONE_BUILD_COOK=OFF "$@"
-    check "$name: hashes of every scene" write_hashes "$name" "build/$name/bin/lockstone"
-    check "$name: agrees with release" compare_hashes "$name"
-}
-
 # The comparison has to fail when one digit of one tick is changed, and to name the tick.
 planted_hash_is_noticed() {
     local scene=${hash_scenes[0]} file report tick=$((hash_ticks / 2))

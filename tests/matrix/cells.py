@@ -23,6 +23,7 @@ class Cell:
     ticks: int = 60
     state: bool = False     # writes snapshots and recordings, reads those of others
     sample: bool = False
+    thorough: bool = False  # all games and ticks in the sample as well
     red: bool = False       # a planted fault: this cell has to differ
     browser: bool = False
 
@@ -58,21 +59,22 @@ def host(cxx, *flags):
 
 
 def all_cells(cpu_flags):
-    cells = [Cell("reference", "compiler", REFERENCE, state=True, sample=True)]
+    cells = [Cell("reference", "compiler", REFERENCE, ticks=300, state=True, sample=True, thorough=True)]
+    in_sample = dict(ticks=300, sample=True, thorough=True)
 
     def built(dimension, build, **more):
         cells.append(Cell(build.label(), dimension, build, **more))
 
     for level in ("-O0", "-O1", "-O3", "-Os"):
-        built("optimisation", host("g++", level), ticks=16 if level == "-O0" else 60)
+        built("optimisation", host("g++", level), **(in_sample | {"ticks": 100} if level == "-O0" else {}))
     built("optimisation", host("g++", "-O2", "-flto"))
     built("optimisation", host("clang++-19", "-O2", "-flto=thin"))
     for cxx in ("clang++-14", "clang++-19"):
-        built("compiler", host(cxx, "-O2"))
+        built("compiler", host(cxx, "-O2"), **(in_sample if cxx == "clang++-14" else {}))
         built("compiler", host(cxx, "-O0"), ticks=16)
     for flags in (("-O3", "-march=native"), ("-O3", "-ffast-math"), ("-O3", "-march=native", "-ffast-math"), ("-O2", "-fno-strict-aliasing"),
                   ("-O2", "-fstrict-aliasing"), ("-O2", "-march=native", "-ffp-contract=fast"), ("-O2", "-march=native", "-ffp-contract=off")):
-        built("flags", host("g++", *flags))
+        built("flags", host("g++", *flags), **(in_sample if len(flags) == 3 and "-ffast-math" in flags else {}))
     built("flags", host("clang++-19", "-O3", "-march=native", "-ffast-math"))
     built("sanitizers", host("g++", "-O1", "-fsanitize=address", "-DLOCKSTONE_OWN_ALLOCATOR=1"), ticks=16)
     built("sanitizers", host("clang++-14", "-O1", "-fsanitize=undefined", "-fno-sanitize-recover=all"), ticks=16)
@@ -83,13 +85,13 @@ def all_cells(cpu_flags):
             built("SIMD", host("g++", "-O2", f"-march={level}"))
     built("SIMD", host("g++", "-O2", "-fno-tree-vectorize", "-fno-tree-slp-vectorize"))
     for flags in ((PORTABLE,), (NO_DOUBLE,), (PORTABLE, NO_DOUBLE)):
-        built("arithmetic", host("g++", "-O2", *flags))
+        built("arithmetic", host("g++", "-O2", *flags), **(in_sample if len(flags) == 2 else {}))
 
-    def run(name, dimension, arguments=(), environment=None, sample=False, ticks=60):
-        cells.append(Cell(name, dimension, REFERENCE, tuple(arguments), environment or {}, sample=sample, ticks=ticks))
+    def run(name, dimension, arguments=(), environment=None, sample=False, ticks=300):
+        cells.append(Cell(name, dimension, REFERENCE, tuple(arguments), environment or {}, sample=sample, ticks=ticks, thorough=True))
 
     for workers in (1, 2, 3, 4, 6, 8, 12, 16):
-        run(f"{workers} workers", "workers", ("--workers", str(workers)), sample=workers == 3, ticks=16)
+        run(f"{workers} workers", "workers", ("--workers", str(workers)), sample=workers == 3)
     for seed in (1, 2, 3):
         run(f"tasks in random order {seed}", "workers", ("--shuffle", str(seed)), sample=seed == 1)
     run("rounding, flushing and precision change before each tick", "floating-point unit", ("--fpu",), sample=True)
