@@ -4,6 +4,7 @@
 
 #include "lockstone/character.h"
 #include "lockstone/command.h"
+#include "lockstone/event.h"
 #include "shapes/asset.h"
 
 #include <string>
