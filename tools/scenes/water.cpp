@@ -70,11 +70,12 @@ class Water final : public Scene {
         for (std::uint32_t i = 0; i < options.size; ++i) {
             const Real height = depth + 1_r + Real(i / 16) * 1.2_r;
             const Vec3 place{random.range(-8_r, 12_r), height, random.range(-6_r, 12_r)};
-            const Real size = random.range(0.25_r, 0.55_r);
+            // One after another: the order in which arguments of a call are made is the compiler's.
+            const Real size = random.range(0.25_r, 0.55_r), density = random.range(200_r, 900_r);
+            const Real tilt = random.range(-1_r, 1_r), turn = random.range(-3_r, 3_r);
             build.body(
-                {.pose = at(place, from_euler({random.range(-1_r, 1_r), random.range(-3_r, 3_r), 0_r})),
-                 .user_key = user_key_of(Role::prop, i)},
-                {.geometry = box(size, size, size), .density = random.range(200_r, 900_r)});
+                {.pose = at(place, from_euler({tilt, turn, 0_r})), .user_key = user_key_of(Role::prop, i)},
+                {.geometry = box(size, size, size), .density = density});
         }
     }
 };
