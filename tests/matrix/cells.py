@@ -74,7 +74,7 @@ def all_cells(cpu_flags):
         built("compiler", host(cxx, "-O0"), ticks=16)
     for flags in (("-O3", "-march=native"), ("-O3", "-ffast-math"), ("-O3", "-march=native", "-ffast-math"), ("-O2", "-fno-strict-aliasing"),
                   ("-O2", "-fstrict-aliasing"), ("-O2", "-march=native", "-ffp-contract=fast"), ("-O2", "-march=native", "-ffp-contract=off")):
-        built("flags", host("g++", *flags), **(in_sample if len(flags) == 3 and "-ffast-math" in flags else {}))
+        built("flags", host("g++", *flags))
     built("flags", host("clang++-19", "-O3", "-march=native", "-ffast-math"))
     built("sanitizers", host("g++", "-O1", "-fsanitize=address", "-DLOCKSTONE_OWN_ALLOCATOR=1"), ticks=16)
     built("sanitizers", host("clang++-14", "-O1", "-fsanitize=undefined", "-fno-sanitize-recover=all"), ticks=16)
