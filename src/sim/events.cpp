@@ -90,11 +90,14 @@ void publish_events(Data& w) {
     publish_waking(w);
     const std::vector<Event>& landings = s.characters.landings;
     w.events.insert(w.events.end(), landings.begin(), landings.end());
+    publish_contact_points(w);
+}
+
+void order_events(Data& w) {
     std::sort(w.events.begin(), w.events.end(), [](const Event& x, const Event& y) {
         return std::tie(x.kind, x.shape_a, x.shape_b, x.joint, x.body_a) <
                std::tie(y.kind, y.shape_a, y.shape_b, y.joint, y.body_a);
     });
-    publish_contact_points(w);
 }
 
 } // namespace lockstone::sim

@@ -22,10 +22,12 @@ void find_pairs(Data& w); ///< shapes that may meet and are near, in pair order 
 void collide(Data& w); ///< manifolds, with what they keep of the last tick: the contact table (contacts.cpp)
 void list_joints(
     Data& w); ///< in slot order, as the solver takes them                            (joints.cpp)
-void list_fields(Data& w); ///< those of acceleration, and whose shapes they look at               (fields.cpp)
+void list_fields(
+    Data& w); ///< those of acceleration, and whose shapes they look at               (fields.cpp)
 void break_joints(Data& w); ///< of joints that bore too much                                    (joints.cpp)
 void settle(Data& w); ///< islands that rest fall asleep                                         (sleep.cpp)
 void publish_events(
-    Data& w); ///< touching flags; events in their total order; contact points      (events.cpp)
+    Data& w); ///< touching flags; what began, ended, woke or landed; contact points (events.cpp)
+void order_events(Data& w); ///< the last of all, since what falls asleep is known last         (events.cpp)
 
 } // namespace lockstone::sim

@@ -93,6 +93,7 @@ void tick(Data& w) {
     break_joints(w);
     publish_events(w);
     settle(w);
+    order_events(w);
     ++w.edit_header().tick;
     checkpoint(w, "settle");
     if (w.journal != nullptr) w.journal->on_tick(w.header().tick - 1, w.state.hash());

@@ -16,12 +16,14 @@ const char* name_of(EventKind kind) {
     return names[static_cast<std::uint32_t>(kind)];
 }
 
-/// Empty when in order, each pair once a kind.
+/// Empty when in the order of event.h, each pair, joint or body once a kind.
 std::string out_of_order(std::span<const Event> events) {
+    const auto order = [](const Event& e) {
+        return std::tie(e.kind, e.shape_a, e.shape_b, e.joint, e.body_a);
+    };
     for (std::size_t i = 1; i < events.size(); ++i)
-        if (std::tie(events[i - 1].kind, events[i - 1].shape_a, events[i - 1].shape_b) >=
-            std::tie(events[i].kind, events[i].shape_a, events[i].shape_b))
-            return "event " + std::to_string(i) + " is before its predecessor";
+        if (order(events[i - 1]) >= order(events[i]))
+            return "event " + std::to_string(i) + " is before its predecessor or is it again";
     for (const Event& e : events)
         if (e.kind <= EventKind::contact_end && !(e.shape_a < e.shape_b))
             return "a contact's shapes are swapped";
@@ -51,6 +53,44 @@ bool touching_in_space(const ShapeDef& a, const ShapeDef& b) {
     w.tick();
     return !w.events().empty();
 }
+
+std::size_t count_of(std::span<const Event> events, EventKind kind) {
+    return static_cast<std::size_t>(std::ranges::count(events, kind, &Event::kind));
+}
+
+/// In every tick two crates fall asleep, a character hops, and now and then joints break by twos and sleepers are hit.
+struct EventfulWorld {
+    World w = made(World::create(roomy()));
+    CharacterId hopper;
+    std::vector<BodyId> crates;
+
+    static WorldDef roomy() {
+        WorldDef def = drowsy_def();
+        def.bodies_max = def.shapes_max = 512, def.contacts_max = 4096, def.joints_max = 64;
+        return def;
+    }
+    EventfulWorld() {
+        add_floor(w);
+        hopper = made(w.create_character({.position = vec(0, 1, -5)}));
+        done(w.set_character_input(hopper, {.jump = 1}));
+    }
+    void step() {
+        const int t = static_cast<int>(w.tick_count());
+        for (int i = 0; i < 2; ++i) crates.push_back(add_crate(w, at(2 * t - 100, 0.2, 2 * i), 0.2));
+        if (t % 10 == 5)
+            for (int i = 0; i < 2; ++i) {
+                const BodyId hung = add_crate(w, at(2 * t - 100, 3, 2 * i + 5), 0.2);
+                JointDef weak = weld_joint();
+                weak.break_force = real(1);
+                made(w.create_joint(weak, {}, hung, at(2 * t - 100, 3.5, 2 * i + 5)));
+            }
+        if (t > 60 && t % 10 == 0)
+            for (std::size_t i = 0; i < 4; ++i)
+                done(w.add_impulse(crates[crates.size() - 110 + i], vec(0, 200, 0)));
+        done(w.set_character_input(hopper, {.jump = static_cast<std::uint32_t>(t % 2)}));
+        w.tick();
+    }
+};
 
 } // namespace
 
@@ -152,6 +192,51 @@ TEST_CASE("events keep their order, alternate per pair and balance, in scenes wh
             }
         }
     }
+}
+
+TEST_CASE(
+    "what falls asleep, wakes, breaks and lands in one tick is in the order of kinds, joints and bodies") {
+    EventfulWorld e;
+    std::array<std::size_t, 4> most{};
+    int both = 0;
+    for (int t = 0; t < 160; ++t) {
+        e.step();
+        REQUIRE(out_of_order(e.w.events()) == "");
+        const auto count = [&](EventKind kind) { return count_of(e.w.events(), kind); };
+        most = {std::max(most[0], count(EventKind::joint_break)),
+                std::max(most[1], count(EventKind::body_wake)),
+                std::max(most[2], count(EventKind::body_sleep)),
+                std::max(most[3], count(EventKind::character_landed))};
+        both += count(EventKind::body_sleep) > 0 && count(EventKind::character_landed) > 0 ? 1 : 0;
+    }
+    CHECK(most[0] >= 2);
+    CHECK(most[1] >= 2);
+    CHECK(most[2] >= 2);
+    CHECK(most[3] == 1);
+    CHECK(both > 0);
+}
+
+TEST_CASE("planted fault: events that are published when they are known, not in order, are found out") {
+    EventfulWorld e;
+    std::vector<Event> events;
+    do {
+        e.step();
+        REQUIRE(e.w.tick_count() < 200);
+        events.assign(e.w.events().begin(), e.w.events().end());
+    } while (count_of(events, EventKind::body_sleep) < 2 ||
+             count_of(events, EventKind::character_landed) == 0);
+    REQUIRE(out_of_order(events) == "");
+    std::vector<Event> late = events; // sleep is known last
+    std::ranges::stable_partition(late, [](const Event& x) { return x.kind != EventKind::body_sleep; });
+    CHECK(out_of_order(late) != "");
+    const auto sleeper = std::ranges::find(events, EventKind::body_sleep, &Event::kind);
+    std::vector<Event> other = events; // another order of the bodies
+    std::swap(other[static_cast<std::size_t>(sleeper - events.begin())],
+              other[static_cast<std::size_t>(sleeper - events.begin()) + 1]);
+    CHECK(out_of_order(other) != "");
+    std::vector<Event> twice = events;
+    twice.insert(twice.begin() + (sleeper - events.begin()), *sleeper);
+    CHECK(out_of_order(twice) != "");
 }
 
 TEST_CASE("planted fault: events out of order are found out") {
