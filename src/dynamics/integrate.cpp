@@ -1,5 +1,6 @@
 #include "dynamics/integrate.h"
 
+#include "dynamics/followed_turn.h"
 #include "dynamics/region.h"
 #include "lockstone/math.h"
 
@@ -126,9 +127,12 @@ void damp(std::int64_t v[3], Unit keep) {
 }
 
 /// Returns how many of its two velocities were clamped.
-std::uint64_t clamp_speeds(SolverBody& b, const StepConstants& step) {
-    return (clamp_length(b.v, step.linear_speed_max) ? 1u : 0u) +
-           (clamp_length(b.u, step.tip_speed_max) ? 1u : 0u);
+std::uint64_t clamp_speeds(SolverBodies& bodies, std::uint32_t i, const StepConstants& step) {
+    SolverBody& b = bodies.body[i];
+    const bool turns_less = clamp_length(b.u, step.tip_speed_max);
+    if (turns_less && bodies.step[i].turn != 0)
+        for (std::int64_t& part : bodies.turns[bodies.step[i].turn - 1].precession) part = 0;
+    return (clamp_length(b.v, step.linear_speed_max) ? 1u : 0u) + (turns_less ? 1u : 0u);
 }
 
 /// Calls visit(i) for each body and adds what it returns to the clamped speeds.
@@ -160,8 +164,9 @@ void integrate_velocities(const FreeMotion& motion, const BodyColumns& columns, 
             for (int axis = 0; axis < 3; ++axis) b.u[axis] += s.du[axis];
             damp(b.v, s.linear_keep);
             damp(b.u, s.angular_keep);
+            if (s.turn != 0) damp(bodies.turns[s.turn - 1].precession, s.angular_keep);
         }
-        return clamp_speeds(b, step);
+        return clamp_speeds(bodies, i, step);
     });
 }
 
@@ -178,11 +183,12 @@ void integrate_poses(const StepConstants& step, SolverBodies& bodies, Tasks* tas
         SolverBody& b = bodies.body[i];
         const BodyStep& s = bodies.step[i];
         if (!s.moves) return 0;
-        const std::uint64_t clamped = clamp_speeds(b, step);
+        const std::uint64_t clamped = clamp_speeds(bodies, i, step);
         for (int axis = 0; axis < 3; ++axis) {
             advance(b.shift[axis], b.v[axis], s.drift[axis]);
             advance(b.theta[axis], b.u[axis], 0);
         }
+        if (s.turn != 0) advance_turn(b, s, bodies.turns[s.turn - 1], step);
         return clamped;
     });
 }

@@ -27,7 +27,7 @@ std::uint32_t cached(JointTick& tick, std::uint32_t body, const BodyColumns& col
     if (at == 0) {
         tick.bodies.push_back({});
         tick.bodies.back().body = body;
-        start_body(tick.bodies.back(), columns.pose[body], bodies.body[body], bodies.step[body]);
+        start_body(tick.bodies.back(), columns.pose[body], bodies);
         at = static_cast<std::uint32_t>(tick.bodies.size());
     }
     return at - 1;
@@ -96,8 +96,7 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
 
 void JointSolver::update(const StepConstants& step, const SolverBodies& bodies) {
     JointTick& tick = *work;
-    for (JointBody& now : tick.bodies)
-        place_body(now, tick.pose[now.body], bodies.body[now.body], bodies.step[now.body]);
+    for (JointBody& now : tick.bodies) place_body(now, tick.pose[now.body], bodies);
     const auto stirred = [&](const JointWorkSide& s) { return !s.world && tick.bodies[s.cache].stirred; };
     for (JointWork& w : tick.joints)
         if (stirred(w.a) || stirred(w.b)) make_rows(tick, w, step, bodies);

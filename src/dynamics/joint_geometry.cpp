@@ -266,7 +266,9 @@ void invert_blocks(JointTick& tick, const JointWork& work) {
     }
 }
 
-void place_body(JointBody& now, const Transform& pose, const SolverBody& body, const BodyStep& step) {
+void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodies) {
+    const SolverBody& body = bodies.body[now.body];
+    const BodyStep& step = bodies.step[now.body];
     const bool still = std::equal(body.shift, body.shift + 3, now.shift) &&
                        std::equal(body.theta, body.theta + 3, now.theta);
     now.stirred = !still;
@@ -282,15 +284,17 @@ void place_body(JointBody& now, const Transform& pose, const SolverBody& body, c
             Real::from_raw(shift_right_rounded(body.v[i], accumulator_bits - Real::fraction_bits));
     }
     now.rotation =
-        integrate_rotation(pose.rotation, over_gyration(step, body.theta, Separation::fraction_bits));
+        step.turn != 0
+            ? bodies.turns[step.turn - 1].rotation
+            : integrate_rotation(pose.rotation, over_gyration(step, body.theta, Separation::fraction_bits));
     now.axes = rotation_of(now.rotation);
     const std::int32_t u[3] = {speed_of(body.u[0]), speed_of(body.u[1]), speed_of(body.u[2])};
     now.w = over_gyration(step, u, Speed::fraction_bits);
 }
 
-void start_body(JointBody& now, const Transform& pose, const SolverBody& body, const BodyStep& step) {
-    now.shift[0] = body.shift[0] + 1; // whatever it is, not what it was
-    place_body(now, pose, body, step);
+void start_body(JointBody& now, const Transform& pose, const SolverBodies& bodies) {
+    now.shift[0] = bodies.body[now.body].shift[0] + 1; // whatever it is, not what it was
+    place_body(now, pose, bodies);
     now.moved = Vec3{};
     for (int i = 0; i < 3; ++i) now.turned[i] = 0;
 }

@@ -108,8 +108,8 @@ struct JointTick {
 
 /// Parts of one joint by its table of axes; appends to blocks and axes.
 void assemble(JointTick& tick, JointWork& work, const StepConstants& step, const JointMemory& memory);
-void start_body(JointBody& now, const Transform& pose, const SolverBody& body, const BodyStep& step);
-void place_body(JointBody& now, const Transform& pose, const SolverBody& body, const BodyStep& step);
+void start_body(JointBody& now, const Transform& pose, const SolverBodies& bodies);
+void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodies);
 /// Rows, responses, inverses and targets of a joint's parts.
 void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, const SolverBodies& bodies);
 /// Inverses of a joint's blocks, which make_rows() leaves out where a tree solves them.

@@ -1,5 +1,6 @@
 #include "dynamics/solver_body.h"
 
+#include "dynamics/followed_turn.h"
 #include "lockstone/math.h"
 
 #include <bit>
@@ -129,6 +130,7 @@ void begin_step(const BodyColumns& c, Vec3 gravity, const StepConstants& step, S
     const std::uint32_t count = static_cast<std::uint32_t>(c.info.size());
     out.body.resize(count + 1);
     out.step.resize(count + 1);
+    out.turns.clear();
     out.clamps = {};
     base::for_chunks(tasks, count, body_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
         ClampCounts clamps;
@@ -229,6 +231,11 @@ void finish_step(const StepConstants& step, SolverBodies& bodies, const BodyColu
             clamped += shift_position(b, c.pose[i].position);
             if (s.movable) c.velocity[i].linear = rounded(b.v);
             Velocity turned = c.velocity[i];
+            if (s.turn != 0) {
+                c.pose[i].rotation = bodies.turns[s.turn - 1].rotation;
+                c.velocity[i].angular = to<Speed>(spin_of(b, s, bodies.turns[s.turn - 1]));
+                continue;
+            }
             turn(c.info[i], c.mass[i], step, b, s, c.pose[i], turned);
             if (s.movable) c.velocity[i].angular = turned.angular;
         }

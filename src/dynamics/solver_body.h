@@ -49,6 +49,15 @@ struct BodyStep {
     std::uint32_t angular_mask;     ///< bit per axis that may turn
     bool movable;                   ///< dynamic and with mass
     bool moves;                     ///< dynamic or kinematic
+    std::uint32_t turn;             ///< entry of SolverBodies::turns + 1, 0: not followed
+};
+
+/// The turn of a body that is followed substep by substep; followed_turn.h.
+struct FollowedTurn {
+    Quat rotation; ///< of the body now
+    Quat principal;
+    Vec3 radii_inv;             ///< of gyration [1/m]
+    std::int64_t precession[3]; ///< the part of u that is no momentum [m/s], 47 fraction bits
 };
 
 struct FieldRow {
@@ -76,9 +85,12 @@ struct ClampCounts {
 struct SolverBodies {
     std::vector<SolverBody> body;
     std::vector<BodyStep> step;
+    std::vector<FollowedTurn> turns; ///< of some bodies
     ClampCounts clamps;
 
-    void reserve(std::size_t bodies) { body.reserve(bodies + 1), step.reserve(bodies + 1); }
+    void reserve(std::size_t bodies) {
+        body.reserve(bodies + 1), step.reserve(bodies + 1), turns.reserve(bodies);
+    }
     std::uint32_t still() const { return static_cast<std::uint32_t>(body.size() - 1); }
 };
 

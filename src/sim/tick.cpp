@@ -1,6 +1,7 @@
 // One tick, on one screen. Everything from outside came in as commands before it (apply.cpp); everything that leaves,
 // leaves as event arrays at the bottom. Each phase is a pure function of the columns and of this tick's scratch.
 // Where a phase takes w.tasks, workers share it: each writes what no other reads, and what they made is put together in order.
+#include "dynamics/followed_turn.h"
 #include "dynamics/joint_stiffness.h"
 #include "sim/phases.h"
 
@@ -27,6 +28,7 @@ void prepare(Data& w) {
     dynamics::begin_step(w.body_columns(), w.header().gravity, s.step, s.bodies, w.tasks);
     list_joints(w);
     dynamics::stiffen_bodies(s.joints, w.state.rows(w.m.joint_memory), w.body_columns(), s.step, s.bodies);
+    dynamics::follow_turns(s.joints, w.body_columns(), s.step, s.bodies);
     s.solver.prepare(s.contacts, w.state.rows(w.m.contact_memory),
                      w.state.rows(w.m.body_mass).first(w.header().bodies_awake), s.step, s.bodies, w.tasks);
     s.joint_solver.prepare(s.joints, w.state.rows(w.m.joint_memory), w.body_columns(), s.step, s.bodies);

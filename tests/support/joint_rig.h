@@ -1,6 +1,7 @@
 // Bodies and joints without a world: the solver's own loop on hand-made columns.
 #pragma once
 
+#include "dynamics/followed_turn.h"
 #include "dynamics/integrate.h"
 #include "dynamics/joint.h"
 #include "dynamics/joint_parts.h"
@@ -99,6 +100,7 @@ struct Rig {
             if (ready[i].body_a == world) ready[i].body_a = bodies.still();
         }
         stiffen_bodies(ready, memory, columns(), step, bodies);
+        follow_turns(ready, columns(), step, bodies);
         solver.prepare(ready, memory, columns(), step, bodies);
     }
     void substep(const StepConstants& step, std::int32_t i) {
