@@ -1,8 +1,9 @@
-// Spinning bodies that joints hold are turned substep by substep.
+// Bodies that spin are turned substep by substep.
 //
 // Other bodies keep K for a tick, and their gyroscopic turn is made after it (finish_step). A top on a joint would so
-// fall for a tick as if it did not spin, be held by the joint with a wrong arm, and be turned at last: an error of first
-// order in the tick. Followed, u has a part that is no momentum:
+// fall for a tick as if it did not spin, be held with a wrong arm, and be turned at last: an error of first order in the
+// tick. What spins at 80 rad/s and hits the floor gained up to 30 times its energy. Followed, u has a part that is no
+// momentum:
 //
 //   u = m + g      K m   angular momentum per mass, changed by impulses alone;  g: precession
 //   K^-1 u = w     w = R diag(radii^-2) R^T K m, R at the middle of the coming substep
@@ -19,8 +20,8 @@
 namespace lockstone::dynamics {
 
 /// After stiffen_bodies() and before rows are made: finds the bodies that are followed in this tick, and their g. These
-/// are those that a joint holds, with moments of inertia that differ, that turn by a tenth of a radian in the tick or
-/// more about some axis and feel gyroscopic torque; but not those that turn as if they were larger (joint_stiffness.h).
+/// are those that feel gyroscopic torque and turn by half a radian in the tick or more about some axis, or by a tenth
+/// and a joint holds them; but not those that turn as if they were larger (joint_stiffness.h).
 void follow_turns(std::span<const Joint> joints, const BodyColumns& columns, const StepConstants& step,
                   SolverBodies& bodies);
 
