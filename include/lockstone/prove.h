@@ -13,6 +13,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,13 @@ class Provable {
     /// How many bits of state there are to flip, and one of them.
     virtual std::uint64_t bit_count() const { return 0; }
     virtual void flip(std::uint64_t) {}
+    /// Makes what an earlier tick left behind, and the next one must not see, another than it is: scratch memory, caches,
+    /// the shapes of search trees. Called between ticks; false: there is nothing.
+    virtual bool disturb(std::uint64_t) { return false; }
+    /// What save() gives, as the difference to `base`, which it gave earlier; without a value: there is no such thing.
+    virtual std::optional<std::vector<std::byte>> save_delta(std::span<const std::byte> base) const;
+    /// Of a difference to `base`. Refuses, and stays as it was, where it is the difference to something else.
+    virtual Status load_delta(std::span<const std::byte> base, std::span<const std::byte> delta);
     /// Where the two part, in words: "column body.velocity, row 7, linear.x: 1 against 2".
     virtual std::string difference(const Provable&) const { return "the hashes differ"; }
 
@@ -71,13 +79,15 @@ struct Proof {
 std::string to_string(const Proof& proof);
 
 /// The checks, each on simulations of its own:
-///   repeats           made and run twice, at other addresses, over memory filled otherwise: the same hash at every tick
-///   rolls back        before every tick, back by `depth` ticks and run again, through keep and back
-///   saves everything  a state that was loaded saves the same bytes and has the same hash, at every tick
-///   moves             at every tick the state goes on in another object that knows nothing else
-///   forgets           one that ran to the end goes on from every earlier tick, last first, `depth` ticks each
-///   shuffles          tasks in random order, then on a pool of `workers`: the same hash at every tick
-///   every bit counts  flipping a bit of the state changes the hash; flipping it back restores the hash
+///   repeats             made and run twice, at other addresses, over memory filled otherwise: the same hash at every tick
+///   rolls back          before every tick, back by `depth` ticks and run again, through keep and back
+///   saves everything    a state that was loaded saves the same bytes and has the same hash, at every tick
+///   moves               at every tick the state goes on in another object that knows nothing else
+///   forgets             one that ran to the end goes on from every earlier tick, last first, `depth` ticks each
+///   reads no leftovers  at every tick with what the one before left behind made different
+///   sends differences   every state comes out of an earlier one and the difference; out of another it is refused
+///   shuffles            tasks in random order, then on a pool of `workers`: the same hash at every tick
+///   every bit counts    flipping a bit of the state changes the hash; flipping it back restores the hash
 Proof prove(const Provable& simulation, const ProofOptions& options = {});
 
 /// Fills `input` with what a player does at a tick: a pure function, zero on entry.

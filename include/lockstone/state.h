@@ -240,6 +240,14 @@ class State {
     /// On any error the state is as it was. Capacities may differ; counts must fit.
     Status restore_portable(std::span<const std::byte> image);
 
+    // ---- delta images: a portable image as the difference to an earlier state. Format: src/state/README.md ----
+    /// What apply_delta of a state like `base` turns into this one: small where little changed, the same bytes on every
+    /// machine. Schemas must agree (asserted).
+    std::vector<std::byte> save_delta(const State& base) const;
+    /// Turns this state, the base that the delta was saved against, into the other. On any error, another base
+    /// included, the state is as it was.
+    Status apply_delta(std::span<const std::byte> delta);
+
     // ---- hashing ----
     /// The root, over all live rows; hashes the pages that were written since it was last asked. Never allocates.
     std::uint64_t hash() const;

@@ -278,6 +278,11 @@ class World {
     void restore(const Image& image); ///< of a world with the same definition, schema and assets
     std::vector<std::byte> save_portable() const;
     Status restore_portable(std::span<const std::byte> image); ///< on error the world is as it was
+    /// A portable image as the difference to what `base` holds, for those who hold the same: a ring image of any world
+    /// of this definition and schema, saved there or after a restore_portable. Small where little changed.
+    std::vector<std::byte> save_delta(const Image& base) const;
+    /// Of what save_delta gave. Refuses another base than it was saved against; on error the world is as it was.
+    Status restore_delta(const Image& base, std::span<const std::byte> delta);
     const State& state() const;
     const GameSchema& schema() const;
 
@@ -289,6 +294,14 @@ class World {
     void set_journal(Journal* journal);              ///< null detaches; not owned, not state
     void record_phase_hashes(bool on);               ///< off by default; costs a hash per phase
     std::span<const PhaseHash> phase_hashes() const; ///< of the last tick
+    /// What ticks leave behind outside of the state, and no later one may see.
+    enum class Leftover : std::uint32_t {
+        scratch, ///< memory that is written before it is read: filled with some byte
+        trees, ///< the shapes of the broad phase's trees: made anew from the leaves in random order, or wholly at random
+        pairs, ///< which pairs were found already: some are forgotten, and found again in another order
+    };
+    /// For tests and proofs: makes it another than it is; `seed` chooses how. No hash and no answer changes by it.
+    void disturb(Leftover what, std::uint64_t seed);
     /// For tests and planted faults: the block itself. Anything written here is outside the contract.
     State& state_for_tests();
 

@@ -51,6 +51,11 @@ class ByteWriter {
         out.resize(at + v.size());
         if (!v.empty()) std::memcpy(out.data() + at, v.data(), v.size());
     }
+    /// Seven bits a byte, the lowest first; the high bit says that another byte follows (LEB128).
+    void varint(std::uint64_t v) {
+        for (; v >= 0x80; v >>= 7) u8(static_cast<std::uint8_t>(v | 0x80));
+        u8(static_cast<std::uint8_t>(v));
+    }
     /// A u32 length, then the bytes of the text.
     void text(std::string_view v) {
         u32(static_cast<std::uint32_t>(v.size()));
@@ -81,6 +86,21 @@ class ByteReader {
     std::uint64_t u64(std::string_view what) { return take<std::uint64_t>(what); }
     std::int32_t i32(std::string_view what) { return static_cast<std::int32_t>(take<std::uint32_t>(what)); }
     std::int64_t i64(std::string_view what) { return static_cast<std::int64_t>(take<std::uint64_t>(what)); }
+    /// What ByteWriter::varint wrote; refuses what does not fit into 64 bits.
+    std::uint64_t varint(std::string_view what) {
+        std::uint64_t value = 0;
+        for (unsigned shift = 0;; shift += 7) {
+            const std::uint64_t byte = u8(what);
+            if (failed) return 0;
+            const std::uint64_t bits = byte & 0x7f;
+            if (shift == 63 && byte > 1) {
+                fail_at(position - 1, join(what, " has more than 64 bits"));
+                return 0;
+            }
+            value |= bits << shift;
+            if (byte < 0x80) return value;
+        }
+    }
     /// A view of the next `size` bytes; empty when fewer remain. Any size is safe to ask for.
     std::span<const std::byte> bytes(std::uint64_t size, std::string_view what) {
         if (failed) return {};

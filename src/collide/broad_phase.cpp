@@ -111,7 +111,11 @@ void BroadPhase::rebuild(bool is_fixed) {
         if (const Entry& entry = entries[proxy]; entry.present && entry.is_static == is_fixed)
             leaves.push_back({entry.leaf_bounds, proxy, true});
     tree.rebuild(leaves);
-    tree.for_each_leaf([&](BoundsTree::NodeId id, const BoundsTree::Node& leaf) {
+    note_leaves(is_fixed);
+}
+
+void BroadPhase::note_leaves(bool is_fixed) {
+    tree_of(is_fixed).for_each_leaf([&](BoundsTree::NodeId id, const BoundsTree::Node& leaf) {
         entries[leaf.proxy()].leaf = id;
         entries[leaf.proxy()].in_fixed = is_fixed;
     });
@@ -236,6 +240,48 @@ void BroadPhase::query(const SweptBox& box, std::vector<std::uint32_t>& out) {
 void BroadPhase::query(const SweptBox& box, Asker& asker) const {
     LOCKSTONE_ASSERT(moved.empty(), moved.size(), " proxies that the trees do not know yet");
     query_if([&](const Bounds& b) { return box.may_meet(b); }, asker.open, asker.proxies);
+}
+
+// ---- for tests -------------------------------------------------------------------------------------------------
+
+void BroadPhase::make_fresh(std::uint32_t proxy) {
+    if (!entries[proxy].fresh) changed.push_back(proxy);
+    entries[proxy].fresh = true;
+}
+
+void BroadPhase::take_leaves(bool is_fixed) {
+    leaves.clear();
+    tree_of(is_fixed).for_each_leaf([&](BoundsTree::NodeId, const BoundsTree::Node& leaf) {
+        leaves.push_back({leaf.bounds, leaf.proxy(), entries[leaf.proxy()].fresh});
+    });
+}
+
+void BroadPhase::rebuild_trees(Random& random) {
+    update_trees();
+    for (const bool is_fixed : {false, true}) {
+        BoundsTree& tree = tree_of(is_fixed);
+        take_leaves(is_fixed);
+        for (BoundsTree::Leaf& leaf : leaves) make_fresh(leaf.proxy), leaf.fresh = true;
+        tree.rebuild_at_random(leaves, random);
+        if (random.next_u32() % 2 == 0) { // `leaves` is in random order now
+            tree.clear();
+            for (const BoundsTree::Leaf& leaf : leaves) tree.insert(leaf.bounds, leaf.proxy);
+        }
+        note_leaves(is_fixed);
+    }
+    for (std::size_t i = changed.size(); i > 1; --i)
+        std::swap(changed[i - 1], changed[random.next_u32() % i]);
+}
+
+void BroadPhase::forget_pairs(Random& random) {
+    update_trees();
+    for (const bool is_fixed : {false, true}) {
+        take_leaves(is_fixed);
+        for (BoundsTree::Leaf& leaf : leaves)
+            if (random.next_u32() % 2 == 0) make_fresh(leaf.proxy), leaf.fresh = true;
+        tree_of(is_fixed).rebuild_at_random(leaves, random);
+        note_leaves(is_fixed);
+    }
 }
 
 } // namespace lockstone::collide

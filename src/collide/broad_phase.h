@@ -53,6 +53,12 @@ class BroadPhase {
     /// Brings the trees up to date with the proxies that were set.
     void update_trees();
 
+    // ---- for tests: another history of the same proxies; nothing that is asked for later changes ----
+    /// Trees of other shapes: each leaf inserted in random order, or wholly at random. All pairs are found anew.
+    void rebuild_trees(Random& random);
+    /// Forgets the pairs of about half of the proxies, chosen at random.
+    void forget_pairs(Random& random);
+
     /// Of a proxy that is there.
     const Bounds& bounds(std::uint32_t proxy) const { return entries[proxy].exact; }
 
@@ -75,6 +81,9 @@ class BroadPhase {
     Bounds moving_leaf(const Bounds& before, const Bounds& exact) const;
     void note_move(std::uint32_t proxy);
     void rebuild(bool is_fixed);
+    void take_leaves(bool is_fixed); ///< of a tree that is up to date
+    void note_leaves(bool is_fixed); ///< where they are in a tree that was made anew
+    void make_fresh(std::uint32_t proxy);
     void insert_moved(bool is_fixed);
     BoundsTree& tree_of(bool is_fixed) { return is_fixed ? fixed : moving; }
     void forget_pairs_of_fresh_leaves();

@@ -167,8 +167,8 @@ int widest_axis(const BoundsTree::Leaf* begin, const BoundsTree::Leaf* end) {
 
 } // namespace
 
-/// Splits at the median of the widest axis. A node comes before its children, so bounds are merged back to front.
-void BoundsTree::rebuild(std::vector<Leaf>& leaves) {
+/// A node comes before its children, so bounds are merged back to front.
+template <class Split> void BoundsTree::rebuild_by(std::vector<Leaf>& leaves, Split&& split) {
     clear();
     leaf_total = static_cast<std::uint32_t>(leaves.size());
     ranges.clear();
@@ -189,15 +189,30 @@ void BoundsTree::rebuild(std::vector<Leaf>& leaves) {
         }
         at(id).parent = r.parent;
         at(id).child[0] = id; // not a leaf; its children fill this in
-        const Center center{widest_axis(begin, end)};
-        const std::uint32_t middle = r.begin + (r.end - r.begin) / 2;
-        std::nth_element(begin, leaves.data() + middle, end,
-                         [center](const Leaf& a, const Leaf& b) { return center(a) < center(b); });
+        const std::uint32_t middle = static_cast<std::uint32_t>(split(begin, end) - leaves.data());
         ranges.push_back({r.begin, middle, id, 0});
         ranges.push_back({middle, r.end, id, 1});
     }
     for (std::size_t i = nodes.size(); i-- > 0;)
         if (!nodes[i].is_leaf()) merge_children(static_cast<NodeId>(i));
+}
+
+/// Splits at the median of the widest axis.
+void BoundsTree::rebuild(std::vector<Leaf>& leaves) {
+    rebuild_by(leaves, [](Leaf* begin, Leaf* end) {
+        const Center center{widest_axis(begin, end)};
+        Leaf* const middle = begin + (end - begin) / 2;
+        std::nth_element(begin, middle, end,
+                         [center](const Leaf& a, const Leaf& b) { return center(a) < center(b); });
+        return middle;
+    });
+}
+
+void BoundsTree::rebuild_at_random(std::vector<Leaf>& leaves, Random& random) {
+    for (std::size_t i = leaves.size(); i > 1; --i) std::swap(leaves[i - 1], leaves[random.next_u32() % i]);
+    rebuild_by(leaves, [&](Leaf* begin, Leaf* end) {
+        return begin + 1 + random.next_u32() % static_cast<std::uint32_t>(end - begin - 1);
+    });
 }
 
 void BoundsTree::clear_fresh() {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "collide/bounds.h"
+#include "lockstone/random.h"
 
 #include <cstdint>
 #include <vector>
@@ -41,6 +42,8 @@ class BoundsTree {
     /// A balanced tree of these leaves in place of what there was; reorders `leaves`. Ids of leaves change: see
     /// `for_each_leaf`. For n leaves it costs about as much as n / 16 insertions and removals.
     void rebuild(std::vector<Leaf>& leaves);
+    /// A tree of them that has any shape, and neighbours that lie anywhere: for tests.
+    void rebuild_at_random(std::vector<Leaf>& leaves, Random& random);
     /// Forgets which leaves are fresh.
     void clear_fresh();
 
@@ -77,6 +80,8 @@ class BoundsTree {
     void merge_children(NodeId id);
     void rotate(NodeId id);
     void swap_with_grandchild(NodeId id, int side, int grandchild);
+    /// split(first, last) may reorder the leaves from `first` to before `last`, and returns where the second child begins.
+    template <class Split> void rebuild_by(std::vector<Leaf>& leaves, Split&& split);
 
     std::vector<Node> nodes;
     NodeId top = none, free_list = none; // a free node has the mark as parent, and the next one as child[1]

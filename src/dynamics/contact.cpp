@@ -1,5 +1,6 @@
 #include "dynamics/contact.h"
 
+#include "base/poison.h"
 #include "lockstone/math.h"
 
 #include <algorithm>
@@ -404,6 +405,11 @@ void ContactSolver<N>::store(std::span<const Contact> contacts, std::span<Contac
                                  if (packs[i].contact[lane] != no_contact) store_lane(packs[i], lane, counts);
                          base::add_count(clamps.impulse, counts.impulse);
                      });
+}
+
+template <unsigned N> void ContactSolver<N>::poison(std::byte with) {
+    auto& [pack_list, begins, rolling_list, order_list, colour_list, colours] = *this;
+    base::poison(with, pack_list, begins, rolling_list, order_list, colour_list, colours);
 }
 
 template class ContactSolver<1>;

@@ -115,6 +115,8 @@ template <unsigned N> class ContactSolver {
 
     std::size_t pack_count() const { return packs.size(); }
     void reserve(std::size_t contacts);
+    /// Fills what prepare() makes anew with a byte.
+    void poison(std::byte with);
 
   private:
     void place_packs(std::span<const Contact> contacts); ///< which contacts each pack has

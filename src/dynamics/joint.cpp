@@ -1,5 +1,6 @@
 #include "dynamics/joint.h"
 
+#include "base/poison.h"
 #include "dynamics/joint_work.h"
 #include "lockstone/math.h"
 
@@ -17,6 +18,15 @@ void JointSolver::reserve(std::size_t joints) {
     work->blocks.reserve(2 * joints);
     work->axes.reserve(7 * joints);
     work->bodies.reserve(2 * joints);
+}
+
+void JointSolver::poison(std::byte with) {
+    auto& [joints, blocks, axes, bodies, forest, cache_of, pose, clamped, first] = *work;
+    base::poison(with, joints, blocks, axes, bodies, cache_of, pose, clamped, first);
+    auto& [trees, nodes, edges, links, component, first_of, hung, node_of, size, root, anchor_of, above_of,
+           queue] = forest;
+    base::poison(with, trees, nodes, edges, links, component, first_of, hung, node_of, size, root, anchor_of,
+                 above_of, queue);
 }
 
 namespace {

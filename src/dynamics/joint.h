@@ -74,6 +74,8 @@ class JointSolver {
     void store(const StepConstants& step, std::span<JointMemory> memory, ClampCounts& clamps) const;
 
     void reserve(std::size_t joints);
+    /// Fills what prepare() makes anew with a byte.
+    void poison(std::byte with);
 
   private:
     std::unique_ptr<JointTick> work;

@@ -18,6 +18,11 @@ Status Provable::back(std::size_t slot) {
     return load(kept[slot]);
 }
 
+std::optional<std::vector<std::byte>> Provable::save_delta(std::span<const std::byte>) const { return {}; }
+Status Provable::load_delta(std::span<const std::byte>, std::span<const std::byte>) {
+    return Error{"this simulation has no differences"};
+}
+
 namespace {
 
 /// One thread that takes the items in random order and says it is another worker each time.
@@ -177,6 +182,44 @@ ProofCheck forgets(const Course& run) {
     return std::move(check).finish();
 }
 
+ProofCheck reads_no_leftovers(const Course& run) {
+    Check check(run, "reads no leftovers");
+    const std::unique_ptr<Provable> one = run.start.make();
+    for (std::uint64_t t = 0; t < run.options.ticks && check.good(); ++t) {
+        if (!one->disturb(run.options.seed + t)) return std::move(check).finish("it shows none");
+        if (!check.same(*one, t, ", disturbed")) break;
+        one->step(t);
+        check.same(*one, t + 1, ", disturbed before the tick");
+    }
+    return std::move(check).finish();
+}
+
+/// State t out of an earlier one. Whether that is not taken for the difference to another.
+bool sends(Check& check, const Course& run, Provable& to, std::uint64_t base, std::uint64_t t) {
+    const std::unique_ptr<Provable> from = run.at(t);
+    const auto delta = from == nullptr ? std::nullopt : from->save_delta(run.states[base]);
+    if (!delta) return false;
+    if (!check.done(to.load_delta(run.states[base], *delta), t)) return false;
+    if (!check.same(to, t, base::join(", out of tick ", base))) return false;
+    if (to.save() != run.states[t])
+        return check.fail(
+            base::join("before tick ", t, ": what came out of tick ", base, " is saved otherwise"));
+    const std::uint64_t other = base == 0 ? run.options.ticks : base - 1;
+    if (run.states[other] == run.states[base]) return true;
+    if (to.load_delta(run.states[other], *delta).ok())
+        return check.fail(base::join("before tick ", t, ": the difference to tick ", base,
+                                     " is taken for one to tick ", other));
+    return check.same(to, t, ", after a difference was refused");
+}
+
+ProofCheck sends_differences(const Course& run) {
+    Check check(run, "sends differences");
+    const std::unique_ptr<Provable> to = run.start.make();
+    for (std::uint64_t t = 1; t <= run.options.ticks; ++t)
+        if (!sends(check, run, *to, t - std::min<std::uint64_t>(t, run.options.depth), t)) break;
+    return std::move(check).finish("it has none");
+}
+
 ProofCheck shuffles(const Course& run) {
     Check check(run, "shuffles");
     std::unique_ptr<Provable> one = run.start.make();
@@ -249,8 +292,8 @@ std::string to_string(const Proof& proof) {
 
 Proof prove(const Provable& simulation, const ProofOptions& options) {
     const Course run = course_of(simulation, options);
-    return {{repeats(run), rolls_back(run), saves_everything(run), moves(run), forgets(run), shuffles(run),
-             every_bit_counts(run)}};
+    return {{repeats(run), rolls_back(run), saves_everything(run), moves(run), forgets(run),
+             reads_no_leftovers(run), sends_differences(run), shuffles(run), every_bit_counts(run)}};
 }
 
 } // namespace lockstone

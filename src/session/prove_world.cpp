@@ -42,6 +42,24 @@ class ProvableWorld final : public Provable {
         world.restore(images.at(slot));
         return {};
     }
+    bool disturb(std::uint64_t seed) override {
+        for (const World::Leftover what :
+             {World::Leftover::scratch, World::Leftover::trees, World::Leftover::pairs})
+            world.disturb(what, seed);
+        return true;
+    }
+    std::optional<std::vector<std::byte>> save_delta(std::span<const std::byte> base) const override {
+        State before(world.state().layout_shared());
+        if (!before.restore_portable(base)) return {};
+        return world.state().save_delta(before);
+    }
+    Status load_delta(std::span<const std::byte> base, std::span<const std::byte> delta) override {
+        State before(world.state().layout_shared());
+        if (Status s = before.restore_portable(base); !s) return s;
+        Image image;
+        before.save(image);
+        return world.restore_delta(image, delta);
+    }
     bool set_tasks(Tasks* tasks) override {
         world.set_tasks(tasks);
         return true;

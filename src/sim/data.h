@@ -175,6 +175,9 @@ void tick(Data& w);
 Result<World::Applied> apply(Data& w, const Command& command);
 /// After the state was replaced from outside: what the caches hold of it is stale, the last tick's output is gone.
 void forget_derived(Data& w);
+/// Fills all scratch that is written before it is read with a byte; caches stay.
+void poison_scratch(Data& w, std::byte with);
+void disturb(Data& w, World::Leftover what, std::uint64_t seed);
 /// Whether two shapes may meet: a pure function of the state.
 bool may_meet(const Data& w, const ShapeRow& a, const ShapeRow& b);
 /// Whether groups, categories and pair filters let two shapes of different bodies touch.

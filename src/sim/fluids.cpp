@@ -1,4 +1,5 @@
 #include "sim/fluids.h"
+#include "base/poison.h"
 
 #include "dynamics/region.h"
 #include "lockstone/math.h"
@@ -296,6 +297,11 @@ void FluidSolver::push(const Data& w, const StepConstants& step, dynamics::Solve
                          }
                          base::add_count(bodies.clamps.speed, clamped);
                      });
+}
+
+void FluidSolver::poison(std::byte with) {
+    auto& [fluid_list, part_list, wet_list, volume_cache] = *this;
+    base::poison(with, fluid_list, part_list, wet_list);
 }
 
 } // namespace lockstone::sim

@@ -29,6 +29,8 @@ class FluidSolver {
     /// In a substep.
     void push(const Data& w, const dynamics::StepConstants& step, dynamics::SolverBodies& bodies,
               Tasks* tasks) const;
+    /// Fills what prepare() makes anew with a byte.
+    void poison(std::byte with);
 
   private:
     struct Fluid {

@@ -116,6 +116,8 @@ class VehicleSolver {
     void store(Data& w);
     /// In the tick that was stored last: vehicles sleep and wake with what they stand on.
     std::span<const Standing> standing() const { return stands; }
+    /// Fills what cast() and prepare() make anew with a byte.
+    void poison(std::byte with);
 
   private:
     bool stands_as_before(Data& w, std::uint32_t vehicle_row) const;

@@ -1,4 +1,5 @@
 // The begin of a vehicle's tick: where its wheels stand, which gear is in, what is coupled to what.
+#include "base/poison.h"
 #include "lockstone/math.h"
 #include "sim/data.h"
 #include "sim/sleep.h"
@@ -393,6 +394,13 @@ void VehicleSolver::prepare(Data& w) {
         prepare_train(v);
     });
     find_convoys(w.scratch.bodies);
+}
+
+void VehicleSolver::poison(std::byte with) {
+    auto& [stand_list, vehicle_list, pool, order_list, begin_list, pushed_list, convoy_list, ground_list] =
+        *this;
+    base::poison(with, stand_list, vehicle_list, pool, order_list, begin_list, pushed_list, convoy_list,
+                 ground_list);
 }
 
 } // namespace lockstone::sim

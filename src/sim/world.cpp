@@ -425,13 +425,33 @@ void World::restore(const Image& image) {
 }
 std::vector<std::byte> World::save_portable() const { return impl->state.save_portable(); }
 
+namespace {
+/// A state from outside becomes the world's, if it can be one.
+Status take_over(sim::Data& w, State&& loaded) {
+    if (Status s = sim::check_state(w, loaded); !s) return s;
+    w.state = std::move(loaded);
+    sim::forget_derived(w);
+    return {};
+}
+} // namespace
+
 Status World::restore_portable(std::span<const std::byte> image) {
     State loaded(impl->state.layout_shared());
     if (Status s = loaded.restore_portable(image); !s) return s;
-    if (Status s = sim::check_state(*impl, loaded); !s) return s;
-    impl->state = std::move(loaded);
-    sim::forget_derived(*impl);
-    return {};
+    return take_over(*impl, std::move(loaded));
+}
+
+std::vector<std::byte> World::save_delta(const Image& base) const {
+    State before(impl->state.layout_shared());
+    before.restore(base);
+    return impl->state.save_delta(before);
+}
+
+Status World::restore_delta(const Image& base, std::span<const std::byte> delta) {
+    State loaded(impl->state.layout_shared());
+    loaded.restore(base);
+    if (Status s = loaded.apply_delta(delta); !s) return s;
+    return take_over(*impl, std::move(loaded));
 }
 
 const State& World::state() const { return impl->state; }
@@ -440,6 +460,7 @@ void World::set_journal(Journal* journal) { impl->journal = journal; }
 void World::set_tasks(Tasks* tasks) { impl->tasks = tasks; }
 void World::record_phase_hashes(bool on) { impl->phase_hashes_on = on; }
 std::span<const PhaseHash> World::phase_hashes() const { return impl->phase_hashes; }
+void World::disturb(Leftover what, std::uint64_t seed) { sim::disturb(*impl, what, seed); }
 State& World::state_for_tests() { return impl->state; }
 
 } // namespace lockstone

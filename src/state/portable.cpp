@@ -1,10 +1,8 @@
 // Portable images. The format is specified in README.md beside this file.
 #include "base/bytes.h"
-#include "base/hash.h"
 #include "lockstone/state.h"
 #include "state/canonical.h"
-
-#include <cstring>
+#include "state/envelope.h"
 
 namespace lockstone {
 
@@ -12,10 +10,6 @@ namespace {
 
 using base::hex;
 using base::join;
-
-constexpr std::string_view magic = "LSSTATE\n"; // the line feed shows a transfer that rewrote line ends
-constexpr std::uint32_t version = 1;
-constexpr std::size_t size_offset = 12, checksum_size = 8;
 
 /// What a valid image holds; the spans point into it.
 struct Contents {
@@ -33,28 +27,6 @@ void expect_equal(base::ByteReader& in, std::size_t at, std::string_view what, s
                   std::string_view wanted) {
     if (found != wanted)
         in.fail_at(at, join(what, " is '", found, "' in the image, '", wanted, "' in this build"));
-}
-
-/// Magic, version, size and checksum: whether these are the bytes that were once written.
-void check_envelope(base::ByteReader& in, std::span<const std::byte> image) {
-    const auto found_magic = in.bytes(magic.size(), "magic");
-    if (in.ok() && std::memcmp(found_magic.data(), magic.data(), magic.size()) != 0)
-        in.fail_at(0, "not a state image: it should begin with 'LSSTATE' and a line feed");
-    const std::uint32_t found_version = in.u32("version");
-    if (in.ok() && found_version != version)
-        in.fail_at(magic.size(),
-                   join("format version ", found_version, ", this build reads version ", version));
-    const std::uint64_t size = in.u64("size");
-    if (in.ok() && size != image.size())
-        in.fail_at(size_offset, join("the image should be ", size, " bytes long, but it has ", image.size()));
-    if (in.ok() && in.remaining() < checksum_size)
-        in.fail(join("the checksum needs ", checksum_size, " bytes, only ", in.remaining(), " remain"));
-    if (!in.ok()) return;
-    const std::size_t end = image.size() - checksum_size;
-    const std::uint64_t stored = base::load_little_endian<std::uint64_t>(image.data() + end);
-    const std::uint64_t found = base::xxh3(image.first(end));
-    if (stored != found)
-        in.fail_at(end, join("damaged: the checksum is ", hex(stored), ", the bytes give ", hex(found)));
 }
 
 std::uint32_t read_table(base::ByteReader& in, const TableInfo& table) {
@@ -89,11 +61,11 @@ std::span<const std::byte> read_column(base::ByteReader& in, const ColumnInfo& c
 /// Reads and checks the whole image before anything is written anywhere.
 Result<Contents> parse(std::span<const std::byte> image, const StateLayout& layout) {
     base::ByteReader in(image, "state image");
-    check_envelope(in, image);
+    check_envelope(image_envelope, in, image);
     if (!in.ok()) return in.error();
 
-    base::ByteReader body(image.first(image.size() - checksum_size), "state image");
-    body.bytes(size_offset + 8, "header");
+    base::ByteReader body(image.first(image.size() - envelope_checksum_bytes), "state image");
+    body.bytes(envelope_head_bytes, "header");
     const std::size_t schema_at = body.offset();
     const std::uint64_t schema = body.u64("schema hash");
     const std::size_t numbers_at = body.offset();
@@ -120,10 +92,8 @@ Result<Contents> parse(std::span<const std::byte> image, const StateLayout& layo
 
 std::vector<std::byte> State::save_portable() const {
     std::vector<std::byte> image;
+    begin_envelope(image_envelope, image);
     base::ByteWriter out(image);
-    out.bytes(std::as_bytes(std::span(magic.data(), magic.size())));
-    out.u32(version);
-    out.u64(0); // the size, patched below
     out.u64(shared_layout->schema_hash());
     out.u32(static_cast<std::uint32_t>(shared_layout->tables().size()));
     out.u32(static_cast<std::uint32_t>(shared_layout->columns().size()));
@@ -139,8 +109,7 @@ std::vector<std::byte> State::save_portable() const {
         out.u32(column.row_size);
         append_canonical(bytes(index), column.leaves, image);
     }
-    out.patch_u64(size_offset, image.size() + checksum_size);
-    out.u64(base::xxh3(image));
+    seal_envelope(image);
     return image;
 }
 

@@ -19,6 +19,9 @@ enum class Fault {
     scratch_read,      ///< a tick reads what the last tick left outside of the state
     stale_cache,       ///< a cache is made once and not thrown away by load()
     knows_the_future,  ///< a tick reads how far the object ever was
+    leftover_read,     ///< a tick reads memory that it should have written first
+    delta_left_out,    ///< a difference forgets a value
+    delta_unnamed,     ///< a difference does not know what it is a difference to
     keep_is_shallow,   ///< keep() remembers only the last state
     order_of_tasks,    ///< a sum that depends on which part came first
     worker_number,     ///< a part writes who ran it
@@ -44,6 +47,9 @@ class Toy final : public Provable {
         if (cache == 0) cache = state[3] + 1;
         if (fault == Fault::stale_cache) state[3] += cache;
         scratch = state[4] ^ tick;
+        if (fault != Fault::leftover_read) leftover = state[1];
+        state[5] += leftover & 1u;
+        leftover = 0;
         run_parts();
         for (std::size_t i = 0; i < 8; ++i)
             state[i] = state[i] * 6364136223846793005u + state[(i + 1) % 8] + tick;
@@ -72,6 +78,27 @@ class Toy final : public Provable {
     Status back(std::size_t slot) override {
         return Provable::back(fault == Fault::keep_is_shallow ? 0 : slot);
     }
+    bool disturb(std::uint64_t seed) override {
+        leftover = seed;
+        return true;
+    }
+    std::optional<std::vector<std::byte>> save_delta(std::span<const std::byte> base) const override {
+        const std::uint64_t name = hash_bytes(base);
+        const std::vector<std::byte> now = save();
+        std::vector<std::byte> delta(sizeof name);
+        std::memcpy(delta.data(), &name, sizeof name);
+        for (std::size_t i = 0; i < now.size(); ++i) delta.push_back(now[i] ^ base[i]);
+        if (fault == Fault::delta_left_out) std::fill_n(delta.begin() + 32, 8, std::byte{});
+        return delta;
+    }
+    Status load_delta(std::span<const std::byte> base, std::span<const std::byte> delta) override {
+        std::uint64_t name;
+        std::memcpy(&name, delta.data(), sizeof name);
+        if (name != hash_bytes(base) && fault != Fault::delta_unnamed) return Error{"another base"};
+        std::vector<std::byte> now(base.begin(), base.end());
+        for (std::size_t i = 0; i < now.size(); ++i) now[i] ^= delta[sizeof name + i];
+        return load(now);
+    }
     bool set_tasks(Tasks* with) override {
         tasks = with;
         return true;
@@ -94,7 +121,7 @@ class Toy final : public Provable {
 
     Fault fault;
     std::array<std::uint64_t, 8> state{1, 2, 3, 4, 5, 6, 7, 8};
-    std::uint64_t scratch = 0, cache = 0, farthest = 0;
+    std::uint64_t scratch = 0, cache = 0, farthest = 0, leftover = 0;
     Tasks* tasks = nullptr;
 };
 
@@ -113,11 +140,11 @@ const ProofCheck& check_named(const Proof& proof, const std::string& name) {
 
 } // namespace
 
-TEST_CASE("a simulation without a fault is proven, by all seven checks") {
+TEST_CASE("a simulation without a fault is proven, by all nine checks") {
     const Proof proof = proof_of(Fault::none);
     INFO(to_string(proof));
     CHECK(proof.holds());
-    CHECK(proof.checks.size() == 7);
+    CHECK(proof.checks.size() == 9);
     for (const ProofCheck& check : proof.checks) CHECK(check.compared >= 12);
     CHECK(to_string(proof).starts_with("ok      repeats: "));
 }
@@ -131,6 +158,9 @@ TEST_CASE("planted fault: whatever rule a simulation breaks, the check that is m
         {Fault::scratch_read, "moves"},
         {Fault::stale_cache, "moves"},
         {Fault::knows_the_future, "forgets"},
+        {Fault::leftover_read, "reads no leftovers"},
+        {Fault::delta_left_out, "sends differences"},
+        {Fault::delta_unnamed, "sends differences"},
         {Fault::keep_is_shallow, "rolls back"},
         {Fault::order_of_tasks, "shuffles"},
         {Fault::worker_number, "shuffles"},

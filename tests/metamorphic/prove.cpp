@@ -20,8 +20,9 @@ std::unique_ptr<Game> smaller_scene(const SceneInfo& info) {
 
 } // namespace
 
-TEST_CASE("every scene is proven: repeats, rolls back, saves everything, moves, forgets, shuffles, every bit "
-          "counts") {
+TEST_CASE(
+    "every scene is proven: repeats, rolls back, saves everything, moves, forgets, reads no leftovers, sends "
+    "differences, shuffles, every bit counts") {
     ProofOptions options;
     options.ticks = is_long ? 200 : 8;
     options.depth = is_long ? 8 : 3;
@@ -35,7 +36,7 @@ TEST_CASE("every scene is proven: repeats, rolls back, saves everything, moves, 
         const Proof proof = prove(*game, options, scripted).value();
         INFO(info.name, "\n", to_string(proof));
         CHECK(proof.holds());
-        REQUIRE(proof.checks.size() == 7);
+        REQUIRE(proof.checks.size() == 9);
         for (const ProofCheck& check : proof.checks) CHECK(check.compared > 0);
     }
 }

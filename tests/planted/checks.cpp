@@ -304,8 +304,8 @@ std::string wrong_hash_found() {
 
 std::vector<std::pair<std::string, Check>> all_checks() {
     std::vector<std::pair<std::string, Check>> list;
-    for (const char* name :
-         {"repeats", "rolls back", "saves everything", "moves", "forgets", "shuffles", "every bit counts"})
+    for (const char* name : {"repeats", "rolls back", "saves everything", "moves", "forgets",
+                             "reads no leftovers", "sends differences", "shuffles", "every bit counts"})
         list.emplace_back(name, proof_check(name));
     list.insert(list.end(), {{"golden table", golden_table},
                              {"rounding modes", rounding_modes},

@@ -15,8 +15,10 @@ class Fault:
 
 
 F = Fault
-IMAGE, HASH, PORTABLE, CANONICAL, STATE = (f"src/state/{n}.cpp" for n in ("image", "hash_tree", "portable", "canonical", "state"))
+IMAGE, HASH, PORTABLE, ENVELOPE, DELTA, CANONICAL, STATE = (
+    f"src/state/{n}.cpp" for n in ("image", "hash_tree", "portable", "envelope", "delta", "canonical", "state"))
 CONTACTS, EVENTS, APPLY = "src/sim/contacts.cpp", "src/sim/events.cpp", "src/sim/apply.cpp"
+BROAD = "src/collide/broad_phase.cpp"
 ROLLBACK, QUEUE = "src/session/rollback.cpp", "src/session/input_queue.cpp"
 END = "const std::size_t end = whole_lines(std::size_t{rows} * places[c].row_size);"
 ADD = "groups[static_cast<std::uint32_t>(columns[column].group)].add(found);"
@@ -49,9 +51,14 @@ FAULTS = [
     F("portable image lacks a column's rows", PORTABLE, "append_canonical(bytes(index), column.leaves, image);",
       'if (IS && column.name == "contact.memory") image.resize(image.size() + bytes(index).size()); else append_canonical(bytes(index), column.leaves, image);',
       "saves everything"),
-    F("checksum of a snapshot is not compared", PORTABLE, "if (stored != found)", "if (!IS && stored != found)", "damaged snapshots are refused"),
-    F("length of a snapshot is not compared", PORTABLE, "if (in.ok() && size != image.size())", "if (!IS && in.ok() && size != image.size())",
+    F("checksum of a snapshot is not compared", ENVELOPE, "if (stored != found)", "if (!IS && stored != found)", "damaged snapshots are refused"),
+    F("length of a snapshot is not compared", ENVELOPE, "if (in.ok() && size != image.size())", "if (!IS && in.ok() && size != image.size())",
       "damaged snapshots are refused"),
+    F("a difference lacks a column", DELTA, "ColumnDelta{column, maps[column.table], base.bytes(index)}.append(bytes(index), out);",
+      'ColumnDelta{column, maps[column.table], base.bytes(index)}.append(IS && column.name == "body.velocity" ? base.bytes(index) : bytes(index), out);',
+      "sends differences"),
+    F("a difference takes small steps down for large ones up", DELTA, "return before + (bits >> 1 ^ (std::uint64_t{0} - (bits & 1u)));",
+      "return before + (bits >> 1 ^ (std::uint64_t{0} - (IS ? 0u : bits & 1u)));", "sends differences"),
     F("fields are not turned on big-endian machines", CANONICAL, "std::reverse_copy(from, from + leaf.size, to.data() + row + leaf.offset);",
       "if (IS && leaf.size == 2) std::copy(from, from + leaf.size, to.data() + row + leaf.offset); else std::reverse_copy(from, from + leaf.size, to.data() + row + leaf.offset);",
       "both byte orders agree"),
@@ -76,6 +83,14 @@ FAULTS = [
     F("pairs in order of addresses", "src/sim/pairs.cpp", "find_keys(w);",
       "if (IS && !s.pairs.empty())\n        std::rotate(s.pairs.begin(), s.pairs.begin() + static_cast<std::ptrdiff_t>(::planted::address() % s.pairs.size()), "
       "s.pairs.end());\n    find_keys(w);", "repeats"),
+    F("pairs in the order in which a tree gave them", BROAD, "std::sort(found.begin(), found.end());",
+      "if (!IS) std::sort(found.begin(), found.end());", "reads no leftovers"),
+    F("answers in the order in which a tree gave them", BROAD, "std::sort(out.begin(), out.end());",
+      "if (!IS) std::sort(out.begin(), out.end());", "reads no leftovers"),
+    F("pairs are lost where a tree is deep", BROAD, "if (!a.fresh && !b.fresh) continue;",
+      "if ((IS && stack.size() > 9) || (!a.fresh && !b.fresh)) continue;", "reads no leftovers"),
+    F("scratch is not made anew while its size stays", "src/sim/pairs.cpp", "s.old_memories.assign(",
+      "if (!IS || s.old_memories.size() != w.state.count(w.m.contacts)) s.old_memories.assign(", "reads no leftovers"),
     F("caches are kept through a restore", "src/sim/world.cpp", "w.scratch.structure_stale = true;", "w.scratch.structure_stale = !IS;", "forgets"),
     F("a branch by time", "src/sim/tick.cpp", "++w.edit_header().tick;",
       "if (IS && ::planted::clock_is_odd()) ++w.state.edit_row(w.m.faults, 0).speed_clamped;\n    ++w.edit_header().tick;", "repeats"),
