@@ -1,23 +1,41 @@
-# The steps of tests/run. Expects: logs, jobs, hash_ticks, passed, failed.
+# The steps of tests/run. Expects: logs, jobs, hash_ticks, test_seconds.
 # shellcheck shell=bash disable=SC2154
 
 hash_scenes=("two-blocks" "stack" "pyramid --size 12" "pile --size 150" "convex-pile --size 60" "terrain --size 40" "washer --size 60" "domino --size 60" "ragdolls --size 4" "joint-grid" "bridge --size 40" "wrecking-ball --size 12" "water --size 30" "blast --size 6" "character --players 2" "cars --players 2" "rollback-arena" "rollback-arena --players 4 --seed 9")
 
 log_of() { printf '%s/%s.log' "$logs" "$(tr -cs 'a-zA-Z0-9' '-' <<<"$1")"; }
 
+# side_by_side ... one_by_one: the checks between do not depend on each other; as many run at once as there are cores.
+width=1
+side_by_side() { width=$jobs; }
+one_by_one() {
+    wait
+    width=1
+}
+start_check() {
+    if [ "$width" -eq 1 ]; then
+        "$@"
+        return
+    fi
+    while [ "$(jobs -rp | wc -l)" -ge "$width" ]; do wait -n || true; done
+    "$@" &
+}
+
+# Adds to what has passed and failed: PASSED FAILED.
+count() { echo "$1 $2" >>"$logs/tally"; }
+
 # check NAME COMMAND...: one line; what the command printed only when it failed.
-check() {
+check() { start_check check_now "$@"; }
+check_now() {
     local name=$1 log start=$SECONDS
     shift
     log=$(log_of "$name")
     if "$@" >"$log" 2>&1 </dev/null; then
-        passed=$((passed + 1))
+        count 1 0
         printf 'ok      %s (%d s)\n' "$name" $((SECONDS - start))
     else
-        failed=$((failed + 1))
-        printf 'FAILED  %s (%d s), see %s\n' "$name" $((SECONDS - start)) "$log"
-        tail -n 60 "$log" | sed 's/^/        /'
-        return 0
+        count 0 1
+        printf 'FAILED  %s (%d s), see %s\n%s\n' "$name" $((SECONDS - start)) "$log" "$(tail -n 60 "$log" | sed 's/^/        /')"
     fi
 }
 
@@ -51,35 +69,35 @@ tally() {
         END { print good + 0, bad + 0 }' "$1"
 }
 
-add_tally() { # NAME LOG STATUS
+add_tally() { # NAME LOG STATUS SECONDS
     local good bad
     read -r good bad < <(tally "$2")
     [ "$3" -eq 0 ] || [ "$bad" -gt 0 ] || bad=1
     [ "$good" -gt 0 ] || [ "$bad" -gt 0 ] || bad=1 # nothing ran
-    passed=$((passed + good))
-    failed=$((failed + bad))
+    count "$good" "$bad"
     if [ "$bad" -eq 0 ]; then
-        printf 'ok      %s: %d tests\n' "$1" "$good"
+        printf 'ok      %s: %d tests (%d s)\n' "$1" "$good" "$4"
     else
-        printf 'FAILED  %s: %d of %d tests, see %s\n' "$1" "$bad" $((good + bad)) "$2"
+        printf 'FAILED  %s: %d of %d tests (%d s), see %s\n' "$1" "$bad" $((good + bad)) "$4" "$2"
     fi
 }
 
 # All tests of build/FOLDER, each case counted.
 check_suite() {
-    local folder=$1 log status=0
+    local folder=$1 log status=0 start=$SECONDS
     log=$(log_of "$folder tests")
-    ctest --test-dir "build/$folder" -V -j "$jobs" --timeout 900 >"$log" 2>&1 || status=$?
-    add_tally "$folder: tests" "$log" "$status"
-    [ "$status" -eq 0 ] || { ctest --test-dir "build/$folder" --rerun-failed --output-on-failure --timeout 900 2>&1 || true; } | tail -n 200
+    ctest --test-dir "build/$folder" -V -j "$jobs" --timeout "$test_seconds" >"$log" 2>&1 || status=$?
+    add_tally "$folder: tests" "$log" "$status" $((SECONDS - start))
+    [ "$status" -eq 0 ] || { ctest --test-dir "build/$folder" --rerun-failed --output-on-failure --timeout "$test_seconds" 2>&1 || true; } | tail -n 200
 }
 
 # One doctest program, each case counted.
-check_program() {
-    local name=$1 program=$2 log status=0
+check_program() { start_check check_program_now "$@"; }
+check_program_now() {
+    local name=$1 program=$2 log status=0 start=$SECONDS
     log=$(log_of "$name")
     "$program" >"$log" 2>&1 </dev/null || status=$?
-    add_tally "$name" "$log" "$status"
+    add_tally "$name" "$log" "$status" $((SECONDS - start))
     [ "$status" -eq 0 ] || tail -n 100 "$log"
 }
 
@@ -215,8 +233,10 @@ planted_column_is_named() {
 }
 
 finish() {
-    echo
-    echo "$passed passed, $failed failed"
-    [ "$failed" -eq 0 ] && exit 0
+    local passed failed
+    wait
+    read -r passed failed < <(awk '{ p += $1; f += $2 } END { print p + 0, f + 0 }' "$logs/tally")
+    printf '\n%d minutes\n%d passed, %d failed\n' $((SECONDS / 60)) "$passed" "$failed"
+    [ "$failed" -eq 0 ] && [ "$passed" -gt 0 ] && exit 0
     exit 1
 }

@@ -5,6 +5,7 @@ import os
 import pathlib
 import shutil
 import subprocess
+import threading
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 # Threads and directories; a machine without them builds the rest.
@@ -22,10 +23,21 @@ def sources(build):
     return found
 
 
+def fresh(out):
+    """Is the object newer than all it was made of?"""
+    try:
+        made = out.stat().st_mtime_ns
+        _, _, names = pathlib.Path(f"{out}.d").read_text().replace("\\\n", " ").partition(": ")
+        return made > max(os.stat(name).st_mtime_ns for name in names.split())
+    except (OSError, ValueError):
+        return False
+
+
 class Builder:
     def __init__(self, folder, jobs):
         self.folder = folder
         self.pool = concurrent.futures.ThreadPoolExecutor(jobs)
+        self.guard, self.locks = threading.Lock(), {}
         self.includes = folder / "include"
         self.includes.mkdir(parents=True, exist_ok=True)
         # The one header from outside; a cross compiler must not see what else lies in /usr/include.
@@ -34,6 +46,10 @@ class Builder:
 
     def program(self, build):
         """Path of the program. Raises BuildFailed with what the compiler said."""
+        return self.link(build, "matrix_hash", sources(build))
+
+    def link(self, build, name, files):
+        """Path of the program `name` made of these files. Those that programs share are compiled once."""
         key = hashlib.sha256(repr((build.cxx, build.flags)).encode()).hexdigest()[:12]
         folder = self.folder / f"{build.target or 'host'}-{key}"
         folder.mkdir(parents=True, exist_ok=True)
@@ -41,8 +57,8 @@ class Builder:
         flags = ["-std=c++20", "-DNDEBUG", *[f for f in build.flags if not f.startswith("-l")], *[f"-I{p}" for p in include],
                  "-isystem", str(self.includes)]
         # A planted fault is one object beside those of the build that has none.
-        objects = list(self.pool.map(lambda path: self.object(build, flags, folder, path), sources(build)))
-        program = folder / ("matrix_hash" + ("_planted" if build.patch else "") + (".wasm" if build.target == "wasm" else ""))
+        objects = list(self.pool.map(lambda path: self.object(build, flags, folder, path), files))
+        program = folder / (name + ("_planted" if build.patch else "") + (".wasm" if build.target == "wasm" else ""))
         threads = [] if build.target == "wasm" else ["-pthread"]
         libraries = [f for f in build.flags if f.startswith("-l")]
         run([build.cxx, *flags, *threads, "-o", program, *objects, *libraries])
@@ -51,8 +67,14 @@ class Builder:
     def object(self, build, flags, folder, path):
         source = self.patched(build, folder, path)
         out = folder / (path.relative_to(ROOT).as_posix().replace("/", "-") + (".o" if source == path else "-planted.o"))
-        run([*self.ccache, build.cxx, *flags, "-c", source, "-o", out])
+        with self.lock_of(out):  # two programs may want it at once
+            if not fresh(out):
+                run([*self.ccache, build.cxx, *flags, "-MMD", "-MF", f"{out}.d", "-c", source, "-o", out])
         return out
+
+    def lock_of(self, path):
+        with self.guard:
+            return self.locks.setdefault(path, threading.Lock())
 
     def patched(self, build, folder, path):
         if not build.patch or path != ROOT / build.patch[0]:
