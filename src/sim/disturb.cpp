@@ -56,8 +56,8 @@ void poison_parts(std::byte with, SleepScratch& sleep, CharacterScratch& charact
             query; // the first three say how far the caches are
         poison(with, slots, candidates);
     }
-    auto& [body, step, clamps] = bodies;
-    poison(with, body, step, clamps);
+    auto& [body, step, turns, clamps] = bodies;
+    poison(with, body, step, turns, clamps);
 }
 
 } // namespace

@@ -10,7 +10,6 @@
 
 using namespace lockstone;
 using namespace lockstone::collide;
-using oracle::Random;
 
 namespace {
 
@@ -23,7 +22,7 @@ struct Crowd {
         Bounds bounds{};
     };
     std::vector<Member> members;
-    Random random;
+    oracle::Random random;
     double room;
 
     Crowd(std::size_t count, double room_size, std::uint64_t seed)
@@ -92,7 +91,7 @@ std::string check_pairs(const std::vector<ProxyPair>& found, const std::vector<P
 TEST_CASE("three histories of one moving crowd yield the brute-force pairs in every frame") {
     constexpr std::uint32_t count = 300;
     Crowd crowd(count, 7, 1);
-    Random random(2);
+    oracle::Random random(2);
     BroadPhase kept(count), rebuilt(count), restless(count, decimal<Bound>("0.5"));
     std::vector<ProxyPair> pairs;
     std::vector<std::uint32_t> order(count);
