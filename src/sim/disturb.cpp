@@ -28,7 +28,9 @@ void poison_workers(std::byte with, std::vector<Scratch::NarrowWorker>& narrow, 
         poison(with, rows);
     }
     auto& [workers, stopped] = sweep;
-    poison(with, stopped);
+    Transform somewhere;
+    poison(with, somewhere);
+    for (std::optional<Transform>& one : stopped) one = somewhere;
     for (SweepScratch::Worker& worker : workers)
         poison(with, worker.near.open, worker.near.proxies, worker.touching);
 }

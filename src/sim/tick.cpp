@@ -9,6 +9,12 @@ namespace lockstone::sim {
 
 namespace {
 
+#ifdef NDEBUG
+constexpr bool poisons_scratch = false;
+#else
+constexpr bool poisons_scratch = true; // what reads before it writes shows
+#endif
+
 /// The hash of the whole state between phases, for finding where two runs part. Off by default.
 void checkpoint(Data& w, const char* phase) {
     if (w.phase_hashes_on) w.phase_hashes.push_back({phase, w.state.hash()});
@@ -51,6 +57,7 @@ void finish(Data& w) {
 
 void tick(Data& w) {
     Scratch& s = w.scratch;
+    if constexpr (poisons_scratch) poison_scratch(w, std::byte{0xa5});
     w.phase_hashes.clear();
     checkpoint(w, "commands");
 

@@ -1,0 +1,199 @@
+// What ticks leave behind outside of the state is made different before every tick: memory, the shapes of trees, which
+// pairs are known and in which order they are found. Nothing that can be asked for changes.
+#include "sim/phases.h"
+#include "support/task_worlds.h"
+
+#include <doctest/doctest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+using namespace lockstone;
+using namespace lockstone::test;
+
+namespace {
+
+const bool is_long = std::getenv("LOCKSTONE_LONG") != nullptr;
+const int tick_count = is_long ? 300 : 8;
+constexpr World::Leftover leftovers[] = {World::Leftover::scratch, World::Leftover::trees,
+                                         World::Leftover::pairs};
+
+/// Rays and boxes through the middle of a world: what trees answer. Empty when both worlds say the same.
+std::string answers_differ(const World& left, const World& right) {
+    const Ray ray{scene::vec(-9, 6, 0.3), scene::vec(20, -8, 0)};
+    std::vector<QueryHit> hits[2];
+    std::vector<ShapeId> shapes[2];
+    for (int i = 0; i < 2; ++i) {
+        const World& world = i == 0 ? left : right;
+        world.cast_ray_all(ray, {}, hits[i]);
+        world.overlap(box(Real(4), Real(2), Real(4)), scene::at(0, 1, 0), {}, shapes[i]);
+    }
+    if (shapes[0] != shapes[1]) return "overlap differs";
+    const auto same = [](const QueryHit& a, const QueryHit& b) {
+        return a.shape == b.shape && a.point == b.point && a.normal == b.normal && a.distance == b.distance;
+    };
+    return std::ranges::equal(hits[0], hits[1], same) ? "" : "cast_ray_all differs";
+}
+
+/// Runs a game and, beside it, the same with `disturb(world, t)` before every tick and every question. Says where they part.
+template <class Disturb> std::string departs(const Game& game, int ticks, Disturb&& disturb) {
+    ScriptedInputs inputs(game);
+    World usual = game.start().value(), other = usual.clone();
+    for (int t = 0; t < ticks; ++t) {
+        disturb(other, t);
+        for (World* w : {&usual, &other}) game.advance(*w, inputs.at(w->tick_count()));
+        std::string found = scene::difference(usual, other);
+        if (found.empty()) found = output_difference(usual, other);
+        disturb(other, t + 1);
+        if (found.empty()) found = answers_differ(usual, other);
+        if (!found.empty()) return found;
+    }
+    return {};
+}
+
+/// A pile on a box, without a face: some of it sleeps.
+sim::Data sleepy_pile() {
+    WorldDef def = scene::drowsy_def();
+    sim::Data w(def, {}, std::make_shared<const AssetLibrary>());
+    const auto put = [&](BodyKind kind, const Transform& pose, const Geometry& geometry) {
+        const BodyId body = scene::made(sim::apply(w, CreateBody{{.kind = kind, .pose = pose}})).body;
+        scene::made(sim::apply(w, CreateShape{body, {.geometry = geometry}}));
+    };
+    put(BodyKind::static_, scene::at(0, -1, 0), box(Real(20), Real(1), Real(20)));
+    for (int i = 0; i < 24; ++i)
+        put(BodyKind::dynamic, scene::at(i % 5 * 0.9, 0.6 + i / 5 * 1.1, i % 3 * 0.8), sphere(0.5_r));
+    return w;
+}
+
+/// Whether a pile whose inside is meddled with before a tick departs from one that is left alone.
+template <class Meddle> bool inside_departs(Meddle&& meddle) {
+    sim::Data usual = sleepy_pile(), other = sleepy_pile();
+    for (int t = 0; t < 60; ++t) {
+        meddle(other, t);
+        sim::tick(usual), sim::tick(other);
+        if (usual.state.hash() != other.state.hash()) return true;
+    }
+    return false;
+}
+
+void poison(sim::Data& w, int t) { sim::poison_scratch(w, static_cast<std::byte>(37 * t)); }
+
+} // namespace
+
+TEST_CASE("every scene: poisoned scratch, other trees, forgotten pairs before every tick change nothing") {
+    for (const SceneInfo& info : scenes())
+        for (const World::Leftover what : leftovers) {
+            INFO(info.name, ", leftover ", static_cast<int>(what));
+            CHECK(departs(*small_scene(info), tick_count, [what](World& w, int t) {
+                      w.disturb(what, 1000 + static_cast<std::uint64_t>(t));
+                  }) == "");
+        }
+}
+
+TEST_CASE("every byte that memory can be filled with: a pile in an arena goes on alike") {
+    const auto game = make_scene("rollback-arena").value();
+    CHECK(departs(*game, is_long ? 512 : 40, [](World& w, int t) {
+              w.disturb(World::Leftover::scratch, static_cast<std::uint64_t>(t));
+              w.disturb(World::Leftover::pairs, static_cast<std::uint64_t>(t));
+          }) == "");
+    CHECK_FALSE(inside_departs(poison));
+    CHECK_FALSE(inside_departs([](sim::Data& w, int t) {
+        for (const World::Leftover what : leftovers) sim::disturb(w, what, static_cast<std::uint64_t>(t));
+    }));
+}
+
+TEST_CASE(
+    "trees that hold the same leaves in any order and shape find the same pairs, however they are inserted") {
+    std::mt19937 chance(4);
+    const auto coordinate = [&](int low, int high) {
+        return Bound::from_raw(std::uniform_int_distribution<std::int32_t>(low, high)(chance));
+    };
+    for (int round = 0; round < (is_long ? 200 : 20); ++round) {
+        std::vector<collide::Bounds> bounds(80);
+        for (collide::Bounds& b : bounds)
+            for (int axis = 0; axis < 3; ++axis)
+                b.lower[axis] = coordinate(-900000, 900000),
+                b.upper[axis] = b.lower[axis] + coordinate(0, 400000);
+        std::vector<std::uint32_t> order(bounds.size());
+        for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
+        std::vector<collide::ProxyPair> expected, found;
+        for (int again = 0; again < 4; ++again) {
+            collide::BroadPhase broad_phase(80);
+            lockstone::Random random = lockstone::Random::seeded(static_cast<std::uint64_t>(again));
+            for (std::size_t i = 0; i < order.size(); ++i) {
+                broad_phase.set(order[i], bounds[order[i]], order[i] % 4 == 0);
+                if (again > 0 && i % 16 == 0)
+                    broad_phase.find_pairs(found), broad_phase.rebuild_trees(random);
+            }
+            if (again > 1) broad_phase.forget_pairs(random);
+            broad_phase.find_pairs(found);
+            if (again == 0) expected = found;
+            REQUIRE(found == expected);
+            std::shuffle(order.begin(), order.end(), chance);
+        }
+        CHECK(expected.size() > 8);
+    }
+}
+
+TEST_CASE("every scene: a snapshot and a difference that went through files continue alike") {
+    const std::filesystem::path path = std::filesystem::temp_directory_path() / "lockstone_snapshot.bin";
+    const auto through_file = [&](const std::vector<std::byte>& bytes) {
+        const auto size = static_cast<std::streamsize>(bytes.size());
+        std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), size);
+        std::vector<std::byte> read(std::filesystem::file_size(path));
+        std::ifstream(path, std::ios::binary).read(reinterpret_cast<char*>(read.data()), size);
+        return read;
+    };
+    for (const SceneInfo& info : scenes()) {
+        INFO(info.name);
+        const auto game = small_scene(info);
+        ScriptedInputs inputs(*game);
+        World world = game->start().value(), by_snapshot = world.clone(), by_delta = world.clone();
+        Image start;
+        world.save(start);
+        for (int t = 0; t < tick_count; ++t) {
+            game->advance(world, inputs.at(world.tick_count()));
+            if (t % (is_long ? 1 : 3) != 0) continue;
+            REQUIRE(by_snapshot.restore_portable(through_file(world.save_portable())).ok());
+            REQUIRE(by_delta.restore_delta(start, through_file(world.save_delta(start))).ok());
+            for (World* w : {&by_snapshot, &by_delta}) REQUIRE(scene::difference(world, *w) == "");
+        }
+        for (World* w : {&world, &by_snapshot, &by_delta})
+            while (w->tick_count() < static_cast<std::uint64_t>(tick_count) + 3)
+                game->advance(*w, inputs.at(w->tick_count()));
+        for (World* w : {&by_snapshot, &by_delta}) CHECK(scene::difference(world, *w) == "");
+    }
+    std::filesystem::remove(path);
+}
+
+TEST_CASE(
+    "planted fault: what is no leftover, but a cache that ticks rely on, is missed when it is meddled with") {
+    CHECK_FALSE(inside_departs([](sim::Data&, int) {}));
+    CHECK(inside_departs([](sim::Data& w, int t) {
+        if (t > 0) w.scratch.broad_phase.remove(0); // the ground
+    }));
+    CHECK(inside_departs([](sim::Data& w, int t) {
+        if (t > 0) w.scratch.shape[0].pose.position.y += 1_r; // of what rests
+    }));
+}
+
+TEST_CASE("planted fault: one bit of the state, or of a scratch that should not be one, is found") {
+    const auto game = make_scene("rollback-arena").value();
+    bool flipped = false;
+    const std::string found = departs(*game, 20, [&](World& w, int t) {
+        if (t != 12 || flipped) return;
+        flipped = true;
+        const ColumnInfo* info = w.state().layout().find_column("body.velocity");
+        const auto index = static_cast<std::uint32_t>(info - w.state().layout().columns().data());
+        w.state_for_tests().edit_bytes(index, 3, 1)[1] ^= std::byte{1};
+    });
+    CHECK(found.starts_with("tick 13, column body."));
+    const auto reads_contacts = [](sim::Data& w) { // of the tick before
+        const std::vector<dynamics::Contact>& contacts = w.scratch.contacts;
+        if (!contacts.empty() && contacts[0].count > 4) ++w.state.edit_row(w.m.faults, 0).speed_clamped;
+    };
+    CHECK_FALSE(inside_departs([&](sim::Data& w, int) { reads_contacts(w); }));
+    CHECK(inside_departs([&](sim::Data& w, int t) { poison(w, t), reads_contacts(w); }));
+}
