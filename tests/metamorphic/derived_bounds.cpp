@@ -54,7 +54,7 @@ std::uint64_t derived_anew(const sim::Data& w) {
 /// A world without a face, and random things that happen to it.
 struct Run {
     sim::Data w;
-    Random random;
+    test::scene::Random random;
     std::vector<Image> images;
     int restores = 0, planes = 0, sleepers = 0;
 
