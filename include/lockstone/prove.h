@@ -1,4 +1,4 @@
-// The proof of determinism, for any simulation: run it again, roll it back, move it, shuffle its workers, flip its bits.
+// The proof of determinism, for any simulation: rerun it, roll it back, move it, poison its scratch, flip its bits.
 //
 //   Result<Proof> proof = prove(game);                     // a lockstone::Game, with random inputs
 //   puts(to_string(*proof).c_str());                       // a line for each check
@@ -41,8 +41,8 @@ class Provable {
     /// How many bits of state there are to flip, and one of them.
     virtual std::uint64_t bit_count() const { return 0; }
     virtual void flip(std::uint64_t) {}
-    /// Makes what an earlier tick left behind, and the next one must not see, another than it is: scratch memory, caches,
-    /// the shapes of search trees. Called between ticks; false: there is nothing.
+    /// Makes what an earlier tick left behind, and the next one must not see, another than it is: scratch memory,
+    /// caches, the shapes of search trees. Called between ticks; false: there is nothing.
     virtual bool disturb(std::uint64_t) { return false; }
     /// What save() gives, as the difference to `base`, which it gave earlier; without a value: there is no such thing.
     virtual std::optional<std::vector<std::byte>> save_delta(std::span<const std::byte> base) const;
@@ -79,7 +79,7 @@ struct Proof {
 std::string to_string(const Proof& proof);
 
 /// The checks, each on simulations of its own:
-///   repeats             made and run twice, at other addresses, over memory filled otherwise: the same hash at every tick
+///   repeats             made and run twice, at other addresses, over memory filled otherwise: the same hashes
 ///   rolls back          before every tick, back by `depth` ticks and run again, through keep and back
 ///   saves everything    a state that was loaded saves the same bytes and has the same hash, at every tick
 ///   moves               at every tick the state goes on in another object that knows nothing else

@@ -297,8 +297,8 @@ class World {
     /// What ticks leave behind outside of the state, and no later one may see.
     enum class Leftover : std::uint32_t {
         scratch, ///< memory that is written before it is read: filled with some byte
-        trees, ///< the shapes of the broad phase's trees: made anew from the leaves in random order, or wholly at random
-        pairs, ///< which pairs were found already: some are forgotten, and found again in another order
+        trees,   ///< the shapes of the broad phase's trees: made anew, in random order or wholly at random
+        pairs,   ///< which pairs were found already: some are forgotten, and found again in another order
     };
     /// For tests and proofs: makes it another than it is; `seed` chooses how. No hash and no answer changes by it.
     void disturb(Leftover what, std::uint64_t seed);

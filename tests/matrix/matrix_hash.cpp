@@ -10,8 +10,9 @@
 //   --fpu            before each tick the next of all rounding modes, with and without flushing of denormals
 //   --poison BYTE    fills memory with the byte when it is allocated and when it is freed
 //   --move SEED      allocates and frees at random before and between ticks, so that addresses differ
-//   --write FOLDER   writes a snapshot at half of the ticks and a recording of all
-//   --read FOLDER    continues from those snapshots, and plays those recordings against their own hashes
+//   --write FOLDER   writes a snapshot at half of the ticks, its difference to the start, and a recording of all
+//   --read FOLDER    continues from those snapshots, which the differences have to give too, and plays those recordings
+//                    against their own hashes
 //
 // Exit status: 0 good, 1 a check failed, 2 bad usage.
 #include "host.h"
@@ -152,6 +153,22 @@ void advance(const Options& o, const Game& game, World& world, Inputs& inputs) {
     game.advance(world, now);
 }
 
+/// Continues from a snapshot that another cell made. Its difference to the start leads there too.
+void read_state(const Options& o, const std::string& name, World& world) {
+    Image start;
+    world.save(start);
+    const std::string path = file_name(o.read, name, ".state"), other = file_name(o.read, name, ".delta");
+    good(world.restore_portable(read_bytes(path)), path);
+    const std::uint64_t hash = world.hash();
+    good(world.restore_delta(start, read_bytes(other)), other);
+    if (world.hash() != hash) fail(other + ": leads to another state than " + path);
+}
+
+void write_state(const Options& o, const std::string& name, const World& world, const Image& start) {
+    write_bytes(file_name(o.write, name, ".state"), world.save_portable());
+    write_bytes(file_name(o.write, name, ".delta"), world.save_delta(start));
+}
+
 void run(const Options& o, const std::string& name) {
     const std::unique_ptr<Game> game = got(make_scene_named(name), name);
     if (o.move != 0) host::move_heap(o.move);
@@ -160,10 +177,9 @@ void run(const Options& o, const std::string& name) {
     Inputs inputs(*game);
     replay::MemorySink file;
     auto recorder = got(replay::InputRecorder::begin(file, *game, world), name);
-    if (!o.read.empty()) {
-        const std::string path = file_name(o.read, name, ".state");
-        good(world.restore_portable(read_bytes(path)), path);
-    }
+    Image start;
+    world.save(start);
+    if (!o.read.empty()) read_state(o, name, world);
     world.set_tasks(tasks.get());
     print(o, name, world);
     while (world.tick_count() < o.ticks) {
@@ -171,8 +187,7 @@ void run(const Options& o, const std::string& name) {
         print(o, name, world);
         if (o.write.empty()) continue;
         good(recorder.after_tick(world, inputs.at(world.tick_count() - 1)), name);
-        if (world.tick_count() == o.ticks / 2)
-            write_bytes(file_name(o.write, name, ".state"), world.save_portable());
+        if (world.tick_count() == o.ticks / 2) write_state(o, name, world, start);
     }
     if (o.write.empty()) return;
     good(recorder.close(), name);
