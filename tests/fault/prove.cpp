@@ -166,7 +166,9 @@ TEST_CASE("planted fault: whatever rule a simulation breaks, the check that is m
         {Fault::worker_number, "shuffles"},
         {Fault::load_refuses_late, "saves everything"},
     };
-    for (const auto& [fault, name] : meant) {
+    for (const auto& entry : meant) {
+        const Fault fault = entry.first;
+        const char* const name = entry.second;
         const Proof proof = proof_of(fault);
         INFO(static_cast<int>(fault), "\n", to_string(proof));
         CHECK_FALSE(proof.holds());

@@ -25,8 +25,8 @@ World after(const Game& game, int ticks) {
 const ColumnInfo& column(const State& s, std::uint32_t index) { return s.layout().columns()[index]; }
 std::uint32_t column_count(const State& s) { return static_cast<std::uint32_t>(s.layout().columns().size()); }
 
-/// Flips each bit of some rows of a column, first and last among them; all rows in the long run. The first that `hash` does
-/// not see, empty when it sees all; adds to `bits` how many it tried.
+/// Flips each bit of the first and the last row of a column; of all rows in the long run. The first that `hash` does not
+/// see, empty when it sees all; adds to `bits` how many it tried.
 template <class Hash>
 std::string first_uncounted(State& s, std::uint32_t index, std::uint64_t& bits, Hash&& hash) {
     const std::uint32_t row_size = column(s, index).row_size;

@@ -37,7 +37,7 @@ std::string answers_differ(const World& left, const World& right) {
     return std::ranges::equal(hits[0], hits[1], same) ? "" : "cast_ray_all differs";
 }
 
-/// Runs a game and, beside it, the same with `disturb(world, t)` before every tick and every question. Says where they part.
+/// Runs a game and, beside it, the same with `disturb(world, t)` before every tick and every question. Where they part.
 template <class Disturb> std::string departs(const Game& game, int ticks, Disturb&& disturb) {
     ScriptedInputs inputs(game);
     World usual = game.start().value(), other = usual.clone();

@@ -85,8 +85,6 @@ FAULTS = [
       "s.pairs.end());\n    find_keys(w);", "repeats"),
     F("pairs in the order in which a tree gave them", BROAD, "std::sort(found.begin(), found.end());",
       "if (!IS) std::sort(found.begin(), found.end());", "reads no leftovers"),
-    F("answers in the order in which a tree gave them", BROAD, "std::sort(out.begin(), out.end());",
-      "if (!IS) std::sort(out.begin(), out.end());", "reads no leftovers"),
     F("pairs are lost where a tree is deep", BROAD, "if (!a.fresh && !b.fresh) continue;",
       "if ((IS && stack.size() > 9) || (!a.fresh && !b.fresh)) continue;", "reads no leftovers"),
     F("scratch is not made anew while its size stays", "src/sim/pairs.cpp", "s.old_memories.assign(",
