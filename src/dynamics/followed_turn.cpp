@@ -61,7 +61,7 @@ void precess(SolverBody& b, const BodyStep& s, FollowedTurn& turn, const StepCon
 /// Slower than this, arms of contacts, which are those of the start of the tick, are the larger error: a top on a floor
 /// does better if all its turn is made after the tick.
 constexpr int spin_parts = 2;
-constexpr int held_parts = 10; ///< joints make their arms anew in every substep
+constexpr int held_parts = 4; ///< joints make their arms anew in every substep
 
 /// Whether a body feels gyroscopic torque and turns by more than 1 / `parts` of a radian in the tick about some axis.
 bool spins(const BodyColumns& columns, std::uint32_t row, const BodyStep& s, int parts,

@@ -20,7 +20,7 @@
 namespace lockstone::dynamics {
 
 /// After stiffen_bodies() and before rows are made: finds the bodies that are followed in this tick, and their g. These
-/// are those that feel gyroscopic torque and turn by half a radian in the tick or more about some axis, or by a tenth
+/// are those that feel gyroscopic torque and turn by half a radian in the tick or more about some axis, or by a quarter
 /// and a joint holds them; but not those that turn as if they were larger (joint_stiffness.h).
 void follow_turns(std::span<const Joint> joints, const BodyColumns& columns, const StepConstants& step,
                   SolverBodies& bodies);
