@@ -73,10 +73,21 @@ Real reduced_mass(const Shares& shares, const BodyMass& a, const BodyMass& b) {
     return shares.a.mantissa != 0 ? mul_share(a.mass, shares.a) : mul_share(b.mass, shares.b);
 }
 
+constexpr std::uint32_t joint_chunk = 32;
+
+/// Calls visit(joint) for each joint; workers share them.
+template <class Visit> void for_joints(JointTick& tick, Tasks* tasks, Visit&& visit) {
+    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.joints.size()), joint_chunk,
+                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                         for (std::uint32_t i = first; i < last; ++i) visit(tick.joints[i]);
+                     });
+}
+
 } // namespace
 
 void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMemory> memory,
-                          const BodyColumns& columns, const StepConstants& step, const SolverBodies& bodies) {
+                          const BodyColumns& columns, const StepConstants& step, const SolverBodies& bodies,
+                          Tasks* tasks) {
     JointTick& tick = *work;
     tick.joints.clear(), tick.blocks.clear(), tick.axes.clear(), tick.bodies.clear();
     tick.cache_of.assign(bodies.body.size(), 0);
@@ -100,17 +111,22 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
         tick.joints.push_back(w);
     }
     plan_trees(tick, columns, bodies);
-    for (JointWork& w : tick.joints) make_rows(tick, w, step, bodies);
-    factorise_trees(tick, bodies);
+    for_joints(tick, tasks, [&](JointWork& w) { make_rows(tick, w, step, bodies); });
+    factorise_trees(tick, bodies, tasks);
 }
 
-void JointSolver::update(const StepConstants& step, const SolverBodies& bodies) {
+void JointSolver::update(const StepConstants& step, const SolverBodies& bodies, Tasks* tasks) {
     JointTick& tick = *work;
-    for (JointBody& now : tick.bodies) place_body(now, tick.pose[now.body], bodies);
+    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.bodies.size()), body_chunk,
+                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                         for (std::uint32_t i = first; i < last; ++i)
+                             place_body(tick.bodies[i], tick.pose[tick.bodies[i].body], bodies);
+                     });
     const auto stirred = [&](const JointWorkSide& s) { return !s.world && tick.bodies[s.cache].stirred; };
-    for (JointWork& w : tick.joints)
+    for_joints(tick, tasks, [&](JointWork& w) {
         if (stirred(w.a) || stirred(w.b)) make_rows(tick, w, step, bodies);
-    factorise_trees(tick, bodies);
+    });
+    factorise_trees(tick, bodies, tasks);
 }
 
 // ---- after the substeps -------------------------------------------------------------------------------------------

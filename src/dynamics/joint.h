@@ -64,12 +64,13 @@ class JointSolver {
 
     /// Once a tick, before the substeps. `joints` in solving order; all spans are kept until store().
     void prepare(std::span<const Joint> joints, std::span<const JointMemory> memory,
-                 const BodyColumns& columns, const StepConstants& step, const SolverBodies& bodies);
+                 const BodyColumns& columns, const StepConstants& step, const SolverBodies& bodies,
+                 Tasks* tasks = nullptr);
     /// Rows from where the bodies are now: before the first substep and after each move.
-    void update(const StepConstants& step, const SolverBodies& bodies);
+    void update(const StepConstants& step, const SolverBodies& bodies, Tasks* tasks = nullptr);
     void warm_start(SolverBodies& bodies);
-    /// One pass over all joints: springs and motors, limits, locks; then the locks of trees.
-    void solve(const StepConstants& step, SolverBodies& bodies, bool bias);
+    /// One pass over all joints: springs and motors, limits, locks; then the locks of trees, which workers share.
+    void solve(const StepConstants& step, SolverBodies& bodies, bool bias, Tasks* tasks = nullptr);
     /// Impulses, unwrapped angles and reactions for the next tick and for readers.
     void store(const StepConstants& step, std::span<JointMemory> memory, ClampCounts& clamps) const;
 

@@ -255,8 +255,7 @@ void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, cons
         make_axis(tick.axes[work.first_axis + i], work, place, both, step);
     for (std::uint32_t i = 0; i < work.block_count; ++i)
         make_block(tick.blocks[work.first_block + i], work, place, both, step);
-    work.made = true;
-    if (work.tree != no_tree) tick.forest.trees[work.tree].changed = true;
+    work.made = work.remade = true;
 }
 
 void invert_blocks(JointTick& tick, const JointWork& work) {

@@ -21,9 +21,10 @@ inline Motion read(const SolverBody& a, const SolverBody& b) {
     for (int i = 0; i < 3; ++i) m.a[i] = a.v[i], m.a[i + 3] = a.u[i], m.b[i] = b.v[i], m.b[i + 3] = b.u[i];
     return m;
 }
-inline void write(const Motion& m, SolverBody& a, SolverBody& b) {
-    for (int i = 0; i < 3; ++i) a.v[i] = m.a[i], a.u[i] = m.a[i + 3], b.v[i] = m.b[i], b.u[i] = m.b[i + 3];
+inline void write(const std::int64_t (&m)[6], SolverBody& body) {
+    for (int i = 0; i < 3; ++i) body.v[i] = m[i], body.u[i] = m[i + 3];
 }
+inline void write(const Motion& m, SolverBody& a, SolverBody& b) { write(m.a, a), write(m.b, b); }
 
 /// Keeps what rows read within 1024 m/s. Nothing gets there but by impulses beyond all bounds.
 inline void clamp_motion(Motion& m, std::int64_t most = motion_max) {

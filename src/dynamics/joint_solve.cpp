@@ -123,13 +123,17 @@ void pass_joint(JointTick& tick, const JointWork& w, const StepConstants& step, 
 
 } // namespace
 
-void JointSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bias) {
+void JointSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bias, Tasks* tasks) {
     JointTick& tick = *work;
     const std::size_t count = tick.joints.size();
     for (std::size_t k = 0; k < count; ++k) // relaxing goes back the way the biased pass came
         pass_joint(tick, tick.joints[bias ? k : count - 1 - k], step, bodies, bias);
-    for (const JointTree& tree : tick.forest.trees)
-        if (tree.direct) solve_tree(tick, tree, bodies, bias);
+    const std::vector<JointTree>& trees = tick.forest.trees;
+    base::for_chunks(tasks, static_cast<std::uint32_t>(trees.size()), tree_chunk,
+                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                         for (std::uint32_t i = first; i < last; ++i)
+                             if (trees[i].direct) solve_tree(tick, trees[i], bodies, bias);
+                     });
 }
 
 // ---- warm start ---------------------------------------------------------------------------------------------------

@@ -98,7 +98,6 @@ void add_tree(JointTick& tick, std::uint32_t root, const BodyColumns& columns) {
     JointTree tree{};
     tree.first_node = static_cast<std::uint32_t>(f.nodes.size());
     tree.first_joint = static_cast<std::uint32_t>(f.joints.size());
-    tree.changed = true;
     add_node(tick, root, f.anchor_of[component_of(f, root)], columns);
     const auto links_of = [&](std::uint32_t body) {
         return std::span<const std::uint32_t>(f.hung).subspan(f.first_of[body],

@@ -32,8 +32,9 @@ namespace lockstone::dynamics {
 struct JointTick;
 
 inline constexpr std::uint32_t no_tree = 0xffffffffu;
-inline constexpr int tree_softness_bits = 12; ///< epsilon = 2^-12 of D
-inline constexpr int tree_floor_bits = 20;    ///< G is at least 2^-20 of what the pair alone would yield
+inline constexpr std::uint32_t tree_chunk = 4; ///< trees per piece of work that workers take
+inline constexpr int tree_softness_bits = 12;  ///< epsilon = 2^-12 of D
+inline constexpr int tree_floor_bits = 20;     ///< G is at least 2^-20 of what the pair alone would yield
 inline constexpr int tree_soft_bits = 36;
 
 struct TreeNode {
@@ -68,7 +69,6 @@ struct TreeJoint {
 struct JointTree {
     std::uint32_t first_node, node_count;   ///< parents before children
     std::uint32_t first_joint, joint_count; ///< of JointForest::joints, in order of elimination
-    bool changed;                           ///< rows were made since it was factorised
     bool direct;                            ///< its factor is good
 };
 
@@ -95,8 +95,8 @@ struct JointForest {
 /// Finds the trees of the tick's locks. Trees of one joint are left to the ordinary passes.
 void plan_trees(JointTick& tick, const BodyColumns& columns, const SolverBodies& bodies);
 /// Factorises what changed. A tree that cannot be is solved joint after joint until it changes again.
-void factorise_trees(JointTick& tick, const SolverBodies& bodies);
-/// Impulses for one tree. False, and nothing done, when one would leave its range.
+void factorise_trees(JointTick& tick, const SolverBodies& bodies, Tasks* tasks);
+/// Impulses for one tree. Writes only what is of its joints and of the bodies that it moves, which are in no other tree.
 void solve_tree(JointTick& tick, const JointTree& tree, SolverBodies& bodies, bool bias);
 
 } // namespace lockstone::dynamics

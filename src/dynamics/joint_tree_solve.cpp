@@ -223,7 +223,10 @@ void give_changes(JointTick& tick, const TreeJoint& t, SolverBodies& bodies) {
         push(block.row, change, block.count, m);
         clamp_motion(m, motion_between_max);
     }
-    write(m, a, b);
+    // What a tree does not move may be in several of them: nobody writes it.
+    const bool child_moves = t.child != no_tree, parent_moves = t.parent != no_tree;
+    if (t.child_is_b ? parent_moves : child_moves) write(m.a, a);
+    if (t.child_is_b ? child_moves : parent_moves) write(m.b, b);
 }
 
 void clamp_body(SolverBody& body) {
@@ -235,14 +238,24 @@ void clamp_body(SolverBody& body) {
 
 } // namespace
 
-void factorise_trees(JointTick& tick, const SolverBodies& bodies) {
-    for (JointTree& tree : tick.forest.trees) {
-        if (!tree.changed) continue;
-        tree.changed = false;
+void factorise_trees(JointTick& tick, const SolverBodies& bodies, Tasks* tasks) {
+    const auto renew = [&](JointTree& tree) {
+        bool changed = false;
+        for (std::uint32_t i = 0; i < tree.joint_count; ++i) {
+            bool& remade = tick.joints[tick.forest.joints[tree.first_joint + i].joint].remade;
+            changed |= remade;
+            remade = false;
+        }
+        if (!changed) return;
         tree.direct = factorise_tree(tick, tree, bodies);
         for (std::uint32_t i = 0; !tree.direct && i < tree.joint_count; ++i)
             invert_blocks(tick, tick.joints[tick.forest.joints[tree.first_joint + i].joint]);
-    }
+    };
+    std::vector<JointTree>& trees = tick.forest.trees;
+    base::for_chunks(tasks, static_cast<std::uint32_t>(trees.size()), tree_chunk,
+                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                         for (std::uint32_t i = first; i < last; ++i) renew(trees[i]);
+                     });
 }
 
 void solve_tree(JointTick& tick, const JointTree& tree, SolverBodies& bodies, bool bias) {
@@ -264,7 +277,7 @@ void solve_tree(JointTick& tick, const JointTree& tree, SolverBodies& bodies, bo
     for (TreeJoint& t : joints) most = std::max(most, take_changes(tick, t));
     if (most > joint_impulse_max) {
         for (TreeJoint& t : joints) scale_changes(tick, t, most);
-        ++tick.clamped;
+        base::add_count(tick.clamped, 1);
     }
     for (const TreeJoint& t : joints) give_changes(tick, t, bodies);
     for (const TreeNode& node : nodes) clamp_body(bodies.body[node.body]);

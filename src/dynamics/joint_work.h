@@ -90,6 +90,7 @@ struct JointWork {
     std::uint32_t tree; ///< that solves its locks; no_tree: they are solved by themselves
     std::uint8_t block_count, axis_count;
     bool needs_twist, needs_target, needs_orientation, needs_travel, needs_slip, made;
+    bool remade; ///< since trees were factorised
     Real twist, travel;
 };
 
@@ -110,7 +111,7 @@ struct JointTick {
 void assemble(JointTick& tick, JointWork& work, const StepConstants& step, const JointMemory& memory);
 void start_body(JointBody& now, const Transform& pose, const SolverBodies& bodies);
 void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodies);
-/// Rows, responses, inverses and targets of a joint's parts.
+/// Rows, responses, inverses and targets of a joint's parts. Writes nothing that is another joint's.
 void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, const SolverBodies& bodies);
 /// Inverses of a joint's blocks, which make_rows() leaves out where a tree solves them.
 void invert_blocks(JointTick& tick, const JointWork& work);

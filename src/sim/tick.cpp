@@ -37,7 +37,8 @@ void prepare(Data& w) {
     dynamics::follow_turns(s.joints, w.body_columns(), s.step, s.bodies);
     s.solver.prepare(s.contacts, w.state.rows(w.m.contact_memory),
                      w.state.rows(w.m.body_mass).first(w.header().bodies_awake), s.step, s.bodies, w.tasks);
-    s.joint_solver.prepare(s.joints, w.state.rows(w.m.joint_memory), w.body_columns(), s.step, s.bodies);
+    s.joint_solver.prepare(s.joints, w.state.rows(w.m.joint_memory), w.body_columns(), s.step, s.bodies,
+                           w.tasks);
     s.vehicle_solver.prepare(w);
     list_fields(w);
     s.fluids.prepare(w);
@@ -72,7 +73,7 @@ void tick(Data& w) {
 
     const dynamics::FreeMotion motion{static_cast<dynamics::Scheme>(w.state.rows(w.m.config)[0].integrator),
                                       s.pulls, s.categories};
-    s.joint_solver.update(s.step, s.bodies);
+    s.joint_solver.update(s.step, s.bodies, w.tasks);
     for (std::int32_t i = 0; i < s.step.substeps; ++i) {
         integrate_velocities(motion, w.body_columns(), s.step, s.bodies, w.tasks);
         s.fluids.push(w, s.step, s.bodies, w.tasks);
@@ -81,11 +82,11 @@ void tick(Data& w) {
         s.solver.warm_start(s.bodies, w.tasks);
         // Contacts first: what a warm start after an impact gave too much is taken back before joints pull at it.
         s.solver.solve(s.step, s.bodies, /*bias=*/true, w.tasks);
-        s.joint_solver.solve(s.step, s.bodies, /*bias=*/true);
+        s.joint_solver.solve(s.step, s.bodies, /*bias=*/true, w.tasks);
         s.vehicle_solver.solve(s.step, s.bodies, /*bias=*/true);
         integrate_poses(s.step, s.bodies, w.tasks);
-        s.joint_solver.update(s.step, s.bodies);
-        s.joint_solver.solve(s.step, s.bodies, /*bias=*/false);
+        s.joint_solver.update(s.step, s.bodies, w.tasks);
+        s.joint_solver.solve(s.step, s.bodies, /*bias=*/false, w.tasks);
         s.vehicle_solver.solve(s.step, s.bodies, /*bias=*/false);
         s.solver.solve(s.step, s.bodies, /*bias=*/false, w.tasks);
     }
