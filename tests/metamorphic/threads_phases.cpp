@@ -1,4 +1,5 @@
-// Phases that the built-in scenes hardly share among workers: fast bodies by the hundred, vehicles on common ground.
+// Phases that the built-in scenes hardly share among workers: fast bodies by the hundred, vehicles on common ground,
+// trees of joints that hang on one moving body.
 #include "support/task_worlds.h"
 
 #include <doctest/doctest.h>
@@ -67,6 +68,37 @@ Motorcade motorcade(bool last_first = false) {
     return m;
 }
 
+/// Chains of six links: half of them on one kinematic beam that moves, half on the world; every third ends in a wheel
+/// that spins.
+World curtain() {
+    WorldDef def = small_def();
+    def.bodies_max = def.shapes_max = 256, def.joints_max = 256, def.contacts_max = 4096;
+    World w = made(World::create(def));
+    const BodyId beam = add(w,
+                            {.kind = BodyKind::kinematic,
+                             .pose = at(7, 6, 0),
+                             .linear_velocity = vec(1, 0.5, 0),
+                             .angular_velocity = vec(0, 0.5, 0)},
+                            {.geometry = box(real(8), real(0.1), real(0.1))});
+    for (int i = 0; i < 16; ++i) {
+        BodyId before = i % 2 == 0 ? beam : BodyId{};
+        for (int k = 0; k < 6; ++k) {
+            const BodyId link =
+                add(w, {.pose = at(i, 5.8 - 0.4 * k, 0), .linear_velocity = vec(0.1 * i, 0, 0.2 * k)},
+                    {.geometry = capsule(real(0.05), real(0.12)), .group = -1});
+            const JointDef kind = k % 2 == 0 ? ball_joint() : hinge_joint();
+            const Transform place = at(i, 6 - 0.4 * k, 0);
+            made(before ? w.create_joint(kind, before, link, place) : w.create_joint(kind, {}, link, place));
+            before = link;
+        }
+        if (i % 3 != 0) continue;
+        const BodyId wheel = add(w, {.pose = at(i, 3.5, 0), .angular_velocity = vec(0, 40, 1)},
+                                 {.geometry = cylinder(real(0.2), real(0.03)), .group = -1});
+        made(w.create_joint(ball_joint(), before, wheel, at(i, 3.6, 0)));
+    }
+    return w;
+}
+
 std::string departure(const World& start, std::span<Tasks* const> tasks, int ticks) {
     return first_departure(start, tasks, ticks, [](World& w, Tasks*) { w.tick(); });
 }
@@ -114,7 +146,16 @@ TEST_CASE("vehicles that share nothing do not see in which order they were made;
     CHECK(differ > 0);
 }
 
-TEST_CASE("planted fault: fast bodies or vehicles that a worker leaves out are noticed") {
+TEST_CASE("chains on one moving beam swing alike, whoever solves them") {
+    ShuffledTasks shuffled(3), many(4, 64);
+    UnsteadyTasks three(3, 5);
+    const World start = curtain();
+    CHECK(departure(start, std::array<Tasks*, 2>{&shuffled, &many}, 40) == "");
+    CHECK(departure(start, std::array<Tasks*, 1>{&three}, 2) == "");
+}
+
+TEST_CASE("planted fault: fast bodies, vehicles or chains that a worker leaves out are noticed") {
+    CHECK(noticed(curtain(), 6) >= 2);
     CHECK(noticed(volley(), 6) >= 2);
     CHECK(noticed(motorcade().w, 20) >= 2);
 }
