@@ -222,7 +222,8 @@ struct ColumnDelta {
     void read(base::ByteReader& in, std::span<std::byte> now) const {
         const std::vector<std::byte> zeros(column.row_size);
         for (std::uint32_t row = 0; row < rows(); ++row)
-            std::ranges::copy(base_row(row, zeros), now.begin() + std::ptrdiff_t{row} * column.row_size);
+            std::ranges::copy(base_row(row, zeros),
+                              now.begin() + static_cast<std::ptrdiff_t>(std::size_t{row} * column.row_size));
         const std::vector<std::uint32_t> changed = read_changed(in);
         if (!in.ok()) return;
         std::vector<std::byte> planes(changed.size() * column.row_size);
