@@ -1,9 +1,7 @@
-#include "dynamics/contact.h"
+#include "dynamics/contact_rows.h"
 
 #include "base/poison.h"
-#include "lockstone/math.h"
 
-#include <algorithm>
 #include <bit>
 
 namespace lockstone::dynamics {
@@ -13,65 +11,10 @@ Tangents tangents_of(UnitVec3 normal) {
     return {first, cross<Unit>(normal, first)};
 }
 
-void colour_contacts(std::span<const Contact> contacts, const SolverBodies& bodies,
-                     std::vector<std::uint64_t>& body_colours, std::vector<std::uint32_t>& colour) {
-    body_colours.assign(bodies.body.size(), 0);
-    colour.resize(contacts.size());
-    for (std::size_t i = 0; i < contacts.size(); ++i) {
-        const std::uint32_t a = contacts[i].body_a, b = contacts[i].body_b;
-        const bool a_moves = bodies.step[a].movable, b_moves = bodies.step[b].movable;
-        const std::uint64_t taken = (a_moves ? body_colours[a] : 0) | (b_moves ? body_colours[b] : 0);
-        const std::uint32_t c = std::min(static_cast<std::uint32_t>(std::countr_one(taken)), colour_max);
-        colour[i] = c;
-        if (c == colour_max) continue;
-        if (a_moves) body_colours[a] |= std::uint64_t{1} << c;
-        if (b_moves) body_colours[b] |= std::uint64_t{1} << c;
-    }
-}
-
 // ---- preparing one point ------------------------------------------------------------------------------------------
 
 namespace {
 
-constexpr std::int64_t jacobian_limit = std::int64_t{4} << row_bits; ///< |x| per component
-
-struct Row {
-    std::int32_t x[3];
-};
-
-/// sign * K^-1 (r x d) with locked axes left out.
-Row angular_row(const BodyStep& body, LengthVec3 lever, UnitVec3 d, std::int64_t sign) {
-    const LengthVec3 c = cross<Length>(lever, d);
-    const std::int64_t x = body.angular_mask & 1u ? c.x.raw : 0;
-    const std::int64_t y = body.angular_mask & 2u ? c.y.raw : 0;
-    const std::int64_t z = body.angular_mask & 4u ? c.z.raw : 0;
-    const Symmetric<std::int32_t>& m = body.inv_mantissa;
-    // 30 bits times 31 bits, three times: below 2^63.
-    const std::int64_t sums[3] = {m.xx * x + m.xy * y + m.xz * z, m.xy * x + m.yy * y + m.yz * z,
-                                  m.xz * x + m.yz * y + m.zz * z};
-    const int shift = body.inv_exponent + Length::fraction_bits - row_bits;
-    Row row{};
-    for (int i = 0; i < 3; ++i) {
-        const std::int64_t v = shift >= 63  ? 0
-                               : shift >= 0 ? shift_right_rounded(sums[i], shift)
-                                            : shift_left_saturated(sums[i], std::min(-shift, 63));
-        row.x[i] = static_cast<std::int32_t>(sign * std::clamp(v, -jacobian_limit, jacobian_limit));
-    }
-    return row;
-}
-
-/// |d|^2 over the axes the body may move along, plus |x|^2, with 56 fraction bits.
-std::int64_t row_length_squared(const SolverBody& body, const std::int32_t d[3], const Row& row) {
-    std::int64_t sum = 0;
-    for (int i = 0; i < 3; ++i)
-        sum += ((std::int64_t{d[i]} * d[i]) & body.keep[i]) + std::int64_t{row.x[i]} * row.x[i];
-    return sum;
-}
-
-/// The share of each body in the pair's inverse mass: alpha + beta = 1; 0 for what impulses do not move.
-struct Shares {
-    std::int64_t a, b; ///< 30 fraction bits
-};
 Shares shares_of(const BodyMass& a, const BodyStep& sa, const BodyMass& b, const BodyStep& sb) {
     constexpr std::int64_t one = std::int64_t{1} << 30;
     if (!sa.movable && !sb.movable) return {0, 0};
@@ -127,7 +70,8 @@ constexpr std::int32_t leaving_speed = decimal<Speed>("0.25").raw;
 
 template <unsigned N>
 void fill_point(PointPack<N>& pack, unsigned lane, const PointScalars& p, const ContactPoint& point,
-                Shares shares, const Softness& soft, std::int32_t approach, const ContactPointMemory& warm) {
+                Shares shares, std::int64_t inverse_min, const Softness& soft, std::int32_t approach,
+                const ContactPointMemory& warm) {
     pack.separation.lane[lane] = point.separation.raw;
     pack.approach.lane[lane] = approach;
     if (p.inverse_min == 0) return;
@@ -137,17 +81,17 @@ void fill_point(PointPack<N>& pack, unsigned lane, const PointScalars& p, const 
             pack.xb[r][i].lane[lane] = p.xb[r].x[i];
         }
         if (p.inverse[r] >= least_inverse_mass)
-            pack.kappa[r].lane[lane] = saturate_to_int32(divide_shifted(p.inverse_min, p.inverse[r], 30));
+            pack.kappa[r].lane[lane] = saturate_to_int32(divide_shifted(inverse_min, p.inverse[r], 30));
     }
     pack.kappa_soft.lane[lane] = static_cast<std::int32_t>(
         shift_right_rounded(std::int64_t{pack.kappa[0].lane[lane]} * soft.mass_scale.raw, 30));
-    pack.ratio_a.lane[lane] = saturate_to_int32(divide_shifted(shares.a, p.inverse_min, 30));
-    pack.ratio_b.lane[lane] = saturate_to_int32(divide_shifted(shares.b, p.inverse_min, 30));
+    pack.ratio_a.lane[lane] = saturate_to_int32(divide_shifted(shares.a, inverse_min, 30));
+    pack.ratio_b.lane[lane] = saturate_to_int32(divide_shifted(shares.b, inverse_min, 30));
     if (approach > leaving_speed) return;
     // Remembered as lambda (1/mA + 1/mB); p = j k'min.
     const std::int32_t j[3] = {warm.normal.raw, warm.tangent_1.raw, warm.tangent_2.raw};
     for (int r = 0; r < 3; ++r) {
-        const std::int64_t impulse = narrow_rounded(Wide::product(j[r], p.inverse_min), 30);
+        const std::int64_t impulse = narrow_rounded(Wide::product(j[r], inverse_min), 30);
         pack.impulse[r].lane[lane] =
             static_cast<std::int32_t>(std::clamp<std::int64_t>(impulse, -impulse_limit, impulse_limit));
     }
@@ -156,7 +100,8 @@ void fill_point(PointPack<N>& pack, unsigned lane, const PointScalars& p, const 
 /// The mean of the normal rows in `points`; see MeanRow.
 template <unsigned N>
 void fill_mean(MeanRow<N>& mean, unsigned lane, const SolverBodies& bodies, const Contact& contact,
-               const std::int32_t normal[3], std::span<const PointScalars> points, Shares shares) {
+               const std::int32_t normal[3], std::span<const PointScalars> points, Shares shares,
+               std::int64_t inverse_min) {
     const std::int64_t n = static_cast<std::int64_t>(points.size());
     Row xa{}, xb{};
     for (int i = 0; i < 3; ++i) {
@@ -175,7 +120,7 @@ void fill_mean(MeanRow<N>& mean, unsigned lane, const SolverBodies& bodies, cons
     }
     mean.count_inv.lane[lane] = static_cast<std::int32_t>((std::int64_t{1} << 30) / n);
     for (std::size_t k = 0; k < points.size(); ++k)
-        mean.share[k].lane[lane] = saturate_to_int32(divide_shifted(points[k].inverse_min, inverse * n, 30));
+        mean.share[k].lane[lane] = saturate_to_int32(divide_shifted(inverse_min, inverse * n, 30));
 }
 
 /// The still body, behind the last, has none.
@@ -216,7 +161,7 @@ Row rolling_row(const BodyStep& body, Real length, int axis, std::int64_t sign) 
 template <unsigned N>
 void fill_rolling(RollingRows<N>& rows, unsigned lane, const SolverBodies& bodies, const Contact& contact,
                   const ContactMemory& memory, std::span<const BodyMass> mass,
-                  std::span<const PointScalars> points, Shares shares) {
+                  std::span<const PointScalars> points, std::int64_t inverse_min, Shares shares) {
     const BodyStep& sa = bodies.step[contact.body_a];
     const BodyStep& sb = bodies.step[contact.body_b];
     const Real la = rolling_length(mass_of(mass, contact.body_a)),
@@ -253,8 +198,8 @@ void fill_rolling(RollingRows<N>& rows, unsigned lane, const SolverBodies& bodie
         std::min(divide_shifted(contact.rolling.raw, length.raw, 30), jacobian_limit);
     for (std::size_t k = 0; k < points.size(); ++k)
         if (points[k].inverse_min != 0)
-            rows.share[k].lane[lane] = static_cast<std::int32_t>(std::min(
-                divide_shifted(per_length * (least >> 8), points[k].inverse_min, 8), jacobian_limit));
+            rows.share[k].lane[lane] = static_cast<std::int32_t>(
+                std::min(divide_shifted(per_length * (least >> 8), inverse_min, 8), jacobian_limit));
 }
 
 template <unsigned N>
@@ -286,55 +231,58 @@ void fill_lane(ContactPack<N>& pack, std::span<RollingRows<N>> rolling, unsigned
     pack.surface[0].lane[lane] = dot<Speed>(slip, tangents.first).raw;
     pack.surface[1].lane[lane] = dot<Speed>(slip, tangents.second).raw;
     PointScalars all[4];
+    std::int64_t inverse_min = 0, inverse_mean = 0;
     for (std::uint32_t k = 0; k < contact.count; ++k) {
-        const ContactPoint& point = contact.points[k];
-        const PointScalars& scalars = all[k] = point_scalars(bodies, contact, point, directions, d, shares);
-        const std::int32_t approach = speed_along(bodies.body[contact.body_a], bodies.body[contact.body_b],
-                                                  d[0], scalars.xa[0], scalars.xb[0]);
-        fill_point(pack.points[k], lane, scalars, point, shares, soft, approach, memory.points[k]);
+        all[k] = point_scalars(bodies, contact, contact.points[k], directions, d, shares);
+        if (all[k].inverse_min != 0 && (inverse_min == 0 || all[k].inverse_min < inverse_min))
+            inverse_min = all[k].inverse_min;
+        inverse_mean += all[k].inverse[0] / contact.count;
     }
-    if (contact.count > 1)
-        fill_mean(pack.mean, lane, bodies, contact, d[0], std::span(all, contact.count), shares);
-    if (contact.rolling <= Unit{}) return;
-    fill_rolling(rolling[pack.rolling], lane, bodies, contact, memory, mass, std::span(all, contact.count),
-                 shares);
+    const std::span<const PointScalars> scalars(all, contact.count);
+    for (std::uint32_t k = 0; k < contact.count; ++k) {
+        const std::int32_t approach = speed_along(bodies.body[contact.body_a], bodies.body[contact.body_b],
+                                                  d[0], all[k].xa[0], all[k].xb[0]);
+        fill_point(pack.points[k], lane, all[k], contact.points[k], shares, inverse_min, soft, approach,
+                   memory.points[k]);
+    }
+    if (contact.count > 1 && inverse_min != 0) {
+        fill_mean(pack.mean, lane, bodies, contact, d[0], scalars, shares, inverse_min);
+        fill_block(pack, lane, bodies, contact, directions, shares, soft, inverse_min, inverse_mean);
+    }
+    if (contact.rolling > Unit{} && inverse_min != 0)
+        fill_rolling(rolling[pack.rolling], lane, bodies, contact, memory, mass, scalars, inverse_min,
+                     shares);
 }
 
 } // namespace
 
-template <unsigned N> void ContactSolver<N>::reserve(std::size_t contacts) {
+template <unsigned N> void ContactSolver<N>::reserve(std::size_t contacts, std::size_t bodies) {
     packs.reserve(contacts);
     rolling.reserve(contacts);
-    order.reserve(contacts);
-    colour.reserve(contacts);
+    stage_begin.reserve(contacts + 1);
+    order.reserve(contacts, bodies);
 }
 
 template <unsigned N> void ContactSolver<N>::place_packs(std::span<const Contact> contacts) {
-    // Counting sort: by colour, within a colour by contact order.
-    std::array<std::uint32_t, colour_max + 2> start{};
-    for (std::uint32_t c : colour) ++start[c + 1];
-    for (std::size_t c = 1; c < start.size(); ++c) start[c] += start[c - 1];
-    std::array<std::uint32_t, colour_max + 2> next = start;
-    order.resize(contacts.size());
-    for (std::uint32_t i = 0; i < contacts.size(); ++i) order[next[colour[i]]++] = i;
-
     std::uint32_t placed = 0, rolling_count = 0;
     packs.resize(contacts.size());
-    for (std::uint32_t c = 0; c <= colour_max; ++c) {
-        colour_begin[c] = placed;
-        const std::uint32_t lanes = c == colour_max ? 1 : N; // the last colour's contacts may share bodies
-        for (std::uint32_t i = start[c]; i < start[c + 1]; i += lanes) {
+    stage_begin.clear();
+    stage_begin.reserve(std::bit_ceil(contacts.size()) + 1);
+    rolling.reserve(std::bit_ceil(contacts.size()));
+    for (std::uint32_t s = 0; s < order.stage_count(); ++s) {
+        stage_begin.push_back(placed);
+        const std::span<const std::uint32_t> stage = order.stage(s);
+        for (std::size_t i = 0; i < stage.size(); i += N) {
             ContactPack<N>& pack = packs[placed++];
             bool rolls = false;
             for (unsigned lane = 0; lane < N; ++lane) {
-                const bool is_empty = lane >= lanes || i + lane >= start[c + 1];
-                pack.contact[lane] = is_empty ? no_contact : order[i + lane];
-                rolls |= !is_empty && contacts[order[i + lane]].rolling > Unit{};
+                pack.contact[lane] = i + lane < stage.size() ? stage[i + lane] : no_contact;
+                rolls |= pack.contact[lane] != no_contact && contacts[pack.contact[lane]].rolling > Unit{};
             }
             pack.rolling = rolls ? rolling_count++ : no_contact;
         }
     }
-    colour_begin[colour_max + 1] = placed;
+    stage_begin.push_back(placed);
     packs.resize(placed);
     rolling.resize(rolling_count);
 }
@@ -343,7 +291,7 @@ template <unsigned N>
 void ContactSolver<N>::prepare(std::span<const Contact> contacts, std::span<const ContactMemory> memory,
                                std::span<const BodyMass> mass, const StepConstants& step,
                                const SolverBodies& bodies, Tasks* tasks) {
-    colour_contacts(contacts, bodies, body_colours, colour);
+    order.find(contacts, bodies);
     place_packs(contacts);
     const auto fill = [&](ContactPack<N>& pack) {
         const ContactPack<N> placed = pack;
@@ -408,8 +356,8 @@ void ContactSolver<N>::store(std::span<const Contact> contacts, std::span<Contac
 }
 
 template <unsigned N> void ContactSolver<N>::poison(std::byte with) {
-    auto& [pack_list, begins, rolling_list, order_list, colour_list, colours] = *this;
-    base::poison(with, pack_list, begins, rolling_list, order_list, colour_list, colours);
+    base::poison(with, packs, stage_begin, rolling);
+    order.poison(with);
 }
 
 template class ContactSolver<1>;

@@ -186,7 +186,7 @@ std::vector<Row> stack_rows() {
         {"pyramid",
          "a wall of 820 boxes, base 40, after 1200 ticks",
          {{"fallen", "boxes", 0}, {"drift across", "mm", 1}, {"drift along", "mm", 20}},
-         false,
+         true,
          run_pyramid},
         {"tower",
          "20 boxes on each other, after 1200 ticks",
