@@ -235,11 +235,11 @@ static bool make_rows(const SolverBodies& bodies, const Contact& contact, const 
     line(normal, 0, directions[0]);
     line(slide, 0, directions[1]);
     line(slide, 1, directions[2]);
-    return set(normal, 0, l.centre_a, l.centre_b, directions[0]) &
-           set(normal, 1, l.along[0], l.along[0], directions[0]) &
-           set(normal, 2, l.along[1], l.along[1], directions[0]) &
-           set(slide, 0, l.centre_a, l.centre_b, directions[1]) &
-           set(slide, 1, l.centre_a, l.centre_b, directions[2]) &
+    return set(normal, 0, l.centre_a, l.centre_b, directions[0]) &&
+           set(normal, 1, l.along[0], l.along[0], directions[0]) &&
+           set(normal, 2, l.along[1], l.along[1], directions[0]) &&
+           set(slide, 0, l.centre_a, l.centre_b, directions[1]) &&
+           set(slide, 1, l.centre_a, l.centre_b, directions[2]) &&
            set(slide, 2, l.along[0], l.along[0], directions[2]);
 }
 

@@ -51,6 +51,13 @@ NormalTarget<N> normal_target(const ContactPack<N>& c, const PointPack<N>& point
     return t;
 }
 
+/// False when the row has nothing to do in any lane: a block has done it.
+template <unsigned N> bool aims(const NormalTarget<N>& target) {
+    for (unsigned lane = 0; lane < N; ++lane)
+        if (target.kappa.lane[lane] != 0) return true;
+    return false;
+}
+
 template <unsigned N>
 void solve_normal(ContactPack<N>& c, PointPack<N>& point, Pair<N>& p, const NormalTarget<N>& target) {
     const Int32<N> speed = row_speed(p, c.d[0], point.xa[0], point.xb[0]) + target.bias;
@@ -223,7 +230,7 @@ void ContactSolver<N>::solve_pack(const StepConstants& step, SolverBodies& bodie
     }
     for (int k = 0; k < c.point_count; ++k) {
         const int at = bias ? k : c.point_count - 1 - k;
-        solve_normal(c, c.points[at], p, targets[at]);
+        if (aims(targets[at])) solve_normal(c, c.points[at], p, targets[at]);
     }
     scatter(c, p, bodies);
 }
