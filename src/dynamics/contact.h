@@ -6,6 +6,7 @@
 //   ratios       kappa_r = m_r / m_ref     in (0, 1];   ratio_A = m_ref / m_A, ratio_B = m_ref / m_B in [0, 1]
 //   step         p' = max(p - kappa (mass_scale speed + bias) - impulse_scale p, 0)
 //   separation   s = s0 + d . (shift_B - shift_A) + xA . theta_A + xB . theta_B
+//   bounce       a point gives back the part e^2 of the energy it took, and leaves at e times the approach at most
 //   rolling      for each world axis e: D = (0, -L K_A^-1 e ; 0, L K_B^-1 e), L a gyration radius; |p| <= coefficient / L times
 //                the normal impulse
 //   mean row     the normal rows of a contact's points, averaged; takes an impact before the points share out the rest
@@ -17,7 +18,8 @@
 //                shared out as normal impulses times a motion of the plane. What leaves its cone, and normal impulses
 //                that would pull, are solved point by point instead.
 //
-// source: soft steps as in Catto, Solver2D (2024); the mass-free, gyration-scaled rows are this library's own.
+// source: soft steps as in Catto, Solver2D (2024); energetic restitution as in Stronge, Impact Mechanics (2000); the
+// mass-free, gyration-scaled rows are this library's own.
 #pragma once
 
 #include "base/parallel.h"
@@ -61,6 +63,7 @@ template <unsigned N> struct PointPack {
     Int32<N> impulse_max;        ///< of the normal row over all substeps
     Int32<N> separation;         ///< s0, Separation
     Int32<N> approach;           ///< normal speed before it was hit in this tick, Speed
+    Int64<N> taken; ///< energy the normal row took in this tick, per half effective mass: Speed squared
 };
 
 /// The average of the normal rows of N contacts. Points solved one after another turn a box that lands flat: the first

@@ -123,6 +123,58 @@ template <unsigned N> void measure_approach(ContactPack<N>& c, const Pair<N>& p)
     }
 }
 
+/// Normal speed and impulse of the points of a contact.
+template <unsigned N> struct PointStates { Int32<N> speed[4], impulse[4]; };
+
+template <unsigned N> PointStates<N> point_states(const ContactPack<N>& c, const Pair<N>& p) {
+    PointStates<N> s{};
+    for (int k = 0; k < c.point_count; ++k) {
+        s.speed[k] = row_speed(p, c.d[0], c.points[k].xa[0], c.points[k].xb[0]);
+        s.impulse[k] = c.points[k].impulse[0];
+    }
+    return s;
+}
+
+/// The work of what was pressed since `before`: impulse times the mean of the speeds before and after.
+template <unsigned N> void count_taken(ContactPack<N>& c, const Pair<N>& p, const PointStates<N>& before) {
+    constexpr std::int64_t limit = std::int64_t{1} << 62;
+    const PointStates<N> after = point_states(c, p);
+    for (int k = 0; k < c.point_count; ++k)
+        for (unsigned lane = 0; lane < N; ++lane) {
+            PointPack<N>& point = c.points[k];
+            if (c.restitution.lane[lane] == 0 || point.kappa[0].lane[lane] == 0) continue;
+            const std::int64_t change = std::clamp<std::int64_t>(
+                divide_shifted(std::int64_t{after.impulse[k].lane[lane]} - before.impulse[k].lane[lane],
+                               point.kappa[0].lane[lane], 30),
+                -impulse_limit, impulse_limit);
+            const std::int64_t speeds =
+                std::clamp<std::int64_t>(std::int64_t{before.speed[k].lane[lane]} + after.speed[k].lane[lane],
+                                         -impulse_limit, impulse_limit);
+            point.taken.lane[lane] = std::clamp(point.taken.lane[lane] - change * speeds, -limit, limit);
+        }
+}
+
+/// All normal rows once.
+template <unsigned N>
+void press(ContactPack<N>& c, Pair<N>& p, NormalTarget<N> (&targets)[4], bool backwards) {
+    if (c.point_count > 1) {
+        solve_mean(c, p, targets);
+        solve_block(c, p, targets);
+    }
+    for (int k = 0; k < c.point_count; ++k) {
+        const int at = backwards ? c.point_count - 1 - k : k;
+        if (aims(targets[at])) solve_normal(c, c.points[at], p, targets[at]);
+    }
+}
+
+/// All friction rows once, within the cones of the normal impulses as they are.
+template <unsigned N> void rub(ContactPack<N>& c, Pair<N>& p, bool backwards) {
+    const std::uint32_t held = solve_slide(c, p);
+    if (held == (1u << N) - 1) return;
+    for (int k = 0; k < c.point_count; ++k)
+        solve_friction(c, c.points[backwards ? c.point_count - 1 - k : k], p, held);
+}
+
 } // namespace
 
 namespace {
@@ -217,28 +269,25 @@ void ContactSolver<N>::solve_pack(const StepConstants& step, SolverBodies& bodie
                                   ContactPack<N>& c) {
     Pair<N> p = gather(c, bodies);
     if (c.rolling != no_contact) solve_rolling(c, p);
-    const std::uint32_t held = solve_slide(c, p);
-    if (held != (1u << N) - 1)
-        for (int k = 0; k < c.point_count; ++k)
-            solve_friction(c, c.points[bias ? k : c.point_count - 1 - k], p, held);
+    if (bias) rub(c, p, false);
     NormalTarget<N> targets[4];
     const Motion<N> motion = gather_motion(c, bodies);
     for (int k = 0; k < c.point_count; ++k) targets[k] = normal_target(c, c.points[k], step, motion, bias);
-    if (c.point_count > 1) {
-        solve_mean(c, p, targets);
-        solve_block(c, p, targets);
-    }
-    for (int k = 0; k < c.point_count; ++k) {
-        const int at = bias ? k : c.point_count - 1 - k;
-        if (aims(targets[at])) solve_normal(c, c.points[at], p, targets[at]);
-    }
+    if (bounces(c)) {
+        const PointStates<N> before = point_states(c, p);
+        press(c, p, targets, !bias);
+        count_taken(c, p, before);
+    } else
+        press(c, p, targets, !bias);
+    if (!bias) rub(c, p, true);
     scatter(c, p, bodies);
 }
 
 template <unsigned N>
 void ContactSolver<N>::solve(const StepConstants& step, SolverBodies& bodies, bool bias, Tasks* tasks) {
-    // The relaxing pass visits points backwards. One pass alone favours whoever comes first, and a tower that is pushed
-    // the same way every step starts to rock; a pair of mirrored passes does not.
+    // The relaxing pass goes backwards over a contact: one pass alone favours whoever comes first, and a tower that is
+    // pushed the same way every step starts to rock; a pair of mirrored passes does not. Friction comes last in it, when
+    // the push is taken back: within the cone of an impulse that pushes out, what slides in overlap is braked twice.
     for_each_pack(tasks, [&](ContactPack<N>& c) { solve_pack(step, bodies, bias, c); });
 }
 
@@ -250,15 +299,18 @@ void ContactSolver<N>::apply_restitution(const StepConstants& step, SolverBodies
         NormalTarget<N> targets[4];
         for (int k = 0; k < c.point_count; ++k) {
             const PointPack<N>& point = c.points[k];
-            // Bounce where the point came in fast and was in fact hit; elsewhere aim at what is.
+            // Bounce where the point came in fast and was in fact hit; elsewhere aim at what is. With no more than the
+            // point itself took: what another contact stopped is that one's to give back.
             Int32<N> target = splat<N>(0), kappa = splat<N>(0);
             for (unsigned lane = 0; lane < N; ++lane) {
                 const std::int32_t approach = point.approach.lane[lane];
                 if (c.restitution.lane[lane] == 0 || approach > -step.restitution_speed_min.raw ||
                     point.impulse_max.lane[lane] == 0)
                     continue;
+                const std::int64_t taken = std::max<std::int64_t>(point.taken.lane[lane], 0);
+                const std::int64_t most = std::int64_t{isqrt(static_cast<std::uint64_t>(taken))};
                 target.lane[lane] = static_cast<std::int32_t>(shift_right_rounded(
-                    std::int64_t{approach} * c.restitution.lane[lane], Unit::fraction_bits));
+                    std::max(std::int64_t{approach}, -most) * c.restitution.lane[lane], Unit::fraction_bits));
                 kappa.lane[lane] = point.kappa[0].lane[lane];
             }
             targets[k] = {kappa, target, splat<N>(0)};
