@@ -6,8 +6,25 @@
 
 namespace lockstone::dynamics {
 
+/// The frame (pole, from) turned along the shortest arc from the pole to the normal: from - (pole + n) (n . from) / (1 +
+/// n . pole). It jumps nowhere but opposite the pole, which is a direction that scenes have no use for.
 Tangents tangents_of(UnitVec3 normal) {
-    const UnitVec3 first = any_perpendicular(normal);
+    constexpr std::int64_t one = std::int64_t{1} << 30;
+    constexpr std::int64_t pole[3] = {2 * one / 7, 3 * one / 7, 6 * one / 7},
+                           from[3] = {6 * one / 7, 2 * one / 7, -3 * one / 7};
+    const std::int64_t n[3] = {normal.x.raw, normal.y.raw, normal.z.raw};
+    std::int64_t along = 0, off = 0;
+    for (int i = 0; i < 3; ++i) along += n[i] * pole[i], off += n[i] * from[i];
+    along = shift_right_rounded(along, 30);
+    UnitVec3 first;
+    if (along < -one + (one >> 6))
+        first = any_perpendicular(normal);
+    else {
+        const std::int64_t share = divide_shifted(shift_right_rounded(off, 30), one + along, 30); // below 16
+        for (int i = 0; i < 3; ++i)
+            first[i] = Unit::from_raw(static_cast<std::int32_t>(
+                std::clamp(from[i] - shift_right_rounded((pole[i] + n[i]) * share, 30), -one, one)));
+    }
     return {first, cross<Unit>(normal, first)};
 }
 

@@ -46,7 +46,8 @@ struct Contact {
     std::array<ContactPoint, 4> points;
 };
 
-/// The two tangents of a normal: the same for the same normal, always.
+/// The two tangents of a normal: the same for the same normal, and nearly the same for nearly the same. Friction is
+/// remembered along them; a frame that turned by a right angle when a floor tilts by a rounding would throw it aside.
 struct Tangents {
     UnitVec3 first, second;
 };

@@ -83,7 +83,7 @@ inline bool solve_small(int n, std::int64_t (&m)[4][4], std::int64_t (&rhs)[4], 
 /// What one lane of a block's normals starts from.
 struct BlockState {
     std::uint32_t members;
-    bool soft;
+    bool soft, hit;
     std::int64_t speed[3], sums[3]; ///< D v and Q, Speed
     std::int64_t a[4], b[4];        ///< 30 fraction bits
     std::int32_t bias[4], old[4];   ///< Speed
@@ -94,9 +94,9 @@ inline std::int64_t at_point(const BlockState& s, int k, const std::int64_t (&x)
     return x[0] + shift_right_rounded(s.a[k] * x[1], 30) + shift_right_rounded(s.b[k] * x[2], 30);
 }
 
-/// False when a member is hit: that is for the mean row and the points.
+/// A member that is hit is stopped rigidly, and all with it: softness would take a share of the whole impact.
 template <unsigned N>
-bool begin_block(const ContactPack<N>& c, unsigned lane, const NormalTarget<N> (&targets)[4], BlockState& s) {
+void begin_block(const ContactPack<N>& c, unsigned lane, const NormalTarget<N> (&targets)[4], BlockState& s) {
     for (int k = 0; k < c.point_count; ++k) {
         if (!((s.members >> k) & 1u)) continue;
         s.a[k] = c.block.arm[0][k].lane[lane];
@@ -105,12 +105,12 @@ bool begin_block(const ContactPack<N>& c, unsigned lane, const NormalTarget<N> (
         s.old[k] = c.points[k].impulse[0].lane[lane];
         s.soft = s.soft || targets[k].impulse_scale.lane[lane] > 0;
         const std::int64_t error = at_point(s, k, s.speed) + s.bias[k];
-        if (error < -impact_speed_min || (error > impact_speed_min && s.old[k] > 0)) return false;
+        s.hit = s.hit || error < -impact_speed_min || (error > impact_speed_min && s.old[k] > 0);
         s.sums[0] += s.old[k];
         s.sums[1] += shift_right_rounded(s.a[k] * s.old[k], 30);
         s.sums[2] += shift_right_rounded(s.b[k] * s.old[k], 30);
     }
-    return true;
+    s.soft = s.soft && !s.hit;
 }
 
 /// All members at once. Returns those that would pull.
@@ -200,6 +200,11 @@ bool solve_some(const ContactPack<N>& c, unsigned lane, const BlockState& s, std
     return false;
 }
 
+template <unsigned N> void count_impact(PointPack<N>& point, unsigned lane, std::int64_t change) {
+    point.impact.lane[lane] = static_cast<std::int32_t>(std::clamp(
+        point.impact.lane[lane] + change, -std::int64_t{impulse_limit}, std::int64_t{impulse_limit}));
+}
+
 /// Solves what can be solved as a block, and takes it out of the targets.
 template <unsigned N> void solve_block(ContactPack<N>& c, Pair<N>& p, NormalTarget<N> (&targets)[4]) {
     bool any = false;
@@ -218,12 +223,13 @@ template <unsigned N> void solve_block(ContactPack<N>& c, Pair<N>& p, NormalTarg
         for (int i = 0; i < 3; ++i) state.speed[i] = speed[i].lane[lane];
         std::array<std::int32_t, 3> w;
         std::int32_t after[4];
-        if (!begin_block(c, lane, targets, state)) continue;
+        begin_block(c, lane, targets, state);
         std::uint32_t pulling = solve_all(c, lane, state, w, after);
         if (pulling != 0 && !solve_some(c, lane, state, pulling, w, after)) continue;
         for (std::size_t i = 0; i < 3; ++i) push_by[i].lane[lane] = w[i];
         for (int k = 0; k < c.point_count; ++k) {
             if (!((block.members.lane[lane] >> k) & 1)) continue;
+            if (state.hit) count_impact(c.points[k], lane, after[k] - state.old[k]);
             c.points[k].impulse[0].lane[lane] = after[k];
             c.points[k].impulse_max.lane[lane] = std::max(c.points[k].impulse_max.lane[lane], after[k]);
             if (!((pulling >> k) & 1u)) targets[k].kappa.lane[lane] = targets[k].impulse_scale.lane[lane] = 0;
@@ -291,12 +297,14 @@ bool solve_slide_lane(const ContactPack<N>& c, unsigned lane, const std::array<s
     for (int k = 0; k < c.point_count; ++k) {
         after[0][k] = after[1][k] = 0;
         if (s.normal[k] == 0) continue;
-        const std::int64_t x = total[0] - shift_right_rounded(s.arm[1][k] * turn, 30);
-        const std::int64_t y = total[1] + shift_right_rounded(s.arm[0][k] * turn, 30);
+        std::int64_t x = total[0] - shift_right_rounded(s.arm[1][k] * turn, 30);
+        std::int64_t y = total[1] + shift_right_rounded(s.arm[0][k] * turn, 30);
         const std::int64_t reach = std::min<std::int64_t>(limit, impulse_limit);
-        if (std::max(magnitude(x), magnitude(y)) > std::uint64_t{impulse_limit} ||
-            x * x + y * y > reach * reach)
-            return false;
+        if (std::max(magnitude(x), magnitude(y)) > std::uint64_t{impulse_limit}) return false;
+        if (x * x + y * y > reach * reach) {
+            const std::int64_t size = std::int64_t{isqrt(static_cast<std::uint64_t>(x * x + y * y))} + 1;
+            x = x * reach / size, y = y * reach / size;
+        }
         after[0][k] = static_cast<std::int32_t>(x * s.normal[k] / s.all);
         after[1][k] = static_cast<std::int32_t>(y * s.normal[k] / s.all);
         now[0] += after[0][k];

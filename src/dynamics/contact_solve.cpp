@@ -95,9 +95,7 @@ template <unsigned N> void solve_mean(ContactPack<N>& c, Pair<N>& p, NormalTarge
         for (unsigned lane = 0; lane < N; ++lane) {
             if (change.lane[lane] == 0) continue;
             point.impulse[0].lane[lane] = wanted.lane[lane];
-            point.impact.lane[lane] = static_cast<std::int32_t>(
-                std::clamp(std::int64_t{point.impact.lane[lane]} + wanted.lane[lane] - old.lane[lane],
-                           -std::int64_t{impulse_limit}, std::int64_t{impulse_limit}));
+            count_impact(point, lane, std::int64_t{wanted.lane[lane]} - old.lane[lane]);
             targets[k].kappa.lane[lane] = point.kappa[0].lane[lane];
             targets[k].impulse_scale.lane[lane] = 0;
             point.impulse_max.lane[lane] = std::max(point.impulse_max.lane[lane], wanted.lane[lane]);
@@ -158,8 +156,8 @@ template <unsigned N> void count_taken(ContactPack<N>& c, const Pair<N>& p, cons
 template <unsigned N>
 void press(ContactPack<N>& c, Pair<N>& p, NormalTarget<N> (&targets)[4], bool backwards) {
     if (c.point_count > 1) {
-        solve_mean(c, p, targets);
         solve_block(c, p, targets);
+        solve_mean(c, p, targets);
     }
     for (int k = 0; k < c.point_count; ++k) {
         const int at = backwards ? c.point_count - 1 - k : k;
