@@ -281,6 +281,9 @@ inline std::int64_t slide_turn(const SlideState& s, int points, const std::int64
     return std::clamp(turn, -std::int64_t{impulse_limit}, std::int64_t{impulse_limit});
 }
 
+/// To nearest; d is positive. Towards zero, friction would give way a little in every pass, and what leans would creep.
+inline std::int64_t divide_rounded(std::int64_t n, std::int64_t d) { return (n + (n < 0 ? -d : d) / 2) / d; }
+
 /// Shared out as normal impulses times a motion of the plane, which is what a plate that begins to slide does. `w` is
 /// what the shares change in sum. False when a point would leave its cone: then points slide one by one.
 template <unsigned N>
@@ -305,8 +308,8 @@ bool solve_slide_lane(const ContactPack<N>& c, unsigned lane, const std::array<s
             const std::int64_t size = std::int64_t{isqrt(static_cast<std::uint64_t>(x * x + y * y))} + 1;
             x = x * reach / size, y = y * reach / size;
         }
-        after[0][k] = static_cast<std::int32_t>(x * s.normal[k] / s.all);
-        after[1][k] = static_cast<std::int32_t>(y * s.normal[k] / s.all);
+        after[0][k] = static_cast<std::int32_t>(divide_rounded(x * s.normal[k], s.all));
+        after[1][k] = static_cast<std::int32_t>(divide_rounded(y * s.normal[k], s.all));
         now[0] += after[0][k];
         now[1] += after[1][k];
         now[2] += shift_right_rounded(std::int64_t{c.block.arm[0][k].lane[lane]} * after[1][k], 30) -
