@@ -1,7 +1,7 @@
 // A scene in Bullet: btDiscreteDynamicsWorld with its default solver settings.
 //
-// What it is given beyond defaults: exact inertia, no deactivation, hulls of the size they have with 1 mm of
-// margin included, square roots of the coefficients, as it multiplies those of a pair.
+// What it is given beyond defaults: exact inertia, no deactivation unless the scene allows it, hulls of the size they
+// have with 1 mm of margin included, square roots of the coefficients, as it multiplies those of a pair.
 #include "quality/scene.h"
 
 #include <LinearMath/btGeometryUtil.h>
@@ -58,7 +58,7 @@ class Bullet final : public Engine {
   public:
     Bullet(const Contestant& c, const Scene& scene)
         : dispatcher(&configuration), world(&dispatcher, &broad_phase, &solver, &configuration),
-          attraction(scene.attraction), steps(c.substeps == 0 ? 1 : c.substeps),
+          attraction(scene.attraction), sleeping(scene.sleeping), steps(c.substeps == 0 ? 1 : c.substeps),
           step_time(1.0 / (c.rate * steps)) {
         world.setGravity(vec(scene.gravity));
         if (c.iterations != 0) world.getSolverInfo().m_numIterations = c.iterations;
@@ -99,7 +99,7 @@ class Bullet final : public Engine {
         if (body.rolling_resistance > 0)
             info.m_rollingFriction = scalar(body.rolling_resistance / (2 * std::sqrt(body.friction)));
         bodies.push_back(std::make_unique<btRigidBody>(info));
-        bodies.back()->setActivationState(DISABLE_DEACTIVATION);
+        if (!sleeping) bodies.back()->setActivationState(DISABLE_DEACTIVATION);
         bodies.back()->setLinearVelocity(vec(body.velocity));
         bodies.back()->setAngularVelocity(vec(body.spin));
         world.addRigidBody(bodies.back().get());
@@ -163,6 +163,7 @@ class Bullet final : public Engine {
     std::vector<std::unique_ptr<btRigidBody>> bodies;
     std::vector<std::unique_ptr<btTypedConstraint>> joints;
     double attraction;
+    bool sleeping;
     int steps;
     double step_time;
 };

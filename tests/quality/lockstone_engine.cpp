@@ -56,7 +56,7 @@ ls::WorldDef world_of(const Contestant& c, const Scene& scene) {
                      .shapes_max = count,
                      .contacts_max = 32 * count,
                      .joints_max = static_cast<std::uint32_t>(scene.joints.size()) + 1,
-                     .sleeping = 0};
+                     .sleeping = scene.sleeping};
     if (c.substeps != 0) def.substeps = static_cast<std::uint32_t>(c.substeps);
     if (c.contact_hertz != 0) def.contact_hertz = real(c.contact_hertz);
     if (c.contact_damping != 0) def.contact_damping = real(c.contact_damping);

@@ -47,6 +47,7 @@ class Ode final : public Engine {
         contacts = dJointGroupCreate(0);
         dWorldSetGravity(world, s.gravity.x, s.gravity.y, s.gravity.z);
         dWorldSetContactSurfaceLayer(world, 0.001);
+        dWorldSetAutoDisableFlag(world, s.sleeping);
         if (c.iterations != 0) dWorldSetQuickStepNumIterations(world, c.iterations);
         convex.reserve(scene.bodies.size());
         for (const Body& body : scene.bodies) add(body);

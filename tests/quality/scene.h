@@ -7,7 +7,7 @@
 //   engine->advance(600);
 //   engine->state(crate).position
 //
-// SI units throughout. Nobody sleeps and nothing is damped.
+// SI units throughout. Nothing is damped, and nobody sleeps unless the scene says so.
 #pragma once
 
 #include "quality/vector.h"
@@ -78,6 +78,7 @@ struct Scene {
     std::vector<Joint> joints = {};
     V3 gravity{0, -9.81, 0};
     double attraction = 0; ///< G M of a point mass at the origin [m^3/s^2]
+    bool sleeping = false; ///< bodies at rest may fall asleep, by each engine's own defaults
 
     int add(Body body) {
         bodies.push_back(std::move(body));
