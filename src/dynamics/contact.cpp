@@ -282,10 +282,14 @@ template <unsigned N> void ContactSolver<N>::reserve(std::size_t contacts, std::
 
 template <unsigned N> void ContactSolver<N>::place_packs(std::span<const Contact> contacts) {
     std::uint32_t placed = 0, rolling_count = 0;
-    packs.resize(contacts.size());
     stage_begin.clear();
     stage_begin.reserve(std::bit_ceil(contacts.size()) + 1);
     rolling.reserve(std::bit_ceil(contacts.size()));
+    packs.reserve(std::bit_ceil(contacts.size()));
+    for (std::uint32_t s = 0; s < order.stage_count(); ++s)
+        placed += static_cast<std::uint32_t>((order.stage(s).size() + N - 1) / N);
+    packs.resize(placed);
+    placed = 0;
     for (std::uint32_t s = 0; s < order.stage_count(); ++s) {
         stage_begin.push_back(placed);
         const std::span<const std::uint32_t> stage = order.stage(s);
@@ -300,7 +304,6 @@ template <unsigned N> void ContactSolver<N>::place_packs(std::span<const Contact
         }
     }
     stage_begin.push_back(placed);
-    packs.resize(placed);
     rolling.resize(rolling_count);
 }
 

@@ -106,8 +106,8 @@ void ContactOrder::find_stages(std::span<const Contact> contacts, const SolverBo
 }
 
 void ContactOrder::find(std::span<const Contact> contacts, const SolverBodies& bodies) {
-    reserve(std::bit_ceil(contacts.size()),
-            bodies.body.size()); // seldom, when there are more of them by and by
+    // Seldom more, when there are more of them by and by.
+    reserve(std::bit_ceil(contacts.size()), std::bit_ceil(bodies.body.size()));
     find_levels(contacts, bodies);
     sort_down(contacts);
     find_stages(contacts, bodies);

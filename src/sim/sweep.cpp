@@ -247,6 +247,16 @@ void sweep_plain_bodies(Data& w, const Sweeper& s) {
         if (sweep.stopped[row]) w.state.edit_row(w.m.body_pose, row) = *sweep.stopped[row];
 }
 
+/// With room for what is usually near, so that the tick in which a body first becomes fast does not allocate.
+void make_workers(SweepScratch& sweep, std::uint32_t count) {
+    constexpr std::size_t usual = 256;
+    sweep.workers.resize(count);
+    for (SweepScratch::Worker& worker : sweep.workers) {
+        worker.near.open.reserve(usual), worker.near.proxies.reserve(usual);
+        worker.touching.reserve(usual);
+    }
+}
+
 } // namespace
 
 void sweep_fast_bodies(Data& w) {
@@ -259,7 +269,7 @@ void sweep_fast_bodies(Data& w) {
         any_bullet |= s.info[row].bullet != 0;
     }
     const std::uint32_t workers = base::worker_count(w.tasks);
-    if (w.scratch.sweep.workers.size() < workers) w.scratch.sweep.workers.resize(workers);
+    if (w.scratch.sweep.workers.size() < workers) make_workers(w.scratch.sweep, workers);
     w.scratch.broad_phase.update_trees();
     sweep_plain_bodies(w, s);
     if (!any_bullet) return;
