@@ -225,7 +225,8 @@ constexpr QuotientRemainder divide_128_by_64_portable(std::uint64_t high, std::u
 constexpr QuotientRemainder divide_128_by_64(std::uint64_t high, std::uint64_t low, std::uint64_t divisor) {
 #if LOCKSTONE_HAS_INT128 && !LOCKSTONE_PORTABLE_WIDE
     const uint128_t n = (static_cast<uint128_t>(high) << 64) | low;
-    return {static_cast<std::uint64_t>(n / divisor), static_cast<std::uint64_t>(n % divisor)};
+    const auto quotient = static_cast<std::uint64_t>(n / divisor); // n % divisor would divide a second time
+    return {quotient, low - quotient * divisor};
 #else
     return divide_128_by_64_portable(high, low, divisor);
 #endif

@@ -72,63 +72,93 @@ bool lay_out(const Contact& contact, std::uint32_t members, bool of_b, const Uni
     return true;
 }
 
-/// The linear fit over the members, and the directions (rows over D_0, D_1, D_2) that it sees: three, or two on a line.
+/// Symmetric, by rows of the lower triangle.
+using Lower3 = std::int64_t[6];
+
+/// The linear fit over the members. On a line it sees one direction of tilts, and `u`, `v` are that direction.
 struct Fit {
-    std::int64_t h[3][4];    ///< 30 fraction bits
-    std::int64_t axis[3][3]; ///< orthogonal, 30 fraction bits
-    std::int64_t weight[3];  ///< sum over the members of (axis . (1, a, b))^2, 30 fraction bits
-    int rank;
+    std::int64_t h[3][4]; ///< 30 fraction bits, below 2^39
+    Lower3 gram;          ///< H H^T, 30 fraction bits, below 2^39; on a line level and tilt are its first two
+    bool line;
+    std::int64_t u, v; ///< 30 fraction bits
 };
 
-/// The axes of the members' second moments, the longer first: with them the fit is one division an entry.
-void find_axes(const Layout& l, std::uint32_t points, Fit& out) {
-    constexpr std::int64_t one = std::int64_t{1} << 30;
-    std::int64_t saa = 0, sab = 0, sbb = 0; // up to 4
+/// Second moments of the members.
+struct Moments {
+    std::int64_t aa, ab, bb; ///< 29 fraction bits, up to 2^31
+};
+
+Moments moments_of(const Layout& l, std::uint32_t points) {
+    Moments m{};
     for (std::uint32_t k = 0; k < points; ++k) {
         if (!((l.members >> k) & 1u)) continue;
-        saa += shift_right_rounded(l.arm[0][k] * l.arm[0][k], 30);
-        sab += shift_right_rounded(l.arm[0][k] * l.arm[1][k], 30);
-        sbb += shift_right_rounded(l.arm[1][k] * l.arm[1][k], 30);
+        const std::int64_t a = l.arm[0][k], b = l.arm[1][k];
+        m.aa += (a * a) >> 31;
+        m.ab += (a * b) >> 31;
+        m.bb += (b * b) >> 31;
     }
-    // tan of the doubled angle is 2 sab / (saa - sbb): half of it by the bisector of (r, 0) and (saa - sbb, 2 sab).
-    std::int64_t x = (saa - sbb) >> 3, y = sab >> 2, u = one, v = 0; // below 2^30
-    const std::int64_t r = std::int64_t{isqrt(static_cast<std::uint64_t>(x * x + y * y))};
-    if (r > (one >> 12)) { // else round: any axes do
-        if (x >= 0)
-            x += r;
-        else {
-            const std::int64_t turned = r - x;
-            x = y, y = turned; // across: (y, r - x) is along (r + x, y), and does not cancel
-        }
-        const std::int64_t size =
-            std::int64_t{isqrt(static_cast<std::uint64_t>(x * x + y * y))}; // not 0: above r
-        u = divide_shifted(x, size, 30);
-        v = divide_shifted(y, size, 30);
-    }
-    const std::int64_t axes[3][3] = {{one, 0, 0}, {0, u, v}, {0, -v, u}};
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) out.axis[i][j] = axes[i][j];
+    return m;
 }
 
+/// Of members that lie along (u, v), the longer axis of the moments.
+void fit_line(const Layout& l, std::uint32_t points, const Moments& m, Fit& out) {
+    // tan of the doubled angle is 2 ab / (aa - bb): half of it by the bisector of (r, 0) and (aa - bb, 2 ab).
+    std::int64_t x = (m.aa - m.bb) >> 2, y = m.ab >> 1; // below 2^30
+    const std::int64_t r = std::int64_t{isqrt(static_cast<std::uint64_t>(x * x + y * y))};
+    if (x >= 0)
+        x += r;
+    else {
+        const std::int64_t turned = r - x;
+        x = y, y = turned; // across: (y, r - x) is along (r + x, y), and does not cancel
+    }
+    // Not 0: r is at least a quarter of the moments' difference, which is nearly all of them on a line.
+    const std::int64_t size = std::int64_t{isqrt(static_cast<std::uint64_t>(x * x + y * y))};
+    out.u = divide_shifted(x, size, 30);
+    out.v = divide_shifted(y, size, 30);
+    std::int64_t along[4]{}, weight = 0; // at least 1/2: the farthest arm is 1
+    for (std::uint32_t k = 0; k < points; ++k) {
+        if (!((l.members >> k) & 1u)) continue;
+        along[k] = (out.u * l.arm[0][k] + out.v * l.arm[1][k]) >> 30;
+        weight += (along[k] * along[k]) >> 30;
+    }
+    const std::int64_t inverse = divide_shifted(std::int64_t{1} << 30, weight, 30);
+    for (std::uint32_t k = 0; k < points; ++k) {
+        const std::int64_t part = (along[k] * inverse) >> 30;
+        out.h[1][k] = (out.u * part) >> 30;
+        out.h[2][k] = (out.v * part) >> 30;
+    }
+    out.gram[2] = inverse;
+}
+
+/// False when the members are all at one place.
 bool fit_members(const Layout& l, std::uint32_t points, Fit& out) {
     out = {};
-    find_axes(l, points, out);
-    std::int64_t along[3][4]{};
-    for (int i = 0; i < 3; ++i)
-        for (std::uint32_t k = 0; k < points; ++k) {
-            if (!((l.members >> k) & 1u)) continue;
-            along[i][k] =
-                out.axis[i][0] + ((out.axis[i][1] * l.arm[0][k] + out.axis[i][2] * l.arm[1][k]) >> 30);
-            out.weight[i] += (along[i][k] * along[i][k]) >> 30;
-        }
-    out.rank = out.weight[2] < (out.weight[1] >> thin_bits) ? 2 : 3;
-    if (out.weight[1] < (std::int64_t{1} << 24)) return false;
-    for (int i = 0; i < out.rank; ++i)
-        for (std::uint32_t k = 0; k < points; ++k) {
-            const std::int64_t part = divide_shifted(along[i][k], out.weight[i], 30); // up to 2^15
-            for (int j = 0; j < 3; ++j)
-                out.h[j][k] += narrow_rounded(Wide::product(out.axis[i][j], part), 30);
-        }
+    const std::int64_t share = (std::int64_t{1} << 30) / l.count;
+    for (std::uint32_t k = 0; k < points; ++k)
+        if ((l.members >> k) & 1u) out.h[0][k] = share;
+    out.gram[0] = share;
+    const Moments m = moments_of(l, points);
+    // Of moments p and q along the axes the determinant is p q, and p + q is at least 1/2.
+    const std::int64_t sum = m.aa + m.bb, det = m.aa * m.bb - m.ab * m.ab; // 58 fraction bits, below 2^62
+    if (sum < std::int64_t{1} << 28) return false;
+    out.line = det < ((sum >> (thin_bits / 2)) * (sum >> (thin_bits / 2)));
+    if (out.line) {
+        fit_line(l, points, m, out);
+        return true;
+    }
+    // m^-1, at most 2^9.
+    const std::int64_t inverse =
+        divide_shifted(std::int64_t{1} << 28, det, 62); // 32 fraction bits, below 2^44
+    const std::int64_t aa = block_narrow<31>(block_product(m.bb, inverse)),
+                       ab = -block_narrow<31>(block_product(m.ab, inverse)),
+                       bb = block_narrow<31>(block_product(m.aa, inverse));
+    for (std::uint32_t k = 0; k < points; ++k) {
+        if (!((l.members >> k) & 1u)) continue;
+        const std::int64_t a = l.arm[0][k], b = l.arm[1][k];
+        out.h[1][k] = block_narrow<30>(block_product(aa, a) + block_product(ab, b));
+        out.h[2][k] = block_narrow<30>(block_product(ab, a) + block_product(bb, b));
+    }
+    out.gram[2] = aa, out.gram[4] = ab, out.gram[5] = bb;
     return true;
 }
 
@@ -146,74 +176,67 @@ bool is_clamped(const Row& row) {
 }
 
 /// rows times the pair's inverse mass times rows: 30 fraction bits, below 2^36.
-void couple(const PairRows& rows, const SolverBody& a, const SolverBody& b, Shares shares,
-            std::int64_t (&out)[3][3]) {
+void couple(const PairRows& rows, const SolverBody& a, const SolverBody& b, Shares shares, Lower3& out) {
     for (int r = 0; r < 3; ++r)
-        for (int s = 0; s < 3; ++s) {
+        for (int s = 0; s <= r; ++s) {
             std::int64_t qa = 0, qb = 0; // below 52 2^56
             for (int i = 0; i < 3; ++i) {
                 const std::int64_t dd = std::int64_t{rows.d[r][i]} * rows.d[s][i];
                 qa += (dd & a.keep[i]) + std::int64_t{rows.xa[r].x[i]} * rows.xa[s].x[i];
                 qb += (dd & b.keep[i]) + std::int64_t{rows.xb[r].x[i]} * rows.xb[s].x[i];
             }
-            out[r][s] = shift_right_rounded((qa >> 30) * shares.a + (qb >> 30) * shares.b, 26);
+            out[block_index(r, s)] = shift_right_rounded((qa >> 30) * shares.a + (qb >> 30) * shares.b, 26);
         }
 }
 
-/// axis_i . m axis_j
-std::int64_t along_axes(const std::int64_t (&m)[3][3], const std::int64_t (&u)[3],
-                        const std::int64_t (&v)[3]) {
-    std::int64_t sum = 0;
-    for (int i = 0; i < 3; ++i) {
-        std::int64_t row = 0; // 37 bits times 31, thrice: each narrowed before
-        for (int j = 0; j < 3; ++j) row += narrow_rounded(Wide::product(m[i][j], v[j]), 30);
-        sum += narrow_rounded(Wide::product(u[i], row), 30);
+/// m^-1 scale with block_inverse_entry_bits by cofactors, which are exact; false when it is singular or too large. Both
+/// arguments have 30 fraction bits, scale is below 2^36. What is rounded in m counts as much in any other way.
+bool invert(const Lower3& m, std::int64_t scale, std::int32_t (&out)[6]) {
+    const std::int64_t most = std::max({m[0], m[2], m[5]});
+    if (most <= 0) return false;
+    const int drop = bit_length(static_cast<std::uint64_t>(most)) - 30;
+    if (drop < -4 || drop > 25) return false;
+    std::int64_t e[6];
+    for (int i = 0; i < 6; ++i) {
+        e[i] = drop <= 0 ? m[i] * (std::int64_t{1} << -drop) : m[i] >> drop;
+        if (magnitude(e[i]) > std::uint64_t{1} << 30)
+            return false; // of what is symmetric and positive none is
     }
-    return sum;
+    const std::int64_t c[6] = {e[2] * e[5] - e[4] * e[4], e[3] * e[4] - e[1] * e[5],
+                               e[0] * e[5] - e[3] * e[3], e[1] * e[4] - e[2] * e[3],
+                               e[1] * e[3] - e[0] * e[4], e[0] * e[2] - e[1] * e[1]};
+    const std::int64_t det = block_narrow<30>(block_product(e[0], c[0]) + block_product(e[1], c[1]) +
+                                              block_product(e[3], c[3])); // 60 fraction bits
+    if (c[0] <= 0 || c[2] <= 0 || c[5] <= 0 || det < std::int64_t{1} << 32) return false;
+    const std::int64_t factor = divide_shifted(scale, det, 58); // below 2^62
+    for (int i = 0; i < 6; ++i) {
+        const std::int64_t entry =
+            shift_right_rounded(block_narrow<63>(block_product(c[i], factor)), 5 + drop);
+        if (magnitude(entry) >= std::uint64_t{1} << 31) return false;
+        out[i] = static_cast<std::int32_t>(entry);
+    }
+    return true;
 }
 
-/// m^-1 scale over the first `rank` axes, back in the rows' own coordinates; false when it is singular or too large.
-bool invert(const std::int64_t (&m)[3][3], const std::int64_t (&axis)[3][3], int rank,
-            const std::int64_t (&extra)[3], std::int64_t scale, std::int32_t (&out)[6]) {
-    std::int64_t s[3][3]{}, most = 0;
-    for (int i = 0; i < rank; ++i) {
-        for (int j = 0; j <= i; ++j) s[i][j] = along_axes(m, axis[i], axis[j]);
-        s[i][i] += extra[i];
-        most = std::max(most, s[i][i]);
-    }
-    const Scaled top = scaled(most, 30);
-    if (top.m == 0 || top.exponent > 29) return false;
-    SymmetricBlock block{};
-    block.exponent = top.exponent;
-    for (int i = 0; i < rank; ++i)
-        for (int j = 0; j <= i; ++j) {
-            if (magnitude(s[i][j]) > static_cast<std::uint64_t>(most)) return false;
-            block.m[block_index(i, j)] = s[i][j] * (std::int64_t{1} << (30 - top.exponent));
-        }
-    BlockFactor factor{};
-    if (!factorise(block, rank, factor)) return false;
-    std::int64_t inverse[3][3]{};
-    for (int i = 0; i < rank; ++i) {
-        std::int64_t x[6]{};
-        x[i] = std::int64_t{1} << block_speed_bits;
-        solve(factor, rank, x);
-        const int shift = block_speed_bits + 30 - block_inverse_entry_bits + top.exponent;
-        if (shift < 1 || shift > 126) return false;
-        for (int j = 0; j < rank; ++j) inverse[i][j] = narrow_rounded(Wide::product(x[j], scale), shift);
-    }
-    constexpr std::int64_t limit = std::int64_t{1} << 31;
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j <= i; ++j) {
-            std::int64_t sum = 0;
-            for (int r = 0; r < rank; ++r)
-                for (int c = 0; c < rank; ++c) {
-                    const std::int64_t entry = c <= r ? inverse[r][c] : inverse[c][r];
-                    if (magnitude(entry) >= static_cast<std::uint64_t>(limit)) return false;
-                    sum += narrow_rounded(Wide::product(axis[r][i], (entry * axis[c][j]) >> 20), 40);
-                }
-            if (magnitude(sum) >= static_cast<std::uint64_t>(limit)) return false;
-            out[block_index(i, j)] = static_cast<std::int32_t>(sum);
-        }
+/// As invert, of rows that see one direction of tilts only.
+bool invert_line(const Lower3& m, const Fit& fit, const Lower3& extra, std::int64_t scale,
+                 std::int32_t (&out)[6]) {
+    const std::int64_t u = fit.u, v = fit.v;
+    const auto turned = [](std::int64_t x, std::int64_t y) { // 37 bits times 31
+        return narrow_rounded(Wide::product(x, y), 30);
+    };
+    const std::int64_t tilt = turned(u, turned(m[2], u) + 2 * turned(m[4], v)) + turned(v, turned(m[5], v));
+    const Lower3 s = {m[0] + extra[0], turned(m[1], u) + turned(m[3], v), tilt + extra[2], 0, 0,
+                      m[0] + extra[0]}; // the third stands for itself
+    std::int32_t inverse[6];
+    if (!invert(s, scale, inverse)) return false;
+    const auto back = [](std::int64_t x, std::int64_t y) {
+        return static_cast<std::int32_t>(shift_right_rounded(x * y, 30)); // |y| at most 1
+    };
+    out[0] = inverse[0];
+    out[1] = back(inverse[1], u), out[3] = back(inverse[1], v);
+    const std::int32_t along = back(inverse[2], u), across = back(inverse[2], v);
+    out[2] = back(along, u), out[4] = back(along, v), out[5] = back(across, v);
     return true;
 }
 
@@ -247,6 +270,17 @@ static bool make_rows(const SolverBodies& bodies, const Contact& contact, const 
 struct Entries {
     std::int32_t soft[6], rigid[6], slide[6], response[6], gamma;
 };
+
+/// (m + extra)^-1 and m^-1.
+static bool invert_normals(const Lower3& m, const Fit& fit, const Lower3& extra, std::int64_t scale,
+                           Entries& out) {
+    constexpr Lower3 none{};
+    if (fit.line)
+        return invert_line(m, fit, extra, scale, out.soft) && invert_line(m, fit, none, scale, out.rigid);
+    Lower3 soft;
+    for (int i = 0; i < 6; ++i) soft[i] = m[i] + extra[i];
+    return invert(soft, scale, out.soft) && invert(m, scale, out.rigid);
+}
 
 template <unsigned N>
 void store_block(BlockRows<N>& out, unsigned lane, std::uint32_t points, const Layout& layout, const Fit& fit,
@@ -306,23 +340,20 @@ void fill_block(ContactPack<N>& pack, unsigned lane, const SolverBodies& bodies,
     if (magnitude(gamma_p) >= std::uint64_t{1} << 31) return;
     const SolverBody& a = bodies.body[contact.body_a];
     const SolverBody& b = bodies.body[contact.body_b];
-    std::int64_t m[3][3], f[3][3], none[3]{}, extra[3]{};
+    Lower3 m, slides, extra;
     couple(normal, a, b, shares, m);
-    couple(slide, a, b, shares, f);
-    for (int i = 0; i < fit.rank; ++i) extra[i] = divide_shifted(gamma, fit.weight[i], 30);
-    constexpr std::int64_t unit[3][3] = {{one, 0, 0}, {0, one, 0}, {0, 0, one}};
+    couple(slide, a, b, shares, slides);
+    for (int i = 0; i < 6; ++i) extra[i] = narrow_rounded(Wide::product(gamma, fit.gram[i]), 30);
     Entries entries{};
     entries.gamma = static_cast<std::int32_t>(gamma_p);
-    if (!invert(m, fit.axis, fit.rank, extra, inverse_min, entries.soft) ||
-        !invert(m, fit.axis, fit.rank, none, inverse_min, entries.rigid) ||
-        !invert(f, unit, 3, none, inverse_min, entries.slide))
+    if (!invert_normals(m, fit, extra, inverse_min, entries) || !invert(slides, inverse_min, entries.slide))
         return;
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j <= i; ++j) {
-            const std::int64_t entry = divide_shifted(m[i][j], inverse_min, response_bits);
-            if (magnitude(entry) >= std::uint64_t{1} << 30) return;
-            entries.response[block_index(i, j)] = static_cast<std::int32_t>(entry);
-        }
+    const std::int64_t scale = divide_shifted(std::int64_t{1} << 30, inverse_min, 30); // at most 4
+    for (int i = 0; i < 6; ++i) {
+        const std::int64_t entry = narrow_rounded(Wide::product(m[i], scale), 60 - response_bits);
+        if (magnitude(entry) >= std::uint64_t{1} << 30) return;
+        entries.response[i] = static_cast<std::int32_t>(entry);
+    }
     for (const auto& row : fit.h) // at most 8: solve_all sums products of it
         for (const std::int64_t h : row)
             if (magnitude(h) >= std::uint64_t{1} << 33) return;
