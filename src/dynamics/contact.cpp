@@ -18,7 +18,7 @@ Tangents tangents_of(UnitVec3 normal) {
     along = shift_right_rounded(along, 30);
     UnitVec3 first;
     if (along < -one + (one >> 6))
-        first = any_perpendicular(normal);
+        first = normalized(UnitVec3{Unit{}, -normal.z, normal.y});
     else {
         const std::int64_t share = divide_shifted(shift_right_rounded(off, 30), one + along, 30); // below 16
         for (int i = 0; i < 3; ++i)

@@ -204,7 +204,7 @@ std::vector<Row> stack_rows() {
         {"cards",
          "a house of 26 cards on 4 levels, after 1200 ticks",
          {{"fallen", "cards", 0}, {"drift", "mm", 10}},
-         false,
+         true,
          run_cards},
         {"arch",
          "a semicircle of 21 stones, a fifth of its radius thick, after 1200 ticks",
