@@ -3,11 +3,17 @@
 #include "sim/sleep.h"
 
 #include <algorithm>
+#include <bit>
 #include <tuple>
 
 namespace lockstone::sim {
 
 namespace {
+
+/// For that many and some more, so that a tick with one more than ever does not allocate.
+template <class T> void reserve_ahead(std::vector<T>& list, std::size_t count) {
+    list.reserve(std::max<std::size_t>(64, std::bit_ceil(count)));
+}
 
 bool is_filtered(const Data& w, BodyId a, BodyId b) {
     const std::span<const PairFilterRow> rows = w.state.rows(w.m.pair_filter);
@@ -66,6 +72,7 @@ void find_plane_pairs(Data& w) {
     }
     if (s.plane_pairs.empty()) return;
     std::sort(s.plane_pairs.begin(), s.plane_pairs.end());
+    reserve_ahead(s.merged_pairs, s.pairs.size() + s.plane_pairs.size());
     s.merged_pairs.resize(s.pairs.size() + s.plane_pairs.size());
     std::merge(s.pairs.begin(), s.pairs.end(), s.plane_pairs.begin(), s.plane_pairs.end(),
                s.merged_pairs.begin());
@@ -79,6 +86,7 @@ void find_keys(Data& w) {
     const Data& seen = w;
     std::vector<ContactKey>& keys = w.scratch.pair_keys;
     const std::uint32_t count = static_cast<std::uint32_t>(w.scratch.pairs.size());
+    reserve_ahead(keys, count);
     keys.resize(count);
     base::for_chunks(
         w.tasks, count, pairs_per_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
@@ -114,15 +122,20 @@ bool filters_allow(const Data& w, const ShapeRow& a, const ShapeRow& b) {
 
 void find_pairs(Data& w) {
     Scratch& s = w.scratch;
+    reserve_ahead(s.plane_pairs, 0);
     s.broad_phase.find_pairs(s.pairs);
     find_plane_pairs(w);
     find_keys(w);
+    reserve_ahead(s.old_keys, w.state.rows(w.m.contact_key).size());
+    reserve_ahead(s.old_memories, w.state.rows(w.m.contact_key).size());
     s.old_keys.assign(w.state.rows(w.m.contact_key).begin(), w.state.rows(w.m.contact_key).end());
     s.old_memories.assign(w.state.rows(w.m.contact_memory).begin(), w.state.rows(w.m.contact_memory).end());
     const auto order = [](const ContactKey& k) { return std::pair(k.a.index, k.b.index); };
 
     s.near.clear(), s.ended.clear();
     const std::uint32_t count = static_cast<std::uint32_t>(s.old_keys.size());
+    reserve_ahead(s.ended, count);
+    reserve_ahead(s.near, s.pair_keys.size());
     std::uint32_t old = 0;
     const auto retire = [&](std::uint32_t i) {
         if (s.old_memories[i].flags & dynamics::contact_touching)
