@@ -94,23 +94,28 @@ inline std::int64_t at_point(const BlockState& s, int k, const std::int64_t (&x)
     return x[0] + shift_right_rounded(s.a[k] * x[1], 30) + shift_right_rounded(s.b[k] * x[2], 30);
 }
 
-/// A member that is hit is stopped rigidly, and all with it: softness would take a share of the whole impact.
+/// A member that is hit is stopped rigidly, and all with it: softness would take a share of the whole impact. False when
+/// nothing presses and nothing comes in: then all points stay without impulse.
 template <unsigned N>
-void begin_block(const ContactPack<N>& c, unsigned lane, const NormalTarget<N> (&targets)[4], BlockState& s) {
+bool begin_block(const ContactPack<N>& c, unsigned lane, const NormalTarget<N> (&targets)[4], BlockState& s) {
+    bool idle = true;
     for (int k = 0; k < c.point_count; ++k) {
-        if (!((s.members >> k) & 1u)) continue;
+        if (targets[k].kappa.lane[lane] == 0) continue; // a point this lane lacks
         s.a[k] = c.block.arm[0][k].lane[lane];
         s.b[k] = c.block.arm[1][k].lane[lane];
         s.bias[k] = targets[k].bias.lane[lane];
         s.old[k] = c.points[k].impulse[0].lane[lane];
-        s.soft = s.soft || targets[k].impulse_scale.lane[lane] > 0;
         const std::int64_t error = at_point(s, k, s.speed) + s.bias[k];
+        idle = idle && s.old[k] == 0 && error >= 0;
+        if (!((s.members >> k) & 1u)) continue;
+        s.soft = s.soft || targets[k].impulse_scale.lane[lane] > 0;
         s.hit = s.hit || error < -impact_speed_min || (error > impact_speed_min && s.old[k] > 0);
         s.sums[0] += s.old[k];
         s.sums[1] += shift_right_rounded(s.a[k] * s.old[k], 30);
         s.sums[2] += shift_right_rounded(s.b[k] * s.old[k], 30);
     }
     s.soft = s.soft && !s.hit;
+    return !idle;
 }
 
 /// All members at once. Returns those that would pull.
@@ -119,7 +124,7 @@ std::uint32_t solve_all(const ContactPack<N>& c, unsigned lane, const BlockState
                         std::array<std::int32_t, 3>& w, std::int32_t (&after)[4]) {
     const BlockRows<N>& block = c.block;
     std::array<std::int64_t, 3> error = fitted(c, lane, s.bias);
-    const std::array<std::int64_t, 3> lies = fitted(c, lane, s.old);
+    const std::array<std::int64_t, 3> lies = s.soft ? fitted(c, lane, s.old) : std::array<std::int64_t, 3>{};
     for (std::size_t i = 0; i < 3; ++i) {
         error[i] += s.speed[i];
         if (s.soft)
@@ -205,6 +210,34 @@ template <unsigned N> void count_impact(PointPack<N>& point, unsigned lane, std:
         point.impact.lane[lane] + change, -std::int64_t{impulse_limit}, std::int64_t{impulse_limit}));
 }
 
+/// One lane of solve_block: what it pushes by. False when points have to do, or nothing has.
+template <unsigned N>
+bool solve_block_lane(ContactPack<N>& c, unsigned lane, const Int32<N> (&speed)[3],
+                      NormalTarget<N> (&targets)[4], std::array<std::int32_t, 3>& w) {
+    const auto leave_out = [&](int k) {
+        targets[k].kappa.lane[lane] = targets[k].impulse_scale.lane[lane] = 0;
+    };
+    BlockState state{};
+    state.members = static_cast<std::uint32_t>(c.block.members.lane[lane]);
+    for (int i = 0; i < 3; ++i) state.speed[i] = speed[i].lane[lane];
+    if (!begin_block(c, lane, targets, state)) {
+        for (int k = 0; k < c.point_count; ++k) leave_out(k);
+        return false;
+    }
+    std::int32_t after[4];
+    std::uint32_t pulling = solve_all(c, lane, state, w, after);
+    if (pulling != 0 && !solve_some(c, lane, state, pulling, w, after)) return false;
+    for (int k = 0; k < c.point_count; ++k) {
+        if (!((state.members >> k) & 1u)) continue;
+        PointPack<N>& point = c.points[k];
+        if (state.hit) count_impact(point, lane, std::int64_t{after[k]} - state.old[k]);
+        point.impulse[0].lane[lane] = after[k];
+        point.impulse_max.lane[lane] = std::max(point.impulse_max.lane[lane], after[k]);
+        if (!((pulling >> k) & 1u)) leave_out(k);
+    }
+    return true;
+}
+
 /// Solves what can be solved as a block, and takes it out of the targets.
 template <unsigned N> void solve_block(ContactPack<N>& c, Pair<N>& p, NormalTarget<N> (&targets)[4]) {
     bool any = false;
@@ -216,104 +249,92 @@ template <unsigned N> void solve_block(ContactPack<N>& c, Pair<N>& p, NormalTarg
                                row_speed(p, nothing, block.xa[1], block.xb[1]),
                                row_speed(p, nothing, block.xa[2], block.xb[2])};
     Int32<N> push_by[3] = {};
+    any = false;
     for (unsigned lane = 0; lane < N; ++lane) {
-        if (block.count.lane[lane] == 0) continue;
-        BlockState state{};
-        state.members = static_cast<std::uint32_t>(block.members.lane[lane]);
-        for (int i = 0; i < 3; ++i) state.speed[i] = speed[i].lane[lane];
         std::array<std::int32_t, 3> w;
-        std::int32_t after[4];
-        begin_block(c, lane, targets, state);
-        std::uint32_t pulling = solve_all(c, lane, state, w, after);
-        if (pulling != 0 && !solve_some(c, lane, state, pulling, w, after)) continue;
+        if (block.count.lane[lane] == 0 || !solve_block_lane(c, lane, speed, targets, w)) continue;
         for (std::size_t i = 0; i < 3; ++i) push_by[i].lane[lane] = w[i];
-        for (int k = 0; k < c.point_count; ++k) {
-            if (!((block.members.lane[lane] >> k) & 1)) continue;
-            if (state.hit) count_impact(c.points[k], lane, after[k] - state.old[k]);
-            c.points[k].impulse[0].lane[lane] = after[k];
-            c.points[k].impulse_max.lane[lane] = std::max(c.points[k].impulse_max.lane[lane], after[k]);
-            if (!((pulling >> k) & 1u)) targets[k].kappa.lane[lane] = targets[k].impulse_scale.lane[lane] = 0;
-        }
+        any = true;
     }
-    push_block(p, c, block.xa, block.xb, 0, 1, push_by);
+    if (any) push_block(p, c, block.xa, block.xb, 0, 1, push_by);
 }
 
 /// One lane of a block's friction.
 struct SlideState {
-    std::int64_t normal[4], all; ///< impulses and their sum, Speed
-    std::int64_t arm[2][4];      ///< from the centre of the normal impulses, 30 fraction bits, at most 2
-    std::int64_t centre[2];      ///< that centre, 30 fraction bits
-    std::int64_t sums[3];        ///< impulses along both tangents and about the members' centre, Speed
+    std::int64_t share[4];  ///< of each normal impulse in their sum, 30 fraction bits
+    std::int64_t all;       ///< that sum, Speed
+    std::int64_t arm[2][4]; ///< from the centre of the normal impulses, 30 fraction bits, at most 2
+    std::int64_t centre[2]; ///< that centre, 30 fraction bits
+    std::int64_t sums[3];   ///< impulses along both tangents and about the members' centre, Speed
 };
 
-/// False when nothing presses.
-template <unsigned N> bool begin_slide(const ContactPack<N>& c, unsigned lane, SlideState& s) {
+/// Of normal impulses whose sum is above zero.
+template <unsigned N> void begin_slide(const ContactPack<N>& c, unsigned lane, SlideState& s) {
+    const std::int64_t inverse = (std::int64_t{1} << 61) / s.all; // the only division: shares are at most 1
+    std::int64_t centre[2]{};
     for (int k = 0; k < c.point_count; ++k) {
         const PointPack<N>& point = c.points[k];
-        s.normal[k] = point.impulse[0].lane[lane];
-        s.all += s.normal[k];
+        s.share[k] = (point.impulse[0].lane[lane] * inverse) >> 31;
         for (int i = 0; i < 2; ++i) {
             s.arm[i][k] = c.block.arm[i][k].lane[lane];
-            s.centre[i] += (s.arm[i][k] * s.normal[k]) >> 4; // four products of 61 bits
+            centre[i] += s.arm[i][k] * s.share[k]; // up to 2^60
             s.sums[i] += point.impulse[i + 1].lane[lane];
         }
-        s.sums[2] += shift_right_rounded(s.arm[0][k] * point.impulse[2].lane[lane], 30) -
-                     shift_right_rounded(s.arm[1][k] * point.impulse[1].lane[lane], 30);
+        s.sums[2] += shift_right_rounded(
+            s.arm[0][k] * point.impulse[2].lane[lane] - s.arm[1][k] * point.impulse[1].lane[lane], 30);
     }
-    if (s.all <= 0) return false;
-    constexpr std::int64_t one = std::int64_t{1} << 30;
     for (int i = 0; i < 2; ++i) {
-        s.centre[i] = std::clamp(s.centre[i] / s.all * 16, -one, one);
+        s.centre[i] = centre[i] >> 30;
         for (int k = 0; k < c.point_count; ++k) s.arm[i][k] -= s.centre[i];
     }
-    return true;
 }
 
-/// The twist about the centre of the normal impulses over their moment, times their sum, Speed.
+/// The twist about the centre of the normal impulses over the mean of their squared arms, Speed.
 inline std::int64_t slide_turn(const SlideState& s, int points, const std::int64_t (&total)[3]) {
-    std::int64_t moment = 0; // sum of p r^2, Speed: r^2 below 4 with 27 bits, p below 2^30
+    std::int64_t moment = 0; // up to 8, with 57 fraction bits
     for (int k = 0; k < points; ++k)
-        for (const auto& arm : s.arm) moment += (s.normal[k] * ((arm[k] * arm[k]) >> 33)) >> 27;
+        moment += s.share[k] * (((s.arm[0][k] * s.arm[0][k]) >> 33) + ((s.arm[1][k] * s.arm[1][k]) >> 33));
+    moment >>= 30;
     if (moment == 0) return 0;
     const std::int64_t twist = total[2] - shift_right_rounded(s.centre[0] * total[1], 30) +
-                               shift_right_rounded(s.centre[1] * total[0], 30);
-    const std::int64_t turn = narrow_rounded(Wide::product(twist, divide_shifted(s.all, moment, 20)), 20);
-    return std::clamp(turn, -std::int64_t{impulse_limit}, std::int64_t{impulse_limit});
+                               shift_right_rounded(s.centre[1] * total[0], 30); // within 2^35
+    return std::clamp(twist * (1 << 27) / moment, -std::int64_t{impulse_limit}, std::int64_t{impulse_limit});
 }
-
-/// To nearest; d is positive. Towards zero, friction would give way a little in every pass, and what leans would creep.
-inline std::int64_t divide_rounded(std::int64_t n, std::int64_t d) { return (n + (n < 0 ? -d : d) / 2) / d; }
 
 /// Shared out as normal impulses times a motion of the plane, which is what a plate that begins to slide does. `w` is
 /// what the shares change in sum. False when a point would leave its cone: then points slide one by one.
 template <unsigned N>
-bool solve_slide_lane(const ContactPack<N>& c, unsigned lane, const std::array<std::int64_t, 3>& speed,
-                      std::array<std::int32_t, 3>& w, std::int32_t (&after)[2][4]) {
+bool solve_slide_lane(const ContactPack<N>& c, unsigned lane, std::int64_t normal,
+                      const std::array<std::int64_t, 3>& speed, std::array<std::int32_t, 3>& w,
+                      std::int32_t (&after)[2][4]) {
     SlideState s{};
-    if (!begin_slide(c, lane, s)) return false;
+    s.all = normal;
+    begin_slide(c, lane, s);
     w = block_answer(c.block.slide, lane, speed);
     const std::int64_t total[3] = {s.sums[0] + w[0], s.sums[1] + w[1], s.sums[2] + w[2]};
     const std::int64_t turn = slide_turn(s, c.point_count, total);
     const std::int64_t limit =
         shift_right_rounded(c.friction.lane[lane] * std::min<std::int64_t>(s.all, impulse_limit), row_bits);
     std::int64_t now[3]{};
+    const std::int64_t reach = std::min<std::int64_t>(limit, impulse_limit);
     for (int k = 0; k < c.point_count; ++k) {
         after[0][k] = after[1][k] = 0;
-        if (s.normal[k] == 0) continue;
+        if (s.share[k] == 0) continue;
         std::int64_t x = total[0] - shift_right_rounded(s.arm[1][k] * turn, 30);
         std::int64_t y = total[1] + shift_right_rounded(s.arm[0][k] * turn, 30);
-        const std::int64_t reach = std::min<std::int64_t>(limit, impulse_limit);
         if (std::max(magnitude(x), magnitude(y)) > std::uint64_t{impulse_limit}) return false;
         if (x * x + y * y > reach * reach) {
             const std::int64_t size = std::int64_t{isqrt(static_cast<std::uint64_t>(x * x + y * y))} + 1;
             x = x * reach / size, y = y * reach / size;
         }
-        after[0][k] = static_cast<std::int32_t>(divide_rounded(x * s.normal[k], s.all));
-        after[1][k] = static_cast<std::int32_t>(divide_rounded(y * s.normal[k], s.all));
+        // To nearest: towards zero friction would give way a little in every pass, and what leans would creep.
+        after[0][k] = static_cast<std::int32_t>(shift_right_rounded(x * s.share[k], 30));
+        after[1][k] = static_cast<std::int32_t>(shift_right_rounded(y * s.share[k], 30));
         now[0] += after[0][k];
         now[1] += after[1][k];
-        now[2] += shift_right_rounded(std::int64_t{c.block.arm[0][k].lane[lane]} * after[1][k], 30) -
-                  shift_right_rounded(std::int64_t{c.block.arm[1][k].lane[lane]} * after[0][k], 30);
+        now[2] += shift_right_rounded(std::int64_t{c.block.arm[0][k].lane[lane]} * after[1][k] -
+                                          std::int64_t{c.block.arm[1][k].lane[lane]} * after[0][k],
+                                      30);
     }
     for (std::size_t i = 0; i < 3; ++i) w[i] = saturate_to_int32(now[i] - s.sums[i]);
     return true;
@@ -322,28 +343,33 @@ bool solve_slide_lane(const ContactPack<N>& c, unsigned lane, const std::array<s
 /// Friction of the lanes that hold as a block: a bit for each.
 template <unsigned N> std::uint32_t solve_slide(ContactPack<N>& c, Pair<N>& p) {
     const BlockRows<N>& block = c.block;
-    std::uint32_t held = 0;
+    std::int64_t normal[N]{}; // of lanes with a block
     bool any = false;
-    for (unsigned lane = 0; lane < N; ++lane) any = any || block.count.lane[lane] != 0;
+    for (unsigned lane = 0; lane < N; ++lane) {
+        if (block.count.lane[lane] == 0) continue;
+        for (int k = 0; k < c.point_count; ++k) normal[lane] += c.points[k].impulse[0].lane[lane];
+        any = any || normal[lane] > 0;
+    }
     if (!any) return 0;
     constexpr Int32<N> nothing[3] = {};
     const Int32<N> speed[3] = {row_speed(p, c.d[1], block.slide_a[0], block.slide_b[0]) + c.surface[0],
                                row_speed(p, c.d[2], block.slide_a[1], block.slide_b[1]) + c.surface[1],
                                row_speed(p, nothing, block.slide_a[2], block.slide_b[2])};
     Int32<N> push_by[3] = {};
+    std::uint32_t held = 0;
     for (unsigned lane = 0; lane < N; ++lane) {
-        if (block.count.lane[lane] == 0) continue;
+        if (normal[lane] <= 0) continue;
         std::array<std::int32_t, 3> w;
         std::int32_t after[2][4];
-        if (!solve_slide_lane(c, lane, {speed[0].lane[lane], speed[1].lane[lane], speed[2].lane[lane]}, w,
-                              after))
+        if (!solve_slide_lane(c, lane, normal[lane],
+                              {speed[0].lane[lane], speed[1].lane[lane], speed[2].lane[lane]}, w, after))
             continue;
         held |= 1u << lane;
         for (std::size_t i = 0; i < 3; ++i) push_by[i].lane[lane] = w[i];
         for (int k = 0; k < c.point_count; ++k)
             for (int r = 1; r < 3; ++r) c.points[k].impulse[r].lane[lane] = after[r - 1][k];
     }
-    push_block(p, c, block.slide_a, block.slide_b, 1, 2, push_by);
+    if (held != 0) push_block(p, c, block.slide_a, block.slide_b, 1, 2, push_by);
     return held;
 }
 

@@ -28,6 +28,15 @@ void solve_friction(ContactPack<N>& c, PointPack<N>& point, Pair<N>& p, std::uin
     }
 }
 
+/// False when the point has no impulse in any lane that is not `held` already: then friction has nothing to do.
+template <unsigned N> bool carries(const PointPack<N>& point, std::uint32_t held = 0) {
+    for (unsigned lane = 0; lane < N; ++lane)
+        if (!((held >> lane) & 1u) && (point.impulse[0].lane[lane] != 0 || point.impulse[1].lane[lane] != 0 ||
+                                       point.impulse[2].lane[lane] != 0))
+            return true;
+    return false;
+}
+
 template <unsigned N>
 NormalTarget<N> normal_target(const ContactPack<N>& c, const PointPack<N>& point, const StepConstants& step,
                               const Motion<N>& motion, bool bias) {
@@ -75,6 +84,14 @@ void solve_normal(ContactPack<N>& c, PointPack<N>& point, Pair<N>& p, const Norm
 /// then solve what is left of it rigidly: softness would take a share of the whole impact from the first of them.
 template <unsigned N> void solve_mean(ContactPack<N>& c, Pair<N>& p, NormalTarget<N> (&targets)[4]) {
     const MeanRow<N>& mean = c.mean;
+    std::uint32_t lanes = 0;
+    for (unsigned lane = 0; lane < N; ++lane) {
+        bool whole = mean.count_inv.lane[lane] != 0; // not of one point or none
+        for (int k = 0; k < c.point_count; ++k)      // all points take part or none does
+            whole = whole && (mean.share[k].lane[lane] == 0 || targets[k].kappa.lane[lane] != 0);
+        if (whole) lanes |= 1u << lane;
+    }
+    if (lanes == 0) return;
     Int64<N> bias{};
     for (int k = 0; k < c.point_count; ++k) bias = bias + targets[k].bias * mean.count_inv;
     const Int32<N> error = splat<N>(0) - (row_speed(p, c.d[0], mean.xa, mean.xb) + rounded<30>(bias));
@@ -82,9 +99,7 @@ template <unsigned N> void solve_mean(ContactPack<N>& c, Pair<N>& p, NormalTarge
     Int32<N> change = where_positive(impact, error, splat<N>(0));
     bool any = false;
     for (unsigned lane = 0; lane < N; ++lane) {
-        if (mean.count_inv.lane[lane] == 0) change.lane[lane] = 0; // one point or none
-        for (int k = 0; k < c.point_count; ++k)                    // all points take part or none does
-            if (mean.share[k].lane[lane] != 0 && targets[k].kappa.lane[lane] == 0) change.lane[lane] = 0;
+        if (!((lanes >> lane) & 1u)) change.lane[lane] = 0;
         any = any || change.lane[lane] != 0;
     }
     if (!any) return;
@@ -169,8 +184,10 @@ void press(ContactPack<N>& c, Pair<N>& p, NormalTarget<N> (&targets)[4], bool ba
 template <unsigned N> void rub(ContactPack<N>& c, Pair<N>& p, bool backwards) {
     const std::uint32_t held = solve_slide(c, p);
     if (held == (1u << N) - 1) return;
-    for (int k = 0; k < c.point_count; ++k)
-        solve_friction(c, c.points[backwards ? c.point_count - 1 - k : k], p, held);
+    for (int k = 0; k < c.point_count; ++k) {
+        PointPack<N>& point = c.points[backwards ? c.point_count - 1 - k : k];
+        if (carries(point, held)) solve_friction(c, point, p, held);
+    }
 }
 
 } // namespace
@@ -253,9 +270,11 @@ template <unsigned N> void ContactSolver<N>::warm_start(SolverBodies& bodies, Ta
     for_each_pack(tasks, [&](ContactPack<N>& c) {
         Pair<N> p = gather(c, bodies);
         if (bounces(c)) measure_approach(c, p);
-        for (int k = 0; k < c.point_count; ++k) forget_impact(c, c.points[k]);
-        for (int k = 0; k < c.point_count; ++k)
+        for (int k = 0; k < c.point_count; ++k) {
+            forget_impact(c, c.points[k]);
+            if (!carries(c.points[k])) continue;
             for (int r = 0; r < 3; ++r) push(p, c.d[r], c.points[k], r, c.points[k].impulse[r]);
+        }
         if (c.rolling != no_contact)
             for (int r = 0; r < 3; ++r) twist(p, rolling[c.rolling], r, rolling[c.rolling].impulse[r]);
         scatter(c, p, bodies);
