@@ -261,80 +261,80 @@ template <unsigned N> void solve_block(ContactPack<N>& c, Pair<N>& p, NormalTarg
 
 /// One lane of a block's friction.
 struct SlideState {
-    std::int64_t share[4];  ///< of each normal impulse in their sum, 30 fraction bits
-    std::int64_t all;       ///< that sum, Speed
-    std::int64_t arm[2][4]; ///< from the centre of the normal impulses, 30 fraction bits, at most 2
-    std::int64_t centre[2]; ///< that centre, 30 fraction bits
-    std::int64_t sums[3];   ///< impulses along both tangents and about the members' centre, Speed
+    std::int64_t normal[4], all; ///< impulses and their sum, Speed
+    std::int64_t arm[2][4];      ///< from the centre of the normal impulses, 30 fraction bits, at most 2
+    std::int64_t centre[2];      ///< that centre, 30 fraction bits
+    std::int64_t sums[3];        ///< impulses along both tangents and about the members' centre, Speed
 };
 
-/// Of normal impulses whose sum is above zero.
-template <unsigned N> void begin_slide(const ContactPack<N>& c, unsigned lane, SlideState& s) {
-    const std::int64_t inverse = (std::int64_t{1} << 61) / s.all; // the only division: shares are at most 1
-    std::int64_t centre[2]{};
+/// False when nothing presses.
+template <unsigned N> bool begin_slide(const ContactPack<N>& c, unsigned lane, SlideState& s) {
     for (int k = 0; k < c.point_count; ++k) {
         const PointPack<N>& point = c.points[k];
-        s.share[k] = (point.impulse[0].lane[lane] * inverse) >> 31;
+        s.normal[k] = point.impulse[0].lane[lane];
+        s.all += s.normal[k];
         for (int i = 0; i < 2; ++i) {
             s.arm[i][k] = c.block.arm[i][k].lane[lane];
-            centre[i] += s.arm[i][k] * s.share[k]; // up to 2^60
+            s.centre[i] += (s.arm[i][k] * s.normal[k]) >> 4; // four products of 61 bits
             s.sums[i] += point.impulse[i + 1].lane[lane];
         }
-        s.sums[2] += shift_right_rounded(
-            s.arm[0][k] * point.impulse[2].lane[lane] - s.arm[1][k] * point.impulse[1].lane[lane], 30);
+        s.sums[2] += shift_right_rounded(s.arm[0][k] * point.impulse[2].lane[lane], 30) -
+                     shift_right_rounded(s.arm[1][k] * point.impulse[1].lane[lane], 30);
     }
+    if (s.all <= 0) return false;
+    constexpr std::int64_t one = std::int64_t{1} << 30;
     for (int i = 0; i < 2; ++i) {
-        s.centre[i] = centre[i] >> 30;
+        s.centre[i] = std::clamp(s.centre[i] / s.all * 16, -one, one);
         for (int k = 0; k < c.point_count; ++k) s.arm[i][k] -= s.centre[i];
     }
+    return true;
 }
 
-/// The twist about the centre of the normal impulses over the mean of their squared arms, Speed.
+/// The twist about the centre of the normal impulses over their moment, times their sum, Speed.
 inline std::int64_t slide_turn(const SlideState& s, int points, const std::int64_t (&total)[3]) {
-    std::int64_t moment = 0; // up to 8, with 57 fraction bits
+    std::int64_t moment = 0; // sum of p r^2, Speed: r^2 below 4 with 27 bits, p below 2^30
     for (int k = 0; k < points; ++k)
-        moment += s.share[k] * (((s.arm[0][k] * s.arm[0][k]) >> 33) + ((s.arm[1][k] * s.arm[1][k]) >> 33));
-    moment >>= 30;
+        for (const auto& arm : s.arm) moment += (s.normal[k] * ((arm[k] * arm[k]) >> 33)) >> 27;
     if (moment == 0) return 0;
     const std::int64_t twist = total[2] - shift_right_rounded(s.centre[0] * total[1], 30) +
-                               shift_right_rounded(s.centre[1] * total[0], 30); // within 2^35
-    return std::clamp(twist * (1 << 27) / moment, -std::int64_t{impulse_limit}, std::int64_t{impulse_limit});
+                               shift_right_rounded(s.centre[1] * total[0], 30);
+    const std::int64_t turn = narrow_rounded(Wide::product(twist, divide_shifted(s.all, moment, 20)), 20);
+    return std::clamp(turn, -std::int64_t{impulse_limit}, std::int64_t{impulse_limit});
 }
+
+/// To nearest; d is positive. Towards zero, friction would give way a little in every pass, and what leans would creep.
+inline std::int64_t divide_rounded(std::int64_t n, std::int64_t d) { return (n + (n < 0 ? -d : d) / 2) / d; }
 
 /// Shared out as normal impulses times a motion of the plane, which is what a plate that begins to slide does. `w` is
 /// what the shares change in sum. False when a point would leave its cone: then points slide one by one.
 template <unsigned N>
-bool solve_slide_lane(const ContactPack<N>& c, unsigned lane, std::int64_t normal,
-                      const std::array<std::int64_t, 3>& speed, std::array<std::int32_t, 3>& w,
-                      std::int32_t (&after)[2][4]) {
+bool solve_slide_lane(const ContactPack<N>& c, unsigned lane, const std::array<std::int64_t, 3>& speed,
+                      std::array<std::int32_t, 3>& w, std::int32_t (&after)[2][4]) {
     SlideState s{};
-    s.all = normal;
-    begin_slide(c, lane, s);
+    if (!begin_slide(c, lane, s)) return false;
     w = block_answer(c.block.slide, lane, speed);
     const std::int64_t total[3] = {s.sums[0] + w[0], s.sums[1] + w[1], s.sums[2] + w[2]};
     const std::int64_t turn = slide_turn(s, c.point_count, total);
     const std::int64_t limit =
         shift_right_rounded(c.friction.lane[lane] * std::min<std::int64_t>(s.all, impulse_limit), row_bits);
     std::int64_t now[3]{};
-    const std::int64_t reach = std::min<std::int64_t>(limit, impulse_limit);
     for (int k = 0; k < c.point_count; ++k) {
         after[0][k] = after[1][k] = 0;
-        if (s.share[k] == 0) continue;
+        if (s.normal[k] == 0) continue;
         std::int64_t x = total[0] - shift_right_rounded(s.arm[1][k] * turn, 30);
         std::int64_t y = total[1] + shift_right_rounded(s.arm[0][k] * turn, 30);
+        const std::int64_t reach = std::min<std::int64_t>(limit, impulse_limit);
         if (std::max(magnitude(x), magnitude(y)) > std::uint64_t{impulse_limit}) return false;
         if (x * x + y * y > reach * reach) {
             const std::int64_t size = std::int64_t{isqrt(static_cast<std::uint64_t>(x * x + y * y))} + 1;
             x = x * reach / size, y = y * reach / size;
         }
-        // To nearest: towards zero friction would give way a little in every pass, and what leans would creep.
-        after[0][k] = static_cast<std::int32_t>(shift_right_rounded(x * s.share[k], 30));
-        after[1][k] = static_cast<std::int32_t>(shift_right_rounded(y * s.share[k], 30));
+        after[0][k] = static_cast<std::int32_t>(divide_rounded(x * s.normal[k], s.all));
+        after[1][k] = static_cast<std::int32_t>(divide_rounded(y * s.normal[k], s.all));
         now[0] += after[0][k];
         now[1] += after[1][k];
-        now[2] += shift_right_rounded(std::int64_t{c.block.arm[0][k].lane[lane]} * after[1][k] -
-                                          std::int64_t{c.block.arm[1][k].lane[lane]} * after[0][k],
-                                      30);
+        now[2] += shift_right_rounded(std::int64_t{c.block.arm[0][k].lane[lane]} * after[1][k], 30) -
+                  shift_right_rounded(std::int64_t{c.block.arm[1][k].lane[lane]} * after[0][k], 30);
     }
     for (std::size_t i = 0; i < 3; ++i) w[i] = saturate_to_int32(now[i] - s.sums[i]);
     return true;
@@ -361,8 +361,8 @@ template <unsigned N> std::uint32_t solve_slide(ContactPack<N>& c, Pair<N>& p) {
         if (normal[lane] <= 0) continue;
         std::array<std::int32_t, 3> w;
         std::int32_t after[2][4];
-        if (!solve_slide_lane(c, lane, normal[lane],
-                              {speed[0].lane[lane], speed[1].lane[lane], speed[2].lane[lane]}, w, after))
+        if (!solve_slide_lane(c, lane, {speed[0].lane[lane], speed[1].lane[lane], speed[2].lane[lane]}, w,
+                              after))
             continue;
         held |= 1u << lane;
         for (std::size_t i = 0; i < 3; ++i) push_by[i].lane[lane] = w[i];
