@@ -46,8 +46,8 @@ void add_walls(Scene& scene, double half, bool closed, double friction, double r
     if (closed) wall({0, 2 * half, 0}, {1, 0, 0}, pi);
 }
 
-Scene pile_scene(int layers, double restitution) {
-    Random random(7);
+Scene pile_scene(int layers, double restitution, std::uint64_t seed = 7) {
+    Random random(seed);
     Scene scene;
     add_walls(scene, 2.2, false, 0.6, restitution);
     for (int layer = 0; layer < layers; ++layer)
@@ -92,10 +92,11 @@ double pile_overlap(const Scene& scene, const Engine& engine) {
     return most;
 }
 
-/// How long until nothing moves faster than 0.1 m/s any more, and the deepest overlap with a wall then. Planted:
-/// everything bounces; everything starts within the floor.
-Figures run_pile(const Contestant& contestant, const Plan& plan) {
-    Scene scene = pile_scene(plan.quick ? 4 : 16, 0);
+/// A pile that is dropped: how long until nothing moves faster than 0.1 m/s any more, and the deepest overlap with a wall
+/// then [mm].
+std::pair<double, double> rest_of_pile(const Contestant& contestant, const Plan& plan, std::uint64_t seed,
+                                       double& tick_time) {
+    Scene scene = pile_scene(plan.quick ? 4 : 16, 0, seed);
     scene.sleeping = true; // as in a game: a heap on the brink goes over in minutes or never
     if (plan.plants(0))
         for (Body& body : scene.bodies) body.restitution = 0.98, body.friction = 0;
@@ -109,8 +110,22 @@ Figures run_pile(const Contestant& contestant, const Plan& plan) {
         engine->advance(1);
         if (fastest(scene, *engine) > 0.1) rest = tick;
     }
-    return {{rest / static_cast<double>(contestant.rate), pile_overlap(scene, *engine) * 1e3},
-            engine->seconds_per_tick()};
+    tick_time = std::max(tick_time, engine->seconds_per_tick());
+    return {rest / static_cast<double>(contestant.rate), pile_overlap(scene, *engine) * 1e3};
+}
+
+/// The middle of five piles, for one that is wedged on the brink decides by a rounding when it slips, and the deepest
+/// overlap of all. Planted: everything bounces; everything starts within the floor.
+Figures run_pile(const Contestant& contestant, const Plan& plan) {
+    std::vector<double> rests;
+    double overlap = 0, tick_time = 0;
+    for (std::uint64_t seed = 7; seed < (plan.quick ? 8u : 12u); ++seed) {
+        const auto [rest, deepest] = rest_of_pile(contestant, plan, seed, tick_time);
+        rests.push_back(rest), overlap = std::max(overlap, deepest);
+    }
+    std::nth_element(rests.begin(), rests.begin() + static_cast<std::ptrdiff_t>(rests.size() / 2),
+                     rests.end());
+    return {{rests[rests.size() / 2], overlap}, tick_time};
 }
 
 /// How far energy rises above what it was before, of what it was at first [%].
@@ -168,7 +183,7 @@ Figures run_energy(const Contestant& contestant, const Plan& plan) {
 std::vector<Row> pile_rows() {
     return {
         {"pile",
-         "144 boxes dropped into a box without a lid",
+         "144 boxes dropped into a box without a lid: the middle of five such piles",
          {{"at rest after", "s", 8}, {"overlap", "mm", 5}},
          true,
          run_pile},
