@@ -78,10 +78,11 @@ Real coarse_motion(const Sweeper& s, std::uint32_t row, const ShapeRow& shape) {
     return way.x + way.y + way.z + (turn * 3 + rounding) * s.reach(row, shape) + rounding;
 }
 
-/// Against what stands still a shape may move further before it has to be swept: nothing comes towards it besides.
-bool is_fast(Real motion, const shapes::Solid& solid, bool against_static) {
+/// Against what stands still a shape may move further before it has to be swept: nothing comes towards it besides. A
+/// bullet is swept whenever it moves: what turns so fast that its contacts do not hold it would sink in bit by bit.
+bool is_fast(Real motion, const shapes::Solid& solid, bool against_static, bool bullet) {
     const Real inner = to<Real>(shapes::inner_radius(solid));
-    return motion > (against_static ? half(inner) : inner / Real(4));
+    return motion > (against_static ? half(inner) : bullet ? inner / Real(64) : inner / Real(4));
 }
 
 /// What stops a body: the fraction of its way, and whose shape it was.
@@ -148,7 +149,7 @@ void for_each_wall(const Sweeper& s, const Way& whole, const ShapeRow& shape,
         Sweep theirs = s.sweep(other, wall);
         theirs.from = collide::body_pose_at(theirs, whole.begin);
         if (!is_fast(collide::relative_motion(theirs, way, s.reach(row, shape)), s.solid(shape),
-                     s.info[other].kind == BodyKind::static_))
+                     s.info[other].kind == BodyKind::static_, s.info[row].bullet != 0))
             continue;
         visit(wall, other, theirs, way);
     }
@@ -202,8 +203,10 @@ std::optional<Transform> sweep_body(const Sweeper& s, std::uint32_t row, const H
     const Transform met = collide::body_pose_at(theirs, stop.fraction);
     const Vec3 moved = at.position - from.position;
     Transform end{at.position + (theirs.to.position - met.position), at.rotation};
-    Stop again = find_stop(s, {row, at, end, stop.fraction, Data::dead, moved}, hand);
-    if (again.row == stop.row) {
+    const bool turns = theirs.from.rotation != theirs.to.rotation;
+    Stop again;
+    if (!turns) again = find_stop(s, {row, at, end, stop.fraction, Data::dead, moved}, hand);
+    if (turns || again.row == stop.row) {
         const Transform relative{inverse_mul(met, at.position), conjugate(met.rotation) * at.rotation};
         end = {theirs.to * relative.position, normalized(theirs.to.rotation * relative.rotation)};
         again = find_stop(s, {row, at, end, stop.fraction, stop.row, moved}, hand);
@@ -216,13 +219,15 @@ bool may_be_fast(const Sweeper& s, std::uint32_t row, Real others) {
     bool fast = false;
     const bool all_stands_still = others == Real{};
     s.for_each_shape(row, [&](const ShapeRow& shape) {
-        fast |= is_fast(coarse_motion(s, row, shape) + others, s.solid(shape), all_stands_still);
+        fast |= is_fast(coarse_motion(s, row, shape) + others, s.solid(shape), all_stands_still,
+                        s.info[row].bullet != 0);
     });
     if (!fast) return false;
     fast = false;
     const Real motion = motion_of(s, row) + others;
-    s.for_each_shape(
-        row, [&](const ShapeRow& shape) { fast |= is_fast(motion, s.solid(shape), all_stands_still); });
+    s.for_each_shape(row, [&](const ShapeRow& shape) {
+        fast |= is_fast(motion, s.solid(shape), all_stands_still, s.info[row].bullet != 0);
+    });
     return fast;
 }
 
