@@ -231,9 +231,10 @@ EdgeContact edge_contact(TriangleContext& c, const LocalTriangle& t, std::int64_
                             (g.overlap == best.gap.overlap && nearer);
         if (!better) continue;
         best = {Verdict::contact, k, g.separation_30, g};
+        // Sunk by up to 5/32 of its inner ball, B stands on any border it overlaps: another mesh may go on there.
         if (place == Place::past)
             best.verdict = Verdict::beyond;
-        else if (on_border && g.separation_30 - lowest_30 <= c.border_bias_30 / 2)
+        else if (on_border && g.separation_30 - lowest_30 <= c.border_bias_30 * 5 / 8)
             best.verdict = Verdict::upright;
     }
     return best;
