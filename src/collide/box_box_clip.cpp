@@ -102,9 +102,9 @@ void clip_side(Polygon& polygon, std::int64_t ClipPoint::*coordinate, std::int64
         const bool a_stays = inside[k] >= -slack_30, b_stays = inside[next] >= -slack_30;
         if (a_stays) out[n++] = a;
         if (a_stays == b_stays || n == points_max) continue;
-        const std::int64_t one = std::int64_t{1} << part_bits,
-                           part = up(inside[k], part_bits) / (inside[k] - inside[next]);
-        ClipPoint cut = between(a, b, part < 0 ? 0 : part > one ? one : part, part_bits);
+        if (inside[a_stays ? k : next] <= 0) continue; // the corner that stays is the cut
+        const std::int64_t part = up(inside[k], part_bits) / (inside[k] - inside[next]);
+        ClipPoint cut = between(a, b, part, part_bits);
         cut.*coordinate = sign * limit;
         cut.line_in = a_stays ? a.line_out : line;
         cut.line_out = a_stays ? line : a.line_out;

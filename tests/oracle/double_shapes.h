@@ -198,9 +198,9 @@ inline std::string check_surfaces(const Placed& a, const Placed& b, D3 normal, D
     if (leans && count == 2)
         out_b += bias; // two points for a core that crosses the line of contact at a small angle
     if (boxes && count == 1) out_a = out_b = 0.05; // the point of clamped edges
-    if (boxes && count > 1 && apart) {             // edges that run along each other
+    if (boxes && count > 1 && apart) {             // edges that run along each other, no further beside
         out_a += 1e-6;
-        out_b += bias;
+        out_b += std::sqrt(2.0) * bias; // than two rounds of radius `bias` would
     }
     double off_a = surface_distance(a, on_a), off_b = surface_distance(b, on_b);
     if (boxes &&
