@@ -114,12 +114,12 @@ std::pair<double, double> rest_of_pile(const Contestant& contestant, const Plan&
     return {rest / static_cast<double>(contestant.rate), pile_overlap(scene, *engine) * 1e3};
 }
 
-/// The middle of five piles, for one that is wedged on the brink decides by a rounding when it slips, and the deepest
-/// overlap of all. Planted: everything bounces; everything starts within the floor.
+/// The middle of nine piles, for one that is wedged on the brink decides by a rounding when it slips, and the deepest
+/// overlap of all. Solved to convergence, such piles need 8 to 10 s in the middle. Planted: everything bounces; everything starts within the floor.
 Figures run_pile(const Contestant& contestant, const Plan& plan) {
     std::vector<double> rests;
     double overlap = 0, tick_time = 0;
-    for (std::uint64_t seed = 7; seed < (plan.quick ? 8u : 12u); ++seed) {
+    for (std::uint64_t seed = 7; seed < (plan.quick ? 8u : 16u); ++seed) {
         const auto [rest, deepest] = rest_of_pile(contestant, plan, seed, tick_time);
         rests.push_back(rest), overlap = std::max(overlap, deepest);
     }
@@ -183,8 +183,8 @@ Figures run_energy(const Contestant& contestant, const Plan& plan) {
 std::vector<Row> pile_rows() {
     return {
         {"pile",
-         "144 boxes dropped into a box without a lid: the middle of five such piles",
-         {{"at rest after", "s", 8}, {"overlap", "mm", 5}},
+         "144 boxes dropped into a box without a lid: the middle of nine such piles",
+         {{"at rest after", "s", 12}, {"overlap", "mm", 5}},
          true,
          run_pile},
         {"energy",
