@@ -9,8 +9,8 @@
 // collide::stop_gap of it. Velocity is kept: the contacts of the next tick stop it.
 //
 // Fast: a point of the shape may have moved in the tick, against what it is swept against, by more than half of the
-// shape's inner radius (a quarter where that moves); turning counts with the shape's reach. Slower ones are left to the contacts, whose margin looks
-// further ahead than that.
+// shape's inner radius (a quarter where that moves, a 64th for bullets there); turning counts with the shape's reach.
+// Slower ones are left to the contacts, whose margin looks further ahead than that.
 // Not swept: sensors, shapes that may not meet, pairs of which neither moves.
 #pragma once
 
