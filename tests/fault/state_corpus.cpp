@@ -1,0 +1,90 @@
+// The state fuzzer's inputs and mutations of them: any bytes are refused and change nothing, or are a world that ticks on.
+#include "fuzz/corpus.h"
+#include "fuzz/seeds.h"
+
+#include <doctest/doctest.h>
+
+using namespace lockstone;
+
+namespace {
+
+/// What the check says of these bytes when they are loaded like this.
+template <class Load> std::string complaint(const fuzz::Buffer& data, Load&& load) {
+    bool loaded = false;
+    return fuzz::check_state_load(fuzz::read_state_input(data), loaded, load);
+}
+
+fuzz::Buffer seed_named(const std::string& name) {
+    for (fuzz::Seed& seed : fuzz::state_seeds())
+        if (seed.name == name) return seed.bytes;
+    throw std::runtime_error("no seed " + name);
+}
+
+} // namespace
+
+TEST_CASE("state corpus: it holds every seed, and all of it is refused or ticks on") {
+    const std::vector<fuzz::Seed> seeds = fuzz::state_seeds();
+    const std::vector<fuzz::Buffer> all = fuzz::corpus("state", seeds);
+    for (const fuzz::Seed& seed : seeds)
+        CHECK_MESSAGE(std::ranges::find(all, seed.bytes) != all.end(), seed.name);
+    std::size_t taken = 0;
+    for (const fuzz::Buffer& bytes : all) {
+        bool loaded = false;
+        CHECK(fuzz::check_state_load(bytes, loaded) == "");
+        taken += loaded ? 1 : 0;
+    }
+    CHECK(taken >= 2 * fuzz::base_count);
+    CHECK(taken < all.size());
+}
+
+TEST_CASE("state corpus: hundreds of mutations are refused or tick on") {
+    const std::vector<fuzz::Buffer> all = fuzz::corpus("state", {});
+    Random random = Random::seeded(2026);
+    std::size_t taken = 0;
+    const std::size_t count = fuzz::rounds(400);
+    for (std::size_t i = 0; i < count; ++i) {
+        bool loaded = false;
+        CAPTURE(i);
+        REQUIRE(fuzz::check_state_load(fuzz::mutated(all, random), loaded) == "");
+        taken += loaded ? 1 : 0;
+    }
+    CHECK(taken > count / 20);
+    CHECK(taken < count);
+}
+
+TEST_CASE("state corpus: planted loaders are found out") {
+    using fuzz::StateInput;
+    const fuzz::WorldLoader right;
+    const fuzz::Buffer good = seed_named("joints_image_good"), bad = seed_named("blocks_image_splice");
+    REQUIRE(complaint(good, right) == "");
+    REQUIRE(complaint(bad, right) == "");
+    const auto touches = [&](World& w, const StateInput& in) {
+        const Status status = right(w, in);
+        if (!status) w.state_for_tests().edit_bytes(0)[0] ^= std::byte{1};
+        return status;
+    };
+    CHECK(complaint(bad, touches) == "refused, but changed");
+    const auto silent = [&](World& w, const StateInput& in) {
+        return right(w, in) ? Status{} : Status{Error{""}};
+    };
+    CHECK(complaint(bad, silent) == "an error does not say what is wrong");
+    const auto otherwise = [&](World& w, const StateInput& in) {
+        const Status status = right(w, in);
+        if (status) w.state_for_tests().edit_bytes(0)[0] ^= std::byte{1};
+        return status;
+    };
+    CHECK(complaint(good, otherwise) == "taken, but the world holds something else");
+    const auto trusting = [](World& w, const StateInput& in) {
+        return w.state_for_tests().restore_portable(in.bytes);
+    };
+    CHECK(complaint(seed_named("drivers_image_rows"), trusting).find("refused when it was saved") !=
+          std::string::npos);
+}
+
+TEST_CASE("state corpus: planted, two worlds that are not the same tick otherwise") {
+    fuzz::Subjects subjects(fuzz::base_of(0));
+    CHECK(fuzz::check_ticks(subjects) == "");
+    fuzz::Subjects others(fuzz::base_of(0));
+    lockstone::test::scene::done(others.twin.set_gravity({}));
+    CHECK(fuzz::check_ticks(others).find("two copies part") != std::string::npos);
+}

@@ -1,0 +1,77 @@
+// Inputs that say where something good is to be damaged: a few bytes reach any place, so the fuzzer need not carry what
+// it damages.
+#pragma once
+
+#include "base/bytes.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace fuzz {
+
+using Buffer = std::vector<std::byte>;
+
+/// An input that the corpus holds from the beginning.
+struct Seed {
+    std::string name;
+    Buffer bytes;
+};
+
+/// Takes from the front; zeros once the input is used up.
+class Input {
+  public:
+    explicit Input(std::span<const std::byte> all) : rest(all) {}
+    bool empty() const { return rest.empty(); }
+    template <std::unsigned_integral N> N take() {
+        std::array<std::byte, sizeof(N)> bytes{};
+        const std::span<const std::byte> there = take_bytes(sizeof(N));
+        std::ranges::copy(there, bytes.begin());
+        return lockstone::base::load_little_endian<N>(bytes.data());
+    }
+    std::uint8_t take_u8() { return take<std::uint8_t>(); }
+    /// As many as there are, at most `size`.
+    std::span<const std::byte> take_bytes(std::size_t size) {
+        const std::span<const std::byte> taken = rest.first(std::min(size, rest.size()));
+        rest = rest.subspan(taken.size());
+        return taken;
+    }
+    std::span<const std::byte> take_rest() { return take_bytes(rest.size()); }
+
+  private:
+    std::span<const std::byte> rest;
+};
+
+/// One change: place u16 (counted round and round), bytes that go u8, bytes that come u8, those.
+inline void splice(Input& in, Buffer& into) {
+    const std::size_t place = in.take<std::uint16_t>() % (into.size() + 1);
+    const std::size_t gone = std::min<std::size_t>(in.take_u8(), into.size() - place);
+    const std::span<const std::byte> come = in.take_bytes(in.take_u8());
+    Buffer out(into.begin(), into.begin() + static_cast<std::ptrdiff_t>(place));
+    lockstone::base::ByteWriter to(out);
+    to.bytes(come);
+    to.bytes(std::span(into).subspan(place + gone));
+    into = std::move(out);
+}
+
+/// Writes inputs that way, for seeds.
+class Script {
+  public:
+    Script& u8(std::uint8_t v) { return to().u8(v), *this; }
+    Script& u16(std::uint16_t v) { return to().u16(v), *this; }
+    Script& bytes(std::span<const std::byte> v) { return to().bytes(v), *this; }
+    Script& splice(std::uint16_t place, std::uint8_t gone, std::span<const std::byte> come) {
+        return u16(place).u8(gone).u8(static_cast<std::uint8_t>(come.size())).bytes(come);
+    }
+    const Buffer& done() const { return out; }
+
+  private:
+    lockstone::base::ByteWriter to() { return lockstone::base::ByteWriter(out); }
+    Buffer out;
+};
+
+} // namespace fuzz

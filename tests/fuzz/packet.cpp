@@ -1,0 +1,13 @@
+// Fuzz target: any packets to a session in the middle of a match. The inputs are described in packet_check.h.
+#include "fuzz/packet_check.h"
+
+#include <cstdio>
+#include <cstdlib>
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    fuzz::PacketOutcome outcome;
+    const std::string complaint = fuzz::check_packets(std::as_bytes(std::span(data, size)), outcome);
+    if (complaint.empty()) return 0;
+    std::fprintf(stderr, "packet: %s\n", complaint.c_str());
+    std::abort();
+}
