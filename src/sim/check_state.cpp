@@ -62,8 +62,10 @@ Status check_bodies(const Manifest& m, const State& s) {
         if (!unit_like(pose[i].rotation)) return bad("body.pose", i, "rotation is not a unit quaternion");
         if (info[i].bullet > 1 || info[i].mass_fixed > 1 || info[i].gyroscopic > 1)
             return bad("body.info", i, "a flag is neither 0 nor 1");
-        if (mass[i].mass < Real{} || !unit_like(mass[i].principal))
+        const bool weighs = mass[i].mass != Real{};
+        if ((weighs && (mass[i].mass < mass_min || mass[i].mass > mass_max)) || !unit_like(mass[i].principal))
             return bad("body.mass", i, "no such mass can be");
+        if (!within(mass[i].center, Real(100000))) return bad("body.mass", i, "center is out of range");
         for (int axis = 0; axis < 3; ++axis) {
             if (mass[i].gyration[axis] < Real{} || mass[i].gyration[axis] > Real(100000))
                 return bad("body.mass", i, "no such gyration radius can be");

@@ -20,6 +20,27 @@ fuzz::Buffer seed_named(const std::string& name) {
     throw std::runtime_error("no seed " + name);
 }
 
+/// Visits each number of the first rows of each column: world, column, row, field.
+template <class Visit> void for_each_number(Visit&& visit) {
+    for (std::uint8_t world = 0; world < fuzz::base_count; ++world) {
+        const State& state = fuzz::base_of(world).now.state();
+        for (std::uint8_t column = 0; column < state.layout().columns().size(); ++column) {
+            const ColumnInfo& info = state.layout().columns()[column];
+            const std::size_t rows = std::min<std::size_t>(state.bytes(column).size() / info.row_size, 5);
+            for (std::uint8_t row = 0; row < rows; ++row)
+                for (std::uint16_t leaf = 0; leaf < info.leaves.size(); ++leaf)
+                    visit(world, column, row, leaf);
+        }
+    }
+}
+
+/// The input that sets one number to an edge.
+fuzz::Buffer at_edge(unsigned world, std::uint8_t column, std::uint8_t row, std::uint16_t leaf,
+                     std::uint8_t edge) {
+    const auto first = static_cast<std::uint8_t>(world | 16u);
+    return fuzz::Script().u8(first).u8(column).u8(row).u16(leaf).u8(2).u8(edge).done();
+}
+
 } // namespace
 
 TEST_CASE("state corpus: it holds every seed, and all of it is refused or ticks on") {
@@ -50,6 +71,35 @@ TEST_CASE("state corpus: hundreds of mutations are refused or tick on") {
     }
     CHECK(taken > count / 20);
     CHECK(taken < count);
+}
+
+TEST_CASE("state corpus: any number of any row at its edges is refused or ticks on") {
+    std::size_t taken = 0, fields = 0;
+    const std::size_t step = std::getenv("LOCKSTONE_LONG") != nullptr ? 1 : 97;
+    for_each_number([&](std::uint8_t world, std::uint8_t column, std::uint8_t row, std::uint16_t leaf) {
+        if (fields++ % step != 0) return;
+        for (std::uint8_t edge = 0; edge < 16; ++edge) {
+            bool loaded = false;
+            CAPTURE(world);
+            CAPTURE(column);
+            CAPTURE(leaf);
+            CAPTURE(edge);
+            REQUIRE(fuzz::check_state_load(at_edge(world, column, row, leaf, edge), loaded) == "");
+            taken += loaded ? 1 : 0;
+        }
+    });
+    CHECK(fields > 2000);
+    CHECK(taken > 4 * fields / step);
+}
+
+TEST_CASE("state corpus: masses and centres that no command makes are refused") {
+    const std::uint8_t mass = fuzz::detail::column_named("body.mass");
+    for (const auto& [leaf, edge] : std::initializer_list<std::pair<std::uint16_t, std::uint8_t>>{
+             {0, 1}, {0, 11}, {1, 12}, {2, 11}, {3, 15}}) {
+        bool loaded = true;
+        CHECK(fuzz::check_state_load(at_edge(0, mass, 0, leaf, edge), loaded) == "");
+        CHECK_FALSE(loaded);
+    }
 }
 
 TEST_CASE("state corpus: planted loaders are found out") {
