@@ -51,10 +51,9 @@ inline void splice(Input& in, Buffer& into) {
     const std::size_t place = in.take<std::uint16_t>() % (into.size() + 1);
     const std::size_t gone = std::min<std::size_t>(in.take_u8(), into.size() - place);
     const std::span<const std::byte> come = in.take_bytes(in.take_u8());
-    Buffer out(into.begin(), into.begin() + static_cast<std::ptrdiff_t>(place));
-    lockstone::base::ByteWriter to(out);
-    to.bytes(come);
-    to.bytes(std::span(into).subspan(place + gone));
+    Buffer out(into.size() - gone + come.size());
+    const auto first = std::copy_n(into.begin(), place, out.begin());
+    std::ranges::copy(std::span(into).subspan(place + gone), std::ranges::copy(come, first).out);
     into = std::move(out);
 }
 
