@@ -105,7 +105,7 @@ std::pair<double, double> rest_of_pile(const Contestant& contestant, const Plan&
             if (body.mass != 0) body.position.y -= 0.95;
     const auto engine = make_engine(contestant, scene);
     int rest = 0;
-    const int ticks = plan.plants(1) ? 1 : plan.quick ? 600 : 1200;
+    const int ticks = plan.plants(1) ? 1 : 1200;
     for (int tick = 1; tick <= ticks; ++tick) {
         engine->advance(1);
         if (fastest(scene, *engine) > 0.1) rest = tick;
