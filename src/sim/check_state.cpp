@@ -42,11 +42,13 @@ Status check_slots(std::string_view name, std::span<const Slot> slots, std::size
 }
 
 bool unit_like(Quat q) {
-    const auto square = [](Unit u) { return (std::int64_t{u.raw} * u.raw) >> 2; };
+    const auto square = [](Unit u) { return (std::int64_t{u.raw} * u.raw) >> 2; }; // at most 2^60 each
     const std::int64_t norm = square(q.x) + square(q.y) + square(q.z) + square(q.w);
     constexpr std::int64_t one = std::int64_t{1} << 58;
     return norm > one - (one >> 10) && norm < one + (one >> 10);
 }
+
+bool unit_like(UnitVec3 v) { return unit_like(Quat{v.x, v.y, v.z, Unit{}}); }
 
 Status check_bodies(const Manifest& m, const State& s) {
     const std::span<const BodyInfo> info = s.rows(m.body_info);
@@ -153,6 +155,8 @@ Status check_contacts(const Manifest& m, const State& s, Column<ContactKey> key_
         if (memories[i].count > 4) return bad("contact.memory", i, "more than 4 points");
         if (memories[i].flags > 31 || memories[i].margin < Length{})
             return bad("contact.memory", i, "unknown flags or a negative margin");
+        if (memories[i].count > 0 && !unit_like(memories[i].normal))
+            return bad("contact.memory", i, "its normal is not of unit length");
     }
     return {};
 }

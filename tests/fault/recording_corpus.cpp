@@ -38,7 +38,7 @@ TEST_CASE("recording corpus: hundreds of mutations are refused or play") {
     const std::vector<fuzz::Buffer> all = fuzz::corpus("recording", {});
     Random random = Random::seeded(2026);
     Tally tally;
-    const std::size_t count = fuzz::rounds(200);
+    const std::size_t count = fuzz::rounds(100);
     for (std::size_t i = 0; i < count; ++i) {
         fuzz::RecordingOutcome outcome;
         CAPTURE(i);
