@@ -115,7 +115,7 @@ std::pair<double, double> rest_of_pile(const Contestant& contestant, const Plan&
 }
 
 /// The middle of nine piles, for one that is wedged on the brink decides by a rounding when it slips, and the deepest
-/// overlap of all. Solved to convergence, such piles need 8 to 10 s in the middle. Planted: everything bounces; everything starts within the floor.
+/// overlap of all. Planted: everything bounces; everything starts within the floor.
 Figures run_pile(const Contestant& contestant, const Plan& plan) {
     std::vector<double> rests;
     double overlap = 0, tick_time = 0;
