@@ -58,8 +58,9 @@ struct WorldDef {
     Real contact_hertz = Real(90);        ///< stiffness of contacts, at most 3 / 16 of the substep rate
     Real contact_damping = Real(10);      ///< damping ratio of contacts
     Real push_speed_max = Real(3);        ///< [m/s]: how fast overlap is pushed out
-    Real sleep_speed =
-        Real::from_raw(128849019); ///< [m/s]: 0.03; slower than this, at every point, is at rest
+    /// [m/s]: 0.03. At rest is a body of which no point is faster, or none four times as fast and none farther than
+    /// sleep_speed * sleep_time from where it was.
+    Real sleep_speed = Real::from_raw(128849019);
     Real sleep_time =
         Real::from_raw(std::int64_t{1} << 31); ///< [s]: 0.5; an island that long at rest falls asleep
     std::uint64_t seed = 1;                    ///< part of the state; the game's random streams start from it

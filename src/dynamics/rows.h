@@ -40,12 +40,17 @@ struct Velocity {
 
 /// Whether a body rests, and with whom it sleeps.
 struct BodySleep {
-    std::uint32_t still_ticks; ///< in a row that it was slower than the world's sleep speed
+    std::uint32_t still_ticks; ///< in a row, see Stillness in sim/sleep.cpp
     std::uint32_t
         island; ///< body slot + 1 of the sleeping island's first body, 0: awake; kept until its waking is reported
     std::uint32_t next; ///< body slot + 1 of the next body of the sleeping island, a ring; 0: awake
-    std::uint32_t reserved;
+    Velocity moved;     ///< sum of the velocities of the still ticks: how far it went, in tick * m/s
 };
+/// Still ticks are counted from the next one on.
+constexpr void restart(BodySleep& sleep) {
+    sleep.still_ticks = 0;
+    sleep.moved = {};
+}
 
 /// Accumulated by commands for the next tick, zeroed by it.
 struct BodyForce {
@@ -127,7 +132,7 @@ template <class V> constexpr void describe(Velocity& x, V&& v) {
     v("linear", x.linear), v("angular", x.angular);
 }
 template <class V> constexpr void describe(BodySleep& s, V&& v) {
-    v("still_ticks", s.still_ticks), v("island", s.island), v("next", s.next), v("reserved", s.reserved);
+    v("still_ticks", s.still_ticks), v("island", s.island), v("next", s.next), v("moved", s.moved);
 }
 template <class V> constexpr void describe(BodyForce& f, V&& v) {
     v("force", f.force), v("torque", f.torque);

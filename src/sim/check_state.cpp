@@ -224,6 +224,8 @@ Status check_sleep(const Manifest& m, const State& s) {
         const bool moves = info[i].kind != BodyKind::static_ && s.rows(m.body_velocity)[i] != Velocity{};
         if (moves && i >= h.bodies_awake)
             return bad("body.velocity", i, "moves, but stands among resting bodies");
+        if (sleep[i].still_ticks == 0 && sleep[i].moved != Velocity{})
+            return bad("body.sleep", i, "has moved in no tick");
         if (sleep[i].island > slots.size()) return bad("body.sleep", i, "its island does not exist");
         if (!in_ring) continue;
         if (sleep[i].next > slots.size() || slots[sleep[i].next - 1].alive == 0)

@@ -50,7 +50,7 @@ void raise(Data& w, BodyId body) {
     swap_bodies(w, w.row_of(body), first_resting);
     ++w.edit_header().bodies_awake;
     BodySleep& sleep = w.state.edit_row(w.m.body_sleep, first_resting);
-    sleep.still_ticks = 0;
+    restart(sleep);
     sleep.next = 0;
     std::uint32_t& joints_awake = w.edit_header().joints_awake;
     for_each_joint(w, body, [&](std::uint32_t row, BodyId) {
@@ -158,7 +158,7 @@ std::uint32_t wake(Data& w, BodyId body) {
     const std::uint32_t row = w.row_of(body);
     if (is_awake(w, row)) {
         if (w.state.rows(w.m.body_sleep)[row].still_ticks != 0)
-            w.state.edit_row(w.m.body_sleep, row).still_ticks = 0;
+            restart(w.state.edit_row(w.m.body_sleep, row));
         return row;
     }
     const bool is_dynamic = w.state.rows(w.m.body_info)[row].kind == BodyKind::dynamic;
@@ -218,12 +218,38 @@ bool wake_touched(Data& w) {
 namespace {
 
 /// |v| + |w| times twice the largest gyration radius is below the limit: no point of a solid body is much faster.
-bool is_slow(const Velocity& v, const BodyMass& mass, Speed limit) {
+bool is_below(const Velocity& v, const BodyMass& mass, Speed limit) {
     for (int i = 0; i < 3; ++i)
         if (abs(v.linear[i]) >= limit) return false;
     const Real radius = max(mass.gyration.x, max(mass.gyration.y, mass.gyration.z)) * 2;
     return to<Real>(length(v.linear)) + to<Real>(length(v.angular)) * radius < to<Real>(limit);
 }
+
+/// What counts as still: slow, or at most four times as fast but not away from where the still ticks began. What rocks or
+/// shakes on the spot between its neighbours would keep an island awake otherwise.
+/// source: Rouwe, Jolt Physics, Body::UpdateSleepStateInternal, for the idea to look at how far a body went
+struct Stillness {
+    std::uint32_t ticks_to_sleep;
+    Speed slow, rocking;
+    Speed away; ///< of BodySleep::moved: what sleep_speed covers in sleep_time [tick m/s]
+
+    explicit Stillness(const Config& c)
+        : ticks_to_sleep(static_cast<std::uint32_t>(std::max<std::int64_t>(
+              1, floor_to_int(c.sleep_time * static_cast<std::int32_t>(c.tick_rate))))),
+          slow(to<Speed>(c.sleep_speed)), rocking(to<Speed>(c.sleep_speed * 4)),
+          away(to<Speed>(c.sleep_speed * Real(ticks_to_sleep))) {}
+
+    bool is_still(const Velocity& v, const Velocity& moved, const BodyMass& mass) const {
+        return is_below(v, mass, slow) || (is_below(v, mass, rocking) && is_below(moved, mass, away));
+    }
+    void count(BodySleep& sleep, const Velocity& v, const BodyMass& mass) const {
+        sleep.moved = {sleep.moved.linear + v.linear, sleep.moved.angular + v.angular};
+        if (is_still(v, sleep.moved, mass))
+            sleep.still_ticks = std::min(sleep.still_ticks + 1, 1u << 30);
+        else
+            restart(sleep);
+    }
+};
 
 struct Islands {
     Data& w;
@@ -265,37 +291,30 @@ struct Islands {
     }
 };
 
-/// How long each awake body has been slow, in the state and in the scratch.
-void count_still_ticks(Data& w) {
-    const Config& config = w.state.rows(w.m.config)[0];
+/// How long each awake body has been still, in the state and in the scratch.
+void count_still_ticks(Data& w, const Stillness& stillness) {
     const std::uint32_t awake = w.header().bodies_awake;
     const std::span<BodySleep> sleep = w.state.edit(w.m.body_sleep, 0, awake);
     const std::span<const BodyInfo> info = w.state.rows(w.m.body_info);
     const std::span<const BodyMass> mass = w.state.rows(w.m.body_mass);
     const std::span<const Velocity> velocity = w.state.rows(w.m.body_velocity);
-    const Speed limit = to<Speed>(config.sleep_speed);
     w.scratch.sleep.still_ticks.resize(awake);
     for (std::uint32_t row = 0; row < awake; ++row) {
-        if (info[row].kind == BodyKind::dynamic) {
-            const bool is_still = is_slow(velocity[row], mass[row], limit);
-            sleep[row].still_ticks = is_still ? std::min(sleep[row].still_ticks + 1, 1u << 30) : 0;
-        }
+        if (info[row].kind == BodyKind::dynamic) stillness.count(sleep[row], velocity[row], mass[row]);
         w.scratch.sleep.still_ticks[row] = sleep[row].still_ticks;
     }
 }
 
 /// The bodies of islands that have been still for long enough, with their rings; in slot order.
 void put_islands_to_sleep(Data& w) {
-    const Config& config = w.state.rows(w.m.config)[0];
-    const std::uint32_t enough = static_cast<std::uint32_t>(std::max<std::int64_t>(
-        1, floor_to_int(config.sleep_time * static_cast<std::int32_t>(config.tick_rate))));
-    count_still_ticks(w);
+    const Stillness stillness(w.state.rows(w.m.config)[0]);
+    count_still_ticks(w, stillness);
     Islands islands(w);
     islands.find();
     SleepScratch& s = w.scratch.sleep;
     const std::size_t begin = s.leaving.size();
     for (std::uint32_t row = 0; row < islands.awake; ++row)
-        if (islands.is_dynamic(row) && s.still_ticks[islands.root(row)] >= enough)
+        if (islands.is_dynamic(row) && s.still_ticks[islands.root(row)] >= stillness.ticks_to_sleep)
             s.leaving.push_back(islands.info[row].id);
     if (s.leaving.size() == begin) return;
     std::sort(s.leaving.begin() + static_cast<std::ptrdiff_t>(begin), s.leaving.end());
@@ -304,7 +323,7 @@ void put_islands_to_sleep(Data& w) {
         const std::uint32_t slot = s.leaving[i].index, row = w.row_of(s.leaving[i]), root = islands.root(row);
         if (s.first[root] == 0) s.first[root] = slot;
         BodySleep& sleep = w.state.edit_row(w.m.body_sleep, row);
-        sleep = {0, s.first[root], s.first[root], 0}; // the ring is closed behind each
+        sleep = {0, s.first[root], s.first[root], {}}; // the ring is closed behind each
         if (s.last[root] != 0)
             w.state.edit_row(w.m.body_sleep, w.state.rows(w.m.body_slot)[s.last[root] - 1].row).next = slot;
         s.last[root] = slot;

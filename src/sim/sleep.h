@@ -6,9 +6,10 @@
 //   contacts   "contacts": those of which a body is awake; "sleeping_contacts": the others
 //
 // A tick reads and writes the awake rows only. Islands are found anew in every tick, among what is awake: dynamic bodies
-// that touch or are joined, so they split as soon as they part. An island falls asleep as a whole when all its bodies were slow for
-// the world's sleep_time and none of them is held by a kinematic body that moves; its bodies then stand in a ring. It wakes as a
-// whole: when a command touches one of its bodies, or something awake comes near enough to one to make contact points.
+// that touch or are joined, so they split as soon as they part. An island falls asleep as a whole when all its bodies were
+// still for the world's sleep_time and none of them is held by a kinematic body that moves; its bodies then stand in a ring.
+// Still is what is slow, or rocks a little on the spot. An island wakes as a whole: when a command touches one of its bodies,
+// or something awake comes near enough to one to make contact points.
 #pragma once
 
 #include "sim/data.h"

@@ -241,7 +241,7 @@ static bool is_parked(const Data& w, const Vehicle& v) {
 void VehicleSolver::store(Data& w) {
     stands.clear();
     for (const Vehicle& v : vehicles) {
-        if (!is_parked(w, v)) w.state.edit_row(w.m.body_sleep, v.chassis).still_ticks = 0;
+        if (!is_parked(w, v)) restart(w.state.edit_row(w.m.body_sleep, v.chassis));
         VehicleMemory& m = w.state.edit_row(w.m.vehicle_memory, v.row);
         m = v.memory;
         m.engine_speed = v.engine_speed;

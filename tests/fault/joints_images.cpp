@@ -120,6 +120,7 @@ TEST_CASE("broken rings of sleepers are refused") {
     CHECK(says(verdict([&](State& s) { sleeper(s).next = 0; }), "body.sleep"));
     CHECK(says(verdict([&](State& s) { sleeper(s).island = 0; }), "sleeps where it cannot"));
     CHECK(says(verdict([&](State& s) { sleeper(s).island = 1000; }), "body.sleep"));
+    CHECK(says(verdict([&](State& s) { sleeper(s).moved.linear.y = Speed(1); }), "has moved in no tick"));
     CHECK(says(verdict([&](State& s) { rows<sim::Header>(s, "world.header")[0].bodies_awake = 900; }),
                "more is awake"));
     CHECK(says(verdict([&](State& s) { rows<sim::Header>(s, "world.header")[0].joints_awake = 900; }),

@@ -28,6 +28,18 @@ int ticks_to_sleep(World& w, BodyId body, int limit) {
     return ticks;
 }
 
+/// A ball that swings on a spring without damping sleeps within so many ticks, at most 45.
+int ticks_of_swing(double frequency, double amplitude) {
+    World w = made(World::create(weightless(drowsy_def())));
+    const BodyId anchor =
+        add(w, {.kind = BodyKind::static_, .pose = at(0, 0, 0)}, {.geometry = sphere(real(0.1))});
+    const BodyId ball = add(w, {.pose = at(2 + amplitude, 0, 0)}, {.geometry = sphere(real(0.5))});
+    JointDef spring = spring_joint(real(2), real(frequency), Real{});
+    spring.body_a = anchor, spring.body_b = ball;
+    made(w.create_joint(spring));
+    return ticks_to_sleep(w, ball, 45);
+}
+
 } // namespace
 
 TEST_CASE("a box at rest sleeps after the sleep time, with one event, and stands still to the bit") {
@@ -68,6 +80,13 @@ TEST_CASE("nothing sleeps in a world that is told so, nor while it moves") {
     CHECK(w.is_awake(drifting));
     CHECK(w.is_awake(turning));
     CHECK(!w.is_awake(still));
+}
+
+TEST_CASE("what swings on the spot sleeps, unless it swings as far as the sleep speed goes in the sleep "
+          "time, or fast") {
+    CHECK(ticks_of_swing(2, 0.006) <= 40);  // at most 75 mm/s, 12 mm from one end to the other
+    CHECK(ticks_of_swing(0.9, 0.02) == 45); // 113 mm/s, but 20 mm to either side of any place it started from
+    CHECK(ticks_of_swing(4, 0.006) == 45);  // 150 mm/s
 }
 
 TEST_CASE("an island sleeps and wakes as a whole, and its neighbour does not notice") {
