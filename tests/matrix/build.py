@@ -26,14 +26,20 @@ def sources(build):
     return found
 
 
-def fresh(out):
-    """Is the object newer than all it was made of?"""
+def fresh(out, *others):
+    """Is the object newer than all it was made of? Compilers do not name what a compiled header was made of."""
     try:
         made = out.stat().st_mtime_ns
+        if any(made <= other.stat().st_mtime_ns for other in others):
+            return False
         _, _, names = pathlib.Path(f"{out}.d").read_text().replace("\\\n", " ").partition(": ")
         return made > max(os.stat(name).st_mtime_ns for name in names.split())
     except (OSError, ValueError):
         return False
+
+
+def compiled_header(build, folder):
+    return folder / ("prelude.h.pch" if "clang" in build.cxx else "prelude.h.gch")
 
 
 class Builder:
@@ -71,14 +77,14 @@ class Builder:
         source = self.patched(build, folder, path)
         out = folder / (path.relative_to(ROOT).as_posix().replace("/", "-") + (".o" if source == path else "-planted.o"))
         with self.lock_of(out):  # two programs may want it at once
-            if not fresh(out):
+            if not fresh(out, compiled_header(build, folder)):
                 run([build.cxx, *flags, "-MMD", "-MF", f"{out}.d", "-c", source, "-o", out])
         return out
 
     def prelude(self, build, flags, folder):
         """A header that lies beside what the compiler made of it, and takes that instead."""
         header = folder / "prelude.h"
-        out = folder / ("prelude.h.pch" if "clang" in build.cxx else "prelude.h.gch")
+        out = compiled_header(build, folder)
         with self.lock_of(out):
             if not fresh(out):
                 header.write_text("#pragma once\n" + "".join(f"#include <{name}>\n" for name in PRELUDE))
