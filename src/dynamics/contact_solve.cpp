@@ -1,5 +1,6 @@
 // The solver's inner loops, once for every lane width. See contact.h for the symbols.
 #include "dynamics/contact_block_solve.h"
+#include "dynamics/followed_turn.h"
 
 #include "lockstone/math.h"
 
@@ -267,6 +268,7 @@ void ContactSolver<N>::for_each_pack(Tasks* tasks, Visit&& visit) {
 }
 
 template <unsigned N> void ContactSolver<N>::warm_start(SolverBodies& bodies, Tasks* tasks) {
+    const StartK start(bodies);
     for_each_pack(tasks, [&](ContactPack<N>& c) {
         Pair<N> p = gather(c, bodies);
         if (bounces(c)) measure_approach(c, p);
@@ -302,6 +304,7 @@ void ContactSolver<N>::solve_pack(const StepConstants& step, SolverBodies& bodie
 
 template <unsigned N>
 void ContactSolver<N>::solve(const StepConstants& step, SolverBodies& bodies, bool bias, Tasks* tasks) {
+    const StartK start(bodies);
     // The relaxing pass goes backwards over a contact: one pass alone favours whoever comes first, and a tower that is
     // pushed the same way every step starts to rock; a pair of mirrored passes does not. Friction comes last in it, when
     // the push is taken back: within the cone of an impulse that pushes out, what slides in overlap is braked twice.
@@ -310,6 +313,7 @@ void ContactSolver<N>::solve(const StepConstants& step, SolverBodies& bodies, bo
 
 template <unsigned N>
 void ContactSolver<N>::apply_restitution(const StepConstants& step, SolverBodies& bodies, Tasks* tasks) {
+    const StartK start(bodies);
     for_each_pack(tasks, [&](ContactPack<N>& c) {
         if (!bounces(c)) return;
         Pair<N> p = gather(c, bodies);

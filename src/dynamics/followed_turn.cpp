@@ -58,17 +58,39 @@ void precess(SolverBody& b, const BodyStep& s, FollowedTurn& turn, const StepCon
     }
 }
 
+/// R diag(radii^2) R^T w with the body at `rotation`.
+Vec3 momentum_at(Quat rotation, const FollowedTurn& turn, Vec3 radii, Vec3 w) {
+    const Rotation axes = to_rotation(rotation * turn.principal);
+    return mul<Real>(axes, scaled(scaled(mul_transposed<Real>(axes, w), radii), radii));
+}
+
+/// The gyroscopic torque of the body as it is, in a substep, on the body as it answers. Three rounds of the midpoint rule lose
+/// a little energy; two gain it.
+void precess_stiff(SolverBody& b, const BodyStep& s, const FollowedTurn& turn, const StepConstants& step) {
+    constexpr int rounds = 3;
+    const Vec3 before = mul<Real>(s.gyration_inv, to_real(b.u));
+    Vec3 w = before;
+    for (int round = 0; round < rounds; ++round) {
+        const Vec3 sum = before + w, middle{half(sum.x), half(sum.y), half(sum.z)};
+        const Vec3 torque = cross(momentum_at(turn.rotation, turn, turn.own, middle), middle);
+        w = before + scale<Real>(spin_at(turn.rotation, turn, torque), step.substep_time);
+    }
+    const Vec3 u = mul<Real>(s.gyration, w);
+    const Real most = to<Real>(step.tip_speed_max);
+    for (int i = 0; i < 3; ++i) b.u[i] = clamp(u[i], -most, most).raw << real_to_accumulator;
+}
+
 /// Slower than this, arms of contacts, which are those of the start of the tick, are the larger error: a top on a floor
 /// does better if all its turn is made after the tick.
 constexpr int spin_parts = 2;
-constexpr int held_parts = 4; ///< joints make their arms anew in every substep
+/// Chains under load come apart with 4, not with 8 or more.
+constexpr int held_parts = 16;
 
 /// Whether a body feels gyroscopic torque and turns by more than 1 / `parts` of a radian in the tick about some axis.
 bool spins(const BodyColumns& columns, std::uint32_t row, const BodyStep& s, int parts,
            const StepConstants& step) {
-    const Vec3 radii = columns.mass[row].gyration;
     if (!s.movable || s.turn != 0 || columns.info[row].gyroscopic == 0 || s.angular_mask != 7u) return false;
-    if ((radii.x == radii.y && radii.y == radii.z) || s.radii != radii) return false;
+    if (s.radii.x == s.radii.y && s.radii.y == s.radii.z) return false;
     const Vec3 w = abs(to<Real>(columns.velocity[row].angular));
     return max(w.x, max(w.y, w.z)) * parts > Real(step.ticks_per_second);
 }
@@ -76,12 +98,16 @@ bool spins(const BodyColumns& columns, std::uint32_t row, const BodyStep& s, int
 void follow(const BodyColumns& columns, std::uint32_t row, const StepConstants& step, SolverBodies& bodies) {
     const auto inverse = [](Real r) { return r > Real{} ? Real(1) / r : Real{}; };
     BodyStep& s = bodies.step[row];
-    bodies.turns.push_back({normalized(columns.pose[row].rotation),
-                            columns.mass[row].principal,
-                            {inverse(s.radii.x), inverse(s.radii.y), inverse(s.radii.z)},
-                            {}});
+    FollowedTurn turn{};
+    turn.rotation = normalized(columns.pose[row].rotation);
+    turn.principal = columns.mass[row].principal;
+    turn.radii_inv = {inverse(s.radii.x), inverse(s.radii.y), inverse(s.radii.z)};
+    turn.body = row;
+    turn.own = columns.mass[row].gyration;
+    turn.stiff = s.radii != turn.own;
+    bodies.turns.push_back(turn);
     s.turn = static_cast<std::uint32_t>(bodies.turns.size());
-    precess(bodies.body[row], s, bodies.turns.back(), step);
+    if (!turn.stiff) precess(bodies.body[row], s, bodies.turns.back(), step);
 }
 
 } // namespace
@@ -92,18 +118,92 @@ void follow_turns(std::span<const Joint> joints, const BodyColumns& columns, con
     for (std::uint32_t row = 0; row < count; ++row)
         if (spins(columns, row, bodies.step[row], spin_parts, step)) follow(columns, row, step, bodies);
     for (const Joint& joint : joints)
-        for (const std::uint32_t row : {joint.body_a, joint.body_b})
-            if (row != bodies.still() && spins(columns, row, bodies.step[row], held_parts, step))
-                follow(columns, row, step, bodies);
+        for (const std::uint32_t row : {joint.body_a, joint.body_b}) {
+            if (row == bodies.still()) continue;
+            if (spins(columns, row, bodies.step[row], held_parts, step)) follow(columns, row, step, bodies);
+            if (bodies.step[row].turn != 0) bodies.turns[bodies.step[row].turn - 1].held = true;
+        }
+    for (FollowedTurn& turn : bodies.turns) turn.now = bodies.step[turn.body];
 }
 
 void advance_turn(SolverBody& b, const BodyStep& s, FollowedTurn& turn, const StepConstants& step) {
     const Vec3 w = mul<Real>(s.gyration_inv, to_real(b.u));
     turn.rotation = integrate_rotation(turn.rotation, scale<Real>(w, step.substep_time));
-    precess(b, s, turn, step);
+    if (turn.held) set_gyration(turn.now, turn.principal, turn.rotation);
+    if (turn.stiff)
+        precess_stiff(b, s, turn, step);
+    else
+        precess(b, s, turn, step);
+}
+
+// ---- rows of now and rows of the start ----------------------------------------------------------------------------
+
+namespace {
+
+template <class Visit> void for_each_held(SolverBodies& bodies, Visit&& visit) {
+    for (FollowedTurn& turn : bodies.turns)
+        if (turn.held) visit(turn, bodies.body[turn.body], bodies.step[turn.body]);
+}
+
+struct Change {
+    std::int64_t m[3]; ///< 47 fraction bits
+};
+Change change_of(const SolverBody& b, const std::int64_t (&before)[3]) {
+    Change change;
+    for (int i = 0; i < 3; ++i) change.m[i] = b.u[i] - before[i];
+    return change;
+}
+Change from_real(Vec3 v) {
+    constexpr Real most(4096); // no sum leaves 64 bits
+    Change change;
+    for (int i = 0; i < 3; ++i) change.m[i] = clamp(v[i], -most, most).raw << real_to_accumulator;
+    return change;
+}
+
+} // namespace
+
+TurnedK::TurnedK(const StepConstants& step, SolverBodies& solver_bodies) : bodies(solver_bodies) {
+    const Real most = to<Real>(step.tip_speed_max);
+    for_each_held(bodies, [&](FollowedTurn& turn, SolverBody& b, const BodyStep& s) {
+        const Vec3 u = mul<Real>(turn.now.gyration, mul<Real>(s.gyration_inv, to_real(b.u)));
+        for (int i = 0; i < 3; ++i) {
+            turn.u_outside[i] = b.u[i];
+            b.u[i] = turn.u_inside[i] = clamp(u[i], -most, most).raw << real_to_accumulator;
+        }
+    });
+}
+
+TurnedK::~TurnedK() {
+    for_each_held(bodies, [](FollowedTurn& turn, SolverBody& b, const BodyStep& s) {
+        const Vec3 change = to_real(change_of(b, turn.u_inside).m);
+        const Change faster = from_real(mul<Real>(s.gyration, mul<Real>(turn.now.gyration_inv, change)));
+        const Change momentum = from_real(mul<Real>(s.gyration_inv, mul<Real>(turn.now.gyration, change)));
+        for (int i = 0; i < 3; ++i) {
+            b.u[i] = std::clamp(turn.u_outside[i] + faster.m[i], -own_max, own_max);
+            if (!turn.stiff) turn.precession[i] += faster.m[i] - momentum.m[i];
+        }
+    });
+}
+
+StartK::StartK(SolverBodies& solver_bodies) : bodies(solver_bodies) {
+    for_each_held(bodies, [](FollowedTurn& turn, const SolverBody& b, const BodyStep&) {
+        std::copy(b.u, b.u + 3, turn.u_outside);
+    });
+}
+
+StartK::~StartK() {
+    for_each_held(bodies, [](FollowedTurn& turn, const SolverBody& b, const BodyStep& s) {
+        if (turn.stiff) return;
+        const Change change = change_of(b, turn.u_outside);
+        const Vec3 w = mul<Real>(s.gyration_inv, to_real(change.m));
+        const Change momentum = from_real(
+            mul<Real>(s.gyration_inv, mul<Real>(turn.now.gyration, mul<Real>(turn.now.gyration, w))));
+        for (int i = 0; i < 3; ++i) turn.precession[i] += change.m[i] - momentum.m[i];
+    });
 }
 
 Vec3 spin_of(const SolverBody& b, const BodyStep& s, const FollowedTurn& turn) {
+    if (turn.stiff) return mul<Real>(s.gyration_inv, to_real(b.u));
     return spin_at(turn.rotation, turn, mul<Real>(s.gyration, to_real(own_spin(b, turn).m)));
 }
 

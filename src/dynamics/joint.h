@@ -68,7 +68,7 @@ class JointSolver {
                  Tasks* tasks = nullptr);
     /// Rows from where the bodies are now: before the first substep and after each move.
     void update(const StepConstants& step, const SolverBodies& bodies, Tasks* tasks = nullptr);
-    void warm_start(SolverBodies& bodies);
+    void warm_start(const StepConstants& step, SolverBodies& bodies);
     /// One pass over all joints: springs and motors, limits, locks; then the locks of trees, which workers share.
     void solve(const StepConstants& step, SolverBodies& bodies, bool bias, Tasks* tasks = nullptr);
     /// Impulses, unwrapped angles and reactions for the next tick and for readers.

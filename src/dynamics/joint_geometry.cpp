@@ -76,6 +76,7 @@ bool turns_slowly(Vec3 w) {
 JointSide side_of(const JointTick& tick, const JointWorkSide& side, const SolverBodies& bodies) {
     JointSide now{};
     now.body = &bodies.step[side.body];
+    if (now.body->turn != 0) now.body = &bodies.turns[now.body->turn - 1].now;
     if (side.world) {
         now.anchor = side.anchor;
         now.rotation = side.frame;

@@ -1,4 +1,5 @@
 // The passes over joints. See joint.h for the symbols.
+#include "dynamics/followed_turn.h"
 #include "dynamics/joint_motion.h"
 #include "dynamics/joint_work.h"
 
@@ -125,6 +126,7 @@ void pass_joint(JointTick& tick, const JointWork& w, const StepConstants& step, 
 
 void JointSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bias, Tasks* tasks) {
     JointTick& tick = *work;
+    const TurnedK turned(step, bodies);
     const std::size_t count = tick.joints.size();
     for (std::size_t k = 0; k < count; ++k) // relaxing goes back the way the biased pass came
         pass_joint(tick, tick.joints[bias ? k : count - 1 - k], step, bodies, bias);
@@ -138,8 +140,9 @@ void JointSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bi
 
 // ---- warm start ---------------------------------------------------------------------------------------------------
 
-void JointSolver::warm_start(SolverBodies& bodies) {
+void JointSolver::warm_start(const StepConstants& step, SolverBodies& bodies) {
     JointTick& tick = *work;
+    const TurnedK turned(step, bodies);
     for (const JointWork& w : tick.joints) {
         SolverBody &a = bodies.body[w.a.body], &b = bodies.body[w.b.body];
         Motion m = read(a, b);

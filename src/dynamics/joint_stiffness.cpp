@@ -28,9 +28,9 @@ bool add_pull(const BodyColumns& columns, std::uint32_t row, Vec3 force, Vec3 pl
     return true;
 }
 
-/// (k^2 + s)^(1/2), s the pull beyond a quarter of k^2.
+/// (k^2 + s)^(1/2), s twice the pull, beyond a quarter of k^2: the pull is that of the last tick, and in this one grows.
 Real stiffened(Real k, Real pull) {
-    const Real own = k * k, more = pull - own / Real(4);
+    const Real own = k * k, more = pull * Real(2) - own / Real(4);
     return more > Real{} ? sqrt(own + more) : k;
 }
 

@@ -5,8 +5,8 @@
 // of less: with 1000 kg on links of 1 kg from a quarter of that on. The torque at the end of the substep instead of at
 // its start would hold at any load, and that is the same as a larger moment of inertia, m K^2 + h^2 (r . f).
 // source: Tournier, Nesme, Gilles, Faure, Stable Constrained Dynamics, SIGGRAPH 2015
-// Principal axes one by one, what all joints pull summed up; only what is beyond a quarter of m K^2 counts, so that
-// bodies that are slow enough to be followed stay as they are.
+// Principal axes one by one, what all joints pull summed up and doubled; only what is beyond a quarter of m K^2 counts, so
+// that most bodies stay as they are.
 #pragma once
 
 #include "dynamics/joint.h"

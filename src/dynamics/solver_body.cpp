@@ -51,8 +51,8 @@ static Vec3 reciprocals(Vec3 radii) {
     return {inverse(radii.x), inverse(radii.y), inverse(radii.z)};
 }
 
-static void set_gyration(BodyStep& s, const BodyMass& mass, Quat rotation) {
-    const Rotation axes = to_rotation(rotation * mass.principal);
+void set_gyration(BodyStep& s, Quat principal, Quat rotation) {
+    const Rotation axes = to_rotation(rotation * principal);
     s.gyration = rotated_diagonal(axes, s.radii);
     s.gyration_inv = rotated_diagonal(axes, reciprocals(s.radii));
     set_mantissa(s);
@@ -82,7 +82,7 @@ static void per_substep(Vec3 acceleration, const StepConstants& step, std::int64
 /// K, and u of the velocity within its bounds.
 static void begin_turning(const BodyMass& mass, const Transform& pose, const Velocity& velocity,
                           const StepConstants& step, SolverBody& b, BodyStep& s, ClampCounts& clamps) {
-    set_gyration(s, mass, pose.rotation);
+    set_gyration(s, mass.principal, pose.rotation);
     const SpeedVec3 u = mul<Speed>(s.gyration, to<Real>(velocity.angular));
     for (int i = 0; i < 3; ++i) b.u[i] = std::int64_t{u[i].raw} << row_bits;
     clamps.speed += clamp_length(b.u, step.tip_speed_max) ? 1u : 0u;
@@ -183,7 +183,7 @@ static void turn(const BodyInfo& info, const BodyMass& mass, const StepConstants
     const Vec3 momentum = mul<Real>(s.gyration, u); // per mass
     const Vec3 w = mul<Real>(s.gyration_inv, u);
     const auto spin_at = [&](Quat q) { // K^-2 momentum
-        set_gyration(s, mass, q);
+        set_gyration(s, mass.principal, q);
         return mul<Real>(s.gyration_inv, mul<Real>(s.gyration_inv, momentum));
     };
     const Vec3 freely = w / Real(step.ticks_per_second);

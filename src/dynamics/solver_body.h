@@ -58,6 +58,12 @@ struct FollowedTurn {
     Quat principal;
     Vec3 radii_inv;             ///< of gyration [1/m]
     std::int64_t precession[3]; ///< the part of u that is no momentum [m/s], 47 fraction bits
+    std::uint32_t body;
+    bool held;    ///< by a joint
+    bool stiff;   ///< turns as if it were larger: u is velocity alone, and precession zero
+    Vec3 own;     ///< radii of a stiff body as it is [m]
+    BodyStep now; ///< of a held body: with K of where it is now
+    std::int64_t u_outside[3], u_inside[3]; ///< while TurnedK or StartK lives: u before, and K' w
 };
 
 struct FieldRow {
@@ -114,6 +120,8 @@ inline constexpr std::uint32_t body_chunk = 64;
 /// Reads the columns into `out`: K of each pose, u of each velocity, the constant changes per substep.
 void begin_step(const BodyColumns& columns, Vec3 gravity, const StepConstants& step, SolverBodies& out,
                 Tasks* tasks = nullptr);
+/// K at this rotation.
+void set_gyration(BodyStep& s, Quat principal, Quat rotation);
 /// Turning parts of a dynamic body's entries for other radii of gyration, its angular velocity kept.
 void set_radii(const BodyColumns& columns, std::uint32_t row, Vec3 radii, const StepConstants& step,
                SolverBodies& bodies);

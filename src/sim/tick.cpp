@@ -77,7 +77,7 @@ void tick(Data& w) {
     for (std::int32_t i = 0; i < s.step.substeps; ++i) {
         integrate_velocities(motion, w.body_columns(), s.step, s.bodies, w.tasks);
         s.fluids.push(w, s.step, s.bodies, w.tasks);
-        s.joint_solver.warm_start(s.bodies);
+        s.joint_solver.warm_start(s.step, s.bodies);
         s.vehicle_solver.warm_start(s.step, s.bodies);
         s.solver.warm_start(s.bodies, w.tasks);
         // Contacts first: what a warm start after an impact gave too much is taken back before joints pull at it.

@@ -105,7 +105,7 @@ struct Rig {
     }
     void substep(const StepConstants& step, std::int32_t i) {
         integrate_velocities({Scheme::semi_implicit_euler, {}}, columns(), step, bodies);
-        solver.warm_start(bodies);
+        solver.warm_start(step, bodies);
         solver.solve(step, bodies, true);
         integrate_poses(step, bodies);
         solver.update(step, bodies);
