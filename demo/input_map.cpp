@@ -9,22 +9,59 @@ namespace {
 
 struct SeatKeys {
     Key right, left, up, down, jump, push, push_too;
+    Controls names;
+    const char* half; ///< of the window that shows this player in netplay
 };
 constexpr std::array<SeatKeys, 2> seat_keys{{
-    {Key::d, Key::a, Key::w, Key::s, Key::space, Key::f, Key::left_shift},
-    {Key::right, Key::left, Key::up, Key::down, Key::right_control, Key::right_shift, Key::right_alt},
+    {Key::d,
+     Key::a,
+     Key::w,
+     Key::s,
+     Key::space,
+     Key::f,
+     Key::left_shift,
+     {"WASD", "Space", "F"},
+     " (left)    "},
+    {Key::right,
+     Key::left,
+     Key::up,
+     Key::down,
+     Key::right_control,
+     Key::right_shift,
+     Key::right_alt,
+     {"arrows", "right Control", "right Shift"},
+     " (right)   "},
 }};
 
 std::int8_t to_axis(float value) {
     return static_cast<std::int8_t>(std::lround(127 * glm::clamp(value, -1.0f, 1.0f)));
 }
 
+/// "WASD roll   Space jump   F push".
+std::string keys_of(const Game& game, std::uint32_t player) {
+    const Controls keys = seat_keys[player].names, does = controls_of(game, player);
+    std::string line;
+    for (const auto part : {&Controls::stick, &Controls::jump, &Controls::push}) {
+        if (!line.empty()) line += "   ";
+        line.append(keys.*part).append(" ").append(does.*part);
+    }
+    return line;
+}
+
 } // namespace
 
 bool is_playable(const Game& game) {
-    return game.input_size() == input_size_of<ArenaInput> &&
-           (game.name().starts_with("rollback-arena") || game.name().starts_with("cars") ||
-            game.name().starts_with("character "));
+    return game.input_size() == input_size_of<ArenaInput> && !controls_of(game, 0).stick.empty();
+}
+
+std::string keys_in_short(const Game& game) { return keys_of(game, 0); }
+
+std::string keys_of_players(const Game& game, bool sides) {
+    std::string lines;
+    for (std::uint32_t p = 0; p < seat_keys.size() && p < game.player_count(); ++p)
+        lines += "player " + std::to_string(p + 1) + (sides ? seat_keys[p].half : "   ") + keys_of(game, p) +
+                 (p == 0 ? "   (or a gamepad: stick, A, X)\n" : "\n");
+    return lines;
 }
 
 void InputMap::read_keys(const Input& input, std::size_t seat, glm::vec2& stick, Seat& out) {

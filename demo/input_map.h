@@ -1,16 +1,21 @@
 #pragma once
-/// Keys and gamepads as the arena's inputs.
+/// Keys and gamepads as the inputs of scenes.
 
 #include "render/camera.h"
 #include "render/input.h"
 #include "scenes/scenes.h"
 
 #include <array>
+#include <string>
 
 namespace lockstone::demo {
 
 /// Whether this game takes ArenaInput, so that people can play it.
 bool is_playable(const Game& game);
+/// What seat 0 does, for one line: "WASD roll   Space jump   F push".
+std::string keys_in_short(const Game& game);
+/// A line for each player who has keys; `sides`: netplay, whose halves have names.
+std::string keys_of_players(const Game& game, bool sides = false);
 
 /// Seat 0: WASD, space jumps, F or left shift pushes. Seat 1: arrows, right control jumps, right shift
 /// pushes. Every seat: the gamepad of its number; left stick or cross moves, A jumps, X or B pushes.

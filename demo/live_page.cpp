@@ -13,8 +13,6 @@ constexpr std::uint64_t ticks_default = 600, ticks_default_window = 3600;
 constexpr std::uint64_t keyframe_ticks = 120; ///< two seconds: scrubbing feels immediate
 
 constexpr const char* ending_keys = "Enter ends the game and plays it back";
-constexpr const char* player_keys = "player 1   WASD   Space jump   F push   (or a gamepad)\n"
-                                    "player 2   arrows   right Control jump   right Shift push\n";
 
 std::string scene_name(const Game& game) {
     const std::string name = game.name();
@@ -103,7 +101,7 @@ std::vector<Frame> LivePage::draw(const Moment& moment) {
     frame.wireframe = stage_.view.wireframe;
     view_.draw(frame, moment.alpha, stage_, rig_.followed());
     if (stage_.view.overlay) draw_overlay(frame, moment);
-    draw_help(frame, moment, stage_.view, std::string(people_play_ ? player_keys : "") + ending_keys);
+    draw_help(frame, moment, stage_.view, (people_play_ ? keys_of_players(*game_) : "") + ending_keys);
     return {std::move(frame)};
 }
 
@@ -122,8 +120,7 @@ void LivePage::draw_overlay(Frame& frame, const Moment& moment) const {
     draw_match(frame, moment, view_, game_->player_count());
     if (!stage_.interactive) return;
     TextPanel hint(moment, {12, moment.size.y - 12});
-    hint.line(people_play_ ? "WASD roll   Space jump   F push   Enter plays back   F1 keys"
-                           : "Enter plays back   F1 keys");
+    hint.line((people_play_ ? keys_in_short(*game_) + "   " : "") + "Enter plays back   F1 keys");
     hint.align_bottom();
     hint.draw(frame);
 }

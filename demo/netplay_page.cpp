@@ -11,9 +11,7 @@ namespace {
 constexpr std::uint64_t ticks_default = 600, ticks_default_window = 3600;
 constexpr float flash_frames = 15;
 
-constexpr const char* page_keys = "player 1 (left)    WASD   Space jump   F push   (or a gamepad)\n"
-                                  "player 2 (right)   arrows   right Control jump   right Shift push\n"
-                                  "- = less or more latency   9 0 less or more loss";
+constexpr const char* link_keys = "- = less or more latency   9 0 less or more loss";
 
 /// White hot right after it happened, then back to its own colour.
 glm::vec4 flash(const glm::vec4& colour, const glm::vec4& hot, std::uint64_t frames_since) {
@@ -169,7 +167,8 @@ Frame NetplayPage::draw_middle(const Moment& moment) const {
     panel.move_to({0.5f * (moment.size.x - panel.size().x), moment.size.y - panel.size().y - 10});
     divide(moment.size.y - panel.size().y - 10);
     panel.draw(frame);
-    draw_help(frame, moment, stage_.view, page_keys);
+    draw_help(frame, moment, stage_.view,
+              (people_play_ ? keys_of_players(match_->game(), true) : "") + link_keys);
     return frame;
 }
 

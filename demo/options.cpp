@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 
@@ -27,7 +28,9 @@ void add_options(CLI::App& app, Options& options) {
                    "show an asset that `lockstone cook` made, instead of a scene");
     app.add_option("--size", options.scene.size, "size of the scene, see `lockstone scenes`");
     app.add_option("--seed", options.scene.seed, "seed of the scene and of scripted players");
-    app.add_option("--players", options.scene.players, "number of players");
+    app.add_option("--players", options.scene.players,
+                   "number of players; default: one where anybody can play, more where a scene wants more, "
+                   "two in netplay");
     app.add_option("--ticks", options.ticks, "how long to play [ticks]; of a replay: how far")
         ->check(CLI::Range(1, 1'000'000));
     app.add_option("--input", options.input_file,
@@ -60,6 +63,14 @@ std::string contradiction(const Options& options) {
     if (!options.input_file.empty())
         return "--input needs a scene: " + options.source + " has its own inputs";
     return {};
+}
+
+/// A viewer wants to play: also where the scene by itself has nobody.
+void add_default_players(Options& options) {
+    const SceneInfo* info = options.asset_file.empty() ? find_scene(options.source) : nullptr;
+    if (info == nullptr) return;
+    const std::uint32_t wanted = options.netplay ? 2 : 1;
+    options.scene.players = std::max(info->players_default, std::min(wanted, info->players_max));
 }
 
 } // namespace
@@ -101,6 +112,7 @@ std::variant<Options, int> parse_options(int argc, char** argv) {
         std::fprintf(stderr, "lockstone-demo: %s\n", why.c_str());
         return 2;
     }
+    if (app.count("--players") == 0) add_default_players(options);
     return options;
 }
 

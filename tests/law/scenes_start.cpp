@@ -39,10 +39,12 @@ TEST_CASE("every scene starts, and starts the same") {
 TEST_CASE("every body of every scene has a key of its own") {
     for (const SceneInfo& info : scenes()) {
         CAPTURE(info.name);
-        const World world = started(*make_scene(info.name).value());
-        std::set<std::uint64_t> keys;
-        for (const BodyId body : world.bodies()) keys.insert(world.user_key(body));
-        CHECK(keys.size() == world.body_count());
+        for (const std::uint32_t players : {0u, info.players_max}) {
+            const World world = started(*make_scene(info.name, {.players = players}).value());
+            std::set<std::uint64_t> keys;
+            for (const BodyId body : world.bodies()) keys.insert(world.user_key(body));
+            CHECK(keys.size() == world.body_count());
+        }
     }
 }
 

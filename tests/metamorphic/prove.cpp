@@ -13,9 +13,22 @@ namespace {
 const bool is_long = std::getenv("LOCKSTONE_LONG") != nullptr;
 
 /// Small, so that the bits of its state are few.
-std::unique_ptr<Game> smaller_scene(const SceneInfo& info) {
-    if (is_long) return test::small_scene(info);
-    return make_scene(info.name, {.size = std::min(info.size_default, std::max(info.size_min, 20u))}).value();
+std::unique_ptr<Game> smaller_scene(const SceneInfo& info, std::uint32_t players = 0) {
+    if (is_long && players == 0) return test::small_scene(info);
+    return make_scene(info.name,
+                      {.size = std::min(info.size_default, std::max(info.size_min, 20u)), .players = players})
+        .value();
+}
+
+void check_proof(const Game& game, const ProofOptions& options) {
+    const ProofInput scripted = [&](std::uint64_t tick, std::uint32_t player, std::span<std::byte> input) {
+        scripted_input(game, 1, tick, player, input);
+    };
+    const Proof proof = prove(game, options, scripted).value();
+    INFO(game.name(), "\n", to_string(proof));
+    CHECK(proof.holds());
+    REQUIRE(proof.checks.size() == 9);
+    for (const ProofCheck& check : proof.checks) CHECK(check.compared > 0);
 }
 
 } // namespace
@@ -28,16 +41,9 @@ TEST_CASE(
     options.depth = is_long ? 8 : 3;
     options.bits_max = is_long ? 1000000 : 1500;
     for (const SceneInfo& info : scenes()) {
-        const std::unique_ptr<Game> game = smaller_scene(info);
-        const ProofInput scripted = [&](std::uint64_t tick, std::uint32_t player,
-                                        std::span<std::byte> input) {
-            scripted_input(*game, 1, tick, player, input);
-        };
-        const Proof proof = prove(*game, options, scripted).value();
-        INFO(info.name, "\n", to_string(proof));
-        CHECK(proof.holds());
-        REQUIRE(proof.checks.size() == 9);
-        for (const ProofCheck& check : proof.checks) CHECK(check.compared > 0);
+        check_proof(*smaller_scene(info), options);
+        // Where players are a matter of choice, they are another game.
+        if (info.players_max != 0 && info.players_default == 0) check_proof(*smaller_scene(info, 2), options);
     }
 }
 

@@ -1,7 +1,8 @@
-// Planks on hinges between two banks, and boxes that fall on them.
+// Planks on hinges between two banks, and boxes that fall on them. Players' balls start on the banks, and again when
+// they have fallen to the ground.
 #include "lockstone/math.h"
 #include "lockstone/random.h"
-#include "scenes/scene.h"
+#include "scenes/balls.h"
 
 #include <algorithm>
 
@@ -13,18 +14,20 @@ constexpr Real arc = 0.85_r; ///< angle of the arc that the planks start in [rad
 constexpr std::uint32_t planks_per_box = 8;
 constexpr UnitVec3 axis_y{Unit{}, unit_one, Unit{}}, axis_z{Unit{}, Unit{}, unit_one};
 
-class Bridge final : public Scene {
+class Bridge final : public BallScene {
   public:
-    using Scene::Scene;
+    using BallScene::BallScene;
 
     Result<World> start() const override {
         const std::uint32_t boxes = std::max(1u, options.size / planks_per_box);
-        WorldDef def = world_for(options.size + boxes, options.seed);
+        WorldDef def = world_for(options.size + boxes + options.players, options.seed);
         def.joints_max = options.size + 1;
-        Builder build(def);
+        GameSchema schema;
+        add_players(schema);
+        Builder build(def, schema);
         build.ground();
-        const Real length = pitch * Real(options.size), height = 2_r + length * 0.12_r;
-        const Real span = build_planks(build, height);
+        const Real height = bank_height(), span = gap();
+        build_planks(build, height, span);
         Random random = Random::seeded(options.seed);
         for (std::uint32_t i = 0; i < boxes; ++i) {
             const Real x = span * ((Real(i) + 0.5_r) / Real(boxes) - 0.5_r);
@@ -34,6 +37,7 @@ class Bridge final : public Scene {
                  .user_key = user_key_of(Role::prop, 6 * options.size + i)},
                 {.geometry = box(0.35_r, 0.35_r, 0.35_r), .density = 150_r, .friction = 0.9_r});
         }
+        build_players(build);
         return std::move(build).finish();
     }
 
@@ -42,11 +46,28 @@ class Bridge final : public Scene {
         return arc * ((Real(plank) + 0.5_r) / Real(options.size) - 0.5_r);
     }
 
-    /// A sagging arc of planks, its ends hinged to the banks. Returns the gap between these.
-    Real build_planks(Builder& build, Real height) const {
-        const Quat across = from_axis_angle(axis_y, -half_pi); // a hinge turns about x of its frame: here z
+    Real bank_height() const { return 2_r + pitch * Real(options.size) * 0.12_r; }
+    /// Between the banks.
+    Real gap() const {
         Real span{};
         for (std::uint32_t i = 0; i < options.size; ++i) span += pitch * cos(slope(i));
+        return span;
+    }
+
+    /// By turns on either bank, two behind each other, in the middle of the way.
+    Vec3 start_of(std::uint32_t player) const override {
+        const Real from_edge = player < 2 ? 1.2_r : 2.8_r, side = player % 2 == 0 ? -1_r : 1_r;
+        return {side * (half(gap()) + from_edge), bank_height() + ball_radius, 0_r};
+    }
+    bool is_out(Vec3 position) const override { return position.y < ball_radius + 0.1_r; }
+    /// Planks stay where they are.
+    bool is_loose(const Look& look) const override {
+        return look.role == Role::player || look.number >= 6 * options.size;
+    }
+
+    /// A sagging arc of planks, its ends hinged to the banks.
+    void build_planks(Builder& build, Real height, Real span) const {
+        const Quat across = from_axis_angle(axis_y, -half_pi); // a hinge turns about x of its frame: here z
         BodyId before = build_bank(build, -half(span), -1_r, height);
         Vec3 hinge{-half(span), height, 0_r};
         for (std::uint32_t i = 0; i < options.size; ++i) {
@@ -64,7 +85,6 @@ class Bridge final : public Scene {
             hinge += along;
         }
         build.joint(hinge_joint(), build_bank(build, half(span), 1_r, height), before, at(hinge, across));
-        return span;
     }
 
     /// Its edge at `edge`, the rest of it on the side that `side` says.

@@ -192,6 +192,7 @@ class Cars final : public Scene {
   public:
     using Scene::Scene;
     std::uint32_t input_size() const override { return input_size_of<ArenaInput>; }
+    Controls controls(std::uint32_t) const override { return {"drive", "hand brake", "back on the wheels"}; }
 
     Result<World> start() const override {
         Shelf shelf;

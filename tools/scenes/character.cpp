@@ -124,6 +124,7 @@ class CharacterScene final : public Scene {
   public:
     using Scene::Scene;
     std::uint32_t input_size() const override { return input_size_of<ArenaInput>; }
+    Controls controls(std::uint32_t) const override { return {"walk", "jump", "crouch"}; }
 
     Result<World> start() const override {
         GameSchema schema;

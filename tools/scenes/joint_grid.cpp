@@ -1,6 +1,7 @@
-// A station for every kind of joint on a grid, driven for ever by motors and pushes.
+// A station for every kind of joint on a grid, driven for ever by motors and pushes. Players' balls roll below them, and
+// reach them by jumps and pushes.
 #include "lockstone/math.h"
-#include "scenes/scene.h"
+#include "scenes/balls.h"
 
 #include <array>
 
@@ -236,14 +237,15 @@ void break_and_mend(World& world, Cast& cast, std::uint64_t now) {
     must(world.write(cast_record, cast));
 }
 
-class JointGrid final : public Scene {
+class JointGrid final : public BallScene {
   public:
-    using Scene::Scene;
+    using BallScene::BallScene;
 
     Result<World> start() const override {
         GameSchema schema;
         schema.add_record<Cast>("game.cast");
-        WorldDef def = world_for(bodies_max, options.seed);
+        add_players(schema);
+        WorldDef def = world_for(bodies_max + options.players, options.seed);
         def.shapes_max += station_count;
         def.joints_max = joints_max;
         Builder build(def, schema);
@@ -255,10 +257,11 @@ class JointGrid final : public Scene {
         grid.lines();
         grid.machines();
         build.record(cast_record, grid.cast);
+        build_players(build);
         return std::move(build).finish();
     }
 
-    void advance(World& world, std::span<const PlayerInput>) const override {
+    void advance(World& world, std::span<const PlayerInput> inputs) const override {
         const std::uint64_t now = world.tick_count(), period = now / push_period;
         Cast cast = world.read(cast_record);
         if (now % push_period == 0) {
@@ -268,10 +271,15 @@ class JointGrid final : public Scene {
             if (period != 0) turn_back(world, cast.joint[rack], about_x);
         }
         break_and_mend(world, cast, now);
-        world.tick();
+        BallScene::advance(world, inputs);
     }
 
   private:
+    Column<Players> column() const override { return {1}; } // after the cast
+    Vec3 start_of(std::uint32_t player) const override {
+        return {spacing * (Real(player) - 1.5_r), ball_radius, spacing * 2.5_r};
+    }
+
     /// One behind each station.
     static void build_posts(Builder& build) {
         BodyId posts{};

@@ -1,25 +1,29 @@
-// Humans stand in the air above a flight of stairs, fall, tumble down and heap up before a wall.
+// Humans stand in the air above a flight of stairs, fall, tumble down and heap up before a wall. Players' balls wait
+// below.
 #include "lockstone/math.h"
 #include "lockstone/random.h"
-#include "scenes/scene.h"
+#include "scenes/balls.h"
 
 namespace lockstone::scenes_detail {
 namespace {
 
 constexpr std::uint32_t step_count = 12, abreast = 4;
 constexpr Real rise = 0.3_r, depth = 0.45_r, half_width = 4_r; ///< of a step [m]
+constexpr Real floor_end = depth * Real(step_count) + 4_r;     ///< z of the wall below [m]
 constexpr UnitVec3 up{Unit{}, unit_one, Unit{}};
 
-class Ragdolls final : public Scene {
+class Ragdolls final : public BallScene {
   public:
-    using Scene::Scene;
+    using BallScene::BallScene;
 
     Result<World> start() const override {
-        WorldDef def = world_for(ragdoll_part_count * options.size, options.seed);
+        WorldDef def = world_for(ragdoll_part_count * options.size + options.players, options.seed);
         def.shapes_max += step_count;
         def.substeps = 16; // with 8 a foot that is pinned at its limit trembles and keeps the heap awake
         def.joints_max = ragdoll_part_count * options.size;
-        Builder build(def);
+        GameSchema schema;
+        add_players(schema);
+        Builder build(def, schema);
         build.ground();
         build_stairs(build);
         Random random = Random::seeded(options.seed);
@@ -30,10 +34,21 @@ class Ragdolls final : public Scene {
                            .mass = random.range(55_r, 95_r),
                            .pose = random.below(2) == 0 ? ragdoll_standing() : ragdoll_t_pose(),
                            .user_key = user_key_of(Role::human, i * human_stride)});
+        build_players(build);
         return std::move(build).finish();
     }
 
   private:
+    Vec3 start_of(std::uint32_t player) const override {
+        const Real x = half(Real(player + 1)) * (player % 2 == 0 ? 1_r : -1_r) * 1.6_r;
+        return {x, ball_radius, floor_end - 1.2_r};
+    }
+
+    /// Over a wall, or down behind the landing, from where there is no way back.
+    bool is_out(Vec3 position) const override {
+        return position.z < -2.5_r || position.z > floor_end + 1_r || abs(position.x) > half_width + 1_r;
+    }
+
     /// Rows of four above the upper steps, each higher than the one before.
     static Transform place(std::uint32_t i, Random& random) {
         const std::uint32_t row = i / abreast;
@@ -54,7 +69,7 @@ class Ragdolls final : public Scene {
             build.shape(stairs, {.geometry = box(half_width, half_height, half(depth)),
                                  .local = at({0_r, half_height, depth * (Real(i) + 0.5_r)})});
         }
-        const Real end = depth * Real(step_count) + 4_r, half_length = half(end) + 1_r;
+        const Real end = floor_end, half_length = half(end) + 1_r;
         const BodyId walls =
             build.body({.kind = BodyKind::static_, .user_key = user_key_of(Role::wall, 0)},
                        {.geometry = box(half_width, 1_r, 0.2_r), .local = at({0_r, 1_r, end})});

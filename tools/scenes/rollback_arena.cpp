@@ -2,7 +2,7 @@
 // two pillars. Players roll, jump and push; who touches a prop owns it; one is "it" until he tags another; every two
 // seconds a geyser throws a prop. Scores, owners, cooldowns and the random stream are game state like any other.
 #include "lockstone/random.h"
-#include "scenes/scene.h"
+#include "scenes/balls.h"
 
 #include <algorithm>
 #include <array>
@@ -10,10 +10,9 @@
 namespace lockstone::scenes_detail {
 namespace {
 
-constexpr std::uint32_t ball_count = 4, prop_count = 64, props_per_row = 8;
-constexpr std::uint32_t jump_pause = 45, push_pause = 30, tag_pause = 60, geyser_period = 120; ///< [ticks]
-constexpr Real ball_radius = 0.6_r, ball_mass = 80_r,
-               reach = 0.5_r; ///< [m], [kg], [m] beyond the ball's surface
+constexpr std::uint32_t ball_count = players_max, prop_count = 64, props_per_row = 8;
+constexpr std::uint32_t tag_pause = 60, geyser_period = 120; ///< [ticks]
+constexpr Real reach = 0.5_r;                                ///< [m] beyond the ball's surface
 
 struct Match {
     std::array<std::uint32_t, ball_count> score;      ///< props owned, and tags made
@@ -71,12 +70,7 @@ void build_balls(Builder& build, Cast& cast) {
     constexpr std::array<std::array<Real, 2>, ball_count> corners{
         {{-10_r, -10_r}, {10_r, 10_r}, {10_r, -10_r}, {-10_r, 10_r}}};
     for (std::uint32_t p = 0; p < ball_count; ++p)
-        cast.balls[p] =
-            build.body({.pose = at({corners[p][0], ball_radius, corners[p][1]}),
-                        .angular_damping = 0.5_r,
-                        .mass = ball_mass,
-                        .user_key = user_key_of(Role::player, p)},
-                       {.geometry = sphere(ball_radius), .friction = 0.8_r, .restitution = 0.3_r});
+        cast.balls[p] = build_ball(build, p, {corners[p][0], ball_radius, corners[p][1]});
 }
 
 void build_props(Builder& build, Cast& cast, Random& random) {
@@ -112,33 +106,16 @@ void build_machines(Builder& build) {
 /// True while the distance of two centres is below `limit`, which is at most 100 m.
 bool within(Vec3 a, Vec3 b, Real limit) { return length_squared(a - b) < limit * limit; }
 
-void drive(World& world, BodyId ball, ArenaInput input) {
-    constexpr Real acceleration = 25_r, drag = 2_r; // [m/s^2], [1/s]: 12.5 m/s at most
-    const Vec3 velocity = world.linear_velocity(ball);
-    const auto along = [&](std::int8_t move, Real v) {
-        return ball_mass * (acceleration * Real(move) / 127_r - drag * v);
-    };
-    must(world.add_force(ball, {along(input.move_x, velocity.x), 0_r, along(input.move_z, velocity.z)}));
-}
-
+/// From the floor alone.
 void jump(World& world, BodyId ball) {
-    constexpr Real speed = 6_r, floor_gap = 0.1_r;
-    if (world.pose(ball).position.y > ball_radius + floor_gap) return;
-    must(world.add_impulse(ball, {0_r, ball_mass * speed, 0_r}));
+    constexpr Real floor_gap = 0.1_r;
+    if (world.pose(ball).position.y <= ball_radius + floor_gap) leap(world, ball);
 }
 
-/// Throws the props around the ball away from it, the nearest hardest.
+/// Throws the props around the ball away from it.
 void push(World& world, const Cast& cast, BodyId ball) {
-    constexpr Real range = 4_r, speed = 9_r;
     const Vec3 from = world.pose(ball).position;
-    for (const BodyId prop : cast.props) {
-        const Vec3 away = world.pose(prop).position - from;
-        const Real distance = length(away);
-        if (distance >= range) continue;
-        const Real strength = world.mass(prop) * speed * (1_r - distance / range);
-        const Vec3 direction = to<Real>(normalized(away)) + Vec3{0_r, 0.4_r, 0_r};
-        must(world.add_impulse(prop, direction * strength));
-    }
+    for (const BodyId prop : cast.props) throw_away(world, from, prop);
 }
 
 void capture(World& world, const Cast& cast, Match& match, std::uint32_t player) {
@@ -172,6 +149,7 @@ class RollbackArena final : public Scene {
   public:
     using Scene::Scene;
     std::uint32_t input_size() const override { return input_size_of<ArenaInput>; }
+    Controls controls(std::uint32_t) const override { return ball_controls; }
 
     Result<World> start() const override {
         GameSchema schema;
@@ -207,18 +185,9 @@ class RollbackArena final : public Scene {
         world.tick();
     }
 
-    /// Holds a direction for a third of a second, jumps and pushes now and then.
     void script(std::uint64_t seed, std::uint64_t tick, std::uint32_t player,
                 std::span<std::byte> input) const override {
-        constexpr std::uint64_t hold = 20;
-        Random held = Random::seeded(seed, 1 + player).split(tick / hold);
-        ArenaInput made;
-        made.move_x = static_cast<std::int8_t>(held.range(-127, 127));
-        made.move_z = static_cast<std::int8_t>(held.range(-127, 127));
-        const bool at_start = tick % hold == 0;
-        if (at_start && held.below(3) == 0) made.buttons |= arena_jump;
-        if (at_start && held.below(3) == 0) made.buttons |= arena_push;
-        const auto bytes = encode_input(made);
+        const auto bytes = encode_input(wander(seed, tick, player));
         std::copy(bytes.begin(), bytes.end(), input.begin());
     }
 
@@ -226,7 +195,7 @@ class RollbackArena final : public Scene {
     static void play(World& world, const Cast& cast, Match& match, std::uint32_t p, ArenaInput input,
                      std::uint32_t now) {
         const BodyId ball = cast.balls[p];
-        drive(world, ball, input);
+        roll(world, ball, input);
         if ((input.buttons & arena_jump) != 0 && now >= match.jump_ready[p]) {
             jump(world, ball);
             match.jump_ready[p] = now + jump_pause;

@@ -17,6 +17,8 @@ class Scene : public Game {
     std::uint32_t input_size() const override { return 0; }
     void advance(World& world, std::span<const PlayerInput>) const override { world.tick(); }
 
+    /// See controls_of; only for players that there are.
+    virtual Controls controls(std::uint32_t) const { return {}; }
     /// See scripted_input; `input` is zero on entry.
     virtual void script(std::uint64_t seed, std::uint64_t tick, std::uint32_t player,
                         std::span<std::byte> input) const;

@@ -32,13 +32,13 @@ constexpr std::array<SceneInfo, 17> infos{{
      0, 0, 1, 1, 4},
     {"cars", "cars of up to four drivers and a tank on hills, with ramps and crates", "", 0, 0, 0, 1, 1, 4},
     {"ragdolls", "humans fall down a flight of stairs, heap up below and come to rest", "ragdolls", 20, 1,
-     200, 0, 0, 0},
+     200, 0, 0, 4},
     {"joint-grid",
      "a station for every kind of joint: motors, springs, limits, friction, and one that breaks", "", 0, 0, 0,
-     0, 0, 0},
-    {"bridge", "planks on hinges between two banks, loaded with boxes", "planks", 200, 4, 400, 0, 0, 0},
+     0, 0, 4},
+    {"bridge", "planks on hinges between two banks, loaded with boxes", "planks", 200, 4, 400, 0, 0, 4},
     {"wrecking-ball", "a ball of a thousand links' mass swings on their chain into a wall", "links", 30, 4,
-     60, 0, 0, 0},
+     60, 0, 0, 4},
     {"water", "boats, crates and a ball of each density in a basin with a current, under a wind", "crates", 40, 1,
      400, 0, 0, 0},
     {"blast", "houses of crates, and an explosion among them every three seconds", "houses", 12, 1, 60, 0, 0, 0},
@@ -152,6 +152,11 @@ void scripted_input(const Game& game, std::uint64_t seed, std::uint64_t tick, st
                     std::span<std::byte> input) {
     std::fill(input.begin(), input.end(), std::byte{});
     if (const auto* scene = dynamic_cast<const Scene*>(&game)) scene->script(seed, tick, player, input);
+}
+
+Controls controls_of(const Game& game, std::uint32_t player) {
+    const auto* scene = dynamic_cast<const Scene*>(&game);
+    return scene != nullptr && player < game.player_count() ? scene->controls(player) : Controls{};
 }
 
 constexpr std::array<std::uint32_t, 6> prop_colours{0x4e79a7, 0xf28e2b, 0x59a14f,

@@ -53,7 +53,7 @@ Result<std::unique_ptr<Game>> make_asset_scene(std::shared_ptr<const AssetLibrar
 void scripted_input(const Game& game, std::uint64_t seed, std::uint64_t tick, std::uint32_t player,
                     std::span<std::byte> input);
 
-// ---- rollback-arena's input, for players who do sit there -----------------------------------------------------
+// ---- the input of every scene with players, for those who do sit there ----------------------------------------
 
 /// One player's input; `encode_input` makes the bytes.
 struct ArenaInput {
@@ -64,6 +64,13 @@ enum ArenaButton : std::uint8_t { arena_jump = 1, arena_push = 2 };
 template <class Visit> constexpr void describe(ArenaInput& i, Visit&& visit) {
     visit("move_x", i.move_x), visit("move_z", i.move_z), visit("buttons", i.buttons);
 }
+
+/// What the stick and the buttons do, in a word or a few: "roll", "jump", "push".
+struct Controls {
+    std::string_view stick, jump, push;
+};
+/// Of one player of a scene; empty where there is nothing to drive.
+Controls controls_of(const Game& game, std::uint32_t player);
 
 // ---- what a body is, for viewers ------------------------------------------------------------------------------
 

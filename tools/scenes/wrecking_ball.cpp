@@ -1,33 +1,112 @@
-// A ball of a thousand links' mass, raised at the end of their chain, swings into a wall.
+// A ball of a thousand links' mass, raised at the end of their chain, swings into a wall. The first player pulls it along
+// the stick by a bounded force, slows it down, and builds the wall anew; the others roll about below.
 #include "lockstone/math.h"
-#include "scenes/scene.h"
+#include "scenes/balls.h"
 
 namespace lockstone::scenes_detail {
 namespace {
 
 constexpr Real link_length = 0.3_r, link_radius = 0.06_r, link_mass = 2_r; ///< [m], [m], [kg]
-constexpr Real ball_radius = 0.8_r, ball_mass = 1000_r * link_mass;
-constexpr Real raised = 1.1_r; ///< angle of the chain to the vertical at the start [rad]
-constexpr std::uint32_t wall_columns = 9, wall_rows = 8;
+constexpr Real load_radius = 0.8_r, load_mass = 1000_r * link_mass;        ///< of the ball on the chain
+constexpr Real box_size = 0.8_r;                                           ///< [m]
+constexpr Real raised = 1.1_r;      ///< angle of the chain to the vertical at the start [rad]
+constexpr Real raised_most = 1.3_r; ///< the angle that the player swings it up to [rad]
+constexpr std::uint32_t wall_columns = 9, wall_rows = 8, build_pause = 120; ///< the last in [ticks]
 constexpr UnitVec3 axis_z{Unit{}, Unit{}, unit_one};
 
-class WreckingBall final : public Scene {
+/// How far the player may swing the ball: any further, and it would hit the mast, or the chain would go slack.
+struct Reach {
+    Real height;   ///< of the ball's centre, swinging along x [m]
+    Real aside;    ///< swinging along z [m]
+    Real pendulum; ///< from the joint at the crane to the ball's centre [m]
+};
+
+/// Pulls along the stick with at most a quarter of the ball's weight, so that it has to be swung up.
+void pull(World& world, BodyId ball, ArenaInput input, const Reach& reach) {
+    constexpr Real acceleration = 2.5_r, gravity = 9.81_r; // [m/s^2]
+    const Vec3 position = world.pose(ball).position, velocity = world.linear_velocity(ball);
+    Vec3 wish{acceleration * Real(input.move_x) / 127_r, 0_r, acceleration * Real(input.move_z) / 127_r};
+    // What the speed of now still turns into.
+    const Real rise = half(dot<Real>(velocity, velocity)) / gravity;
+    const Real drift = velocity.z * sqrt(reach.pendulum / gravity);
+    if (wish.x * velocity.x > 0_r && position.y + rise > reach.height) wish.x = 0_r;
+    if (wish.z * velocity.z > 0_r && position.z * position.z + drift * drift > reach.aside * reach.aside)
+        wish.z = 0_r;
+    must(world.add_force(ball, wish * load_mass));
+}
+
+/// Against the way it goes, with at most a quarter of its weight.
+void slow_down(World& world, BodyId ball) {
+    constexpr Real rate = 2_r, most = 2.5_r; // [1/s], [m/s^2]
+    const Vec3 velocity = world.linear_velocity(ball);
+    const auto along = [&](Real v) { return load_mass * clamp(-rate * v, -most, most); };
+    must(world.add_force(ball, {along(velocity.x), 0_r, along(velocity.z)}));
+}
+
+/// Where the i-th box of the wall stands: every other row is shifted by half a box.
+Transform place_of_box(std::uint32_t i) {
+    const std::uint32_t row = i / wall_columns;
+    const Real shift = row % 2 == 0 ? 0_r : half(box_size);
+    const Real z = box_size * (Real(i % wall_columns) - half(Real(wall_columns))) + shift;
+    return at({1.6_r, box_size * (Real(row) + 0.5_r), z});
+}
+
+void build_wall_anew(World& world) {
+    for (const BodyId body : world.bodies()) {
+        const Look look = look_of(world.user_key(body));
+        if (look.role != Role::prop) continue;
+        must(world.set_pose(body, place_of_box(look.number)));
+        must(world.set_velocity(body, {}, {}));
+    }
+}
+
+class WreckingBall final : public BallScene {
   public:
-    using Scene::Scene;
+    using BallScene::BallScene;
+
+    Controls controls(std::uint32_t player) const override {
+        return player == 0 ? Controls{"pull the ball", "slow it down", "build the wall anew"} : ball_controls;
+    }
 
     Result<World> start() const override {
-        WorldDef def = world_for(options.size + 1 + wall_columns * wall_rows, options.seed);
+        WorldDef def = world_for(options.size + 1 + wall_columns * wall_rows + options.players, options.seed);
         def.joints_max = options.size + 1;
-        Builder build(def);
+        GameSchema schema;
+        add_players(schema);
+        Builder build(def, schema);
         build.ground();
-        const Real chain = link_length * Real(options.size);
-        const Real height = chain + ball_radius + 1_r;
-        build_chain(build, build_crane(build, height), height);
+        const Real height = pivot_height();
+        Players players{};
+        players.balls[0] = build_chain(build, build_crane(build, height), height);
         build_wall(build);
+        build_players(build, players);
         return std::move(build).finish();
     }
 
   private:
+    Real chain_length() const { return link_length * Real(options.size); }
+    Real pivot_height() const { return chain_length() + load_radius + 1_r; }
+    Reach reach() const {
+        const Real pendulum = chain_length() + load_radius;
+        return {pivot_height() - pendulum * cos(raised_most), min(2.5_r, half(pendulum)), pendulum};
+    }
+    Vec3 start_of(std::uint32_t player) const override {
+        return {3_r * Real(player) - 6_r, ball_radius, 7_r};
+    }
+    /// The chain and its ball are too heavy to push.
+    bool is_loose(const Look& look) const override {
+        return look.role == Role::prop || (look.role == Role::player && look.number != 0);
+    }
+    void play_one(World& world, Players& players, std::uint32_t player, ArenaInput input) const override {
+        if (player != 0) return BallScene::play_one(world, players, player, input);
+        const auto now = static_cast<std::uint32_t>(world.tick_count());
+        if (input.move_x != 0 || input.move_z != 0) pull(world, players.balls[0], input, reach());
+        if ((input.buttons & arena_jump) != 0) slow_down(world, players.balls[0]);
+        if ((input.buttons & arena_push) == 0 || now < players.push_ready[0]) return;
+        build_wall_anew(world);
+        players.push_ready[0] = now + build_pause;
+    }
+
     static BodyId build_crane(Builder& build, Real height) {
         const Real behind = -5_r; // the chain swings along x, the mast stands beside its way
         const BodyId crane =
@@ -39,7 +118,8 @@ class WreckingBall final : public Scene {
         return crane;
     }
 
-    void build_chain(Builder& build, BodyId crane, Real height) const {
+    /// Returns the ball.
+    BodyId build_chain(Builder& build, BodyId crane, Real height) const {
         const Quat tilt = from_axis_angle(axis_z, -raised); // y of a link points to the crane
         const Vec3 down = rotate(tilt, Vec3{0_r, -1_r, 0_r});
         Vec3 joint{0_r, height, 0_r};
@@ -55,25 +135,20 @@ class WreckingBall final : public Scene {
             before = link;
             joint += down * link_length;
         }
-        const BodyId ball = build.body({.pose = at(joint + down * ball_radius, tilt),
-                                        .mass = ball_mass,
+        const BodyId ball = build.body({.pose = at(joint + down * load_radius, tilt),
+                                        .mass = load_mass,
                                         .bullet = 1,
                                         .user_key = user_key_of(Role::player, 0)},
-                                       {.geometry = sphere(ball_radius), .group = -1});
+                                       {.geometry = sphere(load_radius), .group = -1});
         build.joint(ball_joint(), before, ball, at(joint));
+        return ball;
     }
 
-    /// Boxes of 0.8 m, every other row shifted by half a box, before the lowest point of the swing.
+    /// Boxes of 0.8 m before the lowest point of the swing.
     static void build_wall(Builder& build) {
-        constexpr Real size = 0.8_r;
-        for (std::uint32_t i = 0; i < wall_columns * wall_rows; ++i) {
-            const std::uint32_t row = i / wall_columns;
-            const Real shift = row % 2 == 0 ? 0_r : half(size);
-            const Real z = size * (Real(i % wall_columns) - half(Real(wall_columns))) + shift;
-            build.body(
-                {.pose = at({1.6_r, size * (Real(row) + 0.5_r), z}), .user_key = user_key_of(Role::prop, i)},
-                {.geometry = box(half(size), half(size), half(size)), .density = 200_r});
-        }
+        for (std::uint32_t i = 0; i < wall_columns * wall_rows; ++i)
+            build.body({.pose = place_of_box(i), .user_key = user_key_of(Role::prop, i)},
+                       {.geometry = box(half(box_size), half(box_size), half(box_size)), .density = 200_r});
     }
 };
 

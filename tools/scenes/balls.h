@@ -1,0 +1,68 @@
+// Balls that players roll, shared by the arena and by the scenes that one can walk into.
+#pragma once
+
+#include "scenes/scene.h"
+
+#include <array>
+
+namespace lockstone::scenes_detail {
+
+inline constexpr std::uint32_t players_max = 4;
+inline constexpr std::uint32_t jump_pause = 45, push_pause = 30; ///< [ticks] from one to the next
+inline constexpr Real ball_radius = 0.6_r, ball_mass = 80_r;     ///< [m], [kg]
+inline constexpr Controls ball_controls{"roll", "jump", "push"};
+
+BodyId build_ball(Builder& build, std::uint32_t player, Vec3 position);
+/// Drives a ball along the stick, against a drag that is always there.
+void roll(World& world, BodyId ball, ArenaInput input);
+/// Upwards, from whatever it lies on.
+void leap(World& world, BodyId ball);
+/// Throws a body away from a place, the nearer the harder; nothing when it is beyond 4 m.
+void throw_away(World& world, Vec3 from, BodyId body);
+/// A script: holds a direction for a third of a second, jumps and pushes now and then.
+ArenaInput wander(std::uint64_t seed, std::uint64_t tick, std::uint32_t player);
+
+/// What the rules remember of the players.
+struct Players {
+    std::array<BodyId, players_max> balls;
+    std::array<std::uint32_t, players_max> jump_ready; ///< the first tick at which one may jump again
+    std::array<std::uint32_t, players_max> push_ready;
+    friend bool operator==(const Players&, const Players&) = default;
+};
+template <class V> constexpr void describe(Players& p, V&& v) {
+    v("balls", p.balls), v("jump_ready", p.jump_ready), v("push_ready", p.push_ready);
+}
+
+/// A scene that up to four balls may enter. Without players it has no inputs, no balls and no column for them.
+class BallScene : public Scene {
+  public:
+    using Scene::Scene;
+    std::uint32_t input_size() const override { return options.players == 0 ? 0 : input_size_of<ArenaInput>; }
+    Controls controls(std::uint32_t) const override { return ball_controls; }
+    void advance(World& world, std::span<const PlayerInput> inputs) const override {
+        play(world, inputs);
+        world.tick();
+    }
+    void script(std::uint64_t seed, std::uint64_t tick, std::uint32_t player,
+                std::span<std::byte> input) const override;
+
+  protected:
+    void add_players(GameSchema& schema) const;
+    /// Those who have no body yet get a ball where they start.
+    void build_players(Builder& build, Players players = {}) const;
+    /// Before the tick.
+    void play(World& world, std::span<const PlayerInput> inputs) const;
+
+    virtual Vec3 start_of(std::uint32_t player) const = 0;
+    virtual Column<Players> column() const { return {0}; }
+    /// Whether a push throws this body.
+    virtual bool is_loose(const Look&) const { return true; }
+    /// Whether a ball at this place starts again.
+    virtual bool is_out(Vec3) const { return false; }
+    virtual void play_one(World& world, Players& players, std::uint32_t player, ArenaInput input) const;
+
+  private:
+    void push(World& world, BodyId ball) const;
+};
+
+} // namespace lockstone::scenes_detail
