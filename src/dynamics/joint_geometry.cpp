@@ -148,11 +148,12 @@ JointPlace place_of(const JointTick& tick, JointWork& work, const SolverBodies& 
 
 // ---- targets ------------------------------------------------------------------------------------------------------
 
-/// x h / 2, no more than a lock is pushed by: at a radian per substep the arc is no guide any more.
+/// x h / 2. The arc is that of the last substep's turn, a guide while that stays: links that whip at a chain's end are pushed
+/// apart by more, and pull the load up when they are closed again.
 Real half_step(Real x, const StepConstants& step) {
     const Real speed =
         Real::from_raw(narrow_rounded(Wide::product(x.raw, step.substep_time.raw), Unit::fraction_bits + 1));
-    return clamp(speed, -step.joint_push_max, step.joint_push_max);
+    return clamp(speed, -step.joint_arc_max, step.joint_arc_max);
 }
 
 void set_block_targets(JointBlock& block, const RowValue* values, Real rate, const StepConstants& step) {
