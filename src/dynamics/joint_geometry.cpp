@@ -148,20 +148,20 @@ JointPlace place_of(const JointTick& tick, JointWork& work, const SolverBodies& 
 
 // ---- targets ------------------------------------------------------------------------------------------------------
 
-/// x h / 2. The arc is that of the last substep's turn, a guide while that stays: links that whip at a chain's end are pushed
-/// apart by more, and pull the load up when they are closed again.
-Real half_step(Real x, const StepConstants& step) {
+/// x h / 2, at most `most`: at a radian per substep the arc is no guide any more.
+Real half_step(Real x, Real most, const StepConstants& step) {
     const Real speed =
         Real::from_raw(narrow_rounded(Wide::product(x.raw, step.substep_time.raw), Unit::fraction_bits + 1));
-    return clamp(speed, -step.joint_arc_max, step.joint_arc_max);
+    return clamp(speed, -most, most);
 }
 
-void set_block_targets(JointBlock& block, const RowValue* values, Real rate, const StepConstants& step) {
-    const Real most = step.joint_push_max;
+void set_block_targets(JointBlock& block, const RowValue* values, bool in_tree, const StepConstants& step) {
+    const Real most = step.joint_push_max, arc_most = in_tree ? step.tree_arc_max : most;
+    const Real rate = in_tree ? step.tree_rate : step.joint.rate;
     for (int i = 0; i < block.count; ++i) {
         const Real push = clamp((values[i].position - block.at[i]) * rate, -most, most);
-        block.bias[i] =
-            scaled_speed((push + half_step(values[i].arc, step)).raw, Real::fraction_bits, block.exponent);
+        block.bias[i] = scaled_speed((push + half_step(values[i].arc, arc_most, step)).raw,
+                                     Real::fraction_bits, block.exponent);
         block.direction[i] = values[i].direction;
         block.is_force[i] = values[i].is_force;
     }
@@ -175,7 +175,8 @@ LimitTargets limit_targets(Real room, Real arc, int exponent, const StepConstant
     const Real open = room * step.substeps_per_second;
     const Real push = max(room * step.joint.rate, -step.joint_push_max);
     const auto scaled = [exponent](Real x) { return scaled_speed(x.raw, Real::fraction_bits, exponent); };
-    return {scaled((room > Real{} ? open : push) + half_step(arc, step)), scaled(max(open, Real{}))};
+    return {scaled((room > Real{} ? open : push) + half_step(arc, step.joint_push_max, step)),
+            scaled(max(open, Real{}))};
 }
 
 std::int32_t bound_of(Real most, int exponent) { return scaled_impulse(most, exponent); }
@@ -230,7 +231,7 @@ void make_block(JointBlock& block, const JointWork& work, const JointPlace& plac
         }
     }
     if (work.tree == no_tree) block.inverse = invert(block.row, block.count);
-    set_block_targets(block, values, work.tree == no_tree ? step.joint.rate : step.tree_rate, step);
+    set_block_targets(block, values, work.tree != no_tree, step);
 }
 
 void make_axis(JointAxisPart& part, const JointWork& work, const JointPlace& place, Bodies bodies,

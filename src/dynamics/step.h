@@ -31,7 +31,7 @@ struct StepConstants {
     SpringSoftness joint;             ///< of locks that are solved one after another
     Real tree_rate;                   ///< [1/s]: error -> push speed, of locks that are solved at once
     Real joint_push_max;              ///< [m/s] or [rad/s]: most that a lock is pushed by its error
-    Real joint_arc_max;               ///< [m/s]: the most that the bias of a joint looks ahead along an arc
+    Real tree_arc_max; ///< [m/s]: most that the bias of a lock of a tree looks ahead along an arc
 };
 
 struct StepSettings {
