@@ -1,6 +1,7 @@
 // Limits, motors, springs and friction of every kind that has them, on each axis that it leaves free; those of lines are
 // in joints_lines.cpp.
 #include "support/joint_variants.h"
+#include "support/one_axis.h"
 
 #include <doctest/doctest.h>
 
@@ -9,7 +10,6 @@ using namespace lockstone::test::scene;
 
 namespace {
 
-constexpr double crate_mass = 1000, crate_inertia = 1000.0 / 6; // 1 m of water
 constexpr double full_turn = 6.283185307179586;
 
 struct FreeAxis {
@@ -47,50 +47,16 @@ std::vector<FreeAxis> free_axes_of_kinds() {
 
 double inertia_of(JointAxisIndex axis) { return axis < about_x ? crate_mass : crate_inertia; }
 
-/// A crate of 1000 kg on a joint to the world, in its middle.
-struct OneAxis {
-    World world = bare_world();
-    BodyId body;
-    JointId joint;
-    JointAxisIndex axis;
-
-    OneAxis(const FreeAxis& which, const JointAxis& what) : axis(which.axis) {
-        JointDef def = which.def;
-        def.axis[axis] = what;
-        body = add_crate(world, at(0, 0, 0));
-        joint = made(world.create_joint(def, {}, body, at(0, 0, 0)));
-    }
-    /// `load`: the acceleration that it alone would bring [m/s^2] or [rad/s^2].
-    void run(int ticks, double load = 0) {
-        D3 push{};
-        push[axis % 3] = load * inertia_of(axis);
-        const Vec3 p = vec(push[0], push[1], push[2]);
-        for (int t = 0; t < ticks; ++t) {
-            done(axis < about_x ? world.add_force(body, p) : world.add_force(body, {}, p));
-            world.tick();
-        }
-    }
-    double position() const { return to_double(world.joint_state(joint).position[axis]); }
-    double speed() const { return (axis < about_x ? velocity(world, body) : spin(world, body))[axis % 3]; }
+/// Loads are told by the acceleration that they alone would bring [m/s^2] or [rad/s^2].
+struct Axis : OneAxis {
+    Axis(const FreeAxis& which, const JointAxis& what) : OneAxis(which.def, which.axis, what) {}
+    void run(int ticks, double load = 0) { OneAxis::run(ticks, load * inertia()); }
 };
 
-bool near(double value, double expected, double tolerance) { return std::abs(value - expected) <= tolerance; }
-
-/// Pushed to both sides: it has to come to rest at -0.3 and 0.5, and to be nowhere beyond.
 std::string limit_fault(const FreeAxis& which, double lower, double upper) {
-    for (const double side : {-1.0, 1.0}) {
-        OneAxis one(which, {.mode = AxisMode::limited, .lower = real(lower), .upper = real(upper)});
-        double least = 0, most = 0;
-        for (int t = 0; t < 120; ++t) {
-            one.run(1, 2 * side);
-            least = std::min(least, one.position()), most = std::max(most, one.position());
-        }
-        if (!near(one.position(), side < 0 ? -0.3 : 0.5, 0.004))
-            return "pushed to the side of " + std::to_string(side) + " it rests at " +
-                   std::to_string(one.position());
-        if (least < -0.305 || most > 0.505) return "it was beyond its limits";
-    }
-    return {};
+    return stop_fault(
+        [&] { return Axis(which, {.mode = AxisMode::limited, .lower = real(lower), .upper = real(upper)}); },
+        2);
 }
 
 /// To 0.5 a second at 2 a second per second and no faster, though three quarters of that pull back; of a greater load it
@@ -98,7 +64,7 @@ std::string limit_fault(const FreeAxis& which, double lower, double upper) {
 std::string motor_fault(const FreeAxis& which, double strength) {
     JointAxis axis{.mode = AxisMode::free, .motor_speed = real(0.5)};
     axis.motor_force = real(strength * inertia_of(which.axis));
-    OneAxis one(which, axis);
+    Axis one(which, axis);
     one.run(6);
     if (!near(one.speed(), 0.2, 0.004)) return "after 0.1 s its speed is " + std::to_string(one.speed());
     one.run(30);
@@ -115,7 +81,7 @@ std::string motor_fault(const FreeAxis& which, double strength) {
 std::string friction_fault(const FreeAxis& which, double strength) {
     JointAxis axis{.mode = AxisMode::free};
     axis.friction = real(strength * inertia_of(which.axis));
-    OneAxis one(which, axis);
+    Axis one(which, axis);
     one.run(60, 1.8);
     if (!near(one.position(), 0, 1e-4)) return "it slid by " + std::to_string(one.position());
     one.run(12, 3);
@@ -125,35 +91,14 @@ std::string friction_fault(const FreeAxis& which, double strength) {
     return {};
 }
 
-/// Hit once, an oscillator passes zero every half period, and its extremes shrink by exp(-zeta w t).
 std::string spring_fault(const FreeAxis& which, double frequency, double told_frequency, double damping,
                          double told_damping) {
     JointAxis axis = which.def.axis[which.axis];
     axis.spring = 1, axis.frequency = real(frequency), axis.damping_ratio = real(damping);
     axis.spring_force = {};
-    OneAxis one(which, axis);
+    Axis one(which, axis);
     one.run(1, 60 * 0.4 * frequency);
-    double before = one.position(), first = -1, last = -1, highest = 0, lowest = 0;
-    int zeros = 0;
-    for (int t = 1; t <= 240 && zeros < 3; ++t) {
-        one.run(1);
-        const double now = one.position();
-        if (zeros == 0) highest = std::max(highest, now);
-        if (zeros == 1) lowest = std::min(lowest, now);
-        if ((before < 0) != (now < 0)) {
-            last = t - now / (now - before), ++zeros;
-            if (first < 0) first = last;
-        }
-        before = now;
-    }
-    const double root = std::sqrt(1 - told_damping * told_damping);
-    if (zeros < 3) return "it does not swing";
-    const double found = 60 / (last - first) / root, ratio = -lowest / highest;
-    if (!near(found, told_frequency, 0.03 * told_frequency))
-        return "it swings at " + std::to_string(found) + " Hz";
-    const double expected = std::exp(-full_turn / 2 * told_damping / root);
-    if (!near(ratio, expected, 0.05)) return "a half swing leaves " + std::to_string(ratio) + " of the last";
-    return {};
+    return swing_fault(one, told_frequency, told_damping);
 }
 
 } // namespace

@@ -1,5 +1,5 @@
 // Motors, springs and friction of joints against what they are defined to do; reactions, torques, and breaking.
-#include "support/joint_scenes.h"
+#include "support/one_axis.h"
 
 #include <doctest/doctest.h>
 
@@ -8,36 +8,13 @@ using namespace lockstone::test::scene;
 
 namespace {
 
-constexpr double crate_mass = 1000, crate_inertia = 1000.0 / 6; // 1 m of water
-
-/// A crate on the world whose joint has one axis that is not locked.
-struct OneAxis {
-    World world = bare_world();
-    BodyId body;
-    JointId joint;
-    JointAxisIndex axis;
-
-    OneAxis(JointAxisIndex index, const JointAxis& what, JointKind kind = JointKind::six_dof) : axis(index) {
-        JointDef def = plain_joint(kind);
-        if (kind == JointKind::six_dof)
-            for (JointAxis& a : def.axis) a = {};
-        def.axis[index] = what;
-        body = add_crate(world, at(0, 0, 0));
-        joint = made(world.create_joint(def, {}, body, at(0, 0, 0)));
-    }
-    void run(int ticks, double load = 0) {
-        D3 push{};
-        push[axis % 3] = load;
-        const Vec3 p = vec(push[0], push[1], push[2]);
-        for (int t = 0; t < ticks; ++t) {
-            done(axis < about_x ? world.add_force(body, p) : world.add_force(body, {}, p));
-            world.tick();
-        }
-    }
-    double position() const { return to_double(world.joint_state(joint).position[axis]); }
-    double speed() const { return (axis < about_x ? velocity(world, body) : spin(world, body))[axis % 3]; }
-    double inertia() const { return axis < about_x ? crate_mass : crate_inertia; }
-};
+/// A joint with one axis that is not locked.
+OneAxis one_axis(JointAxisIndex index, const JointAxis& what, JointKind kind = JointKind::six_dof) {
+    JointDef def = plain_joint(kind);
+    if (kind == JointKind::six_dof)
+        for (JointAxis& a : def.axis) a = {};
+    return OneAxis(def, index, what);
+}
 
 JointAxis motor_axis(double speed, double force) {
     return {.mode = AxisMode::free, .motor_speed = real(speed), .motor_force = real(force)};
@@ -52,7 +29,7 @@ JointAxis spring_axis(double frequency, double damping_ratio) {
 /// Up to speed with its force, no faster, then at its speed; against a load above its force it gives way.
 std::string motor_fault(JointAxisIndex axis, double speed, double force, double expected_force,
                         JointKind kind) {
-    OneAxis one(axis, motor_axis(speed, force), kind);
+    OneAxis one = one_axis(axis, motor_axis(speed, force), kind);
     one.run(15);
     const double expected = std::copysign(expected_force / one.inertia() * 0.25, speed);
     if (std::abs(one.speed() - expected) > 0.01 * std::abs(expected))
@@ -77,7 +54,7 @@ struct Swing {
     double frequency, stiffness;
 };
 Swing swing_of(JointAxisIndex axis, double frequency) {
-    OneAxis one(axis, spring_axis(frequency, 0));
+    OneAxis one = one_axis(axis, spring_axis(frequency, 0));
     one.run(1, axis < about_x ? 20000 : 3000);
     const int ticks = static_cast<int>(60 * 10 / frequency);
     double before = one.position(), first = -1, last = -1;
@@ -91,7 +68,7 @@ Swing swing_of(JointAxisIndex axis, double frequency) {
         }
         before = now;
     }
-    OneAxis loaded(axis, spring_axis(frequency, 1));
+    OneAxis loaded = one_axis(axis, spring_axis(frequency, 1));
     const double load = axis < about_x ? 5000 : 500;
     loaded.run(static_cast<int>(60 * 6 / frequency), load);
     return {(zeros - 1) / 2.0 / ((last - first) / 60), load / loaded.position()};
@@ -137,13 +114,13 @@ TEST_CASE("a critically damped spring comes to its target without passing it; a 
     for (JointAxisIndex axis : {along_x, about_x, about_y}) {
         JointAxis spring = spring_axis(2, 1);
         spring.target = real(0.5);
-        OneAxis one(axis, spring);
+        OneAxis one = one_axis(axis, spring);
         double most = 0;
         for (int t = 0; t < 180; ++t) one.run(1), most = std::max(most, one.position());
         CHECK(one.position() == doctest::Approx(0.5).epsilon(0.002));
         CHECK(most < 0.502);
         spring.spring_force = Real(100);
-        OneAxis bounded(axis, spring);
+        OneAxis bounded = one_axis(axis, spring);
         bounded.run(30);
         CHECK(bounded.speed() == doctest::Approx(100 / bounded.inertia() * 0.5).epsilon(0.02));
     }
@@ -153,7 +130,7 @@ TEST_CASE("friction holds a smaller load at rest and takes its own force from a 
     for (const auto& [kind, axis] : {std::pair(JointKind::slider, along_x),
                                      {JointKind::hinge, about_x},
                                      {JointKind::six_dof, along_y}}) {
-        OneAxis one(axis, {.mode = AxisMode::free, .friction = Real(500)}, kind);
+        OneAxis one = one_axis(axis, {.mode = AxisMode::free, .friction = Real(500)}, kind);
         one.run(120, 450);
         CHECK(std::abs(one.position()) < 1e-4);
         one.run(60, 800);
@@ -161,7 +138,7 @@ TEST_CASE("friction holds a smaller load at rest and takes its own force from a 
         one.run(600);
         CHECK(std::abs(one.speed()) < 1e-4);
     }
-    OneAxis slippery(along_x, {.mode = AxisMode::free, .friction = Real(400)}, JointKind::slider);
+    OneAxis slippery = one_axis(along_x, {.mode = AxisMode::free, .friction = Real(400)}, JointKind::slider);
     slippery.run(120, 450); // planted: a friction that is too small for the load
     CHECK(std::abs(slippery.position()) > 1e-4);
 }

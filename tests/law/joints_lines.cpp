@@ -1,6 +1,7 @@
 // Lines and ratios: limits, motors, springs and friction of distances and pulleys; gears and racks, which have none of
 // their own, pass on those of their shafts.
 #include "support/joint_variants.h"
+#include "support/one_axis.h"
 
 #include <doctest/doctest.h>
 
@@ -9,7 +10,7 @@ using namespace lockstone::test::scene;
 
 namespace {
 
-constexpr double crate_mass = 1000, start = 2;
+constexpr double start = 2;
 
 /// A line of 2 m that a crate hangs on, or two crates on a pulley, of which the load pulls one; nothing weighs anything.
 struct Line {
@@ -48,23 +49,13 @@ struct Line {
 
 /// A length counted from where it is at the start.
 Real beyond(JointKind kind, double way) { return real((kind == JointKind::pulley ? 2 : 1) * start + way); }
-bool near(double value, double expected, double tolerance) { return std::abs(value - expected) <= tolerance; }
 
 std::string limit_fault(JointKind kind, double lower, double upper) {
-    for (const double side : {-1.0, 1.0}) {
-        Line line(kind,
-                  {.mode = AxisMode::limited, .lower = beyond(kind, lower), .upper = beyond(kind, upper)});
-        double least = 0, most = 0;
-        for (int t = 0; t < 120; ++t) {
-            line.run(1, side);
-            least = std::min(least, line.position()), most = std::max(most, line.position());
-        }
-        if (!near(line.position(), side < 0 ? -0.3 : 0.5, 0.004))
-            return "pushed to the side of " + std::to_string(side) + " it rests at " +
-                   std::to_string(line.position());
-        if (least < -0.305 || most > 0.505) return "it was beyond its limits";
-    }
-    return {};
+    const auto make = [&] {
+        return Line(kind,
+                    {.mode = AxisMode::limited, .lower = beyond(kind, lower), .upper = beyond(kind, upper)});
+    };
+    return stop_fault(make, 1);
 }
 
 /// A winch: 0.5 m/s with 1 m/s^2, against three quarters of its force too; twice its force pulls the line out again.
@@ -96,7 +87,6 @@ std::string friction_fault(JointKind kind, double strength) {
     return {};
 }
 
-/// Pulled once: two zeros lie half a period apart, and between them the extremes shrink by exp(-zeta w t).
 std::string spring_fault(JointKind kind, double frequency, double told_frequency, double damping,
                          double told_damping) {
     Line line(kind, {.mode = AxisMode::free,
@@ -105,27 +95,7 @@ std::string spring_fault(JointKind kind, double frequency, double told_frequency
                      .damping_ratio = real(damping),
                      .target = beyond(kind, 0)});
     line.run(1, 60 * 0.8 * frequency);
-    double before = line.position(), first = -1, last = -1, highest = 0, lowest = 0;
-    int zeros = 0;
-    for (int t = 1; t <= 240 && zeros < 3; ++t) {
-        line.run(1);
-        const double now = line.position();
-        if (zeros == 0) highest = std::max(highest, now);
-        if (zeros == 1) lowest = std::min(lowest, now);
-        if ((before < 0) != (now < 0)) {
-            last = t - now / (now - before), ++zeros;
-            if (first < 0) first = last;
-        }
-        before = now;
-    }
-    if (zeros < 3) return "it does not swing";
-    const double root = std::sqrt(1 - told_damping * told_damping);
-    const double found = 60 / (last - first) / root, ratio = -lowest / highest;
-    if (!near(found, told_frequency, 0.03 * told_frequency))
-        return "it swings at " + std::to_string(found) + " Hz";
-    const double expected = std::exp(-3.14159265358979 * told_damping / root);
-    if (!near(ratio, expected, 0.05)) return "a half swing leaves " + std::to_string(ratio) + " of the last";
-    return {};
+    return swing_fault(line, told_frequency, told_damping);
 }
 
 } // namespace

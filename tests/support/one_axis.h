@@ -1,0 +1,86 @@
+// One axis that a joint leaves free, and what it is asked: where it stops, how it swings.
+#pragma once
+
+#include "support/joint_scenes.h"
+
+#include <cmath>
+#include <string>
+
+namespace lockstone::test::scene {
+
+inline constexpr double crate_mass = 1000, crate_inertia = 1000.0 / 6; ///< 1 m of water
+
+/// A crate on a joint to the world, in its middle, loaded along or about one axis.
+struct OneAxis {
+    World world = bare_world();
+    BodyId body;
+    JointId joint;
+    JointAxisIndex axis;
+
+    OneAxis(JointDef def, JointAxisIndex index, const JointAxis& what) : axis(index) {
+        def.axis[index] = what;
+        body = add_crate(world, at(0, 0, 0));
+        joint = made(world.create_joint(def, {}, body, at(0, 0, 0)));
+    }
+    /// `load` [N] or [N m].
+    void run(int ticks, double load = 0) {
+        D3 push{};
+        push[axis % 3] = load;
+        const Vec3 p = vec(push[0], push[1], push[2]);
+        for (int t = 0; t < ticks; ++t) {
+            done(axis < about_x ? world.add_force(body, p) : world.add_force(body, {}, p));
+            world.tick();
+        }
+    }
+    double position() const { return to_double(world.joint_state(joint).position[axis]); }
+    double speed() const { return (axis < about_x ? velocity(world, body) : spin(world, body))[axis % 3]; }
+    double inertia() const { return axis < about_x ? crate_mass : crate_inertia; }
+};
+
+inline bool near(double value, double expected, double tolerance) {
+    return std::abs(value - expected) <= tolerance;
+}
+
+/// What `make()` returns is pushed by `load` to both sides: it has to come to rest at -0.3 and 0.5, and to be nowhere beyond.
+template <class Make> std::string stop_fault(Make&& make, double load) {
+    for (const double side : {-1.0, 1.0}) {
+        auto one = make();
+        double least = 0, most = 0;
+        for (int t = 0; t < 120; ++t) {
+            one.run(1, side * load);
+            least = std::min(least, one.position()), most = std::max(most, one.position());
+        }
+        if (!near(one.position(), side < 0 ? -0.3 : 0.5, 0.004))
+            return "pushed to the side of " + std::to_string(side) + " it rests at " +
+                   std::to_string(one.position());
+        if (least < -0.305 || most > 0.505) return "it was beyond its limits";
+    }
+    return {};
+}
+
+/// One that was hit: an oscillator passes zero every half period, and its extremes shrink by exp(-zeta w t).
+template <class One> std::string swing_fault(One& one, double frequency, double damping) {
+    constexpr double half_turn = 3.141592653589793;
+    double before = one.position(), first = -1, last = -1, highest = 0, lowest = 0;
+    int zeros = 0;
+    for (int t = 1; t <= 240 && zeros < 3; ++t) {
+        one.run(1);
+        const double now = one.position();
+        if (zeros == 0) highest = std::max(highest, now);
+        if (zeros == 1) lowest = std::min(lowest, now);
+        if ((before < 0) != (now < 0)) {
+            last = t - now / (now - before), ++zeros;
+            if (first < 0) first = last;
+        }
+        before = now;
+    }
+    if (zeros < 3) return "it does not swing";
+    const double root = std::sqrt(1 - damping * damping);
+    const double found = 60 / (last - first) / root, ratio = -lowest / highest;
+    if (!near(found, frequency, 0.03 * frequency)) return "it swings at " + std::to_string(found) + " Hz";
+    if (!near(ratio, std::exp(-half_turn * damping / root), 0.05))
+        return "a half swing leaves " + std::to_string(ratio) + " of the last";
+    return {};
+}
+
+} // namespace lockstone::test::scene
