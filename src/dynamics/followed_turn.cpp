@@ -58,10 +58,10 @@ void precess(SolverBody& b, const BodyStep& s, FollowedTurn& turn, const StepCon
     }
 }
 
-/// R diag(radii^2) R^T w with the body at `rotation`.
-Vec3 momentum_at(Quat rotation, const FollowedTurn& turn, Vec3 radii, Vec3 w) {
-    const Rotation axes = to_rotation(rotation * turn.principal);
-    return mul<Real>(axes, scaled(scaled(mul_transposed<Real>(axes, w), radii), radii));
+/// R diag(own^2) R^T w with the body where it is now.
+Vec3 momentum_of(const FollowedTurn& turn, Vec3 w) {
+    const Rotation axes = to_rotation(turn.rotation * turn.principal);
+    return mul<Real>(axes, scaled(scaled(mul_transposed<Real>(axes, w), turn.own), turn.own));
 }
 
 /// The gyroscopic torque of the body as it is, in a substep, on the body as it answers. Three rounds of the midpoint rule lose
@@ -72,7 +72,7 @@ void precess_stiff(SolverBody& b, const BodyStep& s, const FollowedTurn& turn, c
     Vec3 w = before;
     for (int round = 0; round < rounds; ++round) {
         const Vec3 sum = before + w, middle{half(sum.x), half(sum.y), half(sum.z)};
-        const Vec3 torque = cross(momentum_at(turn.rotation, turn, turn.own, middle), middle);
+        const Vec3 torque = cross(momentum_of(turn, middle), middle);
         w = before + scale<Real>(spin_at(turn.rotation, turn, torque), step.substep_time);
     }
     const Vec3 u = mul<Real>(s.gyration, w);
@@ -160,6 +160,13 @@ Change from_real(Vec3 v) {
     return change;
 }
 
+/// What was added to u without being momentum.
+void add_precession(FollowedTurn& turn, const Change& u, const Change& momentum) {
+    for (int i = 0; i < 3; ++i)
+        turn.precession[i] =
+            std::clamp(turn.precession[i] + u.m[i] - momentum.m[i], -2 * own_max, 2 * own_max);
+}
+
 } // namespace
 
 TurnedK::TurnedK(const StepConstants& step, SolverBodies& solver_bodies) : bodies(solver_bodies) {
@@ -178,10 +185,8 @@ TurnedK::~TurnedK() {
         const Vec3 change = to_real(change_of(b, turn.u_inside).m);
         const Change faster = from_real(mul<Real>(s.gyration, mul<Real>(turn.now.gyration_inv, change)));
         const Change momentum = from_real(mul<Real>(s.gyration_inv, mul<Real>(turn.now.gyration, change)));
-        for (int i = 0; i < 3; ++i) {
-            b.u[i] = std::clamp(turn.u_outside[i] + faster.m[i], -own_max, own_max);
-            if (!turn.stiff) turn.precession[i] += faster.m[i] - momentum.m[i];
-        }
+        for (int i = 0; i < 3; ++i) b.u[i] = std::clamp(turn.u_outside[i] + faster.m[i], -own_max, own_max);
+        if (!turn.stiff) add_precession(turn, faster, momentum);
     });
 }
 
@@ -198,7 +203,7 @@ StartK::~StartK() {
         const Vec3 w = mul<Real>(s.gyration_inv, to_real(change.m));
         const Change momentum = from_real(
             mul<Real>(s.gyration_inv, mul<Real>(turn.now.gyration, mul<Real>(turn.now.gyration, w))));
-        for (int i = 0; i < 3; ++i) turn.precession[i] += change.m[i] - momentum.m[i];
+        add_precession(turn, change, momentum);
     });
 }
 
