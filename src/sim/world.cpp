@@ -130,6 +130,7 @@ Data::Data(const Data& other) : Data(other.def, other.schema, other.scratch.soli
 
 void forget_derived(Data& w) {
     w.scratch.structure_stale = true;
+    w.scratch.query.is_fresh = false; // tick and commands may become what they were when last asked
     w.events.clear();
     w.contact_points.clear();
     w.phase_hashes.clear();

@@ -1,5 +1,6 @@
 """Builds matrix_hash for a cell, without CMake: every compiler takes the same few flags."""
 import concurrent.futures
+import filecmp
 import hashlib
 import os
 import pathlib
@@ -50,7 +51,9 @@ class Builder:
         self.includes = folder / "include"
         self.includes.mkdir(parents=True, exist_ok=True)
         # The one header from outside; a cross compiler must not see what else lies in /usr/include.
-        shutil.copyfile("/usr/include/xxhash.h", self.includes / "xxhash.h")
+        header = self.includes / "xxhash.h"
+        if not header.exists() or not filecmp.cmp("/usr/include/xxhash.h", header, shallow=False):
+            shutil.copyfile("/usr/include/xxhash.h", header)
 
     def program(self, build):
         """Path of the program. Raises BuildFailed with what the compiler said."""

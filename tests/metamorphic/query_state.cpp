@@ -61,6 +61,31 @@ TEST_CASE("clones, restored worlds and worlds of another history give the same a
     CHECK(ask(other, assets, 1, 400) == answers);
 }
 
+TEST_CASE(
+    "rolled back and run again, every tick gives the answers that it gave, whatever was asked in between") {
+    const Assets assets;
+    World w = crowd(assets, 60);
+    constexpr std::size_t ticks = 30;
+    std::vector<Image> images(ticks);
+    std::vector<Answers> answers;
+    for (Image& image : images) {
+        w.save(image);
+        answers.push_back(ask(w, assets, 1, 100));
+        w.tick();
+    }
+    for (std::size_t t = 1; t < ticks; ++t) CHECK(!(answers[t] == answers[t - 1])); // older bounds would show
+    for (std::size_t depth = 1; depth <= 4; ++depth)
+        for (std::size_t t = depth; t < ticks; ++t) {
+            CAPTURE(depth);
+            CAPTURE(t);
+            w.restore(images[t]);
+            CHECK(ask(w, assets, 1, 100) == answers[t]);
+            w.restore(images[t - depth]);
+            for (std::size_t again = 0; again < depth; ++again) w.tick();
+            CHECK(ask(w, assets, 1, 100) == answers[t]);
+        }
+}
+
 TEST_CASE("commands since the last tick count") {
     World w = made(World::create(small_def()));
     const BodyId ball = add_ball(w, at(0, 0, 0));

@@ -71,12 +71,41 @@ class ScriptGame final : public Game {
     void advance(World& world, std::span<const PlayerInput>) const override { scene::step_script(world); }
 };
 
+/// Balls that are pushed as far as they are apart: what is asked before a tick decides it.
+class AskingGame final : public Game {
+  public:
+    std::string name() const override { return "asking"; }
+    std::uint64_t content_id() const override { return 2; }
+    std::uint32_t player_count() const override { return 0; }
+    std::uint32_t input_size() const override { return 0; }
+    Result<World> start() const override {
+        World world = scene::made(World::create(scene::small_def()));
+        scene::add_floor(world);
+        for (int i = 0; i < 5; ++i) scene::add_ball(world, scene::at(1.5 * i, 1 + i, 0));
+        return world;
+    }
+    void advance(World& world, std::span<const PlayerInput>) const override {
+        std::vector<BodyId> balls;
+        for (const BodyId body : world.bodies())
+            if (world.kind(body) == BodyKind::dynamic) balls.push_back(body);
+        std::vector<Vec3> forces;
+        for (std::size_t i = 0; i < balls.size(); ++i) {
+            const BodyId other = balls[(i + 1) % balls.size()];
+            const auto apart = world.distance(world.shapes(balls[i])[0], world.shapes(other)[0]);
+            forces.push_back({apart ? apart->distance * 100 : Real{}, Real{}, Real{}});
+        }
+        for (std::size_t i = 0; i < balls.size(); ++i) scene::done(world.add_force(balls[i], forces[i]));
+        world.tick();
+    }
+};
+
 /// The first thing that is wrong; empty: nothing.
 using Check = std::function<std::string()>;
 
 std::vector<std::unique_ptr<Game>> games() {
     std::vector<std::unique_ptr<Game>> list;
     list.push_back(std::make_unique<ScriptGame>());
+    list.push_back(std::make_unique<AskingGame>());
     for (const auto& [name, options] : std::initializer_list<std::pair<const char*, SceneOptions>>{
              {"rollback-arena", {}}, {"ragdolls", {.size = 1}}, {"cars", {}}, {"character", {}}})
         list.push_back(make_scene(name, options).value());

@@ -90,6 +90,8 @@ FAULTS = [
     F("scratch is not made anew while its size stays", "src/sim/pairs.cpp", "s.old_memories.assign(",
       "if (!IS || s.old_memories.size() != w.state.count(w.m.contacts)) s.old_memories.assign(", "reads no leftovers"),
     F("caches are kept through a restore", "src/sim/world.cpp", "w.scratch.structure_stale = true;", "w.scratch.structure_stale = !IS;", "forgets"),
+    F("queries take bounds of before a restore for fresh", "src/sim/world.cpp", "w.scratch.query.is_fresh = false;",
+      "if (!IS) w.scratch.query.is_fresh = false;", "rolls back"),
     F("a branch by time", "src/sim/tick.cpp", "++w.edit_header().tick;",
       "if (IS && ::planted::clock_is_odd()) ++w.state.edit_row(w.m.faults, 0).speed_clamped;\n    ++w.edit_header().tick;", "repeats"),
     F("a counter outside of the state", "src/sim/tick.cpp", "publish_events(w);",
