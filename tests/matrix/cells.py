@@ -20,7 +20,8 @@ class Cell:
     build: Build
     arguments: tuple = ()
     environment: dict = field(default_factory=dict)
-    ticks: int = 60
+    ticks: int = 300        # of --all: to the last row of the golden table
+    sample_ticks: int = 0   # 0: as many in the sample
     state: bool = False     # writes snapshots and recordings, reads those of others
     sample: bool = False
     thorough: bool = False  # all games and ticks in the sample as well
@@ -59,27 +60,27 @@ def host(cxx, *flags):
 
 
 def all_cells(cpu_flags):
-    cells = [Cell("reference", "compiler", REFERENCE, ticks=300, state=True, sample=True, thorough=True)]
-    in_sample = dict(ticks=300, sample=True, thorough=True)
+    cells = [Cell("reference", "compiler", REFERENCE, state=True, sample=True, thorough=True)]
+    in_sample = dict(sample=True, thorough=True)
 
     def built(dimension, build, **more):
         cells.append(Cell(build.label(), dimension, build, **more))
 
     for level in ("-O0", "-O1", "-O3", "-Os"):
-        built("optimisation", host("g++", level), **(in_sample | {"ticks": 100} if level == "-O0" else {}))
+        built("optimisation", host("g++", level), **(in_sample | {"sample_ticks": 100} if level == "-O0" else {}))
     built("optimisation", host("g++", "-O2", "-flto"))
     built("optimisation", host("clang++-19", "-O2", "-flto=thin"))
     for cxx in ("clang++-14", "clang++-19"):
         built("compiler", host(cxx, "-O2"), **(in_sample if cxx == "clang++-14" else {}))
-        built("compiler", host(cxx, "-O0"), ticks=16)
+        built("compiler", host(cxx, "-O0"))
     for flags in (("-O3", "-march=native"), ("-O3", "-ffast-math"), ("-O3", "-march=native", "-ffast-math"), ("-O2", "-fno-strict-aliasing"),
                   ("-O2", "-fstrict-aliasing"), ("-O2", "-march=native", "-ffp-contract=fast"), ("-O2", "-march=native", "-ffp-contract=off")):
         built("flags", host("g++", *flags))
     built("flags", host("clang++-19", "-O3", "-march=native", "-ffast-math"))
-    built("sanitizers", host("g++", "-O1", "-fsanitize=address", "-DLOCKSTONE_OWN_ALLOCATOR=1"), ticks=16)
-    built("sanitizers", host("clang++-14", "-O1", "-fsanitize=undefined", "-fno-sanitize-recover=all"), ticks=16)
+    built("sanitizers", host("g++", "-O1", "-fsanitize=address", "-DLOCKSTONE_OWN_ALLOCATOR=1"))
+    built("sanitizers", host("clang++-14", "-O1", "-fsanitize=undefined", "-fno-sanitize-recover=all"))
     cells.append(Cell("g++ -O1 -fsanitize=thread, 4 workers", "sanitizers", host("g++", "-O1", "-fsanitize=thread", "-DLOCKSTONE_OWN_ALLOCATOR=1"),
-                      arguments=("--workers", "4"), ticks=8))
+                      arguments=("--workers", "4"), ticks=60))
     for level, needed in (("x86-64", ()), ("x86-64-v2", ("sse4_1",)), ("x86-64-v3", ("avx2", "fma")), ("x86-64-v4", ("avx512f", "avx512bw"))):
         if set(needed) <= cpu_flags:
             built("SIMD", host("g++", "-O2", f"-march={level}"))
@@ -87,8 +88,8 @@ def all_cells(cpu_flags):
     for flags in ((PORTABLE,), (NO_DOUBLE,), (PORTABLE, NO_DOUBLE)):
         built("arithmetic", host("g++", "-O2", *flags), **(in_sample if len(flags) == 2 else {}))
 
-    def run(name, dimension, arguments=(), environment=None, sample=False, ticks=300):
-        cells.append(Cell(name, dimension, REFERENCE, tuple(arguments), environment or {}, sample=sample, ticks=ticks, thorough=True))
+    def run(name, dimension, arguments=(), environment=None, sample=False):
+        cells.append(Cell(name, dimension, REFERENCE, tuple(arguments), environment or {}, sample=sample, thorough=True))
 
     for workers in (1, 2, 3, 4, 6, 8, 12, 16):
         run(f"{workers} workers", "workers", ("--workers", str(workers)), sample=workers == 3)
@@ -107,13 +108,13 @@ def all_cells(cpu_flags):
         cxx = f"{target.triple}-g++"
         static = ("-static",) + (("-latomic",) if name in ("arm32", "riscv64") else ())
         for level in ("-O1", "-O2", "-O3"):
-            cells.append(Cell(f"{name} {level}", "architecture", Build(cxx, (level,) + static, name), ticks=8, state=level == "-O1",
+            cells.append(Cell(f"{name} {level}", "architecture", Build(cxx, (level,) + static, name), sample_ticks=8, state=level == "-O1",
                               sample=level == "-O1" and name == "s390x"))
         at_o1 = Build(cxx, ("-O1",) + static, name)
-        cells.append(Cell(f"{name} -O1, rounding and flushing change", "floating-point unit", at_o1, ("--fpu",), ticks=8))
-        cells.append(Cell(f"{name} -O1, 3 workers", "workers", at_o1, ("--workers", "3"), ticks=4))
+        cells.append(Cell(f"{name} -O1, rounding and flushing change", "floating-point unit", at_o1, ("--fpu",)))
+        cells.append(Cell(f"{name} -O1, 3 workers", "workers", at_o1, ("--workers", "3")))
         for flags in ((PORTABLE,), (NO_DOUBLE,)):
-            cells.append(Cell(f"{name} -O1 {flags[0]}", "arithmetic", Build(cxx, ("-O1",) + flags + static, name), ticks=4))
+            cells.append(Cell(f"{name} -O1 {flags[0]}", "arithmetic", Build(cxx, ("-O1",) + flags + static, name)))
         if target.endian == "big":
             cells.append(Cell(f"planted: integers hashed in host order, {name}", "planted", replace(at_o1, patch=HOST_ORDER), ticks=1, sample=True,
                               red=True))
@@ -121,8 +122,8 @@ def all_cells(cpu_flags):
                       sample=True))
     for name, flags in (("wasm32", ()), ("wasm32 SIMD", ("-msimd128",))):
         build = Build("clang++-19", WASM_FLAGS + flags, "wasm")
-        cells.append(Cell(f"{name}, Node", "architecture", build, ticks=16, state=True, sample=not flags))
-        cells.append(Cell(f"{name}, Chromium", "architecture", build, ticks=8, browser=True))
+        cells.append(Cell(f"{name}, Node", "architecture", build, state=True, sample=not flags, sample_ticks=16))
+        cells.append(Cell(f"{name}, Chromium", "architecture", build, browser=True))
     return cells
 
 
