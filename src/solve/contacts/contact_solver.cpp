@@ -9,8 +9,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstdio>
-#include <cstdlib>
 
 namespace lockstone::solve {
 
@@ -239,10 +237,6 @@ template <unsigned N>
 void store_lane(const ContactPack<N>& pack, unsigned lane, const Contact& contact, ContactMemory& m,
                 dynamics::ClampCounts& clamps) {
     bool clamped = false;
-    if (getenv("DBGB") && (contact.body_a==(unsigned)atoi(getenv("DBGB"))||contact.body_b==(unsigned)atoi(getenv("DBGB"))))
-    { { fprintf(stderr,"BIG %u-%u count %u share %g\n",contact.body_a,contact.body_b,contact.count,pack.share_a[lane]/1073741824.0);
-        for (std::uint32_t k = 0; k < contact.count; ++k) fprintf(stderr,"  p %g arm %g %g gap0 %g gap %g fit %g %g %g kappa %g impact %g\n",pack.points[k].impulse[lane]/524288.0,pack.points[k].arm[0][lane]/1073741824.0,pack.points[k].arm[1][lane]/1073741824.0,pack.points[k].gap0[lane]/134217728.0,pack.points[k].gap[lane]/134217728.0,pack.points[k].fit[0][lane]/67108864.0,pack.points[k].fit[1][lane]/67108864.0,pack.points[k].fit[2][lane]/67108864.0,pack.points[k].kappa[lane]/268435456.0,pack.points[k].impact[lane]/524288.0);
-        fprintf(stderr,"  S"); for(int i=0;i<6;i++) fprintf(stderr," %g",pack.response[i][lane]/33554432.0); fprintf(stderr,"\n  inv"); for(int i=0;i<6;i++) fprintf(stderr," %g",pack.inverse[i][lane]/262144.0); fprintf(stderr,"\n  sinv"); for(int i=0;i<6;i++) fprintf(stderr," %g",pack.slide_inverse[i][lane]/262144.0); fprintf(stderr,"\n  slide %g %g %g size %g\n",pack.slide[0][lane]/524288.0,pack.slide[1][lane]/524288.0,pack.slide[2][lane]/524288.0,pack.size[lane]/16777216.0); } }
     for (std::uint32_t k = 0; k < contact.count; ++k) {
         const std::int32_t p = pack.points[k].impulse[lane];
         m.points[k].normal = Speed::from_raw(p);

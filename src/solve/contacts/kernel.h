@@ -271,22 +271,14 @@ template <class L> class Kernel {
         }
     }
 
-    /// Point after point, forwards and backwards, on the three speeds of the contact: they answer to an impulse by S.
-    static void sweep_points(const Pack& c, Unit mass_scale, Unit impulse_scale, const Speed (&q)[3], Normals& n) {
-        Speed start[4], moment[3], speed[3];
+    /// Point after point, forwards and backwards, on the three speeds of the contact: they answer to an impulse by S. From the
+    /// impulses of before, so that no energy comes in: what the block found may be far off where points are close together.
+    static void sweep_points(const Pack& c, Unit mass_scale, Unit impulse_scale, Normals& n) {
+        Speed p[4], speed[3] = {n.speed[0], n.speed[1], n.speed[2]};
         const Speed zero = Speed::splat(0);
-        for (int k = 0; k < c.point_count; ++k) {
-            const Mask member = Fit::load(c.points[k].fit[0]) > Fit::splat(0);
-            start[k] = select(member, n.now[k], n.old[k]);
-        }
-        moments(c, start, moment);
-        for (int i = 0; i < 3; ++i) moment[i] = moment[i] - q[i];
+        for (int k = 0; k < c.point_count; ++k) p[k] = n.old[k];
         Response s[6];
         for (int i = 0; i < 6; ++i) s[i] = Response::load(c.response[i]);
-        for (int i = 0; i < 3; ++i)
-            speed[i] = bounded(n.speed[i] + rounded_within<speed_bits>(s[lower[i][0]] * moment[0] +
-                                                                       s[lower[i][1]] * moment[1] +
-                                                                       s[lower[i][2]] * moment[2], speed_limit));
         constexpr int answer_bits = response_bits - 2; // S times an arm is up to 156
         LaneFixed<L, answer_bits> answer[4][3];
         Kappa kappa[4];
@@ -299,17 +291,17 @@ template <class L> class Kernel {
         }
         const auto visit = [&](int k) {
             const Speed error = bounded(at_point(c.points[k], speed) + n.bias[k]);
-            const Speed less = rounded<speed_bits>(error * kappa[k]) + rounded<speed_bits>(start[k] * impulse_scale);
-            const Speed p = min(max(start[k] - less, zero), Speed::splat(impulse_limit));
-            const Speed change = p - start[k];
-            start[k] = p;
+            const Speed less = rounded<speed_bits>(error * kappa[k]) + rounded<speed_bits>(p[k] * impulse_scale);
+            const Speed now = min(max(p[k] - less, zero), Speed::splat(impulse_limit));
+            const Speed change = now - p[k];
+            p[k] = now;
             for (int i = 0; i < 3; ++i) speed[i] = speed[i] + rounded<speed_bits>(answer[k][i] * change);
         };
         for (int round = 0; round < 2; ++round) {
             for (int k = 0; k < c.point_count; ++k) visit(k);
             for (int k = c.point_count - 1; k >= 0; --k) visit(k);
         }
-        for (int k = 0; k < c.point_count; ++k) n.now[k] = select(n.leaves, start[k], n.now[k]);
+        for (int k = 0; k < c.point_count; ++k) n.now[k] = select(n.leaves, p[k], n.now[k]);
     }
 
     /// One point a lane: no block, no order.
@@ -329,7 +321,7 @@ template <class L> class Kernel {
         const Mask several{L::load32(c.several)}; // a single point that would pull carries nothing
         n.leaves = n.leaves & several & ~n.idle;
         for (int k = 0; k < c.point_count; ++k) n.now[k] = n.now[k] & ~n.idle;
-        if (n.leaves.any()) sweep_points(c, mass_scale, impulse_scale, q, n);
+        if (n.leaves.any()) sweep_points(c, mass_scale, impulse_scale, n);
         moments(c, n.now, w); // as they are remembered, rounding and all
         for (int i = 0; i < 3; ++i) w[i] = w[i] - q[i];
     }
