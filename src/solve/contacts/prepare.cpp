@@ -27,6 +27,8 @@ constexpr std::int32_t leaving_speed = decimal<Speed>("0.25").raw;
 constexpr std::int64_t least_response = std::int64_t{1} << (response_bits - 2);
 
 std::int64_t rounded(std::int64_t x, int shift) { return shift_right_rounded(x, shift); }
+/// To nearest; d is positive. Towards zero, friction would give way a little in every tick.
+std::int64_t divide_rounded(std::int64_t n, std::int64_t d) { return (n + (n < 0 ? -d : d) / 2) / d; }
 std::int32_t low(std::int64_t x) { return static_cast<std::int32_t>(x); }
 
 /// The share of each body in the pair's inverse mass, alpha + beta = 1; 0 for what impulses do not move.
@@ -38,7 +40,8 @@ Shares shares_of(const PrepareInput& in, const Contact& c) {
     const bool a = in.bodies.step[c.body_a].movable, b = in.bodies.step[c.body_b].movable;
     if (!a || !b) return {a ? unit : 0, b ? unit : 0};
     const std::int64_t ma = in.mass[c.body_a].mass.raw, mb = in.mass[c.body_b].mass.raw;
-    if (ma == mb) return {unit / 2, unit / 2};
+    // A hair above one half: half of an odd impulse would be rounded upwards whatever its sign, and resting boxes creep.
+    if (ma == mb) return {unit / 2 + 1, unit / 2 + 1};
     // alpha = mA^-1 / (mA^-1 + mB^-1) = mB / (mA + mB); both below 2^62.
     const int drop = std::max(static_cast<int>(std::bit_width(static_cast<std::uint64_t>(ma + mb))) - 33, 0);
     const std::int64_t alpha = ((mb >> drop) << unit_bits) / ((ma + mb) >> drop);
@@ -294,7 +297,7 @@ void fill_impulses(ContactPack<N>& pack, unsigned lane, const Contact& contact, 
     pack.slide[0][lane] = within(memory.tangent_1.raw);
     pack.slide[1][lane] = within(memory.tangent_2.raw);
     if (l.size > 0)
-        pack.slide[2][lane] = within((std::int64_t{memory.twist.raw} << speed_bits) / l.size);
+        pack.slide[2][lane] = within(divide_rounded(std::int64_t{memory.twist.raw} << speed_bits, l.size));
 }
 
 template <unsigned N, std::size_t R>
