@@ -1,12 +1,14 @@
 // Rows of the table: a scene, what is measured in it, the bound of each figure, and a twin that misses it.
 #pragma once
 
-#include "quality/scene.h"
+#include "engines/scene.h"
 
 #include <functional>
 #include <limits>
 
 namespace quality {
+
+using namespace engines;
 
 /// One figure: an error or a size, the smaller the better; 0 is perfect.
 struct Value {
