@@ -3,6 +3,7 @@
 #include "bench/parts.h"
 #include "bench/plot.h"
 #include "bench/print.h"
+#include "bench/profile.h"
 #include "cli/commands.h"
 
 #include <cstdio>
@@ -17,7 +18,7 @@ struct Args {
     std::vector<int> substeps;
     std::uint32_t ticks = 0, runs = 3;
     bool json = false, quick = false, instructions = false;
-    std::string keep, counted, plot;
+    std::string keep, counted, profile, plot;
 };
 
 void describe(CLI::App& command, Args& args) {
@@ -34,6 +35,8 @@ void describe(CLI::App& command, Args& args) {
     command.add_flag("--quick", args.quick, "a few ticks of small scenes: whether all runs, not how fast");
     command.add_flag("--instructions", args.instructions, "count them under callgrind, in the chosen scenes");
     command.add_option("--keep", args.keep, "with --instructions: a folder for the files of callgrind");
+    command.add_option("--profile", args.profile,
+                       "FILE.json: the chosen scenes by phases, as a Chrome trace");
     command.add_option("--plot", args.plot, "FILE.svg: a picture of the scenes, or of 'front', by gnuplot");
     command.add_option("--counted", args.counted)->group(""); // what --instructions runs under callgrind
 }
@@ -70,10 +73,12 @@ Result<Exit> act(const Args& args) {
         if (!done) return done.error();
         return Exit::good;
     }
-    if (args.instructions) {
-        const Result<Json> rows = bench::count_instructions(bench::chosen_scenes(plan), ours, args.keep);
+    if (args.instructions || !args.profile.empty()) {
+        const Result<Json> rows =
+            args.instructions ? bench::count_instructions(bench::chosen_scenes(plan), ours, args.keep)
+                              : bench::profile(bench::chosen_scenes(plan), ours, plan.ticks, args.profile);
         if (!rows) return rows.error();
-        print(args, *rows, bench::print_instructions);
+        print(args, *rows, args.instructions ? bench::print_instructions : bench::print_profile);
         return Exit::good;
     }
     return measure(args, plan);
