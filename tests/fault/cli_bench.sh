@@ -35,7 +35,7 @@ awake = [row["awake"] for row in all["awake"]]
 assert awake == sorted(awake, reverse=True) and awake[-1] == 0 and awake[0] > 0, f"awake: {awake}"
 assert all["scaling"][0]["bodies"] == 100 and finite(all["scaling"][0]["Lockstone"]["us_per_body"]), "scaling"
 assert finite(all["verify"]["times_real_time"]) and all["verify"]["players"] == 4, "verify"
-assert finite(all["cars"]["mean_us"]), "cars"
+assert finite(all["arena"]["mean_us"]), "arena"
 PYTHON
 python3 shape.py all.json || fail "bench --quick --json has another shape"
 python3 - <<'PYTHON'

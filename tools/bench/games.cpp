@@ -152,7 +152,7 @@ Result<Json> verify_speed(bool quick) {
                 {"goal", 400}};
 }
 
-Result<Json> cars_cost(bool quick) {
+Result<Json> arena_cost(bool quick) {
     Result<Arena> arena = make_arena();
     if (!arena) return arena.error();
     const BodyId ball = arena->world.body_at(1);

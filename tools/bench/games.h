@@ -10,7 +10,7 @@ namespace lockstone::bench {
 Result<Json> verify_speed(bool quick);
 
 /// Four cars and a ball on an arena's mesh at 120 ticks a second.
-Result<Json> cars_cost(bool quick);
+Result<Json> arena_cost(bool quick);
 
 /// Of a scene that `lockstone scenes` lists, with its game's rules and scripted inputs; the error names the scenes there are.
 Result<Json> game_cost(const std::string& name, bool quick);

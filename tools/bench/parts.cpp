@@ -15,7 +15,7 @@ namespace {
 using namespace engines;
 using Done = std::function<void(const std::string& key, const Json& row)>;
 
-constexpr const char* extra_parts[] = {"state", "awake", "scaling", "verify", "cars", "threads", "front"};
+constexpr const char* extra_parts[] = {"state", "awake", "scaling", "verify", "arena", "threads", "front"};
 constexpr const char* not_by_default[] = {"threads", "front"};
 constexpr const char* threaded_scenes[] = {"S1", "S2", "S3", "S4", "grid"};
 constexpr const char* state_scenes[] = {"S1", "S2", "S4", "S6"};
@@ -132,9 +132,9 @@ Result<Json> run_extra(const std::string& part, const Plan& plan, const Done& do
     if (part == "scaling") return scaling(plan, done);
     if (part == "threads") return threads(plan, done);
     if (part == "front") return front(plan, done);
-    Result<Json> row = part == "verify" ? verify_speed(plan.quick)
-                       : part == "cars" ? cars_cost(plan.quick)
-                                        : Result<Json>(awake_costs(plan.quick));
+    Result<Json> row = part == "verify"  ? verify_speed(plan.quick)
+                       : part == "arena" ? arena_cost(plan.quick)
+                                         : Result<Json>(awake_costs(plan.quick));
     if (row) done(part, *row);
     return row;
 }

@@ -15,7 +15,7 @@ struct Plan {
     bool quick = false;             ///< a few ticks of small scenes
 };
 
-/// The scenes, then: state, awake, scaling, verify, cars, threads, front.
+/// The scenes, then: state, awake, scaling, verify, arena, threads, front.
 std::vector<std::string> part_names();
 /// An error that names the parts there are, for a name that is none.
 Status check_parts(const std::vector<std::string>& parts);

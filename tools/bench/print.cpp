@@ -77,7 +77,7 @@ void print_verify(const Json& row) {
                 verdict_of(number(row, "times_real_time") >= number(row, "must")));
 }
 
-void print_cars(const Json& row) {
+void print_arena(const Json& row) {
     std::printf("%s: mean %.1f us a tick, median %.1f, p99 %.1f, must %.0f  %s\n", text(row, "about").c_str(),
                 number(row, "mean_us"), number(row, "median_us"), number(row, "p99_us"), number(row, "must"),
                 verdict_of(number(row, "mean_us") <= number(row, "must")));
@@ -111,7 +111,7 @@ void print_row(const std::string& key, const Json& row) {
         void (*print)(const Json&);
     } printers[] = {{"scenes", print_contest}, {"front", print_contest},   {"state", print_state},
                     {"awake", print_awake},    {"scaling", print_scaling}, {"verify", print_verify},
-                    {"cars", print_cars},      {"threads", print_threads}, {"games", print_game}};
+                    {"arena", print_arena},    {"threads", print_threads}, {"games", print_game}};
     for (const auto& printer : printers)
         if (key == printer.key) printer.print(row);
     std::fflush(stdout);

@@ -24,7 +24,7 @@ struct Args {
 void describe(CLI::App& command, Args& args) {
     command.add_option(
         "PART", args.parts,
-        "S1 to S6, pyramids, grid, drum, state, awake, scaling, verify, cars, threads, front, or a "
+        "S1 to S6, pyramids, grid, drum, state, awake, scaling, verify, arena, threads, front, or a "
         "scene of `lockstone scenes`; none: all but threads, front and those scenes");
     add_number(command, "--ticks", args.ticks, "to time; 0: as many as the scene asks for", 0, 1000000);
     add_number(command, "--runs", args.runs, "of each scene: of each tick the least counts", 1, 100);
