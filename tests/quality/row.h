@@ -46,11 +46,4 @@ std::vector<Row> free_motion_rows(); ///< spinning bodies and orbits
 
 std::vector<Row> joint_rows(); ///< chains, bridges, ragdolls, pendulums, motors, limits, tops
 
-/// Largest horizontal distance from where it started, of all dynamic bodies [m].
-double drift(const Scene& scene, const Engine& engine);
-/// Dynamic bodies that dropped by more than `drop` [m] or turned by more than 20 degrees.
-int fallen(const Scene& scene, const Engine& engine, double drop);
-/// Angle between two orientations [rad].
-double turned(Turn a, Turn b);
-
 } // namespace quality

@@ -21,6 +21,11 @@ constexpr const char* threaded_scenes[] = {"S1", "S2", "S3", "S4", "grid"};
 constexpr const char* state_scenes[] = {"S1", "S2", "S4", "S6"};
 constexpr const char* front_scenes[] = {"S1", "S2", "S3", "S4", "S5", "S6"};
 
+constexpr double heap_of_50000_mb = 270; ///< twice what Box3D takes
+/// What Jolt takes for a rollback of eight ticks of S6, in ticks of Bullet's in the same run.
+constexpr double jolt_rollback_in_bullet_ticks = 1400.0 / 315;
+constexpr double snapshot_bytes_per_body = 700; ///< with all contacts, in S1 and S2
+
 bool is_scene(const std::string& name) {
     const std::vector<std::string> names = scene_names();
     return std::ranges::find(names, name) != names.end();
@@ -70,10 +75,21 @@ Json scaling_row(int count, const Plan& plan) {
 /// Boxes at rest, from few to very many: what a body costs must not depend on how many there are.
 Json scaling(const Plan& plan, const Done& done) {
     Json rows = Json::array();
+    double least = 1e9, most = 0;
     for (const int count : {100, 1000, 10000, 50000}) {
         if (plan.quick && count > 100) break;
-        rows.push_back(scaling_row(count, plan));
-        done("scaling", rows.back());
+        Json row = scaling_row(count, plan);
+        const Json& ours = row.at(chosen_contestants(plan)[0].name);
+        const double us = ours.at("us_per_body"), heap = ours.at("heap_bytes_per_body");
+        if (count >= 1000) least = std::min(least, us), most = std::max(most, us);
+        row["verdicts"] = Json::array();
+        if (count == 50000) {
+            row["verdicts"].push_back(
+                at_most("dearest / cheapest body, 1,000 to 50,000", most / least, 1.25));
+            row["verdicts"].push_back(at_most("heap, MB", 1e-6 * heap * count, heap_of_50000_mb));
+        }
+        done("scaling", row);
+        rows.push_back(std::move(row));
     }
     return rows;
 }
@@ -106,9 +122,7 @@ Json front(const Plan& plan, const Done& done) {
         who.push_back({.name = "Lockstone " + std::to_string(substeps), .substeps = substeps});
     if (is_built(Product::bullet))
         for (const int iterations : {5, 10, 20, 40})
-            who.push_back({.name = "Bullet " + std::to_string(iterations),
-                           .product = Product::bullet,
-                           .iterations = iterations});
+            who.push_back(bullet_as_it_comes("Bullet " + std::to_string(iterations), iterations));
     for (const char* name : front_scenes) {
         const BenchScene scene = make_bench_scene(name, size_of(plan));
         rows.push_back(json_of(scene, contest(scene, who, contest_plan(plan))));
@@ -117,12 +131,33 @@ Json front(const Plan& plan, const Done& done) {
     return rows;
 }
 
+/// S6 is the game that is rolled back.
+Json state_verdicts(const Json& row, const Plan& plan) {
+    Json list = Json::array();
+    const std::string name = row.at("scene");
+    if (name == "S1" || name == "S2")
+        list.push_back(at_most("snapshot, bytes a body", row.at("bytes_per_body"), snapshot_bytes_per_body));
+    if (name != "S6") return list;
+    const Json& eight = row.at("rollbacks").at(0);
+    list.push_back(at_most("rollback of 8 ticks / its ticks", eight.at("ratio"), 1.05));
+    if (!is_built(Product::bullet)) return list;
+    ContestPlan how = contest_plan(plan);
+    how.is_judged = false;
+    const std::vector<Run> bullet =
+        contest(make_bench_scene("S6", size_of(plan)), {bullet_as_it_comes("Bullet")}, how);
+    const double jolt_us = jolt_rollback_in_bullet_ticks * mean(bullet[0].tick_us);
+    list.push_back(at_most("rollback of 8 ticks, us, Jolt's here", eight.at("rollback_us"), jolt_us));
+    return list;
+}
+
 Json states(const Plan& plan, const Done& done) {
     Json rows = Json::array();
     for (const char* name : state_scenes) {
-        rows.push_back(
-            state_costs(make_bench_scene(name, size_of(plan)), chosen_contestants(plan)[0], plan.quick));
-        done("state", rows.back());
+        Json row =
+            state_costs(make_bench_scene(name, size_of(plan)), chosen_contestants(plan)[0], plan.quick);
+        row["verdicts"] = state_verdicts(row, plan);
+        done("state", row);
+        rows.push_back(std::move(row));
     }
     return rows;
 }

@@ -7,6 +7,11 @@ namespace {
 
 double number(const Json& json, const char* key) { return json.at(key).get<double>(); }
 std::string text(const Json& json, const char* key) { return json.at(key).get<std::string>(); }
+std::string short_number(double x) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.4g", x);
+    return text;
+}
 const char* verdict_of(bool good) { return good ? "good" : "MISSED"; }
 
 void print_verdict(const Json& verdict) {
@@ -14,6 +19,10 @@ void print_verdict(const Json& verdict) {
                 number(verdict, "must"));
     if (verdict.contains("goal")) std::printf(", goal %.4g", number(verdict, "goal"));
     std::printf("  %s\n", verdict_of(verdict.at("good").get<bool>()));
+}
+
+void print_verdicts(const Json& row) {
+    for (const Json& verdict : row.at("verdicts")) print_verdict(verdict);
 }
 
 void print_contest(const Json& scene) {
@@ -27,7 +36,7 @@ void print_contest(const Json& scene) {
                     text(run, "engine").c_str(), number(run, "mean_ms"), number(run, "median_ms"),
                     number(run, "p99_ms"), number(run, "heap_mb"), number(run, "overlap_mm"),
                     number(run, "overlap_static_mm"),
-                    stands ? std::to_string(number(run, "sway_mm")).c_str() : "",
+                    stands ? short_number(number(run, "sway_mm")).c_str() : "",
                     stands ? std::to_string(run.at("fallen").get<int>()).c_str() : "",
                     number(run, "joint_mm"), number(run, "joint_worst_mm"), run.at("lost").get<int>());
     }
@@ -35,7 +44,7 @@ void print_contest(const Json& scene) {
         if (const Json& ratio = scene.at(std::string(peer) + "_per_ours"); !ratio.is_null())
             std::printf("    %-16s %9.2f %9.2f %9.2f\n", (std::string(peer) + " / ours").c_str(),
                         number(ratio, "mean"), number(ratio, "median"), number(ratio, "p99"));
-    for (const Json& verdict : scene.at("verdicts")) print_verdict(verdict);
+    print_verdicts(scene);
 }
 
 void print_state(const Json& row) {
@@ -51,6 +60,7 @@ void print_state(const Json& row) {
                     rollback.at("depth").get<int>(), number(rollback, "rollback_us"),
                     number(rollback, "steps_us"), number(rollback, "ratio"),
                     rollback.at("is_exact").get<bool>() ? "" : "  NOT THE SAME BITS");
+    print_verdicts(row);
 }
 
 void print_awake(const Json& rows) {
@@ -68,6 +78,7 @@ void print_scaling(const Json& row) {
             std::printf("  %s %.3f us, %.0f bytes a body", engine.c_str(), number(costs, "us_per_body"),
                         number(costs, "heap_bytes_per_body"));
     std::printf("\n");
+    print_verdicts(row);
 }
 
 void print_verify(const Json& row) {

@@ -18,12 +18,6 @@ bool is_lost(const BenchScene& scene, V3 at) {
            std::abs(at.z) > scene.half_side;
 }
 
-/// Angle between two orientations [rad].
-double turned(Turn a, Turn b) {
-    const double c = std::abs(a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w);
-    return 2 * std::acos(std::min(c, 1.0));
-}
-
 /// The scene as it stands now, at rest; who is lost is put where nobody is. Joints stay, for whom they connect may overlap.
 Scene still_scene(const BenchScene& scene, const Engine& engine) {
     Scene still = scene.scene;
@@ -67,16 +61,12 @@ double widest_joint_mm(const Scene& scene, const Engine& engine) {
 }
 
 Quality quality_of(const BenchScene& scene, const Engine& engine) {
-    Quality quality{.joint_mm = widest_joint_mm(scene.scene, engine)};
-    for (std::size_t i = 0; i < scene.scene.bodies.size(); ++i) {
-        const Body& first = scene.scene.bodies[i];
-        if (first.mass == 0) continue;
-        const engines::State now = engine.state(static_cast<int>(i));
-        if (is_lost(scene, now.position)) ++quality.lost;
-        const V3 moved = now.position - first.position;
-        quality.sway_mm = std::max(quality.sway_mm, 1e3 * std::hypot(moved.x, moved.z));
-        if (-moved.y > 0.25 || turned(now.rotation, first.rotation) > radians(20)) ++quality.fallen;
-    }
+    Quality quality{.sway_mm = 1e3 * drift(scene.scene, engine),
+                    .fallen = fallen(scene.scene, engine, 0.25),
+                    .joint_mm = widest_joint_mm(scene.scene, engine)};
+    for (std::size_t i = 0; i < scene.scene.bodies.size(); ++i)
+        if (scene.scene.bodies[i].mass != 0 && is_lost(scene, engine.state(static_cast<int>(i)).position))
+            ++quality.lost;
     measure_overlap(scene, engine, quality);
     return quality;
 }

@@ -28,7 +28,14 @@ BenchScene pyramid(Size) {
     made.scene.add(ground(0.6));
     add_pyramid(made.scene, 40, {});
     made.ticks = 300, made.judged_after = 1200, made.counted_from = 100, made.stands = true;
-    made.target = {2.0, 3.0, 30, 20, 7, false, 20, 0};
+    made.landed_after = 0;
+    made.target = {.ratio_must = 2.0,
+                   .ratio_goal = 3.0,
+                   .instructions_must = 30,
+                   .instructions_goal = 20,
+                   .overlap_mm = 7,
+                   .sway_mm = 20,
+                   .heap_mb = 9.0};
     return made;
 }
 
@@ -43,7 +50,12 @@ BenchScene pile(Size) {
         made.scene.add(body);
     }
     made.counted_from = 400, made.half_side = 5;
-    made.target = {2.5, 3.7, 30, 20, 40, false, 0, 0};
+    made.target = {.ratio_must = 2.5,
+                   .ratio_goal = 3.7,
+                   .instructions_must = 30,
+                   .instructions_goal = 20,
+                   .overlap_mm = 40,
+                   .heap_mb = 10.4};
     return made;
 }
 
@@ -58,7 +70,13 @@ BenchScene hulls(Size) {
         made.scene.add(body);
     }
     made.half_side = 5;
-    made.target = {4.9, 7.3, 24, 16, 3, true, 0, 0};
+    made.target = {.ratio_must = 4.9,
+                   .ratio_goal = 7.3,
+                   .instructions_must = 24,
+                   .instructions_goal = 16,
+                   .overlap_mm = 3,
+                   .overlap_with_static = true,
+                   .heap_mb = 9.0};
     return made;
 }
 
@@ -73,7 +91,13 @@ BenchScene ragdolls(Size) {
         for (std::size_t k = first; k < made.scene.bodies.size(); ++k) made.scene.bodies[k].velocity = push;
     }
     for (Body& body : made.scene.bodies) body.friction = 0.6;
-    made.target = {1.7, 2.6, 18, 12, 15, false, 0, 15};
+    made.target = {.ratio_must = 1.7,
+                   .ratio_goal = 2.6,
+                   .instructions_must = 18,
+                   .instructions_goal = 12,
+                   .overlap_mm = 15,
+                   .joint_mm = 15,
+                   .heap_mb = 5.0};
     return made;
 }
 
@@ -110,7 +134,11 @@ BenchScene terrain(Size) {
         made.scene.add(body);
     }
     made.half_side = 50;
-    made.target = {2.0, 3.0, 24, 16, 20, false, 0, 0};
+    made.target = {.ratio_must = 2.0,
+                   .ratio_goal = 3.0,
+                   .instructions_must = 24,
+                   .instructions_goal = 16,
+                   .overlap_mm = 20};
     return made;
 }
 
@@ -134,7 +162,12 @@ BenchScene rollback(Size) {
         }
     };
     made.counted_from = 200, made.half_side = 12;
-    made.target = {1.8, 2.6, 1.3, 0.9, 3, false, 0, 0};
+    made.landed_after = 60;
+    made.target = {.ratio_must = 1.8,
+                   .ratio_goal = 2.6,
+                   .instructions_must = 1.3,
+                   .instructions_goal = 0.9,
+                   .overlap_mm = 3};
     return made;
 }
 
@@ -145,7 +178,7 @@ BenchScene many_pyramids(Size size) {
     for (int i = 0; i < side * side; ++i)
         add_pyramid(made.scene, 10,
                     {12.0 * (i % side - 0.5 * (side - 1)), 0, 4.0 * (i / side - 0.5 * (side - 1))});
-    made.ticks = made.judged_after = 100, made.counted_from = 60, made.stands = true;
+    made.ticks = made.judged_after = 100, made.landed_after = 0, made.counted_from = 60, made.stands = true;
     return made;
 }
 
@@ -175,7 +208,8 @@ BenchScene joint_grid(Size size) {
     for (int i = 0; i < side * side; ++i) // a gust
         if (Body& ball = made.scene.bodies[static_cast<std::size_t>(i)]; ball.mass != 0)
             ball.velocity = {0, 0, 2};
-    made.ticks = made.judged_after = 120, made.counted_from = 80, made.floor = -300;
+    made.ticks = made.judged_after = 120, made.landed_after = 0, made.counted_from = 80, made.floor = -300;
+    made.target.instructions_must = 6000e-6 * 19800; // 6,000 a joint
     return made;
 }
 
@@ -214,6 +248,7 @@ BenchScene drum(Size size) {
                                          0.47 * (layer - 0.5 * (deep - 1))}));
     }
     made.ticks = made.judged_after = 300, made.counted_from = 250, made.floor = -radius - 2;
+    made.target.p99_per_mean = 3, made.target.contacts = 35000;
     return made;
 }
 
@@ -252,7 +287,7 @@ BenchScene resting_boxes(int count) {
     for (int i = 0; i < count; ++i)
         made.scene.add(solid(box({0.5, 0.5, 0.5}), {2.0 * (i % side - 0.5 * (side - 1)), 0.5,
                                                     2.0 * (i / side - 0.5 * (side - 1))}));
-    made.ticks = made.judged_after = 40, made.stands = true;
+    made.ticks = made.judged_after = 40, made.landed_after = 0, made.stands = true;
     return made;
 }
 

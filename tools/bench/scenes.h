@@ -18,6 +18,9 @@ struct Target {
     bool overlap_with_static = false; ///< of that, what is asked is the overlap with what stands still
     double sway_mm = 0;               ///< and nothing falls
     double joint_mm = 0;              ///< the widest joint in the whole run
+    double heap_mb = 0;               ///< at the end
+    double p99_per_mean = 2;          ///< of the ticks once bodies have landed
+    double contacts = 0;              ///< points in the last tick, near ones too
 };
 
 struct BenchScene {
@@ -26,6 +29,7 @@ struct BenchScene {
     engines::Scene scene = {};
     int ticks = 600;        ///< timed
     int judged_after = 600; ///< ticks: then its quality is measured; what is beyond `ticks` is not timed
+    int landed_after = 150; ///< ticks
     int counted_from = 300; ///< the tick from which instructions are counted
     std::function<void(engines::Engine&, int tick)> script = {}; ///< before a tick, none: nothing
     double half_side = 1e9, floor = -5; ///< [m]: whoever is farther out along x or z, or lower, is lost

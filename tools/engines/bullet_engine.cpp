@@ -1,7 +1,8 @@
 // A scene in Bullet: btDiscreteDynamicsWorld with its default solver settings.
 //
-// What it is given beyond defaults: exact inertia, no deactivation unless the scene allows it, hulls of the size they
-// have with 1 mm of margin included, square roots of the coefficients, as it multiplies those of a pair.
+// What it is given beyond defaults: exact inertia, no deactivation unless the scene allows it, square roots of the
+// coefficients, as it multiplies those of a pair, and hulls of the size they have with 1 mm of margin included. A
+// contestant may take hulls as they come; then they are 40 mm thicker, and quicker.
 #include "engines/scene.h"
 
 #ifdef LOCKSTONE_BULLET
@@ -19,6 +20,13 @@ btTransform pose_of(V3 position, Turn q) {
     return btTransform(btQuaternion(scalar(q.x), scalar(q.y), scalar(q.z), scalar(q.w)), vec(position));
 }
 V3 back(const btVector3& v) { return {double{v.x()}, double{v.y()}, double{v.z()}}; }
+
+std::unique_ptr<btCollisionShape> hull_of_points(const Shape& shape) {
+    auto hull = std::make_unique<btConvexHullShape>();
+    for (V3 p : shape.points) hull->addPoint(vec(p), false);
+    hull->recalcLocalAabb();
+    return hull;
+}
 
 /// Its faces are moved inwards by the margin that Bullet adds.
 std::unique_ptr<btCollisionShape> hull_of(const Shape& shape) {
@@ -53,7 +61,7 @@ std::unique_ptr<btCollisionShape> mesh_of(const Shape& shape) {
     return std::make_unique<Mesh>(std::move(triangles));
 }
 
-std::unique_ptr<btCollisionShape> shape_of(const Shape& shape) {
+std::unique_ptr<btCollisionShape> shape_of(const Shape& shape, bool default_margins) {
     const V3 h = shape.half;
     switch (shape.kind) {
     case Kind::sphere:
@@ -65,7 +73,7 @@ std::unique_ptr<btCollisionShape> shape_of(const Shape& shape) {
     case Kind::cylinder:
         return std::make_unique<btCylinderShape>(vec(h));
     case Kind::hull:
-        return hull_of(shape);
+        return default_margins ? hull_of_points(shape) : hull_of(shape);
     case Kind::mesh:
         return mesh_of(shape);
     case Kind::plane:
@@ -78,8 +86,8 @@ class Bullet final : public Engine {
   public:
     Bullet(const Contestant& c, const Scene& scene)
         : dispatcher(&configuration), world(&dispatcher, &broad_phase, &solver, &configuration),
-          attraction(scene.attraction), sleeping(scene.sleeping), steps(c.substeps == 0 ? 1 : c.substeps),
-          step_time(1.0 / (c.rate * steps)) {
+          attraction(scene.attraction), default_margins(c.default_margins), sleeping(scene.sleeping),
+          steps(c.substeps == 0 ? 1 : c.substeps), step_time(1.0 / (c.rate * steps)) {
         world.setGravity(vec(scene.gravity));
         if (c.iterations != 0) world.getSolverInfo().m_numIterations = c.iterations;
         for (const Body& body : scene.bodies) add(body);
@@ -141,10 +149,10 @@ class Bullet final : public Engine {
     }
 
     std::unique_ptr<btCollisionShape> shape_with_parts(const Body& body) {
-        if (body.parts.empty()) return shape_of(body.shape);
+        if (body.parts.empty()) return shape_of(body.shape, default_margins);
         auto whole = std::make_unique<btCompoundShape>();
         const auto add_part = [&](const Shape& shape, const btTransform& at) {
-            shapes.push_back(shape_of(shape));
+            shapes.push_back(shape_of(shape, default_margins));
             whole->addChildShape(at, shapes.back().get());
         };
         add_part(body.shape, btTransform::getIdentity());
@@ -215,6 +223,7 @@ class Bullet final : public Engine {
     std::vector<Moved> kinematic;
     std::vector<std::unique_ptr<btTypedConstraint>> joints;
     double attraction;
+    bool default_margins;
     bool sleeping;
     int steps;
     double step_time;

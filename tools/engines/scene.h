@@ -143,6 +143,8 @@ struct Contestant {
     int substeps = 0;   ///< 0: the default: Lockstone's own, one for the others
     int iterations = 0; ///< of the peers' solvers; 0: their default, 10 of Bullet and 20 of ODE
     Scheme scheme = Scheme::semi_implicit_euler;
+    /// Bullet only: hulls with its default margin of 40 mm, which is outside of their described size; else 1 mm within it.
+    bool default_margins = false;
     unsigned threads = 1;     ///< Lockstone only
     bool by_wall = false;     ///< the clock is the wall's: with several threads it has to be; Lockstone only
     double contact_hertz = 0; ///< 0: the default; Lockstone only
@@ -163,6 +165,12 @@ std::unique_ptr<Engine> make_ode(const Contestant& contestant, const Scene& scen
 double energy(const Scene& scene, const Engine& engine);
 /// How far the anchors of a joint on its two bodies have come apart [m]; not of a slider.
 double gap(const Scene& scene, const Engine& engine, const Joint& joint);
+/// Largest horizontal distance from where it started, of all dynamic bodies [m].
+double drift(const Scene& scene, const Engine& engine);
+/// Dynamic bodies that dropped by more than `drop` [m] or turned by more than 20 degrees.
+int fallen(const Scene& scene, const Engine& engine, double drop);
+/// Angle between two orientations [rad].
+double turned(Turn a, Turn b);
 V3 angular_momentum(const Body& body,
                     const State& state); ///< about the centre of mass [kg m^2/s], world axes
 
