@@ -197,7 +197,7 @@ std::uint32_t manifolds_of(const Couple& c, std::span<const ContactMemory> old, 
     if ((c.a->one_way | c.b->one_way) != 0 &&
         passes(c, old, lockstone::mul<Unit>(axes, worker.manifolds.items[0].normal)))
         flags |= dynamics::contact_passing;
-    std::uint32_t taken = 0;
+    dynamics::Taken taken;
     for (std::uint32_t i = 0; i < worker.manifolds.count; ++i) {
         rows[i] = memory_of(c, worker.manifolds.items[i], flags);
         dynamics::carry_impulses(old, taken, rows[i]);
