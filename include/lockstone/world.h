@@ -127,6 +127,13 @@ struct PhaseHash {
     std::uint64_t hash;
 };
 
+/// Is told what a tick has done, for profilers. It is handed no state and hands nothing back: no bit can depend on it.
+class PhaseObserver {
+  public:
+    virtual ~PhaseObserver() = default;
+    virtual void on_phase(const char* phase) = 0; ///< has passed; its work is what was done since the last call
+};
+
 class World {
   public:
     /// `assets` are what hulls, meshes, height fields and compounds are made of; see lockstone/asset.h.
@@ -303,6 +310,7 @@ class World {
 
     // ---- diagnosis ----
     void set_journal(Journal* journal);              ///< null detaches; not owned, not state
+    void observe_phases(PhaseObserver* observer);    ///< null detaches; not owned, not state, not cloned
     void record_phase_hashes(bool on);               ///< off by default; costs a hash per phase
     std::span<const PhaseHash> phase_hashes() const; ///< of the last tick
     /// What ticks leave behind outside of the state, and no later one may see.

@@ -133,6 +133,7 @@ struct Data {
     std::vector<PhaseHash> phase_hashes;
     std::vector<Event> events;
     std::vector<World::ContactPoint> contact_points;
+    PhaseObserver* observer = nullptr;
 
     const Header& header() const { return state.rows(m.header)[0]; }
     Header& edit_header() { return state.edit_row(m.header, 0); }
