@@ -22,7 +22,7 @@ enum class BodyKind : std::uint32_t {
     dynamic,   ///< moves under forces and contacts
 };
 
-/// Bits of BodyDef::locks: motion along or about a world axis that never happens.
+/// Bits of BodyDef::locks: motion along or about a world axis that never happens. Velocity given along or about it is dropped.
 enum AxisLock : std::uint32_t {
     lock_linear_x = 1,
     lock_linear_y = 2,
