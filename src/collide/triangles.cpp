@@ -253,15 +253,15 @@ shapes::Extent extent_in(const shapes::Solid& b, const RelativePose& pose, Lengt
     const Long3 columns[3] = {raw(pose.rotation.x), raw(pose.rotation.y), raw(pose.rotation.z)};
     shapes::Extent out;
     for (int i = 0; i < 3; ++i) {
-        std::int64_t least = 0, most = 0; // 54 fraction bits; a shape reaches less than 2^9 m
+        Wide least = Wide::from(0), most = least; // 54 fraction bits; a scaled primitive reaches 1.4 km: 2^65
         for (int j = 0; j < 3; ++j) {
-            const std::int64_t x = columns[j][i] * lower[j], y = columns[j][i] * upper[j];
-            least += smaller(x, y);
-            most += larger(x, y);
+            const Wide x = Wide::product(columns[j][i], lower[j]), y = Wide::product(columns[j][i], upper[j]);
+            least = least + (y < x ? y : x);
+            most = most + (x < y ? y : x);
         }
         const std::int64_t at = raw(pose.position)[i], grown = std::int64_t{margin.raw} + 2;
-        out.lower[i] = coordinate(at + (least >> 30) - grown);
-        out.upper[i] = coordinate(at + (most >> 30) + grown);
+        out.lower[i] = coordinate(at + saturate_to_int64(least >> 30) - grown);
+        out.upper[i] = coordinate(at + saturate_to_int64(most >> 30) + grown);
     }
     return out;
 }

@@ -36,7 +36,8 @@ BodyId thrown(World& w, std::uint32_t locks, int way) {
     BodyDef def{.locks = locks};
     if (way == 0) def.linear_velocity = fast, def.angular_velocity = turning;
     if (way == 2) def.locks = 0, def.linear_velocity = fast, def.angular_velocity = turning;
-    const BodyId b = add(w, def, {.geometry = box(real(0.5), real(0.4), real(0.3)), .local = at(0.2, 0.1, 0.3)});
+    const BodyId b =
+        add(w, def, {.geometry = box(real(0.5), real(0.4), real(0.3)), .local = at(0.2, 0.1, 0.3)});
     if (way == 1) done(w.set_velocity(b, fast, turning));
     if (way == 2) done(w.set_body_parameters({b, Real{}, Real{}, Real(1), locks, 1, 0}));
     if (way == 3) done(w.add_impulse(b, vec(900, 800, 700), vec(100, 90, 80)));
@@ -63,7 +64,8 @@ TEST_CASE("a body has no motion along or about locked axes, however velocity is 
         }
 }
 
-TEST_CASE("a locked body in gravity, wind, a spring field and contact with others stays on its axes, by every integrator") {
+TEST_CASE("a locked body in gravity, wind, a spring field and contact with others stays on its axes, by "
+          "every integrator") {
     for (std::uint32_t scheme = 0; scheme < 4; ++scheme)
         for (const std::uint32_t locks : {1u, 2u, 4u, 5u, 7u, std::uint32_t{lock_planar_xy}, 63u}) {
             WorldDef def = small_def();
@@ -85,7 +87,8 @@ TEST_CASE("a locked body in gravity, wind, a spring field and contact with other
         }
 }
 
-TEST_CASE("planted fault: a velocity that a state brings along a locked axis is dropped by the tick, and seen before it") {
+TEST_CASE("planted fault: a velocity that a state brings along a locked axis is dropped by the tick, and "
+          "seen before it") {
     World w = made(World::create(weightless()));
     const BodyId b = thrown(w, lock_planar_xy, 0);
     const auto& layout = w.state().layout();
