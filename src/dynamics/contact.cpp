@@ -185,7 +185,7 @@ void fill_rolling(RollingRows<N>& rows, unsigned lane, const SolverBodies& bodie
                lb = rolling_length(mass_of(mass, contact.body_b));
     const Real length = !sa.movable ? lb : !sb.movable ? la : min(la, lb);
     if (length <= Real{} || (!sa.movable && !sb.movable)) return;
-    Row xa[3], xb[3];
+    Row xa[3]{}, xb[3]{}; // zero of what does not move
     std::int64_t inverse[3], least = 0;
     constexpr std::int32_t nothing[3] = {0, 0, 0};
     for (int r = 0; r < 3; ++r) {

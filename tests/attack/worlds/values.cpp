@@ -1,4 +1,4 @@
-#include "attack/worlds/values.h"
+#include "values.h"
 
 #include <algorithm>
 

@@ -3,7 +3,7 @@
 //   worlds FIRST LAST      a line for each seed: seed, digest of the hashes of all its ticks and of what queries answered
 //
 // A definition that the world refuses is an answer too; what it takes must tick without anything undefined.
-#include "attack/worlds/values.h"
+#include "values.h"
 
 #include <cstdio>
 #include <cstdlib>
@@ -98,8 +98,11 @@ class Attacked {
     void command() {
         const Real force = Real(2000000000);
         switch (v.below(14)) {
-        case 0:
-            return told(world.set_pose(body(), v.near(center, reach)));
+        case 0: {
+            const BodyId which = body();
+            const Transform to = v.near(center, reach);
+            return told(world.set_pose(which, to));
+        }
         case 1: {
             const BodyId which = body();
             const Vec3 linear = v.as_long_as(Real(500)), angular = v.each_within(Real(4095));
@@ -158,7 +161,7 @@ class Attacked {
         case 6:
             return add_joint();
         case 7:
-            return told(world.destroy(body()));
+            return world.body_count() > 1 ? told(world.destroy(body())) : void();
         default:
             return told(world.restore_portable(world.save_portable()));
         }
