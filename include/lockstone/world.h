@@ -212,10 +212,11 @@ class World {
     FieldId field_at(std::uint32_t row) const; ///< row < field_count()
     FieldDef field(FieldId field) const;
     std::vector<BodyId> bodies() const; ///< by row; allocates
-    bool is_awake(BodyId body) const; ///< static and kinematic bodies that nothing moves are not
-    std::uint32_t awake_count() const; ///< bodies of all kinds
+    bool is_awake(BodyId body) const;   ///< static and kinematic bodies that nothing moves are not
+    std::uint32_t awake_count() const;  ///< bodies of all kinds
     std::uint32_t body_count() const;
-    BodyId body_at(std::uint32_t row) const;  ///< row < body_count(); rows move when bodies are destroyed, fall asleep, wake
+    BodyId body_at(std::uint32_t row)
+        const; ///< row < body_count(); rows move when bodies are destroyed, fall asleep, wake
     Transform pose(BodyId body) const;        ///< of the body's origin
     Vec3 center_of_mass(BodyId body) const;   ///< world [m]
     Vec3 linear_velocity(BodyId body) const;  ///< of the centre of mass [m/s]
@@ -239,11 +240,11 @@ class World {
     JointState joint_state(JointId joint) const;
     std::vector<JointId> joints(BodyId body) const; ///< newest first; allocates
     std::uint32_t vehicle_count() const;
-    VehicleId vehicle_at(std::uint32_t row) const;         ///< row < vehicle_count()
-    const VehicleDef& vehicle(VehicleId vehicle) const;    ///< valid until the state changes
+    VehicleId vehicle_at(std::uint32_t row) const;      ///< row < vehicle_count()
+    const VehicleDef& vehicle(VehicleId vehicle) const; ///< valid until the state changes
     VehicleInput vehicle_input(VehicleId vehicle) const;
     VehicleState vehicle_state(VehicleId vehicle) const;
-    Real kinetic_energy() const;                    ///< [J], of all dynamic bodies; saturates
+    Real kinetic_energy() const; ///< [J], of all dynamic bodies; saturates
     template <StateRow T> const T& read(Column<T> column, BodyId body) const {
         return *reinterpret_cast<const T*>(row_bytes(column.index, body).data());
     }
@@ -260,6 +261,7 @@ class World {
         UnitVec3 normal;       ///< a to b
         Separation separation; ///< [m] at the start of the tick
         Speed impulse;         ///< normal impulse over reduced mass, velocity units [m/s]
+        SurfacePart part_a, part_b;
     };
     std::span<const ContactPoint> contacts() const;
 

@@ -128,14 +128,17 @@ void merge_manifolds(std::span<const Manifold> pieces, bool one_point, std::vect
         const std::int64_t limit = least + (one_point ? 0 : noise_27);
         const auto leader =
             std::find_if(rest.begin(), rest.end(), [&](auto i) { return deepest_of(pieces[i]) <= limit; });
-        const Long3 normal = raw(pieces[*leader].normal);
+        const Manifold& deepest = pieces[*leader];
+        const Long3 normal = raw(deepest.normal);
         Manifold& m = out.items[out.count++];
         m = Manifold{};
-        m.normal = pieces[*leader].normal;
+        m.normal = deepest.normal;
+        m.piece_a = deepest.piece_a, m.piece_b = deepest.piece_b, m.surface = deepest.surface;
         // The members to the front, all in their order: a stable partition in place, without memory.
         std::size_t members = 0;
         for (std::size_t k = 0; k < rest.size(); ++k) {
-            if (dot(raw(pieces[rest[k]].normal), normal) < parallel_60) continue;
+            const Manifold& piece = pieces[rest[k]];
+            if (piece.surface != deepest.surface || dot(raw(piece.normal), normal) < parallel_60) continue;
             std::rotate(rest.begin() + static_cast<std::ptrdiff_t>(members),
                         rest.begin() + static_cast<std::ptrdiff_t>(k),
                         rest.begin() + static_cast<std::ptrdiff_t>(k) + 1);

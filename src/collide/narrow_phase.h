@@ -36,6 +36,11 @@ struct Manifold {
     UnitVec3 normal; ///< from A to B, in A's axes
     std::uint32_t count;
     ManifoldPoint points[4]; ///< beyond `count`: zero
+    // Of shapes of many pieces: which of them touch most deeply.
+    std::uint32_t piece_a; ///< triangle or part of A
+    std::uint32_t piece_b; ///< part of B
+    std::uint32_t
+        surface; ///< of A's triangle, shapes::surface_number: manifolds of different ones stay apart
 };
 static_assert(std::has_unique_object_representations_v<Manifold>);
 

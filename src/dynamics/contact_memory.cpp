@@ -10,8 +10,15 @@ namespace {
 /// How far a point may be from a remembered one of another feature and still be the same contact [m].
 constexpr std::int64_t same_point_distance = decimal<Length>("0.02").raw;
 
+/// 44 fraction bits. Differences reach 256 m, whose square is beyond 64 bits; what is further than 64 m along an axis counts
+/// as that far, for nothing so far is the same point.
+constexpr std::int64_t far = std::int64_t{64} << Length::fraction_bits;
+
 std::int64_t distance_squared(LengthVec3 a, LengthVec3 b) {
-    const auto square = [](std::int64_t d) { return (d * d) >> 4; };
+    const auto square = [](std::int64_t d) {
+        const std::int64_t near = std::clamp(d, -far, far); // 2^30: the sum of three stays below 2^58
+        return (near * near) >> 4;
+    };
     return square(std::int64_t{a.x.raw} - b.x.raw) + square(std::int64_t{a.y.raw} - b.y.raw) +
            square(std::int64_t{a.z.raw} - b.z.raw);
 }

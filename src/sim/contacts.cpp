@@ -2,6 +2,7 @@
 #include "sim/phases.h"
 
 #include "lockstone/math.h"
+#include "sim/surface.h"
 
 #include <algorithm>
 
@@ -53,7 +54,12 @@ Couple couple_of(const Data& w, const ContactKey& key) {
 ContactMemory memory_of(const Couple& c, const collide::Manifold& manifold, std::uint32_t flags) {
     ContactMemory memory{};
     memory.flags = flags;
-    memory.count = manifold.count;
+    memory.count = static_cast<std::uint16_t>(manifold.count);
+    // Only shapes of many pieces say which of them it is.
+    if (c.a->geometry.kind >= ShapeKind::compound && c.a->geometry.kind <= ShapeKind::mesh)
+        memory.piece_a = manifold.piece_a;
+    if (c.b->geometry.kind == ShapeKind::compound)
+        memory.piece_b = static_cast<std::uint16_t>(manifold.piece_b);
     memory.normal = manifold.normal;
     for (std::uint32_t k = 0; k < manifold.count; ++k) {
         const collide::ManifoldPoint& p = manifold.points[k];
@@ -94,11 +100,11 @@ Real mixed(Mix rule_a, Mix rule_b, Real a, Real b) {
 }
 
 /// What the surfaces of b and a do against each other besides the bodies' motion, world axes.
-SpeedVec3 surface_velocity(const Couple& c) {
-    const auto of = [](const ShapeRow& shape, const Scratch::Shape& at) {
-        return shape.surface_velocity == Vec3{} ? Vec3{} : rotate(at.pose.rotation, shape.surface_velocity);
+SpeedVec3 surface_velocity(const Couple& c, const Touch& a, const Touch& b) {
+    const auto of = [](const Touch& touch, const Scratch::Shape& at) {
+        return touch.velocity == Vec3{} ? Vec3{} : rotate(at.pose.rotation, touch.velocity);
     };
-    return to<Speed>(of(*c.b, *c.at_b) - of(*c.a, *c.at_a));
+    return to<Speed>(of(b, *c.at_b) - of(a, *c.at_a));
 }
 
 /// Closing speed of the two bodies at a point, along the normal.
@@ -159,18 +165,20 @@ void add_contact(const Data& w, const Couple& c, std::uint32_t row, const Contac
         advance_levers(w, c, contact.points[k]);
         if (separation >= deepest) continue;
         deepest = separation;
+        seen.deepest_row = row - seen.first_row;
         seen.point = c.at_b->pose.position + to<Real>(arm);
         seen.normal = c.flipped ? -contact.normal : contact.normal;
         seen.approach = approach_speed(w, c, contact.normal, contact.points[k]);
     }
     if (c.sensor || (memory.flags & dynamics::contact_passing) != 0) return;
     if (is_movers_contact(w, c.a->body, c.b->body, contact.normal)) return;
-    contact.friction =
-        to<Jacobian>(mixed(c.a->friction_mix, c.b->friction_mix, c.a->friction, c.b->friction));
+    const Touch a = touch_of(*c.a, c.at_a->solid, memory.piece_a),
+                b = touch_of(*c.b, c.at_b->solid, memory.piece_b);
+    contact.friction = to<Jacobian>(mixed(c.a->friction_mix, c.b->friction_mix, a.friction, b.friction));
     contact.restitution =
-        to<Unit>(mixed(c.a->restitution_mix, c.b->restitution_mix, c.a->restitution, c.b->restitution));
-    contact.rolling = to<Unit>(max(c.a->rolling_resistance, c.b->rolling_resistance));
-    contact.surface_velocity = surface_velocity(c);
+        to<Unit>(mixed(c.a->restitution_mix, c.b->restitution_mix, a.restitution, b.restitution));
+    contact.rolling = to<Unit>(max(a.rolling, b.rolling));
+    contact.surface_velocity = surface_velocity(c, a, b);
     contacts.push_back(contact);
 }
 

@@ -45,7 +45,7 @@ struct Scratch {
 
     // What the proxies of resting shapes were made of, so that only what changed since is looked at.
     ChangeMark proxies_of;
-    std::uint32_t awake_before = 0;              ///< bodies, when bounds were last updated
+    std::uint32_t awake_before = 0;             ///< bodies, when bounds were last updated
     std::vector<std::uint32_t> solids_replaced; ///< shape slots that rested when another solid was put there
     std::vector<RowRange> changed;
 
@@ -72,10 +72,11 @@ struct Scratch {
     struct Seen {
         std::uint32_t first_row, row_count; ///< of the contact table
         bool was_touching;
-        bool overlaps;   ///< near enough to count as touching, before the solve
-        UnitVec3 normal; ///< key a to key b
-        Vec3 point;      ///< deepest, world
-        Speed approach;  ///< [m/s], positive when closing
+        bool overlaps;             ///< near enough to count as touching, before the solve
+        UnitVec3 normal;           ///< key a to key b
+        Vec3 point;                ///< deepest, world
+        Speed approach;            ///< [m/s], positive when closing
+        std::uint32_t deepest_row; ///< of the pair's rows, where `point` is
     };
     std::vector<Seen> seen;
     std::vector<dynamics::Contact> contacts;
@@ -113,7 +114,8 @@ struct Scratch {
     std::vector<JointId> broken;
     VehicleSolver vehicle_solver;
     std::vector<FieldRow> pulls; ///< fields of acceleration, in row order
-    std::vector<std::uint32_t> categories; ///< by row of what is awake, of its shapes; empty while no pull looks at them
+    std::vector<std::uint32_t>
+        categories; ///< by row of what is awake, of its shapes; empty while no pull looks at them
     FluidSolver fluids;
 };
 

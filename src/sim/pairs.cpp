@@ -104,8 +104,16 @@ void find_keys(Data& w) {
 
 } // namespace
 
+/// A primitive at a scale of 2 to 8, which is static, and a mesh or height field: one of them a sensor. Triangles take shapes of
+/// up to 174 m: beyond, heights over their planes leave 64 bits.
+static bool is_too_large(const ShapeRow& primitive, const ShapeRow& terrain) {
+    return primitive.geometry.kind <= ShapeKind::box && primitive.geometry.scale != scale_one &&
+           (terrain.geometry.kind == ShapeKind::mesh || terrain.geometry.kind == ShapeKind::height_field);
+}
+
 bool may_meet(const Data& w, const ShapeRow& a, const ShapeRow& b) {
     if (a.body == b.body || (a.sensor != 0 && b.sensor != 0)) return false;
+    if (is_too_large(a, b) || is_too_large(b, a)) return false;
     const std::span<const BodyInfo> info = w.state.rows(w.m.body_info);
     const BodyKind kind_a = info[w.row_of(a.body)].kind, kind_b = info[w.row_of(b.body)].kind;
     const bool any_dynamic = kind_a == BodyKind::dynamic || kind_b == BodyKind::dynamic;
