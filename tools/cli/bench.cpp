@@ -37,7 +37,7 @@ Result<nlohmann::ordered_json> measure(const std::string& scene, const Args& arg
     for (std::uint64_t tick = 0; tick < args.ticks; ++tick) {
         const std::span<const PlayerInput> inputs = source.at(tick);
         const auto before = Clock::now();
-        started->game->advance(world, inputs);
+        if (Status s = started->game->advance(world, inputs); !s) return s.error();
         tick_us.push_back(microseconds_since(before));
         progress.at(tick + 1);
     }
