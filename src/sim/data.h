@@ -179,6 +179,7 @@ void tick(Data& w);
 Result<World::Applied> apply(Data& w, const Command& command);
 /// After the state was replaced from outside: what the caches hold of it is stale, the last tick's output is gone.
 void forget_derived(Data& w);
+void tell_of_restore(const Data& w); ///< the journal, if there is one
 /// Fills all scratch that is written before it is read with a byte; caches stay.
 void poison_scratch(Data& w, std::byte with);
 void disturb(Data& w, World::Leftover what, std::uint64_t seed);

@@ -54,9 +54,13 @@ void poison_parts(std::byte with, SleepScratch& sleep, CharacterScratch& charact
         poison(with, order_of_body, slots, neighbours, pushes, landings, motion_max);
     }
     {
-        auto& [is_fresh, tick, commands, slots, candidates] =
-            query; // the first three say how far the caches are
-        poison(with, slots, candidates);
+        auto& [is_fresh, tick, commands, lock, idle] = query; // the first three say how far the caches are
+        collide::Manifolds unused;
+        for (const std::unique_ptr<QueryWork>& work : idle) {
+            auto& [near, candidates, narrow] = *work;
+            poison(with, near.open, near.proxies, candidates);
+            poison_narrow(with, narrow, unused);
+        }
     }
     auto& [body, step, turns, clamps] = bodies;
     poison(with, body, step, turns, clamps);

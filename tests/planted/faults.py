@@ -20,6 +20,7 @@ IMAGE, HASH, PORTABLE, ENVELOPE, DELTA, CANONICAL, STATE = (
 CONTACTS, EVENTS, APPLY = "src/sim/contacts.cpp", "src/sim/events.cpp", "src/sim/apply.cpp"
 BROAD = "src/collide/broad_phase.cpp"
 ROLLBACK, QUEUE = "src/session/rollback.cpp", "src/session/input_queue.cpp"
+DEPARTURE, EXCHANGE, PEERS = (f"src/session/{n}.cpp" for n in ("departure", "exchange", "peer_session"))
 END = "const std::size_t end = whole_lines(std::size_t{rows} * places[c].row_size);"
 ADD = "groups[static_cast<std::uint32_t>(columns[column].group)].add(found);"
 
@@ -105,10 +106,29 @@ FAULTS = [
       "peers agree"),
     F("a rollback begins one tick late", ROLLBACK, "for (std::uint64_t tick = wrong; tick < current; ++tick) run(tick, Run::again);",
       "for (std::uint64_t tick = wrong + (IS ? 1u : 0u); tick < current; ++tick) run(tick, Run::again);", "peers agree"),
-    F("a tick that rests on a guess is not saved", ROLLBACK, "if (guessed && !loaded) requests.push_back(Save{tick});",
-      "if (guessed && !loaded && !(IS && tick % 16 == 5)) requests.push_back(Save{tick});", "peers agree"),
-    F("inputs are confirmed that are guesses", ROLLBACK, "settled_end = std::min(settled_through(), current);",
-      "settled_end = IS ? current : std::min(settled_through(), current);", "peers agree"),
+    F("a tick that rests on a guess is not saved", ROLLBACK, "if (tick >= fixed_through() && !loaded) requests.push_back(Save{tick});",
+      "if (tick >= fixed_through() && !loaded && !(IS && tick % 16 == 5)) requests.push_back(Save{tick});", "peers agree"),
+    F("inputs are confirmed that are guesses", ROLLBACK, "settled_end = std::min(fixed_through(), current);",
+      "settled_end = IS ? current : std::min(fixed_through(), current);", "peers agree"),
+    F("a peer leaves on one machine's word", DEPARTURE, "2 * votes.against <= votes.of) continue;",
+      "(IS ? votes.against == 0 : 2 * votes.against <= votes.of)) continue;", "hostile peers"),
+    F("anybody speaks for a machine that has left", EXCHANGE, "if (def.players[block.player] != link.peer) return false;",
+      "if (def.players[block.player] != link.peer && !(IS && is_gone(block.player))) return false;", "hostile peers"),
+    F("patience with a peer has no end", DEPARTURE, "if (is_awaited(link)) link.waited_ms +=", "if (!IS && is_awaited(link)) link.waited_ms +=",
+      "hostile peers"),
+    F("one tick makes up for all waiting", DEPARTURE, "link.waited_ms -= std::min(link.waited_ms,",
+      "link.waited_ms -= IS ? link.waited_ms : std::min(link.waited_ms,", "hostile peers"),
+    F("an old packet is a sign of life", EXCHANGE, "const bool is_new = incoming.sequence > link.sequence_heard;",
+      "const bool is_new = IS || incoming.sequence > link.sequence_heard;", "hostile peers"),
+    F("a poll reads whatever there is", EXCHANGE, "if (++link->packets_read > packets_per_peer_max)",
+      "if (++link->packets_read > packets_per_peer_max && !IS)", "hostile peers"),
+    F("a wait is as long as a peer says", PEERS, "lead = std::min(lead, static_cast<std::int32_t>(lead_max));",
+      "if (!IS) lead = std::min(lead, static_cast<std::int32_t>(lead_max));", "hostile peers"),
+    F("who never appears is waited for", DEPARTURE, "? now - counts.first_poll_ms > def.connect_ms",
+      "? !IS && now - counts.first_poll_ms > def.connect_ms", "hostile peers"),
+    F("a tick is confirmed that not all can have", PEERS, "std::min(settled_through(), agreed_through());",
+      "IS ? settled_through() : std::min(settled_through(), agreed_through());", "hostile peers"),
+    F("who has another cut is not heard out", DEPARTURE, "if (!all_tell_it) return;", "if (!IS && !all_tell_it) return;", "hostile peers"),
     F("a keyframe says it is one tick earlier", "replay/writer.cpp", "to.u64(time);\n    to.u64(hash_now);",
       "to.u64(time - (IS && time != 0 ? 1u : 0u));\n    to.u64(hash_now);", "recordings verify"),
     F("the recorder misses a kind of command", "replay/recorder.cpp", "pending.push_back(command);",
