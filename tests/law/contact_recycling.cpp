@@ -38,9 +38,8 @@ struct Chance {
 struct Pair {
     const char* what;
     shapes::Solid a, b;
-    double distance; ///< of the centres at first
-    bool (*is_corner)(
-        std::uint32_t feature); ///< which points are corners of one body, and so bound most tightly
+    double distance;                                     ///< of the centres at first
+    bool (*is_corner)(std::uint32_t feature, bool of_a); ///< which points are bound most tightly
 };
 
 /// A corner of the box that is not the one whose face gives the normal: `of_a`, A's face does.
