@@ -288,7 +288,7 @@ std::uint32_t make_rows(const Couple& c, std::span<const ContactMemory> old, Uni
     if ((c.a->one_way | c.b->one_way) != 0 &&
         passes(c, old, lockstone::mul<Unit>(c.at_a->axes, worker.manifolds.items[0].normal)))
         flags |= dynamics::contact_passing;
-    std::uint32_t taken = 0;
+    dynamics::Taken taken;
     for (std::uint32_t i = 0; i < worker.manifolds.count; ++i) {
         worker.rows[i] = memory_of(c, worker.manifolds.items[i], flags);
         dynamics::carry_impulses(old, taken, worker.rows[i]);
