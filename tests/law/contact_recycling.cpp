@@ -83,7 +83,7 @@ ContactMemory memory_of(const Manifold& m, const RelativePose& pose, Quat rotati
     out.flags = m.on_face != 0 ? dynamics::contact_on_face : 0u;
     out.count = m.count;
     for (std::uint32_t k = 0; k < m.count; ++k)
-        out.points[k] = {m.points[k].position, m.points[k].feature, m.points[k].separation, {}, {}, {}};
+        out.points[k] = {m.points[k].position, m.points[k].feature, m.points[k].separation, {}};
     out.made_position = pose.position, out.made_rotation = rotation;
     out.normal = m.normal, out.margin = margin;
     return out;
