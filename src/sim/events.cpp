@@ -91,13 +91,14 @@ void publish_events(Data& w) {
         for (ContactMemory& row : rows) row.flags &= ~std::uint32_t{dynamics::contact_touching};
         if (now) rows[0].flags |= dynamics::contact_touching;
         if (now == seen.was_touching) continue;
-        Event e = event_of(w, s.near[seen.near].key, seen.flags, now);
+        const ContactKey& key = s.near[seen.near].key;
+        Event e = event_of(w, key, seen.flags, now);
         if (now) {
             e.point = seen.point;
             if (!sensor) e.normal = seen.normal;
             e.approach_speed = seen.approach;
-            Parts parts = parts_of(w, keys[seen.first_row], rows[seen.deepest_row]);
-            if (e.shape_a != keys[seen.first_row].a) std::swap(parts.a, parts.b);
+            Parts parts = parts_of(w, key, rows[seen.deepest_row]);
+            if (e.shape_a != key.a) std::swap(parts.a, parts.b);
             e.part_a = parts.a, e.part_b = parts.b;
         }
         w.events.push_back(e);

@@ -142,7 +142,7 @@ bool cast_at(const Asking& asking, const Cast& cast, const ShapeRow& shape, Quer
         const Rotation turned = to_rotation(conjugate(frame.rotation) * cast.rotation);
         if (!collide::cast_shape(at.solid, *cast.solid, {turned, from}, way, narrow, hit)) return false;
     }
-    out = world_hit(w, shape, frame, hit);
+    out = world_hit(asking.w, shape, frame, hit);
     const std::int64_t travelled = std::min(span.enter_30 + (hit.distance.raw << 6), line.length_30);
     out.distance = Real::from_raw(travelled << 2);
     if (line.length_30 != 0)
@@ -264,7 +264,7 @@ bool nearest_of(const Asking& asking, const ShapeRow& shape, const shapes::Solid
     local.point = nearest.on_a;
     local.normal = nearest.normal;
     local.feature = nearest.feature_a;
-    hit = world_hit(w, shape, frame, local);
+    hit = world_hit(asking.w, shape, frame, local);
     hit.distance = to<Real>(nearest.distance);
     on_other = frame.position + lockstone::mul<Real>(to_rotation(frame.rotation), nearest.on_b);
     return true;
