@@ -1,6 +1,7 @@
 #include "dynamics/contact_memory.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace lockstone::dynamics {
 
@@ -28,10 +29,14 @@ bool has_impulses(const ContactMemory& old, const ContactMemory& fresh) {
     return old.count != 0 && dot<Unit>(old.normal, fresh.normal) >= same_direction;
 }
 
-void take(const ContactPointMemory& from, ContactPointMemory& to) {
-    to.normal = from.normal;
-    to.tangent_1 = from.tangent_1;
-    to.tangent_2 = from.tangent_2;
+/// Friction acts on a manifold as a whole: it goes to the first that takes a point of it.
+void take_friction(std::span<const ContactMemory> old, std::uint32_t bit, Taken& taken, ContactMemory& fresh) {
+    const std::uint32_t m = static_cast<std::uint32_t>(std::countr_zero(bit)) / 4;
+    if ((taken.friction >> m) & 1u) return;
+    taken.friction |= 1u << m;
+    fresh.tangent_1 = fresh.tangent_1 + old[m].tangent_1;
+    fresh.tangent_2 = fresh.tangent_2 + old[m].tangent_2;
+    fresh.twist = fresh.twist + old[m].twist;
 }
 
 /// Calls visit(bit, point) for every old point that is left, in order.
@@ -50,26 +55,29 @@ constexpr std::int64_t recycling_distance = decimal<Length>("0.0001").raw;
 
 } // namespace
 
-void carry_impulses(std::span<const ContactMemory> old, std::uint32_t& taken, ContactMemory& fresh) {
+void carry_impulses(std::span<const ContactMemory> old, Taken& taken, ContactMemory& fresh) {
     bool found[4] = {};
     for (std::uint32_t k = 0; k < fresh.count; ++k)
-        for_each_left(old, taken, fresh, [&](std::uint32_t bit, const ContactPointMemory& point) {
+        for_each_left(old, taken.points, fresh, [&](std::uint32_t bit, const ContactPointMemory& point) {
             if (found[k] || point.feature != fresh.points[k].feature) return;
-            take(point, fresh.points[k]);
+            fresh.points[k].normal = point.normal;
             found[k] = true;
-            taken |= bit;
+            taken.points |= bit;
+            take_friction(old, bit, taken, fresh);
         });
     for (std::uint32_t k = 0; k < fresh.count; ++k) {
         if (found[k]) continue;
         std::int64_t nearest = (same_point_distance * same_point_distance) >> 4;
         std::uint32_t best = 0;
-        for_each_left(old, taken, fresh, [&](std::uint32_t bit, const ContactPointMemory& point) {
+        for_each_left(old, taken.points, fresh, [&](std::uint32_t bit, const ContactPointMemory& point) {
             const std::int64_t d = distance_squared(point.position, fresh.points[k].position);
             if (d > nearest) return;
-            take(point, fresh.points[k]);
+            fresh.points[k].normal = point.normal;
             nearest = d, best = bit;
         });
-        taken |= best;
+        if (best == 0) continue;
+        taken.points |= best;
+        take_friction(old, best, taken, fresh);
     }
     for (const ContactMemory& m : old)
         if (has_impulses(m, fresh)) {

@@ -54,12 +54,12 @@ Couple couple_of(const Data& w, const ContactKey& key) {
 ContactMemory memory_of(const Couple& c, const collide::Manifold& manifold, std::uint32_t flags) {
     ContactMemory memory{};
     memory.flags = flags;
-    memory.count = static_cast<std::uint16_t>(manifold.count);
+    memory.count = manifold.count;
     // Only shapes of many pieces say which of them it is.
     if (c.a->geometry.kind >= ShapeKind::compound && c.a->geometry.kind <= ShapeKind::mesh)
         memory.piece_a = manifold.piece_a;
     if (c.b->geometry.kind == ShapeKind::compound)
-        memory.piece_b = static_cast<std::uint16_t>(manifold.piece_b);
+        memory.piece_b = manifold.piece_b;
     memory.normal = manifold.normal;
     for (std::uint32_t k = 0; k < manifold.count; ++k) {
         const collide::ManifoldPoint& p = manifold.points[k];
@@ -205,7 +205,7 @@ std::uint32_t manifolds_of(const Couple& c, std::span<const ContactMemory> old, 
     if ((c.a->one_way | c.b->one_way) != 0 &&
         passes(c, old, lockstone::mul<Unit>(axes, worker.manifolds.items[0].normal)))
         flags |= dynamics::contact_passing;
-    std::uint32_t taken = 0;
+    dynamics::Taken taken;
     for (std::uint32_t i = 0; i < worker.manifolds.count; ++i) {
         rows[i] = memory_of(c, worker.manifolds.items[i], flags);
         dynamics::carry_impulses(old, taken, rows[i]);

@@ -14,6 +14,7 @@
 #include "sim/sleep_scratch.h"
 #include "sim/sweep.h"
 #include "sim/vehicle.h"
+#include "solve/contacts/contact_solver.h"
 
 namespace lockstone::sim {
 
@@ -107,7 +108,7 @@ struct Scratch {
 
     dynamics::StepConstants step{};
     dynamics::SolverBodies bodies;
-    dynamics::ContactSolver<1> solver;
+    solve::ContactSolver solver;
     dynamics::JointSolver joint_solver;
     std::vector<dynamics::Joint> joints; ///< in slot order
     std::vector<JointId> broken;

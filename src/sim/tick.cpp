@@ -90,7 +90,7 @@ void tick(Data& w) {
         s.vehicle_solver.solve(s.step, s.bodies, /*bias=*/false);
         s.solver.solve(s.step, s.bodies, /*bias=*/false, w.tasks);
     }
-    s.solver.apply_restitution(s.step, s.bodies, w.tasks);
+    s.solver.apply_restitution(s.step, s.bodies);
     s.solver.store(s.contacts, w.state.edit(w.m.contact_memory), s.bodies.clamps, w.tasks);
     s.joint_solver.store(s.step, w.state.edit(w.m.joint_memory, 0, w.header().joints_awake), s.bodies.clamps);
     s.vehicle_solver.store(w);

@@ -459,6 +459,7 @@ const State& World::state() const { return impl->state; }
 const GameSchema& World::schema() const { return impl->schema; }
 void World::set_journal(Journal* journal) { impl->journal = journal; }
 void World::set_tasks(Tasks* tasks) { impl->tasks = tasks; }
+bool World::set_simd(Simd level) { return impl->scratch.solver.use(level); }
 void World::record_phase_hashes(bool on) { impl->phase_hashes_on = on; }
 std::span<const PhaseHash> World::phase_hashes() const { return impl->phase_hashes; }
 void World::disturb(Leftover what, std::uint64_t seed) { sim::disturb(*impl, what, seed); }
