@@ -20,6 +20,9 @@ class Player {
     static Result<Player> open(const Recording& recording);
     /// Either: `game` null is refused in inputs mode, ignored in commands mode.
     static Result<Player> open(const Recording& recording, const Game* game);
+    /// An upper bound of what a player takes besides the recording [bytes], its kept states left out; more than the limit
+    /// leaves is refused by open.
+    static std::uint64_t memory_of(const Recording& recording, const WorldDef& def, const GameSchema& schema);
 
     const Recording& recording() const { return *source; }
     World& world() { return now; }

@@ -3,7 +3,7 @@
 //   FileSink file = FileSink::create("match.lsr").value();
 //   InputRecorder recorder = InputRecorder::begin(file, game, world).value();
 //   while (playing) {
-//       game.advance(world, inputs);
+//       if (Status s = game.advance(world, inputs); !s) print(s.error().message);
 //       if (Status s = recorder.after_tick(world, inputs); !s) print(s.error().message);    // disk full, ...
 //   }
 //   recorder.close();

@@ -257,12 +257,16 @@ class WorldSimulation final : public Simulation {
     std::uint64_t hash() const override;
     std::span<const Event> events() const override;
     State& state() override;
+    /// The first error of the rules, for display. The tick was run all the same, on every machine alike; it may have
+    /// rested on a guess that did not come true.
+    const Status& failure() const { return first_failure; }
 
   private:
     World& living() const;
     World& world;
     std::weak_ptr<const void> lifetime;
     const Game& game;
+    Status first_failure;
 };
 
 /// Sees the confirmed timeline: every tick once, in order, however often it was run. A replay recorder's place.

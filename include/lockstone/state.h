@@ -215,7 +215,11 @@ class State {
         const std::span<const std::byte> all = bytes(column.index);
         return {reinterpret_cast<const T*>(all.data()), all.size() / sizeof(T)};
     }
-    std::span<const std::byte> bytes(std::uint32_t column) const; ///< live rows, raw
+    /// Live rows, raw. Asked for a hundred thousand times in a tick.
+    std::span<const std::byte> bytes(std::uint32_t column) const {
+        const StateLayout::Placement& place = shared_layout->placements()[column];
+        return {block.get() + place.offset, std::size_t{counts()[place.table]} * place.row_size};
+    }
 
     // ---- writing: whatever these name counts as written ----
     // Use what they return at once: it is valid until the state is moved or the table resized, and a write through it

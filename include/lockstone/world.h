@@ -14,6 +14,7 @@
 #include "lockstone/asset.h"
 #include "lockstone/event.h"
 #include "lockstone/query.h"
+#include "lockstone/simd.h"
 #include "lockstone/state.h"
 
 #include <memory>
@@ -37,8 +38,7 @@ const char* name_of(Integrator integrator);
 
 struct WorldDef {
     std::uint32_t tick_rate = 60; ///< ticks per second, 1..1000
-    std::uint32_t substeps =
-        8; ///< solver steps per tick, 1..16; 8 hold a pyramid of base 40, 4 suffice for scattered bodies
+    std::uint32_t substeps = 4; ///< solver steps per tick, 1..16; see precise()
     Vec3 gravity = {Real{}, Real::from_raw(-42133629174), Real{}}; ///< -9.81 m/s^2 along y; within 1000
     Integrator integrator = Integrator::semi_implicit_euler;
     std::uint32_t bounds_shift =
@@ -64,6 +64,13 @@ struct WorldDef {
     Real sleep_time =
         Real::from_raw(std::int64_t{1} << 31); ///< [s]: 0.5; an island that long at rest falls asleep
     std::uint64_t seed = 1;                    ///< part of the state; the game's random streams start from it
+
+    /// For towers, heavy loads and long chains: twice the substeps, at less than twice the cost of a tick.
+    static WorldDef precise() {
+        WorldDef def;
+        def.substeps = 8;
+        return def;
+    }
 };
 
 /// The game's own columns, in the same block as the engine's: saved, hashed, compared and dumped with them.
@@ -122,6 +129,13 @@ struct PhaseHash {
     std::uint64_t hash;
 };
 
+/// Is told what a tick has done, for profilers. It is handed no state and hands nothing back: no bit can depend on it.
+class PhaseObserver {
+  public:
+    virtual ~PhaseObserver() = default;
+    virtual void on_phase(const char* phase) = 0; ///< has passed; its work is what was done since the last call
+};
+
 /// Wrong arguments. Commands answer each with an error that names the argument, and change nothing. An id is two numbers:
 /// one of another world is this world's id with the same numbers, if there is one, else dead. Reading takes living ids,
 /// rows below the count and columns of this world's schema only: anything else ends the program with a sentence, in every
@@ -134,6 +148,9 @@ class World {
     /// Refuses a definition out of range, with the field's name. `assets` are what hulls, meshes, height fields and compounds are made of; see lockstone/asset.h.
     static Result<World> create(const WorldDef& def, const GameSchema& schema = {},
                                 std::shared_ptr<const AssetLibrary> assets = {});
+    /// An upper bound of the bytes that a world of this definition takes, at work and with all tables full, without its
+    /// assets; for refusing what came in a file. Errors as those of create.
+    static Result<std::uint64_t> memory_of(const WorldDef& def, const GameSchema& schema = {});
     World(World&&) noexcept;
     World& operator=(World&&) noexcept;
     ~World();
@@ -211,10 +228,11 @@ class World {
     FieldId field_at(std::uint32_t row) const; ///< row < field_count()
     FieldDef field(FieldId field) const;
     std::vector<BodyId> bodies() const; ///< by row; allocates
-    bool is_awake(BodyId body) const; ///< static and kinematic bodies that nothing moves are not
-    std::uint32_t awake_count() const; ///< bodies of all kinds
+    bool is_awake(BodyId body) const;   ///< static and kinematic bodies that nothing moves are not
+    std::uint32_t awake_count() const;  ///< bodies of all kinds
     std::uint32_t body_count() const;
-    BodyId body_at(std::uint32_t row) const;  ///< row < body_count(); rows move when bodies are destroyed, fall asleep, wake
+    BodyId body_at(std::uint32_t row)
+        const; ///< row < body_count(); rows move when bodies are destroyed, fall asleep, wake
     Transform pose(BodyId body) const;        ///< of the body's origin
     Vec3 center_of_mass(BodyId body) const;   ///< world [m]
     Vec3 linear_velocity(BodyId body) const;  ///< of the centre of mass [m/s]
@@ -238,11 +256,11 @@ class World {
     JointState joint_state(JointId joint) const;
     std::vector<JointId> joints(BodyId body) const; ///< newest first; allocates
     std::uint32_t vehicle_count() const;
-    VehicleId vehicle_at(std::uint32_t row) const;         ///< row < vehicle_count()
-    const VehicleDef& vehicle(VehicleId vehicle) const;    ///< valid until the state changes
+    VehicleId vehicle_at(std::uint32_t row) const;      ///< row < vehicle_count()
+    const VehicleDef& vehicle(VehicleId vehicle) const; ///< valid until the state changes
     VehicleInput vehicle_input(VehicleId vehicle) const;
     VehicleState vehicle_state(VehicleId vehicle) const;
-    Real kinetic_energy() const;                    ///< [J], of all dynamic bodies; saturates
+    Real kinetic_energy() const; ///< [J], of all dynamic bodies; saturates
     template <StateRow T> const T& read(Column<T> column, BodyId body) const {
         return *reinterpret_cast<const T*>(row_bytes(column.index, body, sizeof(T)).data());
     }
@@ -259,6 +277,7 @@ class World {
         UnitVec3 normal;       ///< a to b
         Separation separation; ///< [m] at the start of the tick
         Speed impulse;         ///< normal impulse over reduced mass, velocity units [m/s]
+        SurfacePart part_a, part_b;
     };
     std::span<const ContactPoint> contacts() const;
 
@@ -311,9 +330,13 @@ class World {
     /// Who runs the parts of a tick; null, the default: the caller, alone. Not owned, so it outlives the world or is set to
     /// null before; not state; a clone has none.
     void set_tasks(Tasks* tasks);
+    /// The instruction set that solves contacts; the best of the machine by default. Bits do not depend on it. False, and
+    /// nothing changes, where the machine lacks it.
+    bool set_simd(Simd level);
 
     // ---- diagnosis ----
     void set_journal(Journal* journal);              ///< null detaches; not owned, not state
+    void observe_phases(PhaseObserver* observer);    ///< null detaches; not owned, not state, not cloned
     void record_phase_hashes(bool on);               ///< off by default; costs a hash per phase
     std::span<const PhaseHash> phase_hashes() const; ///< of the last tick
     /// What ticks leave behind outside of the state, and no later one may see.

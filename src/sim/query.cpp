@@ -4,6 +4,7 @@
 #include "collide/cast_line.h"
 #include "lockstone/math.h"
 #include "sim/phases.h"
+#include "sim/surface.h"
 #include "sim/world_impl.h"
 
 #include <algorithm>
@@ -100,7 +101,8 @@ Transform plane_below(const Transform& plane, Vec3 point) {
     return {point - scale<Real>(n, height), plane.rotation};
 }
 
-QueryHit world_hit(const ShapeRow& shape, const Transform& frame, const collide::CastHit& hit) {
+QueryHit world_hit(const Data& w, const ShapeRow& shape, const Transform& frame,
+                   const collide::CastHit& hit) {
     const Rotation axes = to_rotation(frame.rotation);
     QueryHit out{};
     out.shape = shape.id;
@@ -108,6 +110,7 @@ QueryHit world_hit(const ShapeRow& shape, const Transform& frame, const collide:
     out.point = frame.position + lockstone::mul<Real>(axes, hit.point);
     out.normal = lockstone::mul<Unit>(axes, hit.normal);
     out.feature = hit.feature;
+    out.part = part_of(w, shape.id, hit.feature);
     return out;
 }
 
@@ -139,7 +142,7 @@ bool cast_at(const Asking& asking, const Cast& cast, const ShapeRow& shape, Quer
         const Rotation turned = to_rotation(conjugate(frame.rotation) * cast.rotation);
         if (!collide::cast_shape(at.solid, *cast.solid, {turned, from}, way, narrow, hit)) return false;
     }
-    out = world_hit(shape, frame, hit);
+    out = world_hit(asking.w, shape, frame, hit);
     const std::int64_t travelled = std::min(span.enter_30 + (hit.distance.raw << 6), line.length_30);
     out.distance = Real::from_raw(travelled << 2);
     if (line.length_30 != 0)
@@ -261,7 +264,7 @@ bool nearest_of(const Asking& asking, const ShapeRow& shape, const shapes::Solid
     local.point = nearest.on_a;
     local.normal = nearest.normal;
     local.feature = nearest.feature_a;
-    hit = world_hit(shape, frame, local);
+    hit = world_hit(asking.w, shape, frame, local);
     hit.distance = to<Real>(nearest.distance);
     on_other = frame.position + lockstone::mul<Real>(to_rotation(frame.rotation), nearest.on_b);
     return true;

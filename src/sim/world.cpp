@@ -92,13 +92,17 @@ std::string check(const WorldDef& d) {
 }
 
 sim::Config config_of(const WorldDef& d) {
-    return {d.tick_rate,     d.substeps,        d.integrator,
-            d.bounds_shift,  d.bodies_max,      d.shapes_max,
-            d.contacts_max,  d.fields_max,      d.pair_filters_max,
-            d.joints_max,    d.characters_max,  d.vehicles_max,
-            d.continuous,    d.sleeping,        d.restitution_speed_min,
-            d.contact_hertz, d.contact_damping, d.push_speed_max,
-            d.sleep_speed,   d.sleep_time,      d.seed};
+    return {d.tick_rate,        d.substeps,
+            d.integrator,       d.bounds_shift,
+            d.bodies_max,       d.shapes_max,
+            d.contacts_max,     d.fields_max,
+            d.pair_filters_max, d.joints_max,
+            d.characters_max,   d.vehicles_max,
+            d.continuous,       d.sleeping,
+            d.gravity,          d.restitution_speed_min,
+            d.contact_hertz,    d.contact_damping,
+            d.push_speed_max,   d.sleep_speed,
+            d.sleep_time,       d.seed};
 }
 
 /// What a ring image must have been made for, to be restored: all but the state itself. Only for this process.
@@ -182,6 +186,29 @@ Result<World> World::create(const WorldDef& def, const GameSchema& schema,
     if (assets == nullptr) assets = std::make_shared<const AssetLibrary>();
     return World(std::make_unique<Impl>(def, schema, std::move(assets)));
 }
+
+namespace {
+
+/// The state at capacity, twice: once as scratch and lists that follow the tables, and what one row costs the solver,
+/// the broad phase and the lists of a tick besides [bytes]. Measured with full tables (tests/fault/memory.cpp), rounded up.
+constexpr std::uint64_t per_body = 1024, per_shape = 1536, per_contact = 3072, per_joint = 4096,
+                        per_character = 1024, per_vehicle = 8192, per_world = std::uint64_t{4} << 20;
+
+} // namespace
+
+Result<std::uint64_t> World::memory_of(const WorldDef& def, const GameSchema& schema) {
+    if (std::string e = check(def); !e.empty()) return Error{std::move(e)};
+    const sim::Manifest manifest = sim::make_manifest(def, schema);
+    std::uint64_t bytes = per_world;
+    for (const ColumnInfo& column : manifest.layout->columns()) {
+        const std::uint64_t rows = manifest.layout->tables()[column.table].capacity;
+        bytes += 2 * rows * column.row_size;
+    }
+    bytes += per_body * def.bodies_max + per_shape * def.shapes_max + per_contact * def.contacts_max;
+    bytes += per_joint * def.joints_max + per_character * def.characters_max + per_vehicle * def.vehicles_max;
+    return bytes;
+}
+
 World World::clone() const {
     const std::scoped_lock holds(impl->scratch.query.lock);
     return World(std::make_unique<Impl>(*impl));
@@ -529,6 +556,8 @@ const State& World::state() const { return impl->state; }
 const GameSchema& World::schema() const { return impl->schema; }
 void World::set_journal(Journal* journal) { impl->journal = journal; }
 void World::set_tasks(Tasks* tasks) { impl->tasks = tasks; }
+void World::observe_phases(PhaseObserver* observer) { impl->observer = observer; }
+bool World::set_simd(Simd level) { return impl->scratch.solver.use(level); }
 void World::record_phase_hashes(bool on) { impl->phase_hashes_on = on; }
 std::span<const PhaseHash> World::phase_hashes() const { return impl->phase_hashes; }
 void World::disturb(Leftover what, std::uint64_t seed) { sim::disturb(*impl, what, seed); }

@@ -82,7 +82,7 @@ TEST_CASE("misuse: a recorder's wrong arguments are errors that say what was exp
     const SmallInputs inputs(SmallGame::script(0));
     refused("a tick too far", recorder.on_tick(1, inputs.list, 1), "tick 0 comes next");
     refused("no tick yet", recorder.after_tick(world, inputs.list), "tick 0");
-    game.advance(world, inputs.list);
+    must(game.advance(world, inputs.list));
     refused("too few inputs", recorder.on_tick(0, {}, world.hash()), "");
     auto other = must(replay::InputRecorder::begin(sink, game, must(game.start())));
     refused("a keyframe of another time", other.keyframe(world), "the world stands at 1");
