@@ -26,13 +26,14 @@ class Played {
             scripted_input(*game, script_seed, world.tick_count(), p, bytes[p]);
             inputs[p] = {.bytes = bytes[p]};
         }
-        spent_us.push_back(thread_us([&] { game->advance(world, inputs); }));
+        spent_us.push_back(thread_us([&] { failed = failed || !game->advance(world, inputs); }));
         return inputs;
     }
 
     std::unique_ptr<Game> game;
     World world;
     std::vector<double> spent_us = {};
+    bool failed = false; ///< a rule of the game did
 
   private:
     std::vector<std::vector<std::byte>> bytes;

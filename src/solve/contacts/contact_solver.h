@@ -10,7 +10,8 @@
 //   S            D M^-1 D^T of the normal rows times m_ref: how the three speeds answer to Q
 //   members      points that touch or carry. H fits (level, tilts) to them: errors of points to speeds of rows, and the
 //                change of Q to impulses of points, which are the smallest that give it
-//   block        Q' = Q - mass_scale S^-1 (D v + H bias) - impulse_scale Q,  p = H^T Q'
+//   softness     X = gamma H H^T, gamma the mean 1 / kappa times impulse_scale / mass_scale; none when relaxing, and for a hit
+//   block        Q' = Q - (S + X)^-1 (D v + H bias + X Q),  p = H^T Q'
 //   sweep        where a member would pull, or a point that is none is hit: point after point, forwards and backwards twice,
 //                p_k' = max(p_k - kappa_k (mass_scale (s + bias_k)) - impulse_scale p_k, 0), s by S from all others
 //   friction     two tangents at the centre and the twist about the normal, solved at once; (t1, t2) within the cone of the

@@ -244,22 +244,38 @@ template <class L> class Kernel {
         q[2] = rounded<speed_bits>(b);
     }
 
+    /// -(inverse) error.
+    static Speed answer(const std::int32_t (&inverse)[6][N], int row, const Speed (&error)[3]) {
+        return -rounded_within<speed_bits>(Inverse::load(inverse[lower[row][0]]) * error[0] +
+                                               Inverse::load(inverse[lower[row][1]]) * error[1] +
+                                               Inverse::load(inverse[lower[row][2]]) * error[2],
+                                           answer_limit);
+    }
+    /// What softness lets go of: X Q.
+    static void yield(const Pack& c, const Speed (&q)[3], Speed (&out)[3]) {
+        const auto x = [&](int i) { return Response::load(c.softness[i]); };
+        out[0] = rounded_within<speed_bits>(x(0) * q[0], speed_limit);
+        out[1] = rounded_within<speed_bits>(x(1) * q[1] + x(2) * q[2], speed_limit);
+        out[2] = rounded_within<speed_bits>(x(2) * q[1] + x(3) * q[2], speed_limit);
+    }
+
     /// All members at once.
-    static void solve_block(const Pack& c, Unit mass_scale, Unit impulse_scale, const Speed (&q)[3], Normals& n) {
-        Speed error[3];
+    static void solve_block(const Pack& c, const PassSettings& s, const Speed (&q)[3], Normals& n) {
+        Speed error[3], after[3];
         for (int i = 0; i < 3; ++i) {
             auto sum = Fit::load(c.points[0].fit[i]) * n.bias[0];
             for (int k = 1; k < c.point_count; ++k) sum = sum + Fit::load(c.points[k].fit[i]) * n.bias[k];
             error[i] = bounded(n.speed[i] + rounded_within<speed_bits>(sum, speed_limit));
         }
-        Speed after[3];
-        for (int i = 0; i < 3; ++i) {
-            const auto sum = Inverse::load(c.inverse[lower[i][0]]) * error[0] +
-                             Inverse::load(c.inverse[lower[i][1]]) * error[1] +
-                             Inverse::load(c.inverse[lower[i][2]]) * error[2];
-            const Speed answer = rounded_within<speed_bits>(sum, answer_limit);
-            after[i] = q[i] - rounded<speed_bits>(answer * mass_scale + q[i] * impulse_scale);
-        }
+        if (s.soft) {
+            Speed lost[3], soft[3];
+            yield(c, q, lost);
+            for (int i = 0; i < 3; ++i) soft[i] = bounded(error[i] + lost[i]);
+            for (int i = 0; i < 3; ++i) after[i] = q[i] + answer(c.soft_inverse, i, soft);
+            if ((~n.soft).any())
+                for (int i = 0; i < 3; ++i) after[i] = select(n.soft, after[i], q[i] + answer(c.inverse, i, error));
+        } else
+            for (int i = 0; i < 3; ++i) after[i] = q[i] + answer(c.inverse, i, error);
         const Speed zero = Speed::splat(0), tolerated = Speed::splat(-pull_tolerance);
         for (int k = 0; k < c.point_count; ++k) {
             const Point& point = c.points[k];
@@ -314,10 +330,10 @@ template <class L> class Kernel {
         w[1] = w[2] = Speed::splat(0);
     }
 
-    static void solve_several(Pack& c, Unit mass_scale, Unit impulse_scale, Normals& n, Speed (&w)[3]) {
+    static void solve_several(Pack& c, const PassSettings& s, Unit mass_scale, Unit impulse_scale, Normals& n, Speed (&w)[3]) {
         Speed q[3];
         moments(c, n.old, q);
-        solve_block(c, mass_scale, impulse_scale, q, n);
+        solve_block(c, s, q, n);
         const Mask several{L::load32(c.several)}; // a single point that would pull carries nothing
         n.leaves = n.leaves & several & ~n.idle;
         for (int k = 0; k < c.point_count; ++k) n.now[k] = n.now[k] & ~n.idle;
@@ -338,7 +354,7 @@ template <class L> class Kernel {
         if (c.point_count == 1)
             solve_single(c, mass_scale, impulse_scale, n, w);
         else
-            solve_several(c, mass_scale, impulse_scale, n, w);
+            solve_several(c, s, mass_scale, impulse_scale, n, w);
         push_normal(c, w, p);
         if (c.locked != 0) hold_locked(c, data, p);
         const bool hit = n.hit.any();

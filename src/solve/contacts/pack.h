@@ -7,7 +7,7 @@
 //   gaps                                  27              16 m
 //   arms, shares of mass, scales          30              2; arms within 1
 //   kappa                                 28              8; within 4
-//   S, the response to Q                  25              64; within 52
+//   S, the response to Q; the softness X   25              64; within 52
 //   S^-1 and the inverse for friction     18              8192
 //   H, from (level, tilts) to points      26              32; within 16
 #pragma once
@@ -47,6 +47,8 @@ template <unsigned N> struct ContactPack {
     std::int32_t slide_a[3][3][N], slide_b[3][3][N];   ///< angular rows: tangents, twist
     std::int32_t response[6][N];                     ///< S by rows of the lower triangle
     std::int32_t inverse[6][N];                      ///< S^-1 likewise; zero in directions that nothing answers to
+    std::int32_t soft_inverse[6][N];                 ///< (S + X)^-1 likewise
+    std::int32_t softness[4][N];                     ///< X: level; tilts by rows of the lower triangle
     std::int32_t slide_inverse[6][N];
     std::int32_t bias_rate[N], mass_scale[N], impulse_scale[N]; ///< speed_bits, Unit, Unit
     std::int32_t friction[N];                                   ///< row_bits

@@ -27,6 +27,8 @@ constexpr std::int32_t leaving_speed = decimal<Speed>("0.25").raw;
 constexpr std::int64_t least_response = std::int64_t{1} << (response_bits - 2);
 
 std::int64_t rounded(std::int64_t x, int shift) { return shift_right_rounded(x, shift); }
+/// To nearest; d is positive. Towards zero, friction would give way a little in every tick.
+std::int64_t divide_rounded(std::int64_t n, std::int64_t d) { return (n + (n < 0 ? -d : d) / 2) / d; }
 std::int32_t low(std::int64_t x) { return static_cast<std::int32_t>(x); }
 
 /// The share of each body in the pair's inverse mass, alpha + beta = 1; 0 for what impulses do not move.
@@ -38,7 +40,8 @@ Shares shares_of(const PrepareInput& in, const Contact& c) {
     const bool a = in.bodies.step[c.body_a].movable, b = in.bodies.step[c.body_b].movable;
     if (!a || !b) return {a ? unit : 0, b ? unit : 0};
     const std::int64_t ma = in.mass[c.body_a].mass.raw, mb = in.mass[c.body_b].mass.raw;
-    if (ma == mb) return {unit / 2, unit / 2};
+    // A hair above one half: half of an odd impulse would be rounded upwards whatever its sign, and resting boxes creep.
+    if (ma == mb) return {unit / 2 + 1, unit / 2 + 1};
     // alpha = mA^-1 / (mA^-1 + mB^-1) = mB / (mA + mB); both below 2^62.
     const int drop = std::max(static_cast<int>(std::bit_width(static_cast<std::uint64_t>(ma + mb))) - 33, 0);
     const std::int64_t alpha = ((mb >> drop) << unit_bits) / ((ma + mb) >> drop);
@@ -213,9 +216,16 @@ void lay_out(const Contact& c, const ContactMemory& memory, bool of_b, const Raw
     }
 }
 
+constexpr int moment_bits = 28;
+/// A moment times the inverse determinant, 2^36 at most.
+std::int64_t narrow_gram(std::int64_t moment, std::int64_t inverse) { return (moment >> 3) * (inverse >> 5) >> (moment_bits - 8); }
+
+/// H H^T, fit_bits: of the level; of the tilts by rows of the lower triangle.
+using Gram = std::array<std::int64_t, 4>;
+
 /// H: the linear fit over the members. On a line it sees one direction of tilts; false then.
-template <unsigned N> bool fit_members(ContactPack<N>& pack, unsigned lane, const Layout& l, std::uint32_t points) {
-    constexpr int moment_bits = 28;
+template <unsigned N>
+bool fit_members(ContactPack<N>& pack, unsigned lane, const Layout& l, std::uint32_t points, Gram& gram) {
     std::int64_t aa = 0, ab = 0, bb = 0;
     for (std::uint32_t k = 0; k < points; ++k) {
         if (!((l.members >> k) & 1u)) continue;
@@ -225,12 +235,17 @@ template <unsigned N> bool fit_members(ContactPack<N>& pack, unsigned lane, cons
         ab += (a * b) >> (2 * (unit_bits - 1) - moment_bits);
         bb += (b * b) >> (2 * (unit_bits - 1) - moment_bits);
     }
+    gram = {(std::int64_t{1} << fit_bits) / std::max(l.count, 1u), 0, 0, 0};
     // Members within a sixteenth of the arm count as one spot, those within a sixteenth of a line as on that line.
     if (l.count < 2 || aa < (std::int64_t{1} << moment_bits) / 128) return false;
     const std::int64_t det = (aa * bb - ab * ab) >> moment_bits; // of 4 * 4 at most
     const bool line = det < aa >> 8;
     const std::int64_t top = std::int64_t{1} << (moment_bits + fit_bits);
     const std::int64_t ia = line ? top / aa : 0, inverse = line ? 0 : top / det; // fit_bits; below 2^33
+    if (line)
+        gram[1] = ia;
+    else
+        gram = {gram[0], narrow_gram(bb, inverse), narrow_gram(-ab, inverse), narrow_gram(aa, inverse)};
     for (std::uint32_t k = 0; k < points; ++k) {
         if (!((l.members >> k) & 1u)) continue;
         constexpr std::int64_t most = std::int64_t{1} << 30;
@@ -282,7 +297,7 @@ void fill_impulses(ContactPack<N>& pack, unsigned lane, const Contact& contact, 
     pack.slide[0][lane] = within(memory.tangent_1.raw);
     pack.slide[1][lane] = within(memory.tangent_2.raw);
     if (l.size > 0)
-        pack.slide[2][lane] = within((std::int64_t{memory.twist.raw} << speed_bits) / l.size);
+        pack.slide[2][lane] = within(divide_rounded(std::int64_t{memory.twist.raw} << speed_bits, l.size));
 }
 
 template <unsigned N, std::size_t R>
@@ -291,9 +306,11 @@ void put(std::int32_t (&out)[R][3][N], unsigned lane, const std::int32_t (&rows)
         for (std::size_t i = 0; i < 3; ++i) out[r][i][lane] = rows[r][i];
 }
 
+/// Returns the mean of the points' answers to their own impulses, response_bits.
 template <unsigned N>
-void fill_points(ContactPack<N>& pack, unsigned lane, const Contact& contact, const Layout& l,
+std::int64_t fill_points(ContactPack<N>& pack, unsigned lane, const Contact& contact, const Layout& l,
                  const std::int64_t (&s)[6]) {
+    std::int64_t sum = 0;
     for (std::uint32_t k = 0; k < contact.count; ++k) {
         PointLanes<N>& point = pack.points[k];
         point.gap0[lane] = point.gap[lane] = contact.points[k].separation.raw;
@@ -303,11 +320,32 @@ void fill_points(ContactPack<N>& pack, unsigned lane, const Contact& contact, co
         const std::int64_t by_a = rounded(s[2] * a, unit_bits) + 2 * s[1];
         const std::int64_t by_b = rounded(s[5] * b, unit_bits) + 2 * s[3] + 2 * rounded(s[4] * a, unit_bits);
         const std::int64_t answer = s[0] + rounded(by_a * a, unit_bits) + rounded(by_b * b, unit_bits);
+        sum += answer;
         if (answer >= least_response)
             point.kappa[lane] = low((std::int64_t{1} << (kappa_bits + response_bits)) / answer);
         if (contact.count > 1)
             point.reach[lane] = low(isqrt(static_cast<std::uint64_t>(a * a + b * b)));
     }
+    return sum / contact.count;
+}
+
+/// X and (S + X)^-1. The softness of a pair that yields by `ease` of its impulse in a substep.
+template <unsigned N>
+void fill_softness(ContactPack<N>& pack, unsigned lane, const std::int64_t (&s)[6], const Gram& gram, std::int64_t mean,
+                   const dynamics::Softness& soft) {
+    constexpr std::int64_t most = std::int64_t{1} << 30;
+    const std::int64_t ease = (std::int64_t{soft.impulse_scale.raw} << unit_bits) / std::max(soft.mass_scale.raw, 1);
+    const std::int64_t gamma = rounded(mean * std::min(ease, unit), unit_bits); // response_bits, below 2^31
+    std::int64_t sum[6] = {s[0], s[1], s[2], s[3], s[4], s[5]};
+    constexpr int place[4] = {0, 2, 4, 5};
+    for (std::size_t i = 0; i < 4; ++i) {
+        const std::int64_t x = std::clamp((gamma * (gram[i] >> 4)) >> (fit_bits - 4), -most, most);
+        pack.softness[i][lane] = low(x);
+        if (s[place[i]] != 0 || i == 0) sum[place[i]] += x;
+    }
+    std::int32_t inverse[6];
+    invert3(sum, inverse);
+    for (int i = 0; i < 6; ++i) pack.soft_inverse[i][lane] = inverse[i];
 }
 
 } // namespace
@@ -379,7 +417,8 @@ void fill_lane(ContactPack<N>& pack, unsigned lane, const Contact& contact, cons
     Layout l;
     lay_out(contact, memory, sb.movable, d, l);
     pack.size[lane] = saturate_to_int32(l.size);
-    const bool plane = fit_members(pack, lane, l, contact.count);
+    Gram gram;
+    const bool plane = fit_members(pack, lane, l, contact.count, gram);
     Rows normal{}, slide{};
     normal.lines = 1, slide.lines = 2;
     for (int r = 0; r < 3; ++r)
@@ -408,7 +447,7 @@ void fill_lane(ContactPack<N>& pack, unsigned lane, const Contact& contact, cons
     std::int32_t inverse[6];
     respond(normal, a, b, shares, s);
     for (int i = 0; i < 6; ++i) pack.response[i][lane] = low(s[i]);
-    fill_points(pack, lane, contact, l, s);
+    const std::int64_t answer = fill_points(pack, lane, contact, l, s);
     fill_impulses(pack, lane, contact, memory, l, normal, a, b);
     if (l.count < 2 || (pack.points[0].fit[1][lane] | pack.points[1].fit[1][lane] | pack.points[2].fit[1][lane] |
                         pack.points[3].fit[1][lane]) == 0)
@@ -416,6 +455,7 @@ void fill_lane(ContactPack<N>& pack, unsigned lane, const Contact& contact, cons
     if (!plane) s[3] = s[4] = s[5] = 0;
     invert3(s, inverse);
     for (int i = 0; i < 6; ++i) pack.inverse[i][lane] = inverse[i];
+    fill_softness(pack, lane, s, gram, answer, soft);
     respond(slide, a, b, shares, s);
     invert3(s, inverse);
     for (int i = 0; i < 6; ++i) pack.slide_inverse[i][lane] = inverse[i];
