@@ -121,7 +121,7 @@ def missed(results):
     every = list(verdicts(results))
     bad = [(where, v) for where, v in every if not v["good"]]
     lines = [f"{len(every) - len(bad)} of {len(every)} figures that are asked for are there. Missed:", ""] if bad else [f"All {len(every)} figures that are asked for are there."]
-    return lines + (head("where", "what", "found", "must") if bad else []) + [row(where, v["what"], number(v["found"]), number(v["must"])) for where, v in bad]
+    return lines + (head("where", "what", "found", "must") if bad else []) + [row(where, v["what"], f"{v['found']:,.4g}", f"{v['must']:,.4g}") for where, v in bad]
 
 
 def counts(results):
@@ -207,11 +207,13 @@ def main():
         sys.exit(__doc__)
     if arguments[0] == "--run":
         arguments = run_all(arguments[1] if len(arguments) > 1 else ROOT / "build/release/bin/lockstone")
-    results = {}
+    results: dict = {}
     for path in arguments:
         for key, value in read(path).items():
             both_lists = isinstance(value, list) and isinstance(results.get(key), list)
             results[key] = results[key] + value if both_lists else value
+    for part in ("scenes", "instructions"):
+        results.get(part, []).sort(key=lambda entry: (len(entry["scene"]), entry["scene"]))
     replace(ROOT / "tools/bench/README.md", "figures", bench_page(results))
     if card := cost_card(results):
         replace(ROOT / "README.md", "cost card", card)
