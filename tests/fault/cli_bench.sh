@@ -7,6 +7,13 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
 
+refused() { # SENTENCE ARGUMENT...: bad input, which the sentence names
+    local sentence=$1
+    shift
+    expect 2 "$@"
+    grep -qF -- "$sentence" err || fail "'lockstone $*' does not say '$sentence' but: $(cat err)"
+}
+
 expect 0 bench --quick --json
 cp out all.json
 cat >shape.py <<'PYTHON'
@@ -48,14 +55,23 @@ python3 shape.py broken.json 2>/dev/null && fail "a figure that is none was not 
 
 expect 0 bench --quick S6 --substeps 2,4
 grep -q 'Lockstone 2 ' out && grep -q 'Lockstone 4 ' out || fail "--substeps 2,4 does not run both"
+if command -v gnuplot >/dev/null; then
+    expect 0 bench --quick S1 S6 --plot ratios.svg
+    expect 0 bench --quick front --plot front.svg
+    grep -q '<svg' ratios.svg && grep -q '<svg' front.svg || fail "--plot draws nothing"
+    refused 'nothing to draw' bench --quick verify --plot none.svg
+fi
+expect 0 bench --quick S6 S4 --profile trace.json --json
+python3 - <<'PYTHON' || fail "--profile does not tell the phases"
+import json
+scenes, events = json.load(open("out")), json.load(open("trace.json"))["traceEvents"]
+assert [s["scene"] for s in scenes] == ["S6", "S4"]
+for scene in scenes:
+    assert {"update_bounds", "find_pairs", "collide", "prepare", "solve_contacts", "finish"} <= set(scene["phases"])
+assert all(e["dur"] >= 0 for e in events if e["ph"] == "X") and len(events) > 100
+PYTHON
 expect 0 bench --quick stack
 grep -q '^stack ' out || fail "a built-in scene is not measured"
-refused() { # SENTENCE ARGUMENT...: bad input, which the sentence names
-    local sentence=$1
-    shift
-    expect 2 "$@"
-    grep -qF -- "$sentence" err || fail "'lockstone $*' does not say '$sentence' but: $(cat err)"
-}
 refused "nothing to measure called 'S7'" bench S7
 refused '--substeps' bench --substeps 17
 echo "ok"

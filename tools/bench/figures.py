@@ -121,13 +121,25 @@ def missed(results):
     every = list(verdicts(results))
     bad = [(where, v) for where, v in every if not v["good"]]
     lines = [f"{len(every) - len(bad)} of {len(every)} figures that are asked for are there. Missed:", ""] if bad else [f"All {len(every)} figures that are asked for are there."]
-    return lines + (head("where", "what", "found", "must") if bad else []) + [row(where, v["what"], number(v["found"]), number(v["must"])) for where, v in bad]
+    return lines + (head("where", "what", "found", "must") if bad else []) + [row(where, v["what"], f"{v['found']:,.4g}", f"{v['must']:,.4g}") for where, v in bad]
+
+
+def counts(results):
+    """Instructions of scenes that were counted and not timed."""
+    timed = {scene["scene"] for scene in results.get("scenes", [])}
+    lines = head("M instructions a tick", "counted", "must", "goal")
+    for counted in results.get("instructions", []):
+        if counted["scene"] not in timed:
+            lines.append(row(counted["scene"], number(counted["millions_per_tick"]), f"{counted['must']:.4g}", f"{counted['goal']:.4g}"))
+    return lines
 
 
 def bench_page(results):
-    settings = results["settings"]
-    page = [f"{settings['cpu']}, g++ {settings['compiler']}, load {settings['load']:.0f} when it began, of each tick the least of {settings['runs']} run(s).", ""]
-    for table in (times, worth, states, scaling, awake):
+    settings = results.get("settings")
+    page = []
+    if settings:
+        page = [f"{settings['cpu']}, g++ {settings['compiler']}, load {settings['load']:.0f} when it began, of each tick the least of {settings['runs']} run(s).", ""]
+    for table in (times, counts, worth, states, scaling, awake):
         lines = table(results)
         if len(lines) > 2:
             page += lines + [""]
@@ -142,7 +154,7 @@ def cost_card(results):
     found = {state["scene"]: state for state in results.get("state", [])}
     names = [name for name in CARD if name in steps and name in found]
     if not names:
-        sys.exit("figures.py: the results hold no scene with both its step and its state: run bench S1 S2 S4 S6 state")
+        return []
 
     def per_body(microseconds, name):
         return f"{1e3 * microseconds / found[name]['bodies']:,.0f}"
@@ -195,13 +207,18 @@ def main():
         sys.exit(__doc__)
     if arguments[0] == "--run":
         arguments = run_all(arguments[1] if len(arguments) > 1 else ROOT / "build/release/bin/lockstone")
-    results = {}
+    results: dict = {}
     for path in arguments:
         for key, value in read(path).items():
             both_lists = isinstance(value, list) and isinstance(results.get(key), list)
             results[key] = results[key] + value if both_lists else value
+    for part in ("scenes", "instructions"):
+        results.get(part, []).sort(key=lambda entry: (len(entry["scene"]), entry["scene"]))
     replace(ROOT / "tools/bench/README.md", "figures", bench_page(results))
-    replace(ROOT / "README.md", "cost card", cost_card(results))
+    if card := cost_card(results):
+        replace(ROOT / "README.md", "cost card", card)
+    else:
+        print("figures.py: the cost card stays: it needs the results of bench S1 S2 S4 S6 state", file=sys.stderr)
 
 
 if __name__ == "__main__":

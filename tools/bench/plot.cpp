@@ -1,5 +1,6 @@
 #include "bench/plot.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <sstream>
@@ -18,13 +19,16 @@ std::string title_of(const Json& scene) {
     return scene.at("scene").get<std::string>() + ", " + worst;
 }
 
+/// [mm]: on a logarithmic axis there is no 0, and what is below is as good as that.
+constexpr double least_mm = 0.01;
+
 /// A line "cost worst label" for each engine of a scene whose name starts like this; the rest of the name is the label.
 std::string points_of(const Json& scene, const std::string& product) {
     std::ostringstream out;
     for (const Json& run : scene.at("engines")) {
         const auto name = run.at("engine").get<std::string>();
         if (!name.starts_with(product)) continue;
-        out << run.at("mean_ms").get<double>() << ' ' << worst_of(scene, run) << " \""
+        out << run.at("mean_ms").get<double>() << ' ' << std::max(least_mm, worst_of(scene, run)) << " \""
             << name.substr(std::min(name.size(), product.size() + 1)) << "\"\n";
     }
     return out.str();
@@ -78,6 +82,13 @@ std::string ratio_script(const Json& scenes) {
     return out.str();
 }
 
+/// In single quotes gnuplot takes everything as it is, but for those.
+std::string quoted(const std::string& text) {
+    std::string out = "'";
+    for (const char c : text) out += c == '\'' ? std::string("''") : std::string(1, c);
+    return out + "'";
+}
+
 } // namespace
 
 Status plot(const Json& results, const std::string& file) {
@@ -85,7 +96,7 @@ Status plot(const Json& results, const std::string& file) {
     if (!has_front && !results.contains("scenes"))
         return Error{"--plot " + file + ": there is nothing to draw: choose scenes, or 'front'"};
     const std::string script =
-        "set terminal svg size 1200,700 background 'white'\nset output '" + file + "'\n" +
+        "set terminal svg size 1200,700 background 'white'\nset output " + quoted(file) + "\n" +
         (has_front ? front_script(results.at("front")) : ratio_script(results.at("scenes")));
     std::FILE* gnuplot = popen("gnuplot", "w");
     bool good = gnuplot != nullptr && std::fwrite(script.data(), 1, script.size(), gnuplot) == script.size();

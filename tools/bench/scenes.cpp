@@ -174,7 +174,7 @@ BenchScene rollback(Size) {
 BenchScene many_pyramids(Size size) {
     const int side = size == Size::full ? 14 : 2;
     BenchScene made{.name = "pyramids", .about = "196 pyramids of base 10: 10,780 boxes"};
-    made.scene.add({.shape = box({14.0 * side, 0.5, 14.0 * side}), .position = {0, -0.5, 0}});
+    made.scene.add(ground(0.6));
     for (int i = 0; i < side * side; ++i)
         add_pyramid(made.scene, 10,
                     {12.0 * (i % side - 0.5 * (side - 1)), 0, 4.0 * (i / side - 0.5 * (side - 1))});
@@ -281,9 +281,9 @@ BenchScene make_bench_scene(const std::string& name, Size size) {
 }
 
 BenchScene resting_boxes(int count) {
-    BenchScene made{.name = "boxes", .about = "boxes at rest on a slab"};
+    BenchScene made{.name = "boxes", .about = "boxes at rest on a plane"};
     const int side = static_cast<int>(std::ceil(std::sqrt(count)));
-    made.scene.add({.shape = box({side + 1.0, 0.5, side + 1.0}), .position = {0, -0.5, 0}});
+    made.scene.add(ground(0.6));
     for (int i = 0; i < count; ++i)
         made.scene.add(solid(box({0.5, 0.5, 0.5}), {2.0 * (i % side - 0.5 * (side - 1)), 0.5,
                                                     2.0 * (i / side - 0.5 * (side - 1))}));

@@ -43,7 +43,7 @@ enum class Size { full, quick };
 std::vector<std::string> scene_names(); ///< S1 to S6, pyramids, grid, drum
 /// Of a name that is there.
 BenchScene make_bench_scene(const std::string& name, Size size = Size::full);
-/// Boxes on a slab, 2 m from each other.
+/// Boxes on a plane, 2 m from each other.
 BenchScene resting_boxes(int count);
 
 } // namespace lockstone::bench

@@ -75,8 +75,9 @@ Result<Exit> act(const Args& args) {
     }
     if (args.instructions || !args.profile.empty()) {
         const Result<Json> rows =
-            args.instructions ? bench::count_instructions(bench::chosen_scenes(plan), ours, args.keep)
-                              : bench::profile(bench::chosen_scenes(plan), ours, plan.ticks, args.profile);
+            args.instructions
+                ? bench::count_instructions(bench::chosen_scenes(plan), ours, args.keep)
+                : bench::profile(bench::chosen_scenes(plan), ours, plan.quick ? 3 : plan.ticks, args.profile);
         if (!rows) return rows.error();
         print(args, *rows, args.instructions ? bench::print_instructions : bench::print_profile);
         return Exit::good;

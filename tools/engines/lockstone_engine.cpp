@@ -5,6 +5,7 @@
 #include "lockstone/math.h"
 #include "lockstone/tasks.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <span>
@@ -68,7 +69,7 @@ ls::WorldDef def_of(const Contestant& c, const Scene& scene) {
                      .integrator = static_cast<ls::Integrator>(c.scheme),
                      .bodies_max = count,
                      .shapes_max = shapes,
-                     .contacts_max = 32 * count,
+                     .contacts_max = std::min(32 * count, 1u << 20), // the most there can be
                      .joints_max = static_cast<std::uint32_t>(scene.joints.size()) + 1,
                      .sleeping = scene.sleeping};
     if (c.substeps != 0) def.substeps = static_cast<std::uint32_t>(c.substeps);
