@@ -18,11 +18,11 @@ struct Args {
 };
 
 void describe(CLI::App& command, Args& args) {
-    command.add_option("SCENE", args.scenes, "scenes; none: all");
+    add_texts(command, "SCENE", args.scenes, "scenes; none: all");
     describe_options(command, args.options);
     add_number(command, "--ticks", args.ticks, "to measure", 1, UINT64_MAX);
     add_threads(command, args.threads);
-    command.add_flag("--json", args.json, "for programs");
+    add_flag(command, "--json", args.json, "for programs");
 }
 
 Result<nlohmann::ordered_json> measure(const std::string& scene, const Args& args) {

@@ -12,8 +12,8 @@ struct Args {
 };
 
 void describe(CLI::App& command, Args& args) {
-    command.add_option("A", args.left, "a recording (.lsr)")->required();
-    command.add_option("B", args.right, "another")->required();
+    add_text(command, "A", args.left, "a recording (.lsr)").required();
+    add_text(command, "B", args.right, "another").required();
 }
 
 Result<Exit> compare(const Args& args) {
