@@ -43,6 +43,8 @@ template <> class [[nodiscard]] Result<void> {
 
     explicit operator bool() const { return content.index() == 0; }
     bool ok() const { return content.index() == 0; }
+    /// Says that it went well (asserted): `world.add_force(...).value();` where an error would be the game's own.
+    void value() const { assert(ok()); }
     const Error& error() const { return assert(!ok()), *std::get_if<1>(&content); }
 };
 
