@@ -23,7 +23,7 @@ enum class BodyKind : std::uint32_t {
     dynamic,   ///< moves under forces and contacts
 };
 
-/// Bits of BodyDef::locks: motion along or about a world axis that never happens.
+/// Bits of BodyDef::locks: motion along or about a world axis that never happens. Velocity given along or about it is dropped.
 enum AxisLock : std::uint32_t {
     lock_linear_x = 1,
     lock_linear_y = 2,
@@ -53,6 +53,19 @@ struct BodyDef {
 
 /// How a pair's coefficient follows from those of its two shapes. Of two different rules the one further down holds.
 enum class Mix : std::uint32_t { geometric_mean, average, minimum, multiply, maximum };
+
+/// Where on a shape something touches it.
+struct SurfacePart {
+    std::uint32_t
+        source; ///< triangle of MeshDef::triangles; cell of a height field, row * (columns - 1) + column; part of a
+                ///< compound; else 0
+    std::uint32_t
+        material; ///< of the triangle or cell; where that is 0, and of other shapes, ShapeDef::material
+    friend bool operator==(const SurfacePart&, const SurfacePart&) = default;
+};
+template <class V> constexpr void describe(SurfacePart& p, V&& v) {
+    v("source", p.source), v("material", p.material);
+}
 
 struct ShapeDef {
     Geometry geometry = sphere(Real::from_raw(std::int64_t{1} << 31));

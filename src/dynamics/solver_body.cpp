@@ -79,11 +79,11 @@ static void per_substep(Vec3 acceleration, const StepConstants& step, std::int64
     }
 }
 
-/// K, and u of the velocity within its bounds.
+/// K, and u of the velocity within its bounds. Locks hold here too, for velocities of states from files.
 static void begin_turning(const BodyMass& mass, const Transform& pose, const Velocity& velocity,
                           const StepConstants& step, SolverBody& b, BodyStep& s, ClampCounts& clamps) {
     set_gyration(s, mass.principal, pose.rotation);
-    const SpeedVec3 u = mul<Speed>(s.gyration, to<Real>(velocity.angular));
+    const SpeedVec3 u = mul<Speed>(s.gyration, masked(to<Real>(velocity.angular), s.angular_mask));
     for (int i = 0; i < 3; ++i) b.u[i] = std::int64_t{u[i].raw} << row_bits;
     clamps.speed += clamp_length(b.u, step.tip_speed_max) ? 1u : 0u;
 }
@@ -104,7 +104,8 @@ static void begin_body(const BodyInfo& info, const BodyMass& mass, const BodyFor
     for (int i = 0; i < 3; ++i) b.keep[i] = (linear_mask >> i) & 1u ? -1 : 0;
     if (!s.moves) return;
     s.radii = mass.gyration;
-    for (int i = 0; i < 3; ++i) b.v[i] = std::int64_t{velocity.linear[i].raw} << row_bits;
+    for (int i = 0; i < 3; ++i)
+        if (((linear_mask >> i) & 1u) != 0) b.v[i] = std::int64_t{velocity.linear[i].raw} << row_bits;
     // Commands may leave any velocity; rows have room for these.
     clamps.speed += clamp_length(b.v, step.linear_speed_max) ? 1u : 0u;
     begin_turning(mass, pose, velocity, step, b, s, clamps);

@@ -105,28 +105,35 @@ SessionRunner::SessionRunner(SessionRunner&&) noexcept = default;
 SessionRunner& SessionRunner::operator=(SessionRunner&&) noexcept = default;
 SessionRunner::~SessionRunner() = default;
 
+SessionRunner::Impl& SessionRunner::inside() const {
+    LOCKSTONE_ASSERT(impl != nullptr, "this session runner was moved from");
+    return *impl;
+}
+
 Frame SessionRunner::frame(std::uint64_t now_ms) {
-    impl->session.poll(now_ms);
-    const Step step = impl->session.advance();
-    impl->execute_and_confirm(step);
+    Impl& all = inside();
+    all.session.poll(now_ms);
+    const Step step = all.session.advance();
+    all.execute_and_confirm(step);
     return {step.stall, step.wait_ticks};
 }
 
 bool SessionRunner::drain(std::uint64_t now_ms) {
-    impl->session.poll(now_ms);
-    impl->execute_and_confirm(impl->session.settle());
-    return impl->confirmed_end == impl->session.current_tick();
+    Impl& all = inside();
+    all.session.poll(now_ms);
+    all.execute_and_confirm(all.session.settle());
+    return all.confirmed_end == all.session.current_tick();
 }
 
 void SessionRunner::wait(std::uint64_t now_ms) {
-    impl->session.poll(now_ms);
-    impl->events.clear();
+    inside().session.poll(now_ms);
+    inside().events.clear();
 }
 
-std::span<const SessionEvent> SessionRunner::events() const { return impl->events; }
+std::span<const SessionEvent> SessionRunner::events() const { return inside().events; }
 
 const SyncTestFailure* SessionRunner::sync_failure() const {
-    return impl->failure ? &*impl->failure : nullptr;
+    return inside().failure ? &*inside().failure : nullptr;
 }
 
 std::string to_string(const SyncTestFailure& failure) {

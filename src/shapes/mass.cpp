@@ -70,7 +70,8 @@ MassProperties cylinder_mass(std::int64_t r, std::int64_t h, Real density) {
     const Scaled radius = scaled(r, Length::fraction_bits);
     const Scaled volume = scaled(pi_thirds) * (radius * radius) * scaled(6 * h, Length::fraction_bits);
     const I20F44 ky = I20F44::from_raw(divide_rounded(Wide::product(r, r), 2 * 16));
-    const I20F44 kx = I20F44::from_raw(divide_rounded(Wide::from(3 * r * r + 4 * h * h), 12 * 16));
+    const Wide across = Wide::product(3 * r, r) + Wide::product(4 * h, h); // up to 7 * 2^61.3: beyond 64 bits
+    const I20F44 kx = I20F44::from_raw(divide_rounded(across, 12 * 16));
     return solid(volume, density, kx, ky, kx);
 }
 

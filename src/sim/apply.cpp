@@ -1,5 +1,6 @@
 #include "sim/applier.h"
 
+#include "dynamics/locks.h"
 #include "lockstone/decimal.h"
 #include "lockstone/math.h"
 #include "sim/checks.h"
@@ -95,7 +96,9 @@ Result<World::Applied> Applier::operator()(const SetVelocity& c) {
     if (!within(c.angular, spin_max))
         return Error{"set_velocity: angular must be within 4095 rad/s on each axis"};
     row = wake(w, c.body);
-    w.state.edit_row(w.m.body_velocity, row) = {to<Speed>(c.linear), to<Speed>(c.angular)};
+    Velocity& velocity = w.state.edit_row(w.m.body_velocity, row);
+    velocity = {to<Speed>(c.linear), to<Speed>(c.angular)};
+    dynamics::drop_locked(velocity, w.state.rows(w.m.body_info)[row].locks);
     return Applied{};
 }
 
@@ -174,6 +177,7 @@ Result<World::Applied> Applier::operator()(const SetBodyParameters& c) {
     info.bullet = d.bullet;
     info.enable_fields = d.enable_fields;
     info.drag_scale = d.drag_scale;
+    dynamics::drop_locked(w.state.edit_row(w.m.body_velocity, row), d.locks);
     return Applied{};
 }
 

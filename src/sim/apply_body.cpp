@@ -1,6 +1,7 @@
 // Bodies and shapes come and go; masses follow.
 #include "sim/applier.h"
 
+#include "dynamics/locks.h"
 #include "lockstone/decimal.h"
 #include "lockstone/math.h"
 #include "sim/checks.h"
@@ -21,11 +22,13 @@ static void set_mass(Data& w, std::uint32_t row, const BodyMass& fresh) {
     const Vec3 moved = fresh.center - mass.center;
     mass = fresh;
     if (moved == Vec3{}) return;
+    const std::uint32_t locks = w.state.rows(w.m.body_info)[row].locks;
     Transform& pose = w.state.edit_row(w.m.body_pose, row);
     Velocity& velocity = w.state.edit_row(w.m.body_velocity, row);
     const Vec3 arm = rotate(pose.rotation, moved);
     pose.position += arm;
     velocity.linear += cross<Speed>(velocity.angular, arm);
+    dynamics::drop_locked(velocity, locks);
 }
 
 /// How far a body's shapes reach from its origin: stands in for the gyration radius of one that nothing turns, so that
@@ -102,7 +105,9 @@ Result<World::Applied> Applier::operator()(const CreateBody& c) {
     info.mass_override = d.mass;
     info.user_key = d.user_key;
     w.state.edit_row(w.m.body_pose, row) = {d.pose.position, normalized(d.pose.rotation)};
-    w.state.edit_row(w.m.body_velocity, row) = {to<Speed>(d.linear_velocity), to<Speed>(d.angular_velocity)};
+    Velocity& velocity = w.state.edit_row(w.m.body_velocity, row);
+    velocity = {to<Speed>(d.linear_velocity), to<Speed>(d.angular_velocity)};
+    dynamics::drop_locked(velocity, d.locks);
     wake(w, id);
     update_mass(w, w.row_of(id));
     return Applied{.body = id};

@@ -23,6 +23,7 @@ void add_all(CLI::App& app, Work& work) {
     add_verify(app, work);
     add_diff(app, work);
     add_branch(app, work);
+    add_repair(app, work);
     add_synctest(app, work);
     add_match(app, work);
     add_bench(app, work);
@@ -97,6 +98,11 @@ const Option& Option::one_of(const std::vector<std::string>& names) const {
     return *this;
 }
 
+const Option& Option::hide() const {
+    option->group("");
+    return *this;
+}
+
 const Option& Option::type_name(const std::string& name) const {
     option->type_name(name);
     return *this;
@@ -130,6 +136,11 @@ Option add_number(CLI::App& command, const std::string& name, std::optional<std:
     return add_checked(command, name, value, sentence, 0, UINT64_MAX);
 }
 
+Option add_numbers(CLI::App& command, const std::string& name, std::vector<int>& values, const std::string& sentence,
+                   int low, int high) {
+    return Option(command.add_option(name, values, sentence)->delimiter(',')->check(CLI::Range(low, high)));
+}
+
 Option add_real(CLI::App& command, const std::string& name, double& value, const std::string& sentence, double low,
                 double high) {
     return add_real_number(command, name, value, sentence, low, high);
@@ -150,6 +161,7 @@ std::unique_ptr<Tasks> tasks_of(std::uint32_t threads) {
 }
 
 int run_command_line(int argc, char** argv) {
+    std::setvbuf(stdout, nullptr, _IOLBF, 1 << 16); // a run that is killed leaves the lines that it printed
     CLI::App app("Runs, records, replays and verifies deterministic worlds.", "lockstone");
     app.require_subcommand(1);
     app.footer("Exit status: 0 good; 1 a check failed; 2 bad usage or bad input.");

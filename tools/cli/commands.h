@@ -35,6 +35,7 @@ void add_replay(CLI::App& app, Work& work); ///< replay, info
 void add_verify(CLI::App& app, Work& work);
 void add_diff(CLI::App& app, Work& work);
 void add_branch(CLI::App& app, Work& work);
+void add_repair(CLI::App& app, Work& work);
 void add_synctest(CLI::App& app, Work& work);
 void add_match(CLI::App& app, Work& work);
 void add_bench(CLI::App& app, Work& work);
@@ -61,6 +62,7 @@ class Option {
     const Option& required() const;
     const Option& show_default() const;                               ///< in --help
     const Option& one_of(const std::vector<std::string>& names) const; ///< else bad usage
+    const Option& hide() const;                                        ///< from --help
     const Option& type_name(const std::string& name) const;           ///< in --help
 
   private:
@@ -81,6 +83,10 @@ Option add_number(CLI::App& command, const std::string& name, std::uint32_t& val
                   std::uint32_t low = 0, std::uint32_t high = UINT32_MAX);
 Option add_number(CLI::App& command, const std::string& name, std::optional<std::uint64_t>& value,
                   const std::string& sentence);
+
+/// Several, with commas between them.
+Option add_numbers(CLI::App& command, const std::string& name, std::vector<int>& values, const std::string& sentence,
+                   int low, int high);
 
 /// A number from `low` to `high`, not-a-number excluded.
 Option add_real(CLI::App& command, const std::string& name, double& value, const std::string& sentence, double low,

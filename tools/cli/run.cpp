@@ -1,5 +1,6 @@
 // lockstone run
 #include "cli/input_source.h"
+#include "cli/interrupt.h"
 #include "cli/progress.h"
 #include "cli/scene_choice.h"
 #include "cli/text.h"
@@ -16,7 +17,7 @@ struct Args {
     SceneChoice choice;
     std::uint64_t ticks = 600;
     std::uint32_t threads = 1;
-    std::string simd = "scalar";
+    std::string simd;
     std::string input, record, hashes, report;
     std::uint64_t keyframe_ticks = replay::keyframe_ticks_default;
 };
@@ -25,7 +26,7 @@ void describe(CLI::App& command, Args& args) {
     describe_scene(command, args.choice);
     add_number(command, "--ticks", args.ticks, "how long");
     add_threads(command, args.threads);
-    add_text(command, "--simd", args.simd, "scalar is what there is").show_default();
+    add_text(command, "--simd", args.simd, "scalar, sse41 or avx2: the same hashes at other speeds; the best there is when left out");
     add_text(command, "--input", args.input,
                        "inputs: a text file (tools/README.md) or a recording; else scripted from the seed");
     add_text(command, "--record", args.record, "write a recording (.lsr)");
@@ -64,12 +65,17 @@ Status open_outputs(const Args& args, const Started& started, Outputs& out) {
     return {};
 }
 
+/// Of the rules of a scene.
+Error fail_at(std::uint64_t tick, const Error& error) {
+    return {"tick " + std::to_string(tick) + ": the game's rules fail: " + error.message};
+}
+
 Status run_tick(Started& started, InputSource& source, Outputs& out, bool want_hashes) {
     World& world = started.world;
     const std::uint64_t tick = world.tick_count();
     const std::span<const PlayerInput> inputs = source.at(tick);
     const auto before = Clock::now();
-    started.game->advance(world, inputs);
+    if (Status s = started.game->advance(world, inputs); !s) return fail_at(tick, s.error());
     const double took = microseconds_since(before);
     if (out.report) out.report->add_tick(took, world);
     if (want_hashes) out.hashes += std::to_string(tick) + '\t' + hash_text(world.hash()) + '\n';
@@ -88,13 +94,13 @@ Status close_outputs(const Args& args, Started& started, Outputs& out) {
 }
 
 Result<Exit> run(const Args& args) {
-    if (Status s = check_simd(args.simd); !s) return s.error();
     for (const std::string& output : {args.record, args.hashes, args.report})
         if (Status s = check_output(output, args.input); !s) return s.error();
     Result<Started> started = start(args.choice);
     if (!started) return started.error();
     const std::unique_ptr<Tasks> tasks = tasks_of(args.threads);
     started->world.set_tasks(tasks.get());
+    if (Status s = choose_simd(args.simd, started->world); !s) return s.error();
     Result<InputSource> source =
         args.input.empty()
             ? Result<InputSource>(InputSource::scripted(*started->game, args.choice.options.seed))
@@ -102,16 +108,19 @@ Result<Exit> run(const Args& args) {
     if (!source) return source.error();
     Outputs out;
     if (Status s = open_outputs(args, *started, out); !s) return s.error();
+    const Interrupt interrupt;
     {
         Progress progress(args.choice.scene, args.ticks);
-        for (std::uint64_t tick = 0; tick < args.ticks; ++tick) {
+        for (std::uint64_t tick = 0; tick < args.ticks && !interrupt.came(); ++tick) {
             if (Status s = run_tick(*started, *source, out, !args.hashes.empty()); !s) return s.error();
             progress.at(tick + 1);
         }
     }
     if (Status s = close_outputs(args, *started, out); !s) return s.error();
     std::printf("%s: %llu ticks, hash %s\n", started->game->name().c_str(),
-                static_cast<unsigned long long>(args.ticks), hash_text(started->world.hash()).c_str());
+                static_cast<unsigned long long>(started->world.tick_count()),
+                hash_text(started->world.hash()).c_str());
+    interrupt.follow();
     return Exit::good;
 }
 
