@@ -47,6 +47,7 @@ struct Stage {
     std::vector<Command> commands;
 };
 
+// Long: one command of each kind, a line each.
 Stage make_stage() {
     WorldDef def = small_def();
     def.joints_max = 8, def.characters_max = 4, def.vehicles_max = 4, def.pair_filters_max = 4;
