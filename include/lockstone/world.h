@@ -1,7 +1,7 @@
 // The world: bodies, shapes and force fields that tick.
 //
 //   World world = World::create({.gravity = {0_r, -9.81_r, 0_r}}).value();
-//   BodyId ball = world.create_body({.pose = {.position = {0_r, 5_r, 0_r}, .rotation = Quat::identity()}}).value();
+//   BodyId ball = world.create_body({.pose = {.position = {0_r, 5_r, 0_r}}}).value();
 //   world.create_shape(ball, {.geometry = sphere(0.5_r)}).value();
 //   world.tick();
 //   Image image;
@@ -240,6 +240,10 @@ class World {
     Real mass(BodyId body) const;             ///< [kg]; 0 when static or kinematic
     BodyKind kind(BodyId body) const;
     std::uint64_t user_key(BodyId body) const;
+    BodyDef body(BodyId body) const;            ///< as it is now: what create_body would have to be given
+    SetMass mass_properties(BodyId body) const; ///< as set_mass would have to be given them
+    bool may_touch(BodyId a, BodyId b) const;   ///< false after set_pair_filter(a, b, false)
+    Vec3 gravity() const;                       ///< [m/s^2], of def() until set_gravity
     std::vector<ShapeId> shapes(BodyId body) const; ///< in order of creation; allocates
     ShapeDef shape(ShapeId shape) const;
     BodyId body_of(ShapeId shape) const;
