@@ -99,6 +99,9 @@ class Trial {
     Trial(const Pair& of, Chance& random) : pair(of), chance(random) {
         const shapes::Extent e = shapes::extent_of(pair.b);
         reach = length(max(abs(e.lower), abs(e.upper)));
+        thinnest = shapes::inner_radius(pair.b);
+        if (pair.a.geometry.kind < ShapeKind::compound)
+            thinnest = min(thinnest, shapes::inner_radius(pair.a));
     }
 
     void run(Worst& worst) {
@@ -111,7 +114,7 @@ class Trial {
         const double most = limit * chance(0.3, 1), part = chance(0, 1);
         move(most * part, most * (1 - part) / to_double(reach));
         dynamics::Shift shift{};
-        if (!dynamics::still_good(rows, {pose.position, rotation, reach}, margin, shift)) return;
+        if (!dynamics::still_good(rows, {pose.position, rotation, reach, thinnest}, margin, shift)) return;
         ++worst.kept;
         Manifolds fresh;
         collide::collide(pair.a, pair.b, pose, margin, scratch, fresh);
@@ -187,6 +190,7 @@ class Trial {
     const Pair& pair;
     Chance& chance;
     Coordinate reach{};
+    Length thinnest{};
     RelativePose pose{};
     Quat rotation{};
     Manifolds made;
@@ -244,7 +248,8 @@ TEST_CASE("what has moved or turned too far, or is near from further off, is mad
         return dynamics::still_good({&row, 1},
                                     {{quantize<Coordinate>(moved), Coordinate{}, Coordinate{}},
                                      from_axis_angle({unit_one, Unit{}, Unit{}}, quantize<Real>(turned)),
-                                     Coordinate(1)},
+                                     Coordinate(1),
+                                     Length(1)},
                                     ahead, shift);
     };
     CHECK(serves(0.0019, 0));
