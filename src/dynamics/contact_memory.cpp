@@ -72,11 +72,14 @@ HalfTurn half_turn(Quat now, Quat made) {
 }
 
 /// Most of u for a pair's manifolds: that of the row that bears least.
-std::int64_t recycling_limit(std::span<const ContactMemory> rows, Coordinate reach) {
-    const std::int64_t by_reach = reach.raw >> recycling_reach_shift;
+std::int64_t recycling_limit(std::span<const ContactMemory> rows, const Placing& now) {
+    const std::int64_t by_reach = now.reach.raw >> recycling_reach_shift,
+                       by_thinnest = now.thinnest.raw >> recycling_thin_shift;
     for (const ContactMemory& row : rows)
         if (!(row.flags & contact_on_face)) return std::min<std::int64_t>(recycling.raw, by_reach);
-    return std::min<std::int64_t>(recycling_on_face.raw, by_reach);
+    // Not less than what edges bear.
+    const std::int64_t on_face = std::min<std::int64_t>(recycling_on_face.raw, by_thinnest);
+    return std::min(std::max<std::int64_t>(recycling.raw, on_face), by_reach);
 }
 
 } // namespace
@@ -115,7 +118,7 @@ void carry_impulses(std::span<const ContactMemory> old, Taken& taken, ContactMem
 bool still_good(std::span<const ContactMemory> rows, const Placing& now, Length margin, Shift& shift) {
     const ContactMemory& made = rows[0];
     if (margin > made.margin) return false;
-    const std::int64_t limit = recycling_limit(rows, now.reach);
+    const std::int64_t limit = recycling_limit(rows, now);
     const CoordinateVec3 moved = now.position - made.made_position;
     for (int i = 0; i < 3; ++i)
         if (moved[i].raw > limit || moved[i].raw < -limit) return false;

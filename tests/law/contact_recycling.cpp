@@ -99,6 +99,9 @@ class Trial {
     Trial(const Pair& of, Chance& random) : pair(of), chance(random) {
         const shapes::Extent e = shapes::extent_of(pair.b);
         reach = length(max(abs(e.lower), abs(e.upper)));
+        thinnest = shapes::inner_radius(pair.b);
+        if (pair.a.geometry.kind < ShapeKind::compound)
+            thinnest = min(thinnest, shapes::inner_radius(pair.a));
     }
 
     void run(Worst& worst) {
@@ -107,11 +110,12 @@ class Trial {
         for (std::uint32_t i = 0; i < made.count; ++i)
             rows.push_back(memory_of(made.items[i], pose, rotation));
         // Lengths are bounded from above by up to 1.12 times.
-        const double limit = std::min(made.items[0].on_face != 0 ? 0.002 : 0.0001, to_double(reach) / 256);
+        const double on_face = std::max(0.0001, std::min(0.001, to_double(thinnest) / 128));
+        const double limit = std::min(made.items[0].on_face != 0 ? on_face : 0.0001, to_double(reach) / 256);
         const double most = limit * chance(0.3, 1), part = chance(0, 1);
         move(most * part, most * (1 - part) / to_double(reach));
         dynamics::Shift shift{};
-        if (!dynamics::still_good(rows, {pose.position, rotation, reach}, margin, shift)) return;
+        if (!dynamics::still_good(rows, {pose.position, rotation, reach, thinnest}, margin, shift)) return;
         ++worst.kept;
         Manifolds fresh;
         collide::collide(pair.a, pair.b, pose, margin, scratch, fresh);
@@ -187,6 +191,7 @@ class Trial {
     const Pair& pair;
     Chance& chance;
     Coordinate reach{};
+    Length thinnest{};
     RelativePose pose{};
     Quat rotation{};
     Manifolds made;
@@ -224,11 +229,11 @@ TEST_CASE("a manifold that is used again is as wrong as its header says, and no 
     for (const Pair& pair : pairs) {
         CAPTURE(pair.what);
         Worst worst;
-        for (int i = 0; i < 3000; ++i) Trial(pair, library.chance).run(worst);
+        for (int i = 0; i < 1000; ++i) Trial(pair, library.chance).run(worst);
         MESSAGE(std::string(pair.what), ": kept ", worst.kept, ", points compared ", worst.compared,
                 ", corners ", worst.corner * 1e6, " um, the least separation ", worst.least * 1e6, " um");
-        CHECK(worst.kept > 1000);
-        CHECK(worst.compared > 500);
+        CHECK(worst.kept > 300);
+        CHECK(worst.compared > 200);
         CHECK(worst.corner <= to_double(dynamics::recycling_error));
         // Beyond the edge of a face a point is held on to by as much as it has moved.
         CHECK(worst.least <= to_double(dynamics::recycling_on_face));
@@ -244,14 +249,15 @@ TEST_CASE("what has moved or turned too far, or is near from further off, is mad
         return dynamics::still_good({&row, 1},
                                     {{quantize<Coordinate>(moved), Coordinate{}, Coordinate{}},
                                      from_axis_angle({unit_one, Unit{}, Unit{}}, quantize<Real>(turned)),
-                                     Coordinate(1)},
+                                     Coordinate(1),
+                                     Length(1)},
                                     ahead, shift);
     };
-    CHECK(serves(0.0019, 0));
-    CHECK_FALSE(serves(0.0021, 0));
-    CHECK(serves(0, 0.0019));
-    CHECK_FALSE(serves(0, 0.0021));
-    CHECK_FALSE(serves(0.0012, 0.0012));
+    CHECK(serves(0.0009, 0));
+    CHECK_FALSE(serves(0.0011, 0));
+    CHECK(serves(0, 0.0009));
+    CHECK_FALSE(serves(0, 0.0011));
+    CHECK_FALSE(serves(0.0006, 0.0006));
     CHECK_FALSE(serves(0, 0, margin + Length::step()));
     row.flags = 0; // the normal of an edge
     CHECK(serves(0.00009, 0));
