@@ -113,7 +113,8 @@ class AssetLibrary {
 };
 
 /// Triangles of any shape but a plane, for drawing and for tests: round shapes are approximated with `round` steps to
-/// the quarter turn. In the shape's frame, counter-clockwise seen from outside.
+/// the quarter turn, 1 to 64; more or less is taken as that. In the shape's frame, counter-clockwise seen
+/// from outside. Empty for a plane, for what `validate` refuses, and for an asset that is not in the library.
 struct TriangleSoup {
     std::vector<Vec3> vertices;
     std::vector<std::array<std::uint32_t, 3>> triangles;

@@ -59,6 +59,11 @@ template <> class [[nodiscard]] Result<void> {
 
     explicit operator bool() const { return content.index() == 0; }
     bool ok() const { return content.index() == 0; }
+    /// Says that it went well, or ends the program with the error: `world.add_force(...).value();`
+    void value() const {
+        if (const Error* error = std::get_if<1>(&content)) [[unlikely]]
+            detail::stop_without_value(*error);
+    }
     const Error& error() const {
         if (ok()) [[unlikely]]
             detail::stop_without_error();

@@ -202,6 +202,8 @@ class Session {
     virtual void add_local_input(std::uint32_t player, std::span<const std::byte> input) = 0;
     /// Corrects the past if inputs have arrived that differ from the guesses, then runs the next tick if it may.
     virtual Step advance() = 0;
+    /// The same without a new tick, for the end of a match: only what ran on wrong guesses runs again. Never stalls.
+    virtual Step settle() = 0;
     /// After each Advance: the hash of the state after tick `tick`. Required, all else rests on it. A tick that was not
     /// asked for asserts.
     virtual HashCheck report_hash(std::uint64_t tick, std::uint64_t hash) = 0;
@@ -328,6 +330,10 @@ class SessionRunner {
     /// A frame without a new tick, when wait_ticks asks for it: poll only.
     void wait(std::uint64_t now_ms);
     /// Of the last frame: by tick, then in the order of the tick's events.
+    /// The end of a match: instead of frame(), each frame, until it returns true. No new tick is run; what was run is
+    /// settled, confirmed and handed to the sink. Every machine goes on to the same tick first (Session::current_tick),
+    /// and gives inputs up to there: what is not given is never confirmed.
+    bool drain(std::uint64_t now_ms);
     std::span<const SessionEvent> events() const;
     /// The first failure of a sync test; null while there is none.
     const SyncTestFailure* sync_failure() const;

@@ -1,7 +1,7 @@
 // The world: bodies, shapes and force fields that tick.
 //
 //   World world = World::create({.gravity = {0_r, -9.81_r, 0_r}}).value();
-//   BodyId ball = world.create_body({.pose = {.position = {0_r, 5_r, 0_r}, .rotation = Quat::identity()}}).value();
+//   BodyId ball = world.create_body({.pose = {.position = {0_r, 5_r, 0_r}}}).value();
 //   world.create_shape(ball, {.geometry = sphere(0.5_r)}).value();
 //   world.tick();
 //   Image image;
@@ -136,7 +136,8 @@ class PhaseObserver {
     virtual void on_phase(const char* phase) = 0; ///< has passed; its work is what was done since the last call
 };
 
-/// Wrong arguments. Commands answer each with an error that names the argument, and change nothing. Reading takes living ids,
+/// Wrong arguments. Commands answer each with an error that names the argument, and change nothing. An id is two numbers:
+/// one of another world is this world's id with the same numbers, if there is one, else dead. Reading takes living ids,
 /// rows below the count and columns of this world's schema only: anything else ends the program with a sentence, in every
 /// build, and so does any use of a world that was moved from. Queries answer what makes no sense with nothing.
 ///
@@ -173,8 +174,8 @@ class World {
         CharacterId character{};
         VehicleId vehicle{};
     };
-    /// Refuses what the command's definition calls out of range, ids that are dead, null or of another world, and what
-    /// there is no room for: the error names the command and the field, the world is as it was. So do all below.
+    /// Refuses what the command's definition calls out of range, ids that are dead or null, and what there is no room for:
+    /// the error names the command and the field, the world is as it was. So do all below.
     Result<Applied> apply(const Command& command);
     Result<BodyId> create_body(const BodyDef& def);
     Result<ShapeId> create_shape(BodyId body, const ShapeDef& def);
@@ -239,6 +240,10 @@ class World {
     Real mass(BodyId body) const;             ///< [kg]; 0 when static or kinematic
     BodyKind kind(BodyId body) const;
     std::uint64_t user_key(BodyId body) const;
+    BodyDef body(BodyId body) const;            ///< as it is now: what create_body would have to be given
+    SetMass mass_properties(BodyId body) const; ///< as set_mass would have to be given them
+    bool may_touch(BodyId a, BodyId b) const;   ///< false after set_pair_filter(a, b, false)
+    Vec3 gravity() const;                       ///< [m/s^2], of def() until set_gravity
     std::vector<ShapeId> shapes(BodyId body) const; ///< in order of creation; allocates
     ShapeDef shape(ShapeId shape) const;
     BodyId body_of(ShapeId shape) const;
@@ -306,14 +311,15 @@ class World {
 
     // ---- state ----
     std::uint64_t hash() const; ///< of everything that can affect a later tick
-    void save(Image& image) const;
+    void save(Image& image) const; ///< into any image, whatever it held
     /// An image of a world with the same definition, schema and assets; any other, or an empty one, ends the program with
     /// what can_restore says, before a byte has changed.
     void restore(const Image& image);
     /// Whether restore takes it; if not, the error says why.
     Status can_restore(const Image& image) const;
     std::vector<std::byte> save_portable() const;
-    Status restore_portable(std::span<const std::byte> image); ///< on error the world is as it was
+    /// Refuses whatever is not a state of a world with this definition, schema and assets; then the world is as it was.
+    Status restore_portable(std::span<const std::byte> image);
     /// A portable image as the difference to what `base` holds, for those who hold the same: a ring image of any world
     /// of this definition and schema, saved there or after a restore_portable. Small where little changed.
     /// Ends the program with what can_restore says where it refuses the base.
@@ -325,7 +331,8 @@ class World {
     const GameSchema& schema() const;
 
     // ---- workers ----
-    /// Who runs the parts of a tick; null, the default: the caller, alone. Not owned, not state; a clone has none.
+    /// Who runs the parts of a tick; null, the default: the caller, alone. Not owned, so it outlives the world or is set to
+    /// null before; not state; a clone has none.
     void set_tasks(Tasks* tasks);
     /// The instruction set that solves contacts; the best of the machine by default. Bits do not depend on it. False, and
     /// nothing changes, where the machine lacks it.

@@ -20,6 +20,7 @@ class PeerSession final : public Session {
     void poll(std::uint64_t now_ms) override;
     void add_local_input(std::uint32_t player, std::span<const std::byte> input) override;
     Step advance() override;
+    Step settle() override;
     HashCheck report_hash(std::uint64_t tick, std::uint64_t hash) override;
     std::optional<ConfirmedTick> next_confirmed() override;
     std::optional<Notice> next_notice() override;
@@ -34,6 +35,7 @@ class PeerSession final : public Session {
     enum class Run { first, again };
 
     // ---- rollback.cpp ----
+    void run_again();
     void roll_back_to(std::uint64_t wrong);
     void run(std::uint64_t tick, Run how);
     Stall why_stall() const;

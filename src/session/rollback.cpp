@@ -15,11 +15,7 @@
 namespace lockstone::session {
 
 Step PeerSession::advance() {
-    LOCKSTONE_ASSERT(confirmed == settled_end, "take confirmed ticks first: ", confirmed, " of ",
-                     settled_end);
-    requests.clear();
-    inputs.clear();
-    if (const std::uint64_t wrong = take_first_wrong(); wrong < current) roll_back_to(wrong);
+    run_again();
 
     const Stall stall = why_stall();
     if (stall == Stall::none) {
@@ -31,6 +27,20 @@ Step PeerSession::advance() {
     settled_end = std::min(fixed_through(), current);
     counts.stalls += stall == Stall::none ? 0 : 1;
     return {stall, requests, stall == Stall::none ? wait_recommended() : 0};
+}
+
+Step PeerSession::settle() {
+    run_again();
+    settled_end = std::min(current, fixed_through());
+    return {Stall::none, requests, 0};
+}
+
+void PeerSession::run_again() {
+    LOCKSTONE_ASSERT(confirmed == settled_end, "take confirmed ticks first: ", confirmed, " of ",
+                     settled_end);
+    requests.clear();
+    inputs.clear();
+    if (const std::uint64_t wrong = take_first_wrong(); wrong < current) roll_back_to(wrong);
 }
 
 void PeerSession::roll_back_to(std::uint64_t wrong) {

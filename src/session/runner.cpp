@@ -21,6 +21,7 @@ struct SessionRunner::Impl {
     std::vector<SessionEvent> events;
     std::optional<SyncTestFailure> failure;
     std::vector<std::byte> left_out; ///< scratch of the planted fault
+    std::uint64_t confirmed_end = 0; ///< ticks below have been handed to the sink
 
     Impl(Session& driver, Simulation& driven, RunnerDef runner_def)
         : session(driver), simulation(driven), def(std::move(runner_def)), ring(driver.images_max()),
@@ -28,6 +29,18 @@ struct SessionRunner::Impl {
           ledger(driver.images_max() + 1) {
         events.reserve(256);
         for (Image& image : ring) simulation.state().reserve(image);
+    }
+
+    void execute_and_confirm(const Step& step) {
+        for (const Request& request : step.requests)
+            std::visit([this](const auto& r) { execute(r); }, request);
+        std::uint64_t news_end = 0;
+        while (const std::optional<ConfirmedTick> tick = session.next_confirmed()) {
+            news_end = confirmed_end = tick->tick + 1;
+            if (def.sink != nullptr) def.sink->on_confirmed(tick->tick, tick->inputs, tick->hash);
+        }
+        events.clear();
+        ledger.publish(news_end, events);
     }
 
     void execute(const Save& save) {
@@ -99,20 +112,17 @@ SessionRunner::Impl& SessionRunner::inside() const {
 
 Frame SessionRunner::frame(std::uint64_t now_ms) {
     Impl& all = inside();
-    Session& session = all.session;
-    session.poll(now_ms);
-    const Step step = session.advance();
-    for (const Request& request : step.requests) {
-        std::visit([&](const auto& r) { all.execute(r); }, request);
-    }
-    std::uint64_t confirmed_end = 0;
-    while (const std::optional<ConfirmedTick> tick = session.next_confirmed()) {
-        confirmed_end = tick->tick + 1;
-        if (all.def.sink != nullptr) all.def.sink->on_confirmed(tick->tick, tick->inputs, tick->hash);
-    }
-    all.events.clear();
-    all.ledger.publish(confirmed_end, all.events);
+    all.session.poll(now_ms);
+    const Step step = all.session.advance();
+    all.execute_and_confirm(step);
     return {step.stall, step.wait_ticks};
+}
+
+bool SessionRunner::drain(std::uint64_t now_ms) {
+    Impl& all = inside();
+    all.session.poll(now_ms);
+    all.execute_and_confirm(all.session.settle());
+    return all.confirmed_end == all.session.current_tick();
 }
 
 void SessionRunner::wait(std::uint64_t now_ms) {

@@ -32,6 +32,9 @@ MassProperties solid(Scaled volume, Real density, I20F44 xx, I20F44 yy, I20F44 z
     return {unscaled<Real>(volume * scaled(density)), Vec3{}, Matrix3<I20F44>::diagonal(xx, yy, zz)};
 }
 
+// Sizes below are raw Lengths of at most 100 m: below 2^30.7, their squares below 2^61.4, so two of these add up in 64 bits and
+// three or four times one does not.
+
 MassProperties sphere_mass(std::int64_t r, Real density) {
     const Scaled radius = scaled(r, Length::fraction_bits);
     const I20F44 k = I20F44::from_raw(divide_rounded(Wide::product(2 * r, r), 5 * 16)); // 2/5 r^2, F48 to F44

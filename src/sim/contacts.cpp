@@ -99,12 +99,12 @@ void make_manifolds(const Couple& c, UnitVec3& apart, collide::NarrowScratch& sc
 ContactMemory memory_of(const Couple& c, const collide::Manifold& manifold, std::uint32_t flags) {
     ContactMemory memory{};
     memory.flags = flags | (manifold.on_face != 0 ? dynamics::contact_on_face : 0u);
-    memory.count = static_cast<std::uint16_t>(manifold.count);
+    memory.count = manifold.count;
     // Only shapes of many pieces say which of them it is.
     if (c.a->geometry.kind >= ShapeKind::compound && c.a->geometry.kind <= ShapeKind::mesh)
         memory.piece_a = manifold.piece_a;
     if (c.b->geometry.kind == ShapeKind::compound)
-        memory.piece_b = static_cast<std::uint16_t>(manifold.piece_b);
+        memory.piece_b = manifold.piece_b;
     memory.normal = manifold.normal;
     for (std::uint32_t k = 0; k < manifold.count; ++k) {
         const collide::ManifoldPoint& p = manifold.points[k];

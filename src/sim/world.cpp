@@ -400,6 +400,36 @@ std::uint64_t World::user_key(BodyId body) const {
     return impl->state.rows(impl->m.body_info)[living(*impl, body)].user_key;
 }
 
+BodyDef World::body(BodyId body) const {
+    const sim::BodyInfo& info = impl->state.rows(impl->m.body_info)[living(*impl, body)];
+    BodyDef d;
+    d.kind = info.kind;
+    d.locks = info.locks;
+    d.pose = pose(body);
+    d.linear_velocity = linear_velocity(body);
+    d.angular_velocity = angular_velocity(body);
+    d.linear_damping = info.linear_damping;
+    d.angular_damping = info.angular_damping;
+    d.gravity_scale = info.gravity_scale;
+    d.drag_scale = info.drag_scale;
+    d.mass = info.mass_override;
+    d.gyroscopic = info.gyroscopic;
+    d.enable_fields = info.enable_fields;
+    d.bullet = info.bullet;
+    d.user_key = info.user_key;
+    return d;
+}
+SetMass World::mass_properties(BodyId body) const {
+    const sim::BodyMass& mass = impl->state.rows(impl->m.body_mass)[living(*impl, body)];
+    return {body, mass.mass, mass.center, mass.gyration, mass.principal};
+}
+bool World::may_touch(BodyId a, BodyId b) const {
+    living(*impl, a), living(*impl, b);
+    const std::span<const sim::PairFilterRow> rows = impl->state.rows(impl->m.pair_filter);
+    return !std::binary_search(rows.begin(), rows.end(), sim::PairFilterRow{std::min(a, b), std::max(a, b)});
+}
+Vec3 World::gravity() const { return impl->header().gravity; }
+
 std::vector<ShapeId> World::shapes(BodyId body) const {
     const State& state = impl->state;
     const std::span<const sim::Slot> slots = state.rows(impl->m.shape_slot);

@@ -254,7 +254,10 @@ TEST_CASE("misuse: a world that was moved from, or destroyed under what drives i
         std::uint32_t player_count() const override { return 1; }
         std::uint32_t input_size() const override { return 1; }
         Result<World> start() const override { return World::create({}); }
-        void advance(World& world, std::span<const PlayerInput>) const override { world.tick(); }
+        Status advance(World& world, std::span<const PlayerInput>) const override {
+            world.tick();
+            return {};
+        }
     } game;
     SimulatedNetwork network(1, {}, 1);
     const auto session = make_rollback_session(session_def(game, 0, {0}), network.endpoint(0)).value();

@@ -18,6 +18,7 @@ class Relay : public Session {
         real->add_local_input(player, input);
     }
     Step advance() override { return real->advance(); }
+    Step settle() override { return real->settle(); }
     HashCheck report_hash(std::uint64_t tick, std::uint64_t hash) override {
         return real->report_hash(tick, hash);
     }

@@ -22,22 +22,22 @@ ContactMemory one_point(double x, double y, double z, std::uint32_t feature, std
 }
 
 /// The impulse that a fresh point takes from an old one of another feature.
-Speed taken(const ContactMemory& old, ContactMemory fresh) {
-    std::uint32_t bits = 0;
-    carry_impulses(std::span(&old, 1), bits, fresh);
+Speed taken_from(const ContactMemory& old, ContactMemory fresh) {
+    Taken taken;
+    carry_impulses(std::span(&old, 1), taken, fresh);
     return fresh.points[0].normal;
 }
 
 } // namespace
 
 TEST_CASE("a point takes the impulse of another feature within 2 cm, and of none farther, up to 443 m away") {
-    CHECK(taken(one_point(1, 2, 3, 1, 5), one_point(1.01, 2, 3, 2, 0)) == Speed(5));
+    CHECK(taken_from(one_point(1, 2, 3, 1, 5), one_point(1.01, 2, 3, 2, 0)) == Speed(5));
     for (const double apart : {0.03, 1.0, 64.0, 100.0, 180.0, 182.0, 200.0, 255.9}) {
         const double half = apart / 2;
         INFO(apart, " m apart");
-        CHECK(taken(one_point(half, 0, 0, 1, 5), one_point(-half, 0, 0, 2, 0)) == Speed(0));
-        CHECK(taken(one_point(0, -half, half, 1, 5), one_point(0, half, -half, 2, 0)) == Speed(0));
-        CHECK(taken(one_point(half, -half, half, 1, 5), one_point(-half, half, -half, 2, 0)) == Speed(0));
+        CHECK(taken_from(one_point(half, 0, 0, 1, 5), one_point(-half, 0, 0, 2, 0)) == Speed(0));
+        CHECK(taken_from(one_point(0, -half, half, 1, 5), one_point(0, half, -half, 2, 0)) == Speed(0));
+        CHECK(taken_from(one_point(half, -half, half, 1, 5), one_point(-half, half, -half, 2, 0)) == Speed(0));
     }
 }
 

@@ -1,5 +1,6 @@
 // Contacts at rest: the order in which they are solved, their symmetry, and what statics asks of their impulses.
 #include "dynamics/contact.h"
+#include "dynamics/contact_order.h"
 #include "sim/phases.h"
 #include "support/sim_scenes.h"
 

@@ -61,16 +61,21 @@ inline std::string word_against_all() {
 inline std::string forged_inputs_of_the_gone() {
     HostileMatch h(4);
     h.match.run(120);
-    h.liar.lie = [&](PeerId, Message& m) { // its own inputs in the name of player 2
-        if (m.block_count == 1) m.blocks[0].player = 2;
-        m.next_input[2] = m.tick + 100;
+    static constexpr std::array<std::byte, 1> repeats{std::byte{0xfe}};
+    std::array<std::byte, sizeof(Pad)> forged{};
+    forged.fill(std::byte{0x7f});
+    int packets = 0;
+    h.liar.lie = [&](PeerId, Message& m) { // eight inputs in the name of player 2, before its own
+        if ((m.unwanted >> 2 & 1u) == 0) return true;
+        if (++packets < 40) m.gone = m.has_cut = 0; // as long as it has not left for all, its inputs may grow
+        m.blocks[1] = m.blocks[0];
+        m.blocks[0] = {2, m.next_input[2] - 3, 8, repeats, forged};
+        ++m.block_count;
+        m.next_input[2] += 100;
         return true;
     };
-    h.liar.forged_input = [](std::uint32_t, std::uint64_t, PeerId) {
-        return std::vector<std::byte>(input_size_of<Pad>, std::byte{0x7f});
-    };
     h.match.network.unplug(2);
-    const std::string wrong = endured(h, {0, 1}, Liar::either, 450);
+    const std::string wrong = endured(h, {0, 1}, Liar::leaves, 450); // nothing that it says is taken any more
     for (const PeerId id : {0u, 1u}) {
         for (const Timeline::Tick& tick : h.match.machine(id).timeline.ticks)
             if (tick.inputs[2 * sizeof(Pad)] == std::byte{0x7f} && tick.inputs[2 * sizeof(Pad) + 1] == std::byte{0x7f})
@@ -125,9 +130,9 @@ inline std::string flood() {
     h.match.run(120);
     std::vector<std::vector<std::byte>> packets;
     bool floods = true;
-    h.liar.lie = [&](PeerId to, Message& m) {
+    h.liar.lie = [&](PeerId, Message& m) {
         if (!std::exchange(floods, false)) return true;
-        const auto bytes = h.liar.written(to, m);
+        const auto bytes = h.liar.written(m);
         const std::vector<std::byte> copy(bytes.begin(), bytes.end());
         for (int i = 0; i < 20'000; ++i) h.liar.real->send(0, copy);
         return true;
@@ -150,12 +155,13 @@ inline std::string flood() {
     return endured(h, {0, 1}, Liar::stays);
 }
 
-/// Somebody on the way sends an old packet of a machine that is gone again and again.
-inline std::string replayed_packets() {
+/// Somebody on the way sends old packets of a machine that is gone again and again. In a pause nobody waits for it, so that
+/// only its silence can show.
+inline std::string replayed_packets(bool in_a_pause) {
     HostileMatch h(3);
     std::vector<std::pair<PeerId, std::vector<std::byte>>> old;
     h.liar.lie = [&](PeerId to, Message& m) {
-        const auto bytes = h.liar.written(to, m);
+        const auto bytes = h.liar.written(m);
         if (old.size() < 240) old.emplace_back(to, std::vector<std::byte>(bytes.begin(), bytes.end()));
         return true;
     };
@@ -164,9 +170,13 @@ inline std::string replayed_packets() {
     for (int i = 0; i < 600; ++i) {
         const auto& [to, bytes] = old[static_cast<std::size_t>(i) % old.size()];
         h.liar.real->send(to, bytes);
-        h.match.run(1);
+        if (in_a_pause && i < 240)
+            h.match.pause();
+        else
+            h.match.run(1);
+        if (in_a_pause && i == 240 && !h.has_left(0, 2)) return "old packets kept it alive through the pause";
     }
-    if (std::string wrong = h.trouble({0, 1}, 600); !wrong.empty()) return wrong;
+    if (std::string wrong = h.trouble({0, 1}, in_a_pause ? 450 : 600); !wrong.empty()) return wrong;
     return h.has_left(0, 2) && h.has_left(1, 2) ? "" : "old packets kept it alive";
 }
 
@@ -247,7 +257,8 @@ inline std::vector<HostileScene> hostile_to_all() {
         {"drips inputs", dripped_inputs},
         {"says that it is far behind", far_behind},
         {"floods", flood},
-        {"is replayed", replayed_packets},
+        {"is replayed", [] { return replayed_packets(false); }},
+        {"is replayed while the game is paused", [] { return replayed_packets(true); }},
         {"never appears", never_appears},
         {"is silent to two of three", silent_to_one},
     };
@@ -270,7 +281,7 @@ inline std::vector<HostileScene> hostile_at_departures() {
          [] {
              return about_a_departure(
                  [](PeerId to, Message& m) {
-                     if (to == 1 && m.next_input[2] > 130) m.next_input[2] = 130;
+                     if (to == 1) m.next_input[2] -= 6;
                      return true;
                  },
                  true);

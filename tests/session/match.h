@@ -146,6 +146,16 @@ class Match {
         }
         while (const auto notice = m.session->next_notice()) m.notices.push_back(*notice);
     }
+    /// A frame in which all machines poll and none goes on.
+    void pause() {
+        ++frames;
+        now_ms = frames * 1000 / 60;
+        network.advance_to(now_ms);
+        for (const std::unique_ptr<Machine>& m : machines) {
+            m->runner->wait(now_ms);
+            while (const auto notice = m->session->next_notice()) m->notices.push_back(*notice);
+        }
+    }
     void run(std::uint64_t count) {
         for (std::uint64_t i = 0; i < count; ++i) frame();
     }

@@ -12,7 +12,7 @@ namespace lockstone::test {
 /// The line on stderr of a call that ends the program with a sentence; empty when it came back, "died" when it ended otherwise.
 template <class Call> std::string last_words(Call&& call) {
     int ends[2];
-    if (pipe(ends) != 0) return "no pipe";
+    if (::pipe(ends) != 0) return "no pipe";
     std::fflush(nullptr); // what is buffered is written once
     const pid_t child = fork();
     if (child == 0) {
@@ -25,7 +25,7 @@ template <class Call> std::string last_words(Call&& call) {
     close(ends[1]);
     std::string words;
     char buffer[512];
-    for (ssize_t got; (got = read(ends[0], buffer, sizeof buffer)) > 0;)
+    for (ssize_t got; (got = ::read(ends[0], buffer, sizeof buffer)) > 0;)
         words.append(buffer, static_cast<std::size_t>(got));
     close(ends[0]);
     int status = 0;

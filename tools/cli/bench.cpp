@@ -22,23 +22,21 @@ struct Args {
 };
 
 void describe(CLI::App& command, Args& args) {
-    command.add_option(
-        "PART", args.parts,
-        "S1 to S6, pyramids, grid, drum, state, awake, scaling, verify, arena, threads, front, or a "
-        "scene of `lockstone scenes`; none: all but threads, front and those scenes");
+    add_texts(command, "PART", args.parts,
+              "S1 to S6, pyramids, grid, drum, state, awake, scaling, verify, arena, threads, front, or a "
+              "scene of `lockstone scenes`; none: all but threads, front and those scenes");
     add_number(command, "--ticks", args.ticks, "to time; 0: as many as the scene asks for", 0, 1000000);
     add_number(command, "--runs", args.runs, "of each scene: of each tick the least counts", 1, 100);
-    command.add_option("--substeps", args.substeps, "of Lockstone, 1 to 16; several: each is a contestant")
-        ->delimiter(',')
-        ->check(CLI::Range(1, 16));
-    command.add_flag("--json", args.json, "for programs");
-    command.add_flag("--quick", args.quick, "a few ticks of small scenes: whether all runs, not how fast");
-    command.add_flag("--instructions", args.instructions, "count them under callgrind, in the chosen scenes");
-    command.add_option("--keep", args.keep, "with --instructions: a folder for the files of callgrind");
-    command.add_option("--profile", args.profile,
-                       "FILE.json: the chosen scenes by phases, as a Chrome trace");
-    command.add_option("--plot", args.plot, "FILE.svg: a picture of the scenes, or of 'front', by gnuplot");
-    command.add_option("--counted", args.counted)->group(""); // what --instructions runs under callgrind
+    add_numbers(command, "--substeps", args.substeps,
+                "of Lockstone, 1 to 16; several, with commas: each is a contestant", 1, 16);
+    add_flag(command, "--json", args.json, "for programs");
+    add_flag(command, "--quick", args.quick, "a few ticks of small scenes: whether all runs, not how fast");
+    add_flag(command, "--instructions", args.instructions,
+             "count them under callgrind, in the chosen scenes");
+    add_text(command, "--keep", args.keep, "with --instructions: a folder for the files of callgrind");
+    add_text(command, "--profile", args.profile, "FILE.json: the chosen scenes by phases, as a Chrome trace");
+    add_text(command, "--plot", args.plot, "FILE.svg: a picture of the scenes, or of 'front', by gnuplot");
+    add_text(command, "--counted", args.counted, "").hide(); // what --instructions runs under callgrind
 }
 
 void print(const Args& args, const Json& rows, void (*print_rows)(const Json&)) {

@@ -26,14 +26,14 @@ void describe(CLI::App& command, Args& args) {
     describe_scene(command, args.choice);
     add_number(command, "--ticks", args.ticks, "how long");
     add_threads(command, args.threads);
-    command.add_option("--simd", args.simd, "scalar, sse41 or avx2: the same hashes at other speeds; the best there is when left out");
-    command.add_option("--input", args.input,
+    add_text(command, "--simd", args.simd, "scalar, sse41 or avx2: the same hashes at other speeds; the best there is when left out");
+    add_text(command, "--input", args.input,
                        "inputs: a text file (tools/README.md) or a recording; else scripted from the seed");
-    command.add_option("--record", args.record, "write a recording (.lsr)");
+    add_text(command, "--record", args.record, "write a recording (.lsr)");
     add_number(command, "--keyframes", args.keyframe_ticks,
                "ticks from keyframe to keyframe of the recording; 0: only the first");
-    command.add_option("--hashes", args.hashes, "write tick, tab, root hash after that tick");
-    command.add_option("--report", args.report, "write numbers about the run as JSON");
+    add_text(command, "--hashes", args.hashes, "write tick, tab, root hash after that tick");
+    add_text(command, "--report", args.report, "write numbers about the run as JSON");
 }
 
 /// What a run leaves behind besides its last state.

@@ -187,7 +187,7 @@ std::string one_match(std::uint64_t seed, Fault fault, attack::Figures& figures)
         for (std::uint32_t more = random.below(lies_in); more > 0; --more, ++hostile_packets) {
             m = truth;
             if (how != 1) lie_in_fields(m, machines, random);
-            const auto bytes = h.liar.written(to, m);
+            const auto bytes = h.liar.written(m);
             std::vector<std::byte> packet(bytes.begin(), bytes.end());
             if (how != 0) packet = with_other_bytes(packet, random), may_part = true;
             h.liar.real->send(to, packet);

@@ -408,6 +408,9 @@ AssetBytes hull_of(std::int32_t half_raw) {
     return bake_hull(points).value();
 }
 
+const MaterialSurface surfaces[] = {{1, Real(4), Real(1), Real(1), {Real(100), Real(-100), Real{}}},
+                                    {65535, Real{}}};
+
 AssetBytes mesh_of(Real reach, bool two_sided) {
     const Vec3 vertices[] = {{-reach, Real{}, -reach},
                              {reach, Real{}, -reach},
@@ -416,8 +419,11 @@ AssetBytes mesh_of(Real reach, bool two_sided) {
                              {Real{}, -reach, Real{}}};
     const std::array<std::uint32_t, 3> triangles[] = {{0, 2, 1}, {1, 2, 3}, {0, 1, 4}};
     const std::uint16_t materials[] = {1, 65535, 3};
-    return bake_mesh(
-               {.vertices = vertices, .triangles = triangles, .materials = materials, .two_sided = two_sided})
+    return bake_mesh({.vertices = vertices,
+                      .triangles = triangles,
+                      .materials = materials,
+                      .surfaces = surfaces,
+                      .two_sided = two_sided})
         .value();
 }
 
@@ -427,8 +433,12 @@ AssetBytes height_field_of(std::uint32_t samples, Length spacing, Length height)
     for (std::size_t i = 0; i < heights.size(); ++i) heights[i] = i % 3 == 0 ? height : -height;
     for (std::size_t i = 0; i < cells.size(); ++i)
         cells[i] = static_cast<std::uint8_t>(i % 7 == 6 ? 255 : i % 255);
-    return bake_height_field(
-               {.columns = samples, .rows = samples, .spacing = spacing, .heights = heights, .cells = cells})
+    return bake_height_field({.columns = samples,
+                              .rows = samples,
+                              .spacing = spacing,
+                              .heights = heights,
+                              .cells = cells,
+                              .surfaces = surfaces})
         .value();
 }
 

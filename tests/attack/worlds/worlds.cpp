@@ -169,6 +169,7 @@ class Attacked {
 
     void note(const std::optional<QueryHit>& hit) {
         note(hit ? static_cast<std::uint64_t>(hit->distance.raw) ^ hit->feature : 3);
+        if (hit) note(hit->part.source), note(hit->part.material);
     }
     void ask() {
         const Vec3 from = v.near(center, reach + reach).position;
