@@ -1,5 +1,6 @@
 #include "app.h"
 
+#include "cli/interrupt.h"
 #include "hud.h"
 #include "live_page.h"
 #include "netplay_page.h"
@@ -59,6 +60,7 @@ class App {
     bool window_ = false;
     bool pictures_ = false; ///< written every now and then
     std::unique_ptr<Page> page_;
+    const cli::Interrupt interrupt_;
 };
 
 App::App(const Options& options) : options_(options) {
@@ -135,7 +137,7 @@ void App::take_picture() {
 
 Status App::run_page_offscreen() {
     std::uint64_t next_picture = options_.frame_every;
-    while (!page_->finished()) {
+    while (!page_->finished() && !interrupt_.came()) {
         if (const Status status = page_->tick(); !status) return status;
         if (!pictures_ || (page_->tick_count() < next_picture && !page_->finished())) continue;
         take_picture();
@@ -150,7 +152,7 @@ Status App::run_offscreen() {
         if (const Status status = run_page_offscreen(); !status) return status;
         const Result<bool> more = follow_with_next();
         if (!more) return more.error();
-        if (!*more) return {};
+        if (!*more || interrupt_.came()) return {}; // the page before has closed its recording
     }
 }
 
@@ -158,7 +160,7 @@ Status App::run_window() {
     using Clock = std::chrono::steady_clock;
     Clock::time_point before = Clock::now();
     std::uint64_t next_picture = options_.frame_every;
-    while (!screen_->surface->close_requested()) {
+    while (!screen_->surface->close_requested() && !interrupt_.came()) {
         const Input& input = screen_->surface->poll();
         if (input.pressed(Key::escape)) break;
         const Clock::time_point now = Clock::now();
@@ -186,7 +188,7 @@ Status App::run_window() {
     // What was played must still be proved: without pictures, if the window is gone.
     const Result<bool> more = follow_with_next();
     if (!more) return more.error();
-    while (*more && !page_->finished())
+    while (*more && !page_->finished() && !interrupt_.came())
         if (const Status status = page_->tick(); !status) return status;
     return {};
 }
@@ -207,6 +209,7 @@ int App::run() {
         complain(status.error().message);
         return 2;
     }
+    interrupt_.follow();
     const Verdict verdict = page_->verdict();
     std::printf("%s\n", verdict.sentence.c_str());
     return verdict.good ? 0 : 1;

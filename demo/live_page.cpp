@@ -78,7 +78,7 @@ Status LivePage::tick() {
             inputs[p].bytes = seats[p]; // who never came is played by the script
     }
     const auto begin = std::chrono::steady_clock::now();
-    game_->advance(world_, inputs);
+    if (Status s = game_->advance(world_, inputs); !s) return s;
     const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - begin;
     tick_us_ += (tick_us_ == 0 ? 1 : 0.05) * (took.count() - tick_us_);
     view_.capture(world_);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 
 namespace lockstone::demo {
 namespace {
@@ -24,8 +25,10 @@ ReplayPage::ReplayPage(replay::Recording recording, std::unique_ptr<Game> game, 
       checks_(recording_.tick_count(), TickCheck::unknown) {}
 
 Result<std::unique_ptr<Page>> ReplayPage::open(const Options& options, Stage& stage) {
-    Result<replay::Recording> recording = replay::Recording::open(options.source);
+    Result<replay::Recording> recording =
+        replay::Recording::open(options.source, replay::OnDamage::recover_cut);
     if (!recording) return recording.error();
+    if (!recording->complete()) std::fprintf(stderr, "lockstone_demo: %s\n", recording->damage().c_str());
     std::unique_ptr<Game> game;
     if (recording->header().mode == replay::Mode::inputs) {
         Result<std::unique_ptr<Game>> made = make_scene_named(recording->header().game);

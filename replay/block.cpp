@@ -13,6 +13,8 @@ using base::ByteReader;
 using base::join;
 
 constexpr std::byte status_confirmed{0}, status_disconnected{1};
+constexpr std::uint64_t explosion_work = 64; ///< of Limits::commands_per_tick
+const std::size_t explode_kind = Command(Explode{}).index();
 constexpr std::size_t command_bytes_least = 9; ///< a kind and an id: bounds the number before any is read
 
 } // namespace
@@ -83,7 +85,7 @@ void BlockBuilder::finish(std::uint64_t first_tick, std::vector<std::byte>& out)
 
 // ---- TickBlock -----------------------------------------------------------------------------------------------
 
-TickBlock TickBlock::read(ByteReader& in, BlockShape shape) {
+TickBlock TickBlock::read(ByteReader& in, BlockShape shape, const Limits& limits) {
     TickBlock block;
     block.shape = shape;
     block.first = in.u64("first tick");
@@ -92,6 +94,9 @@ TickBlock TickBlock::read(ByteReader& in, BlockShape shape) {
         in.fail(join("the block has ", count, " ticks, must have 1..", block_ticks_max));
     const std::uint64_t size = in.u64("unpacked size");
     if (size > block_bytes_max) in.fail(join("the unpacked size is ", size, ", at most ", block_bytes_max));
+    if (in.ok() && size * memory_per_byte > limits.memory)
+        in.fail(join("the block unpacks to ", size, " bytes; the ", limits.memory,
+                     " bytes of memory that are left are too few (--memory)"));
     const auto hash_bytes_read = in.bytes(std::uint64_t{count} * 8, "hashes");
     if (!in.ok()) return block;
     for (std::size_t i = 0; i < count; ++i)
@@ -103,7 +108,7 @@ TickBlock TickBlock::read(ByteReader& in, BlockShape shape) {
     else if (shape.mode == Mode::inputs)
         block.read_inputs(in, *unpacked);
     else
-        block.read_commands(in, *unpacked);
+        block.read_commands(in, *unpacked, limits);
     return block;
 }
 
@@ -127,7 +132,7 @@ void TickBlock::read_inputs(ByteReader& in, std::span<const std::byte> unpacked)
     }
 }
 
-void TickBlock::read_commands(ByteReader& in, std::span<const std::byte> unpacked) {
+void TickBlock::read_commands(ByteReader& in, std::span<const std::byte> unpacked, const Limits& limits) {
     ByteReader tables(unpacked, "unpacked ticks");
     const auto fail = [&](const std::string& why) { in.fail(why); };
     const auto counts = read_planes(tables.bytes(hashes.size() * 4, "counts"), 4);
@@ -135,7 +140,9 @@ void TickBlock::read_commands(ByteReader& in, std::span<const std::byte> unpacke
     std::uint64_t total = 0;
     for (std::size_t at = 0; at < counts.size(); at += 4) {
         first_command.push_back(static_cast<std::uint32_t>(total));
-        total += base::load_little_endian<std::uint32_t>(counts.data() + at);
+        const auto count = base::load_little_endian<std::uint32_t>(counts.data() + at);
+        most_commands = std::max(most_commands, count);
+        total += count;
         if (total > unpacked.size() / command_bytes_least)
             return fail(join("more commands are announced than ", unpacked.size(), " bytes can hold"));
     }
@@ -151,11 +158,26 @@ void TickBlock::read_commands(ByteReader& in, std::span<const std::byte> unpacke
             return fail(join("a command is of kind ", k, ", this engine knows 0..", command_kinds - 1));
         refs.push_back({k, rows[k]++});
     }
+    check_work(in, limits);
+    if (!in.ok()) return;
     field_rows.resize(command_kinds);
     for (std::size_t k = 0; k < command_kinds; ++k)
         field_rows[k] = read_planes(tables.bytes(rows[k] * command_bytes(k), "fields"), command_bytes(k));
     tables.expect_end();
     if (!tables.ok()) fail(tables.error().message);
+}
+
+/// Commands cost memory and time before the world can refuse them.
+void TickBlock::check_work(ByteReader& in, const Limits& limits) const {
+    for (std::size_t t = 0; t < hashes.size(); ++t) {
+        std::uint64_t work = 0;
+        for (std::uint32_t i = first_command[t]; i < first_command[t + 1]; ++i)
+            work += refs[i].kind == explode_kind ? explosion_work : 1;
+        if (work > limits.commands_per_tick)
+            return in.fail(join("tick ", first + t, " has ", first_command[t + 1] - first_command[t],
+                                " commands, with explosions as ", explosion_work, " each the work of ", work,
+                                "; the limit is ", limits.commands_per_tick, " (--commands)"));
+    }
 }
 
 std::uint64_t TickBlock::hash_after(std::uint64_t tick) const {

@@ -45,8 +45,10 @@ class BlockBuilder {
 class TickBlock {
   public:
     TickBlock() = default;
-    /// Reads the payload of TICK up to the end of `in`; errors stay in `in`.
-    static TickBlock read(base::ByteReader& in, BlockShape shape);
+    /// Reads the payload of TICK up to the end of `in`; errors stay in `in`. Takes at most memory_per_byte for each byte
+    /// that is announced, and no more than `limits` allow.
+    static TickBlock read(base::ByteReader& in, BlockShape shape, const Limits& limits);
+    static constexpr std::uint64_t memory_per_byte = 4;
 
     std::uint64_t first_tick() const { return first; }
     std::uint64_t end_tick() const { return first + hashes.size(); }
@@ -55,6 +57,8 @@ class TickBlock {
     std::uint64_t hash_after(std::uint64_t tick) const;
     /// The players' inputs of a tick, pointing into this block; empty in commands mode.
     std::vector<PlayerInput> inputs(std::uint64_t tick) const;
+    /// Most commands before any tick; 0 in inputs mode.
+    std::uint32_t commands_most() const { return most_commands; }
     /// The commands before a tick, in order; empty in inputs mode.
     std::vector<Command> commands(std::uint64_t tick) const;
 
@@ -64,9 +68,11 @@ class TickBlock {
         std::uint32_t row; ///< among the commands of its kind
     };
     void read_inputs(base::ByteReader& in, std::span<const std::byte> unpacked);
-    void read_commands(base::ByteReader& in, std::span<const std::byte> unpacked);
+    void read_commands(base::ByteReader& in, std::span<const std::byte> unpacked, const Limits& limits);
+    void check_work(base::ByteReader& in, const Limits& limits) const;
 
     BlockShape shape;
+    std::uint32_t most_commands = 0;
     std::uint64_t first = 0;
     std::vector<std::uint64_t> hashes;
     std::vector<std::byte> input_rows;

@@ -38,8 +38,9 @@ Status copy_tick(const Recording& source, const TickBlock& block, std::uint64_t 
 }
 
 /// The source up to `at`, which it holds, through a new writer. Nothing is simulated.
-Result<Writer> copy(const Recording& source, std::uint64_t at, Sink& sink, const RecorderOptions& options) {
-    Result<Writer> writer = begin_like(source, header_of(source, at, options), sink, options);
+Result<Writer> copy(const Recording& source, const Header& header, std::uint64_t at, Sink& sink,
+                    const RecorderOptions& options) {
+    Result<Writer> writer = begin_like(source, header, sink, options);
     if (!writer) return writer.error();
     TickBlock block;
     std::size_t keyframe = 1;
@@ -74,7 +75,7 @@ Result<InputBranch> branch_inputs(const Recording& source, const Game& game, std
     if (source.header().mode != Mode::inputs) return wrong_mode(source);
     Result<World> world = world_at(source, &game, at);
     if (!world) return world.error();
-    Result<Writer> writer = copy(source, at, sink, options);
+    Result<Writer> writer = copy(source, header_of(source, at, options), at, sink, options);
     if (!writer) return writer.error();
     return InputBranch{InputRecorder::resume(std::move(*writer), options.keyframe_ticks), std::move(*world)};
 }
@@ -84,9 +85,18 @@ Result<CommandBranch> branch_commands(const Recording& source, std::uint64_t at,
     if (source.header().mode != Mode::commands) return wrong_mode(source);
     Result<World> world = world_at(source, nullptr, at);
     if (!world) return world.error();
-    Result<Writer> writer = copy(source, at, sink, options);
+    Result<Writer> writer = copy(source, header_of(source, at, options), at, sink, options);
     if (!writer) return writer.error();
     return CommandBranch{std::move(*writer), std::move(*world)};
+}
+
+Status repair(const Recording& source, Sink& sink) {
+    Header header = source.header();
+    set_option(header.options, "repaired.of", base::hex(source.checksum()));
+    set_option(header.options, "repaired.end", join(source.end_tick()));
+    std::ranges::sort(header.options, {}, &Option::key);
+    Result<Writer> writer = copy(source, header, source.end_tick(), sink, {});
+    return writer ? writer->close() : Status(writer.error());
 }
 
 Status add_keyframes(const Recording& source, const Game* game, Sink& sink, const RecorderOptions& options) {

@@ -24,6 +24,10 @@ struct CommandBranch {
 Result<CommandBranch> branch_commands(const Recording& source, std::uint64_t at, Sink& sink,
                                       const RecorderOptions& options = {});
 
+/// All ticks of a recording that was cut or damaged, as a complete file: nothing is simulated. HEAD tells the origin:
+/// options "repaired.of" (the checksum of the last whole chunk) and "repaired.end" (the time where it ends).
+Status repair(const Recording& source, Sink& sink);
+
 /// The whole recording again with keyframes every keyframe_ticks, made by re-simulation: for one that was fed from a
 /// confirmed timeline, where no state was at hand, or that was recovered. Ends as a complete recording. Refuses a
 /// recording that re-simulation does not reproduce. The options are those of the source.

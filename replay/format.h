@@ -54,12 +54,21 @@ inline constexpr std::uint32_t players_max = 16;
 inline constexpr std::uint32_t input_bytes_max = 64;
 inline constexpr std::uint32_t columns_max = 256;
 inline constexpr std::uint32_t row_bytes_max = 65536;
+inline constexpr std::uint32_t schema_bytes_max = 1u << 20; ///< payload of SCHM
 inline constexpr std::uint32_t block_ticks_max = 1024;
 inline constexpr std::uint32_t tick_rate_max = 1000;
 inline constexpr std::uint64_t start_tick_max = std::uint64_t{1} << 62;
 inline constexpr std::uint64_t block_bytes_max = std::uint64_t{1} << 26; ///< unpacked
 inline constexpr std::uint64_t image_bytes_max = std::uint64_t{1} << 32;
 inline constexpr std::uint64_t file_bytes_max = std::uint64_t{1} << 34;
+
+/// What reading and playing a recording may take, chosen by who reads it; a file that needs more is refused by a sentence.
+struct Limits {
+    std::uint64_t memory = std::uint64_t{1}
+                           << 30; ///< [bytes], of the recording and all that plays it at one time
+    /// Of recordings of commands. An explosion, which looks at every shape, counts as 64.
+    std::uint32_t commands_per_tick = 1u << 16;
+};
 
 inline constexpr std::uint32_t block_ticks_default = 64;     ///< one second at 60 Hz: what a crash may lose
 inline constexpr std::uint64_t keyframe_ticks_default = 600; ///< ten seconds at 60 Hz

@@ -43,29 +43,48 @@ void pack(std::span<const std::byte> bytes, std::vector<std::byte>& out) {
     append_literals(bytes.subspan(literals_from), out);
 }
 
-Result<std::vector<std::byte>> unpack(std::span<const std::byte> packed, std::uint64_t size) {
+namespace {
+
+/// Calls run(byte, count) and literals(bytes) in order, up to the first fault; nothing is handed out beyond `size`.
+template <class Run, class Literals>
+Status walk(std::span<const std::byte> packed, std::uint64_t size, Run&& run, Literals&& literals) {
     const auto wrong = [&](std::string_view how) {
         return Error{base::join("the ", packed.size(), " packed bytes ", how, ", ", size, " are announced")};
     };
     if (size > packed.size() * unpack_ratio_max) return wrong("cannot hold as many bytes as that");
-    std::vector<std::byte> out;
-    out.reserve(static_cast<std::size_t>(size));
+    std::uint64_t done = 0;
     for (std::size_t at = 0; at < packed.size();) {
         const auto control = std::to_integer<std::size_t>(packed[at++]);
         const bool is_run = control >= literals_max;
         const std::size_t yields = is_run ? control - run_bias : control + 1;
         const std::size_t takes = is_run ? 1 : yields;
         if (takes > packed.size() - at) return wrong("end in the middle of a stretch");
-        if (yields > size - out.size()) return wrong("hold more bytes");
+        if (yields > size - done) return wrong("hold more bytes");
         if (is_run)
-            out.insert(out.end(), yields, packed[at]);
-        else {
-            const auto from = packed.subspan(at, takes);
-            out.insert(out.end(), from.begin(), from.end());
-        }
+            run(packed[at], yields);
+        else
+            literals(packed.subspan(at, takes));
         at += takes;
+        done += yields;
     }
-    if (out.size() != size) return wrong(base::join("hold ", out.size(), " bytes"));
+    if (done != size) return wrong(base::join("hold ", done, " bytes"));
+    return {};
+}
+
+} // namespace
+
+Status check_packed(std::span<const std::byte> packed, std::uint64_t size) {
+    return walk(
+        packed, size, [](std::byte, std::size_t) {}, [](std::span<const std::byte>) {});
+}
+
+Result<std::vector<std::byte>> unpack(std::span<const std::byte> packed, std::uint64_t size) {
+    std::vector<std::byte> out;
+    if (size <= packed.size() * unpack_ratio_max) out.reserve(static_cast<std::size_t>(size));
+    const Status status = walk(
+        packed, size, [&](std::byte b, std::size_t count) { out.insert(out.end(), count, b); },
+        [&](std::span<const std::byte> from) { out.insert(out.end(), from.begin(), from.end()); });
+    if (!status) return status.error();
     return out;
 }
 

@@ -21,6 +21,9 @@ void pack(std::span<const std::byte> bytes, std::vector<std::byte>& out);
 /// without a subject: "the packed bytes hold 7 bytes, 12 are announced".
 Result<std::vector<std::byte>> unpack(std::span<const std::byte> packed, std::uint64_t size);
 
+/// Whether `unpack` would succeed, without the memory that it takes.
+Status check_packed(std::span<const std::byte> packed, std::uint64_t size);
+
 /// Appends a table of rows of `row_bytes` as planes: every row xor the one before, then byte 0 of all rows, byte 1 ...
 void append_planes(std::span<const std::byte> table, std::size_t row_bytes, std::vector<std::byte>& out);
 

@@ -48,7 +48,8 @@ Status Parser::run(OnDamage on_damage) {
     if (status) return {};
     out.damage_sentence = join(out.file_name, ": ", status.error().message);
     const bool playable = chunks_seen == opening.size();
-    if (on_damage == OnDamage::recover && playable) return {};
+    const bool keeps = on_damage == OnDamage::recover || (on_damage == OnDamage::recover_cut && is_cut);
+    if (keeps && playable) return {};
     return Error{out.damage_sentence};
 }
 
@@ -77,12 +78,18 @@ bool Parser::ends_like_a_whole_file() const {
            base::load_little_endian<std::uint32_t>(file.data() + file.size() - end_bytes) == chunk_end;
 }
 
-Error Parser::cut(const std::string& how) const {
+std::uint64_t Parser::memory_left() const {
+    const std::uint64_t taken = out.memory() + index.capacity() * sizeof(IndexEntry);
+    return out.read_limits.memory > taken ? out.read_limits.memory - taken : 0;
+}
+
+Error Parser::cut(const std::string& how) {
+    is_cut = true;
     return {join("the recording is incomplete: it ", how, " (at byte ", at, "); ", out.tick_count(),
                  " ticks before that are whole")};
 }
 
-Result<Parser::Chunk> Parser::read_frame() const {
+Result<Parser::Chunk> Parser::read_frame() {
     const std::size_t remaining = file.size() - at;
     if (remaining < chunk_head_bytes) return cut("is cut inside the frame of a chunk");
     Chunk chunk;
@@ -125,6 +132,9 @@ Status Parser::read_chunk(const Chunk& chunk) {
     read_payload(chunk, in);
     if (!in.ok()) return in.error();
     if (chunk.type == chunk_index) index_offset = chunk.offset;
+    if (memory_left() < index.size() * sizeof(IndexEntry)) // which a longer list may need at once
+        return Error{join(subject, ": the limit of memory, ", out.read_limits.memory,
+                          " bytes, is reached (--memory)")};
     const bool has_tick = chunk.type == chunk_ticks || chunk.type == chunk_keyframe;
     index.push_back({chunk.type, chunk.offset, has_tick ? time_before : 0});
     if (chunks_seen < opening.size() && chunk.type == opening[chunks_seen]) ++chunks_seen;
@@ -161,6 +171,8 @@ void Parser::read_payload(const Chunk& chunk, ByteReader& in) {
         read_head(in);
         break;
     case chunk_schema:
+        if (chunk.payload_size > schema_bytes_max)
+            return in.fail(join("it has ", chunk.payload_size, " bytes, at most ", schema_bytes_max));
         out.game_schema = read_schema(in);
         break;
     case chunk_world_def:
@@ -199,10 +211,14 @@ void Parser::read_world_definition(ByteReader& in) {
 }
 
 void Parser::read_asset(ByteReader& in) {
-    const std::size_t before = out.library->ids().size();
-    const Result<AssetId> id = out.library->add(in.bytes(in.remaining(), "asset"));
+    const std::span<const std::byte> bytes = in.bytes(in.remaining(), "asset");
+    if (memory_left() / Recording::asset_memory_per_byte < bytes.size())
+        return in.fail(join("the asset has ", bytes.size(), " bytes; ", memory_left(),
+                            " bytes of memory that are left are too few to read it (--memory)"));
+    const Result<AssetId> id = out.library->add(bytes);
     if (!id) return in.fail(id.error().message);
-    if (out.library->ids().size() == before) in.fail("the asset stands twice");
+    if (!assets.insert(*id).second) in.fail("the asset stands twice");
+    out.asset_bytes += bytes.size();
 }
 
 void Parser::read_keyframe(ByteReader& in) {
@@ -224,15 +240,17 @@ void Parser::read_keyframe(ByteReader& in) {
                             base::hex(out.hash_now)));
     if (keyframe.image_size > image_bytes_max)
         return in.fail(join("the image has ", keyframe.image_size, " bytes, at most ", image_bytes_max));
-    Result<std::vector<std::byte>> image = unpack(packed, keyframe.image_size);
-    if (!image) return in.fail(image.error().message);
-    if (is_first) out.first_image = std::move(*image);
+    if (const Status status = check_packed(packed, keyframe.image_size); !status)
+        return in.fail(status.error().message);
     out.hash_now = keyframe.hash;
     out.keyframe_list.push_back(keyframe);
 }
 
 void Parser::read_ticks(ByteReader& in, const Chunk& chunk) {
-    const TickBlock block = TickBlock::read(in, out.block_shape());
+    const TickBlock block =
+        TickBlock::read(in, out.block_shape(),
+                        {.memory = memory_left(), .commands_per_tick = out.read_limits.commands_per_tick});
+    out.most_commands = std::max(out.most_commands, block.commands_most());
     if (!in.ok()) return;
     if (block.first_tick() != out.time)
         return in.fail(join("its first tick is ", block.first_tick(), ", must be ", out.time));

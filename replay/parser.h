@@ -3,6 +3,8 @@
 
 #include "replay/recording.h"
 
+#include <set>
+
 namespace lockstone::replay {
 
 /// Why these bytes do not begin like a recording that this reader knows; empty when they do.
@@ -24,7 +26,7 @@ class Parser {
     };
     // Errors are sentences without the file's name.
     Status read_chunks();
-    Result<Chunk> read_frame() const;
+    Result<Chunk> read_frame();
     Status read_chunk(const Chunk& chunk);
     Status check_order(const Chunk& chunk) const;
     void read_payload(const Chunk& chunk, base::ByteReader& in);
@@ -36,7 +38,9 @@ class Parser {
     void read_index(base::ByteReader& in);
     void read_end(base::ByteReader& in);
     bool ends_like_a_whole_file() const;
-    Error cut(const std::string& how) const;
+    Error cut(const std::string& how);
+    /// Of the limit, what is not taken yet.
+    std::uint64_t memory_left() const;
 
     Recording& out;
     std::span<const std::byte> file;
@@ -44,6 +48,8 @@ class Parser {
     std::uint32_t chunks_seen = 0;  ///< of the types this reader knows, up to the first keyframe
     std::uint64_t index_offset = 0; ///< 0 until INDX
     bool ended = false;
+    bool is_cut = false; ///< the error was that the file ends too early
+    std::set<AssetId> assets;
     std::vector<IndexEntry> index; ///< what INDX must say
 };
 

@@ -2,14 +2,13 @@
 
 #include "replay/codec.h"
 
+#include <algorithm>
+
 namespace lockstone::replay {
 namespace {
 
 using base::hex;
 using base::join;
-
-/// A world of a file may not make the engine allocate more than this for the game's columns.
-constexpr std::uint64_t game_bytes_max = std::uint64_t{1} << 30;
 
 constexpr std::uint64_t kept_ticks = 60;
 
@@ -43,21 +42,25 @@ std::string world_fault(const Recording& recording, const World& world) {
 }
 
 /// What World::create asserts rather than reports, because its caller is a program and ours is a file.
-std::string schema_fault(const WorldDef& def, const GameSchema& schema) {
+std::string schema_fault(const GameSchema& schema) {
     WorldDef least;
     least.bodies_max = least.shapes_max = least.contacts_max = least.fields_max = least.pair_filters_max = 1;
     least.joints_max = least.characters_max = least.vehicles_max = 1;
     const Result<World> plain = World::create(least);
     if (!plain) return plain.error().message;
-    std::uint64_t bytes = 0;
-    for (const GameSchema::Entry& entry : schema.entries()) {
+    for (const GameSchema::Entry& entry : schema.entries())
         if (plain->state().layout().find_column(entry.name) != nullptr)
             return join("the game's column ", entry.name, " has the name of one of the engine's");
-        bytes += entry.row_size * (entry.per_body ? std::uint64_t{def.bodies_max} : 1);
-    }
-    if (bytes > game_bytes_max)
-        return join("the game's columns would take ", bytes, " bytes, at most ", game_bytes_max);
     return {};
+}
+
+/// Why a world of this definition cannot play the recording within its limits; empty when it can.
+std::string memory_fault(const Recording& recording, const WorldDef& def, const GameSchema& schema) {
+    if (const auto bytes = World::memory_of(def, schema); !bytes) return bytes.error().message;
+    const std::uint64_t need = recording.memory() + Player::memory_of(recording, def, schema);
+    if (need <= recording.limits().memory) return {};
+    return join("playing it may take ", need, " bytes of memory, the limit is ", recording.limits().memory,
+                " (--memory)");
 }
 
 } // namespace
@@ -73,7 +76,9 @@ Result<Player> Player::open(const Recording& recording, const Game* game) {
         return Error{join(recording.name(), ": cannot be played: ", why)};
     };
     if (header.mode == Mode::commands) {
-        if (const std::string fault = schema_fault(recording.world_def(), recording.schema()); !fault.empty())
+        if (const std::string fault = schema_fault(recording.schema()); !fault.empty()) return refuse(fault);
+        if (const std::string fault = memory_fault(recording, recording.world_def(), recording.schema());
+            !fault.empty())
             return refuse(fault);
         Result<World> world = World::create(recording.world_def(), recording.schema(), recording.assets());
         return world ? at_start(recording, nullptr, std::move(*world)) : refuse(world.error().message);
@@ -84,11 +89,25 @@ Result<Player> Player::open(const Recording& recording, const Game* game) {
     return world ? at_start(recording, game, std::move(*world)) : refuse(world.error().message);
 }
 
+std::uint64_t Player::memory_of(const Recording& recording, const WorldDef& def, const GameSchema& schema) {
+    const Result<std::uint64_t> world = World::memory_of(def, schema);
+    std::uint64_t image = 0;
+    for (const Recording::Keyframe& keyframe : recording.keyframes())
+        image = std::max(image, keyframe.image_size);
+    // The world; the one that a keyframe is read into; keyframes as they stand, packed and unpacked, and as they should be.
+    return (world ? 2 * *world : 0) + 4 * image + recording.commands_most() * std::uint64_t{sizeof(Command)};
+}
+
 Result<Player> Player::at_start(const Recording& recording, const Game* game, World world) {
     if (const std::string fault = world_fault(recording, world); !fault.empty())
         return Error{join(recording.name(), ": cannot be played: ", fault)};
+    if (const std::string fault = memory_fault(recording, world.def(), world.schema()); !fault.empty())
+        return Error{join(recording.name(), ": cannot be played: ", fault)};
+    const std::uint64_t taken = recording.memory() + memory_of(recording, world.def(), world.schema());
     world.set_journal(nullptr);
     Player player(recording, game, std::move(world));
+    player.kept_bytes_max = static_cast<std::size_t>(
+        std::min<std::uint64_t>(player.kept_bytes_max, recording.limits().memory - taken));
     if (const Status status = player.seek_keyframe(0); !status) return status.error();
     return player;
 }
@@ -99,7 +118,8 @@ Status Player::step() {
     if (game == nullptr) {
         if (const Status status = run_commands(); !status) return status;
     } else {
-        game->advance(now, block.inputs(time_now));
+        if (const Status status = game->advance(now, block.inputs(time_now)); !status)
+            return error(join("tick ", time_now, ": the game's rules fail: ", status.error().message));
     }
     if (now.tick_count() != time_now + 1)
         return error(join("tick ", time_now, ": the game left the world at tick ", now.tick_count(), ", not ",
@@ -150,10 +170,18 @@ Status Player::seek(std::uint64_t to) {
 }
 
 Status Player::seek_keyframe(std::size_t keyframe) {
+    if (keyframe >= source->keyframes().size())
+        return error(join("there is no keyframe ", keyframe, ": it has ", source->keyframes().size()));
     const Recording::Keyframe& which = source->keyframes()[keyframe];
     const std::string where = join("keyframe at ", which.time, ": ");
+    Image before;
+    if (game != nullptr) now.save(before);
     if (const Status status = now.restore_portable(source->keyframe_image(keyframe)); !status)
         return error(where + status.error().message);
+    if (const Status status = game == nullptr ? Status() : game->check(now); !status) {
+        now.restore(before); // the rules could not go on from the other
+        return error(join(where, "the game refuses the state: ", status.error().message));
+    }
     time_now = which.time;
     if (now.tick_count() != which.time) return error(join(where, "its state is of tick ", now.tick_count()));
     if (now.hash() != which.hash)

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <system_error>
 
@@ -20,14 +21,23 @@ struct CloseFile {
 };
 
 /// The whole file, read in growing steps: its size is not believed, and a file that is no recording ends at the preamble.
-Result<std::vector<std::byte>> read_file(const std::string& path) {
+/// Never more than `memory` bytes at a time; where the system tells the size, no more than that.
+Result<std::vector<std::byte>> read_file(const std::string& path, std::uint64_t memory) {
     errno = 0;
     const std::unique_ptr<std::FILE, CloseFile> file(std::fopen(path.c_str(), "rb"));
     if (!file) return Error{join(path, ": cannot open the file: ", std::generic_category().message(errno))};
+    std::error_code unknown;
+    const std::uint64_t told = std::filesystem::file_size(path, unknown);
+    const std::uint64_t most = std::min(file_bytes_max, memory);
     std::vector<std::byte> bytes;
+    if (!unknown && told < most) bytes.reserve(static_cast<std::size_t>(told) + 1); // and the try to read on
     std::size_t step = preamble_bytes;
     while (true) {
         const std::size_t before = bytes.size();
+        if (bytes.capacity() > before) step = std::min(step, bytes.capacity() - before);
+        if (before + step > most && before + step > bytes.capacity() && 2 * before + step > most)
+            return Error{join(path, ": the file has more than ", before, " bytes; with ", most,
+                              " bytes of memory no more can be read (--memory)")};
         bytes.resize(before + step);
         errno = 0;
         const std::size_t got = std::fread(bytes.data() + before, 1, step, file.get());
@@ -35,8 +45,6 @@ Result<std::vector<std::byte>> read_file(const std::string& path) {
         if (std::ferror(file.get()) != 0)
             return Error{join(path, ": cannot read the file at byte ", bytes.size(), ": ",
                               std::generic_category().message(errno))};
-        if (bytes.size() > file_bytes_max)
-            return Error{join(path, ": the file has more than ", file_bytes_max, " bytes")};
         if (got < step) return bytes;
         if (before == 0)
             if (const std::string fault = preamble_fault(bytes); !fault.empty())
@@ -47,18 +55,25 @@ Result<std::vector<std::byte>> read_file(const std::string& path) {
 
 } // namespace
 
-Result<Recording> Recording::open(const std::string& path, OnDamage on_damage) {
-    auto bytes = read_file(path);
+Result<Recording> Recording::open(const std::string& path, OnDamage on_damage, const Limits& limits) {
+    auto bytes = read_file(path, limits.memory);
     if (!bytes) return bytes.error();
-    return from_bytes(std::move(*bytes), path, on_damage);
+    return from_bytes(std::move(*bytes), path, on_damage, limits);
 }
 
-Result<Recording> Recording::from_bytes(std::vector<std::byte> bytes, std::string name, OnDamage on_damage) {
+Result<Recording> Recording::from_bytes(std::vector<std::byte> bytes, std::string name, OnDamage on_damage,
+                                        const Limits& limits) {
     Recording recording;
+    recording.read_limits = limits;
     recording.file_name = std::move(name);
     recording.bytes = std::move(bytes);
     if (const Status status = Parser(recording).run(on_damage); !status) return status.error();
     return recording;
+}
+
+std::uint64_t Recording::memory() const {
+    return bytes.capacity() + keyframe_list.capacity() * sizeof(Keyframe) +
+           block_list.capacity() * sizeof(Block) + asset_memory_per_byte * asset_bytes;
 }
 
 std::uint64_t Recording::hash_at(std::uint64_t at) const {
@@ -84,6 +99,7 @@ std::vector<std::byte> Recording::keyframe_image(std::size_t keyframe) const {
                                                  static_cast<std::size_t>(which.packed_size));
     std::vector<std::byte> image = unpack(packed, which.image_size).value();
     if (keyframe == 0) return image;
+    const std::vector<std::byte> first_image = keyframe_image(0);
     for (std::size_t i = 0; i < std::min(image.size(), first_image.size()); ++i) image[i] ^= first_image[i];
     return image;
 }
@@ -99,7 +115,8 @@ TickBlock Recording::block_with(std::uint64_t tick) const {
     const auto payload = std::span(bytes).subspan(static_cast<std::size_t>(block.payload_offset),
                                                   static_cast<std::size_t>(block.payload_size));
     base::ByteReader in(payload, file_name);
-    TickBlock out = TickBlock::read(in, block_shape());
+    TickBlock out = TickBlock::read(in, block_shape(),
+                                    {.memory = ~std::uint64_t{0}, .commands_per_tick = ~std::uint32_t{0}});
     LOCKSTONE_ASSERT(in.ok(), "a block that was checked does not read");
     return out;
 }

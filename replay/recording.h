@@ -4,7 +4,8 @@
 //   if (!match) print(match.error().message);     // "match.lsr: chunk TICK at byte 4711: the checksum is 0x..., ..."
 //
 // Reading checks all that can be checked without simulating, down to every input and command of every tick; after it,
-// access cannot fail. Nothing is allocated that the bytes at hand cannot fill.
+// access cannot fail. It takes at most four times the file's size, and 256 MB while it looks into a block of ticks; and
+// never more than Limits::memory.
 #pragma once
 
 #include "replay/block.h"
@@ -14,15 +15,17 @@ namespace lockstone::replay {
 /// What to do with a file that was cut or damaged.
 enum class OnDamage {
     refuse,
+    recover_cut, ///< keep the whole chunks of a file that ends too early, as after a crash; refuse what is damaged
     recover, ///< keep what stands before the first chunk that is not whole; damage() tells
 };
 
 class Recording {
   public:
-    static Result<Recording> open(const std::string& path, OnDamage on_damage = OnDamage::refuse);
+    static Result<Recording> open(const std::string& path, OnDamage on_damage = OnDamage::refuse,
+                                  const Limits& limits = {});
     /// `name` stands in error sentences.
     static Result<Recording> from_bytes(std::vector<std::byte> bytes, std::string name,
-                                        OnDamage on_damage = OnDamage::refuse);
+                                        OnDamage on_damage = OnDamage::refuse, const Limits& limits = {});
 
     const std::string& name() const { return file_name; }
     std::uint64_t size_bytes() const { return bytes.size(); }
@@ -31,6 +34,12 @@ class Recording {
     const WorldDef& world_def() const { return def; }
     /// What its commands need; empty in inputs mode, where the game has them.
     const std::shared_ptr<AssetLibrary>& assets() const { return library; }
+
+    const Limits& limits() const { return read_limits; }
+    /// What it keeps in memory [bytes].
+    std::uint64_t memory() const;
+    /// Most commands before any tick; 0 in inputs mode.
+    std::uint32_t commands_most() const { return most_commands; }
 
     /// Empty for a complete recording; else the sentence that says where and why it ends early.
     const std::string& damage() const { return damage_sentence; }
@@ -63,6 +72,8 @@ class Recording {
     TickBlock block_with(std::uint64_t tick) const;
 
   private:
+    /// The library keeps an asset's bytes and what they are read into.
+    static constexpr std::uint64_t asset_memory_per_byte = 8;
     friend class Parser;
     struct Block {
         std::uint64_t first_tick;
@@ -71,14 +82,16 @@ class Recording {
     const Block& find_block(std::uint64_t tick) const;
     BlockShape block_shape() const { return {head.mode, head.player_count, head.input_size}; }
 
+    Limits read_limits;
     std::string file_name;
     std::vector<std::byte> bytes;
     Header head;
     GameSchema game_schema;
     WorldDef def;
+    std::uint64_t asset_bytes = 0;   ///< of the library
+    std::uint32_t most_commands = 0; ///< before any tick
     std::shared_ptr<AssetLibrary> library = std::make_shared<AssetLibrary>();
     std::vector<Keyframe> keyframe_list;
-    std::vector<std::byte> first_image;
     std::vector<Block> block_list;
     std::uint64_t time = 0;
     std::uint64_t hash_now = 0;

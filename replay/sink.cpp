@@ -5,6 +5,16 @@
 #include <cerrno>
 #include <system_error>
 
+#if defined(__unix__) && !defined(__EMSCRIPTEN__)
+#define LOCKSTONE_HAS_FILE_LOCKS 1
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#else
+#define LOCKSTONE_HAS_FILE_LOCKS 0
+#endif
+
 namespace lockstone::replay {
 namespace {
 
@@ -15,6 +25,51 @@ std::string system_reason() {
 
 } // namespace
 
+#if LOCKSTONE_HAS_FILE_LOCKS
+
+Result<FileSink> FileSink::create(const std::string& path) {
+    errno = 0;
+    // Not truncated yet: it may be somebody's.
+    const int descriptor = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    std::FILE* file = descriptor < 0 ? nullptr : ::fdopen(descriptor, "wb");
+    if (file == nullptr) {
+        const Error error{base::join(path, ": cannot create the file: ", system_reason())};
+        if (descriptor >= 0) ::close(descriptor);
+        return error;
+    }
+    FileSink sink(path, file);
+    struct stat about {};
+    if (::fstat(descriptor, &about) == 0 && !S_ISREG(about.st_mode)) return sink; // a pipe, a terminal
+    if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+        return Error{base::join(path, ": cannot create the file: another recorder is writing it")};
+    if (::ftruncate(descriptor, 0) != 0)
+        return Error{base::join(path, ": cannot empty the file: ", system_reason())};
+    return sink;
+}
+
+std::string FileSink::find_change() const {
+    struct stat ours {
+    }, there{};
+    if (::fstat(::fileno(file.get()), &ours) != 0 || !S_ISREG(ours.st_mode)) return {};
+    if (::stat(path.c_str(), &there) != 0) return "the file was removed or moved while it was written";
+    if (there.st_dev != ours.st_dev || there.st_ino != ours.st_ino)
+        return "the file was replaced by another while it was written";
+    if (static_cast<std::uint64_t>(ours.st_size) != size)
+        return base::join("the file has ", ours.st_size, " bytes where ", size,
+                          " were written: somebody else changed it");
+    return {};
+}
+
+bool is_being_written(const std::string& path) {
+    const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    if (descriptor < 0) return false;
+    const bool locked = ::flock(descriptor, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    ::close(descriptor);
+    return locked;
+}
+
+#else
+
 Result<FileSink> FileSink::create(const std::string& path) {
     errno = 0;
     std::FILE* file = std::fopen(path.c_str(), "wb");
@@ -22,13 +77,32 @@ Result<FileSink> FileSink::create(const std::string& path) {
     return FileSink(path, file);
 }
 
+std::string FileSink::find_change() const { return {}; }
+bool is_being_written(const std::string&) { return false; }
+
+#endif
+
 Status FileSink::append(std::span<const std::byte> bytes) {
     if (!file) return Error{base::join(path, ": cannot write, the file is closed")};
+    if (const std::string change = find_change(); !change.empty())
+        return Error{base::join(path, ": cannot write ", bytes.size(), " bytes: ", change)};
     errno = 0;
     if (std::fwrite(bytes.data(), 1, bytes.size(), file.get()) == bytes.size() &&
-        std::fflush(file.get()) == 0)
+        std::fflush(file.get()) == 0) {
+        size += bytes.size();
         return {};
-    return Error{base::join(path, ": cannot write ", bytes.size(), " bytes: ", system_reason())};
+    }
+    const Error error{base::join(path, ": cannot write ", bytes.size(), " bytes: ", system_reason())};
+#if LOCKSTONE_HAS_FILE_LOCKS
+    // What is left in the buffer would follow at closing; a failure here leaves a cut file, which can be read as well.
+    const int descriptor = ::dup(::fileno(file.get()));
+    file.reset();
+    if (descriptor >= 0) {
+        if (::ftruncate(descriptor, static_cast<off_t>(size)) != 0) errno = 0;
+        ::close(descriptor);
+    }
+#endif
+    return error;
 }
 
 Status FileSink::close() {

@@ -4,6 +4,7 @@
 #include "lockstone/result.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <ostream>
@@ -23,10 +24,13 @@ class Sink {
     virtual Status close() { return {}; }
 };
 
-/// A file. An existing file is replaced.
+/// A file. An existing file is replaced, but not one that another sink is writing, in this process or another: while a
+/// sink has the file, it holds a lock on it. A file that was removed, replaced or changed meanwhile is an error of the next
+/// append. Where the system has no such locks (other than Unix), neither is noticed.
 class FileSink final : public Sink {
   public:
     static Result<FileSink> create(const std::string& path);
+    /// On an error the file is cut back to what it held before, so that it ends with a whole chunk.
     Status append(std::span<const std::byte> bytes) override;
     Status close() override;
 
@@ -35,9 +39,15 @@ class FileSink final : public Sink {
         void operator()(std::FILE* f) const { std::fclose(f); }
     };
     FileSink(std::string where, std::FILE* open) : path(std::move(where)), file(open) {}
+    /// Why the file under the path is not the one that was created, as it was left; empty when it is.
+    std::string find_change() const;
     std::string path;
     std::unique_ptr<std::FILE, Close> file;
+    std::uint64_t size = 0; ///< that was written
 };
+
+/// Whether a FileSink of any process has this file open now. False where the system cannot tell.
+bool is_being_written(const std::string& path);
 
 /// A stream of the caller's, flushed after every append.
 class StreamSink final : public Sink {

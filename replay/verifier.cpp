@@ -174,10 +174,10 @@ std::size_t segment_count(const Recording& recording) {
     return keyframes.size() - (ends_with_one ? 1 : 0);
 }
 
-VerifyReport verify(const Recording& recording, const Game* game, const VerifyOptions& options) {
+VerifyReport verify(const Recording& recording, const Game* game, const VerifyOptions& wanted) {
     VerifyReport report;
-    if (options.shards == 0 || options.shard >= options.shards) {
-        report.sentence = join("shard ", options.shard, " of ", options.shards, ": shards count from 0");
+    if (wanted.shards == 0 || wanted.shard >= wanted.shards) {
+        report.sentence = join("shard ", wanted.shard, " of ", wanted.shards, ": shards count from 0");
         return report;
     }
     Result<Player> player = Player::open(recording, game);
@@ -186,6 +186,13 @@ VerifyReport verify(const Recording& recording, const Game* game, const VerifyOp
         return report;
     }
     player->keep_states(0);
+    // As many jobs as fit into the memory.
+    const std::uint64_t each =
+        Player::memory_of(recording, player->world().def(), player->world().schema()) + 1;
+    const std::uint64_t fits = (recording.limits().memory - recording.memory()) / each;
+    VerifyOptions options = wanted;
+    options.jobs = static_cast<std::uint32_t>(
+        std::clamp<std::uint64_t>(wanted.jobs, 1, std::max<std::uint64_t>(fits, 1)));
     std::vector<std::size_t> segments;
     for (std::size_t k = options.shard; k < segment_count(recording); k += options.shards)
         segments.push_back(k);
@@ -195,7 +202,12 @@ VerifyReport verify(const Recording& recording, const Game* game, const VerifyOp
     if (has_start && recording.start_tick() == 0) check_start(*player, *game, outcome);
     if (!outcome.bad_tick) {
         const bool straight = options.jobs <= 1 && options.shards == 1 && !options.from_keyframes;
-        outcome.add(straight ? run_straight(*player, options) : run_jobs(recording, game, options, segments));
+        if (straight)
+            outcome.add(run_straight(*player, options));
+        else {
+            player = Error{"each job has one of its own"}; // gives back its memory
+            outcome.add(run_jobs(recording, game, options, segments));
+        }
     }
     report = report_of(recording, outcome);
     if (segments.empty())

@@ -10,7 +10,8 @@
 namespace lockstone::replay {
 
 struct VerifyOptions {
-    /// More than one: that many threads, each from keyframe to keyframe. Then the game is used by several at once.
+    /// More than one: that many threads, each from keyframe to keyframe. Then the game is used by several at once. They
+    /// share the recording's limit of memory: as many work as fit into it.
     std::uint32_t jobs = 1;
     std::uint32_t threads = 1; ///< of each job, that share the work of a tick: 1 to workers_max
     /// Which of `shards` parts of the segments to verify, 0 .. shards - 1: for spreading one recording over machines.

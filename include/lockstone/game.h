@@ -32,8 +32,16 @@ class Game {
     virtual std::uint32_t player_count() const = 0; ///< 0..16
     virtual std::uint32_t input_size() const = 0;   ///< bytes per player and tick, 0..64
     virtual Result<World> start() const = 0;        ///< the world before tick 0
-    /// Issues commands from `inputs` (player_count() of them), then calls world.tick() exactly once.
-    virtual void advance(World& world, std::span<const PlayerInput> inputs) const = 0;
+    /// Issues commands from `inputs` (player_count() of them), then calls world.tick() exactly once. A command that the
+    /// rules cannot do without and that fails is the error; the tick is left out then. No state that `check` takes may
+    /// make it abort: recordings come from anyone.
+    virtual Status advance(World& world, std::span<const PlayerInput> inputs) const = 0;
+    /// A state that came from a file or a peer, after the engine's own checks: whether the rules can go on from it. Every
+    /// id and number in the game's columns that `advance` relies on; the error says which is wrong.
+    virtual Status check(const World& world) const {
+        (void)world;
+        return {};
+    }
 };
 
 } // namespace lockstone

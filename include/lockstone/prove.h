@@ -94,7 +94,7 @@ Proof prove(const Provable& simulation, const ProofOptions& options = {});
 using ProofInput = std::function<void(std::uint64_t tick, std::uint32_t player, std::span<std::byte> input)>;
 
 /// The same of a game and the world it starts: rolled back through ring images, moved through portable ones, every
-/// column's rows flipped. Without `input`, random bytes from the seed. The error is the game's own at its start.
+/// column's rows flipped. Without `input`, random bytes from the seed. The error is the game's own, at its start or in a tick.
 Result<Proof> prove(const Game& game, const ProofOptions& options = {}, ProofInput input = {});
 
 } // namespace lockstone

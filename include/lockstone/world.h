@@ -119,6 +119,8 @@ class Journal {
                             const Command& command) = 0; ///< applied before tick `tick` runs
     virtual void on_tick(std::uint64_t tick,
                          std::uint64_t hash) = 0; ///< tick ran; hash of the state after it
+    /// The state was replaced, by whatever means but a tick or a command: the next tick is `tick`.
+    virtual void on_restore(std::uint64_t tick) = 0;
 };
 
 /// Hash of the whole state after one phase of a tick, for finding where two runs part.
@@ -127,15 +129,33 @@ struct PhaseHash {
     std::uint64_t hash;
 };
 
+/// Is told what a tick has done, for profilers. It is handed no state and hands nothing back: no bit can depend on it.
+class PhaseObserver {
+  public:
+    virtual ~PhaseObserver() = default;
+    virtual void on_phase(const char* phase) = 0; ///< has passed; its work is what was done since the last call
+};
+
+/// Wrong arguments. Commands answer each with an error that names the argument, and change nothing. Reading takes living ids,
+/// rows below the count and columns of this world's schema only: anything else ends the program with a sentence, in every
+/// build, and so does any use of a world that was moved from. Queries answer what makes no sense with nothing.
+///
+/// Threads. Const members may be called from several threads at once while no other member runs: they keep what they find out
+/// behind a lock and in memory of their own. state() is for one thread.
 class World {
   public:
-    /// `assets` are what hulls, meshes, height fields and compounds are made of; see lockstone/asset.h.
+    /// Refuses a definition out of range, with the field's name. `assets` are what hulls, meshes, height fields and compounds are made of; see lockstone/asset.h.
     static Result<World> create(const WorldDef& def, const GameSchema& schema = {},
                                 std::shared_ptr<const AssetLibrary> assets = {});
+    /// An upper bound of the bytes that a world of this definition takes, at work and with all tables full, without its
+    /// assets; for refusing what came in a file. Errors as those of create.
+    static Result<std::uint64_t> memory_of(const WorldDef& def, const GameSchema& schema = {});
     World(World&&) noexcept;
     World& operator=(World&&) noexcept;
     ~World();
     World clone() const; ///< same state at another address; no journal
+    /// Expires with this object, so that who keeps a reference to it can tell. Its contents may move elsewhere before.
+    std::weak_ptr<const void> lifetime();
 
     // ---- time ----
     void tick();                      ///< one tick of 1 / tick_rate seconds
@@ -153,6 +173,8 @@ class World {
         CharacterId character{};
         VehicleId vehicle{};
     };
+    /// Refuses what the command's definition calls out of range, ids that are dead, null or of another world, and what
+    /// there is no room for: the error names the command and the field, the world is as it was. So do all below.
     Result<Applied> apply(const Command& command);
     Result<BodyId> create_body(const BodyDef& def);
     Result<ShapeId> create_shape(BodyId body, const ShapeDef& def);
@@ -195,8 +217,8 @@ class World {
         return write(record, BodyId{}, value);
     }
 
-    // ---- reading: valid ids only where a reference is returned (asserted); is_alive tells ----
-    bool is_alive(BodyId body) const;
+    // ---- reading: living ids only (asserted); is_alive tells ----
+    bool is_alive(BodyId body) const; ///< no for any id that is null, dead or was never given out
     bool is_alive(ShapeId shape) const;
     bool is_alive(JointId joint) const;
     bool is_alive(VehicleId vehicle) const;
@@ -239,7 +261,7 @@ class World {
     VehicleState vehicle_state(VehicleId vehicle) const;
     Real kinetic_energy() const; ///< [J], of all dynamic bodies; saturates
     template <StateRow T> const T& read(Column<T> column, BodyId body) const {
-        return *reinterpret_cast<const T*>(row_bytes(column.index, body).data());
+        return *reinterpret_cast<const T*>(row_bytes(column.index, body, sizeof(T)).data());
     }
     template <StateRow T> const T& read(Column<T> record) const { return read(record, BodyId{}); }
     Faults faults() const;
@@ -285,13 +307,19 @@ class World {
     // ---- state ----
     std::uint64_t hash() const; ///< of everything that can affect a later tick
     void save(Image& image) const;
-    void restore(const Image& image); ///< of a world with the same definition, schema and assets
+    /// An image of a world with the same definition, schema and assets; any other, or an empty one, ends the program with
+    /// what can_restore says, before a byte has changed.
+    void restore(const Image& image);
+    /// Whether restore takes it; if not, the error says why.
+    Status can_restore(const Image& image) const;
     std::vector<std::byte> save_portable() const;
     Status restore_portable(std::span<const std::byte> image); ///< on error the world is as it was
     /// A portable image as the difference to what `base` holds, for those who hold the same: a ring image of any world
     /// of this definition and schema, saved there or after a restore_portable. Small where little changed.
+    /// Ends the program with what can_restore says where it refuses the base.
     std::vector<std::byte> save_delta(const Image& base) const;
-    /// Of what save_delta gave. Refuses another base than it was saved against; on error the world is as it was.
+    /// Of what save_delta gave. Refuses another base than it was saved against, or one that can_restore refuses; on error
+    /// the world is as it was.
     Status restore_delta(const Image& base, std::span<const std::byte> delta);
     const State& state() const;
     const GameSchema& schema() const;
@@ -305,6 +333,7 @@ class World {
 
     // ---- diagnosis ----
     void set_journal(Journal* journal);              ///< null detaches; not owned, not state
+    void observe_phases(PhaseObserver* observer);    ///< null detaches; not owned, not state, not cloned
     void record_phase_hashes(bool on);               ///< off by default; costs a hash per phase
     std::span<const PhaseHash> phase_hashes() const; ///< of the last tick
     /// What ticks leave behind outside of the state, and no later one may see.
@@ -320,10 +349,22 @@ class World {
 
   private:
     struct Impl;
+    /// Names the mistake where a plain pointer would be followed into nothing.
+    class Inside {
+      public:
+        explicit Inside(std::unique_ptr<Impl> impl);
+        Impl* operator->() const { return held ? held.get() : moved_from(); }
+        Impl& operator*() const { return held ? *held : *moved_from(); }
+
+      private:
+        [[noreturn]] static Impl* moved_from();
+        std::unique_ptr<Impl> held;
+    };
     explicit World(std::unique_ptr<Impl> impl);
     Status write_bytes(std::uint32_t column, BodyId body, std::span<const std::byte> row);
-    std::span<const std::byte> row_bytes(std::uint32_t column, BodyId body) const;
-    std::unique_ptr<Impl> impl;
+    std::span<const std::byte> row_bytes(std::uint32_t column, BodyId body, std::size_t size) const;
+    Inside impl;
+    std::shared_ptr<const char> life; ///< of this object; made when first asked for
 };
 
 } // namespace lockstone

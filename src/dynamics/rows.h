@@ -78,13 +78,15 @@ enum ContactFlags : std::uint32_t {
     contact_sensor_is_b = 4, ///< and it is the key's b
     contact_flipped = 8,     ///< the manifold's shape A is the key's b
     contact_passing = 16,    ///< goes through a one-way shape until they are apart
+    contact_on_face = 32,    ///< of the row: collide::Manifold::on_face
 };
 
 /// What a contact remembers from tick to tick: the manifold, where it was made, and the impulses. While the shapes stay
 /// where they were to each other, the manifold is used again instead of being made anew, so all of it is state.
 struct ContactMemory {
-    std::uint32_t flags; ///< ContactFlags
-    std::uint32_t count; ///< points in use
+    std::uint32_t flags;   ///< ContactFlags
+    std::uint16_t count;   ///< points in use
+    std::uint16_t piece_b; ///< part of the compound B; see collide::Manifold
     std::array<ContactPointMemory, 4> points;
     CoordinateVec3 made_position; ///< of B's origin in A's frame when the manifold was made [m]
     Quat made_rotation;           ///< B's axes in A's, then
@@ -93,9 +95,8 @@ struct ContactMemory {
     SpeedVec3 rolling;            ///< angular impulse against rolling, world axes, as solve::Rolling has it
     Speed tangent_1, tangent_2;   ///< friction impulse per substep along the tangents of tangents_of() [m/s]
     Length twist;                 ///< friction impulse about the normal [m^2/s]
-    // Of shapes of many pieces; see collide::Manifold.
-    std::uint32_t piece_a; ///< triangle or part of A
-    std::uint32_t piece_b; ///< part of B
+    std::uint32_t piece_a;        ///< triangle of the mesh or height field A, or part of the compound A
+    std::uint32_t reserved;
 };
 
 /// A joint as it was made or changed by commands, and its place in the lists of its bodies.
@@ -146,11 +147,12 @@ template <class V> constexpr void describe(ContactPointMemory& p, V&& v) {
     v("position", p.position), v("feature", p.feature), v("separation", p.separation), v("normal", p.normal);
 }
 template <class V> constexpr void describe(ContactMemory& m, V&& v) {
-    v("flags", m.flags), v("count", m.count), v("points", m.points), v("made_position", m.made_position);
+    v("flags", m.flags), v("count", m.count), v("piece_b", m.piece_b), v("points", m.points),
+        v("made_position", m.made_position);
     v("made_rotation", m.made_rotation), v("normal", m.normal), v("margin", m.margin),
         v("rolling", m.rolling);
     v("tangent_1", m.tangent_1), v("tangent_2", m.tangent_2), v("twist", m.twist);
-    v("piece_a", m.piece_a), v("piece_b", m.piece_b);
+    v("piece_a", m.piece_a), v("reserved", m.reserved);
 }
 template <class V> constexpr void describe(JointRow& r, V&& v) {
     v("id", r.id), v("def", r.def), v("next_a", r.next_a), v("next_b", r.next_b);

@@ -1,5 +1,7 @@
 // A game and its world as what prove() takes.
 #include "lockstone/prove.h"
+
+#include "base/text.h"
 #include "lockstone/random.h"
 
 namespace lockstone {
@@ -28,10 +30,15 @@ class ProvableWorld final : public Provable {
             input(tick, p, bytes[p]);
             inputs[p] = {bytes[p]};
         }
-        game.advance(world, inputs);
+        status = game.advance(world, inputs);
     }
+    /// Of the last step.
+    const Status& last_step() const { return status; }
     std::vector<std::byte> save() const override { return world.save_portable(); }
-    Status load(std::span<const std::byte> from) override { return world.restore_portable(from); }
+    Status load(std::span<const std::byte> from) override {
+        if (Status s = world.restore_portable(from); !s) return s;
+        return game.check(world);
+    }
     std::uint64_t hash() const override { return world.hash(); }
 
     void keep(std::size_t slot) override {
@@ -100,6 +107,7 @@ class ProvableWorld final : public Provable {
     std::vector<Image> images;
     std::vector<std::vector<std::byte>> bytes; ///< by player
     std::vector<PlayerInput> inputs;
+    Status status;
 };
 
 } // namespace
@@ -111,7 +119,15 @@ Result<Proof> prove(const Game& game, const ProofOptions& options, ProofInput in
         input = [seed = options.seed](std::uint64_t tick, std::uint32_t player, std::span<std::byte> bytes) {
             random_input(seed, tick, player, bytes);
         };
-    return prove(ProvableWorld(game, input, *start), options);
+    const ProvableWorld provable(game, input, *start);
+    ProvableWorld plain(game, input, *start);
+    for (std::uint64_t tick = 0; tick < options.ticks; ++tick) {
+        plain.step(tick);
+        if (!plain.last_step())
+            return Error{
+                base::join("tick ", tick, ": the game's rules fail: ", plain.last_step().error().message)};
+    }
+    return prove(provable, options);
 }
 
 } // namespace lockstone

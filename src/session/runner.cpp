@@ -92,32 +92,38 @@ SessionRunner::SessionRunner(SessionRunner&&) noexcept = default;
 SessionRunner& SessionRunner::operator=(SessionRunner&&) noexcept = default;
 SessionRunner::~SessionRunner() = default;
 
+SessionRunner::Impl& SessionRunner::inside() const {
+    LOCKSTONE_ASSERT(impl != nullptr, "this session runner was moved from");
+    return *impl;
+}
+
 Frame SessionRunner::frame(std::uint64_t now_ms) {
-    Session& session = impl->session;
+    Impl& all = inside();
+    Session& session = all.session;
     session.poll(now_ms);
     const Step step = session.advance();
     for (const Request& request : step.requests) {
-        std::visit([this](const auto& r) { impl->execute(r); }, request);
+        std::visit([&](const auto& r) { all.execute(r); }, request);
     }
     std::uint64_t confirmed_end = 0;
     while (const std::optional<ConfirmedTick> tick = session.next_confirmed()) {
         confirmed_end = tick->tick + 1;
-        if (impl->def.sink != nullptr) impl->def.sink->on_confirmed(tick->tick, tick->inputs, tick->hash);
+        if (all.def.sink != nullptr) all.def.sink->on_confirmed(tick->tick, tick->inputs, tick->hash);
     }
-    impl->events.clear();
-    impl->ledger.publish(confirmed_end, impl->events);
+    all.events.clear();
+    all.ledger.publish(confirmed_end, all.events);
     return {step.stall, step.wait_ticks};
 }
 
 void SessionRunner::wait(std::uint64_t now_ms) {
-    impl->session.poll(now_ms);
-    impl->events.clear();
+    inside().session.poll(now_ms);
+    inside().events.clear();
 }
 
-std::span<const SessionEvent> SessionRunner::events() const { return impl->events; }
+std::span<const SessionEvent> SessionRunner::events() const { return inside().events; }
 
 const SyncTestFailure* SessionRunner::sync_failure() const {
-    return impl->failure ? &*impl->failure : nullptr;
+    return inside().failure ? &*inside().failure : nullptr;
 }
 
 std::string to_string(const SyncTestFailure& failure) {

@@ -15,6 +15,7 @@ class SyncTestSession final : public Session {
     HashCheck report_hash(std::uint64_t tick, std::uint64_t hash) override;
     std::optional<ConfirmedTick> next_confirmed() override;
     std::optional<Notice> next_notice() override { return std::nullopt; }
+    Status drop_peer(PeerId) override { return Error{"session: a sync test has no peers to drop"}; }
     std::uint64_t current_tick() const override { return current; }
     std::uint32_t images_max() const override { return static_cast<std::uint32_t>(depth) + 1; }
     void set_input_delay(std::uint32_t) override {}

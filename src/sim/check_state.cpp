@@ -1,6 +1,7 @@
 // A state that came from a file or a peer is checked as a whole before it becomes a world's: every index that the tick
 // follows must stay inside its table, or a crafted image could make it read anywhere.
 #include "base/text.h"
+#include "lockstone/decimal.h"
 #include "sim/checks.h"
 #include "sim/data.h"
 
@@ -57,8 +58,15 @@ Status check_bodies(const Manifest& m, const State& s) {
     for (std::size_t i = 0; i < info.size(); ++i) {
         if (info[i].kind > BodyKind::dynamic || info[i].locks > 63)
             return bad("body.info", i, "unknown kind or locks");
-        if (info[i].linear_damping < Real{} || info[i].angular_damping < Real{})
-            return bad("body.info", i, "damping is negative");
+        const Real damping_max = Real(1000), scale_max = Real(100);
+        for (const Real damping : {info[i].linear_damping, info[i].angular_damping})
+            if (damping < Real{} || damping > damping_max)
+                return bad("body.info", i, "damping is out of range");
+        if (abs(info[i].gravity_scale) > scale_max)
+            return bad("body.info", i, "gravity_scale is out of range");
+        if (const Real given = info[i].mass_override;
+            given != Real{} && (given < mass_min || given > mass_max))
+            return bad("body.info", i, "mass_override is out of range");
         if (info[i].enable_fields > 1 || info[i].drag_scale < Real{} || info[i].drag_scale > Real(100))
             return bad("body.info", i, "enable_fields or drag_scale is out of range");
         if (!unit_like(pose[i].rotation)) return bad("body.pose", i, "rotation is not a unit quaternion");
@@ -67,6 +75,8 @@ Status check_bodies(const Manifest& m, const State& s) {
         const bool weighs = mass[i].mass != Real{};
         if ((weighs && (mass[i].mass < mass_min || mass[i].mass > mass_max)) || !unit_like(mass[i].principal))
             return bad("body.mass", i, "no such mass can be");
+        if (weighs != (info[i].kind == BodyKind::dynamic))
+            return bad("body.mass", i, "a dynamic body has a mass, others have none");
         if (!within(mass[i].center, Real(100000))) return bad("body.mass", i, "center is out of range");
         for (int axis = 0; axis < 3; ++axis) {
             if (mass[i].gyration[axis] < Real{} || mass[i].gyration[axis] > Real(100000))
@@ -108,6 +118,8 @@ Status check_shapes(shapes::SolidCache& solids, const Manifest& m, const State& 
             return bad("shape.row", i, "a mesh or height field on a dynamic body");
         if (r.geometry.kind <= ShapeKind::box && r.geometry.scale != scale_one && kind != BodyKind::static_)
             return bad("shape.row", i, "a scaled primitive on a body that moves");
+        if (r.density < 0.01_r || r.density > Real(100000))
+            return bad("shape.row", i, "density is out of range");
         if (!unit_like(r.local.rotation))
             return bad("shape.row", i, "local.rotation is not a unit quaternion");
         if (r.sensor > 1 || r.one_way > 1) return bad("shape.row", i, "sensor or one_way is neither 0 nor 1");
@@ -152,11 +164,12 @@ Status check_contacts(const Manifest& m, const State& s, Column<ContactKey> key_
         if (rows > collide::Manifolds::max) return bad("contact.key", i, "too many manifolds of one pair");
         if (i > 0 && rows == 1 && std::pair(keys[i - 1].a.index, keys[i - 1].b.index) >= order)
             return bad("contact.key", i, "the table is out of order");
-        if (memories[i].count > 4) return bad("contact.memory", i, "more than 4 points");
-        if (memories[i].flags > 31 || memories[i].margin < Length{})
+        if (memories[i].count < 1 || memories[i].count > 4)
+            return bad("contact.memory", i, "not one to 4 points");
+        if (memories[i].flags > 63 || memories[i].margin < Length{})
             return bad("contact.memory", i, "unknown flags or a negative margin");
-        if (memories[i].count > 0 && !unit_like(memories[i].normal))
-            return bad("contact.memory", i, "its normal is not of unit length");
+        if (!unit_like(memories[i].normal) || !unit_like(memories[i].made_rotation))
+            return bad("contact.memory", i, "its normal or rotation is not of unit length");
     }
     return {};
 }
@@ -323,6 +336,7 @@ Status check_state(Data& w, const State& s) {
         return Error{
             "portable image: world.config differs: the image was saved by a world with another definition"};
     const Header& h = s.rows(m.header)[0];
+    if (!within(h.gravity, Real(1000))) return bad("world.header", 0, "gravity is out of range");
     const auto body_id = [&](std::uint32_t row) { return s.rows(m.body_info)[row].id; };
     const auto shape_id = [&](std::uint32_t row) { return s.rows(m.shape)[row].id; };
     const auto field_id = [&](std::uint32_t row) { return s.rows(m.field)[row].id; };

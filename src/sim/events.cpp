@@ -81,24 +81,24 @@ void publish_waking(Data& w) {
 
 void publish_events(Data& w) {
     Scratch& s = w.scratch;
-    const std::span<const ContactKey> keys = w.state.rows(w.m.contact_key);
     const std::span<ContactMemory> memories = w.state.edit(w.m.contact_memory);
     for (const Scratch::Ended& ended : s.ended)
         w.events.push_back(event_of(w, ended.key, ended.flags, false));
     for (const Scratch::Seen& seen : s.seen) {
         const std::span<ContactMemory> rows = memories.subspan(seen.first_row, seen.row_count);
-        const bool sensor = (rows[0].flags & dynamics::contact_sensor) != 0;
+        const bool sensor = (seen.flags & dynamics::contact_sensor) != 0;
         const bool now = seen.overlaps || (!sensor && was_hit(rows));
         for (ContactMemory& row : rows) row.flags &= ~std::uint32_t{dynamics::contact_touching};
         if (now) rows[0].flags |= dynamics::contact_touching;
         if (now == seen.was_touching) continue;
-        Event e = event_of(w, keys[seen.first_row], rows[0].flags, now);
+        const ContactKey& key = s.near[seen.near].key;
+        Event e = event_of(w, key, seen.flags, now);
         if (now) {
             e.point = seen.point;
             if (!sensor) e.normal = seen.normal;
             e.approach_speed = seen.approach;
-            Parts parts = parts_of(w, keys[seen.first_row], rows[seen.deepest_row]);
-            if (e.shape_a != keys[seen.first_row].a) std::swap(parts.a, parts.b);
+            Parts parts = parts_of(w, key, rows[seen.deepest_row]);
+            if (e.shape_a != key.a) std::swap(parts.a, parts.b);
             e.part_a = parts.a, e.part_b = parts.b;
         }
         w.events.push_back(e);

@@ -32,13 +32,14 @@ struct Header {
     std::uint32_t bodies_awake, joints_awake; ///< the first rows of their tables; see sleep.h
 };
 
-/// The definition the world was made with; never changes.
+/// The definition the world was made with, all of it; never changes.
 struct Config {
     std::uint32_t tick_rate, substeps;
     Integrator integrator;
     std::uint32_t bounds_shift;
     std::uint32_t bodies_max, shapes_max, contacts_max, fields_max, pair_filters_max, joints_max;
     std::uint32_t characters_max, vehicles_max, continuous, sleeping;
+    Vec3 gravity; ///< at the start; the present one stands in the header
     Real restitution_speed_min, contact_hertz, contact_damping, push_speed_max;
     Real sleep_speed, sleep_time;
     std::uint64_t seed;
@@ -86,7 +87,7 @@ template <class V> constexpr void describe(Config& c, V&& v) {
     v("contacts_max", c.contacts_max), v("fields_max", c.fields_max);
     v("pair_filters_max", c.pair_filters_max), v("joints_max", c.joints_max);
     v("characters_max", c.characters_max), v("vehicles_max", c.vehicles_max);
-    v("continuous", c.continuous), v("sleeping", c.sleeping);
+    v("continuous", c.continuous), v("sleeping", c.sleeping), v("gravity", c.gravity);
     v("restitution_speed_min", c.restitution_speed_min), v("contact_hertz", c.contact_hertz);
     v("contact_damping", c.contact_damping), v("push_speed_max", c.push_speed_max);
     v("sleep_speed", c.sleep_speed), v("sleep_time", c.sleep_time), v("seed", c.seed);
@@ -146,6 +147,7 @@ struct Manifest {
     std::vector<std::uint32_t> game; ///< column index in the layout, by game schema entry
 };
 
-Manifest make_manifest(const WorldDef& def, const GameSchema& schema);
+/// `origin`: StateLayout::origin.
+Manifest make_manifest(const WorldDef& def, const GameSchema& schema, std::uint64_t origin = 0);
 
 } // namespace lockstone::sim

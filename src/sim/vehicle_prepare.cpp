@@ -121,6 +121,7 @@ bool VehicleSolver::cast(Data& w) {
     const std::span<const VehicleRow> rows = w.state.rows(w.m.vehicle);
     if (rows.empty()) return false;
     // update_bounds ran just now.
+    w.scratch.broad_phase.update_trees();
     w.scratch.query.is_fresh = true;
     w.scratch.query.tick = w.header().tick;
     w.scratch.query.commands = w.header().commands;

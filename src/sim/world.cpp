@@ -2,6 +2,7 @@
 #include "lockstone/world.h"
 
 #include "base/assert.h"
+#include "base/hash.h"
 #include "base/text.h"
 #include "lockstone/decimal.h"
 #include "lockstone/math.h"
@@ -32,7 +33,8 @@ const char* name_of(const Command& command) {
 const char* name_of(Integrator integrator) {
     static constexpr const char* names[] = {"semi_implicit_euler", "verlet", "velocity_verlet",
                                             "runge_kutta_4"};
-    return names[static_cast<std::uint32_t>(integrator)];
+    const auto index = static_cast<std::uint32_t>(integrator);
+    return index < std::size(names) ? names[index] : "unknown";
 }
 
 std::uint32_t GameSchema::add(Entry entry) {
@@ -90,13 +92,30 @@ std::string check(const WorldDef& d) {
 }
 
 sim::Config config_of(const WorldDef& d) {
-    return {d.tick_rate,     d.substeps,        d.integrator,
-            d.bounds_shift,  d.bodies_max,      d.shapes_max,
-            d.contacts_max,  d.fields_max,      d.pair_filters_max,
-            d.joints_max,    d.characters_max,  d.vehicles_max,
-            d.continuous,    d.sleeping,        d.restitution_speed_min,
-            d.contact_hertz, d.contact_damping, d.push_speed_max,
-            d.sleep_speed,   d.sleep_time,      d.seed};
+    return {d.tick_rate,        d.substeps,
+            d.integrator,       d.bounds_shift,
+            d.bodies_max,       d.shapes_max,
+            d.contacts_max,     d.fields_max,
+            d.pair_filters_max, d.joints_max,
+            d.characters_max,   d.vehicles_max,
+            d.continuous,       d.sleeping,
+            d.gravity,          d.restitution_speed_min,
+            d.contact_hertz,    d.contact_damping,
+            d.push_speed_max,   d.sleep_speed,
+            d.sleep_time,       d.seed};
+}
+
+/// What a ring image must have been made for, to be restored: all but the state itself. Only for this process.
+std::uint64_t origin_of(const WorldDef& def, const GameSchema& schema, const AssetLibrary& assets) {
+    base::HashStream hash;
+    const sim::Config config = config_of(def);
+    hash.add(std::as_bytes(std::span(&config, 1)));
+    for (const GameSchema::Entry& entry : schema.entries()) {
+        hash.add(base::xxh3(entry.name));
+        hash.add(std::uint64_t{entry.row_size});
+    }
+    for (const AssetId id : assets.ids()) hash.add(id.value);
+    return hash.digest() | 1; // 0 is nobody's
 }
 
 } // namespace
@@ -104,7 +123,8 @@ sim::Config config_of(const WorldDef& d) {
 namespace sim {
 
 Data::Data(const WorldDef& d, const GameSchema& s, std::shared_ptr<const AssetLibrary> assets)
-    : def(d), schema(s), m(make_manifest(d, s)), state(m.layout), scratch(d, std::move(assets)) {
+    : def(d), schema(s), m(make_manifest(d, s, origin_of(d, s, *assets))), state(m.layout),
+      scratch(d, std::move(assets)) {
     state.resize(m.world, 1);
     state.resize(m.records, 1);
     edit_header().gravity = d.gravity;
@@ -136,12 +156,29 @@ void forget_derived(Data& w) {
     w.phase_hashes.clear();
 }
 
+void tell_of_restore(const Data& w) {
+    if (w.journal != nullptr) w.journal->on_restore(w.header().tick);
+}
+
 } // namespace sim
 
 World::World(std::unique_ptr<Impl> i) : impl(std::move(i)) {}
-World::World(World&&) noexcept = default;
-World& World::operator=(World&&) noexcept = default;
+World::World(World&& other) noexcept : impl(std::move(other.impl)) {} // a life is an object's own
+World& World::operator=(World&& other) noexcept {
+    impl = std::move(other.impl);
+    return *this;
+}
 World::~World() = default;
+
+World::Inside::Inside(std::unique_ptr<Impl> i) : held(std::move(i)) {}
+World::Impl* World::Inside::moved_from() {
+    base::assertion_failed("a world that is used holds a state", "this one was moved from", __FILE__, __LINE__);
+}
+
+std::weak_ptr<const void> World::lifetime() {
+    if (life == nullptr) life = std::make_shared<const char>();
+    return life;
+}
 
 Result<World> World::create(const WorldDef& def, const GameSchema& schema,
                             std::shared_ptr<const AssetLibrary> assets) {
@@ -149,7 +186,33 @@ Result<World> World::create(const WorldDef& def, const GameSchema& schema,
     if (assets == nullptr) assets = std::make_shared<const AssetLibrary>();
     return World(std::make_unique<Impl>(def, schema, std::move(assets)));
 }
-World World::clone() const { return World(std::make_unique<Impl>(*impl)); }
+
+namespace {
+
+/// The state at capacity, twice: once as scratch and lists that follow the tables, and what one row costs the solver,
+/// the broad phase and the lists of a tick besides [bytes]. Measured with full tables (tests/fault/memory.cpp), rounded up.
+constexpr std::uint64_t per_body = 1024, per_shape = 1536, per_contact = 3072, per_joint = 4096,
+                        per_character = 1024, per_vehicle = 8192, per_world = std::uint64_t{4} << 20;
+
+} // namespace
+
+Result<std::uint64_t> World::memory_of(const WorldDef& def, const GameSchema& schema) {
+    if (std::string e = check(def); !e.empty()) return Error{std::move(e)};
+    const sim::Manifest manifest = sim::make_manifest(def, schema);
+    std::uint64_t bytes = per_world;
+    for (const ColumnInfo& column : manifest.layout->columns()) {
+        const std::uint64_t rows = manifest.layout->tables()[column.table].capacity;
+        bytes += 2 * rows * column.row_size;
+    }
+    bytes += per_body * def.bodies_max + per_shape * def.shapes_max + per_contact * def.contacts_max;
+    bytes += per_joint * def.joints_max + per_character * def.characters_max + per_vehicle * def.vehicles_max;
+    return bytes;
+}
+
+World World::clone() const {
+    const std::scoped_lock holds(impl->scratch.query.lock);
+    return World(std::make_unique<Impl>(*impl));
+}
 
 void World::tick() { sim::tick(*impl); }
 std::uint64_t World::tick_count() const { return impl->header().tick; }
@@ -240,8 +303,19 @@ Status World::set_mass(const SetMass& mass) { return status_of(apply(mass)); }
 Status World::wake_body(BodyId body) { return status_of(apply(WakeBody{body})); }
 Status World::set_gravity(Vec3 gravity) { return status_of(apply(SetGravity{gravity})); }
 
+namespace {
+/// A column of the schema, with rows of this size: a Column<T> of another schema is a programmer's error.
+const GameSchema::Entry& game_column(const sim::Data& w, std::uint32_t column, std::size_t row_size) {
+    LOCKSTONE_ASSERT(column < w.m.game.size(), "game column ", column, " of ", w.m.game.size());
+    const GameSchema::Entry& entry = w.schema.entries()[column];
+    LOCKSTONE_ASSERT(entry.row_size == row_size, "game column ", entry.name, " has rows of ", entry.row_size,
+                     " bytes, not of ", row_size, ": it is of another schema");
+    return entry;
+}
+} // namespace
+
 Status World::write_bytes(std::uint32_t column, BodyId body, std::span<const std::byte> row) {
-    LOCKSTONE_ASSERT(column < impl->m.game.size(), "game column ", column, " of ", impl->m.game.size());
+    game_column(*impl, column, row.size());
     std::vector<std::byte>& canonical = impl->scratch.written_row;
     canonical.clear();
     append_canonical(row, impl->schema.entries()[column].leaves, canonical);
@@ -282,7 +356,9 @@ bool World::is_alive(ShapeId shape) const { return impl->row_of(shape) != sim::D
 bool World::is_alive(JointId joint) const { return impl->row_of(joint) != sim::Data::dead; }
 bool World::is_alive(FieldId field) const { return impl->row_of(field) != sim::Data::dead; }
 std::uint32_t World::field_count() const { return impl->state.count(impl->m.fields); }
-FieldId World::field_at(std::uint32_t row) const { return impl->state.rows(impl->m.field)[row].id; }
+FieldId World::field_at(std::uint32_t row) const {
+    return sim::checked_row(impl->state.rows(impl->m.field), row, "field").id;
+}
 FieldDef World::field(FieldId field) const {
     const std::uint32_t row = impl->row_of(field);
     LOCKSTONE_ASSERT(row != sim::Data::dead, "field ", field.index, ":", field.generation, " is not alive");
@@ -291,7 +367,9 @@ FieldDef World::field(FieldId field) const {
 bool World::is_awake(BodyId body) const { return sim::is_awake(*impl, living(*impl, body)); }
 std::uint32_t World::awake_count() const { return impl->header().bodies_awake; }
 std::uint32_t World::body_count() const { return impl->state.count(impl->m.bodies); }
-BodyId World::body_at(std::uint32_t row) const { return impl->state.rows(impl->m.body_info)[row].id; }
+BodyId World::body_at(std::uint32_t row) const {
+    return sim::checked_row(impl->state.rows(impl->m.body_info), row, "body").id;
+}
 
 std::vector<BodyId> World::bodies() const {
     std::vector<BodyId> out;
@@ -357,7 +435,9 @@ BodyId World::body_of(ShapeId shape) const {
 }
 
 std::uint32_t World::joint_count() const { return impl->state.count(impl->m.joints); }
-JointId World::joint_at(std::uint32_t row) const { return impl->state.rows(impl->m.joint)[row].id; }
+JointId World::joint_at(std::uint32_t row) const {
+    return sim::checked_row(impl->state.rows(impl->m.joint), row, "joint").id;
+}
 JointDef World::joint(JointId joint) const {
     return impl->state.rows(impl->m.joint)[living(*impl, joint)].def;
 }
@@ -405,9 +485,8 @@ Real World::kinetic_energy() const {
     return sum;
 }
 
-std::span<const std::byte> World::row_bytes(std::uint32_t column, BodyId body) const {
-    LOCKSTONE_ASSERT(column < impl->m.game.size(), "game column ", column, " of ", impl->m.game.size());
-    const GameSchema::Entry& entry = impl->schema.entries()[column];
+std::span<const std::byte> World::row_bytes(std::uint32_t column, BodyId body, std::size_t size) const {
+    const GameSchema::Entry& entry = game_column(*impl, column, size);
     const std::uint32_t row = entry.per_body ? living(*impl, body) : 0;
     return impl->state.bytes(impl->m.game[column]).subspan(row * entry.row_size, entry.row_size);
 }
@@ -418,11 +497,24 @@ std::span<const World::ContactPoint> World::contacts() const { return impl->cont
 
 // ---- state -----------------------------------------------------------------------------------------------------
 
-std::uint64_t World::hash() const { return impl->state.hash(); }
+std::uint64_t World::hash() const {
+    const std::scoped_lock holds(impl->scratch.query.lock);
+    return impl->state.hash();
+}
 void World::save(Image& image) const { impl->state.save(image); }
+
+Status World::can_restore(const Image& image) const {
+    if (image.size() == 0) return Error{"restore: the image is empty: nothing was saved into it"};
+    if (image.origin() != impl->state.layout().origin())
+        return Error{"restore: the image is of a world with another definition, schema or assets"};
+    return {};
+}
 void World::restore(const Image& image) {
+    const Status good = can_restore(image);
+    LOCKSTONE_ASSERT(good.ok(), good.error().message);
     impl->state.restore(image);
     sim::forget_derived(*impl);
+    sim::tell_of_restore(*impl);
 }
 std::vector<std::byte> World::save_portable() const { return impl->state.save_portable(); }
 
@@ -432,6 +524,7 @@ Status take_over(sim::Data& w, State&& loaded) {
     if (Status s = sim::check_state(w, loaded); !s) return s;
     w.state = std::move(loaded);
     sim::forget_derived(w);
+    sim::tell_of_restore(w);
     return {};
 }
 } // namespace
@@ -443,12 +536,16 @@ Status World::restore_portable(std::span<const std::byte> image) {
 }
 
 std::vector<std::byte> World::save_delta(const Image& base) const {
+    const Status good = can_restore(base);
+    LOCKSTONE_ASSERT(good.ok(), good.error().message);
     State before(impl->state.layout_shared());
     before.restore(base);
+    const std::scoped_lock holds(impl->scratch.query.lock);
     return impl->state.save_delta(before);
 }
 
 Status World::restore_delta(const Image& base, std::span<const std::byte> delta) {
+    if (Status s = can_restore(base); !s) return s;
     State loaded(impl->state.layout_shared());
     loaded.restore(base);
     if (Status s = loaded.apply_delta(delta); !s) return s;
@@ -459,6 +556,7 @@ const State& World::state() const { return impl->state; }
 const GameSchema& World::schema() const { return impl->schema; }
 void World::set_journal(Journal* journal) { impl->journal = journal; }
 void World::set_tasks(Tasks* tasks) { impl->tasks = tasks; }
+void World::observe_phases(PhaseObserver* observer) { impl->observer = observer; }
 bool World::set_simd(Simd level) { return impl->scratch.solver.use(level); }
 void World::record_phase_hashes(bool on) { impl->phase_hashes_on = on; }
 std::span<const PhaseHash> World::phase_hashes() const { return impl->phase_hashes; }

@@ -76,7 +76,7 @@ refused '--shard' verify s.lsr --shard 3/3
 refused '--shard' verify s.lsr --shard all
 refused 's.lsr' run rollback-arena --ticks 1 --input s.lsr
 
-for command in scenes run replay verify info diff branch synctest match bench; do
+for command in scenes run replay verify info diff branch repair synctest match bench; do
     expect 0 "$command" --help
     grep -q "$command" out || fail "$command --help does not name the command"
 done

@@ -135,7 +135,7 @@ TEST_CASE("a start that is not the game's is found, though all that follows agre
     auto recorder = must(InputRecorder::begin(sink, game, world));
     for (std::uint64_t t = 0; t < 5; ++t) {
         const SmallInputs inputs(SmallGame::script(t));
-        game.advance(world, inputs.list);
+        must(game.advance(world, inputs.list));
         must(recorder.after_tick(world, inputs.list));
     }
     must(recorder.close());
@@ -183,7 +183,7 @@ TEST_CASE(
             must(InputRecorder::begin(sink, game, world, {.keyframe_ticks = 30, .block_ticks = 8}));
         for (std::uint64_t t = 0; t < 93; ++t) {
             const SmallInputs inputs(SmallGame::script(t));
-            game.advance(world, inputs.list);
+            must(game.advance(world, inputs.list));
             must(recorder.after_tick(world, inputs.list));
         }
     } // the program ends here
@@ -211,7 +211,7 @@ TEST_CASE("a disk that fills up at any byte leaves an error and a recording that
         std::string failure = recorder ? "" : recorder.error().message;
         for (std::uint64_t t = 0; t < 40 && recorder; ++t) {
             const SmallInputs inputs(SmallGame::script(t));
-            game.advance(world, inputs.list);
+            must(game.advance(world, inputs.list));
             const Status status = recorder->after_tick(world, inputs.list);
             if (!failure.empty()) REQUIRE(!status); // errors stay
             if (!status) failure = status.error().message;
@@ -241,7 +241,7 @@ TEST_CASE("a recorder that is misused says how, and the recording stays good") {
     World world = must(game.start());
     auto recorder = must(InputRecorder::begin(sink, game, world));
     const SmallInputs inputs(SmallGame::script(0));
-    game.advance(world, inputs.list);
+    must(game.advance(world, inputs.list));
     CHECK(holds(recorder.on_tick(3, inputs.list, world.hash()).error().message, "tick 0 comes next"));
     must(recorder.after_tick(world, inputs.list));
     CHECK(holds(recorder.after_tick(world, inputs.list).error().message, "tick 1 comes next"));
@@ -276,10 +276,10 @@ TEST_CASE("a world that was restored while its commands were recorded is reporte
     const auto recorder = must(CommandRecorder::begin(sink, world, "small"));
     for (std::uint64_t t = 0; t < 10; ++t) {
         if (t == 4) world.save(image);
-        game.advance(world, SmallInputs(SmallGame::script(t)).list);
+        must(game.advance(world, SmallInputs(SmallGame::script(t)).list));
     }
     world.restore(image);
-    game.advance(world, SmallInputs(SmallGame::script(4)).list);
+    must(game.advance(world, SmallInputs(SmallGame::script(4)).list));
     CHECK(!recorder->status());
     CHECK(holds(recorder->close().error().message, "cannot record tick 4: tick 10 comes next"));
 }

@@ -20,10 +20,11 @@ using replay::Recording;
 /// Goes on where the small game cannot, as in states that it never makes.
 class ForgivingGame final : public lockstone::test::SmallGame {
   public:
-    void advance(World& world, std::span<const PlayerInput> inputs) const override {
+    Status advance(World& world, std::span<const PlayerInput> inputs) const override {
         try {
-            SmallGame::advance(world, inputs);
+            return SmallGame::advance(world, inputs);
         } catch (const std::runtime_error&) { world.tick(); }
+        return {};
     }
 };
 

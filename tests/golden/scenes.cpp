@@ -63,7 +63,7 @@ Table computed(const Table& wanted) {
                 scripted_input(*game, 1, tick, p, bytes[p]);
                 inputs[p] = {bytes[p]};
             }
-            game->advance(world, inputs);
+            REQUIRE(game->advance(world, inputs).ok());
         }
     }
     return table;

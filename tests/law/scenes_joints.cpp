@@ -33,7 +33,7 @@ std::string scene_fault(const char* name, std::uint32_t size, int ticks, double 
     World w = made(game->start());
     double before = energy_of(w);
     for (int t = 0; t < ticks; ++t) {
-        game->advance(w, {});
+        REQUIRE(game->advance(w, {}).ok());
         const std::string when = std::string(name) + ", tick " + std::to_string(t) + ": ";
         const double now = energy_of(w), apart = widest_gap(w);
         if (now > 1.01 * before)

@@ -15,7 +15,7 @@ World run(const Game& game, std::uint64_t ticks) {
             scripted_input(game, 1, world.tick_count(), p, bytes[p]);
             inputs[p] = {bytes[p]};
         }
-        game.advance(world, inputs);
+        REQUIRE(game.advance(world, inputs).ok());
     }
     return world;
 }

@@ -33,7 +33,7 @@ std::unique_ptr<Game> game_of(const Played& p, std::uint32_t players) {
 void step(const Game& game, World& world, ArenaInput input) {
     const auto bytes = encode_input(input);
     const std::vector<PlayerInput> inputs(game.player_count(), PlayerInput{bytes});
-    game.advance(world, inputs);
+    REQUIRE(game.advance(world, inputs).ok());
 }
 
 World run(const Game& game, ArenaInput input, std::uint64_t ticks) {
@@ -61,7 +61,10 @@ class Deaf final : public Game {
     std::uint32_t player_count() const override { return game.player_count(); }
     std::uint32_t input_size() const override { return game.input_size(); }
     Result<World> start() const override { return game.start(); }
-    void advance(World& world, std::span<const PlayerInput>) const override { step(game, world, {}); }
+    Status advance(World& world, std::span<const PlayerInput>) const override {
+        step(game, world, {});
+        return {};
+    }
 
   private:
     const Game& game;
@@ -82,7 +85,8 @@ std::string presence_fault(const Played& p, ArenaInput input, std::uint64_t tick
     const auto alone = game_of(p, 0), watched = game_of(p, 1);
     World a = alone->start().value(), b = watched->start().value();
     while (a.tick_count() < ticks) {
-        alone->advance(a, {}), step(*watched, b, input);
+        REQUIRE(alone->advance(a, {}).ok());
+        step(*watched, b, input);
         for (const BodyId body : a.bodies()) {
             const BodyId other = body_of(b, a.user_key(body));
             if (a.pose(body) != b.pose(other) || a.linear_velocity(body) != b.linear_velocity(other))

@@ -27,7 +27,7 @@ std::string actor(const World& world, BodyId body) {
 std::vector<Hit> hits_of(const Game& game, World& world, std::uint64_t ticks) {
     std::vector<Hit> hits;
     while (world.tick_count() < ticks) {
-        game.advance(world, {});
+        REQUIRE(game.advance(world, {}).ok());
         for (const Event& e : world.events()) {
             if (e.kind != EventKind::contact_begin) continue;
             std::string a = actor(world, e.body_a), b = actor(world, e.body_b);

@@ -38,7 +38,7 @@ std::vector<State> states_of(const Game& game, int ticks) {
     World world = game.start().value();
     std::vector<State> states{world.state()};
     for (int t = 0; t < ticks; ++t) {
-        game.advance(world, inputs.at(world.tick_count()));
+        REQUIRE(game.advance(world, inputs.at(world.tick_count())).ok());
         states.push_back(world.state());
     }
     return states;
@@ -173,13 +173,13 @@ TEST_CASE("a world continues from a delta as if it had run there, and refuses on
     World here = game->start().value(), there = here.clone();
     Image base, later;
     there.save(base);
-    for (int t = 0; t < 30; ++t) game->advance(here, inputs.at(here.tick_count()));
+    for (int t = 0; t < 30; ++t) REQUIRE(game->advance(here, inputs.at(here.tick_count())).ok());
     here.save(later);
-    game->advance(there, inputs.at(0)); // whatever it did since
+    REQUIRE(game->advance(there, inputs.at(0)).ok()); // whatever it did since
     REQUIRE(there.restore_delta(base, here.save_delta(base)).ok());
     for (int t = 0; t < 20; ++t) {
         REQUIRE(there.hash() == here.hash());
-        for (World* w : {&here, &there}) game->advance(*w, inputs.at(w->tick_count()));
+        for (World* w : {&here, &there}) REQUIRE(game->advance(*w, inputs.at(w->tick_count())).ok());
     }
     const std::uint64_t hash = there.hash();
     const Status refused = there.restore_delta(base, here.save_delta(later));

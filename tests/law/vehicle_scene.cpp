@@ -24,7 +24,7 @@ TEST_CASE("four cars and a tank drive about for twenty seconds") {
             scripted_input(**game, 7, world.tick_count(), p, bytes[p]);
             inputs.push_back({bytes[p], InputStatus::confirmed});
         }
-        (*game)->advance(world, inputs);
+        REQUIRE((*game)->advance(world, inputs).ok());
         for (std::uint32_t row = 0; row < 5; ++row) {
             const BodyId body = world.vehicle(world.vehicle_at(row)).chassis;
             const auto v = to_double(world.linear_velocity(body)), at = to_double(world.pose(body).position);

@@ -150,7 +150,7 @@ void advance(const Options& o, const Game& game, World& world, Inputs& inputs) {
     if (o.move != 0) host::move_heap(o.move + world.tick_count());
     const std::span<const PlayerInput> now = inputs.at(world.tick_count());
     const host::FloatingPoint odd(o.fpu, world.tick_count());
-    game.advance(world, now);
+    good(game.advance(world, now), game.name());
 }
 
 /// Continues from a snapshot that another cell made. Its difference to the start leads there too.

@@ -23,7 +23,7 @@ Story story_of(const char* name, std::uint32_t size, int ticks) {
     for (int t = 0; t <= ticks; ++t) {
         w.save(s.images.emplace_back());
         s.hashes.push_back(w.hash());
-        if (t < ticks) s.game->advance(w, {});
+        if (t < ticks) REQUIRE(s.game->advance(w, {}).ok());
     }
     return s;
 }
@@ -35,7 +35,7 @@ std::uint32_t size_of(std::string_view scene) { return scene == "water" ? 8 : 2;
 int parts_at(const Story& s, World& w, std::size_t tick, std::size_t ticks) {
     for (std::size_t t = tick; t < s.hashes.size() && t <= tick + ticks; ++t) {
         if (w.hash() != s.hashes[t]) return static_cast<int>(t);
-        s.game->advance(w, {});
+        REQUIRE(s.game->advance(w, {}).ok());
     }
     return -1;
 }

@@ -194,7 +194,7 @@ TEST_CASE("joints: a recording of the grid of all kinds plays back to the same h
         const auto by_inputs = [&] {
             auto recorder = made(replay::InputRecorder::begin(sink, *game, world, {.keyframe_ticks = 40}));
             for (int t = 0; t < 160; ++t) {
-                game->advance(world, {});
+                REQUIRE(game->advance(world, {}).ok());
                 done(recorder.after_tick(world, {}));
                 hashes.push_back(world.hash());
             }
@@ -203,7 +203,10 @@ TEST_CASE("joints: a recording of the grid of all kinds plays back to the same h
         const auto by_commands = [&] {
             const auto recorder =
                 made(replay::CommandRecorder::begin(sink, world, "joints", {.keyframe_ticks = 40}));
-            for (int t = 0; t < 160; ++t) game->advance(world, {}), hashes.push_back(world.hash());
+            for (int t = 0; t < 160; ++t) {
+                REQUIRE(game->advance(world, {}).ok());
+                hashes.push_back(world.hash());
+            }
             done(recorder->close());
         };
         commands ? by_commands() : by_inputs();

@@ -43,7 +43,7 @@ template <class Disturb> std::string departs(const Game& game, int ticks, Distur
     World usual = game.start().value(), other = usual.clone();
     for (int t = 0; t < ticks; ++t) {
         disturb(other, t);
-        for (World* w : {&usual, &other}) game.advance(*w, inputs.at(w->tick_count()));
+        for (World* w : {&usual, &other}) REQUIRE(game.advance(*w, inputs.at(w->tick_count())).ok());
         std::string found = scene::difference(usual, other);
         if (found.empty()) found = output_difference(usual, other);
         disturb(other, t + 1);
@@ -154,7 +154,7 @@ TEST_CASE("every scene: a snapshot and a difference that went through files cont
         Image start;
         world.save(start);
         for (int t = 0; t < tick_count; ++t) {
-            game->advance(world, inputs.at(world.tick_count()));
+            REQUIRE(game->advance(world, inputs.at(world.tick_count())).ok());
             if (t % (is_long ? 1 : 3) != 0) continue;
             REQUIRE(by_snapshot.restore_portable(through_file(world.save_portable())).ok());
             REQUIRE(by_delta.restore_delta(start, through_file(world.save_delta(start))).ok());
@@ -162,7 +162,7 @@ TEST_CASE("every scene: a snapshot and a difference that went through files cont
         }
         for (World* w : {&world, &by_snapshot, &by_delta})
             while (w->tick_count() < static_cast<std::uint64_t>(tick_count) + 3)
-                game->advance(*w, inputs.at(w->tick_count()));
+                REQUIRE(game->advance(*w, inputs.at(w->tick_count())).ok());
         for (World* w : {&by_snapshot, &by_delta}) CHECK(scene::difference(world, *w) == "");
     }
     std::filesystem::remove(path);

@@ -139,12 +139,12 @@ TEST_CASE("a recording through a file or a stream is the recording in memory") {
 
 TEST_CASE("a recording that starts in the middle of a run plays like the end of that run") {
     World world = must(game.start());
-    for (std::uint64_t t = 0; t < 60; ++t) game.advance(world, SmallInputs(SmallGame::script(t)).list);
+    for (std::uint64_t t = 0; t < 60; ++t) must(game.advance(world, SmallInputs(SmallGame::script(t)).list));
     MemorySink sink;
     auto recorder = must(InputRecorder::begin(sink, game, world, {.keyframe_ticks = 20}));
     for (std::uint64_t t = 60; t < 130; ++t) {
         const SmallInputs inputs(SmallGame::script(t));
-        game.advance(world, inputs.list);
+        must(game.advance(world, inputs.list));
         must(recorder.after_tick(world, inputs.list));
     }
     must(recorder.close());
@@ -178,7 +178,7 @@ TEST_CASE("a player who leaves is recorded as gone") {
         SmallInputs inputs(SmallGame::script(t));
         const std::array<std::byte, 4> zeros{};
         if (t >= 20) inputs.list[1] = {zeros, InputStatus::disconnected};
-        game.advance(world, inputs.list);
+        must(game.advance(world, inputs.list));
         must(recorder.after_tick(world, inputs.list));
     }
     must(recorder.close());
@@ -205,7 +205,7 @@ TEST_CASE(
                 auto pads = SmallGame::script(t);
                 if (other && t == at) pads[0].x = static_cast<std::int8_t>(pads[0].x + 1);
                 const SmallInputs inputs(pads);
-                game.advance(branch.world, inputs.list);
+                must(game.advance(branch.world, inputs.list));
                 must(branch.recorder.after_tick(branch.world, inputs.list));
             }
             must(branch.recorder.close());
@@ -237,7 +237,7 @@ TEST_CASE("a branch of commands goes on from its tick") {
     const auto recorder = CommandRecorder::resume(std::move(branch.writer), branch.world, 30);
     for (std::uint64_t t = 70; t < 100; ++t) {
         if (t == 90) must(branch.world.set_gravity({Real{}, Real(5), Real{}}));
-        game.advance(branch.world, SmallInputs(SmallGame::script(t)).list);
+        must(game.advance(branch.world, SmallInputs(SmallGame::script(t)).list));
     }
     must(recorder->close());
     const Recording branched = must(read(sink.bytes));
@@ -290,7 +290,7 @@ TEST_CASE("inputs that change nothing are told apart from states that differ") {
         auto pads = SmallGame::script(t);
         if (t == 12) pads[1].buttons |= 0x8000u; // a button that the game does not know
         const SmallInputs inputs(pads);
-        game.advance(world, inputs.list);
+        must(game.advance(world, inputs.list));
         must(recorder.after_tick(world, inputs.list));
     }
     must(recorder.close());

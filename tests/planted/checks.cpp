@@ -9,7 +9,7 @@
 #include "lockstone/prove.h"
 #include "planted.h"
 #include "replay/replay.h"
-#include "session/match.h"
+#include "session/hostile_scenes.h"
 #include "state/canonical.h"
 #include "support/sim_replay.h"
 #include "support/task_worlds.h"
@@ -68,7 +68,10 @@ class ScriptGame final : public Game {
         for (int i = 0; i < 30; ++i) scene::step_script(world);
         return world;
     }
-    void advance(World& world, std::span<const PlayerInput>) const override { scene::step_script(world); }
+    Status advance(World& world, std::span<const PlayerInput>) const override {
+        scene::step_script(world);
+        return {};
+    }
 };
 
 /// Balls that are pushed as far as they are apart: what is asked before a tick decides it. So seldom that a rollback meets the
@@ -85,9 +88,10 @@ class AskingGame final : public Game {
         for (int i = 0; i < 5; ++i) scene::add_ball(world, scene::at(1.5 * i, 1 + i, 0));
         return world;
     }
-    void advance(World& world, std::span<const PlayerInput>) const override {
+    Status advance(World& world, std::span<const PlayerInput>) const override {
         if (world.tick_count() % 10 == 9) push(world);
         world.tick();
+        return {};
     }
 
   private:
@@ -153,7 +157,7 @@ std::string golden_table() {
         std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(world.hash()));
         if (wanted.contains(tick) && wanted[tick] != hash)
             return "tick " + std::to_string(tick) + ": " + hash;
-        game->advance(world, inputs.at(tick));
+        scene::done(game->advance(world, inputs.at(tick)));
     }
     return {};
 }
@@ -270,6 +274,12 @@ std::string peers_agree() {
     return {};
 }
 
+std::string hostile_peers() {
+    for (const HostileScene& scene : hostile_scenes())
+        if (const std::string wrong = scene.run(); !wrong.empty()) return std::string(scene.name) + ": " + wrong;
+    return {};
+}
+
 using Bytes = std::vector<std::byte>;
 
 Bytes record(bool commands) {
@@ -280,13 +290,13 @@ Bytes record(bool commands) {
     options.keyframe_ticks = 8, options.block_ticks = 8;
     if (commands) {
         const auto recorder = scene::made(replay::CommandRecorder::begin(sink, world, "script", options));
-        for (int t = 0; t < 40; ++t) game.advance(world, {});
+        for (int t = 0; t < 40; ++t) scene::done(game.advance(world, {}));
         scene::done(recorder->close());
         return sink.bytes;
     }
     auto recorder = scene::made(replay::InputRecorder::begin(sink, game, world, options));
     for (int t = 0; t < 40; ++t) {
-        game.advance(world, {});
+        scene::done(game.advance(world, {}));
         scene::done(recorder.after_tick(world, {}));
     }
     scene::done(recorder.close());
@@ -329,7 +339,7 @@ std::string wrong_hash_found() {
     auto recorder = scene::made(replay::InputRecorder::begin(sink, game, world, {}));
     for (std::uint64_t t = 0; t < 40; ++t) {
         const std::uint64_t tick = world.tick_count();
-        game.advance(world, {});
+        scene::done(game.advance(world, {}));
         scene::done(recorder.on_tick(tick, {}, world.hash() ^ (t == 20 ? 1u : 0u)));
     }
     scene::done(recorder.close());
@@ -349,6 +359,7 @@ std::vector<std::pair<std::string, Check>> all_checks() {
                              {"events come in order and in turn", events_in_order},
                              {"dead ids stay dead", dead_ids},
                              {"peers agree", peers_agree},
+                             {"hostile peers", hostile_peers},
                              {"recordings verify", recordings_verify},
                              {"damaged recordings are refused", damaged_recordings},
                              {"a wrong hash in a recording is found", wrong_hash_found}});

@@ -1,4 +1,5 @@
 // What has to stand: pyramid, tower, heavy on light, house of cards, arch.
+#include "engines/pieces.h"
 #include "quality/row.h"
 
 #include <algorithm>
@@ -15,7 +16,6 @@ V3 tilted_gravity(double degrees_x, double degrees_z) {
 // ---- pyramid -----------------------------------------------------------------------------------------------------
 
 Scene pyramid_scene(int base, const Plan& plan) {
-    constexpr double gap = 0.001; // neighbours of a row lean on each other without being squeezed
     const bool slippery = plan.plants(1) || plan.plants(2);
     const double friction = slippery ? 0.01 : 0.6;
     Scene scene;
@@ -23,10 +23,7 @@ Scene pyramid_scene(int base, const Plan& plan) {
     if (plan.plants(1)) scene.gravity = tilted_gravity(0, 1);
     if (plan.plants(2)) scene.gravity = tilted_gravity(1, 0);
     scene.add(ground(friction));
-    for (int row = 0; row < base; ++row)
-        for (int i = 0; i < base - row; ++i)
-            scene.add(solid(box({0.5, 0.5, 0.5}), {(1 + gap) * (i - 0.5 * (base - row - 1)), row + 0.5, 0},
-                            1000, friction));
+    add_pyramid(scene, base, {}, friction);
     return scene;
 }
 

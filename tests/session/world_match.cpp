@@ -38,7 +38,7 @@ class PushGame final : public Game {
         return world;
     }
 
-    void advance(World& world, std::span<const PlayerInput> inputs) const override {
+    Status advance(World& world, std::span<const PlayerInput> inputs) const override {
         for (std::uint32_t row = 0; row < world.body_count(); ++row) {
             const BodyId body = world.body_at(row);
             if (world.kind(body) != BodyKind::dynamic) continue;
@@ -49,6 +49,7 @@ class PushGame final : public Game {
             if (!world.add_force(body, force)) continue; // out of range: none
         }
         world.tick();
+        return {};
     }
 
   private:

@@ -78,7 +78,7 @@ class SmallGame : public Game {
         return world;
     }
 
-    void advance(World& world, std::span<const PlayerInput> inputs) const override {
+    Status advance(World& world, std::span<const PlayerInput> inputs) const override {
         const Column<SmallScore> score{0};
         const Column<SmallMark> mark{1};
         SmallScore s = world.read(score);
@@ -97,6 +97,7 @@ class SmallGame : public Game {
         }
         if (s != world.read(score)) must(world.write(score, s));
         world.tick();
+        return {};
     }
 
     /// What two restless players press at a tick; the same everywhere.

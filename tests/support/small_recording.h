@@ -21,7 +21,7 @@ inline Bytes record_inputs(std::uint64_t ticks, const replay::RecorderOptions& o
     auto recorder = must(replay::InputRecorder::begin(sink, game, world, options));
     for (std::uint64_t t = 0; t < ticks; ++t) {
         const SmallInputs inputs(SmallGame::script(t));
-        game.advance(world, inputs.list);
+        must(game.advance(world, inputs.list));
         must(recorder.after_tick(world, inputs.list));
     }
     must(recorder.close());
@@ -34,7 +34,8 @@ inline Bytes record_commands(std::uint64_t ticks, const replay::RecorderOptions&
     replay::MemorySink sink;
     World world = must(game.start());
     const auto recorder = must(replay::CommandRecorder::begin(sink, world, "small", options));
-    for (std::uint64_t t = 0; t < ticks; ++t) game.advance(world, SmallInputs(SmallGame::script(t)).list);
+    for (std::uint64_t t = 0; t < ticks; ++t)
+        must(game.advance(world, SmallInputs(SmallGame::script(t)).list));
     must(recorder->close());
     return sink.bytes;
 }
@@ -45,7 +46,7 @@ inline std::vector<std::uint64_t> played_hashes(std::uint64_t ticks) {
     World world = must(game.start());
     std::vector<std::uint64_t> hashes = {world.hash()};
     for (std::uint64_t t = 0; t < ticks; ++t) {
-        game.advance(world, SmallInputs(SmallGame::script(t)).list);
+        must(game.advance(world, SmallInputs(SmallGame::script(t)).list));
         hashes.push_back(world.hash());
     }
     return hashes;

@@ -76,7 +76,9 @@ std::string first_departure(const World& start, std::span<Tasks* const> tasks, i
 inline std::string first_departure(const Game& game, std::span<Tasks* const> tasks, int before, int ticks) {
     ScriptedInputs inputs(game);
     World start = game.start().value();
-    const auto advance = [&](World& world, Tasks*) { game.advance(world, inputs.at(world.tick_count())); };
+    const auto advance = [&](World& world, Tasks*) {
+        scene::done(game.advance(world, inputs.at(world.tick_count())));
+    };
     for (int t = 0; t < before; ++t) advance(start, nullptr);
     return first_departure(start, tasks, ticks, advance);
 }

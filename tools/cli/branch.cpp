@@ -1,6 +1,7 @@
 // lockstone branch
 #include "replay/branch.h"
 #include "cli/input_source.h"
+#include "cli/interrupt.h"
 #include "cli/recording_choice.h"
 #include "cli/text.h"
 
@@ -14,6 +15,7 @@ struct Args {
     std::string file, input, out;
     std::uint64_t at = 0;
     std::optional<std::uint64_t> ticks;
+    LimitChoice limits;
 };
 
 void describe(CLI::App& command, Args& args) {
@@ -24,6 +26,7 @@ void describe(CLI::App& command, Args& args) {
     add_number(command, "--ticks", args.ticks,
                "how many ticks follow; left out: with --input up to the recording's end, else none");
     command.add_option("-o,--output", args.out, "the new recording")->required();
+    describe_limits(command, args.limits);
 }
 
 std::uint64_t ticks_after(const Args& args, const replay::Recording& recording) {
@@ -31,22 +34,24 @@ std::uint64_t ticks_after(const Args& args, const replay::Recording& recording) 
     return args.input.empty() ? 0 : recording.end_tick() - args.at;
 }
 
-Result<World> branch_with_inputs(const Args& args, const Loaded& loaded, replay::Sink& sink) {
+Result<World> branch_with_inputs(const Args& args, const Loaded& loaded, replay::Sink& sink,
+                                 const Interrupt& interrupt) {
     Result<InputSource> source = args.input.empty() ? Result<InputSource>(InputSource::idle(*loaded.game))
                                                     : InputSource::open(*loaded.game, args.input);
     if (!source) return source.error();
     Result<replay::InputBranch> branch = replay::branch_inputs(loaded.recording, *loaded.game, args.at, sink);
     if (!branch) return branch.error();
-    for (std::uint64_t left = ticks_after(args, loaded.recording); left > 0; --left) {
+    for (std::uint64_t left = ticks_after(args, loaded.recording); left > 0 && !interrupt.came(); --left) {
         const std::span<const PlayerInput> inputs = source->at(branch->world.tick_count());
-        loaded.game->advance(branch->world, inputs);
+        if (Status s = loaded.game->advance(branch->world, inputs); !s) return s.error();
         if (Status s = branch->recorder.after_tick(branch->world, inputs); !s) return s.error();
     }
     if (Status s = branch->recorder.close(); !s) return s.error();
     return std::move(branch->world);
 }
 
-Result<World> branch_without_game(const Args& args, const Loaded& loaded, replay::Sink& sink) {
+Result<World> branch_without_game(const Args& args, const Loaded& loaded, replay::Sink& sink,
+                                  const Interrupt& interrupt) {
     if (!args.input.empty())
         return Error{args.file + ": holds commands, not inputs; --input has no place in it"};
     Result<replay::CommandBranch> branch = replay::branch_commands(loaded.recording, args.at, sink);
@@ -54,7 +59,8 @@ Result<World> branch_without_game(const Args& args, const Loaded& loaded, replay
     World world = std::move(branch->world);
     const auto recorder =
         replay::CommandRecorder::resume(std::move(branch->writer), world, replay::keyframe_ticks_default);
-    for (std::uint64_t left = ticks_after(args, loaded.recording); left > 0; --left) world.tick();
+    for (std::uint64_t left = ticks_after(args, loaded.recording); left > 0 && !interrupt.came(); --left)
+        world.tick();
     if (Status s = recorder->close(); !s) return s.error();
     return world;
 }
@@ -62,7 +68,7 @@ Result<World> branch_without_game(const Args& args, const Loaded& loaded, replay
 Result<Exit> branch(const Args& args) {
     for (const std::string& source : {args.file, args.input})
         if (Status s = check_output(args.out, source); !s) return s.error();
-    const Result<Loaded> loaded = load(args.file);
+    const Result<Loaded> loaded = load(args.file, args.limits.limits());
     if (!loaded) return loaded.error();
     const replay::Recording& recording = loaded->recording;
     if (args.at < recording.start_tick() || args.at > recording.end_tick())
@@ -70,12 +76,14 @@ Result<Exit> branch(const Args& args) {
                      std::to_string(recording.end_tick()) + ", not " + std::to_string(args.at)};
     Result<replay::FileSink> sink = replay::FileSink::create(args.out);
     if (!sink) return sink.error();
-    const Result<World> world =
-        loaded->game ? branch_with_inputs(args, *loaded, *sink) : branch_without_game(args, *loaded, *sink);
+    const Interrupt interrupt;
+    const Result<World> world = loaded->game ? branch_with_inputs(args, *loaded, *sink, interrupt)
+                                             : branch_without_game(args, *loaded, *sink, interrupt);
     if (!world) return world.error();
     std::printf("%s: ticks to %llu from %s, to %llu its own, hash %s\n", args.out.c_str(),
                 static_cast<unsigned long long>(args.at), args.file.c_str(),
                 static_cast<unsigned long long>(world->tick_count()), hash_text(world->hash()).c_str());
+    interrupt.follow();
     return Exit::good;
 }
 

@@ -21,6 +21,7 @@ void add_all(CLI::App& app, Work& work) {
     add_verify(app, work);
     add_diff(app, work);
     add_branch(app, work);
+    add_repair(app, work);
     add_synctest(app, work);
     add_match(app, work);
     add_bench(app, work);
@@ -80,6 +81,7 @@ std::unique_ptr<Tasks> tasks_of(std::uint32_t threads) {
 }
 
 int run_command_line(int argc, char** argv) {
+    std::setvbuf(stdout, nullptr, _IOLBF, 1 << 16); // a run that is killed leaves the lines that it printed
     CLI::App app("Runs, records, replays and verifies deterministic worlds.", "lockstone");
     app.require_subcommand(1);
     app.footer("Exit status: 0 good; 1 a check failed; 2 bad usage or bad input.");

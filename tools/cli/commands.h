@@ -30,6 +30,7 @@ void add_replay(CLI::App& app, Work& work); ///< replay, info
 void add_verify(CLI::App& app, Work& work);
 void add_diff(CLI::App& app, Work& work);
 void add_branch(CLI::App& app, Work& work);
+void add_repair(CLI::App& app, Work& work);
 void add_synctest(CLI::App& app, Work& work);
 void add_match(CLI::App& app, Work& work);
 void add_bench(CLI::App& app, Work& work);

@@ -9,15 +9,18 @@ namespace {
 
 struct Args {
     std::string left, right;
+    LimitChoice limits;
 };
 
 void describe(CLI::App& command, Args& args) {
     command.add_option("A", args.left, "a recording (.lsr)")->required();
     command.add_option("B", args.right, "another")->required();
+    describe_limits(command, args.limits);
 }
 
 Result<Exit> compare(const Args& args) {
-    const Result<Loaded> left = load(args.left), right = load(args.right);
+    const Result<Loaded> left = load(args.left, args.limits.half()),
+                         right = load(args.right, args.limits.half());
     if (!left) return left.error();
     if (!right) return right.error();
     const Result<replay::DiffReport> report =

@@ -89,7 +89,7 @@ Result<InputSource> InputSource::open(const Game& game, const std::string& path)
         source.held = std::move(*held);
         return source;
     }
-    Result<replay::Recording> recording = replay::Recording::open(path);
+    Result<replay::Recording> recording = replay::Recording::open(path, replay::OnDamage::recover_cut);
     if (!recording) return recording.error();
     const replay::Header& head = recording->header();
     if (head.mode != replay::Mode::inputs || head.player_count != game.player_count() ||

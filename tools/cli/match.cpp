@@ -100,7 +100,7 @@ void print_summary(const MatchOutcome& match, const Args& args, std::uint64_t se
 }
 
 /// True when the peers agree.
-Result<bool> play_seed(const Args& args, std::uint64_t seed) {
+Result<bool> play_seed(const Args& args, std::uint64_t seed, std::uint64_t ticks_before, Progress& progress) {
     const Result<std::unique_ptr<Game>> game =
         make_scene(args.scene, {.size = 0, .seed = seed, .players = args.peers});
     if (!game) return game.error();
@@ -111,11 +111,13 @@ Result<bool> play_seed(const Args& args, std::uint64_t seed) {
     def.link.latency_ms = args.latency_ms;
     def.link.jitter_ms = args.jitter_ms;
     def.link.loss_permille = args.loss_percent * 10;
-    const Result<MatchOutcome> match = play_match(**game, def);
+    const Result<MatchOutcome> match =
+        play_match(**game, def, [&](std::uint64_t ticks) { progress.at(ticks_before + ticks); });
     if (!match) return match.error();
     if (!args.record_prefix.empty())
         if (Status s = write_recordings(*match, args.record_prefix, seed); !s) return s.error();
     const std::vector<std::string> found = disagreements(*match, **game, seed);
+    progress.wipe();
     for (const std::string& sentence : found) std::printf("%s\n", sentence.c_str());
     if (found.empty()) print_summary(*match, args, seed);
     return found.empty();
@@ -125,12 +127,12 @@ Result<Exit> match(const Args& args) {
     const Result<Seeds> seeds = parse_seeds(args.seeds);
     if (!seeds) return seeds.error();
     Exit exit = Exit::good;
-    Progress progress("matches", seeds->last - seeds->first + 1);
+    const std::uint64_t count = seeds->last - seeds->first + 1;
+    Progress progress("matches", count > ~std::uint64_t{0} / args.ticks ? 0 : count * args.ticks);
     for (std::uint64_t seed = seeds->first; seed <= seeds->last; ++seed) {
-        const Result<bool> agreed = play_seed(args, seed);
+        const Result<bool> agreed = play_seed(args, seed, (seed - seeds->first) * args.ticks, progress);
         if (!agreed) return agreed.error();
         if (!*agreed) exit = Exit::check_failed;
-        progress.at(seed - seeds->first + 1);
     }
     return exit;
 }

@@ -4,6 +4,7 @@
 #include "lockstone/session.h"
 #include "replay/recorder.h"
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -48,6 +49,8 @@ struct MatchOutcome {
 };
 
 /// One peer per player of the game. Errors: the match did not get through in a generous time.
-Result<MatchOutcome> play_match(const Game& game, const MatchDef& def);
+/// `progress` hears how many ticks all have confirmed.
+Result<MatchOutcome> play_match(const Game& game, const MatchDef& def,
+                                const std::function<void(std::uint64_t)>& progress = {});
 
 } // namespace lockstone::cli

@@ -3,6 +3,7 @@
 #include "cli/text.h"
 #include "scenes/scenes.h"
 
+#include <algorithm>
 #include <memory>
 
 namespace lockstone::cli {
@@ -66,10 +67,11 @@ void run_frame(Peer& peer, PeerId self, const Game& game, const MatchDef& def, s
                                   " against " + hash_text(desync->remote));
 }
 
-bool all_confirmed(const std::vector<std::unique_ptr<Peer>>& peers, std::uint64_t ticks) {
-    for (const auto& peer : peers)
-        if (peer->log->hashes.size() < ticks) return false;
-    return true;
+/// By all of them.
+std::uint64_t ticks_confirmed(const std::vector<std::unique_ptr<Peer>>& peers) {
+    std::uint64_t least = ~std::uint64_t{0};
+    for (const auto& peer : peers) least = std::min<std::uint64_t>(least, peer->log->hashes.size());
+    return least;
 }
 
 } // namespace
@@ -89,7 +91,8 @@ Status ConfirmedLog::close() {
     return recorder.close();
 }
 
-Result<MatchOutcome> play_match(const Game& game, const MatchDef& def) {
+Result<MatchOutcome> play_match(const Game& game, const MatchDef& def,
+                                const std::function<void(std::uint64_t)>& progress) {
     SimulatedNetwork network(game.player_count(), def.link, def.seed);
     std::vector<std::unique_ptr<Peer>> peers;
     for (PeerId p = 0; p < game.player_count(); ++p) {
@@ -100,13 +103,14 @@ Result<MatchOutcome> play_match(const Game& game, const MatchDef& def) {
     MatchOutcome out;
     const std::uint64_t rate = peers.front()->world.def().tick_rate;
     const std::uint64_t frames_max = 20 * def.ticks + 60 * rate;
-    for (std::uint64_t frame = 0; !all_confirmed(peers, def.ticks); ++frame) {
+    for (std::uint64_t frame = 0; ticks_confirmed(peers) < def.ticks; ++frame) {
         if (frame == frames_max)
             return Error{"seed " + std::to_string(def.seed) + ": the match is still not through after " +
                          std::to_string(frames_max) + " frames"};
         out.milliseconds = frame * 1000 / rate;
         network.advance_to(out.milliseconds);
         for (PeerId p = 0; p < peers.size(); ++p) run_frame(*peers[p], p, game, def, out.milliseconds, out);
+        if (progress) progress(ticks_confirmed(peers));
     }
     for (auto& peer : peers) {
         if (Status s = peer->log->close(); !s) return s.error();

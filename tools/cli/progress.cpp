@@ -11,8 +11,11 @@ namespace lockstone::cli {
 Progress::Progress(std::string what, std::uint64_t all)
     : label(std::move(what)), total(all), on(isatty(2) == 1) {}
 
-Progress::~Progress() {
+Progress::~Progress() { wipe(); }
+
+void Progress::wipe() {
     if (on && shown != ~std::uint64_t{0}) std::fputs("\r\033[K", stderr);
+    shown = ~std::uint64_t{0};
 }
 
 void Progress::at(std::uint64_t done) {

@@ -14,6 +14,8 @@ class Progress {
     ~Progress(); ///< wipes the line
 
     void at(std::uint64_t done);
+    /// Before a line on stdout; the next at() draws it again.
+    void wipe();
 
   private:
     std::string label;

@@ -1,16 +1,32 @@
 // A recording and the game that plays it.
 #pragma once
 
+#include "cli/commands.h"
 #include "cli/scene_choice.h"
 #include "replay/recording.h"
 
 namespace lockstone::cli {
 
+/// --memory and --commands: what a file from anybody may take.
+struct LimitChoice {
+    std::uint32_t memory_mb = 1024;
+    std::uint32_t commands = replay::Limits{}.commands_per_tick;
+
+    replay::Limits limits() const { return {std::uint64_t{memory_mb} << 20, commands}; }
+    /// The same for each of two recordings that are open at a time.
+    replay::Limits half() const { return {std::uint64_t{memory_mb} << 19, commands}; }
+};
+void describe_limits(CLI::App& command, LimitChoice& choice);
+
 struct Loaded {
     replay::Recording recording;
     std::unique_ptr<Game> game; ///< null in commands mode, which needs none
 };
-/// The error names the file, the place and the reason.
-Result<Loaded> load(const std::string& path);
+/// The error names the file, the place and the reason. A file that ends too early, as after a crash, is opened up to its
+/// last whole chunk, and stderr says what is missing.
+Result<Loaded> load(const std::string& path, const replay::Limits& limits);
+/// The same for those who tell themselves that it is cut.
+Result<Loaded> load_quietly(const std::string& path, const replay::Limits& limits);
+Result<replay::Recording> open_recording(const std::string& path, const replay::Limits& limits);
 
 } // namespace lockstone::cli

@@ -16,6 +16,7 @@ struct ReplayArgs {
     std::string file, hashes;
     std::optional<std::uint64_t> from, to;
     std::uint32_t threads = 1;
+    LimitChoice limits;
 };
 
 void describe(CLI::App& command, ReplayArgs& args) {
@@ -24,6 +25,7 @@ void describe(CLI::App& command, ReplayArgs& args) {
     add_number(command, "--to", args.to, "stop there");
     add_threads(command, args.threads);
     command.add_option("--hashes", args.hashes, "write tick, tab, root hash after that tick");
+    describe_limits(command, args.limits);
 }
 
 struct Range {
@@ -47,7 +49,7 @@ Exit parted(const std::string& file, std::uint64_t tick, const World& world, std
 }
 
 Result<Exit> play(const ReplayArgs& args) {
-    const Result<Loaded> loaded = load(args.file);
+    const Result<Loaded> loaded = load(args.file, args.limits.limits());
     if (!loaded) return loaded.error();
     const Result<Range> range = range_of(args, loaded->recording);
     if (!range) return range.error();
@@ -79,11 +81,13 @@ Result<Exit> play(const ReplayArgs& args) {
 struct InfoArgs {
     std::string file;
     bool json = false;
+    LimitChoice limits;
 };
 
 void describe(CLI::App& command, InfoArgs& args) {
     command.add_option("FILE", args.file, "a recording (.lsr)")->required();
     command.add_flag("--json", args.json, "for programs");
+    describe_limits(command, args.limits);
 }
 
 nlohmann::ordered_json facts_of(const replay::Recording& recording) {
@@ -101,6 +105,7 @@ nlohmann::ordered_json facts_of(const replay::Recording& recording) {
             {"tick_rate", head.tick_rate},
             {"players", head.player_count},
             {"input_size", head.input_size},
+            {"complete", recording.complete()},
             {"start_tick", recording.start_tick()},
             {"ticks", recording.tick_count()},
             {"seconds", static_cast<double>(recording.tick_count()) / head.tick_rate},
@@ -113,7 +118,7 @@ nlohmann::ordered_json facts_of(const replay::Recording& recording) {
 }
 
 Result<Exit> inform(const InfoArgs& args) {
-    const Result<replay::Recording> recording = replay::Recording::open(args.file);
+    const Result<replay::Recording> recording = open_recording(args.file, args.limits.limits());
     if (!recording) return recording.error();
     const nlohmann::ordered_json facts = facts_of(*recording);
     if (args.json) {

@@ -1,5 +1,6 @@
 // lockstone run
 #include "cli/input_source.h"
+#include "cli/interrupt.h"
 #include "cli/progress.h"
 #include "cli/scene_choice.h"
 #include "cli/text.h"
@@ -64,12 +65,17 @@ Status open_outputs(const Args& args, const Started& started, Outputs& out) {
     return {};
 }
 
+/// Of the rules of a scene.
+Error fail_at(std::uint64_t tick, const Error& error) {
+    return {"tick " + std::to_string(tick) + ": the game's rules fail: " + error.message};
+}
+
 Status run_tick(Started& started, InputSource& source, Outputs& out, bool want_hashes) {
     World& world = started.world;
     const std::uint64_t tick = world.tick_count();
     const std::span<const PlayerInput> inputs = source.at(tick);
     const auto before = Clock::now();
-    started.game->advance(world, inputs);
+    if (Status s = started.game->advance(world, inputs); !s) return fail_at(tick, s.error());
     const double took = microseconds_since(before);
     if (out.report) out.report->add_tick(took, world);
     if (want_hashes) out.hashes += std::to_string(tick) + '\t' + hash_text(world.hash()) + '\n';
@@ -102,16 +108,19 @@ Result<Exit> run(const Args& args) {
     if (!source) return source.error();
     Outputs out;
     if (Status s = open_outputs(args, *started, out); !s) return s.error();
+    const Interrupt interrupt;
     {
         Progress progress(args.choice.scene, args.ticks);
-        for (std::uint64_t tick = 0; tick < args.ticks; ++tick) {
+        for (std::uint64_t tick = 0; tick < args.ticks && !interrupt.came(); ++tick) {
             if (Status s = run_tick(*started, *source, out, !args.hashes.empty()); !s) return s.error();
             progress.at(tick + 1);
         }
     }
     if (Status s = close_outputs(args, *started, out); !s) return s.error();
     std::printf("%s: %llu ticks, hash %s\n", started->game->name().c_str(),
-                static_cast<unsigned long long>(args.ticks), hash_text(started->world.hash()).c_str());
+                static_cast<unsigned long long>(started->world.tick_count()),
+                hash_text(started->world.hash()).c_str());
+    interrupt.follow();
     return Exit::good;
 }
 

@@ -33,8 +33,8 @@ class WithPlayer final : public Game {
     std::uint32_t player_count() const override { return std::max(1u, game.player_count()); }
     std::uint32_t input_size() const override { return game.input_size(); }
     Result<World> start() const override { return game.start(); }
-    void advance(World& world, std::span<const PlayerInput> inputs) const override {
-        game.advance(world, inputs.first(game.player_count()));
+    Status advance(World& world, std::span<const PlayerInput> inputs) const override {
+        return game.advance(world, inputs.first(game.player_count()));
     }
 
   private:

@@ -18,6 +18,7 @@ struct Args {
     std::uint32_t jobs = 1, threads = 1;
     std::string shard = "0/1";
     bool json = false;
+    LimitChoice limits;
 };
 
 void describe(CLI::App& command, Args& args) {
@@ -26,6 +27,7 @@ void describe(CLI::App& command, Args& args) {
     add_threads(command, args.threads);
     command.add_option("--shard", args.shard, "I/N: part I, from 0, of N equal parts")->capture_default_str();
     command.add_flag("--json", args.json, "for programs");
+    describe_limits(command, args.limits);
 }
 
 struct Shard {
@@ -83,7 +85,7 @@ replay::VerifyReport verify_file(const std::string& file, const Args& args, Shar
     options.threads = args.threads;
     options.shard = shard.part;
     options.shards = shard.parts;
-    const Result<Loaded> loaded = load(file);
+    const Result<Loaded> loaded = load_quietly(file, args.limits.limits());
     if (loaded) return verify_watched(*loaded, options);
     replay::VerifyReport report;
     report.sentence = loaded.error().message;

@@ -15,28 +15,30 @@ BodyId build_ball(Builder& build, std::uint32_t player, Vec3 position) {
                       {.geometry = sphere(ball_radius), .friction = 0.8_r, .restitution = 0.3_r});
 }
 
-void roll(World& world, BodyId ball, ArenaInput input) {
+void roll(Turn& turn, BodyId ball, ArenaInput input) {
+    World& world = turn.world;
     constexpr Real acceleration = 25_r, drag = 2_r; // [m/s^2], [1/s]: 12.5 m/s at most
     const Vec3 velocity = world.linear_velocity(ball);
     const auto along = [&](std::int8_t move, Real v) {
         return ball_mass * (acceleration * Real(move) / 127_r - drag * v);
     };
-    must(world.add_force(ball, {along(input.move_x, velocity.x), 0_r, along(input.move_z, velocity.z)}));
+    turn.must(world.add_force(ball, {along(input.move_x, velocity.x), 0_r, along(input.move_z, velocity.z)}));
 }
 
-void leap(World& world, BodyId ball) {
+void leap(Turn& turn, BodyId ball) {
     constexpr Real speed = 6_r;
-    must(world.add_impulse(ball, {0_r, ball_mass * speed, 0_r}));
+    turn.must(turn.world.add_impulse(ball, {0_r, ball_mass * speed, 0_r}));
 }
 
-void throw_away(World& world, Vec3 from, BodyId body) {
+void throw_away(Turn& turn, Vec3 from, BodyId body) {
+    World& world = turn.world;
     constexpr Real range = 4_r, speed = 9_r;
     const Vec3 away = world.pose(body).position - from;
     const Real distance = length(away);
     if (distance >= range) return;
     const Real strength = world.mass(body) * speed * (1_r - distance / range);
     const Vec3 direction = to<Real>(normalized(away)) + Vec3{0_r, 0.4_r, 0_r};
-    must(world.add_impulse(body, direction * strength));
+    turn.must(world.add_impulse(body, direction * strength));
 }
 
 ArenaInput wander(std::uint64_t seed, std::uint64_t tick, std::uint32_t player) {
@@ -71,14 +73,23 @@ void BallScene::build_players(Builder& build, Players players) const {
     build.record(column(), players);
 }
 
-void BallScene::play(World& world, std::span<const PlayerInput> inputs) const {
+Status BallScene::check(const World& world) const {
+    StateCheck found(world, "game.players");
+    if (options.players == 0) return {};
+    const Players players = world.read(column());
+    for (std::uint32_t p = 0; p < options.players; ++p) found.dynamic(players.balls[p], "a player's ball");
+    return found.finish();
+}
+
+void BallScene::play(Turn& turn, std::span<const PlayerInput> inputs) const {
     if (inputs.empty()) return;
+    World& world = turn.world;
     const Players before = world.read(column());
     Players players = before;
     for (std::uint32_t p = 0; p < inputs.size(); ++p)
         if (inputs[p].status != InputStatus::disconnected)
-            play_one(world, players, p, decode_input<ArenaInput>(inputs[p]));
-    if (players != before) must(world.write(column(), players));
+            play_one(turn, players, p, decode_input<ArenaInput>(inputs[p]));
+    if (players != before) turn.must(world.write(column(), players));
 }
 
 /// Whether it lies on something, however steep.
@@ -93,29 +104,31 @@ static bool is_at_rest(const World& world, BodyId ball, ArenaInput input) {
     return input.move_x == 0 && input.move_z == 0 && length(world.linear_velocity(ball)) < slow;
 }
 
-void BallScene::play_one(World& world, Players& players, std::uint32_t player, ArenaInput input) const {
+void BallScene::play_one(Turn& turn, Players& players, std::uint32_t player, ArenaInput input) const {
+    World& world = turn.world;
     const auto now = static_cast<std::uint32_t>(world.tick_count());
     const BodyId ball = players.balls[player];
     if (is_out(world.pose(ball).position)) {
-        must(world.set_pose(ball, at(start_of(player))));
-        must(world.set_velocity(ball, {}, {}));
+        turn.must(world.set_pose(ball, at(start_of(player))));
+        turn.must(world.set_velocity(ball, {}, {}));
     }
-    if (!is_at_rest(world, ball, input)) roll(world, ball, input);
+    if (!is_at_rest(world, ball, input)) roll(turn, ball, input);
     if ((input.buttons & arena_jump) != 0 && now >= players.jump_ready[player] && is_grounded(world, ball)) {
-        leap(world, ball);
+        leap(turn, ball);
         players.jump_ready[player] = now + jump_pause;
     }
     if ((input.buttons & arena_push) != 0 && now >= players.push_ready[player]) {
-        push(world, ball);
+        push(turn, ball);
         players.push_ready[player] = now + push_pause;
     }
 }
 
-void BallScene::push(World& world, BodyId ball) const {
+void BallScene::push(Turn& turn, BodyId ball) const {
+    World& world = turn.world;
     const Vec3 from = world.pose(ball).position;
     for (const BodyId body : world.bodies())
         if (body != ball && world.kind(body) == BodyKind::dynamic && is_loose(look_of(world.user_key(body))))
-            throw_away(world, from, body);
+            throw_away(turn, from, body);
 }
 
 } // namespace lockstone::scenes_detail

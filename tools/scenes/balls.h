@@ -14,11 +14,11 @@ inline constexpr Controls ball_controls{"roll", "jump", "push"};
 
 BodyId build_ball(Builder& build, std::uint32_t player, Vec3 position);
 /// Drives a ball along the stick, against a drag that is always there.
-void roll(World& world, BodyId ball, ArenaInput input);
+void roll(Turn& turn, BodyId ball, ArenaInput input);
 /// Upwards, from whatever it lies on.
-void leap(World& world, BodyId ball);
+void leap(Turn& turn, BodyId ball);
 /// Throws a body away from a place, the nearer the harder; nothing when it is beyond 4 m.
-void throw_away(World& world, Vec3 from, BodyId body);
+void throw_away(Turn& turn, Vec3 from, BodyId body);
 /// A script: holds a direction for a third of a second, jumps and pushes now and then.
 ArenaInput wander(std::uint64_t seed, std::uint64_t tick, std::uint32_t player);
 
@@ -39,10 +39,8 @@ class BallScene : public Scene {
     using Scene::Scene;
     std::uint32_t input_size() const override { return options.players == 0 ? 0 : input_size_of<ArenaInput>; }
     Controls controls(std::uint32_t) const override { return ball_controls; }
-    void advance(World& world, std::span<const PlayerInput> inputs) const override {
-        play(world, inputs);
-        world.tick();
-    }
+    /// The balls that players have, and what else may act on `column`.
+    Status check(const World& world) const override;
     void script(std::uint64_t seed, std::uint64_t tick, std::uint32_t player,
                 std::span<std::byte> input) const override;
 
@@ -50,8 +48,7 @@ class BallScene : public Scene {
     void add_players(GameSchema& schema) const;
     /// Those who have no body yet get a ball where they start.
     void build_players(Builder& build, Players players = {}) const;
-    /// Before the tick.
-    void play(World& world, std::span<const PlayerInput> inputs) const;
+    void play(Turn& turn, std::span<const PlayerInput> inputs) const override;
 
     virtual Vec3 start_of(std::uint32_t player) const = 0;
     virtual Column<Players> column() const { return {0}; }
@@ -59,10 +56,10 @@ class BallScene : public Scene {
     virtual bool is_loose(const Look&) const { return true; }
     /// Whether a ball at this place starts again.
     virtual bool is_out(Vec3) const { return false; }
-    virtual void play_one(World& world, Players& players, std::uint32_t player, ArenaInput input) const;
+    virtual void play_one(Turn& turn, Players& players, std::uint32_t player, ArenaInput input) const;
 
   private:
-    void push(World& world, BodyId ball) const;
+    void push(Turn& turn, BodyId ball) const;
 };
 
 } // namespace lockstone::scenes_detail

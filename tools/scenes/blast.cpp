@@ -18,16 +18,15 @@ class Blast final : public Scene {
     }
 
     /// The blast goes from house to house, at its foot, and back to the first.
-    void advance(World& world, std::span<const PlayerInput>) const override {
-        const std::uint64_t tick = world.tick_count();
+    void play(Turn& turn, std::span<const PlayerInput>) const override {
+        const std::uint64_t tick = turn.world.tick_count();
         if (tick % ticks_between == first_tick) {
             const auto house = static_cast<std::uint32_t>(tick / ticks_between % options.size);
-            must(world.explode({.center = center_of(house) + Vec3{0_r, 0.2_r, 0_r},
-                                .radius = 12_r,
-                                .impulse = 3000_r,
-                                .core = 1_r}));
+            turn.must(turn.world.explode({.center = center_of(house) + Vec3{0_r, 0.2_r, 0_r},
+                                          .radius = 12_r,
+                                          .impulse = 3000_r,
+                                          .core = 1_r}));
         }
-        world.tick();
     }
 
   private:

@@ -175,17 +175,18 @@ VehicleInput tank_round(std::uint64_t now) {
     return out;
 }
 
-void set_input(World& world, VehicleId vehicle, const VehicleInput& input) {
-    if (world.vehicle_input(vehicle) != input) must(world.set_vehicle_input(vehicle, input));
+void set_input(Turn& turn, VehicleId vehicle, const VehicleInput& input) {
+    if (turn.world.vehicle_input(vehicle) != input) turn.must(turn.world.set_vehicle_input(vehicle, input));
 }
 
 /// Lifts a car and turns it upright, as it heads.
-void help(World& world, BodyId body) {
+void help(Turn& turn, BodyId body) {
+    World& world = turn.world;
     const Transform pose = world.pose(body);
     const UnitVec3 ahead = to_rotation(pose.rotation).z;
     const Quat upright = from_axis_angle(up, atan2(to<Real>(ahead.x), to<Real>(ahead.z)));
-    must(world.set_pose(body, at(pose.position + Vec3{0_r, 1_r, 0_r}, upright)));
-    must(world.set_velocity(body, {}, {}));
+    turn.must(world.set_pose(body, at(pose.position + Vec3{0_r, 1_r, 0_r}, upright)));
+    turn.must(world.set_velocity(body, {}, {}));
 }
 
 class Cars final : public Scene {
@@ -213,21 +214,29 @@ class Cars final : public Scene {
         return std::move(build).finish();
     }
 
-    void advance(World& world, std::span<const PlayerInput> inputs) const override {
+    void play(Turn& turn, std::span<const PlayerInput> inputs) const override {
+        World& world = turn.world;
         const std::uint64_t now = world.tick_count();
         const Garage before = world.read(garage_column);
         Garage garage = before;
         for (std::uint32_t p = 0; p < inputs.size(); ++p) {
             const bool gone = inputs[p].status == InputStatus::disconnected;
             const ArenaInput input = gone ? ArenaInput{} : decode_input<ArenaInput>(inputs[p]);
-            set_input(world, garage.cars[p], drive(world, garage.bodies[p], input));
+            set_input(turn, garage.cars[p], drive(world, garage.bodies[p], input));
             if ((input.buttons & arena_push) == 0 || now < garage.help_ready[p]) continue;
-            help(world, garage.bodies[p]);
+            help(turn, garage.bodies[p]);
             garage.help_ready[p] = static_cast<std::uint32_t>(now) + help_pause;
         }
-        set_input(world, garage.tank, tank_round(now));
-        if (garage != before) must(world.write(garage_column, garage));
-        world.tick();
+        set_input(turn, garage.tank, tank_round(now));
+        if (garage != before) turn.must(world.write(garage_column, garage));
+    }
+
+    Status check(const World& world) const override {
+        StateCheck found(world, "game.garage");
+        const Garage& garage = world.read(garage_column);
+        for (std::uint32_t p = 0; p < car_count; ++p)
+            found.alive(garage.cars[p], "a car").dynamic(garage.bodies[p], "a car's body");
+        return found.alive(garage.tank, "the tank").finish();
     }
 
     /// Holds a direction for a second, most often at full speed.

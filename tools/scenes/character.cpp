@@ -156,10 +156,11 @@ class CharacterScene final : public Scene {
         return std::move(build).finish();
     }
 
-    void advance(World& world, std::span<const PlayerInput> inputs) const override {
+    void play(Turn& turn, std::span<const PlayerInput> inputs) const override {
+        World& world = turn.world;
         const Cast cast = world.read(cast_column);
         const std::uint64_t now = world.tick_count();
-        if (now % shuttle_ticks == 0) turn_machines(world, cast, now / shuttle_ticks % 2 == 0);
+        if (now % shuttle_ticks == 0) turn_machines(turn, cast, now / shuttle_ticks % 2 == 0);
         for (std::uint32_t p = 0; p < inputs.size(); ++p) {
             CharacterInput wanted{};
             if (inputs[p].status != InputStatus::disconnected) {
@@ -169,9 +170,15 @@ class CharacterScene final : public Scene {
                 wanted.jump = (input.buttons & arena_jump) != 0 ? 1 : 0;
                 wanted.crouch = (input.buttons & arena_push) != 0 ? 1 : 0;
             }
-            must(world.set_character_input(cast.characters[p], wanted));
+            turn.must(world.set_character_input(cast.characters[p], wanted));
         }
-        world.tick();
+    }
+
+    Status check(const World& world) const override {
+        StateCheck found(world, "game.cast");
+        const Cast& cast = world.read(cast_column);
+        for (std::uint32_t p = 0; p < options.players; ++p) found.alive(cast.characters[p], "a character");
+        return found.alive(cast.shuttle, "the shuttle").alive(cast.lift, "the lift").finish();
     }
 
     /// Round and round: the direction turns with time, walls do the rest. Crouched where the tunnel is.
@@ -190,11 +197,12 @@ class CharacterScene final : public Scene {
     }
 
   private:
-    static void turn_machines(World& world, const Cast& cast, bool onwards) {
+    static void turn_machines(Turn& turn, const Cast& cast, bool onwards) {
+        World& world = turn.world;
         const Real sign = onwards ? 1_r : -1_r;
         const Vec3 along = rotate(world.pose(cast.shuttle).rotation, Vec3{0.75_r * sign, 0_r, 0_r});
-        must(world.set_velocity(cast.shuttle, along, {}));
-        must(world.set_velocity(cast.lift, {0_r, 0.475_r * sign, 0_r}, {})); // to 1.9 m
+        turn.must(world.set_velocity(cast.shuttle, along, {}));
+        turn.must(world.set_velocity(cast.lift, {0_r, 0.475_r * sign, 0_r}, {})); // to 1.9 m
     }
 };
 

@@ -198,43 +198,55 @@ void Grid::machines() {
 /// Alternates from one period to the next.
 Real sign_of(std::uint64_t period) { return period % 2 == 0 ? 1_r : -1_r; }
 
-void push_all(World& world, const Cast& cast, std::uint64_t period) {
+void push_all(Turn& turn, const Cast& cast, std::uint64_t period) {
     for (const Station station : {ball_cone, hinge_limits, hinge_spring, hinge_friction, slider_spring, weld,
                                   weld_soft, six_dof_planar, wheel, distance, rope, spring, pulley}) {
-        const Real strength = world.mass(cast.body[station]) * sign_of(period);
-        must(world.add_impulse(cast.body[station], Vec3{2.5_r, 1.5_r, 0.8_r} * strength));
+        const Real strength = turn.world.mass(cast.body[station]) * sign_of(period);
+        turn.must(turn.world.add_impulse(cast.body[station], Vec3{2.5_r, 1.5_r, 0.8_r} * strength));
     }
 }
 
-void turn_back(World& world, JointId joint, JointAxisIndex index) {
-    JointAxis axis = world.joint(joint).axis[index];
-    axis.motor_speed = -axis.motor_speed;
-    must(world.set_joint_axis(joint, index, axis));
+/// A station's own joint, with which the rules cannot do without.
+bool has_joint(Turn& turn, JointId joint) {
+    const bool lives = turn.world.is_alive(joint);
+    if (!lives) turn.must(Error{"a joint of the grid is broken that should hold"});
+    return lives;
 }
 
-void move_targets(World& world, const Cast& cast, std::uint64_t period) {
+void turn_back(Turn& turn, JointId joint, JointAxisIndex index) {
+    if (!has_joint(turn, joint)) return;
+    World& world = turn.world;
+    JointAxis axis = world.joint(joint).axis[index];
+    axis.motor_speed = -axis.motor_speed;
+    turn.must(world.set_joint_axis(joint, index, axis));
+}
+
+void move_targets(Turn& turn, const Cast& cast, std::uint64_t period) {
+    if (!has_joint(turn, cast.joint[motor])) return;
+    World& world = turn.world;
     for (const JointAxisIndex index : {along_y, about_y}) {
         JointAxis axis = world.joint(cast.joint[motor]).axis[index];
         axis.target = 0.7_r * sign_of(period);
-        must(world.set_joint_axis(cast.joint[motor], index, axis));
+        turn.must(world.set_joint_axis(cast.joint[motor], index, axis));
     }
     const Real angle = half_pi * Real(period % 4);
     const Vec3 to = place_of(mouse) + Vec3{cos(angle), sin(angle), 0_r};
-    must(world.set_joint_frames(cast.joint[mouse], at(to), Transform::identity()));
+    turn.must(world.set_joint_frames(cast.joint[mouse], at(to), Transform::identity()));
 }
 
 /// A blow breaks it; later it is put together again.
-void break_and_mend(World& world, Cast& cast, std::uint64_t now) {
+void break_and_mend(Turn& turn, Cast& cast, std::uint64_t now) {
+    World& world = turn.world;
     const BodyId bar = cast.body[breaking];
     if (now % break_period == break_period / 2)
-        must(world.add_impulse(bar, {0_r, -3_r * world.mass(bar), 0_r}));
+        turn.must(world.add_impulse(bar, {0_r, -3_r * world.mass(bar), 0_r}));
     if (now % break_period != 0 || world.is_alive(cast.joint[breaking])) return;
-    must(world.set_pose(bar, at(place_of(breaking) + beside)));
-    must(world.set_velocity(bar, {}, {}));
+    turn.must(world.set_pose(bar, at(place_of(breaking) + beside)));
+    turn.must(world.set_velocity(bar, {}, {}));
     const Result<JointId> joint = world.create_joint(brittle_weld(), BodyId{}, bar, at(place_of(breaking)));
-    must(joint ? Status() : Status(joint.error()));
+    if (!joint) return turn.must(joint.error());
     cast.joint[breaking] = *joint;
-    must(world.write(cast_record, cast));
+    turn.must(world.write(cast_record, cast));
 }
 
 class JointGrid final : public BallScene {
@@ -261,17 +273,26 @@ class JointGrid final : public BallScene {
         return std::move(build).finish();
     }
 
-    void advance(World& world, std::span<const PlayerInput> inputs) const override {
+    Status check(const World& world) const override {
+        StateCheck found(world, "game.cast");
+        for (const BodyId body : world.read(cast_record).body) found.dynamic(body, "a station's body");
+        if (Status s = found.finish(); !s) return s;
+        return BallScene::check(world);
+    }
+
+  protected:
+    void play(Turn& turn, std::span<const PlayerInput> inputs) const override {
+        World& world = turn.world;
         const std::uint64_t now = world.tick_count(), period = now / push_period;
         Cast cast = world.read(cast_record);
         if (now % push_period == 0) {
-            push_all(world, cast, period);
-            move_targets(world, cast, period);
-            if (period != 0) turn_back(world, cast.joint[slider_motor], along_x);
-            if (period != 0) turn_back(world, cast.joint[rack], about_x);
+            push_all(turn, cast, period);
+            move_targets(turn, cast, period);
+            if (period != 0) turn_back(turn, cast.joint[slider_motor], along_x);
+            if (period != 0) turn_back(turn, cast.joint[rack], about_x);
         }
-        break_and_mend(world, cast, now);
-        BallScene::advance(world, inputs);
+        break_and_mend(turn, cast, now);
+        BallScene::play(turn, inputs);
     }
 
   private:

@@ -107,18 +107,19 @@ void build_machines(Builder& build) {
 bool within(Vec3 a, Vec3 b, Real limit) { return length_squared(a - b) < limit * limit; }
 
 /// From the floor alone.
-void jump(World& world, BodyId ball) {
+void jump(Turn& turn, BodyId ball) {
     constexpr Real floor_gap = 0.1_r;
-    if (world.pose(ball).position.y <= ball_radius + floor_gap) leap(world, ball);
+    if (turn.world.pose(ball).position.y <= ball_radius + floor_gap) leap(turn, ball);
 }
 
 /// Throws the props around the ball away from it.
-void push(World& world, const Cast& cast, BodyId ball) {
-    const Vec3 from = world.pose(ball).position;
-    for (const BodyId prop : cast.props) throw_away(world, from, prop);
+void push(Turn& turn, const Cast& cast, BodyId ball) {
+    const Vec3 from = turn.world.pose(ball).position;
+    for (const BodyId prop : cast.props) throw_away(turn, from, prop);
 }
 
-void capture(World& world, const Cast& cast, Match& match, std::uint32_t player) {
+void capture(Turn& turn, const Cast& cast, Match& match, std::uint32_t player) {
+    World& world = turn.world;
     const Vec3 at_ball = world.pose(cast.balls[player]).position;
     for (const BodyId prop : cast.props) {
         const Claim claim = world.read(columns.claim, prop);
@@ -126,7 +127,7 @@ void capture(World& world, const Cast& cast, Match& match, std::uint32_t player)
             continue;
         if (claim.owner != 0) --match.score[claim.owner - 1];
         ++match.score[player];
-        must(world.write(columns.claim, prop, Claim{player + 1, claim.changes + 1}));
+        turn.must(world.write(columns.claim, prop, Claim{player + 1, claim.changes + 1}));
     }
 }
 
@@ -139,10 +140,11 @@ void tag(const World& world, const Cast& cast, Match& match, std::uint32_t playe
     match.tag_ready = now + tag_pause;
 }
 
-void geyser(World& world, const Cast& cast, Match& match) {
+void geyser(Turn& turn, const Cast& cast, Match& match) {
+    World& world = turn.world;
     const BodyId prop = cast.props[match.random.below(prop_count)];
     const Real speed = match.random.range(5_r, 9_r);
-    must(world.add_impulse(prop, {0_r, world.mass(prop) * speed, 0_r}));
+    turn.must(world.add_impulse(prop, {0_r, world.mass(prop) * speed, 0_r}));
 }
 
 class RollbackArena final : public Scene {
@@ -171,18 +173,30 @@ class RollbackArena final : public Scene {
         return std::move(build).finish();
     }
 
-    void advance(World& world, std::span<const PlayerInput> inputs) const override {
+    void play(Turn& turn, std::span<const PlayerInput> inputs) const override {
+        World& world = turn.world;
         const auto now = static_cast<std::uint32_t>(world.tick_count());
         const Cast cast = world.read(columns.cast);
         const Match before = world.read(columns.match);
         Match match = before;
         for (std::uint32_t p = 0; p < inputs.size(); ++p) {
             if (inputs[p].status == InputStatus::disconnected) continue;
-            play(world, cast, match, p, decode_input<ArenaInput>(inputs[p]), now);
+            play_one(turn, cast, match, p, decode_input<ArenaInput>(inputs[p]), now);
         }
-        if (now % geyser_period == geyser_period - 1) geyser(world, cast, match);
-        if (match != before) must(world.write(columns.match, match));
-        world.tick();
+        if (now % geyser_period == geyser_period - 1) geyser(turn, cast, match);
+        if (match != before) turn.must(world.write(columns.match, match));
+    }
+
+    Status check(const World& world) const override {
+        StateCheck found(world, "game.cast, game.match or game.claim");
+        const Cast& cast = world.read(columns.cast);
+        const Match& match = world.read(columns.match);
+        for (const BodyId ball : cast.balls) found.dynamic(ball, "a ball");
+        for (const BodyId prop : cast.props) found.dynamic(prop, "a prop");
+        found.holds(match.it < ball_count, "it", "is no player");
+        for (const BodyId body : world.bodies())
+            found.holds(world.read(columns.claim, body).owner <= ball_count, "owner", "is no player");
+        return found.finish();
     }
 
     void script(std::uint64_t seed, std::uint64_t tick, std::uint32_t player,
@@ -192,20 +206,20 @@ class RollbackArena final : public Scene {
     }
 
   private:
-    static void play(World& world, const Cast& cast, Match& match, std::uint32_t p, ArenaInput input,
-                     std::uint32_t now) {
+    static void play_one(Turn& turn, const Cast& cast, Match& match, std::uint32_t p, ArenaInput input,
+                         std::uint32_t now) {
         const BodyId ball = cast.balls[p];
-        roll(world, ball, input);
+        roll(turn, ball, input);
         if ((input.buttons & arena_jump) != 0 && now >= match.jump_ready[p]) {
-            jump(world, ball);
+            jump(turn, ball);
             match.jump_ready[p] = now + jump_pause;
         }
         if ((input.buttons & arena_push) != 0 && now >= match.push_ready[p]) {
-            push(world, cast, ball);
+            push(turn, cast, ball);
             match.push_ready[p] = now + push_pause;
         }
-        capture(world, cast, match, p);
-        tag(world, cast, match, p, now);
+        capture(turn, cast, match, p);
+        tag(turn.world, cast, match, p, now);
     }
 };
 

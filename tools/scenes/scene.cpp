@@ -1,8 +1,5 @@
 #include "scenes/scene.h"
 
-#include <cstdio>
-#include <cstdlib>
-
 namespace lockstone::scenes_detail {
 
 Scene::Scene(const SceneInfo& about, const SceneOptions& chosen, std::uint32_t version)
@@ -103,10 +100,10 @@ WorldDef world_for(std::uint32_t dynamic_bodies, std::uint64_t seed) {
     return def;
 }
 
-void must(const Status& status) {
-    if (status) return;
-    std::fprintf(stderr, "a scene's own command failed: %s\n", status.error().message.c_str());
-    std::abort();
+StateCheck& StateCheck::holds(bool condition, std::string_view what, std::string_view why) {
+    if (!condition && status)
+        status = Error{"column " + std::string(where) + ": " + std::string(what) + " " + std::string(why)};
+    return *this;
 }
 
 Transform at(Vec3 position) { return {position, Quat::identity()}; }

@@ -6,6 +6,48 @@
 
 namespace lockstone::scenes_detail {
 
+/// What the rules of a scene do to the world in one tick. The first command that fails is kept and ends the tick's run; what
+/// the rules do after it is no longer of use.
+class Turn {
+  public:
+    explicit Turn(World& played) : world(played) {}
+    World& world;
+    void must(const Status& done) {
+        if (status) status = done;
+    }
+    /// The tick, unless a command has failed.
+    Status finish() {
+        if (status) world.tick();
+        return status;
+    }
+
+  private:
+    Status status;
+};
+
+/// What a scene's check of a loaded state finds; the first sentence stays.
+class StateCheck {
+  public:
+    explicit StateCheck(const World& checked, std::string_view column) : world(checked), where(column) {}
+    /// `what` names the field; an id of something that lives.
+    template <class Id> StateCheck& alive(Id id, std::string_view what) {
+        return holds(world.is_alive(id), what, "names nothing that lives");
+    }
+    /// A body that lives and that forces move.
+    StateCheck& dynamic(BodyId id, std::string_view what) {
+        alive(id, what);
+        return holds(!world.is_alive(id) || world.kind(id) == BodyKind::dynamic, what,
+                     "names a body that no force moves");
+    }
+    StateCheck& holds(bool condition, std::string_view what, std::string_view why);
+    Status finish() const { return status; }
+
+  private:
+    const World& world;
+    std::string_view where;
+    Status status;
+};
+
 /// A scene with its options filled in. Scenes without players need `start` alone.
 class Scene : public Game {
   public:
@@ -15,7 +57,11 @@ class Scene : public Game {
     std::uint64_t content_id() const override; ///< of the name, the options and the version of the rules
     std::uint32_t player_count() const override { return options.players; }
     std::uint32_t input_size() const override { return 0; }
-    void advance(World& world, std::span<const PlayerInput>) const override { world.tick(); }
+    Status advance(World& world, std::span<const PlayerInput> inputs) const final {
+        Turn turn(world);
+        play(turn, inputs);
+        return turn.finish();
+    }
 
     /// See controls_of; only for players that there are.
     virtual Controls controls(std::uint32_t) const { return {}; }
@@ -24,6 +70,9 @@ class Scene : public Game {
                         std::span<std::byte> input) const;
 
   protected:
+    /// The commands before the tick.
+    virtual void play(Turn&, std::span<const PlayerInput>) const {}
+
     const SceneInfo& info;
     const SceneOptions options; ///< nothing is left at "the scene's own"
     const std::uint32_t rules_version;
@@ -75,9 +124,6 @@ class Builder {
 
 /// A world that holds `dynamic_bodies` bodies of one shape, the scenery, and their contacts.
 WorldDef world_for(std::uint32_t dynamic_bodies, std::uint64_t seed);
-
-/// For commands that cannot fail in a scene that is right: ends the program with the command's sentence.
-void must(const Status& status);
 
 /// Placed upright at a point.
 Transform at(Vec3 position);

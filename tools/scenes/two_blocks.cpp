@@ -34,13 +34,21 @@ class TwoBlocks final : public Scene {
         return std::move(build).finish();
     }
 
-    void advance(World& world, std::span<const PlayerInput>) const override {
+    Status check(const World& world) const override {
+        const Cast& blocks = world.read(Column<Cast>{0});
+        return StateCheck(world, "game.cast")
+            .alive(blocks.first, "first")
+            .alive(blocks.second, "second")
+            .finish();
+    }
+
+    void play(Turn& turn, std::span<const PlayerInput>) const override {
+        World& world = turn.world;
         if (world.tick_count() < push_ticks) {
-            const Cast& blocks = world.read(Column<Cast>{0});
-            must(world.add_force(blocks.first, {40_r, 0_r, 0_r}, {1_r, 0_r, -6_r}));
-            must(world.add_force(blocks.second, {-30_r, -40_r, 0_r}, {-2_r, 1_r, 4_r}));
+            const Cast blocks = world.read(Column<Cast>{0});
+            turn.must(world.add_force(blocks.first, {40_r, 0_r, 0_r}, {1_r, 0_r, -6_r}));
+            turn.must(world.add_force(blocks.second, {-30_r, -40_r, 0_r}, {-2_r, 1_r, 4_r}));
         }
-        world.tick();
     }
 };
 

@@ -22,7 +22,8 @@ struct Reach {
 };
 
 /// Pulls along the stick with at most a quarter of the ball's weight, so that it has to be swung up.
-void pull(World& world, BodyId ball, ArenaInput input, const Reach& reach) {
+void pull(Turn& turn, BodyId ball, ArenaInput input, const Reach& reach) {
+    World& world = turn.world;
     constexpr Real acceleration = 2.5_r, gravity = 9.81_r; // [m/s^2]
     const Vec3 position = world.pose(ball).position, velocity = world.linear_velocity(ball);
     Vec3 wish{acceleration * Real(input.move_x) / 127_r, 0_r, acceleration * Real(input.move_z) / 127_r};
@@ -32,15 +33,16 @@ void pull(World& world, BodyId ball, ArenaInput input, const Reach& reach) {
     if (wish.x * velocity.x > 0_r && position.y + rise > reach.height) wish.x = 0_r;
     if (wish.z * velocity.z > 0_r && position.z * position.z + drift * drift > reach.aside * reach.aside)
         wish.z = 0_r;
-    must(world.add_force(ball, wish * load_mass));
+    turn.must(world.add_force(ball, wish * load_mass));
 }
 
 /// Against the way it goes, with at most a quarter of its weight.
-void slow_down(World& world, BodyId ball) {
+void slow_down(Turn& turn, BodyId ball) {
+    World& world = turn.world;
     constexpr Real rate = 2_r, most = 2.5_r; // [1/s], [m/s^2]
     const Vec3 velocity = world.linear_velocity(ball);
     const auto along = [&](Real v) { return load_mass * clamp(-rate * v, -most, most); };
-    must(world.add_force(ball, {along(velocity.x), 0_r, along(velocity.z)}));
+    turn.must(world.add_force(ball, {along(velocity.x), 0_r, along(velocity.z)}));
 }
 
 /// Where the i-th box of the wall stands: every other row is shifted by half a box.
@@ -51,12 +53,13 @@ Transform place_of_box(std::uint32_t i) {
     return at({1.6_r, box_size * (Real(row) + 0.5_r), z});
 }
 
-void build_wall_anew(World& world) {
+void build_wall_anew(Turn& turn) {
+    World& world = turn.world;
     for (const BodyId body : world.bodies()) {
         const Look look = look_of(world.user_key(body));
         if (look.role != Role::prop) continue;
-        must(world.set_pose(body, place_of_box(look.number)));
-        must(world.set_velocity(body, {}, {}));
+        turn.must(world.set_pose(body, place_of_box(look.number)));
+        turn.must(world.set_velocity(body, {}, {}));
     }
 }
 
@@ -97,13 +100,13 @@ class WreckingBall final : public BallScene {
     bool is_loose(const Look& look) const override {
         return look.role == Role::prop || (look.role == Role::player && look.number != 0);
     }
-    void play_one(World& world, Players& players, std::uint32_t player, ArenaInput input) const override {
-        if (player != 0) return BallScene::play_one(world, players, player, input);
-        const auto now = static_cast<std::uint32_t>(world.tick_count());
-        if (input.move_x != 0 || input.move_z != 0) pull(world, players.balls[0], input, reach());
-        if ((input.buttons & arena_jump) != 0) slow_down(world, players.balls[0]);
+    void play_one(Turn& turn, Players& players, std::uint32_t player, ArenaInput input) const override {
+        if (player != 0) return BallScene::play_one(turn, players, player, input);
+        const auto now = static_cast<std::uint32_t>(turn.world.tick_count());
+        if (input.move_x != 0 || input.move_z != 0) pull(turn, players.balls[0], input, reach());
+        if ((input.buttons & arena_jump) != 0) slow_down(turn, players.balls[0]);
         if ((input.buttons & arena_push) == 0 || now < players.push_ready[0]) return;
-        build_wall_anew(world);
+        build_wall_anew(turn);
         players.push_ready[0] = now + build_pause;
     }
 

@@ -27,6 +27,8 @@ constexpr std::int32_t leaving_speed = decimal<Speed>("0.25").raw;
 constexpr std::int64_t least_response = std::int64_t{1} << (response_bits - 2);
 
 std::int64_t rounded(std::int64_t x, int shift) { return shift_right_rounded(x, shift); }
+/// To nearest; d is positive. Towards zero, friction would give way a little in every tick.
+std::int64_t divide_rounded(std::int64_t n, std::int64_t d) { return (n + (n < 0 ? -d : d) / 2) / d; }
 std::int32_t low(std::int64_t x) { return static_cast<std::int32_t>(x); }
 
 /// The share of each body in the pair's inverse mass, alpha + beta = 1; 0 for what impulses do not move.
@@ -38,7 +40,8 @@ Shares shares_of(const PrepareInput& in, const Contact& c) {
     const bool a = in.bodies.step[c.body_a].movable, b = in.bodies.step[c.body_b].movable;
     if (!a || !b) return {a ? unit : 0, b ? unit : 0};
     const std::int64_t ma = in.mass[c.body_a].mass.raw, mb = in.mass[c.body_b].mass.raw;
-    if (ma == mb) return {unit / 2, unit / 2};
+    // A hair above one half: half of an odd impulse would be rounded upwards whatever its sign, and resting boxes creep.
+    if (ma == mb) return {unit / 2 + 1, unit / 2 + 1};
     // alpha = mA^-1 / (mA^-1 + mB^-1) = mB / (mA + mB); both below 2^62.
     const int drop = std::max(static_cast<int>(std::bit_width(static_cast<std::uint64_t>(ma + mb))) - 33, 0);
     const std::int64_t alpha = ((mb >> drop) << unit_bits) / ((ma + mb) >> drop);
@@ -60,34 +63,39 @@ std::int64_t dot(const Raw3& x, const Raw3& y) {
 /// K^-1 times vectors of Length format, to row_bits.
 class Turner {
   public:
-    explicit Turner(const BodyStep& body) : m(body.inv_mantissa), mask(body.angular_mask), moves(body.moves) {
-        shift = body.inv_exponent + Length::fraction_bits - row_bits;
+    explicit Turner(const BodyStep& body)
+        : m(body.inv_mantissa), moves(body.moves), masked(body.angular_mask != 7u),
+          shift(std::clamp(body.inv_exponent + Length::fraction_bits - row_bits, 1, 62)),
+          half(std::int64_t{1} << (shift - 1)) {
+        for (int i = 0; i < 3; ++i) mask[i] = (body.angular_mask >> i) & 1u ? -1 : 0;
     }
-    /// Mantissas are below 2^30.
+    /// Mantissas are below 2^30, so sums stay below 2^63.
     void row(const Raw3& c, std::int64_t sign, std::int32_t (&out)[3]) const {
-        if (!moves) {
-            out[0] = out[1] = out[2] = 0;
-            return;
-        }
-        const auto part = [&](std::size_t i) {
-            return (mask >> i) & 1u ? std::int64_t{saturate_to_int32(c[i])} : 0;
-        };
-        const std::int64_t x = part(0), y = part(1), z = part(2);
-        const std::int64_t sums[3] = {m.xx * x + m.xy * y + m.xz * z, m.xy * x + m.yy * y + m.yz * z,
-                                      m.xz * x + m.yz * y + m.zz * z};
-        for (int i = 0; i < 3; ++i) {
-            const std::int64_t v = shift > 0 && shift < 63 ? rounded(sums[i], shift)
-                                   : shift >= 63           ? 0
-                                                           : shift_left_saturated(sums[i], std::min(-shift, 63));
-            out[i] = low(sign * std::clamp(v, -row_limit, row_limit));
-        }
+        out[0] = out[1] = out[2] = 0;
+        if (!moves) return;
+        Raw3 r = c;
+        if (masked || !fits(c, 0x7fffffff))
+            for (std::size_t i = 0; i < 3; ++i) r[i] = saturate_to_int32(c[i]) & mask[i];
+        Raw3 v = {(m.xx * r[0] + m.xy * r[1] + m.xz * r[2] + half) >> shift,
+                  (m.xy * r[0] + m.yy * r[1] + m.yz * r[2] + half) >> shift,
+                  (m.xz * r[0] + m.yz * r[1] + m.zz * r[2] + half) >> shift};
+        if (!fits(v, row_limit))
+            for (std::int64_t& x : v) x = std::clamp(x, -row_limit, row_limit);
+        for (std::size_t i = 0; i < 3; ++i) out[i] = low(sign * v[i]);
     }
 
   private:
+    static bool fits(const Raw3& x, std::int64_t limit) {
+        const auto over = [&](std::int64_t v) { return static_cast<std::uint64_t>(v + limit); };
+        const std::uint64_t range = static_cast<std::uint64_t>(2 * limit);
+        return (over(x[0]) <= range) & (over(x[1]) <= range) & (over(x[2]) <= range);
+    }
+
     const dynamics::Symmetric<std::int32_t>& m;
-    std::uint32_t mask;
+    std::int64_t mask[3];
+    bool moves, masked;
     int shift;
-    bool moves;
+    std::int64_t half;
 };
 
 /// Three rows of a pair of bodies. Only the first `lines` have a linear part.
@@ -97,19 +105,29 @@ struct Rows {
     int lines;
 };
 
-/// Rows times the pair's inverse mass times rows: response_bits, below 52.
-void respond(const Rows& rows, const SolverBody& a, const SolverBody& b, Shares shares, std::int64_t (&out)[6]) {
-    constexpr int part_bits = response_bits;
+std::int64_t product(const std::int32_t (&x)[3], const std::int32_t (&y)[3]) {
+    return std::int64_t{x[0]} * y[0] + std::int64_t{x[1]} * y[1] + std::int64_t{x[2]} * y[2];
+}
+/// The same over the axes along which a body may move.
+std::int64_t product(const std::int32_t (&x)[3], const std::int32_t (&y)[3], const std::int64_t (&keep)[3]) {
+    std::int64_t sum = 0;
+    for (int i = 0; i < 3; ++i) sum += (std::int64_t{x[i]} * y[i]) & keep[i];
+    return sum;
+}
+
+/// Rows times the pair's inverse mass times rows: response_bits, below 52. `locked`: an axis of one of the bodies is.
+void respond(const Rows& rows, const SolverBody& a, const SolverBody& b, bool locked, Shares shares,
+             std::int64_t (&out)[6]) {
+    constexpr int drop = 2 * row_bits - response_bits;
     int at = 0;
     for (int r = 0; r < 3; ++r)
         for (int s = 0; s <= r; ++s) {
-            std::int64_t qa = 0, qb = 0; // below 52 2^56
-            for (int i = 0; i < 3; ++i) {
-                const std::int64_t d = r < rows.lines ? std::int64_t{rows.d[r][i]} * rows.d[s][i] : 0;
-                qa += (d & a.keep[i]) + std::int64_t{rows.xa[r][i]} * rows.xa[s][i];
-                qb += (d & b.keep[i]) + std::int64_t{rows.xb[r][i]} * rows.xb[s][i];
+            std::int64_t qa = product(rows.xa[r], rows.xa[s]), qb = product(rows.xb[r], rows.xb[s]); // below 52 2^56
+            if (r < rows.lines) {
+                const std::int64_t line = locked ? 0 : product(rows.d[r], rows.d[s]);
+                qa += locked ? product(rows.d[r], rows.d[s], a.keep) : line;
+                qb += locked ? product(rows.d[r], rows.d[s], b.keep) : line;
             }
-            const int drop = 2 * row_bits - part_bits;
             out[at++] = rounded((qa >> drop) * shares.a + (qb >> drop) * shares.b, unit_bits);
         }
 }
@@ -294,7 +312,7 @@ void fill_impulses(ContactPack<N>& pack, unsigned lane, const Contact& contact, 
     pack.slide[0][lane] = within(memory.tangent_1.raw);
     pack.slide[1][lane] = within(memory.tangent_2.raw);
     if (l.size > 0)
-        pack.slide[2][lane] = within((std::int64_t{memory.twist.raw} << speed_bits) / l.size);
+        pack.slide[2][lane] = within(divide_rounded(std::int64_t{memory.twist.raw} << speed_bits, l.size));
 }
 
 template <unsigned N, std::size_t R>
@@ -442,7 +460,7 @@ void fill_lane(ContactPack<N>& pack, unsigned lane, const Contact& contact, cons
     put<N>(pack.slide_a, lane, slide.xa), put<N>(pack.slide_b, lane, slide.xb);
     std::int64_t s[6];
     std::int32_t inverse[6];
-    respond(normal, a, b, shares, s);
+    respond(normal, a, b, pack.locked != 0, shares, s);
     for (int i = 0; i < 6; ++i) pack.response[i][lane] = low(s[i]);
     const std::int64_t answer = fill_points(pack, lane, contact, l, s);
     fill_impulses(pack, lane, contact, memory, l, normal, a, b);
@@ -453,7 +471,7 @@ void fill_lane(ContactPack<N>& pack, unsigned lane, const Contact& contact, cons
     invert3(s, inverse);
     for (int i = 0; i < 6; ++i) pack.inverse[i][lane] = inverse[i];
     fill_softness(pack, lane, s, gram, answer, soft);
-    respond(slide, a, b, shares, s);
+    respond(slide, a, b, pack.locked != 0, shares, s);
     invert3(s, inverse);
     for (int i = 0; i < 6; ++i) pack.slide_inverse[i][lane] = inverse[i];
 }
@@ -501,7 +519,7 @@ void fill_rolling(Rolling& rolling, const Contact& contact, const PrepareInput& 
         ta.row(axis, -1, rows.xa[r]), tb.row(axis, 1, rows.xb[r]);
     }
     std::int64_t s[6];
-    respond(rows, in.bodies.body[contact.body_a], in.bodies.body[contact.body_b], shares, s);
+    respond(rows, in.bodies.body[contact.body_a], in.bodies.body[contact.body_b], true, shares, s);
     const std::int32_t warm[3] = {in.memory[contact.memory].rolling.x.raw, in.memory[contact.memory].rolling.y.raw,
                                   in.memory[contact.memory].rolling.z.raw};
     constexpr int diagonal[3] = {0, 2, 5};

@@ -2,19 +2,21 @@
 //
 // Contacts as its manual recommends: friction in proportion to the normal force (dContactApprox1), a surface layer of
 // 1 mm against jitter. Capsules and cylinders lie along z there and are turned.
-#include "quality/scene.h"
+#include "engines/scene.h"
 
+#ifdef LOCKSTONE_ODE
 #include <ode/ode.h>
 
 #include <array>
+#include <deque>
 
-namespace quality {
+namespace engines {
 
 namespace {
 
 /// The library is started once for the program.
 struct Library {
-    Library() { dInitODE2(0); }
+    Library() { dInitODE2(0), dAllocateODEDataForThread(dAllocateMaskAll); }
     ~Library() { dCloseODE(); }
 };
 
@@ -22,6 +24,13 @@ struct Library {
 struct Convex {
     std::vector<dReal> planes, points;
     std::vector<unsigned> polygons;
+};
+
+/// What a triangle mesh reads for as long as it lives.
+struct Mesh {
+    std::vector<double> points;
+    std::vector<dTriIndex> corners;
+    dTriMeshDataID data;
 };
 
 Convex convex_of(const Shape& hull) {
@@ -49,13 +58,13 @@ class Ode final : public Engine {
         dWorldSetContactSurfaceLayer(world, 0.001);
         dWorldSetAutoDisableFlag(world, s.sleeping);
         if (c.iterations != 0) dWorldSetQuickStepNumIterations(world, c.iterations);
-        convex.reserve(scene.bodies.size());
         for (const Body& body : scene.bodies) add(body);
         for (const Joint& joint : scene.joints) join(joint);
     }
     ~Ode() override {
         dJointGroupDestroy(contacts);
         dSpaceDestroy(space);
+        for (const Mesh& mesh : meshes) dGeomTriMeshDataDestroy(mesh.data);
         dWorldDestroy(world);
     }
 
@@ -68,6 +77,12 @@ class Ode final : public Engine {
         const dReal *p = dBodyGetPosition(b), *v = dBodyGetLinearVel(b), *w = dBodyGetAngularVel(b);
         const dReal* q = dBodyGetQuaternion(b);
         return {{p[0], p[1], p[2]}, {v[0], v[1], v[2]}, {w[0], w[1], w[2]}, {q[1], q[2], q[3], q[0]}};
+    }
+
+    void kick(int body, V3 change) override {
+        const dBodyID b = bodies[static_cast<std::size_t>(body)];
+        const dReal* v = dBodyGetLinearVel(b);
+        dBodySetLinearVel(b, v[0] + change.x, v[1] + change.y, v[2] + change.z);
     }
 
   private:
@@ -142,44 +157,77 @@ class Ode final : public Engine {
                                  c.points.data(), static_cast<unsigned>(c.points.size() / 3),
                                  c.polygons.data());
         }
+        case Kind::mesh:
+            return mesh_of(shape);
         case Kind::plane:
             break;
         }
         return nullptr;
     }
 
+    dGeomID mesh_of(const Shape& shape) {
+        Mesh& mesh = meshes.emplace_back();
+        for (V3 p : shape.points) mesh.points.insert(mesh.points.end(), {p.x, p.y, p.z});
+        for (const std::vector<int>& face : shape.faces)
+            for (int corner : face) mesh.corners.push_back(static_cast<dTriIndex>(corner));
+        mesh.data = dGeomTriMeshDataCreate();
+        dGeomTriMeshDataBuildDouble(mesh.data, mesh.points.data(), 3 * sizeof(double),
+                                    static_cast<int>(shape.points.size()), mesh.corners.data(),
+                                    static_cast<int>(mesh.corners.size()), 3 * sizeof(dTriIndex));
+        return dCreateTriMesh(space, mesh.data, nullptr, nullptr, nullptr);
+    }
+
     void add(const Body& body) {
-        dGeomID geometry;
-        if (body.shape.kind == Kind::plane) {
-            const V3 n = rotate(body.rotation, {0, 1, 0});
-            geometry = dCreatePlane(space, n.x, n.y, n.z, dot(n, body.position));
-        } else {
-            geometry = geometry_of(body.shape);
-        }
-        dGeomSetData(geometry, reinterpret_cast<void*>(bodies.size()));
-        const dQuaternion q = {body.rotation.w, body.rotation.x, body.rotation.y, body.rotation.z};
         dBodyID b = nullptr;
-        if (body.mass != 0) {
+        if (body.mass != 0 || body.moves) {
             b = dBodyCreate(world);
-            dMass mass;
-            const V3 inertia = solid_of(body.shape).inertia * body.mass;
-            dMassSetParameters(&mass, body.mass, 0, 0, 0, inertia.x, inertia.y, inertia.z, 0, 0, 0);
-            dBodySetMass(b, &mass);
+            if (body.moves) dBodySetKinematic(b);
+            if (body.mass != 0) set_mass(b, body);
             dBodySetPosition(b, body.position.x, body.position.y, body.position.z);
-            dBodySetQuaternion(b, q);
+            const Turn q = body.rotation;
+            const dQuaternion turn = {q.w, q.x, q.y, q.z};
+            dBodySetQuaternion(b, turn);
             dBodySetLinearVel(b, body.velocity.x, body.velocity.y, body.velocity.z);
             dBodySetAngularVel(b, body.spin.x, body.spin.y, body.spin.z);
-            dGeomSetBody(geometry, b);
-            if (body.shape.kind == Kind::capsule || body.shape.kind == Kind::cylinder) {
-                const double half_turn = std::sqrt(0.5);
-                const dQuaternion turn = {half_turn, -half_turn, 0, 0}; // z to y
-                dGeomSetOffsetQuaternion(geometry, turn);
-            }
-        } else if (body.shape.kind != Kind::plane) {
-            dGeomSetPosition(geometry, body.position.x, body.position.y, body.position.z);
-            dGeomSetQuaternion(geometry, q);
         }
         bodies.push_back(b);
+        attach(b, body, {.shape = body.shape});
+        for (const Part& part : body.parts) attach(b, body, part);
+    }
+
+    static void set_mass(dBodyID b, const Body& body) {
+        dMass mass;
+        const V3 inertia = solid_of(body.shape).inertia * body.mass;
+        dMassSetParameters(&mass, body.mass, 0, 0, 0, inertia.x, inertia.y, inertia.z, 0, 0, 0);
+        dBodySetMass(b, &mass);
+    }
+
+    /// A shape to the last body; where there is none, to the world.
+    void attach(dBodyID b, const Body& body, const Part& part) {
+        dGeomID geometry;
+        if (part.shape.kind == Kind::plane) {
+            const V3 n = rotate(body.rotation, {0, 1, 0});
+            geometry = dCreatePlane(space, n.x, n.y, n.z, dot(n, body.position));
+            dGeomSetData(geometry, reinterpret_cast<void*>(bodies.size() - 1));
+            return;
+        }
+        geometry = geometry_of(part.shape);
+        dGeomSetData(geometry, reinterpret_cast<void*>(bodies.size() - 1));
+        const bool along_z = part.shape.kind == Kind::capsule || part.shape.kind == Kind::cylinder;
+        const Turn own = along_z ? part.rotation * about({1, 0, 0}, -pi / 2) : part.rotation; // z to y
+        const Turn q = b == nullptr ? body.rotation * own : own;
+        const V3 at = b == nullptr ? body.position + rotate(body.rotation, part.position) : part.position;
+        const dQuaternion turn = {q.w, q.x, q.y, q.z};
+        if (b == nullptr) {
+            dGeomSetPosition(geometry, at.x, at.y, at.z);
+            dGeomSetQuaternion(geometry, turn);
+            return;
+        }
+        dGeomSetBody(geometry, b);
+        const bool is_moved = along_z || length(at) > 0 || std::abs(q.w) < 1;
+        if (!is_moved) return; // an offset costs
+        dGeomSetOffsetPosition(geometry, at.x, at.y, at.z);
+        dGeomSetOffsetQuaternion(geometry, turn);
     }
 
     void join(const Joint& joint) {
@@ -229,7 +277,8 @@ class Ode final : public Engine {
     dWorldID world;
     dSpaceID space;
     dJointGroupID contacts;
-    std::vector<Convex> convex;
+    std::deque<Convex> convex;
+    std::deque<Mesh> meshes;
     std::vector<dBodyID> bodies;
 };
 
@@ -239,4 +288,5 @@ std::unique_ptr<Engine> make_ode(const Contestant& contestant, const Scene& scen
     return std::make_unique<Ode>(contestant, scene);
 }
 
-} // namespace quality
+} // namespace engines
+#endif

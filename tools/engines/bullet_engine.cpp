@@ -1,23 +1,32 @@
 // A scene in Bullet: btDiscreteDynamicsWorld with its default solver settings.
 //
-// What it is given beyond defaults: exact inertia, no deactivation unless the scene allows it, hulls of the size they
-// have with 1 mm of margin included, square roots of the coefficients, as it multiplies those of a pair.
-#include "quality/scene.h"
+// What it is given beyond defaults: exact inertia, no deactivation unless the scene allows it, square roots of the
+// coefficients, as it multiplies those of a pair, and hulls of the size they have with 1 mm of margin included. A
+// contestant may take hulls as they come; then they are 40 mm thicker, and quicker.
+#include "engines/scene.h"
 
+#ifdef LOCKSTONE_BULLET
 #include <LinearMath/btGeometryUtil.h>
+#include <LinearMath/btTransformUtil.h>
 #include <btBulletDynamicsCommon.h>
 
-namespace quality {
+namespace engines {
 
 namespace {
 
 constexpr btScalar scalar(double x) { return static_cast<btScalar>(x); }
 btVector3 vec(V3 v) { return {scalar(v.x), scalar(v.y), scalar(v.z)}; }
-btTransform pose_of(const Body& body) {
-    const Turn q = body.rotation;
-    return btTransform(btQuaternion(scalar(q.x), scalar(q.y), scalar(q.z), scalar(q.w)), vec(body.position));
+btTransform pose_of(V3 position, Turn q) {
+    return btTransform(btQuaternion(scalar(q.x), scalar(q.y), scalar(q.z), scalar(q.w)), vec(position));
 }
 V3 back(const btVector3& v) { return {double{v.x()}, double{v.y()}, double{v.z()}}; }
+
+std::unique_ptr<btCollisionShape> hull_of_points(const Shape& shape) {
+    auto hull = std::make_unique<btConvexHullShape>();
+    for (V3 p : shape.points) hull->addPoint(vec(p), false);
+    hull->recalcLocalAabb();
+    return hull;
+}
 
 /// Its faces are moved inwards by the margin that Bullet adds.
 std::unique_ptr<btCollisionShape> hull_of(const Shape& shape) {
@@ -34,7 +43,25 @@ std::unique_ptr<btCollisionShape> hull_of(const Shape& shape) {
     return hull;
 }
 
-std::unique_ptr<btCollisionShape> shape_of(const Shape& shape) {
+/// A mesh that owns its triangles.
+struct Mesh final : btBvhTriangleMeshShape {
+    explicit Mesh(std::unique_ptr<btTriangleMesh> made)
+        : btBvhTriangleMeshShape(made.get(), true), triangles(std::move(made)) {}
+    std::unique_ptr<btTriangleMesh> triangles;
+};
+
+std::unique_ptr<btCollisionShape> mesh_of(const Shape& shape) {
+    auto triangles = std::make_unique<btTriangleMesh>();
+    for (const std::vector<int>& face : shape.faces) {
+        const auto corner = [&](std::size_t i) {
+            return vec(shape.points[static_cast<std::size_t>(face[i])]);
+        };
+        triangles->addTriangle(corner(0), corner(1), corner(2));
+    }
+    return std::make_unique<Mesh>(std::move(triangles));
+}
+
+std::unique_ptr<btCollisionShape> shape_of(const Shape& shape, bool default_margins) {
     const V3 h = shape.half;
     switch (shape.kind) {
     case Kind::sphere:
@@ -45,9 +72,10 @@ std::unique_ptr<btCollisionShape> shape_of(const Shape& shape) {
         return std::make_unique<btCapsuleShape>(scalar(h.x), scalar(2 * h.y));
     case Kind::cylinder:
         return std::make_unique<btCylinderShape>(vec(h));
-    case Kind::hull: {
-        return hull_of(shape);
-    }
+    case Kind::hull:
+        return default_margins ? hull_of_points(shape) : hull_of(shape);
+    case Kind::mesh:
+        return mesh_of(shape);
     case Kind::plane:
         break;
     }
@@ -58,8 +86,8 @@ class Bullet final : public Engine {
   public:
     Bullet(const Contestant& c, const Scene& scene)
         : dispatcher(&configuration), world(&dispatcher, &broad_phase, &solver, &configuration),
-          attraction(scene.attraction), sleeping(scene.sleeping), steps(c.substeps == 0 ? 1 : c.substeps),
-          step_time(1.0 / (c.rate * steps)) {
+          attraction(scene.attraction), default_margins(c.default_margins), sleeping(scene.sleeping),
+          steps(c.substeps == 0 ? 1 : c.substeps), step_time(1.0 / (c.rate * steps)) {
         world.setGravity(vec(scene.gravity));
         if (c.iterations != 0) world.getSolverInfo().m_numIterations = c.iterations;
         for (const Body& body : scene.bodies) add(body);
@@ -79,20 +107,31 @@ class Bullet final : public Engine {
                 {double{q.x()}, double{q.y()}, double{q.z()}, double{q.w()}}};
     }
 
+    void kick(int body, V3 change) override {
+        btRigidBody& b = *bodies[static_cast<std::size_t>(body)];
+        b.setLinearVelocity(b.getLinearVelocity() + vec(change));
+    }
+
   private:
     void tick() override {
         for (int i = 0; i < steps; ++i) {
             if (attraction != 0) attract();
+            for (const Moved& moved : kinematic) {
+                btTransform next;
+                btTransformUtil::integrateTransform(moved.body->getWorldTransform(), moved.velocity,
+                                                    moved.spin, scalar(step_time), next);
+                moved.body->setWorldTransform(next);
+            }
             world.stepSimulation(scalar(step_time), 0); // one step of exactly this time
         }
     }
 
     void add(const Body& body) {
-        shapes.push_back(shape_of(body.shape));
+        shapes.push_back(shape_with_parts(body));
         const btVector3 inertia = vec(solid_of(body.shape).inertia * body.mass);
         btRigidBody::btRigidBodyConstructionInfo info(scalar(body.mass), nullptr, shapes.back().get(),
                                                       inertia);
-        info.m_startWorldTransform = pose_of(body);
+        info.m_startWorldTransform = pose_of(body.position, body.rotation);
         info.m_friction = scalar(std::sqrt(body.friction));
         info.m_restitution = scalar(std::sqrt(body.restitution));
         // A pair has rolling_a friction_b + rolling_b friction_a.
@@ -102,7 +141,23 @@ class Bullet final : public Engine {
         if (!sleeping) bodies.back()->setActivationState(DISABLE_DEACTIVATION);
         bodies.back()->setLinearVelocity(vec(body.velocity));
         bodies.back()->setAngularVelocity(vec(body.spin));
+        if (body.moves) {
+            bodies.back()->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+            kinematic.push_back({bodies.back().get(), vec(body.velocity), vec(body.spin)});
+        }
         world.addRigidBody(bodies.back().get());
+    }
+
+    std::unique_ptr<btCollisionShape> shape_with_parts(const Body& body) {
+        if (body.parts.empty()) return shape_of(body.shape, default_margins);
+        auto whole = std::make_unique<btCompoundShape>();
+        const auto add_part = [&](const Shape& shape, const btTransform& at) {
+            shapes.push_back(shape_of(shape, default_margins));
+            whole->addChildShape(at, shapes.back().get());
+        };
+        add_part(body.shape, btTransform::getIdentity());
+        for (const Part& part : body.parts) add_part(part.shape, pose_of(part.position, part.rotation));
+        return whole;
     }
 
     /// The frame of a joint, its x axis along the axis, in a body's axes.
@@ -161,8 +216,14 @@ class Bullet final : public Engine {
     btDiscreteDynamicsWorld world;
     std::vector<std::unique_ptr<btCollisionShape>> shapes;
     std::vector<std::unique_ptr<btRigidBody>> bodies;
+    struct Moved {
+        btRigidBody* body;
+        btVector3 velocity, spin;
+    };
+    std::vector<Moved> kinematic;
     std::vector<std::unique_ptr<btTypedConstraint>> joints;
     double attraction;
+    bool default_margins;
     bool sleeping;
     int steps;
     double step_time;
@@ -174,4 +235,5 @@ std::unique_ptr<Engine> make_bullet(const Contestant& contestant, const Scene& s
     return std::make_unique<Bullet>(contestant, scene);
 }
 
-} // namespace quality
+} // namespace engines
+#endif

@@ -1,14 +1,15 @@
 // A scene in Lockstone, through its public interface. Defaults throughout, capacities apart.
-#include "quality/scene.h"
+#include "engines/lockstone_engine.h"
 
 #include "lockstone/convert.h"
 #include "lockstone/math.h"
-#include "lockstone/world.h"
+#include "lockstone/tasks.h"
 
 #include <cstdio>
 #include <cstdlib>
+#include <span>
 
-namespace quality {
+namespace engines {
 
 namespace {
 
@@ -16,7 +17,7 @@ namespace ls = lockstone;
 
 template <class T> T checked(ls::Result<T> result) {
     if (result.ok()) return std::move(result).value();
-    std::fprintf(stderr, "quality: %s\n", result.error().message.c_str());
+    std::fprintf(stderr, "engines: %s\n", result.error().message.c_str());
     std::exit(2);
 }
 
@@ -41,19 +42,32 @@ ls::Geometry geometry_of(const Shape& shape, ls::AssetLibrary& library) {
         for (V3 p : shape.points) points.push_back(ls::to<ls::Length>(vec(p)));
         return ls::instance(ls::ShapeKind::hull, checked(library.add(ls::bake_hull(points))));
     }
+    case Kind::mesh: {
+        std::vector<ls::Vec3> points;
+        for (V3 p : shape.points) points.push_back(vec(p));
+        std::vector<std::array<std::uint32_t, 3>> triangles;
+        for (const std::vector<int>& face : shape.faces) {
+            const auto corner = [&](std::size_t i) { return static_cast<std::uint32_t>(face[i]); };
+            triangles.push_back({corner(0), corner(1), corner(2)});
+        }
+        const ls::MeshDef def{.vertices = points, .triangles = triangles};
+        return ls::instance(ls::ShapeKind::mesh, checked(library.add(ls::bake_mesh(def))));
+    }
     case Kind::plane:
         break;
     }
     return ls::plane();
 }
 
-ls::WorldDef world_of(const Contestant& c, const Scene& scene) {
+ls::WorldDef def_of(const Contestant& c, const Scene& scene) {
     const auto count = static_cast<std::uint32_t>(scene.bodies.size());
+    std::uint32_t shapes = count;
+    for (const Body& body : scene.bodies) shapes += static_cast<std::uint32_t>(body.parts.size());
     ls::WorldDef def{.tick_rate = static_cast<std::uint32_t>(c.rate),
                      .gravity = vec(scene.gravity),
                      .integrator = static_cast<ls::Integrator>(c.scheme),
                      .bodies_max = count,
-                     .shapes_max = count,
+                     .shapes_max = shapes,
                      .contacts_max = 32 * count,
                      .joints_max = static_cast<std::uint32_t>(scene.joints.size()) + 1,
                      .sleeping = scene.sleeping};
@@ -65,7 +79,12 @@ ls::WorldDef world_of(const Contestant& c, const Scene& scene) {
 
 class Lockstone final : public Engine {
   public:
-    Lockstone(const Contestant& contestant, const Scene& scene) : world(make(contestant, scene)) {}
+    Lockstone(const Contestant& contestant, const Scene& scene) : world(make(contestant, scene)) {
+        by_wall = contestant.by_wall;
+        if (contestant.threads < 2) return;
+        tasks = ls::make_worker_pool(contestant.threads);
+        world.set_tasks(tasks.get());
+    }
 
     State state(int body) const override {
         const ls::BodyId id = ids[static_cast<std::size_t>(body)];
@@ -77,32 +96,54 @@ class Lockstone final : public Engine {
                 {q[0], q[1], q[2], q[3]}};
     }
 
+    void kick(int body, V3 change) override {
+        const ls::BodyId id = ids[static_cast<std::size_t>(body)];
+        const ls::Status done =
+            world.set_velocity(id, world.linear_velocity(id) + vec(change), world.angular_velocity(id));
+        if (!done) std::abort();
+    }
+
   private:
+    friend ls::World& engines::world_of(Engine& engine);
     void tick() override { world.tick(); }
 
     ls::World make(const Contestant& contestant, const Scene& scene) {
         auto library = std::make_shared<ls::AssetLibrary>();
-        std::vector<ls::Geometry> geometries;
-        for (const Body& body : scene.bodies) geometries.push_back(geometry_of(body.shape, *library));
-        ls::World made = checked(ls::World::create(world_of(contestant, scene), {}, library));
-        for (std::size_t i = 0; i < scene.bodies.size(); ++i) add(made, scene.bodies[i], geometries[i]);
+        std::vector<ls::Geometry> geometries; // of a body, then of its parts
+        for (const Body& body : scene.bodies) {
+            geometries.push_back(geometry_of(body.shape, *library));
+            for (const Part& part : body.parts) geometries.push_back(geometry_of(part.shape, *library));
+        }
+        ls::World made = checked(ls::World::create(def_of(contestant, scene), {}, library));
+        std::span<const ls::Geometry> left = geometries;
+        for (const Body& body : scene.bodies) {
+            add(made, body, left);
+            left = left.subspan(1 + body.parts.size());
+        }
         for (const Joint& joint : scene.joints) join(made, joint);
         if (scene.attraction != 0) checked(made.create_field({.strength = real(scene.attraction)}));
         return made;
     }
 
-    void add(ls::World& made, const Body& body, const ls::Geometry& geometry) {
+    void add(ls::World& made, const Body& body, std::span<const ls::Geometry> geometries) {
+        const ls::BodyKind still = body.moves ? ls::BodyKind::kinematic : ls::BodyKind::static_;
         const ls::BodyId id =
-            checked(made.create_body({.kind = body.mass == 0 ? ls::BodyKind::static_ : ls::BodyKind::dynamic,
+            checked(made.create_body({.kind = body.mass == 0 ? still : ls::BodyKind::dynamic,
                                       .pose = {vec(body.position), quat(body.rotation)},
                                       .linear_velocity = vec(body.velocity),
                                       .angular_velocity = vec(body.spin),
                                       .mass = real(body.mass)}));
-        checked(made.create_shape(id, {.geometry = geometry,
-                                       .friction = real(body.friction),
-                                       .restitution = real(body.restitution),
-                                       .rolling_resistance = real(body.rolling_resistance),
-                                       .surface_velocity = vec(body.surface_velocity)}));
+        ls::ShapeDef shape{.geometry = geometries[0],
+                           .friction = real(body.friction),
+                           .restitution = real(body.restitution),
+                           .rolling_resistance = real(body.rolling_resistance),
+                           .surface_velocity = vec(body.surface_velocity)};
+        checked(made.create_shape(id, shape));
+        for (std::size_t i = 0; i < body.parts.size(); ++i) {
+            shape.geometry = geometries[i + 1];
+            shape.local = {vec(body.parts[i].position), quat(body.parts[i].rotation)};
+            checked(made.create_shape(id, shape));
+        }
         ids.push_back(id);
     }
 
@@ -122,13 +163,16 @@ class Lockstone final : public Engine {
     }
 
     std::vector<ls::BodyId> ids;
+    std::unique_ptr<ls::Tasks> tasks;
     ls::World world;
 };
 
 } // namespace
 
+ls::World& world_of(Engine& engine) { return static_cast<Lockstone&>(engine).world; }
+
 std::unique_ptr<Engine> make_lockstone(const Contestant& contestant, const Scene& scene) {
     return std::make_unique<Lockstone>(contestant, scene);
 }
 
-} // namespace quality
+} // namespace engines

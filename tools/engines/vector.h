@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace quality {
+namespace engines {
 
 struct V3 {
     double x = 0, y = 0, z = 0;
@@ -35,6 +35,11 @@ inline V3 rotate(Turn q, V3 v) {
     const V3 u{q.x, q.y, q.z}, t = 2 * cross(u, v);
     return v + q.w * t + cross(u, t);
 }
+/// First b, then a.
+inline Turn operator*(Turn a, Turn b) {
+    const V3 p{a.x, a.y, a.z}, q{b.x, b.y, b.z}, v = a.w * q + b.w * p + cross(p, q);
+    return {v.x, v.y, v.z, a.w * b.w - dot(p, q)};
+}
 inline V3 rotate_inverse(Turn q, V3 v) { return rotate({-q.x, -q.y, -q.z, q.w}, v); }
 
 /// The shortest turn of the x axis into a unit vector.
@@ -55,4 +60,4 @@ inline Turn from_z_to(V3 to) {
 inline constexpr double pi = 3.14159265358979323846;
 inline double radians(double degrees) { return degrees * pi / 180; }
 
-} // namespace quality
+} // namespace engines

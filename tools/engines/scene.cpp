@@ -1,9 +1,9 @@
-#include "quality/scene.h"
+#include "engines/scene.h"
 
 #include <algorithm>
 #include <ctime>
 
-namespace quality {
+namespace engines {
 
 namespace {
 
@@ -12,6 +12,7 @@ struct Sums {
     double volume = 0;
     V3 first{};  ///< integral of x, y, z
     V3 second{}; ///< integral of x^2, y^2, z^2
+    V3 mixed{};  ///< integral of yz, zx, xy
 };
 
 Sums sums_of(const Shape& hull) {
@@ -28,8 +29,48 @@ Sums sums_of(const Shape& hull) {
                 return v / 10 * (p * p + q * q + r * r + p * q + q * r + r * p);
             };
             s.second += V3{square(a.x, b.x, c.x), square(a.y, b.y, c.y), square(a.z, b.z, c.z)};
+            const V3 sum = a + b + c;
+            const auto mixed = [&](double V3::*p, double V3::*q) {
+                const double own = a.*p * a.*q + b.*p * b.*q + c.*p * c.*q;
+                return v / 20 * (own + sum.*p * sum.*q);
+            };
+            s.mixed += V3{mixed(&V3::y, &V3::z), mixed(&V3::z, &V3::x), mixed(&V3::x, &V3::y)};
         }
     return s;
+}
+
+/// Turns the points by a rotation about the origin that makes the largest product of inertia vanish.
+/// source: Jacobi, 1846, one rotation of his method for eigenvalues
+void rotate_once(Shape& hull, const Sums& s) {
+    struct Pair {
+        double V3::*p, V3::*q, V3::*mixed; ///< the plane of the rotation, and its product
+    };
+    constexpr Pair pairs[] = {{&V3::y, &V3::z, &V3::x}, {&V3::z, &V3::x, &V3::y}, {&V3::x, &V3::y, &V3::z}};
+    const Pair& most =
+        *std::ranges::max_element(pairs, {}, [&](const Pair& pair) { return std::abs(s.mixed.*pair.mixed); });
+    const double angle = std::atan2(2 * s.mixed.*most.mixed, s.second.*most.p - s.second.*most.q) / 2;
+    for (V3& point : hull.points) {
+        const double p = point.*most.p, q = point.*most.q;
+        point.*most.p = std::cos(angle) * p + std::sin(angle) * q;
+        point.*most.q = std::cos(angle) * q - std::sin(angle) * p;
+    }
+}
+
+/// Triangles of which all points lie on one side: few points make the obvious way quick enough.
+std::vector<std::vector<int>> faces_of(const std::vector<V3>& points) {
+    std::vector<std::vector<int>> faces;
+    const int count = static_cast<int>(points.size());
+    const auto at = [&](int i) { return points[static_cast<std::size_t>(i)]; };
+    for (int i = 0; i < count; ++i)
+        for (int j = i + 1; j < count; ++j)
+            for (int k = j + 1; k < count; ++k) {
+                const V3 n = cross(at(j) - at(i), at(k) - at(i));
+                int above = 0, below = 0;
+                for (int p = 0; p < count; ++p)
+                    if (p != i && p != j && p != k) (dot(n, at(p) - at(i)) > 0 ? above : below) += 1;
+                if (above == 0 || below == 0) faces.push_back({i, j, k});
+            }
+    return faces;
 }
 
 Solid capsule_of(double r, double h) { // a cylinder of half height h and two half balls
@@ -40,9 +81,9 @@ Solid capsule_of(double r, double h) { // a cylinder of half height h and two ha
     return {volume, {across, along, across}};
 }
 
-double thread_seconds() {
+double seconds_of(clockid_t clock) {
     timespec t{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    clock_gettime(clock, &t);
     return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
@@ -68,6 +109,7 @@ Solid solid_of(const Shape& shape) {
         return {s.volume, {q.y + q.z, q.x + q.z, q.x + q.y}};
     }
     case Kind::plane:
+    case Kind::mesh:
         break;
     }
     return {0, {}};
@@ -86,15 +128,24 @@ V3 center_hull(Shape& hull) {
     return center;
 }
 
+Shape hull_of_points(std::vector<V3> points) {
+    Shape hull{.kind = Kind::hull, .points = std::move(points)};
+    hull.faces = faces_of(hull.points);
+    center_hull(hull);
+    for (int turn = 0; turn < 16; ++turn) rotate_once(hull, sums_of(hull));
+    return hull;
+}
+
 Body solid(Shape shape, V3 position, double density, double friction) {
     const double mass = density * solid_of(shape).volume;
     return {.shape = std::move(shape), .position = position, .mass = mass, .friction = friction};
 }
 
 void Engine::advance(int ticks) {
-    const double start = thread_seconds();
+    const clockid_t clock = by_wall ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID;
+    const double start = seconds_of(clock);
     for (int i = 0; i < ticks; ++i) tick();
-    seconds += thread_seconds() - start;
+    seconds += seconds_of(clock) - start;
     ticks_done += ticks;
 }
 
@@ -105,6 +156,23 @@ std::vector<Contestant> contestants() {
             {.name = "Bullet 8x2", .product = Product::bullet, .substeps = 8, .iterations = 2},
             {.name = "ODE 8x2", .product = Product::ode, .substeps = 8, .iterations = 2},
             {.name = "LS 16", .product = Product::lockstone, .substeps = 16, .contact_hertz = 120}};
+}
+
+#ifdef LOCKSTONE_BULLET
+constexpr bool has_bullet = true;
+#else
+constexpr bool has_bullet = false;
+std::unique_ptr<Engine> make_bullet(const Contestant&, const Scene&) { return nullptr; }
+#endif
+#ifdef LOCKSTONE_ODE
+constexpr bool has_ode = true;
+#else
+constexpr bool has_ode = false;
+std::unique_ptr<Engine> make_ode(const Contestant&, const Scene&) { return nullptr; }
+#endif
+
+bool is_built(Product product) {
+    return product == Product::bullet ? has_bullet : product == Product::ode ? has_ode : true;
 }
 
 std::unique_ptr<Engine> make_engine(const Contestant& contestant, const Scene& scene) {
@@ -148,4 +216,32 @@ double energy(const Scene& scene, const Engine& engine) {
     return sum;
 }
 
-} // namespace quality
+double turned(Turn a, Turn b) {
+    const double c = std::abs(a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w);
+    return 2 * std::acos(std::min(c, 1.0));
+}
+
+double drift(const Scene& scene, const Engine& engine) {
+    double most = 0;
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+        if (scene.bodies[i].mass == 0) continue;
+        const V3 moved = engine.state(static_cast<int>(i)).position - scene.bodies[i].position;
+        most = std::max(most, std::hypot(moved.x, moved.z));
+    }
+    return most;
+}
+
+int fallen(const Scene& scene, const Engine& engine, double drop) {
+    int count = 0;
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+        const Body& body = scene.bodies[i];
+        if (body.mass == 0) continue;
+        const State s = engine.state(static_cast<int>(i));
+        const bool stands =
+            body.position.y - s.position.y <= drop && turned(s.rotation, body.rotation) <= radians(20);
+        if (!stands) ++count;
+    }
+    return count;
+}
+
+} // namespace engines

@@ -1,0 +1,274 @@
+// What a file from anybody may take: memory and work are bounded before they are spent; definitions that no hash covered are
+// covered; the rules of a game refuse what they cannot go on from.
+#include "scenes/scenes.h"
+#include "support/small_recording.h"
+
+#include <doctest/doctest.h>
+
+using namespace lockstone;
+using namespace lockstone::replay;
+using namespace lockstone::test;
+
+namespace {
+
+bool holds(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
+
+const Bytes& commands_file() {
+    static const Bytes file = record_commands(8, {.keyframe_ticks = 4, .block_ticks = 4});
+    return file;
+}
+
+Bytes with_definition(const WorldDef& def) {
+    auto chunks = chunks_of(commands_file());
+    Bytes& payload = chunks[find_chunk(chunks, chunk_world_def)].payload;
+    payload.clear();
+    append_world_def(def, payload);
+    return file_of(std::move(chunks), true);
+}
+
+Result<Recording> read_with(Bytes file, const Limits& limits) {
+    return Recording::from_bytes(std::move(file), "test.lsr", OnDamage::refuse, limits);
+}
+
+/// Packed zeros that stand for at least `bytes`, whole runs.
+Bytes packed_zeros(std::uint64_t bytes) {
+    Bytes out;
+    for (std::uint64_t runs = bytes / 130; runs > 0; --runs)
+        out.push_back(std::byte{255}), out.push_back(std::byte{0});
+    return out;
+}
+
+/// A first tick with `count` explosions.
+Bytes with_explosions(std::uint32_t count) {
+    auto chunks = chunks_of(commands_file());
+    BlockBuilder builder({Mode::commands, 0, 0});
+    const std::vector<Command> commands(count, Explode{{.radius = Real(10), .impulse = Real(1)}});
+    must(builder.add_commands(commands, 0));
+    Bytes& payload = chunks[find_chunk(chunks, chunk_ticks)].payload;
+    payload.clear();
+    builder.finish(0, payload);
+    return file_of(std::move(chunks), true);
+}
+
+} // namespace
+
+TEST_CASE("every field of the world's definition is covered: changed and sealed again it is never good") {
+    const WorldDef good = must(read(commands_file())).world_def();
+    REQUIRE(verify(must(read(with_definition(good))), nullptr).good());
+    Bytes bytes;
+    append_world_def(good, bytes);
+    for (std::size_t at = 0; at < bytes.size(); ++at) {
+        CAPTURE(at);
+        auto chunks = chunks_of(commands_file());
+        chunks[find_chunk(chunks, chunk_world_def)].payload[at] ^= std::byte{1};
+        const auto recording = read(file_of(std::move(chunks), true));
+        if (recording) CHECK(!verify(*recording, nullptr).good());
+    }
+}
+
+TEST_CASE("a definition that would take more than the limit is refused before anything is allocated") {
+    WorldDef def = must(read(commands_file())).world_def();
+    def.bodies_max = def.shapes_max = def.contacts_max = def.pair_filters_max = def.joints_max = 1u << 20;
+    def.characters_max = def.vehicles_max = 65536;
+    CHECK(World::memory_of(def).value() > std::uint64_t{4} << 30);
+    const VerifyReport report = verify(must(read(with_definition(def))), nullptr);
+    CHECK(report.verdict == Verdict::unusable);
+    CHECK(holds(report.sentence, "bytes of memory, the limit is 1073741824 (--memory)"));
+    // The twin: what fits is played, and fits no more under a smaller limit.
+    CHECK(verify(must(read(commands_file())), nullptr).good());
+    CHECK(!verify(must(read_with(commands_file(), {.memory = 1 << 20})), nullptr).good());
+}
+
+TEST_CASE("an image of packed zeros is read without unpacking it, and not played beyond the limit") {
+    auto chunks = chunks_of(commands_file());
+    const Bytes zeros = packed_zeros(std::uint64_t{130} << 20);
+    Bytes& payload = chunks[find_chunk(chunks, chunk_keyframe)].payload;
+    payload.resize(16);
+    base::ByteWriter(payload).u64(std::uint64_t{130} << 20);
+    payload.insert(payload.end(), zeros.begin(), zeros.end());
+    const Recording recording =
+        must(read_with(file_of(std::move(chunks), true), {.memory = std::uint64_t{64} << 20}));
+    CHECK(recording.memory() < std::uint64_t{4} << 20);
+    CHECK(holds(verify(recording, nullptr).sentence, "the limit is 67108864 (--memory)"));
+}
+
+TEST_CASE("a tick of more work than the limit is refused when it is read") {
+    CHECK(read(with_explosions(1024)).ok()); // 64 each: exactly the default limit
+    const auto more = read(with_explosions(1025));
+    REQUIRE(!more);
+    CHECK(holds(more.error().message, "tick 0 has 1025 commands"));
+    CHECK(read_with(with_explosions(1025), {.commands_per_tick = 1u << 20}).ok());
+    CHECK(!read_with(commands_file(), {.commands_per_tick = 1}).ok());
+}
+
+TEST_CASE("jobs share the limit of memory and give the verdict of one") {
+    const Bytes file = record_commands(40, {.keyframe_ticks = 5});
+    const Recording roomy = must(read(file));
+    const std::uint64_t each = Player::memory_of(roomy, roomy.world_def(), roomy.schema());
+    for (const std::uint64_t players : {1u, 2u, 9u}) {
+        const Recording tight =
+            must(read_with(file, {.memory = roomy.memory() + players * each + (1u << 16)}));
+        const VerifyReport report = verify(tight, nullptr, {.jobs = 8});
+        CHECK_MESSAGE(report.good(), report.sentence);
+        CHECK(report.ticks == 40);
+    }
+    const Recording none = must(read_with(file, {.memory = roomy.memory() + each / 2}));
+    CHECK(verify(none, nullptr, {.jobs = 8}).verdict == Verdict::unusable);
+}
+
+TEST_CASE("states out of the commands' ranges are refused") {
+    World world = must(SmallGame().start());
+    const State good = world.state();
+    const auto refused = [&](std::string_view column, std::string_view leaf, std::uint64_t value) {
+        State state = good;
+        const StateLayout& layout = state.layout();
+        const ColumnInfo* const info = layout.find_column(column);
+        REQUIRE(info != nullptr);
+        const auto found = std::ranges::find(info->leaves, leaf, &LeafInfo::name);
+        REQUIRE(found != info->leaves.end());
+        const auto bytes = state.edit_bytes(static_cast<std::uint32_t>(info - layout.columns().data()));
+        std::memcpy(bytes.data() + bytes.size() - info->row_size + found->offset, &value, found->size);
+        return !world.restore_portable(state.save_portable()).ok();
+    };
+    const auto raw = [](Real r) { return static_cast<std::uint64_t>(r.raw); };
+    CHECK(refused("world.header", "gravity.y", raw(Real(1001))));
+    CHECK(!refused("world.header", "gravity.y", raw(Real(-999))));
+    CHECK(refused("world.config", "gravity.y", raw(Real(-999))));
+    for (const char* leaf : {"linear_damping", "angular_damping"}) {
+        CHECK(refused("body.info", leaf, raw(Real(1001))));
+        CHECK(refused("body.info", leaf, raw(Real(-1))));
+        CHECK(!refused("body.info", leaf, raw(Real(1000))));
+    }
+    CHECK(refused("body.info", "gravity_scale", raw(Real(101))));
+    CHECK(!refused("body.info", "gravity_scale", raw(Real(-100))));
+    CHECK(refused("body.info", "mass_override", raw(Real(-1))));
+    CHECK(refused("body.mass", "mass", 0)); // of a dynamic body
+    CHECK(refused("shape.row", "density", 0));
+}
+
+// ---- games ---------------------------------------------------------------------------------------------------
+
+namespace {
+
+/// Does not look at what is loaded: the planted twin of every check.
+class Blind final : public Game {
+  public:
+    explicit Blind(const Game& rules) : game(rules) {}
+    std::string name() const override { return game.name(); }
+    std::uint64_t content_id() const override { return game.content_id(); }
+    std::uint32_t player_count() const override { return game.player_count(); }
+    std::uint32_t input_size() const override { return game.input_size(); }
+    Result<World> start() const override { return game.start(); }
+    Status advance(World& world, std::span<const PlayerInput> inputs) const override {
+        return game.advance(world, inputs);
+    }
+
+  private:
+    const Game& game;
+};
+
+/// The rules fail at a tick.
+class Failing final : public SmallGame {
+  public:
+    Status advance(World& world, std::span<const PlayerInput> inputs) const override {
+        if (world.tick_count() == 3) return Error{"the ball is gone"};
+        return SmallGame::advance(world, inputs);
+    }
+};
+
+/// Each leaf of the game's columns set to what no id is: what the game does not refuse, it goes on from.
+void check_game_columns(const Game& game, int& refused) {
+    World world = must(game.start());
+    REQUIRE(game.check(world).ok());
+    const State good = world.state();
+    const std::vector<std::byte> zeros(game.input_size());
+    const std::vector<PlayerInput> inputs(game.player_count(), PlayerInput{zeros});
+    const std::span<const ColumnInfo> columns = good.layout().columns();
+    for (std::uint32_t c = 0; c < columns.size(); ++c) {
+        if (columns[c].group != Group::game) continue;
+        for (const LeafInfo& leaf : columns[c].leaves) {
+            State state = good;
+            const auto bytes = state.edit_bytes(c);
+            if (bytes.empty()) continue;
+            const std::uint64_t value = ~std::uint64_t{0};
+            std::memcpy(bytes.data() + leaf.offset, &value, leaf.size);
+            must(world.restore_portable(state.save_portable()));
+            CAPTURE(columns[c].name);
+            CAPTURE(leaf.name);
+            if (const Status status = game.check(world); !status) {
+                CHECK(holds(status.error().message, "column game."));
+                ++refused;
+            } else if (const Status gone_on = game.advance(world, inputs); !gone_on) {
+                CHECK(gone_on.error().message.size() > 20);
+            }
+        }
+    }
+}
+
+/// A recording of the game's start and two ticks, with a dead id in the first leaf of its first column.
+Bytes with_dead_id(const Game& game) {
+    World world = must(game.start());
+    MemorySink sink;
+    auto recorder = must(InputRecorder::begin(sink, game, world));
+    const std::vector<std::byte> zeros(game.input_size());
+    const std::vector<PlayerInput> inputs(game.player_count(), PlayerInput{zeros});
+    for (int t = 0; t < 2; ++t) {
+        must(game.advance(world, inputs));
+        must(recorder.after_tick(world, inputs));
+    }
+    must(recorder.close());
+    auto chunks = chunks_of(sink.bytes);
+    World start = must(game.start());
+    State state = start.state();
+    const std::span<const ColumnInfo> columns = state.layout().columns();
+    const auto column = std::ranges::find(columns, Group::game, &ColumnInfo::group);
+    state.edit_bytes(static_cast<std::uint32_t>(column - columns.begin()))[0] = std::byte{77};
+    const Bytes image = state.save_portable();
+    Bytes& payload = chunks[find_chunk(chunks, chunk_keyframe)].payload;
+    payload.clear();
+    base::ByteWriter to(payload);
+    to.u64(0), to.u64(state.hash()), to.u64(image.size());
+    pack(image, payload);
+    return file_of(std::move(chunks), true);
+}
+
+} // namespace
+
+TEST_CASE("the built-in games refuse a dead id in their columns, or go on without it") {
+    int refused = 0;
+    for (const SceneInfo& info : scenes()) {
+        CAPTURE(info.name);
+        SceneOptions options;
+        if (info.size_default > 20) options.size = std::max(info.size_min, 10u);
+        options.players = info.players_max;
+        check_game_columns(*must(make_scene(info.name, options)), refused);
+    }
+    CHECK(refused > 150);
+}
+
+TEST_CASE(
+    "a recording whose start names a dead id of the game is refused by verifying, playing and branching") {
+    for (const char* name : {"cars", "character", "two-blocks"}) {
+        const std::unique_ptr<Game> game = must(make_scene(name));
+        const Recording recording = must(read(with_dead_id(*game)));
+        CHECK(verify(recording, game.get()).verdict == Verdict::unusable);
+        const auto player = Player::open(recording, *game);
+        REQUIRE(!player);
+        CHECK(holds(player.error().message, "keyframe at 0: the game refuses the state: column game."));
+        MemorySink sink;
+        CHECK(!branch_inputs(recording, *game, 1, sink).ok());
+        CHECK(Player::open(recording, Blind(*game)).ok()); // the twin: only the game can know
+    }
+}
+
+TEST_CASE("a command that a game cannot do without ends the play with a sentence") {
+    const Recording recording = must(read(record_inputs(6)));
+    const Failing failing;
+    auto player = must(Player::open(recording, failing));
+    const Status status = player.seek(6);
+    REQUIRE(!status);
+    CHECK(holds(status.error().message, "test.lsr: tick 3: the game's rules fail: the ball is gone"));
+    const VerifyReport report = verify(recording, &failing);
+    CHECK(report.verdict == Verdict::diverged);
+    CHECK(report.first_bad_tick == 3);
+}
