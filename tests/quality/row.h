@@ -36,6 +36,7 @@ struct Row {
     std::vector<Value> values;
     bool in_sample; ///< run by the default tests: small enough, and within its bounds
     std::function<Figures(const Contestant&, const Plan&)> run;
+    bool precise = false; ///< Lockstone runs it as WorldDef::precise(): its default is not made for that
 };
 
 std::vector<Row> stack_rows();       ///< towers, houses of cards, arches, heavy on light

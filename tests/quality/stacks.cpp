@@ -184,7 +184,8 @@ std::vector<Row> stack_rows() {
          "a wall of 820 boxes, base 40, after 1200 ticks",
          {{"fallen", "boxes", 0}, {"drift across", "mm", 1}, {"drift along", "mm", 20}},
          true,
-         run_pyramid},
+         run_pyramid,
+         true},
         {"tower",
          "20 boxes on each other, after 1200 ticks",
          {{"fallen", "boxes", 0}, {"drift", "mm", 2}, {"overlap", "mm", 5}},
@@ -197,7 +198,8 @@ std::vector<Row> stack_rows() {
           {"overlap 100:1", "mm", 5},
           {"fallen", "boxes", 0}},
          false,
-         run_heavy_on_light},
+         run_heavy_on_light,
+         true},
         {"cards",
          "a house of 26 cards on 4 levels, after 1200 ticks",
          {{"fallen", "cards", 0}, {"drift", "mm", 10}},
@@ -207,7 +209,8 @@ std::vector<Row> stack_rows() {
          "a semicircle of 21 stones, a fifth of its radius thick, after 1200 ticks",
          {{"fallen", "stones", 0}, {"crown sinks", "mm", 10}},
          true,
-         run_arch},
+         run_arch,
+         true},
     };
 }
 

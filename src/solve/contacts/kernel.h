@@ -320,21 +320,22 @@ template <class L> class Kernel {
         for (int k = 0; k < c.point_count; ++k) n.now[k] = select(n.leaves, p[k], n.now[k]);
     }
 
-    /// One point a lane: no block, no order.
-    static void solve_single(Pack& c, Unit mass_scale, Unit impulse_scale, Normals& n, Speed (&w)[3]) {
+    /// The impulse of a contact with one point.
+    static Speed single(const Pack& c, Unit mass_scale, Unit impulse_scale, const Normals& n) {
         const Kappa kappa = rounded<kappa_bits>(Kappa::load(c.points[0].kappa) * mass_scale);
         const Speed less = rounded<speed_bits>(bounded(n.error[0]) * kappa) +
                            rounded<speed_bits>(n.old[0] * impulse_scale);
-        n.now[0] = min(max(n.old[0] - less, Speed::splat(0)), Speed::splat(impulse_limit));
-        w[0] = n.now[0] - n.old[0];
-        w[1] = w[2] = Speed::splat(0);
+        return min(max(n.old[0] - less, Speed::splat(0)), Speed::splat(impulse_limit));
     }
 
-    static void solve_several(Pack& c, const PassSettings& s, Unit mass_scale, Unit impulse_scale, Normals& n, Speed (&w)[3]) {
+    /// Lanes of one point do as they do among their like: bits must not depend on who else is in the pack.
+    static void solve_several(const Pack& c, const PassSettings& s, Unit mass_scale, Unit impulse_scale, Normals& n,
+                              Speed (&w)[3]) {
         Speed q[3];
         moments(c, n.old, q);
         solve_block(c, s, q, n);
-        const Mask several{L::load32(c.several)}; // a single point that would pull carries nothing
+        const Mask several{L::load32(c.several)};
+        if ((~several).any()) n.now[0] = select(several, n.now[0], single(c, mass_scale, impulse_scale, n));
         n.leaves = n.leaves & several & ~n.idle;
         for (int k = 0; k < c.point_count; ++k) n.now[k] = n.now[k] & ~n.idle;
         if (n.leaves.any()) sweep_points(c, mass_scale, impulse_scale, n);
@@ -351,9 +352,11 @@ template <class L> class Kernel {
         const Unit mass_scale = s.soft ? select(n.soft, Unit::load(c.mass_scale), one) : one;
         const Unit impulse_scale = s.soft ? Unit::load(c.impulse_scale) & n.soft : zero;
         Speed w[3];
-        if (c.point_count == 1)
-            solve_single(c, mass_scale, impulse_scale, n, w);
-        else
+        if (c.point_count == 1) {
+            n.now[0] = single(c, mass_scale, impulse_scale, n);
+            w[0] = n.now[0] - n.old[0];
+            w[1] = w[2] = Speed::splat(0);
+        } else
             solve_several(c, s, mass_scale, impulse_scale, n, w);
         push_normal(c, w, p);
         if (c.locked != 0) hold_locked(c, data, p);
