@@ -138,7 +138,7 @@ TEST_CASE("planted fault: the same floor without surfaces slides, carries and bo
     const BodyId carried =
         add(w, {.pose = at(3, 0.25, -6)}, {.geometry = box(real(0.25), real(0.25), real(0.25))});
     for (int t = 0; t < 60; ++t) w.tick();
-    CHECK(velocity(w, carried)[0] == 0);
+    CHECK(std::abs(velocity(w, carried)[0]) < 0.001);
 }
 
 TEST_CASE(

@@ -12,7 +12,7 @@ using dynamics::SolverBodies;
 using dynamics::SolverBody;
 
 std::int64_t rounded(std::int64_t x, int shift) { return shift_right_rounded(x, shift); }
-std::int64_t speed_part(std::int64_t v) { return static_cast<std::int32_t>(rounded(v, row_bits)); }
+std::int64_t speed_part(std::int64_t v) { return saturate_to_int32(rounded(v, row_bits)); }
 
 /// One lane of a pack: the two bodies and the rows between them.
 template <unsigned N> struct Lane {
@@ -32,11 +32,15 @@ template <unsigned N> struct Lane {
         std::int64_t line = 0;
         for (int i = 0; i < 3; ++i) line += pack.d[0][i][lane] * speed_part(b.v[i] - a.v[i]);
         for (int r = 0; r < 3; ++r)
-            out[r] = rounded(turning(pack.normal_a[r], pack.normal_b[r], a, b) + (r == 0 ? line : 0), row_bits);
+            // Beyond 4096 m/s a point is at the end of every range: arms times such speeds stay below 2^62.
+            out[r] = saturate_to_int32(
+                rounded(turning(pack.normal_a[r], pack.normal_b[r], a, b) + (r == 0 ? line : 0), row_bits));
     }
     std::int64_t at_point(int k, const std::int64_t (&x)[3]) const {
         const PointLanes<N>& point = pack.points[k];
-        return x[0] + rounded(point.arm[0][lane] * x[1] + point.arm[1][lane] * x[2], unit_bits);
+        // Impulses of tilts may be beyond 2^33: arms of up to 2^30 times them want 128 bits.
+        const Wide tilt = Wide::product(point.arm[0][lane], x[1]) + Wide::product(point.arm[1][lane], x[2]);
+        return add_saturated(x[0], narrow_rounded(tilt, unit_bits));
     }
     /// Adds an impulse along row `row` of a set to the velocities of the bodies that move; `line`: along this direction.
     void push(SolverBodies& bodies, const std::int32_t (&xa)[3][N], const std::int32_t (&xb)[3][N], const std::int32_t (*line)[N],
