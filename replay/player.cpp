@@ -171,6 +171,8 @@ Status Player::seek(std::uint64_t to) {
 }
 
 Status Player::seek_keyframe(std::size_t keyframe) {
+    if (keyframe >= source->keyframes().size())
+        return error(join("there is no keyframe ", keyframe, ": it has ", source->keyframes().size()));
     const Recording::Keyframe& which = source->keyframes()[keyframe];
     const std::string where = join("keyframe at ", which.time, ": ");
     Image before;

@@ -37,11 +37,11 @@ class Player {
     /// Runs tick time(). Errors: at the end; a command that the world refuses. What was reached stays; it may not agree.
     Status step();
     /// To the state at a time start_tick() .. end_tick(), from the nearest keyframe, or from a state that was passed
-    /// before: one in 60 is kept.
+    /// before: one in 60 is kept. Any other time is an error and changes nothing.
     Status seek(std::uint64_t to);
     /// Bytes that kept states may take, 64 MiB by default; 0 keeps none from now on.
     void keep_states(std::size_t bytes_max) { kept_bytes_max = bytes_max; }
-    /// To the state that a keyframe holds. Its hash is checked.
+    /// To the state that a keyframe holds. Its hash is checked. An error when there is no such keyframe.
     Status seek_keyframe(std::size_t keyframe);
 
   private:

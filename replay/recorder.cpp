@@ -1,8 +1,10 @@
 #include "replay/recorder.h"
 
+#include "base/assert.h"
 #include "replay/codec.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace lockstone::replay {
 namespace {
@@ -103,8 +105,12 @@ std::unique_ptr<CommandRecorder> CommandRecorder::resume(Writer writer, World& w
     return recorder;
 }
 
-CommandRecorder::~CommandRecorder() {
-    if (world != nullptr) world->set_journal(nullptr);
+CommandRecorder::~CommandRecorder() { detach(); }
+
+void CommandRecorder::detach() {
+    if (world == nullptr) return;
+    LOCKSTONE_ASSERT(!lifetime.expired(), "the world was destroyed before its recorder");
+    std::exchange(world, nullptr)->set_journal(nullptr);
 }
 
 void CommandRecorder::on_command(std::uint64_t tick, const Command& command) {
@@ -125,9 +131,14 @@ void CommandRecorder::on_tick(std::uint64_t tick, std::uint64_t hash) {
     if (state && is_due(writer, keyframe_ticks)) state = writer.add_keyframe(world->save_portable());
 }
 
+void CommandRecorder::on_restore(std::uint64_t tick) {
+    if (state)
+        state = Error{join("cannot record on: the world was restored to tick ", tick,
+                           ", and commands alone do not lead there")};
+}
+
 Status CommandRecorder::close() {
-    if (world != nullptr) world->set_journal(nullptr);
-    world = nullptr;
+    detach();
     if (!state) return state;
     return state = writer.close();
 }

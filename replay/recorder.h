@@ -56,7 +56,8 @@ class InputRecorder {
 /// Records every command of a world, by itself: it attaches as the world's journal.
 class CommandRecorder final : public Journal {
   public:
-    /// The world is neither moved, destroyed nor restored until close() or the recorder's end.
+    /// The world is neither moved nor destroyed until close() or the recorder's end: that ends the program with a sentence.
+    /// A restore meanwhile is an error that stays: commands alone do not lead there.
     static Result<std::unique_ptr<CommandRecorder>> begin(Sink& sink, World& world, const std::string& label,
                                                           const RecorderOptions& options = {});
     /// Goes on with a writer in commands mode whose next tick is the world's.
@@ -67,6 +68,7 @@ class CommandRecorder final : public Journal {
 
     void on_command(std::uint64_t tick, const Command& command) override;
     void on_tick(std::uint64_t tick, std::uint64_t hash) override;
+    void on_restore(std::uint64_t tick) override;
 
     /// Ticking cannot return an error: ask here, or wait for close().
     const Status& status() const { return state; }
@@ -76,9 +78,11 @@ class CommandRecorder final : public Journal {
 
   private:
     CommandRecorder(Writer w, World& of, std::uint64_t every)
-        : writer(std::move(w)), world(&of), keyframe_ticks(every) {}
+        : writer(std::move(w)), world(&of), lifetime(of.lifetime()), keyframe_ticks(every) {}
+    void detach();
     Writer writer;
     World* world; ///< null after close
+    std::weak_ptr<const void> lifetime;
     std::uint64_t keyframe_ticks;
     std::vector<Command> pending; ///< before the next tick
     Status state;

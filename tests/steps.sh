@@ -24,32 +24,43 @@ start_check() {
 # Adds to what has passed and failed: PASSED FAILED.
 count() { echo "$1 $2" >>"$logs/tally"; }
 
+# timed NAME COMMAND...: the command; then a line of the table that is printed at the end: seconds, seconds of processors, name.
+timed() {
+    local name=$1 status=0 took=$logs/took.$BASHPID TIMEFORMAT='%0R %0U %0S'
+    shift
+    { time "$@" 2>&3; } 3>&2 2>"$took" || status=$?
+    read -r real user system <"$took"
+    rm -f "$took"
+    seconds=$real processors=$((user + system))
+    printf '%d\t%d\t%s\n' "$seconds" "$processors" "$name" >>"$logs/times"
+    return $status
+}
+
 # check NAME COMMAND...: one line; what the command printed only when it failed.
 check() { start_check check_now "$@"; }
 check_now() {
-    local name=$1 log start=$SECONDS
+    local name=$1 log seconds processors
     shift
     log=$(log_of "$name")
-    if "$@" >"$log" 2>&1 </dev/null; then
+    if timed "$name" "$@" >"$log" 2>&1 </dev/null; then
         count 1 0
-        printf 'ok      %s (%d s)\n' "$name" $((SECONDS - start))
+        printf 'ok      %s (%d s)\n' "$name" "$seconds"
     else
         count 0 1
-        printf 'FAILED  %s (%d s), see %s\n%s\n' "$name" $((SECONDS - start)) "$log" "$(tail -n 60 "$log" | sed 's/^/        /')"
+        printf 'FAILED  %s (%d s), see %s\n%s\n' "$name" "$seconds" "$log" "$(tail -n 60 "$log" | sed 's/^/        /')"
     fi
 }
 
-# build FOLDER CONFIGURE... [-- TARGET...]: configures and builds build/FOLDER.
+# build PRESET [ARGUMENT...] [-- TARGET...]: configures and builds build/PRESET.
 build() {
-    local folder=$1 configure=() targets=()
+    local preset=$1 arguments=() targets=()
     shift
     while [ $# -gt 0 ] && [ "$1" != -- ]; do
-        configure+=("$1")
+        arguments+=("$1")
         shift
     done
     [ $# -eq 0 ] || targets=(--target "${@:2}")
-    command -v ccache >/dev/null && configure+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
-    "${configure[@]}" && cmake --build "build/$folder" -j "$jobs" "${targets[@]}"
+    tools/configure "$preset" "${arguments[@]}" && cmake --build "build/$preset" -j "$jobs" "${targets[@]}"
 }
 
 # Adds the cases of doctest programs, and one for each other test, out of a log of ctest -V or of a program.
@@ -82,22 +93,25 @@ add_tally() { # NAME LOG STATUS SECONDS
     fi
 }
 
-# All tests of build/FOLDER, each case counted.
+# All tests of build/FOLDER, each case counted. One that cannot run is named, and counts as failed: nothing is left out in silence.
 check_suite() {
-    local folder=$1 log status=0 start=$SECONDS
+    local folder=$1 log status=0 seconds processors
     log=$(log_of "$folder tests")
-    ctest --test-dir "build/$folder" -V -j "$jobs" --timeout "$test_seconds" >"$log" 2>&1 || status=$?
-    add_tally "$folder: tests" "$log" "$status" $((SECONDS - start))
+    timed "$folder: tests" ctest --test-dir "build/$folder" -V -j "$jobs" --timeout "$test_seconds" >"$log" 2>&1 || status=$?
+    ! grep -q '[*]Skipped' "$log" || status=1
+    add_tally "$folder: tests" "$log" "$status" "$seconds"
+    grep '[*]Skipped' "$log" | sed 's/^/        cannot run: /' || true
     [ "$status" -eq 0 ] || { ctest --test-dir "build/$folder" --rerun-failed --output-on-failure --timeout "$test_seconds" 2>&1 || true; } | tail -n 200
 }
 
-# One doctest program, each case counted.
+# check_program NAME PROGRAM [ARGUMENT...]: a doctest program, each case counted.
 check_program() { start_check check_program_now "$@"; }
 check_program_now() {
-    local name=$1 program=$2 log status=0 start=$SECONDS
+    local name=$1 log status=0 seconds processors
+    shift
     log=$(log_of "$name")
-    "$program" >"$log" 2>&1 </dev/null || status=$?
-    add_tally "$name" "$log" "$status" $((SECONDS - start))
+    timed "$name" "$@" >"$log" 2>&1 </dev/null || status=$?
+    add_tally "$name" "$log" "$status" "$seconds"
     [ "$status" -eq 0 ] || tail -n 100 "$log"
 }
 
@@ -175,19 +189,13 @@ planted_hash_is_noticed() {
 
 # ---- fuzzing ----
 
-build_fuzzers() {
-    build fuzz cmake -S . -B build/fuzz -G Ninja -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_BUILD_TYPE=None \
-        -DCMAKE_CXX_FLAGS="-O1 -g1 -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all" \
-        -DLOCKSTONE_BUILD_DEMO=OFF -DLOCKSTONE_BUILD_TESTS=OFF -DLOCKSTONE_BUILD_TOOLS=OFF -DLOCKSTONE_BUILD_COOK=ON -DLOCKSTONE_BUILD_FUZZERS=ON
-}
-
 # fuzz TARGET CORPUS RUNS [OPTION...]: new inputs go to build/, a crash is kept there too.
 fuzz() {
     local target=$1 kept=tests/fuzz/corpus/$2 runs=$3
     shift 3
     mkdir -p "build/fuzz-corpus/$target" "build/fuzz-corpus/none"
     [ -d "$kept" ] || kept=build/fuzz-corpus/none
-    build/fuzz/bin/fuzz_"$target" -runs="$runs" -seed=1 -max_len=4096 -timeout=20 -rss_limit_mb=3000 -print_final_stats=1 \
+    build/asan/bin/fuzz_"$target" -runs="$runs" -seed=1 -max_len=4096 -timeout=20 -rss_limit_mb=3000 -print_final_stats=1 \
         "$@" -artifact_prefix="build/fuzz-corpus/$target-" "build/fuzz-corpus/$target" "$kept"
 }
 
@@ -217,7 +225,7 @@ broken_imports_are_contained() {
         status=0
         build/release/bin/lockstone cook "$path" -o build/fuzz-corpus/broken.lsa || status=$?
         [ "$status" -le 2 ] || return 1
-        report=$(ASAN_OPTIONS=detect_leaks=0 build/fuzz/bin/fuzz_cook_import -timeout=2 "$input" 2>&1) || true
+        report=$(ASAN_OPTIONS=detect_leaks=0 build/asan/bin/fuzz_cook_import -timeout=2 "$input" 2>&1) || true
         ! grep -E '^ *#[01] .* lockstone::' <<<"$report" || return 1
         count=$((count + 1))
     done
@@ -236,7 +244,10 @@ finish() {
     local passed failed
     wait
     read -r passed failed < <(awk '{ p += $1; f += $2 } END { print p + 0, f + 0 }' "$logs/tally")
-    printf '\n%d minutes\n%d passed, %d failed\n' $((SECONDS / 60)) "$passed" "$failed"
+    printf '\nwhere the time went (steps of 5 s and more; steps side by side share the clock):\n'
+    sort -rn "$logs/times" | awk -F '\t' '{ if ($1 >= 5) printf "%6d s  %6d s of processors  %s\n", $1, $2, $3; all += $2 }
+        END { printf "%6d minutes of processors in all\n", all / 60 }'
+    printf '%d minutes\n%d passed, %d failed\n' $((SECONDS / 60)) "$passed" "$failed"
     [ "$failed" -eq 0 ] && [ "$passed" -gt 0 ] && exit 0
     exit 1
 }

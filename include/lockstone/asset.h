@@ -35,17 +35,31 @@ using AssetBytes = std::vector<std::byte>;
 /// an error. Across each of its triangles the hull must be at least 2 * shape_size_min thick.
 Result<AssetBytes> bake_hull(std::span<const LengthVec3> points);
 
+inline constexpr std::uint32_t material_surfaces_max = 256;
+
+/// How triangles or cells of a material touch, in place of what their shape says (see ShapeDef, whose rules of mixing hold).
+/// Lists are in ascending order of material; what is not listed is as the shape says.
+struct MaterialSurface {
+    std::uint32_t material; ///< as in MeshDef::materials and HeightFieldDef::cells; 0 are those without any
+    Real friction;          ///< 0..4
+    Real restitution{};     ///< 0..1
+    Real rolling_resistance{}; ///< [m], 0..1
+    Vec3 surface_velocity{};   ///< of a conveyor, in the shape's axes [m/s], each within 100
+};
+
 struct MeshDef {
     std::span<const Vec3> vertices; ///< [m], within 8000 m of the origin on each axis
     std::span<const std::array<std::uint32_t, 3>> triangles; ///< counter-clockwise seen from outside
     std::span<const std::uint16_t> materials = {};           ///< one a triangle, or none
+    std::span<const MaterialSurface> surfaces = {};
     bool two_sided =
         false; ///< true: every triangle is a wall to both sides; false: what is behind it is inside
     /// An edge whose two triangles meet at less than this is flat: nothing is caught by it [sine, 0..1].
     Unit flat_sine = Unit::from_raw(1 << 25);
 };
 /// Repeated vertices are welded; triangles that are degenerate after rounding to 24 fraction bits are dropped. Triangles
-/// are put in an order in space: their index in contacts and hits is not that of `triangles`, their material stays.
+/// are put in an order in space: a hit's `feature` is the index in that order, its `part` tells that in `triangles` and the
+/// material.
 Result<AssetBytes> bake_mesh(const MeshDef& def);
 
 struct HeightFieldDef {
@@ -54,6 +68,7 @@ struct HeightFieldDef {
     std::span<const Length> heights; ///< heights[row * columns + column], y [m], within 100 m of 0
     std::span<const std::uint8_t> cells =
         {}; ///< (columns - 1) * (rows - 1): 0..254 material, 255 a hole; or none
+    std::span<const MaterialSurface> surfaces = {};
     Unit flat_sine = Unit::from_raw(1 << 25);
 };
 /// The first sample is at x = z = 0. A cell is cut along the diagonal from (column, row) to (column + 1, row + 1). What
@@ -98,7 +113,8 @@ class AssetLibrary {
 };
 
 /// Triangles of any shape but a plane, for drawing and for tests: round shapes are approximated with `round` steps to
-/// the quarter turn. In the shape's frame, counter-clockwise seen from outside.
+/// the quarter turn, 1 to 64; more or less is taken as that. In the shape's frame, counter-clockwise seen
+/// from outside. Empty for a plane, for what `validate` refuses, and for an asset that is not in the library.
 struct TriangleSoup {
     std::vector<Vec3> vertices;
     std::vector<std::array<std::uint32_t, 3>> triangles;

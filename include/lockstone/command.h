@@ -12,6 +12,7 @@
 
 #include <array>
 #include <cstdint>
+#include <type_traits>
 #include <variant>
 
 namespace lockstone {
@@ -22,7 +23,7 @@ enum class BodyKind : std::uint32_t {
     dynamic,   ///< moves under forces and contacts
 };
 
-/// Bits of BodyDef::locks: motion along or about a world axis that never happens.
+/// Bits of BodyDef::locks: motion along or about a world axis that never happens. Velocity given along or about it is dropped.
 enum AxisLock : std::uint32_t {
     lock_linear_x = 1,
     lock_linear_y = 2,
@@ -52,6 +53,19 @@ struct BodyDef {
 
 /// How a pair's coefficient follows from those of its two shapes. Of two different rules the one further down holds.
 enum class Mix : std::uint32_t { geometric_mean, average, minimum, multiply, maximum };
+
+/// Where on a shape something touches it.
+struct SurfacePart {
+    std::uint32_t
+        source; ///< triangle of MeshDef::triangles; cell of a height field, row * (columns - 1) + column; part of a
+                ///< compound; else 0
+    std::uint32_t
+        material; ///< of the triangle or cell; where that is 0, and of other shapes, ShapeDef::material
+    friend bool operator==(const SurfacePart&, const SurfacePart&) = default;
+};
+template <class V> constexpr void describe(SurfacePart& p, V&& v) {
+    v("source", p.source), v("material", p.material);
+}
 
 struct ShapeDef {
     Geometry geometry = sphere(Real::from_raw(std::int64_t{1} << 31));
@@ -124,36 +138,48 @@ struct AddImpulseAt {
     BodyId body;
     Vec3 impulse, point;
 };
+/// A setting of a command that may leave it as it is: what the game does not name does not change.
+template <class T> struct Change {
+    using Given = std::conditional_t<sizeof(T) % 8 == 0, std::uint64_t, std::uint32_t>; ///< fills the row
+    T value{};
+    Given given = 0; ///< 1: from now on it is `value`; 0: it stays
+
+    constexpr Change() = default;
+    constexpr Change(T to) : value(to), given(1) {}
+    constexpr T or_else(T now) const { return given != 0 ? value : now; }
+};
+/// See BodyDef for units and limits.
 struct SetBodyParameters {
     BodyId body;
-    Real linear_damping, angular_damping, gravity_scale;
-    std::uint32_t locks, gyroscopic, bullet;
-    std::uint32_t enable_fields = 1;
-    Real drag_scale = Real(1);
+    Change<Real> linear_damping{}, angular_damping{}, gravity_scale{};
+    Change<std::uint32_t> locks{}, gyroscopic{}, bullet{}, enable_fields{};
+    Change<Real> drag_scale{};
 };
+/// See ShapeDef.
 struct SetMaterial {
     ShapeId shape;
-    Real friction, restitution, rolling_resistance;
-    Vec3 surface_velocity;
+    Change<Real> friction{}, restitution{}, rolling_resistance{};
+    Change<Vec3> surface_velocity{};
 };
 /// What a shape is and meets; see ShapeDef.
 struct SetFilter {
     ShapeId shape;
-    std::uint32_t category, mask;
-    std::int32_t group;
+    Change<std::uint32_t> category{}, mask{};
+    Change<std::int32_t> group{};
 };
 /// Whether two bodies may touch at all; 1 is where every pair starts. Ends with either body.
 struct SetPairFilter {
     BodyId a, b;
     std::uint32_t collide; ///< 0 or 1
 };
-/// Overrides what follows from the shapes, until it is called with a mass of 0.
+/// Overrides what follows from the shapes, until it is called with a mass of 0. What it does not name is from then on
+/// what it was, whatever becomes of the shapes.
 struct SetMass {
     BodyId body;
-    Real mass;      ///< [kg], 1e-3..1e9; 0: from the shapes again, and the rest is ignored
-    Vec3 center;    ///< of mass, from the body's origin in its axes [m], within 64
-    Vec3 gyration;  ///< principal radii of gyration, sqrt(inertia / mass) [m], 0.001..100
-    Quat principal; ///< turns the body's axes into the principal axes
+    Change<Real> mass{};      ///< [kg], 1e-3..1e9; 0: all from the shapes again, and the rest is ignored
+    Change<Vec3> center{};    ///< of mass, from the body's origin in its axes [m], within 64
+    Change<Vec3> gyration{};  ///< principal radii of gyration, sqrt(inertia / mass) [m], 0.001..100
+    Change<Quat> principal{}; ///< turns the body's axes into the principal axes
 };
 struct SetGravity {
     Vec3 gravity;
@@ -273,6 +299,9 @@ template <class V> constexpr void describe(AddImpulse& c, V&& v) {
 }
 template <class V> constexpr void describe(AddImpulseAt& c, V&& v) {
     v("body", c.body), v("impulse", c.impulse), v("point", c.point);
+}
+template <class T, class V> constexpr void describe(Change<T>& c, V&& v) {
+    v("value", c.value), v("given", c.given);
 }
 template <class V> constexpr void describe(SetBodyParameters& c, V&& v) {
     v("body", c.body), v("linear_damping", c.linear_damping), v("angular_damping", c.angular_damping);

@@ -23,16 +23,18 @@ struct Event {
     std::uint32_t reserved;
     ShapeId shape_a, shape_b; ///< shape_a < shape_b for contacts; the sensor first for sensors
     BodyId body_a, body_b;
-    JointId joint;        ///< of joint_break, else null
-    Vec3 point;           ///< world [m]; zero for end events
-    UnitVec3 normal;      ///< from a to b; zero for end and sensor events
-    Speed approach_speed; ///< along the normal before the solve [m/s], positive when closing
-    std::uint64_t tick;   ///< the tick that produced it: world.tick_count() before that tick
+    JointId joint;              ///< of joint_break, else null
+    Vec3 point;                 ///< world [m]; zero for end events
+    UnitVec3 normal;            ///< from a to b; zero for end and sensor events
+    SurfacePart part_a, part_b; ///< where they touch; zero but for contact_begin and sensor_begin
+    Speed approach_speed;       ///< along the normal before the solve [m/s], positive when closing
+    std::uint64_t tick;         ///< the tick that produced it: world.tick_count() before that tick
 };
 template <class V> constexpr void describe(Event& e, V&& v) {
     v("kind", e.kind), v("reserved", e.reserved), v("shape_a", e.shape_a), v("shape_b", e.shape_b);
     v("body_a", e.body_a), v("body_b", e.body_b), v("joint", e.joint), v("point", e.point),
         v("normal", e.normal);
+    v("part_a", e.part_a), v("part_b", e.part_b);
     v("approach_speed", e.approach_speed), v("tick", e.tick);
 }
 

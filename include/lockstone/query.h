@@ -41,7 +41,8 @@ struct QueryHit {
     Unit fraction;   ///< casts: of the translation
     Vec3 point;      ///< on the shape's surface, world [m]
     UnitVec3 normal; ///< of the shape's surface; zero when they overlap at the start
-    std::uint32_t feature; ///< triangle of a mesh or height field, part of a compound, else 0
+    std::uint32_t feature; ///< triangle of a mesh or height field as baked, part of a compound, else 0
+    SurfacePart part;
 };
 
 /// Where two shapes are nearest to each other.

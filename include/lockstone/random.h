@@ -1,7 +1,12 @@
 // Random numbers as state: a generator is four words in a game's own column, saved and rolled back with the world.
 //
-//   Random& loot = world.game.loot;                 seeded once: Random::seeded(match_seed, stream_id)
-//   if (loot.chance(0.25_r)) drop(loot.range(1, 6));
+//   struct Chance { Random loot; };                                       a record of the game's
+//   template <class V> constexpr void describe(Chance& c, V&& v) { v("loot", c.loot); }
+//
+//   world.write(record, Chance{Random::seeded(match_seed, stream_id)});   once, at the start
+//   Chance now = world.read(record);
+//   if (now.loot.chance(0.25_r)) drop(now.loot.range(1, 6));
+//   world.write(record, now);                                             a draw moves the generator on
 //
 // One generator per purpose: a draw added to one must not shift the others.
 #pragma once
@@ -128,6 +133,8 @@ struct Random {
         }
     }
 };
+
+template <class Visit> constexpr void describe(Random& r, Visit&& visit) { visit("state", r.state); }
 
 static_assert(std::is_trivially_copyable_v<Random> && std::has_unique_object_representations_v<Random>);
 

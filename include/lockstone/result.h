@@ -1,7 +1,6 @@
 // Errors that come from outside: files, packets, definitions, capacities. A programmer's error asserts instead.
 #pragma once
 
-#include <cassert>
 #include <string>
 #include <utility>
 #include <variant>
@@ -13,9 +12,22 @@ struct Error {
     std::string message;
 };
 
-/// A value or an Error. `if (!result) report(result.error().message);`
+namespace detail {
+/// Ends the program with a sentence, in every build: somebody took a value that is not there, or an error that is not.
+[[noreturn]] void stop_without_value(const Error& error);
+[[noreturn]] void stop_without_error();
+} // namespace detail
+
+/// A value or an Error. `if (!result) report(result.error().message);` To take the value of an error, or the error of a
+/// value, ends the program with a sentence that holds the error.
 template <class T> class [[nodiscard]] Result {
     std::variant<T, Error> content;
+
+    template <class Self> static auto& value_of(Self& self) {
+        if (const Error* error = std::get_if<1>(&self.content)) [[unlikely]]
+            detail::stop_without_value(*error);
+        return *std::get_if<0>(&self.content);
+    }
 
   public:
     Result(T value) : content(std::in_place_index<0>, std::move(value)) {}
@@ -23,15 +35,19 @@ template <class T> class [[nodiscard]] Result {
 
     explicit operator bool() const { return content.index() == 0; }
     bool ok() const { return content.index() == 0; }
-    T& value() & { return assert(ok()), *std::get_if<0>(&content); }
-    const T& value() const& { return assert(ok()), *std::get_if<0>(&content); }
-    T&& value() && { return assert(ok()), std::move(*std::get_if<0>(&content)); }
+    T& value() & { return value_of(*this); }
+    const T& value() const& { return value_of(*this); }
+    T&& value() && { return std::move(value_of(*this)); }
     T& operator*() & { return value(); }
     const T& operator*() const& { return value(); }
     T&& operator*() && { return std::move(*this).value(); }
     T* operator->() { return &value(); }
     const T* operator->() const { return &value(); }
-    const Error& error() const { return assert(!ok()), *std::get_if<1>(&content); }
+    const Error& error() const {
+        if (ok()) [[unlikely]]
+            detail::stop_without_error();
+        return *std::get_if<1>(&content);
+    }
 };
 
 template <> class [[nodiscard]] Result<void> {
@@ -43,7 +59,16 @@ template <> class [[nodiscard]] Result<void> {
 
     explicit operator bool() const { return content.index() == 0; }
     bool ok() const { return content.index() == 0; }
-    const Error& error() const { return assert(!ok()), *std::get_if<1>(&content); }
+    /// Says that it went well, or ends the program with the error: `world.add_force(...).value();`
+    void value() const {
+        if (const Error* error = std::get_if<1>(&content)) [[unlikely]]
+            detail::stop_without_value(*error);
+    }
+    const Error& error() const {
+        if (ok()) [[unlikely]]
+            detail::stop_without_error();
+        return *std::get_if<1>(&content);
+    }
 };
 
 using Status = Result<void>;

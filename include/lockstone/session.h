@@ -33,6 +33,9 @@ inline constexpr std::uint32_t players_max = 16;
 inline constexpr std::uint32_t input_bytes_max = 64;
 inline constexpr std::uint32_t prediction_limit = 64; ///< of SessionDef::prediction_max
 inline constexpr std::uint32_t input_delay_limit = 32;
+/// What one poll reads: packets of each peer, and of all senders. Of a peer's, more are dropped unread; the rest waits.
+inline constexpr std::uint32_t packets_per_peer_max = 64;
+inline constexpr std::uint32_t packets_per_poll_max = 4096;
 
 /// Guesses a remote player's input until the true one is here. Wrong guesses cost a rollback, never correctness, so
 /// a predictor may use anything at hand.
@@ -56,7 +59,11 @@ struct SessionDef {
     std::vector<PeerId> players; ///< by player: the machine where they play; 1..16, the same on every machine
     std::uint32_t input_delay = 2;      ///< [ticks], 0..32; lockstep needs at least 1; machines may differ
     std::uint32_t prediction_max = 8;   ///< [ticks] that may run on guesses, 1..64; lockstep ignores it
-    std::uint64_t disconnect_ms = 5000; ///< silence after which a peer counts as gone
+    /// Patience with a peer: how long it may be silent, and how long the match may wait for its inputs, hashes and
+    /// acknowledgements; every tick that runs makes up for a tenth of a second, or a sixtieth of it if that is more.
+    /// Then this machine wants it to leave.
+    std::uint64_t disconnect_ms = 5000;
+    std::uint64_t connect_ms = 30'000; ///< from the first poll: how long a peer may take to appear
     const InputPredictor* predictor = &repeat_last_input(); ///< not owned
 };
 /// match_id stays 0: set it where several matches share a network.
@@ -88,8 +95,9 @@ enum class Stall {
     connecting,          ///< a peer has not been heard of yet
     inputs_missing,      ///< prediction_max ticks rest on guesses already (lockstep: an input is not here)
     local_input_missing, ///< add_local_input was not called for a local player
-    peer_behind, ///< a peer confirms nothing any more; what it lacks must be kept and the memory is bounded
-    finished,    ///< tick 2^32 - 4096: two years at 60 Hz
+    peer_behind, ///< a peer does not say what it has: what it lacks must be kept, and the memory is bounded
+    finished,    ///< tick or poll 2^32 - 4096: two years at 60 Hz
+    stopped,     ///< for good; the notice MatchStopped says why
 };
 const char* name_of(Stall stall);
 
@@ -97,7 +105,8 @@ struct Step {
     Stall stall;
     std::span<const Request>
         requests; ///< execute all, in order, also when stalled; valid until the next advance
-    /// How many frames to skip (poll without advance) so that slower peers catch up; asked for once a second or so.
+    /// How many frames to skip (poll without advance) so that slower peers catch up; asked for once a second or so,
+    /// never more than prediction_max (lockstep: the input delay), whatever peers say.
     std::uint32_t wait_ticks;
 };
 
@@ -135,7 +144,12 @@ struct PeerIncompatible {
     PeerId peer;
     const char* reason;
 };
-using Notice = std::variant<PeerConnected, PlayerDisconnected, Desync, PeerIncompatible>;
+/// The match cannot go on at this machine: the others have dropped it, or they cannot agree on who has left when. Told
+/// once; every later step is stalled. What was confirmed stays true.
+struct MatchStopped {
+    std::string reason; ///< a sentence
+};
+using Notice = std::variant<PeerConnected, PlayerDisconnected, Desync, PeerIncompatible, MatchStopped>;
 
 /// Why a packet was dropped. Dropped packets change nothing but these counts.
 enum class PacketFault : std::uint32_t {
@@ -145,8 +159,9 @@ enum class PacketFault : std::uint32_t {
     match,       ///< another match, game or line-up
     malformed,   ///< a field contradicts the format
     implausible, ///< well formed, but claims what the sender cannot know or do
+    flood,       ///< more than packets_per_peer_max of one peer in a poll: not even read
 };
-inline constexpr std::uint32_t packet_fault_count = 6;
+inline constexpr std::uint32_t packet_fault_count = 7;
 const char* name_of(PacketFault fault);
 
 struct SessionStats {
@@ -179,32 +194,40 @@ struct PeerQuality {
 class Session {
   public:
     virtual ~Session() = default;
-    /// Receives all packets, then sends every peer one packet with what it lacks. Call each frame, also when waiting.
-    /// Time comes from outside, in milliseconds from any origin, and never goes backwards.
+    /// Receives packets, then sends every peer one packet with what it lacks. Call each frame, also when waiting. Time
+    /// comes from outside, in milliseconds from any origin; an earlier time than before counts as the same.
     virtual void poll(std::uint64_t now_ms) = 0;
     /// What a local player does at tick current_tick() + input_delay. Once per tick: repeated before the tick has run
-    /// (a stall), the first stands. Another size or a player of another machine asserts.
+    /// (a stall), the first stands. Another size, or a player of another machine or of none, asserts.
     virtual void add_local_input(std::uint32_t player, std::span<const std::byte> input) = 0;
     /// Corrects the past if inputs have arrived that differ from the guesses, then runs the next tick if it may.
     virtual Step advance() = 0;
-    /// After each Advance: the hash of the state after tick `tick`. Required, all else rests on it.
+    /// The same without a new tick, for the end of a match: only what ran on wrong guesses runs again. Never stalls.
+    virtual Step settle() = 0;
+    /// After each Advance: the hash of the state after tick `tick`. Required, all else rests on it. A tick that was not
+    /// asked for asserts.
     virtual HashCheck report_hash(std::uint64_t tick, std::uint64_t hash) = 0;
     /// In order, each tick exactly once. Take all of them before the next advance (asserted).
     virtual std::optional<ConfirmedTick> next_confirmed() = 0;
     virtual std::optional<Notice> next_notice() = 0;
+
+    /// This machine wants a peer to leave. Between two machines it has left at once; among more it leaves when most of
+    /// the others want it too, see src/session/README.md. Refuses a machine that is not a peer of this match.
+    virtual Status drop_peer(PeerId peer) = 0;
 
     virtual std::uint64_t current_tick() const = 0; ///< the next new tick
     virtual std::uint32_t
     images_max() const = 0; ///< saved states alive at once: ticks t and t + images_max() may share a slot
     virtual void
     set_input_delay(std::uint32_t ticks) = 0; ///< 0..32, at any time; lockstep: at least 1 (asserted)
-    virtual PeerQuality quality(PeerId peer) const = 0;
+    virtual PeerQuality quality(PeerId peer) const = 0; ///< of nobody in this match: not connected, all zero
     virtual const SessionStats& stats() const = 0;
 };
 
 /// Predicts remote inputs, rolls back when it was wrong. Errors name the field of `def` that is out of range.
 Result<std::unique_ptr<Session>> make_rollback_session(const SessionDef& def, Transport& transport);
-/// Runs a tick only when all its inputs are here: never loads, never saves. The input delay hides the latency.
+/// Runs a tick only when all its inputs are here: never loads, never saves. The input delay hides the latency; among three
+/// or more machines the way there and back, since a tick is run only when all others are known to have its inputs too.
 Result<std::unique_ptr<Session>> make_lockstep_session(const SessionDef& def, Transport& transport);
 /// One machine, all players local: every tick, rolls back `depth` ticks (1..64), runs them again and compares hashes.
 /// A tick is confirmed after `depth` re-runs. First runs have status `predicted`, so that a game whose rules read the
@@ -225,9 +248,11 @@ class Simulation {
     virtual State& state() = 0; ///< for diagnosis: naming a difference, planting a fault
 };
 
+/// The world outlives it and stays where it is: to use it afterwards ends the program with a sentence.
 class WorldSimulation final : public Simulation {
   public:
-    WorldSimulation(World& driven, const Game& rules) : world(driven), game(rules) {}
+    WorldSimulation(World& driven, const Game& rules)
+        : world(driven), lifetime(driven.lifetime()), game(rules) {}
     void save(Image& image) const override;
     void restore(const Image& image) override;
     void advance(std::span<const PlayerInput> inputs) override;
@@ -239,7 +264,9 @@ class WorldSimulation final : public Simulation {
     const Status& failure() const { return first_failure; }
 
   private:
+    World& living() const;
     World& world;
+    std::weak_ptr<const void> lifetime;
     const Game& game;
     Status first_failure;
 };
@@ -290,7 +317,8 @@ struct Frame {
     std::uint32_t wait_ticks; ///< Step::wait_ticks
 };
 
-/// Executes a session's requests on a simulation with a ring of images allocated once, and reconciles events.
+/// Executes a session's requests on a simulation with a ring of images allocated once, and reconciles events. The session
+/// and the simulation outlive it. To use one that was moved from ends the program with a sentence.
 class SessionRunner {
   public:
     SessionRunner(Session& session, Simulation& simulation, RunnerDef def = {});
@@ -302,12 +330,17 @@ class SessionRunner {
     /// A frame without a new tick, when wait_ticks asks for it: poll only.
     void wait(std::uint64_t now_ms);
     /// Of the last frame: by tick, then in the order of the tick's events.
+    /// The end of a match: instead of frame(), each frame, until it returns true. No new tick is run; what was run is
+    /// settled, confirmed and handed to the sink. Every machine goes on to the same tick first (Session::current_tick),
+    /// and gives inputs up to there: what is not given is never confirmed.
+    bool drain(std::uint64_t now_ms);
     std::span<const SessionEvent> events() const;
     /// The first failure of a sync test; null while there is none.
     const SyncTestFailure* sync_failure() const;
 
   private:
     struct Impl;
+    Impl& inside() const;
     std::unique_ptr<Impl> impl;
 };
 

@@ -81,6 +81,10 @@ class StateLayout {
     /// XXH3 of all names, sizes and formats (not capacities): two states compare or load only where these agree.
     std::uint64_t schema_hash() const { return schema; }
     const ColumnInfo* find_column(std::string_view name) const;
+    /// What the rows were made for, by whoever made the layout: images of another origin are not for this state. Not
+    /// part of the schema; 0 where nobody says.
+    std::uint64_t origin() const { return made_for; }
+    void set_origin(std::uint64_t origin) { made_for = origin; }
 
   private:
     void place_columns();
@@ -92,6 +96,7 @@ class StateLayout {
     std::size_t image_size_max = 0;
     std::size_t pages_total = 0;
     std::uint64_t schema = 0;
+    std::uint64_t made_for = 0;
 };
 
 namespace detail {
@@ -128,6 +133,8 @@ class Image {
   public:
     /// What image_bytes() was of the state when it was saved; 0: nothing was.
     std::size_t size() const { return packed_size; }
+    /// StateLayout::origin of the state; 0 of an empty image.
+    std::uint64_t origin() const { return layout == nullptr ? 0 : layout->origin(); }
     /// The same schema, counts and rows.
     friend bool operator==(const Image& left, const Image& right);
 
@@ -208,7 +215,11 @@ class State {
         const std::span<const std::byte> all = bytes(column.index);
         return {reinterpret_cast<const T*>(all.data()), all.size() / sizeof(T)};
     }
-    std::span<const std::byte> bytes(std::uint32_t column) const; ///< live rows, raw
+    /// Live rows, raw. Asked for a hundred thousand times in a tick.
+    std::span<const std::byte> bytes(std::uint32_t column) const {
+        const StateLayout::Placement& place = shared_layout->placements()[column];
+        return {block.get() + place.offset, std::size_t{counts()[place.table]} * place.row_size};
+    }
 
     // ---- writing: whatever these name counts as written ----
     // Use what they return at once: it is valid until the state is moved or the table resized, and a write through it

@@ -26,7 +26,8 @@ struct Datagram {
     std::span<const std::byte> bytes; ///< valid until the next call of receive
 };
 
-/// One machine's access to the others. Implemented by src/net (sockets), by SimulatedNetwork, or by the game.
+/// One machine's access to the others. Implemented by SimulatedNetwork, or by the game over what carries its packets;
+/// this version brings no sockets.
 class Transport {
   public:
     virtual ~Transport() = default;

@@ -153,8 +153,8 @@ template <FixedPoint T> constexpr Vector3<T> rotate_inverse(Quat q, Vector3<T> v
 
 /// A rigid pose: x -> position + rotation x.
 struct Transform {
-    Vec3 position; ///< [m]
-    Quat rotation;
+    Vec3 position{}; ///< [m]
+    Quat rotation = Quat::identity();
 
     static constexpr Transform identity() { return {Vec3{}, Quat::identity()}; }
     friend constexpr bool operator==(const Transform&, const Transform&) = default;

@@ -1,7 +1,7 @@
 // The world: bodies, shapes and force fields that tick.
 //
 //   World world = World::create({.gravity = {0_r, -9.81_r, 0_r}}).value();
-//   BodyId ball = world.create_body({.pose = {.position = {0_r, 5_r, 0_r}, .rotation = Quat::identity()}}).value();
+//   BodyId ball = world.create_body({.pose = {.position = {0_r, 5_r, 0_r}}}).value();
 //   world.create_shape(ball, {.geometry = sphere(0.5_r)}).value();
 //   world.tick();
 //   Image image;
@@ -14,6 +14,7 @@
 #include "lockstone/asset.h"
 #include "lockstone/event.h"
 #include "lockstone/query.h"
+#include "lockstone/simd.h"
 #include "lockstone/state.h"
 
 #include <memory>
@@ -37,8 +38,7 @@ const char* name_of(Integrator integrator);
 
 struct WorldDef {
     std::uint32_t tick_rate = 60; ///< ticks per second, 1..1000
-    std::uint32_t substeps =
-        8; ///< solver steps per tick, 1..16; 8 hold a pyramid of base 40, 4 suffice for scattered bodies
+    std::uint32_t substeps = 4; ///< solver steps per tick, 1..16; see precise()
     Vec3 gravity = {Real{}, Real::from_raw(-42133629174), Real{}}; ///< -9.81 m/s^2 along y; within 1000
     Integrator integrator = Integrator::semi_implicit_euler;
     std::uint32_t bounds_shift =
@@ -64,6 +64,13 @@ struct WorldDef {
     Real sleep_time =
         Real::from_raw(std::int64_t{1} << 31); ///< [s]: 0.5; an island that long at rest falls asleep
     std::uint64_t seed = 1;                    ///< part of the state; the game's random streams start from it
+
+    /// For towers, heavy loads and long chains: twice the substeps, at less than twice the cost of a tick.
+    static WorldDef precise() {
+        WorldDef def;
+        def.substeps = 8;
+        return def;
+    }
 };
 
 /// The game's own columns, in the same block as the engine's: saved, hashed, compared and dumped with them.
@@ -112,6 +119,8 @@ class Journal {
                             const Command& command) = 0; ///< applied before tick `tick` runs
     virtual void on_tick(std::uint64_t tick,
                          std::uint64_t hash) = 0; ///< tick ran; hash of the state after it
+    /// The state was replaced, by whatever means but a tick or a command: the next tick is `tick`.
+    virtual void on_restore(std::uint64_t tick) = 0;
 };
 
 /// Hash of the whole state after one phase of a tick, for finding where two runs part.
@@ -120,9 +129,23 @@ struct PhaseHash {
     std::uint64_t hash;
 };
 
+/// Is told what a tick has done, for profilers. It is handed no state and hands nothing back: no bit can depend on it.
+class PhaseObserver {
+  public:
+    virtual ~PhaseObserver() = default;
+    virtual void on_phase(const char* phase) = 0; ///< has passed; its work is what was done since the last call
+};
+
+/// Wrong arguments. Commands answer each with an error that names the argument, and change nothing. An id is two numbers:
+/// one of another world is this world's id with the same numbers, if there is one, else dead. Reading takes living ids,
+/// rows below the count and columns of this world's schema only: anything else ends the program with a sentence, in every
+/// build, and so does any use of a world that was moved from. Queries answer what makes no sense with nothing.
+///
+/// Threads. Const members may be called from several threads at once while no other member runs: they keep what they find out
+/// behind a lock and in memory of their own. state() is for one thread.
 class World {
   public:
-    /// `assets` are what hulls, meshes, height fields and compounds are made of; see lockstone/asset.h.
+    /// Refuses a definition out of range, with the field's name. `assets` are what hulls, meshes, height fields and compounds are made of; see lockstone/asset.h.
     static Result<World> create(const WorldDef& def, const GameSchema& schema = {},
                                 std::shared_ptr<const AssetLibrary> assets = {});
     /// Upper bounds of what a world of this definition takes [bytes], with all tables full and without its assets; for
@@ -137,6 +160,8 @@ class World {
     World& operator=(World&&) noexcept;
     ~World();
     World clone() const; ///< same state at another address; no journal
+    /// Expires with this object, so that who keeps a reference to it can tell. Its contents may move elsewhere before.
+    std::weak_ptr<const void> lifetime();
 
     // ---- time ----
     void tick();                      ///< one tick of 1 / tick_rate seconds
@@ -154,6 +179,8 @@ class World {
         CharacterId character{};
         VehicleId vehicle{};
     };
+    /// Refuses what the command's definition calls out of range, ids that are dead or null, and what there is no room for:
+    /// the error names the command and the field, the world is as it was. So do all below.
     Result<Applied> apply(const Command& command);
     Result<BodyId> create_body(const BodyDef& def);
     Result<ShapeId> create_shape(BodyId body, const ShapeDef& def);
@@ -196,8 +223,8 @@ class World {
         return write(record, BodyId{}, value);
     }
 
-    // ---- reading: valid ids only where a reference is returned (asserted); is_alive tells ----
-    bool is_alive(BodyId body) const;
+    // ---- reading: living ids only (asserted); is_alive tells ----
+    bool is_alive(BodyId body) const; ///< no for any id that is null, dead or was never given out
     bool is_alive(ShapeId shape) const;
     bool is_alive(JointId joint) const;
     bool is_alive(VehicleId vehicle) const;
@@ -206,10 +233,11 @@ class World {
     FieldId field_at(std::uint32_t row) const; ///< row < field_count()
     FieldDef field(FieldId field) const;
     std::vector<BodyId> bodies() const; ///< by row; allocates
-    bool is_awake(BodyId body) const; ///< static and kinematic bodies that nothing moves are not
-    std::uint32_t awake_count() const; ///< bodies of all kinds
+    bool is_awake(BodyId body) const;   ///< static and kinematic bodies that nothing moves are not
+    std::uint32_t awake_count() const;  ///< bodies of all kinds
     std::uint32_t body_count() const;
-    BodyId body_at(std::uint32_t row) const;  ///< row < body_count(); rows move when bodies are destroyed, fall asleep, wake
+    BodyId body_at(std::uint32_t row)
+        const; ///< row < body_count(); rows move when bodies are destroyed, fall asleep, wake
     Transform pose(BodyId body) const;        ///< of the body's origin
     Vec3 center_of_mass(BodyId body) const;   ///< world [m]
     Vec3 linear_velocity(BodyId body) const;  ///< of the centre of mass [m/s]
@@ -217,6 +245,10 @@ class World {
     Real mass(BodyId body) const;             ///< [kg]; 0 when static or kinematic
     BodyKind kind(BodyId body) const;
     std::uint64_t user_key(BodyId body) const;
+    BodyDef body(BodyId body) const;            ///< as it is now: what create_body would have to be given
+    SetMass mass_properties(BodyId body) const; ///< as set_mass would have to be given them
+    bool may_touch(BodyId a, BodyId b) const;   ///< false after set_pair_filter(a, b, false)
+    Vec3 gravity() const;                       ///< [m/s^2], of def() until set_gravity
     std::vector<ShapeId> shapes(BodyId body) const; ///< in order of creation; allocates
     ShapeDef shape(ShapeId shape) const;
     BodyId body_of(ShapeId shape) const;
@@ -233,13 +265,13 @@ class World {
     JointState joint_state(JointId joint) const;
     std::vector<JointId> joints(BodyId body) const; ///< newest first; allocates
     std::uint32_t vehicle_count() const;
-    VehicleId vehicle_at(std::uint32_t row) const;         ///< row < vehicle_count()
-    const VehicleDef& vehicle(VehicleId vehicle) const;    ///< valid until the state changes
+    VehicleId vehicle_at(std::uint32_t row) const;      ///< row < vehicle_count()
+    const VehicleDef& vehicle(VehicleId vehicle) const; ///< valid until the state changes
     VehicleInput vehicle_input(VehicleId vehicle) const;
     VehicleState vehicle_state(VehicleId vehicle) const;
-    Real kinetic_energy() const;                    ///< [J], of all dynamic bodies; saturates
+    Real kinetic_energy() const; ///< [J], of all dynamic bodies; saturates
     template <StateRow T> const T& read(Column<T> column, BodyId body) const {
-        return *reinterpret_cast<const T*>(row_bytes(column.index, body).data());
+        return *reinterpret_cast<const T*>(row_bytes(column.index, body, sizeof(T)).data());
     }
     template <StateRow T> const T& read(Column<T> record) const { return read(record, BodyId{}); }
     Faults faults() const;
@@ -254,6 +286,7 @@ class World {
         UnitVec3 normal;       ///< a to b
         Separation separation; ///< [m] at the start of the tick
         Speed impulse;         ///< normal impulse over reduced mass, velocity units [m/s]
+        SurfacePart part_a, part_b;
     };
     std::span<const ContactPoint> contacts() const;
 
@@ -283,24 +316,36 @@ class World {
 
     // ---- state ----
     std::uint64_t hash() const; ///< of everything that can affect a later tick
-    void save(Image& image) const;
-    void restore(const Image& image); ///< of a world with the same definition, schema and assets
+    void save(Image& image) const; ///< into any image, whatever it held
+    /// An image of a world with the same definition, schema and assets; any other, or an empty one, ends the program with
+    /// what can_restore says, before a byte has changed.
+    void restore(const Image& image);
+    /// Whether restore takes it; if not, the error says why.
+    Status can_restore(const Image& image) const;
     std::vector<std::byte> save_portable() const;
-    Status restore_portable(std::span<const std::byte> image); ///< on error the world is as it was
+    /// Refuses whatever is not a state of a world with this definition, schema and assets; then the world is as it was.
+    Status restore_portable(std::span<const std::byte> image);
     /// A portable image as the difference to what `base` holds, for those who hold the same: a ring image of any world
     /// of this definition and schema, saved there or after a restore_portable. Small where little changed.
+    /// Ends the program with what can_restore says where it refuses the base.
     std::vector<std::byte> save_delta(const Image& base) const;
-    /// Of what save_delta gave. Refuses another base than it was saved against; on error the world is as it was.
+    /// Of what save_delta gave. Refuses another base than it was saved against, or one that can_restore refuses; on error
+    /// the world is as it was.
     Status restore_delta(const Image& base, std::span<const std::byte> delta);
     const State& state() const;
     const GameSchema& schema() const;
 
     // ---- workers ----
-    /// Who runs the parts of a tick; null, the default: the caller, alone. Not owned, not state; a clone has none.
+    /// Who runs the parts of a tick; null, the default: the caller, alone. Not owned, so it outlives the world or is set to
+    /// null before; not state; a clone has none.
     void set_tasks(Tasks* tasks);
+    /// The instruction set that solves contacts; the best of the machine by default. Bits do not depend on it. False, and
+    /// nothing changes, where the machine lacks it.
+    bool set_simd(Simd level);
 
     // ---- diagnosis ----
     void set_journal(Journal* journal);              ///< null detaches; not owned, not state
+    void observe_phases(PhaseObserver* observer);    ///< null detaches; not owned, not state, not cloned
     void record_phase_hashes(bool on);               ///< off by default; costs a hash per phase
     std::span<const PhaseHash> phase_hashes() const; ///< of the last tick
     /// What ticks leave behind outside of the state, and no later one may see.
@@ -316,10 +361,22 @@ class World {
 
   private:
     struct Impl;
+    /// Names the mistake where a plain pointer would be followed into nothing.
+    class Inside {
+      public:
+        explicit Inside(std::unique_ptr<Impl> impl);
+        Impl* operator->() const { return held ? held.get() : moved_from(); }
+        Impl& operator*() const { return held ? *held : *moved_from(); }
+
+      private:
+        [[noreturn]] static Impl* moved_from();
+        std::unique_ptr<Impl> held;
+    };
     explicit World(std::unique_ptr<Impl> impl);
     Status write_bytes(std::uint32_t column, BodyId body, std::span<const std::byte> row);
-    std::span<const std::byte> row_bytes(std::uint32_t column, BodyId body) const;
-    std::unique_ptr<Impl> impl;
+    std::span<const std::byte> row_bytes(std::uint32_t column, BodyId body, std::size_t size) const;
+    Inside impl;
+    std::shared_ptr<const char> life; ///< of this object; made when first asked for
 };
 
 } // namespace lockstone

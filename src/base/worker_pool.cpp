@@ -31,10 +31,13 @@ class WorkerPool final : public Tasks {
   public:
     explicit WorkerPool(std::uint32_t workers) {
         threads.reserve(workers - 1);
+#if defined(__cpp_exceptions)
         try {
-            for (std::uint32_t worker = 1; worker < workers; ++worker)
-                threads.emplace_back([this, worker] { serve(worker); });
+            start(workers);
         } catch (const std::system_error&) {} // those that there are will do
+#else
+        start(workers); // the standard library ends the program where the system has no more threads
+#endif
     }
     ~WorkerPool() override {
         stops.store(true, std::memory_order_relaxed);
@@ -60,6 +63,11 @@ class WorkerPool final : public Tasks {
     }
 
   private:
+    void start(std::uint32_t workers) {
+        for (std::uint32_t worker = 1; worker < workers; ++worker)
+            threads.emplace_back([this, worker] { serve(worker); });
+    }
+
     // The ticket: number of the run in the upper 40 bits, items that nobody has taken yet in the lower 24. The fields of
     // the job are read before an item is taken. They are not written while any item of their run is under way, so
     // whoever takes an item of a run has read the fields of that run.

@@ -210,6 +210,7 @@ void clip_faces(const BoxPair& g, bool reference_is_b, int axis, Length margin, 
     Long3 normal{};
     normal[axis] = c.sign << 30;
     out.normal = unit_of_30(reference_is_b ? -(g.r[axis] * c.sign) : normal);
+    out.on_face = 1;
     const Names name{c, reference_is_b};
     for (int k = 0; k < count; ++k) {
         const ClipPoint& x = polygon.points[k];

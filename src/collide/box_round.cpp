@@ -96,6 +96,7 @@ void add_face_points(const CoreAndBox& g, int axis, std::int64_t sign, std::int6
     Long3 normal{};
     normal[axis] = sign << 30;
     out.normal = unit_of_30(normal);
+    out.on_face = 1;
     const std::int64_t ends[2] = {over.low, over.high};
     for (std::uint32_t k = 0; k < (over.low == over.high ? 1u : 2u); ++k) {
         Long3 p = g.at_30(ends[k]);
@@ -211,6 +212,7 @@ void collide_box_sphere(const Geometry& a, const Geometry& b, const RelativePose
     const Direction to_b = direction_of_30(gap);
     if (to_b.length > touching_30) {
         out.normal = unit_of_30(to_b.unit);
+        out.on_face = (gap[0] != 0) + (gap[1] != 0) + (gap[2] != 0) == 1 ? 1 : 0;
         return add_round_point(out, up(center, 6) - gap, to_b.unit, to_b.length, Length{}, b.radius, margin,
                                1);
     }
@@ -223,6 +225,7 @@ void collide_box_sphere(const Geometry& a, const Geometry& b, const RelativePose
     normal[axis] = sign << 30;
     from[axis] = sign * up(half[axis], 6);
     out.normal = unit_of_30(normal);
+    out.on_face = 1;
     add_round_point(out, from, normal, up(depth(axis), 6), Length{}, b.radius, margin, 1);
 }
 

@@ -242,6 +242,11 @@ void BroadPhase::query(const SweptBox& box, Asker& asker) const {
     query_if([&](const Bounds& b) { return box.may_meet(b); }, asker.open, asker.proxies);
 }
 
+void BroadPhase::query(const Bounds& bounds, Asker& asker) const {
+    LOCKSTONE_ASSERT(moved.empty(), moved.size(), " proxies that the trees do not know yet");
+    query_if([&](const Bounds& b) { return overlap(b, bounds); }, asker.open, asker.proxies);
+}
+
 // ---- for tests -------------------------------------------------------------------------------------------------
 
 void BroadPhase::make_fresh(std::uint32_t proxy) {

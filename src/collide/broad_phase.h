@@ -48,8 +48,9 @@ class BroadPhase {
         std::vector<BoundsTree::NodeId> open;
         std::vector<std::uint32_t> proxies; ///< the answer
     };
-    /// As query(box), which several may ask at once: the trees have to be up to date (asserted).
+    /// As above, which several may ask at once: the trees have to be up to date (asserted).
     void query(const SweptBox& box, Asker& asker) const;
+    void query(const Bounds& bounds, Asker& asker) const;
     /// Brings the trees up to date with the proxies that were set.
     void update_trees();
 

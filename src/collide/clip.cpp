@@ -164,6 +164,7 @@ void clip_to_face(Contact& c, bool reference_is_b, const SupportingFace& referen
         if (x.height <= up(c.margin.raw, 6)) polygon.points[count++] = x;
     }
     count = reduce_points(polygon.points, count);
+    c.out.on_face = has_discs(c.a) || has_discs(c.b) ? 0 : 1;
     for (int k = 0; k < count; ++k) {
         const ClipPoint& x = polygon.points[k];
         const Long3 at = plane.place(up(x.p, dropped), up(x.q, dropped));

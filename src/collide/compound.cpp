@@ -30,6 +30,7 @@ RelativePose inverse(const RelativePose& p) {
 
 /// Names the parts in a manifold's features and moves its points from the part's origin to B's.
 void finish(Manifold& m, std::uint32_t part_a, std::uint32_t part_b, const CoordinateVec3& offset) {
+    m.piece_b = part_b;
     for (std::uint32_t k = 0; k < m.count; ++k) {
         ManifoldPoint& p = m.points[k];
         p.position = to<Length>(to<Coordinate>(p.position) + offset);
@@ -112,6 +113,7 @@ class CompoundCollision {
                 m.points[k].position = to<Length>(to<Coordinate>(m.points[k].position) + between);
         }
         if (m.count == 0) return;
+        m.piece_a = i, m.surface = 0;
         finish(m, i, j, offset);
         scratch.pieces.push_back(m);
     }

@@ -122,11 +122,13 @@ Long3 Core::support_rim(Long3 direction) const {
     return {part(0), part(1), part(2)};
 }
 
-SupportPoint Core::support_hull(Long3 direction) {
-    const shapes::Hull& hull = *shape->hull;
-    const Long3 local{shift_right_rounded(dot(shape->axes_30[0], direction), 30),
-                      shift_right_rounded(dot(shape->axes_30[1], direction), 30),
-                      shift_right_rounded(dot(shape->axes_30[2], direction), 30)};
+/// The search begins at `corner` and leaves it where it ends.
+static SupportPoint support_of_hull(const Convex& shape, Long3 origin_30, Long3 direction,
+                                    std::uint32_t& corner) {
+    const shapes::Hull& hull = *shape.hull;
+    const Long3 local{shift_right_rounded(dot(shape.axes_30[0], direction), 30),
+                      shift_right_rounded(dot(shape.axes_30[1], direction), 30),
+                      shift_right_rounded(dot(shape.axes_30[2], direction), 30)};
     // |local| <= 2^32 and |v| < 2^8 m = 2^32 steps; components of v are below 2^31.
     const auto along = [&](std::uint32_t k) { return dot(local, raw(hull.vertices[k])); };
     if (hull.vertices.size() <= hull_scan_max) {
@@ -150,9 +152,13 @@ SupportPoint Core::support_hull(Long3 direction) {
     const Long3 v = raw(hull.vertices[corner]); // three products below 2^62 with |v| < 2^32: no overflow
     const auto part = [&](int i) {
         return shift_right_rounded(
-            shape->axes_30[0][i] * v[0] + shape->axes_30[1][i] * v[1] + shape->axes_30[2][i] * v[2], 24);
+            shape.axes_30[0][i] * v[0] + shape.axes_30[1][i] * v[1] + shape.axes_30[2][i] * v[2], 24);
     };
     return {origin_30 + Long3{part(0), part(1), part(2)}, corner};
+}
+
+SupportPoint Core::support_hull(Long3 direction) {
+    return support_of_hull(*shape, origin_30, direction, corner);
 }
 
 SupportPoint Core::support(Long3 direction) {
@@ -194,7 +200,11 @@ Difference::Difference(const Convex& first, const Convex& second) : a(first), b(
     drop = excess > 0 ? excess : 0;
 }
 
-SupportPoint support(const Convex& shape, Long3 direction_30) { return Core(shape).support(direction_30); }
+SupportPoint support(const Convex& shape, Long3 direction_30) {
+    if (shape.core != Convex::Core::hull) return Core(shape).support(direction_30);
+    std::uint32_t corner = 0;
+    return support_of_hull(shape, up(shape.center_24, 6), direction_30, corner);
+}
 
 std::int64_t separation_along_30(const Convex& a, const Convex& b, Long3 normal_30) {
     const Long3 gap = support(b, -normal_30).at_30 - support(a, normal_30).at_30;

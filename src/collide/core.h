@@ -27,6 +27,11 @@ constexpr Long3 with_bits(Long3 a, int bits) {
 /// a x b in 128 bits, brought to `bits` bits; exact before that. |a|, |b| < 2^62.
 Long3 cross_with_bits(Long3 a, Long3 b, int bits);
 
+/// Whether the core has discs, whose lowest point runs along the rim when they turn a little.
+constexpr bool has_discs(const Convex& shape) {
+    return shape.core == Convex::Core::cylinder || shape.core == Convex::Core::cone;
+}
+
 /// A shape further along a unit direction.
 Convex moved_along(const Convex& shape, Long3 unit_30, std::int64_t by_24);
 
@@ -41,9 +46,7 @@ class Core {
     /// No point of the core is further than this from `middle()`, on each axis; 30 fraction bits.
     Long3 reach() const { return half_reach; }
     Long3 middle() const { return center; }
-    bool is_smooth() const {
-        return shape->core == Convex::Core::cylinder || shape->core == Convex::Core::cone;
-    }
+    bool is_smooth() const { return has_discs(*shape); }
     const Convex& convex() const { return *shape; }
 
   private:

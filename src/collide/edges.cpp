@@ -9,9 +9,13 @@ namespace {
 /// An edge is at right angles to the direction when the sine of what is missing is below this, 30 fraction bits.
 constexpr std::int64_t sine_max_30 = std::int64_t{1} << 24; // 1/64
 
-Long3 place(const Convex& shape, Long3 at_24) {
+/// A corner of a hull, as its support mapping gives it.
+Long3 corner_of(const Convex& shape, std::uint32_t id) {
+    const Long3 v = raw(shape.hull->vertices[id]);
     Long3 p = up(shape.center_24, 6);
-    for (int i = 0; i < 3; ++i) p = p + along_30(shape.axes_30[i], at_24[i]);
+    for (int i = 0; i < 3; ++i)
+        p[i] += shift_right_rounded(
+            shape.axes_30[0][i] * v[0] + shape.axes_30[1][i] * v[1] + shape.axes_30[2][i] * v[2], 24);
     return p;
 }
 
@@ -32,6 +36,7 @@ class BestEdge {
     BestEdge(const SupportPoint& corner, Long3 direction)
         : corner_30(corner.at_30), direction_30(direction), id(corner.id) {}
     void consider(Long3 neighbour, std::uint32_t neighbour_id) {
+        if (drops_far(neighbour)) return;
         const std::int64_t sine = drop_sine(corner_30, neighbour, direction_30);
         within += sine < sine_max_30 ? 1 : 0;
         if (sine >= least) return;
@@ -47,6 +52,16 @@ class BestEdge {
     }
 
   private:
+    /// Surely by more than the angle, as most do: told without a root. A length is at most its widest component and half
+    /// of the others.
+    bool drops_far(Long3 neighbour) const {
+        const Long3 d = shifted(corner_30 - neighbour, 6); // 24 fraction bits
+        const std::int64_t wide = widest(d);
+        if (wide >= std::int64_t{1} << 31) return false;
+        const std::int64_t most = (wide + absolute(d[0]) + absolute(d[1]) + absolute(d[2]) + 1) >> 1;
+        return dot(d, direction_30) >> 30 > (most >> 6) + 2;
+    }
+
     Long3 corner_30, direction_30, best_30{};
     std::uint32_t id, best_id = 0;
     std::int64_t least = sine_max_30;
@@ -69,7 +84,7 @@ void polytope_edge(const Convex& shape, Long3 direction, SupportingFace& face) {
     if (shape.core == Convex::Core::hull) {
         const shapes::Hull& hull = *shape.hull;
         for (std::uint32_t k = hull.first_neighbour[top.id]; k < hull.first_neighbour[top.id + 1]; ++k)
-            best.consider(place(shape, raw(hull.vertices[hull.neighbours[k]])), hull.neighbours[k]);
+            best.consider(corner_of(shape, hull.neighbours[k]), hull.neighbours[k]);
     }
     best.finish(face);
 }

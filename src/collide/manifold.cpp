@@ -149,6 +149,39 @@ void refine_normal(Difference& difference, Long3& normal, std::int64_t& separati
     if (!is_zero(better) && s >= separation - noise_30) normal = better, separation = s;
 }
 
+/// How far a core reaches along a unit direction from its origin, 54 fraction bits; negative: not told here.
+std::int64_t reach_54(const Convex& shape, Long3 n) {
+    const auto along = [&](int i) { return shift_right_rounded(dot(shape.axes_30[i], n), 30); };
+    switch (shape.core) {
+    case Convex::Core::point:
+        return 0;
+    case Convex::Core::segment:
+        return absolute(along(1)) * shape.half_24[1];
+    case Convex::Core::box:
+        return absolute(along(0)) * shape.half_24[0] + absolute(along(1)) * shape.half_24[1] +
+               absolute(along(2)) * shape.half_24[2];
+    case Convex::Core::hull: {
+        const Long3 local{along(0), along(1), along(2)};
+        std::int64_t most = 0;
+        for (const LengthVec3& v : shape.hull->vertices) most = larger(most, dot(local, raw(v)));
+        return most;
+    }
+    default:
+        return -1;
+    }
+}
+
+/// Whether the cores are apart along a unit direction by more than a limit, 30 fraction bits, and the guard.
+bool is_parted(const Convex& a, const Convex& b, Long3 n, std::int64_t limit_30) {
+    const std::int64_t limit = limit_30 + hint_guard_30, of_a = reach_54(a, n), of_b = reach_54(b, -n);
+    const Long3 between = b.center_24 - a.center_24;
+    // Products fit, and roundings are far below the guard.
+    if (of_a >= 0 && of_b >= 0 && widest(between) < std::int64_t{1} << 31 && limit < std::int64_t{1} << 37 &&
+        widest(a.half_24) < std::int64_t{1} << 31 && widest(b.half_24) < std::int64_t{1} << 31)
+        return (dot(between, n) >> 24) - (of_a >> 24) - (of_b >> 24) > limit;
+    return separation_along_30(a, b, n) > limit;
+}
+
 /// The points of a face that the normal is that of, to within half a degree; none when there is no such face.
 void touch_faces(Contact& c) {
     const SupportingFace face_a = supporting_face(c.a, c.normal_30),
@@ -188,16 +221,25 @@ void manifold_from_faces(const Convex& a, const Convex& b, Long3 normal_30, std:
     Contact c{a, b, normal_30, separation_30, margin, out};
     out.normal = unit_of_30(normal_30);
     touch_faces(c);
-    if (out.count == 0) touch_edges(c, Touch{});
+    if (out.count > 0) return;
+    out.on_face = 0;
+    touch_edges(c, Touch{});
 }
 
-void collide_convex(const Convex& a, const Convex& b, Length margin, Manifold& out) {
+void collide_convex(const Convex& a, const Convex& b, Length margin, Manifold& out, Long3 hint_30) {
     out = Manifold{};
     const std::int64_t radii = up(a.radius.raw + b.radius.raw, 6), limit = radii + up(margin.raw, 6);
+    if (!is_zero(hint_30) && is_parted(a, b, hint_30, limit)) {
+        out.normal = unit_of_30(hint_30);
+        return;
+    }
     Difference difference(a, b);
     Simplex simplex;
     const Gap gap = find_gap(difference, limit, difference.between(), simplex);
-    if (!gap.overlap && gap.distance_30 > limit) return;
+    if (!gap.overlap && gap.distance_30 > limit) {
+        out.normal = unit_of_30(gap.normal_30);
+        return;
+    }
     Long3 normal = gap.normal_30;
     std::int64_t separation = gap.distance_30;
     Touch touch{true, gap.on_a_30, gap.on_b_30};
@@ -228,6 +270,7 @@ void collide_convex(const Convex& a, const Convex& b, Length margin, Manifold& o
     }
     Contact c{a, b, normal, separation - radii, margin, out};
     out.normal = unit_of_30(normal);
+    out.on_face = 0;
     touch_edges(c, touch);
 }
 

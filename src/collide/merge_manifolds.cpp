@@ -8,6 +8,7 @@ namespace lockstone::collide {
 namespace {
 
 constexpr std::int64_t parallel_60 = 1150670148478107000; // cos 3.6 degrees
+constexpr std::int64_t same_60 = 1152877604888700544;     // cos 0.5 degrees: what Manifold::on_face promises
 constexpr std::int32_t noise_27 = 1 << 14;                // 0.12 mm
 constexpr std::int64_t place_noise_20 = 1 << 11;          // 2 mm
 
@@ -128,14 +129,20 @@ void merge_manifolds(std::span<const Manifold> pieces, bool one_point, std::vect
         const std::int64_t limit = least + (one_point ? 0 : noise_27);
         const auto leader =
             std::find_if(rest.begin(), rest.end(), [&](auto i) { return deepest_of(pieces[i]) <= limit; });
-        const Long3 normal = raw(pieces[*leader].normal);
+        const Manifold& deepest = pieces[*leader];
+        const Long3 normal = raw(deepest.normal);
         Manifold& m = out.items[out.count++];
         m = Manifold{};
-        m.normal = pieces[*leader].normal;
+        m.normal = deepest.normal;
+        m.on_face = deepest.on_face;
+        m.piece_a = deepest.piece_a, m.piece_b = deepest.piece_b, m.surface = deepest.surface;
         // The members to the front, all in their order: a stable partition in place, without memory.
         std::size_t members = 0;
         for (std::size_t k = 0; k < rest.size(); ++k) {
-            if (dot(raw(pieces[rest[k]].normal), normal) < parallel_60) continue;
+            const Manifold& piece = pieces[rest[k]];
+            const std::int64_t cosine_60 = dot(raw(piece.normal), normal);
+            if (piece.surface != deepest.surface || cosine_60 < parallel_60) continue;
+            if (cosine_60 < same_60) m.on_face = 0;
             std::rotate(rest.begin() + static_cast<std::ptrdiff_t>(members),
                         rest.begin() + static_cast<std::ptrdiff_t>(k),
                         rest.begin() + static_cast<std::ptrdiff_t>(k) + 1);

@@ -37,7 +37,8 @@ bool is_near(const CoordinateVec3& p, Coordinate limit) {
     return abs(p.x) < limit && abs(p.y) < limit && abs(p.z) < limit;
 }
 
-/// R^T d for a difference of world positions, rounded once to Coordinate.
+} // namespace
+
 /// d is split in two so that all products fit 64 bits: d = high 2^16 + low.
 CoordinateVec3 into_frame(const Rotation& r, Vec3 d) {
     const Long3 d_32 = raw(d);
@@ -51,6 +52,13 @@ CoordinateVec3 into_frame(const Rotation& r, Vec3 d) {
         return clamp(round_from<Coordinate>(dot(high, axis) + (dot(low, axis) >> 16), 46), -far, far);
     };
     return {along(raw(r.x)), along(raw(r.y)), along(raw(r.z))};
+}
+
+namespace {
+
+bool has_routine(const shapes::Solid& a, const shapes::Solid& b, const RelativePose& pose) {
+    return routine_of(a.geometry.kind, b.geometry.kind) != nullptr && is_plain(a.geometry) &&
+           is_plain(b.geometry) && is_near(pose.position, Coordinate(128));
 }
 
 /// From A's origin to B's.
@@ -78,10 +86,8 @@ void collide_pair(const shapes::Solid& a, const shapes::Solid& b, const Relative
                   Manifold& out) {
     out = Manifold{};
     if (a.geometry.kind == ShapeKind::plane) return collide_plane(b, pose, margin, out);
-    const Routine own = routine_of(a.geometry.kind, b.geometry.kind);
-    if (own != nullptr && is_plain(a.geometry) && is_plain(b.geometry) &&
-        is_near(pose.position, Coordinate(128))) {
-        own(a.geometry, b.geometry, pose, margin, out);
+    if (has_routine(a, b, pose)) {
+        routine_of(a.geometry.kind, b.geometry.kind)(a.geometry, b.geometry, pose, margin, out);
         return move_to_b(out, pose.position);
     }
     collide_convex(convex_of(a, Rotation::identity(), CoordinateVec3{}),
@@ -90,18 +96,30 @@ void collide_pair(const shapes::Solid& a, const shapes::Solid& b, const Relative
 
 void collide(const shapes::Solid& a, const shapes::Solid& b, const RelativePose& pose, Length margin,
              NarrowScratch& scratch, Manifolds& out) {
+    collide(a, b, pose, margin, UnitVec3{}, scratch, out);
+}
+
+void collide(const shapes::Solid& a, const shapes::Solid& b, const RelativePose& pose, Length margin,
+             UnitVec3 hint, NarrowScratch& scratch, Manifolds& out) {
     const ShapeKind kind_a = a.geometry.kind, kind_b = b.geometry.kind;
     const bool convex = kind_a < ShapeKind::compound && kind_b < ShapeKind::compound;
     LOCKSTONE_ASSERT(kind_a <= ShapeKind::plane && (convex || kind_b <= kind_a), "shape kinds ",
                      static_cast<std::uint32_t>(kind_a), " and ", static_cast<std::uint32_t>(kind_b));
     out.count = 0;
+    out.apart = UnitVec3{};
     if (!is_near(pose.position, relative_position_max)) return;
     if (kind_b > ShapeKind::compound) return; // of two of height field, mesh and plane there is no contact
     if (kind_b == ShapeKind::compound || kind_a == ShapeKind::compound)
         return collide_compound(a, b, pose, margin, scratch, out);
     if (kind_a == ShapeKind::height_field || kind_a == ShapeKind::mesh)
         return collide_triangles(a, b, pose, margin, scratch, out);
-    collide_pair(a, b, pose, margin, out.items[0]);
+    if (kind_a != ShapeKind::plane && !has_routine(a, b, pose)) {
+        collide_convex(convex_of(a, Rotation::identity(), CoordinateVec3{}),
+                       convex_of(b, pose.rotation, pose.position), margin, out.items[0], raw(hint));
+        if (out.items[0].count == 0) out.apart = out.items[0].normal;
+    } else {
+        collide_pair(a, b, pose, margin, out.items[0]);
+    }
     out.count = out.items[0].count > 0 ? 1 : 0;
 }
 

@@ -21,6 +21,8 @@ struct RelativePose {
 };
 inline constexpr Coordinate relative_position_max = Coordinate(16384);
 RelativePose relative_pose(const Transform& a, const Transform& b);
+/// A world vector in A's axes, rounded once to Coordinate; beyond 32 km "too far away".
+CoordinateVec3 into_frame(const Rotation& axes_of_a, Vec3 d);
 /// A plane has no useful origin: seen from it, B is straight above the origin of its frame.
 /// position is (0, height of B's origin, 0), the height clamped to +-16000 m.
 RelativePose plane_relative_pose(const Transform& plane, const Transform& b);
@@ -36,6 +38,14 @@ struct Manifold {
     UnitVec3 normal; ///< from A to B, in A's axes
     std::uint32_t count;
     ManifoldPoint points[4]; ///< beyond `count`: zero
+    // Of shapes of many pieces: which of them touch most deeply.
+    std::uint32_t piece_a; ///< triangle or part of A
+    std::uint32_t piece_b; ///< part of B
+    std::uint32_t
+        surface; ///< of A's triangle, shapes::surface_number: manifolds of different ones stay apart
+    /// 1: the normal is a flat face's, of all points to half a degree. It then turns with that face and hangs on nothing
+    /// else; of edges, corners and round shapes it also depends on where they are to each other.
+    std::uint32_t on_face;
 };
 static_assert(std::has_unique_object_representations_v<Manifold>);
 
@@ -44,6 +54,7 @@ struct Manifolds {
     static constexpr std::uint32_t max = 8;
     std::uint32_t count; ///< 0: apart
     Manifold items[max]; ///< deepest first; beyond `count`: unspecified
+    UnitVec3 apart{};    ///< when `count` is 0: a direction from A to B that parts them, in A's axes; zero: not known
 };
 
 /// Memory that `collide` uses again from call to call; no trace of earlier calls shows.
@@ -59,6 +70,10 @@ struct NarrowScratch {
 /// further apart than `margin` never do.
 void collide(const shapes::Solid& a, const shapes::Solid& b, const RelativePose& pose, Length margin,
              NarrowScratch& scratch, Manifolds& out);
+/// The same, sooner when the unit direction `hint`, zero for none, parts the two; whatever it is, the result is the same
+/// but for `apart`.
+void collide(const shapes::Solid& a, const shapes::Solid& b, const RelativePose& pose, Length margin,
+             UnitVec3 hint, NarrowScratch& scratch, Manifolds& out);
 
 /// A face contact is preferred to an edge or a corner contact, A's face to B's, and two points along a capsule to one,
 /// unless the other is better by this much: stacks then keep their kind of contact. Small shapes use 1/64 of their

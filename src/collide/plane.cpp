@@ -10,6 +10,7 @@ void collide_plane(const shapes::Solid& b, const RelativePose& pose, Length marg
     constexpr Long3 down{0, -(std::int64_t{1} << 30), 0};
     const std::int64_t height_30 = up(pose.position.y.raw - shape.radius.raw, 6);
     out.normal = {Unit{}, unit_one, Unit{}};
+    out.on_face = has_discs(shape) ? 0 : 1;
     if (height_30 + support(shape, down).at_30[1] > up(margin.raw, 6)) return;
     const SupportingFace face = supporting_face(shape, down);
     ClipPoint points[SupportingFace::corners_max];

@@ -166,6 +166,7 @@ void write_contact(const TriangleContext& c, const LocalTriangle& t, int k, cons
     manifold_from_faces(segment, c.shape, g.normal_30, g.separation_30, c.margin, out);
     // The edge is one of three; only its own normal is known to be within its range.
     out.normal = unit_of_30(g.normal_30);
+    out.on_face = 0;
     bool is_deep = false;
     for (std::uint32_t i = 0; i < out.count; ++i) {
         out.points[i].feature = feature_of(4, t.index, edge, out.points[i].feature);

@@ -134,6 +134,7 @@ void add_face_point(const TriangleContext& c, const LocalTriangle& t, Long3 at_2
     if (out.count == 0 || out.items[out.count - 1].count == 4) {
         if (out.count == 2) return;
         out.items[out.count] = Manifold{};
+        out.items[out.count].on_face = has_discs(c.shape) ? 0 : 1;
         out.items[out.count++].normal = unit_of_30(t.normal_30);
     }
     // From the core's point down by the radius and half the gap.

@@ -3,6 +3,7 @@
 #include "collide/merge_manifolds.h"
 #include "collide/pairs.h"
 #include "collide/triangle_contact.h"
+#include "shapes/surfaces.h"
 
 #include <algorithm>
 
@@ -92,11 +93,16 @@ class TriangleCollision {
     void append(const LocalTriangle& t, const Manifold& m) {
         if (m.count == 0) return;
         scratch.pieces.push_back(m);
+        name_piece(scratch.pieces.back(), t.index);
         scratch.parts.push_back(t.index);
         found_30 = smaller(found_30, deepest_30(m));
     }
     void append(const LocalTriangle& t, const TriangleContact& contact) {
         for (int i = 0; i < contact.count; ++i) append(t, contact.items[i]);
+    }
+
+    void name_piece(Manifold& m, std::uint32_t index) const {
+        m.piece_a = index, m.piece_b = 0, m.surface = shapes::surface_number(a, index);
     }
 
     void from_front(const LocalTriangle& t, std::int64_t lowest) {
@@ -200,6 +206,7 @@ class TriangleCollision {
             add_point(m, on_b - shifted(normal * (down_30 >> 6), 24), separation, context.margin,
                       feature_of(6, index, 0, 0));
             if (m.count == 0) continue;
+            name_piece(m, index);
             if (best.count == 0 || deepest_30(m) < deepest_30(best)) best = m;
         }
         if (best.count > 0) scratch.pieces.push_back(best);
@@ -253,15 +260,15 @@ shapes::Extent extent_in(const shapes::Solid& b, const RelativePose& pose, Lengt
     const Long3 columns[3] = {raw(pose.rotation.x), raw(pose.rotation.y), raw(pose.rotation.z)};
     shapes::Extent out;
     for (int i = 0; i < 3; ++i) {
-        std::int64_t least = 0, most = 0; // 54 fraction bits; a shape reaches less than 2^9 m
+        Wide least = Wide::from(0), most = least; // 54 fraction bits; a scaled primitive reaches 1.4 km: 2^65
         for (int j = 0; j < 3; ++j) {
-            const std::int64_t x = columns[j][i] * lower[j], y = columns[j][i] * upper[j];
-            least += smaller(x, y);
-            most += larger(x, y);
+            const Wide x = Wide::product(columns[j][i], lower[j]), y = Wide::product(columns[j][i], upper[j]);
+            least = least + (y < x ? y : x);
+            most = most + (x < y ? y : x);
         }
         const std::int64_t at = raw(pose.position)[i], grown = std::int64_t{margin.raw} + 2;
-        out.lower[i] = coordinate(at + (least >> 30) - grown);
-        out.upper[i] = coordinate(at + (most >> 30) + grown);
+        out.lower[i] = coordinate(at + saturate_to_int64(least >> 30) - grown);
+        out.upper[i] = coordinate(at + saturate_to_int64(most >> 30) + grown);
     }
     return out;
 }

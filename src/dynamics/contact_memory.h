@@ -8,12 +8,42 @@
 
 namespace lockstone::dynamics {
 
+/// What the fresh manifolds of a pair have taken: a bit for each old point, four a manifold, and one for its friction.
+struct Taken {
+    std::uint32_t points = 0, friction = 0;
+};
+
 /// Hands the impulses of a pair's old manifolds to a fresh one. A point takes those of the old point with its feature;
 /// if there is none, those of the nearest old point that is left, if that is near. When two edges nearly coincide, the
 /// feature of a corner flips from one body's to the other's while the corner stays: a tower that forgets those impulses
-/// rocks. `taken` has a bit for each old point; what is taken once is not taken again.
+/// rocks. What is taken once is not taken again; friction goes with the first point.
 /// Old manifolds whose normal differs by more than 20 degrees have nothing to give.
-void carry_impulses(std::span<const ContactMemory> old, std::uint32_t& taken, ContactMemory& fresh);
+void carry_impulses(std::span<const ContactMemory> old, Taken& taken, ContactMemory& fresh);
+
+// ---- manifolds that are used again ----
+// While B stands to A as when a manifold was made, but for a small move m and turn t, the manifold serves again, with its
+// separations moved along to first order: s + n . (m + t x p). Of what turns and moves by u = |m| + |t| reach, reach
+// being that of B's furthest point from its origin, that is wrong by
+//   on a face of A     a point of B turns on an arc: |t|^2 reach / 2. A round B rolls: the same.
+//   on a face of B     its normal turns, by |t|, while A's corner moves by |m|: |t| (|m| + |t| reach) in addition
+//   merged manifolds   points whose own normals are off by up to half a degree: u / 114
+//   crossing edges     a point of B's surface is followed, though another one would be found: u times the slope of the two
+//                      faces; what slides off the end of a face is held on to by u
+//   edges, corners     the normal itself depends on the place: all that is known is that |s' - s| <= u
+// so faces may move by a lot more than the rest. With u <= reach / 256, |t| is at most 1 / 256 rad.
+inline constexpr Length recycling_on_face = decimal<Length>("0.002"); ///< [m] most of u, and reach / 256
+inline constexpr Length recycling = decimal<Length>("0.0001");        ///< [m] most of u elsewhere
+inline constexpr int recycling_reach_shift = 8;
+/// What follows of it: how far the separation of a corner on a face is off [m], and the face's normal [rad].
+inline constexpr Length recycling_error = decimal<Length>("0.00003");
+inline constexpr Unit recycling_turn = decimal<Unit>("0.00390625");
+
+/// Where B is in A's frame.
+struct Placing {
+    CoordinateVec3 position; ///< of B's origin [m]
+    Quat rotation;           ///< B's axes in A's; of unit length
+    Coordinate reach;        ///< of B's points from its origin [m]
+};
 
 /// How B has moved in A's frame since a manifold was made, to first order.
 struct Shift {
@@ -21,12 +51,11 @@ struct Shift {
     UnitVec3 turned;  ///< rotation vector [rad]
 };
 
-/// True when the shapes stand to each other as they did when the manifold was made, to within 0.1 mm for everything
-/// within `reach` of B's origin, and nothing further away counts as near now: the manifold is good for this tick too.
-bool still_good(const ContactMemory& memory, CoordinateVec3 position, Quat rotation, Coordinate reach,
-                Length margin, Shift& shift);
+/// True when the manifolds of a pair, all made at once, serve for this tick too; nothing further away than `margin` was
+/// left out then.
+bool still_good(std::span<const ContactMemory> rows, const Placing& now, Length margin, Shift& shift);
 
-/// Separation of a point of the manifold after the shift.
-Separation separation_after(const ContactMemory& memory, std::uint32_t point, const Shift& shift);
+/// Separation of each point of the manifold after the shift.
+std::array<Separation, 4> separations_after(const ContactMemory& memory, const Shift& shift);
 
 } // namespace lockstone::dynamics

@@ -17,16 +17,17 @@ void JointSolver::reserve(std::size_t joints) {
     work->joints.reserve(joints);
     work->blocks.reserve(2 * joints);
     work->axes.reserve(7 * joints);
+    work->points.reserve(joints);
     work->bodies.reserve(2 * joints);
 }
 
 void JointSolver::poison(std::byte with) {
-    auto& [joints, blocks, axes, bodies, forest, cache_of, pose, clamped, first] = *work;
-    base::poison(with, joints, blocks, axes, bodies, cache_of, pose, clamped, first);
-    auto& [trees, nodes, edges, links, component, first_of, hung, node_of, size, root, anchor_of, above_of,
-           queue] = forest;
+    auto& [joints, blocks, axes, points, bodies, forest, cache_of, pose, clamped, first] = *work;
+    base::poison(with, joints, blocks, axes, points, bodies, cache_of, pose, clamped, first);
+    auto& [trees, nodes, edges, links, component, first_of, hung, node_of, size, root, anchor_of, loops,
+           anchors, above_of, above, carried, queue] = forest;
     base::poison(with, trees, nodes, edges, links, component, first_of, hung, node_of, size, root, anchor_of,
-                 above_of, queue);
+                 loops, anchors, above_of, above, carried, queue);
 }
 
 namespace {
@@ -43,12 +44,21 @@ std::uint32_t cached(JointTick& tick, std::uint32_t body, const BodyColumns& col
     return at - 1;
 }
 
+/// As normalized(), which what is one by a rounding is left out of.
+Quat unit_of(Quat q) {
+    const std::int64_t x = q.x.raw, y = q.y.raw, z = q.z.raw, w = q.w.raw;
+    constexpr std::uint64_t one = std::uint64_t{1} << (2 * Unit::fraction_bits), off = std::uint64_t{1} << 33;
+    const auto size = static_cast<std::uint64_t>(x * x) + static_cast<std::uint64_t>(y * y) +
+                      static_cast<std::uint64_t>(z * z) + static_cast<std::uint64_t>(w * w);
+    return size - (one - off) <= 2 * off ? q : normalized(q);
+}
+
 /// Of a body that moves, levers beyond 128 m are clamped.
 JointWorkSide side(JointTick& tick, std::uint32_t body, const Transform& frame, const BodyColumns& columns,
                    const SolverBodies& bodies) {
     JointWorkSide s{};
     s.body = body;
-    s.frame = normalized(frame.rotation);
+    s.frame = unit_of(frame.rotation);
     s.anchor = frame.position;
     s.world = body == bodies.still() || !bodies.step[body].moves;
     if (body == bodies.still()) return s;
@@ -73,6 +83,11 @@ Real reduced_mass(const Shares& shares, const BodyMass& a, const BodyMass& b) {
     return shares.a.mantissa != 0 ? mul_share(a.mass, shares.a) : mul_share(b.mass, shares.b);
 }
 
+/// The last block of such a joint is its point part.
+bool has_point(const JointTick& tick, const JointWork& w) {
+    return w.block_count != 0 && tick.blocks[w.first_block + w.block_count - 1].kind[0] == RowKind::point_x;
+}
+
 constexpr std::uint32_t joint_chunk = 32;
 
 /// Calls visit(joint) for each joint; workers share them.
@@ -89,7 +104,7 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
                           const BodyColumns& columns, const StepConstants& step, const SolverBodies& bodies,
                           Tasks* tasks) {
     JointTick& tick = *work;
-    tick.joints.clear(), tick.blocks.clear(), tick.axes.clear(), tick.bodies.clear();
+    tick.joints.clear(), tick.blocks.clear(), tick.axes.clear(), tick.points.clear(), tick.bodies.clear();
     tick.cache_of.assign(bodies.body.size(), 0);
     tick.pose = columns.pose;
     tick.clamped = 0;
@@ -97,6 +112,7 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
     constexpr BodyMass none{};
     for (const Joint& joint : joints) {
         JointWork w{};
+        w.point = no_point;
         w.def = joint.def;
         w.memory = joint.memory;
         w.a = side(tick, joint.body_a, joint.frame_a, columns, bodies);
@@ -108,23 +124,41 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
         w.twist = memory[joint.memory].twist;
         w.travel = memory[joint.memory].twist;
         assemble(tick, w, step, memory[joint.memory]);
+        w.stays = may_stay(tick, w);
         tick.joints.push_back(w);
     }
-    plan_trees(tick, columns, bodies);
+    plan_trees(tick, columns, step, bodies);
+    for (JointWork& w : tick.joints)
+        if (w.tree == no_tree && has_point(tick, w) && fits_point(w, bodies)) take_point(tick, w);
     for_joints(tick, tasks, [&](JointWork& w) { make_rows(tick, w, step, bodies); });
     factorise_trees(tick, bodies, tasks);
 }
 
 void JointSolver::update(const StepConstants& step, const SolverBodies& bodies, Tasks* tasks) {
     JointTick& tick = *work;
-    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.bodies.size()), body_chunk,
-                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-                         for (std::uint32_t i = first; i < last; ++i)
-                             place_body(tick.bodies[i], tick.pose[tick.bodies[i].body], bodies);
-                     });
+    const auto for_bodies = [&](auto&& visit) {
+        base::for_chunks(tasks, static_cast<std::uint32_t>(tick.bodies.size()), body_chunk,
+                         [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                             for (std::uint32_t i = first; i < last; ++i) visit(tick.bodies[i]);
+                         });
+    };
+    for_bodies([&](JointBody& now) { look_at_body(now, bodies); });
     const auto stirred = [&](const JointWorkSide& s) { return !s.world && tick.bodies[s.cache].stirred; };
+    const auto strays = [&](const JointWorkSide& s) { return !s.world && tick.bodies[s.cache].strays; };
+    for (JointWork& w : tick.joints) {
+        w.stale = w.steady ? strays(w.a) || strays(w.b) : stirred(w.a) || stirred(w.b);
+        if (!w.stale) continue;
+        if (!w.a.world) tick.bodies[w.a.cache].wanted = true;
+        if (!w.b.world) tick.bodies[w.b.cache].wanted = true;
+    }
+    for_bodies([&](JointBody& now) {
+        if (now.wanted) place_body(now, tick.pose[now.body], bodies);
+    });
     for_joints(tick, tasks, [&](JointWork& w) {
-        if (stirred(w.a) || stirred(w.b)) make_rows(tick, w, step, bodies);
+        if (w.stale)
+            make_rows(tick, w, step, bodies);
+        else if (w.axis_count + w.block_count != 0)
+            follow_errors(tick, w, step, bodies);
     });
     factorise_trees(tick, bodies, tasks);
 }
@@ -155,6 +189,13 @@ void store_axis(const JointAxisPart& part, JointMemory& memory, Wrench& wrench) 
     if (part.features & has_upper) axis.upper = unscaled(part.upper);
 }
 
+void store_point(const PointPart& part, JointMemory& memory, Wrench& wrench) {
+    for (int i = 0; i < 3; ++i) {
+        memory.axis[static_cast<std::size_t>(i)].spring = unscaled_impulse(part.impulse[i], part.exponent);
+        wrench.force[i] = wrench.force[i] + unscaled_impulse(part.sum[i] + part.impulse[i], part.exponent);
+    }
+}
+
 void store_block(const JointBlock& block, JointMemory& memory, Wrench& wrench) {
     for (int i = 0; i < block.count; ++i) {
         const Real p = unscaled_impulse(block.impulse[i], block.exponent);
@@ -178,9 +219,11 @@ void JointSolver::store(const StepConstants& step, std::span<JointMemory> memory
         for (std::uint32_t i = 0; i < w.axis_count; ++i) store_axis(tick.axes[w.first_axis + i], m, wrench);
         for (std::uint32_t i = 0; i < w.block_count; ++i)
             store_block(tick.blocks[w.first_block + i], m, wrench);
-        m.twist = w.needs_travel
-                      ? w.travel
-                      : twist_between(frame_rotation(tick, w.a), frame_rotation(tick, w.b), w.twist);
+        if (w.point != no_point) store_point(tick.points[w.point], m, wrench);
+        m.twist = w.needs_travel ? w.travel
+                  : counts_turns(*w.def)
+                      ? twist_between(frame_rotation(tick, w.a), frame_rotation(tick, w.b), w.twist)
+                      : Real{}; // nobody asks how often it went round
         const Real mass_rate = w.mass * step.ticks_per_second;
         m.force = wrench.force * mass_rate;
         m.torque = wrench.torque * mass_rate;

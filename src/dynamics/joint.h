@@ -1,9 +1,9 @@
-// Joint constraints: parts of one to three rows, made anew from the bodies' poses in every substep.
+// Joint constraints: parts of one to three rows, made anew from the bodies' poses where these have turned (joint_work.h).
 //
 //   row          J = (dA, xA ; dB, xB)  d: direction along which the row acts on a body; x = K^-1 (its turning arm)
 //                                       all of a part's J is scaled by 2^-e: its largest entry is in [1, 2)
 //   speed        J . (vA, uA, vB, uB)
-//   error        C: what the row keeps at zero [m] or [rad], scaled by 2^-e as well
+//   error        C: what the row keeps at zero [m] or [rad], scaled by 2^-e as well; C0 + J . (shift, theta) between
 //   response     r = share_A (dA, xA), share_B (dB, xB);  share_A = mB / (mA + mB), share_B = mA / (mA + mB)
 //   inverse      of k = J . r per pair of rows of a part
 //   impulse      p = lambda (1/mA + 1/mB), velocity units, scaled by 2^e;  v += r p
@@ -66,7 +66,7 @@ class JointSolver {
     void prepare(std::span<const Joint> joints, std::span<const JointMemory> memory,
                  const BodyColumns& columns, const StepConstants& step, const SolverBodies& bodies,
                  Tasks* tasks = nullptr);
-    /// Rows from where the bodies are now: before the first substep and after each move.
+    /// Rows and errors from where the bodies are now: before the first substep and after each move.
     void update(const StepConstants& step, const SolverBodies& bodies, Tasks* tasks = nullptr);
     void warm_start(const StepConstants& step, SolverBodies& bodies);
     /// One pass over all joints: springs and motors, limits, locks; then the locks of trees, which workers share.

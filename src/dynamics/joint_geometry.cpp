@@ -1,4 +1,5 @@
 // Where bodies and frames are within a tick, and the rows made of that.
+#include "dynamics/joint_motion.h"
 #include "dynamics/joint_work.h"
 
 #include "lockstone/math.h"
@@ -73,7 +74,29 @@ bool turns_slowly(Vec3 w) {
     return magnitude(w.x.raw) < slow && magnitude(w.y.raw) < slow && magnitude(w.z.raw) < slow;
 }
 
-JointSide side_of(const JointTick& tick, const JointWorkSide& side, const SolverBodies& bodies) {
+/// w x (w x lever), w within 2048 rad/s and the inner product within 2048 m/s: beyond that an arc is no guide.
+Vec3 turned_twice(Vec3 w, Vec3 lever) {
+    constexpr std::int64_t most = std::int64_t{1} << 30;
+    constexpr int speed_drop = Real::fraction_bits - Speed::fraction_bits,
+                  lever_drop = Real::fraction_bits - Length::fraction_bits;
+    std::int64_t a[3], r[3], v[3];
+    for (int i = 0; i < 3; ++i) {
+        a[i] = std::clamp(w[i].raw >> speed_drop, -most, most);
+        r[i] = lever[i].raw >> lever_drop; // within 2^31
+    }
+    const auto inner = [&](int i, int j) {
+        return std::clamp((a[i] * r[j] - a[j] * r[i]) >> Length::fraction_bits, -most, most);
+    };
+    v[0] = inner(1, 2), v[1] = inner(2, 0), v[2] = inner(0, 1);
+    const auto outer = [&](int i, int j) {
+        return Real::from_raw((a[i] * v[j] - a[j] * v[i]) >>
+                              (2 * Speed::fraction_bits - Real::fraction_bits));
+    };
+    return {outer(1, 2), outer(2, 0), outer(0, 1)};
+}
+
+/// `axes`: whether the frame's directions are asked for.
+JointSide side_of(const JointTick& tick, const JointWorkSide& side, const SolverBodies& bodies, bool axes) {
     JointSide now{};
     now.body = &bodies.step[side.body];
     if (now.body->turn != 0) now.body = &bodies.turns[now.body->turn - 1].now;
@@ -86,11 +109,12 @@ JointSide side_of(const JointTick& tick, const JointWorkSide& side, const Solver
     const JointBody& body = tick.bodies[side.cache];
     now.lever = turned_lever(body.axes, side.lever);
     now.anchor = body.position + now.lever;
-    now.rotation = product(body.rotation, side.frame);
-    now.axes = rotation_of(now.rotation);
     now.w = body.w;
     now.velocity = body.velocity;
-    if (!turns_slowly(body.w)) now.centripetal = cross(body.w, cross(body.w, now.lever));
+    if (!turns_slowly(body.w)) now.centripetal = turned_twice(body.w, now.lever);
+    if (!axes) return now;
+    now.rotation = product(body.rotation, side.frame);
+    now.axes = rotation_of(now.rotation);
     return now;
 }
 
@@ -111,17 +135,12 @@ void add_travel(const JointTick& tick, JointWork& work, const JointPlace& p, con
     work.travel += turn_a - ratio * dot(xb, moved + cross(turned(work.b), p.b.lever));
 }
 
-/// Where x can swing freely, a swing past the back of A adds turns that nobody made, and a limit would wind them off.
-bool counts_turns(const JointDef& def) {
-    return def.kind == JointKind::wheel ||
-           (def.axis[about_y].mode == AxisMode::locked && def.axis[about_z].mode == AxisMode::locked);
-}
-
 JointPlace place_of(const JointTick& tick, JointWork& work, const SolverBodies& bodies) {
     JointPlace p{};
     p.def = work.def;
-    p.a = side_of(tick, work.a, bodies);
-    p.b = side_of(tick, work.b, bodies);
+    const bool axes = work.axis_count + work.block_count != 0; // a point asks for none
+    p.a = side_of(tick, work.a, bodies, axes);
+    p.b = side_of(tick, work.b, bodies, axes);
     p.s = p.b.anchor - p.a.anchor;
     p.arc = p.b.centripetal - p.a.centripetal;
     if (work.needs_slip) {
@@ -146,24 +165,49 @@ JointPlace place_of(const JointTick& tick, JointWork& work, const SolverBodies& 
     return p;
 }
 
+struct Bodies {
+    const SolverBody &a, &b;
+};
+
+/// Faster than this no limit is approached [m/s], [rad/s]: one that is further off than the substep so takes is left out.
+constexpr Real limit_speed_far = Real(100);
+
 // ---- targets ------------------------------------------------------------------------------------------------------
 
-/// x h / 2, at most `most`: at a radian per substep the arc is no guide any more.
-Real half_step(Real x, Real most, const StepConstants& step) {
-    const Real speed =
-        Real::from_raw(narrow_rounded(Wide::product(x.raw, step.substep_time.raw), Unit::fraction_bits + 1));
-    return clamp(speed, -most, most);
+/// J . (shift, theta)
+template <class Part> std::int64_t moved_of(const Part& part, const Row& row, Bodies bodies) {
+    return part.turns ? turned_along(row, bodies.a, bodies.b) : moved_along(row, bodies.a, bodies.b);
 }
 
-void set_block_targets(JointBlock& block, const RowValue* values, bool in_tree, const StepConstants& step) {
-    const Real most = step.joint_push_max, arc_most = in_tree ? step.tree_arc_max : most;
+std::int32_t speed_within(std::int64_t v) {
+    return static_cast<std::int32_t>(std::clamp<std::int64_t>(v, -joint_speed_max, joint_speed_max));
+}
+
+void set_block_errors(JointBlock& block, const RowValue* values, bool in_tree, const StepConstants& step,
+                      Bodies bodies) {
+    const Real arc_most = in_tree ? step.tree_arc_max : step.joint_push_max;
     const Real rate = in_tree ? step.tree_rate : step.joint.rate;
+    const int e = block.exponent;
+    block.push_max = scaled_speed(step.joint_push_max.raw, Real::fraction_bits, e);
     for (int i = 0; i < block.count; ++i) {
-        const Real push = clamp((values[i].position - block.at[i]) * rate, -most, most);
-        block.bias[i] = scaled_speed((push + half_step(values[i].arc, arc_most, step)).raw,
-                                     Real::fraction_bits, block.exponent);
+        block.error[i] =
+            scaled_error(values[i].position - block.at[i], e) - moved_of(block, block.row[i], bodies);
+        const Real ahead = half_step(values[i].arc, arc_most, step);
+        block.ahead[i] = scaled_speed(ahead.raw, Real::fraction_bits, e);
+        // As set_block_bias(), and finer: what is locked twice adds up what the two locks differ by.
+        const Real push =
+            clamp((values[i].position - block.at[i]) * rate, -step.joint_push_max, step.joint_push_max);
+        block.bias[i] = scaled_speed((push + ahead).raw, Real::fraction_bits, e);
         block.direction[i] = values[i].direction;
         block.is_force[i] = values[i].is_force;
+    }
+}
+
+void set_block_bias(JointBlock& block, bool in_tree, const StepConstants& step, Bodies bodies) {
+    const Real rate = in_tree ? step.tree_rate : step.joint.rate;
+    for (int i = 0; i < block.count; ++i) {
+        const std::int64_t error = block.error[i] + moved_of(block, block.row[i], bodies);
+        block.bias[i] = speed_within(bias_of(error, rate, block.push_max) + block.ahead[i]);
     }
 }
 
@@ -171,34 +215,49 @@ void set_block_targets(JointBlock& block, const RowValue* values, bool in_tree, 
 struct LimitTargets {
     std::int32_t bias, relax;
 };
-LimitTargets limit_targets(Real room, Real arc, int exponent, const StepConstants& step) {
-    const Real open = room * step.substeps_per_second;
-    const Real push = max(room * step.joint.rate, -step.joint_push_max);
-    const auto scaled = [exponent](Real x) { return scaled_speed(x.raw, Real::fraction_bits, exponent); };
-    return {scaled((room > Real{} ? open : push) + half_step(arc, step.joint_push_max, step)),
-            scaled(max(open, Real{}))};
+LimitTargets limit_targets(std::int64_t room, std::int32_t ahead, std::int32_t push_max,
+                           const StepConstants& step) {
+    constexpr std::int64_t far = std::int64_t{1} << 35; // times 2^14 substeps a second
+    if (room <= 0) return {speed_within(bias_of(room, step.joint.rate, push_max) + ahead), 0};
+    const std::int64_t open = shift_right_rounded(std::min(room, far) * step.substeps_per_second,
+                                                  Separation::fraction_bits - Speed::fraction_bits);
+    return {speed_within(open + ahead), speed_within(open)};
 }
 
-std::int32_t bound_of(Real most, int exponent) { return scaled_impulse(most, exponent); }
-
-void set_axis_targets(JointAxisPart& part, const RowValue& value, const StepConstants& step) {
-    const int e = part.exponent;
-    const auto scaled = [e](Real x) { return scaled_speed(x.raw, Real::fraction_bits, e); };
-    if (part.features & has_spring) {
-        part.spring_bias = scaled((value.position - part.target) * part.rate);
-        part.spring_bound = bound_of(part.spring_max, e);
-    }
-    if (part.features & has_motor) {
-        part.motor_bias = scaled(-part.motor_speed);
-        part.motor_bound = bound_of(part.motor_max, e);
-    }
+/// Biases from where the bodies are.
+void set_axis_targets(JointAxisPart& part, const StepConstants& step, Bodies bodies) {
+    const std::int64_t moved = moved_of(part, part.row, bodies);
+    if (part.features & has_spring)
+        part.spring_bias = speed_within(bias_of(part.stretch + moved, part.rate, joint_speed_max));
     if (part.features & has_lower) {
-        const LimitTargets t = limit_targets(value.position - part.lower_at, value.arc, e, step);
+        const LimitTargets t = limit_targets(part.room + moved, part.ahead, part.push_max, step);
         part.lower_bias = t.bias, part.lower_relax = t.relax;
     }
     if (part.features & has_upper) {
-        const LimitTargets t = limit_targets(part.upper_at - value.position, -value.arc, e, step);
+        const LimitTargets t = limit_targets(part.room_up - moved, part.ahead_up, part.push_max, step);
         part.upper_bias = -t.bias, part.upper_relax = -t.relax;
+    }
+    const bool low = (part.features & has_lower) != 0, up = (part.features & has_upper) != 0;
+    part.idle = (part.features & (has_spring | has_motor)) == 0 && (part.lower | part.upper) == 0 &&
+                (!low || part.lower_relax > part.far) && (!up || part.upper_relax < -part.far);
+}
+
+/// What a row measures from, by where it is made.
+void set_axis_errors(JointAxisPart& part, const RowValue& value, const StepConstants& step, Bodies bodies) {
+    const int e = part.exponent;
+    const auto scaled = [e](Real x) { return scaled_speed(x.raw, Real::fraction_bits, e); };
+    const std::int64_t moved = moved_of(part, part.row, bodies);
+    const Real ahead = half_step(value.arc, step.joint_push_max, step);
+    part.stretch = scaled_error(value.position - part.target, e) - moved;
+    part.room = scaled_error(value.position - part.lower_at, e) - moved;
+    part.room_up = scaled_error(part.upper_at - value.position, e) + moved;
+    part.ahead = scaled(ahead), part.ahead_up = scaled(-ahead);
+    part.push_max = scaled(step.joint_push_max);
+    part.far = scaled(limit_speed_far);
+    if (part.features & has_spring) part.spring_bound = scaled_impulse(part.spring_max, e);
+    if (part.features & has_motor) {
+        part.motor_bias = scaled(-part.motor_speed);
+        part.motor_bound = scaled_impulse(part.motor_max, e);
     }
     part.direction = value.direction;
     part.is_force = value.is_force;
@@ -206,9 +265,8 @@ void set_axis_targets(JointAxisPart& part, const RowValue& value, const StepCons
 
 // ---- rows ---------------------------------------------------------------------------------------------------------
 
-struct Bodies {
-    const SolverBody &a, &b;
-};
+/// Kinds whose rows only turn bodies.
+bool only_turns(RowKind kind) { return kind >= RowKind::orientation_x && kind <= RowKind::swing; }
 
 void make_block(JointBlock& block, const JointWork& work, const JointPlace& place, Bodies bodies,
                 const StepConstants& step) {
@@ -219,10 +277,15 @@ void make_block(JointBlock& block, const JointWork& work, const JointPlace& plac
     else
         for (int i = 0; i < block.count; ++i) values[i] = row_value(block.kind[i], place);
     for (int i = 0; i < block.count; ++i) wide[i] = values[i].row;
+    block.turns = only_turns(block.kind[0]);
     const int before = block.exponent;
-    block.exponent = set_rows(block.row, wide, block.count);
+    block.exponent =
+        block.turns ? set_turning_rows(block.row, wide, block.count) : set_rows(block.row, wide, block.count);
     for (int i = 0; i < block.count; ++i) {
-        set_responses(block.row[i], work.shares, bodies.a, bodies.b);
+        if (block.turns)
+            set_turning_responses(block.row[i], work.shares);
+        else
+            set_responses(block.row[i], work.shares, bodies.a, bodies.b);
         if (!work.made) {
             block.impulse[i] = scaled_impulse(block.sum[i], block.exponent);
             block.sum[i] = Real{};
@@ -230,26 +293,76 @@ void make_block(JointBlock& block, const JointWork& work, const JointPlace& plac
             block.impulse[i] = rescaled_impulse(block.impulse[i], before, block.exponent);
         }
     }
-    if (work.tree == no_tree) block.inverse = invert(block.row, block.count);
-    set_block_targets(block, values, work.tree != no_tree, step);
+    if (work.tree == no_tree)
+        block.inverse = block.turns ? invert_turning(block.row, block.count) : invert(block.row, block.count);
+    set_block_errors(block, values, work.tree != no_tree, step, bodies);
 }
 
 void make_axis(JointAxisPart& part, const JointWork& work, const JointPlace& place, Bodies bodies,
                const StepConstants& step) {
     const RowValue value = row_value(part.kind, place);
+    part.turns = only_turns(part.kind);
     const int before = part.exponent;
-    part.exponent = set_rows(&part.row, &value.row, 1);
-    set_responses(part.row, work.shares, bodies.a, bodies.b);
-    part.inverse = invert(&part.row, 1);
+    if (part.turns) {
+        part.exponent = set_turning_rows(&part.row, &value.row, 1);
+        set_turning_responses(part.row, work.shares);
+        part.inverse = invert_turning(&part.row, 1);
+    } else {
+        part.exponent = set_rows(&part.row, &value.row, 1);
+        set_responses(part.row, work.shares, bodies.a, bodies.b);
+        part.inverse = invert(&part.row, 1);
+    }
     const auto carry = [&](std::int32_t& p, Real warm) {
         p = work.made ? rescaled_impulse(p, before, part.exponent) : scaled_impulse(warm, part.exponent);
     };
     carry(part.spring, part.warm.spring), carry(part.motor, part.warm.motor);
     carry(part.lower, part.warm.lower), carry(part.upper, part.warm.upper);
-    set_axis_targets(part, value, step);
+    set_axis_errors(part, value, step, bodies);
+    set_axis_targets(part, step, bodies);
+}
+
+/// Kinds whose rows change by turns alone, and slowly.
+bool may_stay(RowKind kind) {
+    return kind <= RowKind::point_z || (kind >= RowKind::orientation_x && kind <= RowKind::lock_z) ||
+           kind == RowKind::spin || kind == RowKind::swing;
+}
+
+/// Near opposite axes the way back about x turns fast.
+bool is_opposite(const JointPlace& place) {
+    return dot<Real>(place.a.axes.x, place.b.axes.x) < decimal<Real>("-0.5");
 }
 
 } // namespace
+
+Real half_step(Real x, Real most, const StepConstants& step) {
+    const Real speed =
+        Real::from_raw(narrow_rounded(Wide::product(x.raw, step.substep_time.raw), Unit::fraction_bits + 1));
+    return clamp(speed, -most, most);
+}
+
+bool counts_turns(const JointDef& def) {
+    return def.kind == JointKind::wheel ||
+           (def.axis[about_y].mode == AxisMode::locked && def.axis[about_z].mode == AxisMode::locked);
+}
+
+std::int64_t scaled_error(Real x, int exponent) {
+    const int drop = Real::fraction_bits - Separation::fraction_bits + exponent;
+    return drop >= 0 ? shift_right_rounded(x.raw, std::min(drop, 62))
+                     : shift_left_saturated(x.raw, std::min(-drop, 24));
+}
+
+bool may_stay(const JointTick& tick, const JointWork& work) {
+    for (std::uint32_t i = 0; i < work.axis_count; ++i) {
+        const JointAxisPart& part = tick.axes[work.first_axis + i];
+        if (!may_stay(part.kind)) return false;
+        // What a small cone pushes along turns by more than the bodies do.
+        if (part.kind == RowKind::swing && part.upper_at < decimal<Real>("0.25")) return false;
+    }
+    for (std::uint32_t i = 0; i < work.block_count; ++i)
+        for (int r = 0; r < tick.blocks[work.first_block + i].count; ++r)
+            if (!may_stay(tick.blocks[work.first_block + i].kind[r])) return false;
+    return true;
+}
 
 void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, const SolverBodies& bodies) {
     const JointPlace place = place_of(tick, work, bodies);
@@ -258,7 +371,24 @@ void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, cons
         make_axis(tick.axes[work.first_axis + i], work, place, both, step);
     for (std::uint32_t i = 0; i < work.block_count; ++i)
         make_block(tick.blocks[work.first_block + i], work, place, both, step);
+    if (work.point != no_point) {
+        PointPart& part = tick.points[work.point];
+        make_point(part, work, place, step, bodies);
+        const JointBlock& block = tick.blocks[work.first_block + work.block_count];
+        for (int i = 0; i < 3 && !work.made; ++i)
+            part.impulse[i] = scaled_impulse(block.sum[i], part.exponent);
+    }
+    work.steady = work.stays && work.tree == no_tree && !(work.needs_twist && is_opposite(place));
     work.made = work.remade = true;
+}
+
+void follow_errors(JointTick& tick, JointWork& work, const StepConstants& step, const SolverBodies& bodies) {
+    const Bodies both{bodies.body[work.a.body], bodies.body[work.b.body]};
+    for (std::uint32_t i = 0; i < work.axis_count; ++i) {
+        set_axis_targets(tick.axes[work.first_axis + i], step, both);
+    }
+    for (std::uint32_t i = 0; i < work.block_count; ++i)
+        set_block_bias(tick.blocks[work.first_block + i], work.tree != no_tree, step, both);
 }
 
 void invert_blocks(JointTick& tick, const JointWork& work) {
@@ -294,7 +424,24 @@ void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodie
     now.w = over_gyration(step, u, Speed::fraction_bits);
 }
 
+void look_at_body(JointBody& now, const SolverBodies& bodies) {
+    const SolverBody& body = bodies.body[now.body];
+    now.stirred = !std::equal(body.shift, body.shift + 3, now.shift) ||
+                  !std::equal(body.theta, body.theta + 3, now.theta);
+    now.wanted = false;
+    std::int64_t most = 0;
+    for (int i = 0; i < 3; ++i)
+        most = std::max(most, std::abs(std::int64_t{body.theta[i]} - now.theta_made[i]));
+    now.strays = most > now.turn_max || (now.stirred && bodies.step[now.body].turn != 0);
+    if (now.strays) std::copy(body.theta, body.theta + 3, now.theta_made);
+}
+
 void start_body(JointBody& now, const Transform& pose, const SolverBodies& bodies) {
+    const SolverBody& body = bodies.body[now.body];
+    const Vec3& k = bodies.step[now.body].radii;
+    constexpr int drop = Real::fraction_bits - Separation::fraction_bits + row_turn_bits;
+    now.turn_max = saturate_to_int32(min(k.x, min(k.y, k.z)).raw >> drop);
+    std::copy(body.theta, body.theta + 3, now.theta_made);
     now.shift[0] = bodies.body[now.body].shift[0] + 1; // whatever it is, not what it was
     place_body(now, pose, bodies);
     now.moved = Vec3{};

@@ -56,6 +56,17 @@ Scaled3 turning(const BodyStep& body, const std::int64_t arm[3], int fraction_bi
             body.inv_exponent + fraction_bits};
 }
 
+int set_turning_rows(Row* rows, const WideRow* wide, int count) {
+    int top = -1000;
+    for (int i = 0; i < count; ++i) top = std::max({top, top_bit(wide[i].xa), top_bit(wide[i].xb)});
+    const int exponent = top == -1000 ? 0 : top - 1;
+    for (int i = 0; i < count; ++i) {
+        write(rows[i].ja + 3, wide[i].xa, exponent);
+        write(rows[i].jb + 3, wide[i].xb, exponent);
+    }
+    return exponent;
+}
+
 int set_rows(Row* rows, const WideRow* wide, int count) {
     int top = -1000;
     for (int i = 0; i < count; ++i)
@@ -79,6 +90,16 @@ static void respond(std::int32_t r[6], std::int32_t& shift, const std::int32_t j
     }
 }
 
+void set_turning_responses(Row& row, const Shares& shares) {
+    row.shift_a = shares.a.shift, row.shift_b = shares.b.shift;
+    for (int i = 3; i < 6; ++i) {
+        row.ra[i] =
+            static_cast<std::int32_t>(shift_right_rounded(std::int64_t{row.ja[i]} * shares.a.mantissa, 30));
+        row.rb[i] =
+            static_cast<std::int32_t>(shift_right_rounded(std::int64_t{row.jb[i]} * shares.b.mantissa, 30));
+    }
+}
+
 void set_responses(Row& row, const Shares& shares, const SolverBody& a, const SolverBody& b) {
     respond(row.ra, row.shift_a, row.ja, shares.a, a);
     respond(row.rb, row.shift_b, row.jb, shares.b, b);
@@ -96,6 +117,16 @@ constexpr std::int64_t pivot_min = std::int64_t{1} << (k_bits - 26);
 std::int64_t product(const Row& j, const Row& r) {
     std::int64_t a = 0, b = 0;
     for (int i = 0; i < 6; ++i) {
+        a += std::int64_t{j.ja[i]} * r.ra[i];
+        b += std::int64_t{j.jb[i]} * r.rb[i];
+    }
+    return shifted(a, 8 + r.shift_a) + shifted(b, 8 + r.shift_b);
+}
+
+/// Of rows that only turn.
+std::int64_t turning_product(const Row& j, const Row& r) {
+    std::int64_t a = 0, b = 0;
+    for (int i = 3; i < 6; ++i) {
         a += std::int64_t{j.ja[i]} * r.ra[i];
         b += std::int64_t{j.jb[i]} * r.rb[i];
     }
@@ -137,11 +168,6 @@ Inverse invert_one(std::int64_t k) {
 
 } // namespace
 
-/// k of a part with 48 fraction bits, lower triangle; and its largest diagonal entry.
-struct Stiffness {
-    std::int64_t k[3][3];
-    std::int64_t largest;
-};
 static Stiffness stiffness(const Row* rows, int count) {
     Stiffness s{};
     for (int i = 0; i < count; ++i) {
@@ -201,7 +227,20 @@ std::int64_t mobility(const Row& row) { return product(row, row); }
 
 Inverse invert(const Row* rows, int count) {
     if (count == 1) return invert_one(product(rows[0], rows[0]));
-    const Stiffness s = stiffness(rows, count);
+    return invert(stiffness(rows, count), count);
+}
+
+Inverse invert_turning(const Row* rows, int count) {
+    if (count == 1) return invert_one(turning_product(rows[0], rows[0]));
+    Stiffness s{};
+    for (int i = 0; i < count; ++i) {
+        for (int j = 0; j <= i; ++j) s.k[i][j] = turning_product(rows[i], rows[j]);
+        s.largest = std::max(s.largest, s.k[i][i]);
+    }
+    return invert(s, count);
+}
+
+Inverse invert(const Stiffness& s, int count) {
     if (s.largest == 0) return {};
     // Cramer's rule on 31 bits, where the determinant leaves enough of them.
     constexpr std::int64_t determinant_min = std::int64_t{1} << 44;
@@ -237,7 +276,7 @@ std::int32_t scaled_impulse(Real p, int exponent) {
     return static_cast<std::int32_t>(std::clamp<std::int64_t>(v, -joint_impulse_max, joint_impulse_max));
 }
 
-Real unscaled_impulse(std::int32_t p, int exponent) {
+Real unscaled_impulse(std::int64_t p, int exponent) {
     return Real::from_raw(shifted(p, Speed::fraction_bits + exponent - Real::fraction_bits));
 }
 

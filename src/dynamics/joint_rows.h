@@ -55,10 +55,20 @@ Scaled3 turning(const BodyStep& body, const std::int64_t arm[3], int fraction_bi
 
 /// Writes the Jacobians of `count` rows, all scaled by 2^-exponent. Returns the exponent; 0 for rows of zeros.
 int set_rows(Row* rows, const WideRow* wide, int count);
+/// As set_rows(), set_responses() and invert(), of rows that only turn: the entries along the axes stay as they are, zero.
+int set_turning_rows(Row* rows, const WideRow* wide, int count);
+void set_turning_responses(Row& row, const Shares& shares);
+Inverse invert_turning(const Row* rows, int count);
 /// Responses of a row: shares, and the axes that the bodies may move along.
 void set_responses(Row& row, const Shares& shares, const SolverBody& a, const SolverBody& b);
 /// k = J . r of one row, 48 fraction bits, below 2^54.
 std::int64_t mobility(const Row& row);
+/// k of a part, lower triangle, 48 fraction bits; and its largest diagonal entry.
+struct Stiffness {
+    std::int64_t k[3][3];
+    std::int64_t largest;
+};
+Inverse invert(const Stiffness& stiffness, int count);
 /// k of one to three rows, and its inverse. Directions along which nothing moves are left out.
 Inverse invert(const Row* rows, int count);
 
@@ -67,7 +77,7 @@ std::int32_t scaled_speed(std::int64_t raw, int fraction_bits, int exponent);
 /// p 2^exponent within joint_impulse_max, of an unscaled impulse.
 std::int32_t scaled_impulse(Real p, int exponent);
 /// p 2^-exponent
-Real unscaled_impulse(std::int32_t p, int exponent);
+Real unscaled_impulse(std::int64_t p, int exponent);
 /// p as it was under `from`, under `to`.
 std::int32_t rescaled_impulse(std::int32_t p, int from, int to);
 

@@ -4,6 +4,7 @@
 #include "dynamics/joint_work.h"
 
 #include <algorithm>
+#include <type_traits>
 
 namespace lockstone::dynamics {
 
@@ -12,8 +13,13 @@ namespace {
 constexpr std::int64_t impulse_change_max = std::int64_t{4} * joint_impulse_max;
 
 /// As push(), and what rows read stays within its bounds.
-void push_clamped(const Row* rows, const std::int32_t* p, int count, Motion& m) {
-    if (push(rows, p, count, m) >= small_impulse) clamp_motion(m);
+template <class Now> void push_clamped(const Row* rows, const std::int32_t* p, int count, Motion& m) {
+    std::uint32_t any;
+    if constexpr (std::is_same_v<Now, Turning>)
+        any = push_turning(rows, p, count, m);
+    else
+        any = push(rows, p, count, m);
+    if (any >= static_cast<std::uint32_t>(small_impulse)) clamp_motion(m);
 }
 
 std::int64_t shifted(std::int64_t v, int shift) {
@@ -31,10 +37,11 @@ std::int64_t times_unit(std::int64_t x, Unit scale) {
     return shift_right_rounded(x * scale.raw, Unit::fraction_bits);
 }
 
-/// With bias softly, without it rigidly.
+/// With bias softly, without it rigidly. Now: Speeds, or Turning of rows that only turn.
+template <class Now>
 void solve_block(JointBlock& block, Motion& m, const StepConstants& step, bool bias, std::uint64_t& clamped) {
     std::int64_t speed[3] = {};
-    const Speeds now(m);
+    const Now now(m);
     for (int i = 0; i < block.count; ++i)
         speed[i] = std::int64_t{speed_along(block.row[i], now)} + (bias ? block.bias[i] : 0);
     std::int32_t change[3];
@@ -52,20 +59,20 @@ void solve_block(JointBlock& block, Motion& m, const StepConstants& step, bool b
         change[i] = p - block.impulse[i];
         block.impulse[i] = p;
     }
-    push_clamped(block.row, change, block.count, m);
+    push_clamped<Now>(block.row, change, block.count, m);
 }
 
 // ---- axes ---------------------------------------------------------------------------------------------------------
 
 /// The impulses of an axis, one after another along the same row.
-struct AxisPass {
+template <class Now> struct AxisPass {
     const JointAxisPart& part;
     Motion& m;
     std::uint64_t& clamped;
     std::int64_t speed;
 
     AxisPass(const JointAxisPart& axis, Motion& motion, std::uint64_t& clamps)
-        : part(axis), m(motion), clamped(clamps), speed(speed_along(axis.row, Speeds(motion))) {}
+        : part(axis), m(motion), clamped(clamps), speed(speed_along(axis.row, Now(motion))) {}
 
     /// k^-1 (speed + bias)
     std::int64_t impulse_for(std::int64_t bias) const {
@@ -77,14 +84,14 @@ struct AxisPass {
         if (next == p) return;
         if (next != wanted && (next == joint_impulse_max || next == -joint_impulse_max)) ++clamped;
         const std::int32_t change = next - p;
-        push_clamped(&part.row, &change, 1, m);
+        push_clamped<Now>(&part.row, &change, 1, m);
         p = next;
-        speed = speed_along(part.row, Speeds(m));
+        speed = speed_along(part.row, Now(m));
     }
 };
 
-void solve_axis(JointAxisPart& part, Motion& m, bool bias, std::uint64_t& clamped) {
-    AxisPass pass(part, m, clamped);
+template <class Now> void solve_axis(JointAxisPart& part, Motion& m, bool bias, std::uint64_t& clamped) {
+    AxisPass<Now> pass(part, m, clamped);
     // A spring gives its impulse once a substep: relaxing undoes none of it.
     if ((part.features & has_spring) != 0 && bias) {
         const std::int64_t change = pass.impulse_for(part.spring_bias);
@@ -111,14 +118,26 @@ namespace {
 void pass_joint(JointTick& tick, const JointWork& w, const StepConstants& step, SolverBodies& bodies,
                 bool bias) {
     const bool locks = w.tree == no_tree || !tick.forest.trees[w.tree].direct;
-    if (!locks && w.axis_count == 0) return;
+    if (!locks && w.axis_count == 0) return; // a tree's joint has no point part
     SolverBody &a = bodies.body[w.a.body], &b = bodies.body[w.b.body];
     Motion m = read(a, b);
     clamp_motion(m);
-    for (std::uint32_t i = 0; i < w.axis_count; ++i)
-        solve_axis(tick.axes[w.first_axis + i], m, bias, tick.clamped);
-    for (std::uint32_t i = 0; locks && i < w.block_count; ++i)
-        solve_block(tick.blocks[w.first_block + i], m, step, bias, tick.clamped);
+    for (std::uint32_t i = 0; i < w.axis_count; ++i) {
+        JointAxisPart& part = tick.axes[w.first_axis + i];
+        if (part.idle) continue;
+        if (part.turns)
+            solve_axis<Turning>(part, m, bias, tick.clamped);
+        else
+            solve_axis<Speeds>(part, m, bias, tick.clamped);
+    }
+    for (std::uint32_t i = 0; locks && i < w.block_count; ++i) {
+        JointBlock& block = tick.blocks[w.first_block + i];
+        if (block.turns)
+            solve_block<Turning>(block, m, step, bias, tick.clamped);
+        else
+            solve_block<Speeds>(block, m, step, bias, tick.clamped);
+    }
+    if (w.point != no_point) solve_point(tick.points[w.point], m, a, b, step, bias, tick.clamped);
     write(m, a, b);
 }
 
@@ -140,6 +159,12 @@ void JointSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bi
 
 // ---- warm start ---------------------------------------------------------------------------------------------------
 
+static void warm_point(PointPart& part, Motion& m, bool first) {
+    for (int r = 0; r < 3 && !first; ++r) part.sum[r] += part.impulse[r];
+    push_point(part, part.impulse, m);
+    clamp_motion(m);
+}
+
 void JointSolver::warm_start(const StepConstants& step, SolverBodies& bodies) {
     JointTick& tick = *work;
     const TurnedK turned(step, bodies);
@@ -149,17 +174,22 @@ void JointSolver::warm_start(const StepConstants& step, SolverBodies& bodies) {
         clamp_motion(m);
         for (std::uint32_t i = 0; i < w.axis_count; ++i) {
             JointAxisPart& part = tick.axes[w.first_axis + i];
+            if (part.idle) continue;
             const std::int64_t sum = std::int64_t{part.spring} + part.motor + part.lower + part.upper;
             const std::int32_t p = bounded(sum, -joint_impulse_max, joint_impulse_max);
             if (!tick.first) part.sum += unscaled_impulse(p, part.exponent);
-            push_clamped(&part.row, &p, 1, m);
+            push_clamped<Speeds>(&part.row, &p, 1, m);
         }
         for (std::uint32_t i = 0; i < w.block_count; ++i) {
             JointBlock& block = tick.blocks[w.first_block + i];
             for (int r = 0; r < block.count && !tick.first; ++r)
                 block.sum[r] += unscaled_impulse(block.impulse[r], block.exponent);
-            push_clamped(block.row, block.impulse, block.count, m);
+            if (block.turns)
+                push_clamped<Turning>(block.row, block.impulse, block.count, m);
+            else
+                push_clamped<Speeds>(block.row, block.impulse, block.count, m);
         }
+        if (w.point != no_point) warm_point(tick.points[w.point], m, tick.first);
         write(m, a, b);
     }
     tick.first = false;

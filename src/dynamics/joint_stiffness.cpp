@@ -16,11 +16,12 @@ bool add_pull(const BodyColumns& columns, std::uint32_t row, Vec3 force, Vec3 pl
               const StepConstants& step, BodyStep& s) {
     const BodyMass& mass = columns.mass[row];
     const Real rate = Real(step.substeps_per_second);
-    const Vec3 speed = force / mass.mass / rate; // per substep
     const Vec3 lever = place - mass.center;
     const Vec3& k = mass.gyration;
     const Real least = min(k.x, min(k.y, k.z));
-    if (sum_of_sizes(speed) * sum_of_sizes(lever) / rate * 32 < least * least) return false;
+    if (sum_of_sizes(force) / mass.mass * (sum_of_sizes(lever) * 32) < least * least * rate * rate)
+        return false;
+    const Vec3 speed = force / mass.mass / rate; // per substep
     const Vec3 r = rotate(conjugate(mass.principal), lever);
     const Vec3 f = rotate(conjugate(columns.pose[row].rotation * mass.principal), speed);
     const Real all = dot(r, f);

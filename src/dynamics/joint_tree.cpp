@@ -29,7 +29,7 @@ void find_links(JointTick& tick, const SolverBodies& bodies) {
     f.links.clear();
     f.component.resize(count);
     for (std::uint32_t i = 0; i < count; ++i) f.component[i] = i;
-    f.anchor_of.assign(count, 0);
+    f.anchor_of.assign(count, 0), f.loops.assign(count, 0);
     f.first_of.assign(count + 1, 0);
     for (std::uint32_t k = 0; k < tick.joints.size(); ++k) {
         JointWork& w = tick.joints[k];
@@ -39,8 +39,13 @@ void find_links(JointTick& tick, const SolverBodies& bodies) {
         if (a == b) continue;
         if (a != no_tree && b != no_tree) {
             const std::uint32_t ca = component_of(f, a), cb = component_of(f, b);
-            if (ca == cb) continue;
-            f.component[std::max(ca, cb)] = std::min(ca, cb);
+            const std::uint32_t one = std::min(ca, cb), other = std::max(ca, cb);
+            if (ca == cb) {
+                ++f.loops[one];
+                continue;
+            }
+            f.component[other] = one;
+            f.loops[one] += f.loops[other];
         }
         f.links.push_back({k, a, b});
         if (a != no_tree) ++f.first_of[a];
@@ -92,37 +97,55 @@ void add_joint(JointTick& tick, std::uint32_t link, std::uint32_t child, std::ui
     node.plain = false, node.passes = true;
 }
 
+std::span<const std::uint32_t> links_of(const JointForest& f, std::uint32_t body) {
+    return std::span<const std::uint32_t>(f.hung).subspan(f.first_of[body],
+                                                          f.first_of[body + 1] - f.first_of[body]);
+}
+std::uint32_t other_end(const TreeLink& link, std::uint32_t body) { return link.a == body ? link.b : link.a; }
+
+/// The bodies of a tree from the root outwards, and the link above each.
+void walk_tree(JointForest& f, std::uint32_t root) {
+    f.queue.assign(1, root);
+    f.above[root] = f.anchor_of[component_of(f, root)];
+    for (std::size_t i = 0; i < f.queue.size(); ++i) {
+        const std::uint32_t body = f.queue[i];
+        for (const std::uint32_t link : links_of(f, body)) {
+            const std::uint32_t other = other_end(f.links[link], body);
+            if (other == no_tree || link + 1 == f.above[body]) continue;
+            f.above[other] = link + 1;
+            f.queue.push_back(other);
+        }
+    }
+}
+
+/// Whether some body of the tree carries many times its own mass: then a pass joint after joint is far from the solution.
+template <class Mass> bool is_heavy(JointForest& f, Real load, Mass&& mass) {
+    for (const std::uint32_t body : f.queue) f.carried[body] = mass(body);
+    for (std::size_t i = f.queue.size(); i-- > 0;) {
+        const std::uint32_t body = f.queue[i], above = f.above[body];
+        if (above == 0) continue;
+        if (f.carried[body] > mass(body) * load) return true;
+        const std::uint32_t parent = other_end(f.links[above - 1], body);
+        if (parent != no_tree) f.carried[parent] += f.carried[body];
+    }
+    return false;
+}
+
 /// Nodes from the root outwards, then joints from the leaves inwards.
-void add_tree(JointTick& tick, std::uint32_t root, const BodyColumns& columns) {
+void add_tree(JointTick& tick, const BodyColumns& columns) {
     JointForest& f = tick.forest;
     JointTree tree{};
     tree.first_node = static_cast<std::uint32_t>(f.nodes.size());
     tree.first_joint = static_cast<std::uint32_t>(f.joints.size());
-    add_node(tick, root, f.anchor_of[component_of(f, root)], columns);
-    const auto links_of = [&](std::uint32_t body) {
-        return std::span<const std::uint32_t>(f.hung).subspan(f.first_of[body],
-                                                              f.first_of[body + 1] - f.first_of[body]);
-    };
-    f.queue.assign(1, root);
-    for (std::size_t i = 0; i < f.queue.size(); ++i) {
-        const std::uint32_t body = f.queue[i];
-        for (const std::uint32_t link : links_of(body)) {
-            const TreeLink& l = f.links[link];
-            const std::uint32_t other = l.a == body ? l.b : l.a;
-            if (other == no_tree || f.node_of[other] != 0) continue;
-            add_node(tick, other, link + 1, columns);
-            f.queue.push_back(other);
-        }
-    }
+    for (const std::uint32_t body : f.queue) add_node(tick, body, f.above[body], columns);
     tree.node_count = static_cast<std::uint32_t>(f.queue.size());
     for (std::uint32_t i = tree.node_count; i-- > 0;) {
-        const std::uint32_t body = f.queue[i], node = tree.first_node + i, above = f.above_of[node];
-        for (const std::uint32_t link : links_of(body))
+        const std::uint32_t body = f.queue[i], node = tree.first_node + i, above = f.above[body];
+        for (const std::uint32_t link : links_of(f, body))
             if (link + 1 != above && (f.links[link].a == no_tree || f.links[link].b == no_tree))
                 add_joint(tick, link, no_tree, node);
         if (above == 0) continue;
-        const TreeLink& l = f.links[above - 1];
-        const std::uint32_t other = l.a == body ? l.b : l.a;
+        const std::uint32_t other = other_end(f.links[above - 1], body);
         add_joint(tick, above - 1, node, other == no_tree ? no_tree : f.node_of[other] - 1);
     }
     tree.joint_count = static_cast<std::uint32_t>(f.joints.size()) - tree.first_joint;
@@ -131,7 +154,8 @@ void add_tree(JointTick& tick, std::uint32_t root, const BodyColumns& columns) {
 
 } // namespace
 
-void plan_trees(JointTick& tick, const BodyColumns& columns, const SolverBodies& bodies) {
+void plan_trees(JointTick& tick, const BodyColumns& columns, const StepConstants& step,
+                const SolverBodies& bodies) {
     JointForest& f = tick.forest;
     f.trees.clear(), f.nodes.clear(), f.joints.clear(), f.above_of.clear();
     find_links(tick, bodies);
@@ -139,11 +163,13 @@ void plan_trees(JointTick& tick, const BodyColumns& columns, const SolverBodies&
     const auto count = static_cast<std::uint32_t>(tick.bodies.size());
     f.node_of.assign(count, 0);
     f.size.assign(count, 0), f.root.assign(count, no_tree);
+    f.above.assign(count, 0), f.carried.assign(count, Real{}), f.anchors.assign(count, 0);
     for (std::size_t i = 0; i < f.links.size(); ++i) {
         const TreeLink& l = f.links[i];
         const std::uint32_t c = component_of(f, l.a != no_tree ? l.a : l.b);
         ++f.size[c];
-        if ((l.a != no_tree && l.b != no_tree) || f.anchor_of[c] != 0) continue;
+        if (l.a != no_tree && l.b != no_tree) continue;
+        if (++f.anchors[c] > 1) continue;
         f.anchor_of[c] = static_cast<std::uint32_t>(i + 1);
         f.root[c] = l.a != no_tree ? l.a : l.b;
     }
@@ -153,8 +179,12 @@ void plan_trees(JointTick& tick, const BodyColumns& columns, const SolverBodies&
         if (f.anchor_of[c] != 0) continue;
         if (f.root[c] == no_tree || mass(body) > mass(f.root[c])) f.root[c] = body;
     }
-    for (std::uint32_t c = 0; c < count; ++c) // in the order of their first joints
-        if (f.component[c] == c && f.size[c] > 1) add_tree(tick, f.root[c], columns);
+    for (std::uint32_t c = 0; c < count; ++c) { // in the order of their first joints
+        const bool is_net = f.loops[c] * tree_loop_part > f.size[c] + f.loops[c];
+        if (f.component[c] != c || f.size[c] < 2 || is_net) continue;
+        walk_tree(f, f.root[c]);
+        if (f.anchors[c] > 1 || is_heavy(f, step.tree_load, mass)) add_tree(tick, columns);
+    }
 }
 
 } // namespace lockstone::dynamics

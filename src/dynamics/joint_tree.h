@@ -14,6 +14,11 @@
 //   joint above it    D = J_i H_i^-1 J_i^T + G,  g = - speed - ... - J_i H_i^-1 f_i
 //   back              lambda = D^-1 (g - J_parent dv_parent),  dv_i = H_i^-1 (f_i + J_i^T lambda)
 //
+// Joint after joint, with the impulses of the last tick to start from, is as good where loads are light: a tree is solved at
+// once where some body carries (itself and all that hangs on it, away from the root) more than 4 times its own mass, or where
+// it hangs on the world at two places: what is taut between them sags, joint after joint. Five links of equal mass are such
+// a chain; so is a ragdoll of fourteen parts, by its abdomen, and one of eleven is not until something holds it up by its hand.
+//
 // The residual is what the rows read, and impulses act through the rows as everywhere: a factor that is a little off
 // costs a little of the solution, never momentum. Sums of H only grow, so nothing cancels. A body lighter than
 // 2^-24 of what hangs on it is beyond the factor: such a tree is solved joint after joint instead.
@@ -88,12 +93,20 @@ struct JointForest {
     std::vector<std::uint32_t> node_of;        ///< by body: node + 1
     std::vector<std::uint32_t> size, root,
         anchor_of;                       ///< by component: links, body, first link to the world + 1
+    std::vector<std::uint32_t> loops;    ///< by component: joints that close a loop
+    std::vector<std::uint32_t> anchors;  ///< by component: joints to the world
     std::vector<std::uint32_t> above_of; ///< by node: link to its parent + 1
+    std::vector<std::uint32_t> above;    ///< by body: link to its parent + 1
+    std::vector<Real> carried;           ///< by body: its mass and all that hangs on it
     std::vector<std::uint32_t> queue;    ///< bodies of a tree
 };
 
-/// Finds the trees of the tick's locks. Trees of one joint are left to the ordinary passes.
-void plan_trees(JointTick& tick, const BodyColumns& columns, const SolverBodies& bodies);
+/// A net is no tree: with more than one joint of four closing a loop, what is left over decides how it stretches.
+inline constexpr std::uint32_t tree_loop_part = 4;
+
+/// Finds the trees of the tick's locks. Trees of one joint, of light loads and of nets are left to the ordinary passes.
+void plan_trees(JointTick& tick, const BodyColumns& columns, const StepConstants& step,
+                const SolverBodies& bodies);
 /// Factorises what changed. A tree that cannot be is solved joint after joint until it changes again.
 void factorise_trees(JointTick& tick, const SolverBodies& bodies, Tasks* tasks);
 /// Impulses for one tree. Writes only what is of its joints and of the bodies that it moves, which are in no other tree.

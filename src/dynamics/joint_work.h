@@ -1,18 +1,31 @@
-// What a tick keeps of its joints: bodies as they stand, blocks of locks, axes with springs, motors and limits.
+// What a tick keeps of its joints: bodies as they stand, points, blocks of locks, axes with springs, motors and limits.
+//
+// Rows stay while neither body has turned by more than row_turn_max about an axis since they were made; errors follow the
+// motion by the rows, C = C0 + J . (shift, theta). What a lever of length r so misses is r a^2 / 2 for a turn by a:
+// 0.03 mm for a metre. Rows whose directions also change with places (along an axis of A, lines, ropes), gears and racks are
+// made anew whenever a body has moved, and so are those of trees (a bridge that is taut gains energy from rows that stay
+// behind by a hundredth) and of bodies that are followed (followed_turn.h).
 #pragma once
 
 #include "dynamics/joint.h"
 #include "dynamics/joint_parts.h"
+#include "dynamics/joint_point.h"
 #include "dynamics/joint_tree.h"
 
 #include <vector>
 
 namespace lockstone::dynamics {
 
+inline constexpr int row_turn_bits = 7; ///< row_turn_max = 2^-7 rad
+
 /// A body that joints hold, where it is in this substep.
 struct JointBody {
     std::uint32_t body;
-    bool stirred; ///< moved or turned since the rows of its joints were made
+    bool stirred;               ///< moved or turned since it was placed
+    bool strays;                ///< it has turned by more than the rows of its joints may stay behind
+    bool wanted;                ///< rows are to be made of where it is
+    std::int32_t turn_max;      ///< that rows may stay behind, of theta
+    std::int32_t theta_made[3]; ///< when the rows of its joints were made
     Vec3 position;
     Quat rotation;
     Rotation axes;
@@ -33,10 +46,14 @@ struct JointBlock {
     std::int32_t exponent;
     std::int32_t impulse[3]; ///< p', Speed
     std::int32_t bias[3];    ///< Speed
+    std::int64_t error[3];   ///< 2^-e C, less J . (shift, theta) of when the rows were made; Separation
+    std::int32_t ahead[3];   ///< of the bias: along the arc, Speed
+    std::int32_t push_max;   ///< of the bias: by the error, Speed
     Real at[3];              ///< position that is kept
     Real sum[3];             ///< of the impulses of the substeps so far, unscaled
     Vec3 direction[3];
     bool is_force[3];
+    bool turns; ///< its rows only turn
 };
 
 enum JointFeature : std::uint8_t {
@@ -66,6 +83,15 @@ struct JointAxisPart {
     std::int32_t spring, motor, lower, upper; ///< p', Speed
     JointAxisImpulses warm;                   ///< of the last tick, unscaled
     Real sum;
+    // Separation, 2^-e of a length or an angle less J . (shift, theta) of when the row was made
+    std::int64_t stretch; ///< of the spring
+    std::int64_t room,
+        room_up; ///< to the lower and from the upper limit; the second falls with J . (shift, theta)
+    std::int32_t ahead, ahead_up; ///< of their biases: along the arc, Speed
+    std::int32_t push_max;        ///< of their biases, Speed
+    std::int32_t far;             ///< Speed at which limits are out of reach in a substep
+    bool turns;                   ///< its row only turns
+    bool idle;                    ///< nothing but limits out of reach: passes leave it out
     Vec3 direction;
     bool is_force;
 };
@@ -80,6 +106,8 @@ struct JointWorkSide {
     Quat frame;          ///< in the body's axes, or in the world
 };
 
+inline constexpr std::uint32_t no_point = 0xffffffffu;
+
 struct JointWork {
     const JointDef* def;
     JointWorkSide a, b;
@@ -90,7 +118,11 @@ struct JointWork {
     std::uint32_t tree; ///< that solves its locks; no_tree: they are solved by themselves
     std::uint8_t block_count, axis_count;
     bool needs_twist, needs_target, needs_orientation, needs_travel, needs_slip, made;
-    bool remade; ///< since trees were factorised
+    bool stale;          ///< its rows are to be made anew
+    bool stays;          ///< its rows change by turns alone, and slowly
+    bool remade;         ///< since trees were factorised
+    bool steady;         ///< and they may stay behind where they are now
+    std::uint32_t point; ///< entry of JointTick::points; no_point: its point part, if any, is a block
     Real twist, travel;
 };
 
@@ -99,6 +131,7 @@ struct JointTick {
     std::vector<JointWork> joints;
     std::vector<JointBlock> blocks;
     std::vector<JointAxisPart> axes;
+    std::vector<PointPart> points;
     std::vector<JointBody> bodies;
     JointForest forest;
     std::vector<std::uint32_t> cache_of; ///< by body: entry of `bodies` + 1
@@ -109,10 +142,22 @@ struct JointTick {
 
 /// Parts of one joint by its table of axes; appends to blocks and axes.
 void assemble(JointTick& tick, JointWork& work, const StepConstants& step, const JointMemory& memory);
+/// Where x can swing freely, a swing past the back of A adds turns that nobody made, and a limit would wind them off.
+bool counts_turns(const JointDef& def);
+/// Of a joint that was assembled: whether its rows change by turns alone, and slowly.
+bool may_stay(const JointTick& tick, const JointWork& work);
 void start_body(JointBody& now, const Transform& pose, const SolverBodies& bodies);
 void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodies);
+/// Whether it has moved since it was placed, and turned by more than rows may stay behind.
+void look_at_body(JointBody& now, const SolverBodies& bodies);
 /// Rows, responses, inverses and targets of a joint's parts. Writes nothing that is another joint's.
 void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, const SolverBodies& bodies);
+/// Errors from where the bodies are, by the rows that there are.
+void follow_errors(JointTick& tick, JointWork& work, const StepConstants& step, const SolverBodies& bodies);
+/// x h / 2, at most `most`: at a radian per substep the arc is no guide any more.
+Real half_step(Real x, Real most, const StepConstants& step);
+/// 2^-exponent of a length or an angle, Separation.
+std::int64_t scaled_error(Real x, int exponent);
 /// Inverses of a joint's blocks, which make_rows() leaves out where a tree solves them.
 void invert_blocks(JointTick& tick, const JointWork& work);
 

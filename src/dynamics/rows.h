@@ -63,13 +63,13 @@ struct ContactKey {
     friend constexpr bool operator==(const ContactKey&, const ContactKey&) = default;
 };
 
-/// One point of a manifold, and the impulses per substep that hold it, over the reduced mass of the two bodies [m/s].
+/// One point of a manifold, and the impulse per substep that holds it, over the reduced mass of the two bodies.
 struct ContactPointMemory {
     LengthVec3
         position; ///< from shape B's origin, in shape A's axes [m]; finds the point again when its feature changed
     std::uint32_t feature;
     Separation separation;              ///< when the manifold was made [m]
-    Speed normal, tangent_1, tangent_2; ///< along the normal and the two tangents of tangents_of()
+    Speed normal;          ///< impulse along the normal [m/s]
 };
 
 enum ContactFlags : std::uint32_t {
@@ -78,6 +78,7 @@ enum ContactFlags : std::uint32_t {
     contact_sensor_is_b = 4, ///< and it is the key's b
     contact_flipped = 8,     ///< the manifold's shape A is the key's b
     contact_passing = 16,    ///< goes through a one-way shape until they are apart
+    contact_on_face = 32,    ///< of the row: collide::Manifold::on_face
 };
 
 /// What a contact remembers from tick to tick: the manifold, where it was made, and the impulses. While the shapes stay
@@ -90,8 +91,12 @@ struct ContactMemory {
     Quat made_rotation;           ///< B's axes in A's, then
     UnitVec3 normal;              ///< from A to B, in A's axes
     Length margin;                ///< what counted as near, then [m]
-    SpeedVec3 rolling;            ///< angular impulse against rolling, world axes, as RollingRows has it
-    std::uint32_t reserved;
+    SpeedVec3 rolling;            ///< angular impulse against rolling, world axes, as solve::Rolling has it
+    Speed tangent_1, tangent_2;   ///< friction impulse per substep along the tangents of tangents_of() [m/s]
+    Length twist;                 ///< friction impulse about the normal [m^2/s]
+    // Of shapes of many pieces; see collide::Manifold.
+    std::uint32_t piece_a; ///< triangle or part of A
+    std::uint32_t piece_b; ///< part of B
 };
 
 /// A joint as it was made or changed by commands, and its place in the lists of its bodies.
@@ -140,13 +145,13 @@ template <class V> constexpr void describe(BodyForce& f, V&& v) {
 template <class V> constexpr void describe(ContactKey& k, V&& v) { v("a", k.a), v("b", k.b); }
 template <class V> constexpr void describe(ContactPointMemory& p, V&& v) {
     v("position", p.position), v("feature", p.feature), v("separation", p.separation), v("normal", p.normal);
-    v("tangent_1", p.tangent_1), v("tangent_2", p.tangent_2);
 }
 template <class V> constexpr void describe(ContactMemory& m, V&& v) {
     v("flags", m.flags), v("count", m.count), v("points", m.points), v("made_position", m.made_position);
     v("made_rotation", m.made_rotation), v("normal", m.normal), v("margin", m.margin),
         v("rolling", m.rolling);
-    v("reserved", m.reserved);
+    v("tangent_1", m.tangent_1), v("tangent_2", m.tangent_2), v("twist", m.twist);
+    v("piece_a", m.piece_a), v("piece_b", m.piece_b);
 }
 template <class V> constexpr void describe(JointRow& r, V&& v) {
     v("id", r.id), v("def", r.def), v("next_a", r.next_a), v("next_b", r.next_b);

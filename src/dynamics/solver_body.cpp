@@ -9,10 +9,21 @@ namespace lockstone::dynamics {
 
 Symmetric<Real> rotated_diagonal(const Rotation& r, Vec3 d) {
     if (d.x == d.y && d.y == d.z) return {d.x, d.x, d.x, Real{}, Real{}, Real{}};
-    const Vec3 ax = scale<Real>(r.x, d.x), ay = scale<Real>(r.y, d.y), az = scale<Real>(r.z, d.z);
-    using Sum = SumOfProducts<Real, Unit>;
+    // 31 bits of the entries are enough: then their products with those of a rotation are below 2^61.
+    const int bits = bit_length(magnitude(d.x.raw) | magnitude(d.y.raw) | magnitude(d.z.raw));
+    const int drop = bits > 31 ? bits - 31 : 0;
+    const std::int64_t dx = shift_right_rounded(d.x.raw, drop), dy = shift_right_rounded(d.y.raw, drop),
+                       dz = shift_right_rounded(d.z.raw, drop);
+    constexpr int unit = Unit::fraction_bits;
+    std::int64_t a[3][3];
+    for (int i = 0; i < 3; ++i) {
+        a[i][0] = shift_right_rounded(r.x[i].raw * dx, unit);
+        a[i][1] = shift_right_rounded(r.y[i].raw * dy, unit);
+        a[i][2] = shift_right_rounded(r.z[i].raw * dz, unit);
+    }
     const auto entry = [&](int i, int j) {
-        return Sum{}.add(ax[i], r.x[j]).add(ay[i], r.y[j]).add(az[i], r.z[j]).round<Real>();
+        const std::int64_t sum = a[i][0] * r.x[j].raw + a[i][1] * r.y[j].raw + a[i][2] * r.z[j].raw;
+        return Real::from_raw(drop <= unit ? shift_right_rounded(sum, unit - drop) : sum << (drop - unit));
     };
     return {entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(0, 2), entry(1, 2)};
 }
@@ -79,11 +90,11 @@ static void per_substep(Vec3 acceleration, const StepConstants& step, std::int64
     }
 }
 
-/// K, and u of the velocity within its bounds.
+/// K, and u of the velocity within its bounds. Locks hold here too, for velocities of states from files.
 static void begin_turning(const BodyMass& mass, const Transform& pose, const Velocity& velocity,
                           const StepConstants& step, SolverBody& b, BodyStep& s, ClampCounts& clamps) {
     set_gyration(s, mass.principal, pose.rotation);
-    const SpeedVec3 u = mul<Speed>(s.gyration, to<Real>(velocity.angular));
+    const SpeedVec3 u = mul<Speed>(s.gyration, masked(to<Real>(velocity.angular), s.angular_mask));
     for (int i = 0; i < 3; ++i) b.u[i] = std::int64_t{u[i].raw} << row_bits;
     clamps.speed += clamp_length(b.u, step.tip_speed_max) ? 1u : 0u;
 }
@@ -104,7 +115,8 @@ static void begin_body(const BodyInfo& info, const BodyMass& mass, const BodyFor
     for (int i = 0; i < 3; ++i) b.keep[i] = (linear_mask >> i) & 1u ? -1 : 0;
     if (!s.moves) return;
     s.radii = mass.gyration;
-    for (int i = 0; i < 3; ++i) b.v[i] = std::int64_t{velocity.linear[i].raw} << row_bits;
+    for (int i = 0; i < 3; ++i)
+        if (((linear_mask >> i) & 1u) != 0) b.v[i] = std::int64_t{velocity.linear[i].raw} << row_bits;
     // Commands may leave any velocity; rows have room for these.
     clamps.speed += clamp_length(b.v, step.linear_speed_max) ? 1u : 0u;
     begin_turning(mass, pose, velocity, step, b, s, clamps);
@@ -174,17 +186,24 @@ static void turn(const BodyInfo& info, const BodyMass& mass, const StepConstants
     const Vec3 rotation = masked(mul<Real>(s.gyration_inv, theta), s.angular_mask);
     const SpeedVec3 u = rounded(b.u);
     const bool round_body = s.radii.x == s.radii.y && s.radii.y == s.radii.z;
+    // Turned by less than this, the change of w is below the step of a Speed.
+    constexpr Real least = decimal<Real>("0.0001");
+    const Vec3 size = abs(rotation);
+    const bool turns = size.x > least || size.y > least || size.z > least;
     const bool gyroscopic = s.movable && info.gyroscopic != 0 && s.angular_mask == 7u && !round_body;
-    if (!gyroscopic || rotation == Vec3{}) {
+    if (!gyroscopic || !turns) {
         pose.rotation = integrate_rotation(pose.rotation, rotation);
         velocity.angular = to<Speed>(masked(mul<Real>(s.gyration_inv, u), s.angular_mask));
         return;
     }
     const Vec3 momentum = mul<Real>(s.gyration, u); // per mass
     const Vec3 w = mul<Real>(s.gyration_inv, u);
+    const Vec3 inverse = reciprocals(s.radii);
     const auto spin_at = [&](Quat q) { // K^-2 momentum
-        set_gyration(s, mass.principal, q);
-        return mul<Real>(s.gyration_inv, mul<Real>(s.gyration_inv, momentum));
+        const Rotation axes = to_rotation(q * mass.principal);
+        Vec3 inside = mul_transposed<Real>(axes, momentum);
+        for (int i = 0; i < 3; ++i) inside[i] = inside[i] * inverse[i] * inverse[i];
+        return mul<Real>(axes, inside);
     };
     const Vec3 freely = w / Real(step.ticks_per_second);
     const auto halved = [](Vec3 v) { return Vec3{half(v.x), half(v.y), half(v.z)}; };

@@ -43,6 +43,7 @@ StepConstants step_constants(const StepSettings& s) {
     // 1 / 12 of the substep rate on. A tenth of a second is quick enough where substeps are few.
     const Real rate = Real(c.substeps_per_second);
     c.tree_rate = max(rate / Real(16), min(Real(10), rate / Real(6)));
+    c.tree_load = Real(4);
     c.joint_push_max = Real(4);
     // Links that whip at the end of a chain turn otherwise in every substep: with more of a guess they part, and pull the load
     // up when they close.

@@ -30,6 +30,7 @@ struct StepConstants {
     Softness soft, soft_static;       ///< against dynamic bodies; against what does not move
     SpringSoftness joint;             ///< of locks that are solved one after another
     Real tree_rate;                   ///< [1/s]: error -> push speed, of locks that are solved at once
+    Real tree_load;      ///< trees whose bodies carry more than this in masses of their own are solved at once; joint_tree.h
     Real joint_push_max;              ///< [m/s] or [rad/s]: most that a lock is pushed by its error
     Real tree_arc_max; ///< [m/s]: most that the bias of a lock of a tree looks ahead along an arc
 };

@@ -23,6 +23,9 @@ Status check(const SessionDef& def) {
     if (def.input_delay > input_delay_limit)
         return Error{
             join("session: input_delay is ", def.input_delay, ", at most ", input_delay_limit, " ticks")};
+    if (def.disconnect_ms == 0 || def.connect_ms == 0)
+        return Error{join("session: ", def.disconnect_ms == 0 ? "disconnect_ms" : "connect_ms",
+                          " is 0, at least 1 ms: every peer would be gone at once")};
     if (def.predictor == nullptr)
         return Error{"session: predictor is null; repeat_last_input() is the default"};
     return {};
@@ -78,6 +81,8 @@ const char* name_of(Stall stall) {
         return "peer behind";
     case Stall::finished:
         return "finished";
+    case Stall::stopped:
+        return "stopped";
     }
     return "unknown";
 }
@@ -96,6 +101,8 @@ const char* name_of(PacketFault fault) {
         return "malformed";
     case PacketFault::implausible:
         return "implausible";
+    case PacketFault::flood:
+        return "more than one poll reads";
     }
     return "unknown";
 }

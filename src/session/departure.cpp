@@ -1,59 +1,213 @@
-// Leaving. When a machine falls silent, those that remain must end its players' inputs at the same tick, though each
-// may have received a different number of them. Every machine tells which players it counts as gone and how far it
-// has their inputs; from then on it takes their inputs from the other machines only. Once all that remain count a
-// player as gone, the greatest of their ends is the cut: nobody has confirmed a tick beyond it, and the machine that
-// has the last inputs passes them on. Between two peers the cut is at once where the inputs end.
+// Leaving: who must go, and from which tick on.
+//
+// Nobody leaves on one machine's word. A machine wants a peer to leave when it has seen for itself that the peer is silent,
+// keeps the match waiting, or has dropped it. The peer has left when most of those who are still heard want so; between
+// two machines that is one. From then on its inputs are refused. No other machine's word stands for them, so where they
+// end, the cut, is where the machine that remains and has the fewest of them ends. Nobody has confirmed a tick beyond
+// it, because a tick is confirmed only when all others are known to have its inputs. All who remain tell their cut, the
+// lowest holds, and when all tell the same the player is disconnected. Where they cannot agree the match stops.
 #include "session/peer_session.h"
 
+#include "base/text.h"
+
 #include <algorithm>
+#include <utility>
 
 namespace lockstone::session {
 
-void PeerSession::drop_silent_peers() {
-    for (PeerLink& link : links) {
-        if (link.state != PeerLink::State::connected) continue;
-        std::uint32_t local = 0;
-        for (const InputQueue& queue : queues) local |= is_local(queue.player()) ? 1u << queue.player() : 0u;
-        const bool silent = now - link.heard_ms > def.disconnect_ms;
-        const bool dropped_us = (link.gone & local) != 0;
-        if (silent || dropped_us) drop(link);
+void PeerSession::judge_peers() {
+    if (is_dropped()) return stop("the other machines count this one as gone");
+    find_silent_peers();
+    find_late_peer();
+    drop_unwanted_peers();
+    for (std::uint32_t p = 0; p < queues.size() && !stopped; ++p)
+        if (is_gone(p)) agree_on_cut(p);
+}
+
+std::uint32_t PeerSession::players_of(PeerId peer) const {
+    std::uint32_t players = 0;
+    for (std::uint32_t p = 0; p < def.players.size(); ++p) players |= def.players[p] == peer ? 1u << p : 0u;
+    return players;
+}
+
+// ---- what this machine has seen for itself -----------------------------------------------------------------------
+
+bool PeerSession::has_dropped_us(const PeerLink& link) const {
+    return link.state == PeerLink::State::connected && (link.says_gone & players_of(def.self)) != 0;
+}
+
+/// Between two machines each goes on alone; among more, what most of those hold who are heard.
+bool PeerSession::is_dropped() const {
+    std::uint32_t others = 0, heard = 0, dropped_by = 0;
+    for (const PeerLink& link : links) {
+        if (link.state != PeerLink::State::gone) ++others;
+        if (has_dropped_us(link)) ++dropped_by;
+        if (has_dropped_us(link) || (link.state == PeerLink::State::connected && !link.unwanted)) ++heard;
     }
-    // What one machine has noticed, all act on.
-    for (const PeerLink& witness : links) {
-        if (witness.state != PeerLink::State::connected) continue;
+    return others > 1 && 2 * dropped_by > heard;
+}
+
+void PeerSession::find_silent_peers() {
+    for (PeerLink& link : links) {
+        if (link.state == PeerLink::State::gone) continue;
+        const bool is_silent = link.state == PeerLink::State::connecting
+                                   ? now - counts.first_poll_ms > def.connect_ms
+                                   : now - link.heard_ms > def.disconnect_ms;
+        if (is_silent || has_dropped_us(link)) find_fault_with(link);
+    }
+}
+
+/// Who waited for it gets its time anew, and time to find the same.
+void PeerSession::find_fault_with(PeerLink& link) {
+    if (std::exchange(link.unwanted, true)) return;
+    for (PeerLink& other : links) other.waited_ms = 0;
+}
+
+/// The one that has kept the match waiting: among several the one that most others want to leave, then the last by id,
+/// the same on all machines.
+void PeerSession::find_late_peer() {
+    PeerLink* late = nullptr;
+    for (PeerLink& link : links) {
+        if (link.state != PeerLink::State::connected || link.unwanted || link.waited_ms <= def.disconnect_ms)
+            continue;
+        if (late == nullptr || count_votes(link).against >= count_votes(*late).against) late = &link;
+    }
+    if (late != nullptr) find_fault_with(*late);
+}
+
+void PeerSession::count_waits(std::uint64_t passed_ms) {
+    constexpr std::uint64_t passed_max_ms = 250; // nobody keeps a machine waiting that does not poll
+    const std::uint64_t passed = std::min(passed_ms, passed_max_ms);
+    for (PeerLink& link : links) {
+        if (is_awaited(link)) link.waited_ms += passed;
+        if (owes_word(link)) link.waited_ms += links.size() > 1 ? 2 * passed : passed;
+    }
+}
+
+void PeerSession::make_up_for_waits() {
+    const std::uint64_t made_up_ms = std::max<std::uint64_t>(100, def.disconnect_ms / 60);
+    for (PeerLink& link : links) link.waited_ms -= std::min(link.waited_ms, made_up_ms);
+}
+
+/// Whether the next tick waits for this peer's inputs or for its word on a departure.
+bool PeerSession::is_awaited(const PeerLink& link) const {
+    if (link.state != PeerLink::State::connected || is_connecting()) return false;
+    if (has_not_judged(link)) return true;
+    const std::uint64_t settled = settled_through();
+    return std::ranges::any_of(queues, [&](const InputQueue& queue) {
+        const std::uint32_t p = queue.player();
+        if (is_gone(p)) return !queue.disconnected() && link.cut[p] == never;
+        return def.players[p] == link.peer && queue.next() == settled && current >= settled + def.prediction_max;
+    });
+}
+
+/// Whether it waits for what this peer owes to this machine alone: hashes and acknowledgements. The others see only that
+/// this machine stands still, so if there are others patience is half as long, and then the match goes on without them.
+bool PeerSession::owes_word(const PeerLink& link) const {
+    if (link.state != PeerLink::State::connected || link.unwanted || is_connecting()) return false;
+    if (link.hashes.exchanged_through() + history_confirmed_max <= confirmed) return true;
+    const std::uint64_t fixed = fixed_through();
+    return std::ranges::any_of(queues, [&](const InputQueue& queue) {
+        const std::uint32_t p = queue.player();
+        if (is_gone(p) || def.players[p] == link.peer) return false;
+        if (is_local(p)) return queue.room() == 0 && link.next_input[p] <= queue.oldest();
+        return link.next_input[p] <= fixed && current >= fixed + change_max && is_heard(def.players[p]);
+    });
+}
+
+/// Whether what others lack of this machine's inputs is their own fault: who is about to be silent has failed others too.
+bool PeerSession::is_heard(PeerId peer) const {
+    const auto link = std::ranges::find(links, peer, &PeerLink::peer);
+    return link != links.end() && !link->unwanted && now - link->heard_ms <= def.disconnect_ms / 4;
+}
+
+/// This machine wants another one to leave, and the peer has not said that it wants so too.
+bool PeerSession::has_not_judged(const PeerLink& link) const {
+    return std::ranges::any_of(links, [&](const PeerLink& other) {
+        return &other != &link && other.unwanted && other.state != PeerLink::State::gone &&
+               (link.says_unwanted & players_of(other.peer)) == 0;
+    });
+}
+
+// ---- what most have seen -----------------------------------------------------------------------------------------
+
+/// Of this machine and of those that it hears and has nothing against.
+PeerSession::Votes PeerSession::count_votes(const PeerLink& accused) const {
+    Votes votes{1, accused.unwanted ? 1u : 0u};
+    for (const PeerLink& link : links) {
+        if (&link == &accused || link.state != PeerLink::State::connected || link.unwanted) continue;
+        ++votes.of;
+        if ((link.says_unwanted & players_of(accused.peer)) != 0) ++votes.against;
+    }
+    return votes;
+}
+
+void PeerSession::drop_unwanted_peers() {
+    for (bool again = true; std::exchange(again, false);) {
         for (PeerLink& link : links) {
-            if (link.state != PeerLink::State::connected || &link == &witness) continue;
-            for (std::uint32_t p = 0; p < def.players.size(); ++p) {
-                if (def.players[p] == link.peer && (witness.gone >> p & 1u) != 0 && !is_gone(p)) drop(link);
-            }
+            const Votes votes = count_votes(link);
+            if (link.state == PeerLink::State::gone || 2 * votes.against <= votes.of) continue;
+            link.state = PeerLink::State::gone;
+            gone |= players_of(link.peer);
+            send(link); // if it can hear us, it need not wait for our silence
+            again = true;
         }
     }
 }
 
-void PeerSession::drop(PeerLink& link) {
-    link.state = PeerLink::State::gone;
-    for (std::uint32_t p = 0; p < def.players.size(); ++p) {
-        if (def.players[p] == link.peer) gone |= 1u << p;
-    }
-    send(link); // if it can hear us, it need not wait for our silence
+Status PeerSession::drop_peer(PeerId peer) {
+    PeerLink* link = find_link(peer);
+    if (link == nullptr)
+        return Error{base::join("drop_peer: machine ", peer, " is not a peer of this match")};
+    find_fault_with(*link);
+    return {};
 }
 
-void PeerSession::settle_departures() {
-    for (std::uint32_t p = 0; p < queues.size(); ++p) {
-        if (is_gone(p) && !queues[p].disconnected()) settle_departure(p);
-    }
+// ---- from which tick on ------------------------------------------------------------------------------------------
+
+bool PeerSession::is_somebody_leaving() const {
+    return std::ranges::any_of(
+        queues, [&](const InputQueue& queue) { return is_gone(queue.player()) && !queue.disconnected(); });
 }
 
-void PeerSession::settle_departure(std::uint32_t player) {
-    std::uint64_t cut = queues[player].next();
+void PeerSession::agree_on_cut(std::uint32_t player) {
+    InputQueue& queue = queues[player];
+    const auto remains = [](const PeerLink& link) { return link.state == PeerLink::State::connected; };
+    if (queue.disconnected()) { // nobody who is honest lowers it any more
+        for (const PeerLink& link : links)
+            if (remains(link) && link.cut[player] < cuts[player])
+                return stop_without_cut(player, link, cuts[player]);
+        return;
+    }
+    if (cuts[player] == never) { // fewer inputs can nobody turn out to have: from now on they are refused
+        std::uint64_t fewest = queue.next();
+        for (const PeerLink& link : links) {
+            if (!remains(link)) continue;
+            if ((link.says_gone >> player & 1u) == 0) return;
+            fewest = std::min(fewest, link.next_input[player]);
+        }
+        cuts[player] = fewest;
+    }
+    bool all_tell_it = true;
     for (const PeerLink& link : links) {
-        if (link.state != PeerLink::State::connected) continue;
-        if ((link.gone >> player & 1u) == 0) return; // it may still receive inputs that nobody else has
-        cut = std::max(cut, link.next_input[player]);
+        if (!remains(link)) continue;
+        if (link.cut[player] < settled_end) return stop_without_cut(player, link, settled_end);
+        cuts[player] = std::min(cuts[player], link.cut[player]);
     }
-    if (queues[player].next() < cut) return; // the last inputs are on their way
-    queues[player].disconnect_at(cut);
-    notices.push_back(PlayerDisconnected{player, def.players[player], cut});
+    for (const PeerLink& link : links) all_tell_it = all_tell_it && (!remains(link) || link.cut[player] == cuts[player]);
+    if (!all_tell_it) return;
+    queue.disconnect_at(cuts[player]);
+    notices.push_back(PlayerDisconnected{player, def.players[player], cuts[player]});
+}
+
+void PeerSession::stop_without_cut(std::uint32_t player, const PeerLink& link, std::uint64_t here) {
+    stop(base::join("machine ", link.peer, " says that player ", player, " left at tick ", link.cut[player],
+                    ", this machine has run it up to tick ", here, " for good"));
+}
+
+void PeerSession::stop(std::string reason) {
+    stopped = true;
+    notices.push_back(MatchStopped{std::move(reason)});
 }
 
 } // namespace lockstone::session

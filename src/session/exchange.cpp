@@ -9,10 +9,28 @@
 namespace lockstone::session {
 
 void PeerSession::poll(std::uint64_t now_ms) {
-    if (!std::exchange(polled, true)) counts.first_poll_ms = now_ms;
-    now = std::max(now, now_ms);
+    if (!std::exchange(polled, true)) counts.first_poll_ms = now = now_ms;
+    const std::uint64_t passed_ms = std::max(now, now_ms) - now;
+    now += passed_ms;
     counts.last_poll_ms = now;
-    while (const std::optional<Datagram> datagram = transport.receive()) {
+    ++polls;
+    receive_all();
+    if (stopped) return send_to_all();
+    count_waits(passed_ms);
+    judge_peers();
+    forget_old_inputs();
+    for (PeerLink& link : links)
+        if (link.state != PeerLink::State::gone) compare_hashes(link);
+    send_to_all();
+}
+
+// ---- in ----------------------------------------------------------------------------------------------------------
+
+void PeerSession::receive_all() {
+    for (PeerLink& link : links) link.packets_read = 0;
+    for (std::uint32_t i = 0; i < packets_per_poll_max; ++i) {
+        const std::optional<Datagram> datagram = transport.receive();
+        if (!datagram) return;
         ++counts.packets_received;
         counts.bytes_received += datagram->bytes.size();
         if (const std::optional<PacketFault> fault = receive(*datagram)) {
@@ -20,21 +38,12 @@ void PeerSession::poll(std::uint64_t now_ms) {
             ++counts.dropped[static_cast<std::size_t>(*fault)];
         }
     }
-    drop_silent_peers();
-    settle_departures();
-    forget_old_inputs();
-    for (PeerLink& link : links) {
-        if (link.state == PeerLink::State::gone) continue;
-        compare_hashes(link);
-        send(link);
-    }
 }
-
-// ---- in ----------------------------------------------------------------------------------------------------------
 
 std::optional<PacketFault> PeerSession::receive(const Datagram& datagram) {
     PeerLink* link = find_link(datagram.from);
     if (link == nullptr || link->state == PeerLink::State::gone) return PacketFault::stranger;
+    if (++link->packets_read > packets_per_peer_max) return PacketFault::flood;
     if (const std::optional<PacketFault> fault = decode(datagram.bytes, context, incoming)) {
         const bool incompatible = *fault == PacketFault::version || *fault == PacketFault::match;
         if (incompatible && !link->told_incompatible) {
@@ -63,20 +72,24 @@ bool PeerSession::plausible(const PeerLink& link) const {
     if (incoming.next_hash > confirmed) return false;
     for (const InputBlock& block : incoming.input_blocks()) {
         const InputQueue& queue = queues[block.player];
-        const bool its_own = def.players[block.player] == link.peer;
-        if (!its_own && !(is_gone(block.player) && !is_local(block.player))) return false;
+        if (def.players[block.player] != link.peer) return false; // nobody speaks for another, not even for one who left
         if (block.first > queue.next()) return false; // senders start from what was acknowledged: no gaps
     }
     return true;
 }
 
 void PeerSession::apply(PeerLink& link) {
-    link.heard_ms = now;
-    if (link.state == PeerLink::State::connecting) {
+    // What was overtaken on the way, or sent again by somebody else, may tell something but is no sign of life.
+    const bool is_new = incoming.sequence > link.sequence_heard;
+    if (is_new) {
+        link.sequence_heard = incoming.sequence;
+        link.heard_ms = now;
+    }
+    if (is_new && link.state == PeerLink::State::connecting) {
         link.state = PeerLink::State::connected;
         notices.push_back(PeerConnected{link.peer});
     }
-    link.gone |= incoming.gone;
+    apply_departures(link);
     for (std::uint32_t p = 0; p < queues.size(); ++p)
         link.next_input[p] = std::max(link.next_input[p], incoming.next_input[p]);
     for (const InputBlock& block : incoming.input_blocks()) {
@@ -88,9 +101,16 @@ void PeerSession::apply(PeerLink& link) {
     link.hashes.acknowledge(incoming.next_hash);
     for (std::uint32_t i = 0; i < incoming.hash_count; ++i)
         link.hashes.receive(incoming.hash_first + i, incoming.hashes[i]);
-    if (incoming.tick < link.tick) return; // overtaken on the way: the rest is old news
-    link.tick = incoming.tick;
+    if (!is_new) return; // the rest is old news
+    link.tick = std::max(link.tick, incoming.tick);
     if (incoming.quality) apply_quality(link, *incoming.quality);
+}
+
+void PeerSession::apply_departures(PeerLink& link) {
+    link.says_unwanted |= incoming.unwanted | incoming.gone;
+    link.says_gone |= incoming.gone;
+    for (std::uint32_t p = 0; p < queues.size(); ++p)
+        if ((incoming.has_cut >> p & 1u) != 0) link.cut[p] = std::min(link.cut[p], incoming.cut[p]);
 }
 
 void PeerSession::apply_quality(PeerLink& link, const QualityReport& report) {
@@ -104,6 +124,9 @@ void PeerSession::apply_quality(PeerLink& link, const QualityReport& report) {
 }
 
 void PeerSession::compare_hashes(PeerLink& link) {
+    if (link.unwanted && link.hashes.exchanged_through() + history_confirmed_max < confirmed)
+        link.hashes_are_lost = true;
+    if (link.hashes_are_lost) return;
     const std::uint64_t before = link.hashes.compared_through();
     const auto local = [this](std::uint64_t tick) { return local_hash(tick); };
     if (const std::optional<std::uint64_t> tick = link.hashes.compare(confirmed, local))
@@ -112,6 +135,11 @@ void PeerSession::compare_hashes(PeerLink& link) {
 }
 
 // ---- out ---------------------------------------------------------------------------------------------------------
+
+void PeerSession::send_to_all() {
+    for (PeerLink& link : links)
+        if (link.state != PeerLink::State::gone) send(link);
+}
 
 void PeerSession::send(PeerLink& link) {
     fill_status(link);
@@ -125,11 +153,13 @@ void PeerSession::send(PeerLink& link) {
 
 void PeerSession::fill_status(PeerLink& link) {
     constexpr std::uint32_t packets_between_quality = 6;
+    outgoing.sequence = ++link.sequence_sent;
     outgoing.tick = current;
-    outgoing.gone = gone;
+    fill_departures();
     for (const InputQueue& queue : queues) outgoing.next_input[queue.player()] = queue.next();
     outgoing.next_hash = link.hashes.next_wanted();
-    const HashLedger::Range range = link.hashes.to_send(confirmed);
+    const HashLedger::Range range =
+        link.hashes_are_lost ? HashLedger::Range{0, 0} : link.hashes.to_send(confirmed);
     outgoing.hash_first = range.first;
     outgoing.hash_count = range.count;
     for (std::uint32_t i = 0; i < range.count; ++i) outgoing.hashes[i] = local_hash(range.first + i);
@@ -145,13 +175,25 @@ void PeerSession::fill_status(PeerLink& link) {
                         static_cast<std::uint32_t>(held)};
 }
 
-/// Local players' inputs, and those of players who left as far as they are known here: a peer may lack the last ones.
+/// Once stopped, all others have left: so they learn that they need not wait.
+void PeerSession::fill_departures() {
+    outgoing.gone = gone;
+    outgoing.unwanted = gone;
+    outgoing.has_cut = 0;
+    for (const PeerLink& link : links) {
+        if (link.unwanted) outgoing.unwanted |= players_of(link.peer);
+        if (stopped) outgoing.gone |= players_of(link.peer);
+    }
+    for (std::uint32_t p = 0; p < queues.size(); ++p) {
+        if (cuts[p] == never) continue;
+        outgoing.has_cut |= 1u << p;
+        outgoing.cut[p] = cuts[p];
+    }
+}
+
 void PeerSession::send_inputs(const PeerLink& link) {
     const auto wants = [&](const InputQueue& queue) {
-        const std::uint32_t p = queue.player();
-        const bool both_count_it_gone =
-            is_gone(p) && (link.gone >> p & 1u) != 0; // sooner the peer would refuse it
-        return (is_local(p) || both_count_it_gone) && link.next_input[p] < queue.next();
+        return is_local(queue.player()) && link.next_input[queue.player()] < queue.next();
     };
     std::uint32_t left = static_cast<std::uint32_t>(std::ranges::count_if(queues, wants));
     for (const InputQueue& queue : queues) {

@@ -32,6 +32,7 @@ void InputQueue::confirm(std::span<const std::byte> input) {
 }
 
 PlayerInput InputQueue::use(std::uint64_t tick, const InputPredictor& predictor) {
+    used_end = std::max(used_end, tick + 1);
     if (tick < first_unknown || tick >= cut) return settled(tick);
     LOCKSTONE_ASSERT(tick < first_kept + history_ticks, "player ", player_index, ", tick ", tick, ", oldest ",
                      first_kept);
@@ -39,7 +40,6 @@ PlayerInput InputQueue::use(std::uint64_t tick, const InputPredictor& predictor)
                                                 ? std::span(zeros).first(size)
                                                 : std::span<const std::byte>(slot(first_unknown - 1));
     predictor.predict(player_index, last, tick + 1 - first_unknown, slot(tick));
-    used_end = std::max(used_end, tick + 1);
     return {slot(tick), InputStatus::predicted};
 }
 
@@ -53,9 +53,9 @@ PlayerInput InputQueue::settled(std::uint64_t tick) const {
 std::uint64_t InputQueue::take_first_wrong() { return std::exchange(first_wrong, never); }
 
 void InputQueue::disconnect_at(std::uint64_t tick) {
-    LOCKSTONE_ASSERT(tick >= first_unknown && cut == never, "player ", player_index, ", tick ", tick);
+    LOCKSTONE_ASSERT(tick >= first_kept && cut == never, "player ", player_index, ", tick ", tick);
     cut = tick;
-    if (tick < used_end) first_wrong = std::min(first_wrong, tick); // the guess was not `disconnected`
+    if (tick < used_end) first_wrong = std::min(first_wrong, tick); // it did not run on `disconnected`
 }
 
 void InputQueue::forget_before(std::uint64_t tick) {

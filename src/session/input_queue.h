@@ -3,6 +3,8 @@
 //      forgotten |  confirmed, still needed  | guesses that ticks have run on | unused
 //               oldest                      next                           used_end
 //
+// Where a player leaves may lie before `next`: not all machines that remain have the last inputs.
+//
 // `next` is the first tick whose true input is unknown. A ring of fixed size: nothing is allocated after the
 // constructor, and nothing beyond the ring is ever accepted.
 #pragma once
@@ -42,8 +44,10 @@ class InputQueue {
     /// The first tick that ran on a guess which proved wrong, since the last call; `never` when there is none.
     std::uint64_t take_first_wrong();
 
-    /// The player's inputs end here: tick `cut` and all after it are zero and settled. At most once; cut >= next().
+    /// The player's inputs end here: tick `tick` and all after it are zero and settled, true inputs among them too. At
+    /// most once. Ticks that ran on something else are wrong.
     void disconnect_at(std::uint64_t tick);
+    std::uint64_t disconnected_at() const { return cut; } ///< `never` while the player is there
     bool disconnected() const { return cut != never; }
 
     /// Ticks before `tick` are needed no more. The newest confirmed one stays: guesses are made from it.
@@ -58,7 +62,7 @@ class InputQueue {
     std::vector<std::byte> ring;
     std::uint64_t first_kept = 0;
     std::uint64_t first_unknown = 0;
-    std::uint64_t used_end = 0;
+    std::uint64_t used_end = 0; ///< ticks below have run
     std::uint64_t first_wrong = never;
     std::uint64_t cut = never;
 };

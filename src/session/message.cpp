@@ -10,11 +10,16 @@ namespace lockstone::session {
 
 namespace {
 
-enum Section : std::uint8_t { section_hashes = 1, section_quality = 2, sections_known = 3 };
+enum Section : std::uint8_t {
+    section_hashes = 1,
+    section_quality = 2,
+    section_departures = 4,
+    sections_known = 7
+};
 
 constexpr std::size_t block_header_bytes = 6;
 constexpr std::size_t checksum_bytes = 4;
-constexpr std::size_t shortest_packet = 12;
+constexpr std::size_t shortest_packet = 16;
 
 std::uint32_t checksum(std::span<const std::byte> bytes) {
     return static_cast<std::uint32_t>(base::xxh3(bytes));
@@ -43,11 +48,13 @@ void PacketWriter::begin(const PacketContext& context, const Message& message) {
     base::ByteWriter out(buffer);
     out.u16(packet_magic);
     out.u8(packet_version);
+    const bool departures = (message.unwanted | message.gone) != 0;
     out.u8(static_cast<std::uint8_t>((message.hash_count != 0 ? section_hashes : 0) |
-                                     (message.quality ? section_quality : 0)));
+                                     (message.quality ? section_quality : 0) |
+                                     (departures ? section_departures : 0)));
     out.u32(context.match);
+    out.u32(static_cast<std::uint32_t>(message.sequence));
     out.u32(static_cast<std::uint32_t>(message.tick));
-    out.u16(static_cast<std::uint16_t>(message.gone));
     for (std::uint32_t p = 0; p < context.player_count; ++p)
         out.u32(static_cast<std::uint32_t>(message.next_input[p]));
     out.u32(static_cast<std::uint32_t>(message.next_hash));
@@ -61,6 +68,13 @@ void PacketWriter::begin(const PacketContext& context, const Message& message) {
         out.u32(message.quality->sent_ms);
         out.u32(message.quality->echo_ms);
         out.u32(message.quality->echo_held_ms);
+    }
+    if (departures) {
+        out.u16(static_cast<std::uint16_t>(message.unwanted));
+        out.u16(static_cast<std::uint16_t>(message.gone));
+        out.u16(static_cast<std::uint16_t>(message.has_cut));
+        for (std::uint32_t p = 0; p < context.player_count; ++p)
+            if ((message.has_cut >> p & 1u) != 0) out.u32(static_cast<std::uint32_t>(message.cut[p]));
     }
     block_count_at = buffer.size();
     out.u8(0);
@@ -121,6 +135,18 @@ void read_quality(base::ByteReader& in, Message& out) {
     out.quality = report;
 }
 
+/// Only what is to be told: a section without a departure is malformed.
+void read_departures(base::ByteReader& in, const PacketContext& context, Message& out) {
+    out.unwanted = in.u16("unwanted players");
+    out.gone = in.u16("gone players");
+    out.has_cut = in.u16("players with a cut");
+    if ((out.unwanted | out.gone) == 0) return in.fail("no departure");
+    if ((out.unwanted | out.gone) >> context.player_count != 0) return in.fail("no such player");
+    if ((out.has_cut & ~out.gone) != 0) return in.fail("a cut of a player who has not left");
+    for (std::uint32_t p = 0; p < context.player_count; ++p)
+        if ((out.has_cut >> p & 1u) != 0) out.cut[p] = in.u32("cut");
+}
+
 /// Repeats are canonical: the first input is never a repeat, and the bits after the last are zero.
 void read_block(base::ByteReader& in, const PacketContext& context, InputBlock& out) {
     out.player = in.u8("player");
@@ -165,16 +191,17 @@ std::optional<PacketFault> decode(std::span<const std::byte> bytes, const Packet
     if (in.u32("match") != context.match) return PacketFault::match;
     if ((sections & ~sections_known) != 0) return PacketFault::malformed;
 
+    out.sequence = in.u32("sequence");
     out.tick = in.u32("tick");
-    out.gone = in.u16("gone players");
-    if (out.gone >> context.player_count != 0) return PacketFault::malformed;
     for (std::uint32_t p = 0; p < context.player_count; ++p) out.next_input[p] = in.u32("next input");
     out.next_hash = in.u32("next hash");
     out.hash_count = 0;
     out.hash_first = 0;
     out.quality.reset();
+    out.unwanted = out.gone = out.has_cut = 0;
     if ((sections & section_hashes) != 0) read_hashes(in, out);
     if ((sections & section_quality) != 0) read_quality(in, out);
+    if ((sections & section_departures) != 0) read_departures(in, context, out);
     read_blocks(in, context, out);
     in.expect_end();
     if (!in.ok()) return PacketFault::malformed;

@@ -6,7 +6,7 @@
 namespace lockstone::session {
 
 inline constexpr std::uint16_t packet_magic = 0x534c; // "LS"
-inline constexpr std::uint8_t packet_version = 1;
+inline constexpr std::uint8_t packet_version = 2;
 inline constexpr std::uint32_t hashes_per_packet = 16;
 inline constexpr std::uint32_t inputs_per_block = 255;
 
@@ -35,8 +35,12 @@ struct QualityReport {
 };
 
 struct Message {
+    std::uint64_t sequence;                            ///< of the sender's packets to this receiver, from 1
     std::uint64_t tick;                                ///< the sender's next new tick
-    std::uint32_t gone;                                ///< bit p: the sender counts player p as gone
+    std::uint32_t unwanted; ///< bit p: the sender wants player p's machine to leave
+    std::uint32_t gone;     ///< bit p: for the sender it has left
+    std::uint32_t has_cut;  ///< bit p: the sender tells in cut[p] at which tick player p left
+    std::array<std::uint64_t, players_max> cut;
     std::array<std::uint64_t, players_max> next_input; ///< by player: first tick whose input the sender lacks
     std::uint64_t next_hash;                           ///< first tick whose hash the sender lacks
     std::array<InputBlock, players_max> blocks;

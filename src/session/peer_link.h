@@ -4,6 +4,8 @@
 #include "session/input_queue.h"
 #include "session/message.h"
 
+#include <algorithm>
+
 namespace lockstone::session {
 
 /// Hashes of consecutive confirmed ticks, from both sides of a link, compared in order.
@@ -29,6 +31,8 @@ class HashLedger {
         return found;
     }
     std::uint64_t compared_through() const { return compared; }
+    /// Both sides have told each other the hashes of ticks below.
+    std::uint64_t exchanged_through() const { return std::min(acked, wanted); }
     std::uint64_t agreed_through() const { return differs ? agreed_end : compared; }
     std::uint64_t remote_hash(std::uint64_t tick) const { return remote[tick % history_ticks].hash; }
 
@@ -72,18 +76,27 @@ class TimeSync {
 };
 
 struct PeerLink {
-    explicit PeerLink(PeerId id) : peer(id) {}
+    explicit PeerLink(PeerId id) : peer(id) { cut.fill(never); }
 
     enum class State { connecting, connected, gone };
 
     PeerId peer;
     State state = State::connecting;
     bool told_incompatible = false;
-    std::uint64_t heard_ms = 0;                          ///< when the last good packet came
+    std::uint64_t heard_ms = 0;                          ///< when the last good packet came that was new
+    std::uint64_t sequence_sent = 0, sequence_heard = 0; ///< newest packets
+    std::uint32_t packets_read = 0;                      ///< in this poll
     std::uint64_t tick = 0;                              ///< newest tick the peer told of
-    std::uint32_t gone = 0;                              ///< bit p: the peer counts player p as gone
     std::array<std::uint64_t, players_max> next_input{}; ///< by player: first tick whose input the peer lacks
+
+    // ---- departure.cpp: what it did to this machine's patience, and what it says of others ----
+    std::uint64_t waited_ms = 0; ///< how long the match has waited for it, less what ticks made up for
+    bool unwanted = false;       ///< this machine wants it to leave: it was silent or late for too long; never taken back
+    std::uint32_t says_unwanted = 0, says_gone = 0; ///< bit p, as Message::unwanted and gone; never taken back
+    std::array<std::uint64_t, players_max> cut{};   ///< by player, the lowest it told; `never`: none
+
     HashLedger hashes;
+    bool hashes_are_lost = false; ///< an unwanted peer did not exchange them in time: no more are sent or compared
     TimeSync time_sync;
     std::int32_t remote_ahead = 0; ///< the peer's own count
     std::uint32_t echo_ms = 0;     ///< its newest clock reading

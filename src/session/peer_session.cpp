@@ -19,8 +19,14 @@ PeerSession::PeerSession(const SessionDef& session_def, Transport& packets)
     for (const PeerId peer : peers) {
         if (peer != def.self) links.emplace_back(peer);
     }
-    requests.reserve(2 * (prediction_limit + 2));
-    inputs.reserve((prediction_limit + 3) * def.players.size());
+    // Among three or more machines a departure may take true inputs back until all are known to have them: that takes the
+    // way there and back, where a guess waits for one of them. Lockstep takes nothing back and waits instead.
+    constexpr std::uint64_t polls_between = 8;
+    const bool predicts = def.prediction_max > 0;
+    change_max = links.size() > 1 && predicts ? 2 * def.prediction_max + polls_between : def.prediction_max;
+    cuts.fill(never);
+    requests.reserve(2 * (change_max + 2));
+    inputs.reserve((change_max + 3) * def.players.size());
     notices.reserve(links.size() * 3 + def.players.size());
 }
 
@@ -48,19 +54,45 @@ std::uint64_t PeerSession::settled_through() const {
     return end;
 }
 
+std::uint64_t PeerSession::agreed_through() const {
+    std::uint64_t end = never;
+    for (const PeerLink& link : links) {
+        if (link.state != PeerLink::State::connected || link.unwanted) continue;
+        for (const InputQueue& queue : queues) {
+            const std::uint32_t p = queue.player();
+            if (is_local(p) || is_gone(p) || def.players[p] == link.peer) continue;
+            end = std::min(end, link.next_input[p]);
+        }
+    }
+    return end;
+}
+
+/// While somebody is leaving nothing more is fixed: where they leave may be anywhere from here on.
+std::uint64_t PeerSession::fixed_through() const {
+    return is_somebody_leaving() ? settled_end : std::min(settled_through(), agreed_through());
+}
+
+bool PeerSession::is_connecting() const {
+    return std::ranges::any_of(
+        links, [](const PeerLink& link) { return link.state == PeerLink::State::connecting; });
+}
+
 std::uint64_t PeerSession::take_first_wrong() {
     std::uint64_t wrong = never;
     for (InputQueue& queue : queues) wrong = std::min(wrong, queue.take_first_wrong());
     return wrong;
 }
 
-/// An input stays until its tick is confirmed here and every peer that may ask for it has it.
+/// An input stays until its tick is confirmed here and, of a local player, every peer has it; for one that is unwanted no
+/// longer than there is room.
 void PeerSession::forget_old_inputs() {
     for (InputQueue& queue : queues) {
         std::uint64_t needed_from = confirmed;
         for (const PeerLink& link : links) {
-            if (link.state == PeerLink::State::gone || link.peer == def.players[queue.player()]) continue;
-            needed_from = std::min(needed_from, link.next_input[queue.player()]);
+            if (link.state == PeerLink::State::gone || !is_local(queue.player())) continue;
+            const std::uint64_t lacks_from = link.next_input[queue.player()];
+            const std::uint64_t newest_kept = queue.next() - std::min(queue.next(), history_confirmed_max - 1);
+            needed_from = std::min(needed_from, link.unwanted ? std::max(lacks_from, newest_kept) : lacks_from);
         }
         queue.forget_before(needed_from);
     }
@@ -107,7 +139,8 @@ PeerQuality PeerSession::quality(PeerId peer) const {
             link->hashes.agreed_through()};
 }
 
-/// The lead over the slowest peer, told once in a while: a lead takes time to show that it has been given up.
+/// The lead over the slowest peer, told once in a while: a lead takes time to show that it has been given up. A true one
+/// is never longer than what the session runs ahead, so a greater count is a peer's lie.
 std::uint32_t PeerSession::wait_recommended() {
     constexpr std::uint64_t ticks_between = 60;
     constexpr std::int32_t worth_waiting = 2;
@@ -116,6 +149,8 @@ std::uint32_t PeerSession::wait_recommended() {
     for (const PeerLink& link : links) {
         if (link.state == PeerLink::State::connected) lead = std::max(lead, link.time_sync.ticks_ahead());
     }
+    const std::uint32_t lead_max = def.prediction_max > 0 ? def.prediction_max : def.input_delay;
+    lead = std::min(lead, static_cast<std::int32_t>(lead_max));
     if (lead < worth_waiting) return 0;
     next_wait_at = current + ticks_between;
     return static_cast<std::uint32_t>(lead);

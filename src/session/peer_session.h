@@ -20,11 +20,13 @@ class PeerSession final : public Session {
     void poll(std::uint64_t now_ms) override;
     void add_local_input(std::uint32_t player, std::span<const std::byte> input) override;
     Step advance() override;
+    Step settle() override;
     HashCheck report_hash(std::uint64_t tick, std::uint64_t hash) override;
     std::optional<ConfirmedTick> next_confirmed() override;
     std::optional<Notice> next_notice() override;
+    Status drop_peer(PeerId peer) override;
     std::uint64_t current_tick() const override { return current; }
-    std::uint32_t images_max() const override { return def.prediction_max + 1; }
+    std::uint32_t images_max() const override { return static_cast<std::uint32_t>(change_max) + 1; }
     void set_input_delay(std::uint32_t ticks) override;
     PeerQuality quality(PeerId peer) const override;
     const SessionStats& stats() const override { return counts; }
@@ -33,44 +35,74 @@ class PeerSession final : public Session {
     enum class Run { first, again };
 
     // ---- rollback.cpp ----
+    void run_again();
     void roll_back_to(std::uint64_t wrong);
     void run(std::uint64_t tick, Run how);
     Stall why_stall() const;
 
     // ---- peer_session.cpp ----
-    std::uint64_t settled_through() const; ///< all inputs of ticks below are known
+    std::uint64_t settled_through() const; ///< all inputs of ticks below are known here
+    std::uint64_t agreed_through() const;  ///< and to every other machine, by its own word
+    std::uint64_t fixed_through() const;   ///< no departure can change the inputs of ticks below
     std::uint64_t take_first_wrong();
     std::uint32_t wait_recommended();
     void forget_old_inputs();
     bool is_local(std::uint32_t player) const { return def.players[player] == def.self; }
     bool is_gone(std::uint32_t player) const { return (gone >> player & 1u) != 0; }
+    bool is_connecting() const;
     PeerLink* find_link(PeerId peer);
     std::uint64_t local_hash(std::uint64_t tick) const { return hashes[tick % history_ticks]; }
 
     // ---- exchange.cpp ----
+    void receive_all();
     std::optional<PacketFault> receive(const Datagram& datagram);
     bool plausible(const PeerLink& link) const; ///< of `incoming`
     void apply(PeerLink& link);
+    void apply_departures(PeerLink& link);
     void apply_quality(PeerLink& link, const QualityReport& report);
+    void send_to_all();
     void send(PeerLink& link);
     void fill_status(PeerLink& link);
+    void fill_departures();
     void send_inputs(const PeerLink& link);
     void compare_hashes(PeerLink& link);
 
     // ---- departure.cpp ----
-    void drop_silent_peers();
-    void drop(PeerLink& link);
-    void settle_departures();
-    void settle_departure(std::uint32_t player);
+    struct Votes {
+        std::uint32_t of, against;
+    };
+    void judge_peers();
+    std::uint32_t players_of(PeerId peer) const; ///< bits
+    bool has_dropped_us(const PeerLink& link) const;
+    bool is_dropped() const;
+    void find_silent_peers();
+    void find_fault_with(PeerLink& link);
+    void find_late_peer();
+    void count_waits(std::uint64_t passed_ms);
+    void make_up_for_waits();
+    bool is_awaited(const PeerLink& link) const;
+    bool owes_word(const PeerLink& link) const;
+    bool is_heard(PeerId peer) const;
+    bool has_not_judged(const PeerLink& link) const;
+    Votes count_votes(const PeerLink& accused) const;
+    void drop_unwanted_peers();
+    bool is_somebody_leaving() const;
+    void agree_on_cut(std::uint32_t player);
+    void stop_without_cut(std::uint32_t player, const PeerLink& link, std::uint64_t here);
+    void stop(std::string reason);
 
     SessionDef def;
     Transport& transport;
     PacketContext context;
     std::vector<InputQueue> queues; ///< by player
     std::vector<PeerLink> links;    ///< by peer id, without this machine
-    std::uint32_t gone = 0;         ///< bit p: no input of player p is accepted from its own machine any more
+    std::uint64_t change_max;       ///< how many ticks that may still change may have run
+    std::uint32_t gone = 0;         ///< bit p: player p has left; no input of it is accepted any more
+    std::array<std::uint64_t, players_max> cuts{}; ///< by player, as told to all: where it left; `never`: not known yet
+    bool stopped = false;
 
     bool polled = false;
+    std::uint64_t polls = 0;
     std::uint64_t now = 0;
     std::uint64_t current = 0;     ///< next new tick
     std::uint64_t settled_end = 0; ///< ticks below have run on true inputs and will not run again

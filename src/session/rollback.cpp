@@ -1,6 +1,7 @@
 // The rollback algorithm. A tick runs on the inputs at hand: true where they have arrived, guessed where not. When a
 // true input arrives that differs from the guess a tick ran on, the world returns to the state before that tick and
-// runs up to the present again. With a window of 0 no tick ever runs on a guess: that is lockstep.
+// runs up to the present again. With a window of 0 no tick ever runs on a guess: that is lockstep. A departure may also
+// take back true inputs that not all machines have (departure.cpp): a tick is fixed only when all are known to have them.
 //
 //   guess for tick 94 was wrong, present tick 101:
 //   Load(94) Advance(94)  Save(95) Advance(95)  ...  Save(100) Advance(100)   then   Save(101) Advance(101)
@@ -14,21 +15,32 @@
 namespace lockstone::session {
 
 Step PeerSession::advance() {
-    LOCKSTONE_ASSERT(confirmed == settled_end, "take confirmed ticks first: ", confirmed, " of ",
-                     settled_end);
-    requests.clear();
-    inputs.clear();
-    if (const std::uint64_t wrong = take_first_wrong(); wrong < current) roll_back_to(wrong);
+    run_again();
 
     const Stall stall = why_stall();
     if (stall == Stall::none) {
         run(current, Run::first);
         ++current;
+        make_up_for_waits();
     }
 
-    settled_end = std::min(settled_through(), current);
+    settled_end = std::min(fixed_through(), current);
     counts.stalls += stall == Stall::none ? 0 : 1;
     return {stall, requests, stall == Stall::none ? wait_recommended() : 0};
+}
+
+Step PeerSession::settle() {
+    run_again();
+    settled_end = std::min(current, fixed_through());
+    return {Stall::none, requests, 0};
+}
+
+void PeerSession::run_again() {
+    LOCKSTONE_ASSERT(confirmed == settled_end, "take confirmed ticks first: ", confirmed, " of ",
+                     settled_end);
+    requests.clear();
+    inputs.clear();
+    if (const std::uint64_t wrong = take_first_wrong(); wrong < current) roll_back_to(wrong);
 }
 
 void PeerSession::roll_back_to(std::uint64_t wrong) {
@@ -43,32 +55,29 @@ void PeerSession::run(std::uint64_t tick, Run how) {
     for (InputQueue& queue : queues) inputs.push_back(queue.use(tick, *def.predictor));
     const std::span<const PlayerInput> now_known = std::span(inputs).subspan(first);
 
-    // Only a tick that rests on a guess is ever returned to. A tick just loaded is saved already.
+    // Only a tick that may change is ever returned to. A tick just loaded is saved already.
     const bool loaded = !requests.empty() && std::holds_alternative<Load>(requests.back());
-    const bool guessed = std::ranges::any_of(
-        now_known, [](const PlayerInput& input) { return input.status == InputStatus::predicted; });
-    if (guessed && !loaded) requests.push_back(Save{tick});
+    if (tick >= fixed_through() && !loaded) requests.push_back(Save{tick});
 
     requests.push_back(Advance{tick, now_known, how == Run::again});
     ++(how == Run::again ? counts.resimulated : counts.ticks);
 }
 
 Stall PeerSession::why_stall() const {
-    for (const PeerLink& link : links) {
-        if (link.state == PeerLink::State::connecting) return Stall::connecting;
-    }
-    if (current >= tick_limit) return Stall::finished;
+    if (stopped) return Stall::stopped;
+    if (is_connecting()) return Stall::connecting;
+    if (current >= tick_limit || polls >= tick_limit) return Stall::finished;
     for (const InputQueue& queue : queues) {
         if (!is_local(queue.player())) continue;
         if (queue.room() == 0) return Stall::peer_behind;
         if (queue.next() <= current) return Stall::local_input_missing;
     }
     for (const PeerLink& link : links) {
-        if (link.state != PeerLink::State::connected) continue;
-        const std::uint64_t exchanged = std::min(link.hashes.acknowledged(), link.hashes.next_wanted());
-        if (exchanged + history_confirmed_max <= confirmed) return Stall::peer_behind;
+        if (link.state != PeerLink::State::connected || link.unwanted) continue;
+        if (link.hashes.exchanged_through() + history_confirmed_max <= confirmed) return Stall::peer_behind;
     }
     if (current >= settled_through() + def.prediction_max) return Stall::inputs_missing;
+    if (current >= fixed_through() + change_max) return Stall::peer_behind;
     return Stall::none;
 }
 

@@ -21,6 +21,7 @@ struct SessionRunner::Impl {
     std::vector<SessionEvent> events;
     std::optional<SyncTestFailure> failure;
     std::vector<std::byte> left_out; ///< scratch of the planted fault
+    std::uint64_t confirmed_end = 0; ///< ticks below have been handed to the sink
 
     Impl(Session& driver, Simulation& driven, RunnerDef runner_def)
         : session(driver), simulation(driven), def(std::move(runner_def)), ring(driver.images_max()),
@@ -28,6 +29,18 @@ struct SessionRunner::Impl {
           ledger(driver.images_max() + 1) {
         events.reserve(256);
         for (Image& image : ring) simulation.state().reserve(image);
+    }
+
+    void execute_and_confirm(const Step& step) {
+        for (const Request& request : step.requests)
+            std::visit([this](const auto& r) { execute(r); }, request);
+        std::uint64_t news_end = 0;
+        while (const std::optional<ConfirmedTick> tick = session.next_confirmed()) {
+            news_end = confirmed_end = tick->tick + 1;
+            if (def.sink != nullptr) def.sink->on_confirmed(tick->tick, tick->inputs, tick->hash);
+        }
+        events.clear();
+        ledger.publish(news_end, events);
     }
 
     void execute(const Save& save) {
@@ -92,32 +105,35 @@ SessionRunner::SessionRunner(SessionRunner&&) noexcept = default;
 SessionRunner& SessionRunner::operator=(SessionRunner&&) noexcept = default;
 SessionRunner::~SessionRunner() = default;
 
+SessionRunner::Impl& SessionRunner::inside() const {
+    LOCKSTONE_ASSERT(impl != nullptr, "this session runner was moved from");
+    return *impl;
+}
+
 Frame SessionRunner::frame(std::uint64_t now_ms) {
-    Session& session = impl->session;
-    session.poll(now_ms);
-    const Step step = session.advance();
-    for (const Request& request : step.requests) {
-        std::visit([this](const auto& r) { impl->execute(r); }, request);
-    }
-    std::uint64_t confirmed_end = 0;
-    while (const std::optional<ConfirmedTick> tick = session.next_confirmed()) {
-        confirmed_end = tick->tick + 1;
-        if (impl->def.sink != nullptr) impl->def.sink->on_confirmed(tick->tick, tick->inputs, tick->hash);
-    }
-    impl->events.clear();
-    impl->ledger.publish(confirmed_end, impl->events);
+    Impl& all = inside();
+    all.session.poll(now_ms);
+    const Step step = all.session.advance();
+    all.execute_and_confirm(step);
     return {step.stall, step.wait_ticks};
 }
 
-void SessionRunner::wait(std::uint64_t now_ms) {
-    impl->session.poll(now_ms);
-    impl->events.clear();
+bool SessionRunner::drain(std::uint64_t now_ms) {
+    Impl& all = inside();
+    all.session.poll(now_ms);
+    all.execute_and_confirm(all.session.settle());
+    return all.confirmed_end == all.session.current_tick();
 }
 
-std::span<const SessionEvent> SessionRunner::events() const { return impl->events; }
+void SessionRunner::wait(std::uint64_t now_ms) {
+    inside().session.poll(now_ms);
+    inside().events.clear();
+}
+
+std::span<const SessionEvent> SessionRunner::events() const { return inside().events; }
 
 const SyncTestFailure* SessionRunner::sync_failure() const {
-    return impl->failure ? &*impl->failure : nullptr;
+    return inside().failure ? &*inside().failure : nullptr;
 }
 
 std::string to_string(const SyncTestFailure& failure) {

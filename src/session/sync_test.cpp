@@ -22,6 +22,7 @@ void SyncTestSession::add_local_input(std::uint32_t player, std::span<const std:
 }
 
 Step SyncTestSession::advance() {
+    LOCKSTONE_ASSERT(!settled, "the test has ended: settle() was called at tick ", current);
     LOCKSTONE_ASSERT(confirmed + depth >= current, "take confirmed ticks first: ", confirmed);
     requests.clear();
     inputs.clear();
@@ -46,6 +47,13 @@ Step SyncTestSession::advance() {
     return {Stall::none, requests, 0};
 }
 
+Step SyncTestSession::settle() {
+    settled = true;
+    requests.clear();
+    inputs.clear();
+    return {Stall::none, requests, 0};
+}
+
 void SyncTestSession::run(std::uint64_t tick, InputStatus status) {
     const std::size_t first = inputs.size();
     for (const InputQueue& queue : queues) inputs.push_back({queue.confirmed(tick), status});
@@ -66,7 +74,7 @@ HashCheck SyncTestSession::report_hash(std::uint64_t tick, std::uint64_t hash) {
 
 /// A tick has been run again `depth` times when the present is depth + 1 ticks after it.
 std::optional<ConfirmedTick> SyncTestSession::next_confirmed() {
-    if (confirmed + depth >= current) return std::nullopt;
+    if (confirmed + (settled ? 0 : depth) >= current) return std::nullopt;
     inputs.clear();
     for (InputQueue& queue : queues) {
         inputs.push_back({queue.confirmed(confirmed), InputStatus::confirmed});

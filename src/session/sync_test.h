@@ -12,9 +12,11 @@ class SyncTestSession final : public Session {
     void poll(std::uint64_t now_ms) override;
     void add_local_input(std::uint32_t player, std::span<const std::byte> input) override;
     Step advance() override;
+    Step settle() override; ///< ends the test: the last `depth` ticks are confirmed without a rollback across them
     HashCheck report_hash(std::uint64_t tick, std::uint64_t hash) override;
     std::optional<ConfirmedTick> next_confirmed() override;
     std::optional<Notice> next_notice() override { return std::nullopt; }
+    Status drop_peer(PeerId) override { return Error{"session: a sync test has no peers to drop"}; }
     std::uint64_t current_tick() const override { return current; }
     std::uint32_t images_max() const override { return static_cast<std::uint32_t>(depth) + 1; }
     void set_input_delay(std::uint32_t) override {}
@@ -29,6 +31,7 @@ class SyncTestSession final : public Session {
     std::vector<InputQueue> queues;
     std::uint64_t current = 0;
     std::uint64_t confirmed = 0;
+    bool settled = false;
     std::uint64_t hashed_end = 0;      ///< ticks below have a first hash
     std::vector<std::uint64_t> hashes; ///< of first runs, by tick modulo history_ticks
     std::vector<Request> requests;

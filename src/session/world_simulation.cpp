@@ -1,20 +1,27 @@
 #include "lockstone/session.h"
 
+#include "base/assert.h"
 #include "base/text.h"
 
 namespace lockstone {
 
-void WorldSimulation::save(Image& image) const { world.save(image); }
-void WorldSimulation::restore(const Image& image) { world.restore(image); }
+World& WorldSimulation::living() const {
+    LOCKSTONE_ASSERT(!lifetime.expired(), "the world was destroyed before what drives it");
+    return world;
+}
+
+void WorldSimulation::save(Image& image) const { living().save(image); }
+void WorldSimulation::restore(const Image& image) { living().restore(image); }
 void WorldSimulation::advance(std::span<const PlayerInput> inputs) {
-    const std::uint64_t tick = world.tick_count();
-    const Status status = game.advance(world, inputs);
+    World& driven = living();
+    const std::uint64_t tick = driven.tick_count();
+    const Status status = game.advance(driven, inputs);
     if (!status && first_failure)
         first_failure = Error{base::join("tick ", tick, ": the game's rules fail: ", status.error().message)};
-    if (world.tick_count() == tick) world.tick(); // the session counts it
+    if (driven.tick_count() == tick) driven.tick(); // the session counts it
 }
-std::uint64_t WorldSimulation::hash() const { return world.hash(); }
-std::span<const Event> WorldSimulation::events() const { return world.events(); }
-State& WorldSimulation::state() { return world.state_for_tests(); }
+std::uint64_t WorldSimulation::hash() const { return living().hash(); }
+std::span<const Event> WorldSimulation::events() const { return living().events(); }
+State& WorldSimulation::state() { return living().state_for_tests(); }
 
 } // namespace lockstone

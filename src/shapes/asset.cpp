@@ -18,7 +18,7 @@ using base::join;
 
 // A byte that is not text, "LSA", CR LF, ctrl-Z, LF: what text transfers damage shows.
 constexpr std::array<std::uint8_t, 8> magic{0x89, 'L', 'S', 'A', 0x0d, 0x0a, 0x1a, 0x0a};
-constexpr std::uint16_t version_major = 1, version_minor = 0;
+constexpr std::uint16_t version_major = 1, version_minor_max = 1;
 
 std::uint64_t checksum_of(std::span<const std::byte> content) {
     const std::uint64_t sum = base::xxh3(content);
@@ -26,13 +26,14 @@ std::uint64_t checksum_of(std::span<const std::byte> content) {
 }
 
 /// Magic, versions and kind; `plane` stands for a kind that no asset has.
-ShapeKind read_header(base::ByteReader& in) {
+ShapeKind read_header(base::ByteReader& in, std::uint16_t& minor) {
     const auto start = in.bytes(magic.size(), "magic");
     if (in.ok() && !std::ranges::equal(start, std::as_bytes(std::span(magic))))
         in.fail_at(0, "this is not an asset: the first 8 bytes are not 89 4c 53 41 0d 0a 1a 0a");
-    const std::uint16_t major = in.u16("major version"), minor = in.u16("minor version");
-    if (in.ok() && (major != version_major || minor != version_minor))
-        in.fail_at(8, join("version is ", major, ".", minor, ", this library reads 1.0"));
+    const std::uint16_t major = in.u16("major version");
+    minor = in.u16("minor version");
+    if (in.ok() && (major != version_major || minor > version_minor_max))
+        in.fail_at(8, join("version is ", major, ".", minor, ", this library reads 1.0 and 1.1"));
     const std::uint32_t kind = in.u32("kind");
     if (in.ok() && (kind < static_cast<std::uint32_t>(ShapeKind::hull) ||
                     kind > static_cast<std::uint32_t>(ShapeKind::mesh)))
@@ -49,10 +50,18 @@ Asset::Asset(AssetId asset_id, AssetBytes asset_bytes, ShapeKind asset_kind)
     : id(asset_id), bytes(std::move(asset_bytes)), kind(asset_kind) {}
 Asset::~Asset() = default;
 
-AssetWriter::AssetWriter(ShapeKind kind) : writer(bytes) {
+std::uint16_t minor_version(const MeshContent& content) {
+    return content.sources.empty() && content.surfaces.empty() ? 0 : 1;
+}
+std::uint16_t minor_version(const Asset& asset) {
+    if (asset.mesh != nullptr) return minor_version(asset.mesh->raw());
+    return asset.height_field != nullptr && !asset.height_field->surfaces().empty() ? 1 : 0;
+}
+
+AssetWriter::AssetWriter(ShapeKind kind, std::uint16_t minor) : writer(bytes) {
     writer.bytes(std::as_bytes(std::span(magic)));
     writer.u16(version_major);
-    writer.u16(version_minor);
+    writer.u16(minor);
     writer.u32(static_cast<std::uint32_t>(kind));
     writer.u32(0);
 }
@@ -80,18 +89,21 @@ Result<std::unique_ptr<const Asset>> parse_asset(std::span<const std::byte> byte
     // From its own copy: height fields go on reading there.
     base::ByteReader in(std::span<const std::byte>(asset->bytes).first(bytes.size() - asset_checksum_size),
                         "asset");
-    const ShapeKind kind = asset->kind = read_header(in);
+    std::uint16_t minor = 0;
+    const ShapeKind kind = asset->kind = read_header(in, minor);
     if (kind == ShapeKind::hull) asset->hull = read_hull(in);
     if (kind == ShapeKind::compound) asset->compound = read_compound(in, library);
     if (kind == ShapeKind::height_field) asset->height_field = read_height_field(in);
     if (kind == ShapeKind::mesh) asset->mesh = read_mesh(in);
     in.expect_end();
+    if (in.ok() && minor != minor_version(*asset))
+        in.fail_at(10, join("minor version is ", minor, ", what it holds is of ", minor_version(*asset)));
     if (!in.ok()) return in.error();
     return std::unique_ptr<const Asset>(std::move(asset));
 }
 
 AssetBytes rebuilt(const Asset& asset) {
-    AssetWriter writer(asset.kind);
+    AssetWriter writer(asset.kind, minor_version(asset));
     if (asset.hull != nullptr) write_hull(writer.out(), asset.hull->vertices);
     if (asset.mesh != nullptr) write_mesh(writer.out(), asset.mesh->raw());
     if (asset.compound != nullptr) {
@@ -113,6 +125,7 @@ AssetBytes rebuilt(const Asset& asset) {
                                           .spacing = grid.spacing,
                                           .heights = heights,
                                           .cells = cells,
+                                          .surfaces = field.surfaces(),
                                           .flat_sine = grid.flat_sine});
     }
     return std::move(writer).finish();

@@ -15,7 +15,7 @@ inline constexpr std::size_t asset_header_size = 20, asset_checksum_size = 8;
 /// Collects a payload behind a header; `finish` adds the checksum.
 class AssetWriter {
   public:
-    explicit AssetWriter(ShapeKind kind);
+    AssetWriter(ShapeKind kind, std::uint16_t minor_version);
     base::ByteWriter& out() { return writer; }
     AssetBytes finish() &&;
 
@@ -23,6 +23,10 @@ class AssetWriter {
     AssetBytes bytes;
     base::ByteWriter writer;
 };
+
+/// 1 for what has surfaces or tells what its triangles were before baking, else 0.
+std::uint16_t minor_version(const MeshContent& content);
+std::uint16_t minor_version(const Asset& asset);
 
 /// The id that bytes have by their checksum.
 AssetId id_of(std::span<const std::byte> bytes);

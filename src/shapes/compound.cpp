@@ -198,7 +198,7 @@ Result<AssetBytes> bake_compound(std::span<const CompoundPart> parts) {
     for (std::size_t i = 0; i < parts.size(); ++i)
         if (std::string why = shapes::complaint(parts[i]); !why.empty())
             return Error{base::join("part ", i, ": ", why)};
-    shapes::AssetWriter writer(ShapeKind::compound);
+    shapes::AssetWriter writer(ShapeKind::compound, 0);
     shapes::write_compound(writer.out(), parts);
     return std::move(writer).finish();
 }

@@ -15,8 +15,8 @@ std::int64_t ceil_divide(std::int64_t n, std::int64_t d) { return n / d + (n % d
 } // namespace
 
 HeightField::HeightField(const HeightGrid& size, std::span<const std::byte> height_bytes,
-                         std::span<const std::byte> cell_bytes)
-    : grid(size), heights(height_bytes), cells(cell_bytes) {
+                         std::span<const std::byte> cell_bytes, std::vector<MaterialSurface> surfaces)
+    : grid(size), heights(height_bytes), cells(cell_bytes), surface_list(std::move(surfaces)) {
     find_tiles();
 }
 
@@ -124,7 +124,7 @@ Triangle HeightField::triangle(std::uint32_t index, LengthVec3 scale) const {
     const Slope slope = slope_of(own);
     out.normal = normal_of(own, slope, scale);
     out.index = index;
-    out.material = cells.empty() ? 0 : static_cast<std::uint32_t>(cells[index / 2]);
+    out.material = material_of(index);
     for (std::uint32_t k = 0; k < 3; ++k) {
         Place other = own;
         const bool border = !cross_edge(other, k);

@@ -20,7 +20,8 @@ struct HeightGrid {
 class HeightField {
   public:
     /// `heights` and `cells` (empty: none) are the asset's bytes, which must outlive this.
-    HeightField(const HeightGrid& size, std::span<const std::byte> heights, std::span<const std::byte> cells);
+    HeightField(const HeightGrid& size, std::span<const std::byte> heights, std::span<const std::byte> cells,
+                std::vector<MaterialSurface> surfaces);
     const HeightGrid& size() const { return grid; }
     std::span<const std::byte> cell_bytes() const { return cells; }
     std::uint32_t triangle_count() const; ///< two a cell; cells with holes have numbers too
@@ -29,6 +30,10 @@ class HeightField {
               std::vector<std::uint32_t>& out) const; ///< without holes
     Extent extent() const { return bounds; }          ///< at scale 1
     bool is_hole(std::uint32_t index) const;          ///< of a triangle
+    std::uint32_t material_of(std::uint32_t index) const {
+        return cells.empty() ? 0 : static_cast<std::uint32_t>(cells[index / 2]);
+    }
+    std::span<const MaterialSurface> surfaces() const { return surface_list; }
     std::uint32_t sample_count() const { return grid.columns * grid.rows; }
     CoordinateVec3 sample(std::uint32_t index) const;                      ///< row by row, at scale 1
     std::array<std::uint32_t, 3> samples_of(std::uint32_t triangle) const; ///< its corners
@@ -77,6 +82,7 @@ class HeightField {
     HeightGrid grid;
     std::span<const std::byte> heights, cells;
     Extent bounds;
+    std::vector<MaterialSurface> surface_list;
     std::vector<Range> tiles; ///< of the heights of tile x tile cells, row by row
     std::uint32_t tile_columns = 0;
 };

@@ -1,6 +1,7 @@
 // A height field's bytes; the heights stay there.
 #include "shapes/asset_file.h"
 #include "shapes/height_field.h"
+#include "shapes/surfaces.h"
 
 #include <algorithm>
 
@@ -24,6 +25,8 @@ std::string complaint(const HeightGrid& g) {
     return {};
 }
 
+constexpr std::uint32_t flag_cells = 1, flag_surfaces = 2;
+
 constexpr bool is_height(Length h) { return h >= -shape_size_max && h <= shape_size_max; }
 
 } // namespace
@@ -34,9 +37,10 @@ void write_height_field(base::ByteWriter& out, const HeightFieldDef& def) {
     out.u32(def.rows);
     out.i32(def.spacing.raw);
     out.i32(def.flat_sine.raw);
-    out.u32(any_cell ? 1 : 0);
+    out.u32((any_cell ? flag_cells : 0) | (def.surfaces.empty() ? 0 : flag_surfaces));
     for (Length h : def.heights) out.i32(h.raw);
     if (any_cell) out.bytes(std::as_bytes(def.cells));
+    if (!def.surfaces.empty()) write_surfaces(out, def.surfaces);
 }
 
 std::unique_ptr<const HeightField> read_height_field(base::ByteReader& in) {
@@ -46,9 +50,9 @@ std::unique_ptr<const HeightField> read_height_field(base::ByteReader& in) {
     grid.rows = in.u32("rows");
     grid.spacing = Length::from_raw(in.i32("spacing"));
     grid.flat_sine = Unit::from_raw(in.i32("flat sine"));
-    const std::uint32_t has_cells = in.u32("has cells");
-    if (in.ok() && has_cells > 1)
-        in.fail_at(start + 16, join("has cells is ", has_cells, ", it must be 0 or 1"));
+    const std::uint32_t flags = in.u32("flags"), has_cells = flags & flag_cells;
+    if (in.ok() && flags > 3)
+        in.fail_at(start + 16, join("flags are ", flags, ", only bits 0 and 1 may be set"));
     if (std::string why = complaint(grid); in.ok() && !why.empty()) in.fail_at(start, why);
     if (!in.ok()) return nullptr;
     const std::uint64_t samples = std::uint64_t{grid.columns} * grid.rows;
@@ -65,8 +69,10 @@ std::unique_ptr<const HeightField> read_height_field(base::ByteReader& in) {
     if (in.ok() && has_cells != 0 &&
         std::ranges::all_of(cells, [](std::byte b) { return b == std::byte{0}; }))
         in.fail_at(start + 16, "all cells are 0, then none may be listed");
+    std::vector<MaterialSurface> surfaces;
+    if (in.ok() && (flags & flag_surfaces) != 0) surfaces = read_surfaces(in);
     if (!in.ok()) return nullptr;
-    return std::make_unique<const HeightField>(grid, heights, cells);
+    return std::make_unique<const HeightField>(grid, heights, cells, std::move(surfaces));
 }
 
 } // namespace shapes
@@ -85,7 +91,9 @@ Result<AssetBytes> bake_height_field(const HeightFieldDef& def) {
     for (std::size_t i = 0; i < samples; ++i)
         if (!shapes::is_height(def.heights[i]))
             return Error{base::join("height field height ", i, " is not in -100 m .. 100 m")};
-    shapes::AssetWriter writer(ShapeKind::height_field);
+    if (std::string why = shapes::complaint_of_surfaces(def.surfaces); !why.empty())
+        return Error{"height field: " + why};
+    shapes::AssetWriter writer(ShapeKind::height_field, def.surfaces.empty() ? 0 : 1);
     shapes::write_height_field(writer.out(), def);
     return std::move(writer).finish();
 }

@@ -41,7 +41,7 @@ std::unique_ptr<const Hull> read_hull(base::ByteReader& in) {
 Result<AssetBytes> bake_hull(std::span<const LengthVec3> points) {
     Result<shapes::Hull> hull = shapes::make_hull(points);
     if (!hull) return hull.error();
-    shapes::AssetWriter writer(ShapeKind::hull);
+    shapes::AssetWriter writer(ShapeKind::hull, 0);
     shapes::write_hull(writer.out(), hull->vertices);
     return std::move(writer).finish();
 }

@@ -32,6 +32,9 @@ MassProperties solid(Scaled volume, Real density, I20F44 xx, I20F44 yy, I20F44 z
     return {unscaled<Real>(volume * scaled(density)), Vec3{}, Matrix3<I20F44>::diagonal(xx, yy, zz)};
 }
 
+// Sizes below are raw Lengths of at most 100 m: below 2^30.7, their squares below 2^61.4, so two of these add up in 64 bits and
+// three or four times one does not.
+
 MassProperties sphere_mass(std::int64_t r, Real density) {
     const Scaled radius = scaled(r, Length::fraction_bits);
     const I20F44 k = I20F44::from_raw(divide_rounded(Wide::product(2 * r, r), 5 * 16)); // 2/5 r^2, F48 to F44
@@ -70,7 +73,8 @@ MassProperties cylinder_mass(std::int64_t r, std::int64_t h, Real density) {
     const Scaled radius = scaled(r, Length::fraction_bits);
     const Scaled volume = scaled(pi_thirds) * (radius * radius) * scaled(6 * h, Length::fraction_bits);
     const I20F44 ky = I20F44::from_raw(divide_rounded(Wide::product(r, r), 2 * 16));
-    const I20F44 kx = I20F44::from_raw(divide_rounded(Wide::from(3 * r * r + 4 * h * h), 12 * 16));
+    const Wide across = Wide::product(3 * r, r) + Wide::product(4 * h, h); // up to 7 * 2^61.3: beyond 64 bits
+    const I20F44 kx = I20F44::from_raw(divide_rounded(across, 12 * 16));
     return solid(volume, density, kx, ky, kx);
 }
 

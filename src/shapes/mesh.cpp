@@ -114,7 +114,7 @@ Triangle Mesh::triangle(std::uint32_t index, LengthVec3 scale) const {
         for (CoordinateVec3& c : out.corner) c = scaled_by(c, scale);
     out.normal = normal_of(index);
     out.index = index;
-    out.material = content.materials.empty() ? 0 : content.materials[index];
+    out.material = material_of(index);
     out.sharp = as_baked ? creases[index] >> 3 : 0;
     for (std::uint32_t k = 0; k < 3; ++k) {
         const std::uint32_t other = neighbours[index][k];

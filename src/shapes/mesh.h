@@ -29,6 +29,9 @@ struct MeshContent {
     std::vector<MeshVertex> vertices; ///< in the order in which the triangles name them first
     std::vector<std::array<std::uint32_t, 3>> triangles; ///< neighbours in space are neighbours here
     std::vector<std::uint16_t> materials;                ///< one a triangle, or none when all are 0
+    std::vector<std::uint32_t>
+        sources; ///< by triangle its index before baking, or none when all are their own
+    std::vector<MaterialSurface> surfaces;
 };
 
 class Mesh {
@@ -39,6 +42,13 @@ class Mesh {
     void find(const Extent& where, LengthVec3 scale, std::vector<std::uint32_t>& out) const;
     Extent extent() const { return bounds; } ///< at scale 1
     bool is_two_sided() const { return content.two_sided; }
+    std::uint32_t source_of(std::uint32_t index) const {
+        return content.sources.empty() ? index : content.sources[index];
+    }
+    std::uint32_t material_of(std::uint32_t index) const {
+        return content.materials.empty() ? 0 : content.materials[index];
+    }
+    std::span<const MaterialSurface> surfaces() const { return content.surfaces; }
     const MeshContent& raw() const { return content; }
 
   private:

@@ -1,6 +1,7 @@
 // A mesh's bytes, and the order of its triangles.
 #include "shapes/asset_file.h"
 #include "shapes/mesh.h"
+#include "shapes/surfaces.h"
 #include "shapes/triangle.h"
 
 #include <algorithm>
@@ -13,8 +14,8 @@ namespace {
 using base::join;
 using TriangleIndices = std::array<std::uint32_t, 3>;
 
-constexpr std::uint32_t flag_two_sided = 1, flag_materials = 2;
-constexpr std::size_t vertex_size = 16, triangle_size = 12, material_size = 2;
+constexpr std::uint32_t flag_two_sided = 1, flag_materials = 2, flag_sources = 4, flag_surfaces = 8;
+constexpr std::size_t vertex_size = 16, triangle_size = 12, material_size = 2, source_size = 4;
 constexpr Coordinate reach_max = Coordinate(8000);
 constexpr std::uint32_t none = 0xffffffffu;
 
@@ -110,6 +111,7 @@ std::string complaint(const MeshDef& def) {
     if (!def.materials.empty() && def.materials.size() != def.triangles.size())
         return join("mesh has ", def.materials.size(), " materials for ", def.triangles.size(), " triangles");
     if (def.flat_sine < Unit{} || def.flat_sine > unit_one) return "mesh flat_sine must be in 0 .. 1";
+    if (std::string why = complaint_of_surfaces(def.surfaces); !why.empty()) return "mesh: " + why;
     for (std::size_t i = 0; i < def.vertices.size(); ++i) {
         const CoordinateVec3 p = abs(to<Coordinate>(def.vertices[i]));
         if (max(p.x, max(p.y, p.z)) > reach_max)
@@ -127,7 +129,8 @@ MeshContent ordered(const MeshDef& def) {
     std::vector<TriangleIndices> kept;
     std::vector<std::array<CoordinateVec3, 3>> corners;
     std::vector<std::uint16_t> materials;
-    for (std::size_t i = 0; i < def.triangles.size(); ++i) {
+    std::vector<std::uint32_t> sources;
+    for (std::uint32_t i = 0; i < def.triangles.size(); ++i) {
         TriangleIndices t = def.triangles[i];
         for (std::uint32_t& v : t) v = welded.first_equal[v];
         const CoordinateVec3 c[3] = {welded.places[t[0]], welded.places[t[1]], welded.places[t[2]]};
@@ -135,10 +138,13 @@ MeshContent ordered(const MeshDef& def) {
         kept.push_back(t);
         corners.push_back({c[0], c[1], c[2]});
         materials.push_back(def.materials.empty() ? std::uint16_t{0} : def.materials[i]);
+        sources.push_back(i);
     }
     MeshContent content;
     content.two_sided = def.two_sided;
     content.flat_sine = def.flat_sine;
+    content.surfaces.assign(def.surfaces.begin(), def.surfaces.end());
+    bool is_moved = false;
     const bool any_material = std::ranges::any_of(materials, [](std::uint16_t m) { return m != 0; });
     std::vector<std::uint32_t> name(def.vertices.size(), none);
     for (std::uint32_t i : SpaceOrder(corners).result()) {
@@ -150,9 +156,12 @@ MeshContent ordered(const MeshDef& def) {
             }
             v = name[v];
         }
+        is_moved |= sources[i] != content.triangles.size();
         content.triangles.push_back(t);
+        content.sources.push_back(sources[i]);
         if (any_material) content.materials.push_back(materials[i]);
     }
+    if (!is_moved) content.sources.clear();
     return content;
 }
 
@@ -215,10 +224,31 @@ void read_materials(base::ByteReader& in, std::uint32_t count, MeshContent& cont
     if (in.ok() && any == 0) in.fail_at(start, "all materials are 0, then none may be listed");
 }
 
+void read_sources(base::ByteReader& in, std::uint32_t count, MeshContent& content) {
+    const std::size_t start = in.offset();
+    const auto bytes = in.bytes(std::uint64_t{count} * source_size, "sources");
+    bool is_moved = false;
+    for (std::size_t at = 0; in.ok() && at < bytes.size(); at += source_size) {
+        const std::uint32_t source = u32_at(bytes, at);
+        if (source >= mesh_triangles_max)
+            in.fail_at(start + at, join("triangle ", at / source_size, " was ", source, ", it must be below ",
+                                        mesh_triangles_max));
+        is_moved |= source != content.sources.size();
+        content.sources.push_back(source);
+    }
+    if (in.ok() && !is_moved)
+        in.fail_at(start, "all triangles are their own source, then none may be listed");
+}
+
+std::uint32_t flags_of(const MeshContent& content) {
+    return (content.two_sided ? flag_two_sided : 0) | (content.materials.empty() ? 0 : flag_materials) |
+           (content.sources.empty() ? 0 : flag_sources) | (content.surfaces.empty() ? 0 : flag_surfaces);
+}
+
 } // namespace
 
 void write_mesh(base::ByteWriter& out, const MeshContent& content) {
-    out.u32((content.two_sided ? flag_two_sided : 0) | (content.materials.empty() ? 0 : flag_materials));
+    out.u32(flags_of(content));
     out.i32(content.flat_sine.raw);
     out.u32(static_cast<std::uint32_t>(content.vertices.size()));
     out.u32(static_cast<std::uint32_t>(content.triangles.size()));
@@ -230,6 +260,8 @@ void write_mesh(base::ByteWriter& out, const MeshContent& content) {
     for (const TriangleIndices& t : content.triangles)
         for (std::uint32_t v : t) out.u32(v);
     for (std::uint16_t m : content.materials) out.u16(m);
+    for (std::uint32_t s : content.sources) out.u32(s);
+    if (!content.surfaces.empty()) write_surfaces(out, content.surfaces);
 }
 
 std::unique_ptr<const Mesh> read_mesh(base::ByteReader& in) {
@@ -239,22 +271,25 @@ std::unique_ptr<const Mesh> read_mesh(base::ByteReader& in) {
     content.two_sided = (flags & flag_two_sided) != 0;
     content.flat_sine = Unit::from_raw(in.i32("flat sine"));
     const std::uint32_t vertices = in.u32("vertex count"), triangles = in.u32("triangle count");
-    if (in.ok() && flags > 3)
-        in.fail_at(start, join("flags are ", base::hex(flags), ", only bits 0 and 1 may be set"));
+    if (in.ok() && flags > 15)
+        in.fail_at(start, join("flags are ", base::hex(flags), ", only bits 0 to 3 may be set"));
     if (in.ok() && (content.flat_sine < Unit{} || content.flat_sine > unit_one))
         in.fail_at(start + 4, "flat sine is not in 0 .. 1");
     if (in.ok() && (triangles < 1 || triangles > mesh_triangles_max))
         in.fail_at(start + 12,
                    join("a mesh of ", triangles, " triangles, it must have 1 .. ", mesh_triangles_max));
-    const std::uint64_t size =
-        std::uint64_t{vertices} * vertex_size +
-        triangles * ((flags & flag_materials) != 0 ? triangle_size + material_size : triangle_size);
-    if (in.ok() && size != in.remaining())
+    const std::size_t each = triangle_size + ((flags & flag_materials) != 0 ? material_size : 0) +
+                             ((flags & flag_sources) != 0 ? source_size : 0);
+    const std::uint64_t size = std::uint64_t{vertices} * vertex_size + triangles * std::uint64_t{each};
+    const bool has_surfaces = (flags & flag_surfaces) != 0; // then their list follows
+    if (in.ok() && (has_surfaces ? size > in.remaining() : size != in.remaining()))
         in.fail_at(start + 8, join(vertices, " vertices and ", triangles, " triangles need ", size,
                                    " bytes, ", in.remaining(), " follow"));
     if (in.ok()) read_vertices(in, vertices, content);
     if (in.ok()) read_triangles(in, triangles, content);
     if (in.ok() && (flags & flag_materials) != 0) read_materials(in, triangles, content);
+    if (in.ok() && (flags & flag_sources) != 0) read_sources(in, triangles, content);
+    if (in.ok() && has_surfaces) content.surfaces = read_surfaces(in);
     if (!in.ok()) return nullptr;
     return std::make_unique<const Mesh>(std::move(content));
 }
@@ -266,7 +301,7 @@ Result<AssetBytes> bake_mesh(const MeshDef& def) {
     const shapes::MeshContent content = shapes::ordered(def);
     if (content.triangles.empty())
         return Error{base::join("mesh has no triangle with an area, of ", def.triangles.size())};
-    shapes::AssetWriter writer(ShapeKind::mesh);
+    shapes::AssetWriter writer(ShapeKind::mesh, shapes::minor_version(content));
     shapes::write_mesh(writer.out(), content);
     return std::move(writer).finish();
 }

@@ -9,9 +9,15 @@ namespace lockstone::shapes {
 
 /// Not normalised: equal numbers may have different members.
 struct Scaled {
-    std::int64_t mantissa; ///< |mantissa| < 2^62
+    std::int64_t mantissa; ///< |mantissa| < 2^62: `reduced` makes it so, and shifts below count on it
     int exponent;
 };
+
+/// Any mantissa brought below 2^62, rounded. Twice where rounding ends at 2^62 itself, which halves exactly.
+constexpr Scaled reduced(std::int64_t mantissa, int exponent) {
+    for (; bit_length(magnitude(mantissa)) > 62; ++exponent) mantissa = shift_right_rounded(mantissa, 1);
+    return {mantissa, exponent};
+}
 
 /// A 128-bit value (not the most negative) reduced to 62 significant bits, rounded.
 constexpr Scaled scaled(Wide value, int exponent) {
@@ -19,9 +25,9 @@ constexpr Scaled scaled(Wide value, int exponent) {
     const std::uint64_t high = static_cast<std::uint64_t>(positive.high_bits());
     const int length = high != 0 ? 64 + bit_length(high) : bit_length(positive.low_bits());
     const int shift = length > 62 ? length - 62 : 0;
-    return {narrow_rounded(value, shift), exponent + shift};
+    return reduced(narrow_rounded(value, shift), exponent + shift);
 }
-constexpr Scaled scaled(std::int64_t raw, int fraction_bits) { return {raw, -fraction_bits}; }
+constexpr Scaled scaled(std::int64_t raw, int fraction_bits) { return reduced(raw, -fraction_bits); }
 template <FixedPoint T> constexpr Scaled scaled(T x) { return scaled(std::int64_t{x.raw}, T::fraction_bits); }
 
 constexpr Scaled operator*(Scaled a, Scaled b) {
@@ -32,14 +38,14 @@ constexpr Scaled operator-(Scaled a) { return {-a.mantissa, a.exponent}; }
 constexpr Scaled operator+(Scaled a, Scaled b) {
     if (a.exponent < b.exponent) return b + a;
     if (a.mantissa == 0) return b;
-    const int apart = a.exponent - b.exponent;
+    const int apart = a.exponent - b.exponent; // 2^62 * 2^64 and 2^62 more: below 2^127
     if (apart <= 64) return scaled((Wide::from(a.mantissa) << apart) + Wide::from(b.mantissa), b.exponent);
     const int drop = apart - 64 < 62 ? apart - 64 : 62;
     return scaled((Wide::from(a.mantissa) << 64) + Wide::from(shift_right_rounded(b.mantissa, drop)),
                   a.exponent - 64);
 }
 constexpr Scaled operator-(Scaled a, Scaled b) { return a + -b; }
-/// The divisor is not 0.
+/// The divisor is not 0. Both mantissas are brought into 2^61 .. 2^62, so the quotient lies in 2^59 .. 2^61.
 constexpr Scaled operator/(Scaled a, Scaled b) {
     if (a.mantissa == 0) return a;
     const auto zeros = [](std::int64_t m) { return 62 - bit_length(magnitude(m)); };

@@ -280,11 +280,15 @@ Scaled volume_of(const Solid& convex) {
         return convex.geometry.radius <= Length{}
                    ? convex.hull->volume
                    : rounded_volume(*convex.hull, scaled(convex.geometry.radius));
-    // A large density keeps the bits of what is small.
+    Geometry at_one = convex.geometry;
+    at_one.scale = scale_one;
+    const std::int32_t factor = convex.geometry.scale.x.raw >> Length::fraction_bits; // 1, 2, 4 or 8
+    // A large density keeps the bits of what is small: masses up to 8e6 m^3 * 1 kg/m^3 fit, up to 21,474 m^3 with this one.
     constexpr Real dense = Real(100000);
-    const Real heavy = mass_properties(convex.geometry, dense).mass;
-    if (heavy < Real::max()) return scaled(heavy) / scaled(dense);
-    return scaled(mass_properties(convex.geometry, Real(1)).mass);
+    const Real heavy = mass_properties(at_one, dense).mass;
+    const Scaled volume =
+        heavy < Real::max() ? scaled(heavy) / scaled(dense) : scaled(mass_properties(at_one, Real(1)).mass);
+    return factor * factor * factor * volume;
 }
 
 Submerged submerged(const Solid& convex, UnitVec3 n, Real offset) {

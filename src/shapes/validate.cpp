@@ -1,5 +1,7 @@
 #include "lockstone/shape.h"
 
+#include <limits>
+
 namespace lockstone {
 namespace {
 
@@ -18,10 +20,20 @@ std::string decimal_of(Length v) {
     return text;
 }
 
+/// The value, or that it lies beyond what a Length can say: sphere() and its like have clamped it.
+std::string told(Length v, const char* unit) {
+    if (v.raw == std::numeric_limits<Length::rep>::max()) return std::string("128") + unit + " or more";
+    if (v.raw == std::numeric_limits<Length::rep>::min()) return std::string("-128") + unit + " or less";
+    return decimal_of(v) + unit;
+}
+
 std::string check(std::string field, Length v, Length low, Length high, const char* unit = " m") {
     if (v >= low && v <= high) return {};
-    return field + " is " + decimal_of(v) + unit + ", it must be in " + decimal_of(low) + unit + " .. " +
-           decimal_of(high) + unit;
+    std::string fault = field + " is " + told(v, unit) + ", it must be in " + decimal_of(low) + unit + " .. " +
+                        decimal_of(high) + unit;
+    if (v > high && low == shape_size_min && high == shape_size_max)
+        fault += "; on a static body scaled() makes a smaller one up to 8 times as large";
+    return fault;
 }
 std::string check(std::string field, Length v) {
     return check(std::move(field), v, shape_size_min, shape_size_max);

@@ -1,5 +1,6 @@
 #include "sim/applier.h"
 
+#include "dynamics/locks.h"
 #include "lockstone/decimal.h"
 #include "lockstone/math.h"
 #include "sim/checks.h"
@@ -95,7 +96,9 @@ Result<World::Applied> Applier::operator()(const SetVelocity& c) {
     if (!within(c.angular, spin_max))
         return Error{"set_velocity: angular must be within 4095 rad/s on each axis"};
     row = wake(w, c.body);
-    w.state.edit_row(w.m.body_velocity, row) = {to<Speed>(c.linear), to<Speed>(c.angular)};
+    Velocity& velocity = w.state.edit_row(w.m.body_velocity, row);
+    velocity = {to<Speed>(c.linear), to<Speed>(c.angular)};
+    dynamics::drop_locked(velocity, w.state.rows(w.m.body_info)[row].locks);
     return Applied{};
 }
 
@@ -152,26 +155,29 @@ Result<World::Applied> Applier::operator()(const WakeBody& c) {
 Result<World::Applied> Applier::operator()(const SetBodyParameters& c) {
     std::uint32_t row = w.row_of(c.body);
     if (row == Data::dead) return dead_body("set_body_parameters", c.body);
+    if (std::string e = check_changes(c); !e.empty()) return Error{"set_body_parameters: " + e};
+    const BodyInfo& now = w.state.rows(w.m.body_info)[row];
     BodyDef d{};
-    d.linear_damping = c.linear_damping;
-    d.angular_damping = c.angular_damping;
-    d.gravity_scale = c.gravity_scale;
-    d.locks = c.locks;
-    d.gyroscopic = c.gyroscopic;
-    d.bullet = c.bullet;
-    d.enable_fields = c.enable_fields;
-    d.drag_scale = c.drag_scale;
+    d.linear_damping = c.linear_damping.or_else(now.linear_damping);
+    d.angular_damping = c.angular_damping.or_else(now.angular_damping);
+    d.gravity_scale = c.gravity_scale.or_else(now.gravity_scale);
+    d.locks = c.locks.or_else(now.locks);
+    d.gyroscopic = c.gyroscopic.or_else(now.gyroscopic);
+    d.bullet = c.bullet.or_else(now.bullet);
+    d.enable_fields = c.enable_fields.or_else(now.enable_fields);
+    d.drag_scale = c.drag_scale.or_else(now.drag_scale);
     if (std::string e = check(d); !e.empty()) return Error{"set_body_parameters: " + e};
     row = wake(w, c.body);
     BodyInfo& info = w.state.edit_row(w.m.body_info, row);
-    info.linear_damping = c.linear_damping;
-    info.angular_damping = c.angular_damping;
-    info.gravity_scale = c.gravity_scale;
-    info.locks = c.locks;
-    info.gyroscopic = c.gyroscopic;
-    info.bullet = c.bullet;
-    info.enable_fields = c.enable_fields;
-    info.drag_scale = c.drag_scale;
+    info.linear_damping = d.linear_damping;
+    info.angular_damping = d.angular_damping;
+    info.gravity_scale = d.gravity_scale;
+    info.locks = d.locks;
+    info.gyroscopic = d.gyroscopic;
+    info.bullet = d.bullet;
+    info.enable_fields = d.enable_fields;
+    info.drag_scale = d.drag_scale;
+    dynamics::drop_locked(w.state.edit_row(w.m.body_velocity, row), d.locks);
     return Applied{};
 }
 
@@ -180,26 +186,33 @@ Result<World::Applied> Applier::operator()(const SetBodyParameters& c) {
 Result<World::Applied> Applier::operator()(const SetMaterial& c) {
     const std::uint32_t row = w.row_of(c.shape);
     if (row == Data::dead) return dead_shape("set_material", c.shape);
-    if (std::string e = check_surface(c.friction, c.restitution, c.rolling_resistance, c.surface_velocity);
+    if (std::string e = check_changes(c); !e.empty()) return Error{"set_material: " + e};
+    const ShapeRow& now = w.state.rows(w.m.shape)[row];
+    const Real friction = c.friction.or_else(now.friction);
+    const Real restitution = c.restitution.or_else(now.restitution);
+    const Real rolling_resistance = c.rolling_resistance.or_else(now.rolling_resistance);
+    const Vec3 surface_velocity = c.surface_velocity.or_else(now.surface_velocity);
+    if (std::string e = check_surface(friction, restitution, rolling_resistance, surface_velocity);
         !e.empty())
         return Error{"set_material: " + e};
-    wake(w, w.state.rows(w.m.shape)[row].body);
+    wake(w, now.body);
     ShapeRow& shape = w.state.edit_row(w.m.shape, row);
-    shape.friction = c.friction;
-    shape.restitution = c.restitution;
-    shape.rolling_resistance = c.rolling_resistance;
-    shape.surface_velocity = c.surface_velocity;
+    shape.friction = friction;
+    shape.restitution = restitution;
+    shape.rolling_resistance = rolling_resistance;
+    shape.surface_velocity = surface_velocity;
     return Applied{};
 }
 
 Result<World::Applied> Applier::operator()(const SetFilter& c) {
     const std::uint32_t row = w.row_of(c.shape);
     if (row == Data::dead) return dead_shape("set_filter", c.shape);
+    if (std::string e = check_changes(c); !e.empty()) return Error{"set_filter: " + e};
     wake(w, w.state.rows(w.m.shape)[row].body);
     ShapeRow& shape = w.state.edit_row(w.m.shape, row);
-    shape.category = c.category;
-    shape.mask = c.mask;
-    shape.group = c.group;
+    shape.category = c.category.or_else(shape.category);
+    shape.mask = c.mask.or_else(shape.mask);
+    shape.group = c.group.or_else(shape.group);
     return Applied{};
 }
 

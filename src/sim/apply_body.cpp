@@ -1,6 +1,7 @@
 // Bodies and shapes come and go; masses follow.
 #include "sim/applier.h"
 
+#include "dynamics/locks.h"
 #include "lockstone/decimal.h"
 #include "lockstone/math.h"
 #include "sim/checks.h"
@@ -21,11 +22,13 @@ static void set_mass(Data& w, std::uint32_t row, const BodyMass& fresh) {
     const Vec3 moved = fresh.center - mass.center;
     mass = fresh;
     if (moved == Vec3{}) return;
+    const std::uint32_t locks = w.state.rows(w.m.body_info)[row].locks;
     Transform& pose = w.state.edit_row(w.m.body_pose, row);
     Velocity& velocity = w.state.edit_row(w.m.body_velocity, row);
     const Vec3 arm = rotate(pose.rotation, moved);
     pose.position += arm;
     velocity.linear += cross<Speed>(velocity.angular, arm);
+    dynamics::drop_locked(velocity, locks);
 }
 
 /// How far a body's shapes reach from its origin: stands in for the gyration radius of one that nothing turns, so that
@@ -102,7 +105,9 @@ Result<World::Applied> Applier::operator()(const CreateBody& c) {
     info.mass_override = d.mass;
     info.user_key = d.user_key;
     w.state.edit_row(w.m.body_pose, row) = {d.pose.position, normalized(d.pose.rotation)};
-    w.state.edit_row(w.m.body_velocity, row) = {to<Speed>(d.linear_velocity), to<Speed>(d.angular_velocity)};
+    Velocity& velocity = w.state.edit_row(w.m.body_velocity, row);
+    velocity = {to<Speed>(d.linear_velocity), to<Speed>(d.angular_velocity)};
+    dynamics::drop_locked(velocity, d.locks);
     wake(w, id);
     update_mass(w, w.row_of(id));
     return Applied{.body = id};
@@ -205,7 +210,8 @@ void Applier::remove_shape(std::uint32_t body_row, std::uint32_t slot) {
 Result<World::Applied> Applier::operator()(const SetMass& c) {
     std::uint32_t row = w.row_of(c.body);
     if (row == Data::dead) return dead_body("set_mass", c.body);
-    if (c.mass == Real{}) {
+    if (std::string e = check_changes(c); !e.empty()) return Error{"set_mass: " + e};
+    if (c.mass.given != 0 && c.mass.value == Real{}) {
         row = wake(w, c.body);
         w.state.edit_row(w.m.body_info, row).mass_fixed = 0;
         update_mass(w, row);
@@ -213,17 +219,20 @@ Result<World::Applied> Applier::operator()(const SetMass& c) {
     }
     if (w.state.rows(w.m.body_info)[row].kind != BodyKind::dynamic)
         return Error{"set_mass: only a dynamic body has a mass"};
-    if (std::string e = check_range("mass", c.mass, mass_min, mass_max, " kg, or 0 for that of the shapes");
+    const BodyMass& now = w.state.rows(w.m.body_mass)[row];
+    const BodyMass fresh{c.mass.or_else(now.mass), c.center.or_else(now.center),
+                         c.gyration.or_else(now.gyration), c.principal.or_else(now.principal)};
+    if (std::string e = check_range("mass", fresh.mass, mass_min, mass_max, " kg, or 0 for that of the shapes");
         !e.empty())
         return Error{"set_mass: " + e};
-    if (!within(c.center, Real(64))) return Error{"set_mass: center must be within 64 m on each axis"};
+    if (!within(fresh.center, Real(64))) return Error{"set_mass: center must be within 64 m on each axis"};
     for (int i = 0; i < 3; ++i)
-        if (std::string e = check_range("gyration", c.gyration[i], mass_min, Real(100), " m"); !e.empty())
+        if (std::string e = check_range("gyration", fresh.gyration[i], mass_min, Real(100), " m"); !e.empty())
             return Error{"set_mass: " + e};
-    if (std::string e = check_unit("principal", c.principal); !e.empty()) return Error{"set_mass: " + e};
+    if (std::string e = check_unit("principal", fresh.principal); !e.empty()) return Error{"set_mass: " + e};
     row = wake(w, c.body);
     w.state.edit_row(w.m.body_info, row).mass_fixed = 1;
-    set_mass(w, row, {c.mass, c.center, c.gyration, normalized(c.principal)});
+    set_mass(w, row, {fresh.mass, fresh.center, fresh.gyration, normalized(fresh.principal)});
     w.scratch.structure_stale = true;
     return Applied{};
 }

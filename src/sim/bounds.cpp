@@ -6,22 +6,24 @@
 #include "lockstone/math.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace lockstone::sim {
 
 namespace {
 
+/// Most shapes stand in the middle of their body, and as it does.
 Transform shape_pose(const ShapeRow& shape, const Transform& body, const BodyMass& mass) {
-    return {body.position + rotate(body.rotation, shape.local.position - mass.center),
-            normalized(body.rotation * shape.local.rotation)};
+    const Vec3 offset = shape.local.position - mass.center;
+    const bool is_turned = shape.local.rotation != Quat::identity();
+    return {offset == Vec3{} ? body.position : body.position + rotate(body.rotation, offset),
+            is_turned ? normalized(body.rotation * shape.local.rotation) : body.rotation};
 }
 
 /// Contacts of a fast body are found before it arrives, as far ahead as its own size, so it lands on surfaces.
 Length margin_of(const shapes::Solid& solid, const Velocity& velocity, std::uint32_t tick_rate) {
-    const Speed speed = length(velocity.linear);
-    const Length ahead = to<Length>(
-        Real::from_raw(divide_shifted(speed.raw, tick_rate, Real::fraction_bits - Speed::fraction_bits)));
-    return margin_base + min(ahead, shapes::inner_radius(solid));
+    const Length ahead = ahead_of(velocity.linear, tick_rate);
+    return ahead == Length{} ? margin_base : margin_base + min(ahead, shapes::inner_radius(solid));
 }
 
 /// How far any of its points is from its origin [m]; zero for a plane.
@@ -35,6 +37,7 @@ Coordinate reach_of(const shapes::Solid& solid) {
 void place(const Data& w, const ShapeRow& shape, std::uint32_t body_row, Scratch::Shape& at) {
     const Config& config = w.state.rows(w.m.config)[0];
     at.pose = shape_pose(shape, w.state.rows(w.m.body_pose)[body_row], w.state.rows(w.m.body_mass)[body_row]);
+    at.axes = to_rotation(at.pose.rotation);
     at.margin = w.state.rows(w.m.body_info)[body_row].kind == BodyKind::static_
                     ? margin_base
                     : margin_of(at.solid, w.state.rows(w.m.body_velocity)[body_row], config.tick_rate);
@@ -184,6 +187,18 @@ void pass_over_changes(Data& w) {
 }
 
 } // namespace
+
+Length ahead_of(SpeedVec3 velocity, std::uint32_t tick_rate) {
+    const auto size = [](Speed s) { return static_cast<std::int64_t>(magnitude(s.raw)); };
+    const std::int64_t x = size(velocity.x), y = size(velocity.y), z = size(velocity.z);
+    const std::int64_t widest = std::max(x, std::max(y, z)), speed = widest + ((x + y + z - widest + 1) >> 1);
+    constexpr int finer = Length::fraction_bits - Speed::fraction_bits;
+    const std::int64_t ahead = (speed << finer) / tick_rate + 1;
+    if (2 * ahead <= margin_base.raw) return Length{};
+    const std::int64_t steps = (ahead + margin_base.raw - 1) / margin_base.raw;
+    return to<Length>(Coordinate::from_raw(
+        margin_base.raw * static_cast<std::int64_t>(std::bit_ceil(static_cast<std::uint64_t>(steps)))));
+}
 
 const shapes::Solid& solid_of(Data& w, const ShapeRow& shape) {
     Scratch::Shape& at = w.scratch.shape[shape.id.index - 1];

@@ -164,11 +164,12 @@ Status check_contacts(const Manifest& m, const State& s, Column<ContactKey> key_
         if (rows > collide::Manifolds::max) return bad("contact.key", i, "too many manifolds of one pair");
         if (i > 0 && rows == 1 && std::pair(keys[i - 1].a.index, keys[i - 1].b.index) >= order)
             return bad("contact.key", i, "the table is out of order");
-        if (memories[i].count > 4) return bad("contact.memory", i, "more than 4 points");
-        if (memories[i].flags > 31 || memories[i].margin < Length{})
+        if (memories[i].count < 1 || memories[i].count > 4)
+            return bad("contact.memory", i, "not one to 4 points");
+        if (memories[i].flags > 63 || memories[i].margin < Length{})
             return bad("contact.memory", i, "unknown flags or a negative margin");
-        if (memories[i].count > 0 && !unit_like(memories[i].normal))
-            return bad("contact.memory", i, "its normal is not of unit length");
+        if (!unit_like(memories[i].normal) || !unit_like(memories[i].made_rotation))
+            return bad("contact.memory", i, "its normal or rotation is not of unit length");
     }
     return {};
 }

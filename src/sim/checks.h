@@ -18,6 +18,15 @@ std::string check_unit(const char* what, Quat q);
 std::string check_pose(const char* what, const Transform& pose, Real most);
 std::string check_range(const char* what, Real value, Real low, Real high, const char* unit);
 std::string check_surface(Real friction, Real restitution, Real rolling_resistance, Vec3 surface_velocity);
+/// Whether each setting of a command says plainly that it is given or not.
+template <class C> std::string check_changes(C command) {
+    std::string fault;
+    describe(command, [&]<class F>(const char* what, F& field) {
+        if constexpr (requires { field.given; })
+            if (fault.empty() && field.given > 1) fault = std::string(what) + ".given must be 0 or 1";
+    });
+    return fault;
+}
 std::string check(const BodyDef& d);
 std::string check(const ShapeDef& d, BodyKind kind);
 std::string check(const FieldDef& d);

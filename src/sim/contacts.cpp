@@ -1,7 +1,8 @@
-// Manifolds of the pairs that are near, and with them the contact table of this tick.
-#include "sim/phases.h"
-
+// Manifolds of the pairs that are near, made anew or used again, and the contacts that the solver takes.
+#include "collide/integer.h"
 #include "lockstone/math.h"
+#include "sim/phases.h"
+#include "sim/surface.h"
 
 #include <algorithm>
 
@@ -9,15 +10,38 @@ namespace lockstone::sim {
 
 namespace {
 
+using collide::Long3, collide::raw;
+
 constexpr Separation touching_gap = decimal<Separation>("0.005"); ///< [m]: nearer counts as touching
+
+/// The columns that every pair looks at, found once for many.
+struct View {
+    const Data& w;
+    std::span<const ShapeRow> shapes;
+    std::span<const Slot> shape_slots, body_slots;
+    std::span<const Transform> poses;
+    std::span<const Velocity> velocities;
+    std::span<const ContactMemory> old; ///< the contact table of the last tick
+    std::uint32_t awake;
+    Unit half_tick; ///< [s]
+
+    explicit View(const Data& data)
+        : w(data), shapes(w.state.rows(w.m.shape)), shape_slots(w.state.rows(w.m.shape_slot)),
+          body_slots(w.state.rows(w.m.body_slot)), poses(w.state.rows(w.m.body_pose)),
+          velocities(w.state.rows(w.m.body_velocity)), old(w.state.rows(w.m.contact_memory)),
+          awake(w.header().bodies_awake),
+          half_tick(Unit::from_raw(unit_one.raw /
+                                   (2 * static_cast<std::int32_t>(w.state.rows(w.m.config)[0].tick_rate)))) {}
+    const ShapeRow& shape(ShapeId living) const { return shapes[shape_slots[living.index - 1].row]; }
+    std::uint32_t row_of(BodyId living) const { return body_slots[living.index - 1].row; }
+};
 
 /// The rows and shapes of a contact, in the order the narrow phase wants them.
 struct Couple {
     const ShapeRow *a, *b;
     std::uint32_t body_a, body_b;
     const Scratch::Shape *at_a, *at_b;
-    collide::RelativePose pose;
-    Quat rotation; ///< of the pose
+    dynamics::Placing placing; ///< of B in A's frame
     Length margin;
     bool flipped, sensor;
 };
@@ -33,27 +57,54 @@ bool goes_after(const ShapeRow& a, const Scratch::Shape& at_a, const ShapeRow& b
     return ka < kb;
 }
 
-Couple couple_of(const Data& w, const ContactKey& key) {
-    const std::span<const ShapeRow> shapes = w.state.rows(w.m.shape);
-    Couple c{};
-    c.a = &shapes[w.row_of(key.a)], c.b = &shapes[w.row_of(key.b)];
-    c.at_a = &w.scratch.shape[key.a.index - 1], c.at_b = &w.scratch.shape[key.b.index - 1];
+/// conjugate(a) b of two rotations, whose products are below 2^61.
+Quat turn_between(Quat a, Quat b) {
+    const std::int64_t x = a.x.raw, y = a.y.raw, z = a.z.raw, w = a.w.raw;
+    const auto part = [&](std::int64_t sum) {
+        return Unit::from_raw(saturate_to_int32(shift_right_rounded(sum, Unit::fraction_bits)));
+    };
+    return {part(w * b.x.raw - x * b.w.raw - y * b.z.raw + z * b.y.raw),
+            part(w * b.y.raw + x * b.z.raw - y * b.w.raw - z * b.x.raw),
+            part(w * b.z.raw - x * b.y.raw + y * b.x.raw - z * b.w.raw),
+            part(w * b.w.raw + x * b.x.raw + y * b.y.raw + z * b.z.raw)};
+}
+
+Couple couple_of(const View& v, const Scratch::Near& near) {
+    Couple c;
+    c.a = &v.shape(near.key.a), c.b = &v.shape(near.key.b);
+    c.at_a = &v.w.scratch.shape[near.key.a.index - 1], c.at_b = &v.w.scratch.shape[near.key.b.index - 1];
     c.flipped = goes_after(*c.a, *c.at_a, *c.b, *c.at_b);
     if (c.flipped) std::swap(c.a, c.b), std::swap(c.at_a, c.at_b);
-    c.body_a = w.row_of(c.a->body);
-    c.body_b = w.row_of(c.b->body);
-    c.rotation = conjugate(c.at_a->pose.rotation) * c.at_b->pose.rotation;
-    c.pose = c.a->geometry.kind == ShapeKind::plane ? collide::plane_relative_pose(c.at_a->pose, c.at_b->pose)
-                                                    : collide::relative_pose(c.at_a->pose, c.at_b->pose);
-    c.margin = c.at_a->margin + c.at_b->margin;
+    c.body_a = v.row_of(c.a->body);
+    c.body_b = v.row_of(c.b->body);
+    c.placing.position =
+        c.a->geometry.kind == ShapeKind::plane
+            ? collide::plane_relative_pose(c.at_a->pose, c.at_b->pose).position
+            : collide::into_frame(c.at_a->axes, c.at_b->pose.position - c.at_a->pose.position);
+    c.placing.rotation = turn_between(c.at_a->pose.rotation, c.at_b->pose.rotation);
+    c.placing.reach = c.at_b->reach;
+    c.margin = near.margin;
     c.sensor = (c.a->sensor | c.b->sensor) != 0;
     return c;
 }
 
+/// Makes the manifolds of a pair; `apart` is a hint, and becomes the next one.
+void make_manifolds(const Couple& c, UnitVec3& apart, collide::NarrowScratch& scratch,
+                    collide::Manifolds& out) {
+    const collide::RelativePose pose{to_rotation(c.placing.rotation), c.placing.position};
+    collide::collide(c.at_a->solid, c.at_b->solid, pose, c.margin, apart, scratch, out);
+    apart = out.apart;
+}
+
 ContactMemory memory_of(const Couple& c, const collide::Manifold& manifold, std::uint32_t flags) {
     ContactMemory memory{};
-    memory.flags = flags;
+    memory.flags = flags | (manifold.on_face != 0 ? dynamics::contact_on_face : 0u);
     memory.count = manifold.count;
+    // Only shapes of many pieces say which of them it is.
+    if (c.a->geometry.kind >= ShapeKind::compound && c.a->geometry.kind <= ShapeKind::mesh)
+        memory.piece_a = manifold.piece_a;
+    if (c.b->geometry.kind == ShapeKind::compound)
+        memory.piece_b = manifold.piece_b;
     memory.normal = manifold.normal;
     for (std::uint32_t k = 0; k < manifold.count; ++k) {
         const collide::ManifoldPoint& p = manifold.points[k];
@@ -61,8 +112,8 @@ ContactMemory memory_of(const Couple& c, const collide::Manifold& manifold, std:
         memory.points[k].feature = p.feature;
         memory.points[k].separation = p.separation;
     }
-    memory.made_position = c.pose.position;
-    memory.made_rotation = c.rotation;
+    memory.made_position = c.placing.position;
+    memory.made_rotation = c.placing.rotation;
     memory.margin = c.margin;
     return memory;
 }
@@ -72,15 +123,17 @@ bool passes(const Couple& c, std::span<const ContactMemory> old, UnitVec3 normal
     for (const ContactMemory& m : old)
         if (m.count != 0) return (m.flags & dynamics::contact_passing) != 0;
     const auto wrong_side = [](const ShapeRow& shape, const Scratch::Shape& at, UnitVec3 out) {
-        return shape.one_way != 0 && dot<Unit>(to_rotation(at.pose.rotation).y, out) < half(unit_one);
+        return shape.one_way != 0 && dot<Unit>(at.axes.y, out) < half(unit_one);
     };
     return wrong_side(*c.a, *c.at_a, normal) || wrong_side(*c.b, *c.at_b, -normal);
 }
 
-Real mixed(Mix rule_a, Mix rule_b, Real a, Real b) {
+Real mixed(Mix rule_a, Mix rule_b, Real a, Real b, Scratch::NarrowWorker::Mean& mean) {
     switch (std::max(rule_a, rule_b)) {
     case Mix::geometric_mean:
-        return a == b ? a : sqrt(a * b);
+        if (a == b) return a;
+        if (mean.a != a || mean.b != b) mean = {a, b, sqrt(a * b)};
+        return mean.value;
     case Mix::average:
         return half(a + b);
     case Mix::minimum:
@@ -94,18 +147,19 @@ Real mixed(Mix rule_a, Mix rule_b, Real a, Real b) {
 }
 
 /// What the surfaces of b and a do against each other besides the bodies' motion, world axes.
-SpeedVec3 surface_velocity(const Couple& c) {
-    const auto of = [](const ShapeRow& shape, const Scratch::Shape& at) {
-        return shape.surface_velocity == Vec3{} ? Vec3{} : rotate(at.pose.rotation, shape.surface_velocity);
+SpeedVec3 surface_velocity(const Couple& c, const Touch& a, const Touch& b) {
+    if (a.velocity == Vec3{} && b.velocity == Vec3{}) return {};
+    const auto of = [](const Touch& touch, const Scratch::Shape& at) {
+        return touch.velocity == Vec3{} ? Vec3{} : rotate(at.pose.rotation, touch.velocity);
     };
-    return to<Speed>(of(*c.b, *c.at_b) - of(*c.a, *c.at_a));
+    return to<Speed>(of(b, *c.at_b) - of(a, *c.at_a));
 }
 
 /// Closing speed of the two bodies at a point, along the normal.
-Speed approach_speed(const Data& w, const Couple& c, UnitVec3 normal, const dynamics::ContactPoint& p) {
-    const std::span<const Velocity> v = w.state.rows(w.m.body_velocity);
-    const SpeedVec3 at_a = v[c.body_a].linear + cross<Speed>(v[c.body_a].angular, p.lever_a);
-    const SpeedVec3 at_b = v[c.body_b].linear + cross<Speed>(v[c.body_b].angular, p.lever_b);
+Speed approach_speed(const View& v, const Couple& c, UnitVec3 normal, const dynamics::ContactPoint& p) {
+    const Velocity &a = v.velocities[c.body_a], &b = v.velocities[c.body_b];
+    const SpeedVec3 at_a = a.linear + cross<Speed>(a.angular, p.lever_a);
+    const SpeedVec3 at_b = b.linear + cross<Speed>(b.angular, p.lever_b);
     return -dot<Speed>(at_b - at_a, normal);
 }
 
@@ -114,199 +168,199 @@ bool has_corners(const ShapeRow& shape) {
     return (kind == ShapeKind::box || kind == ShapeKind::hull) && shape.geometry.radius == Length{};
 }
 
-/// Moves levers to the middle of the tick: a point between corners and faces goes with them, and levers of the start of
-/// the tick would let what falls over gain its speed half a tick late. Round shapes roll over their points instead. On a
-/// ground (A) the corners are B's; between two bodies the point goes as the mean of both.
-void advance_levers(const Data& w, const Couple& c, dynamics::ContactPoint& p) {
-    const bool on_ground = c.a->geometry.kind > ShapeKind::compound;
-    if (!has_corners(*c.b) || !(on_ground || has_corners(*c.a))) return;
-    const std::span<const Velocity> v = w.state.rows(w.m.body_velocity);
-    const Velocity &a = v[c.body_a], &b = v[c.body_b];
-    const SpeedVec3 at_b = b.linear + cross<Speed>(b.angular, p.lever_b);
-    const SpeedVec3 at_a = a.linear + cross<Speed>(a.angular, p.lever_a);
-    const SpeedVec3 goes = on_ground ? at_b : lockstone::scale<Speed>(at_a + at_b, half(unit_one));
-    const Unit half_tick =
-        Unit::from_raw(unit_one.raw / (2 * static_cast<std::int32_t>(w.state.rows(w.m.config)[0].tick_rate)));
-    const LengthVec3 by_a = lockstone::scale<Length>(goes - a.linear, half_tick),
-                     by_b = lockstone::scale<Length>(goes - b.linear, half_tick);
-    // Less than an eighth of the lever: beyond, a chord is no arc any more.
-    const auto most = [](LengthVec3 x) { return max(abs(x.x), max(abs(x.y), abs(x.z))).raw; };
-    const auto small = [&](LengthVec3 by, LengthVec3 lever) { return most(by) <= most(lever) / 8; };
-    if (!small(by_b, p.lever_b) || (!on_ground && !small(by_a, p.lever_a))) return;
-    p.lever_a = p.lever_a + by_a;
-    p.lever_b = p.lever_b + by_b;
+/// What all contacts of a pair have in common: how the points of their manifolds become levers.
+///   at the start of the tick   rB = R p + b,  rA = rB + k          R: A's axes, b and k from the centres of the bodies
+/// Levers are moved on to the middle of the tick: a point between corners and faces goes with them, and levers of its
+/// start would let what falls over gain its speed half a tick late. Round shapes roll over their points instead. On a
+/// ground (A) the corners are B's; between two bodies the point goes as the mean of both:
+///   goes on a ground           vB + wB x rB                        rB += (goes - vB) h,  rA += (goes - vA) h
+///   between two bodies         (vA + wA x rA + vB + wB x rB) / 2   h: half a tick
+/// Either is rB += U x rB + c and rA = rB + k + (vB - vA) h, so R and b take all of it, once for all points.
+class PairFrame {
+  public:
+    PairFrame(const View& v, const Couple& couple)
+        : c(couple), rows(transpose(c.at_a->axes)), column_x(raw(c.at_a->axes.x)),
+          column_y(raw(c.at_a->axes.y)), column_z(raw(c.at_a->axes.z)),
+          base_b(raw(to<Length>(c.at_b->pose.position - v.poses[c.body_b].position))),
+          to_a(raw(to<Length>(c.at_b->pose.position - v.poses[c.body_a].position)) - base_b) {
+        const bool on_ground = c.a->geometry.kind > ShapeKind::compound;
+        if (has_corners(*c.b) && (on_ground || has_corners(*c.a))) advance(v, on_ground);
+    }
+
+    UnitVec3 normal(const ContactMemory& memory) const {
+        const Long3 n = raw(memory.normal);
+        const auto part = [&](UnitVec3 row) {
+            return Unit::from_raw(saturate_to_int32(shift_right_rounded(collide::dot(raw(row), n), 30)));
+        };
+        return {part(rows.x), part(rows.y), part(rows.z)};
+    }
+    Vec3 world(const dynamics::ContactPointMemory& p) const {
+        return c.at_b->pose.position + to<Real>(mul_transposed<Length>(rows, p.position));
+    }
+    dynamics::ContactPoint point(const dynamics::ContactPointMemory& p, Separation separation) const {
+        // Columns are shorter than 1 + 1/4, so the products stay below 2^62.
+        const std::int64_t x = p.position.x.raw, y = p.position.y.raw, z = p.position.z.raw;
+        dynamics::ContactPoint out;
+        for (int i = 0; i < 3; ++i) {
+            const std::int64_t at_b =
+                base_b[i] + shift_right_rounded(column_x[i] * x + column_y[i] * y + column_z[i] * z, 30);
+            out.lever_b[i] = Length::from_raw(saturate_to_int32(at_b));
+            out.lever_a[i] = Length::from_raw(saturate_to_int32(at_b + to_a[i]));
+        }
+        out.separation = separation;
+        return out;
+    }
+
+    const Couple& c;
+
+  private:
+    static constexpr std::int64_t turn_max_30 = std::int64_t{1}
+                                                << 27; ///< beyond, a chord is no arc any more [rad]
+
+    static Long3 cross_30(Long3 a, Long3 b) {
+        return {(a[1] * b[2] - a[2] * b[1]) >> 30, (a[2] * b[0] - a[0] * b[2]) >> 30,
+                (a[0] * b[1] - a[1] * b[0]) >> 30};
+    }
+    static std::int64_t widest(Long3 x) {
+        return std::max(collide::absolute(x[0]), std::max(collide::absolute(x[1]), collide::absolute(x[2])));
+    }
+
+    void advance(const View& v, bool on_ground) {
+        const Velocity &a = v.velocities[c.body_a], &b = v.velocities[c.body_b];
+        const std::int64_t h_30 = v.half_tick.raw;
+        Long3 turn, turn_a, way;
+        for (int i = 0; i < 3; ++i) {
+            turn[i] = (b.angular[i].raw * h_30) >> Speed::fraction_bits;
+            turn_a[i] = on_ground ? 0 : (a.angular[i].raw * h_30) >> Speed::fraction_bits;
+            way[i] = ((std::int64_t{b.linear[i].raw} - a.linear[i].raw) * h_30) >> 25; // 24 fraction bits
+        }
+        if (widest(turn) > turn_max_30 || widest(turn_a) > turn_max_30) return;
+        Long3 by{};
+        if (!on_ground) {
+            const Long3 of_a = cross_30(turn_a, to_a);
+            const std::int64_t most = std::min(c.at_a->reach, c.at_b->reach).raw >> 3;
+            if (widest(of_a) > most || widest(way) > most) return;
+            turn = collide::shifted(turn + turn_a, 1);
+            by = collide::shifted(of_a - way, 1);
+        }
+        base_b = base_b + by + cross_30(turn, base_b);
+        to_a = to_a + way;
+        for (Long3* column : {&column_x, &column_y, &column_z}) *column = *column + cross_30(turn, *column);
+    }
+
+    Rotation rows;                                    ///< A's axes, transposed
+    Long3 column_x, column_y, column_z, base_b, to_a; ///< 30 and 24 fraction bits
+};
+
+/// Tells `seen` of the deepest point of a pair that did not touch until now.
+void see(const View& v, const PairFrame& f, UnitVec3 normal, const dynamics::ContactPointMemory& deepest,
+         Scratch::Seen& seen) {
+    seen.point = f.world(deepest);
+    seen.normal = f.c.flipped ? -normal : normal;
+    seen.approach = approach_speed(v, f.c, normal, f.point(deepest, deepest.separation));
 }
 
-/// One manifold as the solver wants it, with the separations of this tick; tells `seen` of its deepest point.
-void add_contact(const Data& w, const Couple& c, std::uint32_t row, const ContactMemory& memory,
-                 const dynamics::Shift& shift, Separation& deepest, Scratch::Seen& seen,
+/// One manifold as the solver wants it.
+void add_contact(const View& v, const PairFrame& f, std::uint32_t row, const ContactMemory& memory,
+                 UnitVec3 normal, const std::array<Separation, 4>& separations, Scratch::NarrowWorker& worker,
                  std::vector<dynamics::Contact>& contacts) {
-    const std::span<const Transform> poses = w.state.rows(w.m.body_pose);
-    const Rotation axes = to_rotation(c.at_a->pose.rotation);
-    const LengthVec3 from_a = to<Length>(c.at_b->pose.position - poses[c.body_a].position);
-    const LengthVec3 from_b = to<Length>(c.at_b->pose.position - poses[c.body_b].position);
-    dynamics::Contact contact{};
+    const Couple& c = f.c;
+    dynamics::Contact& contact = contacts.emplace_back();
     // What rests is the solver's still body.
-    contact.body_a = std::min(c.body_a, w.header().bodies_awake);
-    contact.body_b = std::min(c.body_b, w.header().bodies_awake);
+    contact.body_a = std::min(c.body_a, v.awake);
+    contact.body_b = std::min(c.body_b, v.awake);
     contact.memory = row;
     contact.count = memory.count;
-    contact.normal = lockstone::mul<Unit>(axes, memory.normal);
-    for (std::uint32_t k = 0; k < memory.count; ++k) {
-        const LengthVec3 arm = lockstone::mul<Length>(axes, memory.points[k].position);
-        const Separation separation = dynamics::separation_after(memory, k, shift);
-        contact.points[k] = {arm + from_a, arm + from_b, separation};
-        advance_levers(w, c, contact.points[k]);
-        if (separation >= deepest) continue;
-        deepest = separation;
-        seen.point = c.at_b->pose.position + to<Real>(arm);
-        seen.normal = c.flipped ? -contact.normal : contact.normal;
-        seen.approach = approach_speed(w, c, contact.normal, contact.points[k]);
-    }
-    if (c.sensor || (memory.flags & dynamics::contact_passing) != 0) return;
-    if (is_movers_contact(w, c.a->body, c.b->body, contact.normal)) return;
+    contact.normal = normal;
+    for (std::uint32_t k = 0; k < memory.count; ++k)
+        contact.points[k] = f.point(memory.points[k], separations[k]);
+    const Touch a = touch_of(*c.a, c.at_a->solid, memory.piece_a),
+                b = touch_of(*c.b, c.at_b->solid, memory.piece_b);
     contact.friction =
-        to<Jacobian>(mixed(c.a->friction_mix, c.b->friction_mix, c.a->friction, c.b->friction));
-    contact.restitution =
-        to<Unit>(mixed(c.a->restitution_mix, c.b->restitution_mix, c.a->restitution, c.b->restitution));
-    contact.rolling = to<Unit>(max(c.a->rolling_resistance, c.b->rolling_resistance));
-    contact.surface_velocity = surface_velocity(c);
-    contacts.push_back(contact);
+        to<Jacobian>(mixed(c.a->friction_mix, c.b->friction_mix, a.friction, b.friction, worker.mean));
+    contact.restitution = to<Unit>(
+        mixed(c.a->restitution_mix, c.b->restitution_mix, a.restitution, b.restitution, worker.mean));
+    contact.rolling = to<Unit>(max(a.rolling, b.rolling));
+    contact.surface_velocity = surface_velocity(c, a, b);
 }
 
-/// The rows of one pair, into the worker's: those of the last tick while the shapes stand to each other as they did, else
-/// new ones. At least one row, which may have no points. Returns how many.
-std::uint32_t manifolds_of(const Couple& c, std::span<const ContactMemory> old, dynamics::Shift& shift,
-                           Scratch::NarrowWorker& worker) {
-    std::array<ContactMemory, collide::Manifolds::max>& rows = worker.rows;
-    if (!old.empty() && ((old[0].flags & dynamics::contact_flipped) != 0) == c.flipped &&
-        dynamics::still_good(old[0], c.pose.position, c.rotation, c.at_b->reach, c.margin, shift)) {
-        std::ranges::copy(old, rows.begin());
-        return static_cast<std::uint32_t>(old.size());
-    }
-    shift = {};
+/// New rows of a pair, in the worker; none when there are no points.
+std::uint32_t make_rows(const Couple& c, std::span<const ContactMemory> old, UnitVec3& apart,
+                        Scratch::NarrowWorker& worker) {
+    make_manifolds(c, apart, worker.narrow, worker.manifolds);
+    if (worker.manifolds.count == 0) return 0;
     std::uint32_t flags = (c.flipped ? dynamics::contact_flipped : 0u);
     if (c.sensor) flags |= dynamics::contact_sensor;
     if ((c.flipped ? c.a : c.b)->sensor != 0) flags |= dynamics::contact_sensor_is_b;
-    collide::collide(c.at_a->solid, c.at_b->solid, c.pose, c.margin, worker.narrow, worker.manifolds);
-    if (worker.manifolds.count == 0) {
-        rows[0] = memory_of(c, {}, flags);
-        return 1;
-    }
-    const Rotation axes = to_rotation(c.at_a->pose.rotation);
     if ((c.a->one_way | c.b->one_way) != 0 &&
-        passes(c, old, lockstone::mul<Unit>(axes, worker.manifolds.items[0].normal)))
+        passes(c, old, lockstone::mul<Unit>(c.at_a->axes, worker.manifolds.items[0].normal)))
         flags |= dynamics::contact_passing;
-    std::uint32_t taken = 0;
+    dynamics::Taken taken;
     for (std::uint32_t i = 0; i < worker.manifolds.count; ++i) {
-        rows[i] = memory_of(c, worker.manifolds.items[i], flags);
-        dynamics::carry_impulses(old, taken, rows[i]);
+        worker.rows[i] = memory_of(c, worker.manifolds.items[i], flags);
+        dynamics::carry_impulses(old, taken, worker.rows[i]);
     }
     return worker.manifolds.count;
 }
 
-constexpr std::uint32_t pairs_per_chunk = 16;
-
 using NearChunk = Scratch::NearChunk;
 
-std::span<const ContactMemory> old_rows(const Scratch& s, const Scratch::Near& near) {
-    return std::span(s.old_memories).subspan(near.old_first, near.old_count);
-}
-
-/// The rows and contacts of one pair, at the end of the chunk's. Writes to the chunk and the worker alone.
-void collide_pair(const Data& w, const Scratch::Near& near, Scratch::NarrowWorker& worker, NearChunk& chunk) {
-    const Couple c = couple_of(w, near.key);
-    const std::span<const ContactMemory> old = old_rows(w.scratch, near);
-    dynamics::Shift shift{};
-    const std::uint32_t count = manifolds_of(c, old, shift, worker);
-    Scratch::Seen seen{};
-    seen.first_row = static_cast<std::uint32_t>(chunk.keys.size());
-    seen.row_count = count;
-    seen.was_touching = !old.empty() && (old[0].flags & dynamics::contact_touching) != 0;
+/// The contacts of a pair's rows, and how near the two are.
+void use_rows(const View& v, const Couple& c, std::span<const ContactMemory> rows,
+              const dynamics::Shift& shift, Scratch::NarrowWorker& worker, NearChunk& chunk,
+              Scratch::Seen& seen) {
+    const PairFrame frame(v, c);
+    const bool passing = (rows[0].flags & dynamics::contact_passing) != 0;
     Separation deepest = Separation::max();
-    for (std::uint32_t i = 0; i < count; ++i) {
-        const ContactMemory& row = worker.rows[i];
-        if (row.count != 0) add_contact(w, c, seen.first_row + i, row, shift, deepest, seen, chunk.contacts);
-        chunk.keys.push_back(near.key);
-        chunk.memories.push_back(row);
+    for (std::uint32_t i = 0; i < rows.size(); ++i) {
+        const UnitVec3 normal = frame.normal(rows[i]);
+        const std::array<Separation, 4> separations = dynamics::separations_after(rows[i], shift);
+        for (std::uint32_t k = 0; k < rows[i].count; ++k) {
+            if (separations[k] >= deepest) continue;
+            deepest = separations[k];
+            seen.deepest_row = i;
+            if (!seen.was_touching) see(v, frame, normal, rows[i].points[k], seen);
+        }
+        if (!c.sensor && !passing && !is_movers_contact(v.w, c.a->body, c.b->body, normal))
+            add_contact(v, frame, seen.first_row + i, rows[i], normal, separations, worker, chunk.contacts);
     }
-    seen.overlaps = deepest <= (c.sensor ? Separation{} : touching_gap) &&
-                    (worker.rows[0].flags & dynamics::contact_passing) == 0;
+    seen.overlaps = deepest <= (c.sensor ? Separation{} : touching_gap) && !passing;
+}
+
+/// The rows and contacts of one pair, at the end of the chunk's: those of the last tick while the shapes stand to each
+/// other as they did, else new ones. Writes to the chunk, the worker and the pair's hint alone. `next_row` counts the rows
+/// of the chunk.
+void collide_pair(const View& v, std::uint32_t index, Scratch::Near& near, Scratch::NarrowWorker& worker,
+                  NearChunk& chunk, std::uint32_t& next_row) {
+    const Couple c = couple_of(v, near);
+    const std::span<const ContactMemory> old = v.old.subspan(near.old_first, near.old_count);
+    dynamics::Shift shift{};
+    Scratch::Seen seen{};
+    seen.near = index;
+    seen.first_row = next_row;
+    seen.was_touching = !old.empty() && (old[0].flags & dynamics::contact_touching) != 0;
+    seen.is_kept = !old.empty() && ((old[0].flags & dynamics::contact_flipped) != 0) == c.flipped &&
+                   dynamics::still_good(old, c.placing, c.margin, shift);
+    seen.row_count = seen.is_kept ? near.old_count : make_rows(c, old, near.apart, worker);
+    if (seen.row_count == 0) {
+        if (!seen.was_touching) return;
+        seen.flags = old[0].flags;
+    } else {
+        const std::span<const ContactMemory> rows =
+            seen.is_kept ? old : std::span<const ContactMemory>(worker.rows).first(seen.row_count);
+        seen.flags = rows[0].flags;
+        use_rows(v, c, rows, shift, worker, chunk, seen);
+        if (!seen.is_kept) chunk.memories.insert(chunk.memories.end(), rows.begin(), rows.end());
+    }
+    next_row += seen.row_count;
     chunk.seen.push_back(seen);
-}
-
-/// Takes those pairs out of a chunk whose rows do not fit into `room`. Returns how many rows that were.
-std::uint32_t drop_pairs(Scratch& s, std::span<const Scratch::Near> pairs, NearChunk& chunk,
-                         std::size_t room) {
-    std::uint32_t dropped = 0, rows = 0, contacts = 0, kept = 0;
-    std::size_t contact = 0;
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-        Scratch::Seen seen = chunk.seen[i];
-        const std::uint32_t end = seen.first_row + seen.row_count;
-        const bool fits = seen.row_count <= room - rows;
-        if (!fits && seen.was_touching) s.ended.push_back({pairs[i].key, old_rows(s, pairs[i])[0].flags});
-        for (; contact < chunk.contacts.size() && chunk.contacts[contact].memory < end; ++contact) {
-            if (!fits) continue;
-            dynamics::Contact& moved = chunk.contacts[contacts++] = chunk.contacts[contact];
-            moved.memory = moved.memory - seen.first_row + rows;
-        }
-        if (!fits) {
-            dropped += seen.row_count;
-            continue;
-        }
-        for (std::uint32_t from = seen.first_row; from < end; ++from) {
-            chunk.keys[rows + (from - seen.first_row)] = chunk.keys[from];
-            chunk.memories[rows + (from - seen.first_row)] = chunk.memories[from];
-        }
-        seen.first_row = rows;
-        rows += seen.row_count;
-        chunk.seen[kept++] = seen;
-    }
-    chunk.keys.resize(rows), chunk.memories.resize(rows);
-    chunk.contacts.resize(contacts), chunk.seen.resize(kept);
-    return dropped;
-}
-
-/// Where each chunk goes, in pair order. What the table has no room for is dropped.
-void place_chunks(Data& w, std::span<NearChunk> chunks) {
-    Scratch& s = w.scratch;
-    const std::uint32_t room = w.state.capacity(w.m.contacts) - w.state.count(w.m.sleeping_contacts);
-    std::uint32_t rows = 0, seen = 0, contacts = 0, dropped = 0;
-    for (std::size_t i = 0; i < chunks.size(); ++i) {
-        NearChunk& chunk = chunks[i];
-        if (chunk.keys.size() > room - rows)
-            dropped += drop_pairs(s, std::span(s.near).subspan(i * pairs_per_chunk, chunk.seen.size()), chunk,
-                                  room - rows);
-        chunk.first_row = rows, chunk.first_seen = seen, chunk.first_contact = contacts;
-        rows += static_cast<std::uint32_t>(chunk.keys.size());
-        seen += static_cast<std::uint32_t>(chunk.seen.size());
-        contacts += static_cast<std::uint32_t>(chunk.contacts.size());
-    }
-    w.state.resize(w.m.contacts, rows);
-    s.seen.resize(seen);
-    s.contacts.resize(contacts);
-    if (dropped != 0) w.state.edit_row(w.m.faults, 0).contacts_dropped += dropped;
-}
-
-void copy_chunk(const NearChunk& chunk, std::span<ContactKey> keys, std::span<ContactMemory> memories,
-                Scratch& s) {
-    std::ranges::copy(chunk.keys, keys.begin() + chunk.first_row);
-    std::ranges::copy(chunk.memories, memories.begin() + chunk.first_row);
-    for (std::size_t i = 0; i < chunk.seen.size(); ++i) {
-        Scratch::Seen& seen = s.seen[chunk.first_seen + i] = chunk.seen[i];
-        seen.first_row += chunk.first_row;
-    }
-    for (std::size_t i = 0; i < chunk.contacts.size(); ++i) {
-        dynamics::Contact& contact = s.contacts[chunk.first_contact + i] = chunk.contacts[i];
-        contact.memory += chunk.first_row;
-    }
 }
 
 } // namespace
 
-bool has_contact_points(Data& w, const ContactKey& key) {
-    const Couple c = couple_of(w, key);
-    collide::collide(c.at_a->solid, c.at_b->solid, c.pose, c.margin, w.scratch.narrow, w.scratch.manifolds);
+bool has_contact_points(Data& w, const Scratch::Near& near) {
+    UnitVec3 hint = near.apart;
+    make_manifolds(couple_of(View(w), near), hint, w.scratch.narrow, w.scratch.manifolds);
     return w.scratch.manifolds.count != 0;
 }
 
@@ -316,26 +370,21 @@ void collide(Data& w) {
     const std::uint32_t chunk_count = (pairs + pairs_per_chunk - 1) / pairs_per_chunk;
     while (s.near_chunks.size() < chunk_count) {
         NearChunk& chunk = s.near_chunks.emplace_back();
-        chunk.keys.reserve(2 * pairs_per_chunk), chunk.memories.reserve(2 * pairs_per_chunk);
+        chunk.memories.reserve(2 * pairs_per_chunk);
         chunk.contacts.reserve(2 * pairs_per_chunk), chunk.seen.reserve(pairs_per_chunk);
     }
     if (s.narrow_workers.size() < base::worker_count(w.tasks))
         s.narrow_workers.resize(base::worker_count(w.tasks));
-    const Data& seen = w;
-    base::for_chunks(
-        w.tasks, pairs, pairs_per_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t worker) {
-            NearChunk& chunk = s.near_chunks[first / pairs_per_chunk];
-            chunk.keys.clear(), chunk.memories.clear(), chunk.seen.clear(), chunk.contacts.clear();
-            for (std::uint32_t i = first; i < last; ++i)
-                collide_pair(seen, seen.scratch.near[i], s.narrow_workers[worker], chunk);
-        });
-    const std::span<NearChunk> chunks = std::span(s.near_chunks).first(chunk_count);
-    place_chunks(w, chunks);
-    const std::span<ContactKey> keys = w.state.edit(w.m.contact_key);
-    const std::span<ContactMemory> memories = w.state.edit(w.m.contact_memory);
-    base::for_chunks(w.tasks, chunk_count, 8, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-        for (std::uint32_t i = first; i < last; ++i) copy_chunk(chunks[i], keys, memories, s);
-    });
+    const View view(w);
+    base::for_chunks(w.tasks, pairs, pairs_per_chunk,
+                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t worker) {
+                         NearChunk& chunk = s.near_chunks[first / pairs_per_chunk];
+                         chunk.memories.clear(), chunk.seen.clear(), chunk.contacts.clear();
+                         std::uint32_t next_row = 0;
+                         for (std::uint32_t i = first; i < last; ++i)
+                             collide_pair(view, i, s.near[i], s.narrow_workers[worker], chunk, next_row);
+                     });
+    place_contacts(w);
 }
 
 } // namespace lockstone::sim

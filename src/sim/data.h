@@ -14,6 +14,7 @@
 #include "sim/sleep_scratch.h"
 #include "sim/sweep.h"
 #include "sim/vehicle.h"
+#include "solve/contacts/contact_solver.h"
 
 namespace lockstone::sim {
 
@@ -31,7 +32,8 @@ struct Scratch {
     struct Shape {
         shapes::Solid solid;
         Transform pose;   ///< world
-        Length margin;    ///< how far its contacts reach ahead
+        Rotation axes;    ///< of the pose
+        Length margin;    ///< how far its contacts reach ahead at most
         Coordinate reach; ///< of its points from its origin [m]
         collide::Bounds bounds;
         bool is_placed; ///< while bounds are updated: pose, margin and bounds are those of this tick
@@ -44,20 +46,24 @@ struct Scratch {
 
     // What the proxies of resting shapes were made of, so that only what changed since is looked at.
     ChangeMark proxies_of;
-    std::uint32_t awake_before = 0;              ///< bodies, when bounds were last updated
+    std::uint32_t awake_before = 0;             ///< bodies, when bounds were last updated
     std::vector<std::uint32_t> solids_replaced; ///< shape slots that rested when another solid was put there
     std::vector<RowRange> changed;
 
     std::vector<collide::ProxyPair> pairs, plane_pairs, merged_pairs;
-    std::vector<ContactKey> pair_keys; ///< by pair
-    /// Two shapes that may meet and are near, with their rows of the last contact table.
+    struct PairKey {
+        ContactKey key; ///< null: the two do not meet, or both rest, or they are further apart than the margin
+        Length margin;  ///< how far ahead contacts of the two reach
+    };
+    std::vector<PairKey> pair_keys; ///< by pair
+    /// Two shapes that may meet and are near, with their rows of the last tick's contact table.
     struct Near {
         ContactKey key;
+        Length margin;
         std::uint32_t old_first, old_count;
+        UnitVec3 apart; ///< what parted them when last looked at, in the axes of the narrow phase's A; zero: nothing known
     };
-    std::vector<Near> near;
-    std::vector<ContactKey> old_keys; ///< the last contact table
-    std::vector<ContactMemory> old_memories;
+    std::vector<Near> near, near_before; ///< the latter gives the former its hints, which change speed only
     collide::NarrowScratch narrow;
     collide::Manifolds manifolds;
 
@@ -67,31 +73,42 @@ struct Scratch {
     };
     std::vector<Ended> ended; ///< touching contacts that are gone
 
-    /// What the narrow phase saw of a pair.
+    /// What the narrow phase saw of a pair that has contact points, or touched until now.
     struct Seen {
+        std::uint32_t near;                 ///< index
         std::uint32_t first_row, row_count; ///< of the contact table
+        std::uint32_t flags;                ///< dynamics::ContactFlags: what of them is the pair's
         bool was_touching;
-        bool overlaps;   ///< near enough to count as touching, before the solve
+        bool overlaps; ///< near enough to count as touching, before the solve
+        bool is_kept;  ///< its rows are those of the last tick
+        std::uint32_t deepest_row; ///< of the pair's rows, the one with the deepest point
+        // Of the deepest point, unless the pair was touching:
         UnitVec3 normal; ///< key a to key b
-        Vec3 point;      ///< deepest, world
+        Vec3 point;      ///< world
         Speed approach;  ///< [m/s], positive when closing
     };
     std::vector<Seen> seen;
     std::vector<dynamics::Contact> contacts;
     /// What a chunk of `near` makes, before it is known where it goes: rows count from the chunk's own first.
     struct NearChunk {
-        std::vector<ContactKey> keys;
-        std::vector<ContactMemory> memories;
-        std::vector<Seen> seen; ///< by pair
+        std::vector<ContactMemory> memories; ///< of the pairs whose rows are new, in order
+        std::vector<Seen> seen;
         std::vector<dynamics::Contact> contacts;
-        std::uint32_t first_row, first_seen, first_contact; ///< where it goes
+        std::uint32_t first_row, first_contact; ///< where it goes
     };
     std::vector<NearChunk> near_chunks;
+    struct RowMove {
+        std::uint32_t from, to, count;
+    };
+    std::vector<RowMove> row_moves; ///< of kept rows of the contact table
     /// What a worker of the narrow phase needs for itself.
     struct alignas(64) NarrowWorker {
         collide::NarrowScratch narrow;
         collide::Manifolds manifolds;
         std::array<ContactMemory, collide::Manifolds::max> rows;
+        struct Mean { ///< geometric, of the last two coefficients that differed: a root is worth keeping
+            Real a{}, b{}, value{};
+        } mean;
     };
     std::vector<NarrowWorker> narrow_workers;
     std::vector<Transform> pose_before; ///< of the bodies, by row, when the tick began
@@ -106,13 +123,14 @@ struct Scratch {
 
     dynamics::StepConstants step{};
     dynamics::SolverBodies bodies;
-    dynamics::ContactSolver<1> solver;
+    solve::ContactSolver solver;
     dynamics::JointSolver joint_solver;
     std::vector<dynamics::Joint> joints; ///< in slot order
     std::vector<JointId> broken;
     VehicleSolver vehicle_solver;
     std::vector<FieldRow> pulls; ///< fields of acceleration, in row order
-    std::vector<std::uint32_t> categories; ///< by row of what is awake, of its shapes; empty while no pull looks at them
+    std::vector<std::uint32_t>
+        categories; ///< by row of what is awake, of its shapes; empty while no pull looks at them
     FluidSolver fluids;
 };
 
@@ -132,6 +150,7 @@ struct Data {
     std::vector<PhaseHash> phase_hashes;
     std::vector<Event> events;
     std::vector<World::ContactPoint> contact_points;
+    PhaseObserver* observer = nullptr;
 
     const Header& header() const { return state.rows(m.header)[0]; }
     Header& edit_header() { return state.edit_row(m.header, 0); }
@@ -175,6 +194,7 @@ void tick(Data& w);
 Result<World::Applied> apply(Data& w, const Command& command);
 /// After the state was replaced from outside: what the caches hold of it is stale, the last tick's output is gone.
 void forget_derived(Data& w);
+void tell_of_restore(const Data& w); ///< the journal, if there is one
 /// Fills all scratch that is written before it is read with a byte; caches stay.
 void poison_scratch(Data& w, std::byte with);
 void disturb(Data& w, World::Leftover what, std::uint64_t seed);

@@ -16,16 +16,17 @@ void poison_narrow(std::byte with, collide::NarrowScratch& scratch, collide::Man
 
 void poison_chunks(std::byte with, std::vector<Scratch::NearChunk>& chunks) {
     for (Scratch::NearChunk& chunk : chunks) {
-        auto& [keys, memories, seen, contacts, first_row, first_seen, first_contact] = chunk;
-        poison(with, keys, memories, seen, contacts, first_row, first_seen, first_contact);
+        auto& [memories, seen, contacts, first_row, first_contact] = chunk;
+        poison(with, memories, seen, contacts, first_row, first_contact);
     }
 }
 
 void poison_workers(std::byte with, std::vector<Scratch::NarrowWorker>& narrow, SweepScratch& sweep) {
     for (Scratch::NarrowWorker& worker : narrow) {
-        auto& [scratch, manifolds, rows] = worker;
+        auto& [scratch, manifolds, rows, mean] = worker;
         poison_narrow(with, scratch, manifolds);
         poison(with, rows);
+        mean = {};
     }
     auto& [workers, stopped] = sweep;
     Transform somewhere;
@@ -39,7 +40,7 @@ void poison_workers(std::byte with, std::vector<Scratch::NarrowWorker>& narrow, 
 void poison_shapes(std::byte with, std::vector<Scratch::Shape>& shapes) {
     for (Scratch::Shape& shape : shapes)
         if (!shape.rests)
-            poison(with, shape.pose, shape.margin, shape.bounds, shape.resting_local, shape.resting_at,
+            poison(with, shape.pose, shape.axes, shape.margin, shape.bounds, shape.resting_local, shape.resting_at,
                    shape.resting_center);
 }
 
@@ -54,9 +55,13 @@ void poison_parts(std::byte with, SleepScratch& sleep, CharacterScratch& charact
         poison(with, order_of_body, slots, neighbours, pushes, landings, motion_max);
     }
     {
-        auto& [is_fresh, tick, commands, slots, candidates] =
-            query; // the first three say how far the caches are
-        poison(with, slots, candidates);
+        auto& [is_fresh, tick, commands, lock, idle] = query; // the first three say how far the caches are
+        collide::Manifolds unused;
+        for (const std::unique_ptr<QueryWork>& work : idle) {
+            auto& [near, candidates, narrow] = *work;
+            poison(with, near.open, near.proxies, candidates);
+            poison_narrow(with, narrow, unused);
+        }
     }
     auto& [body, step, turns, clamps] = bodies;
     poison(with, body, step, turns, clamps);
@@ -66,15 +71,16 @@ void poison_parts(std::byte with, SleepScratch& sleep, CharacterScratch& charact
 
 void poison_scratch(Data& w, std::byte with) {
     // Caches, which hold from tick to tick: solids, broad_phase, structure_stale, proxy_generation, planes, proxies_of,
-    // awake_before, solids_replaced; of the shapes what rests.
+    // awake_before, solids_replaced; of the shapes what rests; of `near` the hints, which are forgotten here.
     auto& [solids, broad_phase, structure_stale, proxy_generation, shape, planes, proxies_of, awake_before,
-           solids_replaced, changed, pairs, plane_pairs, merged_pairs, pair_keys, near, old_keys,
-           old_memories, narrow, manifolds, ended, seen, contacts, near_chunks, narrow_workers, pose_before,
+           solids_replaced, changed, pairs, plane_pairs, merged_pairs, pair_keys, near, near_before,
+           narrow, manifolds, ended, seen, contacts, near_chunks, row_moves, narrow_workers, pose_before,
            query, sweep, sleep, characters, written_row, canonical_row, mass_parts, step, bodies, solver,
            joint_solver, joints, broken, vehicle_solver, pulls, categories, fluids] = w.scratch;
-    poison(with, changed, pairs, plane_pairs, merged_pairs, pair_keys, near, old_keys, old_memories, ended,
-           seen, contacts, pose_before, written_row, canonical_row, mass_parts, step, joints, broken, pulls,
+    poison(with, changed, pairs, plane_pairs, merged_pairs, pair_keys, ended, seen, contacts,
+           row_moves, pose_before, written_row, canonical_row, mass_parts, step, joints, broken, pulls,
            categories);
+    near.clear(), near_before.clear();
     poison_narrow(with, narrow, manifolds);
     poison_chunks(with, near_chunks);
     poison_workers(with, narrow_workers, sweep);

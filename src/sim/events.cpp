@@ -1,6 +1,8 @@
 // What a tick reports: which pairs began or ceased to touch, and the points where they do.
 #include "sim/phases.h"
 
+#include "sim/surface.h"
+
 #include <algorithm>
 #include <tuple>
 
@@ -34,6 +36,16 @@ bool was_hit(std::span<const ContactMemory> rows) {
     return false;
 }
 
+/// Where the key's a and b touch.
+struct Parts {
+    SurfacePart a, b;
+};
+Parts parts_of(const Data& w, const ContactKey& key, const ContactMemory& memory) {
+    const bool flipped = (memory.flags & dynamics::contact_flipped) != 0;
+    return {part_of(w, key.a, flipped ? memory.piece_b : memory.piece_a),
+            part_of(w, key.b, flipped ? memory.piece_a : memory.piece_b)};
+}
+
 void publish_contact_points(Data& w) {
     const Scratch& s = w.scratch;
     const std::span<const ContactKey> keys = w.state.rows(w.m.contact_key);
@@ -43,11 +55,12 @@ void publish_contact_points(Data& w) {
         const bool flipped = (memories[c.memory].flags & dynamics::contact_flipped) != 0;
         const ShapeId shape = flipped ? keys[c.memory].a : keys[c.memory].b;
         const std::uint32_t body_b = w.row_of(w.state.rows(w.m.shape)[w.row_of(shape)].body);
+        const Parts parts = parts_of(w, keys[c.memory], memories[c.memory]);
         for (std::uint32_t k = 0; k < c.count; ++k)
             w.contact_points.push_back({keys[c.memory].a, keys[c.memory].b,
                                         pose_before(w, body_b).position + to<Real>(c.points[k].lever_b),
                                         flipped ? -c.normal : c.normal, c.points[k].separation,
-                                        memories[c.memory].points[k].normal});
+                                        memories[c.memory].points[k].normal, parts.a, parts.b});
     }
 }
 
@@ -68,22 +81,25 @@ void publish_waking(Data& w) {
 
 void publish_events(Data& w) {
     Scratch& s = w.scratch;
-    const std::span<const ContactKey> keys = w.state.rows(w.m.contact_key);
     const std::span<ContactMemory> memories = w.state.edit(w.m.contact_memory);
     for (const Scratch::Ended& ended : s.ended)
         w.events.push_back(event_of(w, ended.key, ended.flags, false));
     for (const Scratch::Seen& seen : s.seen) {
         const std::span<ContactMemory> rows = memories.subspan(seen.first_row, seen.row_count);
-        const bool sensor = (rows[0].flags & dynamics::contact_sensor) != 0;
+        const bool sensor = (seen.flags & dynamics::contact_sensor) != 0;
         const bool now = seen.overlaps || (!sensor && was_hit(rows));
         for (ContactMemory& row : rows) row.flags &= ~std::uint32_t{dynamics::contact_touching};
         if (now) rows[0].flags |= dynamics::contact_touching;
         if (now == seen.was_touching) continue;
-        Event e = event_of(w, keys[seen.first_row], rows[0].flags, now);
+        const ContactKey& key = s.near[seen.near].key;
+        Event e = event_of(w, key, seen.flags, now);
         if (now) {
             e.point = seen.point;
             if (!sensor) e.normal = seen.normal;
             e.approach_speed = seen.approach;
+            Parts parts = parts_of(w, key, rows[seen.deepest_row]);
+            if (e.shape_a != key.a) std::swap(parts.a, parts.b);
+            e.part_a = parts.a, e.part_b = parts.b;
         }
         w.events.push_back(e);
     }

@@ -111,7 +111,10 @@ void FluidSolver::add_part(Data& w, std::uint32_t body_row, const shapes::Solid&
         const shapes::ShownArea shown =
             shapes::shown_area(solid, lockstone::mul_transposed<Unit>(axes, direction));
         part.area_center = shown.center;
-        const auto over_mass = [&](Real c) { return c * shown.area / mass * scale; };
+        const auto over_mass = [&](Real c) { // 1e6 * 4e4 m^2 is beyond a Real, over the mass it need not be
+            return shapes::unscaled<Real>(shapes::scaled(c) * shapes::scaled(shown.area) *
+                                          shapes::scaled(scale) / shapes::scaled(mass));
+        };
         part.linear = over_mass(def.drag_linear);
         part.quadratic = over_mass(def.drag_quadratic);
         part.angular = over_mass(def.drag_angular);

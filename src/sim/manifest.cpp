@@ -30,7 +30,7 @@ static void add_contacts(StateLayout& l, const WorldDef& def, Manifest& m) {
         l.add_column<ContactMemory>(m.sleeping_contacts, "sleeping_contact.memory", Group::contact);
 }
 
-Manifest make_manifest(const WorldDef& def, const GameSchema& schema) {
+Manifest make_manifest(const WorldDef& def, const GameSchema& schema, std::uint64_t origin) {
     auto layout = std::make_shared<StateLayout>();
     StateLayout& l = *layout;
     Manifest m{};
@@ -70,6 +70,7 @@ Manifest make_manifest(const WorldDef& def, const GameSchema& schema) {
     for (const GameSchema::Entry& e : schema.entries())
         m.game.push_back(
             l.add_column(e.per_body ? m.bodies : m.records, e.name, Group::game, e.row_size, e.leaves));
+    l.set_origin(origin);
     m.layout = std::move(layout);
     return m;
 }

@@ -147,6 +147,7 @@ struct Manifest {
     std::vector<std::uint32_t> game; ///< column index in the layout, by game schema entry
 };
 
-Manifest make_manifest(const WorldDef& def, const GameSchema& schema);
+/// `origin`: StateLayout::origin.
+Manifest make_manifest(const WorldDef& def, const GameSchema& schema, std::uint64_t origin = 0);
 
 } // namespace lockstone::sim

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <tuple>
 
 namespace lockstone::sim {
 
@@ -79,33 +78,94 @@ void find_plane_pairs(Data& w) {
     s.pairs.swap(s.merged_pairs);
 }
 
-constexpr std::uint32_t pairs_per_chunk = 128;
+constexpr std::uint32_t filtered_per_chunk = 128;
+
+/// How far ahead the contacts of two shapes reach: as far as they near each other in a tick. What moves along with the
+/// other, however fast, meets nothing sooner than what rests.
+Length pair_margin(const Data& w, const Scratch::Shape& a, std::uint32_t body_a, const Scratch::Shape& b,
+                   std::uint32_t body_b) {
+    const Length widest = a.margin + b.margin, least = margin_base + margin_base;
+    if (widest == least) return least;
+    const std::span<const Velocity> velocity = w.state.rows(w.m.body_velocity);
+    return min(widest, least + ahead_of(velocity[body_b].linear - velocity[body_a].linear,
+                                        w.state.rows(w.m.config)[0].tick_rate));
+}
+
+/// Whether bounds that reach ahead by each shape's own margin still overlap when the pair's margin is `spare` less than
+/// both together. Rounded so that none is missed.
+bool still_overlap(const collide::Bounds& a, const collide::Bounds& b, Length spare, std::uint32_t shift) {
+    if (spare == Length{}) return true;
+    const int drop = Length::fraction_bits - Bound::fraction_bits + static_cast<int>(shift);
+    const std::int64_t by = spare.raw >> drop;
+    bool out = true;
+    for (int i = 0; i < 3; ++i)
+        out &= (std::int64_t{a.lower[i].raw} + by <= b.upper[i].raw) &
+               (std::int64_t{b.lower[i].raw} + by <= a.upper[i].raw);
+    return out;
+}
 
 /// By pair its key; a null one when the two do not meet, or both rest.
 void find_keys(Data& w) {
     const Data& seen = w;
-    std::vector<ContactKey>& keys = w.scratch.pair_keys;
+    std::vector<Scratch::PairKey>& keys = w.scratch.pair_keys;
     const std::uint32_t count = static_cast<std::uint32_t>(w.scratch.pairs.size());
     reserve_ahead(keys, count);
     keys.resize(count);
     base::for_chunks(
-        w.tasks, count, pairs_per_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-            const std::span<const Slot> slots = seen.state.rows(seen.m.shape_slot);
+        w.tasks, count, filtered_per_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+            const std::span<const Slot> slots = seen.state.rows(seen.m.shape_slot),
+                                        body_slots = seen.state.rows(seen.m.body_slot);
             const std::span<const ShapeRow> shapes = seen.state.rows(seen.m.shape);
+            const std::span<const BodyInfo> info = seen.state.rows(seen.m.body_info);
+            const bool has_filters = seen.state.count(seen.m.pair_filters) != 0;
+            const std::uint32_t shift = seen.state.rows(seen.m.config)[0].bounds_shift,
+                                awake = seen.header().bodies_awake;
             for (std::uint32_t i = first; i < last; ++i) {
                 const collide::ProxyPair pair = seen.scratch.pairs[i];
                 const ShapeRow &a = shapes[slots[pair.a].row], &b = shapes[slots[pair.b].row];
-                const bool any_awake =
-                    is_awake(seen, seen.row_of(a.body)) || is_awake(seen, seen.row_of(b.body));
-                keys[i] = any_awake && may_meet(seen, a, b) ? ContactKey{a.id, b.id} : ContactKey{};
+                const std::uint32_t body_a = body_slots[a.body.index - 1].row,
+                                    body_b = body_slots[b.body.index - 1].row;
+                const Scratch::Shape &at_a = seen.scratch.shape[pair.a], &at_b = seen.scratch.shape[pair.b];
+                keys[i] = {};
+                if (body_a >= awake && body_b >= awake) continue;
+                const BodyInfo &info_a = info[body_a], &info_b = info[body_b];
+                const bool is_certain =
+                    !has_filters && info_a.first_joint == 0 && info_b.first_joint == 0 &&
+                    (a.sensor | b.sensor) == 0 && (a.group | b.group) == 0 &&
+                    (info_a.kind == BodyKind::dynamic || info_b.kind == BodyKind::dynamic);
+                const Length margin = pair_margin(seen, at_a, body_a, at_b, body_b);
+                const bool has_plane =
+                    a.geometry.kind == ShapeKind::plane || b.geometry.kind == ShapeKind::plane;
+                const Length spare = has_plane ? Length{} : at_a.margin + at_b.margin - margin;
+                if (!still_overlap(at_a.bounds, at_b.bounds, spare, shift)) continue;
+                // What most pairs are, without looking further.
+                const bool meet =
+                    is_certain ? a.body != b.body && (a.category & b.mask) != 0 && (b.category & a.mask) != 0
+                               : may_meet(seen, a, b);
+                if (meet) keys[i] = {{a.id, b.id}, margin};
             }
         });
 }
 
+/// Ends what touched and is no longer near.
+void retire(Data& w, std::uint32_t row) {
+    const std::uint32_t flags = w.state.rows(w.m.contact_memory)[row].flags;
+    if (flags & dynamics::contact_touching)
+        w.scratch.ended.push_back({w.state.rows(w.m.contact_key)[row], flags});
+}
+
 } // namespace
+
+/// A primitive at a scale of 2 to 8, which is static, and a mesh or height field: one of them a sensor. Triangles take shapes of
+/// up to 174 m: beyond, heights over their planes leave 64 bits.
+static bool is_too_large(const ShapeRow& primitive, const ShapeRow& terrain) {
+    return primitive.geometry.kind <= ShapeKind::box && primitive.geometry.scale != scale_one &&
+           (terrain.geometry.kind == ShapeKind::mesh || terrain.geometry.kind == ShapeKind::height_field);
+}
 
 bool may_meet(const Data& w, const ShapeRow& a, const ShapeRow& b) {
     if (a.body == b.body || (a.sensor != 0 && b.sensor != 0)) return false;
+    if (is_too_large(a, b) || is_too_large(b, a)) return false;
     const std::span<const BodyInfo> info = w.state.rows(w.m.body_info);
     const BodyKind kind_a = info[w.row_of(a.body)].kind, kind_b = info[w.row_of(b.body)].kind;
     const bool any_dynamic = kind_a == BodyKind::dynamic || kind_b == BodyKind::dynamic;
@@ -126,34 +186,33 @@ void find_pairs(Data& w) {
     s.broad_phase.find_pairs(s.pairs);
     find_plane_pairs(w);
     find_keys(w);
-    reserve_ahead(s.old_keys, w.state.rows(w.m.contact_key).size());
-    reserve_ahead(s.old_memories, w.state.rows(w.m.contact_key).size());
-    s.old_keys.assign(w.state.rows(w.m.contact_key).begin(), w.state.rows(w.m.contact_key).end());
-    s.old_memories.assign(w.state.rows(w.m.contact_memory).begin(), w.state.rows(w.m.contact_memory).end());
-    const auto order = [](const ContactKey& k) { return std::pair(k.a.index, k.b.index); };
+    const auto order = [](const ContactKey& k) { return std::uint64_t{k.a.index} << 32 | k.b.index; };
 
+    s.near.swap(s.near_before);
     s.near.clear(), s.ended.clear();
-    const std::uint32_t count = static_cast<std::uint32_t>(s.old_keys.size());
+    const std::span<const ContactKey> old_keys = w.state.rows(w.m.contact_key);
+    const std::uint32_t count = static_cast<std::uint32_t>(old_keys.size());
     reserve_ahead(s.ended, count);
     reserve_ahead(s.near, s.pair_keys.size());
     std::uint32_t old = 0;
-    const auto retire = [&](std::uint32_t i) {
-        if (s.old_memories[i].flags & dynamics::contact_touching)
-            s.ended.push_back({s.old_keys[i], s.old_memories[i].flags});
-    };
-    for (const ContactKey& key : s.pair_keys) {
-        if (!key.a) continue;
-        while (old < count && order(s.old_keys[old]) < order(key)) retire(old++);
-        Scratch::Near near{key, old, 0};
-        for (; old < count && order(s.old_keys[old]) == order(key); ++old) {
-            if (s.old_keys[old] == key)
+    std::size_t hint = 0;
+    for (const Scratch::PairKey& pair : s.pair_keys) {
+        if (!pair.key.a) continue;
+        const std::uint64_t place = order(pair.key);
+        while (old < count && order(old_keys[old]) < place) retire(w, old++);
+        while (hint < s.near_before.size() && order(s.near_before[hint].key) < place) ++hint;
+        Scratch::Near near{pair.key, pair.margin, old, 0, {}};
+        for (; old < count && order(old_keys[old]) == place; ++old) {
+            if (old_keys[old] == pair.key)
                 ++near.old_count;
             else
-                retire(old), near.old_first = old + 1;
+                retire(w, old), near.old_first = old + 1;
         }
+        if (hint < s.near_before.size() && s.near_before[hint].key == pair.key)
+            near.apart = s.near_before[hint].apart;
         s.near.push_back(near);
     }
-    while (old < count) retire(old++);
+    while (old < count) retire(w, old++);
 }
 
 } // namespace lockstone::sim

@@ -10,16 +10,22 @@ inline const Transform& pose_before(const Data& w, std::uint32_t row) {
     return row < w.scratch.pose_before.size() ? w.scratch.pose_before[row] : w.state.rows(w.m.body_pose)[row];
 }
 
+inline constexpr std::uint32_t pairs_per_chunk = 16; ///< of Scratch::near_chunks
 inline constexpr Length margin_base =
     decimal<Length>("0.01"); ///< [m]: contacts are made this far ahead of touching
+
+/// How far ahead contacts of something with a velocity reach, or of two with a relative one: not less than it goes in a
+/// tick, in steps by a factor of two, so that it seldom grows while they near each other; nothing for what goes less
+/// than half of `margin_base`.
+Length ahead_of(SpeedVec3 velocity, std::uint32_t tick_rate);
 
 void update_bounds(Data& w); ///< world poses, margins and bounds of shapes that may have moved   (bounds.cpp)
 /// Islands that something awake touches; true when there were any, and bounds and pairs have to be found again.
 bool wake_touched(Data& w); //                                                                    (sleep.cpp)
-bool has_contact_points(Data& w,
-                        const ContactKey& key); //                                      (contacts.cpp)
+bool has_contact_points(Data& w, const Scratch::Near& near); //                                  (contacts.cpp)
 void find_pairs(Data& w); ///< shapes that may meet and are near, in pair order                (pairs.cpp)
-void collide(Data& w); ///< manifolds, with what they keep of the last tick: the contact table (contacts.cpp)
+void collide(Data& w); ///< manifolds, with what they keep of the last tick                    (contacts.cpp)
+void place_contacts(Data& w); ///< what the chunks of `collide` made becomes the contact table (contact_table.cpp)
 void list_joints(
     Data& w); ///< in slot order, as the solver takes them                            (joints.cpp)
 void list_fields(

@@ -4,6 +4,7 @@
 #include "collide/cast_line.h"
 #include "lockstone/math.h"
 #include "sim/phases.h"
+#include "sim/surface.h"
 #include "sim/world_impl.h"
 
 #include <algorithm>
@@ -18,10 +19,33 @@ void refresh(Data& w) {
     const Header& h = w.header();
     if (!w.scratch.structure_stale && q.is_fresh && q.tick == h.tick && q.commands == h.commands) return;
     update_bounds(w);
+    w.scratch.broad_phase.update_trees();
     q.is_fresh = true;
     q.tick = h.tick;
     q.commands = h.commands;
 }
+
+/// One who asks: over fresh caches, which nobody changes meanwhile, and with memory of its own.
+class Asking {
+  public:
+    explicit Asking(Data& world) : w(world) {
+        const std::scoped_lock holds(w.scratch.query.lock);
+        refresh(w);
+        std::vector<std::unique_ptr<QueryWork>>& idle = w.scratch.query.idle;
+        if (idle.empty()) idle.push_back(std::make_unique<QueryWork>());
+        work = std::move(idle.back());
+        idle.pop_back();
+    }
+    ~Asking() {
+        const std::scoped_lock holds(w.scratch.query.lock);
+        w.scratch.query.idle.push_back(std::move(work));
+    }
+    Asking(const Asking&) = delete;
+    Asking& operator=(const Asking&) = delete;
+
+    Data& w;
+    std::unique_ptr<QueryWork> work;
+};
 
 bool is_seen(const Data& w, const ShapeRow& shape, const QueryFilter& filter) {
     if (shape.sensor != 0 && filter.sensors == 0) return false;
@@ -58,6 +82,7 @@ bool make_cast(Vec3 from, Vec3 way, Cast& out) {
 
 /// A solid that can be cast, or asked about; false otherwise.
 bool find_solid(Data& w, const Geometry& geometry, shapes::Solid& out) {
+    const std::scoped_lock holds(w.scratch.query.lock); // scaled hulls are kept
     const Result<shapes::Solid> solid = w.scratch.solids.resolve(geometry);
     if (!solid || solid->geometry.kind >= ShapeKind::height_field) return false;
     out = *solid;
@@ -76,7 +101,8 @@ Transform plane_below(const Transform& plane, Vec3 point) {
     return {point - scale<Real>(n, height), plane.rotation};
 }
 
-QueryHit world_hit(const ShapeRow& shape, const Transform& frame, const collide::CastHit& hit) {
+QueryHit world_hit(const Data& w, const ShapeRow& shape, const Transform& frame,
+                   const collide::CastHit& hit) {
     const Rotation axes = to_rotation(frame.rotation);
     QueryHit out{};
     out.shape = shape.id;
@@ -84,14 +110,15 @@ QueryHit world_hit(const ShapeRow& shape, const Transform& frame, const collide:
     out.point = frame.position + lockstone::mul<Real>(axes, hit.point);
     out.normal = lockstone::mul<Unit>(axes, hit.normal);
     out.feature = hit.feature;
+    out.part = part_of(w, shape.id, hit.feature);
     return out;
 }
 
 /// A part of the way near the shape is turned into its frame, so that the rotation's rounding does not grow with the way.
 /// Returns whether they meet.
-bool cast_at(Data& w, const Cast& cast, const ShapeRow& shape, QueryHit& out) {
-    Scratch& s = w.scratch;
-    const Scratch::Shape& at = s.shape[shape.id.index - 1];
+bool cast_at(const Asking& asking, const Cast& cast, const ShapeRow& shape, QueryHit& out) {
+    collide::NarrowScratch& narrow = asking.work->narrow;
+    const Scratch::Shape& at = asking.w.scratch.shape[shape.id.index - 1];
     const bool is_plane = shape.geometry.kind == ShapeKind::plane;
     const Transform frame = is_plane ? plane_below(at.pose, cast.from) : at.pose;
     collide::Line line{};
@@ -110,12 +137,12 @@ bool cast_at(Data& w, const Cast& cast, const ShapeRow& shape, QueryHit& out) {
                          way = mul_transposed<Coordinate>(axes, end - begin);
     collide::CastHit hit{};
     if (cast.solid == nullptr) {
-        if (!collide::cast_ray(at.solid, from, way, s.narrow, hit)) return false;
+        if (!collide::cast_ray(at.solid, from, way, narrow, hit)) return false;
     } else {
         const Rotation turned = to_rotation(conjugate(frame.rotation) * cast.rotation);
-        if (!collide::cast_shape(at.solid, *cast.solid, {turned, from}, way, s.narrow, hit)) return false;
+        if (!collide::cast_shape(at.solid, *cast.solid, {turned, from}, way, narrow, hit)) return false;
     }
-    out = world_hit(shape, frame, hit);
+    out = world_hit(asking.w, shape, frame, hit);
     const std::int64_t travelled = std::min(span.enter_30 + (hit.distance.raw << 6), line.length_30);
     out.distance = Real::from_raw(travelled << 2);
     if (line.length_30 != 0)
@@ -142,13 +169,14 @@ collide::SweptBox swept_box(const Data& w, const Cast& cast) {
 }
 
 /// The shapes whose bounds the cast may meet, by where their balls begin, then by slot.
-void find_candidates(Data& w, const Cast& cast, const QueryFilter& filter) {
-    Scratch& s = w.scratch;
-    QueryScratch& q = s.query;
-    s.broad_phase.query(swept_box(w, cast), q.slots);
-    q.slots.insert(q.slots.end(), s.planes.begin(), s.planes.end());
+void find_candidates(const Asking& asking, const Cast& cast, const QueryFilter& filter) {
+    const Data& w = asking.w;
+    const Scratch& s = w.scratch;
+    QueryWork& q = *asking.work;
+    s.broad_phase.query(swept_box(w, cast), q.near);
+    q.near.proxies.insert(q.near.proxies.end(), s.planes.begin(), s.planes.end());
     q.candidates.clear();
-    for (const std::uint32_t slot : q.slots) {
+    for (const std::uint32_t slot : q.near.proxies) {
         const ShapeRow& shape = row_of_slot(w, slot);
         if (!is_seen(w, shape, filter)) continue;
         std::int64_t enter = 0;
@@ -163,7 +191,7 @@ void find_candidates(Data& w, const Cast& cast, const QueryFilter& filter) {
         q.candidates.push_back({enter, slot});
     }
     std::sort(q.candidates.begin(), q.candidates.end(),
-              [](const QueryScratch::Candidate& a, const QueryScratch::Candidate& b) {
+              [](const QueryWork::Candidate& a, const QueryWork::Candidate& b) {
                   return std::tie(a.enter, a.slot) < std::tie(b.enter, b.slot);
               });
 }
@@ -171,14 +199,14 @@ void find_candidates(Data& w, const Cast& cast, const QueryFilter& filter) {
 /// visit(hit) returns how far hits still matter [m, 30 fraction bits].
 template <class Visit>
 void for_each_hit(Data& w, const Cast& cast, const QueryFilter& filter, Visit&& visit) {
-    refresh(w);
-    find_candidates(w, cast, filter);
+    const Asking asking(w);
+    find_candidates(asking, cast, filter);
     constexpr std::int64_t slack = 1 << 10; // what roundings can move a ball
     std::int64_t matters = std::int64_t{1} << 60;
-    for (const QueryScratch::Candidate& c : w.scratch.query.candidates) {
+    for (const QueryWork::Candidate& c : asking.work->candidates) {
         if (c.enter > matters + slack) break;
         QueryHit hit{};
-        if (cast_at(w, cast, row_of_slot(w, c.slot), hit)) matters = std::min(matters, visit(hit));
+        if (cast_at(asking, cast, row_of_slot(w, c.slot), hit)) matters = std::min(matters, visit(hit));
     }
 }
 
@@ -218,9 +246,9 @@ bool make_shape_cast(Data& w, const Geometry& geometry, const Transform& pose, V
 }
 
 /// Nearest points of a living shape and a solid without triangles at a pose.
-bool nearest_of(Data& w, const ShapeRow& shape, const shapes::Solid& solid, const Transform& pose, Real limit,
-                QueryHit& hit, Vec3& on_other) {
-    const Scratch::Shape& at = w.scratch.shape[shape.id.index - 1];
+bool nearest_of(const Asking& asking, const ShapeRow& shape, const shapes::Solid& solid, const Transform& pose,
+                Real limit, QueryHit& hit, Vec3& on_other) {
+    const Scratch::Shape& at = asking.w.scratch.shape[shape.id.index - 1];
     const bool is_plane = shape.geometry.kind == ShapeKind::plane;
     const Transform frame = is_plane ? plane_below(at.pose, pose.position) : at.pose;
     const collide::RelativePose relative =
@@ -230,13 +258,13 @@ bool nearest_of(Data& w, const ShapeRow& shape, const shapes::Solid& solid, cons
         abs(relative.position.z) >= collide::relative_position_max)
         return false;
     collide::Nearest nearest{};
-    if (!collide::nearest_points(at.solid, solid, relative, to<Coordinate>(limit), w.scratch.narrow, nearest))
+    if (!collide::nearest_points(at.solid, solid, relative, to<Coordinate>(limit), asking.work->narrow, nearest))
         return false;
     collide::CastHit local{};
     local.point = nearest.on_a;
     local.normal = nearest.normal;
     local.feature = nearest.feature_a;
-    hit = world_hit(shape, frame, local);
+    hit = world_hit(asking.w, shape, frame, local);
     hit.distance = to<Real>(nearest.distance);
     on_other = frame.position + lockstone::mul<Real>(to_rotation(frame.rotation), nearest.on_b);
     return true;
@@ -244,28 +272,30 @@ bool nearest_of(Data& w, const ShapeRow& shape, const shapes::Solid& solid, cons
 
 /// visit(shape) for the shapes that are seen and whose bounds are within `limit` of the solid's, by slot.
 template <class Visit>
-void for_each_near(Data& w, const shapes::Solid& solid, const Transform& pose, Real limit,
+void for_each_near(const Asking& asking, const shapes::Solid& solid, const Transform& pose, Real limit,
                    const QueryFilter& filter, Visit&& visit) {
-    Scratch& s = w.scratch;
+    const Data& w = asking.w;
+    const Scratch& s = w.scratch;
+    std::vector<std::uint32_t>& slots = asking.work->near.proxies;
     const int shift = static_cast<int>(w.state.rows(w.m.config)[0].bounds_shift);
     const collide::Bounds tight = collide::bounds_of(solid, pose, Length{}, shift);
     const std::int64_t steps = (limit.raw >> (Real::fraction_bits - Bound::fraction_bits + shift)) + 1;
-    s.broad_phase.query(collide::expand(tight, Bound::from_raw(saturate_to_int32(steps))), s.query.slots);
-    s.query.slots.insert(s.query.slots.end(), s.planes.begin(), s.planes.end());
-    std::sort(s.query.slots.begin(), s.query.slots.end());
-    for (const std::uint32_t slot : s.query.slots)
+    s.broad_phase.query(collide::expand(tight, Bound::from_raw(saturate_to_int32(steps))), asking.work->near);
+    slots.insert(slots.end(), s.planes.begin(), s.planes.end());
+    std::sort(slots.begin(), slots.end());
+    for (const std::uint32_t slot : slots)
         if (const ShapeRow& shape = row_of_slot(w, slot); is_seen(w, shape, filter)) visit(shape);
 }
 
 /// In boxes that grow until one holds a shape that is nearer than its width.
-std::optional<QueryHit> nearest_shape(Data& w, const shapes::Solid& solid, const Transform& pose, Real limit,
+std::optional<QueryHit> nearest_shape(const Asking& asking, const shapes::Solid& solid, const Transform& pose, Real limit,
                                       const QueryFilter& filter) {
     std::optional<QueryHit> best;
     for (Real width = min(limit, Real(1));; width = min(limit, width * 8)) {
-        for_each_near(w, solid, pose, width, filter, [&](const ShapeRow& shape) {
+        for_each_near(asking, solid, pose, width, filter, [&](const ShapeRow& shape) {
             QueryHit hit{};
             Vec3 on_other{};
-            if (!nearest_of(w, shape, solid, pose, best ? best->distance : width, hit, on_other)) return;
+            if (!nearest_of(asking, shape, solid, pose, best ? best->distance : width, hit, on_other)) return;
             if (!best || hit < *best) best = hit;
         });
         if (best || width >= limit) return best;
@@ -337,12 +367,12 @@ void World::overlap(const Geometry& geometry, const Transform& pose, const Query
     shapes.clear();
     shapes::Solid solid{};
     if (!sim::find_solid(*impl, geometry, solid)) return;
-    sim::refresh(*impl);
+    const sim::Asking asking(*impl);
     const Transform at{pose.position, normalized(pose.rotation)};
-    sim::for_each_near(*impl, solid, at, Real{}, filter, [&](const sim::ShapeRow& shape) {
+    sim::for_each_near(asking, solid, at, Real{}, filter, [&](const sim::ShapeRow& shape) {
         QueryHit hit{};
         Vec3 on_other{};
-        if (sim::nearest_of(*impl, shape, solid, at, Real{}, hit, on_other)) shapes.push_back(shape.id);
+        if (sim::nearest_of(asking, shape, solid, at, Real{}, hit, on_other)) shapes.push_back(shape.id);
     });
     std::sort(shapes.begin(), shapes.end());
 }
@@ -351,15 +381,15 @@ std::optional<QueryHit> World::nearest(const Geometry& geometry, const Transform
                                        const QueryFilter& filter) const {
     shapes::Solid solid{};
     if (limit < Real{} || !sim::find_solid(*impl, geometry, solid)) return std::nullopt;
-    sim::refresh(*impl);
+    const sim::Asking asking(*impl);
     const Transform at{pose.position, normalized(pose.rotation)};
-    return sim::nearest_shape(*impl, solid, at, min(limit, query_length_max), filter);
+    return sim::nearest_shape(asking, solid, at, min(limit, query_length_max), filter);
 }
 
 std::optional<ShapeDistance> World::distance(ShapeId a, ShapeId b) const {
     const std::uint32_t row_a = impl->row_of(a), row_b = impl->row_of(b);
     if (row_a == sim::Data::dead || row_b == sim::Data::dead) return std::nullopt;
-    sim::refresh(*impl);
+    const sim::Asking asking(*impl);
     const std::span<const sim::ShapeRow> rows = impl->state.rows(impl->m.shape);
     // In one order, so that asking the other way round gives the same numbers.
     const bool swaps = std::pair(rows[row_a].geometry.kind, b) < std::pair(rows[row_b].geometry.kind, a);
@@ -368,7 +398,7 @@ std::optional<ShapeDistance> World::distance(ShapeId a, ShapeId b) const {
     const sim::Scratch::Shape& other = impl->scratch.shape[second.id.index - 1];
     QueryHit hit{};
     Vec3 on_other{};
-    if (!sim::nearest_of(*impl, first, other.solid, other.pose, query_length_max, hit, on_other))
+    if (!sim::nearest_of(asking, first, other.solid, other.pose, query_length_max, hit, on_other))
         return std::nullopt;
     if (swaps) return ShapeDistance{hit.distance, on_other, hit.point, -hit.normal};
     return ShapeDistance{hit.distance, hit.point, on_other, hit.normal};

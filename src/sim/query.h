@@ -1,9 +1,16 @@
 // What the queries of a world keep from call to call: memory, and until when the caches are fresh.
+//
+// Several threads may ask at once: caches are brought up to the state by one of them, behind a lock, and each has memory of
+// its own while it asks. Nothing that is kept shows in an answer.
 #pragma once
 
+#include "collide/broad_phase.h"
+#include "collide/narrow_phase.h"
 #include "lockstone/query.h"
 
 #include <cstdint>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -11,15 +18,22 @@ namespace lockstone::sim {
 
 struct Data;
 
-struct QueryScratch {
-    bool is_fresh = false; ///< poses and bounds of the tick's scratch are those of the state, as it was at:
-    std::uint64_t tick = 0, commands = 0;
-    std::vector<std::uint32_t> slots; ///< of shapes whose bounds may be met
+/// The memory of one who asks.
+struct QueryWork {
+    collide::BroadPhase::Asker near; ///< shapes whose bounds may be met, by slot
     struct Candidate {
         std::int64_t enter; ///< no hit is nearer [m, 30 fraction bits]
         std::uint32_t slot;
     };
     std::vector<Candidate> candidates;
+    collide::NarrowScratch narrow;
+};
+
+struct QueryScratch {
+    bool is_fresh = false; ///< poses and bounds of the tick's scratch are those of the state, as it was at:
+    std::uint64_t tick = 0, commands = 0;
+    std::mutex lock; ///< of all that const members of World change: this, the caches it is about, the state's hashes
+    std::vector<std::unique_ptr<QueryWork>> idle;
 };
 
 /// As World's; for phases that ask while a tick runs.

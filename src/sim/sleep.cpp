@@ -199,14 +199,19 @@ void wake_joint(Data& w, std::uint32_t joint_row) {
 bool wake_touched(Data& w) {
     std::vector<BodyId>& touched = w.scratch.sleep.leaving;
     touched.clear();
+    const std::span<const ShapeRow> shapes = w.state.rows(w.m.shape);
+    const std::span<const Slot> shape_slots = w.state.rows(w.m.shape_slot),
+                                body_slots = w.state.rows(w.m.body_slot);
+    const std::uint32_t awake = w.header().bodies_awake;
     for (const Scratch::Near& near : w.scratch.near) {
-        const ShapeRow& a = w.state.rows(w.m.shape)[w.row_of(near.key.a)];
-        const ShapeRow& b = w.state.rows(w.m.shape)[w.row_of(near.key.b)];
-        const bool wakes_a = !is_awake(w, w.row_of(a.body)), wakes_b = !is_awake(w, w.row_of(b.body));
+        const ShapeRow& a = shapes[shape_slots[near.key.a.index - 1].row];
+        const ShapeRow& b = shapes[shape_slots[near.key.b.index - 1].row];
+        const std::uint32_t row_a = body_slots[a.body.index - 1].row,
+                            row_b = body_slots[b.body.index - 1].row;
+        const bool wakes_a = row_a >= awake, wakes_b = row_b >= awake;
         if (wakes_a == wakes_b || (a.sensor | b.sensor) != 0) continue;
-        const BodyId sleeper = wakes_a ? a.body : b.body;
-        if (w.state.rows(w.m.body_info)[w.row_of(sleeper)].kind != BodyKind::dynamic) continue;
-        if (has_contact_points(w, near.key)) touched.push_back(sleeper);
+        if (w.state.rows(w.m.body_info)[wakes_a ? row_a : row_b].kind != BodyKind::dynamic) continue;
+        if (has_contact_points(w, near)) touched.push_back(wakes_a ? a.body : b.body);
     }
     for (BodyId body : touched) raise_island(w, body);
     if (!touched.empty()) wake_contacts(w);

@@ -15,8 +15,14 @@ constexpr bool poisons_scratch = false;
 constexpr bool poisons_scratch = true; // what reads before it writes shows
 #endif
 
+/// For profilers: nothing but a name leaves, and nothing comes back.
+void passed(const Data& w, const char* phase) {
+    if (w.observer != nullptr) w.observer->on_phase(phase);
+}
+
 /// The hash of the whole state between phases, for finding where two runs part. Off by default.
 void checkpoint(Data& w, const char* phase) {
+    passed(w, phase);
     if (w.phase_hashes_on) w.phase_hashes.push_back({phase, w.state.hash()});
 }
 
@@ -54,6 +60,32 @@ void finish(Data& w) {
     faults.impulse_clamped += s.bodies.clamps.impulse;
 }
 
+void substep(Data& w, const dynamics::FreeMotion& motion) {
+    Scratch& s = w.scratch;
+    integrate_velocities(motion, w.body_columns(), s.step, s.bodies, w.tasks);
+    s.fluids.push(w, s.step, s.bodies, w.tasks);
+    passed(w, "integrate");
+    s.joint_solver.warm_start(s.step, s.bodies);
+    s.vehicle_solver.warm_start(s.step, s.bodies);
+    s.solver.warm_start(s.bodies, w.tasks);
+    passed(w, "warm_start");
+    // Contacts first: what a warm start after an impact gave too much is taken back before joints pull at it.
+    s.solver.solve(s.step, s.bodies, /*bias=*/true, w.tasks);
+    passed(w, "solve_contacts");
+    s.joint_solver.solve(s.step, s.bodies, /*bias=*/true, w.tasks);
+    s.vehicle_solver.solve(s.step, s.bodies, /*bias=*/true);
+    passed(w, "solve_joints");
+    integrate_poses(s.step, s.bodies, w.tasks);
+    passed(w, "integrate");
+    s.joint_solver.update(s.step, s.bodies, w.tasks);
+    passed(w, "update_joints");
+    s.joint_solver.solve(s.step, s.bodies, /*bias=*/false, w.tasks);
+    s.vehicle_solver.solve(s.step, s.bodies, /*bias=*/false);
+    passed(w, "relax_joints");
+    s.solver.solve(s.step, s.bodies, /*bias=*/false, w.tasks);
+    passed(w, "relax_contacts");
+}
+
 } // namespace
 
 void tick(Data& w) {
@@ -63,9 +95,12 @@ void tick(Data& w) {
     checkpoint(w, "commands");
 
     move_characters(w);
+    passed(w, "move_characters");
     do {
         update_bounds(w);
+        passed(w, "update_bounds");
         find_pairs(w);
+        passed(w, "find_pairs");
     } while (wake_touched(w) || s.vehicle_solver.cast(w));
     collide(w);
     checkpoint(w, "collide");
@@ -74,23 +109,9 @@ void tick(Data& w) {
     const dynamics::FreeMotion motion{static_cast<dynamics::Scheme>(w.state.rows(w.m.config)[0].integrator),
                                       s.pulls, s.categories};
     s.joint_solver.update(s.step, s.bodies, w.tasks);
-    for (std::int32_t i = 0; i < s.step.substeps; ++i) {
-        integrate_velocities(motion, w.body_columns(), s.step, s.bodies, w.tasks);
-        s.fluids.push(w, s.step, s.bodies, w.tasks);
-        s.joint_solver.warm_start(s.step, s.bodies);
-        s.vehicle_solver.warm_start(s.step, s.bodies);
-        s.solver.warm_start(s.bodies, w.tasks);
-        // Contacts first: what a warm start after an impact gave too much is taken back before joints pull at it.
-        s.solver.solve(s.step, s.bodies, /*bias=*/true, w.tasks);
-        s.joint_solver.solve(s.step, s.bodies, /*bias=*/true, w.tasks);
-        s.vehicle_solver.solve(s.step, s.bodies, /*bias=*/true);
-        integrate_poses(s.step, s.bodies, w.tasks);
-        s.joint_solver.update(s.step, s.bodies, w.tasks);
-        s.joint_solver.solve(s.step, s.bodies, /*bias=*/false, w.tasks);
-        s.vehicle_solver.solve(s.step, s.bodies, /*bias=*/false);
-        s.solver.solve(s.step, s.bodies, /*bias=*/false, w.tasks);
-    }
-    s.solver.apply_restitution(s.step, s.bodies, w.tasks);
+    passed(w, "prepare");
+    for (std::int32_t i = 0; i < s.step.substeps; ++i) substep(w, motion);
+    s.solver.apply_restitution(s.step, s.bodies);
     s.solver.store(s.contacts, w.state.edit(w.m.contact_memory), s.bodies.clamps, w.tasks);
     s.joint_solver.store(s.step, w.state.edit(w.m.joint_memory, 0, w.header().joints_awake), s.bodies.clamps);
     s.vehicle_solver.store(w);

@@ -3,6 +3,7 @@
 #include "lockstone/math.h"
 #include "sim/data.h"
 #include "sim/sleep.h"
+#include "sim/surface.h"
 #include "sim/vehicle.h"
 
 #include <algorithm>
@@ -120,6 +121,7 @@ bool VehicleSolver::cast(Data& w) {
     const std::span<const VehicleRow> rows = w.state.rows(w.m.vehicle);
     if (rows.empty()) return false;
     // update_bounds ran just now.
+    w.scratch.broad_phase.update_trees();
     w.scratch.query.is_fresh = true;
     w.scratch.query.tick = w.header().tick;
     w.scratch.query.commands = w.header().commands;
@@ -164,12 +166,14 @@ void prepare_wheel(const Data& w, Vehicle& v, std::uint32_t i, Real share, const
     const QueryHit& hit = ground.hit;
     const UnitVec3 n = hit.normal;
     const ShapeRow& shape = w.state.rows(w.m.shape)[w.row_of(hit.shape)];
+    const Scratch::Shape& at_ground = w.scratch.shape[hit.shape.index - 1];
+    const Touch touch = touch_of(shape, at_ground.solid, hit.feature);
     const std::uint32_t row = w.row_of(hit.body);
     const bool moves = row < bodies.still() && bodies.step[row].moves;
     wheel.ground = moves ? row : bodies.still();
     if (moves && bodies.step[row].movable)
         wheel.ratio = min(v.mass / w.state.rows(w.m.body_mass)[row].mass, ratio_max);
-    wheel.surface = rotate(w.scratch.shape[hit.shape.index - 1].pose.rotation, shape.surface_velocity);
+    wheel.surface = rotate(at_ground.pose.rotation, touch.velocity);
     const Levers levers{hit.point - pose.position, hit.point - w.state.rows(w.m.body_pose)[row].position};
     const UnitVec3 axle = turned.x;
     const UnitVec3 left =
@@ -182,7 +186,7 @@ void prepare_wheel(const Data& w, Vehicle& v, std::uint32_t i, Real share, const
     wheel.length_begin = ground.length;
     wheel.per_length = Real(1) / max(-dot<Real>(n, down), 0.5_r);
     const Tyre& tyre = v.def->tyre[def.tyre];
-    wheel.grip = shape.friction / tyre.ground_friction;
+    wheel.grip = touch.friction / tyre.ground_friction;
 
     const Real h = Real(1) / Real(step.substeps_per_second);
     const Real omega = two_pi * def.frequency;

@@ -32,7 +32,9 @@ Status World::set_vehicle_input(VehicleId vehicle, const VehicleInput& input) {
 
 bool World::is_alive(VehicleId vehicle) const { return impl->row_of(vehicle) != sim::Data::dead; }
 std::uint32_t World::vehicle_count() const { return impl->state.count(impl->m.vehicles); }
-VehicleId World::vehicle_at(std::uint32_t row) const { return impl->state.rows(impl->m.vehicle)[row].id; }
+VehicleId World::vehicle_at(std::uint32_t row) const {
+    return sim::checked_row(impl->state.rows(impl->m.vehicle), row, "vehicle").id;
+}
 const VehicleDef& World::vehicle(VehicleId vehicle) const {
     return impl->state.rows(impl->m.vehicle)[living(*impl, vehicle)].def;
 }

@@ -2,6 +2,7 @@
 #include "lockstone/world.h"
 
 #include "base/assert.h"
+#include "base/hash.h"
 #include "base/text.h"
 #include "lockstone/decimal.h"
 #include "lockstone/math.h"
@@ -32,7 +33,8 @@ const char* name_of(const Command& command) {
 const char* name_of(Integrator integrator) {
     static constexpr const char* names[] = {"semi_implicit_euler", "verlet", "velocity_verlet",
                                             "runge_kutta_4"};
-    return names[static_cast<std::uint32_t>(integrator)];
+    const auto index = static_cast<std::uint32_t>(integrator);
+    return index < std::size(names) ? names[index] : "unknown";
 }
 
 std::uint32_t GameSchema::add(Entry entry) {
@@ -103,12 +105,26 @@ sim::Config config_of(const WorldDef& d) {
             d.sleep_time,       d.seed};
 }
 
+/// What a ring image must have been made for, to be restored: all but the state itself. Only for this process.
+std::uint64_t origin_of(const WorldDef& def, const GameSchema& schema, const AssetLibrary& assets) {
+    base::HashStream hash;
+    const sim::Config config = config_of(def);
+    hash.add(std::as_bytes(std::span(&config, 1)));
+    for (const GameSchema::Entry& entry : schema.entries()) {
+        hash.add(base::xxh3(entry.name));
+        hash.add(std::uint64_t{entry.row_size});
+    }
+    for (const AssetId id : assets.ids()) hash.add(id.value);
+    return hash.digest() | 1; // 0 is nobody's
+}
+
 } // namespace
 
 namespace sim {
 
 Data::Data(const WorldDef& d, const GameSchema& s, std::shared_ptr<const AssetLibrary> assets)
-    : def(d), schema(s), m(make_manifest(d, s)), state(m.layout), scratch(d, std::move(assets)) {
+    : def(d), schema(s), m(make_manifest(d, s, origin_of(d, s, *assets))), state(m.layout),
+      scratch(d, std::move(assets)) {
     state.resize(m.world, 1);
     state.resize(m.records, 1);
     edit_header().gravity = d.gravity;
@@ -140,12 +156,29 @@ void forget_derived(Data& w) {
     w.phase_hashes.clear();
 }
 
+void tell_of_restore(const Data& w) {
+    if (w.journal != nullptr) w.journal->on_restore(w.header().tick);
+}
+
 } // namespace sim
 
 World::World(std::unique_ptr<Impl> i) : impl(std::move(i)) {}
-World::World(World&&) noexcept = default;
-World& World::operator=(World&&) noexcept = default;
+World::World(World&& other) noexcept : impl(std::move(other.impl)) {} // a life is an object's own
+World& World::operator=(World&& other) noexcept {
+    impl = std::move(other.impl);
+    return *this;
+}
 World::~World() = default;
+
+World::Inside::Inside(std::unique_ptr<Impl> i) : held(std::move(i)) {}
+World::Impl* World::Inside::moved_from() {
+    base::assertion_failed("a world that is used holds a state", "this one was moved from", __FILE__, __LINE__);
+}
+
+std::weak_ptr<const void> World::lifetime() {
+    if (life == nullptr) life = std::make_shared<const char>();
+    return life;
+}
 
 Result<World> World::create(const WorldDef& def, const GameSchema& schema,
                             std::shared_ptr<const AssetLibrary> assets) {
@@ -177,7 +210,10 @@ Result<World::Memory> World::memory_of(const WorldDef& def, const GameSchema& sc
     return memory;
 }
 
-World World::clone() const { return World(std::make_unique<Impl>(*impl)); }
+World World::clone() const {
+    const std::scoped_lock holds(impl->scratch.query.lock);
+    return World(std::make_unique<Impl>(*impl));
+}
 
 void World::tick() { sim::tick(*impl); }
 std::uint64_t World::tick_count() const { return impl->header().tick; }
@@ -268,8 +304,19 @@ Status World::set_mass(const SetMass& mass) { return status_of(apply(mass)); }
 Status World::wake_body(BodyId body) { return status_of(apply(WakeBody{body})); }
 Status World::set_gravity(Vec3 gravity) { return status_of(apply(SetGravity{gravity})); }
 
+namespace {
+/// A column of the schema, with rows of this size: a Column<T> of another schema is a programmer's error.
+const GameSchema::Entry& game_column(const sim::Data& w, std::uint32_t column, std::size_t row_size) {
+    LOCKSTONE_ASSERT(column < w.m.game.size(), "game column ", column, " of ", w.m.game.size());
+    const GameSchema::Entry& entry = w.schema.entries()[column];
+    LOCKSTONE_ASSERT(entry.row_size == row_size, "game column ", entry.name, " has rows of ", entry.row_size,
+                     " bytes, not of ", row_size, ": it is of another schema");
+    return entry;
+}
+} // namespace
+
 Status World::write_bytes(std::uint32_t column, BodyId body, std::span<const std::byte> row) {
-    LOCKSTONE_ASSERT(column < impl->m.game.size(), "game column ", column, " of ", impl->m.game.size());
+    game_column(*impl, column, row.size());
     std::vector<std::byte>& canonical = impl->scratch.written_row;
     canonical.clear();
     append_canonical(row, impl->schema.entries()[column].leaves, canonical);
@@ -310,7 +357,9 @@ bool World::is_alive(ShapeId shape) const { return impl->row_of(shape) != sim::D
 bool World::is_alive(JointId joint) const { return impl->row_of(joint) != sim::Data::dead; }
 bool World::is_alive(FieldId field) const { return impl->row_of(field) != sim::Data::dead; }
 std::uint32_t World::field_count() const { return impl->state.count(impl->m.fields); }
-FieldId World::field_at(std::uint32_t row) const { return impl->state.rows(impl->m.field)[row].id; }
+FieldId World::field_at(std::uint32_t row) const {
+    return sim::checked_row(impl->state.rows(impl->m.field), row, "field").id;
+}
 FieldDef World::field(FieldId field) const {
     const std::uint32_t row = impl->row_of(field);
     LOCKSTONE_ASSERT(row != sim::Data::dead, "field ", field.index, ":", field.generation, " is not alive");
@@ -319,7 +368,9 @@ FieldDef World::field(FieldId field) const {
 bool World::is_awake(BodyId body) const { return sim::is_awake(*impl, living(*impl, body)); }
 std::uint32_t World::awake_count() const { return impl->header().bodies_awake; }
 std::uint32_t World::body_count() const { return impl->state.count(impl->m.bodies); }
-BodyId World::body_at(std::uint32_t row) const { return impl->state.rows(impl->m.body_info)[row].id; }
+BodyId World::body_at(std::uint32_t row) const {
+    return sim::checked_row(impl->state.rows(impl->m.body_info), row, "body").id;
+}
 
 std::vector<BodyId> World::bodies() const {
     std::vector<BodyId> out;
@@ -349,6 +400,36 @@ BodyKind World::kind(BodyId body) const {
 std::uint64_t World::user_key(BodyId body) const {
     return impl->state.rows(impl->m.body_info)[living(*impl, body)].user_key;
 }
+
+BodyDef World::body(BodyId body) const {
+    const sim::BodyInfo& info = impl->state.rows(impl->m.body_info)[living(*impl, body)];
+    BodyDef d;
+    d.kind = info.kind;
+    d.locks = info.locks;
+    d.pose = pose(body);
+    d.linear_velocity = linear_velocity(body);
+    d.angular_velocity = angular_velocity(body);
+    d.linear_damping = info.linear_damping;
+    d.angular_damping = info.angular_damping;
+    d.gravity_scale = info.gravity_scale;
+    d.drag_scale = info.drag_scale;
+    d.mass = info.mass_override;
+    d.gyroscopic = info.gyroscopic;
+    d.enable_fields = info.enable_fields;
+    d.bullet = info.bullet;
+    d.user_key = info.user_key;
+    return d;
+}
+SetMass World::mass_properties(BodyId body) const {
+    const sim::BodyMass& mass = impl->state.rows(impl->m.body_mass)[living(*impl, body)];
+    return {body, mass.mass, mass.center, mass.gyration, mass.principal};
+}
+bool World::may_touch(BodyId a, BodyId b) const {
+    living(*impl, a), living(*impl, b);
+    const std::span<const sim::PairFilterRow> rows = impl->state.rows(impl->m.pair_filter);
+    return !std::binary_search(rows.begin(), rows.end(), sim::PairFilterRow{std::min(a, b), std::max(a, b)});
+}
+Vec3 World::gravity() const { return impl->header().gravity; }
 
 std::vector<ShapeId> World::shapes(BodyId body) const {
     const State& state = impl->state;
@@ -385,7 +466,9 @@ BodyId World::body_of(ShapeId shape) const {
 }
 
 std::uint32_t World::joint_count() const { return impl->state.count(impl->m.joints); }
-JointId World::joint_at(std::uint32_t row) const { return impl->state.rows(impl->m.joint)[row].id; }
+JointId World::joint_at(std::uint32_t row) const {
+    return sim::checked_row(impl->state.rows(impl->m.joint), row, "joint").id;
+}
 JointDef World::joint(JointId joint) const {
     return impl->state.rows(impl->m.joint)[living(*impl, joint)].def;
 }
@@ -433,9 +516,8 @@ Real World::kinetic_energy() const {
     return sum;
 }
 
-std::span<const std::byte> World::row_bytes(std::uint32_t column, BodyId body) const {
-    LOCKSTONE_ASSERT(column < impl->m.game.size(), "game column ", column, " of ", impl->m.game.size());
-    const GameSchema::Entry& entry = impl->schema.entries()[column];
+std::span<const std::byte> World::row_bytes(std::uint32_t column, BodyId body, std::size_t size) const {
+    const GameSchema::Entry& entry = game_column(*impl, column, size);
     const std::uint32_t row = entry.per_body ? living(*impl, body) : 0;
     return impl->state.bytes(impl->m.game[column]).subspan(row * entry.row_size, entry.row_size);
 }
@@ -446,11 +528,24 @@ std::span<const World::ContactPoint> World::contacts() const { return impl->cont
 
 // ---- state -----------------------------------------------------------------------------------------------------
 
-std::uint64_t World::hash() const { return impl->state.hash(); }
+std::uint64_t World::hash() const {
+    const std::scoped_lock holds(impl->scratch.query.lock);
+    return impl->state.hash();
+}
 void World::save(Image& image) const { impl->state.save(image); }
+
+Status World::can_restore(const Image& image) const {
+    if (image.size() == 0) return Error{"restore: the image is empty: nothing was saved into it"};
+    if (image.origin() != impl->state.layout().origin())
+        return Error{"restore: the image is of a world with another definition, schema or assets"};
+    return {};
+}
 void World::restore(const Image& image) {
+    const Status good = can_restore(image);
+    LOCKSTONE_ASSERT(good.ok(), good.error().message);
     impl->state.restore(image);
     sim::forget_derived(*impl);
+    sim::tell_of_restore(*impl);
 }
 std::vector<std::byte> World::save_portable() const { return impl->state.save_portable(); }
 
@@ -460,6 +555,7 @@ Status take_over(sim::Data& w, State&& loaded) {
     if (Status s = sim::check_state(w, loaded); !s) return s;
     w.state = std::move(loaded);
     sim::forget_derived(w);
+    sim::tell_of_restore(w);
     return {};
 }
 } // namespace
@@ -471,12 +567,16 @@ Status World::restore_portable(std::span<const std::byte> image) {
 }
 
 std::vector<std::byte> World::save_delta(const Image& base) const {
+    const Status good = can_restore(base);
+    LOCKSTONE_ASSERT(good.ok(), good.error().message);
     State before(impl->state.layout_shared());
     before.restore(base);
+    const std::scoped_lock holds(impl->scratch.query.lock);
     return impl->state.save_delta(before);
 }
 
 Status World::restore_delta(const Image& base, std::span<const std::byte> delta) {
+    if (Status s = can_restore(base); !s) return s;
     State loaded(impl->state.layout_shared());
     loaded.restore(base);
     if (Status s = loaded.apply_delta(delta); !s) return s;
@@ -487,6 +587,8 @@ const State& World::state() const { return impl->state; }
 const GameSchema& World::schema() const { return impl->schema; }
 void World::set_journal(Journal* journal) { impl->journal = journal; }
 void World::set_tasks(Tasks* tasks) { impl->tasks = tasks; }
+void World::observe_phases(PhaseObserver* observer) { impl->observer = observer; }
+bool World::set_simd(Simd level) { return impl->scratch.solver.use(level); }
 void World::record_phase_hashes(bool on) { impl->phase_hashes_on = on; }
 std::span<const PhaseHash> World::phase_hashes() const { return impl->phase_hashes; }
 void World::disturb(Leftover what, std::uint64_t seed) { sim::disturb(*impl, what, seed); }

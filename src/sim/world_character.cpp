@@ -28,7 +28,7 @@ Status World::set_character_input(CharacterId character, const CharacterInput& i
 bool World::is_alive(CharacterId character) const { return impl->row_of(character) != sim::Data::dead; }
 std::uint32_t World::character_count() const { return impl->state.count(impl->m.characters); }
 CharacterId World::character_at(std::uint32_t row) const {
-    return impl->state.rows(impl->m.character)[row].id;
+    return sim::checked_row(impl->state.rows(impl->m.character), row, "character").id;
 }
 BodyId World::body_of(CharacterId character) const { return living(*impl, character).body; }
 CharacterDef World::character(CharacterId character) const { return living(*impl, character).def; }

@@ -78,11 +78,6 @@ void State::forget_all() {
                     version_last);
 }
 
-std::span<const std::byte> State::bytes(std::uint32_t column) const {
-    const StateLayout::Placement& place = shared_layout->placements()[column];
-    return {block.get() + place.offset, std::size_t{counts()[place.table]} * place.row_size};
-}
-
 /// Gives pages of a column a version that was never given out.
 void State::mark(std::uint32_t column, std::size_t first_page, std::size_t end_page) {
     constexpr std::size_t step = StateLayout::pages_per_chunk;

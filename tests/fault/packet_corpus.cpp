@@ -18,11 +18,13 @@ class Relay : public Session {
         real->add_local_input(player, input);
     }
     Step advance() override { return real->advance(); }
+    Step settle() override { return real->settle(); }
     HashCheck report_hash(std::uint64_t tick, std::uint64_t hash) override {
         return real->report_hash(tick, hash);
     }
     std::optional<ConfirmedTick> next_confirmed() override { return real->next_confirmed(); }
     std::optional<Notice> next_notice() override { return real->next_notice(); }
+    Status drop_peer(PeerId peer) override { return real->drop_peer(peer); }
     std::uint64_t current_tick() const override { return real->current_tick(); }
     std::uint32_t images_max() const override { return real->images_max(); }
     void set_input_delay(std::uint32_t ticks) override { real->set_input_delay(ticks); }

@@ -72,4 +72,30 @@ inline std::vector<Sample> samples() {
             {"compound", sample_compound()}};
 }
 
+/// Of version 1.1: triangles that baking moved, and surfaces.
+inline std::vector<Sample> newer_samples() {
+    const std::vector<Vec3> vertices = {{Real{}, Real{}, Real{}},
+                                        {Real(1), Real{}, Real{}},
+                                        {Real{}, Real(1), Real{}},
+                                        {Real{}, Real{}, Real(1)}};
+    const std::vector<std::array<std::uint32_t, 3>> triangles = {{0, 0, 1}, {0, 2, 1}, {0, 1, 3}};
+    const std::vector<std::uint16_t> materials = {1, 2, 3};
+    const std::vector<MaterialSurface> surfaces = {
+        {1, half(Real(1)), half(Real(1))},
+        {2, Real{}, Real{}, half(half(Real(1))), {Real(3), Real(-2), Real(1)}}};
+    const std::vector<Length> heights(4);
+    const std::vector<std::uint8_t> cell = {2};
+    const HeightFieldDef field{.columns = 2,
+                               .rows = 2,
+                               .spacing = Length(1),
+                               .heights = heights,
+                               .cells = cell,
+                               .surfaces = surfaces};
+    return {{"moved mesh",
+             bake_mesh(
+                 {.vertices = vertices, .triangles = triangles, .materials = materials, .surfaces = surfaces})
+                 .value()},
+            {"height field with surfaces", bake_height_field(field).value()}};
+}
+
 } // namespace fuzz

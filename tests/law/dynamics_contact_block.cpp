@@ -1,5 +1,6 @@
 // Contacts at rest: the order in which they are solved, their symmetry, and what statics asks of their impulses.
 #include "dynamics/contact.h"
+#include "dynamics/contact_order.h"
 #include "sim/phases.h"
 #include "support/sim_scenes.h"
 
@@ -188,14 +189,14 @@ Support support(double degrees) {
         const dynamics::Tangents t = dynamics::tangents_of(c.normal);
         const auto& lever =
             to_double(c.normal.y) > 0 ? &dynamics::ContactPoint::lever_b : &dynamics::ContactPoint::lever_a;
+        const dynamics::ContactMemory& m = d.state.rows(d.m.contact_memory)[c.memory];
+        friction = friction + (to_double(m.tangent_1) / unit) * to_double(t.first) +
+                   (to_double(m.tangent_2) / unit) * to_double(t.second);
         for (std::uint32_t k = 0; k < c.count; ++k) {
-            const auto& m = d.state.rows(d.m.contact_memory)[c.memory].points[k];
-            const double p = to_double(m.normal) / unit;
+            const double p = to_double(m.points[k].normal) / unit;
             s.normal += p;
             s.centre += p * to_double((c.points[k].*lever).x) / 0.5;
             s.least = std::min(s.least, p);
-            friction = friction + (to_double(m.tangent_1) / unit) * to_double(t.first) +
-                       (to_double(m.tangent_2) / unit) * to_double(t.second);
         }
     }
     s.along = length(friction);

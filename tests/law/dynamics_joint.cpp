@@ -380,7 +380,8 @@ TEST_CASE("joints of anything to anything stay within the ranges") {
                                                           {0.0, 0.0, 1.0, 1.0},
                                                           {0.0, 1.0, 1e-3, 100.0}}) {
             CAPTURE(std::string(name_of(made.kind)));
-            CAPTURE(kg_a);
+            const double kg = kg_a; // clang 14: no lambda sees a structured binding
+            CAPTURE(kg);
             JointDef def = made;
             Rig rig;
             const std::uint32_t a = rig.add(kg_a, {gyration, gyration, 2 * gyration}, {1e9 - 1, 0, -1e9 + 1});

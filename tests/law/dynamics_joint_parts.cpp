@@ -230,8 +230,9 @@ TEST_CASE("rows that say the same twice share the impulse instead of dividing by
 TEST_CASE("rows keep their bits from a lever of 127 m on 1 mm to a body of 10 km") {
     for (const auto& [gyration, lever] :
          {std::pair{1e-3, 127.0}, {1e-3, 1e-3}, {1.0, 1.0}, {1e4, 127.0}, {1e4, 0.0}}) {
-        CAPTURE(gyration);
-        CAPTURE(lever);
+        const double radius = gyration, reach = lever; // clang 14: no lambda sees a structured binding
+        CAPTURE(radius);
+        CAPTURE(reach);
         Rig rig;
         const std::uint32_t b = rig.add(1, {gyration, gyration, gyration}, {0, 0, 0});
         rig.begin(rig.constants());

@@ -303,3 +303,16 @@ TEST_CASE(
     for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(samples(40, 2000)); ++seed)
         CHECK(hash_of(seed) == hash_of(seed));
 }
+
+TEST_CASE("drag of the thickest fluid on the largest plate slows it as it should: its product is beyond the "
+          "range of a Real") {
+    World w = made(World::create(weightless()));
+    FieldDef tar = wind({});
+    tar.drag_quadratic = {}, tar.drag_linear = Real(1000000);
+    made(w.create_field(tar));
+    const BodyId b = add(w, {.linear_velocity = vec(0, 10, 0), .mass = Real(1000000000)},
+                         {.geometry = box(real(50), real(0.1), real(50))});
+    for (int t = 0; t < 6; ++t) w.tick();
+    CHECK(velocity(w, b)[1] ==
+          doctest::Approx(10 * std::exp(-1.0)).epsilon(0.04)); // 1e6 * 1e4 / 1e9 = 10 / s
+}

@@ -223,3 +223,16 @@ TEST_CASE("a compound and a hull float as the boxes they are made of") {
         CHECK(tilt_of(w, body) < 0.01);
     }
 }
+
+TEST_CASE("cubes of 22 to 28 m of half the water's density lie half under, whatever bits their volume takes") {
+    for (int i = 0; i < 12; ++i) {
+        const double half = 11 + i * 0.25;
+        Region region{.kind = RegionKind::box, .pose = at(0, -50, 0)};
+        region.half_extent = vec(100, 50, 100);
+        World w = sea(water(region));
+        const BodyId b = add_floater(w, box(real(half), real(half), real(half)), 500, at(0, 0, 0));
+        run(w, 120);
+        INFO("half an edge: ", half, " m");
+        CHECK(std::abs(position(w, b)[1]) < 0.01);
+    }
+}

@@ -86,9 +86,8 @@ Jointed jointed(const Loaded& what, std::uint64_t seed) {
     const Quat turn = normalized(turned(axis_z, static_cast<double>(seed % 7) * 25) *
                                  turned(axis_x, static_cast<double>(seed % 5) * 31));
     Jointed j = join_two(what.kind, def_of(what, seed), turn);
-    SetMass mass{j.b, real(1000 * mass_ratio(seed)), {}, {}, Quat::identity()};
-    mass.gyration = vec(0.408248290, 0.408248290, 0.408248290); // of a crate of 1 m
-    done(j.world.set_mass(mass));
+    const Vec3 gyration = vec(0.408248290, 0.408248290, 0.408248290); // of a crate of 1 m
+    done(j.world.set_mass({j.b, real(1000 * mass_ratio(seed)), Vec3{}, gyration, Quat::identity()}));
     return j;
 }
 /// On each body in proportion to its mass.

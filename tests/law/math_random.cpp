@@ -21,11 +21,11 @@ template <std::size_t N> double unevenness(const std::array<long, N>& counts, lo
 }
 
 /// The next-state map of xoshiro256 as a matrix over bits: column i is the image of bit i.
-using State = std::array<std::uint64_t, 4>;
-using BitMatrix = std::vector<State>;
+using Words = std::array<std::uint64_t, 4>;
+using BitMatrix = std::vector<Words>;
 
-State apply(const BitMatrix& m, const State& s) {
-    State sum{};
+Words image_of(const BitMatrix& m, const Words& s) {
+    Words sum{};
     for (std::size_t i = 0; i < 256; ++i)
         if (((s[i / 64] >> (i % 64)) & 1u) != 0)
             for (std::size_t k = 0; k < 4; ++k) sum[k] ^= m[i][k];
@@ -67,11 +67,11 @@ TEST_CASE("jump is 2^128 draws: the transition matrix squared 128 times") {
     BitMatrix m = one_draw();
     for (int square = 0; square < 128; ++square) {
         BitMatrix next(256);
-        for (std::size_t i = 0; i < 256; ++i) next[i] = apply(m, m[i]);
+        for (std::size_t i = 0; i < 256; ++i) next[i] = image_of(m, m[i]);
         m = next;
     }
     Random r = Random::seeded(99);
-    const State expected = apply(m, r.state);
+    const Words expected = image_of(m, r.state);
     r.jump();
     CHECK(r.state == expected);
     r.next_u64();

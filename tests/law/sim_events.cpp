@@ -227,7 +227,7 @@ TEST_CASE("planted fault: events that are published when they are known, not in 
              count_of(events, EventKind::character_landed) == 0);
     REQUIRE(out_of_order(events) == "");
     std::vector<Event> late = events; // sleep is known last
-    std::ranges::stable_partition(late, [](const Event& x) { return x.kind != EventKind::body_sleep; });
+    std::stable_partition(late.begin(), late.end(), [](const Event& x) { return x.kind != EventKind::body_sleep; });
     CHECK(out_of_order(late) != "");
     const auto sleeper = std::ranges::find(events, EventKind::body_sleep, &Event::kind);
     std::vector<Event> other = events; // another order of the bodies

@@ -41,7 +41,8 @@ TEST_CASE("what stands on a flat side stands still: on a plane, on a box") {
         {"capsule lying", capsule(0.3_r, 0.5_r), at(0, 0.3, 0, turned(axis_x, 90))}};
     for (const Geometry& floor : {plane(), box(20_r, 0.5_r, 20_r)})
         for (const auto& [name, geometry, pose] : standing) {
-            CAPTURE(name);
+            const std::string which = name; // clang 14: no lambda sees a structured binding
+            CAPTURE(which);
             const Stray stray = stray_of(geometry, pose, zoo.library, floor);
             CHECK(stray.way < 0.002);
             CHECK(std::abs(stray.height_change) < 0.003);
@@ -77,7 +78,8 @@ TEST_CASE("towers of cylinders, of hulls and of mixed shapes stand") {
          {std::tuple("cylinders", cylinder(0.5_r, 0.25_r), 0.25),
           {"hulls", flat_hull, 0.5},
           {"rounded boxes", rounded(box(0.4_r, 0.2_r, 0.4_r), 0.05_r), 0.25}}) {
-        CAPTURE(name);
+        const std::string which = name;
+        CAPTURE(which);
         World w = made(World::create(small_def(), {}, zoo.library));
         add_floor(w);
         std::vector<BodyId> tower;
@@ -106,7 +108,8 @@ TEST_CASE("shapes stand on a static box, cylinder and cone of a kilometre, far o
     for (const auto& [ground, top] : grounds)
         for (const Geometry& geometry : {box(0.5_r, 0.5_r, 0.5_r), cylinder(0.5_r, 0.5_r), cone(0.5_r, 0.5_r),
                                          instance(ShapeKind::hull, zoo.hull)}) {
-            CAPTURE(name_of(ground.kind));
+            const std::string below = name_of(ground.kind);
+            CAPTURE(below);
             CAPTURE(name_of(geometry.kind));
             World w = made(World::create(small_def(), {}, zoo.library));
             add(w, {.kind = BodyKind::static_, .pose = at(0, -top, 0)}, {.geometry = ground});

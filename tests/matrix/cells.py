@@ -32,12 +32,19 @@ class Cell:
 @dataclass(frozen=True)
 class Target:
     triple: str
-    qemu: str               # "": runs without
+    emulator: str           # "": runs without
     endian: str = "little"
+    compiler: str = ""      # "": that of the triple
 
     @property
-    def package(self):
-        return f"g++-{self.triple.replace('_', '-')}"
+    def cxx(self):
+        return self.compiler or f"{self.triple}-g++"
+
+    @property
+    def packages(self):
+        if self.emulator == "wine":
+            return {"g++-mingw-w64-x86-64-posix", "wine", "wine64"}
+        return {f"g++-{self.triple.replace('_', '-')}"} | ({"qemu-user"} if self.emulator else set())
 
 
 TARGETS = {
@@ -47,6 +54,7 @@ TARGETS = {
     "riscv64": Target("riscv64-linux-gnu", "qemu-riscv64"),
     "ppc64le": Target("powerpc64le-linux-gnu", "qemu-ppc64le"),
     "s390x": Target("s390x-linux-gnu", "qemu-s390x", "big"),
+    "windows": Target("x86_64-w64-mingw32", "wine", compiler="x86_64-w64-mingw32-g++-posix"),
 }
 WASM_FLAGS = ("--target=wasm32-wasi", "-O2", "-DLOCKSTONE_NO_THREADS=1")
 PORTABLE, NO_DOUBLE = "-DLOCKSTONE_PORTABLE_WIDE=1", "-DLOCKSTONE_NO_DOUBLE=1"
@@ -105,7 +113,7 @@ def all_cells(cpu_flags):
         "MALLOC_ARENA_MAX": "1"}, sample=True)
 
     for name, target in TARGETS.items():
-        cxx = f"{target.triple}-g++"
+        cxx = target.cxx
         static = ("-static",) + (("-latomic",) if name in ("arm32", "riscv64") else ())
         for level in ("-O1", "-O2", "-O3"):
             cells.append(Cell(f"{name} {level}", "architecture", Build(cxx, (level,) + static, name), sample_ticks=8, state=level == "-O1",
@@ -118,7 +126,7 @@ def all_cells(cpu_flags):
         if target.endian == "big":
             cells.append(Cell(f"planted: integers hashed in host order, {name}", "planted", replace(at_o1, patch=HOST_ORDER), ticks=1, sample=True,
                               red=True))
-    cells.append(Cell("planted: integers hashed in host order, here: right all the same", "planted", replace(REFERENCE, patch=HOST_ORDER), ticks=4,
+    cells.append(Cell("planted: integers hashed in host order, here: right all the same", "planted", replace(host("clang++-14", "-O2"), patch=HOST_ORDER), ticks=4,
                       sample=True))
     for name, flags in (("wasm32", ()), ("wasm32 SIMD", ("-msimd128",))):
         build = Build("clang++-19", WASM_FLAGS + flags, "wasm")
@@ -140,5 +148,5 @@ def packages(cells):
             names |= {"chromium"} if cell.browser else set()
         elif cell.build.target:
             target = TARGETS[cell.build.target]
-            names |= {target.package} | ({"qemu-user"} if target.qemu else set())
+            names |= target.packages
     return sorted(names)

@@ -81,6 +81,46 @@ void shuffle(std::vector<Assembly>& list, unsigned seed) {
     for (Assembly& one : list) std::shuffle(one.shapes.begin(), one.shapes.end(), random);
 }
 
+/// Chains, hinges on the world, cars, characters and fields among the bodies of `motley`.
+Level motley_level(unsigned seed) {
+    std::mt19937 random(seed);
+    Level level;
+    level.bodies = motley(seed);
+    const auto key = [&](std::size_t i) { return level.bodies[i].body.user_key; };
+    for (std::size_t i = 1; i + 1 < level.bodies.size(); i += 2) {
+        JointAssembly joint{i % 3 == 0 ? hinge_joint() : ball_joint(), key(i), key(i + 1)};
+        if (i % 7 == 0) joint.body_a.reset();
+        joint.joint.frame_b.position = vec(0, 0.5, 0);
+        joint.joint.user_key = (i * 0x9e3779b97f4a7c15u) ^ seed;
+        level.joints.push_back(joint);
+    }
+    for (std::uint64_t i = 0; i < 3; ++i) {
+        Assembly chassis{
+            {.pose = at(6.0 + 3 * static_cast<double>(i), 1, 0), .user_key = random() + (i << 40)},
+            {{.geometry = box(real(0.8), real(0.3), real(1.8))}}};
+        VehicleAssembly car{four_wheels({}, vec(0.8, -0.3, 1.4)), chassis.body.user_key};
+        car.vehicle.user_key = random();
+        level.bodies.push_back(chassis), level.vehicles.push_back(car);
+        CharacterDef hero;
+        hero.position = vec(-4 - static_cast<double>(i), 0, 2), hero.user_key = random() + (i << 41);
+        level.characters.push_back(hero);
+        FieldAssembly field{
+            i == 0 ? wind(vec(3, 0, 1)) : water({.kind = RegionKind::sphere, .pose = at(0, 1, 0)}), random()};
+        field.field.region.half_extent = vec(i + 1.0, 0, 0);
+        level.fields.push_back(field);
+    }
+    return level;
+}
+
+void shuffle(Level& level, unsigned seed) {
+    shuffle(level.bodies, seed);
+    std::mt19937 random(seed + 1);
+    std::shuffle(level.joints.begin(), level.joints.end(), random);
+    std::shuffle(level.vehicles.begin(), level.vehicles.end(), random);
+    std::shuffle(level.characters.begin(), level.characters.end(), random);
+    std::shuffle(level.fields.begin(), level.fields.end(), random);
+}
+
 World after_a_second(World world) {
     for (int t = 0; t < 60; ++t) world.tick();
     return world;
@@ -119,6 +159,85 @@ TEST_CASE("so they do in worlds of all kinds of bodies, and where ids fill the g
         CHECK(difference(expected, world) == "");
         CHECK(difference(later, after_a_second(std::move(world))) == "");
     }
+}
+
+TEST_CASE("so they do with joints, vehicles, characters and fields, each by its own key") {
+    const unsigned levels = std::getenv("LOCKSTONE_LONG") != nullptr ? 100 : 8;
+    for (unsigned seed = 1; seed <= levels; ++seed) {
+        INFO("seed ", seed);
+        Level level = motley_level(seed);
+        const World empty = used_world(seed % 2 == 0);
+        World expected = empty.clone();
+        made(assemble(expected, level));
+        CHECK(expected.joint_count() == level.joints.size());
+        CHECK(expected.vehicle_count() == 3);
+        CHECK(expected.character_count() == 3);
+        CHECK(expected.field_count() == 3);
+        const World later = after_a_second(expected.clone());
+        shuffle(level, seed);
+        World world = empty.clone();
+        const Assembled ids = made(assemble(world, level));
+        CHECK(difference(expected, world) == "");
+        for (std::size_t i = 0; i < level.joints.size(); ++i)
+            CHECK(world.joint(ids.joints[i]).user_key == level.joints[i].joint.user_key);
+        for (std::size_t i = 0; i < 3; ++i) {
+            CHECK(world.vehicle(ids.vehicles[i]).user_key == level.vehicles[i].vehicle.user_key);
+            CHECK(world.character(ids.characters[i]).user_key == level.characters[i].user_key);
+            CHECK(world.field(ids.fields[i]).kind == FieldKind::fluid);
+        }
+        CHECK(difference(later, after_a_second(std::move(world))) == "");
+    }
+}
+
+TEST_CASE("planted fault: joints, vehicles, characters or fields in the order of a shuffled list are another "
+          "world") {
+    for (int kind = 0; kind < 4; ++kind) {
+        const Level level = motley_level(1);
+        World expected = used_world(false), world = expected.clone();
+        made(assemble(expected, level));
+        // One kind swaps its keys, which is what creating it in another order does.
+        Level other = level;
+        if (kind == 0) std::swap(other.joints[0].joint, other.joints[1].joint);
+        if (kind == 1) std::swap(other.vehicles[0].chassis, other.vehicles[1].chassis);
+        if (kind == 2) std::swap(other.characters[0].position, other.characters[1].position);
+        if (kind == 3) std::swap(other.fields[0].field, other.fields[1].field);
+        made(assemble(world, other));
+        INFO("kind ", kind);
+        CHECK(difference(expected, world) != "");
+    }
+}
+
+TEST_CASE("a level with a key that stands twice, a body that is not there or a bad definition leaves the "
+          "world and its journal alone") {
+    struct Heard : Journal {
+        int commands = 0;
+        void on_command(std::uint64_t, const Command&) override { ++commands; }
+        void on_tick(std::uint64_t, std::uint64_t) override {}
+    } heard;
+    World world = used_world(true);
+    world.set_journal(&heard);
+    const std::uint64_t hash = world.hash();
+    const auto refused = [&](const Level& level, const char* why) {
+        const auto ids = assemble(world, level);
+        return !ids && ids.error().message.find(why) != std::string::npos && world.hash() == hash;
+    };
+    const Level good = motley_level(3);
+    Level level = good;
+    level.joints[3].joint.user_key = level.joints[1].joint.user_key;
+    CHECK(refused(level, "two joints have the user_key"));
+    level = good, level.joints[2].body_b = 12345;
+    CHECK(refused(level, "body_b names 12345"));
+    level = good, level.joints[2].body_a = 54321;
+    CHECK(refused(level, "body_a names 54321"));
+    level = good, level.vehicles[1].chassis = 4;
+    CHECK(refused(level, "chassis names 4"));
+    level = good, level.fields[2].field.density = Real(-1);
+    CHECK(refused(level, ("fields, user_key " + std::to_string(level.fields[2].user_key)).c_str()));
+    level = good, level.characters[0].user_key = level.characters[2].user_key;
+    CHECK(refused(level, "two characters"));
+    CHECK(heard.commands == 0);
+    CHECK(assemble(world, good));
+    CHECK(heard.commands > 100);
 }
 
 TEST_CASE("planted fault: bodies created in the order of a shuffled list are another world") {

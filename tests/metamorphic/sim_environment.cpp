@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 
 #include <cfenv>
+#include <cstdio>
 #include <cstring>
 #if defined(__SSE2__)
 #include <xmmintrin.h>
@@ -22,8 +23,8 @@ struct Solved {
     std::uint64_t contacts;
 };
 
-/// The solver's part of the next tick of a world, at a lane width of N.
-template <unsigned N> Solved solve(const World& w) {
+/// The contacts of the next tick of a world, solved by an instruction set.
+Solved solve(const World& w, Simd level) {
     sim::Data d(w.def(), w.schema(), w.assets_shared());
     d.state = w.state();
     do sim::update_bounds(d), sim::find_pairs(d);
@@ -35,7 +36,8 @@ template <unsigned N> Solved solve(const World& w) {
          c.contact_damping, c.push_speed_max, c.restitution_speed_min});
     Solved s{};
     dynamics::begin_step(d.body_columns(), d.header().gravity, step, s.bodies);
-    dynamics::ContactSolver<N> solver;
+    solve::ContactSolver solver;
+    REQUIRE(solver.use(level));
     solver.prepare(d.scratch.contacts, d.state.rows(d.m.contact_memory), d.body_columns().mass, step,
                    s.bodies);
     const dynamics::FreeMotion motion{dynamics::Scheme::semi_implicit_euler, d.state.rows(d.m.field)};
@@ -71,25 +73,32 @@ constexpr unsigned flush_and_rounding[] = {0x8040, 0x8040 | 0x2000, 0x4000, 0x60
 
 } // namespace
 
-TEST_CASE("four lanes of the solver give the bits of one, in piles, stacks and bouncing crowds") {
+TEST_CASE("every instruction set gives the bits of plain integers, in piles, stacks and bouncing crowds") {
     std::uint64_t contacts = 0;
+    int compared = 0;
     for (Scenery scenery : sceneries) {
         World w = start_script(scenery);
         for (int t = 0; t < 150; ++t) {
             step_script(w);
-            const Solved one = solve<1>(w), four = solve<4>(w);
-            contacts = std::max(contacts, one.contacts);
-            INFO(std::string(name_of(scenery)), ", tick ", t);
-            REQUIRE(lanes_differ(one, four) == "");
+            const Solved plain = solve(w, Simd::scalar);
+            contacts = std::max(contacts, plain.contacts);
+            for (const Simd level : every_simd) {
+                if (level == Simd::scalar || !has_simd(level)) continue;
+                INFO(std::string(name_of(scenery)), ", tick ", t, ", ", std::string(name_of(level)));
+                REQUIRE(lanes_differ(plain, solve(w, level)) == "");
+                ++compared;
+            }
         }
     }
     CHECK(contacts > 40); // enough for full packs
+    std::printf("  %d ticks compared with those of plain integers\n", compared);
+    CHECK((compared > 0 || best_simd() == Simd::scalar));
 }
 
 TEST_CASE("planted fault: an impulse that is off by one bit is found out by the comparison of lanes") {
     World w = start_script(Scenery::pile);
     for (int t = 0; t < 60; ++t) step_script(w);
-    const Solved one = solve<1>(w);
+    const Solved one = solve(w, Simd::scalar);
     Solved other = one;
     other.bodies.body[5].v[1] ^= 1;
     CHECK(lanes_differ(one, other) == "body row 5");

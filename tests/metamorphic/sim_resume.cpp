@@ -128,6 +128,31 @@ TEST_CASE("phase hashes agree between a run and its replay, and switching them o
     }
 }
 
+TEST_CASE("an observer of phases is told the same by a run and its replay, and changes nothing") {
+    struct Names final : PhaseObserver {
+        std::vector<std::string> list;
+        void on_phase(const char* phase) override { list.emplace_back(phase); }
+    };
+    const Run run = run_of(Scenery::pile, 60);
+    Names of_left, of_right;
+    World left = start_script(Scenery::pile), right = start_script(Scenery::pile);
+    left.observe_phases(&of_left), right.observe_phases(&of_right);
+    for (std::size_t t = 0; t + 1 < run.images.size(); ++t) {
+        right.restore(run.images[t]);
+        step_script(left), step_script(right);
+        REQUIRE(left.hash() == run.hashes[t + 1]);
+        REQUIRE(of_left.list == of_right.list);
+    }
+    for (const char* phase : {"commands", "update_bounds", "find_pairs", "collide", "prepare", "warm_start",
+                              "solve_contacts", "relax_contacts", "finish", "settle"})
+        CHECK(std::ranges::find(of_left.list, phase) != of_left.list.end());
+    const std::size_t told = of_left.list.size();
+    left.clone().tick();
+    left.observe_phases(nullptr);
+    left.tick();
+    CHECK(of_left.list.size() == told);
+}
+
 TEST_CASE(
     "a shape that takes the slot and generation of another kind of shape after a restore is alone there") {
     // The broad phase must not keep the crate's bounds for the plane that came after the restore.

@@ -9,7 +9,7 @@
 #include "lockstone/prove.h"
 #include "planted.h"
 #include "replay/replay.h"
-#include "session/match.h"
+#include "session/hostile_scenes.h"
 #include "state/canonical.h"
 #include "support/sim_replay.h"
 #include "support/task_worlds.h"
@@ -274,6 +274,12 @@ std::string peers_agree() {
     return {};
 }
 
+std::string hostile_peers() {
+    for (const HostileScene& scene : hostile_scenes())
+        if (const std::string wrong = scene.run(); !wrong.empty()) return std::string(scene.name) + ": " + wrong;
+    return {};
+}
+
 using Bytes = std::vector<std::byte>;
 
 Bytes record(bool commands) {
@@ -353,6 +359,7 @@ std::vector<std::pair<std::string, Check>> all_checks() {
                              {"events come in order and in turn", events_in_order},
                              {"dead ids stay dead", dead_ids},
                              {"peers agree", peers_agree},
+                             {"hostile peers", hostile_peers},
                              {"recordings verify", recordings_verify},
                              {"damaged recordings are refused", damaged_recordings},
                              {"a wrong hash in a recording is found", wrong_hash_found}});

@@ -1,4 +1,5 @@
 // Joints: how far a chain stretches, a bridge sags; pendulum, motors, limits and a top against closed forms.
+#include "engines/pieces.h"
 #include "quality/row.h"
 
 #include <algorithm>
@@ -242,39 +243,6 @@ Figures run_top(const Contestant& contestant, const Plan& plan) {
 
 // ---- ragdolls ----------------------------------------------------------------------------------------------------
 
-/// Eleven capsules: trunk of two, head, arms and legs of two each.
-void add_ragdoll(Scene& scene, V3 at) {
-    const auto limb = [&](V3 from, V3 to, double radius, double mass) {
-        const V3 along = to - from;
-        Body body{.shape = capsule(radius, length(along) / 2 - radius),
-                  .position = at + (from + to) / 2,
-                  .mass = mass};
-        const V3 unit = along / length(along);
-        body.rotation = about({0, 0, 1}, std::atan2(-unit.x, unit.y));
-        return scene.add(body);
-    };
-    const auto join = [&](Link kind, int a, int b, V3 anchor, double limit) {
-        scene.joints.push_back(
-            {.kind = kind, .a = a, .b = b, .anchor = at + anchor, .axis = {1, 0, 0}, .limit = limit});
-    };
-    const int hips = limb({0, 0.85, 0}, {0, 1.15, 0}, 0.13, 15),
-              chest = limb({0, 1.15, 0}, {0, 1.55, 0}, 0.15, 25);
-    const int head = limb({0, 1.6, 0}, {0, 1.9, 0}, 0.1, 5);
-    join(Link::hinge, hips, chest, {0, 1.15, 0}, 0.7);
-    join(Link::ball, chest, head, {0, 1.58, 0}, 0);
-    for (const double side : {-1.0, 1.0}) {
-        const double hip = 0.12 * side, shoulder = 0.2 * side;
-        const int thigh = limb({hip, 0.88, 0}, {hip, 0.45, 0}, 0.08, 8),
-                  shin = limb({hip, 0.45, 0}, {hip, 0, 0}, 0.06, 5);
-        const int upper = limb({shoulder, 1.5, 0}, {shoulder * 2.4, 1.5, 0}, 0.06, 3);
-        const int lower = limb({shoulder * 2.4, 1.5, 0}, {shoulder * 3.8, 1.5, 0}, 0.05, 2);
-        join(Link::ball, hips, thigh, {hip, 0.88, 0}, 0);
-        join(Link::hinge, thigh, shin, {hip, 0.45, 0}, 1.2);
-        join(Link::ball, chest, upper, {shoulder, 1.5, 0}, 0);
-        join(Link::hinge, upper, lower, {shoulder * 2.4, 1.5, 0}, 1.2);
-    }
-}
-
 /// Ragdolls fall on each other: when the last of them lies still, and the widest joint then. Joints have no friction,
 /// but limbs do not roll for ever. Planted: no friction and everything bounces; a joint that is not there.
 Figures run_ragdolls(const Contestant& contestant, const Plan& plan) {
@@ -329,7 +297,8 @@ std::vector<Row> joint_rows() {
           {"period, 150 deg", "%", 0.1},
           {"amplitude", "%", 1}},
          true,
-         run_pendulum},
+         run_pendulum,
+         true},
         {"motor",
          "an arm turned and a mass raised against gravity; the same lying on their limits",
          {{"turning", "%", 0.5},

@@ -1,4 +1,5 @@
 // quality: every row in every engine, beside each other, as one table. See README.md.
+#include "lockstone/world.h"
 #include "quality/row.h"
 
 #include <algorithm>
@@ -20,6 +21,8 @@ struct Options {
     int substeps = 0;
     double hertz = 0, damping = 0;
 };
+
+const int precise_substeps = static_cast<int>(lockstone::WorldDef::precise().substeps);
 
 constexpr const char* usage =
     "quality [ROW...]     the table, or some of its rows; exit status 1 when a bound is missed or a peer is "
@@ -122,6 +125,13 @@ std::vector<Contestant> chosen_contestants(const Options& o) {
     return all;
 }
 
+/// Lockstone as the row asks for it, unless its substeps were chosen by hand.
+std::vector<Contestant> contestants_of(const Row& row, const Options& o) {
+    std::vector<Contestant> all = chosen_contestants(o);
+    if (row.precise && o.substeps == 0) all[0].substeps = precise_substeps;
+    return all;
+}
+
 /// Against the peers as they come. What is under a tenth of the bound is as good as 0, and 5 % is noise.
 std::string verdict(const Value& value, std::size_t index, const std::vector<Contestant>& who,
                     const std::vector<Figures>& all) {
@@ -161,7 +171,8 @@ bool print_row(const Row& row, const std::vector<Contestant>& who, const std::ve
     for (std::size_t i = 0; i < row.values.size(); ++i) {
         const Value& value = row.values[i];
         const std::string found = verdict(value, i, who, all);
-        std::printf("%-21s %-17s %-7s %8s", i == 0 ? row.name.c_str() : "", value.what.c_str(),
+        const char* name = i == 0 ? row.name.c_str() : i == 1 && row.precise ? "  (precise)" : "";
+        std::printf("%-21s %-17s %-7s %8s", name, value.what.c_str(),
                     value.unit.c_str(), number(value.bound).c_str());
         for (const Figures& figures : all) std::printf(" %11s", figure(figures, i).c_str());
         std::printf("  %s\n", found.c_str());
@@ -184,8 +195,8 @@ std::string json_number(double x) {
 bool print_json_row(const Row& row, const std::vector<Contestant>& who, const std::vector<Figures>& all,
                     bool first) {
     bool good = true;
-    std::printf("%s\n  {\"row\": \"%s\", \"about\": \"%s\", \"tick_us\": {", first ? "[" : ",",
-                row.name.c_str(), row.about.c_str());
+    std::printf("%s\n  {\"row\": \"%s\", \"about\": \"%s\", \"precise\": %s, \"tick_us\": {", first ? "[" : ",",
+                row.name.c_str(), row.about.c_str(), row.precise ? "true" : "false");
     const char* comma = "";
     for (std::size_t k = 0; k < who.size(); ++k, comma = ", ")
         std::printf("%s\"%s\": %s", comma, who[k].name.c_str(),
@@ -213,7 +224,7 @@ int run_table(const Options& o) {
     if (!o.json) print_header(who);
     for (const Row& row : chosen_rows(o)) {
         std::vector<Figures> all;
-        for (const Contestant& c : who) all.push_back(run_apart(row, c, {.quick = o.quick}));
+        for (const Contestant& c : contestants_of(row, o)) all.push_back(run_apart(row, c, {.quick = o.quick}));
         good = (o.json ? print_json_row(row, who, all, first) : print_row(row, who, all)) && good;
         first = false;
     }
@@ -223,9 +234,9 @@ int run_table(const Options& o) {
 
 /// Each figure of each row once, with something wrong in the scene that it has to show.
 int run_planted(const Options& o) {
-    const Contestant us = chosen_contestants(o)[0];
     bool good = true;
-    for (const Row& row : chosen_rows(o))
+    for (const Row& row : chosen_rows(o)) {
+        const Contestant us = contestants_of(row, o)[0];
         for (std::size_t i = 0; i < row.values.size(); ++i) {
             const Figures f = run_apart(row, us, {.quick = o.quick, .planted = static_cast<int>(i)});
             const bool missed = f.values[i] > row.values[i].bound && std::isfinite(f.values[i]);
@@ -235,6 +246,7 @@ int run_planted(const Options& o) {
             std::fflush(stdout);
             good = good && missed;
         }
+    }
     return good ? 0 : 1;
 }
 

@@ -1,12 +1,14 @@
 // Rows of the table: a scene, what is measured in it, the bound of each figure, and a twin that misses it.
 #pragma once
 
-#include "quality/scene.h"
+#include "engines/scene.h"
 
 #include <functional>
 #include <limits>
 
 namespace quality {
+
+using namespace engines;
 
 /// One figure: an error or a size, the smaller the better; 0 is perfect.
 struct Value {
@@ -34,6 +36,7 @@ struct Row {
     std::vector<Value> values;
     bool in_sample; ///< run by the default tests: small enough, and within its bounds
     std::function<Figures(const Contestant&, const Plan&)> run;
+    bool precise = false; ///< Lockstone runs it as WorldDef::precise(): its default is not made for that
 };
 
 std::vector<Row> stack_rows();       ///< towers, houses of cards, arches, heavy on light
@@ -43,12 +46,5 @@ std::vector<Row> domino_rows();      ///< a wave of dominoes
 std::vector<Row> free_motion_rows(); ///< spinning bodies and orbits
 
 std::vector<Row> joint_rows(); ///< chains, bridges, ragdolls, pendulums, motors, limits, tops
-
-/// Largest horizontal distance from where it started, of all dynamic bodies [m].
-double drift(const Scene& scene, const Engine& engine);
-/// Dynamic bodies that dropped by more than `drop` [m] or turned by more than 20 degrees.
-int fallen(const Scene& scene, const Engine& engine, double drop);
-/// Angle between two orientations [rad].
-double turned(Turn a, Turn b);
 
 } // namespace quality

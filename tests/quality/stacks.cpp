@@ -1,4 +1,5 @@
 // What has to stand: pyramid, tower, heavy on light, house of cards, arch.
+#include "engines/pieces.h"
 #include "quality/row.h"
 
 #include <algorithm>
@@ -15,7 +16,6 @@ V3 tilted_gravity(double degrees_x, double degrees_z) {
 // ---- pyramid -----------------------------------------------------------------------------------------------------
 
 Scene pyramid_scene(int base, const Plan& plan) {
-    constexpr double gap = 0.001; // neighbours of a row lean on each other without being squeezed
     const bool slippery = plan.plants(1) || plan.plants(2);
     const double friction = slippery ? 0.01 : 0.6;
     Scene scene;
@@ -23,10 +23,7 @@ Scene pyramid_scene(int base, const Plan& plan) {
     if (plan.plants(1)) scene.gravity = tilted_gravity(0, 1);
     if (plan.plants(2)) scene.gravity = tilted_gravity(1, 0);
     scene.add(ground(friction));
-    for (int row = 0; row < base; ++row)
-        for (int i = 0; i < base - row; ++i)
-            scene.add(solid(box({0.5, 0.5, 0.5}), {(1 + gap) * (i - 0.5 * (base - row - 1)), row + 0.5, 0},
-                            1000, friction));
+    add_pyramid(scene, base, {}, friction);
     return scene;
 }
 
@@ -187,7 +184,8 @@ std::vector<Row> stack_rows() {
          "a wall of 820 boxes, base 40, after 1200 ticks",
          {{"fallen", "boxes", 0}, {"drift across", "mm", 1}, {"drift along", "mm", 20}},
          true,
-         run_pyramid},
+         run_pyramid,
+         true},
         {"tower",
          "20 boxes on each other, after 1200 ticks",
          {{"fallen", "boxes", 0}, {"drift", "mm", 2}, {"overlap", "mm", 5}},
@@ -200,7 +198,8 @@ std::vector<Row> stack_rows() {
           {"overlap 100:1", "mm", 5},
           {"fallen", "boxes", 0}},
          false,
-         run_heavy_on_light},
+         run_heavy_on_light,
+         true},
         {"cards",
          "a house of 26 cards on 4 levels, after 1200 ticks",
          {{"fallen", "cards", 0}, {"drift", "mm", 10}},
@@ -210,7 +209,8 @@ std::vector<Row> stack_rows() {
          "a semicircle of 21 stones, a fifth of its radius thick, after 1200 ticks",
          {{"fallen", "stones", 0}, {"crown sinks", "mm", 10}},
          true,
-         run_arch},
+         run_arch,
+         true},
     };
 }
 

@@ -3,6 +3,7 @@
 
 #include "session/arena.h"
 
+#include <functional>
 #include <map>
 
 namespace lockstone::test {
@@ -71,6 +72,8 @@ struct MatchDef {
     std::uint32_t prediction_max = 8;
     std::uint64_t disconnect_ms = 5000;
     LinkDef link{};
+    std::uint64_t connect_ms = 30'000;
+    std::function<Transport&(PeerId, Transport&)> through = {}; ///< what a machine sends and hears by; none: the network
     bool record = true; ///< keep timelines and check events: both allocate
     std::uint64_t seed = 1;
 };
@@ -101,8 +104,11 @@ class Match {
             session_def.input_delay = def.input_delay;
             session_def.prediction_max = def.prediction_max;
             session_def.disconnect_ms = def.disconnect_ms;
-            m.session = (def.lockstep ? make_lockstep_session(session_def, network.endpoint(id))
-                                      : make_rollback_session(session_def, network.endpoint(id)))
+            session_def.connect_ms = def.connect_ms;
+            Transport& wire = network.endpoint(id);
+            Transport& transport = def.through ? def.through(id, wire) : wire;
+            m.session = (def.lockstep ? make_lockstep_session(session_def, transport)
+                                      : make_rollback_session(session_def, transport))
                             .value();
             m.simulation = make_simulation(id);
             m.runner = std::make_unique<SessionRunner>(*m.session, *m.simulation,
@@ -139,6 +145,16 @@ class Match {
             for (const SessionEvent& e : m.runner->events()) m.events.see(e);
         }
         while (const auto notice = m.session->next_notice()) m.notices.push_back(*notice);
+    }
+    /// A frame in which all machines poll and none goes on.
+    void pause() {
+        ++frames;
+        now_ms = frames * 1000 / 60;
+        network.advance_to(now_ms);
+        for (const std::unique_ptr<Machine>& m : machines) {
+            m->runner->wait(now_ms);
+            while (const auto notice = m->session->next_notice()) m->notices.push_back(*notice);
+        }
     }
     void run(std::uint64_t count) {
         for (std::uint64_t i = 0; i < count; ++i) frame();

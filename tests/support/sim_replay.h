@@ -39,6 +39,7 @@ inline std::string departs(const Run& run, World& w, std::size_t from, std::size
 
 /// All that a journal hears.
 struct Tape : Journal {
+    void on_restore(std::uint64_t) override {}
     struct Entry {
         std::uint64_t tick;
         Command command;

@@ -27,7 +27,7 @@ def complaints_of(library, text):
     """`text` is what objdump -d prints about an archive: per member, per function, tab-separated instructions."""
     pattern = ARITHMETIC.get(architecture(text))
     if pattern is None:
-        return []  # an architecture that this check does not know
+        return [f"{library}:1: is for a machine whose floating-point instructions this check does not know; it knows {', '.join(ARITHMETIC)}"]
     member = function = "?"
     complaints = []
     for line in text.split("\n"):

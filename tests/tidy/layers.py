@@ -11,7 +11,8 @@ LINKS = {
     "shapes": ["base", "math"],
     "collide": ["shapes", "state"],
     "dynamics": ["collide"],
-    "sim": ["dynamics"],
+    "solve": ["dynamics"],
+    "sim": ["solve"],
     "session": ["sim"],
     "net": ["session"],
     "replay": ["sim"],
@@ -19,7 +20,7 @@ LINKS = {
 # The layer that implements each public header.
 PUBLIC = {
     "result.h": "base", "tasks.h": "base",
-    "wide.h": "math", "fixed.h": "math", "formats.h": "math", "vec.h": "math", "math.h": "math", "random.h": "math",
+    "simd.h": "solve", "wide.h": "math", "fixed.h": "math", "formats.h": "math", "vec.h": "math", "math.h": "math", "random.h": "math",
     "decimal.h": "math", "row.h": "state", "state.h": "state", "shape.h": "shapes", "asset.h": "shapes",
     "ids.h": "collide", "field.h": "collide", "character.h": "collide", "joint.h": "collide", "vehicle.h": "collide", "ragdoll.h": "sim",
     "command.h": "collide", "event.h": "collide", "query.h": "collide",  # definitions and ids, which rows of the layers below sim hold
@@ -30,7 +31,7 @@ PUBLIC = {
 # Headers from elsewhere, and the only places that may include them.
 FOREIGN = [
     (r"xxhash\.h", ["src/base/hash.cpp"]),
-    (r"hwy/", ["src/base/", "src/dynamics/"]),
+    (r"hwy/", ["src/base/", "src/solve/"]),
     (r"(fcl|ccd)/", ["tests/oracle/", "tools/cook/", "tools/reference/"]),
     (r"(mpfr|gmp)\.h", ["tests/"]),
     (r"(glm|GLFW|epoxy|assimp)/", ["demo/", "tools/"]),

@@ -1,96 +1,94 @@
 // lockstone bench
-#include "cli/input_source.h"
-#include "cli/progress.h"
-#include "cli/scene_choice.h"
-#include "cli/world_report.h"
+#include "bench/instructions.h"
+#include "bench/parts.h"
+#include "bench/plot.h"
+#include "bench/print.h"
+#include "bench/profile.h"
+#include "cli/commands.h"
 
 #include <cstdio>
 
 namespace lockstone::cli {
 namespace {
 
+using bench::Json;
+
 struct Args {
-    std::vector<std::string> scenes;
-    SceneOptions options;
-    std::uint64_t ticks = 240;
-    std::uint32_t threads = 1;
-    bool json = false;
+    std::vector<std::string> parts;
+    std::vector<int> substeps;
+    std::uint32_t ticks = 0, runs = 3;
+    bool json = false, quick = false, instructions = false;
+    std::string keep, counted, profile, plot;
 };
 
 void describe(CLI::App& command, Args& args) {
-    command.add_option("SCENE", args.scenes, "scenes; none: all");
-    describe_options(command, args.options);
-    add_number(command, "--ticks", args.ticks, "to measure", 1, UINT64_MAX);
-    add_threads(command, args.threads);
-    command.add_flag("--json", args.json, "for programs");
+    add_texts(command, "PART", args.parts,
+              "S1 to S6, pyramids, grid, drum, state, awake, scaling, verify, arena, threads, front, or a "
+              "scene of `lockstone scenes`; none: all but threads, front and those scenes");
+    add_number(command, "--ticks", args.ticks, "to time; 0: as many as the scene asks for", 0, 1000000);
+    add_number(command, "--runs", args.runs, "of each scene: of each tick the least counts", 1, 100);
+    add_numbers(command, "--substeps", args.substeps,
+                "of Lockstone, 1 to 16; several, with commas: each is a contestant", 1, 16);
+    add_flag(command, "--json", args.json, "for programs");
+    add_flag(command, "--quick", args.quick, "a few ticks of small scenes: whether all runs, not how fast");
+    add_flag(command, "--instructions", args.instructions,
+             "count them under callgrind, in the chosen scenes");
+    add_text(command, "--keep", args.keep, "with --instructions: a folder for the files of callgrind");
+    add_text(command, "--profile", args.profile, "FILE.json: the chosen scenes by phases, as a Chrome trace");
+    add_text(command, "--plot", args.plot, "FILE.svg: a picture of the scenes, or of 'front', by gnuplot");
+    add_text(command, "--counted", args.counted, "").hide(); // what --instructions runs under callgrind
 }
 
-Result<nlohmann::ordered_json> measure(const std::string& scene, const Args& args) {
-    Result<Started> started = start({scene, args.options});
-    if (!started) return started.error();
-    World& world = started->world;
-    const std::unique_ptr<Tasks> tasks = tasks_of(args.threads);
-    world.set_tasks(tasks.get());
-    InputSource source = InputSource::scripted(*started->game, args.options.seed);
-    std::vector<double> tick_us;
-    Progress progress(scene, args.ticks);
-    for (std::uint64_t tick = 0; tick < args.ticks; ++tick) {
-        const std::span<const PlayerInput> inputs = source.at(tick);
-        const auto before = Clock::now();
-        if (Status s = started->game->advance(world, inputs); !s) return s.error();
-        tick_us.push_back(microseconds_since(before));
-        progress.at(tick + 1);
-    }
-    const std::size_t contacts = world.contacts().size();
-    const SnapshotCost cost = measure_snapshot(world);
-    return nlohmann::ordered_json{{"scene", scene},
-                                  {"bodies", world.body_count()},
-                                  {"contacts", contacts},
-                                  {"ticks", args.ticks},
-                                  {"tick_us_median", median(tick_us)},
-                                  {"tick_us_p99", percentile(tick_us, 0.99)},
-                                  {"snapshot_bytes", cost.bytes},
-                                  {"save_us", cost.save_us},
-                                  {"restore_us", cost.restore_us},
-                                  {"hash_us", cost.hash_us},
-                                  {"memcpy_us", cost.memcpy_us},
-                                  {"save_per_memcpy", cost.save_us / cost.memcpy_us},
-                                  {"save_per_tick", cost.save_us / median(tick_us)}};
+void print(const Args& args, const Json& rows, void (*print_rows)(const Json&)) {
+    if (args.json)
+        std::printf("%s\n", rows.dump(2).c_str());
+    else
+        print_rows(rows);
 }
 
-void print_row(const nlohmann::ordered_json& row) {
-    std::printf("%-16s %6u %8zu %10.1f %10.1f %9zu %8.2f %8.2f %8.2f %8.2f %6.2f\n",
-                row["scene"].get<std::string>().c_str(), row["bodies"].get<unsigned>(),
-                row["contacts"].get<std::size_t>(), row["tick_us_median"].get<double>(),
-                row["tick_us_p99"].get<double>(), row["snapshot_bytes"].get<std::size_t>(),
-                row["save_us"].get<double>(), row["restore_us"].get<double>(), row["hash_us"].get<double>(),
-                row["memcpy_us"].get<double>(), row["save_per_memcpy"].get<double>());
-}
-
-Result<Exit> bench(const Args& args) {
-    std::vector<std::string> names = args.scenes;
-    if (names.empty())
-        for (const SceneInfo& info : scenes()) names.emplace_back(info.name);
-    if (!args.json)
-        std::printf("%-16s %6s %8s %10s %10s %9s %8s %8s %8s %8s %6s\n", "scene", "bodies", "contacts",
-                    "tick us", "p99 us", "bytes", "save us", "load us", "hash us", "copy us", "ratio");
-    nlohmann::ordered_json all = nlohmann::ordered_json::array();
-    for (const std::string& name : names) {
-        const Result<nlohmann::ordered_json> row = measure(name, args);
-        if (!row) return row.error();
-        if (!args.json) print_row(*row);
-        all.push_back(*row);
-    }
-    if (args.json) std::printf("%s\n", all.dump(2).c_str());
+Result<Exit> measure(const Args& args, const bench::Plan& plan) {
+    const Result<Json> all = bench::run_parts(plan, [&](const std::string& key, const Json& row) {
+        if (!args.json) bench::print_row(key, row);
+    });
+    if (!all) return all.error();
+    if (args.json) std::printf("%s\n", all->dump(2).c_str());
+    if (!args.json) bench::print_settings(all->at("settings"));
+    if (!args.plot.empty())
+        if (const Status drawn = bench::plot(*all, args.plot); !drawn) return drawn.error();
     return Exit::good;
+}
+
+Result<Exit> act(const Args& args) {
+    const bench::Plan plan{.parts = args.parts,
+                           .substeps = args.substeps,
+                           .ticks = static_cast<int>(args.ticks),
+                           .runs = static_cast<int>(args.runs),
+                           .quick = args.quick};
+    if (const Status known = bench::check_parts(plan.parts); !known) return known.error();
+    const engines::Contestant ours = bench::chosen_contestants(plan)[0];
+    if (!args.counted.empty()) {
+        const Status done = bench::run_counted(bench::chosen_scenes(plan).at(0), ours, args.counted);
+        if (!done) return done.error();
+        return Exit::good;
+    }
+    if (args.instructions || !args.profile.empty()) {
+        const Result<Json> rows =
+            args.instructions
+                ? bench::count_instructions(bench::chosen_scenes(plan), ours, args.keep)
+                : bench::profile(bench::chosen_scenes(plan), ours, plan.quick ? 3 : plan.ticks, args.profile);
+        if (!rows) return rows.error();
+        print(args, *rows, args.instructions ? bench::print_instructions : bench::print_profile);
+        return Exit::good;
+    }
+    return measure(args, plan);
 }
 
 } // namespace
 
 void add_bench(CLI::App& app, Work& work) {
     add_command<Args>(app, work, "bench",
-                      "Time ticks, saves, restores and hashes, beside a memcpy of the same bytes.", describe,
-                      bench);
+                      "Times beside Bullet and ODE, and what they are worth: tools/bench/README.md.",
+                      describe, act);
 }
 
 } // namespace lockstone::cli

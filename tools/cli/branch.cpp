@@ -19,13 +19,13 @@ struct Args {
 };
 
 void describe(CLI::App& command, Args& args) {
-    command.add_option("FILE", args.file, "a recording (.lsr)")->required();
-    add_number(command, "--at", args.at, "the tick up to which it is copied")->required();
-    command.add_option("--input", args.input,
+    add_text(command, "FILE", args.file, "a recording (.lsr)").required();
+    add_number(command, "--at", args.at, "the tick up to which it is copied").required();
+    add_text(command, "--input", args.input,
                        "what the players do from there on: a text file (tools/README.md) or a recording");
     add_number(command, "--ticks", args.ticks,
                "how many ticks follow; left out: with --input up to the recording's end, else none");
-    command.add_option("-o,--output", args.out, "the new recording")->required();
+    add_text(command, "-o,--output", args.out, "the new recording").required();
     describe_limits(command, args.limits);
 }
 

@@ -1,5 +1,7 @@
 #include "cli/commands.h"
 
+#include <CLI/CLI.hpp>
+
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
@@ -46,29 +48,107 @@ std::string check_number(const std::string& text, std::uint64_t low, std::uint64
 }
 
 template <class N>
-CLI::Option* add_checked(CLI::App& command, const std::string& name, N& value, const std::string& sentence,
-                         std::uint64_t low, std::uint64_t high) {
+Option add_checked(CLI::App& command, const std::string& name, N& value, const std::string& sentence,
+                   std::uint64_t low, std::uint64_t high) {
     CLI::Option* option = command.add_option(name, value, sentence);
     option->check(
         CLI::Validator([low, high](const std::string& text) { return check_number(text, low, high); }, ""));
-    return option;
+    return Option(option);
+}
+
+/// Empty when `text` is a number of the range, else the sentence.
+std::string check_real(const std::string& text, double low, double high) {
+    double given = 0;
+    if (CLI::detail::lexical_cast(text, given) && given >= low && given <= high) return {};
+    char range[96];
+    std::snprintf(range, sizeof range, "' is not a number from %g to %g", low, high);
+    return "'" + text + range;
+}
+
+template <class N>
+Option add_real_number(CLI::App& command, const std::string& name, N& value, const std::string& sentence,
+                       double low, double high) {
+    CLI::Option* option = command.add_option(name, value, sentence);
+    option->check(
+        CLI::Validator([low, high](const std::string& text) { return check_real(text, low, high); }, ""));
+    return Option(option);
 }
 
 } // namespace
 
-CLI::Option* add_number(CLI::App& command, const std::string& name, std::uint64_t& value,
-                        const std::string& sentence, std::uint64_t low, std::uint64_t high) {
-    return add_checked(command, name, value, sentence, low, high)->capture_default_str();
+void add_subcommand(CLI::App& app, Work& work, const std::string& name, const std::string& sentence,
+                    const std::function<void(CLI::App&)>& describe, Work act) {
+    CLI::App* command = app.add_subcommand(name, sentence);
+    describe(*command);
+    command->callback([&work, act] { work = act; });
 }
 
-CLI::Option* add_number(CLI::App& command, const std::string& name, std::uint32_t& value,
-                        const std::string& sentence, std::uint32_t low, std::uint32_t high) {
-    return add_checked(command, name, value, sentence, low, high)->capture_default_str();
+const Option& Option::required() const {
+    option->required();
+    return *this;
 }
 
-CLI::Option* add_number(CLI::App& command, const std::string& name, std::optional<std::uint64_t>& value,
-                        const std::string& sentence) {
+const Option& Option::show_default() const {
+    option->capture_default_str();
+    return *this;
+}
+
+const Option& Option::one_of(const std::vector<std::string>& names) const {
+    option->check(CLI::IsMember(names));
+    return *this;
+}
+
+const Option& Option::hide() const {
+    option->group("");
+    return *this;
+}
+
+const Option& Option::type_name(const std::string& name) const {
+    option->type_name(name);
+    return *this;
+}
+
+Option add_text(CLI::App& command, const std::string& name, std::string& value, const std::string& sentence) {
+    return Option(command.add_option(name, value, sentence));
+}
+
+Option add_texts(CLI::App& command, const std::string& name, std::vector<std::string>& values,
+                 const std::string& sentence) {
+    return Option(command.add_option(name, values, sentence));
+}
+
+Option add_flag(CLI::App& command, const std::string& name, bool& value, const std::string& sentence) {
+    return Option(command.add_flag(name, value, sentence));
+}
+
+Option add_number(CLI::App& command, const std::string& name, std::uint64_t& value, const std::string& sentence,
+                  std::uint64_t low, std::uint64_t high) {
+    return add_checked(command, name, value, sentence, low, high).show_default();
+}
+
+Option add_number(CLI::App& command, const std::string& name, std::uint32_t& value, const std::string& sentence,
+                  std::uint32_t low, std::uint32_t high) {
+    return add_checked(command, name, value, sentence, low, high).show_default();
+}
+
+Option add_number(CLI::App& command, const std::string& name, std::optional<std::uint64_t>& value,
+                  const std::string& sentence) {
     return add_checked(command, name, value, sentence, 0, UINT64_MAX);
+}
+
+Option add_numbers(CLI::App& command, const std::string& name, std::vector<int>& values, const std::string& sentence,
+                   int low, int high) {
+    return Option(command.add_option(name, values, sentence)->delimiter(',')->check(CLI::Range(low, high)));
+}
+
+Option add_real(CLI::App& command, const std::string& name, double& value, const std::string& sentence, double low,
+                double high) {
+    return add_real_number(command, name, value, sentence, low, high);
+}
+
+Option add_real(CLI::App& command, const std::string& name, std::optional<double>& value,
+                const std::string& sentence, double low, double high) {
+    return add_real_number(command, name, value, sentence, low, high);
 }
 
 void add_threads(CLI::App& command, std::uint32_t& threads) {

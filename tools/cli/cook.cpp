@@ -24,30 +24,14 @@ const std::map<std::string, cook::Wanted> kinds{{"hull", cook::Wanted::hull},
                                                 {"mesh", cook::Wanted::mesh},
                                                 {"height-field", cook::Wanted::height_field}};
 
-/// A number in a range, not-a-number excluded.
-void add_real(CLI::App& command, const std::string& name, auto& value, const std::string& sentence,
-              double low, double high) {
-    command.add_option(name, value, sentence)
-        ->check(CLI::Validator(
-            [low, high](const std::string& text) {
-                double given = 0;
-                const bool is_number =
-                    CLI::detail::lexical_cast(text, given) && given >= low && given <= high;
-                char range[96];
-                std::snprintf(range, sizeof range, "' is not a number from %g to %g", low, high);
-                return is_number ? std::string() : "'" + text + range;
-            },
-            ""));
-}
-
 void describe(CLI::App& command, Args& args) {
-    command.add_option("MESH", args.model, "a model: glTF, OBJ, FBX, STL, PLY")->required();
-    command.add_option("-o", args.asset, "the file to write")->required()->type_name("ASSET");
+    add_text(command, "MESH", args.model, "a model: glTF, OBJ, FBX, STL, PLY").required();
+    add_text(command, "-o", args.asset, "the file to write").required().type_name("ASSET");
     std::vector<std::string> names;
     for (const auto& [name, kind] : kinds) names.push_back(name);
-    command.add_option("--as", args.as, "hull, convex (a compound of hulls), mesh, height-field")
-        ->check(CLI::IsMember(names))
-        ->capture_default_str();
+    add_text(command, "--as", args.as, "hull, convex (a compound of hulls), mesh, height-field")
+        .one_of(names)
+        .show_default();
     add_real(command, "--scale", args.options.scale, "metres per unit of the model, default 1", 1e-9, 1e9);
     add_real(command, "--deviation", args.options.deviation,
              "allowed [m]; default: 1 % of the model's largest extent", 0, 1e4);
@@ -55,15 +39,15 @@ void describe(CLI::App& command, Args& args) {
                compound_parts_max);
     add_number(command, "--vertices", args.options.corners_max,
                "hull, convex: at most so many corners a hull", 4, hull_vertices_max);
-    command.add_flag("--two-sided", args.options.two_sided, "mesh: walls to both sides, nothing is inside");
+    add_flag(command, "--two-sided", args.options.two_sided, "mesh: walls to both sides, nothing is inside");
     add_real(command, "--flat", args.options.flat,
              "mesh, height-field: edges that bend less are not felt [degrees]", 0, 90);
     add_real(command, "--spacing", args.options.spacing,
              "height-field: between samples [m]; default: as coarse as the deviation allows", 1e-4, 1e3);
     add_number(command, "--seconds", args.limits.seconds, "give up on a model that takes longer to read", 1,
                86400);
-    command.add_flag("--z-up", args.options.z_up, "the model's z axis points up");
-    command.add_flag("--json", args.json, "for programs");
+    add_flag(command, "--z-up", args.options.z_up, "the model's z axis points up");
+    add_flag(command, "--json", args.json, "for programs");
 }
 
 nlohmann::ordered_json report_of(const Args& args, const cook::Cooked& made) {

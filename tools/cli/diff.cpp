@@ -13,8 +13,8 @@ struct Args {
 };
 
 void describe(CLI::App& command, Args& args) {
-    command.add_option("A", args.left, "a recording (.lsr)")->required();
-    command.add_option("B", args.right, "another")->required();
+    add_text(command, "A", args.left, "a recording (.lsr)").required();
+    add_text(command, "B", args.right, "another").required();
     describe_limits(command, args.limits);
 }
 

@@ -21,17 +21,17 @@ struct Args {
 };
 
 void describe(CLI::App& command, Args& args) {
-    command.add_option("SCENE", args.scene, "one of `lockstone scenes` with players")->capture_default_str();
-    command.add_option("--seeds", args.seeds, "A..B: one match for each")->capture_default_str();
+    add_text(command, "SCENE", args.scene, "one of `lockstone scenes` with players").show_default();
+    add_text(command, "--seeds", args.seeds, "A..B: one match for each").show_default();
     add_number(command, "--peers", args.peers, "machines, one player each");
     add_number(command, "--loss", args.loss_percent, "packets that are lost [%]", 0, 99);
     add_number(command, "--latency", args.latency_ms, "one way [ms]", 0, 10000);
     add_number(command, "--jitter", args.jitter_ms, "added, up to [ms]", 0, 10000);
     add_number(command, "--ticks", args.ticks, "that every peer has to confirm", 1, UINT64_MAX);
-    command.add_option("--mode", args.mode, "rollback or lockstep")
-        ->check(CLI::IsMember({"rollback", "lockstep"}))
-        ->capture_default_str();
-    command.add_option("--record-prefix", args.record_prefix, "write PREFIX-SEED-PEER.lsr of every peer");
+    add_text(command, "--mode", args.mode, "rollback or lockstep")
+        .one_of({"rollback", "lockstep"})
+        .show_default();
+    add_text(command, "--record-prefix", args.record_prefix, "write PREFIX-SEED-PEER.lsr of every peer");
 }
 
 struct Seeds {

@@ -14,8 +14,8 @@ struct Args {
 };
 
 void describe(CLI::App& command, Args& args) {
-    command.add_option("FILE", args.file, "a recording (.lsr) that was cut or damaged")->required();
-    command.add_option("-o,--output", args.out, "the complete recording of what is whole")->required();
+    add_text(command, "FILE", args.file, "a recording (.lsr) that was cut or damaged").required();
+    add_text(command, "-o,--output", args.out, "the complete recording of what is whole").required();
     describe_limits(command, args.limits);
 }
 

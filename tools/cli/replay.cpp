@@ -20,11 +20,11 @@ struct ReplayArgs {
 };
 
 void describe(CLI::App& command, ReplayArgs& args) {
-    command.add_option("FILE", args.file, "a recording (.lsr)")->required();
+    add_text(command, "FILE", args.file, "a recording (.lsr)").required();
     add_number(command, "--from", args.from, "start there, from the keyframe before it");
     add_number(command, "--to", args.to, "stop there");
     add_threads(command, args.threads);
-    command.add_option("--hashes", args.hashes, "write tick, tab, root hash after that tick");
+    add_text(command, "--hashes", args.hashes, "write tick, tab, root hash after that tick");
     describe_limits(command, args.limits);
 }
 
@@ -85,8 +85,8 @@ struct InfoArgs {
 };
 
 void describe(CLI::App& command, InfoArgs& args) {
-    command.add_option("FILE", args.file, "a recording (.lsr)")->required();
-    command.add_flag("--json", args.json, "for programs");
+    add_text(command, "FILE", args.file, "a recording (.lsr)").required();
+    add_flag(command, "--json", args.json, "for programs");
     describe_limits(command, args.limits);
 }
 

@@ -17,7 +17,7 @@ struct Args {
     SceneChoice choice;
     std::uint64_t ticks = 600;
     std::uint32_t threads = 1;
-    std::string simd = "scalar";
+    std::string simd;
     std::string input, record, hashes, report;
     std::uint64_t keyframe_ticks = replay::keyframe_ticks_default;
 };
@@ -26,14 +26,14 @@ void describe(CLI::App& command, Args& args) {
     describe_scene(command, args.choice);
     add_number(command, "--ticks", args.ticks, "how long");
     add_threads(command, args.threads);
-    command.add_option("--simd", args.simd, "scalar is what there is")->capture_default_str();
-    command.add_option("--input", args.input,
+    add_text(command, "--simd", args.simd, "scalar, sse41 or avx2: the same hashes at other speeds; the best there is when left out");
+    add_text(command, "--input", args.input,
                        "inputs: a text file (tools/README.md) or a recording; else scripted from the seed");
-    command.add_option("--record", args.record, "write a recording (.lsr)");
+    add_text(command, "--record", args.record, "write a recording (.lsr)");
     add_number(command, "--keyframes", args.keyframe_ticks,
                "ticks from keyframe to keyframe of the recording; 0: only the first");
-    command.add_option("--hashes", args.hashes, "write tick, tab, root hash after that tick");
-    command.add_option("--report", args.report, "write numbers about the run as JSON");
+    add_text(command, "--hashes", args.hashes, "write tick, tab, root hash after that tick");
+    add_text(command, "--report", args.report, "write numbers about the run as JSON");
 }
 
 /// What a run leaves behind besides its last state.
@@ -94,13 +94,13 @@ Status close_outputs(const Args& args, Started& started, Outputs& out) {
 }
 
 Result<Exit> run(const Args& args) {
-    if (Status s = check_simd(args.simd); !s) return s.error();
     for (const std::string& output : {args.record, args.hashes, args.report})
         if (Status s = check_output(output, args.input); !s) return s.error();
     Result<Started> started = start(args.choice);
     if (!started) return started.error();
     const std::unique_ptr<Tasks> tasks = tasks_of(args.threads);
     started->world.set_tasks(tasks.get());
+    if (Status s = choose_simd(args.simd, started->world); !s) return s.error();
     Result<InputSource> source =
         args.input.empty()
             ? Result<InputSource>(InputSource::scripted(*started->game, args.choice.options.seed))

@@ -10,7 +10,7 @@ void describe_options(CLI::App& command, SceneOptions& options) {
 }
 
 void describe_scene(CLI::App& command, SceneChoice& choice) {
-    command.add_option("SCENE", choice.scene, "one of `lockstone scenes`")->required();
+    add_text(command, "SCENE", choice.scene, "one of `lockstone scenes`").required();
     describe_options(command, choice.options);
 }
 

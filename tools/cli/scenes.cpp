@@ -13,7 +13,7 @@ struct Args {
     bool json = false;
 };
 
-void describe(CLI::App& command, Args& args) { command.add_flag("--json", args.json, "for programs"); }
+void describe(CLI::App& command, Args& args) { add_flag(command, "--json", args.json, "for programs"); }
 
 std::string options_of(const SceneInfo& info) {
     std::string text;

@@ -21,7 +21,7 @@ void describe(CLI::App& command, Args& args) {
     add_number(command, "--ticks", args.ticks, "how long");
     add_number(command, "--depth", args.depth, "how many ticks every tick rolls back", 1, 64);
     add_threads(command, args.threads);
-    command.add_option("--plant", args.plant, "plant a fault: leave this column out of the snapshots");
+    add_text(command, "--plant", args.plant, "plant a fault: leave this column out of the snapshots");
 }
 
 /// Sessions have at least one player: gives one to a scene that has none, who presses nothing.

@@ -40,9 +40,12 @@ Status check_output(const std::string& output, const std::string& source) {
     return Error{output + ": is what is read from; write to another file"};
 }
 
-Status check_simd(const std::string& level) {
-    if (level == "scalar") return {};
-    return Error{"--simd " + level + ": this build has one level, scalar"};
+Status choose_simd(const std::string& level, World& world) {
+    if (level.empty()) return {};
+    for (const Simd known : every_simd)
+        if (name_of(known) == level)
+            return world.set_simd(known) ? Status{} : Error{"--simd " + level + ": this machine has none"};
+    return Error{"--simd " + level + ": there are scalar, sse41 and avx2"};
 }
 
 } // namespace lockstone::cli

@@ -1,7 +1,7 @@
 // Small things that commands print and write.
 #pragma once
 
-#include "lockstone/result.h"
+#include "lockstone/world.h"
 
 #include <cstdint>
 #include <string>
@@ -16,7 +16,7 @@ Result<std::string> read_file(const std::string& path);
 /// Refuses to overwrite what is read.
 Status check_output(const std::string& output, const std::string& source);
 
-/// What is there to choose from, until there is more: scalar code. The error says so.
-Status check_simd(const std::string& level);
+/// Sets the instruction set of that name; of an empty one nothing. The error says what there is.
+Status choose_simd(const std::string& level, World& world);
 
 } // namespace lockstone::cli

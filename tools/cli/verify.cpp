@@ -22,11 +22,11 @@ struct Args {
 };
 
 void describe(CLI::App& command, Args& args) {
-    command.add_option("FILE", args.files, "recordings (.lsr)")->required();
+    add_texts(command, "FILE", args.files, "recordings (.lsr)").required();
     add_number(command, "--jobs", args.jobs, "threads per recording, each from keyframe to keyframe", 1, 256);
     add_threads(command, args.threads);
-    command.add_option("--shard", args.shard, "I/N: part I, from 0, of N equal parts")->capture_default_str();
-    command.add_flag("--json", args.json, "for programs");
+    add_text(command, "--shard", args.shard, "I/N: part I, from 0, of N equal parts").show_default();
+    add_flag(command, "--json", args.json, "for programs");
     describe_limits(command, args.limits);
 }
 

@@ -1,0 +1,144 @@
+// The contact table of this tick out of that of the last one: rows that were kept move to their new places, new ones are
+// written between them. What stays where it was is not touched.
+#include "sim/phases.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace lockstone::sim {
+
+namespace {
+
+using NearChunk = Scratch::NearChunk;
+
+std::uint32_t chunk_count(const Scratch& s) {
+    return (static_cast<std::uint32_t>(s.near.size()) + pairs_per_chunk - 1) / pairs_per_chunk;
+}
+
+/// Takes those pairs out of a chunk whose rows do not fit into `room`: they end to touch. Returns how many rows that were.
+std::uint32_t drop_pairs(NearChunk& chunk, std::size_t room) {
+    std::uint32_t dropped = 0, rows = 0, made = 0, made_kept = 0, contacts = 0;
+    std::size_t contact = 0;
+    for (Scratch::Seen& seen : chunk.seen) {
+        const std::uint32_t end = seen.first_row + seen.row_count;
+        const bool fits = seen.row_count <= room - rows;
+        for (; contact < chunk.contacts.size() && chunk.contacts[contact].memory < end; ++contact) {
+            if (!fits) continue;
+            dynamics::Contact& moved = chunk.contacts[contacts++] = chunk.contacts[contact];
+            moved.memory = moved.memory - seen.first_row + rows;
+        }
+        const std::uint32_t new_rows = seen.is_kept ? 0 : seen.row_count;
+        for (std::uint32_t i = 0; fits && i < new_rows; ++i)
+            chunk.memories[made_kept++] = chunk.memories[made + i];
+        made += new_rows;
+        seen.first_row = rows;
+        if (!fits) dropped += seen.row_count, seen.row_count = 0, seen.overlaps = false;
+        rows += seen.row_count;
+    }
+    chunk.memories.resize(made_kept), chunk.contacts.resize(contacts);
+    return dropped;
+}
+
+/// Where each chunk's rows and contacts go, in pair order. What the table has no room for is dropped.
+std::uint32_t place_chunks(Data& w, std::span<NearChunk> chunks) {
+    Scratch& s = w.scratch;
+    const std::uint32_t room = w.state.capacity(w.m.contacts) - w.state.count(w.m.sleeping_contacts);
+    std::uint32_t rows = 0, contacts = 0, dropped = 0;
+    s.seen.clear();
+    for (NearChunk& chunk : chunks) {
+        std::uint32_t in_chunk = 0;
+        for (const Scratch::Seen& seen : chunk.seen) in_chunk += seen.row_count;
+        if (in_chunk > room - rows) {
+            const std::uint32_t too_many = drop_pairs(chunk, room - rows);
+            dropped += too_many, in_chunk -= too_many;
+        }
+        chunk.first_row = rows, chunk.first_contact = contacts;
+        for (Scratch::Seen seen : chunk.seen) {
+            seen.first_row += rows;
+            s.seen.push_back(seen);
+        }
+        rows += in_chunk;
+        contacts += static_cast<std::uint32_t>(chunk.contacts.size());
+    }
+    s.contacts.resize(contacts);
+    if (dropped != 0) w.state.edit_row(w.m.faults, 0).contacts_dropped += dropped;
+    return rows;
+}
+
+/// Which kept rows change places; true when every row of the table has the key that it had.
+bool find_moves(Data& w, std::uint32_t rows) {
+    Scratch& s = w.scratch;
+    bool same_keys = rows == w.state.count(w.m.contacts);
+    s.row_moves.clear();
+    for (const Scratch::Seen& seen : s.seen) {
+        const Scratch::Near& near = s.near[seen.near];
+        if (seen.row_count == 0) continue;
+        if (near.old_first == seen.first_row && near.old_count == seen.row_count) continue;
+        same_keys = false;
+        if (!seen.is_kept || near.old_first == seen.first_row) continue;
+        if (!s.row_moves.empty()) {
+            Scratch::RowMove& last = s.row_moves.back();
+            if (last.from + last.count == near.old_first && last.to + last.count == seen.first_row) {
+                last.count += seen.row_count;
+                continue;
+            }
+        }
+        s.row_moves.push_back({near.old_first, seen.first_row, seen.row_count});
+    }
+    return same_keys;
+}
+
+/// In place. Their order does not change, so no row is overwritten before it has moved when those that move down go
+/// first, from the first on, and then those that move up, from the last on.
+template <class Row> void move_rows(std::span<Row> rows, std::span<const Scratch::RowMove> moves) {
+    const auto move = [&](const Scratch::RowMove& m) {
+        std::memmove(rows.data() + m.to, rows.data() + m.from, m.count * sizeof(Row));
+    };
+    for (const Scratch::RowMove& m : moves)
+        if (m.to < m.from) move(m);
+    for (std::size_t i = moves.size(); i-- > 0;)
+        if (moves[i].to > moves[i].from) move(moves[i]);
+}
+
+void write_rows(Data& w, std::span<const NearChunk> chunks, std::uint32_t rows) {
+    Scratch& s = w.scratch;
+    const bool same_keys = find_moves(w, rows);
+    if (rows > w.state.count(w.m.contacts)) w.state.resize(w.m.contacts, rows);
+    const std::span<ContactMemory> memories = w.state.edit(w.m.contact_memory);
+    move_rows(memories, s.row_moves);
+    for (const NearChunk& chunk : chunks) {
+        std::size_t made = 0;
+        for (const Scratch::Seen& seen : chunk.seen) {
+            if (seen.is_kept) continue;
+            std::copy_n(chunk.memories.begin() + static_cast<std::ptrdiff_t>(made), seen.row_count,
+                        memories.begin() + chunk.first_row + seen.first_row);
+            made += seen.row_count;
+        }
+    }
+    if (same_keys) return;
+    const std::span<ContactKey> keys = w.state.edit(w.m.contact_key);
+    for (const Scratch::Seen& seen : s.seen)
+        for (std::uint32_t i = 0; i < seen.row_count; ++i) keys[seen.first_row + i] = s.near[seen.near].key;
+    if (rows < w.state.count(w.m.contacts)) w.state.resize(w.m.contacts, rows);
+}
+
+} // namespace
+
+void place_contacts(Data& w) {
+    Scratch& s = w.scratch;
+    const std::span<NearChunk> chunks = std::span(s.near_chunks).first(chunk_count(s));
+    const std::uint32_t rows = place_chunks(w, chunks);
+    write_rows(w, chunks, rows);
+    base::for_chunks(w.tasks, static_cast<std::uint32_t>(chunks.size()), 8,
+                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                         for (std::uint32_t i = first; i < last; ++i) {
+                             dynamics::Contact* to = s.contacts.data() + chunks[i].first_contact;
+                             for (const dynamics::Contact& contact : chunks[i].contacts) {
+                                 *to = contact;
+                                 to++->memory += chunks[i].first_row;
+                             }
+                         }
+                     });
+}
+
+} // namespace lockstone::sim

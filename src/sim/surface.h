@@ -1,0 +1,17 @@
+// What of a shape is touched: the surface of its triangle's or cell's material, or its own.
+#pragma once
+
+#include "sim/data.h"
+
+namespace lockstone::sim {
+
+struct Touch {
+    Real friction, restitution, rolling;
+    Vec3 velocity; ///< in the shape's axes [m/s]
+};
+/// `piece`: triangle or part, as in hits and manifolds.
+Touch touch_of(const ShapeRow& shape, const shapes::Solid& solid, std::uint32_t piece);
+/// Of a living shape whose solid the tick or a query has found.
+SurfacePart part_of(const Data& w, ShapeId shape, std::uint32_t piece);
+
+} // namespace lockstone::sim

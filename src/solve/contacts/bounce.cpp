@@ -1,0 +1,253 @@
+#include "solve/contacts/bounce.h"
+
+#include "lockstone/math.h"
+
+#include <algorithm>
+
+namespace lockstone::solve {
+
+namespace {
+
+using dynamics::SolverBodies;
+using dynamics::SolverBody;
+
+std::int64_t rounded(std::int64_t x, int shift) { return shift_right_rounded(x, shift); }
+std::int64_t speed_part(std::int64_t v) { return static_cast<std::int32_t>(rounded(v, row_bits)); }
+
+/// One lane of a pack: the two bodies and the rows between them.
+template <unsigned N> struct Lane {
+    const ContactPack<N>& pack;
+    unsigned lane;
+
+    std::int64_t turning(const std::int32_t (&xa)[3][N], const std::int32_t (&xb)[3][N], const SolverBody& a,
+                         const SolverBody& b) const {
+        std::int64_t sum = 0;
+        for (int i = 0; i < 3; ++i)
+            sum += xa[i][lane] * speed_part(a.u[i]) + xb[i][lane] * speed_part(b.u[i]);
+        return sum;
+    }
+    /// Level and tilts of the normal speed.
+    void speeds(const SolverBodies& bodies, std::int64_t (&out)[3]) const {
+        const SolverBody &a = bodies.body[pack.body_a[lane]], &b = bodies.body[pack.body_b[lane]];
+        std::int64_t line = 0;
+        for (int i = 0; i < 3; ++i) line += pack.d[0][i][lane] * speed_part(b.v[i] - a.v[i]);
+        for (int r = 0; r < 3; ++r)
+            out[r] = rounded(turning(pack.normal_a[r], pack.normal_b[r], a, b) + (r == 0 ? line : 0), row_bits);
+    }
+    std::int64_t at_point(int k, const std::int64_t (&x)[3]) const {
+        const PointLanes<N>& point = pack.points[k];
+        return x[0] + rounded(point.arm[0][lane] * x[1] + point.arm[1][lane] * x[2], unit_bits);
+    }
+    /// Adds an impulse along row `row` of a set to the velocities of the bodies that move; `line`: along this direction.
+    void push(SolverBodies& bodies, const std::int32_t (&xa)[3][N], const std::int32_t (&xb)[3][N], const std::int32_t (*line)[N],
+              std::int64_t p) const {
+        const auto give = [&](SolverBody& to, std::int64_t share, const std::int32_t (&x)[3][N], std::int64_t sign) {
+            const std::int64_t part = rounded(p * share, unit_bits);
+            for (int i = 0; i < 3; ++i) {
+                if (line != nullptr) to.v[i] += (sign * line[i][lane] * part) & to.keep[i];
+                to.u[i] += x[i][lane] * part;
+            }
+        };
+        if ((pack.movable_a >> lane) & 1u) give(bodies.body[pack.body_a[lane]], pack.share_a[lane], xa, -1);
+        if ((pack.movable_b >> lane) & 1u) give(bodies.body[pack.body_b[lane]], pack.share_b[lane], xb, 1);
+    }
+    void push_normals(SolverBodies& bodies, const std::int64_t (&q)[3]) const {
+        for (int r = 0; r < 3; ++r) push(bodies, pack.normal_a[r], pack.normal_b[r], r == 0 ? pack.d[0] : nullptr, q[r]);
+    }
+};
+
+} // namespace
+
+template <unsigned N>
+void measure_approach(std::span<Bounce> bounces, std::span<const ContactPack<N>> packs, const SolverBodies& bodies) {
+    for (Bounce& bounce : bounces) {
+        const Lane<N> at{packs[bounce.pack], bounce.lane};
+        std::int64_t speed[3];
+        at.speeds(bodies, speed);
+        for (int k = 0; k < at.pack.point_count; ++k)
+            if (at.pack.points[k].impulse[bounce.lane] <= 0 && bounce.impulse_max[k] <= 0)
+                bounce.approach[k] = saturate_to_int32(at.at_point(k, speed));
+    }
+}
+
+template <unsigned N>
+void note_bounce(const ContactPack<N>& pack, Bounce* bounces, const std::int32_t (&speed_before)[4][N],
+                 const std::int32_t (&speed_after)[4][N], const std::int32_t (&impulse_before)[4][N]) {
+    constexpr std::int64_t limit = std::int64_t{1} << 62, most = std::int64_t{1} << 30;
+    for (std::uint32_t i = 0; i < pack.bounce_count; ++i) {
+        Bounce& bounce = bounces[pack.bounce + i];
+        for (int k = 0; k < pack.point_count; ++k) {
+            const std::int32_t now = pack.points[k].impulse[bounce.lane];
+            bounce.impulse_max[k] = std::max(bounce.impulse_max[k], now);
+            // Work: impulse over the point's effective mass, times the mean of the speeds before and after.
+            const std::int64_t change =
+                std::clamp(rounded((std::int64_t{now} - impulse_before[k][bounce.lane]) * bounce.inverse_mass[k], response_bits), -most, most);
+            const std::int64_t speeds = std::clamp<std::int64_t>(
+                std::int64_t{speed_before[k][bounce.lane]} + speed_after[k][bounce.lane], -most, most);
+            bounce.taken[k] = std::clamp(bounce.taken[k] - change * speeds, -limit, limit);
+        }
+    }
+}
+
+namespace {
+
+/// What the points of a contact that bounce should part at, and which do.
+template <unsigned N>
+bool find_targets(const Bounce& bounce, const ContactPack<N>& pack, std::int32_t speed_min, std::int64_t (&target)[4],
+                  std::uint32_t& points) {
+    points = 0;
+    for (int k = 0; k < pack.point_count; ++k) {
+        target[k] = 0;
+        if (bounce.approach[k] > -speed_min || bounce.impulse_max[k] == 0 || pack.points[k].kappa[bounce.lane] == 0) continue;
+        const std::int64_t taken = std::max<std::int64_t>(bounce.taken[k], 0);
+        const std::int64_t most = std::int64_t{isqrt(static_cast<std::uint64_t>(taken))};
+        target[k] = rounded(std::max(std::int64_t{bounce.approach[k]}, -most) * bounce.restitution, unit_bits);
+        points |= 1u << k;
+    }
+    return points != 0;
+}
+
+} // namespace
+
+template <unsigned N>
+void give_back(std::span<Bounce> bounces, std::span<ContactPack<N>> packs, std::int32_t speed_min, SolverBodies& bodies) {
+    constexpr int lower[3][3] = {{0, 1, 3}, {1, 2, 4}, {3, 4, 5}};
+    for (Bounce& bounce : bounces) {
+        ContactPack<N>& pack = packs[bounce.pack];
+        const unsigned lane = bounce.lane;
+        std::int64_t target[4], speed[3];
+        std::uint32_t points;
+        if (!find_targets(bounce, pack, speed_min, target, points)) continue;
+        const Lane<N> at{pack, lane};
+        at.speeds(bodies, speed);
+        std::int64_t sum[3] = {};
+        const auto add = [&](int k, std::int64_t change) {
+            PointLanes<N>& point = pack.points[k];
+            change = std::clamp<std::int64_t>(point.impulse[lane] + change, 0, impulse_limit) - point.impulse[lane];
+            point.impulse[lane] += static_cast<std::int32_t>(change);
+            const std::int64_t q[3] = {change, rounded(point.arm[0][lane] * change, unit_bits),
+                                       rounded(point.arm[1][lane] * change, unit_bits)};
+            for (int i = 0; i < 3; ++i) {
+                sum[i] += q[i];
+                for (int j = 0; j < 3; ++j) speed[i] += rounded(pack.response[lower[i][j]][lane] * q[j], response_bits);
+            }
+        };
+        const int count = pack.point_count;
+        // All alike first, at their centre: a box that lands flat is not turned by the order of its points.
+        std::int64_t error = 0, common = 0;
+        for (int k = 0; k < count; ++k)
+            if ((points >> k) & 1u) error += at.at_point(k, speed) + target[k], ++common;
+        const std::int64_t level = pack.response[0][lane];
+        if (common > 1 && level > 0)
+            for (int k = 0; k < count; ++k)
+                if ((points >> k) & 1u) add(k, -(error * (std::int64_t{1} << response_bits) / level) / (common * common));
+        for (int round = 0; round < (common > 1 ? 4 : 1); ++round)
+            for (int i = 0; i < count; ++i) {
+                const int k = round % 2 == 0 ? i : count - 1 - i;
+                if ((points >> k) & 1u)
+                    add(k, -rounded((at.at_point(k, speed) + target[k]) * pack.points[k].kappa[lane], kappa_bits));
+            }
+        at.push_normals(bodies, sum);
+    }
+}
+
+template <unsigned N>
+void solve_rolling(std::span<Rolling> rolling, std::span<const ContactPack<N>> packs, SolverBodies& bodies, bool warm_start) {
+    for (Rolling& rows : rolling) {
+        const ContactPack<N>& pack = packs[rows.pack];
+        SolverBody &a = bodies.body[pack.body_a[rows.lane]], &b = bodies.body[pack.body_b[rows.lane]];
+        std::int64_t now[3], pressing = 0;
+        for (int k = 0; k < pack.point_count; ++k) pressing += pack.points[k].impulse[rows.lane];
+        for (int r = 0; r < 3; ++r) {
+            std::int64_t speed = 0;
+            for (int i = 0; i < 3; ++i)
+                speed += rows.xa[r][i] * speed_part(a.u[i]) + rows.xb[r][i] * speed_part(b.u[i]);
+            now[r] = rows.impulse[r];
+            if (!warm_start) now[r] = std::clamp<std::int64_t>(now[r] - rounded(rounded(speed, row_bits) * rows.kappa[r], kappa_bits),
+                                                                -impulse_limit, impulse_limit);
+        }
+        if (!warm_start) {
+            const std::int64_t limit = std::min<std::int64_t>(rounded(pressing * rows.bound, row_bits), impulse_limit);
+            const std::int64_t square = now[0] * now[0] + now[1] * now[1] + now[2] * now[2];
+            if (square > limit * limit) {
+                const std::int64_t size = std::int64_t{isqrt(static_cast<std::uint64_t>(square))} + 1;
+                for (std::int64_t& x : now) x = x * limit / size;
+            }
+        }
+        for (int r = 0; r < 3; ++r) {
+            const std::int64_t change = warm_start ? now[r] : now[r] - rows.impulse[r];
+            rows.impulse[r] = static_cast<std::int32_t>(now[r]);
+            const std::int64_t da = rounded(change * pack.share_a[rows.lane], unit_bits),
+                               db = rounded(change * pack.share_b[rows.lane], unit_bits);
+            for (int i = 0; i < 3; ++i) a.u[i] += rows.xa[r][i] * da, b.u[i] += rows.xb[r][i] * db;
+        }
+    }
+}
+
+void clamp_to_cone(std::int32_t limit, std::int32_t& t1, std::int32_t& t2) {
+    const std::int64_t square = std::int64_t{t1} * t1 + std::int64_t{t2} * t2;
+    const std::int64_t size = std::int64_t{isqrt(static_cast<std::uint64_t>(square))} + 1;
+    t1 = static_cast<std::int32_t>(std::int64_t{t1} * limit / size);
+    t2 = static_cast<std::int32_t>(std::int64_t{t2} * limit / size);
+}
+
+/// What stopped the bodies in the last substep does not hold them in this one. Given to them again it would have to be taken
+/// back, which one pass does not do wholly for a body between two others: elastic balls would gain energy.
+template <unsigned N> void forget_impacts(ContactPack<N>& pack, WarmStart* warm) {
+    constexpr std::int64_t one = 1;
+    for (unsigned lane = 0; lane < N; ++lane) {
+        std::int64_t taken[3] = {}, before = 0, after = 0;
+        for (int k = 0; k < pack.point_count; ++k) {
+            PointLanes<N>& point = pack.points[k];
+            const std::int64_t impact = std::clamp(point.impact[lane], 0, point.impulse[lane]);
+            before += point.impulse[lane];
+            point.impulse[lane] -= static_cast<std::int32_t>(impact);
+            after += point.impulse[lane];
+            point.impact[lane] = 0;
+            taken[0] -= impact;
+            taken[1] -= rounded(point.arm[0][lane] * impact, unit_bits);
+            taken[2] -= rounded(point.arm[1][lane] * impact, unit_bits);
+        }
+        if (taken[0] == 0) continue;
+        std::int64_t slide[3];
+        for (int r = 0; r < 3; ++r) { // friction as the normal impulses
+            const std::int64_t less = before == 0 ? 0 : pack.slide[r][lane] * after / std::max(before, one);
+            slide[r] = less - pack.slide[r][lane];
+            pack.slide[r][lane] = static_cast<std::int32_t>(less);
+        }
+        const auto give = [&](WarmStart& to, std::int64_t share, std::int64_t sign, const auto& normal, const auto& across) {
+            for (int r = 0; r < 3; ++r) {
+                const std::int64_t n = rounded(taken[r] * share, unit_bits), t = rounded(slide[r] * share, unit_bits);
+                for (int i = 0; i < 3; ++i) {
+                    if (r == 0) to.v[i] += sign * pack.d[0][i][lane] * n;
+                    if (r < 2) to.v[i] += sign * pack.d[r + 1][i][lane] * t;
+                    to.u[i] += normal[r][i][lane] * n + across[r][i][lane] * t;
+                }
+            }
+        };
+        if ((pack.movable_a >> lane) & 1u) give(warm[pack.body_a[lane]], pack.share_a[lane], -1, pack.normal_a, pack.slide_a);
+        if ((pack.movable_b >> lane) & 1u) give(warm[pack.body_b[lane]], pack.share_b[lane], 1, pack.normal_b, pack.slide_b);
+    }
+    pack.impacts = 0;
+}
+
+template void measure_approach(std::span<Bounce>, std::span<const ContactPack<1>>, const SolverBodies&);
+template void give_back(std::span<Bounce>, std::span<ContactPack<1>>, std::int32_t, SolverBodies&);
+template void solve_rolling(std::span<Rolling>, std::span<const ContactPack<1>>, SolverBodies&, bool);
+template void forget_impacts(ContactPack<1>&, WarmStart*);
+template void note_bounce(const ContactPack<1>&, Bounce*, const std::int32_t (&)[4][1], const std::int32_t (&)[4][1],
+                          const std::int32_t (&)[4][1]);
+template void measure_approach(std::span<Bounce>, std::span<const ContactPack<2>>, const SolverBodies&);
+template void give_back(std::span<Bounce>, std::span<ContactPack<2>>, std::int32_t, SolverBodies&);
+template void solve_rolling(std::span<Rolling>, std::span<const ContactPack<2>>, SolverBodies&, bool);
+template void forget_impacts(ContactPack<2>&, WarmStart*);
+template void note_bounce(const ContactPack<2>&, Bounce*, const std::int32_t (&)[4][2], const std::int32_t (&)[4][2],
+                          const std::int32_t (&)[4][2]);
+template void measure_approach(std::span<Bounce>, std::span<const ContactPack<4>>, const SolverBodies&);
+template void give_back(std::span<Bounce>, std::span<ContactPack<4>>, std::int32_t, SolverBodies&);
+template void solve_rolling(std::span<Rolling>, std::span<const ContactPack<4>>, SolverBodies&, bool);
+template void forget_impacts(ContactPack<4>&, WarmStart*);
+template void note_bounce(const ContactPack<4>&, Bounce*, const std::int32_t (&)[4][4], const std::int32_t (&)[4][4],
+                          const std::int32_t (&)[4][4]);
+
+} // namespace lockstone::solve

@@ -1,0 +1,280 @@
+#include "solve/contacts/contact_solver.h"
+
+#include "base/parallel.h"
+#include "base/poison.h"
+#include "dynamics/contact_order.h"
+#include "dynamics/followed_turn.h"
+#include "solve/contacts/bounce.h"
+#include "solve/contacts/kernels.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace lockstone::solve {
+
+using dynamics::Contact;
+using dynamics::ContactMemory;
+using dynamics::SolverBodies;
+using dynamics::SolverBody;
+using dynamics::StartK;
+using dynamics::StepConstants;
+
+namespace {
+
+/// Packs per piece of work that workers take.
+constexpr std::uint32_t pack_chunk = 16;
+
+} // namespace
+
+struct ContactSolver::Inside {
+    Simd simd = Simd::scalar;
+    const ContactKernel* kernel = nullptr;
+    std::uint32_t pack_count = 0;
+    bool started = false;                    ///< the warm start from the last tick was given
+    std::vector<std::uint32_t> storage;      ///< the packs
+    std::vector<std::uint32_t> lane_contact; ///< contact of each lane of each pack, or none
+    std::vector<std::uint32_t> stage_begin;  ///< first pack of each stage, and the end
+    std::vector<WarmStart> warm;             ///< by body
+    std::vector<Bounce> bounces;
+    std::vector<Rolling> rolling;
+    dynamics::ContactOrder order;
+
+    void place_packs(std::span<const Contact> contacts);
+    template <class Visit> void for_each_stage(Tasks* tasks, Visit&& visit);
+    void begin_pass(const SolverBodies& bodies);
+    void end_pass(const SolverBodies& bodies);
+    void first_warm_start(SolverBodies& bodies, Tasks* tasks);
+    void next_warm_start(SolverBodies& bodies) const;
+    template <unsigned N> std::span<ContactPack<N>> packs() {
+        return {reinterpret_cast<ContactPack<N>*>(storage.data()), pack_count};
+    }
+    /// visit(std::integral_constant<unsigned, N>) for the lane width in use.
+    template <class Visit> void with_lanes(Visit&& visit) const;
+    PassData data(SolverBodies& bodies) { return {bodies.body.data(), warm.data(), bounces.data()}; }
+};
+
+ContactSolver::ContactSolver() : inside(std::make_unique<Inside>()) { use(best_simd()); }
+ContactSolver::~ContactSolver() = default;
+Simd ContactSolver::level() const { return inside->simd; }
+
+bool ContactSolver::use(Simd level) {
+    const ContactKernel* found = kernel_of(level);
+    if (found == nullptr) return false;
+    inside->kernel = found;
+    inside->simd = level;
+    return true;
+}
+
+template <class Visit> void ContactSolver::Inside::with_lanes(Visit&& visit) const {
+    switch (kernel->lanes) {
+    case 4:
+        return visit(std::integral_constant<unsigned, 4>{});
+    case 2:
+        return visit(std::integral_constant<unsigned, 2>{});
+    default:
+        return visit(std::integral_constant<unsigned, 1>{});
+    }
+}
+
+void ContactSolver::reserve(std::size_t contacts, std::size_t bodies) {
+    inside->stage_begin.reserve(contacts + 1);
+    inside->warm.reserve(bodies + 1);
+    inside->order.reserve(contacts, bodies);
+}
+
+/// Which contacts each pack has. Those of many points come first in a stage, so that packs of single points stay small work.
+void ContactSolver::Inside::place_packs(std::span<const Contact> contacts) {
+    const std::uint32_t lanes = kernel->lanes;
+    stage_begin.clear();
+    stage_begin.reserve(std::bit_ceil(contacts.size()) + 1);
+    lane_contact.clear();
+    lane_contact.reserve(std::size_t{lanes} * std::bit_ceil(contacts.size()));
+    for (std::uint32_t s = 0; s < order.stage_count(); ++s) {
+        stage_begin.push_back(static_cast<std::uint32_t>(lane_contact.size()) / lanes);
+        for (const bool several : {true, false})
+            for (const std::uint32_t i : order.stage(s))
+                if ((contacts[i].count > 1) == several) lane_contact.push_back(i);
+        while (lane_contact.size() % lanes != 0) lane_contact.push_back(none);
+    }
+    pack_count = static_cast<std::uint32_t>(lane_contact.size()) / lanes;
+    stage_begin.push_back(pack_count);
+    bounces.clear();
+    rolling.clear();
+    for (std::uint32_t i = 0; i < lane_contact.size(); ++i) {
+        if (lane_contact[i] == none) continue;
+        const Contact& c = contacts[lane_contact[i]];
+        const auto add = [&](auto& table) {
+            auto& entry = table.emplace_back();
+            entry.pack = i / lanes, entry.lane = i % lanes;
+        };
+        if (c.restitution > Unit{}) add(bounces);
+        if (c.rolling > Unit{}) add(rolling);
+    }
+}
+
+void ContactSolver::prepare(std::span<const Contact> contacts, std::span<const ContactMemory> memory,
+                            std::span<const dynamics::BodyMass> mass, const StepConstants& step,
+                            const SolverBodies& bodies, Tasks* tasks) {
+    Inside& s = *inside;
+    s.order.find(contacts, bodies);
+    s.place_packs(contacts);
+    s.started = false;
+    s.warm.assign(bodies.body.size(), {});
+    const PrepareInput in{contacts, memory, mass, step, bodies};
+    s.with_lanes([&](auto width) {
+        constexpr unsigned N = width();
+        const std::size_t words = s.pack_count * (sizeof(ContactPack<N>) / sizeof(std::uint32_t));
+        if (s.storage.size() < words) s.storage.resize(std::bit_ceil(words));
+        const std::span<ContactPack<N>> packs = s.packs<N>();
+        const auto contact_of = [&](std::uint32_t pack, unsigned lane) { return s.lane_contact[pack * N + lane]; };
+        base::for_chunks(tasks, s.pack_count, pack_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+            for (std::uint32_t i = first; i < last; ++i) {
+                clear_pack(packs[i], bodies.still());
+                for (unsigned lane = 0; lane < N; ++lane)
+                    if (contact_of(i, lane) != none) fill_lane(packs[i], lane, contacts[contact_of(i, lane)], in);
+            }
+        });
+        for (std::uint32_t i = 0; i < s.bounces.size(); ++i) {
+            ContactPack<N>& pack = packs[s.bounces[i].pack];
+            if (pack.bounce == none) pack.bounce = i;
+            ++pack.bounce_count;
+            fill_bounce(s.bounces[i], pack, contacts[contact_of(s.bounces[i].pack, s.bounces[i].lane)]);
+        }
+        for (Rolling& rows : s.rolling) fill_rolling(rows, contacts[contact_of(rows.pack, rows.lane)], in);
+    });
+}
+
+/// visit(first, last) for pieces of packs: one stage after the other, the pieces of a stage by workers.
+template <class Visit> void ContactSolver::Inside::for_each_stage(Tasks* tasks, Visit&& visit) {
+    if (tasks == nullptr) {
+        visit(0, pack_count);
+        return;
+    }
+    for (std::uint32_t s = 0; s + 1 < stage_begin.size(); ++s) {
+        const std::uint32_t begin = stage_begin[s], count = stage_begin[s + 1] - begin;
+        base::for_chunks(tasks, count, pack_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+            visit(begin + first, begin + last);
+        });
+    }
+}
+
+/// What the passes give to a body is the difference between its velocities before and after.
+void ContactSolver::Inside::begin_pass(const SolverBodies& bodies) {
+    for (std::size_t i = 0; i < warm.size(); ++i)
+        for (int axis = 0; axis < 3; ++axis) {
+            warm[i].v[axis] -= bodies.body[i].v[axis];
+            warm[i].u[axis] -= bodies.body[i].u[axis];
+        }
+}
+void ContactSolver::Inside::end_pass(const SolverBodies& bodies) {
+    for (std::size_t i = 0; i < warm.size(); ++i)
+        for (int axis = 0; axis < 3; ++axis) {
+            warm[i].v[axis] += bodies.body[i].v[axis];
+            warm[i].u[axis] += bodies.body[i].u[axis];
+        }
+}
+
+void ContactSolver::Inside::first_warm_start(SolverBodies& bodies, Tasks* tasks) {
+    begin_pass(bodies);
+    for_each_stage(tasks, [&](std::uint32_t first, std::uint32_t last) {
+        kernel->warm_start(storage.data(), first, last, data(bodies));
+    });
+    end_pass(bodies);
+}
+void ContactSolver::Inside::next_warm_start(SolverBodies& bodies) const {
+    for (std::size_t i = 0; i < warm.size(); ++i) {
+        SolverBody& b = bodies.body[i];
+        for (int axis = 0; axis < 3; ++axis) {
+            b.v[axis] += warm[i].v[axis] & b.keep[axis];
+            b.u[axis] += warm[i].u[axis];
+        }
+    }
+}
+
+void ContactSolver::warm_start(SolverBodies& bodies, Tasks* tasks) {
+    const StartK start(bodies);
+    Inside& s = *inside;
+    if (s.started)
+        s.next_warm_start(bodies);
+    else
+        s.first_warm_start(bodies, tasks);
+    s.started = true;
+    s.with_lanes([&](auto width) {
+        constexpr unsigned N = width();
+        if (!s.rolling.empty()) solve_rolling<N>(s.rolling, s.packs<N>(), bodies, true);
+        if (!s.bounces.empty()) measure_approach<N>(s.bounces, s.packs<N>(), bodies);
+    });
+}
+
+void ContactSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bias, Tasks* tasks) {
+    const StartK start(bodies);
+    Inside& s = *inside;
+    if (!s.rolling.empty())
+        s.with_lanes([&](auto width) { solve_rolling<width()>(s.rolling, s.packs<width()>(), bodies, false); });
+    const std::int64_t gap_max = (std::int64_t{impulse_limit} << (gap_bits - speed_bits)) / step.substeps_per_second;
+    const PassSettings settings{static_cast<std::int32_t>(step.substeps_per_second),
+                                static_cast<std::int32_t>(std::min<std::int64_t>(gap_max, 0x7fffffff)),
+                                step.push_speed_max.raw, bias};
+    s.begin_pass(bodies);
+    s.for_each_stage(tasks, [&](std::uint32_t first, std::uint32_t last) {
+        s.kernel->solve(s.storage.data(), first, last, s.data(bodies), settings);
+    });
+    s.end_pass(bodies);
+}
+
+void ContactSolver::apply_restitution(const StepConstants& step, SolverBodies& bodies) {
+    Inside& s = *inside;
+    if (s.bounces.empty()) return;
+    const StartK start(bodies);
+    s.with_lanes([&](auto width) {
+        give_back<width()>(s.bounces, s.packs<width()>(), step.restitution_speed_min.raw, bodies);
+    });
+}
+
+namespace {
+
+template <unsigned N>
+void store_lane(const ContactPack<N>& pack, unsigned lane, const Contact& contact, ContactMemory& m,
+                dynamics::ClampCounts& clamps) {
+    bool clamped = false;
+    for (std::uint32_t k = 0; k < contact.count; ++k) {
+        const std::int32_t p = pack.points[k].impulse[lane];
+        m.points[k].normal = Speed::from_raw(p);
+        clamped = clamped || p >= impulse_limit;
+    }
+    m.tangent_1 = Speed::from_raw(pack.slide[0][lane]);
+    m.tangent_2 = Speed::from_raw(pack.slide[1][lane]);
+    m.twist = Length::from_raw(saturate_to_int32(
+        shift_right_rounded(std::int64_t{pack.slide[2][lane]} * pack.size[lane], speed_bits)));
+    if (clamped) ++clamps.impulse;
+}
+
+} // namespace
+
+void ContactSolver::store(std::span<const Contact> contacts, std::span<ContactMemory> memory, dynamics::ClampCounts& clamps,
+                          Tasks* tasks) const {
+    Inside& s = *inside;
+    s.with_lanes([&](auto width) {
+        constexpr unsigned N = width();
+        const std::span<const ContactPack<N>> packs = s.packs<N>();
+        base::for_chunks(tasks, s.pack_count, 4 * pack_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+            dynamics::ClampCounts counts;
+            for (std::uint32_t i = first * N; i < last * N; ++i)
+                if (const std::uint32_t c = s.lane_contact[i]; c != none)
+                    store_lane(packs[i / N], i % N, contacts[c], memory[contacts[c].memory], counts);
+            base::add_count(clamps.impulse, counts.impulse);
+        });
+        for (const Rolling& rows : s.rolling) {
+            ContactMemory& m = memory[contacts[s.lane_contact[rows.pack * N + rows.lane]].memory];
+            for (int r = 0; r < 3; ++r) m.rolling[r] = Speed::from_raw(rows.impulse[r]);
+        }
+    });
+}
+
+void ContactSolver::poison(std::byte with) {
+    Inside& s = *inside;
+    base::poison(with, s.storage, s.lane_contact, s.stage_begin, s.warm, s.bounces, s.rolling);
+    s.order.poison(with);
+}
+
+} // namespace lockstone::solve

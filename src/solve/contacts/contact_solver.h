@@ -1,0 +1,68 @@
+// Contact constraints: one per touching shape pair, up to four points.
+//
+//   row          D = (-d, xA ; d, xB)      d: normal or tangent, from A to B, none for a turn; x = -/+ K^-1 (r x d)
+//   speed        D . (vA, uA, vB, uB)      closing is negative
+//   impulse      p = lambda / m_ref        velocity units; m_ref the reduced mass of the two bodies
+//   shares       alpha = m_ref / mA, beta = m_ref / mB; alpha + beta = 1 where both bodies move
+//   points       lie at arms (a, b) from the members' centre, in units of the farthest point's distance
+//   normal rows  D_0 level at the centre, D_1 and D_2 tilts: a point's row is D_0 + a D_1 + b D_2
+//   Q            sum over points of p (1, a, b): what all of them push
+//   S            D M^-1 D^T of the normal rows times m_ref: how the three speeds answer to Q
+//   members      points that touch or carry. H fits (level, tilts) to them: errors of points to speeds of rows, and the
+//                change of Q to impulses of points, which are the smallest that give it
+//   softness     X = gamma H H^T, gamma the mean 1 / kappa times impulse_scale / mass_scale; none when relaxing, and for a hit
+//   block        Q' = Q - (S + X)^-1 (D v + H bias + X Q),  p = H^T Q'
+//   sweep        where a member would pull, or a point that is none is hit: point after point, forwards and backwards twice,
+//                p_k' = max(p_k - kappa_k (mass_scale (s + bias_k)) - impulse_scale p_k, 0), s by S from all others
+//   friction     two tangents at the centre and the twist about the normal, solved at once; (t1, t2) within the cone of the
+//                sum of the normal impulses, the twist within their sum weighted by the points' distances
+//   gap          g = g0 + D . motion since the tick began
+//   warm start   rows are constant within a tick, so what the impulses give a body is the sum of what the passes gave it: it
+//                is kept by body, and a substep starts from it without walking over contacts
+//
+// Points one after another tilt and yaw a box that lies flat, each time the same way: stacks drift and walls sway. The sweeps do
+// so within a contact alone, where they converge.
+// source: soft steps as in Catto, Solver2D (2024); the mass-free, gyration-scaled rows and the block are this library's own.
+#pragma once
+
+#include "dynamics/contact.h"
+#include "dynamics/solver_body.h"
+
+#include "lockstone/simd.h"
+
+#include <memory>
+
+namespace lockstone::solve {
+
+/// All contacts of a tick in solving order. Stage by stage: within one, packs share nothing that is written, so workers take
+/// them in any order, and lanes of any width give the same bits.
+class ContactSolver {
+  public:
+    ContactSolver(); ///< with the best lanes that the machine has
+    ~ContactSolver();
+    /// False, and nothing changes, where the machine has no such lanes.
+    bool use(Simd level);
+    Simd level() const;
+
+    /// Orders the contacts, packs and prepares them. `memory` holds the warm-start impulses.
+    void prepare(std::span<const dynamics::Contact> contacts, std::span<const dynamics::ContactMemory> memory,
+                 std::span<const dynamics::BodyMass> mass, const dynamics::StepConstants& step,
+                 const dynamics::SolverBodies& bodies, Tasks* tasks = nullptr);
+    void warm_start(dynamics::SolverBodies& bodies, Tasks* tasks = nullptr);
+    /// One pass over all rows. With bias, overlap is pushed out softly; without, what the push left is relaxed.
+    void solve(const dynamics::StepConstants& step, dynamics::SolverBodies& bodies, bool bias, Tasks* tasks = nullptr);
+    void apply_restitution(const dynamics::StepConstants& step, dynamics::SolverBodies& bodies);
+    /// Writes impulses to `memory` for the next tick.
+    void store(std::span<const dynamics::Contact> contacts, std::span<dynamics::ContactMemory> memory,
+               dynamics::ClampCounts& clamps, Tasks* tasks = nullptr) const;
+
+    void reserve(std::size_t contacts, std::size_t bodies);
+    /// Fills what prepare() makes anew with a byte.
+    void poison(std::byte with);
+
+  private:
+    struct Inside;
+    std::unique_ptr<Inside> inside;
+};
+
+} // namespace lockstone::solve

@@ -1,0 +1,489 @@
+// The passes over contacts, written once over the lanes L. See contact_solver.h for the symbols, pack.h for the formats.
+//
+// Only files that are compiled for one instruction set include this; it must not use inline functions that other files use
+// too, since the linker keeps one of their copies.
+#pragma once
+
+#include "solve/contacts/pack.h"
+#include "solve/lanes/lane_fixed.h"
+
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized" // of arrays by point: every pack has at least one
+#endif
+
+namespace lockstone::solve {
+
+template <class L> class Kernel {
+    static constexpr unsigned N = L::lanes;
+    using Pack = ContactPack<N>;
+    using Point = PointLanes<N>;
+    using V = typename L::V;
+    using Mask = LaneMask<L>;
+    using Row = LaneFixed<L, row_bits>;
+    using Speed = LaneFixed<L, speed_bits>;
+    using Unit = LaneFixed<L, unit_bits>;
+    using Gap = LaneFixed<L, gap_bits>;
+    using Kappa = LaneFixed<L, kappa_bits>;
+    using Response = LaneFixed<L, response_bits>;
+    using Inverse = LaneFixed<L, inverse_bits>;
+    using Fit = LaneFixed<L, fit_bits>;
+    using Velocity = LaneSum<L, accumulator_bits>;
+
+    static constexpr std::int32_t speed_limit = 1 << 28;    ///< 512 m/s: of an error
+    static constexpr std::int32_t answer_limit = 1 << 29;   ///< of an impulse that answers to it
+    static constexpr std::int32_t impact_speed = 1 << 17;   ///< 0.25 m/s: faster than that is a hit
+    static constexpr std::int32_t pull_tolerance = 16;      ///< 3e-5 m/s: less pull than that is rounding
+    static constexpr std::int32_t overlap_max = 1 << gap_bits; ///< 1 m: deeper is pushed out no faster
+    static constexpr int lower[3][3] = {{0, 1, 3}, {1, 2, 4}, {3, 4, 5}};
+
+    /// Velocities of the two bodies of each lane, and what rows see of them.
+    struct Pair {
+        Velocity a[6], b[6]; ///< v, u
+        Speed apart[3], ua[3], ub[3];
+
+        void round() {
+            for (int i = 0; i < 3; ++i) {
+                apart[i] = rounded<speed_bits>(b[i] - a[i]);
+                ua[i] = rounded<speed_bits>(a[3 + i]);
+                ub[i] = rounded<speed_bits>(b[3 + i]);
+            }
+        }
+    };
+
+    static void gather(const Pack& c, const PassData& data, Pair& p) {
+        const dynamics::SolverBody *a[N], *b[N];
+        for (unsigned lane = 0; lane < N; ++lane)
+            a[lane] = &data.bodies[c.body_a[lane]], b[lane] = &data.bodies[c.body_b[lane]];
+        V raw[12];
+        L::gather6(a, raw);
+        L::gather6(b, raw + 6);
+        for (int i = 0; i < 6; ++i) p.a[i] = {raw[i]}, p.b[i] = {raw[6 + i]};
+    }
+
+    /// Bodies that nothing moves are shared by the packs of a stage, so they are not written.
+    static void scatter(const Pack& c, const PassData& data, const Pair& p) {
+        scatter_side(c.body_a, c.movable_a, data, p.a);
+        scatter_side(c.body_b, c.movable_b, data, p.b);
+    }
+    static void scatter_side(const std::uint32_t (&rows)[N], std::uint32_t movable, const PassData& data,
+                             const Velocity (&x)[6]) {
+        V raw[6];
+        for (int i = 0; i < 6; ++i) raw[i] = x[i].raw;
+        dynamics::SolverBody* to[N];
+        dynamics::SolverBody spare;
+        for (unsigned lane = 0; lane < N; ++lane)
+            to[lane] = (movable >> lane) & 1u ? &data.bodies[rows[lane]] : &spare;
+        if (movable != 0) L::scatter6(to, raw);
+    }
+
+    /// What is locked stays where it is.
+    static void hold_locked(const Pack& c, const PassData& data, Pair& p) {
+        for (int i = 0; i < 3; ++i) {
+            std::int64_t a[N], b[N];
+            for (unsigned lane = 0; lane < N; ++lane) {
+                a[lane] = data.bodies[c.body_a[lane]].keep[i] | ((c.movable_a >> lane) & 1u ? 0 : -1);
+                b[lane] = data.bodies[c.body_b[lane]].keep[i] | ((c.movable_b >> lane) & 1u ? 0 : -1);
+            }
+            p.a[i] = {L::both(p.a[i].raw, L::load64(a))};
+            p.b[i] = {L::both(p.b[i].raw, L::load64(b))};
+        }
+    }
+
+    static LaneSum<L, accumulator_bits> dot(const std::int32_t (&x)[3][N], const Speed (&y)[3]) {
+        return Row::load(x[0]) * y[0] + Row::load(x[1]) * y[1] + Row::load(x[2]) * y[2];
+    }
+    static Speed bounded(Speed x) { return clamp(x, Speed::splat(speed_limit)); }
+    static Speed turn_speed(const Pair& p, const std::int32_t (&xa)[3][N], const std::int32_t (&xb)[3][N]) {
+        return bounded(rounded<speed_bits>(dot(xa, p.ua) + dot(xb, p.ub)));
+    }
+    static Speed line_speed(const Pair& p, const std::int32_t (&d)[3][N], const std::int32_t (&xa)[3][N],
+                            const std::int32_t (&xb)[3][N]) {
+        return bounded(rounded<speed_bits>(dot(d, p.apart) + dot(xa, p.ua) + dot(xb, p.ub)));
+    }
+
+    /// Adds an impulse along a direction to both bodies.
+    static void push_line(const std::int32_t (&d)[3][N], Pair& p, Speed da, Speed db) {
+        for (int i = 0; i < 3; ++i) {
+            const Row along = Row::load(d[i]);
+            p.a[i] = p.a[i] - along * da;
+            p.b[i] = p.b[i] + along * db;
+        }
+    }
+    static void push_turn(const std::int32_t (&xa)[3][N], const std::int32_t (&xb)[3][N], Pair& p, Speed da,
+                          Speed db) {
+        for (int i = 0; i < 3; ++i) {
+            p.a[3 + i] = p.a[3 + i] + Row::load(xa[i]) * da;
+            p.b[3 + i] = p.b[3 + i] + Row::load(xb[i]) * db;
+        }
+    }
+    /// Three impulses along rows of which the first `lines` have a linear part.
+    template <int Lines>
+    static void push(const Pack& c, int direction, const std::int32_t (&xa)[3][3][N],
+                     const std::int32_t (&xb)[3][3][N], const Speed (&w)[3], Pair& p, int rows) {
+        const Unit alpha = Unit::load(c.share_a), beta = Unit::load(c.share_b);
+        for (int r = 0; r < rows; ++r) {
+            const Speed da = rounded<speed_bits>(w[r] * alpha), db = rounded<speed_bits>(w[r] * beta);
+            if (r < Lines) push_line(c.d[direction + r], p, da, db);
+            push_turn(xa[r], xb[r], p, da, db);
+        }
+    }
+    static void push_normal(const Pack& c, const Speed (&w)[3], Pair& p) {
+        push<1>(c, 0, c.normal_a, c.normal_b, w, p, c.point_count > 1 ? 3 : 1);
+    }
+    static void push_slide(const Pack& c, const Speed (&w)[3], Pair& p) {
+        push<2>(c, 1, c.slide_a, c.slide_b, w, p, c.point_count > 1 ? 3 : 2);
+    }
+
+    // ---- gaps ----------------------------------------------------------------------------------------------------
+
+    /// How the bodies moved since the tick began, into the gap of each point.
+    static void measure_gaps(Pack& c, const PassData& data) {
+        const dynamics::SolverBody *a[N], *b[N];
+        for (unsigned lane = 0; lane < N; ++lane)
+            a[lane] = &data.bodies[c.body_a[lane]], b[lane] = &data.bodies[c.body_b[lane]];
+        V raw[12];
+        L::gather_motion(a, raw);
+        L::gather_motion(b, raw + 6);
+        constexpr int sum_bits = gap_bits + row_bits;
+        LaneSum<L, sum_bits> level{L::splat(0)};
+        const auto at = [&](int i) { return Gap{raw[i]}; };
+        for (int i = 0; i < 3; ++i) {
+            const Row n = Row::load(c.d[0][i]);
+            level = level + (n * at(6 + i) - n * at(i)) + Row::load(c.normal_a[0][i]) * at(3 + i) +
+                    Row::load(c.normal_b[0][i]) * at(9 + i);
+        }
+        if (c.point_count == 1) {
+            add_motion(c.points[0], level);
+            return;
+        }
+        Gap tilt[2];
+        for (int r = 0; r < 2; ++r) {
+            LaneSum<L, sum_bits> sum{L::splat(0)};
+            for (int i = 0; i < 3; ++i)
+                sum = sum + Row::load(c.normal_a[r + 1][i]) * at(3 + i) +
+                      Row::load(c.normal_b[r + 1][i]) * at(9 + i);
+            tilt[r] = rounded_within<gap_bits>(sum, 1 << 29);
+        }
+        const Gap middle = rounded_within<gap_bits>(level, 1 << 30);
+        constexpr std::int32_t one = 1 << unit_bits;
+        for (int k = 0; k < c.point_count; ++k) {
+            Point& point = c.points[k];
+            const auto sum = middle * Unit::splat(one) + Gap::load(point.gap0) * Unit::splat(one) +
+                             tilt[0] * Unit::load(point.arm[0]) + tilt[1] * Unit::load(point.arm[1]);
+            rounded_within<gap_bits>(sum, gap_limit).store(point.gap);
+        }
+    }
+    static constexpr std::int32_t gap_limit = 0x7fffffff;
+    static void add_motion(Point& point, LaneSum<L, gap_bits + row_bits> motion) {
+        const auto start = Gap::load(point.gap0) * Row::splat(1 << row_bits);
+        rounded_within<gap_bits>(start + motion, gap_limit).store(point.gap);
+    }
+
+    // ---- normals -------------------------------------------------------------------------------------------------
+
+    /// The normals of a pack during a visit.
+    struct Normals {
+        Speed speed[3];                  ///< D v: level and tilts
+        Speed bias[4], error[4], old[4]; ///< of points
+        Speed now[4];                    ///< impulses that come out
+        Mask soft, hit, idle, leaves;    ///< leaves: has a point that would pull or is not a member, and is hit
+    };
+
+    static Speed at_point(const Point& point, const Speed (&x)[3]) {
+        const auto tilts = x[1] * Unit::load(point.arm[0]) + x[2] * Unit::load(point.arm[1]);
+        return x[0] + rounded<speed_bits>(tilts);
+    }
+
+    /// The speed that a point should have: closing a gap by the end of the substep, or parting what overlaps.
+    static Speed bias_of(const Pack& c, const Point& point, const PassSettings& s, Mask& overlaps) {
+        const Gap gap = Gap::load(point.gap);
+        const LaneFixed<L, 0> rate = LaneFixed<L, 0>::splat(s.substeps_per_second);
+        const Speed closes = rounded<speed_bits>(min(gap, Gap::splat(s.gap_max)) * rate);
+        const Mask apart = gap > Gap::splat(0);
+        overlaps = ~apart;
+        if (!s.soft) return closes & apart;
+        const Speed parts = rounded<speed_bits>(max(gap, Gap::splat(-overlap_max)) * Speed::load(c.bias_rate));
+        return select(apart, closes, max(parts, Speed::splat(-s.push_speed_max)));
+    }
+
+    static void measure_normals(const Pack& c, const PassSettings& s, const Pair& p, Normals& n) {
+        n.speed[0] = line_speed(p, c.d[0], c.normal_a[0], c.normal_b[0]);
+        n.speed[1] = n.speed[2] = Speed::splat(0);
+        if (c.point_count > 1)
+            for (int r = 1; r < 3; ++r) n.speed[r] = turn_speed(p, c.normal_a[r], c.normal_b[r]);
+        const Speed zero = Speed::splat(0), fast = Speed::splat(impact_speed);
+        n.soft = n.hit = n.leaves = Mask::none();
+        Mask busy = Mask::none();
+        for (int k = 0; k < c.point_count; ++k) {
+            const Point& point = c.points[k];
+            Mask overlaps;
+            n.bias[k] = bias_of(c, point, s, overlaps);
+            n.old[k] = Speed::load(point.impulse);
+            n.error[k] = at_point(point, n.speed) + n.bias[k];
+            const Mask carries = n.old[k] > zero, closes = zero > n.error[k];
+            const Mask member = Fit::load(point.fit[0]) > Fit::splat(0);
+            busy = busy | carries | closes;
+            n.hit = n.hit | (member & ((-fast > n.error[k]) | ((n.error[k] > fast) & carries)));
+            n.leaves = n.leaves | (~member & (carries | closes));
+            if (s.soft) n.soft = n.soft | (member & overlaps);
+        }
+        n.soft = n.soft & ~n.hit;
+        n.idle = ~busy;
+    }
+
+    static void moments(const Pack& c, const Speed (&p)[4], Speed (&q)[3]) {
+        q[0] = p[0];
+        LaneSum<L, speed_bits + unit_bits> a = p[0] * Unit::load(c.points[0].arm[0]);
+        LaneSum<L, speed_bits + unit_bits> b = p[0] * Unit::load(c.points[0].arm[1]);
+        for (int k = 1; k < c.point_count; ++k) {
+            q[0] = q[0] + p[k];
+            a = a + p[k] * Unit::load(c.points[k].arm[0]);
+            b = b + p[k] * Unit::load(c.points[k].arm[1]);
+        }
+        q[1] = rounded<speed_bits>(a);
+        q[2] = rounded<speed_bits>(b);
+    }
+
+    /// -(inverse) error.
+    static Speed answer(const std::int32_t (&inverse)[6][N], int row, const Speed (&error)[3]) {
+        return -rounded_within<speed_bits>(Inverse::load(inverse[lower[row][0]]) * error[0] +
+                                               Inverse::load(inverse[lower[row][1]]) * error[1] +
+                                               Inverse::load(inverse[lower[row][2]]) * error[2],
+                                           answer_limit);
+    }
+    /// What softness lets go of: X Q.
+    static void yield(const Pack& c, const Speed (&q)[3], Speed (&out)[3]) {
+        const auto x = [&](int i) { return Response::load(c.softness[i]); };
+        out[0] = rounded_within<speed_bits>(x(0) * q[0], speed_limit);
+        out[1] = rounded_within<speed_bits>(x(1) * q[1] + x(2) * q[2], speed_limit);
+        out[2] = rounded_within<speed_bits>(x(2) * q[1] + x(3) * q[2], speed_limit);
+    }
+
+    /// All members at once.
+    static void solve_block(const Pack& c, const PassSettings& s, const Speed (&q)[3], Normals& n) {
+        Speed error[3], after[3];
+        for (int i = 0; i < 3; ++i) {
+            auto sum = Fit::load(c.points[0].fit[i]) * n.bias[0];
+            for (int k = 1; k < c.point_count; ++k) sum = sum + Fit::load(c.points[k].fit[i]) * n.bias[k];
+            error[i] = bounded(n.speed[i] + rounded_within<speed_bits>(sum, speed_limit));
+        }
+        if (s.soft) {
+            Speed lost[3], soft[3];
+            yield(c, q, lost);
+            for (int i = 0; i < 3; ++i) soft[i] = bounded(error[i] + lost[i]);
+            for (int i = 0; i < 3; ++i) after[i] = q[i] + answer(c.soft_inverse, i, soft);
+            if ((~n.soft).any())
+                for (int i = 0; i < 3; ++i) after[i] = select(n.soft, after[i], q[i] + answer(c.inverse, i, error));
+        } else
+            for (int i = 0; i < 3; ++i) after[i] = q[i] + answer(c.inverse, i, error);
+        const Speed zero = Speed::splat(0), tolerated = Speed::splat(-pull_tolerance);
+        for (int k = 0; k < c.point_count; ++k) {
+            const Point& point = c.points[k];
+            const auto sum = Fit::load(point.fit[0]) * after[0] + Fit::load(point.fit[1]) * after[1] +
+                             Fit::load(point.fit[2]) * after[2];
+            const Speed p = rounded_within<speed_bits>(sum, impulse_limit);
+            n.leaves = n.leaves | (tolerated > p);
+            n.now[k] = max(p, zero);
+        }
+    }
+
+    /// Point after point, forwards and backwards, on the three speeds of the contact: they answer to an impulse by S. From the
+    /// impulses of before, so that no energy comes in: what the block found may be far off where points are close together.
+    static void sweep_points(const Pack& c, Unit mass_scale, Unit impulse_scale, Normals& n) {
+        Speed p[4], speed[3] = {n.speed[0], n.speed[1], n.speed[2]};
+        const Speed zero = Speed::splat(0);
+        for (int k = 0; k < c.point_count; ++k) p[k] = n.old[k];
+        Response s[6];
+        for (int i = 0; i < 6; ++i) s[i] = Response::load(c.response[i]);
+        constexpr int answer_bits = response_bits - 2; // S times an arm is up to 156
+        LaneFixed<L, answer_bits> answer[4][3];
+        Kappa kappa[4];
+        for (int k = 0; k < c.point_count; ++k) {
+            const Unit a = Unit::load(c.points[k].arm[0]), b = Unit::load(c.points[k].arm[1]);
+            const Unit one = Unit::splat(1 << unit_bits);
+            for (int i = 0; i < 3; ++i)
+                answer[k][i] = rounded<answer_bits>(s[lower[i][0]] * one + s[lower[i][1]] * a + s[lower[i][2]] * b);
+            kappa[k] = rounded<kappa_bits>(Kappa::load(c.points[k].kappa) * mass_scale);
+        }
+        const auto visit = [&](int k) {
+            const Speed error = bounded(at_point(c.points[k], speed) + n.bias[k]);
+            const Speed less = rounded<speed_bits>(error * kappa[k]) + rounded<speed_bits>(p[k] * impulse_scale);
+            const Speed now = min(max(p[k] - less, zero), Speed::splat(impulse_limit));
+            const Speed change = now - p[k];
+            p[k] = now;
+            for (int i = 0; i < 3; ++i) speed[i] = speed[i] + rounded<speed_bits>(answer[k][i] * change);
+        };
+        for (int round = 0; round < 2; ++round) {
+            for (int k = 0; k < c.point_count; ++k) visit(k);
+            for (int k = c.point_count - 1; k >= 0; --k) visit(k);
+        }
+        for (int k = 0; k < c.point_count; ++k) n.now[k] = select(n.leaves, p[k], n.now[k]);
+    }
+
+    /// The impulse of a contact with one point.
+    static Speed single(const Pack& c, Unit mass_scale, Unit impulse_scale, const Normals& n) {
+        const Kappa kappa = rounded<kappa_bits>(Kappa::load(c.points[0].kappa) * mass_scale);
+        const Speed less = rounded<speed_bits>(bounded(n.error[0]) * kappa) +
+                           rounded<speed_bits>(n.old[0] * impulse_scale);
+        return min(max(n.old[0] - less, Speed::splat(0)), Speed::splat(impulse_limit));
+    }
+
+    /// Lanes of one point do as they do among their like: bits must not depend on who else is in the pack.
+    static void solve_several(const Pack& c, const PassSettings& s, Unit mass_scale, Unit impulse_scale, Normals& n,
+                              Speed (&w)[3]) {
+        Speed q[3];
+        moments(c, n.old, q);
+        solve_block(c, s, q, n);
+        const Mask several{L::load32(c.several)};
+        if ((~several).any()) n.now[0] = select(several, n.now[0], single(c, mass_scale, impulse_scale, n));
+        n.leaves = n.leaves & several & ~n.idle;
+        for (int k = 0; k < c.point_count; ++k) n.now[k] = n.now[k] & ~n.idle;
+        if (n.leaves.any()) sweep_points(c, mass_scale, impulse_scale, n);
+        moments(c, n.now, w); // as they are remembered, rounding and all
+        for (int i = 0; i < 3; ++i) w[i] = w[i] - q[i];
+    }
+
+    /// All normals once.
+    static void solve_normals(Pack& c, const PassData& data, const PassSettings& s, Pair& p) {
+        Normals n;
+        measure_normals(c, s, p, n);
+        if ((~n.idle).any() == false) return;
+        const Unit one = Unit::splat(1 << unit_bits), zero = Unit::splat(0);
+        const Unit mass_scale = s.soft ? select(n.soft, Unit::load(c.mass_scale), one) : one;
+        const Unit impulse_scale = s.soft ? Unit::load(c.impulse_scale) & n.soft : zero;
+        Speed w[3];
+        if (c.point_count == 1) {
+            n.now[0] = single(c, mass_scale, impulse_scale, n);
+            w[0] = n.now[0] - n.old[0];
+            w[1] = w[2] = Speed::splat(0);
+        } else
+            solve_several(c, s, mass_scale, impulse_scale, n, w);
+        push_normal(c, w, p);
+        if (c.locked != 0) hold_locked(c, data, p);
+        const bool hit = n.hit.any();
+        for (int k = 0; k < c.point_count; ++k) {
+            Point& point = c.points[k];
+            n.now[k].store(point.impulse);
+            if (hit) (Speed::load(point.impact) + ((n.now[k] - n.old[k]) & n.hit)).store(point.impact);
+        }
+        if (hit) c.impacts = 1;
+        if (c.bounce != none) note(c, data, n, p);
+    }
+
+    /// The speeds of the points before and after, for the energy that a bounce may give back.
+    [[gnu::noinline]] static void note(const Pack& c, const PassData& data, const Normals& n, Pair& p) {
+        std::int32_t before[4][N] = {}, after[4][N] = {}, impulse[4][N] = {};
+        Normals then;
+        p.round();
+        measure_normals(c, {1, 0, 0, false}, p, then);
+        for (int k = 0; k < c.point_count; ++k) {
+            at_point(c.points[k], n.speed).store(before[k]);
+            at_point(c.points[k], then.speed).store(after[k]);
+            n.old[k].store(impulse[k]);
+        }
+        note_bounce<N>(c, data.bounces, before, after, impulse);
+    }
+
+    // ---- friction ------------------------------------------------------------------------------------------------
+
+    /// Along both tangents and about the normal, within what the normal impulses allow now.
+    static void solve_friction(Pack& c, const PassData& data, Pair& p) {
+        const bool turns = c.point_count > 1;
+        Speed pressing = Speed::load(c.points[0].impulse);
+        LaneSum<L, speed_bits + unit_bits> reach = pressing * Unit::load(c.points[0].reach);
+        for (int k = 1; k < c.point_count; ++k) {
+            const Speed impulse = Speed::load(c.points[k].impulse);
+            pressing = pressing + impulse;
+            reach = reach + impulse * Unit::load(c.points[k].reach);
+        }
+        Speed old[3];
+        Mask busy = pressing > Speed::splat(0);
+        const Speed zero = Speed::splat(0);
+        for (int r = 0; r < 3; ++r) {
+            old[r] = Speed::load(c.slide[r]);
+            busy = busy | (old[r] > zero) | (zero > old[r]);
+        }
+        if (!busy.any()) return;
+        const Row friction = Row::load(c.friction);
+        const Speed limit = rounded_within<speed_bits>(friction * pressing, speed_limit);
+        Speed speed[3], now[3], w[3];
+        for (int r = 0; r < 2; ++r)
+            speed[r] = line_speed(p, c.d[r + 1], c.slide_a[r], c.slide_b[r]) + Speed::load(c.surface[r]);
+        speed[2] = turns ? turn_speed(p, c.slide_a[2], c.slide_b[2]) : zero;
+        for (int r = 0; r < 3; ++r) {
+            if (r == 2 && !turns) {
+                now[2] = zero;
+                break;
+            }
+            auto sum = Inverse::load(c.slide_inverse[lower[r][0]]) * speed[0] +
+                       Inverse::load(c.slide_inverse[lower[r][1]]) * speed[1];
+            if (turns) sum = sum + Inverse::load(c.slide_inverse[lower[r][2]]) * speed[2];
+            now[r] = old[r] - rounded_within<speed_bits>(sum, speed_limit);
+        }
+        hold_in_cone(limit, now[0], now[1]);
+        if (turns) now[2] = clamp(now[2], rounded_within<speed_bits>(friction * rounded<speed_bits>(reach), speed_limit));
+        for (int r = 0; r < 3; ++r) {
+            w[r] = now[r] - old[r];
+            now[r].store(c.slide[r]);
+        }
+        push_slide(c, w, p);
+        if (c.locked != 0) hold_locked(c, data, p);
+    }
+
+    static void hold_in_cone(Speed limit, Speed& t1, Speed& t2) {
+        const Mask outside = t1 * t1 + t2 * t2 > limit * limit;
+        if (!outside.any()) return;
+        std::int32_t x[N], y[N], most[N];
+        t1.store(x), t2.store(y), limit.store(most);
+        for (unsigned lane = 0; lane < N; ++lane)
+            if ((outside.lanes() >> lane) & 1u) clamp_to_cone(most[lane], x[lane], y[lane]);
+        t1 = Speed::load(x), t2 = Speed::load(y);
+    }
+
+    // ---- passes --------------------------------------------------------------------------------------------------
+
+    static void warm_start_pack(const Pack& c, const PassData& data) {
+        Speed impulse[4], q[3], slide[3];
+        for (int k = 0; k < c.point_count; ++k) impulse[k] = Speed::load(c.points[k].impulse);
+        for (int r = 0; r < 3; ++r) slide[r] = Speed::load(c.slide[r]);
+        moments(c, impulse, q);
+        Pair p;
+        gather(c, data, p);
+        push_normal(c, q, p);
+        push_slide(c, slide, p);
+        if (c.locked != 0) hold_locked(c, data, p);
+        scatter(c, data, p);
+    }
+
+    /// The soft pass ends with the normals and the relaxing one with friction: within the cone of an impulse that also
+    /// pushes overlap out, what slides in overlap would be braked twice.
+    static void solve_pack(Pack& c, const PassData& data, const PassSettings& s) {
+        Pair p;
+        gather(c, data, p);
+        p.round();
+        if (s.soft) {
+            solve_friction(c, data, p);
+            p.round();
+            solve_normals(c, data, s, p);
+        } else {
+            measure_gaps(c, data);
+            solve_normals(c, data, s, p);
+            p.round();
+            solve_friction(c, data, p);
+        }
+        scatter(c, data, p);
+        if (!s.soft && c.impacts != 0) forget_impacts<N>(c, data.warm);
+    }
+
+  public:
+    static void warm_start(void* packs, std::uint32_t first, std::uint32_t last, const PassData& data) {
+        for (std::uint32_t i = first; i < last; ++i) warm_start_pack(static_cast<Pack*>(packs)[i], data);
+    }
+    static void solve(void* packs, std::uint32_t first, std::uint32_t last, const PassData& data,
+                      const PassSettings& settings) {
+        for (std::uint32_t i = first; i < last; ++i) solve_pack(static_cast<Pack*>(packs)[i], data, settings);
+    }
+    static constexpr ContactKernel table() { return {N, warm_start, solve}; }
+};
+
+} // namespace lockstone::solve

@@ -1,0 +1,117 @@
+// Contacts side by side in lanes, as the solver walks over them. See contact_solver.h for the symbols.
+//
+//   quantity                              fraction bits   range
+//   v, u of bodies                        47              2^16 m/s
+//   speeds, impulses p, Q, biases         19              4096 m/s; impulses of a point within 512
+//   rows D                                28              8; components within 4
+//   gaps                                  27              16 m
+//   arms, shares of mass, scales          30              2; arms within 1
+//   kappa                                 28              8; within 4
+//   S, the response to Q; the softness X   25              64; within 52
+//   S^-1 and the inverse for friction     18              8192
+//   H, from (level, tilts) to points      26              32; within 16
+#pragma once
+
+#include "dynamics/solver_body.h"
+
+namespace lockstone::solve {
+
+inline constexpr int accumulator_bits = 47, row_bits = 28, speed_bits = 19, gap_bits = 27, unit_bits = 30,
+                     kappa_bits = 28, response_bits = 25, inverse_bits = 18, fit_bits = 26;
+inline constexpr std::int32_t impulse_limit = (1 << 28) - 1; ///< 512 m/s, of a point
+inline constexpr std::uint32_t none = 0xffffffffu;
+
+/// One point of N contacts. The points that a lane lacks are far apart and have no kappa.
+template <unsigned N> struct PointLanes {
+    std::int32_t arm[2][N];  ///< (a, b), Unit
+    std::int32_t gap0[N];    ///< when the tick began
+    std::int32_t gap[N];     ///< now
+    std::int32_t impulse[N]; ///< p
+    std::int32_t impact[N];  ///< what of it stopped the bodies in this substep
+    std::int32_t fit[3][N];  ///< column of H; zero for points that are not members
+    std::int32_t kappa[N];   ///< 1 / (arm^T S arm)
+    std::int32_t reach[N];   ///< Unit: distance from the centre in arms
+};
+
+/// N contacts of one stage: no two of them share a body that can move.
+template <unsigned N> struct ContactPack {
+    std::uint32_t body_a[N], body_b[N]; ///< entries of SolverBodies
+    std::uint32_t movable_a, movable_b; ///< bit per lane: impulses move the body; others are read, never written
+    std::uint32_t locked;               ///< not 0: one of the bodies has a locked axis
+    std::uint32_t impacts;              ///< not 0: an impact of a point is not 0
+    std::uint32_t bounce, bounce_count; ///< its entries of the table of bounces
+    std::int32_t point_count;           ///< most of any lane
+    std::int32_t d[3][3][N];            ///< normal and tangents
+    std::int32_t share_a[N], share_b[N];             ///< alpha, beta
+    std::int32_t normal_a[3][3][N], normal_b[3][3][N]; ///< angular rows: level, tilts
+    std::int32_t slide_a[3][3][N], slide_b[3][3][N];   ///< angular rows: tangents, twist
+    std::int32_t response[6][N];                     ///< S by rows of the lower triangle
+    std::int32_t inverse[6][N];                      ///< S^-1 likewise; zero in directions that nothing answers to
+    std::int32_t soft_inverse[6][N];                 ///< (S + X)^-1 likewise
+    std::int32_t softness[4][N];                     ///< X: level; tilts by rows of the lower triangle
+    std::int32_t slide_inverse[6][N];
+    std::int32_t bias_rate[N], mass_scale[N], impulse_scale[N]; ///< speed_bits, Unit, Unit
+    std::int32_t friction[N];                                   ///< row_bits
+    std::int32_t surface[2][N]; ///< what the friction rows take for rest is this much off
+    std::int32_t slide[3][N];   ///< impulses along the tangents, and of the twist
+    std::int32_t several[N];    ///< -1: more than one point
+    std::int32_t size[N];       ///< Length: the arms' unit
+    PointLanes<N> points[4];
+};
+
+/// What the contact impulses of the tick so far give to a body: the start of the next substep. [m/s], 47 fraction bits
+struct WarmStart {
+    std::int64_t v[3], u[3];
+};
+
+/// What a contact that bounces keeps of a tick, besides its lane.
+struct Bounce {
+    std::uint32_t pack, lane;
+    std::int32_t restitution;   ///< Unit
+    std::int32_t approach[4];   ///< normal speed of the points before they were hit in this tick
+    std::int32_t impulse_max[4];
+    std::int64_t inverse_mass[4]; ///< arm^T S arm, response_bits
+    std::int64_t taken[4];        ///< energy the point took in this tick, per half effective mass: speed squared
+};
+
+/// Brakes the turning of the two bodies of a contact against each other.
+struct Rolling {
+    std::uint32_t pack, lane;
+    std::int32_t xa[3][3], xb[3][3]; ///< [axis][component], row_bits
+    std::int32_t kappa[3];           ///< kappa_bits
+    std::int32_t bound;              ///< row_bits: most |p| per normal impulse
+    std::int32_t impulse[3];         ///< p
+};
+
+/// One pass over packs: which instruction set does it is chosen when the program starts.
+struct PassSettings {
+    std::int32_t substeps_per_second;
+    std::int32_t gap_max;        ///< beyond it the speed that closes a gap within a substep has no meaning
+    std::int32_t push_speed_max; ///< speed_bits
+    bool soft;                   ///< overlap is pushed out softly; without, what the push left is relaxed
+};
+
+struct PassData {
+    dynamics::SolverBody* bodies;
+    WarmStart* warm;
+    Bounce* bounces;
+};
+
+/// The passes of one instruction set over packs [first, last) of its lane width.
+struct ContactKernel {
+    unsigned lanes;
+    void (*warm_start)(void* packs, std::uint32_t first, std::uint32_t last, const PassData& data);
+    void (*solve)(void* packs, std::uint32_t first, std::uint32_t last, const PassData& data,
+                  const PassSettings& settings);
+};
+
+/// Shortens the impulse along the tangents to `limit`: a true cone.
+void clamp_to_cone(std::int32_t limit, std::int32_t& t1, std::int32_t& t2);
+/// Takes out of a pack's impulses, and of what its bodies start the next substep from, what stopped the bodies in this one.
+template <unsigned N> void forget_impacts(ContactPack<N>& pack, WarmStart* warm);
+/// After the normals of a pack that bounces: the energy that each point took. Speeds are those without bias.
+template <unsigned N>
+void note_bounce(const ContactPack<N>& pack, Bounce* bounces, const std::int32_t (&speed_before)[4][N], const std::int32_t (&speed_after)[4][N],
+                 const std::int32_t (&impulse_before)[4][N]);
+
+} // namespace lockstone::solve

@@ -1,0 +1,60 @@
+// One lane: the plain integers that every instruction set has to agree with.
+#pragma once
+
+#include <cstdint>
+
+namespace lockstone::solve {
+
+/// The operations of an instruction set on N lanes of 64 bits. A 32-bit value lies in the low half of its lane and the high
+/// half is anything: products read the low half only, and the low half of a sum or of a logical shift depends on nothing
+/// above the bits that it keeps. So nothing is packed between a product and the next.
+struct Scalar {
+    static constexpr unsigned lanes = 1;
+    using V = std::int64_t;
+
+    static V splat(std::int64_t x) { return x; }
+    static V load32(const std::int32_t* p) { return *p; }
+    static void store32(std::int32_t* p, V x) { *p = static_cast<std::int32_t>(x); }
+    static V load64(const std::int64_t* p) { return *p; }
+    static void store64(std::int64_t* p, V x) { *p = x; }
+
+    static V add(V a, V b) { return signed_of(bits(a) + bits(b)); }
+    static V sub(V a, V b) { return signed_of(bits(a) - bits(b)); }
+    /// Whole product of the low halves.
+    static V mul(V a, V b) {
+        return std::int64_t{static_cast<std::int32_t>(a)} * static_cast<std::int32_t>(b);
+    }
+    template <int S> static V shift_right(V x) { return signed_of(bits(x) >> S); } ///< logical
+
+    // Of the low halves; those of masks are all ones or zero.
+    static V max32(V a, V b) { return low(a) < low(b) ? low(b) : low(a); }
+    static V min32(V a, V b) { return low(b) < low(a) ? low(b) : low(a); }
+    static V greater32(V a, V b) { return low(a) > low(b) ? -1 : 0; }
+    // Of whole lanes.
+    static V greater64(V a, V b) { return a > b ? -1 : 0; }
+    static V select(V mask, V a, V b) { return (a & mask) | (b & ~mask); }
+    static V both(V a, V b) { return a & b; }
+    static V either(V a, V b) { return a | b; }
+    static V without(V a, V b) { return a & ~b; } ///< a and not b
+    /// Bit per lane: is the mask set?
+    static unsigned lanes_of(V mask) { return static_cast<std::uint32_t>(mask) >> 31; }
+
+    /// The velocities of the bodies at p[0] ... p[lanes - 1], 64 bits each, six of them.
+    template <class Body> static void gather6(const Body* const* p, V* out) {
+        for (int i = 0; i < 3; ++i) out[i] = p[0]->v[i], out[3 + i] = p[0]->u[i];
+    }
+    /// Moves and turns since the start of the tick, three each.
+    template <class Body> static void gather_motion(const Body* const* p, V* out) {
+        for (int i = 0; i < 3; ++i) out[i] = p[0]->shift[i], out[3 + i] = p[0]->theta[i];
+    }
+    template <class Body> static void scatter6(Body* const* p, const V* x) {
+        for (int i = 0; i < 3; ++i) p[0]->v[i] = x[i], p[0]->u[i] = x[3 + i];
+    }
+
+  private:
+    static std::uint64_t bits(V x) { return static_cast<std::uint64_t>(x); }
+    static V signed_of(std::uint64_t x) { return static_cast<V>(x); }
+    static std::int32_t low(V x) { return static_cast<std::int32_t>(x); }
+};
+
+} // namespace lockstone::solve

@@ -1,0 +1,39 @@
+#include "lockstone/simd.h"
+
+#include <algorithm>
+
+namespace lockstone {
+
+std::string_view name_of(Simd level) {
+    switch (level) {
+    case Simd::sse41:
+        return "sse41";
+    case Simd::avx2:
+        return "avx2";
+    default:
+        return "scalar";
+    }
+}
+
+bool has_simd(Simd level) {
+#if defined(__x86_64__) || defined(__i386__)
+    switch (level) {
+    case Simd::sse41:
+        return __builtin_cpu_supports("sse4.1") != 0;
+    case Simd::avx2:
+        return __builtin_cpu_supports("avx2") != 0;
+    default:
+        break;
+    }
+#endif
+    return level == Simd::scalar;
+}
+
+Simd best_simd() {
+    Simd best = Simd::scalar;
+    for (const Simd level : every_simd)
+        if (has_simd(level)) best = std::max(best, level);
+    return best;
+}
+
+} // namespace lockstone

@@ -1,0 +1,73 @@
+// Two lanes by SSE4.1. See scalar.h for what each operation means.
+#pragma once
+
+#include <cstdint>
+#include <smmintrin.h>
+
+namespace lockstone::solve {
+
+struct Sse41 {
+    static constexpr unsigned lanes = 2;
+    using V = __m128i;
+
+    static V splat(std::int64_t x) { return _mm_set1_epi64x(x); }
+    static V load32(const std::int32_t* p) {
+        return _mm_cvtepi32_epi64(_mm_loadl_epi64(reinterpret_cast<const V*>(p)));
+    }
+    static void store32(std::int32_t* p, V x) {
+        _mm_storel_epi64(reinterpret_cast<V*>(p), _mm_shuffle_epi32(x, _MM_SHUFFLE(2, 0, 2, 0)));
+    }
+    static V load64(const std::int64_t* p) { return _mm_loadu_si128(reinterpret_cast<const V*>(p)); }
+    static void store64(std::int64_t* p, V x) { _mm_storeu_si128(reinterpret_cast<V*>(p), x); }
+
+    static V add(V a, V b) { return _mm_add_epi64(a, b); }
+    static V sub(V a, V b) { return _mm_sub_epi64(a, b); }
+    static V mul(V a, V b) { return _mm_mul_epi32(a, b); }
+    template <int S> static V shift_right(V x) { return _mm_srli_epi64(x, S); }
+
+    static V max32(V a, V b) { return _mm_max_epi32(a, b); }
+    static V min32(V a, V b) { return _mm_min_epi32(a, b); }
+    static V greater32(V a, V b) {
+        return _mm_shuffle_epi32(_mm_cmpgt_epi32(a, b), _MM_SHUFFLE(2, 2, 0, 0));
+    }
+    /// By the sign of b - a: the values that are compared are below 2^62.
+    static V greater64(V a, V b) {
+        return _mm_srai_epi32(_mm_shuffle_epi32(_mm_sub_epi64(b, a), _MM_SHUFFLE(3, 3, 1, 1)), 31);
+    }
+    static V select(V mask, V a, V b) { return _mm_blendv_epi8(b, a, mask); }
+    static V both(V a, V b) { return _mm_and_si128(a, b); }
+    static V either(V a, V b) { return _mm_or_si128(a, b); }
+    static V without(V a, V b) { return _mm_andnot_si128(b, a); }
+    static unsigned lanes_of(V mask) {
+        return static_cast<unsigned>(_mm_movemask_pd(_mm_castsi128_pd(mask)));
+    }
+
+    template <class Body> static void gather6(const Body* const* p, V* out) {
+        for (int i = 0; i < 6; i += 2) two_words(p, i, out + i);
+    }
+    template <class Body> static void gather_motion(const Body* const* p, V* out) {
+        V word[4];
+        two_words(p, 6, word);
+        word[2] = _mm_set_epi64x(words(p[1])[8], words(p[0])[8]);
+        for (int i = 0; i < 3; ++i) out[2 * i] = word[i], out[2 * i + 1] = shift_right<32>(word[i]);
+    }
+    template <class Body> static void scatter6(Body* const* p, const V* x) {
+        for (int i = 0; i < 6; i += 2) {
+            store64(words(p[0]) + i, _mm_unpacklo_epi64(x[i], x[i + 1]));
+            store64(words(p[1]) + i, _mm_unpackhi_epi64(x[i], x[i + 1]));
+        }
+    }
+
+  private:
+    template <class Body> static const std::int64_t* words(const Body* p) {
+        return reinterpret_cast<const std::int64_t*>(p);
+    }
+    template <class Body> static std::int64_t* words(Body* p) { return reinterpret_cast<std::int64_t*>(p); }
+    template <class Body> static void two_words(const Body* const* p, int at, V* out) {
+        const V x = load64(words(p[0]) + at), y = load64(words(p[1]) + at);
+        out[0] = _mm_unpacklo_epi64(x, y);
+        out[1] = _mm_unpackhi_epi64(x, y);
+    }
+};
+
+} // namespace lockstone::solve

@@ -1,0 +1,146 @@
+// Wrong arguments to sessions, recorders, players and asset libraries.
+#include "support/small_recording.h"
+#include "support/stops.h"
+
+#include "lockstone/asset.h"
+#include "lockstone/session.h"
+
+#include <doctest/doctest.h>
+
+#include <functional>
+
+using namespace lockstone;
+using namespace lockstone::test;
+
+namespace {
+
+void refused(const char* what, const Status& status, const char* word) {
+    CAPTURE(what);
+    REQUIRE_FALSE(status.ok());
+    CHECK_MESSAGE(status.error().message.find(word) != std::string::npos, status.error().message);
+}
+template <class T> Status status_of(const Result<T>& result) {
+    return result ? Status{} : Status{result.error()};
+}
+void stops(const char* what, const std::function<void()>& call) {
+    CAPTURE(what);
+    const std::string words = last_words(call);
+    CHECK_MESSAGE(words.starts_with("lockstone: broken rule: "), words);
+}
+
+} // namespace
+
+TEST_CASE("misuse: a session's wrong arguments") {
+    SimulatedNetwork network(2, {}, 1);
+    SessionDef def;
+    def.input_size = 1;
+    def.players = {0, 1};
+    for (const std::uint64_t never : {std::uint64_t{0}}) {
+        SessionDef hasty = def;
+        hasty.disconnect_ms = never;
+        refused("patience", status_of(make_rollback_session(hasty, network.endpoint(0))), "disconnect_ms");
+        hasty = def;
+        hasty.connect_ms = never;
+        refused("patience", status_of(make_lockstep_session(hasty, network.endpoint(0))), "connect_ms");
+    }
+    for (const bool lockstep : {false, true}) {
+        const auto session = (lockstep ? make_lockstep_session(def, network.endpoint(0))
+                                       : make_rollback_session(def, network.endpoint(0)))
+                                 .value();
+        const std::array<std::byte, 2> input{};
+        stops("another machine's player", [&] { session->add_local_input(1, std::span(input).first(1)); });
+        stops("no player", [&] { session->add_local_input(~0u, std::span(input).first(1)); });
+        stops("a long input", [&] { session->add_local_input(0, input); });
+        stops("no input", [&] { session->add_local_input(0, {}); });
+        stops("delay", [&] { session->set_input_delay(33); });
+        stops("a tick that never ran", [&] { session->report_hash(0, 1); });
+        stops("a tick far off", [&] { session->report_hash(~std::uint64_t{0}, 1); });
+        refused("oneself", session->drop_peer(0), "machine 0");
+        refused("nobody", session->drop_peer(~0u), "not a peer");
+        CHECK_FALSE(session->quality(~0u).connected);
+        session->poll(1000);
+        session->poll(10); // time does not go back
+        CHECK(session->stats().last_poll_ms == 1000);
+        CHECK(session->advance().stall == Stall::connecting);
+        CHECK(session->current_tick() == 0);
+    }
+    const auto lockstep = make_lockstep_session(def, network.endpoint(0)).value();
+    stops("no delay", [&] { lockstep->set_input_delay(0); });
+    stops("an endpoint that is not there", [&] { (void)network.endpoint(2); });
+    stops("time that goes back", [&] { network.advance_to(5), network.advance_to(4); });
+    def.players = {0, 0};
+    const auto sync = make_sync_test_session(def, 2).value();
+    refused("a sync test has no peers", sync->drop_peer(0), "no peers");
+    stops("sync test, no player", [&] { sync->add_local_input(2, {}); });
+}
+
+TEST_CASE("misuse: a recorder's wrong arguments are errors that say what was expected") {
+    const SmallGame game;
+    replay::MemorySink sink;
+    World world = must(game.start());
+    auto recorder = must(replay::InputRecorder::begin(sink, game, world));
+    const SmallInputs inputs(SmallGame::script(0));
+    refused("a tick too far", recorder.on_tick(1, inputs.list, 1), "tick 0 comes next");
+    refused("no tick yet", recorder.after_tick(world, inputs.list), "tick 0");
+    must(game.advance(world, inputs.list));
+    refused("too few inputs", recorder.on_tick(0, {}, world.hash()), "");
+    auto other = must(replay::InputRecorder::begin(sink, game, must(game.start())));
+    refused("a keyframe of another time", other.keyframe(world), "the world stands at 1");
+
+    replay::MemorySink tape;
+    const auto commands = must(replay::CommandRecorder::begin(tape, world, "small"));
+    Image image;
+    world.save(image);
+    CHECK(commands->status().ok());
+    world.restore(image);
+    refused("restored while recorded", commands->status(), "the world was restored to tick 1");
+    refused("and closed", commands->close(), "restored");
+
+    std::optional<World> gone = must(game.start());
+    const auto widow = must(replay::CommandRecorder::begin(tape, *gone, "small"));
+    World moved = std::move(*gone);
+    stops("its world was moved", [&] { (void)widow->close(); });
+    *gone = std::move(moved);
+    stops("its world is destroyed", [&] {
+        gone.reset();
+        (void)widow->close();
+    });
+}
+
+TEST_CASE("misuse: a player's wrong arguments are errors, and it stays where it was") {
+    const SmallGame game;
+    const replay::Recording recording = must(read(record_inputs(30)));
+    refused("no game", status_of(replay::Player::open(recording, nullptr)), "needs the game");
+    auto player = must(replay::Player::open(recording, game));
+    REQUIRE(player.seek(7).ok());
+    const std::uint64_t before = player.world().hash();
+    refused("beyond the end", player.seek(31), "lies outside");
+    refused("far beyond", player.seek(~std::uint64_t{0}), "lies outside");
+    refused("no such keyframe", player.seek_keyframe(99), "no keyframe 99");
+    CHECK(player.time() == 7);
+    CHECK(player.world().hash() == before);
+    REQUIRE(player.seek(30).ok());
+    refused("a step beyond the end", player.step(), "ends at tick 30");
+}
+
+TEST_CASE("misuse: an asset library's wrong arguments are errors, and nothing is added") {
+    AssetLibrary library;
+    const AssetId nobody{0x1234};
+    refused("no bytes", status_of(library.add(std::span<const std::byte>{})), "");
+    refused("any bytes", status_of(library.add(AssetBytes(100, std::byte{7}))), "");
+    refused("what did not bake", status_of(library.add(bake_hull({}))), "");
+    refused("geometry of nobody", status_of(library.geometry(nobody)), "0x1234");
+    CHECK_FALSE(library.contains(nobody));
+    CHECK(library.bytes(nobody).empty());
+    CHECK(library.find(nobody) == nullptr);
+    CHECK(library.ids().empty());
+    refused("an empty mesh", status_of(bake_mesh({})), "");
+    refused("an empty height field", status_of(bake_height_field({})), "");
+    refused("an empty compound", status_of(bake_compound({})), "");
+    const std::array<std::uint32_t, 3> far[] = {{0, 1, 9}};
+    const Vec3 corners[] = {{}, {1_r, 0_r, 0_r}, {0_r, 0_r, 1_r}};
+    refused("a corner that is not there", status_of(bake_mesh({.vertices = corners, .triangles = far})), "");
+    const std::uint16_t materials[] = {1, 2};
+    const std::array<std::uint32_t, 3> one[] = {{0, 1, 2}};
+    refused("materials of others", status_of(bake_mesh({.vertices = corners, .triangles = one, .materials = materials})), "");
+}

@@ -1,0 +1,284 @@
+// Wrong arguments to a world: commands answer with a sentence and change nothing, reading ends the program with one.
+#include "support/sim_scenes.h"
+#include "support/stops.h"
+
+#include "lockstone/session.h"
+#include "lockstone/vehicle.h"
+#include "lockstone/world.h"
+
+#include <doctest/doctest.h>
+
+#include <functional>
+
+using namespace lockstone;
+using namespace lockstone::test;
+
+namespace {
+
+struct Health {
+    std::int32_t points, shield;
+};
+template <class V> constexpr void describe(Health& h, V&& v) {
+    v("points", h.points), v("shield", h.shield);
+}
+struct Score {
+    std::int32_t points;
+};
+template <class V> constexpr void describe(Score& s, V&& v) {
+    v("points", s.points);
+}
+
+/// One of everything, and an id that has died of each.
+struct Given {
+    GameSchema schema;
+    Column<Health> health = schema.add_body_column<Health>("game.health");
+    World w = World::create({}, schema).value();
+    BodyId body = w.create_body({}).value();
+    BodyId dead_body = w.create_body({}).value();
+    ShapeId shape = w.create_shape(body, {.geometry = sphere(0.5_r)}).value();
+    ShapeId dead_shape = w.create_shape(body, {.geometry = sphere(0.5_r)}).value();
+    FieldId dead_field = w.create_field({}).value();
+    JointId dead_joint = w.create_joint(hinge_joint(), {}, body, Transform::identity()).value();
+
+    Given() {
+        REQUIRE(w.destroy(dead_body).ok());
+        REQUIRE(w.destroy(dead_shape).ok());
+        REQUIRE(w.destroy(dead_field).ok());
+        REQUIRE(w.destroy(dead_joint).ok());
+    }
+};
+
+template <class AnyId> std::vector<AnyId> wrong_ids(AnyId dead) {
+    constexpr std::uint32_t most = ~0u;
+    return {AnyId{}, dead, AnyId{1, most}, AnyId{most, 1}, AnyId{most, most}, AnyId{900, 1}, AnyId{0, 1}};
+}
+
+void refuses(World& w, const char* what, const std::function<Status()>& call) {
+    CAPTURE(what);
+    const std::uint64_t before = w.hash();
+    const Status status = call();
+    REQUIRE_FALSE(status.ok());
+    CHECK(status.error().message.size() > 20);
+    CHECK(w.hash() == before);
+}
+void stops(const char* what, const std::function<void()>& call) {
+    CAPTURE(what);
+    const std::string words = last_words(call);
+    CHECK_MESSAGE(words.starts_with("lockstone: broken rule: "), words);
+}
+template <class Made> Status status_of(const Result<Made>& made) {
+    return made ? Status{} : Status{made.error()};
+}
+
+} // namespace
+
+TEST_CASE("misuse: commands refuse every wrong body with a sentence, and change nothing") {
+    Given g;
+    World& w = g.w;
+    for (const BodyId b : wrong_ids(g.dead_body)) {
+        CAPTURE(b.index);
+        CHECK_FALSE(w.is_alive(b));
+        refuses(w, "destroy", [&] { return w.destroy(b); });
+        refuses(w, "create_shape", [&] { return status_of(w.create_shape(b, {.geometry = sphere(0.5_r)})); });
+        refuses(w, "create_joint b", [&] { return status_of(w.create_joint(hinge_joint(), g.body, b, Transform::identity())); });
+        refuses(w, "set_pose", [&] { return w.set_pose(b, Transform::identity()); });
+        refuses(w, "set_velocity", [&] { return w.set_velocity(b, {}, {}); });
+        refuses(w, "add_force", [&] { return w.add_force(b, {}); });
+        refuses(w, "add_force_at", [&] { return w.add_force_at(b, {}, {}); });
+        refuses(w, "add_impulse", [&] { return w.add_impulse(b, {}); });
+        refuses(w, "add_impulse_at", [&] { return w.add_impulse_at(b, {}, {}); });
+        SetBodyParameters parameters{};
+        parameters.body = b;
+        refuses(w, "set_body_parameters", [&] { return w.set_body_parameters(parameters); });
+        SetMass mass{};
+        mass.body = b;
+        refuses(w, "set_mass", [&] { return w.set_mass(mass); });
+        refuses(w, "set_pair_filter a", [&] { return w.set_pair_filter(b, g.body, false); });
+        refuses(w, "set_pair_filter b", [&] { return w.set_pair_filter(g.body, b, true); });
+        refuses(w, "wake_body", [&] { return w.wake_body(b); });
+        refuses(w, "write", [&] { return w.write(g.health, b, Health{1, 2}); });
+        VehicleDef vehicle{};
+        vehicle.chassis = b;
+        refuses(w, "create_vehicle", [&] { return status_of(w.create_vehicle(vehicle)); });
+    }
+}
+
+TEST_CASE("misuse: commands refuse every wrong shape, field, joint, character and vehicle, and change nothing") {
+    Given g;
+    World& w = g.w;
+    for (const ShapeId s : wrong_ids(g.dead_shape)) {
+        CHECK_FALSE(w.is_alive(s));
+        refuses(w, "destroy shape", [&] { return w.destroy(s); });
+        SetMaterial material{};
+        material.shape = s;
+        refuses(w, "set_material", [&] { return w.set_material(material); });
+        SetFilter filter{};
+        filter.shape = s;
+        refuses(w, "set_filter", [&] { return w.set_filter(filter); });
+    }
+    for (const FieldId f : wrong_ids(g.dead_field)) {
+        CHECK_FALSE(w.is_alive(f));
+        refuses(w, "destroy field", [&] { return w.destroy(f); });
+        refuses(w, "set_field", [&] { return w.set_field(f, {}); });
+    }
+    for (const JointId j : wrong_ids(g.dead_joint)) {
+        CHECK_FALSE(w.is_alive(j));
+        refuses(w, "destroy joint", [&] { return w.destroy(j); });
+        refuses(w, "set_joint_axis", [&] { return w.set_joint_axis(j, about_x, {}); });
+        refuses(w, "set_joint_frames", [&] { return w.set_joint_frames(j, Transform::identity(), Transform::identity()); });
+    }
+    for (const CharacterId c : wrong_ids(CharacterId{1, 1})) {
+        CHECK_FALSE(w.is_alive(c));
+        refuses(w, "destroy character", [&] { return w.destroy(c); });
+        refuses(w, "set_character_input", [&] { return w.set_character_input(c, {}); });
+    }
+    for (const VehicleId v : wrong_ids(VehicleId{1, 1})) {
+        CHECK_FALSE(w.is_alive(v));
+        refuses(w, "destroy vehicle", [&] { return w.destroy(v); });
+        refuses(w, "set_vehicle_input", [&] { return w.set_vehicle_input(v, {}); });
+    }
+    const JointId joint = w.create_joint(hinge_joint(), {}, g.body, Transform::identity()).value();
+    refuses(w, "no such axis", [&] { return w.set_joint_axis(joint, static_cast<JointAxisIndex>(99), {}); });
+}
+
+TEST_CASE("misuse: reading what is not there ends the program with a sentence") {
+    Given g;
+    World& w = g.w;
+    for (const BodyId b : {BodyId{}, g.dead_body, BodyId{~0u, ~0u}}) {
+        stops("pose", [&] { (void)w.pose(b); });
+        stops("center_of_mass", [&] { (void)w.center_of_mass(b); });
+        stops("linear_velocity", [&] { (void)w.linear_velocity(b); });
+        stops("angular_velocity", [&] { (void)w.angular_velocity(b); });
+        stops("mass", [&] { (void)w.mass(b); });
+        stops("kind", [&] { (void)w.kind(b); });
+        stops("user_key", [&] { (void)w.user_key(b); });
+        stops("is_awake", [&] { (void)w.is_awake(b); });
+        stops("shapes", [&] { (void)w.shapes(b); });
+        stops("joints", [&] { (void)w.joints(b); });
+        stops("read", [&] { (void)w.read(g.health, b); });
+    }
+    stops("shape", [&] { (void)w.shape(g.dead_shape); });
+    stops("body_of shape", [&] { (void)w.body_of(ShapeId{}); });
+    stops("field", [&] { (void)w.field(g.dead_field); });
+    stops("joint", [&] { (void)w.joint(g.dead_joint); });
+    stops("joint_state", [&] { (void)w.joint_state(JointId{}); });
+    stops("character", [&] { (void)w.character(CharacterId{1, 1}); });
+    stops("character_input", [&] { (void)w.character_input(CharacterId{}); });
+    stops("character_state", [&] { (void)w.character_state(CharacterId{}); });
+    stops("body_of character", [&] { (void)w.body_of(CharacterId{}); });
+    stops("vehicle", [&] { (void)w.vehicle(VehicleId{1, 1}); });
+    stops("vehicle_input", [&] { (void)w.vehicle_input(VehicleId{}); });
+    stops("vehicle_state", [&] { (void)w.vehicle_state(VehicleId{}); });
+    for (const std::uint32_t row : {w.body_count(), ~0u}) {
+        stops("body_at", [&] { (void)w.body_at(row); });
+        stops("joint_at", [&] { (void)w.joint_at(row); });
+        stops("field_at", [&] { (void)w.field_at(row); });
+        stops("character_at", [&] { (void)w.character_at(row); });
+        stops("vehicle_at", [&] { (void)w.vehicle_at(row); });
+    }
+    const World empty = World::create({}).value();
+    stops("body_at of an empty world", [&] { (void)empty.body_at(0); });
+    stops("a column of another schema", [&] { (void)empty.read(g.health, BodyId{}); });
+    stops("a column of another type", [&] { (void)w.read(Column<Score>{g.health.index}, g.body); });
+    stops("writing it", [&] { (void)w.write(Column<Score>{g.health.index}, g.body, Score{1}); });
+}
+
+TEST_CASE("misuse: the value of an error and the error of a value end the program with a sentence") {
+    const Result<int> error = Error{"the cup is empty"}, value = 7;
+    const std::string words = last_words([&] { (void)error.value(); });
+    CHECK(words.find("the cup is empty") != std::string::npos);
+    stops("*", [&] { (void)*error; });
+    stops("moved", [&] { (void)Result<int>(Error{"x"}).value(); });
+    stops("->", [&] { (void)Result<std::string>(Error{"x"})->size(); });
+    stops("error", [&] { (void)value.error(); });
+    stops("error of a status", [&] { (void)Status{}.error(); });
+    CHECK(last_words([&] { (void)value.value(); }) == "");
+}
+
+TEST_CASE("misuse: an image of another definition, schema or asset library is refused before anything changes") {
+    const auto made = [](auto change) {
+        WorldDef def;
+        change(def);
+        return World::create(def).value();
+    };
+    World here = made([](WorldDef&) {}), same = made([](WorldDef&) {});
+    here.create_body({}).value();
+    Image image;
+    CHECK_FALSE(here.can_restore(image).ok());
+    same.save(image);
+    CHECK(here.can_restore(image).ok());
+    here.restore(image);
+    CHECK(here.hash() == same.hash());
+
+    std::vector<World> others;
+    others.push_back(made([](WorldDef& d) { d.tick_rate = 30; }));
+    others.push_back(made([](WorldDef& d) { d.substeps = 4; }));
+    others.push_back(made([](WorldDef& d) { d.bodies_max = 7; }));
+    others.push_back(made([](WorldDef& d) { d.contacts_max = 7; }));
+    others.push_back(made([](WorldDef& d) { d.contact_hertz = 30_r; }));
+    GameSchema schema;
+    schema.add_record<Score>("game.score");
+    others.push_back(World::create({}, schema).value());
+    AssetLibrary assets;
+    const LengthVec3 corners[] = {{}, {Length(1), {}, {}}, {{}, Length(1), {}}, {{}, {}, Length(1)}};
+    assets.add(bake_hull(corners)).value();
+    others.push_back(World::create({}, {}, std::make_shared<const AssetLibrary>(std::move(assets))).value());
+    const std::uint64_t before = here.hash();
+    for (const World& other : others) {
+        Image foreign;
+        other.save(foreign);
+        const Status status = here.can_restore(foreign);
+        REQUIRE_FALSE(status.ok());
+        CHECK(status.error().message.find("another definition") != std::string::npos);
+        CHECK_FALSE(here.restore_delta(foreign, {}).ok());
+        stops("restore", [&] { here.restore(foreign); });
+        stops("save_delta", [&] { (void)here.save_delta(foreign); });
+        CHECK(here.hash() == before);
+    }
+}
+
+TEST_CASE("misuse: a world that was moved from, or destroyed under what drives it, ends the program with a sentence") {
+    World w = World::create({}).value();
+    World moved = std::move(w);
+    stops("tick", [&] { w.tick(); });
+    stops("hash", [&] { (void)w.hash(); });
+    stops("create_body", [&] { (void)w.create_body({}); });
+    stops("cast_ray", [&] { (void)w.cast_ray({}); });
+    stops("clone", [&] { (void)w.clone(); });
+    w = std::move(moved);
+    w.tick(); // has a state again
+
+    struct Nothing final : Game {
+        std::string name() const override { return "nothing"; }
+        std::uint64_t content_id() const override { return 1; }
+        std::uint32_t player_count() const override { return 1; }
+        std::uint32_t input_size() const override { return 1; }
+        Result<World> start() const override { return World::create({}); }
+        Status advance(World& world, std::span<const PlayerInput>) const override {
+            world.tick();
+            return {};
+        }
+    } game;
+    SimulatedNetwork network(1, {}, 1);
+    const auto session = make_rollback_session(session_def(game, 0, {0}), network.endpoint(0)).value();
+    std::optional<World> driven = World::create({}).value();
+    WorldSimulation simulation(*driven, game);
+    SessionRunner runner(*session, simulation);
+    const auto frame = [&](SessionRunner& by) {
+        session->add_local_input(0, std::array{std::byte{}});
+        by.frame(1);
+    };
+    frame(runner);
+    SessionRunner other = std::move(runner);
+    stops("a runner that was moved from", [&] { frame(runner); });
+    frame(other);
+    driven.reset();
+    const std::string words = last_words([&] { frame(other); });
+    CHECK(words.find("destroyed before what drives it") != std::string::npos);
+}
+
+TEST_CASE("misuse: names of values that are none are words, not crashes") {
+    CHECK(std::string(name_of(static_cast<Integrator>(99))) == "unknown");
+    CHECK(std::string(name_of(static_cast<Stall>(99))) == "unknown");
+    CHECK(std::string(name_of(static_cast<PacketFault>(99))) == "unknown");
+}

@@ -1,0 +1,86 @@
+// The scenes of the benchmark are what its tables say they are: who changes one changes what old figures mean.
+#include "bench/scenes.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+using namespace lockstone::bench;
+
+namespace {
+
+/// What a scene is made of.
+struct Count {
+    const char* name;
+    std::size_t dynamic, fixed, kinematic, ball_joints, hinges;
+    int ticks;
+};
+constexpr Count counts[] = {
+    {"S1", 820, 1, 0, 0, 0, 300},         {"S2", 1000, 5, 0, 0, 0, 600},
+    {"S3", 500, 5, 0, 0, 0, 600},         {"S4", 550, 1, 0, 250, 250, 600},
+    {"S5", 500, 1, 0, 0, 0, 600},         {"S6", 72, 5, 0, 0, 0, 600},
+    {"pyramids", 10780, 1, 0, 0, 0, 100}, {"grid", 9966, 34, 0, 19800, 0, 120},
+    {"drum", 8000, 0, 1, 0, 0, 300},
+};
+
+std::size_t bodies_that(const engines::Scene& scene, bool (*holds)(const engines::Body&)) {
+    return static_cast<std::size_t>(std::ranges::count_if(scene.bodies, holds));
+}
+
+std::size_t joints_of(const engines::Scene& scene, engines::Link kind) {
+    return static_cast<std::size_t>(std::ranges::count(scene.joints, kind, &engines::Joint::kind));
+}
+
+double largest_density_error(const engines::Scene& scene) {
+    double most = 0;
+    for (const engines::Body& body : scene.bodies)
+        if (body.mass != 0)
+            most = std::max(most, std::abs(body.mass / engines::solid_of(body.shape).volume - 1000));
+    return most;
+}
+
+} // namespace
+
+TEST_CASE("a scene of the benchmark has the bodies and joints that its tables say") {
+    for (const Count& count : counts) {
+        CAPTURE(count.name);
+        const BenchScene made = make_bench_scene(count.name);
+        CHECK(bodies_that(made.scene, [](const engines::Body& b) { return b.mass != 0; }) == count.dynamic);
+        CHECK(bodies_that(made.scene, [](const engines::Body& b) { return b.mass == 0 && !b.moves; }) ==
+              count.fixed);
+        CHECK(bodies_that(made.scene, [](const engines::Body& b) { return b.moves; }) == count.kinematic);
+        CHECK(joints_of(made.scene, engines::Link::ball) == count.ball_joints);
+        CHECK(joints_of(made.scene, engines::Link::hinge) == count.hinges);
+        CHECK(made.ticks == count.ticks);
+        CHECK(made.judged_after >= made.ticks);
+        CHECK(made.counted_from + 4 <= made.ticks);
+    }
+    CHECK(scene_names().size() == std::size(counts));
+}
+
+TEST_CASE("bodies of the benchmark have 1000 kg a cubic metre, ragdolls the masses of limbs") {
+    for (const char* name : {"S1", "S2", "S3", "S5", "S6", "pyramids", "drum"}) {
+        CAPTURE(name);
+        CHECK(largest_density_error(make_bench_scene(name).scene) < 1e-6);
+    }
+}
+
+TEST_CASE("hulls of the benchmark have 12 to 24 corners, all of them on the hull") {
+    for (const engines::Body& body : make_bench_scene("S3").scene.bodies) {
+        if (body.mass == 0) continue;
+        const std::size_t corners = body.shape.points.size();
+        CHECK(corners >= 12);
+        CHECK(corners <= 24);
+        CHECK(body.shape.faces.size() == 2 * corners - 4); // Euler, for triangles
+    }
+}
+
+TEST_CASE("a quick scene of the benchmark has as many kinds of things as the real one") {
+    for (const std::string& name : scene_names()) {
+        CAPTURE(name);
+        const BenchScene full = make_bench_scene(name), quick = make_bench_scene(name, Size::quick);
+        CHECK(quick.scene.bodies.size() <= full.scene.bodies.size());
+        CHECK(quick.scene.joints.empty() == full.scene.joints.empty());
+        CHECK(quick.scene.bodies.size() > 20);
+    }
+}

@@ -1,0 +1,91 @@
+// A hint of what parts two shapes changes how soon they are found apart, never what is found.
+#include "collide/convex.h"
+#include "lockstone/math.h"
+#include "oracle/double_shapes.h"
+
+#include <doctest/doctest.h>
+
+#include <cstring>
+
+using namespace lockstone;
+using namespace lockstone::collide;
+using oracle::D3;
+using oracle::quantize;
+
+namespace {
+
+shapes::Solid ball_hull(AssetLibrary& library, oracle::Random& random, double size) {
+    std::vector<LengthVec3> points;
+    for (int i = 0; i < 30; ++i) {
+        const D3 d = random.direction();
+        points.push_back(
+            {quantize<Length>(size * d.x), quantize<Length>(size * d.y), quantize<Length>(size * d.z)});
+    }
+    const AssetId id = library.add(bake_hull(points)).value();
+    return {library.geometry(id).value(), library.find(id)->hull.get()};
+}
+
+bool same(const Manifolds& a, const Manifolds& b) {
+    return a.count == b.count && std::memcmp(a.items, b.items, a.count * sizeof(Manifold)) == 0;
+}
+
+} // namespace
+
+TEST_CASE("manifolds are the same with any hint") {
+    AssetLibrary library;
+    oracle::Random random(11);
+    const shapes::Solid all[] = {ball_hull(library, random, 0.5),
+                                 ball_hull(library, random, 0.1),
+                                 {cylinder(0.3_r, 0.4_r)},
+                                 {cone(0.3_r, 0.4_r)},
+                                 {rounded(box(0.3_r, 0.2_r, 0.4_r), 0.05_r)},
+                                 {capsule(0.2_r, 0.3_r)}};
+    const Length margin = decimal<Length>("0.02");
+    NarrowScratch scratch;
+    Manifolds plain, hinted, again;
+    int apart = 0, near = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const shapes::Solid &a = all[random.below(6)], &b = all[random.below(6)];
+        if (a.geometry.kind < b.geometry.kind) continue;
+        const D3 way = random.direction(), guess = random.direction();
+        const double distance = random.uniform(0.05, 1.1);
+        const RelativePose pose{to_rotation(random.rotation(0, 3)),
+                                {quantize<Coordinate>(way.x * distance),
+                                 quantize<Coordinate>(way.y * distance),
+                                 quantize<Coordinate>(way.z * distance)}};
+        collide::collide(a, b, pose, margin, scratch, plain);
+        const UnitVec3 hint{quantize<Unit>(guess.x), quantize<Unit>(guess.y), quantize<Unit>(guess.z)};
+        collide::collide(a, b, pose, margin, hint, scratch, hinted);
+        REQUIRE(same(plain, hinted));
+        if (plain.count != 0) {
+            ++near;
+            continue;
+        }
+        ++apart;
+        collide::collide(a, b, pose, margin, plain.apart, scratch, again);
+        REQUIRE(same(plain, again));
+        // What was found to part them is taken at its word, at once.
+        if (plain.apart != UnitVec3{}) CHECK(again.apart != UnitVec3{});
+    }
+    CHECK(apart > 2000);
+    CHECK(near > 2000);
+}
+
+TEST_CASE("a hint that did settle the question by itself would be noticed") {
+    AssetLibrary library;
+    oracle::Random random(12);
+    const shapes::Solid stone = ball_hull(library, random, 0.5);
+    const RelativePose touching{Rotation::identity(),
+                                {quantize<Coordinate>(0.8), Coordinate{}, Coordinate{}}};
+    const Convex a = convex_of(stone, Rotation::identity(), CoordinateVec3{}),
+                 b = convex_of(stone, touching.rotation, touching.position);
+    int wrong = 0;
+    for (int i = 0; i < 100; ++i) {
+        const D3 d = random.direction();
+        // Planted: what the hint says when its sign is not looked at.
+        const std::int64_t along = separation_along_30(
+            a, b, {quantize<Unit>(d.x).raw, quantize<Unit>(d.y).raw, quantize<Unit>(d.z).raw});
+        wrong += (along < 0 ? -along : along) > std::int64_t{1} << 28;
+    }
+    CHECK(wrong > 0);
+}

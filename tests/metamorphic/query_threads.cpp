@@ -1,0 +1,49 @@
+// Several threads ask one world at once, and each gets the answers that one who asks alone gets.
+#include "support/query_scene.h"
+
+#include <doctest/doctest.h>
+
+#include <thread>
+
+using namespace lockstone;
+using namespace lockstone::test::query;
+
+namespace {
+
+/// What four threads that ask `w` at the same time are told, by thread. Each also hashes, saves and copies the world.
+std::vector<Answers> ask_at_once(const World& w, const Assets& assets, int count) {
+    std::vector<Answers> answers(4);
+    std::vector<std::thread> threads;
+    for (std::size_t i = 0; i < answers.size(); ++i)
+        threads.emplace_back([&, i] {
+            answers[i] = ask(w, assets, i, count);
+            Image image;
+            w.save(image);
+            answers[i].put(w.hash());
+            answers[i].put(w.clone().hash());
+            answers[i].put(w.save_portable().size());
+            answers[i].put(w.kinetic_energy());
+        });
+    for (std::thread& thread : threads) thread.join();
+    return answers;
+}
+
+} // namespace
+
+TEST_CASE("four threads that ask a world at once are told what one alone is told") {
+    const Assets assets;
+    World w = crowd(assets, 60);
+    for (int round = 0; round < 6; ++round) {
+        for (int t = 0; t < 5; ++t) w.tick();
+        const World other = w.clone(); // its caches are not made yet either
+        const std::vector<Answers> at_once = ask_at_once(w, assets, samples(80, 400));
+        for (std::size_t i = 0; i < at_once.size(); ++i) {
+            Answers alone = ask(other, assets, i, samples(80, 400));
+            alone.put(other.hash());
+            alone.put(other.hash());
+            alone.put(other.save_portable().size());
+            alone.put(other.kinetic_energy());
+            CHECK(at_once[i] == alone);
+        }
+    }
+}

@@ -1,0 +1,101 @@
+#!/usr/bin/env python3
+"""Every block of C++ in README.md is a program: compiled as it stands there, by each compiler, with -Wall -Wextra -Werror, with and without
+NDEBUG, linked and run; it has to end with status 0.
+
+  readme.py --libraries BUILD [--cxx CXX]...     checks README.md
+  readme.py --planted --libraries BUILD          small programs with one fault each have to be noticed
+  readme.py --extract LANGUAGE NUMBER            prints one block"""
+import argparse
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+# Upwards: who needs whom comes first.
+LAYERS = ("session", "replay", "sim", "dynamics", "collide", "shapes", "state", "math", "base")
+WARNINGS = ["-std=c++20", "-Wall", "-Wextra", "-Werror", f"-I{ROOT}/include"]
+FLAGS = (("-O1",), ("-O1", "-DNDEBUG"))
+HEADERS = ("-fno-exceptions", "-fno-rtti")
+
+
+def blocks(text, language):
+    """(line, text) of each block."""
+    return [(text.count("\n", 0, m.start()) + 1, m.group(2)) for m in BLOCK.finditer(text) if m.group(1) == language]
+
+
+def libraries(build):
+    """Of the build: all layers' archives, whatever layers there are."""
+    named = [build / f"liblockstone_{layer}.a" for layer in LAYERS]
+    others = sorted(set(build.glob("liblockstone_*.a")) - set(named))
+    return ["-Wl,--start-group", *map(str, others), *[str(p) for p in named if p.exists()], "-Wl,--end-group", "-lxxhash", "-pthread"]
+
+
+def fault_of(program, cxx, flags, build, folder):
+    """Empty, or what is wrong with the program."""
+    source, out = folder / "main.cpp", folder / "main"
+    source.write_text(program)
+    compiled = subprocess.run([cxx, *WARNINGS, *flags, str(source), "-o", str(out), *libraries(build)], capture_output=True, text=True)
+    if compiled.returncode != 0:
+        return next((l for l in compiled.stderr.splitlines() if "error" in l or "undefined" in l), compiled.stderr[-300:])
+    ran = subprocess.run([str(out)], capture_output=True, text=True, cwd=folder, timeout=120)
+    return f"ends with status {ran.returncode}: {(ran.stdout + ran.stderr)[-300:]}" if ran.returncode != 0 else ""
+
+
+def check(text, compilers, build):
+    complaints, programs = [], blocks(text, "cpp")
+    with tempfile.TemporaryDirectory(prefix="lockstone-readme-") as folder:
+        for line, program in programs:
+            for cxx in compilers:
+                for flags in FLAGS:
+                    if fault := fault_of(program, cxx, flags, build, pathlib.Path(folder)):
+                        complaints.append(f"README.md:{line}: by {cxx} {' '.join(flags)}: {fault}")
+    return complaints or ([] if programs else ["README.md:1: holds no C++"])
+
+
+def headers_alone(compilers):
+    """Games without exceptions or run-time types may include every header."""
+    complaints = []
+    text = "".join(f"#include <lockstone/{h.name}>\n" for h in sorted((ROOT / "include/lockstone").glob("*.h")))
+    for cxx in compilers:
+        done = subprocess.run([cxx, *WARNINGS, *HEADERS, "-fsyntax-only", "-x", "c++", "-"], input=text, capture_output=True, text=True)
+        if done.returncode != 0:
+            complaints.append(f"{cxx} {' '.join(HEADERS)}: {next((l for l in done.stderr.splitlines() if 'error' in l), '?')}")
+    return complaints
+
+
+PLANTED = [
+    ("a result that nobody looks at", "```cpp\n#include <lockstone/world.h>\nint main() { lockstone::World::create({}); }\n```\n"),
+    ("a variable that only an assertion uses",
+     "```cpp\n#include <cassert>\nint main() { int x = 1; assert(x == 1); }\n```\n"),
+    ("statements outside of a function", "```cpp\n#include <lockstone/world.h>\nusing namespace lockstone;\nreturn 0;\n```\n"),
+    ("a program that fails", "```cpp\nint main() { return 3; }\n```\n"),
+    ("no program at all", "```sh\ntrue\n```\n"),
+]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--libraries", type=pathlib.Path)
+    parser.add_argument("--cxx", action="append")
+    parser.add_argument("--planted", action="store_true")
+    parser.add_argument("--extract", nargs=2, metavar=("LANGUAGE", "NUMBER"))
+    arguments = parser.parse_args()
+    readme = (ROOT / "README.md").read_text()
+    if arguments.extract:
+        print(blocks(readme, arguments.extract[0])[int(arguments.extract[1])][1], end="")
+        return 0
+    compilers = arguments.cxx or ["g++"]
+    if arguments.planted:
+        missed = [name for name, text in PLANTED if not check(text, compilers[:1], arguments.libraries)]
+        print("\n".join(f"missed a planted fault: {name}" for name in missed))
+        return 1 if missed else 0
+    complaints = check(readme, compilers, arguments.libraries) + headers_alone(compilers)
+    print("\n".join(complaints) or f"{len(blocks(readme, 'cpp'))} programs, {len(compilers)} compilers, {len(FLAGS)} builds each")
+    return 1 if complaints else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,102 @@
+// One machine of a match that lies: an honest session whose packets are changed on their way out; and what the others
+// must come out with.
+#pragma once
+
+#include "session/match.h"
+#include "session/message.h"
+
+#include <algorithm>
+
+namespace lockstone::test {
+
+/// Takes every packet apart, lets `lie` change it, and puts it together again with a right checksum.
+class LyingTransport final : public Transport {
+  public:
+    /// The packet for a machine: what it says, and the blocks of inputs it holds. Returns whether it is sent.
+    using Lie = std::function<bool(PeerId to, session::Message& message)>;
+    Transport* real = nullptr;
+    Lie lie;
+    session::PacketContext context{};
+
+    void send(PeerId to, std::span<const std::byte> bytes) override {
+        session::Message message{};
+        if (!lie || session::decode(bytes, context, message)) return real->send(to, bytes);
+        if (lie(to, message)) real->send(to, written(message));
+    }
+    std::optional<Datagram> receive() override { return real->receive(); }
+
+    std::span<const std::byte> written(const session::Message& message) {
+        writer.begin(context, message);
+        std::uint32_t left = message.block_count;
+        for (const session::InputBlock& block : message.input_blocks()) {
+            std::vector<std::vector<std::byte>> inputs;
+            session::for_each_input(block, context.input_size,
+                                    [&](std::uint64_t, std::span<const std::byte> input) {
+                                        inputs.emplace_back(input.begin(), input.end());
+                                    });
+            writer.add_inputs(block.player, block.first, inputs.size(), --left, [&](std::uint64_t tick) {
+                return std::span<const std::byte>(inputs[tick - block.first]);
+            });
+        }
+        return writer.finish();
+    }
+
+  private:
+    session::PacketWriter writer;
+};
+
+/// Machines with one player each; the last one lies once `liar.lie` is set. One second of silence is too much.
+class HostileMatch {
+  public:
+    explicit HostileMatch(std::uint32_t machines, MatchDef def = {})
+        : hostile(machines - 1), match(complete(machines, std::move(def))) {}
+
+    LyingTransport liar;
+    PeerId hostile;
+    Match match;
+
+    /// What is wrong among these honest machines; empty when nothing is. `ticks_least`: confirmed on each.
+    std::string trouble(const std::vector<PeerId>& honest, std::uint64_t ticks_least) {
+        for (const PeerId a : honest) {
+            const std::string name = "machine " + std::to_string(a) + ": ";
+            for (const PeerId b : honest) {
+                if (!match.agree(a, b)) return name + "another timeline than machine " + std::to_string(b);
+                for (const Desync& desync : match.notices<Desync>(a))
+                    if (desync.peer == b) return name + "a desync with an honest machine";
+                for (const PlayerDisconnected& left : match.notices<PlayerDisconnected>(a))
+                    if (left.peer == b) return name + "an honest machine was thrown out";
+            }
+            for (const MatchStopped& stop : match.notices<MatchStopped>(a)) return name + "stopped: " + stop.reason;
+            const std::uint64_t ticks = match.machine(a).timeline.ticks.size();
+            if (ticks < ticks_least)
+                return name + std::to_string(ticks) + " ticks of " + std::to_string(ticks_least);
+        }
+        return {};
+    }
+    bool has_left(PeerId at, PeerId who) {
+        return std::ranges::any_of(match.notices<PlayerDisconnected>(at),
+                                   [&](const PlayerDisconnected& left) { return left.peer == who; });
+    }
+
+  private:
+    MatchDef complete(std::uint32_t machines, MatchDef def) {
+        def.machines = machines;
+        def.players.clear();
+        for (PeerId id = 0; id < machines; ++id) def.players.push_back(id);
+        if (def.disconnect_ms == 5000) def.disconnect_ms = 1000;
+        if (def.link.latency_ms == 0) def.link = {.latency_ms = 40, .jitter_ms = 15, .loss_permille = 50};
+        SessionDef as_match;
+        as_match.content_id = 7;
+        as_match.input_size = input_size_of<Pad>;
+        as_match.players = def.players;
+        liar.context = session::packet_context(as_match);
+        def.through = [this](PeerId id, Transport& wire) -> Transport& {
+            if (id != hostile) return wire;
+            liar.real = &wire;
+            return liar;
+        };
+        return def;
+    }
+};
+
+} // namespace lockstone::test

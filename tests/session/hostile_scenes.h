@@ -1,0 +1,309 @@
+// What one hostile machine of three or four may try, each with what must come of it. One list for the tests and for the
+// planted faults.
+#pragma once
+
+#include "session/hostile.h"
+
+namespace lockstone::test {
+
+struct HostileScene {
+    const char* name;
+    std::function<std::string()> run; ///< what went wrong, or nothing
+};
+
+namespace hostile {
+
+using session::Message;
+
+/// Ten seconds of lies after two of truth: `honest` have gone on, and `leaves` says whether the liar has had to go.
+enum class Liar { stays, leaves, either };
+inline std::string endured(HostileMatch& h, const std::vector<PeerId>& honest, Liar liar,
+                           std::uint64_t ticks_least = 550) {
+    h.match.run(600);
+    if (std::string wrong = h.trouble(honest, ticks_least); !wrong.empty()) return wrong;
+    for (const PeerId id : honest) {
+        if (liar == Liar::leaves && !h.has_left(id, h.hostile)) return "the liar is still there";
+        if (liar == Liar::stays && h.has_left(id, h.hostile)) return "the liar was thrown out";
+    }
+    return {};
+}
+
+inline void says_gone(Message& m, std::uint32_t players) {
+    m.unwanted |= players;
+    m.gone |= players;
+    m.has_cut |= players;
+    for (std::uint32_t p = 0; p < players_max; ++p) m.cut[p] = 5;
+}
+
+inline std::string word_against_one(std::uint32_t machines, bool to_all) {
+    HostileMatch h(machines);
+    h.match.run(120);
+    h.liar.lie = [&](PeerId to, Message& m) {
+        if (to == 0) says_gone(m, 1u << 1);
+        if (to == 1 && to_all) says_gone(m, 1u << 0);
+        return true;
+    };
+    std::vector<PeerId> honest;
+    for (PeerId id = 0; id + 1 < machines; ++id) honest.push_back(id);
+    return endured(h, honest, Liar::either);
+}
+
+inline std::string word_against_all() {
+    HostileMatch h(3);
+    h.match.run(120);
+    h.liar.lie = [&](PeerId, Message& m) {
+        says_gone(m, 3);
+        return true;
+    };
+    return endured(h, {0, 1}, Liar::leaves);
+}
+
+inline std::string forged_inputs_of_the_gone() {
+    HostileMatch h(4);
+    h.match.run(120);
+    static constexpr std::array<std::byte, 1> repeats{std::byte{0xfe}};
+    std::array<std::byte, sizeof(Pad)> forged{};
+    forged.fill(std::byte{0x7f});
+    int packets = 0;
+    h.liar.lie = [&](PeerId, Message& m) { // eight inputs in the name of player 2, before its own
+        if ((m.unwanted >> 2 & 1u) == 0) return true;
+        if (++packets < 40) m.gone = m.has_cut = 0; // as long as it has not left for all, its inputs may grow
+        m.blocks[1] = m.blocks[0];
+        m.blocks[0] = {2, m.next_input[2] - 3, 8, repeats, forged};
+        ++m.block_count;
+        m.next_input[2] += 100;
+        return true;
+    };
+    h.match.network.unplug(2);
+    const std::string wrong = endured(h, {0, 1}, Liar::leaves, 450); // nothing that it says is taken any more
+    for (const PeerId id : {0u, 1u}) {
+        for (const Timeline::Tick& tick : h.match.machine(id).timeline.ticks)
+            if (tick.inputs[2 * sizeof(Pad)] == std::byte{0x7f} && tick.inputs[2 * sizeof(Pad) + 1] == std::byte{0x7f})
+                return "a forged input of a machine that left was believed";
+    }
+    return wrong;
+}
+
+inline std::string keep_alives_without(void (*what)(Message&), std::uint32_t machines, bool only_to_0 = false) {
+    HostileMatch h(machines);
+    h.match.run(120);
+    Message frozen{};
+    bool is_frozen = false;
+    h.liar.lie = [&](PeerId to, Message& m) {
+        if (to == 1 && only_to_0) return true;
+        if (!is_frozen) frozen = m, is_frozen = true;
+        m.next_input = what == nullptr ? frozen.next_input : m.next_input;
+        if (what != nullptr) what(m);
+        return true;
+    };
+    std::vector<PeerId> honest;
+    for (PeerId id = 0; id + 1 < machines; ++id) honest.push_back(id);
+    return endured(h, honest, only_to_0 ? Liar::either : Liar::leaves, 400);
+}
+
+/// One input now and then: it is never quite silent.
+inline std::string dripped_inputs() {
+    HostileMatch h(3);
+    h.match.run(120);
+    std::uint64_t allowed = 0, next_at = 0;
+    h.liar.lie = [&](PeerId, Message& m) {
+        if (h.match.now_ms >= next_at) ++allowed, next_at = h.match.now_ms + 900;
+        for (std::uint32_t b = 0; b < m.block_count; ++b) m.blocks[b].count = std::min(m.blocks[b].count, 1u);
+        if (h.match.now_ms + 30 < next_at && next_at - h.match.now_ms < 870) m.block_count = 0;
+        return true;
+    };
+    return endured(h, {0, 1}, Liar::leaves, 250);
+}
+
+inline std::string far_behind() {
+    HostileMatch h(3);
+    h.match.run(120);
+    h.liar.lie = [&](PeerId, Message& m) {
+        if (m.quality) m.quality->ticks_ahead = -2'000'000'000;
+        return true;
+    };
+    return endured(h, {0, 1}, Liar::stays, 580); // at most 8 frames of 68 are waited
+}
+
+inline std::string flood() {
+    HostileMatch h(3);
+    h.match.run(120);
+    std::vector<std::vector<std::byte>> packets;
+    bool floods = true;
+    h.liar.lie = [&](PeerId, Message& m) {
+        if (!std::exchange(floods, false)) return true;
+        const auto bytes = h.liar.written(m);
+        const std::vector<std::byte> copy(bytes.begin(), bytes.end());
+        for (int i = 0; i < 20'000; ++i) h.liar.real->send(0, copy);
+        return true;
+    };
+    h.match.run(1);
+    const SessionStats before = h.match.machine(0).session->stats();
+    for (int i = 0; i < 30; ++i) {
+        const SessionStats& stats = h.match.machine(0).session->stats();
+        const std::uint64_t received = stats.packets_received;
+        const std::uint64_t unread = stats.dropped[static_cast<std::size_t>(PacketFault::flood)];
+        h.match.run(1);
+        const std::uint64_t now_received = stats.packets_received - received;
+        const std::uint64_t now_read =
+            now_received - (stats.dropped[static_cast<std::size_t>(PacketFault::flood)] - unread);
+        if (now_received > packets_per_poll_max) return "one poll took more packets than it may";
+        if (now_read > 2 * packets_per_peer_max) return "one poll read more packets of a peer than it may";
+    }
+    if (h.match.machine(0).session->stats().packets_received - before.packets_received < 10'000)
+        return "the flood did not arrive";
+    return endured(h, {0, 1}, Liar::stays);
+}
+
+/// Somebody on the way sends old packets of a machine that is gone again and again. In a pause nobody waits for it, so that
+/// only its silence can show.
+inline std::string replayed_packets(bool in_a_pause) {
+    HostileMatch h(3);
+    std::vector<std::pair<PeerId, std::vector<std::byte>>> old;
+    h.liar.lie = [&](PeerId to, Message& m) {
+        const auto bytes = h.liar.written(m);
+        if (old.size() < 240) old.emplace_back(to, std::vector<std::byte>(bytes.begin(), bytes.end()));
+        return true;
+    };
+    h.match.run(200);
+    h.liar.lie = [](PeerId, Message&) { return false; };
+    for (int i = 0; i < 600; ++i) {
+        const auto& [to, bytes] = old[static_cast<std::size_t>(i) % old.size()];
+        h.liar.real->send(to, bytes);
+        if (in_a_pause && i < 240)
+            h.match.pause();
+        else
+            h.match.run(1);
+        if (in_a_pause && i == 240 && !h.has_left(0, 2)) return "old packets kept it alive through the pause";
+    }
+    if (std::string wrong = h.trouble({0, 1}, in_a_pause ? 450 : 600); !wrong.empty()) return wrong;
+    return h.has_left(0, 2) && h.has_left(1, 2) ? "" : "old packets kept it alive";
+}
+
+inline std::string never_appears() {
+    HostileMatch h(3, {.connect_ms = 2000});
+    h.liar.lie = [](PeerId, Message&) { return false; };
+    return endured(h, {0, 1}, Liar::leaves, 400);
+}
+
+/// A third machine fails, and the liar has something else to say about it to everybody.
+inline std::string about_a_departure(const LyingTransport::Lie& lie, bool may_stop) {
+    HostileMatch h(4);
+    h.match.run(120);
+    h.liar.lie = lie;
+    h.match.network.unplug(2);
+    h.match.run(600);
+    const bool stopped = !h.match.notices<MatchStopped>(0).empty() || !h.match.notices<MatchStopped>(1).empty();
+    if (!h.match.agree(0, 1)) return "the honest machines parted";
+    if (stopped) return may_stop ? "" : "the match stopped";
+    return h.trouble({0, 1}, 400);
+}
+
+/// Nobody lies. Two machines fail one after the other, and those that remain have heard different numbers of inputs.
+inline std::string two_fail() {
+    for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+        const bool lockstep = seed % 3 == 0;
+        HostileMatch h(4, {.lockstep = lockstep,
+                           .input_delay = lockstep ? 12u : 2u,
+                           .link = {.latency_ms = 60, .jitter_ms = 30, .loss_permille = 100},
+                           .seed = seed});
+        h.match.run(200);
+        h.match.network.set_link(3, 0, {.loss_permille = 1000});
+        h.match.run(5);
+        h.match.network.unplug(3);
+        h.match.run(seed * 8);
+        h.match.network.set_link(2, 1, {.loss_permille = 1000});
+        h.match.run(4);
+        h.match.network.unplug(2);
+        h.match.run(600);
+        if (std::string wrong = h.trouble({0, 1}, 450); !wrong.empty()) return wrong;
+        if (!h.has_left(0, 2) || !h.has_left(1, 3)) return "who failed is still there";
+    }
+    return {};
+}
+
+/// It sends packets to one of the others only.
+inline std::string silent_to_one() {
+    HostileMatch h(4);
+    h.match.run(120);
+    h.liar.lie = [](PeerId to, Message&) { return to == 0; };
+    return endured(h, {0, 1, 2}, Liar::leaves, 450);
+}
+
+inline std::vector<HostileScene> hostile_to_all() {
+    const auto no_inputs = [](Message& m) { m.block_count = 0; };
+    const auto no_hashes = [](Message& m) { m.hash_count = 0; };
+    const auto no_hash_acks = [](Message& m) { m.next_hash = 0; };
+    const auto claims_most = [](Message& m) {
+        m.block_count = 0;
+        for (std::uint64_t& next : m.next_input) next += 100;
+        m.next_input[0] = m.next_input[1] = 0;
+    };
+    return {
+        {"tells one of three that another is gone", [] { return word_against_one(3, false); }},
+        {"tells each of three that the other is gone", [] { return word_against_one(3, true); }},
+        {"tells two of four that the other is gone", [] { return word_against_one(4, true); }},
+        {"tells all that they are gone", word_against_all},
+        {"speaks for a machine that is gone", forged_inputs_of_the_gone},
+        {"sends no inputs", [=] { return keep_alives_without(no_inputs, 3); }},
+        {"sends no inputs, among four", [=] { return keep_alives_without(no_inputs, 4); }},
+        {"sends no hashes", [=] { return keep_alives_without(no_hashes, 3); }},
+        {"acknowledges no hashes", [=] { return keep_alives_without(no_hash_acks, 3); }},
+        {"acknowledges no inputs", [] { return keep_alives_without(nullptr, 3); }},
+        {"sends one of two no hashes", [=] { return keep_alives_without(no_hashes, 3, true); }},
+        {"acknowledges no hashes of one of two", [=] { return keep_alives_without(no_hash_acks, 3, true); }},
+        {"acknowledges no inputs to one of two", [] { return keep_alives_without(nullptr, 3, true); }},
+        {"claims inputs and sends none", [=] { return keep_alives_without(claims_most, 3); }},
+        {"drips inputs", dripped_inputs},
+        {"says that it is far behind", far_behind},
+        {"floods", flood},
+        {"is replayed", [] { return replayed_packets(false); }},
+        {"is replayed while the game is paused", [] { return replayed_packets(true); }},
+        {"never appears", never_appears},
+        {"is silent to two of three", silent_to_one},
+    };
+}
+
+/// While somebody else fails.
+inline std::vector<HostileScene> hostile_at_departures() {
+    return {
+        {"does nothing while two machines fail", two_fail},
+        {"does not see that a machine is gone",
+         [] {
+             return about_a_departure(
+                 [](PeerId, Message& m) {
+                     m.unwanted = m.gone = m.has_cut = 0;
+                     return true;
+                 },
+                 false);
+         }},
+        {"claims fewer inputs of the one that is gone",
+         [] {
+             return about_a_departure(
+                 [](PeerId to, Message& m) {
+                     if (to == 1) m.next_input[2] -= 6;
+                     return true;
+                 },
+                 true);
+         }},
+        {"tells each another cut",
+         [] {
+             return about_a_departure(
+                 [](PeerId to, Message& m) {
+                     if (m.has_cut != 0) m.cut[2] -= to;
+                     return true;
+                 },
+                 true);
+         }},
+    };
+}
+
+} // namespace hostile
+
+inline std::vector<HostileScene> hostile_scenes() {
+    std::vector<HostileScene> all = hostile::hostile_to_all();
+    for (HostileScene& scene : hostile::hostile_at_departures()) all.push_back(std::move(scene));
+    return all;
+}
+
+} // namespace lockstone::test

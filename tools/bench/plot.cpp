@@ -1,0 +1,108 @@
+#include "bench/plot.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <sstream>
+
+namespace lockstone::bench {
+namespace {
+
+/// The figure that tells most of a scene's quality: the joints' where there are joints.
+double worst_of(const Json& scene, const Json& run) {
+    if (scene.at("joints").get<int>() > 0) return run.at("joint_worst_mm").get<double>();
+    return run.at(scene.at("scene") == "S3" ? "overlap_static_mm" : "overlap_mm").get<double>();
+}
+
+std::string title_of(const Json& scene) {
+    const char* worst = scene.at("joints").get<int>() > 0 ? "widest joint" : "worst overlap";
+    return scene.at("scene").get<std::string>() + ", " + worst;
+}
+
+/// [mm]: on a logarithmic axis there is no 0, and what is below is as good as that.
+constexpr double least_mm = 0.01;
+
+/// A line "cost worst label" for each engine of a scene whose name starts like this; the rest of the name is the label.
+std::string points_of(const Json& scene, const std::string& product) {
+    std::ostringstream out;
+    for (const Json& run : scene.at("engines")) {
+        const auto name = run.at("engine").get<std::string>();
+        if (!name.starts_with(product)) continue;
+        out << run.at("mean_ms").get<double>() << ' ' << std::max(least_mm, worst_of(scene, run)) << " \""
+            << name.substr(std::min(name.size(), product.size() + 1)) << "\"\n";
+    }
+    return out.str();
+}
+
+/// A panel a scene: time of a tick across, millimetres up, both logarithmic; nearer to the lower left is better.
+std::string front_script(const Json& front) {
+    std::ostringstream out;
+    out << "set multiplot layout 2,3 title 'Cost against quality: Lockstone by substeps, Bullet by "
+           "iterations'\n"
+        << "set logscale xy\nset grid\nset xlabel 'ms a tick'\nset ylabel 'mm'\nset key top right\n";
+    int panel = 0;
+    for (const Json& scene : front) {
+        ++panel;
+        std::string sources;
+        for (const char* product : {"Lockstone", "Bullet"}) {
+            const std::string points = points_of(scene, product);
+            if (points.empty()) continue;
+            const std::string block = "$" + std::string(product) + std::to_string(panel);
+            out << block << " << EOD\n" << points << "EOD\n";
+            sources += (sources.empty() ? "" : ", ") + block +
+                       " using 1:2 with linespoints pointtype 7 pointsize 0.5 title '" + product + "', " +
+                       block + " using 1:2:3 with labels offset 0.8,0.6 font ',9' notitle";
+        }
+        out << "set title '" << title_of(scene)
+            << "'\nset autoscale\nset offsets graph 0.15, graph 0.15, graph 0.15, graph 0.15\n"
+            << "plot " << sources << '\n';
+    }
+    out << "unset multiplot\n";
+    return out.str();
+}
+
+/// A group a scene: the ratio in this run, what it must be, and the goal.
+std::string ratio_script(const Json& scenes) {
+    std::ostringstream out;
+    out << "$ratios << EOD\n";
+    for (const Json& scene : scenes) {
+        if (scene.at("bullet_per_ours").is_null()) continue;
+        double must = 0, goal = 0;
+        for (const Json& verdict : scene.at("verdicts"))
+            if (verdict.contains("goal")) must = verdict.at("must"), goal = verdict.at("goal");
+        out << scene.at("scene") << ' ' << scene.at("bullet_per_ours").at("mean").get<double>() << ' ' << must
+            << ' ' << goal << '\n';
+    }
+    out << "EOD\nset title 'Time of Bullet / time of Lockstone, default settings, one thread'\n"
+        << "set style data histogram\nset style histogram clustered\nset style fill solid 0.7\nset grid "
+           "ytics\n"
+        << "set yrange [0:*]\nset key top right\n"
+        << "plot $ratios using 2:xtic(1) title 'measured', '' using 3 title 'must', '' using 4 title "
+           "'goal'\n";
+    return out.str();
+}
+
+/// In single quotes gnuplot takes everything as it is, but for those.
+std::string quoted(const std::string& text) {
+    std::string out = "'";
+    for (const char c : text) out += c == '\'' ? std::string("''") : std::string(1, c);
+    return out + "'";
+}
+
+} // namespace
+
+Status plot(const Json& results, const std::string& file) {
+    const bool has_front = results.contains("front");
+    if (!has_front && !results.contains("scenes"))
+        return Error{"--plot " + file + ": there is nothing to draw: choose scenes, or 'front'"};
+    const std::string script =
+        "set terminal svg size 1200,700 background 'white'\nset output " + quoted(file) + "\n" +
+        (has_front ? front_script(results.at("front")) : ratio_script(results.at("scenes")));
+    std::FILE* gnuplot = popen("gnuplot", "w");
+    bool good = gnuplot != nullptr && std::fwrite(script.data(), 1, script.size(), gnuplot) == script.size();
+    if (gnuplot != nullptr) good = pclose(gnuplot) == 0 && good;
+    if (!good) return Error{"--plot " + file + ": gnuplot failed; the Debian package is gnuplot-nox"};
+    return {};
+}
+
+} // namespace lockstone::bench

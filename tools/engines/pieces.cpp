@@ -1,0 +1,73 @@
+#include "engines/pieces.h"
+
+namespace engines {
+
+void add_pyramid(Scene& scene, int base, V3 at, double friction) {
+    constexpr double gap = 0.001; // neighbours of a row lean on each other without being squeezed
+    for (int row = 0; row < base; ++row)
+        for (int i = 0; i < base - row; ++i)
+            scene.add(solid(box({0.5, 0.5, 0.5}),
+                            at + V3{(1 + gap) * (i - 0.5 * (base - row - 1)), row + 0.5, 0}, 1000, friction));
+}
+
+void add_ragdoll(Scene& scene, V3 at) {
+    const auto limb = [&](V3 from, V3 to, double radius, double mass) {
+        const V3 along = to - from;
+        Body body{.shape = capsule(radius, length(along) / 2 - radius),
+                  .position = at + (from + to) / 2,
+                  .mass = mass};
+        const V3 unit = along / length(along);
+        body.rotation = about({0, 0, 1}, std::atan2(-unit.x, unit.y));
+        return scene.add(body);
+    };
+    const auto join = [&](Link kind, int a, int b, V3 anchor, double limit) {
+        scene.joints.push_back(
+            {.kind = kind, .a = a, .b = b, .anchor = at + anchor, .axis = {1, 0, 0}, .limit = limit});
+    };
+    const int hips = limb({0, 0.85, 0}, {0, 1.15, 0}, 0.13, 15),
+              chest = limb({0, 1.15, 0}, {0, 1.55, 0}, 0.15, 25);
+    const int head = limb({0, 1.6, 0}, {0, 1.9, 0}, 0.1, 5);
+    join(Link::hinge, hips, chest, {0, 1.15, 0}, 0.7);
+    join(Link::ball, chest, head, {0, 1.58, 0}, 0);
+    for (const double side : {-1.0, 1.0}) {
+        const double hip = 0.12 * side, shoulder = 0.2 * side;
+        const int thigh = limb({hip, 0.88, 0}, {hip, 0.45, 0}, 0.08, 8),
+                  shin = limb({hip, 0.45, 0}, {hip, 0, 0}, 0.06, 5);
+        const int upper = limb({shoulder, 1.5, 0}, {shoulder * 2.4, 1.5, 0}, 0.06, 3);
+        const int lower = limb({shoulder * 2.4, 1.5, 0}, {shoulder * 3.8, 1.5, 0}, 0.05, 2);
+        join(Link::ball, hips, thigh, {hip, 0.88, 0}, 0);
+        join(Link::hinge, thigh, shin, {hip, 0.45, 0}, 1.2);
+        join(Link::ball, chest, upper, {shoulder, 1.5, 0}, 0);
+        join(Link::hinge, upper, lower, {shoulder * 2.4, 1.5, 0}, 1.2);
+    }
+}
+
+void add_pit(Scene& scene, double half, double height, double friction) {
+    const auto wall = [&](V3 size, V3 at) {
+        scene.add({.shape = box(size), .position = at, .friction = friction});
+    };
+    const double side = half + 0.5, half_height = height / 2;
+    wall({half + 1, 0.5, half + 1}, {0, -0.5, 0});
+    for (const double sign : {-1.0, 1.0}) {
+        wall({0.5, half_height, half + 1}, {sign * side, half_height, 0});
+        wall({half, half_height, 0.5}, {0, half_height, sign * side});
+    }
+}
+
+Shape random_hull(Random& random, int vertices, double radius) {
+    const V3 axes{radius * random.between(0.6, 1), radius * random.between(0.6, 1),
+                  radius * random.between(0.6, 1)};
+    std::vector<V3> points;
+    while (points.size() < static_cast<std::size_t>(vertices)) {
+        const V3 p{random.between(-1, 1), random.between(-1, 1), random.between(-1, 1)};
+        const double size = length(p);
+        if (size < 0.2 || size > 1) continue;
+        const V3 unit = p / size, corner{unit.x * axes.x, unit.y * axes.y, unit.z * axes.z};
+        bool is_near = false; // of another: the face between them would be a splinter
+        for (V3 other : points) is_near = is_near || length(other - corner) < 0.1 * radius;
+        if (!is_near) points.push_back(corner);
+    }
+    return hull_of_points(std::move(points));
+}
+
+} // namespace engines
