@@ -90,12 +90,13 @@ Result<Player> Player::open(const Recording& recording, const Game* game) {
 }
 
 std::uint64_t Player::memory_of(const Recording& recording, const WorldDef& def, const GameSchema& schema) {
-    const Result<std::uint64_t> world = World::memory_of(def, schema);
+    const Result<World::Memory> world = World::memory_of(def, schema);
     std::uint64_t image = 0;
     for (const Recording::Keyframe& keyframe : recording.keyframes())
         image = std::max(image, keyframe.image_size);
-    // The world; the one that a keyframe is read into; keyframes as they stand, packed and unpacked, and as they should be.
-    return (world ? 2 * *world : 0) + 4 * image + recording.commands_most() * std::uint64_t{sizeof(Command)};
+    // The world; states that keyframes are read into and compared with; keyframes as they stand and as they should be.
+    return (world ? world->all() + 3 * world->state : 0) + 4 * image +
+           recording.commands_most() * std::uint64_t{sizeof(Command)};
 }
 
 Result<Player> Player::at_start(const Recording& recording, const Game* game, World world) {

@@ -35,7 +35,7 @@ Result<std::vector<std::byte>> read_file(const std::string& path, std::uint64_t 
     while (true) {
         const std::size_t before = bytes.size();
         if (bytes.capacity() > before) step = std::min(step, bytes.capacity() - before);
-        if (before + step > most && before + step > bytes.capacity() && 2 * before + step > most)
+        if (before + step > bytes.capacity() && 2 * before + step > most) // the old bytes and the new
             return Error{join(path, ": the file has more than ", before, " bytes; with ", most,
                               " bytes of memory no more can be read (--memory)")};
         bytes.resize(before + step);

@@ -148,9 +148,14 @@ class World {
     /// Refuses a definition out of range, with the field's name. `assets` are what hulls, meshes, height fields and compounds are made of; see lockstone/asset.h.
     static Result<World> create(const WorldDef& def, const GameSchema& schema = {},
                                 std::shared_ptr<const AssetLibrary> assets = {});
-    /// An upper bound of the bytes that a world of this definition takes, at work and with all tables full, without its
-    /// assets; for refusing what came in a file. Errors as those of create.
-    static Result<std::uint64_t> memory_of(const WorldDef& def, const GameSchema& schema = {});
+    /// Upper bounds of what a world of this definition takes [bytes], with all tables full and without its assets; for
+    /// refusing what came in a file. Errors as those of create.
+    struct Memory {
+        std::uint64_t state; ///< the block and its hashes; each further copy takes as much
+        std::uint64_t work;  ///< all else, most of it in a tick
+        std::uint64_t all() const { return state + work; }
+    };
+    static Result<Memory> memory_of(const WorldDef& def, const GameSchema& schema = {});
     World(World&&) noexcept;
     World& operator=(World&&) noexcept;
     ~World();

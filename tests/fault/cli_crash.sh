@@ -60,7 +60,7 @@ expect 2 repair killed.lsr -o ./killed.lsr
 
 # ---- damage is not a crash ----
 cp whole.lsr damaged.lsr
-flip damaged.lsr 6000
+flip damaged.lsr $(($(stat -c %s damaged.lsr) * 3 / 4))
 expect 2 replay damaged.lsr
 expect 0 repair damaged.lsr -o mended.lsr
 expect 0 verify mended.lsr
@@ -76,9 +76,12 @@ wait $pid || status=$?
 says 'was removed'
 
 # ---- limits ----
-expect 0 verify whole.lsr --memory 64 --jobs 16
-expect 2 verify whole.lsr --memory 16
+expect 0 verify whole.lsr --memory 16 --jobs 16
+expect 0 run pile --size 1000 --ticks 3 --record pile.lsr
+expect 0 verify pile.lsr --memory 512 --jobs 16
+expect 2 verify pile.lsr --memory 16
 says '--memory'
+expect 2 info pile.lsr --memory 15
 
 # ---- what a long run found is there when it is killed ----
 "$lockstone" match --seeds 1..1000000 --ticks 30 >lines &

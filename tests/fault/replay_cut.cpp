@@ -57,7 +57,7 @@ TEST_CASE(
 }
 
 TEST_CASE("what is damaged in its middle is not taken for cut") {
-    Bytes bad = record_inputs(24, {.block_ticks = 4});
+    Bytes bad = record_inputs(400, {.keyframe_ticks = 0, .block_ticks = 4});
     bad[bad.size() * 2 / 3] ^= std::byte{1};
     CHECK(!read(bad, OnDamage::recover_cut).ok());
     const Recording rest = must(read(bad, OnDamage::recover));

@@ -1,5 +1,7 @@
 // What a file from anybody may take: memory and work are bounded before they are spent; definitions that no hash covered are
 // covered; the rules of a game refuse what they cannot go on from.
+#include "lockstone/prove.h"
+#include "lockstone/session.h"
 #include "scenes/scenes.h"
 #include "support/small_recording.h"
 
@@ -70,7 +72,7 @@ TEST_CASE("a definition that would take more than the limit is refused before an
     WorldDef def = must(read(commands_file())).world_def();
     def.bodies_max = def.shapes_max = def.contacts_max = def.pair_filters_max = def.joints_max = 1u << 20;
     def.characters_max = def.vehicles_max = 65536;
-    CHECK(World::memory_of(def).value() > std::uint64_t{4} << 30);
+    CHECK(World::memory_of(def).value().all() > std::uint64_t{4} << 30);
     const VerifyReport report = verify(must(read(with_definition(def))), nullptr);
     CHECK(report.verdict == Verdict::unusable);
     CHECK(holds(report.sentence, "bytes of memory, the limit is 1073741824 (--memory)"));
@@ -88,16 +90,19 @@ TEST_CASE("an image of packed zeros is read without unpacking it, and not played
     payload.insert(payload.end(), zeros.begin(), zeros.end());
     const Recording recording =
         must(read_with(file_of(std::move(chunks), true), {.memory = std::uint64_t{64} << 20}));
-    CHECK(recording.memory() < std::uint64_t{4} << 20);
+    CHECK(recording.memory() < std::uint64_t{8} << 20);
     CHECK(holds(verify(recording, nullptr).sentence, "the limit is 67108864 (--memory)"));
 }
 
 TEST_CASE("a tick of more work than the limit is refused when it is read") {
-    CHECK(read(with_explosions(1024)).ok()); // 64 each: exactly the default limit
-    const auto more = read(with_explosions(1025));
-    REQUIRE(!more);
-    CHECK(holds(more.error().message, "tick 0 has 1025 commands"));
-    CHECK(read_with(with_explosions(1025), {.commands_per_tick = 1u << 20}).ok());
+    // What follows the first tick does not continue it, so the file is read up to there.
+    const auto first_tick = [](std::uint32_t explosions, const Limits& limits) {
+        return must(Recording::from_bytes(with_explosions(explosions), "test.lsr", OnDamage::recover, limits));
+    };
+    CHECK(first_tick(1024, {}).tick_count() == 1); // 64 each: exactly the default limit
+    CHECK(first_tick(1025, {}).tick_count() == 0);
+    CHECK(holds(first_tick(1025, {}).damage(), "tick 0 has 1025 commands"));
+    CHECK(first_tick(1025, {.commands_per_tick = 1u << 20}).tick_count() == 1);
     CHECK(!read_with(commands_file(), {.commands_per_tick = 1}).ok());
 }
 
@@ -271,4 +276,20 @@ TEST_CASE("a command that a game cannot do without ends the play with a sentence
     const VerifyReport report = verify(recording, &failing);
     CHECK(report.verdict == Verdict::diverged);
     CHECK(report.first_bad_tick == 3);
+}
+
+TEST_CASE("in a session a tick whose rules fail runs on, and the first failure is told; a proof ends with it") {
+    const Failing failing;
+    World world = must(failing.start());
+    WorldSimulation simulation(world, failing);
+    for (int t = 0; t < 6; ++t) simulation.advance(SmallInputs(SmallGame::script(world.tick_count())).list);
+    CHECK(world.tick_count() == 6);
+    REQUIRE(!simulation.failure());
+    CHECK(simulation.failure().error().message == "tick 3: the game's rules fail: the ball is gone");
+    const auto nothing = [](std::uint64_t, std::uint32_t, std::span<std::byte>) {};
+    const auto proof = prove(failing, {.ticks = 8}, nothing);
+    REQUIRE(!proof);
+    CHECK(holds(proof.error().message, "tick 3: the game's rules fail: the ball is gone"));
+    const SmallGame good; // the twin
+    CHECK(prove(good, {.ticks = 8, .bits_max = 100}, nothing).ok());
 }

@@ -260,7 +260,7 @@ TEST_CASE("a recording whose columns would assert or exhaust memory in World::cr
     };
     const VerifyReport huge = with_schema(65536, true, "game.huge");
     CHECK(huge.verdict == Verdict::unusable);
-    CHECK(huge.sentence.find("the game's columns would take 68719476736 bytes") != std::string::npos);
+    CHECK(huge.sentence.find("bytes of memory, the limit is 1073741824") != std::string::npos);
     const VerifyReport taken = with_schema(8, false, "body.pose");
     CHECK(taken.verdict == Verdict::unusable);
     CHECK(taken.sentence.find("the game's column body.pose has the name of one of the engine's") !=

@@ -3,6 +3,7 @@
 #include "lockstone/random.h"
 #include "replay/branch.h"
 #include "replay/diff.h"
+#include "lockstone/joint.h"
 #include "support/small_recording.h"
 
 namespace {
@@ -114,6 +115,37 @@ void many_chunks(std::vector<Chunk>& chunks, Random& random) {
 
 constexpr std::array bombs = {many_rows, large_image, many_commands, many_columns, many_chunks};
 
+/// A world with full tables takes what World::memory_of says, at most.
+std::string fill_world(Random& random, Figures& figures) {
+    const auto some = [&](std::uint32_t most) { return 1 + random.below(most); };
+    WorldDef def;
+    def.bodies_max = def.shapes_max = some(400), def.contacts_max = some(3000), def.joints_max = some(300);
+    def.pair_filters_max = some(100), def.characters_max = some(20), def.vehicles_max = some(10);
+    const std::uint64_t told = must(World::memory_of(def)).all(), before = memory_now();
+    forget_peak();
+    World world = must(World::create(def));
+    const BodyId floor = must(world.create_body({.kind = BodyKind::static_}));
+    (void)world.create_shape(floor, {.geometry = plane()});
+    BodyId last{};
+    Real side = 1_r; // of a heap in which a box has its own volume
+    while (side * side * side < Real(def.bodies_max)) side += 0.1_r;
+    while (world.body_count() < def.bodies_max) { // each held to the one before
+        const Real x = random.range(0_r, side), y = random.range(0_r, side), z = random.range(0_r, side);
+        const BodyId body = must(world.create_body({.pose = {{x, y, z}, Quat::identity()}}));
+        if (!world.create_shape(body, {.geometry = box(0.4_r, 0.4_r, 0.4_r)})) break;
+        if (last) (void)world.create_joint(weld_joint(), last, body, world.pose(body));
+        last = body;
+    }
+    for (int i = 0; i < 20; ++i) (void)world.create_character({.position = {Real(2 * i), 0_r, 8_r}});
+    for (int t = 0; t < 4; ++t) world.tick();
+    ++figures["full worlds"];
+    figures["told kB"] += told >> 10;
+    figures["taken kB"] += (memory_peak() - before) >> 10;
+    figures["dropped"] += world.faults().contacts_dropped;
+    if (memory_peak() <= before + told) return {};
+    return "a world took " + std::to_string(memory_peak() - before) + " bytes of " + std::to_string(told);
+}
+
 std::string explode(Random& random, bool leak, Figures& figures) {
     std::vector<Chunk> chunks = test::chunks_of(commands_file());
     bombs[random.below(bombs.size())](chunks, random);
@@ -151,6 +183,7 @@ int main(int argc, char** argv) {
     (void)commands_file();
     return run(options, [&](std::uint64_t i, Figures& figures) {
         Random random = Random::seeded(options.seed, 1 + i);
+        if (i % 4 == 3) return fill_world(random, figures);
         return explode(random, options.planted == "memory", figures);
     });
 }

@@ -210,10 +210,17 @@ std::string attack_scene(Random& random, const Plants& plants, Figures& figures)
     return wrong.empty() ? "" : of.name + ": " + wrong;
 }
 
-/// The fuzzers' small recordings of inputs and of commands, by random scripts of theirs.
+/// The fuzzers' small states and recordings of inputs and of commands, by random scripts of theirs.
 std::string attack_small(Random& random, Figures& figures) {
     Bytes script(3 + random.below(60));
     for (std::byte& byte : script) byte = static_cast<std::byte>(random.below(256));
+    if (random.below(3) == 0) {
+        bool taken = false;
+        std::string wrong = fuzz::check_state_load(script, taken);
+        ++figures["state images"];
+        if (taken) ++figures["images taken"];
+        return wrong;
+    }
     fuzz::RecordingOutcome outcome;
     const std::string wrong = fuzz::check_recording(script, outcome);
     ++figures["small"];
