@@ -16,6 +16,11 @@ WITHOUT_THREADS = {"src/base/worker_pool.cpp", "replay/verifier.cpp", "tools/sce
 PRELUDE = ("lockstone/world.h", "sim/data.h", "algorithm", "array", "functional", "map", "memory", "optional", "sstream", "string", "vector")
 
 
+# Kernels of an instruction set, as in CMakeLists.txt: the machine chooses among them when the program runs.
+KERNELS = {"kernel_sse41.cpp": ["-msse4.1"], "kernel_avx2.cpp": ["-mavx2"]}
+X86 = ("", "i386", "windows")  # targets; "": this machine
+
+
 class BuildFailed(Exception):
     pass
 
@@ -81,7 +86,10 @@ class Builder:
         out = folder / (path.relative_to(ROOT).as_posix().replace("/", "-") + (".o" if source == path else "-planted.o"))
         with self.lock_of(out):  # two programs may want it at once
             if not fresh(out, compiled_header(build, folder)):
-                run([build.cxx, *flags, "-MMD", "-MF", f"{out}.d", "-c", source, "-o", out])
+                own = KERNELS.get(path.name, []) if build.target in X86 else []
+                if own:  # what the prelude was compiled into is not for these instructions
+                    flags = flags[:flags.index("-include")]
+                run([build.cxx, *flags, *own, "-MMD", "-MF", f"{out}.d", "-c", source, "-o", out])
         return out
 
     def prelude(self, build, flags, folder):

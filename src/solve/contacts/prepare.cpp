@@ -407,19 +407,22 @@ template <unsigned N> void clear_pack(ContactPack<N>& pack, std::uint32_t still_
     }
 }
 
+namespace {
+
+using Directions = Raw3[3]; ///< normal and tangents
+
+/// What a contact has once: bodies, shares, surface, softness.
 template <unsigned N>
-void fill_lane(ContactPack<N>& pack, unsigned lane, const Contact& contact, const PrepareInput& in) {
-    const BodyStep &sa = in.bodies.step[contact.body_a], &sb = in.bodies.step[contact.body_b];
-    const SolverBody &a = in.bodies.body[contact.body_a], &b = in.bodies.body[contact.body_b];
-    const ContactMemory& memory = in.memory[contact.memory];
-    const dynamics::Softness& soft = sa.movable && sb.movable ? in.step.soft : in.step.soft_static;
-    const dynamics::Tangents tangents = dynamics::tangents_of(contact.normal);
-    const Raw3 d[3] = {raw(contact.normal), raw(tangents.first), raw(tangents.second)};
-    const Shares shares = shares_of(in, contact);
+void fill_head(ContactPack<N>& pack, unsigned lane, const Contact& contact, const PrepareInput& in, Shares shares,
+               const dynamics::Softness& soft, const dynamics::Tangents& tangents) {
+    const bool a_moves = in.bodies.step[contact.body_a].movable, b_moves = in.bodies.step[contact.body_b].movable;
+    const auto is_locked = [&](std::uint32_t body) {
+        const std::int64_t(&keep)[3] = in.bodies.body[body].keep;
+        return (keep[0] & keep[1] & keep[2]) == 0;
+    };
     pack.body_a[lane] = contact.body_a, pack.body_b[lane] = contact.body_b;
-    pack.movable_a |= (sa.movable ? 1u : 0u) << lane, pack.movable_b |= (sb.movable ? 1u : 0u) << lane;
-    if ((sa.movable && (a.keep[0] & a.keep[1] & a.keep[2]) == 0) || (sb.movable && (b.keep[0] & b.keep[1] & b.keep[2]) == 0))
-        pack.locked = 1;
+    pack.movable_a |= (a_moves ? 1u : 0u) << lane, pack.movable_b |= (b_moves ? 1u : 0u) << lane;
+    if ((a_moves && is_locked(contact.body_a)) || (b_moves && is_locked(contact.body_b))) pack.locked = 1;
     pack.point_count = std::max(pack.point_count, static_cast<std::int32_t>(contact.count));
     pack.several[lane] = contact.count > 1 ? -1 : 0;
     pack.share_a[lane] = low(shares.a), pack.share_b[lane] = low(shares.b);
@@ -428,20 +431,19 @@ void fill_lane(ContactPack<N>& pack, unsigned lane, const Contact& contact, cons
     pack.friction[lane] = contact.friction.raw;
     pack.surface[0][lane] = lockstone::dot<Speed>(contact.surface_velocity, tangents.first).raw;
     pack.surface[1][lane] = lockstone::dot<Speed>(contact.surface_velocity, tangents.second).raw;
+}
 
-    Layout l;
-    lay_out(contact, memory, sb.movable, d, l);
-    pack.size[lane] = saturate_to_int32(l.size);
-    Gram gram;
-    const bool plane = fit_members(pack, lane, l, contact.count, gram);
-    Rows normal{}, slide{};
+/// Level and tilts, tangents and twist.
+template <unsigned N>
+void fill_rows(ContactPack<N>& pack, unsigned lane, const Contact& contact, const PrepareInput& in, const Layout& l,
+               const Directions& d, Rows& normal, Rows& slide) {
     normal.lines = 1, slide.lines = 2;
     for (int r = 0; r < 3; ++r)
         for (std::size_t i = 0; i < 3; ++i) {
             pack.d[r][i][lane] = low(rounded(d[r][i], unit_bits - row_bits));
             (r == 0 ? normal.d[0] : slide.d[r - 1])[i] = pack.d[r][i][lane];
         }
-    const Turner ta(sa), tb(sb);
+    const Turner ta(in.bodies.step[contact.body_a]), tb(in.bodies.step[contact.body_b]);
     const auto row = [&](Rows& rows, int r, const Raw3& at_a, const Raw3& at_b) {
         ta.row(at_a, -1, rows.xa[r]), tb.row(at_b, 1, rows.xb[r]);
     };
@@ -458,15 +460,41 @@ void fill_lane(ContactPack<N>& pack, unsigned lane, const Contact& contact, cons
     }
     put<N>(pack.normal_a, lane, normal.xa), put<N>(pack.normal_b, lane, normal.xb);
     put<N>(pack.slide_a, lane, slide.xa), put<N>(pack.slide_b, lane, slide.xb);
+}
+
+/// Whether any member is away from the middle of them all.
+template <unsigned N> bool tilts(const ContactPack<N>& pack, unsigned lane) {
+    std::int32_t any = 0;
+    for (const PointLanes<N>& point : pack.points) any |= point.fit[1][lane];
+    return any != 0;
+}
+
+} // namespace
+
+template <unsigned N>
+void fill_lane(ContactPack<N>& pack, unsigned lane, const Contact& contact, const PrepareInput& in) {
+    const BodyStep &sa = in.bodies.step[contact.body_a], &sb = in.bodies.step[contact.body_b];
+    const SolverBody &a = in.bodies.body[contact.body_a], &b = in.bodies.body[contact.body_b];
+    const ContactMemory& memory = in.memory[contact.memory];
+    const dynamics::Softness& soft = sa.movable && sb.movable ? in.step.soft : in.step.soft_static;
+    const dynamics::Tangents tangents = dynamics::tangents_of(contact.normal);
+    const Directions d = {raw(contact.normal), raw(tangents.first), raw(tangents.second)};
+    const Shares shares = shares_of(in, contact);
+    fill_head(pack, lane, contact, in, shares, soft, tangents);
+    Layout l;
+    lay_out(contact, memory, sb.movable, d, l);
+    pack.size[lane] = saturate_to_int32(l.size);
+    Gram gram;
+    const bool plane = fit_members(pack, lane, l, contact.count, gram);
+    Rows normal{}, slide{};
+    fill_rows(pack, lane, contact, in, l, d, normal, slide);
     std::int64_t s[6];
     std::int32_t inverse[6];
     respond(normal, a, b, pack.locked != 0, shares, s);
     for (int i = 0; i < 6; ++i) pack.response[i][lane] = low(s[i]);
     const std::int64_t answer = fill_points(pack, lane, contact, l, s);
     fill_impulses(pack, lane, contact, memory, l, normal, a, b);
-    if (l.count < 2 || (pack.points[0].fit[1][lane] | pack.points[1].fit[1][lane] | pack.points[2].fit[1][lane] |
-                        pack.points[3].fit[1][lane]) == 0)
-        s[1] = s[2] = 0;
+    if (!tilts(pack, lane)) s[1] = s[2] = 0;
     if (!plane) s[3] = s[4] = s[5] = 0;
     invert3(s, inverse);
     for (int i = 0; i < 6; ++i) pack.inverse[i][lane] = inverse[i];
