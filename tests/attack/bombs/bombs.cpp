@@ -168,7 +168,7 @@ std::string explode(Random& random, bool leak, Figures& figures) {
         (void)branch_commands(*recording, recording->end_tick(), sink);
     }
     Bytes planted;
-    if (leak) planted.resize(limits.memory + 1);
+    if (leak) planted.reserve(limits.memory + 1);
     figures["limit MB"] += limits.memory >> 20;
     figures["peak MB"] += (memory_peak() - before) >> 20;
     if (memory_peak() <= before + limits.memory) return {};

@@ -204,7 +204,7 @@ std::string attack_scene(Random& random, const Plants& plants, Figures& figures)
     else if (++figures["refused"]; recording.error().message.size() < 20)
         wrong = "a refusal without a sentence";
     Bytes leak;
-    if (plants.memory) leak.resize(memory_limit + 1);
+    if (plants.memory) leak.reserve(memory_limit + 1);
     if (wrong.empty() && memory_peak() > before + memory_limit)
         wrong = "took " + std::to_string(memory_peak() - before) + " bytes";
     return wrong.empty() ? "" : of.name + ": " + wrong;
