@@ -107,7 +107,7 @@ TEST_CASE("a block of inputs reads back as it was gathered, for every number of 
         builder.finish(1000, payload);
         REQUIRE(builder.ticks() == 0);
         base::ByteReader in(payload, "block");
-        const TickBlock block = TickBlock::read(in, shape);
+        const TickBlock block = TickBlock::read(in, shape, {});
         REQUIRE(in.ok());
         REQUIRE(block.end_tick() == 1000 + ticks);
         for (std::uint32_t t = 0; t < ticks; ++t) {
@@ -138,7 +138,7 @@ TEST_CASE("a block of commands of every kind reads back in order, bit for bit") 
         Bytes payload;
         builder.finish(7, payload);
         base::ByteReader in(payload, "block");
-        const TickBlock block = TickBlock::read(in, {Mode::commands, 0, 0});
+        const TickBlock block = TickBlock::read(in, {Mode::commands, 0, 0}, {});
         REQUIRE(in.ok());
         for (std::size_t t = 0; t < ticks.size(); ++t) {
             const auto commands = block.commands(7 + t);

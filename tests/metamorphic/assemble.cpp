@@ -106,7 +106,7 @@ Level motley_level(unsigned seed) {
         level.characters.push_back(hero);
         FieldAssembly field{
             i == 0 ? wind(vec(3, 0, 1)) : water({.kind = RegionKind::sphere, .pose = at(0, 1, 0)}), random()};
-        field.field.region.half_extent = vec(i + 1.0, 0, 0);
+        field.field.region.half_extent = vec(static_cast<double>(i) + 1, 0, 0);
         level.fields.push_back(field);
     }
     return level;
@@ -213,6 +213,7 @@ TEST_CASE("a level with a key that stands twice, a body that is not there or a b
         int commands = 0;
         void on_command(std::uint64_t, const Command&) override { ++commands; }
         void on_tick(std::uint64_t, std::uint64_t) override {}
+        void on_restore(std::uint64_t) override {}
     } heard;
     World world = used_world(true);
     world.set_journal(&heard);

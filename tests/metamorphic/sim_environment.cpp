@@ -24,7 +24,7 @@ struct Solved {
 };
 
 /// The contacts of the next tick of a world, solved by an instruction set.
-Solved solve(const World& w, Simd level) {
+Solved solve_contacts(const World& w, Simd level) {
     sim::Data d(w.def(), w.schema(), w.assets_shared());
     d.state = w.state();
     do sim::update_bounds(d), sim::find_pairs(d);
@@ -80,12 +80,12 @@ TEST_CASE("every instruction set gives the bits of plain integers, in piles, sta
         World w = start_script(scenery);
         for (int t = 0; t < 150; ++t) {
             step_script(w);
-            const Solved plain = solve(w, Simd::scalar);
+            const Solved plain = solve_contacts(w, Simd::scalar);
             contacts = std::max(contacts, plain.contacts);
             for (const Simd level : every_simd) {
                 if (level == Simd::scalar || !has_simd(level)) continue;
                 INFO(std::string(name_of(scenery)), ", tick ", t, ", ", std::string(name_of(level)));
-                REQUIRE(lanes_differ(plain, solve(w, level)) == "");
+                REQUIRE(lanes_differ(plain, solve_contacts(w, level)) == "");
                 ++compared;
             }
         }
@@ -98,7 +98,7 @@ TEST_CASE("every instruction set gives the bits of plain integers, in piles, sta
 TEST_CASE("planted fault: an impulse that is off by one bit is found out by the comparison of lanes") {
     World w = start_script(Scenery::pile);
     for (int t = 0; t < 60; ++t) step_script(w);
-    const Solved one = solve(w, Simd::scalar);
+    const Solved one = solve_contacts(w, Simd::scalar);
     Solved other = one;
     other.bodies.body[5].v[1] ^= 1;
     CHECK(lanes_differ(one, other) == "body row 5");
