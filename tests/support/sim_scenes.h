@@ -47,7 +47,7 @@ inline void done(const Status& status) {
 
 /// A definition with small tables, so that states are small too.
 inline WorldDef small_def() {
-    WorldDef def;
+    WorldDef def = WorldDef::precise(); // the bounds of most laws are those of eight substeps
     def.bodies_max = def.shapes_max = 64;
     def.contacts_max = 512;
     def.fields_max = 4;

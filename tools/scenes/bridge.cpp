@@ -21,6 +21,7 @@ class Bridge final : public BallScene {
     Result<World> start() const override {
         const std::uint32_t boxes = std::max(1u, options.size / planks_per_box);
         WorldDef def = world_for(options.size + boxes + options.players, options.seed);
+        def.substeps = WorldDef::precise().substeps; // long chains
         def.joints_max = options.size + 1;
         GameSchema schema;
         add_players(schema);

@@ -258,6 +258,7 @@ class JointGrid final : public BallScene {
         schema.add_record<Cast>("game.cast");
         add_players(schema);
         WorldDef def = world_for(bodies_max + options.players, options.seed);
+        def.substeps = WorldDef::precise().substeps; // long chains
         def.shapes_max += station_count;
         def.joints_max = joints_max;
         Builder build(def, schema);

@@ -44,13 +44,13 @@ struct ContactSolver::Inside {
     void begin_pass(const SolverBodies& bodies);
     void end_pass(const SolverBodies& bodies);
     void first_warm_start(SolverBodies& bodies, Tasks* tasks);
-    void next_warm_start(SolverBodies& bodies) const;
+    void next_warm_start(SolverBodies& bodies);
     template <unsigned N> std::span<ContactPack<N>> packs() {
         return {reinterpret_cast<ContactPack<N>*>(storage.data()), pack_count};
     }
     /// visit(std::integral_constant<unsigned, N>) for the lane width in use.
     template <class Visit> void with_lanes(Visit&& visit) const;
-    PassData data(SolverBodies& bodies) { return {bodies.body.data(), warm.data(), bounces.data()}; }
+    PassData data(SolverBodies& bodies) { return {bodies.body.data(), bounces.data()}; }
 };
 
 ContactSolver::ContactSolver() : inside(std::make_unique<Inside>()) { use(best_simd()); }
@@ -181,7 +181,11 @@ void ContactSolver::Inside::first_warm_start(SolverBodies& bodies, Tasks* tasks)
     });
     end_pass(bodies);
 }
-void ContactSolver::Inside::next_warm_start(SolverBodies& bodies) const {
+void ContactSolver::Inside::next_warm_start(SolverBodies& bodies) {
+    with_lanes([&](auto width) {
+        for (ContactPack<width()>& pack : packs<width()>())
+            if (pack.impacts != 0) forget_impacts(pack, warm.data());
+    });
     for (std::size_t i = 0; i < warm.size(); ++i) {
         SolverBody& b = bodies.body[i];
         for (int axis = 0; axis < 3; ++axis) {

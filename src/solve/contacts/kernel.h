@@ -472,7 +472,6 @@ template <class L> class Kernel {
             solve_friction(c, data, p);
         }
         scatter(c, data, p);
-        if (!s.soft && c.impacts != 0) forget_impacts<N>(c, data.warm);
     }
 
   public:

@@ -93,7 +93,6 @@ struct PassSettings {
 
 struct PassData {
     dynamics::SolverBody* bodies;
-    WarmStart* warm;
     Bounce* bounces;
 };
 
@@ -107,8 +106,6 @@ struct ContactKernel {
 
 /// Shortens the impulse along the tangents to `limit`: a true cone.
 void clamp_to_cone(std::int32_t limit, std::int32_t& t1, std::int32_t& t2);
-/// Takes out of a pack's impulses, and of what its bodies start the next substep from, what stopped the bodies in this one.
-template <unsigned N> void forget_impacts(ContactPack<N>& pack, WarmStart* warm);
 /// After the normals of a pack that bounces: the energy that each point took. Speeds are those without bias.
 template <unsigned N>
 void note_bounce(const ContactPack<N>& pack, Bounce* bounces, const std::int32_t (&speed_before)[4][N], const std::int32_t (&speed_after)[4][N],
