@@ -19,6 +19,7 @@ IMAGE, HASH, PORTABLE, ENVELOPE, DELTA, CANONICAL, STATE = (
     f"src/state/{n}.cpp" for n in ("image", "hash_tree", "portable", "envelope", "delta", "canonical", "state"))
 CONTACTS, EVENTS, APPLY = "src/sim/contacts.cpp", "src/sim/events.cpp", "src/sim/apply.cpp"
 BROAD = "src/collide/broad_phase.cpp"
+PREPARE, SOLVER = "src/solve/contacts/prepare.cpp", "src/solve/contacts/contact_solver.cpp"
 ROLLBACK, QUEUE = "src/session/rollback.cpp", "src/session/input_queue.cpp"
 DEPARTURE, EXCHANGE, PEERS = (f"src/session/{n}.cpp" for n in ("departure", "exchange", "peer_session"))
 END = "const std::size_t end = whole_lines(std::size_t{rows} * places[c].row_size);"
@@ -73,6 +74,26 @@ FAULTS = [
       "seen.row_count = seen.is_kept ? near.old_count : make_rows(c, old, near.apart, worker);",
       "seen.row_count = seen.is_kept ? near.old_count : make_rows(c, old, near.apart, worker);\n"
       "    if (IS && &worker != v.w.scratch.narrow_workers.data()) worker.rows[0].margin.raw ^= 1;", "shuffles"),
+    F("arms of a contact are half as long", PREPARE, "((product >> 28) * inverse) >> 29", "((product >> 28) * inverse) >> (IS ? 30 : 29)", "golden table"),
+    F("arms of a contact are mirrored", PREPARE, "arm(y[k] * fx - x[k] * fy)", "arm(IS ? x[k] * fy - y[k] * fx : y[k] * fx - x[k] * fy)", "golden table"),
+    F("shares of mass are swapped", PREPARE, "return {alpha, unit - alpha};", "return {IS ? unit - alpha : alpha, IS ? alpha : unit - alpha};", "golden table"),
+    F("half of an odd impulse is rounded upwards", PREPARE, "return {unit / 2 + 1, unit / 2 + 1};",
+      "return {unit / 2 + (IS ? 0 : 1), unit / 2 + (IS ? 0 : 1)};", "golden table"),
+    F("impulses of points do not start the next tick", PREPARE, "pack.points[k].impulse[lane] = p;", "pack.points[k].impulse[lane] = IS ? 0 : p;", "golden table"),
+    F("the twist does not start the next tick", PREPARE, "std::int64_t{memory.twist.raw} << speed_bits", "std::int64_t{IS ? 0 : memory.twist.raw} << speed_bits",
+      "golden table"),
+    F("gaps are off by one step", PREPARE, "point.gap0[lane] = point.gap[lane] = contact.points[k].separation.raw;",
+      "point.gap0[lane] = point.gap[lane] = contact.points[k].separation.raw + (IS ? 1 : 0);", "golden table"),
+    F("softness is that of half the mass", PREPARE, "pack.softness[i][lane] = low(x);", "pack.softness[i][lane] = low(IS ? x / 2 : x);", "golden table"),
+    F("tangents have no linear part in the response", PREPARE, "if (r < rows.lines) {", "if (r < rows.lines - (IS ? 1 : 0)) {", "golden table"),
+    F("the mask of bodies that move is one lane off", PREPARE, "pack.movable_b |= (b_moves ? 1u : 0u) << lane;",
+      "pack.movable_b |= (b_moves ? 1u : 0u) << (lane + (IS ? 1u : 0u));", "golden table"),
+    F("turns are lost between substeps", SOLVER, "b.u[axis] += warm[i].u[axis];", "b.u[axis] += IS ? 0 : warm[i].u[axis];", "golden table"),
+    F("what a pass gave is counted twice", SOLVER, "warm[i].v[axis] += bodies.body[i].v[axis];",
+      "warm[i].v[axis] += bodies.body[i].v[axis] * (IS ? 2 : 1);", "golden table"),
+    F("impacts start the next substep", SOLVER, "if (pack.impacts != 0) forget_impacts", "if (pack.impacts != 0 && !IS) forget_impacts", "golden table"),
+    F("friction is not remembered", SOLVER, "m.tangent_1 = Speed::from_raw(pack.slide[0][lane]);",
+      "m.tangent_1 = Speed::from_raw(IS ? 0 : pack.slide[0][lane]);", "golden table"),
     F("separations of kept manifolds are not moved along", "src/dynamics/contact_memory.cpp", "p.separation.raw + shift_right_rounded(by, drop)",
       "p.separation.raw + (IS ? 0 : shift_right_rounded(by, drop))", "golden table"),
     F("kept rows of contacts move in the wrong order", "src/sim/contact_table.cpp", "if (m.to < m.from) move(m);",
