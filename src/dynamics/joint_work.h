@@ -16,7 +16,7 @@
 
 namespace lockstone::dynamics {
 
-inline constexpr int row_turn_bits = 7; ///< row_turn_max = 2^-7 rad
+inline constexpr int row_turn_bits = 11; ///< row_turn_max = 2^-11 rad
 
 /// A body that joints hold, where it is in this substep.
 struct JointBody {

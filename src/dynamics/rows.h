@@ -79,6 +79,7 @@ enum ContactFlags : std::uint32_t {
     contact_flipped = 8,     ///< the manifold's shape A is the key's b
     contact_passing = 16,    ///< goes through a one-way shape until they are apart
     contact_on_face = 32,    ///< of the row: collide::Manifold::on_face
+    contact_hit = 64,        ///< of the row: stopped its bodies in this tick; gone when events are out
 };
 
 /// What a contact remembers from tick to tick: the manifold, where it was made, and the impulses. While the shapes stay

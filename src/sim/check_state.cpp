@@ -166,7 +166,7 @@ Status check_contacts(const Manifest& m, const State& s, Column<ContactKey> key_
             return bad("contact.key", i, "the table is out of order");
         if (memories[i].count < 1 || memories[i].count > 4)
             return bad("contact.memory", i, "not one to 4 points");
-        if (memories[i].flags > 63 || memories[i].margin < Length{})
+        if (memories[i].flags > 127 || memories[i].margin < Length{})
             return bad("contact.memory", i, "unknown flags or a negative margin");
         if (!unit_like(memories[i].normal) || !unit_like(memories[i].made_rotation))
             return bad("contact.memory", i, "its normal or rotation is not of unit length");

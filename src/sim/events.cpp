@@ -30,9 +30,11 @@ Event event_of(const Data& w, const ContactKey& key, std::uint32_t flags, bool b
 }
 
 bool was_hit(std::span<const ContactMemory> rows) {
-    for (const ContactMemory& memory : rows)
+    for (const ContactMemory& memory : rows) {
+        if ((memory.flags & dynamics::contact_hit) != 0) return true;
         for (std::uint32_t k = 0; k < memory.count; ++k)
             if (memory.points[k].normal.raw > 0) return true;
+    }
     return false;
 }
 
@@ -88,7 +90,7 @@ void publish_events(Data& w) {
         const std::span<ContactMemory> rows = memories.subspan(seen.first_row, seen.row_count);
         const bool sensor = (seen.flags & dynamics::contact_sensor) != 0;
         const bool now = seen.overlaps || (!sensor && was_hit(rows));
-        for (ContactMemory& row : rows) row.flags &= ~std::uint32_t{dynamics::contact_touching};
+        for (ContactMemory& row : rows) row.flags &= ~std::uint32_t{dynamics::contact_touching | dynamics::contact_hit};
         if (now) rows[0].flags |= dynamics::contact_touching;
         if (now == seen.was_touching) continue;
         const ContactKey& key = s.near[seen.near].key;

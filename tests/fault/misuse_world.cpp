@@ -212,7 +212,7 @@ TEST_CASE("misuse: an image of another definition, schema or asset library is re
 
     std::vector<World> others;
     others.push_back(made([](WorldDef& d) { d.tick_rate = 30; }));
-    others.push_back(made([](WorldDef& d) { d.substeps = 4; }));
+    others.push_back(made([](WorldDef& d) { d.substeps = 5; }));
     others.push_back(made([](WorldDef& d) { d.bodies_max = 7; }));
     others.push_back(made([](WorldDef& d) { d.contacts_max = 7; }));
     others.push_back(made([](WorldDef& d) { d.contact_hertz = 30_r; }));

@@ -9,8 +9,6 @@ namespace lockstone::solve {
 /// when the tick began would lose what it gained in the rest of it, a twentieth of its height a bounce.
 template <unsigned N>
 void measure_approach(std::span<Bounce> bounces, std::span<const ContactPack<N>> packs, const dynamics::SolverBodies& bodies);
-/// Takes out of a pack's impulses, and of what its bodies start the substep from, what stopped the bodies in the last one.
-template <unsigned N> void forget_impacts(ContactPack<N>& pack, WarmStart* warm);
 /// Points that came in fast and were hit go back at restitution times that speed, but with no more energy than they took:
 /// what another contact stopped is that one's to give back. source: Stronge, Impact Mechanics (2000)
 template <unsigned N>

@@ -44,13 +44,13 @@ struct ContactSolver::Inside {
     void begin_pass(const SolverBodies& bodies);
     void end_pass(const SolverBodies& bodies);
     void first_warm_start(SolverBodies& bodies, Tasks* tasks);
-    void next_warm_start(SolverBodies& bodies);
+    void next_warm_start(SolverBodies& bodies) const;
     template <unsigned N> std::span<ContactPack<N>> packs() {
         return {reinterpret_cast<ContactPack<N>*>(storage.data()), pack_count};
     }
     /// visit(std::integral_constant<unsigned, N>) for the lane width in use.
     template <class Visit> void with_lanes(Visit&& visit) const;
-    PassData data(SolverBodies& bodies) { return {bodies.body.data(), bounces.data()}; }
+    PassData data(SolverBodies& bodies) { return {bodies.body.data(), warm.data(), bounces.data()}; }
 };
 
 ContactSolver::ContactSolver() : inside(std::make_unique<Inside>()) { use(best_simd()); }
@@ -138,6 +138,7 @@ void ContactSolver::prepare(std::span<const Contact> contacts, std::span<const C
             ContactPack<N>& pack = packs[s.bounces[i].pack];
             if (pack.bounce == none) pack.bounce = i;
             ++pack.bounce_count;
+            pack.bounces[s.bounces[i].lane] = -1;
             fill_bounce(s.bounces[i], pack, contacts[contact_of(s.bounces[i].pack, s.bounces[i].lane)]);
         }
         for (Rolling& rows : s.rolling) fill_rolling(rows, contacts[contact_of(rows.pack, rows.lane)], in);
@@ -181,11 +182,7 @@ void ContactSolver::Inside::first_warm_start(SolverBodies& bodies, Tasks* tasks)
     });
     end_pass(bodies);
 }
-void ContactSolver::Inside::next_warm_start(SolverBodies& bodies) {
-    with_lanes([&](auto width) {
-        for (ContactPack<width()>& pack : packs<width()>())
-            if (pack.impacts != 0) forget_impacts(pack, warm.data());
-    });
+void ContactSolver::Inside::next_warm_start(SolverBodies& bodies) const {
     for (std::size_t i = 0; i < warm.size(); ++i) {
         SolverBody& b = bodies.body[i];
         for (int axis = 0; axis < 3; ++axis) {
@@ -250,6 +247,8 @@ void store_lane(const ContactPack<N>& pack, unsigned lane, const Contact& contac
     m.tangent_2 = Speed::from_raw(pack.slide[1][lane]);
     m.twist = Length::from_raw(saturate_to_int32(
         shift_right_rounded(std::int64_t{pack.slide[2][lane]} * pack.size[lane], speed_bits)));
+    const std::uint32_t hit = (pack.hit >> lane) & 1u ? dynamics::contact_hit : 0u;
+    m.flags = (m.flags & ~std::uint32_t{dynamics::contact_hit}) | hit;
     if (clamped) ++clamps.impulse;
 }
 

@@ -219,7 +219,11 @@ template <class L> class Kernel {
             Mask overlaps;
             n.bias[k] = bias_of(c, point, s, overlaps);
             n.old[k] = Speed::load(point.impulse);
-            n.error[k] = at_point(point, n.speed) + n.bias[k];
+            const Speed speed = at_point(point, n.speed);
+            // What bounces is stopped at the surface, in one go: stopped in halves it would give back a half.
+            if (!s.soft && c.bounce != none)
+                n.bias[k] = select(~overlaps & Mask{L::load32(c.bounces)}, max(n.bias[k], -speed), n.bias[k]);
+            n.error[k] = speed + n.bias[k];
             const Mask carries = n.old[k] > zero, closes = zero > n.error[k];
             const Mask member = Fit::load(point.fit[0]) > Fit::splat(0);
             busy = busy | carries | closes;
@@ -366,7 +370,7 @@ template <class L> class Kernel {
             n.now[k].store(point.impulse);
             if (hit) (Speed::load(point.impact) + ((n.now[k] - n.old[k]) & n.hit)).store(point.impact);
         }
-        if (hit) c.impacts = 1;
+        if (hit) c.impacts = 1, c.hit |= n.hit.lanes();
         if (c.bounce != none) note(c, data, n, p);
     }
 
@@ -472,6 +476,7 @@ template <class L> class Kernel {
             solve_friction(c, data, p);
         }
         scatter(c, data, p);
+        if (!s.soft && c.impacts != 0) forget_impacts<N>(c, data.warm);
     }
 
   public:

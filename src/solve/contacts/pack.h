@@ -39,6 +39,7 @@ template <unsigned N> struct ContactPack {
     std::uint32_t movable_a, movable_b; ///< bit per lane: impulses move the body; others are read, never written
     std::uint32_t locked;               ///< not 0: one of the bodies has a locked axis
     std::uint32_t impacts;              ///< not 0: an impact of a point is not 0
+    std::uint32_t hit;                  ///< bit per lane: stopped its bodies in this tick
     std::uint32_t bounce, bounce_count; ///< its entries of the table of bounces
     std::int32_t point_count;           ///< most of any lane
     std::int32_t d[3][3][N];            ///< normal and tangents
@@ -55,6 +56,7 @@ template <unsigned N> struct ContactPack {
     std::int32_t surface[2][N]; ///< what the friction rows take for rest is this much off
     std::int32_t slide[3][N];   ///< impulses along the tangents, and of the twist
     std::int32_t several[N];    ///< -1: more than one point
+    std::int32_t bounces[N];    ///< -1: has restitution
     std::int32_t size[N];       ///< Length: the arms' unit
     PointLanes<N> points[4];
 };
@@ -93,6 +95,7 @@ struct PassSettings {
 
 struct PassData {
     dynamics::SolverBody* bodies;
+    WarmStart* warm;
     Bounce* bounces;
 };
 
@@ -106,6 +109,8 @@ struct ContactKernel {
 
 /// Shortens the impulse along the tangents to `limit`: a true cone.
 void clamp_to_cone(std::int32_t limit, std::int32_t& t1, std::int32_t& t2);
+/// Takes out of a pack's impulses, and of what its bodies start the next substep from, what stopped the bodies in this one.
+template <unsigned N> void forget_impacts(ContactPack<N>& pack, WarmStart* warm);
 /// After the normals of a pack that bounces: the energy that each point took. Speeds are those without bias.
 template <unsigned N>
 void note_bounce(const ContactPack<N>& pack, Bounce* bounces, const std::int32_t (&speed_before)[4][N], const std::int32_t (&speed_after)[4][N],
