@@ -99,8 +99,8 @@ bool still_overlap(const collide::Bounds& a, const collide::Bounds& b, Length sp
     const std::int64_t by = spare.raw >> drop;
     bool out = true;
     for (int i = 0; i < 3; ++i)
-        out &= (std::int64_t{a.lower[i].raw} + by <= b.upper[i].raw) &
-               (std::int64_t{b.lower[i].raw} + by <= a.upper[i].raw);
+        out = out && std::int64_t{a.lower[i].raw} + by <= b.upper[i].raw &&
+              std::int64_t{b.lower[i].raw} + by <= a.upper[i].raw;
     return out;
 }
 

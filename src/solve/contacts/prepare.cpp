@@ -88,7 +88,7 @@ class Turner {
     static bool fits(const Raw3& x, std::int64_t limit) {
         const auto over = [&](std::int64_t v) { return static_cast<std::uint64_t>(v + limit); };
         const std::uint64_t range = static_cast<std::uint64_t>(2 * limit);
-        return (over(x[0]) <= range) & (over(x[1]) <= range) & (over(x[2]) <= range);
+        return over(x[0]) <= range && over(x[1]) <= range && over(x[2]) <= range;
     }
 
     const dynamics::Symmetric<std::int32_t>& m;
