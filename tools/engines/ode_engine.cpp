@@ -16,7 +16,7 @@ namespace {
 
 /// The library is started once for the program.
 struct Library {
-    Library() { dInitODE2(0), dAllocateODEDataForThread(dAllocateMaskAll); }
+    Library() { dInitODE2(0), dAllocateODEDataForThread(static_cast<unsigned>(dAllocateMaskAll)); }
     ~Library() { dCloseODE(); }
 };
 
