@@ -159,7 +159,7 @@ TEST_CASE("definitions out of range are refused with a sentence") {
     Rig rig = make_car();
     done(rig.w.destroy(rig.id));
     const auto refused = [&](auto&& change, const char* part) {
-        VehicleDef def = four_wheels(rig.chassis, {0.7_r, -0.3_r, 1_r});
+        VehicleDef def = four_wheels(rig.chassis, vec(0.7, -0.3, 1));
         change(def);
         const Result<VehicleId> made = rig.w.create_vehicle(def);
         return !made.ok() && made.error().message.find(part) != std::string::npos;

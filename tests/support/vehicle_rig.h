@@ -46,7 +46,7 @@ template <class Change> Rig make_car(const Setting& s, Change&& change) {
     World w = made(World::create(s.world));
     add_floor(w);
     const BodyId body = add(w, {.pose = s.pose, .mass = real(s.mass)}, {.geometry = box(s.half)});
-    VehicleDef def = four_wheels(body, {0.75_r, -0.3_r, 1.4_r});
+    VehicleDef def = four_wheels(body, vec(0.75, -0.3, 1.4));
     change(def);
     const VehicleId id = made(w.create_vehicle(def));
     return {std::move(w), body, id};

@@ -143,7 +143,9 @@ class Attacked {
         case 1: {
             SetMass m{body(), v.between(0.001_r, Real(1000000000), Real(1)), {}, {}, {}};
             m.center = v.each_within(Real(64));
-            for (int i = 0; i < 3; ++i) m.gyration[i] = v.between(0.001_r, Real(100), Real(1));
+            Vec3 gyration;
+            for (int i = 0; i < 3; ++i) gyration[i] = v.between(0.001_r, Real(100), Real(1));
+            m.gyration = gyration;
             m.principal = v.turn();
             return told(world.set_mass(m));
         }
