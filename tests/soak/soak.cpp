@@ -217,7 +217,7 @@ class Soaked {
             return told(world.set_gravity(v.chance(2) ? WorldDef{}.gravity : v.vector(12)));
         case set_mass:
             return told(world.set_mass(
-                {body(s.a), v.up_to(1000), {}, {Real(1), Real(1), Real(1)}, Quat::identity()}));
+                {body(s.a), v.up_to(1000), {}, Vec3{Real(1), Real(1), Real(1)}, Quat::identity()}));
         case create_field:
             return told(
                 world.create_field({.center = v.vector(5), .strength = v.about(40), .softening = Real(1)}));
