@@ -127,12 +127,11 @@ void ContactSolver::prepare(std::span<const Contact> contacts, std::span<const C
         if (s.storage.size() < words) s.storage.resize(std::bit_ceil(words));
         const std::span<ContactPack<N>> packs = s.packs<N>();
         const auto contact_of = [&](std::uint32_t pack, unsigned lane) { return s.lane_contact[pack * N + lane]; };
+        for (ContactPack<N>& pack : packs) clear_pack(pack, bodies.still());
         base::for_chunks(tasks, s.pack_count, pack_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-            for (std::uint32_t i = first; i < last; ++i) {
-                clear_pack(packs[i], bodies.still());
+            for (std::uint32_t i = first; i < last; ++i)
                 for (unsigned lane = 0; lane < N; ++lane)
                     if (contact_of(i, lane) != none) fill_lane(packs[i], lane, contacts[contact_of(i, lane)], in);
-            }
         });
         for (std::uint32_t i = 0; i < s.bounces.size(); ++i) {
             ContactPack<N>& pack = packs[s.bounces[i].pack];
