@@ -2,9 +2,10 @@
 //
 // Rows stay while neither body has turned by more than row_turn_max about an axis since they were made; errors follow the
 // motion by the rows, C = C0 + J . (shift, theta). What a lever of length r so misses is r a^2 / 2 for a turn by a:
-// 0.0001 mm for a metre. With 2^-7 rad a pendulum lost 87 % of its swing in five minutes, with 2^-11 it keeps it. Rows whose directions also change with places (along an axis of A, lines, ropes), gears and racks are
-// made anew whenever a body has moved, and so are those of trees (a bridge that is taut gains energy from rows that stay
-// behind by a hundredth) and of bodies that are followed (followed_turn.h).
+// 0.0001 mm for a metre. With 2^-7 rad a pendulum lost 87 % of its swing in five minutes, with 2^-11 it keeps it (the row
+// "pendulum" of tests/quality). Rows whose directions also change with places (along an axis of A, lines, ropes), gears and
+// racks are made anew whenever a body has moved, and so are those of trees (a bridge that is taut gains energy from rows that
+// stay behind by a hundredth) and of bodies that are followed (followed_turn.h).
 #pragma once
 
 #include "dynamics/joint.h"
