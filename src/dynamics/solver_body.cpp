@@ -110,6 +110,7 @@ static void begin_body(const BodyInfo& info, const BodyMass& mass, const BodyFor
                        const StepConstants& step, SolverBody& b, BodyStep& s, ClampCounts& clamps) {
     s.movable = info.kind == BodyKind::dynamic && mass.mass > Real{};
     s.moves = info.kind != BodyKind::static_;
+    s.jointed = info.first_joint != 0;
     const std::uint32_t linear_mask = s.movable ? ~info.locks & 7u : 7u;
     s.angular_mask = s.movable ? ~(info.locks >> 3) & 7u : 7u;
     for (int i = 0; i < 3; ++i) b.keep[i] = (linear_mask >> i) & 1u ? -1 : 0;

@@ -49,6 +49,7 @@ struct BodyStep {
     std::uint32_t angular_mask;     ///< bit per axis that may turn
     bool movable;                   ///< dynamic and with mass
     bool moves;                     ///< dynamic or kinematic
+    bool jointed;                   ///< some joint holds it
     std::uint32_t turn;             ///< entry of SolverBodies::turns + 1, 0: not followed
 };
 

@@ -79,10 +79,12 @@ Real coarse_motion(const Sweeper& s, std::uint32_t row, const ShapeRow& shape) {
 }
 
 /// Against what stands still a shape may move further before it has to be swept: nothing comes towards it besides. A
-/// bullet is swept whenever it moves: what turns so fast that its contacts do not hold it would sink in bit by bit.
+/// bullet is swept whenever it moves: what turns so fast that its contacts do not hold it would sink in bit by bit. Not a
+/// sphere, which turns nothing in.
 bool is_fast(Real motion, const shapes::Solid& solid, bool against_static, bool bullet) {
     const Real inner = to<Real>(shapes::inner_radius(solid));
-    return motion > (against_static ? half(inner) : bullet ? inner / Real(64) : inner / Real(4));
+    const bool may_turn_in = bullet && solid.geometry.kind != ShapeKind::sphere;
+    return motion > (against_static ? half(inner) : may_turn_in ? inner / Real(64) : inner / Real(4));
 }
 
 /// What stops a body: the fraction of its way, and whose shape it was.

@@ -196,10 +196,15 @@ void clamp_to_cone(std::int32_t limit, std::int32_t& t1, std::int32_t& t2) {
 }
 
 /// What stopped the bodies in the last substep does not hold them in this one. Given to them again it would have to be taken
-/// back, which one pass does not do wholly for a body between two others: elastic balls would gain energy.
+/// back, which one pass does not do wholly for a body between two others: elastic balls would gain energy. What joints hold
+/// and does not bounce keeps it: one pass does not stop a foot that a whole body pushes down.
 template <unsigned N> void forget_impacts(ContactPack<N>& pack, WarmStart* warm) {
     constexpr std::int64_t one = 1;
     for (unsigned lane = 0; lane < N; ++lane) {
+        if ((pack.keeps >> lane) & 1u) {
+            for (PointLanes<N>& point : pack.points) point.impact[lane] = 0;
+            continue;
+        }
         std::int64_t taken[3] = {}, before = 0, after = 0;
         for (int k = 0; k < pack.point_count; ++k) {
             PointLanes<N>& point = pack.points[k];

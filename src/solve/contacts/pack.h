@@ -57,6 +57,7 @@ template <unsigned N> struct ContactPack {
     std::int32_t slide[3][N];   ///< impulses along the tangents, and of the twist
     std::int32_t several[N];    ///< -1: more than one point
     std::int32_t bounces[N];    ///< -1: has restitution
+    std::uint32_t keeps;        ///< bit per lane: what stops the bodies in a substep holds them in the next one
     std::int32_t size[N];       ///< Length: the arms' unit
     PointLanes<N> points[4];
 };

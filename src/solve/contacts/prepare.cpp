@@ -425,6 +425,8 @@ void fill_head(ContactPack<N>& pack, unsigned lane, const Contact& contact, cons
     if ((a_moves && is_locked(contact.body_a)) || (b_moves && is_locked(contact.body_b))) pack.locked = 1;
     pack.point_count = std::max(pack.point_count, static_cast<std::int32_t>(contact.count));
     pack.several[lane] = contact.count > 1 ? -1 : 0;
+    const bool jointed = in.bodies.step[contact.body_a].jointed || in.bodies.step[contact.body_b].jointed;
+    pack.keeps |= (jointed && contact.restitution == Unit{} ? 1u : 0u) << lane;
     pack.share_a[lane] = low(shares.a), pack.share_b[lane] = low(shares.b);
     pack.bias_rate[lane] = soft.bias_rate.raw;
     pack.mass_scale[lane] = soft.mass_scale.raw, pack.impulse_scale[lane] = soft.impulse_scale.raw;
@@ -473,6 +475,7 @@ template <unsigned N> bool tilts(const ContactPack<N>& pack, unsigned lane) {
 
 template <unsigned N>
 void fill_lane(ContactPack<N>& pack, unsigned lane, const Contact& contact, const PrepareInput& in) {
+    if (contact.count == 0) return; // never filled in: tasks of the game's own left an item out
     const BodyStep &sa = in.bodies.step[contact.body_a], &sb = in.bodies.step[contact.body_b];
     const SolverBody &a = in.bodies.body[contact.body_a], &b = in.bodies.body[contact.body_b];
     const ContactMemory& memory = in.memory[contact.memory];
