@@ -29,7 +29,7 @@ void refresh(Data& w) {
 class Asking {
   public:
     explicit Asking(Data& world) : w(world) {
-        const std::scoped_lock holds(w.scratch.query.lock);
+        const base::Holds holds(w.scratch.query.lock);
         refresh(w);
         std::vector<std::unique_ptr<QueryWork>>& idle = w.scratch.query.idle;
         if (idle.empty()) idle.push_back(std::make_unique<QueryWork>());
@@ -37,7 +37,7 @@ class Asking {
         idle.pop_back();
     }
     ~Asking() {
-        const std::scoped_lock holds(w.scratch.query.lock);
+        const base::Holds holds(w.scratch.query.lock);
         w.scratch.query.idle.push_back(std::move(work));
     }
     Asking(const Asking&) = delete;
@@ -82,7 +82,7 @@ bool make_cast(Vec3 from, Vec3 way, Cast& out) {
 
 /// A solid that can be cast, or asked about; false otherwise.
 bool find_solid(Data& w, const Geometry& geometry, shapes::Solid& out) {
-    const std::scoped_lock holds(w.scratch.query.lock); // scaled hulls are kept
+    const base::Holds holds(w.scratch.query.lock); // scaled hulls are kept
     const Result<shapes::Solid> solid = w.scratch.solids.resolve(geometry);
     if (!solid || solid->geometry.kind >= ShapeKind::height_field) return false;
     out = *solid;

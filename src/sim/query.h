@@ -4,13 +4,13 @@
 // its own while it asks. Nothing that is kept shows in an answer.
 #pragma once
 
+#include "base/lock.h"
 #include "collide/broad_phase.h"
 #include "collide/narrow_phase.h"
 #include "lockstone/query.h"
 
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -32,7 +32,7 @@ struct QueryWork {
 struct QueryScratch {
     bool is_fresh = false; ///< poses and bounds of the tick's scratch are those of the state, as it was at:
     std::uint64_t tick = 0, commands = 0;
-    std::mutex lock; ///< of all that const members of World change: this, the caches it is about, the state's hashes
+    base::Lock lock; ///< of all that const members of World change: this, the caches it is about, the state's hashes
     std::vector<std::unique_ptr<QueryWork>> idle;
 };
 

@@ -211,7 +211,7 @@ Result<World::Memory> World::memory_of(const WorldDef& def, const GameSchema& sc
 }
 
 World World::clone() const {
-    const std::scoped_lock holds(impl->scratch.query.lock);
+    const base::Holds holds(impl->scratch.query.lock);
     return World(std::make_unique<Impl>(*impl));
 }
 
@@ -529,7 +529,7 @@ std::span<const World::ContactPoint> World::contacts() const { return impl->cont
 // ---- state -----------------------------------------------------------------------------------------------------
 
 std::uint64_t World::hash() const {
-    const std::scoped_lock holds(impl->scratch.query.lock);
+    const base::Holds holds(impl->scratch.query.lock);
     return impl->state.hash();
 }
 void World::save(Image& image) const { impl->state.save(image); }
@@ -571,7 +571,7 @@ std::vector<std::byte> World::save_delta(const Image& base) const {
     LOCKSTONE_ASSERT(good.ok(), good.error().message);
     State before(impl->state.layout_shared());
     before.restore(base);
-    const std::scoped_lock holds(impl->scratch.query.lock);
+    const base::Holds holds(impl->scratch.query.lock);
     return impl->state.save_delta(before);
 }
 

@@ -1,0 +1,31 @@
+// A lock; where there are no threads (LOCKSTONE_NO_THREADS), nothing.
+#pragma once
+
+#if !defined(LOCKSTONE_NO_THREADS)
+#include <mutex>
+#endif
+
+namespace lockstone::base {
+
+#if defined(LOCKSTONE_NO_THREADS)
+struct Lock {
+    void lock() {}
+    void unlock() {}
+};
+#else
+using Lock = std::mutex;
+#endif
+
+/// Locked while it lives.
+class Holds {
+  public:
+    explicit Holds(Lock& lock) : held(lock) { held.lock(); }
+    ~Holds() { held.unlock(); }
+    Holds(const Holds&) = delete;
+    Holds& operator=(const Holds&) = delete;
+
+  private:
+    Lock& held;
+};
+
+} // namespace lockstone::base
