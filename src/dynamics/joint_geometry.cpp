@@ -346,9 +346,11 @@ bool counts_turns(const JointDef& def) {
 }
 
 std::int64_t scaled_error(Real x, int exponent) {
+    constexpr std::int64_t far = std::int64_t{1} << 60; // leaves room for what the bodies have moved since
     const int drop = Real::fraction_bits - Separation::fraction_bits + exponent;
-    return drop >= 0 ? shift_right_rounded(x.raw, std::min(drop, 62))
-                     : shift_left_saturated(x.raw, std::min(-drop, 24));
+    return std::clamp(drop >= 0 ? shift_right_rounded(x.raw, std::min(drop, 62))
+                                : shift_left_saturated(x.raw, std::min(-drop, 24)),
+                      -far, far);
 }
 
 bool may_stay(const JointTick& tick, const JointWork& work) {

@@ -105,11 +105,12 @@ inline std::int64_t moved_along(const Row& row, const SolverBody& a, const Solve
 
 /// C rate, at most `most`. Speed of a Separation; beyond 256 m it pushes no faster.
 inline std::int64_t bias_of(std::int64_t error, Real rate, std::int32_t most) {
-    constexpr std::int64_t far = std::int64_t{1} << 35; // times 2^27 of the rate
-    constexpr int rate_bits = 16;
-    const std::int64_t wanted =
-        shift_right_rounded(std::clamp(error, -far, far) * (rate.raw >> (Real::fraction_bits - rate_bits)),
-                            Separation::fraction_bits - Speed::fraction_bits + rate_bits);
+    constexpr std::int64_t far = std::int64_t{1} << 35;
+    constexpr int rate_bits = 16, shift = Separation::fraction_bits - Speed::fraction_bits + rate_bits;
+    const std::int64_t near = std::clamp(error, -far, far), by = rate.raw >> (Real::fraction_bits - rate_bits);
+    // 2^35 times 2^27; with substeps shorter than half a millisecond rates are beyond that.
+    const std::int64_t wanted = by < std::int64_t{1} << 27 ? shift_right_rounded(near * by, shift)
+                                                           : narrow_rounded(Wide::product(near, by), shift);
     return std::clamp<std::int64_t>(wanted, -most, most);
 }
 

@@ -4,6 +4,7 @@
 #include "sim/surface.h"
 
 #include <algorithm>
+#include <bit>
 #include <tuple>
 
 namespace lockstone::sim {
@@ -53,6 +54,10 @@ void publish_contact_points(Data& w) {
     const std::span<const ContactKey> keys = w.state.rows(w.m.contact_key);
     const std::span<const ContactMemory> memories = w.state.rows(w.m.contact_memory);
     w.contact_points.clear();
+    std::size_t count = 0;
+    for (const dynamics::Contact& c : s.contacts) count += c.count;
+    // With room for a heap that settles, so that a tick with one more than ever does not allocate.
+    if (count > w.contact_points.capacity()) w.contact_points.reserve(std::bit_ceil(std::max<std::size_t>(128, count + count / 2)));
     for (const dynamics::Contact& c : s.contacts) {
         const bool flipped = (memories[c.memory].flags & dynamics::contact_flipped) != 0;
         const ShapeId shape = flipped ? keys[c.memory].a : keys[c.memory].b;
@@ -84,6 +89,7 @@ void publish_waking(Data& w) {
 void publish_events(Data& w) {
     Scratch& s = w.scratch;
     const std::span<ContactMemory> memories = w.state.edit(w.m.contact_memory);
+    w.events.reserve(64); // what a usual tick has, so that one with more than ever seldom allocates
     for (const Scratch::Ended& ended : s.ended)
         w.events.push_back(event_of(w, ended.key, ended.flags, false));
     for (const Scratch::Seen& seen : s.seen) {

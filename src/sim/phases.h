@@ -12,7 +12,7 @@ inline const Transform& pose_before(const Data& w, std::uint32_t row) {
 
 inline constexpr std::uint32_t pairs_per_chunk = 16; ///< of Scratch::near_chunks
 inline constexpr Length margin_base =
-    decimal<Length>("0.01"); ///< [m]: contacts are made this far ahead of touching
+    decimal<Length>("0.005"); ///< [m]: contacts are made this far ahead of touching
 
 /// How far ahead contacts of something with a velocity reach, or of two with a relative one: not less than it goes in a
 /// tick, in steps by a factor of two, so that it seldom grows while they near each other; nothing for what goes less

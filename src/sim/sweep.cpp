@@ -177,12 +177,9 @@ Stop first_stop(const Sweeper& s, const Way& way, const Hand& hand) {
     return stop;
 }
 
-/// Where the body is stopped. What it touches at the start can only make it pass what would stop it otherwise, so that is
-/// looked for last.
-Stop find_stop(const Sweeper& s, const Way& way, const Hand& hand) {
+/// What the body touches at the start, into `touching`.
+void find_touching(const Sweeper& s, const Way& way, const Hand& hand) {
     hand.own.touching.clear();
-    const Stop stop = first_stop(s, way, hand);
-    if (stop.row == Data::dead) return stop;
     s.for_each_shape(way.row, [&](const ShapeRow& shape) {
         for_each_wall(s, way, shape, hand.own.near,
                       [&](const ShapeRow& wall, std::uint32_t, const Sweep& theirs, const Sweep& own) {
@@ -190,7 +187,34 @@ Stop find_stop(const Sweeper& s, const Way& way, const Hand& hand) {
                                                        hand.narrow, hand.own.touching);
                       });
     });
+}
+
+/// Where the body is stopped. What it touches at the start can only make it pass what would stop it otherwise, so that is
+/// looked for last.
+Stop find_stop(const Sweeper& s, const Way& way, const Hand& hand) {
+    hand.own.touching.clear();
+    const Stop stop = first_stop(s, way, hand);
+    if (stop.row == Data::dead) return stop;
+    find_touching(s, way, hand);
     return hand.own.touching.empty() ? stop : first_stop(s, way, hand);
+}
+
+/// A body that is stopped at `at` by what stands still goes on along it: held where it first touches, a limb would be left
+/// behind by its joints, and what slides would stumble.
+Transform slide_on(const Sweeper& s, std::uint32_t row, const Transform& from, const Transform& to,
+                   const Transform& at, Unit fraction, const Hand& hand) {
+    const Vec3 whole = to.position - from.position, done = at.position - from.position;
+    find_touching(s, {row, at, {at.position + whole, to.rotation}, fraction, Data::dead, done}, hand);
+    Vec3 rest = to.position - at.position;
+    for (int round = 0; round < 2; ++round)
+        for (const UnitVec3 out : hand.own.touching) {
+            const Real into = dot<Real>(rest, out);
+            if (into < Real{}) rest -= lockstone::scale<Real>(out, into);
+        }
+    if (hand.own.touching.empty() || rest == Vec3{}) return at;
+    const Transform end{at.position + rest, to.rotation};
+    const Stop again = find_stop(s, {row, at, end, fraction, Data::dead, done}, hand);
+    return collide::body_pose_at({at, end, Transform::identity()}, again.fraction);
 }
 
 /// Where the body was stopped, if it was, and moved on with what stopped it: shifted, or when that lets it turn through
@@ -201,7 +225,7 @@ std::optional<Transform> sweep_body(const Sweeper& s, std::uint32_t row, const H
     if (stop.row == Data::dead) return std::nullopt;
     const Transform at = collide::body_pose_at({from, to, Transform::identity()}, stop.fraction);
     const Sweep theirs{pose_before(s.w, stop.row), s.pose[stop.row], Transform::identity()};
-    if (theirs.from == theirs.to) return at;
+    if (theirs.from == theirs.to) return slide_on(s, row, from, to, at, stop.fraction, hand);
     const Transform met = collide::body_pose_at(theirs, stop.fraction);
     const Vec3 moved = at.position - from.position;
     Transform end{at.position + (theirs.to.position - met.position), at.rotation};

@@ -195,13 +195,21 @@ void clamp_to_cone(std::int32_t limit, std::int32_t& t1, std::int32_t& t2) {
     t2 = static_cast<std::int32_t>(std::int64_t{t2} * limit / size);
 }
 
+/// Whether a point took more than 1 m/s: kept, what took less would go on shaking a hand that stands on its fingers.
+template <unsigned N> bool is_hard(const ContactPack<N>& pack, unsigned lane) {
+    constexpr std::int32_t hard = 1 << speed_bits;
+    for (int k = 0; k < pack.point_count; ++k)
+        if (pack.points[k].impact[lane] > hard) return true;
+    return false;
+}
+
 /// What stopped the bodies in the last substep does not hold them in this one. Given to them again it would have to be taken
 /// back, which one pass does not do wholly for a body between two others: elastic balls would gain energy. What joints hold
 /// and does not bounce keeps it: one pass does not stop a foot that a whole body pushes down.
 template <unsigned N> void forget_impacts(ContactPack<N>& pack, WarmStart* warm) {
     constexpr std::int64_t one = 1;
     for (unsigned lane = 0; lane < N; ++lane) {
-        if ((pack.keeps >> lane) & 1u) {
+        if (((pack.keeps >> lane) & 1u) && is_hard<N>(pack, lane)) {
             for (PointLanes<N>& point : pack.points) point.impact[lane] = 0;
             continue;
         }

@@ -10,7 +10,9 @@
 #include "session/hostile.h"
 #include "session/input_queue.h"
 
+#include <chrono>
 #include <cstdio>
+#include <thread>
 
 using namespace lockstone;
 using namespace lockstone::test;
@@ -197,7 +199,7 @@ std::string one_match(std::uint64_t seed, Fault fault, attack::Figures& figures)
     };
     h.match.run(60 + random.below(240));
     if (fault == Fault::silent) h.match.machine(0).simulation->state().edit_bytes(0)[0] ^= std::byte{1};
-    while (fault == Fault::hang) {}
+    while (fault == Fault::hang) std::this_thread::sleep_for(std::chrono::seconds(1));
     if (machines == 4 && random.below(2) == 0) h.match.network.unplug(1 + random.below(2));
     h.match.run(300);
     figures["packets"] += hostile_packets;
