@@ -28,7 +28,7 @@ Symmetric<Real> rotated_diagonal(const Rotation& r, Vec3 d) {
     return {entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(0, 2), entry(1, 2)};
 }
 
-bool clamp_length(std::int64_t v[3], Speed limit) {
+bool clamp_long(std::int64_t v[3], Speed limit) {
     const std::int64_t x = v[0] >> row_bits, y = v[1] >> row_bits, z = v[2] >> row_bits;
     const std::int64_t bound = limit.raw;
     const auto outside = [](std::int64_t c) {

@@ -21,10 +21,9 @@ Transform shape_pose(const ShapeRow& shape, const Transform& body, const BodyMas
 }
 
 /// Contacts of a fast body are found before it arrives, as far ahead as its own size, so it lands on surfaces.
-Length margin_of(const shapes::Solid& solid, const BodyInfo& info, const Velocity& velocity, std::uint32_t tick_rate) {
+Length margin_of(Length inner, const BodyInfo& info, const Velocity& velocity, std::uint32_t tick_rate) {
     const Length ahead = ahead_of(velocity.linear, tick_rate);
     if (ahead == Length{}) return margin_base;
-    const Length inner = shapes::inner_radius(solid);
     return margin_base + min(ahead, info.first_joint != 0 ? inner + inner : inner);
 }
 
@@ -42,7 +41,7 @@ void place(const Data& w, const ShapeRow& shape, std::uint32_t body_row, Scratch
     at.axes = to_rotation(at.pose.rotation);
     at.margin = w.state.rows(w.m.body_info)[body_row].kind == BodyKind::static_
                     ? margin_base
-                    : margin_of(at.solid, w.state.rows(w.m.body_info)[body_row],
+                    : margin_of(at.inner, w.state.rows(w.m.body_info)[body_row],
                                 w.state.rows(w.m.body_velocity)[body_row], config.tick_rate);
     if (shape.geometry.kind != ShapeKind::plane)
         at.bounds = collide::bounds_of(at.solid, at.pose, at.margin, static_cast<int>(config.bounds_shift));
@@ -212,6 +211,7 @@ const shapes::Solid& solid_of(Data& w, const ShapeRow& shape) {
     at.rests = false; // its bounds are of the other solid
     at.solid = *solid;
     at.reach = reach_of(at.solid);
+    at.inner = shapes::inner_radius(at.solid);
     return at.solid;
 }
 

@@ -83,9 +83,9 @@ Couple couple_of(const View& v, const Scratch::Near& near) {
             : collide::into_frame(c.at_a->axes, c.at_b->pose.position - c.at_a->pose.position);
     c.placing.rotation = turn_between(c.at_a->pose.rotation, c.at_b->pose.rotation);
     c.placing.reach = c.at_b->reach;
-    c.placing.thinnest = shapes::inner_radius(c.at_b->solid);
+    c.placing.thinnest = c.at_b->inner;
     if (c.a->geometry.kind < ShapeKind::compound)
-        c.placing.thinnest = min(c.placing.thinnest, shapes::inner_radius(c.at_a->solid));
+        c.placing.thinnest = min(c.placing.thinnest, c.at_a->inner);
     c.margin = near.margin;
     c.sensor = (c.a->sensor | c.b->sensor) != 0;
     return c;

@@ -35,6 +35,7 @@ struct Scratch {
         Rotation axes;    ///< of the pose
         Length margin;    ///< how far its contacts reach ahead at most
         Coordinate reach; ///< of its points from its origin [m]
+        Length inner;     ///< shapes::inner_radius() of the solid
         collide::Bounds bounds;
         bool is_placed; ///< while bounds are updated: pose, margin and bounds are those of this tick
         bool rests;     ///< it was handed over as resting, as made of:

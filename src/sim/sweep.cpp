@@ -32,9 +32,8 @@ struct Sweeper {
           mass(data.state.rows(data.m.body_mass)), shapes(data.state.rows(data.m.shape)),
           slots(data.state.rows(data.m.shape_slot)) {}
 
-    const shapes::Solid& solid(const ShapeRow& shape) const {
-        return w.scratch.shape[shape.id.index - 1].solid;
-    }
+    const Scratch::Shape& at(const ShapeRow& shape) const { return w.scratch.shape[shape.id.index - 1]; }
+    const shapes::Solid& solid(const ShapeRow& shape) const { return at(shape).solid; }
     Sweep sweep(std::uint32_t row, const ShapeRow& shape) const {
         return {
             pose_before(w, row), pose[row], {shape.local.position - mass[row].center, shape.local.rotation}};
@@ -81,9 +80,9 @@ Real coarse_motion(const Sweeper& s, std::uint32_t row, const ShapeRow& shape) {
 /// Against what stands still a shape may move further before it has to be swept: nothing comes towards it besides. A
 /// bullet is swept whenever it moves: what turns so fast that its contacts do not hold it would sink in bit by bit. Not a
 /// sphere, which turns nothing in.
-bool is_fast(Real motion, const shapes::Solid& solid, bool against_static, bool bullet) {
-    const Real inner = to<Real>(shapes::inner_radius(solid));
-    const bool may_turn_in = bullet && solid.geometry.kind != ShapeKind::sphere;
+bool is_fast(Real motion, const Scratch::Shape& shape, bool against_static, bool bullet) {
+    const Real inner = to<Real>(shape.inner);
+    const bool may_turn_in = bullet && shape.solid.geometry.kind != ShapeKind::sphere;
     return motion > (against_static ? half(inner) : may_turn_in ? inner / Real(64) : inner / Real(4));
 }
 
@@ -150,7 +149,7 @@ void for_each_wall(const Sweeper& s, const Way& whole, const ShapeRow& shape,
             continue;
         Sweep theirs = s.sweep(other, wall);
         theirs.from = collide::body_pose_at(theirs, whole.begin);
-        if (!is_fast(collide::relative_motion(theirs, way, s.reach(row, shape)), s.solid(shape),
+        if (!is_fast(collide::relative_motion(theirs, way, s.reach(row, shape)), s.at(shape),
                      s.info[other].kind == BodyKind::static_, s.info[row].bullet != 0))
             continue;
         visit(wall, other, theirs, way);
@@ -245,14 +244,14 @@ bool may_be_fast(const Sweeper& s, std::uint32_t row, Real others) {
     bool fast = false;
     const bool all_stands_still = others == Real{};
     s.for_each_shape(row, [&](const ShapeRow& shape) {
-        fast |= is_fast(coarse_motion(s, row, shape) + others, s.solid(shape), all_stands_still,
+        fast |= is_fast(coarse_motion(s, row, shape) + others, s.at(shape), all_stands_still,
                         s.info[row].bullet != 0);
     });
     if (!fast) return false;
     fast = false;
     const Real motion = motion_of(s, row) + others;
     s.for_each_shape(row, [&](const ShapeRow& shape) {
-        fast |= is_fast(motion, s.solid(shape), all_stands_still, s.info[row].bullet != 0);
+        fast |= is_fast(motion, s.at(shape), all_stands_still, s.info[row].bullet != 0);
     });
     return fast;
 }

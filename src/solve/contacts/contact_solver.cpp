@@ -129,9 +129,18 @@ void ContactSolver::prepare(std::span<const Contact> contacts, std::span<const C
         const auto contact_of = [&](std::uint32_t pack, unsigned lane) { return s.lane_contact[pack * N + lane]; };
         for (ContactPack<N>& pack : packs) clear_pack(pack, bodies.still());
         base::for_chunks(tasks, s.pack_count, pack_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-            for (std::uint32_t i = first; i < last; ++i)
-                for (unsigned lane = 0; lane < N; ++lane)
-                    if (contact_of(i, lane) != none) fill_lane(packs[i], lane, contacts[contact_of(i, lane)], in);
+            RowInput<N> rows;
+            LaneWork work[N];
+            for (std::uint32_t i = first; i < last; ++i) {
+                const auto for_lanes = [&](auto&& visit) {
+                    for (unsigned lane = 0; lane < N; ++lane)
+                        if (contact_of(i, lane) != none) visit(lane, contacts[contact_of(i, lane)]);
+                };
+                clear_rows(rows);
+                for_lanes([&](unsigned lane, const Contact& c) { begin_lane(packs[i], rows, work[lane], lane, c, in); });
+                s.kernel->make_rows(&packs[i], &rows);
+                for_lanes([&](unsigned lane, const Contact& c) { end_lane(packs[i], rows, work[lane], lane, c, in); });
+            }
         });
         for (std::uint32_t i = 0; i < s.bounces.size(); ++i) {
             ContactPack<N>& pack = packs[s.bounces[i].pack];

@@ -62,6 +62,18 @@ template <unsigned N> struct ContactPack {
     PointLanes<N> points[4];
 };
 
+/// What the rows of a pack are made of, and the answer of its friction rows.
+template <unsigned N> struct RowInput {
+    std::int32_t d[3][3][N];                     ///< normal and tangents, Unit
+    std::int32_t centre_a[3][N], centre_b[3][N]; ///< levers of the members' centre, Length
+    std::int32_t along[2][3][N], size[N];        ///< as in Layout; zero for single points, Length
+    std::int32_t inverse_a[6][N], inverse_b[6][N]; ///< mantissas of K^-1: xx, yy, zz, xy, xz, yz
+    std::int64_t shift_a[N], shift_b[N];           ///< 1..62, from their products to rows
+    std::int32_t turns_a[3][N], turns_b[3][N];     ///< -1 for axes about which the body may turn
+    std::int64_t keep_a[3][N], keep_b[3][N];       ///< -1 for axes along which it may move
+    std::int32_t slide_response[6][N];             ///< as ContactPack::response
+};
+
 /// What the contact impulses of the tick so far give to a body: the start of the next substep. [m/s], 47 fraction bits
 struct WarmStart {
     std::int64_t v[3], u[3];
@@ -103,6 +115,7 @@ struct PassData {
 /// The passes of one instruction set over packs [first, last) of its lane width.
 struct ContactKernel {
     unsigned lanes;
+    void (*make_rows)(void* pack, void* row_input); ///< angular rows and responses of one pack
     void (*warm_start)(void* packs, std::uint32_t first, std::uint32_t last, const PassData& data);
     void (*solve)(void* packs, std::uint32_t first, std::uint32_t last, const PassData& data,
                   const PassSettings& settings);

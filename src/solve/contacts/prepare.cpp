@@ -15,7 +15,6 @@ using dynamics::Contact;
 using dynamics::ContactMemory;
 using dynamics::ContactPoint;
 using dynamics::SolverBody;
-using Raw3 = std::array<std::int64_t, 3>;
 
 constexpr std::int64_t unit = std::int64_t{1} << unit_bits;
 constexpr std::int64_t row_limit = std::int64_t{4} << row_bits; ///< of a component of an angular row
@@ -51,11 +50,7 @@ Shares shares_of(const PrepareInput& in, const Contact& c) {
 Raw3 raw(LengthVec3 v) { return {v.x.raw, v.y.raw, v.z.raw}; }
 Raw3 raw(UnitVec3 v) { return {v.x.raw, v.y.raw, v.z.raw}; }
 
-/// x times y, unit_bits taken off.
-Raw3 cross(const Raw3& x, const Raw3& y) {
-    return {rounded(x[1] * y[2] - x[2] * y[1], unit_bits), rounded(x[2] * y[0] - x[0] * y[2], unit_bits),
-            rounded(x[0] * y[1] - x[1] * y[0], unit_bits)};
-}
+/// Unit_bits taken off.
 std::int64_t dot(const Raw3& x, const Raw3& y) {
     return rounded(x[0] * y[0] + x[1] * y[1] + x[2] * y[2], unit_bits);
 }
@@ -98,48 +93,22 @@ class Turner {
     std::int64_t half;
 };
 
-/// Three rows of a pair of bodies. Only the first `lines` have a linear part.
+/// Three angular rows of a pair of bodies.
 struct Rows {
-    std::int32_t d[3][3];
     std::int32_t xa[3][3], xb[3][3];
-    int lines;
 };
 
 std::int64_t product(const std::int32_t (&x)[3], const std::int32_t (&y)[3]) {
     return std::int64_t{x[0]} * y[0] + std::int64_t{x[1]} * y[1] + std::int64_t{x[2]} * y[2];
 }
-/// The same over the axes along which a body may move.
-std::int64_t product(const std::int32_t (&x)[3], const std::int32_t (&y)[3], const std::int64_t (&keep)[3]) {
-    std::int64_t sum = 0;
-    for (int i = 0; i < 3; ++i) sum += (std::int64_t{x[i]} * y[i]) & keep[i];
-    return sum;
-}
-
-/// Rows times the pair's inverse mass times rows: response_bits, below 52. `locked`: an axis of one of the bodies is.
-void respond(const Rows& rows, const SolverBody& a, const SolverBody& b, bool locked, Shares shares,
-             std::int64_t (&out)[6]) {
+/// What three rows answer to their own impulses: response_bits, below 52.
+void respond(const Rows& rows, Shares shares, std::int64_t (&out)[3]) {
     constexpr int drop = 2 * row_bits - response_bits;
-    int at = 0;
     for (int r = 0; r < 3; ++r)
-        for (int s = 0; s <= r; ++s) {
-            std::int64_t qa = product(rows.xa[r], rows.xa[s]), qb = product(rows.xb[r], rows.xb[s]); // below 52 2^56
-            if (r < rows.lines) {
-                const std::int64_t line = locked ? 0 : product(rows.d[r], rows.d[s]);
-                qa += locked ? product(rows.d[r], rows.d[s], a.keep) : line;
-                qb += locked ? product(rows.d[r], rows.d[s], b.keep) : line;
-            }
-            out[at++] = rounded((qa >> drop) * shares.a + (qb >> drop) * shares.b, unit_bits);
-        }
+        out[r] = rounded((product(rows.xa[r], rows.xa[r]) >> drop) * shares.a +
+                             (product(rows.xb[r], rows.xb[r]) >> drop) * shares.b,
+                         unit_bits);
 }
-
-/// Where the points of a contact lie in its plane.
-struct Layout {
-    Raw3 centre_a, centre_b; ///< levers of the members' centre, Length
-    Raw3 along[2];           ///< from the centre to the farthest point, in the plane; and that turned by a right angle
-    std::int64_t arm[2][4];  ///< in units of `along`, Unit
-    std::int64_t size;       ///< |along|, Length
-    std::uint32_t members, count;
-};
 
 std::uint32_t members_of(const Contact& c, const ContactMemory& memory) {
     std::int64_t nearest = 0x7fffffff;
@@ -235,9 +204,6 @@ constexpr int moment_bits = 28;
 /// A moment times the inverse determinant, 2^36 at most.
 std::int64_t narrow_gram(std::int64_t moment, std::int64_t inverse) { return (moment >> 3) * (inverse >> 5) >> (moment_bits - 8); }
 
-/// H H^T, fit_bits: of the level; of the tilts by rows of the lower triangle.
-using Gram = std::array<std::int64_t, 4>;
-
 /// H: the linear fit over the members. On a line it sees one direction of tilts; false then.
 template <unsigned N>
 bool fit_members(ContactPack<N>& pack, unsigned lane, const Layout& l, std::uint32_t points, Gram& gram) {
@@ -280,25 +246,26 @@ bool fit_members(ContactPack<N>& pack, unsigned lane, const Layout& l, std::uint
     return !line;
 }
 
-/// D v of a row for the bodies as they are, speed_bits.
-std::int64_t speed_of(const Rows& rows, int r, const SolverBody& a, const SolverBody& b) {
+/// D v of the normal rows for the bodies as they are, speed_bits.
+template <unsigned N>
+std::int64_t speed_of(const ContactPack<N>& pack, unsigned lane, int r, const SolverBody& a, const SolverBody& b) {
     std::int64_t sum = 0;
     for (int i = 0; i < 3; ++i) {
         const auto part = [](std::int64_t v) { return std::int64_t{low(v >> row_bits)}; };
-        if (r < rows.lines) sum += rows.d[r][i] * (part(b.v[i]) - part(a.v[i]));
-        sum += rows.xa[r][i] * part(a.u[i]) + rows.xb[r][i] * part(b.u[i]);
+        if (r == 0) sum += pack.d[0][i][lane] * (part(b.v[i]) - part(a.v[i]));
+        sum += pack.normal_a[r][i][lane] * part(a.u[i]) + pack.normal_b[r][i][lane] * part(b.u[i]);
     }
     return rounded(sum, row_bits);
 }
 
 template <unsigned N>
 void fill_impulses(ContactPack<N>& pack, unsigned lane, const Contact& contact, const ContactMemory& memory,
-                   const Layout& l, const Rows& normal, const SolverBody& a, const SolverBody& b) {
+                   const Layout& l, const SolverBody& a, const SolverBody& b) {
     bool carries = false, rests = false;
     for (std::uint32_t k = 0; k < contact.count; ++k) carries |= memory.points[k].normal > Speed{};
     if (!carries) return;
-    const std::int64_t speed[3] = {speed_of(normal, 0, a, b), contact.count > 1 ? speed_of(normal, 1, a, b) : 0,
-                                   contact.count > 1 ? speed_of(normal, 2, a, b) : 0};
+    std::int64_t speed[3] = {};
+    for (int r = 0; r < (contact.count > 1 ? 3 : 1); ++r) speed[r] = speed_of(pack, lane, r, a, b);
     for (std::uint32_t k = 0; k < contact.count; ++k) {
         const std::int64_t leaves = speed[0] + rounded(l.arm[0][k] * speed[1], unit_bits) +
                                     rounded(l.arm[1][k] * speed[2], unit_bits);
@@ -313,12 +280,6 @@ void fill_impulses(ContactPack<N>& pack, unsigned lane, const Contact& contact, 
     pack.slide[1][lane] = within(memory.tangent_2.raw);
     if (l.size > 0)
         pack.slide[2][lane] = within(divide_rounded(std::int64_t{memory.twist.raw} << speed_bits, l.size));
-}
-
-template <unsigned N, std::size_t R>
-void put(std::int32_t (&out)[R][3][N], unsigned lane, const std::int32_t (&rows)[3][3]) {
-    for (std::size_t r = 0; r < R; ++r)
-        for (std::size_t i = 0; i < 3; ++i) out[r][i][lane] = rows[r][i];
 }
 
 /// Returns the mean of the points' answers to their own impulses, response_bits.
@@ -435,33 +396,35 @@ void fill_head(ContactPack<N>& pack, unsigned lane, const Contact& contact, cons
     pack.surface[1][lane] = lockstone::dot<Speed>(contact.surface_velocity, tangents.second).raw;
 }
 
-/// Level and tilts, tangents and twist.
+/// K^-1 of one body, where it may turn and move.
 template <unsigned N>
-void fill_rows(ContactPack<N>& pack, unsigned lane, const Contact& contact, const PrepareInput& in, const Layout& l,
-               const Directions& d, Rows& normal, Rows& slide) {
-    normal.lines = 1, slide.lines = 2;
-    for (int r = 0; r < 3; ++r)
-        for (std::size_t i = 0; i < 3; ++i) {
-            pack.d[r][i][lane] = low(rounded(d[r][i], unit_bits - row_bits));
-            (r == 0 ? normal.d[0] : slide.d[r - 1])[i] = pack.d[r][i][lane];
-        }
-    const Turner ta(in.bodies.step[contact.body_a]), tb(in.bodies.step[contact.body_b]);
-    const auto row = [&](Rows& rows, int r, const Raw3& at_a, const Raw3& at_b) {
-        ta.row(at_a, -1, rows.xa[r]), tb.row(at_b, 1, rows.xb[r]);
-    };
-    row(normal, 0, cross(l.centre_a, d[0]), cross(l.centre_b, d[0]));
-    row(slide, 0, cross(l.centre_a, d[1]), cross(l.centre_b, d[1]));
-    row(slide, 1, cross(l.centre_a, d[2]), cross(l.centre_b, d[2]));
-    if (contact.count > 1) {
-        const Raw3 first = cross(l.along[0], d[0]), second = cross(l.along[1], d[0]);
-        row(normal, 1, first, first);
-        row(normal, 2, second, second);
-        const Raw3 twist = {rounded(d[0][0] * l.size, unit_bits), rounded(d[0][1] * l.size, unit_bits),
-                            rounded(d[0][2] * l.size, unit_bits)};
-        row(slide, 2, twist, twist);
+void fill_side(const BodyStep& step, const SolverBody& body, unsigned lane, std::int32_t (&inverse)[6][N], std::int64_t (&shift)[N],
+               std::int32_t (&turns)[3][N], std::int64_t (&keep)[3][N]) {
+    const dynamics::Symmetric<std::int32_t>& m = step.inv_mantissa;
+    const std::int32_t entries[6] = {m.xx, m.yy, m.zz, m.xy, m.xz, m.yz};
+    for (int i = 0; i < 6; ++i) inverse[i][lane] = entries[i];
+    shift[lane] = std::clamp(step.inv_exponent + Length::fraction_bits - row_bits, 1, 62);
+    for (int i = 0; i < 3; ++i) {
+        turns[i][lane] = step.moves && ((step.angular_mask >> i) & 1u) ? -1 : 0;
+        keep[i][lane] = body.keep[i];
     }
-    put<N>(pack.normal_a, lane, normal.xa), put<N>(pack.normal_b, lane, normal.xb);
-    put<N>(pack.slide_a, lane, slide.xa), put<N>(pack.slide_b, lane, slide.xb);
+}
+
+template <unsigned N>
+void fill_row_input(ContactPack<N>& pack, RowInput<N>& rows, unsigned lane, const Contact& contact, const PrepareInput& in,
+                    const Layout& l, const Directions& d) {
+    const auto length = [](std::int64_t x) { return saturate_to_int32(x); }; // beyond 128 m levers are clamped
+    for (std::size_t i = 0; i < 3; ++i) {
+        for (int r = 0; r < 3; ++r) {
+            rows.d[r][i][lane] = low(d[r][i]);
+            pack.d[r][i][lane] = low(rounded(d[r][i], unit_bits - row_bits));
+        }
+        rows.centre_a[i][lane] = length(l.centre_a[i]), rows.centre_b[i][lane] = length(l.centre_b[i]);
+        for (int r = 0; r < 2; ++r) rows.along[r][i][lane] = length(l.along[r][i]);
+    }
+    rows.size[lane] = length(l.size);
+    fill_side(in.bodies.step[contact.body_a], in.bodies.body[contact.body_a], lane, rows.inverse_a, rows.shift_a, rows.turns_a, rows.keep_a);
+    fill_side(in.bodies.step[contact.body_b], in.bodies.body[contact.body_b], lane, rows.inverse_b, rows.shift_b, rows.turns_b, rows.keep_b);
 }
 
 /// Whether any member is away from the middle of them all.
@@ -473,38 +436,48 @@ template <unsigned N> bool tilts(const ContactPack<N>& pack, unsigned lane) {
 
 } // namespace
 
+template <unsigned N> void clear_rows(RowInput<N>& rows) {
+    rows = {};
+    for (unsigned lane = 0; lane < N; ++lane) rows.shift_a[lane] = rows.shift_b[lane] = 1;
+}
+
 template <unsigned N>
-void fill_lane(ContactPack<N>& pack, unsigned lane, const Contact& contact, const PrepareInput& in) {
-    if (contact.count == 0) return; // never filled in: tasks of the game's own left an item out
+void begin_lane(ContactPack<N>& pack, RowInput<N>& rows, LaneWork& work, unsigned lane, const Contact& contact,
+                const PrepareInput& in) {
+    work.is_filled = contact.count != 0; // not filled in by tasks of the game's own that left an item out
+    if (!work.is_filled) return;
     const BodyStep &sa = in.bodies.step[contact.body_a], &sb = in.bodies.step[contact.body_b];
-    const SolverBody &a = in.bodies.body[contact.body_a], &b = in.bodies.body[contact.body_b];
-    const ContactMemory& memory = in.memory[contact.memory];
-    const dynamics::Softness& soft = sa.movable && sb.movable ? in.step.soft : in.step.soft_static;
     const dynamics::Tangents tangents = dynamics::tangents_of(contact.normal);
     const Directions d = {raw(contact.normal), raw(tangents.first), raw(tangents.second)};
-    const Shares shares = shares_of(in, contact);
-    fill_head(pack, lane, contact, in, shares, soft, tangents);
-    Layout l;
-    lay_out(contact, memory, sb.movable, d, l);
-    pack.size[lane] = saturate_to_int32(l.size);
-    Gram gram;
-    const bool plane = fit_members(pack, lane, l, contact.count, gram);
-    Rows normal{}, slide{};
-    fill_rows(pack, lane, contact, in, l, d, normal, slide);
+    fill_head(pack, lane, contact, in, shares_of(in, contact), sa.movable && sb.movable ? in.step.soft : in.step.soft_static,
+              tangents);
+    lay_out(contact, in.memory[contact.memory], sb.movable, d, work.layout);
+    pack.size[lane] = saturate_to_int32(work.layout.size);
+    work.plane = fit_members(pack, lane, work.layout, contact.count, work.gram);
+    fill_row_input(pack, rows, lane, contact, in, work.layout, d);
+}
+
+template <unsigned N>
+void end_lane(ContactPack<N>& pack, const RowInput<N>& rows, const LaneWork& work, unsigned lane, const Contact& contact,
+              const PrepareInput& in) {
+    if (!work.is_filled) return;
+    const bool both_move = in.bodies.step[contact.body_a].movable && in.bodies.step[contact.body_b].movable;
+    const SolverBody &a = in.bodies.body[contact.body_a], &b = in.bodies.body[contact.body_b];
+    const auto invert = [&](const std::int64_t (&s)[6], std::int32_t (&out)[6][N]) {
+        std::int32_t inverse[6];
+        invert3(s, inverse);
+        for (int i = 0; i < 6; ++i) out[i][lane] = inverse[i];
+    };
     std::int64_t s[6];
-    std::int32_t inverse[6];
-    respond(normal, a, b, pack.locked != 0, shares, s);
-    for (int i = 0; i < 6; ++i) pack.response[i][lane] = low(s[i]);
-    const std::int64_t answer = fill_points(pack, lane, contact, l, s);
-    fill_impulses(pack, lane, contact, memory, l, normal, a, b);
+    for (int i = 0; i < 6; ++i) s[i] = pack.response[i][lane];
+    const std::int64_t answer = fill_points(pack, lane, contact, work.layout, s);
+    fill_impulses(pack, lane, contact, in.memory[contact.memory], work.layout, a, b);
     if (!tilts(pack, lane)) s[1] = s[2] = 0;
-    if (!plane) s[3] = s[4] = s[5] = 0;
-    invert3(s, inverse);
-    for (int i = 0; i < 6; ++i) pack.inverse[i][lane] = inverse[i];
-    fill_softness(pack, lane, s, gram, answer, soft);
-    respond(slide, a, b, pack.locked != 0, shares, s);
-    invert3(s, inverse);
-    for (int i = 0; i < 6; ++i) pack.slide_inverse[i][lane] = inverse[i];
+    if (!work.plane) s[3] = s[4] = s[5] = 0;
+    invert(s, pack.inverse);
+    fill_softness(pack, lane, s, work.gram, answer, both_move ? in.step.soft : in.step.soft_static);
+    for (int i = 0; i < 6; ++i) s[i] = rows.slide_response[i][lane];
+    invert(s, pack.slide_inverse);
 }
 
 template <unsigned N>
@@ -549,15 +522,14 @@ void fill_rolling(Rolling& rolling, const Contact& contact, const PrepareInput& 
         axis[r] = size;
         ta.row(axis, -1, rows.xa[r]), tb.row(axis, 1, rows.xb[r]);
     }
-    std::int64_t s[6];
-    respond(rows, in.bodies.body[contact.body_a], in.bodies.body[contact.body_b], true, shares, s);
+    std::int64_t s[3];
+    respond(rows, shares, s);
     const std::int32_t warm[3] = {in.memory[contact.memory].rolling.x.raw, in.memory[contact.memory].rolling.y.raw,
                                   in.memory[contact.memory].rolling.z.raw};
-    constexpr int diagonal[3] = {0, 2, 5};
     for (int r = 0; r < 3; ++r) {
-        if (s[diagonal[r]] < least_response) continue;
+        if (s[r] < least_response) continue;
         for (int i = 0; i < 3; ++i) rolling.xa[r][i] = rows.xa[r][i], rolling.xb[r][i] = rows.xb[r][i];
-        rolling.kappa[r] = low((std::int64_t{1} << (kappa_bits + response_bits)) / s[diagonal[r]]);
+        rolling.kappa[r] = low((std::int64_t{1} << (kappa_bits + response_bits)) / s[r]);
         rolling.impulse[r] = std::clamp(warm[r], -impulse_limit, impulse_limit);
     }
     rolling.bound = low(std::min(divide_shifted(contact.rolling.raw, length.raw, unit_bits), row_limit));
@@ -566,9 +538,15 @@ void fill_rolling(Rolling& rolling, const Contact& contact, const PrepareInput& 
 template void clear_pack(ContactPack<1>&, std::uint32_t);
 template void clear_pack(ContactPack<2>&, std::uint32_t);
 template void clear_pack(ContactPack<4>&, std::uint32_t);
-template void fill_lane(ContactPack<1>&, unsigned, const Contact&, const PrepareInput&);
-template void fill_lane(ContactPack<2>&, unsigned, const Contact&, const PrepareInput&);
-template void fill_lane(ContactPack<4>&, unsigned, const Contact&, const PrepareInput&);
+template void clear_rows(RowInput<1>&);
+template void begin_lane(ContactPack<1>&, RowInput<1>&, LaneWork&, unsigned, const Contact&, const PrepareInput&);
+template void end_lane(ContactPack<1>&, const RowInput<1>&, const LaneWork&, unsigned, const Contact&, const PrepareInput&);
+template void clear_rows(RowInput<2>&);
+template void begin_lane(ContactPack<2>&, RowInput<2>&, LaneWork&, unsigned, const Contact&, const PrepareInput&);
+template void end_lane(ContactPack<2>&, const RowInput<2>&, const LaneWork&, unsigned, const Contact&, const PrepareInput&);
+template void clear_rows(RowInput<4>&);
+template void begin_lane(ContactPack<4>&, RowInput<4>&, LaneWork&, unsigned, const Contact&, const PrepareInput&);
+template void end_lane(ContactPack<4>&, const RowInput<4>&, const LaneWork&, unsigned, const Contact&, const PrepareInput&);
 template void fill_bounce(Bounce&, const ContactPack<1>&, const Contact&);
 template void fill_bounce(Bounce&, const ContactPack<2>&, const Contact&);
 template void fill_bounce(Bounce&, const ContactPack<4>&, const Contact&);

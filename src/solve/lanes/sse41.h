@@ -24,6 +24,13 @@ struct Sse41 {
     static V sub(V a, V b) { return _mm_sub_epi64(a, b); }
     static V mul(V a, V b) { return _mm_mul_epi32(a, b); }
     template <int S> static V shift_right(V x) { return _mm_srli_epi64(x, S); }
+    static V shift_right_by(V x, V by) { // moved up to where nothing is negative, and back
+        const V sign = _mm_set1_epi64x(INT64_MIN), high = _mm_unpackhi_epi64(by, by);
+        const auto logical = [&](V y) {
+            return _mm_blend_epi16(_mm_srl_epi64(y, by), _mm_srl_epi64(y, high), 0xf0);
+        };
+        return _mm_sub_epi64(logical(_mm_xor_si128(x, sign)), logical(sign));
+    }
 
     static V max32(V a, V b) { return _mm_max_epi32(a, b); }
     static V min32(V a, V b) { return _mm_min_epi32(a, b); }
