@@ -34,12 +34,13 @@ struct ContactSolver::Inside {
     std::vector<std::uint32_t> storage;      ///< the packs
     std::vector<std::uint32_t> lane_contact; ///< contact of each lane of each pack, or none
     std::vector<std::uint32_t> stage_begin;  ///< first pack of each stage, and the end
+    std::vector<std::uint8_t> sort_of;       ///< by contact: see place_packs()
     std::vector<WarmStart> warm;             ///< by body
     std::vector<Bounce> bounces;
     std::vector<Rolling> rolling;
     dynamics::ContactOrder order;
 
-    void place_packs(std::span<const Contact> contacts);
+    void place_packs(std::span<const Contact> contacts, std::span<const ContactMemory> memory);
     template <class Visit> void for_each_stage(Tasks* tasks, Visit&& visit);
     void begin_pass(const SolverBodies& bodies);
     void end_pass(const SolverBodies& bodies);
@@ -82,18 +83,26 @@ void ContactSolver::reserve(std::size_t contacts, std::size_t bodies) {
     inside->order.reserve(contacts, bodies);
 }
 
-/// Which contacts each pack has. Those of many points come first in a stage, so that packs of single points stay small work.
-void ContactSolver::Inside::place_packs(std::span<const Contact> contacts) {
+/// Which contacts each pack has: in a stage those of many points before single ones, and those that carried something in the
+/// last tick before those that did not, so that packs of single points and of what only stands by stay small work.
+void ContactSolver::Inside::place_packs(std::span<const Contact> contacts, std::span<const ContactMemory> memory) {
     const std::uint32_t lanes = kernel->lanes;
+    sort_of.reserve(std::bit_ceil(contacts.size()));
+    sort_of.clear();
+    for (const Contact& c : contacts) {
+        std::int32_t carried = 0;
+        for (std::uint32_t k = 0; k < c.count; ++k) carried |= memory[c.memory].points[k].normal.raw;
+        sort_of.push_back(static_cast<std::uint8_t>((c.count > 1 ? 2 : 0) | (carried != 0 ? 1 : 0)));
+    }
     stage_begin.clear();
     stage_begin.reserve(std::bit_ceil(contacts.size()) + 1);
     lane_contact.clear();
     lane_contact.reserve(std::size_t{lanes} * std::bit_ceil(contacts.size()));
     for (std::uint32_t s = 0; s < order.stage_count(); ++s) {
         stage_begin.push_back(static_cast<std::uint32_t>(lane_contact.size()) / lanes);
-        for (const bool several : {true, false})
+        for (const std::uint32_t sort : {3u, 2u, 1u, 0u})
             for (const std::uint32_t i : order.stage(s))
-                if ((contacts[i].count > 1) == several) lane_contact.push_back(i);
+                if (sort_of[i] == sort) lane_contact.push_back(i);
         while (lane_contact.size() % lanes != 0) lane_contact.push_back(none);
     }
     pack_count = static_cast<std::uint32_t>(lane_contact.size()) / lanes;
@@ -117,7 +126,7 @@ void ContactSolver::prepare(std::span<const Contact> contacts, std::span<const C
                             const SolverBodies& bodies, Tasks* tasks) {
     Inside& s = *inside;
     s.order.find(contacts, bodies);
-    s.place_packs(contacts);
+    s.place_packs(contacts, memory);
     s.started = false;
     s.warm.assign(bodies.body.size(), {});
     const PrepareInput in{contacts, memory, mass, step, bodies};
@@ -284,7 +293,7 @@ void ContactSolver::store(std::span<const Contact> contacts, std::span<ContactMe
 
 void ContactSolver::poison(std::byte with) {
     Inside& s = *inside;
-    base::poison(with, s.storage, s.lane_contact, s.stage_begin, s.warm, s.bounces, s.rolling);
+    base::poison(with, s.storage, s.lane_contact, s.stage_begin, s.sort_of, s.warm, s.bounces, s.rolling);
     s.order.poison(with);
 }
 
