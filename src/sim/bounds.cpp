@@ -20,7 +20,8 @@ Transform shape_pose(const ShapeRow& shape, const Transform& body, const BodyMas
             is_turned ? normalized(body.rotation * shape.local.rotation) : body.rotation};
 }
 
-/// Contacts of a fast body are found before it arrives, as far ahead as its own size, so it lands on surfaces.
+/// Contacts of a fast body are found before it arrives, as far ahead as its own size, so it lands on surfaces; twice that where
+/// a joint holds it, for what the sweep stops alone leaves its joints behind.
 Length margin_of(Length inner, const BodyInfo& info, const Velocity& velocity, std::uint32_t tick_rate) {
     const Length ahead = ahead_of(velocity.linear, tick_rate);
     if (ahead == Length{}) return margin_base;
