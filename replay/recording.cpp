@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <system_error>
 
@@ -20,17 +19,24 @@ struct CloseFile {
     void operator()(std::FILE* f) const { std::fclose(f); }
 };
 
+/// How many bytes a file has; 0 where the system does not tell, as of pipes. With stdio alone, which is there on every machine.
+std::uint64_t told_size(std::FILE* file) {
+    const bool told = std::fseek(file, 0, SEEK_END) == 0;
+    const long end = told ? std::ftell(file) : 0;
+    if (told && std::fseek(file, 0, SEEK_SET) != 0) std::rewind(file);
+    return end > 0 ? static_cast<std::uint64_t>(end) : 0;
+}
+
 /// The whole file, read in growing steps: its size is not believed, and a file that is no recording ends at the preamble.
 /// Never more than `memory` bytes at a time; where the system tells the size, no more than that.
 Result<std::vector<std::byte>> read_file(const std::string& path, std::uint64_t memory) {
     errno = 0;
     const std::unique_ptr<std::FILE, CloseFile> file(std::fopen(path.c_str(), "rb"));
     if (!file) return Error{join(path, ": cannot open the file: ", std::generic_category().message(errno))};
-    std::error_code unknown;
-    const std::uint64_t told = std::filesystem::file_size(path, unknown);
+    const std::uint64_t told = told_size(file.get());
     const std::uint64_t most = std::min(file_bytes_max, memory);
     std::vector<std::byte> bytes;
-    if (!unknown && told < most) bytes.reserve(static_cast<std::size_t>(told) + 1); // and the try to read on
+    if (told != 0 && told < most) bytes.reserve(static_cast<std::size_t>(told) + 1); // and the try to read on
     std::size_t step = preamble_bytes;
     while (true) {
         const std::size_t before = bytes.size();
