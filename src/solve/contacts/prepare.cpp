@@ -50,7 +50,7 @@ Shares shares_of(const PrepareInput& in, const Contact& c) {
 Raw3 raw(LengthVec3 v) { return {v.x.raw, v.y.raw, v.z.raw}; }
 Raw3 raw(UnitVec3 v) { return {v.x.raw, v.y.raw, v.z.raw}; }
 
-/// Unit_bits taken off.
+/// x . y, unit_bits taken off.
 std::int64_t dot(const Raw3& x, const Raw3& y) {
     return rounded(x[0] * y[0] + x[1] * y[1] + x[2] * y[2], unit_bits);
 }
