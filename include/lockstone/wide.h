@@ -21,26 +21,37 @@ constexpr std::uint64_t magnitude(std::int64_t v) {
 
 /// v clamped to [-2^31, 2^31 - 1].
 constexpr std::int32_t saturate_to_int32(std::int64_t v) {
-    if (v > std::numeric_limits<std::int32_t>::max()) return std::numeric_limits<std::int32_t>::max();
-    if (v < std::numeric_limits<std::int32_t>::min()) return std::numeric_limits<std::int32_t>::min();
-    return static_cast<std::int32_t>(v);
+    const std::int32_t low = static_cast<std::int32_t>(v);
+    if (low == v) [[likely]]
+        return low;
+    return v < 0 ? std::numeric_limits<std::int32_t>::min() : std::numeric_limits<std::int32_t>::max();
 }
 
 /// a + b clamped to the range of int64.
 constexpr std::int64_t add_saturated(std::int64_t a, std::int64_t b) {
-    const std::int64_t sum =
-        static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b));
-    // Overflow exactly when both terms have the sign that the sum has not.
-    if (((a ^ sum) & (b ^ sum)) < 0)
+    std::int64_t sum = 0;
+#if defined(__GNUC__)
+    const bool overflows = __builtin_add_overflow(a, b, &sum);
+#else
+    sum = static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b));
+    // Exactly when both terms have the sign that the sum has not.
+    const bool overflows = ((a ^ sum) & (b ^ sum)) < 0;
+#endif
+    if (overflows) [[unlikely]]
         return a < 0 ? std::numeric_limits<std::int64_t>::min() : std::numeric_limits<std::int64_t>::max();
     return sum;
 }
 
 /// a - b clamped to the range of int64.
 constexpr std::int64_t sub_saturated(std::int64_t a, std::int64_t b) {
-    const std::int64_t difference =
-        static_cast<std::int64_t>(static_cast<std::uint64_t>(a) - static_cast<std::uint64_t>(b));
-    if (((a ^ b) & (a ^ difference)) < 0)
+    std::int64_t difference = 0;
+#if defined(__GNUC__)
+    const bool overflows = __builtin_sub_overflow(a, b, &difference);
+#else
+    difference = static_cast<std::int64_t>(static_cast<std::uint64_t>(a) - static_cast<std::uint64_t>(b));
+    const bool overflows = ((a ^ b) & (a ^ difference)) < 0;
+#endif
+    if (overflows) [[unlikely]]
         return a < 0 ? std::numeric_limits<std::int64_t>::min() : std::numeric_limits<std::int64_t>::max();
     return difference;
 }

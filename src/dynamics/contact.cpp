@@ -10,14 +10,13 @@ namespace lockstone::dynamics {
 /// n . pole). It jumps nowhere but opposite the pole, which is a direction that scenes have no use for.
 Tangents tangents_of(UnitVec3 normal) {
     constexpr std::int64_t one = std::int64_t{1} << 30;
-    constexpr std::int64_t pole[3] = {2 * one / 7, 3 * one / 7, 6 * one / 7},
-                           from[3] = {6 * one / 7, 2 * one / 7, -3 * one / 7};
+    constexpr const std::int32_t(&pole)[3] = tangent_pole, (&from)[3] = tangent_from;
     const std::int64_t n[3] = {normal.x.raw, normal.y.raw, normal.z.raw};
     std::int64_t along = 0, off = 0;
     for (int i = 0; i < 3; ++i) along += n[i] * pole[i], off += n[i] * from[i];
     along = shift_right_rounded(along, 30);
     UnitVec3 first;
-    if (along < -one + (one >> 6))
+    if (along < tangent_pole_limit)
         first = normalized(UnitVec3{Unit{}, -normal.z, normal.y});
     else {
         const std::int64_t share = divide_shifted(shift_right_rounded(off, 30), one + along, 30); // below 16

@@ -30,5 +30,10 @@ struct Tangents {
     UnitVec3 first, second;
 };
 Tangents tangents_of(UnitVec3 normal);
+/// The first tangent is `tangent_from` turned as the pole turns to the normal, unless that is nearly its opposite: n . pole below
+/// the limit. Both have length 1. [Unit]
+inline constexpr std::int32_t tangent_pole[3] = {306783378, 460175067, 920350134},
+                              tangent_from[3] = {920350134, 306783378, -460175067};
+inline constexpr std::int64_t tangent_pole_limit = -(std::int64_t{1} << 30) + (1 << 24);
 
 } // namespace lockstone::dynamics

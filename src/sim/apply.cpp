@@ -4,6 +4,7 @@
 #include "lockstone/decimal.h"
 #include "lockstone/math.h"
 #include "sim/checks.h"
+#include "sim/phases.h"
 #include "sim/sleep.h"
 
 #include <algorithm>
@@ -282,7 +283,29 @@ Result<World::Applied> Applier::operator()(const WriteGame& c) {
     return Applied{};
 }
 
+namespace {
+
+/// Whether a command that wakes nobody leaves rows, poses and materials as they are.
+struct LeavesContactPoints {
+    template <class T> bool operator()(const T&) const { return false; }
+    bool operator()(const SetVelocity&) const { return true; }
+    bool operator()(const AddForce&) const { return true; }
+    bool operator()(const AddForceAt&) const { return true; }
+    bool operator()(const AddImpulse&) const { return true; }
+    bool operator()(const AddImpulseAt&) const { return true; }
+    bool operator()(const SetGravity&) const { return true; }
+    bool operator()(const WakeBody&) const { return true; }
+    bool operator()(const SetVehicleInput&) const { return true; }
+    bool operator()(const SetCharacterInput&) const { return true; }
+    bool operator()(const SetField&) const { return true; }
+    bool operator()(const Explode&) const { return true; }
+    bool operator()(const WriteGame&) const { return true; }
+};
+
+} // namespace
+
 Result<World::Applied> apply(Data& w, const Command& command) {
+    if (!std::visit(LeavesContactPoints{}, command)) find_contact_points(w);
     Result<Applied> result = std::visit(Applier{w}, command);
     if (!result) return result;
     ++w.edit_header().commands;

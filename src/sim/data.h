@@ -53,8 +53,9 @@ struct Scratch {
 
     std::vector<collide::ProxyPair> pairs, plane_pairs, merged_pairs;
     struct PairKey {
-        ContactKey key; ///< null: the two do not meet, or both rest, or they are further apart than the margin
-        Length margin;  ///< how far ahead contacts of the two reach
+        ContactKey
+            key;       ///< null: the two do not meet, or both rest, or they are further apart than the margin
+        Length margin; ///< how far ahead contacts of the two reach
     };
     std::vector<PairKey> pair_keys; ///< by pair
     /// Two shapes that may meet and are near, with their rows of the last tick's contact table.
@@ -62,7 +63,8 @@ struct Scratch {
         ContactKey key;
         Length margin;
         std::uint32_t old_first, old_count;
-        UnitVec3 apart; ///< what parted them when last looked at, in the axes of the narrow phase's A; zero: nothing known
+        UnitVec3
+            apart; ///< what parted them when last looked at, in the axes of the narrow phase's A; zero: nothing known
     };
     std::vector<Near> near, near_before; ///< the latter gives the former its hints, which change speed only
     collide::NarrowScratch narrow;
@@ -80,8 +82,8 @@ struct Scratch {
         std::uint32_t first_row, row_count; ///< of the contact table
         std::uint32_t flags;                ///< dynamics::ContactFlags: what of them is the pair's
         bool was_touching;
-        bool overlaps; ///< near enough to count as touching, before the solve
-        bool is_kept;  ///< its rows are those of the last tick
+        bool overlaps;             ///< near enough to count as touching, before the solve
+        bool is_kept;              ///< its rows are those of the last tick
         std::uint32_t deepest_row; ///< of the pair's rows, the one with the deepest point
         // Of the deepest point, unless the pair was touching:
         UnitVec3 normal; ///< key a to key b
@@ -150,7 +152,9 @@ struct Data {
     bool phase_hashes_on = false;
     std::vector<PhaseHash> phase_hashes;
     std::vector<Event> events;
-    std::vector<World::ContactPoint> contact_points;
+    std::vector<World::ContactPoint>
+        contact_points;               ///< of the last tick, once find_contact_points() made them
+    bool contact_points_wait = false; ///< they are not made yet
     PhaseObserver* observer = nullptr;
 
     const Header& header() const { return state.rows(m.header)[0]; }

@@ -93,6 +93,7 @@ void poison_scratch(Data& w, std::byte with) {
 }
 
 void disturb(Data& w, World::Leftover what, std::uint64_t seed) {
+    find_contact_points(w); // which are made of scratch
     Random random = Random::seeded(seed);
     switch (what) {
     case World::Leftover::scratch:

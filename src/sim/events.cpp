@@ -49,28 +49,6 @@ Parts parts_of(const Data& w, const ContactKey& key, const ContactMemory& memory
             part_of(w, key.b, flipped ? memory.piece_a : memory.piece_b)};
 }
 
-void publish_contact_points(Data& w) {
-    const Scratch& s = w.scratch;
-    const std::span<const ContactKey> keys = w.state.rows(w.m.contact_key);
-    const std::span<const ContactMemory> memories = w.state.rows(w.m.contact_memory);
-    w.contact_points.clear();
-    std::size_t count = 0;
-    for (const dynamics::Contact& c : s.contacts) count += c.count;
-    // With room for a heap that settles, so that a tick with one more than ever does not allocate.
-    if (count > w.contact_points.capacity()) w.contact_points.reserve(std::bit_ceil(std::max<std::size_t>(128, count + count / 2)));
-    for (const dynamics::Contact& c : s.contacts) {
-        const bool flipped = (memories[c.memory].flags & dynamics::contact_flipped) != 0;
-        const ShapeId shape = flipped ? keys[c.memory].a : keys[c.memory].b;
-        const std::uint32_t body_b = w.row_of(w.state.rows(w.m.shape)[w.row_of(shape)].body);
-        const Parts parts = parts_of(w, keys[c.memory], memories[c.memory]);
-        for (std::uint32_t k = 0; k < c.count; ++k)
-            w.contact_points.push_back({keys[c.memory].a, keys[c.memory].b,
-                                        pose_before(w, body_b).position + to<Real>(c.points[k].lever_b),
-                                        flipped ? -c.normal : c.normal, c.points[k].separation,
-                                        memories[c.memory].points[k].normal, parts.a, parts.b});
-    }
-}
-
 /// Of bodies that slept when the last tick ended.
 void publish_waking(Data& w) {
     for (std::uint32_t row = 0; row < w.header().bodies_awake; ++row) {
@@ -86,6 +64,30 @@ void publish_waking(Data& w) {
 
 } // namespace
 
+void find_contact_points(Data& w) {
+    if (!w.contact_points_wait) return;
+    w.contact_points_wait = false;
+    const Scratch& s = w.scratch;
+    const std::span<const ContactKey> keys = w.state.rows(w.m.contact_key);
+    const std::span<const ContactMemory> memories = w.state.rows(w.m.contact_memory);
+    std::size_t count = 0;
+    for (const dynamics::Contact& c : s.contacts) count += c.count;
+    // With room for a heap that settles, so that a tick with one more than ever does not allocate.
+    if (count > w.contact_points.capacity())
+        w.contact_points.reserve(std::bit_ceil(std::max<std::size_t>(128, count + count / 2)));
+    for (const dynamics::Contact& c : s.contacts) {
+        const bool flipped = (memories[c.memory].flags & dynamics::contact_flipped) != 0;
+        const ShapeId shape = flipped ? keys[c.memory].a : keys[c.memory].b;
+        const std::uint32_t body_b = w.row_of(w.state.rows(w.m.shape)[w.row_of(shape)].body);
+        const Parts parts = parts_of(w, keys[c.memory], memories[c.memory]);
+        for (std::uint32_t k = 0; k < c.count; ++k)
+            w.contact_points.push_back({keys[c.memory].a, keys[c.memory].b,
+                                        pose_before(w, body_b).position + to<Real>(c.points[k].lever_b),
+                                        flipped ? -c.normal : c.normal, c.points[k].separation,
+                                        memories[c.memory].points[k].normal, parts.a, parts.b});
+    }
+}
+
 void publish_events(Data& w) {
     Scratch& s = w.scratch;
     const std::span<ContactMemory> memories = w.state.edit(w.m.contact_memory);
@@ -96,7 +98,8 @@ void publish_events(Data& w) {
         const std::span<ContactMemory> rows = memories.subspan(seen.first_row, seen.row_count);
         const bool sensor = (seen.flags & dynamics::contact_sensor) != 0;
         const bool now = seen.overlaps || (!sensor && was_hit(rows));
-        for (ContactMemory& row : rows) row.flags &= ~std::uint32_t{dynamics::contact_touching | dynamics::contact_hit};
+        for (ContactMemory& row : rows)
+            row.flags &= ~std::uint32_t{dynamics::contact_touching | dynamics::contact_hit};
         if (now) rows[0].flags |= dynamics::contact_touching;
         if (now == seen.was_touching) continue;
         const ContactKey& key = s.near[seen.near].key;
@@ -114,7 +117,7 @@ void publish_events(Data& w) {
     publish_waking(w);
     const std::vector<Event>& landings = s.characters.landings;
     w.events.insert(w.events.end(), landings.begin(), landings.end());
-    publish_contact_points(w);
+    w.contact_points_wait = true;
 }
 
 void order_events(Data& w) {

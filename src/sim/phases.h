@@ -22,10 +22,12 @@ Length ahead_of(SpeedVec3 velocity, std::uint32_t tick_rate);
 void update_bounds(Data& w); ///< world poses, margins and bounds of shapes that may have moved   (bounds.cpp)
 /// Islands that something awake touches; true when there were any, and bounds and pairs have to be found again.
 bool wake_touched(Data& w); //                                                                    (sleep.cpp)
-bool has_contact_points(Data& w, const Scratch::Near& near); //                                  (contacts.cpp)
+bool has_contact_points(Data& w,
+                        const Scratch::Near& near); //                                  (contacts.cpp)
 void find_pairs(Data& w); ///< shapes that may meet and are near, in pair order                (pairs.cpp)
 void collide(Data& w); ///< manifolds, with what they keep of the last tick                    (contacts.cpp)
-void place_contacts(Data& w); ///< what the chunks of `collide` made becomes the contact table (contact_table.cpp)
+void place_contacts(
+    Data& w); ///< what the chunks of `collide` made becomes the contact table (contact_table.cpp)
 void list_joints(
     Data& w); ///< in slot order, as the solver takes them                            (joints.cpp)
 void list_fields(
@@ -33,7 +35,10 @@ void list_fields(
 void break_joints(Data& w); ///< of joints that bore too much                                    (joints.cpp)
 void settle(Data& w); ///< islands that rest fall asleep                                         (sleep.cpp)
 void publish_events(
-    Data& w); ///< touching flags; what began, ended, woke or landed; contact points (events.cpp)
+    Data& w); ///< touching flags; what began, ended, woke or landed                 (events.cpp)
+/// The contact points of the last tick, which are made when somebody asks for them, or before a row, pose or material that they are
+/// made of changes. Nothing where they are made. (events.cpp)
+void find_contact_points(Data& w);
 void order_events(Data& w); ///< the last of all, since what falls asleep is known last         (events.cpp)
 
 } // namespace lockstone::sim

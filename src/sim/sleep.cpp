@@ -22,6 +22,7 @@ void swap_rows(State& state, TableId table, std::uint32_t x, std::uint32_t y) {
 }
 
 void swap_bodies(Data& w, std::uint32_t x, std::uint32_t y) {
+    find_contact_points(w);
     swap_rows(w.state, w.m.bodies, x, y);
     for (std::uint32_t row : {x, y})
         w.state.edit_row(w.m.body_slot, w.state.rows(w.m.body_info)[row].id.index - 1).row = row;

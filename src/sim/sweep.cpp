@@ -66,15 +66,24 @@ Real motion_of(const Sweeper& s, std::uint32_t row) {
 }
 
 /// No less than what relative_motion says of the body alone, without roots: a turn's rate is at most 2.9 times the length of
-/// the quaternion's change.
+/// the quaternion's change, and no length is above the sum of its parts.
 Real coarse_motion(const Sweeper& s, std::uint32_t row, const ShapeRow& shape) {
     const Transform &a = pose_before(s.w, row), &b = s.pose[row];
-    const Vec3 way = abs(b.position - a.position);
+    const auto apart = [](std::int64_t x, std::int64_t y) { return x < y ? y - x : x - y; };
+    const auto sum_apart = [&](const Vec3& x, const Vec3& y) {
+        return apart(x.x.raw, y.x.raw) + apart(x.y.raw, y.y.raw) +
+               apart(x.z.raw, y.z.raw); // each is below 2^49
+    };
     const Quat p = a.rotation, q = b.rotation;
-    const Real turn = abs(to<Real>(q.x) - to<Real>(p.x)) + abs(to<Real>(q.y) - to<Real>(p.y)) +
-                      abs(to<Real>(q.z) - to<Real>(p.z)) + abs(to<Real>(q.w) - to<Real>(p.w));
-    constexpr Real rounding = Real::from_raw(1 << 8);
-    return way.x + way.y + way.z + (turn * 3 + rounding) * s.reach(row, shape) + rounding;
+    const std::int64_t turn_30 =
+        apart(p.x.raw, q.x.raw) + apart(p.y.raw, q.y.raw) + apart(p.z.raw, q.z.raw) + apart(p.w.raw, q.w.raw);
+    std::int64_t reach = sum_apart(shape.local.position, s.mass[row].center);
+    if (shape.geometry.kind != ShapeKind::sphere) reach += to<Real>(s.at(shape).reach).raw;
+    constexpr std::int64_t rounding = 1 << 9, reach_max = std::int64_t{1024} << Real::fraction_bits;
+    if (reach > reach_max) return Real::max();
+    // Below 2^35 times 2^27.
+    const std::int64_t by_turn = (3 * turn_30 + 1) * ((reach >> 16) + 1) >> 14;
+    return Real::from_raw(sum_apart(b.position, a.position) + by_turn + rounding);
 }
 
 /// Against what stands still a shape may move further before it has to be swept: nothing comes towards it besides. A

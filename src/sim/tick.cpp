@@ -90,6 +90,7 @@ void substep(Data& w, const dynamics::FreeMotion& motion) {
 
 void tick(Data& w) {
     Scratch& s = w.scratch;
+    w.contact_points.clear(), w.contact_points_wait = false;
     if constexpr (poisons_scratch) poison_scratch(w, std::byte{0xa5});
     w.phase_hashes.clear();
     checkpoint(w, "commands");

@@ -6,6 +6,7 @@
 #include "base/text.h"
 #include "lockstone/decimal.h"
 #include "lockstone/math.h"
+#include "sim/phases.h"
 #include "sim/sleep.h"
 #include "sim/world_impl.h"
 
@@ -152,7 +153,7 @@ void forget_derived(Data& w) {
     w.scratch.structure_stale = true;
     w.scratch.query.is_fresh = false; // tick and commands may become what they were when last asked
     w.events.clear();
-    w.contact_points.clear();
+    w.contact_points.clear(), w.contact_points_wait = false;
     w.phase_hashes.clear();
 }
 
@@ -172,7 +173,8 @@ World::~World() = default;
 
 World::Inside::Inside(std::unique_ptr<Impl> i) : held(std::move(i)) {}
 World::Impl* World::Inside::moved_from() {
-    base::assertion_failed("a world that is used holds a state", "this one was moved from", __FILE__, __LINE__);
+    base::assertion_failed("a world that is used holds a state", "this one was moved from", __FILE__,
+                           __LINE__);
 }
 
 std::weak_ptr<const void> World::lifetime() {
@@ -524,7 +526,11 @@ std::span<const std::byte> World::row_bytes(std::uint32_t column, BodyId body, s
 
 Faults World::faults() const { return impl->state.rows(impl->m.faults)[0]; }
 std::span<const Event> World::events() const { return impl->events; }
-std::span<const World::ContactPoint> World::contacts() const { return impl->contact_points; }
+std::span<const World::ContactPoint> World::contacts() const {
+    const base::Holds holds(impl->scratch.query.lock);
+    sim::find_contact_points(*impl);
+    return impl->contact_points;
+}
 
 // ---- state -----------------------------------------------------------------------------------------------------
 

@@ -1,4 +1,5 @@
 // Events: once per transition, in their documented order; and who meets whom.
+#include "support/contact_points.h"
 #include "support/sim_script.h"
 
 #include <doctest/doctest.h>
@@ -249,6 +250,11 @@ TEST_CASE("planted fault: events out of order are found out") {
     REQUIRE(out_of_order(events) == "");
     std::swap(events.front(), events.back());
     CHECK(out_of_order(events) != "");
+}
+
+TEST_CASE("contact points are those of the tick, whatever was done before they are asked for") {
+    for (const Scenery scenery : {Scenery::stack, Scenery::pile})
+        CHECK_MESSAGE(late_points_difference(scenery, 400) == "", late_points_difference(scenery, 400));
 }
 
 TEST_CASE("there are no events after a restore until the next tick") {

@@ -164,7 +164,7 @@ std::string golden_rows(const std::string& name) {
 
 /// A game; boxes of equal mass; hulls of many kinds that fall on each other.
 std::string golden_table() {
-    for (const char* name : {"rollback-arena size=0 seed=1 players=2", "pyramid size=12 seed=1 players=0", "convex-pile size=60 seed=1 players=0"})
+    for (const char* name : {"rollback-arena size=0 seed=1 players=2", "pyramid size=12 seed=1 players=0", "convex-pile size=60 seed=1 players=0", "ragdolls size=4 seed=1 players=0"})
         if (std::string found = golden_rows(name); !found.empty()) return found;
     return {};
 }
@@ -354,6 +354,12 @@ std::string wrong_hash_found() {
     return verify(recording, &game).verdict == replay::Verdict::diverged ? "" : "it verifies";
 }
 
+std::string late_points() {
+    for (const scene::Scenery scenery : {scene::Scenery::stack, scene::Scenery::pile})
+        if (std::string found = scene::late_points_difference(scenery, 400); !found.empty()) return found;
+    return {};
+}
+
 std::vector<std::pair<std::string, Check>> all_checks() {
     std::vector<std::pair<std::string, Check>> list;
     for (const char* name : {"repeats", "rolls back", "saves everything", "moves", "forgets",
@@ -364,6 +370,7 @@ std::vector<std::pair<std::string, Check>> all_checks() {
                              {"damaged snapshots are refused", damaged_snapshots},
                              {"both byte orders agree", byte_orders},
                              {"events come in order and in turn", events_in_order},
+                             {"contact points can be asked for late", late_points},
                              {"dead ids stay dead", dead_ids},
                              {"peers agree", peers_agree},
                              {"hostile peers", hostile_peers},

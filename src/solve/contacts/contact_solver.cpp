@@ -85,7 +85,8 @@ void ContactSolver::reserve(std::size_t contacts, std::size_t bodies) {
 
 /// Which contacts each pack has: in a stage those of many points before single ones, and those that carried something in the
 /// last tick before those that did not, so that packs of single points and of what only stands by stay small work.
-void ContactSolver::Inside::place_packs(std::span<const Contact> contacts, std::span<const ContactMemory> memory) {
+void ContactSolver::Inside::place_packs(std::span<const Contact> contacts,
+                                        std::span<const ContactMemory> memory) {
     const std::uint32_t lanes = kernel->lanes;
     sort_of.reserve(std::bit_ceil(contacts.size()));
     sort_of.clear();
@@ -135,22 +136,21 @@ void ContactSolver::prepare(std::span<const Contact> contacts, std::span<const C
         const std::size_t words = s.pack_count * (sizeof(ContactPack<N>) / sizeof(std::uint32_t));
         if (s.storage.size() < words) s.storage.resize(std::bit_ceil(words));
         const std::span<ContactPack<N>> packs = s.packs<N>();
-        const auto contact_of = [&](std::uint32_t pack, unsigned lane) { return s.lane_contact[pack * N + lane]; };
+        const auto contact_of = [&](std::uint32_t pack, unsigned lane) {
+            return s.lane_contact[pack * N + lane];
+        };
         for (ContactPack<N>& pack : packs) clear_pack(pack, bodies.still());
-        base::for_chunks(tasks, s.pack_count, pack_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-            RowInput<N> rows;
-            LaneWork work[N];
-            for (std::uint32_t i = first; i < last; ++i) {
-                const auto for_lanes = [&](auto&& visit) {
-                    for (unsigned lane = 0; lane < N; ++lane)
-                        if (contact_of(i, lane) != none) visit(lane, contacts[contact_of(i, lane)]);
-                };
-                clear_rows(rows);
-                for_lanes([&](unsigned lane, const Contact& c) { begin_lane(packs[i], rows, work[lane], lane, c, in); });
-                s.kernel->make_rows(&packs[i], &rows);
-                for_lanes([&](unsigned lane, const Contact& c) { end_lane(packs[i], rows, work[lane], lane, c, in); });
-            }
-        });
+        base::for_chunks(tasks, s.pack_count, pack_chunk,
+                         [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                             PackInput<N> input;
+                             for (std::uint32_t i = first; i < last; ++i) {
+                                 clear_input(input);
+                                 for (unsigned lane = 0; lane < N; ++lane)
+                                     if (contact_of(i, lane) != none)
+                                         fill_lane(packs[i], input, lane, contacts[contact_of(i, lane)], in);
+                                 s.kernel->prepare(&packs[i], &input, bodies.body.data());
+                             }
+                         });
         for (std::uint32_t i = 0; i < s.bounces.size(); ++i) {
             ContactPack<N>& pack = packs[s.bounces[i].pack];
             if (pack.bounce == none) pack.bounce = i;
@@ -170,9 +170,10 @@ template <class Visit> void ContactSolver::Inside::for_each_stage(Tasks* tasks, 
     }
     for (std::uint32_t s = 0; s + 1 < stage_begin.size(); ++s) {
         const std::uint32_t begin = stage_begin[s], count = stage_begin[s + 1] - begin;
-        base::for_chunks(tasks, count, pack_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-            visit(begin + first, begin + last);
-        });
+        base::for_chunks(tasks, count, pack_chunk,
+                         [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                             visit(begin + first, begin + last);
+                         });
     }
 }
 
@@ -228,8 +229,10 @@ void ContactSolver::solve(const StepConstants& step, SolverBodies& bodies, bool 
     const StartK start(bodies);
     Inside& s = *inside;
     if (!s.rolling.empty())
-        s.with_lanes([&](auto width) { solve_rolling<width()>(s.rolling, s.packs<width()>(), bodies, false); });
-    const std::int64_t gap_max = (std::int64_t{impulse_limit} << (gap_bits - speed_bits)) / step.substeps_per_second;
+        s.with_lanes(
+            [&](auto width) { solve_rolling<width()>(s.rolling, s.packs<width()>(), bodies, false); });
+    const std::int64_t gap_max =
+        (std::int64_t{impulse_limit} << (gap_bits - speed_bits)) / step.substeps_per_second;
     const PassSettings settings{static_cast<std::int32_t>(step.substeps_per_second),
                                 static_cast<std::int32_t>(std::min<std::int64_t>(gap_max, 0x7fffffff)),
                                 step.push_speed_max.raw, bias};
@@ -271,19 +274,20 @@ void store_lane(const ContactPack<N>& pack, unsigned lane, const Contact& contac
 
 } // namespace
 
-void ContactSolver::store(std::span<const Contact> contacts, std::span<ContactMemory> memory, dynamics::ClampCounts& clamps,
-                          Tasks* tasks) const {
+void ContactSolver::store(std::span<const Contact> contacts, std::span<ContactMemory> memory,
+                          dynamics::ClampCounts& clamps, Tasks* tasks) const {
     Inside& s = *inside;
     s.with_lanes([&](auto width) {
         constexpr unsigned N = width();
         const std::span<const ContactPack<N>> packs = s.packs<N>();
-        base::for_chunks(tasks, s.pack_count, 4 * pack_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-            dynamics::ClampCounts counts;
-            for (std::uint32_t i = first * N; i < last * N; ++i)
-                if (const std::uint32_t c = s.lane_contact[i]; c != none)
-                    store_lane(packs[i / N], i % N, contacts[c], memory[contacts[c].memory], counts);
-            base::add_count(clamps.impulse, counts.impulse);
-        });
+        base::for_chunks(
+            tasks, s.pack_count, 4 * pack_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                dynamics::ClampCounts counts;
+                for (std::uint32_t i = first * N; i < last * N; ++i)
+                    if (const std::uint32_t c = s.lane_contact[i]; c != none)
+                        store_lane(packs[i / N], i % N, contacts[c], memory[contacts[c].memory], counts);
+                base::add_count(clamps.impulse, counts.impulse);
+            });
         for (const Rolling& rows : s.rolling) {
             ContactMemory& m = memory[contacts[s.lane_contact[rows.pack * N + rows.lane]].memory];
             for (int r = 0; r < 3; ++r) m.rolling[r] = Speed::from_raw(rows.impulse[r]);

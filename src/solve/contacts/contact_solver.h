@@ -50,7 +50,8 @@ class ContactSolver {
                  const dynamics::SolverBodies& bodies, Tasks* tasks = nullptr);
     void warm_start(dynamics::SolverBodies& bodies, Tasks* tasks = nullptr);
     /// One pass over all rows. With bias, overlap is pushed out softly; without, what the push left is relaxed.
-    void solve(const dynamics::StepConstants& step, dynamics::SolverBodies& bodies, bool bias, Tasks* tasks = nullptr);
+    void solve(const dynamics::StepConstants& step, dynamics::SolverBodies& bodies, bool bias,
+               Tasks* tasks = nullptr);
     void apply_restitution(const dynamics::StepConstants& step, dynamics::SolverBodies& bodies);
     /// Writes impulses to `memory` for the next tick.
     void store(std::span<const dynamics::Contact> contacts, std::span<dynamics::ContactMemory> memory,

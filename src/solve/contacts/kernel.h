@@ -5,6 +5,7 @@
 #pragma once
 
 #include "solve/contacts/pack.h"
+#include "solve/contacts/prepare_kernel.h"
 #include "solve/lanes/lane_fixed.h"
 
 #if defined(__GNUC__) && !defined(__clang__)
@@ -29,10 +30,10 @@ template <class L> class Kernel {
     using Fit = LaneFixed<L, fit_bits>;
     using Velocity = LaneSum<L, accumulator_bits>;
 
-    static constexpr std::int32_t speed_limit = 1 << 28;    ///< 512 m/s: of an error
-    static constexpr std::int32_t answer_limit = 1 << 29;   ///< of an impulse that answers to it
-    static constexpr std::int32_t impact_speed = 1 << 17;   ///< 0.25 m/s: faster than that is a hit
-    static constexpr std::int32_t pull_tolerance = 16;      ///< 3e-5 m/s: less pull than that is rounding
+    static constexpr std::int32_t speed_limit = 1 << 28;       ///< 512 m/s: of an error
+    static constexpr std::int32_t answer_limit = 1 << 29;      ///< of an impulse that answers to it
+    static constexpr std::int32_t impact_speed = 1 << 17;      ///< 0.25 m/s: faster than that is a hit
+    static constexpr std::int32_t pull_tolerance = 16;         ///< 3e-5 m/s: less pull than that is rounding
     static constexpr std::int32_t overlap_max = 1 << gap_bits; ///< 1 m: deeper is pushed out no faster
     static constexpr int lower[3][3] = {{0, 1, 3}, {1, 2, 4}, {3, 4, 5}};
 
@@ -134,108 +135,6 @@ template <class L> class Kernel {
         push<2>(c, 1, c.slide_a, c.slide_b, w, p, c.point_count > 1 ? 3 : 2);
     }
 
-    // ---- rows ----------------------------------------------------------------------------------------------------
-
-    static constexpr int length_bits = 24;
-    using Length = LaneFixed<L, length_bits>;
-
-    /// K^-1 of the bodies of one side.
-    struct Turner {
-        V m[6], turns[3], shift, half;
-    };
-    static Turner turner_of(const std::int32_t (&inverse)[6][N], const std::int32_t (&turns)[3][N],
-                            const std::int64_t (&shift)[N]) {
-        Turner t;
-        for (int i = 0; i < 6; ++i) t.m[i] = L::load32(inverse[i]);
-        for (int i = 0; i < 3; ++i) t.turns[i] = L::load32(turns[i]);
-        std::int64_t half[N];
-        for (unsigned lane = 0; lane < N; ++lane) half[lane] = std::int64_t{1} << (shift[lane] - 1);
-        t.shift = L::load64(shift), t.half = L::load64(half);
-        return t;
-    }
-    /// K^-1 r as an angular row, each component within 4. Mantissas are below 2^30, so sums stay below 2^63.
-    static void turn(const Turner& t, const Length (&r)[3], bool negative, std::int32_t (&out)[3][N]) {
-        constexpr int at[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
-        const V most = L::splat(std::int64_t{4} << row_bits), least = L::splat(-(std::int64_t{4} << row_bits));
-        V masked[3];
-        for (int i = 0; i < 3; ++i) masked[i] = L::both(r[i].raw, t.turns[i]);
-        for (int i = 0; i < 3; ++i) {
-            const V sum = L::add(L::add(L::mul(t.m[at[i][0]], masked[0]), L::mul(t.m[at[i][1]], masked[1])),
-                                 L::add(L::mul(t.m[at[i][2]], masked[2]), t.half));
-            V x = L::shift_right_by(sum, t.shift);
-            x = L::select(L::greater64(x, most), most, x);
-            x = L::select(L::greater64(least, x), least, x);
-            L::store32(out[i], negative ? L::sub(L::splat(0), x) : x);
-        }
-    }
-    /// x cross y; y is a direction.
-    static void cross(const std::int32_t (&x)[3][N], const std::int32_t (&y)[3][N], Length (&out)[3]) {
-        for (int i = 0; i < 3; ++i) {
-            const int j = (i + 1) % 3, k = (i + 2) % 3;
-            out[i] = rounded_within<length_bits>(Length::load(x[j]) * Unit::load(y[k]) - Length::load(x[k]) * Unit::load(y[j]),
-                                                 0x7fffffff);
-        }
-    }
-    static LaneSum<L, 2 * row_bits> product(const std::int32_t (&x)[3][N], const std::int32_t (&y)[3][N]) {
-        return Row::load(x[0]) * Row::load(y[0]) + Row::load(x[1]) * Row::load(y[1]) + Row::load(x[2]) * Row::load(y[2]);
-    }
-    /// The same along the axes that are free.
-    static LaneSum<L, 2 * row_bits> product(const std::int32_t (&x)[3][N], const std::int32_t (&y)[3][N],
-                                            const std::int64_t (&keep)[3][N]) {
-        LaneSum<L, 2 * row_bits> sum{L::splat(0)};
-        for (int i = 0; i < 3; ++i)
-            sum = sum + LaneSum<L, 2 * row_bits>{L::both((Row::load(x[i]) * Row::load(y[i])).raw, L::load64(keep[i]))};
-        return sum;
-    }
-    /// Rows times the pair's inverse mass times rows, below 52: how their speeds answer to their impulses. The first `Lines`
-    /// rows have linear parts, from `direction` on.
-    template <int Lines>
-    static void respond(const Pack& c, const RowInput<N>& in, int direction, const std::int32_t (&xa)[3][3][N],
-                        const std::int32_t (&xb)[3][3][N], std::int32_t (&out)[6][N]) {
-        const Unit alpha = Unit::load(c.share_a), beta = Unit::load(c.share_b);
-        const auto narrow = [](LaneSum<L, 2 * row_bits> q) { // towards minus infinity
-            return Response{L::template shift_right<2 * row_bits - response_bits>(q.raw)};
-        };
-        int at = 0;
-        for (int r = 0; r < 3; ++r)
-            for (int s = 0; s <= r; ++s) {
-                auto qa = product(xa[r], xa[s]), qb = product(xb[r], xb[s]);
-                if (r < Lines) {
-                    const auto &x = c.d[direction + r], &y = c.d[direction + s];
-                    const auto line = product(x, y);
-                    qa = qa + (c.locked != 0 ? product(x, y, in.keep_a) : line);
-                    qb = qb + (c.locked != 0 ? product(x, y, in.keep_b) : line);
-                }
-                rounded<response_bits>(narrow(qa) * alpha + narrow(qb) * beta).store(out[at++]);
-            }
-    }
-    /// Level and tilts, tangents and twist, and what they answer.
-    static void make_pack_rows(Pack& c, RowInput<N>& in) {
-        const Turner a = turner_of(in.inverse_a, in.turns_a, in.shift_a), b = turner_of(in.inverse_b, in.turns_b, in.shift_b);
-        const auto row = [&](const Length(&at_a)[3], const Length(&at_b)[3], std::int32_t(&xa)[3][N], std::int32_t(&xb)[3][N]) {
-            turn(a, at_a, true, xa), turn(b, at_b, false, xb);
-        };
-        Length r[3], s[3];
-        for (int k = 0; k < 3; ++k) {
-            cross(in.centre_a, in.d[k], r), cross(in.centre_b, in.d[k], s);
-            if (k == 0)
-                row(r, s, c.normal_a[0], c.normal_b[0]);
-            else
-                row(r, s, c.slide_a[k - 1], c.slide_b[k - 1]);
-        }
-        if (c.point_count > 1) {
-            for (int k = 0; k < 2; ++k) {
-                cross(in.along[k], in.d[0], r);
-                row(r, r, c.normal_a[k + 1], c.normal_b[k + 1]);
-            }
-            for (int i = 0; i < 3; ++i)
-                r[i] = rounded_within<length_bits>(Length::load(in.size) * Unit::load(in.d[0][i]), 0x7fffffff);
-            row(r, r, c.slide_a[2], c.slide_b[2]);
-        }
-        respond<1>(c, in, 0, c.normal_a, c.normal_b, c.response);
-        respond<2>(c, in, 1, c.slide_a, c.slide_b, in.slide_response);
-    }
-
     // ---- gaps ----------------------------------------------------------------------------------------------------
 
     /// How the bodies moved since the tick began, into the gap of each point.
@@ -288,7 +187,7 @@ template <class L> class Kernel {
         Speed speed[3];                  ///< D v: level and tilts
         Speed bias[4], error[4], old[4]; ///< of points
         Speed now[4];                    ///< impulses that come out
-        Mask soft, hit, idle, leaves;    ///< leaves: has a point that would pull or is not a member, and is hit
+        Mask soft, hit, idle, leaves; ///< leaves: has a point that would pull or is not a member, and is hit
     };
 
     static Speed at_point(const Point& point, const Speed (&x)[3]) {
@@ -304,7 +203,8 @@ template <class L> class Kernel {
         const Mask apart = gap > Gap::splat(0);
         overlaps = ~apart;
         if (!s.soft) return closes & apart;
-        const Speed parts = rounded<speed_bits>(max(gap, Gap::splat(-overlap_max)) * Speed::load(c.bias_rate));
+        const Speed parts =
+            rounded<speed_bits>(max(gap, Gap::splat(-overlap_max)) * Speed::load(c.bias_rate));
         return select(apart, closes, max(parts, Speed::splat(-s.push_speed_max)));
     }
 
@@ -379,7 +279,8 @@ template <class L> class Kernel {
             for (int i = 0; i < 3; ++i) soft[i] = bounded(error[i] + lost[i]);
             for (int i = 0; i < 3; ++i) after[i] = q[i] + answer(c.soft_inverse, i, soft);
             if ((~n.soft).any())
-                for (int i = 0; i < 3; ++i) after[i] = select(n.soft, after[i], q[i] + answer(c.inverse, i, error));
+                for (int i = 0; i < 3; ++i)
+                    after[i] = select(n.soft, after[i], q[i] + answer(c.inverse, i, error));
         } else
             for (int i = 0; i < 3; ++i) after[i] = q[i] + answer(c.inverse, i, error);
         const Speed zero = Speed::splat(0), tolerated = Speed::splat(-pull_tolerance);
@@ -408,12 +309,14 @@ template <class L> class Kernel {
             const Unit a = Unit::load(c.points[k].arm[0]), b = Unit::load(c.points[k].arm[1]);
             const Unit one = Unit::splat(1 << unit_bits);
             for (int i = 0; i < 3; ++i)
-                answer[k][i] = rounded<answer_bits>(s[lower[i][0]] * one + s[lower[i][1]] * a + s[lower[i][2]] * b);
+                answer[k][i] =
+                    rounded<answer_bits>(s[lower[i][0]] * one + s[lower[i][1]] * a + s[lower[i][2]] * b);
             kappa[k] = rounded<kappa_bits>(Kappa::load(c.points[k].kappa) * mass_scale);
         }
         const auto visit = [&](int k) {
             const Speed error = bounded(at_point(c.points[k], speed) + n.bias[k]);
-            const Speed less = rounded<speed_bits>(error * kappa[k]) + rounded<speed_bits>(p[k] * impulse_scale);
+            const Speed less =
+                rounded<speed_bits>(error * kappa[k]) + rounded<speed_bits>(p[k] * impulse_scale);
             const Speed now = min(max(p[k] - less, zero), Speed::splat(impulse_limit));
             const Speed change = now - p[k];
             p[k] = now;
@@ -429,14 +332,14 @@ template <class L> class Kernel {
     /// The impulse of a contact with one point.
     static Speed single(const Pack& c, Unit mass_scale, Unit impulse_scale, const Normals& n) {
         const Kappa kappa = rounded<kappa_bits>(Kappa::load(c.points[0].kappa) * mass_scale);
-        const Speed less = rounded<speed_bits>(bounded(n.error[0]) * kappa) +
-                           rounded<speed_bits>(n.old[0] * impulse_scale);
+        const Speed less =
+            rounded<speed_bits>(bounded(n.error[0]) * kappa) + rounded<speed_bits>(n.old[0] * impulse_scale);
         return min(max(n.old[0] - less, Speed::splat(0)), Speed::splat(impulse_limit));
     }
 
     /// Lanes of one point do as they do among their like: bits must not depend on who else is in the pack.
-    static void solve_several(const Pack& c, const PassSettings& s, Unit mass_scale, Unit impulse_scale, Normals& n,
-                              Speed (&w)[3]) {
+    static void solve_several(const Pack& c, const PassSettings& s, Unit mass_scale, Unit impulse_scale,
+                              Normals& n, Speed (&w)[3]) {
         Speed q[3];
         moments(c, n.old, q);
         solve_block(c, s, q, n);
@@ -527,7 +430,9 @@ template <class L> class Kernel {
             now[r] = old[r] - rounded_within<speed_bits>(sum, speed_limit);
         }
         hold_in_cone(limit, now[0], now[1]);
-        if (turns) now[2] = clamp(now[2], rounded_within<speed_bits>(friction * rounded<speed_bits>(reach), speed_limit));
+        if (turns)
+            now[2] =
+                clamp(now[2], rounded_within<speed_bits>(friction * rounded<speed_bits>(reach), speed_limit));
         for (int r = 0; r < 3; ++r) {
             w[r] = now[r] - old[r];
             now[r].store(c.slide[r]);
@@ -582,9 +487,6 @@ template <class L> class Kernel {
     }
 
   public:
-    static void make_rows(void* pack, void* row_input) {
-        make_pack_rows(*static_cast<Pack*>(pack), *static_cast<RowInput<N>*>(row_input));
-    }
     static void warm_start(void* packs, std::uint32_t first, std::uint32_t last, const PassData& data) {
         for (std::uint32_t i = first; i < last; ++i) warm_start_pack(static_cast<Pack*>(packs)[i], data);
     }
@@ -592,7 +494,7 @@ template <class L> class Kernel {
                       const PassSettings& settings) {
         for (std::uint32_t i = first; i < last; ++i) solve_pack(static_cast<Pack*>(packs)[i], data, settings);
     }
-    static constexpr ContactKernel table() { return {N, make_rows, warm_start, solve}; }
+    static constexpr ContactKernel table() { return {N, PrepareKernel<L>::prepare, warm_start, solve}; }
 };
 
 } // namespace lockstone::solve

@@ -12,7 +12,9 @@
 //   H, from (level, tilts) to points      26              32; within 16
 #pragma once
 
+#include "dynamics/contact.h"
 #include "dynamics/solver_body.h"
+#include "lockstone/decimal.h"
 
 namespace lockstone::solve {
 
@@ -36,20 +38,21 @@ template <unsigned N> struct PointLanes {
 /// N contacts of one stage: no two of them share a body that can move.
 template <unsigned N> struct ContactPack {
     std::uint32_t body_a[N], body_b[N]; ///< entries of SolverBodies
-    std::uint32_t movable_a, movable_b; ///< bit per lane: impulses move the body; others are read, never written
-    std::uint32_t locked;               ///< not 0: one of the bodies has a locked axis
-    std::uint32_t impacts;              ///< not 0: an impact of a point is not 0
-    std::uint32_t hit;                  ///< bit per lane: stopped its bodies in this tick
-    std::uint32_t bounce, bounce_count; ///< its entries of the table of bounces
-    std::int32_t point_count;           ///< most of any lane
-    std::int32_t d[3][3][N];            ///< normal and tangents
-    std::int32_t share_a[N], share_b[N];             ///< alpha, beta
+    std::uint32_t movable_a,
+        movable_b;         ///< bit per lane: impulses move the body; others are read, never written
+    std::uint32_t locked;  ///< not 0: one of the bodies has a locked axis
+    std::uint32_t impacts; ///< not 0: an impact of a point is not 0
+    std::uint32_t hit;     ///< bit per lane: stopped its bodies in this tick
+    std::uint32_t bounce, bounce_count;                ///< its entries of the table of bounces
+    std::int32_t point_count;                          ///< most of any lane
+    std::int32_t d[3][3][N];                           ///< normal and tangents
+    std::int32_t share_a[N], share_b[N];               ///< alpha, beta
     std::int32_t normal_a[3][3][N], normal_b[3][3][N]; ///< angular rows: level, tilts
     std::int32_t slide_a[3][3][N], slide_b[3][3][N];   ///< angular rows: tangents, twist
-    std::int32_t response[6][N];                     ///< S by rows of the lower triangle
-    std::int32_t inverse[6][N];                      ///< S^-1 likewise; zero in directions that nothing answers to
-    std::int32_t soft_inverse[6][N];                 ///< (S + X)^-1 likewise
-    std::int32_t softness[4][N];                     ///< X: level; tilts by rows of the lower triangle
+    std::int32_t response[6][N];                       ///< S by rows of the lower triangle
+    std::int32_t inverse[6][N];      ///< S^-1 likewise; zero in directions that nothing answers to
+    std::int32_t soft_inverse[6][N]; ///< (S + X)^-1 likewise
+    std::int32_t softness[4][N];     ///< X: level; tilts by rows of the lower triangle
     std::int32_t slide_inverse[6][N];
     std::int32_t bias_rate[N], mass_scale[N], impulse_scale[N]; ///< speed_bits, Unit, Unit
     std::int32_t friction[N];                                   ///< row_bits
@@ -57,22 +60,34 @@ template <unsigned N> struct ContactPack {
     std::int32_t slide[3][N];   ///< impulses along the tangents, and of the twist
     std::int32_t several[N];    ///< -1: more than one point
     std::int32_t bounces[N];    ///< -1: has restitution
-    std::uint32_t keeps;        ///< bit per lane: what stops the bodies in a substep holds them in the next one
-    std::int32_t size[N];       ///< Length: the arms' unit
+    std::uint32_t keeps;  ///< bit per lane: what stops the bodies in a substep holds them in the next one
+    std::int32_t size[N]; ///< Length: the arms' unit
     PointLanes<N> points[4];
 };
 
-/// What the rows of a pack are made of, and the answer of its friction rows.
-template <unsigned N> struct RowInput {
-    std::int32_t d[3][3][N];                     ///< normal and tangents, Unit
-    std::int32_t centre_a[3][N], centre_b[3][N]; ///< levers of the members' centre, Length
-    std::int32_t along[2][3][N], size[N];        ///< as in Layout; zero for single points, Length
+/// The contacts of a pack as they are found: what it is prepared from. Points and lanes that are missing are as far apart as can
+/// be and carry nothing.
+template <unsigned N> struct PackInput {
+    std::int32_t count[N];                             ///< points
+    std::int32_t d[3][3][N];                           ///< the normal, Unit; room for the tangents
+    std::int32_t surface_velocity[3][N];               ///< of b against a, speed_bits
+    std::int32_t lever_a[4][3][N], lever_b[4][3][N];   ///< Length
+    std::int32_t separation[4][N];                     ///< gap_bits
+    std::int32_t impulse[4][N], slide[2][N], twist[N]; ///< that were remembered; the twist is a Length
+    std::int32_t arms_of_b[N];                         ///< -1: arms are measured from b, which moves
+    std::int32_t ease[N];                          ///< how much of its impulse a soft contact yields, Unit
     std::int32_t inverse_a[6][N], inverse_b[6][N]; ///< mantissas of K^-1: xx, yy, zz, xy, xz, yz
     std::int64_t shift_a[N], shift_b[N];           ///< 1..62, from their products to rows
     std::int32_t turns_a[3][N], turns_b[3][N];     ///< -1 for axes about which the body may turn
     std::int64_t keep_a[3][N], keep_b[3][N];       ///< -1 for axes along which it may move
-    std::int32_t slide_response[6][N];             ///< as ContactPack::response
 };
+
+/// Points at most this much farther apart than the nearest, and those that carry, are members [m].
+inline constexpr std::int32_t member_gap = decimal<Separation>("0.001").raw;
+/// A point that parts faster has bounced: the impulse that sent it off is none to start from [m/s].
+inline constexpr std::int32_t leaving_speed = decimal<Speed>("0.25").raw;
+/// What answers less than that to an impulse is left out: all of it is locked.
+inline constexpr std::int64_t least_response = std::int64_t{1} << (response_bits - 2);
 
 /// What the contact impulses of the tick so far give to a body: the start of the next substep. [m/s], 47 fraction bits
 struct WarmStart {
@@ -82,11 +97,11 @@ struct WarmStart {
 /// What a contact that bounces keeps of a tick, besides its lane.
 struct Bounce {
     std::uint32_t pack, lane;
-    std::int32_t restitution;   ///< Unit
-    std::int32_t approach[4];   ///< normal speed of the points before they were hit in this tick
+    std::int32_t restitution; ///< Unit
+    std::int32_t approach[4]; ///< normal speed of the points before they were hit in this tick
     std::int32_t impulse_max[4];
     std::int64_t inverse_mass[4]; ///< arm^T S arm, response_bits
-    std::int64_t taken[4];        ///< energy the point took in this tick, per half effective mass: speed squared
+    std::int64_t taken[4]; ///< energy the point took in this tick, per half effective mass: speed squared
 };
 
 /// Brakes the turning of the two bodies of a contact against each other.
@@ -115,19 +130,28 @@ struct PassData {
 /// The passes of one instruction set over packs [first, last) of its lane width.
 struct ContactKernel {
     unsigned lanes;
-    void (*make_rows)(void* pack, void* row_input); ///< angular rows and responses of one pack
+    /// Rows, effective masses, inverses and first impulses of one pack whose heads are filled.
+    void (*prepare)(void* pack, void* input, const dynamics::SolverBody* bodies);
     void (*warm_start)(void* packs, std::uint32_t first, std::uint32_t last, const PassData& data);
     void (*solve)(void* packs, std::uint32_t first, std::uint32_t last, const PassData& data,
                   const PassSettings& settings);
 };
 
+/// The first tangent of a normal at the pole of dynamics::tangents_of().
+void tangent_at_pole(const std::int32_t (&normal)[3], std::int32_t (&tangent)[3]);
+/// Replaces squares by their roots, rounded down.
+void take_roots(std::int64_t* x, unsigned count);
+/// Where the farthest point is no member, the axis (fx, fy), which leads to the farthest member, is made as long as the way (ox, oy)
+/// to that point; members at one spot take its direction too. Arguments are squares of lengths.
+void stretch_axis(std::int64_t member, std::int64_t farthest, std::int32_t ox, std::int32_t oy,
+                  std::int32_t& fx, std::int32_t& fy);
 /// Shortens the impulse along the tangents to `limit`: a true cone.
 void clamp_to_cone(std::int32_t limit, std::int32_t& t1, std::int32_t& t2);
 /// Takes out of a pack's impulses, and of what its bodies start the next substep from, what stopped the bodies in this one.
 template <unsigned N> void forget_impacts(ContactPack<N>& pack, WarmStart* warm);
 /// After the normals of a pack that bounces: the energy that each point took. Speeds are those without bias.
 template <unsigned N>
-void note_bounce(const ContactPack<N>& pack, Bounce* bounces, const std::int32_t (&speed_before)[4][N], const std::int32_t (&speed_after)[4][N],
-                 const std::int32_t (&impulse_before)[4][N]);
+void note_bounce(const ContactPack<N>& pack, Bounce* bounces, const std::int32_t (&speed_before)[4][N],
+                 const std::int32_t (&speed_after)[4][N], const std::int32_t (&impulse_before)[4][N]);
 
 } // namespace lockstone::solve

@@ -24,10 +24,21 @@ struct Avx2 {
     static V add(V a, V b) { return _mm256_add_epi64(a, b); }
     static V sub(V a, V b) { return _mm256_sub_epi64(a, b); }
     static V mul(V a, V b) { return _mm256_mul_epi32(a, b); }
+    static V mul64(V a, V b) {
+        const V cross =
+            add(_mm256_mul_epu32(_mm256_srli_epi64(a, 32), b), _mm256_mul_epu32(a, _mm256_srli_epi64(b, 32)));
+        return add(_mm256_mul_epu32(a, b), _mm256_slli_epi64(cross, 32));
+    }
     template <int S> static V shift_right(V x) { return _mm256_srli_epi64(x, S); }
+    template <int S> static V shift_right_signed(V x) {
+        const V sign = _mm256_set1_epi64x(INT64_MIN);
+        return _mm256_sub_epi64(_mm256_srli_epi64(_mm256_xor_si256(x, sign), S), _mm256_srli_epi64(sign, S));
+    }
+    static V shift_left_by(V x, V by) { return _mm256_sllv_epi64(x, by); }
     static V shift_right_by(V x, V by) { // moved up to where nothing is negative, and back
         const V sign = _mm256_set1_epi64x(INT64_MIN);
-        return _mm256_sub_epi64(_mm256_srlv_epi64(_mm256_xor_si256(x, sign), by), _mm256_srlv_epi64(sign, by));
+        return _mm256_sub_epi64(_mm256_srlv_epi64(_mm256_xor_si256(x, sign), by),
+                                _mm256_srlv_epi64(sign, by));
     }
 
     static V max32(V a, V b) { return _mm256_max_epi32(a, b); }

@@ -24,8 +24,12 @@ struct Scalar {
     static V mul(V a, V b) {
         return std::int64_t{static_cast<std::int32_t>(a)} * static_cast<std::int32_t>(b);
     }
+    /// The low 64 bits of the product of whole lanes.
+    static V mul64(V a, V b) { return signed_of(bits(a) * bits(b)); }
     template <int S> static V shift_right(V x) { return signed_of(bits(x) >> S); } ///< logical
-    static V shift_right_by(V x, V by) { return x >> by; } ///< by lane, arithmetic, 0..63
+    template <int S> static V shift_right_signed(V x) { return x >> S; }           ///< arithmetic
+    static V shift_right_by(V x, V by) { return x >> by; }                 ///< by lane, arithmetic, 0..63
+    static V shift_left_by(V x, V by) { return signed_of(bits(x) << by); } ///< by lane, 0..63
 
     // Of the low halves; those of masks are all ones or zero.
     static V max32(V a, V b) { return low(a) < low(b) ? low(b) : low(a); }

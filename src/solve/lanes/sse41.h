@@ -23,7 +23,18 @@ struct Sse41 {
     static V add(V a, V b) { return _mm_add_epi64(a, b); }
     static V sub(V a, V b) { return _mm_sub_epi64(a, b); }
     static V mul(V a, V b) { return _mm_mul_epi32(a, b); }
+    static V mul64(V a, V b) {
+        const V cross = add(_mm_mul_epu32(_mm_srli_epi64(a, 32), b), _mm_mul_epu32(a, _mm_srli_epi64(b, 32)));
+        return add(_mm_mul_epu32(a, b), _mm_slli_epi64(cross, 32));
+    }
     template <int S> static V shift_right(V x) { return _mm_srli_epi64(x, S); }
+    template <int S> static V shift_right_signed(V x) {
+        const V sign = _mm_set1_epi64x(INT64_MIN);
+        return _mm_sub_epi64(_mm_srli_epi64(_mm_xor_si128(x, sign), S), _mm_srli_epi64(sign, S));
+    }
+    static V shift_left_by(V x, V by) {
+        return _mm_blend_epi16(_mm_sll_epi64(x, by), _mm_sll_epi64(x, _mm_unpackhi_epi64(by, by)), 0xf0);
+    }
     static V shift_right_by(V x, V by) { // moved up to where nothing is negative, and back
         const V sign = _mm_set1_epi64x(INT64_MIN), high = _mm_unpackhi_epi64(by, by);
         const auto logical = [&](V y) {
@@ -34,9 +45,7 @@ struct Sse41 {
 
     static V max32(V a, V b) { return _mm_max_epi32(a, b); }
     static V min32(V a, V b) { return _mm_min_epi32(a, b); }
-    static V greater32(V a, V b) {
-        return _mm_shuffle_epi32(_mm_cmpgt_epi32(a, b), _MM_SHUFFLE(2, 2, 0, 0));
-    }
+    static V greater32(V a, V b) { return _mm_shuffle_epi32(_mm_cmpgt_epi32(a, b), _MM_SHUFFLE(2, 2, 0, 0)); }
     /// By the sign of b - a: the values that are compared are below 2^62.
     static V greater64(V a, V b) {
         return _mm_srai_epi32(_mm_shuffle_epi32(_mm_sub_epi64(b, a), _MM_SHUFFLE(3, 3, 1, 1)), 31);

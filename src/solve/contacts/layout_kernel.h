@@ -1,0 +1,290 @@
+// Where the points of contacts lie, and the linear fit over them. Written once over the lanes L; for who may include it see
+// kernel.h. See contact_solver.h for the symbols, pack.h for the formats.
+//
+// What reaches beyond 32 bits is LaneSum. Divisions and roots are taken lane by lane.
+#pragma once
+
+#include "solve/contacts/pack.h"
+#include "solve/lanes/lane_fixed.h"
+
+namespace lockstone::solve {
+
+template <class L> class LayoutKernel {
+    static constexpr unsigned N = L::lanes;
+    static constexpr int length_bits = 24, flat_bits = 28, moment_bits = 28, gram_bits = fit_bits;
+    using Pack = ContactPack<N>;
+    using Input = PackInput<N>;
+    using V = typename L::V;
+    using Mask = LaneMask<L>;
+    using Speed = LaneFixed<L, speed_bits>;
+    using Unit = LaneFixed<L, unit_bits>;
+    using Gap = LaneFixed<L, gap_bits>;
+    using Fit = LaneFixed<L, fit_bits>;
+    using Length = LaneFixed<L, length_bits>;
+    using Flat = LaneFixed<L, flat_bits>;
+    using Count = LaneFixed<L, 0>;
+    template <int F> using Sum = LaneSum<L, F>;
+    using Lanes64 = std::int64_t[N];
+
+    static constexpr std::int32_t unit = 1 << unit_bits;
+    static constexpr std::int64_t entry_limit = std::int64_t{1} << 30; ///< of an entry of H
+
+    static bool has(unsigned lanes, unsigned lane) { return ((lanes >> lane) & 1u) != 0; }
+    static Unit by_count(const std::int32_t (&table)[5], const std::int32_t (&count)[N]) {
+        std::int32_t x[N];
+        for (unsigned lane = 0; lane < N; ++lane) x[lane] = table[count[lane]];
+        return Unit::load(x);
+    }
+
+  public:
+    /// The points of a contact in its plane. Members are the points within 1 mm of the nearest, and those that carry.
+    struct Layout {
+        Mask exists[4], member[4], several; ///< several: more than one point
+        std::int32_t members[N];            ///< how many
+        Length centre_a[3], centre_b[3];    ///< levers of the members' centre
+        Length along
+            [2][3]; ///< from the centre to the farthest point, in the plane; and that turned by a right angle
+        Length size;              ///< |along|
+        Sum<unit_bits> arm[2][4]; ///< in units of `along`, within 1; of contacts of one point nothing
+    };
+    /// H H^T: of the level; of the tilts by rows of the lower triangle.
+    struct Gram {
+        Sum<gram_bits> of[4];
+        Mask plane; ///< members lie about their centre, not on a line
+        Mask tilts; ///< some member is away from the middle of them all
+    };
+
+    static void lay_out(const Input& in, int points, Layout& l) {
+        find_members(in, points, l);
+        find_centre(in.lever_a, points, l, l.centre_a);
+        find_centre(in.lever_b, points, l, l.centre_b);
+        l.size = Length::splat(0);
+        if (points > 1) find_arms(in, points, l);
+    }
+    /// H, into the pack.
+    static void fit_members(Pack& pack, int points, const Layout& l, Gram& g) {
+        constexpr std::int32_t one = 1 << fit_bits, shares[5] = {one, one, one / 2, one / 3, one / 4};
+        const Fit level{by_count(shares, l.members).raw};
+        for (int k = 0; k < points; ++k) (level & l.member[k]).store(pack.points[k].fit[0]);
+        g.of[0] = wide(level);
+        g.of[1] = g.of[2] = g.of[3] = Sum<gram_bits>::splat(0);
+        g.plane = g.tilts = Mask::none();
+        if (points < 2) return;
+
+        Sum<moment_bits> aa = Sum<moment_bits>::splat(0), ab = aa, bb = aa; // 4 at most
+        for (int k = 0; k < points; ++k) {
+            const auto a = low(floor_to<unit_bits - 1>(l.arm[0][k] & l.member[k])),
+                       b = low(floor_to<unit_bits - 1>(l.arm[1][k] & l.member[k]));
+            aa = aa + floor_to<moment_bits>(a * a);
+            ab = ab + floor_to<moment_bits>(a * b);
+            bb = bb + floor_to<moment_bits>(b * b);
+        }
+        // Members within a sixteenth of the arm count as one spot, those within a sixteenth of a line as on that line.
+        constexpr std::int64_t least = (std::int64_t{1} << moment_bits) / 128;
+        const Mask counted =
+            (Count::load(l.members) > Count::splat(1)) & (aa > Sum<moment_bits>::splat(least - 1));
+        if (!counted.any()) return;
+        const auto det = floor_to<moment_bits>(low(aa) * low(bb) - low(ab) * low(ab));
+        const Mask line = counted & (Sum<moment_bits>{L::template shift_right_signed<8>(aa.raw)} > det);
+        g.plane = counted & ~line;
+        Lanes64 by, inverse_of;
+        select(line, aa, det).store64(by);
+        for (unsigned lane = 0; lane < N; ++lane)
+            inverse_of[lane] =
+                has(counted.lanes(), lane) ? (std::int64_t{1} << (moment_bits + fit_bits)) / by[lane] : 0;
+        const Sum<fit_bits> inverse = Sum<fit_bits>::load64(inverse_of); // below 2^41
+        fit_plane(pack, points, l, aa, ab, bb, inverse, g);
+        if (line.any()) fit_line(pack, points, l, line, inverse, g);
+        V any = L::splat(0);
+        for (int k = 0; k < points; ++k) any = L::either(any, L::load32(pack.points[k].fit[1]));
+        g.tilts = Mask{L::either(L::greater64(any, L::splat(0)), L::greater64(L::splat(0), any))};
+    }
+
+  private:
+    // ---- where the points lie ---
+
+    static void find_members(const Input& in, int points, Layout& l) {
+        const Count count = Count::load(in.count);
+        Gap nearest = Gap::load(in.separation[0]);
+        for (int k = 1; k < points; ++k) nearest = min(nearest, Gap::load(in.separation[k]));
+        nearest = min(nearest, Gap::splat(0x7fffffff - member_gap));
+        const Gap most = max(nearest, Gap::splat(0)) + Gap::splat(member_gap);
+        V members = L::splat(0);
+        for (int k = 0; k < points; ++k) {
+            l.exists[k] = count > Count::splat(k);
+            l.member[k] =
+                (most > Gap::load(in.separation[k])) | (Speed::load(in.impulse[k]) > Speed::splat(0));
+            members = L::sub(members, l.member[k].raw);
+        }
+        l.several = count > Count::splat(1);
+        L::store32(l.members, members);
+    }
+
+    /// The mean of the members' levers.
+    static void find_centre(const std::int32_t (&lever)[4][3][N], int points, const Layout& l,
+                            Length (&centre)[3]) {
+        constexpr std::int32_t inverse[5] = {unit, unit, unit / 2, unit / 3, unit / 4};
+        const Unit by = by_count(inverse, l.members);
+        const Mask many = Count::load(l.members) > Count::splat(1);
+        for (int i = 0; i < 3; ++i) {
+            Sum<length_bits> sum = Sum<length_bits>::splat(0); // below 2^33: a quarter of it fits
+            for (int k = 0; k < points; ++k) sum = sum + (Sum<length_bits>::load(lever[k][i]) & l.member[k]);
+            const auto quarter = low(floor_to<length_bits - 2>(sum));
+            const auto mean = floor_to<length_bits>(quarter * by);
+            centre[i] = low(select(many, mean, sum));
+        }
+    }
+
+    /// Coordinates of the points along the tangents, from the centre of the body that moves; zero for single points.
+    static void flatten(const Input& in, int points, const Layout& l, Sum<length_bits> (&x)[2][4]) {
+        const Mask of_b{L::load32(in.arms_of_b)};
+        for (int r = 0; r < 2; ++r) {
+            // The difference of two sums below 2^62, and itself below that.
+            Sum<length_bits + unit_bits> centre = Sum<length_bits + unit_bits>::splat(0);
+            for (int i = 0; i < 3; ++i)
+                centre = centre + select(of_b, l.centre_b[i], l.centre_a[i]) * Unit::load(in.d[r + 1][i]);
+            for (int k = 0; k < points; ++k) {
+                auto sum = -centre;
+                for (int i = 0; i < 3; ++i)
+                    sum = sum + select(of_b, Length::load(in.lever_b[k][i]), Length::load(in.lever_a[k][i])) *
+                                    Unit::load(in.d[r + 1][i]);
+                x[r][k] = round_to<length_bits>(sum) & l.exists[k] & l.several;
+            }
+        }
+    }
+
+    /// How far coordinates are moved up so that the widest has 29 bits, plus 4: 0..33.
+    static void find_scale(const Sum<length_bits> (&x)[2][4], int points, Lanes64& up) {
+        V bits = L::splat(0);
+        for (int r = 0; r < 2; ++r)
+            for (int k = 0; k < points; ++k) {
+                const V negative = L::greater64(L::splat(0), x[r][k].raw);
+                bits = L::either(bits, L::sub(L::either(L::without(x[r][k].raw, negative),
+                                                        L::without(negative, x[r][k].raw)),
+                                              negative));
+            }
+        Lanes64 widest;
+        L::store64(widest, bits);
+        for (unsigned lane = 0; lane < N; ++lane)
+            up[lane] =
+                widest[lane] == 0 ? 4 : __builtin_clzll(static_cast<unsigned long long>(widest[lane])) - 31;
+    }
+
+    /// (fx, fy): as long as the farthest point is away, towards the farthest member. Arms of members on a line so lie on the
+    /// first axis. `farthest` is the square of the length, in [1, 8) where there are several points.
+    static void find_axis(const Flat (&x)[4], const Flat (&y)[4], int points, const Layout& l,
+                          Sum<2 * flat_bits>& farthest, Flat& fx, Flat& fy, bool& stretched) {
+        Sum<2 * flat_bits> square[4], member = Sum<2 * flat_bits>::splat(0);
+        fx = fy = Flat::splat(0);
+        for (int k = 0; k < points; ++k) {
+            square[k] = x[k] * x[k] + y[k] * y[k];
+            const Mask better = l.member[k] & (square[k] > member);
+            member = select(better, square[k], member);
+            fx = select(better, x[k], fx), fy = select(better, y[k], fy);
+        }
+        farthest = member;
+        Flat ox = fx, oy = fy;
+        for (int k = 0; k < points; ++k) {
+            const Mask better = square[k] > farthest;
+            farthest = select(better, square[k], farthest);
+            ox = select(better, x[k], ox), oy = select(better, y[k], oy);
+        }
+        const unsigned uneven = (farthest > member).lanes();
+        stretched = uneven != 0;
+        if (!stretched) return;
+        Lanes64 longest, longest_member;
+        std::int32_t far_x[N], far_y[N], to_x[N], to_y[N];
+        farthest.store64(longest), member.store64(longest_member);
+        ox.store(far_x), oy.store(far_y), fx.store(to_x), fy.store(to_y);
+        for (unsigned lane = 0; lane < N; ++lane)
+            if (has(uneven, lane))
+                stretch_axis(longest_member[lane], longest[lane], far_x[lane], far_y[lane], to_x[lane],
+                             to_y[lane]);
+        fx = Flat::load(to_x), fy = Flat::load(to_y);
+    }
+
+    static void find_arms(const Input& in, int points, Layout& l) {
+        Sum<length_bits> wide_x[2][4];
+        flatten(in, points, l, wide_x);
+        Lanes64 up_by;
+        find_scale(wide_x, points, up_by);
+        const V up = L::load64(up_by);
+        Flat x[4], y[4];
+        for (int k = 0; k < points; ++k) {
+            x[k] = {L::template shift_right<4>(L::shift_left_by(wide_x[0][k].raw, up))};
+            y[k] = {L::template shift_right<4>(L::shift_left_by(wide_x[1][k].raw, up))};
+        }
+        Sum<2 * flat_bits> farthest;
+        Flat fx, fy;
+        bool stretched = false;
+        find_axis(x, y, points, l, farthest, fx, fy, stretched);
+
+        Lanes64 square, inverse, root;
+        farthest.store64(square);
+        for (unsigned lane = 0; lane < N; ++lane) {
+            const std::int64_t denominator = square[lane] >> 29;
+            inverse[lane] = denominator == 0
+                                ? 0
+                                : (std::int64_t{1} << 58) / denominator; // 31 fraction bits, in [2^28, 2^31]
+            root[lane] = square[lane];
+        }
+        const LaneFixed<L, 31> per_square{L::load64(inverse)};
+        const Mask is_one = LaneFixed<L, 31>::splat(0) > per_square; // 2^31, as 32 bits see it
+        for (int k = 0; k < points; ++k) {
+            const auto arm = [&](Sum<2 * flat_bits> product) {
+                if (stretched) product = clamp(product, (std::int64_t{1} << 59) - (1 << 28));
+                const auto p = low(floor_to<flat_bits>(product)) * per_square;
+                return floor_to<unit_bits>(clamp(select(is_one, -p, p), std::int64_t{1} << 59));
+            };
+            l.arm[0][k] = arm(x[k] * fx + y[k] * fy);
+            l.arm[1][k] = arm(y[k] * fx - x[k] * fy);
+        }
+        take_roots(root, N);
+        const auto back = [&](V v) { // beyond 128 m sizes are clamped
+            return low(clamp(Sum<length_bits>{L::shift_right_by(L::mul(v, L::splat(16)), up)}, 0x7fffffff));
+        };
+        const Length along_x = back(fx.raw), along_y = back(fy.raw);
+        l.size = back(L::load64(root));
+        for (int i = 0; i < 3; ++i) {
+            const Unit first = Unit::load(in.d[1][i]), second = Unit::load(in.d[2][i]);
+            l.along[0][i] = rounded_within<length_bits>(first * along_x + second * along_y, 0x7fffffff);
+            l.along[1][i] = rounded_within<length_bits>(second * along_x - first * along_y, 0x7fffffff);
+        }
+    }
+
+    // ---- the linear fit over the members ---
+
+    static void fit_plane(Pack& pack, int points, const Layout& l, Sum<moment_bits> aa, Sum<moment_bits> ab,
+                          Sum<moment_bits> bb, Sum<fit_bits> inverse, Gram& g) {
+        // A moment times the inverse determinant is 2^36 at most, so the products are below 2^63.
+        const auto narrow = [&](Sum<moment_bits> moment) {
+            return floor_to<gram_bits>(floor_to<moment_bits - 3>(moment) * floor_to<fit_bits - 5>(inverse)) &
+                   g.plane;
+        };
+        g.of[1] = narrow(bb), g.of[2] = narrow(-ab), g.of[3] = narrow(aa);
+        const auto quarter = [](auto x) { return low(floor_to<moment_bits - 2>(x)); };
+        const auto qaa = quarter(aa), qab = quarter(ab), qbb = quarter(bb);
+        for (int k = 0; k < points; ++k) {
+            const auto a = low(floor_to<unit_bits - 2>(l.arm[0][k])),
+                       b = low(floor_to<unit_bits - 2>(l.arm[1][k]));
+            const auto entry = [&](auto x, std::int32_t(&out)[N]) { // x is below 4
+                const auto value =
+                    floor_to<fit_bits>(floor_to<unit_bits - 3>(x) * floor_to<fit_bits - 3>(inverse));
+                low(clamp(value, entry_limit) & (l.member[k] & g.plane)).store(out);
+            };
+            entry(qbb * a - qab * b, pack.points[k].fit[1]);
+            entry(qaa * b - qab * a, pack.points[k].fit[2]);
+        }
+    }
+    static void fit_line(Pack& pack, int points, const Layout& l, Mask line, Sum<fit_bits> inverse, Gram& g) {
+        g.of[1] = select(line, inverse, g.of[1]);
+        for (int k = 0; k < points; ++k) {
+            const auto value =
+                clamp(floor_to<fit_bits>(floor_to<unit_bits - 2>(l.arm[0][k]) * inverse), entry_limit);
+            Fit(select(line & l.member[k], low(value), Fit::load(pack.points[k].fit[1])))
+                .store(pack.points[k].fit[1]);
+        }
+    }
+};
+
+} // namespace lockstone::solve

@@ -1,0 +1,414 @@
+// Preparing a pack: from contacts side by side to rows, effective masses, inverses and the impulses to start from. Written once
+// over the lanes L; for who may include it see kernel.h. See contact_solver.h for the symbols, pack.h for the formats.
+//
+// Quantities of one contact that reach beyond 32 bits are LaneSum. Divisions and roots are taken lane by lane.
+#pragma once
+
+#include "solve/contacts/layout_kernel.h"
+
+namespace lockstone::solve {
+
+template <class L> class PrepareKernel {
+    static constexpr unsigned N = L::lanes;
+    static constexpr int length_bits = 24;
+    using Pack = ContactPack<N>;
+    using Input = PackInput<N>;
+    using Layout = typename LayoutKernel<L>::Layout;
+    using Gram = typename LayoutKernel<L>::Gram;
+    using V = typename L::V;
+    using Mask = LaneMask<L>;
+    using Row = LaneFixed<L, row_bits>;
+    using Speed = LaneFixed<L, speed_bits>;
+    using Unit = LaneFixed<L, unit_bits>;
+    using Gap = LaneFixed<L, gap_bits>;
+    using Response = LaneFixed<L, response_bits>;
+    using Length = LaneFixed<L, length_bits>;
+    template <int F> using Sum = LaneSum<L, F>;
+    using Lanes64 = std::int64_t[N];
+
+    static constexpr std::int64_t softness_limit = std::int64_t{1} << 30;
+    static bool has(unsigned lanes, unsigned lane) { return ((lanes >> lane) & 1u) != 0; }
+
+    // ---- directions ----------------------------------------------------------------------------------------------
+
+    /// Per lane what tangents_of() is of the normal; the velocities of surfaces along them.
+    static void find_tangents(Pack& c, Input& in) {
+        constexpr std::int64_t one = std::int64_t{1} << unit_bits;
+        Unit n[3], pole[3], from[3], first[3];
+        Sum<2 *unit_bits> along = Sum<2 * unit_bits>::splat(0), off = along;
+        for (int i = 0; i < 3; ++i) {
+            n[i] = Unit::load(in.d[0][i]);
+            pole[i] = Unit::splat(dynamics::tangent_pole[i]),
+            from[i] = Unit::splat(dynamics::tangent_from[i]);
+            along = along + n[i] * pole[i], off = off + n[i] * from[i];
+        }
+        Lanes64 height, way, share;
+        round_to<unit_bits>(along).store64(height), round_to<unit_bits>(off).store64(way);
+        unsigned at_pole = 0;
+        for (unsigned lane = 0; lane < N; ++lane) {
+            share[lane] = 0;
+            if (height[lane] < dynamics::tangent_pole_limit) {
+                at_pole |= 1u << lane;
+                continue;
+            }
+            const std::int64_t numerator = 2 * way[lane] * one + (one + height[lane]),
+                               denominator = 2 * (one + height[lane]);
+            share[lane] =
+                numerator / denominator - (numerator % denominator < 0 ? 1 : 0); // to nearest, below 16
+        }
+        const Sum<unit_bits> by = Sum<unit_bits>::load64(share);
+        const Mask filled = LaneFixed<L, 0>::load(in.count) > LaneFixed<L, 0>::splat(0);
+        for (int i = 0; i < 3; ++i) {
+            const auto less = round_to<unit_bits>(wide(pole[i] + n[i]) * by);
+            first[i] = low(clamp(wide(from[i]) - less, one)) & filled;
+            first[i].store(in.d[1][i]);
+        }
+        for (unsigned lane = 0; lane < N; ++lane) {
+            if (!has(at_pole, lane)) continue;
+            std::int32_t normal[3] = {in.d[0][0][lane], in.d[0][1][lane], in.d[0][2][lane]}, tangent[3];
+            tangent_at_pole(normal, tangent);
+            for (int i = 0; i < 3; ++i) in.d[1][i][lane] = tangent[i];
+        }
+        if (at_pole != 0)
+            for (int i = 0; i < 3; ++i) first[i] = Unit::load(in.d[1][i]);
+        for (int i = 0; i < 3; ++i) {
+            const int j = (i + 1) % 3, k = (i + 2) % 3;
+            rounded_within<unit_bits>(n[j] * first[k] - n[k] * first[j], 0x7fffffff).store(in.d[2][i]);
+        }
+        for (int r = 0; r < 2; ++r) {
+            Sum<speed_bits + unit_bits> sum = Sum<speed_bits + unit_bits>::splat(0);
+            for (int i = 0; i < 3; ++i)
+                sum = sum + Speed::load(in.surface_velocity[i]) * Unit::load(in.d[r + 1][i]);
+            rounded_within<speed_bits>(sum, 0x7fffffff).store(c.surface[r]);
+        }
+    }
+
+    // ---- rows ----------------------------------------------------------------------------------------------------
+
+    /// K^-1 of the bodies of one side.
+    struct Turner {
+        V m[6], turns[3], shift, half;
+    };
+    static Turner turner_of(const std::int32_t (&inverse)[6][N], const std::int32_t (&turns)[3][N],
+                            const std::int64_t (&shift)[N]) {
+        Turner t;
+        for (int i = 0; i < 6; ++i) t.m[i] = L::load32(inverse[i]);
+        for (int i = 0; i < 3; ++i) t.turns[i] = L::load32(turns[i]);
+        t.shift = L::load64(shift);
+        t.half = L::shift_left_by(L::splat(1), L::sub(t.shift, L::splat(1)));
+        return t;
+    }
+    /// K^-1 r as an angular row, each component within 4. Mantissas are below 2^30, so sums stay below 2^63.
+    static void turn(const Turner& t, const Length (&r)[3], bool negative, std::int32_t (&out)[3][N]) {
+        constexpr int at[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
+        V masked[3];
+        for (int i = 0; i < 3; ++i) masked[i] = L::both(r[i].raw, t.turns[i]);
+        for (int i = 0; i < 3; ++i) {
+            const V sum = L::add(L::add(L::mul(t.m[at[i][0]], masked[0]), L::mul(t.m[at[i][1]], masked[1])),
+                                 L::add(L::mul(t.m[at[i][2]], masked[2]), t.half));
+            const V x =
+                clamp(Sum<row_bits>{L::shift_right_by(sum, t.shift)}, std::int64_t{4} << row_bits).raw;
+            L::store32(out[i], negative ? L::sub(L::splat(0), x) : x);
+        }
+    }
+    /// x cross y; y is a direction.
+    static void cross(const Length (&x)[3], const std::int32_t (&y)[3][N], Length (&out)[3]) {
+        for (int i = 0; i < 3; ++i) {
+            const int j = (i + 1) % 3, k = (i + 2) % 3;
+            out[i] =
+                rounded_within<length_bits>(x[j] * Unit::load(y[k]) - x[k] * Unit::load(y[j]), 0x7fffffff);
+        }
+    }
+    static Sum<2 * row_bits> product(const std::int32_t (&x)[3][N], const std::int32_t (&y)[3][N]) {
+        return Row::load(x[0]) * Row::load(y[0]) + Row::load(x[1]) * Row::load(y[1]) +
+               Row::load(x[2]) * Row::load(y[2]);
+    }
+    /// The same along the axes that are free.
+    static Sum<2 * row_bits> product(const std::int32_t (&x)[3][N], const std::int32_t (&y)[3][N],
+                                     const std::int64_t (&keep)[3][N]) {
+        Sum<2 * row_bits> sum = Sum<2 * row_bits>::splat(0);
+        for (int i = 0; i < 3; ++i)
+            sum = sum + (Row::load(x[i]) * Row::load(y[i]) & Mask{L::load64(keep[i])});
+        return sum;
+    }
+    /// Rows times the pair's inverse mass times rows, below 52: how their speeds answer to their impulses. The first `Lines`
+    /// rows have linear parts, from `direction` on.
+    template <int Lines>
+    static void respond(const Pack& c, const Input& in, int direction, int rows,
+                        const std::int32_t (&xa)[3][3][N], const std::int32_t (&xb)[3][3][N],
+                        Response (&out)[6]) {
+        const Unit alpha = Unit::load(c.share_a), beta = Unit::load(c.share_b);
+        const auto narrow = [](Sum<2 * row_bits> q) { // towards minus infinity
+            return Response{L::template shift_right<2 * row_bits - response_bits>(q.raw)};
+        };
+        int at = 0;
+        for (int r = 0; r < 3; ++r)
+            for (int s = 0; s <= r; ++s, ++at) {
+                if (r >= rows) {
+                    out[at] = Response::splat(0);
+                    continue;
+                }
+                auto qa = product(xa[r], xa[s]), qb = product(xb[r], xb[s]);
+                if (r < Lines) {
+                    const auto &x = c.d[direction + r], &y = c.d[direction + s];
+                    const auto line = product(x, y);
+                    qa = qa + (c.locked != 0 ? product(x, y, in.keep_a) : line);
+                    qb = qb + (c.locked != 0 ? product(x, y, in.keep_b) : line);
+                }
+                out[at] = rounded<response_bits>(narrow(qa) * alpha + narrow(qb) * beta);
+            }
+    }
+    /// Level and tilts, tangents and twist.
+    static void make_rows(Pack& c, const Input& in, const Layout& l) {
+        const Turner a = turner_of(in.inverse_a, in.turns_a, in.shift_a),
+                     b = turner_of(in.inverse_b, in.turns_b, in.shift_b);
+        const auto row = [&](const Length(&at_a)[3], const Length(&at_b)[3], std::int32_t(&xa)[3][N],
+                             std::int32_t(&xb)[3][N]) { turn(a, at_a, true, xa), turn(b, at_b, false, xb); };
+        for (int r = 0; r < 3; ++r)
+            for (int i = 0; i < 3; ++i)
+                low(round_to<row_bits>(Sum<unit_bits>::load(in.d[r][i]))).store(c.d[r][i]);
+        Length r[3], s[3];
+        for (int k = 0; k < 3; ++k) {
+            cross(l.centre_a, in.d[k], r), cross(l.centre_b, in.d[k], s);
+            if (k == 0)
+                row(r, s, c.normal_a[0], c.normal_b[0]);
+            else
+                row(r, s, c.slide_a[k - 1], c.slide_b[k - 1]);
+        }
+        if (c.point_count < 2) return;
+        for (int k = 0; k < 2; ++k) {
+            cross(l.along[k], in.d[0], r);
+            row(r, r, c.normal_a[k + 1], c.normal_b[k + 1]);
+        }
+        for (int i = 0; i < 3; ++i)
+            r[i] = rounded_within<length_bits>(l.size * Unit::load(in.d[0][i]), 0x7fffffff);
+        row(r, r, c.slide_a[2], c.slide_b[2]);
+    }
+
+    // ---- what follows from the rows --------------------------------------------------------------------------------
+
+    /// Effective masses of the points; returns the mean of their answers to their own impulses.
+    static Sum<response_bits> fill_points(Pack& c, const Input& in, int points, const Layout& l,
+                                          const Sum<response_bits> (&s)[6]) {
+        Sum<response_bits> sum = Sum<response_bits>::splat(0);
+        for (int k = 0; k < points; ++k) {
+            PointLanes<N>& point = c.points[k];
+            Gap::load(in.separation[k]).store(point.gap0), Gap::load(in.separation[k]).store(point.gap);
+            auto answer = s[0];
+            if (points > 1) {
+                const Unit a = low(l.arm[0][k]), b = low(l.arm[1][k]);
+                a.store(point.arm[0]), b.store(point.arm[1]);
+                // arm^T S arm: S below 2^31, arms at most 2^30.
+                const auto by_a = round_to<response_bits>(low(s[2]) * a) + (s[1] + s[1]);
+                const auto sa = round_to<response_bits>(low(s[4]) * a);
+                const auto by_b = round_to<response_bits>(low(s[5]) * b) + (s[3] + s[3]) + (sa + sa);
+                answer = answer + round_to<response_bits>(by_a * l.arm[0][k]) +
+                         round_to<response_bits>(by_b * l.arm[1][k]);
+                Lanes64 root;
+                (a * a + b * b).store64(root);
+                take_roots(root, N);
+                for (unsigned lane = 0; lane < N; ++lane)
+                    point.reach[lane] = static_cast<std::int32_t>(root[lane]);
+            }
+            answer = answer & l.exists[k];
+            sum = sum + answer;
+            Lanes64 of;
+            answer.store64(of);
+            for (unsigned lane = 0; lane < N; ++lane)
+                point.kappa[lane] = of[lane] < least_response
+                                        ? 0
+                                        : static_cast<std::int32_t>(
+                                              (std::int64_t{1} << (kappa_bits + response_bits)) / of[lane]);
+        }
+        Lanes64 mean;
+        sum.store64(mean);
+        for (unsigned lane = 0; lane < N; ++lane)
+            mean[lane] = in.count[lane] > 1 ? mean[lane] / in.count[lane] : mean[lane];
+        return Sum<response_bits>::load64(mean);
+    }
+
+    /// X, the softness of a pair that yields by `ease` of its impulse in a substep; added to S.
+    static void soften(Pack& c, const Input& in, const Gram& g, Sum<response_bits> mean,
+                       Sum<response_bits> (&s)[6]) {
+        constexpr int place[4] = {0, 2, 4, 5};
+        const auto gamma = round_to<response_bits>(mean * Sum<unit_bits>::load(in.ease)); // below 2^31
+        const Sum<response_bits> zero = Sum<response_bits>::splat(0);
+        for (int i = 0; i < (c.point_count > 1 ? 4 : 1); ++i) {
+            const auto x =
+                clamp(floor_to<response_bits>(gamma * floor_to<fit_bits - 4>(g.of[i])), softness_limit);
+            low(x).store(c.softness[i]);
+            Sum<response_bits>& entry = s[place[i]];
+            entry = i == 0 ? entry + x : entry + (x & ((entry > zero) | (zero > entry)));
+        }
+    }
+
+    static constexpr std::int64_t range = 0x7fffffff;
+    static Sum<27> bounded_factor(Sum<27> x) {
+        return clamp(x, range);
+    } ///< of a matrix that is none of a response
+
+    /// m^-1 of symmetric matrices, by rows of the lower triangle: L D L^T, levels and lines first. What nothing answers to, or
+    /// depends on the rows before it, gets zero rows. Entries of m are clamped at 2^31.
+    static void invert(const Sum<response_bits> (&entries)[6], std::int32_t (&out)[6][N]) {
+        constexpr std::int64_t top = std::int64_t{1} << (response_bits + inverse_bits), least = (1 << 12) + 1;
+        constexpr int factor_bits = 27, ratio_bits = 20;
+        Sum<response_bits> m[6];
+        for (int i = 0; i < 6; ++i) m[i] = clamp(entries[i], range);
+        const auto at = [&](int i) { return low(m[i]); };
+
+        Lanes64 pivot, part, inverse0, inverse1, inverse2, ratio;
+        m[0].store64(pivot);
+        for (unsigned lane = 0; lane < N; ++lane) // 28 fraction bits, at most 4
+            inverse0[lane] =
+                pivot[lane] < least_response ? 0 : (std::int64_t{1} << (response_bits + 28)) / pivot[lane];
+        const Sum<28> inverse = Sum<28>::load64(inverse0);
+        const auto d0 = floor_to<inverse_bits>(inverse);
+        const auto l10 = low(bounded_factor(round_to<factor_bits>(at(1) * low(inverse))));
+        const auto l20 = low(bounded_factor(round_to<factor_bits>(at(3) * low(inverse))));
+        const auto p1 = m[2] - round_to<response_bits>(l10 * at(1));
+        const auto e21 = clamp(m[4] - round_to<response_bits>(l20 * at(1)), range);
+        auto p2 = m[5] - round_to<response_bits>(l20 * at(3));
+
+        Lanes64 floor1, floor2;
+        Sum<response_bits>{L::template shift_right_signed<10>(m[2].raw)}.store64(floor1);
+        Sum<response_bits>{L::template shift_right_signed<10>(m[5].raw)}.store64(floor2);
+        p1.store64(pivot), e21.store64(part);
+        for (unsigned lane = 0; lane < N; ++lane) {
+            const bool answers = pivot[lane] >= (floor1[lane] > least ? floor1[lane] : least);
+            inverse1[lane] = answers ? top / pivot[lane] : 0;
+            const std::int64_t q = answers ? part[lane] * (1 << ratio_bits) / pivot[lane] : 0;
+            ratio[lane] = q > range ? range : q < -range ? -range : q;
+        }
+        const auto d1 = Sum<inverse_bits>::load64(inverse1);
+        const auto l21 = Sum<ratio_bits>::load64(ratio);
+        p2 = p2 - round_to<response_bits>(low(l21) * low(e21));
+        const auto l = round_to<ratio_bits>(l10 * low(l21)) - round_to<ratio_bits>(wide(l20)); // of L^-1
+        p2.store64(pivot), l.store64(part);
+        for (unsigned lane = 0; lane < N; ++lane) {
+            const bool answers = pivot[lane] >= (floor2[lane] > least ? floor2[lane] : least) &&
+                                 part[lane] < range && part[lane] > -range && ratio[lane] < range &&
+                                 ratio[lane] > -range;
+            inverse2[lane] = answers ? top / pivot[lane] : 0;
+        }
+        finish_inverse(d0, d1, Sum<inverse_bits>::load64(inverse2), l10, low(l21), low(clamp(l, range)), out);
+    }
+    static Mask within(Sum<inverse_bits> x) {
+        return ~((x > Sum<inverse_bits>::splat(range)) | (Sum<inverse_bits>::splat(-range) > x));
+    }
+    static void finish_inverse(Sum<inverse_bits> d0, Sum<inverse_bits> d1, Sum<inverse_bits> d2,
+                               LaneFixed<L, 27> l10, LaneFixed<L, 20> l21, LaneFixed<L, 20> l20,
+                               std::int32_t (&out)[6][N]) {
+        const auto r = round_to<inverse_bits>(l10 * low(d1));
+        const auto r00 = d0 + round_to<inverse_bits>(l10 * low(clamp(r, range)));
+        for (;;) {
+            const auto i20 = round_to<inverse_bits>(l20 * low(d2)),
+                       i21 = -round_to<inverse_bits>(l21 * low(d2));
+            const Sum<inverse_bits> all[6] = {r00 + round_to<inverse_bits>(l20 * low(i20)),
+                                              -r - round_to<inverse_bits>(l21 * low(i20)),
+                                              d1 - round_to<inverse_bits>(l21 * low(i21)),
+                                              i20,
+                                              i21,
+                                              d2};
+            Mask fits = within(all[0]);
+            for (int i = 1; i < 6; ++i) fits = fits & within(all[i]);
+            const Mask again = ~fits & (d2 > Sum<inverse_bits>::splat(0));
+            if (!again.any()) {
+                for (int i = 0; i < 6; ++i) low(clamp(all[i], range)).store(out[i]);
+                return;
+            }
+            d2 = d2 & ~again; // without the last row where its inverse leaves the format
+        }
+    }
+
+    /// Impulses that the last tick remembered, unless the point parts now.
+    static void start_impulses(Pack& c, const Input& in, int points, const Layout& l,
+                               const dynamics::SolverBody* bodies) {
+        const Speed zero = Speed::splat(0), most = Speed::splat(impulse_limit);
+        Mask carries = Mask::none();
+        for (int k = 0; k < points; ++k) carries = carries | (Speed::load(in.impulse[k]) > zero);
+        if (!carries.any()) return;
+        const dynamics::SolverBody *a[N], *b[N];
+        for (unsigned lane = 0; lane < N; ++lane)
+            a[lane] = &bodies[c.body_a[lane]], b[lane] = &bodies[c.body_b[lane]];
+        V raw[12];
+        L::gather6(a, raw);
+        L::gather6(b, raw + 6);
+        constexpr int sum_bits = row_bits + speed_bits;
+        static_assert(sum_bits == accumulator_bits);
+        const auto speed = [&](int i) {
+            return Speed{L::template shift_right<accumulator_bits - speed_bits>(raw[i])};
+        };
+        Sum<speed_bits> level;
+        Speed tilt[2];
+        for (int r = 0; r < (points > 1 ? 3 : 1); ++r) {
+            Sum<sum_bits> sum = Sum<sum_bits>::splat(0);
+            for (int i = 0; i < 3; ++i) {
+                if (r == 0) sum = sum + Row::load(c.d[0][i]) * (speed(6 + i) - speed(i));
+                sum = sum + Row::load(c.normal_a[r][i]) * speed(3 + i) +
+                      Row::load(c.normal_b[r][i]) * speed(9 + i);
+            }
+            if (r == 0)
+                level = round_to<speed_bits>(sum);
+            else
+                tilt[r - 1] = low(clamp(round_to<speed_bits>(sum), 0x7fffffff));
+        }
+        Mask rests = Mask::none();
+        for (int k = 0; k < points; ++k) {
+            auto leaves = level;
+            if (points > 1)
+                leaves = leaves + round_to<speed_bits>(low(l.arm[0][k]) * tilt[0]) +
+                         round_to<speed_bits>(low(l.arm[1][k]) * tilt[1]);
+            const Speed p = min(max(Speed::load(in.impulse[k]), zero), most) &
+                            ~(leaves > Sum<speed_bits>::splat(leaving_speed));
+            p.store(c.points[k].impulse);
+            rests = rests | (p > zero);
+        }
+        for (int r = 0; r < 2; ++r) (clamp(Speed::load(in.slide[r]), most) & rests).store(c.slide[r]);
+        std::int32_t size[N];
+        l.size.store(size);
+        for (unsigned lane = 0; lane < N; ++lane) {
+            if (!has(rests.lanes(), lane) || size[lane] == 0) continue;
+            const std::int64_t twist = std::int64_t{in.twist[lane]} * (1 << speed_bits),
+                               half = size[lane] / 2;
+            const std::int64_t impulse = (twist + (twist < 0 ? -half : half)) /
+                                         size[lane]; // to nearest, or friction gives way in every tick
+            c.slide[2][lane] = static_cast<std::int32_t>(impulse > impulse_limit    ? impulse_limit
+                                                         : impulse < -impulse_limit ? -impulse_limit
+                                                                                    : impulse);
+        }
+    }
+
+  public:
+    /// All of a pack whose heads are filled (fill_lane), from what its contacts are.
+    static void prepare(void* pack, void* input, const dynamics::SolverBody* bodies) {
+        Pack& c = *static_cast<Pack*>(pack);
+        const int points = c.point_count;
+        if (points == 0) return;
+        find_tangents(c, *static_cast<Input*>(input));
+        const Input& in = *static_cast<const Input*>(input);
+        Layout l;
+        LayoutKernel<L>::lay_out(in, points, l);
+        l.size.store(c.size);
+        Gram gram;
+        LayoutKernel<L>::fit_members(c, points, l, gram);
+        make_rows(c, in, l);
+
+        Response response[6];
+        respond<2>(c, in, 1, points > 1 ? 3 : 2, c.slide_a, c.slide_b, response);
+        Sum<response_bits> s[6];
+        for (int i = 0; i < 6; ++i) s[i] = wide(response[i]);
+        invert(s, c.slide_inverse);
+        respond<1>(c, in, 0, points > 1 ? 3 : 1, c.normal_a, c.normal_b, response);
+        for (int i = 0; i < 6; ++i) response[i].store(c.response[i]), s[i] = wide(response[i]);
+        const Sum<response_bits> mean = fill_points(c, in, points, l, s);
+        start_impulses(c, in, points, l, bodies);
+        if (points == 1) return;
+        for (int i : {1, 2}) s[i] = s[i] & gram.tilts;
+        for (int i : {3, 4, 5}) s[i] = s[i] & gram.plane;
+        invert(s, c.inverse);
+        soften(c, in, gram, mean, s);
+        invert(s, c.soft_inverse);
+    }
+};
+
+} // namespace lockstone::solve

@@ -1,0 +1,67 @@
+// Contact points are made when somebody asks for them: whether it matters when.
+#pragma once
+
+#include "support/sim_script.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace lockstone::test::scene {
+
+inline bool same_point(const World::ContactPoint& a, const World::ContactPoint& b) {
+    return a.shape_a == b.shape_a && a.shape_b == b.shape_b && a.point == b.point && a.normal == b.normal &&
+           a.separation == b.separation && a.impulse == b.impulse && a.part_a == b.part_a && a.part_b == b.part_b;
+}
+
+/// One command after a tick, each time another kind, on a body that touches something where there is one.
+inline void command_after_tick(World& w, std::uint64_t tick, BodyId touching) {
+    const BodyId b = w.is_alive(touching) ? touching : w.body_at(static_cast<std::uint32_t>(tick % w.body_count()));
+    const bool is_dynamic = w.kind(b) == BodyKind::dynamic;
+    switch (tick % 8) {
+    case 0:
+        done(w.destroy(made(w.create_body({.pose = at(0, 9, 0)}))));
+        break;
+    case 1:
+        if (is_dynamic) done(w.set_velocity(b, vec(0.1, 0.2, 0), {}));
+        break;
+    case 2:
+        if (!w.shapes(b).empty()) done(w.set_material({w.shapes(b).front(), real(0.7)}));
+        break;
+    case 3:
+        if (is_dynamic) done(w.set_pose(b, at(0.2, 4, -0.1)));
+        break;
+    case 4:
+        if (is_dynamic && w.shapes(b).size() > 1) done(w.destroy(w.shapes(b).front()));
+        break;
+    case 5:
+        if (is_dynamic) done(w.destroy(b));
+        break;
+    case 6:
+        done(w.wake_body(w.body_at(w.body_count() - 1)));
+        break;
+    default:
+        done(w.set_gravity(vec(0, -9, 0)));
+        break;
+    }
+}
+
+/// Runs a script twice: once the contact points are asked for right after each tick, once after a command that follows it.
+/// Empty when they are the same, and some were; else the tick.
+inline std::string late_points_difference(Scenery scenery, std::uint64_t ticks) {
+    World early = start_script(scenery), late = start_script(scenery);
+    std::size_t seen = 0;
+    for (std::uint64_t t = 0; t < ticks; ++t) {
+        step_script(early), step_script(late);
+        const std::vector<World::ContactPoint> points(early.contacts().begin(), early.contacts().end());
+        seen += points.size();
+        if (t % 3 == 0) {
+            const BodyId touching = points.empty() ? BodyId{} : early.body_of(points[t % points.size()].shape_b);
+            command_after_tick(early, t / 3, touching), command_after_tick(late, t / 3, touching);
+        }
+        if (!std::ranges::equal(points, late.contacts(), same_point))
+            return "tick " + std::to_string(t) + ": contact points that were asked for late are others";
+    }
+    return seen > 100 ? "" : "hardly any contact points";
+}
+
+} // namespace lockstone::test::scene
