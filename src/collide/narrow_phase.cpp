@@ -56,15 +56,19 @@ CoordinateVec3 into_frame(const Rotation& r, Vec3 d) {
 
 namespace {
 
-bool has_routine(const shapes::Solid& a, const shapes::Solid& b, const RelativePose& pose) {
-    return routine_of(a.geometry.kind, b.geometry.kind) != nullptr && is_plain(a.geometry) &&
-           is_plain(b.geometry) && is_near(pose.position, Coordinate(128));
+/// The routine of two solids where it is proved for them; else null.
+Routine routine_of(const shapes::Solid& a, const shapes::Solid& b, const RelativePose& pose) {
+    const Routine found = routine_of(a.geometry.kind, b.geometry.kind);
+    const bool fits = is_plain(a.geometry) && is_plain(b.geometry) && is_near(pose.position, Coordinate(128));
+    return found != nullptr && fits ? found : nullptr;
 }
 
-/// From A's origin to B's.
-void move_to_b(Manifold& m, const CoordinateVec3& position) {
-    for (std::uint32_t k = 0; k < m.count; ++k)
-        m.points[k].position = to<Length>(to<Coordinate>(m.points[k].position) - position);
+void use(Routine routine, const shapes::Solid& a, const shapes::Solid& b, const RelativePose& pose,
+         Length margin, Manifold& out) {
+    out = Manifold{};
+    routine(a.geometry, b.geometry, pose, margin, out);
+    for (std::uint32_t k = 0; k < out.count; ++k) // from A's origin to B's
+        out.points[k].position = to<Length>(to<Coordinate>(out.points[k].position) - pose.position);
 }
 
 } // namespace
@@ -84,12 +88,9 @@ RelativePose plane_relative_pose(const Transform& plane, const Transform& b) {
 
 void collide_pair(const shapes::Solid& a, const shapes::Solid& b, const RelativePose& pose, Length margin,
                   Manifold& out) {
+    if (const Routine routine = routine_of(a, b, pose)) return use(routine, a, b, pose, margin, out);
     out = Manifold{};
     if (a.geometry.kind == ShapeKind::plane) return collide_plane(b, pose, margin, out);
-    if (has_routine(a, b, pose)) {
-        routine_of(a.geometry.kind, b.geometry.kind)(a.geometry, b.geometry, pose, margin, out);
-        return move_to_b(out, pose.position);
-    }
     collide_convex(convex_of(a, Rotation::identity(), CoordinateVec3{}),
                    convex_of(b, pose.rotation, pose.position), margin, out);
 }
@@ -113,7 +114,9 @@ void collide(const shapes::Solid& a, const shapes::Solid& b, const RelativePose&
         return collide_compound(a, b, pose, margin, scratch, out);
     if (kind_a == ShapeKind::height_field || kind_a == ShapeKind::mesh)
         return collide_triangles(a, b, pose, margin, scratch, out);
-    if (kind_a != ShapeKind::plane && !has_routine(a, b, pose)) {
+    if (const Routine routine = routine_of(a, b, pose)) {
+        use(routine, a, b, pose, margin, out.items[0]);
+    } else if (kind_a != ShapeKind::plane) {
         collide_convex(convex_of(a, Rotation::identity(), CoordinateVec3{}),
                        convex_of(b, pose.rotation, pose.position), margin, out.items[0], raw(hint));
         if (out.items[0].count == 0) out.apart = out.items[0].normal;
