@@ -279,7 +279,7 @@ class World {
     /// The events of the last tick, in the order of EventKind. Empty after restore.
     std::span<const Event> events() const;
 
-    /// A contact point of the last tick, for drawing and reports. Not state.
+    /// A contact point of the last tick, for drawing and reports; found when first asked for. Not state.
     struct ContactPoint {
         ShapeId shape_a, shape_b;
         Vec3 point;

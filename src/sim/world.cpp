@@ -384,6 +384,7 @@ Transform World::pose(BodyId body) const {
     const std::uint32_t row = living(*impl, body);
     const Transform& pose = impl->state.rows(impl->m.body_pose)[row];
     const Vec3 center = impl->state.rows(impl->m.body_mass)[row].center;
+    if (center == Vec3{}) return pose; // games ask for many poses in a tick
     return {pose.position - rotate(pose.rotation, center), pose.rotation};
 }
 Vec3 World::center_of_mass(BodyId body) const {
