@@ -18,6 +18,7 @@ PRELUDE = ("lockstone/world.h", "sim/data.h", "algorithm", "array", "functional"
 
 # Kernels of an instruction set, as in CMakeLists.txt: the machine chooses among them when the program runs.
 KERNELS = {"kernel_sse41.cpp": ["-msse4.1"], "kernel_avx2.cpp": ["-mavx2"]}
+UNALIGNED = ["-Wa,-muse-unaligned-vector-move"]  # as CMakeLists.txt has it
 X86 = ("", "i386", "windows")  # targets; "": this machine
 
 
@@ -75,7 +76,7 @@ class Builder:
         flags += ["-include", self.prelude(build, flags, folder)]
         # A planted fault is one object beside those of the build that has none.
         objects = list(self.pool.map(lambda path: self.object(build, flags, folder, path), files))
-        program = folder / (name + ("_planted" if build.patch else "") + (".wasm" if build.target == "wasm" else ""))
+        program = folder / (name + ("_planted" if build.patch else "") + {"wasm": ".wasm", "windows": ".exe"}.get(build.target, ""))
         threads = [] if build.target == "wasm" else ["-pthread"]
         libraries = [f for f in build.flags if f.startswith("-l")]
         run([build.cxx, *flags, *threads, "-o", program, *objects, *libraries])
@@ -87,6 +88,8 @@ class Builder:
         with self.lock_of(out):  # two programs may want it at once
             if not fresh(out, compiled_header(build, folder)):
                 own = KERNELS.get(path.name, []) if build.target in X86 else []
+                if own and build.target == "windows":
+                    own = [*own, *UNALIGNED]
                 if own:  # what the prelude was compiled into is not for these instructions
                     flags = flags[:flags.index("-include")]
                 run([build.cxx, *flags, *own, "-MMD", "-MF", f"{out}.d", "-c", source, "-o", out])
