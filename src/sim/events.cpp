@@ -84,6 +84,14 @@ void publish_waking(Data& w) {
     }
 }
 
+void publish_drop(Data& w) {
+    if (w.scratch.contacts_dropped == 0) return;
+    Event e{};
+    e.kind = EventKind::contacts_dropped;
+    e.tick = w.header().tick;
+    w.events.push_back(e);
+}
+
 } // namespace
 
 void publish_events(Data& w) {
@@ -111,6 +119,7 @@ void publish_events(Data& w) {
         }
         w.events.push_back(e);
     }
+    publish_drop(w);
     publish_waking(w);
     const std::vector<Event>& landings = s.characters.landings;
     w.events.insert(w.events.end(), landings.begin(), landings.end());
