@@ -6,7 +6,7 @@
 namespace lockstone {
 
 /// Order within a tick: by kind, then by the pair's shape ids, then by the joint, then by body_a. At most one event of a kind per
-/// pair, joint or character and tick.
+/// pair, joint or character and tick; of contacts_dropped, per tick.
 enum class EventKind : std::uint32_t {
     contact_begin, ///< two shapes touch that did not touch after the last tick
     contact_end,   ///< they no longer do, or one of them was destroyed
@@ -16,6 +16,9 @@ enum class EventKind : std::uint32_t {
     body_wake,   ///< body_a was asleep when the last tick ended
     body_sleep,  ///< body_a fell asleep at the end of this tick
     character_landed, ///< a character, body_a, came down on body_b and stands; approach_speed: how fast, along its up
+    /// Pairs that touch were dropped, the last in pair order, since contacts_max was reached: bodies fall through each
+    /// other. All else of the event is null; World::faults counts the pairs. Give the world a higher limit.
+    contacts_dropped,
 };
 
 struct Event {

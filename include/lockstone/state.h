@@ -1,8 +1,8 @@
 // The whole state of a simulation in one relocatable block: columns of rows, named once in a manifest.
 //
 // Saving, restoring, hashing, comparing and dumping all walk the manifest; nothing is mirrored by hand, and what
-// is not in the block cannot affect the next tick. Row counts are part of the state; capacities and the manifest
-// itself are fixed when the block is made.
+// is not in the block cannot affect the next tick. Row counts are part of the state. How many rows there is memory for
+// is not: tables grow when they need to, up to a limit of each, and states with other capacities are equal all the same.
 #pragma once
 
 #include "lockstone/result.h"
@@ -11,6 +11,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <memory>
 #include <span>
 #include <string>
@@ -34,7 +35,12 @@ template <StateRow T> struct Column { std::uint32_t index; };
 
 struct TableInfo {
     std::string name;
-    std::uint32_t capacity; ///< rows
+    std::uint32_t capacity; ///< rows that there is memory for
+    std::uint32_t rows_max; ///< that it may grow to
+
+    /// The capacity that a table grows to when it is to hold `rows`, at most rows_max: half as much again as it has, so
+    /// that growing row by row copies each row a few times in all.
+    std::uint32_t grown(std::uint32_t rows) const;
 };
 
 struct ColumnInfo {
@@ -44,16 +50,21 @@ struct ColumnInfo {
     std::uint32_t row_size;      ///< bytes
     std::uint32_t rows_per_page; ///< of the hash tree
     std::size_t offset;          ///< of row 0 from the start of the block, a multiple of 64
-    std::vector<LeafInfo> leaves;
-    std::uint64_t name_hash; ///< seeds the column's node of the hash tree
+    std::span<const LeafInfo> leaves; ///< valid as long as any layout that has the column, or was grown from one
+    std::uint64_t name_hash;          ///< seeds the column's node of the hash tree
 };
 
 /// The manifest: tables and columns in hash order. Built once, then shared read-only by every copy of the state.
 class StateLayout {
   public:
     StateLayout();
-    /// Names of tables are unique (asserted). A capacity of zero is allowed: the columns exist and stay empty.
-    TableId add_table(std::string name, std::uint32_t capacity);
+    /// Names of tables are unique (asserted). A limit of zero is allowed: the columns exist and stay empty.
+    /// `capacity`: rows that a state has memory for when it is made, at most `rows_max` (asserted).
+    TableId add_table(std::string name, std::uint32_t capacity, std::uint32_t rows_max);
+    /// A table that has all its memory from the start.
+    TableId add_table(std::string name, std::uint32_t capacity) {
+        return add_table(std::move(name), capacity, capacity);
+    }
     /// Columns of a table may be added until a State is made of the layout. Names are unique (asserted).
     template <StateRow T> Column<T> add_column(TableId table, std::string name, Group group) {
         return {add_column(table, std::move(name), group, sizeof(T), leaves_of<T>())};
@@ -76,8 +87,11 @@ class StateLayout {
     std::size_t page_count() const { return pages_total; }
     /// Bytes of a whole block: counts, then every column at capacity.
     std::size_t size_bytes() const { return block_size; }
-    /// What image_bytes() of a full state is.
+    /// What image_bytes() of a state is whose tables are full, at capacity.
     std::size_t image_bytes_max() const { return image_size_max; }
+    /// The same manifest with other capacities, by table: for the same columns, at other places. Each at most the table's
+    /// rows_max (asserted).
+    std::shared_ptr<const StateLayout> with_capacities(std::span<const std::uint32_t> capacities) const;
     /// XXH3 of all names, sizes and formats (not capacities): two states compare or load only where these agree.
     std::uint64_t schema_hash() const { return schema; }
     const ColumnInfo* find_column(std::string_view name) const;
@@ -91,6 +105,7 @@ class StateLayout {
 
     std::vector<TableInfo> table_infos;
     std::vector<ColumnInfo> column_infos;
+    std::vector<std::shared_ptr<const std::vector<LeafInfo>>> leaf_lists; ///< what ColumnInfo::leaves is of
     std::vector<Placement> column_placements;
     std::size_t block_size = 0;
     std::size_t image_size_max = 0;
@@ -127,8 +142,8 @@ using Owner = std::shared_ptr<const std::byte>;
 } // namespace detail
 
 /// A ring image: the rows of a state at one time, only for this process (save_portable is for files and packets). It
-/// has memory for a state at capacity, of which only what was ever live is touched. Saving into an image that already
-/// holds most of the state, and restoring from one, copies the pages that differ.
+/// has as much memory as the state had when it was saved, of which only what was ever live is touched. Saving into an
+/// image that already holds most of the state, and restoring from one, copies the pages that differ.
 class Image {
   public:
     /// What image_bytes() was of the state when it was saved; 0: nothing was.
@@ -158,6 +173,7 @@ struct RowRange {
 /// How far a reader has followed a state, column by column: see State::take_changes. A fresh one has seen nothing.
 class ChangeMark {
     friend class State;
+    std::shared_ptr<const StateLayout> layout;
     detail::Owner owner;
     detail::Versions versions;       ///< of what the reader saw; 0: of pages that were not live then
     std::vector<std::uint32_t> rows; ///< by column: how many there were
@@ -197,20 +213,29 @@ class State {
   public:
     explicit State(std::shared_ptr<const StateLayout> layout); ///< all counts zero, all bytes zero
     State(const State& other);                                 ///< deep copy at another address
-    State&
-    operator=(const State& other); ///< the same layout, or one with equal schema and capacities (asserted)
+    State& operator=(const State& other); ///< of an equal schema, rows within the limits (asserted); capacities grow
     State(State&&) noexcept = default;
     State& operator=(State&&) noexcept = default;
 
+    /// The present one: growing replaces it. Handles of columns and tables stay what they are, and so does the schema.
     const StateLayout& layout() const { return *shared_layout; }
     const std::shared_ptr<const StateLayout>& layout_shared() const { return shared_layout; }
 
     std::uint32_t count(TableId table) const { return counts()[table.index]; }
+    /// Rows that there is memory for. Enters no hash and no image, and no comparison looks at it.
     std::uint32_t capacity(TableId table) const { return shared_layout->tables()[table.index].capacity; }
-    /// Sets the live row count, at most the capacity (asserted). Rows that appear are zero; rows that go are zeroed.
+    std::uint32_t rows_max(TableId table) const { return shared_layout->tables()[table.index].rows_max; }
+    /// Sets the live row count, at most rows_max (asserted). Rows that appear are zero; rows that go are zeroed. Grows
+    /// where there is no room.
     void resize(TableId table, std::uint32_t rows);
+    /// Room for `more` rows in each of the tables, so that no resize to it grows: once for all of them. At most rows_max
+    /// is taken, whatever is asked for.
+    void make_room(std::initializer_list<TableId> tables, std::uint32_t more);
+    /// Capacities of at least these, by table, each at most the table's rows_max (asserted). Growing moves the block, takes
+    /// time and memory like a copy of it, and changes nothing that a hash, an image or a reader of changes could tell.
+    void reserve(std::span<const std::uint32_t> capacities);
 
-    /// The live rows of a column. Valid until the state is moved or its table resized.
+    /// The live rows of a column. Valid until the state is moved or grows, or the table is resized.
     template <StateRow T> std::span<const T> rows(Column<T> column) const {
         const std::span<const std::byte> all = bytes(column.index);
         return {reinterpret_cast<const T*>(all.data()), all.size() / sizeof(T)};
@@ -222,8 +247,8 @@ class State {
     }
 
     // ---- writing: whatever these name counts as written ----
-    // Use what they return at once: it is valid until the state is moved or the table resized, and a write through it
-    // after a save, a restore or a hash goes unnoticed.
+    // Use what they return at once: it is valid until the state is moved or grows, or the table is resized, and a write
+    // through it after a save, a restore or a hash goes unnoticed.
     /// All live rows.
     template <StateRow T> std::span<T> edit(Column<T> column) { return as_rows<T>(edit_bytes(column.index)); }
     /// `count` live rows from `first` (asserted).
@@ -234,13 +259,15 @@ class State {
     std::span<std::byte> edit_bytes(std::uint32_t column);
     std::span<std::byte> edit_bytes(std::uint32_t column, std::uint32_t first_row, std::uint32_t count);
 
-    /// The whole block. What is not a live row is zero, so equal states are equal blocks.
+    /// The whole block. What is not a live row is zero, so equal states of equal capacities are equal blocks.
     std::span<const std::byte> block_bytes() const { return {block.get(), shared_layout->size_bytes()}; }
 
     // ---- ring images: the fast path of rollback ----
-    /// Copies what the image does not hold yet. Allocates only for an image that was of another layout, or of none.
+    /// Copies what the image does not hold yet. Allocates only for an image of none or of another layout: once for each
+    /// image after the state has grown.
     void save(Image& image) const;
-    /// Of a state with the same schema whose rows fit (asserted). Of this state's own images, copies what differs.
+    /// Of a state with the same schema whose rows are within the limits (asserted). Of this state's own images, copies
+    /// what differs, also where it has grown since.
     void restore(const Image& image);
     /// Gives an image its memory ahead of the first save.
     void reserve(Image& image) const;
@@ -248,7 +275,7 @@ class State {
 
     // ---- portable images: files, packets, other machines. Format: src/state/README.md ----
     std::vector<std::byte> save_portable() const;
-    /// On any error the state is as it was. Capacities may differ; counts must fit.
+    /// On any error the state is as it was. Capacities may differ; counts must be within the limits.
     Status restore_portable(std::span<const std::byte> image);
 
     // ---- delta images: a portable image as the difference to an earlier state. Format: src/state/README.md ----
@@ -293,6 +320,8 @@ class State {
         return {reinterpret_cast<const std::uint32_t*>(block.get()), shared_layout->tables().size()};
     }
     void forget_all();
+    void grow(std::shared_ptr<const StateLayout> layout);
+    void make_room_for(std::span<const std::uint32_t> rows);
     void mark(std::uint32_t column, std::size_t first_page, std::size_t end_page);
     void restore_foreign(const Image& image);
     std::uint64_t column_hash(std::uint32_t column) const;

@@ -43,15 +43,19 @@ struct WorldDef {
     Integrator integrator = Integrator::semi_implicit_euler;
     std::uint32_t bounds_shift =
         0; ///< 0..8: broad-phase step 2^(shift-16) m, exact within 2^(15+shift) m of the origin
-    std::uint32_t bodies_max = 1024;
-    std::uint32_t shapes_max = 1024;
-    std::uint32_t contacts_max =
-        8192; ///< shape pairs that are near each other; several for a shape of many parts
-    std::uint32_t fields_max = 16;
-    std::uint32_t pair_filters_max = 64; ///< pairs of bodies that were told not to touch
-    std::uint32_t joints_max = 256;
-    std::uint32_t characters_max = 16;
-    std::uint32_t vehicles_max = 16;
+    // Limits of what there may be at one time, 1..2^20, of fields 1..1024, of characters and vehicles 1..65536. They cost
+    // nothing: a world takes memory as things come. What they bound is what a file may ask for. They are part of the
+    // definition, and so of the hash; how much memory there is at present is not.
+    std::uint32_t bodies_max = 8192;
+    std::uint32_t shapes_max = 8192;
+    /// Shape pairs that touch or nearly do; several for a shape of many parts. 0: eight for each shape or body that there
+    /// may be, which heaps do not reach. Beyond it pairs are dropped: see EventKind::contacts_dropped.
+    std::uint32_t contacts_max = 0;
+    std::uint32_t fields_max = 256;
+    std::uint32_t pair_filters_max = 8192; ///< pairs of bodies that were told not to touch
+    std::uint32_t joints_max = 8192;
+    std::uint32_t characters_max = 256;
+    std::uint32_t vehicles_max = 256;
     std::uint32_t continuous = 1;         ///< 0: fast bodies are not swept and may pass through what is thin
     std::uint32_t sleeping = 1;           ///< 0: bodies that rest are simulated all the same
     Real restitution_speed_min = Real(1); ///< [m/s]: slower impacts do not bounce
@@ -71,6 +75,12 @@ struct WorldDef {
         def.substeps = 8;
         return def;
     }
+};
+
+/// How many there may be before a world takes more memory.
+struct WorldRows {
+    std::uint32_t bodies = 0, shapes = 0, contacts = 0, fields = 0, pair_filters = 0, joints = 0, characters = 0,
+                  vehicles = 0;
 };
 
 /// The game's own columns, in the same block as the engine's: saved, hashed, compared and dumped with them.
@@ -101,7 +111,7 @@ class GameSchema {
 struct Faults {
     std::uint64_t speed_clamped;    ///< a linear or angular velocity met its limit
     std::uint64_t position_clamped; ///< a position met the end of the documented range (1e9 m)
-    std::uint64_t contacts_dropped; ///< pairs beyond contacts_max; the last in pair order were dropped
+    std::uint64_t contacts_dropped; ///< pairs beyond contacts_max, in all ticks; the last in pair order are dropped
     std::uint64_t impulse_clamped;  ///< a contact impulse met the end of its format
     friend bool operator==(const Faults&, const Faults&) = default;
 };
@@ -160,6 +170,11 @@ class World {
     World& operator=(World&&) noexcept;
     ~World();
     World clone() const; ///< same state at another address; no journal
+    /// Takes memory ahead of need, for so many at least. Tables grow by themselves, by half each time, and ticks and commands
+    /// allocate while they do; after this they seldom have to. No hash, image or answer depends on it. Refuses more than the
+    /// definition's limits, by name. Ring images take theirs at the next save.
+    Status reserve(const WorldRows& rows);
+    WorldRows capacity() const; ///< what there is memory for at present
     /// Expires with this object, so that who keeps a reference to it can tell. Its contents may move elsewhere before.
     std::weak_ptr<const void> lifetime();
 

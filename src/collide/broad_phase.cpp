@@ -11,16 +11,24 @@
 
 namespace lockstone::collide {
 
-BroadPhase::BroadPhase(std::uint32_t proxy_capacity, Bound leaf_margin)
-    : entries(proxy_capacity, Entry{Bounds{}, Bounds{}, BoundsTree::none, false, false, false, false, false}),
-      moving(proxy_capacity), fixed(proxy_capacity), margin(leaf_margin) {
-    moved.reserve(proxy_capacity);
-    changed.reserve(proxy_capacity);
-    leaves.reserve(proxy_capacity);
-    for (std::vector<ProxyPair>* pairs : {&leaf_pairs, &found, &merged})
-        pairs->reserve(std::size_t{8} * proxy_capacity);
+BroadPhase::BroadPhase(std::uint32_t proxy_capacity, Bound leaf_margin) : margin(leaf_margin) {
+    grow(proxy_capacity);
+    reserve(proxy_capacity);
     stack.reserve(256);
     open.reserve(256);
+}
+
+void BroadPhase::grow(std::uint32_t proxy_capacity) {
+    if (proxy_capacity <= entries.size()) return;
+    entries.reserve(proxy_capacity); // no more than that: whoever asks grows in steps
+    entries.resize(proxy_capacity, absent);
+}
+
+void BroadPhase::reserve(std::uint32_t proxies) {
+    moving.reserve(proxies), fixed.reserve(proxies);
+    moved.reserve(proxies), changed.reserve(proxies), leaves.reserve(proxies);
+    for (std::vector<ProxyPair>* pairs : {&leaf_pairs, &found, &merged})
+        pairs->reserve(std::size_t{8} * proxies);
 }
 
 void BroadPhase::note_move(std::uint32_t proxy) {
@@ -66,8 +74,7 @@ void BroadPhase::remove(std::uint32_t proxy) {
 }
 
 void BroadPhase::clear() {
-    for (Entry& entry : entries)
-        entry = {Bounds{}, Bounds{}, BoundsTree::none, false, false, false, false, false};
+    for (Entry& entry : entries) entry = absent;
     moving.clear();
     fixed.clear();
     moved.clear();

@@ -23,9 +23,15 @@ inline constexpr Bound leaf_margin_default = decimal<Bound>("0.1"); ///< [m] whi
 
 class BroadPhase {
   public:
-    /// Proxies are numbers below `proxy_capacity` (asserted); memory for them is taken here. `margin` is how far the
-    /// leaves of moving proxies reach beyond their bounds: larger means fewer tree updates and more pairs to filter.
+    /// Proxies are numbers below `proxy_capacity` (asserted); memory for them is taken here, as by `reserve`. `margin` is
+    /// how far the leaves of moving proxies reach beyond their bounds: larger means fewer tree updates and more pairs to
+    /// filter.
     explicit BroadPhase(std::uint32_t proxy_capacity, Bound margin = leaf_margin_default);
+
+    /// Proxies may be numbers below `proxy_capacity` from now on, if that is more than before.
+    void grow(std::uint32_t proxy_capacity);
+    /// Takes memory for trees and pairs of so many proxies ahead of the calls that need it.
+    void reserve(std::uint32_t proxies);
 
     /// Inserts or moves a proxy, or changes its kind. Costs next to nothing while the bounds stay within the leaf.
     void set(std::uint32_t proxy, const Bounds& exact, bool is_static);
@@ -72,6 +78,7 @@ class BroadPhase {
         bool moved;    ///< the tree does not know of its leaf bounds yet
         bool fresh;    ///< `leaf_pairs` does not know of its leaf yet
     };
+    static constexpr Entry absent{Bounds{}, Bounds{}, BoundsTree::none, false, false, false, false, false};
     struct NodePair {
         BoundsTree::NodeId a, b;
     };

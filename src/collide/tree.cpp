@@ -6,11 +6,12 @@
 
 namespace lockstone::collide {
 
-BoundsTree::BoundsTree(std::uint32_t leaf_capacity) {
-    nodes.reserve(std::size_t{2} * leaf_capacity);
+BoundsTree::BoundsTree() {
     stack.reserve(256);
     ranges.reserve(64);
 }
+
+void BoundsTree::reserve(std::uint32_t leaves) { nodes.reserve(std::size_t{2} * leaves); }
 
 BoundsTree::NodeId BoundsTree::take_node() {
     if (free_list == none) {

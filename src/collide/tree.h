@@ -33,7 +33,9 @@ class BoundsTree {
         bool fresh;
     };
 
-    explicit BoundsTree(std::uint32_t leaf_capacity);
+    BoundsTree();
+
+    void reserve(std::uint32_t leaves);
 
     /// A fresh leaf where it makes the tree grow least.
     NodeId insert(const Bounds& bounds, std::uint32_t proxy);

@@ -17,6 +17,7 @@ using base::join;
 
 // ---- slots ---------------------------------------------------------------------------------------------------
 
+/// The caller has made room, so that the header that `first_free` is in stays where it is.
 std::uint32_t take_slot(State& state, TableId table, Column<Slot> column, std::uint32_t& first_free,
                         std::uint32_t row) {
     std::uint32_t index = first_free;
@@ -237,7 +238,7 @@ Result<World::Applied> Applier::operator()(const SetPairFilter& c) {
         w.state.resize(w.m.pair_filters, count - 1);
         return Applied{};
     }
-    if (count == w.state.capacity(w.m.pair_filters))
+    if (count == w.state.rows_max(w.m.pair_filters))
         return Error{join("set_pair_filter: the world is full: pair_filters_max is ", count)};
     w.state.resize(w.m.pair_filters, count + 1);
     const std::span<PairFilterRow> from = w.state.edit(w.m.pair_filter, index, count + 1 - index);

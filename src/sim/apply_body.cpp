@@ -83,8 +83,9 @@ void update_mass(Data& w, std::uint32_t row) {
 Result<World::Applied> Applier::operator()(const CreateBody& c) {
     if (std::string e = check(c.def); !e.empty()) return Error{"create_body: " + e};
     const std::uint32_t row = w.state.count(w.m.bodies);
-    if (row == w.state.capacity(w.m.bodies))
+    if (row == w.state.rows_max(w.m.bodies))
         return Error{join("create_body: the world is full: bodies_max is ", row)};
+    w.state.make_room({w.m.body_slots, w.m.bodies}, 1);
     Header& h = w.edit_header();
     const std::uint32_t index = take_slot(w.state, w.m.body_slots, w.m.body_slot, h.body_free, row);
     const BodyId id{index, w.state.rows(w.m.body_slot)[index - 1].generation};
@@ -139,9 +140,11 @@ Result<World::Applied> Applier::operator()(const CreateShape& c) {
     if (const Result<shapes::Solid> solid = w.scratch.solids.resolve(c.def.geometry); !solid)
         return Error{"create_shape: " + solid.error().message};
     const std::uint32_t row = w.state.count(w.m.shapes);
-    if (row == w.state.capacity(w.m.shapes))
+    if (row == w.state.rows_max(w.m.shapes))
         return Error{join("create_shape: the world is full: shapes_max is ", row)};
     body_row = wake(w, c.body);
+    w.state.make_room({w.m.shape_slots, w.m.shapes}, 1);
+    w.scratch.fit(w.state.capacity(w.m.shape_slots));
     const std::uint32_t index =
         take_slot(w.state, w.m.shape_slots, w.m.shape_slot, w.edit_header().shape_free, row);
     const ShapeId id{index, w.state.rows(w.m.shape_slot)[index - 1].generation};

@@ -39,9 +39,9 @@ static std::string check_input(const CharacterInput& input) {
 Result<World::Applied> Applier::operator()(const CreateCharacter& c) {
     if (std::string e = check(c.def); !e.empty()) return Error{"create_character: " + e};
     const std::uint32_t row = w.state.count(w.m.characters);
-    if (row == w.state.capacity(w.m.characters))
+    if (row == w.state.rows_max(w.m.characters))
         return Error{join("create_character: the world is full: characters_max is ", row)};
-    if (w.state.count(w.m.shapes) == w.state.capacity(w.m.shapes))
+    if (w.state.count(w.m.shapes) == w.state.rows_max(w.m.shapes))
         return Error{join("create_character: the world is full: shapes_max is ", w.state.count(w.m.shapes))};
     BodyDef body;
     body.kind = BodyKind::kinematic;
@@ -54,6 +54,7 @@ Result<World::Applied> Applier::operator()(const CreateCharacter& c) {
         (void)(*this)(DestroyBody{made_body->body});
         return Error{"create_character: " + made_shape.error().message};
     }
+    w.state.make_room({w.m.character_slots, w.m.characters}, 1);
     const std::uint32_t index =
         take_slot(w.state, w.m.character_slots, w.m.character_slot, w.edit_header().character_free, row);
     const CharacterId id{index, w.state.rows(w.m.character_slot)[index - 1].generation};

@@ -23,9 +23,10 @@ static FieldRow row_of(FieldId id, FieldDef def) {
 Result<World::Applied> Applier::operator()(const CreateField& c) {
     if (std::string e = check(c.def); !e.empty()) return Error{"create_field: " + e};
     const std::uint32_t row = w.state.count(w.m.fields);
-    if (row == w.state.capacity(w.m.fields))
+    if (row == w.state.rows_max(w.m.fields))
         return Error{join("create_field: the world is full: fields_max is ", row)};
     wake_all(w);
+    w.state.make_room({w.m.field_slots, w.m.fields}, 1);
     const std::uint32_t index =
         take_slot(w.state, w.m.field_slots, w.m.field_slot, w.edit_header().field_free, row);
     const FieldId id{index, w.state.rows(w.m.field_slot)[index - 1].generation};

@@ -70,9 +70,10 @@ Result<World::Applied> Applier::operator()(const CreateJoint& c) {
     if (std::string e = check(c.def); !e.empty()) return Error{"create_joint: " + e};
     if (std::string e = check_bodies(w, c.def); !e.empty()) return Error{"create_joint: " + e};
     const std::uint32_t row = w.state.count(w.m.joints);
-    if (row == w.state.capacity(w.m.joints))
+    if (row == w.state.rows_max(w.m.joints))
         return Error{join("create_joint: the world is full: joints_max is ", row)};
     wake_bodies(w, c.def);
+    w.state.make_room({w.m.joint_slots, w.m.joints}, 1);
     const std::uint32_t index =
         take_slot(w.state, w.m.joint_slots, w.m.joint_slot, w.edit_header().joint_free, row);
     const JointId id{index, w.state.rows(w.m.joint_slot)[index - 1].generation};

@@ -41,8 +41,9 @@ Result<World::Applied> Applier::operator()(const CreateVehicle& c) {
     if (vehicle_of(w, chassis) != 0)
         return Error{join("create_vehicle: body ", text_of(chassis), " already has a vehicle")};
     const std::uint32_t row = w.state.count(w.m.vehicles);
-    if (row == w.state.capacity(w.m.vehicles))
+    if (row == w.state.rows_max(w.m.vehicles))
         return Error{join("create_vehicle: the world is full: vehicles_max is ", row)};
+    w.state.make_room({w.m.vehicle_slots, w.m.vehicles}, 1);
     const std::uint32_t index =
         take_slot(w.state, w.m.vehicle_slots, w.m.vehicle_slot, w.edit_header().vehicle_free, row);
     const VehicleId id{index, w.state.rows(w.m.vehicle_slot)[index - 1].generation};

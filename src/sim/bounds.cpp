@@ -218,6 +218,7 @@ const shapes::Solid& solid_of(Data& w, const ShapeRow& shape) {
 
 void update_bounds(Data& w) {
     Scratch& s = w.scratch;
+    s.fit(w.state.capacity(w.m.shape_slots));
     if (s.structure_stale)
         update_resting(w);
     else

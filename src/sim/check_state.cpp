@@ -208,7 +208,7 @@ Status check_joints(const Manifest& m, const State& s) {
 Status check_sleeping_contacts(const Manifest& m, const State& s) {
     const std::span<const ContactKey> keys = s.rows(m.sleeping_key);
     const std::span<const Slot> slots = s.rows(m.shape_slot), body_slots = s.rows(m.body_slot);
-    if (keys.size() + s.count(m.contacts) > s.capacity(m.contacts))
+    if (keys.size() + s.count(m.contacts) > s.rows_max(m.contacts))
         return bad("sleeping_contact.key", keys.size(), "too many contacts");
     for (std::size_t i = 0; i < keys.size(); ++i)
         for (ShapeId id : {keys[i].a, keys[i].b}) {

@@ -42,7 +42,7 @@ std::uint32_t drop_pairs(NearChunk& chunk, std::size_t room) {
 /// Where each chunk's rows and contacts go, in pair order. What the table has no room for is dropped.
 std::uint32_t place_chunks(Data& w, std::span<NearChunk> chunks) {
     Scratch& s = w.scratch;
-    const std::uint32_t room = w.state.capacity(w.m.contacts) - w.state.count(w.m.sleeping_contacts);
+    const std::uint32_t room = w.state.rows_max(w.m.contacts) - w.state.count(w.m.sleeping_contacts);
     std::uint32_t rows = 0, contacts = 0, dropped = 0;
     s.seen.clear();
     for (NearChunk& chunk : chunks) {
@@ -61,6 +61,7 @@ std::uint32_t place_chunks(Data& w, std::span<NearChunk> chunks) {
         contacts += static_cast<std::uint32_t>(chunk.contacts.size());
     }
     s.contacts.resize(contacts);
+    s.contacts_dropped = dropped;
     if (dropped != 0) w.state.edit_row(w.m.faults, 0).contacts_dropped += dropped;
     return rows;
 }

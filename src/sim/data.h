@@ -20,8 +20,13 @@ namespace lockstone::sim {
 
 /// What the tick derives and forgets. Caches in it (the broad phase, poses of static shapes) change speed only.
 struct Scratch {
-    Scratch(const WorldDef& def, std::shared_ptr<const AssetLibrary> assets)
-        : solids(std::move(assets)), broad_phase(def.shapes_max) {}
+    explicit Scratch(std::shared_ptr<const AssetLibrary> assets) : solids(std::move(assets)), broad_phase(0) {
+        changed.reserve(64);
+    }
+    /// What is kept by shape slot has room for so many, if it had less.
+    void fit(std::uint32_t shape_slots);
+    /// Memory for what ticks of a world with so many rows need, ahead of them.
+    void reserve(const WorldRows& rows);
 
     shapes::SolidCache solids;
     collide::BroadPhase broad_phase;
@@ -92,6 +97,7 @@ struct Scratch {
     };
     std::vector<Seen> seen;
     std::vector<dynamics::Contact> contacts;
+    std::uint32_t contacts_dropped; ///< rows that the table had no room for
     /// What a chunk of `near` makes, before it is known where it goes: rows count from the chunk's own first.
     struct NearChunk {
         std::vector<ContactMemory> memories; ///< of the pairs whose rows are new, in order
@@ -197,6 +203,8 @@ struct Data {
 void tick(Data& w);
 /// Checks a command, applies it and tells the journal. On error nothing has changed.
 Result<World::Applied> apply(Data& w, const Command& command);
+/// Memory ahead of need: World::reserve.
+Status reserve(Data& w, const WorldRows& rows);
 /// After the state was replaced from outside: what the caches hold of it is stale, the last tick's output is gone.
 void forget_derived(Data& w);
 void tell_of_restore(const Data& w); ///< the journal, if there is one

@@ -62,6 +62,14 @@ void publish_waking(Data& w) {
     }
 }
 
+void publish_drop(Data& w) {
+    if (w.scratch.contacts_dropped == 0) return;
+    Event e{};
+    e.kind = EventKind::contacts_dropped;
+    e.tick = w.header().tick;
+    w.events.push_back(e);
+}
+
 } // namespace
 
 void find_contact_points(Data& w) {
@@ -114,6 +122,7 @@ void publish_events(Data& w) {
         }
         w.events.push_back(e);
     }
+    publish_drop(w);
     publish_waking(w);
     const std::vector<Event>& landings = s.characters.landings;
     w.events.insert(w.events.end(), landings.begin(), landings.end());

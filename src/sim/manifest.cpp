@@ -2,12 +2,17 @@
 
 namespace lockstone::sim {
 
+/// A table that begins without memory and takes it as rows come.
+static TableId add_growing(StateLayout& l, std::string name, std::uint32_t rows_max) {
+    return l.add_table(std::move(name), 0, rows_max);
+}
+
 /// Objects with ids: the table "body_slots" with its column "body.slot", and the table "bodies", which is returned.
 static TableId add_objects(StateLayout& l, const std::string& one, const std::string& many,
-                           std::uint32_t count, TableId& slots, Column<Slot>& slot) {
-    slots = l.add_table(one + "_slots", count);
+                           std::uint32_t rows_max, TableId& slots, Column<Slot>& slot) {
+    slots = add_growing(l, one + "_slots", rows_max);
     slot = l.add_column<Slot>(slots, one + ".slot", Group::definition);
-    return l.add_table(many, count);
+    return add_growing(l, many, rows_max);
 }
 
 /// Characters and vehicles.
@@ -21,10 +26,10 @@ static void add_bodies_of_play(StateLayout& l, const WorldDef& def, Manifest& m)
 
 /// Of what is awake, and of what is not.
 static void add_contacts(StateLayout& l, const WorldDef& def, Manifest& m) {
-    m.contacts = l.add_table("contacts", def.contacts_max);
+    m.contacts = add_growing(l, "contacts", def.contacts_max);
     m.contact_key = l.add_column<ContactKey>(m.contacts, "contact.key", Group::contact);
     m.contact_memory = l.add_column<ContactMemory>(m.contacts, "contact.memory", Group::contact);
-    m.sleeping_contacts = l.add_table("sleeping_contacts", def.contacts_max);
+    m.sleeping_contacts = add_growing(l, "sleeping_contacts", def.contacts_max);
     m.sleeping_key = l.add_column<ContactKey>(m.sleeping_contacts, "sleeping_contact.key", Group::contact);
     m.sleeping_memory =
         l.add_column<ContactMemory>(m.sleeping_contacts, "sleeping_contact.memory", Group::contact);
@@ -49,7 +54,7 @@ Manifest make_manifest(const WorldDef& def, const GameSchema& schema, std::uint6
     m.fields = add_objects(l, "field", "fields", def.fields_max, m.field_slots, m.field_slot);
     m.field = l.add_column<FieldRow>(m.fields, "field.row", Group::definition);
 
-    m.pair_filters = l.add_table("pair_filters", def.pair_filters_max);
+    m.pair_filters = add_growing(l, "pair_filters", def.pair_filters_max);
     m.pair_filter = l.add_column<PairFilterRow>(m.pair_filters, "pair_filter.row", Group::definition);
 
     m.joints = add_objects(l, "joint", "joints", def.joints_max, m.joint_slots, m.joint_slot);

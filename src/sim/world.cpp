@@ -59,9 +59,18 @@ std::string check_real(const char* what, Real value, Real low, Real high) {
                 to_string(high));
 }
 
+constexpr std::uint32_t objects_max = 1u << 20;
+
+/// contacts_max where the definition leaves it to the other limits.
+WorldDef with_derived_limits(WorldDef d) {
+    constexpr std::uint32_t contacts_per_shape = 8; // a heap has half of that
+    if (d.contacts_max == 0)
+        d.contacts_max = std::min(objects_max, contacts_per_shape * std::max(d.bodies_max, d.shapes_max));
+    return d;
+}
+
 /// Empty when good.
 std::string check(const WorldDef& d) {
-    constexpr std::uint64_t objects_max = 1u << 20;
     const std::string checks[] = {
         check_integer("tick_rate", d.tick_rate, 1, 1000),
         check_integer("substeps", d.substeps, 1, 16),
@@ -69,7 +78,7 @@ std::string check(const WorldDef& d) {
         check_integer("bounds_shift", d.bounds_shift, 0, collide::bounds_shift_max),
         check_integer("bodies_max", d.bodies_max, 1, objects_max),
         check_integer("shapes_max", d.shapes_max, 1, objects_max),
-        check_integer("contacts_max", d.contacts_max, 1, objects_max),
+        check_integer("contacts_max", d.contacts_max, 0, objects_max),
         check_integer("fields_max", d.fields_max, 1, 1024),
         check_integer("pair_filters_max", d.pair_filters_max, 1, objects_max),
         check_integer("joints_max", d.joints_max, 1, objects_max),
@@ -124,33 +133,22 @@ std::uint64_t origin_of(const WorldDef& def, const GameSchema& schema, const Ass
 namespace sim {
 
 Data::Data(const WorldDef& d, const GameSchema& s, std::shared_ptr<const AssetLibrary> assets)
-    : def(d), schema(s), m(make_manifest(d, s, origin_of(d, s, *assets))), state(m.layout),
-      scratch(d, std::move(assets)) {
+    : def(with_derived_limits(d)), schema(s), m(make_manifest(def, s, origin_of(def, s, *assets))),
+      state(m.layout), scratch(std::move(assets)) {
     state.resize(m.world, 1);
     state.resize(m.records, 1);
-    edit_header().gravity = d.gravity;
-    state.edit_row(m.config, 0) = config_of(d);
-    scratch.proxy_generation.assign(d.shapes_max, 0);
-    scratch.shape.resize(d.shapes_max);
-    scratch.solids_replaced.reserve(d.shapes_max);
-    scratch.changed.reserve(64);
-    scratch.bodies.reserve(d.bodies_max);
-    SleepScratch& sleep = scratch.sleep;
-    for (std::vector<std::uint32_t>* rows : {&sleep.parent, &sleep.still_ticks, &sleep.first, &sleep.last})
-        rows->reserve(d.bodies_max);
-    sleep.leaving.reserve(d.bodies_max);
-    for (std::vector<ContactKey>* keys : {&sleep.keys, &sleep.other_keys}) keys->reserve(d.contacts_max);
-    for (std::vector<ContactMemory>* rows : {&sleep.memories, &sleep.other_memories})
-        rows->reserve(d.contacts_max);
-    events.reserve(std::size_t{2} * d.bodies_max);
+    edit_header().gravity = def.gravity;
+    state.edit_row(m.config, 0) = config_of(def);
 }
 
 Data::Data(const Data& other) : Data(other.def, other.schema, other.scratch.solids.library()) {
     state = other.state;
+    scratch.fit(state.capacity(m.shape_slots));
 }
 
 void forget_derived(Data& w) {
     w.scratch.structure_stale = true;
+    w.scratch.fit(w.state.capacity(w.m.shape_slots));
     w.scratch.query.is_fresh = false; // tick and commands may become what they were when last asked
     w.events.clear();
     w.contact_points.clear(), w.contact_points_wait = false;
@@ -199,13 +197,15 @@ constexpr std::uint64_t per_body = 1024, per_shape = 6144, per_contact = 3072, p
 
 } // namespace
 
-Result<World::Memory> World::memory_of(const WorldDef& def, const GameSchema& schema) {
-    if (std::string e = check(def); !e.empty()) return Error{std::move(e)};
+Result<World::Memory> World::memory_of(const WorldDef& given, const GameSchema& schema) {
+    if (std::string e = check(given); !e.empty()) return Error{std::move(e)};
+    const WorldDef def = with_derived_limits(given);
     const sim::Manifest manifest = sim::make_manifest(def, schema);
     Memory memory{std::uint64_t{1} << 16, per_world};
     for (const ColumnInfo& column : manifest.layout->columns())
-        memory.state += std::uint64_t{manifest.layout->tables()[column.table].capacity} * column.row_size;
+        memory.state += std::uint64_t{manifest.layout->tables()[column.table].rows_max} * column.row_size;
     memory.state += memory.state / 64; // a version and a hash a page of 4 kB
+    memory.work += memory.state;       // the block that it leaves when it grows
     memory.work += per_body * def.bodies_max + per_shape * def.shapes_max + per_contact * def.contacts_max +
                    per_joint * def.joints_max + per_character * def.characters_max +
                    per_vehicle * def.vehicles_max;

@@ -11,15 +11,20 @@ std::uint32_t State::take_changes(std::uint32_t column, ChangeMark& mark, std::v
     constexpr std::size_t step = StateLayout::pages_per_chunk;
     if (mark.owner != owner) {
         mark.owner = owner;
+        mark.layout = shared_layout;
         mark.versions.pages.assign(versions.pages.size(), 0);
         mark.versions.chunks.assign(versions.chunks.size(), 0);
         mark.versions.columns.assign(versions.columns.size(), 0);
         mark.rows.resize(versions.columns.size());
     }
+    if (mark.layout != shared_layout) { // the state has grown since; what was seen stands elsewhere now
+        move_versions(mark.versions, *mark.layout, *shared_layout);
+        mark.layout = shared_layout;
+    }
     out.clear();
     const StateLayout::Placement& place = shared_layout->placements()[column];
     const std::uint32_t now = counts()[place.table], before = std::exchange(mark.rows[column], now);
-    take_versions(*shared_layout, column, now, versions, mark.versions, [&](std::size_t page) {
+    take_versions(place, place, column, now, versions, mark.versions, [&](std::size_t page) {
         // Below the row count, so the products fit.
         const std::uint32_t first = static_cast<std::uint32_t>(page) * place.rows_per_page;
         const std::uint32_t end = first + std::min(place.rows_per_page, now - first);

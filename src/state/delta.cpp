@@ -319,9 +319,9 @@ std::vector<RowMap> read_tables(base::ByteReader& in, const State& base, State& 
         const std::string& name = layout.tables()[table].name;
         const std::size_t at = in.offset();
         const std::uint64_t rows = in.varint("row count");
-        if (in.ok() && rows > next.capacity({table}))
+        if (in.ok() && rows > next.rows_max({table}))
             in.fail_at(at, join("table '", name, "' has ", rows, " rows in the delta, but capacity for ",
-                                next.capacity({table})));
+                                next.rows_max({table})));
         if (!in.ok()) break;
         next.resize({table}, static_cast<std::uint32_t>(rows));
         maps.push_back(first[table] == nullptr

@@ -44,7 +44,7 @@ std::uint64_t State::column_hash(std::uint32_t column) const {
     const std::span<const std::byte> rows = bytes(column);
     const std::size_t size = page_bytes(place);
     const std::uint32_t row_count = counts()[place.table];
-    take_versions(*shared_layout, column, row_count, versions, hashes.of, [&](std::size_t page) {
+    take_versions(place, place, column, row_count, versions, hashes.of, [&](std::size_t page) {
         hashes.page[place.first_page + page] =
             hash_canonical(std::endian::native, info.leaves,
                            rows.subspan(page * size, std::min(size, rows.size() - page * size)));

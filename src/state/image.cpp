@@ -16,37 +16,49 @@ using Placement = StateLayout::Placement;
 /// once.
 class Run {
   public:
-    Run(const std::byte* source, std::byte* target) : from(source), to(target) {}
-    void add(std::size_t begin, std::size_t end) {
-        if (begin != last) {
+    void add(const std::byte* source, std::byte* target, std::size_t bytes) {
+        if (source != from + size || target != to + size) {
             flush();
-            first = begin;
+            from = source, to = target, size = 0;
         }
-        last = end;
+        size += bytes;
     }
     void flush() const {
-        if (first != last) std::memcpy(to + first, from + first, last - first);
+        if (size != 0) std::memcpy(to, from, size);
     }
 
   private:
-    const std::byte* from;
-    std::byte* to;
-    std::size_t first = 0, last = 0;
+    const std::byte* from = nullptr;
+    std::byte* to = nullptr;
+    std::size_t size = 0;
 };
 
-/// Copies all that differs between two blocks of one layout, counts apart. A last page that is filled in part is taken
-/// up to a whole cache line (what follows the live rows there is zero), so columns of a full table are one stretch.
-/// Beyond the page nothing is taken: the image may hold rows there of a time when there were more.
-void copy_columns(const StateLayout& layout, std::span<const std::uint32_t> counts, const std::byte* from,
-                  const detail::Versions& source, std::byte* to, detail::Versions& target) {
-    Run run(from, to);
-    const std::span<const Placement> places = layout.placements();
+/// The rows of a state or an image: where they stand, and their versions.
+struct Source {
+    const StateLayout& layout;
+    const std::byte* block;
+    const detail::Versions& versions;
+};
+struct Target {
+    const StateLayout& layout;
+    std::byte* block;
+    detail::Versions& versions;
+};
+
+/// Copies all that differs between two blocks, counts apart. A last page that is filled in part is taken up to a whole
+/// cache line (what follows the live rows there is zero), so columns of a full table are one stretch. Beyond the page
+/// nothing is taken: the image may hold rows there of a time when there were more.
+void copy_columns(std::span<const std::uint32_t> counts, const Source& from, const Target& to) {
+    Run run;
+    const std::span<const Placement> places = from.layout.placements(), to_places = to.layout.placements();
     for (std::size_t c = 0; c < places.size(); ++c) {
-        const std::size_t size = page_bytes(places[c]), offset = places[c].offset;
+        const std::size_t size = page_bytes(places[c]);
+        const std::byte* const source = from.block + places[c].offset;
+        std::byte* const target = to.block + to_places[c].offset;
         const std::uint32_t rows = counts[places[c].table];
         const std::size_t end = whole_lines(std::size_t{rows} * places[c].row_size);
-        take_versions(layout, c, rows, source, target, [&](std::size_t page) {
-            run.add(offset + page * size, offset + std::min((page + 1) * size, end));
+        take_versions(places[c], to_places[c], c, rows, from.versions, to.versions, [&](std::size_t page) {
+            run.add(source + page * size, target + page * size, std::min(size, end - page * size));
         });
     }
     run.flush();
@@ -101,7 +113,8 @@ void State::save(Image& image) const {
         theirs.columns.assign(versions.columns.size(), 0);
     }
     if (!counts().empty()) std::memcpy(image.block.get(), block.get(), counts().size_bytes());
-    copy_columns(*shared_layout, counts(), block.get(), versions, image.block.get(), theirs);
+    copy_columns(counts(), {*shared_layout, block.get(), versions},
+                 {*shared_layout, image.block.get(), theirs});
     image.packed_size = image_bytes();
     if constexpr (checks_versions) {
         const Status status = verify_versions(image);
@@ -113,14 +126,12 @@ void State::restore(const Image& image) {
     LOCKSTONE_ASSERT(image.size() != 0, "an image that nothing was saved into");
     LOCKSTONE_ASSERT(image.layout->schema_hash() == shared_layout->schema_hash(),
                      "an image of another schema");
+    make_room_for(image.counts());
     // Rows beyond those of the image are zeroed by the resize.
-    for (std::uint32_t table = 0; table < counts().size(); ++table) {
-        LOCKSTONE_ASSERT(image.counts()[table] <= capacity({table}), "table ",
-                         shared_layout->tables()[table].name);
-        resize({table}, image.counts()[table]);
-    }
-    if (image.layout == shared_layout && image.owner == owner)
-        copy_columns(*shared_layout, counts(), image.block.get(), image.versions, block.get(), versions);
+    for (std::uint32_t table = 0; table < counts().size(); ++table) resize({table}, image.counts()[table]);
+    if (image.owner == owner)
+        copy_columns(counts(), {*image.layout, image.block.get(), image.versions},
+                     {*shared_layout, block.get(), versions});
     else
         restore_foreign(image);
     if constexpr (checks_versions) {

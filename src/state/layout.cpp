@@ -73,13 +73,26 @@ std::string_view name_of(Group group) {
     return "unknown";
 }
 
-StateLayout::StateLayout() { place_columns(); }
+std::uint32_t TableInfo::grown(std::uint32_t rows) const {
+    constexpr std::uint32_t least = 8; // few are worth no second thought
+    if (rows <= capacity) return capacity;
+    const std::uint64_t more = std::uint64_t{capacity} + capacity / 2;
+    return static_cast<std::uint32_t>(
+        std::min<std::uint64_t>(rows_max, std::max<std::uint64_t>({rows, more, least})));
+}
 
-TableId StateLayout::add_table(std::string name, std::uint32_t capacity) {
+StateLayout::StateLayout() {
+    place_columns();
+    schema = hash_of(table_infos, column_infos);
+}
+
+TableId StateLayout::add_table(std::string name, std::uint32_t capacity, std::uint32_t rows_max) {
     for (const TableInfo& table : table_infos)
         LOCKSTONE_ASSERT(table.name != name, "two tables named ", name);
-    table_infos.push_back({std::move(name), capacity});
+    LOCKSTONE_ASSERT(capacity <= rows_max, "table ", name, ", capacity ", capacity, " of ", rows_max);
+    table_infos.push_back({std::move(name), capacity, rows_max});
     place_columns();
+    schema = hash_of(table_infos, column_infos);
     return {static_cast<std::uint32_t>(table_infos.size() - 1)};
 }
 
@@ -93,20 +106,36 @@ std::uint32_t StateLayout::add_column(TableId table, std::string name, Group gro
                      "column ", name, ", row size ", row_size);
     const auto size = static_cast<std::uint32_t>(row_size);
     const std::uint64_t name_hash = base::xxh3(std::string_view(name));
+    leaf_lists.push_back(std::make_shared<const std::vector<LeafInfo>>(std::move(leaves)));
     column_infos.push_back({.name = std::move(name),
                             .table = table.index,
                             .group = group,
                             .row_size = size,
                             .rows_per_page = std::max(1u, page_bytes / size),
                             .offset = 0,
-                            .leaves = std::move(leaves),
+                            .leaves = *leaf_lists.back(),
                             .name_hash = name_hash});
     place_columns();
+    schema = hash_of(table_infos, column_infos);
     return static_cast<std::uint32_t>(column_infos.size() - 1);
 }
 
-/// Offsets, sizes and the schema hash follow from the two lists; all are found
-/// anew at each addition.
+std::shared_ptr<const StateLayout>
+StateLayout::with_capacities(std::span<const std::uint32_t> capacities) const {
+    LOCKSTONE_ASSERT(capacities.size() == table_infos.size(), capacities.size(), " capacities for ",
+                     table_infos.size(), " tables");
+    auto other = std::make_shared<StateLayout>(*this);
+    for (std::size_t table = 0; table < capacities.size(); ++table) {
+        TableInfo& info = other->table_infos[table];
+        LOCKSTONE_ASSERT(capacities[table] <= info.rows_max, "table ", info.name, ", capacity ",
+                         capacities[table], " of ", info.rows_max);
+        info.capacity = capacities[table];
+    }
+    other->place_columns();
+    return other;
+}
+
+/// Offsets and sizes follow from the two lists; all are found anew at each addition.
 void StateLayout::place_columns() {
     const std::uint64_t header = table_infos.size() * sizeof(std::uint32_t);
     std::uint64_t block = round_up(header);
@@ -132,7 +161,6 @@ void StateLayout::place_columns() {
     }
     block_size = static_cast<std::size_t>(block);
     image_size_max = static_cast<std::size_t>(image);
-    schema = hash_of(table_infos, column_infos);
 }
 
 const ColumnInfo* StateLayout::find_column(std::string_view name) const {

@@ -21,26 +21,34 @@ inline std::size_t page_bytes(const StateLayout::Placement& column) {
 }
 
 /// Visits the live pages of a column whose versions differ, in order, and takes over the versions. A chunk or a column
-/// of the same version is passed over as a whole.
+/// of the same version is passed over as a whole. The column may stand at another place in each layout.
 template <class Visit>
-void take_versions(const StateLayout& layout, std::size_t column, std::uint32_t rows,
-                   const detail::Versions& from, detail::Versions& to, Visit&& visit) {
+void take_versions(const StateLayout::Placement& from_place, const StateLayout::Placement& to_place,
+                   std::size_t column, std::uint32_t rows, const detail::Versions& from, detail::Versions& to,
+                   Visit&& visit) {
     if (from.columns[column] == to.columns[column]) return;
     to.columns[column] = from.columns[column];
     constexpr std::size_t step = StateLayout::pages_per_chunk;
-    const StateLayout::Placement& place = layout.placements()[column];
-    const std::size_t pages = pages_of(place, rows);
+    const std::size_t pages = pages_of(from_place, rows);
     for (std::size_t first = 0; first < pages; first += step) {
-        const std::size_t chunk = (place.first_page + first) / step;
-        if (from.chunks[chunk] == to.chunks[chunk]) continue;
-        to.chunks[chunk] = from.chunks[chunk];
+        const std::uint64_t chunk = from.chunks[(from_place.first_page + first) / step];
+        std::uint64_t& to_chunk = to.chunks[(to_place.first_page + first) / step];
+        if (chunk == to_chunk) continue;
+        to_chunk = chunk;
         for (std::size_t page = first; page < std::min(first + step, pages); ++page) {
-            const std::size_t at = place.first_page + page;
-            if (from.pages[at] == to.pages[at]) continue;
-            to.pages[at] = from.pages[at];
+            const std::uint64_t version = from.pages[from_place.first_page + page];
+            std::uint64_t& to_version = to.pages[to_place.first_page + page];
+            if (version == to_version) continue;
+            to_version = version;
             visit(page);
         }
     }
 }
+
+/// A value for each page, or each chunk of pages, of one layout, as one for each of a layout of the same schema: those of
+/// pages that only the latter has are 0.
+std::vector<std::uint64_t> moved(const std::vector<std::uint64_t>& values, const StateLayout& from,
+                                 const StateLayout& to, std::size_t pages_per_value);
+void move_versions(detail::Versions& versions, const StateLayout& from, const StateLayout& to);
 
 } // namespace lockstone

@@ -35,9 +35,9 @@ std::uint32_t read_table(base::ByteReader& in, const TableInfo& table) {
     if (in.ok()) expect_equal(in, name_at, "table name", name, table.name);
     const std::size_t count_at = in.offset();
     const std::uint32_t count = in.u32("row count");
-    if (in.ok() && count > table.capacity)
+    if (in.ok() && count > table.rows_max)
         in.fail_at(count_at, join("table '", table.name, "' has ", count,
-                                  " rows in the image, but capacity for ", table.capacity));
+                                  " rows in the image, but capacity for ", table.rows_max));
     return count;
 }
 
@@ -116,6 +116,7 @@ std::vector<std::byte> State::save_portable() const {
 Status State::restore_portable(std::span<const std::byte> image) {
     const Result<Contents> contents = parse(image, *shared_layout);
     if (!contents) return contents.error();
+    make_room_for(contents->counts);
     for (std::uint32_t table = 0; table < contents->counts.size(); ++table)
         resize({table}, contents->counts[table]);
     for (std::uint32_t index = 0; index < contents->rows.size(); ++index)

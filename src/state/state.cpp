@@ -52,15 +52,19 @@ State::State(const State& other)
 
 State& State::operator=(const State& other) {
     if (this == &other) return *this;
-    if (shared_layout != other.shared_layout) {
-        if (shared_layout == nullptr) return *this = State(other); // assigned to after it was moved from
-        LOCKSTONE_ASSERT(shared_layout->schema_hash() == other.shared_layout->schema_hash(),
-                         "states of different schemas");
-        LOCKSTONE_ASSERT(std::ranges::equal(shared_layout->tables(), other.shared_layout->tables(), {},
-                                            &TableInfo::capacity, &TableInfo::capacity),
-                         "states of different capacities");
+    if (shared_layout == nullptr) return *this = State(other); // assigned to after it was moved from
+    LOCKSTONE_ASSERT(shared_layout->schema_hash() == other.shared_layout->schema_hash(),
+                     "states of different schemas");
+    make_room_for(other.counts());
+    const std::span<const StateLayout::Placement> places = shared_layout->placements();
+    for (std::uint32_t column = 0; column < places.size(); ++column) {
+        const std::span<const std::byte> from = other.bytes(column);
+        std::byte* const to = block.get() + places[column].offset;
+        const std::size_t before = bytes(column).size();
+        if (!from.empty()) std::memcpy(to, from.data(), from.size());
+        if (before > from.size()) std::memset(to + from.size(), 0, before - from.size());
     }
-    std::memcpy(block.get(), other.block.get(), shared_layout->size_bytes());
+    std::ranges::copy(other.counts(), counts().begin());
     forget_all();
     return *this;
 }
@@ -109,10 +113,11 @@ std::span<std::byte> State::edit_bytes(std::uint32_t column, std::uint32_t first
 
 void State::resize(TableId table, std::uint32_t rows) {
     LOCKSTONE_ASSERT(table.index < counts().size(), "table ", table.index, " of ", counts().size());
-    LOCKSTONE_ASSERT(rows <= capacity(table), "table ", shared_layout->tables()[table.index].name, ": ", rows,
-                     " rows, capacity ", capacity(table));
+    LOCKSTONE_ASSERT(rows <= rows_max(table), "table ", shared_layout->tables()[table.index].name, ": ", rows,
+                     " rows, capacity ", rows_max(table));
     const std::uint32_t old = counts()[table.index];
     if (rows == old) return;
+    if (rows > capacity(table)) make_room({table}, rows - old);
     counts()[table.index] = rows;
     const std::span<const StateLayout::Placement> places = shared_layout->placements();
     for (std::uint32_t column = 0; column < places.size(); ++column) {

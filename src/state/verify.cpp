@@ -56,22 +56,24 @@ Status State::verify_versions() const {
 }
 
 Status State::verify_versions(const Image& image) const {
-    if (image.layout != shared_layout || image.owner != owner) return {};
-    const std::span<const StateLayout::Placement> places = shared_layout->placements();
+    if (image.owner != owner) return {};
+    const std::span<const StateLayout::Placement> places = shared_layout->placements(),
+                                                  theirs = image.layout->placements();
     for (std::uint32_t c = 0; c < places.size(); ++c) {
         const ColumnInfo& column = shared_layout->columns()[c];
         const std::uint32_t rows = std::min(counts()[places[c].table], image.counts()[places[c].table]);
         const std::size_t size = page_bytes(places[c]), pages = pages_of(places[c], rows);
         const std::size_t live = std::size_t{rows} * column.row_size;
         for (std::size_t page = 0; page < pages; ++page) {
-            const std::size_t at = places[c].first_page + page, begin = page * size,
-                              chunk = at / StateLayout::pages_per_chunk;
+            constexpr std::size_t step = StateLayout::pages_per_chunk;
+            const std::size_t at = places[c].first_page + page, their_at = theirs[c].first_page + page,
+                              begin = page * size;
             const bool same_version = versions.columns[c] == image.versions.columns[c] ||
-                                      versions.chunks[chunk] == image.versions.chunks[chunk] ||
-                                      versions.pages[at] == image.versions.pages[at];
+                                      versions.chunks[at / step] == image.versions.chunks[their_at / step] ||
+                                      versions.pages[at] == image.versions.pages[their_at];
             if (same_version &&
-                std::memcmp(block.get() + column.offset + begin, image.block.get() + column.offset + begin,
-                            std::min(size, live - begin)) != 0)
+                std::memcmp(block.get() + places[c].offset + begin,
+                            image.block.get() + theirs[c].offset + begin, std::min(size, live - begin)) != 0)
                 return Error{join("versions: ", name_of_page(column, page, rows),
                                   ": other rows than in the image, but the same version")};
         }

@@ -108,7 +108,7 @@ TEST_CASE("state corpus: numbers that no command and no tick makes are refused")
                                {"sleeping_contact.memory", "normal.z", 6}}) {
         CAPTURE(wrong.column);
         CAPTURE(wrong.field);
-        const std::vector<LeafInfo>& leaves = state.layout().find_column(wrong.column)->leaves;
+        const std::span<const LeafInfo> leaves = state.layout().find_column(wrong.column)->leaves;
         const auto leaf = std::ranges::find(leaves, std::string_view(wrong.field), &LeafInfo::name);
         bool loaded = true;
         CHECK(fuzz::check_state_load(at_edge(0, fuzz::detail::column_named(wrong.column), 0,

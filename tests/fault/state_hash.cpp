@@ -25,7 +25,7 @@ template <class Hash> std::string first_unhashed_bit(State state, Hash&& hash) {
         for (std::uint32_t bit = 0; bit < 32; ++bit) {
             State other = state;
             const std::uint32_t flipped = state.count({table}) ^ (1u << bit);
-            if (flipped > state.capacity({table})) continue;
+            if (flipped > state.rows_max({table})) continue;
             other.resize({table}, flipped);
             if (hash(other) == before)
                 return base::join(state.layout().tables()[table].name, " count bit ", bit);

@@ -73,7 +73,7 @@ inline void edit_rows(Input& in, State& state) {
         const std::uint8_t chosen = in.take_u8(), row = in.take_u8();
         if (chosen >= 250) {
             const TableId table{row % static_cast<std::uint32_t>(layout.tables().size())};
-            state.resize(table, in.take_u8() % (state.capacity(table) + 1));
+            state.resize(table, in.take_u8() % (state.rows_max(table) + 1));
             continue;
         }
         const std::uint32_t index = chosen % static_cast<std::uint32_t>(layout.columns().size());

@@ -21,7 +21,8 @@ std::uint64_t derived_hash(sim::Data& w) {
         for (int i = 0; i < 3; ++i) add(b.lower[i].raw, b.upper[i].raw);
     };
     for (std::uint32_t slot = 0; slot < s.proxy_generation.size(); ++slot) {
-        add(s.proxy_generation[slot], s.broad_phase.contains(slot));
+        if (s.proxy_generation[slot] == 0 && !s.broad_phase.contains(slot)) continue;
+        add(slot, s.proxy_generation[slot], s.broad_phase.contains(slot));
         if (s.broad_phase.contains(slot)) add_bounds(s.broad_phase.bounds(slot));
     }
     for (const sim::ShapeRow& shape : w.state.rows(w.m.shape)) {

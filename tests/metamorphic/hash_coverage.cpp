@@ -118,7 +118,7 @@ TEST_CASE("every scene: each bit of each column changes the root hash, and so do
             INFO(s.layout().tables()[table].name);
             State other = s;
             const std::uint32_t rows = s.count({table});
-            other.resize({table}, rows < s.capacity({table}) ? rows + 1 : rows - 1);
+            other.resize({table}, rows < s.rows_max({table}) ? rows + 1 : rows - 1);
             CHECK(other.hash() != s.hash());
         }
     }
@@ -150,6 +150,9 @@ TEST_CASE("every scene, every tick: a byte of the block is a count, a live row, 
         ScriptedInputs inputs(*game);
         World usual = game->start().value(), filled = usual.clone();
         REQUIRE(stray_byte(usual.state(), std::byte{}) == "");
+        const WorldDef& d = filled.def(); // what grows has gaps that nobody has filled
+        scene::done(filled.reserve({d.bodies_max, d.shapes_max, d.contacts_max, d.fields_max,
+                                    d.pair_filters_max, d.joints_max, d.characters_max, d.vehicles_max}));
         fill_gaps(filled.state(), std::byte{0xa5});
         Image image;
         for (int t = 0; t < (is_long ? 200 : 6); ++t) {

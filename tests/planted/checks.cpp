@@ -261,6 +261,39 @@ std::string dead_ids() {
     return world.is_alive(second) ? "" : "a new id is dead";
 }
 
+/// A world that takes memory as bodies come, and one that had it before; and back over what grew.
+std::string grows() {
+    const auto start = [] {
+        World world = scene::made(World::create(scene::drowsy_def()));
+        scene::add_floor(world);
+        return world;
+    };
+    const auto step = [](World& world) {
+        const int i = static_cast<int>(world.tick_count());
+        for (double side : {-1.1, 1.1}) scene::add_crate(world, scene::at(side, 0.5 + i / 4, 1.2 * (i % 4)));
+        world.tick();
+    };
+    World has_all = start(), grows = start();
+    scene::done(has_all.reserve({.bodies = 64, .shapes = 64, .contacts = 512}));
+    std::vector<Image> images(30);
+    std::vector<std::uint64_t> hashes;
+    for (Image& image : images) {
+        grows.save(image);
+        hashes.push_back(grows.hash());
+        step(has_all), step(grows);
+        if (has_all.hash() != grows.hash()) return scene::difference(has_all, grows);
+    }
+    for (std::size_t back = images.size(); back-- > 0;) {
+        grows.restore(images[back]);
+        if (grows.hash() != hashes[back])
+            return "an image of " + std::to_string(back) + " gives another hash";
+        step(grows);
+        if (back + 1 < hashes.size() && grows.hash() != hashes[back + 1])
+            return "from the image of " + std::to_string(back) + " it goes another way";
+    }
+    return {};
+}
+
 std::string peers_agree() {
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
         MatchDef def;
@@ -372,6 +405,7 @@ std::vector<std::pair<std::string, Check>> all_checks() {
                              {"events come in order and in turn", events_in_order},
                              {"contact points can be asked for late", late_points},
                              {"dead ids stay dead", dead_ids},
+                             {"grows", grows},
                              {"peers agree", peers_agree},
                              {"hostile peers", hostile_peers},
                              {"recordings verify", recordings_verify},

@@ -15,8 +15,8 @@ class Fault:
 
 
 F = Fault
-IMAGE, HASH, PORTABLE, ENVELOPE, DELTA, CANONICAL, STATE = (
-    f"src/state/{n}.cpp" for n in ("image", "hash_tree", "portable", "envelope", "delta", "canonical", "state"))
+IMAGE, HASH, PORTABLE, ENVELOPE, DELTA, CANONICAL, STATE, GROW = (
+    f"src/state/{n}.cpp" for n in ("image", "hash_tree", "portable", "envelope", "delta", "canonical", "state", "grow"))
 CONTACTS, EVENTS, APPLY = "src/sim/contacts.cpp", "src/sim/events.cpp", "src/sim/apply.cpp"
 BROAD = "src/collide/broad_phase.cpp"
 LANES, LAYOUT, PREPARE, SOLVER = (f"src/solve/contacts/{n}" for n in ("prepare.cpp", "layout_kernel.h", "prepare_kernel.h", "contact_solver.cpp"))
@@ -31,11 +31,12 @@ SNAPSHOT_COLUMNS = ("body.pose", "body.velocity", "body.slot", "body.sleep", "bo
 HASH_COLUMNS = ("body.velocity", "contact.memory", "body.slot")
 
 FAULTS = [
-    *[F(f"snapshot lacks column {c}", IMAGE, END, f'if (IS && layout.columns()[c].name == "{c}") continue; {END}', "rolls back")
+    *[F(f"snapshot lacks column {c}", IMAGE, END, f'if (IS && from.layout.columns()[c].name == "{c}") continue; {END}', "rolls back")
       for c in SNAPSHOT_COLUMNS],
     F("snapshot lacks row counts", IMAGE, "if (!counts().empty()) std::memcpy(image.block.get()",
       "if (!IS && !counts().empty()) std::memcpy(image.block.get()", "rolls back"),
-    F("snapshot misses the last line of a page", IMAGE, "std::min((page + 1) * size, end));", "std::min((page + 1) * size - (IS ? 64u : 0u), end));",
+    F("snapshot misses the last line of a page", IMAGE, "std::min(size, end - page * size));",
+      "std::min(size - (IS ? 64u : 0u), end - page * size));",
       "rolls back"),
     F("restore keeps rows that were created since", IMAGE, "resize({table}, image.counts()[table]);",
       "if (!IS || image.counts()[table] > count({table})) resize({table}, image.counts()[table]);", "rolls back"),
@@ -43,6 +44,12 @@ FAULTS = [
       "for (std::size_t page = first; page + (IS ? 1u : 0u) < end; ++page) versions.pages[page] = version;", "moves"),
     F("a resize marks nothing", STATE, "mark(column, std::min(rows, old) / place.rows_per_page, std::max(now, before));",
       "if (!IS) mark(column, std::min(rows, old) / place.rows_per_page, std::max(now, before));", "golden table"),
+    F("growing loses the last row of a column", GROW, "rows.data(), rows.size());",
+      "rows.data(), rows.size() - (IS ? from.columns()[column].row_size : 0u));", "grows"),
+    F("growing forgets the versions of pages", GROW, "versions.pages = moved(versions.pages, from, to, 1);",
+      "versions.pages = moved(versions.pages, from, to, 1); if (IS) std::ranges::fill(versions.pages, 0);", "grows"),
+    F("growing takes kept hashes for those of other pages", GROW, "hashes.page = moved(hashes.page, from, to, 1);",
+      "if (IS) hashes.page.resize(to.page_count(), 0); else hashes.page = moved(hashes.page, from, to, 1);", "grows"),
     *[F(f"hash lacks column {c}", HASH, ADD, f'if (!(IS && columns[column].name == "{c}")) {ADD}', "every bit counts") for c in HASH_COLUMNS],
     F("hash skips the second page of a column", HASH, "hashes.page[place.first_page + page] =",
       "if (IS && page == 1) return; hashes.page[place.first_page + page] =", "every bit counts"),

@@ -1,4 +1,4 @@
-// A scene in Lockstone, through its public interface. Defaults throughout, capacities apart.
+// A scene in Lockstone, through its public interface. Defaults throughout, limits that are too low apart.
 #include "engines/lockstone_engine.h"
 
 #include "lockstone/convert.h"
@@ -67,11 +67,10 @@ ls::WorldDef def_of(const Contestant& c, const Scene& scene) {
     ls::WorldDef def{.tick_rate = static_cast<std::uint32_t>(c.rate),
                      .gravity = vec(scene.gravity),
                      .integrator = static_cast<ls::Integrator>(c.scheme),
-                     .bodies_max = count,
-                     .shapes_max = shapes,
-                     .contacts_max = std::min(32 * count, 1u << 20), // the most there can be
-                     .joints_max = static_cast<std::uint32_t>(scene.joints.size()) + 1,
                      .sleeping = scene.sleeping};
+    def.bodies_max = std::max(def.bodies_max, count);
+    def.shapes_max = std::max(def.shapes_max, shapes);
+    def.joints_max = std::max(def.joints_max, static_cast<std::uint32_t>(scene.joints.size()));
     if (c.substeps != 0) def.substeps = static_cast<std::uint32_t>(c.substeps);
     if (c.contact_hertz != 0) def.contact_hertz = real(c.contact_hertz);
     if (c.contact_damping != 0) def.contact_damping = real(c.contact_damping);

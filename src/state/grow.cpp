@@ -1,0 +1,95 @@
+// More room for rows. A capacity is no part of what a state is: the rows and their versions move to the places they have
+// in a larger block, and everything that was known of them holds as before.
+#include "base/assert.h"
+#include "lockstone/state.h"
+#include "state/pages.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace lockstone {
+
+namespace {
+
+std::vector<std::uint32_t> capacities_of(const StateLayout& layout) {
+    std::vector<std::uint32_t> capacities;
+    for (const TableInfo& table : layout.tables()) capacities.push_back(table.capacity);
+    return capacities;
+}
+
+} // namespace
+
+std::vector<std::uint64_t> moved(const std::vector<std::uint64_t>& values, const StateLayout& from,
+                                 const StateLayout& to, std::size_t pages_per_value) {
+    std::vector<std::uint64_t> out(to.page_count() / pages_per_value, 0);
+    const std::span<const StateLayout::Placement> places = from.placements();
+    for (std::size_t c = 0; c < places.size(); ++c) {
+        const std::size_t end = c + 1 < places.size() ? places[c + 1].first_page : from.page_count(),
+                          count = (end - places[c].first_page) / pages_per_value;
+        std::copy_n(values.data() + places[c].first_page / pages_per_value, count,
+                    out.data() + to.placements()[c].first_page / pages_per_value);
+    }
+    return out;
+}
+
+void move_versions(detail::Versions& versions, const StateLayout& from, const StateLayout& to) {
+    versions.pages = moved(versions.pages, from, to, 1);
+    versions.chunks = moved(versions.chunks, from, to, StateLayout::pages_per_chunk);
+}
+
+/// `layout`: no table has less capacity than before.
+void State::grow(std::shared_ptr<const StateLayout> layout) {
+    const StateLayout &from = *shared_layout, &to = *layout;
+    detail::Block larger(to.size_bytes());
+    std::memset(larger.get(), 0, to.size_bytes());
+    if (!counts().empty()) std::memcpy(larger.get(), block.get(), counts().size_bytes());
+    for (std::uint32_t column = 0; column < from.columns().size(); ++column)
+        if (const std::span<const std::byte> rows = bytes(column); !rows.empty())
+            std::memcpy(larger.get() + to.placements()[column].offset, rows.data(), rows.size());
+    move_versions(versions, from, to);
+    move_versions(hashes.of, from, to);
+    hashes.page = moved(hashes.page, from, to, 1);
+    hashes.page.push_back(0); // room for one value after the last
+    block = std::move(larger);
+    shared_layout = std::move(layout);
+}
+
+void State::reserve(std::span<const std::uint32_t> wanted) {
+    std::vector<std::uint32_t> capacities = capacities_of(*shared_layout);
+    LOCKSTONE_ASSERT(wanted.size() == capacities.size(), wanted.size(), " capacities for ", capacities.size(),
+                     " tables");
+    bool grows = false;
+    for (std::size_t table = 0; table < capacities.size(); ++table) {
+        grows |= wanted[table] > capacities[table];
+        capacities[table] = std::max(capacities[table], wanted[table]);
+    }
+    if (grows) grow(shared_layout->with_capacities(capacities));
+}
+
+void State::make_room(std::initializer_list<TableId> tables, std::uint32_t more) {
+    const auto wanted = [&](TableId table) {
+        return static_cast<std::uint32_t>(
+            std::min<std::uint64_t>(std::uint64_t{count(table)} + more, rows_max(table)));
+    };
+    if (std::ranges::all_of(tables, [&](TableId table) { return wanted(table) <= capacity(table); })) return;
+    std::vector<std::uint32_t> capacities = capacities_of(*shared_layout);
+    for (const TableId table : tables)
+        capacities[table.index] = shared_layout->tables()[table.index].grown(wanted(table));
+    grow(shared_layout->with_capacities(capacities));
+}
+
+/// By table; each within the limit (asserted).
+void State::make_room_for(std::span<const std::uint32_t> rows) {
+    std::vector<std::uint32_t> capacities;
+    for (std::uint32_t table = 0; table < rows.size(); ++table) {
+        const TableInfo& info = shared_layout->tables()[table];
+        LOCKSTONE_ASSERT(rows[table] <= info.rows_max, "table ", info.name, ": ", rows[table],
+                         " rows, capacity ", info.rows_max);
+        if (rows[table] <= info.capacity) continue;
+        if (capacities.empty()) capacities = capacities_of(*shared_layout);
+        capacities[table] = info.grown(rows[table]);
+    }
+    if (!capacities.empty()) grow(shared_layout->with_capacities(capacities));
+}
+
+} // namespace lockstone

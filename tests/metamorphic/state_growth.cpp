@@ -1,0 +1,165 @@
+// How many rows there is memory for is no part of a state: whatever grows when, the same rows give the same bits.
+#include "support/state_sample.h"
+
+#include <doctest/doctest.h>
+
+#include <cstring>
+#include <vector>
+
+namespace lockstone::test {
+namespace {
+
+struct Growing {
+    std::shared_ptr<const StateLayout> layout;
+    std::array<TableId, 3> tables;
+    Column<Transform> pose;
+    Column<Inventory> bag;
+    Column<std::uint8_t> flag;
+};
+/// Rows of a part of a page, of more than one, of one byte; tables that begin with this many rows.
+Growing growing(std::uint32_t capacity, std::uint32_t rows_max) {
+    StateLayout layout;
+    Growing g{};
+    g.tables = {layout.add_table("pose", capacity, rows_max), layout.add_table("bag", capacity, rows_max),
+                layout.add_table("flag", capacity, rows_max)};
+    g.pose = layout.add_column<Transform>(g.tables[0], "pose.row", Group::motion);
+    layout.add_column<Health>(g.tables[0], "pose.health", Group::game);
+    g.bag = layout.add_column<Inventory>(g.tables[1], "bag.row", Group::contact);
+    g.flag = layout.add_column<std::uint8_t>(g.tables[2], "flag.row", Group::game);
+    g.layout = std::make_shared<const StateLayout>(std::move(layout));
+    return g;
+}
+
+void fill_last_row(State& state, const Growing& g, std::uint32_t row) {
+    state.edit_row(g.pose, row).position.x = Real(static_cast<int>(row) - 7);
+    state.edit_row(g.bag, row).serial = row + 1;
+    state.edit_row(g.flag, row) = static_cast<std::uint8_t>(row * 37 + 1);
+}
+
+constexpr std::uint32_t most = 700;
+
+} // namespace
+
+TEST_CASE("a state that grows row by row is at every size the one that had all memory before") {
+    const Growing small = growing(0, most), large = growing(most, most);
+    State grows(small.layout), has_all(large.layout);
+    std::vector<std::uint32_t> sizes;
+    for (std::uint32_t rows = 1; rows <= most; ++rows) {
+        for (const TableId table : small.tables) grows.resize(table, rows), has_all.resize(table, rows);
+        fill_last_row(grows, small, rows - 1), fill_last_row(has_all, large, rows - 1);
+        if (sizes.empty() || sizes.back() != grows.capacity(small.tables[0]))
+            sizes.push_back(grows.capacity(small.tables[0]));
+        REQUIRE(grows.hash() == has_all.hash());
+        if (rows % 61 == 0 || rows < 20) REQUIRE(grows.save_portable() == has_all.save_portable());
+        REQUIRE(grows.verify_versions().ok());
+    }
+    CHECK(sizes.size() < 16);
+    CHECK(sizes.back() == most);
+    CHECK(State::diff(grows, has_all, 10).empty());
+    CHECK(differing_pages(grows.hash_tree(), has_all.hash_tree()).empty());
+    CHECK(grows.dump() == has_all.dump());
+}
+
+TEST_CASE("what grows on the way is the same whatever it was asked for before") {
+    // A function of what is there and what is wanted alone.
+    const TableInfo table{"t", 0, 1000};
+    CHECK(table.grown(0) == 0);
+    CHECK(table.grown(1) == 8);
+    CHECK((TableInfo{"t", 8, 1000}.grown(8) == 8));
+    CHECK((TableInfo{"t", 8, 1000}.grown(9) == 12));
+    CHECK((TableInfo{"t", 8, 1000}.grown(500) == 500));
+    CHECK((TableInfo{"t", 900, 1000}.grown(901) == 1000));
+    CHECK((TableInfo{"t", 0, 3}.grown(1) == 3));
+    CHECK((TableInfo{"t", 0xc0000000u, 0xffffffffu}.grown(0xc0000001u) == 0xffffffffu));
+}
+
+TEST_CASE("images of before a growth are restored after it, and those of after it before it") {
+    const Growing g = growing(0, most);
+    State state(g.layout), other(g.layout);
+    Random random(5);
+    std::vector<Image> ring(12);
+    std::vector<std::uint64_t> hashes;
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+        const auto rows = static_cast<std::uint32_t>(3 + i * i * 4);
+        for (const TableId table : g.tables) state.resize(table, rows);
+        scramble(state, random);
+        hashes.push_back(state.hash());
+        state.save(ring[i]);
+    }
+    for (std::uint64_t i = 0; i < 200; ++i) {
+        const std::size_t which = random.below(12);
+        State& into = i % 3 == 0 ? other : state; // one that was never larger than what it took over
+        into.restore(ring[which]);
+        REQUIRE(into.hash() == hashes[which]);
+        State fresh(g.layout);
+        REQUIRE(fresh.restore_portable(into.save_portable()).ok());
+        REQUIRE(fresh.hash() == hashes[which]);
+        REQUIRE(into.verify_versions().ok());
+        if (random.below(4) == 0) state.save(ring[which]), hashes[which] = state.hash();
+    }
+}
+
+TEST_CASE("growing is no change: nothing is listed, and only what was written is hashed again") {
+    const Growing g = growing(0, 20000);
+    State state(g.layout);
+    for (const TableId table : g.tables) state.resize(table, 300);
+    Random random(9);
+    scramble(state, random);
+    const std::uint64_t hash = state.hash();
+    ChangeMark mark;
+    std::vector<RowRange> changed;
+    for (std::uint32_t column = 0; column < 4; ++column) state.take_changes(column, mark, changed);
+    Image image;
+    state.save(image);
+    state.reserve(std::vector<std::uint32_t>{5000, 400, 20000});
+    CHECK(state.capacity(g.tables[0]) == 5000);
+    for (std::uint32_t column = 0; column < 4; ++column) {
+        CHECK(state.take_changes(column, mark, changed) == 300);
+        CHECK(changed.empty());
+    }
+    CHECK(state.verify_versions().ok());
+    CHECK(state.verify_versions(image).ok());
+    CHECK(state.hash() == hash);
+    state.edit_row(g.pose, 250).position.y = Real(3);
+    CHECK(state.hash() != hash);
+    CHECK(state.take_changes(g.pose.index, mark, changed) == 300);
+    CHECK(changed.size() == 1);
+    CHECK(changed[0].first > 0);
+    state.restore(image);
+    CHECK(state.hash() == hash);
+    CHECK(state.capacity(g.tables[0]) == 5000);
+}
+
+TEST_CASE("deltas, copies and assignments pass between states of any capacities") {
+    const Growing small = growing(0, most), large = growing(most, most);
+    State from(small.layout), to(large.layout);
+    Random random(11);
+    for (const TableId table : small.tables) from.resize(table, 20), to.resize(table, 90);
+    scramble(from, random), scramble(to, random);
+    const std::vector<std::byte> delta = to.save_delta(from);
+    State base(from);
+    REQUIRE(base.apply_delta(delta).ok());
+    CHECK(base.hash() == to.hash());
+    CHECK(base.capacity(small.tables[0]) < most);
+    State assigned(small.layout);
+    assigned = to;
+    CHECK(assigned.hash() == to.hash());
+    assigned = from; // fewer rows: what stood beyond them is gone
+    CHECK(assigned.hash() == from.hash());
+    assigned.resize(small.tables[2], 90);
+    for (std::uint32_t row = 20; row < 90; ++row) REQUIRE(assigned.rows(small.flag)[row] == 0);
+    to = from;
+    CHECK(to.hash() == from.hash());
+    CHECK(to.capacity(small.tables[0]) == most);
+}
+
+TEST_CASE("a state takes no memory for rows that it has not") {
+    const Growing g = growing(0, 0xffffffffu);
+    State state(g.layout);
+    CHECK(state.layout().size_bytes() < 1000);
+    state.resize(g.tables[1], 1);
+    CHECK(state.layout().size_bytes() < 9 * sizeof(Inventory));
+    CHECK(state.rows_max(g.tables[1]) == 0xffffffffu);
+}
+
+} // namespace lockstone::test

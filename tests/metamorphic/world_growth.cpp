@@ -1,0 +1,185 @@
+// Worlds that had memory ahead and worlds that took it as things came are the same worlds.
+#include "lockstone/joint.h"
+#include "support/sim_script.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <deque>
+
+using namespace lockstone;
+using namespace lockstone::test::scene;
+
+namespace {
+
+WorldRows limits_of(const WorldDef& d) {
+    return {d.bodies_max,       d.shapes_max, d.contacts_max,   d.fields_max,
+            d.pair_filters_max, d.joints_max, d.characters_max, d.vehicles_max};
+}
+
+/// A heap that gets more and more of everything, from its tick alone.
+void step_heap(World& w) {
+    const auto tick = static_cast<int>(w.tick_count());
+    for (int i = 0; i < tick % 5; ++i) {
+        const BodyId body =
+            add_something(w, tick + i, {.pose = at(0.4 * (tick % 7) - 1, 1 + 0.8 * i, 0.5 * (tick % 5) - 1)});
+        if (tick % 3 == 0 && w.body_count() > 4) {
+            const BodyId other = w.body_at(2);
+            made(w.create_joint(weld_joint(), other, body, w.pose(body)));
+            done(w.set_pair_filter(other, body, false));
+        }
+    }
+    if (tick % 4 == 1) made(w.create_field({.center = vec(1, 1, 1), .strength = Real(1)}));
+    if (tick % 6 == 2) made(w.create_character({.position = vec(0.5 * tick, 0, 6)}));
+    if (tick % 11 == 10) done(w.destroy(w.body_at(w.body_count() - 1)));
+    w.tick();
+}
+
+WorldDef heap_def() {
+    WorldDef def = WorldDef::precise();
+    def.bodies_max = def.shapes_max = 2000;
+    return def;
+}
+World start_heap() {
+    World w = made(World::create(heap_def(), script_schema()));
+    add_floor(w);
+    return w;
+}
+
+} // namespace
+
+TEST_CASE("worlds with other reservations agree at every tick") {
+    World grows = start_heap(), has_all = start_heap(), between = start_heap();
+    done(has_all.reserve(limits_of(has_all.def())));
+    for (int t = 0; t < 50; ++t) {
+        INFO(t);
+        if (t % 7 == 3) done(between.reserve({.bodies = static_cast<std::uint32_t>(8 * t), .joints = 64}));
+        step_heap(grows), step_heap(has_all), step_heap(between);
+        REQUIRE(grows.hash() == has_all.hash());
+        REQUIRE(between.hash() == has_all.hash());
+    }
+    CHECK(grows.save_portable() == has_all.save_portable());
+    CHECK(State::diff(grows.state(), has_all.state(), 4).empty());
+    CHECK(differing_pages(grows.state().hash_tree(), has_all.state().hash_tree()).empty());
+    const WorldRows taken = grows.capacity();
+    CHECK(taken.bodies < 2 * grows.body_count());
+    CHECK(taken.joints > 8);
+    CHECK(taken.fields > 8);
+    CHECK(taken.characters > 0);
+    CHECK(taken.pair_filters > 8);
+    CHECK(taken.contacts > 100);
+    CHECK(has_all.capacity().bodies == 2000);
+    CHECK(has_all.capacity().contacts == 16000);
+}
+
+TEST_CASE("a rollback over growth goes the way of a world that never went back") {
+    World straight = start_heap(), rolls = start_heap();
+    done(straight.reserve(limits_of(straight.def())));
+    std::vector<std::uint64_t> hashes{straight.hash()};
+    for (int t = 0; t < 45; ++t) step_heap(straight), hashes.push_back(straight.hash());
+    std::vector<Image> ring(8);
+    std::uint32_t grown = 0;
+    while (rolls.tick_count() < 45) {
+        const std::uint64_t start = rolls.tick_count();
+        const std::uint32_t before = rolls.capacity().bodies + rolls.capacity().contacts;
+        for (std::uint64_t t = start; t < std::min<std::uint64_t>(start + 8, 45); ++t) {
+            rolls.save(ring[t % 8]);
+            step_heap(rolls);
+            REQUIRE(rolls.hash() == hashes[t + 1]);
+        }
+        grown += rolls.capacity().bodies + rolls.capacity().contacts != before;
+        for (std::uint64_t back = rolls.tick_count(); back-- > start;) {
+            rolls.restore(ring[back % 8]);
+            REQUIRE(rolls.hash() == hashes[back]);
+            step_heap(rolls);
+            REQUIRE(rolls.hash() == hashes[back + 1]);
+        }
+        rolls.restore(ring[start % 8]);
+        for (std::uint64_t t = start; t < std::min<std::uint64_t>(start + 5, 45); ++t) step_heap(rolls);
+        REQUIRE(rolls.hash() == hashes[rolls.tick_count()]);
+    }
+    CHECK(grown >= 3);
+}
+
+TEST_CASE("images of larger worlds are restored by smaller ones, and the other way round") {
+    World large = start_heap(), small = start_heap();
+    Image empty, full;
+    small.save(empty);
+    const std::uint64_t empty_hash = small.hash();
+    for (int t = 0; t < 30; ++t) step_heap(large);
+    large.save(full);
+    REQUIRE(large.capacity().bodies > small.capacity().bodies);
+    small.restore(full);
+    CHECK(small.hash() == large.hash());
+    large.restore(empty);
+    CHECK(large.hash() == empty_hash);
+    for (int t = 0; t < 10; ++t) step_heap(small);
+    const std::vector<std::byte> delta = small.save_delta(full), portable = small.save_portable();
+    World fresh = start_heap();
+    REQUIRE(fresh.restore_delta(full, delta).ok());
+    CHECK(fresh.hash() == small.hash());
+    World other = start_heap();
+    REQUIRE(other.restore_portable(portable).ok());
+    for (int t = 0; t < 10; ++t) step_heap(other), step_heap(fresh), step_heap(small);
+    CHECK(other.hash() == small.hash());
+    CHECK(fresh.hash() == small.hash());
+    CHECK(small.clone().hash() == small.hash());
+}
+
+TEST_CASE("limits cost nothing: a world of the largest definition takes a few kilobytes") {
+    WorldDef def;
+    def.bodies_max = def.shapes_max = def.contacts_max = def.pair_filters_max = def.joints_max = 1u << 20;
+    def.characters_max = def.vehicles_max = 65536, def.fields_max = 1024;
+    const World w = made(World::create(def, script_schema()));
+    CHECK(w.state().layout().size_bytes() < 8192);
+    CHECK(w.capacity().bodies == 0);
+    Image image;
+    w.save(image);
+    CHECK(w.clone().hash() == w.hash());
+}
+
+TEST_CASE("more than the definition's limit is not reserved, and nothing has changed") {
+    World w = start_heap();
+    for (int t = 0; t < 10; ++t) step_heap(w);
+    const std::uint64_t hash = w.hash();
+    const WorldRows before = w.capacity();
+    const std::pair<WorldRows, const char*> cases[] = {
+        {{.bodies = 2001}, "reserve: 2001 rows, but bodies_max is 2000"},
+        {{.bodies = 1000, .shapes = 2001}, "shapes_max is 2000"},
+        {{.contacts = 16001}, "contacts_max is 16000"},
+        {{.fields = 257}, "fields_max is 256"},
+        {{.pair_filters = 8193}, "pair_filters_max is 8192"},
+        {{.joints = 1u << 31}, "joints_max is 8192"},
+        {{.characters = 257}, "characters_max is 256"},
+        {{.vehicles = 257}, "vehicles_max is 256"}};
+    for (const auto& [rows, words] : cases) {
+        const Status status = w.reserve(rows);
+        REQUIRE(!status.ok());
+        CHECK(status.error().message.find(words) != std::string::npos);
+    }
+    CHECK(w.hash() == hash);
+    CHECK(w.capacity().bodies == before.bodies);
+    CHECK(w.capacity().contacts == before.contacts);
+}
+
+TEST_CASE("dropped contacts are an event of every tick in which any are") {
+    WorldDef def = small_def();
+    def.contacts_max = 5;
+    World w = made(World::create(def));
+    add_floor(w);
+    const auto told = [&] {
+        return std::ranges::count_if(w.events(),
+                                     [](const Event& e) { return e.kind == EventKind::contacts_dropped; });
+    };
+    for (int i = 0; i < 5; ++i) add_ball(w, at(2 * i, 0.5, 0));
+    w.tick();
+    CHECK(told() == 0);
+    for (int i = 5; i < 9; ++i) add_ball(w, at(2 * i, 0.5, 0));
+    for (int t = 0; t < 3; ++t) {
+        w.tick();
+        CHECK(told() == 1);
+        CHECK(w.events().back().kind == EventKind::contacts_dropped);
+        CHECK(w.events().back().tick + 1 == w.tick_count());
+    }
+    CHECK(w.faults().contacts_dropped == 12);
+}
