@@ -8,7 +8,7 @@
 
 namespace lockstone::dynamics {
 
-JointSolver::JointSolver() : work(std::make_unique<JointTick>()) {}
+JointSolver::JointSolver(const JointKernel& lanes) : work(std::make_unique<JointTick>()), kernel(&lanes) {}
 JointSolver::~JointSolver() = default;
 JointSolver::JointSolver(JointSolver&&) noexcept = default;
 JointSolver& JointSolver::operator=(JointSolver&&) noexcept = default;
@@ -17,13 +17,17 @@ void JointSolver::reserve(std::size_t joints) {
     work->joints.reserve(joints);
     work->blocks.reserve(2 * joints);
     work->axes.reserve(7 * joints);
-    work->points.reserve(joints);
+    work->packs.reserve(joints), work->turn_packs.reserve(joints), work->stages.reserve(joints);
+    work->singles.reserve(joints), work->in_order.reserve(joints);
+    work->last_stage.reserve(2 * joints), work->counts.reserve(5 * joints + 1);
     work->bodies.reserve(2 * joints);
 }
 
 void JointSolver::poison(std::byte with) {
-    auto& [joints, blocks, axes, points, bodies, forest, cache_of, pose, clamped, first] = *work;
-    base::poison(with, joints, blocks, axes, points, bodies, cache_of, pose, clamped, first);
+    auto& [joints, blocks, axes, packs, turn_packs, stages, singles, last_stage, counts, in_order, bodies,
+           forest, cache_of, pose, clamped, first] = *work;
+    base::poison(with, joints, blocks, axes, packs, turn_packs, stages, singles, last_stage, counts, in_order,
+                 bodies, cache_of, pose, clamped, first);
     auto& [trees, nodes, edges, links, component, first_of, hung, node_of, size, root, anchor_of, loops,
            anchors, above_of, above, carried, queue] = forest;
     base::poison(with, trees, nodes, edges, links, component, first_of, hung, node_of, size, root, anchor_of,
@@ -83,11 +87,6 @@ Real reduced_mass(const Shares& shares, const BodyMass& a, const BodyMass& b) {
     return shares.a.mantissa != 0 ? mul_share(a.mass, shares.a) : mul_share(b.mass, shares.b);
 }
 
-/// The last block of such a joint is its point part.
-bool has_point(const JointTick& tick, const JointWork& w) {
-    return w.block_count != 0 && tick.blocks[w.first_block + w.block_count - 1].kind[0] == RowKind::point_x;
-}
-
 constexpr std::uint32_t joint_chunk = 32;
 
 /// Calls visit(joint) for each joint; workers share them.
@@ -104,7 +103,7 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
                           const BodyColumns& columns, const StepConstants& step, const SolverBodies& bodies,
                           Tasks* tasks) {
     JointTick& tick = *work;
-    tick.joints.clear(), tick.blocks.clear(), tick.axes.clear(), tick.points.clear(), tick.bodies.clear();
+    tick.joints.clear(), tick.blocks.clear(), tick.axes.clear(), tick.bodies.clear();
     tick.cache_of.assign(bodies.body.size(), 0);
     tick.pose = columns.pose;
     tick.clamped = 0;
@@ -112,7 +111,7 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
     constexpr BodyMass none{};
     for (const Joint& joint : joints) {
         JointWork w{};
-        w.point = no_point;
+        w.pack = no_pack;
         w.def = joint.def;
         w.memory = joint.memory;
         w.a = side(tick, joint.body_a, joint.frame_a, columns, bodies);
@@ -128,8 +127,7 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
         tick.joints.push_back(w);
     }
     plan_trees(tick, columns, step, bodies);
-    for (JointWork& w : tick.joints)
-        if (w.tree == no_tree && has_point(tick, w) && fits_point(w, bodies)) take_point(tick, w);
+    plan_packs(tick, step, bodies);
     for_joints(tick, tasks, [&](JointWork& w) { make_rows(tick, w, step, bodies); });
     factorise_trees(tick, bodies, tasks);
 }
@@ -189,10 +187,12 @@ void store_axis(const JointAxisPart& part, JointMemory& memory, Wrench& wrench) 
     if (part.features & has_upper) axis.upper = unscaled(part.upper);
 }
 
-void store_point(const PointPart& part, JointMemory& memory, Wrench& wrench) {
+void store_point(const JointPack& pack, std::uint32_t lane, JointMemory& memory, Wrench& wrench) {
+    const int e = pack.exponent[lane];
     for (int i = 0; i < 3; ++i) {
-        memory.axis[static_cast<std::size_t>(i)].spring = unscaled_impulse(part.impulse[i], part.exponent);
-        wrench.force[i] = wrench.force[i] + unscaled_impulse(part.sum[i] + part.impulse[i], part.exponent);
+        const std::int32_t p = pack.impulse[i][lane];
+        memory.axis[static_cast<std::size_t>(i)].spring = unscaled_impulse(p, e);
+        wrench.force[i] = wrench.force[i] + unscaled_impulse(pack.sum[i][lane] + p, e);
     }
 }
 
@@ -211,15 +211,18 @@ Quat frame_rotation(const JointTick& tick, const JointWorkSide& s) {
 } // namespace
 
 void JointSolver::store(const StepConstants& step, std::span<JointMemory> memory, ClampCounts& clamps) const {
-    const JointTick& tick = *work;
+    JointTick& tick = *work;
     for (const JointWork& w : tick.joints) {
         JointMemory& m = memory[w.memory];
         m.axis = {}, m.swing = Real{};
         Wrench wrench{};
         for (std::uint32_t i = 0; i < w.axis_count; ++i) store_axis(tick.axes[w.first_axis + i], m, wrench);
-        for (std::uint32_t i = 0; i < w.block_count; ++i)
-            store_block(tick.blocks[w.first_block + i], m, wrench);
-        if (w.point != no_point) store_point(tick.points[w.point], m, wrench);
+        for (std::uint32_t i = 0; i < w.block_count; ++i) {
+            JointBlock& block = tick.blocks[w.first_block + i];
+            if (w.turns_packed) take_impulses(block, tick.turn_packs[tick.packs[w.pack].turn], w.lane);
+            store_block(block, m, wrench);
+        }
+        if (w.pack != no_pack) store_point(tick.packs[w.pack], w.lane, m, wrench);
         m.twist = w.needs_travel ? w.travel
                   : counts_turns(*w.def)
                       ? twist_between(frame_rotation(tick, w.a), frame_rotation(tick, w.b), w.twist)

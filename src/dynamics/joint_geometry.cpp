@@ -265,9 +265,6 @@ void set_axis_errors(JointAxisPart& part, const RowValue& value, const StepConst
 
 // ---- rows ---------------------------------------------------------------------------------------------------------
 
-/// Kinds whose rows only turn bodies.
-bool only_turns(RowKind kind) { return kind >= RowKind::orientation_x && kind <= RowKind::swing; }
-
 void make_block(JointBlock& block, const JointWork& work, const JointPlace& place, Bodies bodies,
                 const StepConstants& step) {
     RowValue values[3];
@@ -371,14 +368,19 @@ void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, cons
     const Bodies both{bodies.body[work.a.body], bodies.body[work.b.body]};
     for (std::uint32_t i = 0; i < work.axis_count; ++i)
         make_axis(tick.axes[work.first_axis + i], work, place, both, step);
-    for (std::uint32_t i = 0; i < work.block_count; ++i)
-        make_block(tick.blocks[work.first_block + i], work, place, both, step);
-    if (work.point != no_point) {
-        PointPart& part = tick.points[work.point];
-        make_point(part, work, place, step, bodies);
+    for (std::uint32_t i = 0; i < work.block_count; ++i) {
+        JointBlock& block = tick.blocks[work.first_block + i];
+        TurnPack* turn = work.turns_packed ? &tick.turn_packs[tick.packs[work.pack].turn] : nullptr;
+        if (turn != nullptr && work.made) take_impulses(block, *turn, work.lane);
+        make_block(block, work, place, both, step);
+        if (turn != nullptr) put_turn(block, *turn, work.lane);
+    }
+    if (work.pack != no_pack) {
+        JointPack& pack = tick.packs[work.pack];
+        make_point(pack, work, place, step, bodies);
         const JointBlock& block = tick.blocks[work.first_block + work.block_count];
         for (int i = 0; i < 3 && !work.made; ++i)
-            part.impulse[i] = scaled_impulse(block.sum[i], part.exponent);
+            pack.impulse[i][work.lane] = scaled_impulse(block.sum[i], pack.exponent[work.lane]);
     }
     work.steady = work.stays && work.tree == no_tree && !(work.needs_twist && is_opposite(place));
     work.made = work.remade = true;
@@ -389,8 +391,11 @@ void follow_errors(JointTick& tick, JointWork& work, const StepConstants& step, 
     for (std::uint32_t i = 0; i < work.axis_count; ++i) {
         set_axis_targets(tick.axes[work.first_axis + i], step, both);
     }
-    for (std::uint32_t i = 0; i < work.block_count; ++i)
-        set_block_bias(tick.blocks[work.first_block + i], work.tree != no_tree, step, both);
+    for (std::uint32_t i = 0; i < work.block_count; ++i) {
+        JointBlock& block = tick.blocks[work.first_block + i];
+        set_block_bias(block, work.tree != no_tree, step, both);
+        if (work.turns_packed) put_bias(block, tick.turn_packs[tick.packs[work.pack].turn], work.lane);
+    }
 }
 
 void invert_blocks(JointTick& tick, const JointWork& work) {

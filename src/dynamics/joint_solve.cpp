@@ -10,8 +10,6 @@ namespace lockstone::dynamics {
 
 namespace {
 
-constexpr std::int64_t impulse_change_max = std::int64_t{4} * joint_impulse_max;
-
 /// As push(), and what rows read stays within its bounds.
 template <class Now> void push_clamped(const Row* rows, const std::int32_t* p, int count, Motion& m) {
     std::uint32_t any;
@@ -114,11 +112,14 @@ template <class Now> void solve_axis(JointAxisPart& part, Motion& m, bool bias, 
 
 namespace {
 
-/// Joint after joint: what acts along axes, and locks that no tree solves.
+/// Of one joint: what acts along axes, and locks that neither a tree nor a pack solves.
 void pass_joint(JointTick& tick, const JointWork& w, const StepConstants& step, SolverBodies& bodies,
                 bool bias) {
-    const bool locks = w.tree == no_tree || !tick.forest.trees[w.tree].direct;
-    if (!locks && w.axis_count == 0) return; // a tree's joint has no point part
+    const bool locks =
+        w.block_count != 0 && !w.turns_packed && (w.tree == no_tree || !tick.forest.trees[w.tree].direct);
+    bool busy = locks;
+    for (std::uint32_t i = 0; i < w.axis_count; ++i) busy = busy || !tick.axes[w.first_axis + i].idle;
+    if (!busy) return;
     SolverBody &a = bodies.body[w.a.body], &b = bodies.body[w.b.body];
     Motion m = read(a, b);
     clamp_motion(m);
@@ -137,18 +138,27 @@ void pass_joint(JointTick& tick, const JointWork& w, const StepConstants& step, 
         else
             solve_block<Speeds>(block, m, step, bias, tick.clamped);
     }
-    if (w.point != no_point) solve_point(tick.points[w.point], m, a, b, step, bias, tick.clamped);
     write(m, a, b);
 }
 
 } // namespace
 
+static JointPassData pass_data(JointTick& tick, const StepConstants& step, SolverBodies& bodies) {
+    return {bodies.body.data(), tick.packs.data(),         tick.turn_packs.data(),
+            pack_rate(step),    step.joint.mass_scale.raw, step.joint.impulse_scale.raw};
+}
+
 void JointSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bias, Tasks* tasks) {
     JointTick& tick = *work;
     const TurnedK turned(step, bodies);
-    const std::size_t count = tick.joints.size();
-    for (std::size_t k = 0; k < count; ++k) // relaxing goes back the way the biased pass came
-        pass_joint(tick, tick.joints[bias ? k : count - 1 - k], step, bodies, bias);
+    const JointPassData data = pass_data(tick, step, bodies);
+    const std::size_t count = tick.stages.size();
+    for (std::size_t k = 0; k < count; ++k) { // relaxing goes back the way the biased pass came
+        const JointStage& stage = tick.stages[bias ? k : count - 1 - k];
+        for (std::uint32_t i = stage.first_single; i < stage.last_single; ++i)
+            pass_joint(tick, tick.joints[tick.singles[i]], step, bodies, bias);
+        tick.clamped += kernel->solve(data, stage.first_pack, stage.last_pack, bias);
+    }
     const std::vector<JointTree>& trees = tick.forest.trees;
     base::for_chunks(tasks, static_cast<std::uint32_t>(trees.size()), tree_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
@@ -159,38 +169,38 @@ void JointSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bi
 
 // ---- warm start ---------------------------------------------------------------------------------------------------
 
-static void warm_point(PointPart& part, Motion& m, bool first) {
-    for (int r = 0; r < 3 && !first; ++r) part.sum[r] += part.impulse[r];
-    push_point(part, part.impulse, m);
+static void warm_joint(JointTick& tick, const JointWork& w, SolverBodies& bodies) {
+    SolverBody &a = bodies.body[w.a.body], &b = bodies.body[w.b.body];
+    Motion m = read(a, b);
     clamp_motion(m);
+    for (std::uint32_t i = 0; i < w.axis_count; ++i) {
+        JointAxisPart& part = tick.axes[w.first_axis + i];
+        if (part.idle) continue;
+        const std::int64_t sum = std::int64_t{part.spring} + part.motor + part.lower + part.upper;
+        const std::int32_t p = bounded(sum, -joint_impulse_max, joint_impulse_max);
+        if (!tick.first) part.sum += unscaled_impulse(p, part.exponent);
+        push_clamped<Speeds>(&part.row, &p, 1, m);
+    }
+    for (std::uint32_t i = 0; !w.turns_packed && i < w.block_count; ++i) {
+        JointBlock& block = tick.blocks[w.first_block + i];
+        for (int r = 0; r < block.count && !tick.first; ++r)
+            block.sum[r] += unscaled_impulse(block.impulse[r], block.exponent);
+        if (block.turns)
+            push_clamped<Turning>(block.row, block.impulse, block.count, m);
+        else
+            push_clamped<Speeds>(block.row, block.impulse, block.count, m);
+    }
+    write(m, a, b);
 }
 
 void JointSolver::warm_start(const StepConstants& step, SolverBodies& bodies) {
     JointTick& tick = *work;
     const TurnedK turned(step, bodies);
-    for (const JointWork& w : tick.joints) {
-        SolverBody &a = bodies.body[w.a.body], &b = bodies.body[w.b.body];
-        Motion m = read(a, b);
-        clamp_motion(m);
-        for (std::uint32_t i = 0; i < w.axis_count; ++i) {
-            JointAxisPart& part = tick.axes[w.first_axis + i];
-            if (part.idle) continue;
-            const std::int64_t sum = std::int64_t{part.spring} + part.motor + part.lower + part.upper;
-            const std::int32_t p = bounded(sum, -joint_impulse_max, joint_impulse_max);
-            if (!tick.first) part.sum += unscaled_impulse(p, part.exponent);
-            push_clamped<Speeds>(&part.row, &p, 1, m);
-        }
-        for (std::uint32_t i = 0; i < w.block_count; ++i) {
-            JointBlock& block = tick.blocks[w.first_block + i];
-            for (int r = 0; r < block.count && !tick.first; ++r)
-                block.sum[r] += unscaled_impulse(block.impulse[r], block.exponent);
-            if (block.turns)
-                push_clamped<Turning>(block.row, block.impulse, block.count, m);
-            else
-                push_clamped<Speeds>(block.row, block.impulse, block.count, m);
-        }
-        if (w.point != no_point) warm_point(tick.points[w.point], m, tick.first);
-        write(m, a, b);
+    const JointPassData data = pass_data(tick, step, bodies);
+    for (const JointStage& stage : tick.stages) {
+        for (std::uint32_t i = stage.first_single; i < stage.last_single; ++i)
+            warm_joint(tick, tick.joints[tick.singles[i]], bodies);
+        kernel->warm_start(data, stage.first_pack, stage.last_pack, !tick.first);
     }
     tick.first = false;
 }

@@ -9,6 +9,7 @@
 #pragma once
 
 #include "dynamics/joint.h"
+#include "dynamics/joint_pack.h"
 #include "dynamics/joint_parts.h"
 #include "dynamics/joint_point.h"
 #include "dynamics/joint_tree.h"
@@ -107,7 +108,7 @@ struct JointWorkSide {
     Quat frame;          ///< in the body's axes, or in the world
 };
 
-inline constexpr std::uint32_t no_point = 0xffffffffu;
+inline constexpr std::uint32_t no_pack = 0xffffffffu;
 
 struct JointWork {
     const JointDef* def;
@@ -119,12 +120,22 @@ struct JointWork {
     std::uint32_t tree; ///< that solves its locks; no_tree: they are solved by themselves
     std::uint8_t block_count, axis_count;
     bool needs_twist, needs_target, needs_orientation, needs_travel, needs_slip, made;
-    bool stale;          ///< its rows are to be made anew
-    bool stays;          ///< its rows change by turns alone, and slowly
-    bool remade;         ///< since trees were factorised
-    bool steady;         ///< and they may stay behind where they are now
-    std::uint32_t point; ///< entry of JointTick::points; no_point: its point part, if any, is a block
+    bool stale;        ///< its rows are to be made anew
+    bool stays;        ///< its rows change by turns alone, and slowly
+    bool remade;       ///< since trees were factorised
+    bool steady;       ///< and they may stay behind where they are now
+    bool turns_packed; ///< its block is in a pack of turns
+    std::uint32_t
+        pack; ///< entry of JointTick::packs that has its point part; no_pack: that is a block, if any
+    std::uint32_t lane;  ///< of the pack
+    std::uint32_t stage; ///< of JointTick::stages
     Real twist, travel;
+};
+
+/// Joints that share no body that impulses move: the first stage after those of all earlier joints of the same bodies. Stage
+/// after stage is so the order of solving, and stages backwards are that order backwards.
+struct JointStage {
+    std::uint32_t first_pack, last_pack, first_single, last_single;
 };
 
 /// All joints of a tick in solving order.
@@ -132,7 +143,11 @@ struct JointTick {
     std::vector<JointWork> joints;
     std::vector<JointBlock> blocks;
     std::vector<JointAxisPart> axes;
-    std::vector<PointPart> points;
+    std::vector<JointPack> packs;
+    std::vector<TurnPack> turn_packs;
+    std::vector<JointStage> stages;
+    std::vector<std::uint32_t> singles;                      ///< joints that have parts in no pack, by stage
+    std::vector<std::uint32_t> last_stage, counts, in_order; ///< while packs are filled
     std::vector<JointBody> bodies;
     JointForest forest;
     std::vector<std::uint32_t> cache_of; ///< by body: entry of `bodies` + 1

@@ -25,6 +25,7 @@ struct Avx2 {
     static V sub(V a, V b) { return _mm256_sub_epi64(a, b); }
     static V mul(V a, V b) { return _mm256_mul_epi32(a, b); }
     template <int S> static V shift_right(V x) { return _mm256_srli_epi64(x, S); }
+    template <int S> static V shift_left(V x) { return _mm256_slli_epi64(x, S); }
     static V shift_right_by(V x, V by) { // moved up to where nothing is negative, and back
         const V sign = _mm256_set1_epi64x(INT64_MIN);
         return _mm256_sub_epi64(_mm256_srlv_epi64(_mm256_xor_si256(x, sign), by), _mm256_srlv_epi64(sign, by));

@@ -25,6 +25,7 @@ struct Scalar {
         return std::int64_t{static_cast<std::int32_t>(a)} * static_cast<std::int32_t>(b);
     }
     template <int S> static V shift_right(V x) { return signed_of(bits(x) >> S); } ///< logical
+    template <int S> static V shift_left(V x) { return signed_of(bits(x) << S); }
     static V shift_right_by(V x, V by) { return x >> by; } ///< by lane, arithmetic, 0..63
 
     // Of the low halves; those of masks are all ones or zero.

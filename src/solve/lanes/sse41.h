@@ -24,6 +24,7 @@ struct Sse41 {
     static V sub(V a, V b) { return _mm_sub_epi64(a, b); }
     static V mul(V a, V b) { return _mm_mul_epi32(a, b); }
     template <int S> static V shift_right(V x) { return _mm_srli_epi64(x, S); }
+    template <int S> static V shift_left(V x) { return _mm_slli_epi64(x, S); }
     static V shift_right_by(V x, V by) { // moved up to where nothing is negative, and back
         const V sign = _mm_set1_epi64x(INT64_MIN), high = _mm_unpackhi_epi64(by, by);
         const auto logical = [&](V y) {
