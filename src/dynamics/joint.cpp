@@ -18,16 +18,16 @@ void JointSolver::reserve(std::size_t joints) {
     work->blocks.reserve(2 * joints);
     work->axes.reserve(7 * joints);
     work->packs.reserve(joints), work->turn_packs.reserve(joints), work->stages.reserve(joints);
-    work->singles.reserve(joints), work->in_order.reserve(joints);
+    work->singles.reserve(joints), work->packed.reserve(pack_lanes * joints), work->in_order.reserve(joints);
     work->last_stage.reserve(2 * joints), work->counts.reserve(5 * joints + 1);
     work->bodies.reserve(2 * joints);
 }
 
 void JointSolver::poison(std::byte with) {
-    auto& [joints, blocks, axes, packs, turn_packs, stages, singles, last_stage, counts, in_order, bodies,
-           forest, cache_of, pose, clamped, first] = *work;
-    base::poison(with, joints, blocks, axes, packs, turn_packs, stages, singles, last_stage, counts, in_order,
-                 bodies, cache_of, pose, clamped, first);
+    auto& [joints, blocks, axes, packs, turn_packs, stages, singles, packed, last_stage, counts, in_order,
+           bodies, forest, cache_of, pose, clamped, first] = *work;
+    base::poison(with, joints, blocks, axes, packs, turn_packs, stages, singles, packed, last_stage, counts,
+                 in_order, bodies, cache_of, pose, clamped, first);
     auto& [trees, nodes, edges, links, component, first_of, hung, node_of, size, root, anchor_of, loops,
            anchors, above_of, above, carried, queue] = forest;
     base::poison(with, trees, nodes, edges, links, component, first_of, hung, node_of, size, root, anchor_of,
@@ -87,7 +87,7 @@ Real reduced_mass(const Shares& shares, const BodyMass& a, const BodyMass& b) {
     return shares.a.mantissa != 0 ? mul_share(a.mass, shares.a) : mul_share(b.mass, shares.b);
 }
 
-constexpr std::uint32_t joint_chunk = 32;
+constexpr std::uint32_t joint_chunk = 32, pack_chunk = 16;
 
 /// Calls visit(joint) for each joint; workers share them.
 template <class Visit> void for_joints(JointTick& tick, Tasks* tasks, Visit&& visit) {
@@ -97,7 +97,39 @@ template <class Visit> void for_joints(JointTick& tick, Tasks* tasks, Visit&& vi
                      });
 }
 
+/// Rows and biases of points where the bodies are now.
+void refresh_packs(JointTick& tick, const JointKernel& kernel, const StepConstants& step,
+                   const SolverBodies& bodies, Tasks* tasks) {
+    // Other passes of a kernel write to bodies, this one only reads them.
+    const JointPassData data = pass_data(tick, step, const_cast<SolverBody*>(bodies.body.data()));
+    base::for_chunks(
+        tasks, static_cast<std::uint32_t>(tick.packs.size()), pack_chunk,
+        [&](std::uint32_t first, std::uint32_t last, std::uint32_t) { kernel.refresh(data, first, last); });
+    for (std::uint32_t i = 0; i < tick.packs.size(); ++i) {
+        JointPack& pack = tick.packs[i];
+        while ((pack.over[0] | pack.over[1] | pack.over[2] | pack.over[3]) != 0) {
+            for (std::uint32_t lane = 0; lane < pack.count; ++lane) {
+                if (pack.over[lane] == 0) continue;
+                JointWork& w = tick.joints[tick.packed[i * pack_lanes + lane]];
+                enlarge_exponent(pack, w, step);
+                w.stale = true; // its inverse is that of other rows
+            }
+            kernel.refresh(data, i, i + 1);
+        }
+    }
+}
+
 } // namespace
+
+JointPassData pass_data(JointTick& tick, const StepConstants& step, SolverBody* bodies) {
+    return {bodies,
+            tick.packs.data(),
+            tick.turn_packs.data(),
+            pack_rate(step),
+            step.joint.mass_scale.raw,
+            step.joint.impulse_scale.raw,
+            step.substep_time.raw};
+}
 
 void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMemory> memory,
                           const BodyColumns& columns, const StepConstants& step, const SolverBodies& bodies,
@@ -128,7 +160,21 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
     }
     plan_trees(tick, columns, step, bodies);
     plan_packs(tick, step, bodies);
-    for_joints(tick, tasks, [&](JointWork& w) { make_rows(tick, w, step, bodies); });
+    for_joints(tick, tasks, [&](JointWork& w) {
+        if (w.pack != no_pack) start_packed(tick, w, step, bodies);
+        if (w.pack != no_pack && w.axis_count + w.block_count == 0)
+            w.steady = w.stays, w.made = true;
+        else
+            make_rows(tick, w, step, bodies);
+    });
+    for (const JointWork& w : tick.joints)
+        for (const JointWorkSide* s : {&w.a, &w.b})
+            if (w.pack == no_pack && w.stays && w.tree == no_tree && !s->world)
+                tick.bodies[s->cache].unpacked = true;
+    refresh_packs(tick, *kernel, step, bodies, tasks);
+    for_joints(tick, tasks, [&](JointWork& w) {
+        if (w.pack != no_pack) invert_point(tick.packs[w.pack], w);
+    });
     factorise_trees(tick, bodies, tasks);
 }
 
@@ -141,22 +187,42 @@ void JointSolver::update(const StepConstants& step, const SolverBodies& bodies, 
                          });
     };
     for_bodies([&](JointBody& now) { look_at_body(now, bodies); });
-    const auto stirred = [&](const JointWorkSide& s) { return !s.world && tick.bodies[s.cache].stirred; };
-    const auto strays = [&](const JointWorkSide& s) { return !s.world && tick.bodies[s.cache].strays; };
+    const bool moved =
+        std::any_of(tick.bodies.begin(), tick.bodies.end(), [](const JointBody& b) { return b.stirred; });
+    if (!moved) { // before the first substep
+        for_joints(tick, tasks, [&](JointWork& w) {
+            if (w.pack == no_pack) follow_errors(tick, w, step, bodies);
+        });
+        return;
+    }
+    const auto asks = [&](const JointWork& w, const JointWorkSide& s) {
+        if (s.world) return false;
+        const JointBody& body = tick.bodies[s.cache];
+        return !w.steady ? body.stirred : w.pack != no_pack ? body.strays_far : body.strays;
+    };
     for (JointWork& w : tick.joints) {
-        w.stale = w.steady ? strays(w.a) || strays(w.b) : stirred(w.a) || stirred(w.b);
-        if (!w.stale) continue;
-        if (!w.a.world) tick.bodies[w.a.cache].wanted = true;
-        if (!w.b.world) tick.bodies[w.b.cache].wanted = true;
+        w.stale = asks(w, w.a) || asks(w, w.b);
+        const bool places = w.stale && (w.pack == no_pack || w.axis_count + w.block_count != 0);
+        for (const JointWorkSide* s : {&w.a, &w.b}) {
+            if (s->world) continue;
+            JointBody& body = tick.bodies[s->cache];
+            if (places || (w.pack != no_pack && body.given && body.stirred)) body.wanted = true;
+        }
     }
     for_bodies([&](JointBody& now) {
         if (now.wanted) place_body(now, tick.pose[now.body], bodies);
     });
     for_joints(tick, tasks, [&](JointWork& w) {
+        if (w.pack != no_pack) give_levers(tick, w, bodies);
+        if (w.axis_count + w.block_count == 0) return;
         if (w.stale)
             make_rows(tick, w, step, bodies);
-        else if (w.axis_count + w.block_count != 0)
+        else
             follow_errors(tick, w, step, bodies);
+    });
+    refresh_packs(tick, *kernel, step, bodies, tasks);
+    for_joints(tick, tasks, [&](JointWork& w) {
+        if (w.pack != no_pack && w.stale) invert_point(tick.packs[w.pack], w);
     });
     factorise_trees(tick, bodies, tasks);
 }
@@ -168,7 +234,9 @@ namespace {
 /// Sums of impulses over the tick along world directions, unscaled.
 struct Wrench {
     Vec3 force, torque;
-    void add(Real sum, Vec3 direction, bool is_force) { (is_force ? force : torque) += direction * sum; }
+    void add(Real sum, Vec3 direction, bool is_force) {
+        if (sum != Real{}) (is_force ? force : torque) += direction * sum;
+    }
 };
 
 void store_axis(const JointAxisPart& part, JointMemory& memory, Wrench& wrench) {

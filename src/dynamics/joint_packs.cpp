@@ -13,6 +13,9 @@ namespace {
 bool fits(std::uint32_t body, const SolverBodies& bodies) {
     const BodyStep& s = bodies.step[body];
     const SolverBody& b = bodies.body[body];
+    if (!s.moves) return true;
+    // Beyond, shifts of what K^-1 makes would leave 1 .. 62.
+    if (s.inv_exponent < 8 || s.inv_exponent > 58) return false;
     return !s.movable || (s.angular_mask == 7u && (b.keep[0] & b.keep[1] & b.keep[2]) == -1);
 }
 
@@ -51,14 +54,14 @@ std::uint32_t kind_of(const JointTick& tick, const JointWork& w) {
 
 void add_to_pack(JointTick& tick, JointWork& w, std::uint32_t kind, bool fresh, const SolverBodies& bodies) {
     if (fresh) {
-        tick.packs.push_back({});
+        tick.packs.emplace_back();
         JointPack& pack = tick.packs.back();
         pack.turn_rows = kind;
         for (PackSide* side : {&pack.a, &pack.b})
             for (std::uint32_t& body : side->body) body = bodies.still();
         if (kind != 0) {
             pack.turn = static_cast<std::uint32_t>(tick.turn_packs.size());
-            tick.turn_packs.push_back({});
+            tick.turn_packs.emplace_back();
         }
     }
     JointPack& pack = tick.packs.back();
@@ -82,7 +85,8 @@ std::int32_t pack_rate(const StepConstants& step) {
 }
 
 void plan_packs(JointTick& tick, const StepConstants& step, const SolverBodies& bodies) {
-    tick.packs.clear(), tick.turn_packs.clear(), tick.stages.clear(), tick.singles.clear();
+    tick.packed.clear(), tick.packs.clear(), tick.turn_packs.clear(), tick.stages.clear(),
+        tick.singles.clear();
     tick.last_stage.assign(tick.bodies.size(), 0);
     const bool packs = pack_rate(step) < 1 << 27; // its products have room for no more
     std::uint32_t stage_count = 0;
@@ -111,7 +115,11 @@ void plan_packs(JointTick& tick, const StepConstants& step, const SolverBodies& 
             const std::uint32_t first = at, end = tick.counts[s * pack_kinds + kind];
             for (; at < end; ++at) {
                 JointWork& w = tick.joints[tick.in_order[at]];
-                if (kind != no_kind) add_to_pack(tick, w, kind, (at - first) % pack_lanes == 0, bodies);
+                if (kind != no_kind) {
+                    add_to_pack(tick, w, kind, (at - first) % pack_lanes == 0, bodies);
+                    tick.packed.resize(tick.packs.size() * pack_lanes);
+                    tick.packed[w.pack * pack_lanes + w.lane] = tick.in_order[at];
+                }
                 if (w.axis_count != 0 || (w.block_count != 0 && !w.turns_packed))
                     tick.singles.push_back(tick.in_order[at]);
             }

@@ -2,45 +2,74 @@
 
 #include "dynamics/joint_work.h"
 
+#include <algorithm>
+
 namespace lockstone::dynamics {
 
 namespace {
 
-constexpr int lever_bits = Length::fraction_bits;
-constexpr std::int64_t lever_max = std::int64_t{1} << 31;
+constexpr int inverse_at[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
 
-/// K^-1 (r x e) for the three axes e of the world.
-struct Arms {
-    std::int64_t m[3][3];
-    int fraction_bits;
-};
-Arms arms_of(const BodyStep& body, const std::int64_t r[3]) {
+std::int64_t shifted(std::int64_t v, int shift) {
+    if (shift > 62) return 0;
+    return shift >= 0 ? shift_right_rounded(v, shift) : shift_left_saturated(v, std::min(-shift, 63));
+}
+
+/// K^-1 of a body, and what follows from its exponent.
+void set_gyration_inverse(PackSide& side, std::uint32_t lane, const BodyStep& body) {
     const auto& [xx, yy, zz, xy, xz, yz] = body.inv_mantissa;
-    const std::int64_t x = r[0], y = r[1], z = r[2];
-    // 30 bits times 31, twice
-    return {{{xy * z - xz * y, yy * z - yz * y, yz * z - zz * y},
-             {xz * x - xx * z, yz * x - xy * z, zz * x - xz * z},
-             {xx * y - xy * x, xy * y - yy * x, xz * y - yz * x}},
-            body.inv_exponent + lever_bits};
+    const std::int32_t entries[6] = {xx, yy, zz, xy, xz, yz};
+    for (int i = 0; i < 6; ++i) side.inverse[i][lane] = entries[i];
+    side.turn_shift[lane] = body.inv_exponent + Separation::fraction_bits - pack_angle_bits;
+    side.spin_shift[lane] = body.inv_exponent;
 }
 
-int top_bit(const Arms& arms) {
+void set_arm_shift(PackSide& side, std::uint32_t lane, int exponent) {
+    // Beyond 62 nothing is left of sums below 2^61.
+    const std::int64_t shift = side.spin_shift[lane] + side.lever_bits[lane] + exponent - row_bits;
+    side.arm_shift[lane] = std::clamp<std::int64_t>(shift, 1, 62);
+    side.arm_half[lane] = std::int64_t{1} << (side.arm_shift[lane] - 1);
+}
+
+/// Components within 2^28, so that the lever stays within 2^29 wherever it turns; beyond 128 m they are clamped.
+void set_lever(PackSide& side, std::uint32_t lane, Vec3 lever) {
+    constexpr int least_bits = 22;
+    constexpr std::int64_t most = (std::int64_t{1} << 29) - 1;
     std::uint64_t any = 0;
-    for (const auto& row : arms.m)
-        for (const std::int64_t x : row) any |= magnitude(x);
-    return any == 0 ? -1000 : bit_length(any) - arms.fraction_bits;
+    for (int i = 0; i < 3; ++i) any |= magnitude(lever[i].raw);
+    const int drop = std::clamp(bit_length(any) - 28, 0, Real::fraction_bits - least_bits);
+    for (int i = 0; i < 3; ++i)
+        side.lever[i][lane] =
+            static_cast<std::int32_t>(std::clamp(shift_right_rounded(lever[i].raw, drop), -most, most));
+    side.lever_bits[lane] = Real::fraction_bits - drop;
 }
 
-void write(std::int32_t (&out)[3][3][pack_lanes], std::uint32_t lane, const Arms& arms, int exponent) {
-    const int shift = arms.fraction_bits + exponent - row_bits;
-    for (int r = 0; r < 3; ++r)
-        for (int i = 0; i < 3; ++i) {
-            const std::int64_t x = arms.m[r][i];
-            // Entries are below 2: a shift to the left loses nothing.
-            out[r][i][lane] = static_cast<std::int32_t>(shift > 62   ? 0
-                                                        : shift >= 0 ? shift_right_rounded(x, shift)
-                                                                     : x * (std::int64_t{1} << -shift));
-        }
+/// The least exponent by which the entries of K^-1 [r], and a quarter more, stay below 2.
+int exponent_of(const PackSide& side, std::uint32_t lane) {
+    std::int64_t most = 0;
+    for (int row = 0; row < 3; ++row) {
+        const int j = (row + 1) % 3, k = (row + 2) % 3;
+        for (const auto& at : inverse_at) // 30 bits times 29, twice
+            most = std::max(most, std::abs(std::int64_t{side.inverse[at[j]][lane]} * side.lever[k][lane] -
+                                           std::int64_t{side.inverse[at[k]][lane]} * side.lever[j][lane]));
+    }
+    most += most / 4;
+    const auto fraction_bits = static_cast<int>(side.spin_shift[lane] + side.lever_bits[lane]);
+    return most == 0 ? 0 : bit_length(magnitude(most)) - fraction_bits - 1;
+}
+
+/// All that follows from e.
+void set_exponent(JointPack& pack, std::uint32_t lane, int e, const Shares& shares,
+                  const StepConstants& step) {
+    pack.exponent[lane] = e;
+    const std::int64_t one = e > row_bits ? 0 : std::int64_t{1} << (row_bits - e);
+    pack.one[lane] = static_cast<std::int32_t>(one);
+    pack.a.pull[lane] = static_cast<std::int32_t>((one * shares.a.mantissa) >> 30);
+    pack.b.pull[lane] = static_cast<std::int32_t>((one * shares.b.mantissa) >> 30);
+    pack.push_max[lane] = scaled_speed(step.joint_push_max.raw, Real::fraction_bits, e);
+    pack.near_shift[lane] = std::min(Real::fraction_bits - Separation::fraction_bits + e, 62);
+    pack.ahead_shift[lane] = std::min(Unit::fraction_bits + 1 + e, 62);
+    set_arm_shift(pack.a, lane, e), set_arm_shift(pack.b, lane, e);
 }
 
 /// share * dot with 48 fraction bits; dot has 56 and is below 2^60.
@@ -61,71 +90,49 @@ void add_stiffness(Stiffness& s, const PackSide& side, std::uint32_t lane, Share
         }
 }
 
-/// Rows of one body, and the top bit of their arms.
-struct SideRows {
-    Arms arms{};
-    int top = -1000;
-};
-SideRows rows_of(const JointSide& side, std::int64_t sign) {
-    if (!side.body->moves) return {};
-    std::int64_t r[3];
-    for (int i = 0; i < 3; ++i)
-        r[i] = sign * std::clamp(shift_right_rounded(side.lever[i].raw, Real::fraction_bits - lever_bits),
-                                 -lever_max, lever_max);
-    const Arms arms = arms_of(*side.body, r);
-    return {arms, top_bit(arms)};
-}
-
-void set_side(PackSide& side, std::uint32_t lane, const SideRows& rows, Share share, std::int64_t one,
-              int exponent) {
-    write(side.x, lane, rows.arms, exponent);
-    side.pull[lane] = static_cast<std::int32_t>((one * share.mantissa) >> 30);
-}
-
-/// J . (shift, theta), Separation.
-std::int64_t moved_of(const JointPack& pack, std::uint32_t lane, int r, const SolverBody& a,
-                      const SolverBody& b) {
-    const std::int64_t apart = std::int64_t{b.shift[r]} - a.shift[r]; // 33 bits
-    // 28 and 33 bits, and six products of 29 and 32: below 2^63
-    std::int64_t sum = pack.one[lane] * apart;
-    for (int i = 0; i < 3; ++i)
-        sum +=
-            std::int64_t{pack.a.x[r][i][lane]} * a.theta[i] + std::int64_t{pack.b.x[r][i][lane]} * b.theta[i];
-    return shift_right_rounded(sum, row_bits);
-}
-
-std::int64_t shifted(std::int64_t v, int shift) {
-    if (shift > 62) return 0;
-    return shift >= 0 ? shift_right_rounded(v, shift) : shift_left_saturated(v, std::min(-shift, 63));
-}
-
 } // namespace
 
-void make_point(JointPack& pack, const JointWork& work, const JointPlace& place, const StepConstants& step,
-                const SolverBodies& bodies) {
+void start_point(JointPack& pack, const JointWork& work, const PointStart& start, const JointBlock& block,
+                 const StepConstants& step) {
     const std::uint32_t lane = work.lane;
-    const SideRows rows_a = rows_of(place.a, -1), rows_b = rows_of(place.b, 1);
-    const int before = pack.exponent[lane], e = std::max({0, rows_a.top - 1, rows_b.top - 1});
-    pack.exponent[lane] = e;
-    const std::int64_t one = e > row_bits ? 0 : std::int64_t{1} << (row_bits - e);
-    pack.one[lane] = static_cast<std::int32_t>(one);
-    set_side(pack.a, lane, rows_a, work.shares.a, one, e);
-    set_side(pack.b, lane, rows_b, work.shares.b, one, e);
-    Stiffness s{};
-    add_stiffness(s, pack.a, lane, work.shares.a, one);
-    add_stiffness(s, pack.b, lane, work.shares.b, one);
-    s.largest = std::max({s.k[0][0], s.k[1][1], s.k[2][2]});
-    set_inverse(pack.inverse, lane, invert(s, 3));
-    pack.push_max[lane] = scaled_speed(step.joint_push_max.raw, Real::fraction_bits, e);
-    const SolverBody &a = bodies.body[work.a.body], &b = bodies.body[work.b.body];
+    constexpr std::int64_t far = std::int64_t{1} << 58; // leaves room for levers and for what bodies move
+    for (int i = 0; i < 3; ++i) pack.apart[i][lane] = std::clamp(start.apart[i].raw, -far, far);
+    int e = 0;
+    const auto start_side = [&](PackSide& side, const BodyStep& body, Vec3 lever) {
+        side.lever_bits[lane] = Real::fraction_bits;
+        if (!body.moves) return;
+        set_gyration_inverse(side, lane, body);
+        set_lever(side, lane, lever);
+        e = std::max(e, exponent_of(side, lane));
+    };
+    start_side(pack.a, *start.a, start.lever_a), start_side(pack.b, *start.b, start.lever_b);
+    set_exponent(pack, lane, e, work.shares, step);
+    for (int i = 0; i < 3; ++i) pack.impulse[i][lane] = scaled_impulse(block.sum[i], e);
+}
+
+void give_lever(PackSide& side, std::uint32_t lane, Vec3 lever, const BodyStep& body, int exponent) {
+    side.given[lane] = -1;
+    set_gyration_inverse(side, lane, body);
+    set_lever(side, lane, lever);
+    set_arm_shift(side, lane, exponent);
+}
+
+void enlarge_exponent(JointPack& pack, const JointWork& work, const StepConstants& step) {
+    const std::uint32_t lane = work.lane;
+    const int before = pack.exponent[lane], e = before + 1;
+    set_exponent(pack, lane, e, work.shares, step);
     for (int r = 0; r < 3; ++r) {
-        pack.ahead[r][lane] =
-            scaled_speed(half_step(place.arc[r], step.joint_push_max, step).raw, Real::fraction_bits, e);
-        pack.error[r][lane] = scaled_error(place.s[r], e) - moved_of(pack, lane, r, a, b);
-        if (before == e) continue;
         pack.impulse[r][lane] = rescaled_impulse(pack.impulse[r][lane], before, e);
         pack.sum[r][lane] = shifted(pack.sum[r][lane], before - e);
     }
+}
+
+void invert_point(JointPack& pack, const JointWork& work) {
+    Stiffness s{};
+    add_stiffness(s, pack.a, work.lane, work.shares.a, pack.one[work.lane]);
+    add_stiffness(s, pack.b, work.lane, work.shares.b, pack.one[work.lane]);
+    s.largest = std::max({s.k[0][0], s.k[1][1], s.k[2][2]});
+    set_inverse(pack.inverse, work.lane, invert(s, 3));
 }
 
 } // namespace lockstone::dynamics

@@ -10,13 +10,24 @@ namespace lockstone::dynamics {
 struct JointTick;
 struct JointWork;
 struct JointBlock;
-struct JointPlace;
 
 /// Stages of all joints. The point part of those that fit comes into a pack, and with it a block that only turns.
 void plan_packs(JointTick& tick, const StepConstants& step, const SolverBodies& bodies);
-/// Rows where the bodies are now, into the joint's lane.
-void make_point(JointPack& pack, const JointWork& work, const JointPlace& place, const StepConstants& step,
-                const SolverBodies& bodies);
+/// Where a joint's levers are when a tick begins.
+struct PointStart {
+    const BodyStep *a, *b;
+    Vec3 lever_a, lever_b; ///< world axes [m]
+    Vec3 apart;            ///< from A's centre of mass to B's; of the world, the anchor [m]
+};
+/// What the rows of a point are made of, and the impulses of the last tick, which `block` has, into the joint's lane.
+void start_point(JointPack& pack, const JointWork& work, const PointStart& start, const JointBlock& block,
+                 const StepConstants& step);
+/// Where the lever of a side is now, of a body that has turned far or is followed.
+void give_lever(PackSide& side, std::uint32_t lane, Vec3 lever, const BodyStep& body, int exponent);
+/// Where entries of its rows have grown to 2.
+void enlarge_exponent(JointPack& pack, const JointWork& work, const StepConstants& step);
+/// The inverse of the rows as they are.
+void invert_point(JointPack& pack, const JointWork& work);
 /// Rows, inverse, impulses and biases of a block into its lane.
 void put_turn(const JointBlock& block, TurnPack& pack, std::uint32_t lane);
 void put_bias(const JointBlock& block, TurnPack& pack, std::uint32_t lane);

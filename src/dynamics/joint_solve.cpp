@@ -143,15 +143,10 @@ void pass_joint(JointTick& tick, const JointWork& w, const StepConstants& step, 
 
 } // namespace
 
-static JointPassData pass_data(JointTick& tick, const StepConstants& step, SolverBodies& bodies) {
-    return {bodies.body.data(), tick.packs.data(),         tick.turn_packs.data(),
-            pack_rate(step),    step.joint.mass_scale.raw, step.joint.impulse_scale.raw};
-}
-
 void JointSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bias, Tasks* tasks) {
     JointTick& tick = *work;
     const TurnedK turned(step, bodies);
-    const JointPassData data = pass_data(tick, step, bodies);
+    const JointPassData data = pass_data(tick, step, bodies.body.data());
     const std::size_t count = tick.stages.size();
     for (std::size_t k = 0; k < count; ++k) { // relaxing goes back the way the biased pass came
         const JointStage& stage = tick.stages[bias ? k : count - 1 - k];
@@ -196,7 +191,7 @@ static void warm_joint(JointTick& tick, const JointWork& w, SolverBodies& bodies
 void JointSolver::warm_start(const StepConstants& step, SolverBodies& bodies) {
     JointTick& tick = *work;
     const TurnedK turned(step, bodies);
-    const JointPassData data = pass_data(tick, step, bodies);
+    const JointPassData data = pass_data(tick, step, bodies.body.data());
     for (const JointStage& stage : tick.stages) {
         for (std::uint32_t i = stage.first_single; i < stage.last_single; ++i)
             warm_joint(tick, tick.joints[tick.singles[i]], bodies);

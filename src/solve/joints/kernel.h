@@ -23,7 +23,6 @@ template <class L> class PackedJoints {
     using Unit = LaneFixed<L, unit_bits>;
     using Gap = LaneFixed<L, gap_bits>;
     using Velocity = LaneSum<L, accumulator_bits>;
-    using Moved = LaneSum<L, gap_bits + row_bits>;
     template <class T> using Lanes = T[all_lanes];
 
     static constexpr std::int32_t impulse_max = dynamics::joint_impulse_max;
@@ -210,35 +209,6 @@ template <class L> class PackedJoints {
                         side, lane);
     }
 
-    /// C rate, within push_max, and what lies ahead: the speed that the error asks for.
-    static void add_bias(const Pack& c, unsigned lane, const Data& data, Speed (&speed)[3]) {
-        Gap a[6], b[6];
-        gather_moved(c.a, lane, data, a), gather_moved(c.b, lane, data, b);
-        const Row one = Row::load(&c.one[lane]);
-        constexpr int split = 20, shift = gap_bits - speed_bits + dynamics::joint_rate_bits;
-        const V rate = L::splat(data.rate), far = L::splat(std::int64_t{1} << 35),
-                back = L::splat(-(std::int64_t{1} << 35));
-        const V push = L::template shift_left<shift>(L::load32(&c.push_max[lane]));
-        const V half = L::splat(std::int64_t{1} << (shift - 1)),
-                below = L::splat((std::int64_t{1} << (shift - 1)) - 1);
-        for (int r = 0; r < 3; ++r) {
-            // 28 and 32 bits twice, and six products of 29 and 32: below 2^63
-            const Moved moved =
-                (one * b[r] - one * a[r]) + dot(c.a.x[r], lane, tail(a)) + dot(c.b.x[r], lane, tail(b));
-            const V step =
-                shift_arithmetic(L::add(moved.raw, L::splat(std::int64_t{1} << (row_bits - 1))), row_bits);
-            const V near = between(L::add(L::load64(&c.error[r][lane]), step), back, far);
-            // 2^35 times 2^27, in two halves
-            const V wanted =
-                L::add(L::template shift_left<split>(L::mul(L::template shift_right<split>(near), rate)),
-                       L::mul(L::both(near, L::splat((1 << split) - 1)), rate));
-            const V within = between(wanted, L::sub(L::splat(0), push), L::add(push, below));
-            speed[r] = speed[r] + Speed{L::template shift_right<shift>(L::add(within, half))} +
-                       Speed::load(&c.ahead[r][lane]);
-        }
-    }
-    static const Gap* tail(const Gap (&x)[6]) { return x + 3; }
-
     static void solve_point(Pack& c, unsigned lane, const Data& data, bool bias, Motion& m,
                             std::uint64_t& clamped) {
         Speed a[6], b[6], speed[3];
@@ -247,11 +217,146 @@ template <class L> class PackedJoints {
         for (int r = 0; r < 3; ++r)
             speed[r] = rounded_within<speed_bits>(
                 one * (b[r] - a[r]) + dot(c.a.x[r], lane, a + 3) + dot(c.b.x[r], lane, b + 3), impulse_max);
-        if (bias) add_bias(c, lane, data, speed);
+        for (int r = 0; r < 3 && bias; ++r) speed[r] = speed[r] + Speed::load(&c.bias[r][lane]);
         const Change change = answer(c.inverse, c.impulse, lane, speed, 3, data, bias, clamped);
         push_point<-1>(c.a, lane, change.p, m.a);
         push_point<1>(c.b, lane, change.p, m.b);
         keep_small(m, change.sizes);
+    }
+
+    // ---- rows of points ------------------------------------------------------------------------------------------
+
+    using Lever = LaneFixed<L, 0>; ///< as it is scaled by lane
+    using Angle = LaneFixed<L, dynamics::pack_angle_bits>;
+    static constexpr int inverse_at[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
+
+    /// K^-1 x / 2^shift: 30 bits times 32, three times.
+    template <class X>
+    static void over_gyration(const Side& side, unsigned lane, const X* x, const Lanes<std::int64_t>& shift,
+                              V (&out)[3]) {
+        const V by = L::load64(&shift[lane]);
+        for (int i = 0; i < 3; ++i) {
+            V sum = L::mul(L::load32(&side.inverse[inverse_at[i][0]][lane]), x[0].raw);
+            for (int k = 1; k < 3; ++k)
+                sum = L::add(sum, L::mul(L::load32(&side.inverse[inverse_at[i][k]][lane]), x[k].raw));
+            out[i] = L::shift_right_by(sum, by);
+        }
+    }
+    /// r = from + phi x r
+    static void turn_by(const Angle (&phi)[3], Lever (&r)[3], const Lever (&from)[3]) {
+        const Lever x = r[0], y = r[1], z = r[2];
+        r[0] = from[0] + rounded<0>(phi[1] * z - phi[2] * y);
+        r[1] = from[1] + rounded<0>(phi[2] * x - phi[0] * z);
+        r[2] = from[2] + rounded<0>(phi[0] * y - phi[1] * x);
+    }
+    static void turn_by_part(const Angle (&phi)[3], std::int32_t part, Lever (&r)[3],
+                             const Lever (&from)[3]) {
+        Angle less[3];
+        for (int i = 0; i < 3; ++i) less[i] = rounded<dynamics::pack_angle_bits>(phi[i] * Unit::splat(part));
+        turn_by(less, r, from);
+    }
+    /// Where the lever is now.
+    static void place(const Side& side, unsigned lane, const Gap (&moved)[6], Lever (&r)[3]) {
+        constexpr std::int32_t one = 1 << unit_bits;
+        constexpr std::int64_t quarter = std::int64_t{1}
+                                         << (dynamics::pack_angle_bits - 2); // fits into 32 bits
+        V turned[3];
+        over_gyration(side, lane, moved + 3, side.turn_shift, turned);
+        const V given = L::load32(&side.given[lane]), most = L::splat(quarter), least = L::splat(-quarter);
+        Angle phi[3];
+        Lever start[3];
+        for (int i = 0; i < 3; ++i) {
+            phi[i] = {L::without(between(turned[i], least, most), given)};
+            r[i] = start[i] = Lever::load(&side.lever[i][lane]);
+        }
+        turn_by_part(phi, one / 4, r, start);
+        turn_by_part(phi, one / 3, r, start);
+        turn_by_part(phi, one / 2, r, start);
+        turn_by(phi, r, start);
+    }
+    /// w x (w x r), w within 2048 rad/s and the inner product within 2048 m/s: beyond that an arc is no guide. As Speed.
+    static void curve(const Side& side, unsigned lane, const Velocity (&motion)[6], const Lever (&r)[3],
+                      V (&out)[3]) {
+        const V most = L::splat(std::int64_t{1} << 30), least = L::splat(-(std::int64_t{1} << 30));
+        Speed u[3], w[3], v[3];
+        for (int i = 0; i < 3; ++i) u[i] = rounded<speed_bits>(motion[3 + i]);
+        V spin[3];
+        over_gyration(side, lane, u, side.spin_shift, spin);
+        for (int i = 0; i < 3; ++i) w[i] = {between(spin[i], least, most)};
+        const V bits = L::load64(&side.lever_bits[lane]);
+        for (int i = 0; i < 3; ++i) {
+            const int j = (i + 1) % 3, k = (i + 2) % 3;
+            v[i] = {between(L::shift_right_by((w[j] * r[k] - w[k] * r[j]).raw, bits), least, most)};
+        }
+        for (int i = 0; i < 3; ++i) {
+            const int j = (i + 1) % 3, k = (i + 2) % 3;
+            out[i] = shift_arithmetic((w[j] * v[k] - w[k] * v[j]).raw, speed_bits);
+        }
+    }
+    /// K^-1 (r x e) for the three axes e of the world, as rows. Returns the entries, 2 added to each, or-ed: where one is out
+    /// of -2 .. 2, bits above those of 4 are set.
+    static V write_arms(Side& side, unsigned lane, const Lever (&r)[3], bool negative) {
+        V m[6], at[3];
+        for (int i = 0; i < 6; ++i) m[i] = L::load32(&side.inverse[i][lane]);
+        for (int i = 0; i < 3; ++i) at[i] = negative ? (-r[i]).raw : r[i].raw;
+        const V shift = L::load64(&side.arm_shift[lane]), half = L::load64(&side.arm_half[lane]);
+        const V two = L::splat(std::int64_t{2} << row_bits);
+        V any = L::splat(0);
+        for (int row = 0; row < 3; ++row) {
+            const int j = (row + 1) % 3, k = (row + 2) % 3; // r x e is r_k along j and -r_j along k
+            for (int i = 0; i < 3; ++i) {
+                const V sum = L::sub(L::mul(m[inverse_at[i][j]], at[k]), L::mul(m[inverse_at[i][k]], at[j]));
+                const V x = L::shift_right_by(L::add(sum, half), shift);
+                L::store32(&side.x[row][i][lane], x);
+                any = L::either(any, L::add(x, two));
+            }
+        }
+        return any;
+    }
+    /// The speed that an error asks for: C rate, within push_max, and what lies ahead along the arc.
+    static void set_bias(Pack& c, unsigned lane, const Data& data, int r, V error, V arc) {
+        constexpr int split = 20, shift = gap_bits - speed_bits + dynamics::joint_rate_bits;
+        const V rate = L::splat(data.rate), far = L::splat(std::int64_t{1} << 35),
+                most = L::splat(0x7fffffff);
+        const V nothing = L::splat(0), half = L::splat(std::int64_t{1} << (shift - 1));
+        const V push = L::load32(&c.push_max[lane]), wide_push = L::template shift_left<shift>(push);
+        const V near =
+            between(L::shift_right_by(error, L::load64(&c.near_shift[lane])), L::sub(nothing, far), far);
+        // 2^35 times 2^27, in two halves
+        const V wanted =
+            L::add(L::template shift_left<split>(L::mul(L::template shift_right<split>(near), rate)),
+                   L::mul(L::both(near, L::splat((1 << split) - 1)), rate));
+        const V within =
+            between(wanted, L::sub(nothing, wide_push), L::add(wide_push, L::sub(half, L::splat(1))));
+        const V way = L::mul(between(arc, L::sub(nothing, most), most), L::splat(data.time));
+        const V ahead =
+            between(L::shift_right_by(way, L::load64(&c.ahead_shift[lane])), L::sub(nothing, push), push);
+        L::store32(&c.bias[r][lane], L::add(L::template shift_right<shift>(L::add(within, half)), ahead));
+    }
+    static void refresh_lanes(const Data& data, Pack& c, unsigned lane) {
+        Gap moved_a[6], moved_b[6];
+        Velocity motion_a[6], motion_b[6];
+        gather_moved(c.a, lane, data, moved_a), gather_moved(c.b, lane, data, moved_b);
+        gather(c.a, lane, data, motion_a), gather(c.b, lane, data, motion_b);
+        Lever a[3], b[3];
+        place(c.a, lane, moved_a, a), place(c.b, lane, moved_b, b);
+        const V any = L::either(write_arms(c.a, lane, a, true), write_arms(c.b, lane, b, false));
+        const unsigned over =
+            L::lanes_of(L::greater64(L::template shift_right<row_bits + 2>(any), L::splat(0)));
+        for (unsigned i = 0; i < N; ++i) c.over[lane + i] = (over >> i) & 1u;
+        V arc_a[3], arc_b[3];
+        curve(c.a, lane, motion_a, a, arc_a), curve(c.b, lane, motion_b, b, arc_b);
+        // Lengths with 32 fraction bits: their sign up to where it belongs, and all down.
+        const V bits_a = L::load64(&c.a.lever_bits[lane]), bits_b = L::load64(&c.b.lever_bits[lane]);
+        const auto wide = [](V x) { return L::template shift_left<32>(x); };
+        for (int r = 0; r < 3; ++r) {
+            const V shift = L::sub(shift_arithmetic(wide(moved_b[r].raw), gap_bits),
+                                   shift_arithmetic(wide(moved_a[r].raw), gap_bits));
+            const V lever =
+                L::sub(L::shift_right_by(wide(b[r].raw), bits_b), L::shift_right_by(wide(a[r].raw), bits_a));
+            const V error = L::add(L::load64(&c.apart[r][lane]), L::add(shift, lever));
+            set_bias(c, lane, data, r, error, L::sub(arc_b[r], arc_a[r]));
+        }
     }
 
     // ---- passes --------------------------------------------------------------------------------------------------
@@ -283,6 +388,11 @@ template <class L> class PackedJoints {
     }
 
   public:
+    static void refresh(const Data& data, std::uint32_t first, std::uint32_t last) {
+        for (std::uint32_t i = first; i < last; ++i)
+            for (unsigned lane = 0; lane < data.packs[i].count; lane += N)
+                refresh_lanes(data, data.packs[i], lane);
+    }
     static void warm_start(const Data& data, std::uint32_t first, std::uint32_t last, bool sums) {
         for (std::uint32_t i = first; i < last; ++i)
             for (unsigned lane = 0; lane < data.packs[i].count; lane += N)
@@ -302,7 +412,7 @@ template <class L> class PackedJoints {
         }
         return clamped;
     }
-    static constexpr dynamics::JointKernel table() { return {warm_start, solve}; }
+    static constexpr dynamics::JointKernel table() { return {refresh, warm_start, solve}; }
 };
 
 } // namespace lockstone::solve
