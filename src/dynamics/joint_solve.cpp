@@ -112,15 +112,35 @@ template <class Now> void solve_axis(JointAxisPart& part, Motion& m, bool bias, 
 
 namespace {
 
+/// Whether nothing but limits acts along an axis, which have no impulse and get none in this pass.
+bool stays_free(const JointAxisPart& part, const SolverBody& a, const SolverBody& b, bool bias) {
+    if (part.idle) return true;
+    if (!part.turns || (part.features & (has_spring | has_motor)) != 0 || (part.lower | part.upper) != 0)
+        return false;
+    Motion m{};
+    std::uint64_t any = 0;
+    for (int i = 3; i < 6; ++i) {
+        m.a[i] = a.u[i - 3], m.b[i] = b.u[i - 3];
+        any |=
+            static_cast<std::uint64_t>(m.a[i] + motion_max) | static_cast<std::uint64_t>(m.b[i] + motion_max);
+    }
+    if (any >= static_cast<std::uint64_t>(2 * motion_max)) return false; // it is to be clamped first
+    const std::int64_t speed = speed_along(part.row, Turning(m));
+    const bool low = (part.features & has_lower) != 0, up = (part.features & has_upper) != 0;
+    return (!low || speed + (bias ? part.lower_bias : part.lower_relax) >= 0) &&
+           (!up || speed + (bias ? part.upper_bias : part.upper_relax) <= 0);
+}
+
 /// Of one joint: what acts along axes, and locks that neither a tree nor a pack solves.
 void pass_joint(JointTick& tick, const JointWork& w, const StepConstants& step, SolverBodies& bodies,
                 bool bias) {
     const bool locks =
         w.block_count != 0 && !w.turns_packed && (w.tree == no_tree || !tick.forest.trees[w.tree].direct);
-    bool busy = locks;
-    for (std::uint32_t i = 0; i < w.axis_count; ++i) busy = busy || !tick.axes[w.first_axis + i].idle;
-    if (!busy) return;
     SolverBody &a = bodies.body[w.a.body], &b = bodies.body[w.b.body];
+    bool busy = locks;
+    for (std::uint32_t i = 0; i < w.axis_count && !busy; ++i)
+        busy = !stays_free(tick.axes[w.first_axis + i], a, b, bias);
+    if (!busy) return;
     Motion m = read(a, b);
     clamp_motion(m);
     for (std::uint32_t i = 0; i < w.axis_count; ++i) {
@@ -165,6 +185,12 @@ void JointSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bi
 // ---- warm start ---------------------------------------------------------------------------------------------------
 
 static void warm_joint(JointTick& tick, const JointWork& w, SolverBodies& bodies) {
+    bool busy = w.block_count != 0 && !w.turns_packed;
+    for (std::uint32_t i = 0; i < w.axis_count; ++i) {
+        const JointAxisPart& part = tick.axes[w.first_axis + i];
+        busy = busy || (part.spring | part.motor | part.lower | part.upper) != 0;
+    }
+    if (!busy) return;
     SolverBody &a = bodies.body[w.a.body], &b = bodies.body[w.b.body];
     Motion m = read(a, b);
     clamp_motion(m);
