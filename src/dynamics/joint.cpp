@@ -8,7 +8,7 @@
 
 namespace lockstone::dynamics {
 
-JointSolver::JointSolver() : work(std::make_unique<JointTick>()) {}
+JointSolver::JointSolver(const JointKernel& lanes) : work(std::make_unique<JointTick>()), kernel(&lanes) {}
 JointSolver::~JointSolver() = default;
 JointSolver::JointSolver(JointSolver&&) noexcept = default;
 JointSolver& JointSolver::operator=(JointSolver&&) noexcept = default;
@@ -17,13 +17,17 @@ void JointSolver::reserve(std::size_t joints) {
     work->joints.reserve(joints);
     work->blocks.reserve(2 * joints);
     work->axes.reserve(7 * joints);
-    work->points.reserve(joints);
+    work->packs.reserve(joints), work->turn_packs.reserve(joints), work->stages.reserve(joints);
+    work->singles.reserve(joints), work->packed.reserve(pack_lanes * joints), work->in_order.reserve(joints);
+    work->last_stage.reserve(2 * joints), work->counts.reserve(5 * joints + 1);
     work->bodies.reserve(2 * joints);
 }
 
 void JointSolver::poison(std::byte with) {
-    auto& [joints, blocks, axes, points, bodies, forest, cache_of, pose, clamped, first] = *work;
-    base::poison(with, joints, blocks, axes, points, bodies, cache_of, pose, clamped, first);
+    auto& [joints, blocks, axes, packs, turn_packs, stages, singles, packed, last_stage, counts, in_order,
+           bodies, forest, cache_of, pose, clamped, first] = *work;
+    base::poison(with, joints, blocks, axes, packs, turn_packs, stages, singles, packed, last_stage, counts,
+                 in_order, bodies, cache_of, pose, clamped, first);
     auto& [trees, nodes, edges, links, component, first_of, hung, node_of, size, root, anchor_of, loops,
            anchors, above_of, above, carried, queue] = forest;
     base::poison(with, trees, nodes, edges, links, component, first_of, hung, node_of, size, root, anchor_of,
@@ -83,12 +87,7 @@ Real reduced_mass(const Shares& shares, const BodyMass& a, const BodyMass& b) {
     return shares.a.mantissa != 0 ? mul_share(a.mass, shares.a) : mul_share(b.mass, shares.b);
 }
 
-/// The last block of such a joint is its point part.
-bool has_point(const JointTick& tick, const JointWork& w) {
-    return w.block_count != 0 && tick.blocks[w.first_block + w.block_count - 1].kind[0] == RowKind::point_x;
-}
-
-constexpr std::uint32_t joint_chunk = 32;
+constexpr std::uint32_t joint_chunk = 32, pack_chunk = 16;
 
 /// Calls visit(joint) for each joint; workers share them.
 template <class Visit> void for_joints(JointTick& tick, Tasks* tasks, Visit&& visit) {
@@ -98,13 +97,45 @@ template <class Visit> void for_joints(JointTick& tick, Tasks* tasks, Visit&& vi
                      });
 }
 
+/// Rows and biases of points where the bodies are now.
+void refresh_packs(JointTick& tick, const JointKernel& kernel, const StepConstants& step,
+                   const SolverBodies& bodies, Tasks* tasks) {
+    // Other passes of a kernel write to bodies, this one only reads them.
+    const JointPassData data = pass_data(tick, step, const_cast<SolverBody*>(bodies.body.data()));
+    base::for_chunks(
+        tasks, static_cast<std::uint32_t>(tick.packs.size()), pack_chunk,
+        [&](std::uint32_t first, std::uint32_t last, std::uint32_t) { kernel.refresh(data, first, last); });
+    for (std::uint32_t i = 0; i < tick.packs.size(); ++i) {
+        JointPack& pack = tick.packs[i];
+        while ((pack.over[0] | pack.over[1] | pack.over[2] | pack.over[3]) != 0) {
+            for (std::uint32_t lane = 0; lane < pack.count; ++lane) {
+                if (pack.over[lane] == 0) continue;
+                JointWork& w = tick.joints[tick.packed[i * pack_lanes + lane]];
+                enlarge_exponent(pack, w, step);
+                w.stale = true; // its inverse is that of other rows
+            }
+            kernel.refresh(data, i, i + 1);
+        }
+    }
+}
+
 } // namespace
+
+JointPassData pass_data(JointTick& tick, const StepConstants& step, SolverBody* bodies) {
+    return {bodies,
+            tick.packs.data(),
+            tick.turn_packs.data(),
+            pack_rate(step),
+            step.joint.mass_scale.raw,
+            step.joint.impulse_scale.raw,
+            step.substep_time.raw};
+}
 
 void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMemory> memory,
                           const BodyColumns& columns, const StepConstants& step, const SolverBodies& bodies,
                           Tasks* tasks) {
     JointTick& tick = *work;
-    tick.joints.clear(), tick.blocks.clear(), tick.axes.clear(), tick.points.clear(), tick.bodies.clear();
+    tick.joints.clear(), tick.blocks.clear(), tick.axes.clear(), tick.bodies.clear();
     tick.cache_of.assign(bodies.body.size(), 0);
     tick.pose = columns.pose;
     tick.clamped = 0;
@@ -112,7 +143,7 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
     constexpr BodyMass none{};
     for (const Joint& joint : joints) {
         JointWork w{};
-        w.point = no_point;
+        w.pack = no_pack;
         w.def = joint.def;
         w.memory = joint.memory;
         w.a = side(tick, joint.body_a, joint.frame_a, columns, bodies);
@@ -128,9 +159,22 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
         tick.joints.push_back(w);
     }
     plan_trees(tick, columns, step, bodies);
-    for (JointWork& w : tick.joints)
-        if (w.tree == no_tree && has_point(tick, w) && fits_point(w, bodies)) take_point(tick, w);
-    for_joints(tick, tasks, [&](JointWork& w) { make_rows(tick, w, step, bodies); });
+    plan_packs(tick, step, bodies);
+    for_joints(tick, tasks, [&](JointWork& w) {
+        if (w.pack != no_pack) start_packed(tick, w, step, bodies);
+        if (w.pack != no_pack && w.axis_count + w.block_count == 0)
+            w.steady = w.stays, w.made = true;
+        else
+            make_rows(tick, w, step, bodies);
+    });
+    for (const JointWork& w : tick.joints)
+        for (const JointWorkSide* s : {&w.a, &w.b})
+            if (w.pack == no_pack && w.stays && w.tree == no_tree && !s->world)
+                tick.bodies[s->cache].unpacked = true;
+    refresh_packs(tick, *kernel, step, bodies, tasks);
+    for_joints(tick, tasks, [&](JointWork& w) {
+        if (w.pack != no_pack) invert_point(tick.packs[w.pack], w);
+    });
     factorise_trees(tick, bodies, tasks);
 }
 
@@ -143,22 +187,42 @@ void JointSolver::update(const StepConstants& step, const SolverBodies& bodies, 
                          });
     };
     for_bodies([&](JointBody& now) { look_at_body(now, bodies); });
-    const auto stirred = [&](const JointWorkSide& s) { return !s.world && tick.bodies[s.cache].stirred; };
-    const auto strays = [&](const JointWorkSide& s) { return !s.world && tick.bodies[s.cache].strays; };
+    const bool moved =
+        std::any_of(tick.bodies.begin(), tick.bodies.end(), [](const JointBody& b) { return b.stirred; });
+    if (!moved) { // before the first substep
+        for_joints(tick, tasks, [&](JointWork& w) {
+            if (w.pack == no_pack) follow_errors(tick, w, step, bodies);
+        });
+        return;
+    }
+    const auto asks = [&](const JointWork& w, const JointWorkSide& s) {
+        if (s.world) return false;
+        const JointBody& body = tick.bodies[s.cache];
+        return !w.steady ? body.stirred : w.pack != no_pack ? body.strays_far : body.strays;
+    };
     for (JointWork& w : tick.joints) {
-        w.stale = w.steady ? strays(w.a) || strays(w.b) : stirred(w.a) || stirred(w.b);
-        if (!w.stale) continue;
-        if (!w.a.world) tick.bodies[w.a.cache].wanted = true;
-        if (!w.b.world) tick.bodies[w.b.cache].wanted = true;
+        w.stale = asks(w, w.a) || asks(w, w.b);
+        const bool places = w.stale && (w.pack == no_pack || w.axis_count + w.block_count != 0);
+        for (const JointWorkSide* s : {&w.a, &w.b}) {
+            if (s->world) continue;
+            JointBody& body = tick.bodies[s->cache];
+            if (places || (w.pack != no_pack && body.given && body.stirred)) body.wanted = true;
+        }
     }
     for_bodies([&](JointBody& now) {
         if (now.wanted) place_body(now, tick.pose[now.body], bodies);
     });
     for_joints(tick, tasks, [&](JointWork& w) {
+        if (w.pack != no_pack) give_levers(tick, w, bodies);
+        if (w.axis_count + w.block_count == 0) return;
         if (w.stale)
             make_rows(tick, w, step, bodies);
-        else if (w.axis_count + w.block_count != 0)
+        else
             follow_errors(tick, w, step, bodies);
+    });
+    refresh_packs(tick, *kernel, step, bodies, tasks);
+    for_joints(tick, tasks, [&](JointWork& w) {
+        if (w.pack != no_pack && w.stale) invert_point(tick.packs[w.pack], w);
     });
     factorise_trees(tick, bodies, tasks);
 }
@@ -170,7 +234,9 @@ namespace {
 /// Sums of impulses over the tick along world directions, unscaled.
 struct Wrench {
     Vec3 force, torque;
-    void add(Real sum, Vec3 direction, bool is_force) { (is_force ? force : torque) += direction * sum; }
+    void add(Real sum, Vec3 direction, bool is_force) {
+        if (sum != Real{}) (is_force ? force : torque) += direction * sum;
+    }
 };
 
 void store_axis(const JointAxisPart& part, JointMemory& memory, Wrench& wrench) {
@@ -189,10 +255,12 @@ void store_axis(const JointAxisPart& part, JointMemory& memory, Wrench& wrench) 
     if (part.features & has_upper) axis.upper = unscaled(part.upper);
 }
 
-void store_point(const PointPart& part, JointMemory& memory, Wrench& wrench) {
+void store_point(const JointPack& pack, std::uint32_t lane, JointMemory& memory, Wrench& wrench) {
+    const int e = pack.exponent[lane];
     for (int i = 0; i < 3; ++i) {
-        memory.axis[static_cast<std::size_t>(i)].spring = unscaled_impulse(part.impulse[i], part.exponent);
-        wrench.force[i] = wrench.force[i] + unscaled_impulse(part.sum[i] + part.impulse[i], part.exponent);
+        const std::int32_t p = pack.impulse[i][lane];
+        memory.axis[static_cast<std::size_t>(i)].spring = unscaled_impulse(p, e);
+        wrench.force[i] = wrench.force[i] + unscaled_impulse(pack.sum[i][lane] + p, e);
     }
 }
 
@@ -211,15 +279,18 @@ Quat frame_rotation(const JointTick& tick, const JointWorkSide& s) {
 } // namespace
 
 void JointSolver::store(const StepConstants& step, std::span<JointMemory> memory, ClampCounts& clamps) const {
-    const JointTick& tick = *work;
+    JointTick& tick = *work;
     for (const JointWork& w : tick.joints) {
         JointMemory& m = memory[w.memory];
         m.axis = {}, m.swing = Real{};
         Wrench wrench{};
         for (std::uint32_t i = 0; i < w.axis_count; ++i) store_axis(tick.axes[w.first_axis + i], m, wrench);
-        for (std::uint32_t i = 0; i < w.block_count; ++i)
-            store_block(tick.blocks[w.first_block + i], m, wrench);
-        if (w.point != no_point) store_point(tick.points[w.point], m, wrench);
+        for (std::uint32_t i = 0; i < w.block_count; ++i) {
+            JointBlock& block = tick.blocks[w.first_block + i];
+            if (w.turns_packed) take_impulses(block, tick.turn_packs[tick.packs[w.pack].turn], w.lane);
+            store_block(block, m, wrench);
+        }
+        if (w.pack != no_pack) store_point(tick.packs[w.pack], w.lane, m, wrench);
         m.twist = w.needs_travel ? w.travel
                   : counts_turns(*w.def)
                       ? twist_between(frame_rotation(tick, w.a), frame_rotation(tick, w.b), w.twist)

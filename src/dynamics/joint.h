@@ -53,14 +53,16 @@ struct Joint {
     Transform frame_a, frame_b; ///< as in the definition; where the body is still(), in the world
 };
 
-struct JointTick; ///< joint_work.h
+struct JointTick;   ///< joint_work.h
+struct JointKernel; ///< joint_pack.h
 
 class JointSolver {
   public:
-    JointSolver();
+    explicit JointSolver(const JointKernel& lanes);
     ~JointSolver();
     JointSolver(JointSolver&&) noexcept;
     JointSolver& operator=(JointSolver&&) noexcept;
+    void use(const JointKernel& lanes) { kernel = &lanes; }
 
     /// Once a tick, before the substeps. `joints` in solving order; all spans are kept until store().
     void prepare(std::span<const Joint> joints, std::span<const JointMemory> memory,
@@ -80,6 +82,7 @@ class JointSolver {
 
   private:
     std::unique_ptr<JointTick> work;
+    const JointKernel* kernel;
 };
 
 /// Coordinates of a joint between two poses: along and about the axes of A's frame; see JointState.

@@ -17,11 +17,13 @@ struct Assembly {
     const JointAxis& axis(int i) const { return work.def->axis[static_cast<std::size_t>(i)]; }
 
     /// Force or torque as impulse per substep over the reduced mass.
-    Real impulse_of(Real force) const { return force / work.mass / Real(step.substeps_per_second); }
+    Real impulse_of(Real force) const {
+        return force == Real{} ? force : force / work.mass / Real(step.substeps_per_second);
+    }
 
     JointBlock& add_block() {
         ++work.block_count;
-        tick.blocks.push_back({});
+        tick.blocks.emplace_back();
         return tick.blocks.back();
     }
     /// A lock at `at`. Impulses stay unscaled in `sum` until the rows are made.
@@ -58,7 +60,7 @@ void Assembly::add_axis(RowKind kind, int slot, std::uint8_t features, Real targ
     const JointAxis& a = axis(slot);
     const JointAxisImpulses& warm = memory.axis[static_cast<std::size_t>(slot)];
     ++work.axis_count;
-    tick.axes.push_back({});
+    tick.axes.emplace_back();
     JointAxisPart& part = tick.axes.back();
     part.kind = kind;
     part.slot = static_cast<std::uint8_t>(slot);
@@ -80,7 +82,7 @@ void Assembly::add_axis(RowKind kind, int slot, std::uint8_t features, Real targ
 void Assembly::add_swing() {
     if (work.def->kind != JointKind::ball || work.def->swing <= Real{}) return;
     ++work.axis_count;
-    tick.axes.push_back({});
+    tick.axes.emplace_back();
     JointAxisPart& part = tick.axes.back();
     part.kind = RowKind::swing;
     part.features = has_upper | is_swing;

@@ -265,9 +265,6 @@ void set_axis_errors(JointAxisPart& part, const RowValue& value, const StepConst
 
 // ---- rows ---------------------------------------------------------------------------------------------------------
 
-/// Kinds whose rows only turn bodies.
-bool only_turns(RowKind kind) { return kind >= RowKind::orientation_x && kind <= RowKind::swing; }
-
 void make_block(JointBlock& block, const JointWork& work, const JointPlace& place, Bodies bodies,
                 const StepConstants& step) {
     RowValue values[3];
@@ -371,14 +368,12 @@ void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, cons
     const Bodies both{bodies.body[work.a.body], bodies.body[work.b.body]};
     for (std::uint32_t i = 0; i < work.axis_count; ++i)
         make_axis(tick.axes[work.first_axis + i], work, place, both, step);
-    for (std::uint32_t i = 0; i < work.block_count; ++i)
-        make_block(tick.blocks[work.first_block + i], work, place, both, step);
-    if (work.point != no_point) {
-        PointPart& part = tick.points[work.point];
-        make_point(part, work, place, step, bodies);
-        const JointBlock& block = tick.blocks[work.first_block + work.block_count];
-        for (int i = 0; i < 3 && !work.made; ++i)
-            part.impulse[i] = scaled_impulse(block.sum[i], part.exponent);
+    for (std::uint32_t i = 0; i < work.block_count; ++i) {
+        JointBlock& block = tick.blocks[work.first_block + i];
+        TurnPack* turn = work.turns_packed ? &tick.turn_packs[tick.packs[work.pack].turn] : nullptr;
+        if (turn != nullptr && work.made) take_impulses(block, *turn, work.lane);
+        make_block(block, work, place, both, step);
+        if (turn != nullptr) put_turn(block, *turn, work.lane);
     }
     work.steady = work.stays && work.tree == no_tree && !(work.needs_twist && is_opposite(place));
     work.made = work.remade = true;
@@ -389,8 +384,11 @@ void follow_errors(JointTick& tick, JointWork& work, const StepConstants& step, 
     for (std::uint32_t i = 0; i < work.axis_count; ++i) {
         set_axis_targets(tick.axes[work.first_axis + i], step, both);
     }
-    for (std::uint32_t i = 0; i < work.block_count; ++i)
-        set_block_bias(tick.blocks[work.first_block + i], work.tree != no_tree, step, both);
+    for (std::uint32_t i = 0; i < work.block_count; ++i) {
+        JointBlock& block = tick.blocks[work.first_block + i];
+        set_block_bias(block, work.tree != no_tree, step, both);
+        if (work.turns_packed) put_bias(block, tick.turn_packs[tick.packs[work.pack].turn], work.lane);
+    }
 }
 
 void invert_blocks(JointTick& tick, const JointWork& work) {
@@ -426,28 +424,76 @@ void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodie
     now.w = over_gyration(step, u, Speed::fraction_bits);
 }
 
+/// Whether a body has turned by more than 2^-bits rad about an axis, by the change of its theta.
+static bool has_turned(const JointBody& now, const std::int64_t (&change)[3], int bits,
+                       const BodyStep& step) {
+    const std::int64_t most = std::max({std::abs(change[0]), std::abs(change[1]), std::abs(change[2])});
+    if (most <= now.least >> bits) return false;
+    std::int32_t theta[3];
+    for (int i = 0; i < 3; ++i) theta[i] = saturate_to_int32(change[i]);
+    const Vec3 turn = abs(over_gyration(step, theta, Separation::fraction_bits));
+    return max(turn.x, max(turn.y, turn.z)).raw > std::int64_t{1} << (Real::fraction_bits - bits);
+}
+
 void look_at_body(JointBody& now, const SolverBodies& bodies) {
     const SolverBody& body = bodies.body[now.body];
+    const BodyStep& step = bodies.step[now.body];
     now.stirred = !std::equal(body.shift, body.shift + 3, now.shift) ||
                   !std::equal(body.theta, body.theta + 3, now.theta);
-    now.wanted = false;
-    std::int64_t most = 0;
-    for (int i = 0; i < 3; ++i)
-        most = std::max(most, std::abs(std::int64_t{body.theta[i]} - now.theta_made[i]));
-    now.strays = most > now.turn_max || (now.stirred && bodies.step[now.body].turn != 0);
-    if (now.strays) std::copy(body.theta, body.theta + 3, now.theta_made);
+    now.wanted = now.strays = now.strays_far = false;
+    if (!now.stirred) return;
+    const auto strays = [&](std::int32_t(&made)[3], int bits) {
+        std::int64_t change[3];
+        for (int i = 0; i < 3; ++i) change[i] = std::int64_t{body.theta[i]} - made[i];
+        if (step.turn == 0 && !has_turned(now, change, bits, step)) return false;
+        std::copy(body.theta, body.theta + 3, made);
+        return true;
+    };
+    now.strays = now.unpacked && strays(now.theta_made, row_turn_bits);
+    now.strays_far = strays(now.theta_packed, pack_turn_bits);
+    const std::int64_t all[3] = {body.theta[0], body.theta[1], body.theta[2]};
+    now.given =
+        now.given || step.turn != 0 || (now.strays_far && has_turned(now, all, given_turn_bits, step));
 }
 
 void start_body(JointBody& now, const Transform& pose, const SolverBodies& bodies) {
     const SolverBody& body = bodies.body[now.body];
     const Vec3& k = bodies.step[now.body].radii;
-    constexpr int drop = Real::fraction_bits - Separation::fraction_bits + row_turn_bits;
-    now.turn_max = saturate_to_int32(min(k.x, min(k.y, k.z)).raw >> drop);
+    now.least = to<Separation>(min(k.x, min(k.y, k.z))).raw;
     std::copy(body.theta, body.theta + 3, now.theta_made);
+    std::copy(body.theta, body.theta + 3, now.theta_packed);
     now.shift[0] = bodies.body[now.body].shift[0] + 1; // whatever it is, not what it was
     place_body(now, pose, bodies);
     now.moved = Vec3{};
     for (int i = 0; i < 3; ++i) now.turned[i] = 0;
+}
+
+// ---- points in packs ----------------------------------------------------------------------------------------------
+
+void start_packed(JointTick& tick, const JointWork& work, const StepConstants& step,
+                  const SolverBodies& bodies) {
+    const auto centre = [&](const JointWorkSide& s) {
+        return s.world ? s.anchor : tick.bodies[s.cache].position;
+    };
+    const auto lever = [&](const JointWorkSide& s) {
+        return s.world ? Vec3{} : turned_lever(tick.bodies[s.cache].axes, s.lever);
+    };
+    const PointStart start{&bodies.step[work.a.body], &bodies.step[work.b.body], lever(work.a), lever(work.b),
+                           centre(work.b) - centre(work.a)};
+    start_point(tick.packs[work.pack], work, start, tick.blocks[work.first_block + work.block_count], step);
+}
+
+void give_levers(JointTick& tick, const JointWork& work, const SolverBodies& bodies) {
+    JointPack& pack = tick.packs[work.pack];
+    const auto give = [&](PackSide& side, const JointWorkSide& s) {
+        if (s.world) return;
+        const JointBody& now = tick.bodies[s.cache];
+        if (!now.given || !now.stirred) return;
+        const BodyStep& own = bodies.step[s.body];
+        const BodyStep& body = own.turn != 0 ? bodies.turns[own.turn - 1].now : own;
+        give_lever(side, work.lane, turned_lever(now.axes, s.lever), body, pack.exponent[work.lane]);
+    };
+    give(pack.a, work.a), give(pack.b, work.b);
 }
 
 // ---- coordinates --------------------------------------------------------------------------------------------------

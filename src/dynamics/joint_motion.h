@@ -12,7 +12,6 @@ struct Motion {
     std::int64_t a[6], b[6]; ///< 47 fraction bits
 };
 
-inline constexpr std::int64_t motion_max = std::int64_t{joint_speed_max} << row_bits;
 /// 32768 m/s: what it may be while the impulses of a tree are given one after another, with room for a part's.
 inline constexpr std::int64_t motion_between_max = std::int64_t{1} << 62;
 
@@ -41,10 +40,6 @@ inline void clamp_motion(Motion& m) {
             static_cast<std::uint64_t>(m.a[i] + motion_max) | static_cast<std::uint64_t>(m.b[i] + motion_max);
     if (any >= static_cast<std::uint64_t>(2 * motion_max)) clamp_motion(m, motion_max);
 }
-
-/// A change of impulse below this moves a body by less than 16 m/s: the 30 or so of one joint and pass leave what is
-/// read below 2048 m/s without clamping.
-inline constexpr std::int32_t small_impulse = 1 << 22;
 
 /// The motion as rows read it, Speed.
 struct Speeds {

@@ -57,6 +57,9 @@ struct JointPlace {
     Vec3 orientation_error; ///< 2 vec(qB qA^-1)
 };
 
+/// Kinds whose rows only turn bodies.
+constexpr bool only_turns(RowKind kind) { return kind >= RowKind::orientation_x && kind <= RowKind::swing; }
+
 struct RowValue {
     Real position; ///< [m] or [rad]
     Real arc;      ///< second derivative of free motion [m/s^2] or [rad/s^2]

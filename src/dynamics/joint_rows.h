@@ -48,6 +48,13 @@ inline constexpr int inverse_index[3][3] = {{0, 1, 3}, {1, 2, 4}, {3, 4, 5}};
 
 inline constexpr std::int32_t joint_impulse_max = (1 << 30) - 1; ///< 2048 m/s; twice it fits
 inline constexpr std::int32_t joint_speed_max = 1 << 29; ///< 1024 m/s: what rows read is clamped to it
+/// In one pass a part's impulse changes by no more: then sums of an impulse and a change stay within 32 bits.
+inline constexpr std::int32_t impulse_change_max = 1 << 30;
+/// A change of impulse below this moves a body by less than 16 m/s: the 30 or so of one joint and pass leave what is
+/// read below 2048 m/s without clamping.
+inline constexpr std::int32_t small_impulse = 1 << 22;
+inline constexpr int motion_bits = 29 + row_bits; ///< of joint_speed_max, with 47 fraction bits
+inline constexpr std::int64_t motion_max = std::int64_t{1} << motion_bits;
 
 /// sign K^-1 arm; zero about axes that the body may not turn about, and for a body that does not move.
 /// `arm` has `fraction_bits`; its components are below 2^31.

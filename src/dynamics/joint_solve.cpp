@@ -10,8 +10,6 @@ namespace lockstone::dynamics {
 
 namespace {
 
-constexpr std::int64_t impulse_change_max = std::int64_t{4} * joint_impulse_max;
-
 /// As push(), and what rows read stays within its bounds.
 template <class Now> void push_clamped(const Row* rows, const std::int32_t* p, int count, Motion& m) {
     std::uint32_t any;
@@ -114,12 +112,35 @@ template <class Now> void solve_axis(JointAxisPart& part, Motion& m, bool bias, 
 
 namespace {
 
-/// Joint after joint: what acts along axes, and locks that no tree solves.
+/// Whether nothing but limits acts along an axis, which have no impulse and get none in this pass.
+bool stays_free(const JointAxisPart& part, const SolverBody& a, const SolverBody& b, bool bias) {
+    if (part.idle) return true;
+    if (!part.turns || (part.features & (has_spring | has_motor)) != 0 || (part.lower | part.upper) != 0)
+        return false;
+    Motion m{};
+    std::uint64_t any = 0;
+    for (int i = 3; i < 6; ++i) {
+        m.a[i] = a.u[i - 3], m.b[i] = b.u[i - 3];
+        any |=
+            static_cast<std::uint64_t>(m.a[i] + motion_max) | static_cast<std::uint64_t>(m.b[i] + motion_max);
+    }
+    if (any >= static_cast<std::uint64_t>(2 * motion_max)) return false; // it is to be clamped first
+    const std::int64_t speed = speed_along(part.row, Turning(m));
+    const bool low = (part.features & has_lower) != 0, up = (part.features & has_upper) != 0;
+    return (!low || speed + (bias ? part.lower_bias : part.lower_relax) >= 0) &&
+           (!up || speed + (bias ? part.upper_bias : part.upper_relax) <= 0);
+}
+
+/// Of one joint: what acts along axes, and locks that neither a tree nor a pack solves.
 void pass_joint(JointTick& tick, const JointWork& w, const StepConstants& step, SolverBodies& bodies,
                 bool bias) {
-    const bool locks = w.tree == no_tree || !tick.forest.trees[w.tree].direct;
-    if (!locks && w.axis_count == 0) return; // a tree's joint has no point part
+    const bool locks =
+        w.block_count != 0 && !w.turns_packed && (w.tree == no_tree || !tick.forest.trees[w.tree].direct);
     SolverBody &a = bodies.body[w.a.body], &b = bodies.body[w.b.body];
+    bool busy = locks;
+    for (std::uint32_t i = 0; i < w.axis_count && !busy; ++i)
+        busy = !stays_free(tick.axes[w.first_axis + i], a, b, bias);
+    if (!busy) return;
     Motion m = read(a, b);
     clamp_motion(m);
     for (std::uint32_t i = 0; i < w.axis_count; ++i) {
@@ -137,7 +158,6 @@ void pass_joint(JointTick& tick, const JointWork& w, const StepConstants& step, 
         else
             solve_block<Speeds>(block, m, step, bias, tick.clamped);
     }
-    if (w.point != no_point) solve_point(tick.points[w.point], m, a, b, step, bias, tick.clamped);
     write(m, a, b);
 }
 
@@ -146,9 +166,14 @@ void pass_joint(JointTick& tick, const JointWork& w, const StepConstants& step, 
 void JointSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bias, Tasks* tasks) {
     JointTick& tick = *work;
     const TurnedK turned(step, bodies);
-    const std::size_t count = tick.joints.size();
-    for (std::size_t k = 0; k < count; ++k) // relaxing goes back the way the biased pass came
-        pass_joint(tick, tick.joints[bias ? k : count - 1 - k], step, bodies, bias);
+    const JointPassData data = pass_data(tick, step, bodies.body.data());
+    const std::size_t count = tick.stages.size();
+    for (std::size_t k = 0; k < count; ++k) { // relaxing goes back the way the biased pass came
+        const JointStage& stage = tick.stages[bias ? k : count - 1 - k];
+        for (std::uint32_t i = stage.first_single; i < stage.last_single; ++i)
+            pass_joint(tick, tick.joints[tick.singles[i]], step, bodies, bias);
+        tick.clamped += kernel->solve(data, stage.first_pack, stage.last_pack, bias);
+    }
     const std::vector<JointTree>& trees = tick.forest.trees;
     base::for_chunks(tasks, static_cast<std::uint32_t>(trees.size()), tree_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
@@ -159,38 +184,44 @@ void JointSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bi
 
 // ---- warm start ---------------------------------------------------------------------------------------------------
 
-static void warm_point(PointPart& part, Motion& m, bool first) {
-    for (int r = 0; r < 3 && !first; ++r) part.sum[r] += part.impulse[r];
-    push_point(part, part.impulse, m);
+static void warm_joint(JointTick& tick, const JointWork& w, SolverBodies& bodies) {
+    bool busy = w.block_count != 0 && !w.turns_packed;
+    for (std::uint32_t i = 0; i < w.axis_count; ++i) {
+        const JointAxisPart& part = tick.axes[w.first_axis + i];
+        busy = busy || (part.spring | part.motor | part.lower | part.upper) != 0;
+    }
+    if (!busy) return;
+    SolverBody &a = bodies.body[w.a.body], &b = bodies.body[w.b.body];
+    Motion m = read(a, b);
     clamp_motion(m);
+    for (std::uint32_t i = 0; i < w.axis_count; ++i) {
+        JointAxisPart& part = tick.axes[w.first_axis + i];
+        if (part.idle) continue;
+        const std::int64_t sum = std::int64_t{part.spring} + part.motor + part.lower + part.upper;
+        const std::int32_t p = bounded(sum, -joint_impulse_max, joint_impulse_max);
+        if (!tick.first) part.sum += unscaled_impulse(p, part.exponent);
+        push_clamped<Speeds>(&part.row, &p, 1, m);
+    }
+    for (std::uint32_t i = 0; !w.turns_packed && i < w.block_count; ++i) {
+        JointBlock& block = tick.blocks[w.first_block + i];
+        for (int r = 0; r < block.count && !tick.first; ++r)
+            block.sum[r] += unscaled_impulse(block.impulse[r], block.exponent);
+        if (block.turns)
+            push_clamped<Turning>(block.row, block.impulse, block.count, m);
+        else
+            push_clamped<Speeds>(block.row, block.impulse, block.count, m);
+    }
+    write(m, a, b);
 }
 
 void JointSolver::warm_start(const StepConstants& step, SolverBodies& bodies) {
     JointTick& tick = *work;
     const TurnedK turned(step, bodies);
-    for (const JointWork& w : tick.joints) {
-        SolverBody &a = bodies.body[w.a.body], &b = bodies.body[w.b.body];
-        Motion m = read(a, b);
-        clamp_motion(m);
-        for (std::uint32_t i = 0; i < w.axis_count; ++i) {
-            JointAxisPart& part = tick.axes[w.first_axis + i];
-            if (part.idle) continue;
-            const std::int64_t sum = std::int64_t{part.spring} + part.motor + part.lower + part.upper;
-            const std::int32_t p = bounded(sum, -joint_impulse_max, joint_impulse_max);
-            if (!tick.first) part.sum += unscaled_impulse(p, part.exponent);
-            push_clamped<Speeds>(&part.row, &p, 1, m);
-        }
-        for (std::uint32_t i = 0; i < w.block_count; ++i) {
-            JointBlock& block = tick.blocks[w.first_block + i];
-            for (int r = 0; r < block.count && !tick.first; ++r)
-                block.sum[r] += unscaled_impulse(block.impulse[r], block.exponent);
-            if (block.turns)
-                push_clamped<Turning>(block.row, block.impulse, block.count, m);
-            else
-                push_clamped<Speeds>(block.row, block.impulse, block.count, m);
-        }
-        if (w.point != no_point) warm_point(tick.points[w.point], m, tick.first);
-        write(m, a, b);
+    const JointPassData data = pass_data(tick, step, bodies.body.data());
+    for (const JointStage& stage : tick.stages) {
+        for (std::uint32_t i = stage.first_single; i < stage.last_single; ++i)
+            warm_joint(tick, tick.joints[tick.singles[i]], bodies);
+        kernel->warm_start(data, stage.first_pack, stage.last_pack, !tick.first);
     }
     tick.first = false;
 }

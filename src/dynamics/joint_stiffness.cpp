@@ -19,8 +19,8 @@ bool add_pull(const BodyColumns& columns, std::uint32_t row, Vec3 force, Vec3 pl
     const Vec3 lever = place - mass.center;
     const Vec3& k = mass.gyration;
     const Real least = min(k.x, min(k.y, k.z));
-    if (sum_of_sizes(force) / mass.mass * (sum_of_sizes(lever) * 32) < least * least * rate * rate)
-        return false;
+    const Real slow = least * rate;
+    if (sum_of_sizes(force) * (sum_of_sizes(lever) * 32) < slow * slow * mass.mass) return false;
     const Vec3 speed = force / mass.mass / rate; // per substep
     const Vec3 r = rotate(conjugate(mass.principal), lever);
     const Vec3 f = rotate(conjugate(columns.pose[row].rotation * mass.principal), speed);

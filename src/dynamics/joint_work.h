@@ -1,6 +1,6 @@
 // What a tick keeps of its joints: bodies as they stand, points, blocks of locks, axes with springs, motors and limits.
 //
-// Rows stay while neither body has turned by more than row_turn_max about an axis since they were made; errors follow the
+// Rows of no pack stay while neither body has turned by more than row_turn_max about an axis since they were made; errors follow the
 // motion by the rows, C = C0 + J . (shift, theta). What a lever of length r so misses is r a^2 / 2 for a turn by a:
 // 0.0001 mm for a metre. With 2^-7 rad a pendulum lost 87 % of its swing in five minutes, with 2^-11 it keeps it (the row
 // "pendulum" of tests/quality). Rows whose directions also change with places (along an axis of A, lines, ropes), gears and
@@ -9,6 +9,7 @@
 #pragma once
 
 #include "dynamics/joint.h"
+#include "dynamics/joint_pack.h"
 #include "dynamics/joint_parts.h"
 #include "dynamics/joint_point.h"
 #include "dynamics/joint_tree.h"
@@ -18,15 +19,23 @@
 namespace lockstone::dynamics {
 
 inline constexpr int row_turn_bits = 11; ///< row_turn_max = 2^-11 rad
+/// pack_turn_max = 2^-10 rad: with 2^-8 a pendulum that swings by 150 degrees is 0.12 % slow instead of 0.10 %. The point, which is made
+/// anew in every substep, carries the weight; rows about the axes miss a part 2^-20 of the energy of the turn that they leave free.
+inline constexpr int pack_turn_bits = 10;
+inline constexpr int given_turn_bits = 4; ///< levers turn by theta up to 2^-4 rad about an axis
 
 /// A body that joints hold, where it is in this substep.
 struct JointBody {
     std::uint32_t body;
-    bool stirred;               ///< moved or turned since it was placed
-    bool strays;                ///< it has turned by more than the rows of its joints may stay behind
-    bool wanted;                ///< rows are to be made of where it is
-    std::int32_t turn_max;      ///< that rows may stay behind, of theta
-    std::int32_t theta_made[3]; ///< when the rows of its joints were made
+    bool stirred;    ///< moved or turned since it was placed
+    bool strays;     ///< it has turned by more than rows may stay behind: row_turn_max
+    bool strays_far; ///< by more than rows beside a packed point may: pack_turn_max
+    bool given;      ///< levers on it are given, from now on; joint_pack.h
+    bool unpacked;   ///< rows of some joint in no pack stay where they are while it hardly turns
+    bool wanted;     ///< it is to be placed where it is
+    std::int32_t
+        least; ///< its least gyration radius: it has turned by no more than theta by this; Separation
+    std::int32_t theta_made[3], theta_packed[3]; ///< when it strayed last
     Vec3 position;
     Quat rotation;
     Rotation axes;
@@ -107,7 +116,7 @@ struct JointWorkSide {
     Quat frame;          ///< in the body's axes, or in the world
 };
 
-inline constexpr std::uint32_t no_point = 0xffffffffu;
+inline constexpr std::uint32_t no_pack = 0xffffffffu;
 
 struct JointWork {
     const JointDef* def;
@@ -119,12 +128,22 @@ struct JointWork {
     std::uint32_t tree; ///< that solves its locks; no_tree: they are solved by themselves
     std::uint8_t block_count, axis_count;
     bool needs_twist, needs_target, needs_orientation, needs_travel, needs_slip, made;
-    bool stale;          ///< its rows are to be made anew
-    bool stays;          ///< its rows change by turns alone, and slowly
-    bool remade;         ///< since trees were factorised
-    bool steady;         ///< and they may stay behind where they are now
-    std::uint32_t point; ///< entry of JointTick::points; no_point: its point part, if any, is a block
+    bool stale;        ///< its rows are to be made anew
+    bool stays;        ///< its rows change by turns alone, and slowly
+    bool remade;       ///< since trees were factorised
+    bool steady;       ///< and they may stay behind where they are now
+    bool turns_packed; ///< its block is in a pack of turns
+    std::uint32_t
+        pack; ///< entry of JointTick::packs that has its point part; no_pack: that is a block, if any
+    std::uint32_t lane;  ///< of the pack
+    std::uint32_t stage; ///< of JointTick::stages
     Real twist, travel;
+};
+
+/// Joints that share no body that impulses move: the first stage after those of all earlier joints of the same bodies. Stage
+/// after stage is so the order of solving, and stages backwards are that order backwards.
+struct JointStage {
+    std::uint32_t first_pack, last_pack, first_single, last_single;
 };
 
 /// All joints of a tick in solving order.
@@ -132,7 +151,12 @@ struct JointTick {
     std::vector<JointWork> joints;
     std::vector<JointBlock> blocks;
     std::vector<JointAxisPart> axes;
-    std::vector<PointPart> points;
+    std::vector<JointPack> packs;
+    std::vector<TurnPack> turn_packs;
+    std::vector<JointStage> stages;
+    std::vector<std::uint32_t> singles;                      ///< joints that have parts in no pack, by stage
+    std::vector<std::uint32_t> packed;                       ///< joints by pack and lane
+    std::vector<std::uint32_t> last_stage, counts, in_order; ///< while packs are filled
     std::vector<JointBody> bodies;
     JointForest forest;
     std::vector<std::uint32_t> cache_of; ///< by body: entry of `bodies` + 1
@@ -141,6 +165,12 @@ struct JointTick {
     bool first;            ///< no substep is in the sums yet
 };
 
+JointPassData pass_data(JointTick& tick, const StepConstants& step, SolverBody* bodies);
+/// A joint's point into its lane, with the bodies where they are when the tick begins.
+void start_packed(JointTick& tick, const JointWork& work, const StepConstants& step,
+                  const SolverBodies& bodies);
+/// Levers of a packed joint whose bodies have turned far or are followed.
+void give_levers(JointTick& tick, const JointWork& work, const SolverBodies& bodies);
 /// Parts of one joint by its table of axes; appends to blocks and axes.
 void assemble(JointTick& tick, JointWork& work, const StepConstants& step, const JointMemory& memory);
 /// Where x can swing freely, a swing past the back of A adds turns that nobody made, and a limit would wind them off.

@@ -15,6 +15,7 @@
 #include "sim/sweep.h"
 #include "sim/vehicle.h"
 #include "solve/contacts/contact_solver.h"
+#include "solve/joints/kernels.h"
 
 namespace lockstone::sim {
 
@@ -133,7 +134,7 @@ struct Scratch {
     dynamics::StepConstants step{};
     dynamics::SolverBodies bodies;
     solve::ContactSolver solver;
-    dynamics::JointSolver joint_solver;
+    dynamics::JointSolver joint_solver{*solve::joints_of(best_simd())};
     std::vector<dynamics::Joint> joints; ///< in slot order
     std::vector<JointId> broken;
     VehicleSolver vehicle_solver;

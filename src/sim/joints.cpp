@@ -27,9 +27,11 @@ void list_joints(Data& w) {
         s.joints.push_back({&def, std::min(a, still), std::min(b, still), row,
                             frame_for_solver(w, a, def.frame_a), frame_for_solver(w, b, def.frame_b)});
     }
-    std::sort(s.joints.begin(), s.joints.end(), [&](const dynamics::Joint& x, const dynamics::Joint& y) {
+    const auto before = [&](const dynamics::Joint& x, const dynamics::Joint& y) {
         return rows[x.memory].id.index < rows[y.memory].id.index;
-    });
+    };
+    if (!std::is_sorted(s.joints.begin(), s.joints.end(), before))
+        std::sort(s.joints.begin(), s.joints.end(), before);
 }
 
 void break_joints(Data& w) {

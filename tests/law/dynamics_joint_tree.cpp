@@ -286,7 +286,7 @@ TEST_CASE("joint tree: a block's factor solves it") {
         const auto worst = [&] {
             std::int64_t y[6];
             std::copy(x, x + 6, y);
-            solve(factor, n, y);
+            dynamics::solve(factor, n, y);
             const Numbers wanted = dense_solve(a, right);
             double most = 0, off = 0;
             for (std::size_t i = 0; i < a.size(); ++i) {

@@ -30,6 +30,7 @@ struct Scalar {
     template <int S> static V shift_right_signed(V x) { return x >> S; }           ///< arithmetic
     static V shift_right_by(V x, V by) { return x >> by; }                 ///< by lane, arithmetic, 0..63
     static V shift_left_by(V x, V by) { return signed_of(bits(x) << by); } ///< by lane, 0..63
+    template <int S> static V shift_left(V x) { return signed_of(bits(x) << S); }
 
     // Of the low halves; those of masks are all ones or zero.
     static V max32(V a, V b) { return low(a) < low(b) ? low(b) : low(a); }

@@ -35,6 +35,7 @@ struct Sse41 {
     static V shift_left_by(V x, V by) {
         return _mm_blend_epi16(_mm_sll_epi64(x, by), _mm_sll_epi64(x, _mm_unpackhi_epi64(by, by)), 0xf0);
     }
+    template <int S> static V shift_left(V x) { return _mm_slli_epi64(x, S); }
     static V shift_right_by(V x, V by) { // moved up to where nothing is negative, and back
         const V sign = _mm_set1_epi64x(INT64_MIN), high = _mm_unpackhi_epi64(by, by);
         const auto logical = [&](V y) {

@@ -1,0 +1,14 @@
+// Compiled with the flags of its instruction set where the target is x86.
+#if defined(__x86_64__) || defined(__i386__)
+
+#include "solve/joints/kernel.h"
+#include "solve/joints/kernels.h"
+#include "solve/lanes/avx2.h"
+
+namespace lockstone::solve {
+
+constinit const dynamics::JointKernel avx2_joints = PackedJoints<Avx2>::table();
+
+} // namespace lockstone::solve
+
+#endif

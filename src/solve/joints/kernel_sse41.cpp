@@ -1,0 +1,14 @@
+// Compiled with the flags of its instruction set where the target is x86.
+#if defined(__x86_64__) || defined(__i386__)
+
+#include "solve/joints/kernel.h"
+#include "solve/joints/kernels.h"
+#include "solve/lanes/sse41.h"
+
+namespace lockstone::solve {
+
+constinit const dynamics::JointKernel sse41_joints = PackedJoints<Sse41>::table();
+
+} // namespace lockstone::solve
+
+#endif
