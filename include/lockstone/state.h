@@ -50,7 +50,7 @@ struct ColumnInfo {
     std::uint32_t row_size;      ///< bytes
     std::uint32_t rows_per_page; ///< of the hash tree
     std::size_t offset;          ///< of row 0 from the start of the block, a multiple of 64
-    std::span<const LeafInfo> leaves; ///< valid as long as any layout that has the column, or was grown from one
+    std::span<const LeafInfo> leaves; ///< valid while a layout lives that has the column
     std::uint64_t name_hash;          ///< seeds the column's node of the hash tree
 };
 
@@ -213,7 +213,7 @@ class State {
   public:
     explicit State(std::shared_ptr<const StateLayout> layout); ///< all counts zero, all bytes zero
     State(const State& other);                                 ///< deep copy at another address
-    State& operator=(const State& other); ///< of an equal schema, rows within the limits (asserted); capacities grow
+    State& operator=(const State& other); ///< of an equal schema, within the limits (asserted); grows
     State(State&&) noexcept = default;
     State& operator=(State&&) noexcept = default;
 

@@ -79,8 +79,8 @@ struct WorldDef {
 
 /// How many there may be before a world takes more memory.
 struct WorldRows {
-    std::uint32_t bodies = 0, shapes = 0, contacts = 0, fields = 0, pair_filters = 0, joints = 0, characters = 0,
-                  vehicles = 0;
+    std::uint32_t bodies = 0, shapes = 0, contacts = 0, fields = 0, pair_filters = 0, joints = 0,
+                  characters = 0, vehicles = 0;
 };
 
 /// The game's own columns, in the same block as the engine's: saved, hashed, compared and dumped with them.
@@ -111,7 +111,7 @@ class GameSchema {
 struct Faults {
     std::uint64_t speed_clamped;    ///< a linear or angular velocity met its limit
     std::uint64_t position_clamped; ///< a position met the end of the documented range (1e9 m)
-    std::uint64_t contacts_dropped; ///< pairs beyond contacts_max, in all ticks; the last in pair order are dropped
+    std::uint64_t contacts_dropped; ///< pairs beyond contacts_max; the last in pair order were dropped
     std::uint64_t impulse_clamped;  ///< a contact impulse met the end of its format
     friend bool operator==(const Faults&, const Faults&) = default;
 };

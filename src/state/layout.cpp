@@ -76,9 +76,10 @@ std::string_view name_of(Group group) {
 std::uint32_t TableInfo::grown(std::uint32_t rows) const {
     constexpr std::uint32_t least = 8; // few are worth no second thought
     if (rows <= capacity) return capacity;
-    const std::uint64_t more = std::uint64_t{capacity} + capacity / 2;
+    // What is asked for is seldom the most there will be: a state that was just loaded would grow at its first tick.
+    const std::uint64_t some = std::uint64_t{rows} + rows / 8, more = std::uint64_t{capacity} + capacity / 2;
     return static_cast<std::uint32_t>(
-        std::min<std::uint64_t>(rows_max, std::max<std::uint64_t>({rows, more, least})));
+        std::min<std::uint64_t>(rows_max, std::max<std::uint64_t>({some, more, least})));
 }
 
 StateLayout::StateLayout() {
