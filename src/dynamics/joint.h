@@ -62,7 +62,8 @@ class JointSolver {
     ~JointSolver();
     JointSolver(JointSolver&&) noexcept;
     JointSolver& operator=(JointSolver&&) noexcept;
-    void use(const JointKernel& lanes) { kernel = &lanes; }
+    /// False, and nothing changes, without lanes.
+    bool use(const JointKernel* lanes) { return lanes != nullptr && (kernel = lanes, true); }
 
     /// Once a tick, before the substeps. `joints` in solving order; all spans are kept until store().
     void prepare(std::span<const Joint> joints, std::span<const JointMemory> memory,

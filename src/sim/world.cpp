@@ -596,9 +596,7 @@ void World::set_journal(Journal* journal) { impl->journal = journal; }
 void World::set_tasks(Tasks* tasks) { impl->tasks = tasks; }
 void World::observe_phases(PhaseObserver* observer) { impl->observer = observer; }
 bool World::set_simd(Simd level) {
-    if (!impl->scratch.solver.use(level)) return false;
-    impl->scratch.joint_solver.use(*solve::joints_of(level));
-    return true;
+    return impl->scratch.solver.use(level) && impl->scratch.joint_solver.use(solve::joints_of(level));
 }
 void World::record_phase_hashes(bool on) { impl->phase_hashes_on = on; }
 std::span<const PhaseHash> World::phase_hashes() const { return impl->phase_hashes; }
