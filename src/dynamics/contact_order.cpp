@@ -1,10 +1,10 @@
 #include "dynamics/contact_order.h"
 
 #include "base/poison.h"
+#include "base/room.h"
 #include "dynamics/contact.h"
 
 #include <algorithm>
-#include <bit>
 
 namespace lockstone::dynamics {
 
@@ -106,8 +106,8 @@ void ContactOrder::find_stages(std::span<const Contact> contacts, const SolverBo
 }
 
 void ContactOrder::find(std::span<const Contact> contacts, const SolverBodies& bodies) {
-    // Seldom more, when there are more of them by and by.
-    reserve(std::bit_ceil(contacts.size()), std::bit_ceil(bodies.body.size()));
+    if (down.capacity() < contacts.size() + 2 || levels.capacity() < bodies.body.size() + 2)
+        reserve(base::room_for(contacts.size()), base::room_for(bodies.body.size()));
     find_levels(contacts, bodies);
     sort_down(contacts);
     find_stages(contacts, bodies);

@@ -373,8 +373,8 @@ void collide(Data& w) {
     const std::uint32_t chunk_count = (pairs + pairs_per_chunk - 1) / pairs_per_chunk;
     while (s.near_chunks.size() < chunk_count) {
         NearChunk& chunk = s.near_chunks.emplace_back();
-        chunk.memories.reserve(2 * pairs_per_chunk);
-        chunk.contacts.reserve(2 * pairs_per_chunk), chunk.seen.reserve(pairs_per_chunk);
+        chunk.memories.reserve(pairs_per_chunk / 2);
+        chunk.contacts.reserve(pairs_per_chunk), chunk.seen.reserve(pairs_per_chunk);
     }
     if (s.narrow_workers.size() < base::worker_count(w.tasks))
         s.narrow_workers.resize(base::worker_count(w.tasks));

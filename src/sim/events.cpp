@@ -1,10 +1,10 @@
 // What a tick reports: which pairs began or ceased to touch, and the points where they do.
 #include "sim/phases.h"
 
+#include "base/room.h"
 #include "sim/surface.h"
 
 #include <algorithm>
-#include <bit>
 #include <tuple>
 
 namespace lockstone::sim {
@@ -80,9 +80,7 @@ void find_contact_points(Data& w) {
     const std::span<const ContactMemory> memories = w.state.rows(w.m.contact_memory);
     std::size_t count = 0;
     for (const dynamics::Contact& c : s.contacts) count += c.count;
-    // With room for a heap that settles, so that a tick with one more than ever does not allocate.
-    if (count > w.contact_points.capacity())
-        w.contact_points.reserve(std::bit_ceil(std::max<std::size_t>(128, count + count / 2)));
+    base::make_room(w.contact_points, count);
     for (const dynamics::Contact& c : s.contacts) {
         const bool flipped = (memories[c.memory].flags & dynamics::contact_flipped) != 0;
         const ShapeId shape = flipped ? keys[c.memory].a : keys[c.memory].b;

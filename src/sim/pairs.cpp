@@ -1,18 +1,13 @@
 // Which shapes may meet: bounds that overlap, planes that are reached, and the filters.
+#include "base/room.h"
 #include "sim/phases.h"
 #include "sim/sleep.h"
 
 #include <algorithm>
-#include <bit>
 
 namespace lockstone::sim {
 
 namespace {
-
-/// For that many and some more, so that a tick with one more than ever does not allocate.
-template <class T> void reserve_ahead(std::vector<T>& list, std::size_t count) {
-    list.reserve(std::max<std::size_t>(64, std::bit_ceil(count)));
-}
 
 bool is_filtered(const Data& w, BodyId a, BodyId b) {
     const std::span<const PairFilterRow> rows = w.state.rows(w.m.pair_filter);
@@ -71,7 +66,7 @@ void find_plane_pairs(Data& w) {
     }
     if (s.plane_pairs.empty()) return;
     std::sort(s.plane_pairs.begin(), s.plane_pairs.end());
-    reserve_ahead(s.merged_pairs, s.pairs.size() + s.plane_pairs.size());
+    base::make_room(s.merged_pairs, s.pairs.size() + s.plane_pairs.size());
     s.merged_pairs.resize(s.pairs.size() + s.plane_pairs.size());
     std::merge(s.pairs.begin(), s.pairs.end(), s.plane_pairs.begin(), s.plane_pairs.end(),
                s.merged_pairs.begin());
@@ -109,7 +104,7 @@ void find_keys(Data& w) {
     const Data& seen = w;
     std::vector<Scratch::PairKey>& keys = w.scratch.pair_keys;
     const std::uint32_t count = static_cast<std::uint32_t>(w.scratch.pairs.size());
-    reserve_ahead(keys, count);
+    base::make_room(keys, count);
     keys.resize(count);
     base::for_chunks(
         w.tasks, count, filtered_per_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
@@ -182,7 +177,6 @@ bool filters_allow(const Data& w, const ShapeRow& a, const ShapeRow& b) {
 
 void find_pairs(Data& w) {
     Scratch& s = w.scratch;
-    reserve_ahead(s.plane_pairs, 0);
     s.broad_phase.find_pairs(s.pairs);
     find_plane_pairs(w);
     find_keys(w);
@@ -192,8 +186,8 @@ void find_pairs(Data& w) {
     s.near.clear(), s.ended.clear();
     const std::span<const ContactKey> old_keys = w.state.rows(w.m.contact_key);
     const std::uint32_t count = static_cast<std::uint32_t>(old_keys.size());
-    reserve_ahead(s.ended, count);
-    reserve_ahead(s.near, s.pair_keys.size());
+    base::make_room(s.ended, count);
+    base::make_room(s.near, s.pair_keys.size());
     std::uint32_t old = 0;
     std::size_t hint = 0;
     for (const Scratch::PairKey& pair : s.pair_keys) {

@@ -2,13 +2,13 @@
 
 #include "base/parallel.h"
 #include "base/poison.h"
+#include "base/room.h"
 #include "dynamics/contact_order.h"
 #include "dynamics/followed_turn.h"
 #include "solve/contacts/bounce.h"
 #include "solve/contacts/kernels.h"
 
 #include <algorithm>
-#include <bit>
 
 namespace lockstone::solve {
 
@@ -88,7 +88,7 @@ void ContactSolver::reserve(std::size_t contacts, std::size_t bodies) {
 void ContactSolver::Inside::place_packs(std::span<const Contact> contacts,
                                         std::span<const ContactMemory> memory) {
     const std::uint32_t lanes = kernel->lanes;
-    sort_of.reserve(std::bit_ceil(contacts.size()));
+    base::make_room(sort_of, contacts.size());
     sort_of.clear();
     for (const Contact& c : contacts) {
         std::int32_t carried = 0;
@@ -96,9 +96,9 @@ void ContactSolver::Inside::place_packs(std::span<const Contact> contacts,
         sort_of.push_back(static_cast<std::uint8_t>((c.count > 1 ? 2 : 0) | (carried != 0 ? 1 : 0)));
     }
     stage_begin.clear();
-    stage_begin.reserve(std::bit_ceil(contacts.size()) + 1);
+    base::make_room(stage_begin, order.stage_count() + 1);
     lane_contact.clear();
-    lane_contact.reserve(std::size_t{lanes} * std::bit_ceil(contacts.size()));
+    base::make_room(lane_contact, contacts.size() + std::size_t{lanes - 1} * order.stage_count());
     for (std::uint32_t s = 0; s < order.stage_count(); ++s) {
         stage_begin.push_back(static_cast<std::uint32_t>(lane_contact.size()) / lanes);
         for (const std::uint32_t sort : {3u, 2u, 1u, 0u})
@@ -134,7 +134,7 @@ void ContactSolver::prepare(std::span<const Contact> contacts, std::span<const C
     s.with_lanes([&](auto width) {
         constexpr unsigned N = width();
         const std::size_t words = s.pack_count * (sizeof(ContactPack<N>) / sizeof(std::uint32_t));
-        if (s.storage.size() < words) s.storage.resize(std::bit_ceil(words));
+        if (s.storage.size() < words) s.storage.resize(base::room_for(words));
         const std::span<ContactPack<N>> packs = s.packs<N>();
         const auto contact_of = [&](std::uint32_t pack, unsigned lane) {
             return s.lane_contact[pack * N + lane];
