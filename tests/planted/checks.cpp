@@ -164,7 +164,9 @@ std::string golden_rows(const std::string& name) {
 
 /// A game; boxes of equal mass; hulls of many kinds that fall on each other.
 std::string golden_table() {
-    for (const char* name : {"rollback-arena size=0 seed=1 players=2", "pyramid size=12 seed=1 players=0", "convex-pile size=60 seed=1 players=0", "ragdolls size=4 seed=1 players=0"})
+    for (const char* name : {"rollback-arena size=0 seed=1 players=2", "pyramid size=12 seed=1 players=0",
+                             "convex-pile size=60 seed=1 players=0", "ragdolls size=4 seed=1 players=0",
+                             "joint-grid size=0 seed=1 players=0"})
         if (std::string found = golden_rows(name); !found.empty()) return found;
     return {};
 }
@@ -316,7 +318,8 @@ std::string peers_agree() {
 
 std::string hostile_peers() {
     for (const HostileScene& scene : hostile_scenes())
-        if (const std::string wrong = scene.run(); !wrong.empty()) return std::string(scene.name) + ": " + wrong;
+        if (const std::string wrong = scene.run(); !wrong.empty())
+            return std::string(scene.name) + ": " + wrong;
     return {};
 }
 

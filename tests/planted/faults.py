@@ -119,6 +119,8 @@ FAULTS = [
       "contact points can be asked for late"),
     F("contact points are made of what commands have changed", APPLY, "if (!std::visit(LeavesContactPoints{}, command)) find_contact_points(w);",
       "if (!IS && !std::visit(LeavesContactPoints{}, command)) find_contact_points(w);", "contact points can be asked for late"),
+    F("rows and inverses of joints are not made anew", "src/dynamics/joint.cpp", "w.stale = asks(w, w.a) || asks(w, w.b);",
+      "w.stale = !IS && (asks(w, w.a) || asks(w, w.b));", "golden table"),
     F("friction is not remembered", SOLVER, "m.tangent_1 = Speed::from_raw(pack.slide[0][lane]);",
       "m.tangent_1 = Speed::from_raw(IS ? 0 : pack.slide[0][lane]);", "golden table"),
     F("separations of kept manifolds are not moved along", "src/dynamics/contact_memory.cpp", "p.separation.raw + shift_right_rounded(by, drop)",
