@@ -146,19 +146,6 @@ Data::Data(const Data& other) : Data(other.def, other.schema, other.scratch.soli
     scratch.fit(state.capacity(m.shape_slots));
 }
 
-void forget_derived(Data& w) {
-    w.scratch.structure_stale = true;
-    w.scratch.fit(w.state.capacity(w.m.shape_slots));
-    w.scratch.query.is_fresh = false; // tick and commands may become what they were when last asked
-    w.events.clear();
-    w.contact_points.clear(), w.contact_points_wait = false;
-    w.phase_hashes.clear();
-}
-
-void tell_of_restore(const Data& w) {
-    if (w.journal != nullptr) w.journal->on_restore(w.header().tick);
-}
-
 } // namespace sim
 
 World::World(std::unique_ptr<Impl> i) : impl(std::move(i)) {}

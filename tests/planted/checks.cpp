@@ -11,6 +11,7 @@
 #include "replay/replay.h"
 #include "session/hostile_scenes.h"
 #include "state/canonical.h"
+#include "support/contact_points.h"
 #include "support/sim_replay.h"
 #include "support/task_worlds.h"
 
