@@ -255,6 +255,7 @@ TEST_CASE("planted fault: events out of order are found out") {
 TEST_CASE("contact points are those of the tick, whatever was done before they are asked for") {
     for (const Scenery scenery : {Scenery::stack, Scenery::pile})
         CHECK_MESSAGE(late_points_difference(scenery, 400) == "", late_points_difference(scenery, 400));
+    CHECK_MESSAGE(points_of_sleepers_difference(400) == "", points_of_sleepers_difference(400));
 }
 
 TEST_CASE("there are no events after a restore until the next tick") {
