@@ -69,7 +69,8 @@ inline void edit_rows(Input& in, State& state) {
                                               ~1ull,
                                               ~std::uint64_t{},
                                               ~0ull >> 1};
-    const std::shared_ptr<const StateLayout> kept = state.layout_shared(); // a table that grows gives the state another
+    // A table that grows gives the state another layout.
+    const std::shared_ptr<const StateLayout> kept = state.layout_shared();
     const StateLayout& layout = *kept;
     while (!in.empty()) {
         const std::uint8_t chosen = in.take_u8(), row = in.take_u8();
