@@ -28,7 +28,7 @@ Result<std::unique_ptr<Page>> ReplayPage::open(const Options& options, Stage& st
     Result<replay::Recording> recording =
         replay::Recording::open(options.source, replay::OnDamage::recover_cut);
     if (!recording) return recording.error();
-    if (!recording->complete()) std::fprintf(stderr, "lockstone_demo: %s\n", recording->damage().c_str());
+    if (!recording->complete()) std::fprintf(stderr, "lockstone-demo: %s\n", recording->damage().c_str());
     std::unique_ptr<Game> game;
     if (recording->header().mode == replay::Mode::inputs) {
         Result<std::unique_ptr<Game>> made = make_scene_named(recording->header().game);

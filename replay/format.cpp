@@ -7,7 +7,15 @@
 
 namespace lockstone::replay {
 
-std::string_view name_of(Mode mode) { return mode == Mode::inputs ? "inputs" : "commands"; }
+std::string_view name_of(Mode mode) {
+    switch (mode) {
+    case Mode::inputs:
+        return "inputs";
+    case Mode::commands:
+        return "commands";
+    }
+    return "unknown";
+}
 
 const std::string* find_option(const Header& header, std::string_view key) {
     for (const Option& option : header.options)

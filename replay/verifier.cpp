@@ -165,7 +165,8 @@ VerifyReport report_of(const Recording& recording, const Outcome& outcome) {
 
 std::string_view name_of(Verdict verdict) {
     static constexpr std::string_view names[] = {"good", "diverged", "incomplete", "vacuous", "unusable"};
-    return names[static_cast<std::size_t>(verdict)];
+    const auto index = static_cast<std::size_t>(verdict);
+    return index < std::size(names) ? names[index] : "unknown";
 }
 
 std::size_t segment_count(const Recording& recording) {

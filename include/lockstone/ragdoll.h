@@ -32,7 +32,7 @@ enum class RagdollPart : std::uint32_t {
 };
 inline constexpr std::uint32_t ragdoll_part_count = 14;
 const char* name_of(RagdollPart part);
-RagdollPart ragdoll_parent(RagdollPart part); ///< of the pelvis: itself
+RagdollPart ragdoll_parent(RagdollPart part); ///< of the pelvis: itself; of no part: asserted
 
 /// How each part is turned against its parent; all identity: standing, arms hanging. That of the pelvis is not read.
 using RagdollPose = std::array<Quat, ragdoll_part_count>;
@@ -62,7 +62,7 @@ template <class V> constexpr void describe(Ragdoll& r, V&& v) {
     v("bodies", r.bodies), v("joints", r.joints);
 }
 
-/// On an error, with a sentence, nothing of it is left in the world.
+/// On an error, with a sentence, the world is as it was and its journal has heard nothing: all is tried elsewhere first.
 Result<Ragdoll> make_ragdoll(World& world, const RagdollDef& def);
 /// What of it is still alive.
 void destroy_ragdoll(World& world, const Ragdoll& ragdoll);

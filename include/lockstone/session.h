@@ -329,11 +329,11 @@ class SessionRunner {
     Frame frame(std::uint64_t now_ms); ///< poll, advance, execute, confirm
     /// A frame without a new tick, when wait_ticks asks for it: poll only.
     void wait(std::uint64_t now_ms);
-    /// Of the last frame: by tick, then in the order of the tick's events.
     /// The end of a match: instead of frame(), each frame, until it returns true. No new tick is run; what was run is
     /// settled, confirmed and handed to the sink. Every machine goes on to the same tick first (Session::current_tick),
     /// and gives inputs up to there: what is not given is never confirmed.
     bool drain(std::uint64_t now_ms);
+    /// Of the last frame: by tick, then in the order of the tick's events.
     std::span<const SessionEvent> events() const;
     /// The first failure of a sync test; null while there is none.
     const SyncTestFailure* sync_failure() const;

@@ -54,14 +54,18 @@ inline constexpr LengthVec3 scale_one{Length::from_raw(1 << 24), Length::from_ra
 ///   mesh          asset; static or kinematic bodies only
 ///   plane         the half-space below local y = 0, normal +y, without bounds; static bodies only
 /// `radius` of a cylinder, cone, box or hull rounds it: every point nearer than that to the described shape belongs to it.
+/// `scale` multiplies the sizes, and never mirrors:
+///   primitives                s = 1, 2, 4 or 8, the same on all axes, times half_extent and radius. Other than 1 on static
+///                             bodies only, whose half extents and radii so reach 800 m
+///   hull, mesh, height field  a factor for each of the asset's axes, 1/128 .. 100; radius is not multiplied. What comes of it
+///                             lies within 100 m of its origin on each axis (hull, rounding included) or 8000 m (mesh, height
+///                             field), and a hull is still at least 5 mm thick
+///   compound, plane           1
 struct Geometry {
     ShapeKind kind;
     Length radius;          ///< [m]
     LengthVec3 half_extent; ///< [m]; zero for kinds that do not name it
-    LengthVec3 scale =
-        scale_one; ///< hull, mesh, height field: factors of the asset's axes, each in 1/128 .. 100.
-                   ///< Primitives: (s, s, s), s = 1, 2, 4 or 8 times `half_extent` and `radius`, for
-                   ///< static shapes of up to 1 km. Compound, plane: 1.
+    LengthVec3 scale = scale_one;
     AssetId asset{};
 
     friend constexpr bool operator==(const Geometry&, const Geometry&) = default;
@@ -120,7 +124,8 @@ struct MassProperties {
 
 /// Closed forms, each entry rounded once; mass is clamped to Real. Density in kg/m^3. Rounded boxes, cylinders and cones
 /// too, to 2^-58, a cone's rounding to 2^-31.
-/// A plane and what names an asset have no mass here: mass and gyration are 0 (an asset's is shapes::mass_properties).
+/// A plane and what names an asset have no mass here: mass and gyration are 0 (an asset's is shapes::mass_properties). So are
+/// those of what validate refuses, and with a density below zero.
 MassProperties mass_properties(const Geometry& geometry, Real density);
 
 /// One shape of a body: its own properties, and where it sits in the body's axes.

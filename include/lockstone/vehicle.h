@@ -209,7 +209,7 @@ struct VehicleState {
 /// Wheels 0 front left, 1 front right, 2 rear left, 3 rear right at (+-hub.x, hub.y, +-hub.z) when the suspension hangs
 /// half out. The front steers by 0.6 rad, the rear is driven, and all of them brake.
 VehicleDef four_wheels(BodyId chassis, Vec3 hub);
-/// Two tracks of `wheels` (1..4) each, at +-hub.x, from hub.z to the front to -hub.z.
+/// Two tracks of `wheels` (1..4; more or less is taken as that) each, at +-hub.x, from hub.z to the front to -hub.z.
 VehicleDef two_tracks(BodyId chassis, Vec3 hub, std::uint32_t wheels);
 /// Empty when good.
 std::string validate(const VehicleDef& def);

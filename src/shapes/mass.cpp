@@ -135,6 +135,11 @@ Matrix3<I20F44> point_gyration(Vec3 d) {
 } // namespace
 
 MassProperties mass_properties(const Geometry& g, Real density) {
+    return density < Real{} || !validate(g).empty() ? MassProperties{}
+                                                    : shapes::mass_of_primitive(g, density);
+}
+
+MassProperties shapes::mass_of_primitive(const Geometry& g, Real density) {
     MassProperties m = primitive_mass(g, density);
     const std::int64_t factor = g.scale.x.raw >> Length::fraction_bits; // 1, 2, 4 or 8
     if (factor <= 1) return m;

@@ -1,4 +1,4 @@
-// Rounded primitives' masses, called by mass_properties.
+// Masses of primitives; those of rounded ones are a file of their own.
 #pragma once
 
 #include "lockstone/shape.h"
@@ -7,6 +7,9 @@
 namespace lockstone::shapes {
 
 inline constexpr Scaled scaled_pi = scaled(decimal<I4F60>("3.14159265358979323846264338327950288"));
+
+/// mass_properties of a geometry that is known to be good.
+MassProperties mass_of_primitive(const Geometry& geometry, Real density);
 
 /// `scale` is not looked at. All moments are closed forms in 62 significant bits; the cone's angle has 32 fraction bits.
 MassProperties rounded_box_mass(const LengthVec3& half_extent, Length radius, Real density);

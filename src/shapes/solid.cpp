@@ -4,6 +4,7 @@
 #include "shapes/asset.h"
 #include "shapes/height_field.h"
 #include "shapes/hull.h"
+#include "shapes/mass.h"
 #include "shapes/mesh.h"
 
 #include <algorithm>
@@ -107,7 +108,7 @@ MassProperties mass_properties(const Solid& solid, Real density) {
             parts.push_back({mass_properties(part.solid, density), part.local});
         return combine(parts);
     }
-    return mass_properties(solid.geometry, density);
+    return mass_of_primitive(solid.geometry, density);
 }
 
 Length inner_radius(const Solid& solid) {

@@ -6,6 +6,7 @@
 
 #include "lockstone/math.h"
 #include "shapes/hull.h"
+#include "shapes/mass.h"
 
 #include <algorithm>
 
@@ -285,9 +286,9 @@ Scaled volume_of(const Solid& convex) {
     const std::int32_t factor = convex.geometry.scale.x.raw >> Length::fraction_bits; // 1, 2, 4 or 8
     // A large density keeps the bits of what is small: masses up to 8e6 m^3 * 1 kg/m^3 fit, up to 21,474 m^3 with this one.
     constexpr Real dense = Real(100000);
-    const Real heavy = mass_properties(at_one, dense).mass;
+    const Real heavy = mass_of_primitive(at_one, dense).mass;
     const Scaled volume =
-        heavy < Real::max() ? scaled(heavy) / scaled(dense) : scaled(mass_properties(at_one, Real(1)).mass);
+        heavy < Real::max() ? scaled(heavy) / scaled(dense) : scaled(mass_of_primitive(at_one, Real(1)).mass);
     return factor * factor * factor * volume;
 }
 

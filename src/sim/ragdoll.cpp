@@ -1,6 +1,7 @@
 // Segments, joints, and a pose carried from the pelvis outwards.
 #include "lockstone/ragdoll.h"
 
+#include "base/assert.h"
 #include "base/text.h"
 #include "lockstone/decimal.h"
 #include "lockstone/math.h"
@@ -192,6 +193,27 @@ Status make_part(World& world, const RagdollDef& def, std::uint32_t part, const 
     return {};
 }
 
+Result<Ragdoll> make_parts(World& world, const RagdollDef& def) {
+    const std::array<Transform, ragdoll_part_count> place = places(def);
+    Ragdoll made{};
+    for (std::uint32_t part = 0; part < ragdoll_part_count; ++part)
+        if (const Status status = make_part(world, def, part, place[part], made); !status)
+            return Error{join("make_ragdoll: ", segments[part].name, ": ", status.error().message)};
+    return made;
+}
+
+/// A world that refuses what this one would: empty where there is room for sure, else the same.
+Result<World> trial_of(const World& world) {
+    const WorldRows rows = world.capacity(); // at least as many as there are
+    const WorldDef& def = world.def();
+    const auto has_room = [](std::uint32_t now, std::uint32_t most) {
+        return most - now >= ragdoll_part_count;
+    };
+    const bool roomy = has_room(rows.bodies, def.bodies_max) && has_room(rows.shapes, def.shapes_max) &&
+                       has_room(rows.joints, def.joints_max);
+    return roomy ? World::create(def) : world.clone();
+}
+
 /// Axis times angle, the shorter way round.
 Vec3 rotation_vector(Quat q) {
     const AxisAngle turn = to_axis_angle(q);
@@ -205,7 +227,11 @@ const char* name_of(RagdollPart part) {
     return i < ragdoll_part_count ? segments[i].name : "unknown";
 }
 
-RagdollPart ragdoll_parent(RagdollPart part) { return segments[static_cast<std::uint32_t>(part)].parent; }
+RagdollPart ragdoll_parent(RagdollPart part) {
+    const auto i = static_cast<std::uint32_t>(part);
+    LOCKSTONE_ASSERT(i < ragdoll_part_count, "part ", i, " of ", ragdoll_part_count);
+    return segments[i].parent;
+}
 
 RagdollPose ragdoll_standing() {
     RagdollPose pose;
@@ -222,15 +248,10 @@ RagdollPose ragdoll_t_pose() {
 
 Result<Ragdoll> make_ragdoll(World& world, const RagdollDef& def) {
     if (std::string e = check(def); !e.empty()) return Error{"make_ragdoll: " + e};
-    const std::array<Transform, ragdoll_part_count> place = places(def);
-    Ragdoll made{};
-    for (std::uint32_t part = 0; part < ragdoll_part_count; ++part) {
-        const Status status = make_part(world, def, part, place[part], made);
-        if (status) continue;
-        destroy_ragdoll(world, made);
-        return Error{join("make_ragdoll: ", segments[part].name, ": ", status.error().message)};
-    }
-    return made;
+    Result<World> trial = trial_of(world);
+    if (!trial) return trial.error();
+    if (const Result<Ragdoll> tried = make_parts(*trial, def); !tried) return tried.error();
+    return make_parts(world, def);
 }
 
 void destroy_ragdoll(World& world, const Ragdoll& ragdoll) {

@@ -96,7 +96,7 @@ inline Solid random_solid(Random& random, const HullPool& pool, ConvexKind kind,
     const double thin = random.below(4) == 0 ? 0.01 : 0.2;
     const double x = random.log_uniform(thin, 1), y = random.log_uniform(thin, 1),
                  z = random.log_uniform(thin, 1);
-    const double factor = size > 90 ? 8 : 1; // static shapes of up to 1 km
+    const double factor = size > 90 ? 8 : 1; // static shapes of up to 800 m
     const double s = size / factor;
     Solid solid{lockstone::sphere(real(s))};
     switch (core_kind(kind)) {
@@ -166,7 +166,7 @@ inline ConvexScene random_scene(Random& random, const HullPool& pool, ConvexKind
     return s;
 }
 
-/// Aligned and nearly aligned poses, touching, coincident, deep, of sizes from 5 mm to 1 km, and far from the origin.
+/// Aligned and nearly aligned poses, touching, coincident, deep, of sizes from 5 mm to 800 m, and far from the origin.
 inline ConvexScene designed_scene(Random& random, const HullPool& pool, ConvexKind a, ConvexKind b) {
     ConvexScene s{};
     s.is_ordinary = random.below(3) != 0;

@@ -6,13 +6,14 @@ namespace lockstone {
 
 std::string_view name_of(Simd level) {
     switch (level) {
+    case Simd::scalar:
+        return "scalar";
     case Simd::sse41:
         return "sse41";
     case Simd::avx2:
         return "avx2";
-    default:
-        return "scalar";
     }
+    return "unknown";
 }
 
 bool has_simd(Simd level) {
