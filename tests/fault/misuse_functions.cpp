@@ -146,6 +146,7 @@ TEST_CASE(
     wrong.tick_rate = 0;
     refused("memory_of", status_of(World::memory_of(wrong)), "tick_rate");
     refused("create", status_of(World::create(wrong)), "tick_rate");
+    refused("gravity", w.set_gravity({Real(1001), 0_r, 0_r}), "gravity");
     refused("explode", w.explode({.radius = Real(-1), .impulse = 1_r}), "radius");
     refused("restore_portable", w.restore_portable({}), "");
     refused("restore_portable", w.restore_portable(std::vector<std::byte>(400, std::byte{1})), "");
@@ -155,11 +156,11 @@ TEST_CASE(
     CHECK(w.phase_hashes().empty());
     CHECK(w.hash() == hash);
 
-    GameSchema twice;
-    twice.add({"game.x", true, 4, {{"x", 0, 4, LeafKind::unsigned_integer, 0}}});
-    stops("a column of the same name", [&] {
-        twice.add({"game.x", true, 4, {{"x", 0, 4, LeafKind::unsigned_integer, 0}}});
-    });
+    GameSchema schema;
+    (void)schema.add_record<Faults>("game.x");
+    stops("a record of the same name", [&] { (void)schema.add_record<Faults>("game.x"); });
+    stops("a column of the same name", [&] { (void)schema.add_body_column<Faults>("game.x"); });
+    stops("an entry of the same name", [&] { (void)schema.add({"game.x", true, 4, {}}); });
 }
 
 TEST_CASE("misuse: a level that cannot be is refused, and the world is as it was") {
@@ -337,6 +338,40 @@ TEST_CASE("misuse: verifying, branching, repairing and comparing with wrong argu
     refused("no path", status_of(replay::Recording::open("")), "");
     refused("no bytes", status_of(replay::Recording::from_bytes({}, "empty")), "empty");
     refused("no folder", status_of(replay::FileSink::create("/nowhere/at/all.lsr")), "/nowhere/at/all.lsr");
+}
+
+TEST_CASE(
+    "misuse: recorders that go on with what is not theirs, sinks that take nothing, times before the start") {
+    const SmallGame game;
+    const replay::Recording commands = must(read(record_commands(8)));
+    replay::MemorySink sink;
+    stops("inputs after commands", [&] {
+        auto branch = must(replay::branch_commands(commands, 4, sink));
+        const SmallInputs inputs(SmallGame::script(4));
+        (void)replay::InputRecorder::resume(std::move(branch.writer), 0).on_tick(4, inputs.list, 1);
+    });
+    auto branch = must(replay::branch_commands(commands, 4, sink));
+    World other = must(game.start());
+    const auto recorder = replay::CommandRecorder::resume(std::move(branch.writer), other, 0);
+    other.tick();
+    refused("a world of another time", recorder->status(), "tick 4 comes next");
+    refused("and closed", recorder->close(), "tick 4 comes next");
+
+    struct Full final : replay::Sink {
+        Status append(std::span<const std::byte>) override { return Error{"the sink is full"}; }
+    } full;
+    refused("a full sink", replay::repair(commands, full), "the sink is full");
+    refused("a full sink", status_of(replay::branch_commands(commands, 4, full)), "the sink is full");
+    CHECK_FALSE(replay::is_being_written("/nowhere/at/all.lsr"));
+
+    World late = must(game.start());
+    for (std::uint64_t t = 0; t < 3; ++t) must(game.advance(late, SmallInputs(SmallGame::script(t)).list));
+    replay::MemorySink middle;
+    auto begun = must(replay::InputRecorder::begin(middle, game, late));
+    must(begun.close());
+    const replay::Recording from_three = must(read(middle.bytes));
+    stops("a time before the start", [&] { (void)from_three.keyframe_before(2); });
+    stops("a hash from before the start", [&] { (void)from_three.hash_at(2); });
 }
 
 TEST_CASE("misuse: names of values that are none are the word unknown") {

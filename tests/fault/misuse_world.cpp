@@ -271,6 +271,10 @@ TEST_CASE("misuse: a world that was moved from, or destroyed under what drives i
     frame(runner);
     SessionRunner other = std::move(runner);
     stops("a runner that was moved from", [&] { frame(runner); });
+    stops("waits", [&] { runner.wait(1); });
+    stops("is drained", [&] { (void)runner.drain(1); });
+    stops("is asked for events", [&] { (void)runner.events(); });
+    stops("is asked for failures", [&] { (void)runner.sync_failure(); });
     frame(other);
     driven.reset();
     const std::string words = last_words([&] { frame(other); });

@@ -169,14 +169,21 @@ void write_state(const Options& o, const std::string& name, const World& world, 
     write_bytes(file_name(o.write, name, ".delta"), world.save_delta(start));
 }
 
+/// Where a recording goes: a file, as a game would write it, where one is asked for.
+std::unique_ptr<replay::Sink> sink_of(const Options& o, const std::string& name) {
+    if (o.write.empty()) return std::make_unique<replay::MemorySink>();
+    const std::string path = file_name(o.write, name, ".lsr");
+    return std::make_unique<replay::FileSink>(got(replay::FileSink::create(path), path));
+}
+
 void run(const Options& o, const std::string& name) {
     const std::unique_ptr<Game> game = got(make_scene_named(name), name);
     if (o.move != 0) host::move_heap(o.move);
     const std::unique_ptr<Tasks> tasks = host::make_tasks(o.workers, o.shuffle);
     World world = got(game->start(), name);
     Inputs inputs(*game);
-    replay::MemorySink file;
-    auto recorder = got(replay::InputRecorder::begin(file, *game, world), name);
+    const std::unique_ptr<replay::Sink> file = sink_of(o, name);
+    auto recorder = got(replay::InputRecorder::begin(*file, *game, world), name);
     Image start;
     world.save(start);
     if (!o.read.empty()) read_state(o, name, world);
@@ -191,7 +198,7 @@ void run(const Options& o, const std::string& name) {
     }
     if (o.write.empty()) return;
     good(recorder.close(), name);
-    write_bytes(file_name(o.write, name, ".lsr"), file.bytes);
+    good(file->close(), name);
 }
 
 /// Plays a recording that another cell made: every tick has to give the hash that stands in it.
