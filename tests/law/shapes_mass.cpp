@@ -65,10 +65,12 @@ double entry(const Matrix3<I20F44>& m, int row, int column) {
 
 TEST_CASE("spheres and capsules from 5 mm to 100 m match numerical integration") {
     oracle::Random random(31);
-    for (int i = 0; i < 500; ++i) {
+    for (int i = 0, good = 0; good < 500; ++i) {
         const double size = random.log_uniform(0.0125, 60);
         const Geometry g =
             oracle::random_shape(random, i % 2 == 0 ? ShapeKind::sphere : ShapeKind::capsule, size);
+        if (!validate(g).empty()) continue; // a hair below 2.5 mm or above 100 m has no mass
+        ++good;
         const double density = size < 1 ? 1000 : 10;
         const Reference expected = integrate_round(g, density);
         const MassProperties m = mass_properties(g, oracle::quantize<Real>(density));
