@@ -47,3 +47,20 @@ TEST_CASE("four threads that ask a world at once are told what one alone is told
         }
     }
 }
+
+TEST_CASE("planted fault: answers of a world that is a tick further are noticed in every thread") {
+    const Assets assets;
+    World w = crowd(assets, 60);
+    for (int t = 0; t < 5; ++t) w.tick();
+    const World before = w.clone();
+    w.tick();
+    const std::vector<Answers> at_once = ask_at_once(w, assets, 80);
+    for (std::size_t i = 0; i < at_once.size(); ++i) {
+        Answers alone = ask(before, assets, i, 80);
+        alone.put(before.hash());
+        alone.put(before.hash());
+        alone.put(before.save_portable().size());
+        alone.put(before.kinetic_energy());
+        CHECK_FALSE(at_once[i] == alone);
+    }
+}
