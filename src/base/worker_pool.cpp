@@ -2,6 +2,7 @@
 #include "lockstone/tasks.h"
 
 #include "base/assert.h"
+#include "base/bell.h"
 
 #include <atomic>
 #include <system_error>
@@ -87,9 +88,9 @@ class WorkerPool final : public Tasks {
     void announce(std::uint32_t helpers) {
         announced.fetch_add(1, std::memory_order_release);
         if (helpers >= threads.size())
-            announced.notify_all();
+            work_bell.ring_all(announced);
         else
-            for (std::uint32_t i = 0; i < helpers; ++i) announced.notify_one();
+            for (std::uint32_t i = 0; i < helpers; ++i) work_bell.ring_one(announced);
     }
 
     void take_items(std::uint32_t worker) {
@@ -104,7 +105,8 @@ class WorkerPool final : public Tasks {
             ++done;
             --seen;
         }
-        if (done != 0 && pending.fetch_sub(done, std::memory_order_acq_rel) == done) pending.notify_one();
+        if (done != 0 && pending.fetch_sub(done, std::memory_order_acq_rel) == done)
+            done_bell.ring_one(pending);
     }
     void wait_until_done() {
         int looks = 0;
@@ -112,7 +114,7 @@ class WorkerPool final : public Tasks {
             if (++looks < looks_max)
                 relax();
             else
-                pending.wait(left, std::memory_order_acquire);
+                done_bell.wait(pending, left);
         }
     }
 
@@ -123,7 +125,7 @@ class WorkerPool final : public Tasks {
                 if (++looks < looks_max)
                     relax();
                 else
-                    announced.wait(seen, std::memory_order_acquire);
+                    work_bell.wait(announced, seen);
                 continue;
             }
             if (stops.load(std::memory_order_relaxed)) return;
@@ -142,6 +144,7 @@ class WorkerPool final : public Tasks {
     alignas(64) std::atomic<std::uint64_t> ticket = 0;
     alignas(64) std::atomic<std::uint32_t> pending = 0;   ///< items that are not done
     alignas(64) std::atomic<std::uint32_t> announced = 0; ///< goes up with every run
+    base::Bell work_bell, done_bell;                      ///< of `announced` and of `pending`
 };
 
 } // namespace
