@@ -156,6 +156,8 @@ template <FixedPoint To, FixedPoint From> constexpr To to(From x) {
 /// Two 32-bit formats add up in 64 bits, anything wider in 128; clamped there.
 template <FixedPoint A, FixedPoint B> class SumOfProducts {
     static constexpr bool narrow = sizeof(typename A::rep) == 4 && sizeof(typename B::rep) == 4;
+    /// A product of 95 bits: 2^32 of them fit.
+    static constexpr bool mixed = !narrow && (sizeof(typename A::rep) == 4 || sizeof(typename B::rep) == 4);
     using Total = std::conditional_t<narrow, std::int64_t, Wide>;
     Total total{};
 
@@ -165,6 +167,8 @@ template <FixedPoint A, FixedPoint B> class SumOfProducts {
     constexpr SumOfProducts& add(A a, B b) {
         if constexpr (narrow)
             total = add_saturated(total, static_cast<std::int64_t>(a.raw) * b.raw);
+        else if constexpr (mixed)
+            total = total + Wide::product(a.raw, b.raw);
         else
             total = add_saturated(total, Wide::product(a.raw, b.raw));
         return *this;
@@ -172,6 +176,8 @@ template <FixedPoint A, FixedPoint B> class SumOfProducts {
     constexpr SumOfProducts& sub(A a, B b) {
         if constexpr (narrow)
             total = sub_saturated(total, static_cast<std::int64_t>(a.raw) * b.raw);
+        else if constexpr (mixed)
+            total = total - Wide::product(a.raw, b.raw);
         else
             total = sub_saturated(total, Wide::product(a.raw, b.raw));
         return *this;

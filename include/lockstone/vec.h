@@ -133,6 +133,25 @@ constexpr Rotation to_rotation(Quat q) {
     using Sum = SumOfProducts<Unit, Unit>;
     // Entry = 2 * (sum of two products), so one fraction bit fewer is dropped; 1 - 2(..) uses w^2 + x^2 - y^2 - z^2,
     // which stays orthonormal to first order when |q| is off by a rounding.
+    const std::int64_t x = q.x.raw, y = q.y.raw, z = q.z.raw, w = q.w.raw;
+    const std::uint64_t xx = static_cast<std::uint64_t>(x * x), yy = static_cast<std::uint64_t>(y * y),
+                        zz = static_cast<std::uint64_t>(z * z), ww = static_cast<std::uint64_t>(w * w);
+    // Four squares of -2^31 add up to 2^64, that is 0, and are no rotation either.
+    if (xx + yy + zz + ww - 1 < 3 * (std::uint64_t{1} << 59)) [[likely]] {
+        // No entry is above |q|^2 <= 1.5, so nothing below leaves its format.
+        const auto once = [](std::uint64_t sum) {
+            constexpr std::int64_t half = std::int64_t{1} << 29;
+            return Unit::from_raw(static_cast<std::int32_t>((static_cast<std::int64_t>(sum) + half) >> 30));
+        };
+        const auto twice = [](std::int64_t sum) {
+            constexpr std::int64_t half = std::int64_t{1} << 28;
+            return Unit::from_raw(static_cast<std::int32_t>((sum + half) >> 29));
+        };
+        const std::int64_t xy = x * y, xz = x * z, yz = y * z, wx = w * x, wy = w * y, wz = w * z;
+        return {{once(ww + xx - yy - zz), twice(xy + wz), twice(xz - wy)},
+                {twice(xy - wz), once(ww - xx + yy - zz), twice(yz + wx)},
+                {twice(xz + wy), twice(yz - wx), once(ww - xx - yy + zz)}};
+    }
     const auto twice = [](Sum s) { return round_from<Unit>(s.exact(), 59); };
     const auto once = [](Sum s) { return s.round<Unit>(); };
     return {{once(Sum{}.add(q.w, q.w).add(q.x, q.x).sub(q.y, q.y).sub(q.z, q.z)),

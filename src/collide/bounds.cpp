@@ -89,12 +89,15 @@ bool has_extent(ShapeKind kind) {
 } // namespace
 
 Bounds bounds_of(const shapes::Solid& solid, const Transform& pose, Length margin, int shift) {
+    return bounds_of(solid, pose.position, to_rotation(pose.rotation), margin, shift);
+}
+
+Bounds bounds_of(const shapes::Solid& solid, Vec3 position, const Rotation& r, Length margin, int shift) {
     if (solid.geometry.kind == ShapeKind::plane) {
         const Vector3<Bound> low{Bound::min(), Bound::min(), Bound::min()},
             high{Bound::max(), Bound::max(), Bound::max()};
         return {low, high};
     }
-    const Rotation r = to_rotation(pose.rotation);
     const shapes::Extent extent =
         has_extent(solid.geometry.kind) ? shapes::extent_of(solid) : shapes::Extent{};
     const int drop = Real::fraction_bits - Bound::fraction_bits + shift;
@@ -104,9 +107,8 @@ Bounds bounds_of(const shapes::Solid& solid, const Transform& pose, Length margi
         const std::int64_t size = reach.high - reach.low;
         const std::int64_t more = margin.raw + guard + (size >> 28); // 2^32 steps: 256 m
         const auto at = [&](std::int64_t along_24) {
-            return add_saturated(pose.position[i].raw,
-                                 along_24 *
-                                     (std::int64_t{1} << (Real::fraction_bits - Length::fraction_bits)));
+            return add_saturated(position[i].raw, along_24 * (std::int64_t{1} << (Real::fraction_bits -
+                                                                                  Length::fraction_bits)));
         };
         out.lower[i] = Bound::from_raw(saturate_to_int32(at(reach.low - more) >> drop));
         out.upper[i] = // ceil: one above the floor

@@ -20,6 +20,8 @@ inline constexpr int bounds_shift_max = 8;
 /// it). A coordinate beyond the range is clamped: shapes out there then meet on the
 /// border, a superset again. A plane fills all space.
 Bounds bounds_of(const shapes::Solid& solid, const Transform& pose, Length margin, int shift = 0);
+/// The same at `position`, turned by `axes`.
+Bounds bounds_of(const shapes::Solid& solid, Vec3 position, const Rotation& axes, Length margin, int shift);
 
 /// A length in bound steps, rounded up.
 constexpr Bound bound_steps(Length length, int shift) {

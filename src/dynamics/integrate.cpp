@@ -127,10 +127,10 @@ void damp(std::int64_t v[3], Unit keep) {
 }
 
 /// Returns how many of its two velocities were clamped.
-std::uint64_t clamp_speeds(SolverBodies& bodies, std::uint32_t i, const StepConstants& step) {
+inline std::uint64_t clamp_speeds(SolverBodies& bodies, std::uint32_t i, const StepConstants& step) {
     SolverBody& b = bodies.body[i];
     const bool turns_less = clamp_length(b.u, step.tip_speed_max);
-    if (turns_less && bodies.step[i].turn != 0)
+    if (turns_less && bodies.step[i].turn != 0) [[unlikely]]
         for (std::int64_t& part : bodies.turns[bodies.step[i].turn - 1].precession) part = 0;
     return (clamp_length(b.v, step.linear_speed_max) ? 1u : 0u) + (turns_less ? 1u : 0u);
 }
@@ -174,19 +174,18 @@ void integrate_poses(const StepConstants& step, SolverBodies& bodies, Tasks* tas
     // Velocity with 27 fraction bits times time with 30: at most 15 m in a tick, so 2^61.
     constexpr int to_separation = accumulator_bits - Separation::fraction_bits;
     constexpr int drift_to_separation = Real::fraction_bits - Separation::fraction_bits;
+    constexpr std::int64_t half = std::int64_t{1} << (Unit::fraction_bits - 1);
     const std::int64_t h = step.substep_time.raw;
-    const auto advance = [h](std::int32_t& x, std::int64_t v, std::int64_t drift) {
-        const std::int64_t by_velocity = shift_right_rounded((v >> to_separation) * h, Unit::fraction_bits);
-        x = saturate_to_int32(x + by_velocity + shift_right_rounded(drift, drift_to_separation));
-    };
+    const auto way = [h](std::int64_t v) { return ((v >> to_separation) * h + half) >> Unit::fraction_bits; };
     for_each_body(bodies, tasks, [&](std::uint32_t i) -> std::uint64_t {
         SolverBody& b = bodies.body[i];
         const BodyStep& s = bodies.step[i];
         if (!s.moves) return 0;
         const std::uint64_t clamped = clamp_speeds(bodies, i, step);
         for (int axis = 0; axis < 3; ++axis) {
-            advance(b.shift[axis], b.v[axis], s.drift[axis]);
-            advance(b.theta[axis], b.u[axis], 0);
+            const std::int64_t drift = shift_right_rounded(s.drift[axis], drift_to_separation);
+            b.shift[axis] = saturate_to_int32(b.shift[axis] + way(b.v[axis]) + drift);
+            b.theta[axis] = saturate_to_int32(b.theta[axis] + way(b.u[axis]));
         }
         if (s.turn != 0) advance_turn(b, s, bodies.turns[s.turn - 1], step);
         return clamped;

@@ -28,6 +28,8 @@ Symmetric<Real> rotated_diagonal(const Rotation& r, Vec3 d) {
     return {entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(0, 2), entry(1, 2)};
 }
 
+static bool is_round(const BodyStep& s) { return s.radii.x == s.radii.y && s.radii.y == s.radii.z; }
+
 bool clamp_long(std::int64_t v[3], Speed limit) {
     const std::int64_t x = v[0] >> row_bits, y = v[1] >> row_bits, z = v[2] >> row_bits;
     const std::int64_t bound = limit.raw;
@@ -43,11 +45,14 @@ bool clamp_long(std::int64_t v[3], Speed limit) {
     return true;
 }
 
+static std::uint64_t entries_or(const Symmetric<Real>& k) {
+    return magnitude(k.xx.raw) | magnitude(k.yy.raw) | magnitude(k.zz.raw) | magnitude(k.xy.raw) |
+           magnitude(k.xz.raw) | magnitude(k.yz.raw);
+}
+
 static void set_mantissa(BodyStep& s) {
     const Symmetric<Real>& k = s.gyration_inv;
-    const std::uint64_t any = magnitude(k.xx.raw) | magnitude(k.yy.raw) | magnitude(k.zz.raw) |
-                              magnitude(k.xy.raw) | magnitude(k.xz.raw) | magnitude(k.yz.raw);
-    const int drop = bit_length(any) - 30; // bits of the mantissa: 30, and the sign
+    const int drop = s.gyration_inv_bits - 30; // bits of the mantissa: 30, and the sign
     s.inv_exponent = Real::fraction_bits - drop;
     const auto mantissa = [drop](Real x) {
         return saturate_to_int32(drop >= 0 ? shift_right_rounded(x.raw, drop)
@@ -57,15 +62,24 @@ static void set_mantissa(BodyStep& s) {
                       mantissa(k.xy), mantissa(k.xz), mantissa(k.yz)};
 }
 
+/// 1 / radius along each axis, zero where there is none. Most bodies have two or three radii alike.
 static Vec3 reciprocals(Vec3 radii) {
     const auto inverse = [](Real r) { return r > Real{} ? Real(1) / r : Real{}; };
-    return {inverse(radii.x), inverse(radii.y), inverse(radii.z)};
+    const Real x = inverse(radii.x), y = radii.y == radii.x ? x : inverse(radii.y);
+    return {x, y, radii.z == radii.x ? x : radii.z == radii.y ? y : inverse(radii.z)};
 }
 
 void set_gyration(BodyStep& s, Quat principal, Quat rotation) {
-    const Rotation axes = to_rotation(rotation * principal);
-    s.gyration = rotated_diagonal(axes, s.radii);
-    s.gyration_inv = rotated_diagonal(axes, reciprocals(s.radii));
+    s.radii_inv = reciprocals(s.radii);
+    const auto multiple = [](Real d) { return Symmetric<Real>{d, d, d, Real{}, Real{}, Real{}}; };
+    if (is_round(s)) {
+        s.gyration = multiple(s.radii.x), s.gyration_inv = multiple(s.radii_inv.x);
+    } else {
+        const Rotation axes = to_rotation(principal == Quat::identity() ? rotation : rotation * principal);
+        s.gyration = rotated_diagonal(axes, s.radii), s.gyration_inv = rotated_diagonal(axes, s.radii_inv);
+    }
+    s.gyration_bits = bit_length(entries_or(s.gyration)),
+    s.gyration_inv_bits = bit_length(entries_or(s.gyration_inv));
     set_mantissa(s);
 }
 
@@ -75,8 +89,9 @@ static Unit kept(Real damping, const StepConstants& step) {
     return to<Unit>(Real(step.substeps_per_second) / (Real(step.substeps_per_second) + damping));
 }
 
-static Vec3 masked(Vec3 v, std::uint32_t mask) {
-    return {mask & 1u ? v.x : Real{}, mask & 2u ? v.y : Real{}, mask & 4u ? v.z : Real{}};
+template <FixedPoint T> static Vector3<T> masked(Vector3<T> v, std::uint32_t mask) {
+    if (mask == 7u) return v;
+    return {mask & 1u ? v.x : T{}, mask & 2u ? v.y : T{}, mask & 4u ? v.z : T{}};
 }
 
 /// acceleration / substeps_per_second with 47 fraction bits.
@@ -94,7 +109,7 @@ static void per_substep(Vec3 acceleration, const StepConstants& step, std::int64
 static void begin_turning(const BodyMass& mass, const Transform& pose, const Velocity& velocity,
                           const StepConstants& step, SolverBody& b, BodyStep& s, ClampCounts& clamps) {
     set_gyration(s, mass.principal, pose.rotation);
-    const SpeedVec3 u = mul<Speed>(s.gyration, masked(to<Real>(velocity.angular), s.angular_mask));
+    const SpeedVec3 u = by_gyration<Speed>(s, masked(velocity.angular, s.angular_mask));
     for (int i = 0; i < 3; ++i) b.u[i] = std::int64_t{u[i].raw} << row_bits;
     clamps.speed += clamp_length(b.u, step.tip_speed_max) ? 1u : 0u;
 }
@@ -105,8 +120,14 @@ static void begin_torque(const BodyMass& mass, const BodyForce& force, const Ste
     if (torque != Vec3{}) per_substep(mul<Real>(s.gyration_inv, torque / mass.mass), step, s.du);
 }
 
+/// What gravity alone does: the same to most bodies.
+struct Fall {
+    Vec3 gravity;       ///< [m/s^2]
+    std::int64_t dv[3]; ///< per substep, 47 fraction bits
+};
+
 static void begin_body(const BodyInfo& info, const BodyMass& mass, const BodyForce& force,
-                       const Transform& pose, const Velocity& velocity, Vec3 gravity,
+                       const Transform& pose, const Velocity& velocity, const Fall& fall,
                        const StepConstants& step, SolverBody& b, BodyStep& s, ClampCounts& clamps) {
     s.movable = info.kind == BodyKind::dynamic && mass.mass > Real{};
     s.moves = info.kind != BodyKind::static_;
@@ -125,8 +146,13 @@ static void begin_body(const BodyInfo& info, const BodyMass& mass, const BodyFor
     if (!s.movable) return;
     s.linear_keep = kept(info.linear_damping, step);
     s.angular_keep = kept(info.angular_damping, step);
-    s.acceleration = masked(gravity * info.gravity_scale + force.force / mass.mass, linear_mask);
-    per_substep(s.acceleration, step, s.dv);
+    Vec3 acceleration = info.gravity_scale == Real(1) ? fall.gravity : fall.gravity * info.gravity_scale;
+    if (force.force != Vec3{}) acceleration += force.force / mass.mass;
+    s.acceleration = masked(acceleration, linear_mask);
+    if (s.acceleration == fall.gravity)
+        std::copy_n(fall.dv, 3, s.dv);
+    else
+        per_substep(s.acceleration, step, s.dv);
     begin_torque(mass, force, step, s);
 }
 
@@ -145,12 +171,14 @@ void begin_step(const BodyColumns& c, Vec3 gravity, const StepConstants& step, S
     out.step.resize(count + 1);
     out.turns.clear();
     out.clamps = {};
+    Fall fall{gravity, {}};
+    per_substep(gravity, step, fall.dv);
     base::for_chunks(tasks, count, body_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
         ClampCounts clamps;
         for (std::uint32_t i = first; i < last; ++i) {
             out.body[i] = {};
             out.step[i] = {};
-            begin_body(c.info[i], c.mass[i], c.force[i], c.pose[i], c.velocity[i], gravity, step, out.body[i],
+            begin_body(c.info[i], c.mass[i], c.force[i], c.pose[i], c.velocity[i], fall, step, out.body[i],
                        out.step[i], clamps);
         }
         base::add_count(out.clamps.speed, clamps.speed);
@@ -171,11 +199,13 @@ static SpeedVec3 rounded(const std::int64_t v[3]) {
 /// keeps its energy to 0.1 % and its phase for minutes.
 constexpr std::int32_t free_turn_steps = 4;
 
-/// Whether nothing but the body's own spin turned it in this tick, and by more than a hundredth of a radian.
-static bool is_free_turn(Vec3 rotation, Vec3 freely) {
+/// Whether nothing but the body's own spin w turned it in this tick, and by more than a hundredth of a radian.
+static bool is_free_turn(Vec3 rotation, Vec3 w, std::int32_t ticks_per_second) {
     constexpr Real least = decimal<Real>("0.01"), noise = decimal<Real>("0.00001");
-    const Vec3 size = abs(rotation), off = abs(rotation - freely);
-    return size.x + size.y + size.z > least && off.x + off.y + off.z < noise;
+    const Vec3 size = abs(rotation);
+    if (size.x + size.y + size.z <= least) return false;
+    const Vec3 off = abs(rotation - w / Real(ticks_per_second));
+    return off.x + off.y + off.z < noise;
 }
 
 /// The rotation of the tick and the angular velocity after it. Without torque the angular momentum per mass K u is
@@ -184,31 +214,28 @@ static void turn(const BodyInfo& info, const BodyMass& mass, const StepConstants
                  BodyStep& s, Transform& pose, Velocity& velocity) {
     const Vector3<Separation> theta{Separation::from_raw(b.theta[0]), Separation::from_raw(b.theta[1]),
                                     Separation::from_raw(b.theta[2])};
-    const Vec3 rotation = masked(mul<Real>(s.gyration_inv, theta), s.angular_mask);
+    const Vec3 rotation = masked(over_gyration<Real>(s, theta), s.angular_mask);
     const SpeedVec3 u = rounded(b.u);
-    const bool round_body = s.radii.x == s.radii.y && s.radii.y == s.radii.z;
     // Turned by less than this, the change of w is below the step of a Speed.
     constexpr Real least = decimal<Real>("0.0001");
     const Vec3 size = abs(rotation);
     const bool turns = size.x > least || size.y > least || size.z > least;
-    const bool gyroscopic = s.movable && info.gyroscopic != 0 && s.angular_mask == 7u && !round_body;
+    const bool gyroscopic = s.movable && info.gyroscopic != 0 && s.angular_mask == 7u && !is_round(s);
+    const Vec3 w = over_gyration<Real>(s, u);
     if (!gyroscopic || !turns) {
         pose.rotation = integrate_rotation(pose.rotation, rotation);
-        velocity.angular = to<Speed>(masked(mul<Real>(s.gyration_inv, u), s.angular_mask));
+        velocity.angular = to<Speed>(masked(w, s.angular_mask));
         return;
     }
-    const Vec3 momentum = mul<Real>(s.gyration, u); // per mass
-    const Vec3 w = mul<Real>(s.gyration_inv, u);
-    const Vec3 inverse = reciprocals(s.radii);
-    const auto spin_at = [&](Quat q) { // K^-2 momentum
-        const Rotation axes = to_rotation(q * mass.principal);
+    const Vec3 momentum = by_gyration<Real>(s, u); // per mass
+    const auto spin_at = [&](Quat q) {             // K^-2 momentum
+        const Rotation axes = to_rotation(mass.principal == Quat::identity() ? q : q * mass.principal);
         Vec3 inside = mul_transposed<Real>(axes, momentum);
-        for (int i = 0; i < 3; ++i) inside[i] = inside[i] * inverse[i] * inverse[i];
+        for (int i = 0; i < 3; ++i) inside[i] = inside[i] * s.radii_inv[i] * s.radii_inv[i];
         return mul<Real>(axes, inside);
     };
-    const Vec3 freely = w / Real(step.ticks_per_second);
     const auto halved = [](Vec3 v) { return Vec3{half(v.x), half(v.y), half(v.z)}; };
-    if (is_free_turn(rotation, freely)) {
+    if (is_free_turn(rotation, w, step.ticks_per_second)) {
         for (std::int32_t i = 0; i < free_turn_steps; ++i) {
             const Real time = Real(step.ticks_per_second * free_turn_steps);
             const Vec3 now = spin_at(pose.rotation) / time;

@@ -12,6 +12,7 @@
 #include "dynamics/rows.h"
 #include "dynamics/step.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -37,8 +38,10 @@ template <class T> struct Symmetric { T xx, yy, zz, xy, xz, yz; };
 struct BodyStep {
     Vec3
         radii; ///< of gyration in this tick [m]: the body's own, or more where joints pull hard; joint_stiffness.h
-    Vec3 pull;                              ///< what joints ask for, while that is found [m^2]
-    Symmetric<Real> gyration, gyration_inv; ///< K [m] and K^-1 [1/m], world axes
+    Vec3 pull;                                     ///< what joints ask for, while that is found [m^2]
+    Vec3 radii_inv;                                ///< [1/m]; zero where the radius is
+    Symmetric<Real> gyration, gyration_inv;        ///< K [m] and K^-1 [1/m], world axes
+    std::int32_t gyration_bits, gyration_inv_bits; ///< of their entries: |raw| < 2^bits
     Symmetric<std::int32_t>
         inv_mantissa; ///< K^-1 = mantissa / 2^inv_exponent, the largest entry in [2^29, 2^30)
     std::int32_t inv_exponent;
@@ -102,11 +105,35 @@ struct SolverBodies {
 };
 
 /// m v rounded once per component.
-template <FixedPoint To, FixedPoint B> Vector3<To> mul(const Symmetric<Real>& m, Vector3<B> v) {
+template <FixedPoint To, FixedPoint B> constexpr Vector3<To> mul(const Symmetric<Real>& m, Vector3<B> v) {
     using Sum = SumOfProducts<Real, B>;
     return {Sum{}.add(m.xx, v.x).add(m.xy, v.y).add(m.xz, v.z).template round<To>(),
             Sum{}.add(m.xy, v.x).add(m.yy, v.y).add(m.yz, v.z).template round<To>(),
             Sum{}.add(m.xz, v.x).add(m.yz, v.y).add(m.zz, v.z).template round<To>()};
+}
+
+/// The same, quick where m and v are small: every |entry| of m is below 2^bits.
+template <FixedPoint To, FixedPoint B>
+Vector3<To> mul(const Symmetric<Real>& m, std::int32_t bits, Vector3<B> v) {
+    constexpr int drop = Real::fraction_bits + B::fraction_bits - To::fraction_bits;
+    static_assert(drop > 0);
+    const std::int64_t x = v.x.raw, y = v.y.raw, z = v.z.raw;
+    const std::uint64_t any = static_cast<std::uint64_t>((x ^ (x >> 63)) | (y ^ (y >> 63)) | (z ^ (z >> 63)));
+    // Three products below 2^61, and half of a step of the result.
+    if (bits > 61 || (any >> (61 - bits)) != 0) return mul<To>(m, v);
+    const auto round = [](std::int64_t sum) {
+        return round_from<To>((sum + (std::int64_t{1} << (drop - 1))) >> drop, To::fraction_bits);
+    };
+    return {round(m.xx.raw * x + m.xy.raw * y + m.xz.raw * z),
+            round(m.xy.raw * x + m.yy.raw * y + m.yz.raw * z),
+            round(m.xz.raw * x + m.yz.raw * y + m.zz.raw * z)};
+}
+/// K v and K^-1 v.
+template <FixedPoint To, FixedPoint B> Vector3<To> by_gyration(const BodyStep& s, Vector3<B> v) {
+    return mul<To>(s.gyration, s.gyration_bits, v);
+}
+template <FixedPoint To, FixedPoint B> Vector3<To> over_gyration(const BodyStep& s, Vector3<B> v) {
+    return mul<To>(s.gyration_inv, s.gyration_inv_bits, v);
 }
 
 /// R diag(d) R^T. Equal entries give a multiple of the unit matrix without rounding.
@@ -114,14 +141,11 @@ Symmetric<Real> rotated_diagonal(const Rotation& r, Vec3 d);
 
 /// Shortens v (47 fraction bits) to `limit` when it is longer. True when it was.
 bool clamp_long(std::int64_t v[3], Speed limit);
-/// The same, quick for what is far within.
+/// The same, quick for what is far within: |x| < 2^k along each axis, with 3 * 2^2k not above the limit's square.
 inline bool clamp_length(std::int64_t v[3], Speed limit) {
-    // Within 9/16 of the limit along each axis it is within the limit: 3 (9/16)^2 < 1.
-    const std::int64_t most = (std::int64_t{limit.raw} << row_bits) / 16 * 9;
-    const auto within = [most](std::int64_t c) {
-        return static_cast<std::uint64_t>(c) + static_cast<std::uint64_t>(most) <= static_cast<std::uint64_t>(2 * most);
-    };
-    return !(within(v[0]) && within(v[1]) && within(v[2])) && clamp_long(v, limit);
+    const int k = std::max(bit_length(static_cast<std::uint32_t>(limit.raw)) - 2, 0) + row_bits;
+    const std::int64_t any = (v[0] ^ (v[0] >> 63)) | (v[1] ^ (v[1] >> 63)) | (v[2] ^ (v[2] >> 63));
+    return (any >> k) != 0 && clamp_long(v, limit);
 }
 
 /// Bodies per piece of work that workers take.

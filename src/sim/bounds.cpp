@@ -45,7 +45,8 @@ void place(const Data& w, const ShapeRow& shape, std::uint32_t body_row, Scratch
                     : margin_of(at.inner, w.state.rows(w.m.body_info)[body_row],
                                 w.state.rows(w.m.body_velocity)[body_row], config.tick_rate);
     if (shape.geometry.kind != ShapeKind::plane)
-        at.bounds = collide::bounds_of(at.solid, at.pose, at.margin, static_cast<int>(config.bounds_shift));
+        at.bounds = collide::bounds_of(at.solid, at.pose.position, at.axes, at.margin,
+                                       static_cast<int>(config.bounds_shift));
 }
 
 /// Tells the broad phase. Shapes of what rests lie in its still tree; no two of them meet.
