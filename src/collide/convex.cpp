@@ -132,11 +132,16 @@ static SupportPoint support_of_hull(const Convex& shape, Long3 origin_30, Long3 
     // |local| <= 2^32 and |v| < 2^8 m = 2^32 steps; components of v are below 2^31.
     const auto along = [&](std::uint32_t k) { return dot(local, raw(hull.vertices[k])); };
     if (hull.vertices.size() <= hull_scan_max) {
-        std::uint32_t best = 0;
-        std::int64_t most = along(0);
-        for (std::uint32_t k = 1; k < hull.vertices.size(); ++k)
-            if (const std::int64_t x = along(k); x > most) best = k, most = x;
-        corner = best;
+        // By masks: which corner is further is as good as chance, and a branch would be guessed wrong.
+        std::uint64_t best = 0, most = static_cast<std::uint64_t>(along(0));
+        const std::uint64_t count = hull.vertices.size();
+        for (std::uint64_t k = 1; k < count; ++k) {
+            const std::int64_t x = along(static_cast<std::uint32_t>(k));
+            const std::uint64_t more = x > static_cast<std::int64_t>(most) ? ~std::uint64_t{0} : 0;
+            most ^= (most ^ static_cast<std::uint64_t>(x)) & more;
+            best ^= (best ^ k) & more;
+        }
+        corner = static_cast<std::uint32_t>(best);
     } else {
         std::int64_t most = along(corner);
         for (bool climbs = true; climbs;) {

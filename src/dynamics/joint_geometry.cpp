@@ -224,8 +224,21 @@ LimitTargets limit_targets(std::int64_t room, std::int32_t ahead, std::int32_t p
     return {speed_within(open + ahead), speed_within(open)};
 }
 
+/// Whether nothing but limits of an angle acts along an axis, which have no impulse and are out of reach by so much that they
+/// stay so until the rows are made again: bodies turn by sqrt(3) / 1024 rad until then, angles by up to eight times both.
+bool is_out_of_reach(const JointAxisPart& part, bool made, Real position, const StepConstants& step) {
+    if ((part.features & (has_spring | has_motor)) != 0 || part.sum != Real{}) return false;
+    if (made ? (part.lower | part.upper) != 0 : part.warm.lower != Real{} || part.warm.upper != Real{})
+        return false;
+    constexpr Real slack = Real(1) / Real(16);
+    const Real least = limit_speed_far / Real(step.substeps_per_second) + slack;
+    return ((part.features & has_lower) == 0 || position - part.lower_at > least) &&
+           ((part.features & has_upper) == 0 || part.upper_at - position > least);
+}
+
 /// Biases from where the bodies are.
 void set_axis_targets(JointAxisPart& part, const StepConstants& step, Bodies bodies) {
+    if (part.unmade) return;
     const std::int64_t moved = moved_of(part, part.row, bodies);
     if (part.features & has_spring)
         part.spring_bias = speed_within(bias_of(part.stretch + moved, part.rate, joint_speed_max));
@@ -297,8 +310,13 @@ void make_block(JointBlock& block, const JointWork& work, const JointPlace& plac
 
 void make_axis(JointAxisPart& part, const JointWork& work, const JointPlace& place, Bodies bodies,
                const StepConstants& step) {
-    const RowValue value = row_value(part.kind, place);
     part.turns = only_turns(part.kind);
+    part.unmade = part.kind == RowKind::twist && is_out_of_reach(part, work.made, place.twist, step);
+    if (part.unmade) {
+        part.idle = true;
+        return;
+    }
+    const RowValue value = row_value(part.kind, place);
     const int before = part.exponent;
     if (part.turns) {
         part.exponent = set_turning_rows(&part.row, &value.row, 1);

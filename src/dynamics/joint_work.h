@@ -102,6 +102,7 @@ struct JointAxisPart {
     std::int32_t far;             ///< Speed at which limits are out of reach in a substep
     bool turns;                   ///< its row only turns
     bool idle;                    ///< nothing but limits out of reach: passes leave it out
+    bool unmade; ///< and so far off that they stay so until rows are made again: there is no row
     Vec3 direction;
     bool is_force;
 };

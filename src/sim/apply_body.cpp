@@ -225,7 +225,8 @@ Result<World::Applied> Applier::operator()(const SetMass& c) {
     const BodyMass& now = w.state.rows(w.m.body_mass)[row];
     const BodyMass fresh{c.mass.or_else(now.mass), c.center.or_else(now.center),
                          c.gyration.or_else(now.gyration), c.principal.or_else(now.principal)};
-    if (std::string e = check_range("mass", fresh.mass, mass_min, mass_max, " kg, or 0 for that of the shapes");
+    if (std::string e =
+            check_range("mass", fresh.mass, mass_min, mass_max, " kg, or 0 for that of the shapes");
         !e.empty())
         return Error{"set_mass: " + e};
     if (!within(fresh.center, Real(64))) return Error{"set_mass: center must be within 64 m on each axis"};

@@ -11,8 +11,9 @@ namespace {
 
 using NearChunk = Scratch::NearChunk;
 
-std::uint32_t chunk_count(const Scratch& s) {
-    return (static_cast<std::uint32_t>(s.near.size()) + pairs_per_chunk - 1) / pairs_per_chunk;
+std::uint32_t chunk_count(const Data& w) {
+    const std::uint32_t chunk = pairs_per_chunk(w);
+    return (static_cast<std::uint32_t>(w.scratch.near.size()) + chunk - 1) / chunk;
 }
 
 /// Takes those pairs out of a chunk whose rows do not fit into `room`: they end to touch. Returns how many rows that were.
@@ -53,14 +54,17 @@ std::uint32_t place_chunks(Data& w, std::span<NearChunk> chunks) {
             dropped += too_many, in_chunk -= too_many;
         }
         chunk.first_row = rows, chunk.first_contact = contacts;
-        for (Scratch::Seen seen : chunk.seen) {
-            seen.first_row += rows;
-            s.seen.push_back(seen);
-        }
         rows += in_chunk;
         contacts += static_cast<std::uint32_t>(chunk.contacts.size());
+        if (chunks.size() == 1) {
+            std::swap(s.seen, chunk.seen);
+            break;
+        }
+        for (Scratch::Seen seen : chunk.seen) {
+            seen.first_row += chunk.first_row;
+            s.seen.push_back(seen);
+        }
     }
-    s.contacts.resize(contacts);
     s.contacts_dropped = dropped;
     if (dropped != 0) w.state.edit_row(w.m.faults, 0).contacts_dropped += dropped;
     return rows;
@@ -107,14 +111,14 @@ void write_rows(Data& w, std::span<const NearChunk> chunks, std::uint32_t rows) 
     if (rows > w.state.count(w.m.contacts)) w.state.resize(w.m.contacts, rows);
     const std::span<ContactMemory> memories = w.state.edit(w.m.contact_memory);
     move_rows(memories, s.row_moves);
-    for (const NearChunk& chunk : chunks) {
-        std::size_t made = 0;
-        for (const Scratch::Seen& seen : chunk.seen) {
-            if (seen.is_kept) continue;
-            std::copy_n(chunk.memories.begin() + static_cast<std::ptrdiff_t>(made), seen.row_count,
-                        memories.begin() + chunk.first_row + seen.first_row);
-            made += seen.row_count;
-        }
+    auto chunk = chunks.begin();
+    std::size_t made = 0; // rows of the chunk that are written
+    for (const Scratch::Seen& seen : s.seen) {
+        if (seen.is_kept || seen.row_count == 0) continue;
+        while (made == chunk->memories.size()) ++chunk, made = 0;
+        std::copy_n(chunk->memories.begin() + static_cast<std::ptrdiff_t>(made), seen.row_count,
+                    memories.begin() + seen.first_row);
+        made += seen.row_count;
     }
     if (same_keys) return;
     const std::span<ContactKey> keys = w.state.edit(w.m.contact_key);
@@ -127,9 +131,14 @@ void write_rows(Data& w, std::span<const NearChunk> chunks, std::uint32_t rows) 
 
 void place_contacts(Data& w) {
     Scratch& s = w.scratch;
-    const std::span<NearChunk> chunks = std::span(s.near_chunks).first(chunk_count(s));
+    const std::span<NearChunk> chunks = std::span(s.near_chunks).first(chunk_count(w));
     const std::uint32_t rows = place_chunks(w, chunks);
     write_rows(w, chunks, rows);
+    if (chunks.size() == 1) {
+        std::swap(s.contacts, chunks[0].contacts);
+        return;
+    }
+    s.contacts.resize(chunks.empty() ? 0 : chunks.back().first_contact + chunks.back().contacts.size());
     base::for_chunks(w.tasks, static_cast<std::uint32_t>(chunks.size()), 8,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
                          for (std::uint32_t i = first; i < last; ++i) {

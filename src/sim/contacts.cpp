@@ -84,8 +84,7 @@ Couple couple_of(const View& v, const Scratch::Near& near) {
     c.placing.rotation = turn_between(c.at_a->pose.rotation, c.at_b->pose.rotation);
     c.placing.reach = c.at_b->reach;
     c.placing.thinnest = c.at_b->inner;
-    if (c.a->geometry.kind < ShapeKind::compound)
-        c.placing.thinnest = min(c.placing.thinnest, c.at_a->inner);
+    if (c.a->geometry.kind < ShapeKind::compound) c.placing.thinnest = min(c.placing.thinnest, c.at_a->inner);
     c.margin = near.margin;
     c.sensor = (c.a->sensor | c.b->sensor) != 0;
     return c;
@@ -106,8 +105,7 @@ ContactMemory memory_of(const Couple& c, const collide::Manifold& manifold, std:
     // Only shapes of many pieces say which of them it is.
     if (c.a->geometry.kind >= ShapeKind::compound && c.a->geometry.kind <= ShapeKind::mesh)
         memory.piece_a = manifold.piece_a;
-    if (c.b->geometry.kind == ShapeKind::compound)
-        memory.piece_b = manifold.piece_b;
+    if (c.b->geometry.kind == ShapeKind::compound) memory.piece_b = manifold.piece_b;
     memory.normal = manifold.normal;
     for (std::uint32_t k = 0; k < manifold.count; ++k) {
         const collide::ManifoldPoint& p = manifold.points[k];
@@ -182,23 +180,24 @@ bool has_corners(const ShapeRow& shape) {
 class PairFrame {
   public:
     PairFrame(const View& v, const Couple& couple)
-        : c(couple), rows(transpose(c.at_a->axes)), column_x(raw(c.at_a->axes.x)),
-          column_y(raw(c.at_a->axes.y)), column_z(raw(c.at_a->axes.z)),
-          base_b(raw(to<Length>(c.at_b->pose.position - v.poses[c.body_b].position))),
-          to_a(raw(to<Length>(c.at_b->pose.position - v.poses[c.body_a].position)) - base_b) {
+        : c(couple), column_x(raw(c.at_a->axes.x)), column_y(raw(c.at_a->axes.y)),
+          column_z(raw(c.at_a->axes.z)), base_b(way(v.poses[c.body_b].position, c.at_b->pose.position)),
+          to_a(way(v.poses[c.body_a].position, c.at_b->pose.position) - base_b) {
         const bool on_ground = c.a->geometry.kind > ShapeKind::compound;
         if (has_corners(*c.b) && (on_ground || has_corners(*c.a))) advance(v, on_ground);
     }
 
     UnitVec3 normal(const ContactMemory& memory) const {
+        const Rotation& axes = c.at_a->axes;
         const Long3 n = raw(memory.normal);
-        const auto part = [&](UnitVec3 row) {
-            return Unit::from_raw(saturate_to_int32(shift_right_rounded(collide::dot(raw(row), n), 30)));
+        const auto part = [&](int i) { // of unit vectors: below 2^61
+            const std::int64_t sum = axes.x[i].raw * n[0] + axes.y[i].raw * n[1] + axes.z[i].raw * n[2];
+            return Unit::from_raw(saturate_to_int32(shift_right_rounded(sum, Unit::fraction_bits)));
         };
-        return {part(rows.x), part(rows.y), part(rows.z)};
+        return {part(0), part(1), part(2)};
     }
     Vec3 world(const dynamics::ContactPointMemory& p) const {
-        return c.at_b->pose.position + to<Real>(mul_transposed<Length>(rows, p.position));
+        return c.at_b->pose.position + to<Real>(lockstone::mul<Length>(c.at_a->axes, p.position));
     }
     dynamics::ContactPoint point(const dynamics::ContactPointMemory& p, Separation separation) const {
         // Columns are shorter than 1 + 1/4, so the products stay below 2^62.
@@ -224,6 +223,11 @@ class PairFrame {
         return {(a[1] * b[2] - a[2] * b[1]) >> 30, (a[2] * b[0] - a[0] * b[2]) >> 30,
                 (a[0] * b[1] - a[1] * b[0]) >> 30};
     }
+    /// From one place to another [m], 24 fraction bits. Most shapes stand in the middle of their body.
+    static Long3 way(const Vec3& from, const Vec3& to) {
+        if (from == to) return {};
+        return raw(lockstone::to<Length>(to - from));
+    }
     static std::int64_t widest(Long3 x) {
         return std::max(collide::absolute(x[0]), std::max(collide::absolute(x[1]), collide::absolute(x[2])));
     }
@@ -231,27 +235,26 @@ class PairFrame {
     void advance(const View& v, bool on_ground) {
         const Velocity &a = v.velocities[c.body_a], &b = v.velocities[c.body_b];
         const std::int64_t h_30 = v.half_tick.raw;
-        Long3 turn, turn_a, way;
+        Long3 turn, turn_a, gone; // b against a
         for (int i = 0; i < 3; ++i) {
             turn[i] = (b.angular[i].raw * h_30) >> Speed::fraction_bits;
             turn_a[i] = on_ground ? 0 : (a.angular[i].raw * h_30) >> Speed::fraction_bits;
-            way[i] = ((std::int64_t{b.linear[i].raw} - a.linear[i].raw) * h_30) >> 25; // 24 fraction bits
+            gone[i] = ((std::int64_t{b.linear[i].raw} - a.linear[i].raw) * h_30) >> 25; // 24 fraction bits
         }
         if (widest(turn) > turn_max_30 || widest(turn_a) > turn_max_30) return;
         Long3 by{};
         if (!on_ground) {
             const Long3 of_a = cross_30(turn_a, to_a);
             const std::int64_t most = std::min(c.at_a->reach, c.at_b->reach).raw >> 3;
-            if (widest(of_a) > most || widest(way) > most) return;
+            if (widest(of_a) > most || widest(gone) > most) return;
             turn = collide::shifted(turn + turn_a, 1);
-            by = collide::shifted(of_a - way, 1);
+            by = collide::shifted(of_a - gone, 1);
         }
         base_b = base_b + by + cross_30(turn, base_b);
-        to_a = to_a + way;
+        to_a = to_a + gone;
         for (Long3* column : {&column_x, &column_y, &column_z}) *column = *column + cross_30(turn, *column);
     }
 
-    Rotation rows;                                    ///< A's axes, transposed
     Long3 column_x, column_y, column_z, base_b, to_a; ///< 30 and 24 fraction bits
 };
 
@@ -370,18 +373,18 @@ bool has_contact_points(Data& w, const Scratch::Near& near) {
 void collide(Data& w) {
     Scratch& s = w.scratch;
     const std::uint32_t pairs = static_cast<std::uint32_t>(s.near.size());
-    const std::uint32_t chunk_count = (pairs + pairs_per_chunk - 1) / pairs_per_chunk;
+    const std::uint32_t chunk_size = pairs_per_chunk(w), chunk_count = (pairs + chunk_size - 1) / chunk_size;
     while (s.near_chunks.size() < chunk_count) {
         NearChunk& chunk = s.near_chunks.emplace_back();
-        chunk.memories.reserve(pairs_per_chunk / 2);
-        chunk.contacts.reserve(pairs_per_chunk), chunk.seen.reserve(pairs_per_chunk);
+        chunk.memories.reserve(chunk_size / 2);
+        chunk.contacts.reserve(chunk_size), chunk.seen.reserve(chunk_size);
     }
     if (s.narrow_workers.size() < base::worker_count(w.tasks))
         s.narrow_workers.resize(base::worker_count(w.tasks));
     const View view(w);
-    base::for_chunks(w.tasks, pairs, pairs_per_chunk,
+    base::for_chunks(w.tasks, pairs, chunk_size,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t worker) {
-                         NearChunk& chunk = s.near_chunks[first / pairs_per_chunk];
+                         NearChunk& chunk = s.near_chunks[first / chunk_size];
                          chunk.memories.clear(), chunk.seen.clear(), chunk.contacts.clear();
                          std::uint32_t next_row = 0;
                          for (std::uint32_t i = first; i < last; ++i)

@@ -40,8 +40,8 @@ void poison_workers(std::byte with, std::vector<Scratch::NarrowWorker>& narrow, 
 void poison_shapes(std::byte with, std::vector<Scratch::Shape>& shapes) {
     for (Scratch::Shape& shape : shapes)
         if (!shape.rests)
-            poison(with, shape.pose, shape.axes, shape.margin, shape.bounds, shape.resting_local, shape.resting_at,
-                   shape.resting_center);
+            poison(with, shape.pose, shape.axes, shape.margin, shape.bounds, shape.resting_local,
+                   shape.resting_at, shape.resting_center);
 }
 
 void poison_parts(std::byte with, SleepScratch& sleep, CharacterScratch& characters, QueryScratch& query,

@@ -3,6 +3,8 @@
 
 #include "sim/data.h"
 
+#include <algorithm>
+
 namespace lockstone::sim {
 
 /// Where a body was when the tick began.
@@ -10,7 +12,10 @@ inline const Transform& pose_before(const Data& w, std::uint32_t row) {
     return row < w.scratch.pose_before.size() ? w.scratch.pose_before[row] : w.state.rows(w.m.body_pose)[row];
 }
 
-inline constexpr std::uint32_t pairs_per_chunk = 16; ///< of Scratch::near_chunks
+/// Pairs in one of Scratch::near_chunks: all of them where one worker does the work, so nothing has to be put together.
+inline std::uint32_t pairs_per_chunk(const Data& w) {
+    return w.tasks != nullptr ? 16 : std::max(static_cast<std::uint32_t>(w.scratch.near.size()), 1u);
+}
 inline constexpr Length margin_base =
     decimal<Length>("0.005"); ///< [m]: contacts are made this far ahead of touching
 

@@ -246,8 +246,8 @@ bool make_shape_cast(Data& w, const Geometry& geometry, const Transform& pose, V
 }
 
 /// Nearest points of a living shape and a solid without triangles at a pose.
-bool nearest_of(const Asking& asking, const ShapeRow& shape, const shapes::Solid& solid, const Transform& pose,
-                Real limit, QueryHit& hit, Vec3& on_other) {
+bool nearest_of(const Asking& asking, const ShapeRow& shape, const shapes::Solid& solid,
+                const Transform& pose, Real limit, QueryHit& hit, Vec3& on_other) {
     const Scratch::Shape& at = asking.w.scratch.shape[shape.id.index - 1];
     const bool is_plane = shape.geometry.kind == ShapeKind::plane;
     const Transform frame = is_plane ? plane_below(at.pose, pose.position) : at.pose;
@@ -258,7 +258,8 @@ bool nearest_of(const Asking& asking, const ShapeRow& shape, const shapes::Solid
         abs(relative.position.z) >= collide::relative_position_max)
         return false;
     collide::Nearest nearest{};
-    if (!collide::nearest_points(at.solid, solid, relative, to<Coordinate>(limit), asking.work->narrow, nearest))
+    if (!collide::nearest_points(at.solid, solid, relative, to<Coordinate>(limit), asking.work->narrow,
+                                 nearest))
         return false;
     collide::CastHit local{};
     local.point = nearest.on_a;
@@ -288,8 +289,8 @@ void for_each_near(const Asking& asking, const shapes::Solid& solid, const Trans
 }
 
 /// In boxes that grow until one holds a shape that is nearer than its width.
-std::optional<QueryHit> nearest_shape(const Asking& asking, const shapes::Solid& solid, const Transform& pose, Real limit,
-                                      const QueryFilter& filter) {
+std::optional<QueryHit> nearest_shape(const Asking& asking, const shapes::Solid& solid, const Transform& pose,
+                                      Real limit, const QueryFilter& filter) {
     std::optional<QueryHit> best;
     for (Real width = min(limit, Real(1));; width = min(limit, width * 8)) {
         for_each_near(asking, solid, pose, width, filter, [&](const ShapeRow& shape) {

@@ -4,10 +4,9 @@
 
 namespace lockstone::sim {
 
-Touch touch_of(const ShapeRow& shape, const shapes::Solid& solid, std::uint32_t piece) {
-    if (solid.mesh != nullptr || solid.height_field != nullptr)
-        if (const MaterialSurface* s = shapes::piece_of(solid, piece).surface; s != nullptr)
-            return {s->friction, s->restitution, s->rolling_resistance, s->surface_velocity};
+Touch touch_of_piece(const ShapeRow& shape, const shapes::Solid& solid, std::uint32_t piece) {
+    if (const MaterialSurface* s = shapes::piece_of(solid, piece).surface; s != nullptr)
+        return {s->friction, s->restitution, s->rolling_resistance, s->surface_velocity};
     return {shape.friction, shape.restitution, shape.rolling_resistance, shape.surface_velocity};
 }
 
