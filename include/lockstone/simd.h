@@ -7,10 +7,10 @@
 
 namespace lockstone {
 
-enum class Simd : unsigned char { scalar, sse41, avx2 };
-inline constexpr Simd every_simd[] = {Simd::scalar, Simd::sse41, Simd::avx2};
+enum class Simd : unsigned char { scalar, sse41, avx2, avx512 };
+inline constexpr Simd every_simd[] = {Simd::scalar, Simd::sse41, Simd::avx2, Simd::avx512};
 
-/// "scalar", "sse41", "avx2"; "unknown" for any other.
+/// "scalar", "sse41", "avx2", "avx512"; "unknown" for any other.
 std::string_view name_of(Simd level);
 /// Whether this build and this machine have it.
 bool has_simd(Simd level);

@@ -19,12 +19,22 @@ constexpr std::uint64_t magnitude(std::int64_t v) {
     return v < 0 ? 0 - static_cast<std::uint64_t>(v) : static_cast<std::uint64_t>(v);
 }
 
+namespace detail {
+/// Out of line, so that the way of nearly every number is one comparison and no selection.
+#if defined(__GNUC__)
+[[gnu::noinline, gnu::cold]]
+#endif
+constexpr std::int32_t end_of_int32(std::int64_t v) {
+    return v < 0 ? std::numeric_limits<std::int32_t>::min() : std::numeric_limits<std::int32_t>::max();
+}
+} // namespace detail
+
 /// v clamped to [-2^31, 2^31 - 1].
 constexpr std::int32_t saturate_to_int32(std::int64_t v) {
     const std::int32_t low = static_cast<std::int32_t>(v);
     if (low == v) [[likely]]
         return low;
-    return v < 0 ? std::numeric_limits<std::int32_t>::min() : std::numeric_limits<std::int32_t>::max();
+    return detail::end_of_int32(v);
 }
 
 /// a + b clamped to the range of int64.

@@ -23,6 +23,11 @@ Vec3 over_gyration(const BodyStep& body, const std::int32_t v[3], int fraction_b
             round_from<Real>(x.m[2], x.fraction_bits)};
 }
 
+/// std::equal would call memcmp.
+bool are_same(const std::int32_t (&a)[3], const std::int32_t (&b)[3]) {
+    return ((a[0] ^ b[0]) | (a[1] ^ b[1]) | (a[2] ^ b[2])) == 0;
+}
+
 std::int32_t speed_of(std::int64_t v) { return saturate_to_int32(shift_right_rounded(v, row_bits)); }
 
 Real from_separation(std::int32_t x) {
@@ -419,8 +424,7 @@ void invert_blocks(JointTick& tick, const JointWork& work) {
 void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodies) {
     const SolverBody& body = bodies.body[now.body];
     const BodyStep& step = bodies.step[now.body];
-    const bool still = std::equal(body.shift, body.shift + 3, now.shift) &&
-                       std::equal(body.theta, body.theta + 3, now.theta);
+    const bool still = are_same(body.shift, now.shift) && are_same(body.theta, now.theta);
     now.stirred = !still;
     now.moved = Vec3{};
     for (int i = 0; i < 3; ++i) now.turned[i] = 0;
@@ -456,8 +460,7 @@ static bool has_turned(const JointBody& now, const std::int64_t (&change)[3], in
 void look_at_body(JointBody& now, const SolverBodies& bodies) {
     const SolverBody& body = bodies.body[now.body];
     const BodyStep& step = bodies.step[now.body];
-    now.stirred = !std::equal(body.shift, body.shift + 3, now.shift) ||
-                  !std::equal(body.theta, body.theta + 3, now.theta);
+    now.stirred = !are_same(body.shift, now.shift) || !are_same(body.theta, now.theta);
     now.wanted = now.strays = now.strays_far = false;
     if (!now.stirred) return;
     const auto strays = [&](std::int32_t(&made)[3], int bits) {

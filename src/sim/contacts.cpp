@@ -23,13 +23,14 @@ struct View {
     std::span<const Velocity> velocities;
     std::span<const ContactMemory> old; ///< the contact table of the last tick
     std::uint32_t awake;
-    Unit half_tick; ///< [s]
+    bool has_movers; ///< some contacts may be left to characters
+    Unit half_tick;  ///< [s]
 
     explicit View(const Data& data)
         : w(data), shapes(w.state.rows(w.m.shape)), shape_slots(w.state.rows(w.m.shape_slot)),
           body_slots(w.state.rows(w.m.body_slot)), poses(w.state.rows(w.m.body_pose)),
           velocities(w.state.rows(w.m.body_velocity)), old(w.state.rows(w.m.contact_memory)),
-          awake(w.header().bodies_awake),
+          awake(w.header().bodies_awake), has_movers(!w.scratch.characters.order_of_body.empty()),
           half_tick(Unit::from_raw(unit_one.raw /
                                    (2 * static_cast<std::int32_t>(w.state.rows(w.m.config)[0].tick_rate)))) {}
     const ShapeRow& shape(ShapeId living) const { return shapes[shape_slots[living.index - 1].row]; }
@@ -130,9 +131,10 @@ bool passes(const Couple& c, std::span<const ContactMemory> old, UnitVec3 normal
 }
 
 Real mixed(Mix rule_a, Mix rule_b, Real a, Real b, Scratch::NarrowWorker::Mean& mean) {
-    switch (std::max(rule_a, rule_b)) {
+    const Mix rule = std::max(rule_a, rule_b);
+    if (a == b && rule != Mix::multiply) return a;
+    switch (rule) {
     case Mix::geometric_mean:
-        if (a == b) return a;
         if (mean.a != a || mean.b != b) mean = {a, b, sqrt(a * b)};
         return mean.value;
     case Mix::average:
@@ -327,7 +329,8 @@ void use_rows(const View& v, const Couple& c, std::span<const ContactMemory> row
             seen.deepest_row = i;
             if (!seen.was_touching) see(v, frame, normal, rows[i].points[k], seen);
         }
-        if (!c.sensor && !passing && !is_movers_contact(v.w, c.a->body, c.b->body, normal))
+        if (!c.sensor && !passing &&
+            !(v.has_movers && is_movers_contact(v.w, c.a->body, c.b->body, normal)))
             add_contact(v, frame, seen.first_row + i, rows[i], normal, separations, worker, chunk.contacts);
     }
     seen.overlaps = deepest <= (c.sensor ? Separation{} : touching_gap) && !passing;

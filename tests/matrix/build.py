@@ -17,7 +17,7 @@ PRELUDE = ("lockstone/world.h", "sim/data.h", "algorithm", "array", "functional"
 
 
 # Kernels of an instruction set, as in CMakeLists.txt: the machine chooses among them when the program runs.
-KERNELS = {"kernel_sse41.cpp": ["-msse4.1"], "kernel_avx2.cpp": ["-mavx2"]}
+KERNELS = {"kernel_sse41.cpp": ["-msse4.1"], "kernel_avx2.cpp": ["-mavx2"], "kernel_avx512.cpp": ["-mavx512f", "-mavx512dq", "-mavx512vl"]}
 UNALIGNED = ["-Wa,-muse-unaligned-vector-move"]  # as CMakeLists.txt has it
 X86 = ("", "i386", "windows")  # targets; "": this machine
 

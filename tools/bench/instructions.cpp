@@ -77,7 +77,8 @@ Result<double> count(const BenchScene& scene, const Contestant& who, const fs::p
         " --callgrind-out-file=" +
         quoted(counts) + " " + quoted(fs::read_symlink("/proc/self/exe")) + " bench " + scene.name +
         " --counted " + quoted(state) +
-        (who.substeps != 0 ? " --substeps " + std::to_string(who.substeps) : std::string());
+        (who.substeps != 0 ? " --substeps " + std::to_string(who.substeps) : std::string()) +
+        (who.simd.empty() ? std::string() : " --simd " + who.simd);
     const int status = std::system(command.c_str());
     if (status != 0)
         return Error{scene.name +

@@ -203,11 +203,12 @@ std::vector<BenchScene> chosen_scenes(const Plan& plan) {
 
 std::vector<Contestant> chosen_contestants(const Plan& plan) {
     std::vector<Contestant> who = default_contestants();
-    if (plan.substeps.empty()) return who;
+    if (plan.substeps.empty() && plan.simd.empty()) return who;
     who.erase(who.begin());
     std::vector<Contestant> ours;
     for (const int substeps : plan.substeps)
         ours.push_back({.name = "Lockstone " + std::to_string(substeps), .substeps = substeps});
+    for (const std::string& simd : plan.simd) ours.push_back({.name = "Lockstone " + simd, .simd = simd});
     who.insert(who.begin(), ours.begin(), ours.end());
     return who;
 }

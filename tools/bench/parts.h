@@ -10,6 +10,7 @@ struct Plan {
     std::vector<std::string> parts =
         {}; ///< of part_names(), or scenes of `lockstone scenes`; none: all but front and threads
     std::vector<int> substeps = {}; ///< of Lockstone: each is a contestant; none: the default
+    std::vector<std::string> simd = {}; ///< instruction sets likewise; none: the best
     int ticks = 0;                  ///< timed in a scene; 0: its own
     int runs = 3;                   ///< of each scene: of each tick the least counts
     bool quick = false;             ///< a few ticks of small scenes

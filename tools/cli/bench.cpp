@@ -5,8 +5,10 @@
 #include "bench/print.h"
 #include "bench/profile.h"
 #include "cli/commands.h"
+#include "cli/text.h"
 
 #include <cstdio>
+#include <sstream>
 
 namespace lockstone::cli {
 namespace {
@@ -18,7 +20,7 @@ struct Args {
     std::vector<int> substeps;
     std::uint32_t ticks = 0, runs = 3;
     bool json = false, quick = false, instructions = false;
-    std::string keep, counted, profile, plot;
+    std::string simd, keep, counted, profile, plot;
 };
 
 void describe(CLI::App& command, Args& args) {
@@ -29,6 +31,8 @@ void describe(CLI::App& command, Args& args) {
     add_number(command, "--runs", args.runs, "of each scene: of each tick the least counts", 1, 100);
     add_numbers(command, "--substeps", args.substeps,
                 "of Lockstone, 1 to 16; several, with commas: each is a contestant", 1, 16);
+    add_text(command, "--simd", args.simd,
+             "of Lockstone: scalar, sse41, avx2, avx512; several, with commas: each is a contestant");
     add_flag(command, "--json", args.json, "for programs");
     add_flag(command, "--quick", args.quick, "a few ticks of small scenes: whether all runs, not how fast");
     add_flag(command, "--instructions", args.instructions,
@@ -58,13 +62,24 @@ Result<Exit> measure(const Args& args, const bench::Plan& plan) {
     return Exit::good;
 }
 
+/// At commas.
+std::vector<std::string> split(const std::string& names) {
+    std::vector<std::string> parts;
+    std::istringstream in(names);
+    for (std::string part; std::getline(in, part, ',');) parts.push_back(part);
+    return parts;
+}
+
 Result<Exit> act(const Args& args) {
     const bench::Plan plan{.parts = args.parts,
                            .substeps = args.substeps,
+                           .simd = split(args.simd),
                            .ticks = static_cast<int>(args.ticks),
                            .runs = static_cast<int>(args.runs),
                            .quick = args.quick};
     if (const Status known = bench::check_parts(plan.parts); !known) return known.error();
+    for (const std::string& simd : plan.simd)
+        if (const Status has = check_simd(simd); !has) return has.error();
     const engines::Contestant ours = bench::chosen_contestants(plan)[0];
     if (!args.counted.empty()) {
         const Status done = bench::run_counted(bench::chosen_scenes(plan).at(0), ours, args.counted);

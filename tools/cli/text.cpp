@@ -40,12 +40,23 @@ Status check_output(const std::string& output, const std::string& source) {
     return Error{output + ": is what is read from; write to another file"};
 }
 
+static const Simd* simd_of(const std::string& level) {
+    for (const Simd& known : every_simd)
+        if (name_of(known) == level) return &known;
+    return nullptr;
+}
+
+Status check_simd(const std::string& level) {
+    const Simd* known = simd_of(level);
+    if (known == nullptr) return Error{"--simd " + level + ": there are scalar, sse41, avx2 and avx512"};
+    return has_simd(*known) ? Status{} : Error{"--simd " + level + ": this machine has none"};
+}
+
 Status choose_simd(const std::string& level, World& world) {
     if (level.empty()) return {};
-    for (const Simd known : every_simd)
-        if (name_of(known) == level)
-            return world.set_simd(known) ? Status{} : Error{"--simd " + level + ": this machine has none"};
-    return Error{"--simd " + level + ": there are scalar, sse41 and avx2"};
+    if (Status known = check_simd(level); !known) return known;
+    world.set_simd(*simd_of(level));
+    return {};
 }
 
 } // namespace lockstone::cli

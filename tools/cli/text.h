@@ -17,6 +17,7 @@ Result<std::string> read_file(const std::string& path);
 Status check_output(const std::string& output, const std::string& source);
 
 /// Sets the instruction set of that name; of an empty one nothing. The error says what there is.
+Status check_simd(const std::string& level); ///< a name of what this machine has
 Status choose_simd(const std::string& level, World& world);
 
 } // namespace lockstone::cli

@@ -81,6 +81,8 @@ class Lockstone final : public Engine {
   public:
     Lockstone(const Contestant& contestant, const Scene& scene) : world(make(contestant, scene)) {
         by_wall = contestant.by_wall;
+        for (const ls::Simd level : ls::every_simd)
+            if (contestant.simd == ls::name_of(level)) world.set_simd(level);
         if (contestant.threads < 2) return;
         tasks = ls::make_worker_pool(contestant.threads);
         world.set_tasks(tasks.get());

@@ -266,5 +266,11 @@ template void solve_rolling(std::span<Rolling>, std::span<const ContactPack<4>>,
 template void forget_impacts(ContactPack<4>&, WarmStart*);
 template void note_bounce(const ContactPack<4>&, Bounce*, const std::int32_t (&)[4][4], const std::int32_t (&)[4][4],
                           const std::int32_t (&)[4][4]);
+template void measure_approach(std::span<Bounce>, std::span<const ContactPack<8>>, const SolverBodies&);
+template void give_back(std::span<Bounce>, std::span<ContactPack<8>>, std::int32_t, SolverBodies&);
+template void solve_rolling(std::span<Rolling>, std::span<const ContactPack<8>>, SolverBodies&, bool);
+template void forget_impacts(ContactPack<8>&, WarmStart*);
+template void note_bounce(const ContactPack<8>&, Bounce*, const std::int32_t (&)[4][8], const std::int32_t (&)[4][8],
+                          const std::int32_t (&)[4][8]);
 
 } // namespace lockstone::solve

@@ -68,6 +68,8 @@ bool ContactSolver::use(Simd level) {
 
 template <class Visit> void ContactSolver::Inside::with_lanes(Visit&& visit) const {
     switch (kernel->lanes) {
+    case 8:
+        return visit(std::integral_constant<unsigned, 8>{});
     case 4:
         return visit(std::integral_constant<unsigned, 4>{});
     case 2:

@@ -5,6 +5,7 @@ namespace lockstone::solve {
 const ContactKernel* kernel_of(Simd level) {
     if (!has_simd(level)) return nullptr;
 #if defined(__x86_64__) || defined(__i386__)
+    if (level == Simd::avx512) return &avx512_kernel;
     if (level == Simd::avx2) return &avx2_kernel;
     if (level == Simd::sse41) return &sse41_kernel;
 #endif

@@ -285,5 +285,9 @@ template void clear_pack(ContactPack<4>&, std::uint32_t);
 template void clear_input(PackInput<4>&);
 template void fill_lane(ContactPack<4>&, PackInput<4>&, unsigned, const Contact&, const PrepareInput&);
 template void fill_bounce(Bounce&, const ContactPack<4>&, const Contact&);
+template void clear_pack(ContactPack<8>&, std::uint32_t);
+template void clear_input(PackInput<8>&);
+template void fill_lane(ContactPack<8>&, PackInput<8>&, unsigned, const Contact&, const PrepareInput&);
+template void fill_bounce(Bounce&, const ContactPack<8>&, const Contact&);
 
 } // namespace lockstone::solve

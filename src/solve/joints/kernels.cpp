@@ -5,7 +5,7 @@ namespace lockstone::solve {
 const dynamics::JointKernel* joints_of(Simd level) {
     if (!has_simd(level)) return nullptr;
 #if defined(__x86_64__) || defined(__i386__)
-    if (level == Simd::avx2) return &avx2_joints;
+    if (level >= Simd::avx2) return &avx2_joints; // packs of joints have four lanes
     if (level == Simd::sse41) return &sse41_joints;
 #endif
     return &scalar_joints;

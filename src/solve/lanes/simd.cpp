@@ -12,6 +12,8 @@ std::string_view name_of(Simd level) {
         return "sse41";
     case Simd::avx2:
         return "avx2";
+    case Simd::avx512:
+        return "avx512";
     }
     return "unknown";
 }
@@ -23,6 +25,9 @@ bool has_simd(Simd level) {
         return __builtin_cpu_supports("sse4.1") != 0;
     case Simd::avx2:
         return __builtin_cpu_supports("avx2") != 0;
+    case Simd::avx512:
+        return __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512dq") != 0 &&
+               __builtin_cpu_supports("avx512vl") != 0;
     default:
         break;
     }
