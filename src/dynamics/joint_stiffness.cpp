@@ -2,6 +2,8 @@
 
 #include "lockstone/math.h"
 
+#include <algorithm>
+
 namespace lockstone::dynamics {
 
 namespace {
@@ -9,6 +11,14 @@ namespace {
 Real sum_of_sizes(Vec3 v) {
     const Vec3 a = abs(v);
     return a.x + a.y + a.z;
+}
+
+/// True where a b < c^2 m for certain, by their bits: 2^(n - 1) <= x < 2^n. All are Reals and not negative.
+bool is_far_below(Real a, Real b, Real c, Real m) {
+    const auto bits = [](Real x) { return bit_length(static_cast<std::uint64_t>(x.raw)); };
+    constexpr int one = Real::fraction_bits, end = 62; // products are clamped at 2^63
+    const int square = std::min(2 * (bits(c) - 1) - one, end), right = std::min(square + bits(m) - 1 - one, end);
+    return square > 1 && right > 1 && bits(a) + bits(b) - one < right - 1;
 }
 
 /// Adds h^2 ((r . f) 1 - r f^T) / m of one side, its diagonal in principal axes [m^2]. False where it cannot matter.
@@ -20,7 +30,8 @@ bool add_pull(const BodyColumns& columns, std::uint32_t row, Vec3 force, Vec3 pl
     const Vec3& k = mass.gyration;
     const Real least = min(k.x, min(k.y, k.z));
     const Real slow = least * rate;
-    if (sum_of_sizes(force) * (sum_of_sizes(lever) * 32) < slow * slow * mass.mass) return false;
+    const Real pulls = sum_of_sizes(force), reach = sum_of_sizes(lever) * 32;
+    if (is_far_below(pulls, reach, slow, mass.mass) || pulls * reach < slow * slow * mass.mass) return false;
     const Vec3 speed = force / mass.mass / rate; // per substep
     const Vec3 r = rotate(conjugate(mass.principal), lever);
     const Vec3 f = rotate(conjugate(columns.pose[row].rotation * mass.principal), speed);

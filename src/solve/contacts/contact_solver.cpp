@@ -2,6 +2,7 @@
 
 #include "base/parallel.h"
 #include "base/poison.h"
+#include "base/prefetch.h"
 #include "base/room.h"
 #include "dynamics/contact_order.h"
 #include "dynamics/followed_turn.h"
@@ -141,12 +142,20 @@ void ContactSolver::prepare(std::span<const Contact> contacts, std::span<const C
         const auto contact_of = [&](std::uint32_t pack, unsigned lane) {
             return s.lane_contact[pack * N + lane];
         };
-        for (ContactPack<N>& pack : packs) clear_pack(pack, bodies.still());
+        // Tasks of the game's own may leave a pack out: then it has to be an empty one.
+        for (std::size_t i = 0; tasks != nullptr && i < packs.size(); ++i) clear_pack(packs[i], bodies.still());
+        const auto ask_for = [&](std::size_t from, auto&& visit) { // the contacts of one pack
+            for (std::size_t i = from; i < from + N && i < s.lane_contact.size(); ++i)
+                if (s.lane_contact[i] != none) visit(contacts[s.lane_contact[i]]);
+        };
         base::for_chunks(tasks, s.pack_count, pack_chunk,
                          [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
                              PackInput<N> input;
                              for (std::uint32_t i = first; i < last; ++i) {
                                  clear_input(input);
+                                 if (tasks == nullptr) clear_pack(packs[i], bodies.still());
+                                 ask_for((i + 2) * N, [](const Contact& c) { base::prefetch(c); });
+                                 ask_for((i + 1) * N, [&](const Contact& c) { base::prefetch(memory[c.memory]); });
                                  for (unsigned lane = 0; lane < N; ++lane)
                                      if (contact_of(i, lane) != none)
                                          fill_lane(packs[i], input, lane, contacts[contact_of(i, lane)], in);
@@ -285,9 +294,14 @@ void ContactSolver::store(std::span<const Contact> contacts, std::span<ContactMe
         base::for_chunks(
             tasks, s.pack_count, 4 * pack_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
                 dynamics::ClampCounts counts;
-                for (std::uint32_t i = first * N; i < last * N; ++i)
+                constexpr std::size_t ahead = 8; // the table is walked in the order of packs
+                for (std::uint32_t i = first * N; i < last * N; ++i) {
+                    const std::size_t soon = std::min<std::size_t>(i + ahead, s.lane_contact.size() - 1);
+                    if (const std::uint32_t c = s.lane_contact[soon]; c != none)
+                        base::prefetch(memory[contacts[c].memory]);
                     if (const std::uint32_t c = s.lane_contact[i]; c != none)
                         store_lane(packs[i / N], i % N, contacts[c], memory[contacts[c].memory], counts);
+                }
                 base::add_count(clamps.impulse, counts.impulse);
             });
         for (const Rolling& rows : s.rolling) {
