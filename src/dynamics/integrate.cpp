@@ -126,13 +126,18 @@ void damp(std::int64_t v[3], Unit keep) {
     for (int i = 0; i < 3; ++i) v[i] = narrow_rounded(Wide::product(v[i], keep.raw), Unit::fraction_bits);
 }
 
+struct SpeedLimits {
+    LengthLimit linear, tip;
+    explicit SpeedLimits(const StepConstants& step) : linear(step.linear_speed_max), tip(step.tip_speed_max) {}
+};
+
 /// Returns how many of its two velocities were clamped.
-inline std::uint64_t clamp_speeds(SolverBodies& bodies, std::uint32_t i, const StepConstants& step) {
+inline std::uint64_t clamp_speeds(SolverBodies& bodies, std::uint32_t i, SpeedLimits limits) {
     SolverBody& b = bodies.body[i];
-    const bool turns_less = clamp_length(b.u, step.tip_speed_max);
+    const bool turns_less = clamp_length(b.u, limits.tip);
     if (turns_less && bodies.step[i].turn != 0) [[unlikely]]
         for (std::int64_t& part : bodies.turns[bodies.step[i].turn - 1].precession) part = 0;
-    return (clamp_length(b.v, step.linear_speed_max) ? 1u : 0u) + (turns_less ? 1u : 0u);
+    return (clamp_length(b.v, limits.linear) ? 1u : 0u) + (turns_less ? 1u : 0u);
 }
 
 /// Calls visit(i) for each body and adds what it returns to the clamped speeds.
@@ -150,7 +155,8 @@ template <class Visit> void for_each_body(SolverBodies& bodies, Tasks* tasks, Vi
 void integrate_velocities(const FreeMotion& motion, const BodyColumns& columns, const StepConstants& step,
                           SolverBodies& bodies, Tasks* tasks) {
     const bool general = motion.scheme != Scheme::semi_implicit_euler || !motion.fields.empty();
-    for_each_body(bodies, tasks, [&](std::uint32_t i) -> std::uint64_t {
+    const SpeedLimits limits(step);
+    for_each_body(bodies, tasks, [&, limits](std::uint32_t i) -> std::uint64_t {
         SolverBody& b = bodies.body[i];
         BodyStep& s = bodies.step[i];
         if (!s.moves) return 0;
@@ -166,7 +172,7 @@ void integrate_velocities(const FreeMotion& motion, const BodyColumns& columns, 
             damp(b.u, s.angular_keep);
             if (s.turn != 0) damp(bodies.turns[s.turn - 1].precession, s.angular_keep);
         }
-        return clamp_speeds(bodies, i, step);
+        return clamp_speeds(bodies, i, limits);
     });
 }
 
@@ -177,14 +183,16 @@ void integrate_poses(const StepConstants& step, SolverBodies& bodies, Tasks* tas
     constexpr std::int64_t half = std::int64_t{1} << (Unit::fraction_bits - 1);
     const std::int64_t h = step.substep_time.raw;
     const auto way = [h](std::int64_t v) { return ((v >> to_separation) * h + half) >> Unit::fraction_bits; };
-    for_each_body(bodies, tasks, [&](std::uint32_t i) -> std::uint64_t {
+    const SpeedLimits limits(step);
+    for_each_body(bodies, tasks, [&, way, limits](std::uint32_t i) -> std::uint64_t {
         SolverBody& b = bodies.body[i];
         const BodyStep& s = bodies.step[i];
         if (!s.moves) return 0;
-        const std::uint64_t clamped = clamp_speeds(bodies, i, step);
+        const std::uint64_t clamped = clamp_speeds(bodies, i, limits);
         for (int axis = 0; axis < 3; ++axis) {
-            const std::int64_t drift = shift_right_rounded(s.drift[axis], drift_to_separation);
-            b.shift[axis] = saturate_to_int32(b.shift[axis] + way(b.v[axis]) + drift);
+            const std::int64_t drift = s.drift[axis];
+            const std::int64_t more = drift == 0 ? 0 : shift_right_rounded(drift, drift_to_separation);
+            b.shift[axis] = saturate_to_int32(b.shift[axis] + way(b.v[axis]) + more);
             b.theta[axis] = saturate_to_int32(b.theta[axis] + way(b.u[axis]));
         }
         if (s.turn != 0) advance_turn(b, s, bodies.turns[s.turn - 1], step);

@@ -141,12 +141,19 @@ Symmetric<Real> rotated_diagonal(const Rotation& r, Vec3 d);
 
 /// Shortens v (47 fraction bits) to `limit` when it is longer. True when it was.
 bool clamp_long(std::int64_t v[3], Speed limit);
-/// The same, quick for what is far within: |x| < 2^k along each axis, with 3 * 2^2k not above the limit's square.
-inline bool clamp_length(std::int64_t v[3], Speed limit) {
-    const int k = std::max(bit_length(static_cast<std::uint32_t>(limit.raw)) - 2, 0) + row_bits;
+/// A greatest length, and the k with which |x| < 2^k along each axis is for certain within it: 3 * 2^2k is not above its square.
+struct LengthLimit {
+    Speed most;
+    int k;
+    explicit LengthLimit(Speed limit)
+        : most(limit), k(std::max(bit_length(static_cast<std::uint32_t>(limit.raw)) - 2, 0) + row_bits) {}
+};
+/// The same, quick for what is far within.
+inline bool clamp_length(std::int64_t v[3], LengthLimit limit) {
     const std::int64_t any = (v[0] ^ (v[0] >> 63)) | (v[1] ^ (v[1] >> 63)) | (v[2] ^ (v[2] >> 63));
-    return (any >> k) != 0 && clamp_long(v, limit);
+    return (any >> limit.k) != 0 && clamp_long(v, limit.most);
 }
+inline bool clamp_length(std::int64_t v[3], Speed limit) { return clamp_length(v, LengthLimit(limit)); }
 
 /// Bodies per piece of work that workers take.
 inline constexpr std::uint32_t body_chunk = 64;
