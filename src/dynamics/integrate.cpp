@@ -128,7 +128,8 @@ void damp(std::int64_t v[3], Unit keep) {
 
 struct SpeedLimits {
     LengthLimit linear, tip;
-    explicit SpeedLimits(const StepConstants& step) : linear(step.linear_speed_max), tip(step.tip_speed_max) {}
+    explicit SpeedLimits(const StepConstants& step)
+        : linear(step.linear_speed_max), tip(step.tip_speed_max) {}
 };
 
 /// Returns how many of its two velocities were clamped.

@@ -17,7 +17,8 @@ Real sum_of_sizes(Vec3 v) {
 bool is_far_below(Real a, Real b, Real c, Real m) {
     const auto bits = [](Real x) { return bit_length(static_cast<std::uint64_t>(x.raw)); };
     constexpr int one = Real::fraction_bits, end = 62; // products are clamped at 2^63
-    const int square = std::min(2 * (bits(c) - 1) - one, end), right = std::min(square + bits(m) - 1 - one, end);
+    const int square = std::min(2 * (bits(c) - 1) - one, end),
+              right = std::min(square + bits(m) - 1 - one, end);
     return square > 1 && right > 1 && bits(a) + bits(b) - one < right - 1;
 }
 

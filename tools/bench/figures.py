@@ -34,6 +34,17 @@ def engine(scene, name):
     return next((run for run in scene["engines"] if run["engine"] == name), None)
 
 
+def shown(scene):
+    """Ours, and the peers: not ours by other instruction sets."""
+    return [run for i, run in enumerate(scene["engines"]) if i == 0 or not run["engine"].startswith("Lockstone")]
+
+
+def by_other_sets(scene):
+    bullet = engine(scene, "Bullet")
+    others = [run for run in scene["engines"][1:] if run["engine"].startswith("Lockstone")]
+    return "; ".join(f"{run['engine'].split()[-1]} {bullet['mean_ms'] / run['mean_ms']:.2f}" for run in others) if bullet else ""
+
+
 def millions(results, name):
     return next((r for r in results.get("instructions", []) if r["scene"] == name), None)
 
@@ -42,7 +53,7 @@ def millions(results, name):
 
 
 def times(results):
-    lines = head("", "ours ms, mean / p99", "Bullet", "ODE", "Bullet / ours", "must, goal", "M instructions a tick", "must, goal")
+    lines = head("", "ours ms, mean / p99", "Bullet", "ODE", "Bullet / ours", "must, goal", "by other sets", "M instructions a tick", "must, goal")
     for scene in results.get("scenes", []):
         ours, peers = scene["engines"][0], [engine(scene, name) for name in ("Bullet", "ODE")]
         asked = next((v for v in scene["verdicts"] if "goal" in v), None)
@@ -51,7 +62,7 @@ def times(results):
             f"{scene['scene']}: {scene['about']}", f"{number(ours['mean_ms'])} / {number(ours['p99_ms'])}",
             *[f"{number(p['mean_ms'])} / {number(p['p99_ms'])}" if p else "" for p in peers],
             f"{scene['bullet_per_ours']['mean']:.2f}" if scene["bullet_per_ours"] else "",
-            f"{asked['must']:.3g}, {asked['goal']:.3g}" if asked else "",
+            f"{asked['must']:.3g}, {asked['goal']:.3g}" if asked else "", by_other_sets(scene),
             number(counted["millions_per_tick"]) if counted else "",
             f"{counted['must']:.4g}, {counted['goal']:.4g}" if counted and counted["must"] else ""))
     return lines
@@ -61,7 +72,7 @@ def worth(results):
     lines = head("ours; Bullet; ODE", "overlap mm", "of static", "sway mm", "fallen", "widest joint, at worst", "lost", "heap MB")
     for scene in results.get("scenes", []):
         def each(key, stands=True):
-            return "; ".join(number(run[key]) for run in scene["engines"]) if stands else ""
+            return "; ".join(number(run[key]) for run in shown(scene)) if stands else ""
         lines.append(row(scene["scene"], each("overlap_mm"), each("overlap_static_mm"), each("sway_mm", scene["stands"]),
                          each("fallen", scene["stands"]), each("joint_worst_mm", scene["joints"] > 0), each("lost"), each("heap_mb")))
     return lines
@@ -169,8 +180,8 @@ def cost_card(results):
     lines.append(row("rollback of 8 ticks", *[per_body(eight(n)["rollback_us"], n) for n in names]))
     lines.append(row("that / its 8 ticks alone", *[f"{eight(n)['ratio']:.3f}" for n in names]))
     lines.append(row("snapshot, bytes a body", *[number(found[n]["bytes_per_body"]) for n in names]))
-    settings = results["settings"]
-    return lines + ["", f"{settings['cpu']}, g++ {settings['compiler']}, one thread, default settings, nobody asleep."]
+    settings, simd = results["settings"], results["scenes"][0]["engines"][0]["engine"].removeprefix("Lockstone").strip()
+    return lines + ["", f"{settings['cpu']}, g++ {settings['compiler']}, one thread, {simd + ', ' if simd else ''}default settings, nobody asleep."]
 
 
 # ---- the files -------------------------------------------------------------------------------------------------------

@@ -70,9 +70,7 @@ struct Avx512 {
     using Half = __m256i;
 
     static V mask_of(__mmask8 bits) { return _mm512_movm_epi64(bits); }
-    static V joined(Half low, Half high) {
-        return _mm512_inserti64x4(_mm512_castsi256_si512(low), high, 1);
-    }
+    static V joined(Half low, Half high) { return _mm512_inserti64x4(_mm512_castsi256_si512(low), high, 1); }
     template <class Body> static const std::int64_t* words(const Body* p) {
         return reinterpret_cast<const std::int64_t*>(p);
     }
