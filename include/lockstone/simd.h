@@ -7,10 +7,11 @@
 
 namespace lockstone {
 
-enum class Simd : unsigned char { scalar, sse41, avx2, avx512 };
-inline constexpr Simd every_simd[] = {Simd::scalar, Simd::sse41, Simd::avx2, Simd::avx512};
+enum class Simd : unsigned char { scalar, sse41, avx2, avx512, neon, wasm128 };
+inline constexpr Simd every_simd[] = {Simd::scalar, Simd::sse41, Simd::avx2,
+                                      Simd::avx512, Simd::neon,  Simd::wasm128};
 
-/// "scalar", "sse41", "avx2", "avx512"; "unknown" for any other.
+/// As the enumerators; "unknown" for any other value.
 std::string_view name_of(Simd level);
 /// Whether this build and this machine have it.
 bool has_simd(Simd level);

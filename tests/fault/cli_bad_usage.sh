@@ -26,7 +26,7 @@ refused 'must be 1 to 100' run pyramid --size 5000
 refused 'must be 2 to 4' run rollback-arena --players 7
 refused 'players is not an option' run pile --players 2
 refused '--threads' run stack --threads 65
-refused 'scalar, sse41, avx2 and avx512' run stack --simd avx1024
+refused 'scalar, sse41, avx2, avx512, neon and wasm128' run stack --simd avx1024
 refused '--ticks' run stack --ticks many
 refused "'-1' is not a whole number" run stack --ticks -1
 refused '--size' run stack --size 1e3

@@ -32,7 +32,7 @@ void describe(CLI::App& command, Args& args) {
     add_numbers(command, "--substeps", args.substeps,
                 "of Lockstone, 1 to 16; several, with commas: each is a contestant", 1, 16);
     add_text(command, "--simd", args.simd,
-             "of Lockstone: scalar, sse41, avx2, avx512; several, with commas: each is a contestant");
+             "of Lockstone: scalar, sse41, avx2, avx512, neon; several, with commas: each is a contestant");
     add_flag(command, "--json", args.json, "for programs");
     add_flag(command, "--quick", args.quick, "a few ticks of small scenes: whether all runs, not how fast");
     add_flag(command, "--instructions", args.instructions,

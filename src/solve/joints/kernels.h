@@ -10,6 +10,6 @@ namespace lockstone::solve {
 /// Null where the build or the machine lacks it.
 const dynamics::JointKernel* joints_of(Simd level);
 
-extern const dynamics::JointKernel scalar_joints, sse41_joints, avx2_joints;
+extern const dynamics::JointKernel scalar_joints, sse41_joints, avx2_joints, neon_joints, wasm128_joints;
 
 } // namespace lockstone::solve

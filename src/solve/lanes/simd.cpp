@@ -14,6 +14,10 @@ std::string_view name_of(Simd level) {
         return "avx2";
     case Simd::avx512:
         return "avx512";
+    case Simd::neon:
+        return "neon";
+    case Simd::wasm128:
+        return "wasm128";
     }
     return "unknown";
 }
@@ -31,6 +35,10 @@ bool has_simd(Simd level) {
     default:
         break;
     }
+#elif defined(__aarch64__) && !defined(__AARCH64EB__)
+    if (level == Simd::neon) return true;
+#elif defined(__wasm_simd128__)
+    if (level == Simd::wasm128) return true;
 #endif
     return level == Simd::scalar;
 }
