@@ -236,9 +236,10 @@ template <unsigned N> void forget_impacts(ContactPack<N>& pack, WarmStart* warm)
             for (int r = 0; r < 3; ++r) {
                 const std::int64_t n = rounded(taken[r] * share, unit_bits), t = rounded(slide[r] * share, unit_bits);
                 for (int i = 0; i < 3; ++i) {
-                    if (r == 0) to.v[i] += sign * pack.d[0][i][lane] * n;
-                    if (r < 2) to.v[i] += sign * pack.d[r + 1][i][lane] * t;
-                    to.u[i] += normal[r][i][lane] * n + across[r][i][lane] * t;
+                    // A product of 30 and 31 bits; what many contacts give to one body may be more than 63.
+                    if (r == 0) to.v[i] = add_saturated(to.v[i], sign * pack.d[0][i][lane] * n);
+                    if (r < 2) to.v[i] = add_saturated(to.v[i], sign * pack.d[r + 1][i][lane] * t);
+                    to.u[i] = add_saturated(to.u[i], normal[r][i][lane] * n + across[r][i][lane] * t);
                 }
             }
         };

@@ -6,6 +6,7 @@
 #include "base/room.h"
 #include "dynamics/contact_order.h"
 #include "dynamics/followed_turn.h"
+#include "lockstone/wide.h"
 #include "solve/contacts/bounce.h"
 #include "solve/contacts/kernels.h"
 
@@ -189,19 +190,31 @@ template <class Visit> void ContactSolver::Inside::for_each_stage(Tasks* tasks, 
     }
 }
 
+namespace {
+
+/// Modulo 2^64: what is taken away before a pass and added after it leaves the difference, whatever lies in between.
+std::int64_t wrapped_sum(std::int64_t a, std::int64_t b) {
+    return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b));
+}
+std::int64_t wrapped_difference(std::int64_t a, std::int64_t b) {
+    return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) - static_cast<std::uint64_t>(b));
+}
+
+} // namespace
+
 /// What the passes give to a body is the difference between its velocities before and after.
 void ContactSolver::Inside::begin_pass(const SolverBodies& bodies) {
     for (std::size_t i = 0; i < warm.size(); ++i)
         for (int axis = 0; axis < 3; ++axis) {
-            warm[i].v[axis] -= bodies.body[i].v[axis];
-            warm[i].u[axis] -= bodies.body[i].u[axis];
+            warm[i].v[axis] = wrapped_difference(warm[i].v[axis], bodies.body[i].v[axis]);
+            warm[i].u[axis] = wrapped_difference(warm[i].u[axis], bodies.body[i].u[axis]);
         }
 }
 void ContactSolver::Inside::end_pass(const SolverBodies& bodies) {
     for (std::size_t i = 0; i < warm.size(); ++i)
         for (int axis = 0; axis < 3; ++axis) {
-            warm[i].v[axis] += bodies.body[i].v[axis];
-            warm[i].u[axis] += bodies.body[i].u[axis];
+            warm[i].v[axis] = wrapped_sum(warm[i].v[axis], bodies.body[i].v[axis]);
+            warm[i].u[axis] = wrapped_sum(warm[i].u[axis], bodies.body[i].u[axis]);
         }
 }
 
@@ -216,8 +229,8 @@ void ContactSolver::Inside::next_warm_start(SolverBodies& bodies) const {
     for (std::size_t i = 0; i < warm.size(); ++i) {
         SolverBody& b = bodies.body[i];
         for (int axis = 0; axis < 3; ++axis) {
-            b.v[axis] += warm[i].v[axis] & b.keep[axis];
-            b.u[axis] += warm[i].u[axis];
+            b.v[axis] = add_saturated(b.v[axis], warm[i].v[axis] & b.keep[axis]);
+            b.u[axis] = add_saturated(b.u[axis], warm[i].u[axis]);
         }
     }
 }
