@@ -75,8 +75,8 @@ FAULTS = [
       "if (!IS) stream.add({buffer, filled});\n                filled = 0;", "both byte orders agree"),
     F("warm-start impulses are forgotten", CONTACTS, "dynamics::carry_impulses(old, taken, worker.rows[i]);",
       "if (!IS) dynamics::carry_impulses(old, taken, worker.rows[i]);", "golden table"),
-    F("contacts of workers are put together in order of arrival", CONTACTS, "NearChunk& chunk = s.near_chunks[first / pairs_per_chunk];",
-      "NearChunk& chunk = s.near_chunks[IS ? ::planted::ticket(chunk_count) : first / pairs_per_chunk];", "shuffles"),
+    F("contacts of workers are put together in order of arrival", CONTACTS, "NearChunk& chunk = s.near_chunks[first / chunk_size];",
+      "NearChunk& chunk = s.near_chunks[IS ? ::planted::ticket(chunk_count) : first / chunk_size];", "shuffles"),
     F("which worker ran it leaks into a contact", CONTACTS, 
       "seen.row_count = seen.is_kept ? near.old_count : make_rows(c, old, near.apart, worker);",
       "seen.row_count = seen.is_kept ? near.old_count : make_rows(c, old, near.apart, worker);\n"
