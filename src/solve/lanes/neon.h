@@ -1,6 +1,8 @@
 // Two lanes by NEON, on AArch64. See scalar.h for what each operation means.
 #pragma once
 
+#if defined(__aarch64__) && !defined(__AARCH64EB__)
+
 #include <arm_neon.h>
 #include <cstdint>
 
@@ -78,3 +80,5 @@ struct Neon {
 };
 
 } // namespace lockstone::solve
+
+#endif

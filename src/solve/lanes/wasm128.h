@@ -1,6 +1,8 @@
 // Two lanes by the 128-bit vectors of WebAssembly. See scalar.h for what each operation means.
 #pragma once
 
+#if defined(__wasm_simd128__)
+
 #include <cstdint>
 #include <wasm_simd128.h>
 
@@ -79,3 +81,5 @@ struct Wasm128 {
 };
 
 } // namespace lockstone::solve
+
+#endif
