@@ -34,7 +34,7 @@ Real from_separation(std::int32_t x) {
     return Real::from_raw(std::int64_t{x} << (Real::fraction_bits - Separation::fraction_bits));
 }
 
-// As operator* and to_rotation of vec.h, of unit quaternions: their sums need no clamping.
+// As operator* of vec.h, of unit quaternions: their sums need no clamping.
 
 Quat product(Quat a, Quat b) {
     const std::int64_t ax = a.x.raw, ay = a.y.raw, az = a.z.raw, aw = a.w.raw;
@@ -45,21 +45,6 @@ Quat product(Quat a, Quat b) {
             one(aw * b.y.raw - ax * b.z.raw + ay * b.w.raw + az * b.x.raw),
             one(aw * b.z.raw + ax * b.y.raw - ay * b.x.raw + az * b.w.raw),
             one(aw * b.w.raw - ax * b.x.raw - ay * b.y.raw - az * b.z.raw)};
-}
-
-Rotation rotation_of(Quat q) {
-    const std::int64_t x = q.x.raw, y = q.y.raw, z = q.z.raw, w = q.w.raw;
-    const std::int64_t xx = x * x, yy = y * y, zz = z * z, ww = w * w;
-    const std::int64_t xy = x * y, yz = y * z, zx = z * x, wx = w * x, wy = w * y, wz = w * z;
-    const auto once = [](std::int64_t sum) {
-        return Unit::from_raw(saturate_to_int32(shift_right_rounded(sum, Unit::fraction_bits)));
-    };
-    const auto twice = [](std::int64_t sum) {
-        return Unit::from_raw(saturate_to_int32(shift_right_rounded(sum, Unit::fraction_bits - 1)));
-    };
-    return {{once(ww + xx - yy - zz), twice(xy + wz), twice(zx - wy)},
-            {twice(xy - wz), once(ww - xx + yy - zz), twice(yz + wx)},
-            {twice(zx + wy), twice(yz - wx), once(ww - xx - yy + zz)}};
 }
 
 /// r v of a lever within 128 m: 30 bits times 32, three times.
@@ -108,7 +93,7 @@ JointSide side_of(const JointTick& tick, const JointWorkSide& side, const Solver
     if (side.world) {
         now.anchor = side.anchor;
         now.rotation = side.frame;
-        now.axes = rotation_of(now.rotation);
+        now.axes = to_rotation(now.rotation);
         return now;
     }
     const JointBody& body = tick.bodies[side.cache];
@@ -119,7 +104,7 @@ JointSide side_of(const JointTick& tick, const JointWorkSide& side, const Solver
     if (!turns_slowly(body.w)) now.centripetal = turned_twice(body.w, now.lever);
     if (!axes) return now;
     now.rotation = product(body.rotation, side.frame);
-    now.axes = rotation_of(now.rotation);
+    now.axes = to_rotation(now.rotation);
     return now;
 }
 
@@ -441,7 +426,7 @@ void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodie
         step.turn != 0
             ? bodies.turns[step.turn - 1].rotation
             : integrate_rotation(pose.rotation, over_gyration(step, body.theta, Separation::fraction_bits));
-    now.axes = rotation_of(now.rotation);
+    now.axes = to_rotation(now.rotation);
     const std::int32_t u[3] = {speed_of(body.u[0]), speed_of(body.u[1]), speed_of(body.u[2])};
     now.w = over_gyration(step, u, Speed::fraction_bits);
 }
