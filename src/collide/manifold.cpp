@@ -149,7 +149,7 @@ void refine_normal(Difference& difference, Long3& normal, std::int64_t& separati
     if (!is_zero(better) && s >= separation - noise_30) normal = better, separation = s;
 }
 
-/// How far a core reaches along a unit direction from its origin, 54 fraction bits; negative: not told here.
+/// How far a core of at most 128 m reaches along a unit direction from its origin, 54 fraction bits; negative: not told here.
 std::int64_t reach_54(const Convex& shape, Long3 n) {
     const auto along = [&](int i) { return shift_right_rounded(dot(shape.axes_30[i], n), 30); };
     switch (shape.core) {
@@ -173,12 +173,14 @@ std::int64_t reach_54(const Convex& shape, Long3 n) {
 
 /// Whether the cores are apart along a unit direction by more than a limit, 30 fraction bits, and the guard.
 bool is_parted(const Convex& a, const Convex& b, Long3 n, std::int64_t limit_30) {
-    const std::int64_t limit = limit_30 + hint_guard_30, of_a = reach_54(a, n), of_b = reach_54(b, -n);
+    const std::int64_t limit = limit_30 + hint_guard_30;
     const Long3 between = b.center_24 - a.center_24;
-    // Products fit, and roundings are far below the guard.
-    if (of_a >= 0 && of_b >= 0 && widest(between) < std::int64_t{1} << 31 && limit < std::int64_t{1} << 37 &&
-        widest(a.half_24) < std::int64_t{1} << 31 && widest(b.half_24) < std::int64_t{1} << 31)
-        return (dot(between, n) >> 24) - (of_a >> 24) - (of_b >> 24) > limit;
+    // Within 128 m products of the quick way fit, and its roundings are far below the guard. What is larger is static.
+    constexpr std::int64_t most = std::int64_t{1} << 31;
+    if (limit < most << 6 && widest(between) < most && widest(a.half_24) < most && widest(b.half_24) < most) {
+        const std::int64_t of_a = reach_54(a, n), of_b = reach_54(b, -n);
+        if (of_a >= 0 && of_b >= 0) return (dot(between, n) >> 24) - (of_a >> 24) - (of_b >> 24) > limit;
+    }
     return separation_along_30(a, b, n) > limit;
 }
 

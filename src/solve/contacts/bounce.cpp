@@ -13,6 +13,9 @@ using dynamics::SolverBody;
 
 std::int64_t rounded(std::int64_t x, int shift) { return shift_right_rounded(x, shift); }
 std::int64_t speed_part(std::int64_t v) { return saturate_to_int32(rounded(v, row_bits)); }
+/// Adds a component of a row [30 bits] times an impulse or a speed [31 bits]. Many contacts of one body, each within its limits,
+/// may drive its velocity beyond 63 bits.
+void add_product(std::int64_t& sum, std::int64_t row, std::int64_t x) { sum = add_saturated(sum, row * x); }
 
 /// One lane of a pack: the two bodies and the rows between them.
 template <unsigned N> struct Lane {
@@ -23,54 +26,62 @@ template <unsigned N> struct Lane {
                          const SolverBody& b) const {
         std::int64_t sum = 0;
         for (int i = 0; i < 3; ++i)
-            sum += xa[i][lane] * speed_part(a.u[i]) + xb[i][lane] * speed_part(b.u[i]);
+            add_product(sum, xa[i][lane], speed_part(a.u[i])),
+                add_product(sum, xb[i][lane], speed_part(b.u[i]));
         return sum;
     }
     /// Level and tilts of the normal speed.
     void speeds(const SolverBodies& bodies, std::int64_t (&out)[3]) const {
         const SolverBody &a = bodies.body[pack.body_a[lane]], &b = bodies.body[pack.body_b[lane]];
         std::int64_t line = 0;
-        for (int i = 0; i < 3; ++i) line += pack.d[0][i][lane] * speed_part(b.v[i] - a.v[i]);
+        for (int i = 0; i < 3; ++i) line += pack.d[0][i][lane] * speed_part(sub_saturated(b.v[i], a.v[i]));
         for (int r = 0; r < 3; ++r)
-            // Beyond 4096 m/s a point is at the end of every range: arms times such speeds stay below 2^62.
+            // Beyond 4096 m/s a point is at the end of every range.
             out[r] = saturate_to_int32(
-                rounded(turning(pack.normal_a[r], pack.normal_b[r], a, b) + (r == 0 ? line : 0), row_bits));
+                rounded(add_saturated(turning(pack.normal_a[r], pack.normal_b[r], a, b), r == 0 ? line : 0),
+                        row_bits));
     }
+    /// Of a point, out of those of the level and the tilts, which impulses may have driven beyond 32 bits.
     std::int64_t at_point(int k, const std::int64_t (&x)[3]) const {
         const PointLanes<N>& point = pack.points[k];
         // Impulses of tilts may be beyond 2^33: arms of up to 2^30 times them want 128 bits.
         const Wide tilt = Wide::product(point.arm[0][lane], x[1]) + Wide::product(point.arm[1][lane], x[2]);
-        return add_saturated(x[0], narrow_rounded(tilt, unit_bits));
+        return saturate_to_int32(add_saturated(x[0], narrow_rounded(tilt, unit_bits)));
     }
     /// Adds an impulse along row `row` of a set to the velocities of the bodies that move; `line`: along this direction.
-    void push(SolverBodies& bodies, const std::int32_t (&xa)[3][N], const std::int32_t (&xb)[3][N], const std::int32_t (*line)[N],
-              std::int64_t p) const {
-        const auto give = [&](SolverBody& to, std::int64_t share, const std::int32_t (&x)[3][N], std::int64_t sign) {
+    void push(SolverBodies& bodies, const std::int32_t (&xa)[3][N], const std::int32_t (&xb)[3][N],
+              const std::int32_t (*line)[N], std::int64_t p) const {
+        const auto push_body = [&](SolverBody& to, std::int64_t share, const std::int32_t(&x)[3][N],
+                                   std::int64_t sign) {
             const std::int64_t part = rounded(p * share, unit_bits);
             for (int i = 0; i < 3; ++i) {
-                if (line != nullptr) to.v[i] += (sign * line[i][lane] * part) & to.keep[i];
-                to.u[i] += x[i][lane] * part;
+                if (line != nullptr) add_product(to.v[i], sign * line[i][lane] & to.keep[i], part);
+                add_product(to.u[i], x[i][lane], part);
             }
         };
-        if ((pack.movable_a >> lane) & 1u) give(bodies.body[pack.body_a[lane]], pack.share_a[lane], xa, -1);
-        if ((pack.movable_b >> lane) & 1u) give(bodies.body[pack.body_b[lane]], pack.share_b[lane], xb, 1);
+        if ((pack.movable_a >> lane) & 1u)
+            push_body(bodies.body[pack.body_a[lane]], pack.share_a[lane], xa, -1);
+        if ((pack.movable_b >> lane) & 1u)
+            push_body(bodies.body[pack.body_b[lane]], pack.share_b[lane], xb, 1);
     }
     void push_normals(SolverBodies& bodies, const std::int64_t (&q)[3]) const {
-        for (int r = 0; r < 3; ++r) push(bodies, pack.normal_a[r], pack.normal_b[r], r == 0 ? pack.d[0] : nullptr, q[r]);
+        for (int r = 0; r < 3; ++r)
+            push(bodies, pack.normal_a[r], pack.normal_b[r], r == 0 ? pack.d[0] : nullptr, q[r]);
     }
 };
 
 } // namespace
 
 template <unsigned N>
-void measure_approach(std::span<Bounce> bounces, std::span<const ContactPack<N>> packs, const SolverBodies& bodies) {
+void measure_approach(std::span<Bounce> bounces, std::span<const ContactPack<N>> packs,
+                      const SolverBodies& bodies) {
     for (Bounce& bounce : bounces) {
         const Lane<N> at{packs[bounce.pack], bounce.lane};
         std::int64_t speed[3];
         at.speeds(bodies, speed);
         for (int k = 0; k < at.pack.point_count; ++k)
             if (at.pack.points[k].impulse[bounce.lane] <= 0 && bounce.impulse_max[k] <= 0)
-                bounce.approach[k] = saturate_to_int32(at.at_point(k, speed));
+                bounce.approach[k] = static_cast<std::int32_t>(at.at_point(k, speed));
     }
 }
 
@@ -84,8 +95,10 @@ void note_bounce(const ContactPack<N>& pack, Bounce* bounces, const std::int32_t
             const std::int32_t now = pack.points[k].impulse[bounce.lane];
             bounce.impulse_max[k] = std::max(bounce.impulse_max[k], now);
             // Work: impulse over the point's effective mass, times the mean of the speeds before and after.
-            const std::int64_t change =
-                std::clamp(rounded((std::int64_t{now} - impulse_before[k][bounce.lane]) * bounce.inverse_mass[k], response_bits), -most, most);
+            const std::int64_t change = std::clamp(
+                rounded((std::int64_t{now} - impulse_before[k][bounce.lane]) * bounce.inverse_mass[k],
+                        response_bits),
+                -most, most);
             const std::int64_t speeds = std::clamp<std::int64_t>(
                 std::int64_t{speed_before[k][bounce.lane]} + speed_after[k][bounce.lane], -most, most);
             bounce.taken[k] = std::clamp(bounce.taken[k] - change * speeds, -limit, limit);
@@ -97,15 +110,18 @@ namespace {
 
 /// What the points of a contact that bounce should part at, and which do.
 template <unsigned N>
-bool find_targets(const Bounce& bounce, const ContactPack<N>& pack, std::int32_t speed_min, std::int64_t (&target)[4],
-                  std::uint32_t& points) {
+bool find_targets(const Bounce& bounce, const ContactPack<N>& pack, std::int32_t speed_min,
+                  std::int64_t (&target)[4], std::uint32_t& points) {
     points = 0;
     for (int k = 0; k < pack.point_count; ++k) {
         target[k] = 0;
-        if (bounce.approach[k] > -speed_min || bounce.impulse_max[k] == 0 || pack.points[k].kappa[bounce.lane] == 0) continue;
+        if (bounce.approach[k] > -speed_min || bounce.impulse_max[k] == 0 ||
+            pack.points[k].kappa[bounce.lane] == 0)
+            continue;
         const std::int64_t taken = std::max<std::int64_t>(bounce.taken[k], 0);
         const std::int64_t most = std::int64_t{isqrt(static_cast<std::uint64_t>(taken))};
-        target[k] = rounded(std::max(std::int64_t{bounce.approach[k]}, -most) * bounce.restitution, unit_bits);
+        target[k] =
+            rounded(std::max(std::int64_t{bounce.approach[k]}, -most) * bounce.restitution, unit_bits);
         points |= 1u << k;
     }
     return points != 0;
@@ -114,7 +130,8 @@ bool find_targets(const Bounce& bounce, const ContactPack<N>& pack, std::int32_t
 } // namespace
 
 template <unsigned N>
-void give_back(std::span<Bounce> bounces, std::span<ContactPack<N>> packs, std::int32_t speed_min, SolverBodies& bodies) {
+void give_back(std::span<Bounce> bounces, std::span<ContactPack<N>> packs, std::int32_t speed_min,
+               SolverBodies& bodies) {
     constexpr int lower[3][3] = {{0, 1, 3}, {1, 2, 4}, {3, 4, 5}};
     for (Bounce& bounce : bounces) {
         ContactPack<N>& pack = packs[bounce.pack];
@@ -127,13 +144,15 @@ void give_back(std::span<Bounce> bounces, std::span<ContactPack<N>> packs, std::
         std::int64_t sum[3] = {};
         const auto add = [&](int k, std::int64_t change) {
             PointLanes<N>& point = pack.points[k];
-            change = std::clamp<std::int64_t>(point.impulse[lane] + change, 0, impulse_limit) - point.impulse[lane];
+            change = std::clamp<std::int64_t>(point.impulse[lane] + change, 0, impulse_limit) -
+                     point.impulse[lane];
             point.impulse[lane] += static_cast<std::int32_t>(change);
             const std::int64_t q[3] = {change, rounded(point.arm[0][lane] * change, unit_bits),
                                        rounded(point.arm[1][lane] * change, unit_bits)};
             for (int i = 0; i < 3; ++i) {
                 sum[i] += q[i];
-                for (int j = 0; j < 3; ++j) speed[i] += rounded(pack.response[lower[i][j]][lane] * q[j], response_bits);
+                for (int j = 0; j < 3; ++j)
+                    speed[i] += rounded(pack.response[lower[i][j]][lane] * q[j], response_bits);
             }
         };
         const int count = pack.point_count;
@@ -143,20 +162,23 @@ void give_back(std::span<Bounce> bounces, std::span<ContactPack<N>> packs, std::
             if ((points >> k) & 1u) error += at.at_point(k, speed) + target[k], ++common;
         const std::int64_t level = pack.response[0][lane];
         if (common > 1 && level > 0)
-            for (int k = 0; k < count; ++k)
-                if ((points >> k) & 1u) add(k, -(error * (std::int64_t{1} << response_bits) / level) / (common * common));
+            for (int k = 0; k < count; ++k) // an error of four points is below 2^34, of 25 more bits here
+                if ((points >> k) & 1u)
+                    add(k, -(error * (std::int64_t{1} << response_bits) / level) / (common * common));
         for (int round = 0; round < (common > 1 ? 4 : 1); ++round)
             for (int i = 0; i < count; ++i) {
                 const int k = round % 2 == 0 ? i : count - 1 - i;
                 if ((points >> k) & 1u)
-                    add(k, -rounded((at.at_point(k, speed) + target[k]) * pack.points[k].kappa[lane], kappa_bits));
+                    add(k, -rounded((at.at_point(k, speed) + target[k]) * pack.points[k].kappa[lane],
+                                    kappa_bits));
             }
         at.push_normals(bodies, sum);
     }
 }
 
 template <unsigned N>
-void solve_rolling(std::span<Rolling> rolling, std::span<const ContactPack<N>> packs, SolverBodies& bodies, bool warm_start) {
+void solve_rolling(std::span<Rolling> rolling, std::span<const ContactPack<N>> packs, SolverBodies& bodies,
+                   bool warm_start) {
     for (Rolling& rows : rolling) {
         const ContactPack<N>& pack = packs[rows.pack];
         SolverBody &a = bodies.body[pack.body_a[rows.lane]], &b = bodies.body[pack.body_b[rows.lane]];
@@ -165,13 +187,19 @@ void solve_rolling(std::span<Rolling> rolling, std::span<const ContactPack<N>> p
         for (int r = 0; r < 3; ++r) {
             std::int64_t speed = 0;
             for (int i = 0; i < 3; ++i)
-                speed += rows.xa[r][i] * speed_part(a.u[i]) + rows.xb[r][i] * speed_part(b.u[i]);
+                add_product(speed, rows.xa[r][i], speed_part(a.u[i])),
+                    add_product(speed, rows.xb[r][i], speed_part(b.u[i]));
             now[r] = rows.impulse[r];
-            if (!warm_start) now[r] = std::clamp<std::int64_t>(now[r] - rounded(rounded(speed, row_bits) * rows.kappa[r], kappa_bits),
-                                                                -impulse_limit, impulse_limit);
+            if (!warm_start)
+                now[r] =
+                    std::clamp<std::int64_t>(now[r] - rounded(saturate_to_int32(rounded(speed, row_bits)) *
+                                                                  std::int64_t{rows.kappa[r]},
+                                                              kappa_bits),
+                                             -impulse_limit, impulse_limit);
         }
         if (!warm_start) {
-            const std::int64_t limit = std::min<std::int64_t>(rounded(pressing * rows.bound, row_bits), impulse_limit);
+            const std::int64_t limit =
+                std::min<std::int64_t>(rounded(pressing * rows.bound, row_bits), impulse_limit);
             const std::int64_t square = now[0] * now[0] + now[1] * now[1] + now[2] * now[2];
             if (square > limit * limit) {
                 const std::int64_t size = std::int64_t{isqrt(static_cast<std::uint64_t>(square))} + 1;
@@ -183,7 +211,8 @@ void solve_rolling(std::span<Rolling> rolling, std::span<const ContactPack<N>> p
             rows.impulse[r] = static_cast<std::int32_t>(now[r]);
             const std::int64_t da = rounded(change * pack.share_a[rows.lane], unit_bits),
                                db = rounded(change * pack.share_b[rows.lane], unit_bits);
-            for (int i = 0; i < 3; ++i) a.u[i] += rows.xa[r][i] * da, b.u[i] += rows.xb[r][i] * db;
+            for (int i = 0; i < 3; ++i)
+                add_product(a.u[i], rows.xa[r][i], da), add_product(b.u[i], rows.xb[r][i], db);
         }
     }
 }
@@ -232,19 +261,23 @@ template <unsigned N> void forget_impacts(ContactPack<N>& pack, WarmStart* warm)
             slide[r] = less - pack.slide[r][lane];
             pack.slide[r][lane] = static_cast<std::int32_t>(less);
         }
-        const auto give = [&](WarmStart& to, std::int64_t share, std::int64_t sign, const auto& normal, const auto& across) {
+        const auto take_back = [&](WarmStart& to, std::int64_t share, std::int64_t sign, const auto& normal,
+                                   const auto& across) {
             for (int r = 0; r < 3; ++r) {
-                const std::int64_t n = rounded(taken[r] * share, unit_bits), t = rounded(slide[r] * share, unit_bits);
+                const std::int64_t n = rounded(taken[r] * share, unit_bits),
+                                   t = rounded(slide[r] * share, unit_bits);
                 for (int i = 0; i < 3; ++i) {
-                    // A product of 30 and 31 bits; what many contacts give to one body may be more than 63.
-                    if (r == 0) to.v[i] = add_saturated(to.v[i], sign * pack.d[0][i][lane] * n);
-                    if (r < 2) to.v[i] = add_saturated(to.v[i], sign * pack.d[r + 1][i][lane] * t);
-                    to.u[i] = add_saturated(to.u[i], normal[r][i][lane] * n + across[r][i][lane] * t);
+                    if (r == 0) add_product(to.v[i], sign * pack.d[0][i][lane], n);
+                    if (r < 2) add_product(to.v[i], sign * pack.d[r + 1][i][lane], t);
+                    add_product(to.u[i], normal[r][i][lane], n);
+                    add_product(to.u[i], across[r][i][lane], t);
                 }
             }
         };
-        if ((pack.movable_a >> lane) & 1u) give(warm[pack.body_a[lane]], pack.share_a[lane], -1, pack.normal_a, pack.slide_a);
-        if ((pack.movable_b >> lane) & 1u) give(warm[pack.body_b[lane]], pack.share_b[lane], 1, pack.normal_b, pack.slide_b);
+        if ((pack.movable_a >> lane) & 1u)
+            take_back(warm[pack.body_a[lane]], pack.share_a[lane], -1, pack.normal_a, pack.slide_a);
+        if ((pack.movable_b >> lane) & 1u)
+            take_back(warm[pack.body_b[lane]], pack.share_b[lane], 1, pack.normal_b, pack.slide_b);
     }
     pack.impacts = 0;
 }
@@ -253,25 +286,25 @@ template void measure_approach(std::span<Bounce>, std::span<const ContactPack<1>
 template void give_back(std::span<Bounce>, std::span<ContactPack<1>>, std::int32_t, SolverBodies&);
 template void solve_rolling(std::span<Rolling>, std::span<const ContactPack<1>>, SolverBodies&, bool);
 template void forget_impacts(ContactPack<1>&, WarmStart*);
-template void note_bounce(const ContactPack<1>&, Bounce*, const std::int32_t (&)[4][1], const std::int32_t (&)[4][1],
-                          const std::int32_t (&)[4][1]);
+template void note_bounce(const ContactPack<1>&, Bounce*, const std::int32_t (&)[4][1],
+                          const std::int32_t (&)[4][1], const std::int32_t (&)[4][1]);
 template void measure_approach(std::span<Bounce>, std::span<const ContactPack<2>>, const SolverBodies&);
 template void give_back(std::span<Bounce>, std::span<ContactPack<2>>, std::int32_t, SolverBodies&);
 template void solve_rolling(std::span<Rolling>, std::span<const ContactPack<2>>, SolverBodies&, bool);
 template void forget_impacts(ContactPack<2>&, WarmStart*);
-template void note_bounce(const ContactPack<2>&, Bounce*, const std::int32_t (&)[4][2], const std::int32_t (&)[4][2],
-                          const std::int32_t (&)[4][2]);
+template void note_bounce(const ContactPack<2>&, Bounce*, const std::int32_t (&)[4][2],
+                          const std::int32_t (&)[4][2], const std::int32_t (&)[4][2]);
 template void measure_approach(std::span<Bounce>, std::span<const ContactPack<4>>, const SolverBodies&);
 template void give_back(std::span<Bounce>, std::span<ContactPack<4>>, std::int32_t, SolverBodies&);
 template void solve_rolling(std::span<Rolling>, std::span<const ContactPack<4>>, SolverBodies&, bool);
 template void forget_impacts(ContactPack<4>&, WarmStart*);
-template void note_bounce(const ContactPack<4>&, Bounce*, const std::int32_t (&)[4][4], const std::int32_t (&)[4][4],
-                          const std::int32_t (&)[4][4]);
+template void note_bounce(const ContactPack<4>&, Bounce*, const std::int32_t (&)[4][4],
+                          const std::int32_t (&)[4][4], const std::int32_t (&)[4][4]);
 template void measure_approach(std::span<Bounce>, std::span<const ContactPack<8>>, const SolverBodies&);
 template void give_back(std::span<Bounce>, std::span<ContactPack<8>>, std::int32_t, SolverBodies&);
 template void solve_rolling(std::span<Rolling>, std::span<const ContactPack<8>>, SolverBodies&, bool);
 template void forget_impacts(ContactPack<8>&, WarmStart*);
-template void note_bounce(const ContactPack<8>&, Bounce*, const std::int32_t (&)[4][8], const std::int32_t (&)[4][8],
-                          const std::int32_t (&)[4][8]);
+template void note_bounce(const ContactPack<8>&, Bounce*, const std::int32_t (&)[4][8],
+                          const std::int32_t (&)[4][8], const std::int32_t (&)[4][8]);
 
 } // namespace lockstone::solve
