@@ -107,6 +107,7 @@ void follow(const BodyColumns& columns, std::uint32_t row, const StepConstants& 
     turn.stiff = s.radii != turn.own;
     bodies.turns.push_back(turn);
     s.turn = static_cast<std::uint32_t>(bodies.turns.size());
+    bodies.plain[row] = 0;
     if (!turn.stiff) precess(bodies.body[row], s, bodies.turns.back(), step);
 }
 

@@ -141,12 +141,34 @@ inline std::uint64_t clamp_speeds(SolverBodies& bodies, std::uint32_t i, SpeedLi
     return (clamp_length(b.v, limits.linear) ? 1u : 0u) + (turns_less ? 1u : 0u);
 }
 
-/// Calls visit(i) for each body and adds what it returns to the clamped speeds.
-template <class Visit> void for_each_body(SolverBodies& bodies, Tasks* tasks, Visit&& visit) {
+using Move = decltype(BodyKernel::integrate_poses);
+
+BodyPass pass_of(const StepConstants& step, SpeedLimits limits, SolverBodies& bodies) {
+    BodyPass pass{bodies.body.data(), bodies.plain.data(), 0, 0, {}, {}, step.substep_time.raw};
+    for (int i = 0; i < 3; ++i) {
+        pass.dv[i] = bodies.fall[i];
+        pass.most[i] = (std::int64_t{1} << limits.linear.k) - 1;
+        pass.most[3 + i] = (std::int64_t{1} << limits.tip.k) - 1;
+    }
+    return pass;
+}
+
+/// Moves plain bodies by the kernel, if there is one, calls visit(i) for each of the others and adds what it returns to the
+/// clamped speeds.
+template <class Visit>
+void for_each_body(const BodyPass& pass, Move kernel, SolverBodies& bodies, Tasks* tasks, Visit&& visit) {
     base::for_chunks(tasks, bodies.still(), body_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
                          std::uint64_t clamped = 0;
-                         for (std::uint32_t i = first; i < last; ++i) clamped += visit(i);
+                         if (kernel == nullptr) {
+                             for (std::uint32_t i = first; i < last; ++i) clamped += visit(i);
+                         } else {
+                             std::uint32_t left[body_chunk];
+                             BodyPass part = pass;
+                             part.first = first, part.last = last;
+                             const std::uint32_t count = kernel(part, left);
+                             for (std::uint32_t k = 0; k < count; ++k) clamped += visit(left[k]);
+                         }
                          base::add_count(bodies.clamps.speed, clamped);
                      });
 }
@@ -157,7 +179,11 @@ void integrate_velocities(const FreeMotion& motion, const BodyColumns& columns, 
                           SolverBodies& bodies, Tasks* tasks) {
     const bool general = motion.scheme != Scheme::semi_implicit_euler || !motion.fields.empty();
     const SpeedLimits limits(step);
-    for_each_body(bodies, tasks, [&, limits](std::uint32_t i) -> std::uint64_t {
+    // What the fields' scheme adds to a move is no plain motion either.
+    if (general) std::fill(bodies.plain.begin(), bodies.plain.end(), std::uint8_t{0});
+    const Move kernel = bodies.kernel != nullptr ? bodies.kernel->integrate_velocities : nullptr;
+    const BodyPass pass = pass_of(step, limits, bodies);
+    for_each_body(pass, kernel, bodies, tasks, [&, limits](std::uint32_t i) -> std::uint64_t {
         SolverBody& b = bodies.body[i];
         BodyStep& s = bodies.step[i];
         if (!s.moves) return 0;
@@ -185,7 +211,9 @@ void integrate_poses(const StepConstants& step, SolverBodies& bodies, Tasks* tas
     const std::int64_t h = step.substep_time.raw;
     const auto way = [h](std::int64_t v) { return ((v >> to_separation) * h + half) >> Unit::fraction_bits; };
     const SpeedLimits limits(step);
-    for_each_body(bodies, tasks, [&, way, limits](std::uint32_t i) -> std::uint64_t {
+    const Move kernel = bodies.kernel != nullptr ? bodies.kernel->integrate_poses : nullptr;
+    const BodyPass pass = pass_of(step, limits, bodies);
+    for_each_body(pass, kernel, bodies, tasks, [&, way, limits](std::uint32_t i) -> std::uint64_t {
         SolverBody& b = bodies.body[i];
         const BodyStep& s = bodies.step[i];
         if (!s.moves) return 0;

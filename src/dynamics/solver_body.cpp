@@ -126,16 +126,17 @@ struct Fall {
     std::int64_t dv[3]; ///< per substep, 47 fraction bits
 };
 
-static void begin_body(const BodyInfo& info, const BodyMass& mass, const BodyForce& force,
-                       const Transform& pose, const Velocity& velocity, const Fall& fall,
-                       const StepConstants& step, SolverBody& b, BodyStep& s, ClampCounts& clamps) {
+/// Returns PlainMotion.
+static std::uint8_t begin_body(const BodyInfo& info, const BodyMass& mass, const BodyForce& force,
+                               const Transform& pose, const Velocity& velocity, const Fall& fall,
+                               const StepConstants& step, SolverBody& b, BodyStep& s, ClampCounts& clamps) {
     s.movable = info.kind == BodyKind::dynamic && mass.mass > Real{};
     s.moves = info.kind != BodyKind::static_;
     s.jointed = info.first_joint != 0;
     const std::uint32_t linear_mask = s.movable ? ~info.locks & 7u : 7u;
     s.angular_mask = s.movable ? ~(info.locks >> 3) & 7u : 7u;
     for (int i = 0; i < 3; ++i) b.keep[i] = (linear_mask >> i) & 1u ? -1 : 0;
-    if (!s.moves) return;
+    if (!s.moves) return 0;
     s.radii = mass.gyration;
     for (int i = 0; i < 3; ++i)
         if (((linear_mask >> i) & 1u) != 0) b.v[i] = std::int64_t{velocity.linear[i].raw} << row_bits;
@@ -143,17 +144,21 @@ static void begin_body(const BodyInfo& info, const BodyMass& mass, const BodyFor
     clamps.speed += clamp_length(b.v, step.linear_speed_max) ? 1u : 0u;
     begin_turning(mass, pose, velocity, step, b, s, clamps);
     s.linear_keep = s.angular_keep = unit_one;
-    if (!s.movable) return;
+    if (!s.movable) return plain_pose;
     s.linear_keep = kept(info.linear_damping, step);
     s.angular_keep = kept(info.angular_damping, step);
     Vec3 acceleration = info.gravity_scale == Real(1) ? fall.gravity : fall.gravity * info.gravity_scale;
     if (force.force != Vec3{}) acceleration += force.force / mass.mass;
     s.acceleration = masked(acceleration, linear_mask);
-    if (s.acceleration == fall.gravity)
+    const bool falls = s.acceleration == fall.gravity;
+    if (falls)
         std::copy_n(fall.dv, 3, s.dv);
     else
         per_substep(s.acceleration, step, s.dv);
     begin_torque(mass, force, step, s);
+    const bool is_plain =
+        falls && force.torque == Vec3{} && s.linear_keep == unit_one && s.angular_keep == unit_one;
+    return plain_pose | (is_plain ? plain_velocity : 0);
 }
 
 void set_radii(const BodyColumns& c, std::uint32_t row, Vec3 radii, const StepConstants& step,
@@ -169,17 +174,19 @@ void begin_step(const BodyColumns& c, Vec3 gravity, const StepConstants& step, S
     const std::uint32_t count = static_cast<std::uint32_t>(c.info.size());
     out.body.resize(count + 1);
     out.step.resize(count + 1);
+    out.plain.resize(count);
     out.turns.clear();
     out.clamps = {};
     Fall fall{gravity, {}};
     per_substep(gravity, step, fall.dv);
+    std::copy_n(fall.dv, 3, out.fall);
     base::for_chunks(tasks, count, body_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
         ClampCounts clamps;
         for (std::uint32_t i = first; i < last; ++i) {
             out.body[i] = {};
             out.step[i] = {};
-            begin_body(c.info[i], c.mass[i], c.force[i], c.pose[i], c.velocity[i], fall, step, out.body[i],
-                       out.step[i], clamps);
+            out.plain[i] = begin_body(c.info[i], c.mass[i], c.force[i], c.pose[i], c.velocity[i], fall, step,
+                                      out.body[i], out.step[i], clamps);
         }
         base::add_count(out.clamps.speed, clamps.speed);
     });

@@ -9,6 +9,7 @@
 #pragma once
 
 #include "base/parallel.h"
+#include "dynamics/body_kernel.h"
 #include "dynamics/rows.h"
 #include "dynamics/step.h"
 
@@ -96,10 +97,13 @@ struct SolverBodies {
     std::vector<SolverBody> body;
     std::vector<BodyStep> step;
     std::vector<FollowedTurn> turns; ///< of some bodies
+    std::vector<std::uint8_t> plain; ///< PlainMotion, by body
+    std::int64_t fall[3];            ///< dv of what gravity alone moves
     ClampCounts clamps;
+    const BodyKernel* kernel = nullptr; ///< null: all bodies are moved one by one, to the same bits
 
     void reserve(std::size_t bodies) {
-        body.reserve(bodies + 1), step.reserve(bodies + 1), turns.reserve(bodies);
+        body.reserve(bodies + 1), step.reserve(bodies + 1), turns.reserve(bodies), plain.reserve(bodies);
     }
     std::uint32_t still() const { return static_cast<std::uint32_t>(body.size() - 1); }
 };

@@ -14,6 +14,7 @@
 #include "sim/sleep_scratch.h"
 #include "sim/sweep.h"
 #include "sim/vehicle.h"
+#include "solve/bodies/kernels.h"
 #include "solve/contacts/contact_solver.h"
 #include "solve/joints/kernels.h"
 
@@ -23,6 +24,7 @@ namespace lockstone::sim {
 struct Scratch {
     explicit Scratch(std::shared_ptr<const AssetLibrary> assets) : solids(std::move(assets)), broad_phase(0) {
         changed.reserve(64);
+        bodies.kernel = solve::bodies_of(best_simd());
     }
     /// What is kept by shape slot has room for so many, if it had less.
     void fit(std::uint32_t shape_slots);
@@ -73,6 +75,7 @@ struct Scratch {
             apart; ///< what parted them when last looked at, in the axes of the narrow phase's A; zero: nothing known
     };
     std::vector<Near> near, near_before; ///< the latter gives the former its hints, which change speed only
+    bool near_is_cut = false;            ///< there were more such pairs than are looked at
     collide::NarrowScratch narrow;
     collide::Manifolds manifolds;
 
@@ -98,7 +101,8 @@ struct Scratch {
     };
     std::vector<Seen> seen;
     std::vector<dynamics::Contact> contacts;
-    std::uint32_t contacts_dropped; ///< rows that the table had no room for
+    std::uint32_t
+        contacts_dropped; ///< rows that the table had no room for, and one for all pairs not looked at
     /// What a chunk of `near` makes, before it is known where it goes: rows count from the chunk's own first.
     struct NearChunk {
         std::vector<ContactMemory> memories; ///< of the pairs whose rows are new, in order

@@ -63,8 +63,8 @@ void poison_parts(std::byte with, SleepScratch& sleep, CharacterScratch& charact
             poison_narrow(with, narrow, unused);
         }
     }
-    auto& [body, step, turns, clamps] = bodies;
-    poison(with, body, step, turns, clamps);
+    auto& [body, step, turns, plain, fall, clamps, kernel] = bodies;
+    poison(with, body, step, turns, plain, fall, clamps);
 }
 
 } // namespace
@@ -73,14 +73,15 @@ void poison_scratch(Data& w, std::byte with) {
     // Caches, which hold from tick to tick: solids, broad_phase, structure_stale, proxy_generation, planes, proxies_of,
     // awake_before, solids_replaced; of the shapes what rests; of `near` the hints, which are forgotten here.
     auto& [solids, broad_phase, structure_stale, proxy_generation, shape, planes, proxies_of, awake_before,
-           solids_replaced, changed, pairs, plane_pairs, merged_pairs, pair_keys, near, near_before, narrow,
-           manifolds, ended, seen, contacts, contacts_dropped, near_chunks, row_moves, narrow_workers,
-           pose_before, query, sweep, sleep, characters, written_row, canonical_row, mass_parts, step, bodies,
-           solver, joint_solver, joints, broken, vehicle_solver, pulls, categories, fluids] = w.scratch;
+           solids_replaced, changed, pairs, plane_pairs, merged_pairs, pair_keys, near, near_before,
+           near_is_cut, narrow, manifolds, ended, seen, contacts, contacts_dropped, near_chunks, row_moves,
+           narrow_workers, pose_before, query, sweep, sleep, characters, written_row, canonical_row,
+           mass_parts, step, bodies, solver, joint_solver, joints, broken, vehicle_solver, pulls, categories,
+           fluids] = w.scratch;
     poison(with, contacts_dropped, changed, pairs, plane_pairs, merged_pairs, pair_keys, ended, seen,
            contacts, row_moves, pose_before, written_row, canonical_row, mass_parts, step, joints, broken,
            pulls, categories);
-    near.clear(), near_before.clear();
+    near.clear(), near_before.clear(), near_is_cut = false;
     poison_narrow(with, narrow, manifolds);
     poison_chunks(with, near_chunks);
     poison_workers(with, narrow_workers, sweep);

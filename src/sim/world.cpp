@@ -177,8 +177,7 @@ Result<World> World::create(const WorldDef& def, const GameSchema& schema,
 namespace {
 
 /// What one row costs the solver, the broad phase and the lists of a tick besides the state [bytes]; the attack `bombs`
-/// holds it against worlds with full tables. Of a shape with some 30 pairs: crowds, where pairs grow with the square of the
-/// number of shapes, take more.
+/// holds it against worlds with full tables and against crowds, whose pairs contacts_max bounds; sim/pairs.cpp.
 constexpr std::uint64_t per_body = 1024, per_shape = 6144, per_contact = 3072, per_joint = 4096,
                         per_character = 1024, per_vehicle = 8192, per_world = std::uint64_t{2} << 20;
 
@@ -583,7 +582,10 @@ void World::set_journal(Journal* journal) { impl->journal = journal; }
 void World::set_tasks(Tasks* tasks) { impl->tasks = tasks; }
 void World::observe_phases(PhaseObserver* observer) { impl->observer = observer; }
 bool World::set_simd(Simd level) {
-    return impl->scratch.solver.use(level) && impl->scratch.joint_solver.use(solve::joints_of(level));
+    sim::Scratch& s = impl->scratch;
+    if (!s.solver.use(level)) return false;
+    s.bodies.kernel = solve::bodies_of(level);
+    return s.joint_solver.use(solve::joints_of(level));
 }
 void World::record_phase_hashes(bool on) { impl->phase_hashes_on = on; }
 std::span<const PhaseHash> World::phase_hashes() const { return impl->phase_hashes; }

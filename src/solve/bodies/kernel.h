@@ -1,0 +1,106 @@
+// The motion of bodies in a substep, written once over the lanes L. See dynamics/body_kernel.h.
+//
+// A body's six velocities are a row of lanes: no body is gathered. Where six is no multiple of the lanes the last window
+// overlaps the one before, and writes the same again.
+//
+// Only files that are compiled for one instruction set include this; it must not use inline functions that other files use
+// too, since the linker keeps one of their copies.
+#pragma once
+
+#include "dynamics/body_kernel.h"
+#include "dynamics/solver_body.h"
+
+namespace lockstone::solve {
+
+template <class L> class MovedBodies {
+    static constexpr unsigned N = L::lanes, windows = (6 + N - 1) / N;
+    static_assert(N <= 6, "a row of a body would reach beyond it");
+    using V = typename L::V;
+    using Pass = dynamics::BodyPass;
+    using Body = dynamics::SolverBody;
+
+    static constexpr unsigned place(unsigned window) { return window * N + N <= 6 ? window * N : 6 - N; }
+    static std::int64_t* velocities(const Pass& pass, std::uint32_t i) {
+        return reinterpret_cast<std::int64_t*>(&pass.bodies[i]);
+    }
+    static std::int32_t* moves(const Pass& pass, std::uint32_t i) {
+        return reinterpret_cast<std::int32_t*>(velocities(pass, i) + 6);
+    }
+
+    struct Row {
+        V at[windows];
+    };
+    static Row load(const std::int64_t* p) {
+        Row row;
+        for (unsigned k = 0; k < windows; ++k) row.at[k] = L::load64(p + place(k));
+        return row;
+    }
+    /// The limits, found once for many bodies.
+    struct Limits {
+        Row most, least;
+    };
+    static Limits limits_of(const Pass& pass) {
+        Limits limits;
+        limits.most = load(pass.most);
+        for (unsigned k = 0; k < windows; ++k) // -2^k = ~(2^k - 1)
+            limits.least.at[k] = L::without(L::splat(-1), limits.most.at[k]);
+        return limits;
+    }
+    static bool is_beyond(const Row& row, const Limits& limits) {
+        V beyond = L::splat(0);
+        for (unsigned k = 0; k < windows; ++k)
+            beyond = L::either(beyond, L::either(L::greater64(row.at[k], limits.most.at[k]),
+                                                 L::greater64(limits.least.at[k], row.at[k])));
+        return L::lanes_of(beyond) != 0;
+    }
+
+    static std::uint32_t integrate_velocities(const Pass& pass, std::uint32_t* left) {
+        const Limits limits = limits_of(pass);
+        const Row change = load(pass.dv);
+        std::uint32_t count = 0;
+        for (std::uint32_t i = pass.first; i < pass.last; ++i) {
+            std::int64_t* const p = velocities(pass, i);
+            Row row = load(p);
+            for (unsigned k = 0; k < windows; ++k) row.at[k] = L::add(row.at[k], change.at[k]);
+            if ((pass.plain[i] & dynamics::plain_velocity) == 0 || is_beyond(row, limits)) {
+                left[count++] = i;
+                continue;
+            }
+            for (unsigned k = 0; k < windows; ++k) L::store64(p + place(k), row.at[k]);
+        }
+        return count;
+    }
+
+    static std::uint32_t integrate_poses(const Pass& pass, std::uint32_t* left) {
+        // Velocity with 27 fraction bits times time with 30: at most 15 m in a tick, so 2^61.
+        constexpr int drop = dynamics::accumulator_bits - 27;
+        constexpr std::int64_t top = INT32_MAX, bottom = INT32_MIN;
+        const Limits limits = limits_of(pass);
+        const V time = L::splat(pass.substep_time), half = L::splat(std::int64_t{1} << 29),
+                most = L::splat(top), least = L::splat(bottom);
+        std::uint32_t count = 0;
+        for (std::uint32_t i = pass.first; i < pass.last; ++i) {
+            const Row row = load(velocities(pass, i));
+            if ((pass.plain[i] & dynamics::plain_pose) == 0 || is_beyond(row, limits)) {
+                left[count++] = i;
+                continue;
+            }
+            std::int32_t* const to = moves(pass, i);
+            V moved[windows];
+            for (unsigned k = 0; k < windows; ++k) {
+                const V way = L::template shift_right_signed<30>(
+                    L::add(L::mul64(L::template shift_right_signed<drop>(row.at[k]), time), half));
+                moved[k] = L::add(L::load32(to + place(k)), way);
+                moved[k] = L::select(L::greater64(moved[k], most), most, moved[k]);
+                moved[k] = L::select(L::greater64(least, moved[k]), least, moved[k]);
+            }
+            for (unsigned k = 0; k < windows; ++k) L::store32(to + place(k), moved[k]);
+        }
+        return count;
+    }
+
+  public:
+    static constexpr dynamics::BodyKernel table() { return {integrate_velocities, integrate_poses}; }
+};
+
+} // namespace lockstone::solve

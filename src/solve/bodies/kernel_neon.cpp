@@ -1,0 +1,14 @@
+// Every AArch64 has NEON; its intrinsics count lanes otherwise where bytes are big-endian.
+#if defined(__aarch64__) && !defined(__AARCH64EB__)
+
+#include "solve/bodies/kernel.h"
+#include "solve/bodies/kernels.h"
+#include "solve/lanes/neon.h"
+
+namespace lockstone::solve {
+
+constinit const dynamics::BodyKernel neon_bodies = MovedBodies<Neon>::table();
+
+} // namespace lockstone::solve
+
+#endif
