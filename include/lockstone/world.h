@@ -111,7 +111,9 @@ class GameSchema {
 struct Faults {
     std::uint64_t speed_clamped;    ///< a linear or angular velocity met its limit
     std::uint64_t position_clamped; ///< a position met the end of the documented range (1e9 m)
-    std::uint64_t contacts_dropped; ///< pairs beyond contacts_max; the last in pair order were dropped
+    /// Pairs beyond contacts_max; the last in pair order were dropped. Of more than 1024 + 2 contacts_max pairs that are
+    /// near, the last are not looked at, and count as one in each tick.
+    std::uint64_t contacts_dropped;
     std::uint64_t impulse_clamped;  ///< a contact impulse met the end of its format
     friend bool operator==(const Faults&, const Faults&) = default;
 };

@@ -80,6 +80,7 @@ void BroadPhase::clear() {
     moved.clear();
     changed.clear();
     leaf_pairs.clear();
+    gave_up = false;
 }
 
 void BroadPhase::update_trees() {
@@ -137,22 +138,55 @@ void BroadPhase::insert_moved(bool is_fixed) {
     }
 }
 
-void BroadPhase::find_pairs(std::vector<ProxyPair>& out) {
+bool BroadPhase::find_pairs(std::vector<ProxyPair>& out, std::size_t leaf_pairs_max) {
+    out.clear();
+    if (gave_up)
+        for (std::uint32_t proxy = 0; proxy < entries.size(); ++proxy)
+            if (entries[proxy].present) note_move(proxy);
     if (!changed.empty()) {
         update_trees();
-        forget_pairs_of_fresh_leaves();
-        found.clear();
-        find_fresh_pairs_within(moving);
-        find_fresh_pairs_between(moving, fixed);
-        merge_found();
+        gave_up = !find_leaf_pairs(leaf_pairs_max);
+        if (gave_up) return false;
         moving.clear_fresh();
         fixed.clear_fresh();
         for (std::uint32_t proxy : changed) entries[proxy].fresh = false;
         changed.clear();
     }
-    out.clear();
     for (const ProxyPair& pair : leaf_pairs)
         if (overlap(entries[pair.a].exact, entries[pair.b].exact)) out.push_back(pair);
+    return true;
+}
+
+bool BroadPhase::find_leaf_pairs(std::size_t leaf_pairs_max) {
+    forget_pairs_of_fresh_leaves();
+    found.clear();
+    const bool are_few = leaf_pairs.size() <= leaf_pairs_max &&
+                         find_fresh_pairs_within(moving, leaf_pairs_max - leaf_pairs.size()) &&
+                         find_fresh_pairs_between(moving, fixed, leaf_pairs_max - leaf_pairs.size());
+    if (are_few)
+        merge_found();
+    else
+        leaf_pairs.clear();
+    return are_few;
+}
+
+void BroadPhase::find_first_pairs(std::vector<ProxyPair>& out, std::size_t count_max,
+                                  const std::function<bool(ProxyPair)>& is_wanted) {
+    LOCKSTONE_ASSERT(moved.empty(), moved.size(), " proxies that the trees do not know yet");
+    out.clear();
+    for (std::uint32_t a = 0; a < entries.size() && out.size() < count_max; ++a) {
+        if (!entries[a].present) continue;
+        const Bounds& bounds = entries[a].exact;
+        const auto meets = [&](const Bounds& other) { return overlap(other, bounds); };
+        const std::ptrdiff_t before = std::ssize(out);
+        const auto add = [&](std::uint32_t b) {
+            if (b > a && meets(entries[b].exact) && is_wanted({a, b})) out.push_back({a, b});
+        };
+        moving.query_if(meets, open, add);
+        if (!entries[a].is_static) fixed.query_if(meets, open, add);
+        std::sort(out.begin() + before, out.end());
+    }
+    out.resize(std::min(out.size(), count_max));
 }
 
 void BroadPhase::forget_pairs_of_fresh_leaves() {
@@ -165,8 +199,9 @@ ProxyPair ordered(std::uint32_t x, std::uint32_t y) { return x < y ? ProxyPair{x
 
 } // namespace
 
-/// A stack entry (n, n) stands for all pairs below n, (a, b) for those of one leaf below each.
-void BroadPhase::find_fresh_pairs_within(const BoundsTree& tree) {
+/// A stack entry (n, n) stands for all pairs below n, (a, b) for those of one leaf below each. False when there are more
+/// than `found_max` in all.
+bool BroadPhase::find_fresh_pairs_within(const BoundsTree& tree, std::size_t found_max) {
     stack.clear();
     if (tree.root() != BoundsTree::none) stack.push_back({tree.root(), tree.root()});
     while (!stack.empty()) {
@@ -183,6 +218,7 @@ void BroadPhase::find_fresh_pairs_within(const BoundsTree& tree) {
         }
         if (!overlap(a.bounds, b.bounds)) continue;
         if (a.is_leaf() && b.is_leaf()) {
+            if (found.size() == found_max) return false;
             found.push_back(ordered(a.proxy(), b.proxy()));
         } else if (b.is_leaf() || (!a.is_leaf() && half_area(a.bounds) >= half_area(b.bounds))) {
             stack.push_back({a.child[0], top.b});
@@ -192,9 +228,11 @@ void BroadPhase::find_fresh_pairs_within(const BoundsTree& tree) {
             stack.push_back({top.a, b.child[1]});
         }
     }
+    return true;
 }
 
-void BroadPhase::find_fresh_pairs_between(const BoundsTree& tree_a, const BoundsTree& tree_b) {
+bool BroadPhase::find_fresh_pairs_between(const BoundsTree& tree_a, const BoundsTree& tree_b,
+                                          std::size_t found_max) {
     stack.clear();
     if (tree_a.root() != BoundsTree::none && tree_b.root() != BoundsTree::none)
         stack.push_back({tree_a.root(), tree_b.root()});
@@ -204,6 +242,7 @@ void BroadPhase::find_fresh_pairs_between(const BoundsTree& tree_a, const Bounds
         const BoundsTree::Node &a = tree_a.node(top.a), &b = tree_b.node(top.b);
         if ((!a.fresh && !b.fresh) || !overlap(a.bounds, b.bounds)) continue;
         if (a.is_leaf() && b.is_leaf()) {
+            if (found.size() == found_max) return false;
             found.push_back(ordered(a.proxy(), b.proxy()));
         } else if (b.is_leaf() || (!a.is_leaf() && half_area(a.bounds) >= half_area(b.bounds))) {
             stack.push_back({a.child[0], top.b});
@@ -213,6 +252,7 @@ void BroadPhase::find_fresh_pairs_between(const BoundsTree& tree_a, const Bounds
             stack.push_back({top.a, b.child[1]});
         }
     }
+    return true;
 }
 
 void BroadPhase::merge_found() {

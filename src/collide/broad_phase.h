@@ -8,6 +8,7 @@
 #include "collide/tree.h"
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace lockstone::collide {
@@ -41,8 +42,13 @@ class BroadPhase {
     void clear();
 
     /// All pairs, not both static, whose exact bounds overlap (touching counts), sorted by (a, b).
-    /// Costs what moved out of its leaf since the last call, and a test for each pair of overlapping leaves.
-    void find_pairs(std::vector<ProxyPair>& out);
+    /// Costs what moved out of its leaf since the last call, and a test for each pair of overlapping leaves. False, and
+    /// nothing found, when more than `leaf_pairs_max` leaves overlap: then the next call finds all pairs anew.
+    bool find_pairs(std::vector<ProxyPair>& out, std::size_t leaf_pairs_max = SIZE_MAX);
+    /// For crowds, in which the pairs are too many to be listed: the first `count_max` of the pairs above that
+    /// `is_wanted`. The trees have to be up to date (asserted), as they are after `find_pairs`.
+    void find_first_pairs(std::vector<ProxyPair>& out, std::size_t count_max,
+                          const std::function<bool(ProxyPair)>& is_wanted);
 
     /// All proxies whose exact bounds overlap, sorted.
     void query(const Bounds& bounds, std::vector<std::uint32_t>& out);
@@ -95,8 +101,9 @@ class BroadPhase {
     void insert_moved(bool is_fixed);
     BoundsTree& tree_of(bool is_fixed) { return is_fixed ? fixed : moving; }
     void forget_pairs_of_fresh_leaves();
-    void find_fresh_pairs_within(const BoundsTree& tree);
-    void find_fresh_pairs_between(const BoundsTree& a, const BoundsTree& b);
+    bool find_fresh_pairs_within(const BoundsTree& tree, std::size_t found_max);
+    bool find_fresh_pairs_between(const BoundsTree& a, const BoundsTree& b, std::size_t found_max);
+    bool find_leaf_pairs(std::size_t leaf_pairs_max);
     void merge_found();
 
     std::vector<Entry> entries; // by proxy
@@ -105,6 +112,7 @@ class BroadPhase {
     std::vector<std::uint32_t> moved;   // since the trees were updated
     std::vector<std::uint32_t> changed; // since the pairs were found
     std::vector<ProxyPair> leaf_pairs;  // whose leaves overlap, sorted: a superset of the answer
+    bool gave_up = false;               // `leaf_pairs` were too many, and are not known
     // scratch
     std::vector<ProxyPair> found, merged;
     std::vector<NodePair> stack;

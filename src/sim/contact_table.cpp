@@ -44,7 +44,7 @@ std::uint32_t drop_pairs(NearChunk& chunk, std::size_t room) {
 std::uint32_t place_chunks(Data& w, std::span<NearChunk> chunks) {
     Scratch& s = w.scratch;
     const std::uint32_t room = w.state.rows_max(w.m.contacts) - w.state.count(w.m.sleeping_contacts);
-    std::uint32_t rows = 0, contacts = 0, dropped = 0;
+    std::uint32_t rows = 0, contacts = 0, dropped = s.near_is_cut ? 1 : 0;
     s.seen.clear();
     for (NearChunk& chunk : chunks) {
         std::uint32_t in_chunk = 0;

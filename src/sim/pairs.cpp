@@ -99,47 +99,73 @@ bool still_overlap(const collide::Bounds& a, const collide::Bounds& b, Length sp
     return out;
 }
 
-/// By pair its key; a null one when the two do not meet, or both rest.
+/// The columns that every pair looks at, found once for many.
+struct PairView {
+    const Data& w;
+    std::span<const Slot> shape_slots, body_slots;
+    std::span<const ShapeRow> shapes;
+    std::span<const BodyInfo> info;
+    bool has_filters;
+    std::uint32_t shift, awake;
+
+    explicit PairView(const Data& data)
+        : w(data), shape_slots(w.state.rows(w.m.shape_slot)), body_slots(w.state.rows(w.m.body_slot)),
+          shapes(w.state.rows(w.m.shape)), info(w.state.rows(w.m.body_info)),
+          has_filters(w.state.count(w.m.pair_filters) != 0), shift(w.state.rows(w.m.config)[0].bounds_shift),
+          awake(w.header().bodies_awake) {}
+};
+
+/// A null key when the two do not meet, or both rest, or are farther apart than the margin.
+Scratch::PairKey key_of(const PairView& v, collide::ProxyPair pair) {
+    const ShapeRow &a = v.shapes[v.shape_slots[pair.a].row], &b = v.shapes[v.shape_slots[pair.b].row];
+    const std::uint32_t body_a = v.body_slots[a.body.index - 1].row,
+                        body_b = v.body_slots[b.body.index - 1].row;
+    const Scratch::Shape &at_a = v.w.scratch.shape[pair.a], &at_b = v.w.scratch.shape[pair.b];
+    if (body_a >= v.awake && body_b >= v.awake) return {};
+    const BodyInfo &info_a = v.info[body_a], &info_b = v.info[body_b];
+    const bool is_common = !v.has_filters && (a.sensor | b.sensor) == 0 && (a.group | b.group) == 0 &&
+                           (info_a.kind == BodyKind::dynamic || info_b.kind == BodyKind::dynamic);
+    const bool have_joints = info_a.first_joint != 0 && info_b.first_joint != 0;
+    const Length margin = pair_margin(v.w, at_a, body_a, at_b, body_b);
+    const bool has_plane = a.geometry.kind == ShapeKind::plane || b.geometry.kind == ShapeKind::plane;
+    const Length spare = has_plane ? Length{} : at_a.margin + at_b.margin - margin;
+    if (!still_overlap(at_a.bounds, at_b.bounds, spare, v.shift)) return {};
+    // What most pairs are, without looking further.
+    const bool meet = is_common
+                          ? a.body != b.body && (a.category & b.mask) != 0 && (b.category & a.mask) != 0 &&
+                                !(have_joints && are_joined(v.w, a.body, b.body))
+                          : may_meet(v.w, a, b);
+    if (!meet) return {};
+    return {{a.id, b.id}, margin};
+}
+
 void find_keys(Data& w) {
-    const Data& seen = w;
     std::vector<Scratch::PairKey>& keys = w.scratch.pair_keys;
     const std::uint32_t count = static_cast<std::uint32_t>(w.scratch.pairs.size());
     base::make_room(keys, count);
     keys.resize(count);
-    base::for_chunks(
-        w.tasks, count, filtered_per_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-            const std::span<const Slot> slots = seen.state.rows(seen.m.shape_slot),
-                                        body_slots = seen.state.rows(seen.m.body_slot);
-            const std::span<const ShapeRow> shapes = seen.state.rows(seen.m.shape);
-            const std::span<const BodyInfo> info = seen.state.rows(seen.m.body_info);
-            const bool has_filters = seen.state.count(seen.m.pair_filters) != 0;
-            const std::uint32_t shift = seen.state.rows(seen.m.config)[0].bounds_shift,
-                                awake = seen.header().bodies_awake;
-            for (std::uint32_t i = first; i < last; ++i) {
-                const collide::ProxyPair pair = seen.scratch.pairs[i];
-                const ShapeRow &a = shapes[slots[pair.a].row], &b = shapes[slots[pair.b].row];
-                const std::uint32_t body_a = body_slots[a.body.index - 1].row,
-                                    body_b = body_slots[b.body.index - 1].row;
-                const Scratch::Shape &at_a = seen.scratch.shape[pair.a], &at_b = seen.scratch.shape[pair.b];
-                keys[i] = {};
-                if (body_a >= awake && body_b >= awake) continue;
-                const BodyInfo &info_a = info[body_a], &info_b = info[body_b];
-                const bool is_certain =
-                    !has_filters && info_a.first_joint == 0 && info_b.first_joint == 0 &&
-                    (a.sensor | b.sensor) == 0 && (a.group | b.group) == 0 &&
-                    (info_a.kind == BodyKind::dynamic || info_b.kind == BodyKind::dynamic);
-                const Length margin = pair_margin(seen, at_a, body_a, at_b, body_b);
-                const bool has_plane =
-                    a.geometry.kind == ShapeKind::plane || b.geometry.kind == ShapeKind::plane;
-                const Length spare = has_plane ? Length{} : at_a.margin + at_b.margin - margin;
-                if (!still_overlap(at_a.bounds, at_b.bounds, spare, shift)) continue;
-                // What most pairs are, without looking further.
-                const bool meet =
-                    is_certain ? a.body != b.body && (a.category & b.mask) != 0 && (b.category & a.mask) != 0
-                               : may_meet(seen, a, b);
-                if (meet) keys[i] = {{a.id, b.id}, margin};
-            }
-        });
+    const PairView view(w);
+    base::for_chunks(w.tasks, count, filtered_per_chunk,
+                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                         for (std::uint32_t i = first; i < last; ++i)
+                             keys[i] = key_of(view, w.scratch.pairs[i]);
+                     });
+}
+
+/// How many pairs that are near are looked at: beyond, the last in pair order are dropped, as a table of contacts_max rows
+/// would drop most of them.
+std::size_t near_max(const Data& w) { return 1024 + std::size_t{2} * w.state.rows_max(w.m.contacts); }
+
+/// How many pairs of overlapping leaves may be listed; it decides on speed and memory only.
+std::size_t leaf_pairs_max(const Data& w) { return 8 * near_max(w); }
+
+/// Pairs whose bounds overlap, in order: all of them, or in a crowd as many as are looked at, and one more.
+void find_overlaps(Data& w) {
+    Scratch& s = w.scratch;
+    if (s.broad_phase.find_pairs(s.pairs, leaf_pairs_max(w))) return;
+    const PairView view(w);
+    s.broad_phase.find_first_pairs(s.pairs, near_max(w) + 1,
+                                   [&](collide::ProxyPair pair) { return bool(key_of(view, pair).key.a); });
 }
 
 /// Ends what touched and is no longer near.
@@ -177,21 +203,27 @@ bool filters_allow(const Data& w, const ShapeRow& a, const ShapeRow& b) {
 
 void find_pairs(Data& w) {
     Scratch& s = w.scratch;
-    s.broad_phase.find_pairs(s.pairs);
+    find_overlaps(w);
     find_plane_pairs(w);
     find_keys(w);
     const auto order = [](const ContactKey& k) { return std::uint64_t{k.a.index} << 32 | k.b.index; };
 
     s.near.swap(s.near_before);
     s.near.clear(), s.ended.clear();
+    s.near_is_cut = false;
     const std::span<const ContactKey> old_keys = w.state.rows(w.m.contact_key);
     const std::uint32_t count = static_cast<std::uint32_t>(old_keys.size());
     base::make_room(s.ended, count);
-    base::make_room(s.near, s.pair_keys.size());
+    base::make_room(s.near, std::min(s.pair_keys.size(), near_max(w)));
     std::uint32_t old = 0;
     std::size_t hint = 0;
+    const std::size_t most = near_max(w);
     for (const Scratch::PairKey& pair : s.pair_keys) {
         if (!pair.key.a) continue;
+        if (s.near.size() == most) {
+            s.near_is_cut = true;
+            break;
+        }
         const std::uint64_t place = order(pair.key);
         while (old < count && order(old_keys[old]) < place) retire(w, old++);
         while (hint < s.near_before.size() && order(s.near_before[hint].key) < place) ++hint;

@@ -155,6 +155,34 @@ TEST_CASE("a tree that drops a pair, adds one or forgets the order is reported")
     CHECK(check_pairs(pairs, crowd.brute_force()) != "");
 }
 
+TEST_CASE("of a crowd the first pairs are found, whatever was found or given up before") {
+    constexpr std::uint32_t count = 300;
+    Crowd crowd(count, 3, 7);
+    oracle::Random random(8);
+    BroadPhase kept(count);
+    std::vector<ProxyPair> pairs;
+    const auto is_wanted = [](ProxyPair p) { return (p.a + p.b) % 3 != 0; };
+    int given_up = 0, listed = 0;
+    for (int frame = 0; frame < 60; ++frame) {
+        crowd.step();
+        for (std::uint32_t i = 0; i < count; ++i) crowd.set(kept, i);
+        std::vector<ProxyPair> expected = crowd.brute_force();
+        // As many as there are, or a fraction of them, which is too few leaves in any case.
+        const bool all = random.below(3) == 0;
+        const std::size_t most = all ? SIZE_MAX : random.below(static_cast<std::uint32_t>(expected.size()));
+        const bool found = kept.find_pairs(pairs, most);
+        REQUIRE(found == all);
+        ++(found ? listed : given_up);
+        if (found) REQUIRE(check_pairs(pairs, expected) == "");
+        std::erase_if(expected, [&](ProxyPair p) { return !is_wanted(p); });
+        expected.resize(std::min(expected.size(), most));
+        kept.find_first_pairs(pairs, most, is_wanted);
+        REQUIRE(check_pairs(pairs, expected) == "");
+    }
+    CHECK(given_up > 20);
+    CHECK(listed > 10);
+}
+
 TEST_CASE("a query returns the sorted proxies that overlap") {
     constexpr std::uint32_t count = 400;
     Crowd crowd(count, 8, 5);

@@ -1,9 +1,9 @@
 // Small recordings that ask for much, under a limit of memory drawn at random: allocations are counted.
 #include "attack/attack.h"
+#include "lockstone/joint.h"
 #include "lockstone/random.h"
 #include "replay/branch.h"
 #include "replay/diff.h"
-#include "lockstone/joint.h"
 #include "support/small_recording.h"
 
 namespace {
@@ -118,8 +118,10 @@ constexpr std::array bombs = {many_rows, large_image, many_commands, many_column
 /// A world with full tables takes what World::memory_of says, at most.
 std::string fill_world(Random& random, Figures& figures) {
     const auto some = [&](std::uint32_t most) { return 1 + random.below(most); };
+    const bool is_crowd = random.below(3) == 0; // all at one place
     WorldDef def;
-    def.bodies_max = def.shapes_max = some(400), def.contacts_max = some(3000), def.joints_max = some(300);
+    def.bodies_max = def.shapes_max = some(is_crowd ? 1000 : 400), def.contacts_max = some(3000),
+    def.joints_max = some(300);
     def.pair_filters_max = some(100), def.characters_max = some(20), def.vehicles_max = some(10);
     const std::uint64_t told = must(World::memory_of(def)).all(), before = memory_now();
     forget_peak();
@@ -127,18 +129,18 @@ std::string fill_world(Random& random, Figures& figures) {
     const BodyId floor = must(world.create_body({.kind = BodyKind::static_}));
     (void)world.create_shape(floor, {.geometry = plane()});
     BodyId last{};
-    Real side = 1_r; // of a heap in which a box has its own volume
-    while (side * side * side < Real(def.bodies_max)) side += 0.1_r;
+    Real side = is_crowd ? 0.1_r : 1_r; // of a heap in which a box has its own volume
+    while (!is_crowd && side * side * side < Real(def.bodies_max)) side += 0.1_r;
     while (world.body_count() < def.bodies_max) { // each held to the one before
         const Real x = random.range(0_r, side), y = random.range(0_r, side), z = random.range(0_r, side);
         const BodyId body = must(world.create_body({.pose = {{x, y, z}, Quat::identity()}}));
         if (!world.create_shape(body, {.geometry = box(0.4_r, 0.4_r, 0.4_r)})) break;
-        if (last) (void)world.create_joint(weld_joint(), last, body, world.pose(body));
+        if (last && !is_crowd) (void)world.create_joint(weld_joint(), last, body, world.pose(body));
         last = body;
     }
     for (int i = 0; i < 20; ++i) (void)world.create_character({.position = {Real(2 * i), 0_r, 8_r}});
     for (int t = 0; t < 4; ++t) world.tick();
-    ++figures["full worlds"];
+    ++figures[is_crowd ? "crowds" : "full worlds"];
     figures["told kB"] += told >> 10;
     figures["taken kB"] += (memory_peak() - before) >> 10;
     figures["dropped"] += world.faults().contacts_dropped;
