@@ -101,6 +101,15 @@ void add_spread(const Cluster& c, Manifold& out) {
     if (fourth != nullptr) out.points[out.count++] = *fourth;
 }
 
+/// The deepest first, equal ones in their order; in place: std::stable_sort allocates.
+void sort_by_depth(Manifolds& out) {
+    for (std::uint32_t i = 1; i < out.count; ++i) {
+        std::uint32_t place = i;
+        while (place > 0 && deepest_of(out.items[i]) < deepest_of(out.items[place - 1])) --place;
+        std::rotate(out.items + place, out.items + i, out.items + i + 1);
+    }
+}
+
 void make_features_unique(Manifolds& out) {
     std::uint32_t used[Manifolds::max * 4];
     std::uint32_t count = 0;
@@ -153,8 +162,7 @@ void merge_manifolds(std::span<const Manifold> pieces, bool one_point, std::vect
         if (!one_point) add_spread(cluster, m);
         rest = rest.subspan(members);
     }
-    std::stable_sort(out.items, out.items + out.count,
-                     [](const Manifold& a, const Manifold& b) { return deepest_of(a) < deepest_of(b); });
+    sort_by_depth(out);
     make_features_unique(out);
 }
 

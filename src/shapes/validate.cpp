@@ -1,6 +1,7 @@
 #include "lockstone/shape.h"
 
 #include <limits>
+#include <string_view>
 
 namespace lockstone {
 namespace {
@@ -27,16 +28,18 @@ std::string told(Length v, const char* unit) {
     return decimal_of(v) + unit;
 }
 
-std::string check(std::string field, Length v, Length low, Length high, const char* unit = " m") {
+/// Empty, or the sentence: only what is wrong makes a text.
+std::string check(std::string_view shape, std::string_view field, Length v, Length low, Length high,
+                  const char* unit = " m") {
     if (v >= low && v <= high) return {};
-    std::string fault = field + " is " + told(v, unit) + ", it must be in " + decimal_of(low) + unit + " .. " +
-                        decimal_of(high) + unit;
+    std::string fault = std::string(shape) + " " + std::string(field) + " is " + told(v, unit) +
+                        ", it must be in " + decimal_of(low) + unit + " .. " + decimal_of(high) + unit;
     if (v > high && low == shape_size_min && high == shape_size_max)
         fault += "; on a static body scaled() makes a smaller one up to 8 times as large";
     return fault;
 }
-std::string check(std::string field, Length v) {
-    return check(std::move(field), v, shape_size_min, shape_size_max);
+std::string check(std::string_view shape, std::string_view field, Length v) {
+    return check(shape, field, v, shape_size_min, shape_size_max);
 }
 
 template <class... More> std::string first_of(std::string a, More... more) {
@@ -47,56 +50,56 @@ template <class... More> std::string first_of(std::string a, More... more) {
 }
 
 /// A rounding radius is not negative, and the whole stays within 100 m.
-std::string check_rounded(const std::string& name, const Geometry& g, Length widest) {
-    return first_of(check(name + " radius", g.radius, Length{}, shape_size_max),
-                    check(name + " half_extent + radius", widest + g.radius, Length{}, shape_size_max));
+std::string check_rounded(std::string_view name, const Geometry& g, Length widest) {
+    return first_of(check(name, "radius", g.radius, Length{}, shape_size_max),
+                    check(name, "half_extent + radius", widest + g.radius, Length{}, shape_size_max));
 }
 
-std::string check_round_core(const std::string& name, const Geometry& g) {
+std::string check_round_core(std::string_view name, const Geometry& g) {
     const LengthVec3& half = g.half_extent;
     if (half.x != half.z)
-        return name + " half_extent.x is " + decimal_of(half.x) + " m and half_extent.z is " +
+        return std::string(name) + " half_extent.x is " + decimal_of(half.x) + " m and half_extent.z is " +
                decimal_of(half.z) + " m, they must be equal";
-    return first_of(check(name + " half_extent.x", half.x), check(name + " half_extent.y", half.y),
+    return first_of(check(name, "half_extent.x", half.x), check(name, "half_extent.y", half.y),
                     check_rounded(name, g, max(half.x, half.y)));
 }
 
 std::string check_sizes(const Geometry& g) {
     const LengthVec3& half = g.half_extent;
+    const std::string_view name = name_of(g.kind);
     switch (g.kind) {
     case ShapeKind::sphere:
-        return check("sphere radius", g.radius);
+        return check(name, "radius", g.radius);
     case ShapeKind::capsule:
-        return first_of(check("capsule radius", g.radius),
-                        check("capsule half_extent.y", half.y, Length{}, shape_size_max),
-                        check("capsule half_extent.y + radius", half.y + g.radius));
+        return first_of(check(name, "radius", g.radius),
+                        check(name, "half_extent.y", half.y, Length{}, shape_size_max),
+                        check(name, "half_extent.y + radius", half.y + g.radius));
     case ShapeKind::cylinder:
-        return check_round_core("cylinder", g);
     case ShapeKind::cone:
-        return check_round_core("cone", g);
+        return check_round_core(name, g);
     case ShapeKind::box:
-        return first_of(check("box half_extent.x", half.x), check("box half_extent.y", half.y),
-                        check("box half_extent.z", half.z),
-                        check_rounded("box", g, max(half.x, max(half.y, half.z))));
+        return first_of(check(name, "half_extent.x", half.x), check(name, "half_extent.y", half.y),
+                        check(name, "half_extent.z", half.z),
+                        check_rounded(name, g, max(half.x, max(half.y, half.z))));
     case ShapeKind::hull:
-        return check("hull radius", g.radius, Length{}, shape_size_max);
+        return check(name, "radius", g.radius, Length{}, shape_size_max);
     default: // a plane has no size, the others have no radius
-        return check(std::string(name_of(g.kind)) + " radius", g.radius, Length{}, Length{});
+        return check(name, "radius", g.radius, Length{}, Length{});
     }
 }
 
 std::string check_scale(const Geometry& g) {
-    const std::string name = std::string(name_of(g.kind)) + " scale";
+    const std::string_view name = name_of(g.kind);
     const Length x = g.scale.x, y = g.scale.y, z = g.scale.z;
     if (g.kind == ShapeKind::hull || g.kind == ShapeKind::mesh || g.kind == ShapeKind::height_field)
-        return first_of(check(name + ".x", x, scale_min, scale_max, ""),
-                        check(name + ".y", y, scale_min, scale_max, ""),
-                        check(name + ".z", z, scale_min, scale_max, ""));
+        return first_of(check(name, "scale.x", x, scale_min, scale_max, ""),
+                        check(name, "scale.y", y, scale_min, scale_max, ""),
+                        check(name, "scale.z", z, scale_min, scale_max, ""));
     const bool fixed = g.kind == ShapeKind::compound || g.kind == ShapeKind::plane;
     const auto allowed = [&](int factor) { return x == Length(factor) && (factor == 1 || !fixed); };
     if (x == y && y == z && (allowed(1) || allowed(2) || allowed(4) || allowed(8))) return {};
-    return name + " is (" + decimal_of(x) + ", " + decimal_of(y) + ", " + decimal_of(z) + "), it must be " +
-           (fixed ? "(1, 1, 1)" : "1, 2, 4 or 8 on all axes");
+    return std::string(name) + " scale is (" + decimal_of(x) + ", " + decimal_of(y) + ", " + decimal_of(z) +
+           "), it must be " + (fixed ? "(1, 1, 1)" : "1, 2, 4 or 8 on all axes");
 }
 
 std::string check_asset(const Geometry& g) {

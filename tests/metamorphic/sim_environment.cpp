@@ -2,6 +2,7 @@
 #include "sim/phases.h"
 #include "support/allocation_counter.h"
 #include "support/sim_script.h"
+#include "support/task_worlds.h"
 
 #include <doctest/doctest.h>
 
@@ -161,6 +162,23 @@ TEST_CASE("ticks, saves, hashes, restores and the commands of a tick do not allo
         }
         CHECK(counter.count() == 0);
         CHECK(sum != 0);
+    }
+}
+
+TEST_CASE("worlds of every scene tick without allocating what they have ticked through twice") {
+    for (const SceneInfo& info : scenes()) {
+        INFO(std::string(info.name));
+        World w = test::small_scene(info)->start().value();
+        Image image;
+        w.save(image);
+        const auto run = [&] {
+            w.restore(image);
+            const test::AllocationCounter counter;
+            for (int t = 0; t < 60; ++t) w.tick();
+            return counter.count();
+        };
+        run(), run(); // two: memory of the last tick and of this one change places
+        CHECK(run() == 0);
     }
 }
 
