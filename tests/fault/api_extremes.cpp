@@ -10,6 +10,7 @@
 
 #include <bit>
 #include <cstdlib>
+#include <functional>
 #include <limits>
 
 using namespace lockstone;
@@ -115,9 +116,10 @@ struct Tally {
     std::vector<std::string> faults;
 };
 
+using Apply = std::function<Result<World::Applied>(World&, const Command&)>;
+
 /// Empty, or what is wrong with how the world takes the command.
-template <class Apply>
-std::string fault_of(World& world, World& reader, const Command& command, Tally& tally, Apply&& apply) {
+std::string fault_of(World& world, World& reader, const Command& command, Tally& tally, const Apply& apply) {
     const std::uint64_t before = world.hash();
     const Result<World::Applied> result = apply(world, command);
     ++tally.tried;
@@ -134,9 +136,8 @@ std::string fault_of(World& world, World& reader, const Command& command, Tally&
 }
 
 /// Every leaf of the command takes each of its extremes, alone; in a long run pairs of leaves too, at random.
-template <class Apply>
 void try_command(const Command& good, World& world, const Image& image, World& reader, Tally& tally,
-                 Apply&& apply) {
+                 const Apply& apply) {
     std::visit(
         [&]<class C>(const C& base) {
             const auto attempt = [&](const C& odd, const std::string& what) {
@@ -176,7 +177,7 @@ void try_command(const Command& good, World& world, const Image& image, World& r
 }
 
 /// Commands of every kind, or of the one that is named.
-template <class Apply> Tally try_all(Apply&& apply, std::string_view only = {}) {
+Tally try_all(const Apply& apply, std::string_view only = {}) {
     Stage stage = make_stage();
     World reader = made(World::create(stage.world.def()));
     Image image;

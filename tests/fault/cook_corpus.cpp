@@ -1,5 +1,7 @@
 // The corpus of the cook fuzzer and thousands of mutations of it, the same in every run: each is refused with a
 // sentence or becomes assets that load.
+#include "support/effort.h"
+
 #include "cook/import.h"
 #include "cook/read_model.h"
 #include "fuzz/cook_input.h"
@@ -7,7 +9,6 @@
 
 #include <doctest/doctest.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -76,7 +77,7 @@ TEST_CASE("models of the cook corpus and their mutations end as a sentence or as
     REQUIRE(all.size() > 20);
     for (const Data& data : all) CHECK(fuzz::check_cook(data) == "");
     Random random = Random::seeded(2026);
-    const int runs = std::getenv("LOCKSTONE_LONG") != nullptr ? 40'000 : 1'000;
+    const int runs = test::is_long_run() ? 40'000 : test::tries(1'000);
     int good = 0;
     for (int run = 0; run < runs; ++run) {
         const Data data = mutated(all[pick(random, all.size())], all, random);

@@ -1,5 +1,6 @@
 // Attacks with good checksums: whoever can change a file can make its checksums, so the checks behind them are on
 // their own. Every mutation ends in a sentence or a verdict, never in a crash, and never in `good` for other states.
+#include "support/effort.h"
 #include "support/small_recording.h"
 
 #include <doctest/doctest.h>
@@ -116,17 +117,19 @@ TEST_CASE("mutated headers, schemas and definitions under good checksums are ref
     for (const std::uint32_t type : {chunk_head, chunk_schema, chunk_world_def}) {
         CAPTURE(chunk_name(type));
         for (const Bytes* file : {&inputs_file(), &commands_file()}) {
-            const Tally tally = attack(*file, type, 1500, 11);
-            CHECK(tally.unread + tally.unplayable > 900); // texts and options may say anything
+            const int rounds = test::tries(1500);
+            const Tally tally = attack(*file, type, rounds, 11);
+            CHECK(tally.unread + tally.unplayable > rounds * 3 / 5); // texts and options may say anything
         }
     }
 }
 
 TEST_CASE("mutated ticks under good checksums are refused or diverge, and never crash") {
     for (const Bytes* file : {&inputs_file(), &commands_file()}) {
-        const Tally tally = attack(*file, chunk_ticks, 4000, 12);
-        CHECK(tally.unread > 1000);
-        CHECK(tally.diverged > 250);
+        const int rounds = test::tries(2000);
+        const Tally tally = attack(*file, chunk_ticks, rounds, 12);
+        CHECK(tally.unread > rounds / 4);
+        CHECK(tally.diverged > rounds / 40);
     }
 }
 
@@ -134,8 +137,9 @@ TEST_CASE("mutated keyframes, indexes and ends under good checksums are refused 
     for (const std::uint32_t type : {chunk_keyframe, chunk_index, chunk_end})
         for (const Bytes* file : {&inputs_file(), &commands_file()}) {
             CAPTURE(chunk_name(type));
-            const Tally tally = attack(*file, type, 1500, 13);
-            CHECK(tally.unread + tally.unplayable + tally.diverged > 900);
+            const int rounds = test::tries(1500);
+            const Tally tally = attack(*file, type, rounds, 13);
+            CHECK(tally.unread + tally.unplayable + tally.diverged > rounds * 3 / 5);
         }
 }
 
@@ -144,7 +148,8 @@ TEST_CASE("inputs that were changed and packed anew diverge at their tick, unles
     const Recording original = must(read(inputs_file()));
     Random random(14);
     Tally tally;
-    for (int i = 0; i < 300; ++i) {
+    const int rounds = test::tries(300);
+    for (int i = 0; i < rounds; ++i) {
         const std::uint64_t tick = random.below(24), player = random.below(2), byte = random.below(4);
         const TickBlock block = original.block_with(tick);
         BlockBuilder builder({Mode::inputs, 2, 4});
@@ -168,7 +173,7 @@ TEST_CASE("inputs that were changed and packed anew diverge at their tick, unles
         if (report.verdict == Verdict::diverged) REQUIRE(report.first_bad_tick == tick);
         judge(file, original, tally);
     }
-    CHECK(tally.diverged > 100);
+    CHECK(tally.diverged > rounds / 3);
     CHECK(tally.unread == 0);
 }
 
@@ -184,7 +189,8 @@ TEST_CASE("a start whose image was forged with all its checksums and hashes is r
     Random random(15);
     Tally tally;
     int loaded = 0;
-    for (int i = 0; i < 2000; ++i) {
+    const int rounds = test::tries(1200);
+    for (int i = 0; i < rounds; ++i) {
         Bytes forged = image;
         for (std::uint32_t n = 1 + random.below(2); n > 0; --n) {
             const std::uint32_t at = random.below(static_cast<std::uint32_t>(image.size()) - 8);
@@ -207,9 +213,9 @@ TEST_CASE("a start whose image was forged with all its checksums and hashes is r
             bad, [&, n = 0](const Chunk& chunk) mutable { return chunk.type == chunk_keyframe && n++ > 0; });
         judge(file_of(bad, true), original, tally, true);
     }
-    CHECK(loaded > 500);
-    CHECK(tally.unplayable > 100); // the world's own checks
-    CHECK(tally.diverged > 100);   // the hashes
+    CHECK(loaded > rounds / 4);
+    CHECK(tally.unplayable > rounds / 20); // the world's own checks
+    CHECK(tally.diverged > rounds / 20);   // the hashes
     CHECK(tally.good <
           loaded / 20); // a force too small to move anything, a game row that is written before it is read
 }

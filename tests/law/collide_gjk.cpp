@@ -1,5 +1,7 @@
 // Closest points and least moves of two convex cores: proved by judges in double, on hulls found by brute force,
 // needles, plates, triangles and smooth cores; and the judges notice planted faults.
+#include "support/effort.h"
+
 #include "oracle/brute_hull.h"
 
 #include <doctest/doctest.h>
@@ -88,7 +90,7 @@ struct Fault {
 
 TEST_CASE("polytopes of every quality have proved closest points and least moves") {
     Random random(17);
-    const int count = std::getenv("LOCKSTONE_LONG") != nullptr ? 100'000 : 3000;
+    const int count = test::is_long_run() ? 100'000 : test::tries(3000);
     int overlaps = 0;
     for (int i = 0; i < count; ++i) {
         const double size = random.log_uniform(0.01, 3), other = size * random.log_uniform(0.05, 1);
@@ -114,7 +116,7 @@ TEST_CASE("polytopes of every quality have proved closest points and least moves
 
 TEST_CASE("the same cores from either side are as far apart, and every call gives the same bits") {
     Random random(19);
-    for (int i = 0; i < 1500; ++i) {
+    for (int i = 0; i < test::tries(1500); ++i) {
         const double size = random.log_uniform(0.05, 3);
         const Piece a = random_piece(random, size, {0, 0, 0}),
                     b = random_piece(random, size, random.vector(0, 2 * size));
@@ -135,7 +137,8 @@ TEST_CASE("the same cores from either side are as far apart, and every call give
 TEST_CASE("a search with a limit stops early and never says near of what is far") {
     Random random(23);
     int stopped = 0;
-    for (int i = 0; i < 3000; ++i) {
+    const int count = test::tries(3000);
+    for (int i = 0; i < count; ++i) {
         const double size = random.log_uniform(0.05, 3);
         const Piece a = random_piece(random, size, {0, 0, 0}),
                     b = random_piece(random, size, random.vector(size, 4 * size));
@@ -152,7 +155,7 @@ TEST_CASE("a search with a limit stops early and never says near of what is far"
         }
         stopped += limited.distance_30 < whole.distance_30 ? 1 : 0;
     }
-    CHECK(stopped > 100);
+    CHECK(stopped > count / 30);
 }
 
 TEST_CASE("flat, coincident and touching cores have a defined answer") {

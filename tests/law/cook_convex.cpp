@@ -1,6 +1,7 @@
 // Hulls, their reduction, and the decomposition into convex parts.
 #include "cook/decompose.h"
 #include "support/cook_models.h"
+#include "support/effort.h"
 
 #include <doctest/doctest.h>
 
@@ -98,7 +99,8 @@ TEST_CASE("solids apart from each other become parts apart") {
     CHECK(volume_of(*parts) == doctest::Approx(2));
 }
 
-TEST_CASE("parts cover the solid, keep to their number, and exceed it less the more they are") {
+TEST_CASE("parts cover the solid, keep to their number, and exceed it less the more they are" *
+          doctest::skip(test::is_too_long_here())) {
     const Soup ring = compacted(welded(torus(1, 0.3, 24, 8)));
     const Surface surface(ring);
     double before = 1e300;

@@ -1,5 +1,7 @@
 // Nothing is caught by the seams of a flat surface: contacts of shapes that are swept over flat meshes and height
 // fields have the face's normal and one separation, wherever the edges and corners of the triangles are.
+#include "support/effort.h"
+
 #include "collide/convex.h"
 #include "collide/pairs.h"
 #include "oracle/mesh_scenes.h"
@@ -123,7 +125,8 @@ void collide_naively(const shapes::Solid& a, const shapes::Solid& b, const colli
 
 } // namespace
 
-TEST_CASE("shapes pass over the seams of flat meshes without a stumble") {
+TEST_CASE("shapes pass over the seams of flat meshes without a stumble" *
+          doctest::skip(test::is_too_long_here())) {
     const Owned regular = mesh(grid(-60, -60, 2, 60, 60, 0, 0, flat));
     const Owned irregular = mesh(grid(-60, -60, 1.5, 80, 80, 0.2, 7, flat));
     const Owned two = mesh(grid(-60, -60, 120, 1, 1, 0, 0, flat));
@@ -140,7 +143,8 @@ TEST_CASE("shapes pass over the seam between two meshes without a stumble") {
     check_floors(floors, "two meshes", {0.1, 0, 0.05});
 }
 
-TEST_CASE("a seam between two meshes is not felt at any of its corners, seen closely") {
+TEST_CASE("a seam between two meshes is not felt at any of its corners, seen closely" *
+          doctest::skip(test::is_too_long_here())) {
     const Owned left = mesh(grid(-60, -60, 3, 20, 40, 0.2, 3, flat)),
                 right = mesh(grid(0, -60, 2, 30, 60, 0.2, 4, flat));
     const Owned* const floors[] = {&left, &right};

@@ -1,3 +1,5 @@
+#include "support/effort.h"
+
 #include "math_oracle.h"
 
 #include "math/tables.h"
@@ -128,7 +130,7 @@ TEST_CASE("tangent is within its bound, which grows beside the poles") {
     CHECK(faulty.failures > faulty.count / 2); // planted fault: two steps off
 }
 
-TEST_CASE("arc functions are within their bound") {
+TEST_CASE("arc functions are within their bound" * doctest::skip(test::is_too_long_here())) {
     check_function("atan", atan, mpfr_atan, arguments(points(20000), 63), error_bound::atan);
     std::vector<Real> xs;
     for (Real x : arguments(points(40000), 32)) {
@@ -171,7 +173,7 @@ TEST_CASE("atan2 is within its bound in all quadrants, for every pair of edges")
     CHECK(atan2(-1_r, 0_r) == -half_pi);
 }
 
-TEST_CASE("exponentials and logarithms are within their bound") {
+TEST_CASE("exponentials and logarithms are within their bound" * doctest::skip(test::is_too_long_here())) {
     const std::vector<Real> exponents = arguments(points(40000), 37),
                             positive = arguments(points(40000), 63, true);
     check_function("exp", exp, mpfr_exp, exponents, error_bound::exp, error_bound::exp_relative_bits);

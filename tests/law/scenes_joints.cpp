@@ -1,5 +1,6 @@
 // What joints must not do in the built-in scenes: come apart, hand energy out, or reach the limits of speed.
 #include "scenes/scenes.h"
+#include "support/effort.h"
 #include "support/joint_scenes.h"
 
 #include <doctest/doctest.h>
@@ -78,7 +79,8 @@ std::pair<double, double> snatched(double angle, double mass) {
 
 } // namespace
 
-TEST_CASE("the joints of bridges, chains and ragdolls hold, and hand out no energy") {
+TEST_CASE("the joints of bridges, chains and ragdolls hold, and hand out no energy" *
+          doctest::skip(test::is_too_long_here())) {
     CHECK(scene_fault("bridge", 40, 300, 0.001) == "");
     CHECK(scene_fault("wrecking-ball", 20, 400, 0.06) == "");
     CHECK(scene_fault("wrecking-ball", 30, 2000, 0.06) ==

@@ -1,5 +1,7 @@
 // Players of the scenes with vehicles, characters and joints: a stick moves what it should, and one who does nothing
 // changes nothing but that he is there.
+#include "support/effort.h"
+
 #include "lockstone/math.h"
 #include "scenes/scenes.h"
 
@@ -111,7 +113,8 @@ TEST_CASE("planted fault: a stick that does not arrive is found in every scene")
     }
 }
 
-TEST_CASE("a player who does nothing changes nothing but that he is there") {
+TEST_CASE("a player who does nothing changes nothing but that he is there" *
+          doctest::skip(test::is_too_long_here())) {
     CHECK(presence_fault({"ragdolls", 4}, {}, 60) == ""); // later they meet him
     CHECK(presence_fault({"joint-grid", 0}, {}, 200) == "");
     CHECK(presence_fault({"bridge", 24}, {}, 200) == "");
@@ -192,7 +195,8 @@ TEST_CASE("the wrecking ball swings into its wall, and its player builds the wal
     CHECK(length(top() - built) < 0.1_r);
 }
 
-TEST_CASE("the wrecking ball comes to hang when it is slowed down, and is swung aside as far as it may") {
+TEST_CASE("the wrecking ball comes to hang when it is slowed down, and is swung aside as far as it may" *
+          doctest::skip(test::is_too_long_here())) {
     const auto game = game_of({"wrecking-ball", 20}, 1);
     World world = game->start().value();
     const auto velocity = [&] { return world.linear_velocity(body_of(world, user_key_of(Role::player, 0))); };

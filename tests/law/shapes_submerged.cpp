@@ -1,6 +1,7 @@
 // What of a shape is below a plane, and the area it shows, against sums over a fine grid in double.
 #include "shapes/shown_area.h"
 #include "shapes/submerged.h"
+#include "support/effort.h"
 #include "support/random.h"
 #include "support/sim_scenes.h"
 
@@ -131,7 +132,7 @@ TEST_CASE("sizes from 5 mm to 100 m keep their parts") {
         }
 }
 
-TEST_CASE("shown areas are the shadows of a fine grid") {
+TEST_CASE("shown areas are the shadows of a fine grid" * doctest::skip(test::is_too_long_here())) {
     Random random(5);
     for (const Geometry& g : primitives)
         for (int way = 0; way < 6; ++way) {

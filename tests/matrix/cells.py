@@ -75,7 +75,9 @@ def all_cells(cpu_flags):
         cells.append(Cell(build.label(), dimension, build, **more))
 
     for level in ("-O0", "-O1", "-O3", "-Os"):
-        built("optimisation", host("g++", level), **(in_sample | {"sample_ticks": 100} if level == "-O0" else {}))
+        built("optimisation", host("g++", level))
+    # Of the sample: what three builds tell apart in the long run.
+    built("optimisation", host("g++", "-O0", PORTABLE, NO_DOUBLE), **in_sample, sample_ticks=40)
     built("optimisation", host("g++", "-O2", "-flto"))
     built("optimisation", host("clang++-19", "-O2", "-flto=thin"))
     for cxx in ("clang++-14", "clang++-19"):
@@ -94,7 +96,7 @@ def all_cells(cpu_flags):
             built("SIMD", host("g++", "-O2", f"-march={level}"))
     built("SIMD", host("g++", "-O2", "-fno-tree-vectorize", "-fno-tree-slp-vectorize"))
     for flags in ((PORTABLE,), (NO_DOUBLE,), (PORTABLE, NO_DOUBLE)):
-        built("arithmetic", host("g++", "-O2", *flags), **(in_sample if len(flags) == 2 else {}))
+        built("arithmetic", host("g++", "-O2", *flags))
 
     def run(name, dimension, arguments=(), environment=None, sample=False):
         cells.append(Cell(name, dimension, REFERENCE, tuple(arguments), environment or {}, sample=sample, thorough=True))

@@ -1,6 +1,8 @@
 // The scenes with vehicles, characters and joints under rollback: every tick run again from a saved state.
-#include "scenes/scenes.h"
+#include "support/effort.h"
+
 #include "lockstone/session.h"
+#include "scenes/scenes.h"
 
 #include <doctest/doctest.h>
 
@@ -37,12 +39,13 @@ std::string rollback_fault(const char* scene, std::uint32_t size, std::uint32_t 
 } // namespace
 
 TEST_CASE("players who drive, walk, roll, jump and push among joints survive rollback at every tick") {
-    CHECK(rollback_fault("ragdolls", 4, 4, 120) == "");
-    CHECK(rollback_fault("joint-grid", 0, 4, 160) == "");
-    CHECK(rollback_fault("bridge", 24, 4, 160) == "");
-    CHECK(rollback_fault("wrecking-ball", 12, 4, 160) == "");
-    CHECK(rollback_fault("cars", 0, 4, 120) == "");
-    CHECK(rollback_fault("character", 0, 4, 120) == "");
+    const auto ticks = [](int whole) { return static_cast<std::uint64_t>(test::tries(whole)); };
+    CHECK(rollback_fault("ragdolls", 4, 4, ticks(120)) == "");
+    CHECK(rollback_fault("joint-grid", 0, 4, ticks(160)) == "");
+    CHECK(rollback_fault("bridge", 24, 4, ticks(160)) == "");
+    CHECK(rollback_fault("wrecking-ball", 12, 4, ticks(160)) == "");
+    CHECK(rollback_fault("cars", 0, 4, ticks(120)) == "");
+    CHECK(rollback_fault("character", 0, 4, ticks(120)) == "");
 }
 
 TEST_CASE("planted: a rollback that forgets what the rules remember of players is found in every scene") {

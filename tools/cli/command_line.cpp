@@ -26,7 +26,9 @@ void add_all(CLI::App& app, Work& work) {
     add_repair(app, work);
     add_synctest(app, work);
     add_match(app, work);
+#ifdef LOCKSTONE_BENCH
     add_bench(app, work);
+#endif
 #ifdef LOCKSTONE_COOK
     add_cook(app, work);
 #endif

@@ -38,7 +38,7 @@ void add_branch(CLI::App& app, Work& work);
 void add_repair(CLI::App& app, Work& work);
 void add_synctest(CLI::App& app, Work& work);
 void add_match(CLI::App& app, Work& work);
-void add_bench(CLI::App& app, Work& work);
+void add_bench(CLI::App& app, Work& work); ///< only where LOCKSTONE_BUILD_BENCH is on
 void add_cook(CLI::App& app, Work& work); ///< only where LOCKSTONE_BUILD_COOK is on
 
 /// A subcommand: `describe` adds its options, `act` runs once all are read.

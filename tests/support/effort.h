@@ -1,0 +1,28 @@
+// How much a test tries: sanitizers take ten to twenty times as long over the same, so their builds take a sample.
+#pragma once
+
+#include <cstdlib>
+
+#ifndef __has_feature
+#define __has_feature(name) 0 // clang's
+#endif
+
+namespace lockstone::test {
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || __has_feature(address_sanitizer) ||     \
+    __has_feature(thread_sanitizer)
+inline constexpr bool is_sanitized = true;
+#else
+inline constexpr bool is_sanitized = false;
+#endif
+
+/// LOCKSTONE_LONG=1 in the environment: everything, everywhere.
+inline bool is_long_run() { return std::getenv("LOCKSTONE_LONG") != nullptr; }
+
+/// For doctest::skip: a search over numbers, or a long motion, whose code shorter tests run as well.
+inline bool is_too_long_here() { return is_sanitized && !is_long_run(); }
+
+/// So many tries, an eighth of them where that takes too long.
+inline int tries(int whole) { return is_too_long_here() ? (whole + 7) / 8 : whole; }
+
+} // namespace lockstone::test
