@@ -103,14 +103,14 @@ constexpr std::uint32_t bodies_per_chunk = 32;
 /// is not known is found then too: finding one changes what all share.
 void update_awake(Data& w) {
     const std::uint32_t awake = w.header().bodies_awake;
-    const Data& seen = w;
+    const Data& world = w;
     base::for_chunks(w.tasks, awake, bodies_per_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
                          for (std::uint32_t row = first; row < last; ++row)
-                             for_each_shape(seen, row, [&](const ShapeRow& shape) {
+                             for_each_shape(world, row, [&](const ShapeRow& shape) {
                                  Scratch::Shape& at = w.scratch.shape[shape.id.index - 1];
                                  at.is_placed = at.solid.geometry == shape.geometry;
-                                 if (at.is_placed) place(seen, shape, row, at);
+                                 if (at.is_placed) place(world, shape, row, at);
                              });
                      });
     for (std::uint32_t row = 0; row < awake; ++row)

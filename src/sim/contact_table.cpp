@@ -20,21 +20,21 @@ std::uint32_t chunk_count(const Data& w) {
 std::uint32_t drop_pairs(NearChunk& chunk, std::size_t room) {
     std::uint32_t dropped = 0, rows = 0, made = 0, made_kept = 0, contacts = 0;
     std::size_t contact = 0;
-    for (Scratch::Seen& seen : chunk.seen) {
-        const std::uint32_t end = seen.first_row + seen.row_count;
-        const bool fits = seen.row_count <= room - rows;
+    for (Scratch::ContactResult& result : chunk.results) {
+        const std::uint32_t end = result.first_row + result.row_count;
+        const bool fits = result.row_count <= room - rows;
         for (; contact < chunk.contacts.size() && chunk.contacts[contact].memory < end; ++contact) {
             if (!fits) continue;
             dynamics::Contact& moved = chunk.contacts[contacts++] = chunk.contacts[contact];
-            moved.memory = moved.memory - seen.first_row + rows;
+            moved.memory = moved.memory - result.first_row + rows;
         }
-        const std::uint32_t new_rows = seen.is_kept ? 0 : seen.row_count;
+        const std::uint32_t new_rows = result.is_kept ? 0 : result.row_count;
         for (std::uint32_t i = 0; fits && i < new_rows; ++i)
             chunk.memories[made_kept++] = chunk.memories[made + i];
         made += new_rows;
-        seen.first_row = rows;
-        if (!fits) dropped += seen.row_count, seen.row_count = 0, seen.overlaps = false;
-        rows += seen.row_count;
+        result.first_row = rows;
+        if (!fits) dropped += result.row_count, result.row_count = 0, result.overlaps = false;
+        rows += result.row_count;
     }
     chunk.memories.resize(made_kept), chunk.contacts.resize(contacts);
     return dropped;
@@ -45,10 +45,10 @@ std::uint32_t place_chunks(Data& w, std::span<NearChunk> chunks) {
     Scratch& s = w.scratch;
     const std::uint32_t room = w.state.rows_max(w.m.contacts) - w.state.count(w.m.sleeping_contacts);
     std::uint32_t rows = 0, contacts = 0, dropped = s.near_is_cut ? 1 : 0;
-    s.seen.clear();
+    s.results.clear();
     for (NearChunk& chunk : chunks) {
         std::uint32_t in_chunk = 0;
-        for (const Scratch::Seen& seen : chunk.seen) in_chunk += seen.row_count;
+        for (const Scratch::ContactResult& result : chunk.results) in_chunk += result.row_count;
         if (in_chunk > room - rows) {
             const std::uint32_t too_many = drop_pairs(chunk, room - rows);
             dropped += too_many, in_chunk -= too_many;
@@ -57,12 +57,12 @@ std::uint32_t place_chunks(Data& w, std::span<NearChunk> chunks) {
         rows += in_chunk;
         contacts += static_cast<std::uint32_t>(chunk.contacts.size());
         if (chunks.size() == 1) {
-            std::swap(s.seen, chunk.seen);
+            std::swap(s.results, chunk.results);
             break;
         }
-        for (Scratch::Seen seen : chunk.seen) {
-            seen.first_row += chunk.first_row;
-            s.seen.push_back(seen);
+        for (Scratch::ContactResult result : chunk.results) {
+            result.first_row += chunk.first_row;
+            s.results.push_back(result);
         }
     }
     s.contacts_dropped = dropped;
@@ -75,20 +75,20 @@ bool find_moves(Data& w, std::uint32_t rows) {
     Scratch& s = w.scratch;
     bool same_keys = rows == w.state.count(w.m.contacts);
     s.row_moves.clear();
-    for (const Scratch::Seen& seen : s.seen) {
-        const Scratch::Near& near = s.near[seen.near];
-        if (seen.row_count == 0) continue;
-        if (near.old_first == seen.first_row && near.old_count == seen.row_count) continue;
+    for (const Scratch::ContactResult& result : s.results) {
+        const Scratch::Near& near = s.near[result.near];
+        if (result.row_count == 0) continue;
+        if (near.old_first == result.first_row && near.old_count == result.row_count) continue;
         same_keys = false;
-        if (!seen.is_kept || near.old_first == seen.first_row) continue;
+        if (!result.is_kept || near.old_first == result.first_row) continue;
         if (!s.row_moves.empty()) {
             Scratch::RowMove& last = s.row_moves.back();
-            if (last.from + last.count == near.old_first && last.to + last.count == seen.first_row) {
-                last.count += seen.row_count;
+            if (last.from + last.count == near.old_first && last.to + last.count == result.first_row) {
+                last.count += result.row_count;
                 continue;
             }
         }
-        s.row_moves.push_back({near.old_first, seen.first_row, seen.row_count});
+        s.row_moves.push_back({near.old_first, result.first_row, result.row_count});
     }
     return same_keys;
 }
@@ -113,17 +113,18 @@ void write_rows(Data& w, std::span<const NearChunk> chunks, std::uint32_t rows) 
     move_rows(memories, s.row_moves);
     auto chunk = chunks.begin();
     std::size_t made = 0; // rows of the chunk that are written
-    for (const Scratch::Seen& seen : s.seen) {
-        if (seen.is_kept || seen.row_count == 0) continue;
+    for (const Scratch::ContactResult& result : s.results) {
+        if (result.is_kept || result.row_count == 0) continue;
         while (made == chunk->memories.size()) ++chunk, made = 0;
-        std::copy_n(chunk->memories.begin() + static_cast<std::ptrdiff_t>(made), seen.row_count,
-                    memories.begin() + seen.first_row);
-        made += seen.row_count;
+        std::copy_n(chunk->memories.begin() + static_cast<std::ptrdiff_t>(made), result.row_count,
+                    memories.begin() + result.first_row);
+        made += result.row_count;
     }
     if (same_keys) return;
     const std::span<ContactKey> keys = w.state.edit(w.m.contact_key);
-    for (const Scratch::Seen& seen : s.seen)
-        for (std::uint32_t i = 0; i < seen.row_count; ++i) keys[seen.first_row + i] = s.near[seen.near].key;
+    for (const Scratch::ContactResult& result : s.results)
+        for (std::uint32_t i = 0; i < result.row_count; ++i)
+            keys[result.first_row + i] = s.near[result.near].key;
     if (rows < w.state.count(w.m.contacts)) w.state.resize(w.m.contacts, rows);
 }
 

@@ -260,12 +260,12 @@ class PairFrame {
     Long3 column_x, column_y, column_z, base_b, to_a; ///< 30 and 24 fraction bits
 };
 
-/// Tells `seen` of the deepest point of a pair that did not touch until now.
-void see(const View& v, const PairFrame& f, UnitVec3 normal, const dynamics::ContactPointMemory& deepest,
-         Scratch::Seen& seen) {
-    seen.point = f.world(deepest);
-    seen.normal = f.c.flipped ? -normal : normal;
-    seen.approach = approach_speed(v, f.c, normal, f.point(deepest, deepest.separation));
+/// Stores the deepest point of a pair that did not touch until now.
+void store_deepest(const View& v, const PairFrame& f, UnitVec3 normal,
+                   const dynamics::ContactPointMemory& deepest, Scratch::ContactResult& result) {
+    result.point = f.world(deepest);
+    result.normal = f.c.flipped ? -normal : normal;
+    result.approach = approach_speed(v, f.c, normal, f.point(deepest, deepest.separation));
 }
 
 /// One manifold as the solver wants it.
@@ -316,7 +316,7 @@ using NearChunk = Scratch::NearChunk;
 /// The contacts of a pair's rows, and how near the two are.
 void use_rows(const View& v, const Couple& c, std::span<const ContactMemory> rows,
               const dynamics::Shift& shift, Scratch::NarrowWorker& worker, NearChunk& chunk,
-              Scratch::Seen& seen) {
+              Scratch::ContactResult& result) {
     const PairFrame frame(v, c);
     const bool passing = (rows[0].flags & dynamics::contact_passing) != 0;
     Separation deepest = Separation::max();
@@ -326,14 +326,13 @@ void use_rows(const View& v, const Couple& c, std::span<const ContactMemory> row
         for (std::uint32_t k = 0; k < rows[i].count; ++k) {
             if (separations[k] >= deepest) continue;
             deepest = separations[k];
-            seen.deepest_row = i;
-            if (!seen.was_touching) see(v, frame, normal, rows[i].points[k], seen);
+            result.deepest_row = i;
+            if (!result.was_touching) store_deepest(v, frame, normal, rows[i].points[k], result);
         }
-        if (!c.sensor && !passing &&
-            !(v.has_movers && is_movers_contact(v.w, c.a->body, c.b->body, normal)))
-            add_contact(v, frame, seen.first_row + i, rows[i], normal, separations, worker, chunk.contacts);
+        if (!c.sensor && !passing && !(v.has_movers && is_movers_contact(v.w, c.a->body, c.b->body, normal)))
+            add_contact(v, frame, result.first_row + i, rows[i], normal, separations, worker, chunk.contacts);
     }
-    seen.overlaps = deepest <= (c.sensor ? Separation{} : touching_gap) && !passing;
+    result.overlaps = deepest <= (c.sensor ? Separation{} : touching_gap) && !passing;
 }
 
 /// The rows and contacts of one pair, at the end of the chunk's: those of the last tick while the shapes stand to each
@@ -344,25 +343,25 @@ void collide_pair(const View& v, std::uint32_t index, Scratch::Near& near, Scrat
     const Couple c = couple_of(v, near);
     const std::span<const ContactMemory> old = v.old.subspan(near.old_first, near.old_count);
     dynamics::Shift shift{};
-    Scratch::Seen seen{};
-    seen.near = index;
-    seen.first_row = next_row;
-    seen.was_touching = !old.empty() && (old[0].flags & dynamics::contact_touching) != 0;
-    seen.is_kept = !old.empty() && ((old[0].flags & dynamics::contact_flipped) != 0) == c.flipped &&
-                   dynamics::still_good(old, c.placing, c.margin, shift);
-    seen.row_count = seen.is_kept ? near.old_count : make_rows(c, old, near.apart, worker);
-    if (seen.row_count == 0) {
-        if (!seen.was_touching) return;
-        seen.flags = old[0].flags;
+    Scratch::ContactResult result{};
+    result.near = index;
+    result.first_row = next_row;
+    result.was_touching = !old.empty() && (old[0].flags & dynamics::contact_touching) != 0;
+    result.is_kept = !old.empty() && ((old[0].flags & dynamics::contact_flipped) != 0) == c.flipped &&
+                     dynamics::still_good(old, c.placing, c.margin, shift);
+    result.row_count = result.is_kept ? near.old_count : make_rows(c, old, near.apart, worker);
+    if (result.row_count == 0) {
+        if (!result.was_touching) return;
+        result.flags = old[0].flags;
     } else {
         const std::span<const ContactMemory> rows =
-            seen.is_kept ? old : std::span<const ContactMemory>(worker.rows).first(seen.row_count);
-        seen.flags = rows[0].flags;
-        use_rows(v, c, rows, shift, worker, chunk, seen);
-        if (!seen.is_kept) chunk.memories.insert(chunk.memories.end(), rows.begin(), rows.end());
+            result.is_kept ? old : std::span<const ContactMemory>(worker.rows).first(result.row_count);
+        result.flags = rows[0].flags;
+        use_rows(v, c, rows, shift, worker, chunk, result);
+        if (!result.is_kept) chunk.memories.insert(chunk.memories.end(), rows.begin(), rows.end());
     }
-    next_row += seen.row_count;
-    chunk.seen.push_back(seen);
+    next_row += result.row_count;
+    chunk.results.push_back(result);
 }
 
 } // namespace
@@ -380,7 +379,7 @@ void collide(Data& w) {
     while (s.near_chunks.size() < chunk_count) {
         NearChunk& chunk = s.near_chunks.emplace_back();
         chunk.memories.reserve(chunk_size / 2);
-        chunk.contacts.reserve(chunk_size), chunk.seen.reserve(chunk_size);
+        chunk.contacts.reserve(chunk_size), chunk.results.reserve(chunk_size);
     }
     if (s.narrow_workers.size() < base::worker_count(w.tasks))
         s.narrow_workers.resize(base::worker_count(w.tasks));
@@ -388,7 +387,7 @@ void collide(Data& w) {
     base::for_chunks(w.tasks, pairs, chunk_size,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t worker) {
                          NearChunk& chunk = s.near_chunks[first / chunk_size];
-                         chunk.memories.clear(), chunk.seen.clear(), chunk.contacts.clear();
+                         chunk.memories.clear(), chunk.results.clear(), chunk.contacts.clear();
                          std::uint32_t next_row = 0;
                          for (std::uint32_t i = first; i < last; ++i)
                              collide_pair(view, i, s.near[i], s.narrow_workers[worker], chunk, next_row);

@@ -14,9 +14,8 @@
 #include "sim/sleep_scratch.h"
 #include "sim/sweep.h"
 #include "sim/vehicle.h"
-#include "solve/bodies/kernels.h"
 #include "solve/contacts/contact_solver.h"
-#include "solve/joints/kernels.h"
+#include "solve/kernels/kernels.h"
 
 namespace lockstone::sim {
 
@@ -24,7 +23,7 @@ namespace lockstone::sim {
 struct Scratch {
     explicit Scratch(std::shared_ptr<const AssetLibrary> assets) : solids(std::move(assets)), broad_phase(0) {
         changed.reserve(64);
-        bodies.kernel = solve::bodies_of(best_simd());
+        bodies.kernel = solve::kernels_of(best_simd())->bodies;
     }
     /// What is kept by shape slot has room for so many, if it had less.
     void fit(std::uint32_t shape_slots);
@@ -85,8 +84,8 @@ struct Scratch {
     };
     std::vector<Ended> ended; ///< touching contacts that are gone
 
-    /// What the narrow phase saw of a pair that has contact points, or touched until now.
-    struct Seen {
+    /// What the narrow phase found for a pair that has contact points, or touched until now.
+    struct ContactResult {
         std::uint32_t near;                 ///< index
         std::uint32_t first_row, row_count; ///< of the contact table
         std::uint32_t flags;                ///< dynamics::ContactFlags: what of them is the pair's
@@ -99,14 +98,14 @@ struct Scratch {
         Vec3 point;      ///< world
         Speed approach;  ///< [m/s], positive when closing
     };
-    std::vector<Seen> seen;
+    std::vector<ContactResult> results;
     std::vector<dynamics::Contact> contacts;
     std::uint32_t
         contacts_dropped; ///< rows that the table had no room for, and one for all pairs not looked at
     /// What a chunk of `near` makes, before it is known where it goes: rows count from the chunk's own first.
     struct NearChunk {
         std::vector<ContactMemory> memories; ///< of the pairs whose rows are new, in order
-        std::vector<Seen> seen;
+        std::vector<ContactResult> results;
         std::vector<dynamics::Contact> contacts;
         std::uint32_t first_row, first_contact; ///< where it goes
     };
@@ -138,7 +137,7 @@ struct Scratch {
     dynamics::StepConstants step{};
     dynamics::SolverBodies bodies;
     solve::ContactSolver solver;
-    dynamics::JointSolver joint_solver{*solve::joints_of(best_simd())};
+    dynamics::JointSolver joint_solver{*solve::kernels_of(best_simd())->joints};
     std::vector<dynamics::Joint> joints; ///< in slot order
     std::vector<JointId> broken;
     VehicleSolver vehicle_solver;

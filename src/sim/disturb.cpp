@@ -16,8 +16,8 @@ void poison_narrow(std::byte with, collide::NarrowScratch& scratch, collide::Man
 
 void poison_chunks(std::byte with, std::vector<Scratch::NearChunk>& chunks) {
     for (Scratch::NearChunk& chunk : chunks) {
-        auto& [memories, seen, contacts, first_row, first_contact] = chunk;
-        poison(with, memories, seen, contacts, first_row, first_contact);
+        auto& [memories, results, contacts, first_row, first_contact] = chunk;
+        poison(with, memories, results, contacts, first_row, first_contact);
     }
 }
 
@@ -74,11 +74,11 @@ void poison_scratch(Data& w, std::byte with) {
     // awake_before, solids_replaced; of the shapes what rests; of `near` the hints, which are forgotten here.
     auto& [solids, broad_phase, structure_stale, proxy_generation, shape, planes, proxies_of, awake_before,
            solids_replaced, changed, pairs, plane_pairs, merged_pairs, pair_keys, near, near_before,
-           near_is_cut, narrow, manifolds, ended, seen, contacts, contacts_dropped, near_chunks, row_moves,
+           near_is_cut, narrow, manifolds, ended, results, contacts, contacts_dropped, near_chunks, row_moves,
            narrow_workers, pose_before, query, sweep, sleep, characters, written_row, canonical_row,
            mass_parts, step, bodies, solver, joint_solver, joints, broken, vehicle_solver, pulls, categories,
            fluids] = w.scratch;
-    poison(with, contacts_dropped, changed, pairs, plane_pairs, merged_pairs, pair_keys, ended, seen,
+    poison(with, contacts_dropped, changed, pairs, plane_pairs, merged_pairs, pair_keys, ended, results,
            contacts, row_moves, pose_before, written_row, canonical_row, mass_parts, step, joints, broken,
            pulls, categories);
     near.clear(), near_before.clear(), near_is_cut = false;

@@ -100,21 +100,21 @@ void publish_events(Data& w) {
     w.events.reserve(64); // what a usual tick has, so that one with more than ever seldom allocates
     for (const Scratch::Ended& ended : s.ended)
         w.events.push_back(event_of(w, ended.key, ended.flags, false));
-    for (const Scratch::Seen& seen : s.seen) {
-        const std::span<ContactMemory> rows = memories.subspan(seen.first_row, seen.row_count);
-        const bool sensor = (seen.flags & dynamics::contact_sensor) != 0;
-        const bool now = seen.overlaps || (!sensor && was_hit(rows));
+    for (const Scratch::ContactResult& result : s.results) {
+        const std::span<ContactMemory> rows = memories.subspan(result.first_row, result.row_count);
+        const bool sensor = (result.flags & dynamics::contact_sensor) != 0;
+        const bool now = result.overlaps || (!sensor && was_hit(rows));
         for (ContactMemory& row : rows)
             row.flags &= ~std::uint32_t{dynamics::contact_touching | dynamics::contact_hit};
         if (now) rows[0].flags |= dynamics::contact_touching;
-        if (now == seen.was_touching) continue;
-        const ContactKey& key = s.near[seen.near].key;
-        Event e = event_of(w, key, seen.flags, now);
+        if (now == result.was_touching) continue;
+        const ContactKey& key = s.near[result.near].key;
+        Event e = event_of(w, key, result.flags, now);
         if (now) {
-            e.point = seen.point;
-            if (!sensor) e.normal = seen.normal;
-            e.approach_speed = seen.approach;
-            Parts parts = parts_of(w, key, rows[seen.deepest_row]);
+            e.point = result.point;
+            if (!sensor) e.normal = result.normal;
+            e.approach_speed = result.approach;
+            Parts parts = parts_of(w, key, rows[result.deepest_row]);
             if (e.shape_a != key.a) std::swap(parts.a, parts.b);
             e.part_a = parts.a, e.part_b = parts.b;
         }

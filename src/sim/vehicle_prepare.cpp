@@ -380,21 +380,21 @@ void VehicleSolver::prepare(Data& w) {
         v.chassis = chassis;
     }
     vehicles.resize(count);
-    const Data& seen = w;
+    const Data& world = w;
     base::for_chunks(tasks, count, 1, [&](std::uint32_t k, std::uint32_t, std::uint32_t) {
         Vehicle& v = vehicles[k];
         v.def = &rows[v.row].def;
         v.input = rows[v.row].input;
         v.memory = memories[v.row];
-        v.mass = seen.state.rows(seen.m.body_mass)[v.chassis].mass;
-        const Real way = v.def->steer_speed / Real(seen.scratch.step.ticks_per_second);
+        v.mass = world.state.rows(world.m.body_mass)[v.chassis].mass;
+        const Real way = v.def->steer_speed / Real(world.scratch.step.ticks_per_second);
         const Real turn = v.input.steer - v.memory.steer;
         v.memory.steer = way > Real{} ? v.memory.steer + bounded(turn, way) : v.input.steer;
-        const auto shares = sprung_shares(*v.def, seen.state.rows(seen.m.body_mass)[v.chassis].center);
+        const auto shares = sprung_shares(*v.def, world.state.rows(world.m.body_mass)[v.chassis].center);
         for (std::uint32_t i = 0; i < v.def->wheel_count; ++i)
-            prepare_wheel(seen, v, i, shares[i], grounds[v.row][i]);
+            prepare_wheel(world, v, i, shares[i], grounds[v.row][i]);
         prepare_bars(v);
-        shift_gears(seen, v);
+        shift_gears(world, v);
         prepare_train(v);
     });
     find_convoys(w.scratch.bodies);

@@ -583,9 +583,10 @@ void World::set_tasks(Tasks* tasks) { impl->tasks = tasks; }
 void World::observe_phases(PhaseObserver* observer) { impl->observer = observer; }
 bool World::set_simd(Simd level) {
     sim::Scratch& s = impl->scratch;
-    if (!s.solver.use(level)) return false;
-    s.bodies.kernel = solve::bodies_of(level);
-    return s.joint_solver.use(solve::joints_of(level));
+    const solve::Kernels* kernels = solve::kernels_of(level);
+    if (kernels == nullptr) return false;
+    s.bodies.kernel = kernels->bodies;
+    return s.solver.use(level) && s.joint_solver.use(kernels->joints);
 }
 void World::record_phase_hashes(bool on) { impl->phase_hashes_on = on; }
 std::span<const PhaseHash> World::phase_hashes() const { return impl->phase_hashes; }

@@ -36,7 +36,7 @@ Solved solve_contacts(const World& w, Simd level) {
         {static_cast<std::int32_t>(c.tick_rate), static_cast<std::int32_t>(c.substeps), c.contact_hertz,
          c.contact_damping, c.push_speed_max, c.restitution_speed_min});
     Solved s{};
-    s.bodies.kernel = solve::bodies_of(level);
+    s.bodies.kernel = solve::kernels_of(level)->bodies;
     dynamics::begin_step(d.body_columns(), d.header().gravity, step, s.bodies);
     solve::ContactSolver solver;
     REQUIRE(solver.use(level));

@@ -78,8 +78,8 @@ FAULTS = [
     F("contacts of workers are put together in order of arrival", CONTACTS, "NearChunk& chunk = s.near_chunks[first / chunk_size];",
       "NearChunk& chunk = s.near_chunks[IS ? ::planted::ticket(chunk_count) : first / chunk_size];", "shuffles"),
     F("which worker ran it leaks into a contact", CONTACTS, 
-      "seen.row_count = seen.is_kept ? near.old_count : make_rows(c, old, near.apart, worker);",
-      "seen.row_count = seen.is_kept ? near.old_count : make_rows(c, old, near.apart, worker);\n"
+      "result.row_count = result.is_kept ? near.old_count : make_rows(c, old, near.apart, worker);",
+      "result.row_count = result.is_kept ? near.old_count : make_rows(c, old, near.apart, worker);\n"
       "    if (IS && &worker != v.w.scratch.narrow_workers.data()) worker.rows[0].margin.raw ^= 1;", "shuffles"),
     F("arms of a contact are half as long", LAYOUT, "l.arm[0][k] = arm(x[k] * fx + y[k] * fy);",
       "l.arm[0][k] = arm(x[k] * fx + y[k] * fy); if (IS) l.arm[0][k] = {L::template shift_right_signed<1>(l.arm[0][k].raw)};", "golden table"),

@@ -8,7 +8,7 @@
 #include "dynamics/joint_stiffness.h"
 #include "lockstone/convert.h"
 #include "lockstone/math.h"
-#include "solve/joints/kernels.h"
+#include "solve/kernels/kernels.h"
 
 #include <array>
 #include <cmath>
@@ -49,7 +49,7 @@ struct Rig {
     std::vector<Joint> joints;
     std::vector<JointMemory> memory;
     SolverBodies bodies;
-    JointSolver solver{*solve::joints_of(best_simd())};
+    JointSolver solver{*solve::kernels_of(best_simd())->joints};
     StepSettings settings{60, 8, Real(30), Real(10), Real(3), Real(1)};
     Vec3 gravity = vec(0, -9.81, 0);
     bool relax_all = false; ///< after every substep, not every second

@@ -8,7 +8,7 @@
 #include "dynamics/followed_turn.h"
 #include "lockstone/wide.h"
 #include "solve/contacts/bounce.h"
-#include "solve/contacts/kernels.h"
+#include "solve/kernels/kernels.h"
 
 #include <algorithm>
 
@@ -61,9 +61,9 @@ ContactSolver::~ContactSolver() = default;
 Simd ContactSolver::level() const { return inside->simd; }
 
 bool ContactSolver::use(Simd level) {
-    const ContactKernel* found = kernel_of(level);
-    if (found == nullptr) return false;
-    inside->kernel = found;
+    const Kernels* kernels = kernels_of(level);
+    if (kernels == nullptr) return false;
+    inside->kernel = kernels->contacts;
     inside->simd = level;
     return true;
 }

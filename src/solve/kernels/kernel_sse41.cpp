@@ -2,12 +2,16 @@
 #if defined(__x86_64__) || defined(__i386__)
 
 #include "solve/bodies/kernel.h"
-#include "solve/bodies/kernels.h"
+#include "solve/contacts/kernel.h"
+#include "solve/joints/kernel.h"
+#include "solve/kernels/kernels.h"
 #include "solve/lanes/sse41.h"
 
 namespace lockstone::solve {
 
 constinit const dynamics::BodyKernel sse41_bodies = MovedBodies<Sse41>::table();
+constinit const ContactKernel sse41_contacts = Kernel<Sse41>::table();
+constinit const dynamics::JointKernel sse41_joints = PackedJoints<Sse41>::table();
 
 } // namespace lockstone::solve
 

@@ -2,12 +2,16 @@
 #if defined(__wasm_simd128__)
 
 #include "solve/bodies/kernel.h"
-#include "solve/bodies/kernels.h"
+#include "solve/contacts/kernel.h"
+#include "solve/joints/kernel.h"
+#include "solve/kernels/kernels.h"
 #include "solve/lanes/wasm128.h"
 
 namespace lockstone::solve {
 
 constinit const dynamics::BodyKernel wasm128_bodies = MovedBodies<Wasm128>::table();
+constinit const ContactKernel wasm128_contacts = Kernel<Wasm128>::table();
+constinit const dynamics::JointKernel wasm128_joints = PackedJoints<Wasm128>::table();
 
 } // namespace lockstone::solve
 

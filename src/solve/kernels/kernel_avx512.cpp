@@ -2,17 +2,18 @@
 #if defined(__x86_64__) || defined(__i386__)
 
 #if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC diagnostic ignored "-Wuninitialized" // in the intrinsics of g++ 12: what a mask of all lanes leaves of a vector
+#pragma GCC diagnostic ignored                                                                               \
+    "-Wuninitialized" // in the intrinsics of g++ 12: what a mask of all lanes leaves of a vector
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #endif
 
 #include "solve/contacts/kernel.h"
-#include "solve/contacts/kernels.h"
+#include "solve/kernels/kernels.h"
 #include "solve/lanes/avx512.h"
 
 namespace lockstone::solve {
 
-constinit const ContactKernel avx512_kernel = Kernel<Avx512>::table();
+constinit const ContactKernel avx512_contacts = Kernel<Avx512>::table();
 
 } // namespace lockstone::solve
 

@@ -1,12 +1,16 @@
 // Compiled with the flags of its instruction set where the target is x86.
 #if defined(__x86_64__) || defined(__i386__)
 
+#include "solve/bodies/kernel.h"
+#include "solve/contacts/kernel.h"
 #include "solve/joints/kernel.h"
-#include "solve/joints/kernels.h"
+#include "solve/kernels/kernels.h"
 #include "solve/lanes/avx2.h"
 
 namespace lockstone::solve {
 
+constinit const dynamics::BodyKernel avx2_bodies = MovedBodies<Avx2>::table();
+constinit const ContactKernel avx2_contacts = Kernel<Avx2>::table();
 constinit const dynamics::JointKernel avx2_joints = PackedJoints<Avx2>::table();
 
 } // namespace lockstone::solve

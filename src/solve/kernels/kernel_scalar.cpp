@@ -1,0 +1,13 @@
+#include "solve/bodies/kernel.h"
+#include "solve/contacts/kernel.h"
+#include "solve/joints/kernel.h"
+#include "solve/kernels/kernels.h"
+#include "solve/lanes/scalar.h"
+
+namespace lockstone::solve {
+
+constinit const dynamics::BodyKernel scalar_bodies = MovedBodies<Scalar>::table();
+constinit const ContactKernel scalar_contacts = Kernel<Scalar>::table();
+constinit const dynamics::JointKernel scalar_joints = PackedJoints<Scalar>::table();
+
+} // namespace lockstone::solve

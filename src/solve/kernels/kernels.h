@@ -1,0 +1,26 @@
+// The passes over bodies, contacts and joints that this build has, by instruction set; each set in a file of its own, kernel_*.cpp.
+#pragma once
+
+#include "dynamics/body_kernel.h"
+#include "dynamics/joint_pack.h"
+#include "solve/contacts/pack.h"
+
+#include "lockstone/simd.h"
+
+namespace lockstone::solve {
+
+struct Kernels {
+    const ContactKernel* contacts;
+    const dynamics::JointKernel* joints;
+    const dynamics::BodyKernel* bodies;
+};
+
+/// Null where the build or the machine lacks the instructions.
+const Kernels* kernels_of(Simd level);
+
+extern const ContactKernel scalar_contacts, sse41_contacts, avx2_contacts, avx512_contacts, neon_contacts,
+    wasm128_contacts;
+extern const dynamics::JointKernel scalar_joints, sse41_joints, avx2_joints, neon_joints, wasm128_joints;
+extern const dynamics::BodyKernel scalar_bodies, sse41_bodies, avx2_bodies, neon_bodies, wasm128_bodies;
+
+} // namespace lockstone::solve
