@@ -71,6 +71,22 @@ TEST_CASE("manifolds are the same with any hint") {
     CHECK(near > 2000);
 }
 
+TEST_CASE("a hint does not part a ball from the box of 1240 m that it lies in") {
+    // The box reaches 1074 m along its diagonal. With 54 fraction bits 1024 m are a turn of 64 bits, so it seemed to reach 50 m.
+    const shapes::Solid ball{sphere(1_r)}, cliff{scaled(box(77.5_r, 77.5_r, 77.5_r), 8_r)};
+    const Unit third = decimal<Unit>("0.577350269");
+    const auto points_at = [&](double metres) {
+        const Coordinate along = quantize<Coordinate>(metres * 0.577350269);
+        NarrowScratch scratch;
+        Manifolds out;
+        collide::collide(cliff, ball, {Rotation::identity(), {along, along, along}}, decimal<Length>("0.02"),
+                         UnitVec3{third, third, third}, scratch, out);
+        return out.count;
+    };
+    for (const double metres : {40.0, 60.0, 100.0, 200.0, 1000.0, 1074.0}) CHECK(points_at(metres) == 1);
+    for (const double metres : {1077.0, 1500.0}) CHECK(points_at(metres) == 0);
+}
+
 TEST_CASE("a hint that did settle the question by itself would be noticed") {
     AssetLibrary library;
     oracle::Random random(12);

@@ -6,6 +6,7 @@
 // Prints for each check its name as it begins, then "ok" or "FAILED" and where. Exit status 1 when one failed. A check
 // that ends the program has caught something too.
 #include "../matrix/host.h"
+#include "collide/narrow_phase.h"
 #include "lockstone/prove.h"
 #include "planted.h"
 #include "replay/replay.h"
@@ -452,6 +453,18 @@ std::string late_points() {
     return scene::points_of_sleepers_difference(400);
 }
 
+/// A ball in a box that reaches 1074 m along its diagonal, asked for with that diagonal as what parted them.
+std::string hint_of_large_box() {
+    const shapes::Solid ball{sphere(1_r)}, cliff{scaled(box(77.5_r, 77.5_r, 77.5_r), 8_r)};
+    const Coordinate along = decimal<Coordinate>("57.735");
+    const Unit third = decimal<Unit>("0.577350269");
+    collide::NarrowScratch scratch;
+    collide::Manifolds found;
+    collide::collide(cliff, ball, {Rotation::identity(), {along, along, along}}, Length{},
+                     UnitVec3{third, third, third}, scratch, found);
+    return found.count == 1 ? "" : "a ball 100 m from its centre is outside";
+}
+
 std::vector<std::pair<std::string, Check>> all_checks() {
     std::vector<std::pair<std::string, Check>> list;
     for (const char* name : {"repeats", "rolls back", "saves everything", "moves", "forgets",
@@ -465,6 +478,7 @@ std::vector<std::pair<std::string, Check>> all_checks() {
                              {"contact points can be asked for late", late_points},
                              {"dead ids stay dead", dead_ids},
                              {"crowds agree", crowds_agree},
+                             {"a hint does not part from large boxes", hint_of_large_box},
                              {"grows", grows},
                              {"peers agree", peers_agree},
                              {"hostile peers", hostile_peers},
