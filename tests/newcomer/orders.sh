@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# orders.sh: what demo/run and tests/run configure is the same in either order, and after a folder that another compiler has configured.
+# orders.sh: what demo/run and tests/run configure is the same in either order, and after a folder that another compiler has configured;
+# and a folder that is configured again keeps what was compiled.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
@@ -44,6 +45,17 @@ as_demo
 as_tests
 commands "$work/release" >"$work/found"
 same "$work/found" || fail "demo then tests: $(diff "$work/expected" "$work/found" | head -n 4)"
+
+# What was compiled stays, however often the folder is configured; for another compiler it goes.
+object=$work/release/CMakeFiles/lockstone_base.dir/kept.o
+mkdir -p "$(dirname "$object")" && touch "$object"
+for again in second third fourth; do
+    as_tests
+    [ -e "$object" ] || fail "a $again configuration threw away what was compiled"
+done
+sed -i 's|^\(CMAKE_CXX_COMPILER:[A-Z]*=\).*|\1clang++|' "$work/release/CMakeCache.txt"
+as_tests
+[ ! -e "$object" ] || fail "the planted fault, a cache of another compiler, keeps its objects"
 
 rm -rf "$work/release"
 by_another_compiler
