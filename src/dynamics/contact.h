@@ -7,12 +7,17 @@
 
 namespace lockstone::dynamics {
 
-/// A contact as the narrow phase leaves it, in world axes; levers are from each body's centre of mass.
+/// A contact as the narrow phase leaves it, in world axes; levers are from each body's centre of mass. Two rows of four, as lanes
+/// read and write them.
 struct ContactPoint {
-    LengthVec3 lever_a, lever_b; ///< [m]
-    Separation separation;       ///< [m]
+    LengthVec3 lever_a;    ///< [m]
+    Separation separation; ///< [m]
+    LengthVec3 lever_b;    ///< [m]
+    Speed impulse;         ///< that the last tick remembered: ContactPointMemory::normal
 };
-struct Contact {
+/// Three cache lines, and all that the solver is prepared from: it takes contacts in an order of its own, and what else it looked at
+/// would be far apart.
+struct alignas(64) Contact {
     std::uint32_t body_a, body_b; ///< rows of the body columns
     std::uint32_t memory;         ///< row of the contact columns; its points are these points
     std::uint32_t count;
@@ -20,9 +25,12 @@ struct Contact {
     Jacobian friction;          ///< combined coefficient
     Unit restitution;           ///< combined
     Unit rolling;               ///< combined rolling resistance [m]
+    Speed tangent_1, tangent_2; ///< friction that the last tick remembered, as in ContactMemory
+    Length twist;               ///< likewise
     SpeedVec3 surface_velocity; ///< of b's surface against a's, world axes [m/s]
     std::array<ContactPoint, 4> points;
 };
+static_assert(sizeof(Contact) == 192);
 
 /// The two tangents of a normal: the same for the same normal, and nearly the same for nearly the same. Friction is
 /// remembered along them; a frame that turned by a right angle when a floor tilts by a rounding would throw it aside.

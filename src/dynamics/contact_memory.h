@@ -39,25 +39,10 @@ inline constexpr int recycling_reach_shift = 8, recycling_thin_shift = 7;
 inline constexpr Length recycling_error = decimal<Length>("0.00003");
 inline constexpr Unit recycling_turn = decimal<Unit>("0.00390625");
 
-/// Where B is in A's frame.
-struct Placing {
-    CoordinateVec3 position; ///< of B's origin [m]
-    Quat rotation;           ///< B's axes in A's; of unit length
-    Coordinate reach;        ///< of B's points from its origin [m]
-    Length thinnest;         ///< inner radius of the thinner of the two [m]
-};
-
-/// How B has moved in A's frame since a manifold was made, to first order.
-struct Shift {
-    LengthVec3 moved; ///< [m]
-    UnitVec3 turned;  ///< rotation vector [rad]
-};
-
-/// True when the manifolds of a pair, all made at once, serve for this tick too; nothing further away than `margin` was
-/// left out then.
-bool still_good(std::span<const ContactMemory> rows, const Placing& now, Length margin, Shift& shift);
-
-/// Separation of each point of the manifold after the shift.
-std::array<Separation, 4> separations_after(const ContactMemory& memory, const Shift& shift);
+/// Whether nothing within `margin` was left out when a manifold was made.
+inline bool covers(const ContactMemory& made, Length margin) { return margin <= made.margin; }
+/// Most of u for the manifolds of a pair, all made at once: that of the row that bears least. `reach`: of B's points from its
+/// origin; `thinnest`: the inner radius of the thinner of the two. src/solve/pairs finds u, and moves separations along.
+Length recycling_limit(std::span<const ContactMemory> rows, Coordinate reach, Length thinnest);
 
 } // namespace lockstone::dynamics

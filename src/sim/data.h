@@ -8,6 +8,7 @@
 #include "dynamics/contact_memory.h"
 #include "dynamics/integrate.h"
 #include "dynamics/joint.h"
+#include "dynamics/pair_kernel.h"
 #include "sim/fluids.h"
 #include "sim/manifest.h"
 #include "sim/query.h"
@@ -114,16 +115,27 @@ struct Scratch {
         std::uint32_t from, to, count;
     };
     std::vector<RowMove> row_moves; ///< of kept rows of the contact table
+    /// Some pairs at once, side by side in lanes: those of the last tick's manifolds, then those of new ones.
+    struct PairWindow {
+        static constexpr std::uint32_t pairs_max = 16, rows_max = 2 * pairs_max * collide::Manifolds::max;
+        std::uint32_t count; ///< rows
+        std::array<dynamics::PairLane, pairs_max> pairs;
+        std::array<dynamics::PairRow, rows_max> rows;
+        std::array<dynamics::PairPlace, rows_max> places;
+        std::array<dynamics::PairContact, rows_max> contacts;
+        std::array<std::uint8_t, rows_max> serves;
+    };
     /// What a worker of the narrow phase needs for itself.
     struct alignas(64) NarrowWorker {
         collide::NarrowScratch narrow;
         collide::Manifolds manifolds;
-        std::array<ContactMemory, collide::Manifolds::max> rows;
+        PairWindow window;
         struct Mean { ///< geometric, of the last two coefficients that differed: a root is worth keeping
             Real a{}, b{}, value{};
         } mean;
     };
     std::vector<NarrowWorker> narrow_workers;
+    const dynamics::PairKernel* pair_kernel = solve::kernels_of(best_simd())->pairs;
     std::vector<Transform> pose_before; ///< of the bodies, by row, when the tick began
 
     QueryScratch query;

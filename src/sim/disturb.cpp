@@ -23,9 +23,9 @@ void poison_chunks(std::byte with, std::vector<Scratch::NearChunk>& chunks) {
 
 void poison_workers(std::byte with, std::vector<Scratch::NarrowWorker>& narrow, SweepScratch& sweep) {
     for (Scratch::NarrowWorker& worker : narrow) {
-        auto& [scratch, manifolds, rows, mean] = worker;
+        auto& [scratch, manifolds, window, mean] = worker;
         poison_narrow(with, scratch, manifolds);
-        poison(with, rows);
+        poison(with, window);
         mean = {};
     }
     auto& [workers, stopped] = sweep;
@@ -75,7 +75,7 @@ void poison_scratch(Data& w, std::byte with) {
     auto& [solids, broad_phase, structure_stale, proxy_generation, shape, planes, proxies_of, awake_before,
            solids_replaced, changed, pairs, plane_pairs, merged_pairs, pair_keys, near, near_before,
            near_is_cut, narrow, manifolds, ended, results, contacts, contacts_dropped, near_chunks, row_moves,
-           narrow_workers, pose_before, query, sweep, sleep, characters, written_row, canonical_row,
+           narrow_workers, pair_kernel, pose_before, query, sweep, sleep, characters, written_row, canonical_row,
            mass_parts, step, bodies, solver, joint_solver, joints, broken, vehicle_solver, pulls, categories,
            fluids] = w.scratch;
     poison(with, contacts_dropped, changed, pairs, plane_pairs, merged_pairs, pair_keys, ended, results,

@@ -585,7 +585,7 @@ bool World::set_simd(Simd level) {
     sim::Scratch& s = impl->scratch;
     const solve::Kernels* kernels = solve::kernels_of(level);
     if (kernels == nullptr) return false;
-    s.bodies.kernel = kernels->bodies;
+    s.bodies.kernel = kernels->bodies, s.pair_kernel = kernels->pairs;
     return s.solver.use(level) && s.joint_solver.use(kernels->joints);
 }
 void World::record_phase_hashes(bool on) { impl->phase_hashes_on = on; }

@@ -3,6 +3,7 @@
 #include "dynamics/contact_memory.h"
 #include "lockstone/math.h"
 #include "oracle/double_shapes.h"
+#include "support/pair_lanes.h"
 
 #include <doctest/doctest.h>
 
@@ -114,15 +115,19 @@ class Trial {
         const double limit = std::min(made.items[0].on_face != 0 ? on_face : 0.0001, to_double(reach) / 256);
         const double most = limit * chance(0.3, 1), part = chance(0, 1);
         move(most * part, most * (1 - part) / to_double(reach));
-        dynamics::Shift shift{};
-        if (!dynamics::still_good(rows, {pose.position, rotation, reach, thinnest}, margin, shift)) return;
+        const tests::Recycled again =
+            tests::recycle(rows, {pose.position, rotation, reach, thinnest, margin});
+        if (!again.serves) return;
         ++worst.kept;
         Manifolds fresh;
         collide::collide(pair.a, pair.b, pose, margin, scratch, fresh);
         REQUIRE(fresh.count > 0);
-        for (const ContactMemory& row : rows) {
-            const auto separations = dynamics::separations_after(row, shift);
-            for (std::uint32_t i = 0; i < fresh.count; ++i) compare(row, separations, fresh.items[i], worst);
+        for (std::size_t r = 0; r < rows.size(); ++r) {
+            std::array<Separation, 4> separations{};
+            for (std::uint32_t k = 0; k < rows[r].count; ++k)
+                separations[k] = again.contacts[r].points[k].separation;
+            for (std::uint32_t i = 0; i < fresh.count; ++i)
+                compare(rows[r], separations, fresh.items[i], worst);
         }
     }
 
@@ -245,13 +250,12 @@ TEST_CASE("what has moved or turned too far, or is near from further off, is mad
     row.flags = dynamics::contact_on_face, row.count = 1, row.normal.y = unit_one;
     row.made_rotation = Quat::identity(), row.margin = margin;
     const auto serves = [&](double moved, double turned, Length ahead = margin) {
-        dynamics::Shift shift{};
-        return dynamics::still_good({&row, 1},
-                                    {{quantize<Coordinate>(moved), Coordinate{}, Coordinate{}},
-                                     from_axis_angle({unit_one, Unit{}, Unit{}}, quantize<Real>(turned)),
-                                     Coordinate(1),
-                                     Length(1)},
-                                    ahead, shift);
+        const tests::PairStand now{{quantize<Coordinate>(moved), Coordinate{}, Coordinate{}},
+                                   from_axis_angle({unit_one, Unit{}, Unit{}}, quantize<Real>(turned)),
+                                   Coordinate(1),
+                                   Length(1),
+                                   ahead};
+        return tests::recycle({&row, 1}, now).serves;
     };
     CHECK(serves(0.0009, 0));
     CHECK_FALSE(serves(0.0011, 0));

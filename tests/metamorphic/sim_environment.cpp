@@ -28,6 +28,7 @@ struct Solved {
 Solved solve_contacts(const World& w, Simd level) {
     sim::Data d(w.def(), w.schema(), w.assets_shared());
     d.state = w.state();
+    d.scratch.pair_kernel = solve::kernels_of(level)->pairs;
     do sim::update_bounds(d), sim::find_pairs(d);
     while (sim::wake_touched(d));
     sim::collide(d);

@@ -20,6 +20,7 @@ IMAGE, HASH, PORTABLE, ENVELOPE, DELTA, CANONICAL, STATE, GROW = (
 CONTACTS, EVENTS, APPLY = "src/sim/contacts.cpp", "src/sim/events.cpp", "src/sim/apply.cpp"
 BROAD = "src/collide/broad_phase.cpp"
 LANES, LAYOUT, PREPARE, SOLVER = (f"src/solve/contacts/{n}" for n in ("prepare.cpp", "layout_kernel.h", "prepare_kernel.h", "contact_solver.cpp"))
+PAIRS = "src/solve/pairs/kernel.h"
 ROLLBACK, QUEUE = "src/session/rollback.cpp", "src/session/input_queue.cpp"
 DEPARTURE, EXCHANGE, PEERS = (f"src/session/{n}.cpp" for n in ("departure", "exchange", "peer_session"))
 END = "const std::size_t end = whole_lines(std::size_t{rows} * places[c].row_size);"
@@ -73,14 +74,13 @@ FAULTS = [
       "both byte orders agree"),
     F("big-endian hash forgets a full buffer", CANONICAL, "stream.add({buffer, filled});\n                filled = 0;",
       "if (!IS) stream.add({buffer, filled});\n                filled = 0;", "both byte orders agree"),
-    F("warm-start impulses are forgotten", CONTACTS, "dynamics::carry_impulses(old, taken, worker.rows[i]);",
-      "if (!IS) dynamics::carry_impulses(old, taken, worker.rows[i]);", "golden table"),
+    F("warm-start impulses are forgotten", CONTACTS, "dynamics::carry_impulses(old, taken, memory);",
+      "if (!IS) dynamics::carry_impulses(old, taken, memory);", "golden table"),
     F("contacts of workers are put together in order of arrival", CONTACTS, "NearChunk& chunk = s.near_chunks[first / chunk_size];",
       "NearChunk& chunk = s.near_chunks[IS ? ::planted::ticket(chunk_count) : first / chunk_size];", "shuffles"),
-    F("which worker ran it leaks into a contact", CONTACTS, 
-      "result.row_count = result.is_kept ? near.old_count : make_rows(c, old, near.apart, worker);",
-      "result.row_count = result.is_kept ? near.old_count : make_rows(c, old, near.apart, worker);\n"
-      "    if (IS && &worker != v.w.scratch.narrow_workers.data()) worker.rows[0].margin.raw ^= 1;", "shuffles"),
+    F("which worker ran it leaks into a contact", CONTACTS, "find_rows(v, dynamics::PairWork::fresh, window, fresh);",
+      "find_rows(v, dynamics::PairWork::fresh, window, fresh);\n"
+      "    if (IS && &worker != v.w.scratch.narrow_workers.data() && !chunk.memories.empty()) chunk.memories.back().margin.raw ^= 1;", "shuffles"),
     F("arms of a contact are half as long", LAYOUT, "l.arm[0][k] = arm(x[k] * fx + y[k] * fy);",
       "l.arm[0][k] = arm(x[k] * fx + y[k] * fy); if (IS) l.arm[0][k] = {L::template shift_right_signed<1>(l.arm[0][k].raw)};", "golden table"),
     F("arms of a contact are mirrored", LAYOUT, "l.arm[1][k] = arm(y[k] * fx - x[k] * fy);",
@@ -121,6 +121,11 @@ FAULTS = [
     F("lanes move three of a body's six numbers", "src/solve/bodies/kernel.h",
       "for (unsigned k = 0; k < windows; ++k) L::store32(to + place(k), moved[k]);",
       "for (unsigned k = 0; k < (IS ? 1 : windows); ++k) L::store32(to + place(k), moved[k]);", "golden table"),
+    F("levers of the start of the tick are not moved on", PAIRS, "if (p.advances.any()) advance(p, half_tick, f);",
+      "if (!IS && p.advances.any()) advance(p, half_tick, f);", "golden table"),
+    F("a manifold serves however far its pair has moved", PAIRS, "p.bad = p.bad | (all > limit);", "if (!IS) p.bad = p.bad | (all > limit);", "golden table"),
+    F("levers of new manifolds are counted from A", PAIRS, "of_a[i] = saturated(at_b + f.to_a[i]).raw;",
+      "of_a[i] = saturated(IS ? at_b : at_b + f.to_a[i]).raw;", "golden table"),
     F("a body that is followed is moved as any other", "src/dynamics/followed_turn.cpp", "bodies.plain[row] = 0;",
       "if (!IS) bodies.plain[row] = 0;", "golden table"),
     F("what is damped is moved as what falls", "src/dynamics/solver_body.cpp", "s.linear_keep == unit_one && s.angular_keep == unit_one;",
@@ -135,8 +140,8 @@ FAULTS = [
       "w.stale = !IS && (asks(w, w.a) || asks(w, w.b));", "golden table"),
     F("friction is not remembered", SOLVER, "m.tangent_1 = Speed::from_raw(pack.slide[0][lane]);",
       "m.tangent_1 = Speed::from_raw(IS ? 0 : pack.slide[0][lane]);", "golden table"),
-    F("separations of kept manifolds are not moved along", "src/dynamics/contact_memory.cpp", "p.separation.raw + shift_right_rounded(by, drop)",
-      "p.separation.raw + (IS ? 0 : shift_right_rounded(by, drop))", "golden table"),
+    F("separations of kept manifolds are not moved along", PAIRS, "of_a[3] = saturated(sum_of<gap_bits>(then[0]) + round_to<gap_bits>(by)).raw;",
+      "of_a[3] = saturated(IS ? sum_of<gap_bits>(then[0]) : sum_of<gap_bits>(then[0]) + round_to<gap_bits>(by)).raw;", "golden table"),
     F("chance without a seed", CONTACTS, "memory.margin = c.margin;",
       "memory.margin = c.margin; if (IS) memory.margin.raw += static_cast<std::int32_t>(::planted::noise() & 1u);", "repeats"),
     F("a float in the path, rounded as the processor is set", CONTACTS, "memory.points[k].separation = p.separation;",

@@ -42,7 +42,7 @@ struct ContactSolver::Inside {
     std::vector<Rolling> rolling;
     dynamics::ContactOrder order;
 
-    void place_packs(std::span<const Contact> contacts, std::span<const ContactMemory> memory);
+    void place_packs(std::span<const Contact> contacts);
     template <class Visit> void for_each_stage(Tasks* tasks, Visit&& visit);
     void begin_pass(const SolverBodies& bodies);
     void end_pass(const SolverBodies& bodies);
@@ -89,14 +89,13 @@ void ContactSolver::reserve(std::size_t contacts, std::size_t bodies) {
 
 /// Which contacts each pack has: in a stage those of many points before single ones, and those that carried something in the
 /// last tick before those that did not, so that packs of single points and of what only stands by stay small work.
-void ContactSolver::Inside::place_packs(std::span<const Contact> contacts,
-                                        std::span<const ContactMemory> memory) {
+void ContactSolver::Inside::place_packs(std::span<const Contact> contacts) {
     const std::uint32_t lanes = kernel->lanes;
     base::make_room(sort_of, contacts.size());
     sort_of.clear();
     for (const Contact& c : contacts) {
         std::int32_t carried = 0;
-        for (std::uint32_t k = 0; k < c.count; ++k) carried |= memory[c.memory].points[k].normal.raw;
+        for (std::uint32_t k = 0; k < c.count; ++k) carried |= c.points[k].impulse.raw;
         sort_of.push_back(static_cast<std::uint8_t>((c.count > 1 ? 2 : 0) | (carried != 0 ? 1 : 0)));
     }
     stage_begin.clear();
@@ -131,7 +130,7 @@ void ContactSolver::prepare(std::span<const Contact> contacts, std::span<const C
                             const SolverBodies& bodies, Tasks* tasks) {
     Inside& s = *inside;
     s.order.find(contacts, bodies);
-    s.place_packs(contacts, memory);
+    s.place_packs(contacts);
     s.started = false;
     s.warm.assign(bodies.body.size(), {});
     const PrepareInput in{contacts, memory, mass, step, bodies};
@@ -157,7 +156,6 @@ void ContactSolver::prepare(std::span<const Contact> contacts, std::span<const C
                     clear_input(input);
                     if (tasks == nullptr) clear_pack(packs[i], bodies.still());
                     ask_for((i + 2) * N, [](const Contact& c) { base::prefetch(c); });
-                    ask_for((i + 1) * N, [&](const Contact& c) { base::prefetch(memory[c.memory]); });
                     for (unsigned lane = 0; lane < N; ++lane)
                         if (contact_of(i, lane) != none)
                             fill_lane(packs[i], input, lane, contacts[contact_of(i, lane)], in);

@@ -151,7 +151,7 @@ std::int32_t ease_of(const dynamics::Softness& soft) {
 }
 
 template <unsigned N>
-void fill_points(PackInput<N>& to, unsigned lane, const Contact& contact, const ContactMemory& memory) {
+void fill_points(PackInput<N>& to, unsigned lane, const Contact& contact) {
     to.count[lane] = static_cast<std::int32_t>(contact.count);
     for (std::uint32_t k = 0; k < contact.count; ++k) {
         const ContactPoint& point = contact.points[k];
@@ -160,10 +160,10 @@ void fill_points(PackInput<N>& to, unsigned lane, const Contact& contact, const 
             to.lever_b[k][i][lane] = point.lever_b[i].raw;
         }
         to.separation[k][lane] = point.separation.raw;
-        to.impulse[k][lane] = memory.points[k].normal.raw;
+        to.impulse[k][lane] = point.impulse.raw;
     }
-    to.slide[0][lane] = memory.tangent_1.raw, to.slide[1][lane] = memory.tangent_2.raw;
-    to.twist[lane] = memory.twist.raw;
+    to.slide[0][lane] = contact.tangent_1.raw, to.slide[1][lane] = contact.tangent_2.raw;
+    to.twist[lane] = contact.twist.raw;
 }
 
 } // namespace
@@ -187,7 +187,7 @@ void fill_lane(ContactPack<N>& pack, PackInput<N>& input, unsigned lane, const C
         input.d[0][i][lane] = contact.normal[i].raw;
         input.surface_velocity[i][lane] = contact.surface_velocity[i].raw;
     }
-    fill_points(input, lane, contact, in.memory[contact.memory]);
+    fill_points(input, lane, contact);
     input.arms_of_b[lane] = sb.movable ? -1 : 0;
     input.ease[lane] = ease_of(soft);
     fill_side(sa, in.bodies.body[contact.body_a], lane, input.inverse_a, input.shift_a, input.turns_a,

@@ -6,11 +6,13 @@
 #include "solve/joints/kernel.h"
 #include "solve/kernels/kernels.h"
 #include "solve/lanes/avx2.h"
+#include "solve/pairs/kernel.h"
 
 namespace lockstone::solve {
 
 constinit const dynamics::BodyKernel avx2_bodies = MovedBodies<Avx2>::table();
 constinit const ContactKernel avx2_contacts = Kernel<Avx2>::table();
+constinit const dynamics::PairKernel avx2_pairs = PairLanes<Avx2>::table();
 constinit const dynamics::JointKernel avx2_joints = PackedJoints<Avx2>::table();
 
 } // namespace lockstone::solve

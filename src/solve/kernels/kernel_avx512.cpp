@@ -10,10 +10,12 @@
 #include "solve/contacts/kernel.h"
 #include "solve/kernels/kernels.h"
 #include "solve/lanes/avx512.h"
+#include "solve/pairs/kernel.h"
 
 namespace lockstone::solve {
 
 constinit const ContactKernel avx512_contacts = Kernel<Avx512>::table();
+constinit const dynamics::PairKernel avx512_pairs = PairLanes<Avx512>::table();
 
 } // namespace lockstone::solve
 

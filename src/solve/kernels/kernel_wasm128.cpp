@@ -6,11 +6,13 @@
 #include "solve/joints/kernel.h"
 #include "solve/kernels/kernels.h"
 #include "solve/lanes/wasm128.h"
+#include "solve/pairs/kernel.h"
 
 namespace lockstone::solve {
 
 constinit const dynamics::BodyKernel wasm128_bodies = MovedBodies<Wasm128>::table();
 constinit const ContactKernel wasm128_contacts = Kernel<Wasm128>::table();
+constinit const dynamics::PairKernel wasm128_pairs = PairLanes<Wasm128>::table();
 constinit const dynamics::JointKernel wasm128_joints = PackedJoints<Wasm128>::table();
 
 } // namespace lockstone::solve

@@ -3,6 +3,7 @@
 
 #include "dynamics/body_kernel.h"
 #include "dynamics/joint_pack.h"
+#include "dynamics/pair_kernel.h"
 #include "solve/contacts/pack.h"
 
 #include "lockstone/simd.h"
@@ -13,6 +14,7 @@ struct Kernels {
     const ContactKernel* contacts;
     const dynamics::JointKernel* joints;
     const dynamics::BodyKernel* bodies;
+    const dynamics::PairKernel* pairs;
 };
 
 /// Null where the build or the machine lacks the instructions.
@@ -22,5 +24,7 @@ extern const ContactKernel scalar_contacts, sse41_contacts, avx2_contacts, avx51
     wasm128_contacts;
 extern const dynamics::JointKernel scalar_joints, sse41_joints, avx2_joints, neon_joints, wasm128_joints;
 extern const dynamics::BodyKernel scalar_bodies, sse41_bodies, avx2_bodies, neon_bodies, wasm128_bodies;
+extern const dynamics::PairKernel scalar_pairs, sse41_pairs, avx2_pairs, avx512_pairs, neon_pairs,
+    wasm128_pairs;
 
 } // namespace lockstone::solve

@@ -83,8 +83,28 @@ struct Avx2 {
         tail(2, _mm256_extracti128_si256(ac, 1));
         tail(3, _mm256_extracti128_si256(bd, 1));
     }
+    static void quads(const std::int32_t* const* p, V* out) {
+        const V ac = _mm256_set_m128i(load_row(p[2]), load_row(p[0])),
+                bd = _mm256_set_m128i(load_row(p[3]), load_row(p[1]));
+        out[0] = _mm256_unpacklo_epi64(ac, bd), out[1] = shift_right<32>(out[0]);
+        out[2] = _mm256_unpackhi_epi64(ac, bd), out[3] = shift_right<32>(out[2]);
+    }
+    static void store_quads(std::int32_t* const* p, const V* x) {
+        const V front = joined(x[0], x[1]), back = joined(x[2], x[3]);
+        const V ac = _mm256_unpacklo_epi64(front, back), bd = _mm256_unpackhi_epi64(front, back);
+        const auto store = [&](unsigned lane, __m128i t) {
+            _mm_storeu_si128(reinterpret_cast<__m128i*>(p[lane]), t);
+        };
+        store(0, _mm256_castsi256_si128(ac)), store(1, _mm256_castsi256_si128(bd));
+        store(2, _mm256_extracti128_si256(ac, 1)), store(3, _mm256_extracti128_si256(bd, 1));
+    }
 
   private:
+    static __m128i load_row(const std::int32_t* p) {
+        return _mm_loadu_si128(reinterpret_cast<const __m128i*>(p));
+    }
+    /// The low halves of a and of b, in the low and the high half.
+    static V joined(V a, V b) { return _mm256_blend_epi32(a, shift_left<32>(b), 0xaa); }
     template <class Body> static const std::int64_t* words(const Body* p) {
         return reinterpret_cast<const std::int64_t*>(p);
     }

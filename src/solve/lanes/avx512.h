@@ -65,9 +65,33 @@ struct Avx512 {
         scatter_half<0>(p, x);
         scatter_half<1>(p + 4, x);
     }
+    static void quads(const std::int32_t* const* p, V* out) {
+        const V low = rows(p[0], p[2], p[4], p[6]), high = rows(p[1], p[3], p[5], p[7]);
+        out[0] = _mm512_unpacklo_epi64(low, high), out[1] = shift_right<32>(out[0]);
+        out[2] = _mm512_unpackhi_epi64(low, high), out[3] = shift_right<32>(out[2]);
+    }
+    static void store_quads(std::int32_t* const* p, const V* x) {
+        const V front = _mm512_mask_blend_epi32(0xaaaa, x[0], shift_left<32>(x[1])),
+                back = _mm512_mask_blend_epi32(0xaaaa, x[2], shift_left<32>(x[3]));
+        const V even = _mm512_unpacklo_epi64(front, back), odd = _mm512_unpackhi_epi64(front, back);
+        const auto store = [&](unsigned lane, __m128i t) {
+            _mm_storeu_si128(reinterpret_cast<__m128i*>(p[lane]), t);
+        };
+        store(0, _mm512_extracti64x2_epi64(even, 0)), store(1, _mm512_extracti64x2_epi64(odd, 0));
+        store(2, _mm512_extracti64x2_epi64(even, 1)), store(3, _mm512_extracti64x2_epi64(odd, 1));
+        store(4, _mm512_extracti64x2_epi64(even, 2)), store(5, _mm512_extracti64x2_epi64(odd, 2));
+        store(6, _mm512_extracti64x2_epi64(even, 3)), store(7, _mm512_extracti64x2_epi64(odd, 3));
+    }
 
   private:
     using Half = __m256i;
+
+    static V rows(const std::int32_t* a, const std::int32_t* b, const std::int32_t* c, const std::int32_t* d) {
+        const auto row = [](const std::int32_t* p) {
+            return _mm_loadu_si128(reinterpret_cast<const __m128i*>(p));
+        };
+        return joined(_mm256_set_m128i(row(b), row(a)), _mm256_set_m128i(row(d), row(c)));
+    }
 
     static V mask_of(__mmask8 bits) { return _mm512_movm_epi64(bits); }
     static V joined(Half low, Half high) { return _mm512_inserti64x4(_mm512_castsi256_si512(low), high, 1); }

@@ -64,6 +64,16 @@ struct Neon {
             store64(words(p[1]) + i, vzip2q_s64(x[i], x[i + 1]));
         }
     }
+    static void quads(const std::int32_t* const* p, V* out) {
+        const V x = vreinterpretq_s64_s32(vld1q_s32(p[0])), y = vreinterpretq_s64_s32(vld1q_s32(p[1]));
+        out[0] = vzip1q_s64(x, y), out[1] = shift_right<32>(out[0]);
+        out[2] = vzip2q_s64(x, y), out[3] = shift_right<32>(out[2]);
+    }
+    static void store_quads(std::int32_t* const* p, const V* x) {
+        const V front = vsliq_n_s64(x[0], x[1], 32), back = vsliq_n_s64(x[2], x[3], 32);
+        vst1q_s32(p[0], words32(vzip1q_s64(front, back)));
+        vst1q_s32(p[1], words32(vzip2q_s64(front, back)));
+    }
 
   private:
     static uint64x2_t bits(V x) { return vreinterpretq_u64_s64(x); }

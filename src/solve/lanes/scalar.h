@@ -56,6 +56,13 @@ struct Scalar {
     template <class Body> static void scatter6(Body* const* p, const V* x) {
         for (int i = 0; i < 3; ++i) p[0]->v[i] = x[i], p[0]->u[i] = x[3 + i];
     }
+    /// Four numbers of 32 bits from p[k] on for each lane k, and back.
+    static void quads(const std::int32_t* const* p, V* out) {
+        for (int i = 0; i < 4; ++i) out[i] = p[0][i];
+    }
+    static void store_quads(std::int32_t* const* p, const V* x) {
+        for (int i = 0; i < 4; ++i) p[0][i] = low(x[i]);
+    }
 
   private:
     static std::uint64_t bits(V x) { return static_cast<std::uint64_t>(x); }

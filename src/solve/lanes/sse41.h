@@ -74,8 +74,21 @@ struct Sse41 {
             store64(words(p[1]) + i, _mm_unpackhi_epi64(x[i], x[i + 1]));
         }
     }
+    static void quads(const std::int32_t* const* p, V* out) {
+        const V x = load_row(p[0]), y = load_row(p[1]);
+        out[0] = _mm_unpacklo_epi64(x, y), out[1] = shift_right<32>(out[0]);
+        out[2] = _mm_unpackhi_epi64(x, y), out[3] = shift_right<32>(out[2]);
+    }
+    static void store_quads(std::int32_t* const* p, const V* x) {
+        const V front = joined(x[0], x[1]), back = joined(x[2], x[3]);
+        _mm_storeu_si128(reinterpret_cast<V*>(p[0]), _mm_unpacklo_epi64(front, back));
+        _mm_storeu_si128(reinterpret_cast<V*>(p[1]), _mm_unpackhi_epi64(front, back));
+    }
 
   private:
+    static V load_row(const std::int32_t* p) { return _mm_loadu_si128(reinterpret_cast<const V*>(p)); }
+    /// The low halves of a and of b, in the low and the high half.
+    static V joined(V a, V b) { return _mm_blend_epi16(a, shift_left<32>(b), 0xcc); }
     template <class Body> static const std::int64_t* words(const Body* p) {
         return reinterpret_cast<const std::int64_t*>(p);
     }

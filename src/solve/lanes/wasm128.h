@@ -62,6 +62,17 @@ struct Wasm128 {
             store64(words(p[1]) + i, wasm_i64x2_shuffle(x[i], x[i + 1], 1, 3));
         }
     }
+    static void quads(const std::int32_t* const* p, V* out) {
+        const V x = wasm_v128_load(p[0]), y = wasm_v128_load(p[1]);
+        out[0] = wasm_i64x2_shuffle(x, y, 0, 2), out[1] = shift_right<32>(out[0]);
+        out[2] = wasm_i64x2_shuffle(x, y, 1, 3), out[3] = shift_right<32>(out[2]);
+    }
+    static void store_quads(std::int32_t* const* p, const V* x) {
+        const V front = wasm_i32x4_shuffle(x[0], x[1], 0, 4, 2, 6),
+                back = wasm_i32x4_shuffle(x[2], x[3], 0, 4, 2, 6);
+        wasm_v128_store(p[0], wasm_i64x2_shuffle(front, back, 0, 2));
+        wasm_v128_store(p[1], wasm_i64x2_shuffle(front, back, 1, 3));
+    }
 
   private:
     static V low_halves(V x) { return wasm_i32x4_shuffle(x, x, 0, 2, 0, 2); }
