@@ -42,6 +42,8 @@ void add_options(CLI::App& app, Options& options) {
     app.add_option("--width", options.width, "of the picture [px]")->check(CLI::Range(64, 8192));
     app.add_option("--height", options.height, "of the picture [px]")->check(CLI::Range(64, 8192));
     app.add_flag("--offscreen", options.offscreen, "draw into memory even if there is a display");
+    app.add_flag("--figures", options.figures,
+                 "of a recording of two-blocks: draw the four moments of the thesis' figures");
     app.add_flag("--netplay", options.netplay, "two rollback peers side by side over a simulated network");
     app.add_option("--latency", options.latency_ms, "of netplay, one way [ms], default 80")
         ->check(CLI::Range(0, 400));
@@ -56,7 +58,9 @@ void add_options(CLI::App& app, Options& options) {
 
 /// What CLI11 cannot know; empty when the options go together.
 std::string contradiction(const Options& options) {
+    if (options.netplay + options.figures > 1) return "--figures and --netplay exclude each other";
     if (!options.asset_file.empty() && options.netplay) return "--netplay needs a scene, not an asset";
+    if (options.figures && !options.source_is_file()) return "--figures needs a replay file";
     if (!options.source_is_file()) return {};
     if (options.netplay) return "--netplay needs a scene, not a replay file";
     if (!options.record_file.empty()) return "--record needs a scene: " + options.source + " is a recording";
@@ -108,6 +112,7 @@ std::variant<Options, int> parse_options(int argc, char** argv) {
         std::fprintf(stderr, "lockstone-demo: %s\n", error.what());
         return 2;
     }
+    if (options.figures) options.frame_every = 1; // each of its steps is a picture
     if (const std::string why = contradiction(options); !why.empty()) {
         std::fprintf(stderr, "lockstone-demo: %s\n", why.c_str());
         return 2;
