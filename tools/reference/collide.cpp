@@ -115,25 +115,28 @@ class FclCollider final : public Collider {
                           static_cast<std::size_t>(&b - parts.data()));
     }
 
-    void collide(const Part& a, const Part& b) {
-        const bool plane_a = a.def.geometry.kind == ShapeKind::plane,
-                   plane_b = b.def.geometry.kind == ShapeKind::plane;
-        if (box_ground && plane_a && b.def.geometry.kind == ShapeKind::box) {
-            const auto top = top_under(a, b);
-            ask(a, b, *top, *b.object);
-        } else if (box_ground && plane_b && a.def.geometry.kind == ShapeKind::box) {
-            const auto top = top_under(b, a);
-            ask(a, b, *a.object, *top);
-        } else {
-            ask(a, b, *a.object, *b.object);
-        }
+    /// FCL 0.7 finds one point of a box on a half-space; and it takes a cone or a cylinder whose axis points down for one that
+    /// lies (halfspace-inl.h compares the cosine, not its absolute value). On the top of a box it finds four, and the right one.
+    bool needs_top(const Part& plane, const Part& on) const {
+        const ShapeKind kind = on.def.geometry.kind;
+        return box_ground && plane.def.geometry.kind == ShapeKind::plane &&
+               (kind == ShapeKind::box || kind == ShapeKind::cylinder || kind == ShapeKind::cone);
     }
 
-    /// A box whose top is the plane, under a box and four times as wide as that is long.
-    static std::unique_ptr<fcl::CollisionObjectd> top_under(const Part& plane, const Part& box) {
-        const double side = 4 * box.object->collisionGeometry()->aabb_radius;
+    void collide(const Part& a, const Part& b) {
+        if (needs_top(a, b))
+            ask(a, b, *top_under(a, b), *b.object);
+        else if (needs_top(b, a))
+            ask(a, b, *a.object, *top_under(b, a));
+        else
+            ask(a, b, *a.object, *b.object);
+    }
+
+    /// A box whose top is the plane, under a shape and four times as wide as that.
+    static std::unique_ptr<fcl::CollisionObjectd> top_under(const Part& plane, const Part& on) {
+        const double side = 8 * on.object->collisionGeometry()->aabb_radius;
         const fcl::Transform3d& ground = plane.object->getTransform();
-        fcl::Vector3d center = ground.inverse() * box.object->getTranslation();
+        fcl::Vector3d center = ground.inverse() * on.object->getTranslation();
         center.y() = -side / 2;
         fcl::Transform3d place = ground;
         place.translation() = ground * center;

@@ -59,6 +59,7 @@ struct Engine::Impl {
     std::vector<Contact> contacts;
     std::vector<Resolved> resolved;
     std::uint64_t ticks = 0;
+    bool touched = false;
 
     void read_back() {
         for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -74,6 +75,7 @@ struct Engine::Impl {
         core->integrate();
         read_back();
         contacts = find_contacts(bodies);
+        touched = touched || !contacts.empty();
         std::vector<Contact> seen = contacts;
         if (settings.on_contacts) settings.on_contacts(seen);
         resolved.clear();
@@ -234,6 +236,7 @@ Status Engine::apply(const lockstone::Command& command) {
 
 /// Section 3.1: "the main loop calls the update function on a fixed time step for each object", then collisions are resolved.
 void Engine::tick() {
+    impl->touched = false;
     for (int i = 0; i < impl->substeps; ++i) impl->step();
     impl->core->clear_forces();
     impl->read_back();
@@ -267,6 +270,7 @@ Measures Engine::measure(const lockstone::World& world) const {
 }
 
 std::span<const Contact> Engine::contacts() const { return impl->contacts; }
+bool Engine::touched() const { return impl->touched; }
 std::span<const Resolved> Engine::resolved() const { return impl->resolved; }
 
 } // namespace reference

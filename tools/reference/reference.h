@@ -31,7 +31,8 @@ struct Settings {
         -1; ///< [m/s]: slower impacts do not bounce; below 0: the world's restitution_speed_min
     double angular_limit = 0.2; ///< see Resolver
     bool gyroscopic = false;    ///< see Law: false is the thesis
-    /// Boxes meet a plane as the top of a box, of which FCL finds up to four points; else its half-space, of which it finds one.
+    /// Boxes, cylinders and cones meet a plane as the top of a box, of which FCL finds up to four points; else its half-space,
+    /// of which it finds one, and of cones and cylinders that point down a wrong one.
     bool box_ground = true;
     Build build = Build::double_plain;
     /// Sees what FCL has found before the resolver does, and may change it. For tests.
@@ -88,6 +89,7 @@ class Engine {
 
     /// What FCL found in the last step, before anything was resolved, in order of bodies and shapes.
     std::span<const Contact> contacts() const;
+    bool touched() const; ///< whether it found any in the last tick
     /// What the resolver did in the last step, in order.
     std::span<const Resolved> resolved() const;
 

@@ -97,9 +97,9 @@ Sample SideBySide::sample() const {
              .theirs = engine.measure(),
              .our_us = impl->our_us,
              .their_us = impl->their_us,
-             .their_contacts = engine.contacts().size()};
+             .theirs_touched = engine.touched()};
     for (const lockstone::World::ContactPoint& c : impl->world.contacts())
-        s.our_contacts += c.impulse.raw > 0;
+        s.ours_touched = s.ours_touched || c.impulse.raw > 0;
     double count = 0;
     for (std::size_t i = 0; i < engine.bodies().size(); ++i) {
         if (!engine.is_dynamic(i)) continue;

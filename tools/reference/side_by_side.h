@@ -15,8 +15,8 @@ struct Sample {
     double separation_max = 0;  ///< the farthest that a dynamic body is from its counterpart [m]
     double separation_mean = 0; ///< of all dynamic bodies [m]
     Measures ours, theirs;
-    double our_us = 0, their_us = 0;                  ///< wall time of the tick
-    std::size_t our_contacts = 0, their_contacts = 0; ///< contact points that touch
+    double our_us = 0, their_us = 0;                   ///< wall time of the tick
+    bool ours_touched = false, theirs_touched = false; ///< whether anything touched in the tick
 };
 
 class SideBySide {
