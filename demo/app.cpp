@@ -1,6 +1,7 @@
 #include "app.h"
 
 #include "cli/interrupt.h"
+#include "compare_page.h"
 #include "figures_page.h"
 #include "hud.h"
 #include "live_page.h"
@@ -28,6 +29,7 @@ struct Screen {
 void complain(const std::string& sentence) { std::fprintf(stderr, "lockstone-demo: %s\n", sentence.c_str()); }
 
 Result<std::unique_ptr<Page>> open_page(const Options& options, Stage& stage) {
+    if (options.compare) return open_comparison(options, stage);
     if (options.figures) return FiguresPage::open(options, stage);
     if (options.source_is_file()) return ReplayPage::open(options, stage);
     return options.netplay ? NetplayPage::open(options, stage) : LivePage::open(options, stage);
@@ -35,6 +37,7 @@ Result<std::unique_ptr<Page>> open_page(const Options& options, Stage& stage) {
 
 /// Before a window opens for nothing.
 Status check_scene(const Options& options) {
+    if (options.compare) return check_comparison(options);
     if (options.source_is_file()) return {};
     const Result<std::unique_ptr<Game>> game = make_game(options);
     return game ? Status{} : game.error();
