@@ -12,7 +12,7 @@ using lockstone::Error, lockstone::Status;
 namespace {
 
 /// As many points as a panel can show.
-constexpr std::size_t points_max = 240;
+constexpr std::size_t points_max = 150;
 
 /// On a logarithmic axis there is no 0: what is less is drawn here [m].
 constexpr double least_apart = 1e-16;
@@ -79,8 +79,8 @@ std::string sample_panels() {
         "unset logscale y\nset format y '%g'\n";
     out += "set title 'energy'\nset ylabel 'J'\n" + both(4, 5);
     out += "set title 'momentum'\nset ylabel 'N s'\n" + both(6, 7);
-    out += "set title 'deepest overlap, by FCL'\nset ylabel 'mm'\n" + both(8, 9);
-    out += "set title 'time of a tick, median of 15'\nset ylabel '{/Symbol m}s'\nset logscale y\n" +
+    out += "set title 'deepest overlap, by FCL'\nset ylabel 'mm'\nset yrange [0:1<*]\n" + both(8, 9);
+    out += "set title 'time of a tick, median of 15'\nset yrange [*:*]\nset ylabel 'µs'\nset logscale y\n" +
            both(10, 11);
     return out;
 }
@@ -99,40 +99,44 @@ std::string drift_block(const Drawn& drawn, std::size_t index) {
     return out.str();
 }
 
+bool is_ours(const DriftLine& line) { return line.name == "Lockstone"; }
+
 std::string drift_title(const DriftLine& line) {
-    const bool is_ours = line.name == "Lockstone";
-    const std::string parts =
-        line.parts_at ? "parts at tick " + std::to_string(*line.parts_at) : std::string("never parts");
-    return is_ours ? "Lockstone, other instructions, 3 threads: " + parts : line.name + ": " + parts;
+    const std::string who = is_ours(line) ? "Lockstone, other instructions and threads" : line.name;
+    if (!line.parts_at) return who + ": never parts";
+    const std::optional<std::uint64_t> seen = line.apart_by(0.001);
+    return who + ": parts at tick " + std::to_string(*line.parts_at) +
+           (seen ? ", 1 mm at tick " + std::to_string(*seen) : std::string());
 }
 
+/// The twin stays out of it: it would lie under ours.
 std::string drift_panel(const Drawn& drawn) {
-    constexpr const char* colours[] = {"#c2451e", "#e0922f", "#7a5bb5", "#8a8a8a"};
-    std::string out;
-    for (std::size_t i = 0; i < drawn.drifts.size(); ++i) out += drift_block(drawn, i);
-    out +=
-        "set title 'the same engine, built twice: distance between the two'\nset ylabel 'm'\nset logscale y\n"
-        "set yrange [3e-17:100]\nset ytics add ('0' 1e-16)\nset format y '10^{%T}'\n"
-        "set ytics ('0' 1e-16, '10^{-12}' 1e-12, '10^{-9}' 1e-9, '10^{-6}' 1e-6, '1 mm' 1e-3, '1 m' 1)\n"
-        "set key bottom right width -2\n";
+    constexpr const char* colours[] = {"#c2451e", "#e0922f", "#7a5bb5"};
+    std::string blocks, plots;
     for (std::size_t i = 0; i < drawn.drifts.size(); ++i) {
-        const bool is_ours = drawn.drifts[i].name == "Lockstone",
-                   is_twin = drawn.drifts[i].name == name_of(Build::float_twin);
-        const std::string style = is_ours ? std::string("linewidth 3 linecolor '") + our_colour + "'"
-                                          : std::string(is_twin ? "dashtype 2 " : "") +
-                                                "linewidth 1.5 linecolor '" + colours[i % 4] + "'";
-        out += (i == 0 ? "plot $drift" : ", $drift") + std::to_string(i) + " using 1:2 with lines " + style +
-               " title " + quoted(drift_title(drawn.drifts[i]));
+        const DriftLine& line = drawn.drifts[i];
+        if (line.name == name_of(Build::float_twin)) continue;
+        const std::string style = is_ours(line) ? std::string("3 linecolor '") + our_colour
+                                                : std::string("1.5 linecolor '") + colours[i % 3];
+        blocks += drift_block(drawn, i);
+        plots += (plots.empty() ? "plot $drift" : ", $drift") + std::to_string(i) +
+                 " using 1:2 with lines linewidth " + style + "' title " + quoted(drift_title(line));
     }
-    return out + "\n";
+    return blocks +
+           "set title 'one engine, built twice: how far the two worlds are apart'\nset ylabel ''\n"
+           "set logscale y\nset yrange [3e-17:100]\n"
+           "set ytics ('0' 1e-16, '1 pm' 1e-12, '1 nm' 1e-9, '1 µm' 1e-6, '1 mm' 1e-3, '1 m' 1)\n"
+           "set key below left Left reverse vertical maxrows 5 samplen 2\n" +
+           plots + "\n";
 }
 
 std::string script_of(const Drawn& drawn, const std::string& file) {
     const bool alone = drawn.samples.empty();
-    std::string out =
-        std::string("set terminal svg size ") + (alone ? "760,420" : "1280,760") +
-        " font 'Helvetica,12' background 'white'\nset output " + quoted(file) +
-        "\nset grid linecolor '#dddddd'\nset border 3\nset tics nomirror\nset xlabel 's'\nset key top left\n";
+    std::string out = std::string("set terminal svg size ") + (alone ? "760,460" : "1280,840") +
+                      " font 'Helvetica,12' background 'white'\nset encoding utf8\nset output " +
+                      quoted(file) +
+                      "\nset grid linecolor '#dddddd'\nset border 3\nset tics nomirror\nset xlabel 's'\n"
+                      "set key outside top center horizontal samplen 2\n";
     if (alone) return out + drift_panel(drawn);
     out += "set multiplot layout 2,3 title " + quoted(drawn.scene + ": the thesis' engine beside Lockstone") +
            "\n";
