@@ -1,6 +1,8 @@
 #include "app.h"
 
 #include "cli/interrupt.h"
+#include "compare_page.h"
+#include "figures_page.h"
 #include "hud.h"
 #include "live_page.h"
 #include "netplay_page.h"
@@ -27,12 +29,15 @@ struct Screen {
 void complain(const std::string& sentence) { std::fprintf(stderr, "lockstone-demo: %s\n", sentence.c_str()); }
 
 Result<std::unique_ptr<Page>> open_page(const Options& options, Stage& stage) {
+    if (options.compare) return open_comparison(options, stage);
+    if (options.figures) return FiguresPage::open(options, stage);
     if (options.source_is_file()) return ReplayPage::open(options, stage);
     return options.netplay ? NetplayPage::open(options, stage) : LivePage::open(options, stage);
 }
 
 /// Before a window opens for nothing.
 Status check_scene(const Options& options) {
+    if (options.compare) return check_comparison(options);
     if (options.source_is_file()) return {};
     const Result<std::unique_ptr<Game>> game = make_game(options);
     return game ? Status{} : game.error();
@@ -108,13 +113,10 @@ Moment App::moment(float seconds) {
 }
 
 void App::write_picture() {
-    char name[64];
-    std::snprintf(name, sizeof name, "%.20s-%06llu.png", std::string(page_->name()).c_str(),
-                  static_cast<unsigned long long>(page_->tick_count()));
     const std::filesystem::path folder(options_.frames_folder.empty() ? "lockstone-frames"
                                                                       : options_.frames_folder);
     std::filesystem::create_directories(folder);
-    screen_->surface->write_png(folder / name);
+    screen_->surface->write_png(folder / (page_->picture_name() + ".png"));
 }
 
 // ---- the loops --------------------------------------------------------------------------------------------
@@ -199,6 +201,7 @@ int App::run() {
         return 2;
     }
     open_screen();
+    if (options_.figures && screen_ == nullptr) return 2; // it has been said why; there is nothing else to do
     Result<std::unique_ptr<Page>> page = open_page(options_, stage_);
     if (!page) {
         complain(page.error().message);

@@ -17,7 +17,7 @@ constexpr float follow_rate = 7, overview_rate = 1.5f;
 } // namespace
 
 CameraRig::Sphere CameraRig::around(const Bounds& bounds) {
-    return {bounds.centre(), std::clamp(0.8f * bounds.radius(), 2.0f, 80.0f)};
+    return {bounds.centre(), std::clamp(0.8f * bounds.radius(), 1.0f, 80.0f)};
 }
 
 void CameraRig::frame_scene(const Bounds& bounds) {

@@ -11,12 +11,6 @@ namespace {
 constexpr float title_height = 24;
 const float line_height = TextLine{}.height;
 
-/// Letters, not bytes.
-std::size_t letters(const std::string& text) {
-    return static_cast<std::size_t>(std::count_if(
-        text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0u) != 0x80u; }));
-}
-
 glm::vec4 player_ink(std::uint32_t player) {
     const std::uint32_t rgb = look_of(user_key_of(Role::player, player)).colour;
     const glm::vec3 colour = glm::vec3((rgb >> 16) & 0xffu, (rgb >> 8) & 0xffu, rgb & 0xffu) / 255.0f;

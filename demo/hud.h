@@ -4,6 +4,7 @@
 #include "page.h"
 #include "scene_view.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -36,6 +37,12 @@ class TextPanel {
     float width_ = 0, height_ = 0;
     std::vector<TextLine> lines_; ///< positions within the panel
 };
+
+/// Letters, not bytes, of UTF-8.
+inline std::size_t letters(const std::string& text) {
+    return static_cast<std::size_t>(std::count_if(
+        text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0u) != 0x80u; }));
+}
 
 std::string format_hash(std::uint64_t hash);                      ///< "9f3c 21d0 77ab e415"
 std::string format_time(std::uint64_t ticks, std::uint32_t rate); ///< "00:20.07"

@@ -23,7 +23,8 @@ std::string scene_list() {
 }
 
 void add_options(CLI::App& app, Options& options) {
-    app.add_option("source", options.source, "a scene, or a replay file (.lsr); default rollback-arena");
+    app.add_option("source", options.source,
+                   "a scene, or a replay file (.lsr); default rollback-arena, of --compare two-blocks");
     app.add_option("--asset", options.asset_file,
                    "show an asset that `lockstone cook` made, instead of a scene");
     app.add_option("--size", options.scene.size, "size of the scene, see `lockstone scenes`");
@@ -42,6 +43,10 @@ void add_options(CLI::App& app, Options& options) {
     app.add_option("--width", options.width, "of the picture [px]")->check(CLI::Range(64, 8192));
     app.add_option("--height", options.height, "of the picture [px]")->check(CLI::Range(64, 8192));
     app.add_flag("--offscreen", options.offscreen, "draw into memory even if there is a display");
+    app.add_flag("--compare", options.compare,
+                 "draw the scene as the thesis' engine has it, in outlines, over ours");
+    app.add_flag("--figures", options.figures,
+                 "of a recording of two-blocks: draw the four moments of the thesis' figures");
     app.add_flag("--netplay", options.netplay, "two rollback peers side by side over a simulated network");
     app.add_option("--latency", options.latency_ms, "of netplay, one way [ms], default 80")
         ->check(CLI::Range(0, 400));
@@ -56,9 +61,17 @@ void add_options(CLI::App& app, Options& options) {
 
 /// What CLI11 cannot know; empty when the options go together.
 std::string contradiction(const Options& options) {
+    if (options.netplay + options.compare + options.figures > 1)
+        return "of --netplay, --compare and --figures only one can be shown";
     if (!options.asset_file.empty() && options.netplay) return "--netplay needs a scene, not an asset";
+    if (options.compare && !options.record_file.empty())
+        return "--compare records nothing: leave --record out";
+    if (options.compare && !options.input_file.empty())
+        return "--compare plays the script: leave --input out";
+    if (options.figures && !options.source_is_file()) return "--figures needs a replay file";
     if (!options.source_is_file()) return {};
-    if (options.netplay) return "--netplay needs a scene, not a replay file";
+    if (options.netplay || options.compare)
+        return std::string(options.netplay ? "--netplay" : "--compare") + " needs a scene, not a replay file";
     if (!options.record_file.empty()) return "--record needs a scene: " + options.source + " is a recording";
     if (!options.input_file.empty())
         return "--input needs a scene: " + options.source + " has its own inputs";
@@ -108,11 +121,13 @@ std::variant<Options, int> parse_options(int argc, char** argv) {
         std::fprintf(stderr, "lockstone-demo: %s\n", error.what());
         return 2;
     }
+    if (options.compare && app.count("source") == 0) options.source = "two-blocks"; // the thesis' own
+    if (options.figures) options.frame_every = 1; // each of its steps is a picture
     if (const std::string why = contradiction(options); !why.empty()) {
         std::fprintf(stderr, "lockstone-demo: %s\n", why.c_str());
         return 2;
     }
-    if (app.count("--players") == 0) add_default_players(options);
+    if (app.count("--players") == 0 && !options.compare) add_default_players(options);
     return options;
 }
 

@@ -22,6 +22,8 @@ struct Options {
     std::uint64_t frame_every = 60; ///< ticks per picture
     int width = 1280, height = 720; ///< [px]
     bool offscreen = false;
+    bool figures = false; ///< the thesis' four pictures of a recording
+    bool compare = false; ///< the thesis' engine beside ours
     bool netplay = false;
     std::uint32_t latency_ms = 80;  ///< one way
     std::uint32_t loss_percent = 5; ///< of packets

@@ -7,6 +7,7 @@
 #include "render/model.h"
 #include "step_clock.h"
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -54,7 +55,9 @@ class Page {
     virtual std::string_view name() const = 0;    ///< starts the names of pictures: "play"
     virtual std::uint32_t tick_rate() const = 0;  ///< [1/s]
     virtual std::uint64_t tick_count() const = 0; ///< where it stands
-    virtual Status tick() = 0;                    ///< one step; nothing once it is finished
+    /// Of the file of a picture, without its ending: "play-000060".
+    virtual std::string picture_name() const;
+    virtual Status tick() = 0; ///< one step; nothing once it is finished
     virtual bool finished() const = 0;
     virtual void control(const Input& input, const Moment& moment) = 0;
     virtual std::vector<Frame> draw(const Moment& moment) = 0;
@@ -62,5 +65,10 @@ class Page {
     virtual Result<std::unique_ptr<Page>> next() { return std::unique_ptr<Page>(); }
     virtual Verdict verdict() const = 0;
 };
+
+inline std::string Page::picture_name() const {
+    const std::string count = std::to_string(tick_count());
+    return std::string(name()) + "-" + std::string(6 - std::min<std::size_t>(count.size(), 6), '0') + count;
+}
 
 } // namespace lockstone::demo

@@ -1,10 +1,10 @@
 #include "replay_page.h"
 
 #include "hud.h"
+#include "recorded_game.h"
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 
 namespace lockstone::demo {
 namespace {
@@ -25,17 +25,10 @@ ReplayPage::ReplayPage(replay::Recording recording, std::unique_ptr<Game> game, 
       checks_(recording_.tick_count(), TickCheck::unknown) {}
 
 Result<std::unique_ptr<Page>> ReplayPage::open(const Options& options, Stage& stage) {
-    Result<replay::Recording> recording =
-        replay::Recording::open(options.source, replay::OnDamage::recover_cut);
-    if (!recording) return recording.error();
-    if (!recording->complete()) std::fprintf(stderr, "lockstone-demo: %s\n", recording->damage().c_str());
-    std::unique_ptr<Game> game;
-    if (recording->header().mode == replay::Mode::inputs) {
-        Result<std::unique_ptr<Game>> made = make_scene_named(recording->header().game);
-        if (!made) return Error{options.source + ": cannot be played: " + made.error().message};
-        game = std::move(*made);
-    }
-    Result<std::unique_ptr<Page>> page = open(std::move(*recording), std::move(game), stage, nullptr);
+    Result<RecordedGame> recorded = open_recording(options.source);
+    if (!recorded) return recorded.error();
+    Result<std::unique_ptr<Page>> page =
+        open(std::move(recorded->recording), std::move(recorded->game), stage, nullptr);
     if (page && options.ticks) {
         auto& self = static_cast<ReplayPage&>(**page);
         self.last_ = std::min(self.last_, self.recording_.start_tick() + *options.ticks);

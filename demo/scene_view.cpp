@@ -326,6 +326,7 @@ Bounds SceneView::bounds() const {
         }
     }
     if (bounds.empty()) bounds.add(glm::vec3(0));
+    if (!company_.empty()) bounds.add(company_.min), bounds.add(company_.max);
     return bounds;
 }
 

@@ -33,8 +33,10 @@ class SceneView {
     std::optional<glm::vec3> player_position(std::uint32_t player, float alpha) const;
     std::uint32_t player_count() const;
 
-    /// Around what moves, or around everything when nothing does. [m]
+    /// Around what moves, or around everything when nothing does; and around the company. [m]
     Bounds bounds() const;
+    /// What else is drawn beside this world and belongs into the picture [m].
+    void set_company(const Bounds& company) { company_ = company; }
 
     std::size_t body_count() const { return bodies_.size(); }
     std::size_t contact_count() const { return contacts_.size(); }
@@ -90,6 +92,7 @@ class SceneView {
     std::shared_ptr<const AssetLibrary> assets_;
     std::unique_ptr<ShapeMeshes> meshes_ = std::make_unique<ShapeMeshes>();
     std::uint64_t tick_ = 0;
+    Bounds company_; ///< empty: none
 };
 
 } // namespace lockstone::demo

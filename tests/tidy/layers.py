@@ -32,7 +32,7 @@ PUBLIC = {
 FOREIGN = [
     (r"xxhash\.h", ["src/base/hash.cpp"]),
     (r"hwy/", ["src/base/", "src/solve/"]),
-    (r"(fcl|ccd)/", ["tests/oracle/", "tools/cook/", "tools/reference/"]),
+    (r"(fcl|ccd)/", ["tests/oracle/", "tests/reference/", "tools/cook/", "tools/reference/"]),
     (r"(mpfr|gmp)\.h", ["tests/"]),
     (r"(glm|GLFW|epoxy|assimp)/", ["demo/", "tools/"]),
     (r"doctest/", ["tests/"]),
