@@ -1,16 +1,11 @@
 // The scenes of `lockstone bench` for a host in JavaScript: what is in a scene, Lockstone's run of it, and the quality of anybody's poses.
 // One instance of the module holds one scene. Numbers are handed over in arrays of doubles that stay valid until the next call.
-//
-// Built for this machine (target bench_hash) it is a program that prints the hash of a scene after some ticks: NAME TICKS.
 #include "bench/clock.h"
 #include "bench/quality.h"
 #include "bench/scenes.h"
 #include "engines/lockstone_engine.h"
-#include "lockstone/convert.h"
 
-#include <cstdio>
-#include <cstdlib>
-#include <span>
+#include <string>
 
 namespace {
 
@@ -59,7 +54,6 @@ const double* answer_with(std::vector<double> numbers) {
 
 } // namespace
 
-#if defined(__wasm__)
 #define LOCKSTONE_EXPORT(name) extern "C" [[gnu::used, clang::export_name(#name)]]
 
 /// Scene "S<number>". Returns how many bodies there are.
@@ -144,15 +138,3 @@ LOCKSTONE_EXPORT(judge) const double* judge() {
     return answer_with({q.overlap_mm, q.overlap_static_mm, q.sway_mm, static_cast<double>(q.fallen),
                         static_cast<double>(q.lost)});
 }
-#else
-int main(int argc, char** argv) {
-    if (argc != 3) return 2;
-    stage.open(argv[1]);
-    const int ticks = std::atoi(argv[2]);
-    for (int tick = 0; tick < ticks; ++tick) {
-        stage.script(tick);
-        stage.world().tick();
-    }
-    std::printf("%016llx\n", static_cast<unsigned long long>(stage.world().hash()));
-}
-#endif
