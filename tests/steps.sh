@@ -51,6 +51,19 @@ check_now() {
     fi
 }
 
+# check_or_skip NAME COMMAND...: the same, but a command that ends with 3 had no network: its sentence is printed, and nothing is counted.
+check_or_skip() {
+    local name=$1 log seconds processors status=0
+    shift
+    log=$(log_of "$name")
+    timed "$name" "$@" >"$log" 2>&1 </dev/null || status=$?
+    case $status in
+        0) count 1 0 && printf 'ok      %s (%d s)\n' "$name" "$seconds" ;;
+        3) printf 'skipped %s: %s\n' "$name" "$(tail -n 1 "$log")" ;;
+        *) count 0 1 && printf 'FAILED  %s (%d s), see %s\n%s\n' "$name" "$seconds" "$log" "$(tail -n 60 "$log" | sed 's/^/        /')" ;;
+    esac
+}
+
 # build PRESET [ARGUMENT...] [-- TARGET...]: configures and builds build/PRESET.
 build() {
     local preset=$1 arguments=() targets=()

@@ -15,10 +15,12 @@ WITHOUT_THREADS = {"src/base/worker_pool.cpp", "replay/verifier.cpp", "tools/sce
 # What most sources include, compiled once a build: reading headers is half of the time of a cell.
 PRELUDE = ("lockstone/world.h", "sim/data.h", "algorithm", "array", "functional", "map", "memory", "optional", "sstream", "string", "vector")
 
+WITHOUT_PRELUDE = {"tools/bench/scenes.cpp"}  # has names of its own for what lockstone/world.h names too
 
 # Kernels of an instruction set, as in CMakeLists.txt: the machine chooses among them when the program runs.
 KERNELS = {"kernel_sse41.cpp": ["-msse4.1"], "kernel_avx2.cpp": ["-mavx2"], "kernel_avx512.cpp": ["-mavx512f", "-mavx512dq", "-mavx512vl"]}
 UNALIGNED = ["-Wa,-muse-unaligned-vector-move"]  # as CMakeLists.txt has it
+FOR_THE_LINKER = ("-l", "-mexec-model=")  # flags that begin so
 X86 = ("", "i386", "windows")  # targets; "": this machine
 
 
@@ -71,15 +73,15 @@ class Builder:
         folder = self.folder / f"{build.target or 'host'}-{key}"
         folder.mkdir(parents=True, exist_ok=True)
         include = [ROOT / name for name in ("include", "src", "", "tools", "tests/matrix")]
-        flags = ["-std=c++20", "-DNDEBUG", *[f for f in build.flags if not f.startswith("-l")], *[f"-I{p}" for p in include],
+        flags = ["-std=c++20", "-DNDEBUG", *[f for f in build.flags if not f.startswith(FOR_THE_LINKER)], *[f"-I{p}" for p in include],
                  "-isystem", str(self.includes)]
         flags += ["-include", self.prelude(build, flags, folder)]
         # A planted fault is one object beside those of the build that has none.
         objects = list(self.pool.map(lambda path: self.object(build, flags, folder, path), files))
         program = folder / (name + ("_planted" if build.patch else "") + {"wasm": ".wasm", "windows": ".exe"}.get(build.target, ""))
         threads = [] if build.target == "wasm" else ["-pthread"]
-        libraries = [f for f in build.flags if f.startswith("-l")]
-        run([build.cxx, *flags, *threads, "-o", program, *objects, *libraries])
+        linked = [f for f in build.flags if f.startswith(FOR_THE_LINKER)]
+        run([build.cxx, *flags, *threads, "-o", program, *objects, *linked])
         return program
 
     def object(self, build, flags, folder, path):
@@ -90,7 +92,8 @@ class Builder:
                 own = KERNELS.get(path.name, []) if build.target in X86 else []
                 if own and build.target == "windows":
                     own = [*own, *UNALIGNED]
-                if own:  # what the prelude was compiled into is not for these instructions
+                # What the prelude was compiled into is not for these instructions; some sources must not see all of it.
+                if own or path.relative_to(ROOT).as_posix() in WITHOUT_PRELUDE:
                     flags = flags[:flags.index("-include")]
                 run([build.cxx, *flags, *own, "-MMD", "-MF", f"{out}.d", "-c", source, "-o", out])
         return out

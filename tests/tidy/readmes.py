@@ -33,7 +33,7 @@ def exists(word, folder, root):
 def check(tree):
     complaints = []
     for path in sorted(tree.root.rglob("*.md")):
-        if tree.name(path).startswith(("build", ".git")):
+        if tree.name(path).startswith(("build", ".git")) or "node_modules" in path.parts:
             continue
         fenced = False
         for number, line in numbered(path.read_text()):

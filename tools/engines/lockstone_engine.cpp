@@ -83,9 +83,11 @@ class Lockstone final : public Engine {
         by_wall = contestant.by_wall;
         for (const ls::Simd level : ls::every_simd)
             if (contestant.simd == ls::name_of(level)) world.set_simd(level);
+#if !defined(LOCKSTONE_NO_THREADS)
         if (contestant.threads < 2) return;
         tasks = ls::make_worker_pool(contestant.threads);
         world.set_tasks(tasks.get());
+#endif
     }
 
     State state(int body) const override {

@@ -1,0 +1,39 @@
+#!/usr/bin/env python3
+"""Builds module.cpp as the WebAssembly module that bench.mjs loads, and prints its path. Compiler, packages and flags are those of
+tests/matrix.
+
+  tools/bench/wasm/make.py [FLAG...]     FLAG: after those that it has, to try others"""
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[3]
+sys.path.insert(0, str(ROOT / "tests/matrix"))
+import cells as matrix  # noqa: E402
+from build import WITHOUT_THREADS, Builder, BuildFailed  # noqa: E402
+
+# What a game would ship: vectors, nothing thrown.
+FLAGS = (*matrix.WASM_FLAGS, "-O3", "-msimd128", "-fno-exceptions", "-mexec-model=reactor")
+TOOLS = ("tools/engines/scene.cpp", "tools/engines/pieces.cpp", "tools/engines/lockstone_engine.cpp", "tools/bench/scenes.cpp", "tools/bench/quality.cpp",
+         "tools/bench/wasm/module.cpp")
+
+
+def sources():
+    engine = [path for pattern in ("src/*/*.cpp", "src/*/*/*.cpp") for path in sorted(ROOT.glob(pattern))]
+    return [p for p in engine if p.relative_to(ROOT).as_posix() not in WITHOUT_THREADS] + [ROOT / name for name in TOOLS]
+
+
+def main():
+    build = matrix.Build("clang++-19", FLAGS + tuple(sys.argv[1:]), "wasm")
+    subprocess.run([ROOT / "tools/packages", *matrix.packages([matrix.Cell("", "", build)])], check=True, stdout=sys.stderr)
+    folder = ROOT / "build/bench-wasm"
+    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        print(Builder(folder, int(os.environ.get("LOCKSTONE_JOBS", os.cpu_count() or 1))).link(build, "module", sources()))
+    except BuildFailed as failure:
+        sys.exit(f"make.py: {failure}")
+
+
+if __name__ == "__main__":
+    main()
