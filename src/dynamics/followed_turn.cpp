@@ -324,6 +324,9 @@ void follow(const BodyColumns& columns, std::uint32_t row, const StepConstants& 
     turn.body = row;
     turn.own = columns.mass[row].gyration;
     turn.stiff = s.radii != turn.own;
+    // By a quarter: an entry is large, and all bodies of a heap come in one tick.
+    if (const std::size_t count = bodies.turns.size(); count == bodies.turns.capacity())
+        bodies.turns.reserve(count + count / 4 + 16);
     bodies.turns.push_back(turn);
     s.turn = static_cast<std::uint32_t>(bodies.turns.size());
     bodies.plain[row] = 0;

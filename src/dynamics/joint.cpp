@@ -48,15 +48,6 @@ std::uint32_t cached(JointTick& tick, std::uint32_t body, const BodyColumns& col
     return at - 1;
 }
 
-/// As normalized(), which what is one by a rounding is left out of.
-Quat unit_of(Quat q) {
-    const std::int64_t x = q.x.raw, y = q.y.raw, z = q.z.raw, w = q.w.raw;
-    constexpr std::uint64_t one = std::uint64_t{1} << (2 * Unit::fraction_bits), off = std::uint64_t{1} << 33;
-    const auto size = static_cast<std::uint64_t>(x * x) + static_cast<std::uint64_t>(y * y) +
-                      static_cast<std::uint64_t>(z * z) + static_cast<std::uint64_t>(w * w);
-    return size - (one - off) <= 2 * off ? q : normalized(q);
-}
-
 /// Of a body that moves, levers beyond 128 m are clamped.
 JointWorkSide side(JointTick& tick, std::uint32_t body, const Transform& frame, const BodyColumns& columns,
                    const SolverBodies& bodies) {

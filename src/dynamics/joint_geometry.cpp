@@ -472,6 +472,14 @@ void invert_blocks(JointTick& tick, const JointWork& work) {
     }
 }
 
+Quat unit_of(Quat q) {
+    const std::int64_t x = q.x.raw, y = q.y.raw, z = q.z.raw, w = q.w.raw;
+    constexpr std::uint64_t one = std::uint64_t{1} << (2 * Unit::fraction_bits), off = std::uint64_t{1} << 33;
+    const auto size = static_cast<std::uint64_t>(x * x) + static_cast<std::uint64_t>(y * y) +
+                      static_cast<std::uint64_t>(z * z) + static_cast<std::uint64_t>(w * w);
+    return size - (one - off) <= 2 * off ? q : normalized(q);
+}
+
 void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodies) {
     const SolverBody& body = bodies.body[now.body];
     const BodyStep& step = bodies.step[now.body];
@@ -489,8 +497,9 @@ void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodie
             Real::from_raw(shift_right_rounded(body.v[i], accumulator_bits - Real::fraction_bits));
     }
     now.rotation =
-        step.turn != 0
-            ? bodies.turns[step.turn - 1].rotation
+        step.turn != 0 ? bodies.turns[step.turn - 1].rotation
+        : (body.theta[0] | body.theta[1] | body.theta[2]) == 0
+            ? unit_of(pose.rotation)
             : integrate_rotation(pose.rotation, over_gyration(step, body.theta, Separation::fraction_bits));
     now.axes = to_rotation(now.rotation);
     const std::int32_t u[3] = {speed_of(body.u[0]), speed_of(body.u[1]), speed_of(body.u[2])};

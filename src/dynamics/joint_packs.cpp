@@ -61,6 +61,7 @@ bool is_hinge(const JointDef& def, const JointBlock& block) {
 
 void add_to_pack(JointTick& tick, JointWork& w, std::uint32_t kind, bool fresh, const SolverBodies& bodies) {
     if (fresh) {
+        make_room(tick.packs);
         tick.packs.emplace_back();
         JointPack& pack = tick.packs.back();
         pack.hinges = kind == hinge_kind;
@@ -69,6 +70,7 @@ void add_to_pack(JointTick& tick, JointWork& w, std::uint32_t kind, bool fresh, 
             for (std::uint32_t& body : side->body) body = bodies.still();
         if (kind != 0) {
             pack.turn = static_cast<std::uint32_t>(tick.turn_packs.size());
+            make_room(tick.turn_packs);
             tick.turn_packs.emplace_back();
             for (std::uint32_t lane = 0; lane < pack_lanes; ++lane) {
                 TurnPack& turn = tick.turn_packs.back();

@@ -168,6 +168,11 @@ struct JointTick {
     bool first;            ///< no substep is in the sums yet
 };
 
+/// Room for one more entry; where there is none, for a quarter more: entries are large.
+template <class T> void make_room(std::vector<T>& v) {
+    if (v.size() == v.capacity()) v.reserve(v.size() + v.size() / 4 + 16);
+}
+
 JointPassData pass_data(JointTick& tick, const StepConstants& step, SolverBody* bodies);
 /// A joint's point into its lane, with the bodies where they are when the tick begins.
 void start_packed(JointTick& tick, const JointWork& work, const StepConstants& step,
@@ -186,6 +191,8 @@ void assemble(JointTick& tick, JointWork& work, const StepConstants& step, const
 bool counts_turns(const JointDef& def);
 /// Of a joint that was assembled: whether its rows change by turns alone, and slowly.
 bool may_stay(const JointTick& tick, const JointWork& work);
+/// As normalized(), but what is one by a rounding is left as it is.
+Quat unit_of(Quat q);
 void start_body(JointBody& now, const Transform& pose, const SolverBodies& bodies);
 void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodies);
 /// Whether it has moved since it was placed, and turned by more than rows may stay behind.
