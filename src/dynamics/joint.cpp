@@ -40,6 +40,7 @@ std::uint32_t cached(JointTick& tick, std::uint32_t body, const BodyColumns& col
                      const SolverBodies& bodies) {
     std::uint32_t& at = tick.cache_of[body];
     if (at == 0) {
+        make_room(tick.bodies);
         tick.bodies.push_back({});
         tick.bodies.back().body = body;
         start_body(tick.bodies.back(), columns.pose[body], bodies);

@@ -171,7 +171,9 @@ void start_hinge(TurnPack& turn, const JointWork& work, const HingeStart& start,
         return;
     }
     const Real middle = start.lower + reach;
-    turn.middle_cos[lane] = to<Unit>(cos(middle)).raw, turn.middle_sin[lane] = to<Unit>(sin(middle)).raw;
+    const bool is_even = middle == Real{};
+    turn.middle_cos[lane] = is_even ? unit_one.raw : to<Unit>(cos(middle)).raw;
+    turn.middle_sin[lane] = is_even ? 0 : to<Unit>(sin(middle)).raw;
     turn.reach_cos[lane] = to<Unit>(cos(reach)).raw;
 }
 
