@@ -294,6 +294,16 @@ void BroadPhase::query(const Bounds& bounds, Asker& asker) const {
     query_if([&](const Bounds& b) { return overlap(b, bounds); }, asker.open, asker.proxies);
 }
 
+void BroadPhase::query_static(const SweptBox& box, Asker& asker) const {
+    LOCKSTONE_ASSERT(moved.empty(), moved.size(), " proxies that the trees do not know yet");
+    asker.proxies.clear();
+    const auto may_meet = [&](const Bounds& b) { return box.may_meet(b); };
+    fixed.query_if(may_meet, asker.open, [&](std::uint32_t proxy) {
+        if (may_meet(entries[proxy].exact)) asker.proxies.push_back(proxy);
+    });
+    std::sort(asker.proxies.begin(), asker.proxies.end());
+}
+
 // ---- for tests -------------------------------------------------------------------------------------------------
 
 void BroadPhase::make_fresh(std::uint32_t proxy) {

@@ -63,6 +63,8 @@ class BroadPhase {
     /// As above, which several may ask at once: the trees have to be up to date (asserted).
     void query(const SweptBox& box, Asker& asker) const;
     void query(const Bounds& bounds, Asker& asker) const;
+    /// The same of static proxies alone.
+    void query_static(const SweptBox& box, Asker& asker) const;
     /// Brings the trees up to date with the proxies that were set.
     void update_trees();
 

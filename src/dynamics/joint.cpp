@@ -40,21 +40,13 @@ std::uint32_t cached(JointTick& tick, std::uint32_t body, const BodyColumns& col
                      const SolverBodies& bodies) {
     std::uint32_t& at = tick.cache_of[body];
     if (at == 0) {
+        make_room(tick.bodies);
         tick.bodies.push_back({});
         tick.bodies.back().body = body;
         start_body(tick.bodies.back(), columns.pose[body], bodies);
         at = static_cast<std::uint32_t>(tick.bodies.size());
     }
     return at - 1;
-}
-
-/// As normalized(), which what is one by a rounding is left out of.
-Quat unit_of(Quat q) {
-    const std::int64_t x = q.x.raw, y = q.y.raw, z = q.z.raw, w = q.w.raw;
-    constexpr std::uint64_t one = std::uint64_t{1} << (2 * Unit::fraction_bits), off = std::uint64_t{1} << 33;
-    const auto size = static_cast<std::uint64_t>(x * x) + static_cast<std::uint64_t>(y * y) +
-                      static_cast<std::uint64_t>(z * z) + static_cast<std::uint64_t>(w * w);
-    return size - (one - off) <= 2 * off ? q : normalized(q);
 }
 
 /// Of a body that moves, levers beyond 128 m are clamped.
@@ -119,6 +111,14 @@ void refresh_packs(JointTick& tick, const JointKernel& kernel, const StepConstan
     }
 }
 
+/// The inverses of what packs make rows of.
+void invert_packed(JointTick& tick, const JointWork& w) {
+    JointPack& pack = tick.packs[w.pack];
+    invert_point(pack, w);
+    if (w.hinge && tick.turn_packs[pack.turn].generic[w.lane] == 0)
+        invert_hinge(pack, tick.turn_packs[pack.turn], w);
+}
+
 } // namespace
 
 JointPassData pass_data(JointTick& tick, const StepConstants& step, SolverBody* bodies) {
@@ -173,7 +173,7 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
                 tick.bodies[s->cache].unpacked = true;
     refresh_packs(tick, *kernel, step, bodies, tasks);
     for_joints(tick, tasks, [&](JointWork& w) {
-        if (w.pack != no_pack) invert_point(tick.packs[w.pack], w);
+        if (w.pack != no_pack) invert_packed(tick, w);
     });
     factorise_trees(tick, bodies, tasks);
 }
@@ -202,27 +202,28 @@ void JointSolver::update(const StepConstants& step, const SolverBodies& bodies, 
     };
     for (JointWork& w : tick.joints) {
         w.stale = asks(w, w.a) || asks(w, w.b);
-        const bool places = w.stale && (w.pack == no_pack || w.axis_count + w.block_count != 0);
-        for (const JointWorkSide* s : {&w.a, &w.b}) {
-            if (s->world) continue;
-            JointBody& body = tick.bodies[s->cache];
-            if (places || (w.pack != no_pack && body.given && body.stirred)) body.wanted = true;
-        }
+        if (!w.stale || !(w.pack == no_pack || has_own_rows(tick, w))) continue;
+        for (const JointWorkSide* s : {&w.a, &w.b})
+            if (!s->world) tick.bodies[s->cache].wanted = true;
     }
     for_bodies([&](JointBody& now) {
+        const bool stirred = now.stirred;
+        if (now.given && stirred) turn_body(now, tick.pose[now.body], bodies);
         if (now.wanted) place_body(now, tick.pose[now.body], bodies);
+        now.stirred = stirred;
     });
     for_joints(tick, tasks, [&](JointWork& w) {
-        if (w.pack != no_pack) give_levers(tick, w, bodies);
-        if (w.axis_count + w.block_count == 0) return;
+        if (w.pack != no_pack) give_turns(tick, w, bodies);
+        if (!has_own_rows(tick, w)) return;
         if (w.stale)
             make_rows(tick, w, step, bodies);
         else
             follow_errors(tick, w, step, bodies);
     });
     refresh_packs(tick, *kernel, step, bodies, tasks);
+    make_asked_rows(tick, step, bodies);
     for_joints(tick, tasks, [&](JointWork& w) {
-        if (w.pack != no_pack && w.stale) invert_point(tick.packs[w.pack], w);
+        if (w.pack != no_pack && w.stale) invert_packed(tick, w);
     });
     factorise_trees(tick, bodies, tasks);
 }
@@ -272,6 +273,12 @@ void store_block(const JointBlock& block, JointMemory& memory, Wrench& wrench) {
     }
 }
 
+void take_turn(JointTick& tick, const JointWork& w, JointBlock& block) {
+    TurnPack& turn = tick.turn_packs[tick.packs[w.pack].turn];
+    take_impulses(block, turn, w.lane);
+    if (turn.generic[w.lane] == 0) take_axes(block, turn, w.lane);
+}
+
 Quat frame_rotation(const JointTick& tick, const JointWorkSide& s) {
     return s.world ? s.frame : tick.bodies[s.cache].rotation * s.frame;
 }
@@ -287,11 +294,13 @@ void JointSolver::store(const StepConstants& step, std::span<JointMemory> memory
         for (std::uint32_t i = 0; i < w.axis_count; ++i) store_axis(tick.axes[w.first_axis + i], m, wrench);
         for (std::uint32_t i = 0; i < w.block_count; ++i) {
             JointBlock& block = tick.blocks[w.first_block + i];
-            if (w.turns_packed) take_impulses(block, tick.turn_packs[tick.packs[w.pack].turn], w.lane);
+            if (w.turns_packed) take_turn(tick, w, block);
             store_block(block, m, wrench);
         }
         if (w.pack != no_pack) store_point(tick.packs[w.pack], w.lane, m, wrench);
         m.twist = w.needs_travel ? w.travel
+                  : w.hinge && w.needs_twist
+                      ? w.twist // of when the tick began: the next one finds the nearest
                   : counts_turns(*w.def)
                       ? twist_between(frame_rotation(tick, w.a), frame_rotation(tick, w.b), w.twist)
                       : Real{}; // nobody asks how often it went round

@@ -23,6 +23,7 @@ struct Assembly {
 
     JointBlock& add_block() {
         ++work.block_count;
+        make_room(tick.blocks);
         tick.blocks.emplace_back();
         return tick.blocks.back();
     }

@@ -214,14 +214,19 @@ LimitTargets limit_targets(std::int64_t room, std::int32_t ahead, std::int32_t p
     return {speed_within(open + ahead), speed_within(open)};
 }
 
+/// Nearer than this a limit of an angle may be in reach before rows are made again [rad].
+Real least_room(const StepConstants& step) {
+    constexpr Real slack = Real(1) / Real(16);
+    return limit_speed_far / Real(step.substeps_per_second) + slack;
+}
+
 /// Whether nothing but limits of an angle acts along an axis, which have no impulse and are out of reach by so much that they
 /// stay so until the rows are made again: bodies turn by sqrt(3) / 1024 rad until then, angles by up to eight times both.
 bool is_out_of_reach(const JointAxisPart& part, bool made, Real position, const StepConstants& step) {
     if ((part.features & (has_spring | has_motor)) != 0 || part.sum != Real{}) return false;
     if (made ? (part.lower | part.upper) != 0 : part.warm.lower != Real{} || part.warm.upper != Real{})
         return false;
-    constexpr Real slack = Real(1) / Real(16);
-    const Real least = limit_speed_far / Real(step.substeps_per_second) + slack;
+    const Real least = least_room(step);
     return ((part.features & has_lower) == 0 || position - part.lower_at > least) &&
            ((part.features & has_upper) == 0 || part.upper_at - position > least);
 }
@@ -371,14 +376,56 @@ bool may_stay(const JointTick& tick, const JointWork& work) {
     return true;
 }
 
+namespace {
+
+TurnPack& turn_pack(JointTick& tick, const JointWork& work) {
+    return tick.turn_packs[tick.packs[work.pack].turn];
+}
+
+/// Whether its block is a hinge's, with rows that its pack makes.
+bool is_made_in_pack(const JointTick& tick, const JointWork& work) {
+    return work.hinge && tick.turn_packs[tick.packs[work.pack].turn].generic[work.lane] == 0;
+}
+
+/// Where x of B is farther from x of A, rows are those of joint_parts.h from the first substep on.
+bool is_near(const JointPlace& place) {
+    return dot<Real>(place.a.axes.x, place.b.axes.x) > decimal<Real>("0.75");
+}
+
+/// Its frames into its pack. A twist that has nothing but limits is looked at there until they are in reach.
+void put_hinge(JointTick& tick, const JointWork& work, const JointPlace& place, const StepConstants& step,
+               const SolverBodies& bodies) {
+    HingeStart start{
+        &bodies.step[work.a.body], &bodies.step[work.b.body], place.a.axes, place.b.axes, Real{}, Real(7)};
+    if (work.axis_count == 1 && tick.axes[work.first_axis].unmade) {
+        const JointAxisPart& part = tick.axes[work.first_axis];
+        start.lower = part.lower_at + least_room(step), start.upper = part.upper_at - least_room(step);
+    }
+    start_hinge(turn_pack(tick, work), work, start, tick.blocks[work.first_block], step);
+}
+
+} // namespace
+
+bool has_own_rows(const JointTick& tick, const JointWork& work) {
+    if (!is_made_in_pack(tick, work)) return work.axis_count + work.block_count != 0;
+    return work.axis_count > 1 || (work.axis_count == 1 && !tick.axes[work.first_axis].unmade);
+}
+
 void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, const SolverBodies& bodies) {
     const JointPlace place = place_of(tick, work, bodies);
     const Bodies both{bodies.body[work.a.body], bodies.body[work.b.body]};
     for (std::uint32_t i = 0; i < work.axis_count; ++i)
         make_axis(tick.axes[work.first_axis + i], work, place, both, step);
-    for (std::uint32_t i = 0; i < work.block_count; ++i) {
+    if (work.hinge && !work.made) {
+        if (is_near(place))
+            put_hinge(tick, work, place, step, bodies);
+        else
+            turn_pack(tick, work).generic[work.lane] = -1;
+    }
+    const std::uint32_t blocks = is_made_in_pack(tick, work) ? 0 : work.block_count;
+    for (std::uint32_t i = 0; i < blocks; ++i) {
         JointBlock& block = tick.blocks[work.first_block + i];
-        TurnPack* turn = work.turns_packed ? &tick.turn_packs[tick.packs[work.pack].turn] : nullptr;
+        TurnPack* turn = work.turns_packed ? &turn_pack(tick, work) : nullptr;
         if (turn != nullptr && work.made) take_impulses(block, *turn, work.lane);
         make_block(block, work, place, both, step);
         if (turn != nullptr) put_turn(block, *turn, work.lane);
@@ -387,15 +434,34 @@ void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, cons
     work.made = work.remade = true;
 }
 
+void make_asked_rows(JointTick& tick, const StepConstants& step, const SolverBodies& bodies) {
+    const auto place = [&](const JointWorkSide& s) {
+        if (!s.world) place_body(tick.bodies[s.cache], tick.pose[tick.bodies[s.cache].body], bodies);
+    };
+    for (std::uint32_t i = 0; i < tick.packs.size(); ++i) {
+        if (!tick.packs[i].hinges) continue;
+        TurnPack& turn = tick.turn_packs[tick.packs[i].turn];
+        for (std::uint32_t lane = 0; lane < tick.packs[i].count; ++lane) {
+            if ((turn.apart[lane] | turn.reaches[lane]) == 0 || turn.generic[lane] != 0) continue;
+            JointWork& w = tick.joints[tick.packed[i * pack_lanes + lane]];
+            if (turn.apart[lane] == 0 && has_own_rows(tick, w)) continue;
+            if (turn.apart[lane] != 0) turn.generic[lane] = -1;
+            place(w.a), place(w.b);
+            make_rows(tick, w, step, bodies);
+        }
+    }
+}
+
 void follow_errors(JointTick& tick, JointWork& work, const StepConstants& step, const SolverBodies& bodies) {
     const Bodies both{bodies.body[work.a.body], bodies.body[work.b.body]};
     for (std::uint32_t i = 0; i < work.axis_count; ++i) {
         set_axis_targets(tick.axes[work.first_axis + i], step, both);
     }
-    for (std::uint32_t i = 0; i < work.block_count; ++i) {
+    const std::uint32_t blocks = is_made_in_pack(tick, work) ? 0 : work.block_count;
+    for (std::uint32_t i = 0; i < blocks; ++i) {
         JointBlock& block = tick.blocks[work.first_block + i];
         set_block_bias(block, work.tree != no_tree, step, both);
-        if (work.turns_packed) put_bias(block, tick.turn_packs[tick.packs[work.pack].turn], work.lane);
+        if (work.turns_packed) put_bias(block, turn_pack(tick, work), work.lane);
     }
 }
 
@@ -404,6 +470,14 @@ void invert_blocks(JointTick& tick, const JointWork& work) {
         JointBlock& block = tick.blocks[work.first_block + i];
         block.inverse = invert(block.row, block.count);
     }
+}
+
+Quat unit_of(Quat q) {
+    const std::int64_t x = q.x.raw, y = q.y.raw, z = q.z.raw, w = q.w.raw;
+    constexpr std::uint64_t one = std::uint64_t{1} << (2 * Unit::fraction_bits), off = std::uint64_t{1} << 33;
+    const auto size = static_cast<std::uint64_t>(x * x) + static_cast<std::uint64_t>(y * y) +
+                      static_cast<std::uint64_t>(z * z) + static_cast<std::uint64_t>(w * w);
+    return size - (one - off) <= 2 * off ? q : normalized(q);
 }
 
 void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodies) {
@@ -423,8 +497,9 @@ void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodie
             Real::from_raw(shift_right_rounded(body.v[i], accumulator_bits - Real::fraction_bits));
     }
     now.rotation =
-        step.turn != 0
-            ? bodies.turns[step.turn - 1].rotation
+        step.turn != 0 ? bodies.turns[step.turn - 1].rotation
+        : (body.theta[0] | body.theta[1] | body.theta[2]) == 0
+            ? unit_of(pose.rotation)
             : integrate_rotation(pose.rotation, over_gyration(step, body.theta, Separation::fraction_bits));
     now.axes = to_rotation(now.rotation);
     const std::int32_t u[3] = {speed_of(body.u[0]), speed_of(body.u[1]), speed_of(body.u[2])};
@@ -489,47 +564,27 @@ void start_packed(JointTick& tick, const JointWork& work, const StepConstants& s
     start_point(tick.packs[work.pack], work, start, tick.blocks[work.first_block + work.block_count], step);
 }
 
-void give_levers(JointTick& tick, const JointWork& work, const SolverBodies& bodies) {
+void turn_body(JointBody& now, const Transform& pose, const SolverBodies& bodies) {
+    const BodyStep& step = bodies.step[now.body];
+    const Quat rotation =
+        step.turn != 0 ? bodies.turns[step.turn - 1].rotation
+                       : integrate_rotation(pose.rotation, over_gyration(step, bodies.body[now.body].theta,
+                                                                         Separation::fraction_bits));
+    now.turn = product(rotation, conjugate(pose.rotation));
+}
+
+void give_turns(JointTick& tick, const JointWork& work, const SolverBodies& bodies) {
     JointPack& pack = tick.packs[work.pack];
-    const auto give = [&](PackSide& side, const JointWorkSide& s) {
+    const auto give = [&](PackSide& side, const JointWorkSide& s, bool of_a) {
         if (s.world) return;
         const JointBody& now = tick.bodies[s.cache];
         if (!now.given || !now.stirred) return;
         const BodyStep& own = bodies.step[s.body];
         const BodyStep& body = own.turn != 0 ? bodies.turns[own.turn - 1].now : own;
-        give_lever(side, work.lane, turned_lever(now.axes, s.lever), body, pack.exponent[work.lane]);
+        give_turn(side, work.lane, now.turn, body, pack.exponent[work.lane]);
+        if (work.hinge) set_hinge_shift(turn_pack(tick, work), work.lane, of_a, body);
     };
-    give(pack.a, work.a), give(pack.b, work.b);
-}
-
-// ---- coordinates --------------------------------------------------------------------------------------------------
-
-std::array<Real, joint_axis_count> joint_coordinates(const JointDef& def, const Transform& frame_a,
-                                                     const Transform& frame_b, Real twist) {
-    std::array<Real, joint_axis_count> position{};
-    const Vec3 s = frame_b.position - frame_a.position;
-    const Rotation a = to_rotation(frame_a.rotation), b = to_rotation(frame_b.rotation);
-    switch (def.kind) {
-    case JointKind::distance:
-        position[along_x] = length(s);
-        return position;
-    case JointKind::pulley:
-        position[along_x] = mul_add(def.ratio, length(frame_b.position - def.ground_b),
-                                    length(frame_a.position - def.ground_a));
-        return position;
-    case JointKind::gear:
-    case JointKind::rack_and_pinion:
-        position[about_x] = twist;
-        return position;
-    default:
-        break;
-    }
-    const Vec3 along = mul_transposed<Real>(a, s);
-    position[along_x] = along.x, position[along_y] = along.y, position[along_z] = along.z;
-    position[about_x] = twist_between(frame_a.rotation, frame_b.rotation, counts_turns(def) ? twist : Real{});
-    position[about_y] = angle_y_between(a, b);
-    position[about_z] = angle_z_between(a, b);
-    return position;
+    give(pack.a, work.a, true), give(pack.b, work.b, false);
 }
 
 } // namespace lockstone::dynamics

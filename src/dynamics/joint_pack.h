@@ -3,14 +3,21 @@
 //   C = s, axes of the world; J = 2^-e (-1, -K_A^-1 [rA] ; 1, K_B^-1 [rB]), [r] e = r x e
 //
 // The generic rows of joint_rows.h say the same. Here the linear part is one number, and nothing is looped over that is zero.
-// Rows and biases are made anew in every substep. Within a tick a lever turns by phi = K^-1 theta as
+// Rows and biases are made anew in every substep, from where bodies have turned to since the tick began: by the unit quaternion
 //
-//   r = r0 + phi x (r0 + phi / 2 x (r0 + phi / 3 x (r0 + phi / 4 x r0)))    off by less than |phi|^5 / 120 = 1.3e-7 of r
+//   q = (sinc(|h|) h, cos |h|),  h = K^-1 theta / 2    three terms of each series: off by less than |h|^6 / 720 = 4e-11
 //
-// for bodies that have turned by at most 1 / 16 rad about each axis since the tick began; for others, and for those that are
-// followed (followed_turn.h), the lever is given. The inverse is that of rows that were made when no body stood further than
+// for bodies that have turned by at most 1 / 16 rad about each axis; for others, and for those that are followed
+// (followed_turn.h), q is given. The inverse is that of rows that were made when no body stood further than
 // a = 2^-10 rad about each axis from where it is: impulses are off by a part 2 a, which the next pass takes out.
-// source: Rodrigues' formula as a series
+//
+// Of a hinge whose two axes are within 45 degrees the rows about the axes are made here as well (lock_y, lock_z of joint_parts.h):
+//
+//   C = - xB . zA, xB . yA    arms zA x xB, xB x yA
+//
+// and its limits are looked at: while the twist t, about an axis that both bodies hardly differ in, is within `reach` of the middle
+// of what may not touch a limit, cos(t - middle) > cos(reach), there is no row for them. sin t = zA . yB, cos t = yA . yB: beside
+// 2 atan2 of joint_parts.h that is off by the square of the angle between the axes, which is_out_of_reach() has room for.
 // A pack has four lanes whatever the instruction set (solve/joints): one with fewer takes a pack in pieces. Joints of a pack share no
 // body that impulses move, and each lane is a joint of its own, so every width gives the same bits.
 #pragma once
@@ -39,9 +46,10 @@ struct PackSide {
     std::int32_t pull[pack_lanes];                    ///< 2^-e times the share, 28 fraction bits
     std::int32_t share[pack_lanes];                   ///< mantissa, 30 fraction bits
     std::int64_t shift[pack_lanes], half[pack_lanes]; ///< v += (r p + half) / 2^shift
-    // What arms are made of: the lever when the tick began or, where it is given, now; and K^-1.
+    // What arms are made of: the lever when the tick began, how the body has turned since, K^-1.
     std::int32_t lever[3][pack_lanes];   ///< world axes, components within 2^28; lever_bits fraction bits
-    std::int32_t given[pack_lanes];      ///< all ones: the lever does not turn by theta
+    std::int32_t given[pack_lanes];      ///< all ones: the turn is that of `turned`, and not of theta
+    std::int32_t turned[4][pack_lanes];  ///< x, y, z, w of a unit quaternion
     std::int32_t inverse[6][pack_lanes]; ///< mantissas of K^-1: xx, yy, zz, xy, xz, yz
     std::int64_t lever_bits[pack_lanes]; ///< 22 .. 32
     std::int64_t turn_shift[pack_lanes]; ///< of K^-1 theta to pack_angle_bits
@@ -54,6 +62,7 @@ struct JointPack {
     std::uint32_t count;          ///< lanes in use, from the first on
     std::uint32_t turn;           ///< entry of JointTick::turns, where turn_rows is not zero
     std::uint32_t turn_rows;      ///< rows of each joint that only turn, solved before its point
+    bool hinges;                  ///< they are those of hinges
     std::int32_t one[pack_lanes]; ///< 2^-e, 28 fraction bits
     PackInverse inverse;
     std::int32_t impulse[3][pack_lanes]; ///< p', Speed
@@ -67,13 +76,25 @@ struct JointPack {
     std::int64_t sum[3][pack_lanes];   ///< of p' over the substeps so far
 };
 
-/// The rows of a pack that only turn, as JointBlock has them.
+/// The rows of a pack that only turn. Those of a lane are a JointBlock's where generic is set, else made with the point's.
 struct TurnPack {
     std::int32_t ja[3][3][pack_lanes], jb[3][3][pack_lanes]; ///< [row][axis], 28 fraction bits
-    std::int32_t ra[3][3][pack_lanes], rb[3][3][pack_lanes];
     PackInverse inverse;
     std::int32_t impulse[3][pack_lanes], bias[3][pack_lanes]; ///< Speed
     std::int64_t sum[3][pack_lanes];                          ///< of p' since the rows were made
+    std::int32_t generic[pack_lanes];                         ///< all ones, or zero
+    // Of a hinge:
+    std::int32_t
+        frame_a[2][3][pack_lanes]; ///< y and z of A's frame when the tick began, world axes, 30 fraction bits
+    std::int32_t frame_b[2][3][pack_lanes];                ///< x and y of B's
+    std::int32_t axis[2][3][pack_lanes];                   ///< about which the rows turn B, 28 fraction bits
+    std::int32_t exponent[pack_lanes];                     ///< e of its rows
+    std::int64_t shift_a[pack_lanes], shift_b[pack_lanes]; ///< of K^-1 axis to the rows
+    std::int64_t bias_shift[pack_lanes];                   ///< of C rate to 2^-e
+    std::int32_t push_max[pack_lanes];                     ///< of the bias, Speed
+    std::int32_t middle_cos[pack_lanes], middle_sin[pack_lanes], reach_cos[pack_lanes]; ///< 30 fraction bits
+    std::uint8_t apart[pack_lanes];   ///< its axes are too far apart for these rows
+    std::uint8_t reaches[pack_lanes]; ///< its limits may be within reach
 };
 
 /// What a pass over packs reads besides them.

@@ -45,23 +45,38 @@ void set_share(PackSide& side, unsigned lane, Share share, std::uint32_t body, b
     side.shifts = side.shifts || share.shift != 0;
 }
 
-/// What kind of pack a joint goes into: rows that turn before its point, or none.
-constexpr std::uint32_t pack_kinds = 5, no_kind = 4;
+/// What kind of pack a joint goes into: rows that turn before its point, those of a hinge, or none.
+constexpr std::uint32_t pack_kinds = 6, hinge_kind = 4, no_kind = 5;
 std::uint32_t kind_of(const JointTick& tick, const JointWork& w) {
     if (w.pack == no_pack) return no_kind;
+    if (w.hinge) return hinge_kind;
     return w.turns_packed ? tick.blocks[w.first_block].count : 0;
+}
+
+/// Whether x of B is locked to x of A.
+bool is_hinge(const JointDef& def, const JointBlock& block) {
+    return def.kind != JointKind::wheel && block.count == 2 && block.kind[0] == RowKind::lock_y &&
+           block.kind[1] == RowKind::lock_z;
 }
 
 void add_to_pack(JointTick& tick, JointWork& w, std::uint32_t kind, bool fresh, const SolverBodies& bodies) {
     if (fresh) {
+        make_room(tick.packs);
         tick.packs.emplace_back();
         JointPack& pack = tick.packs.back();
-        pack.turn_rows = kind;
+        pack.hinges = kind == hinge_kind;
+        pack.turn_rows = pack.hinges ? 2 : kind;
         for (PackSide* side : {&pack.a, &pack.b})
             for (std::uint32_t& body : side->body) body = bodies.still();
         if (kind != 0) {
             pack.turn = static_cast<std::uint32_t>(tick.turn_packs.size());
+            make_room(tick.turn_packs);
             tick.turn_packs.emplace_back();
+            for (std::uint32_t lane = 0; lane < pack_lanes; ++lane) {
+                TurnPack& turn = tick.turn_packs.back();
+                turn.generic[lane] = pack.hinges ? 0 : -1;
+                turn.shift_a[lane] = turn.shift_b[lane] = turn.bias_shift[lane] = 1;
+            }
         }
     }
     JointPack& pack = tick.packs.back();
@@ -97,6 +112,7 @@ void plan_packs(JointTick& tick, const StepConstants& step, const SolverBodies& 
         w.pack = 0; // which one follows
         --w.block_count;
         w.turns_packed = w.block_count == 1 && only_turns(tick.blocks[w.first_block].kind[0]);
+        w.hinge = w.turns_packed && is_hinge(*w.def, tick.blocks[w.first_block]);
     }
     tick.counts.assign(stage_count * pack_kinds + 1, 0);
     const auto key = [&](const JointWork& w) { return w.stage * pack_kinds + kind_of(tick, w); };
@@ -135,7 +151,6 @@ void put_turn(const JointBlock& block, TurnPack& pack, std::uint32_t lane) {
         const Row& row = block.row[r];
         for (int i = 0; i < 3; ++i) {
             pack.ja[r][i][lane] = row.ja[i + 3], pack.jb[r][i][lane] = row.jb[i + 3];
-            pack.ra[r][i][lane] = row.ra[i + 3], pack.rb[r][i][lane] = row.rb[i + 3];
         }
         pack.impulse[r][lane] = block.impulse[r];
     }

@@ -1,5 +1,6 @@
 #include "dynamics/joint_parts.h"
 
+#include "dynamics/joint_work.h"
 #include "lockstone/math.h"
 
 #include <algorithm>
@@ -290,6 +291,36 @@ RowValue row_value(RowKind kind, const JointPlace& p) {
     default:
         return rack(p);
     }
+}
+
+// ---- coordinates --------------------------------------------------------------------------------------------------
+
+std::array<Real, joint_axis_count> joint_coordinates(const JointDef& def, const Transform& frame_a,
+                                                     const Transform& frame_b, Real twist) {
+    std::array<Real, joint_axis_count> position{};
+    const Vec3 s = frame_b.position - frame_a.position;
+    const Rotation a = to_rotation(frame_a.rotation), b = to_rotation(frame_b.rotation);
+    switch (def.kind) {
+    case JointKind::distance:
+        position[along_x] = length(s);
+        return position;
+    case JointKind::pulley:
+        position[along_x] = mul_add(def.ratio, length(frame_b.position - def.ground_b),
+                                    length(frame_a.position - def.ground_a));
+        return position;
+    case JointKind::gear:
+    case JointKind::rack_and_pinion:
+        position[about_x] = twist;
+        return position;
+    default:
+        break;
+    }
+    const Vec3 along = mul_transposed<Real>(a, s);
+    position[along_x] = along.x, position[along_y] = along.y, position[along_z] = along.z;
+    position[about_x] = twist_between(frame_a.rotation, frame_b.rotation, counts_turns(def) ? twist : Real{});
+    position[about_y] = angle_y_between(a, b);
+    position[about_z] = angle_z_between(a, b);
+    return position;
 }
 
 } // namespace lockstone::dynamics

@@ -1,8 +1,10 @@
 #include "dynamics/joint_point.h"
 
 #include "dynamics/joint_work.h"
+#include "lockstone/math.h"
 
 #include <algorithm>
+#include <cstdint>
 
 namespace lockstone::dynamics {
 
@@ -10,9 +12,10 @@ namespace {
 
 constexpr int inverse_at[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
 
-std::int64_t shifted(std::int64_t v, int shift) {
-    if (shift > 62) return 0;
-    return shift >= 0 ? shift_right_rounded(v, shift) : shift_left_saturated(v, std::min(-shift, 63));
+inline std::int64_t shifted(std::int64_t v, int shift) {
+    if (shift > 0 && shift <= 62) [[likely]]
+        return (v >> shift) + ((v >> (shift - 1)) & 1);
+    return shift > 62 ? 0 : shift_left_saturated(v, std::min(-shift, 63));
 }
 
 /// K^-1 of a body, and what follows from its exponent.
@@ -110,10 +113,11 @@ void start_point(JointPack& pack, const JointWork& work, const PointStart& start
     for (int i = 0; i < 3; ++i) pack.impulse[i][lane] = scaled_impulse(block.sum[i], e);
 }
 
-void give_lever(PackSide& side, std::uint32_t lane, Vec3 lever, const BodyStep& body, int exponent) {
+void give_turn(PackSide& side, std::uint32_t lane, Quat turned, const BodyStep& body, int exponent) {
     side.given[lane] = -1;
+    const Unit q[4] = {turned.x, turned.y, turned.z, turned.w};
+    for (int i = 0; i < 4; ++i) side.turned[i][lane] = q[i].raw;
     set_gyration_inverse(side, lane, body);
-    set_lever(side, lane, lever);
     set_arm_shift(side, lane, exponent);
 }
 
@@ -133,6 +137,69 @@ void invert_point(JointPack& pack, const JointWork& work) {
     add_stiffness(s, pack.b, work.lane, work.shares.b, pack.one[work.lane]);
     s.largest = std::max({s.k[0][0], s.k[1][1], s.k[2][2]});
     set_inverse(pack.inverse, work.lane, invert(s, 3));
+}
+
+// ---- hinges -------------------------------------------------------------------------------------------------------
+
+void set_hinge_shift(TurnPack& turn, std::uint32_t lane, bool of_a, const BodyStep& body) {
+    (of_a ? turn.shift_a : turn.shift_b)[lane] = std::clamp(body.inv_exponent + turn.exponent[lane], 1, 62);
+}
+
+void start_hinge(TurnPack& turn, const JointWork& work, const HingeStart& start, JointBlock& block,
+                 const StepConstants& step) {
+    const std::uint32_t lane = work.lane;
+    const UnitVec3 from_a[2] = {start.axes_a.y, start.axes_a.z}, from_b[2] = {start.axes_b.x, start.axes_b.y};
+    for (int k = 0; k < 2; ++k)
+        for (int i = 0; i < 3; ++i)
+            turn.frame_a[k][i][lane] = from_a[k][i].raw, turn.frame_b[k][i][lane] = from_b[k][i].raw;
+    // No entry of K^-1 axis is above the largest inverse of a radius, wherever the body turns.
+    std::uint64_t most = 0;
+    for (const BodyStep* body : {start.a, start.b})
+        for (int i = 0; i < 3 && body->moves; ++i) most |= magnitude(body->radii_inv[i].raw);
+    const int e = most == 0 ? 0 : bit_length(most) - Real::fraction_bits - 1;
+    turn.exponent[lane] = block.exponent = e;
+    set_hinge_shift(turn, lane, true, *start.a), set_hinge_shift(turn, lane, false, *start.b);
+    turn.bias_shift[lane] = Unit::fraction_bits + joint_rate_bits - Speed::fraction_bits + e;
+    turn.push_max[lane] = scaled_speed(step.joint_push_max.raw, Real::fraction_bits, e);
+    for (int r = 0; r < 2; ++r) {
+        turn.impulse[r][lane] = block.impulse[r] = scaled_impulse(block.sum[r], e);
+        block.sum[r] = Real{}, block.is_force[r] = false;
+    }
+    const Real reach = half(start.upper - start.lower);
+    if (reach <= Real{} || reach >= pi) {
+        turn.reach_cos[lane] = reach <= Real{} ? INT32_MAX : INT32_MIN;
+        return;
+    }
+    const Real middle = start.lower + reach;
+    const bool is_even = middle == Real{};
+    turn.middle_cos[lane] = is_even ? unit_one.raw : to<Unit>(cos(middle)).raw;
+    turn.middle_sin[lane] = is_even ? 0 : to<Unit>(sin(middle)).raw;
+    turn.reach_cos[lane] = to<Unit>(cos(reach)).raw;
+}
+
+void invert_hinge(const JointPack& pack, TurnPack& turn, const JointWork& work) {
+    const std::uint32_t lane = work.lane;
+    Stiffness s{};
+    const auto add = [&](const std::int32_t(&j)[3][3][pack_lanes], Share share) {
+        if (share.mantissa == 0) return;
+        for (int r = 0; r < 2; ++r)
+            for (int c = 0; c <= r; ++c) {
+                std::int64_t dot = 0;
+                for (int i = 0; i < 3; ++i) dot += std::int64_t{j[r][i][lane]} * j[c][i][lane];
+                s.k[r][c] += shared(dot, share);
+            }
+    };
+    add(turn.ja, {pack.a.share[lane], static_cast<std::int32_t>(pack.a.shift[lane])});
+    add(turn.jb, {pack.b.share[lane], static_cast<std::int32_t>(pack.b.shift[lane])});
+    s.largest = std::max(s.k[0][0], s.k[1][1]);
+    set_inverse(turn.inverse, lane, invert(s, 2));
+}
+
+void take_axes(JointBlock& block, const TurnPack& turn, std::uint32_t lane) {
+    for (int r = 0; r < 2; ++r)
+        for (int i = 0; i < 3; ++i)
+            block.direction[r][i] =
+                Real::from_raw(std::int64_t{turn.axis[r][i][lane]} << (Real::fraction_bits - row_bits));
 }
 
 } // namespace lockstone::dynamics

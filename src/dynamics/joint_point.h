@@ -22,8 +22,23 @@ struct PointStart {
 /// What the rows of a point are made of, and the impulses of the last tick, which `block` has, into the joint's lane.
 void start_point(JointPack& pack, const JointWork& work, const PointStart& start, const JointBlock& block,
                  const StepConstants& step);
-/// Where the lever of a side is now, of a body that has turned far or is followed.
-void give_lever(PackSide& side, std::uint32_t lane, Vec3 lever, const BodyStep& body, int exponent);
+/// How the body of a side has turned since the tick began, and its K^-1 now.
+void give_turn(PackSide& side, std::uint32_t lane, Quat turned, const BodyStep& body, int exponent);
+/// Of a hinge: its frames when the tick begins, in the world.
+struct HingeStart {
+    const BodyStep *a, *b;
+    Rotation axes_a, axes_b;
+    Real lower,
+        upper; ///< twists between which nothing is in reach of a limit; the same: always, further than 2 pi: never
+};
+void start_hinge(TurnPack& turn, const JointWork& work, const HingeStart& start, JointBlock& block,
+                 const StepConstants& step);
+/// What follows from K^-1 of a body.
+void set_hinge_shift(TurnPack& turn, std::uint32_t lane, bool of_a, const BodyStep& body);
+/// The inverse of the rows of a hinge as they are.
+void invert_hinge(const JointPack& pack, TurnPack& turn, const JointWork& work);
+/// The axes about which its rows turn B.
+void take_axes(JointBlock& block, const TurnPack& turn, std::uint32_t lane);
 /// Where entries of its rows have grown to 2.
 void enlarge_exponent(JointPack& pack, const JointWork& work, const StepConstants& step);
 /// The inverse of the rows as they are.

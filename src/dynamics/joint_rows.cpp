@@ -7,9 +7,10 @@ namespace lockstone::dynamics {
 namespace {
 
 /// v / 2^shift, rounded; a negative shift multiplies. Clamped to the range.
-std::int64_t shifted(std::int64_t v, int shift) {
-    if (shift > 62) return 0;
-    return shift >= 0 ? shift_right_rounded(v, shift) : shift_left_saturated(v, std::min(-shift, 63));
+inline std::int64_t shifted(std::int64_t v, int shift) {
+    if (shift > 0 && shift <= 62) [[likely]]
+        return (v >> shift) + ((v >> (shift - 1)) & 1);
+    return shift > 62 ? 0 : shift_left_saturated(v, std::min(-shift, 63));
 }
 
 Share share_of(Real numerator, Real sum) {

@@ -20,9 +20,10 @@ template <class Now> void push_clamped(const Row* rows, const std::int32_t* p, i
     if (any >= static_cast<std::uint32_t>(small_impulse)) clamp_motion(m);
 }
 
-std::int64_t shifted(std::int64_t v, int shift) {
-    if (shift > 62) return 0;
-    return shift >= 0 ? shift_right_rounded(v, shift) : shift_left_saturated(v, std::min(-shift, 63));
+inline std::int64_t shifted(std::int64_t v, int shift) {
+    if (shift > 0 && shift <= 62) [[likely]]
+        return (v >> shift) + ((v >> (shift - 1)) & 1);
+    return shift > 62 ? 0 : shift_left_saturated(v, std::min(-shift, 63));
 }
 
 std::int32_t bounded(std::int64_t p, std::int64_t low, std::int64_t high) {

@@ -19,10 +19,10 @@
 namespace lockstone::dynamics {
 
 inline constexpr int row_turn_bits = 11; ///< row_turn_max = 2^-11 rad
-/// pack_turn_max = 2^-10 rad: with 2^-8 a pendulum that swings by 150 degrees is 0.12 % slow instead of 0.10 %. The point, which is made
-/// anew in every substep, carries the weight; rows about the axes miss a part 2^-20 of the energy of the turn that they leave free.
+/// pack_turn_max = 2^-10 rad: with 2^-8 a pendulum that swings by 150 degrees is 0.12 % slow instead of 0.10 %. Points and hinges, which
+/// are made anew in every substep, carry the weight; other rows about the axes miss a part 2^-20 of the energy of the turn that they leave free.
 inline constexpr int pack_turn_bits = 10;
-inline constexpr int given_turn_bits = 4; ///< levers turn by theta up to 2^-4 rad about an axis
+inline constexpr int given_turn_bits = 4; ///< packs turn by theta up to 2^-4 rad about an axis
 
 /// A body that joints hold, where it is in this substep.
 struct JointBody {
@@ -30,7 +30,7 @@ struct JointBody {
     bool stirred;    ///< moved or turned since it was placed
     bool strays;     ///< it has turned by more than rows may stay behind: row_turn_max
     bool strays_far; ///< by more than rows beside a packed point may: pack_turn_max
-    bool given;      ///< levers on it are given, from now on; joint_pack.h
+    bool given;      ///< its turn is given to packs, from now on; joint_pack.h
     bool unpacked;   ///< rows of some joint in no pack stay where they are while it hardly turns
     bool wanted;     ///< it is to be placed where it is
     std::int32_t
@@ -44,6 +44,7 @@ struct JointBody {
     std::int32_t shift[3], theta[3]; ///< of the SolverBody, when this was made
     Vec3 moved;                      ///< by the last update [m]
     std::int32_t turned[3];          ///< by the last update, of theta
+    Quat turn;                       ///< since the tick began, of what is given
 };
 
 /// Up to three locks solved together.
@@ -134,6 +135,7 @@ struct JointWork {
     bool remade;       ///< since trees were factorised
     bool steady;       ///< and they may stay behind where they are now
     bool turns_packed; ///< its block is in a pack of turns
+    bool hinge;        ///< and its rows are made there
     std::uint32_t
         pack; ///< entry of JointTick::packs that has its point part; no_pack: that is a block, if any
     std::uint32_t lane;  ///< of the pack
@@ -166,18 +168,31 @@ struct JointTick {
     bool first;            ///< no substep is in the sums yet
 };
 
+/// Room for one more entry; where there is none, for a quarter more: entries are large.
+template <class T> void make_room(std::vector<T>& v) {
+    if (v.size() == v.capacity()) v.reserve(v.size() + v.size() / 4 + 16);
+}
+
 JointPassData pass_data(JointTick& tick, const StepConstants& step, SolverBody* bodies);
 /// A joint's point into its lane, with the bodies where they are when the tick begins.
 void start_packed(JointTick& tick, const JointWork& work, const StepConstants& step,
                   const SolverBodies& bodies);
-/// Levers of a packed joint whose bodies have turned far or are followed.
-void give_levers(JointTick& tick, const JointWork& work, const SolverBodies& bodies);
+/// How bodies of a packed joint have turned that have turned far or are followed.
+void give_turns(JointTick& tick, const JointWork& work, const SolverBodies& bodies);
+/// Of a body that is given: how it has turned since the tick began.
+void turn_body(JointBody& now, const Transform& pose, const SolverBodies& bodies);
+/// Rows that the refreshed packs ask for: of hinges that have come apart, and limits that are in reach again.
+void make_asked_rows(JointTick& tick, const StepConstants& step, const SolverBodies& bodies);
+/// Whether something of a joint is made by make_rows(): all but what packs make and limits that are out of reach.
+bool has_own_rows(const JointTick& tick, const JointWork& work);
 /// Parts of one joint by its table of axes; appends to blocks and axes.
 void assemble(JointTick& tick, JointWork& work, const StepConstants& step, const JointMemory& memory);
 /// Where x can swing freely, a swing past the back of A adds turns that nobody made, and a limit would wind them off.
 bool counts_turns(const JointDef& def);
 /// Of a joint that was assembled: whether its rows change by turns alone, and slowly.
 bool may_stay(const JointTick& tick, const JointWork& work);
+/// As normalized(), but what is one by a rounding is left as it is.
+Quat unit_of(Quat q);
 void start_body(JointBody& now, const Transform& pose, const SolverBodies& bodies);
 void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodies);
 /// Whether it has moved since it was placed, and turned by more than rows may stay behind.

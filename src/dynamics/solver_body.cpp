@@ -69,18 +69,26 @@ static Vec3 reciprocals(Vec3 radii) {
     return {x, y, radii.z == radii.x ? x : radii.z == radii.y ? y : inverse(radii.z)};
 }
 
+static void set_sizes(BodyStep& s) {
+    s.gyration_bits = bit_length(entries_or(s.gyration));
+    s.gyration_inv_bits = bit_length(entries_or(s.gyration_inv));
+    set_mantissa(s);
+}
+
+void set_gyration(BodyStep& s, const Rotation& axes) {
+    s.gyration = rotated_diagonal(axes, s.radii), s.gyration_inv = rotated_diagonal(axes, s.radii_inv);
+    set_sizes(s);
+}
+
 void set_gyration(BodyStep& s, Quat principal, Quat rotation) {
     s.radii_inv = reciprocals(s.radii);
     const auto multiple = [](Real d) { return Symmetric<Real>{d, d, d, Real{}, Real{}, Real{}}; };
     if (is_round(s)) {
         s.gyration = multiple(s.radii.x), s.gyration_inv = multiple(s.radii_inv.x);
+        set_sizes(s);
     } else {
-        const Rotation axes = to_rotation(principal == Quat::identity() ? rotation : rotation * principal);
-        s.gyration = rotated_diagonal(axes, s.radii), s.gyration_inv = rotated_diagonal(axes, s.radii_inv);
+        set_gyration(s, to_rotation(principal == Quat::identity() ? rotation : rotation * principal));
     }
-    s.gyration_bits = bit_length(entries_or(s.gyration)),
-    s.gyration_inv_bits = bit_length(entries_or(s.gyration_inv));
-    set_mantissa(s);
 }
 
 /// 1 / (1 + damping * substep): velocity kept per substep.

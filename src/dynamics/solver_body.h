@@ -57,12 +57,24 @@ struct BodyStep {
     std::uint32_t turn;             ///< entry of SolverBodies::turns + 1, 0: not followed
 };
 
+/// A 3x3 matrix, m / 2^bits by row and column, its largest entry in [2^29, 2^30].
+struct TurnMatrix {
+    std::int32_t m[3][3];
+    std::int32_t bits;
+};
+
 /// The turn of a body that is followed substep by substep; followed_turn.h.
 struct FollowedTurn {
     Quat rotation; ///< of the body now
     Quat principal;
-    Vec3 radii_inv;             ///< of gyration [1/m]
-    std::int64_t precession[3]; ///< the part of u that is no momentum [m/s], 47 fraction bits
+    Vec3 radii_inv; ///< of gyration [1/m]
+    std::int64_t
+        half_way[3]; ///< radii_inv^2 / (2 substeps per second): momentum to the turn of half a substep;
+    std::int32_t half_way_bits[3]; ///< mantissas below 2^30 and the fraction bits of each
+    Symmetric<std::int32_t> k;     ///< K of the start of the tick: mantissas below 2^30, k_bits fraction bits
+    std::int32_t k_bits;
+    TurnMatrix to_now, from_now; ///< of a held body: K' K^-1 and K K'^-1
+    std::int64_t precession[3];  ///< the part of u that is no momentum [m/s], 47 fraction bits
     std::uint32_t body;
     bool held;    ///< by a joint
     bool stiff;   ///< turns as if it were larger: u is velocity alone, and precession zero
@@ -167,6 +179,8 @@ void begin_step(const BodyColumns& columns, Vec3 gravity, const StepConstants& s
                 Tasks* tasks = nullptr);
 /// K at this rotation.
 void set_gyration(BodyStep& s, Quat principal, Quat rotation);
+/// The same of a body whose radii differ and have been inverted before: its principal axes are given.
+void set_gyration(BodyStep& s, const Rotation& axes);
 /// Turning parts of a dynamic body's entries for other radii of gyration, its angular velocity kept.
 void set_radii(const BodyColumns& columns, std::uint32_t row, Vec3 radii, const StepConstants& step,
                SolverBodies& bodies);

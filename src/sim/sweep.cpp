@@ -25,7 +25,8 @@ struct Sweeper {
     std::span<const ShapeRow> shapes;
     std::span<const Slot> slots;
     Real kinematic_motion_max{},
-        motion_max{}; ///< of any point of a kinematic, of any moving body in this tick [m]
+        motion_max{};        ///< of any point of a kinematic, of any moving body in this tick [m]
+    bool all_dynamic = true; ///< every awake body: all else is among the static proxies
 
     explicit Sweeper(Data& data)
         : w(data), pose(data.state.rows(data.m.body_pose)), info(data.state.rows(data.m.body_info)),
@@ -145,7 +146,11 @@ void for_each_wall(const Sweeper& s, const Way& whole, const ShapeRow& shape,
         };
         return collide::Bounds{{low(p.x), low(p.y), low(p.z)}, {high(p.x), high(p.y), high(p.z)}};
     };
-    scratch.broad_phase.query(collide::SweptBox(box(way.from.position), box(way.to.position)), near);
+    const collide::SweptBox swept(box(way.from.position), box(way.to.position));
+    if (s.all_dynamic && s.info[row].bullet == 0) // what is dynamic would be left out below
+        scratch.broad_phase.query_static(swept, near);
+    else
+        scratch.broad_phase.query(swept, near);
     near.proxies.insert(near.proxies.end(), scratch.planes.begin(), scratch.planes.end());
     for (const std::uint32_t slot : near.proxies) {
         const ShapeRow& wall = s.shapes[s.slots[slot].row];
@@ -306,6 +311,7 @@ void sweep_fast_bodies(Data& w) {
         if (s.info[row].kind == BodyKind::kinematic)
             s.kinematic_motion_max = max(s.kinematic_motion_max, motion_of(s, row));
         any_bullet |= s.info[row].bullet != 0;
+        s.all_dynamic = s.all_dynamic && s.info[row].kind == BodyKind::dynamic;
     }
     const std::uint32_t workers = base::worker_count(w.tasks);
     if (w.scratch.sweep.workers.size() < workers) make_workers(w.scratch.sweep, workers);

@@ -167,11 +167,14 @@ template <class L> class PackedJoints {
 
     // ---- rows that only turn -------------------------------------------------------------------------------------
 
-    static void push_turn(const Lanes<std::int32_t> (&response)[3][3], const Side& side, unsigned lane,
+    static void push_turn(const Lanes<std::int32_t> (&j)[3][3], const Side& side, unsigned lane,
                           const Speed (&p)[3], int rows, Velocity (&v)[6]) {
+        const Unit share = Unit::load(&side.share[lane]);
+        Speed part[3];
+        for (int r = 0; r < rows; ++r) part[r] = rounded<speed_bits>(share * p[r]);
         for (int i = 0; i < 3; ++i) {
-            Velocity sum = Row::load(&response[0][i][lane]) * p[0];
-            for (int r = 1; r < rows; ++r) sum = sum + Row::load(&response[r][i][lane]) * p[r];
+            Velocity sum = Row::load(&j[0][i][lane]) * part[0];
+            for (int r = 1; r < rows; ++r) sum = sum + Row::load(&j[r][i][lane]) * part[r];
             add_rounded(v[3 + i], sum, side, lane);
         }
     }
@@ -186,8 +189,8 @@ template <class L> class PackedJoints {
             if (bias) speed[r] = speed[r] + Speed::load(&t.bias[r][lane]);
         }
         const Change change = answer(t.inverse, t.impulse, lane, speed, rows, data, bias, clamped);
-        push_turn(t.ra, c.a, lane, change.p, rows, m.a);
-        push_turn(t.rb, c.b, lane, change.p, rows, m.b);
+        push_turn(t.ja, c.a, lane, change.p, rows, m.a);
+        push_turn(t.jb, c.b, lane, change.p, rows, m.b);
         keep_small(m, change.sizes);
     }
 
@@ -242,37 +245,63 @@ template <class L> class PackedJoints {
             out[i] = L::shift_right_by(sum, by);
         }
     }
-    /// r = from + phi x r
-    static void turn_by(const Angle (&phi)[3], Lever (&r)[3], const Lever (&from)[3]) {
-        const Lever x = r[0], y = r[1], z = r[2];
-        r[0] = from[0] + rounded<0>(phi[1] * z - phi[2] * y);
-        r[1] = from[1] + rounded<0>(phi[2] * x - phi[0] * z);
-        r[2] = from[2] + rounded<0>(phi[0] * y - phi[1] * x);
-    }
-    static void turn_by_part(const Angle (&phi)[3], std::int32_t part, Lever (&r)[3],
-                             const Lever (&from)[3]) {
-        Angle less[3];
-        for (int i = 0; i < 3; ++i) less[i] = rounded<dynamics::pack_angle_bits>(phi[i] * Unit::splat(part));
-        turn_by(less, r, from);
-    }
-    /// Where the lever is now.
-    static void place(const Side& side, unsigned lane, const Gap (&moved)[6], Lever (&r)[3]) {
-        constexpr std::int32_t one = 1 << unit_bits;
-        constexpr std::int64_t quarter = std::int64_t{1}
-                                         << (dynamics::pack_angle_bits - 2); // fits into 32 bits
-        V turned[3];
-        over_gyration(side, lane, moved + 3, side.turn_shift, turned);
-        const V given = L::load32(&side.given[lane]), most = L::splat(quarter), least = L::splat(-quarter);
-        Angle phi[3];
-        Lever start[3];
-        for (int i = 0; i < 3; ++i) {
-            phi[i] = {L::without(between(turned[i], least, most), given)};
-            r[i] = start[i] = Lever::load(&side.lever[i][lane]);
+    /// A rotation matrix by rows, 30 fraction bits in the low halves.
+    struct Turned {
+        V m[3][3];
+        void times(const V (&v)[3], V (&out)[3]) const {
+            const V half = L::splat(std::int64_t{1} << (unit_bits - 1));
+            for (int i = 0; i < 3; ++i) {
+                const V sum =
+                    L::add(L::add(L::mul(m[i][0], v[0]), L::mul(m[i][1], v[1])), L::mul(m[i][2], v[2]));
+                out[i] = L::template shift_right<unit_bits>(L::add(sum, half));
+            }
         }
-        turn_by_part(phi, one / 4, r, start);
-        turn_by_part(phi, one / 3, r, start);
-        turn_by_part(phi, one / 2, r, start);
-        turn_by(phi, r, start);
+    };
+    static Turned matrix_of(const V (&q)[4]) {
+        constexpr int shift = unit_bits - 1; // entries are twice a sum of products
+        const V one = L::splat(std::int64_t{1} << unit_bits), half = L::splat(std::int64_t{1} << (shift - 1));
+        const auto twice = [&](V sum) { return L::template shift_right<shift>(L::add(sum, half)); };
+        const V xx = L::mul(q[0], q[0]), yy = L::mul(q[1], q[1]), zz = L::mul(q[2], q[2]);
+        const V xy = L::mul(q[0], q[1]), xz = L::mul(q[0], q[2]), yz = L::mul(q[1], q[2]);
+        const V wx = L::mul(q[3], q[0]), wy = L::mul(q[3], q[1]), wz = L::mul(q[3], q[2]);
+        return {{{L::sub(one, twice(L::add(yy, zz))), twice(L::sub(xy, wz)), twice(L::add(xz, wy))},
+                 {twice(L::add(xy, wz)), L::sub(one, twice(L::add(xx, zz))), twice(L::sub(yz, wx))},
+                 {twice(L::sub(xz, wy)), twice(L::add(yz, wx)), L::sub(one, twice(L::add(xx, yy)))}}};
+    }
+    /// How a body has turned since the tick began.
+    static Turned turn_of(const Side& side, unsigned lane, const Gap (&moved)[6]) {
+        constexpr std::int64_t one = std::int64_t{1} << unit_bits, quarter = one; // of pack_angle_bits
+        V phi[3], q[4], square = L::splat(0);
+        over_gyration(side, lane, moved + 3, side.turn_shift, phi);
+        for (int i = 0; i < 3; ++i) {
+            phi[i] = between(phi[i], L::splat(-quarter), L::splat(quarter));
+            square = L::add(square, L::mul(phi[i], phi[i]));
+        }
+        // h has the bits of phi and one fraction bit more.
+        const V z = L::template shift_right<2 * (dynamics::pack_angle_bits + 1) - unit_bits>(square);
+        const auto by = [](V x, std::int64_t factor) {
+            return L::template shift_right<unit_bits>(L::mul(x, L::splat(factor)));
+        };
+        const V zz = L::template shift_right<unit_bits>(L::mul(z, z));
+        const V sinc = L::add(L::sub(L::splat(one), by(z, one / 6)), by(zz, one / 120));
+        const V given = L::load32(&side.given[lane]),
+                half = L::splat(std::int64_t{1} << dynamics::pack_angle_bits);
+        for (int i = 0; i < 3; ++i)
+            q[i] = L::template shift_right_signed<dynamics::pack_angle_bits + 1>(
+                L::add(L::mul(phi[i], sinc), half));
+        q[3] = L::add(L::sub(L::splat(one), by(z, one / 2)), by(zz, one / 24));
+        for (int i = 0; i < 4; ++i) q[i] = L::select(given, L::load32(&side.turned[i][lane]), q[i]);
+        return matrix_of(q);
+    }
+    /// Where a vector of the start of the tick is now.
+    static void turn(const Turned& by, const Lanes<std::int32_t> (&from)[3], unsigned lane, V (&out)[3]) {
+        const V v[3] = {L::load32(&from[0][lane]), L::load32(&from[1][lane]), L::load32(&from[2][lane])};
+        by.times(v, out);
+    }
+    static void place(const Side& side, unsigned lane, const Turned& by, Lever (&r)[3]) {
+        V now[3];
+        turn(by, side.lever, lane, now);
+        for (int i = 0; i < 3; ++i) r[i] = {now[i]};
     }
     /// w x (w x r), w within 2048 rad/s and the inner product within 2048 m/s: beyond that an arc is no guide. As Speed.
     static void curve(const Side& side, unsigned lane, const Velocity (&motion)[6], const Lever (&r)[3],
@@ -338,8 +367,10 @@ template <class L> class PackedJoints {
         Velocity motion_a[6], motion_b[6];
         gather_moved(c.a, lane, data, moved_a), gather_moved(c.b, lane, data, moved_b);
         gather(c.a, lane, data, motion_a), gather(c.b, lane, data, motion_b);
+        const Turned turned_a = turn_of(c.a, lane, moved_a), turned_b = turn_of(c.b, lane, moved_b);
         Lever a[3], b[3];
-        place(c.a, lane, moved_a, a), place(c.b, lane, moved_b, b);
+        place(c.a, lane, turned_a, a), place(c.b, lane, turned_b, b);
+        if (c.hinges) refresh_hinges(data.turns[c.turn], c, lane, data, turned_a, turned_b);
         const V any = L::either(write_arms(c.a, lane, a, true), write_arms(c.b, lane, b, false));
         const unsigned over =
             L::lanes_of(L::greater64(L::template shift_right<row_bits + 2>(any), L::splat(0)));
@@ -359,6 +390,73 @@ template <class L> class PackedJoints {
         }
     }
 
+    // ---- hinges --------------------------------------------------------------------------------------------------
+
+    static V dot30(const V (&a)[3], const V (&b)[3]) { // 60 fraction bits
+        return L::add(L::add(L::mul(a[0], b[0]), L::mul(a[1], b[1])), L::mul(a[2], b[2]));
+    }
+    /// a x b of unit vectors as an axis of rows.
+    static void cross(const V (&a)[3], const V (&b)[3], V (&out)[3]) {
+        constexpr int shift = 2 * unit_bits - row_bits;
+        for (int i = 0; i < 3; ++i) {
+            const int j = (i + 1) % 3, k = (i + 2) % 3;
+            const V sum = L::sub(L::mul(a[j], b[k]), L::mul(a[k], b[j]));
+            out[i] = L::template shift_right<shift>(L::add(sum, L::splat(std::int64_t{1} << (shift - 1))));
+        }
+    }
+    /// Of lanes whose rows are made elsewhere nothing is changed.
+    static void keep(std::int32_t* to, V x, V generic) {
+        L::store32(to, L::select(generic, L::load32(to), x));
+    }
+
+    /// K^-1 axis as a row of one side.
+    template <int Sign>
+    static void write_row(const Side& side, unsigned lane, const Lanes<std::int64_t>& shifts,
+                          const V (&axis)[3], V generic, Lanes<std::int32_t> (&row)[3]) {
+        const V shift = L::load64(&shifts[lane]);
+        const V half = L::shift_left_by(L::splat(1), L::sub(shift, L::splat(1)));
+        for (int i = 0; i < 3; ++i) {
+            V sum = L::mul(L::load32(&side.inverse[inverse_at[i][0]][lane]), axis[0]);
+            for (int k = 1; k < 3; ++k)
+                sum = L::add(sum, L::mul(L::load32(&side.inverse[inverse_at[i][k]][lane]), axis[k]));
+            const V x = L::shift_right_by(L::add(sum, half), shift);
+            keep(&row[i][lane], Sign < 0 ? L::sub(L::splat(0), x) : x, generic);
+        }
+    }
+    static void refresh_hinges(Turn& t, const Pack& c, unsigned lane, const Data& data,
+                               const Turned& turned_a, const Turned& turned_b) {
+        V y[3], z[3], xb[3], yb[3], axis[2][3];
+        turn(turned_a, t.frame_a[0], lane, y), turn(turned_a, t.frame_a[1], lane, z);
+        turn(turned_b, t.frame_b[0], lane, xb), turn(turned_b, t.frame_b[1], lane, yb);
+        cross(z, xb, axis[0]), cross(xb, y, axis[1]);
+        const V generic = L::load32(&t.generic[lane]), nothing = L::splat(0);
+        const V error[2] = {L::template shift_right_signed<unit_bits>(L::sub(nothing, dot30(xb, z))),
+                            L::template shift_right_signed<unit_bits>(dot30(xb, y))};
+        // xA . xB = (1 - C^2)^(1/2)
+        constexpr std::int64_t apart = std::int64_t{1} << (2 * unit_bits - 1);
+        const V off = L::add(L::mul(error[0], error[0]), L::mul(error[1], error[1]));
+        // cos(t - middle) - cos(reach)
+        const V cosine = L::template shift_right_signed<unit_bits>(dot30(y, yb)),
+                sine = L::template shift_right_signed<unit_bits>(dot30(z, yb));
+        const V near = L::add(L::mul(cosine, L::load32(&t.middle_cos[lane])),
+                              L::mul(sine, L::load32(&t.middle_sin[lane])));
+        const unsigned far_apart = L::lanes_of(L::greater64(off, L::splat(apart))),
+                       reaches = L::lanes_of(L::greater64(
+                           L::mul(L::load32(&t.reach_cos[lane]), L::splat(std::int64_t{1} << unit_bits)),
+                           near));
+        for (unsigned i = 0; i < N; ++i)
+            t.apart[lane + i] = (far_apart >> i) & 1u, t.reaches[lane + i] = (reaches >> i) & 1u;
+        const V shift = L::load64(&t.bias_shift[lane]), push = L::load32(&t.push_max[lane]);
+        const V half = L::shift_left_by(L::splat(1), L::sub(shift, L::splat(1)));
+        for (int r = 0; r < 2; ++r) {
+            for (int i = 0; i < 3; ++i) L::store32(&t.axis[r][i][lane], axis[r][i]);
+            write_row<-1>(c.a, lane, t.shift_a, axis[r], generic, t.ja[r]);
+            write_row<1>(c.b, lane, t.shift_b, axis[r], generic, t.jb[r]);
+            const V wanted = L::shift_right_by(L::add(L::mul(error[r], L::splat(data.rate)), half), shift);
+            keep(&t.bias[r][lane], between(wanted, L::sub(nothing, push), push), generic);
+        }
+    }
+
     // ---- passes --------------------------------------------------------------------------------------------------
 
     static void add_to_sums(Lanes<std::int64_t> (&sum)[3], unsigned lane, const Speed (&p)[3], int rows) {
@@ -375,8 +473,8 @@ template <class L> class PackedJoints {
             for (int r = 0; r < rows; ++r)
                 p[r] = Speed::load(&t.impulse[r][lane]), sizes = or_size(sizes, p[r]);
             if (sums) add_to_sums(t.sum, lane, p, rows);
-            push_turn(t.ra, c.a, lane, p, rows, m.a);
-            push_turn(t.rb, c.b, lane, p, rows, m.b);
+            push_turn(t.ja, c.a, lane, p, rows, m.a);
+            push_turn(t.jb, c.b, lane, p, rows, m.b);
             keep_small(m, sizes);
         }
         for (int r = 0; r < 3; ++r) p[r] = Speed::load(&c.impulse[r][lane]);
