@@ -319,6 +319,27 @@ void prepare_train(Vehicle& v) {
             v.group[g].coupled = v.group[g].coupled || v.coupling[k].group[g] != Real{};
 }
 
+void prepare_rims(const dynamics::StepConstants& step, Vehicle& v) {
+    for (std::uint32_t t = 0; t < vehicle_tyres_max; ++t) {
+        TyrePeaks& peaks = v.peaks[t] = TyrePeaks{};
+        for (const CurvePoint& c : v.def->tyre[t].along) peaks.along = max(peaks.along, c.y);
+        for (const CurvePoint& c : v.def->tyre[t].across) peaks.across = max(peaks.across, c.y);
+    }
+    const Real per_second = Real(step.substeps_per_second);
+    for (std::uint32_t i = 0; i < v.def->wheel_count; ++i) {
+        const WheelDef& def = v.def->wheel[i];
+        Wheel& wheel = v.wheel[i];
+        SpinGroup& g = v.group[wheel.group];
+        wheel.brake_torque =
+            (v.input.brake * def.brake_torque + v.input.hand_brake * def.hand_brake_torque) / per_second;
+        if (!wheel.touches) continue;
+        ++g.on_ground;
+        wheel.arm = def.radius * v.mass / g.inertia;
+        wheel.kappa_rim = wheel.along.kappa + wheel.arm * def.radius;
+        wheel.stiff = def.radius * def.radius * v.mass;
+    }
+}
+
 namespace {
 
 void prepare_bars(Vehicle& v) {
@@ -396,6 +417,7 @@ void VehicleSolver::prepare(Data& w) {
         prepare_bars(v);
         shift_gears(world, v);
         prepare_train(v);
+        prepare_rims(world.scratch.step, v);
     });
     find_convoys(w.scratch.bodies);
 }
