@@ -42,6 +42,7 @@ struct Wheel {
     std::uint32_t ground; ///< entry of SolverBodies
     Real ratio;           ///< m / mg, 0 for a ground that nothing moves
     WheelLine normal, along, across;
+    Real mixed;                    ///< speed across per impulse along
     Vec3 surface;                  ///< velocity of a conveyor's surface [m/s]
     Real length_begin, per_length; ///< at the start of the tick [m]; suspension length per separation
     Real length;                   ///< now
@@ -161,8 +162,9 @@ class VehicleSolver {
 
 // ---- parts -------------------------------------------------------------------------------------------------------
 
-/// `share`: of the chassis' mass.
-void prepare_wheel(const Data& w, Vehicle& v, std::uint32_t wheel, Real share, const WheelGround& ground);
+/// `axes`: of the chassis; `share`: of its mass.
+void prepare_wheel(const Data& w, const Rotation& axes, Vehicle& v, std::uint32_t wheel, Real share,
+                   const WheelGround& ground);
 /// Once the train is made: what of a rim stays as it is for the tick.
 void prepare_rims(const dynamics::StepConstants& step, Vehicle& v);
 void shift_gears(const Data& w, Vehicle& v);

@@ -16,31 +16,55 @@ namespace {
 
 constexpr Real rest_slide = 0.1_r; ///< [m/s]: from here on the slide decides how a tyre shares its peak out
 
-/// An answer that does not slide, or does so beyond the curve: impulse, slip and give.
-TyreAnswer on_curve(const TyreQuestion& tyre, Real slide, Real kappa, Real speed) {
+/// A Real of which it is known that no result comes near the end of its range: nothing is clamped.
+struct Small {
+    std::int64_t raw;
+
+    friend Small operator+(Small a, Small b) { return {a.raw + b.raw}; }
+    friend Small operator-(Small a, Small b) { return {a.raw - b.raw}; }
+    friend Small operator*(Small a, Small b) {
+        return {narrow_small(Wide::product(a.raw, b.raw), Real::fraction_bits)};
+    }
+    friend Small operator/(Small a, Small b) { return {divide_shifted(a.raw, b.raw, Real::fraction_bits)}; }
+};
+
+/// An answer that does not slide, or does so beyond the curve. Number: Real, or Small where is_small() holds.
+template <class Number>
+TyreAnswer on_curve(const TyreQuestion& tyre, Real slide_of, Real kappa_of, Real speed_of) {
+    const auto number = [](Real x) { return Number{x.raw}; };
+    const auto real = [](Number x) { return Real::from_raw(x.raw); };
     const std::array<CurvePoint, 4>& curve = tyre.curve;
+    const Number slide = number(slide_of), kappa = number(kappa_of), speed = number(speed_of),
+                 load = number(tyre.load);
     // g(s) = slide - kappa load grip(s) - speed s falls where the curve rises; its first root is where the tyre clings.
-    const auto rest = [&](const CurvePoint& c) { return slide - kappa * (tyre.load * c.y) - speed * c.x; };
-    Real before = rest(curve[0]);
-    if (before <= Real{}) return {slide / kappa, Real{}, Real{}};
-    TyreAnswer out{Real{}, Real::max(), Real{}};
+    const auto rest = [&](const CurvePoint& c) {
+        return slide - kappa * (load * number(c.y)) - speed * number(c.x);
+    };
+    Number before = rest(curve[0]);
+    if (before.raw <= 0) return {real(slide / kappa), Real{}, Real{}};
     for (std::size_t i = 1; i < curve.size(); ++i) {
-        const Real after = rest(curve[i]);
-        if (after > Real{}) {
+        const Number after = rest(curve[i]);
+        if (after.raw > 0) {
             before = after;
             continue;
         }
-        const CurvePoint &a = curve[i - 1], &b = curve[i];
-        out.slip = a.x + (b.x - a.x) * (before / (before - after));
-        out.impulse = (slide - speed * out.slip) / kappa;
+        const Number from = number(curve[i - 1].x), run = number(curve[i].x) - from;
+        const Number slip = from + run * (before / (before - after));
+        TyreAnswer out{real((slide - speed * slip) / kappa), Real::max(), real(slip)};
         if (!tyre.asks_give) return out;
-        const Real rise = tyre.load * (b.y - a.y), run = speed * (b.x - a.x);
-        if (rise > Real{}) out.give = run / rise;
+        const Number rise = load * (number(curve[i].y) - number(curve[i - 1].y));
+        if (rise.raw > 0) out.give = real(speed * run / rise);
         return out;
     }
-    out.impulse = tyre.load * curve.back().y;
-    out.slip = speed > Real{} ? (slide - kappa * out.impulse) / speed : Real{};
-    return out;
+    const Number impulse = load * number(curve.back().y);
+    return {real(impulse), Real::max(), speed.raw > 0 ? real((slide - kappa * impulse) / speed) : Real{}};
+}
+
+/// No product of on_curve() comes near the end of a Real: kappa load y stays below 2^28, speed x below 2^23, and a quotient by them
+/// has its own clamps.
+bool is_small(const TyreQuestion& tyre, Real slide, Real kappa, Real speed) {
+    return tyre.load < Real(1 << 9) && tyre.peak < Real(1 << 5) && kappa < Real(1 << 14) &&
+           slide < Real(1 << 13) && speed < Real(1 << 13) && tyre.curve.back().x < Real(1 << 10);
 }
 
 /// Whether an impulse is within what share_of_peak() leaves, as far as that is seen without a root and a quotient: the slide is no
@@ -58,7 +82,8 @@ Real share_of_peak(Real own, Real other) {
 TyreAnswer tyre_answer(const TyreQuestion& tyre, Real slide, Real kappa, Real speed) {
     if (tyre.load <= Real{} || slide <= Real{} || kappa <= Real{})
         return {Real{}, Real::max(), speed > Real{} ? slide / speed : Real{}};
-    const TyreAnswer out = on_curve(tyre, slide, kappa, speed);
+    const TyreAnswer out = is_small(tyre, slide, kappa, speed) ? on_curve<Small>(tyre, slide, kappa, speed)
+                                                               : on_curve<Real>(tyre, slide, kappa, speed);
     const Real most = tyre.load * tyre.peak;
     if (is_within_share(out.impulse, most, tyre.own, tyre.other)) return out;
     const Real cap = most * share_of_peak(tyre.own, tyre.other);
@@ -106,18 +131,19 @@ RimAnswer turn_rim(const Vehicle& v, const Wheel& wheel, const WheelDef& def, Re
 
 namespace {
 
-/// How far the patch moved along the normal since the start of the tick [m].
+/// How far the patch moved along the normal since the start of the tick [m]. No body moves by more than 16 m in a tick, and no arm is
+/// above 64: sums stay below 2^75.
 Real moved(const Wheel& wheel, const SolverBodies& bodies, std::uint32_t chassis) {
-    constexpr int up = Real::fraction_bits - Separation::fraction_bits;
-    const auto real = [](std::int64_t x) { return Real::from_raw(x * (std::int64_t{1} << up)); };
+    constexpr int finer = Real::fraction_bits - Separation::fraction_bits;
     const SolverBody &c = bodies.body[chassis], &g = bodies.body[wheel.ground];
-    SumOfProducts<Real, Unit> along;
-    SumOfProducts<Real, Real> turning;
+    Wide along = Wide::from(0), turning = along;
     for (int i = 0; i < 3; ++i) {
-        along.add(real(std::int64_t{c.shift[i]} - g.shift[i]), wheel.normal.d[i]);
-        turning.add(real(c.theta[i]), wheel.normal.xc[i]).add(real(g.theta[i]), wheel.normal.xg[i]);
+        along = along + Wide::product(std::int64_t{c.shift[i]} - g.shift[i], wheel.normal.d[i].raw);
+        turning = turning + Wide::product(c.theta[i], wheel.normal.xc[i].raw) +
+                  Wide::product(g.theta[i], wheel.normal.xg[i].raw);
     }
-    return along.round<Real>() + turning.round<Real>();
+    return Real::from_raw(narrow_small(along, Unit::fraction_bits - finer) +
+                          narrow_small(turning, Real::fraction_bits - finer));
 }
 
 void set_normal(Vehicle& v, Wheel& wheel, Real Wheel::*part, Real impulse, SolverBodies& bodies) {
@@ -185,18 +211,18 @@ void solve_tyre(SolverBodies& bodies, Vehicle& v, std::uint32_t i) {
     SpinGroup& g = v.group[wheel.group];
     const PatchMotion motion = motion_of(wheel, bodies, v.chassis);
     const Real ahead = line_speed(motion, wheel.along), speed = abs(ahead);
-    const Real slide_along = abs(ahead - g.spin * def.radius),
-               slide_across = abs(line_speed(motion, wheel.across));
+    const Real aside = line_speed(motion, wheel.across);
+    const Real slide_along = abs(ahead - g.spin * def.radius), slide_across = abs(aside);
     const RimAnswer rim =
         turn_rim(v, wheel, def, free_spin(v, i, &Wheel::along_p), ahead - wheel.along.kappa * wheel.along_p,
                  speed, {tyre.along, peaks.along, wheel.load, slide_along, slide_across, false});
-    push_line(wheel, wheel.along, rim.impulse - wheel.along_p, bodies, v.chassis);
+    const Real change = rim.impulse - wheel.along_p;
+    push_line(wheel, wheel.along, change, bodies, v.chassis);
     wheel.along_p = rim.impulse;
     wheel.slip = rim.slip;
     g.spin = rim.spin;
 
-    const Real slide =
-        line_speed(wheel, wheel.across, bodies, v.chassis) - wheel.across.kappa * wheel.across_p;
+    const Real slide = aside + wheel.mixed * change - wheel.across.kappa * wheel.across_p;
     TyreAnswer side = tyre_answer({tyre.across, peaks.across, wheel.load, slide_across, slide_along, false},
                                   abs(slide), wheel.across.kappa, speed);
     if (slide > Real{}) side.impulse = -side.impulse;
