@@ -5,6 +5,9 @@
 //
 // source: van den Bergen, Ray Casting against General Convex Objects, 2004
 #include "collide/cast_pieces.h"
+#include "collide/core.h"
+
+#include <array>
 
 namespace lockstone::collide {
 namespace {
@@ -19,6 +22,44 @@ struct Caster {
 };
 
 Long3 position_24(const Line& line, std::int64_t at_30) { return shifted(point_30(line, at_30), 6); }
+
+/// A ball that moves towards a triangle.
+struct BallPath {
+    const Line& line;
+    const shapes::Triangle& triangle;
+    std::int64_t radius_24;
+
+    /// Within 32 m on each axis: products stay in 64 bits.
+    static bool is_near(Long3 x) { return ((absolute(x[0]) | absolute(x[1]) | absolute(x[2])) >> 29) == 0; }
+    /// A place after `from_30`, where the ball is at `from_24`, at which it comes down onto the plane from the front: to half of
+    /// what counts as touching. False when it touches the plane already or is far away: then nothing is known.
+    bool find_plane(std::int64_t from_30, Long3 from_24, std::int64_t slope_60, std::int64_t& at_30) const {
+        const Long3 off = from_24 - raw(triangle.corner[0]), normal = raw(triangle.normal);
+        if (!is_near(off)) return false;
+        const std::int64_t gap = shift_right_rounded(dot(normal, off), 24) - up(radius_24, 6);
+        if (gap <= close_30) return false;
+        at_30 = add_saturated(from_30, divide_shifted(gap - close_30 / 2, -slope_60, 60));
+        return true;
+    }
+    /// Whether a centre is above the triangle.
+    bool is_above(Long3 at_24) const {
+        const Long3 normal = raw(triangle.normal);
+        for (int k = 0; k < 3; ++k) {
+            const Long3 corner = raw(triangle.corner[k]), off = at_24 - corner;
+            const Long3 edge = raw(triangle.corner[(k + 1) % 3]) - corner;
+            if (!is_near(off) || !is_near(edge) || dot(shifted(cross(edge, normal), 31), off) > 0)
+                return false;
+        }
+        return true;
+    }
+    /// Of a ball that came down onto the triangle's face.
+    CastHit hit_on_face(std::int64_t at_30, Long3 at_24) const {
+        const Long3 normal = raw(triangle.normal);
+        CastHit hit = hit_at(line, at_30, normal, triangle.index);
+        hit.point = coordinates(at_24 - shifted(normal * (radius_24 + (close_30 >> 7)), 30));
+        return hit;
+    }
+};
 
 /// The first contact with an obstacle between two places of the line. True: `hit` is set.
 bool cast_at(const Caster& c, const Obstacle& o, Span span, CastHit& hit) {
@@ -71,6 +112,58 @@ void try_obstacle(const Caster& c, const Obstacle& o, Span span, CastHit& hit, b
     found = true;
 }
 
+/// Balls against triangles: first those that the ball comes down on, for what it may touch beside them then ends there. The order
+/// decides on speed alone.
+class BallCaster {
+  public:
+    BallCaster(const Caster& caster, Span where, CastHit& first, bool& any)
+        : c(caster), span(where), from_24(position_24(caster.line, where.enter_30)), hit(first), found(any) {}
+
+    void visit(const Obstacle& o) {
+        const std::int64_t slope = dot_dropped(raw(o.triangle->normal), c.line.unit_60, 30);
+        const BallPath path{c.line, *o.triangle, c.shape.radius.raw};
+        std::int64_t at = 0;
+        if (slope >= 0 || !path.find_plane(span.enter_30, from_24, slope, at))
+            return try_obstacle(c, o, span, hit, found);
+        if (at > span.exit_30) return;
+        const Long3 at_24 = position_24(c.line, at);
+        if (!path.is_above(at_24)) {
+            if (count < waiting_max)
+                waiting[count++] = {*o.triangle, at, o.one_sided};
+            else
+                try_obstacle(c, o, {at, span.exit_30}, hit, found);
+            return;
+        }
+        const CastHit on_face = path.hit_on_face(at, at_24);
+        if (!found || comes_first(on_face, hit)) hit = on_face;
+        found = true;
+    }
+    void finish() {
+        for (std::size_t i = 0; i < count; ++i) {
+            const Waiting& last = waiting[i];
+            if (found && last.at_30 >= up(hit.distance.raw, 6)) continue; // it only touches later
+            const Obstacle o{Obstacle::Kind::triangle, last.triangle.index, nullptr, nullptr,
+                             &last.triangle,           last.one_sided};
+            try_obstacle(c, o, {last.at_30, span.exit_30}, hit, found);
+        }
+    }
+
+  private:
+    static constexpr std::size_t waiting_max = 12;
+    struct Waiting {
+        shapes::Triangle triangle;
+        std::int64_t at_30; ///< not touched before
+        bool one_sided;
+    };
+    const Caster& c;
+    Span span;
+    Long3 from_24;
+    CastHit& hit;
+    bool& found;
+    std::size_t count = 0;
+    std::array<Waiting, waiting_max> waiting;
+};
+
 /// Along the line in pieces of a few times the shape's size, so that few triangles are looked at twice.
 bool cast_in_pieces(const shapes::Solid& solid, const Caster& c, NarrowScratch& scratch, CastHit& hit) {
     const shapes::Extent e = shapes::extent_of(solid);
@@ -84,10 +177,15 @@ bool cast_in_pieces(const shapes::Solid& solid, const Caster& c, NarrowScratch& 
         const shapes::Extent where =
             swept_extent(position_24(c.line, from), position_24(c.line, end), c.reach_24 + 256);
         std::uint32_t seen = 0;
+        BallCaster balls(c, {from, span.exit_30}, hit, found);
         for_each_obstacle(solid, where, scratch, [&](const Obstacle& o) {
-            try_obstacle(c, o, {from, span.exit_30}, hit, found);
             ++seen;
+            if (o.kind == Obstacle::Kind::triangle && c.shape.core == Convex::Core::point)
+                balls.visit(o);
+            else
+                try_obstacle(c, o, {from, span.exit_30}, hit, found);
         });
+        balls.finish();
         from = end + 1;
         piece = seen == 0   ? smaller(piece * 2, first_piece * 64)
                 : seen > 64 ? larger(piece / 2, first_piece / 8)

@@ -250,12 +250,14 @@ Gap find_gap(Difference& difference, std::int64_t limit_30, Long3 start, Simplex
 }
 
 Gap closest_points(const Convex& a, const Convex& b) {
+    if (Gap gap; triangle_gap(a, b, gap)) return gap;
     Difference difference(a, b);
     Simplex simplex;
     return find_gap(difference, -1, difference.between(), simplex);
 }
 
 Gap closest_points_within(const Convex& a, const Convex& b, std::int64_t limit_30) {
+    if (Gap gap; triangle_gap(a, b, gap)) return gap;
     Difference difference(a, b);
     Simplex simplex;
     return find_gap(difference, larger(limit_30, 0), difference.between(), simplex);

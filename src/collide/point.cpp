@@ -1,7 +1,9 @@
-// A point against a cylinder or cone, in closed form in the plane of the axis and the point.
+// A point against a cylinder or cone, in closed form in the plane of the axis and the point; and against a triangle.
 //
 // source: Ericson, Real-Time Collision Detection, 5.1 (closest points by regions).
 #include "collide/point.h"
+
+#include "collide/core.h"
 
 namespace lockstone::collide {
 namespace {
@@ -48,7 +50,71 @@ Nearest nearest_of_cone(Profile p, std::int64_t radius, std::int64_t half) {
     return {n, off_side};
 }
 
+/// A triangle seen from the point, 24 fraction bits: no coordinate reaches 2^29, so products of two are below 2^62.
+struct SeenTriangle {
+    static constexpr int finer =
+        12; ///< nearest points have 36: a rounding shows less in the direction to them
+    Long3 a, b, c;
+
+    Long3 edge(Long3 from, Long3 to, std::int64_t part, std::int64_t whole) const {
+        const std::int64_t part_60 = divide_shifted(part, whole, 60);
+        const Long3 way = up(to - from, finer);
+        const auto one = [&](std::int64_t x) { return narrow_rounded(Wide::product(x, part_60), 60); };
+        return up(from, finer) + Long3{one(way[0]), one(way[1]), one(way[2])};
+    }
+};
+
+/// The nearest point when it is on the border of the triangle; false when it is within. By the regions of corners and edges; each
+/// sign is that of an exact integer.
+bool nearest_on_border(const SeenTriangle& t, Long3& out_36) {
+    const Long3 ab = t.b - t.a, ac = t.c - t.a;
+    const std::int64_t d1 = -dot(ab, t.a), d2 = -dot(ac, t.a);
+    if (d1 <= 0 && d2 <= 0) return out_36 = up(t.a, t.finer), true;
+    const std::int64_t d3 = -dot(ab, t.b), d4 = -dot(ac, t.b);
+    if (d3 >= 0 && d4 <= d3) return out_36 = up(t.b, t.finer), true;
+    const auto is_beyond = [](std::int64_t p, std::int64_t q, std::int64_t r, std::int64_t s) {
+        return !(Wide::product(r, s) < Wide::product(p, q)); // p q <= r s
+    };
+    if (d1 >= 0 && d3 <= 0 && is_beyond(d1, d4, d3, d2)) return out_36 = t.edge(t.a, t.b, d1, d1 - d3), true;
+    const std::int64_t d5 = -dot(ab, t.c), d6 = -dot(ac, t.c);
+    if (d6 >= 0 && d5 <= d6) return out_36 = up(t.c, t.finer), true;
+    if (d2 >= 0 && d6 <= 0 && is_beyond(d5, d2, d1, d6)) return out_36 = t.edge(t.a, t.c, d2, d2 - d6), true;
+    const std::int64_t from_b = d4 - d3, from_c = d5 - d6;
+    if (from_b >= 0 && from_c >= 0 && is_beyond(d3, d6, d5, d4))
+        return out_36 = t.edge(t.b, t.c, from_b, from_b + from_c), true;
+    return false;
+}
+
 } // namespace
+
+bool triangle_gap(const Convex& a, const Convex& b, Gap& out) {
+    const bool swapped = a.core == Convex::Core::point;
+    const Convex &triangle = swapped ? b : a, &point = swapped ? a : b;
+    if (triangle.core != Convex::Core::triangle || point.core != Convex::Core::point) return false;
+    const SeenTriangle t{triangle.corners_24[0] - point.center_24, triangle.corners_24[1] - point.center_24,
+                         triangle.corners_24[2] - point.center_24};
+    if (larger(widest(t.a), larger(widest(t.b), widest(t.c))) >= std::int64_t{1} << 29) return false;
+    const Long3 at = up(point.center_24, 6);
+    Long3 nearest{}; // from the point, first with 36 fraction bits
+    Direction way{}; // to the point
+    std::int64_t least_30 = std::int64_t{1} << 24;
+    if (nearest_on_border(t, nearest)) {
+        way = direction_of_30(-nearest);
+        way.length = shift_right_rounded(way.length, 6);
+        nearest = shifted(nearest, 6);
+    } else {
+        least_30 = std::int64_t{1} << 20;
+        way.unit = direction_of_30(cross(t.b - t.a, t.c - t.a)).unit;
+        way.length = shift_right_rounded(-dot(way.unit, t.a), 24);
+        if (way.length < 0) way = {-way.unit, -way.length};
+        for (int i = 0; i < 3; ++i) nearest[i] = -narrow_rounded(Wide::product(way.unit[i], way.length), 30);
+    }
+    // Nearer, a rounding of the nearest point would show in the direction.
+    if (way.length < least_30) return false;
+    out = {false, swapped ? -way.unit : way.unit, way.length, swapped ? at : at + nearest,
+           swapped ? at + nearest : at};
+    return true;
+}
 
 bool has_point_form(const Convex& a, const Convex& b) {
     const auto is_round = [](const Convex& x) {

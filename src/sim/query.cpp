@@ -8,6 +8,7 @@
 #include "sim/world_impl.h"
 
 #include <algorithm>
+#include <array>
 #include <tuple>
 
 namespace lockstone {
@@ -101,9 +102,8 @@ Transform plane_below(const Transform& plane, Vec3 point) {
     return {point - scale<Real>(n, height), plane.rotation};
 }
 
-QueryHit world_hit(const Data& w, const ShapeRow& shape, const Transform& frame,
+QueryHit world_hit(const Data& w, const ShapeRow& shape, const Transform& frame, const Rotation& axes,
                    const collide::CastHit& hit) {
-    const Rotation axes = to_rotation(frame.rotation);
     QueryHit out{};
     out.shape = shape.id;
     out.body = shape.body;
@@ -128,7 +128,7 @@ bool cast_at(const Asking& asking, const Cast& cast, const ShapeRow& shape, Quer
     if (!is_plane) span = collide::span_of_ball(line, collide::Long3{}, at.reach.raw + cast.reach.raw);
     if (span.empty()) return false;
 
-    const Rotation axes = to_rotation(frame.rotation);
+    const Rotation& axes = at.axes; // a plane's frame has its rotation
     const CoordinateVec3 begin =
         collide::coordinates(collide::shifted(collide::point_30(line, span.enter_30), 6));
     const CoordinateVec3 end =
@@ -139,16 +139,27 @@ bool cast_at(const Asking& asking, const Cast& cast, const ShapeRow& shape, Quer
     if (cast.solid == nullptr) {
         if (!collide::cast_ray(at.solid, from, way, narrow, hit)) return false;
     } else {
-        const Rotation turned = to_rotation(conjugate(frame.rotation) * cast.rotation);
+        const bool is_ball = cast.solid->geometry.kind == ShapeKind::sphere;
+        const Rotation turned =
+            is_ball ? Rotation::identity() : to_rotation(conjugate(frame.rotation) * cast.rotation);
         if (!collide::cast_shape(at.solid, *cast.solid, {turned, from}, way, narrow, hit)) return false;
     }
-    out = world_hit(asking.w, shape, frame, hit);
+    out = world_hit(asking.w, shape, frame, axes, hit);
     const std::int64_t travelled = std::min(span.enter_30 + (hit.distance.raw << 6), line.length_30);
     out.distance = Real::from_raw(travelled << 2);
     if (line.length_30 != 0)
         out.fraction =
             Unit::from_raw(static_cast<std::int32_t>(divide_shifted(travelled, line.length_30, 30)));
     return true;
+}
+
+/// A point's place in the broad phase, rounded down.
+Vector3<Bound> bound_below(Vec3 p, int shift) {
+    const auto low = [shift](Real x) {
+        return Bound::from_raw(
+            saturate_to_int32(x.raw >> (Real::fraction_bits - Bound::fraction_bits + shift)));
+    };
+    return {low(p.x), low(p.y), low(p.z)};
 }
 
 /// A moving box's bounds at both ends.
@@ -158,23 +169,42 @@ collide::SweptBox swept_box(const Data& w, const Cast& cast) {
         return {collide::bounds_of(*cast.solid, {cast.from, cast.rotation}, Length{}, shift),
                 collide::bounds_of(*cast.solid, {cast.from + cast.way, cast.rotation}, Length{}, shift)};
     const auto point = [shift](Vec3 p) {
-        const auto low = [shift](Real x) {
-            return Bound::from_raw(
-                saturate_to_int32(x.raw >> (Real::fraction_bits - Bound::fraction_bits + shift)));
-        };
-        const Vector3<Bound> lower{low(p.x), low(p.y), low(p.z)};
+        const Vector3<Bound> lower = bound_below(p, shift);
         return collide::expand({lower, lower}, Bound::from_raw(2));
     };
     return {point(cast.from), point(cast.from + cast.way)};
 }
 
-/// The shapes whose bounds the cast may meet, by where their balls begin, then by slot.
+/// The shapes whose bounds a cast may meet, into near.
+void find_near(const Asking& asking, const Cast& cast) {
+    const Scratch& s = asking.w.scratch;
+    collide::BroadPhase::Asker& near = asking.work->near;
+    s.broad_phase.query(swept_box(asking.w, cast), near);
+    near.proxies.insert(near.proxies.end(), s.planes.begin(), s.planes.end());
+}
+
+/// The same for several casts of solids: what the box around all of them meets.
+void find_near(const Asking& asking, std::span<const Cast> casts) {
+    const Scratch& s = asking.w.scratch;
+    Vec3 lower = casts[0].from, upper = lower;
+    for (const Cast& cast : casts) {
+        const Real reach = to<Real>(cast.reach);
+        const Vec3 end = cast.from + cast.way, wide{reach, reach, reach};
+        lower = min(lower, min(cast.from, end) - wide);
+        upper = max(upper, max(cast.from, end) + wide);
+    }
+    const int shift = static_cast<int>(asking.w.state.rows(asking.w.m.config)[0].bounds_shift);
+    const collide::Bounds around{bound_below(lower, shift), bound_below(upper, shift)};
+    collide::BroadPhase::Asker& near = asking.work->near;
+    s.broad_phase.query(collide::expand(around, Bound::from_raw(2)), near);
+    near.proxies.insert(near.proxies.end(), s.planes.begin(), s.planes.end());
+}
+
+/// What of near a cast may meet, by where the balls of the shapes begin, then by slot.
 void find_candidates(const Asking& asking, const Cast& cast, const QueryFilter& filter) {
     const Data& w = asking.w;
     const Scratch& s = w.scratch;
     QueryWork& q = *asking.work;
-    s.broad_phase.query(swept_box(w, cast), q.near);
-    q.near.proxies.insert(q.near.proxies.end(), s.planes.begin(), s.planes.end());
     q.candidates.clear();
     for (const std::uint32_t slot : q.near.proxies) {
         const ShapeRow& shape = row_of_slot(w, slot);
@@ -196,27 +226,39 @@ void find_candidates(const Asking& asking, const Cast& cast, const QueryFilter& 
               });
 }
 
-/// visit(hit) returns how far hits still matter [m, 30 fraction bits].
+/// visit(hit) returns how far hits still matter [m, 30 fraction bits]. After find_near().
 template <class Visit>
-void for_each_hit(Data& w, const Cast& cast, const QueryFilter& filter, Visit&& visit) {
-    const Asking asking(w);
+void for_each_hit_near(const Asking& asking, const Cast& cast, const QueryFilter& filter, Visit&& visit) {
     find_candidates(asking, cast, filter);
     constexpr std::int64_t slack = 1 << 10; // what roundings can move a ball
     std::int64_t matters = std::int64_t{1} << 60;
     for (const QueryWork::Candidate& c : asking.work->candidates) {
         if (c.enter > matters + slack) break;
         QueryHit hit{};
-        if (cast_at(asking, cast, row_of_slot(w, c.slot), hit)) matters = std::min(matters, visit(hit));
+        if (cast_at(asking, cast, row_of_slot(asking.w, c.slot), hit))
+            matters = std::min(matters, visit(hit));
     }
 }
+template <class Visit>
+void for_each_hit(Data& w, const Cast& cast, const QueryFilter& filter, Visit&& visit) {
+    const Asking asking(w);
+    find_near(asking, cast);
+    for_each_hit_near(asking, cast, filter, visit);
+}
 
-std::optional<QueryHit> first_hit(Data& w, const Cast& cast, const QueryFilter& filter) {
+/// After find_near().
+std::optional<QueryHit> first_hit(const Asking& asking, const Cast& cast, const QueryFilter& filter) {
     std::optional<QueryHit> first;
-    for_each_hit(w, cast, filter, [&](const QueryHit& hit) {
+    for_each_hit_near(asking, cast, filter, [&](const QueryHit& hit) {
         if (!first || hit < *first) first = hit;
         return first->distance.raw >> 2;
     });
     return first;
+}
+std::optional<QueryHit> first_hit(Data& w, const Cast& cast, const QueryFilter& filter) {
+    const Asking asking(w);
+    find_near(asking, cast);
+    return first_hit(asking, cast, filter);
 }
 
 bool any_hit(Data& w, const Cast& cast, const QueryFilter& filter) {
@@ -265,9 +307,9 @@ bool nearest_of(const Asking& asking, const ShapeRow& shape, const shapes::Solid
     local.point = nearest.on_a;
     local.normal = nearest.normal;
     local.feature = nearest.feature_a;
-    hit = world_hit(asking.w, shape, frame, local);
+    hit = world_hit(asking.w, shape, frame, at.axes, local);
     hit.distance = to<Real>(nearest.distance);
-    on_other = frame.position + lockstone::mul<Real>(to_rotation(frame.rotation), nearest.on_b);
+    on_other = frame.position + lockstone::mul<Real>(at.axes, nearest.on_b);
     return true;
 }
 
@@ -317,6 +359,31 @@ std::optional<QueryHit> cast_shape(Data& w, const Geometry& geometry, const Tran
     shapes::Solid solid{};
     if (!make_shape_cast(w, geometry, pose, translation, solid, cast)) return std::nullopt;
     return first_hit(w, cast, filter);
+}
+
+void cast_balls(Data& w, std::span<const BallCast> balls, const QueryFilter& filter,
+                std::span<std::optional<QueryHit>> hits) {
+    std::array<shapes::Solid, balls_max> solids;
+    std::array<Cast, balls_max> casts;
+    std::array<std::size_t, balls_max> index;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < balls.size(); ++i) {
+        hits[i].reset();
+        const BallCast& ball = balls[i];
+        const bool is_known = count > 0 && ball.radius == balls[index[count - 1]].radius;
+        if (is_known)
+            solids[count] = solids[count - 1];
+        else if (!find_solid(w, sphere(ball.radius), solids[count]))
+            continue;
+        if (!make_cast(ball.from, ball.way, casts[count])) continue;
+        casts[count].solid = &solids[count];
+        casts[count].reach = is_known ? casts[count - 1].reach : reach_of(solids[count]);
+        index[count++] = i;
+    }
+    if (count == 0) return;
+    const Asking asking(w);
+    find_near(asking, std::span(casts).first(count));
+    for (std::size_t k = 0; k < count; ++k) hits[index[k]] = first_hit(asking, casts[k], filter);
 }
 
 } // namespace sim

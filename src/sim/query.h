@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace lockstone::sim {
@@ -32,7 +33,8 @@ struct QueryWork {
 struct QueryScratch {
     bool is_fresh = false; ///< poses and bounds of the tick's scratch are those of the state, as it was at:
     std::uint64_t tick = 0, commands = 0;
-    base::Lock lock; ///< of all that const members of World change: this, the caches it is about, the state's hashes
+    base::Lock
+        lock; ///< of all that const members of World change: this, the caches it is about, the state's hashes
     std::vector<std::unique_ptr<QueryWork>> idle;
 };
 
@@ -40,5 +42,15 @@ struct QueryScratch {
 std::optional<QueryHit> cast_ray(Data& w, const Ray& ray, const QueryFilter& filter);
 std::optional<QueryHit> cast_shape(Data& w, const Geometry& geometry, const Transform& pose, Vec3 translation,
                                    const QueryFilter& filter);
+
+/// A ball that is moved from a point along a way.
+struct BallCast {
+    Real radius;
+    Vec3 from, way;
+};
+inline constexpr std::size_t balls_max = 8;
+/// As cast_shape() of each ball; of balls that start near each other, what is near is found once. At most balls_max.
+void cast_balls(Data& w, std::span<const BallCast> balls, const QueryFilter& filter,
+                std::span<std::optional<QueryHit>> hits);
 
 } // namespace lockstone::sim

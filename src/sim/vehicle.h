@@ -42,6 +42,7 @@ struct Wheel {
     std::uint32_t ground; ///< entry of SolverBodies
     Real ratio;           ///< m / mg, 0 for a ground that nothing moves
     WheelLine normal, along, across;
+    Real mixed;                    ///< speed across per impulse along
     Vec3 surface;                  ///< velocity of a conveyor's surface [m/s]
     Real length_begin, per_length; ///< at the start of the tick [m]; suspension length per separation
     Real length;                   ///< now
@@ -49,6 +50,11 @@ struct Wheel {
     Real spring_rate, spring_soft, damper[2]; ///< h k [1/s]; h^2 k; h c of rebound and compression
     Real grip;                                ///< factor of the tyre's curves on this ground
     std::uint32_t group;
+    Real arm;                      ///< spin of its group per impulse [rad/m]
+    Real stiff;                    ///< of its spin: mass radius^2 [kg m^2]
+    Real kappa_rim;                ///< mobility along with a rim that turns freely
+    Real brake_torque;             ///< impulse of the brakes per substep [N m s]
+    Real load;                     ///< on the tyre, grip included [m/s]
     Real spring, stop, bars;       ///< impulses along the normal; `bars` is the sum of the anti-roll bars
     Real along_p, across_p, try_p; ///< of the tyre; `try_p` while the train is solved
     Real ahead, aside;             ///< speeds of the patch then [m/s]
@@ -60,6 +66,9 @@ struct SpinGroup {
     Real inertia, spin_begin, spin; ///< [kg m^2], [rad/s]; spin_begin is that of the substep
     Real torque;                    ///< impulse of the train in this substep [N m s]
     Real brake;                     ///< most impulse of the brake
+    Real brake_ahead, brake_back;   ///< brake / inertia, and that of the other sign: what it takes of a spin
+    Real free;                      ///< spin_begin and what the torque adds
+    std::uint32_t on_ground;        ///< how many of its wheels touch
     Real answer;                    ///< d spin / d torque
     bool coupled;                   ///< to the train
 };
@@ -73,6 +82,11 @@ struct Coupling {
 };
 inline constexpr std::uint32_t coupling_clutch = 4, coupling_steering = 5;
 
+/// The highest points of a tyre's curves.
+struct TyrePeaks {
+    Real along, across;
+};
+
 /// A vehicle within a tick.
 struct Vehicle {
     const VehicleDef* def; ///< of the state; nothing is made or destroyed within a tick
@@ -83,6 +97,7 @@ struct Vehicle {
     Real engine_speed,
         ratio; ///< [rad/s]; engine turns per turn of the wheels, 0: in neutral or between gears
     std::uint32_t group_count, coupling_count;
+    std::array<TyrePeaks, vehicle_tyres_max> peaks;
     std::array<Wheel, vehicle_wheels_max> wheel;
     std::array<SpinGroup, vehicle_wheels_max> group;
     std::array<Coupling, vehicle_couplings_max + 2> coupling;
@@ -147,23 +162,16 @@ class VehicleSolver {
 
 // ---- parts -------------------------------------------------------------------------------------------------------
 
-/// `share`: of the chassis' mass.
-void prepare_wheel(const Data& w, Vehicle& v, std::uint32_t wheel, Real share, const WheelGround& ground);
+/// `axes`: of the chassis; `share`: of its mass.
+void prepare_wheel(const Data& w, const Rotation& axes, Vehicle& v, std::uint32_t wheel, Real share,
+                   const WheelGround& ground);
+/// Once the train is made: what of a rim stays as it is for the tick.
+void prepare_rims(const dynamics::StepConstants& step, Vehicle& v);
 void shift_gears(const Data& w, Vehicle& v);
 void prepare_train(Vehicle& v);
 /// Torques of clutch, differentials and steering for this substep; leaves the impulses of tyres as they are.
 void solve_train(const dynamics::StepConstants& step, const dynamics::SolverBodies& bodies, Vehicle& v);
 
-/// Impulse of a tyre against a slide.
-struct TyreAnswer {
-    Real impulse; ///< at least 0, against the slide
-    Real give;    ///< slide per impulse beside kappa: 0 where it sticks, the largest Real where it slides
-    Real slip;
-};
-/// The q >= 0 with q = load grip(s), s = (slide - kappa q) / speed, that has the least slip; at most `cap`. `slide` >= 0
-/// is what the patch does without q. A speed of 0 is rest: the tyre sticks while the peak of the curve lasts.
-TyreAnswer tyre_answer(const std::array<CurvePoint, 4>& curve, Real load, Real cap, Real slide, Real kappa,
-                       Real speed);
 /// y at x, level beyond the ends.
 Real curve_at(std::span<const CurvePoint> curve, Real x);
 /// Fractions of the chassis' mass on each wheel, so that equal frequencies sag level; `center` is that of mass.

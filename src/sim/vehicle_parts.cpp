@@ -15,35 +15,6 @@ Real curve_at(std::span<const CurvePoint> curve, Real x) {
     return curve.back().y;
 }
 
-TyreAnswer tyre_answer(const std::array<CurvePoint, 4>& curve, Real load, Real cap, Real slide, Real kappa,
-                       Real speed) {
-    TyreAnswer out{Real{}, Real::max(), speed > Real{} ? slide / speed : Real{}};
-    if (load <= Real{} || slide <= Real{} || kappa <= Real{}) return out;
-    // g(s) = slide - kappa load grip(s) - speed s falls where the curve rises; its first root is where the tyre clings.
-    const auto rest = [&](const CurvePoint& c) { return slide - kappa * (load * c.y) - speed * c.x; };
-    Real before = rest(curve[0]);
-    if (before <= Real{}) {
-        out = {slide / kappa, Real{}, Real{}};
-    } else {
-        std::size_t i = 1;
-        Real after{};
-        for (; i < curve.size(); ++i, before = after)
-            if (after = rest(curve[i]); after <= Real{}) break;
-        if (i == curve.size()) {
-            out.impulse = load * curve.back().y;
-            if (speed > Real{}) out.slip = (slide - kappa * out.impulse) / speed;
-        } else {
-            const CurvePoint &a = curve[i - 1], &b = curve[i];
-            out.slip = a.x + (b.x - a.x) * (before / (before - after));
-            out.impulse = (slide - speed * out.slip) / kappa;
-            const Real rise = load * (b.y - a.y), run = speed * (b.x - a.x);
-            if (rise > Real{}) out.give = run / rise;
-        }
-    }
-    if (out.impulse <= cap) return out;
-    return {cap, Real::max(), speed > Real{} ? (slide - kappa * cap) / speed : Real{}};
-}
-
 std::array<Real, vehicle_wheels_max> sprung_shares(const VehicleDef& def, Vec3 center) {
     // The share that is linear in the place: share = a + b x + c z, with sum 1 and no moment about the centre.
     std::array<Real, vehicle_wheels_max> shares{};

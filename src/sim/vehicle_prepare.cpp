@@ -26,14 +26,23 @@ constexpr Real spin_max = Real(100000); ///< [rad/s], of wheels and engines
 Vec3 arm_of(const BodyStep& body, Vec3 lever, UnitVec3 d, std::int32_t sign) {
     Vec3 turn = cross<Real>(lever, d);
     for (int i = 0; i < 3; ++i) turn[i] = (body.angular_mask >> i & 1u) != 0 ? turn[i] * sign : Real{};
-    const Vec3 x = dynamics::mul<Real>(body.gyration_inv, turn);
+    const dynamics::Symmetric<Real>& k = body.gyration_inv;
+    const auto row = [&](Real a, Real b,
+                         Real c) { // below 2^127: no lever is a thousandth of the range of a Real
+        return Real::from_raw(narrow_rounded(Wide::product(a.raw, turn.x.raw) +
+                                                 Wide::product(b.raw, turn.y.raw) +
+                                                 Wide::product(c.raw, turn.z.raw),
+                                             Real::fraction_bits));
+    };
+    const Vec3 x{row(k.xx, k.xy, k.xz), row(k.xy, k.yy, k.yz), row(k.xz, k.yz, k.zz)};
     return {clamp(x.x, -arm_max, arm_max), clamp(x.y, -arm_max, arm_max), clamp(x.z, -arm_max, arm_max)};
 }
 
-Real mobility(const SolverBody& body, UnitVec3 d, Vec3 x) {
-    Real sum = dot<Real>(x, x);
+/// Speed along a direction d_a of what an impulse along d_b does to a body; x: their turning arms.
+Real mobility(const SolverBody& body, UnitVec3 d_a, Vec3 x_a, UnitVec3 d_b, Vec3 x_b) {
+    Real sum = dot<Real>(x_a, x_b);
     for (int i = 0; i < 3; ++i)
-        if (body.keep[i] != 0) sum += mul<Real>(d[i], d[i]);
+        if (body.keep[i] != 0) sum += mul<Real>(d_a[i], d_b[i]);
     return sum;
 }
 
@@ -44,10 +53,11 @@ struct Levers {
 WheelLine line_of(const SolverBodies& bodies, std::uint32_t chassis, const Wheel& wheel, UnitVec3 d,
                   const Levers& levers) {
     WheelLine line{d, arm_of(bodies.step[chassis], levers.chassis, d, 1), Vec3{}, Real{}};
-    line.kappa = mobility(bodies.body[chassis], d, line.xc);
+    line.kappa = mobility(bodies.body[chassis], d, line.xc, d, line.xc);
     if (wheel.ground == bodies.still()) return line;
     line.xg = arm_of(bodies.step[wheel.ground], levers.ground, d, -1);
-    if (wheel.ratio > Real{}) line.kappa += wheel.ratio * mobility(bodies.body[wheel.ground], d, line.xg);
+    if (wheel.ratio > Real{})
+        line.kappa += wheel.ratio * mobility(bodies.body[wheel.ground], d, line.xg, d, line.xg);
     return line;
 }
 
@@ -55,45 +65,79 @@ WheelLine line_of(const SolverBodies& bodies, std::uint32_t chassis, const Wheel
 struct WheelCastWay {
     Vec3 from; ///< a radius above the attachment
     UnitVec3 down;
-    Quat rotation; ///< y along the axle
-    Real reach;    ///< beyond a hanging suspension [m]
+    Quat rotation; ///< y along the axle, of a cylinder
+    Real to_hub;   ///< farthest [m]
 };
 
 bool stands_on(const QueryHit& hit, UnitVec3 down) { return -dot<Real>(hit.normal, down) >= steepest; }
 
-WheelGround cast_wheel(Data& w, const VehicleDef& def, const WheelDef& wheel, const WheelCastWay& way) {
-    const QueryFilter filter{def.category, def.mask, 7, 0, def.chassis};
-    const Real to_hub = wheel.radius + wheel.length_max + way.reach;
-    if (def.cast != WheelCast::ray) {
-        const Geometry shape =
-            def.cast == WheelCast::sphere ? sphere(wheel.radius) : cylinder(wheel.radius, half(wheel.width));
-        const std::optional<QueryHit> hit =
-            cast_shape(w, shape, {way.from, way.rotation}, lockstone::scale<Real>(way.down, to_hub), filter);
-        if (!hit) return {};
-        if (stands_on(*hit, way.down)) return {true, *hit, hit->distance - wheel.radius};
-        // A wall beside the wheel, or something it starts in: look past it.
-    }
+WheelGround cast_ray_wheel(Data& w, const QueryFilter& filter, const WheelDef& wheel,
+                           const WheelCastWay& way) {
     const std::optional<QueryHit> hit =
-        cast_ray(w, {way.from, lockstone::scale<Real>(way.down, to_hub + wheel.radius)}, filter);
+        cast_ray(w, {way.from, lockstone::scale<Real>(way.down, way.to_hub + wheel.radius)}, filter);
     if (!hit || !stands_on(*hit, way.down)) return {};
     return {true, *hit, hit->distance - wheel.radius - wheel.radius};
+}
+
+/// What the solid of a wheel found; from a wall beside the wheel, or something it starts in, a ray looks past it.
+WheelGround ground_of(Data& w, const QueryFilter& filter, const WheelDef& wheel, const WheelCastWay& way,
+                      const std::optional<QueryHit>& solid_hit) {
+    if (!solid_hit) return {};
+    if (stands_on(*solid_hit, way.down)) return {true, *solid_hit, solid_hit->distance - wheel.radius};
+    return cast_ray_wheel(w, filter, wheel, way);
 }
 
 constexpr UnitVec3 up_axis{Unit{}, unit_one, Unit{}};
 constexpr Unit half_root = Unit::from_raw(759250125); ///< 1 / sqrt(2)
 constexpr Quat y_to_x{Unit{}, Unit{}, -half_root, half_root};
 
-/// How a wheel is cast from where its chassis stands.
-WheelCastWay way_of(const Data& w, std::uint32_t chassis, const WheelDef& wheel, Real steer) {
+using WheelCastWays = std::array<WheelCastWay, vehicle_wheels_max>;
+
+/// How the wheels are cast from where their chassis stands.
+void find_ways(const Data& w, const VehicleDef& def, const VehicleMemory& memory, WheelCastWays& out) {
+    const std::uint32_t chassis = w.row_of(def.chassis);
     const Transform& pose = w.state.rows(w.m.body_pose)[chassis];
     const Vec3 center = w.state.rows(w.m.body_mass)[chassis].center;
     const Rotation axes = to_rotation(pose.rotation);
-    const UnitVec3 down = lockstone::mul<Unit>(axes, wheel.direction);
-    const Vec3 attachment = pose.position + lockstone::mul<Real>(axes, wheel.attachment - center);
     const Speed speed = length(w.state.rows(w.m.body_velocity)[chassis].linear);
-    const Real per_tick = to<Real>(speed) / Real(w.state.rows(w.m.config)[0].tick_rate);
-    return {attachment - lockstone::scale<Real>(down, wheel.radius), down,
-            normalized(pose.rotation * from_axis_angle(up_axis, steer) * y_to_x), min(per_tick, Real(1))};
+    const Real ahead = min(to<Real>(speed) / Real(w.state.rows(w.m.config)[0].tick_rate), Real(1));
+    for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
+        const WheelDef& wheel = def.wheel[i];
+        const UnitVec3 down = lockstone::mul<Unit>(axes, wheel.direction);
+        const Vec3 attachment = pose.position + lockstone::mul<Real>(axes, wheel.attachment - center);
+        out[i] = {attachment - lockstone::scale<Real>(down, wheel.radius), down, Quat::identity(),
+                  wheel.radius + wheel.length_max + ahead};
+        if (def.cast != WheelCast::cylinder) continue;
+        out[i].rotation =
+            normalized(pose.rotation * from_axis_angle(up_axis, memory.wheel[i].steer) * y_to_x);
+    }
+}
+
+using WheelGrounds = std::array<WheelGround, vehicle_wheels_max>;
+
+/// Finds the ground of all wheels of a vehicle.
+void cast_wheels(Data& w, const VehicleDef& def, const VehicleMemory& memory, WheelGrounds& out) {
+    const QueryFilter filter{def.category, def.mask, 7, 0, def.chassis};
+    WheelCastWays ways;
+    find_ways(w, def, memory, ways);
+    std::array<std::optional<QueryHit>, vehicle_wheels_max> hits;
+    if (def.cast == WheelCast::sphere) {
+        static_assert(balls_max >= vehicle_wheels_max);
+        std::array<BallCast, vehicle_wheels_max> balls;
+        for (std::uint32_t i = 0; i < def.wheel_count; ++i)
+            balls[i] = {def.wheel[i].radius, ways[i].from,
+                        lockstone::scale<Real>(ways[i].down, ways[i].to_hub)};
+        cast_balls(w, std::span(balls).first(def.wheel_count), filter, hits);
+    }
+    for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
+        const WheelDef& wheel = def.wheel[i];
+        if (def.cast == WheelCast::cylinder)
+            hits[i] =
+                cast_shape(w, cylinder(wheel.radius, half(wheel.width)), {ways[i].from, ways[i].rotation},
+                           lockstone::scale<Real>(ways[i].down, ways[i].to_hub), filter);
+        out[i] = def.cast == WheelCast::ray ? cast_ray_wheel(w, filter, wheel, ways[i])
+                                            : ground_of(w, filter, wheel, ways[i], hits[i]);
+    }
 }
 
 void forget_ground(WheelMemory& m) {
@@ -108,12 +152,11 @@ Real bounded(Real x, Real most) { return clamp(x, -most, most); }
 /// Whether the wheels of a vehicle that sleeps find what they found last, and that sleeps too.
 bool VehicleSolver::stands_as_before(Data& w, std::uint32_t k) const {
     const VehicleDef& def = w.state.rows(w.m.vehicle)[k].def;
-    for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
-        const WheelMemory& memory = w.state.rows(w.m.vehicle_memory)[k].wheel[i];
-        const WheelGround ground =
-            cast_wheel(w, def, def.wheel[i], way_of(w, w.row_of(def.chassis), def.wheel[i], memory.steer));
-        if ((ground.found ? ground.hit.shape : ShapeId{}) != memory.ground) return false;
-    }
+    const VehicleMemory& memory = w.state.rows(w.m.vehicle_memory)[k];
+    WheelGrounds found;
+    cast_wheels(w, def, memory, found);
+    for (std::uint32_t i = 0; i < def.wheel_count; ++i)
+        if ((found[i].found ? found[i].hit.shape : ShapeId{}) != memory.wheel[i].ground) return false;
     return true;
 }
 
@@ -136,10 +179,9 @@ bool VehicleSolver::cast(Data& w) {
             woke = true;
             continue;
         }
+        cast_wheels(w, def, w.state.rows(w.m.vehicle_memory)[k], grounds[k]);
         for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
-            const Real steer = w.state.rows(w.m.vehicle_memory)[k].wheel[i].steer;
-            const WheelGround& ground = grounds[k][i] =
-                cast_wheel(w, def, def.wheel[i], way_of(w, w.row_of(def.chassis), def.wheel[i], steer));
+            const WheelGround& ground = grounds[k][i];
             if (!ground.found || is_awake(w, w.row_of(ground.hit.body))) continue;
             if (w.state.rows(w.m.body_info)[w.row_of(ground.hit.body)].kind != BodyKind::dynamic) continue;
             wake(w, ground.hit.body);
@@ -149,7 +191,15 @@ bool VehicleSolver::cast(Data& w) {
     return woke;
 }
 
-void prepare_wheel(const Data& w, Vehicle& v, std::uint32_t i, Real share, const WheelGround& ground) {
+/// To the left, of a wheel that is turned about the chassis' up axis.
+static UnitVec3 axle_of(const Rotation& axes, Real steer) {
+    if (steer == Real{}) return axes.x;
+    const auto turn = sin_cos(steer);
+    return lockstone::mul<Unit>(axes, UnitVec3{turn.cos, Unit{}, -turn.sin});
+}
+
+void prepare_wheel(const Data& w, const Rotation& axes, Vehicle& v, std::uint32_t i, Real share,
+                   const WheelGround& ground) {
     const SolverBodies& bodies = w.scratch.bodies;
     const dynamics::StepConstants& step = w.scratch.step;
     const WheelDef& def = v.def->wheel[i];
@@ -161,8 +211,7 @@ void prepare_wheel(const Data& w, Vehicle& v, std::uint32_t i, Real share, const
     if (!ground.found) return forget_ground(memory);
 
     const Transform& pose = w.state.rows(w.m.body_pose)[v.chassis];
-    const Rotation turned = to_rotation(normalized(pose.rotation * from_axis_angle(up_axis, memory.steer)));
-    const UnitVec3 down = lockstone::mul<Unit>(to_rotation(pose.rotation), def.direction);
+    const UnitVec3 down = lockstone::mul<Unit>(axes, def.direction);
     const QueryHit& hit = ground.hit;
     const UnitVec3 n = hit.normal;
     const ShapeRow& shape = w.state.rows(w.m.shape)[w.row_of(hit.shape)];
@@ -175,7 +224,7 @@ void prepare_wheel(const Data& w, Vehicle& v, std::uint32_t i, Real share, const
         wheel.ratio = min(v.mass / w.state.rows(w.m.body_mass)[row].mass, ratio_max);
     wheel.surface = rotate(at_ground.pose.rotation, touch.velocity);
     const Levers levers{hit.point - pose.position, hit.point - w.state.rows(w.m.body_pose)[row].position};
-    const UnitVec3 axle = turned.x;
+    const UnitVec3 axle = axle_of(axes, memory.steer);
     const UnitVec3 left =
         normalized_or(to<Real>(axle) - lockstone::scale<Real>(n, dot<Real>(n, axle)), any_perpendicular(n));
     wheel.normal = line_of(bodies, v.chassis, wheel, n, levers);
@@ -183,6 +232,10 @@ void prepare_wheel(const Data& w, Vehicle& v, std::uint32_t i, Real share, const
     if (!wheel.touches) return forget_ground(memory); // nothing can move
     wheel.along = line_of(bodies, v.chassis, wheel, cross<Unit>(left, n), levers);
     wheel.across = line_of(bodies, v.chassis, wheel, left, levers);
+    wheel.mixed = mobility(bodies.body[v.chassis], wheel.along.d, wheel.along.xc, left, wheel.across.xc);
+    if (wheel.ratio > Real{})
+        wheel.mixed += wheel.ratio * mobility(bodies.body[wheel.ground], wheel.along.d, wheel.along.xg, left,
+                                              wheel.across.xg);
     wheel.length_begin = ground.length;
     wheel.per_length = Real(1) / max(-dot<Real>(n, down), 0.5_r);
     const Tyre& tyre = v.def->tyre[def.tyre];
@@ -319,6 +372,27 @@ void prepare_train(Vehicle& v) {
             v.group[g].coupled = v.group[g].coupled || v.coupling[k].group[g] != Real{};
 }
 
+void prepare_rims(const dynamics::StepConstants& step, Vehicle& v) {
+    for (std::uint32_t t = 0; t < vehicle_tyres_max; ++t) {
+        TyrePeaks& peaks = v.peaks[t] = TyrePeaks{};
+        for (const CurvePoint& c : v.def->tyre[t].along) peaks.along = max(peaks.along, c.y);
+        for (const CurvePoint& c : v.def->tyre[t].across) peaks.across = max(peaks.across, c.y);
+    }
+    const Real per_second = Real(step.substeps_per_second);
+    for (std::uint32_t i = 0; i < v.def->wheel_count; ++i) {
+        const WheelDef& def = v.def->wheel[i];
+        Wheel& wheel = v.wheel[i];
+        SpinGroup& g = v.group[wheel.group];
+        wheel.brake_torque =
+            (v.input.brake * def.brake_torque + v.input.hand_brake * def.hand_brake_torque) / per_second;
+        if (!wheel.touches) continue;
+        ++g.on_ground;
+        wheel.arm = def.radius * v.mass / g.inertia;
+        wheel.kappa_rim = wheel.along.kappa + wheel.arm * def.radius;
+        wheel.stiff = def.radius * def.radius * v.mass;
+    }
+}
+
 namespace {
 
 void prepare_bars(Vehicle& v) {
@@ -391,11 +465,13 @@ void VehicleSolver::prepare(Data& w) {
         const Real turn = v.input.steer - v.memory.steer;
         v.memory.steer = way > Real{} ? v.memory.steer + bounded(turn, way) : v.input.steer;
         const auto shares = sprung_shares(*v.def, world.state.rows(world.m.body_mass)[v.chassis].center);
+        const Rotation axes = to_rotation(world.state.rows(world.m.body_pose)[v.chassis].rotation);
         for (std::uint32_t i = 0; i < v.def->wheel_count; ++i)
-            prepare_wheel(world, v, i, shares[i], grounds[v.row][i]);
+            prepare_wheel(world, axes, v, i, shares[i], grounds[v.row][i]);
         prepare_bars(v);
         shift_gears(world, v);
         prepare_train(v);
+        prepare_rims(world.scratch.step, v);
     });
     find_convoys(w.scratch.bodies);
 }

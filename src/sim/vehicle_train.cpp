@@ -43,26 +43,24 @@ Real cap_of(const Vehicle& v, const Coupling& c, Real clutch_torque, Real subste
 /// One pass over the tyres of a group, on trial: the spin that its torque leads to, and how it would answer more.
 void settle(Vehicle& v, std::uint32_t group) {
     SpinGroup& g = v.group[group];
+    set_free(g);
     Real stiff{};
-    bool any = false, held = false;
-    for (std::uint32_t i = 0; i < v.def->wheel_count; ++i) {
+    bool held = false;
+    for (std::uint32_t i = 0; i < v.def->wheel_count && g.on_ground > 0; ++i) {
         Wheel& wheel = v.wheel[i];
         if (wheel.group != group || !wheel.touches) continue;
-        any = true;
         const WheelDef& def = v.def->wheel[i];
-        const TyreCaps caps = tyre_caps(v.def->tyre[def.tyre], load_of(wheel) * wheel.grip,
-                                        abs(wheel.ahead - g.spin * def.radius), abs(wheel.aside));
-        const RimAnswer a =
-            turn_rim(v, wheel, i, free_spin(v, i, &Wheel::try_p),
-                     wheel.ahead - wheel.along.kappa * wheel.along_p, abs(wheel.ahead), caps.along);
+        const RimAnswer a = turn_rim(v, wheel, def, free_spin(v, i, &Wheel::try_p),
+                                     wheel.ahead - wheel.along.kappa * wheel.along_p, abs(wheel.ahead),
+                                     {v.def->tyre[def.tyre].along, v.peaks[def.tyre].along, wheel.load,
+                                      abs(wheel.ahead - g.spin * def.radius), abs(wheel.aside), true});
         wheel.try_p = a.impulse;
         g.spin = a.spin;
         held = a.held;
-        stiff += def.radius * def.radius * v.mass / (wheel.along.kappa + a.give);
+        stiff += wheel.stiff / (wheel.along.kappa + a.give);
     }
-    if (!any) {
-        const Real free = g.spin_begin + g.torque / g.inertia;
-        g.spin = braked_spin(g, free);
+    if (g.on_ground == 0) {
+        g.spin = braked_spin(g, g.free);
         held = g.spin == Real{} && g.brake > Real{};
     }
     g.answer = held ? Real{} : Real(1) / (g.inertia + stiff);
@@ -108,8 +106,9 @@ void solve_train(const StepConstants& step, const SolverBodies& bodies, Vehicle&
         Wheel& wheel = v.wheel[i];
         if (!wheel.touches || !v.group[wheel.group].coupled) continue;
         wheel.try_p = wheel.along_p;
-        wheel.ahead = line_speed(wheel, wheel.along, bodies, v.chassis);
-        wheel.aside = line_speed(wheel, wheel.across, bodies, v.chassis);
+        const PatchMotion motion = motion_of(wheel, bodies, v.chassis);
+        wheel.ahead = line_speed(motion, wheel.along);
+        wheel.aside = line_speed(motion, wheel.across);
     }
     for (std::uint32_t g = 0; g < v.group_count; ++g)
         if (v.group[g].coupled) settle(v, g);

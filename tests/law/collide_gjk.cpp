@@ -114,6 +114,64 @@ TEST_CASE("polytopes of every quality have proved closest points and least moves
     CHECK(overlaps > count / 5);
 }
 
+namespace {
+
+/// Whether a gap of a triangle and a point is proved: the plane through the nearest point parts the two by the distance, and the
+/// nearest point is on the triangle.
+bool is_proved(const std::vector<D3>& corners, D3 point, const collide::Gap& gap) {
+    const D3 n = from_bits(gap.normal_30, 30), on = from_bits(gap.on_a_30, 30);
+    const double distance = std::ldexp(static_cast<double>(gap.distance_30), -30);
+    double most = -1e9;
+    for (const D3& c : corners) most = std::max(most, dot(n, c));
+    if (std::abs(dot(n, point) - most - distance) > 2e-8) return false;
+    if (std::abs(norm(point - on) - distance) > 1e-8) return false;
+    const D3 face = cross(corners[1] - corners[0], corners[2] - corners[0]);
+    for (std::size_t k = 0; k < 3; ++k) {
+        const D3 out = cross(corners[(k + 1) % 3] - corners[k], face);
+        if (norm(out) > 0 && dot(out, on - corners[k]) > 1e-8 * norm(out)) return false;
+    }
+    return true;
+}
+
+} // namespace
+
+TEST_CASE("a triangle and a point have a proved gap, and one to another place of the triangle is noticed") {
+    Random random(23);
+    int gaps = 0, noticed = 0;
+    for (int i = 0; i < test::tries(4000); ++i) {
+        const double size = random.log_uniform(0.05, 3);
+        const Piece triangle = triangle_piece(random, size, {0, 0, 0});
+        const std::vector<D3> corners = triangle.reference.points;
+        D3 at = random.vector(0, 1.5 * size);
+        if (i % 3 == 0) at = corners[0] + (corners[1] - corners[0]) * 0.3 + random.vector(0, 0.1 * size);
+        Convex point{};
+        point.core = Convex::Core::point;
+        for (int k = 0; k < 3; ++k) point.center_24[k] = quantize<Coordinate>(at[k]).raw;
+        at = from_bits(point.center_24, 24);
+        collide::Gap gap = collide::closest_points(triangle.convex, point);
+        if (gap.overlap || gap.distance_30 < 1 << 20) continue;
+        ++gaps;
+        INFO("triangle ", i);
+        CHECK(is_proved(corners, at, gap));
+        const collide::Gap back = collide::closest_points(point, triangle.convex);
+        CHECK(std::abs(back.distance_30 - gap.distance_30) <= 8);
+        CHECK(norm(from_bits(back.on_b_30, 30) - from_bits(gap.on_a_30, 30)) < 1e-7);
+        // Planted: the gap to a place that is not the nearest.
+        const D3 other = corners[static_cast<std::size_t>(i % 3)];
+        if (norm(at - other) < norm(at - from_bits(gap.on_a_30, 30)) + 1e-6) continue;
+        const D3 way = at - other;
+        for (int k = 0; k < 3; ++k) {
+            gap.normal_30[k] = static_cast<std::int64_t>(std::ldexp(way[k] / norm(way), 30));
+            gap.on_a_30[k] = static_cast<std::int64_t>(std::ldexp(other[k], 30));
+        }
+        gap.distance_30 = static_cast<std::int64_t>(std::ldexp(norm(way), 30));
+        CHECK(!is_proved(corners, at, gap));
+        ++noticed;
+    }
+    CHECK(gaps > test::tries(4000) / 2);
+    CHECK(noticed > test::tries(4000) / 4);
+}
+
 TEST_CASE("the same cores from either side are as far apart, and every call gives the same bits") {
     Random random(19);
     for (int i = 0; i < test::tries(1500); ++i) {

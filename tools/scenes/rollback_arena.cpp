@@ -122,9 +122,9 @@ void capture(Turn& turn, const Cast& cast, Match& match, std::uint32_t player) {
     World& world = turn.world;
     const Vec3 at_ball = world.pose(cast.balls[player]).position;
     for (const BodyId prop : cast.props) {
+        if (!within(at_ball, world.pose(prop).position, ball_radius + reach)) continue;
         const Claim claim = world.read(columns.claim, prop);
-        if (claim.owner == player + 1 || !within(at_ball, world.pose(prop).position, ball_radius + reach))
-            continue;
+        if (claim.owner == player + 1) continue;
         if (claim.owner != 0) --match.score[claim.owner - 1];
         ++match.score[player];
         turn.must(world.write(columns.claim, prop, Claim{player + 1, claim.changes + 1}));
