@@ -48,7 +48,9 @@ TEST_CASE("a box that is dropped flat comes to rest flat") {
     CHECK(length(body.velocity) <= 2 * speed);
     // Corners are met one by one, so it turns a little on the way; what a depth v h moves it aside is less than that.
     CHECK(std::hypot(body.center.x, body.center.z) <= std::sqrt(2 * 9.81) * h);
-    CHECK(std::abs(body.pose.rotation.w) >= 1 - 1e-6);
+    // It leans by no more than such a depth on either side, a metre apart; about the vertical nothing turns it back.
+    CHECK(2 * std::hypot(body.pose.rotation.x, body.pose.rotation.z) <=
+          2 * (settings.position_epsilon + speed * h));
 }
 
 namespace {

@@ -143,22 +143,40 @@ class FclCollider final : public Collider {
         return std::make_unique<fcl::CollisionObjectd>(std::make_shared<fcl::Boxd>(side, side, side), place);
     }
 
-    /// FCL's normals lead from its first shape to its second; the thesis' push the first body.
+    /// What FCL finds, its first shape being `first`, by its own GJK: libccd's search ends the process on some simplices.
+    static fcl::CollisionResultd find(const fcl::CollisionObjectd& first,
+                                      const fcl::CollisionObjectd& second) {
+        fcl::CollisionRequestd request(contacts_max, true);
+        request.gjk_solver_type = fcl::GST_INDEP;
+        fcl::CollisionResultd result;
+        fcl::collide(&first, &second, request, result);
+        return result;
+    }
+
+    /// FCL's normals lead from its first shape to its second. Of a triangle and anything but a sphere, FCL 0.7 gives it in the
+    /// axes of that shape and the other way round (shapeTriangleIntersect of gjk_solver_indep-inl.h).
+    static fcl::Vector3d normal_of(const fcl::Contactd& c, const fcl::CollisionObjectd& first,
+                                   const fcl::CollisionObjectd& second) {
+        if (first.getObjectType() != fcl::OT_BVH || second.getNodeType() == fcl::GEOM_SPHERE) return c.normal;
+        return -(second.getRotation() * c.normal);
+    }
+
+    /// The thesis' normals push the first body.
     void ask(const Part& a, const Part& b, const fcl::CollisionObjectd& shape_a,
              const fcl::CollisionObjectd& shape_b) {
-        fcl::CollisionRequestd request(contacts_max, true);
-        request.gjk_solver_type = fcl::GST_INDEP; // libccd's search ends the process on some simplices
-        fcl::CollisionResultd result;
-        fcl::collide(&shape_a, &shape_b, request, result);
+        const bool turned = shape_b.getObjectType() == fcl::OT_BVH; // the mesh comes first
+        const fcl::CollisionObjectd &first = turned ? shape_b : shape_a, &second = turned ? shape_a : shape_b;
+        const fcl::CollisionResultd result = find(first, second);
         const double friction = mixed(a.def.friction_mix, b.def.friction_mix, a.def.friction, b.def.friction);
         const double restitution =
             mixed(a.def.restitution_mix, b.def.restitution_mix, a.def.restitution, b.def.restitution);
         for (std::size_t i = 0; i < result.numContacts(); ++i) {
             const fcl::Contactd& c = result.getContact(i);
+            const fcl::Vector3d n = normal_of(c, first, second) * (turned ? 1 : -1);
             found.push_back({a.body,
                              b.body,
                              {c.pos.x(), c.pos.y(), c.pos.z()},
-                             {-c.normal.x(), -c.normal.y(), -c.normal.z()},
+                             {n.x(), n.y(), n.z()},
                              std::abs(c.penetration_depth),
                              friction,
                              restitution});

@@ -103,16 +103,17 @@ V3 Collision::frictionless_impulse() const {
 }
 
 /// "If friction was taken into account the resulting impulse could be in a different direction" (section 4.3.2): the impulse
-/// that stops the sliding too; where Coulomb's cone does not hold it, its edge against the sliding. Millington, section 15.3,
-/// takes the edge in the direction of the impulse that would stop, which at a box's corners loses 15 % of the friction.
+/// that stops the sliding too; where Coulomb's cone does not hold it, its edge, against the sliding s that there is or that
+/// the impulse along n alone would start. Millington, section 15.3, takes the edge in the direction of the impulse that would
+/// stop, which at a box's corners loses 15 % of the friction.
 V3 Collision::friction_impulse() const {
     const M3 m = velocity_per_impulse();
     const V3 impulse = solve(m, {desired_delta_velocity, -contact_velocity.y, -contact_velocity.z});
     const Number planar = std::sqrt(impulse.y * impulse.y + impulse.z * impulse.z);
-    const Number sliding =
-        std::sqrt(contact_velocity.y * contact_velocity.y + contact_velocity.z * contact_velocity.z);
+    const V3 s = contact_velocity + m.x * (desired_delta_velocity / m.x.x);
+    const Number sliding = std::sqrt(s.y * s.y + s.z * s.z);
     if (!(planar > impulse.x * friction) || !(sliding > 0)) return impulse;
-    const Number y = -contact_velocity.y / sliding, z = -contact_velocity.z / sliding;
+    const Number y = -s.y / sliding, z = -s.z / sliding;
     const Number along = desired_delta_velocity / (m.x.x + friction * (m.y.x * y + m.z.x * z));
     return {along, y * friction * along, z * friction * along};
 }
