@@ -50,8 +50,8 @@ Nearest nearest_of_cone(Profile p, std::int64_t radius, std::int64_t half) {
     return {n, off_side};
 }
 
-/// A triangle seen from the point, 24 fraction bits: no coordinate reaches 2^29, so products of two are below 2^62.
-struct SeenTriangle {
+/// A triangle relative to the point, 24 fraction bits: no coordinate reaches 2^29, so products of two are below 2^62.
+struct RelativeTriangle {
     static constexpr int finer =
         12; ///< nearest points have 36: a rounding shows less in the direction to them
     Long3 a, b, c;
@@ -66,7 +66,7 @@ struct SeenTriangle {
 
 /// The nearest point when it is on the border of the triangle; false when it is within. By the regions of corners and edges; each
 /// sign is that of an exact integer.
-bool nearest_on_border(const SeenTriangle& t, Long3& out_36) {
+bool nearest_on_border(const RelativeTriangle& t, Long3& out_36) {
     const Long3 ab = t.b - t.a, ac = t.c - t.a;
     const std::int64_t d1 = -dot(ab, t.a), d2 = -dot(ac, t.a);
     if (d1 <= 0 && d2 <= 0) return out_36 = up(t.a, t.finer), true;
@@ -91,7 +91,7 @@ bool triangle_gap(const Convex& a, const Convex& b, Gap& out) {
     const bool swapped = a.core == Convex::Core::point;
     const Convex &triangle = swapped ? b : a, &point = swapped ? a : b;
     if (triangle.core != Convex::Core::triangle || point.core != Convex::Core::point) return false;
-    const SeenTriangle t{triangle.corners_24[0] - point.center_24, triangle.corners_24[1] - point.center_24,
+    const RelativeTriangle t{triangle.corners_24[0] - point.center_24, triangle.corners_24[1] - point.center_24,
                          triangle.corners_24[2] - point.center_24};
     if (larger(widest(t.a), larger(widest(t.b), widest(t.c))) >= std::int64_t{1} << 29) return false;
     const Long3 at = up(point.center_24, 6);

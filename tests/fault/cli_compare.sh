@@ -50,6 +50,8 @@ if command -v gnuplot >/dev/null; then
     expect 0 compare two-blocks --ticks 60 --plot six.svg
     expect 0 compare two-blocks --ticks 60 --drift --plot drift.svg
     grep -q '<svg' six.svg && grep -q 'momentum' six.svg && grep -q '<svg' drift.svg || fail "--plot draws nothing"
+else
+    echo "gnuplot is not here: no picture was drawn" >&2
 fi
 for integrator in verlet velocity-verlet runge-kutta-4; do expect 0 compare orbit --ticks 5 --integrator $integrator; done
 
