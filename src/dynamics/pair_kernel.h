@@ -23,7 +23,7 @@ struct PairLane {
     const Velocity *velocity_a, *velocity_b; ///< of their bodies
     // Lengths with 24 fraction bits, and masks of 0 and -1.
     std::int32_t limit; ///< most that B may have moved for the manifolds to serve: recycling_limit()
-    std::int32_t reach; ///< Placing::reach; below 128 m
+    std::int32_t reach; ///< of B's points from its origin; below 128 m
     std::int32_t
         step_max; ///< between two bodies: points that would move further in half a tick stay where they are
     std::int32_t advances;  ///< mask: points are moved on to the middle of the tick
