@@ -16,9 +16,10 @@ constexpr std::int64_t sin2_min_60 = std::int64_t{1} << 44;
 
 /// The axis of greatest separation, after the preference for faces; `separation` in 30 fraction bits is its own.
 struct Axis {
-    enum Kind { none, face_a, face_b, edges } kind; // none: further apart than the margin
-    int i, j;                                       // A's face or edge axis, B's
+    enum Kind { face_a, face_b, edges } kind;
+    int i, j; // A's face or edge axis, B's
     std::int64_t separation;
+    bool parts; // by more than the margin: there is no contact
 };
 
 struct FaceAxis {
@@ -70,23 +71,41 @@ void try_edges(const BoxPair& g, std::int64_t bias_30, std::int64_t margin_30, A
             const std::int64_t s = divide_shifted(s_54, sin, 6 + spare);
             if (s <= to_beat) return;
             to_beat = s;
-            best = {s > margin_30 ? Axis::none : Axis::edges, i, j,
-                    s}; // what is apart stays apart: to_beat only grows
+            best = {Axis::edges, i, j, s, s > margin_30}; // what is apart stays apart: to_beat only grows
         });
     });
 }
 
 Axis find_axis(const BoxPair& g, std::int64_t bias_30, std::int64_t margin_30) {
-    constexpr Axis apart{Axis::none, 0, 0, 0};
     const FaceAxis of_a = best_face_of_a(g);
-    if ((of_a.separation >> 24) > margin_30) return apart;
+    if ((of_a.separation >> 24) > margin_30) return {Axis::face_a, of_a.axis, 0, 0, true};
     const FaceAxis of_b = best_face_of_b(g);
-    if ((of_b.separation >> 24) > margin_30) return apart;
-    Axis best{Axis::face_a, of_a.axis, 0, shift_right_rounded(of_a.separation, 24)};
+    if ((of_b.separation >> 24) > margin_30) return {Axis::face_b, 0, of_b.axis, 0, true};
+    Axis best{Axis::face_a, of_a.axis, 0, shift_right_rounded(of_a.separation, 24), false};
     if (of_b.separation > of_a.separation + up(bias_30, 24))
-        best = {Axis::face_b, 0, of_b.axis, shift_right_rounded(of_b.separation, 24)};
+        best = {Axis::face_b, 0, of_b.axis, shift_right_rounded(of_b.separation, 24), false};
     try_edges(g, bias_30, margin_30, best);
     return best;
+}
+
+/// e_i x r_j, from A to B: not a unit vector.
+Long3 across_edges(const BoxPair& g, int i, int j) {
+    const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
+    const Long3& r = g.r[j];
+    const std::int64_t sign = sign_of(g.t[i2] * r[i1] - g.t[i1] * r[i2]);
+    Long3 across{};
+    across[i1] = -sign * r[i2];
+    across[i2] = sign * r[i1];
+    return across;
+}
+
+/// The unit direction of an axis, from A to B.
+Long3 direction_of(const BoxPair& g, const Axis& axis) {
+    if (axis.kind == Axis::edges) return direction_of_30(across_edges(g, axis.i, axis.j)).unit;
+    if (axis.kind == Axis::face_b) return g.r[axis.j] * sign_of(dot(g.t, g.r[axis.j]));
+    Long3 normal{};
+    normal[axis.i] = sign_of(g.t[axis.i]) << 30;
+    return normal;
 }
 
 /// The edge of each box that faces the other along the axis, and the closest points of their lines.
@@ -94,10 +113,7 @@ void collide_edges(const BoxPair& g, const Axis& axis, Length margin, Manifold& 
     const int i = axis.i, i1 = (i + 1) % 3, i2 = (i + 2) % 3, j = axis.j, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
     const Long3& r = g.r[j];
     const std::int64_t sign = sign_of(g.t[i2] * r[i1] - g.t[i1] * r[i2]);
-    Long3 across{};
-    across[i1] = -sign * r[i2];
-    across[i2] = sign * r[i1];
-    const Long3 normal = direction_of_30(across).unit;
+    const Long3 normal = direction_of_30(across_edges(g, i, j)).unit;
     // (e_i x r_j) . r_j1 = r_j2[i] and (e_i x r_j) . r_j2 = -r_j1[i]
     const bool a1 = normal[i1] >= 0, a2 = normal[i2] >= 0, b1 = sign * g.r[j2][i] < 0,
                b2 = sign * g.r[j1][i] >= 0;
@@ -146,9 +162,11 @@ void collide_box_box(const Geometry& geometry_a, const Geometry& geometry_b, con
     std::int64_t thinnest = up(face_bias.raw, 3); // 30 fraction bits; half_24 / 64 is the same number in 30
     for (int i = 0; i < 3; ++i) thinnest = smaller(thinnest, smaller(g.a[i], g.b[i]));
     const Axis axis = find_axis(g, thinnest, up(margin.raw, 6));
-    switch (axis.kind) {
-    case Axis::none:
+    if (axis.parts) {
+        out.normal = unit_of_30(direction_of(g, axis));
         return;
+    }
+    switch (axis.kind) {
     case Axis::face_a:
         clip_faces(g, false, axis.i, margin, out);
         break;

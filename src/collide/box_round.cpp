@@ -134,6 +134,7 @@ bool add_edge_line(const CoreAndBox& g, int axis, Long3 normal, Long3 at_closest
 /// The core is outside: `gap` leads from the box to its closest point at s.
 void collide_outside(const CoreAndBox& g, std::int64_t s, Long3 gap, const Direction& to_core,
                      Manifold& out) {
+    out.normal = unit_of_30(to_core.unit);
     if (to_core.length > up(std::int64_t{g.radius.raw} + g.margin.raw, 6)) return;
     int axis = 0, on_axes = 0, free_axis = 0;
     for (int i = 0; i < 3; ++i) {
@@ -145,7 +146,6 @@ void collide_outside(const CoreAndBox& g, std::int64_t s, Long3 gap, const Direc
     }
     if (to_core.length - absolute(gap[axis]) <= g.bias())
         return add_face_points(g, axis, sign_of(gap[axis]), s, out);
-    out.normal = unit_of_30(to_core.unit);
     const Long3 point = g.at_30(s);
     if (on_axes == 2 && add_edge_line(g, free_axis, to_core.unit, point, out)) return;
     add_round_point(out, point - gap, to_core.unit, to_core.length, Length{}, g.radius, g.margin, 0x200u);

@@ -2,6 +2,7 @@
 
 #include "base/assert.h"
 #include "collide/convex.h"
+#include "collide/integer.h"
 #include "collide/pairs.h"
 
 namespace lockstone::collide {
@@ -116,6 +117,7 @@ void collide(const shapes::Solid& a, const shapes::Solid& b, const RelativePose&
         return collide_triangles(a, b, pose, margin, scratch, out);
     if (const Routine routine = routine_of(a, b, pose)) {
         use(routine, a, b, pose, margin, out.items[0]);
+        if (out.items[0].count == 0) out.apart = out.items[0].normal;
     } else if (kind_a != ShapeKind::plane) {
         collide_convex(convex_of(a, Rotation::identity(), CoordinateVec3{}),
                        convex_of(b, pose.rotation, pose.position), margin, out.items[0], raw(hint));
@@ -124,6 +126,42 @@ void collide(const shapes::Solid& a, const shapes::Solid& b, const RelativePose&
         collide_pair(a, b, pose, margin, out.items[0]);
     }
     out.count = out.items[0].count > 0 ? 1 : 0;
+}
+
+namespace {
+
+bool has_own_routines(ShapeKind kind) {
+    return kind == ShapeKind::sphere || kind == ShapeKind::capsule || kind == ShapeKind::box;
+}
+
+/// How far a sphere, capsule or box reaches from its origin along a unit direction in its axes, 54 fraction bits.
+std::int64_t reach_along(const Geometry& g, Long3 n_30) {
+    std::int64_t reach = up(g.radius.raw, 30);
+    if (g.kind == ShapeKind::box)
+        reach += absolute(n_30[0]) * g.half_extent.x.raw + absolute(n_30[2]) * g.half_extent.z.raw;
+    if (g.kind != ShapeKind::sphere) reach += absolute(n_30[1]) * g.half_extent.y.raw;
+    return reach;
+}
+
+} // namespace
+
+bool are_parted(const PlacedSolid& a, const PlacedSolid& b, UnitVec3 axis, Length margin) {
+    const Geometry &ga = a.solid.geometry, &gb = b.solid.geometry;
+    if (!has_own_routines(ga.kind) || !has_own_routines(gb.kind) || !is_plain(ga) || !is_plain(gb))
+        return false;
+    constexpr std::int64_t far_32 = std::int64_t{64}
+                                    << Real::fraction_bits; // so that all sums stay below 2^62
+    constexpr Length spare = decimal<Length>("0.001");
+    const Long3 way_32 = raw(b.position - a.position);
+    for (int i = 0; i < 3; ++i)
+        if (absolute(way_32[i]) > far_32) return false;
+    const Long3 way{way_32[0] >> 8, way_32[1] >> 8, way_32[2] >> 8}; // 24 fraction bits
+    const Long3 n = raw(axis), x = raw(a.axes.x), y = raw(a.axes.y), z = raw(a.axes.z);
+    const Long3 in_world = shifted(x * n[0] + y * n[1] + z * n[2], 30);
+    const Long3 in_b{dot(raw(b.axes.x), in_world) >> 30, dot(raw(b.axes.y), in_world) >> 30,
+                     dot(raw(b.axes.z), in_world) >> 30};
+    const std::int64_t gap_54 = dot(way, in_world) - reach_along(ga, n) - reach_along(gb, in_b);
+    return gap_54 > up(margin.raw + spare.raw, 30);
 }
 
 } // namespace lockstone::collide

@@ -54,7 +54,8 @@ struct Manifolds {
     static constexpr std::uint32_t max = 8;
     std::uint32_t count; ///< 0: apart
     Manifold items[max]; ///< deepest first; beyond `count`: unspecified
-    UnitVec3 apart{};    ///< when `count` is 0: a direction from A to B that parts them, in A's axes; zero: not known
+    UnitVec3
+        apart{}; ///< when `count` is 0: a direction from A to B that parts them, in A's axes; zero: not known
 };
 
 /// Memory that `collide` uses again from call to call; no trace of earlier calls shows.
@@ -74,6 +75,17 @@ void collide(const shapes::Solid& a, const shapes::Solid& b, const RelativePose&
 /// but for `apart`.
 void collide(const shapes::Solid& a, const shapes::Solid& b, const RelativePose& pose, Length margin,
              UnitVec3 hint, NarrowScratch& scratch, Manifolds& out);
+
+/// Where two shapes are in the world: what are_parted needs of them.
+struct PlacedSolid {
+    const shapes::Solid& solid;
+    const Rotation& axes;
+    Vec3 position; ///< [m]
+};
+/// Whether the unit direction `axis`, from A to B in A's axes, parts two spheres, capsules or boxes by more than `margin`
+/// and a millimetre, which is more than collide rounds and prefers: then it finds no points. False of all other shapes,
+/// and where it is not known.
+bool are_parted(const PlacedSolid& a, const PlacedSolid& b, UnitVec3 axis, Length margin);
 
 /// A face contact is preferred to an edge or a corner contact, A's face to B's, and two points along a capsule to one,
 /// unless the other is better by this much: stacks then keep their kind of contact. Small shapes use 1/64 of their

@@ -18,6 +18,8 @@ struct ContactPoint {
 /// Three cache lines, and all that the solver is prepared from: it takes contacts in an order of its own, and what else it looked at
 /// would be far apart.
 struct alignas(64) Contact {
+    Contact() {} ///< nothing is set: whoever makes one fills it in, but for points beyond `count`, which nobody reads
+
     std::uint32_t body_a, body_b; ///< rows of the body columns
     std::uint32_t memory;         ///< row of the contact columns; its points are these points
     std::uint32_t count;

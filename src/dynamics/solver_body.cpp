@@ -141,13 +141,14 @@ static std::uint8_t begin_body(const BodyInfo& info, const BodyMass& mass, const
     s.movable = info.kind == BodyKind::dynamic && mass.mass > Real{};
     s.moves = info.kind != BodyKind::static_;
     s.jointed = info.first_joint != 0;
-    const std::uint32_t linear_mask = s.movable ? ~info.locks & 7u : 7u;
+    if (s.movable) s.mass = mass.mass;
+    s.linear_mask = s.movable ? ~info.locks & 7u : 7u;
     s.angular_mask = s.movable ? ~(info.locks >> 3) & 7u : 7u;
-    for (int i = 0; i < 3; ++i) b.keep[i] = (linear_mask >> i) & 1u ? -1 : 0;
+    for (int i = 0; i < 3; ++i) b.keep[i] = (s.linear_mask >> i) & 1u ? -1 : 0;
     if (!s.moves) return 0;
     s.radii = mass.gyration;
     for (int i = 0; i < 3; ++i)
-        if (((linear_mask >> i) & 1u) != 0) b.v[i] = std::int64_t{velocity.linear[i].raw} << row_bits;
+        if (((s.linear_mask >> i) & 1u) != 0) b.v[i] = std::int64_t{velocity.linear[i].raw} << row_bits;
     // Commands may leave any velocity; rows have room for these.
     clamps.speed += clamp_length(b.v, step.linear_speed_max) ? 1u : 0u;
     begin_turning(mass, pose, velocity, step, b, s, clamps);
@@ -157,7 +158,7 @@ static std::uint8_t begin_body(const BodyInfo& info, const BodyMass& mass, const
     s.angular_keep = kept(info.angular_damping, step);
     Vec3 acceleration = info.gravity_scale == Real(1) ? fall.gravity : fall.gravity * info.gravity_scale;
     if (force.force != Vec3{}) acceleration += force.force / mass.mass;
-    s.acceleration = masked(acceleration, linear_mask);
+    s.acceleration = masked(acceleration, s.linear_mask);
     const bool falls = s.acceleration == fall.gravity;
     if (falls)
         std::copy_n(fall.dv, 3, s.dv);

@@ -35,26 +35,29 @@ struct SolverBody {
 /// A symmetric 3x3 matrix.
 template <class T> struct Symmetric { T xx, yy, zz, xy, xz, yz; };
 
-/// What a tick needs of a body besides its SolverBody; constant within the tick.
-struct BodyStep {
+/// What a tick needs of a body besides its SolverBody; constant within the tick. The first cache line is all that preparing a
+/// contact reads of it.
+struct alignas(64) BodyStep {
+    Symmetric<std::int32_t>
+        inv_mantissa; ///< K^-1 = mantissa / 2^inv_exponent, the largest entry in [2^29, 2^30)
+    std::int32_t inv_exponent;
+    std::uint32_t linear_mask,
+        angular_mask;   ///< bit per axis along which it may move, about which it may turn
+    std::uint32_t turn; ///< entry of SolverBodies::turns + 1, 0: not followed
+    Real mass;          ///< [kg] of what is movable
+    bool movable;       ///< dynamic and with mass
+    bool moves;         ///< dynamic or kinematic
+    bool jointed;       ///< some joint holds it
     Vec3
         radii; ///< of gyration in this tick [m]: the body's own, or more where joints pull hard; joint_stiffness.h
     Vec3 pull;                                     ///< what joints ask for, while that is found [m^2]
     Vec3 radii_inv;                                ///< [1/m]; zero where the radius is
     Symmetric<Real> gyration, gyration_inv;        ///< K [m] and K^-1 [1/m], world axes
     std::int32_t gyration_bits, gyration_inv_bits; ///< of their entries: |raw| < 2^bits
-    Symmetric<std::int32_t>
-        inv_mantissa; ///< K^-1 = mantissa / 2^inv_exponent, the largest entry in [2^29, 2^30)
-    std::int32_t inv_exponent;
     std::int64_t dv[3], du[3]; ///< change per substep by gravity, force and torque, 47 fraction bits
     Vec3 acceleration;         ///< [m/s^2] of gravity and force, for the integrators
     std::int64_t drift[3];     ///< what the integrator adds to the move of this substep [m], 32 fraction bits
     Unit linear_keep, angular_keep; ///< velocity kept per substep under damping
-    std::uint32_t angular_mask;     ///< bit per axis that may turn
-    bool movable;                   ///< dynamic and with mass
-    bool moves;                     ///< dynamic or kinematic
-    bool jointed;                   ///< some joint holds it
-    std::uint32_t turn;             ///< entry of SolverBodies::turns + 1, 0: not followed
 };
 
 /// A 3x3 matrix, m / 2^bits by row and column, its largest entry in [2^29, 2^30].

@@ -2,6 +2,8 @@
 
 #include "lockstone/math.h"
 
+#include <algorithm>
+
 namespace lockstone::dynamics {
 
 static Softness softness(Real hertz, Real damping, std::int64_t substeps_per_second) {
@@ -10,7 +12,11 @@ static Softness softness(Real hertz, Real damping, std::int64_t substeps_per_sec
     const Real a1 = damping * 2 + omega_h;
     const Real a2 = omega_h * a1;
     const Real a3 = Real(1) / (Real(1) + a2);
-    return {to<Speed>(omega / a1), to<Unit>(a2 * a3), to<Unit>(a3)};
+    const Unit mass_scale = to<Unit>(a2 * a3), impulse_scale = to<Unit>(a3);
+    const std::int64_t ratio =
+        (std::int64_t{impulse_scale.raw} << Unit::fraction_bits) / std::max(mass_scale.raw, 1);
+    return {to<Speed>(omega / a1), mass_scale, impulse_scale,
+            Unit::from_raw(static_cast<std::int32_t>(std::min<std::int64_t>(ratio, unit_one.raw)))};
 }
 
 SpringSoftness spring_softness(Real hertz, Real damping, const StepConstants& step) {

@@ -57,8 +57,7 @@ bool goes_after(const ShapeRow& a, const Scratch::Shape& at_a, const ShapeRow& b
     return ka < kb;
 }
 
-CandidatePair candidate_of(const View& v, const Scratch::Near& near) {
-    CandidatePair c;
+void find_candidate(const View& v, const Scratch::Near& near, CandidatePair& c) {
     c.a = &v.shape(near.key.a), c.b = &v.shape(near.key.b);
     c.at_a = &v.w.scratch.shape[near.key.a.index - 1], c.at_b = &v.w.scratch.shape[near.key.b.index - 1];
     c.flipped = goes_after(*c.a, *c.at_a, *c.b, *c.at_b);
@@ -67,7 +66,6 @@ CandidatePair candidate_of(const View& v, const Scratch::Near& near) {
     c.body_b = v.row_of(c.b->body);
     c.margin = near.margin;
     c.sensor = (c.a->sensor | c.b->sensor) != 0;
-    return c;
 }
 
 // ---- pairs in lanes ---
@@ -85,6 +83,15 @@ bool has_corners(const ShapeRow& shape) {
 Long3 way(const Vec3& from, const Vec3& to) {
     if (from == to) return {};
     return raw(lockstone::to<Length>(to - from));
+}
+
+/// Whether what parted two shapes when they were last looked at still does: then they have no contact points.
+bool are_still_parted(const CandidatePair& c, const Scratch::Near& near) {
+    if (near.old_count != 0 || near.apart == UnitVec3{}) return false;
+    const auto placed = [](const Scratch::Shape& s) {
+        return collide::PlacedSolid{s.solid, s.axes, s.pose.position};
+    };
+    return collide::are_parted(placed(*c.at_a), placed(*c.at_b), near.apart, near.margin);
 }
 
 /// What all manifolds of a pair have in common. `rows`: those of the last tick.
@@ -292,6 +299,7 @@ void use_rows(const View& v, const CandidatePair& c, std::span<const ContactMemo
 
 /// A pair of a window.
 struct WindowPair {
+    Scratch::Near* near;
     CandidatePair shapes;
     std::span<const ContactMemory> old; ///< its rows of the last tick
     std::uint32_t row;                  ///< of the window: first of those that are used
@@ -300,7 +308,7 @@ struct WindowPair {
 };
 
 /// The rows of the last tick while the shapes stand to each other as they did, else new ones.
-void choose_rows(Scratch::Near& near, Scratch::NarrowWorker& worker, NearChunk& chunk, WindowPair& pair) {
+void choose_rows(Scratch::NarrowWorker& worker, NearChunk& chunk, WindowPair& pair) {
     const CandidatePair& c = pair.shapes;
     const bool had = !pair.old.empty();
     Scratch::ContactResult& result = pair.result;
@@ -308,28 +316,24 @@ void choose_rows(Scratch::Near& near, Scratch::NarrowWorker& worker, NearChunk& 
     result.is_kept = had && ((pair.old[0].flags & dynamics::contact_flipped) != 0) == c.flipped &&
                      dynamics::covers(pair.old[0], c.margin) && worker.window.serves[pair.row] != 0;
     pair.fresh = static_cast<std::uint32_t>(chunk.memories.size());
-    result.row_count =
-        result.is_kept ? near.old_count
-                       : make_rows(c, worker.window.places[pair.row], pair.old, near.apart, worker, chunk);
+    result.row_count = result.is_kept ? pair.near->old_count
+                                      : make_rows(c, worker.window.places[pair.row], pair.old,
+                                                  pair.near->apart, worker, chunk);
 }
 
 /// Where the shapes of all pairs are to each other, and which rows of the last tick serve.
-void place_pairs(const View& v, std::span<const Scratch::Near> near, Scratch::PairWindow& window,
-                 std::span<WindowPair> pairs) {
-    for (std::size_t i = 0; i < near.size(); ++i) {
-        pairs[i].shapes = candidate_of(v, near[i]);
-        pairs[i].old = v.old.subspan(near[i].old_first, near[i].old_count);
+void place_pairs(const View& v, std::span<WindowPair> pairs, Scratch::PairWindow& window) {
+    for (std::size_t i = 0; i < pairs.size(); ++i)
         fill_pair(v, pairs[i].shapes, pairs[i].old, window.pairs[i]);
-    }
     window.count = 0;
-    for (std::size_t i = 0; i < near.size(); ++i) {
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
         if (pairs[i].old.empty()) continue;
         pairs[i].row = window.count;
         add_rows(window.pairs[i], pairs[i].old, window);
     }
     find_rows(v, dynamics::PairWork::recycle, window, 0);
     const std::uint32_t without = window.count;
-    for (std::size_t i = 0; i < near.size(); ++i) {
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
         if (!pairs[i].old.empty()) continue;
         pairs[i].row = window.count;
         window.rows[window.count++] = {&window.pairs[i], nullptr};
@@ -339,17 +343,11 @@ void place_pairs(const View& v, std::span<const Scratch::Near> near, Scratch::Pa
 
 /// The rows and contacts of some pairs, at the end of the chunk's. Writes to the chunk, the worker and the pairs' hints alone.
 /// `next_row` counts the rows of the chunk.
-void collide_window(const View& v, std::uint32_t first, std::span<Scratch::Near> near,
-                    Scratch::NarrowWorker& worker, NearChunk& chunk, std::uint32_t& next_row) {
-    std::array<WindowPair, Scratch::PairWindow::pairs_max> all;
-    const std::span<WindowPair> pairs = std::span(all).first(near.size());
+void collide_window(const View& v, std::span<WindowPair> pairs, Scratch::NarrowWorker& worker,
+                    NearChunk& chunk, std::uint32_t& next_row) {
     Scratch::PairWindow& window = worker.window;
-    place_pairs(v, near, window, pairs);
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-        pairs[i].result = {};
-        pairs[i].result.near = first + static_cast<std::uint32_t>(i);
-        choose_rows(near[i], worker, chunk, pairs[i]);
-    }
+    place_pairs(v, pairs, window);
+    for (WindowPair& pair : pairs) choose_rows(worker, chunk, pair);
     const auto rows_of = [&](const WindowPair& pair) {
         const std::span<const ContactMemory> made = chunk.memories;
         return pair.result.is_kept ? pair.old : made.subspan(pair.fresh, pair.result.row_count);
@@ -378,11 +376,31 @@ void collide_window(const View& v, std::uint32_t first, std::span<Scratch::Near>
     }
 }
 
+/// The pairs [first, last) of `near`, window by window; those that are still parted are left out.
+void collide_chunk(const View& v, std::uint32_t first, std::uint32_t last, std::span<Scratch::Near> near,
+                   Scratch::NarrowWorker& worker, NearChunk& chunk) {
+    chunk.memories.clear(), chunk.results.clear(), chunk.contacts.clear();
+    std::array<WindowPair, Scratch::PairWindow::pairs_max> pairs;
+    std::uint32_t next_row = 0;
+    std::size_t count = 0;
+    for (std::uint32_t i = first; i < last; ++i) {
+        WindowPair& pair = pairs[count];
+        find_candidate(v, near[i], pair.shapes);
+        if (are_still_parted(pair.shapes, near[i])) continue;
+        pair.near = &near[i];
+        pair.old = v.old.subspan(near[i].old_first, near[i].old_count);
+        pair.result = {}, pair.result.near = i;
+        if (++count == pairs.size()) collide_window(v, pairs, worker, chunk, next_row), count = 0;
+    }
+    if (count != 0) collide_window(v, std::span(pairs).first(count), worker, chunk, next_row);
+}
+
 } // namespace
 
 bool has_contact_points(Data& w, const Scratch::Near& near) {
     const View view(w);
-    const CandidatePair pair = candidate_of(view, near);
+    CandidatePair pair;
+    find_candidate(view, near, pair);
     if (w.scratch.narrow_workers.empty()) w.scratch.narrow_workers.resize(1);
     Scratch::PairWindow& window = w.scratch.narrow_workers[0].window;
     fill_pair(view, pair, {}, window.pairs[0]);
@@ -409,12 +427,7 @@ void collide(Data& w) {
     base::for_chunks(w.tasks, pairs, chunk_size,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t worker) {
                          NearChunk& chunk = s.near_chunks[first / chunk_size];
-                         chunk.memories.clear(), chunk.results.clear(), chunk.contacts.clear();
-                         std::uint32_t next_row = 0;
-                         constexpr std::uint32_t most = Scratch::PairWindow::pairs_max;
-                         for (std::uint32_t i = first; i < last; i += most)
-                             collide_window(view, i, std::span(s.near).subspan(i, std::min(most, last - i)),
-                                            s.narrow_workers[worker], chunk, next_row);
+                         collide_chunk(view, first, last, s.near, s.narrow_workers[worker], chunk);
                      });
     place_contacts(w);
 }

@@ -29,8 +29,9 @@ Pile pile(std::uint32_t columns, std::uint32_t height, unsigned seed) {
     p.bodies.body.resize(columns * height + 2);
     p.bodies.step.resize(columns * height + 2);
     const auto touch = [&](std::uint32_t a, std::uint32_t b) {
-        dynamics::Contact c{};
+        dynamics::Contact c;
         c.body_a = a, c.body_b = b, c.count = 1;
+        c.points[0] = {};
         p.contacts.push_back(c);
     };
     for (std::uint32_t x = 0; x < columns; ++x)

@@ -149,19 +149,23 @@ void ContactSolver::prepare(std::span<const Contact> contacts, std::span<const C
             for (std::size_t i = from; i < from + N && i < s.lane_contact.size(); ++i)
                 if (s.lane_contact[i] != none) visit(contacts[s.lane_contact[i]]);
         };
-        base::for_chunks(
-            tasks, s.pack_count, pack_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-                PackInput<N> input;
-                for (std::uint32_t i = first; i < last; ++i) {
-                    clear_input(input);
-                    if (tasks == nullptr) clear_pack(packs[i], bodies.still());
-                    ask_for((i + 2) * N, [](const Contact& c) { base::prefetch(c); });
-                    for (unsigned lane = 0; lane < N; ++lane)
-                        if (contact_of(i, lane) != none)
-                            fill_lane(packs[i], input, lane, contacts[contact_of(i, lane)], in);
-                    s.kernel->prepare(&packs[i], &input, bodies.body.data());
-                }
-            });
+        base::for_chunks(tasks, s.pack_count, pack_chunk,
+                         [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                             PackInput<N> input;
+                             for (std::uint32_t i = first; i < last; ++i) {
+                                 clear_input(input);
+                                 if (tasks == nullptr) clear_pack(packs[i], bodies.still());
+                                 ask_for((i + 3) * N, [](const Contact& c) { base::prefetch(c); });
+                                 ask_for((i + 1) * N, [&](const Contact& c) {
+                                     base::prefetch(bodies.step[c.body_a].inv_mantissa);
+                                     base::prefetch(bodies.step[c.body_b].inv_mantissa);
+                                 });
+                                 for (unsigned lane = 0; lane < N; ++lane)
+                                     if (contact_of(i, lane) != none)
+                                         fill_lane(packs[i], input, lane, contacts[contact_of(i, lane)], in);
+                                 s.kernel->prepare(&packs[i], &input, bodies.body.data());
+                             }
+                         });
         for (std::uint32_t i = 0; i < s.bounces.size(); ++i) {
             ContactPack<N>& pack = packs[s.bounces[i].pack];
             if (pack.bounce == none) pack.bounce = i;

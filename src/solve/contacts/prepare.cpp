@@ -14,7 +14,6 @@ using dynamics::BodyStep;
 using dynamics::Contact;
 using dynamics::ContactMemory;
 using dynamics::ContactPoint;
-using dynamics::SolverBody;
 
 constexpr std::int64_t unit = std::int64_t{1} << unit_bits;
 constexpr std::int64_t row_limit = std::int64_t{4} << row_bits; ///< of a component of an angular row
@@ -27,10 +26,9 @@ struct Shares {
     std::int64_t a, b;
 };
 
-Shares shares_of(const PrepareInput& in, const Contact& c) {
-    const bool a = in.bodies.step[c.body_a].movable, b = in.bodies.step[c.body_b].movable;
-    if (!a || !b) return {a ? unit : 0, b ? unit : 0};
-    const std::int64_t ma = in.mass[c.body_a].mass.raw, mb = in.mass[c.body_b].mass.raw;
+Shares shares_of(const BodyStep& a, const BodyStep& b) {
+    if (!a.movable || !b.movable) return {a.movable ? unit : 0, b.movable ? unit : 0};
+    const std::int64_t ma = a.mass.raw, mb = b.mass.raw;
     // A hair above one half: half of an odd impulse would be rounded upwards whatever its sign, and resting boxes creep.
     if (ma == mb) return {unit / 2 + 1, unit / 2 + 1};
     // alpha = mA^-1 / (mA^-1 + mB^-1) = mB / (mA + mB); both below 2^62.
@@ -109,20 +107,15 @@ namespace {
 
 /// What a contact has once: bodies, shares, surface, softness.
 template <unsigned N>
-void fill_head(ContactPack<N>& pack, unsigned lane, const Contact& contact, const PrepareInput& in,
-               Shares shares, const dynamics::Softness& soft) {
-    const bool a_moves = in.bodies.step[contact.body_a].movable,
-               b_moves = in.bodies.step[contact.body_b].movable;
-    const auto is_locked = [&](std::uint32_t body) {
-        const std::int64_t(&keep)[3] = in.bodies.body[body].keep;
-        return (keep[0] & keep[1] & keep[2]) == 0;
-    };
+void fill_head(ContactPack<N>& pack, unsigned lane, const Contact& contact, const BodyStep& sa,
+               const BodyStep& sb, const dynamics::Softness& soft) {
+    const Shares shares = shares_of(sa, sb);
     pack.body_a[lane] = contact.body_a, pack.body_b[lane] = contact.body_b;
-    pack.movable_a |= (a_moves ? 1u : 0u) << lane, pack.movable_b |= (b_moves ? 1u : 0u) << lane;
-    if ((a_moves && is_locked(contact.body_a)) || (b_moves && is_locked(contact.body_b))) pack.locked = 1;
+    pack.movable_a |= (sa.movable ? 1u : 0u) << lane, pack.movable_b |= (sb.movable ? 1u : 0u) << lane;
+    if ((sa.movable && sa.linear_mask != 7u) || (sb.movable && sb.linear_mask != 7u)) pack.locked = 1;
     pack.point_count = std::max(pack.point_count, static_cast<std::int32_t>(contact.count));
     pack.several[lane] = contact.count > 1 ? -1 : 0;
-    const bool jointed = in.bodies.step[contact.body_a].jointed || in.bodies.step[contact.body_b].jointed;
+    const bool jointed = sa.jointed || sb.jointed;
     pack.keeps |= (jointed && contact.restitution == Unit{} ? 1u : 0u) << lane;
     pack.share_a[lane] = low(shares.a), pack.share_b[lane] = low(shares.b);
     pack.bias_rate[lane] = soft.bias_rate.raw;
@@ -132,26 +125,19 @@ void fill_head(ContactPack<N>& pack, unsigned lane, const Contact& contact, cons
 
 /// K^-1 of one body, where it may turn and move.
 template <unsigned N>
-void fill_side(const BodyStep& step, const SolverBody& body, unsigned lane, std::int32_t (&inverse)[6][N],
-               std::int64_t (&shift)[N], std::int32_t (&turns)[3][N], std::int64_t (&keep)[3][N]) {
+void fill_side(const BodyStep& step, unsigned lane, std::int32_t (&inverse)[6][N], std::int64_t (&shift)[N],
+               std::int32_t (&turns)[3][N], std::int64_t (&keep)[3][N]) {
     const dynamics::Symmetric<std::int32_t>& m = step.inv_mantissa;
     const std::int32_t entries[6] = {m.xx, m.yy, m.zz, m.xy, m.xz, m.yz};
     for (int i = 0; i < 6; ++i) inverse[i][lane] = entries[i];
     shift[lane] = std::clamp(step.inv_exponent + Length::fraction_bits - row_bits, 1, 62);
     for (int i = 0; i < 3; ++i) {
         turns[i][lane] = step.moves && ((step.angular_mask >> i) & 1u) ? -1 : 0;
-        keep[i][lane] = body.keep[i];
+        keep[i][lane] = (step.linear_mask >> i) & 1u ? -1 : 0;
     }
 }
 
-/// How much of its impulse a soft contact yields in a substep, Unit.
-std::int32_t ease_of(const dynamics::Softness& soft) {
-    return low(std::min(
-        (std::int64_t{soft.impulse_scale.raw} << unit_bits) / std::max(soft.mass_scale.raw, 1), unit));
-}
-
-template <unsigned N>
-void fill_points(PackInput<N>& to, unsigned lane, const Contact& contact) {
+template <unsigned N> void fill_points(PackInput<N>& to, unsigned lane, const Contact& contact) {
     to.count[lane] = static_cast<std::int32_t>(contact.count);
     for (std::uint32_t k = 0; k < contact.count; ++k) {
         const ContactPoint& point = contact.points[k];
@@ -182,18 +168,16 @@ void fill_lane(ContactPack<N>& pack, PackInput<N>& input, unsigned lane, const C
     if (contact.count == 0) return; // not filled in by tasks of the game's own that left an item out
     const BodyStep &sa = in.bodies.step[contact.body_a], &sb = in.bodies.step[contact.body_b];
     const dynamics::Softness& soft = sa.movable && sb.movable ? in.step.soft : in.step.soft_static;
-    fill_head(pack, lane, contact, in, shares_of(in, contact), soft);
+    fill_head(pack, lane, contact, sa, sb, soft);
     for (int i = 0; i < 3; ++i) {
         input.d[0][i][lane] = contact.normal[i].raw;
         input.surface_velocity[i][lane] = contact.surface_velocity[i].raw;
     }
     fill_points(input, lane, contact);
     input.arms_of_b[lane] = sb.movable ? -1 : 0;
-    input.ease[lane] = ease_of(soft);
-    fill_side(sa, in.bodies.body[contact.body_a], lane, input.inverse_a, input.shift_a, input.turns_a,
-              input.keep_a);
-    fill_side(sb, in.bodies.body[contact.body_b], lane, input.inverse_b, input.shift_b, input.turns_b,
-              input.keep_b);
+    input.ease[lane] = soft.ease.raw;
+    fill_side(sa, lane, input.inverse_a, input.shift_a, input.turns_a, input.keep_a);
+    fill_side(sb, lane, input.inverse_b, input.shift_b, input.turns_b, input.keep_b);
 }
 
 void tangent_at_pole(const std::int32_t (&normal)[3], std::int32_t (&tangent)[3]) {
@@ -249,7 +233,7 @@ void fill_rolling(Rolling& rolling, const Contact& contact, const PrepareInput& 
     const Real la = rolling_length(mass_of(in.mass, contact.body_a)),
                lb = rolling_length(mass_of(in.mass, contact.body_b));
     const Real length = !sa.movable ? lb : !sb.movable ? la : min(la, lb);
-    const Shares shares = shares_of(in, contact);
+    const Shares shares = shares_of(sa, sb);
     if (length <= Real{} || shares.a + shares.b == 0) return;
     Rows rows{};
     const Turner ta(sa), tb(sb);
