@@ -50,16 +50,21 @@ static std::uint64_t entries_or(const Symmetric<Real>& k) {
            magnitude(k.xz.raw) | magnitude(k.yz.raw);
 }
 
+/// Entries are below 2^bits, so a mantissa is at most 2^30.
 static void set_mantissa(BodyStep& s) {
     const Symmetric<Real>& k = s.gyration_inv;
     const int drop = s.gyration_inv_bits - 30; // bits of the mantissa: 30, and the sign
     s.inv_exponent = Real::fraction_bits - drop;
-    const auto mantissa = [drop](Real x) {
-        return saturate_to_int32(drop >= 0 ? shift_right_rounded(x.raw, drop)
-                                           : shift_left_saturated(x.raw, -drop));
+    const auto set = [&](auto&& mantissa) {
+        const auto low = [&](Real x) { return static_cast<std::int32_t>(mantissa(x.raw)); };
+        s.inv_mantissa = {low(k.xx), low(k.yy), low(k.zz), low(k.xy), low(k.xz), low(k.yz)};
     };
-    s.inv_mantissa = {mantissa(k.xx), mantissa(k.yy), mantissa(k.zz),
-                      mantissa(k.xy), mantissa(k.xz), mantissa(k.yz)};
+    if (drop <= 0)
+        set([up = -drop](std::int64_t x) { return x * (std::int64_t{1} << up); });
+    else if (drop <= 32)
+        set([drop, half = std::int64_t{1} << (drop - 1)](std::int64_t x) { return (x + half) >> drop; });
+    else
+        set([drop](std::int64_t x) { return shift_right_rounded(x, drop); });
 }
 
 /// 1 / radius along each axis, zero where there is none. Most bodies have two or three radii alike.

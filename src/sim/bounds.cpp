@@ -197,8 +197,9 @@ Length ahead_of(SpeedVec3 velocity, std::uint32_t tick_rate) {
     const std::int64_t x = size(velocity.x), y = size(velocity.y), z = size(velocity.z);
     const std::int64_t widest = std::max(x, std::max(y, z)), speed = widest + ((x + y + z - widest + 1) >> 1);
     constexpr int finer = Length::fraction_bits - Speed::fraction_bits;
+    // 2 ahead <= margin_base, without the division: most bodies are slow.
+    if ((speed << finer) < std::int64_t{margin_base.raw / 2} * tick_rate) return Length{};
     const std::int64_t ahead = (speed << finer) / tick_rate + 1;
-    if (2 * ahead <= margin_base.raw) return Length{};
     const std::int64_t steps = (ahead + margin_base.raw - 1) / margin_base.raw;
     return to<Length>(Coordinate::from_raw(
         margin_base.raw * static_cast<std::int64_t>(std::bit_ceil(static_cast<std::uint64_t>(steps)))));
