@@ -3,6 +3,8 @@
 // source: Sutherland, Hodgman, Reentrant Polygon Clipping, CACM 1974.
 #include "collide/manifold.h"
 
+#include <algorithm>
+
 namespace lockstone::collide {
 namespace {
 
@@ -77,14 +79,16 @@ void clip_side(Polygon& polygon, const ClipPoint& from, const ClipPoint& to, std
         least = smaller(least, inside[k]);
     }
     if (least >= allowed) return;
-    const Polygon whole = polygon;
+    ClipPoint whole[points_max];
+    const int count = polygon.count;
+    std::copy_n(polygon.points, count, whole);
     int n = 0;
-    for (int k = 0; k < whole.count && n < points_max; ++k) {
-        const int next = k + 1 == whole.count ? 0 : k + 1;
-        const ClipPoint &a = whole.points[k], &b = whole.points[next];
+    for (int k = 0; k < count && n < points_max; ++k) {
+        const int next = k + 1 == count ? 0 : k + 1;
+        const ClipPoint &a = whole[k], &b = whole[next];
         const bool a_stays = inside[k] >= allowed, b_stays = inside[next] >= allowed;
         if (a_stays) polygon.points[n++] = a;
-        if (a_stays == b_stays || n == points_max || (whole.is_open && next == 0)) continue;
+        if (a_stays == b_stays || n == points_max || (polygon.is_open && next == 0)) continue;
         const std::int64_t part =
             clamped(divide_shifted(inside[k], inside[k] - inside[next], 30), 0, std::int64_t{1} << 30);
         ClipPoint cut = between(a, b, part);

@@ -94,6 +94,9 @@ Result<Json> count_instructions(const std::vector<BenchScene>& scenes, const Con
                                 const std::string& keep) {
     const Folder folder;
     if (folder.path.empty()) return Error{"cannot make a folder in " + fs::temp_directory_path().string()};
+    std::error_code failed;
+    if (!keep.empty() && (fs::create_directories(keep, failed), failed))
+        return Error{"cannot make the folder " + keep + ": " + failed.message()};
     Json rows = Json::array();
     for (const BenchScene& scene : scenes) {
         const Result<double> instructions = count(scene, who, folder.path, keep);
