@@ -30,6 +30,9 @@ struct BodyPass {
 struct BodyKernel {
     std::uint32_t (*integrate_velocities)(const BodyPass& pass, std::uint32_t* left);
     std::uint32_t (*integrate_poses)(const BodyPass& pass, std::uint32_t* left);
+    /// sums += velocities, and sums -= velocities, modulo 2^64: six numbers of each of `count` bodies.
+    void (*add_velocities)(const SolverBody* bodies, std::int64_t* sums, std::uint32_t count);
+    void (*take_velocities)(const SolverBody* bodies, std::int64_t* sums, std::uint32_t count);
 };
 
 } // namespace lockstone::dynamics

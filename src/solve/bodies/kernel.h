@@ -54,6 +54,22 @@ template <class L> class MovedBodies {
         return L::lanes_of(beyond) != 0;
     }
 
+    template <class Combine>
+    static void combine(const Body* bodies, std::int64_t* sums, std::uint32_t count, Combine&& combined) {
+        for (std::uint32_t i = 0; i < count; ++i, sums += 6) {
+            const Row row = load(reinterpret_cast<const std::int64_t*>(&bodies[i]));
+            Row sum = load(sums);
+            for (unsigned k = 0; k < windows; ++k) sum.at[k] = combined(sum.at[k], row.at[k]);
+            for (unsigned k = 0; k < windows; ++k) L::store64(sums + place(k), sum.at[k]);
+        }
+    }
+    static void add_velocities(const Body* bodies, std::int64_t* sums, std::uint32_t count) {
+        combine(bodies, sums, count, [](V a, V b) { return L::add(a, b); });
+    }
+    static void take_velocities(const Body* bodies, std::int64_t* sums, std::uint32_t count) {
+        combine(bodies, sums, count, [](V a, V b) { return L::sub(a, b); });
+    }
+
     static std::uint32_t integrate_velocities(const Pass& pass, std::uint32_t* left) {
         const Limits limits = limits_of(pass);
         const Row change = load(pass.dv);
@@ -100,7 +116,9 @@ template <class L> class MovedBodies {
     }
 
   public:
-    static constexpr dynamics::BodyKernel table() { return {integrate_velocities, integrate_poses}; }
+    static constexpr dynamics::BodyKernel table() {
+        return {integrate_velocities, integrate_poses, add_velocities, take_velocities};
+    }
 };
 
 } // namespace lockstone::solve

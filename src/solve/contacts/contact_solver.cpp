@@ -31,6 +31,7 @@ constexpr std::uint32_t pack_chunk = 16;
 struct ContactSolver::Inside {
     Simd simd = Simd::scalar;
     const ContactKernel* kernel = nullptr;
+    const dynamics::BodyKernel* body_kernel = nullptr;
     std::uint32_t pack_count = 0;
     bool started = false;                    ///< the warm start from the last tick was given
     std::vector<std::uint32_t> storage;      ///< the packs
@@ -44,6 +45,10 @@ struct ContactSolver::Inside {
 
     void place_packs(std::span<const Contact> contacts);
     template <class Visit> void for_each_stage(Tasks* tasks, Visit&& visit);
+    std::int64_t* warm_numbers() {
+        static_assert(sizeof(WarmStart) == 6 * sizeof(std::int64_t));
+        return reinterpret_cast<std::int64_t*>(warm.data());
+    }
     void begin_pass(const SolverBodies& bodies);
     void end_pass(const SolverBodies& bodies);
     void first_warm_start(SolverBodies& bodies, Tasks* tasks);
@@ -64,6 +69,7 @@ bool ContactSolver::use(Simd level) {
     const Kernels* kernels = kernels_of(level);
     if (kernels == nullptr) return false;
     inside->kernel = kernels->contacts;
+    inside->body_kernel = kernels->bodies;
     inside->simd = level;
     return true;
 }
@@ -192,32 +198,13 @@ template <class Visit> void ContactSolver::Inside::for_each_stage(Tasks* tasks, 
     }
 }
 
-namespace {
-
-/// Modulo 2^64: what is taken away before a pass and added after it leaves the difference, whatever lies in between.
-std::int64_t wrapped_sum(std::int64_t a, std::int64_t b) {
-    return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b));
-}
-std::int64_t wrapped_difference(std::int64_t a, std::int64_t b) {
-    return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) - static_cast<std::uint64_t>(b));
-}
-
-} // namespace
-
-/// What the passes give to a body is the difference between its velocities before and after.
+/// What the passes give to a body is the difference between its velocities before and after. Modulo 2^64: what is taken away
+/// before a pass and added after it leaves the difference, whatever lies in between.
 void ContactSolver::Inside::begin_pass(const SolverBodies& bodies) {
-    for (std::size_t i = 0; i < warm.size(); ++i)
-        for (int axis = 0; axis < 3; ++axis) {
-            warm[i].v[axis] = wrapped_difference(warm[i].v[axis], bodies.body[i].v[axis]);
-            warm[i].u[axis] = wrapped_difference(warm[i].u[axis], bodies.body[i].u[axis]);
-        }
+    body_kernel->take_velocities(bodies.body.data(), warm_numbers(), bodies.still() + 1);
 }
 void ContactSolver::Inside::end_pass(const SolverBodies& bodies) {
-    for (std::size_t i = 0; i < warm.size(); ++i)
-        for (int axis = 0; axis < 3; ++axis) {
-            warm[i].v[axis] = wrapped_sum(warm[i].v[axis], bodies.body[i].v[axis]);
-            warm[i].u[axis] = wrapped_sum(warm[i].u[axis], bodies.body[i].u[axis]);
-        }
+    body_kernel->add_velocities(bodies.body.data(), warm_numbers(), bodies.still() + 1);
 }
 
 void ContactSolver::Inside::first_warm_start(SolverBodies& bodies, Tasks* tasks) {
