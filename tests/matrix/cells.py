@@ -77,7 +77,7 @@ def all_cells(cpu_flags):
     for level in ("-O0", "-O1", "-O3", "-Os"):
         built("optimisation", host("g++", level))
     # Of the sample: what three builds tell apart in the long run.
-    built("optimisation", host("g++", "-O0", PORTABLE, NO_DOUBLE), **in_sample, sample_ticks=40)
+    built("optimisation", host("g++", "-O0", PORTABLE, NO_DOUBLE), **in_sample, sample_ticks=20)
     built("optimisation", host("g++", "-O2", "-flto"))
     built("optimisation", host("clang++-19", "-O2", "-flto=thin"))
     for cxx in ("clang++-14", "clang++-19"):
