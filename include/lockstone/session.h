@@ -136,7 +136,7 @@ struct PlayerDisconnected {
 /// The first confirmed tick after which this machine and `peer` hold different states. Told once per peer.
 struct Desync {
     std::uint64_t tick;
-    std::uint64_t local, remote; ///< root hashes after the tick
+    std::uint32_t local, remote; ///< lower halves of the root hashes after the tick
     PeerId peer;
 };
 /// Packets arrive from `peer` that are well formed but of another version or match. Told once per peer.

@@ -58,6 +58,7 @@ class PeerSession final : public Session {
     std::optional<PacketFault> receive(const Datagram& datagram);
     bool plausible(const PeerLink& link) const; ///< of `incoming`
     void apply(PeerLink& link);
+    void apply_inputs(const InputBlock& block);
     void apply_departures(PeerLink& link);
     void apply_quality(PeerLink& link, const QualityReport& report);
     void send_to_all();
@@ -72,7 +73,7 @@ class PeerSession final : public Session {
         std::uint32_t of, against;
     };
     void judge_peers();
-    std::uint32_t players_of(PeerId peer) const; ///< bits
+    std::uint32_t players_of(PeerId peer) const { return players_at(def, peer); }
     bool has_dropped_us(const PeerLink& link) const;
     bool is_dropped() const;
     void find_silent_peers();
