@@ -45,6 +45,7 @@ std::optional<PacketFault> PeerSession::receive(const Datagram& datagram) {
     PeerLink* link = find_link(datagram.from);
     if (link == nullptr || link->state == PeerLink::State::gone) return PacketFault::stranger;
     if (++link->packets_read > packets_per_peer_max) return PacketFault::flood;
+    if (is_inspection(datagram.bytes)) return receive_inspection(*link, datagram.bytes);
     const Sender sender{players_of(link->peer), transport.authenticated(), link->sequence_heard, link->tick};
     if (const std::optional<PacketFault> fault = decode(datagram.bytes, context, sender, incoming)) {
         const bool incompatible = *fault == PacketFault::version || *fault == PacketFault::match;
@@ -136,8 +137,11 @@ void PeerSession::compare_hashes(PeerLink& link) {
     if (link.hashes_are_lost) return;
     const std::uint64_t before = link.hashes.compared_through();
     const auto local = [this](std::uint64_t tick) { return static_cast<std::uint32_t>(local_hash(tick)); };
-    if (const std::optional<std::uint64_t> tick = link.hashes.compare(confirmed, local))
-        notices.push_back(Desync{*tick, local(*tick), link.hashes.remote_hash(*tick), link.peer});
+    if (const std::optional<std::uint64_t> tick = link.hashes.compare(confirmed, local)) {
+        const Desync desync{*tick, local(*tick), link.hashes.remote_hash(*tick), link.peer};
+        notices.push_back(desync);
+        begin_inspection(link, desync);
+    }
     counts.hashes_compared += link.hashes.compared_through() - before;
 }
 
@@ -146,6 +150,7 @@ void PeerSession::compare_hashes(PeerLink& link) {
 void PeerSession::send_to_all() {
     for (PeerLink& link : links)
         if (link.state != PeerLink::State::gone) send(link);
+    for (PeerLink& link : links) go_on_inspecting(link);
 }
 
 void PeerSession::send(PeerLink& link) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "session/input_queue.h"
+#include "session/inspection.h"
 #include "session/message.h"
 
 #include <algorithm>
@@ -97,6 +98,7 @@ struct PeerLink {
     std::array<std::uint64_t, players_max> cut{};   ///< by player, the lowest it told; `never`: none
 
     HashLedger hashes;
+    std::unique_ptr<Inspection> inspection; ///< once their states have parted
     bool hashes_are_lost = false; ///< an unwanted peer did not exchange them in time: no more are sent or compared
     TimeSync time_sync;
     std::int32_t remote_ahead = 0; ///< the peer's own count

@@ -59,12 +59,15 @@ void run_frame(Peer& peer, PeerId self, const Game& game, const MatchDef& def, s
         peer.session->add_local_input(self, input);
         peer.wait_frames = peer.runner->frame(now_ms).wait_ticks;
     }
-    while (const auto notice = peer.session->next_notice())
+    while (const auto notice = peer.session->next_notice()) {
+        if (const auto* named = std::get_if<DesyncNamed>(&*notice))
+            out.desyncs.push_back("peer " + std::to_string(self) + ": " + to_string(*named->report));
         if (const auto* desync = std::get_if<Desync>(&*notice))
             out.desyncs.push_back("peer " + std::to_string(self) + " and peer " +
                                   std::to_string(desync->peer) + " differ after tick " +
                                   std::to_string(desync->tick) + ": " + hash_text(desync->local) +
                                   " against " + hash_text(desync->remote));
+    }
 }
 
 /// By all of them.
