@@ -136,9 +136,41 @@ struct PlayerDisconnected {
 /// The first confirmed tick after which this machine and `peer` hold different states. Told once per peer.
 struct Desync {
     std::uint64_t tick;
-    std::uint64_t local, remote; ///< root hashes after the tick
+    std::uint32_t local, remote; ///< lower halves of the root hashes after the tick
     PeerId peer;
 };
+inline constexpr std::size_t desync_differences_max = 8;
+inline constexpr std::uint64_t desync_log_ticks = 120; ///< two seconds at 60 Hz
+
+/// Where two states part, as far as both machines have told each other.
+struct DesyncReport {
+    PeerId peer = 0;
+    std::uint64_t tick = 0;               ///< the first after which the states differ
+    std::uint64_t local = 0, remote = 0;  ///< root hashes after it; remote: 0 where not told
+    std::string phase;                    ///< of the tick, run again: the first that both leave differently; empty: not known
+    std::vector<std::string> columns;     ///< that differ, in manifest order
+    std::vector<Difference> differences;  ///< row counts, then of the first page of the first column; ours left
+    bool complete = false;                ///< the other side has answered all
+    bool local_repeats = false;           ///< the tick, run again here, leads to the same state as it did
+    bool remote_repeats = false;          ///< and there. Whose does not has a fault that its state and inputs do not explain
+    std::uint64_t bytes_exchanged = 0;    ///< both ways, of questions and answers; at most 128 kB
+    struct Tick {
+        std::uint64_t tick;
+        std::uint32_t local, remote; ///< lower halves of the root hashes
+        std::vector<std::vector<std::byte>> inputs; ///< by player
+    };
+    std::vector<Tick> log; ///< the last desync_log_ticks up to `tick`
+};
+/// Follows a Desync where the session has somebody to ask (Session::set_inspector), at both machines: once all is told, or the
+/// other one has been silent about it for some seconds.
+struct DesyncNamed {
+    std::shared_ptr<const DesyncReport> report; ///< never null
+};
+/// "tick 118, machine 1: phase solve, column body.velocity, row 7, linear.x: 1 (raw 0x80000) against 2 (raw 0x100000)"
+std::string to_string(const DesyncReport& report);
+/// The sentence above, then a line for each difference, column and tick: for a file.
+std::string log_text(const DesyncReport& report);
+
 /// Packets arrive from `peer` that are well formed but of another version or match. Told once per peer.
 struct PeerIncompatible {
     PeerId peer;
@@ -149,7 +181,7 @@ struct PeerIncompatible {
 struct MatchStopped {
     std::string reason; ///< a sentence
 };
-using Notice = std::variant<PeerConnected, PlayerDisconnected, Desync, PeerIncompatible, MatchStopped>;
+using Notice = std::variant<PeerConnected, PlayerDisconnected, Desync, DesyncNamed, PeerIncompatible, MatchStopped>;
 
 /// Why a packet was dropped. Dropped packets change nothing but these counts.
 enum class PacketFault : std::uint32_t {
@@ -189,6 +221,24 @@ struct PeerQuality {
     std::uint64_t hashes_agreed = 0; ///< ticks [0, n) compared and equal
 };
 
+// ---- where two states part -----------------------------------------------------------------------------------------
+
+/// A tick that was run again, from the state before it.
+struct Rerun {
+    std::vector<PhaseHash> phases; ///< empty: the simulation has none
+    std::uint64_t hash = 0;        ///< after the tick, as Simulation::hash gives it
+};
+
+/// Shows a session what this machine held, so that it and a peer can find out where they part. SessionRunner brings one.
+class StateInspector {
+  public:
+    virtual ~StateInspector() = default;
+    /// The state after tick `tick`; null where it is not kept any more. Valid until the next call.
+    virtual const State* state_after(std::uint64_t tick) = 0;
+    /// Runs the tick again and comes back to the present. Without the state before it: empty.
+    virtual Rerun run_again(std::uint64_t tick, std::span<const PlayerInput> inputs) = 0;
+};
+
 // ---- the session -------------------------------------------------------------------------------------------------
 
 class Session {
@@ -214,6 +264,9 @@ class Session {
     /// This machine wants a peer to leave. Between two machines it has left at once; among more it leaves when most of
     /// the others want it too, see src/session/README.md. Refuses a machine that is not a peer of this match.
     virtual Status drop_peer(PeerId peer) = 0;
+
+    /// Whom to ask when a peer holds another state; not owned, null: nobody. False: this session never asks.
+    virtual bool set_inspector(StateInspector*) { return false; }
 
     virtual std::uint64_t current_tick() const = 0; ///< the next new tick
     virtual std::uint32_t
@@ -246,6 +299,9 @@ class Simulation {
     virtual std::uint64_t hash() const = 0;
     virtual std::span<const Event> events() const = 0; ///< of the last tick, ordered by kind and shape ids
     virtual State& state() = 0; ///< for diagnosis: naming a difference, planting a fault
+    /// Whether ticks from now on note a hash after each of their phases, and those of the last tick.
+    virtual void record_phase_hashes(bool) {}
+    virtual std::span<const PhaseHash> phase_hashes() const { return {}; }
 };
 
 /// The world outlives it and stays where it is: to use it afterwards ends the program with a sentence.
@@ -259,6 +315,8 @@ class WorldSimulation final : public Simulation {
     std::uint64_t hash() const override;
     std::span<const Event> events() const override;
     State& state() override;
+    void record_phase_hashes(bool on) override;
+    std::span<const PhaseHash> phase_hashes() const override;
     /// The first error of the rules, for display. The tick was run all the same, on every machine alike; it may have
     /// rested on a guess that did not come true.
     const Status& failure() const { return first_failure; }
@@ -310,6 +368,9 @@ struct RunnerDef {
     /// Plants a fault, for tests of the sync test: this column keeps its present values at every restore, as if the
     /// snapshot lacked it.
     std::string column_left_out;
+    /// How many of the newest states are kept beside what rollbacks need, so that a desync can be named whose first tick lies
+    /// that far back: the round trip, and what lost packets add. Each takes the memory of an image. 0: desyncs name a tick.
+    std::uint32_t inspected_ticks = 64;
 };
 
 struct Frame {
@@ -335,6 +396,8 @@ class SessionRunner {
     bool drain(std::uint64_t now_ms);
     /// Of the last frame: by tick, then in the order of the tick's events.
     std::span<const SessionEvent> events() const;
+    /// What the session asks where states part.
+    StateInspector& inspector();
     /// The first failure of a sync test; null while there is none.
     const SyncTestFailure* sync_failure() const;
 

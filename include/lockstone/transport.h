@@ -35,6 +35,9 @@ class Transport {
     virtual void send(PeerId to, std::span<const std::byte> bytes) = 0;
     /// The next packet that has arrived, whoever sent it, whatever is in it; nothing when there is none.
     virtual std::optional<Datagram> receive() = 0;
+    /// Whether what `receive` hands over is what the machine it names has sent, to the bit, and to this match. Then packets
+    /// carry no checksum of their own. The same at both ends.
+    virtual bool authenticated() const { return false; }
 };
 
 /// How one direction between two endpoints behaves. Chances are in 1/1000, each packet on its own.

@@ -24,12 +24,6 @@ void PeerSession::judge_peers() {
         if (is_gone(p)) agree_on_cut(p);
 }
 
-std::uint32_t PeerSession::players_of(PeerId peer) const {
-    std::uint32_t players = 0;
-    for (std::uint32_t p = 0; p < def.players.size(); ++p) players |= def.players[p] == peer ? 1u << p : 0u;
-    return players;
-}
-
 // ---- what this machine has seen for itself -----------------------------------------------------------------------
 
 bool PeerSession::has_dropped_us(const PeerLink& link) const {

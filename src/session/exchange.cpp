@@ -1,9 +1,10 @@
 // Packets in and out. A packet is decoded, then judged whole against what its sender can know, and only then applied:
-// a dropped packet has changed nothing. Everything lost is sent again, because every packet carries all the inputs
-// that its receiver has not acknowledged.
+// a dropped packet has changed nothing. Everything lost is sent again, because packets carry the inputs that their
+// receiver has not acknowledged.
 #include "session/peer_session.h"
 
 #include <algorithm>
+#include <bit>
 #include <utility>
 
 namespace lockstone::session {
@@ -44,7 +45,9 @@ std::optional<PacketFault> PeerSession::receive(const Datagram& datagram) {
     PeerLink* link = find_link(datagram.from);
     if (link == nullptr || link->state == PeerLink::State::gone) return PacketFault::stranger;
     if (++link->packets_read > packets_per_peer_max) return PacketFault::flood;
-    if (const std::optional<PacketFault> fault = decode(datagram.bytes, context, incoming)) {
+    if (is_inspection(datagram.bytes)) return receive_inspection(*link, datagram.bytes);
+    const Sender sender{players_of(link->peer), transport.authenticated(), link->sequence_heard, link->tick};
+    if (const std::optional<PacketFault> fault = decode(datagram.bytes, context, sender, incoming)) {
         const bool incompatible = *fault == PacketFault::version || *fault == PacketFault::match;
         if (incompatible && !link->told_incompatible) {
             link->told_incompatible = true;
@@ -58,6 +61,7 @@ std::optional<PacketFault> PeerSession::receive(const Datagram& datagram) {
 }
 
 bool PeerSession::plausible(const PeerLink& link) const {
+    if (!incoming.greeting && link.state == PeerLink::State::connecting) return false; // nobody goes before greeting
     std::uint64_t local_end = never; // nobody can have confirmed a tick without all local inputs
     for (const InputQueue& queue : queues) {
         const std::uint64_t next = incoming.next_input[queue.player()];
@@ -70,12 +74,9 @@ bool PeerSession::plausible(const PeerLink& link) const {
     }
     if (incoming.hash_first + incoming.hash_count > local_end) return false;
     if (incoming.next_hash > confirmed) return false;
-    for (const InputBlock& block : incoming.input_blocks()) {
-        const InputQueue& queue = queues[block.player];
-        if (def.players[block.player] != link.peer) return false; // nobody speaks for another, not even for one who left
-        if (block.first > queue.next()) return false; // senders start from what was acknowledged: no gaps
-    }
-    return true;
+    return std::ranges::all_of(incoming.input_blocks(), [&](const InputBlock& block) {
+        return block.first <= queues[block.player].next() + history_confirmed_max; // more no sender keeps
+    });
 }
 
 void PeerSession::apply(PeerLink& link) {
@@ -89,21 +90,27 @@ void PeerSession::apply(PeerLink& link) {
         link.state = PeerLink::State::connected;
         notices.push_back(PeerConnected{link.peer});
     }
+    link.has_heard_us = link.has_heard_us || incoming.heard;
     apply_departures(link);
     for (std::uint32_t p = 0; p < queues.size(); ++p)
         link.next_input[p] = std::max(link.next_input[p], incoming.next_input[p]);
-    for (const InputBlock& block : incoming.input_blocks()) {
-        InputQueue& queue = queues[block.player];
-        for_each_input(block, def.input_size, [&](std::uint64_t tick, std::span<const std::byte> input) {
-            if (tick == queue.next() && queue.room() > 0 && !queue.disconnected()) queue.confirm(input);
-        });
-    }
+    for (const InputBlock& block : incoming.input_blocks()) apply_inputs(block);
     link.hashes.acknowledge(incoming.next_hash);
     for (std::uint32_t i = 0; i < incoming.hash_count; ++i)
         link.hashes.receive(incoming.hash_first + i, incoming.hashes[i]);
     if (!is_new) return; // the rest is old news
     link.tick = std::max(link.tick, incoming.tick);
     if (incoming.quality) apply_quality(link, *incoming.quality);
+}
+
+/// What lies after a gap comes again, from the gap on.
+void PeerSession::apply_inputs(const InputBlock& block) {
+    InputQueue& queue = queues[block.player];
+    const auto before = queue.before(block.first);
+    if (!before) return;
+    for_each_input(block, *before, [&](std::uint64_t tick, std::span<const std::byte> input) {
+        if (tick == queue.next() && queue.room() > 0 && !queue.disconnected()) queue.confirm(input);
+    });
 }
 
 void PeerSession::apply_departures(PeerLink& link) {
@@ -115,12 +122,13 @@ void PeerSession::apply_departures(PeerLink& link) {
 
 void PeerSession::apply_quality(PeerLink& link, const QualityReport& report) {
     constexpr std::int32_t ahead_max = 1000;      // more means nothing, and sums must not overflow
-    constexpr std::uint32_t ping_max_ms = 60'000; // an echo of no clock reading of ours
+    constexpr std::uint16_t ping_max_ms = 60'000; // an echo of no clock reading of ours
     link.remote_ahead = std::clamp(report.ticks_ahead, -ahead_max, ahead_max);
+    link.has_echo = true;
     link.echo_ms = report.sent_ms;
     link.echo_received_ms = now;
-    const std::uint32_t ping = static_cast<std::uint32_t>(now) - report.echo_ms - report.echo_held_ms;
-    if (report.echo_ms != 0 && ping <= ping_max_ms) link.ping_ms = ping;
+    const auto ping = static_cast<std::uint16_t>(now - report.echo_ms - report.echo_held_ms);
+    if (report.has_echo && ping <= ping_max_ms) link.ping_ms = ping;
 }
 
 void PeerSession::compare_hashes(PeerLink& link) {
@@ -128,9 +136,12 @@ void PeerSession::compare_hashes(PeerLink& link) {
         link.hashes_are_lost = true;
     if (link.hashes_are_lost) return;
     const std::uint64_t before = link.hashes.compared_through();
-    const auto local = [this](std::uint64_t tick) { return local_hash(tick); };
-    if (const std::optional<std::uint64_t> tick = link.hashes.compare(confirmed, local))
-        notices.push_back(Desync{*tick, local_hash(*tick), link.hashes.remote_hash(*tick), link.peer});
+    const auto local = [this](std::uint64_t tick) { return static_cast<std::uint32_t>(local_hash(tick)); };
+    if (const std::optional<std::uint64_t> tick = link.hashes.compare(confirmed, local)) {
+        const Desync desync{*tick, local(*tick), link.hashes.remote_hash(*tick), link.peer};
+        notices.push_back(desync);
+        begin_inspection(link, desync);
+    }
     counts.hashes_compared += link.hashes.compared_through() - before;
 }
 
@@ -139,11 +150,12 @@ void PeerSession::compare_hashes(PeerLink& link) {
 void PeerSession::send_to_all() {
     for (PeerLink& link : links)
         if (link.state != PeerLink::State::gone) send(link);
+    for (PeerLink& link : links) go_on_inspecting(link);
 }
 
 void PeerSession::send(PeerLink& link) {
     fill_status(link);
-    writer.begin(context, outgoing);
+    writer.begin(context, {players_of(def.self), transport.authenticated()}, outgoing);
     send_inputs(link);
     const std::span<const std::byte> packet = writer.finish();
     transport.send(link.peer, packet);
@@ -153,6 +165,8 @@ void PeerSession::send(PeerLink& link) {
 
 void PeerSession::fill_status(PeerLink& link) {
     constexpr std::uint32_t packets_between_quality = 6;
+    outgoing.greeting = !link.has_heard_us;
+    outgoing.heard = link.state != PeerLink::State::connecting;
     outgoing.sequence = ++link.sequence_sent;
     outgoing.tick = current;
     fill_departures();
@@ -162,7 +176,7 @@ void PeerSession::fill_status(PeerLink& link) {
         link.hashes_are_lost ? HashLedger::Range{0, 0} : link.hashes.to_send(confirmed);
     outgoing.hash_first = range.first;
     outgoing.hash_count = range.count;
-    for (std::uint32_t i = 0; i < range.count; ++i) outgoing.hashes[i] = local_hash(range.first + i);
+    for (std::uint32_t i = 0; i < range.count; ++i) outgoing.hashes[i] = static_cast<std::uint32_t>(local_hash(range.first + i));
 
     const std::int64_t ahead = static_cast<std::int64_t>(current) - static_cast<std::int64_t>(link.tick);
     const std::int32_t local_ahead = static_cast<std::int32_t>(std::clamp<std::int64_t>(ahead, -1000, 1000));
@@ -170,9 +184,10 @@ void PeerSession::fill_status(PeerLink& link) {
     outgoing.quality.reset();
     if (link.packets_until_quality-- > 0) return;
     link.packets_until_quality = packets_between_quality;
-    const std::uint64_t held = link.echo_ms == 0 ? 0 : now - link.echo_received_ms;
-    outgoing.quality = {local_ahead, static_cast<std::uint32_t>(now), link.echo_ms,
-                        static_cast<std::uint32_t>(held)};
+    const std::uint64_t held = now - link.echo_received_ms;
+    const bool has_echo = link.has_echo && held < 30'000;
+    outgoing.quality = {local_ahead, static_cast<std::uint16_t>(now), has_echo, link.echo_ms,
+                        static_cast<std::uint16_t>(has_echo ? held : 0)};
 }
 
 /// Once stopped, all others have left: so they learn that they need not wait.
@@ -191,15 +206,23 @@ void PeerSession::fill_departures() {
     }
 }
 
+/// Oldest first, from the first that the peer lacks by its last word. Where it lacks more than is on its way in a usual
+/// round trip, three packets of four begin with newer ones: what the peer has already is not sent over and over, and what
+/// it has not comes with the fourth.
 void PeerSession::send_inputs(const PeerLink& link) {
-    const auto wants = [&](const InputQueue& queue) {
-        return is_local(queue.player()) && link.next_input[queue.player()] < queue.next();
-    };
-    std::uint32_t left = static_cast<std::uint32_t>(std::ranges::count_if(queues, wants));
+    constexpr std::uint64_t usual_ticks = 16, newest_ticks = 12;
+    std::uint32_t left = static_cast<std::uint32_t>(std::popcount(players_of(def.self)));
     for (const InputQueue& queue : queues) {
-        if (!wants(queue)) continue;
-        const std::uint64_t first = std::max(link.next_input[queue.player()], queue.oldest());
-        writer.add_inputs(queue.player(), first, queue.next() - first, --left,
+        if (!is_local(queue.player())) continue;
+        --left;
+        std::uint64_t first = std::max(link.next_input[queue.player()], queue.oldest());
+        const std::uint64_t lacks = queue.next() - std::min(queue.next(), first);
+        if (lacks == 0) {
+            writer.add_no_inputs();
+            continue;
+        }
+        if (lacks > usual_ticks && link.sequence_sent % 4 != 0) first = queue.next() - newest_ticks;
+        writer.add_inputs(first, queue.next() - first, left, *queue.before(first),
                           [&](std::uint64_t tick) { return queue.confirmed(tick); });
     }
 }

@@ -31,6 +31,12 @@ void InputQueue::confirm(std::span<const std::byte> input) {
     ++first_unknown;
 }
 
+std::optional<std::span<const std::byte>> InputQueue::before(std::uint64_t tick) const {
+    if (tick == 0) return std::span(zeros).first(size);
+    if (tick > first_unknown || tick + history_confirmed_max < first_unknown) return std::nullopt;
+    return slot(tick - 1);
+}
+
 PlayerInput InputQueue::use(std::uint64_t tick, const InputPredictor& predictor) {
     used_end = std::max(used_end, tick + 1);
     if (tick < first_unknown || tick >= cut) return settled(tick);

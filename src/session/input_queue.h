@@ -35,6 +35,9 @@ class InputQueue {
     void confirm(std::span<const std::byte> input);
     /// The confirmed input of a tick in [oldest, next).
     std::span<const std::byte> confirmed(std::uint64_t tick) const { return slot(tick); }
+    /// The confirmed input before tick `tick` <= next, zeros before tick 0: what inputs are told as the difference to. It
+    /// outlives being forgotten for a while; nothing where it is too old.
+    std::optional<std::span<const std::byte>> before(std::uint64_t tick) const;
 
     /// What tick `tick` runs on: the true input, else a guess, which is remembered; zeros from a disconnection on.
     PlayerInput use(std::uint64_t tick, const InputPredictor& predictor);

@@ -5,29 +5,52 @@
 #include "base/hash.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace lockstone::session {
 
 namespace {
 
-enum Section : std::uint8_t {
-    section_hashes = 1,
-    section_quality = 2,
-    section_departures = 4,
-    sections_known = 7
-};
-
-constexpr std::size_t block_header_bytes = 6;
+/// The first byte of a short packet, and the fourth of a greeting. Its lowest two bits are the number of hashes, 3: told.
+constexpr std::uint32_t flag_hashes = 3, flag_quality = 4, flag_departures = 8, flag_short = 128;
+constexpr std::uint32_t flag_heard = 16; ///< of greetings only
 constexpr std::size_t checksum_bytes = 4;
-constexpr std::size_t shortest_packet = 16;
+constexpr std::uint64_t number_end = std::uint64_t{1} << 32; ///< of ticks and sequence numbers
 
-std::uint32_t checksum(std::span<const std::byte> bytes) {
-    return static_cast<std::uint32_t>(base::xxh3(bytes));
+std::uint32_t checksum(std::span<const std::byte> bytes, std::uint64_t seed) {
+    return static_cast<std::uint32_t>(base::xxh3(bytes, seed));
 }
 
-std::size_t repeat_bytes(std::size_t inputs) { return (inputs + 7) / 8; }
+/// What a short packet leaves out is in its checksum all the same.
+std::uint64_t seed_of(std::uint32_t match, std::uint64_t sequence, std::uint64_t tick) {
+    base::HashStream hash;
+    hash.add(match);
+    hash.add(static_cast<std::uint32_t>(sequence));
+    hash.add(static_cast<std::uint32_t>(tick));
+    return hash.digest();
+}
+
+/// The number with these lowest 16 bits that is nearest to `near`.
+std::uint64_t expanded(std::uint16_t low, std::uint64_t near) {
+    const auto away =
+        static_cast<std::int16_t>(static_cast<std::uint16_t>(low - static_cast<std::uint16_t>(near)));
+    return near + static_cast<std::uint64_t>(std::int64_t{away});
+}
+
+/// 0, -1, 1, -2... as 0, 1, 2, 3...
+std::uint64_t zigzag(std::uint64_t to, std::uint64_t from) {
+    const std::int64_t n = static_cast<std::int64_t>(to - from);
+    return static_cast<std::uint64_t>(n) << 1 ^ static_cast<std::uint64_t>(n >> 63);
+}
 
 } // namespace
+
+std::uint32_t players_at(const SessionDef& def, PeerId machine) {
+    std::uint32_t players = 0;
+    for (std::uint32_t p = 0; p < def.players.size(); ++p)
+        players |= def.players[p] == machine ? 1u << p : 0u;
+    return players;
+}
 
 PacketContext packet_context(const SessionDef& def) {
     base::HashStream hash;
@@ -41,76 +64,91 @@ PacketContext packet_context(const SessionDef& def) {
 
 // ---- writing -----------------------------------------------------------------------------------------------------
 
-void PacketWriter::begin(const PacketContext& context, const Message& message) {
+void PacketWriter::begin(const PacketContext& context, const Sender& sender, const Message& message) {
     buffer.clear();
     buffer.reserve(packet_bytes_max);
     input_size = context.input_size;
+    blocks = static_cast<std::uint32_t>(std::popcount(sender.players));
+    tick = message.tick;
+    with_checksum = message.greeting || !sender.sealed;
+    seed = message.greeting ? 0 : seed_of(context.match, message.sequence, message.tick);
+    told = {};
     base::ByteWriter out(buffer);
-    out.u16(packet_magic);
-    out.u8(packet_version);
     const bool departures = (message.unwanted | message.gone) != 0;
-    out.u8(static_cast<std::uint8_t>((message.hash_count != 0 ? section_hashes : 0) |
-                                     (message.quality ? section_quality : 0) |
-                                     (departures ? section_departures : 0)));
-    out.u32(context.match);
-    out.u32(static_cast<std::uint32_t>(message.sequence));
-    out.u32(static_cast<std::uint32_t>(message.tick));
+    const std::uint32_t flags = std::min(message.hash_count, 3u) | (message.quality ? flag_quality : 0u) |
+                                (departures ? flag_departures : 0u);
+    if (message.greeting) {
+        out.u16(packet_magic);
+        out.u8(packet_version);
+        out.u8(static_cast<std::uint8_t>(flags | (message.heard ? flag_heard : 0u)));
+        out.u32(context.match);
+        out.u32(static_cast<std::uint32_t>(message.sequence));
+        out.u32(static_cast<std::uint32_t>(message.tick));
+    } else {
+        out.u8(static_cast<std::uint8_t>(flags | flag_short));
+        out.u16(static_cast<std::uint16_t>(message.sequence));
+        out.u16(static_cast<std::uint16_t>(message.tick));
+    }
+    told.head = buffer.size();
+    write_body(context, sender, message);
+}
+
+void PacketWriter::write_body(const PacketContext& context, const Sender& sender, const Message& message) {
+    base::ByteWriter out(buffer);
+    auto part_since = [&, last = buffer.size()](std::size_t& part) mutable {
+        part = buffer.size() - last;
+        last = buffer.size();
+    };
     for (std::uint32_t p = 0; p < context.player_count; ++p)
-        out.u32(static_cast<std::uint32_t>(message.next_input[p]));
-    out.u32(static_cast<std::uint32_t>(message.next_hash));
+        if ((sender.players >> p & 1u) == 0) out.varint(zigzag(message.next_input[p], tick));
+    part_since(told.acknowledgements);
     if (message.hash_count != 0) {
-        out.u32(static_cast<std::uint32_t>(message.hash_first));
-        out.u8(static_cast<std::uint8_t>(message.hash_count));
-        for (std::uint32_t i = 0; i < message.hash_count; ++i) out.u64(message.hashes[i]);
+        if (message.hash_count > 2) out.u8(static_cast<std::uint8_t>(message.hash_count));
+        out.varint(zigzag(message.hash_first, tick));
+        for (std::uint32_t i = 0; i < message.hash_count; ++i) out.u32(message.hashes[i]);
     }
+    part_since(told.hashes);
     if (message.quality) {
-        out.i32(message.quality->ticks_ahead);
-        out.u32(message.quality->sent_ms);
-        out.u32(message.quality->echo_ms);
-        out.u32(message.quality->echo_held_ms);
+        out.varint(zigzag(message.next_hash, tick));
+        out.varint(zigzag(static_cast<std::uint64_t>(std::int64_t{message.quality->ticks_ahead}), 0));
+        out.u16(message.quality->sent_ms);
+        out.varint(message.quality->has_echo ? message.quality->echo_held_ms + 1u : 0u);
+        if (message.quality->has_echo) out.u16(message.quality->echo_ms);
     }
-    if (departures) {
+    part_since(told.quality);
+    if ((message.unwanted | message.gone) != 0) {
         out.u16(static_cast<std::uint16_t>(message.unwanted));
         out.u16(static_cast<std::uint16_t>(message.gone));
         out.u16(static_cast<std::uint16_t>(message.has_cut));
         for (std::uint32_t p = 0; p < context.player_count; ++p)
             if ((message.has_cut >> p & 1u) != 0) out.u32(static_cast<std::uint32_t>(message.cut[p]));
     }
-    block_count_at = buffer.size();
-    out.u8(0);
+    part_since(told.departures);
 }
 
-std::uint32_t PacketWriter::open_block(std::uint32_t player, std::uint64_t first, std::uint64_t count,
-                                       std::uint32_t blocks_after) {
-    const auto block_bytes = [&](std::uint32_t inputs) { // as if none repeated: what is promised must fit
-        return block_header_bytes + repeat_bytes(inputs) + std::size_t{inputs} * input_size;
-    };
-    const std::size_t share = (packet_bytes_max - checksum_bytes - buffer.size()) / (blocks_after + 1);
-    std::uint32_t taken = static_cast<std::uint32_t>(std::min<std::uint64_t>(count, inputs_per_block));
-    while (taken > 0 && block_bytes(taken) > share) --taken;
-    if (taken == 0) return 0;
-    base::ByteWriter out(buffer);
-    out.u8(static_cast<std::uint8_t>(player));
-    out.u32(static_cast<std::uint32_t>(first));
-    out.u8(static_cast<std::uint8_t>(taken));
-    repeats_at = buffer.size();
-    buffer.resize(buffer.size() + repeat_bytes(taken));
-    buffer[block_count_at] = static_cast<std::byte>(std::to_integer<unsigned>(buffer[block_count_at]) + 1u);
-    return taken;
+/// How long the code of the block may be [bytes].
+std::size_t PacketWriter::open_block(std::uint64_t first, std::uint64_t count, std::uint32_t blocks_after) {
+    constexpr std::size_t block_head_max = 6;
+    block_at = buffer.size();
+    buffer.push_back(std::byte{0});
+    if (count == 0) return 0;
+    base::ByteWriter(buffer).varint(zigzag(first, tick));
+    const std::size_t room = packet_bytes_max - checksum_bytes - block_at;
+    const std::size_t share = room / (blocks_after + 1);
+    const std::size_t one_input = (input_bits_max(input_size) + 7) / 8;
+    const std::size_t wanted = std::max(inputs_budget_bytes / blocks, one_input);
+    return share < block_head_max ? 0 : std::min(share - block_head_max, wanted);
 }
 
-void PacketWriter::append_input(std::uint32_t index, std::span<const std::byte> input) {
-    const bool repeats = index > 0 && std::ranges::equal(input, std::span(previous).first(input.size()));
-    if (repeats) {
-        buffer[repeats_at + index / 8] |= static_cast<std::byte>(1u << (index % 8));
-    } else {
-        buffer.insert(buffer.end(), input.begin(), input.end());
-        std::ranges::copy(input, previous.begin());
-    }
+void PacketWriter::close_block(std::uint32_t taken) {
+    if (taken == 0) buffer.resize(block_at + 1);
+    buffer[block_at] = static_cast<std::byte>(taken);
+    told.inputs += buffer.size() - block_at;
 }
 
 std::span<const std::byte> PacketWriter::finish() {
-    base::ByteWriter(buffer).u32(checksum(buffer));
+    if (with_checksum) base::ByteWriter(buffer).u32(checksum(buffer, seed));
+    told.checksum = with_checksum ? checksum_bytes : 0;
     LOCKSTONE_ASSERT(buffer.size() <= packet_bytes_max, buffer.size(), " bytes");
     return buffer;
 }
@@ -119,19 +157,35 @@ std::span<const std::byte> PacketWriter::finish() {
 
 namespace {
 
-void read_hashes(base::ByteReader& in, Message& out) {
-    out.hash_first = in.u32("first hash");
-    out.hash_count = in.u8("hash count");
-    if (out.hash_count == 0 || out.hash_count > hashes_per_packet) return in.fail("hash count out of range");
-    for (std::uint32_t i = 0; i < out.hash_count; ++i) out.hashes[i] = in.u64("hash");
+/// A number told as its difference to the packet's tick.
+std::uint64_t read_number(base::ByteReader& in, std::uint64_t tick, std::string_view what) {
+    const std::uint64_t code = in.varint(what);
+    if (code >= 2 * number_end) in.fail("a number is out of range");
+    const std::uint64_t number = tick + (code >> 1 ^ (0 - (code & 1u)));
+    if (number >= number_end) in.fail("a number is out of range");
+    return in.ok() ? number : 0;
+}
+
+void read_hashes(base::ByteReader& in, std::uint32_t count, Message& out) {
+    out.hash_count = count < 3 ? count : in.u8("hash count");
+    if (count == 3 && (out.hash_count < 3 || out.hash_count > hashes_per_packet))
+        return in.fail("hash count out of range");
+    out.hash_first = read_number(in, out.tick, "first hash");
+    for (std::uint32_t i = 0; i < out.hash_count; ++i) out.hashes[i] = in.u32("hash");
 }
 
 void read_quality(base::ByteReader& in, Message& out) {
     QualityReport report{};
-    report.ticks_ahead = in.i32("ticks ahead");
-    report.sent_ms = in.u32("time sent");
-    report.echo_ms = in.u32("time echoed");
-    report.echo_held_ms = in.u32("time held");
+    out.next_hash = read_number(in, out.tick, "next hash");
+    const std::uint64_t ahead = in.varint("ticks ahead");
+    if (ahead >= number_end) return in.fail("ticks ahead out of range");
+    report.ticks_ahead = static_cast<std::int32_t>(ahead >> 1 ^ (0 - (ahead & 1u)));
+    report.sent_ms = in.u16("time sent");
+    const std::uint64_t held = in.varint("time held");
+    if (held > 0x10000) return in.fail("time held out of range");
+    report.has_echo = held != 0;
+    report.echo_held_ms = static_cast<std::uint16_t>(held == 0 ? 0 : held - 1);
+    report.echo_ms = held == 0 ? std::uint16_t{0} : in.u16("time echoed");
     out.quality = report;
 }
 
@@ -147,62 +201,88 @@ void read_departures(base::ByteReader& in, const PacketContext& context, Message
         if ((out.has_cut >> p & 1u) != 0) out.cut[p] = in.u32("cut");
 }
 
-/// Repeats are canonical: the first input is never a repeat, and the bits after the last are zero.
-void read_block(base::ByteReader& in, const PacketContext& context, InputBlock& out) {
-    out.player = in.u8("player");
-    out.first = in.u32("first tick");
-    out.count = in.u8("input count");
+/// Of one player of the sender: nobody can speak for another machine's.
+void read_block(base::ByteReader& in, const PacketContext& context, std::uint32_t player,
+                std::span<const std::byte> body, Message& out) {
+    constexpr std::array<std::byte, input_bytes_max> anything{};
+    const std::uint32_t count = in.u8("input count");
+    if (count == 0 || !in.ok()) return;
+    InputBlock& block = out.blocks[out.block_count++];
+    block = {player, read_number(in, out.tick, "first tick"), count, {}};
     if (!in.ok()) return;
-    if (out.player >= context.player_count) return in.fail("no such player");
-    if (out.count == 0) return in.fail("empty block");
-    out.repeats = in.bytes(repeat_bytes(out.count), "repeat bits");
-    if (!in.ok()) return;
-    std::uint32_t repeated = 0;
-    for (std::uint32_t i = 0; i < out.repeats.size() * 8; ++i) {
-        const bool set = (std::to_integer<std::uint32_t>(out.repeats[i / 8]) >> (i % 8) & 1u) != 0;
-        if (set && (i == 0 || i >= out.count)) return in.fail("repeat bit out of place");
-        repeated += set ? 1 : 0;
-    }
-    out.bytes = in.bytes(std::uint64_t{out.count - repeated} * context.input_size, "inputs");
+    const std::span<const std::byte> rest = body.subspan(in.offset());
+    InputDecoder inputs(rest, std::span(anything).first(context.input_size));
+    for (std::uint32_t i = 0; i < count; ++i) inputs.next();
+    const std::size_t bytes = inputs.end();
+    if (!inputs.ok()) return in.fail("inputs are not coded as they must be");
+    block.code = in.bytes(bytes, "inputs");
 }
 
-void read_blocks(base::ByteReader& in, const PacketContext& context, Message& out) {
-    out.block_count = in.u8("block count");
-    if (out.block_count > context.player_count) return in.fail("more blocks than players");
-    for (std::uint32_t i = 0; i < out.block_count && in.ok(); ++i) {
-        read_block(in, context, out.blocks[i]);
-        if (i > 0 && out.blocks[i].player <= out.blocks[i - 1].player) in.fail("players out of order");
+/// The head of either form, up to the checksum.
+std::optional<PacketFault> read_head(base::ByteReader& in, const PacketContext& context, const Sender& sender,
+                                     std::uint32_t& flags, Message& out) {
+    if (out.greeting) {
+        in.u16("magic");
+        in.u8("version");
+        flags = in.u8("flags");
+        if (in.u32("match") != context.match) return PacketFault::match;
+        out.heard = (flags & flag_heard) != 0;
+        flags &= ~flag_heard;
+        out.sequence = in.u32("sequence");
+        out.tick = in.u32("tick");
+    } else {
+        flags = in.u8("flags") & ~flag_short;
+        out.heard = true;
+        out.sequence = expanded(in.u16("sequence"), sender.sequence);
+        out.tick = expanded(in.u16("tick"), sender.tick);
     }
+    const std::uint32_t known = flag_hashes | flag_quality | flag_departures;
+    if ((flags & ~known) != 0 || out.sequence >= number_end || out.tick >= number_end)
+        return PacketFault::malformed;
+    return in.ok() ? std::nullopt : std::optional(PacketFault::malformed);
+}
+
+/// Whether the checksum is right, of the form that has one; `body` is then without it.
+bool is_whole(const PacketContext& context, const Sender& sender, bool greeting,
+              std::span<const std::byte>& body) {
+    if (!greeting && sender.sealed) return true;
+    if (body.size() < checksum_bytes + 5) return false;
+    const std::byte* at = body.data();
+    body = body.first(body.size() - checksum_bytes);
+    const std::uint64_t seed =
+        greeting ? 0
+                 : seed_of(context.match,
+                           expanded(base::load_little_endian<std::uint16_t>(at + 1), sender.sequence),
+                           expanded(base::load_little_endian<std::uint16_t>(at + 3), sender.tick));
+    return base::load_little_endian<std::uint32_t>(at + body.size()) == checksum(body, seed);
 }
 
 } // namespace
 
 std::optional<PacketFault> decode(std::span<const std::byte> bytes, const PacketContext& context,
-                                  Message& out) {
-    if (bytes.size() < shortest_packet || bytes.size() > packet_bytes_max) return PacketFault::damaged;
-    const std::span<const std::byte> body = bytes.first(bytes.size() - checksum_bytes);
-    if (base::load_little_endian<std::uint32_t>(body.data() + body.size()) != checksum(body))
-        return PacketFault::damaged;
-
+                                  const Sender& sender, Message& out) {
+    if (bytes.empty() || bytes.size() > packet_bytes_max) return PacketFault::damaged;
+    out.greeting = (std::to_integer<std::uint32_t>(bytes[0]) & flag_short) == 0;
+    std::span<const std::byte> body = bytes;
+    if (!is_whole(context, sender, out.greeting, body)) return PacketFault::damaged;
+    if (out.greeting) {
+        if (base::load_little_endian<std::uint16_t>(body.data()) != packet_magic) return PacketFault::damaged;
+        if (body[2] != std::byte{packet_version}) return PacketFault::version;
+    }
     base::ByteReader in(body, "packet");
-    if (in.u16("magic") != packet_magic) return PacketFault::damaged;
-    if (in.u8("version") != packet_version) return PacketFault::version;
-    const std::uint8_t sections = in.u8("sections");
-    if (in.u32("match") != context.match) return PacketFault::match;
-    if ((sections & ~sections_known) != 0) return PacketFault::malformed;
-
-    out.sequence = in.u32("sequence");
-    out.tick = in.u32("tick");
-    for (std::uint32_t p = 0; p < context.player_count; ++p) out.next_input[p] = in.u32("next input");
-    out.next_hash = in.u32("next hash");
-    out.hash_count = 0;
-    out.hash_first = 0;
+    std::uint32_t flags = 0;
+    if (const auto fault = read_head(in, context, sender, flags, out)) return fault;
+    for (std::uint32_t p = 0; p < context.player_count; ++p)
+        out.next_input[p] = (sender.players >> p & 1u) != 0 ? 0 : read_number(in, out.tick, "next input");
+    out.hash_count = out.block_count = 0;
+    out.hash_first = out.next_hash = 0;
     out.quality.reset();
     out.unwanted = out.gone = out.has_cut = 0;
-    if ((sections & section_hashes) != 0) read_hashes(in, out);
-    if ((sections & section_quality) != 0) read_quality(in, out);
-    if ((sections & section_departures) != 0) read_departures(in, context, out);
-    read_blocks(in, context, out);
+    if ((flags & flag_hashes) != 0) read_hashes(in, flags & flag_hashes, out);
+    if ((flags & flag_quality) != 0) read_quality(in, out);
+    if ((flags & flag_departures) != 0) read_departures(in, context, out);
+    for (std::uint32_t p = 0; p < context.player_count; ++p)
+        if ((sender.players >> p & 1u) != 0) read_block(in, context, p, body, out);
     in.expect_end();
     if (!in.ok()) return PacketFault::malformed;
     return std::nullopt;

@@ -1,14 +1,16 @@
 // The packet format, as README.md specifies it: encoding, and decoding of bytes that nobody vouches for.
 #pragma once
 
-#include "lockstone/session.h"
+#include "session/input_code.h"
 
 namespace lockstone::session {
 
 inline constexpr std::uint16_t packet_magic = 0x534c; // "LS"
-inline constexpr std::uint8_t packet_version = 2;
+inline constexpr std::uint8_t packet_version = 3;
 inline constexpr std::uint32_t hashes_per_packet = 16;
 inline constexpr std::uint32_t inputs_per_block = 255;
+/// What the inputs of a packet may take in all [bytes]. More only where the next one of each player would not fit.
+inline constexpr std::size_t inputs_budget_bytes = 240;
 
 /// What every packet of a session must agree on.
 struct PacketContext {
@@ -18,85 +20,103 @@ struct PacketContext {
 };
 PacketContext packet_context(const SessionDef& def);
 
-/// Consecutive inputs of one player.
+/// The one machine that a packet is from, and what its receiver knows of it.
+struct Sender {
+    std::uint32_t players;                ///< bit p: player p plays there
+    bool sealed = false;                  ///< Transport::authenticated: short packets have no checksum
+    std::uint64_t sequence = 0, tick = 0; ///< newest ones heard: short packets hold the lowest 16 bits
+};
+std::uint32_t players_at(const SessionDef& def, PeerId machine); ///< bit p: player p plays there
+
+/// Consecutive inputs of one player, as input_code.h tells.
 struct InputBlock {
     std::uint32_t player;
-    std::uint64_t first;                ///< tick
-    std::uint32_t count;                ///< 1..255
-    std::span<const std::byte> repeats; ///< bit i: input i equals input i - 1, and is left out of `bytes`
-    std::span<const std::byte> bytes;
+    std::uint64_t first; ///< tick
+    std::uint32_t count; ///< 1..255
+    std::span<const std::byte> code;
 };
 
 struct QualityReport {
     std::int32_t ticks_ahead;   ///< sender's tick minus the newest receiver's tick it knows of
-    std::uint32_t sent_ms;      ///< sender's clock, low 32 bits
-    std::uint32_t echo_ms;      ///< the newest sent_ms that came from the receiver
-    std::uint32_t echo_held_ms; ///< how long ago that was
+    std::uint16_t sent_ms;      ///< sender's clock, low 16 bits
+    bool has_echo;              ///< the rest says something
+    std::uint16_t echo_ms;      ///< the newest sent_ms that came from the receiver
+    std::uint16_t echo_held_ms; ///< how long ago that was
 };
 
 struct Message {
-    std::uint64_t sequence;                            ///< of the sender's packets to this receiver, from 1
-    std::uint64_t tick;                                ///< the sender's next new tick
+    bool greeting;          ///< the long form: until the receiver is known to have heard the sender
+    bool heard;             ///< the sender has heard the receiver; always true of the short form
+    std::uint64_t sequence; ///< of the sender's packets to this receiver, from 1
+    std::uint64_t tick;     ///< the sender's next new tick
     std::uint32_t unwanted; ///< bit p: the sender wants player p's machine to leave
     std::uint32_t gone;     ///< bit p: for the sender it has left
     std::uint32_t has_cut;  ///< bit p: the sender tells in cut[p] at which tick player p left
     std::array<std::uint64_t, players_max> cut;
-    std::array<std::uint64_t, players_max> next_input; ///< by player: first tick whose input the sender lacks
-    std::uint64_t next_hash;                           ///< first tick whose hash the sender lacks
+    /// By player: first tick whose input the sender lacks. Of its own players 0: it has them.
+    std::array<std::uint64_t, players_max> next_input;
+    std::uint64_t next_hash; ///< first tick whose hash the sender lacks; told with `quality`, else 0
     std::array<InputBlock, players_max> blocks;
     std::uint32_t block_count;
     std::uint64_t hash_first; ///< tick
     std::uint32_t hash_count;
-    std::array<std::uint64_t, hashes_per_packet> hashes; ///< of confirmed ticks
+    std::array<std::uint32_t, hashes_per_packet> hashes; ///< of confirmed ticks: low half of the root hash
     std::optional<QualityReport> quality;
 
     std::span<const InputBlock> input_blocks() const { return {blocks.data(), block_count}; }
 };
 
-/// Walks a block's inputs: visit(tick, bytes).
-template <class Visit> void for_each_input(const InputBlock& block, std::uint32_t input_size, Visit&& visit) {
-    std::size_t next = 0;
-    std::span<const std::byte> input;
-    for (std::uint32_t i = 0; i < block.count; ++i) {
-        const bool repeats = (std::to_integer<std::uint32_t>(block.repeats[i / 8]) >> (i % 8) & 1u) != 0;
-        if (!repeats) {
-            input = block.bytes.subspan(next, input_size);
-            next += input_size;
-        }
-        visit(block.first + i, input);
-    }
+/// Walks a block's inputs: visit(tick, bytes). `before`: the input of the tick before the first, zeros before tick 0.
+template <class Visit>
+void for_each_input(const InputBlock& block, std::span<const std::byte> before, Visit&& visit) {
+    InputDecoder inputs(block.code, before);
+    for (std::uint32_t i = 0; i < block.count; ++i) visit(block.first + i, inputs.next());
 }
+
+/// How many bytes of a packet say what, for the ledger of the tests.
+struct PacketParts {
+    std::size_t head, acknowledgements, hashes, quality, departures, inputs, checksum;
+};
 
 /// Builds one packet in a buffer that is reused.
 class PacketWriter {
   public:
-    /// Starts a packet with everything of `message` but its input blocks.
-    void begin(const PacketContext& context, const Message& message);
+    /// Starts a packet with everything of `message` but its input blocks. add_inputs follows for each player of the
+    /// sender, in order.
+    void begin(const PacketContext& context, const Sender& sender, const Message& message);
     /// Adds inputs `first`, `first + 1`... as input_of(tick) gives them, as many of `count` as fit when `blocks_after`
-    /// further blocks want as much room.
+    /// further blocks want as much room. `before`: as in for_each_input.
     template <class InputOf>
-    void add_inputs(std::uint32_t player, std::uint64_t first, std::uint64_t count,
-                    std::uint32_t blocks_after, InputOf&& input_of) {
-        std::uint32_t taken = open_block(player, first, count, blocks_after);
-        for (std::uint32_t i = 0; i < taken; ++i) append_input(i, input_of(first + i));
+    void add_inputs(std::uint64_t first, std::uint64_t count, std::uint32_t blocks_after,
+                    std::span<const std::byte> before, InputOf&& input_of) {
+        const std::size_t bytes_max = open_block(first, count, blocks_after);
+        InputEncoder code(buffer, before);
+        std::uint32_t taken = 0;
+        while (taken < std::min<std::uint64_t>(count, inputs_per_block) &&
+               code.add(input_of(first + taken), bytes_max))
+            ++taken;
+        close_block(taken);
     }
+    void add_no_inputs() { buffer.push_back(std::byte{0}); }
     /// Ends the packet; valid until the next begin.
     std::span<const std::byte> finish();
+    const PacketParts& parts() const { return told; } ///< of the packet that was finished last
 
   private:
-    std::uint32_t open_block(std::uint32_t player, std::uint64_t first, std::uint64_t count,
-                             std::uint32_t blocks_after);
-    void append_input(std::uint32_t index, std::span<const std::byte> input);
+    void write_body(const PacketContext& context, const Sender& sender, const Message& message);
+    std::size_t open_block(std::uint64_t first, std::uint64_t count, std::uint32_t blocks_after);
+    void close_block(std::uint32_t taken);
 
     std::vector<std::byte> buffer;
-    std::uint32_t input_size = 0;
-    std::size_t block_count_at = 0;
-    std::size_t repeats_at = 0;
-    std::array<std::byte, input_bytes_max> previous{};
+    std::uint32_t input_size = 0, blocks = 0;
+    std::uint64_t tick = 0, seed = 0;
+    bool with_checksum = true;
+    std::size_t block_at = 0;
+    PacketParts told{};
 };
 
 /// Checks every field against the format; the views of `out` point into `bytes`. Never asserts, whatever the bytes.
 std::optional<PacketFault> decode(std::span<const std::byte> bytes, const PacketContext& context,
-                                  Message& out);
+                                  const Sender& sender, Message& out);
 
 } // namespace lockstone::session

@@ -8,7 +8,7 @@ namespace {
 constexpr std::uint32_t resend_polls = 30; ///< above most round trips at 60 polls a second
 }
 
-void HashLedger::receive(std::uint64_t tick, std::uint64_t hash) {
+void HashLedger::receive(std::uint64_t tick, std::uint32_t hash) {
     if (tick < wanted || tick >= compared + history_ticks) return;
     remote[tick % history_ticks] = {tick, hash};
     while (remote[wanted % history_ticks].tick == wanted) ++wanted;

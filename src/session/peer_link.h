@@ -2,19 +2,20 @@
 #pragma once
 
 #include "session/input_queue.h"
+#include "session/inspection.h"
 #include "session/message.h"
 
 #include <algorithm>
 
 namespace lockstone::session {
 
-/// Hashes of consecutive confirmed ticks, from both sides of a link, compared in order.
+/// Low halves of the root hashes of consecutive confirmed ticks, from both sides of a link, compared in order.
 class HashLedger {
   public:
     HashLedger() : remote(history_ticks) {}
 
     /// A report from the peer. Ticks outside the window are ignored: they come again.
-    void receive(std::uint64_t tick, std::uint64_t hash);
+    void receive(std::uint64_t tick, std::uint32_t hash);
     std::uint64_t next_wanted() const { return wanted; }
 
     /// Compares what both sides know; `local(tick)` gives this machine's hash of a tick below `local_end`.
@@ -34,7 +35,7 @@ class HashLedger {
     /// Both sides have told each other the hashes of ticks below.
     std::uint64_t exchanged_through() const { return std::min(acked, wanted); }
     std::uint64_t agreed_through() const { return differs ? agreed_end : compared; }
-    std::uint64_t remote_hash(std::uint64_t tick) const { return remote[tick % history_ticks].hash; }
+    std::uint32_t remote_hash(std::uint64_t tick) const { return remote[tick % history_ticks].hash; }
 
     // ---- sending: every hash once, then again from the first that the peer lacks when it stays silent about it ----
     void acknowledge(std::uint64_t next_hash);
@@ -49,7 +50,7 @@ class HashLedger {
   private:
     struct Slot {
         std::uint64_t tick = never;
-        std::uint64_t hash = 0;
+        std::uint32_t hash = 0;
     };
     std::vector<Slot> remote;
     std::uint64_t wanted = 0;   ///< first tick whose remote hash is missing
@@ -83,11 +84,12 @@ struct PeerLink {
     PeerId peer;
     State state = State::connecting;
     bool told_incompatible = false;
+    bool has_heard_us = false; ///< by its own word: it knows the match, short packets do
     std::uint64_t heard_ms = 0;                          ///< when the last good packet came that was new
     std::uint64_t sequence_sent = 0, sequence_heard = 0; ///< newest packets
     std::uint32_t packets_read = 0;                      ///< in this poll
     std::uint64_t tick = 0;                              ///< newest tick the peer told of
-    std::array<std::uint64_t, players_max> next_input{}; ///< by player: first tick whose input the peer lacks
+    std::array<std::uint64_t, players_max> next_input{}; ///< by player: first tick whose input the peer lacks; not its own
 
     // ---- departure.cpp: what it did to this machine's patience, and what it says of others ----
     std::uint64_t waited_ms = 0; ///< how long the match has waited for it, less what ticks made up for
@@ -96,10 +98,12 @@ struct PeerLink {
     std::array<std::uint64_t, players_max> cut{};   ///< by player, the lowest it told; `never`: none
 
     HashLedger hashes;
+    std::unique_ptr<Inspection> inspection; ///< once their states have parted
     bool hashes_are_lost = false; ///< an unwanted peer did not exchange them in time: no more are sent or compared
     TimeSync time_sync;
     std::int32_t remote_ahead = 0; ///< the peer's own count
-    std::uint32_t echo_ms = 0;     ///< its newest clock reading
+    bool has_echo = false;
+    std::uint16_t echo_ms = 0; ///< its newest clock reading
     std::uint64_t echo_received_ms = 0;
     std::uint32_t ping_ms = 0;
     std::uint32_t packets_until_quality = 0;

@@ -3,6 +3,7 @@
 //   rollback.cpp       what to run: the algorithm, one screen
 //   peer_session.cpp   what is confirmed, what the caller asks and tells
 //   exchange.cpp       what is received and sent
+//   inspect.cpp        what is asked and told where a peer holds another state
 //   departure.cpp      who has left, and from which tick on
 #pragma once
 
@@ -25,6 +26,7 @@ class PeerSession final : public Session {
     std::optional<ConfirmedTick> next_confirmed() override;
     std::optional<Notice> next_notice() override;
     Status drop_peer(PeerId peer) override;
+    bool set_inspector(StateInspector* whom) override;
     std::uint64_t current_tick() const override { return current; }
     std::uint32_t images_max() const override { return static_cast<std::uint32_t>(change_max) + 1; }
     void set_input_delay(std::uint32_t ticks) override;
@@ -58,6 +60,7 @@ class PeerSession final : public Session {
     std::optional<PacketFault> receive(const Datagram& datagram);
     bool plausible(const PeerLink& link) const; ///< of `incoming`
     void apply(PeerLink& link);
+    void apply_inputs(const InputBlock& block);
     void apply_departures(PeerLink& link);
     void apply_quality(PeerLink& link, const QualityReport& report);
     void send_to_all();
@@ -67,12 +70,18 @@ class PeerSession final : public Session {
     void send_inputs(const PeerLink& link);
     void compare_hashes(PeerLink& link);
 
+    // ---- inspect.cpp ----
+    void begin_inspection(PeerLink& link, const Desync& desync);
+    std::optional<PacketFault> receive_inspection(PeerLink& link, std::span<const std::byte> packet);
+    void go_on_inspecting(PeerLink& link);
+    std::vector<DesyncReport::Tick> last_ticks(const PeerLink& link, std::uint64_t tick) const;
+
     // ---- departure.cpp ----
     struct Votes {
         std::uint32_t of, against;
     };
     void judge_peers();
-    std::uint32_t players_of(PeerId peer) const; ///< bits
+    std::uint32_t players_of(PeerId peer) const { return players_at(def, peer); }
     bool has_dropped_us(const PeerLink& link) const;
     bool is_dropped() const;
     void find_silent_peers();
@@ -93,6 +102,7 @@ class PeerSession final : public Session {
 
     SessionDef def;
     Transport& transport;
+    StateInspector* inspector = nullptr;
     PacketContext context;
     std::vector<InputQueue> queues; ///< by player
     std::vector<PeerLink> links;    ///< by peer id, without this machine

@@ -9,7 +9,11 @@
 
 namespace lockstone {
 
-struct SessionRunner::Impl {
+namespace {
+constexpr std::uint64_t never = ~std::uint64_t{0};
+}
+
+struct SessionRunner::Impl final : StateInspector {
     Session& session;
     Simulation& simulation;
     RunnerDef def;
@@ -21,15 +25,23 @@ struct SessionRunner::Impl {
     std::vector<SessionEvent> events;
     std::optional<SyncTestFailure> failure;
     std::vector<std::byte> left_out; ///< scratch of the planted fault
+    bool is_inspected;          ///< every state is kept for a while, not only those that may be returned to
+    std::optional<State> shown; ///< to the session
     std::uint64_t confirmed_end = 0; ///< ticks below have been handed to the sink
 
     Impl(Session& driver, Simulation& driven, RunnerDef runner_def)
-        : session(driver), simulation(driven), def(std::move(runner_def)), ring(driver.images_max()),
-          ring_ticks(driver.images_max()), ring_hashes(driver.images_max()), hash(driven.hash()),
-          ledger(driver.images_max() + 1) {
+        : session(driver), simulation(driven), def(std::move(runner_def)), hash(driven.hash()),
+          ledger(driver.images_max() + 1),
+          is_inspected(def.inspected_ticks > 0 && driver.set_inspector(this)) {
+        ring.resize(driver.images_max() + (is_inspected ? def.inspected_ticks : 0));
+        ring_ticks.assign(ring.size(), never);
+        ring_hashes.resize(ring.size());
         events.reserve(256);
         for (Image& image : ring) simulation.state().reserve(image);
     }
+    Impl(const Impl&) = delete;
+    Impl& operator=(const Impl&) = delete;
+    ~Impl() override { session.set_inspector(nullptr); }
 
     void execute_and_confirm(const Step& step) {
         for (const Request& request : step.requests)
@@ -44,6 +56,10 @@ struct SessionRunner::Impl {
     }
 
     void execute(const Save& save) {
+        if (is_inspected && save.tick > 0) return; // kept by the tick before
+        keep(save);
+    }
+    void keep(const Save& save) {
         const std::size_t slot = save.tick % ring.size();
         simulation.save(ring[slot]);
         ring_ticks[slot] = save.tick;
@@ -63,12 +79,36 @@ struct SessionRunner::Impl {
     }
 
     void execute(const Advance& advance) {
+        if (is_inspected && advance.tick == 0) keep({0});
         simulation.advance(advance.inputs);
         hash = simulation.hash();
         // The ring still holds what the tick led to before: it is saved again only afterwards.
         if (session.report_hash(advance.tick, hash) == HashCheck::differs)
             fail(SyncTestFailure::When::resimulated, advance.tick, advance.tick + 1);
         ledger.record(advance.tick, simulation.events());
+        if (is_inspected) keep({advance.tick + 1});
+    }
+
+    bool has(std::uint64_t tick) const { return tick != never && ring_ticks[tick % ring.size()] == tick; }
+
+    const State* state_after(std::uint64_t tick) override {
+        if (tick == never || !has(tick + 1)) return nullptr;
+        if (!shown) shown.emplace(simulation.state());
+        shown->restore(saved(tick + 1));
+        return &*shown;
+    }
+    Rerun run_again(std::uint64_t tick, std::span<const PlayerInput> inputs) override {
+        if (!has(tick)) return {};
+        Image present;
+        simulation.save(present);
+        simulation.restore(saved(tick));
+        simulation.record_phase_hashes(true);
+        simulation.advance(inputs);
+        const std::span<const PhaseHash> phases = simulation.phase_hashes();
+        Rerun rerun{{phases.begin(), phases.end()}, simulation.hash()};
+        simulation.record_phase_hashes(false);
+        simulation.restore(present);
+        return rerun;
     }
 
     const Image& saved(std::uint64_t tick) const {
@@ -129,6 +169,8 @@ void SessionRunner::wait(std::uint64_t now_ms) {
     inside().session.poll(now_ms);
     inside().events.clear();
 }
+
+StateInspector& SessionRunner::inspector() { return inside(); }
 
 std::span<const SessionEvent> SessionRunner::events() const { return inside().events; }
 

@@ -22,6 +22,8 @@ void WorldSimulation::advance(std::span<const PlayerInput> inputs) {
 }
 std::uint64_t WorldSimulation::hash() const { return living().hash(); }
 std::span<const Event> WorldSimulation::events() const { return living().events(); }
+void WorldSimulation::record_phase_hashes(bool on) { living().record_phase_hashes(on); }
+std::span<const PhaseHash> WorldSimulation::phase_hashes() const { return living().phase_hashes(); }
 State& WorldSimulation::state() { return living().state_for_tests(); }
 
 } // namespace lockstone

@@ -58,6 +58,7 @@ TEST_CASE("misuse: a session's wrong arguments") {
         refused("oneself", session->drop_peer(0), "machine 0");
         refused("nobody", session->drop_peer(~0u), "not a peer");
         CHECK_FALSE(session->quality(~0u).connected);
+        CHECK(session->set_inspector(nullptr));
         session->poll(1000);
         session->poll(10); // time does not go back
         CHECK(session->stats().last_poll_ms == 1000);
@@ -70,6 +71,8 @@ TEST_CASE("misuse: a session's wrong arguments") {
     stops("time that goes back", [&] { network.advance_to(5), network.advance_to(4); });
     def.players = {0, 0};
     const auto sync = make_sync_test_session(def, 2).value();
+    CHECK_FALSE(sync->set_inspector(nullptr));
+    CHECK(log_text(DesyncReport{}) != "");
     refused("a sync test has no peers", sync->drop_peer(0), "no peers");
     stops("sync test, no player", [&] { sync->add_local_input(2, {}); });
 }

@@ -275,7 +275,12 @@ TEST_CASE("misuse: a world that was moved from, or destroyed under what drives i
     stops("is drained", [&] { (void)runner.drain(1); });
     stops("is asked for events", [&] { (void)runner.events(); });
     stops("is asked for failures", [&] { (void)runner.sync_failure(); });
+    stops("is asked for its inspector", [&] { (void)runner.inspector(); });
     frame(other);
+    for (const std::uint64_t tick : {std::uint64_t{9}, ~std::uint64_t{0}}) { // never run
+        CHECK(other.inspector().state_after(tick) == nullptr);
+        CHECK(other.inspector().run_again(tick, {}).phases.empty());
+    }
     driven.reset();
     const std::string words = last_words([&] { frame(other); });
     CHECK(words.find("destroyed before what drives it") != std::string::npos);

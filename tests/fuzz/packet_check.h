@@ -12,11 +12,9 @@
 //   7     time leaps: u8 times 16 ms
 #pragma once
 
-#include "base/bytes.h"
-#include "base/hash.h"
 #include "fuzz/edits.h"
 #include "session/match.h"
-#include "session/message.h"
+#include "session/seal.h"
 
 #include <deque>
 
@@ -24,14 +22,15 @@ namespace fuzz {
 
 using namespace lockstone;
 
+/// A packet whose first bit says that it is a greeting gets the head of one.
 inline void seal_packet(Buffer& packet, std::uint32_t match) {
     constexpr std::size_t match_at = 4;
-    if (packet.size() < match_at + 8) return;
-    base::store_little_endian(session::packet_magic, packet.data());
-    packet[2] = std::byte{session::packet_version};
-    base::store_little_endian(match, packet.data() + match_at);
-    const std::span<const std::byte> body(packet.data(), packet.size() - 4);
-    base::store_little_endian(static_cast<std::uint32_t>(base::xxh3(body)), packet.data() + body.size());
+    if (packet.size() >= match_at + 8 && (packet[0] & std::byte{128}) == std::byte{0}) {
+        base::store_little_endian(session::packet_magic, packet.data());
+        packet[2] = std::byte{session::packet_version};
+        base::store_little_endian(match, packet.data() + match_at);
+    }
+    test::seal(packet, match);
 }
 
 /// What has arrived at one machine, and what it has sent. Tells which packets its session did not drop.

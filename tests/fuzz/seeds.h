@@ -108,7 +108,7 @@ inline std::vector<Seed> packet_seeds() {
         all.push_back({name + "_peace", Script().u8(setup).u8(frames).u8(lost).u8(frames).u8(frames).done()});
         Script fire;
         fire.u8(setup).u8(frames);
-        for (std::uint16_t place = 8; place < 60; place = static_cast<std::uint16_t>(place + 3))
+        for (std::uint16_t place = 0; place < 34; place = static_cast<std::uint16_t>(place + 2))
             fire.u8(changed).u8(1).u8(1).splice(place, 1, byte).u8(frame); // each field of a packet in turn
         all.push_back({name + "_fire", fire.done()});
         Script rest;

@@ -9,7 +9,8 @@
 
 namespace lockstone::test {
 
-/// Takes every packet apart, lets `lie` change it, and puts it together again with a right checksum.
+/// Takes every packet apart, lets `lie` change it, and puts it together again with a right checksum. Inputs it knows as the
+/// difference to what came before only: as if that had been zeros.
 class LyingTransport final : public Transport {
   public:
     /// The packet for a machine: what it says, and the blocks of inputs it holds. Returns whether it is sent.
@@ -17,25 +18,34 @@ class LyingTransport final : public Transport {
     Transport* real = nullptr;
     Lie lie;
     session::PacketContext context{};
+    std::uint32_t players = 0; ///< bits, of the liar's machine
 
     void send(PeerId to, std::span<const std::byte> bytes) override {
         session::Message message{};
-        if (!lie || session::decode(bytes, context, message)) return real->send(to, bytes);
+        session::Sender& known = sent.try_emplace(to, session::Sender{players}).first->second;
+        if (session::decode(bytes, context, known, message)) return real->send(to, bytes);
+        known.sequence = message.sequence, known.tick = message.tick;
+        if (!lie) return real->send(to, bytes);
         if (lie(to, message)) real->send(to, written(message));
     }
     std::optional<Datagram> receive() override { return real->receive(); }
 
     std::span<const std::byte> written(const session::Message& message) {
-        writer.begin(context, message);
-        std::uint32_t left = message.block_count;
-        for (const session::InputBlock& block : message.input_blocks()) {
+        writer.begin(context, session::Sender{players}, message);
+        const std::vector<std::byte> zeros(context.input_size);
+        for (std::uint32_t p = 0; p < context.player_count; ++p) {
+            if ((players >> p & 1u) == 0) continue;
+            const auto block = std::ranges::find(message.input_blocks(), p, &session::InputBlock::player);
+            if (block == message.input_blocks().end()) {
+                writer.add_no_inputs();
+                continue;
+            }
             std::vector<std::vector<std::byte>> inputs;
-            session::for_each_input(block, context.input_size,
-                                    [&](std::uint64_t, std::span<const std::byte> input) {
-                                        inputs.emplace_back(input.begin(), input.end());
-                                    });
-            writer.add_inputs(block.player, block.first, inputs.size(), --left, [&](std::uint64_t tick) {
-                return std::span<const std::byte>(inputs[tick - block.first]);
+            session::for_each_input(*block, zeros, [&](std::uint64_t, std::span<const std::byte> input) {
+                inputs.emplace_back(input.begin(), input.end());
+            });
+            writer.add_inputs(block->first, inputs.size(), 0, zeros, [&](std::uint64_t tick) {
+                return std::span<const std::byte>(inputs[tick - block->first]);
             });
         }
         return writer.finish();
@@ -43,6 +53,7 @@ class LyingTransport final : public Transport {
 
   private:
     session::PacketWriter writer;
+    std::map<PeerId, session::Sender> sent; ///< by receiver: what it knows if it hears all
 };
 
 /// Machines with one player each; the last one lies once `liar.lie` is set. One second of silence is too much.
@@ -90,6 +101,7 @@ class HostileMatch {
         as_match.input_size = input_size_of<Pad>;
         as_match.players = def.players;
         liar.context = session::packet_context(as_match);
+        liar.players = session::players_at(as_match, hostile);
         def.through = [this](PeerId id, Transport& wire) -> Transport& {
             if (id != hostile) return wire;
             liar.real = &wire;

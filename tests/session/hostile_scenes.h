@@ -58,30 +58,19 @@ inline std::string word_against_all() {
     return endured(h, {0, 1}, Liar::leaves);
 }
 
-inline std::string forged_inputs_of_the_gone() {
+/// The format has no words for inputs of another machine's player. What can be claimed is to have more of them.
+inline std::string claimed_inputs_of_the_gone() {
     HostileMatch h(4);
     h.match.run(120);
-    static constexpr std::array<std::byte, 1> repeats{std::byte{0xfe}};
-    std::array<std::byte, sizeof(Pad)> forged{};
-    forged.fill(std::byte{0x7f});
     int packets = 0;
-    h.liar.lie = [&](PeerId, Message& m) { // eight inputs in the name of player 2, before its own
+    h.liar.lie = [&](PeerId, Message& m) {
         if ((m.unwanted >> 2 & 1u) == 0) return true;
         if (++packets < 40) m.gone = m.has_cut = 0; // as long as it has not left for all, its inputs may grow
-        m.blocks[1] = m.blocks[0];
-        m.blocks[0] = {2, m.next_input[2] - 3, 8, repeats, forged};
-        ++m.block_count;
         m.next_input[2] += 100;
         return true;
     };
     h.match.network.unplug(2);
-    const std::string wrong = endured(h, {0, 1}, Liar::leaves, 450); // nothing that it says is taken any more
-    for (const PeerId id : {0u, 1u}) {
-        for (const Timeline::Tick& tick : h.match.machine(id).timeline.ticks)
-            if (tick.inputs[2 * sizeof(Pad)] == std::byte{0x7f} && tick.inputs[2 * sizeof(Pad) + 1] == std::byte{0x7f})
-                return "a forged input of a machine that left was believed";
-    }
-    return wrong;
+    return endured(h, {0, 1}, Liar::either, 450);
 }
 
 inline std::string keep_alives_without(void (*what)(Message&), std::uint32_t machines, bool only_to_0 = false) {
@@ -244,7 +233,7 @@ inline std::vector<HostileScene> hostile_to_all() {
         {"tells each of three that the other is gone", [] { return word_against_one(3, true); }},
         {"tells two of four that the other is gone", [] { return word_against_one(4, true); }},
         {"tells all that they are gone", word_against_all},
-        {"speaks for a machine that is gone", forged_inputs_of_the_gone},
+        {"claims inputs of a machine that is gone", claimed_inputs_of_the_gone},
         {"sends no inputs", [=] { return keep_alives_without(no_inputs, 3); }},
         {"sends no inputs, among four", [=] { return keep_alives_without(no_inputs, 4); }},
         {"sends no hashes", [=] { return keep_alives_without(no_hashes, 3); }},

@@ -1,9 +1,6 @@
 // Packets: what is written is what is read, and no bytes from outside can break a session.
 #include "session/match.h"
-#include "session/message.h"
-
-#include "base/bytes.h"
-#include "base/hash.h"
+#include "session/seal.h"
 
 #include <doctest/doctest.h>
 
@@ -16,43 +13,40 @@ using namespace lockstone::session;
 namespace {
 
 constexpr PacketContext context{0x1234, 4, 2};
+constexpr Sender sender{.players = 0b1001, .sequence = 76, .tick = 999};
 
 std::vector<std::byte> sample_input(std::uint64_t tick) {
     const auto held = static_cast<std::byte>(tick / 3);
     return {held, held};
 }
+const std::vector<std::byte> zeros(64);
 
-Message sample_message() {
+Message sample_message(bool greeting = false) {
     Message message{};
+    message.greeting = greeting;
+    message.heard = true;
     message.sequence = 77;
     message.tick = 1000;
     message.unwanted = 0b1100;
     message.gone = 0b1000;
     message.has_cut = 0b1000;
     message.cut[3] = 4;
-    message.next_input = {990, 991, 1002, 5};
+    message.next_input = {0, 991, 1002, 0};
     message.next_hash = 980;
     message.hash_first = 985;
     message.hash_count = 3;
-    message.hashes = {1, ~std::uint64_t{0}, 3};
-    message.quality = QualityReport{-3, 123456, 123400, 16};
+    message.hashes = {1, ~std::uint32_t{0}, 3};
+    message.quality = QualityReport{-3, 12345, true, 12300, 16};
     return message;
 }
 
-std::vector<std::byte> sample_packet() {
+std::vector<std::byte> sample_packet(bool greeting = false, bool sealed = false) {
     PacketWriter writer;
-    writer.begin(context, sample_message());
-    writer.add_inputs(0, 990, 12, 1, sample_input);
-    writer.add_inputs(3, 5, 1, 0, sample_input);
+    writer.begin(context, {sender.players, sealed}, sample_message(greeting));
+    writer.add_inputs(990, 12, 1, sample_input(989), sample_input);
+    writer.add_inputs(5, 1, 0, sample_input(4), sample_input);
     const auto packet = writer.finish();
     return {packet.begin(), packet.end()};
-}
-
-/// Makes the checksum right again, so that damage reaches the checks behind it.
-void seal(std::vector<std::byte>& packet) {
-    if (packet.size() < 4) return;
-    const std::span body(packet.data(), packet.size() - 4);
-    base::store_little_endian(static_cast<std::uint32_t>(base::xxh3(body)), packet.data() + body.size());
 }
 
 /// Changes, removes, doubles or appends bytes.
@@ -100,57 +94,83 @@ class Mailbox final : public Transport {
 
 } // namespace
 
-TEST_CASE("a packet reads as it was written, field by field") {
-    const std::vector<std::byte> packet = sample_packet();
-    Message read{};
-    REQUIRE_FALSE(decode(packet, context, read));
-    const Message wrote = sample_message();
-    CHECK(read.sequence == wrote.sequence);
-    CHECK(read.tick == wrote.tick);
-    CHECK(read.unwanted == wrote.unwanted);
-    CHECK(read.gone == wrote.gone);
-    CHECK(read.has_cut == wrote.has_cut);
-    CHECK(read.cut[3] == wrote.cut[3]);
-    CHECK(std::equal(read.next_input.begin(), read.next_input.begin() + 4, wrote.next_input.begin()));
-    CHECK(read.next_hash == wrote.next_hash);
-    CHECK(read.hash_first == wrote.hash_first);
-    REQUIRE(read.hash_count == 3);
-    CHECK(std::equal(read.hashes.begin(), read.hashes.begin() + 3, wrote.hashes.begin()));
-    REQUIRE(read.quality);
-    CHECK(read.quality->ticks_ahead == -3);
-    CHECK(read.quality->sent_ms == 123456);
-    CHECK(read.quality->echo_ms == 123400);
-    CHECK(read.quality->echo_held_ms == 16);
-    REQUIRE(read.block_count == 2);
-    CHECK(read.blocks[0].count == 12);
-    CHECK(read.blocks[1].player == 3);
-    std::uint64_t next = 990;
-    for_each_input(read.blocks[0], context.input_size,
-                   [&](std::uint64_t tick, std::span<const std::byte> input) {
-                       CHECK(tick == next++);
-                       CHECK(std::ranges::equal(input, sample_input(tick)));
-                   });
-    CHECK(next == 1002);
-    CHECK(read.blocks[0].bytes.size() == 4 * 2); // 12 inputs, 4 different ones
+TEST_CASE("a packet reads as it was written, field by field, in each form") {
+    for (const bool greeting : {false, true})
+        for (const bool sealed : {false, true}) {
+            CAPTURE(greeting);
+            const std::vector<std::byte> packet = sample_packet(greeting, sealed);
+            Sender from = sender;
+            from.sealed = sealed;
+            Message read{};
+            REQUIRE_FALSE(decode(packet, context, from, read));
+            const Message wrote = sample_message(greeting);
+            CHECK(read.greeting == wrote.greeting);
+            CHECK(read.heard);
+            CHECK(read.sequence == wrote.sequence);
+            CHECK(read.tick == wrote.tick);
+            CHECK(read.unwanted == wrote.unwanted);
+            CHECK(read.gone == wrote.gone);
+            CHECK(read.has_cut == wrote.has_cut);
+            CHECK(read.cut[3] == wrote.cut[3]);
+            CHECK(read.next_input == wrote.next_input);
+            CHECK(read.next_hash == wrote.next_hash);
+            CHECK(read.hash_first == wrote.hash_first);
+            REQUIRE(read.hash_count == 3);
+            CHECK(std::equal(read.hashes.begin(), read.hashes.begin() + 3, wrote.hashes.begin()));
+            REQUIRE(read.quality);
+            CHECK(read.quality->ticks_ahead == -3);
+            CHECK(read.quality->sent_ms == 12345);
+            CHECK(read.quality->has_echo);
+            CHECK(read.quality->echo_ms == 12300);
+            CHECK(read.quality->echo_held_ms == 16);
+            REQUIRE(read.block_count == 2);
+            CHECK(read.blocks[0].count == 12);
+            CHECK(read.blocks[1].player == 3);
+            std::uint64_t next = 990;
+            for_each_input(read.blocks[0], sample_input(989), [&](std::uint64_t tick, std::span<const std::byte> input) {
+                CHECK(tick == next++);
+                CHECK(std::ranges::equal(input, sample_input(tick)));
+            });
+            CHECK(next == 1002);
+            CHECK(read.blocks[0].code.size() == 8); // 12 inputs, 4 of them changes of two bytes: 15 + 3 * 12 + 8 bits
+        }
 }
 
 TEST_CASE("the bytes of a packet are those of the specification") {
     PacketWriter writer;
     Message message{};
-    message.sequence = 5;
+    message.sequence = 0x10005;
     message.tick = 0x01020304;
-    writer.begin({0xaabbccdd, 1, 1}, message);
-    writer.add_inputs(0, 2, 3, 0, [](std::uint64_t) { return std::array{std::byte{0x77}}; });
-    const auto packet = writer.finish();
-    const std::array<unsigned, 31> expected{0x4c, 0x53, 2, 0, 0xdd, 0xcc, 0xbb, 0xaa, 5, 0, 0, 0, 4, 3, 2, 1,
-                                            0,    0,    0, 0, 0,    0,    0,    0,    1, 0, 2, 0, 0, 0, 3};
-    REQUIRE(packet.size() == expected.size() + 2 + 4);
-    for (std::size_t i = 0; i < expected.size(); ++i) {
-        CAPTURE(i);
-        CHECK(std::to_integer<unsigned>(packet[i]) == expected[i]);
+    message.next_input[1] = 0x01020300;
+    message.hash_first = 0x010202fe;
+    message.hash_count = 1;
+    message.hashes[0] = 0xa1b2c3d4;
+    const auto bytes_of = [&](bool greeting, bool sealed) {
+        message.greeting = message.heard = greeting;
+        writer.begin({0xaabbccdd, 2, 1}, {.players = 1, .sealed = sealed}, message);
+        writer.add_inputs(0x01020305, 3, 0, std::array{std::byte{0x70}}, // less 3, the same, 9 more
+                          [](std::uint64_t tick) { return std::array{std::byte(tick < 0x01020307 ? 0x6d : 0x76)}; });
+        const auto packet = writer.finish();
+        std::vector<unsigned> out;
+        for (const std::byte b : packet) out.push_back(std::to_integer<unsigned>(b));
+        return out;
+    };
+    // Acknowledged 4 less than the tick: 7; hash 6 less: 11; three inputs from 1 more: 2.
+    // Bits of the inputs, in order: 1 1 0, mask 1, short 0 with 5 (-3) as 1 0 1 0; 0; 1 0, long 1 with 9 as 1 0 0 1 0 0 0 0.
+    const std::vector<unsigned> body{7, 11, 0xd4, 0xc3, 0xb2, 0xa1, 3, 2, 0xab, 0x34, 0x01};
+    std::vector<unsigned> brief{0x81, 0x05, 0x00, 0x04, 0x03};
+    brief.insert(brief.end(), body.begin(), body.end());
+    CHECK(bytes_of(false, true) == brief);
+    const std::vector<unsigned> summed = bytes_of(false, false);
+    REQUIRE(summed.size() == brief.size() + 4);
+    CHECK(std::equal(brief.begin(), brief.end(), summed.begin()));
+    std::vector<unsigned> greeting{0x4c, 0x53, 3, 0x11, 0xdd, 0xcc, 0xbb, 0xaa, 5, 0, 1, 0, 4, 3, 2, 1};
+    greeting.insert(greeting.end(), body.begin(), body.end());
+    for (const bool sealed : {false, true}) {
+        const std::vector<unsigned> greeted = bytes_of(true, sealed);
+        REQUIRE(greeted.size() == greeting.size() + 4);
+        CHECK(std::equal(greeting.begin(), greeting.end(), greeted.begin()));
     }
-    CHECK(packet[31] == std::byte{0b110}); // inputs 1 and 2 repeat input 0
-    CHECK(packet[32] == std::byte{0x77});
 }
 
 TEST_CASE("a packet never grows beyond its limit; what does not fit waits") {
@@ -159,61 +179,141 @@ TEST_CASE("a packet never grows beyond its limit; what does not fit waits") {
     Message message{};
     message.hash_count = hashes_per_packet;
     message.quality = QualityReport{};
-    writer.begin(wide, message);
+    writer.begin(wide, {0xffff}, message);
     for (std::uint32_t p = 0; p < 16; ++p) {
-        writer.add_inputs(p, 0, 200, 15 - p, [&](std::uint64_t tick) {
-            return std::vector<std::byte>(64, static_cast<std::byte>(tick + p));
+        writer.add_inputs(0, 200, 15 - p, zeros, [&](std::uint64_t tick) {
+            return std::vector<std::byte>(64, static_cast<std::byte>(100 * tick + p + 1));
         });
     }
     const auto packet = writer.finish();
     CHECK(packet.size() <= packet_bytes_max);
     Message read{};
-    CHECK_FALSE(decode(packet, wide, read));
-    CHECK(read.block_count > 0);
+    CHECK_FALSE(decode(packet, wide, {0xffff}, read));
+    CHECK(read.block_count == 16);
+}
+
+TEST_CASE("what an unsealed short packet leaves out is in its checksum") {
+    const std::vector<std::byte> packet = sample_packet();
+    Message read{};
+    CHECK_FALSE(decode(packet, context, sender, read));
+    PacketContext other = context;
+    other.match ^= 1;
+    CHECK(decode(packet, other, sender, read) == PacketFault::damaged);
+    Sender late = sender;
+    late.sequence += 0x10000;
+    CHECK(decode(packet, context, late, read) == PacketFault::damaged);
+    late = sender;
+    late.tick += 0x10000;
+    CHECK(decode(packet, context, late, read) == PacketFault::damaged);
+}
+
+TEST_CASE("numbers of 16 bits are told apart where their upper half changes") {
+    for (const std::uint64_t near : {std::uint64_t{1}, std::uint64_t{0x7fff}, std::uint64_t{0x8001}, std::uint64_t{0xfffe},
+                                     std::uint64_t{0x10001}, std::uint64_t{0xffff'0000}})
+        for (const std::int64_t away : {-30'000, -1, 0, 1, 30'000}) {
+            Message message{}, read{};
+            message.sequence = near + static_cast<std::uint64_t>(away);
+            message.tick = near - static_cast<std::uint64_t>(away);
+            if (message.sequence >= std::uint64_t{1} << 32 || message.tick >= std::uint64_t{1} << 32) continue;
+            PacketWriter writer;
+            writer.begin({1, 1, 0}, {1, true}, message);
+            writer.add_no_inputs();
+            REQUIRE_FALSE(decode(writer.finish(), {1, 1, 0}, {1, true, near, near}, read));
+            CHECK(read.sequence == message.sequence);
+            CHECK(read.tick == message.tick);
+        }
 }
 
 TEST_CASE("any flipped bit, any truncation and any extra byte of a packet is noticed") {
-    const std::vector<std::byte> packet = sample_packet();
-    Message read{};
-    for (std::size_t bit = 0; bit < packet.size() * 8; ++bit) {
-        std::vector<std::byte> damaged = packet;
-        damaged[bit / 8] ^= static_cast<std::byte>(1u << (bit % 8));
-        CHECK(decode(damaged, context, read) == PacketFault::damaged);
+    for (const bool greeting : {false, true}) {
+        const std::vector<std::byte> packet = sample_packet(greeting);
+        Message read{};
+        for (std::size_t bit = 0; bit < packet.size() * 8; ++bit) {
+            std::vector<std::byte> damaged = packet;
+            damaged[bit / 8] ^= static_cast<std::byte>(1u << (bit % 8));
+            CHECK(decode(damaged, context, sender, read) == PacketFault::damaged);
+        }
+        for (std::size_t size = 0; size < packet.size(); ++size)
+            CHECK(decode(std::span(packet).first(size), context, sender, read) == PacketFault::damaged);
+        std::vector<std::byte> longer = packet;
+        longer.push_back(std::byte{0});
+        CHECK(decode(longer, context, sender, read) == PacketFault::damaged);
     }
-    for (std::size_t size = 0; size < packet.size(); ++size)
-        CHECK(decode(std::span(packet).first(size), context, read) == PacketFault::damaged);
-    std::vector<std::byte> longer = packet;
-    longer.push_back(std::byte{0});
-    CHECK(decode(longer, context, read) == PacketFault::damaged);
 }
 
 TEST_CASE("a sealed packet with a wrong field is refused for what is wrong") {
-    const auto refused = [](std::size_t at, unsigned value) {
-        std::vector<std::byte> packet = sample_packet();
+    const auto refused = [](std::size_t at, unsigned value, bool greeting = false) {
+        std::vector<std::byte> packet = sample_packet(greeting);
         packet[at] = static_cast<std::byte>(value);
-        seal(packet);
+        test::seal(packet, context.match);
         Message read{};
-        return decode(packet, context, read);
+        return decode(packet, context, sender, read);
     };
-    constexpr std::size_t hash_count_at = 8 + 4 + 4 + 16 + 4 + 4;
-    constexpr std::size_t departures_at = hash_count_at + 1 + 24 + 16;
-    constexpr std::size_t block_count_at = departures_at + 6 + 4;
-    CHECK(refused(0, 0) == PacketFault::damaged);
-    CHECK(refused(2, 9) == PacketFault::version);
-    CHECK(refused(3, 0x83) == PacketFault::malformed);
-    CHECK(refused(4, 0xff) == PacketFault::match);
+    CHECK(refused(0, 0, true) == PacketFault::damaged);
+    CHECK(refused(2, 9, true) == PacketFault::version);
+    CHECK(refused(3, 0x83, true) == PacketFault::malformed);
+    CHECK(refused(4, 0xff, true) == PacketFault::match);
+    constexpr std::size_t hash_count_at = 5 + 1 + 1;
+    constexpr std::size_t quality_at = hash_count_at + 1 + 1 + 12;
+    constexpr std::size_t departures_at = quality_at + 1 + 1 + 2 + 1 + 2;
+    constexpr std::size_t block_at = departures_at + 6 + 4;
+    CHECK(refused(0, 0x9f) == PacketFault::malformed);                 // a flag that means nothing
+    CHECK(refused(5, 0xff) == PacketFault::malformed);                 // acknowledges a tick before the first
+    CHECK(refused(hash_count_at, 0) == PacketFault::malformed);
+    CHECK(refused(hash_count_at, 2) == PacketFault::malformed);        // has a shorter form
+    CHECK(refused(hash_count_at, 17) == PacketFault::malformed);
     CHECK(refused(departures_at, 0x10) == PacketFault::malformed);     // player 4 of 4 is unwanted
     CHECK(refused(departures_at + 2, 0x18) == PacketFault::malformed); // or gone
     CHECK(refused(departures_at + 4, 0x0c) == PacketFault::malformed); // player 2 has a cut, and is here
-    CHECK(refused(hash_count_at, 0) == PacketFault::malformed);
-    CHECK(refused(hash_count_at, 17) == PacketFault::malformed);
-    CHECK(refused(block_count_at, 5) == PacketFault::malformed);
-    CHECK(refused(block_count_at, 1) == PacketFault::malformed);        // bytes follow
-    CHECK(refused(block_count_at + 1, 4) == PacketFault::malformed);    // no such player
-    CHECK(refused(block_count_at + 1, 3) == PacketFault::malformed);    // not in order
-    CHECK(refused(block_count_at + 6, 0) == PacketFault::malformed);    // no inputs
-    CHECK(refused(block_count_at + 7, 1) == PacketFault::malformed);    // the first repeats
-    CHECK(refused(block_count_at + 8, 0xf0) == PacketFault::malformed); // bits after the last
+    CHECK(refused(block_at, 5) == PacketFault::malformed);             // the rest of the code follows
+    CHECK(refused(block_at, 0) == PacketFault::malformed);
+    CHECK(refused(block_at + 2, 0xff) == PacketFault::malformed);      // a change of all bytes by less than there are
+    CHECK(refused(block_at + 9, 0xf0) == PacketFault::malformed);      // bits after the last
+}
+
+TEST_CASE("inputs of any size and movement come out as they went in, and never take more than three bits beside their bytes") {
+    test::Random random(7);
+    for (const std::uint32_t size : {0u, 1u, 2u, 3u, 8u, 17u, 64u})
+        for (int kind = 0; kind < 4; ++kind) {
+            std::vector<std::vector<std::byte>> inputs(100, std::vector<std::byte>(size));
+            for (std::size_t i = 1; i < inputs.size(); ++i) {
+                inputs[i] = inputs[i - 1];
+                for (std::byte& b : inputs[i]) {
+                    if (kind == 0 || random.below(kind == 1 ? 10 : 2) != 0) continue;
+                    b = static_cast<std::byte>(kind == 3 ? random.next() : std::to_integer<std::uint32_t>(b) + random.below(19) - 9);
+                }
+            }
+            std::vector<std::byte> code(3, std::byte{0xff}); // what stands before is left alone
+            InputEncoder encoder(code, inputs[0]);
+            for (const std::vector<std::byte>& input : inputs) REQUIRE(encoder.add(input, 7000));
+            CHECK(code.size() - 3 <= (100 * input_bits_max(size) + 7) / 8);
+            if (kind == 0) CHECK(code.size() - 3 == 13);
+            const std::span<const std::byte> written = std::span(code).subspan(3);
+            InputDecoder decoder(written, inputs[0]);
+            for (const std::vector<std::byte>& input : inputs) REQUIRE(std::ranges::equal(decoder.next(), input));
+            CHECK(decoder.end() == code.size() - 3);
+            CHECK(decoder.ok());
+        }
+}
+
+TEST_CASE("a code of inputs that has another form, or an end that is not zeros, is refused") {
+    const auto ok = [](std::initializer_list<unsigned> bytes, std::uint32_t count) {
+        std::vector<std::byte> code;
+        for (const unsigned b : bytes) code.push_back(static_cast<std::byte>(b));
+        InputDecoder decoder(code, std::span(zeros).first(2));
+        for (std::uint32_t i = 0; i < count; ++i) decoder.next();
+        decoder.end();
+        return decoder.ok();
+    };
+    CHECK(ok({0b00000}, 5));
+    CHECK_FALSE(ok({0b100000}, 5));          // a bit after the last
+    CHECK_FALSE(ok({}, 1));                  // nothing
+    CHECK_FALSE(ok({0b01}, 1));              // the same bytes as at the last change, of which there is none
+    CHECK_FALSE(ok({0b00011}, 1));           // a change of no byte
+    CHECK(ok({0b0'01'011, 0}, 1));           // byte 0 by -8
+    CHECK_FALSE(ok({0b1'01'011 | 0x40, 0}, 1)); // the same in 8 bits: by 1
+    CHECK_FALSE(ok({0b111, 0, 0}, 1));       // all bytes, by nothing
+    CHECK(ok({0b1111, 0, 0}, 1));
 }
 
 TEST_CASE("random and mutated bytes, sealed or not, never break the decoder") {
@@ -221,19 +321,19 @@ TEST_CASE("random and mutated bytes, sealed or not, never break the decoder") {
     Message read{};
     std::array<std::uint64_t, packet_fault_count + 1> outcomes{};
     for (int i = 0; i < 60'000; ++i) {
-        std::vector<std::byte> packet = sample_packet();
+        std::vector<std::byte> packet = sample_packet(i % 2 == 0);
         if (i % 4 == 0) {
             packet.resize(random.below(1400));
             for (std::byte& b : packet) b = static_cast<std::byte>(random.next());
         } else {
             mutate(packet, random);
         }
-        if (i % 3 != 0) seal(packet);
-        const auto fault = decode(packet, context, read);
+        if (i % 3 != 0) test::seal(packet, context.match);
+        const auto fault = decode(packet, context, sender, read);
         ++outcomes[fault ? static_cast<std::size_t>(*fault) : packet_fault_count];
         if (fault) continue;
         for (const InputBlock& block : read.input_blocks())
-            for_each_input(block, context.input_size, [](std::uint64_t, std::span<const std::byte> input) {
+            for_each_input(block, std::span(zeros).first(2), [](std::uint64_t, std::span<const std::byte> input) {
                 REQUIRE(input.size() == context.input_size);
             });
     }
@@ -251,24 +351,28 @@ TEST_CASE("a hostile peer can send what it likes: the session drops it, counts i
         SessionDef def;
         def.input_size = 4;
         def.players = {0, 1, 1};
+        const std::uint32_t match = packet_context(def).match;
         const auto session = make_rollback_session(def, mailbox_0).value();
         def.self = 1;
         const auto hostile = make_rollback_session(def, mailbox_1).value(); // lends its honest packets
         mailbox_1.from = 0;
         Arena arena(3), other(3);
         SessionRunner runner(*session, arena), honest(*hostile, other);
+        std::vector<std::byte> greeting;
         for (std::uint64_t now = 0; now < 100; ++now) {
             session->add_local_input(0, encode_input(scripted_pad(0, session->current_tick())));
             hostile->add_local_input(1, encode_input(scripted_pad(1, hostile->current_tick())));
             hostile->add_local_input(2, encode_input(scripted_pad(2, hostile->current_tick())));
             honest.frame(now);
             mailbox_0.from = random.below(50) == 0 ? 5 : 1;
+            if (now == 0) greeting = mailbox_1.sent; // later ones are short
             for (int i = 0; i < 4; ++i) {
-                std::vector<std::byte>& packet = mailbox_0.waiting.emplace_back(mailbox_1.sent);
+                std::vector<std::byte>& packet = mailbox_0.waiting.emplace_back(i == 0 ? greeting : mailbox_1.sent);
                 mutate(packet, random);
                 // Rarely a farewell: it is believed, and the rest of the match would be refused.
-                if (packet.size() > 3 && random.below(500) != 0) packet[3] &= std::byte{3};
-                if (random.below(8) != 0) seal(packet);
+                const bool is_short = !packet.empty() && (packet[0] & std::byte{128}) != std::byte{0};
+                if (packet.size() > 3 && random.below(500) != 0) packet[is_short ? 0 : 3] &= std::byte{0x97};
+                if (random.below(8) != 0) test::seal(packet, match);
             }
             if (now % 3 == 0) mailbox_0.waiting.push_back(mailbox_1.sent);
             runner.frame(now);
@@ -297,13 +401,15 @@ TEST_CASE("claims that the sender cannot make are refused whole") {
     def.input_delay = 0;
     const auto session = make_rollback_session(def, mailbox).value();
     std::uint64_t sequence = 0;
-    const auto implausible = [&](auto change, std::uint32_t player, std::uint64_t first) {
+    const auto implausible = [&](auto change, std::uint64_t first) {
         Message message{};
+        message.greeting = true;
         message.sequence = ++sequence;
+        message.quality = QualityReport{};
         change(message);
         PacketWriter writer;
-        writer.begin(packet_context(def), message);
-        writer.add_inputs(player, first, 2, 0, [](std::uint64_t) { return std::array{std::byte{1}}; });
+        writer.begin(packet_context(def), {players_at(def, 1)}, message);
+        writer.add_inputs(first, 2, 0, std::span(zeros).first(1), [](std::uint64_t) { return std::array{std::byte{1}}; });
         const auto packet = writer.finish();
         mailbox.waiting.emplace_back(packet.begin(), packet.end());
         const auto& count = session->stats().dropped[static_cast<std::size_t>(PacketFault::implausible)];
@@ -312,12 +418,19 @@ TEST_CASE("claims that the sender cannot make are refused whole") {
         return count == before + 1;
     };
     const auto nothing = [](Message&) {};
-    CHECK(implausible([](Message& m) { m.next_input[0] = 1; }, 1, 0)); // has an input we did not send
-    CHECK(implausible([](Message& m) { m.next_hash = 1; }, 1, 0));     // has a hash we did not send
-    CHECK(implausible([](Message& m) { m.hash_count = 1; }, 1, 0));    // confirmed a tick without our input
-    CHECK(implausible(nothing, 1, 1));                                 // a gap in its inputs
-    CHECK(implausible(nothing, 0, 0));                                 // inputs of another machine's player
+    CHECK(implausible([](Message& m) { m.next_input[0] = 1; }, 0));   // has an input we did not send
+    CHECK(implausible([](Message& m) { m.next_hash = 1; }, 0));       // has a hash we did not send
+    CHECK(implausible([](Message& m) { m.hash_count = 1; }, 0));      // confirmed a tick without our input
+    CHECK(implausible(nothing, 257));                                 // a gap in its inputs, wider than is kept
+    CHECK(implausible([](Message& m) { m.greeting = false; }, 0));    // speaks before it has greeted
     CHECK(session->advance().stall == Stall::connecting);
-    CHECK_FALSE(implausible(nothing, 1, 0));
+    CHECK_FALSE(implausible(nothing, 256)); // a gap: the first ones may be on their way
     CHECK(session->advance().stall == Stall::local_input_missing);
+    CHECK_FALSE(implausible(nothing, 0));
+    CHECK_FALSE(implausible([](Message& m) { m.greeting = false; }, 2));
+    session->add_local_input(0, std::array{std::byte{0}});
+    const Step step = session->advance();
+    const Advance& first = std::get<Advance>(step.requests.back());
+    CHECK(first.inputs[1].status == InputStatus::confirmed);
+    CHECK(first.inputs[1].bytes[0] == std::byte{1});
 }

@@ -16,6 +16,8 @@ struct Args {
     std::uint32_t peers = 2;
     std::uint32_t loss_percent = 0, latency_ms = 50, jitter_ms = 10;
     std::uint64_t ticks = 600;
+    std::uint32_t watchers = 0;
+    bool trouble = false;
     std::string mode = "rollback";
     std::string record_prefix;
 };
@@ -28,6 +30,8 @@ void describe(CLI::App& command, Args& args) {
     add_number(command, "--latency", args.latency_ms, "one way [ms]", 0, 10000);
     add_number(command, "--jitter", args.jitter_ms, "added, up to [ms]", 0, 10000);
     add_number(command, "--ticks", args.ticks, "that every peer has to confirm", 1, UINT64_MAX);
+    add_number(command, "--watchers", args.watchers, "machines that watch peer 0, and join one after the other", 0, 64);
+    add_flag(command, "--trouble", args.trouble, "machines sleep, and links are cut, for a while");
     add_text(command, "--mode", args.mode, "rollback or lockstep")
         .one_of({"rollback", "lockstep"})
         .show_default();
@@ -67,6 +71,9 @@ std::vector<std::string> disagreements(const MatchOutcome& match, const Game& ga
         else if (const auto report = replay::verify(*recording, &game); !report.good())
             found.push_back(report.sentence);
     }
+    for (std::size_t w = 0; w < match.watched.size(); ++w)
+        if (!std::equal(first.hashes.begin(), first.hashes.end(), match.watched[w].begin()))
+            found.push_back("seed " + std::to_string(seed) + ", watcher " + std::to_string(w) + ": has seen another match than peer 0");
     return found;
 }
 
@@ -108,6 +115,8 @@ Result<bool> play_seed(const Args& args, std::uint64_t seed, std::uint64_t ticks
     def.seed = seed;
     def.ticks = args.ticks;
     def.mode = args.mode == "lockstep" ? MatchMode::lockstep : MatchMode::rollback;
+    def.watchers = args.watchers;
+    def.trouble = args.trouble;
     def.link.latency_ms = args.latency_ms;
     def.link.jitter_ms = args.jitter_ms;
     def.link.loss_permille = args.loss_percent * 10;

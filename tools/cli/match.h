@@ -17,6 +17,8 @@ struct MatchDef {
     std::uint64_t ticks = 600; ///< that every peer has to confirm
     MatchMode mode = MatchMode::rollback;
     LinkDef link;
+    std::uint32_t watchers = 0; ///< who watch peer 0; the first from the start, each next one some seconds later
+    bool trouble = false;       ///< machines sleep for up to half a second, and links are cut for up to two
 };
 
 /// One peer's view of what was confirmed, and its recording.
@@ -44,6 +46,7 @@ struct PeerOutcome {
 
 struct MatchOutcome {
     std::vector<PeerOutcome> peers;
+    std::vector<std::vector<std::uint64_t>> watched; ///< by watcher: hashes, by tick
     std::vector<std::string> desyncs; ///< what sessions reported
     std::uint64_t milliseconds = 0;   ///< of simulated time
 };

@@ -1,6 +1,8 @@
 #include "cli/match.h"
 
 #include "cli/text.h"
+#include "lockstone/random.h"
+#include "lockstone/spectator.h"
 #include "scenes/scenes.h"
 
 #include <algorithm>
@@ -17,13 +19,49 @@ struct Peer {
     WorldSimulation simulation;
     replay::MemorySink sink;
     std::unique_ptr<ConfirmedLog> log;
+    std::unique_ptr<SpectatorHost> host; ///< peer 0's, where somebody watches
     std::unique_ptr<Session> session;
     std::unique_ptr<SessionRunner> runner;
     std::uint32_t wait_frames = 0;
+    std::uint64_t awake_at_ms = 0;
 };
 
+/// A machine that watches.
+struct Watcher final : ConfirmedSink {
+    Watcher(World start, const Game& game, PeerId id)
+        : world(std::move(start)), simulation(world, game), self(id) {}
+    void on_confirmed(std::uint64_t, std::span<const PlayerInput>, std::uint64_t hash) override {
+        hashes.push_back(hash);
+    }
+
+    World world;
+    WorldSimulation simulation;
+    PeerId self;
+    std::vector<std::uint64_t> hashes; ///< by tick
+    std::unique_ptr<Session> session;
+    std::unique_ptr<SessionRunner> runner;
+};
+
+SessionDef session_of(const Game& game, PeerId self) {
+    std::vector<PeerId> players(game.player_count());
+    for (PeerId p = 0; p < players.size(); ++p) players[p] = p;
+    return session_def(game, self, players);
+}
+
+Result<std::unique_ptr<Watcher>> make_watcher(const Game& game, PeerId self, Transport& transport) {
+    Result<World> world = game.start();
+    if (!world) return world.error();
+    auto watcher = std::make_unique<Watcher>(std::move(*world), game, self);
+    Result<std::unique_ptr<Session>> session = make_spectator_session(session_of(game, self), 0, transport);
+    if (!session) return session.error();
+    watcher->session = std::move(*session);
+    watcher->runner = std::make_unique<SessionRunner>(
+        *watcher->session, watcher->simulation, RunnerDef{.sink = watcher.get(), .column_left_out = {}});
+    return watcher;
+}
+
 Result<std::unique_ptr<Peer>> make_peer(const Game& game, const MatchDef& def, PeerId self,
-                                        Transport& transport) {
+                                        Transport& transport, Transport& to_watchers) {
     Result<World> world = game.start();
     if (!world) return world.error();
     auto peer = std::make_unique<Peer>(std::move(*world), game);
@@ -34,16 +72,20 @@ Result<std::unique_ptr<Peer>> make_peer(const Game& game, const MatchDef& def, P
     if (!recorder) return recorder.error();
     peer->log = std::make_unique<ConfirmedLog>(std::move(*recorder), def.ticks);
 
-    std::vector<PeerId> players(game.player_count());
-    for (PeerId p = 0; p < players.size(); ++p) players[p] = p;
-    const SessionDef session_of = session_def(game, self, players);
+    const SessionDef as_player = session_of(game, self);
     Result<std::unique_ptr<Session>> session = def.mode == MatchMode::rollback
-                                                   ? make_rollback_session(session_of, transport)
-                                                   : make_lockstep_session(session_of, transport);
+                                                   ? make_rollback_session(as_player, transport)
+                                                   : make_lockstep_session(as_player, transport);
     if (!session) return session.error();
     peer->session = std::move(*session);
+    ConfirmedSink* sink = peer->log.get();
+    if (self == 0 && def.watchers > 0) {
+        const SpectatorHostDef host_def{.watchers_max = def.watchers};
+        peer->host = std::make_unique<SpectatorHost>(as_player, to_watchers, host_def, peer->log.get());
+        sink = peer->host.get();
+    }
     peer->runner = std::make_unique<SessionRunner>(*peer->session, peer->simulation,
-                                                   RunnerDef{.sink = peer->log.get(), .column_left_out = {}});
+                                                   RunnerDef{.sink = sink, .column_left_out = {}});
     return peer;
 }
 
@@ -59,19 +101,73 @@ void run_frame(Peer& peer, PeerId self, const Game& game, const MatchDef& def, s
         peer.session->add_local_input(self, input);
         peer.wait_frames = peer.runner->frame(now_ms).wait_ticks;
     }
-    while (const auto notice = peer.session->next_notice())
+    while (const auto notice = peer.session->next_notice()) {
+        if (const auto* named = std::get_if<DesyncNamed>(&*notice))
+            out.desyncs.push_back("peer " + std::to_string(self) + ": " + to_string(*named->report));
         if (const auto* desync = std::get_if<Desync>(&*notice))
             out.desyncs.push_back("peer " + std::to_string(self) + " and peer " +
                                   std::to_string(desync->peer) + " differ after tick " +
                                   std::to_string(desync->tick) + ": " + hash_text(desync->local) +
                                   " against " + hash_text(desync->remote));
+    }
 }
 
-/// By all of them.
-std::uint64_t ticks_confirmed(const std::vector<std::unique_ptr<Peer>>& peers) {
+/// By all of them, those who watch included.
+std::uint64_t ticks_confirmed(const std::vector<std::unique_ptr<Peer>>& peers,
+                              const std::vector<std::unique_ptr<Watcher>>& watchers) {
     std::uint64_t least = ~std::uint64_t{0};
     for (const auto& peer : peers) least = std::min<std::uint64_t>(least, peer->log->hashes.size());
+    for (const auto& watcher : watchers) least = std::min<std::uint64_t>(least, watcher->hashes.size());
     return least;
+}
+
+/// Now and then a machine falls asleep, or two lose each other: less than the patience of anybody.
+class Trouble {
+  public:
+    Trouble(const MatchDef& of, std::uint32_t machines_in_all)
+        : def(of), machines(machines_in_all), random(Random::seeded(of.seed)), whole_at_ms(machines_in_all) {}
+    void come(std::vector<std::unique_ptr<Peer>>& peers, SimulatedNetwork& network, std::uint64_t now_ms) {
+        constexpr std::uint32_t one_in_frames = 300, sleep_max_ms = 500, cut_max_ms = 2000;
+        if (!def.trouble) return;
+        for (PeerId id = 0; id < machines; ++id) {
+            if (random.below(one_in_frames) == 0)
+                peers[id]->awake_at_ms = now_ms + random.below(sleep_max_ms);
+            const PeerId other = (id + 1) % machines;
+            const bool is_cut = now_ms < whole_at_ms[id];
+            if (!is_cut && random.below(one_in_frames) == 0)
+                whole_at_ms[id] = now_ms + random.below(cut_max_ms);
+            LinkDef link = def.link;
+            if (now_ms < whole_at_ms[id]) link.loss_permille = 1000;
+            network.set_link(id, other, link);
+        }
+    }
+
+  private:
+    const MatchDef& def;
+    std::uint32_t machines;
+    Random random;
+    std::vector<std::uint64_t> whole_at_ms; ///< by machine: the link to the next one
+};
+
+/// Watchers join one after the other, and tell what they are told.
+Status run_watchers(std::vector<std::unique_ptr<Watcher>>& watchers, const Game& game, const MatchDef& def,
+                    std::uint64_t frame, SimulatedNetwork& network, MatchOutcome& out) {
+    constexpr std::uint64_t frames_between = 150;
+    if (watchers.size() < def.watchers && frame >= watchers.size() * frames_between) {
+        const PeerId id = static_cast<PeerId>(watchers.size() + 1);
+        Result<std::unique_ptr<Watcher>> watcher = make_watcher(game, id, network.endpoint(id));
+        if (!watcher) return watcher.error();
+        watchers.push_back(std::move(*watcher));
+    }
+    network.advance_to(out.milliseconds);
+    for (const auto& watcher : watchers) {
+        watcher->runner->frame(out.milliseconds);
+        while (const auto notice = watcher->session->next_notice())
+            if (const auto* desync = std::get_if<Desync>(&*notice))
+                out.desyncs.push_back("watcher " + std::to_string(watcher->self) + " differs after tick " +
+                                      std::to_string(desync->tick));
+    }
+    return {};
 }
 
 } // namespace
@@ -93,30 +189,41 @@ Status ConfirmedLog::close() {
 
 Result<MatchOutcome> play_match(const Game& game, const MatchDef& def,
                                 const std::function<void(std::uint64_t)>& progress) {
-    SimulatedNetwork network(game.player_count(), def.link, def.seed);
+    SimulatedNetwork network(game.player_count(), def.link, def.seed),
+        to_watchers(def.watchers + 1, def.link, ~def.seed);
+    Trouble trouble(def, game.player_count());
+    std::vector<std::unique_ptr<Watcher>> watchers;
     std::vector<std::unique_ptr<Peer>> peers;
     for (PeerId p = 0; p < game.player_count(); ++p) {
-        Result<std::unique_ptr<Peer>> peer = make_peer(game, def, p, network.endpoint(p));
+        Result<std::unique_ptr<Peer>> peer =
+            make_peer(game, def, p, network.endpoint(p), to_watchers.endpoint(0));
         if (!peer) return peer.error();
         peers.push_back(std::move(*peer));
     }
     MatchOutcome out;
     const std::uint64_t rate = peers.front()->world.def().tick_rate;
     const std::uint64_t frames_max = 20 * def.ticks + 60 * rate;
-    for (std::uint64_t frame = 0; ticks_confirmed(peers) < def.ticks; ++frame) {
+    for (std::uint64_t frame = 0;
+         watchers.size() < def.watchers || ticks_confirmed(peers, watchers) < def.ticks; ++frame) {
         if (frame == frames_max)
             return Error{"seed " + std::to_string(def.seed) + ": the match is still not through after " +
                          std::to_string(frames_max) + " frames"};
         out.milliseconds = frame * 1000 / rate;
         network.advance_to(out.milliseconds);
-        for (PeerId p = 0; p < peers.size(); ++p) run_frame(*peers[p], p, game, def, out.milliseconds, out);
-        if (progress) progress(ticks_confirmed(peers));
+        trouble.come(peers, network, out.milliseconds);
+        for (PeerId p = 0; p < peers.size(); ++p)
+            if (out.milliseconds >= peers[p]->awake_at_ms)
+                run_frame(*peers[p], p, game, def, out.milliseconds, out);
+        if (Status s = run_watchers(watchers, game, def, frame, to_watchers, out); !s) return s.error();
+        if (def.watchers > 0) peers[0]->host->poll();
+        if (progress) progress(ticks_confirmed(peers, watchers));
     }
     for (auto& peer : peers) {
         if (Status s = peer->log->close(); !s) return s.error();
         out.peers.push_back({std::move(peer->sink.bytes), std::move(peer->log->hashes),
                              std::move(peer->log->inputs_confirmed), peer->session->stats()});
     }
+    for (auto& watcher : watchers) out.watched.push_back(std::move(watcher->hashes));
     return out;
 }
 

@@ -5,10 +5,9 @@
 //
 // Planted: "silent" gives one honest machine another world and keeps its hashes to itself; "hang" never ends.
 #include "attack/attack.h"
-#include "base/bytes.h"
-#include "base/hash.h"
 #include "session/hostile.h"
 #include "session/input_queue.h"
+#include "session/seal.h"
 
 #include <chrono>
 #include <cstdio>
@@ -54,7 +53,7 @@ void lie_in_fields(Message& m, std::uint32_t players, test::Random& random) {
             m.hash_first = any_number(random, m.hash_first) & 0xffffffffu;
             break;
         case 4:
-            m.hashes[0] = random.next();
+            m.hashes[0] = static_cast<std::uint32_t>(random.next());
             break;
         case 5:
             m.unwanted |= random.below(all + 1);
@@ -72,8 +71,9 @@ void lie_in_fields(Message& m, std::uint32_t players, test::Random& random) {
             m.hash_count = random.below(m.hash_count + 1);
             break;
         case 10:
-            m.quality = session::QualityReport{static_cast<std::int32_t>(random.next()), static_cast<std::uint32_t>(random.next()),
-                                               static_cast<std::uint32_t>(random.next()), static_cast<std::uint32_t>(random.next())};
+            m.quality = session::QualityReport{static_cast<std::int32_t>(random.next()), static_cast<std::uint16_t>(random.next()),
+                                               random.below(2) != 0, static_cast<std::uint16_t>(random.next()),
+                                               static_cast<std::uint16_t>(random.next())};
             break;
         default:
             if (random.below(50) == 0) m.sequence = any_number(random, m.sequence) & 0xffffffffu;
@@ -82,23 +82,17 @@ void lie_in_fields(Message& m, std::uint32_t players, test::Random& random) {
     }
 }
 
-void seal(std::vector<std::byte>& packet) {
-    if (packet.size() < 16) return;
-    const std::span body(packet.data(), packet.size() - 4);
-    base::store_little_endian(static_cast<std::uint32_t>(base::xxh3(body)), packet.data() + body.size());
-}
-
-std::vector<std::byte> with_other_bytes(std::span<const std::byte> from, test::Random& random) {
+std::vector<std::byte> with_other_bytes(std::span<const std::byte> from, std::uint32_t match, test::Random& random) {
     std::vector<std::byte> packet(from.begin(), from.end());
     for (std::uint32_t changes = 1 + random.below(3); changes > 0; --changes) {
-        const std::uint32_t at = 12 + random.below(static_cast<std::uint32_t>(packet.size()) - 12);
+        const std::uint32_t at = random.below(static_cast<std::uint32_t>(packet.size()));
         if (random.below(8) == 0)
             packet.resize(at);
         else
             packet[at] = static_cast<std::byte>(random.below(3) == 0 ? 0xff : random.below(256));
-        if (packet.size() < 20) break;
+        if (packet.size() < 10) break;
     }
-    seal(packet);
+    seal(packet, match);
     return packet;
 }
 
@@ -191,7 +185,7 @@ std::string one_match(std::uint64_t seed, Fault fault, attack::Figures& figures)
             if (how != 1) lie_in_fields(m, machines, random);
             const auto bytes = h.liar.written(m);
             std::vector<std::byte> packet(bytes.begin(), bytes.end());
-            if (how != 0) packet = with_other_bytes(packet, random), may_part = true;
+            if (how != 0) packet = with_other_bytes(packet, h.liar.context.match, random), may_part = true;
             h.liar.real->send(to, packet);
         }
         m = truth;
