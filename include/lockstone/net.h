@@ -136,7 +136,7 @@ struct NetStats {
 /// Limits. All rates are token buckets that hold a second's worth, but for what is said.
 struct EndpointDef {
     std::uint32_t packets_per_second = 480;  ///< taken of each peer
-    std::uint32_t opens_per_second = 50'000; ///< ciphertexts tried, of all senders
+    std::uint32_t opens_per_second = 20'000; ///< ciphertexts tried, of all senders
     std::uint32_t hellos_per_source = 4;     ///< answered a second, of an address (IPv6: of its /64)
     std::uint32_t hellos_per_second =
         200; ///< answered a second, of all addresses that the token does not name

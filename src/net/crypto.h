@@ -39,4 +39,7 @@ bool open(Space to, Bytes sealed, Bytes header, std::uint64_t counter, const Net
 void seal_with_nonce(Space to, Bytes message, Bytes header, const NetKey& key);
 bool open_with_nonce(Space to, Bytes sealed, Bytes header, const NetKey& key);
 
+/// What tokens and passes are: a magic, the version, and a sealed part that is authenticated with both.
+std::vector<std::byte> sealed_file(std::string_view magic, Bytes plain, const NetKey& key);
+
 } // namespace lockstone::net

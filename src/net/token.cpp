@@ -19,14 +19,6 @@ std::vector<std::byte> head(std::string_view magic) {
     return bytes;
 }
 
-std::vector<std::byte> sealed(std::string_view magic, Bytes plain, const NetKey& key) {
-    std::vector<std::byte> bytes = head(magic);
-    const std::vector<std::byte> header = bytes;
-    bytes.resize(header.size() + plain.size() + net::sealed_extra_bytes);
-    net::seal_with_nonce(std::span(bytes).subspan(header.size()), plain, header, key);
-    return bytes;
-}
-
 Result<std::vector<std::byte>> opened(std::string_view what, std::string_view magic, Bytes bytes,
                                       const NetKey& key) {
     const std::vector<std::byte> header = head(magic);
@@ -89,6 +81,14 @@ void read_seat(base::ByteReader& from, PeerId& slot, std::uint32_t& players) {
 
 } // namespace
 
+std::vector<std::byte> net::sealed_file(std::string_view magic, Bytes plain, const NetKey& key) {
+    std::vector<std::byte> bytes = head(magic);
+    const std::vector<std::byte> header = bytes;
+    bytes.resize(header.size() + plain.size() + net::sealed_extra_bytes);
+    net::seal_with_nonce(std::span(bytes).subspan(header.size()), plain, header, key);
+    return bytes;
+}
+
 std::vector<std::byte> seal_token(const ConnectToken& token, const NetKey& key) {
     std::vector<std::byte> plain;
     base::ByteWriter to(plain);
@@ -105,7 +105,7 @@ std::vector<std::byte> seal_token(const ConnectToken& token, const NetKey& key) 
     to.bytes(token.relay_key.bytes);
     to.u16(static_cast<std::uint16_t>(token.pass.size()));
     to.bytes(token.pass);
-    return sealed("LSTK", plain, key);
+    return net::sealed_file("LSTK", plain, key);
 }
 
 Result<ConnectToken> open_token(std::span<const std::byte> bytes, const NetKey& key, std::uint64_t now_ms) {
@@ -142,7 +142,7 @@ std::vector<std::byte> seal_pass(const RelayPass& pass, const NetKey& relay_secr
     to.u8(static_cast<std::uint8_t>(pass.slot));
     to.u8(static_cast<std::uint8_t>(pass.players));
     to.bytes(pass.key.bytes);
-    return sealed("LSRP", plain, pass_key(relay_secret));
+    return net::sealed_file("LSRP", plain, pass_key(relay_secret));
 }
 
 Result<RelayPass> open_pass(std::span<const std::byte> bytes, const NetKey& relay_secret,
