@@ -69,11 +69,11 @@ class SiegedNet {
     }
 
     std::string finish() {
-        for (int i = 0; i < 800; ++i) {
+        for (int i = 0; i < 160; ++i) {
             if (i % 16 == 0) {
                 if (std::string e = frame(16); !e.empty()) return e;
             } else {
-                players->wire.advance(16);
+                players->wire.advance(80);
             }
         }
         const std::uint64_t before = outcome.delivered;

@@ -75,7 +75,9 @@ TEST_CASE("net: a player who starts anew with the same token is let in again, un
 }
 
 TEST_CASE("net: packets that fill 70,000 numbers and a gap of 30,000 are taken") {
-    Players players(2, {.packets_per_second = 1'000'000, .bytes_per_second = 1'000'000'000});
+    Players players(
+        2,
+        {.packets_per_second = 1'000'000, .opens_per_second = 1'000'000, .bytes_per_second = 1'000'000'000});
     players.wire.latency_ms = 0;
     REQUIRE(players.connect());
     std::size_t arrived = 0;
