@@ -44,6 +44,17 @@ children+=($one $other)
 ! wait $other || fail "a peer with other keys was let in"
 
 [ -n "$lockstone" ] || exit 0
+refused() { # WORDS ARGUMENT...: status 2, one line on stderr that holds the words
+    local words=$1 status=0
+    shift
+    "$lockstone" relay "$@" >/dev/null 2>"$work/err" || status=$?
+    [ $status -eq 2 ] && [ "$(wc -l <"$work/err")" -eq 1 ] && grep -qF -- "$words" "$work/err" || fail "relay $*: not refused with '$words'"
+}
+echo 12 >"$work/short"
+refused "none" --key "$work/none"
+refused "a key is 64 hexadecimal digits" --key "$work/short"
+refused "is there already" --key "$work/short" --new-key
+refused "is no address" --key "$work/new" --new-key --address everywhere
 "$lockstone" relay --key "$work/key" --new-key --port 0 --address 127.0.0.1 --seconds $((ticks / 60 + 40)) >"$work/relay" &
 children+=($!)
 for _ in $(seq 50); do

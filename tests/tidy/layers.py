@@ -38,6 +38,7 @@ FOREIGN = [
     (r"(glm|GLFW|epoxy|assimp)/", ["demo/", "tools/"]),
     (r"doctest/", ["tests/"]),
     (r"(CLI|nlohmann)/", ["tools/", "demo/", "tests/"]),
+    (r"enet/", ["tests/net/enet/"]),
     (r"sodium\.h", ["src/net/", "tests/"]),
     (r"(sys/socket|netinet/\w+|arpa/inet|netdb|poll)\.h", ["src/net/", "tests/"]),
 ]
