@@ -27,7 +27,7 @@ struct Datagram {
 };
 
 /// One machine's access to the others. Implemented by SimulatedNetwork, or by the game over what carries its packets;
-/// this version brings no sockets.
+/// lockstone/net.h has one over UDP.
 class Transport {
   public:
     virtual ~Transport() = default;

@@ -26,6 +26,7 @@ PUBLIC = {
     "command.h": "collide", "event.h": "collide", "query.h": "collide",  # definitions and ids, which rows of the layers below sim hold
     "world.h": "sim", "assemble.h": "sim", "game.h": "sim", "input.h": "sim",
     "transport.h": "session", "session.h": "session", "spectator.h": "session", "prove.h": "session",
+    "net.h": "net",
     "convert.h": "outside",
 }
 # Headers from elsewhere, and the only places that may include them.
@@ -37,6 +38,7 @@ FOREIGN = [
     (r"(glm|GLFW|epoxy|assimp)/", ["demo/", "tools/"]),
     (r"doctest/", ["tests/"]),
     (r"(CLI|nlohmann)/", ["tools/", "demo/", "tests/"]),
+    (r"enet/", ["tests/net/enet/"]),
     (r"sodium\.h", ["src/net/", "tests/"]),
     (r"(sys/socket|netinet/\w+|arpa/inet|netdb|poll)\.h", ["src/net/", "tests/"]),
 ]

@@ -32,6 +32,9 @@ void add_all(CLI::App& app, Work& work) {
 #ifdef LOCKSTONE_COOK
     add_cook(app, work);
 #endif
+#ifdef LOCKSTONE_NET
+    add_relay(app, work);
+#endif
 #ifdef LOCKSTONE_REFERENCE
     add_compare(app, work);
 #endif

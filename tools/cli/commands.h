@@ -40,6 +40,7 @@ void add_synctest(CLI::App& app, Work& work);
 void add_match(CLI::App& app, Work& work);
 void add_bench(CLI::App& app, Work& work); ///< only where LOCKSTONE_BUILD_BENCH is on
 void add_cook(CLI::App& app, Work& work); ///< only where LOCKSTONE_BUILD_COOK is on
+void add_relay(CLI::App& app, Work& work); ///< only where LOCKSTONE_BUILD_NET is on
 void add_compare(CLI::App& app, Work& work); ///< only where LOCKSTONE_BUILD_REFERENCE is on
 
 /// A subcommand: `describe` adds its options, `act` runs once all are read.

@@ -1,0 +1,116 @@
+// What an endpoint remembers. handshake.cpp makes keys, sealed.cpp uses them, relay_link.cpp reaches a relay.
+#pragma once
+
+#include "net/cookie.h"
+#include "net/limits.h"
+#include "net/packet.h"
+#include "net/packet_queue.h"
+#include "net/replay_window.h"
+
+namespace lockstone::net {
+
+/// One pair's keys since a handshake, and how far their numbers have come.
+struct Channel {
+    DirectedKeys keys;
+    std::uint64_t sent = 0; ///< the next number
+    ReplayWindow window;
+};
+
+/// An initiator's try at a handshake: cookie and request are asked for again and again, in the name of one nonce.
+struct Attempt {
+    std::uint64_t nonce = 0, started_ms = 0, tried_ms = 0, cookie = 0, cookie_ms = 0;
+    NetKey secret; ///< good for this attempt only
+    bool runs = false, has_cookie = false;
+};
+
+/// A responder's answer to an authentic request: becomes the channel when a packet shows that the initiator has the keys.
+struct Pending {
+    Channel channel;
+    std::uint64_t nonce, since_ms;
+    NetAddress from;
+    std::array<std::byte, accept_bytes> accept;
+};
+
+struct Peer {
+    DirectedKeys pair;  ///< of both players' keys in the token: for handshakes only
+    NetAddress listed;  ///< the token's, or the relay's
+    NetAddress address; ///< proven; no port before the first handshake
+    std::optional<Channel> channel;
+    std::optional<Pending> pending;
+    std::uint64_t channel_nonce = 0; ///< of the request that the channel came from
+    Attempt attempt;
+    std::uint64_t sent_ms = 0, heard_ms = 0, punched_ms = 0;
+    NetAddress candidate; ///< another address that authentic packets come from; challenged
+    std::uint64_t challenge = 0, challenged_ms = 0;
+    Bucket hellos, requests, packets, bytes;
+};
+
+/// How this player stands with the relay.
+struct RelayLink {
+    Attempt attempt;
+    bool is_in = false;
+    std::uint64_t heard_ms = 0;
+};
+
+} // namespace lockstone::net
+
+namespace lockstone {
+
+struct Endpoint::Impl {
+    using Fault = std::optional<NetFault>;
+    Impl(const ConnectToken& token, const EndpointDef& def, std::uint64_t now_ms);
+
+    ConnectToken token;
+    EndpointDef def;
+    std::uint64_t now;
+    std::array<net::Peer, net_players_max> peers;
+    net::RelayLink relay;
+    net::CookieJar cookies;
+    net::SourceLimit hello_sources;
+    net::Bucket hellos, opens;
+    net::PacketQueue<NetAddress> outgoing;
+    net::PacketQueue<PeerId> delivered;
+    NetStats stats;
+
+    void advance(std::uint64_t now_ms) { now = std::max(now, now_ms); }
+    bool has_relay() const { return token.relay.port != 0; }
+    bool initiates(PeerId slot) const { return token.slot > slot; }
+    std::uint32_t match_low() const { return static_cast<std::uint32_t>(token.match_id); }
+    /// Ours on the wire: a relay is told the receiver and puts the sender in its place.
+    std::byte first_to(net::Kind kind, PeerId slot) const {
+        return net::first_byte(kind, has_relay() ? slot : token.slot);
+    }
+    /// Takes from the number of ciphertexts that are tried.
+    bool may_open();
+    net::Space push(const NetAddress& to, std::size_t size);
+    Fault take(const NetAddress& from, net::Bytes datagram);
+
+    // handshake.cpp
+    Fault take_handshake(PeerId slot, const NetAddress& from, net::Bytes datagram);
+    Fault handshake_fault(net::Bytes datagram) const;
+    Fault take_hello(PeerId slot, const NetAddress& from, net::Bytes datagram);
+    Fault take_cookie(PeerId slot, const NetAddress& from, net::Bytes datagram);
+    Fault take_request(PeerId slot, const NetAddress& from, net::Bytes datagram);
+    Fault take_accept(PeerId slot, const NetAddress& from, net::Bytes datagram);
+    void answer_request(PeerId slot, const NetAddress& from, std::uint64_t nonce, const NetKey& theirs);
+    void poll_handshake(PeerId slot);
+    void send_request(PeerId slot);
+
+    // sealed.cpp
+    Fault take_sealed(PeerId slot, const NetAddress& from, net::Bytes datagram);
+    Fault open(net::Channel& channel, net::Bytes datagram, net::Space plain, std::uint64_t& number);
+    Fault open_any(net::Peer& peer, net::Bytes datagram, net::Space plain, std::uint64_t& number);
+    Fault apply(PeerId slot, const NetAddress& from, net::Kind kind, net::Bytes plain);
+    void judge_path(PeerId slot, const NetAddress& from, std::size_t size);
+    Fault prove_path(PeerId slot, const NetAddress& from, std::uint64_t answer);
+    void send_sealed(PeerId slot, const NetAddress& to, net::Kind kind, net::Bytes plain);
+    void send_control(PeerId slot, const NetAddress& to, net::Kind kind, std::uint64_t value);
+    void poll_keep_alive(PeerId slot);
+
+    // relay_link.cpp
+    Fault take_from_relay(const NetAddress& from, net::Bytes datagram);
+    void poll_relay();
+    void send_relay_request();
+};
+
+} // namespace lockstone

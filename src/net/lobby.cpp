@@ -1,0 +1,106 @@
+// A match by a code: the first player opens a room, the others enter it, and all are told each other's public keys. Who is who is
+// known by a public key that is made for this match; requests are repeated until the token is there, and mean the same each time.
+#include "net/relay.h"
+
+#include "base/bytes.h"
+
+namespace lockstone {
+
+using namespace net;
+
+namespace {
+
+constexpr std::string_view letters = "ABCDEFGHJKLMNPQRSTUVWXYZ23456789"; // none that look alike
+static_assert(letters.size() == 32);
+
+std::string random_code() {
+    std::string code;
+    for (std::uint64_t chance = random_u64(); code.size() < code_letters; chance >>= 5)
+        code += letters[chance % letters.size()];
+    return code;
+}
+
+} // namespace
+
+Relay::Impl::Fault Relay::Impl::take_lobby_request(const NetAddress& from, Bytes datagram) {
+    if (const Fault fault = request_fault(from, datagram)) return fault;
+    NetKey who;
+    std::ranges::copy(datagram.subspan(cookie_bytes, 32), who.bytes.begin());
+    const auto keys = agree(Role::responder, secret, who);
+    std::array<std::byte, lobby_request_plain> plain;
+    if (!keys || !open_with_nonce(plain, datagram.subspan(lobby_request_head),
+                                  datagram.first(lobby_request_head), keys->receive))
+        return NetFault::unauthenticated;
+    base::ByteReader in(plain, "lobby request");
+    const std::uint32_t players = in.u8("players");
+    const Bytes asked = in.bytes(code_letters, "code");
+    std::string code(reinterpret_cast<const char*>(asked.data()), asked.size());
+    if (code[0] == 0) code.clear();
+    const LobbyStatus status = enter(who, players, code);
+
+    std::vector<std::byte> answer;
+    base::ByteWriter out(answer);
+    const Room* room = status <= LobbyStatus::ready ? &rooms[code] : nullptr;
+    out.u8(static_cast<std::uint8_t>(status));
+    out.u8(static_cast<std::uint8_t>(room ? room->members.size() : 0));
+    code.resize(code_letters);
+    out.bytes(std::as_bytes(std::span(code)));
+    const std::vector<std::byte> token =
+        status == LobbyStatus::ready ? token_for(who, *room, keys->send) : std::vector<std::byte>{};
+    out.u16(static_cast<std::uint16_t>(token.size()));
+    out.bytes(token);
+    answer.resize(lobby_answer_plain);
+    const Space to = push(from, packet_bytes_max);
+    if (to.empty()) return {};
+    write_cookie(to, first_byte(Kind::lobby_answer, 0), read_cookie(datagram).nonce, 0);
+    seal_with_nonce(to.subspan(lobby_answer_head), answer, to.first(lobby_answer_head), keys->send);
+    return {};
+}
+
+/// Into the room of `code`, or into a new one where it is empty; then `code` names it.
+LobbyStatus Relay::Impl::enter(const NetKey& who, std::uint32_t players, std::string& code) {
+    if (const auto known = room_of.find(who.bytes); known != room_of.end())
+        code = known->second;
+    else if (code.empty())
+        return open_room(who, players, code);
+    const auto found = rooms.find(code);
+    if (found == rooms.end()) return LobbyStatus::no_such_code;
+    Room& room = found->second;
+    if (std::ranges::find(room.members, who) == room.members.end()) {
+        if (room.members.size() == room.players) return LobbyStatus::room_full;
+        room.members.push_back(who), room.relay_keys.push_back(random_key());
+        room_of[who.bytes] = code;
+    }
+    return room.members.size() == room.players ? LobbyStatus::ready : LobbyStatus::waiting;
+}
+
+LobbyStatus Relay::Impl::open_room(const NetKey& who, std::uint32_t players, std::string& code) {
+    if (players < 2 || players > net_players_max) return LobbyStatus::bad_request;
+    if (rooms.size() >= def.rooms_max) return LobbyStatus::lobby_full;
+    do code = random_code();
+    while (rooms.contains(code));
+    rooms[code] = {players, random_u64(), now, {who}, {random_key()}};
+    room_of[who.bytes] = code;
+    return LobbyStatus::waiting;
+}
+
+/// Without the secret and the relay's address: the player has the one, and asks at the other.
+std::vector<std::byte> Relay::Impl::token_for(const NetKey& who, const Room& room, const NetKey& key) const {
+    ConnectToken token;
+    token.match_id = room.match_id, token.expires_ms = room.opened_ms + 2 * std::uint64_t{def.room_ms};
+    token.players = room.players;
+    token.slot = static_cast<PeerId>(std::ranges::find(room.members, who) - room.members.begin());
+    std::ranges::copy(room.members, token.public_keys.begin());
+    token.relay_key = room.relay_keys[token.slot];
+    token.pass = seal_pass(
+        {token.match_id, room.opened_ms + def.match_ms, token.slot, token.players, token.relay_key}, secret);
+    return seal_token(token, key);
+}
+
+void Relay::Impl::close_old_rooms() {
+    const auto is_old = [&](const Room& room) { return now - room.opened_ms > def.room_ms; };
+    std::erase_if(room_of, [&](const auto& entry) { return is_old(rooms.find(entry.second)->second); });
+    std::erase_if(rooms, [&](const auto& entry) { return is_old(entry.second); });
+}
+
+} // namespace lockstone

@@ -1,0 +1,83 @@
+// What a relay remembers. relay.cpp seats players and forwards, lobby.cpp brings them together.
+#pragma once
+
+#include "net/cookie.h"
+#include "net/limits.h"
+#include "net/packet.h"
+#include "net/packet_queue.h"
+
+#include <map>
+
+namespace lockstone::net {
+
+/// A player of a match who has shown a pass from a proven address.
+struct Seat {
+    NetAddress address; ///< no port: nobody
+    std::uint64_t heard_ms = 0;
+    Bucket packets, bytes;
+};
+
+struct RelayedMatch {
+    std::uint32_t players = 0;
+    std::array<Seat, net_players_max> seats{}; ///< by slot
+};
+
+/// A match that players gather for.
+struct Room {
+    std::uint32_t players = 0;
+    std::uint64_t match_id = 0, opened_ms = 0;
+    std::vector<NetKey> members;    ///< public keys, by slot
+    std::vector<NetKey> relay_keys; ///< by slot
+};
+
+/// What the lobby says; the rest of a lobby answer has a meaning for the first two only.
+enum class LobbyStatus : std::uint8_t { waiting, ready, no_such_code, room_full, lobby_full, bad_request };
+
+// The lobby's formats, see README.md: both directions are of one length, so that nothing is amplified or told by it.
+inline constexpr std::size_t code_letters = 8;
+inline constexpr std::size_t lobby_request_head = 18 + 32, lobby_answer_head = 10;
+inline constexpr std::size_t lobby_request_plain = packet_bytes_max - lobby_request_head - sealed_extra_bytes;
+inline constexpr std::size_t lobby_answer_plain = packet_bytes_max - lobby_answer_head - sealed_extra_bytes;
+
+} // namespace lockstone::net
+
+namespace lockstone {
+
+struct Relay::Impl {
+    using Fault = std::optional<NetFault>;
+    Impl(const NetKey& own_secret, const RelayDef& limits, std::uint64_t now_ms);
+
+    NetKey secret;
+    RelayDef def;
+    std::uint64_t now, swept_ms;
+    net::CookieJar cookies;
+    net::SourceLimit hello_sources, request_sources;
+    net::Bucket hellos, opens;
+    std::map<std::uint64_t, net::RelayedMatch> matches;           ///< by match id
+    std::map<NetAddress, std::pair<std::uint64_t, PeerId>> seats; ///< by address: match and slot
+    std::map<std::string, net::Room> rooms;                       ///< by code
+    std::map<std::array<std::byte, 32>, std::string> room_of;     ///< by a member's public key
+    net::PacketQueue<NetAddress> outgoing;
+    std::uint64_t forwarded = 0;
+    NetStats stats;
+
+    net::Space push(const NetAddress& to, std::size_t size);
+    Fault take(const NetAddress& from, net::Bytes datagram);
+    Fault take_hello(const NetAddress& from, net::Bytes datagram);
+    /// What requests have to get past before anything of them is opened.
+    Fault request_fault(const NetAddress& from, net::Bytes datagram);
+    Fault take_request(const NetAddress& from, net::Bytes datagram);
+    Fault sit_down(const RelayPass& pass, const NetAddress& from);
+    void stand_up(std::map<NetAddress, std::pair<std::uint64_t, PeerId>>::iterator seat);
+    Fault forward(const NetAddress& from, net::Bytes datagram);
+    void sweep();
+
+    // lobby.cpp
+    Fault take_lobby_request(const NetAddress& from, net::Bytes datagram);
+    net::LobbyStatus enter(const NetKey& who, std::uint32_t players, std::string& code);
+    net::LobbyStatus open_room(const NetKey& who, std::uint32_t players, std::string& code);
+    std::vector<std::byte> token_for(const NetKey& who, const net::Room& room, const NetKey& key) const;
+    void close_old_rooms();
+};
+
+} // namespace lockstone

@@ -1,0 +1,190 @@
+// Tokens and passes: made, sealed, opened. Formats in README.md.
+#include "net/crypto.h"
+
+#include "base/bytes.h"
+
+namespace lockstone {
+namespace {
+
+using net::Bytes;
+
+constexpr std::size_t pass_bytes_max = 256; // of a sealed pass inside a token
+
+/// What stands before the sealed part, and is authenticated with it.
+std::vector<std::byte> head(std::string_view magic) {
+    std::vector<std::byte> bytes;
+    base::ByteWriter to(bytes);
+    to.bytes(std::as_bytes(std::span(magic)));
+    to.u8(net_version);
+    return bytes;
+}
+
+Result<std::vector<std::byte>> opened(std::string_view what, std::string_view magic, Bytes bytes,
+                                      const NetKey& key) {
+    const std::vector<std::byte> header = head(magic);
+    base::ByteReader from(bytes, what);
+    const Bytes found = from.bytes(magic.size(), "magic");
+    const std::uint8_t version = from.u8("version");
+    if (!from.ok()) return from.error();
+    if (!std::ranges::equal(found, std::as_bytes(std::span(magic))))
+        return Error{base::join("this is no ", what)};
+    if (version != net_version)
+        return Error{
+            base::join("the ", what, " is of version ", version, ", this program reads ", net_version)};
+    if (bytes.size() < header.size() + net::sealed_extra_bytes)
+        return Error{base::join("the ", what, " is cut")};
+    std::vector<std::byte> plain(bytes.size() - header.size() - net::sealed_extra_bytes);
+    if (!net::open_with_nonce(plain, bytes.subspan(header.size()), header, key))
+        return Error{base::join("the ", what, " was not sealed with this key, or was changed since")};
+    return plain;
+}
+
+void write(base::ByteWriter& to, const NetAddress& address) {
+    to.bytes(std::as_bytes(std::span(address.ip)));
+    to.u16(address.port);
+}
+
+NetAddress read_address(base::ByteReader& from, std::string_view what) {
+    NetAddress address;
+    const Bytes ip = from.bytes(address.ip.size(), what);
+    if (!ip.empty()) std::memcpy(address.ip.data(), ip.data(), ip.size());
+    address.port = from.u16(what);
+    return address;
+}
+
+NetKey read_key(base::ByteReader& from, std::string_view what) {
+    NetKey key;
+    const Bytes bytes = from.bytes(key.bytes.size(), what);
+    if (!bytes.empty()) std::memcpy(key.bytes.data(), bytes.data(), bytes.size());
+    return key;
+}
+
+/// The relay's secret is an X25519 key too; a key has one use.
+NetKey pass_key(const NetKey& relay_secret) {
+    return net::derived(relay_secret, std::as_bytes(std::span("lockstone relay pass")));
+}
+
+Status in_time(std::string_view what, std::uint64_t expires_ms, std::uint64_t now_ms) {
+    if (now_ms >= expires_ms)
+        return Error{
+            base::join("the ", what, " has expired, ", (now_ms - expires_ms) / 1000, " seconds ago")};
+    return {};
+}
+
+void read_seat(base::ByteReader& from, PeerId& slot, std::uint32_t& players) {
+    slot = from.u8("slot");
+    players = from.u8("players");
+    if (players < 2 || players > net_players_max)
+        from.fail(base::join(players, " players, must be 2..", net_players_max));
+    if (slot >= players) from.fail(base::join("slot ", slot, " of ", players));
+}
+
+} // namespace
+
+std::vector<std::byte> net::sealed_file(std::string_view magic, Bytes plain, const NetKey& key) {
+    std::vector<std::byte> bytes = head(magic);
+    const std::vector<std::byte> header = bytes;
+    bytes.resize(header.size() + plain.size() + net::sealed_extra_bytes);
+    net::seal_with_nonce(std::span(bytes).subspan(header.size()), plain, header, key);
+    return bytes;
+}
+
+std::vector<std::byte> seal_token(const ConnectToken& token, const NetKey& key) {
+    std::vector<std::byte> plain;
+    base::ByteWriter to(plain);
+    to.u64(token.match_id);
+    to.u64(token.expires_ms);
+    to.u8(static_cast<std::uint8_t>(token.slot));
+    to.u8(static_cast<std::uint8_t>(token.players));
+    to.bytes(token.secret.bytes);
+    for (std::uint32_t slot = 0; slot < token.players && slot < net_players_max; ++slot) {
+        to.bytes(token.public_keys[slot].bytes);
+        write(to, token.addresses[slot]);
+    }
+    write(to, token.relay);
+    to.bytes(token.relay_key.bytes);
+    to.u16(static_cast<std::uint16_t>(token.pass.size()));
+    to.bytes(token.pass);
+    return net::sealed_file("LSTK", plain, key);
+}
+
+Result<ConnectToken> open_token(std::span<const std::byte> bytes, const NetKey& key, std::uint64_t now_ms) {
+    const auto plain = opened("connect token", "LSTK", bytes, key);
+    if (!plain) return plain.error();
+    base::ByteReader from(*plain, "connect token");
+    ConnectToken token;
+    token.match_id = from.u64("match");
+    token.expires_ms = from.u64("end");
+    read_seat(from, token.slot, token.players);
+    token.secret = read_key(from, "secret key");
+    for (std::uint32_t slot = 0; from.ok() && slot < token.players; ++slot) {
+        token.public_keys[slot] = read_key(from, "public key");
+        token.addresses[slot] = read_address(from, "address");
+    }
+    token.relay = read_address(from, "relay");
+    token.relay_key = read_key(from, "relay key");
+    const std::uint16_t pass_bytes = from.u16("pass length");
+    if (pass_bytes > pass_bytes_max)
+        from.fail(base::join("a pass of ", pass_bytes, " bytes, at most ", pass_bytes_max));
+    const Bytes pass = from.bytes(pass_bytes, "pass");
+    token.pass.assign(pass.begin(), pass.end());
+    from.expect_end();
+    if (!from.ok()) return from.error();
+    if (Status s = in_time("connect token", token.expires_ms, now_ms); !s) return s.error();
+    return token;
+}
+
+std::vector<std::byte> seal_pass(const RelayPass& pass, const NetKey& relay_secret) {
+    std::vector<std::byte> plain;
+    base::ByteWriter to(plain);
+    to.u64(pass.match_id);
+    to.u64(pass.expires_ms);
+    to.u8(static_cast<std::uint8_t>(pass.slot));
+    to.u8(static_cast<std::uint8_t>(pass.players));
+    to.bytes(pass.key.bytes);
+    return net::sealed_file("LSRP", plain, pass_key(relay_secret));
+}
+
+Result<RelayPass> open_pass(std::span<const std::byte> bytes, const NetKey& relay_secret,
+                            std::uint64_t now_ms) {
+    const auto plain = opened("relay pass", "LSRP", bytes, pass_key(relay_secret));
+    if (!plain) return plain.error();
+    base::ByteReader from(*plain, "relay pass");
+    RelayPass pass;
+    pass.match_id = from.u64("match");
+    pass.expires_ms = from.u64("end");
+    read_seat(from, pass.slot, pass.players);
+    pass.key = read_key(from, "key");
+    from.expect_end();
+    if (!from.ok()) return from.error();
+    if (Status s = in_time("relay pass", pass.expires_ms, now_ms); !s) return s.error();
+    return pass;
+}
+
+Result<std::vector<ConnectToken>> make_tokens(const MatchPlan& plan) {
+    const std::size_t players = plan.addresses.size();
+    if (players < 2 || players > net_players_max)
+        return Error{base::join("a match has 2..", net_players_max, " players, not ", players)};
+    for (const NetAddress& address : plan.addresses)
+        if (address.port == 0 && plan.relay.port == 0)
+            return Error{"a player has no address, and there is no relay"};
+    ConnectToken all;
+    all.match_id = plan.match_id, all.expires_ms = plan.expires_ms;
+    all.players = static_cast<std::uint32_t>(players), all.relay = plan.relay;
+    std::vector<ConnectToken> tokens(players, all);
+    for (PeerId slot = 0; slot < players; ++slot) {
+        ConnectToken& own = tokens[slot];
+        own.slot = slot, own.secret = random_key(), own.relay_key = random_key();
+        const NetKey public_key = public_key_of(own.secret);
+        // Behind a relay no player learns another's address.
+        const NetAddress address = plan.relay.port == 0 ? plan.addresses[slot] : NetAddress{};
+        for (ConnectToken& token : tokens)
+            token.public_keys[slot] = public_key, token.addresses[slot] = address;
+        if (plan.relay.port != 0)
+            own.pass = seal_pass({plan.match_id, plan.relay_expires_ms, slot, own.players, own.relay_key},
+                                 plan.relay_secret);
+    }
+    return tokens;
+}
+
+} // namespace lockstone

@@ -1,0 +1,140 @@
+#include "lockstone/net.h"
+
+#include "base/text.h"
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+namespace lockstone {
+namespace {
+
+constexpr int buffer_bytes =
+    1 << 20; // of the system, in each direction: some frames' worth of the busiest relay
+
+Error system_error(std::string_view what, const NetAddress& local) {
+    return {base::join("cannot ", what, " ", to_string(local), ": ", std::strerror(errno))};
+}
+
+sockaddr_in6 ipv6_of(const NetAddress& address) {
+    sockaddr_in6 made{};
+    made.sin6_family = AF_INET6;
+    made.sin6_port = htons(address.port);
+    std::memcpy(&made.sin6_addr, address.ip.data(), address.ip.size());
+    return made;
+}
+
+sockaddr_in ipv4_of(const NetAddress& address) {
+    sockaddr_in made{};
+    made.sin_family = AF_INET;
+    made.sin_port = htons(address.port);
+    std::memcpy(&made.sin_addr, address.ip.data() + 12, 4);
+    return made;
+}
+
+NetAddress address_of(const sockaddr_storage& from) {
+    NetAddress made;
+    if (from.ss_family == AF_INET6) {
+        sockaddr_in6 in{};
+        std::memcpy(&in, &from, sizeof in);
+        std::memcpy(made.ip.data(), &in.sin6_addr, made.ip.size());
+        made.port = ntohs(in.sin6_port);
+    } else {
+        sockaddr_in in{};
+        std::memcpy(&in, &from, sizeof in);
+        made.ip[10] = made.ip[11] = 0xff;
+        std::memcpy(made.ip.data() + 12, &in.sin_addr, 4);
+        made.port = ntohs(in.sin_port);
+    }
+    return made;
+}
+
+template <class Address> const sockaddr* generic(const Address& address) {
+    return reinterpret_cast<const sockaddr*>(&address);
+}
+template <class Address> sockaddr* generic(Address& address) { return reinterpret_cast<sockaddr*>(&address); }
+
+/// An IPv4 address on a socket for IPv6 too, where 0.0.0.0 stands for every address.
+NetAddress as_ipv6(NetAddress address) {
+    if (std::ranges::all_of(std::span(address.ip).last<4>(), [](std::uint8_t b) { return b == 0; }))
+        address.ip = {};
+    return address;
+}
+
+} // namespace
+
+UdpSocket::UdpSocket(int made) : handle(made), buffer(std::make_unique<std::array<std::byte, 2048>>()) {}
+
+Result<UdpSocket> UdpSocket::open(const NetAddress& local) {
+    int made = ::socket(AF_INET6, SOCK_DGRAM, 0);
+    const bool ipv6 = made >= 0;
+    if (!ipv6) made = ::socket(AF_INET, SOCK_DGRAM, 0);
+    if (made < 0) return system_error("make a socket for", local);
+    UdpSocket opened(made);
+    opened.is_ipv6 = ipv6;
+    const int off = 0;
+    if (ipv6) ::setsockopt(made, IPPROTO_IPV6, IPV6_V6ONLY, &off, sizeof off);
+    ::setsockopt(made, SOL_SOCKET, SO_RCVBUF, &buffer_bytes, sizeof buffer_bytes);
+    ::setsockopt(made, SOL_SOCKET, SO_SNDBUF, &buffer_bytes, sizeof buffer_bytes);
+    const sockaddr_in6 six = ipv6_of(as_ipv6(local));
+    const sockaddr_in four = ipv4_of(local);
+    const int bound =
+        ipv6 ? ::bind(made, generic(six), sizeof six) : ::bind(made, generic(four), sizeof four);
+    if (bound != 0) return system_error("listen at", local);
+    if (::fcntl(made, F_SETFL, O_NONBLOCK) != 0) return system_error("read without waiting at", local);
+    return opened;
+}
+
+UdpSocket::UdpSocket(UdpSocket&& other) noexcept
+    : handle(std::exchange(other.handle, -1)), is_ipv6(other.is_ipv6), buffer(std::move(other.buffer)) {}
+
+UdpSocket& UdpSocket::operator=(UdpSocket&& other) noexcept {
+    std::swap(handle, other.handle), std::swap(is_ipv6, other.is_ipv6), std::swap(buffer, other.buffer);
+    return *this;
+}
+
+UdpSocket::~UdpSocket() {
+    if (handle >= 0) ::close(handle);
+}
+
+NetAddress UdpSocket::local_address() const {
+    sockaddr_storage own{};
+    socklen_t size = sizeof own;
+    if (::getsockname(handle, generic(own), &size) != 0) return {};
+    return address_of(own);
+}
+
+void UdpSocket::send(const NetAddress& to, std::span<const std::byte> bytes) {
+    const sockaddr_in6 six = ipv6_of(to);
+    const sockaddr_in four = ipv4_of(to);
+    // What the system does not take now is lost, as on any network.
+    [[maybe_unused]] const auto sent =
+        is_ipv6 ? ::sendto(handle, bytes.data(), bytes.size(), 0, generic(six), sizeof six)
+                : ::sendto(handle, bytes.data(), bytes.size(), 0, generic(four), sizeof four);
+}
+
+std::optional<UdpSocket::Arrived> UdpSocket::receive() {
+    // An error of an earlier send (no such port) is told here, and is no end.
+    for (int tries = 0; tries < 16; ++tries) {
+        sockaddr_storage from{};
+        socklen_t size = sizeof from;
+        const auto got = ::recvfrom(handle, buffer->data(), buffer->size(), 0, generic(from), &size);
+        if (got >= 0) return Arrived{address_of(from), {buffer->data(), static_cast<std::size_t>(got)}};
+        if (errno == EAGAIN || errno == EWOULDBLOCK) return {};
+    }
+    return {};
+}
+
+void UdpSocket::wait(std::uint32_t milliseconds) {
+    pollfd waited{handle, POLLIN, 0};
+    ::poll(&waited, 1, static_cast<int>(milliseconds));
+}
+
+} // namespace lockstone

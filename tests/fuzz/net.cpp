@@ -1,0 +1,15 @@
+// Fuzz target: any datagrams to players and a relay in the middle of a match. The inputs are described in net_check.h.
+#include "fuzz/net_check.h"
+#include "fuzz/same_keys.h"
+
+#include <cstdio>
+#include <cstdlib>
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    fuzz::draw_the_same_keys();
+    fuzz::NetOutcome outcome;
+    const std::string complaint = fuzz::check_net(std::as_bytes(std::span(data, size)), outcome);
+    if (complaint.empty()) return 0;
+    std::fprintf(stderr, "net: %s\n", complaint.c_str());
+    std::abort();
+}

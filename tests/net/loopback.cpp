@@ -1,0 +1,155 @@
+// Real sockets on 127.0.0.1: whole matches of rollback-arena, encrypted, directly and through a relay. Time is counted in frames, so
+// twenty seconds of a match take a few.
+#include "net/net_player.h"
+#include "net/wire.h"
+
+#include <doctest/doctest.h>
+
+using namespace lockstone;
+using namespace lockstone::test;
+
+namespace {
+
+constexpr std::uint64_t match_ticks = 1200; // 20 s at 60 Hz
+const NetAddress any_port = parse_address("127.0.0.1:0").value();
+
+/// A relay with a socket.
+struct SocketRelay {
+    NetKey secret = random_key();
+    UdpSocket socket = UdpSocket::open(any_port).value();
+    Relay relay{secret, {}, start_ms};
+    void poll(std::uint64_t now_ms) {
+        for (auto arrived = socket.receive(); arrived; arrived = socket.receive())
+            relay.receive(arrived->from, arrived->bytes, now_ms);
+        relay.poll(now_ms);
+        while (const auto out = relay.next_outgoing()) socket.send(out->to, out->bytes);
+    }
+};
+
+/// Ports that are free now; the sockets that had them are closed when they are asked for again.
+std::vector<NetAddress> free_addresses(std::uint32_t count) {
+    std::vector<UdpSocket> sockets;
+    std::vector<NetAddress> found;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        sockets.push_back(UdpSocket::open(any_port).value());
+        found.push_back(sockets.back().local_address());
+    }
+    return found;
+}
+
+struct Outcome {
+    std::vector<std::vector<std::uint64_t>> hashes;
+    std::vector<NetStats> wire;
+    std::uint64_t rollbacks = 0;
+    bool good = true;
+};
+
+Outcome play(const MatchPlan& plan, SocketRelay* relay) {
+    const auto players = static_cast<std::uint32_t>(plan.addresses.size());
+    const auto game = make_scene("rollback-arena", {.size = 0, .seed = 1, .players = players}).value();
+    const auto tokens = make_tokens(plan).value();
+    std::vector<std::unique_ptr<UdpTransport>> transports;
+    std::vector<std::unique_ptr<NetPlayer>> machines;
+    for (PeerId slot = 0; slot < players; ++slot) {
+        transports.push_back(std::make_unique<UdpTransport>(
+            UdpTransport::open(tokens[slot], {}, plan.addresses[slot], start_ms).value()));
+        machines.push_back(std::make_unique<NetPlayer>(*game, slot, players, *transports.back()));
+    }
+    const auto done = [&] {
+        return std::ranges::all_of(machines, [](const auto& m) { return m->hashes.size() >= match_ticks; });
+    };
+    for (std::uint64_t frame = 0; frame < 4 * match_ticks && !done(); ++frame) {
+        const std::uint64_t now_ms = start_ms + frame * 1000 / 60;
+        for (PeerId slot = 0; slot < players; ++slot) {
+            // What has arrived is looked at once in six frames, so that inputs come late and guesses are made.
+            if (frame < 60 || (frame + slot) % 6 == 0) transports[slot]->poll(now_ms);
+            if (relay) relay->poll(now_ms);
+            machines[slot]->frame(now_ms, match_ticks);
+            if (relay) relay->poll(now_ms);
+        }
+    }
+    Outcome out;
+    for (PeerId slot = 0; slot < players; ++slot) {
+        out.hashes.push_back(machines[slot]->hashes),
+            out.wire.push_back(transports[slot]->endpoint().stats());
+        out.good = out.good && !machines[slot]->desynced && !machines[slot]->lost;
+        const SessionStats& stats = machines[slot]->stats();
+        out.rollbacks += stats.rollbacks;
+        MESSAGE("player ", slot, ": ", stats.ticks, " ticks, ", stats.rollbacks, " rollbacks, ",
+                out.wire.back().sent, " datagrams, ", out.wire.back().bytes_sent,
+                " bytes above UDP, of which the session's ", stats.bytes_sent);
+    }
+    return out;
+}
+
+} // namespace
+
+TEST_CASE("net: two machines play rollback-arena over UDP on 127.0.0.1 and agree on every confirmed hash") {
+    MatchPlan plan = plan_of(2);
+    plan.addresses = free_addresses(2);
+    const Outcome out = play(plan, nullptr);
+    CHECK(out.good);
+    REQUIRE(out.hashes[0].size() == match_ticks);
+    CHECK(out.hashes[0] == out.hashes[1]);
+    CHECK(out.rollbacks > 20);
+    for (const NetStats& stats : out.wire) {
+        CHECK(stats.refused_in_all() == 0);
+        CHECK(stats.over_budget < 60); // while they connect
+    }
+}
+
+TEST_CASE("net: four machines play through a relay on 127.0.0.1 and agree on every confirmed hash") {
+    SocketRelay relay;
+    MatchPlan plan = plan_of(4);
+    plan.addresses = free_addresses(4);
+    plan.relay = relay.socket.local_address(), plan.relay_secret = relay.secret;
+    plan.relay_expires_ms = start_ms + 3'600'000;
+    const Outcome out = play(plan, &relay);
+    CHECK(out.good);
+    for (PeerId slot = 0; slot < 4; ++slot) {
+        REQUIRE(out.hashes[slot].size() == match_ticks);
+        CHECK(out.hashes[slot] == out.hashes[0]);
+    }
+    CHECK(relay.relay.counters().forwarded > match_ticks);
+    CHECK(relay.relay.stats().refused_in_all() == 0);
+}
+
+TEST_CASE("net: the comparison of hashes can fail: those of another game are others") {
+    // The planted twin of the two above: the comparison is able to fail.
+    const auto game = make_scene("rollback-arena", {.size = 0, .seed = 1, .players = 2}).value();
+    const auto other = make_scene("rollback-arena", {.size = 0, .seed = 2, .players = 2}).value();
+    SimulatedNetwork network(2, {}, 1);
+    NetPlayer a(*game, 0, 2, network.endpoint(0)), b(*game, 1, 2, network.endpoint(1));
+    SimulatedNetwork elsewhere(2, {}, 1);
+    NetPlayer c(*other, 0, 2, elsewhere.endpoint(0)), d(*other, 1, 2, elsewhere.endpoint(1));
+    for (std::uint64_t frame = 0; frame < 300; ++frame) {
+        network.advance_to(frame * 16), elsewhere.advance_to(frame * 16);
+        for (NetPlayer* player : {&a, &b, &c, &d}) player->frame(frame * 16, 100);
+    }
+    CHECK(a.hashes == b.hashes);
+    CHECK(a.hashes.size() == 100);
+    CHECK(a.hashes != c.hashes);
+}
+
+TEST_CASE("net: a socket takes IPv4 and IPv6, gives nothing when nothing is there, and says why it cannot be "
+          "opened") {
+    UdpSocket a = UdpSocket::open(any_port).value(), b = UdpSocket::open(any_port).value();
+    CHECK_FALSE(a.receive());
+    const Packet bytes(30, std::byte{5});
+    b.send(a.local_address(), bytes);
+    a.wait(1000);
+    const auto arrived = a.receive();
+    REQUIRE(arrived);
+    CHECK(arrived->from == b.local_address());
+    CHECK(packet_of(arrived->bytes) == bytes);
+    const auto taken = UdpSocket::open(a.local_address());
+    REQUIRE_FALSE(taken);
+    CHECK(taken.error().message.find("cannot listen at 127.0.0.1:") == 0);
+    if (auto six = UdpSocket::open(parse_address("[::1]:0").value())) {
+        six->send(six->local_address(), bytes);
+        six->wait(1000);
+        CHECK(six->receive());
+    } else {
+        MESSAGE("this machine has no IPv6");
+    }
+}

@@ -1,0 +1,59 @@
+// One machine of a match over real sockets: a scene, its world, a session, what it has confirmed.
+#pragma once
+
+#include "lockstone/net.h"
+#include "lockstone/session.h"
+#include "scenes/scenes.h"
+
+namespace lockstone::test {
+
+class NetPlayer final : private ConfirmedSink {
+  public:
+    NetPlayer(const Game& rules, PeerId self, std::uint32_t players, Transport& transport)
+        : game(rules), slot(self), world(rules.start().value()), simulation(world, rules) {
+        std::vector<PeerId> machines(players);
+        for (PeerId p = 0; p < players; ++p) machines[p] = p;
+        session = make_rollback_session(session_def(game, self, machines), transport).value();
+        runner = std::make_unique<SessionRunner>(*session, simulation,
+                                                 RunnerDef{.sink = this, .column_left_out = {}});
+    }
+    NetPlayer(const NetPlayer&) = delete;
+    NetPlayer& operator=(const NetPlayer&) = delete;
+
+    /// One frame at 60 Hz; ticks beyond `ticks_max` are not begun, but what is there is settled.
+    void frame(std::uint64_t now_ms, std::uint64_t ticks_max) {
+        if (session->current_tick() >= ticks_max) {
+            runner->drain(now_ms);
+        } else if (waits > 0) {
+            --waits;
+            runner->wait(now_ms);
+        } else {
+            std::vector<std::byte> input(game.input_size());
+            scripted_input(game, 1, session->current_tick(), slot, input);
+            session->add_local_input(slot, input);
+            waits = runner->frame(now_ms).wait_ticks;
+        }
+        while (const auto notice = session->next_notice()) {
+            desynced = desynced || std::holds_alternative<Desync>(*notice);
+            lost = lost || std::holds_alternative<PlayerDisconnected>(*notice) ||
+                   std::holds_alternative<MatchStopped>(*notice);
+        }
+    }
+    std::vector<std::uint64_t> hashes; ///< of confirmed ticks
+    bool desynced = false, lost = false;
+    const SessionStats& stats() const { return session->stats(); }
+
+  private:
+    void on_confirmed(std::uint64_t, std::span<const PlayerInput>, std::uint64_t hash) override {
+        hashes.push_back(hash);
+    }
+    const Game& game;
+    PeerId slot;
+    World world;
+    WorldSimulation simulation;
+    std::unique_ptr<Session> session;
+    std::unique_ptr<SessionRunner> runner;
+    std::uint32_t waits = 0;
+};
+
+} // namespace lockstone::test

@@ -1,0 +1,152 @@
+// net_peer: one machine of a match as a process, in real time.
+//
+//   net_peer --relay ADDRESS:PORT --key HEX [--code CODE] --ticks N   through a relay: opens a room for two and prints its code, or enters
+//   net_peer --tokens A:PORT B:PORT --slot N --seed HEX --ticks N     directly: both ends make the same tokens from a common seed
+//   net_peer --proxy PORT A:PORT B:PORT --loss P --delay MS --jitter MS --seconds N   a lossy way between two peers, for machines without netem
+//
+// Prints "confirmed TICKS hash HASH" at the end: the hash of all confirmed hashes. Exit status 0: all ticks were confirmed.
+#include "base/hash.h"
+#include "lockstone/random.h"
+#include "net/net_player.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <thread>
+
+using namespace lockstone;
+
+namespace {
+
+std::uint64_t unix_ms() {
+    using namespace std::chrono;
+    return static_cast<std::uint64_t>(
+        duration_cast<milliseconds>(system_clock::now().time_since_epoch()).count());
+}
+
+struct Args {
+    std::vector<std::string> words;
+    std::string after(std::string_view name, std::size_t which = 1) const {
+        const auto found = std::ranges::find(words, name);
+        const auto at = static_cast<std::size_t>(found - words.begin()) + which;
+        return found != words.end() && at < words.size() ? words[at] : std::string();
+    }
+    std::uint64_t number(std::string_view name, std::uint64_t otherwise) const {
+        const std::string text = after(name);
+        return text.empty() ? otherwise : std::stoull(text);
+    }
+    bool has(std::string_view name) const { return std::ranges::find(words, name) != words.end(); }
+};
+
+ConnectToken token_of_lobby(const Args& args) {
+    const NetAddress relay = parse_address(args.after("--relay")).value();
+    UdpSocket socket = UdpSocket::open(parse_address("0.0.0.0:0").value()).value();
+    LobbyClient client(relay, parse_key(args.after("--key")).value(), args.after("--code"), 2);
+    bool told = args.has("--code");
+    for (const std::uint64_t end = unix_ms() + 20'000; unix_ms() < end && !client.token();) {
+        socket.wait(20);
+        while (const auto arrived = socket.receive())
+            client.receive(arrived->from, arrived->bytes, unix_ms());
+        client.poll(unix_ms());
+        while (const auto out = client.next_outgoing()) socket.send(out->to, out->bytes);
+        if (!client.refusal().empty())
+            std::fprintf(stderr, "net_peer: %s\n", client.refusal().c_str()), std::exit(2);
+        if (!told && !client.code().empty())
+            std::printf("code %s\n", client.code().c_str()), std::fflush(stdout), told = true;
+    }
+    if (!client.token()) std::fprintf(stderr, "net_peer: the others have not come\n"), std::exit(2);
+    return *client.token();
+}
+
+/// For tests alone: whoever knows the seed knows all secrets.
+ConnectToken token_of_seed(const Args& args) {
+    const NetKey seed = parse_key(args.after("--seed")).value();
+    ConnectToken token;
+    token.match_id = 1, token.expires_ms = unix_ms() + 600'000, token.players = 2;
+    token.slot = static_cast<PeerId>(args.number("--slot", 0));
+    for (PeerId slot = 0; slot < 2; ++slot) {
+        NetKey secret = seed;
+        secret.bytes[0] ^= static_cast<std::byte>(slot + 1);
+        token.public_keys[slot] = public_key_of(secret);
+        token.addresses[slot] = parse_address(args.after("--tokens", slot + 1)).value();
+        if (slot == token.slot) token.secret = secret;
+    }
+    return token;
+}
+
+int play(const Args& args, const ConnectToken& token) {
+    const std::uint64_t ticks = args.number("--ticks", 600);
+    NetAddress local = parse_address("0.0.0.0:0").value();
+    local.port = static_cast<std::uint16_t>(
+        args.number("--port", token.relay.port == 0 ? token.addresses[token.slot].port : 0));
+    UdpTransport transport = UdpTransport::open(token, {}, local, unix_ms()).value();
+    const auto game = make_scene("rollback-arena", {.size = 0, .seed = 1, .players = 2}).value();
+    test::NetPlayer player(*game, token.slot, 2, transport);
+    const auto begun = std::chrono::steady_clock::now();
+    std::uint64_t after = 0;
+    for (std::uint64_t frame = 0; frame < 3 * ticks + args.number("--patience", 1200) && after < 60;
+         ++frame) {
+        transport.poll(unix_ms());
+        player.frame(unix_ms(), ticks);
+        if (player.hashes.size() >= ticks) ++after; // the other needs our last packets
+        std::this_thread::sleep_until(begun + std::chrono::microseconds(frame * 1'000'000 / 60));
+    }
+    const NetStats& wire = transport.endpoint().stats();
+    const SessionStats& stats = player.stats();
+    std::printf("rollbacks %llu depth %llu stalls %llu sent %llu bytes %llu refused %llu\n",
+                static_cast<unsigned long long>(stats.rollbacks),
+                static_cast<unsigned long long>(stats.depth_max),
+                static_cast<unsigned long long>(stats.stalls), static_cast<unsigned long long>(wire.sent),
+                static_cast<unsigned long long>(wire.bytes_sent),
+                static_cast<unsigned long long>(wire.refused_in_all()));
+    std::printf("confirmed %zu hash %016llx%s%s\n", player.hashes.size(),
+                static_cast<unsigned long long>(base::xxh3(std::as_bytes(std::span(player.hashes)))),
+                player.desynced ? " DESYNC" : "", player.lost ? " LOST" : "");
+    return player.hashes.size() >= ticks && !player.desynced && !player.lost ? 0 : 1;
+}
+
+/// What comes from one of two addresses goes to the other, late or never.
+int proxy(const Args& args) {
+    NetAddress local = parse_address("0.0.0.0:0").value();
+    local.port = static_cast<std::uint16_t>(args.number("--proxy", 0));
+    const NetAddress ends[] = {parse_address(args.after("--proxy", 2)).value(),
+                               parse_address(args.after("--proxy", 3)).value()};
+    UdpSocket socket = UdpSocket::open(local).value();
+    Random random = Random::seeded(1);
+    struct Late {
+        std::uint64_t due;
+        NetAddress to;
+        std::vector<std::byte> bytes;
+    };
+    std::vector<Late> way;
+    const auto loss = static_cast<std::uint32_t>(args.number("--loss", 0)),
+               jitter = static_cast<std::uint32_t>(args.number("--jitter", 1));
+    std::uint64_t lost = 0, passed = 0;
+    for (const std::uint64_t end = unix_ms() + args.number("--seconds", 30) * 1000; unix_ms() < end;) {
+        socket.wait(1);
+        while (const auto arrived = socket.receive()) {
+            if (random.below(100) < loss && ++lost) continue;
+            const NetAddress& to = arrived->from == ends[0] ? ends[1] : ends[0];
+            way.push_back({unix_ms() + args.number("--delay", 0) + random.below(jitter + 1),
+                           to,
+                           {arrived->bytes.begin(), arrived->bytes.end()}});
+        }
+        std::erase_if(way, [&](const Late& late) {
+            if (late.due > unix_ms()) return false;
+            socket.send(late.to, late.bytes), ++passed;
+            return true;
+        });
+    }
+    std::printf("lost %llu, passed %llu\n", static_cast<unsigned long long>(lost),
+                static_cast<unsigned long long>(passed));
+    return 0;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    const Args args{{argv + 1, argv + argc}};
+    if (args.has("--proxy")) return proxy(args);
+    return play(args, args.has("--relay") ? token_of_lobby(args) : token_of_seed(args));
+}

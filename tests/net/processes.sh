@@ -1,0 +1,76 @@
+#!/usr/bin/env bash
+# processes.sh NET_PEER [LOCKSTONE]: two processes play over UDP on 127.0.0.1, through a way that loses, delays and reorders, and through
+# the relay of the command line by a code; both have to confirm every tick with the same hashes.
+set -euo pipefail
+peer=$1 lockstone=${2:-} ticks=${LOCKSTONE_NET_TICKS:-600}
+work=$(mktemp -d)
+children=()
+trap 'kill "${children[@]}" 2>/dev/null || true; rm -rf "$work"' EXIT
+fail() {
+    echo "FAILED: $1" >&2
+    tail -n 5 "$work"/* >&2
+    exit 1
+}
+agree() { # WHAT: both ended well, with one hash
+    local a b
+    a=$(grep '^confirmed' "$work/a") && b=$(grep '^confirmed' "$work/b") || fail "$1: somebody said nothing"
+    [ "$a" = "$b" ] || fail "$1: '$a' against '$b'"
+    echo "$1: $a; $(grep '^rollbacks' "$work/a")"
+}
+seed=$(od -An -N32 -tx1 /dev/urandom | tr -d ' \n')
+base=$((20000 + RANDOM % 20000))
+a=$base b=$((base + 1)) way=$((base + 2))
+
+"$peer" --proxy $way 127.0.0.1:$a 127.0.0.1:$b --loss 10 --delay 40 --jitter 20 --seconds $((ticks / 60 + 30)) >"$work/way" &
+children+=($!)
+# Each sends to the way, which knows them by their ports.
+"$peer" --tokens 127.0.0.1:$a 127.0.0.1:$way --slot 0 --seed "$seed" --port $a --ticks "$ticks" >"$work/a" &
+one=$!
+"$peer" --tokens 127.0.0.1:$way 127.0.0.1:$b --slot 1 --seed "$seed" --port $b --ticks "$ticks" >"$work/b" &
+other=$!
+children+=($one $other)
+wait $one || fail "10 % loss, 40 to 60 ms: the first did not confirm all"
+wait $other || fail "10 % loss, 40 to 60 ms: the second did not confirm all"
+agree "10 % loss, 40 to 60 ms each way"
+
+# The planted twin: who has another seed's keys is not let in.
+wrong=$(od -An -N32 -tx1 /dev/urandom | tr -d ' \n')
+"$peer" --tokens 127.0.0.1:$((base + 4)) 127.0.0.1:$((base + 5)) --slot 0 --seed "$seed" --ticks 30 --patience 120 >"$work/c" &
+one=$!
+"$peer" --tokens 127.0.0.1:$((base + 4)) 127.0.0.1:$((base + 5)) --slot 1 --seed "$wrong" --ticks 30 --patience 120 >"$work/d" &
+other=$!
+children+=($one $other)
+! wait $one || fail "a peer with other keys was let in"
+! wait $other || fail "a peer with other keys was let in"
+
+[ -n "$lockstone" ] || exit 0
+refused() { # WORDS ARGUMENT...: status 2, one line on stderr that holds the words
+    local words=$1 status=0
+    shift
+    "$lockstone" relay "$@" >/dev/null 2>"$work/err" || status=$?
+    [ $status -eq 2 ] && [ "$(wc -l <"$work/err")" -eq 1 ] && grep -qF -- "$words" "$work/err" || fail "relay $*: not refused with '$words'"
+}
+echo 12 >"$work/short"
+refused "none" --key "$work/none"
+refused "a key is 64 hexadecimal digits" --key "$work/short"
+refused "is there already" --key "$work/short" --new-key
+refused "is no address" --key "$work/new" --new-key --address everywhere
+"$lockstone" relay --key "$work/key" --new-key --port 0 --address 127.0.0.1 --seconds $((ticks / 60 + 40)) >"$work/relay" &
+children+=($!)
+for _ in $(seq 50); do
+    grep -q '^port' "$work/relay" && break
+    sleep 0.1
+done
+read -r _ port _ key < <(tr -d ',' <"$work/relay") || fail "the relay did not say its port"
+"$peer" --relay "127.0.0.1:$port" --key "$key" --ticks "$ticks" >"$work/a" &
+one=$!
+children+=($one)
+for _ in $(seq 100); do
+    grep -q '^code' "$work/a" && break
+    sleep 0.1
+done
+code=$(sed -n 's/^code //p' "$work/a")
+[ -n "$code" ] || fail "the lobby gave no code"
+"$peer" --relay "127.0.0.1:$port" --key "$key" --code "$code" --ticks "$ticks" >"$work/b" || fail "who entered by the code did not confirm all"
+wait $one || fail "who opened the room did not confirm all"
+agree "by a code, through the relay"

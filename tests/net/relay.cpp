@@ -1,0 +1,244 @@
+// The relay forwards what it cannot read between players who do not learn each other's addresses; the lobby starts matches by a code.
+#include "net/wire.h"
+
+#include <doctest/doctest.h>
+
+using namespace lockstone;
+using namespace lockstone::test;
+
+namespace {
+
+const NetKey relay_secret = random_key();
+const NetAddress relay_at = address(1, 9999);
+
+MatchPlan relayed(std::uint32_t players) {
+    MatchPlan plan = plan_of(players);
+    plan.relay = relay_at, plan.relay_secret = relay_secret;
+    plan.relay_expires_ms = start_ms + 120'000;
+    return plan;
+}
+
+struct Relayed : Players {
+    Relay relay;
+    explicit Relayed(std::uint32_t players = 2, const RelayDef& def = {})
+        : Players(relayed(players)), relay(relay_secret, def, start_ms) {
+        wire.keeps = true;
+        wire.attach(relay_at, relay);
+    }
+    std::uint64_t refused_there(NetFault fault) const {
+        return relay.stats().refused[static_cast<std::size_t>(fault)];
+    }
+    /// The first datagram of a kind that a player sent to the relay.
+    Packet of_kind(int kind, std::uint8_t host = 10) const {
+        for (const OnTheWay& d : wire.sent)
+            if (d.from == address(host) && std::to_integer<std::uint8_t>(d.bytes[0]) >> 4 == kind)
+                return d.bytes;
+        FAIL("nothing of this kind was sent");
+        return {};
+    }
+};
+
+} // namespace
+
+TEST_CASE("net: players of a relay connect, and no datagram goes between their own addresses") {
+    Relayed players(4);
+    REQUIRE(players.connect());
+    players.send(3, 1, 50);
+    players.wire.run(200);
+    const auto taken = players.taken(1);
+    REQUIRE(taken.size() == 1);
+    CHECK(taken[0].first == 3);
+    CHECK(taken[0].second.size() == 50);
+    for (const OnTheWay& d : players.wire.sent) CHECK((d.from == relay_at || d.to == relay_at));
+    CHECK(players.relay.counters().players == 4);
+    CHECK(players.relay.counters().matches == 1);
+}
+
+TEST_CASE("net: what a relay changes is refused, and it cannot say who sent it") {
+    Relayed players(3);
+    REQUIRE(players.connect());
+    players.send(0, 1);
+    Packet packet;
+    while (const auto out = players[0].next_outgoing()) packet = packet_of(out->bytes);
+    Packet renamed = packet;
+    renamed[0] = std::byte{0x82},
+    renamed[2] = std::byte{1}; // as if from player 2, with a number not seen before
+    players[1].receive(relay_at, renamed, players.wire.now_ms);
+    packet[0] = std::byte{0x80}, packet[12] ^= std::byte{1};
+    players[1].receive(relay_at, packet, players.wire.now_ms);
+    CHECK(refused(players[1], NetFault::unauthenticated) == 2);
+    CHECK(players.taken(1).empty());
+    packet[12] ^= std::byte{1};
+    players[1].receive(address(10), packet, players.wire.now_ms); // past the relay
+    CHECK(refused(players[1], NetFault::stranger) == 1);
+    players[1].receive(relay_at, packet, players.wire.now_ms);
+    CHECK(players.taken(1).size() == 1);
+}
+
+TEST_CASE("net: a relay forwards only for whoever it has let in, within the match, and within the rate") {
+    Relayed players(2, {.packets_per_second = 300});
+    REQUIRE(players.connect());
+    const std::uint64_t before = players.relay.counters().forwarded;
+    Packet packet(30, std::byte{0x81});
+    players.relay.receive(address(66), packet, players.wire.now_ms);
+    CHECK(players.refused_there(NetFault::stranger) == 1);
+    packet[0] = std::byte{0x80}; // to itself
+    players.relay.receive(address(10), packet, players.wire.now_ms);
+    packet[0] = std::byte{0x85}; // to nobody
+    players.relay.receive(address(10), packet, players.wire.now_ms);
+    CHECK(players.refused_there(NetFault::malformed) == 2);
+    CHECK(players.relay.counters().forwarded == before);
+    packet[0] = std::byte{0x81};
+    for (int i = 0; i < 1000; ++i) players.relay.receive(address(10), packet, players.wire.now_ms);
+    CHECK(players.relay.counters().forwarded - before <= 300);
+    CHECK(players.refused_there(NetFault::over_rate) >= 700);
+}
+
+TEST_CASE("net: a pass lets in from the address that was proven, with the player's key, until its end") {
+    Relayed players;
+    REQUIRE(players.connect());
+    const Packet request = players.of_kind(14);
+    const auto refuses = [&](const NetAddress& from, const Packet& packet, NetFault fault) {
+        const std::uint64_t before = players.refused_there(fault),
+                            in_all = players.relay.stats().refused_in_all();
+        players.relay.receive(from, packet, players.wire.now_ms);
+        CHECK(players.refused_there(fault) == before + 1);
+        CHECK(players.relay.stats().refused_in_all() == in_all + 1);
+        CHECK_FALSE(players.relay.next_outgoing());
+        CHECK(players.relay.counters().players == 2);
+    };
+    refuses(address(66), request, NetFault::cookie);
+    Packet changed = request;
+    changed[60] ^= std::byte{1}; // in the pass
+    refuses(address(10), changed, NetFault::unauthenticated);
+    changed = request, changed.back() ^= std::byte{1}; // in the authenticator: who has only seen the pass
+    refuses(address(10), changed, NetFault::unauthenticated);
+    changed = request, changed[1] = std::byte{9};
+    refuses(address(10), changed, NetFault::version);
+    changed = request, changed.pop_back();
+    refuses(address(10), changed, NetFault::truncated);
+
+    MatchPlan old = relayed(2);
+    old.relay_expires_ms = start_ms; // the token is good, the pass is not
+    const ConnectToken token = make_tokens(old).value()[0];
+    Endpoint late = Endpoint::create(token, {}, players.wire.now_ms).value();
+    players.wire.attach(address(30), late);
+    players.wire.run(1000);
+    CHECK_FALSE(late.is_relayed());
+    CHECK(players.refused_there(NetFault::expired) > 0);
+}
+
+TEST_CASE("net: a player whose address changes is let in again, and the match goes on") {
+    Relayed players;
+    REQUIRE(players.connect());
+    players.wire.move(address(10), address(40));
+    players.wire.run(8000);
+    players.send(0, 1), players.send(1, 0);
+    players.wire.run(200);
+    CHECK(players.taken(0).size() == 1);
+    CHECK(players.taken(1).size() == 1);
+    CHECK(players.relay.counters().players == 2);
+}
+
+TEST_CASE("net: a relay forgets who is silent, and takes no more matches than it may") {
+    Relayed players(2, {.matches_max = 1});
+    REQUIRE(players.connect());
+    MatchPlan other = relayed(2);
+    other.match_id = 78;
+    const ConnectToken token = make_tokens(other).value()[0];
+    Endpoint waiting = Endpoint::create(token, {}, players.wire.now_ms).value();
+    players.wire.attach(address(30), waiting);
+    players.wire.run(1000);
+    CHECK_FALSE(waiting.is_relayed());
+    CHECK(players.relay.counters().matches == 1);
+    players.relay.poll(players.wire.now_ms + 100'000);
+    players.relay.poll(players.wire.now_ms + 102'000);
+    CHECK(players.relay.counters().matches == 0);
+    CHECK(players.relay.counters().players == 0);
+}
+
+TEST_CASE("net: a flood of hellos at a relay is answered so many times a second") {
+    Relay relay(relay_secret, {}, start_ms);
+    Packet hello(24, std::byte{0});
+    hello[0] = std::byte{0xc0}, hello[1] = std::byte{1};
+    std::size_t answers = 0;
+    for (std::uint32_t i = 0; i < 100'000; ++i) {
+        NetAddress from = address(9);
+        from.ip[12] = static_cast<std::uint8_t>(i), from.ip[13] = static_cast<std::uint8_t>(i >> 8);
+        relay.receive(from, hello, start_ms);
+        while (const auto out = relay.next_outgoing()) {
+            ++answers;
+            CHECK(out->bytes.size() <= hello.size());
+        }
+    }
+    CHECK(answers <= RelayDef{}.hellos_per_second);
+    CHECK(relay.counters().players == 0);
+}
+
+namespace {
+
+struct Lobby {
+    Wire wire;
+    Relay relay{relay_secret, {}, start_ms};
+    std::vector<std::unique_ptr<LobbyClient>> clients;
+
+    Lobby() {
+        wire.keeps = true;
+        wire.attach(relay_at, relay);
+    }
+    LobbyClient& ask(std::string_view code, std::uint32_t players,
+                     const NetKey& key = public_key_of(relay_secret)) {
+        clients.push_back(std::make_unique<LobbyClient>(relay_at, key, code, players));
+        wire.attach(address(static_cast<std::uint8_t>(49 + clients.size())), *clients.back());
+        wire.run(2000);
+        return *clients.back();
+    }
+};
+
+} // namespace
+
+TEST_CASE("net: a code brings three players together, who then connect through the relay") {
+    Lobby lobby;
+    LobbyClient& host = lobby.ask("", 3);
+    REQUIRE(host.code().size() == 8);
+    CHECK_FALSE(host.token());
+    lobby.ask(host.code(), 0), lobby.ask(host.code(), 0);
+    lobby.wire.run(1000);
+    std::vector<std::unique_ptr<Endpoint>> players;
+    for (std::size_t slot = 0; slot < 3; ++slot) {
+        REQUIRE(lobby.clients[slot]->token());
+        const ConnectToken& token = *lobby.clients[slot]->token();
+        CHECK(token.slot == slot);
+        players.push_back(std::make_unique<Endpoint>(Endpoint::create(token, {}, lobby.wire.now_ms).value()));
+        lobby.wire.attach(address(static_cast<std::uint8_t>(50 + slot)), *players.back());
+    }
+    lobby.wire.run(2000);
+    for (PeerId a = 0; a < 3; ++a)
+        for (PeerId b = 0; b < 3; ++b) CHECK(players[a]->is_connected(b) == (a != b));
+}
+
+TEST_CASE("net: the lobby says why it refuses, and takes no orders from who does not know its key") {
+    Lobby lobby;
+    CHECK(lobby.ask("ABCDEFGH", 0).refusal() == "the lobby knows no such code, or it has expired");
+    CHECK(lobby.ask("ABC", 0).refusal() == "a code has 8 letters");
+    CHECK(lobby.ask("", 17).refusal() == "the lobby takes 2 to 16 players");
+    LobbyClient& host = lobby.ask("", 2);
+    lobby.ask(host.code(), 0);
+    CHECK(lobby.ask(host.code(), 0).refusal() == "all players of this code are there already");
+    LobbyClient& mistaken = lobby.ask("", 2, public_key_of(random_key()));
+    CHECK(mistaken.code().empty());
+    CHECK(lobby.relay.stats().refused[static_cast<std::size_t>(NetFault::unauthenticated)] > 0);
+    CHECK(lobby.relay.counters().rooms == 1);
+    lobby.relay.poll(lobby.wire.now_ms + 400'000);
+    CHECK(lobby.relay.counters().rooms == 0);
+}
+
+TEST_CASE("net: no lobby answer is longer than its request, and rooms are bounded") {
+    Lobby lobby;
+    lobby.relay = Relay(relay_secret, {.rooms_max = 2}, start_ms);
+    lobby.ask("", 2), lobby.ask("", 2);
+    CHECK(lobby.ask("", 2).refusal() == "the lobby has no room for another match");
+    std::size_t in = 0, out = 0;
+    for (const OnTheWay& d : lobby.wire.sent) (d.from == relay_at ? out : in) += d.bytes.size();
+    CHECK(out <= in);
+}
