@@ -30,9 +30,11 @@ struct Shares {
 Shares shares_of(const PrepareInput& in, const Contact& c) {
     const bool a = in.bodies.step[c.body_a].movable, b = in.bodies.step[c.body_b].movable;
     if (!a || !b) return {a ? unit : 0, b ? unit : 0};
-    const std::int64_t ma = in.mass[c.body_a].mass.raw, mb = in.mass[c.body_b].mass.raw;
     // A hair above one half: half of an odd impulse would be rounded upwards whatever its sign, and resting boxes creep.
-    if (ma == mb) return {unit / 2 + 1, unit / 2 + 1};
+    const Shares equal{unit / 2 + 1, unit / 2 + 1};
+    if (in.mass.are_alike(c.body_a, c.body_b)) return equal;
+    const std::int64_t ma = in.mass[c.body_a].mass.raw, mb = in.mass[c.body_b].mass.raw;
+    if (ma == mb) return equal;
     // alpha = mA^-1 / (mA^-1 + mB^-1) = mB / (mA + mB); both below 2^62.
     const int drop = std::max(static_cast<int>(std::bit_width(static_cast<std::uint64_t>(ma + mb))) - 33, 0);
     const std::int64_t alpha = ((mb >> drop) << unit_bits) / ((ma + mb) >> drop);
@@ -150,8 +152,7 @@ std::int32_t ease_of(const dynamics::Softness& soft) {
         (std::int64_t{soft.impulse_scale.raw} << unit_bits) / std::max(soft.mass_scale.raw, 1), unit));
 }
 
-template <unsigned N>
-void fill_points(PackInput<N>& to, unsigned lane, const Contact& contact) {
+template <unsigned N> void fill_points(PackInput<N>& to, unsigned lane, const Contact& contact) {
     to.count[lane] = static_cast<std::int32_t>(contact.count);
     for (std::uint32_t k = 0; k < contact.count; ++k) {
         const ContactPoint& point = contact.points[k];
@@ -230,7 +231,7 @@ template <unsigned N> void fill_bounce(Bounce& bounce, const ContactPack<N>& pac
 namespace {
 
 /// The still body, behind the last, has none.
-const BodyMass& mass_of(std::span<const BodyMass> mass, std::uint32_t body) {
+const BodyMass& mass_of(const dynamics::MassView& mass, std::uint32_t body) {
     static constexpr BodyMass nothing{};
     return body < mass.size() ? mass[body] : nothing;
 }
