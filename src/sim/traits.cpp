@@ -20,9 +20,9 @@ void set_shape_traits(Data& w, std::uint32_t shape_row, const ShapeTraits& trait
 }
 
 BodyForce& force_on(Data& w, std::uint32_t body_row) {
-    if (const std::uint32_t push = w.state.rows(w.m.body_push)[body_row]; push != 0)
-        return w.state.edit_row(w.m.force, push - 1);
-    const std::uint32_t row = w.state.count(w.m.forces); // below bodies_max: this body has none yet
+    const std::uint32_t push = w.state.rows(w.m.body_push)[body_row], count = w.state.count(w.m.forces);
+    if (push != 0 && push <= count) return w.state.edit_row(w.m.force, push - 1);
+    const std::uint32_t row = count; // below bodies_max: this body has none yet
     w.state.resize(w.m.forces, row + 1);
     w.state.edit_row(w.m.body_push, body_row) = row + 1;
     w.state.edit_row(w.m.pushed, row) = w.state.rows(w.m.body_info)[body_row].id.index;
@@ -31,7 +31,7 @@ BodyForce& force_on(Data& w, std::uint32_t body_row) {
 
 void forget_force(Data& w, std::uint32_t body_row) {
     const std::uint32_t push = w.state.rows(w.m.body_push)[body_row];
-    if (push == 0) return;
+    if (push == 0 || push > w.state.count(w.m.forces)) return;
     const std::uint32_t last = w.state.count(w.m.forces) - 1;
     if (push - 1 != last) {
         const std::uint32_t moved = w.state.rows(w.m.pushed)[last];
@@ -44,8 +44,10 @@ void forget_force(Data& w, std::uint32_t body_row) {
 }
 
 void forget_forces(Data& w) {
+    const std::span<const Slot> slots = w.state.rows(w.m.body_slot);
     for (const std::uint32_t slot : w.state.rows(w.m.pushed))
-        w.state.edit_row(w.m.body_push, w.state.rows(w.m.body_slot)[slot - 1].row) = 0;
+        if (slot != 0 && slot <= slots.size() && slots[slot - 1].is_alive())
+            w.state.edit_row(w.m.body_push, slots[slot - 1].row) = 0;
     w.state.resize(w.m.forces, 0);
 }
 
