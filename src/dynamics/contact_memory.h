@@ -32,8 +32,9 @@ void carry_impulses(std::span<const ContactMemory> old, Taken& taken, ContactMem
 //   edges, corners     the normal itself depends on the place: all that is known is that |s' - s| <= u
 // so faces may move by a lot more than the rest. With u <= reach / 256, |t| is at most 1 / 256 rad. Levers are off by u, so
 // what is thin bears less: with 2 mm whatever the size a house of cards falls.
-inline constexpr Length recycling_on_face = decimal<Length>("0.001"); ///< [m] most of u, besides reach / 256 and thinnest / 128
-inline constexpr Length recycling = decimal<Length>("0.0001");        ///< [m] most of u elsewhere
+inline constexpr Length recycling_on_face =
+    decimal<Length>("0.001"); ///< [m] most of u, besides reach / 256 and thinnest / 128
+inline constexpr Length recycling = decimal<Length>("0.0001"); ///< [m] most of u elsewhere
 inline constexpr int recycling_reach_shift = 8, recycling_thin_shift = 7;
 /// What follows of it: how far the separation of a corner on a face is off [m], and the face's normal [rad].
 inline constexpr Length recycling_error = decimal<Length>("0.00003");

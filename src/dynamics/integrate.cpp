@@ -100,10 +100,10 @@ constexpr Real kick_max = Real(2048); ///< [m/s] per substep: far beyond the spe
 constexpr int real_to_accumulator = accumulator_bits - Real::fraction_bits;
 
 /// Fields or a scheme other than the solver's own: the general path, in Real.
-void move_freely(const FreeMotion& motion, const BodyInfo& info, std::uint32_t categories,
+void move_freely(const FreeMotion& motion, const BodyTraits& traits, std::uint32_t categories,
                  const Transform& pose, const StepConstants& step, SolverBody& b, BodyStep& s) {
     const FreeMotion without{motion.scheme, {}, {}};
-    const Path chosen{info.enable_fields != 0 ? motion : without,
+    const Path chosen{traits.enable_fields != 0 ? motion : without,
                       s.acceleration,
                       categories,
                       pose.position + Vec3{Real::from_raw(std::int64_t{b.shift[0]} << 5),
@@ -189,7 +189,7 @@ void integrate_velocities(const FreeMotion& motion, const BodyColumns& columns, 
         if (!s.moves) return 0;
         if (s.movable) {
             if (general)
-                move_freely(motion, columns.info[i],
+                move_freely(motion, columns.traits(i),
                             motion.categories.empty() ? every_category : motion.categories[i],
                             columns.pose[i], step, b, s);
             else

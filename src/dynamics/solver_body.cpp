@@ -140,15 +140,16 @@ struct Fall {
 };
 
 /// Returns PlainMotion.
-static std::uint8_t begin_body(const BodyInfo& info, const BodyMass& mass, const BodyForce& force,
+static std::uint8_t begin_body(const BodyInfo& info, const BodyTraits& traits, const BodyForce& force,
                                const Transform& pose, const Velocity& velocity, const Fall& fall,
                                const StepConstants& step, SolverBody& b, BodyStep& s, ClampCounts& clamps) {
+    const BodyMass& mass = traits.mass;
     s.movable = info.kind == BodyKind::dynamic && mass.mass > Real{};
     s.moves = info.kind != BodyKind::static_;
     s.jointed = info.first_joint != 0;
     if (s.movable) s.mass = mass.mass;
-    s.linear_mask = s.movable ? ~info.locks & 7u : 7u;
-    s.angular_mask = s.movable ? ~(info.locks >> 3) & 7u : 7u;
+    s.linear_mask = s.movable ? ~traits.locks & 7u : 7u;
+    s.angular_mask = s.movable ? ~(traits.locks >> 3) & 7u : 7u;
     for (int i = 0; i < 3; ++i) b.keep[i] = (s.linear_mask >> i) & 1u ? -1 : 0;
     if (!s.moves) return 0;
     s.radii = mass.gyration;
@@ -159,9 +160,9 @@ static std::uint8_t begin_body(const BodyInfo& info, const BodyMass& mass, const
     begin_turning(mass, pose, velocity, step, b, s, clamps);
     s.linear_keep = s.angular_keep = unit_one;
     if (!s.movable) return plain_pose;
-    s.linear_keep = kept(info.linear_damping, step);
-    s.angular_keep = kept(info.angular_damping, step);
-    Vec3 acceleration = info.gravity_scale == Real(1) ? fall.gravity : fall.gravity * info.gravity_scale;
+    s.linear_keep = kept(traits.linear_damping, step);
+    s.angular_keep = kept(traits.angular_damping, step);
+    Vec3 acceleration = traits.gravity_scale == Real(1) ? fall.gravity : fall.gravity * traits.gravity_scale;
     if (force.force != Vec3{}) acceleration += force.force / mass.mass;
     s.acceleration = masked(acceleration, s.linear_mask);
     const bool falls = s.acceleration == fall.gravity;
@@ -199,8 +200,8 @@ void begin_step(const BodyColumns& c, Vec3 gravity, const StepConstants& step, S
         for (std::uint32_t i = first; i < last; ++i) {
             out.body[i] = {};
             out.step[i] = {};
-            out.plain[i] = begin_body(c.info[i], c.mass[i], c.force[i], c.pose[i], c.velocity[i], fall, step,
-                                      out.body[i], out.step[i], clamps);
+            out.plain[i] = begin_body(c.info[i], c.traits(i), c.force[i], c.pose[i], c.velocity[i], fall,
+                                      step, out.body[i], out.step[i], clamps);
         }
         base::add_count(out.clamps.speed, clamps.speed);
     });
@@ -231,8 +232,8 @@ static bool is_free_turn(Vec3 rotation, Vec3 w, std::int32_t ticks_per_second) {
 
 /// The rotation of the tick and the angular velocity after it. Without torque the angular momentum per mass K u is
 /// kept exactly up to rounding: K is taken at the middle of the turn (midpoint rule, second order).
-static void turn(const BodyInfo& info, const BodyMass& mass, const StepConstants& step, const SolverBody& b,
-                 BodyStep& s, Transform& pose, Velocity& velocity) {
+static void turn(const BodyTraits& traits, const StepConstants& step, const SolverBody& b, BodyStep& s,
+                 Transform& pose, Velocity& velocity) {
     const Vector3<Separation> theta{Separation::from_raw(b.theta[0]), Separation::from_raw(b.theta[1]),
                                     Separation::from_raw(b.theta[2])};
     const Vec3 rotation = masked(over_gyration<Real>(s, theta), s.angular_mask);
@@ -241,16 +242,17 @@ static void turn(const BodyInfo& info, const BodyMass& mass, const StepConstants
     constexpr Real least = decimal<Real>("0.0001");
     const Vec3 size = abs(rotation);
     const bool turns = size.x > least || size.y > least || size.z > least;
-    const bool gyroscopic = s.movable && info.gyroscopic != 0 && s.angular_mask == 7u && !is_round(s);
+    const bool gyroscopic = s.movable && traits.gyroscopic != 0 && s.angular_mask == 7u && !is_round(s);
     const Vec3 w = over_gyration<Real>(s, u);
     if (!gyroscopic || !turns) {
         pose.rotation = integrate_rotation(pose.rotation, rotation);
         velocity.angular = to<Speed>(masked(w, s.angular_mask));
         return;
     }
+    const Quat principal = traits.mass.principal;
     const Vec3 momentum = by_gyration<Real>(s, u); // per mass
     const auto spin_at = [&](Quat q) {             // K^-2 momentum
-        const Rotation axes = to_rotation(mass.principal == Quat::identity() ? q : q * mass.principal);
+        const Rotation axes = to_rotation(principal == Quat::identity() ? q : q * principal);
         Vec3 inside = mul_transposed<Real>(axes, momentum);
         for (int i = 0; i < 3; ++i) inside[i] = inside[i] * s.radii_inv[i] * s.radii_inv[i];
         return mul<Real>(axes, inside);
@@ -304,7 +306,7 @@ void finish_step(const StepConstants& step, SolverBodies& bodies, const BodyColu
                 c.velocity[i].angular = to<Speed>(spin_of(b, s, bodies.turns[s.turn - 1]));
                 continue;
             }
-            turn(c.info[i], c.mass[i], step, b, s, c.pose[i], turned);
+            turn(c.traits(i), step, b, s, c.pose[i], turned);
             if (s.movable) c.velocity[i].angular = turned.angular;
         }
         base::add_count(bodies.clamps.position, clamped);

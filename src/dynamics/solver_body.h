@@ -95,10 +95,15 @@ template <class V> constexpr void describe(FieldRow& f, V&& v) { v("id", f.id), 
 /// The body columns, by row, as the tick hands them over.
 struct BodyColumns {
     std::span<const BodyInfo> info;
-    std::span<const BodyMass> mass;
-    std::span<const BodyForce> force;
+    std::span<const BodyTraits> all_traits; ///< those that info names
+    std::span<const std::uint32_t> pushes;  ///< row + 1 of forces, 0: none
+    std::span<const BodyForce> forces;
     std::span<Transform> pose;
     std::span<Velocity> velocity;
+    MassView mass{info, all_traits};
+    ForceView force{pushes, forces};
+
+    const BodyTraits& traits(std::size_t row) const { return all_traits[info[row].traits]; }
 };
 
 /// Counters of clamped values; added to the state's by the tick.

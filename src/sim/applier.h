@@ -71,7 +71,10 @@ void free_slot(State& state, Column<Slot> column, std::uint32_t index, std::uint
 /// Moves the last row of a table into `row` and drops the last.
 void remove_row(State& state, TableId table, std::uint32_t row);
 
-// ---- mass ----
+// ---- traits and mass ----
+
+/// What a checked definition says of a body, but its mass.
+void define(BodyTraits& traits, const BodyDef& d);
 
 /// Sums up the shapes of a body. The body's origin stays where it is, its centre of mass moves.
 void update_mass(Data& w, std::uint32_t row);

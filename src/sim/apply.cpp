@@ -28,20 +28,16 @@ std::uint32_t take_slot(State& state, TableId table, Column<Slot> column, std::u
         state.edit_row(column, index - 1).generation = 1;
     }
     Slot& slot = state.edit_row(column, index - 1);
-    first_free = slot.next_free;
+    first_free = slot.is_alive() ? 0 : slot.next_free();
     slot.row = row;
-    slot.next_free = 0;
-    slot.alive = 1;
     return index;
 }
 
 void free_slot(State& state, Column<Slot> column, std::uint32_t index, std::uint32_t& first_free) {
     Slot& slot = state.edit_row(column, index - 1);
-    slot.alive = 0;
-    slot.row = 0;
     // Generations wrap after 2^32 lives of one slot; 0 stays null.
     slot.generation = slot.generation == 0xffffffffu ? 1 : slot.generation + 1;
-    slot.next_free = first_free;
+    slot.row = Slot::is_free | first_free;
     first_free = index;
 }
 
@@ -58,14 +54,25 @@ void remove_row(State& state, TableId table, std::uint32_t row) {
 
 // ---- bodies --------------------------------------------------------------------------------------------------
 
+void define(BodyTraits& traits, const BodyDef& d) {
+    traits.linear_damping = d.linear_damping;
+    traits.angular_damping = d.angular_damping;
+    traits.gravity_scale = d.gravity_scale;
+    traits.drag_scale = d.drag_scale;
+    traits.locks = d.locks;
+    traits.gyroscopic = static_cast<std::uint8_t>(d.gyroscopic);
+    traits.enable_fields = static_cast<std::uint8_t>(d.enable_fields);
+    traits.bullet = static_cast<std::uint8_t>(d.bullet);
+}
+
 static Vec3 center_offset(const Data& w, std::uint32_t row, Quat rotation) {
-    return rotate(rotation, w.state.rows(w.m.body_mass)[row].center);
+    return rotate(rotation, w.mass_of(row).center);
 }
 
 void push(Data& w, std::uint32_t row, Vec3 linear, Vec3 angular) {
-    const BodyMass& mass = w.state.rows(w.m.body_mass)[row];
+    const BodyMass& mass = w.mass_of(row);
     if (mass.mass == Real{}) return;
-    const std::uint32_t locks = w.state.rows(w.m.body_info)[row].locks;
+    const std::uint32_t locks = w.traits_of(w.state.rows(w.m.body_info)[row]).locks;
     Velocity& velocity = w.state.edit_row(w.m.body_velocity, row);
     const Rotation axes = to_rotation(w.state.rows(w.m.body_pose)[row].rotation * mass.principal);
     const Vec3 local = mul_transposed<Real>(axes, angular / mass.mass);
@@ -100,7 +107,7 @@ Result<World::Applied> Applier::operator()(const SetVelocity& c) {
     row = wake(w, c.body);
     Velocity& velocity = w.state.edit_row(w.m.body_velocity, row);
     velocity = {to<Speed>(c.linear), to<Speed>(c.angular)};
-    dynamics::drop_locked(velocity, w.state.rows(w.m.body_info)[row].locks);
+    dynamics::drop_locked(velocity, w.traits_of(w.state.rows(w.m.body_info)[row]).locks);
     return Applied{};
 }
 
@@ -110,7 +117,7 @@ Result<World::Applied> Applier::operator()(const AddForce& c) {
     if (!within(c.force, force_max) || !within(c.torque, force_max))
         return Error{"add_force: force and torque must be within 2e9 on each axis"};
     row = wake(w, c.body);
-    BodyForce& force = w.state.edit_row(w.m.body_force, row);
+    BodyForce& force = force_on(w, row);
     force.force += c.force;
     force.torque += c.torque;
     return Applied{};
@@ -122,7 +129,7 @@ Result<World::Applied> Applier::operator()(const AddForceAt& c) {
     if (!within(c.force, force_max) || !within(c.point, position_max))
         return Error{"add_force_at: force must be within 2e9 N, point within 1e9 m on each axis"};
     row = wake(w, c.body);
-    BodyForce& force = w.state.edit_row(w.m.body_force, row);
+    BodyForce& force = force_on(w, row);
     force.force += c.force;
     force.torque += cross(c.point - w.state.rows(w.m.body_pose)[row].position, c.force);
     return Applied{};
@@ -158,7 +165,7 @@ Result<World::Applied> Applier::operator()(const SetBodyParameters& c) {
     std::uint32_t row = w.row_of(c.body);
     if (row == Data::dead) return dead_body("set_body_parameters", c.body);
     if (std::string e = check_changes(c); !e.empty()) return Error{"set_body_parameters: " + e};
-    const BodyInfo& now = w.state.rows(w.m.body_info)[row];
+    const BodyTraits& now = w.traits_of(w.state.rows(w.m.body_info)[row]);
     BodyDef d{};
     d.linear_damping = c.linear_damping.or_else(now.linear_damping);
     d.angular_damping = c.angular_damping.or_else(now.angular_damping);
@@ -170,15 +177,9 @@ Result<World::Applied> Applier::operator()(const SetBodyParameters& c) {
     d.drag_scale = c.drag_scale.or_else(now.drag_scale);
     if (std::string e = check(d); !e.empty()) return Error{"set_body_parameters: " + e};
     row = wake(w, c.body);
-    BodyInfo& info = w.state.edit_row(w.m.body_info, row);
-    info.linear_damping = d.linear_damping;
-    info.angular_damping = d.angular_damping;
-    info.gravity_scale = d.gravity_scale;
-    info.locks = d.locks;
-    info.gyroscopic = d.gyroscopic;
-    info.bullet = d.bullet;
-    info.enable_fields = d.enable_fields;
-    info.drag_scale = d.drag_scale;
+    BodyTraits traits = w.traits_of(w.state.rows(w.m.body_info)[row]);
+    define(traits, d);
+    set_traits(w, row, traits);
     dynamics::drop_locked(w.state.edit_row(w.m.body_velocity, row), d.locks);
     return Applied{};
 }
@@ -189,20 +190,20 @@ Result<World::Applied> Applier::operator()(const SetMaterial& c) {
     const std::uint32_t row = w.row_of(c.shape);
     if (row == Data::dead) return dead_shape("set_material", c.shape);
     if (std::string e = check_changes(c); !e.empty()) return Error{"set_material: " + e};
-    const ShapeRow& now = w.state.rows(w.m.shape)[row];
-    const Real friction = c.friction.or_else(now.friction);
-    const Real restitution = c.restitution.or_else(now.restitution);
-    const Real rolling_resistance = c.rolling_resistance.or_else(now.rolling_resistance);
-    const Vec3 surface_velocity = c.surface_velocity.or_else(now.surface_velocity);
+    ShapeTraits traits = w.traits_of(w.state.rows(w.m.shape)[row]);
+    const Real friction = c.friction.or_else(traits.friction);
+    const Real restitution = c.restitution.or_else(traits.restitution);
+    const Real rolling_resistance = c.rolling_resistance.or_else(traits.rolling_resistance);
+    const Vec3 surface_velocity = c.surface_velocity.or_else(traits.surface_velocity);
     if (std::string e = check_surface(friction, restitution, rolling_resistance, surface_velocity);
         !e.empty())
         return Error{"set_material: " + e};
-    wake(w, now.body);
-    ShapeRow& shape = w.state.edit_row(w.m.shape, row);
-    shape.friction = friction;
-    shape.restitution = restitution;
-    shape.rolling_resistance = rolling_resistance;
-    shape.surface_velocity = surface_velocity;
+    wake(w, w.state.rows(w.m.shape)[row].body);
+    traits.friction = friction;
+    traits.restitution = restitution;
+    traits.rolling_resistance = rolling_resistance;
+    traits.surface_velocity = surface_velocity;
+    set_shape_traits(w, row, traits);
     return Applied{};
 }
 
@@ -211,10 +212,11 @@ Result<World::Applied> Applier::operator()(const SetFilter& c) {
     if (row == Data::dead) return dead_shape("set_filter", c.shape);
     if (std::string e = check_changes(c); !e.empty()) return Error{"set_filter: " + e};
     wake(w, w.state.rows(w.m.shape)[row].body);
-    ShapeRow& shape = w.state.edit_row(w.m.shape, row);
-    shape.category = c.category.or_else(shape.category);
-    shape.mask = c.mask.or_else(shape.mask);
-    shape.group = c.group.or_else(shape.group);
+    ShapeTraits traits = w.traits_of(w.state.rows(w.m.shape)[row]);
+    traits.category = c.category.or_else(traits.category);
+    traits.mask = c.mask.or_else(traits.mask);
+    traits.group = c.group.or_else(traits.group);
+    set_shape_traits(w, row, traits);
     return Applied{};
 }
 

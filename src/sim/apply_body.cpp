@@ -18,17 +18,23 @@ using base::join;
 
 /// Moves the centre of mass within a body whose origin stays where it is.
 static void set_mass(Data& w, std::uint32_t row, const BodyMass& fresh) {
-    BodyMass& mass = w.state.edit_row(w.m.body_mass, row);
-    const Vec3 moved = fresh.center - mass.center;
-    mass = fresh;
+    BodyTraits traits = w.traits_of(w.state.rows(w.m.body_info)[row]);
+    const Vec3 moved = fresh.center - traits.mass.center;
+    traits.mass = fresh;
+    set_traits(w, row, traits);
     if (moved == Vec3{}) return;
-    const std::uint32_t locks = w.state.rows(w.m.body_info)[row].locks;
     Transform& pose = w.state.edit_row(w.m.body_pose, row);
     Velocity& velocity = w.state.edit_row(w.m.body_velocity, row);
     const Vec3 arm = rotate(pose.rotation, moved);
     pose.position += arm;
     velocity.linear += cross<Speed>(velocity.angular, arm);
-    dynamics::drop_locked(velocity, locks);
+    dynamics::drop_locked(velocity, traits.locks);
+}
+
+static void set_mass_fixed(Data& w, std::uint32_t row, std::uint8_t fixed) {
+    BodyTraits traits = w.traits_of(w.state.rows(w.m.body_info)[row]);
+    traits.mass_fixed = fixed;
+    set_traits(w, row, traits);
 }
 
 /// How far a body's shapes reach from its origin: stands in for the gyration radius of one that nothing turns, so that
@@ -39,9 +45,10 @@ static Real reach_of(Data& w, const BodyInfo& info) {
     Real reach = Real(1);
     for (std::uint32_t slot = info.first_shape; slot != 0; slot = shapes[slots[slot - 1].row].next_shape) {
         const ShapeRow& shape = shapes[slots[slot - 1].row];
-        if (shape.geometry.kind == ShapeKind::plane) continue;
+        if (w.traits_of(shape).geometry.kind == ShapeKind::plane) continue;
         const shapes::Extent e = shapes::extent_of(solid_of(w, shape));
-        reach = max(reach, to<Real>(length(max(abs(e.lower), abs(e.upper)))) + length(shape.local.position));
+        reach = max(reach, to<Real>(length(max(abs(e.lower), abs(e.upper)))) +
+                               length(w.traits_of(shape).local.position));
     }
     return reach;
 }
@@ -50,13 +57,15 @@ void update_mass(Data& w, std::uint32_t row) {
     const std::span<const Slot> slots = w.state.rows(w.m.shape_slot);
     const std::span<const ShapeRow> shapes = w.state.rows(w.m.shape);
     const BodyInfo& info = w.state.rows(w.m.body_info)[row];
-    if (info.mass_fixed != 0) return;
+    const BodyTraits& traits = w.traits_of(info);
+    if (traits.mass_fixed != 0) return;
     std::vector<MassPart>& parts = w.scratch.mass_parts;
     parts.clear();
     for (std::uint32_t slot = info.first_shape; slot != 0; slot = shapes[slots[slot - 1].row].next_shape) {
         const ShapeRow& shape = shapes[slots[slot - 1].row];
-        if (shape.sensor == 0)
-            parts.push_back({shapes::mass_properties(solid_of(w, shape), shape.density), shape.local});
+        if (w.traits_of(shape).sensor == 0)
+            parts.push_back({shapes::mass_properties(solid_of(w, shape), w.traits_of(shape).density),
+                             w.traits_of(shape).local});
     }
     std::reverse(parts.begin(), parts.end()); // in order of creation
     const MassProperties total = combine(parts);
@@ -73,7 +82,7 @@ void update_mass(Data& w, std::uint32_t row) {
     }
     if (info.kind == BodyKind::dynamic) {
         const Real from_shapes = total.mass == Real{} ? Real(1) : clamp(total.mass, mass_min, mass_max);
-        mass.mass = info.mass_override != Real{} ? info.mass_override : from_shapes;
+        mass.mass = traits.mass_override != Real{} ? traits.mass_override : from_shapes;
     }
     set_mass(w, row, mass);
 }
@@ -94,17 +103,15 @@ Result<World::Applied> Applier::operator()(const CreateBody& c) {
     BodyInfo& info = w.state.edit_row(w.m.body_info, row);
     info = {};
     info.id = id;
-    info.kind = d.kind;
-    info.locks = d.locks;
-    info.gyroscopic = d.gyroscopic;
-    info.enable_fields = d.enable_fields;
-    info.bullet = d.bullet;
-    info.linear_damping = d.linear_damping;
-    info.angular_damping = d.angular_damping;
-    info.gravity_scale = d.gravity_scale;
-    info.drag_scale = d.drag_scale;
-    info.mass_override = d.mass;
     info.user_key = d.user_key;
+    info.kind = d.kind;
+    BodyTraits traits{};
+    define(traits, d);
+    traits.mass_override = d.mass;
+    traits.mass.principal = Quat::identity();
+    std::uint32_t free = h.body_traits_free;
+    const std::uint32_t shared = take_shared(w.state, w.m.body_traits, traits, free);
+    w.edit_header().body_traits_free = free, w.state.edit_row(w.m.body_info, row).traits = shared;
     w.state.edit_row(w.m.body_pose, row) = {d.pose.position, normalized(d.pose.rotation)};
     Velocity& velocity = w.state.edit_row(w.m.body_velocity, row);
     velocity = {to<Speed>(d.linear_velocity), to<Speed>(d.angular_velocity)};
@@ -124,12 +131,34 @@ Result<World::Applied> Applier::operator()(const DestroyBody& c) {
     row = put_to_rest(w, row);
     const std::uint32_t last = w.state.count(w.m.bodies) - 1;
     const BodyId moved = w.state.rows(w.m.body_info)[last].id;
+    forget_force(w, row);
+    std::uint32_t free = w.header().body_traits_free;
+    drop_shared(w.state, w.m.body_traits, w.state.rows(w.m.body_info)[row].traits, free);
+    w.edit_header().body_traits_free = free;
     remove_row(w.state, w.m.bodies, row);
     w.state.edit_row(w.m.body_slot, moved.index - 1).row = row;
     free_slot(w.state, w.m.body_slot, c.body.index, w.edit_header().body_free);
     forget_filters_of(c.body);
     w.scratch.structure_stale = true;
     return Applied{};
+}
+
+static ShapeTraits traits_of(const ShapeDef& d) {
+    return {d.geometry,
+            {d.local.position, normalized(d.local.rotation)},
+            d.density,
+            d.friction,
+            d.restitution,
+            d.rolling_resistance,
+            d.surface_velocity,
+            d.friction_mix,
+            d.restitution_mix,
+            d.material,
+            d.category,
+            d.mask,
+            d.group,
+            d.sensor,
+            d.one_way};
 }
 
 Result<World::Applied> Applier::operator()(const CreateShape& c) {
@@ -149,30 +178,12 @@ Result<World::Applied> Applier::operator()(const CreateShape& c) {
         take_slot(w.state, w.m.shape_slots, w.m.shape_slot, w.edit_header().shape_free, row);
     const ShapeId id{index, w.state.rows(w.m.shape_slot)[index - 1].generation};
     w.state.resize(w.m.shapes, row + 1);
-    const ShapeDef& d = c.def;
+    std::uint32_t free = w.header().shape_traits_free;
+    const std::uint32_t shared = take_shared(w.state, w.m.shape_traits, traits_of(c.def), free);
+    w.edit_header().shape_traits_free = free;
     BodyInfo& info = w.state.edit_row(w.m.body_info, body_row);
-    w.state.edit_row(w.m.shape, row) = {id,
-                                        c.body,
-                                        d.geometry,
-                                        info.first_shape,
-                                        d.material,
-                                        {d.local.position, normalized(d.local.rotation)},
-                                        d.density,
-                                        d.friction,
-                                        d.restitution,
-                                        d.rolling_resistance,
-                                        d.surface_velocity,
-                                        d.friction_mix,
-                                        d.restitution_mix,
-                                        d.category,
-                                        d.mask,
-                                        d.group,
-                                        d.sensor,
-                                        d.one_way,
-                                        0,
-                                        d.user_key};
+    w.state.edit_row(w.m.shape, row) = {id, c.body, c.def.user_key, info.first_shape, shared};
     info.first_shape = index;
-    ++info.shape_count;
     update_mass(w, body_row);
     w.scratch.structure_stale = true;
     return Applied{.shape = id};
@@ -194,7 +205,6 @@ void Applier::remove_shape(std::uint32_t body_row, std::uint32_t slot) {
     BodyInfo& info = w.state.edit_row(w.m.body_info, body_row);
     const std::uint32_t row = row_at(slot);
     const std::uint32_t next = w.state.rows(w.m.shape)[row].next_shape;
-    --info.shape_count;
     if (info.first_shape == slot) {
         info.first_shape = next;
     } else {
@@ -203,6 +213,9 @@ void Applier::remove_shape(std::uint32_t body_row, std::uint32_t slot) {
             before = row_at(w.state.rows(w.m.shape)[before].next_shape);
         w.state.edit_row(w.m.shape, before).next_shape = next;
     }
+    std::uint32_t free = w.header().shape_traits_free;
+    drop_shared(w.state, w.m.shape_traits, w.state.rows(w.m.shape)[row].traits, free);
+    w.edit_header().shape_traits_free = free;
     const ShapeId moved = w.state.rows(w.m.shape).back().id;
     remove_row(w.state, w.m.shapes, row);
     w.state.edit_row(w.m.shape_slot, moved.index - 1).row = row;
@@ -216,13 +229,13 @@ Result<World::Applied> Applier::operator()(const SetMass& c) {
     if (std::string e = check_changes(c); !e.empty()) return Error{"set_mass: " + e};
     if (c.mass.given != 0 && c.mass.value == Real{}) {
         row = wake(w, c.body);
-        w.state.edit_row(w.m.body_info, row).mass_fixed = 0;
+        set_mass_fixed(w, row, 0);
         update_mass(w, row);
         return Applied{};
     }
     if (w.state.rows(w.m.body_info)[row].kind != BodyKind::dynamic)
         return Error{"set_mass: only a dynamic body has a mass"};
-    const BodyMass& now = w.state.rows(w.m.body_mass)[row];
+    const BodyMass now = w.mass_of(row);
     const BodyMass fresh{c.mass.or_else(now.mass), c.center.or_else(now.center),
                          c.gyration.or_else(now.gyration), c.principal.or_else(now.principal)};
     if (std::string e =
@@ -235,7 +248,7 @@ Result<World::Applied> Applier::operator()(const SetMass& c) {
             return Error{"set_mass: " + e};
     if (std::string e = check_unit("principal", fresh.principal); !e.empty()) return Error{"set_mass: " + e};
     row = wake(w, c.body);
-    w.state.edit_row(w.m.body_info, row).mass_fixed = 1;
+    set_mass_fixed(w, row, 1);
     set_mass(w, row, {fresh.mass, fresh.center, fresh.gyration, normalized(fresh.principal)});
     w.scratch.structure_stale = true;
     return Applied{};

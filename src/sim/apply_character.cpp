@@ -23,9 +23,11 @@ ShapeDef capsule_of(const CharacterDef& def, Real height) {
 
 void set_capsule(Data& w, const CharacterRow& row, Real height) {
     const ShapeDef def = capsule_of(row.def, height);
-    ShapeRow& shape = w.state.edit_row(w.m.shape, w.row_of(row.shape));
-    shape.geometry = def.geometry;
-    shape.local = def.local;
+    const std::uint32_t shape = w.row_of(row.shape);
+    ShapeTraits traits = w.traits_of(w.state.rows(w.m.shape)[shape]);
+    traits.geometry = def.geometry;
+    traits.local = def.local;
+    set_shape_traits(w, shape, traits);
     update_mass(w, w.row_of(row.body));
 }
 

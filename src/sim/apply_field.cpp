@@ -91,15 +91,15 @@ void add_blast(const ExplosionDef& blast, const shapes::Solid& part, const Trans
 
 Push push_on(Data& w, const ExplosionDef& blast, std::uint32_t row) {
     const Transform& pose = w.state.rows(w.m.body_pose)[row];
-    const Vec3 center = w.state.rows(w.m.body_mass)[row].center;
+    const Vec3 center = w.mass_of(row).center;
     const std::span<const Slot> slots = w.state.rows(w.m.shape_slot);
     const std::span<const ShapeRow> shapes = w.state.rows(w.m.shape);
     Push push;
     std::uint32_t slot = w.state.rows(w.m.body_info)[row].first_shape;
     for (; slot != 0; slot = shapes[slots[slot - 1].row].next_shape) {
         const ShapeRow& shape = shapes[slots[slot - 1].row];
-        if (shape.sensor != 0 || (shape.category & blast.mask) == 0) continue;
-        const Transform local{shape.local.position - center, shape.local.rotation};
+        if (w.traits_of(shape).sensor != 0 || (w.traits_of(shape).category & blast.mask) == 0) continue;
+        const Transform local{w.traits_of(shape).local.position - center, w.traits_of(shape).local.rotation};
         for_each_part(solid_of(w, shape), pose * local,
                       [&](const shapes::Solid& part, const Transform& at, std::size_t) {
                           add_blast(blast, part, at, pose.position, push);
@@ -118,7 +118,7 @@ Result<World::Applied> Applier::operator()(const Explode& c) {
     };
     std::vector<Hit> hits;
     for (std::uint32_t row = 0; row < w.state.count(w.m.bodies); ++row) {
-        if (w.state.rows(w.m.body_mass)[row].mass == Real{}) continue;
+        if (w.mass_of(row).mass == Real{}) continue;
         const Push push = push_on(w, c.def, row);
         if (push.linear != Vec3{} || push.angular != Vec3{})
             hits.push_back({w.state.rows(w.m.body_info)[row].id, push});

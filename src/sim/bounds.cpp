@@ -13,7 +13,7 @@ namespace lockstone::sim {
 namespace {
 
 /// Most shapes stand in the middle of their body, and as it does.
-Transform shape_pose(const ShapeRow& shape, const Transform& body, const BodyMass& mass) {
+Transform shape_pose(const ShapeTraits& shape, const Transform& body, const BodyMass& mass) {
     const Vec3 offset = shape.local.position - mass.center;
     const bool is_turned = shape.local.rotation != Quat::identity();
     return {offset == Vec3{} ? body.position : body.position + rotate(body.rotation, offset),
@@ -38,13 +38,13 @@ Coordinate reach_of(const shapes::Solid& solid) {
 /// Where a shape is whose solid is known. Writes nothing but `at`.
 void place(const Data& w, const ShapeRow& shape, std::uint32_t body_row, Scratch::Shape& at) {
     const Config& config = w.state.rows(w.m.config)[0];
-    at.pose = shape_pose(shape, w.state.rows(w.m.body_pose)[body_row], w.state.rows(w.m.body_mass)[body_row]);
+    const BodyInfo& info = w.state.rows(w.m.body_info)[body_row];
+    at.pose = shape_pose(w.traits_of(shape), w.state.rows(w.m.body_pose)[body_row], w.traits_of(info).mass);
     at.axes = to_rotation(at.pose.rotation);
-    at.margin = w.state.rows(w.m.body_info)[body_row].kind == BodyKind::static_
+    at.margin = info.kind == BodyKind::static_
                     ? margin_base
-                    : margin_of(at.inner, w.state.rows(w.m.body_info)[body_row],
-                                w.state.rows(w.m.body_velocity)[body_row], config.tick_rate);
-    if (shape.geometry.kind != ShapeKind::plane)
+                    : margin_of(at.inner, info, w.state.rows(w.m.body_velocity)[body_row], config.tick_rate);
+    if (at.solid.geometry.kind != ShapeKind::plane)
         at.bounds = collide::bounds_of(at.solid, at.pose.position, at.axes, at.margin,
                                        static_cast<int>(config.bounds_shift));
 }
@@ -55,7 +55,7 @@ void hand_over(Data& w, const ShapeRow& shape, std::uint32_t body_row) {
     const std::uint32_t slot = shape.id.index - 1;
     Scratch::Shape& at = s.shape[slot];
     at.rests = !is_awake(w, body_row);
-    if (shape.geometry.kind == ShapeKind::plane) {
+    if (at.solid.geometry.kind == ShapeKind::plane) {
         // Before a restore this slot and generation may have held a shape with bounds.
         if (s.proxy_generation[slot] != 0) s.broad_phase.remove(slot);
         s.proxy_generation[slot] = 0;
@@ -64,9 +64,9 @@ void hand_over(Data& w, const ShapeRow& shape, std::uint32_t body_row) {
     s.broad_phase.set(slot, at.bounds, at.rests);
     s.proxy_generation[slot] = shape.id.generation;
     if (!at.rests) return;
-    at.resting_local = shape.local;
+    at.resting_local = w.traits_of(shape).local;
     at.resting_at = w.state.rows(w.m.body_pose)[body_row];
-    at.resting_center = w.state.rows(w.m.body_mass)[body_row].center;
+    at.resting_center = w.mass_of(body_row).center;
 }
 
 void set_proxy(Data& w, const ShapeRow& shape, std::uint32_t body_row) {
@@ -81,9 +81,10 @@ void set_proxy(Data& w, const ShapeRow& shape, std::uint32_t body_row) {
 void set_resting_proxy(Data& w, const ShapeRow& shape, std::uint32_t body_row) {
     const Scratch::Shape& at = w.scratch.shape[shape.id.index - 1];
     const bool is_there = at.rests && w.scratch.proxy_generation[shape.id.index - 1] == shape.id.generation &&
-                          at.solid.geometry == shape.geometry && at.resting_local == shape.local &&
+                          at.solid.geometry == w.traits_of(shape).geometry &&
+                          at.resting_local == w.traits_of(shape).local &&
                           at.resting_at == w.state.rows(w.m.body_pose)[body_row] &&
-                          at.resting_center == w.state.rows(w.m.body_mass)[body_row].center;
+                          at.resting_center == w.mass_of(body_row).center;
     if (!is_there) set_proxy(w, shape, body_row);
 }
 
@@ -109,7 +110,7 @@ void update_awake(Data& w) {
                          for (std::uint32_t row = first; row < last; ++row)
                              for_each_shape(world, row, [&](const ShapeRow& shape) {
                                  Scratch::Shape& at = w.scratch.shape[shape.id.index - 1];
-                                 at.is_placed = at.solid.geometry == shape.geometry;
+                                 at.is_placed = at.solid.geometry == w.traits_of(shape).geometry;
                                  if (at.is_placed) place(world, shape, row, at);
                              });
                      });
@@ -124,15 +125,15 @@ void update_awake(Data& w) {
 
 bool is_living_plane(const Data& w, std::uint32_t slot) {
     const std::span<const Slot> slots = w.state.rows(w.m.shape_slot);
-    return slot < slots.size() && slots[slot].alive != 0 &&
-           w.state.rows(w.m.shape)[slots[slot].row].geometry.kind == ShapeKind::plane;
+    return slot < slots.size() && slots[slot].is_alive() &&
+           w.traits_of(w.state.rows(w.m.shape)[slots[slot].row]).geometry.kind == ShapeKind::plane;
 }
 
 void drop_if_dead(Data& w, std::uint32_t slot) {
     Scratch& s = w.scratch;
     if (s.proxy_generation[slot] == 0) return;
     const std::span<const Slot> slots = w.state.rows(w.m.shape_slot);
-    if (slot < slots.size() && slots[slot].alive != 0 && slots[slot].generation == s.proxy_generation[slot])
+    if (slot < slots.size() && slots[slot].is_alive() && slots[slot].generation == s.proxy_generation[slot])
         return;
     s.broad_phase.remove(slot);
     s.proxy_generation[slot] = 0;
@@ -147,7 +148,7 @@ void set_resting_proxies(Data& w, std::uint32_t first_body, std::uint32_t end_bo
 void meet_shape(Data& w, const ShapeRow& shape) {
     std::vector<std::uint32_t>& planes = w.scratch.planes;
     const std::uint32_t slot = shape.id.index - 1, body_row = w.row_of(shape.body);
-    if (shape.geometry.kind == ShapeKind::plane) {
+    if (w.traits_of(shape).geometry.kind == ShapeKind::plane) {
         const auto at = std::lower_bound(planes.begin(), planes.end(), slot);
         if (at == planes.end() || *at != slot) planes.insert(at, slot);
     }
@@ -170,14 +171,14 @@ void update_resting(Data& w) {
     for (const RowRange& range : s.changed)
         for (std::uint32_t row = range.first; row < range.end; ++row)
             meet_shape(w, state.rows(w.m.shape)[row]);
-    for (const std::uint32_t column : {w.m.body_info.index, w.m.body_mass.index, w.m.body_pose.index}) {
+    for (const std::uint32_t column : {w.m.body_info.index, w.m.body_pose.index}) {
         state.take_changes(column, s.proxies_of, s.changed);
         for (const RowRange& range : s.changed) set_resting_proxies(w, range.first, range.end);
     }
     // Awake then, and now not: the pages may be those of an earlier time.
     set_resting_proxies(w, w.header().bodies_awake, std::min(s.awake_before, state.count(w.m.bodies)));
     for (const std::uint32_t slot : s.solids_replaced)
-        if (slot < state.count(w.m.shape_slots) && state.rows(w.m.shape_slot)[slot].alive != 0)
+        if (slot < state.count(w.m.shape_slots) && state.rows(w.m.shape_slot)[slot].is_alive())
             meet_shape(w, state.rows(w.m.shape)[state.rows(w.m.shape_slot)[slot].row]);
     s.solids_replaced.clear();
 }
@@ -185,8 +186,8 @@ void update_resting(Data& w) {
 /// The same when nothing that rests has changed: only what is awake, and who is.
 void pass_over_changes(Data& w) {
     Scratch& s = w.scratch;
-    for (const std::uint32_t column : {w.m.shape_slot.index, w.m.shape.index, w.m.body_info.index,
-                                       w.m.body_mass.index, w.m.body_pose.index})
+    for (const std::uint32_t column :
+         {w.m.shape_slot.index, w.m.shape.index, w.m.body_info.index, w.m.body_pose.index})
         w.state.take_changes(column, s.proxies_of, s.changed);
 }
 
@@ -207,8 +208,8 @@ Length ahead_of(SpeedVec3 velocity, std::uint32_t tick_rate) {
 
 const shapes::Solid& solid_of(Data& w, const ShapeRow& shape) {
     Scratch::Shape& at = w.scratch.shape[shape.id.index - 1];
-    if (at.solid.geometry == shape.geometry) return at.solid;
-    Result<shapes::Solid> solid = w.scratch.solids.resolve(shape.geometry);
+    if (at.solid.geometry == w.traits_of(shape).geometry) return at.solid;
+    Result<shapes::Solid> solid = w.scratch.solids.resolve(w.traits_of(shape).geometry);
     LOCKSTONE_ASSERT(solid.ok(), "shape ", shape.id.index, ": ", solid.ok() ? "" : solid.error().message);
     if (at.rests) w.scratch.solids_replaced.push_back(shape.id.index - 1);
     at.rests = false; // its bounds are of the other solid

@@ -19,7 +19,7 @@ Mover::Mover(Data& data, std::uint32_t character_row)
       space(data, row) {
     const std::uint32_t body = w.row_of(row.body);
     const Transform& pose = w.state.rows(w.m.body_pose)[body];
-    begin = feet = pose.position - rotate(pose.rotation, w.state.rows(w.m.body_mass)[body].center);
+    begin = feet = pose.position - rotate(pose.rotation, w.mass_of(body).center);
     stood_on = ground_body();
     was_in_air = row.state.ground != CharacterGround::walkable && row.state.air_ticks > 0;
 }
@@ -212,14 +212,18 @@ void Mover::finish() {
     // Upright again, whatever commands and roundings did to it.
     Transform& pose = w.state.edit_row(w.m.body_pose, body);
     pose.rotation = normalized(from_to(axis, up) * pose.rotation);
-    pose.position = begin + rotate(pose.rotation, w.state.rows(w.m.body_mass)[body].center);
+    pose.position = begin + rotate(pose.rotation, w.mass_of(body).center);
 }
 
 void move_characters(Data& w) {
     CharacterScratch& s = w.scratch.characters;
     s.order_of_body.clear(), s.landings.clear();
+    const std::uint32_t count = w.state.count(w.m.characters);
+    if (count == 0) return;
+    // What movers hold of the state stays where it is while they push and crouch.
+    w.state.make_room({w.m.forces}, w.state.count(w.m.bodies));
+    w.state.make_room({w.m.body_traits.table, w.m.shape_traits.table}, 4 * count);
     const std::span<const CharacterRow> rows = w.state.rows(w.m.character);
-    if (rows.empty()) return;
     update_bounds(w);
     s.order_of_body.assign(w.state.count(w.m.body_slots), 0);
     for (std::uint32_t i = 0; i < rows.size(); ++i) s.order_of_body[rows[i].body.index - 1] = i + 1;
@@ -227,7 +231,6 @@ void move_characters(Data& w) {
     for (const Velocity& v : w.state.rows(w.m.body_velocity).first(w.header().bodies_awake))
         fastest = max(fastest, length(v.linear));
     s.motion_max = min(to<Real>(fastest) / Real(w.state.rows(w.m.config)[0].tick_rate), Real(4));
-    const auto count = static_cast<std::uint32_t>(rows.size());
     for (std::uint32_t i = 0; i < count; ++i) Mover(w, i).run();
 }
 

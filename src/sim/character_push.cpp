@@ -16,7 +16,7 @@ namespace {
 Real mobility(const Data& w, BodyId id, Vec3 point, UnitVec3 direction) {
     const std::uint32_t body = w.row_of(id);
     const Transform& pose = w.state.rows(w.m.body_pose)[body];
-    const BodyMass& mass = w.state.rows(w.m.body_mass)[body];
+    const BodyMass& mass = w.mass_of(body);
     const Rotation axes = to_rotation(pose.rotation * mass.principal);
     const Vec3 lever = mul_transposed<Real>(axes, cross<Real>(point - pose.position, direction));
     Real sum = Real(1);
@@ -42,7 +42,7 @@ bool is_movers_contact(const Data& w, BodyId body_a, BodyId body_b, UnitVec3 nor
 void Mover::take_impact(const SpaceContact& c) {
     const BodyId body = space.neighbour(c.neighbour).body;
     const std::uint32_t at = w.row_of(body);
-    const Real mass = w.state.rows(w.m.body_mass)[at].mass;
+    const Real mass = w.mass_of(at).mass;
     const Real closing = dot<Real>(c.normal, velocity_of(body, c.point) - row.state.velocity) -
                          dot<Real>(c.normal, carried) * Real(rate);
     if (closing <= Real{} || mass == Real{}) return;
@@ -100,7 +100,7 @@ void Mover::note_push(const SpaceHit& hit) {
 /// A force for this tick: the solver spreads it over the substeps, so that friction holds what it is too weak for.
 void Mover::push_at(BodyId body, Vec3 point, Vec3 force) {
     const std::uint32_t at = w.row_of(body);
-    BodyForce& sum = w.state.edit_row(w.m.body_force, at);
+    BodyForce& sum = force_on(w, at);
     sum.force += force;
     sum.torque += cross(point - w.state.rows(w.m.body_pose)[at].position, force);
 }
@@ -112,7 +112,7 @@ void Mover::apply_pushes() {
     for (const CharacterPush& p : w.scratch.characters.pushes) {
         const UnitVec3 way = -flat(p.normal, up);
         const std::uint32_t body = w.row_of(p.body);
-        const Real mass = w.state.rows(w.m.body_mass)[body].mass;
+        const Real mass = w.mass_of(body).mass;
         const Real top = row.state.crouched != 0 ? row.def.crouch_height : row.def.height;
         const Real height = clamp(along(w.state.rows(w.m.body_pose)[body].position - feet), row.def.radius,
                                   top - row.def.radius);

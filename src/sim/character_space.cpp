@@ -48,7 +48,7 @@ void CharacterSpace::set_height(Real height) {
 }
 
 bool CharacterSpace::sees(const ShapeRow& own, const ShapeRow& other) const {
-    if (other.sensor != 0 || other.body == own.body) return false;
+    if (w.traits_of(other).sensor != 0 || other.body == own.body) return false;
     return filters_allow(w, own, other);
 }
 
@@ -67,8 +67,8 @@ void CharacterSpace::place(Neighbour& n, const ShapeRow& shape) const {
     const Transform& body = w.state.rows(w.m.body_pose)[body_row];
     const Quat turned = integrate_rotation(body.rotation, per_tick(v.angular, rate));
     const Vec3 center = body.position + per_tick(v.linear, rate);
-    n.end = {center + rotate(turned, shape.local.position - w.state.rows(w.m.body_mass)[body_row].center),
-             normalized(turned * shape.local.rotation)};
+    n.end = {center + rotate(turned, w.traits_of(shape).local.position - w.mass_of(body_row).center),
+             normalized(turned * w.traits_of(shape).local.rotation)};
     n.moves = true;
 }
 
@@ -92,8 +92,8 @@ void CharacterSpace::collect(Vec3 feet, Real range) {
         n.kind = w.state.rows(w.m.body_info)[w.row_of(shape.body)].kind;
         n.solid = &w.scratch.shape[slot].solid;
         n.reach = w.scratch.shape[slot].reach;
-        n.is_plane = shape.geometry.kind == ShapeKind::plane;
-        n.one_way = shape.one_way != 0;
+        n.is_plane = w.traits_of(shape).geometry.kind == ShapeKind::plane;
+        n.one_way = w.traits_of(shape).one_way != 0;
         place(n, shape);
         scratch.neighbours.push_back(n);
     }

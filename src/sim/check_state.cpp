@@ -6,6 +6,7 @@
 #include "sim/data.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 
 namespace lockstone::sim {
@@ -25,9 +26,9 @@ Status check_slots(std::string_view name, std::span<const Slot> slots, std::size
     std::size_t living = 0;
     for (std::size_t i = 0; i < slots.size(); ++i) {
         const Slot& s = slots[i];
-        if (s.generation == 0 || s.alive > 1 || s.next_free > slots.size())
+        if (s.generation == 0 || (!s.is_alive() && s.next_free() > slots.size()))
             return bad(name, i, "no such slot can be");
-        if (s.alive == 0) continue;
+        if (!s.is_alive()) continue;
         ++living;
         if (s.row >= rows) return bad(name, i, join("points to row ", s.row, " of ", rows));
         const auto id = id_of(s.row);
@@ -35,8 +36,8 @@ Status check_slots(std::string_view name, std::span<const Slot> slots, std::size
     }
     if (living != rows) return bad(name, slots.size(), join(living, " living slots for ", rows, " rows"));
     std::size_t free = 0;
-    for (std::uint32_t at = first_free; at != 0; at = slots[at - 1].next_free)
-        if (at > slots.size() || slots[at - 1].alive != 0 || ++free > slots.size())
+    for (std::uint32_t at = first_free; at != 0; at = slots[at - 1].next_free())
+        if (at > slots.size() || slots[at - 1].is_alive() || ++free > slots.size())
             return bad(name, at, "the free list is broken");
     if (free != slots.size() - living) return bad(name, 0, "the free list misses slots");
     return {};
@@ -51,41 +52,109 @@ bool unit_like(Quat q) {
 
 bool unit_like(UnitVec3 v) { return unit_like(Quat{v.x, v.y, v.z, Unit{}}); }
 
+/// Of the rows that are compared before one is made, no two that are used are alike; and free rows are zero.
+template <class T> Status check_shared_rows(std::string_view name, const State& s, const SharedTable<T>& t) {
+    const std::span<const T> rows = s.rows(t.row);
+    const std::span<const SharedUses> uses = s.rows(t.uses);
+    constexpr std::array<std::byte, sizeof(T)> zero{};
+    std::vector<std::uint32_t> used;
+    for (std::uint32_t i = 0; i < rows.size(); ++i) {
+        if (!uses[i].is_used() && std::memcmp(&rows[i], zero.data(), zero.size()) != 0)
+            return bad(name, i, "is free, but not zero");
+        if (uses[i].is_used() && i < shared_rows_compared) used.push_back(i);
+    }
+    const auto order = [&](std::uint32_t a, std::uint32_t b) {
+        return std::memcmp(&rows[a], &rows[b], sizeof(T));
+    };
+    std::ranges::sort(used, [&](std::uint32_t a, std::uint32_t b) { return order(a, b) < 0; });
+    const auto twice =
+        std::ranges::adjacent_find(used, [&](std::uint32_t a, std::uint32_t b) { return order(a, b) == 0; });
+    if (twice != used.end()) return bad(name, *twice, "is the same as another");
+    return {};
+}
+
+/// Each row that is used is by as many as it says, and the free list visits each other row once. `named`: a row for each user.
+template <class T>
+Status check_shared(std::string_view name, const State& s, const SharedTable<T>& t,
+                    const std::vector<std::uint32_t>& named, std::uint32_t first_free) {
+    const std::span<const SharedUses> uses = s.rows(t.uses);
+    std::vector<std::uint32_t> found(uses.size());
+    for (std::size_t i = 0; i < named.size(); ++i)
+        if (named[i] >= uses.size() || ++found[named[i]] == 0)
+            return bad(name, named[i], "is used, but does not exist");
+    std::size_t free_rows = 0, free = 0;
+    for (std::size_t i = 0; i < uses.size(); ++i) {
+        if (!uses[i].is_used()) ++free_rows;
+        if (uses[i].is_used() ? uses[i].count != found[i] || found[i] == 0
+                              : found[i] != 0 || uses[i].next_free() > uses.size())
+            return bad(name, i, join("is used ", found[i], " times, which is not what it says"));
+    }
+    for (std::uint32_t at = first_free; at != 0; at = uses[at - 1].next_free())
+        if (at > uses.size() || uses[at - 1].is_used() || ++free > uses.size())
+            return bad(name, at, "the free list is broken");
+    if (free != free_rows) return bad(name, 0, "the free list misses rows");
+    return check_shared_rows(name, s, t);
+}
+
+/// Empty when a body may be like that.
+std::string check_traits(const BodyTraits& t) {
+    if (t.locks > 63) return "unknown locks";
+    const Real damping_max = Real(1000), scale_max = Real(100);
+    for (const Real damping : {t.linear_damping, t.angular_damping})
+        if (damping < Real{} || damping > damping_max) return "damping is out of range";
+    if (abs(t.gravity_scale) > scale_max) return "gravity_scale is out of range";
+    if (t.mass_override != Real{} && (t.mass_override < mass_min || t.mass_override > mass_max))
+        return "mass_override is out of range";
+    if (t.enable_fields > 1 || t.drag_scale < Real{} || t.drag_scale > scale_max)
+        return "enable_fields or drag_scale is out of range";
+    if (t.bullet > 1 || t.mass_fixed > 1 || t.gyroscopic > 1) return "a flag is neither 0 nor 1";
+    const BodyMass& mass = t.mass;
+    const bool weighs = mass.mass != Real{};
+    if ((weighs && (mass.mass < mass_min || mass.mass > mass_max)) || !unit_like(mass.principal))
+        return "no such mass can be";
+    if (!within(mass.center, Real(100000))) return "center is out of range";
+    for (int axis = 0; axis < 3; ++axis)
+        if (mass.gyration[axis] < Real{} || mass.gyration[axis] > Real(100000))
+            return "no such gyration radius can be";
+    return {};
+}
+
+/// Each force pushes a body, which knows it.
+Status check_forces(const Manifest& m, const State& s) {
+    const std::span<const std::uint32_t> pushed = s.rows(m.pushed), pushes = s.rows(m.body_push);
+    const std::span<const Slot> slots = s.rows(m.body_slot);
+    for (std::size_t i = 0; i < pushed.size(); ++i) {
+        const std::uint32_t slot = pushed[i];
+        if (slot == 0 || slot > slots.size() || !slots[slot - 1].is_alive() ||
+            pushes[slots[slot - 1].row] != i + 1)
+            return bad("body.pushed", i, "is a force on no body, or on one that has another");
+    }
+    const auto all = pushes.size() - static_cast<std::size_t>(std::ranges::count(pushes, 0u));
+    if (all != pushed.size()) return bad("body.push", all, "a body is pushed by a force that is not there");
+    return {};
+}
+
 Status check_bodies(const Manifest& m, const State& s) {
     const std::span<const BodyInfo> info = s.rows(m.body_info);
-    const std::span<const BodyMass> mass = s.rows(m.body_mass);
+    const std::span<const BodyTraits> traits = s.rows(m.body_traits.row);
     const std::span<const Transform> pose = s.rows(m.body_pose);
+    std::vector<std::uint32_t> named;
+    for (const BodyInfo& body : info) named.push_back(body.traits);
+    if (Status e =
+            check_shared("body_traits.uses", s, m.body_traits, named, s.rows(m.header)[0].body_traits_free);
+        !e)
+        return e;
+    for (std::size_t i = 0; i < traits.size(); ++i)
+        if (std::string e = check_traits(traits[i]); !e.empty() && s.rows(m.body_traits.uses)[i].is_used())
+            return bad("body_traits.row", i, e);
     for (std::size_t i = 0; i < info.size(); ++i) {
-        if (info[i].kind > BodyKind::dynamic || info[i].locks > 63)
-            return bad("body.info", i, "unknown kind or locks");
-        const Real damping_max = Real(1000), scale_max = Real(100);
-        for (const Real damping : {info[i].linear_damping, info[i].angular_damping})
-            if (damping < Real{} || damping > damping_max)
-                return bad("body.info", i, "damping is out of range");
-        if (abs(info[i].gravity_scale) > scale_max)
-            return bad("body.info", i, "gravity_scale is out of range");
-        if (const Real given = info[i].mass_override;
-            given != Real{} && (given < mass_min || given > mass_max))
-            return bad("body.info", i, "mass_override is out of range");
-        if (info[i].enable_fields > 1 || info[i].drag_scale < Real{} || info[i].drag_scale > Real(100))
-            return bad("body.info", i, "enable_fields or drag_scale is out of range");
+        if (info[i].kind > BodyKind::dynamic) return bad("body.info", i, "unknown kind");
         if (!unit_like(pose[i].rotation)) return bad("body.pose", i, "rotation is not a unit quaternion");
-        if (info[i].bullet > 1 || info[i].mass_fixed > 1 || info[i].gyroscopic > 1)
-            return bad("body.info", i, "a flag is neither 0 nor 1");
-        const bool weighs = mass[i].mass != Real{};
-        if ((weighs && (mass[i].mass < mass_min || mass[i].mass > mass_max)) || !unit_like(mass[i].principal))
-            return bad("body.mass", i, "no such mass can be");
-        if (weighs != (info[i].kind == BodyKind::dynamic))
-            return bad("body.mass", i, "a dynamic body has a mass, others have none");
-        if (!within(mass[i].center, Real(100000))) return bad("body.mass", i, "center is out of range");
-        for (int axis = 0; axis < 3; ++axis) {
-            if (mass[i].gyration[axis] < Real{} || mass[i].gyration[axis] > Real(100000))
-                return bad("body.mass", i, "no such gyration radius can be");
-            if (abs(pose[i].position[axis]) > Real(1000000000))
-                return bad("body.pose", i, "position is out of range");
-        }
+        if ((traits[info[i].traits].mass.mass != Real{}) != (info[i].kind == BodyKind::dynamic))
+            return bad("body.info", i, "a dynamic body has a mass, others have none");
+        if (!within(pose[i].position, position_max)) return bad("body.pose", i, "position is out of range");
     }
-    return {};
+    return check_forces(m, s);
 }
 
 Status check_fields(const Manifest& m, const State& s) {
@@ -95,64 +164,95 @@ Status check_fields(const Manifest& m, const State& s) {
     return {};
 }
 
+/// Empty when a shape may be like that.
+std::string check_traits(shapes::SolidCache& solids, const ShapeTraits& t) {
+    if (std::string e = validate(t.geometry); !e.empty()) return e;
+    if (const Result<shapes::Solid> solid = solids.resolve(t.geometry); !solid) return solid.error().message;
+    if (t.density < 0.01_r || t.density > Real(100000)) return "density is out of range";
+    if (!unit_like(t.local.rotation)) return "local.rotation is not a unit quaternion";
+    if (t.sensor > 1 || t.one_way > 1) return "sensor or one_way is neither 0 nor 1";
+    if (t.friction_mix > Mix::maximum || t.restitution_mix > Mix::maximum) return "unknown mixing rule";
+    if (!within(t.surface_velocity, Real(100)) || !within(t.local.position, Real(64)))
+        return "surface_velocity or local is out of range";
+    return check_surface(t.friction, t.restitution, t.rolling_resistance, t.surface_velocity);
+}
+
+/// Empty when a body of the kind can have the geometry.
+std::string check_kind(const Geometry& g, BodyKind kind) {
+    if (g.kind == ShapeKind::plane && kind != BodyKind::static_) return "a plane on a body that moves";
+    if ((g.kind == ShapeKind::mesh || g.kind == ShapeKind::height_field) && kind == BodyKind::dynamic)
+        return "a mesh or height field on a dynamic body";
+    if (g.kind <= ShapeKind::box && g.scale != scale_one && kind != BodyKind::static_)
+        return "a scaled primitive on a body that moves";
+    return {};
+}
+
 /// Each body's shape list holds exactly its own shapes.
-Status check_shapes(shapes::SolidCache& solids, const Manifest& m, const State& s) {
+Status check_shape_lists(const Manifest& m, const State& s) {
     const std::span<const ShapeRow> shapes = s.rows(m.shape);
-    const std::span<const Slot> slots = s.rows(m.shape_slot), body_slots = s.rows(m.body_slot);
+    const std::span<const Slot> slots = s.rows(m.shape_slot);
     const std::span<const BodyInfo> info = s.rows(m.body_info);
-    for (std::size_t i = 0; i < shapes.size(); ++i) {
-        const ShapeRow& r = shapes[i];
-        if (r.body.index == 0 || r.body.index > body_slots.size())
-            return bad("shape.row", i, "its body does not exist");
-        const Slot& owner = body_slots[r.body.index - 1];
-        if (owner.alive == 0 || owner.generation != r.body.generation)
-            return bad("shape.row", i, "its body does not exist");
-        if (std::string e = validate(r.geometry); !e.empty()) return bad("shape.row", i, e);
-        if (const Result<shapes::Solid> solid = solids.resolve(r.geometry); !solid)
-            return bad("shape.row", i, solid.error().message);
-        const BodyKind kind = info[owner.row].kind;
-        if (r.geometry.kind == ShapeKind::plane && kind != BodyKind::static_)
-            return bad("shape.row", i, "a plane on a body that moves");
-        if ((r.geometry.kind == ShapeKind::mesh || r.geometry.kind == ShapeKind::height_field) &&
-            kind == BodyKind::dynamic)
-            return bad("shape.row", i, "a mesh or height field on a dynamic body");
-        if (r.geometry.kind <= ShapeKind::box && r.geometry.scale != scale_one && kind != BodyKind::static_)
-            return bad("shape.row", i, "a scaled primitive on a body that moves");
-        if (r.density < 0.01_r || r.density > Real(100000))
-            return bad("shape.row", i, "density is out of range");
-        if (!unit_like(r.local.rotation))
-            return bad("shape.row", i, "local.rotation is not a unit quaternion");
-        if (r.sensor > 1 || r.one_way > 1) return bad("shape.row", i, "sensor or one_way is neither 0 nor 1");
-        if (r.friction_mix > Mix::maximum || r.restitution_mix > Mix::maximum)
-            return bad("shape.row", i, "unknown mixing rule");
-        if (r.rolling_resistance < Real{} || r.rolling_resistance > Real(1))
-            return bad("shape.row", i, "rolling_resistance is out of range");
-        for (int axis = 0; axis < 3; ++axis)
-            if (abs(r.surface_velocity[axis]) > Real(100) || abs(r.local.position[axis]) > Real(64))
-                return bad("shape.row", i, "surface_velocity or local is out of range");
-        if (r.friction < Real{} || r.friction > Real(4) || r.restitution < Real{} || r.restitution > Real(1))
-            return bad("shape.row", i, "friction or restitution is out of range");
-    }
     std::size_t listed = 0;
-    for (std::size_t i = 0; i < info.size(); ++i) {
-        std::uint32_t count = 0;
-        for (std::uint32_t slot = info[i].first_shape; slot != 0; ++count, ++listed) {
-            if (slot > slots.size() || slots[slot - 1].alive == 0 || count >= info[i].shape_count)
+    for (std::size_t i = 0; i < info.size(); ++i)
+        for (std::uint32_t slot = info[i].first_shape; slot != 0; ++listed) {
+            if (slot > slots.size() || !slots[slot - 1].is_alive() || listed >= shapes.size())
                 return bad("body.info", i, "its shape list is broken");
             const ShapeRow& r = shapes[slots[slot - 1].row];
             if (r.body != info[i].id) return bad("body.info", i, "its shape list holds another body's shape");
             slot = r.next_shape;
         }
-        if (count != info[i].shape_count) return bad("body.info", i, "its shape list is short");
-    }
     if (listed != shapes.size()) return bad("shape.row", listed, "shapes in no list");
     return {};
 }
 
-Status check_contacts(const Manifest& m, const State& s, Column<ContactKey> key_column,
-                      Column<ContactMemory> memory_column) {
-    const std::span<const ContactKey> keys = s.rows(key_column);
-    const std::span<const ContactMemory> memories = s.rows(memory_column);
+Status check_shapes(shapes::SolidCache& solids, const Manifest& m, const State& s) {
+    const std::span<const ShapeRow> shapes = s.rows(m.shape);
+    const std::span<const ShapeTraits> traits = s.rows(m.shape_traits.row);
+    const std::span<const Slot> body_slots = s.rows(m.body_slot);
+    std::vector<std::uint32_t> named;
+    for (const ShapeRow& shape : shapes) named.push_back(shape.traits);
+    if (Status e = check_shared("shape_traits.uses", s, m.shape_traits, named,
+                                s.rows(m.header)[0].shape_traits_free);
+        !e)
+        return e;
+    for (std::size_t i = 0; i < traits.size(); ++i) {
+        if (!s.rows(m.shape_traits.uses)[i].is_used()) continue;
+        if (std::string e = check_traits(solids, traits[i]); !e.empty()) return bad("shape_traits.row", i, e);
+    }
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+        const BodyId body = shapes[i].body;
+        if (body.index == 0 || body.index > body_slots.size() || !body_slots[body.index - 1].is_alive() ||
+            body_slots[body.index - 1].generation != body.generation)
+            return bad("shape.row", i, "its body does not exist");
+        const BodyKind kind = s.rows(m.body_info)[body_slots[body.index - 1].row].kind;
+        if (std::string e = check_kind(traits[shapes[i].traits].geometry, kind); !e.empty())
+            return bad("shape.row", i, e);
+    }
+    return check_shape_lists(m, s);
+}
+
+/// Points and the rest are as many as the contacts say, so that each contact finds its own.
+Status check_contact_parts(const State& s, const ContactTables& t) {
+    std::size_t points = 0, more = 0;
+    const std::span<const ContactRow> rows = s.rows(t.memory);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        if (rows[i].count < 1 || rows[i].count > 4) return bad("contact.memory", i, "not one to 4 points");
+        points += rows[i].count;
+        if ((rows[i].flags & dynamics::contact_has_more) == 0) continue;
+        const ContactMore nothing{};
+        if (more < s.count(t.more) && std::memcmp(&s.rows(t.beyond)[more], &nothing, sizeof nothing) == 0)
+            return bad("contact.more", more, "has nothing in it");
+        ++more;
+    }
+    if (points != s.count(t.points))
+        return bad("contact.point", points, join("the contacts have ", points, " points"));
+    if (more != s.count(t.more)) return bad("contact.more", more, join(more, " contacts have a row here"));
+    return {};
+}
+
+Status check_contacts(const Manifest& m, const State& s, const ContactTables& t) {
+    const std::span<const ContactKey> keys = s.rows(t.key);
+    const std::span<const ContactRow> memories = s.rows(t.memory);
     const std::span<const Slot> slots = s.rows(m.shape_slot);
     std::uint32_t rows = 0;
     for (std::size_t i = 0; i < keys.size(); ++i) {
@@ -164,14 +264,12 @@ Status check_contacts(const Manifest& m, const State& s, Column<ContactKey> key_
         if (rows > collide::Manifolds::max) return bad("contact.key", i, "too many manifolds of one pair");
         if (i > 0 && rows == 1 && std::pair(keys[i - 1].a.index, keys[i - 1].b.index) >= order)
             return bad("contact.key", i, "the table is out of order");
-        if (memories[i].count < 1 || memories[i].count > 4)
-            return bad("contact.memory", i, "not one to 4 points");
-        if (memories[i].flags > 127 || memories[i].margin < Length{})
+        if (memories[i].flags > 255 || memories[i].margin < Length{})
             return bad("contact.memory", i, "unknown flags or a negative margin");
         if (!unit_like(memories[i].normal) || !unit_like(memories[i].made_rotation))
             return bad("contact.memory", i, "its normal or rotation is not of unit length");
     }
-    return {};
+    return check_contact_parts(s, t);
 }
 
 /// Each body's joint list holds exactly its own joints.
@@ -180,7 +278,7 @@ Status check_joints(const Manifest& m, const State& s) {
     const std::span<const Slot> slots = s.rows(m.joint_slot), body_slots = s.rows(m.body_slot);
     const std::span<const BodyInfo> info = s.rows(m.body_info);
     const auto lives = [&](BodyId id) {
-        return id.index != 0 && id.index <= body_slots.size() && body_slots[id.index - 1].alive != 0 &&
+        return id.index != 0 && id.index <= body_slots.size() && body_slots[id.index - 1].is_alive() &&
                body_slots[id.index - 1].generation == id.generation;
     };
     std::size_t ends = 0, listed = 0;
@@ -193,7 +291,7 @@ Status check_joints(const Manifest& m, const State& s) {
     }
     for (std::size_t i = 0; i < info.size(); ++i)
         for (std::uint32_t slot = info[i].first_joint; slot != 0; ++listed) {
-            if (slot > slots.size() || slots[slot - 1].alive == 0 || listed >= ends)
+            if (slot > slots.size() || !slots[slot - 1].is_alive() || listed >= ends)
                 return bad("body.info", i, "its joint list is broken");
             const JointRow& r = joints[slots[slot - 1].row];
             if (r.def.body_a != info[i].id && r.def.body_b != info[i].id)
@@ -206,13 +304,13 @@ Status check_joints(const Manifest& m, const State& s) {
 
 /// Of shapes that live, on bodies that rest; with the others they fit the table.
 Status check_sleeping_contacts(const Manifest& m, const State& s) {
-    const std::span<const ContactKey> keys = s.rows(m.sleeping_key);
+    const std::span<const ContactKey> keys = s.rows(m.sleeping_contacts.key);
     const std::span<const Slot> slots = s.rows(m.shape_slot), body_slots = s.rows(m.body_slot);
-    if (keys.size() + s.count(m.contacts) > s.rows_max(m.contacts))
+    if (keys.size() + s.count(m.contacts.contacts) > s.rows_max(m.contacts.contacts))
         return bad("sleeping_contact.key", keys.size(), "too many contacts");
     for (std::size_t i = 0; i < keys.size(); ++i)
         for (ShapeId id : {keys[i].a, keys[i].b}) {
-            if (id.index == 0 || id.index > slots.size() || slots[id.index - 1].alive == 0 ||
+            if (id.index == 0 || id.index > slots.size() || !slots[id.index - 1].is_alive() ||
                 slots[id.index - 1].generation != id.generation)
                 return bad("sleeping_contact.key", i, "its shape does not exist");
             const BodyId body = s.rows(m.shape)[slots[id.index - 1].row].body;
@@ -241,7 +339,7 @@ Status check_sleep(const Manifest& m, const State& s) {
             return bad("body.sleep", i, "has moved in no tick");
         if (sleep[i].island > slots.size()) return bad("body.sleep", i, "its island does not exist");
         if (!in_ring) continue;
-        if (sleep[i].next > slots.size() || slots[sleep[i].next - 1].alive == 0)
+        if (sleep[i].next > slots.size() || !slots[sleep[i].next - 1].is_alive())
             return bad("body.sleep", i, "its ring is broken");
         const std::uint32_t next = slots[sleep[i].next - 1].row;
         if (next < h.bodies_awake || sleep[next].island != sleep[i].island || sleep[next].next == 0 ||
@@ -278,7 +376,7 @@ Status check_vehicles(const Manifest& m, const State& s) {
         if (std::string e = validate(d); !e.empty()) return bad("vehicle.row", i, e);
         if (std::string e = validate(rows[i].input); !e.empty()) return bad("vehicle.row", i, e);
         const bool lives = d.chassis.index != 0 && d.chassis.index <= slots.size() &&
-                           slots[d.chassis.index - 1].alive != 0 &&
+                           slots[d.chassis.index - 1].is_alive() &&
                            slots[d.chassis.index - 1].generation == d.chassis.generation;
         if (!lives || s.rows(m.body_info)[slots[d.chassis.index - 1].row].kind != BodyKind::dynamic)
             return bad("vehicle.row", i, "its chassis is no dynamic body");
@@ -299,7 +397,7 @@ Status check_characters(const Manifest& m, const State& s) {
     const std::span<const CharacterRow> rows = s.rows(m.character);
     std::vector<std::uint8_t> has_character(body_slots.size());
     const auto row_of = [](std::span<const Slot> slots, auto id, std::uint32_t& row) {
-        if (id.index == 0 || id.index > slots.size() || slots[id.index - 1].alive == 0 ||
+        if (id.index == 0 || id.index > slots.size() || !slots[id.index - 1].is_alive() ||
             slots[id.index - 1].generation != id.generation)
             return false;
         row = slots[id.index - 1].row;
@@ -372,8 +470,8 @@ Status check_state(Data& w, const State& s) {
     if (Status e = check_characters(m, s); !e) return e;
     if (Status e = check_filters(m, s); !e) return e;
     if (Status e = check_sleeping_contacts(m, s); !e) return e;
-    if (Status e = check_contacts(m, s, m.sleeping_key, m.sleeping_memory); !e) return e;
-    return check_contacts(m, s, m.contact_key, m.contact_memory);
+    if (Status e = check_contacts(m, s, m.sleeping_contacts); !e) return e;
+    return check_contacts(m, s, m.contacts);
 }
 
 } // namespace lockstone::sim

@@ -43,7 +43,8 @@ std::uint32_t drop_pairs(NearChunk& chunk, std::size_t room) {
 /// Where each chunk's rows and contacts go, in pair order. What the table has no room for is dropped.
 std::uint32_t place_chunks(Data& w, std::span<NearChunk> chunks) {
     Scratch& s = w.scratch;
-    const std::uint32_t room = w.state.rows_max(w.m.contacts) - w.state.count(w.m.sleeping_contacts);
+    const std::uint32_t room =
+        w.state.rows_max(w.m.contacts.contacts) - w.state.count(w.m.sleeping_contacts.contacts);
     std::uint32_t rows = 0, contacts = 0, dropped = s.near_is_cut ? 1 : 0;
     s.results.clear();
     for (NearChunk& chunk : chunks) {
@@ -73,7 +74,7 @@ std::uint32_t place_chunks(Data& w, std::span<NearChunk> chunks) {
 /// Which kept rows change places; true when every row of the table has the key that it had.
 bool find_moves(Data& w, std::uint32_t rows) {
     Scratch& s = w.scratch;
-    bool same_keys = rows == w.state.count(w.m.contacts);
+    bool same_keys = rows == s.table.list.keys.size();
     s.row_moves.clear();
     for (const Scratch::ContactResult& result : s.results) {
         const Scratch::Near& near = s.near[result.near];
@@ -108,9 +109,10 @@ template <class Row> void move_rows(std::span<Row> rows, std::span<const Scratch
 void write_rows(Data& w, std::span<const NearChunk> chunks, std::uint32_t rows) {
     Scratch& s = w.scratch;
     const bool same_keys = find_moves(w, rows);
-    if (rows > w.state.count(w.m.contacts)) w.state.resize(w.m.contacts, rows);
-    const std::span<ContactMemory> memories = w.state.edit(w.m.contact_memory);
-    move_rows(memories, s.row_moves);
+    std::vector<ContactMemory>& memories = s.table.list.memories;
+    if (memories.capacity() < rows) memories.reserve(rows + rows / 8);
+    memories.resize(std::max<std::size_t>(rows, memories.size()));
+    move_rows(std::span(memories), s.row_moves);
     auto chunk = chunks.begin();
     std::size_t made = 0; // rows of the chunk that are written
     for (const Scratch::ContactResult& result : s.results) {
@@ -120,12 +122,14 @@ void write_rows(Data& w, std::span<const NearChunk> chunks, std::uint32_t rows) 
                     memories.begin() + result.first_row);
         made += result.row_count;
     }
+    memories.resize(rows);
     if (same_keys) return;
-    const std::span<ContactKey> keys = w.state.edit(w.m.contact_key);
+    std::vector<ContactKey>& keys = s.table.list.keys;
+    if (keys.capacity() < rows) keys.reserve(rows + rows / 8);
+    keys.resize(rows);
     for (const Scratch::ContactResult& result : s.results)
         for (std::uint32_t i = 0; i < result.row_count; ++i)
             keys[result.first_row + i] = s.near[result.near].key;
-    if (rows < w.state.count(w.m.contacts)) w.state.resize(w.m.contacts, rows);
 }
 
 } // namespace

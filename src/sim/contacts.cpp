@@ -18,6 +18,7 @@ constexpr Separation touching_gap = decimal<Separation>("0.005"); ///< [m]: near
 struct View {
     const Data& w;
     std::span<const ShapeRow> shapes;
+    std::span<const ShapeTraits> traits;
     std::span<const Slot> shape_slots, body_slots;
     std::span<const Transform> poses;
     std::span<const Velocity> velocities;
@@ -27,19 +28,21 @@ struct View {
     Unit half_tick;  ///< [s]
 
     explicit View(const Data& data)
-        : w(data), shapes(w.state.rows(w.m.shape)), shape_slots(w.state.rows(w.m.shape_slot)),
-          body_slots(w.state.rows(w.m.body_slot)), poses(w.state.rows(w.m.body_pose)),
-          velocities(w.state.rows(w.m.body_velocity)), old(w.state.rows(w.m.contact_memory)),
-          awake(w.header().bodies_awake), has_movers(!w.scratch.characters.order_of_body.empty()),
+        : w(data), shapes(w.state.rows(w.m.shape)), traits(w.state.rows(w.m.shape_traits.row)),
+          shape_slots(w.state.rows(w.m.shape_slot)), body_slots(w.state.rows(w.m.body_slot)),
+          poses(w.state.rows(w.m.body_pose)), velocities(w.state.rows(w.m.body_velocity)),
+          old(w.scratch.table.list.memories), awake(w.header().bodies_awake),
+          has_movers(!w.scratch.characters.order_of_body.empty()),
           half_tick(Unit::from_raw(unit_one.raw /
                                    (2 * static_cast<std::int32_t>(w.state.rows(w.m.config)[0].tick_rate)))) {}
     const ShapeRow& shape(ShapeId living) const { return shapes[shape_slots[living.index - 1].row]; }
     std::uint32_t row_of(BodyId living) const { return body_slots[living.index - 1].row; }
+    BodyId body(std::uint32_t row) const { return w.state.rows(w.m.body_info)[row].id; }
 };
 
 /// Two shapes that are near, in the order the narrow phase wants them.
 struct CandidatePair {
-    const ShapeRow *a, *b;
+    const ShapeTraits *a, *b;
     std::uint32_t body_a, body_b;
     const Scratch::Shape *at_a, *at_b;
     Length margin;
@@ -48,7 +51,7 @@ struct CandidatePair {
 
 /// Whether shape b is the narrow phase's A: the greater kind is, of equal kinds the larger. Of two convex shapes one that
 /// is larger than a lever can be comes first whatever its kind, as contact points are told from B's origin.
-bool goes_after(const ShapeRow& a, const Scratch::Shape& at_a, const ShapeRow& b,
+bool goes_after(const ShapeTraits& a, const Scratch::Shape& at_a, const ShapeTraits& b,
                 const Scratch::Shape& at_b) {
     const ShapeKind ka = a.geometry.kind, kb = b.geometry.kind;
     const bool are_convex = ka <= ShapeKind::hull && kb <= ShapeKind::hull;
@@ -58,12 +61,12 @@ bool goes_after(const ShapeRow& a, const Scratch::Shape& at_a, const ShapeRow& b
 }
 
 void find_candidate(const View& v, const Scratch::Near& near, CandidatePair& c) {
-    c.a = &v.shape(near.key.a), c.b = &v.shape(near.key.b);
+    const ShapeRow &a = v.shape(near.key.a), &b = v.shape(near.key.b);
+    c.a = &v.traits[a.traits], c.b = &v.traits[b.traits];
+    c.body_a = v.row_of(a.body), c.body_b = v.row_of(b.body);
     c.at_a = &v.w.scratch.shape[near.key.a.index - 1], c.at_b = &v.w.scratch.shape[near.key.b.index - 1];
     c.flipped = goes_after(*c.a, *c.at_a, *c.b, *c.at_b);
-    if (c.flipped) std::swap(c.a, c.b), std::swap(c.at_a, c.at_b);
-    c.body_a = v.row_of(c.a->body);
-    c.body_b = v.row_of(c.b->body);
+    if (c.flipped) std::swap(c.a, c.b), std::swap(c.at_a, c.at_b), std::swap(c.body_a, c.body_b);
     c.margin = near.margin;
     c.sensor = (c.a->sensor | c.b->sensor) != 0;
 }
@@ -74,7 +77,7 @@ using dynamics::PairContact;
 using dynamics::PairLane;
 using dynamics::PairPlace;
 
-bool has_corners(const ShapeRow& shape) {
+bool has_corners(const ShapeTraits& shape) {
     const ShapeKind kind = shape.geometry.kind;
     return (kind == ShapeKind::box || kind == ShapeKind::hull) && shape.geometry.radius == Length{};
 }
@@ -176,7 +179,7 @@ void fill_memory(const CandidatePair& c, const PairPlace& place, const collide::
 bool passes(const CandidatePair& c, std::span<const ContactMemory> old, UnitVec3 normal) {
     for (const ContactMemory& m : old)
         if (m.count != 0) return (m.flags & dynamics::contact_passing) != 0;
-    const auto wrong_side = [](const ShapeRow& shape, const Scratch::Shape& at, UnitVec3 out) {
+    const auto wrong_side = [](const ShapeTraits& shape, const Scratch::Shape& at, UnitVec3 out) {
         return shape.one_way != 0 && dot<Unit>(at.axes.y, out) < half(unit_one);
     };
     return wrong_side(*c.a, *c.at_a, normal) || wrong_side(*c.b, *c.at_b, -normal);
@@ -288,7 +291,7 @@ void use_rows(const View& v, const CandidatePair& c, std::span<const ContactMemo
             if (const Separation s = found[i].points[k].separation; s < deepest)
                 deepest = s, result.deepest_row = i, deepest_point = k;
         if (!c.sensor && !passing &&
-            !(v.has_movers && is_movers_contact(v.w, c.a->body, c.b->body, found[i].normal)))
+            !(v.has_movers && is_movers_contact(v.w, v.body(c.body_a), v.body(c.body_b), found[i].normal)))
             add_contact(v, c, result.first_row + i, rows[i], found[i], worker, chunk.contacts);
     }
     result.overlaps = deepest <= (c.sensor ? Separation{} : touching_gap) && !passing;

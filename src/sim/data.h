@@ -100,6 +100,7 @@ struct Scratch {
         Speed approach;  ///< [m/s], positive when closing
     };
     std::vector<ContactResult> results;
+    ContactCopy table; ///< the contact table, from find_pairs on; the state has it when the tick is over
     std::vector<dynamics::Contact> contacts;
     std::uint32_t
         contacts_dropped; ///< rows that the table had no room for, and one for all pairs not looked at
@@ -184,9 +185,20 @@ struct Data {
     /// The columns of what is awake.
     dynamics::BodyColumns body_columns() {
         const std::uint32_t awake = header().bodies_awake;
-        return {state.rows(m.body_info).first(awake), state.rows(m.body_mass).first(awake),
-                state.rows(m.body_force).first(awake), state.edit(m.body_pose, 0, awake),
-                state.edit(m.body_velocity, 0, awake)};
+        return {state.rows(m.body_info).first(awake), state.rows(m.body_traits.row),
+                state.rows(m.body_push).first(awake), state.rows(m.force),
+                state.edit(m.body_pose, 0, awake),    state.edit(m.body_velocity, 0, awake)};
+    }
+    /// Of all bodies.
+    dynamics::MassView masses() const { return {state.rows(m.body_info), state.rows(m.body_traits.row)}; }
+    const BodyTraits& traits_of(const BodyInfo& info) const {
+        return state.rows(m.body_traits.row)[info.traits];
+    }
+    const ShapeTraits& traits_of(const ShapeRow& shape) const {
+        return state.rows(m.shape_traits.row)[shape.traits];
+    }
+    const BodyMass& mass_of(std::uint32_t body_row) const {
+        return traits_of(state.rows(m.body_info)[body_row]).mass;
     }
     /// Row of a living body or shape; `count` of the table when the id is dead.
     std::uint32_t row_of(BodyId id) const { return row_of(state.rows(m.body_slot), id.index, id.generation); }
@@ -211,9 +223,18 @@ struct Data {
     static std::uint32_t row_of(std::span<const Slot> slots, std::uint32_t index, std::uint32_t generation) {
         if (index == 0 || index > slots.size()) return dead;
         const Slot& slot = slots[index - 1];
-        return slot.alive != 0 && slot.generation == generation ? slot.row : dead;
+        return slot.is_alive() && slot.generation == generation ? slot.row : dead;
     }
 };
+
+/// The force that pushes a body in the next tick, to be added to. Valid until the state grows.
+BodyForce& force_on(Data& w, std::uint32_t body_row);
+/// Nothing pushes it, or nothing pushes any body.
+void forget_force(Data& w, std::uint32_t body_row);
+void forget_forces(Data& w);
+/// From now on a body or shape is like this. Moves rows of the state: references end.
+void set_traits(Data& w, std::uint32_t body_row, const BodyTraits& traits);
+void set_shape_traits(Data& w, std::uint32_t shape_row, const ShapeTraits& traits);
 
 /// One tick: see tick.cpp.
 void tick(Data& w);

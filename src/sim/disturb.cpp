@@ -47,8 +47,9 @@ void poison_shapes(std::byte with, std::vector<Scratch::Shape>& shapes) {
 void poison_parts(std::byte with, SleepScratch& sleep, CharacterScratch& characters, QueryScratch& query,
                   dynamics::SolverBodies& bodies) {
     {
-        auto& [parent, still_ticks, leaving, first, last, keys, other_keys, memories, other_memories] = sleep;
-        poison(with, parent, still_ticks, leaving, first, last, keys, other_keys, memories, other_memories);
+        auto& [parent, still_ticks, leaving, first, last, here, moving, there] = sleep;
+        poison(with, parent, still_ticks, leaving, first, last);
+        for (ContactList* list : {&here, &moving, &there}) poison(with, list->keys, list->memories);
     }
     {
         auto& [order_of_body, slots, neighbours, pushes, landings, motion_max] = characters;
@@ -74,10 +75,10 @@ void poison_scratch(Data& w, std::byte with) {
     // awake_before, solids_replaced; of the shapes what rests; of `near` the hints, which are forgotten here.
     auto& [solids, broad_phase, structure_stale, proxy_generation, shape, planes, proxies_of, awake_before,
            solids_replaced, changed, pairs, plane_pairs, merged_pairs, pair_keys, near, near_before,
-           near_is_cut, narrow, manifolds, ended, results, contacts, contacts_dropped, near_chunks, row_moves,
-           narrow_workers, pair_kernel, pose_before, query, sweep, sleep, characters, written_row, canonical_row,
-           mass_parts, step, bodies, solver, joint_solver, joints, broken, vehicle_solver, pulls, categories,
-           fluids] = w.scratch;
+           near_is_cut, narrow, manifolds, ended, results, table, contacts, contacts_dropped, near_chunks,
+           row_moves, narrow_workers, pair_kernel, pose_before, query, sweep, sleep, characters, written_row,
+           canonical_row, mass_parts, step, bodies, solver, joint_solver, joints, broken, vehicle_solver,
+           pulls, categories, fluids] = w.scratch;
     poison(with, contacts_dropped, changed, pairs, plane_pairs, merged_pairs, pair_keys, ended, results,
            contacts, row_moves, pose_before, written_row, canonical_row, mass_parts, step, joints, broken,
            pulls, categories);
@@ -87,6 +88,7 @@ void poison_scratch(Data& w, std::byte with) {
     poison_workers(with, narrow_workers, sweep);
     poison_shapes(with, shape);
     poison_parts(with, sleep, characters, query, bodies);
+    table.poison(with);
     solver.poison(with);
     joint_solver.poison(with);
     vehicle_solver.poison(with);

@@ -76,8 +76,8 @@ void find_contact_points(Data& w) {
     if (!w.contact_points_wait) return;
     w.contact_points_wait = false;
     const Scratch& s = w.scratch;
-    const std::span<const ContactKey> keys = w.state.rows(w.m.contact_key);
-    const std::span<const ContactMemory> memories = w.state.rows(w.m.contact_memory);
+    const std::span<const ContactKey> keys = s.table.list.keys;
+    const std::span<const ContactMemory> memories = s.table.list.memories;
     std::size_t count = 0;
     for (const dynamics::Contact& c : s.contacts) count += c.count;
     base::make_room(w.contact_points, count);
@@ -96,7 +96,7 @@ void find_contact_points(Data& w) {
 
 void publish_events(Data& w) {
     Scratch& s = w.scratch;
-    const std::span<ContactMemory> memories = w.state.edit(w.m.contact_memory);
+    const std::span<ContactMemory> memories = s.table.list.memories;
     w.events.reserve(64); // what a usual tick has, so that one with more than ever seldom allocates
     for (const Scratch::Ended& ended : s.ended)
         w.events.push_back(event_of(w, ended.key, ended.flags, false));

@@ -18,7 +18,7 @@ void list_fields(Data& w) {
     s.categories.resize(w.header().bodies_awake);
     for (const ShapeRow& shape : w.state.rows(w.m.shape)) {
         const std::uint32_t row = w.row_of(shape.body);
-        if (row < s.categories.size()) s.categories[row] |= shape.category;
+        if (row < s.categories.size()) s.categories[row] |= w.traits_of(shape).category;
     }
 }
 

@@ -92,8 +92,8 @@ void FluidSolver::add_part(Data& w, std::uint32_t body_row, const shapes::Solid&
                            const Transform& local, shapes::Scaled volume, std::uint32_t category) {
     const Transform& pose = w.state.rows(w.m.body_pose)[body_row];
     const Velocity& velocity = w.state.rows(w.m.body_velocity)[body_row];
-    const Real mass = w.state.rows(w.m.body_mass)[body_row].mass;
-    const Real scale = w.state.rows(w.m.body_info)[body_row].drag_scale;
+    const Real mass = w.mass_of(body_row).mass;
+    const Real scale = w.traits_of(w.state.rows(w.m.body_info)[body_row]).drag_scale;
     const Rotation axes = to_rotation(pose.rotation * local.rotation);
     const Vec3 lever = rotate(pose.rotation, local * shapes::volume_center(solid));
     const shapes::Extent extent = shapes::extent_of(solid);
@@ -125,25 +125,25 @@ void FluidSolver::add_part(Data& w, std::uint32_t body_row, const shapes::Solid&
 
 void FluidSolver::find_parts(Data& w, std::uint32_t body_row) {
     const BodyInfo& info = w.state.rows(w.m.body_info)[body_row];
-    const Vec3 center = w.state.rows(w.m.body_mass)[body_row].center;
+    const Vec3 center = w.mass_of(body_row).center;
     const std::span<const Slot> slots = w.state.rows(w.m.shape_slot);
     for (std::uint32_t slot = info.first_shape; slot != 0;) {
         const ShapeRow& shape = w.state.rows(w.m.shape)[slots[slot - 1].row];
         const std::uint32_t number = slot - 1;
         slot = shape.next_shape;
-        if (shape.sensor != 0) continue;
+        if (w.traits_of(shape).sensor != 0) continue;
         const shapes::Solid& solid = solid_of(w, shape);
-        const Transform local{shape.local.position - center, shape.local.rotation};
+        const Transform local{w.traits_of(shape).local.position - center, w.traits_of(shape).local.rotation};
         Volume& known = volumes[number];
-        if (known.parts.empty() || known.geometry != shape.geometry) {
-            known.geometry = shape.geometry;
+        if (known.parts.empty() || known.geometry != w.traits_of(shape).geometry) {
+            known.geometry = w.traits_of(shape).geometry;
             known.parts.clear();
             for_each_part(solid, local, [&](const shapes::Solid& part, const Transform&, std::size_t) {
                 known.parts.push_back(shapes::volume_of(part));
             });
         }
         for_each_part(solid, local, [&](const shapes::Solid& part, const Transform& place, std::size_t i) {
-            add_part(w, body_row, part, place, known.parts[i], shape.category);
+            add_part(w, body_row, part, place, known.parts[i], w.traits_of(shape).category);
         });
     }
 }
@@ -155,7 +155,7 @@ void FluidSolver::prepare(Data& w) {
     volumes.resize(std::max<std::size_t>(volumes.size(), w.state.count(w.m.shape_slots)));
     const std::span<const BodyInfo> info = w.state.rows(w.m.body_info);
     for (std::uint32_t row = 0; row < w.header().bodies_awake; ++row) {
-        if (info[row].enable_fields == 0 || !w.scratch.bodies.step[row].movable) continue;
+        if (w.traits_of(info[row]).enable_fields == 0 || !w.scratch.bodies.step[row].movable) continue;
         const std::uint32_t first = static_cast<std::uint32_t>(parts.size());
         find_parts(w, row);
         const std::uint32_t count = static_cast<std::uint32_t>(parts.size()) - first;

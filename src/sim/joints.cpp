@@ -12,7 +12,7 @@ namespace lockstone::sim {
 static Transform frame_for_solver(const Data& w, std::uint32_t row, const Transform& frame) {
     if (row == Data::dead || row < w.header().bodies_awake) return frame;
     const Transform& pose = w.state.rows(w.m.body_pose)[row];
-    const Vec3 arm = frame.position - w.state.rows(w.m.body_mass)[row].center;
+    const Vec3 arm = frame.position - w.mass_of(row).center;
     return {pose.position + rotate(pose.rotation, arm), normalized(pose.rotation * frame.rotation)};
 }
 

@@ -15,6 +15,16 @@ static TableId add_objects(StateLayout& l, const std::string& one, const std::st
     return add_growing(l, many, rows_max);
 }
 
+/// Rows that many share: "body_traits.row" and "body_traits.uses".
+template <class T>
+static SharedTable<T> add_shared(StateLayout& l, const std::string& name, std::uint32_t rows_max) {
+    SharedTable<T> t;
+    t.table = add_growing(l, name, rows_max);
+    t.row = l.add_column<T>(t.table, name + ".row", Group::definition);
+    t.uses = l.add_column<SharedUses>(t.table, name + ".uses", Group::definition);
+    return t;
+}
+
 /// Characters and vehicles.
 static void add_bodies_of_play(StateLayout& l, const WorldDef& def, Manifest& m) {
     m.characters =
@@ -24,15 +34,17 @@ static void add_bodies_of_play(StateLayout& l, const WorldDef& def, Manifest& m)
     m.vehicle = l.add_column<VehicleRow>(m.vehicles, "vehicle.row", Group::definition);
 }
 
-/// Of what is awake, and of what is not.
-static void add_contacts(StateLayout& l, const WorldDef& def, Manifest& m) {
-    m.contacts = add_growing(l, "contacts", def.contacts_max);
-    m.contact_key = l.add_column<ContactKey>(m.contacts, "contact.key", Group::contact);
-    m.contact_memory = l.add_column<ContactMemory>(m.contacts, "contact.memory", Group::contact);
-    m.sleeping_contacts = add_growing(l, "sleeping_contacts", def.contacts_max);
-    m.sleeping_key = l.add_column<ContactKey>(m.sleeping_contacts, "sleeping_contact.key", Group::contact);
-    m.sleeping_memory =
-        l.add_column<ContactMemory>(m.sleeping_contacts, "sleeping_contact.memory", Group::contact);
+/// "contact" or "sleeping_contact".
+static ContactTables add_contacts(StateLayout& l, const WorldDef& def, const std::string& one) {
+    ContactTables t;
+    t.contacts = add_growing(l, one + "s", def.contacts_max);
+    t.key = l.add_column<ContactKey>(t.contacts, one + ".key", Group::contact);
+    t.memory = l.add_column<ContactRow>(t.contacts, one + ".memory", Group::contact);
+    t.points = add_growing(l, one + "_points", 4 * def.contacts_max);
+    t.point = l.add_column<ContactPointMemory>(t.points, one + ".point", Group::contact);
+    t.more = add_growing(l, one + "_more", def.contacts_max);
+    t.beyond = l.add_column<ContactMore>(t.more, one + ".more", Group::contact);
+    return t;
 }
 
 Manifest make_manifest(const WorldDef& def, const GameSchema& schema, std::uint64_t origin) {
@@ -47,10 +59,14 @@ Manifest make_manifest(const WorldDef& def, const GameSchema& schema, std::uint6
 
     m.bodies = add_objects(l, "body", "bodies", def.bodies_max, m.body_slots, m.body_slot);
     m.body_info = l.add_column<BodyInfo>(m.bodies, "body.info", Group::definition);
-    m.body_mass = l.add_column<BodyMass>(m.bodies, "body.mass", Group::definition);
-    m.body_force = l.add_column<BodyForce>(m.bodies, "body.force", Group::definition);
+    m.body_traits = add_shared<BodyTraits>(l, "body_traits", def.bodies_max);
+    m.body_push = l.add_column<std::uint32_t>(m.bodies, "body.push", Group::definition);
+    m.forces = add_growing(l, "forces", def.bodies_max);
+    m.force = l.add_column<BodyForce>(m.forces, "body.force", Group::definition);
+    m.pushed = l.add_column<std::uint32_t>(m.forces, "body.pushed", Group::definition);
     m.shapes = add_objects(l, "shape", "shapes", def.shapes_max, m.shape_slots, m.shape_slot);
     m.shape = l.add_column<ShapeRow>(m.shapes, "shape.row", Group::definition);
+    m.shape_traits = add_shared<ShapeTraits>(l, "shape_traits", def.shapes_max);
     m.fields = add_objects(l, "field", "fields", def.fields_max, m.field_slots, m.field_slot);
     m.field = l.add_column<FieldRow>(m.fields, "field.row", Group::definition);
 
@@ -67,7 +83,8 @@ Manifest make_manifest(const WorldDef& def, const GameSchema& schema, std::uint6
 
     m.body_sleep = l.add_column<BodySleep>(m.bodies, "body.sleep", Group::motion);
 
-    add_contacts(l, def, m);
+    m.contacts = add_contacts(l, def, "contact");
+    m.sleeping_contacts = add_contacts(l, def, "sleeping_contact");
     m.joint_memory = l.add_column<JointMemory>(m.joints, "joint.memory", Group::contact);
     m.vehicle_memory = l.add_column<VehicleMemory>(m.vehicles, "vehicle.memory", Group::motion);
 

@@ -5,6 +5,8 @@
 #include "lockstone/state.h"
 #include "lockstone/world.h"
 #include "sim/character.h"
+#include "sim/contact_rows.h"
+#include "sim/shared_rows.h"
 #include "sim/vehicle_rows.h"
 
 #include <memory>
@@ -15,8 +17,7 @@ using dynamics::BodyForce;
 using dynamics::BodyInfo;
 using dynamics::BodyMass;
 using dynamics::BodySleep;
-using dynamics::ContactKey;
-using dynamics::ContactMemory;
+using dynamics::BodyTraits;
 using dynamics::FieldRow;
 using dynamics::JointMemory;
 using dynamics::JointRow;
@@ -27,9 +28,10 @@ struct Header {
     std::uint64_t tick;
     std::uint64_t commands; ///< applied so far
     Vec3 gravity;
-    std::uint32_t body_free, shape_free, field_free, joint_free,
-        character_free, vehicle_free; ///< first free slot + 1, 0: none
-    std::uint32_t bodies_awake, joints_awake; ///< the first rows of their tables; see sleep.h
+    std::uint32_t body_free, shape_free, field_free, joint_free, character_free,
+        vehicle_free;                                  ///< first free slot + 1, 0: none
+    std::uint32_t body_traits_free, shape_traits_free; ///< first free row + 1, 0: none
+    std::uint32_t bodies_awake, joints_awake;          ///< the first rows of their tables; see sleep.h
 };
 
 /// The definition the world was made with, all of it; never changes.
@@ -47,26 +49,32 @@ struct Config {
 
 /// Where an id's object stands now. A slot's generation grows when its object is destroyed.
 struct Slot {
-    std::uint32_t row;        ///< of the dense table; unused while free
+    std::uint32_t row; ///< of the dense table; while free: is_free, and the next free slot + 1, 0: last
     std::uint32_t generation; ///< of the living object, or of the next one while free; never 0
-    std::uint32_t next_free;  ///< slot + 1, 0: last
-    std::uint32_t alive;      ///< 0 or 1
+
+    static constexpr std::uint32_t is_free = 0x80000000u; ///< bit
+    constexpr bool is_alive() const { return (row & is_free) == 0; }
+    constexpr std::uint32_t next_free() const { return row & ~is_free; }
 };
 
 struct ShapeRow {
     ShapeId id;
     BodyId body;
-    Geometry geometry;
+    std::uint64_t user_key;
     std::uint32_t next_shape; ///< of the same body: slot + 1, 0: last
-    std::uint32_t material;
+    std::uint32_t traits;     ///< row of the table of ShapeTraits
+};
+
+/// What a shape is: ShapeDef. Shapes that are alike share one row.
+struct ShapeTraits {
+    Geometry geometry;
     Transform local;
     Real density, friction, restitution, rolling_resistance;
     Vec3 surface_velocity;
     Mix friction_mix, restitution_mix;
-    std::uint32_t category, mask;
+    std::uint32_t material, category, mask;
     std::int32_t group;
-    std::uint32_t sensor, one_way, reserved;
-    std::uint64_t user_key;
+    std::uint32_t sensor, one_way;
 };
 
 /// Two bodies that do not touch; a < b. The table is sorted.
@@ -79,6 +87,7 @@ template <class V> constexpr void describe(Header& h, V&& v) {
     v("tick", h.tick), v("commands", h.commands), v("gravity", h.gravity), v("body_free", h.body_free);
     v("shape_free", h.shape_free), v("field_free", h.field_free), v("joint_free", h.joint_free);
     v("character_free", h.character_free), v("vehicle_free", h.vehicle_free);
+    v("body_traits_free", h.body_traits_free), v("shape_traits_free", h.shape_traits_free);
     v("bodies_awake", h.bodies_awake), v("joints_awake", h.joints_awake);
 }
 template <class V> constexpr void describe(Config& c, V&& v) {
@@ -92,17 +101,18 @@ template <class V> constexpr void describe(Config& c, V&& v) {
     v("contact_damping", c.contact_damping), v("push_speed_max", c.push_speed_max);
     v("sleep_speed", c.sleep_speed), v("sleep_time", c.sleep_time), v("seed", c.seed);
 }
-template <class V> constexpr void describe(Slot& s, V&& v) {
-    v("row", s.row), v("generation", s.generation), v("next_free", s.next_free), v("alive", s.alive);
-}
+template <class V> constexpr void describe(Slot& s, V&& v) { v("row", s.row), v("generation", s.generation); }
 template <class V> constexpr void describe(ShapeRow& s, V&& v) {
-    v("id", s.id), v("body", s.body), v("geometry", s.geometry), v("next_shape", s.next_shape);
-    v("material", s.material), v("local", s.local);
-    v("density", s.density), v("friction", s.friction), v("restitution", s.restitution);
-    v("rolling_resistance", s.rolling_resistance), v("surface_velocity", s.surface_velocity);
-    v("friction_mix", s.friction_mix), v("restitution_mix", s.restitution_mix);
-    v("category", s.category), v("mask", s.mask), v("group", s.group), v("sensor", s.sensor);
-    v("one_way", s.one_way), v("reserved", s.reserved), v("user_key", s.user_key);
+    v("id", s.id), v("body", s.body), v("user_key", s.user_key), v("next_shape", s.next_shape);
+    v("traits", s.traits);
+}
+template <class V> constexpr void describe(ShapeTraits& t, V&& v) {
+    v("geometry", t.geometry), v("local", t.local);
+    v("density", t.density), v("friction", t.friction), v("restitution", t.restitution);
+    v("rolling_resistance", t.rolling_resistance), v("surface_velocity", t.surface_velocity);
+    v("friction_mix", t.friction_mix), v("restitution_mix", t.restitution_mix);
+    v("material", t.material), v("category", t.category), v("mask", t.mask), v("group", t.group);
+    v("sensor", t.sensor), v("one_way", t.one_way);
 }
 template <class V> constexpr void describe(PairFilterRow& r, V&& v) { v("a", r.a), v("b", r.b); }
 
@@ -110,8 +120,8 @@ template <class V> constexpr void describe(PairFilterRow& r, V&& v) { v("a", r.a
 struct Manifest {
     std::shared_ptr<const StateLayout> layout;
     TableId character_slots, characters;
-    TableId world, body_slots, bodies, shape_slots, shapes, field_slots, fields, pair_filters, joint_slots,
-        joints, vehicle_slots, vehicles, contacts, sleeping_contacts, records;
+    TableId world, body_slots, bodies, forces, shape_slots, shapes, field_slots, fields, pair_filters,
+        joint_slots, joints, vehicle_slots, vehicles, records;
 
     Column<Header> header;
     Column<Config> config;
@@ -119,10 +129,13 @@ struct Manifest {
 
     Column<Slot> body_slot;
     Column<BodyInfo> body_info;
-    Column<BodyMass> body_mass;
-    Column<BodyForce> body_force;
+    SharedTable<BodyTraits> body_traits;
+    Column<std::uint32_t> body_push; ///< row + 1 of forces, 0: nothing pushes it
+    Column<BodyForce> force;
+    Column<std::uint32_t> pushed; ///< slot + 1 of the body whose force it is
     Column<Slot> shape_slot;
     Column<ShapeRow> shape;
+    SharedTable<ShapeTraits> shape_traits;
     Column<Slot> field_slot;
     Column<FieldRow> field;
     Column<PairFilterRow> pair_filter;
@@ -137,10 +150,7 @@ struct Manifest {
     Column<Velocity> body_velocity;
     Column<BodySleep> body_sleep;
 
-    Column<ContactKey> contact_key;
-    Column<ContactMemory> contact_memory;
-    Column<ContactKey> sleeping_key; ///< contacts of which no body is awake
-    Column<ContactMemory> sleeping_memory;
+    ContactTables contacts, sleeping_contacts; ///< the latter of which no body is awake
     Column<JointMemory> joint_memory;
     Column<VehicleMemory> vehicle_memory;
 

@@ -59,7 +59,7 @@ void find_plane_pairs(Data& w) {
                 const std::uint32_t slot = at - 1;
                 const ShapeRow& shape = shapes[slots[slot].row];
                 at = shape.next_shape;
-                if (shape.geometry.kind == ShapeKind::plane) continue;
+                if (w.traits_of(shape).geometry.kind == ShapeKind::plane) continue;
                 if (reaches(s.broad_phase.bounds(slot), n, at_plane.position, shift))
                     s.plane_pairs.push_back({std::min(plane, slot), std::max(plane, slot)});
             }
@@ -104,15 +104,16 @@ struct PairView {
     const Data& w;
     std::span<const Slot> shape_slots, body_slots;
     std::span<const ShapeRow> shapes;
+    std::span<const ShapeTraits> traits;
     std::span<const BodyInfo> info;
     bool has_filters;
     std::uint32_t shift, awake;
 
     explicit PairView(const Data& data)
         : w(data), shape_slots(w.state.rows(w.m.shape_slot)), body_slots(w.state.rows(w.m.body_slot)),
-          shapes(w.state.rows(w.m.shape)), info(w.state.rows(w.m.body_info)),
-          has_filters(w.state.count(w.m.pair_filters) != 0), shift(w.state.rows(w.m.config)[0].bounds_shift),
-          awake(w.header().bodies_awake) {}
+          shapes(w.state.rows(w.m.shape)), traits(w.state.rows(w.m.shape_traits.row)),
+          info(w.state.rows(w.m.body_info)), has_filters(w.state.count(w.m.pair_filters) != 0),
+          shift(w.state.rows(w.m.config)[0].bounds_shift), awake(w.header().bodies_awake) {}
 };
 
 /// A null key when the two do not meet, or both rest, or are farther apart than the margin.
@@ -123,18 +124,20 @@ Scratch::PairKey key_of(const PairView& v, collide::ProxyPair pair) {
     const Scratch::Shape &at_a = v.w.scratch.shape[pair.a], &at_b = v.w.scratch.shape[pair.b];
     if (body_a >= v.awake && body_b >= v.awake) return {};
     const BodyInfo &info_a = v.info[body_a], &info_b = v.info[body_b];
-    const bool is_common = !v.has_filters && (a.sensor | b.sensor) == 0 && (a.group | b.group) == 0 &&
+    const ShapeTraits &is_a = v.traits[a.traits], &is_b = v.traits[b.traits];
+    const bool is_common = !v.has_filters && (is_a.sensor | is_b.sensor) == 0 &&
+                           (is_a.group | is_b.group) == 0 &&
                            (info_a.kind == BodyKind::dynamic || info_b.kind == BodyKind::dynamic);
     const bool have_joints = info_a.first_joint != 0 && info_b.first_joint != 0;
     const Length margin = pair_margin(v.w, at_a, body_a, at_b, body_b);
-    const bool has_plane = a.geometry.kind == ShapeKind::plane || b.geometry.kind == ShapeKind::plane;
+    const bool has_plane = is_a.geometry.kind == ShapeKind::plane || is_b.geometry.kind == ShapeKind::plane;
     const Length spare = has_plane ? Length{} : at_a.margin + at_b.margin - margin;
     if (!still_overlap(at_a.bounds, at_b.bounds, spare, v.shift)) return {};
     // What most pairs are, without looking further.
-    const bool meet = is_common
-                          ? a.body != b.body && (a.category & b.mask) != 0 && (b.category & a.mask) != 0 &&
-                                !(have_joints && are_joined(v.w, a.body, b.body))
-                          : may_meet(v.w, a, b);
+    const bool meet = is_common ? a.body != b.body && (is_a.category & is_b.mask) != 0 &&
+                                      (is_b.category & is_a.mask) != 0 &&
+                                      !(have_joints && are_joined(v.w, a.body, b.body))
+                                : may_meet(v.w, a, b);
     if (!meet) return {};
     return {{a.id, b.id}, margin};
 }
@@ -154,7 +157,9 @@ void find_keys(Data& w) {
 
 /// How many pairs that are near are looked at: beyond, the last in pair order are dropped, as a table of contacts_max rows
 /// would drop most of them.
-std::size_t near_max(const Data& w) { return 1024 + std::size_t{2} * w.state.rows_max(w.m.contacts); }
+std::size_t near_max(const Data& w) {
+    return 1024 + std::size_t{2} * w.state.rows_max(w.m.contacts.contacts);
+}
 
 /// How many pairs of overlapping leaves may be listed; it decides on speed and memory only.
 std::size_t leaf_pairs_max(const Data& w) { return 8 * near_max(w); }
@@ -170,35 +175,38 @@ void find_overlaps(Data& w) {
 
 /// Ends what touched and is no longer near.
 void retire(Data& w, std::uint32_t row) {
-    const std::uint32_t flags = w.state.rows(w.m.contact_memory)[row].flags;
+    const std::uint32_t flags = w.scratch.table.list.memories[row].flags;
     if (flags & dynamics::contact_touching)
-        w.scratch.ended.push_back({w.state.rows(w.m.contact_key)[row], flags});
+        w.scratch.ended.push_back({w.scratch.table.list.keys[row], flags});
 }
 
 } // namespace
 
 /// A primitive at a scale of 2 to 8, which is static, and a mesh or height field: one of them a sensor. Triangles take shapes of
 /// up to 174 m: beyond, heights over their planes leave 64 bits.
-static bool is_too_large(const ShapeRow& primitive, const ShapeRow& terrain) {
+static bool is_too_large(const ShapeTraits& primitive, const ShapeTraits& terrain) {
     return primitive.geometry.kind <= ShapeKind::box && primitive.geometry.scale != scale_one &&
            (terrain.geometry.kind == ShapeKind::mesh || terrain.geometry.kind == ShapeKind::height_field);
 }
 
 bool may_meet(const Data& w, const ShapeRow& a, const ShapeRow& b) {
-    if (a.body == b.body || (a.sensor != 0 && b.sensor != 0)) return false;
-    if (is_too_large(a, b) || is_too_large(b, a)) return false;
+    const ShapeTraits &is_a = w.traits_of(a), &is_b = w.traits_of(b);
+    if (a.body == b.body || (is_a.sensor != 0 && is_b.sensor != 0)) return false;
+    if (is_too_large(is_a, is_b) || is_too_large(is_b, is_a)) return false;
     const std::span<const BodyInfo> info = w.state.rows(w.m.body_info);
     const BodyKind kind_a = info[w.row_of(a.body)].kind, kind_b = info[w.row_of(b.body)].kind;
     const bool any_dynamic = kind_a == BodyKind::dynamic || kind_b == BodyKind::dynamic;
     const bool any_moves = kind_a != BodyKind::static_ || kind_b != BodyKind::static_;
-    if (!any_dynamic && !(any_moves && (a.sensor | b.sensor) != 0)) return false;
+    if (!any_dynamic && !(any_moves && (is_a.sensor | is_b.sensor) != 0)) return false;
     if (are_joined(w, a.body, b.body)) return false;
     return filters_allow(w, a, b);
 }
 
 bool filters_allow(const Data& w, const ShapeRow& a, const ShapeRow& b) {
-    if (a.group != 0 && a.group == b.group) return a.group > 0;
-    return (a.category & b.mask) != 0 && (b.category & a.mask) != 0 && !is_filtered(w, a.body, b.body);
+    const ShapeTraits &is_a = w.traits_of(a), &is_b = w.traits_of(b);
+    if (is_a.group != 0 && is_a.group == is_b.group) return is_a.group > 0;
+    return (is_a.category & is_b.mask) != 0 && (is_b.category & is_a.mask) != 0 &&
+           !is_filtered(w, a.body, b.body);
 }
 
 void find_pairs(Data& w) {
@@ -211,7 +219,8 @@ void find_pairs(Data& w) {
     s.near.swap(s.near_before);
     s.near.clear(), s.ended.clear();
     s.near_is_cut = false;
-    const std::span<const ContactKey> old_keys = w.state.rows(w.m.contact_key);
+    s.table.read(w.state, w.m.contacts);
+    const std::span<const ContactKey> old_keys = s.table.list.keys;
     const std::uint32_t count = static_cast<std::uint32_t>(old_keys.size());
     base::make_room(s.ended, count);
     base::make_room(s.near, std::min(s.pair_keys.size(), near_max(w)));

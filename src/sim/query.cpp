@@ -49,8 +49,9 @@ class Asking {
 };
 
 bool is_seen(const Data& w, const ShapeRow& shape, const QueryFilter& filter) {
-    if (shape.sensor != 0 && filter.sensors == 0) return false;
-    if ((filter.category & shape.mask) == 0 || (filter.mask & shape.category) == 0) return false;
+    const ShapeTraits& traits = w.traits_of(shape);
+    if (traits.sensor != 0 && filter.sensors == 0) return false;
+    if ((filter.category & traits.mask) == 0 || (filter.mask & traits.category) == 0) return false;
     if (shape.body == filter.ignore) return false;
     const BodyKind kind = w.state.rows(w.m.body_info)[w.row_of(shape.body)].kind;
     return (filter.kinds >> static_cast<std::uint32_t>(kind) & 1u) != 0;
@@ -119,7 +120,7 @@ QueryHit world_hit(const Data& w, const ShapeRow& shape, const Transform& frame,
 bool cast_at(const Asking& asking, const Cast& cast, const ShapeRow& shape, QueryHit& out) {
     collide::NarrowScratch& narrow = asking.work->narrow;
     const Scratch::Shape& at = asking.w.scratch.shape[shape.id.index - 1];
-    const bool is_plane = shape.geometry.kind == ShapeKind::plane;
+    const bool is_plane = asking.w.traits_of(shape).geometry.kind == ShapeKind::plane;
     const Transform frame = is_plane ? plane_below(at.pose, cast.from) : at.pose;
     collide::Line line{};
     if (!collide::make_line(to<Coordinate>(cast.from - frame.position), to<Coordinate>(cast.way), line))
@@ -211,7 +212,7 @@ void find_candidates(const Asking& asking, const Cast& cast, const QueryFilter& 
         if (!is_seen(w, shape, filter)) continue;
         std::int64_t enter = 0;
         const Scratch::Shape& at = s.shape[slot];
-        if (shape.geometry.kind != ShapeKind::plane) {
+        if (w.traits_of(shape).geometry.kind != ShapeKind::plane) {
             const collide::Long3 center = collide::raw(to<Coordinate>(at.pose.position - cast.from));
             const collide::Span span =
                 collide::span_of_ball(cast.line, center, at.reach.raw + cast.reach.raw);
@@ -291,7 +292,7 @@ bool make_shape_cast(Data& w, const Geometry& geometry, const Transform& pose, V
 bool nearest_of(const Asking& asking, const ShapeRow& shape, const shapes::Solid& solid,
                 const Transform& pose, Real limit, QueryHit& hit, Vec3& on_other) {
     const Scratch::Shape& at = asking.w.scratch.shape[shape.id.index - 1];
-    const bool is_plane = shape.geometry.kind == ShapeKind::plane;
+    const bool is_plane = asking.w.traits_of(shape).geometry.kind == ShapeKind::plane;
     const Transform frame = is_plane ? plane_below(at.pose, pose.position) : at.pose;
     const collide::RelativePose relative =
         is_plane ? collide::plane_relative_pose(at.pose, pose) : collide::relative_pose(at.pose, pose);
@@ -460,9 +461,10 @@ std::optional<ShapeDistance> World::distance(ShapeId a, ShapeId b) const {
     const sim::Asking asking(*impl);
     const std::span<const sim::ShapeRow> rows = impl->state.rows(impl->m.shape);
     // In one order, so that asking the other way round gives the same numbers.
-    const bool swaps = std::pair(rows[row_a].geometry.kind, b) < std::pair(rows[row_b].geometry.kind, a);
+    const bool swaps = std::pair(impl->traits_of(rows[row_a]).geometry.kind, b) <
+                       std::pair(impl->traits_of(rows[row_b]).geometry.kind, a);
     const sim::ShapeRow &first = rows[swaps ? row_b : row_a], &second = rows[swaps ? row_a : row_b];
-    if (second.geometry.kind >= ShapeKind::height_field) return std::nullopt;
+    if (impl->traits_of(second).geometry.kind >= ShapeKind::height_field) return std::nullopt;
     const sim::Scratch::Shape& other = impl->scratch.shape[second.id.index - 1];
     QueryHit hit{};
     Vec3 on_other{};

@@ -13,17 +13,15 @@ void Scratch::fit(std::uint32_t shape_slots) {
     broad_phase.grow(shape_slots);
 }
 
-void Scratch::reserve(const WorldRows& rows) {
-    fit(rows.shapes);
-    broad_phase.reserve(rows.shapes);
-    solids_replaced.reserve(rows.shapes);
-    bodies.reserve(rows.bodies);
+void Scratch::reserve(const WorldRows& wanted) {
+    fit(wanted.shapes);
+    broad_phase.reserve(wanted.shapes);
+    solids_replaced.reserve(wanted.shapes);
+    bodies.reserve(wanted.bodies);
     for (std::vector<std::uint32_t>* list : {&sleep.parent, &sleep.still_ticks, &sleep.first, &sleep.last})
-        list->reserve(rows.bodies);
-    sleep.leaving.reserve(rows.bodies);
-    for (std::vector<ContactKey>* keys : {&sleep.keys, &sleep.other_keys}) keys->reserve(rows.contacts);
-    for (std::vector<ContactMemory>* list : {&sleep.memories, &sleep.other_memories})
-        list->reserve(rows.contacts);
+        list->reserve(wanted.bodies);
+    sleep.leaving.reserve(wanted.bodies);
+    table.list.reserve(wanted.contacts);
 }
 
 namespace {
@@ -53,7 +51,9 @@ Status reserve(Data& w, const WorldRows& rows) {
         for (const TableId table : tables) capacities[table.index] = count;
     };
     take(rows.bodies, {m.bodies, m.body_slots}), take(rows.shapes, {m.shapes, m.shape_slots});
-    take(rows.contacts, {m.contacts, m.sleeping_contacts}), take(rows.fields, {m.fields, m.field_slots});
+    take(rows.contacts, {m.contacts.contacts, m.sleeping_contacts.contacts});
+    take(4 * rows.contacts, {m.contacts.points, m.sleeping_contacts.points});
+    take(rows.fields, {m.fields, m.field_slots});
     take(rows.pair_filters, {m.pair_filters}), take(rows.joints, {m.joints, m.joint_slots});
     take(rows.characters, {m.characters, m.character_slots});
     take(rows.vehicles, {m.vehicles, m.vehicle_slots});
@@ -72,7 +72,7 @@ Status World::reserve(const WorldRows& rows) { return sim::reserve(*impl, rows);
 WorldRows World::capacity() const {
     const State& s = impl->state;
     const sim::Manifest& m = impl->m;
-    return {s.capacity(m.bodies),     s.capacity(m.shapes),       s.capacity(m.contacts),
+    return {s.capacity(m.bodies),     s.capacity(m.shapes),       s.capacity(m.contacts.contacts),
             s.capacity(m.fields),     s.capacity(m.pair_filters), s.capacity(m.joints),
             s.capacity(m.characters), s.capacity(m.vehicles)};
 }

@@ -86,51 +86,47 @@ bool is_contact_awake(const Data& w, const ContactKey& key) {
     return is_shape_awake(w, key.a) || is_shape_awake(w, key.b);
 }
 
-/// Moves rows that are on the wrong side of two tables, both of which stay sorted.
-void sort_out(Data& w, TableId from, Column<ContactKey> from_key, Column<ContactMemory> from_memory,
-              TableId to, Column<ContactKey> to_key, Column<ContactMemory> to_memory, bool move_awake) {
-    const std::span<const ContactKey> keys = w.state.rows(from_key);
-    const auto moves = [&](const ContactKey& key) { return is_contact_awake(w, key) == move_awake; };
-    if (std::ranges::none_of(keys, moves)) return;
-    SleepScratch& s = w.scratch.sleep;
-    s.keys.clear(), s.memories.clear(), s.other_keys.clear(), s.other_memories.clear();
-    const std::span<const ContactKey> theirs = w.state.rows(to_key);
-    std::size_t at = 0;
+/// Adds rows to a list, which stays sorted.
+void merge(const ContactList& more, ContactList& into) {
     const auto order = [](const ContactKey& k) { return std::pair(k.a.index, k.b.index); };
-    const auto take_theirs = [&] {
-        s.other_keys.push_back(theirs[at]);
-        s.other_memories.push_back(w.state.rows(to_memory)[at++]);
-    };
-    for (std::size_t i = 0; i < keys.size(); ++i) {
-        const bool stays = !moves(keys[i]);
-        while (!stays && at < theirs.size() && order(theirs[at]) < order(keys[i])) take_theirs();
-        (stays ? s.keys : s.other_keys).push_back(keys[i]);
-        (stays ? s.memories : s.other_memories).push_back(w.state.rows(from_memory)[i]);
+    std::size_t old = into.keys.size(), fresh = more.keys.size(), at = old + fresh;
+    into.keys.resize(at), into.memories.resize(at);
+    while (fresh != 0) { // from behind, so that nothing is overwritten before it has moved
+        const bool takes_old = old != 0 && !(order(into.keys[old - 1]) < order(more.keys[fresh - 1]));
+        const ContactList& from = takes_old ? into : more;
+        const std::size_t row = takes_old ? --old : --fresh;
+        --at;
+        into.keys[at] = from.keys[row], into.memories[at] = from.memories[row];
     }
-    while (at < theirs.size()) take_theirs();
-    w.state.resize(from, static_cast<std::uint32_t>(s.keys.size()));
-    std::ranges::copy(s.keys, w.state.edit(from_key).begin());
-    std::ranges::copy(s.memories, w.state.edit(from_memory).begin());
-    w.state.resize(to, static_cast<std::uint32_t>(s.other_keys.size()));
-    std::ranges::copy(s.other_keys, w.state.edit(to_key).begin());
-    std::ranges::copy(s.other_memories, w.state.edit(to_memory).begin());
 }
 
-void wake_contacts(Data& w) {
-    const Manifest& m = w.m;
-    sort_out(w, m.sleeping_contacts, m.sleeping_key, m.sleeping_memory, m.contacts, m.contact_key,
-             m.contact_memory, true);
+/// Moves rows that are on the wrong side of two tables, both of which stay sorted.
+void sort_out(Data& w, const ContactTables& from, const ContactTables& to, bool move_awake) {
+    const auto moves = [&](const ContactKey& key) { return is_contact_awake(w, key) == move_awake; };
+    if (std::ranges::none_of(w.state.rows(from.key), moves)) return;
+    SleepScratch& s = w.scratch.sleep;
+    read_contacts(w.state, from, s.here), read_contacts(w.state, to, s.there);
+    s.moving.clear();
+    std::size_t stay = 0;
+    for (std::size_t i = 0; i < s.here.keys.size(); ++i) {
+        if (moves(s.here.keys[i])) {
+            s.moving.keys.push_back(s.here.keys[i]), s.moving.memories.push_back(s.here.memories[i]);
+        } else {
+            s.here.keys[stay] = s.here.keys[i], s.here.memories[stay++] = s.here.memories[i];
+        }
+    }
+    s.here.keys.resize(stay), s.here.memories.resize(stay);
+    merge(s.moving, s.there);
+    write_contacts(w.state, from, s.here), write_contacts(w.state, to, s.there);
 }
-void rest_contacts(Data& w) {
-    const Manifest& m = w.m;
-    sort_out(w, m.contacts, m.contact_key, m.contact_memory, m.sleeping_contacts, m.sleeping_key,
-             m.sleeping_memory, false);
-}
+
+void wake_contacts(Data& w) { sort_out(w, w.m.sleeping_contacts, w.m.contacts, true); }
+void rest_contacts(Data& w) { sort_out(w, w.m.contacts, w.m.sleeping_contacts, false); }
 
 /// The islands of bodies that rest on a body or are joined to it, and of vehicles that stand on it.
 void raise_neighbours(Data& w, BodyId body) {
-    for (std::size_t i = 0; i < w.state.rows(w.m.sleeping_key).size(); ++i) {
-        const ContactKey key = w.state.rows(w.m.sleeping_key)[i];
+    for (std::size_t i = 0; i < w.state.rows(w.m.sleeping_contacts.key).size(); ++i) {
+        const ContactKey key = w.state.rows(w.m.sleeping_contacts.key)[i];
         const BodyId a = w.state.rows(w.m.shape)[w.row_of(key.a)].body;
         const BodyId b = w.state.rows(w.m.shape)[w.row_of(key.b)].body;
         if (a == body) raise_island(w, b);
@@ -210,7 +206,7 @@ bool wake_touched(Data& w) {
         const std::uint32_t row_a = body_slots[a.body.index - 1].row,
                             row_b = body_slots[b.body.index - 1].row;
         const bool wakes_a = row_a >= awake, wakes_b = row_b >= awake;
-        if (wakes_a == wakes_b || (a.sensor | b.sensor) != 0) continue;
+        if (wakes_a == wakes_b || (w.traits_of(a).sensor | w.traits_of(b).sensor) != 0) continue;
         if (w.state.rows(w.m.body_info)[wakes_a ? row_a : row_b].kind != BodyKind::dynamic) continue;
         if (has_contact_points(w, near)) touched.push_back(wakes_a ? a.body : b.body);
     }
@@ -302,7 +298,7 @@ void count_still_ticks(Data& w, const Stillness& stillness) {
     const std::uint32_t awake = w.header().bodies_awake;
     const std::span<BodySleep> sleep = w.state.edit(w.m.body_sleep, 0, awake);
     const std::span<const BodyInfo> info = w.state.rows(w.m.body_info);
-    const std::span<const BodyMass> mass = w.state.rows(w.m.body_mass);
+    const dynamics::MassView mass = w.masses();
     const std::span<const Velocity> velocity = w.state.rows(w.m.body_velocity);
     w.scratch.sleep.still_ticks.resize(awake);
     for (std::uint32_t row = 0; row < awake; ++row) {

@@ -4,7 +4,7 @@
 
 namespace lockstone::sim {
 
-Touch touch_of_piece(const ShapeRow& shape, const shapes::Solid& solid, std::uint32_t piece) {
+Touch touch_of_piece(const ShapeTraits& shape, const shapes::Solid& solid, std::uint32_t piece) {
     if (const MaterialSurface* s = shapes::piece_of(solid, piece).surface; s != nullptr)
         return {s->friction, s->restitution, s->rolling_resistance, s->surface_velocity};
     return {shape.friction, shape.restitution, shape.rolling_resistance, shape.surface_velocity};
@@ -12,7 +12,8 @@ Touch touch_of_piece(const ShapeRow& shape, const shapes::Solid& solid, std::uin
 
 SurfacePart part_of(const Data& w, ShapeId shape, std::uint32_t piece) {
     const shapes::Piece p = shapes::piece_of(w.scratch.shape[shape.index - 1].solid, piece);
-    return {p.source, p.material != 0 ? p.material : w.state.rows(w.m.shape)[w.row_of(shape)].material};
+    return {p.source,
+            p.material != 0 ? p.material : w.traits_of(w.state.rows(w.m.shape)[w.row_of(shape)]).material};
 }
 
 } // namespace lockstone::sim

@@ -10,8 +10,8 @@ struct Touch {
     Vec3 velocity; ///< in the shape's axes [m/s]
 };
 /// `piece`: triangle or part, as in hits and manifolds.
-Touch touch_of_piece(const ShapeRow& shape, const shapes::Solid& solid, std::uint32_t piece);
-inline Touch touch_of(const ShapeRow& shape, const shapes::Solid& solid, std::uint32_t piece) {
+Touch touch_of_piece(const ShapeTraits& shape, const shapes::Solid& solid, std::uint32_t piece);
+inline Touch touch_of(const ShapeTraits& shape, const shapes::Solid& solid, std::uint32_t piece) {
     if (solid.mesh != nullptr || solid.height_field != nullptr) return touch_of_piece(shape, solid, piece);
     return {shape.friction, shape.restitution, shape.rolling_resistance, shape.surface_velocity};
 }

@@ -21,8 +21,9 @@ struct Sweeper {
     Data& w;
     std::span<const Transform> pose;
     std::span<const BodyInfo> info;
-    std::span<const BodyMass> mass;
+    dynamics::MassView mass;
     std::span<const ShapeRow> shapes;
+    std::span<const ShapeTraits> shape_traits;
     std::span<const Slot> slots;
     Real kinematic_motion_max{},
         motion_max{};        ///< of any point of a kinematic, of any moving body in this tick [m]
@@ -30,26 +31,29 @@ struct Sweeper {
 
     explicit Sweeper(Data& data)
         : w(data), pose(data.state.rows(data.m.body_pose)), info(data.state.rows(data.m.body_info)),
-          mass(data.state.rows(data.m.body_mass)), shapes(data.state.rows(data.m.shape)),
-          slots(data.state.rows(data.m.shape_slot)) {}
+          mass(data.masses()), shapes(data.state.rows(data.m.shape)),
+          shape_traits(data.state.rows(data.m.shape_traits.row)), slots(data.state.rows(data.m.shape_slot)) {}
 
     const Scratch::Shape& at(const ShapeRow& shape) const { return w.scratch.shape[shape.id.index - 1]; }
     const shapes::Solid& solid(const ShapeRow& shape) const { return at(shape).solid; }
+    const ShapeTraits& traits(const ShapeRow& shape) const { return shape_traits[shape.traits]; }
+    bool is_bullet(std::uint32_t row) const { return mass.traits[info[row].traits].bullet != 0; }
     Sweep sweep(std::uint32_t row, const ShapeRow& shape) const {
-        return {
-            pose_before(w, row), pose[row], {shape.local.position - mass[row].center, shape.local.rotation}};
+        return {pose_before(w, row),
+                pose[row],
+                {traits(shape).local.position - mass[row].center, traits(shape).local.rotation}};
     }
     /// Of its turning points from the centre of mass.
     Real reach(std::uint32_t row, const ShapeRow& shape) const {
-        const Real offset = length(shape.local.position - mass[row].center);
-        if (shape.geometry.kind == ShapeKind::sphere) return offset;
+        const Real offset = length(traits(shape).local.position - mass[row].center);
+        if (traits(shape).geometry.kind == ShapeKind::sphere) return offset;
         return offset + to<Real>(w.scratch.shape[shape.id.index - 1].reach);
     }
     template <class Visit> void for_each_shape(std::uint32_t row, Visit&& visit) const {
         for (std::uint32_t slot = info[row].first_shape; slot != 0;) {
             const ShapeRow& shape = shapes[slots[slot - 1].row];
             slot = shape.next_shape;
-            if (shape.sensor == 0 && shape.geometry.kind != ShapeKind::plane) visit(shape);
+            if (traits(shape).sensor == 0 && traits(shape).geometry.kind != ShapeKind::plane) visit(shape);
         }
     }
 };
@@ -78,8 +82,8 @@ Real coarse_motion(const Sweeper& s, std::uint32_t row, const ShapeRow& shape) {
     const Quat p = a.rotation, q = b.rotation;
     const std::int64_t turn_30 =
         apart(p.x.raw, q.x.raw) + apart(p.y.raw, q.y.raw) + apart(p.z.raw, q.z.raw) + apart(p.w.raw, q.w.raw);
-    std::int64_t reach = sum_apart(shape.local.position, s.mass[row].center);
-    if (shape.geometry.kind != ShapeKind::sphere) reach += to<Real>(s.at(shape).reach).raw;
+    std::int64_t reach = sum_apart(s.traits(shape).local.position, s.mass[row].center);
+    if (s.traits(shape).geometry.kind != ShapeKind::sphere) reach += to<Real>(s.at(shape).reach).raw;
     constexpr std::int64_t rounding = 1 << 9, reach_max = std::int64_t{1024} << Real::fraction_bits;
     if (reach > reach_max) return Real::max();
     // Below 2^35 times 2^27.
@@ -105,13 +109,13 @@ struct Stop {
 /// Whether the way of a body in row `other` is final and it stops this one.
 bool is_swept_against(const Sweeper& s, std::uint32_t row, std::uint32_t other) {
     if (s.info[other].kind != BodyKind::dynamic) return true;
-    if (s.info[row].bullet == 0 || other == row) return false;
-    return s.info[other].bullet == 0 || other < row;
+    if (!s.is_bullet(row) || other == row) return false;
+    return !s.is_bullet(other) || other < row;
 }
 
 /// A one-way surface stops what moves against its +y and began above it. `moved`: the other body against the wall's.
 bool passes_one_way(const Sweeper& s, const ShapeRow& wall, Vec3 moved) {
-    if (wall.one_way == 0) return false;
+    if (s.traits(wall).one_way == 0) return false;
     return dot<Real>(to_rotation(s.w.scratch.shape[wall.id.index - 1].pose.rotation).y, moved) >= Real{};
 }
 
@@ -133,7 +137,7 @@ void for_each_wall(const Sweeper& s, const Way& whole, const ShapeRow& shape,
     way.from = whole.from, way.to = whole.to;
     const Scratch& scratch = s.w.scratch;
     const int shift = static_cast<int>(s.w.state.rows(s.w.m.config)[0].bounds_shift);
-    const Real others = s.info[row].bullet != 0 ? s.motion_max : s.kinematic_motion_max;
+    const Real others = s.is_bullet(row) ? s.motion_max : s.kinematic_motion_max;
     const Real around = length(way.local.position) + to<Real>(scratch.shape[shape.id.index - 1].reach) +
                         others + to<Real>(collide::stop_gap) * 2;
     const auto box = [&](Vec3 p) {
@@ -147,7 +151,7 @@ void for_each_wall(const Sweeper& s, const Way& whole, const ShapeRow& shape,
         return collide::Bounds{{low(p.x), low(p.y), low(p.z)}, {high(p.x), high(p.y), high(p.z)}};
     };
     const collide::SweptBox swept(box(way.from.position), box(way.to.position));
-    if (s.all_dynamic && s.info[row].bullet == 0) // what is dynamic would be left out below
+    if (s.all_dynamic && !s.is_bullet(row)) // what is dynamic would be left out below
         scratch.broad_phase.query_static(swept, near);
     else
         scratch.broad_phase.query(swept, near);
@@ -155,7 +159,7 @@ void for_each_wall(const Sweeper& s, const Way& whole, const ShapeRow& shape,
     for (const std::uint32_t slot : near.proxies) {
         const ShapeRow& wall = s.shapes[s.slots[slot].row];
         const std::uint32_t other = s.w.row_of(wall.body);
-        if (wall.sensor != 0 || other == whole.except || !is_swept_against(s, row, other) ||
+        if (s.traits(wall).sensor != 0 || other == whole.except || !is_swept_against(s, row, other) ||
             !may_meet(s.w, shape, wall))
             continue;
         const Vec3 moved = s.pose[other].position - pose_before(s.w, other).position;
@@ -164,7 +168,7 @@ void for_each_wall(const Sweeper& s, const Way& whole, const ShapeRow& shape,
         Sweep theirs = s.sweep(other, wall);
         theirs.from = collide::body_pose_at(theirs, whole.begin);
         if (!is_fast(collide::relative_motion(theirs, way, s.reach(row, shape)), s.at(shape),
-                     s.info[other].kind == BodyKind::static_, s.info[row].bullet != 0))
+                     s.info[other].kind == BodyKind::static_, s.is_bullet(row)))
             continue;
         visit(wall, other, theirs, way);
     }
@@ -258,14 +262,14 @@ bool may_be_fast(const Sweeper& s, std::uint32_t row, Real others) {
     bool fast = false;
     const bool all_stands_still = others == Real{};
     s.for_each_shape(row, [&](const ShapeRow& shape) {
-        fast |= is_fast(coarse_motion(s, row, shape) + others, s.at(shape), all_stands_still,
-                        s.info[row].bullet != 0);
+        fast |=
+            is_fast(coarse_motion(s, row, shape) + others, s.at(shape), all_stands_still, s.is_bullet(row));
     });
     if (!fast) return false;
     fast = false;
     const Real motion = motion_of(s, row) + others;
     s.for_each_shape(row, [&](const ShapeRow& shape) {
-        fast |= is_fast(motion, s.at(shape), all_stands_still, s.info[row].bullet != 0);
+        fast |= is_fast(motion, s.at(shape), all_stands_still, s.is_bullet(row));
     });
     return fast;
 }
@@ -282,7 +286,7 @@ void sweep_plain_bodies(Data& w, const Sweeper& s) {
                          const Hand hand{sweep.workers[worker], w.scratch.narrow_workers[worker].narrow};
                          for (std::uint32_t row = first; row < last; ++row) {
                              sweep.stopped[row].reset();
-                             if (s.info[row].kind == BodyKind::dynamic && s.info[row].bullet == 0 &&
+                             if (s.info[row].kind == BodyKind::dynamic && !s.is_bullet(row) &&
                                  may_be_fast(s, row, s.kinematic_motion_max))
                                  sweep.stopped[row] = sweep_body(s, row, hand);
                          }
@@ -305,12 +309,12 @@ void make_workers(SweepScratch& sweep, std::uint32_t count) {
 
 void sweep_fast_bodies(Data& w) {
     Sweeper s(w);
-    bool any_bullet = false;
+    const bool any_bullet =
+        std::ranges::any_of(s.mass.traits, [](const BodyTraits& traits) { return traits.bullet != 0; });
     const std::uint32_t rows = w.header().bodies_awake;
     for (std::uint32_t row = 0; row < rows; ++row) {
         if (s.info[row].kind == BodyKind::kinematic)
             s.kinematic_motion_max = max(s.kinematic_motion_max, motion_of(s, row));
-        any_bullet |= s.info[row].bullet != 0;
         s.all_dynamic = s.all_dynamic && s.info[row].kind == BodyKind::dynamic;
     }
     const std::uint32_t workers = base::worker_count(w.tasks);
@@ -321,8 +325,7 @@ void sweep_fast_bodies(Data& w) {
     for (std::uint32_t row = 0; row < rows; ++row) s.motion_max = max(s.motion_max, motion_of(s, row));
     const Hand hand{w.scratch.sweep.workers[0], w.scratch.narrow_workers[0].narrow};
     for (std::uint32_t row = 0; row < rows; ++row)
-        if (s.info[row].kind == BodyKind::dynamic && s.info[row].bullet != 0 &&
-            may_be_fast(s, row, s.motion_max))
+        if (s.info[row].kind == BodyKind::dynamic && s.is_bullet(row) && may_be_fast(s, row, s.motion_max))
             if (const std::optional<Transform> stopped = sweep_body(s, row, hand))
                 w.state.edit_row(w.m.body_pose, row) = *stopped;
 }

@@ -26,6 +26,12 @@ void checkpoint(Data& w, const char* phase) {
     if (w.phase_hashes_on) w.phase_hashes.push_back({phase, w.state.hash()});
 }
 
+/// While a tick works on the contacts, the state holds those of the last one; a hash is of all that is known.
+void checkpoint_with_contacts(Data& w, const char* phase) {
+    if (w.phase_hashes_on) w.scratch.table.write(w.state, w.m.contacts);
+    checkpoint(w, phase);
+}
+
 dynamics::StepConstants constants_of(const Config& c) {
     return dynamics::step_constants({static_cast<std::int32_t>(c.tick_rate),
                                      static_cast<std::int32_t>(c.substeps), c.contact_hertz,
@@ -41,8 +47,7 @@ void prepare(Data& w) {
     list_joints(w);
     dynamics::stiffen_bodies(s.joints, w.state.rows(w.m.joint_memory), w.body_columns(), s.step, s.bodies);
     dynamics::follow_turns(s.joints, w.body_columns(), s.step, s.bodies);
-    s.solver.prepare(s.contacts, w.state.rows(w.m.contact_memory),
-                     w.state.rows(w.m.body_mass).first(w.header().bodies_awake), s.step, s.bodies, w.tasks);
+    s.solver.prepare(s.contacts, s.table.list.memories, w.body_columns().mass, s.step, s.bodies, w.tasks);
     s.joint_solver.prepare(s.joints, w.state.rows(w.m.joint_memory), w.body_columns(), s.step, s.bodies,
                            w.tasks);
     s.vehicle_solver.prepare(w);
@@ -53,7 +58,7 @@ void prepare(Data& w) {
 void finish(Data& w) {
     Scratch& s = w.scratch;
     dynamics::finish_step(s.step, s.bodies, w.body_columns(), w.tasks);
-    for (BodyForce& force : w.state.edit(w.m.body_force, 0, w.header().bodies_awake)) force = {};
+    forget_forces(w);
     Faults& faults = w.state.edit_row(w.m.faults, 0);
     faults.speed_clamped += s.bodies.clamps.speed;
     faults.position_clamped += s.bodies.clamps.position;
@@ -104,7 +109,7 @@ void tick(Data& w) {
         passed(w, "find_pairs");
     } while (wake_touched(w) || s.vehicle_solver.cast(w));
     collide(w);
-    checkpoint(w, "collide");
+    checkpoint_with_contacts(w, "collide");
     prepare(w);
 
     const dynamics::FreeMotion motion{static_cast<dynamics::Scheme>(w.state.rows(w.m.config)[0].integrator),
@@ -113,17 +118,18 @@ void tick(Data& w) {
     passed(w, "prepare");
     for (std::int32_t i = 0; i < s.step.substeps; ++i) substep(w, motion);
     s.solver.apply_restitution(s.step, s.bodies);
-    s.solver.store(s.contacts, w.state.edit(w.m.contact_memory), s.bodies.clamps, w.tasks);
+    s.solver.store(s.contacts, s.table.list.memories, s.bodies.clamps, w.tasks);
     s.joint_solver.store(s.step, w.state.edit(w.m.joint_memory, 0, w.header().joints_awake), s.bodies.clamps);
     s.vehicle_solver.store(w);
-    checkpoint(w, "solve");
+    checkpoint_with_contacts(w, "solve");
     finish(w);
-    checkpoint(w, "finish");
+    checkpoint_with_contacts(w, "finish");
     if (w.state.rows(w.m.config)[0].continuous != 0) sweep_fast_bodies(w);
-    checkpoint(w, "sweep_fast_bodies");
+    checkpoint_with_contacts(w, "sweep_fast_bodies");
 
     break_joints(w);
     publish_events(w);
+    s.table.write(w.state, w.m.contacts);
     settle(w);
     order_events(w);
     ++w.edit_header().tick;

@@ -97,7 +97,7 @@ using WheelCastWays = std::array<WheelCastWay, vehicle_wheels_max>;
 void find_ways(const Data& w, const VehicleDef& def, const VehicleMemory& memory, WheelCastWays& out) {
     const std::uint32_t chassis = w.row_of(def.chassis);
     const Transform& pose = w.state.rows(w.m.body_pose)[chassis];
-    const Vec3 center = w.state.rows(w.m.body_mass)[chassis].center;
+    const Vec3 center = w.mass_of(chassis).center;
     const Rotation axes = to_rotation(pose.rotation);
     const Speed speed = length(w.state.rows(w.m.body_velocity)[chassis].linear);
     const Real ahead = min(to<Real>(speed) / Real(w.state.rows(w.m.config)[0].tick_rate), Real(1));
@@ -214,14 +214,13 @@ void prepare_wheel(const Data& w, const Rotation& axes, Vehicle& v, std::uint32_
     const UnitVec3 down = lockstone::mul<Unit>(axes, def.direction);
     const QueryHit& hit = ground.hit;
     const UnitVec3 n = hit.normal;
-    const ShapeRow& shape = w.state.rows(w.m.shape)[w.row_of(hit.shape)];
+    const ShapeTraits& shape = w.traits_of(w.state.rows(w.m.shape)[w.row_of(hit.shape)]);
     const Scratch::Shape& at_ground = w.scratch.shape[hit.shape.index - 1];
     const Touch touch = touch_of(shape, at_ground.solid, hit.feature);
     const std::uint32_t row = w.row_of(hit.body);
     const bool moves = row < bodies.still() && bodies.step[row].moves;
     wheel.ground = moves ? row : bodies.still();
-    if (moves && bodies.step[row].movable)
-        wheel.ratio = min(v.mass / w.state.rows(w.m.body_mass)[row].mass, ratio_max);
+    if (moves && bodies.step[row].movable) wheel.ratio = min(v.mass / w.mass_of(row).mass, ratio_max);
     wheel.surface = rotate(at_ground.pose.rotation, touch.velocity);
     const Levers levers{hit.point - pose.position, hit.point - w.state.rows(w.m.body_pose)[row].position};
     const UnitVec3 axle = axle_of(axes, memory.steer);
@@ -460,11 +459,11 @@ void VehicleSolver::prepare(Data& w) {
         v.def = &rows[v.row].def;
         v.input = rows[v.row].input;
         v.memory = memories[v.row];
-        v.mass = world.state.rows(world.m.body_mass)[v.chassis].mass;
+        v.mass = world.mass_of(v.chassis).mass;
         const Real way = v.def->steer_speed / Real(world.scratch.step.ticks_per_second);
         const Real turn = v.input.steer - v.memory.steer;
         v.memory.steer = way > Real{} ? v.memory.steer + bounded(turn, way) : v.input.steer;
-        const auto shares = sprung_shares(*v.def, world.state.rows(world.m.body_mass)[v.chassis].center);
+        const auto shares = sprung_shares(*v.def, world.mass_of(v.chassis).center);
         const Rotation axes = to_rotation(world.state.rows(world.m.body_pose)[v.chassis].rotation);
         for (std::uint32_t i = 0; i < v.def->wheel_count; ++i)
             prepare_wheel(world, axes, v, i, shares[i], grounds[v.row][i]);

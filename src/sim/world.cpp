@@ -369,7 +369,7 @@ std::vector<BodyId> World::bodies() const {
 Transform World::pose(BodyId body) const {
     const std::uint32_t row = living(*impl, body);
     const Transform& pose = impl->state.rows(impl->m.body_pose)[row];
-    const Vec3 center = impl->state.rows(impl->m.body_mass)[row].center;
+    const Vec3 center = impl->mass_of(row).center;
     if (center == Vec3{}) return pose; // games ask for many poses in a tick
     return {pose.position - rotate(pose.rotation, center), pose.rotation};
 }
@@ -382,7 +382,7 @@ Vec3 World::linear_velocity(BodyId body) const {
 Vec3 World::angular_velocity(BodyId body) const {
     return to<Real>(impl->state.rows(impl->m.body_velocity)[living(*impl, body)].angular);
 }
-Real World::mass(BodyId body) const { return impl->state.rows(impl->m.body_mass)[living(*impl, body)].mass; }
+Real World::mass(BodyId body) const { return impl->mass_of(living(*impl, body)).mass; }
 BodyKind World::kind(BodyId body) const {
     return impl->state.rows(impl->m.body_info)[living(*impl, body)].kind;
 }
@@ -392,25 +392,26 @@ std::uint64_t World::user_key(BodyId body) const {
 
 BodyDef World::body(BodyId body) const {
     const sim::BodyInfo& info = impl->state.rows(impl->m.body_info)[living(*impl, body)];
+    const sim::BodyTraits& traits = impl->traits_of(info);
     BodyDef d;
     d.kind = info.kind;
-    d.locks = info.locks;
+    d.locks = traits.locks;
     d.pose = pose(body);
     d.linear_velocity = linear_velocity(body);
     d.angular_velocity = angular_velocity(body);
-    d.linear_damping = info.linear_damping;
-    d.angular_damping = info.angular_damping;
-    d.gravity_scale = info.gravity_scale;
-    d.drag_scale = info.drag_scale;
-    d.mass = info.mass_override;
-    d.gyroscopic = info.gyroscopic;
-    d.enable_fields = info.enable_fields;
-    d.bullet = info.bullet;
+    d.linear_damping = traits.linear_damping;
+    d.angular_damping = traits.angular_damping;
+    d.gravity_scale = traits.gravity_scale;
+    d.drag_scale = traits.drag_scale;
+    d.mass = traits.mass_override;
+    d.gyroscopic = traits.gyroscopic;
+    d.enable_fields = traits.enable_fields;
+    d.bullet = traits.bullet;
     d.user_key = info.user_key;
     return d;
 }
 SetMass World::mass_properties(BodyId body) const {
-    const sim::BodyMass& mass = impl->state.rows(impl->m.body_mass)[living(*impl, body)];
+    const sim::BodyMass& mass = impl->mass_of(living(*impl, body));
     return {body, mass.mass, mass.center, mass.gyration, mass.principal};
 }
 bool World::may_touch(BodyId a, BodyId b) const {
@@ -432,7 +433,8 @@ std::vector<ShapeId> World::shapes(BodyId body) const {
     return out;
 }
 ShapeDef World::shape(ShapeId shape) const {
-    const sim::ShapeRow& r = impl->state.rows(impl->m.shape)[living(*impl, shape)];
+    const sim::ShapeRow& row = impl->state.rows(impl->m.shape)[living(*impl, shape)];
+    const sim::ShapeTraits& r = impl->traits_of(row);
     return {r.geometry,
             r.local,
             r.density,
@@ -448,7 +450,7 @@ ShapeDef World::shape(ShapeId shape) const {
             r.group,
             r.sensor,
             r.one_way,
-            r.user_key};
+            row.user_key};
 }
 BodyId World::body_of(ShapeId shape) const {
     return impl->state.rows(impl->m.shape)[living(*impl, shape)].body;
@@ -494,7 +496,7 @@ Real World::kinetic_energy() const {
     const State& state = impl->state;
     Real sum{};
     for (std::uint32_t row = 0; row < body_count(); ++row) {
-        const sim::BodyMass& mass = state.rows(impl->m.body_mass)[row];
+        const sim::BodyMass& mass = impl->mass_of(row);
         if (mass.mass == Real{}) continue;
         const sim::Velocity& v = state.rows(impl->m.body_velocity)[row];
         const Rotation axes = to_rotation(state.rows(impl->m.body_pose)[row].rotation * mass.principal);

@@ -97,7 +97,8 @@ TEST_CASE("an image of packed zeros is read without unpacking it, and not played
 TEST_CASE("a tick of more work than the limit is refused when it is read") {
     // What follows the first tick does not continue it, so the file is read up to there.
     const auto first_tick = [](std::uint32_t explosions, const Limits& limits) {
-        return must(Recording::from_bytes(with_explosions(explosions), "test.lsr", OnDamage::recover, limits));
+        return must(
+            Recording::from_bytes(with_explosions(explosions), "test.lsr", OnDamage::recover, limits));
     };
     CHECK(first_tick(1024, {}).tick_count() == 1); // 64 each: exactly the default limit
     CHECK(first_tick(1025, {}).tick_count() == 0);
@@ -140,15 +141,15 @@ TEST_CASE("states out of the commands' ranges are refused") {
     CHECK(!refused("world.header", "gravity.y", raw(Real(-999))));
     CHECK(refused("world.config", "gravity.y", raw(Real(-999))));
     for (const char* leaf : {"linear_damping", "angular_damping"}) {
-        CHECK(refused("body.info", leaf, raw(Real(1001))));
-        CHECK(refused("body.info", leaf, raw(Real(-1))));
-        CHECK(!refused("body.info", leaf, raw(Real(1000))));
+        CHECK(refused("body_traits.row", leaf, raw(Real(1001))));
+        CHECK(refused("body_traits.row", leaf, raw(Real(-1))));
+        CHECK(!refused("body_traits.row", leaf, raw(Real(1000))));
     }
-    CHECK(refused("body.info", "gravity_scale", raw(Real(101))));
-    CHECK(!refused("body.info", "gravity_scale", raw(Real(-100))));
-    CHECK(refused("body.info", "mass_override", raw(Real(-1))));
-    CHECK(refused("body.mass", "mass", 0)); // of a dynamic body
-    CHECK(refused("shape.row", "density", 0));
+    CHECK(refused("body_traits.row", "gravity_scale", raw(Real(101))));
+    CHECK(!refused("body_traits.row", "gravity_scale", raw(Real(-100))));
+    CHECK(refused("body_traits.row", "mass_override", raw(Real(-1))));
+    CHECK(refused("body_traits.row", "mass.mass", 0)); // of a dynamic body
+    CHECK(refused("shape_traits.row", "density", 0));
 }
 
 // ---- games ---------------------------------------------------------------------------------------------------
@@ -278,7 +279,8 @@ TEST_CASE("a command that a game cannot do without ends the play with a sentence
     CHECK(report.first_bad_tick == 3);
 }
 
-TEST_CASE("in a session a tick whose rules fail runs on, and the first failure is told; a proof ends with it") {
+TEST_CASE(
+    "in a session a tick whose rules fail runs on, and the first failure is told; a proof ends with it") {
     const Failing failing;
     World world = must(failing.start());
     WorldSimulation simulation(world, failing);

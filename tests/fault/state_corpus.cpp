@@ -98,11 +98,11 @@ TEST_CASE("state corpus: numbers that no command and no tick makes are refused")
         std::uint8_t edge;
     };
     const State& state = fuzz::base_of(0).now.state();
-    for (const Wrong& wrong : {Wrong{"body.mass", "mass", 1},
-                               {"body.mass", "mass", 11},
-                               {"body.mass", "center.x", 12},
-                               {"body.mass", "center.y", 11},
-                               {"body.mass", "center.z", 15},
+    for (const Wrong& wrong : {Wrong{"body_traits.row", "mass.mass", 1},
+                               {"body_traits.row", "mass.mass", 11},
+                               {"body_traits.row", "mass.center.x", 12},
+                               {"body_traits.row", "mass.center.y", 11},
+                               {"body_traits.row", "mass.center.z", 15},
                                {"sleeping_contact.memory", "normal.x", 8},
                                {"sleeping_contact.memory", "normal.y", 0},
                                {"sleeping_contact.memory", "normal.z", 6}}) {

@@ -22,8 +22,9 @@ inline std::uint8_t column_named(std::string_view name) {
 
 /// Numbers that commands do not bound change in every row, a little or to an edge.
 inline Script& change_numbers(Script& to, std::uint8_t how, std::uint8_t by) {
-    for (const std::string_view column : {"body.velocity", "body.force", "body.pose", "contact.memory",
-                                          "joint.memory", "vehicle.memory", "game.bruise", "game.purse"})
+    for (const std::string_view column :
+         {"body.velocity", "body.force", "body.pose", "contact.memory", "contact.point", "joint.memory",
+          "vehicle.memory", "game.bruise", "game.purse"})
         for (std::uint8_t row = 0; row < 2; ++row)
             to.u8(column_named(column)).u8(row).u16(row).u8(how).u8(by);
     return to;

@@ -10,7 +10,7 @@ using namespace lockstone::test::scene;
 namespace {
 
 std::uint32_t contact_rows(const World& w) {
-    return w.state().count(sim::make_manifest(w.def(), {}).contacts);
+    return w.state().count(sim::make_manifest(w.def(), {}).contacts.contacts);
 }
 
 /// Two crates 0.1 m apart, with these velocities along the gap (x) and across it; the rows they have after a tick.
@@ -58,8 +58,8 @@ TEST_CASE("pairs that are near without a contact point leave nothing in the stat
     for (int i = 0; i < 8; ++i) add_crate(w, at(0.8 * i, 0.5, 0.8 * i, turned(axis_y, 45)));
     for (int t = 0; t < 30; ++t) w.tick();
     CHECK(contact_rows(w) == 8);
-    const auto memories = w.state().rows(sim::make_manifest(w.def(), {}).contact_memory);
-    for (const dynamics::ContactMemory& row : memories) CHECK(row.count > 0);
+    const auto memories = w.state().rows(sim::make_manifest(w.def(), {}).contacts.memory);
+    for (const dynamics::ContactRow& row : memories) CHECK(row.count > 0);
 }
 
 TEST_CASE("a pair that parts ends to touch, though it stays near") {

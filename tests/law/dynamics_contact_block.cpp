@@ -190,7 +190,7 @@ Support support(double degrees) {
         const dynamics::Tangents t = dynamics::tangents_of(c.normal);
         const auto& lever =
             to_double(c.normal.y) > 0 ? &dynamics::ContactPoint::lever_b : &dynamics::ContactPoint::lever_a;
-        const dynamics::ContactMemory& m = d.state.rows(d.m.contact_memory)[c.memory];
+        const dynamics::ContactMemory& m = d.scratch.table.list.memories[c.memory];
         friction = friction + (to_double(m.tangent_1) / unit) * to_double(t.first) +
                    (to_double(m.tangent_2) / unit) * to_double(t.second);
         for (std::uint32_t k = 0; k < c.count; ++k) {

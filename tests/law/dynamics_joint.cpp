@@ -142,7 +142,8 @@ TEST_CASE("a pendulum at 10 rad/s keeps its energy within a thousandth a second"
     rig.velocity[b] = {to<Speed>(vec(0, 5, 0)), to<Speed>(vec(0, 0, 10))};
     const double before = rig.energy();
     rig.run(60);
-    CHECK(rig.energy() / before == doctest::Approx(1).epsilon(1e-3)); // 6e-3 without looking ahead along the arc
+    CHECK(rig.energy() / before ==
+          doctest::Approx(1).epsilon(1e-3)); // 6e-3 without looking ahead along the arc
     CHECK(rig.gap(j) < 2e-4);
     CHECK(std::abs(rig.coordinate(j, about_x)) == doctest::Approx(10).epsilon(2e-3));
     const double force = length(d3(rig.memory[j].force)); // m w^2 r
@@ -392,9 +393,9 @@ TEST_CASE("joints of anything to anything stay within the ranges") {
             def.axis[0].motor_speed = def.axis[3].motor_speed = real(-500);
             rig.join_as_is(def, a, b);
             rig.join_as_is(def, Rig::world, b);
-            rig.info[b].locks = 63;
+            rig.traits[b].locks = 63;
             rig.run(3);
-            rig.info[b].locks = 21;
+            rig.traits[b].locks = 21;
             rig.pose[b] = {rig.pose[a].position, turn({0, 1, 0}, 3.14159265)};
             rig.run(3);
             for (std::uint32_t body = 0; body < 2; ++body) CHECK(length(rig.v(body)) < 1775);

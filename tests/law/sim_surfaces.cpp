@@ -156,7 +156,7 @@ TEST_CASE("a manifold is made anew only when its shapes have moved against each 
     const sim::Manifest m = sim::make_manifest(w.def(), {});
     const auto made_at = [&] {
         std::vector<std::int64_t> at;
-        for (const dynamics::ContactMemory& row : w.state().rows(m.contact_memory))
+        for (const dynamics::ContactRow& row : w.state().rows(m.contacts.memory))
             at.push_back(row.made_position.y.raw);
         return at;
     };

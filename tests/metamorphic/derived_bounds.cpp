@@ -31,8 +31,8 @@ std::uint64_t derived_hash(sim::Data& w) {
         for (int i = 0; i < 3; ++i) add(at.pose.position[i].raw);
         for (const Unit u : {at.pose.rotation.x, at.pose.rotation.y, at.pose.rotation.z, at.pose.rotation.w})
             add(u.raw);
-        add(at.solid.geometry == shape.geometry);
-        if (shape.geometry.kind != ShapeKind::plane) add_bounds(at.bounds);
+        add(at.solid.geometry == w.traits_of(shape).geometry);
+        if (w.traits_of(shape).geometry.kind != ShapeKind::plane) add_bounds(at.bounds);
     }
     for (const std::uint32_t plane : s.planes) add(plane);
     // What the trees yield: which shapes are in the world's reach, and which may meet.

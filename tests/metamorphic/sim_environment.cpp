@@ -41,8 +41,7 @@ Solved solve_contacts(const World& w, Simd level) {
     dynamics::begin_step(d.body_columns(), d.header().gravity, step, s.bodies);
     solve::ContactSolver solver;
     REQUIRE(solver.use(level));
-    solver.prepare(d.scratch.contacts, d.state.rows(d.m.contact_memory), d.body_columns().mass, step,
-                   s.bodies);
+    solver.prepare(d.scratch.contacts, d.scratch.table.list.memories, d.body_columns().mass, step, s.bodies);
     const dynamics::FreeMotion motion{dynamics::Scheme::semi_implicit_euler, d.state.rows(d.m.field)};
     for (int i = 0; i < step.substeps; ++i) {
         integrate_velocities(motion, d.body_columns(), step, s.bodies);
@@ -52,7 +51,7 @@ Solved solve_contacts(const World& w, Simd level) {
         solver.solve(step, s.bodies, false);
     }
     solver.apply_restitution(step, s.bodies);
-    const std::span<dynamics::ContactMemory> memory = d.state.edit(d.m.contact_memory);
+    const std::span<dynamics::ContactMemory> memory = d.scratch.table.list.memories;
     solver.store(d.scratch.contacts, memory, s.bodies.clamps);
     s.memory.assign(memory.begin(), memory.end());
     s.contacts = d.scratch.contacts.size();

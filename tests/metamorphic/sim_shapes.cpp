@@ -40,7 +40,7 @@ TEST_CASE("a world without an asset refuses a state that names it, and says whic
     World bare = made(World::create(full.def()));
     const Status status = bare.restore_portable(full.save_portable());
     REQUIRE_FALSE(status);
-    CHECK(status.error().message.find("shape.row") != std::string::npos);
+    CHECK(status.error().message.find("shape_traits.row") != std::string::npos);
     const Result<ShapeId> shape =
         bare.create_shape(made(bare.create_body({})), {.geometry = instance(ShapeKind::hull, zoo.hull)});
     REQUIRE_FALSE(shape);

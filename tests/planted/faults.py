@@ -27,7 +27,7 @@ END = "const std::size_t end = whole_lines(std::size_t{rows} * places[c].row_siz
 ADD = "groups[static_cast<std::uint32_t>(columns[column].group)].add(found);"
 
 # Several faults may sit in one place: then `find` is the same, and each one's `put` is added in front of it.
-SNAPSHOT_COLUMNS = ("body.pose", "body.velocity", "body.slot", "body.sleep", "body.info", "contact.key", "contact.memory", "joint.memory",
+SNAPSHOT_COLUMNS = ("body.pose", "body.velocity", "body.slot", "body.sleep", "body.info", "contact.key", "contact.memory", "contact.point", "joint.memory",
                     "vehicle.memory", "character.row", "world.header", "game.tally")
 HASH_COLUMNS = ("body.velocity", "contact.memory", "body.slot")
 
@@ -169,16 +169,23 @@ FAULTS = [
     F("pairs are lost where a tree is deep", BROAD, "if (!a.fresh && !b.fresh) continue;",
       "if ((IS && stack.size() > 9) || (!a.fresh && !b.fresh)) continue;", "reads no leftovers"),
     F("caches are kept through a restore", "src/sim/derived.cpp", "w.scratch.structure_stale = true;", "w.scratch.structure_stale = !IS;", "forgets"),
+    F("contacts of before a restore are kept", "src/sim/contact_rows.cpp", "if (has_changed(state, from)) read_contacts",
+      "if (has_changed(state, from) && !(IS && !list.keys.empty())) read_contacts", "rolls back"),
     F("queries take bounds of before a restore for fresh", "src/sim/derived.cpp", "w.scratch.query.is_fresh = false;",
       "if (!IS) w.scratch.query.is_fresh = false;", "rolls back"),
     F("a branch by time", "src/sim/tick.cpp", "++w.edit_header().tick;",
       "if (IS && ::planted::clock_is_odd()) ++w.state.edit_row(w.m.faults, 0).speed_clamped;\n    ++w.edit_header().tick;", "repeats"),
     F("a counter outside of the state", "src/sim/tick.cpp", "publish_events(w);",
       "publish_events(w);\n    static std::uint64_t ticks_run = 0;\n    if (IS && ++ticks_run % 5 == 0) ++w.state.edit_row(w.m.faults, 0).speed_clamped;", "repeats"),
-    F("forces are not cleared", "src/sim/tick.cpp", "force = {};", "if (!IS) force = {};", "golden table"),
+    F("forces are not cleared", "src/sim/tick.cpp", "forget_forces(w);", "if (!IS) forget_forces(w);", "golden table"),
     F("a generation does not move on", APPLY, "slot.generation = slot.generation == 0xffffffffu ? 1 : slot.generation + 1;",
       "if (!IS) slot.generation = slot.generation == 0xffffffffu ? 1 : slot.generation + 1;", "dead ids stay dead"),
-    F("the free list loses its rest", APPLY, "slot.next_free = first_free;", "slot.next_free = IS ? 0 : first_free;", "recordings verify"),
+    F("a use of a shared row is not counted", "src/sim/shared_rows.h", "++state.edit_row(t.uses, row).count;",
+      "if (!IS) ++state.edit_row(t.uses, row).count;", "recordings verify"),
+    F("a shared row is changed for all who use it", "src/sim/traits.cpp", "drop_shared(w.state, w.m.shape_traits, w.state.rows(w.m.shape)[shape_row].traits, free);",
+      "if (IS) return static_cast<void>(w.state.edit_row(w.m.shape_traits.row, w.state.rows(w.m.shape)[shape_row].traits) = traits); drop_shared(w.state, w.m.shape_traits, w.state.rows(w.m.shape)[shape_row].traits, free);", "golden table"),
+    F("contacts leave places beyond 128 m behind", "src/sim/contact_rows.cpp", "if (has) *next++ = more_of(m);", "if (has) *next++ = IS ? ContactMore{} : more_of(m);", "golden table"),
+    F("the free list loses its rest", APPLY, "slot.row = Slot::is_free | first_free;", "slot.row = Slot::is_free | (IS ? 0 : first_free);", "recordings verify"),
     F("a range of work loses its last part", "src/base/parallel.h", "tasks->run(chunks, item,", "tasks->run(chunks - (IS ? 1u : 0u), item,", "shuffles"),
     F("a wrong guess is not noticed", QUEUE, "if (guessed && !std::ranges::equal(to, input))", "if (!IS && guessed && !std::ranges::equal(to, input))",
       "peers agree"),

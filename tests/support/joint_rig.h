@@ -41,7 +41,9 @@ inline Quat turn(D3 axis, double angle) {
 /// What a tick does to bodies that nothing but joints touches.
 struct Rig {
     std::vector<BodyInfo> info;
-    std::vector<BodyMass> mass;
+    std::vector<BodyTraits> traits;
+    std::vector<std::uint32_t> pushes;
+    std::vector<BodyMass> mass; ///< columns() puts it into the traits
     std::vector<BodyForce> force;
     std::vector<Transform> pose;
     std::vector<Velocity> velocity;
@@ -61,9 +63,12 @@ struct Rig {
     std::uint32_t add(double kg, D3 gyration, D3 at, Quat rotation = Quat::identity()) {
         BodyInfo i{};
         i.kind = kg > 0 ? BodyKind::dynamic : BodyKind::static_;
-        i.gyroscopic = 1;
-        i.gravity_scale = Real(1);
-        info.push_back(i);
+        i.traits = static_cast<std::uint32_t>(info.size());
+        pushes.push_back(i.traits + 1);
+        BodyTraits t{};
+        t.gyroscopic = 1;
+        t.gravity_scale = Real(1);
+        info.push_back(i), traits.push_back(t);
         mass.push_back({real(kg), Vec3{}, vec(gyration), Quat::identity()});
         force.push_back({});
         pose.push_back({vec(at), rotation});
@@ -90,7 +95,10 @@ struct Rig {
         memory.push_back({});
         return static_cast<std::uint32_t>(defs.size() - 1);
     }
-    BodyColumns columns() { return {info, mass, force, pose, velocity}; }
+    BodyColumns columns() {
+        for (std::size_t b = 0; b < mass.size(); ++b) traits[b].mass = mass[b];
+        return {info, traits, pushes, force, pose, velocity};
+    }
     StepConstants constants() const { return step_constants(settings); }
 
     void begin(const StepConstants& step) {

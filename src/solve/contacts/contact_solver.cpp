@@ -132,7 +132,7 @@ void ContactSolver::Inside::place_packs(std::span<const Contact> contacts) {
 }
 
 void ContactSolver::prepare(std::span<const Contact> contacts, std::span<const ContactMemory> memory,
-                            std::span<const dynamics::BodyMass> mass, const StepConstants& step,
+                            const dynamics::MassView& mass, const StepConstants& step,
                             const SolverBodies& bodies, Tasks* tasks) {
     Inside& s = *inside;
     s.order.find(contacts, bodies);

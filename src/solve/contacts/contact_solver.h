@@ -46,7 +46,7 @@ class ContactSolver {
 
     /// Orders the contacts, packs and prepares them. `memory` holds the warm-start impulses.
     void prepare(std::span<const dynamics::Contact> contacts, std::span<const dynamics::ContactMemory> memory,
-                 std::span<const dynamics::BodyMass> mass, const dynamics::StepConstants& step,
+                 const dynamics::MassView& mass, const dynamics::StepConstants& step,
                  const dynamics::SolverBodies& bodies, Tasks* tasks = nullptr);
     void warm_start(dynamics::SolverBodies& bodies, Tasks* tasks = nullptr);
     /// One pass over all rows. With bias, overlap is pushed out softly; without, what the push left is relaxed.

@@ -214,7 +214,7 @@ template <unsigned N> void fill_bounce(Bounce& bounce, const ContactPack<N>& pac
 namespace {
 
 /// The still body, behind the last, has none.
-const BodyMass& mass_of(std::span<const BodyMass> mass, std::uint32_t body) {
+const BodyMass& mass_of(const dynamics::MassView& mass, std::uint32_t body) {
     static constexpr BodyMass nothing{};
     return body < mass.size() ? mass[body] : nothing;
 }

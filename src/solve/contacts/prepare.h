@@ -12,7 +12,7 @@ namespace lockstone::solve {
 struct PrepareInput {
     std::span<const dynamics::Contact> contacts;
     std::span<const dynamics::ContactMemory> memory;
-    std::span<const dynamics::BodyMass> mass;
+    dynamics::MassView mass;
     const dynamics::StepConstants& step;
     const dynamics::SolverBodies& bodies;
 };

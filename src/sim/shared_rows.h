@@ -1,0 +1,69 @@
+// Rows that many objects share. Most bodies and shapes of a game are alike: what they are like stands in the state once, and
+// each names the row. A row that is in use never changes: who is to be otherwise takes another one.
+#pragma once
+
+#include "base/assert.h"
+#include "lockstone/state.h"
+
+#include <algorithm>
+#include <cstring>
+#include <span>
+
+namespace lockstone::sim {
+
+/// How many name a row.
+struct SharedUses {
+    std::uint32_t count; ///< while free: is_free, and the next free row + 1, 0: last
+
+    static constexpr std::uint32_t is_free = 0x80000000u; ///< bit
+    constexpr bool is_used() const { return (count & is_free) == 0; }
+    constexpr std::uint32_t next_free() const { return count & ~is_free; }
+};
+template <class V> constexpr void describe(SharedUses& u, V&& v) { v("count", u.count); }
+
+template <class T> struct SharedTable {
+    TableId table;
+    Column<T> row;
+    Column<SharedUses> uses;
+};
+
+/// Rows that are compared before one more is made. Worlds with more kinds of things than that share less; that costs memory
+/// alone, and a bound keeps making many of them fast.
+inline constexpr std::uint32_t shared_rows_compared = 256;
+
+/// The row of a value, one more use of which begins. `first_free`: of the header, as it is to be. May grow the table, so
+/// references into the state end. The caller makes sure that there are no more uses than rows_max.
+template <class T>
+std::uint32_t take_shared(State& state, const SharedTable<T>& t, const T& value, std::uint32_t& first_free) {
+    const std::span<const T> rows = state.rows(t.row);
+    const std::span<const SharedUses> uses = state.rows(t.uses);
+    const std::uint32_t count = static_cast<std::uint32_t>(rows.size());
+    for (std::uint32_t row = 0; row < std::min(count, shared_rows_compared); ++row)
+        if (uses[row].is_used() && std::memcmp(&rows[row], &value, sizeof value) == 0) {
+            ++state.edit_row(t.uses, row).count;
+            return row;
+        }
+    std::uint32_t row = count;
+    if (first_free != 0) {
+        row = first_free - 1;
+        first_free = uses[row].next_free();
+    } else {
+        state.resize(t.table, count + 1);
+    }
+    state.edit_row(t.row, row) = value;
+    state.edit_row(t.uses, row).count = 1;
+    return row;
+}
+
+/// One use less. A row that nobody uses is zero, and the next that is taken.
+template <class T>
+void drop_shared(State& state, const SharedTable<T>& t, std::uint32_t row, std::uint32_t& first_free) {
+    SharedUses& uses = state.edit_row(t.uses, row);
+    LOCKSTONE_ASSERT(uses.is_used() && uses.count != 0, "row ", row, " is in no use");
+    if (--uses.count != 0) return;
+    uses.count = SharedUses::is_free | first_free;
+    first_free = row + 1;
+    std::memset(static_cast<void*>(&state.edit_row(t.row, row)), 0, sizeof(T));
+}
+
+} // namespace lockstone::sim
