@@ -133,7 +133,11 @@ TEST_CASE("states out of the commands' ranges are refused") {
         const auto found = std::ranges::find(info->leaves, leaf, &LeafInfo::name);
         REQUIRE(found != info->leaves.end());
         const auto bytes = state.edit_bytes(static_cast<std::uint32_t>(info - layout.columns().data()));
-        std::memcpy(bytes.data() + bytes.size() - info->row_size + found->offset, &value, found->size);
+        for (std::size_t at = 0; at < bytes.size(); at += info->row_size) {
+            const auto row = bytes.subspan(at, info->row_size);
+            const bool is_free = std::ranges::all_of(row, [](std::byte b) { return b == std::byte{}; });
+            if (!is_free) std::memcpy(row.data() + found->offset, &value, found->size);
+        }
         return !world.restore_portable(state.save_portable()).ok();
     };
     const auto raw = [](Real r) { return static_cast<std::uint64_t>(r.raw); };

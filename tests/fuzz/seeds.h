@@ -25,8 +25,11 @@ inline Script& change_numbers(Script& to, std::uint8_t how, std::uint8_t by) {
     for (const std::string_view column :
          {"body.velocity", "body.force", "body.pose", "contact.memory", "contact.point", "joint.memory",
           "vehicle.memory", "game.bruise", "game.purse"})
-        for (std::uint8_t row = 0; row < 2; ++row)
-            to.u8(column_named(column)).u8(row).u16(row).u8(how).u8(by);
+        for (std::uint8_t row = 0; row < 2; ++row) {
+            const std::uint16_t first =
+                column == "contact.memory" ? 2 : 0; // behind the flags and the number of points
+            to.u8(column_named(column)).u8(row).u16(static_cast<std::uint16_t>(first + row)).u8(how).u8(by);
+        }
     return to;
 }
 
