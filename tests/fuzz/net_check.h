@@ -18,7 +18,7 @@ struct NetOutcome {
 class SiegedNet {
   public:
     explicit SiegedNet(bool relayed)
-        : has_relay(relayed), secret(lockstone::random_key()), relay(secret, {}, lockstone::test::start_ms) {
+        : secret(lockstone::random_key()), relay(secret, {}, lockstone::test::start_ms) {
         auto plan = lockstone::test::plan_of(2);
         if (relayed)
             plan.relay = relay_at, plan.relay_secret = secret,
@@ -99,7 +99,6 @@ class SiegedNet {
             }
         return {};
     }
-    bool has_relay;
     lockstone::NetAddress relay_at = lockstone::test::address(1, 9999);
     lockstone::NetKey secret;
     lockstone::Relay relay;
