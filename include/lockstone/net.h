@@ -283,6 +283,9 @@ class UdpTransport final : public Transport {
     void poll(std::uint64_t now_ms);
     void send(PeerId to, std::span<const std::byte> bytes) override;
     std::optional<Datagram> receive() override;
+    bool authenticated() const override {
+        return true;
+    } ///< keys are of this match, and each packet has a tag
     const Endpoint& endpoint() const { return peer; }
     UdpSocket& socket() { return wire; }
     static constexpr std::uint32_t datagrams_per_poll = 4096;

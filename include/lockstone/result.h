@@ -37,10 +37,12 @@ template <class T> class [[nodiscard]] Result {
     bool ok() const { return content.index() == 0; }
     T& value() & { return value_of(*this); }
     const T& value() const& { return value_of(*this); }
-    T&& value() && { return std::move(value_of(*this)); }
+    T value() && {
+        return std::move(value_of(*this));
+    } ///< a value: a range-for over a temporary result is sound
     T& operator*() & { return value(); }
     const T& operator*() const& { return value(); }
-    T&& operator*() && { return std::move(*this).value(); }
+    T operator*() && { return std::move(*this).value(); }
     T* operator->() { return &value(); }
     const T* operator->() const { return &value(); }
     const Error& error() const {

@@ -81,7 +81,9 @@ struct ForceView {
 
     const BodyForce& operator[](std::size_t row) const {
         static constexpr BodyForce none{};
-        return pushes[row] == 0 ? none : forces[pushes[row] - 1];
+        const std::uint32_t at =
+            pushes[row] - 1; // of none, and of what a column that was left out leads to: beyond the end
+        return at < forces.size() ? forces[at] : none;
     }
 };
 
