@@ -47,9 +47,9 @@ struct ColumnInfo {
     std::string name; ///< "body.pose": unique
     std::uint32_t table;
     Group group;
-    std::uint32_t row_size;      ///< bytes
-    std::uint32_t rows_per_page; ///< of the hash tree
-    std::size_t offset;          ///< of row 0 from the start of the block, a multiple of 64
+    std::uint32_t row_size;           ///< bytes
+    std::uint32_t rows_per_page;      ///< of the hash tree
+    std::size_t offset;               ///< of row 0 from the start of the block, a multiple of 64
     std::span<const LeafInfo> leaves; ///< valid while a layout lives that has the column
     std::uint64_t name_hash;          ///< seeds the column's node of the hash tree
 };
@@ -179,11 +179,13 @@ class ChangeMark {
     std::vector<std::uint32_t> rows; ///< by column: how many there were
 };
 
+inline constexpr const char* row_count_field =
+    "row count"; ///< of Difference: no field has a name with a space in it
 /// Where two states first differ, ready to print.
 struct Difference {
     std::string column; ///< "body.velocity"; for row counts the table's name
     std::uint32_t row;
-    std::string field;       ///< "linear.x"; "count" for row counts
+    std::string field;       ///< "linear.x"; row_count_field for row counts
     std::string left, right; ///< decimal and raw: "-1.25 (raw 0xfff60000)"
 };
 /// "column body.velocity, row 7, linear.x: 1 (raw 0x80000) against 2 (raw 0x100000)"

@@ -186,7 +186,7 @@ void Inspection::read_columns() {
         const std::uint32_t ours = here.count({table}), theirs = in.u32("row count");
         if (in.ok() && ours != theirs)
             report.differences.push_back(
-                {layout.tables()[table].name, 0, "count", base::join(ours), base::join(theirs)});
+                {layout.tables()[table].name, 0, row_count_field, base::join(ours), base::join(theirs)});
     }
     for (std::uint32_t column = 0; column < tree.columns.size(); ++column) {
         const std::uint64_t theirs = in.u64("column hash");

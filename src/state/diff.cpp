@@ -25,7 +25,7 @@ void append_row(const ColumnInfo& column, std::uint32_t row, std::span<const std
 } // namespace
 
 std::string to_string(const Difference& difference) {
-    if (difference.field == "count")
+    if (difference.field == row_count_field)
         return base::join("row count of ", difference.column, ": ", difference.left, " against ",
                           difference.right);
     return base::join("column ", difference.column, ", row ", difference.row, ", ", difference.field, ": ",
@@ -38,7 +38,7 @@ std::vector<Difference> State::diff(const State& left, const State& right, std::
     std::vector<Difference> out;
     for (std::uint32_t table = 0; table < layout.tables().size() && out.size() < limit; ++table)
         if (left.count({table}) != right.count({table}))
-            out.push_back({layout.tables()[table].name, 0, "count", count_text(left.count({table})),
+            out.push_back({layout.tables()[table].name, 0, row_count_field, count_text(left.count({table})),
                            count_text(right.count({table}))});
     for (std::uint32_t index = 0; index < layout.columns().size(); ++index) {
         const ColumnInfo& column = layout.columns()[index];

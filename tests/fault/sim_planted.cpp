@@ -72,7 +72,7 @@ TEST_CASE("planted fault: a column left out of the restore is found out and name
         if (std::ranges::all_of(bytes, [](std::byte b) { return b == std::byte{}; }))
             continue; // nothing to lose
         INFO(info.name);
-        CHECK(names(verdict([&](State& s) { zero(s, info.name.c_str()); }), info.name)); // "column ...", "row count of ..."
+        CHECK(names(verdict([&](State& s) { zero(s, info.name.c_str()); }), "column " + info.name));
     }
 }
 
