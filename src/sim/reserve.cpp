@@ -50,9 +50,10 @@ Status reserve(Data& w, const WorldRows& rows) {
     const auto take = [&](std::uint32_t count, std::initializer_list<TableId> tables) {
         for (const TableId table : tables) capacities[table.index] = count;
     };
-    take(rows.bodies, {m.bodies, m.body_slots}), take(rows.shapes, {m.shapes, m.shape_slots});
-    take(rows.contacts, {m.contacts.contacts, m.sleeping_contacts.contacts});
-    take(4 * rows.contacts, {m.contacts.points, m.sleeping_contacts.points});
+    take(rows.bodies, {m.bodies, m.body_slots, m.forces, m.body_traits.table});
+    take(rows.shapes, {m.shapes, m.shape_slots, m.shape_traits.table});
+    for (const ContactTables* t : {&m.contacts, &m.sleeping_contacts})
+        take(rows.contacts, {t->contacts, t->more}), take(4 * rows.contacts, {t->points});
     take(rows.fields, {m.fields, m.field_slots});
     take(rows.pair_filters, {m.pair_filters}), take(rows.joints, {m.joints, m.joint_slots});
     take(rows.characters, {m.characters, m.character_slots});

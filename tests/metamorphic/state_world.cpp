@@ -63,12 +63,12 @@ TEST_CASE("planted fault: a tick that wrote a definition past edit is found") {
         const std::string failed = rolled(Scenery::stack, [tick](const World& w) {
             if (w.tick_count() != tick) return;
             const State& state = w.state();
-            const ColumnInfo* info = state.layout().find_column("shape.row");
+            const ColumnInfo* info = state.layout().find_column("body_traits.row");
             const std::span<const std::byte> bytes =
                 state.bytes(static_cast<std::uint32_t>(info - state.layout().columns().data()));
             const_cast<std::byte&>(bytes.back()) ^= std::byte{1};
         });
-        found = failed.starts_with("versions: column shape.row, rows ");
+        found = failed.starts_with("versions: column body_traits.row, rows ");
     }
     CHECK(found);
 }

@@ -139,7 +139,7 @@ static std::string named_wrongly(const SceneMatch& match, const Flip& flip) {
 
 TEST_CASE("a flipped bit is named at both machines: tick, column, row, field and both values") {
     for (const Flip& flip : {Flip{150, "body.velocity", 7, 1, true}, Flip{30, "body.pose", 3, 2, true},
-                             Flip{0, "body.force", 5, 0, true}, Flip{200, "body.mass", 4, 0, true},
+                             Flip{0, "body_traits.row", 1, 0, true}, Flip{200, "body.sleep", 4, 0, true},
                              Flip{101, "body.velocity", 9, 4, false}}) {
         CAPTURE(flip.column);
         SceneMatch match(flip);
