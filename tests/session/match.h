@@ -73,9 +73,11 @@ struct MatchDef {
     std::uint64_t disconnect_ms = 5000;
     LinkDef link{};
     std::uint64_t connect_ms = 30'000;
-    std::function<Transport&(PeerId, Transport&)> through = {}; ///< what a machine sends and hears by; none: the network
+    std::function<Transport&(PeerId, Transport&)> through =
+        {};             ///< what a machine sends and hears by; none: the network
     bool record = true; ///< keep timelines and check events: both allocate
     std::uint64_t seed = 1;
+    std::uint32_t inspected_ticks = 64; ///< of RunnerDef
 };
 
 class Match {
@@ -111,8 +113,9 @@ class Match {
                                       : make_rollback_session(session_def, transport))
                             .value();
             m.simulation = make_simulation(id);
-            m.runner = std::make_unique<SessionRunner>(*m.session, *m.simulation,
-                                                       RunnerDef{def.record ? &m.timeline : nullptr, ""});
+            m.runner = std::make_unique<SessionRunner>(
+                *m.session, *m.simulation,
+                RunnerDef{def.record ? &m.timeline : nullptr, "", def.inspected_ticks});
         }
     }
     explicit Match(const MatchDef& match_def)

@@ -61,6 +61,16 @@ inline void step_quiet(World& w) {
         done(w.add_impulse(w.body_at(1 + static_cast<std::uint32_t>(tick % 5)), vec(0, 3000, 0)));
     w.tick();
 }
+/// Whether a point lies on a dynamic body of its two, within two metres of it: no other body of this scene is so near for long.
+inline bool is_on_bodies(const World& w, const World::ContactPoint& point) {
+    for (const ShapeId shape : {point.shape_a, point.shape_b}) {
+        const BodyId body = w.body_of(shape);
+        if (w.kind(body) == BodyKind::dynamic && length(w.pose(body).position - point.point) > 2_r)
+            return false;
+    }
+    return true;
+}
+
 /// Points that are asked for late, after contacts of what fell asleep left the table: as late_points_difference().
 inline std::string points_of_sleepers_difference(int ticks) {
     World early = start_quiet(), late = start_quiet();
@@ -69,6 +79,9 @@ inline std::string points_of_sleepers_difference(int ticks) {
         step_quiet(early), step_quiet(late);
         const std::vector<World::ContactPoint> points(early.contacts().begin(), early.contacts().end());
         seen += points.size();
+        for (const World::ContactPoint& point : points)
+            if (!is_on_bodies(early, point))
+                return "tick " + std::to_string(t) + ": a contact point lies far from its bodies";
         if (t % 7 == 0) {
             const BodyId b = early.body_at(early.body_count() - 1);
             if (early.kind(b) == BodyKind::dynamic) done(early.wake_body(b)), done(late.wake_body(b));
