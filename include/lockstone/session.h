@@ -57,8 +57,8 @@ struct SessionDef {
     std::uint32_t input_size = 0; ///< bytes, 0..64
     PeerId self = 0;              ///< this machine
     std::vector<PeerId> players; ///< by player: the machine where they play; 1..16, the same on every machine
-    std::uint32_t input_delay = 2;      ///< [ticks], 0..32; lockstep needs at least 1; machines may differ
-    std::uint32_t prediction_max = 8;   ///< [ticks] that may run on guesses, 1..64; lockstep ignores it
+    std::uint32_t input_delay = 2;    ///< [ticks], 0..32; lockstep needs at least 1; machines may differ
+    std::uint32_t prediction_max = 8; ///< [ticks] that may run on guesses, 1..64; lockstep ignores it
     /// Patience with a peer: how long it may be silent, and how long the match may wait for its inputs, hashes and
     /// acknowledgements; every tick that runs makes up for a tenth of a second, or a sixtieth of it if that is more.
     /// Then this machine wants it to leave.
@@ -145,18 +145,20 @@ inline constexpr std::uint64_t desync_log_ticks = 120; ///< two seconds at 60 Hz
 /// Where two states part, as far as both machines have told each other.
 struct DesyncReport {
     PeerId peer = 0;
-    std::uint64_t tick = 0;               ///< the first after which the states differ
-    std::uint64_t local = 0, remote = 0;  ///< root hashes after it; remote: 0 where not told
-    std::string phase;                    ///< of the tick, run again: the first that both leave differently; empty: not known
-    std::vector<std::string> columns;     ///< that differ, in manifest order
-    std::vector<Difference> differences;  ///< row counts, then of the first page of the first column; ours left
-    bool complete = false;                ///< the other side has answered all
-    bool local_repeats = false;           ///< the tick, run again here, leads to the same state as it did
-    bool remote_repeats = false;          ///< and there. Whose does not has a fault that its state and inputs do not explain
-    std::uint64_t bytes_exchanged = 0;    ///< both ways, of questions and answers; at most 128 kB
+    std::uint64_t tick = 0;              ///< the first after which the states differ
+    std::uint64_t local = 0, remote = 0; ///< root hashes after it; remote: 0 where not told
+    std::string phase; ///< of the tick, run again: the first that both leave differently; empty: not known
+    std::vector<std::string> columns; ///< that differ, in manifest order
+    std::vector<Difference>
+        differences;            ///< row counts, then of the first page of the first column; ours left
+    bool complete = false;      ///< the other side has answered all
+    bool local_repeats = false; ///< the tick, run again here, leads to the same state as it did
+    bool remote_repeats =
+        false; ///< and there. Whose does not has a fault that its state and inputs do not explain
+    std::uint64_t bytes_exchanged = 0; ///< both ways, of questions and answers; at most 128 kB
     struct Tick {
         std::uint64_t tick;
-        std::uint32_t local, remote; ///< lower halves of the root hashes
+        std::uint32_t local, remote;                ///< lower halves of the root hashes
         std::vector<std::vector<std::byte>> inputs; ///< by player
     };
     std::vector<Tick> log; ///< the last desync_log_ticks up to `tick`
@@ -181,7 +183,8 @@ struct PeerIncompatible {
 struct MatchStopped {
     std::string reason; ///< a sentence
 };
-using Notice = std::variant<PeerConnected, PlayerDisconnected, Desync, DesyncNamed, PeerIncompatible, MatchStopped>;
+using Notice =
+    std::variant<PeerConnected, PlayerDisconnected, Desync, DesyncNamed, PeerIncompatible, MatchStopped>;
 
 /// Why a packet was dropped. Dropped packets change nothing but these counts.
 enum class PacketFault : std::uint32_t {
@@ -267,6 +270,8 @@ class Session {
 
     /// Whom to ask when a peer holds another state; not owned, null: nobody. False: this session never asks.
     virtual bool set_inspector(StateInspector*) { return false; }
+    /// Asks this one no more. Where another one has been set since, nothing changes.
+    virtual void drop_inspector(const StateInspector&) {}
 
     virtual std::uint64_t current_tick() const = 0; ///< the next new tick
     virtual std::uint32_t

@@ -22,7 +22,8 @@ struct SpectatorHostDef {
     std::uint64_t silence_polls = 600; ///< of a watcher: then its place is free again
 };
 
-/// Keeps the confirmed timeline from tick 0, some bytes a tick, and sends each watcher what it lacks: a packet a poll at most.
+/// Keeps the confirmed timeline from tick 0, some bytes a tick, and sends each watcher what it lacks: a packet a poll at most. It
+/// is there from the match's first tick on (asserted).
 class SpectatorHost final : public ConfirmedSink {
   public:
     /// `next`: a sink that is told too, a recorder say; not owned, like the transport.

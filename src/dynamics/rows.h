@@ -81,8 +81,8 @@ struct ForceView {
 
     const BodyForce& operator[](std::size_t row) const {
         static constexpr BodyForce none{};
-        const std::uint32_t at =
-            pushes[row] - 1; // of none, and of what a column that was left out leads to: beyond the end
+        // 0 becomes the greatest number, which is no row; nor is what a push names whose force is gone.
+        const std::uint32_t at = pushes[row] - 1;
         return at < forces.size() ? forces[at] : none;
     }
 };

@@ -73,16 +73,6 @@ bool Endpoint::Impl::may_open() {
     return true;
 }
 
-Space Endpoint::Impl::push(const NetAddress& to, std::size_t size) {
-    const Space space = outgoing.push(to, size);
-    if (space.empty()) {
-        ++stats.queue_full;
-        return {};
-    }
-    ++stats.sent, stats.bytes_sent += size;
-    return space;
-}
-
 Endpoint::Impl::Fault Endpoint::Impl::take(const NetAddress& from, Bytes datagram) {
     if (const Fault fault = length_fault(datagram)) return fault;
     const Kind kind = kind_of(datagram[0]);

@@ -82,7 +82,9 @@ struct Endpoint::Impl {
     }
     /// Takes from the number of ciphertexts that are tried.
     bool may_open();
-    net::Space push(const NetAddress& to, std::size_t size);
+    net::Space push(const NetAddress& to, std::size_t size) {
+        return net::push_counted(outgoing, stats, to, size);
+    }
     Fault take(const NetAddress& from, net::Bytes datagram);
 
     // handshake.cpp

@@ -43,4 +43,16 @@ template <class Label> class PacketQueue {
     std::size_t first = 0, count = 0, used = 0;
 };
 
+/// Space for a datagram, which is counted; empty where the queue is full.
+inline Space push_counted(PacketQueue<NetAddress>& outgoing, NetStats& stats, const NetAddress& to,
+                          std::size_t size) {
+    const Space space = outgoing.push(to, size);
+    if (space.empty()) {
+        ++stats.queue_full;
+        return {};
+    }
+    ++stats.sent, stats.bytes_sent += size;
+    return space;
+}
+
 } // namespace lockstone::net

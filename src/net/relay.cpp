@@ -24,16 +24,6 @@ Relay::Relay(Relay&&) noexcept = default;
 Relay& Relay::operator=(Relay&&) noexcept = default;
 Relay::~Relay() = default;
 
-Space Relay::Impl::push(const NetAddress& to, std::size_t size) {
-    const Space space = outgoing.push(to, size);
-    if (space.empty()) {
-        ++stats.queue_full;
-        return {};
-    }
-    ++stats.sent, stats.bytes_sent += size;
-    return space;
-}
-
 Relay::Impl::Fault Relay::Impl::take(const NetAddress& from, Bytes datagram) {
     if (const Fault fault = length_fault(datagram)) return fault;
     const Kind kind = kind_of(datagram[0]);

@@ -61,7 +61,9 @@ struct Relay::Impl {
     std::uint64_t forwarded = 0;
     NetStats stats;
 
-    net::Space push(const NetAddress& to, std::size_t size);
+    net::Space push(const NetAddress& to, std::size_t size) {
+        return net::push_counted(outgoing, stats, to, size);
+    }
     Fault take(const NetAddress& from, net::Bytes datagram);
     Fault take_hello(const NetAddress& from, net::Bytes datagram);
     /// What requests have to get past before anything of them is opened.

@@ -71,12 +71,21 @@ Status in_time(std::string_view what, std::uint64_t expires_ms, std::uint64_t no
     return {};
 }
 
-void read_seat(base::ByteReader& from, PeerId& slot, std::uint32_t& players) {
-    slot = from.u8("slot");
-    players = from.u8("players");
-    if (players < 2 || players > net_players_max)
-        from.fail(base::join(players, " players, must be 2..", net_players_max));
-    if (slot >= players) from.fail(base::join("slot ", slot, " of ", players));
+/// What tokens and passes begin with: the match, its end, the seat.
+template <class T> void write_seat(base::ByteWriter& to, const T& t) {
+    to.u64(t.match_id);
+    to.u64(t.expires_ms);
+    to.u8(static_cast<std::uint8_t>(t.slot));
+    to.u8(static_cast<std::uint8_t>(t.players));
+}
+template <class T> void read_seat(base::ByteReader& from, T& t) {
+    t.match_id = from.u64("match");
+    t.expires_ms = from.u64("end");
+    t.slot = from.u8("slot");
+    t.players = from.u8("players");
+    if (t.players < 2 || t.players > net_players_max)
+        from.fail(base::join(t.players, " players, must be 2..", net_players_max));
+    if (t.slot >= t.players) from.fail(base::join("slot ", t.slot, " of ", t.players));
 }
 
 } // namespace
@@ -92,10 +101,7 @@ std::vector<std::byte> net::sealed_file(std::string_view magic, Bytes plain, con
 std::vector<std::byte> seal_token(const ConnectToken& token, const NetKey& key) {
     std::vector<std::byte> plain;
     base::ByteWriter to(plain);
-    to.u64(token.match_id);
-    to.u64(token.expires_ms);
-    to.u8(static_cast<std::uint8_t>(token.slot));
-    to.u8(static_cast<std::uint8_t>(token.players));
+    write_seat(to, token);
     to.bytes(token.secret.bytes);
     for (std::uint32_t slot = 0; slot < token.players && slot < net_players_max; ++slot) {
         to.bytes(token.public_keys[slot].bytes);
@@ -113,9 +119,7 @@ Result<ConnectToken> open_token(std::span<const std::byte> bytes, const NetKey& 
     if (!plain) return plain.error();
     base::ByteReader from(*plain, "connect token");
     ConnectToken token;
-    token.match_id = from.u64("match");
-    token.expires_ms = from.u64("end");
-    read_seat(from, token.slot, token.players);
+    read_seat(from, token);
     token.secret = read_key(from, "secret key");
     for (std::uint32_t slot = 0; from.ok() && slot < token.players; ++slot) {
         token.public_keys[slot] = read_key(from, "public key");
@@ -137,10 +141,7 @@ Result<ConnectToken> open_token(std::span<const std::byte> bytes, const NetKey& 
 std::vector<std::byte> seal_pass(const RelayPass& pass, const NetKey& relay_secret) {
     std::vector<std::byte> plain;
     base::ByteWriter to(plain);
-    to.u64(pass.match_id);
-    to.u64(pass.expires_ms);
-    to.u8(static_cast<std::uint8_t>(pass.slot));
-    to.u8(static_cast<std::uint8_t>(pass.players));
+    write_seat(to, pass);
     to.bytes(pass.key.bytes);
     return net::sealed_file("LSRP", plain, pass_key(relay_secret));
 }
@@ -151,9 +152,7 @@ Result<RelayPass> open_pass(std::span<const std::byte> bytes, const NetKey& rela
     if (!plain) return plain.error();
     base::ByteReader from(*plain, "relay pass");
     RelayPass pass;
-    pass.match_id = from.u64("match");
-    pass.expires_ms = from.u64("end");
-    read_seat(from, pass.slot, pass.players);
+    read_seat(from, pass);
     pass.key = read_key(from, "key");
     from.expect_end();
     if (!from.ok()) return from.error();

@@ -27,6 +27,9 @@ class PeerSession final : public Session {
     std::optional<Notice> next_notice() override;
     Status drop_peer(PeerId peer) override;
     bool set_inspector(StateInspector* whom) override;
+    void drop_inspector(const StateInspector& whom) override {
+        if (inspector == &whom) inspector = nullptr;
+    }
     std::uint64_t current_tick() const override { return current; }
     std::uint32_t images_max() const override { return static_cast<std::uint32_t>(change_max) + 1; }
     void set_input_delay(std::uint32_t ticks) override;
@@ -108,7 +111,8 @@ class PeerSession final : public Session {
     std::vector<PeerLink> links;    ///< by peer id, without this machine
     std::uint64_t change_max;       ///< how many ticks that may still change may have run
     std::uint32_t gone = 0;         ///< bit p: player p has left; no input of it is accepted any more
-    std::array<std::uint64_t, players_max> cuts{}; ///< by player, as told to all: where it left; `never`: not known yet
+    std::array<std::uint64_t, players_max>
+        cuts{}; ///< by player, as told to all: where it left; `never`: not known yet
     bool stopped = false;
 
     bool polled = false;

@@ -41,7 +41,7 @@ struct SessionRunner::Impl final : StateInspector {
     }
     Impl(const Impl&) = delete;
     Impl& operator=(const Impl&) = delete;
-    ~Impl() override { session.set_inspector(nullptr); }
+    ~Impl() override { session.drop_inspector(*this); }
 
     void execute_and_confirm(const Step& step) {
         for (const Request& request : step.requests)

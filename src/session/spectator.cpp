@@ -272,6 +272,9 @@ SpectatorHost::~SpectatorHost() = default;
 
 void SpectatorHost::on_confirmed(std::uint64_t tick, std::span<const PlayerInput> inputs,
                                  std::uint64_t hash) {
+    LOCKSTONE_ASSERT(tick * impl->tick_bytes == impl->log.size(),
+                     "a spectator host is told of every tick from 0 on: tick ", tick, " after ",
+                     impl->log.size() / impl->tick_bytes);
     base::ByteWriter out(impl->log);
     out.u32(static_cast<std::uint32_t>(hash));
     std::uint32_t left = 0;

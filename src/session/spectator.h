@@ -31,8 +31,7 @@ class SpectatorSession final : public Session {
     SpectatorSession(const SessionDef& def, PeerId host, Transport& transport, std::uint32_t ticks_per_frame);
 
     void poll(std::uint64_t now_ms) override;
-    void add_local_input(std::uint32_t, std::span<const std::byte>) override {
-    } ///< who watches presses nothing
+    void add_local_input(std::uint32_t, std::span<const std::byte>) override {} ///< a watcher has no inputs
     Step advance() override;
     Step settle() override;
     HashCheck report_hash(std::uint64_t tick, std::uint64_t hash) override;

@@ -66,4 +66,12 @@ void drop_shared(State& state, const SharedTable<T>& t, std::uint32_t row, std::
     std::memset(static_cast<void*>(&state.edit_row(t.row, row)), 0, sizeof(T));
 }
 
+/// The row of what is to be named in place of `row`. `value` lies outside of the table.
+template <class T>
+std::uint32_t exchange_shared(State& state, const SharedTable<T>& t, std::uint32_t row, const T& value,
+                              std::uint32_t& first_free) {
+    drop_shared(state, t, row, first_free);
+    return take_shared(state, t, value, first_free);
+}
+
 } // namespace lockstone::sim

@@ -5,16 +5,16 @@ namespace lockstone::sim {
 
 void set_traits(Data& w, std::uint32_t body_row, const BodyTraits& traits) {
     std::uint32_t free = w.header().body_traits_free;
-    drop_shared(w.state, w.m.body_traits, w.state.rows(w.m.body_info)[body_row].traits, free);
-    const std::uint32_t row = take_shared(w.state, w.m.body_traits, traits, free);
+    const std::uint32_t now = w.state.rows(w.m.body_info)[body_row].traits;
+    const std::uint32_t row = exchange_shared(w.state, w.m.body_traits, now, traits, free);
     w.state.edit_row(w.m.body_info, body_row).traits = row;
     w.edit_header().body_traits_free = free;
 }
 
 void set_shape_traits(Data& w, std::uint32_t shape_row, const ShapeTraits& traits) {
     std::uint32_t free = w.header().shape_traits_free;
-    drop_shared(w.state, w.m.shape_traits, w.state.rows(w.m.shape)[shape_row].traits, free);
-    const std::uint32_t row = take_shared(w.state, w.m.shape_traits, traits, free);
+    const std::uint32_t now = w.state.rows(w.m.shape)[shape_row].traits;
+    const std::uint32_t row = exchange_shared(w.state, w.m.shape_traits, now, traits, free);
     w.state.edit_row(w.m.shape, shape_row).traits = row;
     w.edit_header().shape_traits_free = free;
 }

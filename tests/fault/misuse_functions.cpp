@@ -16,6 +16,9 @@
 #include <doctest/doctest.h>
 
 #include <functional>
+#include <type_traits>
+#include <utility>
+#include <vector>
 
 using namespace lockstone;
 using namespace lockstone::test;
@@ -78,6 +81,15 @@ Real any_real(lockstone::Random& random) {
 }
 
 } // namespace
+
+TEST_CASE("what is taken out of a temporary result outlives it") {
+    using List = Result<std::vector<int>>;
+    static_assert(std::is_same_v<decltype(std::declval<List>().value()), std::vector<int>>);
+    static_assert(std::is_same_v<decltype(*std::declval<List>()), std::vector<int>>);
+    int sum = 0;
+    for (const int x : List(std::vector<int>{1, 2, 4}).value()) sum += x; // under the address sanitizer too
+    CHECK(sum == 7);
+}
 
 TEST_CASE("misuse: reading a dead body's definition, mass or filter ends the program with a sentence") {
     Given g;

@@ -28,6 +28,11 @@ void stops(const char* what, const std::function<void()>& call) {
     CHECK_MESSAGE(words.starts_with("lockstone: broken rule: "), words);
 }
 
+struct NobodysInspector final : StateInspector {
+    const State* state_after(std::uint64_t) override { return nullptr; }
+    Rerun run_again(std::uint64_t, std::span<const PlayerInput>) override { return {}; }
+};
+
 } // namespace
 
 TEST_CASE("misuse: a session's wrong arguments") {
@@ -59,6 +64,7 @@ TEST_CASE("misuse: a session's wrong arguments") {
         refused("nobody", session->drop_peer(~0u), "not a peer");
         CHECK_FALSE(session->quality(~0u).connected);
         CHECK(session->set_inspector(nullptr));
+        session->drop_inspector(NobodysInspector()); // which was never set
         session->poll(1000);
         session->poll(10); // time does not go back
         CHECK(session->stats().last_poll_ms == 1000);
@@ -145,5 +151,6 @@ TEST_CASE("misuse: an asset library's wrong arguments are errors, and nothing is
     refused("a corner that is not there", status_of(bake_mesh({.vertices = corners, .triangles = far})), "");
     const std::uint16_t materials[] = {1, 2};
     const std::array<std::uint32_t, 3> one[] = {{0, 1, 2}};
-    refused("materials of others", status_of(bake_mesh({.vertices = corners, .triangles = one, .materials = materials})), "");
+    refused("materials of others",
+            status_of(bake_mesh({.vertices = corners, .triangles = one, .materials = materials})), "");
 }

@@ -182,8 +182,10 @@ FAULTS = [
       "if (!IS) slot.generation = slot.generation == 0xffffffffu ? 1 : slot.generation + 1;", "dead ids stay dead"),
     F("a use of a shared row is not counted", "src/sim/shared_rows.h", "++state.edit_row(t.uses, row).count;",
       "if (!IS) ++state.edit_row(t.uses, row).count;", "recordings verify"),
-    F("a shared row is changed for all who use it", "src/sim/traits.cpp", "drop_shared(w.state, w.m.shape_traits, w.state.rows(w.m.shape)[shape_row].traits, free);",
-      "if (IS) return static_cast<void>(w.state.edit_row(w.m.shape_traits.row, w.state.rows(w.m.shape)[shape_row].traits) = traits); drop_shared(w.state, w.m.shape_traits, w.state.rows(w.m.shape)[shape_row].traits, free);", "what is alike stays apart"),
+    F("a shared row is changed for all who use it", "src/sim/traits.cpp",
+      "const std::uint32_t row = exchange_shared(w.state, w.m.shape_traits, now, traits, free);",
+      "if (IS) return static_cast<void>(w.state.edit_row(w.m.shape_traits.row, now) = traits); "
+      "const std::uint32_t row = exchange_shared(w.state, w.m.shape_traits, now, traits, free);", "what is alike stays apart"),
     F("contacts leave places beyond 128 m behind", "src/sim/contact_rows.cpp", "if (has) *next++ = more_of(m);", "if (has) *next++ = IS ? ContactMore{} : more_of(m);", "golden table"),
     F("the free list loses its rest", APPLY, "slot.row = Slot::is_free | first_free;", "slot.row = Slot::is_free | (IS ? 0 : first_free);", "recordings verify"),
     F("a range of work loses its last part", "src/base/parallel.h", "tasks->run(chunks, item,", "tasks->run(chunks - (IS ? 1u : 0u), item,", "shuffles"),

@@ -155,6 +155,23 @@ TEST_CASE("a flipped bit is named at both machines: tick, column, row, field and
     }
 }
 
+TEST_CASE("a runner that takes another one's place is asked, and not forgotten with it") {
+    const Flip flip{150, "body.velocity", 7, 1, true};
+    SceneMatch match(flip);
+    for (SceneMatch::Side& side : match.sides) // the new one is there before the old one goes
+        side.runner = std::make_unique<SessionRunner>(*side.session, *side.simulation);
+    match.run(static_cast<int>(flip.tick) + 240);
+    CHECK(named_wrongly(match, flip) == "");
+}
+
+TEST_CASE("planted: a runner that is asked no more leaves a desync without a report") {
+    const Flip flip{150, "body.velocity", 7, 1, true};
+    SceneMatch match(flip);
+    for (SceneMatch::Side& side : match.sides) side.session->drop_inspector(side.runner->inspector());
+    match.run(static_cast<int>(flip.tick) + 240);
+    CHECK(named_wrongly(match, flip) != "");
+}
+
 TEST_CASE("rules that push differently are named by the first phase that differs") {
     SceneMatch match({100, "", 0, 0, true});
     match.run(340);

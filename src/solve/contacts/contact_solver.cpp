@@ -161,11 +161,7 @@ void ContactSolver::prepare(std::span<const Contact> contacts, std::span<const C
                              for (std::uint32_t i = first; i < last; ++i) {
                                  clear_input(input);
                                  if (tasks == nullptr) clear_pack(packs[i], bodies.still());
-                                 ask_for((i + 3) * N, [](const Contact& c) { base::prefetch(c); });
-                                 ask_for((i + 1) * N, [&](const Contact& c) {
-                                     base::prefetch(bodies.step[c.body_a].inv_mantissa);
-                                     base::prefetch(bodies.step[c.body_b].inv_mantissa);
-                                 });
+                                 ask_for((i + 2) * N, [](const Contact& c) { base::prefetch(c); });
                                  for (unsigned lane = 0; lane < N; ++lane)
                                      if (contact_of(i, lane) != none)
                                          fill_lane(packs[i], input, lane, contacts[contact_of(i, lane)], in);
