@@ -161,7 +161,7 @@ bool are_parted(const PlacedSolid& a, const PlacedSolid& b, UnitVec3 axis, Lengt
     const Long3 in_b{dot(raw(b.axes.x), in_world) >> 30, dot(raw(b.axes.y), in_world) >> 30,
                      dot(raw(b.axes.z), in_world) >> 30};
     const std::int64_t gap_54 = dot(way, in_world) - reach_along(ga, n) - reach_along(gb, in_b);
-    return gap_54 > up(margin.raw + spare.raw, 30);
+    return gap_54 > up(std::int64_t{margin.raw} + spare.raw, 30); // margins reach 128 m
 }
 
 } // namespace lockstone::collide

@@ -144,6 +144,19 @@ TEST_CASE("a direction that is asked for too little would be noticed") {
     CHECK(pairs.wrong > 0);
 }
 
+TEST_CASE("margins up to the longest length part nothing that they reach") {
+    const Rotation axes = Rotation::identity();
+    const shapes::Solid ball{sphere(0.1_r)};
+    const auto parts = [&](Real way, Length margin) {
+        return are_parted({ball, axes, {}}, {ball, axes, {Real{}, way, Real{}}},
+                          UnitVec3{Unit{}, unit_one, Unit{}}, margin);
+    };
+    CHECK_FALSE(parts(64_r, Length::max()));
+    CHECK_FALSE(parts(64_r, Length::max() - decimal<Length>("0.001")));
+    CHECK_FALSE(parts(64_r, Length(64)));
+    CHECK(parts(64_r, Length(63)));
+}
+
 TEST_CASE("what no direction is known to part is not parted") {
     AssetLibrary library;
     oracle::Random random(14);
