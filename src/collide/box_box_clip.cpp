@@ -1,17 +1,17 @@
 // Face against face: the incident face, a parallelogram, clipped by the four sides of the reference face, then
 // reduced to four points.
 //
-// source: Sutherland, Hodgman, Reentrant Polygon Clipping, CACM 1974; the reduction follows Visvalingam, Whyatt, Line
+// source: Sutherland, Hodgman, Reentrant CutFace Clipping, CACM 1974; the reduction follows Visvalingam, Whyatt, Line
 // Generalisation by Repeated Elimination of Points, 1993.
 #include "collide/box_box.h"
 
 namespace lockstone::collide {
 namespace {
 
-constexpr int points_max = 12; // a parallelogram cut by four lines has 8; roundings may ask for more
+constexpr int face_points_max = 12; // a parallelogram cut by four lines has 8; roundings may ask for more
 
 /// Corners beyond a side by no more than this are kept: of faces that nearly coincide, cuts would lie anywhere.
-constexpr std::int64_t slack_30 = std::int64_t{1} << 14; // 15 um
+constexpr std::int64_t box_slack_30 = std::int64_t{1} << 14; // 15 um
 
 /// The reference box's frame: where the incident box is and how it is turned.
 struct Clip {
@@ -77,31 +77,31 @@ ClipPoint between(const ClipPoint& a, const ClipPoint& b, std::int64_t part, int
     return {mix(a.p, b.p), mix(a.q, b.q), mix(a.height, b.height), 0, 0};
 }
 
-struct Polygon {
-    ClipPoint points[points_max];
+struct CutFace {
+    ClipPoint points[face_points_max];
     int count;
 };
 
 /// Keeps what has inside(x) = limit - sign * x.*coordinate >= 0; `line` names the side.
-void clip_side(Polygon& polygon, std::int64_t ClipPoint::*coordinate, std::int64_t sign, std::int64_t limit,
+void clip_side(CutFace& polygon, std::int64_t ClipPoint::*coordinate, std::int64_t sign, std::int64_t limit,
                std::uint8_t line, int part_bits) {
-    std::int64_t inside[points_max], least = 0;
+    std::int64_t inside[face_points_max], least = 0;
     const int count = polygon.count;
     for (int k = 0; k < count; ++k) {
         inside[k] = limit - sign * polygon.points[k].*coordinate;
         least = smaller(least, inside[k]);
     }
-    if (least >= -slack_30) return;
-    ClipPoint whole[points_max];
+    if (least >= -box_slack_30) return;
+    ClipPoint whole[face_points_max];
     for (int k = 0; k < count; ++k) whole[k] = polygon.points[k];
     ClipPoint* out = polygon.points;
     int n = 0;
-    for (int k = 0; k < count && n < points_max; ++k) {
+    for (int k = 0; k < count && n < face_points_max; ++k) {
         const int next = k + 1 == count ? 0 : k + 1;
         const ClipPoint &a = whole[k], &b = whole[next];
-        const bool a_stays = inside[k] >= -slack_30, b_stays = inside[next] >= -slack_30;
+        const bool a_stays = inside[k] >= -box_slack_30, b_stays = inside[next] >= -box_slack_30;
         if (a_stays) out[n++] = a;
-        if (a_stays == b_stays || n == points_max) continue;
+        if (a_stays == b_stays || n == face_points_max) continue;
         if (inside[a_stays ? k : next] <= 0) continue; // the corner that stays is the cut
         const std::int64_t part = up(inside[k], part_bits) / (inside[k] - inside[next]);
         ClipPoint cut = between(a, b, part, part_bits);
@@ -122,7 +122,7 @@ int part_bits_for(const Clip& c) {
     return bits < 24 ? 24 : bits > 30 ? 30 : bits;
 }
 
-void clip_polygon(const Clip& c, Polygon& polygon) {
+void clip_polygon(const Clip& c, CutFace& polygon) {
     const int bits = part_bits_for(c);
     const std::int64_t limit_p = up(c.half[c.p], 6), limit_q = up(c.half[c.q], 6);
     clip_side(polygon, &ClipPoint::p, 1, limit_p, 4, bits);
@@ -198,7 +198,7 @@ int reduce_points(ClipPoint* points, int count) {
 
 void clip_faces(const BoxPair& g, bool reference_is_b, int axis, Length margin, Manifold& out) {
     const Clip c = set_up(g, reference_is_b, axis);
-    Polygon polygon;
+    CutFace polygon;
     incident_corners(c, polygon.points);
     polygon.count = 4;
     clip_polygon(c, polygon);

@@ -5,7 +5,6 @@ namespace lockstone::collide {
 namespace {
 
 Between between_plane(const Convex& shape, Long3 position_24) {
-    constexpr std::int64_t one_30 = std::int64_t{1} << 30;
     const Long3 lowest = support(shape, {0, -one_30, 0}).at_30;
     const std::int64_t height = up(position_24[1], 6) + lowest[1] - up(std::int64_t{shape.radius.raw}, 6);
     return {height <= 0, {0, one_30, 0}, height, {lowest[0], -up(position_24[1], 6), lowest[2]}};

@@ -35,8 +35,6 @@ struct Part {
     void leave_at(std::int64_t s) { exit = smaller(exit, s); }
 };
 
-constexpr std::int64_t one_30 = std::int64_t{1} << 30;
-
 Long3 axis_normal(int axis, std::int64_t direction) {
     Long3 n{};
     n[axis] = direction > 0 ? -one_30 : one_30;

@@ -7,7 +7,6 @@
 namespace lockstone::collide {
 namespace {
 
-constexpr std::int64_t one_30 = std::int64_t{1} << 30;
 /// sin of 0, 45, 90, .. degrees, 30 fraction bits.
 constexpr std::int64_t diagonal = 759250125;
 constexpr std::int64_t sine[8] = {0, diagonal, one_30, diagonal, 0, -diagonal, -one_30, -diagonal};

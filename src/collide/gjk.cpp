@@ -16,7 +16,7 @@ namespace lockstone::collide {
 namespace {
 
 /// Smooth cores come nearer for ever; what is left after so many steps is far below a micrometre.
-constexpr int steps_max = 128;
+constexpr int gjk_steps_max = 128;
 
 /// How a step ended.
 enum class Step { nearer, closest, holds };
@@ -218,7 +218,7 @@ bool find_simplex(Difference& difference, std::int64_t limit_30, Simplex& s, boo
     const std::int64_t limit = limit_30 < 0 ? -1 : (limit_30 >> difference.shift()) + 2;
     s.count = 0;
     beyond = false;
-    for (int step = 0; step < steps_max; ++step) {
+    for (int step = 0; step < gjk_steps_max; ++step) {
         const Vertex v = difference.support(-s.direction);
         const std::int64_t along = dot(s.direction, v.w);
         if (is_beyond(along, s.direction, limit)) {

@@ -29,6 +29,8 @@ struct Long3 {
 template <FixedPoint T> constexpr Long3 raw(const Vector3<T>& v) { return {v.x.raw, v.y.raw, v.z.raw}; }
 constexpr std::int64_t dot(Long3 a, Long3 b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
+constexpr std::int64_t one_30 = std::int64_t{1} << 30;
+
 constexpr std::int64_t absolute(std::int64_t x) { return x < 0 ? -x : x; }
 constexpr std::int64_t sign_of(std::int64_t x) { return x < 0 ? -1 : 1; } ///< zero counts as positive
 constexpr std::int64_t clamped(std::int64_t x, std::int64_t low, std::int64_t high) {

@@ -8,25 +8,23 @@
 namespace lockstone::collide {
 namespace {
 
-constexpr std::int64_t one_30 = std::int64_t{1} << 30;
-
 /// A place in the half plane through the axis: `rim` from the axis, `y` along it; 30 fraction bits.
 struct Profile {
     std::int64_t rim, y;
 };
 
 /// What is nearest of a profile: the outward direction there, and how far out the point is along it.
-struct Nearest {
+struct NearestOfProfile {
     Profile normal; ///< unit
     std::int64_t distance;
 };
 
-Nearest off_corner(Profile from) {
+NearestOfProfile off_corner(Profile from) {
     const Direction d = direction_of_30({from.rim, from.y, 0});
     return {{d.unit[0], d.unit[1]}, d.length};
 }
 
-Nearest nearest_of_cylinder(Profile p, std::int64_t radius, std::int64_t half) {
+NearestOfProfile nearest_of_cylinder(Profile p, std::int64_t radius, std::int64_t half) {
     const std::int64_t side = p.rim - radius, cap = absolute(p.y) - half,
                        up_or_down = p.y < 0 ? -one_30 : one_30;
     if (side > 0 && cap > 0) return off_corner({side, p.y < 0 ? -cap : cap});
@@ -34,7 +32,7 @@ Nearest nearest_of_cylinder(Profile p, std::int64_t radius, std::int64_t half) {
     return {{0, up_or_down}, cap};
 }
 
-Nearest nearest_of_cone(Profile p, std::int64_t radius, std::int64_t half) {
+NearestOfProfile nearest_of_cone(Profile p, std::int64_t radius, std::int64_t half) {
     const Direction side = direction_of_30({2 * half, radius, 0}); // its outward normal
     const Profile n{side.unit[0], side.unit[1]};
     const auto along = [](Profile a, Profile b) {
@@ -42,7 +40,7 @@ Nearest nearest_of_cone(Profile p, std::int64_t radius, std::int64_t half) {
     };
     const std::int64_t off_side = along(n, {p.rim, p.y - half}), off_base = -half - p.y;
     if (off_side <= 0 && off_base <= 0)
-        return off_side > off_base ? Nearest{n, off_side} : Nearest{{0, -one_30}, off_base};
+        return off_side > off_base ? NearestOfProfile{n, off_side} : NearestOfProfile{{0, -one_30}, off_base};
     if (off_base > 0 && p.rim <= radius) return {{0, -one_30}, off_base};
     const Profile to_apex{-n.y, n.rim}; // from the rim of the base
     if (along(to_apex, {p.rim - radius, p.y + half}) <= 0) return off_corner({p.rim - radius, p.y + half});
@@ -91,8 +89,9 @@ bool triangle_gap(const Convex& a, const Convex& b, Gap& out) {
     const bool swapped = a.core == Convex::Core::point;
     const Convex &triangle = swapped ? b : a, &point = swapped ? a : b;
     if (triangle.core != Convex::Core::triangle || point.core != Convex::Core::point) return false;
-    const RelativeTriangle t{triangle.corners_24[0] - point.center_24, triangle.corners_24[1] - point.center_24,
-                         triangle.corners_24[2] - point.center_24};
+    const RelativeTriangle t{triangle.corners_24[0] - point.center_24,
+                             triangle.corners_24[1] - point.center_24,
+                             triangle.corners_24[2] - point.center_24};
     if (larger(widest(t.a), larger(widest(t.b), widest(t.c))) >= std::int64_t{1} << 29) return false;
     const Long3 at = up(point.center_24, 6);
     Long3 nearest{}; // from the point, first with 36 fraction bits
@@ -132,8 +131,9 @@ PointForm point_form(const Convex& a, const Convex& b) {
     const Long3 outward = flat.length == 0 ? Long3{one_30, 0, 0} : flat.unit; // on the axis: along local x
     const Profile p{flat.length, local(1)};
     const std::int64_t radius = up(round.half_24[0], 6), half = up(round.half_24[1], 6);
-    const Nearest nearest = round.core == Convex::Core::cylinder ? nearest_of_cylinder(p, radius, half)
-                                                                 : nearest_of_cone(p, radius, half);
+    const NearestOfProfile nearest = round.core == Convex::Core::cylinder
+                                         ? nearest_of_cylinder(p, radius, half)
+                                         : nearest_of_cone(p, radius, half);
     const Long3 n{shift_right_rounded(outward[0] * nearest.normal.rim, 30), nearest.normal.y,
                   shift_right_rounded(outward[2] * nearest.normal.rim, 30)};
     Long3 normal{};

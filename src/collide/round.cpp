@@ -6,8 +6,6 @@
 namespace lockstone::collide {
 namespace {
 
-constexpr std::int64_t one_30 = std::int64_t{1} << 30;
-
 /// Two capsule cores: A's runs along y through the origin, B's along `axis` through `center`.
 struct Segments {
     Long3 center, axis;          // 24 and 30 fraction bits

@@ -11,9 +11,8 @@
 namespace lockstone::collide {
 namespace {
 
-constexpr std::int64_t one_30 = std::int64_t{1} << 30;
 constexpr std::int64_t anything_30 = std::int64_t{1} << 60;
-constexpr int steps_max = 256;
+constexpr int advances_max = 256;
 constexpr std::int64_t stop_gap_30 = std::int64_t{stop_gap.raw} << 6;
 /// Nearer at the start counts as touching: more than where a sweep stops, so that what was stopped touches in the next tick.
 constexpr std::int64_t touching_gap_30 = stop_gap_30 + stop_gap_30 / 4;
@@ -182,7 +181,7 @@ Unit advance(const Ways& w, const Obstacle& o, const Mover& m, std::int64_t targ
     const std::int64_t close = target_30 + larger(target_30 / 8, 2048);
     const std::int64_t reach_a = w.reach_of(o), approach_max = w.approach_max_30(m, reach_a);
     std::int64_t t = 0;
-    for (int i = 0; i < steps_max; ++i) {
+    for (int i = 0; i < advances_max; ++i) {
         const Unit fraction = Unit::from_raw(static_cast<std::int32_t>(t));
         const std::int64_t reachable = times_30(approach_max, until.raw - t) + close;
         const Measured at = measure(w, o, m, fraction, reachable);

@@ -9,6 +9,9 @@
 
 namespace lockstone::collide {
 
+/// Coordinates up to it need no 128-bit products.
+inline constexpr std::int64_t near_24 = std::int64_t{256} << 24;
+
 /// A triangle seen from shape B. A side k is the plane through edge k (from corner k to k + 1) that bounds what the
 /// triangle's own normal serves: at right angles to the triangle where the edge is felt or concave, halfway to the
 /// neighbour where it is flat, so that neighbours on a flat mesh share out the space above them without a gap.

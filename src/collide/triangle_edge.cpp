@@ -13,7 +13,6 @@
 namespace lockstone::collide {
 namespace {
 
-constexpr std::int64_t near_24 = std::int64_t{256} << 24;
 /// Directions are compared with this tolerance [sine, 30 fraction bits].
 constexpr std::int64_t range_tolerance_30 = 1 << 20;       // 0.001
 constexpr std::int64_t flat_tolerance_30 = (1 << 30) / 20; // 3 degrees: of an edge that is not felt
@@ -125,29 +124,29 @@ EdgeGap known_gap(TriangleContext& c, const LocalTriangle& t, const EdgeLine& e)
 
 /// Where a direction lies around an edge: inward of the triangle's normal, between it and the neighbour's normal, or
 /// past that.
-enum class Place : std::uint8_t { inward, between, past };
-Place place_around(const LocalTriangle& t, int k, Long3 along_30, Long3 direction_30) {
+enum class Around : std::uint8_t { inward, between, past };
+Around place_around(const LocalTriangle& t, int k, Long3 along_30, Long3 direction_30) {
     const Long3 outward = cross_30(along_30, t.normal_30);
     const std::int64_t up_d = dot_30(direction_30, t.normal_30), out_d = dot_30(direction_30, outward);
     const std::int64_t up_b = dot_30(t.beyond_30[k], t.normal_30), out_b = dot_30(t.beyond_30[k], outward);
     if ((t.felt >> k & 1u) == 0) {
-        if (out_d <= flat_tolerance_30) return Place::between;
-        return Place::past;
+        if (out_d <= flat_tolerance_30) return Around::between;
+        return Around::past;
     }
     const std::int64_t before_30 = dot(Long3{up_d, out_d, 0}, Long3{out_b, -up_b, 0}) >> 30;
-    if (out_d >= -range_tolerance_30 && before_30 >= -range_tolerance_30) return Place::between;
-    return shift_right_rounded(up_d * up_b + out_d * out_b, 30) > up_d ? Place::past : Place::inward;
+    if (out_d >= -range_tolerance_30 && before_30 >= -range_tolerance_30) return Around::between;
+    return shift_right_rounded(up_d * up_b + out_d * out_b, 30) > up_d ? Around::past : Around::inward;
 }
 
 /// Of a contact at an end of edge k the other edge there has to agree too.
-Place place_of(const LocalTriangle& t, int k, const EdgeLine& e, const EdgeGap& g) {
-    const Place own = place_around(t, k, e.along_30, g.normal_30);
-    if (own != Place::between || g.at_from == g.at_to) return own;
+Around around_of(const LocalTriangle& t, int k, const EdgeLine& e, const EdgeGap& g) {
+    const Around own = place_around(t, k, e.along_30, g.normal_30);
+    if (own != Around::between || g.at_from == g.at_to) return own;
     const int other = (k + (g.at_from ? 2 : 1)) % 3;
     EdgeLine line;
     if (!edge_line(t, other, line)) return own;
-    const Place place = place_around(t, other, line.along_30, g.normal_30);
-    return place == Place::inward ? own : place;
+    const Around place = place_around(t, other, line.along_30, g.normal_30);
+    return place == Around::inward ? own : place;
 }
 
 void nearest_contact(const TriangleContext& c, const EdgeGap& g, std::uint32_t feature, Manifold& out) {
@@ -223,8 +222,8 @@ EdgeContact edge_contact(TriangleContext& c, const LocalTriangle& t, std::int64_
         const EdgeGap g = known_gap(c, t, line);
         if (g.separation_30 > up(c.margin.raw, 6)) continue;
         if (on_border && g.separation_30 > 0) continue;
-        const Place place = place_of(t, k, line, g);
-        if (place == Place::inward || (place == Place::past && !g.overlap)) continue;
+        const Around place = around_of(t, k, line, g);
+        if (place == Around::inward || (place == Around::past && !g.overlap)) continue;
         // Apart, the nearest edge counts; overlapping, the one that is easiest to leave.
         const bool nearer =
             g.overlap ? g.separation_30 > best.separation_30 : g.separation_30 < best.separation_30;
@@ -233,7 +232,7 @@ EdgeContact edge_contact(TriangleContext& c, const LocalTriangle& t, std::int64_
         if (!better) continue;
         best = {Verdict::contact, k, g.separation_30, g};
         // Sunk by up to 5/32 of its inner ball, B stands on any border it overlaps: another mesh may go on there.
-        if (place == Place::past)
+        if (place == Around::past)
             best.verdict = Verdict::beyond;
         else if (on_border && g.separation_30 - lowest_30 <= c.border_bias_30 * 5 / 8)
             best.verdict = Verdict::upright;

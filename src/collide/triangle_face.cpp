@@ -1,13 +1,12 @@
 // A triangle's frame, and the contacts that have its own normal: B's supporting face clipped to the triangle's sides.
 //
-// source: Sutherland, Hodgman, Reentrant Polygon Clipping, CACM 1974.
+// source: Sutherland, Hodgman, Reentrant CutPolygon Clipping, CACM 1974.
 #include "collide/core.h"
 #include "collide/triangle_contact.h"
 
 namespace lockstone::collide {
 namespace {
 
-constexpr std::int64_t near_24 = std::int64_t{256} << 24; // coordinates below it need no 128-bit products
 constexpr std::int64_t limit_max_51 = std::int64_t{1} << 61;
 /// Sides that are not felt lean outward by this much, so that roundings open no gap between neighbours.
 constexpr std::int64_t overlap_24 = 64; // 4 um
@@ -42,7 +41,7 @@ std::int64_t tolerance_51(const LocalTriangle& t, int k, std::int64_t height) {
     return ((absolute(height) >> 12) + overlap_24) << 27;
 }
 
-struct ClipPoint {
+struct CutCorner {
     Long3 at_24;
     std::int64_t height;   // above the plane, 30 fraction bits
     int line_in, line_out; // the lines that meet here: polygon edges 0.., triangle sides at side_first..
@@ -50,8 +49,8 @@ struct ClipPoint {
 constexpr int side_first = SupportingFace::corners_max;
 constexpr int clip_max = SupportingFace::corners_max + 3;
 
-struct Polygon {
-    ClipPoint points[clip_max];
+struct CutPolygon {
+    CutCorner points[clip_max];
     int count;
     bool is_open; // a segment
 };
@@ -63,20 +62,20 @@ std::int64_t inside_51(const LocalTriangle& t, int k, Long3 x_24) {
 }
 
 /// Between a, which is inside, and b, which is not.
-ClipPoint cut_between(const ClipPoint& a, const ClipPoint& b, std::int64_t inside_a, std::int64_t inside_b) {
+CutCorner cut_between(const CutCorner& a, const CutCorner& b, std::int64_t inside_a, std::int64_t inside_b) {
     // To 33 bits: the fraction then takes one 64-bit division.
     const std::int64_t whole = (inside_a >> 1) - (inside_b >> 1);
     const int drop = bit_length(static_cast<std::uint64_t>(whole)) - 33;
     const int n = drop > 0 ? drop : 0;
     const std::int64_t part_30 = whole >> n == 0 ? 0 : ((inside_a >> 1 >> n) << 30) / (whole >> n);
-    ClipPoint x = a;
+    CutCorner x = a;
     for (int i = 0; i < 3; ++i) x.at_24[i] += shift_right_rounded((b.at_24[i] - a.at_24[i]) * part_30, 30);
     x.height += shift_right_rounded((b.height - a.height) * (part_30 >> 6), 24);
     return x;
 }
 
-void clip_segment(const LocalTriangle& t, int k, Polygon& polygon) {
-    ClipPoint &a = polygon.points[0], &b = polygon.points[1];
+void clip_segment(const LocalTriangle& t, int k, CutPolygon& polygon) {
+    CutCorner &a = polygon.points[0], &b = polygon.points[1];
     const std::int64_t inside_a = inside_51(t, k, a.at_24), inside_b = inside_51(t, k, b.at_24);
     if (inside_a < 0 && inside_b < 0) {
         polygon.count = 0;
@@ -91,7 +90,7 @@ void clip_segment(const LocalTriangle& t, int k, Polygon& polygon) {
     }
 }
 
-void clip_polygon(const LocalTriangle& t, int k, Polygon& polygon) {
+void clip_polygon(const LocalTriangle& t, int k, CutPolygon& polygon) {
     std::int64_t inside[clip_max], least = 0;
     const int count = polygon.count;
     for (int i = 0; i < count; ++i) {
@@ -99,7 +98,7 @@ void clip_polygon(const LocalTriangle& t, int k, Polygon& polygon) {
         least = smaller(least, inside[i]);
     }
     if (least >= 0) return;
-    ClipPoint whole[clip_max];
+    CutCorner whole[clip_max];
     for (int i = 0; i < count; ++i) whole[i] = polygon.points[i];
     int n = 0;
     for (int i = 0; i < count && n < clip_max; ++i) {
@@ -107,7 +106,7 @@ void clip_polygon(const LocalTriangle& t, int k, Polygon& polygon) {
         if (inside[i] >= 0) polygon.points[n++] = whole[i];
         if ((inside[i] >= 0) == (inside[next] >= 0) || n == clip_max) continue;
         const bool leaves = inside[i] >= 0;
-        ClipPoint cut = leaves ? cut_between(whole[i], whole[next], inside[i], inside[next])
+        CutCorner cut = leaves ? cut_between(whole[i], whole[next], inside[i], inside[next])
                                : cut_between(whole[next], whole[i], inside[next], inside[i]);
         cut.line_in = leaves ? whole[i].line_out : side_first + k;
         cut.line_out = leaves ? side_first + k : whole[i].line_out;
@@ -118,7 +117,7 @@ void clip_polygon(const LocalTriangle& t, int k, Polygon& polygon) {
 
 /// A corner of B keeps its name from triangle to triangle; what lies on an edge or corner of the triangle is named
 /// by it.
-std::uint32_t name_of_point(const SupportingFace& face, const LocalTriangle& t, const ClipPoint& x) {
+std::uint32_t name_of_point(const SupportingFace& face, const LocalTriangle& t, const CutCorner& x) {
     const bool side_in = x.line_in >= side_first, side_out = x.line_out >= side_first;
     const auto u32 = [](int i) { return static_cast<std::uint32_t>(i); };
     if (side_in && side_out) return feature_of(3, t.index, u32(x.line_in), u32(x.line_out));
@@ -145,7 +144,7 @@ void add_face_point(const TriangleContext& c, const LocalTriangle& t, Long3 at_2
 
 /// All points within the margin; of more than eight the lowest, and others evenly from it.
 void add_polygon(const TriangleContext& c, const LocalTriangle& t, const SupportingFace& face,
-                 const Polygon& polygon, TriangleContact& out) {
+                 const CutPolygon& polygon, TriangleContact& out) {
     int near[clip_max], count = 0, lowest = 0;
     const std::int64_t limit = c.radius_30 + up(c.margin.raw, 6);
     for (int i = 0; i < polygon.count; ++i) {
@@ -155,7 +154,7 @@ void add_polygon(const TriangleContext& c, const LocalTriangle& t, const Support
     }
     const int kept = count < 8 ? count : 8;
     for (int k = 0; k < kept; ++k) {
-        const ClipPoint& x = polygon.points[near[(lowest + k * count / kept) % count]];
+        const CutCorner& x = polygon.points[near[(lowest + k * count / kept) % count]];
         add_face_point(c, t, x.at_24, x.height, name_of_point(face, t, x), out);
     }
 }
@@ -263,11 +262,11 @@ void face_contact(TriangleContext& c, const LocalTriangle& t, TriangleContact& o
         return add_face_point(c, t, at, height, feature_of(1, 0, 0, 0), out);
     }
     const SupportingFace& face = face_against(c, t.normal_30);
-    Polygon polygon;
+    CutPolygon polygon;
     polygon.count = face.count;
     polygon.is_open = face.count == 2;
     for (int i = 0; i < face.count; ++i) {
-        ClipPoint& x = polygon.points[i];
+        CutCorner& x = polygon.points[i];
         const Long3 at = face.corners_30[i], high{at[0] >> 6, at[1] >> 6, at[2] >> 6};
         const std::int64_t low = dot(t.normal_30, {at[0] & 63, at[1] & 63, at[2] & 63}) >> 6;
         x.at_24 = shifted(at, 6);

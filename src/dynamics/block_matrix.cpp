@@ -4,22 +4,22 @@ namespace lockstone::dynamics {
 
 namespace {
 
-constexpr std::int64_t pivot_min = std::int64_t{1} << (block_bits - 24);
-constexpr int row_bits = 28; ///< of B
+constexpr std::int64_t block_pivot_min = std::int64_t{1} << (block_bits - 24);
+constexpr int coupling_bits = 28; ///< of B
 
 /// a / 2^drop, rounded.
 std::int64_t dropped(std::int64_t a, int drop) {
     return drop == 0 ? a : drop > 62 ? 0 : shift_right_rounded(a, drop);
 }
 
-int bit_length(Wide w) {
+int wide_bit_length(Wide w) {
     if (w.is_negative()) return 0;
     const auto high = static_cast<std::uint64_t>(w.high_bits());
-    return high != 0 ? 64 + lockstone::bit_length(high) : lockstone::bit_length(w.low_bits());
+    return high != 0 ? 64 + bit_length(high) : bit_length(w.low_bits());
 }
 
 /// 2^96 / d of d in [2^36, 2^60]: 1 / D with its bits.
-std::int64_t pivot_inverse(std::int64_t d) {
+std::int64_t block_pivot_inverse(std::int64_t d) {
     return std::min(divide_shifted(std::int64_t{1} << 48, d, 48), block_value_max);
 }
 
@@ -62,11 +62,11 @@ template <int N, bool Raise> bool factorise_rows(const SymmetricBlock& a, BlockF
             c[i][j] = rest.value();
         });
         std::int64_t pivot = c[j][j];
-        if (pivot < pivot_min) {
+        if (pivot < block_pivot_min) {
             good = false;
-            pivot = a.m[block_index(j, j)] == 0 ? 0 : pivot_min;
+            pivot = a.m[block_index(j, j)] == 0 ? 0 : block_pivot_min;
         }
-        out.inverse[j] = pivot == 0 ? 0 : pivot_inverse(pivot);
+        out.inverse[j] = pivot == 0 ? 0 : block_pivot_inverse(pivot);
         constexpr int drop = block_bits + block_inverse_bits - block_factor_bits;
         each<N - j - 1>([&](auto below) { // 61 bits times 60
             constexpr int i = j + 1 + below;
@@ -101,7 +101,7 @@ void condense(const BlockFactor& a, int exponent, const std::int32_t (*j)[6], st
     for (int c = 0; c < M; ++c)
         each<N>([&](auto i) {
             const std::int64_t b = Transposed ? j[c][i] : j[i][c];
-            Remainder rest(b * (std::int64_t{1} << (block_arm_bits - row_bits)));
+            Remainder rest(b * (std::int64_t{1} << (block_arm_bits - coupling_bits)));
             each<i>([&](auto k) { rest.subtract(a.l[block_index(i - 1, k)], x[c][k]); });
             x[c][i] = rest.value();
             z[c][i] = product<block_arm_bits + block_inverse_bits - block_column_bits>(x[c][i], a.inverse[i]);
@@ -113,7 +113,7 @@ void condense(const BlockFactor& a, int exponent, const std::int32_t (*j)[6], st
             Wide s = block_product(x[r][0], z[c][0]);
             each<N - 1>([&](auto i) { s = s + block_product(x[r][i + 1], z[c][i + 1]); });
             sum[block_index(r, c)] = s;
-            if (r == c) top = std::max(top, bit_length(s));
+            if (r == c) top = std::max(top, wide_bit_length(s));
         }
     out.zero = top == 0;
     const int drop = top - block_bits;
@@ -126,7 +126,7 @@ void condense(const BlockFactor& a, int exponent, const std::int32_t (*j)[6], st
 } // namespace
 
 Scaled scaled(std::int64_t v, int fraction_bits) {
-    const int length = lockstone::bit_length(magnitude(v));
+    const int length = bit_length(magnitude(v));
     if (length == 0) return {0, 0};
     const std::int64_t m = length <= block_bits ? v << (block_bits - length) : v >> (length - block_bits);
     return {m, length - fraction_bits};

@@ -9,8 +9,6 @@ namespace lockstone::dynamics {
 
 namespace {
 
-constexpr int real_to_accumulator = accumulator_bits - Real::fraction_bits;
-
 Vec3 to_real(const std::int64_t v[3]) {
     const auto one = [](std::int64_t x) {
         return Real::from_raw(shift_right_rounded(x, real_to_accumulator));
@@ -18,13 +16,13 @@ Vec3 to_real(const std::int64_t v[3]) {
     return {one(v[0]), one(v[1]), one(v[2])};
 }
 
-Vec3 scaled(Vec3 v, Vec3 by) { return {v.x * by.x, v.y * by.y, v.z * by.z}; }
+Vec3 times_each(Vec3 v, Vec3 by) { return {v.x * by.x, v.y * by.y, v.z * by.z}; }
 
 /// R diag(radii^-2) R^T momentum with the body at `rotation`.
 Vec3 spin_at(Quat rotation, const FollowedTurn& turn, Vec3 momentum) {
     const Rotation axes = to_rotation(rotation * turn.principal);
     const Vec3 inside = mul_transposed<Real>(axes, momentum);
-    return mul<Real>(axes, scaled(scaled(inside, turn.radii_inv), turn.radii_inv));
+    return mul<Real>(axes, times_each(times_each(inside, turn.radii_inv), turn.radii_inv));
 }
 
 /// Far beyond what a body keeps [m/s]: then |g| stays within this and the tip speed limit, and no sum leaves 64 bits.
@@ -229,7 +227,7 @@ void precess(SolverBody& b, const BodyStep& s, FollowedTurn& turn, const Rotatio
 /// R diag(own^2) R^T w with the body where it is now.
 Vec3 momentum_of(const FollowedTurn& turn, Vec3 w) {
     const Rotation axes = to_rotation(turn.rotation * turn.principal);
-    return mul<Real>(axes, scaled(scaled(mul_transposed<Real>(axes, w), turn.own), turn.own));
+    return mul<Real>(axes, times_each(times_each(mul_transposed<Real>(axes, w), turn.own), turn.own));
 }
 
 /// The gyroscopic torque of the body as it is, in a substep, on the body as it answers. Three rounds of the midpoint rule lose

@@ -49,31 +49,31 @@ struct Path {
     static Vec3 halved(Vec3 p) { return {half(p.x), half(p.y), half(p.z)}; }
 };
 
-struct Change {
+struct Increment {
     Vec3 dv, dx;
 };
 
-Change semi_implicit_euler(const Path& p) {
+Increment semi_implicit_euler(const Path& p) {
     const Vec3 dv = p.times_h(p.a(p.x));
     return {dv, p.times_h(p.v + dv)};
 }
 
 /// Position Verlet: drift half, kick, drift half. source: Tuckerman, Berne, Martyna 1992
-Change verlet(const Path& p) {
+Increment verlet(const Path& p) {
     const Vec3 half_drift = Path::halved(p.times_h(p.v));
     const Vec3 dv = p.times_h(p.a(p.x + half_drift));
     return {dv, half_drift + Path::halved(p.times_h(p.v + dv))};
 }
 
 /// Velocity Verlet: kick half, drift, kick half. source: Swope et al. 1982
-Change velocity_verlet(const Path& p) {
+Increment velocity_verlet(const Path& p) {
     const Vec3 first = Path::halved(p.times_h(p.a(p.x)));
     const Vec3 dx = p.times_h(p.v + first);
     return {first + Path::halved(p.times_h(p.a(p.x + dx))), dx};
 }
 
 /// The classical fourth-order method on (x, v). source: Hairer, Norsett, Wanner, Solving ODEs I, II.1
-Change runge_kutta_4(const Path& p) {
+Increment runge_kutta_4(const Path& p) {
     const Vec3 kx1 = p.times_h(p.v), kv1 = p.times_h(p.a(p.x));
     const Vec3 kx2 = p.times_h(p.v + Path::halved(kv1)), kv2 = p.times_h(p.a(p.x + Path::halved(kx1)));
     const Vec3 kx3 = p.times_h(p.v + Path::halved(kv2)), kv3 = p.times_h(p.a(p.x + Path::halved(kx2)));
@@ -83,7 +83,7 @@ Change runge_kutta_4(const Path& p) {
     return {blend(kv1, kv2, kv3, kv4), blend(kx1, kx2, kx3, kx4)};
 }
 
-Change change_of(const Path& p) {
+Increment change_of(const Path& p) {
     switch (p.motion.scheme) {
     case Scheme::verlet:
         return verlet(p);
@@ -97,7 +97,6 @@ Change change_of(const Path& p) {
 }
 
 constexpr Real kick_max = Real(2048); ///< [m/s] per substep: far beyond the speed limit, far below overflow
-constexpr int real_to_accumulator = accumulator_bits - Real::fraction_bits;
 
 /// Fields or a scheme other than the solver's own: the general path, in Real.
 void move_freely(const FreeMotion& motion, const BodyTraits& traits, std::uint32_t categories,
@@ -113,7 +112,7 @@ void move_freely(const FreeMotion& motion, const BodyTraits& traits, std::uint32
                        Real::from_raw(shift_right_rounded(b.v[1], real_to_accumulator)),
                        Real::from_raw(shift_right_rounded(b.v[2], real_to_accumulator))},
                       step.substeps_per_second};
-    const Change change = change_of(chosen);
+    const Increment change = change_of(chosen);
     const Vec3 by_velocity = chosen.times_h(chosen.v + change.dv);
     for (int i = 0; i < 3; ++i) {
         b.v[i] += (clamp(change.dv[i], -kick_max, kick_max).raw << real_to_accumulator) & b.keep[i];

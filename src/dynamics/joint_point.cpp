@@ -12,12 +12,6 @@ namespace {
 
 constexpr int inverse_at[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
 
-inline std::int64_t shifted(std::int64_t v, int shift) {
-    if (shift > 0 && shift <= 62) [[likely]]
-        return (v >> shift) + ((v >> (shift - 1)) & 1);
-    return shift > 62 ? 0 : shift_left_saturated(v, std::min(-shift, 63));
-}
-
 /// K^-1 of a body, and what follows from its exponent.
 void set_gyration_inverse(PackSide& side, std::uint32_t lane, const BodyStep& body) {
     const auto& [xx, yy, zz, xy, xz, yz] = body.inv_mantissa;

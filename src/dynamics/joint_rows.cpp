@@ -6,13 +6,6 @@ namespace lockstone::dynamics {
 
 namespace {
 
-/// v / 2^shift, rounded; a negative shift multiplies. Clamped to the range.
-inline std::int64_t shifted(std::int64_t v, int shift) {
-    if (shift > 0 && shift <= 62) [[likely]]
-        return (v >> shift) + ((v >> (shift - 1)) & 1);
-    return shift > 62 ? 0 : shift_left_saturated(v, std::min(-shift, 63));
-}
-
 Share share_of(Real numerator, Real sum) {
     const std::int64_t q = divide_shifted(numerator.raw, sum.raw, 62); // below 1
     const int length = bit_length(magnitude(q));

@@ -6,6 +6,7 @@
 
 #include "dynamics/solver_body.h"
 
+#include <algorithm>
 #include <array>
 
 namespace lockstone::dynamics {
@@ -55,6 +56,13 @@ inline constexpr std::int32_t impulse_change_max = 1 << 30;
 inline constexpr std::int32_t small_impulse = 1 << 22;
 inline constexpr int motion_bits = 29 + row_bits; ///< of joint_speed_max, with 47 fraction bits
 inline constexpr std::int64_t motion_max = std::int64_t{1} << motion_bits;
+
+/// v / 2^shift, rounded; a negative shift multiplies. Clamped to the range.
+inline std::int64_t shifted(std::int64_t v, int shift) {
+    if (shift > 0 && shift <= 62) [[likely]]
+        return (v >> shift) + ((v >> (shift - 1)) & 1);
+    return shift > 62 ? 0 : shift_left_saturated(v, std::min(-shift, 63));
+}
 
 /// sign K^-1 arm; zero about axes that the body may not turn about, and for a body that does not move.
 /// `arm` has `fraction_bits`; its components are below 2^31.

@@ -20,12 +20,6 @@ template <class Now> void push_clamped(const Row* rows, const std::int32_t* p, i
     if (any >= static_cast<std::uint32_t>(small_impulse)) clamp_motion(m);
 }
 
-inline std::int64_t shifted(std::int64_t v, int shift) {
-    if (shift > 0 && shift <= 62) [[likely]]
-        return (v >> shift) + ((v >> (shift - 1)) & 1);
-    return shift > 62 ? 0 : shift_left_saturated(v, std::min(-shift, 63));
-}
-
 std::int32_t bounded(std::int64_t p, std::int64_t low, std::int64_t high) {
     return static_cast<std::int32_t>(std::clamp(p, low, high));
 }

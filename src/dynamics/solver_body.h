@@ -23,6 +23,7 @@ namespace lockstone::dynamics {
 inline constexpr int accumulator_bits = 47;
 inline constexpr int row_bits = Jacobian::fraction_bits; ///< 28: accumulator_bits - Speed::fraction_bits
 static_assert(accumulator_bits == Speed::fraction_bits + row_bits);
+inline constexpr int real_to_accumulator = accumulator_bits - Real::fraction_bits;
 
 /// What rows read and write.
 struct SolverBody {

@@ -13,7 +13,6 @@ namespace lockstone::session {
 namespace {
 
 constexpr std::byte question_kind{0x51}, answer_kind{0x41}; // "Q", "A"
-constexpr std::size_t checksum_bytes = 4;
 
 void write_head(std::vector<std::byte>& buffer, std::byte kind, const PacketContext& context,
                 const Question& about) {

@@ -13,8 +13,7 @@ namespace {
 
 /// The first byte of a short packet, and the fourth of a greeting. Its lowest two bits are the number of hashes, 3: told.
 constexpr std::uint32_t flag_hashes = 3, flag_quality = 4, flag_departures = 8, flag_short = 128;
-constexpr std::uint32_t flag_heard = 16; ///< of greetings only
-constexpr std::size_t checksum_bytes = 4;
+constexpr std::uint32_t flag_heard = 16;                     ///< of greetings only
 constexpr std::uint64_t number_end = std::uint64_t{1} << 32; ///< of ticks and sequence numbers
 
 std::uint32_t checksum(std::span<const std::byte> bytes, std::uint64_t seed) {

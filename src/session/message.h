@@ -7,6 +7,7 @@ namespace lockstone::session {
 
 inline constexpr std::uint16_t packet_magic = 0x534c; // "LS"
 inline constexpr std::uint8_t packet_version = 3;
+inline constexpr std::size_t checksum_bytes = 4;
 inline constexpr std::uint32_t hashes_per_packet = 16;
 inline constexpr std::uint32_t inputs_per_block = 255;
 /// What the inputs of a packet may take in all [bytes]. More only where the next one of each player would not fit.

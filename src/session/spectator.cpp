@@ -12,7 +12,6 @@ namespace lockstone::session {
 namespace {
 
 constexpr std::uint8_t wish_kind = 0x57, stretch_kind = 0x54; // "W", "T"
-constexpr std::size_t checksum_bytes = 4;
 
 std::size_t tick_bytes_of(const SessionDef& def) { return 6 + def.players.size() * def.input_size; }
 

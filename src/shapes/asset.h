@@ -142,6 +142,8 @@ Vec3 core_center(
     const Solid& solid); ///< in the shape's frame: the origin of primitives, `interior` of a hull
 /// In the shape's frame, rounding included. Not for planes.
 Extent extent_of(const Solid& solid);
+/// How far any of its points is from its origin at most [m]. Not for planes.
+Coordinate reach_of(const Solid& solid);
 
 // ---- triangles of meshes and height fields ----
 

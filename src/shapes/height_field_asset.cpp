@@ -25,7 +25,7 @@ std::string complaint(const HeightGrid& g) {
     return {};
 }
 
-constexpr std::uint32_t flag_cells = 1, flag_surfaces = 2;
+constexpr std::uint32_t field_cells = 1, field_surfaces = 2;
 
 constexpr bool is_height(Length h) { return h >= -shape_size_max && h <= shape_size_max; }
 
@@ -37,7 +37,7 @@ void write_height_field(base::ByteWriter& out, const HeightFieldDef& def) {
     out.u32(def.rows);
     out.i32(def.spacing.raw);
     out.i32(def.flat_sine.raw);
-    out.u32((any_cell ? flag_cells : 0) | (def.surfaces.empty() ? 0 : flag_surfaces));
+    out.u32((any_cell ? field_cells : 0) | (def.surfaces.empty() ? 0 : field_surfaces));
     for (Length h : def.heights) out.i32(h.raw);
     if (any_cell) out.bytes(std::as_bytes(def.cells));
     if (!def.surfaces.empty()) write_surfaces(out, def.surfaces);
@@ -50,7 +50,7 @@ std::unique_ptr<const HeightField> read_height_field(base::ByteReader& in) {
     grid.rows = in.u32("rows");
     grid.spacing = Length::from_raw(in.i32("spacing"));
     grid.flat_sine = Unit::from_raw(in.i32("flat sine"));
-    const std::uint32_t flags = in.u32("flags"), has_cells = flags & flag_cells;
+    const std::uint32_t flags = in.u32("flags"), has_cells = flags & field_cells;
     if (in.ok() && flags > 3)
         in.fail_at(start + 16, join("flags are ", flags, ", only bits 0 and 1 may be set"));
     if (std::string why = complaint(grid); in.ok() && !why.empty()) in.fail_at(start, why);
@@ -70,7 +70,7 @@ std::unique_ptr<const HeightField> read_height_field(base::ByteReader& in) {
         std::ranges::all_of(cells, [](std::byte b) { return b == std::byte{0}; }))
         in.fail_at(start + 16, "all cells are 0, then none may be listed");
     std::vector<MaterialSurface> surfaces;
-    if (in.ok() && (flags & flag_surfaces) != 0) surfaces = read_surfaces(in);
+    if (in.ok() && (flags & field_surfaces) != 0) surfaces = read_surfaces(in);
     if (!in.ok()) return nullptr;
     return std::make_unique<const HeightField>(grid, heights, cells, std::move(surfaces));
 }

@@ -14,10 +14,10 @@ namespace {
 using base::join;
 using TriangleIndices = std::array<std::uint32_t, 3>;
 
-constexpr std::uint32_t flag_two_sided = 1, flag_materials = 2, flag_sources = 4, flag_surfaces = 8;
+constexpr std::uint32_t mesh_two_sided = 1, mesh_materials = 2, mesh_sources = 4, mesh_surfaces = 8;
 constexpr std::size_t vertex_size = 16, triangle_size = 12, material_size = 2, source_size = 4;
 constexpr Coordinate reach_max = Coordinate(8000);
-constexpr std::uint32_t none = 0xffffffffu;
+constexpr std::uint32_t no_name = 0xffffffffu;
 
 /// Orders triangles so that every 8, 64, 512 ... of them lie close together: halves along the widest axis.
 class SpaceOrder {
@@ -146,11 +146,11 @@ MeshContent ordered(const MeshDef& def) {
     content.surfaces.assign(def.surfaces.begin(), def.surfaces.end());
     bool is_moved = false;
     const bool any_material = std::ranges::any_of(materials, [](std::uint16_t m) { return m != 0; });
-    std::vector<std::uint32_t> name(def.vertices.size(), none);
+    std::vector<std::uint32_t> name(def.vertices.size(), no_name);
     for (std::uint32_t i : SpaceOrder(corners).result()) {
         TriangleIndices t = kept[i];
         for (std::uint32_t& v : t) {
-            if (name[v] == none) {
+            if (name[v] == no_name) {
                 name[v] = static_cast<std::uint32_t>(content.vertices.size());
                 content.vertices.push_back(mesh_vertex(welded.places[v]));
             }
@@ -241,8 +241,8 @@ void read_sources(base::ByteReader& in, std::uint32_t count, MeshContent& conten
 }
 
 std::uint32_t flags_of(const MeshContent& content) {
-    return (content.two_sided ? flag_two_sided : 0) | (content.materials.empty() ? 0 : flag_materials) |
-           (content.sources.empty() ? 0 : flag_sources) | (content.surfaces.empty() ? 0 : flag_surfaces);
+    return (content.two_sided ? mesh_two_sided : 0) | (content.materials.empty() ? 0 : mesh_materials) |
+           (content.sources.empty() ? 0 : mesh_sources) | (content.surfaces.empty() ? 0 : mesh_surfaces);
 }
 
 } // namespace
@@ -268,7 +268,7 @@ std::unique_ptr<const Mesh> read_mesh(base::ByteReader& in) {
     const std::size_t start = in.offset();
     const std::uint32_t flags = in.u32("flags");
     MeshContent content;
-    content.two_sided = (flags & flag_two_sided) != 0;
+    content.two_sided = (flags & mesh_two_sided) != 0;
     content.flat_sine = Unit::from_raw(in.i32("flat sine"));
     const std::uint32_t vertices = in.u32("vertex count"), triangles = in.u32("triangle count");
     if (in.ok() && flags > 15)
@@ -278,17 +278,17 @@ std::unique_ptr<const Mesh> read_mesh(base::ByteReader& in) {
     if (in.ok() && (triangles < 1 || triangles > mesh_triangles_max))
         in.fail_at(start + 12,
                    join("a mesh of ", triangles, " triangles, it must have 1 .. ", mesh_triangles_max));
-    const std::size_t each = triangle_size + ((flags & flag_materials) != 0 ? material_size : 0) +
-                             ((flags & flag_sources) != 0 ? source_size : 0);
+    const std::size_t each = triangle_size + ((flags & mesh_materials) != 0 ? material_size : 0) +
+                             ((flags & mesh_sources) != 0 ? source_size : 0);
     const std::uint64_t size = std::uint64_t{vertices} * vertex_size + triangles * std::uint64_t{each};
-    const bool has_surfaces = (flags & flag_surfaces) != 0; // then their list follows
+    const bool has_surfaces = (flags & mesh_surfaces) != 0; // then their list follows
     if (in.ok() && (has_surfaces ? size > in.remaining() : size != in.remaining()))
         in.fail_at(start + 8, join(vertices, " vertices and ", triangles, " triangles need ", size,
                                    " bytes, ", in.remaining(), " follow"));
     if (in.ok()) read_vertices(in, vertices, content);
     if (in.ok()) read_triangles(in, triangles, content);
-    if (in.ok() && (flags & flag_materials) != 0) read_materials(in, triangles, content);
-    if (in.ok() && (flags & flag_sources) != 0) read_sources(in, triangles, content);
+    if (in.ok() && (flags & mesh_materials) != 0) read_materials(in, triangles, content);
+    if (in.ok() && (flags & mesh_sources) != 0) read_sources(in, triangles, content);
     if (in.ok() && has_surfaces) content.surfaces = read_surfaces(in);
     if (!in.ok()) return nullptr;
     return std::make_unique<const Mesh>(std::move(content));

@@ -151,4 +151,9 @@ Extent extent_of(const Solid& solid) {
     return {-reach, reach};
 }
 
+Coordinate reach_of(const Solid& solid) {
+    const Extent e = extent_of(solid);
+    return length(max(abs(e.lower), abs(e.upper)));
+}
+
 } // namespace lockstone::shapes

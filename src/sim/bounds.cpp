@@ -28,13 +28,6 @@ Length margin_of(Length inner, const BodyInfo& info, const Velocity& velocity, s
     return margin_base + min(ahead, info.first_joint != 0 ? inner + inner : inner);
 }
 
-/// How far any of its points is from its origin [m]; zero for a plane.
-Coordinate reach_of(const shapes::Solid& solid) {
-    if (solid.geometry.kind == ShapeKind::plane) return Coordinate{};
-    const shapes::Extent e = shapes::extent_of(solid);
-    return length(max(abs(e.lower), abs(e.upper)));
-}
-
 /// Where a shape is whose solid is known. Writes nothing but `at`.
 void place(const Data& w, const ShapeRow& shape, std::uint32_t body_row, Scratch::Shape& at) {
     const Config& config = w.state.rows(w.m.config)[0];
@@ -214,7 +207,7 @@ const shapes::Solid& solid_of(Data& w, const ShapeRow& shape) {
     if (at.rests) w.scratch.solids_replaced.push_back(shape.id.index - 1);
     at.rests = false; // its bounds are of the other solid
     at.solid = *solid;
-    at.reach = reach_of(at.solid);
+    at.reach = at.solid.geometry.kind == ShapeKind::plane ? Coordinate{} : shapes::reach_of(at.solid);
     at.inner = shapes::inner_radius(at.solid);
     return at.solid;
 }

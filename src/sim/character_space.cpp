@@ -21,11 +21,6 @@ Vec3 per_tick(SpeedVec3 v, std::uint32_t rate) {
     return {per_tick(v.x, rate), per_tick(v.y, rate), per_tick(v.z, rate)};
 }
 
-Coordinate reach_of(const shapes::Solid& solid) {
-    const shapes::Extent e = shapes::extent_of(solid);
-    return length(max(abs(e.lower), abs(e.upper)));
-}
-
 /// Where a plane's frame is for something at a point: straight below it.
 Transform frame_near(const Neighbour& n, const Transform& frame, Vec3 point) {
     if (!n.is_plane) return frame;
@@ -43,7 +38,7 @@ void CharacterSpace::set_height(Real height) {
     const Result<shapes::Solid> solid = w.scratch.solids.resolve(capsule_of(row.def, height).geometry);
     LOCKSTONE_ASSERT(solid.ok(), "a character of height ", height.raw);
     capsule = *solid;
-    capsule_reach = reach_of(capsule);
+    capsule_reach = shapes::reach_of(capsule);
     lift = scale<Real>(up, half(height));
 }
 

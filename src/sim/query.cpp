@@ -91,11 +91,6 @@ bool find_solid(Data& w, const Geometry& geometry, shapes::Solid& out) {
     return true;
 }
 
-Coordinate reach_of(const shapes::Solid& solid) {
-    const shapes::Extent e = shapes::extent_of(solid);
-    return length(max(abs(e.lower), abs(e.upper)));
-}
-
 /// Where a plane's frame is for something at a point: straight below it.
 Transform plane_below(const Transform& plane, Vec3 point) {
     const UnitVec3 n = to_rotation(plane.rotation).y;
@@ -284,7 +279,7 @@ bool make_shape_cast(Data& w, const Geometry& geometry, const Transform& pose, V
     if (!find_solid(w, geometry, solid) || !make_cast(pose.position, way, out)) return false;
     out.solid = &solid;
     out.rotation = normalized(pose.rotation);
-    out.reach = reach_of(solid);
+    out.reach = shapes::reach_of(solid);
     return true;
 }
 
@@ -378,7 +373,7 @@ void cast_balls(Data& w, std::span<const BallCast> balls, const QueryFilter& fil
             continue;
         if (!make_cast(ball.from, ball.way, casts[count])) continue;
         casts[count].solid = &solids[count];
-        casts[count].reach = is_known ? casts[count - 1].reach : reach_of(solids[count]);
+        casts[count].reach = is_known ? casts[count - 1].reach : shapes::reach_of(solids[count]);
         index[count++] = i;
     }
     if (count == 0) return;

@@ -274,14 +274,14 @@ bool may_be_fast(const Sweeper& s, std::uint32_t row, Real others) {
     return fast;
 }
 
-constexpr std::uint32_t bodies_per_chunk = 16;
+constexpr std::uint32_t sweeps_per_chunk = 16;
 
 /// All that are no bullets. They are swept against static and kinematic bodies alone, whose poses nobody writes here.
 void sweep_plain_bodies(Data& w, const Sweeper& s) {
     SweepScratch& sweep = w.scratch.sweep;
     const std::uint32_t rows = w.header().bodies_awake;
     sweep.stopped.resize(rows);
-    base::for_chunks(w.tasks, rows, bodies_per_chunk,
+    base::for_chunks(w.tasks, rows, sweeps_per_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t worker) {
                          const Hand hand{sweep.workers[worker], w.scratch.narrow_workers[worker].narrow};
                          for (std::uint32_t row = first; row < last; ++row) {

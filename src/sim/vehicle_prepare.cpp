@@ -21,7 +21,7 @@ constexpr Real ratio_max =
     Real(65536); ///< of the masses of chassis and ground; a lighter ground acts as if it had this
 constexpr Real arm_max = Real(64); ///< of a row's turning arm K^-1 (r x d)
 constexpr Real impulse_max = Real(2048);
-constexpr Real spin_max = Real(100000); ///< [rad/s], of wheels and engines
+constexpr Real part_spin_max = Real(100000); ///< [rad/s], of wheels and engines
 
 Vec3 arm_of(const BodyStep& body, Vec3 lever, UnitVec3 d, std::int32_t sign) {
     Vec3 turn = cross<Real>(lever, d);
@@ -338,11 +338,11 @@ void prepare_train(Vehicle& v) {
         const std::uint32_t group = v.wheel[i].group = tracked ? def.wheel[i].track : i;
         SpinGroup& g = v.group[group];
         g.inertia += def.wheel[i].inertia;
-        g.spin = bounded(v.memory.wheel[i].spin, spin_max);
+        g.spin = bounded(v.memory.wheel[i].spin, part_spin_max);
         share[group] = tracked ? half(Real(1)) : def.wheel[i].drive_share;
         driven += def.wheel[i].drive_share;
     }
-    v.engine_speed = clamp(v.memory.engine_speed, Real{}, spin_max);
+    v.engine_speed = clamp(v.memory.engine_speed, Real{}, part_spin_max);
     if (v.ratio != Real{} && (tracked || driven > Real{})) {
         Coupling& c = v.coupling[v.coupling_count++];
         c = {coupling_clutch, Real(1), {}, Real{}, v.memory.clutch};

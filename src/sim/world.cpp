@@ -211,12 +211,6 @@ std::shared_ptr<const AssetLibrary> World::assets_shared() const { return impl->
 
 // ---- commands --------------------------------------------------------------------------------------------------
 
-namespace {
-Status status_of(const Result<World::Applied>& applied) {
-    return applied ? Status{} : Status{applied.error()};
-}
-} // namespace
-
 Result<World::Applied> World::apply(const Command& command) { return sim::apply(*impl, command); }
 
 Result<BodyId> World::create_body(const BodyDef& def) {

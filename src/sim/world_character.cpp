@@ -10,9 +10,6 @@ const sim::CharacterRow& living(const sim::Data& w, CharacterId id) {
     LOCKSTONE_ASSERT(row != sim::Data::dead, "character ", id.index, ":", id.generation, " is not alive");
     return w.state.rows(w.m.character)[row];
 }
-Status status_of(const Result<World::Applied>& applied) {
-    return applied ? Status{} : Status{applied.error()};
-}
 } // namespace
 
 Result<CharacterId> World::create_character(const CharacterDef& def) {

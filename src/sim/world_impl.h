@@ -20,4 +20,8 @@ struct World::Impl : sim::Data {
     using sim::Data::Data;
 };
 
+inline Status status_of(const Result<World::Applied>& applied) {
+    return applied ? Status{} : Status{applied.error()};
+}
+
 } // namespace lockstone

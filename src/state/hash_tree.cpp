@@ -12,12 +12,6 @@ namespace lockstone {
 
 namespace {
 
-#ifdef NDEBUG
-constexpr bool checks_versions = false;
-#else
-constexpr bool checks_versions = true;
-#endif
-
 /// H(page hashes ..., row count, seed). `pages` has room for one more value, which is as it was afterwards: hashing one
 /// stretch of bytes is several times faster than a stream of few.
 std::uint64_t hash_of_pages(std::span<std::uint64_t> pages, std::uint32_t rows, std::uint64_t seed) {

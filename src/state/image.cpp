@@ -64,12 +64,6 @@ void copy_columns(std::span<const std::uint32_t> counts, const Source& from, con
     run.flush();
 }
 
-#ifdef NDEBUG
-constexpr bool checks_versions = false;
-#else
-constexpr bool checks_versions = true;
-#endif
-
 } // namespace
 
 bool operator==(const Image& left, const Image& right) {

@@ -8,6 +8,13 @@
 
 namespace lockstone {
 
+/// Without NDEBUG every hash and image first compares the pages with their versions.
+#ifdef NDEBUG
+inline constexpr bool checks_versions = false;
+#else
+inline constexpr bool checks_versions = true;
+#endif
+
 /// Columns begin on a cache line, in the block and in images.
 constexpr std::size_t whole_lines(std::size_t size) { return (size + 63) / 64 * 64; }
 

@@ -17,6 +17,9 @@ PRELUDE = ("lockstone/world.h", "sim/data.h", "algorithm", "array", "functional"
 
 WITHOUT_PRELUDE = {"tools/bench/scenes.cpp"}  # has names of its own for what lockstone/world.h names too
 
+# Sources of these folders are compiled some at a time, which takes half as long. Names within a folder are then of one kind.
+TOGETHER, AT_ONCE = {"base", "math", "state", "shapes", "collide", "dynamics", "contacts", "sim", "session", "replay"}, 8
+
 # Kernels of an instruction set, as in CMakeLists.txt: the machine chooses among them when the program runs.
 KERNELS = {"kernel_sse41.cpp": ["-msse4.1"], "kernel_avx2.cpp": ["-mavx2"], "kernel_avx512.cpp": ["-mavx512f", "-mavx512dq", "-mavx512vl"]}
 UNALIGNED = ["-Wa,-muse-unaligned-vector-move"]  # as CMakeLists.txt has it
@@ -26,6 +29,19 @@ X86 = ("", "i386", "windows")  # targets; "": this machine
 
 class BuildFailed(Exception):
     pass
+
+
+def together(files):
+    """The files in tuples, each compiled as one."""
+    tuples, by_folder = [], {}
+    for path in sorted(files):
+        if path.parent.name in TOGETHER:
+            by_folder.setdefault(path.parent, []).append(path)
+        else:
+            tuples.append((path,))
+    for members in by_folder.values():
+        tuples += [tuple(members[i:i + AT_ONCE]) for i in range(0, len(members), AT_ONCE)]
+    return sorted(tuples, key=len, reverse=True)  # the longest first: cores end together
 
 
 def sources(build):
@@ -79,16 +95,22 @@ class Builder:
                  "-isystem", str(self.includes)]
         flags += ["-include", self.prelude(build, flags, folder)]
         # A planted fault is one object beside those of the build that has none.
-        objects = list(self.pool.map(lambda path: self.object(build, flags, folder, path), files))
+        objects = self.objects(build, flags, folder, files)
         program = folder / (name + ("_planted" if build.patch else "") + {"wasm": ".wasm", "windows": ".exe"}.get(build.target, ""))
         threads = [] if build.target == "wasm" else ["-pthread"]
         linked = [f for f in build.flags if f.startswith(FOR_THE_LINKER)]
         run([build.cxx, *flags, *threads, "-o", program, *objects, *linked])
         return program
 
-    def object(self, build, flags, folder, path):
-        source = self.patched(build, folder, path)
-        out = folder / (path.relative_to(ROOT).as_posix().replace("/", "-") + (".o" if source == path else "-planted.o"))
+    def objects(self, build, flags, folder, files):
+        return list(self.pool.map(lambda paths: self.object(build, flags, folder, paths), together(files)))
+
+    def object(self, build, flags, folder, paths):
+        path, sources_now = paths[0], [self.patched(build, folder, p) for p in paths]
+        name = path.relative_to(ROOT).as_posix().replace("/", "-")
+        planted = "" if sources_now == list(paths) else "-planted"
+        out = folder / f"{name}{f'-and-{len(paths) - 1}' if len(paths) > 1 else ''}{planted}.o"
+        source = sources_now[0] if len(paths) == 1 else self.joined(out.with_suffix(".cpp"), sources_now)
         with self.lock_of(out):  # two programs may want it at once
             if not fresh(out, compiled_header(build, folder)):
                 own = KERNELS.get(path.name, []) if build.target in X86 else []
@@ -109,6 +131,13 @@ class Builder:
                 header.write_text("#pragma once\n" + "".join(f"#include <{name}>\n" for name in PRELUDE))
                 run([build.cxx, *flags, "-MMD", "-MF", f"{out}.d", "-x", "c++-header", header, "-o", out])
         return header
+
+    def joined(self, path, members):
+        text = "".join(f'#include "{member}"\n' for member in members)
+        with self.lock_of(path):
+            if not path.exists() or path.read_text() != text:
+                path.write_text(text)
+        return path
 
     def lock_of(self, path):
         with self.guard:

@@ -11,8 +11,7 @@ namespace {
 using dynamics::SolverBodies;
 using dynamics::SolverBody;
 
-std::int64_t rounded(std::int64_t x, int shift) { return shift_right_rounded(x, shift); }
-std::int64_t speed_part(std::int64_t v) { return saturate_to_int32(rounded(v, row_bits)); }
+std::int64_t speed_part(std::int64_t v) { return saturate_to_int32(shift_right_rounded(v, row_bits)); }
 /// Adds a component of a row [30 bits] times an impulse or a speed [31 bits]. Many contacts of one body, each within its limits,
 /// may drive its velocity beyond 63 bits.
 void add_product(std::int64_t& sum, std::int64_t row, std::int64_t x) { sum = add_saturated(sum, row * x); }
@@ -37,9 +36,9 @@ template <unsigned N> struct Lane {
         for (int i = 0; i < 3; ++i) line += pack.d[0][i][lane] * speed_part(sub_saturated(b.v[i], a.v[i]));
         for (int r = 0; r < 3; ++r)
             // Beyond 4096 m/s a point is at the end of every range.
-            out[r] = saturate_to_int32(
-                rounded(add_saturated(turning(pack.normal_a[r], pack.normal_b[r], a, b), r == 0 ? line : 0),
-                        row_bits));
+            out[r] = saturate_to_int32(shift_right_rounded(
+                add_saturated(turning(pack.normal_a[r], pack.normal_b[r], a, b), r == 0 ? line : 0),
+                row_bits));
     }
     /// Of a point, out of those of the level and the tilts, which impulses may have driven beyond 32 bits.
     std::int64_t at_point(int k, const std::int64_t (&x)[3]) const {
@@ -53,7 +52,7 @@ template <unsigned N> struct Lane {
               const std::int32_t (*line)[N], std::int64_t p) const {
         const auto push_body = [&](SolverBody& to, std::int64_t share, const std::int32_t(&x)[3][N],
                                    std::int64_t sign) {
-            const std::int64_t part = rounded(p * share, unit_bits);
+            const std::int64_t part = shift_right_rounded(p * share, unit_bits);
             for (int i = 0; i < 3; ++i) {
                 if (line != nullptr) add_product(to.v[i], sign * line[i][lane] & to.keep[i], part);
                 add_product(to.u[i], x[i][lane], part);
@@ -95,10 +94,11 @@ void note_bounce(const ContactPack<N>& pack, Bounce* bounces, const std::int32_t
             const std::int32_t now = pack.points[k].impulse[bounce.lane];
             bounce.impulse_max[k] = std::max(bounce.impulse_max[k], now);
             // Work: impulse over the point's effective mass, times the mean of the speeds before and after.
-            const std::int64_t change = std::clamp(
-                rounded((std::int64_t{now} - impulse_before[k][bounce.lane]) * bounce.inverse_mass[k],
-                        response_bits),
-                -most, most);
+            const std::int64_t change =
+                std::clamp(shift_right_rounded((std::int64_t{now} - impulse_before[k][bounce.lane]) *
+                                                   bounce.inverse_mass[k],
+                                               response_bits),
+                           -most, most);
             const std::int64_t speeds = std::clamp<std::int64_t>(
                 std::int64_t{speed_before[k][bounce.lane]} + speed_after[k][bounce.lane], -most, most);
             bounce.taken[k] = std::clamp(bounce.taken[k] - change * speeds, -limit, limit);
@@ -120,8 +120,8 @@ bool find_targets(const Bounce& bounce, const ContactPack<N>& pack, std::int32_t
             continue;
         const std::int64_t taken = std::max<std::int64_t>(bounce.taken[k], 0);
         const std::int64_t most = std::int64_t{isqrt(static_cast<std::uint64_t>(taken))};
-        target[k] =
-            rounded(std::max(std::int64_t{bounce.approach[k]}, -most) * bounce.restitution, unit_bits);
+        target[k] = shift_right_rounded(
+            std::max(std::int64_t{bounce.approach[k]}, -most) * bounce.restitution, unit_bits);
         points |= 1u << k;
     }
     return points != 0;
@@ -147,12 +147,12 @@ void give_back(std::span<Bounce> bounces, std::span<ContactPack<N>> packs, std::
             change = std::clamp<std::int64_t>(point.impulse[lane] + change, 0, impulse_limit) -
                      point.impulse[lane];
             point.impulse[lane] += static_cast<std::int32_t>(change);
-            const std::int64_t q[3] = {change, rounded(point.arm[0][lane] * change, unit_bits),
-                                       rounded(point.arm[1][lane] * change, unit_bits)};
+            const std::int64_t q[3] = {change, shift_right_rounded(point.arm[0][lane] * change, unit_bits),
+                                       shift_right_rounded(point.arm[1][lane] * change, unit_bits)};
             for (int i = 0; i < 3; ++i) {
                 sum[i] += q[i];
                 for (int j = 0; j < 3; ++j)
-                    speed[i] += rounded(pack.response[lower[i][j]][lane] * q[j], response_bits);
+                    speed[i] += shift_right_rounded(pack.response[lower[i][j]][lane] * q[j], response_bits);
             }
         };
         const int count = pack.point_count;
@@ -169,8 +169,8 @@ void give_back(std::span<Bounce> bounces, std::span<ContactPack<N>> packs, std::
             for (int i = 0; i < count; ++i) {
                 const int k = round % 2 == 0 ? i : count - 1 - i;
                 if ((points >> k) & 1u)
-                    add(k, -rounded((at.at_point(k, speed) + target[k]) * pack.points[k].kappa[lane],
-                                    kappa_bits));
+                    add(k, -shift_right_rounded(
+                               (at.at_point(k, speed) + target[k]) * pack.points[k].kappa[lane], kappa_bits));
             }
         at.push_normals(bodies, sum);
     }
@@ -191,15 +191,15 @@ void solve_rolling(std::span<Rolling> rolling, std::span<const ContactPack<N>> p
                     add_product(speed, rows.xb[r][i], speed_part(b.u[i]));
             now[r] = rows.impulse[r];
             if (!warm_start)
-                now[r] =
-                    std::clamp<std::int64_t>(now[r] - rounded(saturate_to_int32(rounded(speed, row_bits)) *
-                                                                  std::int64_t{rows.kappa[r]},
-                                                              kappa_bits),
-                                             -impulse_limit, impulse_limit);
+                now[r] = std::clamp<std::int64_t>(
+                    now[r] - shift_right_rounded(saturate_to_int32(shift_right_rounded(speed, row_bits)) *
+                                                     std::int64_t{rows.kappa[r]},
+                                                 kappa_bits),
+                    -impulse_limit, impulse_limit);
         }
         if (!warm_start) {
             const std::int64_t limit =
-                std::min<std::int64_t>(rounded(pressing * rows.bound, row_bits), impulse_limit);
+                std::min<std::int64_t>(shift_right_rounded(pressing * rows.bound, row_bits), impulse_limit);
             const std::int64_t square = now[0] * now[0] + now[1] * now[1] + now[2] * now[2];
             if (square > limit * limit) {
                 const std::int64_t size = std::int64_t{isqrt(static_cast<std::uint64_t>(square))} + 1;
@@ -209,8 +209,8 @@ void solve_rolling(std::span<Rolling> rolling, std::span<const ContactPack<N>> p
         for (int r = 0; r < 3; ++r) {
             const std::int64_t change = warm_start ? now[r] : now[r] - rows.impulse[r];
             rows.impulse[r] = static_cast<std::int32_t>(now[r]);
-            const std::int64_t da = rounded(change * pack.share_a[rows.lane], unit_bits),
-                               db = rounded(change * pack.share_b[rows.lane], unit_bits);
+            const std::int64_t da = shift_right_rounded(change * pack.share_a[rows.lane], unit_bits),
+                               db = shift_right_rounded(change * pack.share_b[rows.lane], unit_bits);
             for (int i = 0; i < 3; ++i)
                 add_product(a.u[i], rows.xa[r][i], da), add_product(b.u[i], rows.xb[r][i], db);
         }
@@ -251,8 +251,8 @@ template <unsigned N> void forget_impacts(ContactPack<N>& pack, WarmStart* warm)
             after += point.impulse[lane];
             point.impact[lane] = 0;
             taken[0] -= impact;
-            taken[1] -= rounded(point.arm[0][lane] * impact, unit_bits);
-            taken[2] -= rounded(point.arm[1][lane] * impact, unit_bits);
+            taken[1] -= shift_right_rounded(point.arm[0][lane] * impact, unit_bits);
+            taken[2] -= shift_right_rounded(point.arm[1][lane] * impact, unit_bits);
         }
         if (taken[0] == 0) continue;
         std::int64_t slide[3];
@@ -264,8 +264,8 @@ template <unsigned N> void forget_impacts(ContactPack<N>& pack, WarmStart* warm)
         const auto take_back = [&](WarmStart& to, std::int64_t share, std::int64_t sign, const auto& normal,
                                    const auto& across) {
             for (int r = 0; r < 3; ++r) {
-                const std::int64_t n = rounded(taken[r] * share, unit_bits),
-                                   t = rounded(slide[r] * share, unit_bits);
+                const std::int64_t n = shift_right_rounded(taken[r] * share, unit_bits),
+                                   t = shift_right_rounded(slide[r] * share, unit_bits);
                 for (int i = 0; i < 3; ++i) {
                     if (r == 0) add_product(to.v[i], sign * pack.d[0][i][lane], n);
                     if (r < 2) add_product(to.v[i], sign * pack.d[r + 1][i][lane], t);

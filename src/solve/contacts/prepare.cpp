@@ -18,7 +18,6 @@ using dynamics::ContactPoint;
 constexpr std::int64_t unit = std::int64_t{1} << unit_bits;
 constexpr std::int64_t row_limit = std::int64_t{4} << row_bits; ///< of a component of an angular row
 
-std::int64_t rounded(std::int64_t x, int shift) { return shift_right_rounded(x, shift); }
 std::int32_t low(std::int64_t x) { return static_cast<std::int32_t>(x); }
 
 /// The share of each body in the pair's inverse mass, alpha + beta = 1; 0 for what impulses do not move.
@@ -87,9 +86,9 @@ std::int64_t product(const std::int32_t (&x)[3], const std::int32_t (&y)[3]) {
 void respond(const Rows& rows, Shares shares, std::int64_t (&out)[3]) {
     constexpr int drop = 2 * row_bits - response_bits;
     for (int r = 0; r < 3; ++r)
-        out[r] = rounded((product(rows.xa[r], rows.xa[r]) >> drop) * shares.a +
-                             (product(rows.xb[r], rows.xb[r]) >> drop) * shares.b,
-                         unit_bits);
+        out[r] = shift_right_rounded((product(rows.xa[r], rows.xa[r]) >> drop) * shares.a +
+                                         (product(rows.xb[r], rows.xb[r]) >> drop) * shares.b,
+                                     unit_bits);
 }
 
 } // namespace
@@ -198,7 +197,7 @@ void stretch_axis(std::int64_t member, std::int64_t farthest, std::int32_t ox, s
     }
     const std::int64_t longer = (std::int64_t{isqrt(static_cast<std::uint64_t>(farthest))} << 26) /
                                 std::int64_t{isqrt(static_cast<std::uint64_t>(member))}; // at most 16
-    fx = low(rounded(fx * longer, 26)), fy = low(rounded(fy * longer, 26));
+    fx = low(shift_right_rounded(fx * longer, 26)), fy = low(shift_right_rounded(fy * longer, 26));
 }
 
 template <unsigned N> void fill_bounce(Bounce& bounce, const ContactPack<N>& pack, const Contact& contact) {
