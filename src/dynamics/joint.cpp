@@ -18,16 +18,18 @@ void JointSolver::reserve(std::size_t joints) {
     work->blocks.reserve(2 * joints);
     work->axes.reserve(7 * joints);
     work->packs.reserve(joints), work->turn_packs.reserve(joints), work->stages.reserve(joints);
-    work->singles.reserve(joints), work->packed.reserve(pack_lanes * joints), work->in_order.reserve(joints);
+    work->singles.reserve(joints), work->acts.reserve(joints), work->glances.reserve(joints);
+    work->seen.reserve(2 * joints + 1), work->packed.reserve(pack_lanes * joints),
+        work->in_order.reserve(joints);
     work->last_stage.reserve(2 * joints), work->counts.reserve(5 * joints + 1);
     work->bodies.reserve(2 * joints);
 }
 
 void JointSolver::poison(std::byte with) {
-    auto& [joints, blocks, axes, packs, turn_packs, stages, singles, packed, last_stage, counts, in_order,
-           bodies, forest, cache_of, pose, clamped, first] = *work;
-    base::poison(with, joints, blocks, axes, packs, turn_packs, stages, singles, packed, last_stage, counts,
-                 in_order, bodies, cache_of, pose, clamped, first);
+    auto& [joints, blocks, axes, packs, turn_packs, stages, singles, glances, seen, acts, packed, last_stage,
+           counts, in_order, bodies, forest, cache_of, pose, clamped, first] = *work;
+    base::poison(with, joints, blocks, axes, packs, turn_packs, stages, singles, glances, seen, acts, packed,
+                 last_stage, counts, in_order, bodies, cache_of, pose, clamped, first);
     auto& [trees, nodes, edges, links, component, first_of, hung, node_of, size, root, anchor_of, loops,
            anchors, above_of, above, carried, queue] = forest;
     base::poison(with, trees, nodes, edges, links, component, first_of, hung, node_of, size, root, anchor_of,
@@ -104,7 +106,7 @@ void refresh_packs(JointTick& tick, const JointKernel& kernel, const StepConstan
                 if (pack.over[lane] == 0) continue;
                 JointWork& w = tick.joints[tick.packed[i * pack_lanes + lane]];
                 enlarge_exponent(pack, w, step);
-                w.stale = true; // its inverse is that of other rows
+                pack.stale[lane] = 1; // its inverse is that of other rows
             }
             kernel.refresh(data, i, i + 1);
         }
@@ -112,11 +114,16 @@ void refresh_packs(JointTick& tick, const JointKernel& kernel, const StepConstan
 }
 
 /// The inverses of what packs make rows of.
-void invert_packed(JointTick& tick, const JointWork& w) {
-    JointPack& pack = tick.packs[w.pack];
-    invert_point(pack, w);
-    if (w.hinge && tick.turn_packs[pack.turn].generic[w.lane] == 0)
-        invert_hinge(pack, tick.turn_packs[pack.turn], w);
+void invert_packs(JointTick& tick, const JointKernel& kernel, const StepConstants& step,
+                  const SolverBodies& bodies, Tasks* tasks) {
+    const JointPassData data = pass_data(tick, step, const_cast<SolverBody*>(bodies.body.data()));
+    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.packs.size()), pack_chunk,
+                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                         if (!kernel.invert(data, first, last)) return;
+                         for (std::uint32_t i = first; i < last; ++i)
+                             for (std::uint32_t lane = 0; lane < tick.packs[i].count; ++lane)
+                                 invert_left(tick.packs[i], data.turns, lane);
+                     });
 }
 
 } // namespace
@@ -131,6 +138,15 @@ JointPassData pass_data(JointTick& tick, const StepConstants& step, SolverBody* 
             step.substep_time.raw};
 }
 
+void set_glance(JointTick& tick, const JointWork& work) {
+    JointGlance& glance = tick.glances[static_cast<std::size_t>(&work - tick.joints.data())];
+    const auto at = [](const JointWorkSide& s) { return s.world ? 0 : s.cache + 1; };
+    const bool packed = work.pack != no_pack, own_rows = has_own_rows(tick, work);
+    glance = {at(work.a),   at(work.b), work.pack,           work.lane,
+              seen_stirred, own_rows,   own_rows || !packed, false};
+    if (work.steady) glance.asks = packed ? seen_strays_far : seen_strays;
+}
+
 void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMemory> memory,
                           const BodyColumns& columns, const StepConstants& step, const SolverBodies& bodies,
                           Tasks* tasks) {
@@ -142,7 +158,7 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
     tick.first = true;
     constexpr BodyMass none{};
     for (const Joint& joint : joints) {
-        JointWork w{};
+        JointWork& w = tick.joints.emplace_back();
         w.pack = no_pack;
         w.def = joint.def;
         w.memory = joint.memory;
@@ -156,14 +172,14 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
         w.travel = memory[joint.memory].twist;
         assemble(tick, w, step, memory[joint.memory]);
         w.stays = may_stay(tick, w);
-        tick.joints.push_back(w);
     }
     plan_trees(tick, columns, step, bodies);
     plan_packs(tick, step, bodies);
+    tick.glances.resize(tick.joints.size()), tick.seen.assign(tick.bodies.size() + 1, 0);
     for_joints(tick, tasks, [&](JointWork& w) {
         if (w.pack != no_pack) start_packed(tick, w, step, bodies);
         if (w.pack != no_pack && w.axis_count + w.block_count == 0)
-            w.steady = w.stays, w.made = true;
+            w.steady = w.stays, w.made = true, set_glance(tick, w);
         else
             make_rows(tick, w, step, bodies);
     });
@@ -172,60 +188,79 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
             if (w.pack == no_pack && w.stays && w.tree == no_tree && !s->world)
                 tick.bodies[s->cache].unpacked = true;
     refresh_packs(tick, *kernel, step, bodies, tasks);
-    for_joints(tick, tasks, [&](JointWork& w) {
-        if (w.pack != no_pack) invert_packed(tick, w);
-    });
+    invert_packs(tick, *kernel, step, bodies, tasks);
     factorise_trees(tick, bodies, tasks);
+    find_acting(tick);
 }
+
+namespace {
+
+/// Which bodies have moved, and whether any has.
+bool look_at_bodies(JointTick& tick, const SolverBodies& bodies, Tasks* tasks) {
+    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.bodies.size()), body_chunk,
+                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                         for (std::uint32_t i = first; i < last; ++i)
+                             tick.seen[i + 1] = look_at_body(tick.bodies[i], bodies);
+                     });
+    return std::any_of(tick.seen.begin(), tick.seen.end(), [](std::uint8_t seen) { return seen != 0; });
+}
+
+/// What is stale by what bodies did, and which of them are to be placed for that.
+void find_stale(JointTick& tick) {
+    for (JointGlance& glance : tick.glances) {
+        glance.stale = ((tick.seen[glance.a] | tick.seen[glance.b]) & glance.asks) != 0;
+        if (glance.pack != no_pack) tick.packs[glance.pack].stale[glance.lane] = glance.stale;
+        if (!glance.stale || !glance.places) continue;
+        for (const std::uint32_t body : {glance.a, glance.b})
+            if (body != 0) tick.bodies[body - 1].wanted = true;
+    }
+}
+
+void place_bodies(JointTick& tick, const SolverBodies& bodies, Tasks* tasks) {
+    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.bodies.size()), body_chunk,
+                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                         for (std::uint32_t i = first; i < last; ++i) {
+                             JointBody& now = tick.bodies[i];
+                             const bool stirred = now.stirred;
+                             if (now.given && stirred) turn_body(now, tick.pose[now.body], bodies);
+                             if (now.wanted) place_body(now, tick.pose[now.body], bodies);
+                             now.stirred = stirred;
+                         }
+                     });
+}
+
+} // namespace
 
 void JointSolver::update(const StepConstants& step, const SolverBodies& bodies, Tasks* tasks) {
     JointTick& tick = *work;
-    const auto for_bodies = [&](auto&& visit) {
-        base::for_chunks(tasks, static_cast<std::uint32_t>(tick.bodies.size()), body_chunk,
-                         [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-                             for (std::uint32_t i = first; i < last; ++i) visit(tick.bodies[i]);
-                         });
-    };
-    for_bodies([&](JointBody& now) { look_at_body(now, bodies); });
-    const bool moved =
-        std::any_of(tick.bodies.begin(), tick.bodies.end(), [](const JointBody& b) { return b.stirred; });
-    if (!moved) { // before the first substep
+    if (!look_at_bodies(tick, bodies, tasks)) { // before the first substep
         for_joints(tick, tasks, [&](JointWork& w) {
             if (w.pack == no_pack) follow_errors(tick, w, step, bodies);
         });
+        find_acting(tick);
         return;
     }
-    const auto asks = [&](const JointWork& w, const JointWorkSide& s) {
-        if (s.world) return false;
-        const JointBody& body = tick.bodies[s.cache];
-        return !w.steady ? body.stirred : w.pack != no_pack ? body.strays_far : body.strays;
-    };
-    for (JointWork& w : tick.joints) {
-        w.stale = asks(w, w.a) || asks(w, w.b);
-        if (!w.stale || !(w.pack == no_pack || has_own_rows(tick, w))) continue;
-        for (const JointWorkSide* s : {&w.a, &w.b})
-            if (!s->world) tick.bodies[s->cache].wanted = true;
-    }
-    for_bodies([&](JointBody& now) {
-        const bool stirred = now.stirred;
-        if (now.given && stirred) turn_body(now, tick.pose[now.body], bodies);
-        if (now.wanted) place_body(now, tick.pose[now.body], bodies);
-        now.stirred = stirred;
-    });
-    for_joints(tick, tasks, [&](JointWork& w) {
-        if (w.pack != no_pack) give_turns(tick, w, bodies);
-        if (!has_own_rows(tick, w)) return;
-        if (w.stale)
-            make_rows(tick, w, step, bodies);
-        else
-            follow_errors(tick, w, step, bodies);
-    });
+    find_stale(tick);
+    place_bodies(tick, bodies, tasks);
+    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.joints.size()), joint_chunk,
+                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                         for (std::uint32_t i = first; i < last; ++i) {
+                             const JointGlance glance = tick.glances[i];
+                             const bool given =
+                                 ((tick.seen[glance.a] | tick.seen[glance.b]) & seen_given) != 0;
+                             if (given && glance.pack != no_pack) give_turns(tick, tick.joints[i], bodies);
+                             if (!glance.own_rows) continue;
+                             if (glance.stale)
+                                 make_rows(tick, tick.joints[i], step, bodies);
+                             else
+                                 follow_errors(tick, tick.joints[i], step, bodies);
+                         }
+                     });
     refresh_packs(tick, *kernel, step, bodies, tasks);
     make_asked_rows(tick, step, bodies);
-    for_joints(tick, tasks, [&](JointWork& w) {
-        if (w.pack != no_pack && w.stale) invert_packed(tick, w);
-    });
+    invert_packs(tick, *kernel, step, bodies, tasks);
     factorise_trees(tick, bodies, tasks);
+    find_acting(tick);
 }
 
 // ---- after the substeps -------------------------------------------------------------------------------------------

@@ -107,10 +107,14 @@ void Assembly::add_linear() {
 
 void Assembly::add_angular() {
     int locked = 0, springs = 0;
-    for (int i = about_x; i <= static_cast<int>(about_z); ++i) {
-        locked += rigid(axis(i)) ? 1 : 0;
-        springs += features_of(i) & has_spring ? 1 : 0;
+    std::uint8_t all[3], any = 0;
+    for (int i = 0; i < 3; ++i) {
+        const int slot = i + static_cast<int>(about_x);
+        all[i] = features_of(slot), any |= all[i];
+        locked += rigid(axis(slot)) ? 1 : 0;
+        springs += all[i] & has_spring ? 1 : 0;
     }
+    if (locked == 0 && any == 0) return add_swing();
     work.needs_orientation = locked == 3;
     work.needs_target = springs == 3;
     const bool wheel = work.def->kind == JointKind::wheel;
@@ -121,7 +125,7 @@ void Assembly::add_angular() {
     JointBlock* block = locked == 0 ? nullptr : &add_block();
     for (int i = 0; i < 3; ++i) {
         const int slot = i + static_cast<int>(about_x);
-        const std::uint8_t features = features_of(slot);
+        const std::uint8_t features = all[i];
         if (rigid(axis(slot))) {
             add_lock(*block, locked == 3 ? orientation[i] : lock_kinds[i], slot);
         } else if (springs == 3) {

@@ -432,6 +432,7 @@ void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, cons
     }
     work.steady = work.stays && work.tree == no_tree && !(work.needs_twist && is_opposite(place));
     work.made = work.remade = true;
+    set_glance(tick, work);
 }
 
 void make_asked_rows(JointTick& tick, const StepConstants& step, const SolverBodies& bodies) {
@@ -507,22 +508,23 @@ void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodie
 }
 
 /// Whether a body has turned by more than 2^-bits rad about an axis, by the change of its theta.
-static bool has_turned(const JointBody& now, const std::int64_t (&change)[3], int bits,
-                       const BodyStep& step) {
+static inline bool has_turned(const JointBody& now, const std::int64_t (&change)[3], int bits,
+                              const BodyStep& step) {
     const std::int64_t most = std::max({std::abs(change[0]), std::abs(change[1]), std::abs(change[2])});
-    if (most <= now.least >> bits) return false;
+    if (most <= now.least >> bits) [[likely]]
+        return false;
     std::int32_t theta[3];
     for (int i = 0; i < 3; ++i) theta[i] = saturate_to_int32(change[i]);
     const Vec3 turn = abs(over_gyration(step, theta, Separation::fraction_bits));
     return max(turn.x, max(turn.y, turn.z)).raw > std::int64_t{1} << (Real::fraction_bits - bits);
 }
 
-void look_at_body(JointBody& now, const SolverBodies& bodies) {
+std::uint8_t look_at_body(JointBody& now, const SolverBodies& bodies) {
     const SolverBody& body = bodies.body[now.body];
     const BodyStep& step = bodies.step[now.body];
     now.stirred = !are_same(body.shift, now.shift) || !are_same(body.theta, now.theta);
     now.wanted = now.strays = now.strays_far = false;
-    if (!now.stirred) return;
+    if (!now.stirred) return 0;
     const auto strays = [&](std::int32_t(&made)[3], int bits) {
         std::int64_t change[3];
         for (int i = 0; i < 3; ++i) change[i] = std::int64_t{body.theta[i]} - made[i];
@@ -535,6 +537,8 @@ void look_at_body(JointBody& now, const SolverBodies& bodies) {
     const std::int64_t all[3] = {body.theta[0], body.theta[1], body.theta[2]};
     now.given =
         now.given || step.turn != 0 || (now.strays_far && has_turned(now, all, given_turn_bits, step));
+    return static_cast<std::uint8_t>(seen_stirred | (now.strays ? seen_strays : 0) |
+                                     (now.strays_far ? seen_strays_far : 0) | (now.given ? seen_given : 0));
 }
 
 void start_body(JointBody& now, const Transform& pose, const SolverBodies& bodies) {

@@ -57,6 +57,8 @@ struct PackSide {
     std::int64_t arm_shift[pack_lanes], arm_half[pack_lanes]; ///< of K^-1 [r] to x
 };
 
+inline constexpr std::uint8_t point_left = 1, hinge_left = 2;
+
 struct JointPack {
     PackSide a, b;
     std::uint32_t count;          ///< lanes in use, from the first on
@@ -71,6 +73,8 @@ struct JointPack {
     std::int64_t apart[3][pack_lanes];
     std::int64_t near_shift[pack_lanes], ahead_shift[pack_lanes]; ///< of C and of the arc to 2^-e
     std::uint8_t over[pack_lanes];     ///< entries have grown to 2: the rows want a larger e
+    std::uint8_t stale[pack_lanes];    ///< inverses are to be made anew
+    std::uint8_t left[pack_lanes];     ///< and lanes could not: point_left, hinge_left
     std::int32_t push_max[pack_lanes]; ///< of the bias: by the error, Speed
     std::int32_t exponent[pack_lanes]; ///< e
     std::int64_t sum[3][pack_lanes];   ///< of p' over the substeps so far
@@ -113,6 +117,8 @@ inline constexpr int pack_angle_bits = 32;
 struct JointKernel {
     /// Rows of points and their biases from where the bodies are.
     void (*refresh)(const JointPassData& data, std::uint32_t first, std::uint32_t last);
+    /// Inverses of stale lanes. Returns whether some are left to invert_left().
+    bool (*invert)(const JointPassData& data, std::uint32_t first, std::uint32_t last);
     /// The impulses that parts have; adds them to the sums, but for the first substep of a tick.
     void (*warm_start)(const JointPassData& data, std::uint32_t first, std::uint32_t last, bool sums);
     /// Softly and with bias, or rigidly. Returns how many impulses met their bound.

@@ -82,6 +82,7 @@ void add_to_pack(JointTick& tick, JointWork& w, std::uint32_t kind, bool fresh, 
     JointPack& pack = tick.packs.back();
     w.pack = static_cast<std::uint32_t>(tick.packs.size() - 1);
     w.lane = pack.count++;
+    pack.stale[w.lane] = 1;
     set_share(pack.a, w.lane, w.shares.a, w.a.body, bodies.step[w.a.body].movable);
     set_share(pack.b, w.lane, w.shares.b, w.b.body, bodies.step[w.b.body].movable);
 }
@@ -144,6 +145,7 @@ void plan_packs(JointTick& tick, const StepConstants& step, const SolverBodies& 
         stage.last_single = static_cast<std::uint32_t>(tick.singles.size());
         tick.stages.push_back(stage);
     }
+    tick.acts.resize(tick.singles.size());
 }
 
 void put_turn(const JointBlock& block, TurnPack& pack, std::uint32_t lane) {

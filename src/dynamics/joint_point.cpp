@@ -77,7 +77,12 @@ std::int64_t shared(std::int64_t dot, Share share) {
     return share.shift > 52 ? 0 : sum >> (10 + share.shift);
 }
 
-void add_stiffness(Stiffness& s, const PackSide& side, std::uint32_t lane, Share share, std::int64_t one) {
+Share share_of(const PackSide& side, std::uint32_t lane) {
+    return {side.share[lane], static_cast<std::int32_t>(side.shift[lane])};
+}
+
+void add_stiffness(Stiffness& s, const PackSide& side, std::uint32_t lane, std::int64_t one) {
+    const Share share = share_of(side, lane);
     if (share.mantissa == 0) return;
     for (int r = 0; r < 3; ++r)
         for (int c = 0; c <= r; ++c) {
@@ -125,12 +130,11 @@ void enlarge_exponent(JointPack& pack, const JointWork& work, const StepConstant
     }
 }
 
-void invert_point(JointPack& pack, const JointWork& work) {
+static void invert_point(JointPack& pack, std::uint32_t lane) {
     Stiffness s{};
-    add_stiffness(s, pack.a, work.lane, work.shares.a, pack.one[work.lane]);
-    add_stiffness(s, pack.b, work.lane, work.shares.b, pack.one[work.lane]);
+    add_stiffness(s, pack.a, lane, pack.one[lane]), add_stiffness(s, pack.b, lane, pack.one[lane]);
     s.largest = std::max({s.k[0][0], s.k[1][1], s.k[2][2]});
-    set_inverse(pack.inverse, work.lane, invert(s, 3));
+    set_inverse(pack.inverse, lane, invert(s, 3));
 }
 
 // ---- hinges -------------------------------------------------------------------------------------------------------
@@ -171,8 +175,7 @@ void start_hinge(TurnPack& turn, const JointWork& work, const HingeStart& start,
     turn.reach_cos[lane] = to<Unit>(cos(reach)).raw;
 }
 
-void invert_hinge(const JointPack& pack, TurnPack& turn, const JointWork& work) {
-    const std::uint32_t lane = work.lane;
+static void invert_hinge(const JointPack& pack, TurnPack& turn, std::uint32_t lane) {
     Stiffness s{};
     const auto add = [&](const std::int32_t(&j)[3][3][pack_lanes], Share share) {
         if (share.mantissa == 0) return;
@@ -183,10 +186,14 @@ void invert_hinge(const JointPack& pack, TurnPack& turn, const JointWork& work) 
                 s.k[r][c] += shared(dot, share);
             }
     };
-    add(turn.ja, {pack.a.share[lane], static_cast<std::int32_t>(pack.a.shift[lane])});
-    add(turn.jb, {pack.b.share[lane], static_cast<std::int32_t>(pack.b.shift[lane])});
+    add(turn.ja, share_of(pack.a, lane)), add(turn.jb, share_of(pack.b, lane));
     s.largest = std::max(s.k[0][0], s.k[1][1]);
     set_inverse(turn.inverse, lane, invert(s, 2));
+}
+
+void invert_left(JointPack& pack, TurnPack* turns, std::uint32_t lane) {
+    if ((pack.left[lane] & point_left) != 0) invert_point(pack, lane);
+    if ((pack.left[lane] & hinge_left) != 0) invert_hinge(pack, turns[pack.turn], lane);
 }
 
 void take_axes(JointBlock& block, const TurnPack& turn, std::uint32_t lane) {

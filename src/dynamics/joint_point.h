@@ -35,14 +35,12 @@ void start_hinge(TurnPack& turn, const JointWork& work, const HingeStart& start,
                  const StepConstants& step);
 /// What follows from K^-1 of a body.
 void set_hinge_shift(TurnPack& turn, std::uint32_t lane, bool of_a, const BodyStep& body);
-/// The inverse of the rows of a hinge as they are.
-void invert_hinge(const JointPack& pack, TurnPack& turn, const JointWork& work);
 /// The axes about which its rows turn B.
 void take_axes(JointBlock& block, const TurnPack& turn, std::uint32_t lane);
 /// Where entries of its rows have grown to 2.
 void enlarge_exponent(JointPack& pack, const JointWork& work, const StepConstants& step);
-/// The inverse of the rows as they are.
-void invert_point(JointPack& pack, const JointWork& work);
+/// The inverses that lanes have left, of the rows as they are.
+void invert_left(JointPack& pack, TurnPack* turns, std::uint32_t lane);
 /// Rows, inverse, impulses and biases of a block into its lane.
 void put_turn(const JointBlock& block, TurnPack& pack, std::uint32_t lane);
 void put_bias(const JointBlock& block, TurnPack& pack, std::uint32_t lane);

@@ -35,6 +35,7 @@ Shares joint_shares(const BodyMass& a, const BodyStep& sa, const BodyMass& b, co
     if (!sa.movable && !sb.movable) return {none, none};
     if (!sa.movable) return {none, whole};
     if (!sb.movable) return {whole, none};
+    if (a.mass == b.mass) return {{1 << 29, 0}, {1 << 29, 0}}; // what division gives
     const Real sum = a.mass + b.mass;
     return {share_of(b.mass, sum), share_of(a.mass, sum)};
 }

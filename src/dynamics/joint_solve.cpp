@@ -126,11 +126,14 @@ bool stays_free(const JointAxisPart& part, const SolverBody& a, const SolverBody
            (!up || speed + (bias ? part.upper_bias : part.upper_relax) <= 0);
 }
 
+bool has_locks(const JointTick& tick, const JointWork& w) {
+    return w.block_count != 0 && !w.turns_packed && (w.tree == no_tree || !tick.forest.trees[w.tree].direct);
+}
+
 /// Of one joint: what acts along axes, and locks that neither a tree nor a pack solves.
 void pass_joint(JointTick& tick, const JointWork& w, const StepConstants& step, SolverBodies& bodies,
                 bool bias) {
-    const bool locks =
-        w.block_count != 0 && !w.turns_packed && (w.tree == no_tree || !tick.forest.trees[w.tree].direct);
+    const bool locks = has_locks(tick, w);
     SolverBody &a = bodies.body[w.a.body], &b = bodies.body[w.b.body];
     bool busy = locks;
     for (std::uint32_t i = 0; i < w.axis_count && !busy; ++i)
@@ -158,6 +161,15 @@ void pass_joint(JointTick& tick, const JointWork& w, const StepConstants& step, 
 
 } // namespace
 
+void find_acting(JointTick& tick) {
+    for (std::size_t i = 0; i < tick.singles.size(); ++i) {
+        const JointWork& w = tick.joints[tick.singles[i]];
+        bool acts = w.block_count != 0 && !w.turns_packed; // warm starts give what trees solve as well
+        for (std::uint32_t k = 0; k < w.axis_count && !acts; ++k) acts = !tick.axes[w.first_axis + k].idle;
+        tick.acts[i] = acts;
+    }
+}
+
 void JointSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bias, Tasks* tasks) {
     JointTick& tick = *work;
     const TurnedK turned(step, bodies);
@@ -166,7 +178,7 @@ void JointSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bi
     for (std::size_t k = 0; k < count; ++k) { // relaxing goes back the way the biased pass came
         const JointStage& stage = tick.stages[bias ? k : count - 1 - k];
         for (std::uint32_t i = stage.first_single; i < stage.last_single; ++i)
-            pass_joint(tick, tick.joints[tick.singles[i]], step, bodies, bias);
+            if (tick.acts[i] != 0) pass_joint(tick, tick.joints[tick.singles[i]], step, bodies, bias);
         tick.clamped += kernel->solve(data, stage.first_pack, stage.last_pack, bias);
     }
     const std::vector<JointTree>& trees = tick.forest.trees;
@@ -215,7 +227,7 @@ void JointSolver::warm_start(const StepConstants& step, SolverBodies& bodies) {
     const JointPassData data = pass_data(tick, step, bodies.body.data());
     for (const JointStage& stage : tick.stages) {
         for (std::uint32_t i = stage.first_single; i < stage.last_single; ++i)
-            warm_joint(tick, tick.joints[tick.singles[i]], bodies);
+            if (tick.acts[i] != 0) warm_joint(tick, tick.joints[tick.singles[i]], bodies);
         kernel->warm_start(data, stage.first_pack, stage.last_pack, !tick.first);
     }
     tick.first = false;

@@ -36,15 +36,15 @@ struct JointBody {
     std::int32_t
         least; ///< its least gyration radius: it has turned by no more than theta by this; Separation
     std::int32_t theta_made[3], theta_packed[3]; ///< when it strayed last
+    std::int32_t shift[3], theta[3];             ///< of the SolverBody, when this was made
     Vec3 position;
     Quat rotation;
     Rotation axes;
     Vec3 w;
     Vec3 velocity;
-    std::int32_t shift[3], theta[3]; ///< of the SolverBody, when this was made
-    Vec3 moved;                      ///< by the last update [m]
-    std::int32_t turned[3];          ///< by the last update, of theta
-    Quat turn;                       ///< since the tick began, of what is given
+    Vec3 moved;             ///< by the last update [m]
+    std::int32_t turned[3]; ///< by the last update, of theta
+    Quat turn;              ///< since the tick began, of what is given
 };
 
 /// Up to three locks solved together.
@@ -118,7 +118,18 @@ struct JointWorkSide {
     Quat frame;          ///< in the body's axes, or in the world
 };
 
+/// What JointBodies did since the last update, bits of JointTick::seen: the flags of these names, and that packs are to be told.
+enum JointSeen : std::uint8_t { seen_stirred = 1, seen_strays = 2, seen_strays_far = 4, seen_given = 8 };
+
 inline constexpr std::uint32_t no_pack = 0xffffffffu;
+
+/// What an update asks of every joint: a few bytes in place of the rest of it.
+struct JointGlance {
+    std::uint32_t a, b;           ///< entries of JointTick::seen; 0 for the world
+    std::uint32_t pack, lane;     ///< as in JointWork
+    std::uint8_t asks;            ///< JointSeen by which its rows become stale
+    bool own_rows, places, stale; ///< it has own rows; bodies are placed where they are stale; they are
+};
 
 struct JointWork {
     const JointDef* def;
@@ -130,7 +141,6 @@ struct JointWork {
     std::uint32_t tree; ///< that solves its locks; no_tree: they are solved by themselves
     std::uint8_t block_count, axis_count;
     bool needs_twist, needs_target, needs_orientation, needs_travel, needs_slip, made;
-    bool stale;        ///< its rows are to be made anew
     bool stays;        ///< its rows change by turns alone, and slowly
     bool remade;       ///< since trees were factorised
     bool steady;       ///< and they may stay behind where they are now
@@ -158,6 +168,9 @@ struct JointTick {
     std::vector<TurnPack> turn_packs;
     std::vector<JointStage> stages;
     std::vector<std::uint32_t> singles;                      ///< joints that have parts in no pack, by stage
+    std::vector<JointGlance> glances;                        ///< by joint
+    std::vector<std::uint8_t> seen;                          ///< JointSeen, by body, after one of the world
+    std::vector<std::uint8_t> acts;                          ///< of singles: whether passes look at it
     std::vector<std::uint32_t> packed;                       ///< joints by pack and lane
     std::vector<std::uint32_t> last_stage, counts, in_order; ///< while packs are filled
     std::vector<JointBody> bodies;
@@ -183,6 +196,8 @@ void give_turns(JointTick& tick, const JointWork& work, const SolverBodies& bodi
 void turn_body(JointBody& now, const Transform& pose, const SolverBodies& bodies);
 /// Rows that the refreshed packs ask for: of hinges that have come apart, and limits that are in reach again.
 void make_asked_rows(JointTick& tick, const StepConstants& step, const SolverBodies& bodies);
+/// Which singles act: those with locks that passes solve, or an axis that is not idle.
+void find_acting(JointTick& tick);
 /// Whether something of a joint is made by make_rows(): all but what packs make and limits that are out of reach.
 bool has_own_rows(const JointTick& tick, const JointWork& work);
 /// Parts of one joint by its table of axes; appends to blocks and axes.
@@ -195,8 +210,10 @@ bool may_stay(const JointTick& tick, const JointWork& work);
 Quat unit_of(Quat q);
 void start_body(JointBody& now, const Transform& pose, const SolverBodies& bodies);
 void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodies);
-/// Whether it has moved since it was placed, and turned by more than rows may stay behind.
-void look_at_body(JointBody& now, const SolverBodies& bodies);
+/// Whether it has moved since it was placed, and turned by more than rows may stay behind: JointSeen.
+std::uint8_t look_at_body(JointBody& now, const SolverBodies& bodies);
+/// After its rows were made.
+void set_glance(JointTick& tick, const JointWork& work);
 /// Rows, responses, inverses and targets of a joint's parts. Writes nothing that is another joint's.
 void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, const SolverBodies& bodies);
 /// Errors from where the bodies are, by the rows that there are.

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "dynamics/joint_pack.h"
+#include "solve/joints/inverse_kernel.h"
 #include "solve/lanes/lane_fixed.h"
 
 namespace lockstone::solve {
@@ -491,6 +492,15 @@ template <class L> class PackedJoints {
             for (unsigned lane = 0; lane < data.packs[i].count; lane += N)
                 refresh_lanes(data, data.packs[i], lane);
     }
+    static bool invert(const Data& data, std::uint32_t first, std::uint32_t last) {
+        unsigned left = 0;
+        for (std::uint32_t i = first; i < last; ++i) {
+            Pack& c = data.packs[i];
+            for (unsigned lane = 0; lane < c.count; lane += N) JointInverses<L>::invert(data, c, lane);
+            for (unsigned lane = 0; lane < all_lanes; ++lane) left |= c.left[lane];
+        }
+        return left != 0;
+    }
     static void warm_start(const Data& data, std::uint32_t first, std::uint32_t last, bool sums) {
         for (std::uint32_t i = first; i < last; ++i)
             for (unsigned lane = 0; lane < data.packs[i].count; lane += N)
@@ -510,7 +520,7 @@ template <class L> class PackedJoints {
         }
         return clamped;
     }
-    static constexpr dynamics::JointKernel table() { return {refresh, warm_start, solve}; }
+    static constexpr dynamics::JointKernel table() { return {refresh, invert, warm_start, solve}; }
 };
 
 } // namespace lockstone::solve
