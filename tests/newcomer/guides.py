@@ -13,7 +13,9 @@ import tempfile
 import threading
 
 import readme
-from slow_way import SlowWay
+
+sys.path.insert(0, str(readme.ROOT / "tests/support"))
+from slow_way import SlowWay  # noqa: E402
 
 FOLDER = readme.ROOT / "tools/guides"
 FILE = re.compile(r"^```cpp (\S+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -110,9 +112,43 @@ def check_rollback(programs, folder, lockstone):
     return faults_of_match(Match(programs["match.cpp"], folder, lockstone), rollbacks=True)
 
 
+def check_lockstep(programs, folder, lockstone):
+    return faults_of_match(Match(programs["lockstep.cpp"], folder, lockstone), rollbacks=False)
+
+
+def printed_lines(text):
+    """Of the guide's blocks of text: what the programs print, to the letter."""
+    return [line for block in readme.blocks(text, "text") for line in block[1].splitlines() if line.strip()]
+
+
+def check_desync(programs, folder, lockstone, lucky=("yes", "no")):
+    match = Match(programs["desync.cpp"], folder, lockstone, [(each,) for each in lucky])
+    told = " | ".join(text.strip()[:300] for text in match.printed)
+    if match.status != [1, 1]:
+        return [f"the processes end with {match.status} instead of two reports of a desync: {told}"]
+    place = r"phase \w+, column [\w.]+, row \d+, [\w.]+: .+ against .+"
+    complaints = [] if None not in match.lines(r"^tick 200, machine [01]: " + place) else [f"where they part is not told: {told}"]
+    commands = [folder / "a-commands.lsr", folder / "b-commands.lsr"]
+    for recorded, to, each, program in zip(match.recordings, commands, lucky, programs["export.cpp"]):
+        subprocess.run([program, recorded, to, each], check=True)
+    verified = subprocess.run([lockstone, "verify", *commands], capture_output=True, text=True)
+    if verified.returncode != 0:
+        complaints.append(f"lockstone verify ends with {verified.returncode}: {verified.stdout}{verified.stderr}")
+    differs = subprocess.run([lockstone, "diff", *commands], capture_output=True, text=True)
+    if differs.returncode != 1:
+        complaints.append(f"lockstone diff ends with {differs.returncode}: {differs.stdout}{differs.stderr}")
+    everything = match.printed[0] + differs.stdout
+    for line in printed_lines((FOLDER / "desync.md").read_text()):
+        if line.strip() not in everything:
+            complaints.append(f"desync.md shows what nobody prints: {line!r}; they print {everything}")
+    return complaints
+
+
 # By guide: the program that is a match, what checks it, and faults: (what is wrong, which process has it, text, in its place).
 GUIDES = {
     "rollback": ("match.cpp", check_rollback, [("one machine pushes harder", "20_r", "21_r")]),
+    "desync": ("desync.cpp", check_desync, []),
+    "lockstep": ("lockstep.cpp", check_lockstep, [("one machine pushes harder", "20_r", "21_r")]),
 }
 
 
@@ -159,6 +195,19 @@ def check(guide, arguments, folder):
     return complaints
 
 
+def planted_desync(files, folder, arguments):
+    """A match in which nothing parts, and a guide that shows what is not printed, have to be noticed."""
+    programs = {}
+    for program in ("desync.cpp", "export.cpp"):
+        source = written(files, needed_by(program, files), folder / "whole") / program
+        programs[program] = [folder / f"whole-{program}"] * 2
+        wrong = readme.compile_fault(source, programs[program][0], arguments.cxx[0], [*readme.FLAGS[0], *SOURCES], arguments.libraries)
+        assert not wrong, wrong
+    missed = [] if check_desync(programs, folder, arguments.lockstone, ("no", "no")) else ["a match without a desync"]
+    others = check_desync(programs, folder, arguments.lockstone, ("no", "yes"))  # the values stand the other way round
+    return missed + ([] if any("shows what nobody prints" in each for each in others) else ["a report that the guide does not show"])
+
+
 def check_planted(guide, arguments, folder):
     program, match_check, faults = GUIDES[guide]
     files, missed = all_files(), []
@@ -181,6 +230,8 @@ def check_planted(guide, arguments, folder):
         print(f"{fault}: {noticed[:1]}")
         if not any("desync" in each for each in noticed):
             missed.append(fault)
+    if guide == "desync":
+        missed += planted_desync(files, folder, arguments)
     return [f"missed a planted fault: {each}" for each in missed]
 
 

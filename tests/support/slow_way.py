@@ -1,10 +1,14 @@
+#!/usr/bin/env python3
 """A way to a UDP server on this machine that takes its time: who sends here reaches the server later, and so do the answers.
 
-The server sees each client at a port of its own, as behind a router."""
+The server sees each client at a port of its own, as behind a router.
+
+  slow_way.py SERVER_PORT DELAY_MS JITTER_MS       prints its own port; until it is killed"""
 import heapq
 import random
 import select
 import socket
+import sys
 import threading
 import time
 
@@ -64,3 +68,10 @@ class SlowWay:
                 _, _, leaves, to, data = heapq.heappop(self.late)
                 leaves.sendto(data, to)
                 self.passed += 1
+
+
+if __name__ == "__main__":
+    server, delay, jitter = map(int, sys.argv[1:4])
+    with SlowWay(server, delay, jitter) as way:
+        print(way.port, flush=True)
+        threading.Event().wait()
