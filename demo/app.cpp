@@ -6,6 +6,7 @@
 #include "hud.h"
 #include "live_page.h"
 #include "netplay_page.h"
+#include "online/online_page.h"
 #include "render/renderer.h"
 #include "replay_page.h"
 
@@ -29,6 +30,7 @@ struct Screen {
 void complain(const std::string& sentence) { std::fprintf(stderr, "lockstone-demo: %s\n", sentence.c_str()); }
 
 Result<std::unique_ptr<Page>> open_page(const Options& options, Stage& stage) {
+    if (options.online()) return open_online_page(options, stage);
     if (options.compare) return open_comparison(options, stage);
     if (options.figures) return FiguresPage::open(options, stage);
     if (options.source_is_file()) return ReplayPage::open(options, stage);
@@ -37,6 +39,7 @@ Result<std::unique_ptr<Page>> open_page(const Options& options, Stage& stage) {
 
 /// Before a window opens for nothing.
 Status check_scene(const Options& options) {
+    if (!options.join.empty() || !options.watch.empty()) return {}; // the host says what is played
     if (options.compare) return check_comparison(options);
     if (options.source_is_file()) return {};
     const Result<std::unique_ptr<Game>> game = make_game(options);
@@ -99,6 +102,7 @@ void App::open_screen() {
     window_ = !options_.offscreen && Surface::display_available() && try_screen(true);
     if (!window_) try_screen(false);
     stage_.interactive = window_ && !options_.script;
+    stage_.in_window = window_;
     pictures_ = screen_ != nullptr && (!window_ || !options_.frames_folder.empty());
 }
 

@@ -27,31 +27,6 @@ std::string describe_notice(const Notice& notice) {
 
 } // namespace
 
-// ---- the confirmed timeline of one peer -------------------------------------------------------------------
-
-Status ConfirmedLog::begin(const Game& game, const World& start, std::uint64_t ticks) {
-    ticks_ = ticks;
-    replay::RecorderOptions options;
-    options.keyframe_ticks = 0; // the world is ahead of what is confirmed, so there is no state to keep
-    Result<replay::InputRecorder> begun = replay::InputRecorder::begin(sink_, game, start, options);
-    if (!begun) return begun.error();
-    recorder_ = std::move(*begun);
-    return {};
-}
-
-void ConfirmedLog::on_confirmed(std::uint64_t tick, std::span<const PlayerInput> inputs, std::uint64_t hash) {
-    if (tick >= ticks_) return;
-    std::vector<std::byte>& bytes = inputs_.emplace_back();
-    for (const PlayerInput& input : inputs) bytes.insert(bytes.end(), input.bytes.begin(), input.bytes.end());
-    hashes_.push_back(hash);
-    if (const Status status = recorder_->on_tick(tick, inputs, hash); !status && status_) status_ = status;
-}
-
-Status ConfirmedLog::close() {
-    if (const Status status = recorder_->close(); !status && status_) status_ = status;
-    return status_;
-}
-
 // ---- the peers --------------------------------------------------------------------------------------------
 
 Peer::Peer(World start, const Game& game, std::unique_ptr<Session> made, cli::InputSource source)

@@ -3,41 +3,18 @@
 /// them. It decides nothing about the game; it hands inputs to the sessions and keeps account of them.
 
 #include "cli/input_source.h"
+#include "confirmed_log.h"
 #include "input_map.h"
 #include "lockstone/session.h"
 #include "options.h"
-#include "replay/recorder.h"
 
 #include <array>
 #include <deque>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 namespace lockstone::demo {
-
-/// Keeps the confirmed timeline of one peer and records it.
-class ConfirmedLog final : public ConfirmedSink {
-  public:
-    /// Ticks from `ticks` on are left out, so that both peers' recordings end alike.
-    Status begin(const Game& game, const World& start, std::uint64_t ticks);
-    void on_confirmed(std::uint64_t tick, std::span<const PlayerInput> inputs, std::uint64_t hash) override;
-    Status close();
-
-    bool complete() const { return hashes_.size() == ticks_; }
-    const std::vector<std::uint64_t>& hashes() const { return hashes_; }          ///< by tick
-    const std::vector<std::vector<std::byte>>& inputs() const { return inputs_; } ///< by tick, all players
-    const std::vector<std::byte>& replay() const { return sink_.bytes; }          ///< the file, after close()
-
-  private:
-    std::uint64_t ticks_ = 0;
-    std::vector<std::uint64_t> hashes_;
-    std::vector<std::vector<std::byte>> inputs_;
-    replay::MemorySink sink_;
-    std::optional<replay::InputRecorder> recorder_;
-    Status status_;
-};
 
 struct Peer {
     Peer(World start, const Game& game, std::unique_ptr<Session> made, cli::InputSource source);

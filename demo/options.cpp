@@ -52,6 +52,20 @@ void add_options(CLI::App& app, Options& options) {
         ->check(CLI::Range(0, 400));
     app.add_option("--loss", options.loss_percent, "of netplay [% of packets], default 5")
         ->check(CLI::Range(0, 60));
+    app.add_flag("--host", options.host,
+                 "open a match over UDP, and print what others have to start to join it");
+    app.add_option("--join", options.join, "enter a match by the host's CODE@ADDRESS:PORT#KEY");
+    app.add_option("--watch", options.watch,
+                   "watch a match by the CODE@ADDRESS:PORT#KEY that its host shows");
+    app.add_option("--machines", options.machines,
+                   "of --host: how many play, default 2; bots have the other players")
+        ->check(CLI::Range(2, 4));
+    app.add_option("--relay", options.relay,
+                   "of --host: ADDRESS:PORT#KEY of a `lockstone relay`; default: the host starts one");
+    app.add_option("--port", options.port, "of the relay that --host starts [UDP port], default any")
+        ->check(CLI::Range(0, 65535));
+    app.add_option("--plant", options.plant,
+                   "of --host and --join: at this tick let this machine's world differ, to see it told");
     app.add_option("--show", options.show, "switch on, separated by commas")
         ->delimiter(',')
         ->allow_extra_args(false)
@@ -61,8 +75,20 @@ void add_options(CLI::App& app, Options& options) {
 
 /// What CLI11 cannot know; empty when the options go together.
 std::string contradiction(const Options& options) {
-    if (options.netplay + options.compare + options.figures > 1)
-        return "of --netplay, --compare and --figures only one can be shown";
+    const int online = options.host + !options.join.empty() + !options.watch.empty();
+    if (options.netplay + options.compare + options.figures + online > 1)
+        return "of --netplay, --compare, --figures, --host, --join and --watch only one can be shown";
+    if (options.online() && !options.input_file.empty())
+        return "a match over UDP takes no --input: people and bots play";
+    if (options.online() && !options.asset_file.empty())
+        return "a match over UDP needs a scene, not an asset";
+    if (options.online() && options.source_is_file())
+        return "a match over UDP needs a scene, not the replay file " + options.source;
+    if (!options.host && (!options.relay.empty() || options.port != 0))
+        return "--relay and --port go with --host";
+    if (!options.relay.empty() && options.port != 0)
+        return "--port is of a relay that --host starts: leave it or --relay out";
+    if (!options.online() && options.plant) return "--plant goes with --host or --join";
     if (!options.asset_file.empty() && options.netplay) return "--netplay needs a scene, not an asset";
     if (options.compare && !options.record_file.empty())
         return "--compare records nothing: leave --record out";
@@ -82,7 +108,7 @@ std::string contradiction(const Options& options) {
 void add_default_players(Options& options) {
     const SceneInfo* info = options.asset_file.empty() ? find_scene(options.source) : nullptr;
     if (info == nullptr) return;
-    const std::uint32_t wanted = options.netplay ? 2 : 1;
+    const std::uint32_t wanted = options.host ? options.machines : options.netplay ? 2 : 1;
     options.scene.players = std::max(info->players_default, std::min(wanted, info->players_max));
 }
 
@@ -121,7 +147,8 @@ std::variant<Options, int> parse_options(int argc, char** argv) {
         std::fprintf(stderr, "lockstone-demo: %s\n", error.what());
         return 2;
     }
-    if (options.compare && app.count("source") == 0) options.source = "two-blocks"; // the thesis' own
+    options.source_given = app.count("source") != 0;
+    if (options.compare && !options.source_given) options.source = "two-blocks"; // the thesis' own
     if (options.figures) options.frame_every = 1; // each of its steps is a picture
     if (const std::string why = contradiction(options); !why.empty()) {
         std::fprintf(stderr, "lockstone-demo: %s\n", why.c_str());

@@ -27,10 +27,21 @@ struct Options {
     bool netplay = false;
     std::uint32_t latency_ms = 80;  ///< one way
     std::uint32_t loss_percent = 5; ///< of packets
-    bool script = false;            ///< nobody plays; the program ends by itself
-    std::vector<std::string> show;  ///< what is switched on from the start: "wireframe", "contacts", ...
+    // A match over UDP.
+    bool host = false;
+    std::string join;                   ///< the host's invitation; empty: not joined
+    std::string watch;                  ///< the same of a watcher
+    std::string relay;                  ///< ADDRESS:PORT#KEY; empty: the host starts one
+    std::uint32_t port = 0;             ///< of the relay that the host starts; 0: any
+    std::uint32_t machines = 2;         ///< that play the hosted match
+    std::optional<std::uint64_t> plant; ///< tick of a fault on purpose, see online/planted_game.h
+    bool script = false;                ///< nobody plays; the program ends by itself
+    std::vector<std::string> show;      ///< what is switched on from the start: "wireframe", "contacts", ...
+
+    bool source_given = false; ///< by name; else `source` is a default
 
     bool source_is_file() const;
+    bool online() const { return host || !join.empty() || !watch.empty(); }
 };
 
 /// The options; or the exit status when there is nothing to do (help: 0, bad usage: 2, said on stderr).

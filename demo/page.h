@@ -32,6 +32,7 @@ struct Stage {
     StepClock clock;
     std::shared_ptr<const Model> crate; ///< null without a renderer
     bool interactive = false;           ///< someone sits in front of a window
+    bool in_window = false;             ///< ticks are asked for in real time; else as fast as they come
 };
 
 /// One picture: when and how large.

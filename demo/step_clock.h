@@ -37,6 +37,12 @@ class StepClock {
     void single_step() { paused_ = true, ++single_steps_; }
 
     float speed() const { return std::ldexp(1.0f, speed_exponent_); }
+    /// The same moment, neither paused nor slowed.
+    StepClock at_full_speed() const {
+        StepClock clock;
+        clock.rest_ = rest_;
+        return clock;
+    }
     void slower() { speed_exponent_ = std::max(speed_exponent_ - 1, -5); }
     void faster() { speed_exponent_ = std::min(speed_exponent_ + 1, 3); }
 

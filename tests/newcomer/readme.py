@@ -30,16 +30,24 @@ def libraries(build):
     """Of the build: all layers' archives, whatever layers there are."""
     named = [build / f"liblockstone_{layer}.a" for layer in LAYERS]
     others = sorted(set(build.glob("liblockstone_*.a")) - set(named))
-    return ["-Wl,--start-group", *map(str, others), *[str(p) for p in named if p.exists()], "-Wl,--end-group", "-lxxhash", "-pthread"]
+    sodium = ["-lsodium"] if (build / "liblockstone_net.a") in others else []
+    return ["-Wl,--start-group", *map(str, others), *[str(p) for p in named if p.exists()], "-Wl,--end-group", "-lxxhash", *sodium, "-pthread"]
+
+
+def compile_fault(source, out, cxx, flags, build):
+    """Empty, or why the file does not become a program."""
+    compiled = subprocess.run([cxx, *WARNINGS, *flags, str(source), "-o", str(out), *libraries(build)], capture_output=True, text=True)
+    if compiled.returncode == 0:
+        return ""
+    return next((l for l in compiled.stderr.splitlines() if "error" in l or "undefined" in l), compiled.stderr[-300:])
 
 
 def fault_of(program, cxx, flags, build, folder):
     """Empty, or what is wrong with the program."""
     source, out = folder / "main.cpp", folder / "main"
     source.write_text(program)
-    compiled = subprocess.run([cxx, *WARNINGS, *flags, str(source), "-o", str(out), *libraries(build)], capture_output=True, text=True)
-    if compiled.returncode != 0:
-        return next((l for l in compiled.stderr.splitlines() if "error" in l or "undefined" in l), compiled.stderr[-300:])
+    if fault := compile_fault(source, out, cxx, flags, build):
+        return fault
     ran = subprocess.run([str(out)], capture_output=True, text=True, cwd=folder, timeout=120)
     return f"ends with status {ran.returncode}: {(ran.stdout + ran.stderr)[-300:]}" if ran.returncode != 0 else ""
 

@@ -1,10 +1,9 @@
 // lockstone relay
 #include "cli/commands.h"
 #include "cli/interrupt.h"
+#include "cli/serve_relay.h"
 #include "cli/text.h"
-#include "lockstone/net.h"
 
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
 
@@ -29,12 +28,6 @@ void describe(CLI::App& command, Args& args) {
     add_flag(command, "--new-key", args.new_key, "make that file first; it must not be there");
     add_number(command, "--matches", args.matches, "matches at one time", 1, 65536).show_default();
     add_number(command, "--seconds", args.seconds, "end after so long; 0: at a signal").show_default();
-}
-
-std::uint64_t unix_ms() {
-    using namespace std::chrono;
-    return static_cast<std::uint64_t>(
-        duration_cast<milliseconds>(system_clock::now().time_since_epoch()).count());
 }
 
 Result<NetKey> key_of(const Args& args) {
@@ -77,17 +70,8 @@ Result<Exit> relay(const Args& args) {
     std::fflush(stdout);
     const Interrupt interrupt;
     while (!interrupt.came() &&
-           (args.seconds == 0 || unix_ms() - begun_ms < std::uint64_t{args.seconds} * 1000)) {
-        socket->wait(100);
-        const std::uint64_t now_ms = unix_ms();
-        for (int i = 0; i < 256; ++i) {
-            const auto arrived = socket->receive();
-            if (!arrived) break;
-            relay.receive(arrived->from, arrived->bytes, now_ms);
-            while (const auto out = relay.next_outgoing()) socket->send(out->to, out->bytes);
-        }
-        relay.poll(now_ms);
-    }
+           (args.seconds == 0 || unix_ms() - begun_ms < std::uint64_t{args.seconds} * 1000))
+        serve_relay(relay, *socket, 100);
     report(relay);
     return Exit::good;
 }

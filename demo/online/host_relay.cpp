@@ -1,0 +1,33 @@
+#include "online/host_relay.h"
+
+#include "cli/serve_relay.h"
+
+namespace lockstone::demo {
+
+HostRelay::HostRelay(UdpSocket opened)
+    : socket_(std::move(opened)), port_(socket_.local_address().port), thread_([this] { serve(); }) {}
+
+Result<std::unique_ptr<HostRelay>> HostRelay::start(std::uint16_t port) {
+    Result<UdpSocket> socket = UdpSocket::open({.ip = {}, .port = port});
+    if (!socket) return socket.error();
+    return std::unique_ptr<HostRelay>(new HostRelay(std::move(*socket)));
+}
+
+HostRelay::~HostRelay() {
+    over_ = true;
+    thread_.join();
+}
+
+Invitation HostRelay::invitation() const {
+    Invitation made;
+    made.relay = parse_address("127.0.0.1:" + std::to_string(port_)).value();
+    made.key = public_key_of(secret_);
+    return made;
+}
+
+void HostRelay::serve() {
+    Relay relay(secret_, {.matches_max = 16}, cli::unix_ms());
+    while (!over_) cli::serve_relay(relay, socket_, 50);
+}
+
+} // namespace lockstone::demo

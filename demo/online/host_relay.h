@@ -1,0 +1,33 @@
+#pragma once
+/// A relay on a thread of its own, for a host who names none.
+
+#include "online/invitation.h"
+
+#include <atomic>
+#include <memory>
+#include <thread>
+
+namespace lockstone::demo {
+
+class HostRelay {
+  public:
+    /// Listens at every address of this machine; port 0: any that is free. Errors: the system's sentence.
+    static Result<std::unique_ptr<HostRelay>> start(std::uint16_t port);
+    ~HostRelay();
+    HostRelay(const HostRelay&) = delete;
+    HostRelay& operator=(const HostRelay&) = delete;
+
+    /// From this machine; the code is empty.
+    Invitation invitation() const;
+
+  private:
+    explicit HostRelay(UdpSocket opened);
+    void serve();
+    NetKey secret_ = random_key();
+    UdpSocket socket_;
+    std::uint16_t port_;
+    std::atomic<bool> over_ = false;
+    std::thread thread_; ///< the last: it uses all others
+};
+
+} // namespace lockstone::demo

@@ -1,0 +1,37 @@
+#include "online/meeting.h"
+
+namespace lockstone::demo {
+namespace {
+
+constexpr std::uint64_t relay_patience_ms = 5000, room_ms = 300'000;
+
+} // namespace
+
+Meeting::Meeting(const Invitation& invitation, LobbyClient client, UdpSocket socket, std::uint64_t now_ms)
+    : invitation_(invitation), client_(std::move(client)), socket_(std::move(socket)), begun_ms_(now_ms) {}
+
+Result<Meeting> Meeting::begin(const Invitation& invitation, std::uint32_t machines, std::uint64_t now_ms) {
+    Result<UdpSocket> socket = UdpSocket::open({});
+    if (!socket) return socket.error();
+    LobbyClient client(invitation.relay, invitation.key, invitation.code, machines);
+    return Meeting(invitation, std::move(client), std::move(*socket), now_ms);
+}
+
+Status Meeting::poll(std::uint64_t now_ms) {
+    while (const auto arrived = socket_.receive()) client_.receive(arrived->from, arrived->bytes, now_ms);
+    client_.poll(now_ms);
+    while (const auto out = client_.next_outgoing()) socket_.send(out->to, out->bytes);
+    const std::string where = "the relay at " + to_string(invitation_.relay);
+    if (!client_.refusal().empty())
+        return Error{where + " refuses" + (invitation_.code.empty() ? "" : " the code " + invitation_.code) +
+                     ": " + client_.refusal()};
+    if (!client_.code().empty()) invitation_.code = client_.code();
+    if (client_.code().empty() && now_ms - begun_ms_ > relay_patience_ms)
+        return Error{where + " does not answer: it is not running, cannot be reached, or has another key"};
+    if (!client_.token() && now_ms - begun_ms_ > room_ms)
+        return Error{where + " has closed the room of the code " + invitation_.code +
+                     ": not all players came within five minutes"};
+    return {};
+}
+
+} // namespace lockstone::demo

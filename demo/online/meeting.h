@@ -1,0 +1,26 @@
+#pragma once
+/// From an invitation to a token: this machine asks a relay's lobby until all machines of the match are there.
+
+#include "online/invitation.h"
+
+namespace lockstone::demo {
+
+class Meeting {
+  public:
+    /// Opens a room for `machines`, or enters that of the invitation's code.
+    static Result<Meeting> begin(const Invitation& invitation, std::uint32_t machines, std::uint64_t now_ms);
+    /// Call each frame. The error says what is wrong and where: no relay there, no such code, a full match, nobody came.
+    Status poll(std::uint64_t now_ms);
+
+    const Invitation& invitation() const { return invitation_; } ///< with the code, once there is one
+    const std::optional<ConnectToken>& token() const { return client_.token(); } ///< when all are there
+
+  private:
+    Meeting(const Invitation& invitation, LobbyClient client, UdpSocket socket, std::uint64_t now_ms);
+    Invitation invitation_;
+    LobbyClient client_;
+    UdpSocket socket_;
+    std::uint64_t begun_ms_;
+};
+
+} // namespace lockstone::demo
