@@ -306,6 +306,19 @@ inline std::string about_a_join(const LyingTransport::Lie& lie, bool may_fail) {
     return h.match.machine(0).timeline.end() > 900 ? "" : "the match was held up";
 }
 
+/// Its word comes when the tick that the others tell is over: they have waited there.
+inline std::string late_word() {
+    const auto first = std::make_shared<std::uint64_t>(0);
+    return about_a_join(
+        [first](PeerId, Message& m) {
+            if (m.join_count == 0) return true;
+            if (*first == 0) *first = m.tick;
+            if (m.joins[0].tick > 0 && ++*first < m.joins[0].tick + 100) m.join_count = 0;
+            return true;
+        },
+        false);
+}
+
 /// The one that tells is not asked, nor is anybody.
 inline std::string join_out_of_nothing(bool of_one_that_plays) {
     HostileMatch h(4);
@@ -384,6 +397,7 @@ inline std::vector<HostileScene> hostile_at_joins() {
         {"says no to some", [=] {
              return about_a_join(change_words([](PeerId to, JoinWord& word) { if (to == 2) word.stand = JoinStand::no; }), true);
          }},
+        {"tells its word late", late_word},
         {"lets one in that has not asked", [] { return join_out_of_nothing(false); }},
         {"lets one in that plays", [] { return join_out_of_nothing(true); }},
         {"wishes without end", wishes_without_end},
