@@ -57,6 +57,9 @@ struct SessionDef {
     std::uint32_t input_size = 0; ///< bytes, 0..64
     PeerId self = 0;              ///< this machine
     std::vector<PeerId> players; ///< by player: the machine where they play; 1..16, the same on every machine
+    /// Bit p: player p's machine is not there from the start but may come (lockstone/join.h); till then the inputs are zero and
+    /// `disconnected`. All players of a machine or none; not self. The same on every machine.
+    std::uint32_t absent = 0;
     std::uint32_t input_delay = 2;    ///< [ticks], 0..32; lockstep needs at least 1; machines may differ
     std::uint32_t prediction_max = 8; ///< [ticks] that may run on guesses, 1..64; lockstep ignores it
     /// Patience with a peer: how long it may be silent, and how long the match may wait for its inputs, hashes and
@@ -87,7 +90,13 @@ struct Advance {
     std::span<const PlayerInput> inputs; ///< one per player; valid until the session's next poll or advance
     bool resimulated;                    ///< this tick has run before
 };
-using Request = std::variant<Load, Save, Advance>;
+/// Make this state, which another machine has sent, the one before tick `tick`, then call report_adopted. All that was known of
+/// states and events before is void. Only of sessions that begin in the middle of a match.
+struct Adopt {
+    std::uint64_t tick;
+    std::span<const std::byte> image; ///< portable; valid until the session's next poll or advance
+};
+using Request = std::variant<Load, Save, Advance, Adopt>;
 
 /// Why no new tick was run. Call again next frame.
 enum class Stall {
@@ -173,6 +182,18 @@ std::string to_string(const DesyncReport& report);
 /// The sentence above, then a line for each difference, column and tick: for a file.
 std::string log_text(const DesyncReport& report);
 
+/// A state that `peer` has sent is not begun with; another machine is asked. What was run is untouched.
+struct StateRefused {
+    PeerId peer;
+    std::string reason; ///< a sentence
+};
+/// The player's inputs count again, or for the first time, from `tick` on, on every machine.
+struct PlayerJoined {
+    std::uint32_t player;
+    PeerId peer;
+    std::uint64_t tick;
+};
+
 /// Packets arrive from `peer` that are well formed but of another version or match. Told once per peer.
 struct PeerIncompatible {
     PeerId peer;
@@ -184,7 +205,8 @@ struct MatchStopped {
     std::string reason; ///< a sentence
 };
 using Notice =
-    std::variant<PeerConnected, PlayerDisconnected, Desync, DesyncNamed, PeerIncompatible, MatchStopped>;
+    std::variant<PeerConnected, PlayerDisconnected, PlayerJoined, Desync, DesyncNamed, StateRefused,
+                 PeerIncompatible, MatchStopped>;
 
 /// Why a packet was dropped. Dropped packets change nothing but these counts.
 enum class PacketFault : std::uint32_t {
@@ -260,6 +282,8 @@ class Session {
     /// After each Advance: the hash of the state after tick `tick`. Required, all else rests on it. A tick that was not
     /// asked for asserts.
     virtual HashCheck report_hash(std::uint64_t tick, std::uint64_t hash) = 0;
+    /// After each Adopt: whether the state was taken, and its hash.
+    virtual void report_adopted(const Status& taken, std::uint64_t hash) { (void)taken, (void)hash; }
     /// In order, each tick exactly once. Take all of them before the next advance (asserted).
     virtual std::optional<ConfirmedTick> next_confirmed() = 0;
     virtual std::optional<Notice> next_notice() = 0;
@@ -304,6 +328,10 @@ class Simulation {
     virtual std::uint64_t hash() const = 0;
     virtual std::span<const Event> events() const = 0; ///< of the last tick, ordered by kind and shape ids
     virtual State& state() = 0; ///< for diagnosis: naming a difference, planting a fault
+    /// Takes a state from outside. On an error, a sentence, the present one stays.
+    virtual Status adopt(std::span<const std::byte> portable_image) {
+        return state().restore_portable(portable_image);
+    }
     /// Whether ticks from now on note a hash after each of their phases, and those of the last tick.
     virtual void record_phase_hashes(bool) {}
     virtual std::span<const PhaseHash> phase_hashes() const { return {}; }
@@ -320,6 +348,7 @@ class WorldSimulation final : public Simulation {
     std::uint64_t hash() const override;
     std::span<const Event> events() const override;
     State& state() override;
+    Status adopt(std::span<const std::byte> portable_image) override; ///< World's checks, then Game::check
     void record_phase_hashes(bool on) override;
     std::span<const PhaseHash> phase_hashes() const override;
     /// The first error of the rules, for display. The tick was run all the same, on every machine alike; it may have

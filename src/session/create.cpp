@@ -1,4 +1,5 @@
 // Making sessions: definitions are checked here, once, with sentences; what follows may rely on them.
+#include "session/join_session.h"
 #include "session/peer_session.h"
 #include "session/sync_test.h"
 
@@ -20,6 +21,12 @@ Status check(const SessionDef& def) {
             join("session: input_size is ", def.input_size, ", at most ", input_bytes_max, " bytes")};
     if (std::ranges::find(def.players, def.self) == def.players.end())
         return Error{join("session: no player plays at machine ", def.self, " (self)")};
+    for (std::uint32_t p = 0; p < def.players.size(); ++p) {
+        const std::uint32_t there = session::players_at(def, def.players[p]);
+        if ((def.absent & there) != 0 && (def.absent & there) != there)
+            return Error{join("session: of machine ", def.players[p], " some players are absent and some are not")};
+    }
+    if (def.absent >> def.players.size() != 0) return Error{"session: absent names players that there are not"};
     if (def.input_delay > input_delay_limit)
         return Error{
             join("session: input_delay is ", def.input_delay, ", at most ", input_delay_limit, " ticks")};
@@ -42,8 +49,34 @@ SessionDef session_def(const Game& game, PeerId self, std::vector<PeerId> player
     return def;
 }
 
-Result<std::unique_ptr<Session>> make_rollback_session(const SessionDef& def, Transport& transport) {
+namespace {
+Status check_present(const SessionDef& def) {
+    if (const Status status = check(def); !status) return status;
+    if ((def.absent & session::players_at(def, def.self)) != 0)
+        return Error{"session: this machine (self) is absent; make_join_session comes late"};
+    return {};
+}
+} // namespace
+
+Result<std::unique_ptr<Session>> make_join_session(const SessionDef& def, const JoinDef& join, Transport& transport) {
     if (const Status status = check(def); !status) return status.error();
+    if (join.life == 0 || join.life >> 24 != 0)
+        return Error{base::join("join: life is ", join.life, ", expected 1 to 16777215")};
+    if (std::ranges::all_of(def.players, [&](PeerId peer) { return peer == def.self; }))
+        return Error{"join: all players play here, so nobody has the match"};
+    WatchDef watch;
+    watch.hosts = {def.self};
+    watch.ticks_per_frame = join.ticks_per_frame;
+    watch.state_bytes_max = join.state_bytes_max;
+    if (const Status status = session::check_watch(def, watch); !status) return status.error();
+    if (join.lockstep && def.input_delay == 0) return Error{"session: input_delay is 0; lockstep needs at least 1 tick"};
+    if (!join.lockstep && (def.prediction_max == 0 || def.prediction_max > prediction_limit))
+        return Error{base::join("session: prediction_max is ", def.prediction_max, ", expected 1 to ", prediction_limit, " ticks")};
+    return std::unique_ptr<Session>(std::make_unique<session::JoinSession>(def, join, transport));
+}
+
+Result<std::unique_ptr<Session>> make_rollback_session(const SessionDef& def, Transport& transport) {
+    if (const Status status = check_present(def); !status) return status.error();
     if (def.prediction_max == 0 || def.prediction_max > prediction_limit)
         return Error{join("session: prediction_max is ", def.prediction_max, ", expected 1 to ",
                           prediction_limit, " ticks; make_lockstep_session never predicts")};
@@ -51,7 +84,7 @@ Result<std::unique_ptr<Session>> make_rollback_session(const SessionDef& def, Tr
 }
 
 Result<std::unique_ptr<Session>> make_lockstep_session(const SessionDef& def, Transport& transport) {
-    if (const Status status = check(def); !status) return status.error();
+    if (const Status status = check_present(def); !status) return status.error();
     if (def.input_delay == 0) return Error{"session: input_delay is 0; lockstep needs at least 1 tick"};
     SessionDef lockstep = def;
     lockstep.prediction_max = 0;

@@ -86,7 +86,7 @@ void PeerSession::make_up_for_waits() {
 /// Whether the next tick waits for this peer's inputs or for its word on a departure.
 bool PeerSession::is_awaited(const PeerLink& link) const {
     if (link.state != PeerLink::State::connected || is_connecting()) return false;
-    if (has_not_judged(link)) return true;
+    if (has_not_judged(link) || owes_join_word(link)) return true;
     const std::uint64_t settled = settled_through();
     return std::ranges::any_of(queues, [&](const InputQueue& queue) {
         const std::uint32_t p = queue.player();
@@ -142,6 +142,9 @@ void PeerSession::drop_unwanted_peers() {
             const Votes votes = count_votes(link);
             if (link.state == PeerLink::State::gone || 2 * votes.against <= votes.of) continue;
             link.state = PeerLink::State::gone;
+            // Who comes and is silent costs the others their patience each time: so that is seldom.
+            if (link.seat.entered_ms != 0 && now - link.seat.entered_ms < 12 * def.disconnect_ms)
+                link.seat.not_before_ms = now + 12 * def.disconnect_ms;
             gone |= players_of(link.peer);
             send(link); // if it can hear us, it need not wait for our silence
             again = true;
@@ -169,7 +172,7 @@ void PeerSession::agree_on_cut(std::uint32_t player) {
     const auto remains = [](const PeerLink& link) { return link.state == PeerLink::State::connected; };
     if (queue.disconnected()) { // nobody who is honest lowers it any more
         for (const PeerLink& link : links)
-            if (remains(link) && link.cut[player] < cuts[player])
+            if (remains(link) && cuts[player] != never && link.cut[player] < cuts[player])
                 return stop_without_cut(player, link, cuts[player]);
         return;
     }
@@ -185,13 +188,15 @@ void PeerSession::agree_on_cut(std::uint32_t player) {
     bool all_tell_it = true;
     for (const PeerLink& link : links) {
         if (!remains(link)) continue;
-        if (link.cut[player] < settled_end) return stop_without_cut(player, link, settled_end);
+        const bool has_begun = settled_end > entry_tick; // else what lies before was confirmed by others
+        if (has_begun && link.cut[player] < settled_end) return stop_without_cut(player, link, settled_end);
         cuts[player] = std::min(cuts[player], link.cut[player]);
     }
     for (const PeerLink& link : links) all_tell_it = all_tell_it && (!remains(link) || link.cut[player] == cuts[player]);
     if (!all_tell_it) return;
-    queue.disconnect_at(cuts[player]);
-    notices.push_back(PlayerDisconnected{player, def.players[player], cuts[player]});
+    queue.disconnect_at(std::max(cuts[player], entry_tick));
+    notices.emplace_back(std::in_place_type<PlayerDisconnected>,
+                         PlayerDisconnected{player, def.players[player], cuts[player]});
 }
 
 void PeerSession::stop_without_cut(std::uint32_t player, const PeerLink& link, std::uint64_t here) {
@@ -201,7 +206,7 @@ void PeerSession::stop_without_cut(std::uint32_t player, const PeerLink& link, s
 
 void PeerSession::stop(std::string reason) {
     stopped = true;
-    notices.push_back(MatchStopped{std::move(reason)});
+    notices.emplace_back(std::in_place_type<MatchStopped>, MatchStopped{std::move(reason)});
 }
 
 } // namespace lockstone::session

@@ -20,6 +20,11 @@ EventLedger::EventLedger(std::uint32_t window) : ring(window) {
     merged.reserve(usual);
 }
 
+void EventLedger::begin_at(std::uint64_t tick) {
+    LOCKSTONE_ASSERT(first_open == end, "ticks [", first_open, ", ", end, ") are open");
+    first_open = end = tick;
+}
+
 void EventLedger::record(std::uint64_t tick, std::span<const Event> events) {
     LOCKSTONE_ASSERT(tick >= first_open && tick < first_open + ring.size(), "tick ", tick, ", open from ",
                      first_open);

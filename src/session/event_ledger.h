@@ -16,6 +16,8 @@ class EventLedger {
     /// Ticks t and t + window must never be unconfirmed at once.
     explicit EventLedger(std::uint32_t window);
 
+    /// The next tick is `tick`: what was there before is over. Nothing is open (asserted).
+    void begin_at(std::uint64_t tick);
     /// Tick `tick` has run (again) and shows these events, ordered by kind, then shape ids (asserted).
     void record(std::uint64_t tick, std::span<const Event> events);
     /// Ticks below `confirmed_end` will not run again. Appends what changed since the last call to `out`.

@@ -10,15 +10,19 @@
 namespace lockstone::session {
 
 void PeerSession::poll(std::uint64_t now_ms) {
-    if (!std::exchange(polled, true)) counts.first_poll_ms = now = now_ms;
+    if (!std::exchange(polled, true)) {
+        counts.first_poll_ms = now = now_ms;
+        for (PeerLink& link : links) link.heard_ms = now_ms;
+    }
     const std::uint64_t passed_ms = std::max(now, now_ms) - now;
     now += passed_ms;
     counts.last_poll_ms = now;
     ++polls;
     receive_all();
     if (stopped) return send_to_all();
-    count_waits(passed_ms);
+    if (has_run) count_waits(passed_ms);
     judge_peers();
+    admit();
     forget_old_inputs();
     for (PeerLink& link : links)
         if (link.state != PeerLink::State::gone) compare_hashes(link);
@@ -43,15 +47,18 @@ void PeerSession::receive_all() {
 
 std::optional<PacketFault> PeerSession::receive(const Datagram& datagram) {
     PeerLink* link = find_link(datagram.from);
-    if (link == nullptr || link->state == PeerLink::State::gone) return PacketFault::stranger;
+    if (link == nullptr) return PacketFault::stranger;
     if (++link->packets_read > packets_per_peer_max) return PacketFault::flood;
+    if (is_wish(datagram.bytes)) return receive_wish(*link, datagram.bytes);
+    if (link->state == PeerLink::State::gone) return PacketFault::stranger;
     if (is_inspection(datagram.bytes)) return receive_inspection(*link, datagram.bytes);
     const Sender sender{players_of(link->peer), transport.authenticated(), link->sequence_heard, link->tick};
-    if (const std::optional<PacketFault> fault = decode(datagram.bytes, context, sender, incoming)) {
+    if (const std::optional<PacketFault> fault = decode(datagram.bytes, link->context, sender, incoming)) {
         const bool incompatible = *fault == PacketFault::version || *fault == PacketFault::match;
-        if (incompatible && !link->told_incompatible) {
+        const bool may_be_old = link->context.match != context.match; // from before either came back
+        if (incompatible && !may_be_old && !link->told_incompatible) {
             link->told_incompatible = true;
-            notices.push_back(PeerIncompatible{link->peer, name_of(*fault)});
+            notices.emplace_back(std::in_place_type<PeerIncompatible>, PeerIncompatible{link->peer, name_of(*fault)});
         }
         return fault;
     }
@@ -66,14 +73,16 @@ bool PeerSession::plausible(const PeerLink& link) const {
     for (const InputQueue& queue : queues) {
         const std::uint64_t next = incoming.next_input[queue.player()];
         if (is_local(queue.player())) {
-            if (next > queue.next()) return false;
+            if (next > std::max(queue.next(), link.next_input[queue.player()])) return false;
             local_end = std::min(local_end, queue.next());
-        } else if (next > queue.oldest() + history_ticks) {
+        } else if (!is_gone(queue.player()) && next > queue.oldest() + history_ticks) {
             return false;
         }
     }
     if (incoming.hash_first + incoming.hash_count > local_end) return false;
-    if (incoming.next_hash > confirmed) return false;
+    if (incoming.next_hash > std::max(confirmed, link.hashes.acknowledged())) return false;
+    for (const JoinWord& word : incoming.join_words())
+        if (word.stand != JoinStand::no && word.tick > current + join_ahead_max) return false;
     return std::ranges::all_of(incoming.input_blocks(), [&](const InputBlock& block) {
         return block.first <= queues[block.player].next() + history_confirmed_max; // more no sender keeps
     });
@@ -88,10 +97,11 @@ void PeerSession::apply(PeerLink& link) {
     }
     if (is_new && link.state == PeerLink::State::connecting) {
         link.state = PeerLink::State::connected;
-        notices.push_back(PeerConnected{link.peer});
+        notices.emplace_back(std::in_place_type<PeerConnected>, PeerConnected{link.peer});
     }
     link.has_heard_us = link.has_heard_us || incoming.heard;
     apply_departures(link);
+    if (is_new) apply_joins(link);
     for (std::uint32_t p = 0; p < queues.size(); ++p)
         link.next_input[p] = std::max(link.next_input[p], incoming.next_input[p]);
     for (const InputBlock& block : incoming.input_blocks()) apply_inputs(block);
@@ -114,10 +124,15 @@ void PeerSession::apply_inputs(const InputBlock& block) {
 }
 
 void PeerSession::apply_departures(PeerLink& link) {
-    link.says_unwanted |= incoming.unwanted | incoming.gone;
-    link.says_gone |= incoming.gone;
-    for (std::uint32_t p = 0; p < queues.size(); ++p)
-        if ((incoming.has_cut >> p & 1u) != 0) link.cut[p] = std::min(link.cut[p], incoming.cut[p]);
+    for (std::uint32_t p = 0; p < queues.size(); ++p) {
+        const std::uint32_t bit = 1u << p;
+        if (((incoming.unwanted | incoming.gone) & bit) == 0) continue;
+        if (incoming.since[p] != since[p]) continue; // of another time that the player was there
+        link.says_unwanted |= bit;
+        link.says_gone |= incoming.gone & bit;
+        if ((incoming.has_cut & bit) != 0)
+            link.cut[p] = std::min(link.cut[p], std::max(incoming.cut[p], since[p])); // not before it came
+    }
 }
 
 void PeerSession::apply_quality(PeerLink& link, const QualityReport& report) {
@@ -139,7 +154,7 @@ void PeerSession::compare_hashes(PeerLink& link) {
     const auto local = [this](std::uint64_t tick) { return static_cast<std::uint32_t>(local_hash(tick)); };
     if (const std::optional<std::uint64_t> tick = link.hashes.compare(confirmed, local)) {
         const Desync desync{*tick, local(*tick), link.hashes.remote_hash(*tick), link.peer};
-        notices.push_back(desync);
+        notices.emplace_back(std::in_place_type<Desync>, desync);
         begin_inspection(link, desync);
     }
     counts.hashes_compared += link.hashes.compared_through() - before;
@@ -151,11 +166,12 @@ void PeerSession::send_to_all() {
     for (PeerLink& link : links)
         if (link.state != PeerLink::State::gone) send(link);
     for (PeerLink& link : links) go_on_inspecting(link);
+    serve_those_who_come(); // last: nothing waits for it
 }
 
 void PeerSession::send(PeerLink& link) {
     fill_status(link);
-    writer.begin(context, {players_of(def.self), transport.authenticated()}, outgoing);
+    writer.begin(link.context, {players_of(def.self), transport.authenticated()}, outgoing);
     send_inputs(link);
     const std::span<const std::byte> packet = writer.finish();
     transport.send(link.peer, packet);
@@ -195,6 +211,11 @@ void PeerSession::fill_departures() {
     outgoing.gone = gone;
     outgoing.unwanted = gone;
     outgoing.has_cut = 0;
+    outgoing.since = since;
+    outgoing.join_count = 0;
+    for (std::uint32_t p = 0; p < queues.size(); ++p)
+        for (const PeerLink& seat : links)
+            if (seat.seat.stand && seat.seat.stand->player == p) outgoing.joins[outgoing.join_count++] = *seat.seat.stand;
     for (const PeerLink& link : links) {
         if (link.unwanted) outgoing.unwanted |= players_of(link.peer);
         if (stopped) outgoing.gone |= players_of(link.peer);

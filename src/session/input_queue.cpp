@@ -33,13 +33,14 @@ void InputQueue::confirm(std::span<const std::byte> input) {
 
 std::optional<std::span<const std::byte>> InputQueue::before(std::uint64_t tick) const {
     if (tick == 0) return std::span(zeros).first(size);
+    if (tick < begin || (tick == begin && !has_before_begin)) return std::nullopt;
     if (tick > first_unknown || tick + history_confirmed_max < first_unknown) return std::nullopt;
     return slot(tick - 1);
 }
 
 PlayerInput InputQueue::use(std::uint64_t tick, const InputPredictor& predictor) {
     used_end = std::max(used_end, tick + 1);
-    if (tick < first_unknown || tick >= cut) return settled(tick);
+    if (tick < first_unknown || is_absent(tick)) return settled(tick);
     LOCKSTONE_ASSERT(tick < first_kept + history_ticks, "player ", player_index, ", tick ", tick, ", oldest ",
                      first_kept);
     const std::span<const std::byte> last = first_unknown == 0
@@ -50,7 +51,7 @@ PlayerInput InputQueue::use(std::uint64_t tick, const InputPredictor& predictor)
 }
 
 PlayerInput InputQueue::settled(std::uint64_t tick) const {
-    if (tick >= cut) return {std::span(zeros).first(size), InputStatus::disconnected};
+    if (is_absent(tick)) return {std::span(zeros).first(size), InputStatus::disconnected};
     LOCKSTONE_ASSERT(tick >= first_kept && tick < first_unknown, "player ", player_index, ", tick ", tick,
                      " of [", first_kept, ", ", first_unknown, ")");
     return {slot(tick), InputStatus::confirmed};
@@ -62,6 +63,25 @@ void InputQueue::disconnect_at(std::uint64_t tick) {
     LOCKSTONE_ASSERT(tick >= first_kept && cut == never, "player ", player_index, ", tick ", tick);
     cut = tick;
     if (tick < used_end) first_wrong = std::min(first_wrong, tick); // it did not run on `disconnected`
+}
+
+void InputQueue::begin_at(std::uint64_t tick) {
+    begin = first_kept = first_unknown = used_end = tick;
+    has_before_begin = tick == 0;
+}
+
+void InputQueue::set_before_begin(std::span<const std::byte> input) {
+    if (begin == 0) return;
+    std::ranges::copy(input, slot(begin - 1).begin());
+    has_before_begin = true;
+}
+
+void InputQueue::return_at(std::uint64_t tick) {
+    LOCKSTONE_ASSERT(disconnected() && tick > 0, "player ", player_index, ", tick ", tick);
+    left_at = std::exchange(cut, never);
+    begin = first_kept = first_unknown = tick;
+    set_before_begin(std::span(zeros).first(size));
+    if (tick < used_end) first_wrong = std::min(first_wrong, tick); // it ran on `disconnected`
 }
 
 void InputQueue::forget_before(std::uint64_t tick) {

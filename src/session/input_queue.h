@@ -53,6 +53,15 @@ class InputQueue {
     std::uint64_t disconnected_at() const { return cut; } ///< `never` while the player is there
     bool disconnected() const { return cut != never; }
 
+    /// The queue of a match that this machine comes into: its first input is that of `tick`.
+    void begin_at(std::uint64_t tick);
+    /// And the one before it, which inputs are told as the difference to.
+    void set_before_begin(std::span<const std::byte> input);
+    /// The player, who has left, is back: its inputs count from tick `tick` on, which no other tick has been confirmed after.
+    void return_at(std::uint64_t tick);
+    /// Whether the inputs of tick `tick` are zero because the player had left by then and was not back.
+    bool is_absent(std::uint64_t tick) const { return tick >= cut || (tick >= left_at && tick < begin); }
+
     /// Ticks before `tick` are needed no more. The newest confirmed one stays: guesses are made from it.
     void forget_before(std::uint64_t tick);
 
@@ -68,6 +77,9 @@ class InputQueue {
     std::uint64_t used_end = 0; ///< ticks below have run
     std::uint64_t first_wrong = never;
     std::uint64_t cut = never;
+    std::uint64_t left_at = never; ///< where it had left before it came back
+    std::uint64_t begin = 0;       ///< the first tick that inputs are known of, or where it came back
+    bool has_before_begin = true;
 };
 
 } // namespace lockstone::session

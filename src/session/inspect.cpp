@@ -17,7 +17,7 @@ void PeerSession::begin_inspection(PeerLink& link, const Desync& desync) {
     std::vector<PlayerInput> run_on;
     for (const InputQueue& queue : queues) {
         const auto input = queue.before(desync.tick + 1);
-        const bool has_left = desync.tick >= queue.disconnected_at();
+        const bool has_left = queue.is_absent(desync.tick);
         if (!input && !has_left) return; // longer ago than inputs are kept
         run_on.push_back(has_left ? queue.settled(desync.tick) : PlayerInput{*input, InputStatus::confirmed});
     }
@@ -36,7 +36,7 @@ std::vector<DesyncReport::Tick> PeerSession::last_ticks(const PeerLink& link, st
         log.push_back({t, static_cast<std::uint32_t>(local_hash(t)), link.hashes.remote_hash(t), {}});
         for (const InputQueue& queue : queues) {
             std::vector<std::byte>& told = log.back().inputs.emplace_back();
-            if (t >= queue.disconnected_at()) continue;
+            if (queue.is_absent(t)) continue;
             if (const auto input = queue.before(t + 1)) told.assign(input->begin(), input->end());
         }
     }
@@ -47,7 +47,7 @@ std::optional<PacketFault> PeerSession::receive_inspection(PeerLink& link,
                                                            std::span<const std::byte> packet) {
     std::optional<Question> question;
     std::optional<Answer> answer;
-    if (const auto fault = read_inspection(packet, context, question, answer)) return fault;
+    if (const auto fault = read_inspection(packet, link.context, question, answer)) return fault;
     if (link.inspection == nullptr) return PacketFault::implausible; // or it comes again
     if (question) link.inspection->take(*question);
     if (answer) link.inspection->take(*answer);
@@ -57,14 +57,14 @@ std::optional<PacketFault> PeerSession::receive_inspection(PeerLink& link,
 void PeerSession::go_on_inspecting(PeerLink& link) {
     if (link.inspection == nullptr) return;
     if (link.state == PeerLink::State::gone) link.inspection->give_up();
-    const std::span<const std::byte> packet = link.inspection->next_packet(context);
+    const std::span<const std::byte> packet = link.inspection->next_packet(link.context);
     if (!packet.empty() && link.state != PeerLink::State::gone) {
         transport.send(link.peer, packet);
         ++counts.packets_sent;
         counts.bytes_sent += packet.size();
     }
     if (auto report = link.inspection->take_report())
-        notices.push_back(DesyncNamed{std::make_shared<const DesyncReport>(std::move(*report))});
+        notices.emplace_back(std::in_place_type<DesyncNamed>, DesyncNamed{std::make_shared<const DesyncReport>(std::move(*report))});
 }
 
 } // namespace lockstone::session

@@ -12,8 +12,8 @@ namespace lockstone::session {
 namespace {
 
 /// The first byte of a short packet, and the fourth of a greeting. Its lowest two bits are the number of hashes, 3: told.
-constexpr std::uint32_t flag_hashes = 3, flag_quality = 4, flag_departures = 8, flag_short = 128;
-constexpr std::uint32_t flag_heard = 16;                     ///< of greetings only
+constexpr std::uint32_t flag_hashes = 3, flag_quality = 4, flag_departures = 8, flag_joins = 32, flag_short = 128;
+constexpr std::uint32_t flag_heard = 16; ///< of greetings only
 constexpr std::uint64_t number_end = std::uint64_t{1} << 32; ///< of ticks and sequence numbers
 
 std::uint32_t checksum(std::span<const std::byte> bytes, std::uint64_t seed) {
@@ -57,6 +57,7 @@ PacketContext packet_context(const SessionDef& def) {
     hash.add(def.content_id);
     hash.add(def.input_size);
     for (const PeerId peer : def.players) hash.add(peer);
+    if (def.absent != 0) hash.add(def.absent);
     return {static_cast<std::uint32_t>(hash.digest()), static_cast<std::uint32_t>(def.players.size()),
             def.input_size};
 }
@@ -75,7 +76,7 @@ void PacketWriter::begin(const PacketContext& context, const Sender& sender, con
     base::ByteWriter out(buffer);
     const bool departures = (message.unwanted | message.gone) != 0;
     const std::uint32_t flags = std::min(message.hash_count, 3u) | (message.quality ? flag_quality : 0u) |
-                                (departures ? flag_departures : 0u);
+                                (departures ? flag_departures : 0u) | (message.join_count != 0 ? flag_joins : 0u);
     if (message.greeting) {
         out.u16(packet_magic);
         out.u8(packet_version);
@@ -121,6 +122,17 @@ void PacketWriter::write_body(const PacketContext& context, const Sender& sender
         out.u16(static_cast<std::uint16_t>(message.has_cut));
         for (std::uint32_t p = 0; p < context.player_count; ++p)
             if ((message.has_cut >> p & 1u) != 0) out.u32(static_cast<std::uint32_t>(message.cut[p]));
+        for (std::uint32_t p = 0; p < context.player_count; ++p)
+            if (((message.unwanted | message.gone) >> p & 1u) != 0) out.varint(message.since[p]);
+    }
+    if (message.join_count != 0) {
+        out.u8(static_cast<std::uint8_t>(message.join_count));
+        for (const JoinWord& word : message.join_words()) {
+            out.u8(static_cast<std::uint8_t>(word.player));
+            out.u32(word.ticket);
+            out.u8(static_cast<std::uint8_t>(word.stand));
+            out.u32(static_cast<std::uint32_t>(word.tick));
+        }
     }
     part_since(told.departures);
 }
@@ -198,6 +210,27 @@ void read_departures(base::ByteReader& in, const PacketContext& context, Message
     if ((out.has_cut & ~out.gone) != 0) return in.fail("a cut of a player who has not left");
     for (std::uint32_t p = 0; p < context.player_count; ++p)
         if ((out.has_cut >> p & 1u) != 0) out.cut[p] = in.u32("cut");
+    for (std::uint32_t p = 0; p < context.player_count; ++p) {
+        if (((out.unwanted | out.gone) >> p & 1u) == 0) continue;
+        out.since[p] = in.varint("since");
+        if (out.since[p] >= number_end) in.fail("since is out of range");
+    }
+}
+
+/// By player, in order.
+void read_joins(base::ByteReader& in, const PacketContext& context, Message& out) {
+    out.join_count = in.u8("joins");
+    if (out.join_count == 0 || out.join_count > context.player_count) return in.fail("joins out of range");
+    for (std::uint32_t i = 0; i < out.join_count; ++i) {
+        JoinWord& word = out.joins[i];
+        word.player = in.u8("player");
+        word.ticket = in.u32("ticket");
+        const std::uint32_t stand = in.u8("stand");
+        word.stand = static_cast<JoinStand>(stand);
+        word.tick = in.u32("join tick");
+        if (stand > 2 || word.ticket == 0 || word.player >= context.player_count) return in.fail("join out of range");
+        if (i > 0 && word.player <= out.joins[i - 1].player) return in.fail("joins out of order");
+    }
 }
 
 /// Of one player of the sender: nobody can speak for another machine's.
@@ -235,7 +268,7 @@ std::optional<PacketFault> read_head(base::ByteReader& in, const PacketContext& 
         out.sequence = expanded(in.u16("sequence"), sender.sequence);
         out.tick = expanded(in.u16("tick"), sender.tick);
     }
-    const std::uint32_t known = flag_hashes | flag_quality | flag_departures;
+    const std::uint32_t known = flag_hashes | flag_quality | flag_departures | flag_joins;
     if ((flags & ~known) != 0 || out.sequence >= number_end || out.tick >= number_end)
         return PacketFault::malformed;
     return in.ok() ? std::nullopt : std::optional(PacketFault::malformed);
@@ -277,9 +310,11 @@ std::optional<PacketFault> decode(std::span<const std::byte> bytes, const Packet
     out.hash_first = out.next_hash = 0;
     out.quality.reset();
     out.unwanted = out.gone = out.has_cut = 0;
+    out.join_count = 0;
     if ((flags & flag_hashes) != 0) read_hashes(in, flags & flag_hashes, out);
     if ((flags & flag_quality) != 0) read_quality(in, out);
     if ((flags & flag_departures) != 0) read_departures(in, context, out);
+    if ((flags & flag_joins) != 0 && in.ok()) read_joins(in, context, out);
     for (std::uint32_t p = 0; p < context.player_count; ++p)
         if ((sender.players >> p & 1u) != 0) read_block(in, context, p, body, out);
     in.expect_end();

@@ -6,7 +6,7 @@
 namespace lockstone::session {
 
 inline constexpr std::uint16_t packet_magic = 0x534c; // "LS"
-inline constexpr std::uint8_t packet_version = 3;
+inline constexpr std::uint8_t packet_version = 4;
 inline constexpr std::size_t checksum_bytes = 4;
 inline constexpr std::uint32_t hashes_per_packet = 16;
 inline constexpr std::uint32_t inputs_per_block = 255;
@@ -45,6 +45,21 @@ struct QualityReport {
     std::uint16_t echo_held_ms; ///< how long ago that was
 };
 
+/// What a machine says to another one's wish to come in.
+enum class JoinStand : std::uint8_t {
+    no,    ///< not with this ticket, ever
+    yes,   ///< from the tick that it tells, or from a later one that others tell
+    ready, ///< all have told this tick; it is final
+};
+struct JoinWord {
+    std::uint32_t player = 0; ///< the first of the machine that comes
+    std::uint32_t ticket = 0;
+    JoinStand stand = JoinStand::no;
+    std::uint64_t tick = 0; ///< where its inputs count from
+
+    friend bool operator==(const JoinWord&, const JoinWord&) = default;
+};
+
 struct Message {
     bool greeting;          ///< the long form: until the receiver is known to have heard the sender
     bool heard;             ///< the sender has heard the receiver; always true of the short form
@@ -54,6 +69,9 @@ struct Message {
     std::uint32_t gone;     ///< bit p: for the sender it has left
     std::uint32_t has_cut;  ///< bit p: the sender tells in cut[p] at which tick player p left
     std::array<std::uint64_t, players_max> cut;
+    std::array<std::uint64_t, players_max> since; ///< of those players: where the sender says they came in last; 0: the start
+    std::array<JoinWord, players_max> joins;
+    std::uint32_t join_count;
     /// By player: first tick whose input the sender lacks. Of its own players 0: it has them.
     std::array<std::uint64_t, players_max> next_input;
     std::uint64_t next_hash; ///< first tick whose hash the sender lacks; told with `quality`, else 0
@@ -64,6 +82,7 @@ struct Message {
     std::array<std::uint32_t, hashes_per_packet> hashes; ///< of confirmed ticks: low half of the root hash
     std::optional<QualityReport> quality;
 
+    std::span<const JoinWord> join_words() const { return {joins.data(), join_count}; }
     std::span<const InputBlock> input_blocks() const { return {blocks.data(), block_count}; }
 };
 

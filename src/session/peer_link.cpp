@@ -26,7 +26,7 @@ HashLedger::Range HashLedger::to_send(std::uint64_t local_end) {
         sent = acked;
         polls_without_progress = 0;
     }
-    const std::uint64_t count = std::min<std::uint64_t>(hashes_per_packet, local_end - sent);
+    const std::uint64_t count = std::min<std::uint64_t>(hashes_per_packet, std::max(local_end, sent) - sent);
     const Range range{sent, static_cast<std::uint32_t>(count)};
     sent += count;
     return range;

@@ -4,6 +4,7 @@
 #include "session/input_queue.h"
 #include "session/inspection.h"
 #include "session/message.h"
+#include "session/timeline.h"
 
 #include <algorithm>
 
@@ -12,7 +13,9 @@ namespace lockstone::session {
 /// Low halves of the root hashes of consecutive confirmed ticks, from both sides of a link, compared in order.
 class HashLedger {
   public:
-    HashLedger() : remote(history_ticks) {}
+    /// Of ticks from `first` on.
+    explicit HashLedger(std::uint64_t first = 0)
+        : remote(history_ticks), wanted(first), compared(first), agreed_end(first), acked(first), sent(first) {}
 
     /// A report from the peer. Ticks outside the window are ignored: they come again.
     void receive(std::uint64_t tick, std::uint32_t hash);
@@ -53,12 +56,12 @@ class HashLedger {
         std::uint32_t hash = 0;
     };
     std::vector<Slot> remote;
-    std::uint64_t wanted = 0;   ///< first tick whose remote hash is missing
-    std::uint64_t compared = 0; ///< ticks below have been compared
-    std::uint64_t agreed_end = 0;
+    std::uint64_t wanted;   ///< first tick whose remote hash is missing
+    std::uint64_t compared; ///< ticks below have been compared
+    std::uint64_t agreed_end;
     bool differs = false;
-    std::uint64_t acked = 0; ///< the peer has the local hashes of ticks below
-    std::uint64_t sent = 0;  ///< cursor
+    std::uint64_t acked; ///< the peer has the local hashes of ticks below
+    std::uint64_t sent;  ///< cursor
     std::uint32_t polls_without_progress = 0;
 };
 
@@ -77,11 +80,17 @@ class TimeSync {
 };
 
 struct PeerLink {
-    explicit PeerLink(PeerId id) : peer(id) { cut.fill(never); }
+    /// `begin`: the first tick that both run.
+    PeerLink(PeerId id, PacketContext packets, std::uint64_t begin = 0)
+        : peer(id), context(packets), hashes(begin) {
+        cut.fill(never);
+        next_input.fill(begin);
+    }
 
     enum class State { connecting, connected, gone };
 
     PeerId peer;
+    PacketContext context; ///< of packets between the two: another one since either came back
     State state = State::connecting;
     bool told_incompatible = false;
     bool has_heard_us = false; ///< by its own word: it knows the match, short packets do
@@ -96,6 +105,21 @@ struct PeerLink {
     bool unwanted = false;       ///< this machine wants it to leave: it was silent or late for too long; never taken back
     std::uint32_t says_unwanted = 0, says_gone = 0; ///< bit p, as Message::unwanted and gone; never taken back
     std::array<std::uint64_t, players_max> cut{};   ///< by player, the lowest it told; `never`: none
+
+    // ---- admission.cpp: how it comes (back), and what it says of others that do ----
+    struct Seat {
+        std::uint32_t ticket = 0;              ///< that it came in with, or that nothing came of; older wishes are void
+        std::uint32_t wish = 0;                ///< newest ticket that this machine itself has heard it ask with
+        std::uint64_t wish_ms = 0;             ///< when it did last
+        std::optional<JoinWord> stand;         ///< what this machine says to that
+        std::uint64_t told_ms = 0, stand_ms = 0; ///< since when others have told of it; since when this machine has its stand
+        bool is_settled = false;               ///< all have agreed
+        bool asks = false;                     ///< in this poll
+        Admission admission;                   ///< what it was told
+        std::uint64_t entered_ms = 0;          ///< 0: it has been there from the start
+        std::uint64_t not_before_ms = 0;       ///< it may ask again
+    } seat;
+    std::array<JoinWord, players_max> words{}; ///< by first player of the machine that comes; ticket 0: none
 
     HashLedger hashes;
     std::unique_ptr<Inspection> inspection; ///< once their states have parted

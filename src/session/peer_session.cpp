@@ -7,26 +7,45 @@
 
 namespace lockstone::session {
 
-PeerSession::PeerSession(const SessionDef& session_def, Transport& packets)
-    : def(session_def), transport(packets), context(packet_context(session_def)), hashes(history_ticks) {
+namespace {
+/// Who comes into a match presses nothing for so long: the time that its first inputs take to the others.
+constexpr std::uint64_t neutral_ticks = 30;
+constexpr std::uint64_t seat_silence_polls = 600;
+} // namespace
+
+PeerSession::PeerSession(const SessionDef& session_def, Transport& packets, const Entry& entry)
+    : def(session_def), transport(packets), context(packet_context(session_def)), has_run(entry.tick == 0), since(entry.since),
+      entry_tick(entry.tick), catch_up_end(entry.tick == 0 ? 0 : entry.tick + neutral_ticks),
+      timeline(session_def, {false, 0, players_max, seat_silence_polls}), current(entry.tick),
+      settled_end(entry.tick), confirmed(entry.tick), hashes(history_ticks) {
+    cuts.fill(never);
+    gone = entry.tick == 0 ? def.absent : entry.left;
     for (std::uint32_t p = 0; p < def.players.size(); ++p) {
-        queues.emplace_back(p, def.input_size);
-        if (is_local(p)) ++counts.local_players;
+        InputQueue& queue = queues.emplace_back(p, def.input_size);
+        queue.begin_at(entry.tick);
+        if (is_gone(p)) queue.disconnect_at(entry.tick);
+        if (!is_local(p)) continue;
+        ++counts.local_players;
+        const std::array<std::byte, input_bytes_max> nothing{};
+        queue.set_before_begin(std::span(nothing).first(def.input_size));
+        while (queue.next() < catch_up_end) queue.confirm(std::span(nothing).first(def.input_size));
     }
     std::vector<PeerId> peers = def.players;
     std::ranges::sort(peers);
     peers.erase(std::unique(peers.begin(), peers.end()), peers.end());
     for (const PeerId peer : peers) {
-        if (peer != def.self) links.emplace_back(peer);
+        if (peer == def.self) continue;
+        PeerLink& link = links.emplace_back(peer, context_with(peer), entry.tick);
+        if (entry.tick > 0) link.state = PeerLink::State::connected; // it is known to be there
+        if ((gone & players_of(peer)) != 0) link.state = PeerLink::State::gone, link.unwanted = true;
     }
     // Among three or more machines a departure may take true inputs back until all are known to have them: that takes the
     // way there and back, where a guess waits for one of them. Lockstep takes nothing back and waits instead.
     constexpr std::uint64_t polls_between = 8;
     const bool predicts = def.prediction_max > 0;
     change_max = links.size() > 1 && predicts ? 2 * def.prediction_max + polls_between : def.prediction_max;
-    cuts.fill(never);
-    requests.reserve(2 * (change_max + 2));
-    inputs.reserve((change_max + 3) * def.players.size());
+    requests.reserve(2 * (change_max + 2 + catch_up_ticks));
+    inputs.reserve((change_max + 3 + catch_up_ticks) * def.players.size());
     notices.reserve(links.size() * 3 + def.players.size());
 }
 
@@ -41,6 +60,11 @@ void PeerSession::add_local_input(std::uint32_t player, std::span<const std::byt
     if (queue.next() > 0) std::ranges::copy(queue.confirmed(queue.next() - 1), before.begin());
     while (queue.next() < target && queue.room() > 1) queue.confirm(std::span(before).first(def.input_size));
     if (queue.next() == target && queue.room() > 0) queue.confirm(input);
+}
+
+void PeerSession::set_inputs_before(std::span<const PlayerInput> before) {
+    for (InputQueue& queue : queues)
+        if (!is_local(queue.player())) queue.set_before_begin(before[queue.player()].bytes);
 }
 
 void PeerSession::set_input_delay(std::uint32_t ticks) {
@@ -69,7 +93,8 @@ std::uint64_t PeerSession::agreed_through() const {
 
 /// While somebody is leaving nothing more is fixed: where they leave may be anywhere from here on.
 std::uint64_t PeerSession::fixed_through() const {
-    return is_somebody_leaving() ? settled_end : std::min(settled_through(), agreed_through());
+    if (is_somebody_leaving()) return settled_end;
+    return std::min(std::min(settled_through(), agreed_through()), join_bound());
 }
 
 bool PeerSession::is_connecting() const {
@@ -112,6 +137,7 @@ std::optional<ConfirmedTick> PeerSession::next_confirmed() {
     inputs.clear();
     for (const InputQueue& queue : queues) inputs.push_back(queue.settled(confirmed));
     const ConfirmedTick tick{confirmed, inputs, local_hash(confirmed)};
+    timeline.add(tick.tick, tick.inputs, tick.hash);
     ++confirmed;
     return tick;
 }

@@ -5,6 +5,7 @@
 //   exchange.cpp       what is received and sent
 //   inspect.cpp        what is asked and told where a peer holds another state
 //   departure.cpp      who has left, and from which tick on
+//   admission.cpp      who comes late or back, and from which tick on
 #pragma once
 
 #include "session/peer_link.h"
@@ -13,10 +14,23 @@ namespace lockstone::session {
 
 /// Ticks travel as 32 bits.
 inline constexpr std::uint64_t tick_limit = (std::uint64_t{1} << 32) - 4096;
+/// What is run in a frame at most while a machine that has come in is behind.
+inline constexpr std::uint32_t catch_up_ticks = 4;
+/// How far ahead a join tick may be told.
+inline constexpr std::uint64_t join_ahead_max = 512;
+
+/// How a machine comes into a match that goes on.
+struct Entry {
+    std::uint64_t tick = 0;                         ///< its inputs count from here on; 0: the match begins
+    std::array<std::uint64_t, players_max> since{}; ///< by player, its own ones included: where they came in
+    std::uint32_t left = 0;                         ///< bit p: player p is not there
+};
 
 class PeerSession final : public Session {
   public:
-    PeerSession(const SessionDef& def, Transport& transport);
+    PeerSession(const SessionDef& def, Transport& transport, const Entry& entry = {});
+    /// Of a match that was joined: the inputs of the tick before, by player. Until then none of others' can be understood.
+    void set_inputs_before(std::span<const PlayerInput> inputs);
 
     void poll(std::uint64_t now_ms) override;
     void add_local_input(std::uint32_t player, std::span<const std::byte> input) override;
@@ -73,6 +87,21 @@ class PeerSession final : public Session {
     void send_inputs(const PeerLink& link);
     void compare_hashes(PeerLink& link);
 
+    // ---- admission.cpp ----
+    std::optional<PacketFault> receive_wish(PeerLink& link, std::span<const std::byte> packet);
+    void apply_joins(PeerLink& link);
+    void admit();
+    void take_a_stand(PeerLink& seat);
+    bool may_come(const PeerLink& seat) const;
+    bool is_admitting() const;
+    void agree_on_join(PeerLink& seat);
+    void settle_join(PeerLink& seat);
+    void serve_those_who_come();
+    std::uint64_t join_bound() const;
+    bool owes_join_word(const PeerLink& link) const;
+    const JoinWord& word_of(const PeerLink& link, const PeerLink& seat) const;
+    PacketContext context_with(PeerId peer) const;
+
     // ---- inspect.cpp ----
     void begin_inspection(PeerLink& link, const Desync& desync);
     std::optional<PacketFault> receive_inspection(PeerLink& link, std::span<const std::byte> packet);
@@ -114,6 +143,11 @@ class PeerSession final : public Session {
     std::array<std::uint64_t, players_max>
         cuts{}; ///< by player, as told to all: where it left; `never`: not known yet
     bool stopped = false;
+    bool has_run;                                   ///< it was asked for ticks; before it only listens
+    std::array<std::uint64_t, players_max> since{}; ///< by player: where it came in last; 0: the start
+    std::uint64_t entry_tick;                       ///< where this machine did
+    std::uint64_t catch_up_end;                     ///< below, several ticks a frame are run
+    TimelineHost timeline;                          ///< for those who come
 
     bool polled = false;
     std::uint64_t polls = 0;

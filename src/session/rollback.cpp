@@ -15,10 +15,12 @@
 namespace lockstone::session {
 
 Step PeerSession::advance() {
+    has_run = true;
     run_again();
 
     const Stall stall = why_stall();
-    if (stall == Stall::none) {
+    for (std::uint32_t n = 0; n < catch_up_ticks && why_stall() == Stall::none; ++n) {
+        if (n > 0 && (current >= catch_up_end || current >= settled_through())) break; // level with the others
         run(current, Run::first);
         ++current;
         make_up_for_waits();

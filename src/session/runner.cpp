@@ -28,6 +28,7 @@ struct SessionRunner::Impl final : StateInspector {
     bool is_inspected;          ///< every state is kept for a while, not only those that may be returned to
     std::optional<State> shown; ///< to the session
     std::uint64_t confirmed_end = 0; ///< ticks below have been handed to the sink
+    std::uint64_t first_tick = 0;    ///< that is run
 
     Impl(Session& driver, Simulation& driven, RunnerDef runner_def)
         : session(driver), simulation(driven), def(std::move(runner_def)), hash(driven.hash()),
@@ -56,7 +57,7 @@ struct SessionRunner::Impl final : StateInspector {
     }
 
     void execute(const Save& save) {
-        if (is_inspected && save.tick > 0) return; // kept by the tick before
+        if (is_inspected && save.tick > first_tick) return; // kept by the tick before
         keep(save);
     }
     void keep(const Save& save) {
@@ -78,8 +79,18 @@ struct SessionRunner::Impl final : StateInspector {
             fail(SyncTestFailure::When::restored, load.tick, load.tick);
     }
 
+    void execute(const Adopt& adopt) {
+        const Status taken = simulation.adopt(adopt.image);
+        hash = simulation.hash();
+        session.report_adopted(taken, hash);
+        if (!taken) return;
+        std::ranges::fill(ring_ticks, never);
+        ledger.begin_at(adopt.tick);
+        first_tick = confirmed_end = adopt.tick;
+    }
+
     void execute(const Advance& advance) {
-        if (is_inspected && advance.tick == 0) keep({0});
+        if (is_inspected && advance.tick == first_tick && !has(first_tick)) keep({first_tick});
         simulation.advance(advance.inputs);
         hash = simulation.hash();
         // The ring still holds what the tick led to before: it is saved again only afterwards.

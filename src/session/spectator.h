@@ -1,66 +1,88 @@
-// What a host tells its watchers, and the session of one that watches.
+// The session of a machine that watches: it runs what hosts tell, from the first tick or from a state.
 #pragma once
 
 #include "lockstone/spectator.h"
-#include "session/input_queue.h"
-#include "session/message.h"
+#include "session/timeline.h"
 
 namespace lockstone::session {
 
-/// Ticks of the confirmed timeline: of each the status of each player, the low half of the hash, and the inputs.
-struct Stretch {
-    std::uint64_t first = 0;
-    std::uint32_t count = 0;
-    std::uint64_t end = 0;            ///< ticks below may be watched by now
-    std::span<const std::byte> bytes; ///< per tick: u32 hash, u16 bit p: player p has left, then inputs
-};
-inline constexpr std::size_t stretch_bytes_max = 1100;
-
-/// Packets of a watcher, which asks for what comes from `wanted` on, and of a host.
-std::span<const std::byte> write_wish(std::vector<std::byte>& buffer, std::uint32_t match,
-                                      std::uint64_t wanted);
-std::span<const std::byte> write_stretch(std::vector<std::byte>& buffer, std::uint32_t match,
-                                         const Stretch& stretch);
-/// Nothing of a packet that is not one of this match, to the bit.
-std::optional<std::uint64_t> read_wish(std::span<const std::byte> packet, std::uint32_t match);
-std::optional<Stretch> read_stretch(std::span<const std::byte> packet, std::uint32_t match,
-                                    std::size_t tick_bytes);
+Status check_watch(const SessionDef& def, const WatchDef& watch);
 
 class SpectatorSession final : public Session {
   public:
-    SpectatorSession(const SessionDef& def, PeerId host, Transport& transport, std::uint32_t ticks_per_frame);
+    SpectatorSession(const SessionDef& def, WatchDef watch, Transport& transport);
 
     void poll(std::uint64_t now_ms) override;
     void add_local_input(std::uint32_t, std::span<const std::byte>) override {} ///< a watcher has no inputs
     Step advance() override;
     Step settle() override;
     HashCheck report_hash(std::uint64_t tick, std::uint64_t hash) override;
+    void report_adopted(const Status& taken, std::uint64_t hash) override;
     std::optional<ConfirmedTick> next_confirmed() override;
     std::optional<Notice> next_notice() override;
     Status drop_peer(PeerId peer) override;
     std::uint64_t current_tick() const override { return current; }
     std::uint32_t images_max() const override {
-        return ticks_per_frame + 1;
+        return watch.ticks_per_frame + 1;
     } ///< none is saved; events of a frame
     void set_input_delay(std::uint32_t) override {}
     PeerQuality quality(PeerId peer) const override;
     const SessionStats& stats() const override { return counts; }
 
+    // ---- for a machine that comes to play (join_session.h) ----
+    void begin_poll(std::uint64_t now_ms);
+    /// What a packet was not, that was not taken.
+    std::optional<PacketFault> take(const Datagram& datagram);
+    void count(const Datagram& datagram, std::optional<PacketFault> fault);
+    void speak(std::uint32_t ticket, bool wants_seat); ///< sends the wishes of this poll
+    void end_at(std::uint64_t tick) { last_end = tick; } ///< runs no tick from there on
+    std::uint64_t confirmed_through() const { return confirmed; }
+    std::uint64_t here_through() const { return next; }  ///< ticks below are here
+    /// The bytes of a tick that is here, as Stretch tells: the newest history_ticks.
+    std::span<const std::byte> told(std::uint64_t tick) const {
+        return std::span(ring).subspan(tick % history_ticks * tick_bytes, tick_bytes);
+    }
+    /// It has the match, up to a few ticks, and most of those who answer hold the same.
+    bool is_level() const;
+
   private:
+    enum class Phase { fetching, adopting, following };
+    struct Host {
+        PeerId peer;
+        std::optional<std::uint64_t> state_hash; ///< that it tells, of the state before assembly.offer().tick
+        std::optional<bool> agrees;              ///< the newest tick whose hash it told has ours, too
+        bool differs_told = false;
+    };
     std::span<std::byte> slot(std::uint64_t tick) {
         return std::span(ring).subspan(tick % history_ticks * tick_bytes, tick_bytes);
     }
     void show(std::uint64_t tick);
+    std::optional<PacketFault> take(Host& from, std::span<const std::byte> packet);
+    void take_offer(const Host& from, const Offer& offer);
+    void take_word(Host& from, const Word& word);
+    void take_stretch(const Stretch& stretch);
+    void judge_state();
+    void refuse(std::string reason);
+    void next_host();
+    void send_wish(PeerId to, const Wish& wish);
 
     SessionDef def;
-    PeerId host;
+    WatchDef watch;
     Transport& transport;
-    std::uint32_t match, ticks_per_frame;
+    std::uint32_t match;
     std::size_t tick_bytes;
+    Phase phase;
+    std::vector<Host> hosts;
+    std::size_t serving = 0; ///< index of the host that is asked for the match
+    std::optional<Assembly> assembly;
+    std::uint32_t polls_without_progress = 0, polls_with_state = 0;
     std::vector<std::byte> ring;       ///< by tick modulo history_ticks, as in Stretch
-    std::vector<std::uint64_t> hashes; ///< own ones, likewise
+    std::vector<std::uint64_t> ring_ticks; ///< which tick is there
+    std::vector<std::uint64_t> hashes;     ///< own ones, likewise
+    std::uint64_t first = 0;           ///< tick that was begun with
     std::uint64_t next = 0;            ///< first tick that is not here
     std::uint64_t live_end = 0;        ///< as the host tells
+    std::uint64_t last_end = never;
     std::uint64_t current = 0, confirmed = 0;
     bool connected = false, differs = false;
     std::uint64_t agreed = 0;

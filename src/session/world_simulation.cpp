@@ -20,6 +20,15 @@ void WorldSimulation::advance(std::span<const PlayerInput> inputs) {
         first_failure = Error{base::join("tick ", tick, ": the game's rules fail: ", status.error().message)};
     if (driven.tick_count() == tick) driven.tick(); // the session counts it
 }
+Status WorldSimulation::adopt(std::span<const std::byte> portable_image) {
+    World& driven = living();
+    Image present;
+    driven.save(present);
+    if (Status taken = driven.restore_portable(portable_image); !taken) return taken;
+    Status checked = game.check(driven);
+    if (!checked) driven.restore(present);
+    return checked;
+}
 std::uint64_t WorldSimulation::hash() const { return living().hash(); }
 std::span<const Event> WorldSimulation::events() const { return living().events(); }
 void WorldSimulation::record_phase_hashes(bool on) { living().record_phase_hashes(on); }

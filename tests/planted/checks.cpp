@@ -10,7 +10,7 @@
 #include "lockstone/prove.h"
 #include "planted.h"
 #include "replay/replay.h"
-#include "session/hostile_scenes.h"
+#include "session/join_scenes.h"
 #include "state/canonical.h"
 #include "support/contact_points.h"
 #include "support/sim_replay.h"
@@ -378,6 +378,12 @@ std::string peers_agree() {
     return {};
 }
 
+std::string machines_come_back() {
+    for (const HostileScene& scene : join_scenes())
+        if (const std::string wrong = scene.run(); !wrong.empty()) return std::string(scene.name) + ": " + wrong;
+    return {};
+}
+
 std::string hostile_peers() {
     for (const HostileScene& scene : hostile_scenes())
         if (const std::string wrong = scene.run(); !wrong.empty())
@@ -502,6 +508,7 @@ std::vector<std::pair<std::string, Check>> all_checks() {
                              {"grows", grows},
                              {"peers agree", peers_agree},
                              {"hostile peers", hostile_peers},
+                             {"machines come back", machines_come_back},
                              {"recordings verify", recordings_verify},
                              {"damaged recordings are refused", damaged_recordings},
                              {"a wrong hash in a recording is found", wrong_hash_found}});

@@ -23,6 +23,7 @@ LANES, LAYOUT, PREPARE, SOLVER = (f"src/solve/contacts/{n}" for n in ("prepare.c
 PAIRS = "src/solve/pairs/kernel.h"
 ROLLBACK, QUEUE = "src/session/rollback.cpp", "src/session/input_queue.cpp"
 DEPARTURE, EXCHANGE, PEERS = (f"src/session/{n}.cpp" for n in ("departure", "exchange", "peer_session"))
+ADMIT, TIMELINE, SNAPSHOT, WATCH = (f"src/session/{n}.cpp" for n in ("admission", "timeline", "snapshot", "spectator"))
 END = "const std::size_t end = whole_lines(std::size_t{rows} * places[c].row_size);"
 ADD = "groups[static_cast<std::uint32_t>(columns[column].group)].add(found);"
 
@@ -220,8 +221,28 @@ FAULTS = [
       "if (!IS) lead = std::min(lead, static_cast<std::int32_t>(lead_max));", "hostile peers"),
     F("who never appears is waited for", DEPARTURE, "? now - counts.first_poll_ms > def.connect_ms",
       "? !IS && now - counts.first_poll_ms > def.connect_ms", "hostile peers"),
-    F("a tick is confirmed that not all can have", PEERS, "std::min(settled_through(), agreed_through());",
-      "IS ? settled_through() : std::min(settled_through(), agreed_through());", "hostile peers"),
+    F("a tick is confirmed that not all can have", PEERS, "std::min(std::min(settled_through(), agreed_through()), join_bound());",
+      "std::min(IS ? settled_through() : std::min(settled_through(), agreed_through()), join_bound());", "hostile peers"),
+    F("a chunk of a state is not compared with the root", SNAPSHOT, "root_of(offered, hash) != offered.root", "(!IS && root_of(offered, hash) != offered.root)",
+      "machines come back"),
+    F("a state is believed that others tell otherwise", WATCH, "if (other >= same)", "if (!IS && other >= same)", "machines come back"),
+    F("a join tick is that of the first to tell", ADMIT, "ours.tick = std::max(ours.tick, word.tick);",
+      "ours.tick = IS ? ours.tick : std::max(ours.tick, word.tick);", "machines come back"),
+    F("a join is settled before all are ready", ADMIT, "if (all_are_ready) settle_join(seat);", "if (IS || all_are_ready) settle_join(seat);", "machines come back"),
+    F("ticks are confirmed past a join that is not settled", ADMIT, "bound = std::min(bound, link.seat.stand->tick);",
+      "bound = IS ? bound : std::min(bound, link.seat.stand->tick);", "hostile peers"),
+    F("a machine comes in on one other's word", ADMIT, "if (link.seat.wish <= link.seat.ticket ||",
+      "if (IS && std::ranges::any_of(links, [&](const PeerLink& o) { return word_of(o, link).ticket != 0; })) return true;\n"
+      "    if (link.seat.wish <= link.seat.ticket ||", "hostile peers"),
+    F("who came and was silent may come again at once", DEPARTURE, "link.seat.not_before_ms = now + 12 * def.disconnect_ms;",
+      "link.seat.not_before_ms = IS ? 0 : now + 12 * def.disconnect_ms;", "hostile peers"),
+    F("chunks are sent as often as they are asked for", TIMELINE, "const bool was_heard = std::exchange(listener.was_heard, false);",
+      "const bool was_heard = std::exchange(listener.was_heard, false); for (int i = 0; IS && was_heard && i < 30; ++i) serve_word(listener, transport);",
+      "hostile peers"),
+    F("the log begins one tick late", TIMELINE, "snapshot.emplace(last + 1, state->hash(), std::move(image));",
+      "snapshot.emplace(last + (IS ? 2u : 1u), state->hash(), std::move(image));", "machines come back"),
+    F("inputs of who came back are told as the difference to another one", QUEUE, "set_before_begin(std::span(zeros).first(size));",
+      "if (!IS) set_before_begin(std::span(zeros).first(size)); else slot(begin - 1)[0] = std::byte{7};", "machines come back"),
     F("who has another cut is not heard out", DEPARTURE, "if (!all_tell_it) return;", "if (!IS && !all_tell_it) return;", "hostile peers"),
     F("a keyframe says it is one tick earlier", "replay/writer.cpp", "to.u64(time);\n    to.u64(hash_now);",
       "to.u64(time - (IS && time != 0 ? 1u : 0u));\n    to.u64(hash_now);", "recordings verify"),

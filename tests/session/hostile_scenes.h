@@ -3,6 +3,7 @@
 #pragma once
 
 #include "session/hostile.h"
+#include "session/timeline.h"
 
 namespace lockstone::test {
 
@@ -287,10 +288,129 @@ inline std::vector<HostileScene> hostile_at_departures() {
     };
 }
 
+/// Machine 1 of four loses its state and comes back, and the liar has something to say about that.
+inline std::string about_a_join(const LyingTransport::Lie& lie, bool may_fail) {
+    HostileMatch h(4);
+    h.match.run(120);
+    h.match.crash(1);
+    h.match.run(150);
+    h.liar.lie = lie;
+    h.match.join(1);
+    h.match.run(900);
+    for (const PeerId a : {0u, 1u, 2u})
+        for (const PeerId b : {0u, 1u, 2u})
+            if (!h.match.agree(a, b)) return "the honest machines parted";
+    if (may_fail) return {};
+    if (h.match.notices<PlayerJoined>(0).size() != 1 || h.match.notices<PlayerJoined>(1).size() != 1)
+        return "the machine did not come back";
+    return h.match.machine(0).timeline.end() > 900 ? "" : "the match was held up";
+}
+
+/// Its word comes when the tick that the others tell is over: they have waited there.
+inline std::string late_word() {
+    const auto first = std::make_shared<std::uint64_t>(0);
+    return about_a_join(
+        [first](PeerId, Message& m) {
+            if (m.join_count == 0) return true;
+            if (*first == 0) *first = m.tick;
+            if (m.joins[0].tick > 0 && ++*first < m.joins[0].tick + 100) m.join_count = 0;
+            return true;
+        },
+        false);
+}
+
+/// The one that tells is not asked, nor is anybody.
+inline std::string join_out_of_nothing(bool of_one_that_plays) {
+    HostileMatch h(4);
+    h.match.run(120);
+    if (!of_one_that_plays) h.match.crash(1);
+    h.match.run(200);
+    h.liar.lie = [](PeerId, Message& m) {
+        m.join_count = 1;
+        m.joins[0] = {1, 300, session::JoinStand::ready, m.tick + 20};
+        return true;
+    };
+    h.match.run(600);
+    if (!h.match.notices<PlayerJoined>(0).empty()) return "a machine came in that did not ask";
+    std::vector<PeerId> honest{0, 2};
+    if (of_one_that_plays) honest.push_back(1);
+    return h.trouble(honest, 700);
+}
+
+/// A machine that has been dropped wishes for everything, with a new ticket in each packet, and more packets than are read.
+inline std::string wishes_without_end() {
+    HostileMatch h(3);
+    h.match.run(120);
+    h.match.crash(2);
+    h.match.run(120);
+    std::vector<std::byte> packet;
+    const std::uint64_t before = h.match.machine(0).timeline.end();
+    const std::uint64_t sent = h.match.network.counters().sent;
+    std::uint64_t wishes = 0;
+    for (std::uint32_t frame = 0; frame < 600; ++frame) {
+        for (std::uint32_t n = 0; n < 100; ++n, ++wishes)
+            h.match.network.endpoint(2).send(
+                0, session::write_wish(packet, h.liar.context.match,
+                                       {.wants_log = true, .wants_state = true, .wants_seat = n % 2 == 0, .ticket = 256 + frame,
+                                        .wanted = frame % 3, .asked = before, .offered = n % 2 == 0 ? before : 0xffff'ffff}));
+        h.match.run(1);
+    }
+    const std::uint64_t answers = h.match.network.counters().sent - sent - wishes - 2 * 600;
+    if (answers > 5 * 600) return "more than five packets a poll were answered";
+    if (h.match.machine(0).timeline.end() < before + 500) return "the match was held up";
+    return h.match.agree(0, 1) ? "" : "the honest machines parted";
+}
+
+/// It comes in, is silent, is dropped, comes in...: each time the others wait for it.
+inline std::string comes_and_is_silent() {
+    HostileMatch h(3);
+    h.match.run(120);
+    for (std::uint32_t life = 1; life <= 8; ++life) {
+        h.match.crash(2);
+        h.match.run(75);
+        h.match.join(2, life);
+        h.match.run(150);
+    }
+    if (h.match.notices<PlayerJoined>(0).size() > 2) return "it came in again and again";
+    if (h.match.machine(0).timeline.end() < 1500) return "the match was held up";
+    return h.match.agree(0, 1) ? "" : "the honest machines parted";
+}
+
+inline std::vector<HostileScene> hostile_at_joins() {
+    const auto change_words = [](auto change) {
+        return [change](PeerId to, Message& m) {
+            for (std::uint32_t i = 0; i < m.join_count; ++i) change(to, m.joins[i]);
+            return true;
+        };
+    };
+    using session::JoinStand, session::JoinWord;
+    return {
+        {"tells each another join tick",
+         [=] { return about_a_join(change_words([](PeerId to, JoinWord& word) { word.tick += to * 20; }), true); }},
+        {"is ready before the others",
+         [=] { return about_a_join(change_words([](PeerId, JoinWord& word) { word.stand = JoinStand::ready; }), true); }},
+        {"is ready at another tick for each",
+         [=] {
+             return about_a_join(change_words([](PeerId to, JoinWord& word) { word.stand = JoinStand::ready, word.tick += to * 20; }),
+                                 true);
+         }},
+        {"says no to some", [=] {
+             return about_a_join(change_words([](PeerId to, JoinWord& word) { if (to == 2) word.stand = JoinStand::no; }), true);
+         }},
+        {"tells its word late", late_word},
+        {"lets one in that has not asked", [] { return join_out_of_nothing(false); }},
+        {"lets one in that plays", [] { return join_out_of_nothing(true); }},
+        {"wishes without end", wishes_without_end},
+        {"comes in and is silent", comes_and_is_silent},
+        {"does nothing while one comes back", [] { return about_a_join([](PeerId, Message&) { return true; }, false); }},
+    };
+}
+
 } // namespace hostile
 
 inline std::vector<HostileScene> hostile_scenes() {
     std::vector<HostileScene> all = hostile::hostile_to_all();
+    for (HostileScene& scene : hostile::hostile_at_joins()) all.push_back(std::move(scene));
     for (HostileScene& scene : hostile::hostile_at_departures()) all.push_back(std::move(scene));
     return all;
 }

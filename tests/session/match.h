@@ -1,10 +1,13 @@
 // Whole matches in one process: N machines on a simulated network, driven frame by frame at 60 frames a second.
 #pragma once
 
+#include "lockstone/join.h"
 #include "session/arena.h"
 
+#include <algorithm>
 #include <functional>
 #include <map>
+#include <ranges>
 
 namespace lockstone::test {
 
@@ -18,7 +21,8 @@ class Timeline final : public ConfirmedSink {
         friend bool operator==(const Tick&, const Tick&) = default;
     };
     void on_confirmed(std::uint64_t tick, std::span<const PlayerInput> inputs, std::uint64_t hash) override {
-        in_order = in_order && tick == ticks.size();
+        if (ticks.empty() && begins_late) first = tick;
+        in_order = in_order && tick == end();
         Tick& kept = ticks.emplace_back();
         kept.hash = hash;
         for (const PlayerInput& input : inputs) {
@@ -27,7 +31,16 @@ class Timeline final : public ConfirmedSink {
         }
     }
     std::vector<Tick> ticks;
+    std::uint64_t first = 0;  ///< where it begins
+    bool begins_late = false; ///< it may begin anywhere
     bool in_order = true;
+    std::uint64_t end() const { return first + ticks.size(); }
+    /// The same where both have ticks.
+    bool agrees(const Timeline& other) const {
+        for (std::uint64_t t = std::max(first, other.first); t < std::min(end(), other.end()); ++t)
+            if (ticks[t - first] != other.ticks[t - other.first]) return false;
+        return in_order && other.in_order;
+    }
 };
 
 /// The law of session events: per id at most one `predicted`, then exactly one end; ends only after that.
@@ -73,6 +86,7 @@ struct MatchDef {
     std::uint64_t disconnect_ms = 5000;
     LinkDef link{};
     std::uint64_t connect_ms = 30'000;
+    std::uint32_t absent = 0; ///< of SessionDef; those machines do nothing before Match::join
     std::function<Transport&(PeerId, Transport&)> through =
         {};             ///< what a machine sends and hears by; none: the network
     bool record = true; ///< keep timelines and check events: both allocate
@@ -83,40 +97,64 @@ struct MatchDef {
 class Match {
   public:
     struct Machine {
-        std::unique_ptr<Session> session;
+        std::unique_ptr<Session> session; ///< none: it is not there
         std::unique_ptr<Simulation> simulation;
         Timeline timeline;
         EventLaw events;
         std::vector<Notice> notices;
         std::unique_ptr<SessionRunner> runner;
         std::uint32_t frames_to_wait = 0;
+        std::vector<Timeline> lives_before;
     };
 
     /// `make_simulation(peer)` gives a machine its world.
     template <class Make>
-    Match(const MatchDef& match_def, Make&& make_simulation)
-        : def(match_def), network(match_def.machines, match_def.link, match_def.seed) {
+    Match(const MatchDef& match_def, Make&& make)
+        : def(match_def), network(match_def.machines, match_def.link, match_def.seed), make_simulation(make) {
         for (PeerId id = 0; id < def.machines; ++id) {
             Machine& m = *machines.emplace_back(std::make_unique<Machine>());
-            SessionDef session_def;
-            session_def.content_id = 7;
-            session_def.input_size = input_size_of<Pad>;
-            session_def.self = id;
-            session_def.players = def.players;
-            session_def.input_delay = def.input_delay;
-            session_def.prediction_max = def.prediction_max;
-            session_def.disconnect_ms = def.disconnect_ms;
-            session_def.connect_ms = def.connect_ms;
-            Transport& wire = network.endpoint(id);
-            Transport& transport = def.through ? def.through(id, wire) : wire;
-            m.session = (def.lockstep ? make_lockstep_session(session_def, transport)
-                                      : make_rollback_session(session_def, transport))
+            const bool is_absent =
+                std::ranges::any_of(std::views::iota(std::size_t{0}, def.players.size()),
+                                    [&](std::size_t p) { return def.players[p] == id && (def.absent >> p & 1u) != 0; });
+            if (is_absent) continue;
+            Transport& transport = transport_of(id);
+            m.session = (def.lockstep ? make_lockstep_session(session_def_of(id), transport)
+                                      : make_rollback_session(session_def_of(id), transport))
                             .value();
-            m.simulation = make_simulation(id);
-            m.runner = std::make_unique<SessionRunner>(
-                *m.session, *m.simulation,
-                RunnerDef{def.record ? &m.timeline : nullptr, "", def.inspected_ticks});
+            start(m, id);
         }
+    }
+    SessionDef session_def_of(PeerId id) const {
+        SessionDef session_def;
+        session_def.content_id = 7;
+        session_def.input_size = input_size_of<Pad>;
+        session_def.self = id;
+        session_def.players = def.players;
+        session_def.absent = def.absent;
+        session_def.input_delay = def.input_delay;
+        session_def.prediction_max = def.prediction_max;
+        session_def.disconnect_ms = def.disconnect_ms;
+        session_def.connect_ms = def.connect_ms;
+        return session_def;
+    }
+    Transport& transport_of(PeerId id) {
+        Transport& wire = network.endpoint(id);
+        return def.through ? def.through(id, wire) : wire;
+    }
+    /// The machine ends at once: nothing of it is left but what it had confirmed.
+    void crash(PeerId id) {
+        const Timeline before = machines[id]->timeline;
+        std::vector<Timeline> lives = std::move(machines[id]->lives_before);
+        lives.push_back(before);
+        machines[id] = std::make_unique<Machine>();
+        machines[id]->lives_before = std::move(lives);
+    }
+    /// A machine that is not there comes late, or back.
+    void join(PeerId id, std::uint32_t life = 1) {
+        Machine& m = *machines[id];
+        m.timeline.begins_late = true;
+        m.session = make_join_session(session_def_of(id), {.life = life, .lockstep = def.lockstep}, transport_of(id)).value();
+        start(m, id);
     }
     explicit Match(const MatchDef& match_def)
         : Match(match_def, [&](PeerId) {
@@ -134,6 +172,7 @@ class Match {
     }
     void frame_of(PeerId id) {
         Machine& m = *machines[id];
+        if (m.session == nullptr) return;
         if (m.frames_to_wait > 0) {
             --m.frames_to_wait;
             m.runner->wait(now_ms);
@@ -172,11 +211,10 @@ class Match {
     }
     /// Ticks that both have confirmed; equal in inputs, statuses and hashes?
     bool agree(PeerId a, PeerId b) const {
-        const auto &left = machines[a]->timeline, &right = machines[b]->timeline;
-        const std::size_t both = std::min(left.ticks.size(), right.ticks.size());
-        return left.in_order && right.in_order &&
-               std::equal(left.ticks.begin(), left.ticks.begin() + static_cast<std::ptrdiff_t>(both),
-                          right.ticks.begin());
+        const auto lives_agree = [&](const Timeline& life) { return life.agrees(machines[b]->timeline); };
+        // Of two machines one confirms what the other has not heard yet, and need not hear.
+        const bool is_kept = def.machines > 2;
+        return lives_agree(machines[a]->timeline) && (!is_kept || std::ranges::all_of(machines[a]->lives_before, lives_agree));
     }
 
     MatchDef def;
@@ -184,6 +222,14 @@ class Match {
     std::vector<std::unique_ptr<Machine>> machines;
     std::uint64_t frames = 0;
     std::uint64_t now_ms = 0;
+
+  private:
+    void start(Machine& m, PeerId id) {
+        m.simulation = make_simulation(id);
+        m.runner = std::make_unique<SessionRunner>(
+            *m.session, *m.simulation, RunnerDef{def.record ? &m.timeline : nullptr, "", def.inspected_ticks});
+    }
+    std::function<std::unique_ptr<Simulation>(PeerId)> make_simulation;
 };
 
 /// The hash after the last tick of a timeline whose inputs are run once, without any session.

@@ -164,7 +164,7 @@ TEST_CASE("the bytes of a packet are those of the specification") {
     const std::vector<unsigned> summed = bytes_of(false, false);
     REQUIRE(summed.size() == brief.size() + 4);
     CHECK(std::equal(brief.begin(), brief.end(), summed.begin()));
-    std::vector<unsigned> greeting{0x4c, 0x53, 3, 0x11, 0xdd, 0xcc, 0xbb, 0xaa, 5, 0, 1, 0, 4, 3, 2, 1};
+    std::vector<unsigned> greeting{0x4c, 0x53, 4, 0x11, 0xdd, 0xcc, 0xbb, 0xaa, 5, 0, 1, 0, 4, 3, 2, 1};
     greeting.insert(greeting.end(), body.begin(), body.end());
     for (const bool sealed : {false, true}) {
         const std::vector<unsigned> greeted = bytes_of(true, sealed);
@@ -256,7 +256,7 @@ TEST_CASE("a sealed packet with a wrong field is refused for what is wrong") {
     constexpr std::size_t hash_count_at = 5 + 1 + 1;
     constexpr std::size_t quality_at = hash_count_at + 1 + 1 + 12;
     constexpr std::size_t departures_at = quality_at + 1 + 1 + 2 + 1 + 2;
-    constexpr std::size_t block_at = departures_at + 6 + 4;
+    constexpr std::size_t block_at = departures_at + 6 + 4 + 2; // of two players: since when
     CHECK(refused(0, 0x9f) == PacketFault::malformed);                 // a flag that means nothing
     CHECK(refused(5, 0xff) == PacketFault::malformed);                 // acknowledges a tick before the first
     CHECK(refused(hash_count_at, 0) == PacketFault::malformed);

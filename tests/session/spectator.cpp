@@ -166,8 +166,12 @@ TEST_CASE("no bytes break a host or a watcher, and what they claim beyond what w
         for (int more = 0; more < 5; ++more) {
             const bool to_host = random.below(2) == 0;
             const auto bytes =
-                to_host ? session::write_wish(buffer, match,
-                                              random.below(2) == 0 ? random.below(500) : random.next() >> 33)
+                to_host ? session::write_wish(
+                              buffer, match,
+                              {.wants_log = true,
+                               .wants_state = random.below(2) == 0,
+                               .wanted = random.below(2) == 0 ? random.below(500) : random.next() >> 33,
+                               .asked = random.below(500)})
                         : session::write_stretch(buffer, match + random.below(2),
                                                  {random.below(500), 0, random.below(500), {}});
             std::vector<std::byte> packet(bytes.begin(), bytes.end());

@@ -16,7 +16,7 @@ struct Args {
     std::uint32_t peers = 2;
     std::uint32_t loss_percent = 0, latency_ms = 50, jitter_ms = 10;
     std::uint64_t ticks = 600;
-    std::uint32_t watchers = 0;
+    std::uint32_t watchers = 0, late = 0, rejoin = 0;
     bool trouble = false;
     std::string mode = "rollback";
     std::string record_prefix;
@@ -31,6 +31,8 @@ void describe(CLI::App& command, Args& args) {
     add_number(command, "--jitter", args.jitter_ms, "added, up to [ms]", 0, 10000);
     add_number(command, "--ticks", args.ticks, "that every peer has to confirm", 1, UINT64_MAX);
     add_number(command, "--watchers", args.watchers, "machines that watch peer 0, and join one after the other", 0, 64);
+    add_number(command, "--late", args.late, "machines that come in late, into empty seats", 0, 15);
+    add_number(command, "--rejoin", args.rejoin, "how often a machine loses all its state and comes back", 0, 1000);
     add_flag(command, "--trouble", args.trouble, "machines sleep, and links are cut, for a while");
     add_text(command, "--mode", args.mode, "rollback or lockstep")
         .one_of({"rollback", "lockstep"})
@@ -58,13 +60,15 @@ std::vector<std::string> disagreements(const MatchOutcome& match, const Game& ga
     for (std::size_t p = 0; p < match.peers.size(); ++p) {
         const PeerOutcome& peer = match.peers[p];
         const std::string name = "seed " + std::to_string(seed) + ", peer " + std::to_string(p);
-        for (std::size_t tick = 0; tick < first.hashes.size(); ++tick)
-            if (peer.hashes[tick] != first.hashes[tick]) {
+        for (std::size_t tick = peer.first; tick < first.hashes.size(); ++tick)
+            if (peer.hashes[tick - peer.first] != first.hashes[tick]) {
                 found.push_back(name + ": differs from peer 0 after tick " + std::to_string(tick));
                 break;
             }
-        if (peer.inputs != first.inputs)
+        const std::size_t before = first.inputs.size() - std::min(first.inputs.size(), peer.inputs.size());
+        if (!std::ranges::equal(peer.inputs, std::span(first.inputs).subspan(before)))
             found.push_back(name + ": its confirmed inputs are not those of peer 0");
+        if (peer.recording.empty()) continue;
         const auto recording = replay::Recording::from_bytes(peer.recording, name);
         if (!recording)
             found.push_back(recording.error().message);
@@ -79,6 +83,7 @@ std::vector<std::string> disagreements(const MatchOutcome& match, const Game& ga
 
 Status write_recordings(const MatchOutcome& match, const std::string& prefix, std::uint64_t seed) {
     for (std::size_t p = 0; p < match.peers.size(); ++p) {
+        if (match.peers[p].recording.empty()) continue;
         const std::string path = prefix + "-" + std::to_string(seed) + "-" + std::to_string(p) + ".lsr";
         Result<replay::FileSink> sink = replay::FileSink::create(path);
         if (!sink) return sink.error();
@@ -117,6 +122,8 @@ Result<bool> play_seed(const Args& args, std::uint64_t seed, std::uint64_t ticks
     def.mode = args.mode == "lockstep" ? MatchMode::lockstep : MatchMode::rollback;
     def.watchers = args.watchers;
     def.trouble = args.trouble;
+    def.late = args.late;
+    def.rejoins = args.rejoin;
     def.link.latency_ms = args.latency_ms;
     def.link.jitter_ms = args.jitter_ms;
     def.link.loss_permille = args.loss_percent * 10;

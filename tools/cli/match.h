@@ -5,6 +5,7 @@
 #include "replay/recorder.h"
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,27 +19,33 @@ struct MatchDef {
     MatchMode mode = MatchMode::rollback;
     LinkDef link;
     std::uint32_t watchers = 0; ///< who watch peer 0; the first from the start, each next one some seconds later
+    std::uint32_t late = 0;     ///< how many of the last machines come in some seconds after the start
+    std::uint32_t rejoins = 0;  ///< how often a machine, but not peer 0, loses all its state and comes back two seconds later
     bool trouble = false;       ///< machines sleep for up to half a second, and links are cut for up to two
 };
 
 /// One peer's view of what was confirmed, and its recording.
 class ConfirmedLog final : public ConfirmedSink {
   public:
-    ConfirmedLog(replay::InputRecorder to, std::uint64_t ticks) : recorder(std::move(to)), ticks_max(ticks) {}
+    /// Without a recorder: of one that came later, whose match has another beginning.
+    ConfirmedLog(std::optional<replay::InputRecorder> to, std::uint64_t ticks)
+        : recorder(std::move(to)), ticks_max(ticks) {}
     void on_confirmed(std::uint64_t tick, std::span<const PlayerInput> inputs, std::uint64_t hash) override;
     Status close();
 
-    std::vector<std::uint64_t> hashes;       ///< by tick
+    std::uint64_t first = 0;                 ///< tick that was confirmed first
+    std::vector<std::uint64_t> hashes;       ///< by tick, from there
     std::vector<std::byte> inputs_confirmed; ///< of all players, tick by tick: status, then bytes
 
   private:
-    replay::InputRecorder recorder;
+    std::optional<replay::InputRecorder> recorder;
     std::uint64_t ticks_max;
     Status state;
 };
 
 struct PeerOutcome {
-    std::vector<std::byte> recording; ///< the file
+    std::vector<std::byte> recording; ///< the file; empty of one that came later
+    std::uint64_t first;              ///< tick that it confirmed first
     std::vector<std::uint64_t> hashes;
     std::vector<std::byte> inputs;
     SessionStats stats;

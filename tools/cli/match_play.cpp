@@ -1,6 +1,7 @@
 #include "cli/match.h"
 
 #include "cli/text.h"
+#include "lockstone/join.h"
 #include "lockstone/random.h"
 #include "lockstone/spectator.h"
 #include "scenes/scenes.h"
@@ -42,17 +43,19 @@ struct Watcher final : ConfirmedSink {
     std::unique_ptr<SessionRunner> runner;
 };
 
-SessionDef session_of(const Game& game, PeerId self) {
+SessionDef session_of(const Game& game, const MatchDef& def, PeerId self) {
     std::vector<PeerId> players(game.player_count());
     for (PeerId p = 0; p < players.size(); ++p) players[p] = p;
-    return session_def(game, self, players);
+    SessionDef session = session_def(game, self, players);
+    for (PeerId p = game.player_count() - def.late; p < players.size(); ++p) session.absent |= 1u << p;
+    return session;
 }
 
-Result<std::unique_ptr<Watcher>> make_watcher(const Game& game, PeerId self, Transport& transport) {
+Result<std::unique_ptr<Watcher>> make_watcher(const Game& game, const MatchDef& def, PeerId self, Transport& transport) {
     Result<World> world = game.start();
     if (!world) return world.error();
     auto watcher = std::make_unique<Watcher>(std::move(*world), game, self);
-    Result<std::unique_ptr<Session>> session = make_spectator_session(session_of(game, self), 0, transport);
+    Result<std::unique_ptr<Session>> session = make_spectator_session(session_of(game, def, self), 0, transport);
     if (!session) return session.error();
     watcher->session = std::move(*session);
     watcher->runner = std::make_unique<SessionRunner>(
@@ -72,7 +75,7 @@ Result<std::unique_ptr<Peer>> make_peer(const Game& game, const MatchDef& def, P
     if (!recorder) return recorder.error();
     peer->log = std::make_unique<ConfirmedLog>(std::move(*recorder), def.ticks);
 
-    const SessionDef as_player = session_of(game, self);
+    const SessionDef as_player = session_of(game, def, self);
     Result<std::unique_ptr<Session>> session = def.mode == MatchMode::rollback
                                                    ? make_rollback_session(as_player, transport)
                                                    : make_lockstep_session(as_player, transport);
@@ -87,6 +90,46 @@ Result<std::unique_ptr<Peer>> make_peer(const Game& game, const MatchDef& def, P
     peer->runner = std::make_unique<SessionRunner>(*peer->session, peer->simulation,
                                                    RunnerDef{.sink = sink, .column_left_out = {}});
     return peer;
+}
+
+/// A machine that has nothing of the match.
+Result<std::unique_ptr<Peer>> make_joining_peer(const Game& game, const MatchDef& def, PeerId self, std::uint32_t life,
+                                                Transport& transport) {
+    Result<World> world = game.start();
+    if (!world) return world.error();
+    auto peer = std::make_unique<Peer>(std::move(*world), game);
+    peer->log = std::make_unique<ConfirmedLog>(std::nullopt, def.ticks);
+    const JoinDef join{.life = life, .lockstep = def.mode == MatchMode::lockstep};
+    Result<std::unique_ptr<Session>> session = make_join_session(session_of(game, def, self), join, transport);
+    if (!session) return session.error();
+    peer->session = std::move(*session);
+    peer->runner = std::make_unique<SessionRunner>(*peer->session, peer->simulation,
+                                                   RunnerDef{.sink = peer->log.get(), .column_left_out = {}});
+    return peer;
+}
+
+/// Who comes late comes, and one machine after the other loses what it has, and comes back.
+Status come_and_go(std::vector<std::unique_ptr<Peer>>& peers, const Game& game, const MatchDef& def, std::uint64_t frame,
+                   SimulatedNetwork& network) {
+    constexpr std::uint64_t frames_between = 900, frames_away = 120, first_crash = 300, first_late = 200;
+    const auto join = [&](PeerId id, std::uint32_t life) -> Status {
+        Result<std::unique_ptr<Peer>> peer = make_joining_peer(game, def, id, life, network.endpoint(id));
+        if (!peer) return peer.error();
+        peers[id] = std::move(*peer);
+        return {};
+    };
+    for (std::uint32_t n = 0; n < def.late; ++n)
+        if (frame == first_late + n * 60)
+            if (Status s = join(game.player_count() - def.late + n, 1); !s) return s;
+    const std::uint32_t who = game.player_count() - def.late - 1;
+    for (std::uint32_t n = 0; n < def.rejoins && who > 0; ++n) {
+        const std::uint64_t at = first_crash + n * frames_between;
+        const PeerId id = 1 + n % who;
+        if (frame == at) peers[id] = nullptr;
+        if (frame == at + frames_away)
+            if (Status s = join(id, n + 1); !s) return s;
+    }
+    return {};
 }
 
 /// One frame of one machine: the player's input, the session, its notices.
@@ -116,7 +159,8 @@ void run_frame(Peer& peer, PeerId self, const Game& game, const MatchDef& def, s
 std::uint64_t ticks_confirmed(const std::vector<std::unique_ptr<Peer>>& peers,
                               const std::vector<std::unique_ptr<Watcher>>& watchers) {
     std::uint64_t least = ~std::uint64_t{0};
-    for (const auto& peer : peers) least = std::min<std::uint64_t>(least, peer->log->hashes.size());
+    for (const auto& peer : peers)
+        least = std::min<std::uint64_t>(least, peer == nullptr ? 0 : peer->log->first + peer->log->hashes.size());
     for (const auto& watcher : watchers) least = std::min<std::uint64_t>(least, watcher->hashes.size());
     return least;
 }
@@ -130,7 +174,7 @@ class Trouble {
         constexpr std::uint32_t one_in_frames = 300, sleep_max_ms = 500, cut_max_ms = 2000;
         if (!def.trouble) return;
         for (PeerId id = 0; id < machines; ++id) {
-            if (random.below(one_in_frames) == 0)
+            if (random.below(one_in_frames) == 0 && peers[id] != nullptr)
                 peers[id]->awake_at_ms = now_ms + random.below(sleep_max_ms);
             const PeerId other = (id + 1) % machines;
             const bool is_cut = now_ms < whole_at_ms[id];
@@ -155,7 +199,7 @@ Status run_watchers(std::vector<std::unique_ptr<Watcher>>& watchers, const Game&
     constexpr std::uint64_t frames_between = 150;
     if (watchers.size() < def.watchers && frame >= watchers.size() * frames_between) {
         const PeerId id = static_cast<PeerId>(watchers.size() + 1);
-        Result<std::unique_ptr<Watcher>> watcher = make_watcher(game, id, network.endpoint(id));
+        Result<std::unique_ptr<Watcher>> watcher = make_watcher(game, def, id, network.endpoint(id));
         if (!watcher) return watcher.error();
         watchers.push_back(std::move(*watcher));
     }
@@ -174,7 +218,8 @@ Status run_watchers(std::vector<std::unique_ptr<Watcher>>& watchers, const Game&
 
 void ConfirmedLog::on_confirmed(std::uint64_t tick, std::span<const PlayerInput> inputs, std::uint64_t hash) {
     if (tick >= ticks_max || !state) return;
-    state = recorder.on_tick(tick, inputs, hash);
+    if (recorder) state = recorder->on_tick(tick, inputs, hash);
+    if (hashes.empty()) first = tick;
     hashes.push_back(hash);
     for (const PlayerInput& input : inputs) {
         inputs_confirmed.push_back(static_cast<std::byte>(input.status));
@@ -184,7 +229,7 @@ void ConfirmedLog::on_confirmed(std::uint64_t tick, std::span<const PlayerInput>
 
 Status ConfirmedLog::close() {
     if (!state) return state;
-    return recorder.close();
+    return recorder ? recorder->close() : Status();
 }
 
 Result<MatchOutcome> play_match(const Game& game, const MatchDef& def,
@@ -194,25 +239,32 @@ Result<MatchOutcome> play_match(const Game& game, const MatchDef& def,
     Trouble trouble(def, game.player_count());
     std::vector<std::unique_ptr<Watcher>> watchers;
     std::vector<std::unique_ptr<Peer>> peers;
-    for (PeerId p = 0; p < game.player_count(); ++p) {
+    if (def.late >= game.player_count()) return Error{"match: nobody is there from the start (--late)"};
+    peers.resize(game.player_count());
+    for (PeerId p = 0; p < game.player_count() - def.late; ++p) {
         Result<std::unique_ptr<Peer>> peer =
             make_peer(game, def, p, network.endpoint(p), to_watchers.endpoint(0));
         if (!peer) return peer.error();
-        peers.push_back(std::move(*peer));
+        peers[p] = std::move(*peer);
     }
     MatchOutcome out;
     const std::uint64_t rate = peers.front()->world.def().tick_rate;
     const std::uint64_t frames_max = 20 * def.ticks + 60 * rate;
+    const std::uint64_t last_coming = std::max<std::uint64_t>(def.rejoins * 900, def.late * 60 + 200);
+    const bool all_stay = def.rejoins == 0 && def.late == 0;
     for (std::uint64_t frame = 0;
-         watchers.size() < def.watchers || ticks_confirmed(peers, watchers) < def.ticks; ++frame) {
+         watchers.size() < def.watchers || ticks_confirmed(peers, watchers) < def.ticks ||
+         (!all_stay && frame < last_coming);
+         ++frame) {
         if (frame == frames_max)
             return Error{"seed " + std::to_string(def.seed) + ": the match is still not through after " +
                          std::to_string(frames_max) + " frames"};
         out.milliseconds = frame * 1000 / rate;
         network.advance_to(out.milliseconds);
         trouble.come(peers, network, out.milliseconds);
+        if (Status s = come_and_go(peers, game, def, frame, network); !s) return s.error();
         for (PeerId p = 0; p < peers.size(); ++p)
-            if (out.milliseconds >= peers[p]->awake_at_ms)
+            if (peers[p] != nullptr && out.milliseconds >= peers[p]->awake_at_ms)
                 run_frame(*peers[p], p, game, def, out.milliseconds, out);
         if (Status s = run_watchers(watchers, game, def, frame, to_watchers, out); !s) return s.error();
         if (def.watchers > 0) peers[0]->host->poll();
@@ -220,7 +272,7 @@ Result<MatchOutcome> play_match(const Game& game, const MatchDef& def,
     }
     for (auto& peer : peers) {
         if (Status s = peer->log->close(); !s) return s.error();
-        out.peers.push_back({std::move(peer->sink.bytes), std::move(peer->log->hashes),
+        out.peers.push_back({std::move(peer->sink.bytes), peer->log->first, std::move(peer->log->hashes),
                              std::move(peer->log->inputs_confirmed), peer->session->stats()});
     }
     for (auto& watcher : watchers) out.watched.push_back(std::move(watcher->hashes));

@@ -1,0 +1,211 @@
+// Coming late, or back: who may, and from which tick on.
+//
+// A machine whose players have left, or have never been there, asks all others for its seat, with a ticket that counts its wishes.
+// It cannot name a seat: it asks for the players that play at it. Each machine that has heard that itself says yes, and
+// from which tick on; who has not heard it for a second says no, and nothing comes of that ticket. The latest tick holds. Who
+// sees that all say the same is ready, and changes its tick no more; where all are ready at the same tick it is settled. Before
+// that nobody confirms a tick from there on. So no two honest machines settle different ticks, whatever a third one tells
+// each of them: both need the other's word, and nobody gives two.
+#include "session/peer_session.h"
+
+#include "base/hash.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace lockstone::session {
+
+namespace {
+constexpr std::uint64_t join_lead_ticks = 60; ///< from the word to the tick: time for it to go round
+constexpr std::uint64_t fresh_ms = 1000;  ///< a wish, and how long one that others have heard is waited for
+constexpr std::uint64_t told_ms = 10'000; ///< a no
+} // namespace
+
+PacketContext PeerSession::context_with(PeerId peer) const {
+    PacketContext with = context;
+    std::uint64_t newest = 0;
+    for (std::uint32_t p = 0; p < def.players.size(); ++p)
+        if (def.players[p] == peer || def.players[p] == def.self) newest = std::max(newest, since[p]);
+    base::HashStream hash;
+    hash.add(context.match);
+    hash.add(newest);
+    if (newest > 0) with.match = static_cast<std::uint32_t>(hash.digest());
+    return with;
+}
+
+// ---- wishes ------------------------------------------------------------------------------------------------------
+
+std::optional<PacketFault> PeerSession::receive_wish(PeerLink& link, std::span<const std::byte> packet) {
+    const std::optional<Wish> wish = read_wish(packet, context.match);
+    if (!wish) return PacketFault::damaged;
+    PeerLink::Seat& seat = link.seat;
+    if (wish->ticket == 0 || wish->ticket < std::max(seat.wish, seat.ticket)) return PacketFault::implausible;
+    if (link.state != PeerLink::State::gone && wish->ticket > seat.ticket)
+        find_fault_with(link); // by its own word it has lost all that it had
+    if (wish->wants_seat) {
+        seat.wish = wish->ticket;
+        seat.wish_ms = now;
+        seat.asks = true;
+    }
+    timeline.hear(link.peer, *wish);
+    return std::nullopt;
+}
+
+void PeerSession::serve_those_who_come() {
+    std::vector<std::byte> packet;
+    for (PeerLink& link : links) {
+        const bool asks = std::exchange(link.seat.asks, false);
+        if (!asks || !link.seat.is_settled || link.seat.wish != link.seat.admission.ticket) continue;
+        const std::uint32_t players = static_cast<std::uint32_t>(def.players.size());
+        transport.send(link.peer, write_admission(packet, context.match, players, link.seat.admission));
+    }
+    timeline.serve(transport, inspector);
+}
+
+// ---- what this machine says --------------------------------------------------------------------------------------
+
+/// The others' words about it are kept at their links, by the first player of its machine.
+const JoinWord& PeerSession::word_of(const PeerLink& link, const PeerLink& seat) const {
+    return link.words[static_cast<std::size_t>(std::countr_zero(players_of(seat.peer)))];
+}
+
+void PeerSession::apply_joins(PeerLink& link) {
+    for (const JoinWord& word : incoming.join_words()) {
+        JoinWord& known = link.words[word.player];
+        if (word.ticket < known.ticket) continue;
+        if (word.ticket == known.ticket && known.stand != JoinStand::yes) continue; // nobody takes those back
+        known = word;
+    }
+}
+
+/// One machine comes at a time.
+bool PeerSession::is_admitting() const {
+    return std::ranges::any_of(links, [&](const PeerLink& link) {
+        return link.seat.stand && link.seat.stand->stand != JoinStand::no;
+    });
+}
+
+bool PeerSession::may_come(const PeerLink& link) const {
+    if (link.state != PeerLink::State::gone || is_admitting() || is_connecting() || is_somebody_leaving())
+        return false;
+    if (link.seat.wish <= link.seat.ticket || now - link.seat.wish_ms > fresh_ms ||
+        now < link.seat.not_before_ms)
+        return false;
+    return std::ranges::all_of(queues, [&](const InputQueue& queue) { // what it did before is over
+        return def.players[queue.player()] != link.peer || queue.disconnected_at() <= confirmed;
+    });
+}
+
+void PeerSession::take_a_stand(PeerLink& link) {
+    PeerLink::Seat& seat = link.seat;
+    const std::uint32_t player = static_cast<std::uint32_t>(std::countr_zero(players_of(link.peer)));
+    if (seat.stand && (seat.stand->stand != JoinStand::no || seat.is_settled)) return;
+    if (seat.stand && now - seat.stand_ms > told_ms) seat.stand.reset();
+    std::uint32_t told = 0; // by others, of a later ticket than those that are over
+    for (const PeerLink& other : links) {
+        const JoinWord& word = word_of(other, link);
+        if (&other != &link && word.stand != JoinStand::no && word.ticket > seat.ticket)
+            told = std::max(told, word.ticket);
+    }
+    if (told == 0) seat.told_ms = now;
+    if (may_come(link) && told <= seat.wish) {
+        seat.stand = JoinWord{player, seat.wish, JoinStand::yes, current + join_lead_ticks};
+        seat.is_settled = false;
+        seat.stand_ms = now;
+    } else if (told != 0 && now - seat.told_ms > fresh_ms) {
+        seat.stand = JoinWord{player, told, JoinStand::no, 0};
+        seat.is_settled = false;
+        seat.stand_ms = seat.told_ms = now;
+        seat.ticket = told;
+    }
+}
+
+void PeerSession::admit() {
+    for (PeerLink& link : links) {
+        if (link.state == PeerLink::State::gone) take_a_stand(link);
+        if (!link.seat.stand) continue;
+        if (link.seat.is_settled && confirmed > link.seat.admission.tick)
+            link.seat.stand.reset(); // all have come so far only together
+        else if (!link.seat.is_settled && link.seat.stand->stand != JoinStand::no)
+            agree_on_join(link);
+    }
+}
+
+// ---- what all say ------------------------------------------------------------------------------------------------
+
+void PeerSession::agree_on_join(PeerLink& seat) {
+    JoinWord& ours = *seat.seat.stand;
+    bool all_tell_it = true, all_are_ready = true;
+    const auto votes = [&](const PeerLink& link) {
+        return &link != &seat && link.state == PeerLink::State::connected;
+    };
+    for (const PeerLink& link : links) {
+        if (!votes(link)) continue;
+        const JoinWord& word = word_of(link, seat);
+        if (word.ticket > ours.ticket || (word.ticket == ours.ticket && word.stand == JoinStand::no)) {
+            seat.seat.ticket = ours.ticket;
+            ours = {ours.player, ours.ticket, JoinStand::no, 0};
+            return;
+        }
+        if (word.ticket == ours.ticket && ours.stand == JoinStand::yes)
+            ours.tick = std::max(ours.tick, word.tick);
+    }
+    for (const PeerLink& link : links) {
+        if (!votes(link)) continue;
+        const JoinWord& word = word_of(link, seat);
+        const bool tells_it = word.ticket == ours.ticket && word.tick == ours.tick;
+        all_tell_it = all_tell_it && tells_it;
+        all_are_ready = all_are_ready && tells_it && word.stand == JoinStand::ready;
+    }
+    if (all_tell_it) ours.stand = JoinStand::ready;
+    if (all_are_ready) settle_join(seat);
+}
+
+/// From here on it is a machine like all others, which has been there from that tick on.
+void PeerSession::settle_join(PeerLink& link) {
+    const std::uint64_t tick = link.seat.stand->tick;
+    const std::uint32_t players = players_of(link.peer);
+    gone &= ~players;
+    for (PeerLink& other : links) other.says_unwanted &= ~players, other.says_gone &= ~players;
+    for (std::uint32_t p = 0; p < queues.size(); ++p) {
+        if ((players >> p & 1u) == 0) continue;
+        queues[p].return_at(tick);
+        since[p] = tick;
+        cuts[p] = never;
+        for (PeerLink& other : links) other.cut[p] = never, other.next_input[p] = tick;
+        notices.emplace_back(std::in_place_type<PlayerJoined>, PlayerJoined{p, link.peer, tick});
+    }
+    PeerLink::Seat seat = link.seat;
+    seat.is_settled = true;
+    seat.ticket = seat.stand->ticket;
+    seat.admission = {seat.ticket, tick, since};
+    seat.entered_ms = std::max<std::uint64_t>(now, 1);
+    link = PeerLink(link.peer, context_with(link.peer), tick);
+    link.state = PeerLink::State::connected;
+    link.heard_ms = now;
+    link.seat = seat;
+}
+
+/// No tick from here on may be confirmed: somebody's inputs may count from there.
+std::uint64_t PeerSession::join_bound() const {
+    std::uint64_t bound = never;
+    for (const PeerLink& link : links)
+        if (link.seat.stand && link.seat.stand->stand != JoinStand::no && !link.seat.is_settled)
+            bound = std::min(bound, link.seat.stand->tick);
+    return bound;
+}
+
+/// Whether ticks wait for what it says.
+bool PeerSession::owes_join_word(const PeerLink& link) const {
+    return std::ranges::any_of(links, [&](const PeerLink& seat) {
+        if (&seat == &link || !seat.seat.stand || seat.seat.stand->stand == JoinStand::no ||
+            seat.seat.is_settled)
+            return false;
+        const JoinWord &ours = *seat.seat.stand, &word = word_of(link, seat);
+        const bool is_ready =
+            word.ticket == ours.ticket && word.tick == ours.tick && word.stand == JoinStand::ready;
+        return settled_end >= ours.tick && !is_ready;
+    });
+}
+
+} // namespace lockstone::session
