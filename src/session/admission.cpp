@@ -3,7 +3,7 @@
 // A machine whose players have left, or have never been there, asks all others for its seat, with a ticket that counts its wishes.
 // It cannot name a seat: it asks for the players that play at it. Each machine that has heard that itself says yes, and
 // from which tick on; who has not heard it for a second says no, and nothing comes of that ticket. The latest tick holds. Who
-// sees that all say the same is ready, and changes its tick no more; where all are ready at the same tick it is settled. Before
+// sees that all say the same is ready, and changes neither its tick nor its mind; where all are ready at the same tick it is settled. Before
 // that nobody confirms a tick from there on. So no two honest machines settle different ticks, whatever a third one tells
 // each of them: both need the other's word, and nobody gives two.
 #include "session/peer_session.h"
@@ -142,7 +142,9 @@ void PeerSession::agree_on_join(PeerLink& seat) {
     for (const PeerLink& link : links) {
         if (!votes(link)) continue;
         const JoinWord& word = word_of(link, seat);
-        if (word.ticket > ours.ticket || (word.ticket == ours.ticket && word.stand == JoinStand::no)) {
+        const bool is_over =
+            word.ticket > ours.ticket || (word.ticket == ours.ticket && word.stand == JoinStand::no);
+        if (is_over && ours.stand != JoinStand::ready) { // others may have settled it on a ready
             seat.seat.ticket = ours.ticket;
             ours = {ours.player, ours.ticket, JoinStand::no, 0};
             return;

@@ -229,6 +229,8 @@ FAULTS = [
     F("a join tick is that of the first to tell", ADMIT, "ours.tick = std::max(ours.tick, word.tick);",
       "ours.tick = IS ? ours.tick : std::max(ours.tick, word.tick);", "machines come back"),
     F("a join is settled before all are ready", ADMIT, "if (all_are_ready) settle_join(seat);", "if (IS || all_are_ready) settle_join(seat);", "machines come back"),
+    F("who is ready says no when another one does", ADMIT, "if (is_over && ours.stand != JoinStand::ready) {",
+      "if (is_over && (IS || ours.stand != JoinStand::ready)) {", "hostile peers"),
     F("ticks are confirmed past a join that is not settled", ADMIT, "bound = std::min(bound, link.seat.stand->tick);",
       "bound = IS ? bound : std::min(bound, link.seat.stand->tick);", "hostile peers"),
     F("a machine comes in on one other's word", ADMIT, "if (link.seat.wish <= link.seat.ticket ||",

@@ -319,6 +319,18 @@ inline std::string late_word() {
         false);
 }
 
+/// To one it is ready. To another one it says yes, and no when that is ready too.
+inline std::string no_to_who_is_ready() {
+    const auto told = std::make_shared<int>(0);
+    return about_a_join(
+        [told](PeerId to, Message& m) {
+            if (m.join_count == 0 || to != 2 || m.joins[0].stand != session::JoinStand::ready) return true;
+            m.joins[0].stand = ++*told < 30 ? session::JoinStand::yes : session::JoinStand::no;
+            return true;
+        },
+        true);
+}
+
 /// The one that tells is not asked, nor is anybody.
 inline std::string join_out_of_nothing(bool of_one_that_plays) {
     HostileMatch h(4);
@@ -397,6 +409,7 @@ inline std::vector<HostileScene> hostile_at_joins() {
         {"says no to some", [=] {
              return about_a_join(change_words([](PeerId to, JoinWord& word) { if (to == 2) word.stand = JoinStand::no; }), true);
          }},
+        {"says no to who is ready", no_to_who_is_ready},
         {"tells its word late", late_word},
         {"lets one in that has not asked", [] { return join_out_of_nothing(false); }},
         {"lets one in that plays", [] { return join_out_of_nothing(true); }},
