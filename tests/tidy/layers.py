@@ -25,7 +25,7 @@ PUBLIC = {
     "ids.h": "collide", "field.h": "collide", "character.h": "collide", "joint.h": "collide", "vehicle.h": "collide", "ragdoll.h": "sim",
     "command.h": "collide", "event.h": "collide", "query.h": "collide",  # definitions and ids, which rows of the layers below sim hold
     "world.h": "sim", "assemble.h": "sim", "game.h": "sim", "input.h": "sim",
-    "transport.h": "session", "session.h": "session", "spectator.h": "session", "join.h": "session", "prove.h": "session",
+    "transport.h": "session", "session.h": "session", "spectator.h": "session", "join.h": "session", "input_delay.h": "session", "prove.h": "session",
     "net.h": "net",
     "convert.h": "outside",
 }
