@@ -129,8 +129,10 @@ Status OnlineMatch::start_session() {
     if (!world) return world.error();
     std::vector<PeerId> homes;
     for (PeerId p = 0; p < rules_->player_count(); ++p) homes.push_back(p % machines_);
+    delay_ = InputDelayTuner({.tick_rate = world->def().tick_rate, .least = 2});
     SessionDef def = session_def(*rules_, self(), homes);
     def.prediction_max = prediction_max;
+    def.input_delay = delay_.delay();
     Result<std::unique_ptr<Session>> session =
         watches_ ? make_spectator_session(def, 0, *packets_) : make_rollback_session(def, *packets_);
     if (!session) return session.error();
@@ -174,6 +176,7 @@ void OnlineMatch::play_tick(std::uint64_t now_ms, InputMap* people) {
         --wait_;
         play_->runner.wait(now_ms);
     } else {
+        tune_delay();
         add_inputs(people);
         const lockstone::Frame ran = play_->runner.frame(now_ms);
         stall_ = ran.stall, wait_ = ran.wait_ticks;
@@ -203,6 +206,13 @@ void OnlineMatch::tell_the_game(std::uint64_t now_ms) {
     gallery_->poll(now_ms);
     for (PeerId peer = 1; peer < machines_ && frames_ % frames_between_cards == 0; ++peer)
         if (!play_->session->quality(peer).connected) packets_->send(peer, to_bytes(card_));
+}
+
+void OnlineMatch::tune_delay() {
+    std::vector<PeerQuality> others;
+    for (PeerId peer = 0; peer < machines_; ++peer)
+        if (peer != self()) others.push_back(play_->session->quality(peer));
+    play_->session->set_input_delay(delay_.update(others));
 }
 
 /// A person has this machine's first player, and each further one whose gamepad or keys are used; bots have the rest.

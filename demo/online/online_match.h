@@ -3,6 +3,7 @@
 
 #include "confirmed_log.h"
 #include "input_map.h"
+#include "lockstone/input_delay.h"
 #include "lockstone/spectator.h"
 #include "online/gallery.h"
 #include "online/host_relay.h"
@@ -60,6 +61,7 @@ class OnlineMatch {
     std::span<const std::string> notices() const { return notices_; }
     const std::deque<std::uint32_t>& depths() const { return depths_; } ///< of rollbacks, by frame
     std::uint32_t last_depth() const { return last_depth_; }
+    std::uint32_t input_delay() const { return delay_.delay(); } ///< [ticks], tuned by the way to the others
     Stall stall() const { return stall_; }
     /// "600 ticks, hash ..., 37 rollbacks, ..."
     std::string summary() const;
@@ -98,6 +100,7 @@ class OnlineMatch {
     void watch(std::uint64_t now_ms);
     void settle_when_done(bool confirmed);
     void tell_the_game(std::uint64_t now_ms);
+    void tune_delay();
     void add_inputs(InputMap* people);
     void read_notices();
     void take_notice(const Notice& notice);
@@ -124,6 +127,7 @@ class OnlineMatch {
     std::uint32_t wait_ = 0, frames_settled_ = 0, frames_since_desync_ = 0, frames_since_told_ = 0;
     std::string told_; ///< where the worlds differ
     std::optional<std::uint64_t> desync_tick_;
+    InputDelayTuner delay_{InputDelayDef{}};
     Stall stall_ = Stall::none;
     std::vector<std::string> notices_;
     std::deque<std::uint32_t> depths_;

@@ -231,6 +231,9 @@ void OnlinePage::add_session(TextPanel& panel) const {
                ink::white);
     panel.line("rollbacks  " + std::to_string(stats.rollbacks) + ", depth " +
                std::to_string(match_->last_depth()) + ", at most " + std::to_string(stats.depth_max));
+    if (!match_->watches())
+        panel.line("own input  " + std::to_string(match_->input_delay()) +
+                   " ticks later, so that others guess less");
     panel.line("run again  " + std::to_string(stats.resimulated) + " ticks, " + std::to_string(stats.stalls) +
                " frames waited");
     if (!watch_code_.empty())
