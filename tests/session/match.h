@@ -113,9 +113,9 @@ class Match {
         : def(match_def), network(match_def.machines, match_def.link, match_def.seed), make_simulation(make) {
         for (PeerId id = 0; id < def.machines; ++id) {
             Machine& m = *machines.emplace_back(std::make_unique<Machine>());
-            const bool is_absent =
-                std::ranges::any_of(std::views::iota(std::size_t{0}, def.players.size()),
-                                    [&](std::size_t p) { return def.players[p] == id && (def.absent >> p & 1u) != 0; });
+            bool is_absent = false;
+            for (std::size_t p = 0; p < def.players.size(); ++p)
+                is_absent = is_absent || (def.players[p] == id && (def.absent >> p & 1u) != 0);
             if (is_absent) continue;
             Transport& transport = transport_of(id);
             m.session = (def.lockstep ? make_lockstep_session(session_def_of(id), transport)
