@@ -157,8 +157,8 @@ class Match {
         start(m, id);
     }
     explicit Match(const MatchDef& match_def)
-        : Match(match_def, [&](PeerId) {
-              return std::make_unique<Arena>(static_cast<std::uint32_t>(match_def.players.size()));
+        : Match(match_def, [players = static_cast<std::uint32_t>(match_def.players.size())](PeerId) {
+              return std::make_unique<Arena>(players);
           }) {}
 
     /// One frame of every machine; machines in `asleep` (bits) do nothing.
