@@ -49,6 +49,15 @@ void CameraRig::control(const Input& input, const SceneView& view, float height,
     if (camera_.focus() != focus || camera_.distance() != distance) overview_ = false;
 }
 
+void CameraRig::control(const Input& input, const SceneView& view, float height, float seconds,
+                        InputMap* people) {
+    const bool letters_taken = people != nullptr && followed_.has_value();
+    control(input, view, height, seconds, letters_taken);
+    Input for_players = input;
+    if (!letters_taken) for_players.keys = {};
+    if (people != nullptr) people->poll(for_players, camera_);
+}
+
 void CameraRig::update(const SceneView& view, float alpha, float seconds) {
     if (overview_) update_overview(view, seconds);
     if (!followed_) return;

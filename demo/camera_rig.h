@@ -1,6 +1,7 @@
 #pragma once
 /// The camera of a view: it sees everything, follows a player, or is flown by hand.
 
+#include "input_map.h"
 #include "render/camera.h"
 #include "render/input.h"
 #include "scene_view.h"
@@ -20,6 +21,8 @@ class CameraRig {
     /// C follows or lets go, Tab takes the next player, shift Home sees everything. `letters_taken`: the
     /// letters belong to a player, so they must not fly the camera.
     void control(const Input& input, const SceneView& view, float height, float seconds, bool letters_taken);
+    /// Where `people` may play (null: nobody does) the letters are theirs while a player is followed, and fly the camera else.
+    void control(const Input& input, const SceneView& view, float height, float seconds, InputMap* people);
     /// Moves with what it looks at, smoothly.
     void update(const SceneView& view, float alpha, float seconds);
 

@@ -87,11 +87,8 @@ Status LivePage::tick() {
 
 void LivePage::control(const Input& input, const Moment& moment) {
     if (input.pressed(Key::enter)) ended_ = world_.tick_count() != 0;
-    const bool letters_taken = people_play_ && rig_.followed().has_value();
-    rig_.control(input, view_, moment.size.y * moment.pixel_scale, moment.seconds, letters_taken);
-    Input for_players = input;
-    if (!letters_taken) for_players.keys = {}; // the keys fly the camera
-    if (people_play_) input_map_.poll(for_players, rig_.camera());
+    rig_.control(input, view_, moment.size.y * moment.pixel_scale, moment.seconds,
+                 people_play_ ? &input_map_ : nullptr);
 }
 
 std::vector<Frame> LivePage::draw(const Moment& moment) {

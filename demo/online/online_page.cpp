@@ -161,11 +161,8 @@ void OnlinePage::control(const Input& input, const Moment& moment) {
     // The others do not stop, so this machine cannot.
     stage_.clock = stage_.clock.at_full_speed();
     if (input.pressed(Key::enter)) ended_ = match_->world() != nullptr && tick_count() != 0;
-    const bool letters_taken = people_play_ && rig_.followed().has_value();
-    rig_.control(input, view_, moment.size.y * moment.pixel_scale, moment.seconds, letters_taken);
-    Input for_players = input;
-    if (!letters_taken) for_players.keys = {}; // the keys fly the camera
-    if (people_play_) input_map_.poll(for_players, rig_.camera());
+    rig_.control(input, view_, moment.size.y * moment.pixel_scale, moment.seconds,
+                 people_play_ ? &input_map_ : nullptr);
 }
 
 // ---- drawing ----------------------------------------------------------------------------------------------

@@ -204,9 +204,8 @@ struct PeerIncompatible {
 struct MatchStopped {
     std::string reason; ///< a sentence
 };
-using Notice =
-    std::variant<PeerConnected, PlayerDisconnected, PlayerJoined, Desync, DesyncNamed, StateRefused,
-                 PeerIncompatible, MatchStopped>;
+using Notice = std::variant<PeerConnected, PlayerDisconnected, PlayerJoined, Desync, DesyncNamed,
+                            StateRefused, PeerIncompatible, MatchStopped>;
 
 /// Why a packet was dropped. Dropped packets change nothing but these counts.
 enum class PacketFault : std::uint32_t {

@@ -1,6 +1,6 @@
 // The edges of a triangle against a convex shape: which normals an edge may have, and the contact it gives.
 //
-// Around an edge the nearest point of a mesh is the edge itself only while the direction to it lies between the
+// EdgeSide an edge the nearest point of a mesh is the edge itself only while the direction to it lies between the
 // normals of its two triangles (the edge's Voronoi range). Any other direction is the business of a neighbour, and
 // letting it pass would make bodies stumble over the seams of a flat floor.
 // source: Terdiman, Contact generation for meshes (codercorner.com); Ericson, Real-Time Collision Detection,
@@ -124,29 +124,29 @@ EdgeGap known_gap(TriangleContext& c, const LocalTriangle& t, const EdgeLine& e)
 
 /// Where a direction lies around an edge: inward of the triangle's normal, between it and the neighbour's normal, or
 /// past that.
-enum class Around : std::uint8_t { inward, between, past };
-Around place_around(const LocalTriangle& t, int k, Long3 along_30, Long3 direction_30) {
+enum class EdgeSide : std::uint8_t { inward, between, past };
+EdgeSide place_around(const LocalTriangle& t, int k, Long3 along_30, Long3 direction_30) {
     const Long3 outward = cross_30(along_30, t.normal_30);
     const std::int64_t up_d = dot_30(direction_30, t.normal_30), out_d = dot_30(direction_30, outward);
     const std::int64_t up_b = dot_30(t.beyond_30[k], t.normal_30), out_b = dot_30(t.beyond_30[k], outward);
     if ((t.felt >> k & 1u) == 0) {
-        if (out_d <= flat_tolerance_30) return Around::between;
-        return Around::past;
+        if (out_d <= flat_tolerance_30) return EdgeSide::between;
+        return EdgeSide::past;
     }
     const std::int64_t before_30 = dot(Long3{up_d, out_d, 0}, Long3{out_b, -up_b, 0}) >> 30;
-    if (out_d >= -range_tolerance_30 && before_30 >= -range_tolerance_30) return Around::between;
-    return shift_right_rounded(up_d * up_b + out_d * out_b, 30) > up_d ? Around::past : Around::inward;
+    if (out_d >= -range_tolerance_30 && before_30 >= -range_tolerance_30) return EdgeSide::between;
+    return shift_right_rounded(up_d * up_b + out_d * out_b, 30) > up_d ? EdgeSide::past : EdgeSide::inward;
 }
 
 /// Of a contact at an end of edge k the other edge there has to agree too.
-Around around_of(const LocalTriangle& t, int k, const EdgeLine& e, const EdgeGap& g) {
-    const Around own = place_around(t, k, e.along_30, g.normal_30);
-    if (own != Around::between || g.at_from == g.at_to) return own;
+EdgeSide edge_side_of(const LocalTriangle& t, int k, const EdgeLine& e, const EdgeGap& g) {
+    const EdgeSide own = place_around(t, k, e.along_30, g.normal_30);
+    if (own != EdgeSide::between || g.at_from == g.at_to) return own;
     const int other = (k + (g.at_from ? 2 : 1)) % 3;
     EdgeLine line;
     if (!edge_line(t, other, line)) return own;
-    const Around place = place_around(t, other, line.along_30, g.normal_30);
-    return place == Around::inward ? own : place;
+    const EdgeSide place = place_around(t, other, line.along_30, g.normal_30);
+    return place == EdgeSide::inward ? own : place;
 }
 
 void nearest_contact(const TriangleContext& c, const EdgeGap& g, std::uint32_t feature, Manifold& out) {
@@ -222,8 +222,8 @@ EdgeContact edge_contact(TriangleContext& c, const LocalTriangle& t, std::int64_
         const EdgeGap g = known_gap(c, t, line);
         if (g.separation_30 > up(c.margin.raw, 6)) continue;
         if (on_border && g.separation_30 > 0) continue;
-        const Around place = around_of(t, k, line, g);
-        if (place == Around::inward || (place == Around::past && !g.overlap)) continue;
+        const EdgeSide place = edge_side_of(t, k, line, g);
+        if (place == EdgeSide::inward || (place == EdgeSide::past && !g.overlap)) continue;
         // Apart, the nearest edge counts; overlapping, the one that is easiest to leave.
         const bool nearer =
             g.overlap ? g.separation_30 > best.separation_30 : g.separation_30 < best.separation_30;
@@ -232,7 +232,7 @@ EdgeContact edge_contact(TriangleContext& c, const LocalTriangle& t, std::int64_
         if (!better) continue;
         best = {Verdict::contact, k, g.separation_30, g};
         // Sunk by up to 5/32 of its inner ball, B stands on any border it overlaps: another mesh may go on there.
-        if (place == Around::past)
+        if (place == EdgeSide::past)
             best.verdict = Verdict::beyond;
         else if (on_border && g.separation_30 - lowest_30 <= c.border_bias_30 * 5 / 8)
             best.verdict = Verdict::upright;

@@ -80,7 +80,7 @@ void arm_of(Vec3 lever, const Direction& d, std::int64_t out[3]) {
     out[0] = entry(1, 2), out[1] = entry(2, 0), out[2] = entry(0, 1);
 }
 
-Scaled3 with_scale(const Direction& d) { return {{d.m[0], d.m[1], d.m[2]}, direction_bits}; }
+Scaled3 as_scaled(const Direction& d) { return {{d.m[0], d.m[1], d.m[2]}, direction_bits}; }
 
 /// Pulls a point of each body along directions of its own.
 WideRow linear_row(const JointSide& a, Vec3 lever_a, Vec3 da, const JointSide& b, Vec3 lever_b, Vec3 db) {
@@ -88,13 +88,13 @@ WideRow linear_row(const JointSide& a, Vec3 lever_a, Vec3 da, const JointSide& b
     std::int64_t arm[3];
     if (a.body->moves) {
         const Direction d = direction_of(da);
-        row.da = with_scale(d);
+        row.da = as_scaled(d);
         arm_of(lever_a, d, arm);
         row.xa = turning(*a.body, arm, lever_bits);
     }
     if (b.body->moves) {
         const Direction d = direction_of(db);
-        row.db = with_scale(d);
+        row.db = as_scaled(d);
         arm_of(lever_b, d, arm);
         row.xb = turning(*b.body, arm, lever_bits);
     }

@@ -24,9 +24,11 @@ Status check(const SessionDef& def) {
     for (std::uint32_t p = 0; p < def.players.size(); ++p) {
         const std::uint32_t there = session::players_at(def, def.players[p]);
         if ((def.absent & there) != 0 && (def.absent & there) != there)
-            return Error{join("session: of machine ", def.players[p], " some players are absent and some are not")};
+            return Error{
+                join("session: of machine ", def.players[p], " some players are absent and some are not")};
     }
-    if (def.absent >> def.players.size() != 0) return Error{"session: absent names players that there are not"};
+    if (def.absent >> def.players.size() != 0)
+        return Error{"session: absent names players that there are not"};
     if (def.input_delay > input_delay_limit)
         return Error{
             join("session: input_delay is ", def.input_delay, ", at most ", input_delay_limit, " ticks")};
@@ -58,7 +60,8 @@ Status check_present(const SessionDef& def) {
 }
 } // namespace
 
-Result<std::unique_ptr<Session>> make_join_session(const SessionDef& def, const JoinDef& join, Transport& transport) {
+Result<std::unique_ptr<Session>> make_join_session(const SessionDef& def, const JoinDef& join,
+                                                   Transport& transport) {
     if (const Status status = check(def); !status) return status.error();
     if (join.life == 0 || join.life >> 24 != 0)
         return Error{base::join("join: life is ", join.life, ", expected 1 to 16777215")};
@@ -69,9 +72,11 @@ Result<std::unique_ptr<Session>> make_join_session(const SessionDef& def, const 
     watch.ticks_per_frame = join.ticks_per_frame;
     watch.state_bytes_max = join.state_bytes_max;
     if (const Status status = session::check_watch(def, watch); !status) return status.error();
-    if (join.lockstep && def.input_delay == 0) return Error{"session: input_delay is 0; lockstep needs at least 1 tick"};
+    if (join.lockstep && def.input_delay == 0)
+        return Error{"session: input_delay is 0; lockstep needs at least 1 tick"};
     if (!join.lockstep && (def.prediction_max == 0 || def.prediction_max > prediction_limit))
-        return Error{base::join("session: prediction_max is ", def.prediction_max, ", expected 1 to ", prediction_limit, " ticks")};
+        return Error{base::join("session: prediction_max is ", def.prediction_max, ", expected 1 to ",
+                                prediction_limit, " ticks")};
     return std::unique_ptr<Session>(std::make_unique<session::JoinSession>(def, join, transport));
 }
 

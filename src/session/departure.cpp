@@ -91,7 +91,8 @@ bool PeerSession::is_awaited(const PeerLink& link) const {
     return std::ranges::any_of(queues, [&](const InputQueue& queue) {
         const std::uint32_t p = queue.player();
         if (is_gone(p)) return !queue.disconnected() && link.cut[p] == never;
-        return def.players[p] == link.peer && queue.next() == settled && current >= settled + def.prediction_max;
+        return def.players[p] == link.peer && queue.next() == settled &&
+               current >= settled + def.prediction_max;
     });
 }
 
@@ -192,7 +193,8 @@ void PeerSession::agree_on_cut(std::uint32_t player) {
         if (has_begun && link.cut[player] < settled_end) return stop_without_cut(player, link, settled_end);
         cuts[player] = std::min(cuts[player], link.cut[player]);
     }
-    for (const PeerLink& link : links) all_tell_it = all_tell_it && (!remains(link) || link.cut[player] == cuts[player]);
+    for (const PeerLink& link : links)
+        all_tell_it = all_tell_it && (!remains(link) || link.cut[player] == cuts[player]);
     if (!all_tell_it) return;
     queue.disconnect_at(std::max(cuts[player], entry_tick));
     notices.emplace_back(std::in_place_type<PlayerDisconnected>,

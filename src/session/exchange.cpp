@@ -58,7 +58,8 @@ std::optional<PacketFault> PeerSession::receive(const Datagram& datagram) {
         const bool may_be_old = link->context.match != context.match; // from before either came back
         if (incompatible && !may_be_old && !link->told_incompatible) {
             link->told_incompatible = true;
-            notices.emplace_back(std::in_place_type<PeerIncompatible>, PeerIncompatible{link->peer, name_of(*fault)});
+            notices.emplace_back(std::in_place_type<PeerIncompatible>,
+                                 PeerIncompatible{link->peer, name_of(*fault)});
         }
         return fault;
     }
@@ -68,7 +69,8 @@ std::optional<PacketFault> PeerSession::receive(const Datagram& datagram) {
 }
 
 bool PeerSession::plausible(const PeerLink& link) const {
-    if (!incoming.greeting && link.state == PeerLink::State::connecting) return false; // nobody goes before greeting
+    if (!incoming.greeting && link.state == PeerLink::State::connecting)
+        return false;                // nobody goes before greeting
     std::uint64_t local_end = never; // nobody can have confirmed a tick without all local inputs
     for (const InputQueue& queue : queues) {
         const std::uint64_t next = incoming.next_input[queue.player()];
@@ -192,7 +194,8 @@ void PeerSession::fill_status(PeerLink& link) {
         link.hashes_are_lost ? HashLedger::Range{0, 0} : link.hashes.to_send(confirmed);
     outgoing.hash_first = range.first;
     outgoing.hash_count = range.count;
-    for (std::uint32_t i = 0; i < range.count; ++i) outgoing.hashes[i] = static_cast<std::uint32_t>(local_hash(range.first + i));
+    for (std::uint32_t i = 0; i < range.count; ++i)
+        outgoing.hashes[i] = static_cast<std::uint32_t>(local_hash(range.first + i));
 
     const std::int64_t ahead = static_cast<std::int64_t>(current) - static_cast<std::int64_t>(link.tick);
     const std::int32_t local_ahead = static_cast<std::int32_t>(std::clamp<std::int64_t>(ahead, -1000, 1000));
@@ -215,7 +218,8 @@ void PeerSession::fill_departures() {
     outgoing.join_count = 0;
     for (std::uint32_t p = 0; p < queues.size(); ++p)
         for (const PeerLink& seat : links)
-            if (seat.seat.stand && seat.seat.stand->player == p) outgoing.joins[outgoing.join_count++] = *seat.seat.stand;
+            if (seat.seat.stand && seat.seat.stand->player == p)
+                outgoing.joins[outgoing.join_count++] = *seat.seat.stand;
     for (const PeerLink& link : links) {
         if (link.unwanted) outgoing.unwanted |= players_of(link.peer);
         if (stopped) outgoing.gone |= players_of(link.peer);

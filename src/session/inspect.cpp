@@ -64,7 +64,8 @@ void PeerSession::go_on_inspecting(PeerLink& link) {
         counts.bytes_sent += packet.size();
     }
     if (auto report = link.inspection->take_report())
-        notices.emplace_back(std::in_place_type<DesyncNamed>, DesyncNamed{std::make_shared<const DesyncReport>(std::move(*report))});
+        notices.emplace_back(std::in_place_type<DesyncNamed>,
+                             DesyncNamed{std::make_shared<const DesyncReport>(std::move(*report))});
 }
 
 } // namespace lockstone::session

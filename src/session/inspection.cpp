@@ -1,7 +1,6 @@
 #include "session/inspection.h"
 
 #include "base/bytes.h"
-#include "base/hash.h"
 #include "base/text.h"
 
 #include <algorithm>
@@ -28,17 +27,12 @@ void write_head(std::vector<std::byte>& buffer, std::byte kind, const PacketCont
     out.u32(about.offset);
 }
 
-std::span<const std::byte> seal(std::vector<std::byte>& buffer) {
-    base::ByteWriter(buffer).u32(static_cast<std::uint32_t>(base::xxh3(buffer)));
-    return buffer;
-}
-
 } // namespace
 
 std::span<const std::byte> write_question(std::vector<std::byte>& buffer, const PacketContext& context,
                                           const Question& question) {
     write_head(buffer, question_kind, context, question);
-    return seal(buffer);
+    return add_checksum(buffer);
 }
 
 std::span<const std::byte> write_answer(std::vector<std::byte>& buffer, const PacketContext& context,
@@ -47,7 +41,7 @@ std::span<const std::byte> write_answer(std::vector<std::byte>& buffer, const Pa
     base::ByteWriter out(buffer);
     out.u32(answer.total);
     out.bytes(answer.bytes);
-    return seal(buffer);
+    return add_checksum(buffer);
 }
 
 bool is_inspection(std::span<const std::byte> packet) {
@@ -57,11 +51,8 @@ bool is_inspection(std::span<const std::byte> packet) {
 std::optional<PacketFault> read_inspection(std::span<const std::byte> packet, const PacketContext& context,
                                            std::optional<Question>& question, std::optional<Answer>& answer) {
     question.reset(), answer.reset();
-    if (packet.size() < checksum_bytes + 1 || packet.size() > packet_bytes_max) return PacketFault::damaged;
-    const std::span<const std::byte> body = packet.first(packet.size() - checksum_bytes);
-    if (base::load_little_endian<std::uint32_t>(packet.data() + body.size()) !=
-        static_cast<std::uint32_t>(base::xxh3(body)))
-        return PacketFault::damaged;
+    const std::span<const std::byte> body = checked_body(packet);
+    if (body.empty()) return PacketFault::damaged;
     base::ByteReader in(body, "inspection");
     const bool is_answer = in.u8("kind") == std::to_integer<std::uint8_t>(answer_kind);
     const std::uint32_t topic = in.u8("topic");

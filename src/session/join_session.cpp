@@ -94,34 +94,23 @@ void JoinSession::hear_admission(const Datagram& datagram) {
         known->second = *heard;
 }
 
-/// When more than half of those who play tell the same: from then on it listens as a player.
+/// What more than half of those who play tell alike, once: none yet. `left`: bit p, player p has left.
+std::optional<Admission> JoinSession::agreed_admission(std::uint32_t left) const {
+    const auto others = std::ranges::count_if(
+        watch_of(def, join).hosts, [&](PeerId host) { return (players_at(def, host) & ~left) != 0; });
+    for (const auto& [peer, one] : told) {
+        const auto same = std::ranges::count(told, one, &std::pair<PeerId, Admission>::second);
+        if (2 * same > others && one.tick >= watch.here_through()) return one;
+    }
+    return std::nullopt;
+}
+
+/// From when that is known it listens as a player.
 void JoinSession::come_in() {
     if (!play && !told.empty() && watch.here_through() > 0) {
-        const std::uint32_t left =
+        const auto left =
             base::load_little_endian<std::uint16_t>(watch.told(watch.here_through() - 1).data() + 4);
-        const std::uint32_t players = static_cast<std::uint32_t>(def.players.size());
-        std::size_t others = 0;
-        for (const PeerId host : watch_of(def, join).hosts)
-            others += (players_at(def, host) & ~left) != 0 ? 1u : 0u;
-        for (const auto& [peer, one] : told) {
-            const auto same = std::ranges::count(told, one, &std::pair<PeerId, Admission>::second);
-            if (2 * static_cast<std::size_t>(same) <= others || one.tick < watch.here_through()) continue;
-            admission = one;
-            Entry entry{one.tick, one.since, left & ~players_at(def, def.self)};
-            for (std::uint32_t p = 0; p < players;
-                 ++p) // who comes between what is here and that tick is there
-                if (one.since[p] >= watch.here_through()) entry.left &= ~(1u << p);
-            SessionDef as_player = def;
-            if (join.lockstep) as_player.prediction_max = 0;
-            play = std::make_unique<PeerSession>(as_player, inbox, entry);
-            if (inspector != nullptr) play->set_inspector(inspector);
-            watch.end_at(one.tick);
-            for (std::uint32_t p = 0; p < players; ++p)
-                if (def.players[p] == def.self)
-                    notices.emplace_back(std::in_place_type<PlayerJoined>,
-                                         PlayerJoined{p, def.self, one.tick});
-            break;
-        }
+        if (const std::optional<Admission> one = agreed_admission(left)) begin_to_play(*one, left);
     }
     if (!play || knows_before || watch.here_through() < admission.tick) return;
     const std::span<const std::byte> tick = watch.told(admission.tick - 1).subspan(6);
@@ -130,6 +119,22 @@ void JoinSession::come_in() {
         before.push_back({tick.subspan(std::size_t{p} * def.input_size, def.input_size)});
     play->set_inputs_before(before);
     knows_before = true;
+}
+
+void JoinSession::begin_to_play(const Admission& agreed, std::uint32_t left) {
+    admission = agreed;
+    Entry entry{agreed.tick, agreed.since, left & ~players_at(def, def.self)};
+    for (std::uint32_t p = 0; p < def.players.size();
+         ++p) // who comes between what is here and that tick is there
+        if (agreed.since[p] >= watch.here_through()) entry.left &= ~(1u << p);
+    SessionDef as_player = def;
+    if (join.lockstep) as_player.prediction_max = 0;
+    play = std::make_unique<PeerSession>(as_player, inbox, entry);
+    if (inspector != nullptr) play->set_inspector(inspector);
+    watch.end_at(agreed.tick);
+    for (std::uint32_t p = 0; p < def.players.size(); ++p)
+        if (def.players[p] == def.self)
+            notices.emplace_back(std::in_place_type<PlayerJoined>, PlayerJoined{p, def.self, agreed.tick});
 }
 
 // ---- driving -----------------------------------------------------------------------------------------------------

@@ -63,7 +63,9 @@ class JoinSession final : public Session {
     Session& now_driving();
     void receive_all();
     void hear_admission(const Datagram& datagram);
+    std::optional<Admission> agreed_admission(std::uint32_t left) const;
     void come_in();
+    void begin_to_play(const Admission& agreed, std::uint32_t left);
 
     SessionDef def;
     JoinDef join;

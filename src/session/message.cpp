@@ -12,8 +12,9 @@ namespace lockstone::session {
 namespace {
 
 /// The first byte of a short packet, and the fourth of a greeting. Its lowest two bits are the number of hashes, 3: told.
-constexpr std::uint32_t flag_hashes = 3, flag_quality = 4, flag_departures = 8, flag_joins = 32, flag_short = 128;
-constexpr std::uint32_t flag_heard = 16; ///< of greetings only
+constexpr std::uint32_t flag_hashes = 3, flag_quality = 4, flag_departures = 8, flag_joins = 32,
+                        flag_short = 128;
+constexpr std::uint32_t flag_heard = 16;                     ///< of greetings only
 constexpr std::uint64_t number_end = std::uint64_t{1} << 32; ///< of ticks and sequence numbers
 
 std::uint32_t checksum(std::span<const std::byte> bytes, std::uint64_t seed) {
@@ -51,6 +52,17 @@ std::uint32_t players_at(const SessionDef& def, PeerId machine) {
     return players;
 }
 
+std::span<const std::byte> add_checksum(std::vector<std::byte>& buffer) {
+    base::ByteWriter(buffer).u32(checksum(buffer, 0));
+    return buffer;
+}
+std::span<const std::byte> checked_body(std::span<const std::byte> packet) {
+    if (packet.size() <= checksum_bytes || packet.size() > packet_bytes_max) return {};
+    const std::span<const std::byte> body = packet.first(packet.size() - checksum_bytes);
+    const auto sum = base::load_little_endian<std::uint32_t>(packet.data() + body.size());
+    return sum == checksum(body, 0) ? body : std::span<const std::byte>();
+}
+
 PacketContext packet_context(const SessionDef& def) {
     base::HashStream hash;
     hash.add(def.match_id);
@@ -76,7 +88,8 @@ void PacketWriter::begin(const PacketContext& context, const Sender& sender, con
     base::ByteWriter out(buffer);
     const bool departures = (message.unwanted | message.gone) != 0;
     const std::uint32_t flags = std::min(message.hash_count, 3u) | (message.quality ? flag_quality : 0u) |
-                                (departures ? flag_departures : 0u) | (message.join_count != 0 ? flag_joins : 0u);
+                                (departures ? flag_departures : 0u) |
+                                (message.join_count != 0 ? flag_joins : 0u);
     if (message.greeting) {
         out.u16(packet_magic);
         out.u8(packet_version);
@@ -228,7 +241,8 @@ void read_joins(base::ByteReader& in, const PacketContext& context, Message& out
         const std::uint32_t stand = in.u8("stand");
         word.stand = static_cast<JoinStand>(stand);
         word.tick = in.u32("join tick");
-        if (stand > 2 || word.ticket == 0 || word.player >= context.player_count) return in.fail("join out of range");
+        if (stand > 2 || word.ticket == 0 || word.player >= context.player_count)
+            return in.fail("join out of range");
         if (i > 0 && word.player <= out.joins[i - 1].player) return in.fail("joins out of order");
     }
 }

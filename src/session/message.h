@@ -21,6 +21,11 @@ struct PacketContext {
 };
 PacketContext packet_context(const SessionDef& def);
 
+/// Appends the low half of XXH3-64 of all before it: of packets that are not those of message.cpp.
+std::span<const std::byte> add_checksum(std::vector<std::byte>& buffer);
+/// What is before the checksum, which is right; empty where it is not, or where the packet is longer than packet_bytes_max.
+std::span<const std::byte> checked_body(std::span<const std::byte> packet);
+
 /// The one machine that a packet is from, and what its receiver knows of it.
 struct Sender {
     std::uint32_t players;                ///< bit p: player p plays there
@@ -69,7 +74,8 @@ struct Message {
     std::uint32_t gone;     ///< bit p: for the sender it has left
     std::uint32_t has_cut;  ///< bit p: the sender tells in cut[p] at which tick player p left
     std::array<std::uint64_t, players_max> cut;
-    std::array<std::uint64_t, players_max> since; ///< of those players: where the sender says they came in last; 0: the start
+    std::array<std::uint64_t, players_max>
+        since; ///< of those players: where the sender says they came in last; 0: the start
     std::array<JoinWord, players_max> joins;
     std::uint32_t join_count;
     /// By player: first tick whose input the sender lacks. Of its own players 0: it has them.

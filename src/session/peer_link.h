@@ -15,7 +15,8 @@ class HashLedger {
   public:
     /// Of ticks from `first` on.
     explicit HashLedger(std::uint64_t first = 0)
-        : remote(history_ticks), wanted(first), compared(first), agreed_end(first), acked(first), sent(first) {}
+        : remote(history_ticks), wanted(first), compared(first), agreed_end(first), acked(first),
+          sent(first) {}
 
     /// A report from the peer. Ticks outside the window are ignored: they come again.
     void receive(std::uint64_t tick, std::uint32_t hash);
@@ -93,37 +94,43 @@ struct PeerLink {
     PacketContext context; ///< of packets between the two: another one since either came back
     State state = State::connecting;
     bool told_incompatible = false;
-    bool has_heard_us = false; ///< by its own word: it knows the match, short packets do
-    std::uint64_t heard_ms = 0;                          ///< when the last good packet came that was new
+    bool has_heard_us = false;  ///< by its own word: it knows the match, short packets do
+    std::uint64_t heard_ms = 0; ///< when the last good packet came that was new
     std::uint64_t sequence_sent = 0, sequence_heard = 0; ///< newest packets
     std::uint32_t packets_read = 0;                      ///< in this poll
     std::uint64_t tick = 0;                              ///< newest tick the peer told of
-    std::array<std::uint64_t, players_max> next_input{}; ///< by player: first tick whose input the peer lacks; not its own
+    std::array<std::uint64_t, players_max>
+        next_input{}; ///< by player: first tick whose input the peer lacks; not its own
 
     // ---- departure.cpp: what it did to this machine's patience, and what it says of others ----
     std::uint64_t waited_ms = 0; ///< how long the match has waited for it, less what ticks made up for
-    bool unwanted = false;       ///< this machine wants it to leave: it was silent or late for too long; never taken back
-    std::uint32_t says_unwanted = 0, says_gone = 0; ///< bit p, as Message::unwanted and gone; never taken back
-    std::array<std::uint64_t, players_max> cut{};   ///< by player, the lowest it told; `never`: none
+    bool unwanted =
+        false; ///< this machine wants it to leave: it was silent or late for too long; never taken back
+    std::uint32_t says_unwanted = 0,
+                  says_gone = 0;                  ///< bit p, as Message::unwanted and gone; never taken back
+    std::array<std::uint64_t, players_max> cut{}; ///< by player, the lowest it told; `never`: none
 
     // ---- admission.cpp: how it comes (back), and what it says of others that do ----
     struct Seat {
-        std::uint32_t ticket = 0;              ///< that it came in with, or that nothing came of; older wishes are void
-        std::uint32_t wish = 0;                ///< newest ticket that this machine itself has heard it ask with
-        std::uint64_t wish_ms = 0;             ///< when it did last
-        std::optional<JoinWord> stand;         ///< what this machine says to that
-        std::uint64_t told_ms = 0, stand_ms = 0; ///< since when others have told of it; since when this machine has its stand
-        bool is_settled = false;               ///< all have agreed
-        bool asks = false;                     ///< in this poll
-        Admission admission;                   ///< what it was told
-        std::uint64_t entered_ms = 0;          ///< 0: it has been there from the start
-        std::uint64_t not_before_ms = 0;       ///< it may ask again
+        std::uint32_t ticket = 0;  ///< that it came in with, or that nothing came of; older wishes are void
+        std::uint32_t wish = 0;    ///< newest ticket that this machine itself has heard it ask with
+        std::uint64_t wish_ms = 0; ///< when it did last
+        std::optional<JoinWord> stand; ///< what this machine says to that
+        std::uint64_t told_ms = 0,
+                      stand_ms =
+                          0;     ///< since when others have told of it; since when this machine has its stand
+        bool is_settled = false; ///< all have agreed
+        bool asks = false;       ///< in this poll
+        Admission admission;     ///< what it was told
+        std::uint64_t entered_ms = 0;    ///< 0: it has been there from the start
+        std::uint64_t not_before_ms = 0; ///< it may ask again
     } seat;
     std::array<JoinWord, players_max> words{}; ///< by first player of the machine that comes; ticket 0: none
 
     HashLedger hashes;
     std::unique_ptr<Inspection> inspection; ///< once their states have parted
-    bool hashes_are_lost = false; ///< an unwanted peer did not exchange them in time: no more are sent or compared
+    bool hashes_are_lost =
+        false; ///< an unwanted peer did not exchange them in time: no more are sent or compared
     TimeSync time_sync;
     std::int32_t remote_ahead = 0; ///< the peer's own count
     bool has_echo = false;

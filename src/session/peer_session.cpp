@@ -14,8 +14,9 @@ constexpr std::uint64_t seat_silence_polls = 600;
 } // namespace
 
 PeerSession::PeerSession(const SessionDef& session_def, Transport& packets, const Entry& entry)
-    : def(session_def), transport(packets), context(packet_context(session_def)), has_run(entry.tick == 0), since(entry.since),
-      entry_tick(entry.tick), catch_up_end(entry.tick == 0 ? 0 : entry.tick + neutral_ticks),
+    : def(session_def), transport(packets), context(packet_context(session_def)), has_run(entry.tick == 0),
+      since(entry.since), entry_tick(entry.tick),
+      catch_up_end(entry.tick == 0 ? 0 : entry.tick + neutral_ticks),
       timeline(session_def, {false, 0, players_max, seat_silence_polls}), current(entry.tick),
       settled_end(entry.tick), confirmed(entry.tick), hashes(history_ticks) {
     cuts.fill(never);
@@ -116,8 +117,10 @@ void PeerSession::forget_old_inputs() {
         for (const PeerLink& link : links) {
             if (link.state == PeerLink::State::gone || !is_local(queue.player())) continue;
             const std::uint64_t lacks_from = link.next_input[queue.player()];
-            const std::uint64_t newest_kept = queue.next() - std::min(queue.next(), history_confirmed_max - 1);
-            needed_from = std::min(needed_from, link.unwanted ? std::max(lacks_from, newest_kept) : lacks_from);
+            const std::uint64_t newest_kept =
+                queue.next() - std::min(queue.next(), history_confirmed_max - 1);
+            needed_from =
+                std::min(needed_from, link.unwanted ? std::max(lacks_from, newest_kept) : lacks_from);
         }
         queue.forget_before(needed_from);
     }

@@ -20,7 +20,8 @@ Step PeerSession::advance() {
 
     const Stall stall = why_stall();
     for (std::uint32_t n = 0; n < catch_up_ticks && why_stall() == Stall::none; ++n) {
-        if (n > 0 && (current >= catch_up_end || current >= settled_through())) break; // level with the others
+        if (n > 0 && (current >= catch_up_end || current >= settled_through()))
+            break; // level with the others
         run(current, Run::first);
         ++current;
         make_up_for_waits();

@@ -9,9 +9,9 @@
 namespace lockstone::session {
 
 namespace {
-constexpr std::uint64_t near_ticks = 8;         ///< to the newest tick that may be watched: level with the match
-constexpr std::uint32_t patience_polls = 300;   ///< with a host that sends no state
-constexpr std::uint32_t word_polls = 180;       ///< then other machines that have told no hash are not there
+constexpr std::uint64_t near_ticks = 8; ///< to the newest tick that may be watched: level with the match
+constexpr std::uint32_t patience_polls = 300; ///< with a host that sends no state
+constexpr std::uint32_t word_polls = 180;     ///< then other machines that have told no hash are not there
 } // namespace
 
 SpectatorSession::SpectatorSession(const SessionDef& session_def, WatchDef how, Transport& packets)
@@ -63,7 +63,7 @@ std::optional<PacketFault> SpectatorSession::take(Host& from, std::span<const st
     }
     if (const auto offer = read_offer(bytes, match)) {
         if (!is_serving || phase != Phase::fetching) return PacketFault::implausible;
-        take_offer(from, *offer);
+        take_offer(*offer);
         return std::nullopt;
     }
     if (const auto chunk = read_chunk(bytes, match)) {
@@ -86,16 +86,18 @@ void SpectatorSession::take_stretch(const Stretch& stretch) {
     for (std::uint32_t t = 0; t < stretch.count; ++t) {
         const std::uint64_t tick = stretch.first + t;
         if (tick < next || tick >= confirmed + history_ticks) continue;
-        std::ranges::copy(stretch.bytes.subspan(t * tick_bytes, tick_bytes), slot(tick).begin());
+        std::ranges::copy(stretch.bytes.subspan(t * tick_bytes, tick_bytes),
+                          ring.begin() + static_cast<std::ptrdiff_t>(tick % history_ticks * tick_bytes));
         ring_ticks[tick % history_ticks] = tick;
     }
     while (next < confirmed + history_ticks && ring_ticks[next % history_ticks] == next) ++next;
 }
 
-void SpectatorSession::take_offer(const Host&, const Offer& offer) {
+void SpectatorSession::take_offer(const Offer& offer) {
     if (assembly && assembly->offer().tick >= offer.tick) return; // it was on its way, or is that one
     if (offer.bytes > watch.state_bytes_max)
-        return refuse(base::join("its state has ", offer.bytes, " bytes, at most ", watch.state_bytes_max, " are taken"));
+        return refuse(base::join("its state has ", offer.bytes, " bytes, at most ", watch.state_bytes_max,
+                                 " are taken"));
     assembly.emplace(offer);
     for (Host& host : hosts) host.state_hash.reset();
     hosts[serving].state_hash = offer.hash;
@@ -103,7 +105,8 @@ void SpectatorSession::take_offer(const Host&, const Offer& offer) {
 }
 
 void SpectatorSession::take_word(Host& from, const Word& word) {
-    if (phase == Phase::fetching && assembly && word.tick + 1 == assembly->offer().tick && &from != &hosts[serving])
+    if (phase == Phase::fetching && assembly && word.tick + 1 == assembly->offer().tick &&
+        &from != &hosts[serving])
         from.state_hash = word.hash;
     if (phase != Phase::following || word.tick < first || word.tick >= confirmed ||
         word.tick + history_ticks < confirmed)
@@ -112,8 +115,8 @@ void SpectatorSession::take_word(Host& from, const Word& word) {
     from.agrees = ours == word.hash;
     if (*from.agrees || std::exchange(from.differs_told, true)) return;
     notices.emplace_back(std::in_place_type<Desync>,
-                         Desync{word.tick, static_cast<std::uint32_t>(ours), static_cast<std::uint32_t>(word.hash),
-                                from.peer});
+                         Desync{word.tick, static_cast<std::uint32_t>(ours),
+                                static_cast<std::uint32_t>(word.hash), from.peer});
 }
 
 /// One wish to the host that serves; the others are asked for a hash, and hear of the ticket.
@@ -164,14 +167,16 @@ void SpectatorSession::judge_state() {
     for (const Host& host : hosts)
         if (host.state_hash) ++(*host.state_hash == assembly->offer().hash ? same : other);
     if (other >= same)
-        return refuse(base::join(other, " of ", same + other, " machines tell another hash than that of its state"));
+        return refuse(
+            base::join(other, " of ", same + other, " machines tell another hash than that of its state"));
     const bool is_waiting = polls_with_state < word_polls;
     if (same + other < 2 && hosts.size() > 1 && is_waiting) return;
     phase = Phase::adopting;
 }
 
 void SpectatorSession::refuse(std::string reason) {
-    notices.emplace_back(std::in_place_type<StateRefused>, StateRefused{hosts[serving].peer, std::move(reason)});
+    notices.emplace_back(std::in_place_type<StateRefused>,
+                         StateRefused{hosts[serving].peer, std::move(reason)});
     next_host();
 }
 
@@ -186,7 +191,8 @@ void SpectatorSession::report_adopted(const Status& taken, std::uint64_t hash) {
     LOCKSTONE_ASSERT(phase == Phase::adopting, "no state was to be adopted");
     const Offer offer = assembly->offer();
     if (!taken) return refuse(taken.error().message);
-    if (hash != offer.hash) return refuse(base::join("its state has another hash than it says, at tick ", offer.tick));
+    if (hash != offer.hash)
+        return refuse(base::join("its state has another hash than it says, at tick ", offer.tick));
     first = next = current = confirmed = agreed = offer.tick;
     live_end = std::max(live_end, first);
     assembly.reset();
@@ -204,7 +210,7 @@ bool SpectatorSession::is_level() const {
 // ---- running -----------------------------------------------------------------------------------------------------
 
 void SpectatorSession::show(std::uint64_t tick) {
-    const std::span<const std::byte> at = slot(tick);
+    const std::span<const std::byte> at = told(tick);
     const std::uint32_t left = base::load_little_endian<std::uint16_t>(at.data() + 4);
     for (std::uint32_t p = 0; p < def.players.size(); ++p)
         inputs.push_back({at.subspan(6 + std::size_t{p} * def.input_size, def.input_size),
@@ -245,7 +251,7 @@ HashCheck SpectatorSession::report_hash(std::uint64_t tick, std::uint64_t hash) 
     LOCKSTONE_ASSERT(tick >= confirmed && tick < current, "tick ", tick, " of [", confirmed, ", ", current,
                      ")");
     hashes[tick % history_ticks] = hash;
-    const auto told_hash = base::load_little_endian<std::uint32_t>(slot(tick).data());
+    const auto told_hash = base::load_little_endian<std::uint32_t>(told(tick).data());
     ++counts.hashes_compared;
     if (told_hash == static_cast<std::uint32_t>(hash)) {
         if (!differs) agreed = tick + 1;
@@ -298,9 +304,10 @@ struct SpectatorHost::Impl {
 
 SpectatorHost::SpectatorHost(const SessionDef& def, Transport& transport, SpectatorHostDef host,
                              ConfirmedSink* next)
-    : impl(new Impl{transport, next, session::packet_context(def).match,
-                    session::TimelineHost(def, {true, host.delay_ticks, host.watchers_max, host.silence_polls}),
-                    nullptr}) {}
+    : impl(new Impl{
+          transport, next, session::packet_context(def).match,
+          session::TimelineHost(def, {true, host.delay_ticks, host.watchers_max, host.silence_polls}),
+          nullptr}) {}
 SpectatorHost::~SpectatorHost() = default;
 
 void SpectatorHost::on_confirmed(std::uint64_t tick, std::span<const PlayerInput> inputs,
@@ -327,7 +334,8 @@ std::uint64_t SpectatorHost::bytes_sent() const { return impl->timeline.bytes_se
 namespace session {
 Status check_watch(const SessionDef& def, const WatchDef& watch) {
     if (watch.ticks_per_frame == 0 || watch.ticks_per_frame > 64)
-        return Error{base::join("spectator: ticks_per_frame is ", watch.ticks_per_frame, ", expected 1 to 64")};
+        return Error{
+            base::join("spectator: ticks_per_frame is ", watch.ticks_per_frame, ", expected 1 to 64")};
     if (def.players.empty() || def.players.size() > players_max || def.input_size > input_bytes_max)
         return Error{base::join("spectator: ", def.players.size(), " players with inputs of ", def.input_size,
                                 " bytes")};
@@ -348,7 +356,8 @@ Result<std::unique_ptr<Session>> make_spectator_session(const SessionDef& def, W
 
 Result<std::unique_ptr<Session>> make_spectator_session(const SessionDef& def, PeerId host,
                                                         Transport& transport, std::uint32_t ticks_per_frame) {
-    return make_spectator_session(def, WatchDef{.hosts = {host}, .ticks_per_frame = ticks_per_frame}, transport);
+    return make_spectator_session(def, WatchDef{.hosts = {host}, .ticks_per_frame = ticks_per_frame},
+                                  transport);
 }
 
 } // namespace lockstone

@@ -34,10 +34,10 @@ class SpectatorSession final : public Session {
     /// What a packet was not, that was not taken.
     std::optional<PacketFault> take(const Datagram& datagram);
     void count(const Datagram& datagram, std::optional<PacketFault> fault);
-    void speak(std::uint32_t ticket, bool wants_seat); ///< sends the wishes of this poll
+    void speak(std::uint32_t ticket, bool wants_seat);   ///< sends the wishes of this poll
     void end_at(std::uint64_t tick) { last_end = tick; } ///< runs no tick from there on
     std::uint64_t confirmed_through() const { return confirmed; }
-    std::uint64_t here_through() const { return next; }  ///< ticks below are here
+    std::uint64_t here_through() const { return next; } ///< ticks below are here
     /// The bytes of a tick that is here, as Stretch tells: the newest history_ticks.
     std::span<const std::byte> told(std::uint64_t tick) const {
         return std::span(ring).subspan(tick % history_ticks * tick_bytes, tick_bytes);
@@ -53,12 +53,9 @@ class SpectatorSession final : public Session {
         std::optional<bool> agrees;              ///< the newest tick whose hash it told has ours, too
         bool differs_told = false;
     };
-    std::span<std::byte> slot(std::uint64_t tick) {
-        return std::span(ring).subspan(tick % history_ticks * tick_bytes, tick_bytes);
-    }
     void show(std::uint64_t tick);
     std::optional<PacketFault> take(Host& from, std::span<const std::byte> packet);
-    void take_offer(const Host& from, const Offer& offer);
+    void take_offer(const Offer& offer);
     void take_word(Host& from, const Word& word);
     void take_stretch(const Stretch& stretch);
     void judge_state();
@@ -76,12 +73,12 @@ class SpectatorSession final : public Session {
     std::size_t serving = 0; ///< index of the host that is asked for the match
     std::optional<Assembly> assembly;
     std::uint32_t polls_without_progress = 0, polls_with_state = 0;
-    std::vector<std::byte> ring;       ///< by tick modulo history_ticks, as in Stretch
+    std::vector<std::byte> ring;           ///< by tick modulo history_ticks, as in Stretch
     std::vector<std::uint64_t> ring_ticks; ///< which tick is there
     std::vector<std::uint64_t> hashes;     ///< own ones, likewise
-    std::uint64_t first = 0;           ///< tick that was begun with
-    std::uint64_t next = 0;            ///< first tick that is not here
-    std::uint64_t live_end = 0;        ///< as the host tells
+    std::uint64_t first = 0;               ///< tick that was begun with
+    std::uint64_t next = 0;                ///< first tick that is not here
+    std::uint64_t live_end = 0;            ///< as the host tells
     std::uint64_t last_end = never;
     std::uint64_t current = 0, confirmed = 0;
     bool connected = false, differs = false;

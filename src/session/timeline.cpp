@@ -2,7 +2,6 @@
 
 #include "base/assert.h"
 #include "base/bytes.h"
-#include "base/hash.h"
 
 #include <algorithm>
 
@@ -24,17 +23,6 @@ base::ByteWriter begin(std::vector<std::byte>& buffer, std::uint8_t kind, std::u
     out.u8(kind);
     out.u32(match);
     return out;
-}
-std::span<const std::byte> sealed(std::vector<std::byte>& buffer) {
-    base::ByteWriter(buffer).u32(static_cast<std::uint32_t>(base::xxh3(buffer)));
-    return buffer;
-}
-/// Without the checksum, which is right; empty where it is not.
-std::span<const std::byte> opened(std::span<const std::byte> packet) {
-    if (packet.size() <= checksum_bytes || packet.size() > packet_bytes_max) return {};
-    const std::span<const std::byte> body = packet.first(packet.size() - checksum_bytes);
-    const auto sum = base::load_little_endian<std::uint32_t>(packet.data() + body.size());
-    return sum == static_cast<std::uint32_t>(base::xxh3(body)) ? body : std::span<const std::byte>();
 }
 bool is_of(base::ByteReader& in, std::uint8_t kind, std::uint32_t match) {
     return in.u8("kind") == kind && in.u32("match") == match;
@@ -62,10 +50,10 @@ std::span<const std::byte> write_wish(std::vector<std::byte>& buffer, std::uint3
     out.u32(static_cast<std::uint32_t>(wish.offered));
     out.u32(wish.missing);
     out.u64(wish.have);
-    return sealed(buffer);
+    return add_checksum(buffer);
 }
 std::optional<Wish> read_wish(std::span<const std::byte> packet, std::uint32_t match) {
-    base::ByteReader in(opened(packet), "wish");
+    base::ByteReader in(checked_body(packet), "wish");
     const bool is_ours = is_of(in, wish_kind, match);
     const std::uint32_t flags = in.u8("flags");
     Wish wish;
@@ -90,11 +78,11 @@ std::span<const std::byte> write_stretch(std::vector<std::byte>& buffer, std::ui
     out.u32(static_cast<std::uint32_t>(stretch.end));
     out.u8(static_cast<std::uint8_t>(stretch.count));
     out.bytes(stretch.bytes);
-    return sealed(buffer);
+    return add_checksum(buffer);
 }
 std::optional<Stretch> read_stretch(std::span<const std::byte> packet, std::uint32_t match,
                                     std::size_t tick_bytes) {
-    base::ByteReader in(opened(packet), "stretch");
+    base::ByteReader in(checked_body(packet), "stretch");
     const bool is_ours = is_of(in, stretch_kind, match);
     Stretch stretch;
     stretch.first = in.u32("first tick");
@@ -112,10 +100,10 @@ std::span<const std::byte> write_offer(std::vector<std::byte>& buffer, std::uint
     out.u64(offer.hash);
     out.u32(offer.bytes);
     out.u64(offer.root);
-    return sealed(buffer);
+    return add_checksum(buffer);
 }
 std::optional<Offer> read_offer(std::span<const std::byte> packet, std::uint32_t match) {
-    base::ByteReader in(opened(packet), "offer");
+    base::ByteReader in(checked_body(packet), "offer");
     const bool is_ours = is_of(in, offer_kind, match);
     Offer offer;
     offer.tick = in.u32("tick");
@@ -136,10 +124,10 @@ std::span<const std::byte> write_chunk(std::vector<std::byte>& buffer, std::uint
     out.u8(static_cast<std::uint8_t>(chunk.proof.size()));
     for (const std::uint64_t hash : chunk.proof) out.u64(hash);
     out.bytes(chunk.bytes);
-    return sealed(buffer);
+    return add_checksum(buffer);
 }
 std::optional<Chunk> read_chunk(std::span<const std::byte> packet, std::uint32_t match) {
-    base::ByteReader in(opened(packet), "chunk");
+    base::ByteReader in(checked_body(packet), "chunk");
     const bool is_ours = is_of(in, chunk_kind, match);
     Chunk chunk;
     chunk.tick = in.u32("tick");
@@ -157,10 +145,10 @@ std::span<const std::byte> write_word(std::vector<std::byte>& buffer, std::uint3
     base::ByteWriter out = begin(buffer, word_kind, match);
     out.u32(static_cast<std::uint32_t>(word.tick));
     out.u64(word.hash);
-    return sealed(buffer);
+    return add_checksum(buffer);
 }
 std::optional<Word> read_word(std::span<const std::byte> packet, std::uint32_t match) {
-    base::ByteReader in(opened(packet), "word");
+    base::ByteReader in(checked_body(packet), "word");
     const bool is_ours = is_of(in, word_kind, match);
     Word word;
     word.tick = in.u32("tick");
@@ -175,11 +163,11 @@ std::span<const std::byte> write_admission(std::vector<std::byte>& buffer, std::
     out.u32(admission.ticket);
     out.u32(static_cast<std::uint32_t>(admission.tick));
     for (std::uint32_t p = 0; p < players; ++p) out.u32(static_cast<std::uint32_t>(admission.since[p]));
-    return sealed(buffer);
+    return add_checksum(buffer);
 }
 std::optional<Admission> read_admission(std::span<const std::byte> packet, std::uint32_t match,
                                         std::uint32_t players) {
-    base::ByteReader in(opened(packet), "admission");
+    base::ByteReader in(checked_body(packet), "admission");
     const bool is_ours = is_of(in, admission_kind, match);
     Admission admission;
     admission.ticket = in.u32("ticket");

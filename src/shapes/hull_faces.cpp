@@ -12,7 +12,7 @@
 namespace lockstone::shapes {
 namespace {
 
-constexpr std::uint16_t no_place = 0xffff;
+constexpr std::uint16_t no_index = 0xffff;
 // Two facets of one face are closer in direction than acos of this, about 8 degrees; slivers may point anywhere.
 constexpr Unit same_way = decimal<Unit>("0.99");
 
@@ -34,9 +34,9 @@ class FaceFinder {
         std::vector<std::uint16_t> order(facets.size());
         std::iota(order.begin(), order.end(), std::uint16_t{0});
         std::ranges::stable_sort(order, [&](auto a, auto b) { return facets[b].area < facets[a].area; });
-        face_of.assign(facets.size(), no_place);
+        face_of.assign(facets.size(), no_index);
         for (std::uint16_t seed : order) {
-            if (face_of[seed] != no_place) continue;
+            if (face_of[seed] != no_index) continue;
             reach_from(seed);
             if (members.size() > 1 && !(trace() && is_convex(normal_of_members()))) members.assign(1, seed);
             if (members.size() == 1) trace();
@@ -48,7 +48,7 @@ class FaceFinder {
   private:
     void find_adjacency() {
         const std::size_t n = hull.vertices.size();
-        triangle_at.assign(n * n, no_place);
+        triangle_at.assign(n * n, no_index);
         for (std::size_t t = 0; t < hull.triangles.size(); ++t)
             for (std::size_t k = 0; k < 3; ++k) at(t, k) = static_cast<std::uint16_t>(t);
     }
@@ -72,9 +72,9 @@ class FaceFinder {
     }
 
     void find_facets() {
-        facet_of.assign(hull.triangles.size(), no_place);
+        facet_of.assign(hull.triangles.size(), no_index);
         for (std::size_t first = 0; first < hull.triangles.size(); ++first) {
-            if (facet_of[first] != no_place) continue;
+            if (facet_of[first] != no_index) continue;
             const std::uint16_t id = static_cast<std::uint16_t>(facets.size());
             Facet facet{};
             facet.first = static_cast<std::uint16_t>(by_facet.size());
@@ -86,7 +86,7 @@ class FaceFinder {
                 facet.normal = {facet.normal.x + n.x, facet.normal.y + n.y, facet.normal.z + n.z};
                 for (std::size_t k = 0; k < 3; ++k)
                     if (const std::uint16_t next = across(t, k);
-                        facet_of[next] == no_place && is_flat(first, next)) {
+                        facet_of[next] == no_index && is_flat(first, next)) {
                         facet_of[next] = id;
                         by_facet.push_back(next);
                     }
@@ -134,7 +134,7 @@ class FaceFinder {
             for (std::uint16_t t : triangles_of(facets[members[i]]))
                 for (std::size_t k = 0; k < 3; ++k) {
                     const std::uint16_t next = facet_of[across(t, k)];
-                    if (looked_at[next] != 0 || face_of[next] != no_place) continue;
+                    if (looked_at[next] != 0 || face_of[next] != no_index) continue;
                     looked_at[next] = 1;
                     if (belongs(facets[next], facets[seed])) members.push_back(next);
                 }
@@ -152,7 +152,7 @@ class FaceFinder {
     bool trace() {
         is_member.assign(facets.size(), 0);
         for (std::uint16_t m : members) is_member[m] = 1;
-        after.assign(hull.vertices.size(), no_place);
+        after.assign(hull.vertices.size(), no_index);
         std::size_t edges = 0;
         std::uint8_t first = 0xff;
         for (std::uint16_t m : members)
@@ -160,7 +160,7 @@ class FaceFinder {
                 for (std::size_t k = 0; k < 3; ++k) {
                     if (is_member[facet_of[across(t, k)]] != 0) continue;
                     const std::uint8_t from = hull.triangles[t][k];
-                    if (after[from] != no_place) return false;
+                    if (after[from] != no_index) return false;
                     after[from] = hull.triangles[t][(k + 1) % 3];
                     first = std::min(first, from);
                     ++edges;
@@ -171,7 +171,7 @@ class FaceFinder {
         do {
             outline.push_back(static_cast<std::uint8_t>(v));
             v = after[v];
-        } while (v != first && v != no_place && outline.size() <= edges);
+        } while (v != first && v != no_index && outline.size() <= edges);
         return outline.size() == edges;
     }
     /// Seen along the normal, no corner lies outside of an edge by more than the tolerance.

@@ -17,7 +17,7 @@ using TriangleIndices = std::array<std::uint32_t, 3>;
 constexpr std::uint32_t mesh_two_sided = 1, mesh_materials = 2, mesh_sources = 4, mesh_surfaces = 8;
 constexpr std::size_t vertex_size = 16, triangle_size = 12, material_size = 2, source_size = 4;
 constexpr Coordinate reach_max = Coordinate(8000);
-constexpr std::uint32_t no_name = 0xffffffffu;
+constexpr std::uint32_t not_numbered = 0xffffffffu;
 
 /// Orders triangles so that every 8, 64, 512 ... of them lie close together: halves along the widest axis.
 class SpaceOrder {
@@ -146,11 +146,11 @@ MeshContent ordered(const MeshDef& def) {
     content.surfaces.assign(def.surfaces.begin(), def.surfaces.end());
     bool is_moved = false;
     const bool any_material = std::ranges::any_of(materials, [](std::uint16_t m) { return m != 0; });
-    std::vector<std::uint32_t> name(def.vertices.size(), no_name);
+    std::vector<std::uint32_t> name(def.vertices.size(), not_numbered);
     for (std::uint32_t i : SpaceOrder(corners).result()) {
         TriangleIndices t = kept[i];
         for (std::uint32_t& v : t) {
-            if (name[v] == no_name) {
+            if (name[v] == not_numbered) {
                 name[v] = static_cast<std::uint32_t>(content.vertices.size());
                 content.vertices.push_back(mesh_vertex(welded.places[v]));
             }

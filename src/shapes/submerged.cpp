@@ -65,8 +65,8 @@ void add_below(Sums& below, Corner a, Corner b, Corner c) {
 
 // ---- surfaces ------------------------------------------------------------------------------------------------------
 
-using Point = std::array<std::int32_t, 3>;  ///< u
-using Triple = std::array<std::uint8_t, 3>; ///< counter-clockwise from outside
+using Point = std::array<std::int32_t, 3>;       ///< u
+using FaceCorners = std::array<std::uint8_t, 3>; ///< counter-clockwise from outside
 
 constexpr std::int32_t fixed(const char* text) {
     return static_cast<std::int32_t>(parse_decimal<I4F28>(text).value.raw >> (28 - bits));
@@ -96,7 +96,7 @@ constexpr auto ring12 = ring<12>();
 
 /// Rings of N corners one above the other, closed below and above by fans.
 template <std::size_t N, std::size_t Rings> constexpr auto stacked() {
-    std::array<Triple, 2 * N*(Rings - 1) + 2 * (N - 2)> faces{};
+    std::array<FaceCorners, 2 * N*(Rings - 1) + 2 * (N - 2)> faces{};
     std::size_t count = 0;
     const auto at = [](std::size_t r, std::size_t k) { return static_cast<std::uint8_t>(r * N + k % N); };
     for (std::size_t r = 0; r + 1 < Rings; ++r)
@@ -119,18 +119,18 @@ constexpr std::array<Point, 8> cube_points{{{-one, -one, -one},
                                             {one, -one, one},
                                             {-one, one, one},
                                             {one, one, one}}};
-constexpr std::array<Triple, 12> cube_faces{{{0, 4, 6},
-                                             {0, 6, 2},
-                                             {1, 3, 7},
-                                             {1, 7, 5},
-                                             {0, 1, 5},
-                                             {0, 5, 4},
-                                             {2, 6, 7},
-                                             {2, 7, 3},
-                                             {0, 2, 3},
-                                             {0, 3, 1},
-                                             {4, 5, 7},
-                                             {4, 7, 6}}};
+constexpr std::array<FaceCorners, 12> cube_faces{{{0, 4, 6},
+                                                  {0, 6, 2},
+                                                  {1, 3, 7},
+                                                  {1, 7, 5},
+                                                  {0, 1, 5},
+                                                  {0, 5, 4},
+                                                  {2, 6, 7},
+                                                  {2, 7, 3},
+                                                  {0, 2, 3},
+                                                  {0, 3, 1},
+                                                  {4, 5, 7},
+                                                  {4, 7, 6}}};
 
 constexpr std::array<Point, 32> cylinder_points = [] {
     std::array<Point, 32> out{};
@@ -149,8 +149,8 @@ constexpr std::array<Point, 17> cone_points = [] {
     out[16] = {0, static_cast<std::int32_t>(one), 0};
     return out;
 }();
-constexpr std::array<Triple, 30> cone_faces = [] {
-    std::array<Triple, 30> out{};
+constexpr std::array<FaceCorners, 30> cone_faces = [] {
+    std::array<FaceCorners, 30> out{};
     std::size_t count = 0;
     for (std::uint8_t k = 0; k < 16; ++k) out[count++] = {k, static_cast<std::uint8_t>((k + 1) % 16), 16};
     for (std::uint8_t k = 1; k < 15; ++k) out[count++] = {0, static_cast<std::uint8_t>(k + 1), k};
@@ -190,7 +190,7 @@ CapsulePoints capsule_points(const Geometry& g) {
 /// A solid's core as a surface in its own measure.
 struct Surface {
     std::span<const Point> points;
-    std::span<const Triple> faces;
+    std::span<const FaceCorners> faces;
     Vec3 middle, half; ///< x = middle + half u
     Real rounding;     ///< [m]
 };
@@ -319,7 +319,7 @@ Submerged submerged(const Solid& convex, UnitVec3 n, Real offset) {
         c.height = p.side(s.points[k]) - p.b;
     }
     Sums whole, below;
-    for (const Triple& f : s.faces) {
+    for (const FaceCorners& f : s.faces) {
         whole.add(work.corners[f[0]], work.corners[f[1]], work.corners[f[2]]);
         add_below(below, work.corners[f[0]], work.corners[f[1]], work.corners[f[2]]);
     }

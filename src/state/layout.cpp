@@ -11,7 +11,7 @@ namespace lockstone {
 namespace {
 
 constexpr std::size_t column_alignment = 64; // a cache line, and the widest vector load
-constexpr std::uint32_t page_bytes_wanted =
+constexpr std::uint32_t page_bytes_target =
     4096; // of the hash tree: a mismatch is narrowed down to a few dozen rows
 
 constexpr std::uint64_t round_up(std::uint64_t size) {
@@ -112,7 +112,7 @@ std::uint32_t StateLayout::add_column(TableId table, std::string name, Group gro
                             .table = table.index,
                             .group = group,
                             .row_size = size,
-                            .rows_per_page = std::max(1u, page_bytes_wanted / size),
+                            .rows_per_page = std::max(1u, page_bytes_target / size),
                             .offset = 0,
                             .leaves = *leaf_lists.back(),
                             .name_hash = name_hash});

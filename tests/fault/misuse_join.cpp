@@ -28,7 +28,9 @@ TEST_CASE("misuse: joining, and states that are none") {
 
     const auto session = make_join_session(def, {}, network.endpoint(0)).value();
     CHECK(last_words([&] { session->report_adopted({}, 0); }).starts_with("lockstone: broken rule: "));
-    make_rollback_session(def, network.endpoint(0)).value()->report_adopted({}, 0); // it asks for none, and hears of none
+    make_rollback_session(def, network.endpoint(0))
+        .value()
+        ->report_adopted({}, 0); // it asks for none, and hears of none
 
     Arena arena(2);
     const std::uint64_t before = arena.hash();

@@ -30,23 +30,28 @@ inline std::string check_guest_packet(std::span<const std::byte> data) {
     }
     const auto same = [&](std::span<const std::byte> written) { return std::ranges::equal(written, packet); };
     constexpr std::uint32_t match = guest_match, players = 3;
-    if (const auto wish = session::read_wish(packet, match); wish && !same(session::write_wish(again, match, *wish)))
+    if (const auto wish = session::read_wish(packet, match);
+        wish && !same(session::write_wish(again, match, *wish)))
         return "a wish is written otherwise than it is read";
     if (const auto stretch = session::read_stretch(packet, match, 14);
         stretch && !same(session::write_stretch(again, match, *stretch)))
         return "a stretch is written otherwise than it is read";
     if (const auto offer = session::read_offer(packet, match)) {
-        if (!same(session::write_offer(again, match, *offer))) return "an offer is written otherwise than it is read";
+        if (!same(session::write_offer(again, match, *offer)))
+            return "an offer is written otherwise than it is read";
         if (offer->bytes > session::state_bytes_limit) return "an offer is larger than any may be";
     }
     if (const auto chunk = session::read_chunk(packet, match)) {
-        if (!same(session::write_chunk(again, match, *chunk))) return "a chunk is written otherwise than it is read";
+        if (!same(session::write_chunk(again, match, *chunk)))
+            return "a chunk is written otherwise than it is read";
         const session::Snapshot snapshot(7, 8, Buffer(5000));
         session::Assembly assembly(snapshot.offer());
-        if (assembly.take(*chunk) && std::ranges::any_of(chunk->bytes, [](std::byte b) { return b != std::byte{}; }))
+        if (assembly.take(*chunk) &&
+            std::ranges::any_of(chunk->bytes, [](std::byte b) { return b != std::byte{}; }))
             return "a chunk was taken that is not of the state";
     }
-    if (const auto word = session::read_word(packet, match); word && !same(session::write_word(again, match, *word)))
+    if (const auto word = session::read_word(packet, match);
+        word && !same(session::write_word(again, match, *word)))
         return "a word is written otherwise than it is read";
     if (const auto admission = session::read_admission(packet, match, players);
         admission && !same(session::write_admission(again, match, players, *admission)))
@@ -56,7 +61,8 @@ inline std::string check_guest_packet(std::span<const std::byte> data) {
     if (session::read_inspection(packet, {match, players, 4}, question, answer)) {
         return question || answer ? "a refused inspection was read all the same" : "";
     }
-    if (session::is_inspection(packet) && question && !same(session::write_question(again, {match, players, 4}, *question)))
+    if (session::is_inspection(packet) && question &&
+        !same(session::write_question(again, {match, players, 4}, *question)))
         return "a question is written otherwise than it is read";
     return {};
 }
@@ -68,7 +74,9 @@ inline std::vector<Seed> guest_seeds() {
     const session::Snapshot snapshot(7, 8, Buffer(5000));
     snapshot.chunk(2, chunk);
     std::vector<Buffer> packets;
-    const auto add = [&](std::span<const std::byte> bytes) { packets.emplace_back(bytes.begin(), bytes.end()); };
+    const auto add = [&](std::span<const std::byte> bytes) {
+        packets.emplace_back(bytes.begin(), bytes.end());
+    };
     add(session::write_wish(b, guest_match, {.wants_state = true, .ticket = 256, .wanted = 7, .asked = 6}));
     add(session::write_stretch(b, guest_match, {5, 1, 9, Buffer(14)}));
     add(session::write_offer(b, guest_match, snapshot.offer()));

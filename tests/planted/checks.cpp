@@ -380,7 +380,8 @@ std::string peers_agree() {
 
 std::string machines_come_back() {
     for (const HostileScene& scene : join_scenes())
-        if (const std::string wrong = scene.run(); !wrong.empty()) return std::string(scene.name) + ": " + wrong;
+        if (const std::string wrong = scene.run(); !wrong.empty())
+            return std::string(scene.name) + ": " + wrong;
     return {};
 }
 
@@ -473,9 +474,7 @@ std::string alike_shapes() {
     const Real before = world.shape(other).friction;
     world.set_material({one, 0.125_r}).value();
     if (world.shape(other).friction != before) return "a shape has another one's friction";
-    return world.shape(one).friction == 0.125_r
-               ? ""
-               : "a shape has not the friction that it was given";
+    return world.shape(one).friction == 0.125_r ? "" : "a shape has not the friction that it was given";
 }
 
 /// A ball in a box that reaches 1074 m along its diagonal, asked for with that diagonal as what parted them.

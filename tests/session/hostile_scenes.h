@@ -74,7 +74,8 @@ inline std::string claimed_inputs_of_the_gone() {
     return endured(h, {0, 1}, Liar::either, 450);
 }
 
-inline std::string keep_alives_without(void (*what)(Message&), std::uint32_t machines, bool only_to_0 = false) {
+inline std::string keep_alives_without(void (*what)(Message&), std::uint32_t machines,
+                                       bool only_to_0 = false) {
     HostileMatch h(machines);
     h.match.run(120);
     Message frozen{};
@@ -183,7 +184,8 @@ inline std::string about_a_departure(const LyingTransport::Lie& lie, bool may_st
     h.liar.lie = lie;
     h.match.network.unplug(2);
     h.match.run(600);
-    const bool stopped = !h.match.notices<MatchStopped>(0).empty() || !h.match.notices<MatchStopped>(1).empty();
+    const bool stopped =
+        !h.match.notices<MatchStopped>(0).empty() || !h.match.notices<MatchStopped>(1).empty();
     if (!h.match.agree(0, 1)) return "the honest machines parted";
     if (stopped) return may_stop ? "" : "the match stopped";
     return h.trouble({0, 1}, 400);
@@ -363,8 +365,13 @@ inline std::string wishes_without_end() {
         for (std::uint32_t n = 0; n < 100; ++n, ++wishes)
             h.match.network.endpoint(2).send(
                 0, session::write_wish(packet, h.liar.context.match,
-                                       {.wants_log = true, .wants_state = true, .wants_seat = n % 2 == 0, .ticket = 256 + frame,
-                                        .wanted = frame % 3, .asked = before, .offered = n % 2 == 0 ? before : 0xffff'ffff}));
+                                       {.wants_log = true,
+                                        .wants_state = true,
+                                        .wants_seat = n % 2 == 0,
+                                        .ticket = 256 + frame,
+                                        .wanted = frame % 3,
+                                        .asked = before,
+                                        .offered = n % 2 == 0 ? before : 0xffff'ffff}));
         h.match.run(1);
     }
     const std::uint64_t answers = h.match.network.counters().sent - sent - wishes - 2 * 600;
@@ -398,16 +405,27 @@ inline std::vector<HostileScene> hostile_at_joins() {
     using session::JoinStand, session::JoinWord;
     return {
         {"tells each another join tick",
-         [=] { return about_a_join(change_words([](PeerId to, JoinWord& word) { word.tick += to * 20; }), true); }},
-        {"is ready before the others",
-         [=] { return about_a_join(change_words([](PeerId, JoinWord& word) { word.stand = JoinStand::ready; }), true); }},
-        {"is ready at another tick for each",
          [=] {
-             return about_a_join(change_words([](PeerId to, JoinWord& word) { word.stand = JoinStand::ready, word.tick += to * 20; }),
+             return about_a_join(change_words([](PeerId to, JoinWord& word) { word.tick += to * 20; }), true);
+         }},
+        {"is ready before the others",
+         [=] {
+             return about_a_join(change_words([](PeerId, JoinWord& word) { word.stand = JoinStand::ready; }),
                                  true);
          }},
-        {"says no to some", [=] {
-             return about_a_join(change_words([](PeerId to, JoinWord& word) { if (to == 2) word.stand = JoinStand::no; }), true);
+        {"is ready at another tick for each",
+         [=] {
+             return about_a_join(change_words([](PeerId to, JoinWord& word) {
+                                     word.stand = JoinStand::ready, word.tick += to * 20;
+                                 }),
+                                 true);
+         }},
+        {"says no to some",
+         [=] {
+             return about_a_join(change_words([](PeerId to, JoinWord& word) {
+                                     if (to == 2) word.stand = JoinStand::no;
+                                 }),
+                                 true);
          }},
         {"says no to who is ready", no_to_who_is_ready},
         {"tells its word late", late_word},
@@ -415,7 +433,8 @@ inline std::vector<HostileScene> hostile_at_joins() {
         {"lets one in that plays", [] { return join_out_of_nothing(true); }},
         {"wishes without end", wishes_without_end},
         {"comes in and is silent", comes_and_is_silent},
-        {"does nothing while one comes back", [] { return about_a_join([](PeerId, Message&) { return true; }, false); }},
+        {"does nothing while one comes back",
+         [] { return about_a_join([](PeerId, Message&) { return true; }, false); }},
     };
 }
 

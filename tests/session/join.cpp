@@ -8,13 +8,6 @@ using namespace lockstone::test;
 
 namespace {
 
-constexpr LinkDef lossy{.latency_ms = 60,
-                        .jitter_ms = 30,
-                        .loss_permille = 100,
-                        .duplicate_permille = 20,
-                        .reorder_permille = 20,
-                        .damage_permille = 10};
-
 MatchDef of_machines(std::uint32_t count, bool lockstep, std::uint64_t seed) {
     MatchDef def{.machines = count,
                  .lockstep = lockstep,

@@ -27,10 +27,13 @@ inline std::string comes_back(std::uint32_t machines, std::uint64_t seed, std::u
             if (!match.agree(a, b)) return "the machines parted";
         if (!match.notices<Desync>(a).empty()) return "a desync";
         if (match.notices<PlayerJoined>(a).size() != 1) return "it did not come back once";
-        if (!match.machine(a).events.holds(match.machine(a).timeline.end())) return "an event has no end, or two";
-        if (match.machine(a).timeline.end() < match.machine(0).timeline.end() - 60) return "a machine is behind";
+        if (!match.machine(a).events.holds(match.machine(a).timeline.end()))
+            return "an event has no end, or two";
+        if (match.machine(a).timeline.end() < match.machine(0).timeline.end() - 60)
+            return "a machine is behind";
     }
-    if (match.machine(0).timeline.ticks.back().statuses[1] != InputStatus::confirmed) return "its inputs do not count";
+    if (match.machine(0).timeline.ticks.back().statuses[1] != InputStatus::confirmed)
+        return "its inputs do not count";
     return match.machine(0).timeline.end() > 900 ? "" : "the match was held up";
 }
 

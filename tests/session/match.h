@@ -77,6 +77,14 @@ class EventLaw {
     bool broken = false;
 };
 
+/// Every fault that a network has.
+inline constexpr LinkDef lossy{.latency_ms = 60,
+                               .jitter_ms = 30,
+                               .loss_permille = 100,
+                               .duplicate_permille = 20,
+                               .reorder_permille = 20,
+                               .damage_permille = 10};
+
 struct MatchDef {
     std::vector<PeerId> players = {0, 1};
     std::uint32_t machines = 2;
@@ -153,7 +161,9 @@ class Match {
     void join(PeerId id, std::uint32_t life = 1) {
         Machine& m = *machines[id];
         m.timeline.begins_late = true;
-        m.session = make_join_session(session_def_of(id), {.life = life, .lockstep = def.lockstep}, transport_of(id)).value();
+        m.session =
+            make_join_session(session_def_of(id), {.life = life, .lockstep = def.lockstep}, transport_of(id))
+                .value();
         start(m, id);
     }
     explicit Match(const MatchDef& match_def)
@@ -214,7 +224,8 @@ class Match {
         const auto lives_agree = [&](const Timeline& life) { return life.agrees(machines[b]->timeline); };
         // Of two machines one confirms what the other has not heard yet, and need not hear.
         const bool is_kept = def.machines > 2;
-        return lives_agree(machines[a]->timeline) && (!is_kept || std::ranges::all_of(machines[a]->lives_before, lives_agree));
+        return lives_agree(machines[a]->timeline) &&
+               (!is_kept || std::ranges::all_of(machines[a]->lives_before, lives_agree));
     }
 
     MatchDef def;
@@ -227,7 +238,8 @@ class Match {
     void start(Machine& m, PeerId id) {
         m.simulation = make_simulation(id);
         m.runner = std::make_unique<SessionRunner>(
-            *m.session, *m.simulation, RunnerDef{def.record ? &m.timeline : nullptr, "", def.inspected_ticks});
+            *m.session, *m.simulation,
+            RunnerDef{def.record ? &m.timeline : nullptr, "", def.inspected_ticks});
     }
     std::function<std::unique_ptr<Simulation>(PeerId)> make_simulation;
 };

@@ -24,13 +24,6 @@ void check_agreement(Match& match, std::uint64_t ticks_least) {
     }
 }
 
-constexpr LinkDef lossy{.latency_ms = 60,
-                        .jitter_ms = 30,
-                        .loss_permille = 100,
-                        .duplicate_permille = 20,
-                        .reorder_permille = 20,
-                        .damage_permille = 10};
-
 } // namespace
 
 TEST_CASE("two machines on a lossy network confirm the same inputs and hashes for thousands of ticks") {

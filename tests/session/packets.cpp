@@ -127,12 +127,14 @@ TEST_CASE("a packet reads as it was written, field by field, in each form") {
             CHECK(read.blocks[0].count == 12);
             CHECK(read.blocks[1].player == 3);
             std::uint64_t next = 990;
-            for_each_input(read.blocks[0], sample_input(989), [&](std::uint64_t tick, std::span<const std::byte> input) {
-                CHECK(tick == next++);
-                CHECK(std::ranges::equal(input, sample_input(tick)));
-            });
+            for_each_input(read.blocks[0], sample_input(989),
+                           [&](std::uint64_t tick, std::span<const std::byte> input) {
+                               CHECK(tick == next++);
+                               CHECK(std::ranges::equal(input, sample_input(tick)));
+                           });
             CHECK(next == 1002);
-            CHECK(read.blocks[0].code.size() == 8); // 12 inputs, 4 of them changes of two bytes: 15 + 3 * 12 + 8 bits
+            CHECK(read.blocks[0].code.size() ==
+                  8); // 12 inputs, 4 of them changes of two bytes: 15 + 3 * 12 + 8 bits
         }
 }
 
@@ -148,8 +150,9 @@ TEST_CASE("the bytes of a packet are those of the specification") {
     const auto bytes_of = [&](bool greeting, bool sealed) {
         message.greeting = message.heard = greeting;
         writer.begin({0xaabbccdd, 2, 1}, {.players = 1, .sealed = sealed}, message);
-        writer.add_inputs(0x01020305, 3, 0, std::array{std::byte{0x70}}, // less 3, the same, 9 more
-                          [](std::uint64_t tick) { return std::array{std::byte(tick < 0x01020307 ? 0x6d : 0x76)}; });
+        writer.add_inputs(
+            0x01020305, 3, 0, std::array{std::byte{0x70}}, // less 3, the same, 9 more
+            [](std::uint64_t tick) { return std::array{std::byte(tick < 0x01020307 ? 0x6d : 0x76)}; });
         const auto packet = writer.finish();
         std::vector<unsigned> out;
         for (const std::byte b : packet) out.push_back(std::to_integer<unsigned>(b));
@@ -208,13 +211,15 @@ TEST_CASE("what an unsealed short packet leaves out is in its checksum") {
 }
 
 TEST_CASE("numbers of 16 bits are told apart where their upper half changes") {
-    for (const std::uint64_t near : {std::uint64_t{1}, std::uint64_t{0x7fff}, std::uint64_t{0x8001}, std::uint64_t{0xfffe},
-                                     std::uint64_t{0x10001}, std::uint64_t{0xffff'0000}})
+    for (const std::uint64_t near :
+         {std::uint64_t{1}, std::uint64_t{0x7fff}, std::uint64_t{0x8001}, std::uint64_t{0xfffe},
+          std::uint64_t{0x10001}, std::uint64_t{0xffff'0000}})
         for (const std::int64_t away : {-30'000, -1, 0, 1, 30'000}) {
             Message message{}, read{};
             message.sequence = near + static_cast<std::uint64_t>(away);
             message.tick = near - static_cast<std::uint64_t>(away);
-            if (message.sequence >= std::uint64_t{1} << 32 || message.tick >= std::uint64_t{1} << 32) continue;
+            if (message.sequence >= std::uint64_t{1} << 32 || message.tick >= std::uint64_t{1} << 32)
+                continue;
             PacketWriter writer;
             writer.begin({1, 1, 0}, {1, true}, message);
             writer.add_no_inputs();
@@ -257,21 +262,23 @@ TEST_CASE("a sealed packet with a wrong field is refused for what is wrong") {
     constexpr std::size_t quality_at = hash_count_at + 1 + 1 + 12;
     constexpr std::size_t departures_at = quality_at + 1 + 1 + 2 + 1 + 2;
     constexpr std::size_t block_at = departures_at + 6 + 4 + 2; // of two players: since when
-    CHECK(refused(0, 0x9f) == PacketFault::malformed);                 // a flag that means nothing
-    CHECK(refused(5, 0xff) == PacketFault::malformed);                 // acknowledges a tick before the first
+    CHECK(refused(0, 0x9f) == PacketFault::malformed);          // a flag that means nothing
+    CHECK(refused(5, 0xff) == PacketFault::malformed);          // acknowledges a tick before the first
     CHECK(refused(hash_count_at, 0) == PacketFault::malformed);
-    CHECK(refused(hash_count_at, 2) == PacketFault::malformed);        // has a shorter form
+    CHECK(refused(hash_count_at, 2) == PacketFault::malformed); // has a shorter form
     CHECK(refused(hash_count_at, 17) == PacketFault::malformed);
     CHECK(refused(departures_at, 0x10) == PacketFault::malformed);     // player 4 of 4 is unwanted
     CHECK(refused(departures_at + 2, 0x18) == PacketFault::malformed); // or gone
     CHECK(refused(departures_at + 4, 0x0c) == PacketFault::malformed); // player 2 has a cut, and is here
     CHECK(refused(block_at, 5) == PacketFault::malformed);             // the rest of the code follows
     CHECK(refused(block_at, 0) == PacketFault::malformed);
-    CHECK(refused(block_at + 2, 0xff) == PacketFault::malformed);      // a change of all bytes by less than there are
-    CHECK(refused(block_at + 9, 0xf0) == PacketFault::malformed);      // bits after the last
+    CHECK(refused(block_at + 2, 0xff) ==
+          PacketFault::malformed); // a change of all bytes by less than there are
+    CHECK(refused(block_at + 9, 0xf0) == PacketFault::malformed); // bits after the last
 }
 
-TEST_CASE("inputs of any size and movement come out as they went in, and never take more than three bits beside their bytes") {
+TEST_CASE("inputs of any size and movement come out as they went in, and never take more than three bits "
+          "beside their bytes") {
     test::Random random(7);
     for (const std::uint32_t size : {0u, 1u, 2u, 3u, 8u, 17u, 64u})
         for (int kind = 0; kind < 4; ++kind) {
@@ -280,7 +287,8 @@ TEST_CASE("inputs of any size and movement come out as they went in, and never t
                 inputs[i] = inputs[i - 1];
                 for (std::byte& b : inputs[i]) {
                     if (kind == 0 || random.below(kind == 1 ? 10 : 2) != 0) continue;
-                    b = static_cast<std::byte>(kind == 3 ? random.next() : std::to_integer<std::uint32_t>(b) + random.below(19) - 9);
+                    b = static_cast<std::byte>(
+                        kind == 3 ? random.next() : std::to_integer<std::uint32_t>(b) + random.below(19) - 9);
                 }
             }
             std::vector<std::byte> code(3, std::byte{0xff}); // what stands before is left alone
@@ -290,7 +298,8 @@ TEST_CASE("inputs of any size and movement come out as they went in, and never t
             if (kind == 0) CHECK(code.size() - 3 == 13);
             const std::span<const std::byte> written = std::span(code).subspan(3);
             InputDecoder decoder(written, inputs[0]);
-            for (const std::vector<std::byte>& input : inputs) REQUIRE(std::ranges::equal(decoder.next(), input));
+            for (const std::vector<std::byte>& input : inputs)
+                REQUIRE(std::ranges::equal(decoder.next(), input));
             CHECK(decoder.end() == code.size() - 3);
             CHECK(decoder.ok());
         }
@@ -306,13 +315,13 @@ TEST_CASE("a code of inputs that has another form, or an end that is not zeros, 
         return decoder.ok();
     };
     CHECK(ok({0b00000}, 5));
-    CHECK_FALSE(ok({0b100000}, 5));          // a bit after the last
-    CHECK_FALSE(ok({}, 1));                  // nothing
-    CHECK_FALSE(ok({0b01}, 1));              // the same bytes as at the last change, of which there is none
-    CHECK_FALSE(ok({0b00011}, 1));           // a change of no byte
-    CHECK(ok({0b0'01'011, 0}, 1));           // byte 0 by -8
+    CHECK_FALSE(ok({0b100000}, 5)); // a bit after the last
+    CHECK_FALSE(ok({}, 1));         // nothing
+    CHECK_FALSE(ok({0b01}, 1));     // the same bytes as at the last change, of which there is none
+    CHECK_FALSE(ok({0b00011}, 1));  // a change of no byte
+    CHECK(ok({0b0'01'011, 0}, 1));  // byte 0 by -8
     CHECK_FALSE(ok({0b1'01'011 | 0x40, 0}, 1)); // the same in 8 bits: by 1
-    CHECK_FALSE(ok({0b111, 0, 0}, 1));       // all bytes, by nothing
+    CHECK_FALSE(ok({0b111, 0, 0}, 1));          // all bytes, by nothing
     CHECK(ok({0b1111, 0, 0}, 1));
 }
 
@@ -333,9 +342,10 @@ TEST_CASE("random and mutated bytes, sealed or not, never break the decoder") {
         ++outcomes[fault ? static_cast<std::size_t>(*fault) : packet_fault_count];
         if (fault) continue;
         for (const InputBlock& block : read.input_blocks())
-            for_each_input(block, std::span(zeros).first(2), [](std::uint64_t, std::span<const std::byte> input) {
-                REQUIRE(input.size() == context.input_size);
-            });
+            for_each_input(block, std::span(zeros).first(2),
+                           [](std::uint64_t, std::span<const std::byte> input) {
+                               REQUIRE(input.size() == context.input_size);
+                           });
     }
     CHECK(outcomes[static_cast<std::size_t>(PacketFault::malformed)] > 1000);
     CHECK(outcomes[static_cast<std::size_t>(PacketFault::damaged)] > 1000);
@@ -367,7 +377,8 @@ TEST_CASE("a hostile peer can send what it likes: the session drops it, counts i
             mailbox_0.from = random.below(50) == 0 ? 5 : 1;
             if (now == 0) greeting = mailbox_1.sent; // later ones are short
             for (int i = 0; i < 4; ++i) {
-                std::vector<std::byte>& packet = mailbox_0.waiting.emplace_back(i == 0 ? greeting : mailbox_1.sent);
+                std::vector<std::byte>& packet =
+                    mailbox_0.waiting.emplace_back(i == 0 ? greeting : mailbox_1.sent);
                 mutate(packet, random);
                 // Rarely a farewell: it is believed, and the rest of the match would be refused.
                 const bool is_short = !packet.empty() && (packet[0] & std::byte{128}) != std::byte{0};
@@ -409,7 +420,8 @@ TEST_CASE("claims that the sender cannot make are refused whole") {
         change(message);
         PacketWriter writer;
         writer.begin(packet_context(def), {players_at(def, 1)}, message);
-        writer.add_inputs(first, 2, 0, std::span(zeros).first(1), [](std::uint64_t) { return std::array{std::byte{1}}; });
+        writer.add_inputs(first, 2, 0, std::span(zeros).first(1),
+                          [](std::uint64_t) { return std::array{std::byte{1}}; });
         const auto packet = writer.finish();
         mailbox.waiting.emplace_back(packet.begin(), packet.end());
         const auto& count = session->stats().dropped[static_cast<std::size_t>(PacketFault::implausible)];
@@ -418,11 +430,11 @@ TEST_CASE("claims that the sender cannot make are refused whole") {
         return count == before + 1;
     };
     const auto nothing = [](Message&) {};
-    CHECK(implausible([](Message& m) { m.next_input[0] = 1; }, 0));   // has an input we did not send
-    CHECK(implausible([](Message& m) { m.next_hash = 1; }, 0));       // has a hash we did not send
-    CHECK(implausible([](Message& m) { m.hash_count = 1; }, 0));      // confirmed a tick without our input
-    CHECK(implausible(nothing, 257));                                 // a gap in its inputs, wider than is kept
-    CHECK(implausible([](Message& m) { m.greeting = false; }, 0));    // speaks before it has greeted
+    CHECK(implausible([](Message& m) { m.next_input[0] = 1; }, 0)); // has an input we did not send
+    CHECK(implausible([](Message& m) { m.next_hash = 1; }, 0));     // has a hash we did not send
+    CHECK(implausible([](Message& m) { m.hash_count = 1; }, 0));    // confirmed a tick without our input
+    CHECK(implausible(nothing, 257));                               // a gap in its inputs, wider than is kept
+    CHECK(implausible([](Message& m) { m.greeting = false; }, 0));  // speaks before it has greeted
     CHECK(session->advance().stall == Stall::connecting);
     CHECK_FALSE(implausible(nothing, 256)); // a gap: the first ones may be on their way
     CHECK(session->advance().stall == Stall::local_input_missing);

@@ -30,9 +30,11 @@ void describe(CLI::App& command, Args& args) {
     add_number(command, "--latency", args.latency_ms, "one way [ms]", 0, 10000);
     add_number(command, "--jitter", args.jitter_ms, "added, up to [ms]", 0, 10000);
     add_number(command, "--ticks", args.ticks, "that every peer has to confirm", 1, UINT64_MAX);
-    add_number(command, "--watchers", args.watchers, "machines that watch peer 0, and join one after the other", 0, 64);
+    add_number(command, "--watchers", args.watchers,
+               "machines that watch peer 0, and join one after the other", 0, 64);
     add_number(command, "--late", args.late, "machines that come in late, into empty seats", 0, 15);
-    add_number(command, "--rejoin", args.rejoin, "how often a machine loses all its state and comes back", 0, 1000);
+    add_number(command, "--rejoin", args.rejoin, "how often a machine loses all its state and comes back", 0,
+               1000);
     add_flag(command, "--trouble", args.trouble, "machines sleep, and links are cut, for a while");
     add_text(command, "--mode", args.mode, "rollback or lockstep")
         .one_of({"rollback", "lockstep"})
@@ -77,7 +79,8 @@ std::vector<std::string> disagreements(const MatchOutcome& match, const Game& ga
     }
     for (std::size_t w = 0; w < match.watched.size(); ++w)
         if (!std::equal(first.hashes.begin(), first.hashes.end(), match.watched[w].begin()))
-            found.push_back("seed " + std::to_string(seed) + ", watcher " + std::to_string(w) + ": has seen another match than peer 0");
+            found.push_back("seed " + std::to_string(seed) + ", watcher " + std::to_string(w) +
+                            ": has seen another match than peer 0");
     return found;
 }
 

@@ -18,10 +18,12 @@ struct MatchDef {
     std::uint64_t ticks = 600; ///< that every peer has to confirm
     MatchMode mode = MatchMode::rollback;
     LinkDef link;
-    std::uint32_t watchers = 0; ///< who watch peer 0; the first from the start, each next one some seconds later
-    std::uint32_t late = 0;     ///< how many of the last machines come in some seconds after the start
-    std::uint32_t rejoins = 0;  ///< how often a machine, but not peer 0, loses all its state and comes back two seconds later
-    bool trouble = false;       ///< machines sleep for up to half a second, and links are cut for up to two
+    std::uint32_t watchers =
+        0;                  ///< who watch peer 0; the first from the start, each next one some seconds later
+    std::uint32_t late = 0; ///< how many of the last machines come in some seconds after the start
+    std::uint32_t rejoins =
+        0; ///< how often a machine, but not peer 0, loses all its state and comes back two seconds later
+    bool trouble = false; ///< machines sleep for up to half a second, and links are cut for up to two
 };
 
 /// One peer's view of what was confirmed, and its recording.
@@ -54,8 +56,8 @@ struct PeerOutcome {
 struct MatchOutcome {
     std::vector<PeerOutcome> peers;
     std::vector<std::vector<std::uint64_t>> watched; ///< by watcher: hashes, by tick
-    std::vector<std::string> desyncs; ///< what sessions reported
-    std::uint64_t milliseconds = 0;   ///< of simulated time
+    std::vector<std::string> desyncs;                ///< what sessions reported
+    std::uint64_t milliseconds = 0;                  ///< of simulated time
 };
 
 /// One peer per player of the game. Errors: the match did not get through in a generous time.

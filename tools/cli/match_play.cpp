@@ -51,11 +51,13 @@ SessionDef session_of(const Game& game, const MatchDef& def, PeerId self) {
     return session;
 }
 
-Result<std::unique_ptr<Watcher>> make_watcher(const Game& game, const MatchDef& def, PeerId self, Transport& transport) {
+Result<std::unique_ptr<Watcher>> make_watcher(const Game& game, const MatchDef& def, PeerId self,
+                                              Transport& transport) {
     Result<World> world = game.start();
     if (!world) return world.error();
     auto watcher = std::make_unique<Watcher>(std::move(*world), game, self);
-    Result<std::unique_ptr<Session>> session = make_spectator_session(session_of(game, def, self), 0, transport);
+    Result<std::unique_ptr<Session>> session =
+        make_spectator_session(session_of(game, def, self), 0, transport);
     if (!session) return session.error();
     watcher->session = std::move(*session);
     watcher->runner = std::make_unique<SessionRunner>(
@@ -93,14 +95,15 @@ Result<std::unique_ptr<Peer>> make_peer(const Game& game, const MatchDef& def, P
 }
 
 /// A machine that has nothing of the match.
-Result<std::unique_ptr<Peer>> make_joining_peer(const Game& game, const MatchDef& def, PeerId self, std::uint32_t life,
-                                                Transport& transport) {
+Result<std::unique_ptr<Peer>> make_joining_peer(const Game& game, const MatchDef& def, PeerId self,
+                                                std::uint32_t life, Transport& transport) {
     Result<World> world = game.start();
     if (!world) return world.error();
     auto peer = std::make_unique<Peer>(std::move(*world), game);
     peer->log = std::make_unique<ConfirmedLog>(std::nullopt, def.ticks);
     const JoinDef join{.life = life, .lockstep = def.mode == MatchMode::lockstep};
-    Result<std::unique_ptr<Session>> session = make_join_session(session_of(game, def, self), join, transport);
+    Result<std::unique_ptr<Session>> session =
+        make_join_session(session_of(game, def, self), join, transport);
     if (!session) return session.error();
     peer->session = std::move(*session);
     peer->runner = std::make_unique<SessionRunner>(*peer->session, peer->simulation,
@@ -109,8 +112,8 @@ Result<std::unique_ptr<Peer>> make_joining_peer(const Game& game, const MatchDef
 }
 
 /// Who comes late comes, and one machine after the other loses what it has, and comes back.
-Status come_and_go(std::vector<std::unique_ptr<Peer>>& peers, const Game& game, const MatchDef& def, std::uint64_t frame,
-                   SimulatedNetwork& network) {
+Status come_and_go(std::vector<std::unique_ptr<Peer>>& peers, const Game& game, const MatchDef& def,
+                   std::uint64_t frame, SimulatedNetwork& network) {
     constexpr std::uint64_t frames_between = 900, frames_away = 120, first_crash = 300, first_late = 200;
     const auto join = [&](PeerId id, std::uint32_t life) -> Status {
         Result<std::unique_ptr<Peer>> peer = make_joining_peer(game, def, id, life, network.endpoint(id));
@@ -160,7 +163,8 @@ std::uint64_t ticks_confirmed(const std::vector<std::unique_ptr<Peer>>& peers,
                               const std::vector<std::unique_ptr<Watcher>>& watchers) {
     std::uint64_t least = ~std::uint64_t{0};
     for (const auto& peer : peers)
-        least = std::min<std::uint64_t>(least, peer == nullptr ? 0 : peer->log->first + peer->log->hashes.size());
+        least =
+            std::min<std::uint64_t>(least, peer == nullptr ? 0 : peer->log->first + peer->log->hashes.size());
     for (const auto& watcher : watchers) least = std::min<std::uint64_t>(least, watcher->hashes.size());
     return least;
 }
