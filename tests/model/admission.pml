@@ -22,13 +22,13 @@
 #ifndef FAULT
 #define FAULT 0
 #endif
-#ifndef INPUTS
-#define INPUTS 1 /* ticks that the words may differ by */
+#ifndef SPREAD
+#define SPREAD 1 /* ticks that the words may differ by, 1 or 2 */
 #endif
 
 #define MACHINES 3
 #define FIRST 1              /* the earliest tick that may be told */
-#define LAST (FIRST + INPUTS)
+#define LAST (FIRST + SPREAD)
 #define NONE 0
 #define YES 1
 #define READY 2
@@ -88,7 +88,7 @@ end:
     do
     :: atomic { machine[i].own.stand == NONE -> machine[i].own.stand = YES; machine[i].own.tick = FIRST }
     :: atomic { machine[i].own.stand == NONE -> machine[i].own.stand = YES; machine[i].own.tick = LAST }
-    :: atomic { INPUTS > 1 && machine[i].own.stand == NONE -> machine[i].own.stand = YES; machine[i].own.tick = FIRST + 1 }
+    :: atomic { SPREAD > 1 && machine[i].own.stand == NONE -> machine[i].own.stand = YES; machine[i].own.tick = FIRST + 1 }
     :: atomic { machine[i].own.stand == NONE -> machine[i].own.stand = NO }
     :: atomic { (machine[i].own.stand == YES || (FAULT == 2 && OPEN(i))) && ANY_NO(i) -> machine[i].own.stand = NO; check() }
     :: atomic { FAULT == 4 && machine[i].own.stand == YES -> machine[i].own.stand = NO }
@@ -110,9 +110,9 @@ inline tell(to) {
     if
     :: FROM(2, to).known.stand = YES; FROM(2, to).known.tick = FIRST
     :: FROM(2, to).known.stand = YES; FROM(2, to).known.tick = LAST
-    :: INPUTS > 1 -> FROM(2, to).known.stand = YES; FROM(2, to).known.tick = FIRST + 1
+    :: SPREAD > 1 -> FROM(2, to).known.stand = YES; FROM(2, to).known.tick = FIRST + 1
     :: FROM(2, to).known.stand = READY; FROM(2, to).known.tick = FIRST
-    :: INPUTS > 1 -> FROM(2, to).known.stand = READY; FROM(2, to).known.tick = FIRST + 1
+    :: SPREAD > 1 -> FROM(2, to).known.stand = READY; FROM(2, to).known.tick = FIRST + 1
     :: FROM(2, to).known.stand = READY; FROM(2, to).known.tick = LAST
     :: FROM(2, to).known.stand = NO; FROM(2, to).known.tick = 0
     fi
