@@ -51,7 +51,7 @@ class Match:
                                   "--seconds", str(2 * SECONDS)], stdout=subprocess.PIPE, text=True)
         try:
             port, key = re.fullmatch(r"port (\d+), key (\w+)\n", relay.stdout.readline()).groups()
-            with SlowWay(int(port), delay_ms=40, jitter_ms=20) as way:
+            with SlowWay(delay_ms=40, jitter_ms=20, server=int(port)) as way:
                 self.play(programs, folder, [f"127.0.0.1:{way.port}", key], extra)
         finally:
             relay.kill()

@@ -1,29 +1,31 @@
 #!/usr/bin/env python3
-"""A way to a UDP server on this machine that takes its time: who sends here reaches the server later, and so do the answers.
+"""A bad network on this machine: UDP packets arrive late, in another order, or never.
 
-The server sees each client at a port of its own, as behind a router.
+  slow_way.py PORT DELAY_MS JITTER_MS                                     to the server at PORT; prints its own port
+  slow_way.py --between A B --at PORT DELAY_MS JITTER_MS LOSS_PERCENT     what comes from port A goes to B, and the other way round
 
-  slow_way.py SERVER_PORT DELAY_MS JITTER_MS       prints its own port; until it is killed"""
+Until it is killed. The server sees each client at a port of its own, as behind a router."""
+import argparse
 import heapq
 import random
 import select
 import socket
-import sys
 import threading
 import time
 
 
 class SlowWay:
-    """with SlowWay(port, delay_ms=40, jitter_ms=20) as way: clients send to way.port."""
+    """with SlowWay(delay_ms=40, jitter_ms=20, server=port) as way: clients send to way.port."""
 
-    def __init__(self, server_port, delay_ms, jitter_ms):
-        self.server = ("127.0.0.1", server_port)
-        self.delay, self.jitter = delay_ms / 1000, jitter_ms / 1000
-        self.front = self._socket()
+    def __init__(self, delay_ms, jitter_ms, server=None, between=None, at=0, loss_percent=0):
+        self.server, self.between = server, between
+        self.delay, self.jitter, self.loss = delay_ms / 1000, jitter_ms / 1000, loss_percent / 100
+        self.front = self._socket(at)
         self.port = self.front.getsockname()[1]
         self.by_client, self.client_of = {}, {}
         self.late = []  # (due, number, socket, address, bytes), the earliest first
-        self.number, self.passed, self.over = 0, 0, threading.Event()
+        self.number, self.over = 0, threading.Event()
+        self.chance = random.Random(1)
         self.thread = threading.Thread(target=self._run, daemon=True)
 
     def __enter__(self):
@@ -37,24 +39,31 @@ class SlowWay:
             each.close()
 
     @staticmethod
-    def _socket():
+    def _socket(port=0):
         made = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        made.bind(("127.0.0.1", 0))
+        made.bind(("127.0.0.1", port))
         made.setblocking(False)
         return made
 
+    def _way_on(self, arrived, sender):
+        """By which socket a packet leaves, and for which port."""
+        if self.between:
+            return self.front, self.between[1] if sender == self.between[0] else self.between[0]
+        if arrived is not self.front:
+            return self.front, self.client_of[arrived]
+        if sender not in self.by_client:
+            self.by_client[sender] = self._socket()
+            self.client_of[self.by_client[sender]] = sender
+        return self.by_client[sender], self.server
+
     def _take(self, arrived):
-        data, sender = arrived.recvfrom(2048)
-        if arrived is self.front:
-            if sender not in self.by_client:
-                self.by_client[sender] = self._socket()
-                self.client_of[self.by_client[sender]] = sender
-            leaves, to = self.by_client[sender], self.server
-        else:
-            leaves, to = self.front, self.client_of[arrived]
-        due = time.monotonic() + self.delay + random.random() * self.jitter
+        data, (_, sender) = arrived.recvfrom(2048)
+        leaves, to = self._way_on(arrived, sender)
+        if self.chance.random() < self.loss:
+            return
+        due = time.monotonic() + self.delay + self.chance.random() * self.jitter
         self.number += 1
-        heapq.heappush(self.late, (due, self.number, leaves, to, data))
+        heapq.heappush(self.late, (due, self.number, leaves, ("127.0.0.1", to), data))
 
     def _run(self):
         while not self.over.is_set():
@@ -67,11 +76,24 @@ class SlowWay:
             while self.late and self.late[0][0] <= time.monotonic():
                 _, _, leaves, to, data = heapq.heappop(self.late)
                 leaves.sendto(data, to)
-                self.passed += 1
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--between", nargs=2, type=int)
+    parser.add_argument("--at", type=int, default=0)
+    parser.add_argument("numbers", nargs="+", type=int)
+    arguments = parser.parse_args()
+    if arguments.between:
+        delay, jitter, loss = arguments.numbers
+        way = SlowWay(delay, jitter, between=arguments.between, at=arguments.at, loss_percent=loss)
+    else:
+        server, delay, jitter = arguments.numbers
+        way = SlowWay(delay, jitter, server=server)
+    with way:
+        print(way.port, flush=True)
+        threading.Event().wait()
 
 
 if __name__ == "__main__":
-    server, delay, jitter = map(int, sys.argv[1:4])
-    with SlowWay(server, delay, jitter) as way:
-        print(way.port, flush=True)
-        threading.Event().wait()
+    main()

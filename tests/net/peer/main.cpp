@@ -2,11 +2,9 @@
 //
 //   net_peer --relay ADDRESS:PORT --key HEX [--code CODE] --ticks N   through a relay: opens a room for two and prints its code, or enters
 //   net_peer --tokens A:PORT B:PORT --slot N --seed HEX --ticks N     directly: both ends make the same tokens from a common seed
-//   net_peer --proxy PORT A:PORT B:PORT --loss P --delay MS --jitter MS --seconds N   a lossy way between two peers, for machines without netem
 //
 // Prints "confirmed TICKS hash HASH" at the end: the hash of all confirmed hashes. Exit status 0: all ticks were confirmed.
 #include "base/hash.h"
-#include "lockstone/random.h"
 #include "net/net_player.h"
 
 #include <algorithm>
@@ -106,47 +104,9 @@ int play(const Args& args, const ConnectToken& token) {
     return player.hashes.size() >= ticks && !player.desynced && !player.lost ? 0 : 1;
 }
 
-/// What comes from one of two addresses goes to the other, late or never.
-int proxy(const Args& args) {
-    NetAddress local = parse_address("0.0.0.0:0").value();
-    local.port = static_cast<std::uint16_t>(args.number("--proxy", 0));
-    const NetAddress ends[] = {parse_address(args.after("--proxy", 2)).value(),
-                               parse_address(args.after("--proxy", 3)).value()};
-    UdpSocket socket = UdpSocket::open(local).value();
-    Random random = Random::seeded(1);
-    struct Late {
-        std::uint64_t due;
-        NetAddress to;
-        std::vector<std::byte> bytes;
-    };
-    std::vector<Late> way;
-    const auto loss = static_cast<std::uint32_t>(args.number("--loss", 0)),
-               jitter = static_cast<std::uint32_t>(args.number("--jitter", 1));
-    std::uint64_t lost = 0, passed = 0;
-    for (const std::uint64_t end = unix_ms() + args.number("--seconds", 30) * 1000; unix_ms() < end;) {
-        socket.wait(1);
-        while (const auto arrived = socket.receive()) {
-            if (random.below(100) < loss && ++lost) continue;
-            const NetAddress& to = arrived->from == ends[0] ? ends[1] : ends[0];
-            way.push_back({unix_ms() + args.number("--delay", 0) + random.below(jitter + 1),
-                           to,
-                           {arrived->bytes.begin(), arrived->bytes.end()}});
-        }
-        std::erase_if(way, [&](const Late& late) {
-            if (late.due > unix_ms()) return false;
-            socket.send(late.to, late.bytes), ++passed;
-            return true;
-        });
-    }
-    std::printf("lost %llu, passed %llu\n", static_cast<unsigned long long>(lost),
-                static_cast<unsigned long long>(passed));
-    return 0;
-}
-
 } // namespace
 
 int main(int argc, char** argv) {
     const Args args{{argv + 1, argv + argc}};
-    if (args.has("--proxy")) return proxy(args);
     return play(args, args.has("--relay") ? token_of_lobby(args) : token_of_seed(args));
 }
