@@ -12,8 +12,9 @@ namespace {
 #ifdef NDEBUG
 constexpr bool poisons_scratch = false;
 #else
-constexpr bool poisons_scratch =
-    true; // what reads before it writes shows; in every second tick, since it forgets hints as well
+/// What reads before it writes shows. In every second tick: poisoning forgets the hints of pairs, and the ways that they open are to
+/// be walked under sanitizers too.
+constexpr bool poisons_scratch = true;
 #endif
 
 /// For profilers: nothing but a name leaves, and nothing comes back.
