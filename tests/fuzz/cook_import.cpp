@@ -5,14 +5,23 @@
 // endless loop libFuzzer's -fork=1 -ignore_crashes=1 -ignore_timeouts=1 -ignore_ooms=1 goes on, and `lockstone cook`
 // answers the inputs that are left with a sentence.
 //
+// The alarm of libFuzzer's -timeout tells a stack and dumps the input before it ends the process. Where it interrupts the
+// library within malloc, it waits for the allocator's lock, and its parent for ever. So a thread that allocates nothing
+// ends the process when one input takes too long.
+//
 // The first byte of an input chooses the format, the rest is the file.
 #include "cook/import.h"
 #include "cook/read_model.h"
 #include "cook_input.h"
 
+#include <atomic>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <stdexcept>
+#include <thread>
+
+#include <unistd.h>
 
 namespace Assimp {
 /// In place of the library's own, which aborts.
@@ -33,15 +42,40 @@ std::string complaint(std::span<const std::byte> file, const char* extension) {
     return check(compacted(welded(*soup)), import_coordinate_max).empty() ? "" : "welding breaks it";
 }
 
+/// Inputs begun and inputs ended: equal between two inputs.
+std::atomic<std::uint64_t> begun = 0;
+std::atomic<std::uint64_t> ended = 0;
+
+constexpr auto longest_input = std::chrono::seconds(8);
+constexpr int timeout_status = 70; // libFuzzer's, which -ignore_timeouts=1 goes by
+
+/// Ends the process when one input runs for over `longest_input`.
+void watch() {
+    std::uint64_t watched = 0; // the input that ran when this thread last looked
+    for (;;) {
+        std::this_thread::sleep_for(longest_input);
+        const std::uint64_t now = begun;
+        if (now == watched && ended != now) _exit(timeout_status);
+        watched = now;
+    }
+}
+
 } // namespace
+
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
+    std::thread(watch).detach();
+    return 0;
+}
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     if (size == 0) return 0;
+    ++begun;
     std::string wrong;
     try {
         wrong = complaint(std::as_bytes(std::span(data + 1, size - 1)),
                           fuzz::import_extensions[data[0] % fuzz::import_extensions.size()]);
     } catch (const std::exception&) {} // the importing process sends it as a sentence
+    ++ended;
     if (wrong.empty()) return 0;
     std::fprintf(stderr, "ERROR: cook import: %s\n", wrong.c_str());
     std::abort();
