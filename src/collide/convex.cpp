@@ -5,6 +5,7 @@
 #include "collide/core.h"
 
 #include "base/assert.h"
+#include "shapes/support_kernel.h"
 
 namespace lockstone::collide {
 namespace {
@@ -43,6 +44,8 @@ Convex convex_of(const shapes::Solid& solid, const Rotation& rotation, Coordinat
             {raw(rotation.x), raw(rotation.y), raw(rotation.z)},
             raw(g.half_extent) * factor,
             core == Convex::Core::hull ? solid.hull : nullptr,
+            solid.kernel,
+            rotation == Rotation::identity(),
             {}};
 }
 
@@ -54,6 +57,8 @@ Convex convex_of_triangle(const Long3 (&corners_24)[3]) {
             {{one, 0, 0}, {0, one, 0}, {0, 0, one}},
             Long3{},
             nullptr,
+            nullptr,
+            true,
             {corners_24[0], corners_24[1], corners_24[2]}};
 }
 
@@ -122,51 +127,74 @@ Long3 Core::support_rim(Long3 direction) const {
     return {part(0), part(1), part(2)};
 }
 
-/// The search begins at `corner` and leaves it where it ends.
-static SupportPoint support_of_hull(const Convex& shape, Long3 origin_30, Long3 direction,
-                                    std::uint32_t& corner) {
-    const shapes::Hull& hull = *shape.hull;
-    const Long3 local{shift_right_rounded(dot(shape.axes_30[0], direction), 30),
-                      shift_right_rounded(dot(shape.axes_30[1], direction), 30),
-                      shift_right_rounded(dot(shape.axes_30[2], direction), 30)};
-    // |local| <= 2^32 and |v| < 2^8 m = 2^32 steps; components of v are below 2^31.
-    const auto along = [&](std::uint32_t k) { return dot(local, raw(hull.vertices[k])); };
-    if (hull.vertices.size() <= hull_scan_max) {
-        // By masks: which corner is further is as good as chance, and a branch would be guessed wrong.
-        std::uint64_t best = 0, most = static_cast<std::uint64_t>(along(0));
-        const std::uint64_t count = hull.vertices.size();
-        for (std::uint64_t k = 1; k < count; ++k) {
-            const std::int64_t x = along(static_cast<std::uint32_t>(k));
-            const std::uint64_t more = x > static_cast<std::int64_t>(most) ? ~std::uint64_t{0} : 0;
-            most ^= (most ^ static_cast<std::uint64_t>(x)) & more;
-            best ^= (best ^ k) & more;
-        }
-        corner = static_cast<std::uint32_t>(best);
-    } else {
-        std::int64_t most = along(corner);
-        for (bool climbs = true; climbs;) {
-            climbs = false;
-            const std::uint32_t end = hull.first_neighbour[corner + 1];
-            std::uint32_t best = corner;
-            for (std::uint32_t k = hull.first_neighbour[corner]; k < end; ++k)
-                if (const std::int64_t x = along(hull.neighbours[k]); x > most)
-                    best = hull.neighbours[k], most = x;
-            if (best != corner) corner = best, climbs = true;
-        }
-    }
-    const Long3 v = raw(hull.vertices[corner]); // three products below 2^62 with |v| < 2^32: no overflow
+static bool fits_32(Long3 a) {
+    const auto fits = [](std::int64_t x) { return x == static_cast<std::int32_t>(x); };
+    return fits(a[0]) & fits(a[1]) & fits(a[2]);
+}
+
+/// Where a corner of a hull is: three products below 2^62 with |v| < 2^32, so no overflow.
+static inline Long3 corner_of(const Convex& shape, const Long3& origin_30, std::uint32_t corner) {
+    const Long3 v = raw(shape.hull->vertices[corner]);
+    if (shape.upright) return origin_30 + up(v, 6);
     const auto part = [&](int i) {
         return shift_right_rounded(
             shape.axes_30[0][i] * v[0] + shape.axes_30[1][i] * v[1] + shape.axes_30[2][i] * v[2], 24);
     };
-    return {origin_30 + Long3{part(0), part(1), part(2)}, corner};
+    return origin_30 + Long3{part(0), part(1), part(2)};
 }
 
-SupportPoint Core::support_hull(Long3 direction) {
-    return support_of_hull(*shape, origin_30, direction, corner);
+/// Uphill from one corner to the next. |local| <= 2^32 and |v| < 2^8 m = 2^32 steps; components of v are below 2^31.
+static std::uint32_t climb(const shapes::Hull& hull, const Long3& local, std::uint32_t corner) {
+    const auto along = [&](std::uint32_t k) { return dot(local, raw(hull.vertices[k])); };
+    std::int64_t most = along(corner);
+    while (true) {
+        const std::uint32_t end = hull.first_neighbour[corner + 1];
+        std::uint32_t best = corner;
+        for (std::uint32_t k = hull.first_neighbour[corner]; k < end; ++k)
+            if (const std::int64_t x = along(hull.neighbours[k]); x > most)
+                best = hull.neighbours[k], most = x;
+        if (best == corner) return corner;
+        corner = best;
+    }
 }
 
-SupportPoint Core::support(Long3 direction) {
+/// The first of the furthest corners. By masks: which corner is further is as good as chance, and a branch would be guessed wrong.
+static std::uint32_t scan(const shapes::Hull& hull, const Long3& local) {
+    const auto along = [&](std::uint64_t k) { return dot(local, raw(hull.vertices[k])); };
+    std::uint64_t best = 0, most = static_cast<std::uint64_t>(along(0));
+    const std::uint64_t count = hull.vertices.size();
+    for (std::uint64_t k = 1; k < count; ++k) {
+        const std::int64_t x = along(k);
+        const std::uint64_t more = x > static_cast<std::int64_t>(most) ? ~std::uint64_t{0} : 0;
+        most ^= (most ^ static_cast<std::uint64_t>(x)) & more;
+        best ^= (best ^ k) & more;
+    }
+    return static_cast<std::uint32_t>(best);
+}
+
+/// The search begins at `corner` and leaves it where it ends.
+static inline SupportPoint support_of_hull(const Convex& shape, const Long3& origin_30,
+                                           const Long3& direction, std::uint32_t& corner) {
+    const shapes::Hull& hull = *shape.hull;
+    Long3 local = direction;
+    if (!shape.upright)
+        for (int i = 0; i < 3; ++i)
+            local[i] = shift_right_rounded(dot(shape.axes_30[i], direction), 30);
+    if (hull.vertices.size() > hull_scan_max) {
+        corner = climb(hull, local, corner);
+    } else if (shape.kernel != nullptr && fits_32(local)) {
+        const std::int32_t along[3] = {static_cast<std::int32_t>(local[0]), static_cast<std::int32_t>(local[1]),
+                                       static_cast<std::int32_t>(local[2])};
+        corner = shape.kernel->furthest(hull.lanes.data(),
+                                        static_cast<std::uint32_t>(hull.lanes.size() / 3), along);
+    } else {
+        corner = scan(hull, local);
+    }
+    return {corner_of(shape, origin_30, corner), corner};
+}
+
+SupportPoint Core::support(const Long3& direction) {
+    if (shape->core == Convex::Core::hull) return support_of_hull(*shape, origin_30, direction, corner);
     const auto towards = [&](int i, Long3 at) {
         return dot(shape->axes_30[i], direction) < 0 ? at - extent_30[i] : at + extent_30[i];
     };
@@ -192,7 +220,7 @@ SupportPoint Core::support(Long3 direction) {
         return {at_rim ? rim : apex, at_rim ? 0u : 1u};
     }
     case Convex::Core::hull:
-        return support_hull(direction);
+        break; // above
     }
     return {origin_30, 0};
 }

@@ -42,7 +42,7 @@ class Core {
     explicit Core(const Convex& shape);
 
     /// The point furthest along a direction of at most 2^31, 30 fraction bits.
-    SupportPoint support(Long3 direction);
+    SupportPoint support(const Long3& direction);
     /// No point of the core is further than this from `middle()`, on each axis; 30 fraction bits.
     Long3 reach() const { return half_reach; }
     Long3 middle() const { return center; }
@@ -51,7 +51,6 @@ class Core {
 
   private:
     Long3 support_rim(Long3 direction) const;
-    SupportPoint support_hull(Long3 direction);
 
     const Convex* shape;
     Long3 origin_30; ///< the shape's origin
@@ -73,12 +72,12 @@ class Difference {
   public:
     Difference(const Convex& a, const Convex& b);
     /// Furthest along a direction of at most 2^31.
-    Vertex support(Long3 direction) {
+    Vertex support(const Long3& direction) {
         const Long3 p = a.support(direction).at_30, q = b.support(-direction).at_30;
         return {shifted(p - q, drop), p, q};
     }
     /// Separation along a unit direction from A to B.
-    std::int64_t separation_30(Long3 normal) {
+    std::int64_t separation_30(const Long3& normal) {
         const Long3 p = a.support(normal).at_30, q = b.support(-normal).at_30;
         return narrow_rounded(wide_dot(q - p, normal), 30);
     }

@@ -82,16 +82,11 @@ void hull_face(const Convex& shape, Long3 direction, SupportingFace& face) {
                       shift_right_rounded(dot(shape.axes_30[1], direction), 30),
                       shift_right_rounded(dot(shape.axes_30[2], direction), 30)};
     const std::uint32_t furthest = support(shape, direction).id;
-    const auto holds_furthest = [&](const shapes::Hull::Face& f) {
-        const auto first = hull.loops.begin() + f.first;
-        return std::find(first, first + f.count, furthest) != first + f.count;
-    };
     std::size_t best = 0;
     std::int64_t most = std::numeric_limits<std::int64_t>::min();
-    for (std::size_t k = 0; k < hull.faces.size(); ++k)
-        if (const std::int64_t x = dot(local, raw(hull.faces[k].normal));
-            x > most && holds_furthest(hull.faces[k]))
-            best = k, most = x;
+    for (std::size_t k = hull.first_face_at[furthest]; k < hull.first_face_at[furthest + 1]; ++k)
+        if (const std::int64_t x = dot(local, raw(hull.faces[hull.faces_at[k]].normal)); x > most)
+            best = hull.faces_at[k], most = x;
     const shapes::Hull::Face& f = hull.faces[best];
     const int kept = f.count < SupportingFace::corners_max ? f.count : SupportingFace::corners_max;
     for (int k = 0; k < kept; ++k) { // of a face with too many corners, some spread evenly

@@ -30,6 +30,8 @@ constexpr Extent scaled_by(const Extent& e, LengthVec3 factors) {
     return {scaled_by(e.lower, factors), scaled_by(e.upper, factors)};
 }
 
+struct SupportKernel;
+
 /// A convex polytope. The triangulated surface is exactly convex and closed in integers; `faces` are its triangles
 /// merged where they are coplanar to within a stated tolerance, for contact manifolds.
 struct Hull {
@@ -49,7 +51,10 @@ struct Hull {
     std::vector<Edge> edges;                    ///< between different faces, each once
     std::vector<std::uint16_t> first_neighbour; ///< by vertex, vertices + 1 entries: range in `neighbours`
     std::vector<std::uint8_t>
-        neighbours;      ///< vertices that share an edge of the exact surface, ascending: for hill climbing
+        neighbours; ///< vertices that share an edge of the exact surface, ascending: for hill climbing
+    std::vector<std::uint16_t> first_face_at; ///< by vertex, vertices + 1 entries: range in `faces_at`
+    std::vector<std::uint16_t> faces_at;      ///< the faces that have it as a corner, ascending
+    std::vector<std::int32_t> lanes; ///< the vertices side by side, filled up with the first: support_kernel.h
     LengthVec3 interior; ///< a point well inside: the centre of mass, rounded
     Length inner_radius; ///< of a ball about `interior` within the hull
     MassProperties properties; ///< at density 1 kg/m^3, by exact integrals
@@ -96,6 +101,7 @@ struct Solid {
     const Compound* compound = nullptr;
     const HeightField* height_field = nullptr;
     const Mesh* mesh = nullptr;
+    const SupportKernel* kernel = nullptr; ///< of hulls; null: corner by corner, to the same bits
 };
 
 struct Compound {
@@ -126,10 +132,13 @@ class SolidCache {
     /// Checks the geometry against its asset too (`validate` checks what can be told without). The error names the id.
     Result<Solid> resolve(const Geometry& geometry);
     const std::shared_ptr<const AssetLibrary>& library() const { return assets; }
+    /// What the solids that are resolved from now on name.
+    void use(const SupportKernel* support) { kernel = support; }
 
   private:
     std::shared_ptr<const AssetLibrary> assets;
     std::map<std::pair<AssetId, std::array<std::int32_t, 3>>, std::unique_ptr<const Hull>> scaled;
+    const SupportKernel* kernel = nullptr;
 };
 
 /// Mass of a solid, at its scale and with its rounding; see mass_properties(Geometry, Real) for primitives.

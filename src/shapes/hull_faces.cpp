@@ -228,6 +228,20 @@ class FaceFinder {
 
 } // namespace
 
-void find_faces(Hull& hull, Length thickness) { FaceFinder(hull, thickness).run(); }
+static void find_faces_at_corners(Hull& hull) {
+    hull.first_face_at.assign(1, 0);
+    for (std::size_t v = 0; v < hull.vertices.size(); ++v) {
+        for (std::size_t f = 0; f < hull.faces.size(); ++f) {
+            const auto first = hull.loops.begin() + hull.faces[f].first, last = first + hull.faces[f].count;
+            if (std::find(first, last, v) != last) hull.faces_at.push_back(static_cast<std::uint16_t>(f));
+        }
+        hull.first_face_at.push_back(static_cast<std::uint16_t>(hull.faces_at.size()));
+    }
+}
+
+void find_faces(Hull& hull, Length thickness) {
+    FaceFinder(hull, thickness).run();
+    find_faces_at_corners(hull);
+}
 
 } // namespace lockstone::shapes

@@ -69,6 +69,7 @@ Result<Solid> SolidCache::resolve(const Geometry& g) {
         return Error{join("asset ", hex(g.asset.value), " is a ", name_of(asset->kind),
                           ", the shape's kind is ", name_of(g.kind))};
     solid.hull = asset->hull.get();
+    solid.kernel = kernel;
     solid.compound = asset->compound.get();
     solid.height_field = asset->height_field.get();
     solid.mesh = asset->mesh.get();

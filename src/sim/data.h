@@ -25,6 +25,7 @@ struct Scratch {
     explicit Scratch(std::shared_ptr<const AssetLibrary> assets) : solids(std::move(assets)), broad_phase(0) {
         changed.reserve(64);
         bodies.kernel = solve::kernels_of(best_simd())->bodies;
+        solids.use(solve::kernels_of(best_simd())->hulls);
     }
     /// What is kept by shape slot has room for so many, if it had less.
     void fit(std::uint32_t shape_slots);

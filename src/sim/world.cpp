@@ -582,6 +582,8 @@ bool World::set_simd(Simd level) {
     const solve::Kernels* kernels = solve::kernels_of(level);
     if (kernels == nullptr) return false;
     s.bodies.kernel = kernels->bodies, s.pair_kernel = kernels->pairs;
+    s.solids.use(kernels->hulls);
+    for (sim::Scratch::Shape& shape : s.shape) shape.solid.kernel = kernels->hulls;
     return s.solver.use(level) && s.joint_solver.use(kernels->joints);
 }
 void World::record_phase_hashes(bool on) { impl->phase_hashes_on = on; }

@@ -76,7 +76,7 @@ Result<double> count(const BenchScene& scene, const Contestant& who, const fs::p
         "valgrind --tool=callgrind --quiet --toggle-collect=lockstone_bench_counted_tick"
         " --callgrind-out-file=" +
         quoted(counts) + " " + quoted(fs::read_symlink("/proc/self/exe")) + " bench " + scene.name +
-        " --counted " + quoted(state) +
+        " --counted " + quoted(state) + " --ticks " + std::to_string(scene.counted_from) +
         (who.substeps != 0 ? " --substeps " + std::to_string(who.substeps) : std::string()) +
         (who.simd.empty() ? std::string() : " --simd " + who.simd);
     const int status = std::system(command.c_str());

@@ -27,7 +27,8 @@ void describe(CLI::App& command, Args& args) {
     add_texts(command, "PART", args.parts,
               "S1 to S6, pyramids, grid, drum, state, awake, scaling, verify, arena, threads, front, or a "
               "scene of `lockstone scenes`; none: all but threads, front and those scenes");
-    add_number(command, "--ticks", args.ticks, "to time; 0: as many as the scene asks for", 0, 1000000);
+    add_number(command, "--ticks", args.ticks, "to time, with --instructions: before those that count; 0: as the scene asks for", 0,
+               1000000);
     add_number(command, "--runs", args.runs, "of each scene: of each tick the least counts", 1, 100);
     add_numbers(command, "--substeps", args.substeps,
                 "of Lockstone, 1 to 16; several, with commas: each is a contestant", 1, 16);
@@ -81,16 +82,19 @@ Result<Exit> act(const Args& args) {
     for (const std::string& simd : plan.simd)
         if (const Status has = check_simd(simd); !has) return has.error();
     const engines::Contestant ours = bench::chosen_contestants(plan)[0];
+    std::vector<bench::BenchScene> scenes = bench::chosen_scenes(plan);
+    if (plan.ticks != 0)
+        for (bench::BenchScene& scene : scenes) scene.counted_from = plan.ticks;
     if (!args.counted.empty()) {
-        const Status done = bench::run_counted(bench::chosen_scenes(plan).at(0), ours, args.counted);
+        const Status done = bench::run_counted(scenes.at(0), ours, args.counted);
         if (!done) return done.error();
         return Exit::good;
     }
     if (args.instructions || !args.profile.empty()) {
         const Result<Json> rows =
             args.instructions
-                ? bench::count_instructions(bench::chosen_scenes(plan), ours, args.keep)
-                : bench::profile(bench::chosen_scenes(plan), ours, plan.quick ? 3 : plan.ticks, args.profile);
+                ? bench::count_instructions(scenes, ours, args.keep)
+                : bench::profile(scenes, ours, plan.quick ? 3 : plan.ticks, args.profile);
         if (!rows) return rows.error();
         print(args, *rows, args.instructions ? bench::print_instructions : bench::print_profile);
         return Exit::good;

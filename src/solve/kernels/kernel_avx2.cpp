@@ -7,12 +7,14 @@
 #include "solve/kernels/kernels.h"
 #include "solve/lanes/avx2.h"
 #include "solve/pairs/kernel.h"
+#include "solve/pairs/support_kernel.h"
 
 namespace lockstone::solve {
 
 constinit const dynamics::BodyKernel avx2_bodies = MovedBodies<Avx2>::table();
 constinit const ContactKernel avx2_contacts = Kernel<Avx2>::table();
 constinit const dynamics::PairKernel avx2_pairs = PairLanes<Avx2>::table();
+constinit const shapes::SupportKernel avx2_hulls = HullSupport<Avx2>::table();
 constinit const dynamics::JointKernel avx2_joints = PackedJoints<Avx2>::table();
 
 } // namespace lockstone::solve

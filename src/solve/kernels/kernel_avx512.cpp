@@ -11,11 +11,13 @@
 #include "solve/kernels/kernels.h"
 #include "solve/lanes/avx512.h"
 #include "solve/pairs/kernel.h"
+#include "solve/pairs/support_kernel.h"
 
 namespace lockstone::solve {
 
 constinit const ContactKernel avx512_contacts = Kernel<Avx512>::table();
 constinit const dynamics::PairKernel avx512_pairs = PairLanes<Avx512>::table();
+constinit const shapes::SupportKernel avx512_hulls = HullSupport<Avx512>::table();
 
 } // namespace lockstone::solve
 

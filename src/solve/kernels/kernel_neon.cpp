@@ -7,12 +7,14 @@
 #include "solve/kernels/kernels.h"
 #include "solve/lanes/neon.h"
 #include "solve/pairs/kernel.h"
+#include "solve/pairs/support_kernel.h"
 
 namespace lockstone::solve {
 
 constinit const dynamics::BodyKernel neon_bodies = MovedBodies<Neon>::table();
 constinit const ContactKernel neon_contacts = Kernel<Neon>::table();
 constinit const dynamics::PairKernel neon_pairs = PairLanes<Neon>::table();
+constinit const shapes::SupportKernel neon_hulls = HullSupport<Neon>::table();
 constinit const dynamics::JointKernel neon_joints = PackedJoints<Neon>::table();
 
 } // namespace lockstone::solve

@@ -4,12 +4,14 @@
 #include "solve/kernels/kernels.h"
 #include "solve/lanes/scalar.h"
 #include "solve/pairs/kernel.h"
+#include "solve/pairs/support_kernel.h"
 
 namespace lockstone::solve {
 
 constinit const dynamics::BodyKernel scalar_bodies = MovedBodies<Scalar>::table();
 constinit const ContactKernel scalar_contacts = Kernel<Scalar>::table();
 constinit const dynamics::PairKernel scalar_pairs = PairLanes<Scalar>::table();
+constinit const shapes::SupportKernel scalar_hulls = HullSupport<Scalar>::table();
 constinit const dynamics::JointKernel scalar_joints = PackedJoints<Scalar>::table();
 
 } // namespace lockstone::solve

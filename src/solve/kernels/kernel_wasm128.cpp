@@ -7,12 +7,14 @@
 #include "solve/kernels/kernels.h"
 #include "solve/lanes/wasm128.h"
 #include "solve/pairs/kernel.h"
+#include "solve/pairs/support_kernel.h"
 
 namespace lockstone::solve {
 
 constinit const dynamics::BodyKernel wasm128_bodies = MovedBodies<Wasm128>::table();
 constinit const ContactKernel wasm128_contacts = Kernel<Wasm128>::table();
 constinit const dynamics::PairKernel wasm128_pairs = PairLanes<Wasm128>::table();
+constinit const shapes::SupportKernel wasm128_hulls = HullSupport<Wasm128>::table();
 constinit const dynamics::JointKernel wasm128_joints = PackedJoints<Wasm128>::table();
 
 } // namespace lockstone::solve

@@ -4,6 +4,7 @@
 #include "dynamics/body_kernel.h"
 #include "dynamics/joint_pack.h"
 #include "dynamics/pair_kernel.h"
+#include "shapes/support_kernel.h"
 #include "solve/contacts/pack.h"
 
 #include "lockstone/simd.h"
@@ -15,6 +16,7 @@ struct Kernels {
     const dynamics::JointKernel* joints;
     const dynamics::BodyKernel* bodies;
     const dynamics::PairKernel* pairs;
+    const shapes::SupportKernel* hulls;
 };
 
 /// Null where the build or the machine lacks the instructions.
@@ -26,5 +28,7 @@ extern const dynamics::JointKernel scalar_joints, sse41_joints, avx2_joints, neo
 extern const dynamics::BodyKernel scalar_bodies, sse41_bodies, avx2_bodies, neon_bodies, wasm128_bodies;
 extern const dynamics::PairKernel scalar_pairs, sse41_pairs, avx2_pairs, avx512_pairs, neon_pairs,
     wasm128_pairs;
+extern const shapes::SupportKernel scalar_hulls, sse41_hulls, avx2_hulls, avx512_hulls, neon_hulls,
+    wasm128_hulls;
 
 } // namespace lockstone::solve
