@@ -2,6 +2,8 @@
 #include "collide/bounds.h"
 
 #include "lockstone/math.h"
+#include "shapes/hull.h"
+#include "shapes/support_kernel.h"
 
 #include <limits>
 
@@ -46,16 +48,25 @@ Reach reach_of_primitive(const Geometry& g, UnitVec3 r) {
     return {-ceiling(greater(rim + height, -height)), ceiling(greater(rim - height, height))};
 }
 
-Reach reach_of_hull(const shapes::Hull& hull, Length radius, UnitVec3 r) {
-    std::int64_t low = std::numeric_limits<std::int64_t>::max(),
-                 high = std::numeric_limits<std::int64_t>::min();
-    for (const LengthVec3& v : hull.vertices) { // |r| is 2^30 to a rounding and |v| below 2^8 m: the sum fits
-        const std::int64_t along = std::int64_t{r.x.raw} * v.x.raw + std::int64_t{r.y.raw} * v.y.raw +
-                                   std::int64_t{r.z.raw} * v.z.raw;
-        low = along < low ? along : low;
-        high = high < along ? along : high;
-    }
-    return {(low >> Unit::fraction_bits) - radius.raw, ((high + up_30) >> Unit::fraction_bits) + radius.raw};
+/// Along each of the rows of a rotation. |r| is 2^30 to a rounding and |v| below 2^8 m: the sums fit.
+void reach_of_hull(const shapes::Solid& solid, const Rotation& r, Reach (&out)[3]) {
+    const shapes::Hull& hull = *solid.hull;
+    const std::int32_t rows[3][3] = {{r.x.x.raw, r.y.x.raw, r.z.x.raw},
+                                     {r.x.y.raw, r.y.y.raw, r.z.y.raw},
+                                     {r.x.z.raw, r.y.z.raw, r.z.z.raw}};
+    std::int64_t low[3], high[3];
+    if (solid.kernel != nullptr)
+        solid.kernel->reach(hull.lanes.data(), static_cast<std::uint32_t>(hull.lanes.size() / 3), rows, low,
+                            high);
+    else
+        for (int i = 0; i < 3; ++i) {
+            const shapes::Reach reach = shapes::reach_along(
+                hull.vertices, {Unit::from_raw(rows[i][0]), Unit::from_raw(rows[i][1]), Unit::from_raw(rows[i][2])});
+            low[i] = reach.low_54, high[i] = reach.high_54;
+        }
+    const std::int64_t radius = solid.geometry.radius.raw;
+    for (int i = 0; i < 3; ++i)
+        out[i] = {(low[i] >> Unit::fraction_bits) - radius, ((high[i] + up_30) >> Unit::fraction_bits) + radius};
 }
 
 /// Of what lies within an extent of asset coordinates; those reach 2^20 m at most.
@@ -71,8 +82,6 @@ Reach reach_of_extent(const shapes::Extent& e, UnitVec3 r) {
 
 Reach reach_along(const shapes::Solid& solid, const shapes::Extent& extent, UnitVec3 r) {
     switch (solid.geometry.kind) {
-    case ShapeKind::hull:
-        return reach_of_hull(*solid.hull, solid.geometry.radius, r);
     case ShapeKind::compound:
     case ShapeKind::height_field:
     case ShapeKind::mesh:
@@ -102,8 +111,13 @@ Bounds bounds_of(const shapes::Solid& solid, Vec3 position, const Rotation& r, L
         has_extent(solid.geometry.kind) ? shapes::extent_of(solid) : shapes::Extent{};
     const int drop = Real::fraction_bits - Bound::fraction_bits + shift;
     Bounds out{};
+    Reach reaches[3];
+    if (solid.hull != nullptr)
+        reach_of_hull(solid, r, reaches);
+    else
+        for (int i = 0; i < 3; ++i) reaches[i] = reach_along(solid, extent, {r.x[i], r.y[i], r.z[i]});
     for (int i = 0; i < 3; ++i) {
-        const Reach reach = reach_along(solid, extent, {r.x[i], r.y[i], r.z[i]});
+        const Reach reach = reaches[i];
         const std::int64_t size = reach.high - reach.low;
         const std::int64_t more = margin.raw + guard + (size >> 28); // 2^32 steps: 256 m
         const auto at = [&](std::int64_t along_24) {

@@ -132,6 +132,13 @@ static bool fits_32(Long3 a) {
     return fits(a[0]) & fits(a[1]) & fits(a[2]);
 }
 
+static std::uint32_t furthest(const shapes::Hull& hull, const shapes::SupportKernel& kernel,
+                              const Long3& local) {
+    const std::int32_t direction[3] = {static_cast<std::int32_t>(local[0]), static_cast<std::int32_t>(local[1]),
+                                       static_cast<std::int32_t>(local[2])};
+    return kernel.furthest(hull.lanes.data(), static_cast<std::uint32_t>(hull.lanes.size() / 3), direction);
+}
+
 /// Where a corner of a hull is: three products below 2^62 with |v| < 2^32, so no overflow.
 static inline Long3 corner_of(const Convex& shape, const Long3& origin_30, std::uint32_t corner) {
     const Long3 v = raw(shape.hull->vertices[corner]);
@@ -183,10 +190,7 @@ static inline SupportPoint support_of_hull(const Convex& shape, const Long3& ori
     if (hull.vertices.size() > hull_scan_max) {
         corner = climb(hull, local, corner);
     } else if (shape.kernel != nullptr && fits_32(local)) {
-        const std::int32_t along[3] = {static_cast<std::int32_t>(local[0]), static_cast<std::int32_t>(local[1]),
-                                       static_cast<std::int32_t>(local[2])};
-        corner = shape.kernel->furthest(hull.lanes.data(),
-                                        static_cast<std::uint32_t>(hull.lanes.size() / 3), along);
+        corner = furthest(hull, *shape.kernel, local);
     } else {
         corner = scan(hull, local);
     }
@@ -237,6 +241,11 @@ SupportPoint support(const Convex& shape, Long3 direction_30) {
     if (shape.core != Convex::Core::hull) return Core(shape).support(direction_30);
     std::uint32_t corner = 0;
     return support_of_hull(shape, up(shape.center_24, 6), direction_30, corner);
+}
+
+std::int64_t furthest_along_54(const shapes::Hull& hull, const shapes::SupportKernel* kernel, Long3 n_30) {
+    const std::uint32_t corner = kernel != nullptr && fits_32(n_30) ? furthest(hull, *kernel, n_30) : scan(hull, n_30);
+    return dot(n_30, raw(hull.vertices[corner]));
 }
 
 std::int64_t separation_along_30(const Convex& a, const Convex& b, Long3 normal_30) {

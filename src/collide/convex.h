@@ -63,6 +63,8 @@ struct Penetration {
 Penetration penetration(const Convex& a, const Convex& b);
 
 /// Separation of the cores along a unit direction from a to b: negative when they overlap along it.
+/// The greatest n . v of a hull's corners, 54 fraction bits. |n| <= 2^30, to a rounding.
+std::int64_t furthest_along_54(const shapes::Hull& hull, const shapes::SupportKernel* kernel, Long3 n_30);
 std::int64_t separation_along_30(const Convex& a, const Convex& b, Long3 normal_30);
 
 /// Of the faces about the corner that lies furthest along a direction the one that looks most along it: a polygon; of a
@@ -88,7 +90,8 @@ void manifold_from_faces(const Convex& a, const Convex& b, Long3 normal_30, std:
 /// Positions are relative to the origin of the working frame moved to b.center_24 (see Manifold). Shapes that are apart
 /// leave the normal that parts them. `hint`, a unit direction or zero, is one that may: when it does, no other is looked
 /// for. What is apart along it by more than the margin and `hint_guard` is so along the one that would be found.
-void collide_convex(const Convex& a, const Convex& b, Length margin, Manifold& out, Long3 hint_30 = {});
+void collide_convex(const Convex& a, const Convex& b, Length margin, Manifold& out, Long3 hint_30 = {},
+                    Long3 normal_30 = {});
 /// [m], 30 fraction bits: a hundred times the error of closest_points.
 inline constexpr std::int64_t hint_guard_30 = std::int64_t{1} << 17;
 

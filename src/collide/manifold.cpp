@@ -162,9 +162,7 @@ std::int64_t reach_54(const Convex& shape, Long3 n) {
                absolute(along(2)) * shape.half_24[2];
     case Convex::Core::hull: {
         const Long3 local{along(0), along(1), along(2)};
-        std::int64_t most = 0;
-        for (const LengthVec3& v : shape.hull->vertices) most = larger(most, dot(local, raw(v)));
-        return most;
+        return larger(furthest_along_54(*shape.hull, shape.kernel, local), 0);
     }
     default:
         return -1;
@@ -182,6 +180,62 @@ bool is_parted(const Convex& a, const Convex& b, Long3 n, std::int64_t limit_30)
         if (of_a >= 0 && of_b >= 0) return (dot(between, n) >> 24) - (of_a >> 24) - (of_b >> 24) > limit;
     }
     return separation_along_30(a, b, n) > limit;
+}
+
+/// How deep a point is in a core that has faces: the least distance to a face's plane, 30 fraction bits. Zero where that is not
+/// told here.
+std::int64_t depth_in(const Convex& shape, Long3 at_30) {
+    const Long3 from = shifted(at_30, 6) - shape.center_24;
+    constexpr std::int64_t most = std::int64_t{1} << 31;
+    if (widest(from) >= most) return 0;
+    const auto along = [&](int i) { return shift_right_rounded(dot(shape.axes_30[i], from), 30); };
+    const Long3 local{along(0), along(1), along(2)};
+    std::int64_t least = most;
+    if (shape.core == Convex::Core::box)
+        for (int i = 0; i < 3; ++i) least = smaller(least, shape.half_24[i] - absolute(local[i]));
+    else if (shape.core == Convex::Core::hull)
+        for (const shapes::Hull::Face& face : shape.hull->faces)
+            least = smaller(least, face.offset.raw - (dot(raw(face.normal), local) >> 30));
+    else
+        return 0;
+    return up(larger(least, 0), 6);
+}
+
+/// Makes the manifold of the face that the last normal was that of, while that face is as good as any other to within the bias,
+/// or finds the shapes parted along it. False: nothing is known.
+///
+/// No normal parts the cores by more than the best one, whose separation is s. That of a face of A is no less than s - bias if
+///   a point of B lies over the face, not higher than the face's separation and the bias: s is not above its height
+///   B's furthest point under the face is in A, and no other face of A nearer by more than the bias: to part the cores, it
+///   has to leave A
+/// and likewise for a face of B.
+bool keep_face(const Convex& a, const Convex& b, Long3 last_30, Length margin, Manifold& out) {
+    if (has_discs(a) || has_discs(b)) return false;
+    const SupportingFace face_a = supporting_face(a, last_30), face_b = supporting_face(b, -last_30);
+    std::int64_t cosine_a = 0, cosine_b = 0;
+    if (face_a.flat) cosine_a = dot(face_a.normal_30, last_30);
+    if (face_b.flat) cosine_b = -dot(face_b.normal_30, last_30);
+    constexpr std::int64_t same_face = (std::int64_t{1} << 60) - (std::int64_t{1} << 53); // within 7 degrees
+    const bool by_a = cosine_a >= cosine_b;
+    if (larger(cosine_a, cosine_b) < same_face) return false;
+    const Long3 normal = by_a ? face_a.normal_30 : -face_b.normal_30;
+    const Long3 on_a = support(a, normal).at_30, on_b = support(b, -normal).at_30;
+    const std::int64_t separation = narrow_rounded(wide_dot(on_b - on_a, normal), 30),
+                       radii = up(a.radius.raw + b.radius.raw, 6), bias = bias_of(a, b);
+    out.normal = unit_of_30(normal);
+    if (separation > radii + up(margin.raw, 6)) return true;
+    if (separation < -bias && (by_a ? depth_in(a, on_b) : depth_in(b, on_a)) < -separation - bias) return false;
+    Contact c{a, b, normal, separation - radii, margin, out};
+    if (by_a)
+        clip_to_face(c, false, face_a, supporting_face(b, -normal));
+    else
+        clip_to_face(c, true, face_b, supporting_face(a, normal));
+    std::int64_t lowest = std::numeric_limits<std::int64_t>::max();
+    for (std::uint32_t k = 0; k < out.count; ++k)
+        lowest = smaller(lowest, up(out.points[k].separation.raw, 3));
+    if (lowest <= c.separation_30 + bias) return true;
+    out = Manifold{};
+    return false;
 }
 
 /// The points of a face that the normal is that of, to within half a degree; none when there is no such face.
@@ -228,13 +282,15 @@ void manifold_from_faces(const Convex& a, const Convex& b, Long3 normal_30, std:
     touch_edges(c, Touch{});
 }
 
-void collide_convex(const Convex& a, const Convex& b, Length margin, Manifold& out, Long3 hint_30) {
+void collide_convex(const Convex& a, const Convex& b, Length margin, Manifold& out, Long3 hint_30,
+                    Long3 normal_30) {
     out = Manifold{};
     const std::int64_t radii = up(a.radius.raw + b.radius.raw, 6), limit = radii + up(margin.raw, 6);
     if (!is_zero(hint_30) && is_parted(a, b, hint_30, limit)) {
         out.normal = unit_of_30(hint_30);
         return;
     }
+    if (!is_zero(normal_30) && keep_face(a, b, normal_30, margin, out)) return;
     Difference difference(a, b);
     Simplex simplex;
     const Gap gap = find_gap(difference, limit, difference.between(), simplex);

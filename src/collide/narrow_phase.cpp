@@ -98,11 +98,11 @@ void collide_pair(const shapes::Solid& a, const shapes::Solid& b, const Relative
 
 void collide(const shapes::Solid& a, const shapes::Solid& b, const RelativePose& pose, Length margin,
              NarrowScratch& scratch, Manifolds& out) {
-    collide(a, b, pose, margin, UnitVec3{}, scratch, out);
+    collide(a, b, pose, margin, UnitVec3{}, UnitVec3{}, scratch, out);
 }
 
 void collide(const shapes::Solid& a, const shapes::Solid& b, const RelativePose& pose, Length margin,
-             UnitVec3 hint, NarrowScratch& scratch, Manifolds& out) {
+             UnitVec3 hint, UnitVec3 normal, NarrowScratch& scratch, Manifolds& out) {
     const ShapeKind kind_a = a.geometry.kind, kind_b = b.geometry.kind;
     const bool convex = kind_a < ShapeKind::compound && kind_b < ShapeKind::compound;
     LOCKSTONE_ASSERT(kind_a <= ShapeKind::plane && (convex || kind_b <= kind_a), "shape kinds ",
@@ -120,7 +120,7 @@ void collide(const shapes::Solid& a, const shapes::Solid& b, const RelativePose&
         if (out.items[0].count == 0) out.apart = out.items[0].normal;
     } else if (kind_a != ShapeKind::plane) {
         collide_convex(convex_of(a, Rotation::identity(), CoordinateVec3{}),
-                       convex_of(b, pose.rotation, pose.position), margin, out.items[0], raw(hint));
+                       convex_of(b, pose.rotation, pose.position), margin, out.items[0], raw(hint), raw(normal));
         if (out.items[0].count == 0) out.apart = out.items[0].normal;
     } else {
         collide_pair(a, b, pose, margin, out.items[0]);
@@ -130,13 +130,19 @@ void collide(const shapes::Solid& a, const shapes::Solid& b, const RelativePose&
 
 namespace {
 
-bool has_own_routines(ShapeKind kind) {
-    return kind == ShapeKind::sphere || kind == ShapeKind::capsule || kind == ShapeKind::box;
+/// Whether a solid's reach along a direction is told below.
+bool tells_reach(const shapes::Solid& solid) {
+    const ShapeKind kind = solid.geometry.kind;
+    if (kind == ShapeKind::hull) return true;
+    return (kind == ShapeKind::sphere || kind == ShapeKind::capsule || kind == ShapeKind::box) &&
+           is_plain(solid.geometry);
 }
 
-/// How far a sphere, capsule or box reaches from its origin along a unit direction in its axes, 54 fraction bits.
-std::int64_t reach_along(const Geometry& g, Long3 n_30) {
+/// How far a sphere, capsule, box or hull reaches from its origin along a unit direction in its axes, 54 fraction bits.
+std::int64_t reach_along(const shapes::Solid& solid, Long3 n_30) {
+    const Geometry& g = solid.geometry;
     std::int64_t reach = up(g.radius.raw, 30);
+    if (g.kind == ShapeKind::hull) return reach + furthest_along_54(*solid.hull, solid.kernel, n_30);
     if (g.kind == ShapeKind::box)
         reach += absolute(n_30[0]) * g.half_extent.x.raw + absolute(n_30[2]) * g.half_extent.z.raw;
     if (g.kind != ShapeKind::sphere) reach += absolute(n_30[1]) * g.half_extent.y.raw;
@@ -146,11 +152,9 @@ std::int64_t reach_along(const Geometry& g, Long3 n_30) {
 } // namespace
 
 bool are_parted(const PlacedSolid& a, const PlacedSolid& b, UnitVec3 axis, Length margin) {
-    const Geometry &ga = a.solid.geometry, &gb = b.solid.geometry;
-    if (!has_own_routines(ga.kind) || !has_own_routines(gb.kind) || !is_plain(ga) || !is_plain(gb))
-        return false;
-    constexpr std::int64_t far_32 = std::int64_t{64}
-                                    << Real::fraction_bits; // so that all sums stay below 2^62
+    if (!tells_reach(a.solid) || !tells_reach(b.solid)) return false;
+    // So that all sums stay below 2^63: 111 m between the two, and twice the 174 m that a shape reaches at most.
+    constexpr std::int64_t far_32 = std::int64_t{64} << Real::fraction_bits;
     constexpr Length spare = decimal<Length>("0.001");
     const Long3 way_32 = raw(b.position - a.position);
     for (int i = 0; i < 3; ++i)
@@ -160,7 +164,7 @@ bool are_parted(const PlacedSolid& a, const PlacedSolid& b, UnitVec3 axis, Lengt
     const Long3 in_world = shifted(x * n[0] + y * n[1] + z * n[2], 30);
     const Long3 in_b{dot(raw(b.axes.x), in_world) >> 30, dot(raw(b.axes.y), in_world) >> 30,
                      dot(raw(b.axes.z), in_world) >> 30};
-    const std::int64_t gap_54 = dot(way, in_world) - reach_along(ga, n) - reach_along(gb, in_b);
+    const std::int64_t gap_54 = dot(way, in_world) - reach_along(a.solid, n) - reach_along(b.solid, -in_b);
     return gap_54 > up(std::int64_t{margin.raw} + spare.raw, 30); // margins reach 128 m
 }
 

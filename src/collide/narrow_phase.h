@@ -72,9 +72,10 @@ struct NarrowScratch {
 void collide(const shapes::Solid& a, const shapes::Solid& b, const RelativePose& pose, Length margin,
              NarrowScratch& scratch, Manifolds& out);
 /// The same, sooner when the unit direction `hint`, zero for none, parts the two; whatever it is, the result is the same
-/// but for `apart`.
+/// but for `apart`. `normal`: of the last manifold, zero for none: the face that it was that of is kept without a
+/// search while it is as good as any other to within `face_bias`, so which of several good ones serves may depend on it.
 void collide(const shapes::Solid& a, const shapes::Solid& b, const RelativePose& pose, Length margin,
-             UnitVec3 hint, NarrowScratch& scratch, Manifolds& out);
+             UnitVec3 hint, UnitVec3 normal, NarrowScratch& scratch, Manifolds& out);
 
 /// Where two shapes are in the world: what are_parted needs of them.
 struct PlacedSolid {
@@ -82,7 +83,7 @@ struct PlacedSolid {
     const Rotation& axes;
     Vec3 position; ///< [m]
 };
-/// Whether the unit direction `axis`, from A to B in A's axes, parts two spheres, capsules or boxes by more than `margin`
+/// Whether the unit direction `axis`, from A to B in A's axes, parts two spheres, capsules, boxes or hulls by more than `margin`
 /// and a millimetre, which is more than collide rounds and prefers: then it finds no points. False of all other shapes,
 /// and where it is not known.
 bool are_parted(const PlacedSolid& a, const PlacedSolid& b, UnitVec3 axis, Length margin);

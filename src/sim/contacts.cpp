@@ -147,11 +147,11 @@ CoordinateVec3 position_of(const PairPlace& place) {
             Coordinate::from_raw(place.position[2])};
 }
 
-/// Makes the manifolds of a pair; `apart` is a hint, and becomes the next one.
-void make_manifolds(const CandidatePair& c, const PairPlace& place, UnitVec3& apart,
+/// Makes the manifolds of a pair; `apart` is a hint, and becomes the next one. `normal`: of the last ones.
+void make_manifolds(const CandidatePair& c, const PairPlace& place, UnitVec3& apart, UnitVec3 normal,
                     collide::NarrowScratch& scratch, collide::Manifolds& out) {
     const collide::RelativePose pose{to_rotation(place.rotation), position_of(place)};
-    collide::collide(c.at_a->solid, c.at_b->solid, pose, c.margin, apart, scratch, out);
+    collide::collide(c.at_a->solid, c.at_b->solid, pose, c.margin, apart, normal, scratch, out);
     apart = out.apart;
 }
 
@@ -262,7 +262,7 @@ using NearChunk = Scratch::NearChunk;
 /// New rows of a pair, at the end of the chunk's; none when there are no points.
 std::uint32_t make_rows(const CandidatePair& c, const PairPlace& place, std::span<const ContactMemory> old,
                         UnitVec3& apart, Scratch::NarrowWorker& worker, NearChunk& chunk) {
-    make_manifolds(c, place, apart, worker.narrow, worker.manifolds);
+    make_manifolds(c, place, apart, old.empty() ? UnitVec3{} : old[0].normal, worker.narrow, worker.manifolds);
     if (worker.manifolds.count == 0) return 0;
     std::uint32_t flags = (c.flipped ? dynamics::contact_flipped : 0u);
     if (c.sensor) flags |= dynamics::contact_sensor;
@@ -411,7 +411,7 @@ bool has_contact_points(Data& w, const Scratch::Near& near) {
     window.count = 1;
     find_rows(view, dynamics::PairWork::place, window, 0);
     UnitVec3 hint = near.apart;
-    make_manifolds(pair, window.places[0], hint, w.scratch.narrow, w.scratch.manifolds);
+    make_manifolds(pair, window.places[0], hint, UnitVec3{}, w.scratch.narrow, w.scratch.manifolds);
     return w.scratch.manifolds.count != 0;
 }
 

@@ -39,8 +39,35 @@ template <class L> class HullSupport {
         return static_cast<std::uint32_t>(best);
     }
 
+    static void reach(const std::int32_t* corners, std::uint32_t stride,
+                      const std::int32_t (&directions)[3][3], std::int64_t (&low)[3],
+                      std::int64_t (&high)[3]) {
+        V axis[3][3], least[3], most[3];
+        for (int r = 0; r < 3; ++r)
+            for (int i = 0; i < 3; ++i) axis[r][i] = L::splat(directions[r][i]);
+        for (std::uint32_t k = 0; k < stride; k += N) {
+            V corner[3];
+            for (unsigned i = 0; i < 3; ++i) corner[i] = L::load32(corners + i * stride + k);
+            for (int r = 0; r < 3; ++r) {
+                const V along = L::add(L::add(L::mul(corner[0], axis[r][0]), L::mul(corner[1], axis[r][1])),
+                                       L::mul(corner[2], axis[r][2]));
+                least[r] = k == 0 ? along : L::select(L::greater64(least[r], along), along, least[r]);
+                most[r] = k == 0 ? along : L::select(L::greater64(along, most[r]), along, most[r]);
+            }
+        }
+        for (int r = 0; r < 3; ++r) {
+            std::int64_t lows[N], highs[N];
+            L::store64(lows, least[r]), L::store64(highs, most[r]);
+            low[r] = lows[0], high[r] = highs[0];
+            for (unsigned lane = 1; lane < N; ++lane) {
+                low[r] = lows[lane] < low[r] ? lows[lane] : low[r];
+                high[r] = highs[lane] > high[r] ? highs[lane] : high[r];
+            }
+        }
+    }
+
   public:
-    static constexpr shapes::SupportKernel table() { return {furthest}; }
+    static constexpr shapes::SupportKernel table() { return {furthest, reach}; }
 };
 
 } // namespace lockstone::solve
