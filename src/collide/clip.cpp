@@ -33,11 +33,10 @@ class Plane {
     }
     ClipPoint point(Long3 x) const {
         Long3 d = x - origin;
-        std::int64_t height = narrow_rounded(wide_dot(d, normal), 30);
+        std::int64_t height = dot_unit(d, normal);
         if (!is_straight) height = divide_shifted(height, slope, 30);
-        const auto flat = [&](int i) { return d[i] - narrow_rounded(Wide::product(along[i], height), 30); };
-        d = {flat(0), flat(1), flat(2)};
-        return {narrow_rounded(wide_dot(d, p), 30), narrow_rounded(wide_dot(d, q), 30), height, 0, 0};
+        d = d - times_unit(along, height);
+        return {dot_unit(d, p), dot_unit(d, q), height, 0, 0};
     }
     /// In the working frame.
     Long3 place(std::int64_t x, std::int64_t y) const {

@@ -63,8 +63,7 @@ Convex convex_of_triangle(const Long3 (&corners_24)[3]) {
 }
 
 Convex moved_along(const Convex& shape, Long3 unit_30, std::int64_t by_24) {
-    const auto part = [&](int i) { return narrow_rounded(Wide::product(unit_30[i], by_24), 30); };
-    const Long3 move{part(0), part(1), part(2)};
+    const Long3 move = times_unit(unit_30, by_24);
     Convex out = shape;
     out.center_24 = out.center_24 + move;
     for (Long3& corner : out.corners_24) corner = corner + move;
@@ -250,7 +249,7 @@ std::int64_t furthest_along_54(const shapes::Hull& hull, const shapes::SupportKe
 
 std::int64_t separation_along_30(const Convex& a, const Convex& b, Long3 normal_30) {
     const Long3 gap = support(b, -normal_30).at_30 - support(a, normal_30).at_30;
-    return narrow_rounded(wide_dot(gap, normal_30), 30);
+    return dot_unit(gap, normal_30);
 }
 
 bool within_distance(const Convex& a, const Convex& b, Length margin) {

@@ -12,6 +12,21 @@ constexpr Long3 cross(Long3 a, Long3 b) {
 constexpr Wide wide_dot(Long3 a, Long3 b) {
     return Wide::product(a[0], b[0]) + Wide::product(a[1], b[1]) + Wide::product(a[2], b[2]);
 }
+/// Whether no component needs more than `bits` bits and a sign.
+constexpr bool is_within(const Long3& a, int bits) {
+    const std::int64_t any = (a[0] ^ (a[0] >> 63)) | (a[1] ^ (a[1] >> 63)) | (a[2] ^ (a[2] >> 63));
+    return any >> bits == 0;
+}
+/// a . n rounded, of a unit vector with 30 fraction bits: quick up to 2^31, where the sum of products is below 2^63.
+constexpr std::int64_t dot_unit(const Long3& a, const Long3& n_30) {
+    return is_within(a, 31) ? shift_right_rounded(dot(a, n_30), 30) : narrow_rounded(wide_dot(a, n_30), 30);
+}
+/// n x rounded, likewise.
+constexpr Long3 times_unit(const Long3& n_30, std::int64_t x) {
+    if ((x ^ (x >> 63)) >> 31 == 0) return shifted(n_30 * x, 30);
+    const auto part = [&](int i) { return narrow_rounded(Wide::product(n_30[i], x), 30); };
+    return {part(0), part(1), part(2)};
+}
 constexpr int sign_of(Wide x) { return x.is_negative() ? -1 : x == Wide::from(0) ? 0 : 1; }
 constexpr std::int64_t widest(Long3 a) {
     return larger(absolute(a[0]), larger(absolute(a[1]), absolute(a[2])));
@@ -79,7 +94,7 @@ class Difference {
     /// Separation along a unit direction from A to B.
     std::int64_t separation_30(const Long3& normal) {
         const Long3 p = a.support(normal).at_30, q = b.support(-normal).at_30;
-        return narrow_rounded(wide_dot(q - p, normal), 30);
+        return dot_unit(q - p, normal);
     }
     /// From B's middle to A's, 30 fraction bits.
     Long3 between() const { return a.middle() - b.middle(); }

@@ -238,7 +238,7 @@ class LeastMove {
     std::int64_t least_30() const { return move.depth_30; }
     /// Along a unit direction, with the vertex furthest along it. True when it is the best so far.
     bool consider(Long3 unit, const Vertex& v) {
-        const std::int64_t m = narrow_rounded(wide_dot(unit, v.a_30 - v.b_30), 30);
+        const std::int64_t m = dot_unit(v.a_30 - v.b_30, unit);
         if (m >= move.depth_30 || is_zero(unit)) return false;
         move = {unit, m};
         found.is_known = false;
@@ -281,7 +281,7 @@ void LeastMove::guess() {
     if (!has_axis(a) || !has_axis(b)) return;
     const Long3 u = a.axes_30[1], v = b.axes_30[1], d = up(b.center_24 - a.center_24, 6);
     const auto across = [&](Long3 axis) {
-        const std::int64_t along_axis = narrow_rounded(wide_dot(d, axis), 30);
+        const std::int64_t along_axis = dot_unit(d, axis);
         const auto part = [&](int i) {
             return d[i] - narrow_rounded(Wide::product(axis[i], along_axis), 30);
         };

@@ -170,7 +170,7 @@ void choose_normal(Difference& difference, const Simplex& s, Gap& gap) {
     const std::int64_t between = direction_of_30(apart).length;
     constexpr std::int64_t micrometre_30 = 1 << 10;
     if (between - most > micrometre_30 + (between >> 16)) consider(-direction_of_30(s.direction).unit);
-    gap.distance_30 = narrow_rounded(wide_dot(gap.normal_30, apart), 30);
+    gap.distance_30 = dot_unit(apart, gap.normal_30);
 }
 
 /// The difference leads from b to a, the normal from a to b.
@@ -180,7 +180,7 @@ Gap gap_of(Difference& difference, const Simplex& s) {
     const Direction exact = direction_of_30(full_direction(s));
     gap.normal_30 = -exact.unit;
     gap.distance_30 =
-        s.count == 1 ? exact.length : narrow_rounded(wide_dot(gap.normal_30, gap.on_b_30 - gap.on_a_30), 30);
+        s.count == 1 ? exact.length : dot_unit(gap.on_b_30 - gap.on_a_30, gap.normal_30);
     if (difference.is_smooth() || difference.shift() > 4) choose_normal(difference, s, gap);
     if (gap.distance_30 <= 0) return Gap{true, {}, 0, {}, {}};
     return gap;

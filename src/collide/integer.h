@@ -118,6 +118,7 @@ constexpr std::uint32_t edge_id(int axis, std::uint32_t signs) {
 
 /// length * axis: a vector of 30 fraction bits from 24 and 30, rounded once. For lengths of up to 2^20 m.
 inline Long3 along_30(Long3 axis_30, std::int64_t length_24) {
+    if ((length_24 ^ (length_24 >> 63)) >> 32 == 0) return shifted(axis_30 * length_24, 24); // below 2^62
     const auto part = [&](std::int64_t x) { return narrow_rounded(Wide::product(x, length_24), 24); };
     return {part(axis_30[0]), part(axis_30[1]), part(axis_30[2])};
 }

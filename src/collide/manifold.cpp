@@ -52,13 +52,12 @@ struct Lines {
     Long3 on_a(std::int64_t s) const { return moved(a, along_a.unit, s); }
     Long3 on_b(std::int64_t s) const { return moved(b, along_b.unit, s); }
     /// B's parameter nearest to a point; not clamped.
-    std::int64_t beside_on_b(Long3 x) const { return narrow_rounded(wide_dot(x - b, along_b.unit), 30); }
-    std::int64_t beside_on_a(Long3 x) const { return narrow_rounded(wide_dot(x - a, along_a.unit), 30); }
+    std::int64_t beside_on_b(Long3 x) const { return dot_unit(x - b, along_b.unit); }
+    std::int64_t beside_on_a(Long3 x) const { return dot_unit(x - a, along_a.unit); }
 
   private:
     static Long3 moved(Long3 from, Long3 unit, std::int64_t s) {
-        const auto part = [&](int i) { return from[i] + narrow_rounded(Wide::product(unit[i], s), 30); };
-        return {part(0), part(1), part(2)};
+        return from + times_unit(unit, s);
     }
 };
 
@@ -80,11 +79,8 @@ bool touch_along(Contact& c, const Lines& g, const SupportingFace& ea, const Sup
         const std::int64_t u = g.beside_on_b(x), within = clamped(u, 0, g.along_b.length);
         if (absolute(u - within) > bias) return false;
         const Long3 gap = g.on_b(within) - x;
-        const std::int64_t along = narrow_rounded(wide_dot(gap, c.normal_30), 30);
-        const auto beside = [&](int i) {
-            return gap[i] - narrow_rounded(Wide::product(c.normal_30[i], along), 30);
-        };
-        const std::int64_t off = direction_of_30({beside(0), beside(1), beside(2)}).length;
+        const std::int64_t along = dot_unit(gap, c.normal_30);
+        const std::int64_t off = direction_of_30(gap - times_unit(c.normal_30, along)).length;
         if (Wide::product(2 * bias, radius) < Wide::product(off, off)) return false;
         separation[k] = along - c.radius_a_30() - c.radius_b_30();
     }
@@ -139,9 +135,7 @@ void refine_normal(Difference& difference, Long3& normal, std::int64_t& separati
     Long3 better = across.unit;
     if (across.length < std::int64_t{1} << 22) { // within 0.004 rad of parallel
         const Long3 d = line_of(b, eb) - line_of(a, ea);
-        const std::int64_t along = narrow_rounded(wide_dot(d, u), 30);
-        const auto part = [&](int i) { return d[i] - narrow_rounded(Wide::product(u[i], along), 30); };
-        better = direction_of_30({part(0), part(1), part(2)}).unit;
+        better = direction_of_30(d - times_unit(u, dot_unit(d, u))).unit;
     }
     if (dot(better, normal) < 0) better = -better;
     constexpr std::int64_t noise_30 = 1 << 7; // 0.1 um
@@ -220,7 +214,7 @@ bool keep_face(const Convex& a, const Convex& b, Long3 last_30, Length margin, M
     if (larger(cosine_a, cosine_b) < same_face) return false;
     const Long3 normal = by_a ? face_a.normal_30 : -face_b.normal_30;
     const Long3 on_a = support(a, normal).at_30, on_b = support(b, -normal).at_30;
-    const std::int64_t separation = narrow_rounded(wide_dot(on_b - on_a, normal), 30),
+    const std::int64_t separation = dot_unit(on_b - on_a, normal),
                        radii = up(a.radius.raw + b.radius.raw, 6), bias = bias_of(a, b);
     out.normal = unit_of_30(normal);
     if (separation > radii + up(margin.raw, 6)) return true;

@@ -22,10 +22,7 @@ struct Contact {
     std::int64_t radius_b_30() const { return up(b.radius.raw, 6); }
     /// `offset` along the normal from `from`.
     Long3 moved(Long3 from, std::int64_t offset_30) const {
-        const auto part = [&](int i) {
-            return from[i] + narrow_rounded(Wide::product(normal_30[i], offset_30), 30);
-        };
-        return {part(0), part(1), part(2)};
+        return from + times_unit(normal_30, offset_30);
     }
     /// A point of the surface gap above the point of A's core `on_a`.
     void add_above_a(Long3 on_a_30, std::int64_t separation, std::uint32_t feature) {

@@ -51,10 +51,10 @@ template <class L> class Kernel {
         }
     };
 
-    static void gather(const Pack& c, const PassData& data, Pair& p) {
-        const dynamics::SolverBody *a[N], *b[N];
-        for (unsigned lane = 0; lane < N; ++lane)
-            a[lane] = &data.bodies[c.body_a[lane]], b[lane] = &data.bodies[c.body_b[lane]];
+    /// `of`: bodies, or what they start the next substep from.
+    template <class Body> static void gather(const Pack& c, const Body* of, Pair& p) {
+        const Body *a[N], *b[N];
+        for (unsigned lane = 0; lane < N; ++lane) a[lane] = &of[c.body_a[lane]], b[lane] = &of[c.body_b[lane]];
         V raw[12];
         L::gather6(a, raw);
         L::gather6(b, raw + 6);
@@ -62,18 +62,18 @@ template <class L> class Kernel {
     }
 
     /// Bodies that nothing moves are shared by the packs of a stage, so they are not written.
-    static void scatter(const Pack& c, const PassData& data, const Pair& p) {
-        scatter_side(c.body_a, c.movable_a, data, p.a);
-        scatter_side(c.body_b, c.movable_b, data, p.b);
+    template <class Body> static void scatter(const Pack& c, Body* of, const Pair& p) {
+        scatter_side(c.body_a, c.movable_a, of, p.a);
+        scatter_side(c.body_b, c.movable_b, of, p.b);
     }
-    static void scatter_side(const std::uint32_t (&rows)[N], std::uint32_t movable, const PassData& data,
+    template <class Body>
+    static void scatter_side(const std::uint32_t (&rows)[N], std::uint32_t movable, Body* of,
                              const Velocity (&x)[6]) {
         V raw[6];
         for (int i = 0; i < 6; ++i) raw[i] = x[i].raw;
-        dynamics::SolverBody* to[N];
-        dynamics::SolverBody spare;
-        for (unsigned lane = 0; lane < N; ++lane)
-            to[lane] = (movable >> lane) & 1u ? &data.bodies[rows[lane]] : &spare;
+        Body* to[N];
+        Body spare;
+        for (unsigned lane = 0; lane < N; ++lane) to[lane] = (movable >> lane) & 1u ? &of[rows[lane]] : &spare;
         if (movable != 0) L::scatter6(to, raw);
     }
 
@@ -451,6 +451,43 @@ template <class L> class Kernel {
         t1 = Speed::load(x), t2 = Speed::load(y);
     }
 
+    // ---- impacts -------------------------------------------------------------------------------------------------
+
+    /// forget_impacts() of all lanes at once, where none of them keeps its own.
+    static void forget_all_impacts(Pack& c, const PassData& data) {
+        const Speed zero = Speed::splat(0);
+        Speed taken[3] = {zero, zero, zero}, before = zero, after = zero;
+        for (int k = 0; k < c.point_count; ++k) {
+            Point& point = c.points[k];
+            const Speed old = Speed::load(point.impulse), impact = min(max(Speed::load(point.impact), zero), old);
+            before = before + old;
+            after = after + (old - impact);
+            taken[0] = taken[0] - impact;
+            for (int i = 0; i < 2; ++i)
+                taken[i + 1] = taken[i + 1] - rounded<speed_bits>(Unit::load(point.arm[i]) * impact);
+            (old - impact).store(point.impulse);
+            zero.store(point.impact);
+        }
+        c.impacts = 0;
+        const unsigned some = (zero > taken[0]).lanes();
+        if (some == 0) return;
+        std::int32_t was[N], left[N], change[3][N] = {};
+        before.store(was), after.store(left);
+        for (unsigned lane = 0; lane < N; ++lane)
+            if ((some >> lane) & 1u)
+                for (int r = 0; r < 3; ++r) { // friction as the normal impulses
+                    const std::int32_t old = c.slide[r][lane];
+                    c.slide[r][lane] = static_cast<std::int32_t>(std::int64_t{old} * left[lane] / was[lane]);
+                    change[r][lane] = c.slide[r][lane] - old;
+                }
+        const Speed slide[3] = {Speed::load(change[0]), Speed::load(change[1]), Speed::load(change[2])};
+        Pair start;
+        gather(c, data.warm, start);
+        push_normal(c, taken, start);
+        push_slide(c, slide, start);
+        scatter(c, data.warm, start);
+    }
+
     // ---- passes --------------------------------------------------------------------------------------------------
 
     static void warm_start_pack(const Pack& c, const PassData& data) {
@@ -459,18 +496,18 @@ template <class L> class Kernel {
         for (int r = 0; r < 3; ++r) slide[r] = Speed::load(c.slide[r]);
         moments(c, impulse, q);
         Pair p;
-        gather(c, data, p);
+        gather(c, data.bodies, p);
         push_normal(c, q, p);
         push_slide(c, slide, p);
         if (c.locked != 0) hold_locked(c, data, p);
-        scatter(c, data, p);
+        scatter(c, data.bodies, p);
     }
 
     /// The soft pass ends with the normals and the relaxing one with friction: within the cone of an impulse that also
     /// pushes overlap out, what slides in overlap would be braked twice.
     static void solve_pack(Pack& c, const PassData& data, const PassSettings& s) {
         Pair p;
-        gather(c, data, p);
+        gather(c, data.bodies, p);
         p.round();
         if (s.soft) {
             solve_friction(c, data, p);
@@ -482,8 +519,12 @@ template <class L> class Kernel {
             p.round();
             solve_friction(c, data, p);
         }
-        scatter(c, data, p);
-        if (!s.soft && c.impacts != 0) forget_impacts<N>(c, data.warm);
+        scatter(c, data.bodies, p);
+        if (s.soft || c.impacts == 0) return;
+        if (c.keeps == 0)
+            forget_all_impacts(c, data);
+        else
+            forget_impacts<N>(c, data.warm);
     }
 
   public:
