@@ -60,13 +60,15 @@ void reach_of_hull(const shapes::Solid& solid, const Rotation& r, Reach (&out)[3
                             high);
     else
         for (int i = 0; i < 3; ++i) {
-            const shapes::Reach reach = shapes::reach_along(
-                hull.vertices, {Unit::from_raw(rows[i][0]), Unit::from_raw(rows[i][1]), Unit::from_raw(rows[i][2])});
+            const shapes::Reach reach =
+                shapes::reach_along(hull.vertices, {Unit::from_raw(rows[i][0]), Unit::from_raw(rows[i][1]),
+                                                    Unit::from_raw(rows[i][2])});
             low[i] = reach.low_54, high[i] = reach.high_54;
         }
     const std::int64_t radius = solid.geometry.radius.raw;
     for (int i = 0; i < 3; ++i)
-        out[i] = {(low[i] >> Unit::fraction_bits) - radius, ((high[i] + up_30) >> Unit::fraction_bits) + radius};
+        out[i] = {(low[i] >> Unit::fraction_bits) - radius,
+                  ((high[i] + up_30) >> Unit::fraction_bits) + radius};
 }
 
 /// Of what lies within an extent of asset coordinates; those reach 2^20 m at most.

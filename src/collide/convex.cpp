@@ -133,7 +133,8 @@ static bool fits_32(Long3 a) {
 
 static std::uint32_t furthest(const shapes::Hull& hull, const shapes::SupportKernel& kernel,
                               const Long3& local) {
-    const std::int32_t direction[3] = {static_cast<std::int32_t>(local[0]), static_cast<std::int32_t>(local[1]),
+    const std::int32_t direction[3] = {static_cast<std::int32_t>(local[0]),
+                                       static_cast<std::int32_t>(local[1]),
                                        static_cast<std::int32_t>(local[2])};
     return kernel.furthest(hull.lanes.data(), static_cast<std::uint32_t>(hull.lanes.size() / 3), direction);
 }
@@ -184,8 +185,7 @@ static inline SupportPoint support_of_hull(const Convex& shape, const Long3& ori
     const shapes::Hull& hull = *shape.hull;
     Long3 local = direction;
     if (!shape.upright)
-        for (int i = 0; i < 3; ++i)
-            local[i] = shift_right_rounded(dot(shape.axes_30[i], direction), 30);
+        for (int i = 0; i < 3; ++i) local[i] = shift_right_rounded(dot(shape.axes_30[i], direction), 30);
     if (hull.vertices.size() > hull_scan_max) {
         corner = climb(hull, local, corner);
     } else if (shape.kernel != nullptr && fits_32(local)) {
@@ -243,7 +243,8 @@ SupportPoint support(const Convex& shape, Long3 direction_30) {
 }
 
 std::int64_t furthest_along_54(const shapes::Hull& hull, const shapes::SupportKernel* kernel, Long3 n_30) {
-    const std::uint32_t corner = kernel != nullptr && fits_32(n_30) ? furthest(hull, *kernel, n_30) : scan(hull, n_30);
+    const std::uint32_t corner =
+        kernel != nullptr && fits_32(n_30) ? furthest(hull, *kernel, n_30) : scan(hull, n_30);
     return dot(n_30, raw(hull.vertices[corner]));
 }
 

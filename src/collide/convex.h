@@ -18,10 +18,10 @@ struct Convex {
     Long3 center_24;   ///< the shape's origin
     Long3 axes_30[3];  ///< the shape's axes
     Long3 half_24; ///< at the shape's scale; segment: y; box; cylinder and cone: x = z radius, y half height
-    const shapes::Hull* hull; ///< of a hull
+    const shapes::Hull* hull;            ///< of a hull
     const shapes::SupportKernel* kernel; ///< of a hull; may be null
     bool upright;                        ///< its axes are those of the working frame
-    Long3 corners_24[3];      ///< of a triangle, in the working frame
+    Long3 corners_24[3];                 ///< of a triangle, in the working frame
 };
 
 /// A sphere, capsule, cylinder, cone, box or hull. `position` and `rotation`: its frame seen from the working frame.

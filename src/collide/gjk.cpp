@@ -179,8 +179,7 @@ Gap gap_of(Difference& difference, const Simplex& s) {
     set_points(s, gap);
     const Direction exact = direction_of_30(full_direction(s));
     gap.normal_30 = -exact.unit;
-    gap.distance_30 =
-        s.count == 1 ? exact.length : dot_unit(gap.on_b_30 - gap.on_a_30, gap.normal_30);
+    gap.distance_30 = s.count == 1 ? exact.length : dot_unit(gap.on_b_30 - gap.on_a_30, gap.normal_30);
     if (difference.is_smooth() || difference.shift() > 4) choose_normal(difference, s, gap);
     if (gap.distance_30 <= 0) return Gap{true, {}, 0, {}, {}};
     return gap;

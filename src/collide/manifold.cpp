@@ -56,9 +56,7 @@ struct Lines {
     std::int64_t beside_on_a(Long3 x) const { return dot_unit(x - a, along_a.unit); }
 
   private:
-    static Long3 moved(Long3 from, Long3 unit, std::int64_t s) {
-        return from + times_unit(unit, s);
-    }
+    static Long3 moved(Long3 from, Long3 unit, std::int64_t s) { return from + times_unit(unit, s); }
 };
 
 /// Two points where the edges run along each other; false when they cross or leave each other.
@@ -214,11 +212,12 @@ bool keep_face(const Convex& a, const Convex& b, Long3 last_30, Length margin, M
     if (larger(cosine_a, cosine_b) < same_face) return false;
     const Long3 normal = by_a ? face_a.normal_30 : -face_b.normal_30;
     const Long3 on_a = support(a, normal).at_30, on_b = support(b, -normal).at_30;
-    const std::int64_t separation = dot_unit(on_b - on_a, normal),
-                       radii = up(a.radius.raw + b.radius.raw, 6), bias = bias_of(a, b);
+    const std::int64_t separation = dot_unit(on_b - on_a, normal), radii = up(a.radius.raw + b.radius.raw, 6),
+                       bias = bias_of(a, b);
     out.normal = unit_of_30(normal);
     if (separation > radii + up(margin.raw, 6)) return true;
-    if (separation < -bias && (by_a ? depth_in(a, on_b) : depth_in(b, on_a)) < -separation - bias) return false;
+    if (separation < -bias && (by_a ? depth_in(a, on_b) : depth_in(b, on_a)) < -separation - bias)
+        return false;
     Contact c{a, b, normal, separation - radii, margin, out};
     if (by_a)
         clip_to_face(c, false, face_a, supporting_face(b, -normal));

@@ -21,9 +21,7 @@ struct Contact {
     std::int64_t radius_a_30() const { return up(a.radius.raw, 6); }
     std::int64_t radius_b_30() const { return up(b.radius.raw, 6); }
     /// `offset` along the normal from `from`.
-    Long3 moved(Long3 from, std::int64_t offset_30) const {
-        return from + times_unit(normal_30, offset_30);
-    }
+    Long3 moved(Long3 from, std::int64_t offset_30) const { return from + times_unit(normal_30, offset_30); }
     /// A point of the surface gap above the point of A's core `on_a`.
     void add_above_a(Long3 on_a_30, std::int64_t separation, std::uint32_t feature) {
         add(moved(on_a_30, radius_a_30() + (separation >> 1)), separation, feature);

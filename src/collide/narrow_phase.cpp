@@ -120,7 +120,8 @@ void collide(const shapes::Solid& a, const shapes::Solid& b, const RelativePose&
         if (out.items[0].count == 0) out.apart = out.items[0].normal;
     } else if (kind_a != ShapeKind::plane) {
         collide_convex(convex_of(a, Rotation::identity(), CoordinateVec3{}),
-                       convex_of(b, pose.rotation, pose.position), margin, out.items[0], raw(hint), raw(normal));
+                       convex_of(b, pose.rotation, pose.position), margin, out.items[0], raw(hint),
+                       raw(normal));
         if (out.items[0].count == 0) out.apart = out.items[0].normal;
     } else {
         collide_pair(a, b, pose, margin, out.items[0]);

@@ -54,9 +54,10 @@ struct Hull {
         neighbours; ///< vertices that share an edge of the exact surface, ascending: for hill climbing
     std::vector<std::uint16_t> first_face_at; ///< by vertex, vertices + 1 entries: range in `faces_at`
     std::vector<std::uint16_t> faces_at;      ///< the faces that have it as a corner, ascending
-    std::vector<std::int32_t> lanes; ///< the vertices side by side, filled up with the first: support_kernel.h
-    LengthVec3 interior; ///< a point well inside: the centre of mass, rounded
-    Length inner_radius; ///< of a ball about `interior` within the hull
+    std::vector<std::int32_t>
+        lanes;                 ///< the vertices side by side, filled up with the first: support_kernel.h
+    LengthVec3 interior;       ///< a point well inside: the centre of mass, rounded
+    Length inner_radius;       ///< of a ball about `interior` within the hull
     MassProperties properties; ///< at density 1 kg/m^3, by exact integrals
     Scaled volume;             ///< [m^3], to 62 bits where properties.mass has 32 fraction bits
     Extent extent;

@@ -262,7 +262,8 @@ using NearChunk = Scratch::NearChunk;
 /// New rows of a pair, at the end of the chunk's; none when there are no points.
 std::uint32_t make_rows(const CandidatePair& c, const PairPlace& place, std::span<const ContactMemory> old,
                         UnitVec3& apart, Scratch::NarrowWorker& worker, NearChunk& chunk) {
-    make_manifolds(c, place, apart, old.empty() ? UnitVec3{} : old[0].normal, worker.narrow, worker.manifolds);
+    make_manifolds(c, place, apart, old.empty() ? UnitVec3{} : old[0].normal, worker.narrow,
+                   worker.manifolds);
     if (worker.manifolds.count == 0) return 0;
     std::uint32_t flags = (c.flipped ? dynamics::contact_flipped : 0u);
     if (c.sensor) flags |= dynamics::contact_sensor;

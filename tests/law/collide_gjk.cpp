@@ -224,8 +224,9 @@ TEST_CASE("flat, coincident and touching cores have a defined answer") {
         for (const Convex::Core cb : cores)
             for (const Long3 at :
                  {Long3{0, 0, 0}, Long3{2 * unit, 0, 0}, Long3{0, 2 * unit, 0}, Long3{unit, unit, unit}}) {
-                const Convex a{ca,      {}, {}, {{one, 0, 0}, {0, one, 0}, {0, 0, one}}, {unit, unit, unit},
-                               nullptr, {}};
+                const Convex a{
+                    ca,      {},   {}, {{one, 0, 0}, {0, one, 0}, {0, 0, one}}, {unit, unit, unit}, nullptr,
+                    nullptr, true, {}};
                 Convex b = a;
                 b.core = cb;
                 b.center_24 = at;

@@ -2,11 +2,13 @@
 #include "collide/convex.h"
 #include "lockstone/math.h"
 #include "oracle/double_shapes.h"
+#include "solve/kernels/kernels.h"
 
 #include <doctest/doctest.h>
 
 #include <cmath>
 #include <cstring>
+#include <vector>
 
 using namespace lockstone;
 using namespace lockstone::collide;
@@ -56,14 +58,14 @@ TEST_CASE("manifolds are the same with any hint") {
                                  quantize<Coordinate>(way.z * distance)}};
         collide::collide(a, b, pose, margin, scratch, plain);
         const UnitVec3 hint{quantize<Unit>(guess.x), quantize<Unit>(guess.y), quantize<Unit>(guess.z)};
-        collide::collide(a, b, pose, margin, hint, scratch, hinted);
+        collide::collide(a, b, pose, margin, hint, UnitVec3{}, scratch, hinted);
         REQUIRE(same(plain, hinted));
         if (plain.count != 0) {
             ++near;
             continue;
         }
         ++apart;
-        collide::collide(a, b, pose, margin, plain.apart, scratch, again);
+        collide::collide(a, b, pose, margin, plain.apart, UnitVec3{}, scratch, again);
         REQUIRE(same(plain, again));
         // What was found to part them is taken at its word, at once.
         if (plain.apart != UnitVec3{}) CHECK(again.apart != UnitVec3{});
@@ -74,14 +76,27 @@ TEST_CASE("manifolds are the same with any hint") {
 
 namespace {
 
-/// Pairs of spheres, capsules and boxes of 4 cm to 10 m, which a direction may part: the one that parted them before they moved
+/// Pairs of spheres, capsules, boxes and hulls of 4 cm to 10 m, which a direction may part: the one that parted them before they moved
 /// by up to 4 cm and turned by up to a hundredth.
 struct PartedPairs {
     oracle::Random random{13};
+    AssetLibrary library;
+    std::vector<shapes::Solid> stones;
     NarrowScratch scratch;
     int parted = 0, touched = 0, wrong = 0;
 
-    Geometry shape() {
+    PartedPairs() {
+        for (const double size : {0.05, 0.2, 0.5, 1.0, 4.0}) {
+            stones.push_back(ball_hull(library, random, size));
+            stones.push_back(stones.back());
+            stones.back().kernel = solve::kernels_of(best_simd())->hulls;
+        }
+    }
+    shapes::Solid shape() {
+        if (random.below(3) == 0) return stones[random.below(static_cast<std::uint32_t>(stones.size()))];
+        return {primitive()};
+    }
+    Geometry primitive() {
         const double size = std::pow(10.0, random.uniform(-1.4, 0.7));
         const auto length = [&] { return quantize<Real>(size * random.uniform(0.3, 1)); };
         switch (random.below(3)) {
@@ -95,7 +110,7 @@ struct PartedPairs {
     }
     /// `margin` asked of the direction; points are asked for within `reach`.
     void look(Length margin, Length reach) {
-        shapes::Solid a{shape()}, b{shape()};
+        shapes::Solid a = shape(), b = shape();
         if (a.geometry.kind < b.geometry.kind) std::swap(a, b);
         const D3 d = random.direction();
         const double size = oracle::to_double(collide_reach(a)) + oracle::to_double(collide_reach(b)),
@@ -122,6 +137,7 @@ struct PartedPairs {
         wrong += is_parted && after.count != 0;
     }
     static Real collide_reach(const shapes::Solid& s) {
+        if (s.hull != nullptr) return to<Real>(shapes::reach_of(s));
         return to<Real>(s.geometry.radius) + length(to<Real>(s.geometry.half_extent));
     }
 };
@@ -161,7 +177,7 @@ TEST_CASE("what no direction is known to part is not parted") {
     AssetLibrary library;
     oracle::Random random(14);
     const shapes::Solid stone = ball_hull(library, random, 0.1), ball{sphere(0.1_r)},
-                        large{scaled(box(1_r, 1_r, 1_r), 2_r)};
+                        post{cylinder(0.1_r, 0.1_r)}, large{scaled(box(1_r, 1_r, 1_r), 2_r)};
     const Rotation axes = Rotation::identity();
     const UnitVec3 up{Unit{}, unit_one, Unit{}};
     const auto parts = [&](const shapes::Solid& a, const shapes::Solid& b, Real height, UnitVec3 axis) {
@@ -172,7 +188,10 @@ TEST_CASE("what no direction is known to part is not parted") {
     CHECK_FALSE(parts(ball, ball, 1_r, UnitVec3{}));
     CHECK_FALSE(parts(ball, ball, 1_r, -up));
     CHECK_FALSE(parts(ball, ball, 65_r, up)); // farther than its numbers reach
-    CHECK_FALSE(parts(stone, ball, 1_r, up));
+    CHECK(parts(stone, ball, 1_r, up));
+    CHECK(parts(ball, stone, 1_r, up));
+    CHECK_FALSE(parts(stone, ball, 0.19_r, up));
+    CHECK_FALSE(parts(post, ball, 1_r, up));
     CHECK_FALSE(parts(large, ball, 9_r, up));
 }
 
@@ -185,7 +204,7 @@ TEST_CASE("a hint does not part a ball from the box of 1240 m that it lies in") 
         NarrowScratch scratch;
         Manifolds out;
         collide::collide(cliff, ball, {Rotation::identity(), {along, along, along}}, decimal<Length>("0.02"),
-                         UnitVec3{third, third, third}, scratch, out);
+                         UnitVec3{third, third, third}, UnitVec3{}, scratch, out);
         return out.count;
     };
     for (const double metres : {40.0, 60.0, 100.0, 200.0, 1000.0, 1074.0}) CHECK(points_at(metres) == 1);

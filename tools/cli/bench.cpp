@@ -27,8 +27,8 @@ void describe(CLI::App& command, Args& args) {
     add_texts(command, "PART", args.parts,
               "S1 to S6, pyramids, grid, drum, state, awake, scaling, verify, arena, threads, front, or a "
               "scene of `lockstone scenes`; none: all but threads, front and those scenes");
-    add_number(command, "--ticks", args.ticks, "to time, with --instructions: before those that count; 0: as the scene asks for", 0,
-               1000000);
+    add_number(command, "--ticks", args.ticks,
+               "to time, with --instructions: before those that count; 0: as the scene asks for", 0, 1000000);
     add_number(command, "--runs", args.runs, "of each scene: of each tick the least counts", 1, 100);
     add_numbers(command, "--substeps", args.substeps,
                 "of Lockstone, 1 to 16; several, with commas: each is a contestant", 1, 16);
@@ -92,9 +92,8 @@ Result<Exit> act(const Args& args) {
     }
     if (args.instructions || !args.profile.empty()) {
         const Result<Json> rows =
-            args.instructions
-                ? bench::count_instructions(scenes, ours, args.keep)
-                : bench::profile(scenes, ours, plan.quick ? 3 : plan.ticks, args.profile);
+            args.instructions ? bench::count_instructions(scenes, ours, args.keep)
+                              : bench::profile(scenes, ours, plan.quick ? 3 : plan.ticks, args.profile);
         if (!rows) return rows.error();
         print(args, *rows, args.instructions ? bench::print_instructions : bench::print_profile);
         return Exit::good;

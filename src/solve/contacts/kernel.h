@@ -54,7 +54,8 @@ template <class L> class Kernel {
     /// `of`: bodies, or what they start the next substep from.
     template <class Body> static void gather(const Pack& c, const Body* of, Pair& p) {
         const Body *a[N], *b[N];
-        for (unsigned lane = 0; lane < N; ++lane) a[lane] = &of[c.body_a[lane]], b[lane] = &of[c.body_b[lane]];
+        for (unsigned lane = 0; lane < N; ++lane)
+            a[lane] = &of[c.body_a[lane]], b[lane] = &of[c.body_b[lane]];
         V raw[12];
         L::gather6(a, raw);
         L::gather6(b, raw + 6);
@@ -73,7 +74,8 @@ template <class L> class Kernel {
         for (int i = 0; i < 6; ++i) raw[i] = x[i].raw;
         Body* to[N];
         Body spare;
-        for (unsigned lane = 0; lane < N; ++lane) to[lane] = (movable >> lane) & 1u ? &of[rows[lane]] : &spare;
+        for (unsigned lane = 0; lane < N; ++lane)
+            to[lane] = (movable >> lane) & 1u ? &of[rows[lane]] : &spare;
         if (movable != 0) L::scatter6(to, raw);
     }
 
@@ -459,7 +461,8 @@ template <class L> class Kernel {
         Speed taken[3] = {zero, zero, zero}, before = zero, after = zero;
         for (int k = 0; k < c.point_count; ++k) {
             Point& point = c.points[k];
-            const Speed old = Speed::load(point.impulse), impact = min(max(Speed::load(point.impact), zero), old);
+            const Speed old = Speed::load(point.impulse),
+                        impact = min(max(Speed::load(point.impact), zero), old);
             before = before + old;
             after = after + (old - impact);
             taken[0] = taken[0] - impact;

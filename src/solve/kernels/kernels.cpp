@@ -6,7 +6,8 @@ const Kernels* kernels_of(Simd level) {
     if (!has_simd(level)) return nullptr;
 #if defined(__x86_64__) || defined(__i386__)
     // Packs of joints have four lanes and bodies six velocities, so AVX-512 has nothing to add there.
-    static constexpr Kernels avx512{&avx512_contacts, &avx2_joints, &avx2_bodies, &avx512_pairs, &avx512_hulls},
+    static constexpr Kernels avx512{&avx512_contacts, &avx2_joints, &avx2_bodies, &avx512_pairs,
+                                    &avx512_hulls},
         avx2{&avx2_contacts, &avx2_joints, &avx2_bodies, &avx2_pairs, &avx2_hulls},
         sse41{&sse41_contacts, &sse41_joints, &sse41_bodies, &sse41_pairs, &sse41_hulls};
     if (level == Simd::avx512) return &avx512;
@@ -16,10 +17,12 @@ const Kernels* kernels_of(Simd level) {
     static constexpr Kernels neon{&neon_contacts, &neon_joints, &neon_bodies, &neon_pairs, &neon_hulls};
     if (level == Simd::neon) return &neon;
 #elif defined(__wasm_simd128__)
-    static constexpr Kernels wasm128{&wasm128_contacts, &wasm128_joints, &wasm128_bodies, &wasm128_pairs, &wasm128_hulls};
+    static constexpr Kernels wasm128{&wasm128_contacts, &wasm128_joints, &wasm128_bodies, &wasm128_pairs,
+                                     &wasm128_hulls};
     if (level == Simd::wasm128) return &wasm128;
 #endif
-    static constexpr Kernels scalar{&scalar_contacts, &scalar_joints, &scalar_bodies, &scalar_pairs, &scalar_hulls};
+    static constexpr Kernels scalar{&scalar_contacts, &scalar_joints, &scalar_bodies, &scalar_pairs,
+                                    &scalar_hulls};
     return &scalar;
 }
 

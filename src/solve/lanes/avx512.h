@@ -86,7 +86,8 @@ struct Avx512 {
   private:
     using Half = __m256i;
 
-    static V rows(const std::int32_t* a, const std::int32_t* b, const std::int32_t* c, const std::int32_t* d) {
+    static V rows(const std::int32_t* a, const std::int32_t* b, const std::int32_t* c,
+                  const std::int32_t* d) {
         const auto row = [](const std::int32_t* p) {
             return _mm_loadu_si128(reinterpret_cast<const __m128i*>(p));
         };

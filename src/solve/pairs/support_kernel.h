@@ -18,8 +18,9 @@ template <class L> class HullSupport {
                                   const std::int32_t (&direction)[3]) {
         const V x = L::splat(direction[0]), y = L::splat(direction[1]), z = L::splat(direction[2]);
         const auto along = [&](std::uint32_t k) {
-            return L::add(L::add(L::mul(L::load32(corners + k), x), L::mul(L::load32(corners + stride + k), y)),
-                          L::mul(L::load32(corners + 2 * stride + k), z));
+            return L::add(
+                L::add(L::mul(L::load32(corners + k), x), L::mul(L::load32(corners + stride + k), y)),
+                L::mul(L::load32(corners + 2 * stride + k), z));
         };
         V most = along(0), block = L::splat(0);
         for (std::uint32_t k = N; k < stride; k += N) {
