@@ -79,6 +79,14 @@ struct SupportingFace {
     bool flat;                      ///< a true face of the shape: its normal may become the contact's
 };
 SupportingFace supporting_face(const Convex& shape, Long3 direction_30);
+/// Which face that is, without its corners; and the face, from this and the direction that it was found along.
+struct Facing {
+    Long3 normal_30;
+    std::uint32_t id;
+    bool flat;
+};
+Facing facing(const Convex& shape, const Long3& direction_30);
+SupportingFace face_at(const Convex& shape, const Facing& at, const Long3& direction_30);
 
 /// Fills the manifold from the two supporting faces along `normal_30`: the better one is the reference, the other is
 /// clipped against its sides; up to four points within `margin`. Radii are taken into account; `separation_30` is

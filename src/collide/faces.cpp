@@ -37,15 +37,22 @@ void add_hull_corner(const Convex& shape, SupportingFace& face, std::uint32_t id
     face.ids[face.count++] = id;
 }
 
-void box_face(const Convex& shape, Long3 direction, SupportingFace& face) {
+Facing facing_of_box(const Convex& shape, const Long3& direction) {
     std::int64_t along[3];
     int axis = 0;
     for (int i = 0; i < 3; ++i) {
         along[i] = dot(shape.axes_30[i], direction);
         if (absolute(along[i]) > absolute(along[axis])) axis = i;
     }
-    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
     const bool positive = along[axis] >= 0;
+    return {positive ? shape.axes_30[axis] : -shape.axes_30[axis],
+            static_cast<std::uint32_t>(1 + 2 * axis + (positive ? 1 : 0)), true};
+}
+
+void fill_box_face(const Convex& shape, SupportingFace& face) {
+    const int axis = static_cast<int>(face.id - 1) / 2;
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    const bool positive = (face.id - 1) % 2 != 0;
     constexpr bool high_u[4] = {false, true, true, false}, high_v[4] = {false, false, true, true};
     for (int k = 0; k < 4; ++k) {
         const int corner = positive ? k : 3 - k; // counter-clockwise from either side
@@ -55,9 +62,6 @@ void box_face(const Convex& shape, Long3 direction, SupportingFace& face) {
         at[v] = high_v[corner] ? shape.half_24[v] : -shape.half_24[v];
         add_corner(shape, face, at, (at[0] > 0 ? 1u : 0u) | (at[1] > 0 ? 2u : 0u) | (at[2] > 0 ? 4u : 0u));
     }
-    face.normal_30 = positive ? shape.axes_30[axis] : -shape.axes_30[axis];
-    face.id = static_cast<std::uint32_t>(1 + 2 * axis + (positive ? 1 : 0));
-    face.flat = true;
 }
 
 void triangle_face(const Convex& shape, Long3 direction, SupportingFace& face) {
@@ -76,7 +80,7 @@ void triangle_face(const Convex& shape, Long3 direction, SupportingFace& face) {
 }
 
 /// Of the faces about the furthest corner the one that looks most along the direction.
-void hull_face(const Convex& shape, Long3 direction, SupportingFace& face) {
+Facing facing_of_hull(const Convex& shape, const Long3& direction) {
     const shapes::Hull& hull = *shape.hull;
     const Long3 local{shift_right_rounded(dot(shape.axes_30[0], direction), 30),
                       shift_right_rounded(dot(shape.axes_30[1], direction), 30),
@@ -87,18 +91,23 @@ void hull_face(const Convex& shape, Long3 direction, SupportingFace& face) {
     for (std::size_t k = hull.first_face_at[furthest]; k < hull.first_face_at[furthest + 1]; ++k)
         if (const std::int64_t x = dot(local, raw(hull.faces[hull.faces_at[k]].normal)); x > most)
             best = hull.faces_at[k], most = x;
-    const shapes::Hull::Face& f = hull.faces[best];
+    const Long3 n = raw(hull.faces[best].normal);
+    Facing found{n, static_cast<std::uint32_t>(best + 1), true};
+    if (!shape.upright)
+        for (int i = 0; i < 3; ++i)
+            found.normal_30[i] = shift_right_rounded(
+                shape.axes_30[0][i] * n[0] + shape.axes_30[1][i] * n[1] + shape.axes_30[2][i] * n[2], 30);
+    return found;
+}
+
+void fill_hull_face(const Convex& shape, SupportingFace& face) {
+    const shapes::Hull& hull = *shape.hull;
+    const shapes::Hull::Face& f = hull.faces[face.id - 1];
     const int kept = f.count < SupportingFace::corners_max ? f.count : SupportingFace::corners_max;
     for (int k = 0; k < kept; ++k) { // of a face with too many corners, some spread evenly
         const std::uint32_t id = hull.loops[static_cast<std::size_t>(f.first + k * f.count / kept)];
         add_hull_corner(shape, face, id);
     }
-    const Long3 n = raw(f.normal);
-    for (int i = 0; i < 3; ++i)
-        face.normal_30[i] = shift_right_rounded(
-            shape.axes_30[0][i] * n[0] + shape.axes_30[1][i] * n[1] + shape.axes_30[2][i] * n[2], 30);
-    face.id = static_cast<std::uint32_t>(best + 1);
-    face.flat = true;
 }
 
 /// The part of a direction across the y axis, in the shape's axes: unit, and its length; along the axis x and zero.
@@ -187,19 +196,38 @@ SupportingFace supporting_face(const Convex& shape, Long3 direction) {
     case Convex::Core::triangle:
         triangle_face(shape, direction, face);
         break;
-    case Convex::Core::box:
-        box_face(shape, direction, face);
-        break;
     case Convex::Core::cylinder:
         cylinder_face(shape, direction, face);
         break;
     case Convex::Core::cone:
         cone_face(shape, direction, face);
         break;
+    case Convex::Core::box:
     case Convex::Core::hull:
-        hull_face(shape, direction, face);
-        break;
+        return face_at(shape, facing(shape, direction), direction);
     }
+    return face;
+}
+
+Facing facing(const Convex& shape, const Long3& direction) {
+    if (shape.core == Convex::Core::box) return facing_of_box(shape, direction);
+    if (shape.core == Convex::Core::hull) return facing_of_hull(shape, direction);
+    const SupportingFace face = supporting_face(shape, direction);
+    return {face.normal_30, face.id, face.flat};
+}
+
+SupportingFace face_at(const Convex& shape, const Facing& at, const Long3& direction) {
+    if (shape.core != Convex::Core::box && shape.core != Convex::Core::hull)
+        return supporting_face(shape, direction);
+    SupportingFace face;
+    face.count = 0;
+    face.normal_30 = at.normal_30;
+    face.id = at.id;
+    face.flat = at.flat;
+    if (shape.core == Convex::Core::box)
+        fill_box_face(shape, face);
+    else
+        fill_hull_face(shape, face);
     return face;
 }
 

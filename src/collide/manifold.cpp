@@ -203,7 +203,7 @@ std::int64_t depth_in(const Convex& shape, Long3 at_30) {
 /// and likewise for a face of B.
 bool keep_face(const Convex& a, const Convex& b, Long3 last_30, Length margin, Manifold& out) {
     if (has_discs(a) || has_discs(b)) return false;
-    const SupportingFace face_a = supporting_face(a, last_30), face_b = supporting_face(b, -last_30);
+    const Facing face_a = facing(a, last_30), face_b = facing(b, -last_30);
     std::int64_t cosine_a = 0, cosine_b = 0;
     if (face_a.flat) cosine_a = dot(face_a.normal_30, last_30);
     if (face_b.flat) cosine_b = -dot(face_b.normal_30, last_30);
@@ -220,9 +220,9 @@ bool keep_face(const Convex& a, const Convex& b, Long3 last_30, Length margin, M
         return false;
     Contact c{a, b, normal, separation - radii, margin, out};
     if (by_a)
-        clip_to_face(c, false, face_a, supporting_face(b, -normal));
+        clip_to_face(c, false, face_at(a, face_a, last_30), supporting_face(b, -normal));
     else
-        clip_to_face(c, true, face_b, supporting_face(a, normal));
+        clip_to_face(c, true, face_at(b, face_b, -last_30), supporting_face(a, normal));
     std::int64_t lowest = std::numeric_limits<std::int64_t>::max();
     for (std::uint32_t k = 0; k < out.count; ++k)
         lowest = smaller(lowest, up(out.points[k].separation.raw, 3));
@@ -302,7 +302,7 @@ void collide_convex(const Convex& a, const Convex& b, Length margin, Manifold& o
     refine_normal(difference, normal, separation);
     // A face whose separation is as good to within the bias gives the normal; A's rather than B's.
     const std::int64_t bias = bias_of(a, b);
-    const SupportingFace face_a = supporting_face(a, normal), face_b = supporting_face(b, -normal);
+    const Facing face_a = facing(a, normal), face_b = facing(b, -normal);
     constexpr std::int64_t none = std::numeric_limits<std::int64_t>::min() / 2;
     std::int64_t of_a = none, of_b = none;
     if (face_a.flat) of_a = difference.separation_30(face_a.normal_30);
@@ -314,9 +314,9 @@ void collide_convex(const Convex& a, const Convex& b, Length margin, Manifold& o
         Contact c{a, b, of_face, (by_a ? of_a : of_b) - radii, margin, out};
         out.normal = unit_of_30(of_face);
         if (by_a)
-            clip_to_face(c, false, face_a, supporting_face(b, -of_face));
+            clip_to_face(c, false, face_at(a, face_a, normal), supporting_face(b, -of_face));
         else
-            clip_to_face(c, true, face_b, supporting_face(a, of_face));
+            clip_to_face(c, true, face_at(b, face_b, -normal), supporting_face(a, of_face));
         if (out.count > 0) return;
     }
     Contact c{a, b, normal, separation - radii, margin, out};
