@@ -139,17 +139,6 @@ static std::uint32_t furthest(const shapes::Hull& hull, const shapes::SupportKer
     return kernel.furthest(hull.lanes.data(), static_cast<std::uint32_t>(hull.lanes.size() / 3), direction);
 }
 
-/// Where a corner of a hull is: three products below 2^62 with |v| < 2^32, so no overflow.
-static inline Long3 corner_of(const Convex& shape, const Long3& origin_30, std::uint32_t corner) {
-    const Long3 v = raw(shape.hull->vertices[corner]);
-    if (shape.upright) return origin_30 + up(v, 6);
-    const auto part = [&](int i) {
-        return shift_right_rounded(
-            shape.axes_30[0][i] * v[0] + shape.axes_30[1][i] * v[1] + shape.axes_30[2][i] * v[2], 24);
-    };
-    return origin_30 + Long3{part(0), part(1), part(2)};
-}
-
 /// Uphill from one corner to the next. |local| <= 2^32 and |v| < 2^8 m = 2^32 steps; components of v are below 2^31.
 static std::uint32_t climb(const shapes::Hull& hull, const Long3& local, std::uint32_t corner) {
     const auto along = [&](std::uint32_t k) { return dot(local, raw(hull.vertices[k])); };
@@ -180,8 +169,8 @@ static std::uint32_t scan(const shapes::Hull& hull, const Long3& local) {
 }
 
 /// The search begins at `corner` and leaves it where it ends.
-static inline SupportPoint support_of_hull(const Convex& shape, const Long3& origin_30,
-                                           const Long3& direction, std::uint32_t& corner) {
+static inline SupportPoint support_of_hull(const Convex& shape, const Long3& direction,
+                                           std::uint32_t& corner) {
     const shapes::Hull& hull = *shape.hull;
     Long3 local = direction;
     if (!shape.upright)
@@ -193,11 +182,11 @@ static inline SupportPoint support_of_hull(const Convex& shape, const Long3& ori
     } else {
         corner = scan(hull, local);
     }
-    return {corner_of(shape, origin_30, corner), corner};
+    return {corner_of(shape, corner), corner};
 }
 
 SupportPoint Core::support(const Long3& direction) {
-    if (shape->core == Convex::Core::hull) return support_of_hull(*shape, origin_30, direction, corner);
+    if (shape->core == Convex::Core::hull) return support_of_hull(*shape, direction, corner);
     const auto towards = [&](int i, Long3 at) {
         return dot(shape->axes_30[i], direction) < 0 ? at - extent_30[i] : at + extent_30[i];
     };
@@ -239,7 +228,7 @@ Difference::Difference(const Convex& first, const Convex& second) : a(first), b(
 SupportPoint support(const Convex& shape, Long3 direction_30) {
     if (shape.core != Convex::Core::hull) return Core(shape).support(direction_30);
     std::uint32_t corner = 0;
-    return support_of_hull(shape, up(shape.center_24, 6), direction_30, corner);
+    return support_of_hull(shape, direction_30, corner);
 }
 
 std::int64_t furthest_along_54(const shapes::Hull& hull, const shapes::SupportKernel* kernel, Long3 n_30) {

@@ -42,6 +42,17 @@ constexpr Long3 with_bits(Long3 a, int bits) {
 /// a x b in 128 bits, brought to `bits` bits; exact before that. |a|, |b| < 2^62.
 Long3 cross_with_bits(Long3 a, Long3 b, int bits);
 
+/// Where a corner of a hull is: three products below 2^62 with |v| < 2^32, so no overflow.
+inline Long3 corner_of(const Convex& shape, std::uint32_t corner) {
+    const Long3 v = raw(shape.hull->vertices[corner]), origin_30 = up(shape.center_24, 6);
+    if (shape.upright) return origin_30 + up(v, 6);
+    const auto part = [&](int i) {
+        return shift_right_rounded(
+            shape.axes_30[0][i] * v[0] + shape.axes_30[1][i] * v[1] + shape.axes_30[2][i] * v[2], 24);
+    };
+    return origin_30 + Long3{part(0), part(1), part(2)};
+}
+
 /// Whether the core has discs, whose lowest point runs along the rim when they turn a little.
 constexpr bool has_discs(const Convex& shape) {
     return shape.core == Convex::Core::cylinder || shape.core == Convex::Core::cone;

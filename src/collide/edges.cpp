@@ -9,16 +9,6 @@ namespace {
 /// An edge is at right angles to the direction when the sine of what is missing is below this, 30 fraction bits.
 constexpr std::int64_t sine_max_30 = std::int64_t{1} << 24; // 1/64
 
-/// A corner of a hull, as its support mapping gives it.
-Long3 corner_of(const Convex& shape, std::uint32_t id) {
-    const Long3 v = raw(shape.hull->vertices[id]);
-    Long3 p = up(shape.center_24, 6);
-    for (int i = 0; i < 3; ++i)
-        p[i] += shift_right_rounded(
-            shape.axes_30[0][i] * v[0] + shape.axes_30[1][i] * v[1] + shape.axes_30[2][i] * v[2], 24);
-    return p;
-}
-
 /// How far `to` drops behind `from` along the direction, over their distance: 30 fraction bits.
 std::int64_t drop_sine(Long3 from, Long3 to, Long3 direction) {
     const Direction d = direction_of_30(from - to);

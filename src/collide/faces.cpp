@@ -26,17 +26,6 @@ void add_corner(const Convex& shape, SupportingFace& face, Long3 at_24, std::uin
     face.ids[face.count++] = id;
 }
 
-/// The same of a hull, whose corners are within 2^7 m of its origin: one rounding.
-void add_hull_corner(const Convex& shape, SupportingFace& face, std::uint32_t id) {
-    const Long3 v = raw(shape.hull->vertices[id]), origin = up(shape.center_24, 6);
-    Long3& p = face.corners_30[face.count];
-    for (int i = 0; i < 3; ++i)
-        p[i] = origin[i] +
-               shift_right_rounded(
-                   shape.axes_30[0][i] * v[0] + shape.axes_30[1][i] * v[1] + shape.axes_30[2][i] * v[2], 24);
-    face.ids[face.count++] = id;
-}
-
 Facing facing_of_box(const Convex& shape, const Long3& direction) {
     std::int64_t along[3];
     int axis = 0;
@@ -106,7 +95,8 @@ void fill_hull_face(const Convex& shape, SupportingFace& face) {
     const int kept = f.count < SupportingFace::corners_max ? f.count : SupportingFace::corners_max;
     for (int k = 0; k < kept; ++k) { // of a face with too many corners, some spread evenly
         const std::uint32_t id = hull.loops[static_cast<std::size_t>(f.first + k * f.count / kept)];
-        add_hull_corner(shape, face, id);
+        face.corners_30[face.count] = corner_of(shape, id);
+        face.ids[face.count++] = id;
     }
 }
 

@@ -2,7 +2,6 @@
 
 #include "base/text.h"
 #include "lockstone/math.h"
-#include "shapes/support_kernel.h"
 
 #include <algorithm>
 #include <limits>
@@ -58,14 +57,6 @@ void find_neighbours(Hull& hull) {
             static_cast<std::uint16_t>(hull.first_neighbour[v + 1] + hull.first_neighbour[v]);
 }
 
-void lay_side_by_side(Hull& hull) {
-    const std::size_t count = hull.vertices.size(),
-                      stride = (count + corner_block - 1) / corner_block * corner_block;
-    for (int axis = 0; axis < 3; ++axis)
-        for (std::size_t v = 0; v < stride; ++v)
-            hull.lanes.push_back(hull.vertices[v < count ? v : 0][axis].raw);
-}
-
 /// The distance of `interior` from the nearest triangle's plane, rounded down; 0 when it is outside.
 Length inner_radius_of(const Hull& hull) {
     Length least = Length::max();
@@ -119,7 +110,7 @@ Result<Hull> make_hull(std::span<const LengthVec3> points) {
                           " um thick across one of its faces, it must be at least 5000 um")};
     find_neighbours(hull);
     find_faces(hull, thickness);
-    lay_side_by_side(hull);
+    index_corners(hull);
     const SurfaceMass mass = integrate(hull.vertices, hull.triangles);
     hull.volume = mass.volume;
     hull.properties = {unscaled<Real>(mass.volume), mass.center, mass.gyration_squared};

@@ -14,6 +14,8 @@ Result<Hull> make_hull(std::span<const LengthVec3> points);
 /// Fills `faces`, `loops` and `edges` from `vertices`, `triangles` and `extent`. `thickness`: the least across a triangle.
 /// Neighbouring facets become one face where all their corners lie within `face_tolerance` of one facet's plane.
 void find_faces(Hull& hull, Length thickness);
+/// Fills `first_face_at`, `faces_at` and `lanes` from `vertices` and faces.
+void index_corners(Hull& hull);
 /// 2^-12 of the hull's size, at least 4 steps, at most an eighth of its thickness.
 Length face_tolerance(const Hull& hull, Length thickness);
 

@@ -5,6 +5,7 @@
 #include "shapes/hull.h"
 
 #include "lockstone/math.h"
+#include "shapes/support_kernel.h"
 
 #include <algorithm>
 #include <numeric>
@@ -228,20 +229,23 @@ class FaceFinder {
 
 } // namespace
 
-static void find_faces_at_corners(Hull& hull) {
+void find_faces(Hull& hull, Length thickness) { FaceFinder(hull, thickness).run(); }
+
+void index_corners(Hull& hull) {
+    const std::size_t count = hull.vertices.size(),
+                      stride = (count + corner_block - 1) / corner_block * corner_block;
+    hull.lanes.clear(), hull.faces_at.clear();
+    for (int axis = 0; axis < 3; ++axis)
+        for (std::size_t v = 0; v < stride; ++v)
+            hull.lanes.push_back(hull.vertices[v < count ? v : 0][axis].raw);
     hull.first_face_at.assign(1, 0);
-    for (std::size_t v = 0; v < hull.vertices.size(); ++v) {
+    for (std::size_t v = 0; v < count; ++v) {
         for (std::size_t f = 0; f < hull.faces.size(); ++f) {
             const auto first = hull.loops.begin() + hull.faces[f].first, last = first + hull.faces[f].count;
             if (std::find(first, last, v) != last) hull.faces_at.push_back(static_cast<std::uint16_t>(f));
         }
         hull.first_face_at.push_back(static_cast<std::uint16_t>(hull.faces_at.size()));
     }
-}
-
-void find_faces(Hull& hull, Length thickness) {
-    FaceFinder(hull, thickness).run();
-    find_faces_at_corners(hull);
 }
 
 } // namespace lockstone::shapes

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "oracle/convex_double.h"
+#include "shapes/hull.h"
 
 #include <array>
 #include <memory>
@@ -85,6 +86,7 @@ inline std::shared_ptr<lockstone::shapes::Hull> brute_hull(const std::vector<Gri
         hull->neighbours.insert(hull->neighbours.end(), set.begin(), set.end());
     }
     hull->first_neighbour.push_back(static_cast<std::uint16_t>(hull->neighbours.size()));
+    lockstone::shapes::index_corners(*hull);
     return hull;
 }
 
