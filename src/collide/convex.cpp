@@ -126,11 +126,6 @@ Long3 Core::support_rim(Long3 direction) const {
     return {part(0), part(1), part(2)};
 }
 
-static bool fits_32(Long3 a) {
-    const auto fits = [](std::int64_t x) { return x == static_cast<std::int32_t>(x); };
-    return fits(a[0]) & fits(a[1]) & fits(a[2]);
-}
-
 static std::uint32_t furthest(const shapes::Hull& hull, const shapes::SupportKernel& kernel,
                               const Long3& local) {
     const std::int32_t direction[3] = {static_cast<std::int32_t>(local[0]),
@@ -177,7 +172,7 @@ static inline SupportPoint support_of_hull(const Convex& shape, const Long3& dir
         for (int i = 0; i < 3; ++i) local[i] = shift_right_rounded(dot(shape.axes_30[i], direction), 30);
     if (hull.vertices.size() > hull_scan_max) {
         corner = climb(hull, local, corner);
-    } else if (shape.kernel != nullptr && fits_32(local)) {
+    } else if (shape.kernel != nullptr && is_within(local, 31)) {
         corner = furthest(hull, *shape.kernel, local);
     } else {
         corner = scan(hull, local);
@@ -233,7 +228,7 @@ SupportPoint support(const Convex& shape, Long3 direction_30) {
 
 std::int64_t furthest_along_54(const shapes::Hull& hull, const shapes::SupportKernel* kernel, Long3 n_30) {
     const std::uint32_t corner =
-        kernel != nullptr && fits_32(n_30) ? furthest(hull, *kernel, n_30) : scan(hull, n_30);
+        kernel != nullptr && is_within(n_30, 31) ? furthest(hull, *kernel, n_30) : scan(hull, n_30);
     return dot(n_30, raw(hull.vertices[corner]));
 }
 
