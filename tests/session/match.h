@@ -1,6 +1,7 @@
 // Whole matches in one process: N machines on a simulated network, driven frame by frame at 60 frames a second.
 #pragma once
 
+#include "cli/event_law.h"
 #include "lockstone/join.h"
 #include "session/arena.h"
 
@@ -10,6 +11,8 @@
 #include <ranges>
 
 namespace lockstone::test {
+
+using cli::EventLaw;
 
 /// Keeps the confirmed timeline, and notices when it is not one.
 class Timeline final : public ConfirmedSink {
@@ -41,40 +44,6 @@ class Timeline final : public ConfirmedSink {
             if (ticks[t - first] != other.ticks[t - other.first]) return false;
         return in_order && other.in_order;
     }
-};
-
-/// The law of session events: per id at most one `predicted`, then exactly one end; ends only after that.
-class EventLaw {
-  public:
-    void see(const SessionEvent& e) {
-        Life& life = lives[e.id];
-        if (e.status == EventStatus::predicted)
-            broken = broken || life.predicted || life.ended;
-        else
-            broken = broken || life.ended || (e.status == EventStatus::cancelled && !life.predicted);
-        life.predicted = life.predicted || e.status == EventStatus::predicted;
-        life.ended = life.ended || e.status != EventStatus::predicted;
-        life.tick = e.event.tick;
-        ++counts[static_cast<std::size_t>(e.status)];
-    }
-    /// Every event of a tick below `confirmed_end` has had its end.
-    bool holds(std::uint64_t confirmed_end) const {
-        if (broken) return false;
-        for (const auto& [id, life] : lives) {
-            if (life.tick < confirmed_end && !life.ended) return false;
-        }
-        return true;
-    }
-    std::uint64_t count(EventStatus status) const { return counts[static_cast<std::size_t>(status)]; }
-
-  private:
-    struct Life {
-        bool predicted = false, ended = false;
-        std::uint64_t tick = 0;
-    };
-    std::map<std::uint64_t, Life> lives;
-    std::array<std::uint64_t, 3> counts{};
-    bool broken = false;
 };
 
 /// Every fault that a network has.

@@ -1,5 +1,5 @@
 // lockstone match
-#include "cli/match.h"
+#include "cli/match_chaos.h"
 #include "cli/progress.h"
 #include "cli/scene_choice.h"
 #include "cli/text.h"
@@ -17,7 +17,8 @@ struct Args {
     std::uint32_t loss_percent = 0, latency_ms = 50, jitter_ms = 10;
     std::uint64_t ticks = 600;
     std::uint32_t watchers = 0, late = 0, rejoin = 0;
-    bool trouble = false;
+    bool trouble = false, chaos = false;
+    std::vector<std::string> without;
     std::string mode = "rollback";
     std::string record_prefix;
 };
@@ -36,6 +37,10 @@ void describe(CLI::App& command, Args& args) {
     add_number(command, "--rejoin", args.rejoin, "how often a machine loses all its state and comes back", 0,
                1000);
     add_flag(command, "--trouble", args.trouble, "machines sleep, and links are cut, for a while");
+    add_flag(command, "--chaos", args.chaos,
+             "all of that at once, clocks that go wrong and more, drawn from the seed; what fails is made "
+             "smaller");
+    add_texts(command, "--without", args.without, "with --chaos: kinds of trouble that are left out");
     add_text(command, "--mode", args.mode, "rollback or lockstep")
         .one_of({"rollback", "lockstep"})
         .show_default();
@@ -57,7 +62,7 @@ Result<Seeds> parse_seeds(const std::string& text) {
 
 /// What the peers of a match disagree about, with sentences; nothing when all is well.
 std::vector<std::string> disagreements(const MatchOutcome& match, const Game& game, std::uint64_t seed) {
-    std::vector<std::string> found = match.desyncs;
+    std::vector<std::string> found = match.broken;
     const PeerOutcome& first = match.peers.front();
     for (std::size_t p = 0; p < match.peers.size(); ++p) {
         const PeerOutcome& peer = match.peers[p];
@@ -96,7 +101,7 @@ Status write_recordings(const MatchOutcome& match, const std::string& prefix, st
     return {};
 }
 
-void print_summary(const MatchOutcome& match, const Args& args, std::uint64_t seed) {
+void print_summary(const MatchOutcome& match, const MatchDef& def, std::uint64_t seed) {
     SessionStats sum;
     for (const PeerOutcome& peer : match.peers) {
         sum.rollbacks += peer.stats.rollbacks;
@@ -109,42 +114,98 @@ void print_summary(const MatchOutcome& match, const Args& args, std::uint64_t se
     std::printf(
         "seed %llu: %llu ticks of %u peers agree, %s, %llu rollbacks (deepest %llu), %llu ticks run again, "
         "%llu stalls, %llu ms, hash %s\n",
-        n(seed), n(args.ticks), args.peers, args.mode.c_str(), n(sum.rollbacks), n(sum.depth_max),
+        n(seed), n(def.ticks), static_cast<unsigned>(match.peers.size()),
+        def.mode == MatchMode::lockstep ? "lockstep" : "rollback", n(sum.rollbacks), n(sum.depth_max),
         n(sum.resimulated), n(sum.stalls), n(match.milliseconds),
         hash_text(match.peers.front().hashes.back()).c_str());
 }
 
+Chaos as_told(const Args& args, std::uint64_t seed) {
+    Chaos match{args.peers, {}};
+    match.def.seed = seed;
+    match.def.ticks = args.ticks;
+    match.def.mode = args.mode == "lockstep" ? MatchMode::lockstep : MatchMode::rollback;
+    match.def.watchers = args.watchers;
+    match.def.sleeps = match.def.cuts = args.trouble;
+    match.def.late = args.late;
+    match.def.rejoins = args.rejoin;
+    match.def.link.latency_ms = args.latency_ms;
+    match.def.link.jitter_ms = args.jitter_ms;
+    match.def.link.loss_permille = args.loss_percent * 10;
+    return match;
+}
+
+struct Played {
+    MatchOutcome match;
+    std::vector<std::string> found; ///< what is wrong, in sentences
+};
+Result<Played> play(const Args& args, const Chaos& chaos,
+                    const std::function<void(std::uint64_t)>& progress) {
+    const Result<std::unique_ptr<Game>> game =
+        make_scene(args.scene, {.size = 0, .seed = chaos.def.seed, .players = chaos.players});
+    if (!game) return game.error();
+    Result<MatchOutcome> match = play_match(**game, chaos.def, progress);
+    if (!match) return match.error();
+    Played played{std::move(*match), {}};
+    played.found = disagreements(played.match, **game, chaos.def.seed);
+    return played;
+}
+
+/// Leaves out what a match fails without, and ticks, as long as it still fails. Prints how to see it fail again.
+void shrink(const Args& args, std::uint64_t seed) {
+    std::vector<std::string> without = args.without;
+    std::uint64_t ticks = args.ticks;
+    const auto fails = [&](std::uint64_t some_ticks, const std::vector<std::string>& less) {
+        const Result<Played> played = play(args, chaos_of(seed, some_ticks, less), {});
+        return !played || !played->found.empty();
+    };
+    for (const std::string& kind : chaos_kinds()) {
+        std::vector<std::string> less = without;
+        less.push_back(kind);
+        if (fails(ticks, less)) without = less;
+    }
+    constexpr std::uint64_t fewest = 30;
+    while (ticks / 2 >= fewest && fails(ticks / 2, without)) ticks /= 2;
+    std::string command = "lockstone match " + args.scene + " --chaos --seeds " + std::to_string(seed) +
+                          ".." + std::to_string(seed) + " --ticks " + std::to_string(ticks);
+    if (!without.empty()) command += " --without";
+    for (const std::string& kind : without) command += " " + kind;
+    std::printf("seed %llu still fails so: %s\n", static_cast<unsigned long long>(seed), command.c_str());
+}
+
 /// True when the peers agree.
 Result<bool> play_seed(const Args& args, std::uint64_t seed, std::uint64_t ticks_before, Progress& progress) {
-    const Result<std::unique_ptr<Game>> game =
-        make_scene(args.scene, {.size = 0, .seed = seed, .players = args.peers});
-    if (!game) return game.error();
-    MatchDef def;
-    def.seed = seed;
-    def.ticks = args.ticks;
-    def.mode = args.mode == "lockstep" ? MatchMode::lockstep : MatchMode::rollback;
-    def.watchers = args.watchers;
-    def.trouble = args.trouble;
-    def.late = args.late;
-    def.rejoins = args.rejoin;
-    def.link.latency_ms = args.latency_ms;
-    def.link.jitter_ms = args.jitter_ms;
-    def.link.loss_permille = args.loss_percent * 10;
-    const Result<MatchOutcome> match =
-        play_match(**game, def, [&](std::uint64_t ticks) { progress.at(ticks_before + ticks); });
-    if (!match) return match.error();
-    if (!args.record_prefix.empty())
-        if (Status s = write_recordings(*match, args.record_prefix, seed); !s) return s.error();
-    const std::vector<std::string> found = disagreements(*match, **game, seed);
+    const Chaos chaos = args.chaos ? chaos_of(seed, args.ticks, args.without) : as_told(args, seed);
+    const Result<Played> played =
+        play(args, chaos, [&](std::uint64_t ticks) { progress.at(ticks_before + ticks); });
+    if (!played && !args.chaos) return played.error();
+    const std::vector<std::string> found = played ? played->found : std::vector{played.error().message};
+    if (played && !args.record_prefix.empty())
+        if (Status s = write_recordings(played->match, args.record_prefix, seed); !s) return s.error();
     progress.wipe();
     for (const std::string& sentence : found) std::printf("%s\n", sentence.c_str());
-    if (found.empty()) print_summary(*match, args, seed);
+    if (found.empty()) print_summary(played->match, chaos.def, seed);
+    if (args.chaos && !found.empty()) {
+        std::printf("seed %llu: %s\n", static_cast<unsigned long long>(seed), told(chaos).c_str());
+        shrink(args, seed);
+    }
     return found.empty();
+}
+
+Status check_kinds(const Args& args) {
+    std::string all;
+    for (const std::string& kind : chaos_kinds()) all += (all.empty() ? "" : ", ") + kind;
+    for (const std::string& kind : args.without)
+        if (std::ranges::find(chaos_kinds(), kind) == chaos_kinds().end())
+            return Error{"--without " + kind + ": there are " + all};
+    if (!args.without.empty() && !args.chaos) return Error{"--without: goes with --chaos"};
+    return {};
 }
 
 Result<Exit> match(const Args& args) {
     const Result<Seeds> seeds = parse_seeds(args.seeds);
     if (!seeds) return seeds.error();
+    if (Status known = check_kinds(args); !known) return known.error();
     Exit exit = Exit::good;
     const std::uint64_t count = seeds->last - seeds->first + 1;
     Progress progress("matches", count > ~std::uint64_t{0} / args.ticks ? 0 : count * args.ticks);

@@ -18,12 +18,17 @@ struct MatchDef {
     std::uint64_t ticks = 600; ///< that every peer has to confirm
     MatchMode mode = MatchMode::rollback;
     LinkDef link;
+    std::vector<LinkDef> links; ///< in place of `link`, where it is not empty: by from * machines + to
+    std::vector<std::int32_t>
+        clock_permille; ///< by machine: how much faster its clock goes; empty: all alike
     std::uint32_t watchers =
         0;                  ///< who watch peer 0; the first from the start, each next one some seconds later
     std::uint32_t late = 0; ///< how many of the last machines come in some seconds after the start
     std::uint32_t rejoins =
         0; ///< how often a machine, but not peer 0, loses all its state and comes back two seconds later
-    bool trouble = false; ///< machines sleep for up to half a second, and links are cut for up to two
+    std::uint64_t first_late = 200, first_crash = 300; ///< frames
+    bool sleeps = false;                               ///< machines sleep for up to half a second
+    bool cuts = false;                                 ///< links are cut for up to two seconds
 };
 
 /// One peer's view of what was confirmed, and its recording.
@@ -56,8 +61,8 @@ struct PeerOutcome {
 struct MatchOutcome {
     std::vector<PeerOutcome> peers;
     std::vector<std::vector<std::uint64_t>> watched; ///< by watcher: hashes, by tick
-    std::vector<std::string> desyncs;                ///< what sessions reported
-    std::uint64_t milliseconds = 0;                  ///< of simulated time
+    std::vector<std::string> broken; ///< what sessions reported, and what they may not do and did
+    std::uint64_t milliseconds = 0;  ///< of simulated time
 };
 
 /// One peer per player of the game. Errors: the match did not get through in a generous time.

@@ -1,5 +1,6 @@
 #include "cli/match.h"
 
+#include "cli/event_law.h"
 #include "cli/text.h"
 #include "lockstone/join.h"
 #include "lockstone/random.h"
@@ -23,6 +24,7 @@ struct Peer {
     std::unique_ptr<SpectatorHost> host; ///< peer 0's, where somebody watches
     std::unique_ptr<Session> session;
     std::unique_ptr<SessionRunner> runner;
+    EventLaw events;
     std::uint32_t wait_frames = 0;
     std::uint64_t awake_at_ms = 0;
 };
@@ -111,10 +113,11 @@ Result<std::unique_ptr<Peer>> make_joining_peer(const Game& game, const MatchDef
     return peer;
 }
 
+constexpr std::uint64_t frames_between = 900, frames_away = 120; ///< of machines that lose all and come back
+
 /// Who comes late comes, and one machine after the other loses what it has, and comes back.
 Status come_and_go(std::vector<std::unique_ptr<Peer>>& peers, const Game& game, const MatchDef& def,
                    std::uint64_t frame, SimulatedNetwork& network) {
-    constexpr std::uint64_t frames_between = 900, frames_away = 120, first_crash = 300, first_late = 200;
     const auto join = [&](PeerId id, std::uint32_t life) -> Status {
         Result<std::unique_ptr<Peer>> peer = make_joining_peer(game, def, id, life, network.endpoint(id));
         if (!peer) return peer.error();
@@ -122,11 +125,11 @@ Status come_and_go(std::vector<std::unique_ptr<Peer>>& peers, const Game& game, 
         return {};
     };
     for (std::uint32_t n = 0; n < def.late; ++n)
-        if (frame == first_late + n * 60)
+        if (frame == def.first_late + n * 60)
             if (Status s = join(game.player_count() - def.late + n, 1); !s) return s;
     const std::uint32_t who = game.player_count() - def.late - 1;
     for (std::uint32_t n = 0; n < def.rejoins && who > 0; ++n) {
-        const std::uint64_t at = first_crash + n * frames_between;
+        const std::uint64_t at = def.first_crash + n * frames_between;
         const PeerId id = 1 + n % who;
         if (frame == at) peers[id] = nullptr;
         if (frame == at + frames_away)
@@ -146,15 +149,16 @@ void run_frame(Peer& peer, PeerId self, const Game& game, const MatchDef& def, s
         scripted_input(game, def.seed, peer.session->current_tick(), self, input);
         peer.session->add_local_input(self, input);
         peer.wait_frames = peer.runner->frame(now_ms).wait_ticks;
+        for (const SessionEvent& event : peer.runner->events()) peer.events.see(event);
     }
     while (const auto notice = peer.session->next_notice()) {
         if (const auto* named = std::get_if<DesyncNamed>(&*notice))
-            out.desyncs.push_back("peer " + std::to_string(self) + ": " + to_string(*named->report));
+            out.broken.push_back("peer " + std::to_string(self) + ": " + to_string(*named->report));
         if (const auto* desync = std::get_if<Desync>(&*notice))
-            out.desyncs.push_back("peer " + std::to_string(self) + " and peer " +
-                                  std::to_string(desync->peer) + " differ after tick " +
-                                  std::to_string(desync->tick) + ": " + hash_text(desync->local) +
-                                  " against " + hash_text(desync->remote));
+            out.broken.push_back("peer " + std::to_string(self) + " and peer " +
+                                 std::to_string(desync->peer) + " differ after tick " +
+                                 std::to_string(desync->tick) + ": " + hash_text(desync->local) +
+                                 " against " + hash_text(desync->remote));
     }
 }
 
@@ -169,6 +173,24 @@ std::uint64_t ticks_confirmed(const std::vector<std::unique_ptr<Peer>>& peers,
     return least;
 }
 
+LinkDef link_of(const MatchDef& def, PeerId from, PeerId to, std::uint32_t machines) {
+    return def.links.empty() ? def.link : def.links[std::size_t{from} * machines + to];
+}
+
+/// How many frames a machine has begun by a frame of the true clock.
+std::uint64_t frames_by_own_clock(const MatchDef& def, PeerId id, std::uint64_t frame) {
+    const std::int32_t faster = def.clock_permille.empty() ? 0 : def.clock_permille[id];
+    return (frame + 1) * static_cast<std::uint64_t>(1000 + faster) / 1000;
+}
+
+/// How far a session may go back. Where somebody leaves, to the fewest inputs that a machine has of it: that machine is at most
+/// `prediction_max` further, its own inputs reach `input_delay` beyond, and this one is at most `prediction_max` ahead of those.
+std::uint64_t depth_limit(const Game& game, const MatchDef& def) {
+    const SessionDef session = session_of(game, def, 0);
+    return def.rejoins == 0 ? session.prediction_max
+                            : std::uint64_t{2} * session.prediction_max + session.input_delay;
+}
+
 /// Now and then a machine falls asleep, or two lose each other: less than the patience of anybody.
 class Trouble {
   public:
@@ -176,15 +198,15 @@ class Trouble {
         : def(of), machines(machines_in_all), random(Random::seeded(of.seed)), whole_at_ms(machines_in_all) {}
     void come(std::vector<std::unique_ptr<Peer>>& peers, SimulatedNetwork& network, std::uint64_t now_ms) {
         constexpr std::uint32_t one_in_frames = 300, sleep_max_ms = 500, cut_max_ms = 2000;
-        if (!def.trouble) return;
         for (PeerId id = 0; id < machines; ++id) {
-            if (random.below(one_in_frames) == 0 && peers[id] != nullptr)
+            if (def.sleeps && random.below(one_in_frames) == 0 && peers[id] != nullptr)
                 peers[id]->awake_at_ms = now_ms + random.below(sleep_max_ms);
+            if (!def.cuts) continue;
             const PeerId other = (id + 1) % machines;
             const bool is_cut = now_ms < whole_at_ms[id];
             if (!is_cut && random.below(one_in_frames) == 0)
                 whole_at_ms[id] = now_ms + random.below(cut_max_ms);
-            LinkDef link = def.link;
+            LinkDef link = link_of(def, id, other, machines);
             if (now_ms < whole_at_ms[id]) link.loss_permille = 1000;
             network.set_link(id, other, link);
         }
@@ -200,8 +222,8 @@ class Trouble {
 /// Watchers join one after the other, and tell what they are told.
 Status run_watchers(std::vector<std::unique_ptr<Watcher>>& watchers, const Game& game, const MatchDef& def,
                     std::uint64_t frame, SimulatedNetwork& network, MatchOutcome& out) {
-    constexpr std::uint64_t frames_between = 150;
-    if (watchers.size() < def.watchers && frame >= watchers.size() * frames_between) {
+    constexpr std::uint64_t frames_apart = 150;
+    if (watchers.size() < def.watchers && frame >= watchers.size() * frames_apart) {
         const PeerId id = static_cast<PeerId>(watchers.size() + 1);
         Result<std::unique_ptr<Watcher>> watcher = make_watcher(game, def, id, network.endpoint(id));
         if (!watcher) return watcher.error();
@@ -212,8 +234,8 @@ Status run_watchers(std::vector<std::unique_ptr<Watcher>>& watchers, const Game&
         watcher->runner->frame(out.milliseconds);
         while (const auto notice = watcher->session->next_notice())
             if (const auto* desync = std::get_if<Desync>(&*notice))
-                out.desyncs.push_back("watcher " + std::to_string(watcher->self) + " differs after tick " +
-                                      std::to_string(desync->tick));
+                out.broken.push_back("watcher " + std::to_string(watcher->self) + " differs after tick " +
+                                     std::to_string(desync->tick));
     }
     return {};
 }
@@ -241,6 +263,11 @@ Result<MatchOutcome> play_match(const Game& game, const MatchDef& def,
     SimulatedNetwork network(game.player_count(), def.link, def.seed),
         to_watchers(def.watchers + 1, def.link, ~def.seed);
     Trouble trouble(def, game.player_count());
+    if (!def.links.empty())
+        for (PeerId from = 0; from < game.player_count(); ++from)
+            for (PeerId to = 0; to < game.player_count(); ++to)
+                network.set_link(from, to, link_of(def, from, to, game.player_count()));
+    std::vector<std::uint64_t> frames(game.player_count()); // by machine, of its own clock
     std::vector<std::unique_ptr<Watcher>> watchers;
     std::vector<std::unique_ptr<Peer>> peers;
     if (def.late >= game.player_count()) return Error{"match: nobody is there from the start (--late)"};
@@ -254,11 +281,12 @@ Result<MatchOutcome> play_match(const Game& game, const MatchDef& def,
     MatchOutcome out;
     const std::uint64_t rate = peers.front()->world.def().tick_rate;
     const std::uint64_t frames_max = 20 * def.ticks + 60 * rate;
-    const std::uint64_t last_coming = std::max<std::uint64_t>(def.rejoins * 900, def.late * 60 + 200);
-    const bool all_stay = def.rejoins == 0 && def.late == 0;
-    for (std::uint64_t frame = 0;
-         watchers.size() < def.watchers || ticks_confirmed(peers, watchers) < def.ticks ||
-         (!all_stay && frame < last_coming);
+    const std::uint64_t last_back = def.first_crash + frames_away + (def.rejoins - 1) * frames_between,
+                        last_late = def.first_late + (def.late - 1) * 60;
+    const std::uint64_t last_coming =
+        std::max(def.rejoins == 0 ? 0 : last_back + 1, def.late == 0 ? 0 : last_late + 1);
+    for (std::uint64_t frame = 0; watchers.size() < def.watchers ||
+                                  ticks_confirmed(peers, watchers) < def.ticks || frame < last_coming;
          ++frame) {
         if (frame == frames_max)
             return Error{"seed " + std::to_string(def.seed) + ": the match is still not through after " +
@@ -268,14 +296,22 @@ Result<MatchOutcome> play_match(const Game& game, const MatchDef& def,
         trouble.come(peers, network, out.milliseconds);
         if (Status s = come_and_go(peers, game, def, frame, network); !s) return s.error();
         for (PeerId p = 0; p < peers.size(); ++p)
-            if (peers[p] != nullptr && out.milliseconds >= peers[p]->awake_at_ms)
-                run_frame(*peers[p], p, game, def, out.milliseconds, out);
+            for (const std::uint64_t due = frames_by_own_clock(def, p, frame); frames[p] < due; ++frames[p])
+                if (peers[p] != nullptr && out.milliseconds >= peers[p]->awake_at_ms)
+                    run_frame(*peers[p], p, game, def, frames[p] * 1000 / rate, out);
         if (Status s = run_watchers(watchers, game, def, frame, to_watchers, out); !s) return s.error();
         if (def.watchers > 0) peers[0]->host->poll();
         if (progress) progress(ticks_confirmed(peers, watchers));
     }
     for (auto& peer : peers) {
         if (Status s = peer->log->close(); !s) return s.error();
+        if (!peer->events.holds(peer->log->first + peer->log->hashes.size()))
+            out.broken.push_back("peer " + std::to_string(out.peers.size()) +
+                                 ": an event was told twice, or never to its end");
+        if (const std::uint64_t depth = peer->session->stats().depth_max; depth > depth_limit(game, def))
+            out.broken.push_back("peer " + std::to_string(out.peers.size()) + ": went back by " +
+                                 std::to_string(depth) + " ticks, " + std::to_string(depth_limit(game, def)) +
+                                 " are the most");
         out.peers.push_back({std::move(peer->sink.bytes), peer->log->first, std::move(peer->log->hashes),
                              std::move(peer->log->inputs_confirmed), peer->session->stats()});
     }

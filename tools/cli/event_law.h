@@ -1,0 +1,47 @@
+// What a session may tell of events.
+#pragma once
+
+#include "lockstone/session.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+
+namespace lockstone::cli {
+
+/// The law of session events: per id at most one `predicted`, then exactly one end; ends only after that.
+class EventLaw {
+  public:
+    void see(const SessionEvent& e) {
+        Life& life = lives[e.id];
+        if (e.status == EventStatus::predicted)
+            broken = broken || life.predicted || life.ended;
+        else
+            broken = broken || life.ended || (e.status == EventStatus::cancelled && !life.predicted);
+        life.predicted = life.predicted || e.status == EventStatus::predicted;
+        life.ended = life.ended || e.status != EventStatus::predicted;
+        life.tick = e.event.tick;
+        ++counts[static_cast<std::size_t>(e.status)];
+    }
+    /// Every event of a tick below `confirmed_end` has had its end.
+    bool holds(std::uint64_t confirmed_end) const {
+        if (broken) return false;
+        for (const auto& [id, life] : lives) {
+            if (life.tick < confirmed_end && !life.ended) return false;
+        }
+        return true;
+    }
+    std::uint64_t count(EventStatus status) const { return counts[static_cast<std::size_t>(status)]; }
+
+  private:
+    struct Life {
+        bool predicted = false, ended = false;
+        std::uint64_t tick = 0;
+    };
+    std::map<std::uint64_t, Life> lives;
+    std::array<std::uint64_t, 3> counts{};
+    bool broken = false;
+};
+
+} // namespace lockstone::cli
