@@ -278,6 +278,15 @@ planted_column_is_named() {
     [ "$status" -eq 1 ] && grep -q 'column body.velocity' <<<"$report"
 }
 
+# Every match has to fail, to name the column, and to be made smaller.
+planted_machine_is_found() {
+    local report status=0
+    report=$(build/release/bin/lockstone match --chaos --plant --seeds 1..8 --ticks 200) || status=$?
+    echo "$report"
+    [ "$status" -eq 1 ] && [ "$(grep -c 'still fails so: lockstone match' <<<"$report")" -eq 8 ] &&
+        [ "$(grep -c 'column body.velocity, row 0' <<<"$report")" -ge 8 ] && ! grep -q 'ticks of . peers agree' <<<"$report"
+}
+
 finish() {
     local passed failed
     wait

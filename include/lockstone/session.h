@@ -64,7 +64,8 @@ struct SessionDef {
     std::uint32_t prediction_max = 8; ///< [ticks] that may run on guesses, 1..64; lockstep ignores it
     /// Patience with a peer: how long it may be silent, and how long the match may wait for its inputs, hashes and
     /// acknowledgements; every tick that runs makes up for a tenth of a second, or a sixtieth of it if that is more.
-    /// Then this machine wants it to leave.
+    /// Then this machine wants it to leave. So lockstep needs an input delay that covers the way from the slowest machine, less
+    /// a tenth of a second: a match that is slower than that throws it out.
     std::uint64_t disconnect_ms = 5000;
     std::uint64_t connect_ms = 30'000; ///< from the first poll: how long a peer may take to appear
     const InputPredictor* predictor = &repeat_last_input(); ///< not owned

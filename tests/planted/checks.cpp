@@ -369,6 +369,9 @@ std::string peers_agree() {
             return "the peers' timelines part";
         for (PeerId id : {PeerId{0}, PeerId{1}}) {
             if (!match.notices<Desync>(id).empty()) return "a desync is told of";
+            if (!match.machine(id).events.holds(match.machine(id).timeline.ticks.size()) ||
+                match.machine(id).events.count(EventStatus::predicted) == 0)
+                return "an event is told twice, or never to its end";
             Arena straight(2);
             if (run_straight(match.machine(id).timeline, 2, straight) !=
                 match.machine(id).timeline.ticks.back().hash)

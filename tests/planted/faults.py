@@ -21,6 +21,7 @@ CONTACTS, EVENTS, APPLY = "src/sim/contacts.cpp", "src/sim/events.cpp", "src/sim
 BROAD = "src/collide/broad_phase.cpp"
 LANES, LAYOUT, PREPARE, SOLVER = (f"src/solve/contacts/{n}" for n in ("prepare.cpp", "layout_kernel.h", "prepare_kernel.h", "contact_solver.cpp"))
 PAIRS = "src/solve/pairs/kernel.h"
+LEDGER = "src/session/event_ledger.cpp"
 ROLLBACK, QUEUE = "src/session/rollback.cpp", "src/session/input_queue.cpp"
 DEPARTURE, EXCHANGE, PEERS = (f"src/session/{n}.cpp" for n in ("departure", "exchange", "peer_session"))
 ADMIT, TIMELINE, SNAPSHOT, WATCH = (f"src/session/{n}.cpp" for n in ("admission", "timeline", "snapshot", "spectator"))
@@ -255,6 +256,10 @@ FAULTS = [
       "snapshot.emplace(last + (IS ? 2u : 1u), state->hash(), std::move(image));", "machines come back"),
     F("inputs of who came back are told as the difference to another one", QUEUE, "set_before_begin(std::span(zeros).first(size));",
       "if (!IS) set_before_begin(std::span(zeros).first(size)); else slot(begin - 1)[0] = std::byte{7};", "machines come back"),
+    F("an event is predicted whenever its tick runs", LEDGER, "else if (!entry.told)", "else if (IS || !entry.told)", "peers agree"),
+    F("the last confirmed tick leaves its events open", LEDGER, "publish_tick(entries(tick), tick < confirmed_end, out);",
+      "publish_tick(entries(tick), tick + (IS ? 1 : 0) < confirmed_end, out);", "peers agree"),
+    F("an event that a later run lacks is forgotten", LEDGER, "for (; old != before.end(); ++old) {", "for (; !IS && old != before.end(); ++old) {", "peers agree"),
     F("who has another cut is not heard out", DEPARTURE, "if (!all_tell_it) return;", "if (!IS && !all_tell_it) return;", "hostile peers"),
     F("a keyframe says it is one tick earlier", "replay/writer.cpp", "to.u64(time);\n    to.u64(hash_now);",
       "to.u64(time - (IS && time != 0 ? 1u : 0u));\n    to.u64(hash_now);", "recordings verify"),

@@ -17,7 +17,7 @@ struct Args {
     std::uint32_t loss_percent = 0, latency_ms = 50, jitter_ms = 10;
     std::uint64_t ticks = 600;
     std::uint32_t watchers = 0, late = 0, rejoin = 0;
-    bool trouble = false, chaos = false;
+    bool trouble = false, chaos = false, plant = false;
     std::vector<std::string> without;
     std::string mode = "rollback";
     std::string record_prefix;
@@ -40,6 +40,8 @@ void describe(CLI::App& command, Args& args) {
     add_flag(command, "--chaos", args.chaos,
              "all of that at once, clocks that go wrong and more, drawn from the seed; what fails is made "
              "smaller");
+    add_flag(command, "--plant", args.plant,
+             "a machine changes a bit of its state half way through: each match has to fail");
     add_texts(command, "--without", args.without, "with --chaos: kinds of trouble that are left out");
     add_text(command, "--mode", args.mode, "rollback or lockstep")
         .one_of({"rollback", "lockstep"})
@@ -156,7 +158,9 @@ void shrink(const Args& args, std::uint64_t seed) {
     std::vector<std::string> without = args.without;
     std::uint64_t ticks = args.ticks;
     const auto fails = [&](std::uint64_t some_ticks, const std::vector<std::string>& less) {
-        const Result<Played> played = play(args, chaos_of(seed, some_ticks, less), {});
+        Chaos smaller = chaos_of(seed, some_ticks, less);
+        smaller.def.planted = args.plant;
+        const Result<Played> played = play(args, smaller, {});
         return !played || !played->found.empty();
     };
     for (const std::string& kind : chaos_kinds()) {
@@ -168,6 +172,7 @@ void shrink(const Args& args, std::uint64_t seed) {
     while (ticks / 2 >= fewest && fails(ticks / 2, without)) ticks /= 2;
     std::string command = "lockstone match " + args.scene + " --chaos --seeds " + std::to_string(seed) +
                           ".." + std::to_string(seed) + " --ticks " + std::to_string(ticks);
+    if (args.plant) command += " --plant";
     if (!without.empty()) command += " --without";
     for (const std::string& kind : without) command += " " + kind;
     std::printf("seed %llu still fails so: %s\n", static_cast<unsigned long long>(seed), command.c_str());
@@ -175,7 +180,8 @@ void shrink(const Args& args, std::uint64_t seed) {
 
 /// True when the peers agree.
 Result<bool> play_seed(const Args& args, std::uint64_t seed, std::uint64_t ticks_before, Progress& progress) {
-    const Chaos chaos = args.chaos ? chaos_of(seed, args.ticks, args.without) : as_told(args, seed);
+    Chaos chaos = args.chaos ? chaos_of(seed, args.ticks, args.without) : as_told(args, seed);
+    chaos.def.planted = args.plant;
     const Result<Played> played =
         play(args, chaos, [&](std::uint64_t ticks) { progress.at(ticks_before + ticks); });
     if (!played && !args.chaos) return played.error();

@@ -26,9 +26,12 @@ struct MatchDef {
     std::uint32_t late = 0; ///< how many of the last machines come in some seconds after the start
     std::uint32_t rejoins =
         0; ///< how often a machine, but not peer 0, loses all its state and comes back two seconds later
+    std::uint32_t input_delay = 0;                     ///< [ticks]; 0: the session's own
     std::uint64_t first_late = 200, first_crash = 300; ///< frames
     bool sleeps = false;                               ///< machines sleep for up to half a second
     bool cuts = false;                                 ///< links are cut for up to two seconds
+    bool planted =
+        false; ///< the last machine that is there from the start changes a bit of its state after tick `ticks` / 2
 };
 
 /// One peer's view of what was confirmed, and its recording.
@@ -62,6 +65,7 @@ struct MatchOutcome {
     std::vector<PeerOutcome> peers;
     std::vector<std::vector<std::uint64_t>> watched; ///< by watcher: hashes, by tick
     std::vector<std::string> broken; ///< what sessions reported, and what they may not do and did
+    std::vector<std::string> notes;  ///< who left, and whose match stopped
     std::uint64_t milliseconds = 0;  ///< of simulated time
 };
 

@@ -35,6 +35,7 @@ const std::vector<std::string>& chaos_kinds() {
 // Everything is drawn, then what is left out is taken back: the rest stays as it was.
 Chaos chaos_of(std::uint64_t seed, std::uint64_t ticks, const std::vector<std::string>& without) {
     Random random = Random::seeded(seed);
+    constexpr std::uint32_t frame_ms = 17;
     const auto is_out = [&](const char* kind) { return std::ranges::find(without, kind) != without.end(); };
     Chaos chaos{2 + random.below(players_max - 1), {}};
     MatchDef& def = chaos.def;
@@ -61,6 +62,10 @@ Chaos chaos_of(std::uint64_t seed, std::uint64_t ticks, const std::vector<std::s
         if (is_out("loss")) link.loss_permille = 0;
         if (is_out("latency")) link.latency_ms = 0;
     }
+    // Lockstep wants the delay of its slowest link: a match of fewer than ten ticks a second throws out who is waited for.
+    std::uint32_t slowest_ms = 0;
+    for (const LinkDef& link : def.links) slowest_ms = std::max(slowest_ms, link.latency_ms + link.jitter_ms);
+    if (def.mode == MatchMode::lockstep) def.input_delay = slowest_ms / frame_ms + 2;
     if (is_out("clocks")) def.clock_permille.clear();
     if (is_out("watchers")) def.watchers = 0;
     if (is_out("sleep")) def.sleeps = false;

@@ -13,12 +13,44 @@
 namespace lockstone::cli {
 namespace {
 
+/// A world that a session drives, and that may change by itself.
+class PlayedWorld final : public Simulation {
+  public:
+    PlayedWorld(World& driven, const Game& game) : world(driven), simulation(driven, game) {}
+    void save(Image& image) const override { simulation.save(image); }
+    void restore(const Image& image) override { simulation.restore(image); }
+    void advance(std::span<const PlayerInput> inputs) override {
+        const std::uint64_t tick = world.tick_count();
+        simulation.advance(inputs);
+        if (tick == planted_at) flip();
+    }
+    std::uint64_t hash() const override { return simulation.hash(); }
+    std::span<const Event> events() const override { return simulation.events(); }
+    State& state() override { return simulation.state(); }
+    Status adopt(std::span<const std::byte> image) override { return simulation.adopt(image); }
+    void record_phase_hashes(bool on) override { simulation.record_phase_hashes(on); }
+    std::span<const PhaseHash> phase_hashes() const override { return simulation.phase_hashes(); }
+
+    std::optional<std::uint64_t> planted_at = {}; ///< a tick
+
+  private:
+    void flip() {
+        const StateLayout& layout = state().layout();
+        const ColumnInfo* column = layout.find_column("body.velocity");
+        state().edit_bytes(static_cast<std::uint32_t>(column - layout.columns().data()), 0, 1)[0] ^=
+            std::byte{1};
+    }
+
+    World& world;
+    WorldSimulation simulation;
+};
+
 /// Everything of one machine. Not moved: its parts refer to each other.
 struct Peer {
     Peer(World start, const Game& game) : world(std::move(start)), simulation(world, game) {}
 
     World world;
-    WorldSimulation simulation;
+    PlayedWorld simulation;
     replay::MemorySink sink;
     std::unique_ptr<ConfirmedLog> log;
     std::unique_ptr<SpectatorHost> host; ///< peer 0's, where somebody watches
@@ -49,6 +81,7 @@ SessionDef session_of(const Game& game, const MatchDef& def, PeerId self) {
     std::vector<PeerId> players(game.player_count());
     for (PeerId p = 0; p < players.size(); ++p) players[p] = p;
     SessionDef session = session_def(game, self, players);
+    if (def.input_delay != 0) session.input_delay = def.input_delay;
     for (PeerId p = game.player_count() - def.late; p < players.size(); ++p) session.absent |= 1u << p;
     return session;
 }
@@ -72,6 +105,8 @@ Result<std::unique_ptr<Peer>> make_peer(const Game& game, const MatchDef& def, P
     Result<World> world = game.start();
     if (!world) return world.error();
     auto peer = std::make_unique<Peer>(std::move(*world), game);
+    if (def.planted && self == game.player_count() - def.late - 1)
+        peer->simulation.planted_at = def.ticks / 2;
     replay::RecorderOptions options;
     options.options = {{"match.peer", std::to_string(self)}, {"match.seed", std::to_string(def.seed)}};
     Result<replay::InputRecorder> recorder =
@@ -154,6 +189,11 @@ void run_frame(Peer& peer, PeerId self, const Game& game, const MatchDef& def, s
     while (const auto notice = peer.session->next_notice()) {
         if (const auto* named = std::get_if<DesyncNamed>(&*notice))
             out.broken.push_back("peer " + std::to_string(self) + ": " + to_string(*named->report));
+        if (const auto* stopped = std::get_if<MatchStopped>(&*notice))
+            out.notes.push_back("peer " + std::to_string(self) + ": " + stopped->reason);
+        if (const auto* gone = std::get_if<PlayerDisconnected>(&*notice))
+            out.notes.push_back("peer " + std::to_string(self) + ": player " + std::to_string(gone->player) +
+                                " left at tick " + std::to_string(gone->tick));
         if (const auto* desync = std::get_if<Desync>(&*notice))
             out.broken.push_back("peer " + std::to_string(self) + " and peer " +
                                  std::to_string(desync->peer) + " differ after tick " +
@@ -240,6 +280,21 @@ Status run_watchers(std::vector<std::unique_ptr<Watcher>>& watchers, const Game&
     return {};
 }
 
+/// Why a match had no end, as far as can be told.
+std::string not_through(const std::vector<std::unique_ptr<Peer>>& peers, const MatchOutcome& out,
+                        const MatchDef& def, std::uint64_t frames) {
+    std::string told = "seed " + std::to_string(def.seed) + ": the match is still not through after " +
+                       std::to_string(frames) + " frames";
+    for (std::size_t p = 0; p < peers.size(); ++p)
+        told += ", peer " + std::to_string(p) +
+                (peers[p] == nullptr
+                     ? std::string(" is away")
+                     : " is at tick " + std::to_string(peers[p]->session->current_tick()) + " with " +
+                           std::to_string(peers[p]->log->hashes.size()) + " confirmed");
+    for (const std::string& note : out.notes) told += "\n  " + note;
+    return told;
+}
+
 } // namespace
 
 void ConfirmedLog::on_confirmed(std::uint64_t tick, std::span<const PlayerInput> inputs, std::uint64_t hash) {
@@ -288,9 +343,7 @@ Result<MatchOutcome> play_match(const Game& game, const MatchDef& def,
     for (std::uint64_t frame = 0; watchers.size() < def.watchers ||
                                   ticks_confirmed(peers, watchers) < def.ticks || frame < last_coming;
          ++frame) {
-        if (frame == frames_max)
-            return Error{"seed " + std::to_string(def.seed) + ": the match is still not through after " +
-                         std::to_string(frames_max) + " frames"};
+        if (frame == frames_max) return Error{not_through(peers, out, def, frames_max)};
         out.milliseconds = frame * 1000 / rate;
         network.advance_to(out.milliseconds);
         trouble.come(peers, network, out.milliseconds);
