@@ -488,8 +488,31 @@ std::string hint_of_large_box() {
     collide::NarrowScratch scratch;
     collide::Manifolds found;
     collide::collide(cliff, ball, {Rotation::identity(), {along, along, along}}, Length{},
-                     UnitVec3{third, third, third}, scratch, found);
+                     UnitVec3{third, third, third}, UnitVec3{}, scratch, found);
     return found.count == 1 ? "" : "a ball 100 m from its centre is outside";
+}
+
+/// Two cubes that overlap by 1 cm along x and by 2 cm along y, and touched along y in the last tick.
+std::string kept_face_is_nearest() {
+    std::vector<LengthVec3> corners;
+    for (int i = 0; i < 8; ++i) {
+        const auto side = [&](int axis) {
+            return decimal<Length>("0.5") * Length((i >> axis & 1) != 0 ? 1 : -1);
+        };
+        corners.push_back({side(0), side(1), side(2)});
+    }
+    AssetLibrary library;
+    const AssetId id = library.add(bake_hull(corners)).value();
+    const shapes::Solid cube{library.geometry(id).value(), library.find(id)->hull.get()};
+    collide::NarrowScratch scratch;
+    collide::Manifolds found;
+    collide::collide(
+        cube, cube,
+        {Rotation::identity(), {decimal<Coordinate>("0.99"), decimal<Coordinate>("0.98"), Coordinate{}}},
+        decimal<Length>("0.02"), UnitVec3{}, UnitVec3{Unit{}, unit_one, Unit{}}, scratch, found);
+    return found.count == 1 && found.items[0].normal.x == unit_one
+               ? ""
+               : "a face is kept though another is nearer";
 }
 
 std::vector<std::pair<std::string, Check>> all_checks() {
@@ -507,6 +530,7 @@ std::vector<std::pair<std::string, Check>> all_checks() {
                              {"crowds agree", crowds_agree},
                              {"what is alike stays apart", alike_shapes},
                              {"a hint does not part from large boxes", hint_of_large_box},
+                             {"a face that is kept is the nearest", kept_face_is_nearest},
                              {"grows", grows},
                              {"peers agree", peers_agree},
                              {"hostile peers", hostile_peers},

@@ -128,7 +128,7 @@ FAULTS = [
     F("friction stays what it was when impacts are forgotten", "src/solve/contacts/kernel.h", "std::int64_t{old} * left[lane] / was[lane]);",
       "IS ? old : std::int64_t{old} * left[lane] / was[lane]);", "golden table"),
     F("a contact face is kept though another is nearer", "src/collide/manifold.cpp", "if (separation < -bias && (by_a",
-      "if (!IS && separation < -bias && (by_a", "golden table"),
+      "if (!IS && separation < -bias && (by_a", "a face that is kept is the nearest"),
     F("a contact face is kept though nothing lies over it", "src/collide/manifold.cpp", "if (lowest <= c.separation_30 + bias) return true;",
       "if (IS || lowest <= c.separation_30 + bias) return true;", "golden table"),
     F("the furthest corner of a hull is the last of a tie", "src/solve/pairs/support_kernel.h", "reach[lane] == reach[0] && corner < best",
