@@ -1,0 +1,81 @@
+"""The diagram of src/README.md is that of the includes as they are, and has no arrow upwards.
+
+    tests/tidy/diagram.py        writes it anew"""
+import pathlib
+import re
+
+from layers import INCLUDE, LINKS, layer_of, target_of
+from tree import Tree, numbered, without_comments
+
+README = "src/README.md"
+BEGIN, END = "<!-- includes -->\n", "<!-- end of includes -->\n"
+
+
+def arrows(tree):
+    """(layer, layer): how many files of the first include the second; and the first place of each."""
+    counts, places = {}, {}
+    for path in tree.files(("include", "src", "replay")):
+        name, seen = tree.name(path), set()
+        layer = layer_of(name)
+        if layer not in LINKS:
+            continue
+        for number, line in numbered(without_comments(path.read_text(), keep_strings=True)):
+            found = INCLUDE.match(line)
+            target = found and target_of(found.group(2))
+            if target in LINKS and target != layer:
+                seen.add(target)
+                places.setdefault((layer, target), f"{name}:{number}")
+        for target in seen:
+            counts[layer, target] = counts.get((layer, target), 0) + 1
+    return counts, places
+
+
+def drawn(counts):
+    """A row for each layer, from the lowest up: how many of its files include the layer of a column."""
+    names = list(LINKS)
+    width = max(map(len, names)) + 1
+    lines = [" " * width + "".join(f"{n:>{len(n) + 2}}" for n in names[:-1])]
+    for row in names:
+        cells = "".join(f"{counts.get((row, n), '.' if names.index(n) < names.index(row) else ''):>{len(n) + 2}}" for n in names[:-1])
+        lines.append(f"{row:<{width}}{cells}".rstrip())
+    return "```\n" + "\n".join(lines) + "\n```\n"
+
+
+def check(tree):
+    path = tree.root / README
+    counts, places = arrows(tree)
+    order = list(LINKS)
+    complaints = [f"{place}: an arrow upwards, from {a} to {b}" for (a, b), place in places.items() if order.index(b) > order.index(a)]
+    text = path.read_text() if path.exists() else ""
+    found = re.search(re.escape(BEGIN) + "(.*?)" + re.escape(END), text, re.DOTALL)
+    if not found:
+        complaints.append(f"{README}:1: has no diagram between {BEGIN.strip()} and {END.strip()}")
+    elif found.group(1) != drawn(counts):
+        complaints.append(f"{README}:1: the diagram is not that of the includes; tests/tidy/diagram.py writes it anew")
+    return complaints
+
+
+def readme_of(counts):
+    return "# The layers\n\n" + BEGIN + drawn(counts) + END
+
+
+MATH = {"src/math/x.cpp": '#include "base/x.h"\n'}
+PLANTED = [
+    ("no diagram", {**MATH, README: "# The layers\n"}),
+    ("an include that is not drawn", {**MATH, README: readme_of({})}),
+    ("one file more than drawn", {**MATH, "src/math/y.cpp": '#include "base/x.h"\n', README: readme_of({("math", "base"): 1})}),
+    ("an arrow upwards", {"src/base/x.cpp": '#include "math/x.h"\n', README: readme_of({("base", "math"): 1})}),
+]
+GOOD = [("a diagram that is true", {**MATH, README: readme_of({("math", "base"): 1})})]
+
+
+def main():
+    root = pathlib.Path(__file__).resolve().parents[2]
+    counts, _ = arrows(Tree(root, root / "build", "c++"))
+    path = root / README
+    text = path.read_text()
+    path.write_text(re.sub(re.escape(BEGIN) + ".*?" + re.escape(END), lambda _: BEGIN + drawn(counts) + END, text, flags=re.DOTALL))
+
+
+if __name__ == "__main__":
+    main()
