@@ -278,6 +278,13 @@ planted_column_is_named() {
     [ "$status" -eq 1 ] && grep -q 'column body.velocity' <<<"$report"
 }
 
+planted_leak_is_noticed() {
+    local report status=0
+    report=$(tests/net/hour.sh build/release/bin/net_peer 20 4096) || status=$?
+    echo "$report"
+    [ "$status" -eq 1 ] && grep -q '^FAILED: memory grows' <<<"$report"
+}
+
 # Every match has to fail, to name the column, and to be made smaller.
 planted_machine_is_found() {
     local report status=0

@@ -2,6 +2,7 @@
 //
 //   net_peer --relay ADDRESS:PORT --key HEX [--code CODE] --ticks N   through a relay: opens a room for two and prints its code, or enters
 //   net_peer --tokens A:PORT B:PORT --slot N --seed HEX --ticks N     directly: both ends make the same tokens from a common seed
+//   ... --leak BYTES                                                  planted: lost in every frame
 //
 // Prints "confirmed TICKS hash HASH" at the end: the hash of all confirmed hashes. Exit status 0: all ticks were confirmed.
 #include "base/hash.h"
@@ -83,8 +84,11 @@ int play(const Args& args, const ConnectToken& token) {
     test::NetPlayer player(*game, token.slot, 2, transport);
     const auto begun = std::chrono::steady_clock::now();
     std::uint64_t after = 0;
+    std::vector<std::vector<std::byte>> leaked;
     for (std::uint64_t frame = 0; frame < 3 * ticks + args.number("--patience", 1200) && after < 60;
          ++frame) {
+        if (const std::uint64_t leak = args.number("--leak", 0); leak != 0)
+            leaked.emplace_back(leak, std::byte{1});
         transport.poll(unix_ms());
         player.frame(unix_ms(), ticks);
         if (player.hashes.size() >= ticks) ++after; // the other needs our last packets
