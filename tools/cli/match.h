@@ -37,9 +37,9 @@ struct MatchDef {
 /// One peer's view of what was confirmed, and its recording.
 class ConfirmedLog final : public ConfirmedSink {
   public:
-    /// Without a recorder: of one that came later, whose match has another beginning.
-    ConfirmedLog(std::optional<replay::InputRecorder> to, std::uint64_t ticks)
-        : recorder(std::move(to)), ticks_max(ticks) {}
+    explicit ConfirmedLog(std::uint64_t ticks) : ticks_max(ticks) {}
+    /// Of one that comes later, whose match begins elsewhere: when it has a state.
+    void record(Result<replay::InputRecorder> to);
     void on_confirmed(std::uint64_t tick, std::span<const PlayerInput> inputs, std::uint64_t hash) override;
     Status close();
 
@@ -54,7 +54,7 @@ class ConfirmedLog final : public ConfirmedSink {
 };
 
 struct PeerOutcome {
-    std::vector<std::byte> recording; ///< the file; empty of one that came later
+    std::vector<std::byte> recording; ///< the file; of one that came later, from the state that it took
     std::uint64_t first;              ///< tick that it confirmed first
     std::vector<std::uint64_t> hashes;
     std::vector<std::byte> inputs;

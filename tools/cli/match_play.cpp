@@ -27,11 +27,16 @@ class PlayedWorld final : public Simulation {
     std::uint64_t hash() const override { return simulation.hash(); }
     std::span<const Event> events() const override { return simulation.events(); }
     State& state() override { return simulation.state(); }
-    Status adopt(std::span<const std::byte> image) override { return simulation.adopt(image); }
+    Status adopt(std::span<const std::byte> image) override {
+        Status taken = simulation.adopt(image);
+        if (taken && on_adopt) on_adopt();
+        return taken;
+    }
     void record_phase_hashes(bool on) override { simulation.record_phase_hashes(on); }
     std::span<const PhaseHash> phase_hashes() const override { return simulation.phase_hashes(); }
 
     std::optional<std::uint64_t> planted_at = {}; ///< a tick
+    std::function<void()> on_adopt = {};          ///< a state was taken from outside
 
   private:
     void flip() {
@@ -100,6 +105,13 @@ Result<std::unique_ptr<Watcher>> make_watcher(const Game& game, const MatchDef& 
     return watcher;
 }
 
+Result<replay::InputRecorder> begin_recording(Peer& peer, const Game& game, const MatchDef& def,
+                                              PeerId self) {
+    replay::RecorderOptions options;
+    options.options = {{"match.peer", std::to_string(self)}, {"match.seed", std::to_string(def.seed)}};
+    return replay::InputRecorder::begin(peer.sink, game, peer.world, options);
+}
+
 Result<std::unique_ptr<Peer>> make_peer(const Game& game, const MatchDef& def, PeerId self,
                                         Transport& transport, Transport& to_watchers) {
     Result<World> world = game.start();
@@ -107,12 +119,8 @@ Result<std::unique_ptr<Peer>> make_peer(const Game& game, const MatchDef& def, P
     auto peer = std::make_unique<Peer>(std::move(*world), game);
     if (def.planted && self == game.player_count() - def.late - 1)
         peer->simulation.planted_at = def.ticks / 2;
-    replay::RecorderOptions options;
-    options.options = {{"match.peer", std::to_string(self)}, {"match.seed", std::to_string(def.seed)}};
-    Result<replay::InputRecorder> recorder =
-        replay::InputRecorder::begin(peer->sink, game, peer->world, options);
-    if (!recorder) return recorder.error();
-    peer->log = std::make_unique<ConfirmedLog>(std::move(*recorder), def.ticks);
+    peer->log = std::make_unique<ConfirmedLog>(def.ticks);
+    peer->log->record(begin_recording(*peer, game, def, self));
 
     const SessionDef as_player = session_of(game, def, self);
     Result<std::unique_ptr<Session>> session = def.mode == MatchMode::rollback
@@ -137,7 +145,10 @@ Result<std::unique_ptr<Peer>> make_joining_peer(const Game& game, const MatchDef
     Result<World> world = game.start();
     if (!world) return world.error();
     auto peer = std::make_unique<Peer>(std::move(*world), game);
-    peer->log = std::make_unique<ConfirmedLog>(std::nullopt, def.ticks);
+    peer->log = std::make_unique<ConfirmedLog>(def.ticks);
+    peer->simulation.on_adopt = [of = peer.get(), &game, &def, self] {
+        of->log->record(begin_recording(*of, game, def, self));
+    };
     const JoinDef join{.life = life, .lockstep = def.mode == MatchMode::lockstep};
     Result<std::unique_ptr<Session>> session =
         make_join_session(session_of(game, def, self), join, transport);
@@ -306,6 +317,13 @@ void ConfirmedLog::on_confirmed(std::uint64_t tick, std::span<const PlayerInput>
         inputs_confirmed.push_back(static_cast<std::byte>(input.status));
         inputs_confirmed.insert(inputs_confirmed.end(), input.bytes.begin(), input.bytes.end());
     }
+}
+
+void ConfirmedLog::record(Result<replay::InputRecorder> to) {
+    if (to)
+        recorder = std::move(*to);
+    else
+        state = to.error();
 }
 
 Status ConfirmedLog::close() {
