@@ -143,7 +143,9 @@ struct PlayerDisconnected {
     PeerId peer;
     std::uint64_t tick;
 };
-/// The first confirmed tick after which this machine and `peer` hold different states. Told once per peer.
+/// The first confirmed tick after which this machine and `peer` hold different states. Told once per peer. Recovery: of a
+/// machine that more than half of the others differ from, or of two the one that is not the host, the game makes a join session
+/// (lockstone/join.h) in place of this one; the others play on.
 struct Desync {
     std::uint64_t tick;
     std::uint32_t local, remote; ///< lower halves of the root hashes after the tick

@@ -17,7 +17,7 @@ struct Args {
     std::uint32_t loss_percent = 0, latency_ms = 50, jitter_ms = 10;
     std::uint64_t ticks = 600;
     std::uint32_t watchers = 0, late = 0, rejoin = 0;
-    bool trouble = false, chaos = false, plant = false;
+    bool trouble = false, chaos = false, plant = false, recover = false;
     std::vector<std::string> without;
     std::string mode = "rollback";
     std::string record_prefix;
@@ -42,6 +42,9 @@ void describe(CLI::App& command, Args& args) {
              "smaller");
     add_flag(command, "--plant", args.plant,
              "a machine changes a bit of its state half way through: each match has to fail");
+    add_flag(
+        command, "--recover", args.recover,
+        "a machine that most others differ from takes their state and comes back; with --plant: it has to");
     add_texts(command, "--without", args.without, "with --chaos: kinds of trouble that are left out");
     add_text(command, "--mode", args.mode, "rollback or lockstep")
         .one_of({"rollback", "lockstep"})
@@ -150,6 +153,9 @@ Result<Played> play(const Args& args, const Chaos& chaos,
     if (!match) return match.error();
     Played played{std::move(*match), {}};
     played.found = disagreements(played.match, **game, chaos.def.seed);
+    if (chaos.def.planted && chaos.def.recovers && played.match.recoveries != 1)
+        played.found.push_back("seed " + std::to_string(chaos.def.seed) + ": " +
+                               std::to_string(played.match.recoveries) + " machines recovered, not one");
     return played;
 }
 
@@ -159,7 +165,7 @@ void shrink(const Args& args, std::uint64_t seed) {
     std::uint64_t ticks = args.ticks;
     const auto fails = [&](std::uint64_t some_ticks, const std::vector<std::string>& less) {
         Chaos smaller = chaos_of(seed, some_ticks, less);
-        smaller.def.planted = args.plant;
+        smaller.def.planted = args.plant, smaller.def.recovers = args.recover;
         const Result<Played> played = play(args, smaller, {});
         return !played || !played->found.empty();
     };
@@ -173,6 +179,7 @@ void shrink(const Args& args, std::uint64_t seed) {
     std::string command = "lockstone match " + args.scene + " --chaos --seeds " + std::to_string(seed) +
                           ".." + std::to_string(seed) + " --ticks " + std::to_string(ticks);
     if (args.plant) command += " --plant";
+    if (args.recover) command += " --recover";
     if (!without.empty()) command += " --without";
     for (const std::string& kind : without) command += " " + kind;
     std::printf("seed %llu still fails so: %s\n", static_cast<unsigned long long>(seed), command.c_str());
@@ -181,7 +188,7 @@ void shrink(const Args& args, std::uint64_t seed) {
 /// True when the peers agree.
 Result<bool> play_seed(const Args& args, std::uint64_t seed, std::uint64_t ticks_before, Progress& progress) {
     Chaos chaos = args.chaos ? chaos_of(seed, args.ticks, args.without) : as_told(args, seed);
-    chaos.def.planted = args.plant;
+    chaos.def.planted = args.plant, chaos.def.recovers = args.recover;
     const Result<Played> played =
         play(args, chaos, [&](std::uint64_t ticks) { progress.at(ticks_before + ticks); });
     if (!played && !args.chaos) return played.error();

@@ -30,8 +30,10 @@ struct MatchDef {
     std::uint64_t first_late = 200, first_crash = 300; ///< frames
     bool sleeps = false;                               ///< machines sleep for up to half a second
     bool cuts = false;                                 ///< links are cut for up to two seconds
-    bool planted =
-        false; ///< the last machine that is there from the start changes a bit of its state after tick `ticks` / 2
+    /// The last machine that is there from the start changes a bit of its state after tick `ticks` / 2.
+    bool planted = false;
+    /// A machine that most others differ from, of two the second, takes the others' state and comes back.
+    bool recovers = false;
 };
 
 /// One peer's view of what was confirmed, and its recording.
@@ -65,6 +67,7 @@ struct MatchOutcome {
     std::vector<PeerOutcome> peers;
     std::vector<std::vector<std::uint64_t>> watched; ///< by watcher: hashes, by tick
     std::vector<std::string> broken; ///< what sessions reported, and what they may not do and did
+    std::uint32_t recoveries = 0;    ///< of machines that others differed from
     std::vector<std::string> notes;  ///< who left, and whose match stopped
     std::uint64_t milliseconds = 0;  ///< of simulated time
 };

@@ -8,6 +8,7 @@
 #include "scenes/scenes.h"
 
 #include <algorithm>
+#include <bit>
 #include <memory>
 
 namespace lockstone::cli {
@@ -62,6 +63,7 @@ struct Peer {
     std::unique_ptr<Session> session;
     std::unique_ptr<SessionRunner> runner;
     EventLaw events;
+    std::uint32_t differs = 0; ///< bit p: peer p has told another hash
     std::uint32_t wait_frames = 0;
     std::uint64_t awake_at_ms = 0;
 };
@@ -197,20 +199,42 @@ void run_frame(Peer& peer, PeerId self, const Game& game, const MatchDef& def, s
         peer.wait_frames = peer.runner->frame(now_ms).wait_ticks;
         for (const SessionEvent& event : peer.runner->events()) peer.events.see(event);
     }
+    std::vector<std::string>& desyncs = def.recovers ? out.notes : out.broken;
     while (const auto notice = peer.session->next_notice()) {
         if (const auto* named = std::get_if<DesyncNamed>(&*notice))
-            out.broken.push_back("peer " + std::to_string(self) + ": " + to_string(*named->report));
+            desyncs.push_back("peer " + std::to_string(self) + ": " + to_string(*named->report));
         if (const auto* stopped = std::get_if<MatchStopped>(&*notice))
             out.notes.push_back("peer " + std::to_string(self) + ": " + stopped->reason);
         if (const auto* gone = std::get_if<PlayerDisconnected>(&*notice))
             out.notes.push_back("peer " + std::to_string(self) + ": player " + std::to_string(gone->player) +
                                 " left at tick " + std::to_string(gone->tick));
-        if (const auto* desync = std::get_if<Desync>(&*notice))
-            out.broken.push_back("peer " + std::to_string(self) + " and peer " +
-                                 std::to_string(desync->peer) + " differ after tick " +
-                                 std::to_string(desync->tick) + ": " + hash_text(desync->local) +
-                                 " against " + hash_text(desync->remote));
+        if (const auto* desync = std::get_if<Desync>(&*notice)) {
+            peer.differs |= 1u << desync->peer;
+            desyncs.push_back("peer " + std::to_string(self) + " and peer " + std::to_string(desync->peer) +
+                              " differ after tick " + std::to_string(desync->tick) + ": " +
+                              hash_text(desync->local) + " against " + hash_text(desync->remote));
+        }
     }
+}
+
+/// Whether a machine is the one to give way: more than half of the others differ from it, or it is the second of two.
+bool is_outvoted(std::uint32_t differs, PeerId self, std::uint32_t machines) {
+    if (machines == 2) return differs != 0 && self != 0;
+    return 2 * static_cast<std::uint32_t>(std::popcount(differs)) > machines - 1;
+}
+
+/// Recovery: who is outvoted forgets what it has, and comes back with the state of the others.
+Status recover(std::vector<std::unique_ptr<Peer>>& peers, const Game& game, const MatchDef& def,
+               SimulatedNetwork& network, MatchOutcome& out) {
+    constexpr std::uint32_t lives_before = 1000; // of those that crash
+    for (PeerId id = 0; id < peers.size(); ++id) {
+        if (peers[id] == nullptr || !is_outvoted(peers[id]->differs, id, game.player_count())) continue;
+        Result<std::unique_ptr<Peer>> peer =
+            make_joining_peer(game, def, id, lives_before + ++out.recoveries, network.endpoint(id));
+        if (!peer) return peer.error();
+        peers[id] = std::move(*peer);
+    }
+    return {};
 }
 
 /// By all of them, those who watch included.
@@ -238,8 +262,9 @@ std::uint64_t frames_by_own_clock(const MatchDef& def, PeerId id, std::uint64_t 
 /// `prediction_max` further, its own inputs reach `input_delay` beyond, and this one is at most `prediction_max` ahead of those.
 std::uint64_t depth_limit(const Game& game, const MatchDef& def) {
     const SessionDef session = session_of(game, def, 0);
-    return def.rejoins == 0 ? session.prediction_max
-                            : std::uint64_t{2} * session.prediction_max + session.input_delay;
+    return def.rejoins == 0 && !def.recovers
+               ? session.prediction_max
+               : std::uint64_t{2} * session.prediction_max + session.input_delay;
 }
 
 /// Now and then a machine falls asleep, or two lose each other: less than the patience of anybody.
@@ -370,6 +395,8 @@ Result<MatchOutcome> play_match(const Game& game, const MatchDef& def,
             for (const std::uint64_t due = frames_by_own_clock(def, p, frame); frames[p] < due; ++frames[p])
                 if (peers[p] != nullptr && out.milliseconds >= peers[p]->awake_at_ms)
                     run_frame(*peers[p], p, game, def, frames[p] * 1000 / rate, out);
+        if (def.recovers)
+            if (Status s = recover(peers, game, def, network, out); !s) return s.error();
         if (Status s = run_watchers(watchers, game, def, frame, to_watchers, out); !s) return s.error();
         if (def.watchers > 0) peers[0]->host->poll();
         if (progress) progress(ticks_confirmed(peers, watchers));
