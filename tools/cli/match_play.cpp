@@ -207,7 +207,8 @@ void run_frame(Peer& peer, PeerId self, const Game& game, const MatchDef& def, s
             out.notes.push_back("peer " + std::to_string(self) + ": " + stopped->reason);
         if (const auto* gone = std::get_if<PlayerDisconnected>(&*notice))
             out.notes.push_back("peer " + std::to_string(self) + ": player " + std::to_string(gone->player) +
-                                " left at tick " + std::to_string(gone->tick));
+                                " left at tick " + std::to_string(gone->tick) + ", at " +
+                                std::to_string(now_ms) + " ms");
         if (const auto* desync = std::get_if<Desync>(&*notice)) {
             peer.differs |= 1u << desync->peer;
             desyncs.push_back("peer " + std::to_string(self) + " and peer " + std::to_string(desync->peer) +
@@ -258,41 +259,53 @@ std::uint64_t frames_by_own_clock(const MatchDef& def, PeerId id, std::uint64_t 
     return (frame + 1) * static_cast<std::uint64_t>(1000 + faster) / 1000;
 }
 
-/// How far a session may go back. Where somebody leaves, to the fewest inputs that a machine has of it: that machine is at most
-/// `prediction_max` further, its own inputs reach `input_delay` beyond, and this one is at most `prediction_max` ahead of those.
+/// How far a session may go back. Where somebody leaves, to the fewest inputs q that a machine has of it. That machine is at tick q +
+/// prediction_max at most, so it has sent its own inputs of ticks up to q + prediction_max + input_delay; whoever has these is at most
+/// prediction_max beyond the first that is missing.
 std::uint64_t depth_limit(const Game& game, const MatchDef& def) {
     const SessionDef session = session_of(game, def, 0);
     return def.rejoins == 0 && !def.recovers
                ? session.prediction_max
-               : std::uint64_t{2} * session.prediction_max + session.input_delay;
+               : std::uint64_t{2} * session.prediction_max + session.input_delay + 1;
 }
 
-/// Now and then a machine falls asleep, or two lose each other: less than the patience of anybody.
+/// Now and then a machine falls asleep, or one loses another. One at a time, with two quiet seconds between: what comes together adds up
+/// to more than the patience of a session, and then somebody has to leave.
 class Trouble {
   public:
     Trouble(const MatchDef& of, std::uint32_t machines_in_all)
-        : def(of), machines(machines_in_all), random(Random::seeded(of.seed)), whole_at_ms(machines_in_all) {}
+        : def(of), machines(machines_in_all), random(Random::seeded(of.seed)) {}
     void come(std::vector<std::unique_ptr<Peer>>& peers, SimulatedNetwork& network, std::uint64_t now_ms) {
-        constexpr std::uint32_t one_in_frames = 300, sleep_max_ms = 500, cut_max_ms = 2000;
-        for (PeerId id = 0; id < machines; ++id) {
-            if (def.sleeps && random.below(one_in_frames) == 0 && peers[id] != nullptr)
-                peers[id]->awake_at_ms = now_ms + random.below(sleep_max_ms);
-            if (!def.cuts) continue;
-            const PeerId other = (id + 1) % machines;
-            const bool is_cut = now_ms < whole_at_ms[id];
-            if (!is_cut && random.below(one_in_frames) == 0)
-                whole_at_ms[id] = now_ms + random.below(cut_max_ms);
-            LinkDef link = link_of(def, id, other, machines);
-            if (now_ms < whole_at_ms[id]) link.loss_permille = 1000;
-            network.set_link(id, other, link);
-        }
+        if (is_cut && now_ms >= over_at_ms) cut(network, false);
+        constexpr std::uint32_t one_in_frames = 60, sleep_max_ms = 500, cut_max_ms = 2000;
+        constexpr std::uint64_t quiet_ms = 2000;
+        if ((!def.sleeps && !def.cuts) || now_ms < over_at_ms + quiet_ms || random.below(one_in_frames) != 0)
+            return;
+        who = random.below(machines);
+        const bool sleeps = def.sleeps && (!def.cuts || random.below(2) == 0);
+        over_at_ms = now_ms + random.below(sleeps ? sleep_max_ms : cut_max_ms);
+        if (!sleeps)
+            cut(network, true);
+        else if (peers[who] != nullptr)
+            peers[who]->awake_at_ms = over_at_ms;
     }
 
   private:
+    /// From `who` to the next one.
+    void cut(SimulatedNetwork& network, bool off) {
+        const PeerId other = (who + 1) % machines;
+        LinkDef link = link_of(def, who, other, machines);
+        if (off) link.loss_permille = 1000;
+        network.set_link(who, other, link);
+        is_cut = off;
+    }
+
     const MatchDef& def;
     std::uint32_t machines;
     Random random;
-    std::vector<std::uint64_t> whole_at_ms; ///< by machine: the link to the next one
+    std::uint64_t over_at_ms = 0; ///< the last trouble
+    PeerId who = 0;
+    bool is_cut = false;
 };
 
 /// Watchers join one after the other, and tell what they are told.
