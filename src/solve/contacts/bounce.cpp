@@ -14,6 +14,10 @@ using dynamics::SolverBody;
 std::int64_t speed_part(std::int64_t v) { return saturate_to_int32(shift_right_rounded(v, row_bits)); }
 /// Adds a component of a row [30 bits] times an impulse or a speed [31 bits]. Many contacts of one body, each within its limits,
 /// may drive its velocity beyond 63 bits.
+/// Modulo 2^64, as lanes add: a pack does the same whether its lanes are taken one by one or at once.
+void add_modulo(std::int64_t& sum, std::int64_t x) {
+    sum = static_cast<std::int64_t>(static_cast<std::uint64_t>(sum) + static_cast<std::uint64_t>(x));
+}
 void add_product(std::int64_t& sum, std::int64_t row, std::int64_t x) { sum = add_saturated(sum, row * x); }
 
 /// One lane of a pack: the two bodies and the rows between them.
@@ -267,10 +271,10 @@ template <unsigned N> void forget_impacts(ContactPack<N>& pack, WarmStart* warm)
                 const std::int64_t n = shift_right_rounded(taken[r] * share, unit_bits),
                                    t = shift_right_rounded(slide[r] * share, unit_bits);
                 for (int i = 0; i < 3; ++i) {
-                    if (r == 0) add_product(to.v[i], sign * pack.d[0][i][lane], n);
-                    if (r < 2) add_product(to.v[i], sign * pack.d[r + 1][i][lane], t);
-                    add_product(to.u[i], normal[r][i][lane], n);
-                    add_product(to.u[i], across[r][i][lane], t);
+                    if (r == 0) add_modulo(to.v[i], sign * pack.d[0][i][lane] * n);
+                    if (r < 2) add_modulo(to.v[i], sign * pack.d[r + 1][i][lane] * t);
+                    add_modulo(to.u[i], normal[r][i][lane] * n);
+                    add_modulo(to.u[i], across[r][i][lane] * t);
                 }
             }
         };
