@@ -38,8 +38,8 @@ void describe(CLI::App& command, Args& args) {
                1000);
     add_flag(command, "--trouble", args.trouble, "machines sleep, and links are cut, for a while");
     add_flag(command, "--chaos", args.chaos,
-             "all of that at once, clocks that go wrong and more, drawn from the seed; what fails is made "
-             "smaller");
+             "all of that at once, clocks that go wrong and more, drawn from the seed, whatever else is asked for; "
+             "what fails is made smaller");
     add_flag(command, "--plant", args.plant,
              "a machine changes a bit of its state half way through: each match has to fail");
     add_flag(
