@@ -5,6 +5,7 @@
 #include "cli/text.h"
 #include "replay/verifier.h"
 
+#include <algorithm>
 #include <cstdio>
 
 namespace lockstone::cli {
