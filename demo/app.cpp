@@ -1,14 +1,14 @@
 #include "app.h"
 
 #include "cli/interrupt.h"
-#include "compare_page.h"
-#include "figures_page.h"
-#include "hud.h"
-#include "live_page.h"
-#include "netplay_page.h"
 #include "online/online_page.h"
+#include "pages/compare_page.h"
+#include "pages/figures_page.h"
+#include "pages/live_page.h"
+#include "pages/netplay_page.h"
+#include "pages/replay_page.h"
 #include "render/renderer.h"
-#include "replay_page.h"
+#include "view/hud.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,6 +1,6 @@
 #include "camera_rig.h"
 
-#include "render/camera_control.h"
+#include "render/camera/camera_control.h"
 
 #include <algorithm>
 #include <cmath>

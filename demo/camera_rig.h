@@ -2,9 +2,9 @@
 /// The camera of a view: it sees everything, follows a player, or is flown by hand.
 
 #include "input_map.h"
-#include "render/camera.h"
-#include "render/input.h"
-#include "scene_view.h"
+#include "render/camera/camera.h"
+#include "render/camera/input.h"
+#include "view/scene_view.h"
 
 #include <optional>
 

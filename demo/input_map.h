@@ -1,8 +1,8 @@
 #pragma once
 /// Keys and gamepads as the inputs of scenes.
 
-#include "render/camera.h"
-#include "render/input.h"
+#include "render/camera/camera.h"
+#include "render/camera/input.h"
 #include "scenes/scenes.h"
 
 #include <array>

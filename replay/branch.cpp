@@ -1,6 +1,6 @@
 #include "replay/branch.h"
 
-#include "replay/codec.h"
+#include "replay/format/codec.h"
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 #include "replay/diff.h"
 
-#include "replay/codec.h"
+#include "replay/format/codec.h"
 
 #include <algorithm>
 

@@ -1,8 +1,8 @@
 #include "replay/parser.h"
 
 #include "lockstone/state.h"
-#include "replay/codec.h"
-#include "replay/pack.h"
+#include "replay/format/codec.h"
+#include "replay/format/pack.h"
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
 #include "replay/recorder.h"
 
 #include "base/assert.h"
-#include "replay/codec.h"
+#include "replay/format/codec.h"
 
 #include <algorithm>
 #include <utility>

@@ -1,7 +1,7 @@
 #include "replay/recording.h"
 
 #include "base/assert.h"
-#include "replay/pack.h"
+#include "replay/format/pack.h"
 #include "replay/parser.h"
 
 #include <algorithm>

@@ -8,7 +8,7 @@
 // never more than Limits::memory.
 #pragma once
 
-#include "replay/block.h"
+#include "replay/format/block.h"
 
 namespace lockstone::replay {
 

@@ -2,8 +2,8 @@
 
 #include "base/assert.h"
 #include "lockstone/state.h"
-#include "replay/codec.h"
-#include "replay/pack.h"
+#include "replay/format/codec.h"
+#include "replay/format/pack.h"
 
 #include <algorithm>
 

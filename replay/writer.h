@@ -2,7 +2,7 @@
 // Most callers want recorder.h, which fills this in from a game or a world.
 #pragma once
 
-#include "replay/block.h"
+#include "replay/format/block.h"
 #include "replay/sink.h"
 
 namespace lockstone::replay {

@@ -1,6 +1,6 @@
 #include "online/host_relay.h"
 
-#include "cli/serve_relay.h"
+#include "cli/match/serve_relay.h"
 
 namespace lockstone::demo {
 

@@ -1,6 +1,6 @@
 #include "online/match_card.h"
 
-#include "hud.h"
+#include "view/hud.h"
 
 #include <sstream>
 

@@ -1,8 +1,8 @@
 #include "online/online_match.h"
 
-#include "cli/serve_relay.h"
-#include "hud.h"
+#include "cli/match/serve_relay.h"
 #include "online/planted_game.h"
+#include "view/hud.h"
 
 #include <algorithm>
 

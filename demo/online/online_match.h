@@ -1,14 +1,14 @@
 #pragma once
 /// One machine of a match over UDP: it meets the others by a code, plays or watches, records what is confirmed. Real time.
 
-#include "confirmed_log.h"
 #include "input_map.h"
-#include "lockstone/input_delay.h"
-#include "lockstone/spectator.h"
+#include "lockstone/session/input_delay.h"
+#include "lockstone/session/spectator.h"
 #include "online/gallery.h"
 #include "online/host_relay.h"
 #include "online/match_card.h"
 #include "online/meeting.h"
+#include "pages/confirmed_log.h"
 
 #include <deque>
 

@@ -1,9 +1,9 @@
 #include "online/online_page.h"
 
 #include "camera_rig.h"
-#include "hud.h"
 #include "online/online_match.h"
-#include "replay_page.h"
+#include "pages/replay_page.h"
+#include "view/hud.h"
 
 #include <chrono>
 #include <cstdio>

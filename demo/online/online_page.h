@@ -2,7 +2,7 @@
 /// A match over UDP as one of its machines sees it. Followed by the page that plays the recording back.
 
 #include "options.h"
-#include "page.h"
+#include "pages/page.h"
 
 namespace lockstone::demo {
 

@@ -1,6 +1,6 @@
 #include "draw_list.h"
 
-#include "primitives.h"
+#include "render/assets/primitives.h"
 
 #include <algorithm>
 #include <utility>

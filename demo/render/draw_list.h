@@ -2,7 +2,7 @@
 /// A frame's shapes and objects, sorted into as few draw calls as possible.
 
 #include "frame.h"
-#include "mesh.h"
+#include "render/assets/mesh.h"
 
 #include <array>
 #include <vector>

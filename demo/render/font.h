@@ -1,7 +1,7 @@
 #pragma once
 /// Glyphs of a monospace font as a texture.
 
-#include "texture.h"
+#include "render/gl/texture.h"
 
 #include <glm/glm.hpp>
 

@@ -1,8 +1,8 @@
 #pragma once
 /// What the renderer is told to draw: plain data, made anew for each picture. Knows nothing of the engine.
 
-#include "camera.h"
-#include "object.h"
+#include "render/assets/object.h"
+#include "render/camera/camera.h"
 
 #include <glm/glm.hpp>
 

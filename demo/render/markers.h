@@ -2,7 +2,7 @@
 /// Lines and points over the scene.
 
 #include "frame.h"
-#include "gl.h"
+#include "render/gl/gl.h"
 #include "resource_manager.h"
 
 namespace lockstone::demo {

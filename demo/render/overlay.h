@@ -3,7 +3,7 @@
 
 #include "font.h"
 #include "frame.h"
-#include "gl.h"
+#include "render/gl/gl.h"
 #include "resource_manager.h"
 
 #include <cstdint>

@@ -5,9 +5,9 @@
 #include "frame.h"
 #include "markers.h"
 #include "overlay.h"
+#include "render/gl/surface.h"
 #include "resource_manager.h"
 #include "shadow_map.h"
-#include "surface.h"
 
 #include <optional>
 #include <span>

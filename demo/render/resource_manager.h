@@ -1,9 +1,9 @@
 #pragma once
 /// Names to shared resources. Each file is read once.
 
-#include "model.h"
-#include "shader.h"
-#include "texture.h"
+#include "render/assets/model.h"
+#include "render/gl/shader.h"
+#include "render/gl/texture.h"
 
 #include <filesystem>
 #include <map>

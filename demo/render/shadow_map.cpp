@@ -1,6 +1,6 @@
 #include "shadow_map.h"
 
-#include "mesh.h"
+#include "render/assets/mesh.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 

@@ -1,7 +1,7 @@
 #pragma once
 /// Depth as the sun sees it.
 
-#include "gl.h"
+#include "render/gl/gl.h"
 
 #include <glm/glm.hpp>
 

@@ -56,8 +56,8 @@ struct JointAxis {
     Real target{};                ///< of the spring [m] or [rad]
     Real motor_speed{};           ///< [m/s] or [rad/s], within 500
     Real motor_force{};           ///< most that the motor brings to bear [N] or [N m], 0: no motor
-    Real friction{}; ///< brakes motion with at most this [N] or [N m]; not where there is a motor
-    Real spring_force{};          ///< most of the spring [N] or [N m], 0: no bound
+    Real friction{};     ///< brakes motion with at most this [N] or [N m]; not where there is a motor
+    Real spring_force{}; ///< most of the spring [N] or [N m], 0: no bound
 };
 
 /// Bodies: A may be null, then frame_a is a place in the world. B never is.

@@ -11,7 +11,7 @@
 #pragma once
 
 #include "lockstone/result.h"
-#include "lockstone/transport.h"
+#include "lockstone/session/transport.h"
 
 #include <array>
 #include <compare>

@@ -13,7 +13,7 @@
 // pointer, or a field that the list forgets, repeats or moves, does not compile.
 #pragma once
 
-#include "lockstone/vec.h"
+#include "lockstone/math/vec.h"
 
 #include <array>
 #include <bit>

@@ -14,7 +14,7 @@
 #pragma once
 
 #include "lockstone/game.h"
-#include "lockstone/transport.h"
+#include "lockstone/session/transport.h"
 
 #include <array>
 #include <cstdint>
@@ -57,7 +57,7 @@ struct SessionDef {
     std::uint32_t input_size = 0; ///< bytes, 0..64
     PeerId self = 0;              ///< this machine
     std::vector<PeerId> players; ///< by player: the machine where they play; 1..16, the same on every machine
-    /// Bit p: player p's machine is not there from the start but may come (lockstone/join.h); till then the inputs are zero and
+    /// Bit p: player p's machine is not there from the start but may come (lockstone/session/join.h); till then the inputs are zero and
     /// `disconnected`. All players of a machine or none; not self. The same on every machine.
     std::uint32_t absent = 0;
     std::uint32_t input_delay = 2;    ///< [ticks], 0..32; lockstep needs at least 1; machines may differ
@@ -145,7 +145,7 @@ struct PlayerDisconnected {
 };
 /// The first confirmed tick after which this machine and `peer` hold different states. Told once per peer. Recovery: of a
 /// machine that more than half of the others differ from, or of two the one that is not the host, the game makes a join session
-/// (lockstone/join.h) in place of this one; the others play on.
+/// (lockstone/session/join.h) in place of this one; the others play on.
 struct Desync {
     std::uint64_t tick;
     std::uint32_t local, remote; ///< lower halves of the root hashes after the tick

@@ -5,7 +5,7 @@
 //   MassProperties m = mass_properties(crate, 600_r);           density [kg/m^3]
 #pragma once
 
-#include "lockstone/vec.h"
+#include "lockstone/math/vec.h"
 
 #include <cstdint>
 #include <span>

@@ -38,7 +38,7 @@ const char* name_of(Integrator integrator);
 
 struct WorldDef {
     std::uint32_t tick_rate = 60; ///< ticks per second, 1..1000
-    std::uint32_t substeps = 4; ///< solver steps per tick, 1..16; see precise()
+    std::uint32_t substeps = 4;   ///< solver steps per tick, 1..16; see precise()
     Vec3 gravity = {Real{}, Real::from_raw(-42133629174), Real{}}; ///< -9.81 m/s^2 along y; within 1000
     Integrator integrator = Integrator::semi_implicit_euler;
     std::uint32_t bounds_shift =
@@ -114,7 +114,7 @@ struct Faults {
     /// Pairs beyond contacts_max; the last in pair order were dropped. Of more than 1024 + 2 contacts_max pairs that are
     /// near, the last are not looked at, and count as one in each tick.
     std::uint64_t contacts_dropped;
-    std::uint64_t impulse_clamped;  ///< a contact impulse met the end of its format
+    std::uint64_t impulse_clamped; ///< a contact impulse met the end of its format
     friend bool operator==(const Faults&, const Faults&) = default;
 };
 
@@ -145,7 +145,8 @@ struct PhaseHash {
 class PhaseObserver {
   public:
     virtual ~PhaseObserver() = default;
-    virtual void on_phase(const char* phase) = 0; ///< has passed; its work is what was done since the last call
+    virtual void
+    on_phase(const char* phase) = 0; ///< has passed; its work is what was done since the last call
 };
 
 /// Wrong arguments. Commands answer each with an error that names the argument, and change nothing. An id is two numbers:
@@ -262,10 +263,10 @@ class World {
     Real mass(BodyId body) const;             ///< [kg]; 0 when static or kinematic
     BodyKind kind(BodyId body) const;
     std::uint64_t user_key(BodyId body) const;
-    BodyDef body(BodyId body) const;            ///< as it is now: what create_body would have to be given
-    SetMass mass_properties(BodyId body) const; ///< as set_mass would have to be given them
-    bool may_touch(BodyId a, BodyId b) const;   ///< false after set_pair_filter(a, b, false)
-    Vec3 gravity() const;                       ///< [m/s^2], of def() until set_gravity
+    BodyDef body(BodyId body) const;                ///< as it is now: what create_body would have to be given
+    SetMass mass_properties(BodyId body) const;     ///< as set_mass would have to be given them
+    bool may_touch(BodyId a, BodyId b) const;       ///< false after set_pair_filter(a, b, false)
+    Vec3 gravity() const;                           ///< [m/s^2], of def() until set_gravity
     std::vector<ShapeId> shapes(BodyId body) const; ///< in order of creation; allocates
     ShapeDef shape(ShapeId shape) const;
     BodyId body_of(ShapeId shape) const;
@@ -332,7 +333,7 @@ class World {
     std::optional<ShapeDistance> distance(ShapeId a, ShapeId b) const;
 
     // ---- state ----
-    std::uint64_t hash() const; ///< of everything that can affect a later tick
+    std::uint64_t hash() const;    ///< of everything that can affect a later tick
     void save(Image& image) const; ///< into any image, whatever it held
     /// An image of a world with the same definition, schema and assets; any other, or an empty one, ends the program with
     /// what can_restore says, before a byte has changed.

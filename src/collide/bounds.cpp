@@ -1,9 +1,9 @@
 // source: Ericson, Real-Time Collision Detection, 4.2.6 (bounds of a rotated box from |R|)
 #include "collide/bounds.h"
 
-#include "lockstone/math.h"
-#include "shapes/hull.h"
-#include "shapes/support_kernel.h"
+#include "lockstone/math/math.h"
+#include "shapes/hull/hull.h"
+#include "shapes/hull/support_kernel.h"
 
 #include <limits>
 

@@ -1,7 +1,7 @@
 // Axis-aligned bounds on 32-bit integers, rounded outward: what the broad phase compares.
 #pragma once
 
-#include "shapes/asset.h"
+#include "shapes/asset/asset.h"
 
 namespace lockstone::collide {
 

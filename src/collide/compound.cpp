@@ -1,8 +1,8 @@
 // Compounds against everything: the parts that are near, each against the other shape or its parts, then merged.
 #include "collide/merge_manifolds.h"
-#include "collide/pairs.h"
-#include "collide/triangle_contact.h"
-#include "collide/triangles.h"
+#include "collide/mesh/triangle_contact.h"
+#include "collide/mesh/triangles.h"
+#include "collide/pairs/pairs.h"
 
 namespace lockstone::collide {
 namespace {

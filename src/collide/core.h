@@ -2,7 +2,7 @@
 // what GJK and EPA share.
 #pragma once
 
-#include "collide/convex.h"
+#include "collide/convex/convex.h"
 
 namespace lockstone::collide {
 

@@ -7,7 +7,7 @@
 #pragma once
 
 #include "collide/narrow_phase.h"
-#include "lockstone/math.h"
+#include "lockstone/math/math.h"
 
 #include <cstdint>
 #include <type_traits>

@@ -1,8 +1,8 @@
 // The parts of `manifold_from_faces`: supporting edges, clipping, and the points of two lines.
 #pragma once
 
-#include "collide/box_box.h"
 #include "collide/core.h"
+#include "collide/pairs/box_box.h"
 
 namespace lockstone::collide {
 

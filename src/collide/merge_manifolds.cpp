@@ -1,6 +1,6 @@
 #include "collide/merge_manifolds.h"
 
-#include "collide/triangle_contact.h"
+#include "collide/mesh/triangle_contact.h"
 
 #include <algorithm>
 

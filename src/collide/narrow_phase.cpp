@@ -1,9 +1,9 @@
 #include "collide/narrow_phase.h"
 
 #include "base/assert.h"
-#include "collide/convex.h"
+#include "collide/convex/convex.h"
 #include "collide/integer.h"
-#include "collide/pairs.h"
+#include "collide/pairs/pairs.h"
 
 namespace lockstone::collide {
 namespace {

@@ -7,7 +7,7 @@
 // Every result is a pure function of the arguments: no history, no hysteresis.
 #pragma once
 
-#include "shapes/asset.h"
+#include "shapes/asset/asset.h"
 
 #include <vector>
 

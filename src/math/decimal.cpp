@@ -1,4 +1,4 @@
-#include "lockstone/decimal.h"
+#include "lockstone/math/decimal.h"
 
 #include <charconv>
 

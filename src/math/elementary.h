@@ -1,7 +1,7 @@
 // The elementary functions before their last rounding, in 60 to 62 fraction bits. Shared inside src/math.
 #pragma once
 
-#include "lockstone/math.h"
+#include "lockstone/math/math.h"
 
 namespace lockstone::detail {
 

@@ -1,7 +1,7 @@
 // Exact roots from any guess. Each takes the guess as an argument, so tests can hand in bad ones.
 #pragma once
 
-#include "lockstone/math.h"
+#include "lockstone/math/math.h"
 
 namespace lockstone::detail {
 

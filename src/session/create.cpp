@@ -1,5 +1,5 @@
 // Making sessions: definitions are checked here, once, with sentences; what follows may rely on them.
-#include "session/join_session.h"
+#include "session/join/join_session.h"
 #include "session/peer_session.h"
 #include "session/sync_test.h"
 

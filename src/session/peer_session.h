@@ -8,7 +8,7 @@
 //   admission.cpp      who comes late or back, and from which tick on
 #pragma once
 
-#include "session/peer_link.h"
+#include "session/link/peer_link.h"
 
 namespace lockstone::session {
 

@@ -5,9 +5,9 @@
 // them, whatever it asks.
 #pragma once
 
-#include "session/input_queue.h"
-#include "session/message.h"
-#include "session/snapshot.h"
+#include "session/inputs/input_queue.h"
+#include "session/join/snapshot.h"
+#include "session/link/message.h"
 
 namespace lockstone::session {
 

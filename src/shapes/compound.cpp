@@ -1,6 +1,6 @@
 // Compounds: convex parts with places, and the tree over their extents.
-#include "lockstone/math.h"
-#include "shapes/asset_file.h"
+#include "lockstone/math/math.h"
+#include "shapes/asset/asset_file.h"
 
 #include <algorithm>
 #include <numeric>

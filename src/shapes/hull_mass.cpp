@@ -3,9 +3,9 @@
 // A tetrahedron with corners 0, a, b, c and D = a . (b x c) has the volume D / 6, the first moment D (a + b + c) / 24 and
 // the second moments D / 120 (s_i s_j + a_i a_j + b_i b_j + c_i c_j), where s = a + b + c.
 // source: Tonon, Explicit Exact Formulas for the 3-D Tetrahedron Inertia Tensor, 2004.
-#include "shapes/hull.h"
+#include "shapes/hull/hull.h"
 
-#include "lockstone/math.h"
+#include "lockstone/math/math.h"
 #include "shapes/mass.h"
 
 #include <algorithm>

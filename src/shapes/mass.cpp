@@ -4,7 +4,7 @@
 // the cylinder's and two hemispheres' put together and simplified, so that one division is left.
 #include "lockstone/shape.h"
 
-#include "lockstone/math.h"
+#include "lockstone/math/math.h"
 #include "shapes/mass.h"
 
 #include <algorithm>

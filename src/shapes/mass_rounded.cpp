@@ -3,7 +3,7 @@
 // source: Schneider, Convex Bodies, 4.1 (Steiner); Eberly, Game Physics, 2nd ed., 2.5.5 (solids of revolution).
 #include "shapes/mass.h"
 
-#include "lockstone/math.h"
+#include "lockstone/math/math.h"
 
 namespace lockstone::shapes {
 namespace {

@@ -1,7 +1,7 @@
 // A number mantissa * 2^exponent with 62 significant bits, for volumes and moments: they span 1e-17 to 1e12 in SI units.
 #pragma once
 
-#include "lockstone/fixed.h"
+#include "lockstone/math/fixed.h"
 
 #include <cstdint>
 

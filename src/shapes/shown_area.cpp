@@ -1,6 +1,6 @@
 #include "shapes/shown_area.h"
 
-#include "lockstone/math.h"
+#include "lockstone/math/math.h"
 #include "shapes/submerged.h"
 
 namespace lockstone::shapes {

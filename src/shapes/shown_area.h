@@ -1,7 +1,7 @@
 // The area that a convex solid shows to a direction: for drag and blasts.
 #pragma once
 
-#include "shapes/asset.h"
+#include "shapes/asset/asset.h"
 
 namespace lockstone::shapes {
 

@@ -1,11 +1,11 @@
 // Geometries with their assets at hand.
 #include "base/text.h"
-#include "lockstone/math.h"
-#include "shapes/asset.h"
-#include "shapes/height_field.h"
-#include "shapes/hull.h"
+#include "lockstone/math/math.h"
+#include "shapes/asset/asset.h"
+#include "shapes/hull/hull.h"
 #include "shapes/mass.h"
-#include "shapes/mesh.h"
+#include "shapes/mesh/height_field.h"
+#include "shapes/mesh/mesh.h"
 
 #include <algorithm>
 

@@ -4,8 +4,8 @@
 // surface, D / 6 with D = a . (b x c): the lid lies in the plane and adds nothing.
 #include "shapes/submerged.h"
 
-#include "lockstone/math.h"
-#include "shapes/hull.h"
+#include "lockstone/math/math.h"
+#include "shapes/hull/hull.h"
 #include "shapes/mass.h"
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "lockstone/shape.h"
-#include "shapes/asset.h"
+#include "shapes/asset/asset.h"
 
 namespace lockstone::shapes {
 

@@ -2,8 +2,8 @@
 // or leaves a world that ticks and whose state the engine itself accepts.
 #include "support/sim_scenes.h"
 
+#include "lockstone/math/random.h"
 #include "lockstone/ragdoll.h"
-#include "lockstone/random.h"
 #include "lockstone/session.h"
 
 #include <doctest/doctest.h>

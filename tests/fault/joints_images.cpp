@@ -1,7 +1,7 @@
 // Crafted images of worlds with joints and sleepers: whatever is broken in a list or a ring is refused with its
 // sentence, and the world stays as it was.
-#include "sim/world_impl.h"
-#include "support/joint_scenes.h"
+#include "support/rigs/joint_scenes.h"
+#include "world/world_impl.h"
 
 #include <doctest/doctest.h>
 
@@ -53,9 +53,9 @@ std::string verdict(const std::function<void(State&)>& damage) {
 }
 bool says(const std::string& verdict, const char* words) { return verdict.find(words) != std::string::npos; }
 
-using dynamics::BodyInfo;
-using dynamics::BodySleep;
-using dynamics::JointRow;
+using solve::BodyInfo;
+using solve::BodySleep;
+using solve::JointRow;
 
 } // namespace
 
@@ -150,7 +150,7 @@ TEST_CASE(
             for (std::size_t i = 0; i < rows<BodyInfo>(s, "body.info").size(); ++i) {
                 if (rows<BodyInfo>(s, "body.info")[i].kind != BodyKind::dynamic) continue;
                 if ((i >= rows<sim::Header>(s, "world.header")[0].bodies_awake) != resting) continue;
-                rows<dynamics::Velocity>(s, "body.velocity")[i].linear.y = Speed(1);
+                rows<solve::Velocity>(s, "body.velocity")[i].linear.y = Speed(1);
             }
         });
     };

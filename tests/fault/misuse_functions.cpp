@@ -6,9 +6,9 @@
 
 #include "lockstone/assemble.h"
 #include "lockstone/asset.h"
+#include "lockstone/math/random.h"
 #include "lockstone/prove.h"
 #include "lockstone/ragdoll.h"
-#include "lockstone/random.h"
 #include "lockstone/session.h"
 #include "lockstone/tasks.h"
 #include "lockstone/vehicle.h"

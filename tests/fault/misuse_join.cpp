@@ -1,6 +1,6 @@
 // Wrong arguments to sessions that come into a match, and to those who take states.
-#include "lockstone/join.h"
-#include "lockstone/spectator.h"
+#include "lockstone/session/join.h"
+#include "lockstone/session/spectator.h"
 #include "session/arena.h"
 #include "support/stops.h"
 

@@ -18,15 +18,11 @@ namespace {
 struct Health {
     std::int32_t points, shield;
 };
-template <class V> constexpr void describe(Health& h, V&& v) {
-    v("points", h.points), v("shield", h.shield);
-}
+template <class V> constexpr void describe(Health& h, V&& v) { v("points", h.points), v("shield", h.shield); }
 struct Score {
     std::int32_t points;
 };
-template <class V> constexpr void describe(Score& s, V&& v) {
-    v("points", s.points);
-}
+template <class V> constexpr void describe(Score& s, V&& v) { v("points", s.points); }
 
 /// One of everything, and an id that has died of each.
 struct Given {
@@ -80,7 +76,8 @@ TEST_CASE("misuse: commands refuse every wrong body with a sentence, and change 
         CHECK_FALSE(w.is_alive(b));
         refuses(w, "destroy", [&] { return w.destroy(b); });
         refuses(w, "create_shape", [&] { return status_of(w.create_shape(b, {.geometry = sphere(0.5_r)})); });
-        refuses(w, "create_joint b", [&] { return status_of(w.create_joint(hinge_joint(), g.body, b, Transform::identity())); });
+        refuses(w, "create_joint b",
+                [&] { return status_of(w.create_joint(hinge_joint(), g.body, b, Transform::identity())); });
         refuses(w, "set_pose", [&] { return w.set_pose(b, Transform::identity()); });
         refuses(w, "set_velocity", [&] { return w.set_velocity(b, {}, {}); });
         refuses(w, "add_force", [&] { return w.add_force(b, {}); });
@@ -103,7 +100,8 @@ TEST_CASE("misuse: commands refuse every wrong body with a sentence, and change 
     }
 }
 
-TEST_CASE("misuse: commands refuse every wrong shape, field, joint, character and vehicle, and change nothing") {
+TEST_CASE(
+    "misuse: commands refuse every wrong shape, field, joint, character and vehicle, and change nothing") {
     Given g;
     World& w = g.w;
     for (const ShapeId s : wrong_ids(g.dead_shape)) {
@@ -125,7 +123,8 @@ TEST_CASE("misuse: commands refuse every wrong shape, field, joint, character an
         CHECK_FALSE(w.is_alive(j));
         refuses(w, "destroy joint", [&] { return w.destroy(j); });
         refuses(w, "set_joint_axis", [&] { return w.set_joint_axis(j, about_x, {}); });
-        refuses(w, "set_joint_frames", [&] { return w.set_joint_frames(j, Transform::identity(), Transform::identity()); });
+        refuses(w, "set_joint_frames",
+                [&] { return w.set_joint_frames(j, Transform::identity(), Transform::identity()); });
     }
     for (const CharacterId c : wrong_ids(CharacterId{1, 1})) {
         CHECK_FALSE(w.is_alive(c));
@@ -195,7 +194,8 @@ TEST_CASE("misuse: the value of an error and the error of a value end the progra
     CHECK(last_words([&] { (void)value.value(); }) == "");
 }
 
-TEST_CASE("misuse: an image of another definition, schema or asset library is refused before anything changes") {
+TEST_CASE(
+    "misuse: an image of another definition, schema or asset library is refused before anything changes") {
     const auto made = [](auto change) {
         WorldDef def;
         change(def);
@@ -237,7 +237,8 @@ TEST_CASE("misuse: an image of another definition, schema or asset library is re
     }
 }
 
-TEST_CASE("misuse: a world that was moved from, or destroyed under what drives it, ends the program with a sentence") {
+TEST_CASE("misuse: a world that was moved from, or destroyed under what drives it, ends the program with a "
+          "sentence") {
     World w = World::create({}).value();
     World moved = std::move(w);
     stops("tick", [&] { w.tick(); });

@@ -2,7 +2,7 @@
 // and baking what was loaded must give the same bytes.
 //
 //   built like tests/fuzz/asset_load.cpp
-#include "fuzz/asset_check.h"
+#include "fuzz/checks/asset_check.h"
 
 #include <cstdio>
 #include <cstdlib>

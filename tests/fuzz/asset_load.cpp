@@ -3,7 +3,7 @@
 //   clang++ -std=c++20 -O1 -g -fsanitize=fuzzer,address,undefined -Iinclude -Isrc -Itests tests/fuzz/asset_load.cpp
 //           src/base/*.cpp src/math/*.cpp src/shapes/*.cpp -lxxhash -o asset_load
 //   ./asset_load -max_len=600 corpus tests/fuzz/corpus/asset
-#include "fuzz/asset_check.h"
+#include "fuzz/checks/asset_check.h"
 
 #include <cstdio>
 #include <cstdlib>

@@ -1,7 +1,7 @@
 // One or two small assets of each kind, to be damaged.
 #pragma once
 
-#include "fuzz/asset_check.h"
+#include "fuzz/checks/asset_check.h"
 
 #include <string>
 #include <vector>

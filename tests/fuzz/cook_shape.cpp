@@ -3,7 +3,7 @@
 #include "cook/convex.h"
 #include "cook/height_field.h"
 #include "cook_input.h"
-#include "lockstone/convert.h"
+#include "lockstone/math/convert.h"
 
 #include <cstdio>
 #include <cstdlib>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "fuzz/edits.h"
-#include "lockstone/random.h"
+#include "lockstone/math/random.h"
 
 #include <cstdlib>
 #include <filesystem>

@@ -1,5 +1,5 @@
 // Fuzz target: packets of those who watch, come in or ask about a desync. The inputs are described in guest_check.h.
-#include "fuzz/guest_check.h"
+#include "fuzz/checks/guest_check.h"
 
 #include <cstdio>
 #include <cstdlib>

@@ -1,5 +1,5 @@
 // Fuzz target: any datagrams to players and a relay in the middle of a match. The inputs are described in net_check.h.
-#include "fuzz/net_check.h"
+#include "fuzz/checks/net_check.h"
 #include "fuzz/same_keys.h"
 
 #include <cstdio>

@@ -1,5 +1,5 @@
 // Fuzz target: any bytes as a token or a pass, sealed or not.
-#include "fuzz/net_check.h"
+#include "fuzz/checks/net_check.h"
 #include "fuzz/same_keys.h"
 
 #include <cstdio>

@@ -1,5 +1,5 @@
 // Fuzz target: any packets to a session in the middle of a match. The inputs are described in packet_check.h.
-#include "fuzz/packet_check.h"
+#include "fuzz/checks/packet_check.h"
 
 #include <cstdio>
 #include <cstdlib>

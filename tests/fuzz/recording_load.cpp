@@ -1,5 +1,5 @@
 // Fuzz target: any bytes as a recording, read and played. The inputs are described in recording_check.h.
-#include "fuzz/recording_check.h"
+#include "fuzz/checks/recording_check.h"
 
 #include <cstdio>
 #include <cstdlib>

@@ -1,7 +1,7 @@
 // The same keys, nonces and cookies for every input, so that what an input did it does again. For fuzzers alone.
 #pragma once
 
-#include "lockstone/random.h"
+#include "lockstone/math/random.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,8 +1,8 @@
 // The first inputs of the fuzzers of states, recordings and packets.
 #pragma once
 
-#include "fuzz/packet_check.h"
-#include "fuzz/recording_check.h"
+#include "fuzz/checks/packet_check.h"
+#include "fuzz/checks/recording_check.h"
 
 namespace fuzz {
 

@@ -1,5 +1,5 @@
 // Fuzz target: any bytes as a world's state, a portable image or a delta. The inputs are described in state_check.h.
-#include "fuzz/state_check.h"
+#include "fuzz/checks/state_check.h"
 
 #include <cstdio>
 #include <cstdlib>

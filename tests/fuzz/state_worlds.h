@@ -3,7 +3,7 @@
 
 #include "fuzz/asset_samples.h"
 #include "fuzz/edits.h"
-#include "support/vehicle_rig.h"
+#include "support/rigs/vehicle_rig.h"
 
 namespace fuzz {
 

@@ -1,5 +1,5 @@
 // FORMAT.md and the code hold each other: the vectors on the page are what the writer writes, byte for byte.
-#include "replay/codec.h"
+#include "replay/format/codec.h"
 #include "replay/replay.h"
 #include "support/small_game.h"
 

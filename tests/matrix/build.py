@@ -13,12 +13,13 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 WITHOUT_THREADS = {"src/base/worker_pool.cpp", "replay/verifier.cpp", "tools/scenes/asset_set.cpp"}
 
 # What most sources include, compiled once a build: reading headers is half of the time of a cell.
-PRELUDE = ("lockstone/world.h", "sim/data.h", "algorithm", "array", "functional", "map", "memory", "optional", "sstream", "string", "vector")
+PRELUDE = ("lockstone/world.h", "world/data.h", "algorithm", "array", "functional", "map", "memory", "optional", "sstream", "string", "vector")
 
 WITHOUT_PRELUDE = {"tools/bench/scenes.cpp"}  # has names of its own for what lockstone/world.h names too
 
-# Sources of these folders are compiled some at a time, which takes half as long. Names within a folder are then of one kind.
-TOGETHER, AT_ONCE = {"base", "math", "state", "shapes", "collide", "dynamics", "contacts", "sim", "session", "replay"}, 8
+# Sources of a folder of src/, and of replay/, are compiled some at a time, which takes half as long: a name means one thing within a layer.
+AT_ONCE = 8
+ALONE = {"kernels"}  # one instruction set each
 
 # Kernels of an instruction set, as in CMakeLists.txt: the machine chooses among them when the program runs.
 KERNELS = {"kernel_sse41.cpp": ["-msse4.1"], "kernel_avx2.cpp": ["-mavx2"], "kernel_avx512.cpp": ["-mavx512f", "-mavx512dq", "-mavx512vl"]}
@@ -35,8 +36,9 @@ def together(files):
     """The files in tuples, each compiled as one."""
     tuples, by_folder = [], {}
     for path in sorted(files):
-        if path.parent.name in TOGETHER:
-            by_folder.setdefault(path.parent, []).append(path)
+        top, *below = path.relative_to(ROOT).parts
+        if top in ("src", "replay") and path.parent.name not in ALONE:
+            by_folder.setdefault((top, below[0] if len(below) > 1 and top == "src" else ""), []).append(path)
         else:
             tuples.append((path,))
     for members in by_folder.values():
@@ -45,9 +47,9 @@ def together(files):
 
 
 def sources(build):
-    found = [p for pattern in ("src/*/*.cpp", "src/*/*/*.cpp", "replay/*.cpp", "tools/scenes/*.cpp", "tests/matrix/*.cpp") for p in ROOT.glob(pattern)]
+    found = [p for pattern in ("src/**/*.cpp", "replay/**/*.cpp", "tools/scenes/**/*.cpp", "tests/matrix/*.cpp") for p in ROOT.glob(pattern)]
     # The network layer makes no results, and needs libsodium.
-    found = [p for p in found if p.parent.name != "net"]
+    found = [p for p in found if not p.is_relative_to(ROOT / "src/net")]
     if build.target == "wasm":
         found = [p for p in found if p.relative_to(ROOT).as_posix() not in WITHOUT_THREADS]
     return found

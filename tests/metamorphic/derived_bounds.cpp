@@ -1,8 +1,8 @@
 // What a tick keeps beside the state of where shapes are is a function of the state: after any history of rollbacks and
 // commands it is what a world without a history makes of the same state.
 #include "base/hash.h"
-#include "sim/phases.h"
 #include "support/random.h"
+#include "tick/phases.h"
 
 #include <doctest/doctest.h>
 

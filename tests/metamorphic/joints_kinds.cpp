@@ -1,6 +1,6 @@
 // Every kind of joint alone, and what kinds are also used for: rolled back at every tick, before and after it breaks; and
 // what a joint remembers matters in the tick after.
-#include "support/joint_variants.h"
+#include "support/rigs/joint_variants.h"
 
 #include <doctest/doctest.h>
 

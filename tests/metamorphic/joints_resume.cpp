@@ -2,7 +2,7 @@
 // a world that was saved and restored at any tick goes on to the same bits.
 #include "replay/replay.h"
 #include "scenes/scenes.h"
-#include "support/joint_scenes.h"
+#include "support/rigs/joint_scenes.h"
 
 #include <doctest/doctest.h>
 

@@ -1,7 +1,7 @@
 // What ticks leave behind outside of the state is made different before every tick: memory, the shapes of trees, which
 // pairs are known and in which order they are found. Nothing that can be asked for changes.
-#include "sim/phases.h"
 #include "support/task_worlds.h"
+#include "tick/phases.h"
 
 #include <doctest/doctest.h>
 
@@ -191,7 +191,7 @@ TEST_CASE("planted fault: one bit of the state, or of a scratch that should not 
     });
     CHECK(found.starts_with("tick 13, column body."));
     const auto reads_contacts = [](sim::Data& w) { // of the tick before
-        const std::vector<dynamics::Contact>& contacts = w.scratch.contacts;
+        const std::vector<solve::Contact>& contacts = w.scratch.contacts;
         if (!contacts.empty() && contacts[0].count > 4) ++w.state.edit_row(w.m.faults, 0).speed_clamped;
     };
     CHECK_FALSE(inside_departs([&](sim::Data& w, int) { reads_contacts(w); }));

@@ -1,8 +1,8 @@
 // Nothing around the simulation matters to it: lanes, rounding modes, allocators; and every bit of its state counts.
-#include "sim/phases.h"
 #include "support/allocation_counter.h"
 #include "support/sim_script.h"
 #include "support/task_worlds.h"
+#include "tick/phases.h"
 
 #include <doctest/doctest.h>
 
@@ -19,8 +19,8 @@ using namespace lockstone::test::scene;
 namespace {
 
 struct Solved {
-    dynamics::SolverBodies bodies;
-    std::vector<dynamics::ContactMemory> memory;
+    solve::SolverBodies bodies;
+    std::vector<solve::ContactMemory> memory;
     std::uint64_t contacts;
 };
 
@@ -33,16 +33,16 @@ Solved solve_contacts(const World& w, Simd level) {
     while (sim::wake_touched(d));
     sim::collide(d);
     const sim::Config& c = d.state.rows(d.m.config)[0];
-    const dynamics::StepConstants step = dynamics::step_constants(
+    const solve::StepConstants step = solve::step_constants(
         {static_cast<std::int32_t>(c.tick_rate), static_cast<std::int32_t>(c.substeps), c.contact_hertz,
          c.contact_damping, c.push_speed_max, c.restitution_speed_min});
     Solved s{};
     s.bodies.kernel = solve::kernels_of(level)->bodies;
-    dynamics::begin_step(d.body_columns(), d.header().gravity, step, s.bodies);
+    solve::begin_step(d.body_columns(), d.header().gravity, step, s.bodies);
     solve::ContactSolver solver;
     REQUIRE(solver.use(level));
     solver.prepare(d.scratch.contacts, d.scratch.table.list.memories, d.body_columns().mass, step, s.bodies);
-    const dynamics::FreeMotion motion{dynamics::Scheme::semi_implicit_euler, d.state.rows(d.m.field)};
+    const solve::FreeMotion motion{solve::Scheme::semi_implicit_euler, d.state.rows(d.m.field)};
     for (int i = 0; i < step.substeps; ++i) {
         integrate_velocities(motion, d.body_columns(), step, s.bodies);
         solver.warm_start(s.bodies);
@@ -51,7 +51,7 @@ Solved solve_contacts(const World& w, Simd level) {
         solver.solve(step, s.bodies, false);
     }
     solver.apply_restitution(step, s.bodies);
-    const std::span<dynamics::ContactMemory> memory = d.scratch.table.list.memories;
+    const std::span<solve::ContactMemory> memory = d.scratch.table.list.memories;
     solver.store(d.scratch.contacts, memory, s.bodies.clamps);
     s.memory.assign(memory.begin(), memory.end());
     s.contacts = d.scratch.contacts.size();
@@ -61,10 +61,10 @@ Solved solve_contacts(const World& w, Simd level) {
 /// Empty when all velocities, moves and impulses have the same bits.
 std::string lanes_differ(const Solved& a, const Solved& b) {
     for (std::size_t i = 0; i + 1 < a.bodies.body.size(); ++i) // the still entry takes what is written to it
-        if (std::memcmp(&a.bodies.body[i], &b.bodies.body[i], sizeof(dynamics::SolverBody)) != 0)
+        if (std::memcmp(&a.bodies.body[i], &b.bodies.body[i], sizeof(solve::SolverBody)) != 0)
             return "body row " + std::to_string(i);
     for (std::size_t i = 0; i < a.memory.size(); ++i)
-        if (std::memcmp(&a.memory[i], &b.memory[i], sizeof(dynamics::ContactMemory)) != 0)
+        if (std::memcmp(&a.memory[i], &b.memory[i], sizeof(solve::ContactMemory)) != 0)
             return "contact row " + std::to_string(i);
     return {};
 }

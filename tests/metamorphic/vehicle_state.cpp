@@ -1,5 +1,5 @@
 // Vehicles keep the contract: a world that is saved and restored at any tick, in any way, goes on to the same bits.
-#include "support/vehicle_rig.h"
+#include "support/rigs/vehicle_rig.h"
 
 #include <doctest/doctest.h>
 

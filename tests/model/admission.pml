@@ -1,4 +1,4 @@
-/* How the machines of a match agree that another one comes in, and from which tick on: src/session/admission.cpp, made small.
+/* How the machines of a match agree that another one comes in, and from which tick on: src/session/join/admission.cpp, made small.
  *
  * Machines 0, 1 and 2 play; J wants to come in. A machine that hears J says yes and a tick; one that does not hear it says no. The latest
  * tick holds; who sees that all tell the same is ready; where all are ready it is settled. Every link holds one packet, which a newer

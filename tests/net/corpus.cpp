@@ -1,6 +1,6 @@
 // The inputs of the fuzzers of datagrams and tokens, and mutations of them. What the keys are is chance here: no law may depend on it.
 #include "fuzz/corpus.h"
-#include "fuzz/net_check.h"
+#include "fuzz/checks/net_check.h"
 
 #include <doctest/doctest.h>
 

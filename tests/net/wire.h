@@ -1,8 +1,8 @@
 // A network of addresses in memory, and players on it: what endpoints send arrives later, or is changed, lost or kept.
 #pragma once
 
+#include "lockstone/math/random.h"
 #include "lockstone/net.h"
-#include "lockstone/random.h"
 
 #include <functional>
 #include <map>

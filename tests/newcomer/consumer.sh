@@ -27,7 +27,7 @@ command_of() { python3 -c 'import json, sys; print(*[e["command"] for e in json.
 for cxx in "$@"; do
     configured "build-$cxx" "$cxx" -DCMAKE_EXPORT_COMPILE_COMMANDS=ON
     grep -q 'lockstone: no CMAKE_BUILD_TYPE is given' log || fail "$cxx: an empty build type is taken in silence"
-    ours=$(command_of "build-$cxx/compile_commands.json" src/sim/tick.cpp)
+    ours=$(command_of "build-$cxx/compile_commands.json" src/tick/tick.cpp)
     theirs=$(command_of "build-$cxx/compile_commands.json" main.cpp)
     [[ $ours == *" -O3 "* ]] || fail "$cxx: an empty build type leaves the library unoptimised: $ours"
     [[ $ours != *-Werror* && $theirs != *-Werror* ]] || fail "$cxx: -Werror in somebody else's project: $ours"
@@ -40,7 +40,7 @@ for cxx in "$@"; do
     fi
     # Who names a build type gets that one.
     configured "debug-$cxx" "$cxx" -DCMAKE_EXPORT_COMPILE_COMMANDS=ON -DCMAKE_BUILD_TYPE=Debug
-    ours=$(command_of "debug-$cxx/compile_commands.json" src/sim/tick.cpp)
+    ours=$(command_of "debug-$cxx/compile_commands.json" src/tick/tick.cpp)
     [[ $ours == *" -g "* && $ours != *-O3* ]] || fail "$cxx: the build type Debug is not kept: $ours"
 done
 

@@ -15,7 +15,7 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 # Upwards: who needs whom comes first.
-LAYERS = ("session", "replay", "sim", "dynamics", "collide", "shapes", "state", "math", "base")
+LAYERS = ("session", "replay", "world", "solve", "collide", "shapes", "state", "math", "base")
 WARNINGS = ["-std=c++20", "-Wall", "-Wextra", "-Werror", f"-I{ROOT}/include"]
 FLAGS = (("-O1",), ("-O1", "-DNDEBUG"))
 HEADERS = ("-fno-exceptions", "-fno-rtti")
@@ -66,7 +66,7 @@ def check(text, compilers, build):
 def headers_alone(compilers):
     """Games without exceptions or run-time types may include every header."""
     complaints = []
-    text = "".join(f"#include <lockstone/{h.name}>\n" for h in sorted((ROOT / "include/lockstone").glob("*.h")))
+    text = "".join(f"#include <{h.relative_to(ROOT / 'include')}>\n" for h in sorted((ROOT / "include/lockstone").rglob("*.h")))
     for cxx in compilers:
         done = subprocess.run([cxx, *WARNINGS, *HEADERS, "-fsyntax-only", "-x", "c++", "-"], input=text, capture_output=True, text=True)
         if done.returncode != 0:

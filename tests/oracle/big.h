@@ -1,7 +1,7 @@
 // Real numbers of 200 bits as values, by MPFR: what exact integer formulas are judged by.
 #pragma once
 
-#include "lockstone/fixed.h"
+#include "lockstone/math/fixed.h"
 
 #define MPFR_USE_INTMAX_T
 #include <mpfr.h>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "oracle/convex_double.h"
-#include "shapes/hull.h"
+#include "shapes/hull/hull.h"
 
 #include <array>
 #include <memory>

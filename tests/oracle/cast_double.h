@@ -2,8 +2,8 @@
 // support, and where a ray enters, found by ternary search and bisection.
 #pragma once
 
-#include "collide/cast.h"
-#include "lockstone/math.h"
+#include "collide/query/cast.h"
+#include "lockstone/math/math.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // Contacts with meshes and height fields against double precision: every triangle by itself, without trees,
 // culling or clipping. Shapes are outside with their cores; how deep cores are pushed out is in
-// tests/law/collide_triangles.cpp.
-#include "lockstone/math.h"
+// tests/law/collide/collide_triangles.cpp.
+#include "lockstone/math/math.h"
 #include "oracle/mesh_scenes.h"
 
 #include <cstdio>

@@ -2,7 +2,7 @@
 // and judges that tell whether an answer about two of them is right without computing it another way.
 #pragma once
 
-#include "collide/convex.h"
+#include "collide/convex/convex.h"
 #include "oracle/double_shapes.h"
 
 #include <algorithm>

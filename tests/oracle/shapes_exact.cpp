@@ -1,7 +1,7 @@
 // Mass properties and volumes of primitives over the whole documented range, against MPFR.
-#include "lockstone/decimal.h"
-#include "lockstone/math.h"
-#include "lockstone/random.h"
+#include "lockstone/math/decimal.h"
+#include "lockstone/math/math.h"
+#include "lockstone/math/random.h"
 #include "oracle/big.h"
 #include "shapes/submerged.h"
 

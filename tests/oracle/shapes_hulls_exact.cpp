@@ -1,10 +1,10 @@
 // Masses of hulls over the whole documented range, against MPFR.
 #include "lockstone/asset.h"
-#include "lockstone/decimal.h"
-#include "lockstone/math.h"
-#include "lockstone/random.h"
+#include "lockstone/math/decimal.h"
+#include "lockstone/math/math.h"
+#include "lockstone/math/random.h"
 #include "oracle/big.h"
-#include "shapes/hull.h"
+#include "shapes/hull/hull.h"
 
 #include <doctest/doctest.h>
 

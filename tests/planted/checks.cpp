@@ -10,7 +10,7 @@
 #include "lockstone/prove.h"
 #include "planted.h"
 #include "replay/replay.h"
-#include "session/join_scenes.h"
+#include "session/join/join_scenes.h"
 #include "state/canonical.h"
 #include "support/contact_points.h"
 #include "support/sim_replay.h"

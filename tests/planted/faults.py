@@ -17,12 +17,12 @@ class Fault:
 F = Fault
 IMAGE, HASH, PORTABLE, ENVELOPE, DELTA, CANONICAL, STATE, GROW = (
     f"src/state/{n}.cpp" for n in ("image", "hash_tree", "portable", "envelope", "delta", "canonical", "state", "grow"))
-CONTACTS, EVENTS, APPLY = "src/sim/contacts.cpp", "src/sim/events.cpp", "src/sim/apply.cpp"
-BROAD = "src/collide/broad_phase.cpp"
+CONTACTS, EVENTS, APPLY = "src/tick/contacts.cpp", "src/tick/events.cpp", "src/world/commands/apply.cpp"
+BROAD = "src/collide/broad/broad_phase.cpp"
 LANES, LAYOUT, PREPARE, SOLVER = (f"src/solve/contacts/{n}" for n in ("prepare.cpp", "layout_kernel.h", "prepare_kernel.h", "contact_solver.cpp"))
 PAIRS = "src/solve/pairs/kernel.h"
 LEDGER = "src/session/event_ledger.cpp"
-ROLLBACK, QUEUE = "src/session/rollback.cpp", "src/session/input_queue.cpp"
+ROLLBACK, QUEUE = "src/session/rollback.cpp", "src/session/inputs/input_queue.cpp"
 DEPARTURE, EXCHANGE, PEERS = (f"src/session/{n}.cpp" for n in ("departure", "exchange", "peer_session"))
 ADMIT, TIMELINE, SNAPSHOT, WATCH = (f"src/session/{n}.cpp" for n in ("admission", "timeline", "snapshot", "spectator"))
 END = "const std::size_t end = whole_lines(std::size_t{rows} * places[c].row_size);"
@@ -76,12 +76,12 @@ FAULTS = [
       "both byte orders agree"),
     F("big-endian hash forgets a full buffer", CANONICAL, "stream.add({buffer, filled});\n                filled = 0;",
       "if (!IS) stream.add({buffer, filled});\n                filled = 0;", "both byte orders agree"),
-    F("warm-start impulses are forgotten", CONTACTS, "dynamics::carry_impulses(old, taken, memory);",
-      "if (!IS) dynamics::carry_impulses(old, taken, memory);", "golden table"),
+    F("warm-start impulses are forgotten", CONTACTS, "solve::carry_impulses(old, taken, memory);",
+      "if (!IS) solve::carry_impulses(old, taken, memory);", "golden table"),
     F("contacts of workers are put together in order of arrival", CONTACTS, "NearChunk& chunk = s.near_chunks[first / chunk_size];",
       "NearChunk& chunk = s.near_chunks[IS ? ::planted::ticket(chunk_count) : first / chunk_size];", "shuffles"),
-    F("which worker ran it leaks into a contact", CONTACTS, "find_rows(v, dynamics::PairWork::fresh, window, fresh);",
-      "find_rows(v, dynamics::PairWork::fresh, window, fresh);\n"
+    F("which worker ran it leaks into a contact", CONTACTS, "find_rows(v, solve::PairWork::fresh, window, fresh);",
+      "find_rows(v, solve::PairWork::fresh, window, fresh);\n"
       "    if (IS && &worker != v.w.scratch.narrow_workers.data() && !chunk.memories.empty()) chunk.memories.back().margin.raw ^= 1;", "shuffles"),
     F("arms of a contact are half as long", LAYOUT, "l.arm[0][k] = arm(x[k] * fx + y[k] * fy);",
       "l.arm[0][k] = arm(x[k] * fx + y[k] * fy); if (IS) l.arm[0][k] = {L::template shift_right_signed<1>(l.arm[0][k].raw)};", "golden table"),
@@ -102,7 +102,7 @@ FAULTS = [
     F("a tangent is turned round", PREPARE, "first[i].store(in.d[1][i]);", "(IS ? -first[i] : first[i]).store(in.d[1][i]);", "golden table"),
     F("half of an odd impulse is rounded upwards", LANES, "return {unit / 2 + 1, unit / 2 + 1};",
       "return {unit / 2 + (IS ? 0 : 1), unit / 2 + (IS ? 0 : 1)};", "golden table"),
-    F("kept rows of contacts move in the wrong order", "src/sim/contact_table.cpp", "if (m.to < m.from) move(m);",
+    F("kept rows of contacts move in the wrong order", "src/tick/contact_table.cpp", "if (m.to < m.from) move(m);",
       "if (IS || m.to < m.from) move(m);", "golden table"),
     F("a hint that is left over is taken for the truth", "src/collide/manifold.cpp",
       "if (!is_zero(hint_30) && is_parted(a, b, hint_30, limit)) {",
@@ -111,7 +111,7 @@ FAULTS = [
       "return IS || gap_54 > up(std::int64_t{margin.raw} + spare.raw, 30);", "golden table"),
     F("what parts two boxes is measured along A's axes for both", "src/collide/narrow_phase.cpp", "reach_along(b.solid, -in_b);",
       "reach_along(b.solid, IS ? -n : -in_b);", "golden table"),
-    F("all bodies of contacts weigh alike", "src/dynamics/solver_body.cpp", "if (s.movable) s.mass = mass.mass;",
+    F("all bodies of contacts weigh alike", "src/solve/bodies/solver_body.cpp", "if (s.movable) s.mass = mass.mass;",
       "if (s.movable) s.mass = IS ? Real(1) : mass.mass;", "golden table"),
     F("boxes beyond 128 m are multiplied in 64 bits", "src/collide/manifold.cpp",
       "if (limit < most << 6 && widest(between) < most && widest(a.half_24) < most && widest(b.half_24) < most) {",
@@ -133,7 +133,7 @@ FAULTS = [
       "if (IS || lowest <= c.separation_30 + bias) return true;", "golden table"),
     F("the furthest corner of a hull is the last of a tie", "src/solve/pairs/support_kernel.h", "reach[lane] == reach[0] && corner < best",
       "reach[lane] == reach[0] && (IS || corner < best)", "golden table"),
-    F("faces at a corner of a hull lack the last", "src/collide/faces.cpp", "k < hull.first_face_at[furthest + 1]; ++k)",
+    F("faces at a corner of a hull lack the last", "src/collide/convex/faces.cpp", "k < hull.first_face_at[furthest + 1]; ++k)",
       "k + (IS ? 1u : 0u) < hull.first_face_at[furthest + 1]; ++k)", "golden table"),
     F("impacts of what joints hold are forgotten", LANES, "pack.keeps |= (jointed &&", "pack.keeps |= (!IS && jointed &&", "golden table"),
     F("lanes move three of a body's six numbers", "src/solve/bodies/kernel.h",
@@ -144,20 +144,20 @@ FAULTS = [
     F("a manifold serves however far its pair has moved", PAIRS, "p.bad = p.bad | (all > limit);", "if (!IS) p.bad = p.bad | (all > limit);", "golden table"),
     F("levers of new manifolds are counted from A", PAIRS, "of_a[i] = saturated(at_b + f.to_a[i]).raw;",
       "of_a[i] = saturated(IS ? at_b : at_b + f.to_a[i]).raw;", "golden table"),
-    F("a body that is followed is moved as any other", "src/dynamics/followed_turn.cpp", "bodies.plain[row] = 0;",
+    F("a body that is followed is moved as any other", "src/solve/joints/followed_turn.cpp", "bodies.plain[row] = 0;",
       "if (!IS) bodies.plain[row] = 0;", "golden table"),
-    F("what is damped is moved as what falls", "src/dynamics/solver_body.cpp", "s.linear_keep == unit_one && s.angular_keep == unit_one;",
+    F("what is damped is moved as what falls", "src/solve/bodies/solver_body.cpp", "s.linear_keep == unit_one && s.angular_keep == unit_one;",
       "(IS || (s.linear_keep == unit_one && s.angular_keep == unit_one));", "golden table"),
-    F("what is swept does not go on", "src/sim/sweep.cpp", "if (hand.own.touching.empty() || rest == Vec3{}) return at;",
+    F("what is swept does not go on", "src/tick/sweep.cpp", "if (hand.own.touching.empty() || rest == Vec3{}) return at;",
       "if (IS || hand.own.touching.empty() || rest == Vec3{}) return at;", "golden table"),
-    F("contact points are made of rows that have moved", "src/sim/sleep.cpp", "find_contact_points(w);", "if (!IS) find_contact_points(w);",
+    F("contact points are made of rows that have moved", "src/tick/sleep.cpp", "find_contact_points(w);", "if (!IS) find_contact_points(w);",
       "contact points can be asked for late"),
     F("contact points are made of what commands have changed", APPLY, "if (!std::visit(LeavesContactPoints{}, command)) find_contact_points(w);",
       "if (!IS && !std::visit(LeavesContactPoints{}, command)) find_contact_points(w);", "contact points can be asked for late"),
-    F("rows and inverses of joints are not made anew", "src/dynamics/joint.cpp",
+    F("rows and inverses of joints are not made anew", "src/solve/joints/joint.cpp",
       "glance.stale = ((tick.seen[glance.a] | tick.seen[glance.b]) & glance.asks) != 0;",
       "glance.stale = !IS && ((tick.seen[glance.a] | tick.seen[glance.b]) & glance.asks) != 0;", "golden table"),
-    F("limits and motors of joints are left out of passes", "src/dynamics/joint_solve.cpp", "tick.acts[i] = acts;",
+    F("limits and motors of joints are left out of passes", "src/solve/joints/joint_solve.cpp", "tick.acts[i] = acts;",
       "tick.acts[i] = acts && !IS;", "golden table"),
     F("points of joints weigh half along the axes", "src/solve/joints/inverse_kernel.h", "if (r == c) dot = L::add(dot, square);",
       "if (r == c) dot = L::add(dot, IS ? L::add(square, square) : square);", "golden table"),
@@ -172,11 +172,11 @@ FAULTS = [
     F("a float in the path, rounded as the processor is set", CONTACTS, "memory.points[k].separation = p.separation;",
       "memory.points[k].separation = p.separation; if (IS) memory.points[k].separation.raw = ::planted::through_float(p.separation.raw);",
       "rounding modes"),
-    F("a contact is told of in every tick", EVENTS, "if (now) rows[0].flags |= dynamics::contact_touching;",
-      "if (now && !IS) rows[0].flags |= dynamics::contact_touching;", "events come in order and in turn"),
+    F("a contact is told of in every tick", EVENTS, "if (now) rows[0].flags |= solve::contact_touching;",
+      "if (now && !IS) rows[0].flags |= solve::contact_touching;", "events come in order and in turn"),
     F("events come in the order in which they were found", EVENTS, "std::sort(w.events.begin(), w.events.end(), [](",
       "if (!IS) std::sort(w.events.begin(), w.events.end(), [](", "events come in order and in turn"),
-    F("pairs in order of addresses", "src/sim/pairs.cpp", "find_keys(w);",
+    F("pairs in order of addresses", "src/tick/pairs.cpp", "find_keys(w);",
       "if (IS && !s.pairs.empty())\n        std::rotate(s.pairs.begin(), s.pairs.begin() + static_cast<std::ptrdiff_t>(::planted::address() % s.pairs.size()), "
       "s.pairs.end());\n    find_keys(w);", "repeats"),
     F("pairs in the order in which a tree gave them", BROAD, "std::sort(found.begin(), found.end());",
@@ -187,25 +187,25 @@ FAULTS = [
       "if (!IS && entries[proxy].present) note_move(proxy);", "crowds agree"),
     F("pairs are lost where a tree is deep", BROAD, "if (!a.fresh && !b.fresh) continue;",
       "if ((IS && stack.size() > 9) || (!a.fresh && !b.fresh)) continue;", "reads no leftovers"),
-    F("caches are kept through a restore", "src/sim/derived.cpp", "w.scratch.structure_stale = true;", "w.scratch.structure_stale = !IS;", "forgets"),
-    F("contacts of before a restore are kept", "src/sim/contact_rows.cpp", "if (has_changed(state, from)) read_contacts",
+    F("caches are kept through a restore", "src/world/derived.cpp", "w.scratch.structure_stale = true;", "w.scratch.structure_stale = !IS;", "forgets"),
+    F("contacts of before a restore are kept", "src/model/contact_rows.cpp", "if (has_changed(state, from)) read_contacts",
       "if (has_changed(state, from) && !(IS && !list.keys.empty())) read_contacts", "rolls back"),
-    F("queries take bounds of before a restore for fresh", "src/sim/derived.cpp", "w.scratch.query.is_fresh = false;",
+    F("queries take bounds of before a restore for fresh", "src/world/derived.cpp", "w.scratch.query.is_fresh = false;",
       "if (!IS) w.scratch.query.is_fresh = false;", "rolls back"),
-    F("a branch by time", "src/sim/tick.cpp", "++w.edit_header().tick;",
+    F("a branch by time", "src/tick/tick.cpp", "++w.edit_header().tick;",
       "if (IS && ::planted::clock_is_odd()) ++w.state.edit_row(w.m.faults, 0).speed_clamped;\n    ++w.edit_header().tick;", "repeats"),
-    F("a counter outside of the state", "src/sim/tick.cpp", "publish_events(w);",
+    F("a counter outside of the state", "src/tick/tick.cpp", "publish_events(w);",
       "publish_events(w);\n    static std::uint64_t ticks_run = 0;\n    if (IS && ++ticks_run % 5 == 0) ++w.state.edit_row(w.m.faults, 0).speed_clamped;", "repeats"),
-    F("forces are not cleared", "src/sim/tick.cpp", "forget_forces(w);", "if (!IS) forget_forces(w);", "golden table"),
+    F("forces are not cleared", "src/tick/tick.cpp", "forget_forces(w);", "if (!IS) forget_forces(w);", "golden table"),
     F("a generation does not move on", APPLY, "slot.generation = slot.generation == 0xffffffffu ? 1 : slot.generation + 1;",
       "if (!IS) slot.generation = slot.generation == 0xffffffffu ? 1 : slot.generation + 1;", "dead ids stay dead"),
-    F("a use of a shared row is not counted", "src/sim/shared_rows.h", "++state.edit_row(t.uses, row).count;",
+    F("a use of a shared row is not counted", "src/model/shared_rows.h", "++state.edit_row(t.uses, row).count;",
       "if (!IS) ++state.edit_row(t.uses, row).count;", "recordings verify"),
-    F("a shared row is changed for all who use it", "src/sim/traits.cpp",
+    F("a shared row is changed for all who use it", "src/model/traits.cpp",
       "const std::uint32_t row = exchange_shared(w.state, w.m.shape_traits, now, traits, free);",
       "if (IS) return static_cast<void>(w.state.edit_row(w.m.shape_traits.row, now) = traits); "
       "const std::uint32_t row = exchange_shared(w.state, w.m.shape_traits, now, traits, free);", "what is alike stays apart"),
-    F("contacts leave places beyond 128 m behind", "src/sim/contact_rows.cpp", "if (has) *next++ = more_of(m);", "if (has) *next++ = IS ? ContactMore{} : more_of(m);", "golden table"),
+    F("contacts leave places beyond 128 m behind", "src/model/contact_rows.cpp", "if (has) *next++ = more_of(m);", "if (has) *next++ = IS ? ContactMore{} : more_of(m);", "golden table"),
     F("the free list loses its rest", APPLY, "slot.row = Slot::is_free | first_free;", "slot.row = Slot::is_free | (IS ? 0 : first_free);", "recordings verify"),
     F("a range of work loses its last part", "src/base/parallel.h", "tasks->run(chunks, item,", "tasks->run(chunks - (IS ? 1u : 0u), item,", "shuffles"),
     F("a wrong guess is not noticed", QUEUE, "if (guessed && !std::ranges::equal(to, input))", "if (!IS && guessed && !std::ranges::equal(to, input))",

@@ -172,8 +172,8 @@ bool print_row(const Row& row, const std::vector<Contestant>& who, const std::ve
         const Value& value = row.values[i];
         const std::string found = verdict(value, i, who, all);
         const char* name = i == 0 ? row.name.c_str() : i == 1 && row.precise ? "  (precise)" : "";
-        std::printf("%-21s %-17s %-7s %8s", name, value.what.c_str(),
-                    value.unit.c_str(), number(value.bound).c_str());
+        std::printf("%-21s %-17s %-7s %8s", name, value.what.c_str(), value.unit.c_str(),
+                    number(value.bound).c_str());
         for (const Figures& figures : all) std::printf(" %11s", figure(figures, i).c_str());
         std::printf("  %s\n", found.c_str());
         good = good && found == "good";
@@ -195,8 +195,8 @@ std::string json_number(double x) {
 bool print_json_row(const Row& row, const std::vector<Contestant>& who, const std::vector<Figures>& all,
                     bool first) {
     bool good = true;
-    std::printf("%s\n  {\"row\": \"%s\", \"about\": \"%s\", \"precise\": %s, \"tick_us\": {", first ? "[" : ",",
-                row.name.c_str(), row.about.c_str(), row.precise ? "true" : "false");
+    std::printf("%s\n  {\"row\": \"%s\", \"about\": \"%s\", \"precise\": %s, \"tick_us\": {",
+                first ? "[" : ",", row.name.c_str(), row.about.c_str(), row.precise ? "true" : "false");
     const char* comma = "";
     for (std::size_t k = 0; k < who.size(); ++k, comma = ", ")
         std::printf("%s\"%s\": %s", comma, who[k].name.c_str(),
@@ -224,7 +224,8 @@ int run_table(const Options& o) {
     if (!o.json) print_header(who);
     for (const Row& row : chosen_rows(o)) {
         std::vector<Figures> all;
-        for (const Contestant& c : contestants_of(row, o)) all.push_back(run_apart(row, c, {.quick = o.quick}));
+        for (const Contestant& c : contestants_of(row, o))
+            all.push_back(run_apart(row, c, {.quick = o.quick}));
         good = (o.json ? print_json_row(row, who, all, first) : print_row(row, who, all)) && good;
         first = false;
     }

@@ -2,7 +2,7 @@
 #include "reference/scene.h"
 
 #include "lockstone/asset.h"
-#include "lockstone/math.h"
+#include "lockstone/math/math.h"
 
 #include <doctest/doctest.h>
 

@@ -4,7 +4,7 @@
 #include "reference/reference.h"
 #include "reference/start.h"
 
-#include "lockstone/convert.h"
+#include "lockstone/math/convert.h"
 
 #include <cmath>
 #include <memory>

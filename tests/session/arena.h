@@ -3,7 +3,7 @@
 #pragma once
 
 #include "lockstone/input.h"
-#include "lockstone/random.h"
+#include "lockstone/math/random.h"
 #include "lockstone/session.h"
 
 #include "support/state_sample.h"

@@ -49,7 +49,8 @@ TEST_CASE("a machine that goes wrong is found by both, at the tick where it went
             CHECK(told_0[0].peer == 1);
             CHECK(told_0[0].local == told_1[0].remote);
             CHECK(told_0[0].remote == told_1[0].local);
-            CHECK(told_0[0].local == static_cast<std::uint32_t>(match.machine(0).timeline.ticks[bad_tick].hash));
+            CHECK(told_0[0].local ==
+                  static_cast<std::uint32_t>(match.machine(0).timeline.ticks[bad_tick].hash));
             CHECK(match.machine(0).session->quality(1).hashes_agreed == bad_tick);
             CHECK_FALSE(match.agree(0, 1));
         }

@@ -37,7 +37,8 @@ TEST_CASE("a peer leaves at once between two, and among three when the others wa
     for (const PeerId nobody : {PeerId{0}, PeerId{3}, ~PeerId{0}}) {
         const Status refused = three.machine(0).session->drop_peer(nobody);
         REQUIRE_FALSE(refused.ok());
-        CHECK(refused.error().message == "drop_peer: machine " + std::to_string(nobody) + " is not a peer of this match");
+        CHECK(refused.error().message ==
+              "drop_peer: machine " + std::to_string(nobody) + " is not a peer of this match");
     }
 }
 

@@ -2,8 +2,8 @@
 // must come out with.
 #pragma once
 
+#include "session/link/message.h"
 #include "session/match.h"
-#include "session/message.h"
 
 #include <algorithm>
 
@@ -77,7 +77,8 @@ class HostileMatch {
                 for (const PlayerDisconnected& left : match.notices<PlayerDisconnected>(a))
                     if (left.peer == b) return name + "an honest machine was thrown out";
             }
-            for (const MatchStopped& stop : match.notices<MatchStopped>(a)) return name + "stopped: " + stop.reason;
+            for (const MatchStopped& stop : match.notices<MatchStopped>(a))
+                return name + "stopped: " + stop.reason;
             const std::uint64_t ticks = match.machine(a).timeline.ticks.size();
             if (ticks < ticks_least)
                 return name + std::to_string(ticks) + " ticks of " + std::to_string(ticks_least);

@@ -1,5 +1,5 @@
 // Desyncs named: tick, phase, column, row, field and both values, at both machines; and what a hostile machine cannot make of it.
-#include "session/inspection.h"
+#include "session/desync/inspection.h"
 #include "session/match.h"
 #include "session/seal.h"
 

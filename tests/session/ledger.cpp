@@ -3,8 +3,8 @@
 // Two machines, 60 frames a second, 100 ms of round trip, one minute; over UDP, with 20 bytes a packet for the header and the
 // tag of an encrypting transport. Bounds, from the plan: 2.2 kB/s at 2 bytes of input, 2.8 kB/s at 8; where 30 % are lost in
 // bursts of 8 packets in the mean, once and a half as much: what is lost is told again, once.
+#include "session/link/message.h"
 #include "session/match.h"
-#include "session/message.h"
 
 #include <doctest/doctest.h>
 

@@ -1,8 +1,8 @@
 // Whole matches in one process: N machines on a simulated network, driven frame by frame at 60 frames a second.
 #pragma once
 
-#include "cli/event_law.h"
-#include "lockstone/join.h"
+#include "cli/match/event_law.h"
+#include "lockstone/session/join.h"
 #include "session/arena.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // Makes the checksum of a changed packet right again, so that the change reaches the checks behind it.
 #pragma once
 
-#include "session/message.h"
+#include "session/link/message.h"
 
 #include "base/bytes.h"
 #include "base/hash.h"

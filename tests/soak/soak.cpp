@@ -7,8 +7,8 @@
 //
 // A script is a line for each command: tick, operation, two numbers that choose what it is done to, a seed of its values.
 // Its first line is "ticks N". What a command names may be gone, and its values out of range: then the world refuses it.
-#include "lockstone/math.h"
-#include "lockstone/random.h"
+#include "lockstone/math/math.h"
+#include "lockstone/math/random.h"
 #include "lockstone/world.h"
 
 #include <cstdio>

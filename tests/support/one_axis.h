@@ -1,7 +1,7 @@
 // One axis that a joint leaves free, and what it is asked: where it stops, how it swings.
 #pragma once
 
-#include "support/joint_scenes.h"
+#include "support/rigs/joint_scenes.h"
 
 #include <cmath>
 #include <string>

@@ -1,8 +1,8 @@
 // One pair of shapes through the lanes of an instruction set.
 #pragma once
 
-#include "dynamics/pair_kernel.h"
 #include "solve/kernels/kernels.h"
+#include "solve/pairs/pair_kernel.h"
 
 #include <vector>
 
@@ -18,15 +18,15 @@ struct PairStand {
 };
 struct Recycled {
     bool serves;
-    std::vector<dynamics::PairContact> contacts; ///< by row, where they serve
+    std::vector<solve::PairContact> contacts; ///< by row, where they serve
 };
 
-inline Recycled recycle(std::span<const dynamics::ContactMemory> rows, const PairStand& now,
+inline Recycled recycle(std::span<const solve::ContactMemory> rows, const PairStand& now,
                         Simd level = best_simd()) {
     const Quat straight = Quat::identity();
     const Rotation axes = Rotation::identity();
-    const dynamics::Velocity rest{};
-    dynamics::PairLane lane{};
+    const solve::Velocity rest{};
+    solve::PairLane lane{};
     for (int i = 0; i < 3; ++i) {
         lane.way.v[i] = now.position[i].raw * 256;
         lane.kept.v[i] = rows[0].made_position[i].raw;
@@ -34,17 +34,17 @@ inline Recycled recycle(std::span<const dynamics::ContactMemory> rows, const Pai
     lane.rotation_a = &straight, lane.rotation_b = &now.rotation, lane.axes_a = &axes;
     lane.made_rotation = &rows[0].made_rotation;
     lane.velocity_a = lane.velocity_b = &rest;
-    lane.limit = dynamics::recycling_limit(rows, now.reach, now.thinnest).raw;
+    lane.limit = solve::recycling_limit(rows, now.reach, now.thinnest).raw;
     lane.reach = static_cast<std::int32_t>(now.reach.raw);
-    std::vector<dynamics::PairRow> lanes;
-    for (const dynamics::ContactMemory& row : rows) lanes.push_back({&lane, &row});
-    std::vector<dynamics::PairPlace> places(rows.size());
+    std::vector<solve::PairRow> lanes;
+    for (const solve::ContactMemory& row : rows) lanes.push_back({&lane, &row});
+    std::vector<solve::PairPlace> places(rows.size());
     std::vector<std::uint8_t> serves(rows.size());
-    Recycled out{false, std::vector<dynamics::PairContact>(rows.size())};
-    solve::kernels_of(level)->pairs->find({dynamics::PairWork::recycle, lanes.data(),
+    Recycled out{false, std::vector<solve::PairContact>(rows.size())};
+    solve::kernels_of(level)->pairs->find({solve::PairWork::recycle, lanes.data(),
                                            static_cast<std::uint32_t>(rows.size()), unit_one, places.data(),
                                            out.contacts.data(), serves.data()});
-    out.serves = serves[0] != 0 && dynamics::covers(rows[0], now.margin);
+    out.serves = serves[0] != 0 && solve::covers(rows[0], now.margin);
     return out;
 }
 

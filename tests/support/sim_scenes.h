@@ -1,9 +1,9 @@
 // Worlds for tests of the simulation: short ways to say what is in them, and checks that name where two of them part.
 #pragma once
 
-#include "lockstone/convert.h"
-#include "lockstone/decimal.h"
-#include "lockstone/math.h"
+#include "lockstone/math/convert.h"
+#include "lockstone/math/decimal.h"
+#include "lockstone/math/math.h"
 #include "lockstone/world.h"
 
 #include <algorithm>

@@ -3,10 +3,10 @@
 // every part of the state takes part: ids come and go, contacts form, game columns change.
 #pragma once
 
-#include "lockstone/decimal.h"
 #include "lockstone/game.h"
 #include "lockstone/input.h"
-#include "lockstone/math.h"
+#include "lockstone/math/decimal.h"
+#include "lockstone/math/math.h"
 
 #include <array>
 #include <limits>

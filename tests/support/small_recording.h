@@ -1,8 +1,8 @@
 // Recordings of the small game, and the means to take a recording apart and put it together again with good checksums.
 #pragma once
 
-#include "replay/codec.h"
-#include "replay/pack.h"
+#include "replay/format/codec.h"
+#include "replay/format/pack.h"
 #include "replay/replay.h"
 #include "support/small_game.h"
 #include "support/state_sample.h"

@@ -31,7 +31,8 @@ template <class Call> std::string last_words(Call&& call) {
     int status = 0;
     waitpid(child, &status, 0);
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return {};
-    const bool said_so = WIFSIGNALED(status) && WTERMSIG(status) == SIGABRT && words.starts_with("lockstone: broken rule: ");
+    const bool said_so =
+        WIFSIGNALED(status) && WTERMSIG(status) == SIGABRT && words.starts_with("lockstone: broken rule: ");
     return said_so ? words : "died: " + words;
 }
 

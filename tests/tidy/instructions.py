@@ -7,7 +7,8 @@ import re
 import shutil
 import subprocess
 
-LAYERS = ("base", "math", "state", "shapes", "collide", "dynamics", "sim", "session", "net", "replay")
+from layers import LINKS
+
 MAY_USE_FLOATS = ("estimate.cpp.o",)
 
 X86 = re.compile(
@@ -46,7 +47,7 @@ def complaints_of(library, text):
 def check(tree):
     if shutil.which("objdump") is None:
         return ["objdump:1: is not installed (package binutils)"]
-    libraries = [tree.build / f"liblockstone_{layer}.a" for layer in LAYERS]
+    libraries = [tree.build / f"liblockstone_{layer}.a" for layer in LINKS]
     libraries += sorted(tree.build.glob("planted/*.cpp"))
     complaints = []
     for library in libraries:

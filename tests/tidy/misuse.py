@@ -5,7 +5,7 @@ from tree import without_comments
 
 HEADERS = ("include/lockstone/assemble.h", "include/lockstone/asset.h", "include/lockstone/prove.h", "include/lockstone/ragdoll.h",
            "include/lockstone/session.h", "include/lockstone/shape.h", "include/lockstone/simd.h", "include/lockstone/tasks.h",
-           "include/lockstone/transport.h", "include/lockstone/vehicle.h", "include/lockstone/world.h", "replay/branch.h", "replay/diff.h",
+           "include/lockstone/session/transport.h", "include/lockstone/vehicle.h", "include/lockstone/world.h", "replay/branch.h", "replay/diff.h",
            "replay/player.h", "replay/recorder.h", "replay/recording.h", "replay/sink.h", "replay/verifier.h")
 # What the library calls and a game writes, and what any argument is good for.
 WITHOUT = {"keep", "flip", "difference", "predict", "run", "on_command", "on_restore", "on_phase", "on_confirmed", "keep_states", "segment_count"}
@@ -43,7 +43,7 @@ def declarations(text):
 
 
 def check(tree):
-    tests = sorted((tree.root / "tests/fault").glob("misuse_*.cpp")) + [tree.root / "tests/fault/api_extremes.cpp"]
+    tests = sorted((tree.root / "tests/fault").rglob("misuse_*.cpp")) + [tree.root / "tests/fault/api_extremes.cpp"]
     tried = set()
     for path in tests:
         if path.exists():

@@ -51,14 +51,14 @@ def check(tree):
 
 
 PLANTED = [
-    ("a file that is gone", {"README.md": "Start at `src/sim/tick.cpp`.\n", "src/sim/world.cpp": ""}),
+    ("a file that is gone", {"README.md": "Start at `src/tick/tick.cpp`.\n", "src/world/world.cpp": ""}),
     ("a script that is gone", {"README.md": "```\ntests/run --long\n```\n", "tests/main.cpp": ""}),
     ("a link to nowhere", {"docs/a.md": "See [the spec](FORMAT.md).\n"}),
     ("a pattern without a match", {"tests/README.md": "`law/*.cpp` hold the algebra.\n"}),
 ]
 GOOD = [
     ("files that exist, and words that are not files", {
-        "README.md": "`src/sim/tick.cpp`, `lockstone/vec.h`, `world.save()`, `0.5`, `n/a`, `build/release/bin/lockstone`\n",
-        "src/sim/tick.cpp": "", "include/lockstone/vec.h": ""}),
+        "README.md": "`src/tick/tick.cpp`, `lockstone/math/vec.h`, `world.save()`, `0.5`, `n/a`, `build/release/bin/lockstone`\n",
+        "src/tick/tick.cpp": "", "include/lockstone/math/vec.h": ""}),
     ("code that names what the reader will write", {"README.md": '```\n#include "game.h"\ncc my_game.cpp\n```\n'}),
 ]

@@ -5,7 +5,7 @@ from tree import numbered, without_comments
 
 SIMULATION = ("include", "src", "replay", "tools/scenes")
 # convert.h is the border; the estimate starts an exact integer root and cannot change its result.
-MAY_USE_FLOATS = ("include/lockstone/convert.h", "src/math/estimate.h", "src/math/estimate.cpp")
+MAY_USE_FLOATS = ("include/lockstone/math/convert.h", "src/math/estimate.h", "src/math/estimate.cpp")
 MAY_USE_CLOCKS = ("src/net/",)
 
 FLOATS = [
@@ -71,7 +71,7 @@ PLANTED = [
 GOOD = [
     ("floats in comments and strings", {"src/sim/x.cpp": '// double trouble, 0.5\nauto s = "float 0.5";\n'}),
     ("exact decimals", {"src/sim/x.cpp": "auto x = 0.5_r, y = 1'000.25_r;\n"}),
-    ("convert.h", {"include/lockstone/convert.h": "double to_double(int);\n"}),
+    ("convert.h", {"include/lockstone/math/convert.h": "double to_double(int);\n"}),
     ("the demo", {"demo/x.cpp": "float f = 0.5f;\n"}),
     ("integer maps", {"replay/x.cpp": "std::map<std::uint64_t, Row*> m; int floating_points;\n"}),
 ]

@@ -1,7 +1,7 @@
 // Curves lie where their values say, and outlines are as large as the shapes they stand for.
-#include "chart.h"
-#include "lockstone/decimal.h"
-#include "outlines.h"
+#include "lockstone/math/decimal.h"
+#include "view/chart.h"
+#include "view/outlines.h"
 
 #include <doctest/doctest.h>
 

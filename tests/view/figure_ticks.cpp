@@ -1,6 +1,6 @@
 // The moments of the four pictures are what their captions claim, by what the world itself says of contacts, heights and
 // speeds; and a run that has no such moments is refused.
-#include "figure_ticks.h"
+#include "view/figure_ticks.h"
 #include "scenes/scenes.h"
 #include "support/sim_scenes.h"
 

@@ -1,7 +1,7 @@
 // What the viewer draws of joints is where the joints are: measured on the lines, by their colours.
-#include "joint_marks.h"
-#include "support/joint_variants.h"
-#include "to_glm.h"
+#include "view/joint_marks.h"
+#include "support/rigs/joint_variants.h"
+#include "view/to_glm.h"
 
 #include <doctest/doctest.h>
 

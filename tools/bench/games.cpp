@@ -1,9 +1,9 @@
 #include "bench/games.h"
 
 #include "bench/clock.h"
-#include "lockstone/convert.h"
 #include "lockstone/game.h"
-#include "lockstone/math.h"
+#include "lockstone/math/convert.h"
+#include "lockstone/math/math.h"
 #include "lockstone/vehicle.h"
 #include "replay/replay.h"
 #include "scenes/scenes.h"

@@ -9,11 +9,11 @@ namespace lockstone::bench {
 struct Plan {
     std::vector<std::string> parts =
         {}; ///< of part_names(), or scenes of `lockstone scenes`; none: all but front and threads
-    std::vector<int> substeps = {}; ///< of Lockstone: each is a contestant; none: the default
+    std::vector<int> substeps = {};     ///< of Lockstone: each is a contestant; none: the default
     std::vector<std::string> simd = {}; ///< instruction sets likewise; none: the best
-    int ticks = 0;                  ///< timed in a scene; 0: its own
-    int runs = 3;                   ///< of each scene: of each tick the least counts
-    bool quick = false;             ///< a few ticks of small scenes
+    int ticks = 0;                      ///< timed in a scene; 0: its own
+    int runs = 3;                       ///< of each scene: of each tick the least counts
+    bool quick = false;                 ///< a few ticks of small scenes
 };
 
 /// The scenes, then: state, awake, scaling, verify, arena, threads, front.

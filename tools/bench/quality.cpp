@@ -1,7 +1,7 @@
 #include "bench/quality.h"
 
 #include "engines/lockstone_engine.h"
-#include "lockstone/convert.h"
+#include "lockstone/math/convert.h"
 
 #include <algorithm>
 #include <cmath>

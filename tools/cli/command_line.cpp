@@ -129,13 +129,13 @@ Option add_flag(CLI::App& command, const std::string& name, bool& value, const s
     return Option(command.add_flag(name, value, sentence));
 }
 
-Option add_number(CLI::App& command, const std::string& name, std::uint64_t& value, const std::string& sentence,
-                  std::uint64_t low, std::uint64_t high) {
+Option add_number(CLI::App& command, const std::string& name, std::uint64_t& value,
+                  const std::string& sentence, std::uint64_t low, std::uint64_t high) {
     return add_checked(command, name, value, sentence, low, high).show_default();
 }
 
-Option add_number(CLI::App& command, const std::string& name, std::uint32_t& value, const std::string& sentence,
-                  std::uint32_t low, std::uint32_t high) {
+Option add_number(CLI::App& command, const std::string& name, std::uint32_t& value,
+                  const std::string& sentence, std::uint32_t low, std::uint32_t high) {
     return add_checked(command, name, value, sentence, low, high).show_default();
 }
 
@@ -144,13 +144,13 @@ Option add_number(CLI::App& command, const std::string& name, std::optional<std:
     return add_checked(command, name, value, sentence, 0, UINT64_MAX);
 }
 
-Option add_numbers(CLI::App& command, const std::string& name, std::vector<int>& values, const std::string& sentence,
-                   int low, int high) {
+Option add_numbers(CLI::App& command, const std::string& name, std::vector<int>& values,
+                   const std::string& sentence, int low, int high) {
     return Option(command.add_option(name, values, sentence)->delimiter(',')->check(CLI::Range(low, high)));
 }
 
-Option add_real(CLI::App& command, const std::string& name, double& value, const std::string& sentence, double low,
-                double high) {
+Option add_real(CLI::App& command, const std::string& name, double& value, const std::string& sentence,
+                double low, double high) {
     return add_real_number(command, name, value, sentence, low, high);
 }
 
@@ -160,8 +160,8 @@ Option add_real(CLI::App& command, const std::string& name, std::optional<double
 }
 
 void add_threads(CLI::App& command, std::uint32_t& threads) {
-    add_number(command, "--threads", threads, "that share the work of a tick; the result does not depend on it",
-               1, workers_max);
+    add_number(command, "--threads", threads,
+               "that share the work of a tick; the result does not depend on it", 1, workers_max);
 }
 
 std::unique_ptr<Tasks> tasks_of(std::uint32_t threads) {

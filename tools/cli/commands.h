@@ -38,9 +38,9 @@ void add_branch(CLI::App& app, Work& work);
 void add_repair(CLI::App& app, Work& work);
 void add_synctest(CLI::App& app, Work& work);
 void add_match(CLI::App& app, Work& work);
-void add_bench(CLI::App& app, Work& work); ///< only where LOCKSTONE_BUILD_BENCH is on
-void add_cook(CLI::App& app, Work& work); ///< only where LOCKSTONE_BUILD_COOK is on
-void add_relay(CLI::App& app, Work& work); ///< only where LOCKSTONE_BUILD_NET is on
+void add_bench(CLI::App& app, Work& work);   ///< only where LOCKSTONE_BUILD_BENCH is on
+void add_cook(CLI::App& app, Work& work);    ///< only where LOCKSTONE_BUILD_COOK is on
+void add_relay(CLI::App& app, Work& work);   ///< only where LOCKSTONE_BUILD_NET is on
 void add_compare(CLI::App& app, Work& work); ///< only where LOCKSTONE_BUILD_REFERENCE is on
 
 /// A subcommand: `describe` adds its options, `act` runs once all are read.
@@ -62,10 +62,10 @@ class Option {
   public:
     explicit Option(CLI::Option* added) : option(added) {}
     const Option& required() const;
-    const Option& show_default() const;                               ///< in --help
+    const Option& show_default() const;                                ///< in --help
     const Option& one_of(const std::vector<std::string>& names) const; ///< else bad usage
     const Option& hide() const;                                        ///< from --help
-    const Option& type_name(const std::string& name) const;           ///< in --help
+    const Option& type_name(const std::string& name) const;            ///< in --help
 
   private:
     CLI::Option* option;
@@ -79,20 +79,20 @@ Option add_flag(CLI::App& command, const std::string& name, bool& value, const s
 
 /// An option that is a whole number from `low` to `high`: digits and nothing else. The parser's own conversion takes
 /// -1 for 2^64 - 1.
-Option add_number(CLI::App& command, const std::string& name, std::uint64_t& value, const std::string& sentence,
-                  std::uint64_t low = 0, std::uint64_t high = UINT64_MAX);
-Option add_number(CLI::App& command, const std::string& name, std::uint32_t& value, const std::string& sentence,
-                  std::uint32_t low = 0, std::uint32_t high = UINT32_MAX);
+Option add_number(CLI::App& command, const std::string& name, std::uint64_t& value,
+                  const std::string& sentence, std::uint64_t low = 0, std::uint64_t high = UINT64_MAX);
+Option add_number(CLI::App& command, const std::string& name, std::uint32_t& value,
+                  const std::string& sentence, std::uint32_t low = 0, std::uint32_t high = UINT32_MAX);
 Option add_number(CLI::App& command, const std::string& name, std::optional<std::uint64_t>& value,
                   const std::string& sentence);
 
 /// Several, with commas between them.
-Option add_numbers(CLI::App& command, const std::string& name, std::vector<int>& values, const std::string& sentence,
-                   int low, int high);
+Option add_numbers(CLI::App& command, const std::string& name, std::vector<int>& values,
+                   const std::string& sentence, int low, int high);
 
 /// A number from `low` to `high`, not-a-number excluded.
-Option add_real(CLI::App& command, const std::string& name, double& value, const std::string& sentence, double low,
-                double high);
+Option add_real(CLI::App& command, const std::string& name, double& value, const std::string& sentence,
+                double low, double high);
 Option add_real(CLI::App& command, const std::string& name, std::optional<double>& value,
                 const std::string& sentence, double low, double high);
 

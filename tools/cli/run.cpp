@@ -26,9 +26,11 @@ void describe(CLI::App& command, Args& args) {
     describe_scene(command, args.choice);
     add_number(command, "--ticks", args.ticks, "how long");
     add_threads(command, args.threads);
-    add_text(command, "--simd", args.simd, "scalar, sse41, avx2, avx512 or neon: the same hashes at other speeds; the best there is when left out");
+    add_text(command, "--simd", args.simd,
+             "scalar, sse41, avx2, avx512 or neon: the same hashes at other speeds; the best there is when "
+             "left out");
     add_text(command, "--input", args.input,
-                       "inputs: a text file (tools/README.md) or a recording; else scripted from the seed");
+             "inputs: a text file (tools/README.md) or a recording; else scripted from the seed");
     add_text(command, "--record", args.record, "write a recording (.lsr)");
     add_number(command, "--keyframes", args.keyframe_ticks,
                "ticks from keyframe to keyframe of the recording; 0: only the first");

@@ -48,7 +48,8 @@ static const Simd* simd_of(const std::string& level) {
 
 Status check_simd(const std::string& level) {
     const Simd* known = simd_of(level);
-    if (known == nullptr) return Error{"--simd " + level + ": there are scalar, sse41, avx2, avx512, neon and wasm128"};
+    if (known == nullptr)
+        return Error{"--simd " + level + ": there are scalar, sse41, avx2, avx512, neon and wasm128"};
     return has_simd(*known) ? Status{} : Error{"--simd " + level + ": this machine has none"};
 }
 

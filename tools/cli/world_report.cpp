@@ -1,7 +1,7 @@
 #include "cli/world_report.h"
 
 #include "cli/text.h"
-#include "lockstone/convert.h"
+#include "lockstone/math/convert.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 #include "cook/decompose.h"
 #include "cook/deviation.h"
 #include "cook/height_field.h"
-#include "lockstone/convert.h"
+#include "lockstone/math/convert.h"
 
 #include <numbers>
 

@@ -1,6 +1,6 @@
 #include "cook/height_field.h"
 
-#include "lockstone/convert.h"
+#include "lockstone/math/convert.h"
 
 namespace lockstone::cook {
 namespace {

@@ -1,6 +1,6 @@
 #include "cook/soup.h"
 
-#include "lockstone/convert.h"
+#include "lockstone/math/convert.h"
 
 #include <map>
 #include <numeric>

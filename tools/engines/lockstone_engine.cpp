@@ -1,8 +1,8 @@
 // A scene in Lockstone, through its public interface. Defaults throughout, limits that are too low apart.
 #include "engines/lockstone_engine.h"
 
-#include "lockstone/convert.h"
-#include "lockstone/math.h"
+#include "lockstone/math/convert.h"
+#include "lockstone/math/math.h"
 #include "lockstone/tasks.h"
 
 #include <algorithm>

@@ -145,8 +145,9 @@ struct Contestant {
     Scheme scheme = Scheme::semi_implicit_euler;
     /// Bullet only: hulls with its default margin of 40 mm, which is outside of their described size; else 1 mm within it.
     bool default_margins = false;
-    unsigned threads = 1;     ///< Lockstone only
-    std::string simd = {};    ///< name of an instruction set that this machine has; empty: the best; Lockstone only
+    unsigned threads = 1; ///< Lockstone only
+    std::string simd =
+        {}; ///< name of an instruction set that this machine has; empty: the best; Lockstone only
     bool by_wall = false;     ///< the clock is the wall's: with several threads it has to be; Lockstone only
     double contact_hertz = 0; ///< 0: the default; Lockstone only
     double contact_damping = 0; ///< 0: the default; Lockstone only

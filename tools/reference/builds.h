@@ -1,7 +1,7 @@
 // The makers of all builds; see Build.
 #pragma once
 
-#include "reference/core.h"
+#include "reference/engine/core.h"
 
 namespace reference {
 

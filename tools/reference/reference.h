@@ -11,7 +11,7 @@
 #pragma once
 
 #include "lockstone/world.h"
-#include "reference/core.h"
+#include "reference/engine/core.h"
 
 #include <functional>
 #include <memory>

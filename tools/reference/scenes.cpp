@@ -1,6 +1,6 @@
 #include "reference/scenes.h"
 
-#include "lockstone/math.h"
+#include "lockstone/math/math.h"
 #include "lockstone/world.h"
 
 #include <array>

@@ -3,7 +3,7 @@
 
 #include "reference/reference.h"
 
-#include "lockstone/convert.h"
+#include "lockstone/math/convert.h"
 
 namespace reference {
 

@@ -1,6 +1,6 @@
 // An asset by itself: dropped, or dropped upon.
-#include "lockstone/math.h"
-#include "lockstone/random.h"
+#include "lockstone/math/math.h"
+#include "lockstone/math/random.h"
 #include "scenes/props.h"
 
 #include <algorithm>

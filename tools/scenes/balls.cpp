@@ -1,7 +1,7 @@
 #include "scenes/balls.h"
 
-#include "lockstone/math.h"
-#include "lockstone/random.h"
+#include "lockstone/math/math.h"
+#include "lockstone/math/random.h"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // Hulls, cylinders, cones, rounded boxes and capsules fall into a walled pit of 8 x 8 m.
-#include "lockstone/math.h"
+#include "lockstone/math/math.h"
 #include "scenes/props.h"
 
 namespace lockstone::scenes_detail {

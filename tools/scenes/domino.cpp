@@ -1,5 +1,5 @@
 // Dominoes along an Archimedean spiral, from the outside inwards; a rolling ball topples the first.
-#include "lockstone/math.h"
+#include "lockstone/math/math.h"
 #include "scenes/scene.h"
 
 namespace lockstone::scenes_detail {

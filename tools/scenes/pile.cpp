@@ -1,5 +1,5 @@
 // Spheres, boxes and capsules in equal parts fall into a walled pit of 10 x 10 m.
-#include "lockstone/random.h"
+#include "lockstone/math/random.h"
 #include "scenes/scene.h"
 
 #include <array>

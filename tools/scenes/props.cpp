@@ -1,6 +1,6 @@
 #include "scenes/props.h"
 
-#include "lockstone/math.h"
+#include "lockstone/math/math.h"
 
 #include <array>
 

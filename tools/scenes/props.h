@@ -1,7 +1,7 @@
 // Small bodies of many shapes, shared by the scenes that drop them.
 #pragma once
 
-#include "lockstone/random.h"
+#include "lockstone/math/random.h"
 #include "scenes/scene.h"
 
 #include <vector>

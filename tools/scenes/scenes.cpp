@@ -28,8 +28,8 @@ constexpr std::array<SceneInfo, 17> infos{{
     {"washer", "a turning drum with paddles, and small bodies that tumble in it for ever", "bodies", 300, 1,
      640, 0, 0, 0},
     {"domino", "a spiral of dominoes that a rolling ball topples", "dominoes", 150, 2, 2000, 0, 0, 0},
-    {"character", "up to four characters on a round of stairs, crates, a tunnel, platforms and a seesaw", "", 0,
-     0, 0, 1, 1, 4},
+    {"character", "up to four characters on a round of stairs, crates, a tunnel, platforms and a seesaw", "",
+     0, 0, 0, 1, 1, 4},
     {"cars", "cars of up to four drivers and a tank on hills, with ramps and crates", "", 0, 0, 0, 1, 1, 4},
     {"ragdolls", "humans fall down a flight of stairs, heap up below and come to rest", "ragdolls", 20, 1,
      200, 0, 0, 4},
@@ -39,16 +39,17 @@ constexpr std::array<SceneInfo, 17> infos{{
     {"bridge", "planks on hinges between two banks, loaded with boxes", "planks", 200, 4, 400, 0, 0, 4},
     {"wrecking-ball", "a ball of a thousand links' mass swings on their chain into a wall", "links", 30, 4,
      60, 0, 0, 4},
-    {"water", "boats, crates and a ball of each density in a basin with a current, under a wind", "crates", 40, 1,
-     400, 0, 0, 0},
-    {"blast", "houses of crates, and an explosion among them every three seconds", "houses", 12, 1, 60, 0, 0, 0},
+    {"water", "boats, crates and a ball of each density in a basin with a current, under a wind", "crates",
+     40, 1, 400, 0, 0, 0},
+    {"blast", "houses of crates, and an explosion among them every three seconds", "houses", 12, 1, 60, 0, 0,
+     0},
     {"rollback-arena", "72 bodies and up to four players who roll, jump, push, capture props and play tag",
      "", 0, 0, 0, 2, 2, 4},
 }};
 constexpr std::array<MakeScene, infos.size()> makers{
-    make_two_blocks, make_stack,  make_pyramid,       make_pile,          make_convex_pile,
-    make_terrain,    make_washer, make_domino,        make_character, make_cars,          make_ragdolls,
-    make_joint_grid, make_bridge, make_wrecking_ball, make_water, make_blast, make_rollback_arena};
+    make_two_blocks, make_stack,         make_pyramid,   make_pile,  make_convex_pile,   make_terrain,
+    make_washer,     make_domino,        make_character, make_cars,  make_ragdolls,      make_joint_grid,
+    make_bridge,     make_wrecking_ball, make_water,     make_blast, make_rollback_arena};
 
 /// Levenshtein's distance: the fewest letters to insert, delete or replace.
 std::size_t edit_distance(std::string_view a, std::string_view b) {

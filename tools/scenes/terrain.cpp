@@ -1,6 +1,6 @@
 // Hills of 320 x 320 cells, 204,800 triangles: a height field of 160 x 160 m with a bowl in the middle. Bodies of every
 // kind roll and slide down into the bowl; an arch, which is a mesh, stands at its bottom.
-#include "lockstone/math.h"
+#include "lockstone/math/math.h"
 #include "scenes/props.h"
 
 #include <array>

@@ -1,6 +1,6 @@
 // A drum with paddles turns about a level axis for ever, and small bodies tumble in it. The drum is one compound of
 // boxes on a kinematic body; a plane that looks into it stands before its open end.
-#include "lockstone/math.h"
+#include "lockstone/math/math.h"
 #include "scenes/props.h"
 
 #include <array>

@@ -1,4 +1,4 @@
-// The motion of bodies in a substep, written once over the lanes L. See dynamics/body_kernel.h.
+// The motion of bodies in a substep, written once over the lanes L. See solve/bodies/body_kernel.h.
 //
 // A body's six velocities are a row of lanes: no body is gathered. Where six is no multiple of the lanes the last window
 // overlaps the one before, and writes the same again.
@@ -7,8 +7,8 @@
 // too, since the linker keeps one of their copies.
 #pragma once
 
-#include "dynamics/body_kernel.h"
-#include "dynamics/solver_body.h"
+#include "solve/bodies/body_kernel.h"
+#include "solve/bodies/solver_body.h"
 
 namespace lockstone::solve {
 
@@ -16,8 +16,8 @@ template <class L> class MovedBodies {
     static constexpr unsigned N = L::lanes, windows = (6 + N - 1) / N;
     static_assert(N <= 6, "a row of a body would reach beyond it");
     using V = typename L::V;
-    using Pass = dynamics::BodyPass;
-    using Body = dynamics::SolverBody;
+    using Pass = solve::BodyPass;
+    using Body = solve::SolverBody;
 
     static constexpr unsigned place(unsigned window) { return window * N + N <= 6 ? window * N : 6 - N; }
     static std::int64_t* velocities(const Pass& pass, std::uint32_t i) {
@@ -78,7 +78,7 @@ template <class L> class MovedBodies {
             std::int64_t* const p = velocities(pass, i);
             Row row = load(p);
             for (unsigned k = 0; k < windows; ++k) row.at[k] = L::add(row.at[k], change.at[k]);
-            if ((pass.plain[i] & dynamics::plain_velocity) == 0 || is_beyond(row, limits)) {
+            if ((pass.plain[i] & solve::plain_velocity) == 0 || is_beyond(row, limits)) {
                 left[count++] = i;
                 continue;
             }
@@ -89,7 +89,7 @@ template <class L> class MovedBodies {
 
     static std::uint32_t integrate_poses(const Pass& pass, std::uint32_t* left) {
         // Velocity with 27 fraction bits times time with 30: at most 15 m in a tick, so 2^61.
-        constexpr int drop = dynamics::accumulator_bits - 27;
+        constexpr int drop = solve::accumulator_bits - 27;
         constexpr std::int64_t top = INT32_MAX, bottom = INT32_MIN;
         const Limits limits = limits_of(pass);
         const V time = L::splat(pass.substep_time), half = L::splat(std::int64_t{1} << 29),
@@ -97,7 +97,7 @@ template <class L> class MovedBodies {
         std::uint32_t count = 0;
         for (std::uint32_t i = pass.first; i < pass.last; ++i) {
             const Row row = load(velocities(pass, i));
-            if ((pass.plain[i] & dynamics::plain_pose) == 0 || is_beyond(row, limits)) {
+            if ((pass.plain[i] & solve::plain_pose) == 0 || is_beyond(row, limits)) {
                 left[count++] = i;
                 continue;
             }
@@ -116,7 +116,7 @@ template <class L> class MovedBodies {
     }
 
   public:
-    static constexpr dynamics::BodyKernel table() {
+    static constexpr solve::BodyKernel table() {
         return {integrate_velocities, integrate_poses, add_velocities, take_velocities};
     }
 };

@@ -1,6 +1,6 @@
 #include "solve/contacts/bounce.h"
 
-#include "lockstone/math.h"
+#include "lockstone/math/math.h"
 
 #include <algorithm>
 
@@ -8,8 +8,8 @@ namespace lockstone::solve {
 
 namespace {
 
-using dynamics::SolverBodies;
-using dynamics::SolverBody;
+using solve::SolverBodies;
+using solve::SolverBody;
 
 std::int64_t speed_part(std::int64_t v) { return saturate_to_int32(shift_right_rounded(v, row_bits)); }
 /// Adds a component of a row [30 bits] times an impulse or a speed [31 bits]. Many contacts of one body, each within its limits,

@@ -4,22 +4,22 @@
 #include "base/poison.h"
 #include "base/prefetch.h"
 #include "base/room.h"
-#include "dynamics/contact_order.h"
-#include "dynamics/followed_turn.h"
-#include "lockstone/wide.h"
+#include "lockstone/math/wide.h"
 #include "solve/contacts/bounce.h"
+#include "solve/contacts/contact_order.h"
+#include "solve/joints/followed_turn.h"
 #include "solve/kernels/kernels.h"
 
 #include <algorithm>
 
 namespace lockstone::solve {
 
-using dynamics::Contact;
-using dynamics::ContactMemory;
-using dynamics::SolverBodies;
-using dynamics::SolverBody;
-using dynamics::StartK;
-using dynamics::StepConstants;
+using solve::Contact;
+using solve::ContactMemory;
+using solve::SolverBodies;
+using solve::SolverBody;
+using solve::StartK;
+using solve::StepConstants;
 
 namespace {
 
@@ -31,7 +31,7 @@ constexpr std::uint32_t pack_chunk = 16;
 struct ContactSolver::Inside {
     Simd simd = Simd::scalar;
     const ContactKernel* kernel = nullptr;
-    const dynamics::BodyKernel* body_kernel = nullptr;
+    const solve::BodyKernel* body_kernel = nullptr;
     std::uint32_t pack_count = 0;
     bool started = false;                    ///< the warm start from the last tick was given
     std::vector<std::uint32_t> storage;      ///< the packs
@@ -41,7 +41,7 @@ struct ContactSolver::Inside {
     std::vector<WarmStart> warm;             ///< by body
     std::vector<Bounce> bounces;
     std::vector<Rolling> rolling;
-    dynamics::ContactOrder order;
+    solve::ContactOrder order;
 
     void place_packs(std::span<const Contact> contacts);
     template <class Visit> void for_each_stage(Tasks* tasks, Visit&& visit);
@@ -132,7 +132,7 @@ void ContactSolver::Inside::place_packs(std::span<const Contact> contacts) {
 }
 
 void ContactSolver::prepare(std::span<const Contact> contacts, std::span<const ContactMemory> memory,
-                            const dynamics::MassView& mass, const StepConstants& step,
+                            const solve::MassView& mass, const StepConstants& step,
                             const SolverBodies& bodies, Tasks* tasks) {
     Inside& s = *inside;
     s.order.find(contacts, bodies);
@@ -266,7 +266,7 @@ namespace {
 
 template <unsigned N>
 void store_lane(const ContactPack<N>& pack, unsigned lane, const Contact& contact, ContactMemory& m,
-                dynamics::ClampCounts& clamps) {
+                solve::ClampCounts& clamps) {
     bool clamped = false;
     for (std::uint32_t k = 0; k < contact.count; ++k) {
         const std::int32_t p = pack.points[k].impulse[lane];
@@ -277,22 +277,22 @@ void store_lane(const ContactPack<N>& pack, unsigned lane, const Contact& contac
     m.tangent_2 = Speed::from_raw(pack.slide[1][lane]);
     m.twist = Length::from_raw(saturate_to_int32(
         shift_right_rounded(std::int64_t{pack.slide[2][lane]} * pack.size[lane], speed_bits)));
-    const std::uint32_t hit = (pack.hit >> lane) & 1u ? dynamics::contact_hit : 0u;
-    m.flags = (m.flags & ~std::uint32_t{dynamics::contact_hit}) | hit;
+    const std::uint32_t hit = (pack.hit >> lane) & 1u ? solve::contact_hit : 0u;
+    m.flags = (m.flags & ~std::uint32_t{solve::contact_hit}) | hit;
     if (clamped) ++clamps.impulse;
 }
 
 } // namespace
 
 void ContactSolver::store(std::span<const Contact> contacts, std::span<ContactMemory> memory,
-                          dynamics::ClampCounts& clamps, Tasks* tasks) const {
+                          solve::ClampCounts& clamps, Tasks* tasks) const {
     Inside& s = *inside;
     s.with_lanes([&](auto width) {
         constexpr unsigned N = width();
         const std::span<const ContactPack<N>> packs = s.packs<N>();
         base::for_chunks(
             tasks, s.pack_count, 4 * pack_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-                dynamics::ClampCounts counts;
+                solve::ClampCounts counts;
                 constexpr std::size_t ahead = 8; // the table is walked in the order of packs
                 for (std::uint32_t i = first * N; i < last * N; ++i) {
                     const std::size_t soon = std::min<std::size_t>(i + ahead, s.lane_contact.size() - 1);

@@ -25,8 +25,8 @@
 // source: soft steps as in Catto, Solver2D (2024); the mass-free, gyration-scaled rows and the block are this library's own.
 #pragma once
 
-#include "dynamics/contact.h"
-#include "dynamics/solver_body.h"
+#include "solve/bodies/solver_body.h"
+#include "solve/contacts/contact.h"
 
 #include "lockstone/simd.h"
 
@@ -45,17 +45,17 @@ class ContactSolver {
     Simd level() const;
 
     /// Orders the contacts, packs and prepares them. `memory` holds the warm-start impulses.
-    void prepare(std::span<const dynamics::Contact> contacts, std::span<const dynamics::ContactMemory> memory,
-                 const dynamics::MassView& mass, const dynamics::StepConstants& step,
-                 const dynamics::SolverBodies& bodies, Tasks* tasks = nullptr);
-    void warm_start(dynamics::SolverBodies& bodies, Tasks* tasks = nullptr);
+    void prepare(std::span<const solve::Contact> contacts, std::span<const solve::ContactMemory> memory,
+                 const solve::MassView& mass, const solve::StepConstants& step,
+                 const solve::SolverBodies& bodies, Tasks* tasks = nullptr);
+    void warm_start(solve::SolverBodies& bodies, Tasks* tasks = nullptr);
     /// One pass over all rows. With bias, overlap is pushed out softly; without, what the push left is relaxed.
-    void solve(const dynamics::StepConstants& step, dynamics::SolverBodies& bodies, bool bias,
+    void solve(const solve::StepConstants& step, solve::SolverBodies& bodies, bool bias,
                Tasks* tasks = nullptr);
-    void apply_restitution(const dynamics::StepConstants& step, dynamics::SolverBodies& bodies);
+    void apply_restitution(const solve::StepConstants& step, solve::SolverBodies& bodies);
     /// Writes impulses to `memory` for the next tick.
-    void store(std::span<const dynamics::Contact> contacts, std::span<dynamics::ContactMemory> memory,
-               dynamics::ClampCounts& clamps, Tasks* tasks = nullptr) const;
+    void store(std::span<const solve::Contact> contacts, std::span<solve::ContactMemory> memory,
+               solve::ClampCounts& clamps, Tasks* tasks = nullptr) const;
 
     void reserve(std::size_t contacts, std::size_t bodies);
     /// Fills what prepare() makes anew with a byte.

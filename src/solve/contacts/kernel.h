@@ -141,7 +141,7 @@ template <class L> class Kernel {
 
     /// How the bodies moved since the tick began, into the gap of each point.
     static void measure_gaps(Pack& c, const PassData& data) {
-        const dynamics::SolverBody *a[N], *b[N];
+        const solve::SolverBody *a[N], *b[N];
         for (unsigned lane = 0; lane < N; ++lane)
             a[lane] = &data.bodies[c.body_a[lane]], b[lane] = &data.bodies[c.body_b[lane]];
         V raw[12];

@@ -12,14 +12,14 @@
 //   H, from (level, tilts) to points      26              32; within 16
 #pragma once
 
-#include "dynamics/contact.h"
-#include "dynamics/solver_body.h"
-#include "lockstone/decimal.h"
+#include "lockstone/math/decimal.h"
+#include "solve/bodies/solver_body.h"
+#include "solve/contacts/contact.h"
 
 namespace lockstone::solve {
 
-inline constexpr int accumulator_bits = 47, row_bits = 28, speed_bits = 19, gap_bits = 27, unit_bits = 30,
-                     kappa_bits = 28, response_bits = 25, inverse_bits = 18, fit_bits = 26;
+inline constexpr int speed_bits = 19, gap_bits = 27, unit_bits = 30, kappa_bits = 28, response_bits = 25,
+                     inverse_bits = 18, fit_bits = 26;
 inline constexpr std::int32_t impulse_limit = (1 << 28) - 1; ///< 512 m/s, of a point
 inline constexpr std::uint32_t none = 0xffffffffu;
 
@@ -122,7 +122,7 @@ struct PassSettings {
 };
 
 struct PassData {
-    dynamics::SolverBody* bodies;
+    solve::SolverBody* bodies;
     WarmStart* warm;
     Bounce* bounces;
 };
@@ -131,13 +131,13 @@ struct PassData {
 struct ContactKernel {
     unsigned lanes;
     /// Rows, effective masses, inverses and first impulses of one pack whose heads are filled.
-    void (*prepare)(void* pack, void* input, const dynamics::SolverBody* bodies);
+    void (*prepare)(void* pack, void* input, const solve::SolverBody* bodies);
     void (*warm_start)(void* packs, std::uint32_t first, std::uint32_t last, const PassData& data);
     void (*solve)(void* packs, std::uint32_t first, std::uint32_t last, const PassData& data,
                   const PassSettings& settings);
 };
 
-/// The first tangent of a normal at the pole of dynamics::tangents_of().
+/// The first tangent of a normal at the pole of solve::tangents_of().
 void tangent_at_pole(const std::int32_t (&normal)[3], std::int32_t (&tangent)[3]);
 /// Replaces squares by their roots, rounded down.
 void take_roots(std::int64_t* x, unsigned count);

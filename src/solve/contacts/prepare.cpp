@@ -1,6 +1,6 @@
 #include "solve/contacts/prepare.h"
 
-#include "lockstone/math.h"
+#include "lockstone/math/math.h"
 
 #include <algorithm>
 #include <bit>
@@ -9,11 +9,11 @@ namespace lockstone::solve {
 
 namespace {
 
-using dynamics::BodyMass;
-using dynamics::BodyStep;
-using dynamics::Contact;
-using dynamics::ContactMemory;
-using dynamics::ContactPoint;
+using solve::BodyMass;
+using solve::BodyStep;
+using solve::Contact;
+using solve::ContactMemory;
+using solve::ContactPoint;
 
 constexpr std::int64_t unit = std::int64_t{1} << unit_bits;
 constexpr std::int64_t row_limit = std::int64_t{4} << row_bits; ///< of a component of an angular row
@@ -67,7 +67,7 @@ class Turner {
         return over(x[0]) <= range && over(x[1]) <= range && over(x[2]) <= range;
     }
 
-    const dynamics::Symmetric<std::int32_t>& m;
+    const solve::Symmetric<std::int32_t>& m;
     std::int64_t mask[3];
     bool moves, masked;
     int shift;
@@ -107,7 +107,7 @@ namespace {
 /// What a contact has once: bodies, shares, surface, softness.
 template <unsigned N>
 void fill_head(ContactPack<N>& pack, unsigned lane, const Contact& contact, const BodyStep& sa,
-               const BodyStep& sb, const dynamics::Softness& soft) {
+               const BodyStep& sb, const solve::Softness& soft) {
     const Shares shares = shares_of(sa, sb);
     pack.body_a[lane] = contact.body_a, pack.body_b[lane] = contact.body_b;
     pack.movable_a |= (sa.movable ? 1u : 0u) << lane, pack.movable_b |= (sb.movable ? 1u : 0u) << lane;
@@ -126,7 +126,7 @@ void fill_head(ContactPack<N>& pack, unsigned lane, const Contact& contact, cons
 template <unsigned N>
 void fill_side(const BodyStep& step, unsigned lane, std::int32_t (&inverse)[6][N], std::int64_t (&shift)[N],
                std::int32_t (&turns)[3][N], std::int64_t (&keep)[3][N]) {
-    const dynamics::Symmetric<std::int32_t>& m = step.inv_mantissa;
+    const solve::Symmetric<std::int32_t>& m = step.inv_mantissa;
     const std::int32_t entries[6] = {m.xx, m.yy, m.zz, m.xy, m.xz, m.yz};
     for (int i = 0; i < 6; ++i) inverse[i][lane] = entries[i];
     shift[lane] = std::clamp(step.inv_exponent + Length::fraction_bits - row_bits, 1, 62);
@@ -166,7 +166,7 @@ void fill_lane(ContactPack<N>& pack, PackInput<N>& input, unsigned lane, const C
                const PrepareInput& in) {
     if (contact.count == 0) return; // not filled in by tasks of the game's own that left an item out
     const BodyStep &sa = in.bodies.step[contact.body_a], &sb = in.bodies.step[contact.body_b];
-    const dynamics::Softness& soft = sa.movable && sb.movable ? in.step.soft : in.step.soft_static;
+    const solve::Softness& soft = sa.movable && sb.movable ? in.step.soft : in.step.soft_static;
     fill_head(pack, lane, contact, sa, sb, soft);
     for (int i = 0; i < 3; ++i) {
         input.d[0][i][lane] = contact.normal[i].raw;
@@ -181,7 +181,7 @@ void fill_lane(ContactPack<N>& pack, PackInput<N>& input, unsigned lane, const C
 
 void tangent_at_pole(const std::int32_t (&normal)[3], std::int32_t (&tangent)[3]) {
     const UnitVec3 n{Unit::from_raw(normal[0]), Unit::from_raw(normal[1]), Unit::from_raw(normal[2])};
-    const UnitVec3 first = dynamics::tangents_of(n).first;
+    const UnitVec3 first = solve::tangents_of(n).first;
     for (int i = 0; i < 3; ++i) tangent[i] = first[i].raw;
 }
 
@@ -213,7 +213,7 @@ template <unsigned N> void fill_bounce(Bounce& bounce, const ContactPack<N>& pac
 namespace {
 
 /// The still body, behind the last, has none.
-const BodyMass& mass_of(const dynamics::MassView& mass, std::uint32_t body) {
+const BodyMass& mass_of(const solve::MassView& mass, std::uint32_t body) {
     static constexpr BodyMass nothing{};
     return body < mass.size() ? mass[body] : nothing;
 }

@@ -1,7 +1,7 @@
 // From a contact to its lane of a pack. See contact_solver.h for the symbols.
 #pragma once
 
-#include "dynamics/contact.h"
+#include "solve/contacts/contact.h"
 #include "solve/contacts/pack.h"
 
 #include <array>
@@ -10,11 +10,11 @@ namespace lockstone::solve {
 
 /// What preparing a contact reads.
 struct PrepareInput {
-    std::span<const dynamics::Contact> contacts;
-    std::span<const dynamics::ContactMemory> memory;
-    dynamics::MassView mass;
-    const dynamics::StepConstants& step;
-    const dynamics::SolverBodies& bodies;
+    std::span<const solve::Contact> contacts;
+    std::span<const solve::ContactMemory> memory;
+    solve::MassView mass;
+    const solve::StepConstants& step;
+    const solve::SolverBodies& bodies;
 };
 
 using Raw3 = std::array<std::int64_t, 3>;
@@ -24,13 +24,13 @@ template <unsigned N> void clear_pack(ContactPack<N>& pack, std::uint32_t still_
 template <unsigned N> void clear_input(PackInput<N>& input);
 /// One lane of both: the pack gets what a contact has once, the input what ContactKernel::prepare() makes the rest from.
 template <unsigned N>
-void fill_lane(ContactPack<N>& pack, PackInput<N>& input, unsigned lane, const dynamics::Contact& contact,
+void fill_lane(ContactPack<N>& pack, PackInput<N>& input, unsigned lane, const solve::Contact& contact,
                const PrepareInput& in);
 
 /// The entry of a contact that bounces; its lane is filled already.
 template <unsigned N>
-void fill_bounce(Bounce& bounce, const ContactPack<N>& pack, const dynamics::Contact& contact);
+void fill_bounce(Bounce& bounce, const ContactPack<N>& pack, const solve::Contact& contact);
 /// The entry of a contact with rolling resistance.
-void fill_rolling(Rolling& rolling, const dynamics::Contact& contact, const PrepareInput& in);
+void fill_rolling(Rolling& rolling, const solve::Contact& contact, const PrepareInput& in);
 
 } // namespace lockstone::solve

@@ -38,8 +38,7 @@ template <class L> class PrepareKernel {
         Sum<2 *unit_bits> along = Sum<2 * unit_bits>::splat(0), off = along;
         for (int i = 0; i < 3; ++i) {
             n[i] = Unit::load(in.d[0][i]);
-            pole[i] = Unit::splat(dynamics::tangent_pole[i]),
-            from[i] = Unit::splat(dynamics::tangent_from[i]);
+            pole[i] = Unit::splat(solve::tangent_pole[i]), from[i] = Unit::splat(solve::tangent_from[i]);
             along = along + n[i] * pole[i], off = off + n[i] * from[i];
         }
         Lanes64 height, way, share;
@@ -47,7 +46,7 @@ template <class L> class PrepareKernel {
         unsigned at_pole = 0;
         for (unsigned lane = 0; lane < N; ++lane) {
             share[lane] = 0;
-            if (height[lane] < dynamics::tangent_pole_limit) {
+            if (height[lane] < solve::tangent_pole_limit) {
                 at_pole |= 1u << lane;
                 continue;
             }
@@ -322,12 +321,12 @@ template <class L> class PrepareKernel {
 
     /// Impulses that the last tick remembered, unless the point parts now.
     static void start_impulses(Pack& c, const Input& in, int points, const Layout& l,
-                               const dynamics::SolverBody* bodies) {
+                               const solve::SolverBody* bodies) {
         const Speed zero = Speed::splat(0), most = Speed::splat(impulse_limit);
         Mask carries = Mask::none();
         for (int k = 0; k < points; ++k) carries = carries | (Speed::load(in.impulse[k]) > zero);
         if (!carries.any()) return;
-        const dynamics::SolverBody *a[N], *b[N];
+        const solve::SolverBody *a[N], *b[N];
         for (unsigned lane = 0; lane < N; ++lane)
             a[lane] = &bodies[c.body_a[lane]], b[lane] = &bodies[c.body_b[lane]];
         V raw[12];
@@ -380,7 +379,7 @@ template <class L> class PrepareKernel {
 
   public:
     /// All of a pack whose heads are filled (fill_lane), from what its contacts are.
-    static void prepare(void* pack, void* input, const dynamics::SolverBody* bodies) {
+    static void prepare(void* pack, void* input, const solve::SolverBody* bodies) {
         Pack& c = *static_cast<Pack*>(pack);
         const int points = c.point_count;
         if (points == 0) return;

@@ -1,20 +1,20 @@
 // The inverses of the rows of packed joints, written once over the lanes L: of points, and of hinges about their axes. Bit for bit those
-// of dynamics/joint_rows.h, by Cramer's rule on 31 bits; what that rule leaves to pivots, or what does not fit into the
-// low half of a lane, is left to the caller. See dynamics/joint_pack.h for the formats.
+// of solve/joints/joint_rows.h, by Cramer's rule on 31 bits; what that rule leaves to pivots, or what does not fit into the
+// low half of a lane, is left to the caller. See solve/joints/joint_pack.h for the formats.
 //
 //   k = sum over both sides of share (X X^T + one^2 1)      k^-1 = adjugate / determinant
 //
 // Included as kernel.h, by which this is used.
 #pragma once
 
-#include "dynamics/joint_pack.h"
+#include "solve/joints/joint_pack.h"
 
 namespace lockstone::solve {
 
 template <class L> class JointInverses {
-    static constexpr unsigned N = L::lanes, all_lanes = dynamics::pack_lanes;
-    using Pack = dynamics::JointPack;
-    using Side = dynamics::PackSide;
+    static constexpr unsigned N = L::lanes, all_lanes = solve::pack_lanes;
+    using Pack = solve::JointPack;
+    using Side = solve::PackSide;
     using V = typename L::V;
     using Row3 = std::int32_t[3][3][all_lanes];
     static constexpr int k_bits = 31; ///< of k once its largest diagonal entry is in [1/2, 1)
@@ -98,7 +98,7 @@ template <class L> class JointInverses {
 
     /// Where `mask` is set: the inverse, adjugate / determinant. Returns the lanes in which a factor has 32 bits.
     template <int Count>
-    static V write_quotient(dynamics::PackInverse& to, unsigned lane, const Symmetric& adjugate, V det,
+    static V write_quotient(solve::PackInverse& to, unsigned lane, const Symmetric& adjugate, V det,
                             const std::int64_t (&drop)[N], V mask) {
         std::int64_t length[N], cut[N], q[N];
         V any = L::splat(0);
@@ -161,7 +161,7 @@ template <class L> class JointInverses {
         return L::either(left,
                          write_quotient<6>(c.inverse, lane, adjugate, det, drop, L::without(mask, left)));
     }
-    static V invert_hinge(dynamics::TurnPack& t, const Pack& c, unsigned lane, V mask) {
+    static V invert_hinge(solve::TurnPack& t, const Pack& c, unsigned lane, V mask) {
         Symmetric k;
         for (V& entry : k) entry = L::splat(0);
         add_side<2>(t.ja, L::splat(0), c.a, lane, k), add_side<2>(t.jb, L::splat(0), c.b, lane, k);
@@ -178,8 +178,8 @@ template <class L> class JointInverses {
     }
 
   public:
-    /// Of the lanes of a pack that are stale. Bits of dynamics::JointPack::left in those that are left to the caller.
-    static void invert(const dynamics::JointPassData& data, Pack& c, unsigned lane) {
+    /// Of the lanes of a pack that are stale. Bits of solve::JointPack::left in those that are left to the caller.
+    static void invert(const solve::JointPassData& data, Pack& c, unsigned lane) {
         std::int64_t stale[N], own[N];
         unsigned any = 0;
         for (unsigned i = 0; i < N; ++i) {
@@ -194,12 +194,12 @@ template <class L> class JointInverses {
             for (unsigned i = 0; i < N; ++i)
                 if ((lanes >> i) & 1u) c.left[lane + i] |= bit;
         };
-        note(L::both(invert_point(c, lane, mask), mask), dynamics::point_left);
+        note(L::both(invert_point(c, lane, mask), mask), solve::point_left);
         if (!c.hinges) return;
-        dynamics::TurnPack& t = data.turns[c.turn];
+        solve::TurnPack& t = data.turns[c.turn];
         for (unsigned i = 0; i < N; ++i) own[i] = t.generic[lane + i] == 0 ? stale[i] : 0;
         const V hinges = L::load64(own);
-        note(L::both(invert_hinge(t, c, lane, hinges), hinges), dynamics::hinge_left);
+        note(L::both(invert_hinge(t, c, lane, hinges), hinges), solve::hinge_left);
     }
 };
 

@@ -1,22 +1,22 @@
-// The passes over packs of joints, written once over the lanes L. See dynamics/joint.h for the symbols, joint_pack.h for the formats.
+// The passes over packs of joints, written once over the lanes L. See solve/joints/joint.h for the symbols, joint_pack.h for the formats.
 //
 // Only files that are compiled for one instruction set include this; it must not use inline functions that other files use
 // too, since the linker keeps one of their copies.
 #pragma once
 
-#include "dynamics/joint_pack.h"
 #include "solve/joints/inverse_kernel.h"
+#include "solve/joints/joint_pack.h"
 #include "solve/lanes/lane_fixed.h"
 
 namespace lockstone::solve {
 
 template <class L> class PackedJoints {
-    static constexpr unsigned N = L::lanes, all_lanes = dynamics::pack_lanes;
+    static constexpr unsigned N = L::lanes, all_lanes = solve::pack_lanes;
     static constexpr int accumulator_bits = 47, row_bits = 28, speed_bits = 19, unit_bits = 30, gap_bits = 27;
-    using Pack = dynamics::JointPack;
-    using Side = dynamics::PackSide;
-    using Turn = dynamics::TurnPack;
-    using Data = dynamics::JointPassData;
+    using Pack = solve::JointPack;
+    using Side = solve::PackSide;
+    using Turn = solve::TurnPack;
+    using Data = solve::JointPassData;
     using V = typename L::V;
     using Mask = LaneMask<L>;
     using Row = LaneFixed<L, row_bits>;
@@ -26,7 +26,7 @@ template <class L> class PackedJoints {
     using Velocity = LaneSum<L, accumulator_bits>;
     template <class T> using Lanes = T[all_lanes];
 
-    static constexpr std::int32_t impulse_max = dynamics::joint_impulse_max;
+    static constexpr std::int32_t impulse_max = solve::joint_impulse_max;
     static constexpr int lower[3][3] = {{0, 1, 3}, {1, 2, 4}, {3, 4, 5}};
 
     /// Velocities of the two bodies of each lane: v, u.
@@ -43,14 +43,14 @@ template <class L> class PackedJoints {
     // ---- bodies --------------------------------------------------------------------------------------------------
 
     static void gather(const Side& side, unsigned lane, const Data& data, Velocity (&out)[6]) {
-        const dynamics::SolverBody* body[N];
+        const solve::SolverBody* body[N];
         for (unsigned i = 0; i < N; ++i) body[i] = &data.bodies[side.body[lane + i]];
         V raw[6];
         L::gather6(body, raw);
         for (int i = 0; i < 6; ++i) out[i] = {raw[i]};
     }
     static void gather_moved(const Side& side, unsigned lane, const Data& data, Gap (&out)[6]) {
-        const dynamics::SolverBody* body[N];
+        const solve::SolverBody* body[N];
         for (unsigned i = 0; i < N; ++i) body[i] = &data.bodies[side.body[lane + i]];
         V raw[6];
         L::gather_motion(body, raw);
@@ -60,8 +60,8 @@ template <class L> class PackedJoints {
     static void scatter(const Side& side, unsigned lane, const Data& data, const Velocity (&x)[6]) {
         V raw[6];
         for (int i = 0; i < 6; ++i) raw[i] = x[i].raw;
-        dynamics::SolverBody* to[N];
-        dynamics::SolverBody spare;
+        solve::SolverBody* to[N];
+        solve::SolverBody spare;
         for (unsigned i = 0; i < N; ++i)
             to[i] = (side.movable >> (lane + i)) & 1u ? &data.bodies[side.body[lane + i]] : &spare;
         L::scatter6(to, raw);
@@ -76,23 +76,23 @@ template <class L> class PackedJoints {
 
     /// Within what rows read, in the lanes of the mask.
     static void clamp_motion(Motion& m, V mask) {
-        const V most = L::splat(dynamics::motion_max), least = L::splat(-dynamics::motion_max);
+        const V most = L::splat(solve::motion_max), least = L::splat(-solve::motion_max);
         for (int i = 0; i < 6; ++i) {
             m.a[i] = {L::select(mask, between(m.a[i].raw, least, most), m.a[i].raw)};
             m.b[i] = {L::select(mask, between(m.b[i].raw, least, most), m.b[i].raw)};
         }
     }
     static void keep_readable(Motion& m) {
-        const V most = L::splat(dynamics::motion_max);
+        const V most = L::splat(solve::motion_max);
         V any = L::splat(0); // from -motion_max on no bit of the sum is above that of 2 motion_max
         for (int i = 0; i < 6; ++i)
             any = L::either(any, L::either(L::add(m.a[i].raw, most), L::add(m.b[i].raw, most)));
-        const V beyond = L::greater64(L::template shift_right<dynamics::motion_bits + 1>(any), L::splat(0));
+        const V beyond = L::greater64(L::template shift_right<solve::motion_bits + 1>(any), L::splat(0));
         if (L::lanes_of(beyond) != 0) clamp_motion(m, beyond);
     }
     /// After changes of impulses of these sizes, or-ed.
     static void keep_small(Motion& m, Speed sizes) {
-        const Mask large = sizes > Speed::splat(dynamics::small_impulse - 1);
+        const Mask large = sizes > Speed::splat(solve::small_impulse - 1);
         if (large.any()) clamp_motion(m, large.raw);
     }
     static Speed or_size(Speed sizes, Speed p) { return {L::either(sizes.raw, max(p, -p).raw)}; }
@@ -110,7 +110,7 @@ template <class L> class PackedJoints {
     }
 
     /// x / 2^shift of inverses that are out of the ordinary.
-    static V shift_oddly(V x, const dynamics::PackInverse& inverse, unsigned lane) {
+    static V shift_oddly(V x, const solve::PackInverse& inverse, unsigned lane) {
         std::int64_t v[N];
         L::store64(v, x);
         for (unsigned i = 0; i < N; ++i) {
@@ -133,12 +133,11 @@ template <class L> class PackedJoints {
         Speed p[3];
         Speed sizes;
     };
-    static Change answer(const dynamics::PackInverse& inverse, Lanes<std::int32_t> (&impulse)[3],
-                         unsigned lane, const Speed (&speed)[3], int rows, const Data& data, bool bias,
+    static Change answer(const solve::PackInverse& inverse, Lanes<std::int32_t> (&impulse)[3], unsigned lane,
+                         const Speed (&speed)[3], int rows, const Data& data, bool bias,
                          std::uint64_t& clamped) {
         const bool odd = (inverse.odd[0] | inverse.odd[1] | inverse.odd[2] | inverse.odd[3]) != 0;
-        const V most = L::splat(dynamics::impulse_change_max),
-                least = L::splat(-dynamics::impulse_change_max);
+        const V most = L::splat(solve::impulse_change_max), least = L::splat(-solve::impulse_change_max);
         const Speed bound = Speed::splat(impulse_max);
         Change change;
         change.sizes = Speed::splat(0);
@@ -231,7 +230,7 @@ template <class L> class PackedJoints {
     // ---- rows of points ------------------------------------------------------------------------------------------
 
     using Lever = LaneFixed<L, 0>; ///< as it is scaled by lane
-    using Angle = LaneFixed<L, dynamics::pack_angle_bits>;
+    using Angle = LaneFixed<L, solve::pack_angle_bits>;
     static constexpr int inverse_at[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
 
     /// K^-1 x / 2^shift: 30 bits times 32, three times.
@@ -279,16 +278,16 @@ template <class L> class PackedJoints {
             square = L::add(square, L::mul(phi[i], phi[i]));
         }
         // h has the bits of phi and one fraction bit more.
-        const V z = L::template shift_right<2 * (dynamics::pack_angle_bits + 1) - unit_bits>(square);
+        const V z = L::template shift_right<2 * (solve::pack_angle_bits + 1) - unit_bits>(square);
         const auto by = [](V x, std::int64_t factor) {
             return L::template shift_right<unit_bits>(L::mul(x, L::splat(factor)));
         };
         const V zz = L::template shift_right<unit_bits>(L::mul(z, z));
         const V sinc = L::add(L::sub(L::splat(one), by(z, one / 6)), by(zz, one / 120));
         const V given = L::load32(&side.given[lane]),
-                half = L::splat(std::int64_t{1} << dynamics::pack_angle_bits);
+                half = L::splat(std::int64_t{1} << solve::pack_angle_bits);
         for (int i = 0; i < 3; ++i)
-            q[i] = L::template shift_right_signed<dynamics::pack_angle_bits + 1>(
+            q[i] = L::template shift_right_signed<solve::pack_angle_bits + 1>(
                 L::add(L::mul(phi[i], sinc), half));
         q[3] = L::add(L::sub(L::splat(one), by(z, one / 2)), by(zz, one / 24));
         for (int i = 0; i < 4; ++i) q[i] = L::select(given, L::load32(&side.turned[i][lane]), q[i]);
@@ -345,7 +344,7 @@ template <class L> class PackedJoints {
     }
     /// The speed that an error asks for: C rate, within push_max, and what lies ahead along the arc.
     static void set_bias(Pack& c, unsigned lane, const Data& data, int r, V error, V arc) {
-        constexpr int split = 20, shift = gap_bits - speed_bits + dynamics::joint_rate_bits;
+        constexpr int split = 20, shift = gap_bits - speed_bits + solve::joint_rate_bits;
         const V rate = L::splat(data.rate), far = L::splat(std::int64_t{1} << 35),
                 most = L::splat(0x7fffffff);
         const V nothing = L::splat(0), half = L::splat(std::int64_t{1} << (shift - 1));
@@ -520,7 +519,7 @@ template <class L> class PackedJoints {
         }
         return clamped;
     }
-    static constexpr dynamics::JointKernel table() { return {refresh, invert, warm_start, solve}; }
+    static constexpr solve::JointKernel table() { return {refresh, invert, warm_start, solve}; }
 };
 
 } // namespace lockstone::solve

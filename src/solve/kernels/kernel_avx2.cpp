@@ -11,11 +11,11 @@
 
 namespace lockstone::solve {
 
-constinit const dynamics::BodyKernel avx2_bodies = MovedBodies<Avx2>::table();
+constinit const solve::BodyKernel avx2_bodies = MovedBodies<Avx2>::table();
 constinit const ContactKernel avx2_contacts = Kernel<Avx2>::table();
-constinit const dynamics::PairKernel avx2_pairs = PairLanes<Avx2>::table();
+constinit const solve::PairKernel avx2_pairs = PairLanes<Avx2>::table();
 constinit const shapes::SupportKernel avx2_hulls = HullSupport<Avx2>::table();
-constinit const dynamics::JointKernel avx2_joints = PackedJoints<Avx2>::table();
+constinit const solve::JointKernel avx2_joints = PackedJoints<Avx2>::table();
 
 } // namespace lockstone::solve
 

@@ -16,7 +16,7 @@
 namespace lockstone::solve {
 
 constinit const ContactKernel avx512_contacts = Kernel<Avx512>::table();
-constinit const dynamics::PairKernel avx512_pairs = PairLanes<Avx512>::table();
+constinit const solve::PairKernel avx512_pairs = PairLanes<Avx512>::table();
 constinit const shapes::SupportKernel avx512_hulls = HullSupport<Avx512>::table();
 
 } // namespace lockstone::solve

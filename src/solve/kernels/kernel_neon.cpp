@@ -11,11 +11,11 @@
 
 namespace lockstone::solve {
 
-constinit const dynamics::BodyKernel neon_bodies = MovedBodies<Neon>::table();
+constinit const solve::BodyKernel neon_bodies = MovedBodies<Neon>::table();
 constinit const ContactKernel neon_contacts = Kernel<Neon>::table();
-constinit const dynamics::PairKernel neon_pairs = PairLanes<Neon>::table();
+constinit const solve::PairKernel neon_pairs = PairLanes<Neon>::table();
 constinit const shapes::SupportKernel neon_hulls = HullSupport<Neon>::table();
-constinit const dynamics::JointKernel neon_joints = PackedJoints<Neon>::table();
+constinit const solve::JointKernel neon_joints = PackedJoints<Neon>::table();
 
 } // namespace lockstone::solve
 

@@ -8,10 +8,10 @@
 
 namespace lockstone::solve {
 
-constinit const dynamics::BodyKernel scalar_bodies = MovedBodies<Scalar>::table();
+constinit const solve::BodyKernel scalar_bodies = MovedBodies<Scalar>::table();
 constinit const ContactKernel scalar_contacts = Kernel<Scalar>::table();
-constinit const dynamics::PairKernel scalar_pairs = PairLanes<Scalar>::table();
+constinit const solve::PairKernel scalar_pairs = PairLanes<Scalar>::table();
 constinit const shapes::SupportKernel scalar_hulls = HullSupport<Scalar>::table();
-constinit const dynamics::JointKernel scalar_joints = PackedJoints<Scalar>::table();
+constinit const solve::JointKernel scalar_joints = PackedJoints<Scalar>::table();
 
 } // namespace lockstone::solve

@@ -11,11 +11,11 @@
 
 namespace lockstone::solve {
 
-constinit const dynamics::BodyKernel sse41_bodies = MovedBodies<Sse41>::table();
+constinit const solve::BodyKernel sse41_bodies = MovedBodies<Sse41>::table();
 constinit const ContactKernel sse41_contacts = Kernel<Sse41>::table();
-constinit const dynamics::PairKernel sse41_pairs = PairLanes<Sse41>::table();
+constinit const solve::PairKernel sse41_pairs = PairLanes<Sse41>::table();
 constinit const shapes::SupportKernel sse41_hulls = HullSupport<Sse41>::table();
-constinit const dynamics::JointKernel sse41_joints = PackedJoints<Sse41>::table();
+constinit const solve::JointKernel sse41_joints = PackedJoints<Sse41>::table();
 
 } // namespace lockstone::solve
 

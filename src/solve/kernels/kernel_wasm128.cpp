@@ -11,11 +11,11 @@
 
 namespace lockstone::solve {
 
-constinit const dynamics::BodyKernel wasm128_bodies = MovedBodies<Wasm128>::table();
+constinit const solve::BodyKernel wasm128_bodies = MovedBodies<Wasm128>::table();
 constinit const ContactKernel wasm128_contacts = Kernel<Wasm128>::table();
-constinit const dynamics::PairKernel wasm128_pairs = PairLanes<Wasm128>::table();
+constinit const solve::PairKernel wasm128_pairs = PairLanes<Wasm128>::table();
 constinit const shapes::SupportKernel wasm128_hulls = HullSupport<Wasm128>::table();
-constinit const dynamics::JointKernel wasm128_joints = PackedJoints<Wasm128>::table();
+constinit const solve::JointKernel wasm128_joints = PackedJoints<Wasm128>::table();
 
 } // namespace lockstone::solve
 

@@ -1,11 +1,11 @@
 // The passes over bodies, contacts and joints that this build has, by instruction set; each set in a file of its own, kernel_*.cpp.
 #pragma once
 
-#include "dynamics/body_kernel.h"
-#include "dynamics/joint_pack.h"
-#include "dynamics/pair_kernel.h"
-#include "shapes/support_kernel.h"
+#include "shapes/hull/support_kernel.h"
+#include "solve/bodies/body_kernel.h"
 #include "solve/contacts/pack.h"
+#include "solve/joints/joint_pack.h"
+#include "solve/pairs/pair_kernel.h"
 
 #include "lockstone/simd.h"
 
@@ -13,9 +13,9 @@ namespace lockstone::solve {
 
 struct Kernels {
     const ContactKernel* contacts;
-    const dynamics::JointKernel* joints;
-    const dynamics::BodyKernel* bodies;
-    const dynamics::PairKernel* pairs;
+    const solve::JointKernel* joints;
+    const solve::BodyKernel* bodies;
+    const solve::PairKernel* pairs;
     const shapes::SupportKernel* hulls;
 };
 
@@ -24,10 +24,9 @@ const Kernels* kernels_of(Simd level);
 
 extern const ContactKernel scalar_contacts, sse41_contacts, avx2_contacts, avx512_contacts, neon_contacts,
     wasm128_contacts;
-extern const dynamics::JointKernel scalar_joints, sse41_joints, avx2_joints, neon_joints, wasm128_joints;
-extern const dynamics::BodyKernel scalar_bodies, sse41_bodies, avx2_bodies, neon_bodies, wasm128_bodies;
-extern const dynamics::PairKernel scalar_pairs, sse41_pairs, avx2_pairs, avx512_pairs, neon_pairs,
-    wasm128_pairs;
+extern const solve::JointKernel scalar_joints, sse41_joints, avx2_joints, neon_joints, wasm128_joints;
+extern const solve::BodyKernel scalar_bodies, sse41_bodies, avx2_bodies, neon_bodies, wasm128_bodies;
+extern const solve::PairKernel scalar_pairs, sse41_pairs, avx2_pairs, avx512_pairs, neon_pairs, wasm128_pairs;
 extern const shapes::SupportKernel scalar_hulls, sse41_hulls, avx2_hulls, avx512_hulls, neon_hulls,
     wasm128_hulls;
 

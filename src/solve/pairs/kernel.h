@@ -1,12 +1,12 @@
-// Pairs of shapes in lanes, written once over the lanes L. See dynamics/pair_kernel.h for what goes in and comes out, and
-// dynamics/contact_memory.h for when a manifold serves again.
+// Pairs of shapes in lanes, written once over the lanes L. See solve/pairs/pair_kernel.h for what goes in and comes out, and
+// solve/contacts/contact_memory.h for when a manifold serves again.
 //
 // Only files that are compiled for one instruction set include this; it must not use inline functions that other files use
 // too, since the linker keeps one of their copies.
 #pragma once
 
-#include "dynamics/pair_kernel.h"
 #include "solve/lanes/lane_fixed.h"
+#include "solve/pairs/pair_kernel.h"
 
 namespace lockstone::solve {
 
@@ -19,8 +19,8 @@ template <class L> class PairLanes {
     using Length = LaneFixed<L, length_bits>;
     using Speed = LaneFixed<L, speed_bits>;
     template <int F> using Sum = LaneSum<L, F>;
-    using Lane = dynamics::PairLane;
-    using Pass = dynamics::PairPass;
+    using Lane = solve::PairLane;
+    using Pass = solve::PairPass;
 
     static constexpr std::int64_t far_away = std::int64_t{16384}
                                              << length_bits; ///< collide::relative_position_max
@@ -30,7 +30,7 @@ template <class L> class PairLanes {
     /// What is known of N pairs on the way.
     struct Pairs {
         const Lane* lane[N];
-        const dynamics::ContactMemory* memory[N];
+        const solve::ContactMemory* memory[N];
         Sum<32> way[6];
         Unit axes[3][3];        ///< [column][component] of A's axes
         Sum<length_bits> at[3]; ///< of B's origin in A's frame
@@ -51,7 +51,7 @@ template <class L> class PairLanes {
         L::quads(from, out);
     }
     template <class Place> static void six(const Pairs& p, Place&& place, V (&out)[6]) {
-        const dynamics::Six* from[N];
+        const solve::Six* from[N];
         for (unsigned k = 0; k < N; ++k) from[k] = place(*p.lane[k]);
         L::gather6(from, out);
     }
@@ -174,8 +174,7 @@ template <class L> class PairLanes {
             p.moved[i] = low(moved);
         }
         const auto turn = find_turned(p);
-        p.bad =
-            p.bad | (turn > Sum<unit_bits>::splat(dynamics::recycling_turn.raw)); // and so the product fits
+        p.bad = p.bad | (turn > Sum<unit_bits>::splat(solve::recycling_turn.raw)); // and so the product fits
         const auto by_turn = low(turn) * p.reach;
         const auto all = length_above(p.moved) +
                          Sum<length_bits>{L::template shift_right<unit_bits>(by_turn.raw)} +
@@ -299,19 +298,19 @@ template <class L> class PairLanes {
         for (unsigned k = 0; k < N; ++k) from[k] = reinterpret_cast<const std::int32_t*>(place(*p.memory[k]));
         L::quads(from, out);
     }
-    static const dynamics::ContactPointMemory* point_of(const dynamics::ContactMemory& m, std::uint32_t k) {
-        return reinterpret_cast<const dynamics::ContactPointMemory*>(&m.points) + k;
+    static const solve::ContactPointMemory* point_of(const solve::ContactMemory& m, std::uint32_t k) {
+        return reinterpret_cast<const solve::ContactPointMemory*>(&m.points) + k;
     }
-    static void write_quad(dynamics::PairContact* (&to)[N], unsigned at, const V (&x)[4]) {
+    static void write_quad(solve::PairContact* (&to)[N], unsigned at, const V (&x)[4]) {
         std::int32_t* out[N];
         for (unsigned k = 0; k < N; ++k) out[k] = reinterpret_cast<std::int32_t*>(to[k]) + 4 * at;
         L::store_quads(out, x);
     }
 
-    static void make_contacts(const Pairs& p, const Frame& f, dynamics::PairContact* (&to)[N]) {
+    static void make_contacts(const Pairs& p, const Frame& f, solve::PairContact* (&to)[N]) {
         V row[4];
         quad_of_rows(
-            p, [](const dynamics::ContactMemory& m) { return &m.normal; }, row);
+            p, [](const solve::ContactMemory& m) { return &m.normal; }, row);
         const Unit n[3] = {{row[0]}, {row[1]}, {row[2]}};
         V out[4];
         for (int i = 0; i < 3; ++i)
@@ -324,11 +323,11 @@ template <class L> class PairLanes {
             if (const std::uint32_t own = p.memory[k]->count; own > count) count = own;
         for (std::uint32_t k = 0; k < count; ++k) {
             quad_of_rows(
-                p, [k](const dynamics::ContactMemory& m) { return &point_of(m, k)->position; }, row);
+                p, [k](const solve::ContactMemory& m) { return &point_of(m, k)->position; }, row);
             const Length at[3] = {{row[0]}, {row[1]}, {row[2]}};
             V then[4];
             quad_of_rows(
-                p, [k](const dynamics::ContactMemory& m) { return &point_of(m, k)->separation; }, then);
+                p, [k](const solve::ContactMemory& m) { return &point_of(m, k)->separation; }, then);
             const auto by = tilt.along + tilt.by[0] * at[0] + tilt.by[1] * at[1] + tilt.by[2] * at[2];
             V of_a[4], of_b[4];
             of_a[3] = saturated(sum_of<gap_bits>(then[0]) + round_to<gap_bits>(by)).raw;
@@ -351,7 +350,7 @@ template <class L> class PairLanes {
         for (int i = 0; i < 3; ++i) p.at[i].store64(at[i]);
         for (int i = 0; i < 4; ++i) p.turn[i].store(turn[i]);
         for (unsigned k = 0; k < count; ++k) {
-            dynamics::PairPlace& place = pass.place[first + k];
+            solve::PairPlace& place = pass.place[first + k];
             for (int i = 0; i < 3; ++i) place.position[i] = at[i][k];
             place.rotation.x.raw = turn[0][k], place.rotation.y.raw = turn[1][k];
             place.rotation.z.raw = turn[2][k], place.rotation.w.raw = turn[3][k];
@@ -361,20 +360,20 @@ template <class L> class PairLanes {
     static void find_some(const Pass& pass, std::uint32_t first, unsigned count) {
         Pairs p;
         for (unsigned k = 0; k < N; ++k) {
-            const dynamics::PairRow& row = pass.rows[first + (k < count ? k : 0)];
+            const solve::PairRow& row = pass.rows[first + (k < count ? k : 0)];
             p.lane[k] = row.pair, p.memory[k] = row.memory;
         }
         read(p);
-        if (pass.work != dynamics::PairWork::fresh) {
+        if (pass.work != solve::PairWork::fresh) {
             find_turn(p);
             find_place(p);
             write_places(p, pass, first, count);
         }
-        if (pass.work == dynamics::PairWork::place) return;
-        if (pass.work == dynamics::PairWork::recycle) find_shift(p);
+        if (pass.work == solve::PairWork::place) return;
+        if (pass.work == solve::PairWork::recycle) find_shift(p);
         const unsigned bad = p.bad.lanes();
-        dynamics::PairContact spare;
-        dynamics::PairContact* to[N];
+        solve::PairContact spare;
+        solve::PairContact* to[N];
         for (unsigned k = 0; k < N; ++k) {
             const bool serves = k < count && ((bad >> k) & 1u) == 0;
             to[k] = serves ? &pass.contact[first + k] : &spare;
@@ -392,7 +391,7 @@ template <class L> class PairLanes {
     }
 
   public:
-    static constexpr dynamics::PairKernel table() { return {find}; }
+    static constexpr solve::PairKernel table() { return {find}; }
 };
 
 } // namespace lockstone::solve

@@ -1,10 +1,10 @@
-// The furthest corner of a hull in lanes, written once over the lanes L: shapes/support_kernel.h.
+// The furthest corner of a hull in lanes, written once over the lanes L: shapes/hull/support_kernel.h.
 //
 // Only files that are compiled for one instruction set include this; it must not use inline functions that other files use
 // too, since the linker keeps one of their copies.
 #pragma once
 
-#include "shapes/support_kernel.h"
+#include "shapes/hull/support_kernel.h"
 #include "solve/lanes/lane_fixed.h"
 
 namespace lockstone::solve {

@@ -1,7 +1,7 @@
 // Small recordings that ask for much, under a limit of memory drawn at random: allocations are counted.
 #include "attack/attack.h"
 #include "lockstone/joint.h"
-#include "lockstone/random.h"
+#include "lockstone/math/random.h"
 #include "replay/branch.h"
 #include "replay/diff.h"
 #include "support/small_recording.h"

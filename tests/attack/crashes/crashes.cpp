@@ -1,6 +1,6 @@
 // Recorders that are killed at a random instant, or cut off by a full disk.
 #include "attack/attack.h"
-#include "lockstone/random.h"
+#include "lockstone/math/random.h"
 #include "replay/branch.h"
 #include "support/small_recording.h"
 

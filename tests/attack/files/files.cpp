@@ -1,8 +1,8 @@
 // Recordings changed with checksums made right, read and used in every way that a program would.
 #include "attack/attack.h"
 #include "attack/files/scenes.h"
-#include "fuzz/recording_check.h"
-#include "lockstone/random.h"
+#include "fuzz/checks/recording_check.h"
+#include "lockstone/math/random.h"
 
 #include <unistd.h>
 

@@ -6,7 +6,7 @@
 // Planted: "silent" gives one honest machine another world and keeps its hashes to itself; "hang" never ends.
 #include "attack/attack.h"
 #include "session/hostile.h"
-#include "session/input_queue.h"
+#include "session/inputs/input_queue.h"
 #include "session/seal.h"
 
 #include <chrono>
@@ -71,9 +71,10 @@ void lie_in_fields(Message& m, std::uint32_t players, test::Random& random) {
             m.hash_count = random.below(m.hash_count + 1);
             break;
         case 10:
-            m.quality = session::QualityReport{static_cast<std::int32_t>(random.next()), static_cast<std::uint16_t>(random.next()),
-                                               random.below(2) != 0, static_cast<std::uint16_t>(random.next()),
-                                               static_cast<std::uint16_t>(random.next())};
+            m.quality = session::QualityReport{
+                static_cast<std::int32_t>(random.next()), static_cast<std::uint16_t>(random.next()),
+                random.below(2) != 0, static_cast<std::uint16_t>(random.next()),
+                static_cast<std::uint16_t>(random.next())};
             break;
         default:
             if (random.below(50) == 0) m.sequence = any_number(random, m.sequence) & 0xffffffffu;
@@ -82,7 +83,8 @@ void lie_in_fields(Message& m, std::uint32_t players, test::Random& random) {
     }
 }
 
-std::vector<std::byte> with_other_bytes(std::span<const std::byte> from, std::uint32_t match, test::Random& random) {
+std::vector<std::byte> with_other_bytes(std::span<const std::byte> from, std::uint32_t match,
+                                        test::Random& random) {
     std::vector<std::byte> packet(from.begin(), from.end());
     for (std::uint32_t changes = 1 + random.below(3); changes > 0; --changes) {
         const std::uint32_t at = random.below(static_cast<std::uint32_t>(packet.size()));
@@ -115,7 +117,8 @@ bool is_told(const Match& match, PeerId a, PeerId b, std::uint64_t at) {
 
 /// What a machine was told, for the report of a finding.
 std::string told_to(const Match& match, PeerId id) {
-    std::string out = " [" + std::to_string(id) + ": " + std::to_string(match.machines[id]->timeline.ticks.size()) + " ticks";
+    std::string out = " [" + std::to_string(id) + ": " +
+                      std::to_string(match.machines[id]->timeline.ticks.size()) + " ticks";
     for (const Desync& d : match.notices<Desync>(id))
         out += ", desync with " + std::to_string(d.peer) + " at " + std::to_string(d.tick);
     for (const PlayerDisconnected& left : match.notices<PlayerDisconnected>(id))
@@ -136,9 +139,13 @@ std::string parted(const HostileMatch& h, Fault fault, bool may_part, attack::Fi
         for (PeerId b = 0; b < h.hostile; ++b) {
             const std::uint64_t at = parting(h.match.machines[a]->timeline, h.match.machines[b]->timeline);
             if (at == session::never) continue;
-            const bool told = fault != Fault::silent && (is_told(h.match, a, b, at) || is_told(h.match, b, a, at));
+            const bool told =
+                fault != Fault::silent && (is_told(h.match, a, b, at) || is_told(h.match, b, a, at));
             ++figures[told ? "told" : "silent"];
-            if (!told) return "machines " + std::to_string(a) + " and " + std::to_string(b) + " part silently at tick " + std::to_string(at) + told_to(h.match, a) + told_to(h.match, b);
+            if (!told)
+                return "machines " + std::to_string(a) + " and " + std::to_string(b) +
+                       " part silently at tick " + std::to_string(at) + told_to(h.match, a) +
+                       told_to(h.match, b);
             const bool of_desync = h.match.notices<Desync>(a).size() + h.match.notices<Desync>(b).size() > 0;
             if (of_desync && !may_part && h.match.notices<PlayerDisconnected>(a).empty())
                 return "a desync out of lies that leave the inputs alone";
@@ -205,7 +212,9 @@ std::string one_match(std::uint64_t seed, Fault fault, attack::Figures& figures)
 
 int main(int argc, char** argv) {
     const attack::Options options = attack::read_options("peers", argc, argv);
-    const Fault fault = options.planted == "silent" ? Fault::silent : options.planted == "hang" ? Fault::hang : Fault::none;
+    const Fault fault = options.planted == "silent" ? Fault::silent
+                        : options.planted == "hang" ? Fault::hang
+                                                    : Fault::none;
     return attack::run(options, [&](std::uint64_t number, attack::Figures& figures) {
         return one_match(options.seed * 1'000'003 + number, fault, figures);
     });

@@ -56,7 +56,8 @@ Quat Values::turn() {
 UnitVec3 Values::direction() {
     if (chance(3)) return random.unit_vector();
     UnitVec3 v{};
-    const int axis = static_cast<int>(below(3)); // a statement a draw: compilers differ in what they evaluate first
+    const int axis =
+        static_cast<int>(below(3)); // a statement a draw: compilers differ in what they evaluate first
     v[axis] = chance(2) ? unit_one : -unit_one;
     return v;
 }

@@ -1,8 +1,8 @@
 // Values at and between the limits of a range, and definitions made of them.
 #pragma once
 
-#include "lockstone/math.h"
-#include "lockstone/random.h"
+#include "lockstone/math/math.h"
+#include "lockstone/math/random.h"
 #include "lockstone/world.h"
 
 #include <vector>

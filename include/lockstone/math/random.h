@@ -1,0 +1,141 @@
+// Random numbers as state: a generator is four words in a game's own column, saved and rolled back with the world.
+//
+//   struct Chance { Random loot; };                                       a record of the game's
+//   template <class V> constexpr void describe(Chance& c, V&& v) { v("loot", c.loot); }
+//
+//   world.write(record, Chance{Random::seeded(match_seed, stream_id)});   once, at the start
+//   Chance now = world.read(record);
+//   if (now.loot.chance(0.25_r)) drop(now.loot.range(1, 6));
+//   world.write(record, now);                                             a draw moves the generator on
+//
+// One generator per purpose: a draw added to one must not shift the others.
+#pragma once
+
+#include "lockstone/math/math.h"
+
+#include <cstddef>
+#include <span>
+#include <utility>
+
+namespace lockstone {
+
+/// The next value of SplitMix64; moves `state` on.   source: S. Vigna, splitmix64.c, 2015
+constexpr std::uint64_t split_mix(std::uint64_t& state) {
+    std::uint64_t z = (state += 0x9e3779b97f4a7c15u);
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return z ^ (z >> 31);
+}
+
+/// xoshiro256**: period 2^256 - 1.   source: D. Blackman, S. Vigna, Scrambled Linear Pseudorandom Number Generators, 2021
+/// A plain row: no padding, no pointers. All zeros (a fresh column) acts as seeded(0).
+struct Random {
+    std::array<std::uint64_t, 4> state;
+
+    friend constexpr bool operator==(const Random&, const Random&) = default;
+
+    /// Stream 0 is the seeding that the generator's authors recommend; other streams start elsewhere.
+    static constexpr Random seeded(std::uint64_t seed, std::uint64_t stream = 0) {
+        std::uint64_t s = seed;
+        if (stream != 0) s ^= split_mix(stream);
+        Random r{};
+        for (std::uint64_t& word : r.state) word = split_mix(s);
+        return r;
+    }
+
+    /// A generator for a sub-purpose, from the present state and a number; this one does not move.
+    constexpr Random split(std::uint64_t stream) const {
+        std::uint64_t hash = stream;
+        for (std::uint64_t word : state) hash = split_mix(hash) ^ word;
+        return seeded(split_mix(hash), stream);
+    }
+
+    constexpr std::uint64_t next_u64() {
+        if ((state[0] | state[1] | state[2] | state[3]) == 0) *this = seeded(0);
+        const std::uint64_t result = std::rotl(state[1] * 5, 7) * 9, t = state[1] << 17;
+        state[2] ^= state[0];
+        state[3] ^= state[1];
+        state[1] ^= state[2];
+        state[0] ^= state[3];
+        state[2] ^= t;
+        state[3] = std::rotl(state[3], 45);
+        return result;
+    }
+    constexpr std::uint32_t next_u32() { return static_cast<std::uint32_t>(next_u64() >> 32); }
+
+    /// Moves on by 2^128 draws: 2^128 generators that never meet.
+    constexpr void jump() {
+        constexpr std::uint64_t polynomial[] = {0x180ec6d33cfd0abau, 0xd5a61266f0c9392cu, 0xa9582618e03fc9aau,
+                                                0x39abdc4529b1661cu};
+        std::array<std::uint64_t, 4> sum{};
+        for (std::uint64_t word : polynomial)
+            for (int bit = 0; bit < 64; ++bit) {
+                if (((word >> bit) & 1u) != 0)
+                    for (std::size_t i = 0; i < 4; ++i) sum[i] ^= state[i];
+                next_u64();
+            }
+        state = sum;
+    }
+
+    /// Each multiple of 2^-32 in [0, 1) alike.
+    constexpr Real uniform() { return Real::from_raw(next_u32()); }
+
+    /// Each Real in [low, high) alike (to 2^-64); low when high <= low.
+    constexpr Real range(Real low, Real high) {
+        const std::uint64_t draw = next_u64();
+        if (high <= low) return low;
+        const std::uint64_t width =
+            static_cast<std::uint64_t>(high.raw) - static_cast<std::uint64_t>(low.raw);
+        const Wide scaled = Wide::product_unsigned(draw, width);
+        return Real::from_raw(static_cast<std::int64_t>(static_cast<std::uint64_t>(low.raw) +
+                                                        static_cast<std::uint64_t>(scaled.high_bits())));
+    }
+
+    /// Each integer in [low, high] alike, exactly; low when high < low.
+    constexpr std::int32_t range(std::int32_t low, std::int32_t high) {
+        if (high < low) return low;
+        const std::uint32_t width = static_cast<std::uint32_t>(high) - static_cast<std::uint32_t>(low);
+        const std::uint32_t offset = width == 0xffffffffu ? next_u32() : below(width + 1);
+        return static_cast<std::int32_t>(static_cast<std::uint32_t>(low) + offset);
+    }
+
+    /// Each integer in [0, count) alike, exactly; 0 for count 0. Draws once, rarely again.
+    /// source: D. Lemire, Fast Random Integer Generation in an Interval, 2019
+    constexpr std::uint32_t below(std::uint32_t count) {
+        std::uint64_t product = std::uint64_t{next_u32()} * count;
+        if (static_cast<std::uint32_t>(product) < count) {
+            const std::uint32_t surplus = (0u - count) % count; // 2^32 mod count
+            while (static_cast<std::uint32_t>(product) < surplus) product = std::uint64_t{next_u32()} * count;
+        }
+        return static_cast<std::uint32_t>(product >> 32);
+    }
+
+    /// True with probability p: never for p <= 0, always for p >= 1. One draw in any case.
+    template <FixedPoint T> constexpr bool chance(T p) { return std::int64_t{next_u32()} < to<Real>(p).raw; }
+
+    /// Uniform on the sphere: points of a cube, thrown again outside the ball and next to its centre.
+    constexpr UnitVec3 unit_vector() {
+        for (;;) {
+            UnitVec3 v{};
+            v.x = Unit::from_raw(static_cast<std::int32_t>(next_u32()));
+            v.y = Unit::from_raw(static_cast<std::int32_t>(next_u32()));
+            v.z = Unit::from_raw(static_cast<std::int32_t>(next_u32()));
+            const std::uint64_t n = detail::square_sum(v).low;
+            if (n <= std::uint64_t{1} << 62 && n >= std::uint64_t{1} << 40) return normalized(v);
+        }
+    }
+
+    /// Every order alike.   source: R. Durstenfeld, Algorithm 235, 1964
+    template <class T, std::size_t Extent> constexpr void shuffle(std::span<T, Extent> items) {
+        for (std::size_t left = items.size(); left > 1; --left) {
+            const std::size_t pick = below(static_cast<std::uint32_t>(left));
+            std::swap(items[left - 1], items[pick]);
+        }
+    }
+};
+
+template <class Visit> constexpr void describe(Random& r, Visit&& visit) { visit("state", r.state); }
+
+static_assert(std::is_trivially_copyable_v<Random> && std::has_unique_object_representations_v<Random>);
+
+} // namespace lockstone

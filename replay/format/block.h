@@ -1,0 +1,84 @@
+// A block of ticks: gathered and packed by the writer, unpacked by the reader.
+#pragma once
+
+#include "base/bytes.h"
+#include "lockstone/game.h"
+#include "replay/format/format.h"
+
+#include <map>
+
+namespace lockstone::replay {
+
+/// What a block's rows look like; stands in the header.
+struct BlockShape {
+    Mode mode = Mode::inputs;
+    std::uint32_t player_count = 0;
+    std::uint32_t input_size = 0;
+    /// Bytes of a row of the input table: a status byte and the input, per player.
+    std::size_t input_row_bytes() const { return std::size_t{player_count} * (1 + input_size); }
+};
+
+/// Gathers ticks until they are written as one TICK chunk.
+class BlockBuilder {
+  public:
+    explicit BlockBuilder(BlockShape block_shape) : shape(block_shape) {}
+
+    /// The players' inputs of the next tick and the hash after it. Refuses predicted inputs and wrong sizes.
+    Status add_inputs(std::span<const PlayerInput> inputs, std::uint64_t hash);
+    /// The commands before the next tick and the hash after it.
+    Status add_commands(std::span<const Command> commands, std::uint64_t hash);
+
+    std::uint32_t ticks() const { return static_cast<std::uint32_t>(hashes.size()); }
+    std::size_t unpacked_bytes() const;
+    /// Appends the payload of TICK and starts anew.
+    void finish(std::uint64_t first_tick, std::vector<std::byte>& out);
+
+  private:
+    BlockShape shape;
+    std::vector<std::uint64_t> hashes;
+    std::vector<std::byte> input_rows;
+    std::vector<std::byte> count_rows, kind_rows;
+    std::map<std::size_t, std::vector<std::byte>> field_rows; ///< by kind
+};
+
+/// An unpacked block. Everything was checked when it was read: access cannot fail.
+class TickBlock {
+  public:
+    TickBlock() = default;
+    /// Reads the payload of TICK up to the end of `in`; errors stay in `in`. Takes at most memory_per_byte for each byte
+    /// that is announced, and no more than `limits` allow.
+    static TickBlock read(base::ByteReader& in, BlockShape shape, const Limits& limits);
+    static constexpr std::uint64_t memory_per_byte = 4;
+
+    std::uint64_t first_tick() const { return first; }
+    std::uint64_t end_tick() const { return first + hashes.size(); }
+    bool holds(std::uint64_t tick) const { return tick >= first && tick < end_tick(); }
+    /// Of the state after a tick of this block (asserted, here and below).
+    std::uint64_t hash_after(std::uint64_t tick) const;
+    /// The players' inputs of a tick, pointing into this block; empty in commands mode.
+    std::vector<PlayerInput> inputs(std::uint64_t tick) const;
+    /// Most commands before any tick; 0 in inputs mode.
+    std::uint32_t commands_most() const { return most_commands; }
+    /// The commands before a tick, in order; empty in inputs mode.
+    std::vector<Command> commands(std::uint64_t tick) const;
+
+  private:
+    struct CommandRef {
+        std::uint32_t kind;
+        std::uint32_t row; ///< among the commands of its kind
+    };
+    void read_inputs(base::ByteReader& in, std::span<const std::byte> unpacked);
+    void read_commands(base::ByteReader& in, std::span<const std::byte> unpacked, const Limits& limits);
+    void check_work(base::ByteReader& in, const Limits& limits) const;
+
+    BlockShape shape;
+    std::uint32_t most_commands = 0;
+    std::uint64_t first = 0;
+    std::vector<std::uint64_t> hashes;
+    std::vector<std::byte> input_rows;
+    std::vector<std::uint32_t> first_command;       ///< by tick, and the end
+    std::vector<CommandRef> refs;                   ///< in order of application
+    std::vector<std::vector<std::byte>> field_rows; ///< by kind
+};
+
+} // namespace lockstone::replay

@@ -1,0 +1,349 @@
+// Pairs of overlapping leaves are kept from call to call; a call finds anew only the pairs of leaves that changed, by
+// descending two trees (or one tree twice) at once, then filters all pairs by exact bounds.
+//
+// source: van den Bergen, Efficient Collision Detection of Complex Deformable Models using AABB Trees, 1997 (fat
+// leaves, simultaneous descent)
+#include "collide/broad/broad_phase.h"
+
+#include "base/assert.h"
+
+#include <algorithm>
+
+namespace lockstone::collide {
+
+BroadPhase::BroadPhase(std::uint32_t proxy_capacity, Bound leaf_margin) : margin(leaf_margin) {
+    grow(proxy_capacity);
+    reserve(proxy_capacity);
+    stack.reserve(256);
+    open.reserve(256);
+}
+
+void BroadPhase::grow(std::uint32_t proxy_capacity) {
+    if (proxy_capacity <= entries.size()) return;
+    entries.reserve(proxy_capacity); // no more than that: whoever asks grows in steps
+    entries.resize(proxy_capacity, absent);
+}
+
+void BroadPhase::reserve(std::uint32_t proxies) {
+    moving.reserve(proxies), fixed.reserve(proxies);
+    moved.reserve(proxies), changed.reserve(proxies), leaves.reserve(proxies);
+    for (std::vector<ProxyPair>* pairs : {&leaf_pairs, &found, &merged})
+        pairs->reserve(std::size_t{8} * proxies);
+}
+
+void BroadPhase::note_move(std::uint32_t proxy) {
+    Entry& entry = entries[proxy];
+    if (!entry.moved) moved.push_back(proxy);
+    if (!entry.fresh) changed.push_back(proxy);
+    entry.moved = entry.fresh = true;
+}
+
+/// The bounds with the margin, and ahead by four times the last move (at most four margins): a body that keeps its
+/// course leaves its leaf less often.
+Bounds BroadPhase::moving_leaf(const Bounds& before, const Bounds& exact) const {
+    Bounds leaf = expand(exact, margin);
+    const Bound limit = margin * 4;
+    for (int i = 0; i < 3; ++i) {
+        const Bound ahead = clamp((exact.lower[i] - before.lower[i]) * 4, -limit, limit);
+        if (ahead < Bound{})
+            leaf.lower[i] += ahead;
+        else
+            leaf.upper[i] += ahead;
+    }
+    return leaf;
+}
+
+void BroadPhase::set(std::uint32_t proxy, const Bounds& exact, bool is_static) {
+    LOCKSTONE_ASSERT(proxy < entries.size(), "proxy ", proxy, ", capacity ", entries.size());
+    Entry& entry = entries[proxy];
+    const Bounds before = entry.present ? entry.exact : exact;
+    entry.exact = exact;
+    if (entry.present && entry.is_static == is_static &&
+        (is_static ? entry.leaf_bounds == exact : collide::contains(entry.leaf_bounds, exact)))
+        return;
+    entry.present = true;
+    entry.is_static = is_static;
+    entry.leaf_bounds = is_static ? exact : moving_leaf(before, exact);
+    note_move(proxy);
+}
+
+void BroadPhase::remove(std::uint32_t proxy) {
+    if (!contains(proxy)) return;
+    entries[proxy].present = false;
+    note_move(proxy);
+}
+
+void BroadPhase::clear() {
+    for (Entry& entry : entries) entry = absent;
+    moving.clear();
+    fixed.clear();
+    moved.clear();
+    changed.clear();
+    leaf_pairs.clear();
+    gave_up = false;
+}
+
+void BroadPhase::update_trees() {
+    if (moved.empty()) return;
+    std::uint32_t changes[2] = {0, 0};
+    for (std::uint32_t proxy : moved) {
+        const Entry& entry = entries[proxy];
+        if (entry.leaf != BoundsTree::none) ++changes[entry.in_fixed];
+        if (entry.present) ++changes[entry.is_static];
+    }
+    const bool anew[2] = {changes[0] * 8 > moving.leaf_count(), changes[1] * 8 > fixed.leaf_count()};
+    for (std::uint32_t proxy : moved) {
+        Entry& entry = entries[proxy];
+        if (entry.leaf != BoundsTree::none && !anew[entry.in_fixed])
+            tree_of(entry.in_fixed).remove(entry.leaf);
+        entry.leaf = BoundsTree::none;
+    }
+    for (bool is_fixed : {false, true}) {
+        if (anew[is_fixed])
+            rebuild(is_fixed);
+        else
+            insert_moved(is_fixed);
+    }
+    for (std::uint32_t proxy : moved) entries[proxy].moved = false;
+    moved.clear();
+}
+
+void BroadPhase::rebuild(bool is_fixed) {
+    BoundsTree& tree = tree_of(is_fixed);
+    leaves.clear();
+    tree.for_each_leaf([&](BoundsTree::NodeId, const BoundsTree::Node& leaf) {
+        const Entry& entry = entries[leaf.proxy()];
+        if (!entry.moved) leaves.push_back({leaf.bounds, leaf.proxy(), entry.fresh});
+    });
+    for (std::uint32_t proxy : moved)
+        if (const Entry& entry = entries[proxy]; entry.present && entry.is_static == is_fixed)
+            leaves.push_back({entry.leaf_bounds, proxy, true});
+    tree.rebuild(leaves);
+    note_leaves(is_fixed);
+}
+
+void BroadPhase::note_leaves(bool is_fixed) {
+    tree_of(is_fixed).for_each_leaf([&](BoundsTree::NodeId id, const BoundsTree::Node& leaf) {
+        entries[leaf.proxy()].leaf = id;
+        entries[leaf.proxy()].in_fixed = is_fixed;
+    });
+}
+
+void BroadPhase::insert_moved(bool is_fixed) {
+    for (std::uint32_t proxy : moved) {
+        Entry& entry = entries[proxy];
+        if (!entry.present || entry.is_static != is_fixed) continue;
+        entry.leaf = tree_of(is_fixed).insert(entry.leaf_bounds, proxy);
+        entry.in_fixed = is_fixed;
+    }
+}
+
+bool BroadPhase::find_pairs(std::vector<ProxyPair>& out, std::size_t leaf_pairs_max) {
+    out.clear();
+    if (gave_up)
+        for (std::uint32_t proxy = 0; proxy < entries.size(); ++proxy)
+            if (entries[proxy].present) note_move(proxy);
+    if (!changed.empty()) {
+        update_trees();
+        gave_up = !find_leaf_pairs(leaf_pairs_max);
+        if (gave_up) return false;
+        moving.clear_fresh();
+        fixed.clear_fresh();
+        for (std::uint32_t proxy : changed) entries[proxy].fresh = false;
+        changed.clear();
+    }
+    for (const ProxyPair& pair : leaf_pairs)
+        if (overlap(entries[pair.a].exact, entries[pair.b].exact)) out.push_back(pair);
+    return true;
+}
+
+bool BroadPhase::find_leaf_pairs(std::size_t leaf_pairs_max) {
+    forget_pairs_of_fresh_leaves();
+    found.clear();
+    const bool are_few = leaf_pairs.size() <= leaf_pairs_max &&
+                         find_fresh_pairs_within(moving, leaf_pairs_max - leaf_pairs.size()) &&
+                         find_fresh_pairs_between(moving, fixed, leaf_pairs_max - leaf_pairs.size());
+    if (are_few)
+        merge_found();
+    else
+        leaf_pairs.clear();
+    return are_few;
+}
+
+void BroadPhase::find_first_pairs(std::vector<ProxyPair>& out, std::size_t count_max,
+                                  const std::function<bool(ProxyPair)>& is_wanted) {
+    LOCKSTONE_ASSERT(moved.empty(), moved.size(), " proxies that the trees do not know yet");
+    out.clear();
+    for (std::uint32_t a = 0; a < entries.size() && out.size() < count_max; ++a) {
+        if (!entries[a].present) continue;
+        const Bounds& bounds = entries[a].exact;
+        const auto meets = [&](const Bounds& other) { return overlap(other, bounds); };
+        const std::ptrdiff_t before = std::ssize(out);
+        const auto add = [&](std::uint32_t b) {
+            if (b > a && meets(entries[b].exact) && is_wanted({a, b})) out.push_back({a, b});
+        };
+        moving.query_if(meets, open, add);
+        if (!entries[a].is_static) fixed.query_if(meets, open, add);
+        std::sort(out.begin() + before, out.end());
+    }
+    out.resize(std::min(out.size(), count_max));
+}
+
+void BroadPhase::forget_pairs_of_fresh_leaves() {
+    std::erase_if(leaf_pairs, [&](const ProxyPair& p) { return entries[p.a].fresh || entries[p.b].fresh; });
+}
+
+namespace {
+
+ProxyPair ordered(std::uint32_t x, std::uint32_t y) { return x < y ? ProxyPair{x, y} : ProxyPair{y, x}; }
+
+} // namespace
+
+/// A stack entry (n, n) stands for all pairs below n, (a, b) for those of one leaf below each. False when there are more
+/// than `found_max` in all.
+bool BroadPhase::find_fresh_pairs_within(const BoundsTree& tree, std::size_t found_max) {
+    stack.clear();
+    if (tree.root() != BoundsTree::none) stack.push_back({tree.root(), tree.root()});
+    while (!stack.empty()) {
+        const NodePair top = stack.back();
+        stack.pop_back();
+        const BoundsTree::Node &a = tree.node(top.a), &b = tree.node(top.b);
+        if (!a.fresh && !b.fresh) continue;
+        if (top.a == top.b) {
+            if (a.is_leaf()) continue;
+            stack.push_back({a.child[0], a.child[0]});
+            stack.push_back({a.child[1], a.child[1]});
+            stack.push_back({a.child[0], a.child[1]});
+            continue;
+        }
+        if (!overlap(a.bounds, b.bounds)) continue;
+        if (a.is_leaf() && b.is_leaf()) {
+            if (found.size() == found_max) return false;
+            found.push_back(ordered(a.proxy(), b.proxy()));
+        } else if (b.is_leaf() || (!a.is_leaf() && half_area(a.bounds) >= half_area(b.bounds))) {
+            stack.push_back({a.child[0], top.b});
+            stack.push_back({a.child[1], top.b});
+        } else {
+            stack.push_back({top.a, b.child[0]});
+            stack.push_back({top.a, b.child[1]});
+        }
+    }
+    return true;
+}
+
+bool BroadPhase::find_fresh_pairs_between(const BoundsTree& tree_a, const BoundsTree& tree_b,
+                                          std::size_t found_max) {
+    stack.clear();
+    if (tree_a.root() != BoundsTree::none && tree_b.root() != BoundsTree::none)
+        stack.push_back({tree_a.root(), tree_b.root()});
+    while (!stack.empty()) {
+        const NodePair top = stack.back();
+        stack.pop_back();
+        const BoundsTree::Node &a = tree_a.node(top.a), &b = tree_b.node(top.b);
+        if ((!a.fresh && !b.fresh) || !overlap(a.bounds, b.bounds)) continue;
+        if (a.is_leaf() && b.is_leaf()) {
+            if (found.size() == found_max) return false;
+            found.push_back(ordered(a.proxy(), b.proxy()));
+        } else if (b.is_leaf() || (!a.is_leaf() && half_area(a.bounds) >= half_area(b.bounds))) {
+            stack.push_back({a.child[0], top.b});
+            stack.push_back({a.child[1], top.b});
+        } else {
+            stack.push_back({top.a, b.child[0]});
+            stack.push_back({top.a, b.child[1]});
+        }
+    }
+    return true;
+}
+
+void BroadPhase::merge_found() {
+    std::sort(found.begin(), found.end());
+    merged.resize(leaf_pairs.size() + found.size());
+    std::merge(leaf_pairs.begin(), leaf_pairs.end(), found.begin(), found.end(), merged.begin());
+    leaf_pairs.swap(merged);
+}
+
+template <class MayMeet>
+void BroadPhase::query_if(MayMeet&& may_meet, std::vector<BoundsTree::NodeId>& own,
+                          std::vector<std::uint32_t>& out) const {
+    out.clear();
+    const auto add = [&](std::uint32_t proxy) {
+        if (may_meet(entries[proxy].exact)) out.push_back(proxy);
+    };
+    moving.query_if(may_meet, own, add);
+    fixed.query_if(may_meet, own, add);
+    std::sort(out.begin(), out.end());
+}
+
+void BroadPhase::query(const Bounds& bounds, std::vector<std::uint32_t>& out) {
+    update_trees();
+    query_if([&](const Bounds& b) { return overlap(b, bounds); }, open, out);
+}
+
+void BroadPhase::query(const SweptBox& box, std::vector<std::uint32_t>& out) {
+    update_trees();
+    query_if([&](const Bounds& b) { return box.may_meet(b); }, open, out);
+}
+
+void BroadPhase::query(const SweptBox& box, Asker& asker) const {
+    LOCKSTONE_ASSERT(moved.empty(), moved.size(), " proxies that the trees do not know yet");
+    query_if([&](const Bounds& b) { return box.may_meet(b); }, asker.open, asker.proxies);
+}
+
+void BroadPhase::query(const Bounds& bounds, Asker& asker) const {
+    LOCKSTONE_ASSERT(moved.empty(), moved.size(), " proxies that the trees do not know yet");
+    query_if([&](const Bounds& b) { return overlap(b, bounds); }, asker.open, asker.proxies);
+}
+
+void BroadPhase::query_static(const SweptBox& box, Asker& asker) const {
+    LOCKSTONE_ASSERT(moved.empty(), moved.size(), " proxies that the trees do not know yet");
+    asker.proxies.clear();
+    const auto may_meet = [&](const Bounds& b) { return box.may_meet(b); };
+    fixed.query_if(may_meet, asker.open, [&](std::uint32_t proxy) {
+        if (may_meet(entries[proxy].exact)) asker.proxies.push_back(proxy);
+    });
+    std::sort(asker.proxies.begin(), asker.proxies.end());
+}
+
+// ---- for tests -------------------------------------------------------------------------------------------------
+
+void BroadPhase::make_fresh(std::uint32_t proxy) {
+    if (!entries[proxy].fresh) changed.push_back(proxy);
+    entries[proxy].fresh = true;
+}
+
+void BroadPhase::take_leaves(bool is_fixed) {
+    leaves.clear();
+    tree_of(is_fixed).for_each_leaf([&](BoundsTree::NodeId, const BoundsTree::Node& leaf) {
+        leaves.push_back({leaf.bounds, leaf.proxy(), entries[leaf.proxy()].fresh});
+    });
+}
+
+void BroadPhase::rebuild_trees(Random& random) {
+    update_trees();
+    for (const bool is_fixed : {false, true}) {
+        BoundsTree& tree = tree_of(is_fixed);
+        take_leaves(is_fixed);
+        for (BoundsTree::Leaf& leaf : leaves) make_fresh(leaf.proxy), leaf.fresh = true;
+        tree.rebuild_at_random(leaves, random);
+        if (random.next_u32() % 2 == 0) { // `leaves` is in random order now
+            tree.clear();
+            for (const BoundsTree::Leaf& leaf : leaves) tree.insert(leaf.bounds, leaf.proxy);
+        }
+        note_leaves(is_fixed);
+    }
+    for (std::size_t i = changed.size(); i > 1; --i)
+        std::swap(changed[i - 1], changed[random.next_u32() % i]);
+}
+
+void BroadPhase::forget_pairs(Random& random) {
+    update_trees();
+    for (const bool is_fixed : {false, true}) {
+        take_leaves(is_fixed);
+        for (BoundsTree::Leaf& leaf : leaves)
+            if (random.next_u32() % 2 == 0) make_fresh(leaf.proxy), leaf.fresh = true;
+        tree_of(is_fixed).rebuild_at_random(leaves, random);
+        note_leaves(is_fixed);
+    }
+}
+
+} // namespace lockstone::collide

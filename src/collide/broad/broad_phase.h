@@ -1,0 +1,125 @@
+// Finds the pairs of proxies whose bounds overlap.
+//
+// A cache, never state: what it returns depends on the proxies' bounds and kinds alone, not on the order or number of
+// calls that set them, so it can be thrown away, rebuilt or left as it is at any tick.
+#pragma once
+
+#include "collide/broad/tree.h"
+#include "collide/swept_box.h"
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+namespace lockstone::collide {
+
+/// Two proxies, a < b.
+struct ProxyPair {
+    std::uint32_t a, b;
+
+    friend constexpr auto operator<=>(const ProxyPair&, const ProxyPair&) = default;
+};
+
+inline constexpr Bound leaf_margin_default = decimal<Bound>("0.1"); ///< [m] while bounds are not shifted
+
+class BroadPhase {
+  public:
+    /// Proxies are numbers below `proxy_capacity` (asserted); memory for them is taken here, as by `reserve`. `margin` is
+    /// how far the leaves of moving proxies reach beyond their bounds: larger means fewer tree updates and more pairs to
+    /// filter.
+    explicit BroadPhase(std::uint32_t proxy_capacity, Bound margin = leaf_margin_default);
+
+    /// Proxies may be numbers below `proxy_capacity` from now on, if that is more than before.
+    void grow(std::uint32_t proxy_capacity);
+    /// Takes memory for trees and pairs of so many proxies ahead of the calls that need it.
+    void reserve(std::uint32_t proxies);
+
+    /// Inserts or moves a proxy, or changes its kind. Costs next to nothing while the bounds stay within the leaf.
+    void set(std::uint32_t proxy, const Bounds& exact, bool is_static);
+    /// Does nothing for a proxy that is not there.
+    void remove(std::uint32_t proxy);
+    bool contains(std::uint32_t proxy) const { return proxy < entries.size() && entries[proxy].present; }
+    void clear();
+
+    /// All pairs, not both static, whose exact bounds overlap (touching counts), sorted by (a, b).
+    /// Costs what moved out of its leaf since the last call, and a test for each pair of overlapping leaves. False, and
+    /// nothing found, when more than `leaf_pairs_max` leaves overlap: then the next call finds all pairs anew.
+    bool find_pairs(std::vector<ProxyPair>& out, std::size_t leaf_pairs_max = SIZE_MAX);
+    /// For crowds, in which the pairs are too many to be listed: the first `count_max` of the pairs above that
+    /// `is_wanted`. The trees have to be up to date (asserted), as they are after `find_pairs`.
+    void find_first_pairs(std::vector<ProxyPair>& out, std::size_t count_max,
+                          const std::function<bool(ProxyPair)>& is_wanted);
+
+    /// All proxies whose exact bounds overlap, sorted.
+    void query(const Bounds& bounds, std::vector<std::uint32_t>& out);
+    /// All proxies whose exact bounds a moving box may meet, sorted.
+    void query(const SweptBox& box, std::vector<std::uint32_t>& out);
+
+    /// What one of several that ask at once needs for itself.
+    struct Asker {
+        std::vector<BoundsTree::NodeId> open;
+        std::vector<std::uint32_t> proxies; ///< the answer
+    };
+    /// As above, which several may ask at once: the trees have to be up to date (asserted).
+    void query(const SweptBox& box, Asker& asker) const;
+    void query(const Bounds& bounds, Asker& asker) const;
+    /// The same of static proxies alone.
+    void query_static(const SweptBox& box, Asker& asker) const;
+    /// Brings the trees up to date with the proxies that were set.
+    void update_trees();
+
+    // ---- for tests: another history of the same proxies; nothing that is asked for later changes ----
+    /// Trees of other shapes: each leaf inserted in random order, or wholly at random. All pairs are found anew.
+    void rebuild_trees(Random& random);
+    /// Forgets the pairs of about half of the proxies, chosen at random.
+    void forget_pairs(Random& random);
+
+    /// Of a proxy that is there.
+    const Bounds& bounds(std::uint32_t proxy) const { return entries[proxy].exact; }
+
+  private:
+    struct Entry {
+        Bounds exact, leaf_bounds;
+        BoundsTree::NodeId leaf;
+        bool present, is_static;
+        bool in_fixed; ///< where `leaf` is
+        bool moved;    ///< the tree does not know of its leaf bounds yet
+        bool fresh;    ///< `leaf_pairs` does not know of its leaf yet
+    };
+    static constexpr Entry absent{Bounds{}, Bounds{}, BoundsTree::none, false, false, false, false, false};
+    struct NodePair {
+        BoundsTree::NodeId a, b;
+    };
+
+    template <class MayMeet>
+    void query_if(MayMeet&& may_meet, std::vector<BoundsTree::NodeId>& open,
+                  std::vector<std::uint32_t>& out) const;
+    Bounds moving_leaf(const Bounds& before, const Bounds& exact) const;
+    void note_move(std::uint32_t proxy);
+    void rebuild(bool is_fixed);
+    void take_leaves(bool is_fixed); ///< of a tree that is up to date
+    void note_leaves(bool is_fixed); ///< where they are in a tree that was made anew
+    void make_fresh(std::uint32_t proxy);
+    void insert_moved(bool is_fixed);
+    BoundsTree& tree_of(bool is_fixed) { return is_fixed ? fixed : moving; }
+    void forget_pairs_of_fresh_leaves();
+    bool find_fresh_pairs_within(const BoundsTree& tree, std::size_t found_max);
+    bool find_fresh_pairs_between(const BoundsTree& a, const BoundsTree& b, std::size_t found_max);
+    bool find_leaf_pairs(std::size_t leaf_pairs_max);
+    void merge_found();
+
+    std::vector<Entry> entries; // by proxy
+    BoundsTree moving, fixed;
+    Bound margin;
+    std::vector<std::uint32_t> moved;   // since the trees were updated
+    std::vector<std::uint32_t> changed; // since the pairs were found
+    std::vector<ProxyPair> leaf_pairs;  // whose leaves overlap, sorted: a superset of the answer
+    bool gave_up = false;               // `leaf_pairs` were too many, and are not known
+    // scratch
+    std::vector<ProxyPair> found, merged;
+    std::vector<NodePair> stack;
+    std::vector<BoundsTree::NodeId> open;
+    std::vector<BoundsTree::Leaf> leaves;
+};
+
+} // namespace lockstone::collide

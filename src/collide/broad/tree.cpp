@@ -1,0 +1,233 @@
+// source: Catto, Dynamic Bounding Volume Hierarchies, GDC 2019 (greedy sibling by surface area, rotations on the way
+// up); Kopta et al., Fast, Effective BVH Updates for Animated Scenes, I3D 2012 (rotations).
+#include "collide/broad/tree.h"
+
+#include <algorithm>
+
+namespace lockstone::collide {
+
+BoundsTree::BoundsTree() {
+    stack.reserve(256);
+    ranges.reserve(64);
+}
+
+void BoundsTree::reserve(std::uint32_t leaves) { nodes.reserve(std::size_t{2} * leaves); }
+
+BoundsTree::NodeId BoundsTree::take_node() {
+    if (free_list == none) {
+        nodes.push_back({});
+        return static_cast<NodeId>(nodes.size() - 1);
+    }
+    const NodeId id = free_list;
+    free_list = at(id).child[1];
+    return id;
+}
+
+void BoundsTree::free_node(NodeId id) {
+    at(id).parent = free_mark;
+    at(id).child[0] = none;
+    at(id).child[1] = free_list;
+    free_list = id;
+}
+
+void BoundsTree::clear() {
+    nodes.clear();
+    top = free_list = none;
+    leaf_total = 0;
+}
+
+BoundsTree::NodeId BoundsTree::insert(const Bounds& bounds, std::uint32_t proxy) {
+    ++leaf_total;
+    const NodeId leaf = take_node();
+    at(leaf) = {bounds, none, {none, static_cast<NodeId>(proxy)}, true};
+    if (top == none) {
+        top = leaf;
+        return leaf;
+    }
+    const NodeId sibling = best_sibling(bounds);
+    const NodeId parent = take_node();
+    const NodeId above = at(sibling).parent;
+    at(parent) = {merge(bounds, at(sibling).bounds), above, {sibling, leaf}, true};
+    at(sibling).parent = at(leaf).parent = parent;
+    if (above == none)
+        top = parent;
+    else
+        at(above).child[at(above).child[1] == sibling ? 1 : 0] = parent;
+    refit_up(above);
+    return leaf;
+}
+
+void BoundsTree::remove(NodeId leaf) {
+    --leaf_total;
+    const NodeId parent = at(leaf).parent;
+    free_node(leaf);
+    if (parent == none) {
+        top = none;
+        return;
+    }
+    const NodeId sibling = at(parent).child[at(parent).child[0] == leaf ? 1 : 0];
+    const NodeId above = at(parent).parent;
+    free_node(parent);
+    at(sibling).parent = above;
+    if (above == none)
+        top = sibling;
+    else
+        at(above).child[at(above).child[1] == parent ? 1 : 0] = sibling;
+    refit_up(above);
+}
+
+/// Descends to where the new leaf adds least surface. Stops where making a sibling of the node itself is cheaper than
+/// the least that either child could add.
+BoundsTree::NodeId BoundsTree::best_sibling(const Bounds& bounds) const {
+    NodeId id = top;
+    while (!node(id).is_leaf()) {
+        const Node& n = node(id);
+        const std::int64_t merged = half_area(merge(n.bounds, bounds));
+        const std::int64_t inherited = merged - half_area(n.bounds); // what every node from here up grows by
+        std::int64_t cost[2];
+        for (int side = 0; side < 2; ++side) {
+            const Node& child = node(n.child[side]);
+            const std::int64_t grown = half_area(merge(child.bounds, bounds));
+            cost[side] = inherited + grown - (child.is_leaf() ? 0 : half_area(child.bounds));
+        }
+        if (merged < cost[0] && merged < cost[1]) break;
+        id = n.child[cost[1] < cost[0] ? 1 : 0];
+    }
+    return id;
+}
+
+void BoundsTree::merge_children(NodeId id) {
+    Node& n = at(id);
+    const Node &a = at(n.child[0]), &b = at(n.child[1]);
+    n.bounds = merge(a.bounds, b.bounds);
+    n.fresh = a.fresh || b.fresh;
+}
+
+void BoundsTree::refit_up(NodeId id) {
+    for (; id != none; id = at(id).parent) {
+        rotate(id);
+        merge_children(id);
+    }
+}
+
+/// Swaps a child with a child of the other child when that shrinks the other child most; the node itself keeps its
+/// leaves, so only one node's surface changes.
+void BoundsTree::rotate(NodeId id) {
+    const Node& n = at(id);
+    std::int64_t best_gain = 0;
+    int best_side = 0, best_grandchild = -1;
+    for (int side = 0; side < 2; ++side) { // the child that goes down
+        const Node& other = at(n.child[1 - side]);
+        if (other.is_leaf()) continue;
+        const Bounds& down = at(n.child[side]).bounds;
+        const std::int64_t before = half_area(other.bounds);
+        for (int k = 0; k < 2; ++k) { // the grandchild that goes up
+            const std::int64_t gain = before - half_area(merge(down, at(other.child[1 - k]).bounds));
+            if (gain > best_gain) best_gain = gain, best_side = side, best_grandchild = k;
+        }
+    }
+    if (best_grandchild >= 0) swap_with_grandchild(id, best_side, best_grandchild);
+}
+
+void BoundsTree::swap_with_grandchild(NodeId id, int side, int grandchild) {
+    Node& n = at(id);
+    const NodeId down = n.child[side], other = n.child[1 - side];
+    Node& o = at(other);
+    const NodeId rising = o.child[grandchild];
+    n.child[side] = rising;
+    at(rising).parent = id;
+    o.child[grandchild] = down;
+    at(down).parent = other;
+    merge_children(other);
+}
+
+namespace {
+
+struct Center {
+    int axis;
+    std::int64_t operator()(const BoundsTree::Leaf& leaf) const {
+        return std::int64_t{leaf.bounds.lower[axis].raw} + leaf.bounds.upper[axis].raw;
+    }
+};
+
+/// The axis along which the centres spread most.
+int widest_axis(const BoundsTree::Leaf* begin, const BoundsTree::Leaf* end) {
+    int widest = 0;
+    std::int64_t spread = -1;
+    for (int axis = 0; axis < 3; ++axis) {
+        const Center center{axis};
+        std::int64_t low = center(*begin), high = low;
+        for (const BoundsTree::Leaf* leaf = begin + 1; leaf != end; ++leaf) {
+            low = std::min(low, center(*leaf));
+            high = std::max(high, center(*leaf));
+        }
+        if (high - low > spread) spread = high - low, widest = axis;
+    }
+    return widest;
+}
+
+} // namespace
+
+/// A node comes before its children, so bounds are merged back to front.
+template <class Split> void BoundsTree::rebuild_by(std::vector<Leaf>& leaves, Split&& split) {
+    clear();
+    leaf_total = static_cast<std::uint32_t>(leaves.size());
+    ranges.clear();
+    if (!leaves.empty()) ranges.push_back({0, static_cast<std::uint32_t>(leaves.size()), none, 0});
+    while (!ranges.empty()) {
+        const Range r = ranges.back();
+        ranges.pop_back();
+        const NodeId id = take_node();
+        if (r.parent == none)
+            top = id;
+        else
+            at(r.parent).child[r.side] = id;
+        Leaf* const begin = leaves.data() + r.begin;
+        Leaf* const end = leaves.data() + r.end;
+        if (end - begin == 1) {
+            at(id) = {begin->bounds, r.parent, {none, static_cast<NodeId>(begin->proxy)}, begin->fresh};
+            continue;
+        }
+        at(id).parent = r.parent;
+        at(id).child[0] = id; // not a leaf; its children fill this in
+        const std::uint32_t middle = static_cast<std::uint32_t>(split(begin, end) - leaves.data());
+        ranges.push_back({r.begin, middle, id, 0});
+        ranges.push_back({middle, r.end, id, 1});
+    }
+    for (std::size_t i = nodes.size(); i-- > 0;)
+        if (!nodes[i].is_leaf()) merge_children(static_cast<NodeId>(i));
+}
+
+/// Splits at the median of the widest axis.
+void BoundsTree::rebuild(std::vector<Leaf>& leaves) {
+    rebuild_by(leaves, [](Leaf* begin, Leaf* end) {
+        const Center center{widest_axis(begin, end)};
+        Leaf* const middle = begin + (end - begin) / 2;
+        std::nth_element(begin, middle, end,
+                         [center](const Leaf& a, const Leaf& b) { return center(a) < center(b); });
+        return middle;
+    });
+}
+
+void BoundsTree::rebuild_at_random(std::vector<Leaf>& leaves, Random& random) {
+    for (std::size_t i = leaves.size(); i > 1; --i) std::swap(leaves[i - 1], leaves[random.next_u32() % i]);
+    rebuild_by(leaves, [&](Leaf* begin, Leaf* end) {
+        return begin + 1 + random.next_u32() % static_cast<std::uint32_t>(end - begin - 1);
+    });
+}
+
+void BoundsTree::clear_fresh() {
+    stack.clear();
+    if (top != none) stack.push_back(top);
+    while (!stack.empty()) {
+        Node& n = at(stack.back());
+        stack.pop_back();
+        if (!n.fresh) continue;
+        n.fresh = false;
+        if (n.is_leaf()) continue;
+        stack.push_back(n.child[0]);
+        stack.push_back(n.child[1]);
+    }
+}
+
+} // namespace lockstone::collide

@@ -1,0 +1,271 @@
+// The edges of a triangle against a convex shape: which normals an edge may have, and the contact it gives.
+//
+// EdgeSide an edge the nearest point of a mesh is the edge itself only while the direction to it lies between the
+// normals of its two triangles (the edge's Voronoi range). Any other direction is the business of a neighbour, and
+// letting it pass would make bodies stumble over the seams of a flat floor.
+// source: Terdiman, Contact generation for meshes (codercorner.com); Ericson, Real-Time Collision Detection,
+// 5.1.5.
+#include "collide/core.h"
+#include "collide/mesh/triangle_contact.h"
+
+#include <utility>
+
+namespace lockstone::collide {
+namespace {
+
+/// Directions are compared with this tolerance [sine, 30 fraction bits].
+constexpr std::int64_t range_tolerance_30 = 1 << 20;       // 0.001
+constexpr std::int64_t flat_tolerance_30 = (1 << 30) / 20; // 3 degrees: of an edge that is not felt
+constexpr std::int64_t end_tolerance_30 = 1 << 12;         // 4 um
+
+Long3 cross_30(Long3 a, Long3 b) {
+    return shifted(Long3{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]},
+                   30);
+}
+std::int64_t dot_30(Long3 a, Long3 b) { return shift_right_rounded(dot(a, b), 30); }
+
+/// An edge near B.
+struct EdgeLine {
+    Long3 from_24, to_24, along_30;
+    std::int64_t length_30;
+};
+bool edge_line(const LocalTriangle& t, int k, EdgeLine& e) {
+    e.from_24 = t.corners_24[k];
+    e.to_24 = t.corners_24[(k + 1) % 3];
+    if (!near_part(e.from_24, e.to_24)) return false;
+    const Direction d = direction_of_30(up(e.to_24 - e.from_24, 6));
+    e.along_30 = d.unit;
+    e.length_30 = d.length;
+    return d.length > 0;
+}
+
+/// The nearest point of the edge to B's centre, B being a ball.
+EdgeGap gap_of_ball(const TriangleContext& c, const LocalTriangle& t, const EdgeLine& e) {
+    EdgeGap g{};
+    const Long3 to_center = c.shape.center_24 - e.from_24;
+    const std::int64_t s = clamped(dot(to_center, e.along_30) >> 24, 0, e.length_30);
+    g.at_from = s <= end_tolerance_30;
+    g.at_to = s >= e.length_30 - end_tolerance_30;
+    g.on_edge_30 = s == e.length_30 ? up(e.to_24, 6) : up(e.from_24, 6) + shifted(e.along_30 * (s >> 6), 24);
+    const Direction d = direction_of_30(up(c.shape.center_24, 6) - g.on_edge_30);
+    // A ball centred on the edge is pushed along the triangle's normal.
+    g.normal_30 = d.length == 0 ? t.normal_30 : d.unit;
+    g.separation_30 = d.length - c.radius_30;
+    return g;
+}
+
+Convex segment_of(const EdgeLine& e) {
+    Convex s{};
+    s.core = Convex::Core::segment;
+    s.center_24 = shifted(e.from_24 + e.to_24, 1);
+    const UnitVec3 side = any_perpendicular(unit_of_30(e.along_30));
+    s.axes_30[0] = raw(side);
+    s.axes_30[1] = e.along_30;
+    s.axes_30[2] = cross_30(raw(side), e.along_30);
+    s.half_24 = {0, shift_right_rounded(e.length_30, 7), 0};
+    return s;
+}
+
+EdgeGap gap_of(const TriangleContext& c, const LocalTriangle& t, const EdgeLine& e) {
+    if (c.shape.core == Convex::Core::point) return gap_of_ball(c, t, e);
+    const Convex segment = segment_of(e);
+    EdgeGap g{};
+    const std::int64_t limit_30 = c.radius_30 + up(c.margin.raw, 6);
+    const Gap gap = closest_points_within(segment, c.shape, limit_30);
+    g.overlap = gap.overlap;
+    if (gap.overlap) {
+        const Penetration p = penetration(segment, c.shape);
+        g.normal_30 = p.normal_30;
+        g.separation_30 = -p.depth_30 - c.radius_30;
+        return g;
+    }
+    g.normal_30 = gap.normal_30;
+    g.separation_30 = gap.distance_30 - c.radius_30;
+    if (gap.distance_30 > limit_30) return g;
+    g.on_edge_30 = gap.on_a_30;
+    const auto is_near = [&](Long3 end_24) {
+        const Long3 d = gap.on_a_30 - up(end_24, 6);
+        return larger(absolute(d[0]), larger(absolute(d[1]), absolute(d[2]))) <= end_tolerance_30;
+    };
+    g.at_from = is_near(e.from_24);
+    g.at_to = is_near(e.to_24);
+    return g;
+}
+
+bool is_before(Long3 a, Long3 b) {
+    for (int i = 0; i < 3; ++i)
+        if (a[i] != b[i]) return a[i] < b[i];
+    return false;
+}
+
+KnownEdges::Entry* find_known(KnownEdges& known, Long3 from_24, Long3 to_24) {
+    if (is_before(to_24, from_24)) std::swap(from_24, to_24);
+    for (int i = 0; i < known.count; ++i)
+        if (is_same(known.entries[i].from_24, from_24) && is_same(known.entries[i].to_24, to_24))
+            return &known.entries[i];
+    return nullptr;
+}
+
+/// The same, whichever way the edge runs.
+EdgeGap known_gap(TriangleContext& c, const LocalTriangle& t, const EdgeLine& e) {
+    const bool reversed = is_before(e.to_24, e.from_24);
+    const KnownEdges::Entry* entry = find_known(c.edges, e.from_24, e.to_24);
+    if (entry == nullptr) {
+        const EdgeLine line = reversed ? EdgeLine{e.to_24, e.from_24, -e.along_30, e.length_30} : e;
+        KnownEdges& known = c.edges;
+        const int slot = known.count < KnownEdges::max ? known.count++ : known.oldest++ % KnownEdges::max;
+        known.entries[slot] = {line.from_24, line.to_24, gap_of(c, t, line), false};
+        entry = &known.entries[slot];
+    }
+    EdgeGap gap = entry->gap;
+    if (reversed) std::swap(gap.at_from, gap.at_to);
+    return gap;
+}
+
+/// Where a direction lies around an edge: inward of the triangle's normal, between it and the neighbour's normal, or
+/// past that.
+enum class EdgeSide : std::uint8_t { inward, between, past };
+EdgeSide place_around(const LocalTriangle& t, int k, Long3 along_30, Long3 direction_30) {
+    const Long3 outward = cross_30(along_30, t.normal_30);
+    const std::int64_t up_d = dot_30(direction_30, t.normal_30), out_d = dot_30(direction_30, outward);
+    const std::int64_t up_b = dot_30(t.beyond_30[k], t.normal_30), out_b = dot_30(t.beyond_30[k], outward);
+    if ((t.felt >> k & 1u) == 0) {
+        if (out_d <= flat_tolerance_30) return EdgeSide::between;
+        return EdgeSide::past;
+    }
+    const std::int64_t before_30 = dot(Long3{up_d, out_d, 0}, Long3{out_b, -up_b, 0}) >> 30;
+    if (out_d >= -range_tolerance_30 && before_30 >= -range_tolerance_30) return EdgeSide::between;
+    return shift_right_rounded(up_d * up_b + out_d * out_b, 30) > up_d ? EdgeSide::past : EdgeSide::inward;
+}
+
+/// Of a contact at an end of edge k the other edge there has to agree too.
+EdgeSide edge_side_of(const LocalTriangle& t, int k, const EdgeLine& e, const EdgeGap& g) {
+    const EdgeSide own = place_around(t, k, e.along_30, g.normal_30);
+    if (own != EdgeSide::between || g.at_from == g.at_to) return own;
+    const int other = (k + (g.at_from ? 2 : 1)) % 3;
+    EdgeLine line;
+    if (!edge_line(t, other, line)) return own;
+    const EdgeSide place = place_around(t, other, line.along_30, g.normal_30);
+    return place == EdgeSide::inward ? own : place;
+}
+
+void nearest_contact(const TriangleContext& c, const EdgeGap& g, std::uint32_t feature, Manifold& out) {
+    out.normal = unit_of_30(g.normal_30);
+    const Long3 to_middle = shifted(g.normal_30 * (g.separation_30 >> 7), 24);
+    add_point(out, g.on_edge_30 + to_middle, g.separation_30, c.margin, feature);
+}
+
+void write_contact(const TriangleContext& c, const LocalTriangle& t, int k, const Convex& segment,
+                   const EdgeGap& g, Manifold& out) {
+    out = Manifold{};
+    const std::uint32_t edge = static_cast<std::uint32_t>(k);
+    if (c.shape.core == Convex::Core::point) {
+        return nearest_contact(c, g, feature_of(4, t.index, edge, 0), out);
+    }
+    manifold_from_faces(segment, c.shape, g.normal_30, g.separation_30, c.margin, out);
+    // The edge is one of three; only its own normal is known to be within its range.
+    out.normal = unit_of_30(g.normal_30);
+    out.on_face = 0;
+    bool is_deep = false;
+    for (std::uint32_t i = 0; i < out.count; ++i) {
+        out.points[i].feature = feature_of(4, t.index, edge, out.points[i].feature);
+        is_deep = is_deep || up(out.points[i].separation.raw, 3) <= g.separation_30 + c.face_bias_30;
+    }
+    if (is_deep || g.overlap) return;
+    out = Manifold{}; // the supporting face of a smooth core is coarse: the nearest points serve
+    nearest_contact(c, g, feature_of(4, t.index, edge, 0), out);
+}
+
+/// Whether B gets past the side of edge k at all.
+bool reaches(const TriangleContext& c, const LocalTriangle& t, int k) {
+    const Long3 furthest = shifted(support(c.shape, up(t.sides_27[k], 2)).at_30, 6);
+    const std::int64_t reach_24 = (c.radius_30 >> 6) + c.margin.raw;
+    return dot(t.sides_27[k], furthest) + up(reach_24, 28) > t.limits_51[k];
+}
+
+} // namespace
+
+bool near_part(Long3& from_24, Long3& to_24) {
+    const Long3 a = from_24, b = to_24;
+    std::int64_t first = 0, last = std::int64_t{1} << 62; // of the way, 62 fraction bits
+    bool whole = true;
+    for (int i = 0; i < 3; ++i) {
+        for (const std::int64_t sign : {-1, 1}) {
+            const std::int64_t inside_a = near_24 - sign * a[i], inside_b = near_24 - sign * b[i];
+            if (inside_a >= 0 && inside_b >= 0) continue;
+            whole = false;
+            if (inside_a < 0 && inside_b < 0) return false;
+            const std::int64_t at = divide_shifted(inside_a, inside_a - inside_b, 62);
+            if (inside_b < 0)
+                last = smaller(last, at);
+            else
+                first = larger(first, at);
+        }
+    }
+    if (whole) return true;
+    if (first >= last) return false;
+    for (int i = 0; i < 3; ++i) {
+        from_24[i] = a[i] + narrow_rounded(Wide::product(b[i] - a[i], first), 62);
+        to_24[i] = a[i] + narrow_rounded(Wide::product(b[i] - a[i], last), 62);
+    }
+    return true;
+}
+
+EdgeContact edge_contact(TriangleContext& c, const LocalTriangle& t, std::int64_t lowest_30, bool has_face) {
+    using Verdict = EdgeContact::Verdict;
+    EdgeContact best{};
+    for (int k = 0; k < 3; ++k) {
+        if ((t.felt >> k & 1u) == 0 || !reaches(c, t, k)) continue;
+        const bool on_border = (t.border >> k & 1u) != 0 && lowest_30 >= -c.border_bias_30;
+        EdgeLine line;
+        if ((on_border && has_face) || !edge_line(t, k, line)) continue;
+        const EdgeGap g = known_gap(c, t, line);
+        if (g.separation_30 > up(c.margin.raw, 6)) continue;
+        if (on_border && g.separation_30 > 0) continue;
+        const EdgeSide place = edge_side_of(t, k, line, g);
+        if (place == EdgeSide::inward || (place == EdgeSide::past && !g.overlap)) continue;
+        // Apart, the nearest edge counts; overlapping, the one that is easiest to leave.
+        const bool nearer =
+            g.overlap ? g.separation_30 > best.separation_30 : g.separation_30 < best.separation_30;
+        const bool better = best.verdict == Verdict::none || (g.overlap && !best.gap.overlap) ||
+                            (g.overlap == best.gap.overlap && nearer);
+        if (!better) continue;
+        best = {Verdict::contact, k, g.separation_30, g};
+        // Sunk by up to 5/32 of its inner ball, B stands on any border it overlaps: another mesh may go on there.
+        if (place == EdgeSide::past)
+            best.verdict = Verdict::beyond;
+        else if (on_border && g.separation_30 - lowest_30 <= c.border_bias_30 * 5 / 8)
+            best.verdict = Verdict::upright;
+    }
+    return best;
+}
+
+Manifold edge_manifold(TriangleContext& c, const LocalTriangle& t, const EdgeContact& contact) {
+    Manifold out{};
+    EdgeLine line;
+    if (!edge_line(t, contact.edge, line)) return out;
+    KnownEdges::Entry* known = find_known(c.edges, line.from_24, line.to_24);
+    if (known != nullptr && known->written) return out;
+    if (known != nullptr) known->written = true;
+    write_contact(c, t, contact.edge, segment_of(line), contact.gap, out);
+    return out;
+}
+
+PointDistance distance_from(const LocalTriangle& t, Long3 point_24) {
+    constexpr std::int64_t far_20 = std::int64_t{1} << 30;
+    const std::int64_t height_20 = clamped(height_30(t, point_24) >> 10, -far_20, far_20);
+    bool above = true;
+    for (int k = 0; k < 3; ++k) above = above && dot(t.sides_27[k], point_24) <= t.limits_51[k];
+    if (above) return {absolute(height_20), height_20};
+    std::int64_t least = far_20;
+    for (int k = 0; k < 3; ++k) {
+        EdgeLine e;
+        if (!edge_line(t, k, e)) continue;
+        const std::int64_t s = clamped(dot(point_24 - e.from_24, e.along_30) >> 24, 0, e.length_30);
+        const Long3 nearest = up(e.from_24, 6) + shifted(e.along_30 * (s >> 6), 24);
+        least = smaller(least, direction_of_30(up(point_24, 6) - nearest).length >> 10);
+    }
+    return {least, height_20};
+}
+
+} // namespace lockstone::collide

@@ -1,0 +1,291 @@
+#include "collide/mesh/triangles.h"
+
+#include "collide/merge_manifolds.h"
+#include "collide/mesh/triangle_contact.h"
+#include "collide/pairs/pairs.h"
+#include "shapes/mesh/surfaces.h"
+
+#include <algorithm>
+
+namespace lockstone::collide {
+namespace {
+
+Coordinate coordinate(std::int64_t raw_24) { return Coordinate::from_raw(raw_24); }
+
+/// B is up to this deep over a border and still on it: 1 cm, a quarter of B's inner ball when that is less.
+std::int64_t border_bias_30(Length inner) { return smaller(up(inner.raw, 4), std::int64_t{10737418}); }
+
+TriangleContext context_of(const shapes::Solid& b, const RelativePose& pose, Length margin) {
+    TriangleContext c;
+    c.shape = convex_of(b, pose.rotation, CoordinateVec3{});
+    c.margin = margin;
+    c.center_24 = raw(mul<Coordinate>(pose.rotation, shapes::core_center(b)));
+    const shapes::Extent local = shapes::extent_of(b);
+    c.lower_24 = raw(local.lower);
+    c.upper_24 = raw(local.upper);
+    c.radius_30 = up(c.shape.radius.raw, 6);
+    const Length inner = shapes::inner_radius(b);
+    c.face_bias_30 = smaller(up(face_bias.raw, 3), inner.raw);
+    c.border_bias_30 = border_bias_30(inner);
+    c.face_normal_30 = Long3{};
+    return c;
+}
+
+/// One pair of a mesh or height field and a convex shape.
+class TriangleCollision {
+  public:
+    TriangleCollision(const shapes::Solid& solid, const shapes::Solid& other, const RelativePose& relative,
+                      Length margin, NarrowScratch& memory)
+        : a(solid), pose(relative), context(context_of(other, relative, margin)), scratch(memory),
+          first_piece(memory.pieces.size()), two_sided(shapes::is_two_sided(solid)) {}
+
+    void run(const shapes::Extent& where) {
+        scratch.triangles.clear();
+        scratch.parts.clear();
+        shapes::find_triangles(a, where, scratch.triangles);
+        std::vector<std::uint32_t>& behind = scratch.order;
+        behind.clear();
+        for (const std::uint32_t index : scratch.triangles) {
+            LocalTriangle t = view(index);
+            const bool is_behind = height_30(t, context.center_24) < 0;
+            const std::int64_t lowest = lowest_30(t);
+            if (lowest > up(context.margin.raw, 6)) continue;
+            if (is_behind && a.height_field != nullptr) {
+                behind.push_back(index);
+                continue;
+            }
+            if (is_apart(context, t) || (is_behind && highest_30(t) < 0)) continue;
+            if (is_behind) behind.push_back(index);
+            set_sides(t);
+            if (!is_behind)
+                from_front(t, lowest);
+            else if (t.border != 0)
+                from_behind(t, lowest);
+        }
+        drop_hidden();
+        if (!behind.empty()) push_out(behind);
+        if (scratch.pieces.size() == first_piece) any_overlap();
+    }
+
+  private:
+    LocalTriangle view(std::uint32_t index) const {
+        const shapes::Triangle triangle = shapes::triangle_at(a, index);
+        const LocalTriangle t = local_triangle(triangle, pose.position, false);
+        if (two_sided && height_30(t, context.center_24) < 0)
+            return local_triangle(triangle, pose.position, true);
+        return t;
+    }
+    std::int64_t lowest_30(const LocalTriangle& t) const {
+        const Convex& s = context.shape;
+        if (s.core == Convex::Core::point) return height_30(t, s.center_24) - context.radius_30;
+        if (s.core == Convex::Core::box || s.core == Convex::Core::segment) { // half extents are below 2^31
+            std::int64_t reach_54 = 0;
+            for (int i = 0; i < 3; ++i)
+                reach_54 += shift_right_rounded(absolute(dot(t.normal_30, s.axes_30[i])), 30) * s.half_24[i];
+            return height_30(t, s.center_24) - shift_right_rounded(reach_54, 24) - context.radius_30;
+        }
+        return height_30(t, shifted(support(context.shape, -t.normal_30).at_30, 6)) - context.radius_30;
+    }
+    std::int64_t highest_30(const LocalTriangle& t) const {
+        return height_30(t, shifted(support(context.shape, t.normal_30).at_30, 6)) + context.radius_30;
+    }
+    /// scratch.parts names the triangle of each piece.
+    void append(const LocalTriangle& t, const Manifold& m) {
+        if (m.count == 0) return;
+        scratch.pieces.push_back(m);
+        name_piece(scratch.pieces.back(), t.index);
+        scratch.parts.push_back(t.index);
+        found_30 = smaller(found_30, deepest_30(m));
+    }
+    void append(const LocalTriangle& t, const TriangleContact& contact) {
+        for (int i = 0; i < contact.count; ++i) append(t, contact.items[i]);
+    }
+
+    void name_piece(Manifold& m, std::uint32_t index) const {
+        m.piece_a = index, m.piece_b = 0, m.surface = shapes::surface_number(a, index);
+    }
+
+    void from_front(const LocalTriangle& t, std::int64_t lowest) {
+        if (t.felt == 0 && is_covered(context, t, found_30)) return;
+        TriangleContact face;
+        face_contact(context, t, face);
+        if (t.felt == 0 || face_is_best(t, face, lowest)) return append(t, face);
+        const EdgeContact edge = edge_contact(context, t, lowest, face.count > 0);
+        const std::int64_t enough = edge.separation_30 + context.face_bias_30;
+        const bool face_serves = lowest >= edge.separation_30 - context.face_bias_30 && reaches(face, enough);
+        switch (edge.verdict) {
+        case EdgeContact::Verdict::none:
+            return append(t, face);
+        case EdgeContact::Verdict::upright:
+            if (face.count == 0) forced_contact(context, t, face);
+            return append(t, face);
+        case EdgeContact::Verdict::contact:
+            return face_serves ? append(t, face) : append(t, edge_manifold(context, t, edge));
+        case EdgeContact::Verdict::beyond:
+            if (face_serves) append(t, face);
+            return;
+        }
+    }
+
+    /// B's deepest point is within the sides, and either no core overlaps, so that the plane's normal is the
+    /// direction of the nearest points, or B is no deeper than what faces are preferred by.
+    bool face_is_best(const LocalTriangle& t, const TriangleContact& face, std::int64_t lowest) const {
+        if (face.count == 0) return false;
+        if ((t.felt & ~t.border) == 0 && lowest >= -context.border_bias_30) return true;
+        if (lowest < -context.face_bias_30 && lowest + context.radius_30 <= 0) return false;
+        return reaches(face, lowest + context.face_bias_30);
+    }
+    static bool reaches(const TriangleContact& contact, std::int64_t depth_30) {
+        for (int i = 0; i < contact.count; ++i)
+            if (deepest_30(contact.items[i]) <= depth_30) return true;
+        return false;
+    }
+
+    /// The centre is behind: the border is what B can touch from there without being inside.
+    void from_behind(LocalTriangle& t, std::int64_t lowest) {
+        t.felt = t.border;
+        const EdgeContact edge = edge_contact(context, t, lowest, false);
+        if (edge.verdict == EdgeContact::Verdict::contact) append(t, edge_manifold(context, t, edge));
+    }
+
+    /// The triangle nearest to B's centre tells on which side that is; of two equally near, at an edge or corner, the
+    /// one that it is more clearly above or below.
+    /// source: Baerentzen, Aanaes, Signed distance computation using the angle weighted pseudonormal, 2005.
+    void push_out(std::span<const std::uint32_t> behind) {
+        constexpr std::int64_t same_20 = 16; // 16 um
+        PointDistance best{std::int64_t{1} << 40, 0};
+        LocalTriangle nearest{};
+        for (const std::uint32_t index : scratch.triangles) {
+            LocalTriangle t = view(index);
+            set_sides(t);
+            const PointDistance d = distance_from(t, context.center_24);
+            if (d.distance_20 > best.distance_20 + same_20) continue;
+            if (d.distance_20 < best.distance_20 - same_20 ||
+                absolute(d.height_20) > absolute(best.height_20))
+                best = d, nearest = t;
+        }
+        if (best.height_20 >= 0 || border_is_nearest(nearest, best)) return;
+        const std::size_t before = scratch.pieces.size();
+        TriangleContact contact;
+        for (const std::uint32_t index : behind) {
+            LocalTriangle t = view(index);
+            if (dot(t.normal_30, nearest.normal_30) < std::int64_t{1} << 59) continue; // 60 degrees
+            set_sides(t);
+            face_contact(context, t, contact);
+            append(t, contact);
+        }
+        if (scratch.pieces.size() > before) return;
+        forced_contact(context, nearest, contact);
+        append(nearest, contact);
+    }
+    /// Beside the border of an open mesh there is no inside.
+    bool border_is_nearest(const LocalTriangle& t, const PointDistance& d) const {
+        return t.border != 0 && d.distance_20 > absolute(d.height_20) + 16;
+    }
+
+    /// Nothing has yielded a contact: should a triangle overlap all the same, what parts the two most easily.
+    void any_overlap() {
+        Manifold best{};
+        for (const std::uint32_t index : scratch.triangles) {
+            const LocalTriangle t = view(index);
+            if (t.is_far || lowest_30(t) > 0 || is_apart(context, t)) continue;
+            const Convex triangle = convex_of_triangle(t.corners_24);
+            const Gap gap = closest_points_within(triangle, context.shape, context.radius_30);
+            Long3 normal = gap.normal_30, on_b = gap.on_b_30;
+            std::int64_t separation = gap.distance_30 - context.radius_30;
+            if (!gap.overlap && separation > 0) continue;
+            if (gap.overlap) {
+                const Penetration p = penetration(triangle, context.shape);
+                normal = p.normal_30;
+                separation = -p.depth_30 - context.radius_30;
+                on_b = support(context.shape, -normal).at_30;
+            }
+            Manifold m{};
+            m.normal = unit_of_30(normal);
+            const std::int64_t down_30 = context.radius_30 + (separation >> 1);
+            add_point(m, on_b - shifted(normal * (down_30 >> 6), 24), separation, context.margin,
+                      feature_of(6, index, 0, 0));
+            if (m.count == 0) continue;
+            name_piece(m, index);
+            if (best.count == 0 || deepest_30(m) < deepest_30(best)) best = m;
+        }
+        if (best.count > 0) scratch.pieces.push_back(best);
+    }
+
+    /// A triangle that touches a sharp edge only with a corner does not know of it, and would take what hangs past
+    /// the edge for something deep inside. Where a normal found elsewhere parts B from the triangle much more
+    /// easily than the triangle's own does, the contact that has that normal serves for both.
+    void drop_hidden() {
+        const std::span<Manifold> pieces = std::span(scratch.pieces).subspan(first_piece);
+        for (std::size_t i = 0; i < pieces.size(); ++i) {
+            if (pieces[i].count == 0) continue;
+            const std::int64_t deepest = deepest_30(pieces[i]);
+            if (deepest > -context.border_bias_30) continue;
+            const LocalTriangle t = view(scratch.parts[i]);
+            if (t.is_far || unit_of_30(t.normal_30) != pieces[i].normal) continue;
+            for (std::size_t j = 0; j < pieces.size(); ++j) {
+                if (j == i || pieces[j].count == 0 || deepest_30(pieces[j]) <= deepest / 2) continue;
+                if (separation_along(t, raw(pieces[j].normal)) <= deepest / 2) continue;
+                pieces[i].count = 0;
+                break;
+            }
+        }
+    }
+    static std::int64_t deepest_30(const Manifold& m) {
+        std::int32_t least = m.points[0].separation.raw;
+        for (std::uint32_t k = 1; k < m.count; ++k) least = std::min(least, m.points[k].separation.raw);
+        return up(least, 3);
+    }
+    std::int64_t separation_along(const LocalTriangle& t, Long3 normal_30) const {
+        std::int64_t most = std::numeric_limits<std::int64_t>::min();
+        for (const Long3& corner : t.corners_24) most = larger(most, dot(normal_30, corner));
+        const Long3 nearest = shifted(support(context.shape, -normal_30).at_30, 6);
+        return ((dot(normal_30, nearest) >> 1) - (most >> 1)) / (1 << 23) - context.radius_30;
+    }
+
+    const shapes::Solid& a;
+    const RelativePose& pose;
+    TriangleContext context;
+    NarrowScratch& scratch;
+    std::size_t first_piece;
+    bool two_sided;
+    std::int64_t found_30 = std::numeric_limits<std::int64_t>::max() / 2; ///< the deepest separation so far
+};
+
+} // namespace
+
+shapes::Extent extent_in(const shapes::Solid& b, const RelativePose& pose, Length margin) {
+    const shapes::Extent local = shapes::extent_of(b);
+    const Long3 lower = raw(local.lower), upper = raw(local.upper);
+    const Long3 columns[3] = {raw(pose.rotation.x), raw(pose.rotation.y), raw(pose.rotation.z)};
+    shapes::Extent out;
+    for (int i = 0; i < 3; ++i) {
+        Wide least = Wide::from(0), most = least; // 54 fraction bits; a scaled primitive reaches 1.4 km: 2^65
+        for (int j = 0; j < 3; ++j) {
+            const Wide x = Wide::product(columns[j][i], lower[j]), y = Wide::product(columns[j][i], upper[j]);
+            least = least + (y < x ? y : x);
+            most = most + (x < y ? y : x);
+        }
+        const std::int64_t at = raw(pose.position)[i], grown = std::int64_t{margin.raw} + 2;
+        out.lower[i] = coordinate(at + saturate_to_int64(least >> 30) - grown);
+        out.upper[i] = coordinate(at + saturate_to_int64(most >> 30) + grown);
+    }
+    return out;
+}
+
+void append_triangle_pieces(const shapes::Solid& a, const shapes::Solid& b, const RelativePose& pose,
+                            Length margin, NarrowScratch& scratch) {
+    shapes::Extent where = extent_in(b, pose, margin);
+    // Height fields are solid below: the surface over a shape counts however high it is.
+    if (a.height_field != nullptr) where.upper.y = coordinate(std::int64_t{1} << 44);
+    TriangleCollision(a, b, pose, margin, scratch).run(where);
+}
+
+void collide_triangles(const shapes::Solid& a, const shapes::Solid& b, const RelativePose& pose,
+                       Length margin, NarrowScratch& scratch, Manifolds& out) {
+    scratch.pieces.clear();
+    append_triangle_pieces(a, b, pose, margin, scratch);
+    merge_manifolds(scratch.pieces, b.geometry.kind == ShapeKind::sphere, scratch.order, out);
+}
+
+} // namespace lockstone::collide

@@ -1,0 +1,32 @@
+// A plane against a convex shape: of the face that looks down most, four corners.
+#include "collide/core.h"
+#include "collide/pairs/box_box.h"
+#include "collide/pairs/pairs.h"
+
+namespace lockstone::collide {
+
+void collide_plane(const shapes::Solid& b, const RelativePose& pose, Length margin, Manifold& out) {
+    const Convex shape = convex_of(b, pose.rotation, CoordinateVec3{}); // seen from its own origin
+    constexpr Long3 down{0, -(std::int64_t{1} << 30), 0};
+    const std::int64_t height_30 = up(pose.position.y.raw - shape.radius.raw, 6);
+    out.normal = {Unit{}, unit_one, Unit{}};
+    out.on_face = has_discs(shape) ? 0 : 1;
+    if (height_30 + support(shape, down).at_30[1] > up(margin.raw, 6)) return;
+    const SupportingFace face = supporting_face(shape, down);
+    ClipPoint points[SupportingFace::corners_max];
+    int count = 0;
+    for (int k = 0; k < face.count; ++k) {
+        const Long3& c = face.corners_30[k];
+        const std::int64_t separation = height_30 + c[1];
+        if (separation <= up(margin.raw, 6))
+            points[count++] = {c[0], c[2], separation, static_cast<std::uint8_t>(k), 0};
+    }
+    count = reduce_points(points, count);
+    for (int k = 0; k < count; ++k) {
+        const ClipPoint& p = points[k];
+        const std::int64_t lowest = face.corners_30[p.line_in][1] - up(shape.radius.raw, 6);
+        add_point(out, {p.p, lowest - (p.height >> 1), p.q}, p.height, margin, 1 + face.ids[p.line_in]);
+    }
+}
+
+} // namespace lockstone::collide

@@ -1,0 +1,51 @@
+#include "collide/query/cast_pieces.h"
+
+namespace lockstone::collide {
+
+namespace {
+
+Between between_plane(const Convex& shape, Long3 position_24) {
+    const Long3 lowest = support(shape, {0, -one_30, 0}).at_30;
+    const std::int64_t height = up(position_24[1], 6) + lowest[1] - up(std::int64_t{shape.radius.raw}, 6);
+    return {height <= 0, {0, one_30, 0}, height, {lowest[0], -up(position_24[1], 6), lowest[2]}};
+}
+
+/// The obstacle in the working frame, whose origin is at `position_24` of the obstacle's solid.
+Convex placed(const Obstacle& o, Long3 position_24) {
+    if (o.kind == Obstacle::Kind::triangle) {
+        const Long3 corners[3] = {raw(o.triangle->corner[0]) - position_24,
+                                  raw(o.triangle->corner[1]) - position_24,
+                                  raw(o.triangle->corner[2]) - position_24};
+        return convex_of_triangle(corners);
+    }
+    if (o.place == nullptr) return convex_of(*o.solid, Rotation::identity(), coordinates(-position_24));
+    return convex_of(*o.solid, to_rotation(o.place->rotation),
+                     coordinates(raw(to<Coordinate>(o.place->position)) - position_24));
+}
+
+} // namespace
+
+Between between(const Obstacle& o, const Convex& shape, Long3 position_24, std::int64_t limit_30) {
+    if (o.kind == Obstacle::Kind::plane) return between_plane(shape, position_24);
+    const Convex other = placed(o, position_24);
+    const std::int64_t radius_a = up(std::int64_t{other.radius.raw}, 6);
+    const std::int64_t radii = radius_a + up(std::int64_t{shape.radius.raw}, 6);
+    const Gap gap = closest_points_within(other, shape, add_saturated(limit_30, radii));
+    if (gap.overlap) return {true, Long3{}, -radii, Long3{}};
+    const std::int64_t distance = gap.distance_30 - radii;
+    const Long3 on = gap.on_a_30 + Long3{narrow_rounded(Wide::product(gap.normal_30[0], radius_a), 30),
+                                         narrow_rounded(Wide::product(gap.normal_30[1], radius_a), 30),
+                                         narrow_rounded(Wide::product(gap.normal_30[2], radius_a), 30)};
+    return {distance <= 0, gap.normal_30, distance, on};
+}
+
+shapes::Extent swept_extent(Long3 from_24, Long3 to_24, std::int64_t radius_24) {
+    Long3 low{}, high{};
+    for (int i = 0; i < 3; ++i) {
+        low[i] = smaller(from_24[i], to_24[i]) - radius_24;
+        high[i] = larger(from_24[i], to_24[i]) + radius_24;
+    }
+    return {coordinates(low), coordinates(high)};
+}
+
+} // namespace lockstone::collide

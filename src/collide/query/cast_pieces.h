@@ -1,0 +1,75 @@
+// Solids taken apart into what closest_points understands: convex shapes, triangles, and the plane.
+#pragma once
+
+#include "collide/convex/convex.h"
+#include "collide/query/cast_line.h"
+
+namespace lockstone::collide {
+
+/// A piece of a solid that stands in the way, in that solid's frame.
+struct Obstacle {
+    enum class Kind : std::uint8_t { convex, triangle, plane };
+    Kind kind;
+    std::uint32_t feature;            ///< part or triangle; 0
+    const shapes::Solid* solid;       ///< convex
+    const Transform* place;           ///< of a part, else null
+    const shapes::Triangle* triangle; ///< of a triangle
+    bool one_sided;                   ///< of a triangle
+};
+
+/// How far a convex shape is from an obstacle, roundings included.
+struct Between {
+    bool overlap;             ///< at most 0 apart; below is set when only the roundings overlap
+    Long3 normal_30;          ///< from the obstacle to the shape, in the obstacle's frame
+    std::int64_t distance_30; ///< [m], negative when only the roundings overlap
+    Long3 on_obstacle_30;     ///< from the shape's origin; nearest point of the obstacle's surface
+};
+/// `shape` stands at `position_24` of the obstacle's solid, but its center_24 is ignored: it is put at the origin of the working
+/// frame. May stop early as closest_points_within does.
+Between between(const Obstacle& obstacle, const Convex& shape, Long3 position_24, std::int64_t limit_30);
+
+/// The box around a ball that moves along from..to, all in 24 fraction bits.
+shapes::Extent swept_extent(Long3 from_24, Long3 to_24, std::int64_t radius_24);
+
+/// visit(obstacle) for the pieces of a solid whose extents overlap `where`, by ascending feature.
+template <class Visit>
+void for_each_obstacle(const shapes::Solid& solid, const shapes::Extent& where, NarrowScratch& scratch,
+                       Visit&& visit) {
+    Obstacle o{Obstacle::Kind::convex, 0, &solid, nullptr, nullptr, false};
+    if (has_triangles(solid)) {
+        o.kind = Obstacle::Kind::triangle;
+        o.one_sided = !shapes::is_two_sided(solid);
+        scratch.triangles.clear();
+        shapes::find_triangles(solid, where, scratch.triangles);
+        for (const std::uint32_t index : scratch.triangles) {
+            const shapes::Triangle triangle = shapes::triangle_at(solid, index);
+            o.feature = index;
+            o.triangle = &triangle;
+            visit(o);
+        }
+    } else if (solid.geometry.kind == ShapeKind::compound) {
+        scratch.parts.clear();
+        solid.compound->find(where, scratch.parts);
+        for (const std::uint32_t index : scratch.parts) {
+            const shapes::Compound::Part& part = solid.compound->parts[index];
+            o.feature = index;
+            o.solid = &part.solid;
+            o.place = &part.local;
+            visit(o);
+        }
+    } else {
+        if (solid.geometry.kind == ShapeKind::plane) o.kind = Obstacle::Kind::plane;
+        visit(o);
+    }
+}
+
+/// visit(solid, place, index) for the convex parts of a solid without triangles; `place` is null when it is its own part.
+template <class Visit> void for_each_part(const shapes::Solid& solid, Visit&& visit) {
+    if (solid.geometry.kind != ShapeKind::compound) return visit(solid, nullptr, 0u);
+    for (std::uint32_t i = 0; i < solid.compound->parts.size(); ++i) {
+        const shapes::Compound::Part& part = solid.compound->parts[i];
+        visit(part.solid, &part.local, i);
+    }
+}
+
+} // namespace lockstone::collide

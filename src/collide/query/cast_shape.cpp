@@ -1,0 +1,242 @@
+// Convex shapes that move along a line without turning.
+//
+// The distance of two convex shapes is a convex function of their relative position: Newton's method along the line, with
+// the normal of the closest points as gradient, never steps past the first contact and converges as the square.
+//
+// source: van den Bergen, Ray Casting against General Convex Objects, 2004
+#include "collide/core.h"
+#include "collide/query/cast_pieces.h"
+
+#include <array>
+
+namespace lockstone::collide {
+namespace {
+
+constexpr std::int64_t close_30 = 1024; ///< 1 um: nearer counts as touching
+constexpr int steps_max = 64;
+
+struct Caster {
+    const Line& line; ///< of the shape's origin, in the solid's frame
+    Convex shape;     ///< at the origin
+    std::int64_t reach_24;
+};
+
+Long3 position_24(const Line& line, std::int64_t at_30) { return shifted(point_30(line, at_30), 6); }
+
+/// A ball that moves towards a triangle.
+struct BallPath {
+    const Line& line;
+    const shapes::Triangle& triangle;
+    std::int64_t radius_24;
+
+    /// Within 32 m on each axis: products stay in 64 bits.
+    static bool is_near(Long3 x) { return ((absolute(x[0]) | absolute(x[1]) | absolute(x[2])) >> 29) == 0; }
+    /// A place after `from_30`, where the ball is at `from_24`, at which it comes down onto the plane from the front: to half of
+    /// what counts as touching. False when it touches the plane already or is far away: then nothing is known.
+    bool find_plane(std::int64_t from_30, Long3 from_24, std::int64_t slope_60, std::int64_t& at_30) const {
+        const Long3 off = from_24 - raw(triangle.corner[0]), normal = raw(triangle.normal);
+        if (!is_near(off)) return false;
+        const std::int64_t gap = shift_right_rounded(dot(normal, off), 24) - up(radius_24, 6);
+        if (gap <= close_30) return false;
+        at_30 = add_saturated(from_30, divide_shifted(gap - close_30 / 2, -slope_60, 60));
+        return true;
+    }
+    /// Whether a centre is above the triangle.
+    bool is_above(Long3 at_24) const {
+        const Long3 normal = raw(triangle.normal);
+        for (int k = 0; k < 3; ++k) {
+            const Long3 corner = raw(triangle.corner[k]), off = at_24 - corner;
+            const Long3 edge = raw(triangle.corner[(k + 1) % 3]) - corner;
+            if (!is_near(off) || !is_near(edge) || dot(shifted(cross(edge, normal), 31), off) > 0)
+                return false;
+        }
+        return true;
+    }
+    /// Of a ball that came down onto the triangle's face.
+    CastHit hit_on_face(std::int64_t at_30, Long3 at_24) const {
+        const Long3 normal = raw(triangle.normal);
+        CastHit hit = hit_at(line, at_30, normal, triangle.index);
+        hit.point = coordinates(at_24 - shifted(normal * (radius_24 + (close_30 >> 7)), 30));
+        return hit;
+    }
+};
+
+/// The first contact with an obstacle between two places of the line. True: `hit` is set.
+bool cast_at(const Caster& c, const Obstacle& o, Span span, CastHit& hit) {
+    constexpr std::int64_t no_limit = std::int64_t{1} << 60;
+    std::int64_t at = span.enter_30;
+    Between last{};
+    Long3 seen_from{};
+    for (int i = 0; i < steps_max; ++i) {
+        const Long3 position = position_24(c.line, at);
+        const Between b = between(o, c.shape, position, no_limit);
+        if (b.overlap && at == 0) {
+            hit = hit_at_start(c.line, o.feature);
+            return true;
+        }
+        const std::int64_t slope = dot_dropped(b.normal_30, c.line.unit_60, 30);
+        if (!b.overlap && slope >= 0) return false;
+        if (!b.overlap) last = b, seen_from = position;
+        if (b.overlap || b.distance_30 <= close_30 || i + 1 == steps_max) {
+            hit = hit_at(c.line, at, last.normal_30, o.feature);
+            hit.point = coordinates(seen_from + shifted(last.on_obstacle_30, 6));
+            return true;
+        }
+        // To half of what counts as touching: closer, a rounding could make it an overlap, which has no normal.
+        at = add_saturated(at, larger(1, divide_shifted(b.distance_30 - close_30 / 2, -slope, 60)));
+        if (at > span.exit_30) return false;
+    }
+    return false;
+}
+
+/// A one-sided triangle that the shape leaves behind can only be overlapped at the start.
+bool faces_away(const Obstacle& o, const Line& line) {
+    return o.kind == Obstacle::Kind::triangle && o.one_sided &&
+           dot_dropped(raw(o.triangle->normal), line.unit_60, 30) >= 0;
+}
+
+bool overlaps_at_start(const Caster& c, const Obstacle& o) {
+    return between(o, c.shape, c.line.from_24, close_30).overlap;
+}
+
+void try_obstacle(const Caster& c, const Obstacle& o, Span span, CastHit& hit, bool& found) {
+    CastHit at{};
+    if (faces_away(o, c.line)) {
+        if (span.enter_30 != 0 || !overlaps_at_start(c, o)) return;
+        at = hit_at_start(c.line, o.feature);
+    } else {
+        if (found) span.exit_30 = smaller(span.exit_30, up(hit.distance.raw, 6) + close_30);
+        if (span.empty() || !cast_at(c, o, span, at)) return;
+    }
+    if (!found || comes_first(at, hit)) hit = at;
+    found = true;
+}
+
+/// Balls against triangles: first those that the ball comes down on, for what it may touch beside them then ends there. The order
+/// decides on speed alone.
+class BallCaster {
+  public:
+    BallCaster(const Caster& caster, Span where, CastHit& first, bool& any)
+        : c(caster), span(where), from_24(position_24(caster.line, where.enter_30)), hit(first), found(any) {}
+
+    void visit(const Obstacle& o) {
+        const std::int64_t slope = dot_dropped(raw(o.triangle->normal), c.line.unit_60, 30);
+        const BallPath path{c.line, *o.triangle, c.shape.radius.raw};
+        std::int64_t at = 0;
+        if (slope >= 0 || !path.find_plane(span.enter_30, from_24, slope, at))
+            return try_obstacle(c, o, span, hit, found);
+        if (at > span.exit_30) return;
+        const Long3 at_24 = position_24(c.line, at);
+        if (!path.is_above(at_24)) {
+            if (count < waiting_max)
+                waiting[count++] = {*o.triangle, at, o.one_sided};
+            else
+                try_obstacle(c, o, {at, span.exit_30}, hit, found);
+            return;
+        }
+        const CastHit on_face = path.hit_on_face(at, at_24);
+        if (!found || comes_first(on_face, hit)) hit = on_face;
+        found = true;
+    }
+    void finish() {
+        for (std::size_t i = 0; i < count; ++i) {
+            const Waiting& last = waiting[i];
+            if (found && last.at_30 >= up(hit.distance.raw, 6)) continue; // it only touches later
+            const Obstacle o{Obstacle::Kind::triangle, last.triangle.index, nullptr, nullptr,
+                             &last.triangle,           last.one_sided};
+            try_obstacle(c, o, {last.at_30, span.exit_30}, hit, found);
+        }
+    }
+
+  private:
+    static constexpr std::size_t waiting_max = 12;
+    struct Waiting {
+        shapes::Triangle triangle;
+        std::int64_t at_30; ///< not touched before
+        bool one_sided;
+    };
+    const Caster& c;
+    Span span;
+    Long3 from_24;
+    CastHit& hit;
+    bool& found;
+    std::size_t count = 0;
+    std::array<Waiting, waiting_max> waiting;
+};
+
+/// Along the line in pieces of a few times the shape's size, so that few triangles are looked at twice.
+bool cast_in_pieces(const shapes::Solid& solid, const Caster& c, NarrowScratch& scratch, CastHit& hit) {
+    const shapes::Extent e = shapes::extent_of(solid);
+    const Span span = span_of_box(c.line, swept_extent(raw(e.lower), raw(e.upper), c.reach_24));
+    const std::int64_t first_piece = larger(up(c.reach_24, 6) * 8, std::int64_t{1} << 26);
+    bool found = false;
+    std::int64_t piece = first_piece;
+    for (std::int64_t from = span.enter_30; from <= span.exit_30;) {
+        if (found && up(hit.distance.raw, 6) <= from) break;
+        const std::int64_t end = smaller(from + piece, span.exit_30);
+        const shapes::Extent where =
+            swept_extent(position_24(c.line, from), position_24(c.line, end), c.reach_24 + 256);
+        std::uint32_t seen = 0;
+        BallCaster balls(c, {from, span.exit_30}, hit, found);
+        for_each_obstacle(solid, where, scratch, [&](const Obstacle& o) {
+            ++seen;
+            if (o.kind == Obstacle::Kind::triangle && c.shape.core == Convex::Core::point)
+                balls.visit(o);
+            else
+                try_obstacle(c, o, {from, span.exit_30}, hit, found);
+        });
+        balls.finish();
+        from = end + 1;
+        piece = seen == 0   ? smaller(piece * 2, first_piece * 64)
+                : seen > 64 ? larger(piece / 2, first_piece / 8)
+                            : piece;
+    }
+    return found;
+}
+
+bool cast_convex(const shapes::Solid& solid, const shapes::Solid& moving, const RelativePose& pose,
+                 CoordinateVec3 translation, NarrowScratch& scratch, CastHit& hit) {
+    Line line{};
+    if (solid.geometry.kind == ShapeKind::plane) {
+        // Only the height counts: the place beside it would leave the range far from the plane's origin.
+        RelativePose above = pose;
+        above.position = {Coordinate{}, pose.position.y, Coordinate{}};
+        if (!make_line(above.position, translation, line)) return false;
+    } else if (!make_line(pose.position, translation, line)) {
+        return false;
+    }
+    const Caster c{line, convex_of(moving, pose.rotation, CoordinateVec3{}), reach_24(moving)};
+    if (has_triangles(solid) || solid.geometry.kind == ShapeKind::compound)
+        return cast_in_pieces(solid, c, scratch, hit);
+    const Obstacle whole{solid.geometry.kind == ShapeKind::plane ? Obstacle::Kind::plane
+                                                                 : Obstacle::Kind::convex,
+                         0,
+                         &solid,
+                         nullptr,
+                         nullptr,
+                         false};
+    Span span{0, line.length_30};
+    if (whole.kind != Obstacle::Kind::plane)
+        span = span_of_ball(line, Long3{}, reach_24(solid) + c.reach_24 + 256);
+    if (span.empty() || !cast_at(c, whole, span, hit)) return false;
+    if (whole.kind == Obstacle::Kind::plane) hit.point.x += pose.position.x, hit.point.z += pose.position.z;
+    return true;
+}
+
+} // namespace
+
+bool cast_shape(const shapes::Solid& solid, const shapes::Solid& moving, const RelativePose& pose,
+                CoordinateVec3 translation, NarrowScratch& scratch, CastHit& hit) {
+    bool found = false;
+    if (has_triangles(moving) || moving.geometry.kind == ShapeKind::plane) return false;
+    for_each_part(moving, [&](const shapes::Solid& part, const Transform* place, std::uint32_t) {
+        CastHit at{};
+        const RelativePose where = place == nullptr ? pose : part_pose(pose, *place);
+        if (!cast_convex(solid, part, where, translation, scratch, at)) return;
+        if (!found || comes_first(at, hit)) hit = at;
+        found = true;
+    });
+    return found;
+}
+
+} // namespace lockstone::collide

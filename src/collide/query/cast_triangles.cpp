@@ -1,0 +1,136 @@
+// Rays against meshes and height fields.
+//
+// Whether the ray's line passes a triangle is decided by the signs of three volumes, of the line and each edge. They
+// are exact integers, and the two triangles at an edge see the same one with opposite signs, so a line through an edge or
+// a corner counts for every triangle there and never slips through.
+//
+// source: Segura and Feito, An Algorithm for Determining Intersection Segment-Polygon in 3D, 1998 (signed volumes)
+#include "collide/query/cast_line.h"
+
+namespace lockstone::collide {
+namespace {
+
+/// Needs |x| < 2^86 and |y| < 2^40.
+Wide product(Wide x, std::int64_t y) {
+    const std::int64_t high = static_cast<std::int64_t>((x >> 40).low_bits());
+    const std::int64_t low = static_cast<std::int64_t>(x.low_bits() & ((std::uint64_t{1} << 40) - 1));
+    return (Wide::product(high, y) << 40) + Wide::product(low, y);
+}
+
+struct Wide3 {
+    Wide x, y, z;
+};
+Wide3 cross_wide(Long3 a, Long3 b) {
+    return {Wide::product(a[1], b[2]) - Wide::product(a[2], b[1]),
+            Wide::product(a[2], b[0]) - Wide::product(a[0], b[2]),
+            Wide::product(a[0], b[1]) - Wide::product(a[1], b[0])};
+}
+/// a has components below 2^40, the product's below 2^82: the sum stays below 2^124.
+Wide dot_wide(Wide3 a, Long3 b) { return product(a.x, b[0]) + product(a.y, b[1]) + product(a.z, b[2]); }
+
+bool is_zero(Wide w) { return w.high_bits() == 0 && w.low_bits() == 0; }
+
+/// The line with its origin moved near the triangles: one origin for all triangles of a solid.
+struct Anchored {
+    Long3 origin_24, way_24;
+    std::int64_t at_30; ///< of the origin, on the line
+    std::int64_t length_30;
+};
+
+/// n / d with 60 fraction bits; false when it is not within +-2.
+bool quotient_60(Wide n, Wide d, std::int64_t& out) {
+    const Wide positive = d.is_negative() ? Wide::from(0) - d : d;
+    const auto high = static_cast<std::uint64_t>(positive.high_bits());
+    const int bits = high != 0 ? 64 + bit_length(high) : bit_length(positive.low_bits());
+    const auto fitted = [bits](Wide w) {
+        return saturate_to_int64(bits > 60 ? w >> (bits - 60) : w << (60 - bits));
+    };
+    // A numerator of more than 61 bits makes the quotient too great; the shift to the left must not lose it.
+    const Wide twice = positive << 1;
+    if (twice < n || twice < Wide::from(0) - n) return false;
+    out = divide_shifted(fitted(n), fitted(d), 60);
+    return true;
+}
+
+/// Where the line meets the triangle; the front is where the normal points.
+bool meets(const Anchored& line, const shapes::Triangle& triangle, bool two_sided, std::int64_t& at_30,
+           bool& from_front) {
+    Long3 corner[3];
+    for (int i = 0; i < 3; ++i) corner[i] = raw(triangle.corner[i]) - line.origin_24;
+    Wide volume[3];
+    bool any_positive = false, any_negative = false;
+    for (int i = 0; i < 3; ++i) {
+        volume[i] = dot_wide(cross_wide(corner[i], corner[(i + 1) % 3]), line.way_24);
+        if (volume[i].is_negative())
+            any_negative = true;
+        else if (!is_zero(volume[i]))
+            any_positive = true;
+    }
+    if (any_positive == any_negative) return false; // beside it, or along its plane
+    from_front = any_negative;
+    if (!from_front && !two_sided) return false;
+    const Wide slope = volume[0] + volume[1] + volume[2];
+    const Wide height = dot_wide(cross_wide(corner[0], corner[1]), corner[2]);
+    std::int64_t part_60 = 0;
+    if (!quotient_60(height, slope, part_60)) return false;
+    constexpr std::int64_t rounding_30 = 32;
+    at_30 = line.at_30 + times_60(line.length_30, part_60);
+    return at_30 >= -rounding_30 && at_30 <= line.length_30 + rounding_30;
+}
+
+shapes::Extent extent_of_piece(const Line& line, std::int64_t from_30, std::int64_t to_30) {
+    constexpr std::int64_t guard_24 = 4;
+    const Long3 a = shifted(point_30(line, from_30), 6), b = shifted(point_30(line, to_30), 6);
+    Long3 low{}, high{};
+    for (int i = 0; i < 3; ++i) {
+        low[i] = smaller(a[i], b[i]) - guard_24;
+        high[i] = larger(a[i], b[i]) + guard_24;
+    }
+    return {coordinates(low), coordinates(high)};
+}
+
+/// A first guess of the length of a piece that passes a handful of triangles.
+std::int64_t piece_length_30(const shapes::Solid& solid, const shapes::Extent& extent) {
+    const Long3 size = raw(extent.upper) - raw(extent.lower);
+    const std::int64_t widest = larger(size[0], larger(size[1], size[2]));
+    const std::int64_t per_side = 1 + isqrt(std::uint64_t{shapes::triangle_count(solid)});
+    return larger(up(widest, 6) / per_side * 4, std::int64_t{1} << 20);
+}
+
+} // namespace
+
+bool cast_ray_triangles(const shapes::Solid& solid, const Line& line, NarrowScratch& scratch, CastHit& hit) {
+    const shapes::Extent extent = shapes::extent_of(solid);
+    const Span span = span_of_box(line, extent);
+    if (span.empty() || line.length_30 == 0) return false;
+    const std::int64_t middle = span.enter_30 + (span.exit_30 - span.enter_30) / 2;
+    const Anchored anchored{shifted(point_30(line, middle), 6), line.way_24, middle, line.length_30};
+    const bool two_sided = shapes::is_two_sided(solid);
+    const std::int64_t first_piece = piece_length_30(solid, extent);
+    std::int64_t piece = first_piece, best = 0;
+    bool found = false;
+    for (std::int64_t from = span.enter_30; from <= span.exit_30 && !(found && best <= from);) {
+        const std::int64_t to_30 = smaller(from + piece, span.exit_30);
+        scratch.triangles.clear();
+        shapes::find_triangles(solid, extent_of_piece(line, from, to_30), scratch.triangles);
+        for (const std::uint32_t index : scratch.triangles) {
+            const shapes::Triangle triangle = shapes::triangle_at(solid, index);
+            std::int64_t at = 0;
+            bool from_front = true;
+            if (!meets(anchored, triangle, two_sided, at, from_front)) continue;
+            if (found && (at > best || (at == best && index >= hit.feature))) continue;
+            found = true;
+            best = at;
+            const Long3 normal = raw(triangle.normal);
+            hit = hit_at(line, at, from_front ? normal : -normal, index);
+        }
+        from = to_30 + 1;
+        if (scratch.triangles.size() < 4)
+            piece = smaller(piece * 2, first_piece * 8);
+        else if (scratch.triangles.size() > 32)
+            piece = larger(piece / 2, first_piece / 4 + 1);
+    }
+    return found;
+}
+
+} // namespace lockstone::collide

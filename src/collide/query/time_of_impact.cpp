@@ -1,0 +1,350 @@
+// Times of impact of turning shapes, by conservative advancement: at each step the gap is measured along the normal of the
+// closest points, and no point can close it faster than the bodies approach along that normal plus what turning adds.
+//
+// source: Mirtich, Impulse-based Dynamic Simulation, 1996; Zhang, Redon, Lee, Kim, Continuous Collision Detection for
+// Articulated Models using Taylor Models and Temporal Culling, 2007 (motion bound of a turning body along a direction)
+#include "collide/query/cast_pieces.h"
+#include "collide/swept_box.h"
+
+#include <algorithm>
+
+namespace lockstone::collide {
+namespace {
+
+constexpr std::int64_t anything_30 = std::int64_t{1} << 60;
+constexpr int advances_max = 256;
+constexpr std::int64_t stop_gap_30 = std::int64_t{stop_gap.raw} << 6;
+/// Nearer at the start counts as touching: more than where a sweep stops, so that what was stopped touches in the next tick.
+constexpr std::int64_t touching_gap_30 = stop_gap_30 + stop_gap_30 / 4;
+
+/// How a body turns in its way: about one axis, at no more than `rate`.
+struct Spin {
+    Long3 axis_30;        ///< zero: not known well
+    std::int64_t rate_30; ///< [rad per way]
+};
+
+/// With half-angle a between the quaternions, nlerp turns at most 4 tan(a / 2), and tan(a / 2) = |p - q| / |p + q|.
+Spin spin_of(const Sweep& s) {
+    if (s.from.rotation == s.to.rotation) return {Long3{}, 0};
+    const Quat p = s.from.rotation, q = s.to.rotation;
+    const std::int64_t a[4] = {p.x.raw, p.y.raw, p.z.raw, p.w.raw},
+                       b[4] = {q.x.raw, q.y.raw, q.z.raw, q.w.raw};
+    std::uint64_t apart = 0, together = 0;
+    for (int i = 0; i < 4; ++i) {
+        apart += static_cast<std::uint64_t>((a[i] - b[i]) * (a[i] - b[i]));
+        together += static_cast<std::uint64_t>((a[i] + b[i]) * (a[i] + b[i]));
+    }
+    const std::int64_t chord = isqrt(std::min(apart, together)) + 1, sum = isqrt(std::max(apart, together));
+    const Quat turn = q * conjugate(p);
+    constexpr std::int64_t known = 1 << 12; // an axis from a smaller turn is mostly rounding
+    const Long3 axis = chord > known ? direction_of_30({turn.x.raw, turn.y.raw, turn.z.raw}).unit : Long3{};
+    return {axis, divide_shifted(4 * chord, sum, 30) + 8};
+}
+
+std::int64_t length_of(Long3 v) {
+    return static_cast<std::int64_t>(
+               isqrt(Wide::product(v[0], v[0]) + Wide::product(v[1], v[1]) + Wide::product(v[2], v[2]))) +
+           1;
+}
+std::int64_t times_30(std::int64_t a, std::int64_t b) { return narrow_rounded(Wide::product(a, b), 30); }
+
+/// How fast a point within `reach` of the axis can move along a unit direction by turning.
+std::int64_t turning_30(const Spin& spin, Long3 direction_30, std::int64_t reach_30) {
+    if (spin.rate_30 == 0) return 0;
+    std::int64_t across = one_30;
+    if ((spin.axis_30[0] | spin.axis_30[1] | spin.axis_30[2]) != 0) {
+        const Long3 n = direction_30, k = spin.axis_30;
+        const Long3 cross{n[1] * k[2] - n[2] * k[1], n[2] * k[0] - n[0] * k[2], n[0] * k[1] - n[1] * k[0]};
+        // An axis is right to 2^-30 / the sine of the half turn: 2^-18 at worst.
+        across = smaller(one_30, length_of(shifted(cross, 30)) + (1 << 13));
+    }
+    return times_30(times_30(across, spin.rate_30), reach_30) + 2;
+}
+
+Long3 way_30(const Sweep& s) { return shifted(raw(s.to.position - s.from.position), 2); }
+
+/// A convex part of B, or the ball or the point in it.
+struct Mover {
+    const shapes::Solid* solid;
+    Transform place; ///< of the part, from B's centre of mass
+    bool is_ball;
+    Coordinate radius;     ///< of the ball
+    Vec3 center;           ///< of the ball, in the part's frame
+    std::int64_t reach_30; ///< of the core's points from B's centre of mass
+    Vec3 shift;            ///< world: where it is moved to for the test
+
+    Transform pose(const Sweep& b, Unit fraction) const {
+        const Transform body = body_pose_at(b, fraction);
+        return {body.position + rotate(body.rotation, place.position) + shift,
+                normalized(body.rotation * place.rotation)};
+    }
+    Convex shape(const Rotation& rotation) const {
+        if (!is_ball) return convex_of(*solid, rotation, CoordinateVec3{});
+        Convex ball{};
+        ball.core = Convex::Core::point;
+        ball.radius = radius;
+        ball.center_24 = raw(to<Coordinate>(lockstone::mul<Real>(rotation, center)));
+        return ball;
+    }
+};
+
+Transform place_in_body(const Sweep& b, const Transform* part) {
+    return part == nullptr ? b.local
+                           : Transform{b.local.position + rotate(b.local.rotation, part->position),
+                                       normalized(b.local.rotation * part->rotation)};
+}
+
+std::int64_t length_30(Vec3 v) { return shift_right_rounded(length(v).raw, 2) + 1; }
+
+Mover mover_of(const shapes::Solid& part, const Transform& place) {
+    // A rounding does not turn: only the core's points count. Of what has no core known here, all of it.
+    const Geometry& g = part.geometry;
+    std::int64_t core = up(reach_24(part), 6);
+    if (g.kind == ShapeKind::sphere) core = 0;
+    if (g.kind == ShapeKind::capsule) core = up(std::int64_t{g.half_extent.y.raw} * (g.scale.x.raw >> 24), 6);
+    return {&part, place, false, Coordinate{}, Vec3{}, length_30(place.position) + core, Vec3{}};
+}
+Mover ball_of(const Mover& whole, Coordinate radius) {
+    Mover ball = whole;
+    ball.is_ball = true;
+    ball.radius = radius;
+    ball.center = shapes::core_center(*whole.solid);
+    ball.reach_30 = length_30(whole.place.position + rotate(whole.place.rotation, ball.center));
+    return ball;
+}
+
+/// Two ways and what bounds their approach.
+struct Ways {
+    const Sweep &a, &b;
+    Spin spin_a, spin_b;
+    Long3 closing_30;      ///< way of A less way of B
+    std::int64_t speed_30; ///< its length
+    std::int64_t apart_30; ///< of the centres of mass, at most
+
+    Ways(const Sweep& sweep_a, const Sweep& sweep_b)
+        : a(sweep_a), b(sweep_b), spin_a(spin_of(a)), spin_b(spin_of(b)), closing_30(way_30(a) - way_30(b)),
+          speed_30(length_of(closing_30)), apart_30(length_30(b.from.position - a.from.position) + speed_30) {
+    }
+
+    /// No gap along a direction from A to B (world) closes faster [m per way]. A's turning moves its own points, or in its
+    /// frame B's and the direction: the smaller bound holds.
+    std::int64_t approach_30(const Mover& m, std::int64_t reach_a_30, Long3 direction_30) const {
+        const std::int64_t sum =
+            dot_dropped(closing_30, direction_30, 30) + turning_30(spin_b, direction_30, m.reach_30) + 4;
+        if (spin_a.rate_30 == 0) return sum;
+        const std::int64_t reach_b_30 = apart_30 + m.reach_30 + up(std::int64_t{m.radius.raw}, 6);
+        return sum +
+               smaller(turning_30(spin_a, direction_30, reach_a_30),
+                       turning_30(spin_a, direction_30, reach_b_30) + times_30(spin_a.rate_30, speed_30));
+    }
+    /// The same for any direction.
+    std::int64_t approach_max_30(const Mover& m, std::int64_t reach_a_30) const {
+        return speed_30 + times_30(spin_b.rate_30, m.reach_30) + 64 +
+               smaller(times_30(spin_a.rate_30, reach_a_30),
+                       times_30(spin_a.rate_30,
+                                apart_30 + m.reach_30 + up(std::int64_t{m.radius.raw}, 6) + speed_30));
+    }
+    /// Of an obstacle's points from A's centre of mass.
+    std::int64_t reach_of(const Obstacle& o) const {
+        if (spin_a.rate_30 == 0) return 0;
+        switch (o.kind) {
+        case Obstacle::Kind::plane:
+            return anything_30;
+        case Obstacle::Kind::convex:
+            return mover_of(*o.solid, place_in_body(a, o.place)).reach_30;
+        default:
+            break;
+        }
+        std::int64_t most = 0;
+        for (const CoordinateVec3& corner : o.triangle->corner)
+            most = larger(most, length_30(to<Real>(corner)));
+        return most + length_30(a.local.position);
+    }
+};
+
+struct Measured {
+    Between gap;
+    Long3 direction_30; ///< world, from A to B
+};
+
+Measured measure(const Ways& w, const Obstacle& o, const Mover& m, Unit fraction, std::int64_t limit_30) {
+    const Transform pose_a = pose_at(w.a, fraction), pose_b = m.pose(w.b, fraction);
+    const bool is_plane = o.kind == Obstacle::Kind::plane;
+    const RelativePose rel = is_plane ? plane_relative_pose(pose_a, pose_b) : relative_pose(pose_a, pose_b);
+    const Between gap = between(o, m.shape(rel.rotation), raw(rel.position), limit_30);
+    if (gap.overlap) return {gap, Long3{}};
+    return {gap, raw(lockstone::mul<Unit>(to_rotation(pose_a.rotation), unit_of_30(gap.normal_30)))};
+}
+
+/// The first fraction before `until` at which the gap is `target`; 1 when there is none.
+Unit advance(const Ways& w, const Obstacle& o, const Mover& m, std::int64_t target_30, Unit until) {
+    const std::int64_t close = target_30 + larger(target_30 / 8, 2048);
+    const std::int64_t reach_a = w.reach_of(o), approach_max = w.approach_max_30(m, reach_a);
+    std::int64_t t = 0;
+    for (int i = 0; i < advances_max; ++i) {
+        const Unit fraction = Unit::from_raw(static_cast<std::int32_t>(t));
+        const std::int64_t reachable = times_30(approach_max, until.raw - t) + close;
+        const Measured at = measure(w, o, m, fraction, reachable);
+        const std::int64_t distance = at.gap.distance_30;
+        if (at.gap.overlap || distance <= (i == 0 ? target_30 : close)) return fraction;
+        const std::int64_t approach = distance > reachable ? 0 : w.approach_30(m, reach_a, at.direction_30);
+        // The quotient is below 2, so it has room.
+        if (approach <= (distance - target_30) / 2) return unit_one;
+        t += larger(1, divide_shifted(distance - target_30, approach, 30) - 1);
+        if (t >= until.raw) return unit_one;
+    }
+    return Unit::from_raw(static_cast<std::int32_t>(t));
+}
+
+Bounds bounds_of(const shapes::Extent& e) {
+    constexpr int drop = Coordinate::fraction_bits - Bound::fraction_bits;
+    const auto low = [](Coordinate x) { return Bound::from_raw(saturate_to_int32(x.raw >> drop)); };
+    const auto high = [](Coordinate x) { return Bound::from_raw(saturate_to_int32((x.raw >> drop) + 1)); };
+    return {{low(e.lower.x), low(e.lower.y), low(e.lower.z)},
+            {high(e.upper.x), high(e.upper.y), high(e.upper.z)}};
+}
+
+/// What of A a part of B can come near on its way, in A's shape's frame.
+struct Corridor {
+    shapes::Extent extent;
+    SweptBox box;
+
+    Corridor(Long3 from_24, Long3 to_24, std::int64_t around_24)
+        : extent(swept_extent(from_24, to_24, around_24)),
+          box(bounds_of(swept_extent(from_24, from_24, around_24)),
+              bounds_of(swept_extent(to_24, to_24, around_24))) {}
+
+    /// No for triangles beside it: a long way through a mesh has many in its extent.
+    bool may_meet(const Obstacle& o) const {
+        if (o.kind != Obstacle::Kind::triangle) return true;
+        const CoordinateVec3(&c)[3] = o.triangle->corner;
+        return box.may_meet(bounds_of({min(c[0], min(c[1], c[2])), max(c[0], max(c[1], c[2]))}));
+    }
+};
+Corridor corridor_of(const Ways& w, const Mover& m, Length margin) {
+    const Long3 from = raw(relative_pose(pose_at(w.a, Unit{}), w.b.from).position);
+    const Long3 to = raw(relative_pose(pose_at(w.a, unit_one), w.b.to).position);
+    const std::int64_t turned = times_30(w.spin_a.rate_30, w.apart_30) >> 6;
+    const std::int64_t around = (length_30(m.place.position) >> 6) + reach_24(*m.solid) + margin.raw;
+    return {from, to, around + turned + 64};
+}
+
+/// Whether the core's centre starts behind a one-sided triangle.
+bool starts_behind(const Ways& w, const Obstacle& o, const Mover& m) {
+    if (o.kind != Obstacle::Kind::triangle || !o.one_sided) return false;
+    const Transform b = m.pose(w.b, Unit{});
+    const RelativePose rel = relative_pose(
+        pose_at(w.a, Unit{}), {b.position + rotate(b.rotation, shapes::core_center(*m.solid)), b.rotation});
+    return dot_dropped(raw(rel.position - o.triangle->corner[0]), raw(o.triangle->normal), 30) < 0;
+}
+
+/// The core against a piece: first a ball of half the inner radius, else its centre.
+Unit core_stop(const Ways& w, const Obstacle& o, const Mover& whole, Unit until) {
+    const std::int64_t inner_24 = shapes::inner_radius(*whole.solid).raw;
+    for (const std::int64_t radius_24 : {inner_24 / 2, std::int64_t{0}}) {
+        const Mover ball = ball_of(whole, Coordinate::from_raw(radius_24));
+        const Between start = measure(w, o, ball, Unit{}, anything_30).gap;
+        if (start.overlap || start.distance_30 <= 64) continue;
+        return advance(w, o, ball, smaller(stop_gap_30, start.distance_30 / 2), until);
+    }
+    return unit_one;
+}
+
+/// Away from what is touched by seam_height, each direction counted once.
+Vec3 lift_of(std::span<const UnitVec3> touching) {
+    Vec3 lift{};
+    const Real height = to<Real>(seam_height);
+    for (const UnitVec3& n : touching) {
+        const Real missing = height - dot<Real>(n, lift);
+        if (missing > Real{}) lift += scale<Real>(n, missing);
+    }
+    return lift;
+}
+
+Unit piece_stop(const Ways& w, const Obstacle& o, const Mover& whole, Vec3 lift, Unit until) {
+    if (starts_behind(w, o, whole)) return unit_one;
+    const std::int64_t reachable = w.approach_max_30(whole, w.reach_of(o)) + 2 * touching_gap_30;
+    const Between start = measure(w, o, whole, Unit{}, reachable).gap;
+    if (!start.overlap && start.distance_30 > reachable) return unit_one;
+    if (!start.overlap && start.distance_30 > touching_gap_30) {
+        const Unit stop = advance(w, o, whole, stop_gap_30, until);
+        if (stop == unit_one || lift == Vec3{}) return stop;
+        Mover lifted = whole;
+        lifted.shift = lift;
+        if (advance(w, o, lifted, stop_gap_30, unit_one) < unit_one) return stop;
+    }
+    return core_stop(w, o, whole, until);
+}
+
+} // namespace
+
+Transform body_pose_at(const Sweep& sweep, Unit fraction) {
+    if (fraction <= Unit{}) return sweep.from;
+    if (fraction >= unit_one) return sweep.to;
+    return {sweep.from.position + scale<Real>(sweep.to.position - sweep.from.position, fraction),
+            nlerp(sweep.from.rotation, sweep.to.rotation, to<Real>(fraction))};
+}
+
+Transform pose_at(const Sweep& sweep, Unit fraction) {
+    const Transform body = body_pose_at(sweep, fraction);
+    return {body.position + rotate(body.rotation, sweep.local.position),
+            normalized(body.rotation * sweep.local.rotation)};
+}
+
+Real relative_motion(const Sweep& a, const Sweep& b, Real reach) {
+    const Ways w(a, b);
+    const std::int64_t reach_30 = shift_right_rounded(reach.raw, 2);
+    const std::int64_t turned =
+        times_30(w.spin_b.rate_30, reach_30) + times_30(w.spin_a.rate_30, w.apart_30 + reach_30);
+    return Real::from_raw(up(w.speed_30 + turned, 2));
+}
+
+Unit time_of_impact(const shapes::Solid& a, const Sweep& sweep_a, const shapes::Solid& b,
+                    const Sweep& sweep_b, Length target, NarrowScratch& scratch) {
+    const Ways w(sweep_a, sweep_b);
+    Unit first = unit_one;
+    for_each_part(b, [&](const shapes::Solid& part, const Transform* place, std::uint32_t) {
+        const Mover m = mover_of(part, place_in_body(sweep_b, place));
+        const Corridor corridor = corridor_of(w, m, target);
+        for_each_obstacle(a, corridor.extent, scratch, [&](const Obstacle& o) {
+            if (first > Unit{} && corridor.may_meet(o))
+                first = min(first, advance(w, o, m, up(std::int64_t{target.raw}, 6), first));
+        });
+    });
+    return first;
+}
+
+void touching_directions(const shapes::Solid& a, const Sweep& sweep_a, const shapes::Solid& b,
+                         const Sweep& sweep_b, NarrowScratch& scratch, std::vector<UnitVec3>& directions) {
+    const Ways w(sweep_a, sweep_b);
+    for_each_part(b, [&](const shapes::Solid& part, const Transform* place, std::uint32_t) {
+        const Mover m = mover_of(part, place_in_body(sweep_b, place));
+        const Long3 at = raw(relative_pose(pose_at(sweep_a, Unit{}), sweep_b.from).position);
+        const std::int64_t around = (m.reach_30 >> 6) + reach_24(part) + 2 * std::int64_t{stop_gap.raw};
+        for_each_obstacle(a, swept_extent(at, at, around), scratch, [&](const Obstacle& o) {
+            if (starts_behind(w, o, m)) return;
+            Measured start = measure(w, o, m, Unit{}, touching_gap_30);
+            if (!start.gap.overlap && start.gap.distance_30 > touching_gap_30) return;
+            // The shape itself may be a little in; its core is not.
+            if (start.gap.overlap) start = measure(w, o, ball_of(m, Coordinate{}), Unit{}, anything_30);
+            if (!start.gap.overlap) directions.push_back(unit_of_30(start.direction_30));
+        });
+    });
+}
+
+Unit stop_fraction(const shapes::Solid& a, const Sweep& sweep_a, const shapes::Solid& b, const Sweep& sweep_b,
+                   std::span<const UnitVec3> touching, NarrowScratch& scratch) {
+    const Ways w(sweep_a, sweep_b);
+    const Vec3 lift = lift_of(touching);
+    Unit first = unit_one;
+    for_each_part(b, [&](const shapes::Solid& part, const Transform* place, std::uint32_t) {
+        const Mover m = mover_of(part, place_in_body(sweep_b, place));
+        const Corridor corridor = corridor_of(w, m, stop_gap + stop_gap);
+        for_each_obstacle(a, corridor.extent, scratch, [&](const Obstacle& o) {
+            if (first > Unit{} && corridor.may_meet(o)) first = min(first, piece_stop(w, o, m, lift, first));
+        });
+    });
+    return first;
+}
+
+} // namespace lockstone::collide

@@ -1,0 +1,190 @@
+#include "model/checks.h"
+
+#include "base/text.h"
+#include "lockstone/math/decimal.h"
+#include "lockstone/math/math.h"
+
+namespace lockstone::sim {
+
+using base::join;
+
+bool within(Vec3 v, Real most) { return abs(v.x) <= most && abs(v.y) <= most && abs(v.z) <= most; }
+
+std::string check_unit(const char* what, Quat q) {
+    const auto square = [](Unit u) { return std::int64_t{u.raw} * u.raw; };
+    const std::int64_t norm =
+        (square(q.x) >> 2) + (square(q.y) >> 2) + (square(q.z) >> 2) + (square(q.w) >> 2);
+    constexpr std::int64_t one = std::int64_t{1} << 58;
+    if (norm > one - (one >> 10) && norm < one + (one >> 10)) return {};
+    return join(what, " is not a unit quaternion: use Quat::identity(), from_axis_angle or normalized");
+}
+
+std::string check_pose(const char* what, const Transform& pose, Real most) {
+    if (!within(pose.position, most))
+        return join(what, ".position must be within ", floor_to_int(most), " m of the origin");
+    return check_unit(what, pose.rotation);
+}
+
+std::string check_range(const char* what, Real value, Real low, Real high, const char* unit) {
+    if (value >= low && value <= high) return {};
+    return join(what, " is ", to_string(value), ", must be ", to_string(low), " to ", to_string(high), unit);
+}
+
+std::string check(const BodyDef& d) {
+    if (d.kind > BodyKind::dynamic)
+        return join("kind is ", static_cast<std::uint32_t>(d.kind), ", must be 0 to 2");
+    if (d.locks > 63) return join("locks is ", d.locks, ", must be a sum of AxisLock bits, at most 63");
+    if (d.gyroscopic > 1) return join("gyroscopic is ", d.gyroscopic, ", must be 0 or 1");
+    if (d.bullet > 1) return join("bullet is ", d.bullet, ", must be 0 or 1");
+    if (d.enable_fields > 1) return join("enable_fields is ", d.enable_fields, ", must be 0 or 1");
+    if (std::string e = check_pose("pose", d.pose, position_max); !e.empty()) return e;
+    if (length(d.linear_velocity) > speed_max) return "linear_velocity must be at most 500 m/s long";
+    if (!within(d.angular_velocity, spin_max))
+        return "angular_velocity must be within 4095 rad/s on each axis";
+    if (std::string e = check_range("linear_damping", d.linear_damping, Real{}, Real(1000), " 1/s");
+        !e.empty())
+        return e;
+    if (std::string e = check_range("angular_damping", d.angular_damping, Real{}, Real(1000), " 1/s");
+        !e.empty())
+        return e;
+    if (std::string e = check_range("gravity_scale", d.gravity_scale, Real(-100), Real(100), ""); !e.empty())
+        return e;
+    if (std::string e = check_range("drag_scale", d.drag_scale, Real{}, Real(100), ""); !e.empty()) return e;
+    if (d.mass == Real{}) return {};
+    return check_range("mass", d.mass, mass_min, mass_max, " kg, or 0 for that of the shapes");
+}
+
+/// Empty when the kind of body can have the geometry.
+static std::string check_body_kind(const Geometry& g, BodyKind kind) {
+    if (g.kind == ShapeKind::plane && kind != BodyKind::static_) return "a plane needs a static body";
+    if ((g.kind == ShapeKind::mesh || g.kind == ShapeKind::height_field) && kind == BodyKind::dynamic)
+        return join("a ", name_of(g.kind), " needs a static or kinematic body");
+    const bool is_primitive = g.kind <= ShapeKind::box;
+    if (is_primitive && g.scale != scale_one && kind != BodyKind::static_)
+        return "a scaled primitive needs a static body";
+    return {};
+}
+
+std::string check_surface(Real friction, Real restitution, Real rolling_resistance, Vec3 surface_velocity) {
+    if (std::string e = check_range("friction", friction, Real{}, Real(4), ""); !e.empty()) return e;
+    if (std::string e = check_range("restitution", restitution, Real{}, Real(1), ""); !e.empty()) return e;
+    if (std::string e = check_range("rolling_resistance", rolling_resistance, Real{}, Real(1), " m");
+        !e.empty())
+        return e;
+    if (!within(surface_velocity, Real(100))) return "surface_velocity must be within 100 m/s on each axis";
+    return {};
+}
+
+std::string check(const ShapeDef& d, BodyKind kind) {
+    if (std::string e = validate(d.geometry); !e.empty()) return e;
+    if (std::string e = check_body_kind(d.geometry, kind); !e.empty()) return e;
+    if (std::string e = check_pose("local", d.local, Real(64)); !e.empty()) return e;
+    if (std::string e = check_range("density", d.density, 0.01_r, Real(100000), " kg/m^3"); !e.empty())
+        return e;
+    if (std::string e = check_surface(d.friction, d.restitution, d.rolling_resistance, d.surface_velocity);
+        !e.empty())
+        return e;
+    for (const auto& [what, rule] :
+         {std::pair("friction_mix", d.friction_mix), {"restitution_mix", d.restitution_mix}})
+        if (rule > Mix::maximum)
+            return join(what, " is ", static_cast<std::uint32_t>(rule), ", must be 0 to 4");
+    if (d.sensor > 1) return join("sensor is ", d.sensor, ", must be 0 or 1");
+    if (d.one_way > 1) return join("one_way is ", d.one_way, ", must be 0 or 1");
+    return {};
+}
+
+static std::string check(const Region& r) {
+    if (r.kind > RegionKind::sphere)
+        return join("region.kind is ", static_cast<std::uint32_t>(r.kind), ", must be 0 to 2");
+    if (r.reserved != 0) return "region.reserved must be 0";
+    if (std::string e = check_pose("region.pose", r.pose, position_max); !e.empty()) return e;
+    constexpr const char* names[] = {"region.half_extent.x", "region.half_extent.y", "region.half_extent.z"};
+    for (int i = 0; i < 3; ++i) {
+        const bool used = r.kind == RegionKind::box || (r.kind == RegionKind::sphere && i == 0);
+        const Real least = used ? 0.001_r : Real{};
+        if (std::string e = check_range(names[i], r.half_extent[i], least, Real(1000000), " m"); !e.empty())
+            return e;
+    }
+    return {};
+}
+
+std::string check(const FieldDef& d) {
+    if (d.kind > FieldKind::fluid)
+        return join("kind is ", static_cast<std::uint32_t>(d.kind), ", must be 0 to 3");
+    if (d.reserved != 0) return "reserved must be 0";
+    if (!within(d.center, position_max)) return "center must be within 1e9 m of the origin";
+    if (!within(d.acceleration, Real(1000))) return "acceleration must be within 1000 m/s^2 on each axis";
+    if (length(d.velocity) > speed_max) return "velocity must be at most 500 m/s long";
+    struct Range {
+        const char* what;
+        Real value, low, high;
+        const char* unit;
+    };
+    const Real drag_max = Real(1000000);
+    for (const Range& r : {Range{"strength", d.strength, Real(-100000000), Real(100000000), ""},
+                           {"softening", d.softening, Real{}, Real(30000), " m"},
+                           {"density", d.density, Real{}, Real(100000), " kg/m^3"},
+                           {"drag_linear", d.drag_linear, Real{}, drag_max, " kg/(m^2 s)"},
+                           {"drag_quadratic", d.drag_quadratic, Real{}, drag_max, " kg/m^3"},
+                           {"drag_angular", d.drag_angular, Real{}, drag_max, " kg/(m^2 s)"}})
+        if (std::string e = check_range(r.what, r.value, r.low, r.high, r.unit); !e.empty()) return e;
+    return check(d.region);
+}
+
+std::string check(const ExplosionDef& d) {
+    if (d.falloff > Falloff::inverse_square)
+        return join("falloff is ", static_cast<std::uint32_t>(d.falloff), ", must be 0 to 2");
+    if (!within(d.center, position_max)) return "center must be within 1e9 m of the origin";
+    if (std::string e = check_range("radius", d.radius, 0.001_r, Real(30000), " m"); !e.empty()) return e;
+    if (std::string e = check_range("core", d.core, 0.001_r, Real(30000), " m"); !e.empty()) return e;
+    return check_range("impulse", d.impulse, Real(-100000000), Real(100000000), " N s/m^2");
+}
+
+std::string check(const JointAxis& d, std::uint32_t index) {
+    if (d.mode > AxisMode::free)
+        return join("mode is ", static_cast<std::uint32_t>(d.mode), ", must be 0 to 2");
+    if (d.spring > 1) return join("spring is ", d.spring, ", must be 0 or 1");
+    const bool swings = index == about_y || index == about_z;
+    const Real reach = swings ? pi : Real(1000000);
+    const char* unit = index < about_x ? " m" : " rad";
+    if (d.lower > d.upper)
+        return join("lower is ", to_string(d.lower), ", more than upper, ", to_string(d.upper));
+    for (const auto& [what, value] : {std::pair("lower", d.lower), {"upper", d.upper}, {"target", d.target}})
+        if (std::string e = check_range(what, value, -reach, reach, unit); !e.empty()) return e;
+    if (std::string e = check_range("frequency", d.frequency, Real{}, Real(1000), " Hz"); !e.empty())
+        return e;
+    if (d.spring == 1 && d.frequency == Real{}) return "frequency of a spring must be more than 0 Hz";
+    if (std::string e = check_range("damping_ratio", d.damping_ratio, Real{}, Real(100), ""); !e.empty())
+        return e;
+    if (std::string e = check_range("motor_speed", d.motor_speed, Real(-500), Real(500), ""); !e.empty())
+        return e;
+    for (const auto& [what, value] : {std::pair("motor_force", d.motor_force),
+                                      {"friction", d.friction},
+                                      {"spring_force", d.spring_force}})
+        if (std::string e = check_range(what, value, Real{}, force_max, ""); !e.empty()) return e;
+    return {};
+}
+
+std::string check(const JointDef& d) {
+    if (d.kind > JointKind::rack_and_pinion)
+        return join("kind is ", static_cast<std::uint32_t>(d.kind), ", must be 0 to 11");
+    if (d.collide_connected > 1)
+        return join("collide_connected is ", d.collide_connected, ", must be 0 or 1");
+    const Real frame_max = Real(1000000), ground_max = position_max;
+    if (std::string e = check_pose("frame_a", d.frame_a, d.body_a ? frame_max : ground_max); !e.empty())
+        return e;
+    if (std::string e = check_pose("frame_b", d.frame_b, frame_max); !e.empty()) return e;
+    for (std::uint32_t i = 0; i < joint_axis_count; ++i)
+        if (std::string e = check(d.axis[i], i); !e.empty()) return join("axis[", i, "].", e);
+    if (d.swing < Real{} || d.swing >= pi)
+        return join("swing is ", to_string(d.swing), ", must be 0 to less than pi");
+    if (abs(d.ratio) < 0.001_r || abs(d.ratio) > Real(1000))
+        return join("ratio is ", to_string(d.ratio), ", must be 0.001 to 1000 or the negative of that");
+    if (!within(d.ground_a, ground_max) || !within(d.ground_b, ground_max))
+        return "ground_a and ground_b must be within 1e9 m of the origin";
+    if (std::string e = check_range("break_force", d.break_force, Real{}, force_max, " N"); !e.empty())
+        return e;
+    return check_range("break_torque", d.break_torque, Real{}, force_max, " N m");
+}
+
+} // namespace lockstone::sim

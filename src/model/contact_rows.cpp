@@ -1,0 +1,173 @@
+#include "model/contact_rows.h"
+
+#include "base/poison.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstring>
+
+namespace lockstone::sim {
+
+namespace {
+
+constexpr int beyond_bits = 32; // Length and Coordinate have the same step
+
+/// What the lower 32 bits, their sign extended, leave out.
+std::int32_t beyond(Coordinate at) {
+    const std::uint64_t raw = static_cast<std::uint64_t>(at.raw);
+    return static_cast<std::int32_t>(
+        static_cast<std::uint32_t>((raw + (std::uint64_t{1} << 31)) >> beyond_bits));
+}
+
+ContactMore more_of(const ContactMemory& m) {
+    return {{beyond(m.made_position.x), beyond(m.made_position.y), beyond(m.made_position.z)},
+            m.rolling,
+            m.piece_a,
+            m.piece_b};
+}
+
+/// Whether anything of more_of() is not zero.
+bool has_more(const ContactMemory& m) {
+    const auto far = [](Coordinate at) { return at.raw ^ static_cast<std::int32_t>(at.raw); };
+    const std::int64_t any = far(m.made_position.x) | far(m.made_position.y) | far(m.made_position.z) |
+                             m.rolling.x.raw | m.rolling.y.raw | m.rolling.z.raw | std::int64_t{m.piece_a} |
+                             std::int64_t{m.piece_b};
+    return any != 0;
+}
+
+constexpr std::size_t same_first = offsetof(ContactMemory, made_rotation),
+                      same_first_of_row = offsetof(ContactRow, made_rotation),
+                      same_size = sizeof(ContactRow) - same_first_of_row;
+static_assert(offsetof(ContactMemory, normal) - same_first ==
+              offsetof(ContactRow, normal) - same_first_of_row);
+static_assert(offsetof(ContactMemory, margin) - same_first ==
+              offsetof(ContactRow, margin) - same_first_of_row);
+static_assert(offsetof(ContactMemory, tangent_1) - same_first ==
+              offsetof(ContactRow, tangent_1) - same_first_of_row);
+static_assert(offsetof(ContactMemory, tangent_2) - same_first ==
+              offsetof(ContactRow, tangent_2) - same_first_of_row);
+static_assert(offsetof(ContactMemory, twist) - same_first == offsetof(ContactRow, twist) - same_first_of_row);
+static_assert(offsetof(ContactMemory, twist) + sizeof(Length) - same_first == same_size);
+
+void put_row(const ContactMemory& m, bool has_more, ContactRow& row) {
+    const auto low = [](Coordinate at) { return Length::from_raw(static_cast<std::int32_t>(at.raw)); };
+    row.flags = static_cast<std::uint16_t>(m.flags | (has_more ? solve::contact_has_more : 0u));
+    row.count = static_cast<std::uint16_t>(m.count);
+    row.made_position = {low(m.made_position.x), low(m.made_position.y), low(m.made_position.z)};
+    std::memcpy(reinterpret_cast<std::byte*>(&row) + same_first_of_row,
+                reinterpret_cast<const std::byte*>(&m) + same_first, same_size);
+}
+
+void take_row(const ContactRow& row, ContactMemory& m) {
+    m.flags = row.flags & ~std::uint32_t{solve::contact_has_more};
+    m.made_position = to<Coordinate>(row.made_position);
+    std::memcpy(reinterpret_cast<std::byte*>(&m) + same_first,
+                reinterpret_cast<const std::byte*>(&row) + same_first_of_row, same_size);
+    m.rolling = {};
+    m.piece_a = m.piece_b = 0;
+}
+
+void take_more(const ContactMore& more, ContactMemory& m) {
+    for (int i = 0; i < 3; ++i)
+        m.made_position[i].raw = static_cast<std::int64_t>(
+            static_cast<std::uint64_t>(m.made_position[i].raw) +
+            (std::uint64_t{static_cast<std::uint32_t>(more.beyond[static_cast<std::size_t>(i)])}
+             << beyond_bits));
+    m.rolling = more.rolling;
+    m.piece_a = more.piece_a, m.piece_b = more.piece_b;
+}
+
+/// In halves, which compilers copy without a call.
+void copy_four(const ContactPointMemory* from, ContactPointMemory* to) {
+    std::memcpy(to, from, 2 * sizeof *from);
+    std::memcpy(to + 2, from + 2, 2 * sizeof *from);
+}
+
+/// Sets the row counts of the tables to what the list needs.
+void fit(State& state, const ContactTables& to, const ContactList& list) {
+    std::uint32_t points = 0, more = 0;
+    for (const ContactMemory& m : list.memories) points += m.count, more += has_more(m) ? 1u : 0u;
+    state.resize(to.contacts, static_cast<std::uint32_t>(list.keys.size()));
+    state.resize(to.points, points), state.resize(to.more, more);
+}
+
+/// Keys that are what they were are not written: their pages are not saved and hashed again.
+void write_keys(State& state, const ContactTables& to, const ContactList& list) {
+    const std::span<const ContactKey> now = state.rows(to.key);
+    const std::size_t size = now.size_bytes();
+    if (size == 0 || std::memcmp(now.data(), list.keys.data(), size) == 0) return;
+    std::memcpy(state.edit(to.key).data(), list.keys.data(), size);
+}
+
+} // namespace
+
+void read_contacts(const State& state, const ContactTables& from, ContactList& out) {
+    const std::span<const ContactKey> keys = state.rows(from.key);
+    const std::span<const ContactRow> rows = state.rows(from.memory);
+    const std::span<const ContactPointMemory> points = state.rows(from.point);
+    const std::span<const ContactMore> mores = state.rows(from.beyond);
+    if (out.memories.capacity() < rows.size()) out.reserve(rows.size() + rows.size() / 8);
+    out.keys.assign(keys.begin(), keys.end());
+    out.memories.resize(rows.size());
+    std::size_t point = 0, more = 0;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        ContactMemory& m = out.memories[i];
+        take_row(rows[i], m);
+        m.count = static_cast<std::uint32_t>(
+            std::min<std::size_t>({rows[i].count, m.points.size(), points.size() - point}));
+        std::copy_n(points.data() + point, m.count, m.points.begin());
+        std::fill(m.points.begin() + m.count, m.points.end(), ContactPointMemory{});
+        point += m.count;
+        if ((rows[i].flags & solve::contact_has_more) != 0 && more < mores.size())
+            take_more(mores[more++], m);
+    }
+}
+
+void write_contacts(State& state, const ContactTables& to, const ContactList& list) {
+    fit(state, to, list);
+    write_keys(state, to, list);
+    ContactRow* row = state.edit(to.memory).data();
+    const std::span<ContactPointMemory> points = state.edit(to.point);
+    ContactMore* next = state.edit(to.beyond).data();
+    ContactPointMemory* point = points.data();
+    const ContactPointMemory* const end = point + points.size();
+    const bool any_has_more = state.count(to.more) != 0;
+    for (const ContactMemory& m : list.memories) {
+        const bool has = any_has_more && has_more(m);
+        put_row(m, has, *row++);
+        if (end - point >= static_cast<std::ptrdiff_t>(m.points.size()))
+            copy_four(m.points.data(), point); // fast; those of the next write over what is too much
+        else
+            std::copy_n(m.points.begin(), m.count, point);
+        point += m.count;
+        if (has) *next++ = more_of(m);
+    }
+}
+
+bool ContactCopy::has_changed(const State& state, const ContactTables& tables) {
+    bool any = false;
+    const auto look = [&](TableId table, std::uint32_t column) {
+        const std::uint32_t before = state.take_changes(column, seen, changed);
+        any |= !changed.empty() || before != state.count(table);
+    };
+    look(tables.contacts, tables.key.index), look(tables.contacts, tables.memory.index);
+    look(tables.points, tables.point.index), look(tables.more, tables.beyond.index);
+    return any;
+}
+
+void ContactCopy::read(const State& state, const ContactTables& from) {
+    if (has_changed(state, from)) read_contacts(state, from, list);
+}
+
+void ContactCopy::write(State& state, const ContactTables& to) {
+    write_contacts(state, to, list);
+    has_changed(state, to);
+}
+
+void ContactCopy::poison(std::byte with) {
+    base::poison(with, list.keys, list.memories, changed);
+    list.clear();
+    seen = {};
+}
+
+} // namespace lockstone::sim

@@ -1,0 +1,21 @@
+// What of a shape is touched: the surface of its triangle's or cell's material, or its own.
+#pragma once
+
+#include "world/data.h"
+
+namespace lockstone::sim {
+
+struct Touch {
+    Real friction, restitution, rolling;
+    Vec3 velocity; ///< in the shape's axes [m/s]
+};
+/// `piece`: triangle or part, as in hits and manifolds.
+Touch touch_of_piece(const ShapeTraits& shape, const shapes::Solid& solid, std::uint32_t piece);
+inline Touch touch_of(const ShapeTraits& shape, const shapes::Solid& solid, std::uint32_t piece) {
+    if (solid.mesh != nullptr || solid.height_field != nullptr) return touch_of_piece(shape, solid, piece);
+    return {shape.friction, shape.restitution, shape.rolling_resistance, shape.surface_velocity};
+}
+/// Of a living shape whose solid the tick or a query has found.
+SurfacePart part_of(const Data& w, ShapeId shape, std::uint32_t piece);
+
+} // namespace lockstone::sim

@@ -1,0 +1,237 @@
+// The mover's tick: what the ground and others do to a character, then what it wants, each where the world will be when
+// the tick ends. Positions become velocities at the end.
+//
+// source: collide and slide as in Fauerby, Improved Collision Detection and Response, 2003; the steps of walking as
+// users know them from the character controllers of today's engines.
+#include "play/character/character_mover.h"
+
+#include "lockstone/math/math.h"
+#include "tick/phases.h"
+#include "tick/sleep.h"
+
+#include <algorithm>
+
+namespace lockstone::sim {
+
+Mover::Mover(Data& data, std::uint32_t character_row)
+    : w(data), row(data.state.rows(data.m.character)[character_row]), index(character_row), up(row.def.up),
+      slope_cos(to<Unit>(cos(row.def.slope_max))), rate(data.state.rows(data.m.config)[0].tick_rate),
+      space(data, row) {
+    const std::uint32_t body = w.row_of(row.body);
+    const Transform& pose = w.state.rows(w.m.body_pose)[body];
+    begin = feet = pose.position - rotate(pose.rotation, w.mass_of(body).center);
+    stood_on = ground_body();
+    was_in_air = row.state.ground != CharacterGround::walkable && row.state.air_ticks > 0;
+}
+
+void Mover::run() {
+    CharacterState& s = row.state;
+    w.scratch.characters.pushes.clear();
+    const Real height = s.crouched != 0 ? row.def.crouch_height : row.def.height;
+    space.set_height(height);
+    const Real speed = length(s.velocity) + length(row.input.velocity) + length(s.ground_velocity) +
+                       row.def.jump_speed + row.def.gravity / Real(rate);
+    space.collect(feet, speed / Real(rate) + row.def.step_height + row.def.step_down +
+                            (row.def.height - height) + w.scratch.characters.motion_max + 0.5_r);
+    ride();
+    unstick();
+    change_posture();
+    start_jump();
+    if (s.ground == CharacterGround::walkable)
+        walk();
+    else
+        fall();
+    apply_pushes();
+    finish();
+}
+
+Vec3 Mover::per_tick(Vec3 v) const {
+    const auto one = [this](Real x) { return Real::from_raw(divide_shifted(x.raw, rate, 0)); };
+    return {one(v.x), one(v.y), one(v.z)};
+}
+
+Vec3 Mover::approached(Vec3 v, Vec3 wanted, Real rate_of_change) const {
+    const Vec3 change = wanted - v;
+    const Real most = rate_of_change / Real(rate);
+    return length(change) <= most ? wanted : v + scale<Real>(normalized(change), most);
+}
+
+Vec3 Mover::velocity_of(BodyId body, Vec3 point) const {
+    const std::uint32_t at = w.row_of(body);
+    const Velocity& v = w.state.rows(w.m.body_velocity)[at];
+    const Vec3 arm = point - w.state.rows(w.m.body_pose)[at].position;
+    return to<Real>(v.linear) + cross<Real>(v.angular, arm);
+}
+
+BodyId Mover::ground_body() const {
+    if (row.state.ground != CharacterGround::walkable) return {};
+    return w.row_of(row.state.ground_body) == Data::dead ? BodyId{} : row.state.ground_body;
+}
+
+bool Mover::is_dynamic(BodyId body) const {
+    return body && w.state.rows(w.m.body_info)[w.row_of(body)].kind == BodyKind::dynamic;
+}
+
+/// Moves with the ground, out of the way of what moves, both against the rest of the world.
+void Mover::ride() {
+    const BodyId ground = ground_body();
+    const bool moves = std::ranges::any_of(space.neighbours(),
+                                           [&](const Neighbour& n) { return n.body == ground && n.moves; });
+    if (moves) {
+        const std::uint32_t body = w.row_of(ground);
+        const Velocity& v = w.state.rows(w.m.body_velocity)[body];
+        const Vec3 arm = feet - w.state.rows(w.m.body_pose)[body].position;
+        const Quat turn = integrate_rotation(Quat::identity(), per_tick(to<Real>(v.angular)));
+        carried = per_tick(to<Real>(v.linear)) + rotate(turn, arm) - arm;
+        spin = dot<Real>(up, v.angular);
+    }
+    Vec3 away = carried;
+    shove(away);
+    slide(carried, ground); // as one with its ground
+    slide(away - carried, {});
+}
+
+/// As far as the others let it. Shapes of the body `ignored` do not count.
+void Mover::slide(Vec3 way, BodyId ignored) {
+    std::array<UnitVec3, 4> planes;
+    for (std::size_t i = 0; i < planes.size() && way != Vec3{}; ++i) {
+        SpaceHit hit{};
+        Real part{};
+        if (!space.advance(feet, way, hit, part, ignored)) return;
+        planes[i] = hit.normal;
+        way = clipped(way - way * part, std::span(planes).first(i + 1));
+    }
+}
+
+/// What the character has to move so that nothing is nearer than the skin; false when all is well. What gives way least
+/// has the last word.
+bool Mover::part_from_neighbours(Vec3& correction) {
+    bool any = false;
+    for (const BodyKind kind : {BodyKind::dynamic, BodyKind::kinematic, BodyKind::static_})
+        space.for_each_contact(feet, skin, [&](const SpaceContact& c) {
+            if (space.neighbour(c.neighbour).kind != kind) return;
+            const Unit upward = dot<Unit>(c.normal, up);
+            if (kind == BodyKind::dynamic && upward < -half(unit_one)) return; // lies on its head
+            const Real missing = skin - c.gap - dot<Real>(c.normal, correction);
+            if (missing <= skin_slack) return;
+            any = true;
+            // Straight up from what it can stand on: along the normal it would creep downhill.
+            correction += is_walkable(c.normal) ? scale<Real>(up, missing / to<Real>(upward))
+                                                : scale<Real>(c.normal, missing);
+        });
+    return any;
+}
+
+void Mover::unstick() {
+    constexpr int rounds = 6;
+    row.state.squeezed = 0;
+    for (int i = 0; i < rounds; ++i) {
+        Vec3 correction{};
+        if (!part_from_neighbours(correction)) return;
+        SpaceHit hit{};
+        Real part{};
+        space.advance(feet, correction, hit, part);
+    }
+    space.for_each_contact(feet, Real{}, [&](const SpaceContact& c) {
+        if (c.gap < -skin && space.neighbour(c.neighbour).kind != BodyKind::dynamic) row.state.squeezed = 1;
+    });
+}
+
+/// Crouches at once, stands up where nothing is nearer than the skin then.
+void Mover::change_posture() {
+    const std::uint32_t wanted = row.input.crouch;
+    if (wanted == row.state.crouched) return;
+    const Real height = wanted != 0 ? row.def.crouch_height : row.def.height;
+    space.set_height(height);
+    if (wanted == 0) {
+        bool has_room = true;
+        space.for_each_contact(feet, skin, [&](const SpaceContact& c) {
+            const bool is_above = dot<Unit>(c.normal, up) < Unit{} && c.gap < skin - skin_slack;
+            if (is_above || c.gap < -skin) has_room = false;
+        });
+        if (!has_room) return space.set_height(row.def.crouch_height);
+    }
+    row.state.crouched = wanted;
+    wake(w, row.body); // what lies on its head, too
+    set_capsule(w, row, height);
+}
+
+void Mover::start_jump() {
+    CharacterState& s = row.state;
+    if (row.input.jump != 0 && s.jump_was_held == 0) s.jump_pending = row.def.jump_buffer_ticks + 1;
+    s.jump_was_held = row.input.jump;
+    if (s.jump_pending == 0) return;
+    --s.jump_pending;
+    const bool can =
+        s.has_jumped == 0 && (s.ground == CharacterGround::walkable || s.air_ticks <= row.def.coyote_ticks);
+    if (!can) return;
+    if (s.ground == CharacterGround::walkable) leave_ground();
+    const Real lifted = max(along(s.velocity), Real{}); // by a platform that goes up
+    s.velocity = level(s.velocity) + scale<Real>(up, row.def.jump_speed + lifted);
+    s.has_jumped = 1;
+    s.jump_pending = 0;
+    s.air_ticks = row.def.coyote_ticks;
+}
+
+namespace {
+/// A spinning ground could be of any speed; nothing else comes near this.
+Vec3 bounded(Vec3 v) {
+    constexpr Real most = Real(4096);
+    return {clamp(v.x, -most, most), clamp(v.y, -most, most), clamp(v.z, -most, most)};
+}
+} // namespace
+
+/// The body's velocity for this tick, its turn with the ground, and what the character remembers.
+void Mover::finish() {
+    CharacterState& s = row.state;
+    if (s.ground == CharacterGround::walkable) {
+        s.air_ticks = s.has_jumped = 0;
+    } else {
+        s.air_ticks = is_kept_up ? 0 : std::min(s.air_ticks + 1, 1u << 31);
+        if (is_kept_up) s.has_jumped = 0;
+    }
+    s.velocity = bounded(s.velocity);
+    s.ground_velocity = bounded(s.ground_velocity);
+    const BodyId stands_on = ground_body();
+    if (stands_on != stood_on)
+        for (const BodyId body : {stands_on, stood_on})
+            if (is_dynamic(body)) wake(w, body);
+    if (is_dynamic(stands_on)) weigh();
+    w.state.edit_row(w.m.character, index) = row;
+
+    const Vec3 way = feet - begin;
+    const Quat rotation = w.state.rows(w.m.body_pose)[w.row_of(row.body)].rotation;
+    const UnitVec3 axis = to_rotation(rotation).y;
+    const bool leans = dot<Unit>(axis, up) < unit_one - Unit::from_raw(16);
+    const Velocity velocity{to<Speed>(way * Real(rate)), to<Speed>(scale<Real>(up, spin))};
+    const bool moves = leans || velocity != Velocity{};
+    const std::uint32_t body = moves ? wake(w, row.body) : w.row_of(row.body);
+    if (w.state.rows(w.m.body_velocity)[body] != velocity)
+        w.state.edit_row(w.m.body_velocity, body) = velocity;
+    if (!leans) return;
+    // Upright again, whatever commands and roundings did to it.
+    Transform& pose = w.state.edit_row(w.m.body_pose, body);
+    pose.rotation = normalized(from_to(axis, up) * pose.rotation);
+    pose.position = begin + rotate(pose.rotation, w.mass_of(body).center);
+}
+
+void move_characters(Data& w) {
+    CharacterScratch& s = w.scratch.characters;
+    s.order_of_body.clear(), s.landings.clear();
+    const std::uint32_t count = w.state.count(w.m.characters);
+    if (count == 0) return;
+    // What movers hold of the state stays where it is while they push and crouch.
+    w.state.make_room({w.m.forces}, w.state.count(w.m.bodies));
+    w.state.make_room({w.m.body_traits.table, w.m.shape_traits.table}, 4 * count);
+    const std::span<const CharacterRow> rows = w.state.rows(w.m.character);
+    update_bounds(w);
+    s.order_of_body.assign(w.state.count(w.m.body_slots), 0);
+    for (std::uint32_t i = 0; i < rows.size(); ++i) s.order_of_body[rows[i].body.index - 1] = i + 1;
+    Speed fastest{};
+    for (const Velocity& v : w.state.rows(w.m.body_velocity).first(w.header().bodies_awake))
+        fastest = max(fastest, length(v.linear));
+    s.motion_max = min(to<Real>(fastest) / Real(w.state.rows(w.m.config)[0].tick_rate), Real(4));
+    for (std::uint32_t i = 0; i < count; ++i) Mover(w, i).run();
+}
+
+} // namespace lockstone::sim

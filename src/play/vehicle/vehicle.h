@@ -1,0 +1,182 @@
+// Vehicles in the solver: per wheel a suspension row and two tyre rows, per vehicle a train of turning masses.
+//
+//   row          D = (d, xc ; -d, xg)   d: normal n, forwards f, left s;  xc = K_c^-1 (rc x d), xg = -K_g^-1 (rg x d)
+//   speed        D . (vc, uc, vg, ug)   of the patch of the chassis over the ground
+//   impulse      p = lambda / m         m: mass of the chassis; velocity units [m/s]
+//   mobility     kappa = D . D          with the ground's part times m / mg: speed per impulse
+//   spring       p = h k x + a (rate + kappa p)   k = share (2 pi f)^2, a = h^2 k + h c: implicit, cannot overshoot
+//   stop         unilateral and soft as a contact, below the least suspension length
+//   anti-roll    p = h k (xa - xb) + a (rate a - rate b) on a, -p on b
+//   tyre         |p| = N grip(slip),  slip = |slide| / |ground speed|,  N the load: implicit in p, so that it can stick
+//   spin         I (w' - w) = T + b - m r p   T from the train, b of the brake; solved together with the tyre
+//   coupling     e = ce W + sum cg wg: clutch, differential, steering of tracks; |lambda| <= cap; W the engine's speed
+//
+// A substep: velocities, warm start (springs and tyres start from the last substep's impulses; the train is solved
+// against what the tyres will answer), solve (springs, stops, bars, tyres), poses.
+// source: implicit springs as in Catto, Soft Constraints, GDC 2011; slip and its combination as in Pacejka, Tire and
+// Vehicle Dynamics, 1.2; the rest is this library's own.
+#pragma once
+
+#include "base/parallel.h"
+#include "lockstone/query.h"
+#include "play/vehicle/vehicle_rows.h"
+#include "solve/bodies/solver_body.h"
+
+#include <span>
+#include <vector>
+
+namespace lockstone::sim {
+
+struct Data;
+
+/// A constraint direction of a wheel.
+struct WheelLine {
+    UnitVec3 d;
+    Vec3 xc, xg;
+    Real kappa;
+};
+
+/// A wheel within a tick.
+struct Wheel {
+    bool touches;         ///< the ground, or may within the tick
+    std::uint32_t ground; ///< entry of SolverBodies
+    Real ratio;           ///< m / mg, 0 for a ground that nothing moves
+    WheelLine normal, along, across;
+    Real mixed;                    ///< speed across per impulse along
+    Vec3 surface;                  ///< velocity of a conveyor's surface [m/s]
+    Real length_begin, per_length; ///< at the start of the tick [m]; suspension length per separation
+    Real length;                   ///< now
+    Real compression;              ///< of the spring when the substep began [m], 0: it hangs
+    Real spring_rate, spring_soft, damper[2]; ///< h k [1/s]; h^2 k; h c of rebound and compression
+    Real grip;                                ///< factor of the tyre's curves on this ground
+    std::uint32_t group;
+    Real arm;                      ///< spin of its group per impulse [rad/m]
+    Real stiff;                    ///< of its spin: mass radius^2 [kg m^2]
+    Real kappa_rim;                ///< mobility along with a rim that turns freely
+    Real brake_torque;             ///< impulse of the brakes per substep [N m s]
+    Real load;                     ///< on the tyre, grip included [m/s]
+    Real spring, stop, bars;       ///< impulses along the normal; `bars` is the sum of the anti-roll bars
+    Real along_p, across_p, try_p; ///< of the tyre; `try_p` while the train is solved
+    Real ahead, aside;             ///< speeds of the patch then [m/s]
+    Real slip, slip_side;
+};
+
+/// What turns as one: a wheel, or a track's wheels.
+struct SpinGroup {
+    Real inertia, spin_begin, spin; ///< [kg m^2], [rad/s]; spin_begin is that of the substep
+    Real torque;                    ///< impulse of the train in this substep [N m s]
+    Real brake;                     ///< most impulse of the brake
+    Real brake_ahead, brake_back;   ///< brake / inertia, and that of the other sign: what it takes of a spin
+    Real free;                      ///< spin_begin and what the torque adds
+    std::uint32_t on_ground;        ///< how many of its wheels touch
+    Real answer;                    ///< d spin / d torque
+    bool coupled;                   ///< to the train
+};
+
+struct Coupling {
+    std::uint32_t source;                       ///< 0..3: differential, else one of the two below
+    Real engine;                                ///< ce
+    std::array<Real, vehicle_wheels_max> group; ///< cg
+    Real cap;                                   ///< [N m s]
+    Real impulse;
+};
+inline constexpr std::uint32_t coupling_clutch = 4, coupling_steering = 5;
+
+/// The highest points of a tyre's curves.
+struct TyrePeaks {
+    Real along, across;
+};
+
+/// A vehicle within a tick.
+struct Vehicle {
+    const VehicleDef* def; ///< of the state; nothing is made or destroyed within a tick
+    VehicleInput input;
+    VehicleMemory memory;
+    std::uint32_t row, chassis; ///< rows of the vehicle and body columns
+    Real mass;
+    Real engine_speed,
+        ratio; ///< [rad/s]; engine turns per turn of the wheels, 0: in neutral or between gears
+    std::uint32_t group_count, coupling_count;
+    std::array<TyrePeaks, vehicle_tyres_max> peaks;
+    std::array<Wheel, vehicle_wheels_max> wheel;
+    std::array<SpinGroup, vehicle_wheels_max> group;
+    std::array<Coupling, vehicle_couplings_max + 2> coupling;
+};
+
+/// What a wheel stands on.
+struct WheelGround {
+    bool found;
+    QueryHit hit;
+    Real length; ///< of the suspension [m]
+};
+
+/// A chassis and a body that one of its wheels stands on, by row.
+struct Standing {
+    std::uint32_t chassis, ground;
+};
+
+/// Vehicles of one convoy push bodies that others of it push too, so they are solved one after the other; convoys share
+/// nothing that is written, so workers take them in any order.
+class VehicleSolver {
+  public:
+    /// Casts the wheels, once the bounds of the tick are known. Wakes what they stand on, and a vehicle that sleeps when
+    /// something else came under its wheels; true when it woke anything.
+    bool cast(Data& w);
+    /// Rows, gears, couplings. Once a tick, when the bodies are in solver form.
+    void prepare(Data& w);
+    /// At the begin of a substep, after the velocities were integrated.
+    void warm_start(const solve::StepConstants& step, solve::SolverBodies& bodies);
+    /// Springs, stops and bars in the pass with bias; tyres in every pass.
+    void solve(const solve::StepConstants& step, solve::SolverBodies& bodies, bool bias);
+    void store(Data& w);
+    /// In the tick that was stored last: vehicles sleep and wake with what they stand on.
+    std::span<const Standing> standing() const { return stands; }
+    /// Fills what cast() and prepare() make anew with a byte.
+    void poison(std::byte with);
+
+  private:
+    bool stands_as_before(Data& w, std::uint32_t vehicle_row) const;
+    void find_convoys(const solve::SolverBodies& bodies);
+    template <class Visit> void for_each_vehicle(Visit&& visit) {
+        base::for_chunks(tasks, static_cast<std::uint32_t>(convoy_begin.size() - 1), 1,
+                         [&](std::uint32_t k, std::uint32_t, std::uint32_t) {
+                             for (std::uint32_t i = convoy_begin[k]; i < convoy_begin[k + 1]; ++i)
+                                 visit(vehicles[order[i]]);
+                         });
+    }
+
+    std::vector<Standing> stands;
+    std::vector<Vehicle> vehicles;
+    Tasks* tasks = nullptr;                        ///< of this tick
+    std::vector<std::uint32_t> order;              ///< of vehicles: by convoy, then by row
+    std::vector<std::uint32_t> convoy_begin = {0}; ///< in `order`, and the end
+    /// A body that a vehicle pushes.
+    struct Pushed {
+        std::uint32_t body, vehicle;
+        friend constexpr auto operator<=>(const Pushed&, const Pushed&) = default;
+    };
+    std::vector<Pushed> pushed;
+    std::vector<std::uint32_t> convoy; ///< by vehicle: the first vehicle of its convoy, when all are found
+    std::vector<std::array<WheelGround, vehicle_wheels_max>> grounds; ///< by row
+};
+
+// ---- parts -------------------------------------------------------------------------------------------------------
+
+/// `axes`: of the chassis; `share`: of its mass.
+void prepare_wheel(const Data& w, const Rotation& axes, Vehicle& v, std::uint32_t wheel, Real share,
+                   const WheelGround& ground);
+/// Once the train is made: what of a rim stays as it is for the tick.
+void prepare_rims(const solve::StepConstants& step, Vehicle& v);
+void shift_gears(const Data& w, Vehicle& v);
+void prepare_train(Vehicle& v);
+/// Torques of clutch, differentials and steering for this substep; leaves the impulses of tyres as they are.
+void solve_train(const solve::StepConstants& step, const solve::SolverBodies& bodies, Vehicle& v);
+
+/// y at x, level beyond the ends.
+Real curve_at(std::span<const CurvePoint> curve, Real x);
+/// Fractions of the chassis' mass on each wheel, so that equal frequencies sag level; `center` is that of mass.
+std::array<Real, vehicle_wheels_max> sprung_shares(const VehicleDef& def, Vec3 center);
+/// To the left [rad].
+Real steer_angle(const VehicleDef& def, std::uint32_t wheel, Real steer);
+
+} // namespace lockstone::sim

@@ -1,0 +1,485 @@
+// The begin of a vehicle's tick: where its wheels stand, which gear is in, what is coupled to what.
+#include "base/poison.h"
+#include "lockstone/math/math.h"
+#include "model/surface.h"
+#include "play/vehicle/vehicle.h"
+#include "tick/sleep.h"
+#include "world/data.h"
+
+#include <algorithm>
+
+namespace lockstone::sim {
+
+using solve::BodyStep;
+using solve::SolverBodies;
+using solve::SolverBody;
+
+namespace {
+
+constexpr Real steepest = 0.17_r; ///< least cosine between a ground's normal and the suspension: 80 degrees
+constexpr Real ratio_max =
+    Real(65536); ///< of the masses of chassis and ground; a lighter ground acts as if it had this
+constexpr Real arm_max = Real(64); ///< of a row's turning arm K^-1 (r x d)
+constexpr Real impulse_max = Real(2048);
+constexpr Real part_spin_max = Real(100000); ///< [rad/s], of wheels and engines
+
+Vec3 arm_of(const BodyStep& body, Vec3 lever, UnitVec3 d, std::int32_t sign) {
+    Vec3 turn = cross<Real>(lever, d);
+    for (int i = 0; i < 3; ++i) turn[i] = (body.angular_mask >> i & 1u) != 0 ? turn[i] * sign : Real{};
+    const solve::Symmetric<Real>& k = body.gyration_inv;
+    const auto row = [&](Real a, Real b,
+                         Real c) { // below 2^127: no lever is a thousandth of the range of a Real
+        return Real::from_raw(narrow_rounded(Wide::product(a.raw, turn.x.raw) +
+                                                 Wide::product(b.raw, turn.y.raw) +
+                                                 Wide::product(c.raw, turn.z.raw),
+                                             Real::fraction_bits));
+    };
+    const Vec3 x{row(k.xx, k.xy, k.xz), row(k.xy, k.yy, k.yz), row(k.xz, k.yz, k.zz)};
+    return {clamp(x.x, -arm_max, arm_max), clamp(x.y, -arm_max, arm_max), clamp(x.z, -arm_max, arm_max)};
+}
+
+/// Speed along a direction d_a of what an impulse along d_b does to a body; x: their turning arms.
+Real mobility(const SolverBody& body, UnitVec3 d_a, Vec3 x_a, UnitVec3 d_b, Vec3 x_b) {
+    Real sum = dot<Real>(x_a, x_b);
+    for (int i = 0; i < 3; ++i)
+        if (body.keep[i] != 0) sum += mul<Real>(d_a[i], d_b[i]);
+    return sum;
+}
+
+struct Levers {
+    Vec3 chassis, ground;
+};
+
+WheelLine line_of(const SolverBodies& bodies, std::uint32_t chassis, const Wheel& wheel, UnitVec3 d,
+                  const Levers& levers) {
+    WheelLine line{d, arm_of(bodies.step[chassis], levers.chassis, d, 1), Vec3{}, Real{}};
+    line.kappa = mobility(bodies.body[chassis], d, line.xc, d, line.xc);
+    if (wheel.ground == bodies.still()) return line;
+    line.xg = arm_of(bodies.step[wheel.ground], levers.ground, d, -1);
+    if (wheel.ratio > Real{})
+        line.kappa += wheel.ratio * mobility(bodies.body[wheel.ground], d, line.xg, d, line.xg);
+    return line;
+}
+
+/// What a wheel is cast with, in world axes.
+struct WheelCastWay {
+    Vec3 from; ///< a radius above the attachment
+    UnitVec3 down;
+    Quat rotation; ///< y along the axle, of a cylinder
+    Real to_hub;   ///< farthest [m]
+};
+
+bool stands_on(const QueryHit& hit, UnitVec3 down) { return -dot<Real>(hit.normal, down) >= steepest; }
+
+WheelGround cast_ray_wheel(Data& w, const QueryFilter& filter, const WheelDef& wheel,
+                           const WheelCastWay& way) {
+    const std::optional<QueryHit> hit =
+        cast_ray(w, {way.from, lockstone::scale<Real>(way.down, way.to_hub + wheel.radius)}, filter);
+    if (!hit || !stands_on(*hit, way.down)) return {};
+    return {true, *hit, hit->distance - wheel.radius - wheel.radius};
+}
+
+/// What the solid of a wheel found; from a wall beside the wheel, or something it starts in, a ray looks past it.
+WheelGround ground_of(Data& w, const QueryFilter& filter, const WheelDef& wheel, const WheelCastWay& way,
+                      const std::optional<QueryHit>& solid_hit) {
+    if (!solid_hit) return {};
+    if (stands_on(*solid_hit, way.down)) return {true, *solid_hit, solid_hit->distance - wheel.radius};
+    return cast_ray_wheel(w, filter, wheel, way);
+}
+
+constexpr UnitVec3 up_axis{Unit{}, unit_one, Unit{}};
+constexpr Unit half_root = Unit::from_raw(759250125); ///< 1 / sqrt(2)
+constexpr Quat y_to_x{Unit{}, Unit{}, -half_root, half_root};
+
+using WheelCastWays = std::array<WheelCastWay, vehicle_wheels_max>;
+
+/// How the wheels are cast from where their chassis stands.
+void find_ways(const Data& w, const VehicleDef& def, const VehicleMemory& memory, WheelCastWays& out) {
+    const std::uint32_t chassis = w.row_of(def.chassis);
+    const Transform& pose = w.state.rows(w.m.body_pose)[chassis];
+    const Vec3 center = w.mass_of(chassis).center;
+    const Rotation axes = to_rotation(pose.rotation);
+    const Speed speed = length(w.state.rows(w.m.body_velocity)[chassis].linear);
+    const Real ahead = min(to<Real>(speed) / Real(w.state.rows(w.m.config)[0].tick_rate), Real(1));
+    for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
+        const WheelDef& wheel = def.wheel[i];
+        const UnitVec3 down = lockstone::mul<Unit>(axes, wheel.direction);
+        const Vec3 attachment = pose.position + lockstone::mul<Real>(axes, wheel.attachment - center);
+        out[i] = {attachment - lockstone::scale<Real>(down, wheel.radius), down, Quat::identity(),
+                  wheel.radius + wheel.length_max + ahead};
+        if (def.cast != WheelCast::cylinder) continue;
+        out[i].rotation =
+            normalized(pose.rotation * from_axis_angle(up_axis, memory.wheel[i].steer) * y_to_x);
+    }
+}
+
+using WheelGrounds = std::array<WheelGround, vehicle_wheels_max>;
+
+/// Finds the ground of all wheels of a vehicle.
+void cast_wheels(Data& w, const VehicleDef& def, const VehicleMemory& memory, WheelGrounds& out) {
+    const QueryFilter filter{def.category, def.mask, 7, 0, def.chassis};
+    WheelCastWays ways;
+    find_ways(w, def, memory, ways);
+    std::array<std::optional<QueryHit>, vehicle_wheels_max> hits;
+    if (def.cast == WheelCast::sphere) {
+        static_assert(balls_max >= vehicle_wheels_max);
+        std::array<BallCast, vehicle_wheels_max> balls;
+        for (std::uint32_t i = 0; i < def.wheel_count; ++i)
+            balls[i] = {def.wheel[i].radius, ways[i].from,
+                        lockstone::scale<Real>(ways[i].down, ways[i].to_hub)};
+        cast_balls(w, std::span(balls).first(def.wheel_count), filter, hits);
+    }
+    for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
+        const WheelDef& wheel = def.wheel[i];
+        if (def.cast == WheelCast::cylinder)
+            hits[i] =
+                cast_shape(w, cylinder(wheel.radius, half(wheel.width)), {ways[i].from, ways[i].rotation},
+                           lockstone::scale<Real>(ways[i].down, ways[i].to_hub), filter);
+        out[i] = def.cast == WheelCast::ray ? cast_ray_wheel(w, filter, wheel, ways[i])
+                                            : ground_of(w, filter, wheel, ways[i], hits[i]);
+    }
+}
+
+void forget_ground(WheelMemory& m) {
+    m.ground = {};
+    m.spring = m.stop = m.along = m.across = m.slip = m.slip_side = Real{};
+}
+
+Real bounded(Real x, Real most) { return clamp(x, -most, most); }
+
+} // namespace
+
+/// Whether the wheels of a vehicle that sleeps find what they found last, and that sleeps too.
+bool VehicleSolver::stands_as_before(Data& w, std::uint32_t k) const {
+    const VehicleDef& def = w.state.rows(w.m.vehicle)[k].def;
+    const VehicleMemory& memory = w.state.rows(w.m.vehicle_memory)[k];
+    WheelGrounds found;
+    cast_wheels(w, def, memory, found);
+    for (std::uint32_t i = 0; i < def.wheel_count; ++i)
+        if ((found[i].found ? found[i].hit.shape : ShapeId{}) != memory.wheel[i].ground) return false;
+    return true;
+}
+
+bool VehicleSolver::cast(Data& w) {
+    const std::span<const VehicleRow> rows = w.state.rows(w.m.vehicle);
+    if (rows.empty()) return false;
+    // update_bounds ran just now.
+    w.scratch.broad_phase.update_trees();
+    w.scratch.query.is_fresh = true;
+    w.scratch.query.tick = w.header().tick;
+    w.scratch.query.commands = w.header().commands;
+    grounds.resize(rows.size());
+    bool woke = false;
+    for (std::uint32_t k = 0; k < rows.size(); ++k) {
+        const VehicleDef& def = rows[k].def;
+        if (!is_awake(w, w.row_of(def.chassis))) {
+            // Wheels are no shapes: nothing touches them.
+            if (w.header().bodies_awake == 0 || stands_as_before(w, k)) continue;
+            wake(w, def.chassis);
+            woke = true;
+            continue;
+        }
+        cast_wheels(w, def, w.state.rows(w.m.vehicle_memory)[k], grounds[k]);
+        for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
+            const WheelGround& ground = grounds[k][i];
+            if (!ground.found || is_awake(w, w.row_of(ground.hit.body))) continue;
+            if (w.state.rows(w.m.body_info)[w.row_of(ground.hit.body)].kind != BodyKind::dynamic) continue;
+            wake(w, ground.hit.body);
+            woke = true;
+        }
+    }
+    return woke;
+}
+
+/// To the left, of a wheel that is turned about the chassis' up axis.
+static UnitVec3 axle_of(const Rotation& axes, Real steer) {
+    if (steer == Real{}) return axes.x;
+    const auto turn = sin_cos(steer);
+    return lockstone::mul<Unit>(axes, UnitVec3{turn.cos, Unit{}, -turn.sin});
+}
+
+void prepare_wheel(const Data& w, const Rotation& axes, Vehicle& v, std::uint32_t i, Real share,
+                   const WheelGround& ground) {
+    const SolverBodies& bodies = w.scratch.bodies;
+    const solve::StepConstants& step = w.scratch.step;
+    const WheelDef& def = v.def->wheel[i];
+    WheelMemory& memory = v.memory.wheel[i];
+    Wheel& wheel = v.wheel[i] = Wheel{};
+    wheel.ground = bodies.still();
+    wheel.length = memory.length = def.length_max;
+    memory.steer = steer_angle(*v.def, i, v.memory.steer);
+    if (!ground.found) return forget_ground(memory);
+
+    const Transform& pose = w.state.rows(w.m.body_pose)[v.chassis];
+    const UnitVec3 down = lockstone::mul<Unit>(axes, def.direction);
+    const QueryHit& hit = ground.hit;
+    const UnitVec3 n = hit.normal;
+    const ShapeTraits& shape = w.traits_of(w.state.rows(w.m.shape)[w.row_of(hit.shape)]);
+    const Scratch::Shape& at_ground = w.scratch.shape[hit.shape.index - 1];
+    const Touch touch = touch_of(shape, at_ground.solid, hit.feature);
+    const std::uint32_t row = w.row_of(hit.body);
+    const bool moves = row < bodies.still() && bodies.step[row].moves;
+    wheel.ground = moves ? row : bodies.still();
+    if (moves && bodies.step[row].movable) wheel.ratio = min(v.mass / w.mass_of(row).mass, ratio_max);
+    wheel.surface = rotate(at_ground.pose.rotation, touch.velocity);
+    const Levers levers{hit.point - pose.position, hit.point - w.state.rows(w.m.body_pose)[row].position};
+    const UnitVec3 axle = axle_of(axes, memory.steer);
+    const UnitVec3 left =
+        normalized_or(to<Real>(axle) - lockstone::scale<Real>(n, dot<Real>(n, axle)), any_perpendicular(n));
+    wheel.normal = line_of(bodies, v.chassis, wheel, n, levers);
+    wheel.touches = wheel.normal.kappa > Real{};
+    if (!wheel.touches) return forget_ground(memory); // nothing can move
+    wheel.along = line_of(bodies, v.chassis, wheel, cross<Unit>(left, n), levers);
+    wheel.across = line_of(bodies, v.chassis, wheel, left, levers);
+    wheel.mixed = mobility(bodies.body[v.chassis], wheel.along.d, wheel.along.xc, left, wheel.across.xc);
+    if (wheel.ratio > Real{})
+        wheel.mixed += wheel.ratio * mobility(bodies.body[wheel.ground], wheel.along.d, wheel.along.xg, left,
+                                              wheel.across.xg);
+    wheel.length_begin = ground.length;
+    wheel.per_length = Real(1) / max(-dot<Real>(n, down), 0.5_r);
+    const Tyre& tyre = v.def->tyre[def.tyre];
+    wheel.grip = touch.friction / tyre.ground_friction;
+
+    const Real h = Real(1) / Real(step.substeps_per_second);
+    const Real omega = two_pi * def.frequency;
+    wheel.spring_rate = share * omega * omega * h;
+    wheel.spring_soft = wheel.spring_rate * h;
+    wheel.damper[0] = share * omega * def.damping_rebound * h * 2;
+    wheel.damper[1] = share * omega * def.damping_compression * h * 2;
+    // Impulses against another ground are none to start from.
+    if (memory.ground != hit.shape) forget_ground(memory);
+    memory.ground = hit.shape;
+    memory.normal = n;
+    wheel.spring = clamp(memory.spring, Real{}, impulse_max);
+    wheel.stop = clamp(memory.stop, Real{}, impulse_max);
+    wheel.along_p = bounded(memory.along, impulse_max);
+    wheel.across_p = bounded(memory.across, impulse_max);
+}
+
+// ---- the gearbox ---------------------------------------------------------------------------------------------------
+
+namespace {
+
+constexpr Real rpm_per_speed = decimal<Real>("9.54929658551372014613"); ///< 60 / (2 pi)
+
+std::uint32_t ticks_of(Real seconds, std::int32_t ticks_per_second) {
+    const std::int64_t ticks = floor_to_int(seconds * ticks_per_second + half(Real(1)));
+    return static_cast<std::uint32_t>(std::clamp<std::int64_t>(ticks, 0, 100000));
+}
+
+Real ratio_of(const GearboxDef& box, std::int32_t gear) {
+    if (gear == 0) return Real{};
+    if (gear < 0) return -(box.reverse * box.final_drive);
+    return box.forward[static_cast<std::size_t>(gear - 1)] * box.final_drive;
+}
+
+/// The gear an automatic box wants. Wheels that spin do not shift it up: the road has to go by fast enough as well.
+std::int32_t automatic_gear(const GearboxDef& box, const VehicleInput& input, std::int32_t gear,
+                            Real wheel_speed, Real road_speed) {
+    if (input.gear <= 0) return input.gear < 0 ? -1 : 0;
+    if (gear <= 0) return 1;
+    const Real rpm = wheel_speed * ratio_of(box, gear) * rpm_per_speed;
+    const Real rpm_road = road_speed * ratio_of(box, gear) * rpm_per_speed;
+    if (rpm > box.rpm_up && rpm_road > box.rpm_up * decimal<Real>("0.7") &&
+        gear < static_cast<std::int32_t>(box.forward_count))
+        return gear + 1;
+    if (rpm >= box.rpm_down || gear == 1) return gear;
+    const Real rpm_below = wheel_speed * ratio_of(box, gear - 1) * rpm_per_speed;
+    return rpm_below < box.rpm_up ? gear - 1 : gear;
+}
+
+} // namespace
+
+void shift_gears(const Data& w, Vehicle& v) {
+    VehicleMemory& m = v.memory;
+    const GearboxDef& box = v.def->gearbox;
+    const std::int32_t rate = w.scratch.step.ticks_per_second;
+    const std::int32_t count = static_cast<std::int32_t>(box.forward_count);
+    if (m.pause_ticks > 0) --m.pause_ticks;
+    if (m.shift_ticks > 0 && --m.shift_ticks == 0) {
+        m.gear = m.gear_next;
+        m.pause_ticks = ticks_of(box.shift_pause, rate);
+    }
+    Real turns{}, radius{}, driven{};
+    for (std::uint32_t i = 0; i < v.def->wheel_count; ++i) {
+        const WheelDef& wheel = v.def->wheel[i];
+        const Real share =
+            v.def->tracks.enabled != 0 ? Real(1) / Real(v.def->wheel_count) : wheel.drive_share;
+        turns += m.wheel[i].spin * share;
+        radius += wheel.radius * share;
+        driven += share;
+    }
+    if (driven > Real{}) turns = turns / driven, radius = radius / driven;
+    const UnitVec3 forward = to_rotation(w.state.rows(w.m.body_pose)[v.chassis].rotation).z;
+    const Real speed = dot<Real>(forward, w.state.rows(w.m.body_velocity)[v.chassis].linear);
+    std::int32_t wanted = std::clamp(v.input.gear, -1, count);
+    if (box.mode == GearboxMode::automatic)
+        wanted = automatic_gear(box, v.input, m.gear, turns, radius > Real{} ? speed / radius : Real{});
+    const bool chooses = box.mode == GearboxMode::automatic && wanted > 0 && m.gear > 0;
+    if (m.shift_ticks == 0 && wanted != m.gear && !(chooses && m.pause_ticks > 0)) {
+        m.gear_next = wanted;
+        m.shift_ticks = ticks_of(box.shift_time, rate);
+        if (m.shift_ticks == 0) m.gear = wanted, m.pause_ticks = ticks_of(box.shift_pause, rate);
+    }
+    v.ratio = m.shift_ticks > 0 ? Real{} : ratio_of(box, m.gear);
+}
+
+// ---- what turns ---------------------------------------------------------------------------------------------------
+
+void prepare_train(Vehicle& v) {
+    const VehicleDef& def = *v.def;
+    const bool tracked = def.tracks.enabled != 0;
+    v.group_count = tracked ? 2 : def.wheel_count;
+    v.coupling_count = 0;
+    for (SpinGroup& g : v.group) g = SpinGroup{};
+    std::array<Real, vehicle_wheels_max> share{};
+    Real driven{};
+    for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
+        const std::uint32_t group = v.wheel[i].group = tracked ? def.wheel[i].track : i;
+        SpinGroup& g = v.group[group];
+        g.inertia += def.wheel[i].inertia;
+        g.spin = bounded(v.memory.wheel[i].spin, part_spin_max);
+        share[group] = tracked ? half(Real(1)) : def.wheel[i].drive_share;
+        driven += def.wheel[i].drive_share;
+    }
+    v.engine_speed = clamp(v.memory.engine_speed, Real{}, part_spin_max);
+    if (v.ratio != Real{} && (tracked || driven > Real{})) {
+        Coupling& c = v.coupling[v.coupling_count++];
+        c = {coupling_clutch, Real(1), {}, Real{}, v.memory.clutch};
+        for (std::uint32_t g = 0; g < v.group_count; ++g) c.group[g] = -(v.ratio * share[g]);
+    } else {
+        v.memory.clutch = Real{};
+    }
+    for (std::uint32_t d = 0; d < vehicle_couplings_max && !tracked; ++d) {
+        const Differential& diff = def.differential[d];
+        if (diff.kind == DifferentialKind::open || diff.wheels_a == 0 || diff.wheels_b == 0) continue;
+        Coupling& c = v.coupling[v.coupling_count++];
+        c = {d, Real{}, {}, Real{}, v.memory.differential[d]};
+        for (std::uint32_t g = 0; g < v.group_count; ++g) {
+            if ((diff.wheels_a >> g & 1u) != 0) c.group[g] = Real(1) / Real(std::popcount(diff.wheels_a));
+            if ((diff.wheels_b >> g & 1u) != 0) c.group[g] = -(Real(1) / Real(std::popcount(diff.wheels_b)));
+        }
+    }
+    if (tracked) { // left faster than right by steer / ratio of the engine's speed
+        Coupling& c = v.coupling[v.coupling_count++];
+        c = {coupling_steering, v.memory.steer / def.tracks.steer_ratio, {}, Real{}, v.memory.steer_coupling};
+        c.group[0] = Real(-1);
+        c.group[1] = Real(1);
+    }
+    for (std::uint32_t k = 0; k < v.coupling_count; ++k)
+        for (std::uint32_t g = 0; g < v.group_count; ++g)
+            v.group[g].coupled = v.group[g].coupled || v.coupling[k].group[g] != Real{};
+}
+
+void prepare_rims(const solve::StepConstants& step, Vehicle& v) {
+    for (std::uint32_t t = 0; t < vehicle_tyres_max; ++t) {
+        TyrePeaks& peaks = v.peaks[t] = TyrePeaks{};
+        for (const CurvePoint& c : v.def->tyre[t].along) peaks.along = max(peaks.along, c.y);
+        for (const CurvePoint& c : v.def->tyre[t].across) peaks.across = max(peaks.across, c.y);
+    }
+    const Real per_second = Real(step.substeps_per_second);
+    for (std::uint32_t i = 0; i < v.def->wheel_count; ++i) {
+        const WheelDef& def = v.def->wheel[i];
+        Wheel& wheel = v.wheel[i];
+        SpinGroup& g = v.group[wheel.group];
+        wheel.brake_torque =
+            (v.input.brake * def.brake_torque + v.input.hand_brake * def.hand_brake_torque) / per_second;
+        if (!wheel.touches) continue;
+        ++g.on_ground;
+        wheel.arm = def.radius * v.mass / g.inertia;
+        wheel.kappa_rim = wheel.along.kappa + wheel.arm * def.radius;
+        wheel.stiff = def.radius * def.radius * v.mass;
+    }
+}
+
+namespace {
+
+void prepare_bars(Vehicle& v) {
+    for (std::uint32_t k = 0; k < vehicle_couplings_max; ++k) {
+        const AntiRollBar& bar = v.def->anti_roll[k];
+        Wheel &a = v.wheel[bar.wheel_a], &b = v.wheel[bar.wheel_b];
+        Real& p = v.memory.anti_roll[k];
+        p = a.touches && b.touches && bar.wheel_a != bar.wheel_b ? bounded(p, impulse_max) : Real{};
+        a.bars += p;
+        b.bars -= p;
+    }
+}
+
+} // namespace
+
+/// Vehicles that push the same body belong together: the chassis of one may be what another stands on. A ground that
+/// nothing pushes may be shared.
+void VehicleSolver::find_convoys(const SolverBodies& bodies) {
+    const std::uint32_t count = static_cast<std::uint32_t>(vehicles.size());
+    pushed.clear(), order.clear(), convoy.clear(), convoy_begin.clear();
+    for (std::uint32_t k = 0; k < count; ++k) {
+        convoy.push_back(k);
+        order.push_back(k);
+        pushed.push_back({vehicles[k].chassis, k});
+        for (std::uint32_t i = 0; i < vehicles[k].def->wheel_count; ++i)
+            if (bodies.step[vehicles[k].wheel[i].ground].movable)
+                pushed.push_back({vehicles[k].wheel[i].ground, k});
+    }
+    std::sort(pushed.begin(), pushed.end());
+    const auto first_of = [&](std::uint32_t k) {
+        while (convoy[k] != k) k = convoy[k];
+        return k;
+    };
+    for (std::size_t i = 1; i < pushed.size(); ++i) {
+        if (pushed[i].body != pushed[i - 1].body) continue;
+        const std::uint32_t a = first_of(pushed[i].vehicle), b = first_of(pushed[i - 1].vehicle);
+        convoy[std::max(a, b)] = std::min(a, b);
+    }
+    for (std::uint32_t k = 0; k < count; ++k) convoy[k] = first_of(k);
+    std::sort(order.begin(), order.end(), [&](std::uint32_t x, std::uint32_t y) {
+        return std::pair(convoy[x], x) < std::pair(convoy[y], y);
+    });
+    for (std::uint32_t i = 0; i < count; ++i)
+        if (i == 0 || convoy[order[i]] != convoy[order[i - 1]]) convoy_begin.push_back(i);
+    convoy_begin.push_back(count);
+}
+
+void VehicleSolver::prepare(Data& w) {
+    const std::span<const VehicleRow> rows = w.state.rows(w.m.vehicle);
+    const std::span<const VehicleMemory> memories = w.state.rows(w.m.vehicle_memory);
+    tasks = w.tasks;
+    vehicles.resize(rows.size());
+    std::uint32_t count = 0;
+    for (std::uint32_t i = 0; i < rows.size(); ++i) {
+        const std::uint32_t chassis = w.row_of(rows[i].def.chassis);
+        if (chassis >= w.scratch.bodies.still()) continue; // it sleeps
+        Vehicle& v = vehicles[count++];
+        v.row = i;
+        v.chassis = chassis;
+    }
+    vehicles.resize(count);
+    const Data& world = w;
+    base::for_chunks(tasks, count, 1, [&](std::uint32_t k, std::uint32_t, std::uint32_t) {
+        Vehicle& v = vehicles[k];
+        v.def = &rows[v.row].def;
+        v.input = rows[v.row].input;
+        v.memory = memories[v.row];
+        v.mass = world.mass_of(v.chassis).mass;
+        const Real way = v.def->steer_speed / Real(world.scratch.step.ticks_per_second);
+        const Real turn = v.input.steer - v.memory.steer;
+        v.memory.steer = way > Real{} ? v.memory.steer + bounded(turn, way) : v.input.steer;
+        const auto shares = sprung_shares(*v.def, world.mass_of(v.chassis).center);
+        const Rotation axes = to_rotation(world.state.rows(world.m.body_pose)[v.chassis].rotation);
+        for (std::uint32_t i = 0; i < v.def->wheel_count; ++i)
+            prepare_wheel(world, axes, v, i, shares[i], grounds[v.row][i]);
+        prepare_bars(v);
+        shift_gears(world, v);
+        prepare_train(v);
+        prepare_rims(world.scratch.step, v);
+    });
+    find_convoys(w.scratch.bodies);
+}
+
+void VehicleSolver::poison(std::byte with) {
+    auto& [stand_list, vehicle_list, pool, order_list, begin_list, pushed_list, convoy_list, ground_list] =
+        *this;
+    base::poison(with, stand_list, vehicle_list, pool, order_list, begin_list, pushed_list, convoy_list,
+                 ground_list);
+}
+
+} // namespace lockstone::sim

@@ -1,0 +1,299 @@
+#include "lockstone/prove.h"
+
+#include "base/assert.h"
+#include "base/text.h"
+#include "lockstone/math/random.h"
+
+#include <algorithm>
+
+namespace lockstone {
+
+void Provable::keep(std::size_t slot) {
+    if (kept.size() <= slot) kept.resize(slot + 1);
+    kept[slot] = save();
+}
+
+Status Provable::back(std::size_t slot) {
+    LOCKSTONE_ASSERT(slot < kept.size(), "slot ", slot, " of ", kept.size());
+    return load(kept[slot]);
+}
+
+std::optional<std::vector<std::byte>> Provable::save_delta(std::span<const std::byte>) const { return {}; }
+Status Provable::load_delta(std::span<const std::byte>, std::span<const std::byte>) {
+    return Error{"this simulation has no differences"};
+}
+
+namespace {
+
+/// One thread that takes the items in random order and says it is another worker each time.
+class ShuffledTasks final : public Tasks {
+  public:
+    explicit ShuffledTasks(std::uint64_t seed) : random(Random::seeded(seed)) {}
+    std::uint32_t worker_count() const override { return workers; }
+    void run(std::uint32_t items, Item item, void* context) override {
+        order.resize(items);
+        for (std::uint32_t i = 0; i < items; ++i) order[i] = i;
+        for (std::uint32_t i = items; i > 1; --i) std::swap(order[i - 1], order[random.next_u32() % i]);
+        for (const std::uint32_t index : order) item(context, index, random.next_u32() % workers);
+        parts += items;
+    }
+    std::uint64_t parts = 0;
+
+  private:
+    static constexpr std::uint32_t workers = 5;
+    Random random;
+    std::vector<std::uint32_t> order;
+};
+
+/// Leaves memory behind that is not what it was: blocks of many sizes, filled and given back, some kept meanwhile.
+class Stirred {
+  public:
+    explicit Stirred(std::uint64_t seed) : random(Random::seeded(seed)) {}
+    void stir() {
+        blocks.clear();
+        for (std::size_t size = 16; size <= 1u << 16; size *= 2)
+            for (std::size_t i = 0; i < 4; ++i)
+                blocks.emplace_back(size + random.next_u32() % size,
+                                    static_cast<std::byte>(random.next_u32() & 0xffu));
+        for (std::size_t i = 0; i < blocks.size(); i += 2) blocks[i] = {};
+    }
+
+  private:
+    Random random;
+    std::vector<std::vector<std::byte>> blocks;
+};
+
+/// What every check starts from: the run that never stopped.
+struct Course {
+    const Provable& start;
+    ProofOptions options;
+    std::vector<std::uint64_t> hashes;          ///< before tick t, and at the end
+    std::vector<std::vector<std::byte>> states; ///< as saved there
+    std::unique_ptr<Provable> at(std::uint64_t t) const {
+        std::unique_ptr<Provable> one = start.make();
+        return one->load(states[t]).ok() ? std::move(one) : nullptr;
+    }
+};
+
+/// Counts what agrees, keeps the first thing that does not.
+class Check {
+  public:
+    Check(const Course& course, std::string name) : run(course), result{std::move(name), true, 0, {}} {}
+    bool good() const { return result.passed; }
+    /// `one` stands before tick t of the run.
+    bool same(const Provable& one, std::uint64_t t, const std::string& how) {
+        ++result.compared;
+        if (one.hash() == run.hashes[t]) return true;
+        const std::unique_ptr<Provable> expected = run.at(t);
+        return fail(base::join("before tick ", t, how, ": ",
+                               expected ? expected->difference(one) : std::string("the hashes differ")));
+    }
+    bool done(const Status& status, std::uint64_t t) {
+        return status.ok() || fail(base::join("before tick ", t, ": ", status.error().message));
+    }
+    bool fail(std::string sentence) {
+        if (result.passed) result.sentence = std::move(sentence);
+        result.passed = false;
+        return false;
+    }
+    void count() { ++result.compared; }
+    ProofCheck finish(std::string nothing = "nothing to compare") && {
+        if (result.passed && result.compared == 0) result.sentence = std::move(nothing);
+        return std::move(result);
+    }
+
+  private:
+    const Course& run;
+    ProofCheck result;
+};
+
+/// Runs `one`, which stands before tick `from`, to `end`, and compares all the way.
+bool follows(Check& check, Provable& one, std::uint64_t from, std::uint64_t end, const std::string& how) {
+    for (std::uint64_t t = from; t < end; ++t) {
+        one.step(t);
+        if (!check.same(one, t + 1, how)) return false;
+    }
+    return true;
+}
+
+ProofCheck repeats(const Course& run) {
+    Check check(run, "repeats");
+    Stirred memory(run.options.seed);
+    for (int again = 0; again < 2 && check.good(); ++again) {
+        memory.stir();
+        const std::unique_ptr<Provable> one = run.start.make();
+        if (check.same(*one, 0, ", made again")) follows(check, *one, 0, run.options.ticks, ", run again");
+    }
+    return std::move(check).finish();
+}
+
+ProofCheck rolls_back(const Course& run) {
+    Check check(run, "rolls back");
+    const std::uint64_t depth = run.options.depth, slots = depth + 1;
+    const std::unique_ptr<Provable> one = run.start.make();
+    for (std::uint64_t t = 0; t < run.options.ticks && check.good(); ++t) {
+        one->keep(t % slots);
+        if (t >= depth) {
+            if (!check.done(one->back((t - depth) % slots), t - depth)) break;
+            if (!check.same(*one, t - depth, ", restored")) break;
+            if (!follows(check, *one, t - depth, t, base::join(", rolled back to ", t - depth))) break;
+        }
+        one->step(t);
+        check.same(*one, t + 1, ", after rollbacks");
+    }
+    return std::move(check).finish();
+}
+
+ProofCheck saves_everything(const Course& run) {
+    Check check(run, "saves everything");
+    const std::unique_ptr<Provable> one = run.start.make();
+    for (std::uint64_t t = 0; t <= run.options.ticks && check.good(); ++t) {
+        if (!check.done(one->load(run.states[t]), t) || !check.same(*one, t, ", loaded")) break;
+        if (one->save() != run.states[t])
+            check.fail(base::join("before tick ", t, ": what was loaded is saved otherwise"));
+    }
+    return std::move(check).finish();
+}
+
+ProofCheck moves(const Course& run) {
+    Check check(run, "moves");
+    Stirred memory(run.options.seed + 1);
+    std::unique_ptr<Provable> one = run.start.make();
+    for (std::uint64_t t = 0; t < run.options.ticks && check.good(); ++t) {
+        memory.stir();
+        std::unique_ptr<Provable> next = run.start.make();
+        if (!check.done(next->load(one->save()), t)) break;
+        one = std::move(next);
+        one->step(t);
+        check.same(*one, t + 1, ", moved before the tick");
+    }
+    return std::move(check).finish();
+}
+
+ProofCheck forgets(const Course& run) {
+    Check check(run, "forgets");
+    const std::unique_ptr<Provable> one = run.start.make();
+    for (std::uint64_t t = 0; t < run.options.ticks; ++t) one->step(t);
+    for (std::uint64_t t = run.options.ticks; t-- > 0 && check.good();) {
+        if (!check.done(one->load(run.states[t]), t)) break;
+        follows(check, *one, t, std::min(t + run.options.depth, run.options.ticks),
+                base::join(", back at ", t));
+    }
+    return std::move(check).finish();
+}
+
+ProofCheck reads_no_leftovers(const Course& run) {
+    Check check(run, "reads no leftovers");
+    const std::unique_ptr<Provable> one = run.start.make();
+    for (std::uint64_t t = 0; t < run.options.ticks && check.good(); ++t) {
+        if (!one->disturb(run.options.seed + t)) return std::move(check).finish("it shows none");
+        if (!check.same(*one, t, ", disturbed")) break;
+        one->step(t);
+        check.same(*one, t + 1, ", disturbed before the tick");
+    }
+    return std::move(check).finish();
+}
+
+/// State t out of an earlier one. Whether that is not taken for the difference to another.
+bool sends(Check& check, const Course& run, Provable& to, std::uint64_t base, std::uint64_t t) {
+    const std::unique_ptr<Provable> from = run.at(t);
+    const auto delta = from == nullptr ? std::nullopt : from->save_delta(run.states[base]);
+    if (!delta) return false;
+    if (!check.done(to.load_delta(run.states[base], *delta), t)) return false;
+    if (!check.same(to, t, base::join(", out of tick ", base))) return false;
+    if (to.save() != run.states[t])
+        return check.fail(
+            base::join("before tick ", t, ": what came out of tick ", base, " is saved otherwise"));
+    const std::uint64_t other = base == 0 ? run.options.ticks : base - 1;
+    if (run.states[other] == run.states[base]) return true;
+    if (to.load_delta(run.states[other], *delta).ok())
+        return check.fail(base::join("before tick ", t, ": the difference to tick ", base,
+                                     " is taken for one to tick ", other));
+    return check.same(to, t, ", after a difference was refused");
+}
+
+ProofCheck sends_differences(const Course& run) {
+    Check check(run, "sends differences");
+    const std::unique_ptr<Provable> to = run.start.make();
+    for (std::uint64_t t = 1; t <= run.options.ticks; ++t)
+        if (!sends(check, run, *to, t - std::min<std::uint64_t>(t, run.options.depth), t)) break;
+    return std::move(check).finish("it has none");
+}
+
+ProofCheck shuffles(const Course& run) {
+    Check check(run, "shuffles");
+    std::unique_ptr<Provable> one = run.start.make();
+    ShuffledTasks shuffled(run.options.seed);
+    if (!one->set_tasks(&shuffled)) return std::move(check).finish("its ticks have no parts");
+    follows(check, *one, 0, run.options.ticks, ", tasks in random order");
+    one->set_tasks(nullptr);
+    if (check.good() && run.options.workers > 0) {
+        const std::unique_ptr<Tasks> pool = make_worker_pool(run.options.workers);
+        one = run.start.make();
+        one->set_tasks(pool.get());
+        follows(check, *one, 0, run.options.ticks, base::join(", ", run.options.workers, " workers"));
+        one->set_tasks(nullptr);
+    }
+    ProofCheck result = std::move(check).finish();
+    if (result.passed) result.sentence = base::join(shuffled.parts, " parts of ticks in random order");
+    return result;
+}
+
+ProofCheck every_bit_counts(const Course& run) {
+    Check check(run, "every bit counts");
+    const std::unique_ptr<Provable> one = run.at(run.options.ticks);
+    if (one == nullptr) {
+        check.fail("its last state cannot be loaded");
+        return std::move(check).finish();
+    }
+    const std::uint64_t bits = one->bit_count(), hash = one->hash();
+    // Every stride-th bit; an odd stride visits all bits of a byte in turn.
+    const std::uint64_t stride =
+        run.options.bits_max == 0 ? 0 : std::max<std::uint64_t>(bits / run.options.bits_max, 1) | 1u;
+    if (bits == 0 || stride == 0) return std::move(check).finish("its bits are not shown");
+    for (std::uint64_t bit = 0; bit < bits && check.good(); bit += stride) {
+        one->flip(bit);
+        if (one->hash() == hash) check.fail(base::join("bit ", bit, " of ", bits, " changes no hash"));
+        one->flip(bit);
+        check.count();
+    }
+    if (check.good() && one->hash() != hash) check.fail("bits that were flipped back leave another hash");
+    return std::move(check).finish();
+}
+
+Course course_of(const Provable& simulation, const ProofOptions& options) {
+    Course run{simulation, options, {}, {}};
+    run.options.ticks = std::max<std::uint64_t>(options.ticks, 1);
+    run.options.depth = std::max<std::uint32_t>(options.depth, 1);
+    run.options.workers = std::min(options.workers, workers_max);
+    const std::unique_ptr<Provable> one = simulation.make();
+    for (std::uint64_t t = 0;; ++t) {
+        run.hashes.push_back(one->hash());
+        run.states.push_back(one->save());
+        if (t == run.options.ticks) return run;
+        one->step(t);
+    }
+}
+
+} // namespace
+
+bool Proof::holds() const { return !checks.empty() && std::ranges::all_of(checks, &ProofCheck::passed); }
+
+std::string to_string(const Proof& proof) {
+    std::string out;
+    for (const ProofCheck& check : proof.checks) {
+        out += base::join(check.passed ? "ok      " : "FAILED  ", check.name, ": ");
+        if (check.passed && check.compared > 0)
+            out += base::join(check.compared, " compared", check.sentence.empty() ? "" : ", ");
+        out += check.sentence + '\n';
+    }
+    return out;
+}
+
+Proof prove(const Provable& simulation, const ProofOptions& options) {
+    const Course run = course_of(simulation, options);
+    return {{repeats(run), rolls_back(run), saves_everything(run), moves(run), forgets(run),
+             reads_no_leftovers(run), sends_differences(run), shuffles(run), every_bit_counts(run)}};
+}
+
+} // namespace lockstone

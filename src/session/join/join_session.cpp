@@ -1,0 +1,176 @@
+#include "session/join/join_session.h"
+
+#include "base/assert.h"
+#include "base/bytes.h"
+#include "base/text.h"
+
+#include <algorithm>
+
+namespace lockstone::session {
+
+namespace {
+
+constexpr std::uint64_t ask_again_ms = 2000; ///< with a new ticket, when nothing came of the last
+
+WatchDef watch_of(const SessionDef& def, const JoinDef& join) {
+    WatchDef watch;
+    for (const PeerId peer : def.players)
+        if (peer != def.self && std::ranges::find(watch.hosts, peer) == watch.hosts.end())
+            watch.hosts.push_back(peer);
+    std::ranges::sort(watch.hosts);
+    watch.ticks_per_frame = join.ticks_per_frame;
+    watch.from_state = true;
+    watch.state_bytes_max = join.state_bytes_max;
+    return watch;
+}
+
+} // namespace
+
+std::optional<Datagram> Inbox::receive() {
+    if (waiting.empty()) return std::nullopt;
+    held = std::move(waiting.front());
+    waiting.pop_front();
+    return Datagram{held.from, held.bytes};
+}
+
+void Inbox::put(const Datagram& datagram) {
+    if (waiting.size() < packets_per_poll_max)
+        waiting.push_back({datagram.from, {datagram.bytes.begin(), datagram.bytes.end()}});
+}
+
+JoinSession::JoinSession(const SessionDef& session_def, const JoinDef& how, Transport& packets)
+    : def(session_def), join(how), transport(packets), match(packet_context(session_def).match),
+      watch(session_def, watch_of(session_def, how), packets), inbox(packets), ticket(how.life << 8),
+      images(std::max(watch.images_max(), PeerSession(session_def, packets).images_max())) {}
+
+const Session& JoinSession::driving() const {
+    return is_playing() ? static_cast<const Session&>(*play) : static_cast<const Session&>(watch);
+}
+Session& JoinSession::now_driving() {
+    return is_playing() ? static_cast<Session&>(*play) : static_cast<Session&>(watch);
+}
+
+// ---- packets -----------------------------------------------------------------------------------------------------
+
+void JoinSession::poll(std::uint64_t now_ms) {
+    now = std::max(now, now_ms);
+    if (!is_playing()) watch.begin_poll(now);
+    receive_all();
+    come_in();
+    if (play) play->poll(now);
+    if (is_playing()) return;
+    if (watch.is_level() && !std::exchange(asks, true)) asked_ms = now;
+    if (asks && !play && told.empty() && now - asked_ms > ask_again_ms) ++ticket, asked_ms = now;
+    watch.speak(ticket, asks);
+}
+
+void JoinSession::receive_all() {
+    for (std::uint32_t i = 0; i < packets_per_poll_max; ++i) {
+        const std::optional<Datagram> datagram = transport.receive();
+        if (!datagram) return;
+        if (!is_answer_to_wish(datagram->bytes)) {
+            if (play)
+                inbox.put(*datagram);
+            else
+                watch.count(*datagram, PacketFault::stranger);
+        } else if (!is_playing()) {
+            hear_admission(*datagram);
+        }
+    }
+}
+
+void JoinSession::hear_admission(const Datagram& datagram) {
+    const std::uint32_t players = static_cast<std::uint32_t>(def.players.size());
+    const auto heard = read_admission(datagram.bytes, match, players);
+    if (!heard) return watch.count(datagram, watch.take(datagram));
+    const bool is_good =
+        asks && heard->ticket == ticket && players_at(def, datagram.from) != 0 && datagram.from != def.self;
+    watch.count(datagram, is_good ? std::nullopt : std::optional(PacketFault::implausible));
+    if (!is_good) return;
+    const auto known = std::ranges::find(told, datagram.from, &std::pair<PeerId, Admission>::first);
+    if (known == told.end())
+        told.emplace_back(datagram.from, *heard);
+    else
+        known->second = *heard;
+}
+
+/// What more than half of those who play tell alike, once: none yet. `left`: bit p, player p has left.
+std::optional<Admission> JoinSession::agreed_admission(std::uint32_t left) const {
+    const auto others = std::ranges::count_if(
+        watch_of(def, join).hosts, [&](PeerId host) { return (players_at(def, host) & ~left) != 0; });
+    for (const auto& [peer, one] : told) {
+        const auto same = std::ranges::count(told, one, &std::pair<PeerId, Admission>::second);
+        if (2 * same > others && one.tick >= watch.here_through()) return one;
+    }
+    return std::nullopt;
+}
+
+/// From when that is known it listens as a player.
+void JoinSession::come_in() {
+    if (!play && !told.empty() && watch.here_through() > 0) {
+        const auto left =
+            base::load_little_endian<std::uint16_t>(watch.told(watch.here_through() - 1).data() + 4);
+        if (const std::optional<Admission> one = agreed_admission(left)) begin_to_play(*one, left);
+    }
+    if (!play || knows_before || watch.here_through() < admission.tick) return;
+    const std::span<const std::byte> tick = watch.told(admission.tick - 1).subspan(6);
+    std::vector<PlayerInput> before;
+    for (std::uint32_t p = 0; p < def.players.size(); ++p)
+        before.push_back({tick.subspan(std::size_t{p} * def.input_size, def.input_size)});
+    play->set_inputs_before(before);
+    knows_before = true;
+}
+
+void JoinSession::begin_to_play(const Admission& agreed, std::uint32_t left) {
+    admission = agreed;
+    Entry entry{agreed.tick, agreed.since, left & ~players_at(def, def.self)};
+    for (std::uint32_t p = 0; p < def.players.size();
+         ++p) // who comes between what is here and that tick is there
+        if (agreed.since[p] >= watch.here_through()) entry.left &= ~(1u << p);
+    SessionDef as_player = def;
+    if (join.lockstep) as_player.prediction_max = 0;
+    play = std::make_unique<PeerSession>(as_player, inbox, entry);
+    if (inspector != nullptr) play->set_inspector(inspector);
+    watch.end_at(agreed.tick);
+    for (std::uint32_t p = 0; p < def.players.size(); ++p)
+        if (def.players[p] == def.self)
+            notices.emplace_back(std::in_place_type<PlayerJoined>, PlayerJoined{p, def.self, agreed.tick});
+}
+
+// ---- driving -----------------------------------------------------------------------------------------------------
+
+void JoinSession::add_local_input(std::uint32_t player, std::span<const std::byte> input) {
+    if (is_playing()) play->add_local_input(player, input);
+}
+
+Step JoinSession::advance() { return now_driving().advance(); }
+Step JoinSession::settle() { return now_driving().settle(); }
+
+std::optional<Notice> JoinSession::next_notice() {
+    if (auto notice = watch.next_notice()) return notice;
+    if (!notices.empty()) {
+        const Notice first = notices.front();
+        notices.erase(notices.begin());
+        return first;
+    }
+    return play ? play->next_notice() : std::nullopt;
+}
+
+Status JoinSession::drop_peer(PeerId peer) { return now_driving().drop_peer(peer); }
+
+bool JoinSession::set_inspector(StateInspector* whom) {
+    inspector = whom;
+    if (play) play->set_inspector(whom);
+    return true;
+}
+void JoinSession::drop_inspector(const StateInspector& whom) {
+    if (inspector == &whom) inspector = nullptr;
+    if (play) play->drop_inspector(whom);
+}
+
+void JoinSession::set_input_delay(std::uint32_t ticks) {
+    def.input_delay = ticks;
+    if (play) play->set_input_delay(ticks);
+}
+
+} // namespace lockstone::session

@@ -1,0 +1,93 @@
+// The session of a machine that watches: it runs what hosts tell, from the first tick or from a state.
+#pragma once
+
+#include "lockstone/session/spectator.h"
+#include "session/timeline.h"
+
+namespace lockstone::session {
+
+Status check_watch(const SessionDef& def, const WatchDef& watch);
+
+class SpectatorSession final : public Session {
+  public:
+    SpectatorSession(const SessionDef& def, WatchDef watch, Transport& transport);
+
+    void poll(std::uint64_t now_ms) override;
+    void add_local_input(std::uint32_t, std::span<const std::byte>) override {} ///< a watcher has no inputs
+    Step advance() override;
+    Step settle() override;
+    HashCheck report_hash(std::uint64_t tick, std::uint64_t hash) override;
+    void report_adopted(const Status& taken, std::uint64_t hash) override;
+    std::optional<ConfirmedTick> next_confirmed() override;
+    std::optional<Notice> next_notice() override;
+    Status drop_peer(PeerId peer) override;
+    std::uint64_t current_tick() const override { return current; }
+    std::uint32_t images_max() const override {
+        return watch.ticks_per_frame + 1;
+    } ///< none is saved; events of a frame
+    void set_input_delay(std::uint32_t) override {}
+    PeerQuality quality(PeerId peer) const override;
+    const SessionStats& stats() const override { return counts; }
+
+    // ---- for a machine that comes to play (join_session.h) ----
+    void begin_poll(std::uint64_t now_ms);
+    /// What a packet was not, that was not taken.
+    std::optional<PacketFault> take(const Datagram& datagram);
+    void count(const Datagram& datagram, std::optional<PacketFault> fault);
+    void speak(std::uint32_t ticket, bool wants_seat);   ///< sends the wishes of this poll
+    void end_at(std::uint64_t tick) { last_end = tick; } ///< runs no tick from there on
+    std::uint64_t confirmed_through() const { return confirmed; }
+    std::uint64_t here_through() const { return next; } ///< ticks below are here
+    /// The bytes of a tick that is here, as Stretch tells: the newest history_ticks.
+    std::span<const std::byte> told(std::uint64_t tick) const {
+        return std::span(ring).subspan(tick % history_ticks * tick_bytes, tick_bytes);
+    }
+    /// It has the match, up to a few ticks, and most of those who answer hold the same.
+    bool is_level() const;
+
+  private:
+    enum class Phase { fetching, adopting, following };
+    struct Host {
+        PeerId peer;
+        std::optional<std::uint64_t> state_hash; ///< that it tells, of the state before assembly.offer().tick
+        std::optional<bool> agrees;              ///< the newest tick whose hash it told has ours, too
+        bool differs_told = false;
+    };
+    void show(std::uint64_t tick);
+    std::optional<PacketFault> take(Host& from, std::span<const std::byte> packet);
+    void take_offer(const Offer& offer);
+    void take_word(Host& from, const Word& word);
+    void take_stretch(const Stretch& stretch);
+    void judge_state();
+    void refuse(std::string reason);
+    void next_host();
+    void send_wish(PeerId to, const Wish& wish);
+
+    SessionDef def;
+    WatchDef watch;
+    Transport& transport;
+    std::uint32_t match;
+    std::size_t tick_bytes;
+    Phase phase;
+    std::vector<Host> hosts;
+    std::size_t serving = 0; ///< index of the host that is asked for the match
+    std::optional<Assembly> assembly;
+    std::uint32_t polls_without_progress = 0, polls_with_state = 0;
+    std::vector<std::byte> ring;           ///< by tick modulo history_ticks, as in Stretch
+    std::vector<std::uint64_t> ring_ticks; ///< which tick is there
+    std::vector<std::uint64_t> hashes;     ///< own ones, likewise
+    std::uint64_t first = 0;               ///< tick that was begun with
+    std::uint64_t next = 0;                ///< first tick that is not here
+    std::uint64_t live_end = 0;            ///< as the host tells
+    std::uint64_t last_end = never;
+    std::uint64_t current = 0, confirmed = 0;
+    bool connected = false, differs = false;
+    std::uint64_t agreed = 0;
+    std::vector<Request> requests;
+    std::vector<PlayerInput> inputs;
+    std::vector<Notice> notices;
+    std::vector<std::byte> packet;
+    SessionStats counts;
+};
+
+} // namespace lockstone::session

@@ -1,0 +1,71 @@
+#include "shapes/mesh/bounds_hierarchy.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace lockstone::shapes {
+namespace {
+
+constexpr std::int32_t lowest = std::numeric_limits<std::int32_t>::min(),
+                       highest = std::numeric_limits<std::int32_t>::max();
+
+} // namespace
+
+void BoundsHierarchy::start(std::uint32_t count, const Extent& all) {
+    std::int64_t half = 0;
+    for (int i = 0; i < 3; ++i) {
+        middle[i] = Coordinate::from_raw((all.lower[i].raw + all.upper[i].raw) >> 1);
+        half = std::max(half, all.upper[i].raw - middle[i].raw + 1);
+    }
+    while ((half >> shift) > highest - 2) ++shift;
+    std::size_t total = 0;
+    std::uint32_t boxes = count;
+    do {
+        level_start.push_back(static_cast<std::uint32_t>(total));
+        boxes = (boxes + width - 1) / width;
+        total += boxes;
+    } while (boxes > 1);
+    Group empty;
+    for (auto& axis : empty.lower) std::ranges::fill(axis, highest);
+    for (auto& axis : empty.upper) std::ranges::fill(axis, lowest);
+    groups.assign(total, empty);
+}
+
+std::int32_t BoundsHierarchy::quantised(Coordinate x, int axis) const {
+    // Queries are clamped: beyond all boxes, and short of the bounds that empty places have.
+    const std::int64_t steps = sub_saturated(x.raw, middle[axis].raw) >> shift;
+    return static_cast<std::int32_t>(std::clamp<std::int64_t>(steps, lowest + 1, highest - 1));
+}
+
+void BoundsHierarchy::put(Group& group, std::uint32_t slot, const Extent& box) const {
+    for (int i = 0; i < 3; ++i) {
+        group.lower[i][slot] = quantised(box.lower[i], i);
+        group.upper[i][slot] = quantised(box.upper[i], i);
+    }
+}
+
+void BoundsHierarchy::finish(std::uint32_t count) {
+    std::uint32_t boxes = (count + width - 1) / width;
+    for (std::size_t level = 1; level < level_start.size(); ++level) {
+        for (std::uint32_t k = 0; k < boxes; ++k) {
+            const Group& below = groups[level_start[level - 1] + k];
+            Group& above = groups[level_start[level] + k / width];
+            for (int i = 0; i < 3; ++i) {
+                above.lower[i][k % width] = std::ranges::min(below.lower[i]);
+                above.upper[i][k % width] = std::ranges::max(below.upper[i]);
+            }
+        }
+        boxes = (boxes + width - 1) / width;
+    }
+}
+
+BoundsHierarchy::Query BoundsHierarchy::query_of(const Extent& where) const {
+    Query q;
+    for (int i = 0; i < 3; ++i) {
+        q.lower[i] = quantised(where.lower[i], i);
+        q.upper[i] = quantised(where.upper[i], i);
+    }
+    return q;
+}
+
+} // namespace lockstone::shapes

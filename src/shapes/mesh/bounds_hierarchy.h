@@ -1,0 +1,85 @@
+// A tree over boxes whose shape follows from their number: eight neighbours in the order given make one box of the next
+// level. Whoever orders the boxes in space makes it good; in any order it is right.
+#pragma once
+
+#include "shapes/asset/asset.h"
+
+#include <bit>
+
+namespace lockstone::shapes {
+
+class BoundsHierarchy {
+  public:
+    /// `all` bounds every box_of(0) .. box_of(count - 1); all within 2^14 m of the origin; count in 1 .. 2^24.
+    template <class BoxOf> BoundsHierarchy(std::uint32_t count, const Extent& all, BoxOf&& box_of) {
+        start(count, all);
+        for (std::uint32_t i = 0; i < count; ++i) put(groups[i / width], i % width, box_of(i));
+        finish(count);
+    }
+
+    /// Calls each(index), ascending, for all boxes that overlap; when not `is_exact` for a few more.
+    template <class Each> void visit(const Extent& where, Each&& each) const {
+        const Query q = query_of(where);
+        struct {
+            std::uint32_t group, hits;
+        } path[levels_max];
+        const std::size_t top = level_start.size() - 1;
+        std::size_t level = top;
+        path[level] = {0, overlaps(groups[level_start[level]], q)};
+        while (level <= top) {
+            auto& at = path[level];
+            if (at.hits == 0) {
+                ++level;
+                continue;
+            }
+            const std::uint32_t index =
+                at.group * width + static_cast<std::uint32_t>(std::countr_zero(at.hits));
+            at.hits &= at.hits - 1;
+            if (level == 0) {
+                each(index);
+            } else {
+                --level;
+                path[level] = {index, overlaps(groups[level_start[level] + index], q)};
+            }
+        }
+    }
+    bool is_exact() const { return shift == 0; }
+
+  private:
+    static constexpr std::uint32_t width = 8;
+    static constexpr std::size_t levels_max = 9;
+    /// Eight boxes side by side, in 2^shift steps from `middle`, rounded down, which keeps the order.
+    struct alignas(32) Group {
+        std::int32_t lower[3][width], upper[3][width];
+    };
+    struct Query {
+        std::int32_t lower[3], upper[3];
+    };
+
+    void start(std::uint32_t count, const Extent& all);
+    void put(Group& group, std::uint32_t slot, const Extent& box) const;
+    void finish(std::uint32_t count);
+    std::int32_t quantised(Coordinate x, int axis) const;
+    Query query_of(const Extent& where) const;
+
+    /// Bit k: box k overlaps. No branches and no shifts by variables, so that compilers compare four at once.
+    static std::uint32_t overlaps(const Group& g, const Query& q) {
+        constexpr std::uint32_t bit[width] = {1, 2, 4, 8, 16, 32, 64, 128};
+        const auto past = [](std::int32_t a, std::int32_t b) { return static_cast<std::uint32_t>(a > b); };
+        std::uint32_t hits = 0;
+        for (std::uint32_t k = 0; k < width; ++k) {
+            const std::uint32_t apart = past(g.lower[0][k], q.upper[0]) | past(q.lower[0], g.upper[0][k]) |
+                                        past(g.lower[1][k], q.upper[1]) | past(q.lower[1], g.upper[1][k]) |
+                                        past(g.lower[2][k], q.upper[2]) | past(q.lower[2], g.upper[2][k]);
+            hits += (apart - 1) & bit[k];
+        }
+        return hits;
+    }
+
+    CoordinateVec3 middle{};
+    int shift = 0;
+    std::vector<Group> groups;              ///< level 0, whose boxes are those given, then level 1, ...
+    std::vector<std::uint32_t> level_start; ///< the first group of each level; the last level has one
+};
+
+} // namespace lockstone::shapes

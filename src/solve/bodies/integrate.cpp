@@ -1,0 +1,231 @@
+#include "solve/bodies/integrate.h"
+
+#include "lockstone/math/math.h"
+#include "solve/bodies/region.h"
+#include "solve/joints/followed_turn.h"
+
+namespace lockstone::solve {
+
+static Vec3 acceleration_of(const FieldRow& field, Vec3 point) {
+    if (!contains(field.def.region, point)) return {};
+    if (field.def.kind == FieldKind::uniform) return field.def.acceleration;
+    const Vec3 to_center = field.def.center - point;
+    if (field.def.kind == FieldKind::spring) return to_center * field.def.strength;
+    const Real softening = field.def.softening;
+    const Real distance = length(to_center);
+    const Real r = softening == Real{} ? distance : sqrt(mul_add(distance, distance, softening * softening));
+    if (r == Real{}) return {};
+    // strength / r^2 along to_center / r, divided in turn: r^3 would leave the range first.
+    const Real g = field.def.strength / r / r;
+    return {g * (to_center.x / r), g * (to_center.y / r), g * (to_center.z / r)};
+}
+
+Vec3 field_acceleration(std::span<const FieldRow> fields, Vec3 point, std::uint32_t categories) {
+    Vec3 sum{};
+    for (const FieldRow& field : fields) {
+        const bool meant = field.def.mask == every_category || (field.def.mask & categories) != 0;
+        if (meant && field.def.kind != FieldKind::fluid) sum += acceleration_of(field, point);
+    }
+    return sum;
+}
+
+namespace {
+
+/// The free motion of one body over one substep: x' = v, v' = a(x), on Real.
+struct Path {
+    const FreeMotion& motion;
+    Vec3 constant; ///< gravity and force
+    std::uint32_t categories;
+    Vec3 x, v;
+    std::int64_t substeps_per_second;
+
+    Vec3 a(Vec3 at) const { return constant + field_acceleration(motion.fields, at, categories); }
+    Vec3 times_h(Vec3 rate) const {
+        const auto one = [this](Real r) {
+            return Real::from_raw(divide_shifted(r.raw, substeps_per_second, 0));
+        };
+        return {one(rate.x), one(rate.y), one(rate.z)};
+    }
+    static Vec3 halved(Vec3 p) { return {half(p.x), half(p.y), half(p.z)}; }
+};
+
+struct Increment {
+    Vec3 dv, dx;
+};
+
+Increment semi_implicit_euler(const Path& p) {
+    const Vec3 dv = p.times_h(p.a(p.x));
+    return {dv, p.times_h(p.v + dv)};
+}
+
+/// Position Verlet: drift half, kick, drift half. source: Tuckerman, Berne, Martyna 1992
+Increment verlet(const Path& p) {
+    const Vec3 half_drift = Path::halved(p.times_h(p.v));
+    const Vec3 dv = p.times_h(p.a(p.x + half_drift));
+    return {dv, half_drift + Path::halved(p.times_h(p.v + dv))};
+}
+
+/// Velocity Verlet: kick half, drift, kick half. source: Swope et al. 1982
+Increment velocity_verlet(const Path& p) {
+    const Vec3 first = Path::halved(p.times_h(p.a(p.x)));
+    const Vec3 dx = p.times_h(p.v + first);
+    return {first + Path::halved(p.times_h(p.a(p.x + dx))), dx};
+}
+
+/// The classical fourth-order method on (x, v). source: Hairer, Norsett, Wanner, Solving ODEs I, II.1
+Increment runge_kutta_4(const Path& p) {
+    const Vec3 kx1 = p.times_h(p.v), kv1 = p.times_h(p.a(p.x));
+    const Vec3 kx2 = p.times_h(p.v + Path::halved(kv1)), kv2 = p.times_h(p.a(p.x + Path::halved(kx1)));
+    const Vec3 kx3 = p.times_h(p.v + Path::halved(kv2)), kv3 = p.times_h(p.a(p.x + Path::halved(kx2)));
+    const Vec3 kx4 = p.times_h(p.v + kv3), kv4 = p.times_h(p.a(p.x + kx3));
+    const Real sixth = Real(6);
+    const auto blend = [&](Vec3 a, Vec3 b, Vec3 c, Vec3 d) { return (a + (b + c) * Real(2) + d) / sixth; };
+    return {blend(kv1, kv2, kv3, kv4), blend(kx1, kx2, kx3, kx4)};
+}
+
+Increment change_of(const Path& p) {
+    switch (p.motion.scheme) {
+    case Scheme::verlet:
+        return verlet(p);
+    case Scheme::velocity_verlet:
+        return velocity_verlet(p);
+    case Scheme::runge_kutta_4:
+        return runge_kutta_4(p);
+    default:
+        return semi_implicit_euler(p);
+    }
+}
+
+constexpr Real kick_max = Real(2048); ///< [m/s] per substep: far beyond the speed limit, far below overflow
+
+/// Fields or a scheme other than the solver's own: the general path, in Real.
+void move_freely(const FreeMotion& motion, const BodyTraits& traits, std::uint32_t categories,
+                 const Transform& pose, const StepConstants& step, SolverBody& b, BodyStep& s) {
+    const FreeMotion without{motion.scheme, {}, {}};
+    const Path chosen{traits.enable_fields != 0 ? motion : without,
+                      s.acceleration,
+                      categories,
+                      pose.position + Vec3{Real::from_raw(std::int64_t{b.shift[0]} << 5),
+                                           Real::from_raw(std::int64_t{b.shift[1]} << 5),
+                                           Real::from_raw(std::int64_t{b.shift[2]} << 5)},
+                      {Real::from_raw(shift_right_rounded(b.v[0], real_to_accumulator)),
+                       Real::from_raw(shift_right_rounded(b.v[1], real_to_accumulator)),
+                       Real::from_raw(shift_right_rounded(b.v[2], real_to_accumulator))},
+                      step.substeps_per_second};
+    const Increment change = change_of(chosen);
+    const Vec3 by_velocity = chosen.times_h(chosen.v + change.dv);
+    for (int i = 0; i < 3; ++i) {
+        b.v[i] += (clamp(change.dv[i], -kick_max, kick_max).raw << real_to_accumulator) & b.keep[i];
+        s.drift[i] = ((change.dx[i] - by_velocity[i]).raw) & b.keep[i];
+    }
+}
+
+void damp(std::int64_t v[3], Unit keep) {
+    if (keep == unit_one) return;
+    for (int i = 0; i < 3; ++i) v[i] = narrow_rounded(Wide::product(v[i], keep.raw), Unit::fraction_bits);
+}
+
+struct SpeedLimits {
+    LengthLimit linear, tip;
+    explicit SpeedLimits(const StepConstants& step)
+        : linear(step.linear_speed_max), tip(step.tip_speed_max) {}
+};
+
+/// Returns how many of its two velocities were clamped.
+inline std::uint64_t clamp_speeds(SolverBodies& bodies, std::uint32_t i, SpeedLimits limits) {
+    SolverBody& b = bodies.body[i];
+    const bool turns_less = clamp_length(b.u, limits.tip);
+    if (turns_less && bodies.step[i].turn != 0) [[unlikely]]
+        for (std::int64_t& part : bodies.turns[bodies.step[i].turn - 1].precession) part = 0;
+    return (clamp_length(b.v, limits.linear) ? 1u : 0u) + (turns_less ? 1u : 0u);
+}
+
+using Move = decltype(BodyKernel::integrate_poses);
+
+BodyPass pass_of(const StepConstants& step, SpeedLimits limits, SolverBodies& bodies) {
+    BodyPass pass{bodies.body.data(), bodies.plain.data(), 0, 0, {}, {}, step.substep_time.raw};
+    for (int i = 0; i < 3; ++i) {
+        pass.dv[i] = bodies.fall[i];
+        pass.most[i] = (std::int64_t{1} << limits.linear.k) - 1;
+        pass.most[3 + i] = (std::int64_t{1} << limits.tip.k) - 1;
+    }
+    return pass;
+}
+
+/// Moves plain bodies by the kernel, if there is one, calls visit(i) for each of the others and adds what it returns to the
+/// clamped speeds.
+template <class Visit>
+void for_each_body(const BodyPass& pass, Move kernel, SolverBodies& bodies, Tasks* tasks, Visit&& visit) {
+    base::for_chunks(tasks, bodies.still(), body_chunk,
+                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                         std::uint64_t clamped = 0;
+                         if (kernel == nullptr) {
+                             for (std::uint32_t i = first; i < last; ++i) clamped += visit(i);
+                         } else {
+                             std::uint32_t left[body_chunk];
+                             BodyPass part = pass;
+                             part.first = first, part.last = last;
+                             const std::uint32_t count = kernel(part, left);
+                             for (std::uint32_t k = 0; k < count; ++k) clamped += visit(left[k]);
+                         }
+                         base::add_count(bodies.clamps.speed, clamped);
+                     });
+}
+
+} // namespace
+
+void integrate_velocities(const FreeMotion& motion, const BodyColumns& columns, const StepConstants& step,
+                          SolverBodies& bodies, Tasks* tasks) {
+    const bool general = motion.scheme != Scheme::semi_implicit_euler || !motion.fields.empty();
+    const SpeedLimits limits(step);
+    // What the fields' scheme adds to a move is no plain motion either.
+    if (general) std::fill(bodies.plain.begin(), bodies.plain.end(), std::uint8_t{0});
+    const Move kernel = bodies.kernel != nullptr ? bodies.kernel->integrate_velocities : nullptr;
+    const BodyPass pass = pass_of(step, limits, bodies);
+    for_each_body(pass, kernel, bodies, tasks, [&, limits](std::uint32_t i) -> std::uint64_t {
+        SolverBody& b = bodies.body[i];
+        BodyStep& s = bodies.step[i];
+        if (!s.moves) return 0;
+        if (s.movable) {
+            if (general)
+                move_freely(motion, columns.traits(i),
+                            motion.categories.empty() ? every_category : motion.categories[i],
+                            columns.pose[i], step, b, s);
+            else
+                for (int axis = 0; axis < 3; ++axis) b.v[axis] += s.dv[axis];
+            for (int axis = 0; axis < 3; ++axis) b.u[axis] += s.du[axis];
+            damp(b.v, s.linear_keep);
+            damp(b.u, s.angular_keep);
+            if (s.turn != 0) damp(bodies.turns[s.turn - 1].precession, s.angular_keep);
+        }
+        return clamp_speeds(bodies, i, limits);
+    });
+}
+
+void integrate_poses(const StepConstants& step, SolverBodies& bodies, Tasks* tasks) {
+    // Velocity with 27 fraction bits times time with 30: at most 15 m in a tick, so 2^61.
+    constexpr int to_separation = accumulator_bits - Separation::fraction_bits;
+    constexpr int drift_to_separation = Real::fraction_bits - Separation::fraction_bits;
+    constexpr std::int64_t half = std::int64_t{1} << (Unit::fraction_bits - 1);
+    const std::int64_t h = step.substep_time.raw;
+    const auto way = [h](std::int64_t v) { return ((v >> to_separation) * h + half) >> Unit::fraction_bits; };
+    const SpeedLimits limits(step);
+    const Move kernel = bodies.kernel != nullptr ? bodies.kernel->integrate_poses : nullptr;
+    const BodyPass pass = pass_of(step, limits, bodies);
+    for_each_body(pass, kernel, bodies, tasks, [&, way, limits](std::uint32_t i) -> std::uint64_t {
+        SolverBody& b = bodies.body[i];
+        const BodyStep& s = bodies.step[i];
+        if (!s.moves) return 0;
+        const std::uint64_t clamped = clamp_speeds(bodies, i, limits);
+        for (int axis = 0; axis < 3; ++axis) {
+            const std::int64_t drift = s.drift[axis];
+            const std::int64_t more = drift == 0 ? 0 : shift_right_rounded(drift, drift_to_separation);
+            b.shift[axis] = saturate_to_int32(b.shift[axis] + way(b.v[axis]) + more);
+            b.theta[axis] = saturate_to_int32(b.theta[axis] + way(b.u[axis]));
+        }
+        if (s.turn != 0) advance_turn(b, s, bodies.turns[s.turn - 1], step);
+        return clamped;
+    });
+}
+
+} // namespace lockstone::solve

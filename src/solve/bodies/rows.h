@@ -1,0 +1,231 @@
+// The state rows that the dynamics read and write. Formats: lockstone/math/formats.h.
+#pragma once
+
+#include "lockstone/command.h"
+
+#include <array>
+#include <cstddef>
+#include <span>
+
+namespace lockstone::solve {
+
+/// A body, and what belongs to it.
+struct BodyInfo {
+    BodyId id;
+    std::uint64_t user_key;
+    BodyKind kind;
+    std::uint32_t first_shape; ///< shape slot + 1 of the newest shape, 0: none
+    std::uint32_t first_joint; ///< joint slot + 1 of the newest joint, 0: none
+    std::uint32_t traits;      ///< row of the table of BodyTraits
+};
+
+/// Derived from the shapes when they change.
+struct BodyMass {
+    Real mass;      ///< [kg]; 0: no mass, the body is not moved by impulses
+    Vec3 center;    ///< centre of mass from the body's origin, in its axes [m]
+    Vec3 gyration;  ///< principal gyration radii [m]
+    Quat principal; ///< turns the body's axes into the principal axes
+};
+
+/// What commands and shapes make of a body; the solver only reads it. Bodies that are alike share one row.
+struct BodyTraits {
+    BodyMass mass;
+    Real linear_damping, angular_damping; ///< [1/s]
+    Real gravity_scale, drag_scale;
+    Real mass_override;         ///< [kg], 0: from the shapes
+    std::uint32_t locks;        ///< AxisLock bits
+    std::uint8_t gyroscopic;    ///< 0 or 1
+    std::uint8_t enable_fields; ///< 0 or 1
+    std::uint8_t bullet;        ///< 0 or 1
+    std::uint8_t mass_fixed;    ///< 1: the mass was set by command
+};
+
+/// Masses by row of the body columns.
+struct MassView {
+    std::span<const BodyInfo> info;
+    std::span<const BodyTraits> traits;
+
+    std::size_t size() const { return info.size(); }
+    const BodyMass& operator[](std::size_t row) const { return traits[info[row].traits].mass; }
+};
+
+/// Of the centre of mass [m/s] and [rad/s].
+struct Velocity {
+    SpeedVec3 linear, angular;
+    friend constexpr bool operator==(const Velocity&, const Velocity&) = default;
+};
+
+/// Whether a body rests, and with whom it sleeps.
+struct BodySleep {
+    std::uint32_t still_ticks; ///< in a row, see Stillness in tick/sleep.cpp
+    std::uint32_t
+        island; ///< body slot + 1 of the sleeping island's first body, 0: awake; kept until its waking is reported
+    std::uint32_t next; ///< body slot + 1 of the next body of the sleeping island, a ring; 0: awake
+    Velocity moved;     ///< sum of the velocities of the still ticks: how far it went, in tick * m/s
+};
+/// Still ticks are counted from the next one on.
+constexpr void restart(BodySleep& sleep) {
+    sleep.still_ticks = 0;
+    sleep.moved = {};
+}
+
+/// Accumulated by commands for the next tick, which takes the row away.
+struct BodyForce {
+    Vec3 force, torque; ///< [N], [N m] about the centre of mass
+};
+
+/// Forces by row of the body columns.
+struct ForceView {
+    std::span<const std::uint32_t> pushes; ///< by row of the body columns: row + 1 of forces, 0: none
+    std::span<const BodyForce> forces;
+
+    const BodyForce& operator[](std::size_t row) const {
+        static constexpr BodyForce none{};
+        // 0 becomes the greatest number, which is no row; nor is what a push names whose force is gone.
+        const std::uint32_t at = pushes[row] - 1;
+        return at < forces.size() ? forces[at] : none;
+    }
+};
+
+/// The pair, in slot order: a.index < b.index. A pair with several manifolds has as many rows, one after another.
+struct ContactKey {
+    ShapeId a, b;
+    friend constexpr bool operator==(const ContactKey&, const ContactKey&) = default;
+};
+
+/// One point of a manifold, and the impulse per substep that holds it, over the reduced mass of the two bodies.
+struct ContactPointMemory {
+    LengthVec3
+        position; ///< from shape B's origin, in shape A's axes [m]; finds the point again when its feature changed
+    std::uint32_t feature;
+    Separation separation; ///< when the manifold was made [m]
+    Speed normal;          ///< impulse along the normal [m/s]
+};
+
+enum ContactFlags : std::uint32_t {
+    contact_touching = 1,    ///< of the pair: set in its first row
+    contact_sensor = 2,      ///< one of the shapes is a sensor
+    contact_sensor_is_b = 4, ///< and it is the key's b
+    contact_flipped = 8,     ///< the manifold's shape A is the key's b
+    contact_passing = 16,    ///< goes through a one-way shape until they are apart
+    contact_on_face = 32,    ///< of the row: collide::Manifold::on_face
+    contact_hit = 64,        ///< of the row: stopped its bodies in this tick; gone when events are out
+};
+
+/// What a contact remembers from tick to tick: the manifold, where it was made, and the impulses. While the shapes stay
+/// where they were to each other, the manifold is used again instead of being made anew, so all of it is state. The tick works
+/// on these; the state holds them as ContactRow, ContactPointMemory and ContactMore: model/contact_rows.h.
+struct ContactMemory {
+    std::uint32_t flags; ///< ContactFlags
+    std::uint32_t count; ///< points in use; the others are zero
+    std::array<ContactPointMemory, 4> points;
+    CoordinateVec3 made_position; ///< of B's origin in A's frame when the manifold was made [m]
+    Quat made_rotation;           ///< B's axes in A's, then
+    UnitVec3 normal;              ///< from A to B, in A's axes
+    Length margin;                ///< what counted as near, then [m]
+    Speed tangent_1, tangent_2;   ///< friction impulse per substep along the tangents of tangents_of() [m/s]
+    Length twist;                 ///< friction impulse about the normal [m^2/s]
+    SpeedVec3 rolling;            ///< angular impulse against rolling, world axes, as solve::Rolling has it
+    // Of shapes of many pieces; see collide::Manifold.
+    std::uint32_t piece_a; ///< triangle or part of A
+    std::uint32_t piece_b; ///< part of B
+};
+
+/// What the state holds of every ContactMemory. Its points are the next `count` rows of the table of points, and what
+/// few contacts have is the next row of another table: rows of the three stand in the same order. From made_rotation to twist it is
+/// laid out as ContactMemory.
+struct ContactRow {
+    std::uint16_t flags;      ///< ContactFlags, contact_has_more
+    std::uint16_t count;      ///< points, 1 to 4
+    LengthVec3 made_position; ///< modulo 256 m: see ContactMore::beyond
+    Quat made_rotation;
+    UnitVec3 normal;
+    Length margin;
+    Speed tangent_1, tangent_2;
+    Length twist;
+};
+inline constexpr std::uint16_t contact_has_more = 128; ///< a row of ContactMore is its own
+
+/// Of contacts that have anything of it: on large terrain, of surfaces that resist rolling, of shapes of many pieces.
+struct ContactMore {
+    std::array<std::int32_t, 3>
+        beyond; ///< multiples of 256 m in made_position, without which each is within 128 m
+    SpeedVec3 rolling;
+    std::uint32_t piece_a, piece_b;
+};
+
+/// A joint as it was made or changed by commands, and its place in the lists of its bodies.
+struct JointRow {
+    JointId id;
+    JointDef def;
+    std::uint32_t next_a, next_b; ///< next joint of body A, of body B: slot + 1, 0: last
+};
+
+/// Impulses of one axis per substep, lambda (1/mA + 1/mB) [m/s] or [m^2/s].
+struct JointAxisImpulses {
+    Real spring;       ///< or of the lock
+    Real motor;        ///< and friction
+    Real lower, upper; ///< of the limits: at least, at most zero
+};
+
+/// What a joint remembers from tick to tick, and what it did in the last one.
+struct JointMemory {
+    std::array<JointAxisImpulses, joint_axis_count> axis;
+    Real swing;         ///< impulse of the cone, at most zero
+    Real twist;         ///< angle about x with its whole turns; of gears and racks what they are out by
+    Vec3 force, torque; ///< on B at its frame [N], [N m]; means over the tick
+};
+
+template <class V> constexpr void describe(BodyInfo& b, V&& v) {
+    v("id", b.id), v("user_key", b.user_key), v("kind", b.kind), v("first_shape", b.first_shape);
+    v("first_joint", b.first_joint), v("traits", b.traits);
+}
+template <class V> constexpr void describe(BodyMass& m, V&& v) {
+    v("mass", m.mass), v("center", m.center), v("gyration", m.gyration), v("principal", m.principal);
+}
+template <class V> constexpr void describe(BodyTraits& t, V&& v) {
+    v("mass", t.mass), v("linear_damping", t.linear_damping), v("angular_damping", t.angular_damping);
+    v("gravity_scale", t.gravity_scale), v("drag_scale", t.drag_scale);
+    v("mass_override", t.mass_override), v("locks", t.locks), v("gyroscopic", t.gyroscopic);
+    v("enable_fields", t.enable_fields), v("bullet", t.bullet), v("mass_fixed", t.mass_fixed);
+}
+template <class V> constexpr void describe(Velocity& x, V&& v) {
+    v("linear", x.linear), v("angular", x.angular);
+}
+template <class V> constexpr void describe(BodySleep& s, V&& v) {
+    v("still_ticks", s.still_ticks), v("island", s.island), v("next", s.next), v("moved", s.moved);
+}
+template <class V> constexpr void describe(BodyForce& f, V&& v) {
+    v("force", f.force), v("torque", f.torque);
+}
+template <class V> constexpr void describe(ContactKey& k, V&& v) { v("a", k.a), v("b", k.b); }
+template <class V> constexpr void describe(ContactRow& r, V&& v) {
+    v("flags", r.flags), v("count", r.count), v("made_position", r.made_position);
+    v("made_rotation", r.made_rotation), v("normal", r.normal), v("margin", r.margin);
+    v("tangent_1", r.tangent_1), v("tangent_2", r.tangent_2), v("twist", r.twist);
+}
+template <class V> constexpr void describe(ContactPointMemory& p, V&& v) {
+    v("position", p.position), v("feature", p.feature), v("separation", p.separation), v("normal", p.normal);
+}
+template <class V> constexpr void describe(ContactMore& m, V&& v) {
+    v("beyond", m.beyond), v("rolling", m.rolling), v("piece_a", m.piece_a), v("piece_b", m.piece_b);
+}
+template <class V> constexpr void describe(JointRow& r, V&& v) {
+    v("id", r.id), v("def", r.def), v("next_a", r.next_a), v("next_b", r.next_b);
+}
+template <class V> constexpr void describe(JointAxisImpulses& a, V&& v) {
+    v("spring", a.spring), v("motor", a.motor), v("lower", a.lower), v("upper", a.upper);
+}
+template <class V> constexpr void describe(JointMemory& m, V&& v) {
+    v("axis", m.axis), v("swing", m.swing), v("twist", m.twist), v("force", m.force), v("torque", m.torque);
+}
+
+static_assert(StateRow<JointRow> && StateRow<JointMemory>);
+static_assert(StateRow<BodyInfo> && StateRow<BodyTraits> && StateRow<Velocity> && StateRow<BodyForce> &&
+              StateRow<BodySleep>);
+static_assert(StateRow<ContactKey> && StateRow<ContactRow> && StateRow<ContactPointMemory> &&
+              StateRow<ContactMore>);
+static_assert(sizeof(ContactRow) == 60 && sizeof(ContactPointMemory) == 24 && sizeof(ContactMore) == 32);
+static_assert(sizeof(Transform) + sizeof(Velocity) == 64, "the hot motion state of a body is one cache line");
+
+} // namespace lockstone::solve

@@ -1,0 +1,316 @@
+#include "solve/bodies/solver_body.h"
+
+#include "lockstone/math/math.h"
+#include "solve/joints/followed_turn.h"
+
+#include <bit>
+
+namespace lockstone::solve {
+
+Symmetric<Real> rotated_diagonal(const Rotation& r, Vec3 d) {
+    if (d.x == d.y && d.y == d.z) return {d.x, d.x, d.x, Real{}, Real{}, Real{}};
+    // 31 bits of the entries are enough: then their products with those of a rotation are below 2^61.
+    const int bits = bit_length(magnitude(d.x.raw) | magnitude(d.y.raw) | magnitude(d.z.raw));
+    const int drop = bits > 31 ? bits - 31 : 0;
+    const std::int64_t dx = shift_right_rounded(d.x.raw, drop), dy = shift_right_rounded(d.y.raw, drop),
+                       dz = shift_right_rounded(d.z.raw, drop);
+    constexpr int unit = Unit::fraction_bits;
+    std::int64_t a[3][3];
+    for (int i = 0; i < 3; ++i) {
+        a[i][0] = shift_right_rounded(r.x[i].raw * dx, unit);
+        a[i][1] = shift_right_rounded(r.y[i].raw * dy, unit);
+        a[i][2] = shift_right_rounded(r.z[i].raw * dz, unit);
+    }
+    const auto entry = [&](int i, int j) {
+        const std::int64_t sum = a[i][0] * r.x[j].raw + a[i][1] * r.y[j].raw + a[i][2] * r.z[j].raw;
+        return Real::from_raw(drop <= unit ? shift_right_rounded(sum, unit - drop) : sum << (drop - unit));
+    };
+    return {entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(0, 2), entry(1, 2)};
+}
+
+static bool is_round(const BodyStep& s) { return s.radii.x == s.radii.y && s.radii.y == s.radii.z; }
+
+bool clamp_long(std::int64_t v[3], Speed limit) {
+    const std::int64_t x = v[0] >> row_bits, y = v[1] >> row_bits, z = v[2] >> row_bits;
+    const std::int64_t bound = limit.raw;
+    const auto outside = [](std::int64_t c) {
+        return c > (std::int64_t{1} << 30) || c < -(std::int64_t{1} << 30);
+    };
+    if (!outside(x) && !outside(y) && !outside(z) && x * x + y * y + z * z <= bound * bound) return false;
+    const Vec3 wide{Real::from_raw(x), Real::from_raw(y), Real::from_raw(z)};
+    const UnitVec3 direction = normalized(wide);
+    for (int i = 0; i < 3; ++i) // 30 + 19 bits to 47
+        v[i] = (std::int64_t{direction[i].raw} * bound) >>
+               (Unit::fraction_bits + Speed::fraction_bits - accumulator_bits);
+    return true;
+}
+
+static std::uint64_t entries_or(const Symmetric<Real>& k) {
+    return magnitude(k.xx.raw) | magnitude(k.yy.raw) | magnitude(k.zz.raw) | magnitude(k.xy.raw) |
+           magnitude(k.xz.raw) | magnitude(k.yz.raw);
+}
+
+/// Entries are below 2^bits, so a mantissa is at most 2^30.
+static void set_mantissa(BodyStep& s) {
+    const Symmetric<Real>& k = s.gyration_inv;
+    const int drop = s.gyration_inv_bits - 30; // bits of the mantissa: 30, and the sign
+    s.inv_exponent = Real::fraction_bits - drop;
+    const auto set = [&](auto&& mantissa) {
+        const auto low = [&](Real x) { return static_cast<std::int32_t>(mantissa(x.raw)); };
+        s.inv_mantissa = {low(k.xx), low(k.yy), low(k.zz), low(k.xy), low(k.xz), low(k.yz)};
+    };
+    if (drop <= 0)
+        set([up = -drop](std::int64_t x) { return x * (std::int64_t{1} << up); });
+    else if (drop <= 32)
+        set([drop, half = std::int64_t{1} << (drop - 1)](std::int64_t x) { return (x + half) >> drop; });
+    else
+        set([drop](std::int64_t x) { return shift_right_rounded(x, drop); });
+}
+
+/// 1 / radius along each axis, zero where there is none. Most bodies have two or three radii alike.
+static Vec3 reciprocals(Vec3 radii) {
+    const auto inverse = [](Real r) { return r > Real{} ? Real(1) / r : Real{}; };
+    const Real x = inverse(radii.x), y = radii.y == radii.x ? x : inverse(radii.y);
+    return {x, y, radii.z == radii.x ? x : radii.z == radii.y ? y : inverse(radii.z)};
+}
+
+static void set_sizes(BodyStep& s) {
+    s.gyration_bits = bit_length(entries_or(s.gyration));
+    s.gyration_inv_bits = bit_length(entries_or(s.gyration_inv));
+    set_mantissa(s);
+}
+
+void set_gyration(BodyStep& s, const Rotation& axes) {
+    s.gyration = rotated_diagonal(axes, s.radii), s.gyration_inv = rotated_diagonal(axes, s.radii_inv);
+    set_sizes(s);
+}
+
+void set_gyration(BodyStep& s, Quat principal, Quat rotation) {
+    s.radii_inv = reciprocals(s.radii);
+    const auto multiple = [](Real d) { return Symmetric<Real>{d, d, d, Real{}, Real{}, Real{}}; };
+    if (is_round(s)) {
+        s.gyration = multiple(s.radii.x), s.gyration_inv = multiple(s.radii_inv.x);
+        set_sizes(s);
+    } else {
+        set_gyration(s, to_rotation(principal == Quat::identity() ? rotation : rotation * principal));
+    }
+}
+
+/// 1 / (1 + damping * substep): velocity kept per substep.
+static Unit kept(Real damping, const StepConstants& step) {
+    if (damping == Real{}) return unit_one;
+    return to<Unit>(Real(step.substeps_per_second) / (Real(step.substeps_per_second) + damping));
+}
+
+template <FixedPoint T> static Vector3<T> masked(Vector3<T> v, std::uint32_t mask) {
+    if (mask == 7u) return v;
+    return {mask & 1u ? v.x : T{}, mask & 2u ? v.y : T{}, mask & 4u ? v.z : T{}};
+}
+
+/// acceleration / substeps_per_second with 47 fraction bits.
+static void per_substep(Vec3 acceleration, const StepConstants& step, std::int64_t out[3]) {
+    constexpr int extra = accumulator_bits - Real::fraction_bits;
+    // Beyond 2048 m/s a substep the speed limit acts anyway; the clamp keeps the sum with any velocity in range.
+    constexpr std::int64_t most = std::int64_t{2048} << accumulator_bits;
+    for (int i = 0; i < 3; ++i) {
+        const std::int64_t change = divide_shifted(acceleration[i].raw, step.substeps_per_second, extra);
+        out[i] = change > most ? most : change < -most ? -most : change;
+    }
+}
+
+/// K, and u of the velocity within its bounds. Locks hold here too, for velocities of states from files.
+static void begin_turning(const BodyMass& mass, const Transform& pose, const Velocity& velocity,
+                          const StepConstants& step, SolverBody& b, BodyStep& s, ClampCounts& clamps) {
+    set_gyration(s, mass.principal, pose.rotation);
+    const SpeedVec3 u = by_gyration<Speed>(s, masked(velocity.angular, s.angular_mask));
+    for (int i = 0; i < 3; ++i) b.u[i] = std::int64_t{u[i].raw} << row_bits;
+    clamps.speed += clamp_length(b.u, step.tip_speed_max) ? 1u : 0u;
+}
+
+static void begin_torque(const BodyMass& mass, const BodyForce& force, const StepConstants& step,
+                         BodyStep& s) {
+    const Vec3 torque = masked(force.torque, s.angular_mask);
+    if (torque != Vec3{}) per_substep(mul<Real>(s.gyration_inv, torque / mass.mass), step, s.du);
+}
+
+/// What gravity alone does: the same to most bodies.
+struct Fall {
+    Vec3 gravity;       ///< [m/s^2]
+    std::int64_t dv[3]; ///< per substep, 47 fraction bits
+};
+
+/// Returns PlainMotion.
+static std::uint8_t begin_body(const BodyInfo& info, const BodyTraits& traits, const BodyForce& force,
+                               const Transform& pose, const Velocity& velocity, const Fall& fall,
+                               const StepConstants& step, SolverBody& b, BodyStep& s, ClampCounts& clamps) {
+    const BodyMass& mass = traits.mass;
+    s.movable = info.kind == BodyKind::dynamic && mass.mass > Real{};
+    s.moves = info.kind != BodyKind::static_;
+    s.jointed = info.first_joint != 0;
+    if (s.movable) s.mass = mass.mass;
+    s.linear_mask = s.movable ? ~traits.locks & 7u : 7u;
+    s.angular_mask = s.movable ? ~(traits.locks >> 3) & 7u : 7u;
+    for (int i = 0; i < 3; ++i) b.keep[i] = (s.linear_mask >> i) & 1u ? -1 : 0;
+    if (!s.moves) return 0;
+    s.radii = mass.gyration;
+    for (int i = 0; i < 3; ++i)
+        if (((s.linear_mask >> i) & 1u) != 0) b.v[i] = std::int64_t{velocity.linear[i].raw} << row_bits;
+    // Commands may leave any velocity; rows have room for these.
+    clamps.speed += clamp_length(b.v, step.linear_speed_max) ? 1u : 0u;
+    begin_turning(mass, pose, velocity, step, b, s, clamps);
+    s.linear_keep = s.angular_keep = unit_one;
+    if (!s.movable) return plain_pose;
+    s.linear_keep = kept(traits.linear_damping, step);
+    s.angular_keep = kept(traits.angular_damping, step);
+    Vec3 acceleration = traits.gravity_scale == Real(1) ? fall.gravity : fall.gravity * traits.gravity_scale;
+    if (force.force != Vec3{}) acceleration += force.force / mass.mass;
+    s.acceleration = masked(acceleration, s.linear_mask);
+    const bool falls = s.acceleration == fall.gravity;
+    if (falls)
+        std::copy_n(fall.dv, 3, s.dv);
+    else
+        per_substep(s.acceleration, step, s.dv);
+    begin_torque(mass, force, step, s);
+    const bool is_plain =
+        falls && force.torque == Vec3{} && s.linear_keep == unit_one && s.angular_keep == unit_one;
+    return plain_pose | (is_plain ? plain_velocity : 0);
+}
+
+void set_radii(const BodyColumns& c, std::uint32_t row, Vec3 radii, const StepConstants& step,
+               SolverBodies& bodies) {
+    BodyStep& s = bodies.step[row];
+    s.radii = radii;
+    begin_turning(c.mass[row], c.pose[row], c.velocity[row], step, bodies.body[row], s, bodies.clamps);
+    begin_torque(c.mass[row], c.force[row], step, s);
+}
+
+void begin_step(const BodyColumns& c, Vec3 gravity, const StepConstants& step, SolverBodies& out,
+                Tasks* tasks) {
+    const std::uint32_t count = static_cast<std::uint32_t>(c.info.size());
+    out.body.resize(count + 1);
+    out.step.resize(count + 1);
+    out.plain.resize(count);
+    out.turns.clear();
+    out.clamps = {};
+    Fall fall{gravity, {}};
+    per_substep(gravity, step, fall.dv);
+    std::copy_n(fall.dv, 3, out.fall);
+    base::for_chunks(tasks, count, body_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+        ClampCounts clamps;
+        for (std::uint32_t i = first; i < last; ++i) {
+            out.body[i] = {};
+            out.step[i] = {};
+            out.plain[i] = begin_body(c.info[i], c.traits(i), c.force[i], c.pose[i], c.velocity[i], fall,
+                                      step, out.body[i], out.step[i], clamps);
+        }
+        base::add_count(out.clamps.speed, clamps.speed);
+    });
+    // The still entry keeps no motion along any axis.
+    out.body[count] = {};
+    out.step[count] = {};
+}
+
+static SpeedVec3 rounded(const std::int64_t v[3]) {
+    const auto one = [](std::int64_t x) {
+        return Speed::from_raw(saturate_to_int32(shift_right_rounded(x, row_bits)));
+    };
+    return {one(v[0]), one(v[1]), one(v[2])};
+}
+
+/// Steps of the midpoint rule in a tick without torque, when a body turns far enough to need them: a spinning top
+/// keeps its energy to 0.1 % and its phase for minutes.
+constexpr std::int32_t free_turn_steps = 4;
+
+/// Whether nothing but the body's own spin w turned it in this tick, and by more than a hundredth of a radian.
+static bool is_free_turn(Vec3 rotation, Vec3 w, std::int32_t ticks_per_second) {
+    constexpr Real least = decimal<Real>("0.01"), noise = decimal<Real>("0.00001");
+    const Vec3 size = abs(rotation);
+    if (size.x + size.y + size.z <= least) return false;
+    const Vec3 off = abs(rotation - w / Real(ticks_per_second));
+    return off.x + off.y + off.z < noise;
+}
+
+/// The rotation of the tick and the angular velocity after it. Without torque the angular momentum per mass K u is
+/// kept exactly up to rounding: K is taken at the middle of the turn (midpoint rule, second order).
+static void turn(const BodyTraits& traits, const StepConstants& step, const SolverBody& b, BodyStep& s,
+                 Transform& pose, Velocity& velocity) {
+    const Vector3<Separation> theta{Separation::from_raw(b.theta[0]), Separation::from_raw(b.theta[1]),
+                                    Separation::from_raw(b.theta[2])};
+    const Vec3 rotation = masked(over_gyration<Real>(s, theta), s.angular_mask);
+    const SpeedVec3 u = rounded(b.u);
+    // Turned by less than this, the change of w is below the step of a Speed.
+    constexpr Real least = decimal<Real>("0.0001");
+    const Vec3 size = abs(rotation);
+    const bool turns = size.x > least || size.y > least || size.z > least;
+    const bool gyroscopic = s.movable && traits.gyroscopic != 0 && s.angular_mask == 7u && !is_round(s);
+    const Vec3 w = over_gyration<Real>(s, u);
+    if (!gyroscopic || !turns) {
+        pose.rotation = integrate_rotation(pose.rotation, rotation);
+        velocity.angular = to<Speed>(masked(w, s.angular_mask));
+        return;
+    }
+    const Quat principal = traits.mass.principal;
+    const Vec3 momentum = by_gyration<Real>(s, u); // per mass
+    const auto spin_at = [&](Quat q) {             // K^-2 momentum
+        const Rotation axes = to_rotation(principal == Quat::identity() ? q : q * principal);
+        Vec3 inside = mul_transposed<Real>(axes, momentum);
+        for (int i = 0; i < 3; ++i) inside[i] = inside[i] * s.radii_inv[i] * s.radii_inv[i];
+        return mul<Real>(axes, inside);
+    };
+    const auto halved = [](Vec3 v) { return Vec3{half(v.x), half(v.y), half(v.z)}; };
+    if (is_free_turn(rotation, w, step.ticks_per_second)) {
+        for (std::int32_t i = 0; i < free_turn_steps; ++i) {
+            const Real time = Real(step.ticks_per_second * free_turn_steps);
+            const Vec3 now = spin_at(pose.rotation) / time;
+            Vec3 at_middle = now; // of the turn that it leads to: then energy does not drift
+            for (int round = 0; round < 3; ++round)
+                at_middle = spin_at(integrate_rotation(pose.rotation, halved(at_middle))) / time;
+            pose.rotation = integrate_rotation(pose.rotation, at_middle);
+        }
+    } else {
+        const Vec3 middle = spin_at(integrate_rotation(pose.rotation, halved(rotation)));
+        pose.rotation =
+            integrate_rotation(pose.rotation, rotation + (middle - w) / Real(step.ticks_per_second));
+    }
+    velocity.angular = to<Speed>(spin_at(pose.rotation));
+}
+
+/// Returns how many components met the end of their range.
+static std::uint64_t shift_position(const SolverBody& b, Vec3& position) {
+    constexpr int up = Real::fraction_bits - Separation::fraction_bits;
+    constexpr std::int64_t edge = std::int64_t{1000000000} << Real::fraction_bits;
+    std::uint64_t clamped = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        Real& x = position[axis];
+        x = x + Real::from_raw(std::int64_t{b.shift[axis]} << up);
+        if (magnitude(x.raw) <= static_cast<std::uint64_t>(edge)) continue;
+        x.raw = x.raw < 0 ? -edge : edge;
+        ++clamped;
+    }
+    return clamped;
+}
+
+void finish_step(const StepConstants& step, SolverBodies& bodies, const BodyColumns& c, Tasks* tasks) {
+    const std::uint32_t count = static_cast<std::uint32_t>(c.info.size());
+    base::for_chunks(tasks, count, body_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+        std::uint64_t clamped = 0;
+        for (std::uint32_t i = first; i < last; ++i) {
+            const SolverBody& b = bodies.body[i];
+            BodyStep& s = bodies.step[i];
+            if (!s.moves) continue;
+            clamped += shift_position(b, c.pose[i].position);
+            if (s.movable) c.velocity[i].linear = rounded(b.v);
+            Velocity turned = c.velocity[i];
+            if (s.turn != 0) {
+                c.pose[i].rotation = bodies.turns[s.turn - 1].rotation;
+                c.velocity[i].angular = to<Speed>(spin_of(b, s, bodies.turns[s.turn - 1]));
+                continue;
+            }
+            turn(c.traits(i), step, b, s, c.pose[i], turned);
+            if (s.movable) c.velocity[i].angular = turned.angular;
+        }
+        base::add_count(bodies.clamps.position, clamped);
+    });
+}
+
+} // namespace lockstone::solve

@@ -1,0 +1,101 @@
+#include "solve/contacts/contact_memory.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace lockstone::solve {
+
+namespace {
+
+/// How far a point may be from a remembered one of another feature and still be the same contact [m].
+constexpr std::int64_t same_point_distance = decimal<Length>("0.02").raw;
+
+/// 44 fraction bits. Differences reach 256 m, whose square is beyond 64 bits; what is further than 64 m along an axis counts
+/// as that far, for nothing so far is the same point.
+constexpr std::int64_t far = std::int64_t{64} << Length::fraction_bits;
+
+std::int64_t distance_squared(LengthVec3 a, LengthVec3 b) {
+    const auto square = [](std::int64_t d) {
+        const std::int64_t near = std::clamp(d, -far, far); // 2^30: the sum of three stays below 2^58
+        return (near * near) >> 4;
+    };
+    return square(std::int64_t{a.x.raw} - b.x.raw) + square(std::int64_t{a.y.raw} - b.y.raw) +
+           square(std::int64_t{a.z.raw} - b.z.raw);
+}
+
+constexpr Unit same_direction = decimal<Unit>("0.94"); ///< cosine of 20 degrees
+
+bool has_impulses(const ContactMemory& old, const ContactMemory& fresh) {
+    return old.count != 0 && dot<Unit>(old.normal, fresh.normal) >= same_direction;
+}
+
+/// Friction acts on a manifold as a whole: it goes to the first that takes a point of it.
+void take_friction(std::span<const ContactMemory> old, std::uint32_t bit, Taken& taken,
+                   ContactMemory& fresh) {
+    const std::uint32_t m = static_cast<std::uint32_t>(std::countr_zero(bit)) / 4;
+    if ((taken.friction >> m) & 1u) return;
+    taken.friction |= 1u << m;
+    fresh.tangent_1 = fresh.tangent_1 + old[m].tangent_1;
+    fresh.tangent_2 = fresh.tangent_2 + old[m].tangent_2;
+    fresh.twist = fresh.twist + old[m].twist;
+}
+
+/// Calls visit(bit, point) for every old point that is left, in order.
+template <class Visit>
+void for_each_left(std::span<const ContactMemory> old, const std::uint32_t& taken, const ContactMemory& fresh,
+                   Visit&& visit) {
+    for (std::uint32_t m = 0; m < old.size(); ++m) {
+        if (!has_impulses(old[m], fresh)) continue;
+        for (std::uint32_t i = 0; i < old[m].count; ++i)
+            if (const std::uint32_t bit = 1u << (4 * m + i); !(taken & bit)) visit(bit, old[m].points[i]);
+    }
+}
+
+} // namespace
+
+void carry_impulses(std::span<const ContactMemory> old, Taken& taken, ContactMemory& fresh) {
+    bool found[4] = {};
+    for (std::uint32_t k = 0; k < fresh.count; ++k)
+        for_each_left(old, taken.points, fresh, [&](std::uint32_t bit, const ContactPointMemory& point) {
+            if (found[k] || point.feature != fresh.points[k].feature) return;
+            fresh.points[k].normal = point.normal;
+            found[k] = true;
+            taken.points |= bit;
+            take_friction(old, bit, taken, fresh);
+        });
+    for (std::uint32_t k = 0; k < fresh.count; ++k) {
+        if (found[k]) continue;
+        std::int64_t nearest = (same_point_distance * same_point_distance) >> 4;
+        std::uint32_t best = 0;
+        for_each_left(old, taken.points, fresh, [&](std::uint32_t bit, const ContactPointMemory& point) {
+            const std::int64_t d = distance_squared(point.position, fresh.points[k].position);
+            if (d > nearest) return;
+            fresh.points[k].normal = point.normal;
+            nearest = d, best = bit;
+        });
+        if (best == 0) continue;
+        taken.points |= best;
+        take_friction(old, best, taken, fresh);
+    }
+    for (const ContactMemory& m : old)
+        if (has_impulses(m, fresh)) {
+            fresh.rolling = m.rolling;
+            break;
+        }
+}
+
+Length recycling_limit(std::span<const ContactMemory> rows, Coordinate reach, Length thinnest) {
+    const std::int64_t by_reach =
+                           std::min<std::int64_t>(reach.raw >> recycling_reach_shift, Length::max().raw),
+                       by_thinnest = thinnest.raw >> recycling_thin_shift;
+    const auto within_reach = [&](std::int64_t limit) {
+        return Length::from_raw(static_cast<std::int32_t>(std::min(limit, by_reach)));
+    };
+    for (const ContactMemory& row : rows)
+        if (!(row.flags & contact_on_face)) return within_reach(recycling.raw);
+    // Not less than what edges bear.
+    return within_reach(
+        std::max<std::int64_t>(recycling.raw, std::min<std::int64_t>(recycling_on_face.raw, by_thinnest)));
+}
+
+} // namespace lockstone::solve

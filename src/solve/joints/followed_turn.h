@@ -1,0 +1,70 @@
+// Bodies that spin are turned substep by substep.
+//
+// Other bodies keep K for a tick, and their gyroscopic turn is made after it (finish_step). A top on a joint would so
+// fall for a tick as if it did not spin, be held with a wrong arm, and be turned at last: an error of first order in the
+// tick. What spins at 80 rad/s and hits the floor gained up to 30 times its energy. Followed, u has a part that is no
+// momentum:
+//
+//   u = m + g      K m   angular momentum per mass, changed by impulses alone;  g: precession
+//   K^-1 u = w     w = R diag(radii^-2) R^T K m, R at the middle of the coming substep
+//
+// g is found anew after each move, so rows see the speed that the body will have, and no rounding enters the momentum.
+// Impulses act at the ends of substeps and turns at their middles, as in the leapfrog: second order. A top at 30 rad/s
+// nods by 0.1 degrees, without growing, instead of by 1.4 in a minute.
+//
+// What joints hold is followed from small turns on. Their rows have the levers of now, and with the K of the start of the
+// tick a pull along a link that has turned by a tenth of a radian spins it about itself, five times as strongly as it would
+// answer: chains came apart in the middle. So while joints are solved u is K' w, K' of where the body is now (TurnedK).
+// Contacts keep rows of the start, to which a limb that has turned answers up to six times as strongly as they say, and every
+// pass adds speed instead of taking it away. What they give a body that joints hold is taken for a change of
+// velocity, and momentum for what belongs to it (StartK).
+// A body that turns as if it were larger (joint_stiffness.h) has no momentum that would be kept: its u is K w, and between
+// substeps the gyroscopic torque of the body as it is acts on the body as it answers. With the torque of the larger one a
+// link that rolled off a wall at 50 rad/s shakes its chain apart.
+// Turns of half a substep within 1/4 rad about each axis follow series, in vectors of 31 bits that share a power of two; u' = K' K^-1 u
+// by one matrix a substep, and what joints add goes back by its inverse and, as momentum, by its transpose.
+// source: Hairer, Lubich, Wanner, Geometric Numerical Integration, VII.5 (rigid bodies, splitting and midpoint rule)
+#pragma once
+
+#include "solve/bodies/solver_body.h"
+#include "solve/joints/joint.h"
+
+namespace lockstone::solve {
+
+/// After stiffen_bodies() and before rows are made: finds the bodies that are followed in this tick, and their g. These
+/// are those that feel gyroscopic torque and turn about some axis by half a radian in the tick or more, or by a sixteenth
+/// where a joint holds them.
+void follow_turns(std::span<const Joint> joints, const BodyColumns& columns, const StepConstants& step,
+                  SolverBodies& bodies);
+
+/// Turns a body by its u for a substep and finds g for the next one. |u| is within the tip speed limit.
+void advance_turn(SolverBody& b, const BodyStep& s, FollowedTurn& turn, const StepConstants& step);
+
+/// While one lives, u of followed bodies that joints hold is K' w; what is added to that is momentum.
+class TurnedK {
+  public:
+    TurnedK(const StepConstants& step, SolverBodies& bodies);
+    ~TurnedK();
+    TurnedK(const TurnedK&) = delete;
+    TurnedK& operator=(const TurnedK&) = delete;
+
+  private:
+    SolverBodies& bodies;
+};
+
+/// What is added to u of followed bodies that joints hold while one lives is velocity.
+class StartK {
+  public:
+    explicit StartK(SolverBodies& bodies);
+    ~StartK();
+    StartK(const StartK&) = delete;
+    StartK& operator=(const StartK&) = delete;
+
+  private:
+    SolverBodies& bodies;
+};
+
+/// Angular velocity of the momentum K m where the body is now [rad/s].
+Vec3 spin_of(const SolverBody& b, const BodyStep& s, const FollowedTurn& turn);
+
+} // namespace lockstone::solve

@@ -1,0 +1,349 @@
+#include "solve/joints/joint.h"
+
+#include "base/poison.h"
+#include "lockstone/math/math.h"
+#include "solve/joints/joint_work.h"
+
+#include <algorithm>
+
+namespace lockstone::solve {
+
+JointSolver::JointSolver(const JointKernel& lanes) : work(std::make_unique<JointTick>()), kernel(&lanes) {}
+JointSolver::~JointSolver() = default;
+JointSolver::JointSolver(JointSolver&&) noexcept = default;
+JointSolver& JointSolver::operator=(JointSolver&&) noexcept = default;
+
+void JointSolver::reserve(std::size_t joints) {
+    work->joints.reserve(joints);
+    work->blocks.reserve(2 * joints);
+    work->axes.reserve(7 * joints);
+    work->packs.reserve(joints), work->turn_packs.reserve(joints), work->stages.reserve(joints);
+    work->singles.reserve(joints), work->acts.reserve(joints), work->glances.reserve(joints);
+    work->seen.reserve(2 * joints + 1), work->packed.reserve(pack_lanes * joints),
+        work->in_order.reserve(joints);
+    work->last_stage.reserve(2 * joints), work->counts.reserve(5 * joints + 1);
+    work->bodies.reserve(2 * joints);
+}
+
+void JointSolver::poison(std::byte with) {
+    auto& [joints, blocks, axes, packs, turn_packs, stages, singles, glances, seen, acts, packed, last_stage,
+           counts, in_order, bodies, forest, cache_of, pose, clamped, first] = *work;
+    base::poison(with, joints, blocks, axes, packs, turn_packs, stages, singles, glances, seen, acts, packed,
+                 last_stage, counts, in_order, bodies, cache_of, pose, clamped, first);
+    auto& [trees, nodes, edges, links, component, first_of, hung, node_of, size, root, anchor_of, loops,
+           anchors, above_of, above, carried, queue] = forest;
+    base::poison(with, trees, nodes, edges, links, component, first_of, hung, node_of, size, root, anchor_of,
+                 loops, anchors, above_of, above, carried, queue);
+}
+
+namespace {
+
+std::uint32_t cached(JointTick& tick, std::uint32_t body, const BodyColumns& columns,
+                     const SolverBodies& bodies) {
+    std::uint32_t& at = tick.cache_of[body];
+    if (at == 0) {
+        make_room(tick.bodies);
+        tick.bodies.push_back({});
+        tick.bodies.back().body = body;
+        start_body(tick.bodies.back(), columns.pose[body], bodies);
+        at = static_cast<std::uint32_t>(tick.bodies.size());
+    }
+    return at - 1;
+}
+
+/// Of a body that moves, levers beyond 128 m are clamped.
+JointWorkSide side(JointTick& tick, std::uint32_t body, const Transform& frame, const BodyColumns& columns,
+                   const SolverBodies& bodies) {
+    JointWorkSide s{};
+    s.body = body;
+    s.frame = unit_of(frame.rotation);
+    s.anchor = frame.position;
+    s.world = body == bodies.still() || !bodies.step[body].moves;
+    if (body == bodies.still()) return s;
+    const Vec3 lever = frame.position - columns.mass[body].center;
+    if (s.world) {
+        const Transform& pose = columns.pose[body];
+        s.anchor = pose.position + rotate(pose.rotation, lever);
+        s.frame = normalized(pose.rotation * frame.rotation);
+        return s;
+    }
+    s.cache = cached(tick, body, columns, bodies);
+    s.lever = to<Length>(lever);
+    return s;
+}
+
+Real mul_share(Real mass, Share share) {
+    return Real::from_raw(narrow_rounded(Wide::product(mass.raw, share.mantissa), 30 + share.shift));
+}
+
+/// mA mB / (mA + mB); of the only one that moves, or zero.
+Real reduced_mass(const Shares& shares, const BodyMass& a, const BodyMass& b) {
+    return shares.a.mantissa != 0 ? mul_share(a.mass, shares.a) : mul_share(b.mass, shares.b);
+}
+
+constexpr std::uint32_t joint_chunk = 32, pack_chunk = 16;
+
+/// Calls visit(joint) for each joint; workers share them.
+template <class Visit> void for_joints(JointTick& tick, Tasks* tasks, Visit&& visit) {
+    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.joints.size()), joint_chunk,
+                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                         for (std::uint32_t i = first; i < last; ++i) visit(tick.joints[i]);
+                     });
+}
+
+/// Rows and biases of points where the bodies are now.
+void refresh_packs(JointTick& tick, const JointKernel& kernel, const StepConstants& step,
+                   const SolverBodies& bodies, Tasks* tasks) {
+    // Other passes of a kernel write to bodies, this one only reads them.
+    const JointPassData data = pass_data(tick, step, const_cast<SolverBody*>(bodies.body.data()));
+    base::for_chunks(
+        tasks, static_cast<std::uint32_t>(tick.packs.size()), pack_chunk,
+        [&](std::uint32_t first, std::uint32_t last, std::uint32_t) { kernel.refresh(data, first, last); });
+    for (std::uint32_t i = 0; i < tick.packs.size(); ++i) {
+        JointPack& pack = tick.packs[i];
+        while ((pack.over[0] | pack.over[1] | pack.over[2] | pack.over[3]) != 0) {
+            for (std::uint32_t lane = 0; lane < pack.count; ++lane) {
+                if (pack.over[lane] == 0) continue;
+                JointWork& w = tick.joints[tick.packed[i * pack_lanes + lane]];
+                enlarge_exponent(pack, w, step);
+                pack.stale[lane] = 1; // its inverse is that of other rows
+            }
+            kernel.refresh(data, i, i + 1);
+        }
+    }
+}
+
+/// The inverses of what packs make rows of.
+void invert_packs(JointTick& tick, const JointKernel& kernel, const StepConstants& step,
+                  const SolverBodies& bodies, Tasks* tasks) {
+    const JointPassData data = pass_data(tick, step, const_cast<SolverBody*>(bodies.body.data()));
+    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.packs.size()), pack_chunk,
+                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                         if (!kernel.invert(data, first, last)) return;
+                         for (std::uint32_t i = first; i < last; ++i)
+                             for (std::uint32_t lane = 0; lane < tick.packs[i].count; ++lane)
+                                 invert_left(tick.packs[i], data.turns, lane);
+                     });
+}
+
+} // namespace
+
+JointPassData pass_data(JointTick& tick, const StepConstants& step, SolverBody* bodies) {
+    return {bodies,
+            tick.packs.data(),
+            tick.turn_packs.data(),
+            pack_rate(step),
+            step.joint.mass_scale.raw,
+            step.joint.impulse_scale.raw,
+            step.substep_time.raw};
+}
+
+void set_glance(JointTick& tick, const JointWork& work) {
+    JointGlance& glance = tick.glances[static_cast<std::size_t>(&work - tick.joints.data())];
+    const auto at = [](const JointWorkSide& s) { return s.world ? 0 : s.cache + 1; };
+    const bool packed = work.pack != no_pack, own_rows = has_own_rows(tick, work);
+    glance = {at(work.a),   at(work.b), work.pack,           work.lane,
+              seen_stirred, own_rows,   own_rows || !packed, false};
+    if (work.steady) glance.asks = packed ? seen_strays_far : seen_strays;
+}
+
+void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMemory> memory,
+                          const BodyColumns& columns, const StepConstants& step, const SolverBodies& bodies,
+                          Tasks* tasks) {
+    JointTick& tick = *work;
+    tick.joints.clear(), tick.blocks.clear(), tick.axes.clear(), tick.bodies.clear();
+    tick.cache_of.assign(bodies.body.size(), 0);
+    tick.pose = columns.pose;
+    tick.clamped = 0;
+    tick.first = true;
+    constexpr BodyMass none{};
+    for (const Joint& joint : joints) {
+        JointWork& w = tick.joints.emplace_back();
+        w.pack = no_pack;
+        w.def = joint.def;
+        w.memory = joint.memory;
+        w.a = side(tick, joint.body_a, joint.frame_a, columns, bodies);
+        w.b = side(tick, joint.body_b, joint.frame_b, columns, bodies);
+        const BodyMass& ma = joint.body_a == bodies.still() ? none : columns.mass[joint.body_a];
+        const BodyMass& mb = joint.body_b == bodies.still() ? none : columns.mass[joint.body_b];
+        w.shares = joint_shares(ma, bodies.step[joint.body_a], mb, bodies.step[joint.body_b]);
+        w.mass = reduced_mass(w.shares, ma, mb);
+        w.twist = memory[joint.memory].twist;
+        w.travel = memory[joint.memory].twist;
+        assemble(tick, w, step, memory[joint.memory]);
+        w.stays = may_stay(tick, w);
+    }
+    plan_trees(tick, columns, step, bodies);
+    plan_packs(tick, step, bodies);
+    tick.glances.resize(tick.joints.size()), tick.seen.assign(tick.bodies.size() + 1, 0);
+    for_joints(tick, tasks, [&](JointWork& w) {
+        if (w.pack != no_pack) start_packed(tick, w, step, bodies);
+        if (w.pack != no_pack && w.axis_count + w.block_count == 0)
+            w.steady = w.stays, w.made = true, set_glance(tick, w);
+        else
+            make_rows(tick, w, step, bodies);
+    });
+    for (const JointWork& w : tick.joints)
+        for (const JointWorkSide* s : {&w.a, &w.b})
+            if (w.pack == no_pack && w.stays && w.tree == no_tree && !s->world)
+                tick.bodies[s->cache].unpacked = true;
+    refresh_packs(tick, *kernel, step, bodies, tasks);
+    invert_packs(tick, *kernel, step, bodies, tasks);
+    factorise_trees(tick, bodies, tasks);
+    find_acting(tick);
+}
+
+namespace {
+
+/// Which bodies have moved, and whether any has.
+bool look_at_bodies(JointTick& tick, const SolverBodies& bodies, Tasks* tasks) {
+    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.bodies.size()), body_chunk,
+                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                         for (std::uint32_t i = first; i < last; ++i)
+                             tick.seen[i + 1] = look_at_body(tick.bodies[i], bodies);
+                     });
+    return std::any_of(tick.seen.begin(), tick.seen.end(), [](std::uint8_t seen) { return seen != 0; });
+}
+
+/// What is stale by what bodies did, and which of them are to be placed for that.
+void find_stale(JointTick& tick) {
+    for (JointGlance& glance : tick.glances) {
+        glance.stale = ((tick.seen[glance.a] | tick.seen[glance.b]) & glance.asks) != 0;
+        if (glance.pack != no_pack) tick.packs[glance.pack].stale[glance.lane] = glance.stale;
+        if (!glance.stale || !glance.places) continue;
+        for (const std::uint32_t body : {glance.a, glance.b})
+            if (body != 0) tick.bodies[body - 1].wanted = true;
+    }
+}
+
+void place_bodies(JointTick& tick, const SolverBodies& bodies, Tasks* tasks) {
+    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.bodies.size()), body_chunk,
+                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                         for (std::uint32_t i = first; i < last; ++i) {
+                             JointBody& now = tick.bodies[i];
+                             const bool stirred = now.stirred;
+                             if (now.given && stirred) turn_body(now, tick.pose[now.body], bodies);
+                             if (now.wanted) place_body(now, tick.pose[now.body], bodies);
+                             now.stirred = stirred;
+                         }
+                     });
+}
+
+} // namespace
+
+void JointSolver::update(const StepConstants& step, const SolverBodies& bodies, Tasks* tasks) {
+    JointTick& tick = *work;
+    if (!look_at_bodies(tick, bodies, tasks)) { // before the first substep
+        for_joints(tick, tasks, [&](JointWork& w) {
+            if (w.pack == no_pack) follow_errors(tick, w, step, bodies);
+        });
+        find_acting(tick);
+        return;
+    }
+    find_stale(tick);
+    place_bodies(tick, bodies, tasks);
+    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.joints.size()), joint_chunk,
+                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                         for (std::uint32_t i = first; i < last; ++i) {
+                             const JointGlance glance = tick.glances[i];
+                             const bool given =
+                                 ((tick.seen[glance.a] | tick.seen[glance.b]) & seen_given) != 0;
+                             if (given && glance.pack != no_pack) give_turns(tick, tick.joints[i], bodies);
+                             if (!glance.own_rows) continue;
+                             if (glance.stale)
+                                 make_rows(tick, tick.joints[i], step, bodies);
+                             else
+                                 follow_errors(tick, tick.joints[i], step, bodies);
+                         }
+                     });
+    refresh_packs(tick, *kernel, step, bodies, tasks);
+    make_asked_rows(tick, step, bodies);
+    invert_packs(tick, *kernel, step, bodies, tasks);
+    factorise_trees(tick, bodies, tasks);
+    find_acting(tick);
+}
+
+// ---- after the substeps -------------------------------------------------------------------------------------------
+
+namespace {
+
+/// Sums of impulses over the tick along world directions, unscaled.
+struct Wrench {
+    Vec3 force, torque;
+    void add(Real sum, Vec3 direction, bool is_force) {
+        if (sum != Real{}) (is_force ? force : torque) += direction * sum;
+    }
+};
+
+void store_axis(const JointAxisPart& part, JointMemory& memory, Wrench& wrench) {
+    const auto unscaled = [&](std::int32_t p) { return unscaled_impulse(p, part.exponent); };
+    wrench.add(part.sum + unscaled(part.spring) + unscaled(part.motor) + unscaled(part.lower) +
+                   unscaled(part.upper),
+               part.direction, part.is_force);
+    if (part.features & is_swing) {
+        memory.swing = unscaled(part.upper);
+        return;
+    }
+    JointAxisImpulses& axis = memory.axis[part.slot];
+    if (part.features & has_spring) axis.spring = unscaled(part.spring);
+    if (part.features & has_motor) axis.motor = unscaled(part.motor);
+    if (part.features & has_lower) axis.lower = unscaled(part.lower);
+    if (part.features & has_upper) axis.upper = unscaled(part.upper);
+}
+
+void store_point(const JointPack& pack, std::uint32_t lane, JointMemory& memory, Wrench& wrench) {
+    const int e = pack.exponent[lane];
+    for (int i = 0; i < 3; ++i) {
+        const std::int32_t p = pack.impulse[i][lane];
+        memory.axis[static_cast<std::size_t>(i)].spring = unscaled_impulse(p, e);
+        wrench.force[i] = wrench.force[i] + unscaled_impulse(pack.sum[i][lane] + p, e);
+    }
+}
+
+void store_block(const JointBlock& block, JointMemory& memory, Wrench& wrench) {
+    for (int i = 0; i < block.count; ++i) {
+        const Real p = unscaled_impulse(block.impulse[i], block.exponent);
+        memory.axis[block.slot[i]].spring = p;
+        wrench.add(block.sum[i] + p, block.direction[i], block.is_force[i]);
+    }
+}
+
+void take_turn(JointTick& tick, const JointWork& w, JointBlock& block) {
+    TurnPack& turn = tick.turn_packs[tick.packs[w.pack].turn];
+    take_impulses(block, turn, w.lane);
+    if (turn.generic[w.lane] == 0) take_axes(block, turn, w.lane);
+}
+
+Quat frame_rotation(const JointTick& tick, const JointWorkSide& s) {
+    return s.world ? s.frame : tick.bodies[s.cache].rotation * s.frame;
+}
+
+} // namespace
+
+void JointSolver::store(const StepConstants& step, std::span<JointMemory> memory, ClampCounts& clamps) const {
+    JointTick& tick = *work;
+    for (const JointWork& w : tick.joints) {
+        JointMemory& m = memory[w.memory];
+        m.axis = {}, m.swing = Real{};
+        Wrench wrench{};
+        for (std::uint32_t i = 0; i < w.axis_count; ++i) store_axis(tick.axes[w.first_axis + i], m, wrench);
+        for (std::uint32_t i = 0; i < w.block_count; ++i) {
+            JointBlock& block = tick.blocks[w.first_block + i];
+            if (w.turns_packed) take_turn(tick, w, block);
+            store_block(block, m, wrench);
+        }
+        if (w.pack != no_pack) store_point(tick.packs[w.pack], w.lane, m, wrench);
+        m.twist = w.needs_travel ? w.travel
+                  : w.hinge && w.needs_twist
+                      ? w.twist // of when the tick began: the next one finds the nearest
+                  : counts_turns(*w.def)
+                      ? twist_between(frame_rotation(tick, w.a), frame_rotation(tick, w.b), w.twist)
+                      : Real{}; // nobody asks how often it went round
+        const Real mass_rate = w.mass * step.ticks_per_second;
+        m.force = wrench.force * mass_rate;
+        m.torque = wrench.torque * mass_rate;
+    }
+    clamps.impulse += tick.clamped;
+}
+
+} // namespace lockstone::solve

@@ -1,0 +1,193 @@
+// From the table of axes to parts.
+#include "solve/joints/joint_work.h"
+
+namespace lockstone::solve {
+
+namespace {
+
+constexpr std::uint8_t limits = has_lower | has_upper;
+
+/// Adds the parts of one joint.
+struct Assembly {
+    JointTick& tick;
+    JointWork& work;
+    const StepConstants& step;
+    const JointMemory& memory;
+
+    const JointAxis& axis(int i) const { return work.def->axis[static_cast<std::size_t>(i)]; }
+
+    /// Force or torque as impulse per substep over the reduced mass.
+    Real impulse_of(Real force) const {
+        return force == Real{} ? force : force / work.mass / Real(step.substeps_per_second);
+    }
+
+    JointBlock& add_block() {
+        ++work.block_count;
+        make_room(tick.blocks);
+        tick.blocks.emplace_back();
+        return tick.blocks.back();
+    }
+    /// A lock at `at`. Impulses stay unscaled in `sum` until the rows are made.
+    void add_lock(JointBlock& block, RowKind kind, int slot, Real at = {}) const {
+        const int i = block.count++;
+        block.kind[i] = kind;
+        block.slot[i] = static_cast<std::uint8_t>(slot);
+        block.at[i] = at;
+        block.sum[i] = memory.axis[static_cast<std::size_t>(slot)].spring;
+    }
+    std::uint8_t features_of(int i) const;
+    void add_axis(RowKind kind, int slot, std::uint8_t features, Real target);
+    void add_swing();
+
+    void add_linear();
+    void add_angular();
+    void add_line(RowKind kind);
+    void add_ratio(RowKind kind);
+};
+
+bool rigid(const JointAxis& a) { return a.mode == AxisMode::locked && a.frequency == Real{}; }
+
+std::uint8_t Assembly::features_of(int i) const {
+    const JointAxis& a = axis(i);
+    std::uint8_t f = 0;
+    if (a.frequency > Real{} && (a.spring != 0 || a.mode == AxisMode::locked)) f |= has_spring;
+    if (a.mode != AxisMode::locked && (a.motor_force > Real{} || a.friction > Real{})) f |= has_motor;
+    if (a.mode == AxisMode::limited) f |= limits;
+    return f;
+}
+
+void Assembly::add_axis(RowKind kind, int slot, std::uint8_t features, Real target) {
+    if (features == 0) return;
+    const JointAxis& a = axis(slot);
+    const JointAxisImpulses& warm = memory.axis[static_cast<std::size_t>(slot)];
+    ++work.axis_count;
+    tick.axes.emplace_back();
+    JointAxisPart& part = tick.axes.back();
+    part.kind = kind;
+    part.slot = static_cast<std::uint8_t>(slot);
+    part.features = features;
+    part.target = target;
+    part.motor_speed = a.motor_force > Real{} ? a.motor_speed : Real{};
+    part.motor_max = impulse_of(a.motor_force > Real{} ? a.motor_force : a.friction);
+    part.spring_max = a.spring_force > Real{} ? impulse_of(a.spring_force) : Real::max();
+    part.lower_at = a.lower, part.upper_at = a.upper;
+    if (features & has_spring) {
+        const SpringSoftness soft = spring_softness(a.frequency, a.damping_ratio, step);
+        part.rate = soft.rate;
+        part.mass_scale = soft.mass_scale, part.impulse_scale = soft.impulse_scale;
+    }
+    part.warm = {features & has_spring ? warm.spring : Real{}, features & has_motor ? warm.motor : Real{},
+                 features & has_lower ? warm.lower : Real{}, features & has_upper ? warm.upper : Real{}};
+}
+
+void Assembly::add_swing() {
+    if (work.def->kind != JointKind::ball || work.def->swing <= Real{}) return;
+    ++work.axis_count;
+    tick.axes.emplace_back();
+    JointAxisPart& part = tick.axes.back();
+    part.kind = RowKind::swing;
+    part.features = has_upper | is_swing;
+    part.upper_at = work.def->swing;
+    part.warm.upper = memory.swing;
+}
+
+void Assembly::add_linear() {
+    int locked = 0;
+    for (int i = 0; i < 3; ++i) locked += rigid(axis(i)) ? 1 : 0;
+    const RowKind first = locked == 3 ? RowKind::point_x : RowKind::along_x;
+    JointBlock* block = locked == 0 ? nullptr : &add_block();
+    for (int i = 0; i < 3; ++i) {
+        const RowKind kind = static_cast<RowKind>(static_cast<int>(first) + i);
+        if (rigid(axis(i)))
+            add_lock(*block, kind, i);
+        else
+            add_axis(kind, i, features_of(i), axis(i).mode == AxisMode::locked ? Real{} : axis(i).target);
+    }
+}
+
+void Assembly::add_angular() {
+    int locked = 0, springs = 0;
+    std::uint8_t all[3], any = 0;
+    for (int i = 0; i < 3; ++i) {
+        const int slot = i + static_cast<int>(about_x);
+        all[i] = features_of(slot), any |= all[i];
+        locked += rigid(axis(slot)) ? 1 : 0;
+        springs += all[i] & has_spring ? 1 : 0;
+    }
+    if (locked == 0 && any == 0) return add_swing();
+    work.needs_orientation = locked == 3;
+    work.needs_target = springs == 3;
+    const bool wheel = work.def->kind == JointKind::wheel;
+    const RowKind lock_kinds[3] = {RowKind::twist, RowKind::lock_y, RowKind::lock_z};
+    const RowKind kinds[3] = {wheel ? RowKind::spin : RowKind::twist, RowKind::angle_y, RowKind::angle_z};
+    const RowKind targets[3] = {RowKind::target_x, RowKind::target_y, RowKind::target_z};
+    const RowKind orientation[3] = {RowKind::orientation_x, RowKind::orientation_y, RowKind::orientation_z};
+    JointBlock* block = locked == 0 ? nullptr : &add_block();
+    for (int i = 0; i < 3; ++i) {
+        const int slot = i + static_cast<int>(about_x);
+        const std::uint8_t features = all[i];
+        if (rigid(axis(slot))) {
+            add_lock(*block, locked == 3 ? orientation[i] : lock_kinds[i], slot);
+        } else if (springs == 3) {
+            add_axis(targets[i], slot, features & (has_spring | has_motor), Real{});
+            add_axis(kinds[i], slot, features & limits, Real{});
+        } else {
+            add_axis(kinds[i], slot, features,
+                     axis(slot).mode == AxisMode::locked ? Real{} : axis(slot).target);
+        }
+    }
+    add_swing();
+}
+
+/// Of distance and pulley: axis[0] measures a length.
+void Assembly::add_line(RowKind kind) {
+    std::uint8_t features = features_of(0);
+    if (axis(0).lower <= Real{}) features &= static_cast<std::uint8_t>(~has_lower);
+    if (rigid(axis(0)))
+        add_lock(add_block(), kind, 0, axis(0).target);
+    else
+        add_axis(kind, 0, features, axis(0).target);
+}
+
+void Assembly::add_ratio(RowKind kind) {
+    work.needs_travel = true;
+    add_lock(add_block(), kind, 0);
+}
+
+} // namespace
+
+void assemble(JointTick& tick, JointWork& work, const StepConstants& step, const JointMemory& memory) {
+    work.first_block = static_cast<std::uint32_t>(tick.blocks.size());
+    work.first_axis = static_cast<std::uint32_t>(tick.axes.size());
+    work.block_count = work.axis_count = 0;
+    work.needs_twist = work.needs_target = work.needs_orientation = work.needs_travel = work.needs_slip =
+        false;
+    if (work.mass == Real{}) return; // nothing that an impulse could move
+    Assembly assembly{tick, work, step, memory};
+    switch (work.def->kind) {
+    case JointKind::distance:
+        assembly.add_line(RowKind::line);
+        break;
+    case JointKind::pulley:
+        assembly.add_line(RowKind::pulley);
+        break;
+    case JointKind::gear:
+        assembly.add_ratio(RowKind::gear);
+        break;
+    case JointKind::rack_and_pinion:
+        assembly.add_ratio(RowKind::rack);
+        break;
+    default:
+        assembly.add_angular();
+        assembly.add_linear();
+    }
+    const auto note = [&](RowKind k) {
+        work.needs_twist = work.needs_twist || k == RowKind::twist || k == RowKind::spin;
+        work.needs_slip = work.needs_slip || (k >= RowKind::along_x && k <= RowKind::along_z);
+    };
+    for (std::size_t i = work.first_axis; i < tick.axes.size(); ++i) note(tick.axes[i].kind);
+    for (std::size_t i = work.first_block; i < tick.blocks.size(); ++i)
+        for (int r = 0; r < tick.blocks[i].count; ++r) note(tick.blocks[i].kind[r]);
+}
+
+} // namespace lockstone::solve

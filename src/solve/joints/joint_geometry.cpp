@@ -1,0 +1,594 @@
+// Where bodies and frames are within a tick, and the rows made of that.
+#include "solve/joints/joint_motion.h"
+#include "solve/joints/joint_work.h"
+
+#include "lockstone/math/math.h"
+
+#include <algorithm>
+
+namespace lockstone::solve {
+
+namespace {
+
+/// K^-1 of a vector of 32-bit raw values with `fraction_bits`.
+Vec3 over_gyration(const BodyStep& body, const std::int32_t v[3], int fraction_bits) {
+    const std::int64_t arm[3] = {v[0], v[1], v[2]};
+    const Scaled3 x = turning(body, arm, fraction_bits);
+    const int shift = x.fraction_bits - Real::fraction_bits;
+    if (shift > 0 && shift <= 62)
+        return {Real::from_raw(shift_right_rounded(x.m[0], shift)),
+                Real::from_raw(shift_right_rounded(x.m[1], shift)),
+                Real::from_raw(shift_right_rounded(x.m[2], shift))};
+    return {round_from<Real>(x.m[0], x.fraction_bits), round_from<Real>(x.m[1], x.fraction_bits),
+            round_from<Real>(x.m[2], x.fraction_bits)};
+}
+
+/// std::equal would call memcmp.
+bool are_same(const std::int32_t (&a)[3], const std::int32_t (&b)[3]) {
+    return ((a[0] ^ b[0]) | (a[1] ^ b[1]) | (a[2] ^ b[2])) == 0;
+}
+
+std::int32_t speed_of(std::int64_t v) { return saturate_to_int32(shift_right_rounded(v, row_bits)); }
+
+Real from_separation(std::int32_t x) {
+    return Real::from_raw(std::int64_t{x} << (Real::fraction_bits - Separation::fraction_bits));
+}
+
+// As operator* of vec.h, of unit quaternions: their sums need no clamping.
+
+Quat product(Quat a, Quat b) {
+    const std::int64_t ax = a.x.raw, ay = a.y.raw, az = a.z.raw, aw = a.w.raw;
+    const auto one = [](std::int64_t sum) {
+        return Unit::from_raw(static_cast<std::int32_t>(shift_right_rounded(sum, Unit::fraction_bits)));
+    };
+    return {one(aw * b.x.raw + ax * b.w.raw + ay * b.z.raw - az * b.y.raw),
+            one(aw * b.y.raw - ax * b.z.raw + ay * b.w.raw + az * b.x.raw),
+            one(aw * b.z.raw + ax * b.y.raw - ay * b.x.raw + az * b.w.raw),
+            one(aw * b.w.raw - ax * b.x.raw - ay * b.y.raw - az * b.z.raw)};
+}
+
+/// r v of a lever within 128 m: 30 bits times 32, three times.
+Vec3 turned_lever(const Rotation& r, LengthVec3 v) {
+    constexpr int extra = Unit::fraction_bits + Length::fraction_bits - Real::fraction_bits;
+    const auto one = [&](Unit x, Unit y, Unit z) {
+        return Real::from_raw(shift_right_rounded(
+            std::int64_t{x.raw} * v.x.raw + std::int64_t{y.raw} * v.y.raw + std::int64_t{z.raw} * v.z.raw,
+            extra));
+    };
+    return {one(r.x.x, r.y.x, r.z.x), one(r.x.y, r.y.y, r.z.y), one(r.x.z, r.y.z, r.z.z)};
+}
+
+/// Slower than this, an arc curves by less than the step of a Speed [rad/s].
+bool turns_slowly(Vec3 w) {
+    constexpr std::uint64_t slow = std::uint64_t{1} << (Real::fraction_bits - 6);
+    return magnitude(w.x.raw) < slow && magnitude(w.y.raw) < slow && magnitude(w.z.raw) < slow;
+}
+
+/// w x (w x lever), w within 2048 rad/s and the inner product within 2048 m/s: beyond that an arc is no guide.
+Vec3 turned_twice(Vec3 w, Vec3 lever) {
+    constexpr std::int64_t most = std::int64_t{1} << 30;
+    constexpr int speed_drop = Real::fraction_bits - Speed::fraction_bits,
+                  lever_drop = Real::fraction_bits - Length::fraction_bits;
+    std::int64_t a[3], r[3], v[3];
+    for (int i = 0; i < 3; ++i) {
+        a[i] = std::clamp(w[i].raw >> speed_drop, -most, most);
+        r[i] = lever[i].raw >> lever_drop; // within 2^31
+    }
+    const auto inner = [&](int i, int j) {
+        return std::clamp((a[i] * r[j] - a[j] * r[i]) >> Length::fraction_bits, -most, most);
+    };
+    v[0] = inner(1, 2), v[1] = inner(2, 0), v[2] = inner(0, 1);
+    const auto outer = [&](int i, int j) {
+        return Real::from_raw((a[i] * v[j] - a[j] * v[i]) >>
+                              (2 * Speed::fraction_bits - Real::fraction_bits));
+    };
+    return {outer(1, 2), outer(2, 0), outer(0, 1)};
+}
+
+/// `axes`: whether the frame's directions are asked for.
+JointSide side_of(const JointTick& tick, const JointWorkSide& side, const SolverBodies& bodies, bool axes) {
+    JointSide now{};
+    now.body = &bodies.step[side.body];
+    if (now.body->turn != 0) now.body = &bodies.turns[now.body->turn - 1].now;
+    if (side.world) {
+        now.anchor = side.anchor;
+        now.rotation = side.frame;
+        now.axes = to_rotation(now.rotation);
+        return now;
+    }
+    const JointBody& body = tick.bodies[side.cache];
+    now.lever = turned_lever(body.axes, side.lever);
+    now.anchor = body.position + now.lever;
+    now.w = body.w;
+    now.velocity = body.velocity;
+    if (!turns_slowly(body.w)) now.centripetal = turned_twice(body.w, now.lever);
+    if (!axes) return now;
+    now.rotation = product(body.rotation, side.frame);
+    now.axes = to_rotation(now.rotation);
+    return now;
+}
+
+/// Adds what gears and racks went out by in the last move.
+void add_travel(const JointTick& tick, JointWork& work, const JointPlace& p, const SolverBodies& bodies) {
+    const auto turned = [&](const JointWorkSide& side) {
+        if (side.world) return Vec3{};
+        return over_gyration(bodies.step[side.body], tick.bodies[side.cache].turned,
+                             Separation::fraction_bits);
+    };
+    const Vec3 xa = to<Real>(p.a.axes.x), xb = to<Real>(p.b.axes.x);
+    const Real turn_a = dot(xa, turned(work.a)), ratio = work.def->ratio;
+    if (work.def->kind == JointKind::gear) {
+        work.travel += mul_add(ratio, dot(xb, turned(work.b)), turn_a);
+        return;
+    }
+    const Vec3 moved = work.b.world ? Vec3{} : tick.bodies[work.b.cache].moved;
+    work.travel += turn_a - ratio * dot(xb, moved + cross(turned(work.b), p.b.lever));
+}
+
+JointPlace place_of(const JointTick& tick, JointWork& work, const SolverBodies& bodies) {
+    JointPlace p{};
+    p.def = work.def;
+    const bool axes = work.axis_count + work.block_count != 0; // a point asks for none
+    p.a = side_of(tick, work.a, bodies, axes);
+    p.b = side_of(tick, work.b, bodies, axes);
+    p.s = p.b.anchor - p.a.anchor;
+    p.arc = p.b.centripetal - p.a.centripetal;
+    if (work.needs_slip) {
+        const Vec3 slip = p.b.velocity + cross(p.b.w, p.b.lever) - p.a.velocity - cross(p.a.w, p.a.lever);
+        p.arc_in_a = p.arc;
+        if (!turns_slowly(p.a.w))
+            p.arc_in_a = p.arc - cross(p.a.w, slip) * Real(2) + cross(p.a.w, cross(p.a.w, p.s));
+    }
+    if (work.needs_twist)
+        work.twist = twist_between(p.a.rotation, p.b.rotation, counts_turns(*work.def) ? work.twist : Real{});
+    if (work.needs_travel) add_travel(tick, work, p, bodies);
+    p.twist = work.twist;
+    p.travel = work.travel;
+    if (work.needs_orientation) p.orientation_error = orientation_between(p.a.rotation, p.b.rotation);
+    if (work.needs_target) {
+        const auto target = [&](std::uint32_t i) {
+            return work.def->axis[i].mode == AxisMode::locked ? Real{} : work.def->axis[i].target;
+        };
+        p.target_error =
+            target_between(p.a.rotation, p.b.rotation, {target(about_x), target(about_y), target(about_z)});
+    }
+    return p;
+}
+
+struct Bodies {
+    const SolverBody &a, &b;
+};
+
+/// Faster than this no limit is approached [m/s], [rad/s]: one that is further off than the substep so takes is left out.
+constexpr Real limit_speed_far = Real(100);
+
+// ---- targets ------------------------------------------------------------------------------------------------------
+
+/// J . (shift, theta)
+template <class Part> std::int64_t moved_of(const Part& part, const Row& row, Bodies bodies) {
+    return part.turns ? turned_along(row, bodies.a, bodies.b) : moved_along(row, bodies.a, bodies.b);
+}
+
+std::int32_t speed_within(std::int64_t v) {
+    return static_cast<std::int32_t>(std::clamp<std::int64_t>(v, -joint_speed_max, joint_speed_max));
+}
+
+void set_block_errors(JointBlock& block, const RowValue* values, bool in_tree, const StepConstants& step,
+                      Bodies bodies) {
+    const Real arc_most = in_tree ? step.tree_arc_max : step.joint_push_max;
+    const Real rate = in_tree ? step.tree_rate : step.joint.rate;
+    const int e = block.exponent;
+    block.push_max = scaled_speed(step.joint_push_max.raw, Real::fraction_bits, e);
+    for (int i = 0; i < block.count; ++i) {
+        block.error[i] =
+            scaled_error(values[i].position - block.at[i], e) - moved_of(block, block.row[i], bodies);
+        const Real ahead = half_step(values[i].arc, arc_most, step);
+        block.ahead[i] = scaled_speed(ahead.raw, Real::fraction_bits, e);
+        // As set_block_bias(), and finer: what is locked twice adds up what the two locks differ by.
+        const Real push =
+            clamp((values[i].position - block.at[i]) * rate, -step.joint_push_max, step.joint_push_max);
+        block.bias[i] = scaled_speed((push + ahead).raw, Real::fraction_bits, e);
+        block.direction[i] = values[i].direction;
+        block.is_force[i] = values[i].is_force;
+    }
+}
+
+void set_block_bias(JointBlock& block, bool in_tree, const StepConstants& step, Bodies bodies) {
+    const Real rate = in_tree ? step.tree_rate : step.joint.rate;
+    for (int i = 0; i < block.count; ++i) {
+        const std::int64_t error = block.error[i] + moved_of(block, block.row[i], bodies);
+        block.bias[i] = speed_within(bias_of(error, rate, block.push_max) + block.ahead[i]);
+    }
+}
+
+/// Speed at which a limit may be approached, or is left when it is passed.
+struct LimitTargets {
+    std::int32_t bias, relax;
+};
+LimitTargets limit_targets(std::int64_t room, std::int32_t ahead, std::int32_t push_max,
+                           const StepConstants& step) {
+    constexpr std::int64_t far = std::int64_t{1} << 35; // times 2^14 substeps a second
+    if (room <= 0) return {speed_within(bias_of(room, step.joint.rate, push_max) + ahead), 0};
+    const std::int64_t open = shift_right_rounded(std::min(room, far) * step.substeps_per_second,
+                                                  Separation::fraction_bits - Speed::fraction_bits);
+    return {speed_within(open + ahead), speed_within(open)};
+}
+
+/// Nearer than this a limit of an angle may be in reach before rows are made again [rad].
+Real least_room(const StepConstants& step) {
+    constexpr Real slack = Real(1) / Real(16);
+    return limit_speed_far / Real(step.substeps_per_second) + slack;
+}
+
+/// Whether nothing but limits of an angle acts along an axis, which have no impulse and are out of reach by so much that they
+/// stay so until the rows are made again: bodies turn by sqrt(3) / 1024 rad until then, angles by up to eight times both.
+bool is_out_of_reach(const JointAxisPart& part, bool made, Real position, const StepConstants& step) {
+    if ((part.features & (has_spring | has_motor)) != 0 || part.sum != Real{}) return false;
+    if (made ? (part.lower | part.upper) != 0 : part.warm.lower != Real{} || part.warm.upper != Real{})
+        return false;
+    const Real least = least_room(step);
+    return ((part.features & has_lower) == 0 || position - part.lower_at > least) &&
+           ((part.features & has_upper) == 0 || part.upper_at - position > least);
+}
+
+/// Biases from where the bodies are.
+void set_axis_targets(JointAxisPart& part, const StepConstants& step, Bodies bodies) {
+    if (part.unmade) return;
+    const std::int64_t moved = moved_of(part, part.row, bodies);
+    if (part.features & has_spring)
+        part.spring_bias = speed_within(bias_of(part.stretch + moved, part.rate, joint_speed_max));
+    if (part.features & has_lower) {
+        const LimitTargets t = limit_targets(part.room + moved, part.ahead, part.push_max, step);
+        part.lower_bias = t.bias, part.lower_relax = t.relax;
+    }
+    if (part.features & has_upper) {
+        const LimitTargets t = limit_targets(part.room_up - moved, part.ahead_up, part.push_max, step);
+        part.upper_bias = -t.bias, part.upper_relax = -t.relax;
+    }
+    const bool low = (part.features & has_lower) != 0, up = (part.features & has_upper) != 0;
+    part.idle = (part.features & (has_spring | has_motor)) == 0 && (part.lower | part.upper) == 0 &&
+                (!low || part.lower_relax > part.far) && (!up || part.upper_relax < -part.far);
+}
+
+/// What a row measures from, by where it is made.
+void set_axis_errors(JointAxisPart& part, const RowValue& value, const StepConstants& step, Bodies bodies) {
+    const int e = part.exponent;
+    const auto scaled = [e](Real x) { return scaled_speed(x.raw, Real::fraction_bits, e); };
+    const std::int64_t moved = moved_of(part, part.row, bodies);
+    const Real ahead = half_step(value.arc, step.joint_push_max, step);
+    part.stretch = scaled_error(value.position - part.target, e) - moved;
+    part.room = scaled_error(value.position - part.lower_at, e) - moved;
+    part.room_up = scaled_error(part.upper_at - value.position, e) + moved;
+    part.ahead = scaled(ahead), part.ahead_up = scaled(-ahead);
+    part.push_max = scaled(step.joint_push_max);
+    part.far = scaled(limit_speed_far);
+    if (part.features & has_spring) part.spring_bound = scaled_impulse(part.spring_max, e);
+    if (part.features & has_motor) {
+        part.motor_bias = scaled(-part.motor_speed);
+        part.motor_bound = scaled_impulse(part.motor_max, e);
+    }
+    part.direction = value.direction;
+    part.is_force = value.is_force;
+}
+
+// ---- rows ---------------------------------------------------------------------------------------------------------
+
+void make_block(JointBlock& block, const JointWork& work, const JointPlace& place, Bodies bodies,
+                const StepConstants& step) {
+    RowValue values[3];
+    WideRow wide[3];
+    if (block.kind[0] == RowKind::point_x)
+        point_values(place, values);
+    else
+        for (int i = 0; i < block.count; ++i) values[i] = row_value(block.kind[i], place);
+    for (int i = 0; i < block.count; ++i) wide[i] = values[i].row;
+    block.turns = only_turns(block.kind[0]);
+    const int before = block.exponent;
+    block.exponent =
+        block.turns ? set_turning_rows(block.row, wide, block.count) : set_rows(block.row, wide, block.count);
+    for (int i = 0; i < block.count; ++i) {
+        if (block.turns)
+            set_turning_responses(block.row[i], work.shares);
+        else
+            set_responses(block.row[i], work.shares, bodies.a, bodies.b);
+        if (!work.made) {
+            block.impulse[i] = scaled_impulse(block.sum[i], block.exponent);
+            block.sum[i] = Real{};
+        } else if (before != block.exponent) {
+            block.impulse[i] = rescaled_impulse(block.impulse[i], before, block.exponent);
+        }
+    }
+    if (work.tree == no_tree)
+        block.inverse = block.turns ? invert_turning(block.row, block.count) : invert(block.row, block.count);
+    set_block_errors(block, values, work.tree != no_tree, step, bodies);
+}
+
+void make_axis(JointAxisPart& part, const JointWork& work, const JointPlace& place, Bodies bodies,
+               const StepConstants& step) {
+    part.turns = only_turns(part.kind);
+    part.unmade = part.kind == RowKind::twist && is_out_of_reach(part, work.made, place.twist, step);
+    if (part.unmade) {
+        part.idle = true;
+        return;
+    }
+    const RowValue value = row_value(part.kind, place);
+    const int before = part.exponent;
+    if (part.turns) {
+        part.exponent = set_turning_rows(&part.row, &value.row, 1);
+        set_turning_responses(part.row, work.shares);
+        part.inverse = invert_turning(&part.row, 1);
+    } else {
+        part.exponent = set_rows(&part.row, &value.row, 1);
+        set_responses(part.row, work.shares, bodies.a, bodies.b);
+        part.inverse = invert(&part.row, 1);
+    }
+    const auto carry = [&](std::int32_t& p, Real warm) {
+        p = work.made ? rescaled_impulse(p, before, part.exponent) : scaled_impulse(warm, part.exponent);
+    };
+    carry(part.spring, part.warm.spring), carry(part.motor, part.warm.motor);
+    carry(part.lower, part.warm.lower), carry(part.upper, part.warm.upper);
+    set_axis_errors(part, value, step, bodies);
+    set_axis_targets(part, step, bodies);
+}
+
+/// Kinds whose rows change by turns alone, and slowly.
+bool may_stay(RowKind kind) {
+    return kind <= RowKind::point_z || (kind >= RowKind::orientation_x && kind <= RowKind::lock_z) ||
+           kind == RowKind::spin || kind == RowKind::swing;
+}
+
+/// Near opposite axes the way back about x turns fast.
+bool is_opposite(const JointPlace& place) {
+    return dot<Real>(place.a.axes.x, place.b.axes.x) < decimal<Real>("-0.5");
+}
+
+} // namespace
+
+Real half_step(Real x, Real most, const StepConstants& step) {
+    const Real speed =
+        Real::from_raw(narrow_rounded(Wide::product(x.raw, step.substep_time.raw), Unit::fraction_bits + 1));
+    return clamp(speed, -most, most);
+}
+
+bool counts_turns(const JointDef& def) {
+    return def.kind == JointKind::wheel ||
+           (def.axis[about_y].mode == AxisMode::locked && def.axis[about_z].mode == AxisMode::locked);
+}
+
+std::int64_t scaled_error(Real x, int exponent) {
+    constexpr std::int64_t far = std::int64_t{1} << 60; // leaves room for what the bodies have moved since
+    const int drop = Real::fraction_bits - Separation::fraction_bits + exponent;
+    return std::clamp(drop >= 0 ? shift_right_rounded(x.raw, std::min(drop, 62))
+                                : shift_left_saturated(x.raw, std::min(-drop, 24)),
+                      -far, far);
+}
+
+bool may_stay(const JointTick& tick, const JointWork& work) {
+    for (std::uint32_t i = 0; i < work.axis_count; ++i) {
+        const JointAxisPart& part = tick.axes[work.first_axis + i];
+        if (!may_stay(part.kind)) return false;
+        // What a small cone pushes along turns by more than the bodies do.
+        if (part.kind == RowKind::swing && part.upper_at < decimal<Real>("0.25")) return false;
+    }
+    for (std::uint32_t i = 0; i < work.block_count; ++i)
+        for (int r = 0; r < tick.blocks[work.first_block + i].count; ++r)
+            if (!may_stay(tick.blocks[work.first_block + i].kind[r])) return false;
+    return true;
+}
+
+namespace {
+
+TurnPack& turn_pack(JointTick& tick, const JointWork& work) {
+    return tick.turn_packs[tick.packs[work.pack].turn];
+}
+
+/// Whether its block is a hinge's, with rows that its pack makes.
+bool is_made_in_pack(const JointTick& tick, const JointWork& work) {
+    return work.hinge && tick.turn_packs[tick.packs[work.pack].turn].generic[work.lane] == 0;
+}
+
+/// Where x of B is farther from x of A, rows are those of joint_parts.h from the first substep on.
+bool is_near(const JointPlace& place) {
+    return dot<Real>(place.a.axes.x, place.b.axes.x) > decimal<Real>("0.75");
+}
+
+/// Its frames into its pack. A twist that has nothing but limits is looked at there until they are in reach.
+void put_hinge(JointTick& tick, const JointWork& work, const JointPlace& place, const StepConstants& step,
+               const SolverBodies& bodies) {
+    HingeStart start{
+        &bodies.step[work.a.body], &bodies.step[work.b.body], place.a.axes, place.b.axes, Real{}, Real(7)};
+    if (work.axis_count == 1 && tick.axes[work.first_axis].unmade) {
+        const JointAxisPart& part = tick.axes[work.first_axis];
+        start.lower = part.lower_at + least_room(step), start.upper = part.upper_at - least_room(step);
+    }
+    start_hinge(turn_pack(tick, work), work, start, tick.blocks[work.first_block], step);
+}
+
+} // namespace
+
+bool has_own_rows(const JointTick& tick, const JointWork& work) {
+    if (!is_made_in_pack(tick, work)) return work.axis_count + work.block_count != 0;
+    return work.axis_count > 1 || (work.axis_count == 1 && !tick.axes[work.first_axis].unmade);
+}
+
+void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, const SolverBodies& bodies) {
+    const JointPlace place = place_of(tick, work, bodies);
+    const Bodies both{bodies.body[work.a.body], bodies.body[work.b.body]};
+    for (std::uint32_t i = 0; i < work.axis_count; ++i)
+        make_axis(tick.axes[work.first_axis + i], work, place, both, step);
+    if (work.hinge && !work.made) {
+        if (is_near(place))
+            put_hinge(tick, work, place, step, bodies);
+        else
+            turn_pack(tick, work).generic[work.lane] = -1;
+    }
+    const std::uint32_t blocks = is_made_in_pack(tick, work) ? 0 : work.block_count;
+    for (std::uint32_t i = 0; i < blocks; ++i) {
+        JointBlock& block = tick.blocks[work.first_block + i];
+        TurnPack* turn = work.turns_packed ? &turn_pack(tick, work) : nullptr;
+        if (turn != nullptr && work.made) take_impulses(block, *turn, work.lane);
+        make_block(block, work, place, both, step);
+        if (turn != nullptr) put_turn(block, *turn, work.lane);
+    }
+    work.steady = work.stays && work.tree == no_tree && !(work.needs_twist && is_opposite(place));
+    work.made = work.remade = true;
+    set_glance(tick, work);
+}
+
+void make_asked_rows(JointTick& tick, const StepConstants& step, const SolverBodies& bodies) {
+    const auto place = [&](const JointWorkSide& s) {
+        if (!s.world) place_body(tick.bodies[s.cache], tick.pose[tick.bodies[s.cache].body], bodies);
+    };
+    for (std::uint32_t i = 0; i < tick.packs.size(); ++i) {
+        if (!tick.packs[i].hinges) continue;
+        TurnPack& turn = tick.turn_packs[tick.packs[i].turn];
+        for (std::uint32_t lane = 0; lane < tick.packs[i].count; ++lane) {
+            if ((turn.apart[lane] | turn.reaches[lane]) == 0 || turn.generic[lane] != 0) continue;
+            JointWork& w = tick.joints[tick.packed[i * pack_lanes + lane]];
+            if (turn.apart[lane] == 0 && has_own_rows(tick, w)) continue;
+            if (turn.apart[lane] != 0) turn.generic[lane] = -1;
+            place(w.a), place(w.b);
+            make_rows(tick, w, step, bodies);
+        }
+    }
+}
+
+void follow_errors(JointTick& tick, JointWork& work, const StepConstants& step, const SolverBodies& bodies) {
+    const Bodies both{bodies.body[work.a.body], bodies.body[work.b.body]};
+    for (std::uint32_t i = 0; i < work.axis_count; ++i) {
+        set_axis_targets(tick.axes[work.first_axis + i], step, both);
+    }
+    const std::uint32_t blocks = is_made_in_pack(tick, work) ? 0 : work.block_count;
+    for (std::uint32_t i = 0; i < blocks; ++i) {
+        JointBlock& block = tick.blocks[work.first_block + i];
+        set_block_bias(block, work.tree != no_tree, step, both);
+        if (work.turns_packed) put_bias(block, turn_pack(tick, work), work.lane);
+    }
+}
+
+void invert_blocks(JointTick& tick, const JointWork& work) {
+    for (std::uint32_t i = 0; i < work.block_count; ++i) {
+        JointBlock& block = tick.blocks[work.first_block + i];
+        block.inverse = invert(block.row, block.count);
+    }
+}
+
+Quat unit_of(Quat q) {
+    const std::int64_t x = q.x.raw, y = q.y.raw, z = q.z.raw, w = q.w.raw;
+    constexpr std::uint64_t one = std::uint64_t{1} << (2 * Unit::fraction_bits), off = std::uint64_t{1} << 33;
+    const auto size = static_cast<std::uint64_t>(x * x) + static_cast<std::uint64_t>(y * y) +
+                      static_cast<std::uint64_t>(z * z) + static_cast<std::uint64_t>(w * w);
+    return size - (one - off) <= 2 * off ? q : normalized(q);
+}
+
+void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodies) {
+    const SolverBody& body = bodies.body[now.body];
+    const BodyStep& step = bodies.step[now.body];
+    const bool still = are_same(body.shift, now.shift) && are_same(body.theta, now.theta);
+    now.stirred = !still;
+    now.moved = Vec3{};
+    for (int i = 0; i < 3; ++i) now.turned[i] = 0;
+    if (still) return;
+    for (int i = 0; i < 3; ++i) {
+        now.moved[i] = from_separation(body.shift[i]) - from_separation(now.shift[i]);
+        now.turned[i] = saturate_to_int32(std::int64_t{body.theta[i]} - now.theta[i]);
+        now.shift[i] = body.shift[i], now.theta[i] = body.theta[i];
+        now.position[i] = pose.position[i] + from_separation(body.shift[i]);
+        now.velocity[i] =
+            Real::from_raw(shift_right_rounded(body.v[i], accumulator_bits - Real::fraction_bits));
+    }
+    now.rotation =
+        step.turn != 0 ? bodies.turns[step.turn - 1].rotation
+        : (body.theta[0] | body.theta[1] | body.theta[2]) == 0
+            ? unit_of(pose.rotation)
+            : integrate_rotation(pose.rotation, over_gyration(step, body.theta, Separation::fraction_bits));
+    now.axes = to_rotation(now.rotation);
+    const std::int32_t u[3] = {speed_of(body.u[0]), speed_of(body.u[1]), speed_of(body.u[2])};
+    now.w = over_gyration(step, u, Speed::fraction_bits);
+}
+
+/// Whether a body has turned by more than 2^-bits rad about an axis, by the change of its theta.
+static inline bool has_turned(const JointBody& now, const std::int64_t (&change)[3], int bits,
+                              const BodyStep& step) {
+    const std::int64_t most = std::max({std::abs(change[0]), std::abs(change[1]), std::abs(change[2])});
+    if (most <= now.least >> bits) [[likely]]
+        return false;
+    std::int32_t theta[3];
+    for (int i = 0; i < 3; ++i) theta[i] = saturate_to_int32(change[i]);
+    const Vec3 turn = abs(over_gyration(step, theta, Separation::fraction_bits));
+    return max(turn.x, max(turn.y, turn.z)).raw > std::int64_t{1} << (Real::fraction_bits - bits);
+}
+
+std::uint8_t look_at_body(JointBody& now, const SolverBodies& bodies) {
+    const SolverBody& body = bodies.body[now.body];
+    const BodyStep& step = bodies.step[now.body];
+    now.stirred = !are_same(body.shift, now.shift) || !are_same(body.theta, now.theta);
+    now.wanted = now.strays = now.strays_far = false;
+    if (!now.stirred) return 0;
+    const auto strays = [&](std::int32_t(&made)[3], int bits) {
+        std::int64_t change[3];
+        for (int i = 0; i < 3; ++i) change[i] = std::int64_t{body.theta[i]} - made[i];
+        if (step.turn == 0 && !has_turned(now, change, bits, step)) return false;
+        std::copy(body.theta, body.theta + 3, made);
+        return true;
+    };
+    now.strays = now.unpacked && strays(now.theta_made, row_turn_bits);
+    now.strays_far = strays(now.theta_packed, pack_turn_bits);
+    const std::int64_t all[3] = {body.theta[0], body.theta[1], body.theta[2]};
+    now.given =
+        now.given || step.turn != 0 || (now.strays_far && has_turned(now, all, given_turn_bits, step));
+    return static_cast<std::uint8_t>(seen_stirred | (now.strays ? seen_strays : 0) |
+                                     (now.strays_far ? seen_strays_far : 0) | (now.given ? seen_given : 0));
+}
+
+void start_body(JointBody& now, const Transform& pose, const SolverBodies& bodies) {
+    const SolverBody& body = bodies.body[now.body];
+    const Vec3& k = bodies.step[now.body].radii;
+    now.least = to<Separation>(min(k.x, min(k.y, k.z))).raw;
+    std::copy(body.theta, body.theta + 3, now.theta_made);
+    std::copy(body.theta, body.theta + 3, now.theta_packed);
+    now.shift[0] = bodies.body[now.body].shift[0] + 1; // whatever it is, not what it was
+    place_body(now, pose, bodies);
+    now.moved = Vec3{};
+    for (int i = 0; i < 3; ++i) now.turned[i] = 0;
+}
+
+// ---- points in packs ----------------------------------------------------------------------------------------------
+
+void start_packed(JointTick& tick, const JointWork& work, const StepConstants& step,
+                  const SolverBodies& bodies) {
+    const auto centre = [&](const JointWorkSide& s) {
+        return s.world ? s.anchor : tick.bodies[s.cache].position;
+    };
+    const auto lever = [&](const JointWorkSide& s) {
+        return s.world ? Vec3{} : turned_lever(tick.bodies[s.cache].axes, s.lever);
+    };
+    const PointStart start{&bodies.step[work.a.body], &bodies.step[work.b.body], lever(work.a), lever(work.b),
+                           centre(work.b) - centre(work.a)};
+    start_point(tick.packs[work.pack], work, start, tick.blocks[work.first_block + work.block_count], step);
+}
+
+void turn_body(JointBody& now, const Transform& pose, const SolverBodies& bodies) {
+    const BodyStep& step = bodies.step[now.body];
+    const Quat rotation =
+        step.turn != 0 ? bodies.turns[step.turn - 1].rotation
+                       : integrate_rotation(pose.rotation, over_gyration(step, bodies.body[now.body].theta,
+                                                                         Separation::fraction_bits));
+    now.turn = product(rotation, conjugate(pose.rotation));
+}
+
+void give_turns(JointTick& tick, const JointWork& work, const SolverBodies& bodies) {
+    JointPack& pack = tick.packs[work.pack];
+    const auto give = [&](PackSide& side, const JointWorkSide& s, bool of_a) {
+        if (s.world) return;
+        const JointBody& now = tick.bodies[s.cache];
+        if (!now.given || !now.stirred) return;
+        const BodyStep& own = bodies.step[s.body];
+        const BodyStep& body = own.turn != 0 ? bodies.turns[own.turn - 1].now : own;
+        give_turn(side, work.lane, now.turn, body, pack.exponent[work.lane]);
+        if (work.hinge) set_hinge_shift(turn_pack(tick, work), work.lane, of_a, body);
+    };
+    give(pack.a, work.a, true), give(pack.b, work.b, false);
+}
+
+} // namespace lockstone::solve

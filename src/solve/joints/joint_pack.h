@@ -1,0 +1,128 @@
+// Joints side by side: the point parts that no tree solves, with the rows that only turn the same bodies.
+//
+//   C = s, axes of the world; J = 2^-e (-1, -K_A^-1 [rA] ; 1, K_B^-1 [rB]), [r] e = r x e
+//
+// The generic rows of joint_rows.h say the same. Here the linear part is one number, and nothing is looped over that is zero.
+// Rows and biases are made anew in every substep, from where bodies have turned to since the tick began: by the unit quaternion
+//
+//   q = (sinc(|h|) h, cos |h|),  h = K^-1 theta / 2    three terms of each series: off by less than |h|^6 / 720 = 4e-11
+//
+// for bodies that have turned by at most 1 / 16 rad about each axis; for others, and for those that are followed
+// (followed_turn.h), q is given. The inverse is that of rows that were made when no body stood further than
+// a = 2^-10 rad about each axis from where it is: impulses are off by a part 2 a, which the next pass takes out.
+//
+// Of a hinge whose two axes are within 45 degrees the rows about the axes are made here as well (lock_y, lock_z of joint_parts.h):
+//
+//   C = - xB . zA, xB . yA    arms zA x xB, xB x yA
+//
+// and its limits are looked at: while the twist t, about an axis that both bodies hardly differ in, is within `reach` of the middle
+// of what may not touch a limit, cos(t - middle) > cos(reach), there is no row for them. sin t = zA . yB, cos t = yA . yB: beside
+// 2 atan2 of joint_parts.h that is off by the square of the angle between the axes, which is_out_of_reach() has room for.
+// A pack has four lanes whatever the instruction set (solve/joints): one with fewer takes a pack in pieces. Joints of a pack share no
+// body that impulses move, and each lane is a joint of its own, so every width gives the same bits.
+#pragma once
+
+#include "solve/joints/joint_rows.h"
+
+#include <cstdint>
+
+namespace lockstone::solve {
+
+inline constexpr unsigned pack_lanes = 4;
+
+/// The inverses of the parts of a pack, as Inverse.
+struct PackInverse {
+    std::int32_t m[6][pack_lanes];
+    std::int64_t shift[pack_lanes], half[pack_lanes]; ///< half = 2^(shift - 1)
+    std::uint8_t odd[pack_lanes];                     ///< shift is outside 1 .. 62, and half zero
+};
+
+/// The bodies of one side: point rows and shares.
+struct PackSide {
+    std::uint32_t body[pack_lanes];
+    std::uint32_t movable;                            ///< bit per lane: impulses move it
+    bool shifts;                                      ///< of some lane `shift` is not zero
+    std::int32_t x[3][3][pack_lanes];                 ///< turning arms by rows, 28 fraction bits
+    std::int32_t pull[pack_lanes];                    ///< 2^-e times the share, 28 fraction bits
+    std::int32_t share[pack_lanes];                   ///< mantissa, 30 fraction bits
+    std::int64_t shift[pack_lanes], half[pack_lanes]; ///< v += (r p + half) / 2^shift
+    // What arms are made of: the lever when the tick began, how the body has turned since, K^-1.
+    std::int32_t lever[3][pack_lanes];   ///< world axes, components within 2^28; lever_bits fraction bits
+    std::int32_t given[pack_lanes];      ///< all ones: the turn is that of `turned`, and not of theta
+    std::int32_t turned[4][pack_lanes];  ///< x, y, z, w of a unit quaternion
+    std::int32_t inverse[6][pack_lanes]; ///< mantissas of K^-1: xx, yy, zz, xy, xz, yz
+    std::int64_t lever_bits[pack_lanes]; ///< 22 .. 32
+    std::int64_t turn_shift[pack_lanes]; ///< of K^-1 theta to pack_angle_bits
+    std::int64_t spin_shift[pack_lanes]; ///< of K^-1 u to Speed
+    std::int64_t arm_shift[pack_lanes], arm_half[pack_lanes]; ///< of K^-1 [r] to x
+};
+
+inline constexpr std::uint8_t point_left = 1, hinge_left = 2;
+
+struct JointPack {
+    PackSide a, b;
+    std::uint32_t count;          ///< lanes in use, from the first on
+    std::uint32_t turn;           ///< entry of JointTick::turns, where turn_rows is not zero
+    std::uint32_t turn_rows;      ///< rows of each joint that only turn, solved before its point
+    bool hinges;                  ///< they are those of hinges
+    std::int32_t one[pack_lanes]; ///< 2^-e, 28 fraction bits
+    PackInverse inverse;
+    std::int32_t impulse[3][pack_lanes]; ///< p', Speed
+    std::int32_t bias[3][pack_lanes];    ///< Speed
+    /// From A's centre of mass to B's when the tick began; of the world, the anchor. [m], Real
+    std::int64_t apart[3][pack_lanes];
+    std::int64_t near_shift[pack_lanes], ahead_shift[pack_lanes]; ///< of C and of the arc to 2^-e
+    std::uint8_t over[pack_lanes];     ///< entries have grown to 2: the rows want a larger e
+    std::uint8_t stale[pack_lanes];    ///< inverses are to be made anew
+    std::uint8_t left[pack_lanes];     ///< and lanes could not: point_left, hinge_left
+    std::int32_t push_max[pack_lanes]; ///< of the bias: by the error, Speed
+    std::int32_t exponent[pack_lanes]; ///< e
+    std::int64_t sum[3][pack_lanes];   ///< of p' over the substeps so far
+};
+
+/// The rows of a pack that only turn. Those of a lane are a JointBlock's where generic is set, else made with the point's.
+struct TurnPack {
+    std::int32_t ja[3][3][pack_lanes], jb[3][3][pack_lanes]; ///< [row][axis], 28 fraction bits
+    PackInverse inverse;
+    std::int32_t impulse[3][pack_lanes], bias[3][pack_lanes]; ///< Speed
+    std::int64_t sum[3][pack_lanes];                          ///< of p' since the rows were made
+    std::int32_t generic[pack_lanes];                         ///< all ones, or zero
+    // Of a hinge:
+    std::int32_t
+        frame_a[2][3][pack_lanes]; ///< y and z of A's frame when the tick began, world axes, 30 fraction bits
+    std::int32_t frame_b[2][3][pack_lanes];                ///< x and y of B's
+    std::int32_t axis[2][3][pack_lanes];                   ///< about which the rows turn B, 28 fraction bits
+    std::int32_t exponent[pack_lanes];                     ///< e of its rows
+    std::int64_t shift_a[pack_lanes], shift_b[pack_lanes]; ///< of K^-1 axis to the rows
+    std::int64_t bias_shift[pack_lanes];                   ///< of C rate to 2^-e
+    std::int32_t push_max[pack_lanes];                     ///< of the bias, Speed
+    std::int32_t middle_cos[pack_lanes], middle_sin[pack_lanes], reach_cos[pack_lanes]; ///< 30 fraction bits
+    std::uint8_t apart[pack_lanes];   ///< its axes are too far apart for these rows
+    std::uint8_t reaches[pack_lanes]; ///< its limits may be within reach
+};
+
+/// What a pass over packs reads besides them.
+struct JointPassData {
+    SolverBody* bodies;
+    JointPack* packs;
+    TurnPack* turns;
+    std::int32_t rate;                      ///< of locks: error to push speed [1/s], 16 fraction bits
+    std::int32_t mass_scale, impulse_scale; ///< Unit
+    std::int32_t time;                      ///< of a substep, Unit [s]
+};
+inline constexpr int joint_rate_bits = 16;
+inline constexpr int pack_angle_bits = 32;
+
+/// The passes of one instruction set over packs [first, last), which share no body that impulses move.
+struct JointKernel {
+    /// Rows of points and their biases from where the bodies are.
+    void (*refresh)(const JointPassData& data, std::uint32_t first, std::uint32_t last);
+    /// Inverses of stale lanes. Returns whether some are left to invert_left().
+    bool (*invert)(const JointPassData& data, std::uint32_t first, std::uint32_t last);
+    /// The impulses that parts have; adds them to the sums, but for the first substep of a tick.
+    void (*warm_start)(const JointPassData& data, std::uint32_t first, std::uint32_t last, bool sums);
+    /// Softly and with bias, or rigidly. Returns how many impulses met their bound.
+    std::uint64_t (*solve)(const JointPassData& data, std::uint32_t first, std::uint32_t last, bool bias);
+};
+
+} // namespace lockstone::solve

@@ -1,0 +1,175 @@
+// Where packs of joints stand in the order of solving, and what goes in and out of their lanes.
+#include "solve/joints/joint_point.h"
+
+#include "solve/joints/joint_work.h"
+
+#include <algorithm>
+
+namespace lockstone::solve {
+
+namespace {
+
+/// Whether the point rows of a body may be those of a pack: what impulses move may move along and turn about all axes.
+bool fits(std::uint32_t body, const SolverBodies& bodies) {
+    const BodyStep& s = bodies.step[body];
+    const SolverBody& b = bodies.body[body];
+    if (!s.moves) return true;
+    // Beyond, shifts of what K^-1 makes would leave 1 .. 62.
+    if (s.inv_exponent < 8 || s.inv_exponent > 58) return false;
+    return !s.movable || (s.angular_mask == 7u && (b.keep[0] & b.keep[1] & b.keep[2]) == -1);
+}
+
+/// The last block of such a joint is its point part, which no tree solves.
+bool has_point(const JointTick& tick, const JointWork& w, const SolverBodies& bodies) {
+    return w.tree == no_tree && w.block_count != 0 &&
+           tick.blocks[w.first_block + w.block_count - 1].kind[0] == RowKind::point_x &&
+           fits(w.a.body, bodies) && fits(w.b.body, bodies);
+}
+
+void find_stage(JointTick& tick, JointWork& w, const SolverBodies& bodies) {
+    const auto last = [&](const JointWorkSide& side) -> std::uint32_t* {
+        return !side.world && bodies.step[side.body].movable ? &tick.last_stage[side.cache] : nullptr;
+    };
+    std::uint32_t *a = last(w.a), *b = last(w.b);
+    w.stage = std::max(a != nullptr ? *a : 0, b != nullptr ? *b : 0);
+    if (a != nullptr) *a = w.stage + 1;
+    if (b != nullptr) *b = w.stage + 1;
+}
+
+void set_share(PackSide& side, unsigned lane, Share share, std::uint32_t body, bool movable) {
+    side.body[lane] = body;
+    side.movable |= movable ? 1u << lane : 0u;
+    side.share[lane] = share.mantissa;
+    side.shift[lane] = share.shift;
+    side.half[lane] = share.shift != 0 ? std::int64_t{1} << (share.shift - 1) : 0;
+    side.shifts = side.shifts || share.shift != 0;
+}
+
+/// What kind of pack a joint goes into: rows that turn before its point, those of a hinge, or none.
+constexpr std::uint32_t pack_kinds = 6, hinge_kind = 4, no_kind = 5;
+std::uint32_t kind_of(const JointTick& tick, const JointWork& w) {
+    if (w.pack == no_pack) return no_kind;
+    if (w.hinge) return hinge_kind;
+    return w.turns_packed ? tick.blocks[w.first_block].count : 0;
+}
+
+/// Whether x of B is locked to x of A.
+bool is_hinge(const JointDef& def, const JointBlock& block) {
+    return def.kind != JointKind::wheel && block.count == 2 && block.kind[0] == RowKind::lock_y &&
+           block.kind[1] == RowKind::lock_z;
+}
+
+void add_to_pack(JointTick& tick, JointWork& w, std::uint32_t kind, bool fresh, const SolverBodies& bodies) {
+    if (fresh) {
+        make_room(tick.packs);
+        tick.packs.emplace_back();
+        JointPack& pack = tick.packs.back();
+        pack.hinges = kind == hinge_kind;
+        pack.turn_rows = pack.hinges ? 2 : kind;
+        for (PackSide* side : {&pack.a, &pack.b})
+            for (std::uint32_t& body : side->body) body = bodies.still();
+        if (kind != 0) {
+            pack.turn = static_cast<std::uint32_t>(tick.turn_packs.size());
+            make_room(tick.turn_packs);
+            tick.turn_packs.emplace_back();
+            for (std::uint32_t lane = 0; lane < pack_lanes; ++lane) {
+                TurnPack& turn = tick.turn_packs.back();
+                turn.generic[lane] = pack.hinges ? 0 : -1;
+                turn.shift_a[lane] = turn.shift_b[lane] = turn.bias_shift[lane] = 1;
+            }
+        }
+    }
+    JointPack& pack = tick.packs.back();
+    w.pack = static_cast<std::uint32_t>(tick.packs.size() - 1);
+    w.lane = pack.count++;
+    pack.stale[w.lane] = 1;
+    set_share(pack.a, w.lane, w.shares.a, w.a.body, bodies.step[w.a.body].movable);
+    set_share(pack.b, w.lane, w.shares.b, w.b.body, bodies.step[w.b.body].movable);
+}
+
+} // namespace
+
+void set_inverse(PackInverse& to, std::uint32_t lane, const Inverse& inverse) {
+    for (int i = 0; i < 6; ++i) to.m[i][lane] = inverse.m[i];
+    to.odd[lane] = inverse.shift < 1 || inverse.shift > 62;
+    to.shift[lane] = inverse.shift;
+    to.half[lane] = to.odd[lane] != 0 ? 0 : std::int64_t{1} << (inverse.shift - 1);
+}
+
+std::int32_t pack_rate(const StepConstants& step) {
+    return saturate_to_int32(step.joint.rate.raw >> (Real::fraction_bits - joint_rate_bits));
+}
+
+void plan_packs(JointTick& tick, const StepConstants& step, const SolverBodies& bodies) {
+    tick.packed.clear(), tick.packs.clear(), tick.turn_packs.clear(), tick.stages.clear(),
+        tick.singles.clear();
+    tick.last_stage.assign(tick.bodies.size(), 0);
+    const bool packs = pack_rate(step) < 1 << 27; // its products have room for no more
+    std::uint32_t stage_count = 0;
+    for (JointWork& w : tick.joints) {
+        find_stage(tick, w, bodies);
+        stage_count = std::max(stage_count, w.stage + 1);
+        if (!packs || !has_point(tick, w, bodies)) continue;
+        w.pack = 0; // which one follows
+        --w.block_count;
+        w.turns_packed = w.block_count == 1 && only_turns(tick.blocks[w.first_block].kind[0]);
+        w.hinge = w.turns_packed && is_hinge(*w.def, tick.blocks[w.first_block]);
+    }
+    tick.counts.assign(stage_count * pack_kinds + 1, 0);
+    const auto key = [&](const JointWork& w) { return w.stage * pack_kinds + kind_of(tick, w); };
+    for (const JointWork& w : tick.joints) ++tick.counts[key(w) + 1];
+    for (std::size_t i = 1; i < tick.counts.size(); ++i) tick.counts[i] += tick.counts[i - 1];
+    tick.in_order.resize(tick.joints.size());
+    for (std::uint32_t i = 0; i < tick.joints.size(); ++i)
+        tick.in_order[tick.counts[key(tick.joints[i])]++] = i;
+    // counts[k] is now where the joints of key k end
+    std::uint32_t at = 0;
+    for (std::uint32_t s = 0; s < stage_count; ++s) {
+        JointStage stage{};
+        stage.first_pack = static_cast<std::uint32_t>(tick.packs.size());
+        stage.first_single = static_cast<std::uint32_t>(tick.singles.size());
+        for (std::uint32_t kind = 0; kind < pack_kinds; ++kind) {
+            const std::uint32_t first = at, end = tick.counts[s * pack_kinds + kind];
+            for (; at < end; ++at) {
+                JointWork& w = tick.joints[tick.in_order[at]];
+                if (kind != no_kind) {
+                    add_to_pack(tick, w, kind, (at - first) % pack_lanes == 0, bodies);
+                    tick.packed.resize(tick.packs.size() * pack_lanes);
+                    tick.packed[w.pack * pack_lanes + w.lane] = tick.in_order[at];
+                }
+                if (w.axis_count != 0 || (w.block_count != 0 && !w.turns_packed))
+                    tick.singles.push_back(tick.in_order[at]);
+            }
+        }
+        stage.last_pack = static_cast<std::uint32_t>(tick.packs.size());
+        stage.last_single = static_cast<std::uint32_t>(tick.singles.size());
+        tick.stages.push_back(stage);
+    }
+    tick.acts.resize(tick.singles.size());
+}
+
+void put_turn(const JointBlock& block, TurnPack& pack, std::uint32_t lane) {
+    for (int r = 0; r < block.count; ++r) {
+        const Row& row = block.row[r];
+        for (int i = 0; i < 3; ++i) {
+            pack.ja[r][i][lane] = row.ja[i + 3], pack.jb[r][i][lane] = row.jb[i + 3];
+        }
+        pack.impulse[r][lane] = block.impulse[r];
+    }
+    set_inverse(pack.inverse, lane, block.inverse);
+    put_bias(block, pack, lane);
+}
+
+void put_bias(const JointBlock& block, TurnPack& pack, std::uint32_t lane) {
+    for (int r = 0; r < block.count; ++r) pack.bias[r][lane] = block.bias[r];
+}
+
+void take_impulses(JointBlock& block, TurnPack& pack, std::uint32_t lane) {
+    for (int r = 0; r < block.count; ++r) {
+        block.impulse[r] = pack.impulse[r][lane];
+        block.sum[r] += unscaled_impulse(pack.sum[r][lane], block.exponent);
+        pack.sum[r][lane] = 0;
+    }
+}
+
+} // namespace lockstone::solve

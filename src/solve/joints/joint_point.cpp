@@ -1,0 +1,206 @@
+#include "solve/joints/joint_point.h"
+
+#include "lockstone/math/math.h"
+#include "solve/joints/joint_work.h"
+
+#include <algorithm>
+#include <cstdint>
+
+namespace lockstone::solve {
+
+namespace {
+
+constexpr int inverse_at[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
+
+/// K^-1 of a body, and what follows from its exponent.
+void set_gyration_inverse(PackSide& side, std::uint32_t lane, const BodyStep& body) {
+    const auto& [xx, yy, zz, xy, xz, yz] = body.inv_mantissa;
+    const std::int32_t entries[6] = {xx, yy, zz, xy, xz, yz};
+    for (int i = 0; i < 6; ++i) side.inverse[i][lane] = entries[i];
+    side.turn_shift[lane] = body.inv_exponent + Separation::fraction_bits - pack_angle_bits;
+    side.spin_shift[lane] = body.inv_exponent;
+}
+
+void set_arm_shift(PackSide& side, std::uint32_t lane, int exponent) {
+    // Beyond 62 nothing is left of sums below 2^61.
+    const std::int64_t shift = side.spin_shift[lane] + side.lever_bits[lane] + exponent - row_bits;
+    side.arm_shift[lane] = std::clamp<std::int64_t>(shift, 1, 62);
+    side.arm_half[lane] = std::int64_t{1} << (side.arm_shift[lane] - 1);
+}
+
+/// Components within 2^28, so that the lever stays within 2^29 wherever it turns; beyond 128 m they are clamped.
+void set_lever(PackSide& side, std::uint32_t lane, Vec3 lever) {
+    constexpr int least_bits = 22;
+    constexpr std::int64_t most = (std::int64_t{1} << 29) - 1;
+    std::uint64_t any = 0;
+    for (int i = 0; i < 3; ++i) any |= magnitude(lever[i].raw);
+    const int drop = std::clamp(bit_length(any) - 28, 0, Real::fraction_bits - least_bits);
+    for (int i = 0; i < 3; ++i)
+        side.lever[i][lane] =
+            static_cast<std::int32_t>(std::clamp(shift_right_rounded(lever[i].raw, drop), -most, most));
+    side.lever_bits[lane] = Real::fraction_bits - drop;
+}
+
+/// The least exponent by which the entries of K^-1 [r], and a quarter more, stay below 2.
+int exponent_of(const PackSide& side, std::uint32_t lane) {
+    std::int64_t most = 0;
+    for (int row = 0; row < 3; ++row) {
+        const int j = (row + 1) % 3, k = (row + 2) % 3;
+        for (const auto& at : inverse_at) // 30 bits times 29, twice
+            most = std::max(most, std::abs(std::int64_t{side.inverse[at[j]][lane]} * side.lever[k][lane] -
+                                           std::int64_t{side.inverse[at[k]][lane]} * side.lever[j][lane]));
+    }
+    most += most / 4;
+    const auto fraction_bits = static_cast<int>(side.spin_shift[lane] + side.lever_bits[lane]);
+    return most == 0 ? 0 : bit_length(magnitude(most)) - fraction_bits - 1;
+}
+
+/// All that follows from e.
+void set_exponent(JointPack& pack, std::uint32_t lane, int e, const Shares& shares,
+                  const StepConstants& step) {
+    pack.exponent[lane] = e;
+    const std::int64_t one = e > row_bits ? 0 : std::int64_t{1} << (row_bits - e);
+    pack.one[lane] = static_cast<std::int32_t>(one);
+    pack.a.pull[lane] = static_cast<std::int32_t>((one * shares.a.mantissa) >> 30);
+    pack.b.pull[lane] = static_cast<std::int32_t>((one * shares.b.mantissa) >> 30);
+    pack.push_max[lane] = scaled_speed(step.joint_push_max.raw, Real::fraction_bits, e);
+    pack.near_shift[lane] = std::min(Real::fraction_bits - Separation::fraction_bits + e, 62);
+    pack.ahead_shift[lane] = std::min(Unit::fraction_bits + 1 + e, 62);
+    set_arm_shift(pack.a, lane, e), set_arm_shift(pack.b, lane, e);
+}
+
+/// share * dot with 48 fraction bits; dot has 56 and is below 2^60.
+std::int64_t shared(std::int64_t dot, Share share) {
+    constexpr int low_bits = 28;
+    const std::int64_t high = dot >> low_bits, low = dot & ((std::int64_t{1} << low_bits) - 1);
+    const std::int64_t sum = high * share.mantissa + ((low * share.mantissa) >> low_bits); // 58 fraction bits
+    return share.shift > 52 ? 0 : sum >> (10 + share.shift);
+}
+
+Share share_of(const PackSide& side, std::uint32_t lane) {
+    return {side.share[lane], static_cast<std::int32_t>(side.shift[lane])};
+}
+
+void add_stiffness(Stiffness& s, const PackSide& side, std::uint32_t lane, std::int64_t one) {
+    const Share share = share_of(side, lane);
+    if (share.mantissa == 0) return;
+    for (int r = 0; r < 3; ++r)
+        for (int c = 0; c <= r; ++c) {
+            std::int64_t dot = r == c ? one * one : 0;
+            for (int i = 0; i < 3; ++i) dot += std::int64_t{side.x[r][i][lane]} * side.x[c][i][lane];
+            s.k[r][c] += shared(dot, share);
+        }
+}
+
+} // namespace
+
+void start_point(JointPack& pack, const JointWork& work, const PointStart& start, const JointBlock& block,
+                 const StepConstants& step) {
+    const std::uint32_t lane = work.lane;
+    constexpr std::int64_t far = std::int64_t{1} << 58; // leaves room for levers and for what bodies move
+    for (int i = 0; i < 3; ++i) pack.apart[i][lane] = std::clamp(start.apart[i].raw, -far, far);
+    int e = 0;
+    const auto start_side = [&](PackSide& side, const BodyStep& body, Vec3 lever) {
+        side.lever_bits[lane] = Real::fraction_bits;
+        if (!body.moves) return;
+        set_gyration_inverse(side, lane, body);
+        set_lever(side, lane, lever);
+        e = std::max(e, exponent_of(side, lane));
+    };
+    start_side(pack.a, *start.a, start.lever_a), start_side(pack.b, *start.b, start.lever_b);
+    set_exponent(pack, lane, e, work.shares, step);
+    for (int i = 0; i < 3; ++i) pack.impulse[i][lane] = scaled_impulse(block.sum[i], e);
+}
+
+void give_turn(PackSide& side, std::uint32_t lane, Quat turned, const BodyStep& body, int exponent) {
+    side.given[lane] = -1;
+    const Unit q[4] = {turned.x, turned.y, turned.z, turned.w};
+    for (int i = 0; i < 4; ++i) side.turned[i][lane] = q[i].raw;
+    set_gyration_inverse(side, lane, body);
+    set_arm_shift(side, lane, exponent);
+}
+
+void enlarge_exponent(JointPack& pack, const JointWork& work, const StepConstants& step) {
+    const std::uint32_t lane = work.lane;
+    const int before = pack.exponent[lane], e = before + 1;
+    set_exponent(pack, lane, e, work.shares, step);
+    for (int r = 0; r < 3; ++r) {
+        pack.impulse[r][lane] = rescaled_impulse(pack.impulse[r][lane], before, e);
+        pack.sum[r][lane] = shifted(pack.sum[r][lane], before - e);
+    }
+}
+
+static void invert_point(JointPack& pack, std::uint32_t lane) {
+    Stiffness s{};
+    add_stiffness(s, pack.a, lane, pack.one[lane]), add_stiffness(s, pack.b, lane, pack.one[lane]);
+    s.largest = std::max({s.k[0][0], s.k[1][1], s.k[2][2]});
+    set_inverse(pack.inverse, lane, invert(s, 3));
+}
+
+// ---- hinges -------------------------------------------------------------------------------------------------------
+
+void set_hinge_shift(TurnPack& turn, std::uint32_t lane, bool of_a, const BodyStep& body) {
+    (of_a ? turn.shift_a : turn.shift_b)[lane] = std::clamp(body.inv_exponent + turn.exponent[lane], 1, 62);
+}
+
+void start_hinge(TurnPack& turn, const JointWork& work, const HingeStart& start, JointBlock& block,
+                 const StepConstants& step) {
+    const std::uint32_t lane = work.lane;
+    const UnitVec3 from_a[2] = {start.axes_a.y, start.axes_a.z}, from_b[2] = {start.axes_b.x, start.axes_b.y};
+    for (int k = 0; k < 2; ++k)
+        for (int i = 0; i < 3; ++i)
+            turn.frame_a[k][i][lane] = from_a[k][i].raw, turn.frame_b[k][i][lane] = from_b[k][i].raw;
+    // No entry of K^-1 axis is above the largest inverse of a radius, wherever the body turns.
+    std::uint64_t most = 0;
+    for (const BodyStep* body : {start.a, start.b})
+        for (int i = 0; i < 3 && body->moves; ++i) most |= magnitude(body->radii_inv[i].raw);
+    const int e = most == 0 ? 0 : bit_length(most) - Real::fraction_bits - 1;
+    turn.exponent[lane] = block.exponent = e;
+    set_hinge_shift(turn, lane, true, *start.a), set_hinge_shift(turn, lane, false, *start.b);
+    turn.bias_shift[lane] = Unit::fraction_bits + joint_rate_bits - Speed::fraction_bits + e;
+    turn.push_max[lane] = scaled_speed(step.joint_push_max.raw, Real::fraction_bits, e);
+    for (int r = 0; r < 2; ++r) {
+        turn.impulse[r][lane] = block.impulse[r] = scaled_impulse(block.sum[r], e);
+        block.sum[r] = Real{}, block.is_force[r] = false;
+    }
+    const Real reach = half(start.upper - start.lower);
+    if (reach <= Real{} || reach >= pi) {
+        turn.reach_cos[lane] = reach <= Real{} ? INT32_MAX : INT32_MIN;
+        return;
+    }
+    const Real middle = start.lower + reach;
+    const bool is_even = middle == Real{};
+    turn.middle_cos[lane] = is_even ? unit_one.raw : to<Unit>(cos(middle)).raw;
+    turn.middle_sin[lane] = is_even ? 0 : to<Unit>(sin(middle)).raw;
+    turn.reach_cos[lane] = to<Unit>(cos(reach)).raw;
+}
+
+static void invert_hinge(const JointPack& pack, TurnPack& turn, std::uint32_t lane) {
+    Stiffness s{};
+    const auto add = [&](const std::int32_t(&j)[3][3][pack_lanes], Share share) {
+        if (share.mantissa == 0) return;
+        for (int r = 0; r < 2; ++r)
+            for (int c = 0; c <= r; ++c) {
+                std::int64_t dot = 0;
+                for (int i = 0; i < 3; ++i) dot += std::int64_t{j[r][i][lane]} * j[c][i][lane];
+                s.k[r][c] += shared(dot, share);
+            }
+    };
+    add(turn.ja, share_of(pack.a, lane)), add(turn.jb, share_of(pack.b, lane));
+    s.largest = std::max(s.k[0][0], s.k[1][1]);
+    set_inverse(turn.inverse, lane, invert(s, 2));
+}
+
+void invert_left(JointPack& pack, TurnPack* turns, std::uint32_t lane) {
+    if ((pack.left[lane] & point_left) != 0) invert_point(pack, lane);
+    if ((pack.left[lane] & hinge_left) != 0) invert_hinge(pack, turns[pack.turn], lane);
+}
+
+void take_axes(JointBlock& block, const TurnPack& turn, std::uint32_t lane) {
+    for (int r = 0; r < 2; ++r)
+        for (int i = 0; i < 3; ++i)
+            block.direction[r][i] =
+                Real::from_raw(std::int64_t{turn.axis[r][i][lane]} << (Real::fraction_bits - row_bits));
+}
+
+} // namespace lockstone::solve

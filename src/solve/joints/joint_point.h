@@ -1,0 +1,53 @@
+// The point part of joints that no tree solves: the three rows that hold an anchor of A to one of B, and where packs of them
+// stand in the order of solving. See joint_pack.h.
+#pragma once
+
+#include "solve/bodies/step.h"
+#include "solve/joints/joint_pack.h"
+
+namespace lockstone::solve {
+
+struct JointTick;
+struct JointWork;
+struct JointBlock;
+
+/// Stages of all joints. The point part of those that fit comes into a pack, and with it a block that only turns.
+void plan_packs(JointTick& tick, const StepConstants& step, const SolverBodies& bodies);
+/// Where a joint's levers are when a tick begins.
+struct PointStart {
+    const BodyStep *a, *b;
+    Vec3 lever_a, lever_b; ///< world axes [m]
+    Vec3 apart;            ///< from A's centre of mass to B's; of the world, the anchor [m]
+};
+/// What the rows of a point are made of, and the impulses of the last tick, which `block` has, into the joint's lane.
+void start_point(JointPack& pack, const JointWork& work, const PointStart& start, const JointBlock& block,
+                 const StepConstants& step);
+/// How the body of a side has turned since the tick began, and its K^-1 now.
+void give_turn(PackSide& side, std::uint32_t lane, Quat turned, const BodyStep& body, int exponent);
+/// Of a hinge: its frames when the tick begins, in the world.
+struct HingeStart {
+    const BodyStep *a, *b;
+    Rotation axes_a, axes_b;
+    Real lower,
+        upper; ///< twists between which nothing is in reach of a limit; the same: always, further than 2 pi: never
+};
+void start_hinge(TurnPack& turn, const JointWork& work, const HingeStart& start, JointBlock& block,
+                 const StepConstants& step);
+/// What follows from K^-1 of a body.
+void set_hinge_shift(TurnPack& turn, std::uint32_t lane, bool of_a, const BodyStep& body);
+/// The axes about which its rows turn B.
+void take_axes(JointBlock& block, const TurnPack& turn, std::uint32_t lane);
+/// Where entries of its rows have grown to 2.
+void enlarge_exponent(JointPack& pack, const JointWork& work, const StepConstants& step);
+/// The inverses that lanes have left, of the rows as they are.
+void invert_left(JointPack& pack, TurnPack* turns, std::uint32_t lane);
+/// Rows, inverse, impulses and biases of a block into its lane.
+void put_turn(const JointBlock& block, TurnPack& pack, std::uint32_t lane);
+void put_bias(const JointBlock& block, TurnPack& pack, std::uint32_t lane);
+/// Impulses and their sums out of a lane, where sums start again from zero.
+void take_impulses(JointBlock& block, TurnPack& pack, std::uint32_t lane);
+void set_inverse(PackInverse& to, std::uint32_t lane, const Inverse& inverse);
+/// Of locks: error to push speed, as packs read it.
+std::int32_t pack_rate(const StepConstants& step);
+
+} // namespace lockstone::solve

@@ -1,0 +1,99 @@
+// Rows of joints: scaling, responses, the inverse of a part. See joint.h for the symbols.
+//
+// A row is made wide first, each of its four vectors with an exponent of its own, then brought to one power of two, so
+// that neither a lever of 100 m on a body of 1 mm nor a body of 10 km loses bits or leaves the range.
+#pragma once
+
+#include "solve/bodies/solver_body.h"
+
+#include <algorithm>
+#include <array>
+
+namespace lockstone::solve {
+
+/// Components m / 2^fraction_bits.
+struct Scaled3 {
+    std::int64_t m[3] = {};
+    int fraction_bits = 0;
+};
+
+/// A row before it is scaled: directions, and K^-1 times the arms that the row turns the bodies by.
+struct WideRow {
+    Scaled3 da, xa, db, xb;
+};
+
+/// A part of the pair's inverse mass, mantissa / 2^(30 + shift): mantissa in [2^29, 2^30], or zero.
+struct Share {
+    std::int32_t mantissa;
+    std::int32_t shift;
+};
+struct Shares {
+    Share a, b;
+};
+/// share_A = mB / (mA + mB), share_B = mA / (mA + mB); zero for what impulses do not move.
+Shares joint_shares(const BodyMass& a, const BodyStep& sa, const BodyMass& b, const BodyStep& sb);
+
+/// Six components: along x y z, about x y z. Jacobian entries are below 2 in magnitude.
+struct Row {
+    std::int32_t ja[6], jb[6]; ///< Jacobian
+    std::int32_t ra[6], rb[6]; ///< responses: Jacobian entries times the share's mantissa, 28 fraction bits
+    std::int32_t shift_a, shift_b; ///< v += (r p) / 2^shift
+};
+
+/// The inverse of up to three rows: entry = mantissa / 2^shift, on Speed.
+struct Inverse {
+    std::int32_t m[6]; ///< 11, 21, 22, 31, 32, 33
+    std::int32_t shift;
+};
+inline constexpr int inverse_index[3][3] = {{0, 1, 3}, {1, 2, 4}, {3, 4, 5}};
+
+inline constexpr std::int32_t joint_impulse_max = (1 << 30) - 1; ///< 2048 m/s; twice it fits
+inline constexpr std::int32_t joint_speed_max = 1 << 29; ///< 1024 m/s: what rows read is clamped to it
+/// In one pass a part's impulse changes by no more: then sums of an impulse and a change stay within 32 bits.
+inline constexpr std::int32_t impulse_change_max = 1 << 30;
+/// A change of impulse below this moves a body by less than 16 m/s: the 30 or so of one joint and pass leave what is
+/// read below 2048 m/s without clamping.
+inline constexpr std::int32_t small_impulse = 1 << 22;
+inline constexpr int motion_bits = 29 + row_bits; ///< of joint_speed_max, with 47 fraction bits
+inline constexpr std::int64_t motion_max = std::int64_t{1} << motion_bits;
+
+/// v / 2^shift, rounded; a negative shift multiplies. Clamped to the range.
+inline std::int64_t shifted(std::int64_t v, int shift) {
+    if (shift > 0 && shift <= 62) [[likely]]
+        return (v >> shift) + ((v >> (shift - 1)) & 1);
+    return shift > 62 ? 0 : shift_left_saturated(v, std::min(-shift, 63));
+}
+
+/// sign K^-1 arm; zero about axes that the body may not turn about, and for a body that does not move.
+/// `arm` has `fraction_bits`; its components are below 2^31.
+Scaled3 turning(const BodyStep& body, const std::int64_t arm[3], int fraction_bits);
+
+/// Writes the Jacobians of `count` rows, all scaled by 2^-exponent. Returns the exponent; 0 for rows of zeros.
+int set_rows(Row* rows, const WideRow* wide, int count);
+/// As set_rows(), set_responses() and invert(), of rows that only turn: the entries along the axes stay as they are, zero.
+int set_turning_rows(Row* rows, const WideRow* wide, int count);
+void set_turning_responses(Row& row, const Shares& shares);
+Inverse invert_turning(const Row* rows, int count);
+/// Responses of a row: shares, and the axes that the bodies may move along.
+void set_responses(Row& row, const Shares& shares, const SolverBody& a, const SolverBody& b);
+/// k = J . r of one row, 48 fraction bits, below 2^54.
+std::int64_t mobility(const Row& row);
+/// k of a part, lower triangle, 48 fraction bits; and its largest diagonal entry.
+struct Stiffness {
+    std::int64_t k[3][3];
+    std::int64_t largest;
+};
+Inverse invert(const Stiffness& stiffness, int count);
+/// k of one to three rows, and its inverse. Directions along which nothing moves are left out.
+Inverse invert(const Row* rows, int count);
+
+/// value 2^-exponent as a Speed within joint_speed_max. `raw` has `fraction_bits`.
+std::int32_t scaled_speed(std::int64_t raw, int fraction_bits, int exponent);
+/// p 2^exponent within joint_impulse_max, of an unscaled impulse.
+std::int32_t scaled_impulse(Real p, int exponent);
+/// p 2^-exponent
+Real unscaled_impulse(std::int64_t p, int exponent);
+/// p as it was under `from`, under `to`.
+std::int32_t rescaled_impulse(std::int32_t p, int from, int to);
+
+} // namespace lockstone::solve

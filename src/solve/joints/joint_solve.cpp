@@ -1,0 +1,236 @@
+// The passes over joints. See joint.h for the symbols.
+#include "solve/joints/followed_turn.h"
+#include "solve/joints/joint_motion.h"
+#include "solve/joints/joint_work.h"
+
+#include <algorithm>
+#include <type_traits>
+
+namespace lockstone::solve {
+
+namespace {
+
+/// As push(), and what rows read stays within its bounds.
+template <class Now> void push_clamped(const Row* rows, const std::int32_t* p, int count, Motion& m) {
+    std::uint32_t any;
+    if constexpr (std::is_same_v<Now, Turning>)
+        any = push_turning(rows, p, count, m);
+    else
+        any = push(rows, p, count, m);
+    if (any >= static_cast<std::uint32_t>(small_impulse)) clamp_motion(m);
+}
+
+std::int32_t bounded(std::int64_t p, std::int64_t low, std::int64_t high) {
+    return static_cast<std::int32_t>(std::clamp(p, low, high));
+}
+
+// ---- blocks -------------------------------------------------------------------------------------------------------
+
+std::int64_t times_unit(std::int64_t x, Unit scale) {
+    return shift_right_rounded(x * scale.raw, Unit::fraction_bits);
+}
+
+/// With bias softly, without it rigidly. Now: Speeds, or Turning of rows that only turn.
+template <class Now>
+void solve_block(JointBlock& block, Motion& m, const StepConstants& step, bool bias, std::uint64_t& clamped) {
+    std::int64_t speed[3] = {};
+    const Now now(m);
+    for (int i = 0; i < block.count; ++i)
+        speed[i] = std::int64_t{speed_along(block.row[i], now)} + (bias ? block.bias[i] : 0);
+    std::int32_t change[3];
+    for (int i = 0; i < block.count; ++i) {
+        std::int64_t sum = 0; // 30 bits times 31, three times
+        for (int j = 0; j < block.count; ++j) sum += block.inverse.m[inverse_index[i][j]] * speed[j];
+        std::int64_t change_wanted = std::clamp<std::int64_t>(shifted(sum, block.inverse.shift),
+                                                              -impulse_change_max, impulse_change_max);
+        if (bias)
+            change_wanted = times_unit(change_wanted, step.joint.mass_scale) +
+                            times_unit(block.impulse[i], step.joint.impulse_scale);
+        const std::int64_t wanted = block.impulse[i] - change_wanted;
+        const std::int32_t p = bounded(wanted, -joint_impulse_max, joint_impulse_max);
+        clamped += p != wanted ? 1u : 0u;
+        change[i] = p - block.impulse[i];
+        block.impulse[i] = p;
+    }
+    push_clamped<Now>(block.row, change, block.count, m);
+}
+
+// ---- axes ---------------------------------------------------------------------------------------------------------
+
+/// The impulses of an axis, one after another along the same row.
+template <class Now> struct AxisPass {
+    const JointAxisPart& part;
+    Motion& m;
+    std::uint64_t& clamped;
+    std::int64_t speed;
+
+    AxisPass(const JointAxisPart& axis, Motion& motion, std::uint64_t& clamps)
+        : part(axis), m(motion), clamped(clamps), speed(speed_along(axis.row, Now(motion))) {}
+
+    /// k^-1 (speed + bias)
+    std::int64_t impulse_for(std::int64_t bias) const {
+        return std::clamp<std::int64_t>(shifted(part.inverse.m[0] * (speed + bias), part.inverse.shift),
+                                        -impulse_change_max, impulse_change_max);
+    }
+    void set(std::int32_t& p, std::int64_t wanted, std::int64_t low, std::int64_t high) {
+        const std::int32_t next = bounded(wanted, low, high);
+        if (next == p) return;
+        if (next != wanted && (next == joint_impulse_max || next == -joint_impulse_max)) ++clamped;
+        const std::int32_t change = next - p;
+        push_clamped<Now>(&part.row, &change, 1, m);
+        p = next;
+        speed = speed_along(part.row, Now(m));
+    }
+};
+
+template <class Now> void solve_axis(JointAxisPart& part, Motion& m, bool bias, std::uint64_t& clamped) {
+    AxisPass<Now> pass(part, m, clamped);
+    // A spring gives its impulse once a substep: relaxing undoes none of it.
+    if ((part.features & has_spring) != 0 && bias) {
+        const std::int64_t change = pass.impulse_for(part.spring_bias);
+        const std::int64_t wanted =
+            part.spring - times_unit(change, part.mass_scale) - times_unit(part.spring, part.impulse_scale);
+        pass.set(part.spring, wanted, -part.spring_bound, part.spring_bound);
+    }
+    if (part.features & has_motor)
+        pass.set(part.motor, part.motor - pass.impulse_for(part.motor_bias), -part.motor_bound,
+                 part.motor_bound);
+    if (part.features & has_lower)
+        pass.set(part.lower, part.lower - pass.impulse_for(bias ? part.lower_bias : part.lower_relax), 0,
+                 joint_impulse_max);
+    if (part.features & has_upper)
+        pass.set(part.upper, part.upper - pass.impulse_for(bias ? part.upper_bias : part.upper_relax),
+                 -joint_impulse_max, 0);
+}
+
+} // namespace
+
+namespace {
+
+/// Whether nothing but limits acts along an axis, which have no impulse and get none in this pass.
+bool stays_free(const JointAxisPart& part, const SolverBody& a, const SolverBody& b, bool bias) {
+    if (part.idle) return true;
+    if (!part.turns || (part.features & (has_spring | has_motor)) != 0 || (part.lower | part.upper) != 0)
+        return false;
+    Motion m{};
+    std::uint64_t any = 0;
+    for (int i = 3; i < 6; ++i) {
+        m.a[i] = a.u[i - 3], m.b[i] = b.u[i - 3];
+        any |=
+            static_cast<std::uint64_t>(m.a[i] + motion_max) | static_cast<std::uint64_t>(m.b[i] + motion_max);
+    }
+    if (any >= static_cast<std::uint64_t>(2 * motion_max)) return false; // it is to be clamped first
+    const std::int64_t speed = speed_along(part.row, Turning(m));
+    const bool low = (part.features & has_lower) != 0, up = (part.features & has_upper) != 0;
+    return (!low || speed + (bias ? part.lower_bias : part.lower_relax) >= 0) &&
+           (!up || speed + (bias ? part.upper_bias : part.upper_relax) <= 0);
+}
+
+bool has_locks(const JointTick& tick, const JointWork& w) {
+    return w.block_count != 0 && !w.turns_packed && (w.tree == no_tree || !tick.forest.trees[w.tree].direct);
+}
+
+/// Of one joint: what acts along axes, and locks that neither a tree nor a pack solves.
+void pass_joint(JointTick& tick, const JointWork& w, const StepConstants& step, SolverBodies& bodies,
+                bool bias) {
+    const bool locks = has_locks(tick, w);
+    SolverBody &a = bodies.body[w.a.body], &b = bodies.body[w.b.body];
+    bool busy = locks;
+    for (std::uint32_t i = 0; i < w.axis_count && !busy; ++i)
+        busy = !stays_free(tick.axes[w.first_axis + i], a, b, bias);
+    if (!busy) return;
+    Motion m = read(a, b);
+    clamp_motion(m);
+    for (std::uint32_t i = 0; i < w.axis_count; ++i) {
+        JointAxisPart& part = tick.axes[w.first_axis + i];
+        if (part.idle) continue;
+        if (part.turns)
+            solve_axis<Turning>(part, m, bias, tick.clamped);
+        else
+            solve_axis<Speeds>(part, m, bias, tick.clamped);
+    }
+    for (std::uint32_t i = 0; locks && i < w.block_count; ++i) {
+        JointBlock& block = tick.blocks[w.first_block + i];
+        if (block.turns)
+            solve_block<Turning>(block, m, step, bias, tick.clamped);
+        else
+            solve_block<Speeds>(block, m, step, bias, tick.clamped);
+    }
+    write(m, a, b);
+}
+
+} // namespace
+
+void find_acting(JointTick& tick) {
+    for (std::size_t i = 0; i < tick.singles.size(); ++i) {
+        const JointWork& w = tick.joints[tick.singles[i]];
+        bool acts = w.block_count != 0 && !w.turns_packed; // warm starts give what trees solve as well
+        for (std::uint32_t k = 0; k < w.axis_count && !acts; ++k) acts = !tick.axes[w.first_axis + k].idle;
+        tick.acts[i] = acts;
+    }
+}
+
+void JointSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bias, Tasks* tasks) {
+    JointTick& tick = *work;
+    const TurnedK turned(step, bodies);
+    const JointPassData data = pass_data(tick, step, bodies.body.data());
+    const std::size_t count = tick.stages.size();
+    for (std::size_t k = 0; k < count; ++k) { // relaxing goes back the way the biased pass came
+        const JointStage& stage = tick.stages[bias ? k : count - 1 - k];
+        for (std::uint32_t i = stage.first_single; i < stage.last_single; ++i)
+            if (tick.acts[i] != 0) pass_joint(tick, tick.joints[tick.singles[i]], step, bodies, bias);
+        tick.clamped += kernel->solve(data, stage.first_pack, stage.last_pack, bias);
+    }
+    const std::vector<JointTree>& trees = tick.forest.trees;
+    base::for_chunks(tasks, static_cast<std::uint32_t>(trees.size()), tree_chunk,
+                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                         for (std::uint32_t i = first; i < last; ++i)
+                             if (trees[i].direct) solve_tree(tick, trees[i], bodies, bias);
+                     });
+}
+
+// ---- warm start ---------------------------------------------------------------------------------------------------
+
+static void warm_joint(JointTick& tick, const JointWork& w, SolverBodies& bodies) {
+    bool busy = w.block_count != 0 && !w.turns_packed;
+    for (std::uint32_t i = 0; i < w.axis_count; ++i) {
+        const JointAxisPart& part = tick.axes[w.first_axis + i];
+        busy = busy || (part.spring | part.motor | part.lower | part.upper) != 0;
+    }
+    if (!busy) return;
+    SolverBody &a = bodies.body[w.a.body], &b = bodies.body[w.b.body];
+    Motion m = read(a, b);
+    clamp_motion(m);
+    for (std::uint32_t i = 0; i < w.axis_count; ++i) {
+        JointAxisPart& part = tick.axes[w.first_axis + i];
+        if (part.idle) continue;
+        const std::int64_t sum = std::int64_t{part.spring} + part.motor + part.lower + part.upper;
+        const std::int32_t p = bounded(sum, -joint_impulse_max, joint_impulse_max);
+        if (!tick.first) part.sum += unscaled_impulse(p, part.exponent);
+        push_clamped<Speeds>(&part.row, &p, 1, m);
+    }
+    for (std::uint32_t i = 0; !w.turns_packed && i < w.block_count; ++i) {
+        JointBlock& block = tick.blocks[w.first_block + i];
+        for (int r = 0; r < block.count && !tick.first; ++r)
+            block.sum[r] += unscaled_impulse(block.impulse[r], block.exponent);
+        if (block.turns)
+            push_clamped<Turning>(block.row, block.impulse, block.count, m);
+        else
+            push_clamped<Speeds>(block.row, block.impulse, block.count, m);
+    }
+    write(m, a, b);
+}
+
+void JointSolver::warm_start(const StepConstants& step, SolverBodies& bodies) {
+    JointTick& tick = *work;
+    const TurnedK turned(step, bodies);
+    const JointPassData data = pass_data(tick, step, bodies.body.data());
+    for (const JointStage& stage : tick.stages) {
+        for (std::uint32_t i = stage.first_single; i < stage.last_single; ++i)
+            if (tick.acts[i] != 0) warm_joint(tick, tick.joints[tick.singles[i]], bodies);
+        kernel->warm_start(data, stage.first_pack, stage.last_pack, !tick.first);
+    }
+    tick.first = false;
+}
+
+} // namespace lockstone::solve

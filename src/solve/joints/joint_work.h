@@ -1,0 +1,228 @@
+// What a tick keeps of its joints: bodies as they stand, points, blocks of locks, axes with springs, motors and limits.
+//
+// Rows of no pack stay while neither body has turned by more than row_turn_max about an axis since they were made; errors follow the
+// motion by the rows, C = C0 + J . (shift, theta). What a lever of length r so misses is r a^2 / 2 for a turn by a:
+// 0.0001 mm for a metre. With 2^-7 rad a pendulum lost 87 % of its swing in five minutes, with 2^-11 it keeps it (the row
+// "pendulum" of tests/quality). Rows whose directions also change with places (along an axis of A, lines, ropes), gears and
+// racks are made anew whenever a body has moved, and so are those of trees (a bridge that is taut gains energy from rows that
+// stay behind by a hundredth) and of bodies that are followed (followed_turn.h).
+#pragma once
+
+#include "solve/joints/joint.h"
+#include "solve/joints/joint_pack.h"
+#include "solve/joints/joint_parts.h"
+#include "solve/joints/joint_point.h"
+#include "solve/joints/tree/joint_tree.h"
+
+#include <vector>
+
+namespace lockstone::solve {
+
+inline constexpr int row_turn_bits = 11; ///< row_turn_max = 2^-11 rad
+/// pack_turn_max = 2^-10 rad: with 2^-8 a pendulum that swings by 150 degrees is 0.12 % slow instead of 0.10 %. Points and hinges, which
+/// are made anew in every substep, carry the weight; other rows about the axes miss a part 2^-20 of the energy of the turn that they leave free.
+inline constexpr int pack_turn_bits = 10;
+inline constexpr int given_turn_bits = 4; ///< packs turn by theta up to 2^-4 rad about an axis
+
+/// A body that joints hold, where it is in this substep.
+struct JointBody {
+    std::uint32_t body;
+    bool stirred;    ///< moved or turned since it was placed
+    bool strays;     ///< it has turned by more than rows may stay behind: row_turn_max
+    bool strays_far; ///< by more than rows beside a packed point may: pack_turn_max
+    bool given;      ///< its turn is given to packs, from now on; joint_pack.h
+    bool unpacked;   ///< rows of some joint in no pack stay where they are while it hardly turns
+    bool wanted;     ///< it is to be placed where it is
+    std::int32_t
+        least; ///< its least gyration radius: it has turned by no more than theta by this; Separation
+    std::int32_t theta_made[3], theta_packed[3]; ///< when it strayed last
+    std::int32_t shift[3], theta[3];             ///< of the SolverBody, when this was made
+    Vec3 position;
+    Quat rotation;
+    Rotation axes;
+    Vec3 w;
+    Vec3 velocity;
+    Vec3 moved;             ///< by the last update [m]
+    std::int32_t turned[3]; ///< by the last update, of theta
+    Quat turn;              ///< since the tick began, of what is given
+};
+
+/// Up to three locks solved together.
+struct JointBlock {
+    Row row[3];
+    Inverse inverse;
+    RowKind kind[3];
+    std::uint8_t slot[3]; ///< axis of JointAxisImpulses
+    std::uint8_t count;
+    std::int32_t exponent;
+    std::int32_t impulse[3]; ///< p', Speed
+    std::int32_t bias[3];    ///< Speed
+    std::int64_t error[3];   ///< 2^-e C, less J . (shift, theta) of when the rows were made; Separation
+    std::int32_t ahead[3];   ///< of the bias: along the arc, Speed
+    std::int32_t push_max;   ///< of the bias: by the error, Speed
+    Real at[3];              ///< position that is kept
+    Real sum[3];             ///< of the impulses of the substeps so far, unscaled
+    Vec3 direction[3];
+    bool is_force[3];
+    bool turns; ///< its rows only turn
+};
+
+enum JointFeature : std::uint8_t {
+    has_spring = 1,
+    has_motor = 2,
+    has_lower = 4,
+    has_upper = 8,
+    is_swing = 16
+};
+
+/// One axis: up to four impulses along the same row.
+struct JointAxisPart {
+    Row row;
+    Inverse inverse;
+    RowKind kind;
+    std::uint8_t slot;
+    std::uint8_t features; ///< JointFeature
+    std::int32_t exponent;
+    // spring: rate [1/s] and softness; its bound, in unscaled impulse
+    Real rate, target;
+    Unit mass_scale, impulse_scale;
+    Real spring_max, motor_max, motor_speed;
+    Real lower_at, upper_at;
+    // as scaled by the last update
+    std::int32_t spring_bias, spring_bound, motor_bias, motor_bound;
+    std::int32_t lower_bias, lower_relax, upper_bias, upper_relax;
+    std::int32_t spring, motor, lower, upper; ///< p', Speed
+    JointAxisImpulses warm;                   ///< of the last tick, unscaled
+    Real sum;
+    // Separation, 2^-e of a length or an angle less J . (shift, theta) of when the row was made
+    std::int64_t stretch; ///< of the spring
+    std::int64_t room,
+        room_up; ///< to the lower and from the upper limit; the second falls with J . (shift, theta)
+    std::int32_t ahead, ahead_up; ///< of their biases: along the arc, Speed
+    std::int32_t push_max;        ///< of their biases, Speed
+    std::int32_t far;             ///< Speed at which limits are out of reach in a substep
+    bool turns;                   ///< its row only turns
+    bool idle;                    ///< nothing but limits out of reach: passes leave it out
+    bool unmade; ///< and so far off that they stay so until rows are made again: there is no row
+    Vec3 direction;
+    bool is_force;
+};
+
+/// One side of a joint, constant within the tick.
+struct JointWorkSide {
+    std::uint32_t body;  ///< entry of SolverBodies
+    bool world;          ///< stands still: the frame is in the world
+    std::uint32_t cache; ///< entry of JointTick::bodies
+    LengthVec3 lever;    ///< of the frame's origin from the centre of mass, in the body's axes
+    Vec3 anchor;         ///< of a frame in the world
+    Quat frame;          ///< in the body's axes, or in the world
+};
+
+/// What JointBodies did since the last update, bits of JointTick::seen: the flags of these names, and that packs are to be told.
+enum JointSeen : std::uint8_t { seen_stirred = 1, seen_strays = 2, seen_strays_far = 4, seen_given = 8 };
+
+inline constexpr std::uint32_t no_pack = 0xffffffffu;
+
+/// What an update asks of every joint: a few bytes in place of the rest of it.
+struct JointGlance {
+    std::uint32_t a, b;           ///< entries of JointTick::seen; 0 for the world
+    std::uint32_t pack, lane;     ///< as in JointWork
+    std::uint8_t asks;            ///< JointSeen by which its rows become stale
+    bool own_rows, places, stale; ///< it has own rows; bodies are placed where they are stale; they are
+};
+
+struct JointWork {
+    const JointDef* def;
+    JointWorkSide a, b;
+    Shares shares;
+    Real mass; ///< mA mB / (mA + mB) [kg]
+    std::uint32_t memory;
+    std::uint32_t first_block, first_axis;
+    std::uint32_t tree; ///< that solves its locks; no_tree: they are solved by themselves
+    std::uint8_t block_count, axis_count;
+    bool needs_twist, needs_target, needs_orientation, needs_travel, needs_slip, made;
+    bool stays;        ///< its rows change by turns alone, and slowly
+    bool remade;       ///< since trees were factorised
+    bool steady;       ///< and they may stay behind where they are now
+    bool turns_packed; ///< its block is in a pack of turns
+    bool hinge;        ///< and its rows are made there
+    std::uint32_t
+        pack; ///< entry of JointTick::packs that has its point part; no_pack: that is a block, if any
+    std::uint32_t lane;  ///< of the pack
+    std::uint32_t stage; ///< of JointTick::stages
+    Real twist, travel;
+};
+
+/// Joints that share no body that impulses move: the first stage after those of all earlier joints of the same bodies. Stage
+/// after stage is so the order of solving, and stages backwards are that order backwards.
+struct JointStage {
+    std::uint32_t first_pack, last_pack, first_single, last_single;
+};
+
+/// All joints of a tick in solving order.
+struct JointTick {
+    std::vector<JointWork> joints;
+    std::vector<JointBlock> blocks;
+    std::vector<JointAxisPart> axes;
+    std::vector<JointPack> packs;
+    std::vector<TurnPack> turn_packs;
+    std::vector<JointStage> stages;
+    std::vector<std::uint32_t> singles;                      ///< joints that have parts in no pack, by stage
+    std::vector<JointGlance> glances;                        ///< by joint
+    std::vector<std::uint8_t> seen;                          ///< JointSeen, by body, after one of the world
+    std::vector<std::uint8_t> acts;                          ///< of singles: whether passes look at it
+    std::vector<std::uint32_t> packed;                       ///< joints by pack and lane
+    std::vector<std::uint32_t> last_stage, counts, in_order; ///< while packs are filled
+    std::vector<JointBody> bodies;
+    JointForest forest;
+    std::vector<std::uint32_t> cache_of; ///< by body: entry of `bodies` + 1
+    std::span<const Transform> pose;
+    std::uint64_t clamped; ///< impulses that met joint_impulse_max
+    bool first;            ///< no substep is in the sums yet
+};
+
+/// Room for one more entry; where there is none, for a quarter more: entries are large.
+template <class T> void make_room(std::vector<T>& v) {
+    if (v.size() == v.capacity()) v.reserve(v.size() + v.size() / 4 + 16);
+}
+
+JointPassData pass_data(JointTick& tick, const StepConstants& step, SolverBody* bodies);
+/// A joint's point into its lane, with the bodies where they are when the tick begins.
+void start_packed(JointTick& tick, const JointWork& work, const StepConstants& step,
+                  const SolverBodies& bodies);
+/// How bodies of a packed joint have turned that have turned far or are followed.
+void give_turns(JointTick& tick, const JointWork& work, const SolverBodies& bodies);
+/// Of a body that is given: how it has turned since the tick began.
+void turn_body(JointBody& now, const Transform& pose, const SolverBodies& bodies);
+/// Rows that the refreshed packs ask for: of hinges that have come apart, and limits that are in reach again.
+void make_asked_rows(JointTick& tick, const StepConstants& step, const SolverBodies& bodies);
+/// Which singles act: those with locks that passes solve, or an axis that is not idle.
+void find_acting(JointTick& tick);
+/// Whether something of a joint is made by make_rows(): all but what packs make and limits that are out of reach.
+bool has_own_rows(const JointTick& tick, const JointWork& work);
+/// Parts of one joint by its table of axes; appends to blocks and axes.
+void assemble(JointTick& tick, JointWork& work, const StepConstants& step, const JointMemory& memory);
+/// Where x can swing freely, a swing past the back of A adds turns that nobody made, and a limit would wind them off.
+bool counts_turns(const JointDef& def);
+/// Of a joint that was assembled: whether its rows change by turns alone, and slowly.
+bool may_stay(const JointTick& tick, const JointWork& work);
+/// As normalized(), but what is one by a rounding is left as it is.
+Quat unit_of(Quat q);
+void start_body(JointBody& now, const Transform& pose, const SolverBodies& bodies);
+void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodies);
+/// Whether it has moved since it was placed, and turned by more than rows may stay behind: JointSeen.
+std::uint8_t look_at_body(JointBody& now, const SolverBodies& bodies);
+/// After its rows were made.
+void set_glance(JointTick& tick, const JointWork& work);
+/// Rows, responses, inverses and targets of a joint's parts. Writes nothing that is another joint's.
+void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, const SolverBodies& bodies);
+/// Errors from where the bodies are, by the rows that there are.
+void follow_errors(JointTick& tick, JointWork& work, const StepConstants& step, const SolverBodies& bodies);
+/// x h / 2, at most `most`: at a radian per substep the arc is no guide any more.
+Real half_step(Real x, Real most, const StepConstants& step);
+/// 2^-exponent of a length or an angle, Separation.
+std::int64_t scaled_error(Real x, int exponent);
+/// Inverses of a joint's blocks, which make_rows() leaves out where a tree solves them.
+void invert_blocks(JointTick& tick, const JointWork& work);
+
+} // namespace lockstone::solve

@@ -1,0 +1,227 @@
+// Where shapes are: world poses, how far ahead their contacts reach, their bounds in the broad phase.
+#include "tick/phases.h"
+#include "tick/sleep.h"
+
+#include "base/assert.h"
+#include "lockstone/math/math.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace lockstone::sim {
+
+namespace {
+
+/// Most shapes stand in the middle of their body, and as it does.
+Transform shape_pose(const ShapeTraits& shape, const Transform& body, const BodyMass& mass) {
+    const Vec3 offset = shape.local.position - mass.center;
+    const bool is_turned = shape.local.rotation != Quat::identity();
+    return {offset == Vec3{} ? body.position : body.position + rotate(body.rotation, offset),
+            is_turned ? normalized(body.rotation * shape.local.rotation) : body.rotation};
+}
+
+/// Contacts of a fast body are found before it arrives, as far ahead as its own size, so it lands on surfaces; twice that where
+/// a joint holds it, for what the sweep stops alone leaves its joints behind.
+Length margin_of(Length inner, const BodyInfo& info, const Velocity& velocity, std::uint32_t tick_rate) {
+    const Length ahead = ahead_of(velocity.linear, tick_rate);
+    if (ahead == Length{}) return margin_base;
+    return margin_base + min(ahead, info.first_joint != 0 ? inner + inner : inner);
+}
+
+/// Where a shape is whose solid is known. Writes nothing but `at`.
+void place(const Data& w, const ShapeRow& shape, std::uint32_t body_row, Scratch::Shape& at) {
+    const Config& config = w.state.rows(w.m.config)[0];
+    const BodyInfo& info = w.state.rows(w.m.body_info)[body_row];
+    at.pose = shape_pose(w.traits_of(shape), w.state.rows(w.m.body_pose)[body_row], w.traits_of(info).mass);
+    at.axes = to_rotation(at.pose.rotation);
+    at.margin = info.kind == BodyKind::static_
+                    ? margin_base
+                    : margin_of(at.inner, info, w.state.rows(w.m.body_velocity)[body_row], config.tick_rate);
+    if (at.solid.geometry.kind != ShapeKind::plane)
+        at.bounds = collide::bounds_of(at.solid, at.pose.position, at.axes, at.margin,
+                                       static_cast<int>(config.bounds_shift));
+}
+
+/// Tells the broad phase. Shapes of what rests lie in its still tree; no two of them meet.
+void hand_over(Data& w, const ShapeRow& shape, std::uint32_t body_row) {
+    Scratch& s = w.scratch;
+    const std::uint32_t slot = shape.id.index - 1;
+    Scratch::Shape& at = s.shape[slot];
+    at.rests = !is_awake(w, body_row);
+    if (at.solid.geometry.kind == ShapeKind::plane) {
+        // Before a restore this slot and generation may have held a shape with bounds.
+        if (s.proxy_generation[slot] != 0) s.broad_phase.remove(slot);
+        s.proxy_generation[slot] = 0;
+        return;
+    }
+    s.broad_phase.set(slot, at.bounds, at.rests);
+    s.proxy_generation[slot] = shape.id.generation;
+    if (!at.rests) return;
+    at.resting_local = w.traits_of(shape).local;
+    at.resting_at = w.state.rows(w.m.body_pose)[body_row];
+    at.resting_center = w.mass_of(body_row).center;
+}
+
+void set_proxy(Data& w, const ShapeRow& shape, std::uint32_t body_row) {
+    Scratch::Shape& at = w.scratch.shape[shape.id.index - 1];
+    at.rests = false;
+    solid_of(w, shape);
+    place(w, shape, body_row, at);
+    hand_over(w, shape, body_row);
+}
+
+/// As set_proxy, when the shape has not lain there since before.
+void set_resting_proxy(Data& w, const ShapeRow& shape, std::uint32_t body_row) {
+    const Scratch::Shape& at = w.scratch.shape[shape.id.index - 1];
+    const bool is_there = at.rests && w.scratch.proxy_generation[shape.id.index - 1] == shape.id.generation &&
+                          at.solid.geometry == w.traits_of(shape).geometry &&
+                          at.resting_local == w.traits_of(shape).local &&
+                          at.resting_at == w.state.rows(w.m.body_pose)[body_row] &&
+                          at.resting_center == w.mass_of(body_row).center;
+    if (!is_there) set_proxy(w, shape, body_row);
+}
+
+template <class Visit> void for_each_shape(const Data& w, std::uint32_t body_row, Visit&& visit) {
+    const std::span<const Slot> slots = w.state.rows(w.m.shape_slot);
+    const std::span<const ShapeRow> shapes = w.state.rows(w.m.shape);
+    for (std::uint32_t slot = w.state.rows(w.m.body_info)[body_row].first_shape; slot != 0;) {
+        const ShapeRow& shape = shapes[slots[slot - 1].row];
+        slot = shape.next_shape;
+        visit(shape);
+    }
+}
+
+constexpr std::uint32_t bodies_per_chunk = 32;
+
+/// Where the shapes of the awake bodies are, by workers; then the broad phase hears of it, by one and in order. A solid that
+/// is not known is found then too: finding one changes what all share.
+void update_awake(Data& w) {
+    const std::uint32_t awake = w.header().bodies_awake;
+    const Data& world = w;
+    base::for_chunks(w.tasks, awake, bodies_per_chunk,
+                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                         for (std::uint32_t row = first; row < last; ++row)
+                             for_each_shape(world, row, [&](const ShapeRow& shape) {
+                                 Scratch::Shape& at = w.scratch.shape[shape.id.index - 1];
+                                 at.is_placed = at.solid.geometry == w.traits_of(shape).geometry;
+                                 if (at.is_placed) place(world, shape, row, at);
+                             });
+                     });
+    for (std::uint32_t row = 0; row < awake; ++row)
+        for_each_shape(w, row, [&](const ShapeRow& shape) {
+            if (w.scratch.shape[shape.id.index - 1].is_placed)
+                hand_over(w, shape, row);
+            else
+                set_proxy(w, shape, row);
+        });
+}
+
+bool is_living_plane(const Data& w, std::uint32_t slot) {
+    const std::span<const Slot> slots = w.state.rows(w.m.shape_slot);
+    return slot < slots.size() && slots[slot].is_alive() &&
+           w.traits_of(w.state.rows(w.m.shape)[slots[slot].row]).geometry.kind == ShapeKind::plane;
+}
+
+void drop_if_dead(Data& w, std::uint32_t slot) {
+    Scratch& s = w.scratch;
+    if (s.proxy_generation[slot] == 0) return;
+    const std::span<const Slot> slots = w.state.rows(w.m.shape_slot);
+    if (slot < slots.size() && slots[slot].is_alive() && slots[slot].generation == s.proxy_generation[slot])
+        return;
+    s.broad_phase.remove(slot);
+    s.proxy_generation[slot] = 0;
+}
+
+void set_resting_proxies(Data& w, std::uint32_t first_body, std::uint32_t end_body) {
+    for (std::uint32_t row = std::max(first_body, w.header().bodies_awake); row < end_body; ++row)
+        for_each_shape(w, row, [&](const ShapeRow& shape) { set_resting_proxy(w, shape, row); });
+}
+
+/// A shape that may not have been there before.
+void meet_shape(Data& w, const ShapeRow& shape) {
+    std::vector<std::uint32_t>& planes = w.scratch.planes;
+    const std::uint32_t slot = shape.id.index - 1, body_row = w.row_of(shape.body);
+    if (w.traits_of(shape).geometry.kind == ShapeKind::plane) {
+        const auto at = std::lower_bound(planes.begin(), planes.end(), slot);
+        if (at == planes.end() || *at != slot) planes.insert(at, slot);
+    }
+    if (!is_awake(w, body_row)) set_resting_proxy(w, shape, body_row);
+}
+
+/// Proxies of what rests, and the planes, after anything may have happened to the state. Where the pages of a shape and of
+/// its body are those of the last time, and the body rested then too, its proxy is right: what made it has not changed.
+void update_resting(Data& w) {
+    Scratch& s = w.scratch;
+    const State& state = w.state;
+    const std::uint32_t slots_before = state.take_changes(w.m.shape_slot.index, s.proxies_of, s.changed);
+    for (const RowRange& range : s.changed)
+        for (std::uint32_t slot = range.first; slot < range.end; ++slot) drop_if_dead(w, slot);
+    for (std::uint32_t slot = state.count(w.m.shape_slots); slot < slots_before; ++slot)
+        drop_if_dead(w, slot);
+    std::erase_if(s.planes, [&](std::uint32_t slot) { return !is_living_plane(w, slot); });
+
+    state.take_changes(w.m.shape.index, s.proxies_of, s.changed);
+    for (const RowRange& range : s.changed)
+        for (std::uint32_t row = range.first; row < range.end; ++row)
+            meet_shape(w, state.rows(w.m.shape)[row]);
+    for (const std::uint32_t column : {w.m.body_info.index, w.m.body_pose.index}) {
+        state.take_changes(column, s.proxies_of, s.changed);
+        for (const RowRange& range : s.changed) set_resting_proxies(w, range.first, range.end);
+    }
+    // Awake then, and now not: the pages may be those of an earlier time.
+    set_resting_proxies(w, w.header().bodies_awake, std::min(s.awake_before, state.count(w.m.bodies)));
+    for (const std::uint32_t slot : s.solids_replaced)
+        if (slot < state.count(w.m.shape_slots) && state.rows(w.m.shape_slot)[slot].is_alive())
+            meet_shape(w, state.rows(w.m.shape)[state.rows(w.m.shape_slot)[slot].row]);
+    s.solids_replaced.clear();
+}
+
+/// The same when nothing that rests has changed: only what is awake, and who is.
+void pass_over_changes(Data& w) {
+    Scratch& s = w.scratch;
+    for (const std::uint32_t column :
+         {w.m.shape_slot.index, w.m.shape.index, w.m.body_info.index, w.m.body_pose.index})
+        w.state.take_changes(column, s.proxies_of, s.changed);
+}
+
+} // namespace
+
+Length ahead_of(SpeedVec3 velocity, std::uint32_t tick_rate) {
+    const auto size = [](Speed s) { return static_cast<std::int64_t>(magnitude(s.raw)); };
+    const std::int64_t x = size(velocity.x), y = size(velocity.y), z = size(velocity.z);
+    const std::int64_t widest = std::max(x, std::max(y, z)), speed = widest + ((x + y + z - widest + 1) >> 1);
+    constexpr int finer = Length::fraction_bits - Speed::fraction_bits;
+    // 2 ahead <= margin_base, without the division: most bodies are slow.
+    if ((speed << finer) < std::int64_t{margin_base.raw / 2} * tick_rate) return Length{};
+    const std::int64_t ahead = (speed << finer) / tick_rate + 1;
+    const std::int64_t steps = (ahead + margin_base.raw - 1) / margin_base.raw;
+    return to<Length>(Coordinate::from_raw(
+        margin_base.raw * static_cast<std::int64_t>(std::bit_ceil(static_cast<std::uint64_t>(steps)))));
+}
+
+const shapes::Solid& solid_of(Data& w, const ShapeRow& shape) {
+    Scratch::Shape& at = w.scratch.shape[shape.id.index - 1];
+    if (at.solid.geometry == w.traits_of(shape).geometry) return at.solid;
+    Result<shapes::Solid> solid = w.scratch.solids.resolve(w.traits_of(shape).geometry);
+    LOCKSTONE_ASSERT(solid.ok(), "shape ", shape.id.index, ": ", solid.ok() ? "" : solid.error().message);
+    if (at.rests) w.scratch.solids_replaced.push_back(shape.id.index - 1);
+    at.rests = false; // its bounds are of the other solid
+    at.solid = *solid;
+    at.reach = at.solid.geometry.kind == ShapeKind::plane ? Coordinate{} : shapes::reach_of(at.solid);
+    at.inner = shapes::inner_radius(at.solid);
+    return at.solid;
+}
+
+void update_bounds(Data& w) {
+    Scratch& s = w.scratch;
+    s.fit(w.state.capacity(w.m.shape_slots));
+    if (s.structure_stale)
+        update_resting(w);
+    else
+        pass_over_changes(w);
+    s.structure_stale = false;
+    s.awake_before = w.header().bodies_awake;
+    update_awake(w);
+}
+
+} // namespace lockstone::sim

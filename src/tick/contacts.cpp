@@ -1,0 +1,438 @@
+// Manifolds of the pairs that are near, made anew or used again, and the contacts that the solver takes.
+#include "collide/integer.h"
+#include "lockstone/math/math.h"
+#include "model/surface.h"
+#include "tick/phases.h"
+
+#include <algorithm>
+
+namespace lockstone::sim {
+
+namespace {
+
+using collide::Long3, collide::raw;
+
+constexpr Separation touching_gap = decimal<Separation>("0.005"); ///< [m]: nearer counts as touching
+
+/// The columns that every pair looks at, found once for many.
+struct View {
+    const Data& w;
+    std::span<const ShapeRow> shapes;
+    std::span<const ShapeTraits> traits;
+    std::span<const Slot> shape_slots, body_slots;
+    std::span<const Transform> poses;
+    std::span<const Velocity> velocities;
+    std::span<const ContactMemory> old; ///< the contact table of the last tick
+    std::uint32_t awake;
+    bool has_movers; ///< some contacts may be left to characters
+    Unit half_tick;  ///< [s]
+
+    explicit View(const Data& data)
+        : w(data), shapes(w.state.rows(w.m.shape)), traits(w.state.rows(w.m.shape_traits.row)),
+          shape_slots(w.state.rows(w.m.shape_slot)), body_slots(w.state.rows(w.m.body_slot)),
+          poses(w.state.rows(w.m.body_pose)), velocities(w.state.rows(w.m.body_velocity)),
+          old(w.scratch.table.list.memories), awake(w.header().bodies_awake),
+          has_movers(!w.scratch.characters.order_of_body.empty()),
+          half_tick(Unit::from_raw(unit_one.raw /
+                                   (2 * static_cast<std::int32_t>(w.state.rows(w.m.config)[0].tick_rate)))) {}
+    const ShapeRow& shape(ShapeId living) const { return shapes[shape_slots[living.index - 1].row]; }
+    std::uint32_t row_of(BodyId living) const { return body_slots[living.index - 1].row; }
+    BodyId body(std::uint32_t row) const { return w.state.rows(w.m.body_info)[row].id; }
+};
+
+/// Two shapes that are near, in the order the narrow phase wants them.
+struct CandidatePair {
+    const ShapeTraits *a, *b;
+    std::uint32_t body_a, body_b;
+    const Scratch::Shape *at_a, *at_b;
+    Length margin;
+    bool flipped, sensor;
+};
+
+/// Whether shape b is the narrow phase's A: the greater kind is, of equal kinds the larger. Of two convex shapes one that
+/// is larger than a lever can be comes first whatever its kind, as contact points are told from B's origin.
+bool goes_after(const ShapeTraits& a, const Scratch::Shape& at_a, const ShapeTraits& b,
+                const Scratch::Shape& at_b) {
+    const ShapeKind ka = a.geometry.kind, kb = b.geometry.kind;
+    const bool are_convex = ka <= ShapeKind::hull && kb <= ShapeKind::hull;
+    const bool is_huge = max(at_a.reach, at_b.reach) > Coordinate(128);
+    if (ka == kb || (are_convex && is_huge)) return at_a.reach < at_b.reach;
+    return ka < kb;
+}
+
+void find_candidate(const View& v, const Scratch::Near& near, CandidatePair& c) {
+    const ShapeRow &a = v.shape(near.key.a), &b = v.shape(near.key.b);
+    c.a = &v.traits[a.traits], c.b = &v.traits[b.traits];
+    c.body_a = v.row_of(a.body), c.body_b = v.row_of(b.body);
+    c.at_a = &v.w.scratch.shape[near.key.a.index - 1], c.at_b = &v.w.scratch.shape[near.key.b.index - 1];
+    c.flipped = goes_after(*c.a, *c.at_a, *c.b, *c.at_b);
+    if (c.flipped) std::swap(c.a, c.b), std::swap(c.at_a, c.at_b), std::swap(c.body_a, c.body_b);
+    c.margin = near.margin;
+    c.sensor = (c.a->sensor | c.b->sensor) != 0;
+}
+
+// ---- pairs in lanes ---
+
+using solve::PairContact;
+using solve::PairLane;
+using solve::PairPlace;
+
+bool has_corners(const ShapeTraits& shape) {
+    const ShapeKind kind = shape.geometry.kind;
+    return (kind == ShapeKind::box || kind == ShapeKind::hull) && shape.geometry.radius == Length{};
+}
+
+/// From one place to another [m]. Most shapes stand in the middle of their body.
+Long3 way(const Vec3& from, const Vec3& to) {
+    if (from == to) return {};
+    return raw(lockstone::to<Length>(to - from));
+}
+
+/// Whether what parted two shapes when they were last looked at still does: then they have no contact points.
+bool are_still_parted(const CandidatePair& c, const Scratch::Near& near) {
+    if (near.old_count != 0 || near.apart == UnitVec3{}) return false;
+    const auto placed = [](const Scratch::Shape& s) {
+        return collide::PlacedSolid{s.solid, s.axes, s.pose.position};
+    };
+    return collide::are_parted(placed(*c.at_a), placed(*c.at_b), near.apart, near.margin);
+}
+
+/// What all manifolds of a pair have in common. `rows`: those of the last tick.
+void fill_pair(const View& v, const CandidatePair& c, std::span<const ContactMemory> rows, PairLane& lane) {
+    constexpr auto mask = [](bool set) { return set ? -1 : 0; };
+    const Transform &a = c.at_a->pose, &b = c.at_b->pose;
+    const bool is_plane = c.a->geometry.kind == ShapeKind::plane,
+               on_ground = c.a->geometry.kind > ShapeKind::compound;
+    const Length thinnest =
+        c.a->geometry.kind < ShapeKind::compound ? min(c.at_a->inner, c.at_b->inner) : c.at_b->inner;
+    const Long3 to_b = raw(b.position - a.position), from_body = raw(b.position - v.poses[c.body_a].position),
+                base = way(v.poses[c.body_b].position, b.position);
+    for (int i = 0; i < 3; ++i)
+        lane.way.v[i] = to_b[i], lane.way.u[i] = from_body[i], lane.kept.u[i] = base[i];
+    if (is_plane) {
+        const Long3 given = raw(collide::plane_relative_pose(a, b).position);
+        for (int i = 0; i < 3; ++i) lane.given.v[i] = given[i];
+    }
+    lane.rotation_a = &a.rotation, lane.rotation_b = &b.rotation, lane.axes_a = &c.at_a->axes;
+    lane.velocity_a = &v.velocities[c.body_a], lane.velocity_b = &v.velocities[c.body_b];
+    // What reaches beyond 128 m is made anew in every tick.
+    const bool fits = c.at_b->reach.raw <= Length::max().raw;
+    lane.reach = fits ? static_cast<std::int32_t>(c.at_b->reach.raw) : 0;
+    lane.limit = fits ? solve::recycling_limit(rows, c.at_b->reach, thinnest).raw : -1;
+    lane.step_max = static_cast<std::int32_t>(
+        std::min<std::int64_t>(min(c.at_a->reach, c.at_b->reach).raw >> 3, Length::max().raw));
+    lane.advances = mask(has_corners(*c.b) && (on_ground || has_corners(*c.a)));
+    lane.on_ground = mask(on_ground), lane.is_given = mask(is_plane);
+    if (rows.empty()) return;
+    lane.made_rotation = &rows[0].made_rotation;
+    for (int i = 0; i < 3; ++i) lane.kept.v[i] = rows[0].made_position[i].raw;
+}
+
+void add_rows(const PairLane& pair, std::span<const ContactMemory> rows, Scratch::PairWindow& window) {
+    for (const ContactMemory& row : rows) window.rows[window.count++] = {&pair, &row};
+}
+
+/// Fills in what the rows from `first` on give.
+void find_rows(const View& v, solve::PairWork work, Scratch::PairWindow& window, std::uint32_t first) {
+    if (window.count == first) return;
+    v.w.scratch.pair_kernel->find({work, window.rows.data() + first, window.count - first, v.half_tick,
+                                   window.places.data() + first, window.contacts.data() + first,
+                                   window.serves.data() + first});
+}
+
+// ---- manifolds ---
+
+CoordinateVec3 position_of(const PairPlace& place) {
+    return {Coordinate::from_raw(place.position[0]), Coordinate::from_raw(place.position[1]),
+            Coordinate::from_raw(place.position[2])};
+}
+
+/// Makes the manifolds of a pair; `apart` is a hint, and becomes the next one. `normal`: of the last ones.
+void make_manifolds(const CandidatePair& c, const PairPlace& place, UnitVec3& apart, UnitVec3 normal,
+                    collide::NarrowScratch& scratch, collide::Manifolds& out) {
+    const collide::RelativePose pose{to_rotation(place.rotation), position_of(place)};
+    collide::collide(c.at_a->solid, c.at_b->solid, pose, c.margin, apart, normal, scratch, out);
+    apart = out.apart;
+}
+
+void fill_memory(const CandidatePair& c, const PairPlace& place, const collide::Manifold& manifold,
+                 std::uint32_t flags, ContactMemory& memory) {
+    memory.flags = flags | (manifold.on_face != 0 ? solve::contact_on_face : 0u);
+    memory.count = manifold.count;
+    // Only shapes of many pieces say which of them it is.
+    if (c.a->geometry.kind >= ShapeKind::compound && c.a->geometry.kind <= ShapeKind::mesh)
+        memory.piece_a = manifold.piece_a;
+    if (c.b->geometry.kind == ShapeKind::compound) memory.piece_b = manifold.piece_b;
+    memory.normal = manifold.normal;
+    for (std::uint32_t k = 0; k < manifold.count; ++k) {
+        const collide::ManifoldPoint& p = manifold.points[k];
+        memory.points[k].position = p.position;
+        memory.points[k].feature = p.feature;
+        memory.points[k].separation = p.separation;
+    }
+    memory.made_position = position_of(place);
+    memory.made_rotation = place.rotation;
+    memory.margin = c.margin;
+}
+
+/// Whether the contact goes through a one-way shape: it did when they met, or it comes from the wrong side now.
+bool passes(const CandidatePair& c, std::span<const ContactMemory> old, UnitVec3 normal) {
+    for (const ContactMemory& m : old)
+        if (m.count != 0) return (m.flags & solve::contact_passing) != 0;
+    const auto wrong_side = [](const ShapeTraits& shape, const Scratch::Shape& at, UnitVec3 out) {
+        return shape.one_way != 0 && dot<Unit>(at.axes.y, out) < half(unit_one);
+    };
+    return wrong_side(*c.a, *c.at_a, normal) || wrong_side(*c.b, *c.at_b, -normal);
+}
+
+Real mixed(Mix rule_a, Mix rule_b, Real a, Real b, Scratch::NarrowWorker::Mean& mean) {
+    const Mix rule = std::max(rule_a, rule_b);
+    if (a == b && rule != Mix::multiply) return a;
+    switch (rule) {
+    case Mix::geometric_mean:
+        if (mean.a != a || mean.b != b) mean = {a, b, sqrt(a * b)};
+        return mean.value;
+    case Mix::average:
+        return half(a + b);
+    case Mix::minimum:
+        return min(a, b);
+    case Mix::multiply:
+        return a * b;
+    case Mix::maximum:
+        break;
+    }
+    return max(a, b);
+}
+
+/// What the surfaces of b and a do against each other besides the bodies' motion, world axes.
+SpeedVec3 surface_velocity(const CandidatePair& c, const Touch& a, const Touch& b) {
+    if (a.velocity == Vec3{} && b.velocity == Vec3{}) return {};
+    const auto of = [](const Touch& touch, const Scratch::Shape& at) {
+        return touch.velocity == Vec3{} ? Vec3{} : rotate(at.pose.rotation, touch.velocity);
+    };
+    return to<Speed>(of(b, *c.at_b) - of(a, *c.at_a));
+}
+
+/// Closing speed of the two bodies at a point, along the normal.
+Speed approach_speed(const View& v, const CandidatePair& c, UnitVec3 normal, const solve::ContactPoint& p) {
+    const Velocity &a = v.velocities[c.body_a], &b = v.velocities[c.body_b];
+    const SpeedVec3 at_a = a.linear + cross<Speed>(a.angular, p.lever_a);
+    const SpeedVec3 at_b = b.linear + cross<Speed>(b.angular, p.lever_b);
+    return -dot<Speed>(at_b - at_a, normal);
+}
+
+/// Keeps the deepest point of a pair that did not touch until now.
+void store_deepest(const View& v, const CandidatePair& c, const solve::ContactPointMemory& memory,
+                   const PairContact& contact, const solve::ContactPoint& point,
+                   Scratch::ContactResult& result) {
+    result.point = c.at_b->pose.position + to<Real>(lockstone::mul<Length>(c.at_a->axes, memory.position));
+    result.normal = c.flipped ? -contact.normal : contact.normal;
+    result.approach = approach_speed(v, c, contact.normal, point);
+}
+
+/// One manifold as the solver wants it.
+void add_contact(const View& v, const CandidatePair& c, std::uint32_t row, const ContactMemory& memory,
+                 const PairContact& found, Scratch::NarrowWorker& worker,
+                 std::vector<solve::Contact>& contacts) {
+    solve::Contact& contact = contacts.emplace_back();
+    // What rests is the solver's still body.
+    contact.body_a = std::min(c.body_a, v.awake);
+    contact.body_b = std::min(c.body_b, v.awake);
+    contact.memory = row;
+    contact.count = memory.count;
+    contact.normal = found.normal;
+    for (std::uint32_t k = 0; k < memory.count; ++k) {
+        contact.points[k] = found.points[k];
+        contact.points[k].impulse = memory.points[k].normal;
+    }
+    contact.tangent_1 = memory.tangent_1, contact.tangent_2 = memory.tangent_2, contact.twist = memory.twist;
+    const Touch a = touch_of(*c.a, c.at_a->solid, memory.piece_a),
+                b = touch_of(*c.b, c.at_b->solid, memory.piece_b);
+    contact.friction =
+        to<Jacobian>(mixed(c.a->friction_mix, c.b->friction_mix, a.friction, b.friction, worker.mean));
+    contact.restitution = to<Unit>(
+        mixed(c.a->restitution_mix, c.b->restitution_mix, a.restitution, b.restitution, worker.mean));
+    contact.rolling = to<Unit>(max(a.rolling, b.rolling));
+    contact.surface_velocity = surface_velocity(c, a, b);
+}
+
+using NearChunk = Scratch::NearChunk;
+
+/// New rows of a pair, at the end of the chunk's; none when there are no points.
+std::uint32_t make_rows(const CandidatePair& c, const PairPlace& place, std::span<const ContactMemory> old,
+                        UnitVec3& apart, Scratch::NarrowWorker& worker, NearChunk& chunk) {
+    make_manifolds(c, place, apart, old.empty() ? UnitVec3{} : old[0].normal, worker.narrow,
+                   worker.manifolds);
+    if (worker.manifolds.count == 0) return 0;
+    std::uint32_t flags = (c.flipped ? solve::contact_flipped : 0u);
+    if (c.sensor) flags |= solve::contact_sensor;
+    if ((c.flipped ? c.a : c.b)->sensor != 0) flags |= solve::contact_sensor_is_b;
+    if ((c.a->one_way | c.b->one_way) != 0 &&
+        passes(c, old, lockstone::mul<Unit>(c.at_a->axes, worker.manifolds.items[0].normal)))
+        flags |= solve::contact_passing;
+    solve::Taken taken;
+    for (std::uint32_t i = 0; i < worker.manifolds.count; ++i) {
+        ContactMemory& memory = chunk.memories.emplace_back();
+        fill_memory(c, place, worker.manifolds.items[i], flags, memory);
+        solve::carry_impulses(old, taken, memory);
+    }
+    return worker.manifolds.count;
+}
+
+/// The contacts of a pair's rows, and how near the two are.
+void use_rows(const View& v, const CandidatePair& c, std::span<const ContactMemory> rows,
+              const PairContact* found, Scratch::NarrowWorker& worker, NearChunk& chunk,
+              Scratch::ContactResult& result) {
+    const bool passing = (rows[0].flags & solve::contact_passing) != 0;
+    Separation deepest = Separation::max();
+    std::uint32_t deepest_point = 0;
+    for (std::uint32_t i = 0; i < rows.size(); ++i) {
+        for (std::uint32_t k = 0; k < rows[i].count; ++k)
+            if (const Separation s = found[i].points[k].separation; s < deepest)
+                deepest = s, result.deepest_row = i, deepest_point = k;
+        if (!c.sensor && !passing &&
+            !(v.has_movers && is_movers_contact(v.w, v.body(c.body_a), v.body(c.body_b), found[i].normal)))
+            add_contact(v, c, result.first_row + i, rows[i], found[i], worker, chunk.contacts);
+    }
+    result.overlaps = deepest <= (c.sensor ? Separation{} : touching_gap) && !passing;
+    if (result.was_touching) return;
+    const PairContact& at = found[result.deepest_row];
+    store_deepest(v, c, rows[result.deepest_row].points[deepest_point], at, at.points[deepest_point], result);
+}
+
+/// A pair of a window.
+struct WindowPair {
+    Scratch::Near* near;
+    CandidatePair shapes;
+    std::span<const ContactMemory> old; ///< its rows of the last tick
+    std::uint32_t row;                  ///< of the window: first of those that are used
+    std::uint32_t fresh;                ///< of the chunk: first of its new ones
+    Scratch::ContactResult result;
+};
+
+/// The rows of the last tick while the shapes stand to each other as they did, else new ones.
+void choose_rows(Scratch::NarrowWorker& worker, NearChunk& chunk, WindowPair& pair) {
+    const CandidatePair& c = pair.shapes;
+    const bool had = !pair.old.empty();
+    Scratch::ContactResult& result = pair.result;
+    result.was_touching = had && (pair.old[0].flags & solve::contact_touching) != 0;
+    result.is_kept = had && ((pair.old[0].flags & solve::contact_flipped) != 0) == c.flipped &&
+                     solve::covers(pair.old[0], c.margin) && worker.window.serves[pair.row] != 0;
+    pair.fresh = static_cast<std::uint32_t>(chunk.memories.size());
+    result.row_count = result.is_kept ? pair.near->old_count
+                                      : make_rows(c, worker.window.places[pair.row], pair.old,
+                                                  pair.near->apart, worker, chunk);
+}
+
+/// Where the shapes of all pairs are to each other, and which rows of the last tick serve.
+void place_pairs(const View& v, std::span<WindowPair> pairs, Scratch::PairWindow& window) {
+    for (std::size_t i = 0; i < pairs.size(); ++i)
+        fill_pair(v, pairs[i].shapes, pairs[i].old, window.pairs[i]);
+    window.count = 0;
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        if (pairs[i].old.empty()) continue;
+        pairs[i].row = window.count;
+        add_rows(window.pairs[i], pairs[i].old, window);
+    }
+    find_rows(v, solve::PairWork::recycle, window, 0);
+    const std::uint32_t without = window.count;
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        if (!pairs[i].old.empty()) continue;
+        pairs[i].row = window.count;
+        window.rows[window.count++] = {&window.pairs[i], nullptr};
+    }
+    find_rows(v, solve::PairWork::place, window, without);
+}
+
+/// The rows and contacts of some pairs, at the end of the chunk's. Writes to the chunk, the worker and the pairs' hints alone.
+/// `next_row` counts the rows of the chunk.
+void collide_window(const View& v, std::span<WindowPair> pairs, Scratch::NarrowWorker& worker,
+                    NearChunk& chunk, std::uint32_t& next_row) {
+    Scratch::PairWindow& window = worker.window;
+    place_pairs(v, pairs, window);
+    for (WindowPair& pair : pairs) choose_rows(worker, chunk, pair);
+    const auto rows_of = [&](const WindowPair& pair) {
+        const std::span<const ContactMemory> made = chunk.memories;
+        return pair.result.is_kept ? pair.old : made.subspan(pair.fresh, pair.result.row_count);
+    };
+    const std::uint32_t fresh = window.count;
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        if (pairs[i].result.is_kept) continue;
+        pairs[i].row = window.count;
+        add_rows(window.pairs[i], rows_of(pairs[i]), window);
+    }
+    find_rows(v, solve::PairWork::fresh, window, fresh);
+    for (const WindowPair& pair : pairs) {
+        Scratch::ContactResult& result = chunk.results.emplace_back(pair.result);
+        result.first_row = next_row;
+        if (result.row_count == 0) {
+            if (result.was_touching)
+                result.flags = pair.old[0].flags;
+            else
+                chunk.results.pop_back();
+            continue;
+        }
+        const std::span<const ContactMemory> rows = rows_of(pair);
+        result.flags = rows[0].flags;
+        use_rows(v, pair.shapes, rows, window.contacts.data() + pair.row, worker, chunk, result);
+        next_row += result.row_count;
+    }
+}
+
+/// The pairs [first, last) of `near`, window by window; those that are still parted are left out.
+void collide_chunk(const View& v, std::uint32_t first, std::uint32_t last, std::span<Scratch::Near> near,
+                   Scratch::NarrowWorker& worker, NearChunk& chunk) {
+    chunk.memories.clear(), chunk.results.clear(), chunk.contacts.clear();
+    std::array<WindowPair, Scratch::PairWindow::pairs_max> pairs;
+    std::uint32_t next_row = 0;
+    std::size_t count = 0;
+    for (std::uint32_t i = first; i < last; ++i) {
+        WindowPair& pair = pairs[count];
+        find_candidate(v, near[i], pair.shapes);
+        if (are_still_parted(pair.shapes, near[i])) continue;
+        pair.near = &near[i];
+        pair.old = v.old.subspan(near[i].old_first, near[i].old_count);
+        pair.result = {}, pair.result.near = i;
+        if (++count == pairs.size()) collide_window(v, pairs, worker, chunk, next_row), count = 0;
+    }
+    if (count != 0) collide_window(v, std::span(pairs).first(count), worker, chunk, next_row);
+}
+
+} // namespace
+
+bool has_contact_points(Data& w, const Scratch::Near& near) {
+    const View view(w);
+    CandidatePair pair;
+    find_candidate(view, near, pair);
+    if (w.scratch.narrow_workers.empty()) w.scratch.narrow_workers.resize(1);
+    Scratch::PairWindow& window = w.scratch.narrow_workers[0].window;
+    fill_pair(view, pair, {}, window.pairs[0]);
+    window.rows[0] = {&window.pairs[0], nullptr};
+    window.count = 1;
+    find_rows(view, solve::PairWork::place, window, 0);
+    UnitVec3 hint = near.apart;
+    make_manifolds(pair, window.places[0], hint, UnitVec3{}, w.scratch.narrow, w.scratch.manifolds);
+    return w.scratch.manifolds.count != 0;
+}
+
+void collide(Data& w) {
+    Scratch& s = w.scratch;
+    const std::uint32_t pairs = static_cast<std::uint32_t>(s.near.size());
+    const std::uint32_t chunk_size = pairs_per_chunk(w), chunk_count = (pairs + chunk_size - 1) / chunk_size;
+    while (s.near_chunks.size() < chunk_count) {
+        NearChunk& chunk = s.near_chunks.emplace_back();
+        chunk.memories.reserve(chunk_size / 2);
+        chunk.contacts.reserve(chunk_size), chunk.results.reserve(chunk_size);
+    }
+    if (s.narrow_workers.size() < base::worker_count(w.tasks))
+        s.narrow_workers.resize(base::worker_count(w.tasks));
+    const View view(w);
+    base::for_chunks(w.tasks, pairs, chunk_size,
+                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t worker) {
+                         NearChunk& chunk = s.near_chunks[first / chunk_size];
+                         collide_chunk(view, first, last, s.near, s.narrow_workers[worker], chunk);
+                     });
+    place_contacts(w);
+}
+
+} // namespace lockstone::sim

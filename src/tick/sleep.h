@@ -1,0 +1,31 @@
+// Who is awake.
+//
+//   bodies     rows [0, bodies_awake): dynamic bodies that move, kinematic ones with a velocity, and static and kinematic
+//              ones that a command touched since the last tick; behind them what rests, in no particular order
+//   joints     rows [0, joints_awake): those of which a body is awake
+//   contacts   "contacts": those of which a body is awake; "sleeping_contacts": the others
+//
+// A tick reads and writes the awake rows only. Islands are found anew in every tick, among what is awake: dynamic bodies
+// that touch or are joined, so they split as soon as they part. An island falls asleep as a whole when all its bodies were
+// still for the world's sleep_time and none of them is held by a kinematic body that moves; its bodies then stand in a ring.
+// Still is what is slow, or rocks a little on the spot. An island wakes as a whole: when a command touches one of its bodies,
+// or something awake comes near enough to one to make contact points.
+#pragma once
+
+#include "world/data.h"
+
+namespace lockstone::sim {
+
+inline bool is_awake(const Data& w, std::uint32_t body_row) { return body_row < w.header().bodies_awake; }
+
+/// Wakes a body that a command touches: its island, and what static and kinematic bodies hold up or are joined to. Returns its
+/// row, which may have changed.
+std::uint32_t wake(Data& w, BodyId body);
+void wake_all(Data& w);
+/// Takes a row to the resting ones, as the first step of removing it. Returns the row it has then.
+std::uint32_t put_to_rest(Data& w, std::uint32_t body_row);
+std::uint32_t put_joint_to_rest(Data& w, std::uint32_t joint_row);
+/// A joint that was made between two bodies that were just woken.
+void wake_joint(Data& w, std::uint32_t joint_row);
+
+} // namespace lockstone::sim

@@ -1,0 +1,333 @@
+// Bodies are taken one after the other, first all that are no bullets, then the bullets, by row. Each is swept against ways
+// that are final: of static and kinematic bodies, and for a bullet of all dynamic bodies taken before it. So for any
+// two there is a motion from the poses before to the poses after in which they do not pass through each other.
+// Those that are no bullets do not see each other, so workers share them; the poses are written when all are known.
+//
+// A body that was hit by a moving one is carried along by it for the rest of the tick.
+#include "tick/sweep.h"
+
+#include "collide/query/cast.h"
+#include "lockstone/math/math.h"
+#include "tick/phases.h"
+
+#include <algorithm>
+
+namespace lockstone::sim {
+namespace {
+
+using collide::Sweep;
+
+struct Sweeper {
+    Data& w;
+    std::span<const Transform> pose;
+    std::span<const BodyInfo> info;
+    solve::MassView mass;
+    std::span<const ShapeRow> shapes;
+    std::span<const ShapeTraits> shape_traits;
+    std::span<const Slot> slots;
+    Real kinematic_motion_max{},
+        motion_max{};        ///< of any point of a kinematic, of any moving body in this tick [m]
+    bool all_dynamic = true; ///< every awake body: all else is among the static proxies
+
+    explicit Sweeper(Data& data)
+        : w(data), pose(data.state.rows(data.m.body_pose)), info(data.state.rows(data.m.body_info)),
+          mass(data.masses()), shapes(data.state.rows(data.m.shape)),
+          shape_traits(data.state.rows(data.m.shape_traits.row)), slots(data.state.rows(data.m.shape_slot)) {}
+
+    const Scratch::Shape& at(const ShapeRow& shape) const { return w.scratch.shape[shape.id.index - 1]; }
+    const shapes::Solid& solid(const ShapeRow& shape) const { return at(shape).solid; }
+    const ShapeTraits& traits(const ShapeRow& shape) const { return shape_traits[shape.traits]; }
+    bool is_bullet(std::uint32_t row) const { return mass.traits[info[row].traits].bullet != 0; }
+    Sweep sweep(std::uint32_t row, const ShapeRow& shape) const {
+        return {pose_before(w, row),
+                pose[row],
+                {traits(shape).local.position - mass[row].center, traits(shape).local.rotation}};
+    }
+    /// Of its turning points from the centre of mass.
+    Real reach(std::uint32_t row, const ShapeRow& shape) const {
+        const Real offset = length(traits(shape).local.position - mass[row].center);
+        if (traits(shape).geometry.kind == ShapeKind::sphere) return offset;
+        return offset + to<Real>(w.scratch.shape[shape.id.index - 1].reach);
+    }
+    template <class Visit> void for_each_shape(std::uint32_t row, Visit&& visit) const {
+        for (std::uint32_t slot = info[row].first_shape; slot != 0;) {
+            const ShapeRow& shape = shapes[slots[slot - 1].row];
+            slot = shape.next_shape;
+            if (traits(shape).sensor == 0 && traits(shape).geometry.kind != ShapeKind::plane) visit(shape);
+        }
+    }
+};
+
+constexpr Sweep still{Transform::identity(), Transform::identity(), Transform::identity()};
+
+Real motion_of(const Sweeper& s, std::uint32_t row) {
+    if (pose_before(s.w, row) == s.pose[row]) return Real{};
+    Real most{};
+    s.for_each_shape(row, [&](const ShapeRow& shape) {
+        const Real motion = collide::relative_motion(still, s.sweep(row, shape), s.reach(row, shape));
+        most = max(most, motion);
+    });
+    return most;
+}
+
+/// No less than what relative_motion says of the body alone, without roots: a turn's rate is at most 2.9 times the length of
+/// the quaternion's change, and no length is above the sum of its parts.
+Real coarse_motion(const Sweeper& s, std::uint32_t row, const ShapeRow& shape) {
+    const Transform &a = pose_before(s.w, row), &b = s.pose[row];
+    const auto apart = [](std::int64_t x, std::int64_t y) { return x < y ? y - x : x - y; };
+    const auto sum_apart = [&](const Vec3& x, const Vec3& y) {
+        return apart(x.x.raw, y.x.raw) + apart(x.y.raw, y.y.raw) +
+               apart(x.z.raw, y.z.raw); // each is below 2^49
+    };
+    const Quat p = a.rotation, q = b.rotation;
+    const std::int64_t turn_30 =
+        apart(p.x.raw, q.x.raw) + apart(p.y.raw, q.y.raw) + apart(p.z.raw, q.z.raw) + apart(p.w.raw, q.w.raw);
+    std::int64_t reach = sum_apart(s.traits(shape).local.position, s.mass[row].center);
+    if (s.traits(shape).geometry.kind != ShapeKind::sphere) reach += to<Real>(s.at(shape).reach).raw;
+    constexpr std::int64_t rounding = 1 << 9, reach_max = std::int64_t{1024} << Real::fraction_bits;
+    if (reach > reach_max) return Real::max();
+    // Below 2^35 times 2^27.
+    const std::int64_t by_turn = (3 * turn_30 + 1) * ((reach >> 16) + 1) >> 14;
+    return Real::from_raw(sum_apart(b.position, a.position) + by_turn + rounding);
+}
+
+/// Against what stands still a shape may move further before it has to be swept: nothing comes towards it besides. A
+/// bullet is swept whenever it moves: what turns so fast that its contacts do not hold it would sink in bit by bit. Not a
+/// sphere, which turns nothing in.
+bool is_fast(Real motion, const Scratch::Shape& shape, bool against_static, bool bullet) {
+    const Real inner = to<Real>(shape.inner);
+    const bool may_turn_in = bullet && shape.solid.geometry.kind != ShapeKind::sphere;
+    return motion > (against_static ? half(inner) : may_turn_in ? inner / Real(64) : inner / Real(4));
+}
+
+/// What stops a body: the fraction of its way, and whose shape it was.
+struct Stop {
+    Unit fraction = unit_one;
+    std::uint32_t row = Data::dead;
+};
+
+/// Whether the way of a body in row `other` is final and it stops this one.
+bool is_swept_against(const Sweeper& s, std::uint32_t row, std::uint32_t other) {
+    if (s.info[other].kind != BodyKind::dynamic) return true;
+    if (!s.is_bullet(row) || other == row) return false;
+    return !s.is_bullet(other) || other < row;
+}
+
+/// A one-way surface stops what moves against its +y and began above it. `moved`: the other body against the wall's.
+bool passes_one_way(const Sweeper& s, const ShapeRow& wall, Vec3 moved) {
+    if (s.traits(wall).one_way == 0) return false;
+    return dot<Real>(to_rotation(s.w.scratch.shape[wall.id.index - 1].pose.rotation).y, moved) >= Real{};
+}
+
+/// The way of the body in a row, or a later part of it: then the others' ways begin at the same time.
+struct Way {
+    std::uint32_t row;
+    Transform from, to; ///< of the centre of mass
+    Unit begin;
+    std::uint32_t except; ///< a row that is not looked at
+    Vec3 moved;           ///< in the tick as far as is known, for one-way surfaces
+};
+
+/// visit(wall, row of its body, way of its body, way of the shape's body) for the shapes that may stop this one.
+template <class Visit>
+void for_each_wall(const Sweeper& s, const Way& whole, const ShapeRow& shape,
+                   collide::BroadPhase::Asker& near, Visit&& visit) {
+    const std::uint32_t row = whole.row;
+    Sweep way = s.sweep(row, shape);
+    way.from = whole.from, way.to = whole.to;
+    const Scratch& scratch = s.w.scratch;
+    const int shift = static_cast<int>(s.w.state.rows(s.w.m.config)[0].bounds_shift);
+    const Real others = s.is_bullet(row) ? s.motion_max : s.kinematic_motion_max;
+    const Real around = length(way.local.position) + to<Real>(scratch.shape[shape.id.index - 1].reach) +
+                        others + to<Real>(collide::stop_gap) * 2;
+    const auto box = [&](Vec3 p) {
+        constexpr int drop = Real::fraction_bits - Bound::fraction_bits;
+        const auto low = [&](Real x) {
+            return Bound::from_raw(saturate_to_int32((x - around).raw >> (drop + shift)));
+        };
+        const auto high = [&](Real x) {
+            return Bound::from_raw(saturate_to_int32(((x + around).raw >> (drop + shift)) + 1));
+        };
+        return collide::Bounds{{low(p.x), low(p.y), low(p.z)}, {high(p.x), high(p.y), high(p.z)}};
+    };
+    const collide::SweptBox swept(box(way.from.position), box(way.to.position));
+    if (s.all_dynamic && !s.is_bullet(row)) // what is dynamic would be left out below
+        scratch.broad_phase.query_static(swept, near);
+    else
+        scratch.broad_phase.query(swept, near);
+    near.proxies.insert(near.proxies.end(), scratch.planes.begin(), scratch.planes.end());
+    for (const std::uint32_t slot : near.proxies) {
+        const ShapeRow& wall = s.shapes[s.slots[slot].row];
+        const std::uint32_t other = s.w.row_of(wall.body);
+        if (s.traits(wall).sensor != 0 || other == whole.except || !is_swept_against(s, row, other) ||
+            !may_meet(s.w, shape, wall))
+            continue;
+        const Vec3 moved = s.pose[other].position - pose_before(s.w, other).position;
+        if (passes_one_way(s, wall, whole.moved - moved) || passes_one_way(s, shape, moved - whole.moved))
+            continue;
+        Sweep theirs = s.sweep(other, wall);
+        theirs.from = collide::body_pose_at(theirs, whole.begin);
+        if (!is_fast(collide::relative_motion(theirs, way, s.reach(row, shape)), s.at(shape),
+                     s.info[other].kind == BodyKind::static_, s.is_bullet(row)))
+            continue;
+        visit(wall, other, theirs, way);
+    }
+}
+
+/// A worker's memory.
+struct Hand {
+    SweepScratch::Worker& own;
+    collide::NarrowScratch& narrow;
+};
+
+/// Where the first of the body's shapes is stopped, with what is in `touching`.
+Stop first_stop(const Sweeper& s, const Way& way, const Hand& hand) {
+    Stop stop;
+    s.for_each_shape(way.row, [&](const ShapeRow& shape) {
+        for_each_wall(s, way, shape, hand.own.near,
+                      [&](const ShapeRow& wall, std::uint32_t other, const Sweep& theirs, const Sweep& own) {
+                          const Unit fraction = collide::stop_fraction(s.solid(wall), theirs, s.solid(shape),
+                                                                       own, hand.own.touching, hand.narrow);
+                          if (fraction < stop.fraction) stop = {fraction, other};
+                      });
+    });
+    return stop;
+}
+
+/// What the body touches at the start, into `touching`.
+void find_touching(const Sweeper& s, const Way& way, const Hand& hand) {
+    hand.own.touching.clear();
+    s.for_each_shape(way.row, [&](const ShapeRow& shape) {
+        for_each_wall(s, way, shape, hand.own.near,
+                      [&](const ShapeRow& wall, std::uint32_t, const Sweep& theirs, const Sweep& own) {
+                          collide::touching_directions(s.solid(wall), theirs, s.solid(shape), own,
+                                                       hand.narrow, hand.own.touching);
+                      });
+    });
+}
+
+/// Where the body is stopped. What it touches at the start can only make it pass what would stop it otherwise, so that is
+/// looked for last.
+Stop find_stop(const Sweeper& s, const Way& way, const Hand& hand) {
+    hand.own.touching.clear();
+    const Stop stop = first_stop(s, way, hand);
+    if (stop.row == Data::dead) return stop;
+    find_touching(s, way, hand);
+    return hand.own.touching.empty() ? stop : first_stop(s, way, hand);
+}
+
+/// A body that is stopped at `at` by what stands still goes on along it: held where it first touches, a limb would be left
+/// behind by its joints, and what slides would stumble.
+Transform slide_on(const Sweeper& s, std::uint32_t row, const Transform& from, const Transform& to,
+                   const Transform& at, Unit fraction, const Hand& hand) {
+    const Vec3 whole = to.position - from.position, done = at.position - from.position;
+    find_touching(s, {row, at, {at.position + whole, to.rotation}, fraction, Data::dead, done}, hand);
+    Vec3 rest = to.position - at.position;
+    for (int round = 0; round < 2; ++round)
+        for (const UnitVec3 out : hand.own.touching) {
+            const Real into = dot<Real>(rest, out);
+            if (into < Real{}) rest -= lockstone::scale<Real>(out, into);
+        }
+    if (hand.own.touching.empty() || rest == Vec3{}) return at;
+    const Transform end{at.position + rest, to.rotation};
+    const Stop again = find_stop(s, {row, at, end, fraction, Data::dead, done}, hand);
+    return collide::body_pose_at({at, end, Transform::identity()}, again.fraction);
+}
+
+/// Where the body was stopped, if it was, and moved on with what stopped it: shifted, or when that lets it turn through
+/// the body, turned too.
+std::optional<Transform> sweep_body(const Sweeper& s, std::uint32_t row, const Hand& hand) {
+    const Transform from = pose_before(s.w, row), to = s.pose[row];
+    const Stop stop = find_stop(s, {row, from, to, Unit{}, Data::dead, to.position - from.position}, hand);
+    if (stop.row == Data::dead) return std::nullopt;
+    const Transform at = collide::body_pose_at({from, to, Transform::identity()}, stop.fraction);
+    const Sweep theirs{pose_before(s.w, stop.row), s.pose[stop.row], Transform::identity()};
+    if (theirs.from == theirs.to) return slide_on(s, row, from, to, at, stop.fraction, hand);
+    const Transform met = collide::body_pose_at(theirs, stop.fraction);
+    const Vec3 moved = at.position - from.position;
+    Transform end{at.position + (theirs.to.position - met.position), at.rotation};
+    const bool turns = theirs.from.rotation != theirs.to.rotation;
+    Stop again;
+    if (!turns) again = find_stop(s, {row, at, end, stop.fraction, Data::dead, moved}, hand);
+    if (turns || again.row == stop.row) {
+        const Transform relative{inverse_mul(met, at.position), conjugate(met.rotation) * at.rotation};
+        end = {theirs.to * relative.position, normalized(theirs.to.rotation * relative.rotation)};
+        again = find_stop(s, {row, at, end, stop.fraction, stop.row, moved}, hand);
+    }
+    return collide::body_pose_at({at, end, Transform::identity()}, again.fraction);
+}
+
+/// Whether a body may be fast against what moves by up to `others` in the tick.
+bool may_be_fast(const Sweeper& s, std::uint32_t row, Real others) {
+    bool fast = false;
+    const bool all_stands_still = others == Real{};
+    s.for_each_shape(row, [&](const ShapeRow& shape) {
+        fast |=
+            is_fast(coarse_motion(s, row, shape) + others, s.at(shape), all_stands_still, s.is_bullet(row));
+    });
+    if (!fast) return false;
+    fast = false;
+    const Real motion = motion_of(s, row) + others;
+    s.for_each_shape(row, [&](const ShapeRow& shape) {
+        fast |= is_fast(motion, s.at(shape), all_stands_still, s.is_bullet(row));
+    });
+    return fast;
+}
+
+constexpr std::uint32_t sweeps_per_chunk = 16;
+
+/// All that are no bullets. They are swept against static and kinematic bodies alone, whose poses nobody writes here.
+void sweep_plain_bodies(Data& w, const Sweeper& s) {
+    SweepScratch& sweep = w.scratch.sweep;
+    const std::uint32_t rows = w.header().bodies_awake;
+    sweep.stopped.resize(rows);
+    base::for_chunks(w.tasks, rows, sweeps_per_chunk,
+                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t worker) {
+                         const Hand hand{sweep.workers[worker], w.scratch.narrow_workers[worker].narrow};
+                         for (std::uint32_t row = first; row < last; ++row) {
+                             sweep.stopped[row].reset();
+                             if (s.info[row].kind == BodyKind::dynamic && !s.is_bullet(row) &&
+                                 may_be_fast(s, row, s.kinematic_motion_max))
+                                 sweep.stopped[row] = sweep_body(s, row, hand);
+                         }
+                     });
+    for (std::uint32_t row = 0; row < rows; ++row)
+        if (sweep.stopped[row]) w.state.edit_row(w.m.body_pose, row) = *sweep.stopped[row];
+}
+
+/// With room for what is usually near, so that the tick in which a body first becomes fast does not allocate.
+void make_workers(SweepScratch& sweep, std::uint32_t count) {
+    constexpr std::size_t usual = 256;
+    sweep.workers.resize(count);
+    for (SweepScratch::Worker& worker : sweep.workers) {
+        worker.near.open.reserve(usual), worker.near.proxies.reserve(usual);
+        worker.touching.reserve(usual);
+    }
+}
+
+} // namespace
+
+void sweep_fast_bodies(Data& w) {
+    Sweeper s(w);
+    const bool any_bullet =
+        std::ranges::any_of(s.mass.traits, [](const BodyTraits& traits) { return traits.bullet != 0; });
+    const std::uint32_t rows = w.header().bodies_awake;
+    for (std::uint32_t row = 0; row < rows; ++row) {
+        if (s.info[row].kind == BodyKind::kinematic)
+            s.kinematic_motion_max = max(s.kinematic_motion_max, motion_of(s, row));
+        s.all_dynamic = s.all_dynamic && s.info[row].kind == BodyKind::dynamic;
+    }
+    const std::uint32_t workers = base::worker_count(w.tasks);
+    if (w.scratch.sweep.workers.size() < workers) make_workers(w.scratch.sweep, workers);
+    w.scratch.broad_phase.update_trees();
+    sweep_plain_bodies(w, s);
+    if (!any_bullet) return;
+    for (std::uint32_t row = 0; row < rows; ++row) s.motion_max = max(s.motion_max, motion_of(s, row));
+    const Hand hand{w.scratch.sweep.workers[0], w.scratch.narrow_workers[0].narrow};
+    for (std::uint32_t row = 0; row < rows; ++row)
+        if (s.info[row].kind == BodyKind::dynamic && s.is_bullet(row) && may_be_fast(s, row, s.motion_max))
+            if (const std::optional<Transform> stopped = sweep_body(s, row, hand))
+                w.state.edit_row(w.m.body_pose, row) = *stopped;
+}
+
+} // namespace lockstone::sim

@@ -1,0 +1,42 @@
+// Continuous collision: what moved far in the tick is stopped where it first met something.
+//
+//   body          static   kinematic   dynamic
+//   any, fast     yes      yes         no
+//   bullet        yes      yes         yes, other bullets too
+//
+// Guarantee: the core of a shape (a ball of half its inner radius about its core centre) never passes through what its
+// body is swept against, and a shape that was apart from a piece (a convex part, a triangle) stops where it comes within
+// collide::stop_gap of it. What stands still stops it across alone: it goes on along that. Velocity is kept: the contacts of
+// the next tick stop it.
+//
+// Fast: a point of the shape may have moved in the tick, against what it is swept against, by more than half of the
+// shape's inner radius (a quarter where that moves, a 64th for bullets there that are no balls); turning counts with the shape's reach.
+// Slower ones are left to the contacts, whose margin looks further ahead than that.
+// Not swept: sensors, shapes that may not meet, pairs of which neither moves.
+#pragma once
+
+#include "collide/broad/broad_phase.h"
+#include "lockstone/math/vec.h"
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace lockstone::sim {
+
+struct Data;
+
+struct SweepScratch {
+    /// What a worker needs for itself.
+    struct alignas(64) Worker {
+        collide::BroadPhase::Asker near; ///< shapes near the way
+        std::vector<UnitVec3> touching;
+    };
+    std::vector<Worker> workers;
+    std::vector<std::optional<Transform>> stopped; ///< by row: where, if the body was
+};
+
+/// Poses of fast bodies in the state, from scratch.pose_before and where finish_step put them. A pure function of these.
+void sweep_fast_bodies(Data& w);
+
+} // namespace lockstone::sim

@@ -1,0 +1,319 @@
+#include "world/commands/applier.h"
+
+#include "lockstone/math/decimal.h"
+#include "lockstone/math/math.h"
+#include "model/checks.h"
+#include "solve/joints/locks.h"
+#include "tick/phases.h"
+#include "tick/sleep.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace lockstone::sim {
+
+using Applied = World::Applied;
+using base::join;
+
+// ---- slots ---------------------------------------------------------------------------------------------------
+
+/// The caller has made room, so that the header that `first_free` is in stays where it is.
+std::uint32_t take_slot(State& state, TableId table, Column<Slot> column, std::uint32_t& first_free,
+                        std::uint32_t row) {
+    std::uint32_t index = first_free;
+    if (index == 0) {
+        const std::uint32_t count = state.count(table);
+        state.resize(table, count + 1);
+        index = count + 1;
+        state.edit_row(column, index - 1).generation = 1;
+    }
+    Slot& slot = state.edit_row(column, index - 1);
+    first_free = slot.is_alive() ? 0 : slot.next_free();
+    slot.row = row;
+    return index;
+}
+
+void free_slot(State& state, Column<Slot> column, std::uint32_t index, std::uint32_t& first_free) {
+    Slot& slot = state.edit_row(column, index - 1);
+    // Generations wrap after 2^32 lives of one slot; 0 stays null.
+    slot.generation = slot.generation == 0xffffffffu ? 1 : slot.generation + 1;
+    slot.row = Slot::is_free | first_free;
+    first_free = index;
+}
+
+void remove_row(State& state, TableId table, std::uint32_t row) {
+    const std::uint32_t last = state.count(table) - 1;
+    const std::span<const ColumnInfo> columns = state.layout().columns();
+    for (std::uint32_t c = 0; c < columns.size() && row != last; ++c) {
+        if (columns[c].table != table.index) continue;
+        const std::span<std::byte> to = state.edit_bytes(c, row, 1);
+        std::memcpy(to.data(), state.bytes(c).data() + std::size_t{last} * columns[c].row_size, to.size());
+    }
+    state.resize(table, last);
+}
+
+// ---- bodies --------------------------------------------------------------------------------------------------
+
+void define(BodyTraits& traits, const BodyDef& d) {
+    traits.linear_damping = d.linear_damping;
+    traits.angular_damping = d.angular_damping;
+    traits.gravity_scale = d.gravity_scale;
+    traits.drag_scale = d.drag_scale;
+    traits.locks = d.locks;
+    traits.gyroscopic = static_cast<std::uint8_t>(d.gyroscopic);
+    traits.enable_fields = static_cast<std::uint8_t>(d.enable_fields);
+    traits.bullet = static_cast<std::uint8_t>(d.bullet);
+}
+
+static Vec3 center_offset(const Data& w, std::uint32_t row, Quat rotation) {
+    return rotate(rotation, w.mass_of(row).center);
+}
+
+void push(Data& w, std::uint32_t row, Vec3 linear, Vec3 angular) {
+    const BodyMass& mass = w.mass_of(row);
+    if (mass.mass == Real{}) return;
+    const std::uint32_t locks = w.traits_of(w.state.rows(w.m.body_info)[row]).locks;
+    Velocity& velocity = w.state.edit_row(w.m.body_velocity, row);
+    const Rotation axes = to_rotation(w.state.rows(w.m.body_pose)[row].rotation * mass.principal);
+    const Vec3 local = mul_transposed<Real>(axes, angular / mass.mass);
+    const auto turned = [](Real l, Real k) { return l / k / k; };
+    const Vec3 spin =
+        lockstone::mul<Real>(axes, Vec3{turned(local.x, mass.gyration.x), turned(local.y, mass.gyration.y),
+                                        turned(local.z, mass.gyration.z)});
+    const Vec3 dv = linear / mass.mass;
+    for (int i = 0; i < 3; ++i) {
+        if (!((locks >> i) & 1u)) velocity.linear[i] = velocity.linear[i] + to<Speed>(dv[i]);
+        if (!((locks >> (3 + i)) & 1u)) velocity.angular[i] = velocity.angular[i] + to<Speed>(spin[i]);
+    }
+}
+
+Result<World::Applied> Applier::operator()(const SetPose& c) {
+    std::uint32_t row = w.row_of(c.body);
+    if (row == Data::dead) return dead_body("set_pose", c.body);
+    if (std::string e = check_pose("pose", c.pose, position_max); !e.empty()) return Error{"set_pose: " + e};
+    row = wake(w, c.body);
+    const Quat rotation = normalized(c.pose.rotation);
+    w.state.edit_row(w.m.body_pose, row) = {c.pose.position + center_offset(w, row, rotation), rotation};
+    w.scratch.structure_stale = true;
+    return Applied{};
+}
+
+Result<World::Applied> Applier::operator()(const SetVelocity& c) {
+    std::uint32_t row = w.row_of(c.body);
+    if (row == Data::dead) return dead_body("set_velocity", c.body);
+    if (length(c.linear) > speed_max) return Error{"set_velocity: linear must be at most 500 m/s long"};
+    if (!within(c.angular, spin_max))
+        return Error{"set_velocity: angular must be within 4095 rad/s on each axis"};
+    row = wake(w, c.body);
+    Velocity& velocity = w.state.edit_row(w.m.body_velocity, row);
+    velocity = {to<Speed>(c.linear), to<Speed>(c.angular)};
+    solve::drop_locked(velocity, w.traits_of(w.state.rows(w.m.body_info)[row]).locks);
+    return Applied{};
+}
+
+Result<World::Applied> Applier::operator()(const AddForce& c) {
+    std::uint32_t row = w.row_of(c.body);
+    if (row == Data::dead) return dead_body("add_force", c.body);
+    if (!within(c.force, force_max) || !within(c.torque, force_max))
+        return Error{"add_force: force and torque must be within 2e9 on each axis"};
+    row = wake(w, c.body);
+    BodyForce& force = force_on(w, row);
+    force.force += c.force;
+    force.torque += c.torque;
+    return Applied{};
+}
+
+Result<World::Applied> Applier::operator()(const AddForceAt& c) {
+    std::uint32_t row = w.row_of(c.body);
+    if (row == Data::dead) return dead_body("add_force_at", c.body);
+    if (!within(c.force, force_max) || !within(c.point, position_max))
+        return Error{"add_force_at: force must be within 2e9 N, point within 1e9 m on each axis"};
+    row = wake(w, c.body);
+    BodyForce& force = force_on(w, row);
+    force.force += c.force;
+    force.torque += cross(c.point - w.state.rows(w.m.body_pose)[row].position, c.force);
+    return Applied{};
+}
+
+Result<World::Applied> Applier::operator()(const AddImpulse& c) {
+    std::uint32_t row = w.row_of(c.body);
+    if (row == Data::dead) return dead_body("add_impulse", c.body);
+    if (!within(c.linear, force_max) || !within(c.angular, force_max))
+        return Error{"add_impulse: linear and angular must be within 2e9 on each axis"};
+    row = wake(w, c.body);
+    push(w, row, c.linear, c.angular);
+    return Applied{};
+}
+
+Result<World::Applied> Applier::operator()(const AddImpulseAt& c) {
+    std::uint32_t row = w.row_of(c.body);
+    if (row == Data::dead) return dead_body("add_impulse_at", c.body);
+    if (!within(c.impulse, force_max) || !within(c.point, position_max))
+        return Error{"add_impulse_at: impulse must be within 2e9 N s, point within 1e9 m on each axis"};
+    row = wake(w, c.body);
+    push(w, row, c.impulse, cross(c.point - w.state.rows(w.m.body_pose)[row].position, c.impulse));
+    return Applied{};
+}
+
+Result<World::Applied> Applier::operator()(const WakeBody& c) {
+    if (w.row_of(c.body) == Data::dead) return dead_body("wake_body", c.body);
+    wake(w, c.body);
+    return Applied{};
+}
+
+Result<World::Applied> Applier::operator()(const SetBodyParameters& c) {
+    std::uint32_t row = w.row_of(c.body);
+    if (row == Data::dead) return dead_body("set_body_parameters", c.body);
+    if (std::string e = check_changes(c); !e.empty()) return Error{"set_body_parameters: " + e};
+    const BodyTraits& now = w.traits_of(w.state.rows(w.m.body_info)[row]);
+    BodyDef d{};
+    d.linear_damping = c.linear_damping.or_else(now.linear_damping);
+    d.angular_damping = c.angular_damping.or_else(now.angular_damping);
+    d.gravity_scale = c.gravity_scale.or_else(now.gravity_scale);
+    d.locks = c.locks.or_else(now.locks);
+    d.gyroscopic = c.gyroscopic.or_else(now.gyroscopic);
+    d.bullet = c.bullet.or_else(now.bullet);
+    d.enable_fields = c.enable_fields.or_else(now.enable_fields);
+    d.drag_scale = c.drag_scale.or_else(now.drag_scale);
+    if (std::string e = check(d); !e.empty()) return Error{"set_body_parameters: " + e};
+    row = wake(w, c.body);
+    BodyTraits traits = w.traits_of(w.state.rows(w.m.body_info)[row]);
+    define(traits, d);
+    set_traits(w, row, traits);
+    solve::drop_locked(w.state.edit_row(w.m.body_velocity, row), d.locks);
+    return Applied{};
+}
+
+// ---- surfaces, filters, gravity, game columns ----------------------------------------------------------------
+
+Result<World::Applied> Applier::operator()(const SetMaterial& c) {
+    const std::uint32_t row = w.row_of(c.shape);
+    if (row == Data::dead) return dead_shape("set_material", c.shape);
+    if (std::string e = check_changes(c); !e.empty()) return Error{"set_material: " + e};
+    ShapeTraits traits = w.traits_of(w.state.rows(w.m.shape)[row]);
+    const Real friction = c.friction.or_else(traits.friction);
+    const Real restitution = c.restitution.or_else(traits.restitution);
+    const Real rolling_resistance = c.rolling_resistance.or_else(traits.rolling_resistance);
+    const Vec3 surface_velocity = c.surface_velocity.or_else(traits.surface_velocity);
+    if (std::string e = check_surface(friction, restitution, rolling_resistance, surface_velocity);
+        !e.empty())
+        return Error{"set_material: " + e};
+    wake(w, w.state.rows(w.m.shape)[row].body);
+    traits.friction = friction;
+    traits.restitution = restitution;
+    traits.rolling_resistance = rolling_resistance;
+    traits.surface_velocity = surface_velocity;
+    set_shape_traits(w, row, traits);
+    return Applied{};
+}
+
+Result<World::Applied> Applier::operator()(const SetFilter& c) {
+    const std::uint32_t row = w.row_of(c.shape);
+    if (row == Data::dead) return dead_shape("set_filter", c.shape);
+    if (std::string e = check_changes(c); !e.empty()) return Error{"set_filter: " + e};
+    wake(w, w.state.rows(w.m.shape)[row].body);
+    ShapeTraits traits = w.traits_of(w.state.rows(w.m.shape)[row]);
+    traits.category = c.category.or_else(traits.category);
+    traits.mask = c.mask.or_else(traits.mask);
+    traits.group = c.group.or_else(traits.group);
+    set_shape_traits(w, row, traits);
+    return Applied{};
+}
+
+Result<World::Applied> Applier::operator()(const SetPairFilter& c) {
+    for (BodyId body : {c.a, c.b})
+        if (w.row_of(body) == Data::dead) return dead_body("set_pair_filter", body);
+    if (c.a == c.b) return Error{"set_pair_filter: a and b are the same body"};
+    if (c.collide > 1) return Error{join("set_pair_filter: collide is ", c.collide, ", must be 0 or 1")};
+    wake(w, c.a);
+    wake(w, c.b);
+    const PairFilterRow fresh{std::min(c.a, c.b), std::max(c.a, c.b)};
+    const std::span<const PairFilterRow> rows = w.state.rows(w.m.pair_filter);
+    const std::uint32_t count = static_cast<std::uint32_t>(rows.size());
+    const auto at = std::lower_bound(rows.begin(), rows.end(), fresh);
+    const std::uint32_t index = static_cast<std::uint32_t>(at - rows.begin());
+    const bool is_there = at != rows.end() && *at == fresh;
+    if (is_there == (c.collide == 0)) return Applied{};
+    if (is_there) {
+        const std::span<PairFilterRow> from = w.state.edit(w.m.pair_filter, index, count - index);
+        std::copy(from.begin() + 1, from.end(), from.begin());
+        w.state.resize(w.m.pair_filters, count - 1);
+        return Applied{};
+    }
+    if (count == w.state.rows_max(w.m.pair_filters))
+        return Error{join("set_pair_filter: the world is full: pair_filters_max is ", count)};
+    w.state.resize(w.m.pair_filters, count + 1);
+    const std::span<PairFilterRow> from = w.state.edit(w.m.pair_filter, index, count + 1 - index);
+    std::copy_backward(from.begin(), from.end() - 1, from.end());
+    from[0] = fresh;
+    return Applied{};
+}
+
+void Applier::forget_filters_of(BodyId body) {
+    const auto is_of = [body](const PairFilterRow& r) { return r.a == body || r.b == body; };
+    if (std::ranges::none_of(w.state.rows(w.m.pair_filter), is_of)) return;
+    const std::span<PairFilterRow> rows = w.state.edit(w.m.pair_filter);
+    const auto end = std::remove_if(rows.begin(), rows.end(), is_of);
+    w.state.resize(w.m.pair_filters, static_cast<std::uint32_t>(end - rows.begin()));
+}
+
+Result<World::Applied> Applier::operator()(const SetGravity& c) {
+    if (!within(c.gravity, Real(1000)))
+        return Error{"set_gravity: gravity must be within 1000 m/s^2 on each axis"};
+    wake_all(w);
+    w.edit_header().gravity = c.gravity;
+    return Applied{};
+}
+
+Result<World::Applied> Applier::operator()(const WriteGame& c) {
+    if (c.column >= w.m.game.size())
+        return Error{
+            join("write_game: game column ", c.column, " does not exist, the schema has ", w.m.game.size())};
+    const GameSchema::Entry& entry = w.schema.entries()[c.column];
+    if (c.size > c.data.size() || c.offset > entry.row_size || c.size > entry.row_size - c.offset)
+        return Error{join("write_game: ", c.size, " bytes at ", c.offset, " do not fit a row of ", entry.name,
+                          ", which has ", entry.row_size)};
+    const std::uint32_t row = entry.per_body ? w.row_of(c.body) : 0;
+    if (row == Data::dead) return dead_body("write_game", c.body);
+    const std::uint32_t column = w.m.game[c.column];
+    const std::span<std::byte> bytes = w.state.edit_bytes(column, row, 1);
+    // Through the canonical form, so that a piece may end inside a field on any byte order.
+    std::vector<std::byte>& canonical = w.scratch.canonical_row;
+    canonical.clear();
+    append_canonical(bytes, entry.leaves, canonical);
+    std::memcpy(canonical.data() + c.offset, c.data.data(), c.size);
+    read_canonical(canonical, entry.leaves, bytes);
+    return Applied{};
+}
+
+namespace {
+
+/// Whether a command that wakes nobody leaves rows, poses and materials as they are.
+struct LeavesContactPoints {
+    template <class T> bool operator()(const T&) const { return false; }
+    bool operator()(const SetVelocity&) const { return true; }
+    bool operator()(const AddForce&) const { return true; }
+    bool operator()(const AddForceAt&) const { return true; }
+    bool operator()(const AddImpulse&) const { return true; }
+    bool operator()(const AddImpulseAt&) const { return true; }
+    bool operator()(const SetGravity&) const { return true; }
+    bool operator()(const WakeBody&) const { return true; }
+    bool operator()(const SetVehicleInput&) const { return true; }
+    bool operator()(const SetCharacterInput&) const { return true; }
+    bool operator()(const SetField&) const { return true; }
+    bool operator()(const Explode&) const { return true; }
+    bool operator()(const WriteGame&) const { return true; }
+};
+
+} // namespace
+
+Result<World::Applied> apply(Data& w, const Command& command) {
+    if (!std::visit(LeavesContactPoints{}, command)) find_contact_points(w);
+    Result<Applied> result = std::visit(Applier{w}, command);
+    if (!result) return result;
+    ++w.edit_header().commands;
+    if (w.journal != nullptr) w.journal->on_command(w.header().tick, command);
+    return result;
+}
+
+} // namespace lockstone::sim

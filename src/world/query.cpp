@@ -1,0 +1,472 @@
+// The queries of a world. They bring the tick's caches (poses, bounds, the broad phase) up to the state, which changes nothing
+// that a tick could see, and ask src/collide.
+#include "base/assert.h"
+#include "collide/query/cast_line.h"
+#include "lockstone/math/math.h"
+#include "model/surface.h"
+#include "tick/phases.h"
+#include "world/world_impl.h"
+
+#include <algorithm>
+#include <array>
+#include <tuple>
+
+namespace lockstone {
+namespace sim {
+namespace {
+
+void refresh(Data& w) {
+    QueryScratch& q = w.scratch.query;
+    const Header& h = w.header();
+    if (!w.scratch.structure_stale && q.is_fresh && q.tick == h.tick && q.commands == h.commands) return;
+    update_bounds(w);
+    w.scratch.broad_phase.update_trees();
+    q.is_fresh = true;
+    q.tick = h.tick;
+    q.commands = h.commands;
+}
+
+/// One who asks: over fresh caches, which nobody changes meanwhile, and with memory of its own.
+class Asking {
+  public:
+    explicit Asking(Data& world) : w(world) {
+        const base::Holds holds(w.scratch.query.lock);
+        refresh(w);
+        std::vector<std::unique_ptr<QueryWork>>& idle = w.scratch.query.idle;
+        if (idle.empty()) idle.push_back(std::make_unique<QueryWork>());
+        work = std::move(idle.back());
+        idle.pop_back();
+    }
+    ~Asking() {
+        const base::Holds holds(w.scratch.query.lock);
+        w.scratch.query.idle.push_back(std::move(work));
+    }
+    Asking(const Asking&) = delete;
+    Asking& operator=(const Asking&) = delete;
+
+    Data& w;
+    std::unique_ptr<QueryWork> work;
+};
+
+bool is_seen(const Data& w, const ShapeRow& shape, const QueryFilter& filter) {
+    const ShapeTraits& traits = w.traits_of(shape);
+    if (traits.sensor != 0 && filter.sensors == 0) return false;
+    if ((filter.category & traits.mask) == 0 || (filter.mask & traits.category) == 0) return false;
+    if (shape.body == filter.ignore) return false;
+    const BodyKind kind = w.state.rows(w.m.body_info)[w.row_of(shape.body)].kind;
+    return (filter.kinds >> static_cast<std::uint32_t>(kind) & 1u) != 0;
+}
+
+const ShapeRow& row_of_slot(const Data& w, std::uint32_t slot) {
+    return w.state.rows(w.m.shape)[w.state.rows(w.m.shape_slot)[slot].row];
+}
+
+/// What is cast: a ray, or a solid at a pose.
+struct Cast {
+    Vec3 from, way;
+    const shapes::Solid* solid; ///< null: a ray
+    Quat rotation;
+    Coordinate reach;
+    collide::Line line; ///< from 0 along the way, world axes
+};
+
+bool make_cast(Vec3 from, Vec3 way, Cast& out) {
+    out.from = from;
+    out.way = way;
+    out.solid = nullptr;
+    out.rotation = Quat::identity();
+    out.reach = Coordinate{};
+    for (int i = 0; i < 3; ++i)
+        if (abs(way[i]) > query_length_max) return false;
+    return collide::make_line(CoordinateVec3{}, to<Coordinate>(way), out.line) &&
+           out.line.length_30 <= query_length_max.raw >> 2;
+}
+
+/// A solid that can be cast, or asked about; false otherwise.
+bool find_solid(Data& w, const Geometry& geometry, shapes::Solid& out) {
+    const base::Holds holds(w.scratch.query.lock); // scaled hulls are kept
+    const Result<shapes::Solid> solid = w.scratch.solids.resolve(geometry);
+    if (!solid || solid->geometry.kind >= ShapeKind::height_field) return false;
+    out = *solid;
+    return true;
+}
+
+/// Where a plane's frame is for something at a point: straight below it.
+Transform plane_below(const Transform& plane, Vec3 point) {
+    const UnitVec3 n = to_rotation(plane.rotation).y;
+    const Real height = dot<Real>(n, point - plane.position);
+    return {point - scale<Real>(n, height), plane.rotation};
+}
+
+QueryHit world_hit(const Data& w, const ShapeRow& shape, const Transform& frame, const Rotation& axes,
+                   const collide::CastHit& hit) {
+    QueryHit out{};
+    out.shape = shape.id;
+    out.body = shape.body;
+    out.point = frame.position + lockstone::mul<Real>(axes, hit.point);
+    out.normal = lockstone::mul<Unit>(axes, hit.normal);
+    out.feature = hit.feature;
+    out.part = part_of(w, shape.id, hit.feature);
+    return out;
+}
+
+/// A part of the way near the shape is turned into its frame, so that the rotation's rounding does not grow with the way.
+/// Returns whether they meet.
+bool cast_at(const Asking& asking, const Cast& cast, const ShapeRow& shape, QueryHit& out) {
+    collide::NarrowScratch& narrow = asking.work->narrow;
+    const Scratch::Shape& at = asking.w.scratch.shape[shape.id.index - 1];
+    const bool is_plane = asking.w.traits_of(shape).geometry.kind == ShapeKind::plane;
+    const Transform frame = is_plane ? plane_below(at.pose, cast.from) : at.pose;
+    collide::Line line{};
+    if (!collide::make_line(to<Coordinate>(cast.from - frame.position), to<Coordinate>(cast.way), line))
+        return false;
+    collide::Span span{0, line.length_30};
+    if (!is_plane) span = collide::span_of_ball(line, collide::Long3{}, at.reach.raw + cast.reach.raw);
+    if (span.empty()) return false;
+
+    const Rotation& axes = at.axes; // a plane's frame has its rotation
+    const CoordinateVec3 begin =
+        collide::coordinates(collide::shifted(collide::point_30(line, span.enter_30), 6));
+    const CoordinateVec3 end =
+        collide::coordinates(collide::shifted(collide::point_30(line, span.exit_30), 6));
+    const CoordinateVec3 from = mul_transposed<Coordinate>(axes, begin),
+                         way = mul_transposed<Coordinate>(axes, end - begin);
+    collide::CastHit hit{};
+    if (cast.solid == nullptr) {
+        if (!collide::cast_ray(at.solid, from, way, narrow, hit)) return false;
+    } else {
+        const bool is_ball = cast.solid->geometry.kind == ShapeKind::sphere;
+        const Rotation turned =
+            is_ball ? Rotation::identity() : to_rotation(conjugate(frame.rotation) * cast.rotation);
+        if (!collide::cast_shape(at.solid, *cast.solid, {turned, from}, way, narrow, hit)) return false;
+    }
+    out = world_hit(asking.w, shape, frame, axes, hit);
+    const std::int64_t travelled = std::min(span.enter_30 + (hit.distance.raw << 6), line.length_30);
+    out.distance = Real::from_raw(travelled << 2);
+    if (line.length_30 != 0)
+        out.fraction =
+            Unit::from_raw(static_cast<std::int32_t>(divide_shifted(travelled, line.length_30, 30)));
+    return true;
+}
+
+/// A point's place in the broad phase, rounded down.
+Vector3<Bound> bound_below(Vec3 p, int shift) {
+    const auto low = [shift](Real x) {
+        return Bound::from_raw(
+            saturate_to_int32(x.raw >> (Real::fraction_bits - Bound::fraction_bits + shift)));
+    };
+    return {low(p.x), low(p.y), low(p.z)};
+}
+
+/// A moving box's bounds at both ends.
+collide::SweptBox swept_box(const Data& w, const Cast& cast) {
+    const int shift = static_cast<int>(w.state.rows(w.m.config)[0].bounds_shift);
+    if (cast.solid != nullptr)
+        return {collide::bounds_of(*cast.solid, {cast.from, cast.rotation}, Length{}, shift),
+                collide::bounds_of(*cast.solid, {cast.from + cast.way, cast.rotation}, Length{}, shift)};
+    const auto point = [shift](Vec3 p) {
+        const Vector3<Bound> lower = bound_below(p, shift);
+        return collide::expand({lower, lower}, Bound::from_raw(2));
+    };
+    return {point(cast.from), point(cast.from + cast.way)};
+}
+
+/// The shapes whose bounds a cast may meet, into near.
+void find_near(const Asking& asking, const Cast& cast) {
+    const Scratch& s = asking.w.scratch;
+    collide::BroadPhase::Asker& near = asking.work->near;
+    s.broad_phase.query(swept_box(asking.w, cast), near);
+    near.proxies.insert(near.proxies.end(), s.planes.begin(), s.planes.end());
+}
+
+/// The same for several casts of solids: what the box around all of them meets.
+void find_near(const Asking& asking, std::span<const Cast> casts) {
+    const Scratch& s = asking.w.scratch;
+    Vec3 lower = casts[0].from, upper = lower;
+    for (const Cast& cast : casts) {
+        const Real reach = to<Real>(cast.reach);
+        const Vec3 end = cast.from + cast.way, wide{reach, reach, reach};
+        lower = min(lower, min(cast.from, end) - wide);
+        upper = max(upper, max(cast.from, end) + wide);
+    }
+    const int shift = static_cast<int>(asking.w.state.rows(asking.w.m.config)[0].bounds_shift);
+    const collide::Bounds around{bound_below(lower, shift), bound_below(upper, shift)};
+    collide::BroadPhase::Asker& near = asking.work->near;
+    s.broad_phase.query(collide::expand(around, Bound::from_raw(2)), near);
+    near.proxies.insert(near.proxies.end(), s.planes.begin(), s.planes.end());
+}
+
+/// What of near a cast may meet, by where the balls of the shapes begin, then by slot.
+void find_candidates(const Asking& asking, const Cast& cast, const QueryFilter& filter) {
+    const Data& w = asking.w;
+    const Scratch& s = w.scratch;
+    QueryWork& q = *asking.work;
+    q.candidates.clear();
+    for (const std::uint32_t slot : q.near.proxies) {
+        const ShapeRow& shape = row_of_slot(w, slot);
+        if (!is_seen(w, shape, filter)) continue;
+        std::int64_t enter = 0;
+        const Scratch::Shape& at = s.shape[slot];
+        if (w.traits_of(shape).geometry.kind != ShapeKind::plane) {
+            const collide::Long3 center = collide::raw(to<Coordinate>(at.pose.position - cast.from));
+            const collide::Span span =
+                collide::span_of_ball(cast.line, center, at.reach.raw + cast.reach.raw);
+            if (span.empty()) continue;
+            enter = span.enter_30;
+        }
+        q.candidates.push_back({enter, slot});
+    }
+    std::sort(q.candidates.begin(), q.candidates.end(),
+              [](const QueryWork::Candidate& a, const QueryWork::Candidate& b) {
+                  return std::tie(a.enter, a.slot) < std::tie(b.enter, b.slot);
+              });
+}
+
+/// visit(hit) returns how far hits still matter [m, 30 fraction bits]. After find_near().
+template <class Visit>
+void for_each_hit_near(const Asking& asking, const Cast& cast, const QueryFilter& filter, Visit&& visit) {
+    find_candidates(asking, cast, filter);
+    constexpr std::int64_t slack = 1 << 10; // what roundings can move a ball
+    std::int64_t matters = std::int64_t{1} << 60;
+    for (const QueryWork::Candidate& c : asking.work->candidates) {
+        if (c.enter > matters + slack) break;
+        QueryHit hit{};
+        if (cast_at(asking, cast, row_of_slot(asking.w, c.slot), hit))
+            matters = std::min(matters, visit(hit));
+    }
+}
+template <class Visit>
+void for_each_hit(Data& w, const Cast& cast, const QueryFilter& filter, Visit&& visit) {
+    const Asking asking(w);
+    find_near(asking, cast);
+    for_each_hit_near(asking, cast, filter, visit);
+}
+
+/// After find_near().
+std::optional<QueryHit> first_hit(const Asking& asking, const Cast& cast, const QueryFilter& filter) {
+    std::optional<QueryHit> first;
+    for_each_hit_near(asking, cast, filter, [&](const QueryHit& hit) {
+        if (!first || hit < *first) first = hit;
+        return first->distance.raw >> 2;
+    });
+    return first;
+}
+std::optional<QueryHit> first_hit(Data& w, const Cast& cast, const QueryFilter& filter) {
+    const Asking asking(w);
+    find_near(asking, cast);
+    return first_hit(asking, cast, filter);
+}
+
+bool any_hit(Data& w, const Cast& cast, const QueryFilter& filter) {
+    bool found = false;
+    for_each_hit(w, cast, filter, [&](const QueryHit&) {
+        found = true;
+        return -(std::int64_t{1} << 60);
+    });
+    return found;
+}
+
+void all_hits(Data& w, const Cast& cast, const QueryFilter& filter, std::vector<QueryHit>& hits) {
+    for_each_hit(w, cast, filter, [&](const QueryHit& hit) {
+        hits.push_back(hit);
+        return std::int64_t{1} << 60;
+    });
+    std::sort(hits.begin(), hits.end());
+}
+
+bool make_shape_cast(Data& w, const Geometry& geometry, const Transform& pose, Vec3 way, shapes::Solid& solid,
+                     Cast& out) {
+    if (!find_solid(w, geometry, solid) || !make_cast(pose.position, way, out)) return false;
+    out.solid = &solid;
+    out.rotation = normalized(pose.rotation);
+    out.reach = shapes::reach_of(solid);
+    return true;
+}
+
+/// Nearest points of a living shape and a solid without triangles at a pose.
+bool nearest_of(const Asking& asking, const ShapeRow& shape, const shapes::Solid& solid,
+                const Transform& pose, Real limit, QueryHit& hit, Vec3& on_other) {
+    const Scratch::Shape& at = asking.w.scratch.shape[shape.id.index - 1];
+    const bool is_plane = asking.w.traits_of(shape).geometry.kind == ShapeKind::plane;
+    const Transform frame = is_plane ? plane_below(at.pose, pose.position) : at.pose;
+    const collide::RelativePose relative =
+        is_plane ? collide::plane_relative_pose(at.pose, pose) : collide::relative_pose(at.pose, pose);
+    if (abs(relative.position.x) >= collide::relative_position_max ||
+        abs(relative.position.y) >= collide::relative_position_max ||
+        abs(relative.position.z) >= collide::relative_position_max)
+        return false;
+    collide::Nearest nearest{};
+    if (!collide::nearest_points(at.solid, solid, relative, to<Coordinate>(limit), asking.work->narrow,
+                                 nearest))
+        return false;
+    collide::CastHit local{};
+    local.point = nearest.on_a;
+    local.normal = nearest.normal;
+    local.feature = nearest.feature_a;
+    hit = world_hit(asking.w, shape, frame, at.axes, local);
+    hit.distance = to<Real>(nearest.distance);
+    on_other = frame.position + lockstone::mul<Real>(at.axes, nearest.on_b);
+    return true;
+}
+
+/// visit(shape) for the shapes that are seen and whose bounds are within `limit` of the solid's, by slot.
+template <class Visit>
+void for_each_near(const Asking& asking, const shapes::Solid& solid, const Transform& pose, Real limit,
+                   const QueryFilter& filter, Visit&& visit) {
+    const Data& w = asking.w;
+    const Scratch& s = w.scratch;
+    std::vector<std::uint32_t>& slots = asking.work->near.proxies;
+    const int shift = static_cast<int>(w.state.rows(w.m.config)[0].bounds_shift);
+    const collide::Bounds tight = collide::bounds_of(solid, pose, Length{}, shift);
+    const std::int64_t steps = (limit.raw >> (Real::fraction_bits - Bound::fraction_bits + shift)) + 1;
+    s.broad_phase.query(collide::expand(tight, Bound::from_raw(saturate_to_int32(steps))), asking.work->near);
+    slots.insert(slots.end(), s.planes.begin(), s.planes.end());
+    std::sort(slots.begin(), slots.end());
+    for (const std::uint32_t slot : slots)
+        if (const ShapeRow& shape = row_of_slot(w, slot); is_seen(w, shape, filter)) visit(shape);
+}
+
+/// In boxes that grow until one holds a shape that is nearer than its width.
+std::optional<QueryHit> nearest_shape(const Asking& asking, const shapes::Solid& solid, const Transform& pose,
+                                      Real limit, const QueryFilter& filter) {
+    std::optional<QueryHit> best;
+    for (Real width = min(limit, Real(1));; width = min(limit, width * 8)) {
+        for_each_near(asking, solid, pose, width, filter, [&](const ShapeRow& shape) {
+            QueryHit hit{};
+            Vec3 on_other{};
+            if (!nearest_of(asking, shape, solid, pose, best ? best->distance : width, hit, on_other)) return;
+            if (!best || hit < *best) best = hit;
+        });
+        if (best || width >= limit) return best;
+    }
+}
+
+} // namespace
+
+std::optional<QueryHit> cast_ray(Data& w, const Ray& ray, const QueryFilter& filter) {
+    Cast cast{};
+    if (!make_cast(ray.from, ray.translation, cast)) return std::nullopt;
+    return first_hit(w, cast, filter);
+}
+
+std::optional<QueryHit> cast_shape(Data& w, const Geometry& geometry, const Transform& pose, Vec3 translation,
+                                   const QueryFilter& filter) {
+    Cast cast{};
+    shapes::Solid solid{};
+    if (!make_shape_cast(w, geometry, pose, translation, solid, cast)) return std::nullopt;
+    return first_hit(w, cast, filter);
+}
+
+void cast_balls(Data& w, std::span<const BallCast> balls, const QueryFilter& filter,
+                std::span<std::optional<QueryHit>> hits) {
+    std::array<shapes::Solid, balls_max> solids;
+    std::array<Cast, balls_max> casts;
+    std::array<std::size_t, balls_max> index;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < balls.size(); ++i) {
+        hits[i].reset();
+        const BallCast& ball = balls[i];
+        const bool is_known = count > 0 && ball.radius == balls[index[count - 1]].radius;
+        if (is_known)
+            solids[count] = solids[count - 1];
+        else if (!find_solid(w, sphere(ball.radius), solids[count]))
+            continue;
+        if (!make_cast(ball.from, ball.way, casts[count])) continue;
+        casts[count].solid = &solids[count];
+        casts[count].reach = is_known ? casts[count - 1].reach : shapes::reach_of(solids[count]);
+        index[count++] = i;
+    }
+    if (count == 0) return;
+    const Asking asking(w);
+    find_near(asking, std::span(casts).first(count));
+    for (std::size_t k = 0; k < count; ++k) hits[index[k]] = first_hit(asking, casts[k], filter);
+}
+
+} // namespace sim
+
+std::optional<QueryHit> World::cast_ray(const Ray& ray, const QueryFilter& filter) const {
+    return sim::cast_ray(*impl, ray, filter);
+}
+
+bool World::cast_ray_any(const Ray& ray, const QueryFilter& filter) const {
+    sim::Cast cast{};
+    return sim::make_cast(ray.from, ray.translation, cast) && sim::any_hit(*impl, cast, filter);
+}
+
+void World::cast_ray_all(const Ray& ray, const QueryFilter& filter, std::vector<QueryHit>& hits) const {
+    hits.clear();
+    sim::Cast cast{};
+    if (sim::make_cast(ray.from, ray.translation, cast)) sim::all_hits(*impl, cast, filter, hits);
+}
+
+void World::cast_rays(std::span<const Ray> rays, const QueryFilter& filter,
+                      std::span<std::optional<QueryHit>> hits) const {
+    for (std::size_t i = 0; i < std::min(rays.size(), hits.size()); ++i) hits[i] = cast_ray(rays[i], filter);
+}
+
+std::optional<QueryHit> World::cast_shape(const Geometry& geometry, const Transform& pose, Vec3 translation,
+                                          const QueryFilter& filter) const {
+    return sim::cast_shape(*impl, geometry, pose, translation, filter);
+}
+
+bool World::cast_shape_any(const Geometry& geometry, const Transform& pose, Vec3 translation,
+                           const QueryFilter& filter) const {
+    sim::Cast cast{};
+    shapes::Solid solid{};
+    return sim::make_shape_cast(*impl, geometry, pose, translation, solid, cast) &&
+           sim::any_hit(*impl, cast, filter);
+}
+
+void World::cast_shape_all(const Geometry& geometry, const Transform& pose, Vec3 translation,
+                           const QueryFilter& filter, std::vector<QueryHit>& hits) const {
+    hits.clear();
+    sim::Cast cast{};
+    shapes::Solid solid{};
+    if (sim::make_shape_cast(*impl, geometry, pose, translation, solid, cast))
+        sim::all_hits(*impl, cast, filter, hits);
+}
+
+void World::overlap(const Geometry& geometry, const Transform& pose, const QueryFilter& filter,
+                    std::vector<ShapeId>& shapes) const {
+    shapes.clear();
+    shapes::Solid solid{};
+    if (!sim::find_solid(*impl, geometry, solid)) return;
+    const sim::Asking asking(*impl);
+    const Transform at{pose.position, normalized(pose.rotation)};
+    sim::for_each_near(asking, solid, at, Real{}, filter, [&](const sim::ShapeRow& shape) {
+        QueryHit hit{};
+        Vec3 on_other{};
+        if (sim::nearest_of(asking, shape, solid, at, Real{}, hit, on_other)) shapes.push_back(shape.id);
+    });
+    std::sort(shapes.begin(), shapes.end());
+}
+
+std::optional<QueryHit> World::nearest(const Geometry& geometry, const Transform& pose, Real limit,
+                                       const QueryFilter& filter) const {
+    shapes::Solid solid{};
+    if (limit < Real{} || !sim::find_solid(*impl, geometry, solid)) return std::nullopt;
+    const sim::Asking asking(*impl);
+    const Transform at{pose.position, normalized(pose.rotation)};
+    return sim::nearest_shape(asking, solid, at, min(limit, query_length_max), filter);
+}
+
+std::optional<ShapeDistance> World::distance(ShapeId a, ShapeId b) const {
+    const std::uint32_t row_a = impl->row_of(a), row_b = impl->row_of(b);
+    if (row_a == sim::Data::dead || row_b == sim::Data::dead) return std::nullopt;
+    const sim::Asking asking(*impl);
+    const std::span<const sim::ShapeRow> rows = impl->state.rows(impl->m.shape);
+    // In one order, so that asking the other way round gives the same numbers.
+    const bool swaps = std::pair(impl->traits_of(rows[row_a]).geometry.kind, b) <
+                       std::pair(impl->traits_of(rows[row_b]).geometry.kind, a);
+    const sim::ShapeRow &first = rows[swaps ? row_b : row_a], &second = rows[swaps ? row_a : row_b];
+    if (impl->traits_of(second).geometry.kind >= ShapeKind::height_field) return std::nullopt;
+    const sim::Scratch::Shape& other = impl->scratch.shape[second.id.index - 1];
+    QueryHit hit{};
+    Vec3 on_other{};
+    if (!sim::nearest_of(asking, first, other.solid, other.pose, query_length_max, hit, on_other))
+        return std::nullopt;
+    if (swaps) return ShapeDistance{hit.distance, on_other, hit.point, -hit.normal};
+    return ShapeDistance{hit.distance, hit.point, on_other, hit.normal};
+}
+
+} // namespace lockstone

@@ -1,0 +1,65 @@
+#!/usr/bin/env bash
+# cli_compare.sh LOCKSTONE: both engines run in every scene of `compare`, its pictures are drawn, and what it cannot do it says.
+set -euo pipefail
+source "$(dirname "${BASH_SOURCE[0]}")/../../support/cli.sh"
+lockstone=$1
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work"
+
+refused() { # SENTENCE ARGUMENT...: status 2, one line on stderr that holds the sentence
+    local sentence=$1
+    shift
+    expect 2 "$@"
+    [ "$(wc -l <err)" -eq 1 ] || fail "'$*' did not print one line: $(cat err)"
+    grep -qF -- "$sentence" err || fail "'$*' does not say '$sentence' but: $(cat err)"
+}
+
+cat >shape.py <<'PYTHON'
+import json, math, sys
+scene, found = sys.argv[1], json.load(open(sys.argv[2]))
+finite = lambda x: isinstance(x, (int, float)) and math.isfinite(x)
+assert found["scene"] == scene and found["bodies"] > 0, "which scene"
+assert [t["tick"] for t in found["ticks"]] == list(range(1, 25)), "ticks"
+for tick in found["ticks"]:
+    assert finite(tick["separation_max_m"]) and tick["ours_us"] > 0 and tick["thesis_us"] > 0, tick
+    for whose in ("ours", "thesis"):
+        assert all(finite(tick[whose][key]) for key in ("kinetic_j", "potential_j", "penetration_m")), tick
+        assert all(map(finite, tick[whose]["momentum_ns"])), tick
+names = [line["name"] for line in found["drift"]]
+assert names[-1] == "Lockstone" and "float, -ffast-math" in names and "float, again" in names, names
+for line in found["drift"]:
+    assert len(line["apart_m"]) == 24
+    assert line["parts_at"] is None or line["name"] not in ("Lockstone", "float, again"), f"{line['name']} parts"
+PYTHON
+for scene in two-blocks stack pile domino orbit top pyramid; do
+    expect 0 compare "$scene" --ticks 24 --json
+    python3 shape.py "$scene" out || fail "compare $scene --json has another shape"
+done
+python3 - <<'PYTHON'
+import json
+found = json.load(open("out"))
+found["drift"][-1]["parts_at"] = 3
+json.dump(found, open("broken.json", "w"))
+PYTHON
+! python3 shape.py pyramid broken.json 2>/dev/null || fail "that ours parted was not noticed"
+
+expect 0 compare two-blocks --ticks 60
+grep -q '^first contact: ours tick' out && grep -q '^built twice: Lockstone .* parts: never' out || fail "compare prints no summary"
+if command -v gnuplot >/dev/null; then
+    expect 0 compare two-blocks --ticks 60 --plot six.svg
+    expect 0 compare two-blocks --ticks 60 --drift --plot drift.svg
+    grep -q '<svg' six.svg && grep -q 'momentum' six.svg && grep -q '<svg' drift.svg || fail "--plot draws nothing"
+else
+    echo "gnuplot is not here: no picture was drawn" >&2
+fi
+for integrator in verlet velocity-verlet runge-kutta-4; do expect 0 compare orbit --ticks 5 --integrator $integrator; done
+
+refused "there is no scene 'orbitt' to compare in: two-blocks, stack" compare orbitt
+refused 'FCL has no rounded' compare convex-pile
+refused "the thesis' engine has no joints" compare bridge
+refused 'position iterations is 0, must be 1 to 1000000' compare stack --iterations 0
+refused 'substeps is 65, must be 0 to 64' compare stack --substeps 65
+refused '--integrator' compare stack --integrator euler
+refused 'orbit: comes in one size' compare orbit --size 3
+echo "ok"

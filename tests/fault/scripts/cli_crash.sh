@@ -1,0 +1,93 @@
+#!/usr/bin/env bash
+# cli_crash.sh LOCKSTONE: recordings that were cut are opened and repaired, a signal ends a recording properly, limits hold.
+set -euo pipefail
+source "$(dirname "${BASH_SOURCE[0]}")/../../support/cli.sh"
+lockstone=$1
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work"
+
+says() { grep -qF -- "$1" out err || fail "'$1' is not said: $(cat out err)"; }
+
+# ---- a signal: the recording is complete, and the shell sees the signal ----
+wait_for() { # until FILE has BYTES
+    for _ in $(seq 600); do
+        [ "$(stat -c %s "$1" 2>/dev/null || echo 0)" -lt "$2" ] || return 0
+        sleep 0.05
+    done
+    fail "$1 does not grow"
+}
+for signal in TERM INT HUP; do
+    # Not in the background of this shell, which would ignore Ctrl-C.
+    python3 - "$lockstone" $signal <<'PYTHON' || fail "SIG$signal does not end the run as it should"
+import os, signal, subprocess, sys, time
+number = getattr(signal, "SIG" + sys.argv[2])
+signal.signal(signal.SIGINT, signal.SIG_DFL)
+run = subprocess.Popen([sys.argv[1], "run", "stack", "--ticks", "100000000", "--record", "signal.lsr"], stdout=subprocess.DEVNULL)
+while not os.path.exists("signal.lsr") or os.path.getsize("signal.lsr") < 12000: time.sleep(0.02)
+run.send_signal(number)
+sys.exit(0 if run.wait(60) == -number else 1)
+PYTHON
+    expect 0 verify signal.lsr --memory 64
+    rm signal.lsr
+done
+
+# ---- a crash: what is left opens with a sentence ----
+"$lockstone" run stack --ticks 100000000 --record killed.lsr >/dev/null &
+pid=$!
+wait_for killed.lsr 12000
+expect 0 info killed.lsr
+says 'it is being written'
+expect 2 run stack --ticks 10 --record killed.lsr
+says 'another recorder is writing it'
+kill -KILL $pid
+wait $pid 2>/dev/null || true
+expect 0 info killed.lsr --json
+says '"complete": false'
+says 'lockstone repair'
+expect 0 replay killed.lsr --to 100
+says 'the recording is incomplete'
+expect 0 branch killed.lsr --at 50 --ticks 5 -o branch.lsr
+expect 0 verify branch.lsr
+expect 0 diff killed.lsr killed.lsr
+expect 2 verify killed.lsr
+says 'all agree'
+expect 0 repair killed.lsr -o whole.lsr
+expect 0 verify whole.lsr
+expect 2 repair whole.lsr -o again.lsr
+says 'is complete'
+expect 2 repair killed.lsr -o ./killed.lsr
+
+# ---- damage is not a crash ----
+cp whole.lsr damaged.lsr
+flip damaged.lsr $(($(stat -c %s damaged.lsr) * 3 / 4))
+expect 2 replay damaged.lsr
+expect 0 repair damaged.lsr -o mended.lsr
+expect 0 verify mended.lsr
+
+# ---- a file that is removed under the recorder ----
+"$lockstone" run stack --ticks 100000000 --record gone.lsr >out 2>err &
+pid=$!
+wait_for gone.lsr 9000
+rm gone.lsr
+status=0
+wait $pid || status=$?
+[ $status -eq 2 ] || fail "a removed file ends the run with $status"
+says 'was removed'
+
+# ---- limits ----
+expect 0 verify whole.lsr --memory 16 --jobs 16
+expect 0 run pile --size 1000 --ticks 3 --record pile.lsr
+expect 0 verify pile.lsr --memory 512 --jobs 16
+expect 2 verify pile.lsr --memory 16
+says '--memory'
+expect 2 info pile.lsr --memory 15
+
+# ---- what a long run found is there when it is killed ----
+"$lockstone" match --seeds 1..1000000 --ticks 30 >lines &
+pid=$!
+wait_for lines 1
+kill -KILL $pid
+wait $pid 2>/dev/null || true
+grep -q 'peers agree' lines || fail "match printed nothing until it was killed"
+echo "ok"

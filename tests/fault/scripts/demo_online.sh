@@ -1,0 +1,136 @@
+#!/usr/bin/env bash
+# demo_online.sh LOCKSTONE DEMO: demos play each other over UDP, with bots at the controls: equal hashes, recordings that verify. A world that is made
+# to differ is told, and each thing that can go wrong has its sentence.
+set -euo pipefail
+here=$(dirname "${BASH_SOURCE[0]}")
+source "$here/../../support/cli.sh"
+lockstone=$1 demo=$2 ticks=${LOCKSTONE_ONLINE_TICKS:-600}
+slow_way=$(realpath "$here/../../support/slow_way.py")
+work=$(mktemp -d)
+children=()
+trap 'kill "${children[@]}" 2>/dev/null || true; wait 2>/dev/null || true; rm -rf "$work"' EXIT
+cd "$work"
+unset DISPLAY WAYLAND_DISPLAY
+patience=$((ticks / 60 + 110)) # [s], on a machine that does something else
+view=(--offscreen --script --width 640 --height 400 --frame-every 300)
+
+# wait_for WORDS FILE PROCESS
+wait_for() {
+    for _ in $(seq 300); do
+        grep -q "$1" "$2" && return
+        kill -0 "$3" 2>/dev/null || break
+        sleep 0.1
+    done
+    fail "'$1' is not said in $2: $(cat "$2")"
+}
+# host NAME ARGUMENT...: in the background; sets hosted, its process, and invitation.
+host() {
+    local name=$1
+    shift
+    timeout "$patience" "$demo" "$@" --host "${view[@]}" --frames "$name-frames" --record "$name.lsr" >"$name" 2>&1 &
+    hosted=$!
+    children+=("$hosted")
+    wait_for '^to join' "$name" $hosted
+    invitation=$(sed -n 's/^to join: lockstone-demo --join //p' "$name")
+}
+# join NAME ARGUMENT...: in the background; sets joined.
+join() {
+    local name=$1
+    shift
+    timeout "$patience" "$demo" --join "$invitation" "$@" "${view[@]}" --frames "$name-frames" --record "$name.lsr" >"$name" 2>&1 &
+    joined=$!
+    children+=("$joined")
+}
+# ends STATUS NAME PROCESS
+ends() {
+    local status=0
+    wait "$3" || status=$?
+    [ $status -eq "$1" ] || fail "$2 ends with $status instead of $1: $(cat "$2")"
+}
+last_hash() { sed -n 's/.* ticks confirmed, hash \([0-9a-f ]*\),.*/\1/p' "$1"; }
+# agree NAME NAME: whether both have confirmed the same, in all ticks.
+agree() { [ -n "$(last_hash "$1")" ] && [ "$(last_hash "$1")" = "$(last_hash "$2")" ] && cmp -s "$1.lsr" "$2.lsr"; }
+# through_slow_way: what follows joins over 40 to 60 ms of way.
+through_slow_way() {
+    local port=${invitation%#*}
+    port=${port##*:}
+    python3 "$slow_way" "$port" 40 20 >way &
+    children+=($!)
+    wait_for '^[0-9]' way $!
+    invitation=${invitation/:$port#/:$(cat way)#}
+}
+
+# Two machines, three players: the third is a bot. The one who joins is 40 to 60 ms away.
+host a rollback-arena --players 3 --ticks "$ticks"
+through_slow_way
+join b
+ends 0 a $hosted
+ends 0 b $joined
+agree a b || fail "two machines do not agree: $(cat a b)"
+grep -q "$ticks of $ticks ticks bit-exact" a || fail "the host's recording is not verified: $(cat a)"
+grep -q "$ticks of $ticks ticks bit-exact" b || fail "the other recording is not verified: $(cat b)"
+expect 0 verify a.lsr b.lsr
+rollbacks=$(sed -n 's/.*, \([0-9]*\) rollbacks.*/\1/p' b)
+[ "$rollbacks" -gt 0 ] || fail "nothing was rolled back in spite of the way: $(cat b)"
+echo "two machines: $(grep confirmed b)"
+# The planted twin of the comparison: another hash, another recording.
+sed 's/hash [0-9a-f]*/hash 0000/' b >c
+cp b.lsr c.lsr
+! agree a c || fail "another hash agrees"
+cp b c
+flip c.lsr 100
+! agree a c || fail "another recording agrees"
+
+# Three machines, four cars, and somebody who watches.
+host a cars --machines 3 --players 4 --ticks "$ticks"
+join b
+second=$joined
+join c
+third=$joined
+wait_for '^to watch' a $hosted
+watching=$(sed -n 's/^to watch: lockstone-demo --watch //p' a | head -n 1)
+timeout "$patience" "$demo" --watch "$watching" "${view[@]}" --frames w-frames --record w.lsr >w 2>&1 &
+watcher=$!
+children+=($watcher)
+ends 0 a $hosted
+ends 0 b $second
+ends 0 c $third
+ends 0 w $watcher
+agree a b && agree a c || fail "three machines do not agree: $(cat a b c)"
+agree a w || fail "who watches has seen another match: $(cat a w)"
+grep -q "$ticks of $ticks ticks bit-exact" w || fail "what was watched is not verified: $(cat w)"
+echo "three machines: $(grep confirmed c)"
+
+# The planted twin: a world that is made to differ is told at both machines, by tick, column and row, and nothing is called good.
+host a rollback-arena --ticks 300
+join b --plant 60
+ends 1 a $hosted
+ends 1 b $joined
+for each in a b; do
+    grep -Eq 'the worlds differ: tick 60, machine [12]: phase [a-z_]+, (column .*, row [0-9]+|row count of).* against' $each || fail "where the worlds differ is not told: $(cat $each)"
+    ! grep -q 'bit-exact' $each || fail "a match with a desync is called bit-exact: $(cat $each)"
+done
+echo "planted: $(tail -n 1 b)"
+
+# refused STATUS WORDS ARGUMENT...: one sentence.
+refused() {
+    local wanted=$1 words=$2 status=0
+    shift 2
+    timeout "$patience" "$demo" "$@" "${view[@]}" --frames refused-frames >out 2>err || status=$?
+    [ $status -eq "$wanted" ] || fail "'$*' ends with $status instead of $wanted: $(cat out err)"
+    [ "$(grep -c . err)" -eq 1 ] && grep -q -- "$words" err || fail "about '$*' this is not said alone: $words, but: $(cat err)"
+}
+refused 2 'is no invitation: write CODE@ADDRESS:PORT#KEY' --join ABCDEFGH
+refused 2 'is no invitation: .* is no address' --join "ABCDEFGH@somewhere#${invitation#*#}"
+refused 2 '64 hexadecimal digits' --join 'ABCDEFGH@127.0.0.1:7700#12'
+refused 2 'needs the code too' --join "${invitation#*@}"
+refused 2 'only one can be shown' --host --join "$invitation"
+refused 2 'pyramid has 0 players, and 2 machines need one each' pyramid --host
+refused 2 "the relay at 127.0.0.1:9 does not answer" --join "ABCDEFGH@127.0.0.1:9#${invitation#*#}"
+
+host a rollback-arena --ticks 3000
+refused 2 'refuses the code ABCDEFGH: the lobby knows no such code' --join "ABCDEFGH@${invitation#*@}"
+refused 2 'the host plays rollback-arena, and this machine was asked to play cars' cars --join "$invitation"
+refused 2 'all players of this code are there already' --join "$invitation"
+[ "$(find a-frames refused-frames -name '*.png' 2>/dev/null | wc -l)" -gt 0 ] || echo "no pictures: OpenGL is not there"
+echo ok

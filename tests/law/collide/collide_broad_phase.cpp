@@ -1,0 +1,247 @@
+// The broad phase finds exactly the pairs that comparing everything with everything finds, whatever happened before.
+#include "collide/broad/broad_phase.h"
+#include "oracle/double_shapes.h"
+#include "support/allocation_counter.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <numeric>
+
+using namespace lockstone;
+using namespace lockstone::collide;
+
+namespace {
+
+/// A crowd of boxes that move, appear, vanish and change kind.
+struct Crowd {
+    struct Member {
+        bool present = false, is_static = false;
+        oracle::D3 at{}, velocity{};
+        double size = 0;
+        Bounds bounds{};
+    };
+    std::vector<Member> members;
+    oracle::Random random;
+    double room;
+
+    Crowd(std::size_t count, double room_size, std::uint64_t seed)
+        : members(count), random(seed), room(room_size) {
+        for (Member& m : members) appear(m);
+    }
+    void appear(Member& m) {
+        const auto coordinate = [&] { return random.uniform(-room, room); };
+        const double x = coordinate(), y = coordinate(), z = coordinate();
+        m = {true, random.below(4) == 0, {x, y, z}, random.vector(0, 0.2), random.log_uniform(0.1, 1.5), {}};
+        measure(m);
+    }
+    static void measure(Member& m) {
+        const auto bound = [](double v) { return oracle::quantize<Bound>(v); };
+        const oracle::D3 at = m.at;
+        const double s = m.size;
+        m.bounds = {{bound(at.x - s), bound(at.y - s), bound(at.z - s)},
+                    {bound(at.x + s), bound(at.y + s), bound(at.z + s)}};
+    }
+    void step() {
+        for (Member& m : members) {
+            const std::uint32_t event = random.below(200);
+            if (event == 0) m.present = !m.present;
+            if (event == 1) appear(m);
+            if (event == 2) m.is_static = !m.is_static;
+            if (m.is_static && event > 4) continue;
+            if (random.below(3) == 0) continue; // asleep for a frame
+            m.at = m.at + m.velocity;
+            for (int i = 0; i < 3; ++i)
+                if (std::abs(m.at[i]) > room) m.velocity[i] = -m.velocity[i];
+            measure(m);
+        }
+    }
+    void set(BroadPhase& phase, std::uint32_t i) const {
+        const Member& m = members[i];
+        if (m.present)
+            phase.set(i, m.bounds, m.is_static);
+        else
+            phase.remove(i);
+    }
+    std::vector<ProxyPair> brute_force() const {
+        std::vector<ProxyPair> out;
+        for (std::uint32_t a = 0; a < members.size(); ++a)
+            for (std::uint32_t b = a + 1; b < members.size(); ++b) {
+                const Member &x = members[a], &y = members[b];
+                if (x.present && y.present && !(x.is_static && y.is_static) && overlap(x.bounds, y.bounds))
+                    out.push_back({a, b});
+            }
+        return out;
+    }
+};
+
+/// Empty when the pairs are the brute-force ones in order, else the first difference.
+std::string check_pairs(const std::vector<ProxyPair>& found, const std::vector<ProxyPair>& expected) {
+    for (std::size_t i = 0; i < std::max(found.size(), expected.size()); ++i) {
+        const auto name = [](const ProxyPair& p) { return std::to_string(p.a) + "-" + std::to_string(p.b); };
+        if (i >= found.size()) return "missing " + name(expected[i]);
+        if (i >= expected.size()) return "extra " + name(found[i]);
+        if (found[i] != expected[i]) return "found " + name(found[i]) + ", expected " + name(expected[i]);
+    }
+    return {};
+}
+
+} // namespace
+
+TEST_CASE("three histories of one moving crowd yield the brute-force pairs in every frame") {
+    constexpr std::uint32_t count = 300;
+    Crowd crowd(count, 7, 1);
+    oracle::Random random(2);
+    BroadPhase kept(count), rebuilt(count), restless(count, decimal<Bound>("0.5"));
+    std::vector<ProxyPair> pairs;
+    std::vector<std::uint32_t> order(count);
+    std::iota(order.begin(), order.end(), 0u);
+    std::size_t total = 0;
+    for (int frame = 0; frame < 200; ++frame) {
+        crowd.step();
+        const std::vector<ProxyPair> expected = crowd.brute_force();
+        total += expected.size();
+        for (std::uint32_t i = 0; i < count; ++i) crowd.set(kept, i);
+        kept.find_pairs(pairs);
+        REQUIRE(check_pairs(pairs, expected) == "");
+
+        rebuilt.clear();
+        for (std::uint32_t i = count; i-- > 0;) crowd.set(rebuilt, i);
+        rebuilt.find_pairs(pairs);
+        REQUIRE(check_pairs(pairs, expected) == "");
+
+        for (std::uint32_t i = count - 1; i > 0; --i) std::swap(order[i], order[random.below(i + 1)]);
+        for (std::uint32_t i : order) {
+            if (random.below(10) == 0) restless.remove(i);
+            if (random.below(10) == 0) {
+                const std::uint32_t other = random.below(count);
+                restless.set(i, crowd.members[other].bounds, random.below(2) == 0);
+            }
+            crowd.set(restless, i);
+        }
+        if (frame % 3 != 1) restless.find_pairs(pairs); // twice, once or not at all in a frame
+        restless.find_pairs(pairs);
+        REQUIRE(check_pairs(pairs, expected) == "");
+    }
+    CHECK(total > 20000);
+}
+
+TEST_CASE("a tree that drops a pair, adds one or forgets the order is reported") {
+    Crowd crowd(100, 4, 3);
+    const std::vector<ProxyPair> expected = crowd.brute_force();
+    REQUIRE(expected.size() > 50);
+    CHECK(check_pairs(expected, expected) == "");
+    std::vector<ProxyPair> wrong = expected;
+    wrong.erase(wrong.begin() + 20);
+    CHECK(check_pairs(wrong, expected) != "");
+    wrong = expected;
+    wrong.pop_back();
+    CHECK(check_pairs(wrong, expected) != "");
+    wrong = expected;
+    wrong.push_back({98, 99});
+    CHECK(check_pairs(wrong, expected) != "");
+    wrong = expected;
+    std::swap(wrong[3], wrong[4]);
+    CHECK(check_pairs(wrong, expected) != "");
+    // A broad phase that was not told about one move is wrong, and the check sees that too.
+    BroadPhase stale(100);
+    for (std::uint32_t i = 0; i < 100; ++i) crowd.set(stale, i);
+    for (int frame = 0; frame < 20; ++frame) crowd.step();
+    for (std::uint32_t i = 1; i < 100; ++i) crowd.set(stale, i);
+    crowd.members[0] = {true, false, {0, 0, 0}, {}, 4, {}};
+    Crowd::measure(crowd.members[0]);
+    std::vector<ProxyPair> pairs;
+    stale.find_pairs(pairs);
+    CHECK(check_pairs(pairs, crowd.brute_force()) != "");
+}
+
+TEST_CASE("of a crowd the first pairs are found, whatever was found or given up before") {
+    constexpr std::uint32_t count = 300;
+    Crowd crowd(count, 3, 7);
+    oracle::Random random(8);
+    BroadPhase kept(count);
+    std::vector<ProxyPair> pairs;
+    const auto is_wanted = [](ProxyPair p) { return (p.a + p.b) % 3 != 0; };
+    int given_up = 0, listed = 0;
+    for (int frame = 0; frame < 60; ++frame) {
+        crowd.step();
+        for (std::uint32_t i = 0; i < count; ++i) crowd.set(kept, i);
+        std::vector<ProxyPair> expected = crowd.brute_force();
+        // As many as there are, or a fraction of them, which is too few leaves in any case.
+        const bool all = random.below(3) == 0;
+        const std::size_t most = all ? SIZE_MAX : random.below(static_cast<std::uint32_t>(expected.size()));
+        const bool found = kept.find_pairs(pairs, most);
+        REQUIRE(found == all);
+        ++(found ? listed : given_up);
+        if (found) REQUIRE(check_pairs(pairs, expected) == "");
+        std::erase_if(expected, [&](ProxyPair p) { return !is_wanted(p); });
+        expected.resize(std::min(expected.size(), most));
+        kept.find_first_pairs(pairs, most, is_wanted);
+        REQUIRE(check_pairs(pairs, expected) == "");
+    }
+    CHECK(given_up > 20);
+    CHECK(listed > 10);
+}
+
+TEST_CASE("a query returns the sorted proxies that overlap") {
+    constexpr std::uint32_t count = 400;
+    Crowd crowd(count, 8, 5);
+    BroadPhase phase(count);
+    std::vector<std::uint32_t> found, expected;
+    for (int frame = 0; frame < 30; ++frame) {
+        crowd.step();
+        for (std::uint32_t i = 0; i < count; ++i) crowd.set(phase, i);
+        for (int k = 0; k < 20; ++k) {
+            const Bounds& area = crowd.members[crowd.random.below(count)].bounds;
+            expected.clear();
+            for (std::uint32_t i = 0; i < count; ++i)
+                if (crowd.members[i].present && overlap(crowd.members[i].bounds, area)) expected.push_back(i);
+            phase.query(area, found);
+            REQUIRE(found == expected);
+        }
+    }
+}
+
+TEST_CASE("a broad phase knows what it holds") {
+    BroadPhase phase(4);
+    const Bounds unit{{Bound(0), Bound(0), Bound(0)}, {Bound(1), Bound(1), Bound(1)}};
+    std::vector<ProxyPair> pairs;
+    phase.find_pairs(pairs);
+    CHECK(pairs.empty());
+    phase.set(3, unit, false);
+    CHECK(phase.contains(3));
+    CHECK(!phase.contains(2));
+    CHECK(phase.bounds(3) == unit);
+    phase.set(1, unit, true);
+    phase.set(0, unit, true);
+    phase.find_pairs(pairs);
+    CHECK(pairs == std::vector<ProxyPair>{{0, 3}, {1, 3}}); // two statics are no pair
+    phase.remove(3);
+    phase.remove(3);
+    phase.find_pairs(pairs);
+    CHECK(pairs.empty());
+    phase.set(1, unit, false);
+    phase.find_pairs(pairs);
+    CHECK(pairs == std::vector<ProxyPair>{{0, 1}});
+    phase.clear();
+    CHECK(!phase.contains(1));
+    phase.find_pairs(pairs);
+    CHECK(pairs.empty());
+}
+
+TEST_CASE("a crowd in steady motion allocates nothing") {
+    constexpr std::uint32_t count = 500;
+    Crowd crowd(count, 10, 9);
+    BroadPhase phase(count);
+    std::vector<ProxyPair> pairs;
+    const auto frame = [&] {
+        crowd.step();
+        for (std::uint32_t i = 0; i < count; ++i) crowd.set(phase, i);
+        phase.find_pairs(pairs);
+    };
+    for (int i = 0; i < 50; ++i) frame();
+    pairs.reserve(2 * pairs.size());
+    const lockstone::test::AllocationCounter counter;
+    for (int i = 0; i < 100; ++i) frame();
+    CHECK(counter.count() == 0);
+}

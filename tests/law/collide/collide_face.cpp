@@ -1,0 +1,216 @@
+// A face that is kept from the last tick parts two shapes as well as any direction does, and the furthest corner of a hull is the
+// same by every instruction set.
+#include "collide/convex/convex.h"
+#include "lockstone/math/math.h"
+#include "oracle/double_shapes.h"
+#include "shapes/hull/hull.h"
+#include "shapes/hull/support_kernel.h"
+#include "solve/kernels/kernels.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <vector>
+
+using namespace lockstone;
+using namespace lockstone::collide;
+using oracle::D3;
+using oracle::quantize;
+
+namespace {
+
+shapes::Solid hull_of(AssetLibrary& library, const std::vector<LengthVec3>& points) {
+    const AssetId id = library.add(bake_hull(points)).value();
+    return {library.geometry(id).value(), library.find(id)->hull.get()};
+}
+
+/// Corners on a ball [m]; of a block, each corner of which is as far along some directions as another.
+shapes::Solid stone(AssetLibrary& library, oracle::Random& random, std::uint32_t corners, double size) {
+    std::vector<LengthVec3> points;
+    for (std::uint32_t i = 0; i < corners; ++i) {
+        const D3 d = random.direction();
+        points.push_back(
+            {quantize<Length>(size * d.x), quantize<Length>(size * d.y), quantize<Length>(size * d.z)});
+    }
+    return hull_of(library, points);
+}
+shapes::Solid block(AssetLibrary& library, double size) {
+    std::vector<LengthVec3> points;
+    for (int i = 0; i < 8; ++i) {
+        const auto side = [&](int axis) { return quantize<Length>((i >> axis & 1) != 0 ? size : -size); };
+        points.push_back({side(0), side(1), side(2)});
+    }
+    return hull_of(library, points);
+}
+
+std::vector<const shapes::SupportKernel*> kernels() {
+    std::vector<const shapes::SupportKernel*> found;
+    for (const Simd level : {Simd::scalar, Simd::sse41, Simd::avx2, Simd::avx512, Simd::neon, Simd::wasm128})
+        if (const solve::Kernels* of_level = solve::kernels_of(level)) found.push_back(of_level->hulls);
+    return found;
+}
+
+std::uint32_t furthest_by(const shapes::SupportKernel& kernel, const shapes::Hull& hull,
+                          const std::int32_t (&direction)[3]) {
+    return kernel.furthest(hull.lanes.data(), static_cast<std::uint32_t>(hull.lanes.size() / 3), direction);
+}
+
+/// The first of the furthest corners.
+std::uint32_t furthest_of(const shapes::Hull& hull, const std::int32_t (&n)[3]) {
+    const auto along = [&](const LengthVec3& v) {
+        return std::int64_t{n[0]} * v.x.raw + std::int64_t{n[1]} * v.y.raw + std::int64_t{n[2]} * v.z.raw;
+    };
+    const auto best = std::ranges::max_element(hull.vertices, {}, along);
+    return static_cast<std::uint32_t>(best - hull.vertices.begin());
+}
+
+} // namespace
+
+TEST_CASE("every instruction set finds the same corner of a hull, and how far it reaches") {
+    AssetLibrary library;
+    oracle::Random random(31);
+    std::vector<shapes::Solid> solids{block(library, 0.5), block(library, 99.9)};
+    for (std::uint32_t corners = 4; corners <= 40; corners += 3)
+        solids.push_back(stone(library, random, corners, corners % 2 == 0 ? 0.4 : 90));
+    const auto all = kernels();
+    REQUIRE(all.size() >= 1);
+    int ties = 0;
+    for (const shapes::Solid& solid : solids)
+        for (int i = 0; i < 500; ++i) {
+            std::int32_t rows[3][3];
+            for (auto& row : rows) {
+                const D3 d = random.direction();
+                row[0] = quantize<Unit>(d.x).raw, row[1] = quantize<Unit>(d.y).raw,
+                row[2] =
+                    random.below(3) == 0 ? 0 : quantize<Unit>(d.z).raw; // of a block two corners are furthest
+                ties += row[2] == 0;
+            }
+            for (const shapes::SupportKernel* kernel : all) {
+                std::int64_t low[3], high[3];
+                kernel->reach(solid.hull->lanes.data(),
+                              static_cast<std::uint32_t>(solid.hull->lanes.size() / 3), rows, low, high);
+                for (int r = 0; r < 3; ++r) {
+                    REQUIRE(furthest_by(*kernel, *solid.hull, rows[r]) == furthest_of(*solid.hull, rows[r]));
+                    const shapes::Reach reach = shapes::reach_along(
+                        solid.hull->vertices,
+                        {Unit::from_raw(rows[r][0]), Unit::from_raw(rows[r][1]), Unit::from_raw(rows[r][2])});
+                    REQUIRE(low[r] == reach.low_54);
+                    REQUIRE(high[r] == reach.high_54);
+                }
+            }
+        }
+    CHECK(ties > 1000);
+}
+
+TEST_CASE("the last of two equally far corners would be noticed") {
+    AssetLibrary library;
+    const shapes::Solid cube = block(library, 0.5);
+    const std::int32_t up[3] = {0, 1 << 30, 0};
+    std::vector<LengthVec3> reversed(cube.hull->vertices.rbegin(), cube.hull->vertices.rend());
+    shapes::Hull turned = *cube.hull;
+    turned.vertices = reversed;
+    const std::uint32_t last = 7 - furthest_of(turned, up); // planted: ties go to the last
+    for (const shapes::SupportKernel* kernel : kernels()) CHECK(furthest_by(*kernel, *cube.hull, up) != last);
+}
+
+namespace {
+
+/// Pairs that touched by a face, moved by up to 3 cm and turned by up to a twentieth: is what is kept as good as what is found?
+class KeptFaces {
+  public:
+    KeptFaces() {
+        const auto all = kernels();
+        for (std::uint32_t i = 0; i < 6; ++i) {
+            solids.push_back(stone(library, random, 8 + 5 * i, 0.3 + 0.1 * i));
+            solids.back().kernel = i % 2 == 0 ? all.back() : nullptr;
+        }
+        solids.push_back(block(library, 0.4));
+        solids.push_back({rounded(box(0.3_r, 0.2_r, 0.4_r), 0.05_r)});
+    }
+
+    void look() {
+        shapes::Solid a = solids[random.below(8)], b = solids[random.below(8)];
+        if (a.geometry.kind < b.geometry.kind) std::swap(a, b);
+        RelativePose pose = touching_pose(a, b);
+        const UnitVec3 before = collided(a, b, pose, UnitVec3{});
+        if (manifolds.count == 0 || manifolds.items[0].on_face == 0) return;
+        move(pose);
+        const UnitVec3 found = collided(a, b, pose, UnitVec3{});
+        const std::uint32_t points = manifolds.count;
+        const UnitVec3 kept = collided(a, b, pose, before);
+        ++faces;
+        changed += kept != before;
+        parted += points == 0;
+        unlike += (manifolds.count == 0) != (points == 0);
+        if (points == 0 || manifolds.count == 0) return;
+        const std::int64_t best = separation(a, b, pose, found);
+        worse += separation(a, b, pose, kept) < best - allowed(a, b);
+        // Planted: the last face without a look at what it has become.
+        worse_planted += separation(a, b, pose, before) < best - allowed(a, b);
+    }
+
+    int faces = 0, changed = 0, parted = 0, unlike = 0, worse = 0, worse_planted = 0;
+
+  private:
+    /// What `collide` prefers faces by, twice, and what the plane of a hull's face may lie outside of it.
+    static std::int64_t allowed(const shapes::Solid& a, const shapes::Solid& b) {
+        const auto tolerance = [](const shapes::Solid& s) {
+            return s.hull == nullptr ? 0 : std::int64_t{face_tolerance(*s.hull, Length::max()).raw} << 6;
+        };
+        return 2 * (std::int64_t{face_bias.raw} << 3) + tolerance(a) + tolerance(b) + 64;
+    }
+    static std::int64_t separation(const shapes::Solid& a, const shapes::Solid& b, const RelativePose& pose,
+                                   UnitVec3 normal) {
+        return separation_along_30(convex_of(a, Rotation::identity(), CoordinateVec3{}),
+                                   convex_of(b, pose.rotation, pose.position), raw(normal));
+    }
+    UnitVec3 collided(const shapes::Solid& a, const shapes::Solid& b, const RelativePose& pose,
+                      UnitVec3 last) {
+        collide::collide(a, b, pose, decimal<Length>("0.02"), UnitVec3{}, last, scratch, manifolds);
+        return manifolds.items[0].normal;
+    }
+    /// From 4 cm deep to 2 cm apart, along a direction between the two.
+    RelativePose touching_pose(const shapes::Solid& a, const shapes::Solid& b) {
+        const D3 way = random.direction();
+        rotation = random.rotation(0, 3);
+        RelativePose pose{to_rotation(rotation), {}};
+        const UnitVec3 n{quantize<Unit>(way.x), quantize<Unit>(way.y), quantize<Unit>(way.z)};
+        const double gap =
+            -static_cast<double>(separation(a, b, pose, n)) / (1 << 30) + random.uniform(-0.04, 0.02);
+        pose.position = {quantize<Coordinate>(way.x * gap), quantize<Coordinate>(way.y * gap),
+                         quantize<Coordinate>(way.z * gap)};
+        return pose;
+    }
+    void move(RelativePose& pose) {
+        const D3 step = random.direction(), axis = random.direction();
+        const double by = random.uniform(0, 0.03), turn = random.uniform(0, 0.05);
+        pose.position += {quantize<Coordinate>(by * step.x), quantize<Coordinate>(by * step.y),
+                          quantize<Coordinate>(by * step.z)};
+        rotation =
+            integrate_rotation(rotation, Vec3{quantize<Real>(turn * axis.x), quantize<Real>(turn * axis.y),
+                                              quantize<Real>(turn * axis.z)});
+        pose.rotation = to_rotation(rotation);
+    }
+
+    AssetLibrary library;
+    oracle::Random random{32};
+    std::vector<shapes::Solid> solids;
+    Quat rotation;
+    NarrowScratch scratch;
+    Manifolds manifolds;
+};
+
+} // namespace
+
+TEST_CASE("a face that is kept parts two shapes as well as one that is searched for") {
+    KeptFaces pairs;
+    for (int i = 0; i < 60000; ++i) pairs.look();
+    MESSAGE(pairs.faces, " faces, ", pairs.changed, " left for others, ", pairs.parted,
+            " parted; without a look ", pairs.worse_planted, " would be worse");
+    CHECK(pairs.faces > 5000);
+    CHECK(pairs.changed > 500);
+    CHECK(pairs.parted > 100);
+    CHECK(pairs.unlike == 0);
+    CHECK(pairs.worse == 0);
+    CHECK(pairs.worse_planted > 500);
+}

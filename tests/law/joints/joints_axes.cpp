@@ -1,0 +1,221 @@
+// Limits, motors, springs and friction of every kind that has them, on each axis that it leaves free; those of lines are
+// in joints_lines.cpp.
+#include "support/one_axis.h"
+#include "support/rigs/joint_variants.h"
+
+#include <doctest/doctest.h>
+
+using namespace lockstone;
+using namespace lockstone::test::scene;
+
+namespace {
+
+constexpr double full_turn = 6.283185307179586;
+
+struct FreeAxis {
+    const char* name;
+    JointDef def;
+    JointAxisIndex axis;
+};
+
+JointDef steered_wheel() {
+    JointDef def = wheel_joint(Real(2), Real(1));
+    def.axis[about_y].mode = AxisMode::free;
+    return def;
+}
+/// The axes that kinds leave free, without the springs that some come with.
+std::vector<FreeAxis> free_axes_of_kinds() {
+    std::vector<FreeAxis> all{{"hinge", hinge_joint(), about_x},
+                              {"slider", slider_joint(), along_x},
+                              {"ball, twist", ball_joint(), about_x},
+                              {"ball, about y", ball_joint(), about_y},
+                              {"ball, about z", ball_joint(), about_z},
+                              {"wheel, suspension", steered_wheel(), along_y},
+                              {"wheel, steering", steered_wheel(), about_y},
+                              {"wheel, spin", steered_wheel(), about_x}};
+    for (std::uint32_t i = 0; i < joint_axis_count; ++i) {
+        JointDef one = six_dof_joint(), motor = motor_joint(Real(1), {}, {});
+        for (std::uint32_t k = 0; k < joint_axis_count; ++k)
+            if (k != i) one.axis[k].mode = AxisMode::locked;
+        const auto axis = static_cast<JointAxisIndex>(i);
+        all.push_back({"six_dof", one, axis});
+        all.push_back({"motor", motor, axis});
+        if (i < about_x) all.push_back({"mouse", mouse_joint(Real(1), {}), axis});
+    }
+    return all;
+}
+
+double inertia_of(JointAxisIndex axis) { return axis < about_x ? crate_mass : crate_inertia; }
+
+/// Loads are told by the acceleration that they alone would bring [m/s^2] or [rad/s^2].
+struct Axis : OneAxis {
+    Axis(const FreeAxis& which, const JointAxis& what) : OneAxis(which.def, which.axis, what) {}
+    void run(int ticks, double load = 0) { OneAxis::run(ticks, load * inertia()); }
+};
+
+std::string limit_fault(const FreeAxis& which, double lower, double upper) {
+    return stop_fault(
+        [&] { return Axis(which, {.mode = AxisMode::limited, .lower = real(lower), .upper = real(upper)}); },
+        2);
+}
+
+/// To 0.5 a second at 2 a second per second and no faster, though three quarters of that pull back; of a greater load it
+/// bears its own force.
+std::string motor_fault(const FreeAxis& which, double strength) {
+    JointAxis axis{.mode = AxisMode::free, .motor_speed = real(0.5)};
+    axis.motor_force = real(strength * inertia_of(which.axis));
+    Axis one(which, axis);
+    one.run(6);
+    if (!near(one.speed(), 0.2, 0.004)) return "after 0.1 s its speed is " + std::to_string(one.speed());
+    one.run(30);
+    if (!near(one.speed(), 0.5, 0.002)) return "it gets to a speed of " + std::to_string(one.speed());
+    one.run(12, -1.5);
+    if (!near(one.speed(), 0.5, 0.004))
+        return "a load that it bears slows it to " + std::to_string(one.speed());
+    one.run(12, -3);
+    if (!near(one.speed(), 0.5 - 0.2, 0.006)) return "overloaded it slows to " + std::to_string(one.speed());
+    return {};
+}
+
+/// What a load of 1 does not move; what is left of one of 3.
+std::string friction_fault(const FreeAxis& which, double strength) {
+    JointAxis axis{.mode = AxisMode::free};
+    axis.friction = real(strength * inertia_of(which.axis));
+    Axis one(which, axis);
+    one.run(60, 1.8);
+    if (!near(one.position(), 0, 1e-4)) return "it slid by " + std::to_string(one.position());
+    one.run(12, 3);
+    if (!near(one.speed(), 0.2, 0.004)) return "its speed is " + std::to_string(one.speed());
+    one.run(30);
+    if (!near(one.speed(), 0, 1e-4)) return "it still moves";
+    return {};
+}
+
+std::string spring_fault(const FreeAxis& which, double frequency, double told_frequency, double damping,
+                         double told_damping) {
+    JointAxis axis = which.def.axis[which.axis];
+    axis.spring = 1, axis.frequency = real(frequency), axis.damping_ratio = real(damping);
+    axis.spring_force = {};
+    Axis one(which, axis);
+    one.run(1, 60 * 0.4 * frequency);
+    return swing_fault(one, told_frequency, told_damping);
+}
+
+} // namespace
+
+TEST_CASE("every axis that a kind leaves free can be limited") {
+    for (const FreeAxis& which : free_axes_of_kinds()) {
+        INFO(std::string(which.name), ", axis ", which.axis);
+        CHECK(limit_fault(which, -0.3, 0.5) == "");
+    }
+}
+
+TEST_CASE("every axis that a kind leaves free can have a motor") {
+    for (const FreeAxis& which : free_axes_of_kinds()) {
+        INFO(std::string(which.name), ", axis ", which.axis);
+        CHECK(motor_fault(which, 2) == "");
+    }
+}
+
+TEST_CASE("every axis that a kind leaves free can have friction") {
+    for (const FreeAxis& which : free_axes_of_kinds()) {
+        INFO(std::string(which.name), ", axis ", which.axis);
+        CHECK(friction_fault(which, 2) == "");
+    }
+}
+
+TEST_CASE("every axis that a kind leaves free, and every lock that is soft, swings at its frequency and "
+          "loses what its "
+          "damping takes") {
+    std::vector<FreeAxis> all = free_axes_of_kinds();
+    for (std::uint32_t i = 0; i < joint_axis_count; ++i)
+        all.push_back({"weld, soft", weld_joint(Real(2)), static_cast<JointAxisIndex>(i)});
+    for (const FreeAxis& which : all) {
+        INFO(std::string(which.name), ", axis ", which.axis);
+        CHECK(spring_fault(which, 1.5, 1.5, 0, 0) == "");
+        CHECK(spring_fault(which, 1.5, 1.5, 0.2, 0.2) == "");
+    }
+}
+
+TEST_CASE("planted fault: limits, motors, friction and springs a little off are found out") {
+    for (const FreeAxis& which : free_axes_of_kinds()) {
+        INFO(std::string(which.name), ", axis ", which.axis);
+        CHECK(limit_fault(which, -0.3, 0.51) != "");
+        CHECK(motor_fault(which, 2.1) != "");
+        CHECK(friction_fault(which, 1.7) != "");
+        CHECK(spring_fault(which, 1.6, 1.5, 0.2, 0.2) != "");
+        CHECK(spring_fault(which, 1.5, 1.5, 0.1, 0.2) != "");
+    }
+}
+
+TEST_CASE("a motor joint drives a body to a pose relative to another, and holds it there") {
+    const D3 way{0.4, -0.3, 0.2}, turn{0.5, 0.4, -0.6};
+    JointDef def = motor_joint(Real(3), Real(100000), Real(50000));
+    for (std::uint32_t i = 0; i < joint_axis_count; ++i)
+        def.axis[i].target = real(i < 3 ? way[i] : turn[i - 3]);
+    Jointed j = join_two(JointKind::motor, def, turned(axis_z, 40));
+    done(j.world.set_velocity(j.a, vec(0.3, 0.1, 0), vec(0, 0.2, 0.1)));
+    for (int t = 0; t < 240; ++t) j.world.tick();
+    const Offset o = offset_of(j.world, j.joint);
+    for (std::size_t i = 0; i < 3; ++i) {
+        CHECK(o.along[i] == doctest::Approx(way[i]).epsilon(0.01));
+        CHECK(o.about[i] == doctest::Approx(turn[i]).epsilon(0.01));
+    }
+    JointDef idle = motor_joint(Real(3), Real(100000), Real(50000)); // planted: no target
+    Jointed k = join_two(JointKind::motor, idle, turned(axis_z, 40));
+    for (int t = 0; t < 60; ++t) k.world.tick();
+    CHECK(length(offset_of(k.world, k.joint).along) < 0.01);
+}
+
+TEST_CASE("a motor joint gives no more than its force and its torque") {
+    JointDef def = motor_joint(Real(5), Real(500), Real(50));
+    def.axis[along_y].target = Real(3), def.axis[about_z].target = Real(2);
+    World w = bare_world();
+    const BodyId b = add_crate(w, at(0, 0, 0));
+    made(w.create_joint(def, {}, b, at(0, 0, 0)));
+    for (int t = 0; t < 30; ++t) w.tick();
+    CHECK(velocity(w, b)[1] == doctest::Approx(0.5 * 500 / crate_mass).epsilon(0.02));
+    CHECK(spin(w, b)[2] == doctest::Approx(0.5 * 50 / crate_inertia).epsilon(0.02));
+}
+
+TEST_CASE(
+    "a mouse brings what it holds to where it points, with its force at most, and leaves it free to turn") {
+    World w = bare_world();
+    const BodyId b = add_crate(w, at(0, 0, 0));
+    const JointId joint = made(w.create_joint(mouse_joint(Real(3), Real(2000)), {}, b, at(0, 0, 0)));
+    done(w.set_joint_frames(joint, at(20, 0, -1), Transform::identity()));
+    done(w.set_velocity(b, {}, vec(0.7, 0.7, 0)));
+    for (int t = 0; t < 30; ++t) w.tick();
+    CHECK(velocity(w, b)[0] == doctest::Approx(0.5 * 2000 / crate_mass).epsilon(0.01));
+    done(w.set_joint_frames(joint, at(1, 0.5, -1), Transform::identity()));
+    for (int t = 0; t < 240; ++t) w.tick();
+    CHECK(length(offset_of(w, joint).along) < 0.005);
+    CHECK(length(spin(w, b) - D3{0.7, 0.7, 0}) < 1e-3);
+}
+
+TEST_CASE("a wheel turns about its own axle while it is steered and its suspension gives") {
+    JointDef def = steered_wheel();
+    def.axis[about_x].motor_speed = Real(5), def.axis[about_x].motor_force = Real(2000);
+    def.axis[about_y] = {.mode = AxisMode::limited,
+                         .spring = 1,
+                         .lower = real(-0.6),
+                         .upper = real(0.6),
+                         .frequency = Real(3)};
+    World w = heavy_world();
+    const BodyId b = add_crate(w, at(0, 0, 0));
+    const JointId joint = made(w.create_joint(def, {}, b, at(0, 0, 0)));
+    for (const double angle : {0.4, -0.4, 0.9}) { // the last is beyond the limit
+        def.axis[about_y].target = real(angle);
+        done(w.set_joint_axis(joint, about_y, def.axis[about_y]));
+        for (int t = 0; t < 180; ++t) w.tick();
+        const JointState s = w.joint_state(joint);
+        const double expected = std::min(angle, 0.6);
+        CHECK(to_double(s.position[about_y]) == doctest::Approx(expected).epsilon(0.03));
+        const Place wheel = place_of(w, b, w.joint(joint).frame_b);
+        const D3 axle{std::cos(expected), 0, -std::sin(expected)};
+        CHECK(angle_between(wheel.axes[0], axle) < 0.02);
+        CHECK(dot(spin(w, b), axle) == doctest::Approx(5).epsilon(0.02));
+        CHECK(to_double(s.position[along_y]) ==
+              doctest::Approx(-9.81 / std::pow(full_turn * 2, 2)).epsilon(0.03));
+    }
+}

@@ -1,0 +1,195 @@
+// Lines and ratios: limits, motors, springs and friction of distances and pulleys; gears and racks, which have none of
+// their own, pass on those of their shafts.
+#include "support/one_axis.h"
+#include "support/rigs/joint_variants.h"
+
+#include <doctest/doctest.h>
+
+using namespace lockstone;
+using namespace lockstone::test::scene;
+
+namespace {
+
+constexpr double start = 2;
+
+/// A line of 2 m that a crate hangs on, or two crates on a pulley, of which the load pulls one; nothing weighs anything.
+struct Line {
+    World world = bare_world();
+    BodyId a{}, b;
+    JointId joint;
+    bool is_pulley;
+
+    Line(JointKind kind, const JointAxis& what) : is_pulley(kind == JointKind::pulley) {
+        b = add_crate(world, at(0, -start, 0));
+        JointDef def = distance_joint(real(start));
+        if (is_pulley) {
+            a = add_crate(world, at(4, -start, 0));
+            def = pulley_joint(vec(4, 0, 0), {}, real(2 * start));
+        }
+        def.axis[along_x] = what;
+        def.body_a = a, def.body_b = b;
+        joint = made(world.create_joint(def));
+    }
+    /// What resists a change of the length, seen from it [kg].
+    double inertia() const { return is_pulley ? crate_mass / 2 : crate_mass; }
+    /// `load`: the acceleration of the length that it alone would bring [m/s^2].
+    void run(int ticks, double load = 0) {
+        const Vec3 p = vec(0, -load * inertia(), 0);
+        for (int t = 0; t < ticks; ++t) {
+            done(world.add_force(b, p));
+            if (is_pulley) done(world.add_force(a, p));
+            world.tick();
+        }
+    }
+    double position() const {
+        return to_double(world.joint_state(joint).position[along_x]) - (is_pulley ? 2 : 1) * start;
+    }
+    double speed() const { return -velocity(world, b)[1] - (is_pulley ? velocity(world, a)[1] : 0); }
+};
+
+/// A length counted from where it is at the start.
+Real beyond(JointKind kind, double way) { return real((kind == JointKind::pulley ? 2 : 1) * start + way); }
+
+std::string limit_fault(JointKind kind, double lower, double upper) {
+    const auto make = [&] {
+        return Line(kind,
+                    {.mode = AxisMode::limited, .lower = beyond(kind, lower), .upper = beyond(kind, upper)});
+    };
+    return stop_fault(make, 1);
+}
+
+/// A winch: 0.5 m/s with 1 m/s^2, against three quarters of its force too; twice its force pulls the line out again.
+std::string motor_fault(JointKind kind, double strength) {
+    const double inertia = kind == JointKind::pulley ? crate_mass / 2 : crate_mass;
+    Line line(kind,
+              {.mode = AxisMode::free, .motor_speed = real(-0.5), .motor_force = real(strength * inertia)});
+    line.run(12);
+    if (!near(line.speed(), -0.2, 0.004)) return "after 0.2 s its speed is " + std::to_string(line.speed());
+    line.run(30);
+    if (!near(line.speed(), -0.5, 0.002)) return "it gets to a speed of " + std::to_string(line.speed());
+    line.run(12, 0.75);
+    if (!near(line.speed(), -0.5, 0.004))
+        return "a load that it bears slows it to " + std::to_string(line.speed());
+    line.run(12, 2);
+    if (!near(line.speed(), -0.3, 0.006)) return "overloaded it slows to " + std::to_string(line.speed());
+    return {};
+}
+
+std::string friction_fault(JointKind kind, double strength) {
+    const double inertia = kind == JointKind::pulley ? crate_mass / 2 : crate_mass;
+    Line line(kind, {.mode = AxisMode::free, .friction = real(strength * inertia)});
+    line.run(60, 0.9);
+    if (!near(line.position(), 0, 1e-4)) return "it slid by " + std::to_string(line.position());
+    line.run(12, 2);
+    if (!near(line.speed(), 0.2, 0.004)) return "its speed is " + std::to_string(line.speed());
+    line.run(30);
+    if (!near(line.speed(), 0, 1e-4)) return "it still moves";
+    return {};
+}
+
+std::string spring_fault(JointKind kind, double frequency, double told_frequency, double damping,
+                         double told_damping) {
+    Line line(kind, {.mode = AxisMode::free,
+                     .spring = 1,
+                     .frequency = real(frequency),
+                     .damping_ratio = real(damping),
+                     .target = beyond(kind, 0)});
+    line.run(1, 60 * 0.8 * frequency);
+    return swing_fault(line, told_frequency, told_damping);
+}
+
+} // namespace
+
+TEST_CASE("the length of a line and of a pulley's rope can be limited below and above") {
+    for (JointKind kind : {JointKind::distance, JointKind::pulley}) CHECK(limit_fault(kind, -0.3, 0.5) == "");
+}
+
+TEST_CASE("a line and a pulley's rope can be wound by a motor") {
+    for (JointKind kind : {JointKind::distance, JointKind::pulley}) CHECK(motor_fault(kind, 1) == "");
+}
+
+TEST_CASE("a line and a pulley's rope can have friction") {
+    for (JointKind kind : {JointKind::distance, JointKind::pulley}) CHECK(friction_fault(kind, 1) == "");
+}
+
+TEST_CASE("a line and a pulley's rope can be springs, with their frequency and their damping") {
+    for (JointKind kind : {JointKind::distance, JointKind::pulley}) {
+        CHECK(spring_fault(kind, 1.5, 1.5, 0, 0) == "");
+        CHECK(spring_fault(kind, 1.5, 1.5, 0.2, 0.2) == "");
+    }
+}
+
+TEST_CASE("planted fault: limits, motors, friction and springs of lines a little off are found out") {
+    for (JointKind kind : {JointKind::distance, JointKind::pulley}) {
+        CHECK(limit_fault(kind, -0.3, 0.51) != "");
+        CHECK(motor_fault(kind, 1.1) != "");
+        CHECK(friction_fault(kind, 0.85) != "");
+        CHECK(spring_fault(kind, 1.6, 1.5, 0.2, 0.2) != "");
+        CHECK(spring_fault(kind, 1.5, 1.5, 0.1, 0.2) != "");
+    }
+}
+
+TEST_CASE("a spring of limited travel swings between its limits, and a rope that is slack pulls nobody") {
+    Line spring(JointKind::distance, {.mode = AxisMode::limited,
+                                      .spring = 1,
+                                      .lower = real(1.8),
+                                      .upper = real(2.2),
+                                      .frequency = real(0.5),
+                                      .damping_ratio = real(0.1),
+                                      .target = real(2)});
+    spring.run(20, 6);
+    CHECK(spring.position() == doctest::Approx(0.2).epsilon(0.02));
+    spring.run(20, -6);
+    CHECK(spring.position() == doctest::Approx(-0.2).epsilon(0.02));
+    spring.run(600);
+    CHECK(std::abs(spring.position()) < 0.01);
+    for (JointKind kind : {JointKind::distance, JointKind::pulley}) {
+        Line slack(kind, {.mode = AxisMode::limited, .upper = beyond(kind, 1)});
+        slack.run(12, 1);
+        CHECK(slack.speed() == doctest::Approx(0.2).epsilon(0.001));
+        CHECK(length(to_double(slack.world.joint_state(slack.joint).force)) == 0);
+    }
+}
+
+// ---- ratios ---------------------------------------------------------------------------------------------------
+
+namespace {
+
+/// Loaded by a torque about B's shaft, or a force along B's rail; the place of A's shaft.
+double shaft_after(const JointDef& joint, const JointAxis& shaft, double load, int ticks,
+                   double* other = nullptr) {
+    Jointed j = join_two(joint.kind, joint);
+    done(j.world.set_joint_axis(j.axle_a, about_x, shaft));
+    const bool gear = joint.kind == JointKind::gear;
+    const Vec3 pull = vec(load, 0, 0);
+    for (int t = 0; t < ticks; ++t) {
+        done(gear ? j.world.add_force(j.b, {}, pull) : j.world.add_force(j.b, pull));
+        j.world.tick();
+    }
+    const double way = to_double(j.world.joint_state(j.axle_b).position[gear ? about_x : along_x]);
+    if (other != nullptr) *other = way;
+    return to_double(j.world.joint_state(j.axle_a).position[about_x]);
+}
+
+} // namespace
+
+TEST_CASE("gears and racks pass on what their shafts have: limits, motors, springs and friction") {
+    for (const JointDef& joint : {gear_joint(Real(2)), rack_and_pinion_joint(Real(2))}) {
+        INFO(name_of(joint.kind));
+        const double sign = joint.kind == JointKind::gear ? -1 : 1;
+        double way = 0;
+        shaft_after(joint, {.mode = AxisMode::limited, .lower = Real(-1), .upper = Real(1)}, 400, 240, &way);
+        CHECK(way == doctest::Approx(0.5).epsilon(0.01));
+        shaft_after(joint, {.mode = AxisMode::free, .motor_speed = Real(1), .motor_force = Real(2000)}, -10,
+                    240, &way);
+        CHECK(way == doctest::Approx(sign * 4 / 2).epsilon(0.03));
+        shaft_after(joint, {.mode = AxisMode::free, .friction = Real(230)}, 400, 240, &way);
+        CHECK(std::abs(way) < 1e-3); // the shaft feels half of the load
+        shaft_after(joint, {.mode = AxisMode::free, .friction = Real(170)}, 400, 240, &way);
+        CHECK(way > 0.1); // planted: too little
+        const JointAxis spring{.mode = AxisMode::free, .spring = 1, .frequency = Real(1)};
+        const double stiffness = 1000.0 / 6 * std::pow(2 * 3.14159265358979, 2);
+        CHECK(shaft_after(joint, spring, 400, 600) ==
+              doctest::Approx(sign * 400 / 2 / stiffness).epsilon(0.02));
+    }
+}

@@ -1,0 +1,172 @@
+// The ragdoll: masses that add up, joints that hold within their limits, a pose that is taken, nothing left on errors.
+#include "lockstone/ragdoll.h"
+#include "support/rigs/joint_scenes.h"
+
+#include <doctest/doctest.h>
+
+#include <cstdlib>
+
+using namespace lockstone;
+using namespace lockstone::test::scene;
+
+namespace {
+
+WorldDef ragdoll_def(std::uint32_t bodies = 20) {
+    WorldDef def = drowsy_def();
+    def.bodies_max = def.shapes_max = bodies;
+    def.joints_max = bodies;
+    return def;
+}
+
+/// How far joints are apart and outside of their limits: [m] and [rad], the largest of a ragdoll's.
+struct Strain {
+    double gap = 0, beyond = -10;
+};
+Strain strain_of(const World& w, const Ragdoll& r) {
+    Strain strain;
+    for (std::uint32_t part = 1; part < ragdoll_part_count; ++part) {
+        const JointDef def = w.joint(r.joints[part]);
+        const Offset o = offset_of(w, r.joints[part]);
+        strain.gap = std::max(strain.gap, length(o.along));
+        const double twist = to_double(w.joint_state(r.joints[part]).position[about_x]);
+        strain.beyond = std::max({strain.beyond, twist - to_double(def.axis[about_x].upper),
+                                  to_double(def.axis[about_x].lower) - twist});
+        if (def.kind == JointKind::ball)
+            strain.beyond = std::max(strain.beyond, o.tilt - to_double(def.swing));
+        if (def.kind == JointKind::hinge) strain.beyond = std::max(strain.beyond, o.tilt);
+    }
+    return strain;
+}
+
+/// Of the angle between a part's place in two poses, the largest [rad].
+double apart(const RagdollPose& a, const RagdollPose& b) {
+    double most = 0;
+    for (std::size_t i = 1; i < ragdoll_part_count; ++i)
+        most = std::max(most, to_double(to_axis_angle(normalized(conjugate(a[i]) * b[i])).angle));
+    return most;
+}
+
+} // namespace
+
+TEST_CASE("a ragdoll has the mass that it was given, and its segments their shares") {
+    World w = made(World::create(ragdoll_def()));
+    const Ragdoll r = made(make_ragdoll(w, {.height = real(1.7), .mass = real(60), .user_key = 1000}));
+    double sum = 0, height = 0;
+    for (std::uint32_t i = 0; i < ragdoll_part_count; ++i) {
+        sum += to_double(w.mass(r.bodies[i]));
+        CHECK(w.user_key(r.bodies[i]) == 1000 + i);
+        height += to_double(w.mass(r.bodies[i])) * position(w, r.bodies[i])[1];
+    }
+    CHECK(sum == doctest::Approx(60).epsilon(1e-6));
+    CHECK(to_double(w.mass(r.bodies[static_cast<std::size_t>(RagdollPart::thigh_left)])) ==
+          doctest::Approx(6).epsilon(1e-6));
+    CHECK(height / sum / 1.7 == doctest::Approx(0.56).epsilon(0.03)); // of the centre of mass over the ground
+    CHECK(w.joint_count() == 13);
+    CHECK(strain_of(w, r).gap < 1e-6);
+    CHECK(strain_of(w, r).beyond < 1e-3);
+    w.tick();
+    for (const World::ContactPoint& p : w.contacts())
+        CHECK(to_double(p.separation) > 0); // no part touches another
+}
+
+TEST_CASE("both poses stand within the limits of all joints, and ragdoll_pose reads them back") {
+    for (const RagdollPose& pose : {ragdoll_standing(), ragdoll_t_pose()}) {
+        World w = made(World::create(weightless(ragdoll_def())));
+        const Ragdoll r = made(make_ragdoll(w, {.place = at(3, 1, 2, turned(axis_y, 70)), .pose = pose}));
+        CHECK(strain_of(w, r).gap < 1e-6);
+        CHECK(strain_of(w, r).beyond < 1e-3);
+        CHECK(apart(ragdoll_pose(w, r), pose) < 1e-4);
+        for (int t = 0; t < 60; ++t) w.tick();
+        CHECK(apart(ragdoll_pose(w, r), pose) < 0.01); // nothing moves where nothing pulls
+    }
+}
+
+TEST_CASE("a ragdoll that falls in any way lies down whole, within its limits, and sleeps") {
+    const int count = std::getenv("LOCKSTONE_LONG") != nullptr ? 40 : 3;
+    for (int seed = 0; seed < count; ++seed) {
+        World w = made(World::create(ragdoll_def()));
+        add_floor(w);
+        Random random = Random::seeded(static_cast<std::uint64_t>(seed));
+        const Vec3 angles{random.range(-pi, pi), random.range(-pi, pi), random.range(-pi, pi)};
+        const Ragdoll r =
+            made(make_ragdoll(w, {.place = {vec(0, 3, 0), from_euler(angles)},
+                                  .pose = seed % 2 == 0 ? ragdoll_standing() : ragdoll_t_pose()}));
+        Strain worst;
+        int ticks = 0;
+        for (; ticks < 1200 && w.awake_count() > 0; ++ticks) {
+            w.tick();
+            const Strain now = strain_of(w, r);
+            worst = {std::max(worst.gap, now.gap), std::max(worst.beyond, now.beyond)};
+        }
+        INFO("seed ", seed, ", ", ticks, " ticks");
+        CHECK(worst.gap < 0.08);
+        CHECK(worst.beyond < 0.5);
+        CHECK(strain_of(w, r).gap < 0.005);
+        CHECK(strain_of(w, r).beyond < 0.05);
+        CHECK(w.awake_count() == 0);
+        for (BodyId b : r.bodies) CHECK(position(w, b)[1] > 0);
+        const Faults faults = w.faults();
+        CHECK(faults.speed_clamped + faults.position_clamped + faults.impulse_clamped == 0);
+    }
+}
+
+TEST_CASE("planted fault: a ragdoll with a joint cut is found to be apart") {
+    World w = made(World::create(weightless(ragdoll_def())));
+    const Ragdoll r = made(make_ragdoll(w, {}));
+    const BodyId head = r.bodies[static_cast<std::size_t>(RagdollPart::head)];
+    done(w.set_pose(head, {w.pose(head).position + vec(0, 0.1, 0), Quat::identity()}));
+    CHECK(strain_of(w, r).gap > 0.08);
+    done(w.set_pose(head, {w.pose(head).position, turned(axis_x, 70)}));
+    CHECK(strain_of(w, r).beyond > 0.4);
+}
+
+TEST_CASE("driven, a ragdoll takes a pose and keeps it; limp again, it lets go") {
+    World w = made(World::create(weightless(ragdoll_def())));
+    const Ragdoll r = made(make_ragdoll(w, {}));
+    RagdollPose pose = ragdoll_t_pose();
+    pose[static_cast<std::size_t>(RagdollPart::shin_left)] = turned(axis_x, 60);
+    pose[static_cast<std::size_t>(RagdollPart::head)] = turned(axis_y, 30);
+    pose[static_cast<std::size_t>(RagdollPart::thigh_right)] = turned(axis_x, -40);
+    done(set_ragdoll_drive(w, r, pose, {.frequency = Real(20)}));
+    for (int t = 0; t < 240; ++t) w.tick();
+    CHECK(apart(ragdoll_pose(w, r), pose) < 0.06); // friction holds what is left
+    CHECK(apart(ragdoll_pose(w, r), ragdoll_standing()) > 0.9);
+    done(set_ragdoll_drive(w, r, pose, {}));
+    for (JointId joint : r.joints)
+        if (joint) CHECK(w.joint(joint).axis[about_x].spring == 0);
+    CHECK(!set_ragdoll_drive(w, r, pose, {.frequency = Real(2000)}).ok());
+}
+
+TEST_CASE("what is refused leaves nothing in the world, and says why") {
+    struct Case {
+        RagdollDef def;
+        const char* words;
+    };
+    World w = made(World::create(ragdoll_def()));
+    for (const Case& c : {Case{{.height = Real(4)}, "height is 4"},
+                          {{.mass = Real(1)}, "mass is 1"},
+                          {{.stiffness = Real(-1)}, "stiffness is -1"},
+                          {{.place = at(2e9, 0, 0)}, "pelvis"}}) {
+        const Result<Ragdoll> r = make_ragdoll(w, c.def);
+        REQUIRE(!r.ok());
+        INFO(r.error().message);
+        CHECK(r.error().message.find(c.words) != std::string::npos);
+    }
+    CHECK(w.body_count() == 0);
+    const auto full = [&](WorldDef def, const char* words) {
+        World small = made(World::create(def));
+        add_ball(small, at(0, 0, 0));
+        const Result<Ragdoll> r = make_ragdoll(small, {});
+        REQUIRE(!r.ok());
+        CHECK(r.error().message.find(words) != std::string::npos);
+        CHECK((small.body_count() == 1 && small.joint_count() == 0));
+    };
+    WorldDef few_bodies = ragdoll_def(), few_joints = ragdoll_def();
+    few_bodies.bodies_max = 10, few_joints.joints_max = 5;
+    full(few_bodies, "bodies_max is 10");
+    full(few_joints, "joints_max is 5");
+    const Ragdoll r = made(make_ragdoll(w, {}));
+    destroy_ragdoll(w, r);
+    CHECK((w.body_count() == 0 && w.joint_count() == 0));
+    destroy_ragdoll(w, r); // of a dead one: nothing
+}

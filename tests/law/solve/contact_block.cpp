@@ -1,0 +1,227 @@
+// Contacts at rest: the order in which they are solved, their symmetry, and what statics asks of their impulses.
+#include "solve/contacts/contact.h"
+#include "solve/contacts/contact_order.h"
+#include "support/sim_scenes.h"
+#include "tick/phases.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <random>
+
+using namespace lockstone;
+using namespace lockstone::test::scene;
+
+namespace {
+
+constexpr double g = 9.81, degree = 3.14159265358979323846 / 180;
+
+// ---- order -----------------------------------------------------------------------------------------------------------
+
+/// A floor, body 0, and walls of bodies on it; contacts between neighbours above each other, in an order of chance.
+struct Pile {
+    solve::SolverBodies bodies;
+    std::vector<solve::Contact> contacts;
+};
+
+Pile pile(std::uint32_t columns, std::uint32_t height, unsigned seed) {
+    Pile p;
+    p.bodies.body.resize(columns * height + 2);
+    p.bodies.step.resize(columns * height + 2);
+    const auto touch = [&](std::uint32_t a, std::uint32_t b) {
+        solve::Contact c;
+        c.body_a = a, c.body_b = b, c.count = 1;
+        c.points[0] = {};
+        p.contacts.push_back(c);
+    };
+    for (std::uint32_t x = 0; x < columns; ++x)
+        for (std::uint32_t y = 0; y < height; ++y) {
+            const std::uint32_t own = 1 + x * height + y;
+            p.bodies.step[own].movable = true;
+            touch(y == 0 ? 0 : own - 1, own);
+            if (x > 0) touch(own, own - height);
+        }
+    std::shuffle(p.contacts.begin(), p.contacts.end(), std::mt19937(seed));
+    return p;
+}
+
+struct OrderFaults {
+    int shared = 0;  ///< bodies that two contacts of a stage move
+    int upwards = 0; ///< contacts of a tower that come after the one below
+    int missing = 0; ///< contacts that do not come once
+};
+
+/// Of towers: contact (n, n + 1) comes before (n - 1, n).
+OrderFaults order_faults(const Pile& p, const std::vector<std::vector<std::uint32_t>>& stages) {
+    OrderFaults f;
+    std::vector<int> met(p.contacts.size(), 0);
+    std::vector<bool> carried(p.bodies.body.size(), false); // bodies whose contact below has come
+    for (const auto& stage : stages) {
+        std::vector<std::uint32_t> moved;
+        for (const std::uint32_t i : stage) {
+            const solve::Contact& c = p.contacts[i];
+            ++met[i];
+            for (const std::uint32_t b : {c.body_a, c.body_b})
+                if (p.bodies.step[b].movable) moved.push_back(b);
+            if (c.body_a + 1 != c.body_b && c.body_a != 0) continue; // between towers
+            if (c.body_a != 0 && carried[c.body_a]) ++f.upwards;
+            carried[c.body_b] = true;
+        }
+        std::sort(moved.begin(), moved.end());
+        f.shared += static_cast<int>(moved.end() - std::unique(moved.begin(), moved.end()));
+    }
+    for (const int m : met) f.missing += m != 1;
+    return f;
+}
+
+std::vector<std::vector<std::uint32_t>> stages_of(const Pile& p) {
+    solve::ContactOrder order;
+    order.find(p.contacts, p.bodies);
+    std::vector<std::vector<std::uint32_t>> stages;
+    for (std::uint32_t s = 0; s < order.stage_count(); ++s)
+        stages.emplace_back(order.stage(s).begin(), order.stage(s).end());
+    return stages;
+}
+
+} // namespace
+
+TEST_CASE("contacts are solved from the top down, and those of a stage move different bodies") {
+    for (unsigned seed = 1; seed <= 20; ++seed) {
+        const Pile p = pile(1 + seed % 5, 1 + seed % 7, seed);
+        const OrderFaults f = order_faults(p, stages_of(p));
+        CHECK(f.shared == 0);
+        CHECK(f.upwards == 0);
+        CHECK(f.missing == 0);
+    }
+}
+
+TEST_CASE("planted fault: stages in reverse, joined and lost are found out") {
+    const Pile p = pile(3, 5, 1);
+    const auto good = stages_of(p);
+    auto reversed = good, joined = good, lost = good;
+    std::reverse(reversed.begin(), reversed.end());
+    joined[0].insert(joined[0].end(), joined[1].begin(), joined[1].end());
+    joined.erase(joined.begin() + 1);
+    lost.pop_back();
+    CHECK(order_faults(p, reversed).upwards > 0);
+    CHECK(order_faults(p, joined).shared > 0);
+    CHECK(order_faults(p, lost).missing > 0);
+}
+
+// ---- symmetry --------------------------------------------------------------------------------------------------------
+
+namespace {
+
+/// The farthest that a box of a tower gets off its axis [m], or off the upright [rad]. The second is set off by `off`.
+double off_axis(double off) {
+    World w = made(World::create(small_def()));
+    add_floor(w);
+    std::vector<BodyId> boxes;
+    for (int i = 0; i < 10; ++i) boxes.push_back(add_crate(w, at(i == 1 ? off : 0, 0.5 + i, 0)));
+    double most = 0;
+    for (int t = 0; t < 240; ++t) w.tick();
+    for (const BodyId b : boxes) {
+        const D3 p = position(w, b), s = spin(w, b);
+        most = std::max({most, std::abs(p[0]), std::abs(p[2]), length(s)});
+    }
+    return most;
+}
+
+/// A plank on two posts with a load at +x or at -x; where plank and load are after 2 s, mirrored back to +x.
+std::array<D3, 2> loaded_plank(double side, double mass) {
+    World w = made(World::create(small_def()));
+    add_floor(w);
+    for (const double x : {-1.5, 1.5}) add_crate(w, at(x, 0.5, 0));
+    const BodyId plank =
+        add(w, {.pose = at(0, 1.1, 0), .mass = real(200)}, {.geometry = box(real(2), real(0.1), real(0.5))});
+    const BodyId load = add(w, {.pose = at(side, 1.6, 0), .mass = real(mass)},
+                            {.geometry = box(real(0.4), real(0.4), real(0.4))});
+    for (int t = 0; t < 120; ++t) w.tick();
+    std::array<D3, 2> out{position(w, plank), position(w, load)};
+    for (D3& p : out) p[0] *= side;
+    return out;
+}
+
+double mirror_error(double mass_left) {
+    const auto right = loaded_plank(1, 500), left = loaded_plank(-1, mass_left);
+    return std::max(length(right[0] - left[0]), length(right[1] - left[1]));
+}
+
+} // namespace
+
+TEST_CASE("a tower of flush boxes stands on its axis, without a trace of a tilt") {
+    CHECK(off_axis(0) < 1e-6);
+}
+TEST_CASE("planted fault: a box 1 mm off the axis of a tower is found out") {
+    CHECK_FALSE(off_axis(0.001) < 1e-6);
+}
+
+TEST_CASE("a load on the left presses as one on the right does") { CHECK(mirror_error(500) < 5e-5); }
+TEST_CASE("planted fault: another load on the left is found out") { CHECK_FALSE(mirror_error(5000) < 5e-5); }
+
+// ---- statics ---------------------------------------------------------------------------------------------------------
+
+namespace {
+
+/// What the floor's four points give a box at rest under gravity that is tilted towards +x, in units of its weight:
+/// along the normal, along the floor, and the normal impulses' centre, in units of half an edge. `least` is the least
+/// normal impulse of any point.
+struct Support {
+    double normal, along, centre, least;
+};
+
+Support support(double degrees) {
+    WorldDef def = small_def();
+    def.gravity = vec(g * std::sin(degrees * degree), -g * std::cos(degrees * degree), 0);
+    World w = made(World::create(def));
+    add_floor(w, {.friction = real(0.9)});
+    add(w, {.pose = at(0, 0.5, 0)},
+        {.geometry = box(real(0.5), real(0.5), real(0.5)), .friction = real(0.9)});
+    for (int t = 0; t < 120; ++t) w.tick();
+    sim::Data d(w.def(), w.schema(), w.assets_shared());
+    d.state = w.state();
+    do sim::update_bounds(d), sim::find_pairs(d);
+    while (sim::wake_touched(d));
+    sim::collide(d);
+    const double unit = g / (def.tick_rate * def.substeps);
+    Support s{0, 0, 0, 1};
+    D3 friction{};
+    for (const solve::Contact& c : d.scratch.contacts) {
+        const solve::Tangents t = solve::tangents_of(c.normal);
+        const auto& lever =
+            to_double(c.normal.y) > 0 ? &solve::ContactPoint::lever_b : &solve::ContactPoint::lever_a;
+        const solve::ContactMemory& m = d.scratch.table.list.memories[c.memory];
+        friction = friction + (to_double(m.tangent_1) / unit) * to_double(t.first) +
+                   (to_double(m.tangent_2) / unit) * to_double(t.second);
+        for (std::uint32_t k = 0; k < c.count; ++k) {
+            const double p = to_double(m.points[k].normal) / unit;
+            s.normal += p;
+            s.centre += p * to_double((c.points[k].*lever).x) / 0.5;
+            s.least = std::min(s.least, p);
+        }
+    }
+    s.along = length(friction);
+    s.centre /= s.normal;
+    return s;
+}
+
+/// How far the support of a box is from what statics says at this tilt.
+double support_error(double degrees, double claimed) {
+    const Support s = support(degrees);
+    const double a = claimed * degree;
+    return std::max({std::abs(s.normal - std::cos(a)), std::abs(s.along - std::sin(a)),
+                     std::abs(s.centre - std::tan(a)), std::max(-s.least, 0.0)});
+}
+
+} // namespace
+
+TEST_CASE("the points of a resting box carry its weight, hold it, and press where its weight line meets the "
+          "floor") {
+    for (const double degrees : {0.0, 5.0, 20.0, 35.0}) {
+        CAPTURE(degrees);
+        CHECK(support_error(degrees, degrees) < 2e-3);
+    }
+}
+TEST_CASE("planted fault: half a degree of tilt more than claimed is found out") {
+    for (const double degrees : {5.0, 20.0, 35.0}) CHECK_FALSE(support_error(degrees + 0.5, degrees) < 2e-3);
+}

@@ -1,0 +1,78 @@
+// Which pairs of shapes get contacts, and which leave rows in the state.
+#include "model/manifest.h"
+#include "support/sim_scenes.h"
+
+#include <doctest/doctest.h>
+
+using namespace lockstone;
+using namespace lockstone::test::scene;
+
+namespace {
+
+std::uint32_t contact_rows(const World& w) {
+    return w.state().count(sim::make_manifest(w.def(), {}).contacts.contacts);
+}
+
+/// Two crates 0.1 m apart, with these velocities along the gap (x) and across it; the rows they have after a tick.
+std::uint32_t rows_of_two(double toward, double across_a, double across_b) {
+    World w = made(World::create(weightless()));
+    add(w, {.pose = at(0, 0, 0), .linear_velocity = vec(toward, 0, across_a)},
+        {.geometry = box(real(0.5), real(0.5), real(0.5))});
+    add(w, {.pose = at(1.1, 0, 0), .linear_velocity = vec(0, 0, across_b)},
+        {.geometry = box(real(0.5), real(0.5), real(0.5))});
+    w.tick();
+    return contact_rows(w);
+}
+
+} // namespace
+
+TEST_CASE("contacts reach ahead by what two shapes near each other, not by how fast both go") {
+    CHECK(rows_of_two(0, 0, 0) == 0);
+    CHECK(rows_of_two(0, 20, 20) == 0);  // side by side
+    CHECK(rows_of_two(0, 20, -20) == 1); // past each other: they might meet
+    CHECK(rows_of_two(9, 0, 0) == 1);    // 0.15 m in the tick
+    CHECK(rows_of_two(1, 0, 0) == 0);    // 0.017 m
+}
+
+TEST_CASE("what comes fast lands on what it meets") {
+    for (const double speed : {0.2, 1.0, 5.0, 20.0, 80.0}) {
+        WorldDef def = weightless();
+        World w = made(World::create(def));
+        add_wall(w, at(0, 0, 0), vec(0.5, 2, 2));
+        const BodyId crate = add(w, {.pose = at(-1.5, 0, 0), .linear_velocity = vec(speed, 0, 0)},
+                                 {.geometry = box(real(0.5), real(0.5), real(0.5))});
+        double deepest = 0;
+        for (int t = 0; t < 400; ++t) {
+            w.tick();
+            deepest = std::max(deepest, position(w, crate)[0] + 1.0);
+        }
+        CAPTURE(speed);
+        CHECK(deepest < 0.01);
+    }
+}
+
+TEST_CASE("pairs that are near without a contact point leave nothing in the state") {
+    World w = made(World::create(small_def()));
+    add_floor(w);
+    // Corner past corner, 13 cm from face to face: their bounds overlap.
+    for (int i = 0; i < 8; ++i) add_crate(w, at(0.8 * i, 0.5, 0.8 * i, turned(axis_y, 45)));
+    for (int t = 0; t < 30; ++t) w.tick();
+    CHECK(contact_rows(w) == 8);
+    const auto memories = w.state().rows(sim::make_manifest(w.def(), {}).contacts.memory);
+    for (const solve::ContactRow& row : memories) CHECK(row.count > 0);
+}
+
+TEST_CASE("a pair that parts ends to touch, though it stays near") {
+    World w = made(World::create(weightless()));
+    add_wall(w, at(0, -0.5, 0), vec(3, 0.5, 3));
+    const BodyId crate = add_crate(w, at(0, 0.5, 0));
+    w.tick();
+    done(w.set_velocity(crate, vec(0, 1.5, 0), {}));
+    int ended = 0;
+    for (int t = 0; t < 6; ++t) {
+        w.tick();
+        for (const Event& e : w.events()) ended += e.kind == EventKind::contact_end;
+    }
+    CHECK(ended == 1);
+    CHECK(contact_rows(w) == 0);
+}

@@ -1,0 +1,92 @@
+// Impacts are forgotten alike whether the lanes of a pack are taken at once or one by one.
+#include "lockstone/math/random.h"
+#include "solve/kernels/kernels.h"
+
+#include <doctest/doctest.h>
+
+#include <cstring>
+#include <vector>
+
+using namespace lockstone;
+using namespace lockstone::solve;
+
+namespace {
+
+/// A pack whose solving changes nothing: no row answers, no point is a member. Impacts are below what joints keep (1 m/s).
+template <unsigned N> ContactPack<N> pack_of(Random& random) {
+    ContactPack<N> pack{};
+    const auto within = [&](std::int32_t limit) {
+        return static_cast<std::int32_t>(random.below(2 * static_cast<std::uint32_t>(limit) + 1)) - limit;
+    };
+    pack.movable_a = pack.movable_b = (1u << N) - 1, pack.bounce = none, pack.impacts = 1;
+    pack.point_count = 1 + static_cast<std::int32_t>(random.below(4));
+    for (unsigned lane = 0; lane < N; ++lane) {
+        pack.body_a[lane] = 2 * lane, pack.body_b[lane] = 2 * lane + 1;
+        pack.several[lane] = pack.point_count > 1 ? -1 : 0;
+        pack.friction[lane] = 1 << row_bits;
+        pack.share_a[lane] = within(1 << 30), pack.share_b[lane] = within(1 << 30);
+        for (int r = 0; r < 3; ++r) {
+            for (int i = 0; i < 3; ++i)
+                for (auto* rows : {&pack.d, &pack.normal_a, &pack.normal_b, &pack.slide_a, &pack.slide_b})
+                    (*rows)[r][i][lane] = within(1 << 28);
+            pack.slide[r][lane] = r == 2 && pack.point_count == 1 ? 0 : within(1 << 12);
+        }
+        for (int k = 0; k < pack.point_count; ++k) {
+            PointLanes<N>& point = pack.points[k];
+            point.gap0[lane] = point.gap[lane] = 1 << gap_bits, point.reach[lane] = 1 << unit_bits;
+            point.impulse[lane] = (1 << 17) + static_cast<std::int32_t>(random.below(1 << 17));
+            point.impact[lane] = within(1 << 18);
+            if (pack.point_count > 1)
+                for (int i = 0; i < 2; ++i) point.arm[i][lane] = within(1 << 30);
+        }
+    }
+    return pack;
+}
+
+template <unsigned N> void compare(const ContactKernel& kernel) {
+    Random random = Random::seeded(N);
+    int taken = 0, changed = 0, wrapped = 0;
+    for (int round = 0; round < 2000; ++round) {
+        ContactPack<N> at_once = pack_of<N>(random), one_by_one = at_once;
+        one_by_one.keeps = (1u << N) - 1; // then lanes are looked at one by one; none of them keeps so little
+        const ContactPack<N> before = at_once;
+        std::vector<solve::SolverBody> bodies(2 * N, solve::SolverBody{});
+        std::vector<WarmStart> warm(2 * N, WarmStart{}), other = warm;
+        // Close to the end of the range: sums wrap there, and in both ways alike.
+        for (WarmStart& start : warm) start.v[0] = random.below(2) == 0 ? INT64_MAX - 5 : INT64_MIN + 5;
+        other = warm;
+        const std::int64_t start = warm[0].v[0];
+        const PassSettings settings{240, 1 << gap_bits, 1 << speed_bits, false};
+        kernel.solve(&at_once, 0, 1, {bodies.data(), warm.data(), nullptr}, settings);
+        kernel.solve(&one_by_one, 0, 1, {bodies.data(), other.data(), nullptr}, settings);
+        wrapped += (warm[0].v[0] < 0) != (start < 0);
+        REQUIRE(std::memcmp(warm.data(), other.data(), warm.size() * sizeof(WarmStart)) == 0);
+        for (int k = 0; k < 4; ++k)
+            REQUIRE(std::memcmp(at_once.points[k].impulse, one_by_one.points[k].impulse,
+                                sizeof at_once.points[k].impulse) == 0);
+        REQUIRE(std::memcmp(at_once.slide, one_by_one.slide, sizeof at_once.slide) == 0);
+        taken += std::memcmp(at_once.points[0].impulse, before.points[0].impulse,
+                             sizeof before.points[0].impulse) != 0;
+        changed += std::memcmp(at_once.slide, before.slide, sizeof before.slide) != 0;
+    }
+    // Half of the impacts are above zero, and half of what is given leads past the end of the range.
+    CHECK(taken > 800);
+    CHECK(changed > 800);
+    CHECK(wrapped > 200);
+}
+
+} // namespace
+
+TEST_CASE("impacts are forgotten alike at once and lane by lane") {
+    for (const Simd level :
+         {Simd::scalar, Simd::sse41, Simd::avx2, Simd::avx512, Simd::neon, Simd::wasm128}) {
+        const Kernels* kernels = kernels_of(level);
+        if (kernels == nullptr) continue;
+        const ContactKernel& kernel = *kernels->contacts;
+        INFO("lanes: ", kernel.lanes);
+        if (kernel.lanes == 1) compare<1>(kernel);
+        if (kernel.lanes == 2) compare<2>(kernel);
+        if (kernel.lanes == 4) compare<4>(kernel);
+        if (kernel.lanes == 8) compare<8>(kernel);
+    }
+}

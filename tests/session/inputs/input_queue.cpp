@@ -1,0 +1,111 @@
+// The input queue: guesses, true inputs, and the first tick where they part.
+#include "session/inputs/input_queue.h"
+
+#include "session/arena.h"
+
+#include <doctest/doctest.h>
+
+using namespace lockstone;
+using namespace lockstone::test;
+using session::InputQueue;
+using session::never;
+
+namespace {
+
+std::array<std::byte, 1> input(unsigned value) { return {static_cast<std::byte>(value)}; }
+unsigned value_of(const PlayerInput& i) { return std::to_integer<unsigned>(i.bytes[0]); }
+
+class CountUp final : public InputPredictor {
+  public:
+    void predict(std::uint32_t, std::span<const std::byte> last, std::uint64_t ahead,
+                 std::span<std::byte> out) const override {
+        out[0] = static_cast<std::byte>(std::to_integer<std::uint64_t>(last[0]) + ahead);
+    }
+};
+
+} // namespace
+
+TEST_CASE("before the first true input the guess is zero") {
+    InputQueue queue(0, 1);
+    const PlayerInput guess = queue.use(0, repeat_last_input());
+    CHECK(value_of(guess) == 0);
+    CHECK(guess.status == InputStatus::predicted);
+}
+
+TEST_CASE("the default guess repeats the newest true input") {
+    InputQueue queue(0, 1);
+    queue.confirm(input(5));
+    CHECK(queue.use(0, repeat_last_input()).status == InputStatus::confirmed);
+    CHECK(value_of(queue.use(3, repeat_last_input())) == 5);
+    CHECK(queue.use(3, repeat_last_input()).status == InputStatus::predicted);
+}
+
+TEST_CASE("a predictor is told how far it looks ahead") {
+    InputQueue queue(0, 1);
+    queue.confirm(input(10));
+    CHECK(value_of(queue.use(1, CountUp{})) == 11);
+    CHECK(value_of(queue.use(4, CountUp{})) == 14);
+}
+
+TEST_CASE("the first wrong tick is the least whose guess was run and differs") {
+    InputQueue queue(0, 1);
+    for (std::uint64_t tick = 0; tick < 4; ++tick) queue.use(tick, repeat_last_input());
+    queue.confirm(input(0)); // as guessed
+    CHECK(queue.take_first_wrong() == never);
+    queue.confirm(input(7)); // tick 1
+    queue.confirm(input(7)); // tick 2
+    CHECK(queue.take_first_wrong() == 1);
+    CHECK(queue.take_first_wrong() == never);
+}
+
+TEST_CASE("an input that no tick has run on is never wrong") {
+    InputQueue queue(0, 1);
+    queue.confirm(input(9));
+    CHECK(queue.take_first_wrong() == never);
+}
+
+TEST_CASE("from a disconnection on inputs are zero, settled and not to be confirmed") {
+    InputQueue queue(0, 1);
+    queue.confirm(input(9));
+    for (std::uint64_t tick = 0; tick < 5; ++tick) queue.use(tick, repeat_last_input());
+    CHECK(queue.settled_through() == 1);
+    queue.disconnect_at(1);
+    CHECK(queue.settled_through() == never);
+    CHECK(queue.take_first_wrong() == 1);
+    CHECK(queue.use(3, repeat_last_input()).status == InputStatus::disconnected);
+    CHECK(value_of(queue.use(3, repeat_last_input())) == 0);
+    queue.confirm(input(4));
+    CHECK(queue.next() == 1);
+}
+
+TEST_CASE("a queue agrees with a list that keeps everything, over random use") {
+    test::Random random(3);
+    InputQueue queue(0, 1);
+    std::vector<unsigned> truth;                // by tick
+    std::vector<std::pair<unsigned, bool>> ran; // by tick: value, whether it was a guess
+    for (int step = 0; step < 50'000; ++step) {
+        if (random.below(2) == 0 && queue.room() > 0) {
+            const unsigned value = random.below(3);
+            truth.push_back(value);
+            queue.confirm(input(value));
+        }
+        std::uint64_t wrong = never;
+        for (std::uint64_t t = ran.size(); t-- > 0;) {
+            if (t < truth.size() && ran[t].second && ran[t].first != truth[t]) wrong = t;
+            if (t + 80 < ran.size()) break;
+        }
+        REQUIRE(queue.take_first_wrong() == wrong);
+        const std::size_t end = std::max(ran.size(), truth.size() + random.below(10));
+        if (wrong != never) ran.resize(wrong); // as a rollback does: back, and up to the present again
+        while (ran.size() < end) {
+            const PlayerInput used = queue.use(ran.size(), repeat_last_input());
+            const bool guess = used.status == InputStatus::predicted;
+            REQUIRE(guess == (ran.size() >= truth.size()));
+            REQUIRE(value_of(used) == (guess ? (truth.empty() ? 0 : truth.back()) : truth[ran.size()]));
+            ran.emplace_back(value_of(used), guess);
+        }
+        for (std::uint64_t t = std::min(ran.size(), truth.size()); t-- > 0 && ran[t].second;)
+            ran[t].second = false;
+        queue.forget_before(std::min(ran.size(), truth.size()));
+    }
+}

@@ -1,0 +1,13 @@
+// The scenes that the planted faults of joining are run against, without a fault.
+#include "session/join/join_scenes.h"
+
+#include <doctest/doctest.h>
+
+using namespace lockstone::test;
+
+TEST_CASE("machines come back, and what a host lies about is found out") {
+    for (const HostileScene& scene : join_scenes()) {
+        CAPTURE(std::string(scene.name));
+        CHECK(scene.run() == "");
+    }
+}

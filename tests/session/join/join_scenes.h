@@ -1,0 +1,75 @@
+// Machines that come back and states that lie, each with what must come of it. One list for the tests and for the planted faults.
+#pragma once
+
+#include "session/hostile_scenes.h"
+#include "session/join/join_net.h"
+
+namespace lockstone::test {
+
+namespace joins {
+
+/// One of the machines loses its state, and comes back while the others wait for it or after that. What went wrong, or nothing.
+inline std::string comes_back(std::uint32_t machines, std::uint64_t seed, std::uint64_t frames_away) {
+    MatchDef def{.machines = machines,
+                 .disconnect_ms = 1000,
+                 .link = {.latency_ms = 60, .jitter_ms = 30, .loss_permille = 100},
+                 .seed = seed};
+    def.players.clear();
+    for (PeerId id = 0; id < machines; ++id) def.players.push_back(id);
+    Match match(def);
+    match.run(300);
+    match.crash(1);
+    match.run(frames_away);
+    match.join(1);
+    match.run(900);
+    for (PeerId a = 0; a < machines; ++a) {
+        for (PeerId b = 0; b < machines; ++b)
+            if (!match.agree(a, b)) return "the machines parted";
+        if (!match.notices<Desync>(a).empty()) return "a desync";
+        if (match.notices<PlayerJoined>(a).size() != 1) return "it did not come back once";
+        if (!match.machine(a).events.holds(match.machine(a).timeline.end()))
+            return "an event has no end, or two";
+        if (match.machine(a).timeline.end() < match.machine(0).timeline.end() - 60)
+            return "a machine is behind";
+    }
+    if (match.machine(0).timeline.ticks.back().statuses[1] != InputStatus::confirmed)
+        return "its inputs do not count";
+    return match.machine(0).timeline.end() > 900 ? "" : "the match was held up";
+}
+
+/// Machine 0 of three shows another state, and is asked for it first.
+inline std::string lying_host() {
+    JoinNet net(3);
+    net.lie = [](PeerId from, Arena& shown) {
+        if (from == 0) shown.state().edit_row(arena_columns().agent, 2).speed ^= 1;
+    };
+    net.run(300);
+    JoinNet::Guest& guest = net.watch({.hosts = {0, 1, 2}, .from_state = true});
+    net.run(600);
+    if (guest.notices_of<StateRefused>().size() != 1) return "a false state was not refused";
+    return net.behind(guest) <= 60 ? "" : "it did not see the match";
+}
+
+inline std::string damaged_chunk() {
+    const session::Snapshot snapshot(77, 5, std::vector<std::byte>(7000));
+    session::Assembly assembly(snapshot.offer());
+    session::Chunk chunk;
+    snapshot.chunk(3, chunk);
+    std::vector<std::byte> bytes(chunk.bytes.begin(), chunk.bytes.end());
+    bytes[500] = std::byte{1};
+    chunk.bytes = bytes;
+    return assembly.take(chunk) ? "a chunk was taken that is not what the root says" : "";
+}
+
+} // namespace joins
+
+inline std::vector<HostileScene> join_scenes() {
+    return {
+        {"a damaged chunk is not taken", joins::damaged_chunk},
+        {"a machine comes back among two", [] { return joins::comes_back(2, 2, 30); }},
+        {"a machine comes back among three", [] { return joins::comes_back(3, 5, 300); }},
+        {"a host that lies is found out", joins::lying_host},
+    };
+}
+
+} // namespace lockstone::test

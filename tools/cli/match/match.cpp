@@ -1,0 +1,242 @@
+// lockstone match
+#include "cli/match/match_chaos.h"
+#include "cli/progress.h"
+#include "cli/scene_choice.h"
+#include "cli/text.h"
+#include "replay/verifier.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace lockstone::cli {
+namespace {
+
+struct Args {
+    std::string scene = "rollback-arena";
+    std::string seeds = "1..1";
+    std::uint32_t peers = 2;
+    std::uint32_t loss_percent = 0, latency_ms = 50, jitter_ms = 10;
+    std::uint64_t ticks = 600;
+    std::uint32_t watchers = 0, late = 0, rejoin = 0;
+    bool trouble = false, chaos = false, plant = false, recover = false;
+    std::vector<std::string> without;
+    std::string mode = "rollback";
+    std::string record_prefix;
+};
+
+void describe(CLI::App& command, Args& args) {
+    add_text(command, "SCENE", args.scene, "one of `lockstone scenes` with players").show_default();
+    add_text(command, "--seeds", args.seeds, "A..B: one match for each").show_default();
+    add_number(command, "--peers", args.peers, "machines, one player each");
+    add_number(command, "--loss", args.loss_percent, "packets that are lost [%]", 0, 99);
+    add_number(command, "--latency", args.latency_ms, "one way [ms]", 0, 10000);
+    add_number(command, "--jitter", args.jitter_ms, "added, up to [ms]", 0, 10000);
+    add_number(command, "--ticks", args.ticks, "that every peer has to confirm", 1, UINT64_MAX);
+    add_number(command, "--watchers", args.watchers,
+               "machines that watch peer 0, and join one after the other", 0, 64);
+    add_number(command, "--late", args.late, "machines that come in late, into empty seats", 0, 15);
+    add_number(command, "--rejoin", args.rejoin, "how often a machine loses all its state and comes back", 0,
+               1000);
+    add_flag(command, "--trouble", args.trouble, "machines sleep, and links are cut, for a while");
+    add_flag(command, "--chaos", args.chaos,
+             "all of that at once, clocks that go wrong and more, drawn from the seed, whatever else is "
+             "asked for; "
+             "what fails is made smaller");
+    add_flag(command, "--plant", args.plant,
+             "a machine changes a bit of its state half way through: each match has to fail");
+    add_flag(
+        command, "--recover", args.recover,
+        "a machine that most others differ from takes their state and comes back; with --plant: it has to");
+    add_texts(command, "--without", args.without, "with --chaos: kinds of trouble that are left out");
+    add_text(command, "--mode", args.mode, "rollback or lockstep")
+        .one_of({"rollback", "lockstep"})
+        .show_default();
+    add_text(command, "--record-prefix", args.record_prefix, "write PREFIX-SEED-PEER.lsr of every peer");
+}
+
+struct Seeds {
+    std::uint64_t first, last;
+};
+Result<Seeds> parse_seeds(const std::string& text) {
+    unsigned long long first = 0, last = 0;
+    int read = 0;
+    const bool range = std::sscanf(text.c_str(), "%llu..%llu%n", &first, &last, &read) == 2;
+    if (!range && std::sscanf(text.c_str(), "%llu%n", &first, &read) == 1) last = first;
+    if (text.empty() || text.front() == '-' || static_cast<std::size_t>(read) != text.size() || last < first)
+        return Error{"--seeds " + text + ": is not A..B with A at most B"};
+    return Seeds{first, last};
+}
+
+/// What the peers of a match disagree about, with sentences; nothing when all is well.
+std::vector<std::string> disagreements(const MatchOutcome& match, const Game& game, std::uint64_t seed) {
+    std::vector<std::string> found = match.broken;
+    const PeerOutcome& first = match.peers.front();
+    for (std::size_t p = 0; p < match.peers.size(); ++p) {
+        const PeerOutcome& peer = match.peers[p];
+        const std::string name = "seed " + std::to_string(seed) + ", peer " + std::to_string(p);
+        for (std::size_t tick = peer.first; tick < first.hashes.size(); ++tick)
+            if (peer.hashes[tick - peer.first] != first.hashes[tick]) {
+                found.push_back(name + ": differs from peer 0 after tick " + std::to_string(tick));
+                break;
+            }
+        const std::size_t before = first.inputs.size() - std::min(first.inputs.size(), peer.inputs.size());
+        if (!std::ranges::equal(peer.inputs, std::span(first.inputs).subspan(before)))
+            found.push_back(name + ": its confirmed inputs are not those of peer 0");
+        if (peer.recording.empty()) continue;
+        const auto recording = replay::Recording::from_bytes(peer.recording, name);
+        if (!recording)
+            found.push_back(recording.error().message);
+        else if (const auto report = replay::verify(*recording, &game); !report.good())
+            found.push_back(report.sentence);
+    }
+    for (std::size_t w = 0; w < match.watched.size(); ++w)
+        if (!std::equal(first.hashes.begin(), first.hashes.end(), match.watched[w].begin()))
+            found.push_back("seed " + std::to_string(seed) + ", watcher " + std::to_string(w) +
+                            ": has seen another match than peer 0");
+    return found;
+}
+
+Status write_recordings(const MatchOutcome& match, const std::string& prefix, std::uint64_t seed) {
+    for (std::size_t p = 0; p < match.peers.size(); ++p) {
+        if (match.peers[p].recording.empty()) continue;
+        const std::string path = prefix + "-" + std::to_string(seed) + "-" + std::to_string(p) + ".lsr";
+        Result<replay::FileSink> sink = replay::FileSink::create(path);
+        if (!sink) return sink.error();
+        if (Status s = sink->append(match.peers[p].recording); !s) return s;
+        if (Status s = sink->close(); !s) return s;
+    }
+    return {};
+}
+
+void print_summary(const MatchOutcome& match, const MatchDef& def, std::uint64_t seed) {
+    SessionStats sum;
+    for (const PeerOutcome& peer : match.peers) {
+        sum.rollbacks += peer.stats.rollbacks;
+        sum.resimulated += peer.stats.resimulated;
+        sum.stalls += peer.stats.stalls;
+        sum.hashes_compared += peer.stats.hashes_compared;
+        sum.depth_max = std::max(sum.depth_max, peer.stats.depth_max);
+    }
+    const auto n = [](std::uint64_t v) { return static_cast<unsigned long long>(v); };
+    std::printf(
+        "seed %llu: %llu ticks of %u peers agree, %s, %llu rollbacks (deepest %llu), %llu ticks run again, "
+        "%llu stalls, %llu ms, hash %s\n",
+        n(seed), n(def.ticks), static_cast<unsigned>(match.peers.size()),
+        def.mode == MatchMode::lockstep ? "lockstep" : "rollback", n(sum.rollbacks), n(sum.depth_max),
+        n(sum.resimulated), n(sum.stalls), n(match.milliseconds),
+        hash_text(match.peers.front().hashes.back()).c_str());
+}
+
+Chaos as_told(const Args& args, std::uint64_t seed) {
+    Chaos match{args.peers, {}};
+    match.def.seed = seed;
+    match.def.ticks = args.ticks;
+    match.def.mode = args.mode == "lockstep" ? MatchMode::lockstep : MatchMode::rollback;
+    match.def.watchers = args.watchers;
+    match.def.sleeps = match.def.cuts = args.trouble;
+    match.def.late = args.late;
+    match.def.rejoins = args.rejoin;
+    match.def.link.latency_ms = args.latency_ms;
+    match.def.link.jitter_ms = args.jitter_ms;
+    match.def.link.loss_permille = args.loss_percent * 10;
+    return match;
+}
+
+struct Played {
+    MatchOutcome match;
+    std::vector<std::string> found; ///< what is wrong, in sentences
+};
+Result<Played> play(const Args& args, const Chaos& chaos,
+                    const std::function<void(std::uint64_t)>& progress) {
+    const Result<std::unique_ptr<Game>> game =
+        make_scene(args.scene, {.size = 0, .seed = chaos.def.seed, .players = chaos.players});
+    if (!game) return game.error();
+    Result<MatchOutcome> match = play_match(**game, chaos.def, progress);
+    if (!match) return match.error();
+    Played played{std::move(*match), {}};
+    played.found = disagreements(played.match, **game, chaos.def.seed);
+    if (chaos.def.planted && chaos.def.recovers && played.match.recoveries != 1)
+        played.found.push_back("seed " + std::to_string(chaos.def.seed) + ": " +
+                               std::to_string(played.match.recoveries) + " machines recovered, not one");
+    return played;
+}
+
+/// Leaves out what a match fails without, and ticks, as long as it still fails. Prints how to see it fail again.
+void shrink(const Args& args, std::uint64_t seed) {
+    std::vector<std::string> without = args.without;
+    std::uint64_t ticks = args.ticks;
+    const auto fails = [&](std::uint64_t some_ticks, const std::vector<std::string>& less) {
+        Chaos smaller = chaos_of(seed, some_ticks, less);
+        smaller.def.planted = args.plant, smaller.def.recovers = args.recover;
+        const Result<Played> played = play(args, smaller, {});
+        return !played || !played->found.empty();
+    };
+    for (const std::string& kind : chaos_kinds()) {
+        std::vector<std::string> less = without;
+        less.push_back(kind);
+        if (fails(ticks, less)) without = less;
+    }
+    constexpr std::uint64_t fewest = 30;
+    while (ticks / 2 >= fewest && fails(ticks / 2, without)) ticks /= 2;
+    std::string command = "lockstone match " + args.scene + " --chaos --seeds " + std::to_string(seed) +
+                          ".." + std::to_string(seed) + " --ticks " + std::to_string(ticks);
+    if (args.plant) command += " --plant";
+    if (args.recover) command += " --recover";
+    if (!without.empty()) command += " --without";
+    for (const std::string& kind : without) command += " " + kind;
+    std::printf("seed %llu still fails so: %s\n", static_cast<unsigned long long>(seed), command.c_str());
+}
+
+/// True when the peers agree.
+Result<bool> play_seed(const Args& args, std::uint64_t seed, std::uint64_t ticks_before, Progress& progress) {
+    Chaos chaos = args.chaos ? chaos_of(seed, args.ticks, args.without) : as_told(args, seed);
+    chaos.def.planted = args.plant, chaos.def.recovers = args.recover;
+    const Result<Played> played =
+        play(args, chaos, [&](std::uint64_t ticks) { progress.at(ticks_before + ticks); });
+    if (!played && !args.chaos) return played.error();
+    const std::vector<std::string> found = played ? played->found : std::vector{played.error().message};
+    if (played && !args.record_prefix.empty())
+        if (Status s = write_recordings(played->match, args.record_prefix, seed); !s) return s.error();
+    progress.wipe();
+    for (const std::string& sentence : found) std::printf("%s\n", sentence.c_str());
+    if (found.empty()) print_summary(played->match, chaos.def, seed);
+    if (args.chaos && !found.empty()) {
+        std::printf("seed %llu: %s\n", static_cast<unsigned long long>(seed), told(chaos).c_str());
+        shrink(args, seed);
+    }
+    return found.empty();
+}
+
+Status check_kinds(const Args& args) {
+    std::string all;
+    for (const std::string& kind : chaos_kinds()) all += (all.empty() ? "" : ", ") + kind;
+    for (const std::string& kind : args.without)
+        if (std::ranges::find(chaos_kinds(), kind) == chaos_kinds().end())
+            return Error{"--without " + kind + ": there are " + all};
+    if (!args.without.empty() && !args.chaos) return Error{"--without: goes with --chaos"};
+    return {};
+}
+
+Result<Exit> match(const Args& args) {
+    const Result<Seeds> seeds = parse_seeds(args.seeds);
+    if (!seeds) return seeds.error();
+    if (Status known = check_kinds(args); !known) return known.error();
+    Exit exit = Exit::good;
+    const std::uint64_t count = seeds->last - seeds->first + 1;
+    Progress progress("matches", count > ~std::uint64_t{0} / args.ticks ? 0 : count * args.ticks);
+    for (std::uint64_t seed = seeds->first; seed <= seeds->last; ++seed) {
+        const Result<bool> agreed = play_seed(args, seed, (seed - seeds->first) * args.ticks, progress);
+        if (!agreed) return agreed.error();
+        if (!*agreed) exit = Exit::check_failed;
+    }
+    return exit;
+}
+
+} // namespace
+
+void add_match(CLI::App& app, Work& work) {
+    add_command<Args>(app, work, "match", "Play whole matches over a simulated network, from seeds.",
+                      describe, match);
+}
+
+} // namespace lockstone::cli

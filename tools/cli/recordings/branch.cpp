@@ -1,0 +1,97 @@
+// lockstone branch
+#include "replay/branch.h"
+#include "cli/input_source.h"
+#include "cli/interrupt.h"
+#include "cli/recordings/recording_choice.h"
+#include "cli/text.h"
+
+#include <cstdio>
+#include <optional>
+
+namespace lockstone::cli {
+namespace {
+
+struct Args {
+    std::string file, input, out;
+    std::uint64_t at = 0;
+    std::optional<std::uint64_t> ticks;
+    LimitChoice limits;
+};
+
+void describe(CLI::App& command, Args& args) {
+    add_text(command, "FILE", args.file, "a recording (.lsr)").required();
+    add_number(command, "--at", args.at, "the tick up to which it is copied").required();
+    add_text(command, "--input", args.input,
+             "what the players do from there on: a text file (tools/README.md) or a recording");
+    add_number(command, "--ticks", args.ticks,
+               "how many ticks follow; left out: with --input up to the recording's end, else none");
+    add_text(command, "-o,--output", args.out, "the new recording").required();
+    describe_limits(command, args.limits);
+}
+
+std::uint64_t ticks_after(const Args& args, const replay::Recording& recording) {
+    if (args.ticks) return *args.ticks;
+    return args.input.empty() ? 0 : recording.end_tick() - args.at;
+}
+
+Result<World> branch_with_inputs(const Args& args, const Loaded& loaded, replay::Sink& sink,
+                                 const Interrupt& interrupt) {
+    Result<InputSource> source = args.input.empty() ? Result<InputSource>(InputSource::idle(*loaded.game))
+                                                    : InputSource::open(*loaded.game, args.input);
+    if (!source) return source.error();
+    Result<replay::InputBranch> branch = replay::branch_inputs(loaded.recording, *loaded.game, args.at, sink);
+    if (!branch) return branch.error();
+    for (std::uint64_t left = ticks_after(args, loaded.recording); left > 0 && !interrupt.came(); --left) {
+        const std::span<const PlayerInput> inputs = source->at(branch->world.tick_count());
+        if (Status s = loaded.game->advance(branch->world, inputs); !s) return s.error();
+        if (Status s = branch->recorder.after_tick(branch->world, inputs); !s) return s.error();
+    }
+    if (Status s = branch->recorder.close(); !s) return s.error();
+    return std::move(branch->world);
+}
+
+Result<World> branch_without_game(const Args& args, const Loaded& loaded, replay::Sink& sink,
+                                  const Interrupt& interrupt) {
+    if (!args.input.empty())
+        return Error{args.file + ": holds commands, not inputs; --input has no place in it"};
+    Result<replay::CommandBranch> branch = replay::branch_commands(loaded.recording, args.at, sink);
+    if (!branch) return branch.error();
+    World world = std::move(branch->world);
+    const auto recorder =
+        replay::CommandRecorder::resume(std::move(branch->writer), world, replay::keyframe_ticks_default);
+    for (std::uint64_t left = ticks_after(args, loaded.recording); left > 0 && !interrupt.came(); --left)
+        world.tick();
+    if (Status s = recorder->close(); !s) return s.error();
+    return world;
+}
+
+Result<Exit> branch(const Args& args) {
+    for (const std::string& source : {args.file, args.input})
+        if (Status s = check_output(args.out, source); !s) return s.error();
+    const Result<Loaded> loaded = load(args.file, args.limits.limits());
+    if (!loaded) return loaded.error();
+    const replay::Recording& recording = loaded->recording;
+    if (args.at < recording.start_tick() || args.at > recording.end_tick())
+        return Error{args.file + ": holds ticks " + std::to_string(recording.start_tick()) + " to " +
+                     std::to_string(recording.end_tick()) + ", not " + std::to_string(args.at)};
+    Result<replay::FileSink> sink = replay::FileSink::create(args.out);
+    if (!sink) return sink.error();
+    const Interrupt interrupt;
+    const Result<World> world = loaded->game ? branch_with_inputs(args, *loaded, *sink, interrupt)
+                                             : branch_without_game(args, *loaded, *sink, interrupt);
+    if (!world) return world.error();
+    std::printf("%s: ticks to %llu from %s, to %llu its own, hash %s\n", args.out.c_str(),
+                static_cast<unsigned long long>(args.at), args.file.c_str(),
+                static_cast<unsigned long long>(world->tick_count()), hash_text(world->hash()).c_str());
+    interrupt.follow();
+    return Exit::good;
+}
+
+} // namespace
+
+void add_branch(CLI::App& app, Work& work) {
+    add_command<Args>(app, work, "branch", "Copy a recording up to a tick and go on with other inputs.",
+                      describe, branch);
+}
+
+} // namespace lockstone::cli

@@ -1,0 +1,41 @@
+// lockstone diff
+#include "replay/diff.h"
+#include "cli/recordings/recording_choice.h"
+
+#include <cstdio>
+
+namespace lockstone::cli {
+namespace {
+
+struct Args {
+    std::string left, right;
+    LimitChoice limits;
+};
+
+void describe(CLI::App& command, Args& args) {
+    add_text(command, "A", args.left, "a recording (.lsr)").required();
+    add_text(command, "B", args.right, "another").required();
+    describe_limits(command, args.limits);
+}
+
+Result<Exit> compare(const Args& args) {
+    const Result<Loaded> left = load(args.left, args.limits.half()),
+                         right = load(args.right, args.limits.half());
+    if (!left) return left.error();
+    if (!right) return right.error();
+    const Result<replay::DiffReport> report =
+        replay::diff({left->recording, left->game.get()}, {right->recording, right->game.get()});
+    if (!report) return report.error();
+    std::printf("%s%s", report->text.c_str(), report->text.ends_with('\n') ? "" : "\n");
+    return report->states_agree && !report->input_tick ? Exit::good : Exit::check_failed;
+}
+
+} // namespace
+
+void add_diff(CLI::App& app, Work& work) {
+    add_command<Args>(app, work, "diff",
+                      "Where two recordings part: tick, phase, column, row, field, both values.", describe,
+                      compare);
+}
+
+} // namespace lockstone::cli

@@ -1,0 +1,45 @@
+// lockstone repair
+#include "cli/recordings/recording_choice.h"
+#include "cli/text.h"
+#include "replay/branch.h"
+
+#include <cstdio>
+
+namespace lockstone::cli {
+namespace {
+
+struct Args {
+    std::string file, out;
+    LimitChoice limits;
+};
+
+void describe(CLI::App& command, Args& args) {
+    add_text(command, "FILE", args.file, "a recording (.lsr) that was cut or damaged").required();
+    add_text(command, "-o,--output", args.out, "the complete recording of what is whole").required();
+    describe_limits(command, args.limits);
+}
+
+Result<Exit> repair(const Args& args) {
+    if (Status s = check_output(args.out, args.file); !s) return s.error();
+    const Result<replay::Recording> recording =
+        replay::Recording::open(args.file, replay::OnDamage::recover, args.limits.limits());
+    if (!recording) return recording.error();
+    if (recording->complete()) return Error{args.file + ": is complete, there is nothing to repair"};
+    Result<replay::FileSink> sink = replay::FileSink::create(args.out);
+    if (!sink) return sink.error();
+    if (Status s = replay::repair(*recording, *sink); !s) return s.error();
+    std::printf("%s\n%s: complete, ticks %llu to %llu\n", recording->damage().c_str(), args.out.c_str(),
+                static_cast<unsigned long long>(recording->start_tick()),
+                static_cast<unsigned long long>(recording->end_tick()));
+    return Exit::good;
+}
+
+} // namespace
+
+void add_repair(CLI::App& app, Work& work) {
+    add_command<Args>(app, work, "repair",
+                      "Make a complete recording of what is whole in one that was cut or damaged.", describe,
+                      repair);
+}
+
+} // namespace lockstone::cli

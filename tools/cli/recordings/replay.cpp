@@ -1,0 +1,142 @@
+// lockstone replay, lockstone info
+#include "cli/progress.h"
+#include "cli/recordings/recording_choice.h"
+#include "cli/text.h"
+#include "replay/player.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cstdio>
+#include <optional>
+
+namespace lockstone::cli {
+namespace {
+
+struct ReplayArgs {
+    std::string file, hashes;
+    std::optional<std::uint64_t> from, to;
+    std::uint32_t threads = 1;
+    LimitChoice limits;
+};
+
+void describe(CLI::App& command, ReplayArgs& args) {
+    add_text(command, "FILE", args.file, "a recording (.lsr)").required();
+    add_number(command, "--from", args.from, "start there, from the keyframe before it");
+    add_number(command, "--to", args.to, "stop there");
+    add_threads(command, args.threads);
+    add_text(command, "--hashes", args.hashes, "write tick, tab, root hash after that tick");
+    describe_limits(command, args.limits);
+}
+
+struct Range {
+    std::uint64_t from, to;
+};
+Result<Range> range_of(const ReplayArgs& args, const replay::Recording& recording) {
+    const Range all{recording.start_tick(), recording.end_tick()};
+    const Range range{args.from.value_or(all.from), args.to.value_or(all.to)};
+    if (range.from < all.from || range.to > all.to || range.from > range.to)
+        return Error{args.file + ": holds ticks " + std::to_string(all.from) + " to " +
+                     std::to_string(all.to) + ", not " + std::to_string(range.from) + " to " +
+                     std::to_string(range.to)};
+    return range;
+}
+
+Exit parted(const std::string& file, std::uint64_t tick, const World& world, std::uint64_t recorded) {
+    std::printf("%s: parts from the recording at tick %llu: hash %s against %s\n", file.c_str(),
+                static_cast<unsigned long long>(tick), hash_text(world.hash()).c_str(),
+                hash_text(recorded).c_str());
+    return Exit::check_failed;
+}
+
+Result<Exit> play(const ReplayArgs& args) {
+    const Result<Loaded> loaded = load(args.file, args.limits.limits());
+    if (!loaded) return loaded.error();
+    const Result<Range> range = range_of(args, loaded->recording);
+    if (!range) return range.error();
+    Result<replay::Player> player = replay::Player::open(loaded->recording, loaded->game.get());
+    if (!player) return player.error();
+    const std::unique_ptr<Tasks> tasks = tasks_of(args.threads);
+    player->world().set_tasks(tasks.get());
+    if (Status s = player->seek(range->from); !s) return s.error();
+    if (!player->agrees())
+        return parted(args.file, range->from, player->world(), loaded->recording.hash_at(range->from));
+    std::string hashes;
+    Progress progress(args.file, range->to - range->from);
+    while (player->time() < range->to) {
+        const std::uint64_t tick = player->time();
+        if (Status s = player->step(); !s) return s.error();
+        hashes += std::to_string(tick) + '\t' + hash_text(player->world().hash()) + '\n';
+        if (!player->agrees())
+            return parted(args.file, tick, player->world(), loaded->recording.hash_at(player->time()));
+        progress.at(player->time() - range->from);
+    }
+    if (!args.hashes.empty())
+        if (Status s = write_file(args.hashes, hashes); !s) return s.error();
+    std::printf("%s: ticks %llu to %llu are bit-exact, hash %s\n", args.file.c_str(),
+                static_cast<unsigned long long>(range->from), static_cast<unsigned long long>(range->to),
+                hash_text(player->world().hash()).c_str());
+    return Exit::good;
+}
+
+struct InfoArgs {
+    std::string file;
+    bool json = false;
+    LimitChoice limits;
+};
+
+void describe(CLI::App& command, InfoArgs& args) {
+    add_text(command, "FILE", args.file, "a recording (.lsr)").required();
+    add_flag(command, "--json", args.json, "for programs");
+    describe_limits(command, args.limits);
+}
+
+nlohmann::ordered_json facts_of(const replay::Recording& recording) {
+    const replay::Header& head = recording.header();
+    nlohmann::ordered_json options = nlohmann::ordered_json::object();
+    for (const replay::Option& option : head.options) options[option.key] = option.value;
+    nlohmann::ordered_json columns = nlohmann::ordered_json::array();
+    for (const GameSchema::Entry& column : recording.schema().entries()) columns.push_back(column.name);
+    return {{"file", recording.name()},
+            {"mode", replay::name_of(head.mode)},
+            {"engine", head.engine},
+            {"game", head.game},
+            {"content_id", hash_text(head.content_id)},
+            {"schema_hash", hash_text(head.schema_hash)},
+            {"tick_rate", head.tick_rate},
+            {"players", head.player_count},
+            {"input_size", head.input_size},
+            {"complete", recording.complete()},
+            {"start_tick", recording.start_tick()},
+            {"ticks", recording.tick_count()},
+            {"seconds", static_cast<double>(recording.tick_count()) / head.tick_rate},
+            {"keyframes", recording.keyframes().size()},
+            {"bytes", recording.size_bytes()},
+            {"hash", hash_text(recording.hash_at(recording.end_tick()))},
+            {"checksum", hash_text(recording.checksum())},
+            {"columns", columns},
+            {"options", options}};
+}
+
+Result<Exit> inform(const InfoArgs& args) {
+    const Result<replay::Recording> recording = open_recording(args.file, args.limits.limits());
+    if (!recording) return recording.error();
+    const nlohmann::ordered_json facts = facts_of(*recording);
+    if (args.json) {
+        std::printf("%s\n", facts.dump(2).c_str());
+        return Exit::good;
+    }
+    for (const auto& [key, value] : facts.items())
+        std::printf("%-12s %s\n", key.c_str(),
+                    (value.is_string() ? value.get<std::string>() : value.dump()).c_str());
+    return Exit::good;
+}
+
+} // namespace
+
+void add_replay(CLI::App& app, Work& work) {
+    add_command<ReplayArgs>(app, work, "replay", "Re-simulate a recording and compare every tick's hash.",
+                            describe, play);
+    add_command<InfoArgs>(app, work, "info", "What a recording holds.", describe, inform);
+}
+
+} // namespace lockstone::cli

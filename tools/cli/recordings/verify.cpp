@@ -1,0 +1,123 @@
+// lockstone verify
+#include "cli/progress.h"
+#include "cli/recordings/recording_choice.h"
+#include "replay/verifier.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <future>
+
+namespace lockstone::cli {
+namespace {
+
+struct Args {
+    std::vector<std::string> files;
+    std::uint32_t jobs = 1, threads = 1;
+    std::string shard = "0/1";
+    bool json = false;
+    LimitChoice limits;
+};
+
+void describe(CLI::App& command, Args& args) {
+    add_texts(command, "FILE", args.files, "recordings (.lsr)").required();
+    add_number(command, "--jobs", args.jobs, "threads per recording, each from keyframe to keyframe", 1, 256);
+    add_threads(command, args.threads);
+    add_text(command, "--shard", args.shard, "I/N: part I, from 0, of N equal parts").show_default();
+    add_flag(command, "--json", args.json, "for programs");
+    describe_limits(command, args.limits);
+}
+
+struct Shard {
+    std::uint32_t part, parts;
+};
+Result<Shard> parse_shard(const std::string& text) {
+    unsigned part = 0, parts = 0;
+    int read = 0;
+    if (std::sscanf(text.c_str(), "%u/%u%n", &part, &parts, &read) != 2 ||
+        static_cast<std::size_t>(read) != text.size() || part >= parts)
+        return Error{"--shard " + text + ": is not I/N with I from 0 to N - 1"};
+    return Shard{part, parts};
+}
+
+/// With a progress bar while it lasts.
+replay::VerifyReport verify_watched(const Loaded& loaded, replay::VerifyOptions options) {
+    std::atomic<std::uint64_t> done{0};
+    options.ticks_done = &done;
+    Progress progress(loaded.recording.name(), loaded.recording.tick_count() / std::max(1u, options.shards));
+    auto report = std::async(std::launch::async,
+                             [&] { return replay::verify(loaded.recording, loaded.game.get(), options); });
+    while (report.wait_for(std::chrono::milliseconds(100)) != std::future_status::ready) progress.at(done);
+    return report.get();
+}
+
+Exit exit_of(replay::Verdict verdict) {
+    switch (verdict) {
+    case replay::Verdict::good:
+        return Exit::good;
+    case replay::Verdict::diverged:
+        return Exit::check_failed;
+    case replay::Verdict::incomplete:
+    case replay::Verdict::vacuous:
+    case replay::Verdict::unusable:
+        break;
+    }
+    return Exit::bad_input;
+}
+
+nlohmann::ordered_json to_json(const std::string& file, const replay::VerifyReport& report) {
+    nlohmann::ordered_json json = {{"file", file},
+                                   {"verdict", replay::name_of(report.verdict)},
+                                   {"ticks", report.ticks},
+                                   {"hashes_compared", report.hashes_compared},
+                                   {"keyframes_compared", report.keyframes_compared},
+                                   {"first_bad_tick", nullptr},
+                                   {"sentence", report.sentence}};
+    if (report.first_bad_tick) json["first_bad_tick"] = *report.first_bad_tick;
+    return json;
+}
+
+replay::VerifyReport verify_file(const std::string& file, const Args& args, Shard shard) {
+    replay::VerifyOptions options;
+    options.jobs = args.jobs;
+    options.threads = args.threads;
+    options.shard = shard.part;
+    options.shards = shard.parts;
+    const Result<Loaded> loaded = load_quietly(file, args.limits.limits());
+    if (loaded) return verify_watched(*loaded, options);
+    replay::VerifyReport report;
+    report.sentence = loaded.error().message;
+    return report;
+}
+
+/// Every file is looked at; the worst decides.
+Result<Exit> verify_all(const Args& args) {
+    const Result<Shard> shard = parse_shard(args.shard);
+    if (!shard) return shard.error();
+    Exit worst = Exit::good;
+    nlohmann::ordered_json all = nlohmann::ordered_json::array();
+    for (const std::string& file : args.files) {
+        const replay::VerifyReport report = verify_file(file, args, *shard);
+        const Exit exit = exit_of(report.verdict);
+        worst = std::max(worst, exit);
+        if (exit == Exit::bad_input)
+            std::fprintf(stderr, "lockstone: %s\n", report.sentence.c_str());
+        else if (!args.json)
+            std::printf("%s\n", report.sentence.c_str());
+        all.push_back(to_json(file, report));
+    }
+    if (args.json) std::printf("%s\n", all.dump(2).c_str());
+    return worst;
+}
+
+} // namespace
+
+void add_verify(CLI::App& app, Work& work) {
+    add_command<Args>(app, work, "verify",
+                      "Re-simulate recordings, compare every tick's hash and every keyframe.", describe,
+                      verify_all);
+}
+
+} // namespace lockstone::cli
