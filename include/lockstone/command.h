@@ -4,11 +4,11 @@
 // sees the whole story of a world; applying the same commands between the same ticks gives the same bits.
 #pragma once
 
-#include "lockstone/character.h"
 #include "lockstone/field.h"
 #include "lockstone/joint.h"
+#include "lockstone/play/character.h"
+#include "lockstone/play/vehicle.h"
 #include "lockstone/shape.h"
-#include "lockstone/vehicle.h"
 
 #include <array>
 #include <cstdint>

@@ -41,4 +41,14 @@ template <class V> constexpr void describe(Event& e, V&& v) {
     v("approach_speed", e.approach_speed), v("tick", e.tick);
 }
 
+/// A contact point, for drawing and reports.
+struct ContactPoint {
+    ShapeId shape_a, shape_b;
+    Vec3 point;
+    UnitVec3 normal;       ///< a to b
+    Separation separation; ///< [m] at the start of the tick
+    Speed impulse;         ///< normal impulse over reduced mass, velocity units [m/s]
+    SurfacePart part_a, part_b;
+};
+
 } // namespace lockstone

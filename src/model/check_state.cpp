@@ -1,9 +1,10 @@
 // A state that came from a file or a peer is checked as a whole before it becomes a world's: every index that the tick
 // follows must stay inside its table, or a crafted image could make it read anywhere.
 #include "base/text.h"
+#include "collide/narrow_phase.h"
 #include "lockstone/math/decimal.h"
 #include "model/checks.h"
-#include "world/data.h"
+#include "model/model.h"
 
 #include <algorithm>
 #include <array>
@@ -426,7 +427,7 @@ Status check_filters(const Manifest& m, const State& s) {
 
 } // namespace
 
-Status check_state(Data& w, const State& s) {
+Status check_state(const Model& w, shapes::SolidCache& solids, const State& s) {
     const Manifest& m = w.m;
     if (s.count(m.world) != 1 || s.count(m.records) != 1) return Error{"portable image: it has no world row"};
     const Config &ours = w.state.rows(m.config)[0], &theirs = s.rows(m.config)[0];
@@ -448,7 +449,7 @@ Status check_state(Data& w, const State& s) {
         return e;
     if (Status e = check_fields(m, s); !e) return e;
     if (Status e = check_bodies(m, s); !e) return e;
-    if (Status e = check_shapes(w.scratch.solids, m, s); !e) return e;
+    if (Status e = check_shapes(solids, m, s); !e) return e;
     const auto joint_id = [&](std::uint32_t row) { return s.rows(m.joint)[row].id; };
     if (Status e = check_slots("joint.slot", s.rows(m.joint_slot), s.count(m.joints), h.joint_free, joint_id);
         !e)

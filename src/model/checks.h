@@ -1,7 +1,7 @@
 // Definitions from outside, checked field by field. Each function returns an empty text when all is good, else what is wrong.
 #pragma once
 
-#include "lockstone/world.h"
+#include "lockstone/command.h"
 
 #include <string>
 

@@ -2,11 +2,11 @@
 #pragma once
 
 #include "lockstone/state.h"
-#include "lockstone/world.h"
+#include "lockstone/world_def.h"
+#include "model/character_row.h"
 #include "model/contact_rows.h"
 #include "model/shared_rows.h"
-#include "play/character/character.h"
-#include "play/vehicle/vehicle_rows.h"
+#include "model/vehicle_rows.h"
 #include "solve/bodies/solver_body.h"
 
 #include <memory>

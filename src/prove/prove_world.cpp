@@ -1,5 +1,6 @@
 // A game and its world as what prove() takes.
 #include "lockstone/prove.h"
+#include "lockstone/testing.h"
 
 #include "base/text.h"
 #include "lockstone/math/random.h"
@@ -50,9 +51,9 @@ class ProvableWorld final : public Provable {
         return {};
     }
     bool disturb(std::uint64_t seed) override {
-        for (const World::Leftover what :
-             {World::Leftover::scratch, World::Leftover::trees, World::Leftover::pairs})
-            world.disturb(what, seed);
+        for (const testing::Leftover what :
+             {testing::Leftover::scratch, testing::Leftover::trees, testing::Leftover::pairs})
+            testing::disturb(world, what, seed);
         return true;
     }
     std::optional<std::vector<std::byte>> save_delta(std::span<const std::byte> base) const override {
@@ -82,8 +83,8 @@ class ProvableWorld final : public Provable {
             if (bit < here) {
                 const std::uint32_t row_size = world.state().layout().columns()[c].row_size;
                 const std::uint64_t byte = bit / 8;
-                world.state_for_tests().edit_bytes(c, static_cast<std::uint32_t>(byte / row_size),
-                                                   1)[byte % row_size] ^= std::byte{1} << (bit % 8);
+                testing::state_of(world).edit_bytes(c, static_cast<std::uint32_t>(byte / row_size),
+                                                    1)[byte % row_size] ^= std::byte{1} << (bit % 8);
                 return;
             }
             bit -= here;

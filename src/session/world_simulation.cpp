@@ -1,5 +1,7 @@
 #include "lockstone/session.h"
 
+#include "lockstone/testing.h"
+
 #include "base/assert.h"
 #include "base/text.h"
 
@@ -33,6 +35,6 @@ std::uint64_t WorldSimulation::hash() const { return living().hash(); }
 std::span<const Event> WorldSimulation::events() const { return living().events(); }
 void WorldSimulation::record_phase_hashes(bool on) { living().record_phase_hashes(on); }
 std::span<const PhaseHash> WorldSimulation::phase_hashes() const { return living().phase_hashes(); }
-State& WorldSimulation::state() { return living().state_for_tests(); }
+State& WorldSimulation::state() { return testing::state_of(living()); }
 
 } // namespace lockstone

@@ -1,6 +1,7 @@
 // The contact table of this tick out of that of the last one: rows that were kept move to their new places, new ones are
 // written between them. What stays where it was is not touched.
-#include "tick/phases.h"
+#include "base/parallel.h"
+#include "tick/contacts.h"
 
 #include <algorithm>
 #include <cstring>
@@ -9,18 +10,11 @@ namespace lockstone::sim {
 
 namespace {
 
-using NearChunk = Scratch::NearChunk;
-
-std::uint32_t chunk_count(const Data& w) {
-    const std::uint32_t chunk = pairs_per_chunk(w);
-    return (static_cast<std::uint32_t>(w.scratch.near.size()) + chunk - 1) / chunk;
-}
-
 /// Takes those pairs out of a chunk whose rows do not fit into `room`: they end to touch. Returns how many rows that were.
 std::uint32_t drop_pairs(NearChunk& chunk, std::size_t room) {
     std::uint32_t dropped = 0, rows = 0, made = 0, made_kept = 0, contacts = 0;
     std::size_t contact = 0;
-    for (Scratch::ContactResult& result : chunk.results) {
+    for (ContactResult& result : chunk.results) {
         const std::uint32_t end = result.first_row + result.row_count;
         const bool fits = result.row_count <= room - rows;
         for (; contact < chunk.contacts.size() && chunk.contacts[contact].memory < end; ++contact) {
@@ -41,15 +35,14 @@ std::uint32_t drop_pairs(NearChunk& chunk, std::size_t room) {
 }
 
 /// Where each chunk's rows and contacts go, in pair order. What the table has no room for is dropped.
-std::uint32_t place_chunks(Data& w, std::span<NearChunk> chunks) {
-    Scratch& s = w.scratch;
+std::uint32_t place_chunks(Model& w, bool is_cut, std::span<NearChunk> chunks, FoundContacts& out) {
     const std::uint32_t room =
         w.state.rows_max(w.m.contacts.contacts) - w.state.count(w.m.sleeping_contacts.contacts);
-    std::uint32_t rows = 0, contacts = 0, dropped = s.near_is_cut ? 1 : 0;
-    s.results.clear();
+    std::uint32_t rows = 0, contacts = 0, dropped = is_cut ? 1 : 0;
+    out.results.clear();
     for (NearChunk& chunk : chunks) {
         std::uint32_t in_chunk = 0;
-        for (const Scratch::ContactResult& result : chunk.results) in_chunk += result.row_count;
+        for (const ContactResult& result : chunk.results) in_chunk += result.row_count;
         if (in_chunk > room - rows) {
             const std::uint32_t too_many = drop_pairs(chunk, room - rows);
             dropped += too_many, in_chunk -= too_many;
@@ -58,32 +51,32 @@ std::uint32_t place_chunks(Data& w, std::span<NearChunk> chunks) {
         rows += in_chunk;
         contacts += static_cast<std::uint32_t>(chunk.contacts.size());
         if (chunks.size() == 1) {
-            std::swap(s.results, chunk.results);
+            std::swap(out.results, chunk.results);
             break;
         }
-        for (Scratch::ContactResult result : chunk.results) {
+        for (ContactResult result : chunk.results) {
             result.first_row += chunk.first_row;
-            s.results.push_back(result);
+            out.results.push_back(result);
         }
     }
-    s.contacts_dropped = dropped;
+    out.dropped = dropped;
     if (dropped != 0) w.state.edit_row(w.m.faults, 0).contacts_dropped += dropped;
     return rows;
 }
 
 /// Which kept rows change places; true when every row of the table has the key that it had.
-bool find_moves(Data& w, std::uint32_t rows) {
-    Scratch& s = w.scratch;
-    bool same_keys = rows == s.table.list.keys.size();
+bool find_moves(const NearPairs& near_pairs, const ContactList& table, std::span<const ContactResult> results,
+                std::uint32_t rows, ContactScratch& s) {
+    bool same_keys = rows == table.keys.size();
     s.row_moves.clear();
-    for (const Scratch::ContactResult& result : s.results) {
-        const Scratch::Near& near = s.near[result.near];
+    for (const ContactResult& result : results) {
+        const NearPair& near = near_pairs.list[result.near];
         if (result.row_count == 0) continue;
         if (near.old_first == result.first_row && near.old_count == result.row_count) continue;
         same_keys = false;
         if (!result.is_kept || near.old_first == result.first_row) continue;
         if (!s.row_moves.empty()) {
-            Scratch::RowMove& last = s.row_moves.back();
+            ContactScratch::RowMove& last = s.row_moves.back();
             if (last.from + last.count == near.old_first && last.to + last.count == result.first_row) {
                 last.count += result.row_count;
                 continue;
@@ -96,26 +89,27 @@ bool find_moves(Data& w, std::uint32_t rows) {
 
 /// In place. Their order does not change, so no row is overwritten before it has moved when those that move down go
 /// first, from the first on, and then those that move up, from the last on.
-template <class Row> void move_rows(std::span<Row> rows, std::span<const Scratch::RowMove> moves) {
-    const auto move = [&](const Scratch::RowMove& m) {
+template <class Row> void move_rows(std::span<Row> rows, std::span<const ContactScratch::RowMove> moves) {
+    const auto move = [&](const ContactScratch::RowMove& m) {
         std::memmove(rows.data() + m.to, rows.data() + m.from, m.count * sizeof(Row));
     };
-    for (const Scratch::RowMove& m : moves)
+    for (const ContactScratch::RowMove& m : moves)
         if (m.to < m.from) move(m);
     for (std::size_t i = moves.size(); i-- > 0;)
         if (moves[i].to > moves[i].from) move(moves[i]);
 }
 
-void write_rows(Data& w, std::span<const NearChunk> chunks, std::uint32_t rows) {
-    Scratch& s = w.scratch;
-    const bool same_keys = find_moves(w, rows);
-    std::vector<ContactMemory>& memories = s.table.list.memories;
+void write_rows(const NearPairs& near, std::span<const NearChunk> chunks,
+                std::span<const ContactResult> results, std::uint32_t rows, ContactList& table,
+                ContactScratch& s) {
+    const bool same_keys = find_moves(near, table, results, rows, s);
+    std::vector<ContactMemory>& memories = table.memories;
     if (memories.capacity() < rows) memories.reserve(rows + rows / 8);
     memories.resize(std::max<std::size_t>(rows, memories.size()));
     move_rows(std::span(memories), s.row_moves);
     auto chunk = chunks.begin();
     std::size_t made = 0; // rows of the chunk that are written
-    for (const Scratch::ContactResult& result : s.results) {
+    for (const ContactResult& result : results) {
         if (result.is_kept || result.row_count == 0) continue;
         while (made == chunk->memories.size()) ++chunk, made = 0;
         std::copy_n(chunk->memories.begin() + static_cast<std::ptrdiff_t>(made), result.row_count,
@@ -124,30 +118,29 @@ void write_rows(Data& w, std::span<const NearChunk> chunks, std::uint32_t rows) 
     }
     memories.resize(rows);
     if (same_keys) return;
-    std::vector<ContactKey>& keys = s.table.list.keys;
+    std::vector<ContactKey>& keys = table.keys;
     if (keys.capacity() < rows) keys.reserve(rows + rows / 8);
     keys.resize(rows);
-    for (const Scratch::ContactResult& result : s.results)
+    for (const ContactResult& result : results)
         for (std::uint32_t i = 0; i < result.row_count; ++i)
-            keys[result.first_row + i] = s.near[result.near].key;
+            keys[result.first_row + i] = near.list[result.near].key;
 }
 
 } // namespace
 
-void place_contacts(Data& w) {
-    Scratch& s = w.scratch;
-    const std::span<NearChunk> chunks = std::span(s.near_chunks).first(chunk_count(w));
-    const std::uint32_t rows = place_chunks(w, chunks);
-    write_rows(w, chunks, rows);
+void place_contacts(Model& w, const NearPairs& near, std::span<NearChunk> chunks, ContactList& table,
+                    ContactScratch& s, FoundContacts& out, Tasks* tasks) {
+    const std::uint32_t rows = place_chunks(w, near.is_cut, chunks, out);
+    write_rows(near, chunks, out.results, rows, table, s);
     if (chunks.size() == 1) {
-        std::swap(s.contacts, chunks[0].contacts);
+        std::swap(out.contacts, chunks[0].contacts);
         return;
     }
-    s.contacts.resize(chunks.empty() ? 0 : chunks.back().first_contact + chunks.back().contacts.size());
-    base::for_chunks(w.tasks, static_cast<std::uint32_t>(chunks.size()), 8,
+    out.contacts.resize(chunks.empty() ? 0 : chunks.back().first_contact + chunks.back().contacts.size());
+    base::for_chunks(tasks, static_cast<std::uint32_t>(chunks.size()), 8,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
                          for (std::uint32_t i = first; i < last; ++i) {
-                             solve::Contact* to = s.contacts.data() + chunks[i].first_contact;
+                             solve::Contact* to = out.contacts.data() + chunks[i].first_contact;
                              for (const solve::Contact& contact : chunks[i].contacts) {
                                  *to = contact;
                                  to++->memory += chunks[i].first_row;

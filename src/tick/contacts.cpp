@@ -1,8 +1,10 @@
 // Manifolds of the pairs that are near, made anew or used again, and the contacts that the solver takes.
+#include "tick/contacts.h"
+
+#include "base/parallel.h"
 #include "collide/integer.h"
 #include "lockstone/math/math.h"
-#include "model/surface.h"
-#include "tick/phases.h"
+#include "scene/surface.h"
 
 #include <algorithm>
 
@@ -16,7 +18,10 @@ constexpr Separation touching_gap = decimal<Separation>("0.005"); ///< [m]: near
 
 /// The columns that every pair looks at, found once for many.
 struct View {
-    const Data& w;
+    const Model& w;
+    const PlacedShapes& placed;
+    const CharacterScratch* movers; ///< null: no contacts are left to characters
+    const solve::PairKernel& kernel;
     std::span<const ShapeRow> shapes;
     std::span<const ShapeTraits> traits;
     std::span<const Slot> shape_slots, body_slots;
@@ -24,17 +29,16 @@ struct View {
     std::span<const Velocity> velocities;
     std::span<const ContactMemory> old; ///< the contact table of the last tick
     std::uint32_t awake;
-    bool has_movers; ///< some contacts may be left to characters
-    Unit half_tick;  ///< [s]
+    Unit half_tick; ///< [s]
 
-    explicit View(const Data& data)
-        : w(data), shapes(w.state.rows(w.m.shape)), traits(w.state.rows(w.m.shape_traits.row)),
+    View(const Model& model, const PlacedShapes& shapes_placed, const CharacterScratch* characters,
+         std::span<const ContactMemory> table, const solve::PairKernel& pair_kernel)
+        : w(model), placed(shapes_placed), movers(characters), kernel(pair_kernel),
+          shapes(w.state.rows(w.m.shape)), traits(w.state.rows(w.m.shape_traits.row)),
           shape_slots(w.state.rows(w.m.shape_slot)), body_slots(w.state.rows(w.m.body_slot)),
-          poses(w.state.rows(w.m.body_pose)), velocities(w.state.rows(w.m.body_velocity)),
-          old(w.scratch.table.list.memories), awake(w.header().bodies_awake),
-          has_movers(!w.scratch.characters.order_of_body.empty()),
-          half_tick(Unit::from_raw(unit_one.raw /
-                                   (2 * static_cast<std::int32_t>(w.state.rows(w.m.config)[0].tick_rate)))) {}
+          poses(w.state.rows(w.m.body_pose)), velocities(w.state.rows(w.m.body_velocity)), old(table),
+          awake(w.header().bodies_awake),
+          half_tick(Unit::from_raw(unit_one.raw / (2 * static_cast<std::int32_t>(w.config().tick_rate)))) {}
     const ShapeRow& shape(ShapeId living) const { return shapes[shape_slots[living.index - 1].row]; }
     std::uint32_t row_of(BodyId living) const { return body_slots[living.index - 1].row; }
     BodyId body(std::uint32_t row) const { return w.state.rows(w.m.body_info)[row].id; }
@@ -44,15 +48,15 @@ struct View {
 struct CandidatePair {
     const ShapeTraits *a, *b;
     std::uint32_t body_a, body_b;
-    const Scratch::Shape *at_a, *at_b;
+    const PlacedShapes::Shape *at_a, *at_b;
     Length margin;
     bool flipped, sensor;
 };
 
 /// Whether shape b is the narrow phase's A: the greater kind is, of equal kinds the larger. Of two convex shapes one that
 /// is larger than a lever can be comes first whatever its kind, as contact points are told from B's origin.
-bool goes_after(const ShapeTraits& a, const Scratch::Shape& at_a, const ShapeTraits& b,
-                const Scratch::Shape& at_b) {
+bool goes_after(const ShapeTraits& a, const PlacedShapes::Shape& at_a, const ShapeTraits& b,
+                const PlacedShapes::Shape& at_b) {
     const ShapeKind ka = a.geometry.kind, kb = b.geometry.kind;
     const bool are_convex = ka <= ShapeKind::hull && kb <= ShapeKind::hull;
     const bool is_huge = max(at_a.reach, at_b.reach) > Coordinate(128);
@@ -60,11 +64,11 @@ bool goes_after(const ShapeTraits& a, const Scratch::Shape& at_a, const ShapeTra
     return ka < kb;
 }
 
-void find_candidate(const View& v, const Scratch::Near& near, CandidatePair& c) {
+void find_candidate(const View& v, const NearPair& near, CandidatePair& c) {
     const ShapeRow &a = v.shape(near.key.a), &b = v.shape(near.key.b);
     c.a = &v.traits[a.traits], c.b = &v.traits[b.traits];
     c.body_a = v.row_of(a.body), c.body_b = v.row_of(b.body);
-    c.at_a = &v.w.scratch.shape[near.key.a.index - 1], c.at_b = &v.w.scratch.shape[near.key.b.index - 1];
+    c.at_a = &v.placed.shape[near.key.a.index - 1], c.at_b = &v.placed.shape[near.key.b.index - 1];
     c.flipped = goes_after(*c.a, *c.at_a, *c.b, *c.at_b);
     if (c.flipped) std::swap(c.a, c.b), std::swap(c.at_a, c.at_b), std::swap(c.body_a, c.body_b);
     c.margin = near.margin;
@@ -89,9 +93,9 @@ Long3 way(const Vec3& from, const Vec3& to) {
 }
 
 /// Whether what parted two shapes when they were last looked at still does: then they have no contact points.
-bool are_still_parted(const CandidatePair& c, const Scratch::Near& near) {
+bool are_still_parted(const CandidatePair& c, const NearPair& near) {
     if (near.old_count != 0 || near.apart == UnitVec3{}) return false;
-    const auto placed = [](const Scratch::Shape& s) {
+    const auto placed = [](const PlacedShapes::Shape& s) {
         return collide::PlacedSolid{s.solid, s.axes, s.pose.position};
     };
     return collide::are_parted(placed(*c.at_a), placed(*c.at_b), near.apart, near.margin);
@@ -128,16 +132,16 @@ void fill_pair(const View& v, const CandidatePair& c, std::span<const ContactMem
     for (int i = 0; i < 3; ++i) lane.kept.v[i] = rows[0].made_position[i].raw;
 }
 
-void add_rows(const PairLane& pair, std::span<const ContactMemory> rows, Scratch::PairWindow& window) {
+void add_rows(const PairLane& pair, std::span<const ContactMemory> rows, PairWindow& window) {
     for (const ContactMemory& row : rows) window.rows[window.count++] = {&pair, &row};
 }
 
 /// Fills in what the rows from `first` on give.
-void find_rows(const View& v, solve::PairWork work, Scratch::PairWindow& window, std::uint32_t first) {
+void find_rows(const View& v, solve::PairWork work, PairWindow& window, std::uint32_t first) {
     if (window.count == first) return;
-    v.w.scratch.pair_kernel->find({work, window.rows.data() + first, window.count - first, v.half_tick,
-                                   window.places.data() + first, window.contacts.data() + first,
-                                   window.serves.data() + first});
+    v.kernel.find({work, window.rows.data() + first, window.count - first, v.half_tick,
+                   window.places.data() + first, window.contacts.data() + first,
+                   window.serves.data() + first});
 }
 
 // ---- manifolds ---
@@ -179,13 +183,13 @@ void fill_memory(const CandidatePair& c, const PairPlace& place, const collide::
 bool passes(const CandidatePair& c, std::span<const ContactMemory> old, UnitVec3 normal) {
     for (const ContactMemory& m : old)
         if (m.count != 0) return (m.flags & solve::contact_passing) != 0;
-    const auto wrong_side = [](const ShapeTraits& shape, const Scratch::Shape& at, UnitVec3 out) {
+    const auto wrong_side = [](const ShapeTraits& shape, const PlacedShapes::Shape& at, UnitVec3 out) {
         return shape.one_way != 0 && dot<Unit>(at.axes.y, out) < half(unit_one);
     };
     return wrong_side(*c.a, *c.at_a, normal) || wrong_side(*c.b, *c.at_b, -normal);
 }
 
-Real mixed(Mix rule_a, Mix rule_b, Real a, Real b, Scratch::NarrowWorker::Mean& mean) {
+Real mixed(Mix rule_a, Mix rule_b, Real a, Real b, NarrowWorker::Mean& mean) {
     const Mix rule = std::max(rule_a, rule_b);
     if (a == b && rule != Mix::multiply) return a;
     switch (rule) {
@@ -207,7 +211,7 @@ Real mixed(Mix rule_a, Mix rule_b, Real a, Real b, Scratch::NarrowWorker::Mean& 
 /// What the surfaces of b and a do against each other besides the bodies' motion, world axes.
 SpeedVec3 surface_velocity(const CandidatePair& c, const Touch& a, const Touch& b) {
     if (a.velocity == Vec3{} && b.velocity == Vec3{}) return {};
-    const auto of = [](const Touch& touch, const Scratch::Shape& at) {
+    const auto of = [](const Touch& touch, const PlacedShapes::Shape& at) {
         return touch.velocity == Vec3{} ? Vec3{} : rotate(at.pose.rotation, touch.velocity);
     };
     return to<Speed>(of(b, *c.at_b) - of(a, *c.at_a));
@@ -223,8 +227,7 @@ Speed approach_speed(const View& v, const CandidatePair& c, UnitVec3 normal, con
 
 /// Keeps the deepest point of a pair that did not touch until now.
 void store_deepest(const View& v, const CandidatePair& c, const solve::ContactPointMemory& memory,
-                   const PairContact& contact, const solve::ContactPoint& point,
-                   Scratch::ContactResult& result) {
+                   const PairContact& contact, const solve::ContactPoint& point, ContactResult& result) {
     result.point = c.at_b->pose.position + to<Real>(lockstone::mul<Length>(c.at_a->axes, memory.position));
     result.normal = c.flipped ? -contact.normal : contact.normal;
     result.approach = approach_speed(v, c, contact.normal, point);
@@ -232,8 +235,7 @@ void store_deepest(const View& v, const CandidatePair& c, const solve::ContactPo
 
 /// One manifold as the solver wants it.
 void add_contact(const View& v, const CandidatePair& c, std::uint32_t row, const ContactMemory& memory,
-                 const PairContact& found, Scratch::NarrowWorker& worker,
-                 std::vector<solve::Contact>& contacts) {
+                 const PairContact& found, NarrowWorker& worker, std::vector<solve::Contact>& contacts) {
     solve::Contact& contact = contacts.emplace_back();
     // What rests is the solver's still body.
     contact.body_a = std::min(c.body_a, v.awake);
@@ -256,11 +258,9 @@ void add_contact(const View& v, const CandidatePair& c, std::uint32_t row, const
     contact.surface_velocity = surface_velocity(c, a, b);
 }
 
-using NearChunk = Scratch::NearChunk;
-
 /// New rows of a pair, at the end of the chunk's; none when there are no points.
 std::uint32_t make_rows(const CandidatePair& c, const PairPlace& place, std::span<const ContactMemory> old,
-                        UnitVec3& apart, Scratch::NarrowWorker& worker, NearChunk& chunk) {
+                        UnitVec3& apart, NarrowWorker& worker, NearChunk& chunk) {
     make_manifolds(c, place, apart, old.empty() ? UnitVec3{} : old[0].normal, worker.narrow,
                    worker.manifolds);
     if (worker.manifolds.count == 0) return 0;
@@ -281,8 +281,7 @@ std::uint32_t make_rows(const CandidatePair& c, const PairPlace& place, std::spa
 
 /// The contacts of a pair's rows, and how near the two are.
 void use_rows(const View& v, const CandidatePair& c, std::span<const ContactMemory> rows,
-              const PairContact* found, Scratch::NarrowWorker& worker, NearChunk& chunk,
-              Scratch::ContactResult& result) {
+              const PairContact* found, NarrowWorker& worker, NearChunk& chunk, ContactResult& result) {
     const bool passing = (rows[0].flags & solve::contact_passing) != 0;
     Separation deepest = Separation::max();
     std::uint32_t deepest_point = 0;
@@ -291,7 +290,8 @@ void use_rows(const View& v, const CandidatePair& c, std::span<const ContactMemo
             if (const Separation s = found[i].points[k].separation; s < deepest)
                 deepest = s, result.deepest_row = i, deepest_point = k;
         if (!c.sensor && !passing &&
-            !(v.has_movers && is_movers_contact(v.w, v.body(c.body_a), v.body(c.body_b), found[i].normal)))
+            !(v.movers != nullptr &&
+              is_movers_contact(v.w, *v.movers, v.body(c.body_a), v.body(c.body_b), found[i].normal)))
             add_contact(v, c, result.first_row + i, rows[i], found[i], worker, chunk.contacts);
     }
     result.overlaps = deepest <= (c.sensor ? Separation{} : touching_gap) && !passing;
@@ -302,19 +302,19 @@ void use_rows(const View& v, const CandidatePair& c, std::span<const ContactMemo
 
 /// A pair of a window.
 struct WindowPair {
-    Scratch::Near* near;
+    NearPair* near;
     CandidatePair shapes;
     std::span<const ContactMemory> old; ///< its rows of the last tick
     std::uint32_t row;                  ///< of the window: first of those that are used
     std::uint32_t fresh;                ///< of the chunk: first of its new ones
-    Scratch::ContactResult result;
+    ContactResult result;
 };
 
 /// The rows of the last tick while the shapes stand to each other as they did, else new ones.
-void choose_rows(Scratch::NarrowWorker& worker, NearChunk& chunk, WindowPair& pair) {
+void choose_rows(NarrowWorker& worker, NearChunk& chunk, WindowPair& pair) {
     const CandidatePair& c = pair.shapes;
     const bool had = !pair.old.empty();
-    Scratch::ContactResult& result = pair.result;
+    ContactResult& result = pair.result;
     result.was_touching = had && (pair.old[0].flags & solve::contact_touching) != 0;
     result.is_kept = had && ((pair.old[0].flags & solve::contact_flipped) != 0) == c.flipped &&
                      solve::covers(pair.old[0], c.margin) && worker.window.serves[pair.row] != 0;
@@ -325,7 +325,7 @@ void choose_rows(Scratch::NarrowWorker& worker, NearChunk& chunk, WindowPair& pa
 }
 
 /// Where the shapes of all pairs are to each other, and which rows of the last tick serve.
-void place_pairs(const View& v, std::span<WindowPair> pairs, Scratch::PairWindow& window) {
+void place_pairs(const View& v, std::span<WindowPair> pairs, PairWindow& window) {
     for (std::size_t i = 0; i < pairs.size(); ++i)
         fill_pair(v, pairs[i].shapes, pairs[i].old, window.pairs[i]);
     window.count = 0;
@@ -346,9 +346,9 @@ void place_pairs(const View& v, std::span<WindowPair> pairs, Scratch::PairWindow
 
 /// The rows and contacts of some pairs, at the end of the chunk's. Writes to the chunk, the worker and the pairs' hints alone.
 /// `next_row` counts the rows of the chunk.
-void collide_window(const View& v, std::span<WindowPair> pairs, Scratch::NarrowWorker& worker,
-                    NearChunk& chunk, std::uint32_t& next_row) {
-    Scratch::PairWindow& window = worker.window;
+void collide_window(const View& v, std::span<WindowPair> pairs, NarrowWorker& worker, NearChunk& chunk,
+                    std::uint32_t& next_row) {
+    PairWindow& window = worker.window;
     place_pairs(v, pairs, window);
     for (WindowPair& pair : pairs) choose_rows(worker, chunk, pair);
     const auto rows_of = [&](const WindowPair& pair) {
@@ -363,7 +363,7 @@ void collide_window(const View& v, std::span<WindowPair> pairs, Scratch::NarrowW
     }
     find_rows(v, solve::PairWork::fresh, window, fresh);
     for (const WindowPair& pair : pairs) {
-        Scratch::ContactResult& result = chunk.results.emplace_back(pair.result);
+        ContactResult& result = chunk.results.emplace_back(pair.result);
         result.first_row = next_row;
         if (result.row_count == 0) {
             if (result.was_touching)
@@ -380,10 +380,10 @@ void collide_window(const View& v, std::span<WindowPair> pairs, Scratch::NarrowW
 }
 
 /// The pairs [first, last) of `near`, window by window; those that are still parted are left out.
-void collide_chunk(const View& v, std::uint32_t first, std::uint32_t last, std::span<Scratch::Near> near,
-                   Scratch::NarrowWorker& worker, NearChunk& chunk) {
+void collide_chunk(const View& v, std::uint32_t first, std::uint32_t last, std::span<NearPair> near,
+                   NarrowWorker& worker, NearChunk& chunk) {
     chunk.memories.clear(), chunk.results.clear(), chunk.contacts.clear();
-    std::array<WindowPair, Scratch::PairWindow::pairs_max> pairs;
+    std::array<WindowPair, PairWindow::pairs_max> pairs;
     std::uint32_t next_row = 0;
     std::size_t count = 0;
     for (std::uint32_t i = first; i < last; ++i) {
@@ -400,39 +400,42 @@ void collide_chunk(const View& v, std::uint32_t first, std::uint32_t last, std::
 
 } // namespace
 
-bool has_contact_points(Data& w, const Scratch::Near& near) {
-    const View view(w);
+bool has_contact_points(const Model& w, const PlacedShapes& placed, const NearPair& near,
+                        ContactScratch& scratch) {
+    const View view(w, placed, nullptr, {}, *scratch.pair_kernel);
     CandidatePair pair;
     find_candidate(view, near, pair);
-    if (w.scratch.narrow_workers.empty()) w.scratch.narrow_workers.resize(1);
-    Scratch::PairWindow& window = w.scratch.narrow_workers[0].window;
+    if (scratch.workers.empty()) scratch.workers.resize(1);
+    NarrowWorker& worker = scratch.workers[0];
+    PairWindow& window = worker.window;
     fill_pair(view, pair, {}, window.pairs[0]);
     window.rows[0] = {&window.pairs[0], nullptr};
     window.count = 1;
     find_rows(view, solve::PairWork::place, window, 0);
     UnitVec3 hint = near.apart;
-    make_manifolds(pair, window.places[0], hint, UnitVec3{}, w.scratch.narrow, w.scratch.manifolds);
-    return w.scratch.manifolds.count != 0;
+    make_manifolds(pair, window.places[0], hint, UnitVec3{}, worker.narrow, worker.manifolds);
+    return worker.manifolds.count != 0;
 }
 
-void collide(Data& w) {
-    Scratch& s = w.scratch;
-    const std::uint32_t pairs = static_cast<std::uint32_t>(s.near.size());
-    const std::uint32_t chunk_size = pairs_per_chunk(w), chunk_count = (pairs + chunk_size - 1) / chunk_size;
-    while (s.near_chunks.size() < chunk_count) {
-        NearChunk& chunk = s.near_chunks.emplace_back();
+void collide(Model& w, const PlacedShapes& placed, const CharacterScratch& movers, NearPairs& near,
+             ContactList& table, ContactScratch& s, FoundContacts& out, Tasks* tasks) {
+    const std::uint32_t pairs = static_cast<std::uint32_t>(near.list.size());
+    // All of them where one worker does the work, so nothing has to be put together.
+    const std::uint32_t chunk_size = tasks != nullptr ? 16 : std::max(pairs, 1u),
+                        chunk_count = (pairs + chunk_size - 1) / chunk_size;
+    while (s.chunks.size() < chunk_count) {
+        NearChunk& chunk = s.chunks.emplace_back();
         chunk.memories.reserve(chunk_size / 2);
         chunk.contacts.reserve(chunk_size), chunk.results.reserve(chunk_size);
     }
-    if (s.narrow_workers.size() < base::worker_count(w.tasks))
-        s.narrow_workers.resize(base::worker_count(w.tasks));
-    const View view(w);
-    base::for_chunks(w.tasks, pairs, chunk_size,
-                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t worker) {
-                         NearChunk& chunk = s.near_chunks[first / chunk_size];
-                         collide_chunk(view, first, last, s.near, s.narrow_workers[worker], chunk);
-                     });
-    place_contacts(w);
+    if (s.workers.size() < base::worker_count(tasks)) s.workers.resize(base::worker_count(tasks));
+    const View view(w, placed, movers.order_of_body.empty() ? nullptr : &movers, table.memories,
+                    *s.pair_kernel);
+    base::for_chunks(
+        tasks, pairs, chunk_size, [&](std::uint32_t first, std::uint32_t last, std::uint32_t worker) {
+            collide_chunk(view, first, last, near.list, s.workers[worker], s.chunks[first / chunk_size]);
+        });
+    place_contacts(w, near, std::span(s.chunks).first(chunk_count), table, s, out, tasks);
 }
 
 } // namespace lockstone::sim

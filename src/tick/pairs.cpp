@@ -1,35 +1,15 @@
 // Which shapes may meet: bounds that overlap, planes that are reached, and the filters.
+#include "tick/pairs.h"
+
+#include "base/parallel.h"
 #include "base/room.h"
-#include "tick/phases.h"
-#include "tick/sleep.h"
+#include "model/sleep.h"
 
 #include <algorithm>
 
 namespace lockstone::sim {
 
 namespace {
-
-bool is_filtered(const Data& w, BodyId a, BodyId b) {
-    const std::span<const PairFilterRow> rows = w.state.rows(w.m.pair_filter);
-    if (rows.empty()) return false;
-    return std::binary_search(rows.begin(), rows.end(), PairFilterRow{std::min(a, b), std::max(a, b)});
-}
-
-/// Whether a joint that does not let its bodies touch holds two bodies together.
-bool are_joined(const Data& w, BodyId a, BodyId b) {
-    const std::span<const BodyInfo> info = w.state.rows(w.m.body_info);
-    const std::span<const Slot> slots = w.state.rows(w.m.joint_slot);
-    const std::span<const JointRow> joints = w.state.rows(w.m.joint);
-    // Many joints may end at what does not move.
-    if (info[w.row_of(a)].kind == BodyKind::static_) std::swap(a, b);
-    for (std::uint32_t slot = info[w.row_of(a)].first_joint; slot != 0;) {
-        const JointRow& r = joints[slots[slot - 1].row];
-        const bool is_a = r.def.body_a == a;
-        if (r.def.collide_connected == 0 && (is_a ? r.def.body_b : r.def.body_a) == b) return true;
-        slot = is_a ? r.next_a : r.next_b;
-    }
-    return false;
-}
 
 /// Whether bounds reach below the plane through a point.
 bool reaches(const collide::Bounds& bounds, UnitVec3 n, Vec3 point, std::uint32_t shift) {
@@ -42,17 +22,16 @@ bool reaches(const collide::Bounds& bounds, UnitVec3 n, Vec3 point, std::uint32_
     return dot<Real>(n, p) <= to<Real>(margin_base);
 }
 
-void find_plane_pairs(Data& w) {
-    Scratch& s = w.scratch;
+void find_plane_pairs(const Model& w, const PlacedShapes& placed, PairScratch& s) {
     const std::uint32_t shift = w.state.rows(w.m.config)[0].bounds_shift;
     s.plane_pairs.clear();
     const std::span<const ShapeRow> shapes = w.state.rows(w.m.shape);
     const std::span<const Slot> slots = w.state.rows(w.m.shape_slot);
-    for (std::uint32_t plane : s.planes) {
+    for (std::uint32_t plane : placed.planes) {
         // A plane that a command has just put there meets all bodies, others those that are awake.
         const bool is_fresh = is_awake(w, w.row_of(shapes[slots[plane].row].body));
         const std::uint32_t rows = is_fresh ? w.state.count(w.m.bodies) : w.header().bodies_awake;
-        const Transform& at_plane = s.shape[plane].pose;
+        const Transform& at_plane = placed.shape[plane].pose;
         const UnitVec3 n = to_rotation(at_plane.rotation).y;
         for (std::uint32_t row = 0; row < rows; ++row)
             for (std::uint32_t at = w.state.rows(w.m.body_info)[row].first_shape; at != 0;) {
@@ -60,7 +39,7 @@ void find_plane_pairs(Data& w) {
                 const ShapeRow& shape = shapes[slots[slot].row];
                 at = shape.next_shape;
                 if (w.traits_of(shape).geometry.kind == ShapeKind::plane) continue;
-                if (reaches(s.broad_phase.bounds(slot), n, at_plane.position, shift))
+                if (reaches(placed.broad_phase.bounds(slot), n, at_plane.position, shift))
                     s.plane_pairs.push_back({std::min(plane, slot), std::max(plane, slot)});
             }
     }
@@ -77,8 +56,8 @@ constexpr std::uint32_t filtered_per_chunk = 128;
 
 /// How far ahead the contacts of two shapes reach: as far as they near each other in a tick. What moves along with the
 /// other, however fast, meets nothing sooner than what rests.
-Length pair_margin(const Data& w, const Scratch::Shape& a, std::uint32_t body_a, const Scratch::Shape& b,
-                   std::uint32_t body_b) {
+Length pair_margin(const Model& w, const PlacedShapes::Shape& a, std::uint32_t body_a,
+                   const PlacedShapes::Shape& b, std::uint32_t body_b) {
     const Length widest = a.margin + b.margin, least = margin_base + margin_base;
     if (widest == least) return least;
     const std::span<const Velocity> velocity = w.state.rows(w.m.body_velocity);
@@ -101,7 +80,8 @@ bool still_overlap(const collide::Bounds& a, const collide::Bounds& b, Length sp
 
 /// The columns that every pair looks at, found once for many.
 struct PairView {
-    const Data& w;
+    const Model& w;
+    const PlacedShapes& placed;
     std::span<const Slot> shape_slots, body_slots;
     std::span<const ShapeRow> shapes;
     std::span<const ShapeTraits> traits;
@@ -109,19 +89,20 @@ struct PairView {
     bool has_filters;
     std::uint32_t shift, awake;
 
-    explicit PairView(const Data& data)
-        : w(data), shape_slots(w.state.rows(w.m.shape_slot)), body_slots(w.state.rows(w.m.body_slot)),
-          shapes(w.state.rows(w.m.shape)), traits(w.state.rows(w.m.shape_traits.row)),
-          info(w.state.rows(w.m.body_info)), has_filters(w.state.count(w.m.pair_filters) != 0),
-          shift(w.state.rows(w.m.config)[0].bounds_shift), awake(w.header().bodies_awake) {}
+    PairView(const Model& model, const PlacedShapes& shapes_placed)
+        : w(model), placed(shapes_placed), shape_slots(w.state.rows(w.m.shape_slot)),
+          body_slots(w.state.rows(w.m.body_slot)), shapes(w.state.rows(w.m.shape)),
+          traits(w.state.rows(w.m.shape_traits.row)), info(w.state.rows(w.m.body_info)),
+          has_filters(w.state.count(w.m.pair_filters) != 0), shift(w.state.rows(w.m.config)[0].bounds_shift),
+          awake(w.header().bodies_awake) {}
 };
 
 /// A null key when the two do not meet, or both rest, or are farther apart than the margin.
-Scratch::PairKey key_of(const PairView& v, collide::ProxyPair pair) {
+PairScratch::Key key_of(const PairView& v, collide::ProxyPair pair) {
     const ShapeRow &a = v.shapes[v.shape_slots[pair.a].row], &b = v.shapes[v.shape_slots[pair.b].row];
     const std::uint32_t body_a = v.body_slots[a.body.index - 1].row,
                         body_b = v.body_slots[b.body.index - 1].row;
-    const Scratch::Shape &at_a = v.w.scratch.shape[pair.a], &at_b = v.w.scratch.shape[pair.b];
+    const PlacedShapes::Shape &at_a = v.placed.shape[pair.a], &at_b = v.placed.shape[pair.b];
     if (body_a >= v.awake && body_b >= v.awake) return {};
     const BodyInfo &info_a = v.info[body_a], &info_b = v.info[body_b];
     const ShapeTraits &is_a = v.traits[a.traits], &is_b = v.traits[b.traits];
@@ -142,111 +123,79 @@ Scratch::PairKey key_of(const PairView& v, collide::ProxyPair pair) {
     return {{a.id, b.id}, margin};
 }
 
-void find_keys(Data& w) {
-    std::vector<Scratch::PairKey>& keys = w.scratch.pair_keys;
-    const std::uint32_t count = static_cast<std::uint32_t>(w.scratch.pairs.size());
+void find_keys(const PairView& view, PairScratch& s, Tasks* tasks) {
+    std::vector<PairScratch::Key>& keys = s.keys;
+    const std::uint32_t count = static_cast<std::uint32_t>(s.pairs.size());
     base::make_room(keys, count);
     keys.resize(count);
-    const PairView view(w);
-    base::for_chunks(w.tasks, count, filtered_per_chunk,
+    base::for_chunks(tasks, count, filtered_per_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-                         for (std::uint32_t i = first; i < last; ++i)
-                             keys[i] = key_of(view, w.scratch.pairs[i]);
+                         for (std::uint32_t i = first; i < last; ++i) keys[i] = key_of(view, s.pairs[i]);
                      });
 }
 
 /// How many pairs that are near are looked at: beyond, the last in pair order are dropped, as a table of contacts_max rows
 /// would drop most of them.
-std::size_t near_max(const Data& w) {
+std::size_t near_max(const Model& w) {
     return 1024 + std::size_t{2} * w.state.rows_max(w.m.contacts.contacts);
 }
 
 /// How many pairs of overlapping leaves may be listed; it decides on speed and memory only.
-std::size_t leaf_pairs_max(const Data& w) { return 8 * near_max(w); }
+std::size_t leaf_pairs_max(const Model& w) { return 8 * near_max(w); }
 
 /// Pairs whose bounds overlap, in order: all of them, or in a crowd as many as are looked at, and one more.
-void find_overlaps(Data& w) {
-    Scratch& s = w.scratch;
-    if (s.broad_phase.find_pairs(s.pairs, leaf_pairs_max(w))) return;
-    const PairView view(w);
-    s.broad_phase.find_first_pairs(s.pairs, near_max(w) + 1,
-                                   [&](collide::ProxyPair pair) { return bool(key_of(view, pair).key.a); });
+void find_overlaps(const PairView& view, collide::BroadPhase& broad_phase, PairScratch& s) {
+    if (broad_phase.find_pairs(s.pairs, leaf_pairs_max(view.w))) return;
+    broad_phase.find_first_pairs(s.pairs, near_max(view.w) + 1,
+                                 [&](collide::ProxyPair pair) { return bool(key_of(view, pair).key.a); });
 }
 
 /// Ends what touched and is no longer near.
-void retire(Data& w, std::uint32_t row) {
-    const std::uint32_t flags = w.scratch.table.list.memories[row].flags;
-    if (flags & solve::contact_touching) w.scratch.ended.push_back({w.scratch.table.list.keys[row], flags});
+void retire(const ContactList& old, std::uint32_t row, std::vector<EndedContact>& ended) {
+    const std::uint32_t flags = old.memories[row].flags;
+    if (flags & solve::contact_touching) ended.push_back({old.keys[row], flags});
 }
 
 } // namespace
 
-/// A primitive at a scale of 2 to 8, which is static, and a mesh or height field: one of them a sensor. Triangles take shapes of
-/// up to 174 m: beyond, heights over their planes leave 64 bits.
-static bool is_too_large(const ShapeTraits& primitive, const ShapeTraits& terrain) {
-    return primitive.geometry.kind <= ShapeKind::box && primitive.geometry.scale != scale_one &&
-           (terrain.geometry.kind == ShapeKind::mesh || terrain.geometry.kind == ShapeKind::height_field);
-}
-
-bool may_meet(const Data& w, const ShapeRow& a, const ShapeRow& b) {
-    const ShapeTraits &is_a = w.traits_of(a), &is_b = w.traits_of(b);
-    if (a.body == b.body || (is_a.sensor != 0 && is_b.sensor != 0)) return false;
-    if (is_too_large(is_a, is_b) || is_too_large(is_b, is_a)) return false;
-    const std::span<const BodyInfo> info = w.state.rows(w.m.body_info);
-    const BodyKind kind_a = info[w.row_of(a.body)].kind, kind_b = info[w.row_of(b.body)].kind;
-    const bool any_dynamic = kind_a == BodyKind::dynamic || kind_b == BodyKind::dynamic;
-    const bool any_moves = kind_a != BodyKind::static_ || kind_b != BodyKind::static_;
-    if (!any_dynamic && !(any_moves && (is_a.sensor | is_b.sensor) != 0)) return false;
-    if (are_joined(w, a.body, b.body)) return false;
-    return filters_allow(w, a, b);
-}
-
-bool filters_allow(const Data& w, const ShapeRow& a, const ShapeRow& b) {
-    const ShapeTraits &is_a = w.traits_of(a), &is_b = w.traits_of(b);
-    if (is_a.group != 0 && is_a.group == is_b.group) return is_a.group > 0;
-    return (is_a.category & is_b.mask) != 0 && (is_b.category & is_a.mask) != 0 &&
-           !is_filtered(w, a.body, b.body);
-}
-
-void find_pairs(Data& w) {
-    Scratch& s = w.scratch;
-    find_overlaps(w);
-    find_plane_pairs(w);
-    find_keys(w);
+void find_pairs(const Model& w, PlacedShapes& placed, const ContactList& table, PairScratch& s,
+                NearPairs& out, Tasks* tasks) {
+    const PairView view(w, placed);
+    find_overlaps(view, placed.broad_phase, s);
+    find_plane_pairs(w, placed, s);
+    find_keys(view, s, tasks);
     const auto order = [](const ContactKey& k) { return std::uint64_t{k.a.index} << 32 | k.b.index; };
 
-    s.near.swap(s.near_before);
-    s.near.clear(), s.ended.clear();
-    s.near_is_cut = false;
-    s.table.read(w.state, w.m.contacts);
-    const std::span<const ContactKey> old_keys = s.table.list.keys;
+    out.list.swap(s.before);
+    out.list.clear(), out.ended.clear();
+    out.is_cut = false;
+    const std::span<const ContactKey> old_keys = table.keys;
     const std::uint32_t count = static_cast<std::uint32_t>(old_keys.size());
-    base::make_room(s.ended, count);
-    base::make_room(s.near, std::min(s.pair_keys.size(), near_max(w)));
+    base::make_room(out.ended, count);
+    base::make_room(out.list, std::min(s.keys.size(), near_max(w)));
     std::uint32_t old = 0;
     std::size_t hint = 0;
     const std::size_t most = near_max(w);
-    for (const Scratch::PairKey& pair : s.pair_keys) {
+    for (const PairScratch::Key& pair : s.keys) {
         if (!pair.key.a) continue;
-        if (s.near.size() == most) {
-            s.near_is_cut = true;
+        if (out.list.size() == most) {
+            out.is_cut = true;
             break;
         }
         const std::uint64_t place = order(pair.key);
-        while (old < count && order(old_keys[old]) < place) retire(w, old++);
-        while (hint < s.near_before.size() && order(s.near_before[hint].key) < place) ++hint;
-        Scratch::Near near{pair.key, pair.margin, old, 0, {}};
+        while (old < count && order(old_keys[old]) < place) retire(table, old++, out.ended);
+        while (hint < s.before.size() && order(s.before[hint].key) < place) ++hint;
+        NearPair near{pair.key, pair.margin, old, 0, {}};
         for (; old < count && order(old_keys[old]) == place; ++old) {
             if (old_keys[old] == pair.key)
                 ++near.old_count;
             else
-                retire(w, old), near.old_first = old + 1;
+                retire(table, old, out.ended), near.old_first = old + 1;
         }
-        if (hint < s.near_before.size() && s.near_before[hint].key == pair.key)
-            near.apart = s.near_before[hint].apart;
-        s.near.push_back(near);
+        if (hint < s.before.size() && s.before[hint].key == pair.key) near.apart = s.before[hint].apart;
+        out.list.push_back(near);
     }
-    while (old < count) retire(w, old++);
+    while (old < count) retire(table, old++, out.ended);
 }
 
 } // namespace lockstone::sim

@@ -6,9 +6,9 @@
 // A body that was hit by a moving one is carried along by it for the rest of the tick.
 #include "tick/sweep.h"
 
+#include "base/parallel.h"
 #include "collide/query/cast.h"
 #include "lockstone/math/math.h"
-#include "tick/phases.h"
 
 #include <algorithm>
 
@@ -18,7 +18,9 @@ namespace {
 using collide::Sweep;
 
 struct Sweeper {
-    Data& w;
+    const Model& w;
+    const PlacedShapes& placed;
+    const PosesBefore& before;
     std::span<const Transform> pose;
     std::span<const BodyInfo> info;
     solve::MassView mass;
@@ -29,17 +31,18 @@ struct Sweeper {
         motion_max{};        ///< of any point of a kinematic, of any moving body in this tick [m]
     bool all_dynamic = true; ///< every awake body: all else is among the static proxies
 
-    explicit Sweeper(Data& data)
-        : w(data), pose(data.state.rows(data.m.body_pose)), info(data.state.rows(data.m.body_info)),
-          mass(data.masses()), shapes(data.state.rows(data.m.shape)),
-          shape_traits(data.state.rows(data.m.shape_traits.row)), slots(data.state.rows(data.m.shape_slot)) {}
+    Sweeper(const Model& model, const PlacedShapes& shapes_placed, const PosesBefore& poses_before)
+        : w(model), placed(shapes_placed), before(poses_before), pose(w.state.rows(w.m.body_pose)),
+          info(w.state.rows(w.m.body_info)), mass(w.masses()), shapes(w.state.rows(w.m.shape)),
+          shape_traits(w.state.rows(w.m.shape_traits.row)), slots(w.state.rows(w.m.shape_slot)) {}
 
-    const Scratch::Shape& at(const ShapeRow& shape) const { return w.scratch.shape[shape.id.index - 1]; }
+    const PlacedShapes::Shape& at(const ShapeRow& shape) const { return placed.shape[shape.id.index - 1]; }
+    const Transform& pose_before(std::uint32_t row) const { return before.of(w, row); }
     const shapes::Solid& solid(const ShapeRow& shape) const { return at(shape).solid; }
     const ShapeTraits& traits(const ShapeRow& shape) const { return shape_traits[shape.traits]; }
     bool is_bullet(std::uint32_t row) const { return mass.traits[info[row].traits].bullet != 0; }
     Sweep sweep(std::uint32_t row, const ShapeRow& shape) const {
-        return {pose_before(w, row),
+        return {pose_before(row),
                 pose[row],
                 {traits(shape).local.position - mass[row].center, traits(shape).local.rotation}};
     }
@@ -47,7 +50,7 @@ struct Sweeper {
     Real reach(std::uint32_t row, const ShapeRow& shape) const {
         const Real offset = length(traits(shape).local.position - mass[row].center);
         if (traits(shape).geometry.kind == ShapeKind::sphere) return offset;
-        return offset + to<Real>(w.scratch.shape[shape.id.index - 1].reach);
+        return offset + to<Real>(at(shape).reach);
     }
     template <class Visit> void for_each_shape(std::uint32_t row, Visit&& visit) const {
         for (std::uint32_t slot = info[row].first_shape; slot != 0;) {
@@ -61,7 +64,7 @@ struct Sweeper {
 constexpr Sweep still{Transform::identity(), Transform::identity(), Transform::identity()};
 
 Real motion_of(const Sweeper& s, std::uint32_t row) {
-    if (pose_before(s.w, row) == s.pose[row]) return Real{};
+    if (s.pose_before(row) == s.pose[row]) return Real{};
     Real most{};
     s.for_each_shape(row, [&](const ShapeRow& shape) {
         const Real motion = collide::relative_motion(still, s.sweep(row, shape), s.reach(row, shape));
@@ -73,7 +76,7 @@ Real motion_of(const Sweeper& s, std::uint32_t row) {
 /// No less than what relative_motion says of the body alone, without roots: a turn's rate is at most 2.9 times the length of
 /// the quaternion's change, and no length is above the sum of its parts.
 Real coarse_motion(const Sweeper& s, std::uint32_t row, const ShapeRow& shape) {
-    const Transform &a = pose_before(s.w, row), &b = s.pose[row];
+    const Transform &a = s.pose_before(row), &b = s.pose[row];
     const auto apart = [](std::int64_t x, std::int64_t y) { return x < y ? y - x : x - y; };
     const auto sum_apart = [&](const Vec3& x, const Vec3& y) {
         return apart(x.x.raw, y.x.raw) + apart(x.y.raw, y.y.raw) +
@@ -94,7 +97,7 @@ Real coarse_motion(const Sweeper& s, std::uint32_t row, const ShapeRow& shape) {
 /// Against what stands still a shape may move further before it has to be swept: nothing comes towards it besides. A
 /// bullet is swept whenever it moves: what turns so fast that its contacts do not hold it would sink in bit by bit. Not a
 /// sphere, which turns nothing in.
-bool is_fast(Real motion, const Scratch::Shape& shape, bool against_static, bool bullet) {
+bool is_fast(Real motion, const PlacedShapes::Shape& shape, bool against_static, bool bullet) {
     const Real inner = to<Real>(shape.inner);
     const bool may_turn_in = bullet && shape.solid.geometry.kind != ShapeKind::sphere;
     return motion > (against_static ? half(inner) : may_turn_in ? inner / Real(64) : inner / Real(4));
@@ -103,7 +106,7 @@ bool is_fast(Real motion, const Scratch::Shape& shape, bool against_static, bool
 /// What stops a body: the fraction of its way, and whose shape it was.
 struct Stop {
     Unit fraction = unit_one;
-    std::uint32_t row = Data::dead;
+    std::uint32_t row = Model::dead;
 };
 
 /// Whether the way of a body in row `other` is final and it stops this one.
@@ -116,7 +119,7 @@ bool is_swept_against(const Sweeper& s, std::uint32_t row, std::uint32_t other) 
 /// A one-way surface stops what moves against its +y and began above it. `moved`: the other body against the wall's.
 bool passes_one_way(const Sweeper& s, const ShapeRow& wall, Vec3 moved) {
     if (s.traits(wall).one_way == 0) return false;
-    return dot<Real>(to_rotation(s.w.scratch.shape[wall.id.index - 1].pose.rotation).y, moved) >= Real{};
+    return dot<Real>(to_rotation(s.placed.shape[wall.id.index - 1].pose.rotation).y, moved) >= Real{};
 }
 
 /// The way of the body in a row, or a later part of it: then the others' ways begin at the same time.
@@ -135,10 +138,10 @@ void for_each_wall(const Sweeper& s, const Way& whole, const ShapeRow& shape,
     const std::uint32_t row = whole.row;
     Sweep way = s.sweep(row, shape);
     way.from = whole.from, way.to = whole.to;
-    const Scratch& scratch = s.w.scratch;
+    const PlacedShapes& placed = s.placed;
     const int shift = static_cast<int>(s.w.state.rows(s.w.m.config)[0].bounds_shift);
     const Real others = s.is_bullet(row) ? s.motion_max : s.kinematic_motion_max;
-    const Real around = length(way.local.position) + to<Real>(scratch.shape[shape.id.index - 1].reach) +
+    const Real around = length(way.local.position) + to<Real>(placed.shape[shape.id.index - 1].reach) +
                         others + to<Real>(collide::stop_gap) * 2;
     const auto box = [&](Vec3 p) {
         constexpr int drop = Real::fraction_bits - Bound::fraction_bits;
@@ -152,17 +155,17 @@ void for_each_wall(const Sweeper& s, const Way& whole, const ShapeRow& shape,
     };
     const collide::SweptBox swept(box(way.from.position), box(way.to.position));
     if (s.all_dynamic && !s.is_bullet(row)) // what is dynamic would be left out below
-        scratch.broad_phase.query_static(swept, near);
+        placed.broad_phase.query_static(swept, near);
     else
-        scratch.broad_phase.query(swept, near);
-    near.proxies.insert(near.proxies.end(), scratch.planes.begin(), scratch.planes.end());
+        placed.broad_phase.query(swept, near);
+    near.proxies.insert(near.proxies.end(), placed.planes.begin(), placed.planes.end());
     for (const std::uint32_t slot : near.proxies) {
         const ShapeRow& wall = s.shapes[s.slots[slot].row];
         const std::uint32_t other = s.w.row_of(wall.body);
         if (s.traits(wall).sensor != 0 || other == whole.except || !is_swept_against(s, row, other) ||
             !may_meet(s.w, shape, wall))
             continue;
-        const Vec3 moved = s.pose[other].position - pose_before(s.w, other).position;
+        const Vec3 moved = s.pose[other].position - s.pose_before(other).position;
         if (passes_one_way(s, wall, whole.moved - moved) || passes_one_way(s, shape, moved - whole.moved))
             continue;
         Sweep theirs = s.sweep(other, wall);
@@ -211,7 +214,7 @@ void find_touching(const Sweeper& s, const Way& way, const Hand& hand) {
 Stop find_stop(const Sweeper& s, const Way& way, const Hand& hand) {
     hand.own.touching.clear();
     const Stop stop = first_stop(s, way, hand);
-    if (stop.row == Data::dead) return stop;
+    if (stop.row == Model::dead) return stop;
     find_touching(s, way, hand);
     return hand.own.touching.empty() ? stop : first_stop(s, way, hand);
 }
@@ -221,7 +224,7 @@ Stop find_stop(const Sweeper& s, const Way& way, const Hand& hand) {
 Transform slide_on(const Sweeper& s, std::uint32_t row, const Transform& from, const Transform& to,
                    const Transform& at, Unit fraction, const Hand& hand) {
     const Vec3 whole = to.position - from.position, done = at.position - from.position;
-    find_touching(s, {row, at, {at.position + whole, to.rotation}, fraction, Data::dead, done}, hand);
+    find_touching(s, {row, at, {at.position + whole, to.rotation}, fraction, Model::dead, done}, hand);
     Vec3 rest = to.position - at.position;
     for (int round = 0; round < 2; ++round)
         for (const UnitVec3 out : hand.own.touching) {
@@ -230,25 +233,25 @@ Transform slide_on(const Sweeper& s, std::uint32_t row, const Transform& from, c
         }
     if (hand.own.touching.empty() || rest == Vec3{}) return at;
     const Transform end{at.position + rest, to.rotation};
-    const Stop again = find_stop(s, {row, at, end, fraction, Data::dead, done}, hand);
+    const Stop again = find_stop(s, {row, at, end, fraction, Model::dead, done}, hand);
     return collide::body_pose_at({at, end, Transform::identity()}, again.fraction);
 }
 
 /// Where the body was stopped, if it was, and moved on with what stopped it: shifted, or when that lets it turn through
 /// the body, turned too.
 std::optional<Transform> sweep_body(const Sweeper& s, std::uint32_t row, const Hand& hand) {
-    const Transform from = pose_before(s.w, row), to = s.pose[row];
-    const Stop stop = find_stop(s, {row, from, to, Unit{}, Data::dead, to.position - from.position}, hand);
-    if (stop.row == Data::dead) return std::nullopt;
+    const Transform from = s.pose_before(row), to = s.pose[row];
+    const Stop stop = find_stop(s, {row, from, to, Unit{}, Model::dead, to.position - from.position}, hand);
+    if (stop.row == Model::dead) return std::nullopt;
     const Transform at = collide::body_pose_at({from, to, Transform::identity()}, stop.fraction);
-    const Sweep theirs{pose_before(s.w, stop.row), s.pose[stop.row], Transform::identity()};
+    const Sweep theirs{s.pose_before(stop.row), s.pose[stop.row], Transform::identity()};
     if (theirs.from == theirs.to) return slide_on(s, row, from, to, at, stop.fraction, hand);
     const Transform met = collide::body_pose_at(theirs, stop.fraction);
     const Vec3 moved = at.position - from.position;
     Transform end{at.position + (theirs.to.position - met.position), at.rotation};
     const bool turns = theirs.from.rotation != theirs.to.rotation;
     Stop again;
-    if (!turns) again = find_stop(s, {row, at, end, stop.fraction, Data::dead, moved}, hand);
+    if (!turns) again = find_stop(s, {row, at, end, stop.fraction, Model::dead, moved}, hand);
     if (turns || again.row == stop.row) {
         const Transform relative{inverse_mul(met, at.position), conjugate(met.rotation) * at.rotation};
         end = {theirs.to * relative.position, normalized(theirs.to.rotation * relative.rotation)};
@@ -277,13 +280,13 @@ bool may_be_fast(const Sweeper& s, std::uint32_t row, Real others) {
 constexpr std::uint32_t sweeps_per_chunk = 16;
 
 /// All that are no bullets. They are swept against static and kinematic bodies alone, whose poses nobody writes here.
-void sweep_plain_bodies(Data& w, const Sweeper& s) {
-    SweepScratch& sweep = w.scratch.sweep;
+void sweep_plain_bodies(Model& w, const Sweeper& s, std::span<NarrowWorker> workers, SweepScratch& sweep,
+                        Tasks* tasks) {
     const std::uint32_t rows = w.header().bodies_awake;
     sweep.stopped.resize(rows);
-    base::for_chunks(w.tasks, rows, sweeps_per_chunk,
+    base::for_chunks(tasks, rows, sweeps_per_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t worker) {
-                         const Hand hand{sweep.workers[worker], w.scratch.narrow_workers[worker].narrow};
+                         const Hand hand{sweep.workers[worker], workers[worker].narrow};
                          for (std::uint32_t row = first; row < last; ++row) {
                              sweep.stopped[row].reset();
                              if (s.info[row].kind == BodyKind::dynamic && !s.is_bullet(row) &&
@@ -307,8 +310,9 @@ void make_workers(SweepScratch& sweep, std::uint32_t count) {
 
 } // namespace
 
-void sweep_fast_bodies(Data& w) {
-    Sweeper s(w);
+void sweep_fast_bodies(Model& w, PlacedShapes& placed, const PosesBefore& before,
+                       std::span<NarrowWorker> narrow, SweepScratch& sweep, Tasks* tasks) {
+    Sweeper s(w, placed, before);
     const bool any_bullet =
         std::ranges::any_of(s.mass.traits, [](const BodyTraits& traits) { return traits.bullet != 0; });
     const std::uint32_t rows = w.header().bodies_awake;
@@ -317,13 +321,13 @@ void sweep_fast_bodies(Data& w) {
             s.kinematic_motion_max = max(s.kinematic_motion_max, motion_of(s, row));
         s.all_dynamic = s.all_dynamic && s.info[row].kind == BodyKind::dynamic;
     }
-    const std::uint32_t workers = base::worker_count(w.tasks);
-    if (w.scratch.sweep.workers.size() < workers) make_workers(w.scratch.sweep, workers);
-    w.scratch.broad_phase.update_trees();
-    sweep_plain_bodies(w, s);
+    const std::uint32_t workers = base::worker_count(tasks);
+    if (sweep.workers.size() < workers) make_workers(sweep, workers);
+    placed.broad_phase.update_trees();
+    sweep_plain_bodies(w, s, narrow, sweep, tasks);
     if (!any_bullet) return;
     for (std::uint32_t row = 0; row < rows; ++row) s.motion_max = max(s.motion_max, motion_of(s, row));
-    const Hand hand{w.scratch.sweep.workers[0], w.scratch.narrow_workers[0].narrow};
+    const Hand hand{sweep.workers[0], narrow[0].narrow};
     for (std::uint32_t row = 0; row < rows; ++row)
         if (s.info[row].kind == BodyKind::dynamic && s.is_bullet(row) && may_be_fast(s, row, s.motion_max))
             if (const std::optional<Transform> stopped = sweep_body(s, row, hand))

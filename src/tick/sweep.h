@@ -15,16 +15,13 @@
 // Not swept: sensors, shapes that may not meet, pairs of which neither moves.
 #pragma once
 
-#include "collide/broad/broad_phase.h"
-#include "lockstone/math/vec.h"
+#include "tick/events.h"
 
 #include <cstdint>
 #include <optional>
 #include <vector>
 
 namespace lockstone::sim {
-
-struct Data;
 
 struct SweepScratch {
     /// What a worker needs for itself.
@@ -36,7 +33,9 @@ struct SweepScratch {
     std::vector<std::optional<Transform>> stopped; ///< by row: where, if the body was
 };
 
-/// Poses of fast bodies in the state, from scratch.pose_before and where finish_step put them. A pure function of these.
-void sweep_fast_bodies(Data& w);
+/// Poses of fast bodies in the state, from those before the tick and where finish_step put them. A pure function of these.
+/// `workers`: memory of the narrow phase.
+void sweep_fast_bodies(Model& w, PlacedShapes& placed, const PosesBefore& before,
+                       std::span<NarrowWorker> workers, SweepScratch& scratch, Tasks* tasks);
 
 } // namespace lockstone::sim

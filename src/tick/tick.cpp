@@ -1,9 +1,13 @@
 // One tick, on one screen. Everything from outside came in as commands before it (apply.cpp); everything that leaves,
 // leaves as event arrays at the bottom. Each phase is a pure function of the columns and of this tick's scratch.
-// Where a phase takes w.tasks, workers share it: each writes what no other reads, and what they made is put together in order.
+// Where a phase takes tasks, workers share it: each writes what no other reads, and what they made is put together in order.
+#include "tick/tick.h"
+
+#include "solve/bodies/integrate.h"
+#include "solve/bodies/step.h"
 #include "solve/joints/followed_turn.h"
 #include "solve/joints/joint_stiffness.h"
-#include "tick/phases.h"
+#include "tick/joints.h"
 
 namespace lockstone::sim {
 
@@ -17,21 +21,30 @@ constexpr bool poisons_scratch = false;
 constexpr bool poisons_scratch = true;
 #endif
 
+/// One tick at work: the state, and what its phases hand to each other.
+struct Tick {
+    Model& w;
+    PlacedShapes& placed;
+    TickScratch& s;
+    TickOutput& out;
+    const TickHooks& hooks;
+};
+
 /// For profilers: nothing but a name leaves, and nothing comes back.
-void passed(const Data& w, const char* phase) {
-    if (w.observer != nullptr) w.observer->on_phase(phase);
+void passed(const Tick& t, const char* phase) {
+    if (t.hooks.observer != nullptr) t.hooks.observer->on_phase(phase);
 }
 
 /// The hash of the whole state between phases, for finding where two runs part. Off by default.
-void checkpoint(Data& w, const char* phase) {
-    passed(w, phase);
-    if (w.phase_hashes_on) w.phase_hashes.push_back({phase, w.state.hash()});
+void checkpoint(const Tick& t, const char* phase) {
+    passed(t, phase);
+    if (t.hooks.phase_hashes) t.out.phase_hashes.push_back({phase, t.w.state.hash()});
 }
 
 /// While a tick works on the contacts, the state holds those of the last one; a hash is of all that is known.
-void checkpoint_with_contacts(Data& w, const char* phase) {
-    if (w.phase_hashes_on) w.scratch.table.write(w.state, w.m.contacts);
-    checkpoint(w, phase);
+void checkpoint_with_contacts(const Tick& t, const char* phase) {
+    if (t.hooks.phase_hashes) t.s.table.write(t.w.state, t.w.m.contacts);
+    checkpoint(t, phase);
 }
 
 solve::StepConstants constants_of(const Config& c) {
@@ -40,26 +53,83 @@ solve::StepConstants constants_of(const Config& c) {
                                   c.push_speed_max, c.restitution_speed_min});
 }
 
-void prepare(Data& w) {
-    Scratch& s = w.scratch;
-    s.step = constants_of(w.state.rows(w.m.config)[0]);
-    const std::span<const Transform> poses = w.state.rows(w.m.body_pose).first(w.header().bodies_awake);
-    s.pose_before.assign(poses.begin(), poses.end());
-    solve::begin_step(w.body_columns(), w.header().gravity, s.step, s.bodies, w.tasks);
-    list_joints(w);
-    solve::stiffen_bodies(s.joints, w.state.rows(w.m.joint_memory), w.body_columns(), s.step, s.bodies);
-    solve::follow_turns(s.joints, w.body_columns(), s.step, s.bodies);
-    s.solver.prepare(s.contacts, s.table.list.memories, w.body_columns().mass, s.step, s.bodies, w.tasks);
-    s.joint_solver.prepare(s.joints, w.state.rows(w.m.joint_memory), w.body_columns(), s.step, s.bodies,
-                           w.tasks);
-    s.vehicle_solver.prepare(w);
-    list_fields(w);
-    s.fluids.prepare(w);
+/// Bounds and pairs, again while something awake wakes what it touches.
+void find_near(const Tick& t, const Scene& scene) {
+    TickScratch& s = t.s;
+    do {
+        update_bounds(t.w, t.placed, t.hooks.tasks);
+        passed(t, "update_bounds");
+        s.table.read(t.w.state, t.w.m.contacts);
+        find_pairs(t.w, t.placed, s.table.list, s.pair_scratch, s.near, t.hooks.tasks);
+        passed(t, "find_pairs");
+    } while (wake_touched(t.w, t.placed, s.near.list, s.contact_scratch, s.islands) ||
+             s.vehicles.cast(t.w, scene));
 }
 
-void finish(Data& w) {
-    Scratch& s = w.scratch;
-    solve::finish_step(s.step, s.bodies, w.body_columns(), w.tasks);
+/// From rows of the state to what the solver works on.
+void prepare(const Tick& t, const Scene& scene) {
+    TickScratch& s = t.s;
+    Model& w = t.w;
+    Tasks* const tasks = t.hooks.tasks;
+    s.step = constants_of(w.config());
+    const std::span<const Transform> poses = w.state.rows(w.m.body_pose).first(w.header().bodies_awake);
+    s.pose_before.list.assign(poses.begin(), poses.end());
+    const std::span<const JointMemory> memory = w.state.rows(w.m.joint_memory);
+    solve::begin_step(w.body_columns(), w.header().gravity, s.step, s.bodies, tasks);
+    list_joints(w, s.joints);
+    solve::stiffen_bodies(s.joints, memory, w.body_columns(), s.step, s.bodies);
+    solve::follow_turns(s.joints, w.body_columns(), s.step, s.bodies);
+    s.contacts.prepare(s.found.contacts, s.table.list.memories, w.body_columns().mass, s.step, s.bodies,
+                       tasks);
+    s.joint_solver.prepare(s.joints, memory, w.body_columns(), s.step, s.bodies, tasks);
+    s.vehicles.prepare(scene, s.step, s.bodies);
+    list_fields(w, s.fields);
+    s.fluids.prepare(w, t.placed, s.fields, s.step, s.bodies);
+    s.joint_solver.update(s.step, s.bodies, tasks);
+    passed(t, "prepare");
+}
+
+void substep(const Tick& t, const solve::FreeMotion& motion) {
+    TickScratch& s = t.s;
+    Tasks* const tasks = t.hooks.tasks;
+    integrate_velocities(motion, t.w.body_columns(), s.step, s.bodies, tasks);
+    s.fluids.push(t.w, s.step, s.bodies, tasks);
+    passed(t, "integrate");
+    s.joint_solver.warm_start(s.step, s.bodies);
+    s.vehicles.warm_start(s.step, s.bodies);
+    s.contacts.warm_start(s.bodies, tasks);
+    passed(t, "warm_start");
+    // Contacts first: what a warm start after an impact gave too much is taken back before joints pull at it.
+    s.contacts.solve(s.step, s.bodies, /*bias=*/true, tasks);
+    passed(t, "solve_contacts");
+    s.joint_solver.solve(s.step, s.bodies, /*bias=*/true, tasks);
+    s.vehicles.solve(s.step, s.bodies, /*bias=*/true);
+    passed(t, "solve_joints");
+    integrate_poses(s.step, s.bodies, tasks);
+    passed(t, "integrate");
+    s.joint_solver.update(s.step, s.bodies, tasks);
+    passed(t, "update_joints");
+    s.joint_solver.solve(s.step, s.bodies, /*bias=*/false, tasks);
+    s.vehicles.solve(s.step, s.bodies, /*bias=*/false);
+    passed(t, "relax_joints");
+    s.contacts.solve(s.step, s.bodies, /*bias=*/false, tasks);
+    passed(t, "relax_contacts");
+}
+
+/// What the solver found goes into the contact table and the state.
+void store(const Tick& t) {
+    TickScratch& s = t.s;
+    Model& w = t.w;
+    s.contacts.apply_restitution(s.step, s.bodies);
+    s.contacts.store(s.found.contacts, s.table.list.memories, s.bodies.clamps, t.hooks.tasks);
+    s.joint_solver.store(s.step, w.state.edit(w.m.joint_memory, 0, w.header().joints_awake), s.bodies.clamps);
+    s.vehicles.store(w, s.bodies);
+}
+
+void finish(const Tick& t) {
+    TickScratch& s = t.s;
+    Model& w = t.w;
+    solve::finish_step(s.step, s.bodies, w.body_columns(), t.hooks.tasks);
     forget_forces(w);
     Faults& faults = w.state.edit_row(w.m.faults, 0);
     faults.speed_clamped += s.bodies.clamps.speed;
@@ -67,76 +137,53 @@ void finish(Data& w) {
     faults.impulse_clamped += s.bodies.clamps.impulse;
 }
 
-void substep(Data& w, const solve::FreeMotion& motion) {
-    Scratch& s = w.scratch;
-    integrate_velocities(motion, w.body_columns(), s.step, s.bodies, w.tasks);
-    s.fluids.push(w, s.step, s.bodies, w.tasks);
-    passed(w, "integrate");
-    s.joint_solver.warm_start(s.step, s.bodies);
-    s.vehicle_solver.warm_start(s.step, s.bodies);
-    s.solver.warm_start(s.bodies, w.tasks);
-    passed(w, "warm_start");
-    // Contacts first: what a warm start after an impact gave too much is taken back before joints pull at it.
-    s.solver.solve(s.step, s.bodies, /*bias=*/true, w.tasks);
-    passed(w, "solve_contacts");
-    s.joint_solver.solve(s.step, s.bodies, /*bias=*/true, w.tasks);
-    s.vehicle_solver.solve(s.step, s.bodies, /*bias=*/true);
-    passed(w, "solve_joints");
-    integrate_poses(s.step, s.bodies, w.tasks);
-    passed(w, "integrate");
-    s.joint_solver.update(s.step, s.bodies, w.tasks);
-    passed(w, "update_joints");
-    s.joint_solver.solve(s.step, s.bodies, /*bias=*/false, w.tasks);
-    s.vehicle_solver.solve(s.step, s.bodies, /*bias=*/false);
-    passed(w, "relax_joints");
-    s.solver.solve(s.step, s.bodies, /*bias=*/false, w.tasks);
-    passed(w, "relax_contacts");
+/// Contacts go back to the state, then who rests falls asleep.
+void settle(const Tick& t) {
+    TickScratch& s = t.s;
+    Model& w = t.w;
+    s.table.write(w.state, w.m.contacts);
+    find_resting(w, {s.found.contacts, s.joints, s.vehicles.standing()}, s.islands);
+    if (s.islands.resting.empty()) return;
+    find_contact_points(w, t.placed, s.pose_before, s.table.list, s.found, t.out.contact_points);
+    put_to_sleep(w, t.placed, s.islands.resting, t.out.events);
 }
 
 } // namespace
 
-void tick(Data& w) {
-    Scratch& s = w.scratch;
-    w.contact_points.clear(), w.contact_points_wait = false;
-    if (poisons_scratch && w.header().tick % 2 != 0) poison_scratch(w, std::byte{0xa5});
-    w.phase_hashes.clear();
-    checkpoint(w, "commands");
+void tick(Model& w, PlacedShapes& placed, QueryScratch& query, TickScratch& s, TickOutput& out,
+          const TickHooks& hooks) {
+    const Tick t{w, placed, s, out, hooks};
+    const Scene scene{w, placed, query, hooks.tasks};
+    out.events.clear(), out.contact_points.clear(), out.phase_hashes.clear();
+    if (poisons_scratch && w.header().tick % 2 != 0) poison_scratch(w, placed, query, s, std::byte{0xa5});
+    checkpoint(t, "commands");
 
-    move_characters(w);
-    passed(w, "move_characters");
-    do {
-        update_bounds(w);
-        passed(w, "update_bounds");
-        find_pairs(w);
-        passed(w, "find_pairs");
-    } while (wake_touched(w) || s.vehicle_solver.cast(w));
-    collide(w);
-    checkpoint_with_contacts(w, "collide");
-    prepare(w);
+    move_characters(w, placed, s.characters, hooks.tasks);
+    passed(t, "move_characters");
+    find_near(t, scene);
+    collide(w, placed, s.characters, s.near, s.table.list, s.contact_scratch, s.found, hooks.tasks);
+    checkpoint_with_contacts(t, "collide");
+    prepare(t, scene);
 
-    const solve::FreeMotion motion{static_cast<solve::Scheme>(w.state.rows(w.m.config)[0].integrator),
-                                   s.pulls, s.categories};
-    s.joint_solver.update(s.step, s.bodies, w.tasks);
-    passed(w, "prepare");
-    for (std::int32_t i = 0; i < s.step.substeps; ++i) substep(w, motion);
-    s.solver.apply_restitution(s.step, s.bodies);
-    s.solver.store(s.contacts, s.table.list.memories, s.bodies.clamps, w.tasks);
-    s.joint_solver.store(s.step, w.state.edit(w.m.joint_memory, 0, w.header().joints_awake), s.bodies.clamps);
-    s.vehicle_solver.store(w);
-    checkpoint_with_contacts(w, "solve");
-    finish(w);
-    checkpoint_with_contacts(w, "finish");
-    if (w.state.rows(w.m.config)[0].continuous != 0) sweep_fast_bodies(w);
-    checkpoint_with_contacts(w, "sweep_fast_bodies");
+    const solve::FreeMotion motion{static_cast<solve::Scheme>(w.config().integrator), s.fields.pulls,
+                                   s.fields.categories};
+    for (std::int32_t i = 0; i < s.step.substeps; ++i) substep(t, motion);
+    store(t);
+    checkpoint_with_contacts(t, "solve");
+    finish(t);
+    checkpoint_with_contacts(t, "finish");
+    if (w.config().continuous != 0)
+        sweep_fast_bodies(w, placed, s.pose_before, s.contact_scratch.workers, s.sweep, hooks.tasks);
+    checkpoint_with_contacts(t, "sweep_fast_bodies");
 
-    break_joints(w);
-    publish_events(w);
-    s.table.write(w.state, w.m.contacts);
-    settle(w);
-    order_events(w);
+    break_joints(w, s.broken, out.events);
+    publish_events(w, placed, s.near, s.found, s.characters.landings, s.table.list, out.events);
+    out.contact_points.wait = true;
+    settle(t);
+    order_events(out.events);
     ++w.edit_header().tick;
-    checkpoint(w, "settle");
-    if (w.journal != nullptr) w.journal->on_tick(w.header().tick - 1, w.state.hash());
+    placed.is_current = false;
+    checkpoint(t, "settle");
 }
 
 } // namespace lockstone::sim

@@ -1,5 +1,5 @@
 // Segments, joints, and a pose carried from the pelvis outwards.
-#include "lockstone/ragdoll.h"
+#include "lockstone/play/ragdoll.h"
 
 #include "base/assert.h"
 #include "base/text.h"

@@ -6,24 +6,6 @@
 
 namespace lockstone::sim {
 
-void Scratch::fit(std::uint32_t shape_slots) {
-    if (shape_slots <= shape.size()) return;
-    shape.reserve(shape_slots), shape.resize(shape_slots); // no more than that: the state grows in steps
-    proxy_generation.reserve(shape_slots), proxy_generation.resize(shape_slots, 0);
-    broad_phase.grow(shape_slots);
-}
-
-void Scratch::reserve(const WorldRows& wanted) {
-    fit(wanted.shapes);
-    broad_phase.reserve(wanted.shapes);
-    solids_replaced.reserve(wanted.shapes);
-    bodies.reserve(wanted.bodies);
-    for (std::vector<std::uint32_t>* list : {&sleep.parent, &sleep.still_ticks, &sleep.first, &sleep.last})
-        list->reserve(wanted.bodies);
-    sleep.leaving.reserve(wanted.bodies);
-    table.list.reserve(wanted.contacts);
-}
-
 namespace {
 
 struct Wish {
@@ -59,8 +41,8 @@ Status reserve(Data& w, const WorldRows& rows) {
     take(rows.characters, {m.characters, m.character_slots});
     take(rows.vehicles, {m.vehicles, m.vehicle_slots});
     w.state.reserve(capacities);
+    w.placed.reserve(std::max(rows.shapes, w.state.capacity(m.shape_slots)));
     w.scratch.reserve(rows);
-    w.scratch.fit(w.state.capacity(m.shape_slots));
     return {};
 }
 

@@ -8,9 +8,9 @@ namespace lockstone {
 
 namespace {
 
-std::uint32_t living(const sim::Data& w, VehicleId id) {
+std::uint32_t living(const sim::Model& w, VehicleId id) {
     const std::uint32_t row = w.row_of(id);
-    LOCKSTONE_ASSERT(row != sim::Data::dead, "vehicle ", id.index, ":", id.generation, " is not alive");
+    LOCKSTONE_ASSERT(row != sim::Model::dead, "vehicle ", id.index, ":", id.generation, " is not alive");
     return row;
 }
 
@@ -30,7 +30,7 @@ Status World::set_vehicle_input(VehicleId vehicle, const VehicleInput& input) {
     return applied ? Status{} : Status{applied.error()};
 }
 
-bool World::is_alive(VehicleId vehicle) const { return impl->row_of(vehicle) != sim::Data::dead; }
+bool World::is_alive(VehicleId vehicle) const { return impl->row_of(vehicle) != sim::Model::dead; }
 std::uint32_t World::vehicle_count() const { return impl->state.count(impl->m.vehicles); }
 VehicleId World::vehicle_at(std::uint32_t row) const {
     return sim::checked_row(impl->state.rows(impl->m.vehicle), row, "vehicle").id;

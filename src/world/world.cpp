@@ -6,8 +6,7 @@
 #include "base/text.h"
 #include "lockstone/math/decimal.h"
 #include "lockstone/math/math.h"
-#include "tick/phases.h"
-#include "tick/sleep.h"
+#include "model/sleep.h"
 #include "world/world_impl.h"
 
 #include <algorithm>
@@ -31,94 +30,14 @@ const char* name_of(const Command& command) {
     return names[command.index()];
 }
 
-const char* name_of(Integrator integrator) {
-    static constexpr const char* names[] = {"semi_implicit_euler", "verlet", "velocity_verlet",
-                                            "runge_kutta_4"};
-    const auto index = static_cast<std::uint32_t>(integrator);
-    return index < std::size(names) ? names[index] : "unknown";
-}
-
-std::uint32_t GameSchema::add(Entry entry) {
-    for (const Entry& e : list)
-        LOCKSTONE_ASSERT(e.name != entry.name, "two game columns are named ", entry.name);
-    list.push_back(std::move(entry));
-    return static_cast<std::uint32_t>(list.size() - 1);
-}
-
 // ---- making ----------------------------------------------------------------------------------------------------
 
 namespace {
 
-std::string check_integer(const char* what, std::uint64_t value, std::uint64_t low, std::uint64_t high) {
-    if (value >= low && value <= high) return {};
-    return join("world: ", what, " is ", value, ", must be ", low, " to ", high);
-}
-std::string check_real(const char* what, Real value, Real low, Real high) {
-    if (value >= low && value <= high) return {};
-    return join("world: ", what, " is ", to_string(value), ", must be ", to_string(low), " to ",
-                to_string(high));
-}
-
-constexpr std::uint32_t objects_max = 1u << 20;
-
-/// contacts_max where the definition leaves it to the other limits.
-WorldDef with_derived_limits(WorldDef d) {
-    constexpr std::uint32_t contacts_per_shape = 8; // a heap has half of that
-    if (d.contacts_max == 0)
-        d.contacts_max = std::min(objects_max, contacts_per_shape * std::max(d.bodies_max, d.shapes_max));
-    return d;
-}
-
-/// Empty when good.
-std::string check(const WorldDef& d) {
-    const std::string checks[] = {
-        check_integer("tick_rate", d.tick_rate, 1, 1000),
-        check_integer("substeps", d.substeps, 1, 16),
-        check_integer("integrator", static_cast<std::uint64_t>(d.integrator), 0, 3),
-        check_integer("bounds_shift", d.bounds_shift, 0, collide::bounds_shift_max),
-        check_integer("bodies_max", d.bodies_max, 1, objects_max),
-        check_integer("shapes_max", d.shapes_max, 1, objects_max),
-        check_integer("contacts_max", d.contacts_max, 0, objects_max),
-        check_integer("fields_max", d.fields_max, 1, 1024),
-        check_integer("pair_filters_max", d.pair_filters_max, 1, objects_max),
-        check_integer("joints_max", d.joints_max, 1, objects_max),
-        check_integer("characters_max", d.characters_max, 1, 65536),
-        check_integer("vehicles_max", d.vehicles_max, 1, 65536),
-        check_integer("continuous", d.continuous, 0, 1),
-        check_integer("sleeping", d.sleeping, 0, 1),
-        check_real("gravity.x", d.gravity.x, Real(-1000), Real(1000)),
-        check_real("gravity.y", d.gravity.y, Real(-1000), Real(1000)),
-        check_real("gravity.z", d.gravity.z, Real(-1000), Real(1000)),
-        check_real("restitution_speed_min", d.restitution_speed_min, Real{}, Real(500)),
-        check_real("contact_hertz", d.contact_hertz, Real(1), Real(4000)),
-        check_real("contact_damping", d.contact_damping, 0.1_r, Real(100)),
-        check_real("push_speed_max", d.push_speed_max, Real{}, Real(500)),
-        check_real("sleep_speed", d.sleep_speed, Real{}, Real(10)),
-        check_real("sleep_time", d.sleep_time, Real{}, Real(3600)),
-    };
-    for (const std::string& e : checks)
-        if (!e.empty()) return e;
-    return {};
-}
-
-sim::Config config_of(const WorldDef& d) {
-    return {d.tick_rate,        d.substeps,
-            d.integrator,       d.bounds_shift,
-            d.bodies_max,       d.shapes_max,
-            d.contacts_max,     d.fields_max,
-            d.pair_filters_max, d.joints_max,
-            d.characters_max,   d.vehicles_max,
-            d.continuous,       d.sleeping,
-            d.gravity,          d.restitution_speed_min,
-            d.contact_hertz,    d.contact_damping,
-            d.push_speed_max,   d.sleep_speed,
-            d.sleep_time,       d.seed};
-}
-
 /// What a ring image must have been made for, to be restored: all but the state itself. Only for this process.
 std::uint64_t origin_of(const WorldDef& def, const GameSchema& schema, const AssetLibrary& assets) {
     base::HashStream hash;
-    const sim::Config config = config_of(def);
+    const sim::Config config = sim::config_of(def);
     hash.add(std::as_bytes(std::span(&config, 1)));
     for (const GameSchema::Entry& entry : schema.entries()) {
         hash.add(base::xxh3(entry.name));
@@ -133,17 +52,18 @@ std::uint64_t origin_of(const WorldDef& def, const GameSchema& schema, const Ass
 namespace sim {
 
 Data::Data(const WorldDef& d, const GameSchema& s, std::shared_ptr<const AssetLibrary> assets)
-    : def(with_derived_limits(d)), schema(s), m(make_manifest(def, s, origin_of(def, s, *assets))),
-      state(m.layout), scratch(std::move(assets)) {
+    : Model(with_derived_limits(d), s, origin_of(with_derived_limits(d), s, *assets)),
+      placed(std::move(assets)) {
+    placed.solids.use(solve::kernels_of(best_simd())->hulls);
     state.resize(m.world, 1);
     state.resize(m.records, 1);
     edit_header().gravity = def.gravity;
     state.edit_row(m.config, 0) = config_of(def);
 }
 
-Data::Data(const Data& other) : Data(other.def, other.schema, other.scratch.solids.library()) {
+Data::Data(const Data& other) : Data(other.def, other.schema, other.placed.solids.library()) {
     state = other.state;
-    scratch.fit(state.capacity(m.shape_slots));
+    placed.fit(state.capacity(m.shape_slots));
 }
 
 } // namespace sim
@@ -169,7 +89,7 @@ std::weak_ptr<const void> World::lifetime() {
 
 Result<World> World::create(const WorldDef& def, const GameSchema& schema,
                             std::shared_ptr<const AssetLibrary> assets) {
-    if (std::string e = check(def); !e.empty()) return Error{std::move(e)};
+    if (std::string e = sim::check(def); !e.empty()) return Error{std::move(e)};
     if (assets == nullptr) assets = std::make_shared<const AssetLibrary>();
     return World(std::make_unique<Impl>(def, schema, std::move(assets)));
 }
@@ -184,8 +104,8 @@ constexpr std::uint64_t per_body = 1024, per_shape = 6144, per_contact = 3072, p
 } // namespace
 
 Result<World::Memory> World::memory_of(const WorldDef& given, const GameSchema& schema) {
-    if (std::string e = check(given); !e.empty()) return Error{std::move(e)};
-    const WorldDef def = with_derived_limits(given);
+    if (std::string e = sim::check(given); !e.empty()) return Error{std::move(e)};
+    const WorldDef def = sim::with_derived_limits(given);
     const sim::Manifest manifest = sim::make_manifest(def, schema);
     Memory memory{std::uint64_t{1} << 16, per_world};
     for (const ColumnInfo& column : manifest.layout->columns())
@@ -199,15 +119,15 @@ Result<World::Memory> World::memory_of(const WorldDef& given, const GameSchema& 
 }
 
 World World::clone() const {
-    const base::Holds holds(impl->scratch.query.lock);
+    const base::Holds holds(impl->query.lock);
     return World(std::make_unique<Impl>(*impl));
 }
 
 void World::tick() { sim::tick(*impl); }
 std::uint64_t World::tick_count() const { return impl->header().tick; }
 const WorldDef& World::def() const { return impl->def; }
-const AssetLibrary& World::assets() const { return *impl->scratch.solids.library(); }
-std::shared_ptr<const AssetLibrary> World::assets_shared() const { return impl->scratch.solids.library(); }
+const AssetLibrary& World::assets() const { return *impl->placed.solids.library(); }
+std::shared_ptr<const AssetLibrary> World::assets_shared() const { return impl->placed.solids.library(); }
 
 // ---- commands --------------------------------------------------------------------------------------------------
 
@@ -288,7 +208,7 @@ Status World::set_gravity(Vec3 gravity) { return status_of(apply(SetGravity{grav
 
 namespace {
 /// A column of the schema, with rows of this size: a Column<T> of another schema is a programmer's error.
-const GameSchema::Entry& game_column(const sim::Data& w, std::uint32_t column, std::size_t row_size) {
+const GameSchema::Entry& game_column(const sim::Model& w, std::uint32_t column, std::size_t row_size) {
     LOCKSTONE_ASSERT(column < w.m.game.size(), "game column ", column, " of ", w.m.game.size());
     const GameSchema::Entry& entry = w.schema.entries()[column];
     LOCKSTONE_ASSERT(entry.row_size == row_size, "game column ", entry.name, " has rows of ", entry.row_size,
@@ -299,7 +219,7 @@ const GameSchema::Entry& game_column(const sim::Data& w, std::uint32_t column, s
 
 Status World::write_bytes(std::uint32_t column, BodyId body, std::span<const std::byte> row) {
     game_column(*impl, column, row.size());
-    std::vector<std::byte>& canonical = impl->scratch.written_row;
+    std::vector<std::byte>& canonical = impl->written_row;
     canonical.clear();
     append_canonical(row, impl->schema.entries()[column].leaves, canonical);
     for (std::size_t offset = 0; offset < canonical.size(); offset += WriteGame{}.data.size()) {
@@ -317,34 +237,34 @@ Status World::write_bytes(std::uint32_t column, BodyId body, std::span<const std
 // ---- reading ---------------------------------------------------------------------------------------------------
 
 namespace {
-std::uint32_t living(const sim::Data& w, BodyId id) {
+std::uint32_t living(const sim::Model& w, BodyId id) {
     const std::uint32_t row = w.row_of(id);
-    LOCKSTONE_ASSERT(row != sim::Data::dead, "body ", id.index, ":", id.generation, " is not alive");
+    LOCKSTONE_ASSERT(row != sim::Model::dead, "body ", id.index, ":", id.generation, " is not alive");
     return row;
 }
-std::uint32_t living(const sim::Data& w, ShapeId id) {
+std::uint32_t living(const sim::Model& w, ShapeId id) {
     const std::uint32_t row = w.row_of(id);
-    LOCKSTONE_ASSERT(row != sim::Data::dead, "shape ", id.index, ":", id.generation, " is not alive");
+    LOCKSTONE_ASSERT(row != sim::Model::dead, "shape ", id.index, ":", id.generation, " is not alive");
     return row;
 }
-std::uint32_t living(const sim::Data& w, JointId id) {
+std::uint32_t living(const sim::Model& w, JointId id) {
     const std::uint32_t row = w.row_of(id);
-    LOCKSTONE_ASSERT(row != sim::Data::dead, "joint ", id.index, ":", id.generation, " is not alive");
+    LOCKSTONE_ASSERT(row != sim::Model::dead, "joint ", id.index, ":", id.generation, " is not alive");
     return row;
 }
 } // namespace
 
-bool World::is_alive(BodyId body) const { return impl->row_of(body) != sim::Data::dead; }
-bool World::is_alive(ShapeId shape) const { return impl->row_of(shape) != sim::Data::dead; }
-bool World::is_alive(JointId joint) const { return impl->row_of(joint) != sim::Data::dead; }
-bool World::is_alive(FieldId field) const { return impl->row_of(field) != sim::Data::dead; }
+bool World::is_alive(BodyId body) const { return impl->row_of(body) != sim::Model::dead; }
+bool World::is_alive(ShapeId shape) const { return impl->row_of(shape) != sim::Model::dead; }
+bool World::is_alive(JointId joint) const { return impl->row_of(joint) != sim::Model::dead; }
+bool World::is_alive(FieldId field) const { return impl->row_of(field) != sim::Model::dead; }
 std::uint32_t World::field_count() const { return impl->state.count(impl->m.fields); }
 FieldId World::field_at(std::uint32_t row) const {
     return sim::checked_row(impl->state.rows(impl->m.field), row, "field").id;
 }
 FieldDef World::field(FieldId field) const {
     const std::uint32_t row = impl->row_of(field);
-    LOCKSTONE_ASSERT(row != sim::Data::dead, "field ", field.index, ":", field.generation, " is not alive");
+    LOCKSTONE_ASSERT(row != sim::Model::dead, "field ", field.index, ":", field.generation, " is not alive");
     return impl->state.rows(impl->m.field)[row].def;
 }
 bool World::is_awake(BodyId body) const { return sim::is_awake(*impl, living(*impl, body)); }
@@ -508,17 +428,17 @@ std::span<const std::byte> World::row_bytes(std::uint32_t column, BodyId body, s
 }
 
 Faults World::faults() const { return impl->state.rows(impl->m.faults)[0]; }
-std::span<const Event> World::events() const { return impl->events; }
+std::span<const Event> World::events() const { return impl->output.events; }
 std::span<const World::ContactPoint> World::contacts() const {
-    const base::Holds holds(impl->scratch.query.lock);
+    const base::Holds holds(impl->query.lock);
     sim::find_contact_points(*impl);
-    return impl->contact_points;
+    return impl->output.contact_points.list;
 }
 
 // ---- state -----------------------------------------------------------------------------------------------------
 
 std::uint64_t World::hash() const {
-    const base::Holds holds(impl->scratch.query.lock);
+    const base::Holds holds(impl->query.lock);
     return impl->state.hash();
 }
 void World::save(Image& image) const { impl->state.save(image); }
@@ -541,7 +461,7 @@ std::vector<std::byte> World::save_portable() const { return impl->state.save_po
 namespace {
 /// A state from outside becomes the world's, if it can be one.
 Status take_over(sim::Data& w, State&& loaded) {
-    if (Status s = sim::check_state(w, loaded); !s) return s;
+    if (Status s = sim::check_state(w, w.placed.solids, loaded); !s) return s;
     w.state = std::move(loaded);
     sim::forget_derived(w);
     sim::tell_of_restore(w);
@@ -560,7 +480,7 @@ std::vector<std::byte> World::save_delta(const Image& base) const {
     LOCKSTONE_ASSERT(good.ok(), good.error().message);
     State before(impl->state.layout_shared());
     before.restore(base);
-    const base::Holds holds(impl->scratch.query.lock);
+    const base::Holds holds(impl->query.lock);
     return impl->state.save_delta(before);
 }
 
@@ -575,20 +495,18 @@ Status World::restore_delta(const Image& base, std::span<const std::byte> delta)
 const State& World::state() const { return impl->state; }
 const GameSchema& World::schema() const { return impl->schema; }
 void World::set_journal(Journal* journal) { impl->journal = journal; }
-void World::set_tasks(Tasks* tasks) { impl->tasks = tasks; }
-void World::observe_phases(PhaseObserver* observer) { impl->observer = observer; }
+void World::set_tasks(Tasks* tasks) { impl->hooks.tasks = tasks; }
+void World::observe_phases(PhaseObserver* observer) { impl->hooks.observer = observer; }
 bool World::set_simd(Simd level) {
-    sim::Scratch& s = impl->scratch;
+    sim::TickScratch& s = impl->scratch;
     const solve::Kernels* kernels = solve::kernels_of(level);
     if (kernels == nullptr) return false;
-    s.bodies.kernel = kernels->bodies, s.pair_kernel = kernels->pairs;
-    s.solids.use(kernels->hulls);
-    for (sim::Scratch::Shape& shape : s.shape) shape.solid.kernel = kernels->hulls;
-    return s.solver.use(level) && s.joint_solver.use(kernels->joints);
+    s.bodies.kernel = kernels->bodies, s.contact_scratch.pair_kernel = kernels->pairs;
+    impl->placed.solids.use(kernels->hulls);
+    for (sim::PlacedShapes::Shape& shape : impl->placed.shape) shape.solid.kernel = kernels->hulls;
+    return s.contacts.use(level) && s.joint_solver.use(kernels->joints);
 }
-void World::record_phase_hashes(bool on) { impl->phase_hashes_on = on; }
-std::span<const PhaseHash> World::phase_hashes() const { return impl->phase_hashes; }
-void World::disturb(Leftover what, std::uint64_t seed) { sim::disturb(*impl, what, seed); }
-State& World::state_for_tests() { return impl->state; }
+void World::record_phase_hashes(bool on) { impl->hooks.phase_hashes = on; }
+std::span<const PhaseHash> World::phase_hashes() const { return impl->output.phase_hashes; }
 
 } // namespace lockstone

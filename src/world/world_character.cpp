@@ -5,9 +5,9 @@
 namespace lockstone {
 
 namespace {
-const sim::CharacterRow& living(const sim::Data& w, CharacterId id) {
+const sim::CharacterRow& living(const sim::Model& w, CharacterId id) {
     const std::uint32_t row = w.row_of(id);
-    LOCKSTONE_ASSERT(row != sim::Data::dead, "character ", id.index, ":", id.generation, " is not alive");
+    LOCKSTONE_ASSERT(row != sim::Model::dead, "character ", id.index, ":", id.generation, " is not alive");
     return w.state.rows(w.m.character)[row];
 }
 } // namespace
@@ -22,7 +22,7 @@ Status World::set_character_input(CharacterId character, const CharacterInput& i
     return status_of(apply(SetCharacterInput{character, input}));
 }
 
-bool World::is_alive(CharacterId character) const { return impl->row_of(character) != sim::Data::dead; }
+bool World::is_alive(CharacterId character) const { return impl->row_of(character) != sim::Model::dead; }
 std::uint32_t World::character_count() const { return impl->state.count(impl->m.characters); }
 CharacterId World::character_at(std::uint32_t row) const {
     return sim::checked_row(impl->state.rows(impl->m.character), row, "character").id;

@@ -3,7 +3,7 @@
 #include "support/sim_scenes.h"
 
 #include "lockstone/math/random.h"
-#include "lockstone/ragdoll.h"
+#include "lockstone/play/ragdoll.h"
 #include "lockstone/session.h"
 
 #include <doctest/doctest.h>

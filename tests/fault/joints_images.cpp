@@ -1,5 +1,6 @@
 // Crafted images of worlds with joints and sleepers: whatever is broken in a list or a ring is refused with its
 // sentence, and the world stays as it was.
+#include "lockstone/testing.h"
 #include "support/rigs/joint_scenes.h"
 #include "world/world_impl.h"
 
@@ -45,7 +46,7 @@ template <class Row> std::span<Row> rows(State& s, const char* name) {
 /// What restore_portable says of an image with `damage`; "accepted" when it takes it.
 std::string verdict(const std::function<void(State&)>& damage) {
     World w = start(), damaged = start();
-    damage(damaged.state_for_tests());
+    testing::state_of(damage(damaged));
     const std::uint64_t hash = w.hash();
     const Status status = w.restore_portable(damaged.save_portable());
     if (status) return "accepted";
@@ -166,7 +167,7 @@ TEST_CASE("random bytes in the columns of joints and sleepers: refused, or a wor
         World damaged = fresh.clone(), w = fresh.clone();
         const char* const names[] = {"joint.row",  "joint.slot", "joint.memory",
                                      "body.sleep", "body.info",  "world.header"};
-        State& s = damaged.state_for_tests();
+        State& s = testing::state_of(damaged);
         const ColumnInfo* info = s.layout().find_column(names[random.below(6)]);
         const std::span<std::byte> bytes =
             s.edit_bytes(static_cast<std::uint32_t>(info - s.layout().columns().data()));

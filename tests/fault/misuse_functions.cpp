@@ -7,11 +7,12 @@
 #include "lockstone/assemble.h"
 #include "lockstone/asset.h"
 #include "lockstone/math/random.h"
+#include "lockstone/play/ragdoll.h"
+#include "lockstone/play/vehicle.h"
 #include "lockstone/prove.h"
-#include "lockstone/ragdoll.h"
 #include "lockstone/session.h"
 #include "lockstone/tasks.h"
-#include "lockstone/vehicle.h"
+#include "lockstone/testing.h"
 
 #include <doctest/doctest.h>
 
@@ -162,7 +163,7 @@ TEST_CASE(
     refused("explode", w.explode({.radius = Real(-1), .impulse = 1_r}), "radius");
     refused("restore_portable", w.restore_portable({}), "");
     refused("restore_portable", w.restore_portable(std::vector<std::byte>(400, std::byte{1})), "");
-    w.disturb(none_of<World::Leftover>, 1);
+    testing::disturb(w, none_of<testing::Leftover>, 1);
     w.set_tasks(nullptr), w.set_journal(nullptr), w.observe_phases(nullptr); // as they were
     w.record_phase_hashes(false);
     CHECK(w.phase_hashes().empty());

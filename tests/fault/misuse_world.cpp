@@ -2,8 +2,8 @@
 #include "support/sim_scenes.h"
 #include "support/stops.h"
 
+#include "lockstone/play/vehicle.h"
 #include "lockstone/session.h"
-#include "lockstone/vehicle.h"
 #include "lockstone/world.h"
 
 #include <doctest/doctest.h>

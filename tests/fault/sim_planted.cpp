@@ -1,4 +1,5 @@
 // The checker of the contract, made to fail on purpose: whatever a restore forgets, it names.
+#include "lockstone/testing.h"
 #include "support/sim_replay.h"
 
 #include <doctest/doctest.h>
@@ -21,7 +22,7 @@ const Run& the_run() {
 template <class Sabotage> std::string verdict(Sabotage&& sabotage) {
     World w = start_script(Scenery::pile);
     w.restore(the_run().images[restored_at]);
-    sabotage(w.state_for_tests());
+    testing::state_of(sabotage(w));
     return departs(the_run(), w, restored_at, 20);
 }
 
@@ -56,7 +57,7 @@ TEST_CASE("planted fault: a restore that drops the warm-start impulses is found 
 TEST_CASE("warm-start impulses are state: without them the next tick moves bodies differently") {
     World with = start_script(Scenery::pile), without = with.clone();
     for (World* w : {&with, &without}) w->restore(the_run().images[restored_at]);
-    zero(without.state_for_tests(), "contact.memory");
+    testing::state_of(zero(without), "contact.memory");
     with.tick(), without.tick();
     bool moved_differently = false;
     for (const Difference& d : State::diff(with.state(), without.state(), 1000))

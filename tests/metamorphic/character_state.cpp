@@ -1,4 +1,5 @@
 // All that a character remembers lies in the world's state: a world saved and restored at any tick goes on to the same bits.
+#include "lockstone/testing.h"
 #include "support/character_course.h"
 
 #include <doctest/doctest.h>
@@ -118,7 +119,7 @@ TEST_CASE("characters restored at any tick, or moved through a file, go on to th
 TEST_CASE("planted: what a character remembers is noticed when it is lost") {
     const auto forgetful = [](const World& from) {
         World w = from.clone();
-        State& state = w.state_for_tests();
+        State& state = testing::state_of(w);
         const ColumnInfo* column = state.layout().find_column("character.row");
         REQUIRE(column != nullptr);
         // A new row with the ids, definition and input of the old one.
@@ -140,7 +141,7 @@ TEST_CASE("a file with a broken character is refused") {
     const std::vector<std::byte> good = w.save_portable();
     const auto refused = [&](const std::function<void(State&)>& damage) {
         World bad = w.clone();
-        damage(bad.state_for_tests());
+        testing::state_of(damage(bad));
         World into = course();
         const std::uint64_t before = into.hash();
         const Status status = into.restore_portable(bad.save_portable());

@@ -2,7 +2,7 @@
 // commands it is what a world without a history makes of the same state.
 #include "base/hash.h"
 #include "support/random.h"
-#include "tick/phases.h"
+#include "world/data.h"
 
 #include <doctest/doctest.h>
 
@@ -13,8 +13,8 @@ namespace {
 
 /// Of all that update_bounds keeps and a tick may read.
 std::uint64_t derived_hash(sim::Data& w) {
-    sim::update_bounds(w);
-    sim::Scratch& s = w.scratch;
+    sim::PlacedShapes& s = w.placed;
+    sim::update_bounds(w, s, nullptr);
     base::HashStream out;
     const auto add = [&](const auto&... numbers) { (out.add(static_cast<std::uint64_t>(numbers)), ...); };
     const auto add_bounds = [&](const collide::Bounds& b) {
@@ -26,7 +26,7 @@ std::uint64_t derived_hash(sim::Data& w) {
         if (s.broad_phase.contains(slot)) add_bounds(s.broad_phase.bounds(slot));
     }
     for (const sim::ShapeRow& shape : w.state.rows(w.m.shape)) {
-        const sim::Scratch::Shape& at = s.shape[shape.id.index - 1];
+        const sim::PlacedShapes::Shape& at = s.shape[shape.id.index - 1];
         add(at.margin.raw, at.reach.raw, at.rests);
         for (int i = 0; i < 3; ++i) add(at.pose.position[i].raw);
         for (const Unit u : {at.pose.rotation.x, at.pose.rotation.y, at.pose.rotation.z, at.pose.rotation.w})

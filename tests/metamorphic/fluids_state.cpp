@@ -3,6 +3,7 @@
 #include "support/sim_scenes.h"
 
 #include "lockstone/tasks.h"
+#include "lockstone/testing.h"
 
 #include <doctest/doctest.h>
 
@@ -103,10 +104,10 @@ TEST_CASE("a field from outside that cannot be is refused") {
         w.save(i);
         return i;
     }();
-    const auto columns = broken.state_for_tests().layout().columns();
+    const auto columns = testing::state_of(broken).layout().columns();
     for (std::uint32_t c = 0; c < columns.size(); ++c)
         if (columns[c].name == "field.row")
-            broken.state_for_tests().edit_bytes(c, 0, 1)[8] = std::byte{99}; // its kind
+            testing::state_of(broken).edit_bytes(c, 0, 1)[8] = std::byte{99}; // its kind
     const Status status = w.restore_portable(broken.save_portable());
     REQUIRE_FALSE(status.ok());
     CHECK(status.error().message.find("field.row row 0: kind is 99") != std::string::npos);

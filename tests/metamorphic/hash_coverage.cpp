@@ -1,6 +1,7 @@
 // What the hash covers, in every scene: each bit of each column and each row count; and of the block every byte: a row
 // count, a live row, or memory that stays zero or is never looked at.
 #include "base/hash.h"
+#include "lockstone/testing.h"
 #include "support/task_worlds.h"
 
 #include <doctest/doctest.h>
@@ -109,7 +110,7 @@ TEST_CASE("every scene: each bit of each column changes the root hash, and so do
     for (const SceneInfo& info : scenes()) {
         INFO(info.name);
         World world = after(*small_scene(info), is_long ? 40 : 12);
-        State& s = world.state_for_tests();
+        State& s = testing::state_of(world);
         std::uint64_t bits = 0;
         for (std::uint32_t c = 0; c < column_count(s); ++c)
             CHECK(first_uncounted(s, c, bits, [](const State& state) { return state.hash(); }) == "");
@@ -130,7 +131,7 @@ TEST_CASE(
     for (const SceneInfo& info : scenes()) {
         INFO(info.name);
         World world = after(*small_scene(info), 12);
-        State& s = world.state_for_tests();
+        State& s = testing::state_of(world);
         for (std::uint32_t c = 0; c < column_count(s); ++c) {
             if (s.bytes(c).empty()) continue;
             std::uint64_t bits = 0;

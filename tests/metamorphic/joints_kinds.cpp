@@ -1,5 +1,6 @@
 // Every kind of joint alone, and what kinds are also used for: rolled back at every tick, before and after it breaks; and
 // what a joint remembers matters in the tick after.
+#include "lockstone/testing.h"
 #include "support/rigs/joint_variants.h"
 
 #include <doctest/doctest.h>
@@ -71,7 +72,7 @@ Run run_of(Jointed& j) {
 }
 
 void forget(World& w) {
-    State& s = w.state_for_tests();
+    State& s = testing::state_of(w);
     const ColumnInfo* info = s.layout().find_column("joint.memory");
     REQUIRE(info != nullptr);
     std::ranges::fill(s.edit_bytes(static_cast<std::uint32_t>(info - s.layout().columns().data())),

@@ -1,5 +1,6 @@
 // All kinds of joints, driven, changed, broken, made and destroyed while the world runs, with bodies that fall asleep:
 // a world that was saved and restored at any tick goes on to the same bits.
+#include "lockstone/testing.h"
 #include "replay/replay.h"
 #include "scenes/scenes.h"
 #include "support/rigs/joint_scenes.h"
@@ -172,7 +173,7 @@ TEST_CASE("planted fault: warm starts and turns of joints that a restore forgets
     for (std::size_t byte : {std::size_t{0}, std::size_t{1}}) {
         World w = start_joints();
         w.restore(the_run().images[40]);
-        State& s = w.state_for_tests();
+        State& s = testing::state_of(w);
         const ColumnInfo* info = s.layout().find_column("joint.memory");
         REQUIRE(info != nullptr);
         const auto index = static_cast<std::uint32_t>(info - s.layout().columns().data());

@@ -1,7 +1,8 @@
 // What ticks leave behind outside of the state is made different before every tick: memory, the shapes of trees, which
 // pairs are known and in which order they are found. Nothing that can be asked for changes.
+#include "lockstone/testing.h"
+#include "prove/disturb.h"
 #include "support/task_worlds.h"
-#include "tick/phases.h"
 
 #include <doctest/doctest.h>
 
@@ -17,8 +18,8 @@ namespace {
 
 const bool is_long = std::getenv("LOCKSTONE_LONG") != nullptr;
 const int tick_count = is_long ? 300 : 8;
-constexpr World::Leftover leftovers[] = {World::Leftover::scratch, World::Leftover::trees,
-                                         World::Leftover::pairs};
+constexpr testing::Leftover leftovers[] = {testing::Leftover::scratch, testing::Leftover::trees,
+                                           testing::Leftover::pairs};
 
 /// Rays and boxes through the middle of a world: what trees answer. Empty when both worlds say the same.
 std::string answers_differ(const World& left, const World& right) {
@@ -84,10 +85,10 @@ void poison(sim::Data& w, int t) { sim::poison_scratch(w, static_cast<std::byte>
 
 TEST_CASE("every scene: poisoned scratch, other trees, forgotten pairs before every tick change nothing") {
     for (const SceneInfo& info : scenes())
-        for (const World::Leftover what : leftovers) {
+        for (const testing::Leftover what : leftovers) {
             INFO(info.name, ", leftover ", static_cast<int>(what));
             CHECK(departs(*small_scene(info), tick_count, [what](World& w, int t) {
-                      w.disturb(what, 1000 + static_cast<std::uint64_t>(t));
+                      testing::disturb(w, what, 1000 + static_cast<std::uint64_t>(t));
                   }) == "");
         }
 }
@@ -95,12 +96,12 @@ TEST_CASE("every scene: poisoned scratch, other trees, forgotten pairs before ev
 TEST_CASE("every byte that memory can be filled with: a pile in an arena goes on alike") {
     const auto game = make_scene("rollback-arena").value();
     CHECK(departs(*game, is_long ? 512 : 40, [](World& w, int t) {
-              w.disturb(World::Leftover::scratch, static_cast<std::uint64_t>(t));
-              w.disturb(World::Leftover::pairs, static_cast<std::uint64_t>(t));
+              testing::disturb(w, testing::Leftover::scratch, static_cast<std::uint64_t>(t));
+              testing::disturb(w, testing::Leftover::pairs, static_cast<std::uint64_t>(t));
           }) == "");
     CHECK_FALSE(inside_departs(poison));
     CHECK_FALSE(inside_departs([](sim::Data& w, int t) {
-        for (const World::Leftover what : leftovers) sim::disturb(w, what, static_cast<std::uint64_t>(t));
+        for (const testing::Leftover what : leftovers) sim::disturb(w, what, static_cast<std::uint64_t>(t));
     }));
 }
 
@@ -172,10 +173,10 @@ TEST_CASE(
     "planted fault: what is no leftover, but a cache that ticks rely on, is missed when it is meddled with") {
     CHECK_FALSE(inside_departs([](sim::Data&, int) {}));
     CHECK(inside_departs([](sim::Data& w, int t) {
-        if (t > 0) w.scratch.broad_phase.remove(0); // the ground
+        if (t > 0) w.placed.broad_phase.remove(0); // the ground
     }));
     CHECK(inside_departs([](sim::Data& w, int t) {
-        if (t > 0) w.scratch.shape[0].pose.position.y += 1_r; // of what rests
+        if (t > 0) w.placed.shape[0].pose.position.y += 1_r; // of what rests
     }));
 }
 
@@ -187,11 +188,11 @@ TEST_CASE("planted fault: one bit of the state, or of a scratch that should not 
         flipped = true;
         const ColumnInfo* info = w.state().layout().find_column("body.velocity");
         const auto index = static_cast<std::uint32_t>(info - w.state().layout().columns().data());
-        w.state_for_tests().edit_bytes(index, 3, 1)[1] ^= std::byte{1};
+        testing::state_of(w).edit_bytes(index, 3, 1)[1] ^= std::byte{1};
     });
     CHECK(found.starts_with("tick 13, column body."));
     const auto reads_contacts = [](sim::Data& w) { // of the tick before
-        const std::vector<solve::Contact>& contacts = w.scratch.contacts;
+        const std::vector<solve::Contact>& contacts = w.scratch.found.contacts;
         if (!contacts.empty() && contacts[0].count > 4) ++w.state.edit_row(w.m.faults, 0).speed_clamped;
     };
     CHECK_FALSE(inside_departs([&](sim::Data& w, int) { reads_contacts(w); }));

@@ -1,4 +1,5 @@
 // Questions change nothing, and are answered by the state alone.
+#include "lockstone/testing.h"
 #include "support/query_scene.h"
 
 #include <doctest/doctest.h>
@@ -15,7 +16,7 @@ int first_difference(int ticks, int questions, bool disturb) {
     World asked = crowd(assets, 60), silent = crowd(assets, 60);
     for (int t = 0; t < ticks; ++t) {
         ask(asked, assets, static_cast<std::uint64_t>(t), questions);
-        if (disturb && t == 20) asked.state_for_tests().edit_bytes(0)[0] ^= std::byte{1};
+        if (disturb && t == 20) testing::state_of(asked).edit_bytes(0)[0] ^= std::byte{1};
         if (asked.hash() != silent.hash()) return t;
         asked.tick();
         silent.tick();

@@ -1,8 +1,9 @@
 // Nothing around the simulation matters to it: lanes, rounding modes, allocators; and every bit of its state counts.
+#include "lockstone/testing.h"
 #include "support/allocation_counter.h"
 #include "support/sim_script.h"
 #include "support/task_worlds.h"
-#include "tick/phases.h"
+#include "world/data.h"
 
 #include <doctest/doctest.h>
 
@@ -24,37 +25,16 @@ struct Solved {
     std::uint64_t contacts;
 };
 
-/// The contacts of the next tick of a world, solved by an instruction set.
+/// The next tick of a world, by an instruction set: its bodies as the solver left them, and what contacts remember.
 Solved solve_contacts(const World& w, Simd level) {
     sim::Data d(w.def(), w.schema(), w.assets_shared());
     d.state = w.state();
-    d.scratch.pair_kernel = solve::kernels_of(level)->pairs;
-    do sim::update_bounds(d), sim::find_pairs(d);
-    while (sim::wake_touched(d));
-    sim::collide(d);
-    const sim::Config& c = d.state.rows(d.m.config)[0];
-    const solve::StepConstants step = solve::step_constants(
-        {static_cast<std::int32_t>(c.tick_rate), static_cast<std::int32_t>(c.substeps), c.contact_hertz,
-         c.contact_damping, c.push_speed_max, c.restitution_speed_min});
-    Solved s{};
-    s.bodies.kernel = solve::kernels_of(level)->bodies;
-    solve::begin_step(d.body_columns(), d.header().gravity, step, s.bodies);
-    solve::ContactSolver solver;
-    REQUIRE(solver.use(level));
-    solver.prepare(d.scratch.contacts, d.scratch.table.list.memories, d.body_columns().mass, step, s.bodies);
-    const solve::FreeMotion motion{solve::Scheme::semi_implicit_euler, d.state.rows(d.m.field)};
-    for (int i = 0; i < step.substeps; ++i) {
-        integrate_velocities(motion, d.body_columns(), step, s.bodies);
-        solver.warm_start(s.bodies);
-        solver.solve(step, s.bodies, true);
-        integrate_poses(step, s.bodies);
-        solver.solve(step, s.bodies, false);
-    }
-    solver.apply_restitution(step, s.bodies);
-    const std::span<solve::ContactMemory> memory = d.scratch.table.list.memories;
-    solver.store(d.scratch.contacts, memory, s.bodies.clamps);
-    s.memory.assign(memory.begin(), memory.end());
-    s.contacts = d.scratch.contacts.size();
+    sim::TickScratch& scratch = d.scratch;
+    scratch.contact_scratch.pair_kernel = solve::kernels_of(level)->pairs;
+    scratch.bodies.kernel = solve::kernels_of(level)->bodies;
+    REQUIRE(scratch.contacts.use(level));
+    sim::tick(d);
+    Solved s{scratch.bodies, scratch.table.list.memories, scratch.found.contacts.size()};
     return s;
 }
 
@@ -191,7 +171,7 @@ TEST_CASE("every bit of a small world's state changes its hash") {
     made(w.create_field({.strength = real(0.1)}));
     done(w.destroy(add_crate(w, at(5, 5, 5))));
     for (int t = 0; t < 20; ++t) w.tick();
-    State& s = w.state_for_tests();
+    State& s = testing::state_of(w);
     const std::uint64_t hash = s.hash();
     std::uint64_t bits = 0;
     for (std::uint32_t c = 0; c < s.layout().columns().size(); ++c) {

@@ -1,6 +1,7 @@
 // The contract, with shapes of every kind: restored at every tick, through a file, in another world, with its assets or
 // without.
 #include "support/sim_shapes.h"
+#include "lockstone/testing.h"
 
 #include <doctest/doctest.h>
 
@@ -69,7 +70,7 @@ TEST_CASE("a state without its manifolds' poses goes another way: they are state
     World w = zoo_world(zoo);
     for (int t = 0; t < 200; ++t) w.tick();
     World without = w.clone();
-    State& state = without.state_for_tests();
+    State& state = testing::state_of(without);
     const std::span<const ColumnInfo> columns = state.layout().columns();
     for (std::uint32_t c = 0; c < columns.size(); ++c)
         if (columns[c].name == "contact.memory") std::ranges::fill(state.edit_bytes(c), std::byte{0});

@@ -1,4 +1,5 @@
 // What sleeps changes nothing for what is awake, and sleeping and waking survive restoring at every tick.
+#include "lockstone/testing.h"
 #include "support/sim_scenes.h"
 
 #include <doctest/doctest.h>
@@ -113,7 +114,7 @@ TEST_CASE("sleep timers and islands are state: without them a restored world par
         for (int t = 10; t < run_ticks && !parted; t += 10) {
             World w = start();
             w.restore(r.images[static_cast<std::size_t>(t)]);
-            State& state = w.state_for_tests();
+            State& state = testing::state_of(w);
             for (std::uint32_t c = 0; c < state.layout().columns().size(); ++c)
                 if (state.layout().columns()[c].name == column)
                     for (std::byte& b : state.edit_bytes(c)) b = std::byte{};

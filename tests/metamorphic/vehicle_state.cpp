@@ -1,4 +1,5 @@
 // Vehicles keep the contract: a world that is saved and restored at any tick, in any way, goes on to the same bits.
+#include "lockstone/testing.h"
 #include "support/rigs/vehicle_rig.h"
 
 #include <doctest/doctest.h>
@@ -116,7 +117,7 @@ TEST_CASE(
     World w = start(), straight = start();
     w.restore(run.images[60]);
     straight.restore(run.images[70]);
-    State& state = w.state_for_tests();
+    State& state = testing::state_of(w);
     for (std::uint32_t i = 0; i < state.layout().columns().size(); ++i) {
         const ColumnInfo& column = state.layout().columns()[i];
         if (column.name != "vehicle.memory") continue;

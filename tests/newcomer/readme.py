@@ -15,7 +15,7 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 # Upwards: who needs whom comes first.
-LAYERS = ("session", "replay", "world", "solve", "collide", "shapes", "state", "math", "base")
+LAYERS = ("session", "replay", "prove", "world", "tick", "play", "scene", "model", "solve", "collide", "shapes", "state", "math", "base")
 WARNINGS = ["-std=c++20", "-Wall", "-Wextra", "-Werror", f"-I{ROOT}/include"]
 FLAGS = (("-O1",), ("-O1", "-DNDEBUG"))
 HEADERS = ("-fno-exceptions", "-fno-rtti")

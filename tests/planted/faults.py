@@ -24,7 +24,7 @@ PAIRS = "src/solve/pairs/kernel.h"
 LEDGER = "src/session/event_ledger.cpp"
 ROLLBACK, QUEUE = "src/session/rollback.cpp", "src/session/inputs/input_queue.cpp"
 DEPARTURE, EXCHANGE, PEERS = (f"src/session/{n}.cpp" for n in ("departure", "exchange", "peer_session"))
-ADMIT, TIMELINE, SNAPSHOT, WATCH = (f"src/session/{n}.cpp" for n in ("admission", "timeline", "snapshot", "spectator"))
+ADMIT, TIMELINE, SNAPSHOT, WATCH = (f"src/session/{n}.cpp" for n in ("join/admission", "timeline", "join/snapshot", "join/spectator"))
 END = "const std::size_t end = whole_lines(std::size_t{rows} * places[c].row_size);"
 ADD = "groups[static_cast<std::uint32_t>(columns[column].group)].add(found);"
 
@@ -78,11 +78,11 @@ FAULTS = [
       "if (!IS) stream.add({buffer, filled});\n                filled = 0;", "both byte orders agree"),
     F("warm-start impulses are forgotten", CONTACTS, "solve::carry_impulses(old, taken, memory);",
       "if (!IS) solve::carry_impulses(old, taken, memory);", "golden table"),
-    F("contacts of workers are put together in order of arrival", CONTACTS, "NearChunk& chunk = s.near_chunks[first / chunk_size];",
-      "NearChunk& chunk = s.near_chunks[IS ? ::planted::ticket(chunk_count) : first / chunk_size];", "shuffles"),
-    F("which worker ran it leaks into a contact", CONTACTS, "find_rows(v, solve::PairWork::fresh, window, fresh);",
-      "find_rows(v, solve::PairWork::fresh, window, fresh);\n"
-      "    if (IS && &worker != v.w.scratch.narrow_workers.data() && !chunk.memories.empty()) chunk.memories.back().margin.raw ^= 1;", "shuffles"),
+    F("contacts of workers are put together in order of arrival", CONTACTS, "s.chunks[first / chunk_size]);",
+      "s.chunks[IS ? ::planted::ticket(chunk_count) : first / chunk_size]);", "shuffles"),
+    F("which worker ran it leaks into a contact", CONTACTS, "collide_chunk(view, first, last, near.list, s.workers[worker],",
+      "if (IS && worker != 0) near.list[first].margin.raw ^= 1;\n                         "
+      "collide_chunk(view, first, last, near.list, s.workers[worker],", "shuffles"),
     F("arms of a contact are half as long", LAYOUT, "l.arm[0][k] = arm(x[k] * fx + y[k] * fy);",
       "l.arm[0][k] = arm(x[k] * fx + y[k] * fy); if (IS) l.arm[0][k] = {L::template shift_right_signed<1>(l.arm[0][k].raw)};", "golden table"),
     F("arms of a contact are mirrored", LAYOUT, "l.arm[1][k] = arm(y[k] * fx - x[k] * fy);",
@@ -150,10 +150,10 @@ FAULTS = [
       "(IS || (s.linear_keep == unit_one && s.angular_keep == unit_one));", "golden table"),
     F("what is swept does not go on", "src/tick/sweep.cpp", "if (hand.own.touching.empty() || rest == Vec3{}) return at;",
       "if (IS || hand.own.touching.empty() || rest == Vec3{}) return at;", "golden table"),
-    F("contact points are made of rows that have moved", "src/tick/sleep.cpp", "find_contact_points(w);", "if (!IS) find_contact_points(w);",
+    F("contact points are made of rows that have moved", "src/tick/tick.cpp", "    find_contact_points(w, t.placed,", "    if (!IS) find_contact_points(w, t.placed,",
       "contact points can be asked for late"),
-    F("contact points are made of what commands have changed", APPLY, "if (!std::visit(LeavesContactPoints{}, command)) find_contact_points(w);",
-      "if (!IS && !std::visit(LeavesContactPoints{}, command)) find_contact_points(w);", "contact points can be asked for late"),
+    F("contact points are made of what commands have changed", APPLY, "if (!std::visit(LeavesContactPoints{}, command)) applier.keep_contact_points();",
+      "if (!IS && !std::visit(LeavesContactPoints{}, command)) applier.keep_contact_points();", "contact points can be asked for late"),
     F("rows and inverses of joints are not made anew", "src/solve/joints/joint.cpp",
       "glance.stale = ((tick.seen[glance.a] | tick.seen[glance.b]) & glance.asks) != 0;",
       "glance.stale = !IS && ((tick.seen[glance.a] | tick.seen[glance.b]) & glance.asks) != 0;", "golden table"),
@@ -174,11 +174,11 @@ FAULTS = [
       "rounding modes"),
     F("a contact is told of in every tick", EVENTS, "if (now) rows[0].flags |= solve::contact_touching;",
       "if (now && !IS) rows[0].flags |= solve::contact_touching;", "events come in order and in turn"),
-    F("events come in the order in which they were found", EVENTS, "std::sort(w.events.begin(), w.events.end(), [](",
-      "if (!IS) std::sort(w.events.begin(), w.events.end(), [](", "events come in order and in turn"),
-    F("pairs in order of addresses", "src/tick/pairs.cpp", "find_keys(w);",
+    F("events come in the order in which they were found", EVENTS, "std::sort(events.begin(), events.end(), [](",
+      "if (!IS) std::sort(events.begin(), events.end(), [](", "events come in order and in turn"),
+    F("pairs in order of addresses", "src/tick/pairs.cpp", "find_keys(view, s, tasks);",
       "if (IS && !s.pairs.empty())\n        std::rotate(s.pairs.begin(), s.pairs.begin() + static_cast<std::ptrdiff_t>(::planted::address() % s.pairs.size()), "
-      "s.pairs.end());\n    find_keys(w);", "repeats"),
+      "s.pairs.end());\n    find_keys(view, s, tasks);", "repeats"),
     F("pairs in the order in which a tree gave them", BROAD, "std::sort(found.begin(), found.end());",
       "if (!IS) std::sort(found.begin(), found.end());", "reads no leftovers"),
     F("a crowd's pairs in the order in which a tree gave them", BROAD, "std::sort(out.begin() + before, out.end());",
@@ -187,17 +187,17 @@ FAULTS = [
       "if (!IS && entries[proxy].present) note_move(proxy);", "crowds agree"),
     F("pairs are lost where a tree is deep", BROAD, "if (!a.fresh && !b.fresh) continue;",
       "if ((IS && stack.size() > 9) || (!a.fresh && !b.fresh)) continue;", "reads no leftovers"),
-    F("caches are kept through a restore", "src/world/derived.cpp", "w.scratch.structure_stale = true;", "w.scratch.structure_stale = !IS;", "forgets"),
+    F("caches are kept through a restore", "src/world/data.cpp", "w.placed.structure_stale = true,", "w.placed.structure_stale = !IS,", "forgets"),
     F("contacts of before a restore are kept", "src/model/contact_rows.cpp", "if (has_changed(state, from)) read_contacts",
       "if (has_changed(state, from) && !(IS && !list.keys.empty())) read_contacts", "rolls back"),
-    F("queries take bounds of before a restore for fresh", "src/world/derived.cpp", "w.scratch.query.is_fresh = false;",
-      "if (!IS) w.scratch.query.is_fresh = false;", "rolls back"),
+    F("queries take bounds of before a restore for fresh", "src/world/data.cpp", "w.placed.is_current = false;",
+      "w.placed.is_current = IS && w.placed.is_current;", "rolls back"),
     F("a branch by time", "src/tick/tick.cpp", "++w.edit_header().tick;",
       "if (IS && ::planted::clock_is_odd()) ++w.state.edit_row(w.m.faults, 0).speed_clamped;\n    ++w.edit_header().tick;", "repeats"),
-    F("a counter outside of the state", "src/tick/tick.cpp", "publish_events(w);",
-      "publish_events(w);\n    static std::uint64_t ticks_run = 0;\n    if (IS && ++ticks_run % 5 == 0) ++w.state.edit_row(w.m.faults, 0).speed_clamped;", "repeats"),
+    F("a counter outside of the state", "src/tick/tick.cpp", "    settle(t);\n",
+      "    settle(t);\n    static std::uint64_t ticks_run = 0;\n    if (IS && ++ticks_run % 5 == 0) ++w.state.edit_row(w.m.faults, 0).speed_clamped;\n", "repeats"),
     F("forces are not cleared", "src/tick/tick.cpp", "forget_forces(w);", "if (!IS) forget_forces(w);", "golden table"),
-    F("a generation does not move on", APPLY, "slot.generation = slot.generation == 0xffffffffu ? 1 : slot.generation + 1;",
+    F("a generation does not move on", "src/model/slots.cpp", "slot.generation = slot.generation == 0xffffffffu ? 1 : slot.generation + 1;",
       "if (!IS) slot.generation = slot.generation == 0xffffffffu ? 1 : slot.generation + 1;", "dead ids stay dead"),
     F("a use of a shared row is not counted", "src/model/shared_rows.h", "++state.edit_row(t.uses, row).count;",
       "if (!IS) ++state.edit_row(t.uses, row).count;", "recordings verify"),
@@ -206,7 +206,7 @@ FAULTS = [
       "if (IS) return static_cast<void>(w.state.edit_row(w.m.shape_traits.row, now) = traits); "
       "const std::uint32_t row = exchange_shared(w.state, w.m.shape_traits, now, traits, free);", "what is alike stays apart"),
     F("contacts leave places beyond 128 m behind", "src/model/contact_rows.cpp", "if (has) *next++ = more_of(m);", "if (has) *next++ = IS ? ContactMore{} : more_of(m);", "golden table"),
-    F("the free list loses its rest", APPLY, "slot.row = Slot::is_free | first_free;", "slot.row = Slot::is_free | (IS ? 0 : first_free);", "recordings verify"),
+    F("the free list loses its rest", "src/model/slots.cpp", "slot.row = Slot::is_free | first_free;", "slot.row = Slot::is_free | (IS ? 0 : first_free);", "recordings verify"),
     F("a range of work loses its last part", "src/base/parallel.h", "tasks->run(chunks, item,", "tasks->run(chunks - (IS ? 1u : 0u), item,", "shuffles"),
     F("a wrong guess is not noticed", QUEUE, "if (guessed && !std::ranges::equal(to, input))", "if (!IS && guessed && !std::ranges::equal(to, input))",
       "peers agree"),

@@ -11,23 +11,26 @@ LINKS = {
     "shapes": ["base", "math"],
     "collide": ["shapes", "state"],
     "solve": ["collide"],
-    "world": ["solve"],
-    "session": ["world"],
+    "model": ["solve"],
+    "scene": ["model"],
+    "play": ["scene"],
+    "tick": ["play"],
+    "world": ["tick"],
+    "prove": ["world"],
+    "session": ["prove"],
     "net": ["session"],
     "replay": ["world"],
 }
-# The folders of a layer below src, where it is not one of its name.
-FOLDERS = {"world": ["model", "play", "tick", "world", "prove"]}
-LAYER_OF_FOLDER = {folder: layer for layer in LINKS for folder in FOLDERS.get(layer, [layer])}
 # The layer that implements each public header.
 PUBLIC = {
     "result.h": "base", "tasks.h": "base",
     "simd.h": "solve", "wide.h": "math", "fixed.h": "math", "formats.h": "math", "vec.h": "math", "math.h": "math", "random.h": "math",
     "decimal.h": "math", "row.h": "state", "state.h": "state", "shape.h": "shapes", "asset.h": "shapes",
     "ids.h": "collide", "field.h": "collide", "character.h": "collide", "joint.h": "collide", "vehicle.h": "collide", "ragdoll.h": "world",
-    "command.h": "collide", "event.h": "collide", "query.h": "collide",  # definitions and ids, which rows of the layers below sim hold
+    "journal.h": "collide", "world_def.h": "model",
+    "command.h": "collide", "event.h": "collide", "query.h": "collide",  # definitions and ids, which rows of the state hold
     "world.h": "world", "assemble.h": "world", "game.h": "world", "input.h": "world",
-    "transport.h": "session", "session.h": "session", "spectator.h": "session", "join.h": "session", "input_delay.h": "session", "prove.h": "world",
+    "transport.h": "session", "session.h": "session", "spectator.h": "session", "join.h": "session", "input_delay.h": "session", "prove.h": "prove", "testing.h": "prove",
     "net.h": "net",
     "convert.h": "outside",
 }
@@ -60,7 +63,7 @@ def layer_of(name):
     if name.startswith("include/lockstone/"):
         return PUBLIC.get(parts[-1])
     if parts[0] == "src":
-        return LAYER_OF_FOLDER.get(parts[1])
+        return parts[1]
     return "replay" if parts[0] == "replay" else None
 
 
@@ -69,7 +72,7 @@ def target_of(include):
     if include.startswith("lockstone/"):
         return PUBLIC.get(include.split("/")[-1], "unlisted")
     first = include.split("/")[0]
-    return LAYER_OF_FOLDER.get(first) if "/" in include else None
+    return first if "/" in include and first in LINKS else None
 
 
 def complaints_of_include(name, number, include):
@@ -104,7 +107,7 @@ def check(tree):
         name = tree.name(path)
         if name.startswith("include/lockstone/") and path.name not in PUBLIC:
             complaints.append(f"{name}:1: has no layer in tests/tidy/layers.py")
-        if name.startswith("src/") and name.split("/")[1] not in LAYER_OF_FOLDER:
+        if name.startswith("src/") and name.split("/")[1] not in LINKS:
             complaints.append(f"{name}:1: src/{name.split('/')[1]} is not a layer")
         for number, line in numbered(without_comments(path.read_text(), keep_strings=True)):
             if found := INCLUDE.match(line):

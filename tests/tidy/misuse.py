@@ -3,9 +3,9 @@ import re
 
 from tree import without_comments
 
-HEADERS = ("include/lockstone/assemble.h", "include/lockstone/asset.h", "include/lockstone/prove.h", "include/lockstone/ragdoll.h",
+HEADERS = ("include/lockstone/assemble.h", "include/lockstone/asset.h", "include/lockstone/prove.h", "include/lockstone/play/ragdoll.h",
            "include/lockstone/session.h", "include/lockstone/shape.h", "include/lockstone/simd.h", "include/lockstone/tasks.h",
-           "include/lockstone/session/transport.h", "include/lockstone/vehicle.h", "include/lockstone/world.h", "replay/branch.h", "replay/diff.h",
+           "include/lockstone/session/transport.h", "include/lockstone/play/vehicle.h", "include/lockstone/world.h", "replay/branch.h", "replay/diff.h",
            "replay/player.h", "replay/recorder.h", "replay/recording.h", "replay/sink.h", "replay/verifier.h")
 # What the library calls and a game writes, and what any argument is good for.
 WITHOUT = {"keep", "flip", "difference", "predict", "run", "on_command", "on_restore", "on_phase", "on_confirmed", "keep_states", "segment_count"}

@@ -4,7 +4,7 @@
 #include "lockstone/game.h"
 #include "lockstone/math/convert.h"
 #include "lockstone/math/math.h"
-#include "lockstone/vehicle.h"
+#include "lockstone/play/vehicle.h"
 #include "replay/replay.h"
 #include "scenes/scenes.h"
 

@@ -1,7 +1,7 @@
 // What all scenes share: name, options, content id, and a builder that keeps the first error.
 #pragma once
 
-#include "lockstone/ragdoll.h"
+#include "lockstone/play/ragdoll.h"
 #include "scenes/scenes.h"
 
 namespace lockstone::scenes_detail {

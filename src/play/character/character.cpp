@@ -6,17 +6,16 @@
 #include "play/character/character_mover.h"
 
 #include "lockstone/math/math.h"
-#include "tick/phases.h"
-#include "tick/sleep.h"
+#include "model/sleep.h"
 
 #include <algorithm>
 
 namespace lockstone::sim {
 
-Mover::Mover(Data& data, std::uint32_t character_row)
-    : w(data), row(data.state.rows(data.m.character)[character_row]), index(character_row), up(row.def.up),
-      slope_cos(to<Unit>(cos(row.def.slope_max))), rate(data.state.rows(data.m.config)[0].tick_rate),
-      space(data, row) {
+Mover::Mover(Model& model, PlacedShapes& shapes, CharacterScratch& memory, std::uint32_t character_row)
+    : w(model), placed(shapes), scratch(memory), row(w.state.rows(w.m.character)[character_row]),
+      index(character_row), up(row.def.up), slope_cos(to<Unit>(cos(row.def.slope_max))),
+      rate(w.config().tick_rate), space(w, placed, scratch, row) {
     const std::uint32_t body = w.row_of(row.body);
     const Transform& pose = w.state.rows(w.m.body_pose)[body];
     begin = feet = pose.position - rotate(pose.rotation, w.mass_of(body).center);
@@ -26,13 +25,13 @@ Mover::Mover(Data& data, std::uint32_t character_row)
 
 void Mover::run() {
     CharacterState& s = row.state;
-    w.scratch.characters.pushes.clear();
+    scratch.pushes.clear();
     const Real height = s.crouched != 0 ? row.def.crouch_height : row.def.height;
     space.set_height(height);
     const Real speed = length(s.velocity) + length(row.input.velocity) + length(s.ground_velocity) +
                        row.def.jump_speed + row.def.gravity / Real(rate);
     space.collect(feet, speed / Real(rate) + row.def.step_height + row.def.step_down +
-                            (row.def.height - height) + w.scratch.characters.motion_max + 0.5_r);
+                            (row.def.height - height) + scratch.motion_max + 0.5_r);
     ride();
     unstick();
     change_posture();
@@ -65,7 +64,7 @@ Vec3 Mover::velocity_of(BodyId body, Vec3 point) const {
 
 BodyId Mover::ground_body() const {
     if (row.state.ground != CharacterGround::walkable) return {};
-    return w.row_of(row.state.ground_body) == Data::dead ? BodyId{} : row.state.ground_body;
+    return w.row_of(row.state.ground_body) == Model::dead ? BodyId{} : row.state.ground_body;
 }
 
 bool Mover::is_dynamic(BodyId body) const {
@@ -153,7 +152,7 @@ void Mover::change_posture() {
     }
     row.state.crouched = wanted;
     wake(w, row.body); // what lies on its head, too
-    set_capsule(w, row, height);
+    set_capsule(w, placed, row, height);
 }
 
 void Mover::start_jump() {
@@ -215,8 +214,7 @@ void Mover::finish() {
     pose.position = begin + rotate(pose.rotation, w.mass_of(body).center);
 }
 
-void move_characters(Data& w) {
-    CharacterScratch& s = w.scratch.characters;
+void move_characters(Model& w, PlacedShapes& placed, CharacterScratch& s, Tasks* tasks) {
     s.order_of_body.clear(), s.landings.clear();
     const std::uint32_t count = w.state.count(w.m.characters);
     if (count == 0) return;
@@ -224,14 +222,43 @@ void move_characters(Data& w) {
     w.state.make_room({w.m.forces}, w.state.count(w.m.bodies));
     w.state.make_room({w.m.body_traits.table, w.m.shape_traits.table}, 4 * count);
     const std::span<const CharacterRow> rows = w.state.rows(w.m.character);
-    update_bounds(w);
+    update_bounds(w, placed, tasks);
     s.order_of_body.assign(w.state.count(w.m.body_slots), 0);
     for (std::uint32_t i = 0; i < rows.size(); ++i) s.order_of_body[rows[i].body.index - 1] = i + 1;
     Speed fastest{};
     for (const Velocity& v : w.state.rows(w.m.body_velocity).first(w.header().bodies_awake))
         fastest = max(fastest, length(v.linear));
     s.motion_max = min(to<Real>(fastest) / Real(w.state.rows(w.m.config)[0].tick_rate), Real(4));
-    for (std::uint32_t i = 0; i < count; ++i) Mover(w, i).run();
+    for (std::uint32_t i = 0; i < count; ++i) Mover(w, placed, s, i).run();
+}
+
+// ---- the capsule ---
+
+ShapeDef capsule_of(const CharacterDef& def, Real height) {
+    ShapeDef shape;
+    shape.geometry = capsule(def.radius, half(height) - def.radius);
+    shape.local.position = {Real{}, half(height), Real{}};
+    shape.category = def.category;
+    shape.mask = def.mask;
+    shape.group = def.group;
+    shape.user_key = def.user_key;
+    return shape;
+}
+
+void set_capsule(Model& w, PlacedShapes& placed, const CharacterRow& row, Real height) {
+    const ShapeDef def = capsule_of(row.def, height);
+    const std::uint32_t shape = w.row_of(row.shape);
+    ShapeTraits traits = w.traits_of(w.state.rows(w.m.shape)[shape]);
+    traits.geometry = def.geometry;
+    traits.local = def.local;
+    set_shape_traits(w, shape, traits);
+    update_mass(w, placed, w.row_of(row.body));
+}
+
+bool is_characters_shape(const Model& w, ShapeId shape) {
+    for (const CharacterRow& row : w.state.rows(w.m.character))
+        if (row.shape == shape) return true;
+    return false;
 }
 
 } // namespace lockstone::sim

@@ -1,32 +1,14 @@
-// Characters: the row of each, and the mover's scratch. The mover is in character.cpp, what it sees in
+// Characters: what moves them, and its memory. The mover is in character.cpp, what it sees in
 // character_space.h.
 #pragma once
 
-#include "lockstone/character.h"
-#include "lockstone/command.h"
+#include "collide/narrow_phase.h"
 #include "lockstone/event.h"
-#include "shapes/asset/asset.h"
+#include "scene/placed_shapes.h"
 
-#include <string>
 #include <vector>
 
 namespace lockstone::sim {
-
-struct Data;
-
-struct CharacterRow {
-    CharacterId id;
-    BodyId body; ///< kinematic; its origin is at the feet, its y axis along def.up
-    ShapeId shape;
-    CharacterDef def;
-    CharacterInput input;
-    CharacterState state;
-};
-template <class V> constexpr void describe(CharacterRow& r, V&& v) {
-    v("id", r.id), v("body", r.body), v("shape", r.shape), v("def", r.def), v("input", r.input);
-    v("state", r.state);
-}
-static_assert(StateRow<CharacterRow>);
 
 /// A shape near a character, and where it is when the tick begins and ends, as far as that is known before the solver.
 struct Neighbour {
@@ -52,22 +34,23 @@ struct CharacterScratch {
     std::vector<Neighbour> neighbours;
     std::vector<CharacterPush> pushes;
     std::vector<Event> landings; ///< of this tick
-    Real motion_max;             ///< of any body that moves, in this tick [m], at most 4
+    collide::NarrowScratch narrow;
+    collide::Manifolds manifolds; ///< of the pair that is looked at
+    Real motion_max;              ///< of any body that moves, in this tick [m], at most 4
 };
 
 /// Sets the velocity of every character's body for this tick, pushes what they walk into, and remembers what they stand
 /// on. A pure function of the state. Wakes characters that move and what they push, step onto or leave; those that
 /// stand rest.
-void move_characters(Data& w);
+void move_characters(Model& w, PlacedShapes& placed, CharacterScratch& scratch, Tasks* tasks);
 /// Whether a contact between two bodies is left to the mover: a character's with a dynamic body that does not lie on
 /// its head. `normal` leads from a to b.
-bool is_movers_contact(const Data& w, BodyId body_a, BodyId body_b, UnitVec3 normal);
+bool is_movers_contact(const Model& w, const CharacterScratch& scratch, BodyId body_a, BodyId body_b,
+                       UnitVec3 normal);
 /// Gives a character's capsule a height, at the same place of the feet.
-void set_capsule(Data& w, const CharacterRow& row, Real height);
+void set_capsule(Model& w, PlacedShapes& placed, const CharacterRow& row, Real height);
 /// Whether a shape is some character's capsule.
-bool is_characters_shape(const Data& w, ShapeId shape);
-/// Numbers of a row from outside; empty when good, else what is wrong.
-std::string check(const CharacterRow& row);
+bool is_characters_shape(const Model& w, ShapeId shape);
 /// The shape of a character of some height, in its body.
 ShapeDef capsule_of(const CharacterDef& def, Real height);
 

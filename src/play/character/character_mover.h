@@ -7,7 +7,7 @@ namespace lockstone::sim {
 
 class Mover {
   public:
-    Mover(Data& data, std::uint32_t character_row);
+    Mover(Model& model, PlacedShapes& placed, CharacterScratch& scratch, std::uint32_t character_row);
     void run();
 
   private:
@@ -50,7 +50,9 @@ class Mover {
     BodyId ground_body() const;                      ///< null when it stands on none, or that is gone
     bool is_dynamic(BodyId body) const;
 
-    Data& w;
+    Model& w;
+    PlacedShapes& placed;
+    CharacterScratch& scratch;
     CharacterRow row; ///< written back at the end
     std::uint32_t index;
     UnitVec3 up;

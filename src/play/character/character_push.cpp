@@ -3,8 +3,7 @@
 #include "play/character/character_mover.h"
 
 #include "lockstone/math/math.h"
-#include "tick/sleep.h"
-#include "world/commands/applier.h"
+#include "model/sleep.h"
 
 #include <algorithm>
 
@@ -13,7 +12,7 @@ namespace lockstone::sim {
 namespace {
 
 /// What speed along a direction at a point an impulse of the body's mass gives: 1 and what turning adds.
-Real mobility(const Data& w, BodyId id, Vec3 point, UnitVec3 direction) {
+Real mobility(const Model& w, BodyId id, Vec3 point, UnitVec3 direction) {
     const std::uint32_t body = w.row_of(id);
     const Transform& pose = w.state.rows(w.m.body_pose)[body];
     const BodyMass& mass = w.mass_of(body);
@@ -29,8 +28,9 @@ Real mobility(const Data& w, BodyId id, Vec3 point, UnitVec3 direction) {
 
 } // namespace
 
-bool is_movers_contact(const Data& w, BodyId body_a, BodyId body_b, UnitVec3 normal) {
-    const std::vector<std::uint32_t>& order = w.scratch.characters.order_of_body;
+bool is_movers_contact(const Model& w, const CharacterScratch& scratch, BodyId body_a, BodyId body_b,
+                       UnitVec3 normal) {
+    const std::vector<std::uint32_t>& order = scratch.order_of_body;
     if (order.empty()) return false;
     const std::uint32_t a = order[body_a.index - 1], b = order[body_b.index - 1];
     if (a == 0 && b == 0) return false;
@@ -91,7 +91,7 @@ void Mover::shove(Vec3& away) {
 void Mover::note_push(const SpaceHit& hit) {
     const Neighbour& n = space.neighbour(hit.neighbour);
     if (n.kind != BodyKind::dynamic || n.body == ground_body()) return;
-    std::vector<CharacterPush>& pushes = w.scratch.characters.pushes;
+    std::vector<CharacterPush>& pushes = scratch.pushes;
     for (const CharacterPush& p : pushes)
         if (p.body == n.body) return;
     pushes.push_back({n.body, hit.point, hit.normal});
@@ -109,7 +109,7 @@ void Mover::push_at(BodyId body, Vec3 point, Vec3 force) {
 /// mass, as far as the capsule reaches: on a face parallel to the capsule the contact point has no definite height.
 void Mover::apply_pushes() {
     const Vec3 wanted = level(row.input.velocity) + row.state.ground_velocity;
-    for (const CharacterPush& p : w.scratch.characters.pushes) {
+    for (const CharacterPush& p : scratch.pushes) {
         const UnitVec3 way = -flat(p.normal, up);
         const std::uint32_t body = w.row_of(p.body);
         const Real mass = w.mass_of(body).mass;

@@ -3,7 +3,6 @@
 #include "base/assert.h"
 #include "collide/query/cast.h"
 #include "lockstone/math/math.h"
-#include "tick/phases.h"
 
 #include <array>
 
@@ -30,12 +29,13 @@ Transform frame_near(const Neighbour& n, const Transform& frame, Vec3 point) {
 
 } // namespace
 
-CharacterSpace::CharacterSpace(Data& data, const CharacterRow& character)
-    : w(data), row(character), up(character.def.up),
-      rotation(from_to({Unit{}, unit_one, Unit{}}, character.def.up)), scratch(data.scratch.characters) {}
+CharacterSpace::CharacterSpace(const Model& model, PlacedShapes& shapes, CharacterScratch& memory,
+                               const CharacterRow& character)
+    : w(model), row(character), up(character.def.up),
+      rotation(from_to({Unit{}, unit_one, Unit{}}, character.def.up)), placed(shapes), scratch(memory) {}
 
 void CharacterSpace::set_height(Real height) {
-    const Result<shapes::Solid> solid = w.scratch.solids.resolve(capsule_of(row.def, height).geometry);
+    const Result<shapes::Solid> solid = placed.solids.resolve(capsule_of(row.def, height).geometry);
     LOCKSTONE_ASSERT(solid.ok(), "a character of height ", height.raw);
     capsule = *solid;
     capsule_reach = shapes::reach_of(capsule);
@@ -48,7 +48,7 @@ bool CharacterSpace::sees(const ShapeRow& own, const ShapeRow& other) const {
 }
 
 void CharacterSpace::place(Neighbour& n, const ShapeRow& shape) const {
-    n.begin = n.end = w.scratch.shape[n.slot].pose;
+    n.begin = n.end = placed.shape[n.slot].pose;
     n.moves = false;
     if (n.kind == BodyKind::static_) return;
     const std::uint32_t character = scratch.order_of_body[n.body.index - 1];
@@ -74,9 +74,8 @@ void CharacterSpace::collect(Vec3 feet, Real range) {
     const int shift = static_cast<int>(w.state.rows(w.m.config)[0].bounds_shift);
     const collide::Bounds here = collide::bounds_of(capsule, {center_of(feet), rotation}, Length{}, shift);
     const std::int64_t steps = (range.raw >> (Real::fraction_bits - Bound::fraction_bits + shift)) + 1;
-    w.scratch.broad_phase.query(collide::expand(here, Bound::from_raw(saturate_to_int32(steps))),
-                                scratch.slots);
-    scratch.slots.insert(scratch.slots.end(), w.scratch.planes.begin(), w.scratch.planes.end());
+    placed.broad_phase.query(collide::expand(here, Bound::from_raw(saturate_to_int32(steps))), scratch.slots);
+    scratch.slots.insert(scratch.slots.end(), placed.planes.begin(), placed.planes.end());
     scratch.neighbours.clear();
     for (const std::uint32_t slot : scratch.slots) {
         const ShapeRow& shape = shapes[slots[slot].row];
@@ -85,8 +84,8 @@ void CharacterSpace::collect(Vec3 feet, Real range) {
         n.slot = slot;
         n.body = shape.body;
         n.kind = w.state.rows(w.m.body_info)[w.row_of(shape.body)].kind;
-        n.solid = &w.scratch.shape[slot].solid;
-        n.reach = w.scratch.shape[slot].reach;
+        n.solid = &placed.shape[slot].solid;
+        n.reach = placed.shape[slot].reach;
         n.is_plane = w.traits_of(shape).geometry.kind == ShapeKind::plane;
         n.one_way = w.traits_of(shape).one_way != 0;
         place(n, shape);
@@ -114,8 +113,8 @@ bool CharacterSpace::collide_with(Vec3 center, const Neighbour& n, const Transfo
     collide::collide(*n.solid, capsule,
                      n.is_plane ? collide::plane_relative_pose(frame, own)
                                 : collide::relative_pose(frame, own),
-                     to<Length>(margin), w.scratch.narrow, w.scratch.manifolds);
-    return w.scratch.manifolds.count != 0;
+                     to<Length>(margin), scratch.narrow, scratch.manifolds);
+    return scratch.manifolds.count != 0;
 }
 
 bool CharacterSpace::hit_at_start(Vec3 center, UnitVec3 direction, std::uint32_t index, SpaceHit& hit) const {
@@ -141,7 +140,7 @@ bool CharacterSpace::cast_one(Vec3 center, Vec3 way, UnitVec3 direction, Real le
     const Rotation turned = to_rotation(conjugate(frame.rotation) * rotation);
     collide::CastHit found{};
     if (!collide::cast_shape(*n.solid, capsule, {turned, local(center - frame.position)}, local(way),
-                             w.scratch.narrow, found))
+                             scratch.narrow, found))
         return false;
     if (found.normal == UnitVec3{}) return hit_at_start(center, direction, index, hit);
     const UnitVec3 normal = lockstone::mul<Unit>(axes, found.normal);
@@ -194,7 +193,7 @@ bool CharacterSpace::ray(Vec3 from, Vec3 way, SpaceHit& hit) const {
         const Rotation axes = to_rotation(frame.rotation);
         const auto local = [&](Vec3 v) { return mul_transposed<Coordinate>(axes, to<Coordinate>(v)); };
         collide::CastHit at{};
-        if (!collide::cast_ray(*n.solid, local(from - frame.position), local(way), w.scratch.narrow, at))
+        if (!collide::cast_ray(*n.solid, local(from - frame.position), local(way), scratch.narrow, at))
             continue;
         const Real travelled = to<Real>(at.distance);
         if (found && travelled >= hit.allowed) continue;

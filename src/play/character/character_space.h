@@ -2,8 +2,7 @@
 // contacts and rays among them. All of it costs what is near, whatever the size of the world.
 #pragma once
 
-#include "collide/narrow_phase.h"
-#include "world/data.h"
+#include "play/character/character.h"
 
 #include <span>
 
@@ -33,7 +32,8 @@ struct SpaceContact {
 /// One character's surroundings. `feet` are where the capsule is asked about.
 class CharacterSpace {
   public:
-    CharacterSpace(Data& data, const CharacterRow& character);
+    CharacterSpace(const Model& model, PlacedShapes& placed, CharacterScratch& scratch,
+                   const CharacterRow& character);
 
     /// The shapes within `range` of the feet's capsule that stop this character, in slot order.
     void collect(Vec3 feet, Real range);
@@ -59,7 +59,7 @@ class CharacterSpace {
     const Neighbour& neighbour(std::uint32_t index) const { return scratch.neighbours[index]; }
     std::span<const Neighbour> neighbours() const { return scratch.neighbours; }
 
-    Data& w;
+    const Model& w;
     const CharacterRow& row;
     UnitVec3 up;
     Quat rotation; ///< of the capsule
@@ -75,6 +75,7 @@ class CharacterSpace {
     /// False when they are too far apart to touch.
     bool collide_with(Vec3 center, const Neighbour& n, const Transform& frame, Real margin) const;
 
+    PlacedShapes& placed;
     CharacterScratch& scratch;
     shapes::Solid capsule;
     Coordinate capsule_reach{};
@@ -88,7 +89,7 @@ void CharacterSpace::for_each_contact(Vec3 feet, std::uint32_t index, Real margi
     const Transform& frame = at_end ? n.end : n.begin;
     const Vec3 center = center_of(feet);
     if (!collide_with(center, n, frame, margin)) return;
-    const collide::Manifolds& found = w.scratch.manifolds;
+    const collide::Manifolds& found = scratch.manifolds;
     const Rotation axes = to_rotation(frame.rotation);
     for (std::uint32_t i = 0; i < found.count; ++i) {
         const collide::Manifold& m = found.items[i];

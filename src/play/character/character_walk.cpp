@@ -56,7 +56,7 @@ void Mover::report_landing(const SpaceHit& hit, Vec3 ground_velocity) {
     e.normal = -hit.normal;
     e.approach_speed = to<Speed>(max(-along(row.state.velocity - ground_velocity), Real{}));
     e.tick = w.header().tick;
-    w.scratch.characters.landings.push_back(e);
+    scratch.landings.push_back(e);
     was_in_air = false;
 }
 

@@ -1,24 +1,23 @@
 // Fields of acceleration, as the integrator takes them.
-#include "tick/phases.h"
+#include "play/fluids/fluids.h"
 
 #include <algorithm>
 
 namespace lockstone::sim {
 
-void list_fields(Data& w) {
-    Scratch& s = w.scratch;
-    s.pulls.clear(), s.categories.clear();
+void list_fields(const Model& w, FieldsOfTick& out) {
+    out.pulls.clear(), out.categories.clear();
     for (const FieldRow& row : w.state.rows(w.m.field))
-        if (row.def.kind != FieldKind::fluid) s.pulls.push_back(row);
+        if (row.def.kind != FieldKind::fluid) out.pulls.push_back(row);
     // Rows move when fields are destroyed; the order of their ids is that of their slots.
-    std::sort(s.pulls.begin(), s.pulls.end(),
+    std::sort(out.pulls.begin(), out.pulls.end(),
               [](const FieldRow& a, const FieldRow& b) { return a.id < b.id; });
     const auto looks = [](const FieldRow& row) { return row.def.mask != solve::every_category; };
-    if (std::none_of(s.pulls.begin(), s.pulls.end(), looks)) return;
-    s.categories.resize(w.header().bodies_awake);
+    if (std::none_of(out.pulls.begin(), out.pulls.end(), looks)) return;
+    out.categories.resize(w.header().bodies_awake);
     for (const ShapeRow& shape : w.state.rows(w.m.shape)) {
         const std::uint32_t row = w.row_of(shape.body);
-        if (row < s.categories.size()) s.categories[row] |= w.traits_of(shape).category;
+        if (row < out.categories.size()) out.categories[row] |= w.traits_of(shape).category;
     }
 }
 

@@ -2,11 +2,10 @@
 #include "base/poison.h"
 
 #include "lockstone/math/math.h"
-#include "play/fluids/parts.h"
+#include "scene/parts.h"
 #include "shapes/shown_area.h"
 #include "shapes/submerged.h"
 #include "solve/bodies/region.h"
-#include "world/data.h"
 
 #include <algorithm>
 #include <tuple>
@@ -57,7 +56,7 @@ Real slowed(Real s, Real a, Real b) {
 
 // ---- once a tick -----------------------------------------------------------------------------------------------
 
-void FluidSolver::gather(const Data& w) {
+void FluidSolver::gather(const Model& w) {
     fluids.clear();
     for (const FieldRow& row : w.state.rows(w.m.field)) {
         if (row.def.kind != FieldKind::fluid) continue;
@@ -73,8 +72,8 @@ void FluidSolver::gather(const Data& w) {
 }
 
 /// Whether a part may be in the fluid within the tick; `center` of its volume in the world, no point farther than `reach`.
-bool FluidSolver::reaches(const Data& w, const Fluid& fluid, Vec3 center, Real reach, std::uint32_t body_row,
-                          bool& is_cut) const {
+bool FluidSolver::reaches(const Model& w, const StepConstants& step, const Fluid& fluid, Vec3 center,
+                          Real reach, std::uint32_t body_row, bool& is_cut) const {
     const Region& region = fluid.def.region;
     is_cut = false;
     if (region.kind != RegionKind::box) return solve::contains(region, center);
@@ -83,13 +82,14 @@ bool FluidSolver::reaches(const Data& w, const Fluid& fluid, Vec3 center, Real r
     if (abs(p.x) > h.x || abs(p.z) > h.z || p.y < -h.y) return false;
     const Velocity& v = w.state.rows(w.m.body_velocity)[body_row];
     const Real speed = to<Real>(length(v.linear)) + Real(1);
-    const Real margin = reach + speed / Real(w.scratch.step.ticks_per_second);
+    const Real margin = reach + speed / Real(step.ticks_per_second);
     is_cut = h.y - p.y < margin;
     return p.y - h.y < margin;
 }
 
-void FluidSolver::add_part(Data& w, std::uint32_t body_row, const shapes::Solid& solid,
-                           const Transform& local, shapes::Scaled volume, std::uint32_t category) {
+void FluidSolver::add_part(const Model& w, const StepConstants& step, std::uint32_t body_row,
+                           const shapes::Solid& solid, const Transform& local, shapes::Scaled volume,
+                           std::uint32_t category) {
     const Transform& pose = w.state.rows(w.m.body_pose)[body_row];
     const Velocity& velocity = w.state.rows(w.m.body_velocity)[body_row];
     const Real mass = w.mass_of(body_row).mass;
@@ -103,7 +103,7 @@ void FluidSolver::add_part(Data& w, std::uint32_t body_row, const shapes::Solid&
         const FieldDef& def = fluids[i].def;
         Part part{&solid, local, i, is_first, false, false, {}, {}, {}, {}, {}};
         if ((def.mask & category) == 0) continue;
-        if (!reaches(w, fluids[i], pose.position + lever, reach, body_row, part.is_cut)) continue;
+        if (!reaches(w, step, fluids[i], pose.position + lever, reach, body_row, part.is_cut)) continue;
         part.is_equal = !is_first && fluids[parts.back().fluid].def.priority == def.priority;
         is_first = false;
         const Vec3 slip = to<Real>(velocity.linear) + cross(to<Real>(velocity.angular), lever) - def.velocity;
@@ -123,7 +123,8 @@ void FluidSolver::add_part(Data& w, std::uint32_t body_row, const shapes::Solid&
     }
 }
 
-void FluidSolver::find_parts(Data& w, std::uint32_t body_row) {
+void FluidSolver::find_parts(const Model& w, PlacedShapes& placed, const StepConstants& step,
+                             std::uint32_t body_row) {
     const BodyInfo& info = w.state.rows(w.m.body_info)[body_row];
     const Vec3 center = w.mass_of(body_row).center;
     const std::span<const Slot> slots = w.state.rows(w.m.shape_slot);
@@ -132,7 +133,7 @@ void FluidSolver::find_parts(Data& w, std::uint32_t body_row) {
         const std::uint32_t number = slot - 1;
         slot = shape.next_shape;
         if (w.traits_of(shape).sensor != 0) continue;
-        const shapes::Solid& solid = solid_of(w, shape);
+        const shapes::Solid& solid = solid_of(w, placed, shape);
         const Transform local{w.traits_of(shape).local.position - center, w.traits_of(shape).local.rotation};
         Volume& known = volumes[number];
         if (known.parts.empty() || known.geometry != w.traits_of(shape).geometry) {
@@ -143,27 +144,28 @@ void FluidSolver::find_parts(Data& w, std::uint32_t body_row) {
             });
         }
         for_each_part(solid, local, [&](const shapes::Solid& part, const Transform& place, std::size_t i) {
-            add_part(w, body_row, part, place, known.parts[i], w.traits_of(shape).category);
+            add_part(w, step, body_row, part, place, known.parts[i], w.traits_of(shape).category);
         });
     }
 }
 
-void FluidSolver::prepare(Data& w) {
+void FluidSolver::prepare(const Model& w, PlacedShapes& placed, const FieldsOfTick& fields,
+                          const StepConstants& step, const solve::SolverBodies& bodies) {
     parts.clear(), wet.clear();
     gather(w);
     if (fluids.empty()) return;
     volumes.resize(std::max<std::size_t>(volumes.size(), w.state.count(w.m.shape_slots)));
     const std::span<const BodyInfo> info = w.state.rows(w.m.body_info);
     for (std::uint32_t row = 0; row < w.header().bodies_awake; ++row) {
-        if (w.traits_of(info[row]).enable_fields == 0 || !w.scratch.bodies.step[row].movable) continue;
+        if (w.traits_of(info[row]).enable_fields == 0 || !bodies.step[row].movable) continue;
         const std::uint32_t first = static_cast<std::uint32_t>(parts.size());
-        find_parts(w, row);
+        find_parts(w, placed, step, row);
         const std::uint32_t count = static_cast<std::uint32_t>(parts.size()) - first;
         if (count == 0) continue;
-        const Vec3 fields = solve::field_acceleration(
-            w.scratch.pulls, w.state.rows(w.m.body_pose)[row].position,
-            w.scratch.categories.empty() ? solve::every_category : w.scratch.categories[row]);
-        wet.push_back({row, first, count, w.header().gravity + fields});
+        const Vec3 pull = solve::field_acceleration(fields.pulls, w.state.rows(w.m.body_pose)[row].position,
+                                                    fields.categories.empty() ? solve::every_category
+                                                                              : fields.categories[row]);
+        wet.push_back({row, first, count, w.header().gravity + pull});
     }
 }
 
@@ -286,7 +288,7 @@ std::uint64_t FluidSolver::push_body(const Transform& pose, const Body& body, co
     return clamped;
 }
 
-void FluidSolver::push(const Data& w, const StepConstants& step, solve::SolverBodies& bodies,
+void FluidSolver::push(const Model& w, const StepConstants& step, solve::SolverBodies& bodies,
                        Tasks* tasks) const {
     if (wet.empty()) return;
     const std::span<const Transform> poses = w.state.rows(w.m.body_pose);

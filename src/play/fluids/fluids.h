@@ -13,21 +13,28 @@
 #pragma once
 
 #include "base/parallel.h"
-#include "shapes/asset/asset.h"
+#include "scene/placed_shapes.h"
 #include "solve/bodies/solver_body.h"
 
 #include <vector>
 
 namespace lockstone::sim {
 
-struct Data;
+/// Fields of acceleration, as the integrator takes them.
+struct FieldsOfTick {
+    std::vector<FieldRow> pulls; ///< in order of their ids
+    std::vector<std::uint32_t>
+        categories; ///< by row of what is awake, of its shapes; empty while no pull looks at them
+};
+void list_fields(const Model& w, FieldsOfTick& out);
 
 class FluidSolver {
   public:
     /// Finds what is in a fluid, when bodies are in solver form. Once a tick.
-    void prepare(Data& w);
+    void prepare(const Model& w, PlacedShapes& placed, const FieldsOfTick& fields,
+                 const solve::StepConstants& step, const solve::SolverBodies& bodies);
     /// In a substep.
-    void push(const Data& w, const solve::StepConstants& step, solve::SolverBodies& bodies,
+    void push(const Model& w, const solve::StepConstants& step, solve::SolverBodies& bodies,
               Tasks* tasks) const;
     /// Fills what prepare() makes anew with a byte.
     void poison(std::byte with);
@@ -61,12 +68,14 @@ class FluidSolver {
         std::vector<shapes::Scaled> parts;
     };
 
-    void gather(const Data& w);
-    void find_parts(Data& w, std::uint32_t body_row);
-    void add_part(Data& w, std::uint32_t body_row, const shapes::Solid& solid, const Transform& local,
-                  shapes::Scaled volume, std::uint32_t category);
-    bool reaches(const Data& w, const Fluid& fluid, Vec3 center, Real reach, std::uint32_t body_row,
-                 bool& is_cut) const;
+    void gather(const Model& w);
+    void find_parts(const Model& w, PlacedShapes& placed, const solve::StepConstants& step,
+                    std::uint32_t body_row);
+    void add_part(const Model& w, const solve::StepConstants& step, std::uint32_t body_row,
+                  const shapes::Solid& solid, const Transform& local, shapes::Scaled volume,
+                  std::uint32_t category);
+    bool reaches(const Model& w, const solve::StepConstants& step, const Fluid& fluid, Vec3 center,
+                 Real reach, std::uint32_t body_row, bool& is_cut) const;
     /// Returns how many velocities were clamped.
     std::uint64_t push_body(const Transform& pose, const Body& body, const solve::StepConstants& step,
                             solve::SolverBody& b, const solve::BodyStep& s) const;

@@ -18,16 +18,14 @@
 #pragma once
 
 #include "base/parallel.h"
-#include "lockstone/query.h"
-#include "play/vehicle/vehicle_rows.h"
+#include "model/vehicle_rows.h"
+#include "scene/query.h"
 #include "solve/bodies/solver_body.h"
 
 #include <span>
 #include <vector>
 
 namespace lockstone::sim {
-
-struct Data;
 
 /// A constraint direction of a wheel.
 struct WheelLine {
@@ -121,21 +119,22 @@ class VehicleSolver {
   public:
     /// Casts the wheels, once the bounds of the tick are known. Wakes what they stand on, and a vehicle that sleeps when
     /// something else came under its wheels; true when it woke anything.
-    bool cast(Data& w);
+    bool cast(Model& w, const Scene& scene);
     /// Rows, gears, couplings. Once a tick, when the bodies are in solver form.
-    void prepare(Data& w);
+    void prepare(const Scene& scene, const solve::StepConstants& step, const solve::SolverBodies& bodies);
     /// At the begin of a substep, after the velocities were integrated.
     void warm_start(const solve::StepConstants& step, solve::SolverBodies& bodies);
     /// Springs, stops and bars in the pass with bias; tyres in every pass.
     void solve(const solve::StepConstants& step, solve::SolverBodies& bodies, bool bias);
-    void store(Data& w);
+    /// What vehicles keep, and what they stood on.
+    void store(Model& w, const solve::SolverBodies& bodies);
     /// In the tick that was stored last: vehicles sleep and wake with what they stand on.
     std::span<const Standing> standing() const { return stands; }
     /// Fills what cast() and prepare() make anew with a byte.
     void poison(std::byte with);
 
   private:
-    bool stands_as_before(Data& w, std::uint32_t vehicle_row) const;
+    bool stands_as_before(const Scene& scene, std::uint32_t vehicle_row) const;
     void find_convoys(const solve::SolverBodies& bodies);
     template <class Visit> void for_each_vehicle(Visit&& visit) {
         base::for_chunks(tasks, static_cast<std::uint32_t>(convoy_begin.size() - 1), 1,
@@ -162,12 +161,19 @@ class VehicleSolver {
 
 // ---- parts -------------------------------------------------------------------------------------------------------
 
+/// What all vehicles of a tick look at.
+struct VehicleTick {
+    const Model& w;
+    const PlacedShapes& placed;
+    const solve::StepConstants& step;
+    const solve::SolverBodies& bodies;
+};
 /// `axes`: of the chassis; `share`: of its mass.
-void prepare_wheel(const Data& w, const Rotation& axes, Vehicle& v, std::uint32_t wheel, Real share,
+void prepare_wheel(const VehicleTick& tick, const Rotation& axes, Vehicle& v, std::uint32_t wheel, Real share,
                    const WheelGround& ground);
 /// Once the train is made: what of a rim stays as it is for the tick.
 void prepare_rims(const solve::StepConstants& step, Vehicle& v);
-void shift_gears(const Data& w, Vehicle& v);
+void shift_gears(const VehicleTick& tick, Vehicle& v);
 void prepare_train(Vehicle& v);
 /// Torques of clutch, differentials and steering for this substep; leaves the impulses of tyres as they are.
 void solve_train(const solve::StepConstants& step, const solve::SolverBodies& bodies, Vehicle& v);

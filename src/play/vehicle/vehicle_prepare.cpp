@@ -1,10 +1,9 @@
 // The begin of a vehicle's tick: where its wheels stand, which gear is in, what is coupled to what.
 #include "base/poison.h"
 #include "lockstone/math/math.h"
-#include "model/surface.h"
+#include "model/sleep.h"
 #include "play/vehicle/vehicle.h"
-#include "tick/sleep.h"
-#include "world/data.h"
+#include "scene/surface.h"
 
 #include <algorithm>
 
@@ -71,20 +70,20 @@ struct WheelCastWay {
 
 bool stands_on(const QueryHit& hit, UnitVec3 down) { return -dot<Real>(hit.normal, down) >= steepest; }
 
-WheelGround cast_ray_wheel(Data& w, const QueryFilter& filter, const WheelDef& wheel,
+WheelGround cast_ray_wheel(const Scene& scene, const QueryFilter& filter, const WheelDef& wheel,
                            const WheelCastWay& way) {
     const std::optional<QueryHit> hit =
-        cast_ray(w, {way.from, lockstone::scale<Real>(way.down, way.to_hub + wheel.radius)}, filter);
+        cast_ray(scene, {way.from, lockstone::scale<Real>(way.down, way.to_hub + wheel.radius)}, filter);
     if (!hit || !stands_on(*hit, way.down)) return {};
     return {true, *hit, hit->distance - wheel.radius - wheel.radius};
 }
 
 /// What the solid of a wheel found; from a wall beside the wheel, or something it starts in, a ray looks past it.
-WheelGround ground_of(Data& w, const QueryFilter& filter, const WheelDef& wheel, const WheelCastWay& way,
-                      const std::optional<QueryHit>& solid_hit) {
+WheelGround ground_of(const Scene& scene, const QueryFilter& filter, const WheelDef& wheel,
+                      const WheelCastWay& way, const std::optional<QueryHit>& solid_hit) {
     if (!solid_hit) return {};
     if (stands_on(*solid_hit, way.down)) return {true, *solid_hit, solid_hit->distance - wheel.radius};
-    return cast_ray_wheel(w, filter, wheel, way);
+    return cast_ray_wheel(scene, filter, wheel, way);
 }
 
 constexpr UnitVec3 up_axis{Unit{}, unit_one, Unit{}};
@@ -94,7 +93,7 @@ constexpr Quat y_to_x{Unit{}, Unit{}, -half_root, half_root};
 using WheelCastWays = std::array<WheelCastWay, vehicle_wheels_max>;
 
 /// How the wheels are cast from where their chassis stands.
-void find_ways(const Data& w, const VehicleDef& def, const VehicleMemory& memory, WheelCastWays& out) {
+void find_ways(const Model& w, const VehicleDef& def, const VehicleMemory& memory, WheelCastWays& out) {
     const std::uint32_t chassis = w.row_of(def.chassis);
     const Transform& pose = w.state.rows(w.m.body_pose)[chassis];
     const Vec3 center = w.mass_of(chassis).center;
@@ -116,10 +115,10 @@ void find_ways(const Data& w, const VehicleDef& def, const VehicleMemory& memory
 using WheelGrounds = std::array<WheelGround, vehicle_wheels_max>;
 
 /// Finds the ground of all wheels of a vehicle.
-void cast_wheels(Data& w, const VehicleDef& def, const VehicleMemory& memory, WheelGrounds& out) {
+void cast_wheels(const Scene& scene, const VehicleDef& def, const VehicleMemory& memory, WheelGrounds& out) {
     const QueryFilter filter{def.category, def.mask, 7, 0, def.chassis};
     WheelCastWays ways;
-    find_ways(w, def, memory, ways);
+    find_ways(scene.model, def, memory, ways);
     std::array<std::optional<QueryHit>, vehicle_wheels_max> hits;
     if (def.cast == WheelCast::sphere) {
         static_assert(balls_max >= vehicle_wheels_max);
@@ -127,16 +126,16 @@ void cast_wheels(Data& w, const VehicleDef& def, const VehicleMemory& memory, Wh
         for (std::uint32_t i = 0; i < def.wheel_count; ++i)
             balls[i] = {def.wheel[i].radius, ways[i].from,
                         lockstone::scale<Real>(ways[i].down, ways[i].to_hub)};
-        cast_balls(w, std::span(balls).first(def.wheel_count), filter, hits);
+        cast_balls(scene, std::span(balls).first(def.wheel_count), filter, hits);
     }
     for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
         const WheelDef& wheel = def.wheel[i];
         if (def.cast == WheelCast::cylinder)
             hits[i] =
-                cast_shape(w, cylinder(wheel.radius, half(wheel.width)), {ways[i].from, ways[i].rotation},
+                cast_shape(scene, cylinder(wheel.radius, half(wheel.width)), {ways[i].from, ways[i].rotation},
                            lockstone::scale<Real>(ways[i].down, ways[i].to_hub), filter);
-        out[i] = def.cast == WheelCast::ray ? cast_ray_wheel(w, filter, wheel, ways[i])
-                                            : ground_of(w, filter, wheel, ways[i], hits[i]);
+        out[i] = def.cast == WheelCast::ray ? cast_ray_wheel(scene, filter, wheel, ways[i])
+                                            : ground_of(scene, filter, wheel, ways[i], hits[i]);
     }
 }
 
@@ -150,36 +149,32 @@ Real bounded(Real x, Real most) { return clamp(x, -most, most); }
 } // namespace
 
 /// Whether the wheels of a vehicle that sleeps find what they found last, and that sleeps too.
-bool VehicleSolver::stands_as_before(Data& w, std::uint32_t k) const {
+bool VehicleSolver::stands_as_before(const Scene& scene, std::uint32_t k) const {
+    const Model& w = scene.model;
     const VehicleDef& def = w.state.rows(w.m.vehicle)[k].def;
     const VehicleMemory& memory = w.state.rows(w.m.vehicle_memory)[k];
     WheelGrounds found;
-    cast_wheels(w, def, memory, found);
+    cast_wheels(scene, def, memory, found);
     for (std::uint32_t i = 0; i < def.wheel_count; ++i)
         if ((found[i].found ? found[i].hit.shape : ShapeId{}) != memory.wheel[i].ground) return false;
     return true;
 }
 
-bool VehicleSolver::cast(Data& w) {
+bool VehicleSolver::cast(Model& w, const Scene& scene) {
     const std::span<const VehicleRow> rows = w.state.rows(w.m.vehicle);
     if (rows.empty()) return false;
-    // update_bounds ran just now.
-    w.scratch.broad_phase.update_trees();
-    w.scratch.query.is_fresh = true;
-    w.scratch.query.tick = w.header().tick;
-    w.scratch.query.commands = w.header().commands;
     grounds.resize(rows.size());
     bool woke = false;
     for (std::uint32_t k = 0; k < rows.size(); ++k) {
         const VehicleDef& def = rows[k].def;
         if (!is_awake(w, w.row_of(def.chassis))) {
             // Wheels are no shapes: nothing touches them.
-            if (w.header().bodies_awake == 0 || stands_as_before(w, k)) continue;
+            if (w.header().bodies_awake == 0 || stands_as_before(scene, k)) continue;
             wake(w, def.chassis);
             woke = true;
             continue;
         }
-        cast_wheels(w, def, w.state.rows(w.m.vehicle_memory)[k], grounds[k]);
+        cast_wheels(scene, def, w.state.rows(w.m.vehicle_memory)[k], grounds[k]);
         for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
             const WheelGround& ground = grounds[k][i];
             if (!ground.found || is_awake(w, w.row_of(ground.hit.body))) continue;
@@ -198,10 +193,11 @@ static UnitVec3 axle_of(const Rotation& axes, Real steer) {
     return lockstone::mul<Unit>(axes, UnitVec3{turn.cos, Unit{}, -turn.sin});
 }
 
-void prepare_wheel(const Data& w, const Rotation& axes, Vehicle& v, std::uint32_t i, Real share,
+void prepare_wheel(const VehicleTick& tick, const Rotation& axes, Vehicle& v, std::uint32_t i, Real share,
                    const WheelGround& ground) {
-    const SolverBodies& bodies = w.scratch.bodies;
-    const solve::StepConstants& step = w.scratch.step;
+    const Model& w = tick.w;
+    const SolverBodies& bodies = tick.bodies;
+    const solve::StepConstants& step = tick.step;
     const WheelDef& def = v.def->wheel[i];
     WheelMemory& memory = v.memory.wheel[i];
     Wheel& wheel = v.wheel[i] = Wheel{};
@@ -215,7 +211,7 @@ void prepare_wheel(const Data& w, const Rotation& axes, Vehicle& v, std::uint32_
     const QueryHit& hit = ground.hit;
     const UnitVec3 n = hit.normal;
     const ShapeTraits& shape = w.traits_of(w.state.rows(w.m.shape)[w.row_of(hit.shape)]);
-    const Scratch::Shape& at_ground = w.scratch.shape[hit.shape.index - 1];
+    const PlacedShapes::Shape& at_ground = tick.placed.shape[hit.shape.index - 1];
     const Touch touch = touch_of(shape, at_ground.solid, hit.feature);
     const std::uint32_t row = w.row_of(hit.body);
     const bool moves = row < bodies.still() && bodies.step[row].moves;
@@ -290,10 +286,11 @@ std::int32_t automatic_gear(const GearboxDef& box, const VehicleInput& input, st
 
 } // namespace
 
-void shift_gears(const Data& w, Vehicle& v) {
+void shift_gears(const VehicleTick& tick, Vehicle& v) {
+    const Model& w = tick.w;
     VehicleMemory& m = v.memory;
     const GearboxDef& box = v.def->gearbox;
-    const std::int32_t rate = w.scratch.step.ticks_per_second;
+    const std::int32_t rate = tick.step.ticks_per_second;
     const std::int32_t count = static_cast<std::int32_t>(box.forward_count);
     if (m.pause_ticks > 0) --m.pause_ticks;
     if (m.shift_ticks > 0 && --m.shift_ticks == 0) {
@@ -439,40 +436,42 @@ void VehicleSolver::find_convoys(const SolverBodies& bodies) {
     convoy_begin.push_back(count);
 }
 
-void VehicleSolver::prepare(Data& w) {
+void VehicleSolver::prepare(const Scene& scene, const solve::StepConstants& step,
+                            const SolverBodies& bodies) {
+    const Model& w = scene.model;
     const std::span<const VehicleRow> rows = w.state.rows(w.m.vehicle);
     const std::span<const VehicleMemory> memories = w.state.rows(w.m.vehicle_memory);
-    tasks = w.tasks;
+    tasks = scene.tasks;
     vehicles.resize(rows.size());
     std::uint32_t count = 0;
     for (std::uint32_t i = 0; i < rows.size(); ++i) {
         const std::uint32_t chassis = w.row_of(rows[i].def.chassis);
-        if (chassis >= w.scratch.bodies.still()) continue; // it sleeps
+        if (chassis >= bodies.still()) continue; // it sleeps
         Vehicle& v = vehicles[count++];
         v.row = i;
         v.chassis = chassis;
     }
     vehicles.resize(count);
-    const Data& world = w;
+    const VehicleTick tick{w, scene.placed, step, bodies};
     base::for_chunks(tasks, count, 1, [&](std::uint32_t k, std::uint32_t, std::uint32_t) {
         Vehicle& v = vehicles[k];
         v.def = &rows[v.row].def;
         v.input = rows[v.row].input;
         v.memory = memories[v.row];
-        v.mass = world.mass_of(v.chassis).mass;
-        const Real way = v.def->steer_speed / Real(world.scratch.step.ticks_per_second);
+        v.mass = w.mass_of(v.chassis).mass;
+        const Real way = v.def->steer_speed / Real(step.ticks_per_second);
         const Real turn = v.input.steer - v.memory.steer;
         v.memory.steer = way > Real{} ? v.memory.steer + bounded(turn, way) : v.input.steer;
-        const auto shares = sprung_shares(*v.def, world.mass_of(v.chassis).center);
-        const Rotation axes = to_rotation(world.state.rows(world.m.body_pose)[v.chassis].rotation);
+        const auto shares = sprung_shares(*v.def, w.mass_of(v.chassis).center);
+        const Rotation axes = to_rotation(w.state.rows(w.m.body_pose)[v.chassis].rotation);
         for (std::uint32_t i = 0; i < v.def->wheel_count; ++i)
-            prepare_wheel(world, axes, v, i, shares[i], grounds[v.row][i]);
+            prepare_wheel(tick, axes, v, i, shares[i], grounds[v.row][i]);
         prepare_bars(v);
-        shift_gears(world, v);
+        shift_gears(tick, v);
         prepare_train(v);
-        prepare_rims(world.scratch.step, v);
+        prepare_rims(step, v);
     });
-    find_convoys(w.scratch.bodies);
+    find_convoys(bodies);
 }
 
 void VehicleSolver::poison(std::byte with) {

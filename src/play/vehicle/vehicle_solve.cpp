@@ -2,7 +2,6 @@
 #include "lockstone/math/math.h"
 #include "play/vehicle/vehicle.h"
 #include "play/vehicle/vehicle_lines.h"
-#include "world/data.h"
 
 namespace lockstone::sim {
 
@@ -300,7 +299,7 @@ void VehicleSolver::solve(const StepConstants& step, SolverBodies& bodies, bool 
 }
 
 /// Nobody drives it, and nothing in it turns: it may sleep once its chassis rests.
-static bool is_parked(const Data& w, const Vehicle& v) {
+static bool is_parked(const Model& w, const Vehicle& v) {
     const Real slow = w.state.rows(w.m.config)[0].sleep_speed;
     const Real engine_before = w.state.rows(w.m.vehicle_memory)[v.row].engine_speed;
     if (v.input.throttle != Real{} || v.input.steer != v.memory.steer || v.memory.shift_ticks != 0)
@@ -311,7 +310,7 @@ static bool is_parked(const Data& w, const Vehicle& v) {
     return true;
 }
 
-void VehicleSolver::store(Data& w) {
+void VehicleSolver::store(Model& w, const solve::SolverBodies& bodies) {
     stands.clear();
     for (const Vehicle& v : vehicles) {
         if (!is_parked(w, v)) restart(w.state.edit_row(w.m.body_sleep, v.chassis));
@@ -333,7 +332,7 @@ void VehicleSolver::store(Data& w) {
             const Real turns = out.rotation / two_pi;
             out.rotation = clamp(out.rotation - two_pi * floor(turns), Real{}, two_pi);
             if (!wheel.touches) continue;
-            if (wheel.ground != w.scratch.bodies.still()) stands.push_back({v.chassis, wheel.ground});
+            if (wheel.ground != bodies.still()) stands.push_back({v.chassis, wheel.ground});
             out.length = clamp(wheel.length, min(v.def->wheel[i].length_min, wheel.length),
                                v.def->wheel[i].length_max);
             out.spring = wheel.spring;

@@ -2,12 +2,17 @@
 #pragma once
 
 #include "base/text.h"
+#include "model/slots.h"
 #include "world/data.h"
 
 namespace lockstone::sim {
 
 struct Applier {
-    Data& w;
+    Model& w;
+    PlacedShapes& placed;
+    const TickScratch& last_tick; ///< what contact points are made of
+    ContactPoints& contact_points;
+    std::vector<std::byte>& canonical_row; ///< memory
 
     Result<World::Applied> operator()(const CreateBody& c);
     Result<World::Applied> operator()(const DestroyBody& c);
@@ -43,9 +48,16 @@ struct Applier {
     Result<World::Applied> operator()(const SetField& c);
     Result<World::Applied> operator()(const Explode& c);
 
+    /// Before a row, pose or material changes that contact points of the last tick are made of.
+    void keep_contact_points() const {
+        find_contact_points(w, placed, last_tick.pose_before, last_tick.table.list, last_tick.found,
+                            contact_points);
+    }
+    /// As sim::wake and sim::wake_all.
+    std::uint32_t wake(BodyId body);
+    void wake_all();
     void remove_character_of(BodyId body); ///< if it is one's; the body is left as it was
     void remove_shape(std::uint32_t body_row, std::uint32_t slot); ///< the mass is left as it was
-    void remove_joint(std::uint32_t slot);
     void remove_vehicle(std::uint32_t slot);
     void remove_vehicle_of(BodyId chassis);
     void forget_filters_of(BodyId body);
@@ -62,23 +74,9 @@ template <class Tag> Error dead(const char* command, const char* what, Id<Tag> i
 inline Error dead_body(const char* command, BodyId id) { return dead(command, "body", id); }
 inline Error dead_shape(const char* command, ShapeId id) { return dead(command, "shape", id); }
 
-// ---- slots and rows ----
-
-/// A slot for a new object in row `row`; the caller has checked that there is room.
-std::uint32_t take_slot(State& state, TableId table, Column<Slot> column, std::uint32_t& first_free,
-                        std::uint32_t row);
-void free_slot(State& state, Column<Slot> column, std::uint32_t index, std::uint32_t& first_free);
-/// Moves the last row of a table into `row` and drops the last.
-void remove_row(State& state, TableId table, std::uint32_t row);
-
-// ---- traits and mass ----
+// ---- traits ----
 
 /// What a checked definition says of a body, but its mass.
 void define(BodyTraits& traits, const BodyDef& d);
-
-/// Sums up the shapes of a body. The body's origin stays where it is, its centre of mass moves.
-void update_mass(Data& w, std::uint32_t row);
-/// Velocity changes by an impulse [N s] and an angular impulse [N m s] about the centre of mass.
-void push(Data& w, std::uint32_t row, Vec3 linear, Vec3 angular);
 
 } // namespace lockstone::sim

@@ -3,9 +3,8 @@
 #include "lockstone/math/decimal.h"
 #include "lockstone/math/math.h"
 #include "model/checks.h"
+#include "model/sleep.h"
 #include "solve/joints/locks.h"
-#include "tick/phases.h"
-#include "tick/sleep.h"
 
 #include <algorithm>
 #include <cstring>
@@ -15,41 +14,16 @@ namespace lockstone::sim {
 using Applied = World::Applied;
 using base::join;
 
-// ---- slots ---------------------------------------------------------------------------------------------------
+// ---- waking --------------------------------------------------------------------------------------------------
 
-/// The caller has made room, so that the header that `first_free` is in stays where it is.
-std::uint32_t take_slot(State& state, TableId table, Column<Slot> column, std::uint32_t& first_free,
-                        std::uint32_t row) {
-    std::uint32_t index = first_free;
-    if (index == 0) {
-        const std::uint32_t count = state.count(table);
-        state.resize(table, count + 1);
-        index = count + 1;
-        state.edit_row(column, index - 1).generation = 1;
-    }
-    Slot& slot = state.edit_row(column, index - 1);
-    first_free = slot.is_alive() ? 0 : slot.next_free();
-    slot.row = row;
-    return index;
+std::uint32_t Applier::wake(BodyId body) {
+    if (!is_awake(w, w.row_of(body))) keep_contact_points(); // rows move
+    return sim::wake(w, body);
 }
 
-void free_slot(State& state, Column<Slot> column, std::uint32_t index, std::uint32_t& first_free) {
-    Slot& slot = state.edit_row(column, index - 1);
-    // Generations wrap after 2^32 lives of one slot; 0 stays null.
-    slot.generation = slot.generation == 0xffffffffu ? 1 : slot.generation + 1;
-    slot.row = Slot::is_free | first_free;
-    first_free = index;
-}
-
-void remove_row(State& state, TableId table, std::uint32_t row) {
-    const std::uint32_t last = state.count(table) - 1;
-    const std::span<const ColumnInfo> columns = state.layout().columns();
-    for (std::uint32_t c = 0; c < columns.size() && row != last; ++c) {
-        if (columns[c].table != table.index) continue;
-        const std::span<std::byte> to = state.edit_bytes(c, row, 1);
-        std::memcpy(to.data(), state.bytes(c).data() + std::size_t{last} * columns[c].row_size, to.size());
-    }
-    state.resize(table, last);
+void Applier::wake_all() {
+    if (w.header().bodies_awake != w.state.count(w.m.bodies)) keep_contact_points();
+    sim::wake_all(w);
 }
 
 // ---- bodies --------------------------------------------------------------------------------------------------
@@ -65,46 +39,28 @@ void define(BodyTraits& traits, const BodyDef& d) {
     traits.bullet = static_cast<std::uint8_t>(d.bullet);
 }
 
-static Vec3 center_offset(const Data& w, std::uint32_t row, Quat rotation) {
+static Vec3 center_offset(const Model& w, std::uint32_t row, Quat rotation) {
     return rotate(rotation, w.mass_of(row).center);
-}
-
-void push(Data& w, std::uint32_t row, Vec3 linear, Vec3 angular) {
-    const BodyMass& mass = w.mass_of(row);
-    if (mass.mass == Real{}) return;
-    const std::uint32_t locks = w.traits_of(w.state.rows(w.m.body_info)[row]).locks;
-    Velocity& velocity = w.state.edit_row(w.m.body_velocity, row);
-    const Rotation axes = to_rotation(w.state.rows(w.m.body_pose)[row].rotation * mass.principal);
-    const Vec3 local = mul_transposed<Real>(axes, angular / mass.mass);
-    const auto turned = [](Real l, Real k) { return l / k / k; };
-    const Vec3 spin =
-        lockstone::mul<Real>(axes, Vec3{turned(local.x, mass.gyration.x), turned(local.y, mass.gyration.y),
-                                        turned(local.z, mass.gyration.z)});
-    const Vec3 dv = linear / mass.mass;
-    for (int i = 0; i < 3; ++i) {
-        if (!((locks >> i) & 1u)) velocity.linear[i] = velocity.linear[i] + to<Speed>(dv[i]);
-        if (!((locks >> (3 + i)) & 1u)) velocity.angular[i] = velocity.angular[i] + to<Speed>(spin[i]);
-    }
 }
 
 Result<World::Applied> Applier::operator()(const SetPose& c) {
     std::uint32_t row = w.row_of(c.body);
-    if (row == Data::dead) return dead_body("set_pose", c.body);
+    if (row == Model::dead) return dead_body("set_pose", c.body);
     if (std::string e = check_pose("pose", c.pose, position_max); !e.empty()) return Error{"set_pose: " + e};
-    row = wake(w, c.body);
+    row = wake(c.body);
     const Quat rotation = normalized(c.pose.rotation);
     w.state.edit_row(w.m.body_pose, row) = {c.pose.position + center_offset(w, row, rotation), rotation};
-    w.scratch.structure_stale = true;
+    placed.structure_stale = true;
     return Applied{};
 }
 
 Result<World::Applied> Applier::operator()(const SetVelocity& c) {
     std::uint32_t row = w.row_of(c.body);
-    if (row == Data::dead) return dead_body("set_velocity", c.body);
+    if (row == Model::dead) return dead_body("set_velocity", c.body);
     if (length(c.linear) > speed_max) return Error{"set_velocity: linear must be at most 500 m/s long"};
     if (!within(c.angular, spin_max))
         return Error{"set_velocity: angular must be within 4095 rad/s on each axis"};
-    row = wake(w, c.body);
+    row = wake(c.body);
     Velocity& velocity = w.state.edit_row(w.m.body_velocity, row);
     velocity = {to<Speed>(c.linear), to<Speed>(c.angular)};
     solve::drop_locked(velocity, w.traits_of(w.state.rows(w.m.body_info)[row]).locks);
@@ -113,10 +69,10 @@ Result<World::Applied> Applier::operator()(const SetVelocity& c) {
 
 Result<World::Applied> Applier::operator()(const AddForce& c) {
     std::uint32_t row = w.row_of(c.body);
-    if (row == Data::dead) return dead_body("add_force", c.body);
+    if (row == Model::dead) return dead_body("add_force", c.body);
     if (!within(c.force, force_max) || !within(c.torque, force_max))
         return Error{"add_force: force and torque must be within 2e9 on each axis"};
-    row = wake(w, c.body);
+    row = wake(c.body);
     BodyForce& force = force_on(w, row);
     force.force += c.force;
     force.torque += c.torque;
@@ -125,10 +81,10 @@ Result<World::Applied> Applier::operator()(const AddForce& c) {
 
 Result<World::Applied> Applier::operator()(const AddForceAt& c) {
     std::uint32_t row = w.row_of(c.body);
-    if (row == Data::dead) return dead_body("add_force_at", c.body);
+    if (row == Model::dead) return dead_body("add_force_at", c.body);
     if (!within(c.force, force_max) || !within(c.point, position_max))
         return Error{"add_force_at: force must be within 2e9 N, point within 1e9 m on each axis"};
-    row = wake(w, c.body);
+    row = wake(c.body);
     BodyForce& force = force_on(w, row);
     force.force += c.force;
     force.torque += cross(c.point - w.state.rows(w.m.body_pose)[row].position, c.force);
@@ -137,33 +93,33 @@ Result<World::Applied> Applier::operator()(const AddForceAt& c) {
 
 Result<World::Applied> Applier::operator()(const AddImpulse& c) {
     std::uint32_t row = w.row_of(c.body);
-    if (row == Data::dead) return dead_body("add_impulse", c.body);
+    if (row == Model::dead) return dead_body("add_impulse", c.body);
     if (!within(c.linear, force_max) || !within(c.angular, force_max))
         return Error{"add_impulse: linear and angular must be within 2e9 on each axis"};
-    row = wake(w, c.body);
+    row = wake(c.body);
     push(w, row, c.linear, c.angular);
     return Applied{};
 }
 
 Result<World::Applied> Applier::operator()(const AddImpulseAt& c) {
     std::uint32_t row = w.row_of(c.body);
-    if (row == Data::dead) return dead_body("add_impulse_at", c.body);
+    if (row == Model::dead) return dead_body("add_impulse_at", c.body);
     if (!within(c.impulse, force_max) || !within(c.point, position_max))
         return Error{"add_impulse_at: impulse must be within 2e9 N s, point within 1e9 m on each axis"};
-    row = wake(w, c.body);
+    row = wake(c.body);
     push(w, row, c.impulse, cross(c.point - w.state.rows(w.m.body_pose)[row].position, c.impulse));
     return Applied{};
 }
 
 Result<World::Applied> Applier::operator()(const WakeBody& c) {
-    if (w.row_of(c.body) == Data::dead) return dead_body("wake_body", c.body);
-    wake(w, c.body);
+    if (w.row_of(c.body) == Model::dead) return dead_body("wake_body", c.body);
+    wake(c.body);
     return Applied{};
 }
 
 Result<World::Applied> Applier::operator()(const SetBodyParameters& c) {
     std::uint32_t row = w.row_of(c.body);
-    if (row == Data::dead) return dead_body("set_body_parameters", c.body);
+    if (row == Model::dead) return dead_body("set_body_parameters", c.body);
     if (std::string e = check_changes(c); !e.empty()) return Error{"set_body_parameters: " + e};
     const BodyTraits& now = w.traits_of(w.state.rows(w.m.body_info)[row]);
     BodyDef d{};
@@ -176,7 +132,7 @@ Result<World::Applied> Applier::operator()(const SetBodyParameters& c) {
     d.enable_fields = c.enable_fields.or_else(now.enable_fields);
     d.drag_scale = c.drag_scale.or_else(now.drag_scale);
     if (std::string e = check(d); !e.empty()) return Error{"set_body_parameters: " + e};
-    row = wake(w, c.body);
+    row = wake(c.body);
     BodyTraits traits = w.traits_of(w.state.rows(w.m.body_info)[row]);
     define(traits, d);
     set_traits(w, row, traits);
@@ -188,7 +144,7 @@ Result<World::Applied> Applier::operator()(const SetBodyParameters& c) {
 
 Result<World::Applied> Applier::operator()(const SetMaterial& c) {
     const std::uint32_t row = w.row_of(c.shape);
-    if (row == Data::dead) return dead_shape("set_material", c.shape);
+    if (row == Model::dead) return dead_shape("set_material", c.shape);
     if (std::string e = check_changes(c); !e.empty()) return Error{"set_material: " + e};
     ShapeTraits traits = w.traits_of(w.state.rows(w.m.shape)[row]);
     const Real friction = c.friction.or_else(traits.friction);
@@ -198,7 +154,7 @@ Result<World::Applied> Applier::operator()(const SetMaterial& c) {
     if (std::string e = check_surface(friction, restitution, rolling_resistance, surface_velocity);
         !e.empty())
         return Error{"set_material: " + e};
-    wake(w, w.state.rows(w.m.shape)[row].body);
+    wake(w.state.rows(w.m.shape)[row].body);
     traits.friction = friction;
     traits.restitution = restitution;
     traits.rolling_resistance = rolling_resistance;
@@ -209,9 +165,9 @@ Result<World::Applied> Applier::operator()(const SetMaterial& c) {
 
 Result<World::Applied> Applier::operator()(const SetFilter& c) {
     const std::uint32_t row = w.row_of(c.shape);
-    if (row == Data::dead) return dead_shape("set_filter", c.shape);
+    if (row == Model::dead) return dead_shape("set_filter", c.shape);
     if (std::string e = check_changes(c); !e.empty()) return Error{"set_filter: " + e};
-    wake(w, w.state.rows(w.m.shape)[row].body);
+    wake(w.state.rows(w.m.shape)[row].body);
     ShapeTraits traits = w.traits_of(w.state.rows(w.m.shape)[row]);
     traits.category = c.category.or_else(traits.category);
     traits.mask = c.mask.or_else(traits.mask);
@@ -222,11 +178,11 @@ Result<World::Applied> Applier::operator()(const SetFilter& c) {
 
 Result<World::Applied> Applier::operator()(const SetPairFilter& c) {
     for (BodyId body : {c.a, c.b})
-        if (w.row_of(body) == Data::dead) return dead_body("set_pair_filter", body);
+        if (w.row_of(body) == Model::dead) return dead_body("set_pair_filter", body);
     if (c.a == c.b) return Error{"set_pair_filter: a and b are the same body"};
     if (c.collide > 1) return Error{join("set_pair_filter: collide is ", c.collide, ", must be 0 or 1")};
-    wake(w, c.a);
-    wake(w, c.b);
+    wake(c.a);
+    wake(c.b);
     const PairFilterRow fresh{std::min(c.a, c.b), std::max(c.a, c.b)};
     const std::span<const PairFilterRow> rows = w.state.rows(w.m.pair_filter);
     const std::uint32_t count = static_cast<std::uint32_t>(rows.size());
@@ -260,7 +216,7 @@ void Applier::forget_filters_of(BodyId body) {
 Result<World::Applied> Applier::operator()(const SetGravity& c) {
     if (!within(c.gravity, Real(1000)))
         return Error{"set_gravity: gravity must be within 1000 m/s^2 on each axis"};
-    wake_all(w);
+    wake_all();
     w.edit_header().gravity = c.gravity;
     return Applied{};
 }
@@ -274,11 +230,11 @@ Result<World::Applied> Applier::operator()(const WriteGame& c) {
         return Error{join("write_game: ", c.size, " bytes at ", c.offset, " do not fit a row of ", entry.name,
                           ", which has ", entry.row_size)};
     const std::uint32_t row = entry.per_body ? w.row_of(c.body) : 0;
-    if (row == Data::dead) return dead_body("write_game", c.body);
+    if (row == Model::dead) return dead_body("write_game", c.body);
     const std::uint32_t column = w.m.game[c.column];
     const std::span<std::byte> bytes = w.state.edit_bytes(column, row, 1);
     // Through the canonical form, so that a piece may end inside a field on any byte order.
-    std::vector<std::byte>& canonical = w.scratch.canonical_row;
+    std::vector<std::byte>& canonical = canonical_row;
     canonical.clear();
     append_canonical(bytes, entry.leaves, canonical);
     std::memcpy(canonical.data() + c.offset, c.data.data(), c.size);
@@ -308,10 +264,12 @@ struct LeavesContactPoints {
 } // namespace
 
 Result<World::Applied> apply(Data& w, const Command& command) {
-    if (!std::visit(LeavesContactPoints{}, command)) find_contact_points(w);
-    Result<Applied> result = std::visit(Applier{w}, command);
+    Applier applier{w, w.placed, w.scratch, w.output.contact_points, w.canonical_row};
+    if (!std::visit(LeavesContactPoints{}, command)) applier.keep_contact_points();
+    Result<Applied> result = std::visit(applier, command);
     if (!result) return result;
     ++w.edit_header().commands;
+    w.placed.is_current = false;
     if (w.journal != nullptr) w.journal->on_command(w.header().tick, command);
     return result;
 }

@@ -4,8 +4,8 @@
 #include "lockstone/math/decimal.h"
 #include "lockstone/math/math.h"
 #include "model/checks.h"
+#include "model/sleep.h"
 #include "solve/joints/locks.h"
-#include "tick/sleep.h"
 
 #include <algorithm>
 
@@ -16,75 +16,10 @@ using base::join;
 
 // ---- mass ----------------------------------------------------------------------------------------------------
 
-/// Moves the centre of mass within a body whose origin stays where it is.
-static void set_mass(Data& w, std::uint32_t row, const BodyMass& fresh) {
-    BodyTraits traits = w.traits_of(w.state.rows(w.m.body_info)[row]);
-    const Vec3 moved = fresh.center - traits.mass.center;
-    traits.mass = fresh;
-    set_traits(w, row, traits);
-    if (moved == Vec3{}) return;
-    Transform& pose = w.state.edit_row(w.m.body_pose, row);
-    Velocity& velocity = w.state.edit_row(w.m.body_velocity, row);
-    const Vec3 arm = rotate(pose.rotation, moved);
-    pose.position += arm;
-    velocity.linear += cross<Speed>(velocity.angular, arm);
-    solve::drop_locked(velocity, traits.locks);
-}
-
-static void set_mass_fixed(Data& w, std::uint32_t row, std::uint8_t fixed) {
+static void set_mass_fixed(Model& w, std::uint32_t row, std::uint8_t fixed) {
     BodyTraits traits = w.traits_of(w.state.rows(w.m.body_info)[row]);
     traits.mass_fixed = fixed;
     set_traits(w, row, traits);
-}
-
-/// How far a body's shapes reach from its origin: stands in for the gyration radius of one that nothing turns, so that
-/// the solver's rows of its contacts stay within their format.
-static Real reach_of(Data& w, const BodyInfo& info) {
-    const std::span<const Slot> slots = w.state.rows(w.m.shape_slot);
-    const std::span<const ShapeRow> shapes = w.state.rows(w.m.shape);
-    Real reach = Real(1);
-    for (std::uint32_t slot = info.first_shape; slot != 0; slot = shapes[slots[slot - 1].row].next_shape) {
-        const ShapeRow& shape = shapes[slots[slot - 1].row];
-        if (w.traits_of(shape).geometry.kind == ShapeKind::plane) continue;
-        const shapes::Extent e = shapes::extent_of(solid_of(w, shape));
-        reach = max(reach, to<Real>(length(max(abs(e.lower), abs(e.upper)))) +
-                               length(w.traits_of(shape).local.position));
-    }
-    return reach;
-}
-
-void update_mass(Data& w, std::uint32_t row) {
-    const std::span<const Slot> slots = w.state.rows(w.m.shape_slot);
-    const std::span<const ShapeRow> shapes = w.state.rows(w.m.shape);
-    const BodyInfo& info = w.state.rows(w.m.body_info)[row];
-    const BodyTraits& traits = w.traits_of(info);
-    if (traits.mass_fixed != 0) return;
-    std::vector<MassPart>& parts = w.scratch.mass_parts;
-    parts.clear();
-    for (std::uint32_t slot = info.first_shape; slot != 0; slot = shapes[slots[slot - 1].row].next_shape) {
-        const ShapeRow& shape = shapes[slots[slot - 1].row];
-        if (w.traits_of(shape).sensor == 0)
-            parts.push_back({shapes::mass_properties(solid_of(w, shape), w.traits_of(shape).density),
-                             w.traits_of(shape).local});
-    }
-    std::reverse(parts.begin(), parts.end()); // in order of creation
-    const MassProperties total = combine(parts);
-    const PrincipalGyration principal = principal_gyration(total);
-    BodyMass mass{};
-    mass.center = total.center;
-    mass.gyration = principal.radii;
-    mass.principal = principal.axes;
-    // Without shapes: a ball of 1 kg with a gyration radius of 1 m.
-    if (total.mass == Real{}) {
-        const Real radius = info.kind == BodyKind::dynamic ? Real(1) : reach_of(w, info);
-        mass.gyration = {radius, radius, radius};
-        mass.principal = Quat::identity();
-    }
-    if (info.kind == BodyKind::dynamic) {
-        const Real from_shapes = total.mass == Real{} ? Real(1) : clamp(total.mass, mass_min, mass_max);
-        mass.mass = traits.mass_override != Real{} ? traits.mass_override : from_shapes;
-    }
-    set_mass(w, row, mass);
 }
 
 // ---- bodies and shapes ---------------------------------------------------------------------------------------
@@ -116,16 +51,16 @@ Result<World::Applied> Applier::operator()(const CreateBody& c) {
     Velocity& velocity = w.state.edit_row(w.m.body_velocity, row);
     velocity = {to<Speed>(d.linear_velocity), to<Speed>(d.angular_velocity)};
     solve::drop_locked(velocity, d.locks);
-    wake(w, id);
-    update_mass(w, w.row_of(id));
+    wake(id);
+    update_mass(w, placed, w.row_of(id));
     return Applied{.body = id};
 }
 
 Result<World::Applied> Applier::operator()(const DestroyBody& c) {
-    if (w.row_of(c.body) == Data::dead) return dead_body("destroy_body", c.body);
-    std::uint32_t row = wake(w, c.body);
+    if (w.row_of(c.body) == Model::dead) return dead_body("destroy_body", c.body);
+    std::uint32_t row = wake(c.body);
     while (const std::uint32_t slot = w.state.rows(w.m.body_info)[row].first_shape) remove_shape(row, slot);
-    while (const std::uint32_t slot = w.state.rows(w.m.body_info)[row].first_joint) remove_joint(slot);
+    while (const std::uint32_t slot = w.state.rows(w.m.body_info)[row].first_joint) remove_joint(w, slot);
     remove_character_of(c.body);
     remove_vehicle_of(c.body);
     row = put_to_rest(w, row);
@@ -139,7 +74,7 @@ Result<World::Applied> Applier::operator()(const DestroyBody& c) {
     w.state.edit_row(w.m.body_slot, moved.index - 1).row = row;
     free_slot(w.state, w.m.body_slot, c.body.index, w.edit_header().body_free);
     forget_filters_of(c.body);
-    w.scratch.structure_stale = true;
+    placed.structure_stale = true;
     return Applied{};
 }
 
@@ -163,17 +98,17 @@ static ShapeTraits traits_of(const ShapeDef& d) {
 
 Result<World::Applied> Applier::operator()(const CreateShape& c) {
     std::uint32_t body_row = w.row_of(c.body);
-    if (body_row == Data::dead) return dead_body("create_shape", c.body);
+    if (body_row == Model::dead) return dead_body("create_shape", c.body);
     if (std::string e = check(c.def, w.state.rows(w.m.body_info)[body_row].kind); !e.empty())
         return Error{"create_shape: " + e};
-    if (const Result<shapes::Solid> solid = w.scratch.solids.resolve(c.def.geometry); !solid)
+    if (const Result<shapes::Solid> solid = placed.solids.resolve(c.def.geometry); !solid)
         return Error{"create_shape: " + solid.error().message};
     const std::uint32_t row = w.state.count(w.m.shapes);
     if (row == w.state.rows_max(w.m.shapes))
         return Error{join("create_shape: the world is full: shapes_max is ", row)};
-    body_row = wake(w, c.body);
+    body_row = wake(c.body);
     w.state.make_room({w.m.shape_slots, w.m.shapes}, 1);
-    w.scratch.fit(w.state.capacity(w.m.shape_slots));
+    placed.fit(w.state.capacity(w.m.shape_slots));
     const std::uint32_t index =
         take_slot(w.state, w.m.shape_slots, w.m.shape_slot, w.edit_header().shape_free, row);
     const ShapeId id{index, w.state.rows(w.m.shape_slot)[index - 1].generation};
@@ -184,19 +119,19 @@ Result<World::Applied> Applier::operator()(const CreateShape& c) {
     BodyInfo& info = w.state.edit_row(w.m.body_info, body_row);
     w.state.edit_row(w.m.shape, row) = {id, c.body, c.def.user_key, info.first_shape, shared};
     info.first_shape = index;
-    update_mass(w, body_row);
-    w.scratch.structure_stale = true;
+    update_mass(w, placed, body_row);
+    placed.structure_stale = true;
     return Applied{.shape = id};
 }
 
 Result<World::Applied> Applier::operator()(const DestroyShape& c) {
     const std::uint32_t row = w.row_of(c.shape);
-    if (row == Data::dead) return dead_shape("destroy_shape", c.shape);
+    if (row == Model::dead) return dead_shape("destroy_shape", c.shape);
     if (is_characters_shape(w, c.shape))
         return Error{join("destroy_shape: shape ", text_of(c.shape), " is a character's capsule")};
-    const std::uint32_t body_row = wake(w, w.state.rows(w.m.shape)[row].body);
+    const std::uint32_t body_row = wake(w.state.rows(w.m.shape)[row].body);
     remove_shape(body_row, c.shape.index);
-    update_mass(w, body_row);
+    update_mass(w, placed, body_row);
     return Applied{};
 }
 
@@ -220,17 +155,17 @@ void Applier::remove_shape(std::uint32_t body_row, std::uint32_t slot) {
     remove_row(w.state, w.m.shapes, row);
     w.state.edit_row(w.m.shape_slot, moved.index - 1).row = row;
     free_slot(w.state, w.m.shape_slot, slot, w.edit_header().shape_free);
-    w.scratch.structure_stale = true;
+    placed.structure_stale = true;
 }
 
 Result<World::Applied> Applier::operator()(const SetMass& c) {
     std::uint32_t row = w.row_of(c.body);
-    if (row == Data::dead) return dead_body("set_mass", c.body);
+    if (row == Model::dead) return dead_body("set_mass", c.body);
     if (std::string e = check_changes(c); !e.empty()) return Error{"set_mass: " + e};
     if (c.mass.given != 0 && c.mass.value == Real{}) {
-        row = wake(w, c.body);
+        row = wake(c.body);
         set_mass_fixed(w, row, 0);
-        update_mass(w, row);
+        update_mass(w, placed, row);
         return Applied{};
     }
     if (w.state.rows(w.m.body_info)[row].kind != BodyKind::dynamic)
@@ -247,10 +182,10 @@ Result<World::Applied> Applier::operator()(const SetMass& c) {
         if (std::string e = check_range("gyration", fresh.gyration[i], mass_min, Real(100), " m"); !e.empty())
             return Error{"set_mass: " + e};
     if (std::string e = check_unit("principal", fresh.principal); !e.empty()) return Error{"set_mass: " + e};
-    row = wake(w, c.body);
+    row = wake(c.body);
     set_mass_fixed(w, row, 1);
     set_mass(w, row, {fresh.mass, fresh.center, fresh.gyration, normalized(fresh.principal)});
-    w.scratch.structure_stale = true;
+    placed.structure_stale = true;
     return Applied{};
 }
 

@@ -3,10 +3,10 @@
 
 #include "lockstone/math/math.h"
 #include "model/checks.h"
-#include "play/fluids/parts.h"
+#include "model/sleep.h"
+#include "scene/parts.h"
 #include "shapes/shown_area.h"
 #include "shapes/submerged.h"
-#include "tick/sleep.h"
 
 #include <algorithm>
 
@@ -25,7 +25,7 @@ Result<World::Applied> Applier::operator()(const CreateField& c) {
     const std::uint32_t row = w.state.count(w.m.fields);
     if (row == w.state.rows_max(w.m.fields))
         return Error{join("create_field: the world is full: fields_max is ", row)};
-    wake_all(w);
+    wake_all();
     w.state.make_room({w.m.field_slots, w.m.fields}, 1);
     const std::uint32_t index =
         take_slot(w.state, w.m.field_slots, w.m.field_slot, w.edit_header().field_free, row);
@@ -37,17 +37,17 @@ Result<World::Applied> Applier::operator()(const CreateField& c) {
 
 Result<World::Applied> Applier::operator()(const SetField& c) {
     const std::uint32_t row = w.row_of(c.field);
-    if (row == Data::dead) return dead("set_field", "field", c.field);
+    if (row == Model::dead) return dead("set_field", "field", c.field);
     if (std::string e = check(c.def); !e.empty()) return Error{"set_field: " + e};
-    wake_all(w);
+    wake_all();
     w.state.edit_row(w.m.field, row) = row_of(c.field, c.def);
     return Applied{};
 }
 
 Result<World::Applied> Applier::operator()(const DestroyField& c) {
     const std::uint32_t row = w.row_of(c.field);
-    if (row == Data::dead) return Error{join("destroy_field: field ", text_of(c.field), " is not alive")};
-    wake_all(w);
+    if (row == Model::dead) return Error{join("destroy_field: field ", text_of(c.field), " is not alive")};
+    wake_all();
     const FieldId moved = w.state.rows(w.m.field)[w.state.count(w.m.fields) - 1].id;
     remove_row(w.state, w.m.fields, row);
     w.state.edit_row(w.m.field_slot, moved.index - 1).row = row;
@@ -89,7 +89,7 @@ void add_blast(const ExplosionDef& blast, const shapes::Solid& part, const Trans
     push.angular += cross(pose * shown.center - center, impulse);
 }
 
-Push push_on(Data& w, const ExplosionDef& blast, std::uint32_t row) {
+Push push_on(const Model& w, PlacedShapes& placed, const ExplosionDef& blast, std::uint32_t row) {
     const Transform& pose = w.state.rows(w.m.body_pose)[row];
     const Vec3 center = w.mass_of(row).center;
     const std::span<const Slot> slots = w.state.rows(w.m.shape_slot);
@@ -100,7 +100,7 @@ Push push_on(Data& w, const ExplosionDef& blast, std::uint32_t row) {
         const ShapeRow& shape = shapes[slots[slot - 1].row];
         if (w.traits_of(shape).sensor != 0 || (w.traits_of(shape).category & blast.mask) == 0) continue;
         const Transform local{w.traits_of(shape).local.position - center, w.traits_of(shape).local.rotation};
-        for_each_part(solid_of(w, shape), pose * local,
+        for_each_part(solid_of(w, placed, shape), pose * local,
                       [&](const shapes::Solid& part, const Transform& at, std::size_t) {
                           add_blast(blast, part, at, pose.position, push);
                       });
@@ -119,13 +119,13 @@ Result<World::Applied> Applier::operator()(const Explode& c) {
     std::vector<Hit> hits;
     for (std::uint32_t row = 0; row < w.state.count(w.m.bodies); ++row) {
         if (w.mass_of(row).mass == Real{}) continue;
-        const Push push = push_on(w, c.def, row);
+        const Push push = push_on(w, placed, c.def, row);
         if (push.linear != Vec3{} || push.angular != Vec3{})
             hits.push_back({w.state.rows(w.m.body_info)[row].id, push});
     }
     // Waking moves rows, in the order of the ids wherever the rows were.
     std::sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) { return a.body < b.body; });
-    for (const Hit& hit : hits) push(w, wake(w, hit.body), hit.push.linear, hit.push.angular);
+    for (const Hit& hit : hits) push(w, wake(hit.body), hit.push.linear, hit.push.angular);
     return Applied{};
 }
 

@@ -1,7 +1,7 @@
 // Vehicles come, are driven and go.
 #include "world/commands/applier.h"
 
-#include "tick/sleep.h"
+#include "model/sleep.h"
 
 namespace lockstone::sim {
 
@@ -11,7 +11,7 @@ using base::join;
 namespace {
 
 /// The slot of the vehicle under a body, 0: none.
-std::uint32_t vehicle_of(const Data& w, BodyId body) {
+std::uint32_t vehicle_of(const Model& w, BodyId body) {
     for (const VehicleRow& row : w.state.rows(w.m.vehicle))
         if (row.def.chassis == body) return row.id.index;
     return 0;
@@ -35,7 +35,7 @@ Result<World::Applied> Applier::operator()(const CreateVehicle& c) {
     if (std::string e = validate(c.def); !e.empty()) return Error{"create_vehicle: " + e};
     const BodyId chassis = c.def.chassis;
     const std::uint32_t body = w.row_of(chassis);
-    if (body == Data::dead) return dead_body("create_vehicle", chassis);
+    if (body == Model::dead) return dead_body("create_vehicle", chassis);
     if (w.state.rows(w.m.body_info)[body].kind != BodyKind::dynamic)
         return Error{"create_vehicle: the chassis must be a dynamic body"};
     if (vehicle_of(w, chassis) != 0)
@@ -50,25 +50,25 @@ Result<World::Applied> Applier::operator()(const CreateVehicle& c) {
     w.state.resize(w.m.vehicles, row + 1);
     w.state.edit_row(w.m.vehicle, row) = {id, c.def, VehicleInput{}};
     w.state.edit_row(w.m.vehicle_memory, row) = parked(c.def);
-    wake(w, chassis);
+    wake(chassis);
     return Applied{.vehicle = id};
 }
 
 Result<World::Applied> Applier::operator()(const DestroyVehicle& c) {
     const std::uint32_t row = w.row_of(c.vehicle);
-    if (row == Data::dead) return dead("destroy_vehicle", "vehicle", c.vehicle);
-    wake(w, w.state.rows(w.m.vehicle)[row].def.chassis);
+    if (row == Model::dead) return dead("destroy_vehicle", "vehicle", c.vehicle);
+    wake(w.state.rows(w.m.vehicle)[row].def.chassis);
     remove_vehicle(c.vehicle.index);
     return Applied{};
 }
 
 Result<World::Applied> Applier::operator()(const SetVehicleInput& c) {
     const std::uint32_t row = w.row_of(c.vehicle);
-    if (row == Data::dead) return dead("set_vehicle_input", "vehicle", c.vehicle);
+    if (row == Model::dead) return dead("set_vehicle_input", "vehicle", c.vehicle);
     if (std::string e = validate(c.input); !e.empty()) return Error{"set_vehicle_input: " + e};
     if (w.state.rows(w.m.vehicle)[row].input == c.input) return Applied{}; // a parked car may sleep
     w.state.edit_row(w.m.vehicle, row).input = c.input;
-    wake(w, w.state.rows(w.m.vehicle)[row].def.chassis);
+    wake(w.state.rows(w.m.vehicle)[row].def.chassis);
     return Applied{};
 }
 

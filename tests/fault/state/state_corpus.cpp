@@ -1,6 +1,7 @@
 // The state fuzzer's inputs and mutations of them: any bytes are refused and change nothing, or are a world that ticks on.
 #include "fuzz/corpus.h"
 #include "fuzz/seeds.h"
+#include "lockstone/testing.h"
 
 #include <doctest/doctest.h>
 
@@ -126,7 +127,7 @@ TEST_CASE("state corpus: planted loaders are found out") {
     REQUIRE(complaint(bad, right) == "");
     const auto touches = [&](World& w, const StateInput& in) {
         const Status status = right(w, in);
-        if (!status) w.state_for_tests().edit_bytes(0)[0] ^= std::byte{1};
+        if (!status) testing::state_of(w).edit_bytes(0)[0] ^= std::byte{1};
         return status;
     };
     CHECK(complaint(bad, touches) == "refused, but changed");
@@ -136,12 +137,12 @@ TEST_CASE("state corpus: planted loaders are found out") {
     CHECK(complaint(bad, silent) == "an error does not say what is wrong");
     const auto otherwise = [&](World& w, const StateInput& in) {
         const Status status = right(w, in);
-        if (status) w.state_for_tests().edit_bytes(0)[0] ^= std::byte{1};
+        if (status) testing::state_of(w).edit_bytes(0)[0] ^= std::byte{1};
         return status;
     };
     CHECK(complaint(good, otherwise) == "taken, but the world holds something else");
     const auto trusting = [](World& w, const StateInput& in) {
-        return w.state_for_tests().restore_portable(in.bytes);
+        return testing::state_of(w).restore_portable(in.bytes);
     };
     CHECK(complaint(seed_named("drivers_image_rows"), trusting).find("refused when it was saved") !=
           std::string::npos);

@@ -9,6 +9,7 @@
 #pragma once
 
 #include "fuzz/state_worlds.h"
+#include "lockstone/testing.h"
 #include "state/envelope.h"
 
 #include <charconv>
@@ -165,8 +166,9 @@ inline Subjects& subjects_of(std::size_t base) {
 /// a state that is taken in again.
 inline std::string check_ticks(Subjects& subjects) {
     auto& [w, twin, again] = subjects;
-    using Leftover = World::Leftover;
-    for (const Leftover what : {Leftover::scratch, Leftover::trees, Leftover::pairs}) twin.disturb(what, 17);
+    using Leftover = testing::Leftover;
+    for (const Leftover what : {Leftover::scratch, Leftover::trees, Leftover::pairs})
+        testing::disturb(twin, what, 17);
     for (int tick = 0; tick < 3; ++tick) {
         w.tick(), twin.tick();
         if (w.hash() != twin.hash()) return "two copies part: " + lockstone::test::scene::difference(w, twin);

@@ -1,5 +1,5 @@
 // The ragdoll: masses that add up, joints that hold within their limits, a pose that is taken, nothing left on errors.
-#include "lockstone/ragdoll.h"
+#include "lockstone/play/ragdoll.h"
 #include "support/rigs/joint_scenes.h"
 
 #include <doctest/doctest.h>

@@ -2,7 +2,7 @@
 #include "solve/contacts/contact.h"
 #include "solve/contacts/contact_order.h"
 #include "support/sim_scenes.h"
-#include "tick/phases.h"
+#include "world/data.h"
 
 #include <doctest/doctest.h>
 
@@ -180,13 +180,11 @@ Support support(double degrees) {
     for (int t = 0; t < 120; ++t) w.tick();
     sim::Data d(w.def(), w.schema(), w.assets_shared());
     d.state = w.state();
-    do sim::update_bounds(d), sim::find_pairs(d);
-    while (sim::wake_touched(d));
-    sim::collide(d);
+    sim::tick(d); // one more: its contacts, and what they bore
     const double unit = g / (def.tick_rate * def.substeps);
     Support s{0, 0, 0, 1};
     D3 friction{};
-    for (const solve::Contact& c : d.scratch.contacts) {
+    for (const solve::Contact& c : d.scratch.found.contacts) {
         const solve::Tangents t = solve::tangents_of(c.normal);
         const auto& lever =
             to_double(c.normal.y) > 0 ? &solve::ContactPoint::lever_b : &solve::ContactPoint::lever_a;

@@ -1,4 +1,5 @@
 // Locked axes: whatever gives a body velocity, nothing of it is along or about one.
+#include "lockstone/testing.h"
 #include "support/random.h"
 #include "support/sim_scenes.h"
 #include "world/data.h"
@@ -96,7 +97,7 @@ TEST_CASE("planted fault: a velocity that a state brings along a locked axis is 
     while (layout.columns()[column].name != "body.velocity") ++column;
     solve::Velocity bad{};
     bad.linear.z = Speed(5), bad.angular.x = Speed(2);
-    const auto bytes = w.state_for_tests().edit_bytes(column, 0, 1);
+    const auto bytes = testing::state_of(w).edit_bytes(column, 0, 1);
     std::copy_n(reinterpret_cast<const std::byte*>(&bad), sizeof bad, bytes.begin());
     REQUIRE(velocity(w, b)[2] == 5);
     CHECK(leak_of(w, b, position(w, b), lock_planar_xy).spin == 2);

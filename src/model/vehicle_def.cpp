@@ -2,7 +2,7 @@
 #include "base/text.h"
 #include "lockstone/math/decimal.h"
 #include "lockstone/math/math.h"
-#include "lockstone/vehicle.h"
+#include "lockstone/play/vehicle.h"
 
 #include <algorithm>
 

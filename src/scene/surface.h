@@ -1,7 +1,7 @@
 // What of a shape is touched: the surface of its triangle's or cell's material, or its own.
 #pragma once
 
-#include "world/data.h"
+#include "scene/placed_shapes.h"
 
 namespace lockstone::sim {
 
@@ -16,6 +16,6 @@ inline Touch touch_of(const ShapeTraits& shape, const shapes::Solid& solid, std:
     return {shape.friction, shape.restitution, shape.rolling_resistance, shape.surface_velocity};
 }
 /// Of a living shape whose solid the tick or a query has found.
-SurfacePart part_of(const Data& w, ShapeId shape, std::uint32_t piece);
+SurfacePart part_of(const Model& w, const PlacedShapes& s, ShapeId shape, std::uint32_t piece);
 
 } // namespace lockstone::sim

@@ -1,7 +1,7 @@
 // The state rows of vehicles.
 #pragma once
 
-#include "lockstone/vehicle.h"
+#include "lockstone/play/vehicle.h"
 
 namespace lockstone::sim {
 

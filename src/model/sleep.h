@@ -12,20 +12,24 @@
 // or something awake comes near enough to one to make contact points.
 #pragma once
 
-#include "world/data.h"
+#include "model/model.h"
 
 namespace lockstone::sim {
 
-inline bool is_awake(const Data& w, std::uint32_t body_row) { return body_row < w.header().bodies_awake; }
+inline bool is_awake(const Model& w, std::uint32_t body_row) { return body_row < w.header().bodies_awake; }
 
 /// Wakes a body that a command touches: its island, and what static and kinematic bodies hold up or are joined to. Returns its
 /// row, which may have changed.
-std::uint32_t wake(Data& w, BodyId body);
-void wake_all(Data& w);
+std::uint32_t wake(Model& w, BodyId body);
+void wake_all(Model& w);
+/// The islands of resting bodies that something awake touches.
+void wake_islands(Model& w, std::span<const BodyId> bodies);
 /// Takes a row to the resting ones, as the first step of removing it. Returns the row it has then.
-std::uint32_t put_to_rest(Data& w, std::uint32_t body_row);
-std::uint32_t put_joint_to_rest(Data& w, std::uint32_t joint_row);
+std::uint32_t put_to_rest(Model& w, std::uint32_t body_row);
+std::uint32_t put_joint_to_rest(Model& w, std::uint32_t joint_row);
 /// A joint that was made between two bodies that were just woken.
-void wake_joint(Data& w, std::uint32_t joint_row);
+void wake_joint(Model& w, std::uint32_t joint_row);
+/// Contacts of which no body is awake any more leave the table that a tick works on.
+void rest_contacts(Model& w);
 
 } // namespace lockstone::sim

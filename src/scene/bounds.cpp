@@ -1,6 +1,7 @@
 // Where shapes are: world poses, how far ahead their contacts reach, their bounds in the broad phase.
-#include "tick/phases.h"
-#include "tick/sleep.h"
+#include "base/parallel.h"
+#include "model/sleep.h"
+#include "scene/placed_shapes.h"
 
 #include "base/assert.h"
 #include "lockstone/math/math.h"
@@ -29,7 +30,7 @@ Length margin_of(Length inner, const BodyInfo& info, const Velocity& velocity, s
 }
 
 /// Where a shape is whose solid is known. Writes nothing but `at`.
-void place(const Data& w, const ShapeRow& shape, std::uint32_t body_row, Scratch::Shape& at) {
+void place(const Model& w, const ShapeRow& shape, std::uint32_t body_row, PlacedShapes::Shape& at) {
     const Config& config = w.state.rows(w.m.config)[0];
     const BodyInfo& info = w.state.rows(w.m.body_info)[body_row];
     at.pose = shape_pose(w.traits_of(shape), w.state.rows(w.m.body_pose)[body_row], w.traits_of(info).mass);
@@ -43,10 +44,9 @@ void place(const Data& w, const ShapeRow& shape, std::uint32_t body_row, Scratch
 }
 
 /// Tells the broad phase. Shapes of what rests lie in its still tree; no two of them meet.
-void hand_over(Data& w, const ShapeRow& shape, std::uint32_t body_row) {
-    Scratch& s = w.scratch;
+void hand_over(const Model& w, PlacedShapes& s, const ShapeRow& shape, std::uint32_t body_row) {
     const std::uint32_t slot = shape.id.index - 1;
-    Scratch::Shape& at = s.shape[slot];
+    PlacedShapes::Shape& at = s.shape[slot];
     at.rests = !is_awake(w, body_row);
     if (at.solid.geometry.kind == ShapeKind::plane) {
         // Before a restore this slot and generation may have held a shape with bounds.
@@ -62,26 +62,26 @@ void hand_over(Data& w, const ShapeRow& shape, std::uint32_t body_row) {
     at.resting_center = w.mass_of(body_row).center;
 }
 
-void set_proxy(Data& w, const ShapeRow& shape, std::uint32_t body_row) {
-    Scratch::Shape& at = w.scratch.shape[shape.id.index - 1];
+void set_proxy(const Model& w, PlacedShapes& s, const ShapeRow& shape, std::uint32_t body_row) {
+    PlacedShapes::Shape& at = s.shape[shape.id.index - 1];
     at.rests = false;
-    solid_of(w, shape);
+    solid_of(w, s, shape);
     place(w, shape, body_row, at);
-    hand_over(w, shape, body_row);
+    hand_over(w, s, shape, body_row);
 }
 
 /// As set_proxy, when the shape has not lain there since before.
-void set_resting_proxy(Data& w, const ShapeRow& shape, std::uint32_t body_row) {
-    const Scratch::Shape& at = w.scratch.shape[shape.id.index - 1];
-    const bool is_there = at.rests && w.scratch.proxy_generation[shape.id.index - 1] == shape.id.generation &&
+void set_resting_proxy(const Model& w, PlacedShapes& s, const ShapeRow& shape, std::uint32_t body_row) {
+    const PlacedShapes::Shape& at = s.shape[shape.id.index - 1];
+    const bool is_there = at.rests && s.proxy_generation[shape.id.index - 1] == shape.id.generation &&
                           at.solid.geometry == w.traits_of(shape).geometry &&
                           at.resting_local == w.traits_of(shape).local &&
                           at.resting_at == w.state.rows(w.m.body_pose)[body_row] &&
                           at.resting_center == w.mass_of(body_row).center;
-    if (!is_there) set_proxy(w, shape, body_row);
+    if (!is_there) set_proxy(w, s, shape, body_row);
 }
 
-template <class Visit> void for_each_shape(const Data& w, std::uint32_t body_row, Visit&& visit) {
+template <class Visit> void for_each_shape(const Model& w, std::uint32_t body_row, Visit&& visit) {
     const std::span<const Slot> slots = w.state.rows(w.m.shape_slot);
     const std::span<const ShapeRow> shapes = w.state.rows(w.m.shape);
     for (std::uint32_t slot = w.state.rows(w.m.body_info)[body_row].first_shape; slot != 0;) {
@@ -95,35 +95,33 @@ constexpr std::uint32_t bodies_per_chunk = 32;
 
 /// Where the shapes of the awake bodies are, by workers; then the broad phase hears of it, by one and in order. A solid that
 /// is not known is found then too: finding one changes what all share.
-void update_awake(Data& w) {
+void update_awake(const Model& w, PlacedShapes& s, Tasks* tasks) {
     const std::uint32_t awake = w.header().bodies_awake;
-    const Data& world = w;
-    base::for_chunks(w.tasks, awake, bodies_per_chunk,
+    base::for_chunks(tasks, awake, bodies_per_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
                          for (std::uint32_t row = first; row < last; ++row)
-                             for_each_shape(world, row, [&](const ShapeRow& shape) {
-                                 Scratch::Shape& at = w.scratch.shape[shape.id.index - 1];
+                             for_each_shape(w, row, [&](const ShapeRow& shape) {
+                                 PlacedShapes::Shape& at = s.shape[shape.id.index - 1];
                                  at.is_placed = at.solid.geometry == w.traits_of(shape).geometry;
-                                 if (at.is_placed) place(world, shape, row, at);
+                                 if (at.is_placed) place(w, shape, row, at);
                              });
                      });
     for (std::uint32_t row = 0; row < awake; ++row)
         for_each_shape(w, row, [&](const ShapeRow& shape) {
-            if (w.scratch.shape[shape.id.index - 1].is_placed)
-                hand_over(w, shape, row);
+            if (s.shape[shape.id.index - 1].is_placed)
+                hand_over(w, s, shape, row);
             else
-                set_proxy(w, shape, row);
+                set_proxy(w, s, shape, row);
         });
 }
 
-bool is_living_plane(const Data& w, std::uint32_t slot) {
+bool is_living_plane(const Model& w, std::uint32_t slot) {
     const std::span<const Slot> slots = w.state.rows(w.m.shape_slot);
     return slot < slots.size() && slots[slot].is_alive() &&
            w.traits_of(w.state.rows(w.m.shape)[slots[slot].row]).geometry.kind == ShapeKind::plane;
 }
 
-void drop_if_dead(Data& w, std::uint32_t slot) {
-    Scratch& s = w.scratch;
+void drop_if_dead(const Model& w, PlacedShapes& s, std::uint32_t slot) {
     if (s.proxy_generation[slot] == 0) return;
     const std::span<const Slot> slots = w.state.rows(w.m.shape_slot);
     if (slot < slots.size() && slots[slot].is_alive() && slots[slot].generation == s.proxy_generation[slot])
@@ -132,59 +130,70 @@ void drop_if_dead(Data& w, std::uint32_t slot) {
     s.proxy_generation[slot] = 0;
 }
 
-void set_resting_proxies(Data& w, std::uint32_t first_body, std::uint32_t end_body) {
+void set_resting_proxies(const Model& w, PlacedShapes& s, std::uint32_t first_body, std::uint32_t end_body) {
     for (std::uint32_t row = std::max(first_body, w.header().bodies_awake); row < end_body; ++row)
-        for_each_shape(w, row, [&](const ShapeRow& shape) { set_resting_proxy(w, shape, row); });
+        for_each_shape(w, row, [&](const ShapeRow& shape) { set_resting_proxy(w, s, shape, row); });
 }
 
 /// A shape that may not have been there before.
-void meet_shape(Data& w, const ShapeRow& shape) {
-    std::vector<std::uint32_t>& planes = w.scratch.planes;
+void meet_shape(const Model& w, PlacedShapes& s, const ShapeRow& shape) {
+    std::vector<std::uint32_t>& planes = s.planes;
     const std::uint32_t slot = shape.id.index - 1, body_row = w.row_of(shape.body);
     if (w.traits_of(shape).geometry.kind == ShapeKind::plane) {
         const auto at = std::lower_bound(planes.begin(), planes.end(), slot);
         if (at == planes.end() || *at != slot) planes.insert(at, slot);
     }
-    if (!is_awake(w, body_row)) set_resting_proxy(w, shape, body_row);
+    if (!is_awake(w, body_row)) set_resting_proxy(w, s, shape, body_row);
 }
 
 /// Proxies of what rests, and the planes, after anything may have happened to the state. Where the pages of a shape and of
 /// its body are those of the last time, and the body rested then too, its proxy is right: what made it has not changed.
-void update_resting(Data& w) {
-    Scratch& s = w.scratch;
+void update_resting(const Model& w, PlacedShapes& s) {
     const State& state = w.state;
     const std::uint32_t slots_before = state.take_changes(w.m.shape_slot.index, s.proxies_of, s.changed);
     for (const RowRange& range : s.changed)
-        for (std::uint32_t slot = range.first; slot < range.end; ++slot) drop_if_dead(w, slot);
+        for (std::uint32_t slot = range.first; slot < range.end; ++slot) drop_if_dead(w, s, slot);
     for (std::uint32_t slot = state.count(w.m.shape_slots); slot < slots_before; ++slot)
-        drop_if_dead(w, slot);
+        drop_if_dead(w, s, slot);
     std::erase_if(s.planes, [&](std::uint32_t slot) { return !is_living_plane(w, slot); });
 
     state.take_changes(w.m.shape.index, s.proxies_of, s.changed);
     for (const RowRange& range : s.changed)
         for (std::uint32_t row = range.first; row < range.end; ++row)
-            meet_shape(w, state.rows(w.m.shape)[row]);
+            meet_shape(w, s, state.rows(w.m.shape)[row]);
     for (const std::uint32_t column : {w.m.body_info.index, w.m.body_pose.index}) {
         state.take_changes(column, s.proxies_of, s.changed);
-        for (const RowRange& range : s.changed) set_resting_proxies(w, range.first, range.end);
+        for (const RowRange& range : s.changed) set_resting_proxies(w, s, range.first, range.end);
     }
     // Awake then, and now not: the pages may be those of an earlier time.
-    set_resting_proxies(w, w.header().bodies_awake, std::min(s.awake_before, state.count(w.m.bodies)));
+    set_resting_proxies(w, s, w.header().bodies_awake, std::min(s.awake_before, state.count(w.m.bodies)));
     for (const std::uint32_t slot : s.solids_replaced)
         if (slot < state.count(w.m.shape_slots) && state.rows(w.m.shape_slot)[slot].is_alive())
-            meet_shape(w, state.rows(w.m.shape)[state.rows(w.m.shape_slot)[slot].row]);
+            meet_shape(w, s, state.rows(w.m.shape)[state.rows(w.m.shape_slot)[slot].row]);
     s.solids_replaced.clear();
 }
 
 /// The same when nothing that rests has changed: only what is awake, and who is.
-void pass_over_changes(Data& w) {
-    Scratch& s = w.scratch;
+void pass_over_changes(const Model& w, PlacedShapes& s) {
     for (const std::uint32_t column :
          {w.m.shape_slot.index, w.m.shape.index, w.m.body_info.index, w.m.body_pose.index})
         w.state.take_changes(column, s.proxies_of, s.changed);
 }
 
 } // namespace
+
+void PlacedShapes::fit(std::uint32_t shape_slots) {
+    if (shape_slots <= shape.size()) return;
+    shape.reserve(shape_slots), shape.resize(shape_slots); // no more than that: the state grows in steps
+    proxy_generation.reserve(shape_slots), proxy_generation.resize(shape_slots, 0);
+    broad_phase.grow(shape_slots);
+}
+
+void PlacedShapes::reserve(std::uint32_t shape_slots) {
+    fit(shape_slots);
+    broad_phase.reserve(shape_slots);
+    solids_replaced.reserve(shape_slots);
+}
 
 Length ahead_of(SpeedVec3 velocity, std::uint32_t tick_rate) {
     const auto size = [](Speed s) { return static_cast<std::int64_t>(magnitude(s.raw)); };
@@ -199,12 +208,12 @@ Length ahead_of(SpeedVec3 velocity, std::uint32_t tick_rate) {
         margin_base.raw * static_cast<std::int64_t>(std::bit_ceil(static_cast<std::uint64_t>(steps)))));
 }
 
-const shapes::Solid& solid_of(Data& w, const ShapeRow& shape) {
-    Scratch::Shape& at = w.scratch.shape[shape.id.index - 1];
+const shapes::Solid& solid_of(const Model& w, PlacedShapes& s, const ShapeRow& shape) {
+    PlacedShapes::Shape& at = s.shape[shape.id.index - 1];
     if (at.solid.geometry == w.traits_of(shape).geometry) return at.solid;
-    Result<shapes::Solid> solid = w.scratch.solids.resolve(w.traits_of(shape).geometry);
+    Result<shapes::Solid> solid = s.solids.resolve(w.traits_of(shape).geometry);
     LOCKSTONE_ASSERT(solid.ok(), "shape ", shape.id.index, ": ", solid.ok() ? "" : solid.error().message);
-    if (at.rests) w.scratch.solids_replaced.push_back(shape.id.index - 1);
+    if (at.rests) s.solids_replaced.push_back(shape.id.index - 1);
     at.rests = false; // its bounds are of the other solid
     at.solid = *solid;
     at.reach = at.solid.geometry.kind == ShapeKind::plane ? Coordinate{} : shapes::reach_of(at.solid);
@@ -212,16 +221,15 @@ const shapes::Solid& solid_of(Data& w, const ShapeRow& shape) {
     return at.solid;
 }
 
-void update_bounds(Data& w) {
-    Scratch& s = w.scratch;
+void update_bounds(const Model& w, PlacedShapes& s, Tasks* tasks) {
     s.fit(w.state.capacity(w.m.shape_slots));
     if (s.structure_stale)
-        update_resting(w);
+        update_resting(w, s);
     else
-        pass_over_changes(w);
-    s.structure_stale = false;
+        pass_over_changes(w, s);
+    s.structure_stale = false, s.is_current = true;
     s.awake_before = w.header().bodies_awake;
-    update_awake(w);
+    update_awake(w, s, tasks);
 }
 
 } // namespace lockstone::sim

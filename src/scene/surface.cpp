@@ -1,4 +1,4 @@
-#include "model/surface.h"
+#include "scene/surface.h"
 
 #include "shapes/mesh/surfaces.h"
 
@@ -10,8 +10,8 @@ Touch touch_of_piece(const ShapeTraits& shape, const shapes::Solid& solid, std::
     return {shape.friction, shape.restitution, shape.rolling_resistance, shape.surface_velocity};
 }
 
-SurfacePart part_of(const Data& w, ShapeId shape, std::uint32_t piece) {
-    const shapes::Piece p = shapes::piece_of(w.scratch.shape[shape.index - 1].solid, piece);
+SurfacePart part_of(const Model& w, const PlacedShapes& s, ShapeId shape, std::uint32_t piece) {
+    const shapes::Piece p = shapes::piece_of(s.shape[shape.index - 1].solid, piece);
     return {p.source,
             p.material != 0 ? p.material : w.traits_of(w.state.rows(w.m.shape)[w.row_of(shape)]).material};
 }

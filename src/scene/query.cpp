@@ -1,54 +1,49 @@
-// The queries of a world. They bring the tick's caches (poses, bounds, the broad phase) up to the state, which changes nothing
+// The queries of a world. They bring poses, bounds and the broad phase up to the state, which changes nothing
 // that a tick could see, and ask src/collide.
-#include "base/assert.h"
+#include "scene/query.h"
+
 #include "collide/query/cast_line.h"
 #include "lockstone/math/math.h"
-#include "model/surface.h"
-#include "tick/phases.h"
-#include "world/world_impl.h"
+#include "scene/surface.h"
 
 #include <algorithm>
 #include <array>
 #include <tuple>
 
-namespace lockstone {
-namespace sim {
+namespace lockstone::sim {
+
 namespace {
 
-void refresh(Data& w) {
-    QueryScratch& q = w.scratch.query;
-    const Header& h = w.header();
-    if (!w.scratch.structure_stale && q.is_fresh && q.tick == h.tick && q.commands == h.commands) return;
-    update_bounds(w);
-    w.scratch.broad_phase.update_trees();
-    q.is_fresh = true;
-    q.tick = h.tick;
-    q.commands = h.commands;
+void refresh(const Scene& scene) {
+    if (scene.placed.structure_stale || !scene.placed.is_current)
+        update_bounds(scene.model, scene.placed, scene.tasks);
+    scene.placed.broad_phase.update_trees();
 }
 
 /// One who asks: over fresh caches, which nobody changes meanwhile, and with memory of its own.
 class Asking {
   public:
-    explicit Asking(Data& world) : w(world) {
-        const base::Holds holds(w.scratch.query.lock);
-        refresh(w);
-        std::vector<std::unique_ptr<QueryWork>>& idle = w.scratch.query.idle;
-        if (idle.empty()) idle.push_back(std::make_unique<QueryWork>());
-        work = std::move(idle.back());
-        idle.pop_back();
+    explicit Asking(const Scene& scene) : w(scene.model), placed(scene.placed), query(scene.query) {
+        const base::Holds holds(query.lock);
+        refresh(scene);
+        if (query.idle.empty()) query.idle.push_back(std::make_unique<QueryWork>());
+        work = std::move(query.idle.back());
+        query.idle.pop_back();
     }
     ~Asking() {
-        const base::Holds holds(w.scratch.query.lock);
-        w.scratch.query.idle.push_back(std::move(work));
+        const base::Holds holds(query.lock);
+        query.idle.push_back(std::move(work));
     }
     Asking(const Asking&) = delete;
     Asking& operator=(const Asking&) = delete;
 
-    Data& w;
+    const Model& w;
+    const PlacedShapes& placed;
+    QueryScratch& query;
     std::unique_ptr<QueryWork> work;
 };
 
-bool is_seen(const Data& w, const ShapeRow& shape, const QueryFilter& filter) {
+bool is_seen(const Model& w, const ShapeRow& shape, const QueryFilter& filter) {
     const ShapeTraits& traits = w.traits_of(shape);
     if (traits.sensor != 0 && filter.sensors == 0) return false;
     if ((filter.category & traits.mask) == 0 || (filter.mask & traits.category) == 0) return false;
@@ -57,7 +52,7 @@ bool is_seen(const Data& w, const ShapeRow& shape, const QueryFilter& filter) {
     return (filter.kinds >> static_cast<std::uint32_t>(kind) & 1u) != 0;
 }
 
-const ShapeRow& row_of_slot(const Data& w, std::uint32_t slot) {
+const ShapeRow& row_of_slot(const Model& w, std::uint32_t slot) {
     return w.state.rows(w.m.shape)[w.state.rows(w.m.shape_slot)[slot].row];
 }
 
@@ -83,9 +78,9 @@ bool make_cast(Vec3 from, Vec3 way, Cast& out) {
 }
 
 /// A solid that can be cast, or asked about; false otherwise.
-bool find_solid(Data& w, const Geometry& geometry, shapes::Solid& out) {
-    const base::Holds holds(w.scratch.query.lock); // scaled hulls are kept
-    const Result<shapes::Solid> solid = w.scratch.solids.resolve(geometry);
+bool find_solid(const Scene& scene, const Geometry& geometry, shapes::Solid& out) {
+    const base::Holds holds(scene.query.lock); // scaled hulls are kept
+    const Result<shapes::Solid> solid = scene.placed.solids.resolve(geometry);
     if (!solid || solid->geometry.kind >= ShapeKind::height_field) return false;
     out = *solid;
     return true;
@@ -98,7 +93,7 @@ Transform plane_below(const Transform& plane, Vec3 point) {
     return {point - scale<Real>(n, height), plane.rotation};
 }
 
-QueryHit world_hit(const Data& w, const ShapeRow& shape, const Transform& frame, const Rotation& axes,
+QueryHit world_hit(const Asking& asking, const ShapeRow& shape, const Transform& frame, const Rotation& axes,
                    const collide::CastHit& hit) {
     QueryHit out{};
     out.shape = shape.id;
@@ -106,7 +101,7 @@ QueryHit world_hit(const Data& w, const ShapeRow& shape, const Transform& frame,
     out.point = frame.position + lockstone::mul<Real>(axes, hit.point);
     out.normal = lockstone::mul<Unit>(axes, hit.normal);
     out.feature = hit.feature;
-    out.part = part_of(w, shape.id, hit.feature);
+    out.part = part_of(asking.w, asking.placed, shape.id, hit.feature);
     return out;
 }
 
@@ -114,7 +109,7 @@ QueryHit world_hit(const Data& w, const ShapeRow& shape, const Transform& frame,
 /// Returns whether they meet.
 bool cast_at(const Asking& asking, const Cast& cast, const ShapeRow& shape, QueryHit& out) {
     collide::NarrowScratch& narrow = asking.work->narrow;
-    const Scratch::Shape& at = asking.w.scratch.shape[shape.id.index - 1];
+    const PlacedShapes::Shape& at = asking.placed.shape[shape.id.index - 1];
     const bool is_plane = asking.w.traits_of(shape).geometry.kind == ShapeKind::plane;
     const Transform frame = is_plane ? plane_below(at.pose, cast.from) : at.pose;
     collide::Line line{};
@@ -140,7 +135,7 @@ bool cast_at(const Asking& asking, const Cast& cast, const ShapeRow& shape, Quer
             is_ball ? Rotation::identity() : to_rotation(conjugate(frame.rotation) * cast.rotation);
         if (!collide::cast_shape(at.solid, *cast.solid, {turned, from}, way, narrow, hit)) return false;
     }
-    out = world_hit(asking.w, shape, frame, axes, hit);
+    out = world_hit(asking, shape, frame, axes, hit);
     const std::int64_t travelled = std::min(span.enter_30 + (hit.distance.raw << 6), line.length_30);
     out.distance = Real::from_raw(travelled << 2);
     if (line.length_30 != 0)
@@ -159,7 +154,7 @@ Vector3<Bound> bound_below(Vec3 p, int shift) {
 }
 
 /// A moving box's bounds at both ends.
-collide::SweptBox swept_box(const Data& w, const Cast& cast) {
+collide::SweptBox swept_box(const Model& w, const Cast& cast) {
     const int shift = static_cast<int>(w.state.rows(w.m.config)[0].bounds_shift);
     if (cast.solid != nullptr)
         return {collide::bounds_of(*cast.solid, {cast.from, cast.rotation}, Length{}, shift),
@@ -173,7 +168,7 @@ collide::SweptBox swept_box(const Data& w, const Cast& cast) {
 
 /// The shapes whose bounds a cast may meet, into near.
 void find_near(const Asking& asking, const Cast& cast) {
-    const Scratch& s = asking.w.scratch;
+    const PlacedShapes& s = asking.placed;
     collide::BroadPhase::Asker& near = asking.work->near;
     s.broad_phase.query(swept_box(asking.w, cast), near);
     near.proxies.insert(near.proxies.end(), s.planes.begin(), s.planes.end());
@@ -181,7 +176,7 @@ void find_near(const Asking& asking, const Cast& cast) {
 
 /// The same for several casts of solids: what the box around all of them meets.
 void find_near(const Asking& asking, std::span<const Cast> casts) {
-    const Scratch& s = asking.w.scratch;
+    const PlacedShapes& s = asking.placed;
     Vec3 lower = casts[0].from, upper = lower;
     for (const Cast& cast : casts) {
         const Real reach = to<Real>(cast.reach);
@@ -198,15 +193,15 @@ void find_near(const Asking& asking, std::span<const Cast> casts) {
 
 /// What of near a cast may meet, by where the balls of the shapes begin, then by slot.
 void find_candidates(const Asking& asking, const Cast& cast, const QueryFilter& filter) {
-    const Data& w = asking.w;
-    const Scratch& s = w.scratch;
+    const Model& w = asking.w;
+    const PlacedShapes& s = asking.placed;
     QueryWork& q = *asking.work;
     q.candidates.clear();
     for (const std::uint32_t slot : q.near.proxies) {
         const ShapeRow& shape = row_of_slot(w, slot);
         if (!is_seen(w, shape, filter)) continue;
         std::int64_t enter = 0;
-        const Scratch::Shape& at = s.shape[slot];
+        const PlacedShapes::Shape& at = s.shape[slot];
         if (w.traits_of(shape).geometry.kind != ShapeKind::plane) {
             const collide::Long3 center = collide::raw(to<Coordinate>(at.pose.position - cast.from));
             const collide::Span span =
@@ -236,8 +231,8 @@ void for_each_hit_near(const Asking& asking, const Cast& cast, const QueryFilter
     }
 }
 template <class Visit>
-void for_each_hit(Data& w, const Cast& cast, const QueryFilter& filter, Visit&& visit) {
-    const Asking asking(w);
+void for_each_hit(const Scene& scene, const Cast& cast, const QueryFilter& filter, Visit&& visit) {
+    const Asking asking(scene);
     find_near(asking, cast);
     for_each_hit_near(asking, cast, filter, visit);
 }
@@ -251,32 +246,32 @@ std::optional<QueryHit> first_hit(const Asking& asking, const Cast& cast, const 
     });
     return first;
 }
-std::optional<QueryHit> first_hit(Data& w, const Cast& cast, const QueryFilter& filter) {
-    const Asking asking(w);
+std::optional<QueryHit> first_hit(const Scene& scene, const Cast& cast, const QueryFilter& filter) {
+    const Asking asking(scene);
     find_near(asking, cast);
     return first_hit(asking, cast, filter);
 }
 
-bool any_hit(Data& w, const Cast& cast, const QueryFilter& filter) {
+bool any_hit(const Scene& scene, const Cast& cast, const QueryFilter& filter) {
     bool found = false;
-    for_each_hit(w, cast, filter, [&](const QueryHit&) {
+    for_each_hit(scene, cast, filter, [&](const QueryHit&) {
         found = true;
         return -(std::int64_t{1} << 60);
     });
     return found;
 }
 
-void all_hits(Data& w, const Cast& cast, const QueryFilter& filter, std::vector<QueryHit>& hits) {
-    for_each_hit(w, cast, filter, [&](const QueryHit& hit) {
+void all_hits(const Scene& scene, const Cast& cast, const QueryFilter& filter, std::vector<QueryHit>& hits) {
+    for_each_hit(scene, cast, filter, [&](const QueryHit& hit) {
         hits.push_back(hit);
         return std::int64_t{1} << 60;
     });
     std::sort(hits.begin(), hits.end());
 }
 
-bool make_shape_cast(Data& w, const Geometry& geometry, const Transform& pose, Vec3 way, shapes::Solid& solid,
-                     Cast& out) {
-    if (!find_solid(w, geometry, solid) || !make_cast(pose.position, way, out)) return false;
+bool make_shape_cast(const Scene& scene, const Geometry& geometry, const Transform& pose, Vec3 way,
+                     shapes::Solid& solid, Cast& out) {
+    if (!find_solid(scene, geometry, solid) || !make_cast(pose.position, way, out)) return false;
     out.solid = &solid;
     out.rotation = normalized(pose.rotation);
     out.reach = shapes::reach_of(solid);
@@ -286,7 +281,7 @@ bool make_shape_cast(Data& w, const Geometry& geometry, const Transform& pose, V
 /// Nearest points of a living shape and a solid without triangles at a pose.
 bool nearest_of(const Asking& asking, const ShapeRow& shape, const shapes::Solid& solid,
                 const Transform& pose, Real limit, QueryHit& hit, Vec3& on_other) {
-    const Scratch::Shape& at = asking.w.scratch.shape[shape.id.index - 1];
+    const PlacedShapes::Shape& at = asking.placed.shape[shape.id.index - 1];
     const bool is_plane = asking.w.traits_of(shape).geometry.kind == ShapeKind::plane;
     const Transform frame = is_plane ? plane_below(at.pose, pose.position) : at.pose;
     const collide::RelativePose relative =
@@ -303,7 +298,7 @@ bool nearest_of(const Asking& asking, const ShapeRow& shape, const shapes::Solid
     local.point = nearest.on_a;
     local.normal = nearest.normal;
     local.feature = nearest.feature_a;
-    hit = world_hit(asking.w, shape, frame, at.axes, local);
+    hit = world_hit(asking, shape, frame, at.axes, local);
     hit.distance = to<Real>(nearest.distance);
     on_other = frame.position + lockstone::mul<Real>(at.axes, nearest.on_b);
     return true;
@@ -313,8 +308,8 @@ bool nearest_of(const Asking& asking, const ShapeRow& shape, const shapes::Solid
 template <class Visit>
 void for_each_near(const Asking& asking, const shapes::Solid& solid, const Transform& pose, Real limit,
                    const QueryFilter& filter, Visit&& visit) {
-    const Data& w = asking.w;
-    const Scratch& s = w.scratch;
+    const Model& w = asking.w;
+    const PlacedShapes& s = asking.placed;
     std::vector<std::uint32_t>& slots = asking.work->near.proxies;
     const int shift = static_cast<int>(w.state.rows(w.m.config)[0].bounds_shift);
     const collide::Bounds tight = collide::bounds_of(solid, pose, Length{}, shift);
@@ -343,21 +338,21 @@ std::optional<QueryHit> nearest_shape(const Asking& asking, const shapes::Solid&
 
 } // namespace
 
-std::optional<QueryHit> cast_ray(Data& w, const Ray& ray, const QueryFilter& filter) {
+std::optional<QueryHit> cast_ray(const Scene& scene, const Ray& ray, const QueryFilter& filter) {
     Cast cast{};
     if (!make_cast(ray.from, ray.translation, cast)) return std::nullopt;
-    return first_hit(w, cast, filter);
+    return first_hit(scene, cast, filter);
 }
 
-std::optional<QueryHit> cast_shape(Data& w, const Geometry& geometry, const Transform& pose, Vec3 translation,
-                                   const QueryFilter& filter) {
+std::optional<QueryHit> cast_shape(const Scene& scene, const Geometry& geometry, const Transform& pose,
+                                   Vec3 translation, const QueryFilter& filter) {
     Cast cast{};
     shapes::Solid solid{};
-    if (!make_shape_cast(w, geometry, pose, translation, solid, cast)) return std::nullopt;
-    return first_hit(w, cast, filter);
+    if (!make_shape_cast(scene, geometry, pose, translation, solid, cast)) return std::nullopt;
+    return first_hit(scene, cast, filter);
 }
 
-void cast_balls(Data& w, std::span<const BallCast> balls, const QueryFilter& filter,
+void cast_balls(const Scene& scene, std::span<const BallCast> balls, const QueryFilter& filter,
                 std::span<std::optional<QueryHit>> hits) {
     std::array<shapes::Solid, balls_max> solids;
     std::array<Cast, balls_max> casts;
@@ -369,7 +364,7 @@ void cast_balls(Data& w, std::span<const BallCast> balls, const QueryFilter& fil
         const bool is_known = count > 0 && ball.radius == balls[index[count - 1]].radius;
         if (is_known)
             solids[count] = solids[count - 1];
-        else if (!find_solid(w, sphere(ball.radius), solids[count]))
+        else if (!find_solid(scene, sphere(ball.radius), solids[count]))
             continue;
         if (!make_cast(ball.from, ball.way, casts[count])) continue;
         casts[count].solid = &solids[count];
@@ -377,96 +372,77 @@ void cast_balls(Data& w, std::span<const BallCast> balls, const QueryFilter& fil
         index[count++] = i;
     }
     if (count == 0) return;
-    const Asking asking(w);
+    const Asking asking(scene);
     find_near(asking, std::span(casts).first(count));
     for (std::size_t k = 0; k < count; ++k) hits[index[k]] = first_hit(asking, casts[k], filter);
 }
 
-} // namespace sim
-
-std::optional<QueryHit> World::cast_ray(const Ray& ray, const QueryFilter& filter) const {
-    return sim::cast_ray(*impl, ray, filter);
+bool cast_ray_any(const Scene& scene, const Ray& ray, const QueryFilter& filter) {
+    Cast cast{};
+    return make_cast(ray.from, ray.translation, cast) && any_hit(scene, cast, filter);
 }
 
-bool World::cast_ray_any(const Ray& ray, const QueryFilter& filter) const {
-    sim::Cast cast{};
-    return sim::make_cast(ray.from, ray.translation, cast) && sim::any_hit(*impl, cast, filter);
+void cast_ray_all(const Scene& scene, const Ray& ray, const QueryFilter& filter,
+                  std::vector<QueryHit>& hits) {
+    Cast cast{};
+    if (make_cast(ray.from, ray.translation, cast)) all_hits(scene, cast, filter, hits);
 }
 
-void World::cast_ray_all(const Ray& ray, const QueryFilter& filter, std::vector<QueryHit>& hits) const {
-    hits.clear();
-    sim::Cast cast{};
-    if (sim::make_cast(ray.from, ray.translation, cast)) sim::all_hits(*impl, cast, filter, hits);
-}
-
-void World::cast_rays(std::span<const Ray> rays, const QueryFilter& filter,
-                      std::span<std::optional<QueryHit>> hits) const {
-    for (std::size_t i = 0; i < std::min(rays.size(), hits.size()); ++i) hits[i] = cast_ray(rays[i], filter);
-}
-
-std::optional<QueryHit> World::cast_shape(const Geometry& geometry, const Transform& pose, Vec3 translation,
-                                          const QueryFilter& filter) const {
-    return sim::cast_shape(*impl, geometry, pose, translation, filter);
-}
-
-bool World::cast_shape_any(const Geometry& geometry, const Transform& pose, Vec3 translation,
-                           const QueryFilter& filter) const {
-    sim::Cast cast{};
+bool cast_shape_any(const Scene& scene, const Geometry& geometry, const Transform& pose, Vec3 translation,
+                    const QueryFilter& filter) {
+    Cast cast{};
     shapes::Solid solid{};
-    return sim::make_shape_cast(*impl, geometry, pose, translation, solid, cast) &&
-           sim::any_hit(*impl, cast, filter);
+    return make_shape_cast(scene, geometry, pose, translation, solid, cast) && any_hit(scene, cast, filter);
 }
 
-void World::cast_shape_all(const Geometry& geometry, const Transform& pose, Vec3 translation,
-                           const QueryFilter& filter, std::vector<QueryHit>& hits) const {
-    hits.clear();
-    sim::Cast cast{};
+void cast_shape_all(const Scene& scene, const Geometry& geometry, const Transform& pose, Vec3 translation,
+                    const QueryFilter& filter, std::vector<QueryHit>& hits) {
+    Cast cast{};
     shapes::Solid solid{};
-    if (sim::make_shape_cast(*impl, geometry, pose, translation, solid, cast))
-        sim::all_hits(*impl, cast, filter, hits);
+    if (make_shape_cast(scene, geometry, pose, translation, solid, cast)) all_hits(scene, cast, filter, hits);
 }
 
-void World::overlap(const Geometry& geometry, const Transform& pose, const QueryFilter& filter,
-                    std::vector<ShapeId>& shapes) const {
-    shapes.clear();
+void overlap(const Scene& scene, const Geometry& geometry, const Transform& pose, const QueryFilter& filter,
+             std::vector<ShapeId>& shapes) {
     shapes::Solid solid{};
-    if (!sim::find_solid(*impl, geometry, solid)) return;
-    const sim::Asking asking(*impl);
+    if (!find_solid(scene, geometry, solid)) return;
+    const Asking asking(scene);
     const Transform at{pose.position, normalized(pose.rotation)};
-    sim::for_each_near(asking, solid, at, Real{}, filter, [&](const sim::ShapeRow& shape) {
+    for_each_near(asking, solid, at, Real{}, filter, [&](const ShapeRow& shape) {
         QueryHit hit{};
         Vec3 on_other{};
-        if (sim::nearest_of(asking, shape, solid, at, Real{}, hit, on_other)) shapes.push_back(shape.id);
+        if (nearest_of(asking, shape, solid, at, Real{}, hit, on_other)) shapes.push_back(shape.id);
     });
     std::sort(shapes.begin(), shapes.end());
 }
 
-std::optional<QueryHit> World::nearest(const Geometry& geometry, const Transform& pose, Real limit,
-                                       const QueryFilter& filter) const {
+std::optional<QueryHit> nearest(const Scene& scene, const Geometry& geometry, const Transform& pose,
+                                Real limit, const QueryFilter& filter) {
     shapes::Solid solid{};
-    if (limit < Real{} || !sim::find_solid(*impl, geometry, solid)) return std::nullopt;
-    const sim::Asking asking(*impl);
+    if (limit < Real{} || !find_solid(scene, geometry, solid)) return std::nullopt;
+    const Asking asking(scene);
     const Transform at{pose.position, normalized(pose.rotation)};
-    return sim::nearest_shape(asking, solid, at, min(limit, query_length_max), filter);
+    return nearest_shape(asking, solid, at, min(limit, query_length_max), filter);
 }
 
-std::optional<ShapeDistance> World::distance(ShapeId a, ShapeId b) const {
-    const std::uint32_t row_a = impl->row_of(a), row_b = impl->row_of(b);
-    if (row_a == sim::Data::dead || row_b == sim::Data::dead) return std::nullopt;
-    const sim::Asking asking(*impl);
-    const std::span<const sim::ShapeRow> rows = impl->state.rows(impl->m.shape);
+std::optional<ShapeDistance> distance(const Scene& scene, ShapeId a, ShapeId b) {
+    const Model& w = scene.model;
+    const std::uint32_t row_a = w.row_of(a), row_b = w.row_of(b);
+    if (row_a == Model::dead || row_b == Model::dead) return std::nullopt;
+    const Asking asking(scene);
+    const std::span<const ShapeRow> rows = w.state.rows(w.m.shape);
     // In one order, so that asking the other way round gives the same numbers.
-    const bool swaps = std::pair(impl->traits_of(rows[row_a]).geometry.kind, b) <
-                       std::pair(impl->traits_of(rows[row_b]).geometry.kind, a);
-    const sim::ShapeRow &first = rows[swaps ? row_b : row_a], &second = rows[swaps ? row_a : row_b];
-    if (impl->traits_of(second).geometry.kind >= ShapeKind::height_field) return std::nullopt;
-    const sim::Scratch::Shape& other = impl->scratch.shape[second.id.index - 1];
+    const bool swaps = std::pair(w.traits_of(rows[row_a]).geometry.kind, b) <
+                       std::pair(w.traits_of(rows[row_b]).geometry.kind, a);
+    const ShapeRow &first = rows[swaps ? row_b : row_a], &second = rows[swaps ? row_a : row_b];
+    if (w.traits_of(second).geometry.kind >= ShapeKind::height_field) return std::nullopt;
+    const PlacedShapes::Shape& other = scene.placed.shape[second.id.index - 1];
     QueryHit hit{};
     Vec3 on_other{};
-    if (!sim::nearest_of(asking, first, other.solid, other.pose, query_length_max, hit, on_other))
+    if (!nearest_of(asking, first, other.solid, other.pose, query_length_max, hit, on_other))
         return std::nullopt;
     if (swaps) return ShapeDistance{hit.distance, on_other, hit.point, -hit.normal};
     return ShapeDistance{hit.distance, hit.point, on_other, hit.normal};
 }
 
-} // namespace lockstone
+} // namespace lockstone::sim

@@ -1,0 +1,21 @@
+// For tests and proofs alone: a look behind a world's contract. Games do not include it.
+#pragma once
+
+#include "lockstone/world.h"
+
+namespace lockstone::testing {
+
+/// What ticks leave behind outside of the state, and no later one may see.
+enum class Leftover : std::uint32_t {
+    scratch, ///< memory that is written before it is read: filled with some byte
+    trees,   ///< the shapes of the broad phase's trees: made anew, in random order or wholly at random
+    pairs,   ///< which pairs were found already: some are forgotten, and found again in another order
+};
+
+/// Makes it another than it is; `seed` chooses how. No hash and no answer of the world changes by it. What is none of the three
+/// does nothing.
+void disturb(World& world, Leftover what, std::uint64_t seed);
+/// The block itself, for planted faults. Whatever is written there goes round every check.
+State& state_of(World& world);
+
+} // namespace lockstone::testing

@@ -1,0 +1,21 @@
+// Objects come and go: slots, which ids name, and the dense rows behind them.
+#pragma once
+
+#include "model/model.h"
+
+namespace lockstone::sim {
+
+/// A slot for a new object in row `row`. The caller has made room, so that the header that `first_free` is in stays where it is.
+std::uint32_t take_slot(State& state, TableId table, Column<Slot> column, std::uint32_t& first_free,
+                        std::uint32_t row);
+void free_slot(State& state, Column<Slot> column, std::uint32_t index, std::uint32_t& first_free);
+/// Moves the last row of a table into `row` and drops the last.
+void remove_row(State& state, TableId table, std::uint32_t row);
+/// Changes places of two rows of a table, in all its columns.
+void swap_rows(State& state, TableId table, std::uint32_t x, std::uint32_t y);
+
+/// A joint's row joins the lists of its bodies, or leaves them.
+void enlist_joint(Model& w, std::uint32_t row);
+void remove_joint(Model& w, std::uint32_t slot);
+
+} // namespace lockstone::sim

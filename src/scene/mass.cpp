@@ -1,0 +1,60 @@
+// The mass of a body is that of its shapes.
+#include "lockstone/math/math.h"
+#include "model/checks.h"
+#include "scene/placed_shapes.h"
+
+#include <algorithm>
+
+namespace lockstone::sim {
+
+/// How far a body's shapes reach from its origin: stands in for the gyration radius of one that nothing turns, so that
+/// the solver's rows of its contacts stay within their format.
+static Real reach_of(const Model& w, PlacedShapes& s, const BodyInfo& info) {
+    const std::span<const Slot> slots = w.state.rows(w.m.shape_slot);
+    const std::span<const ShapeRow> shapes = w.state.rows(w.m.shape);
+    Real reach = Real(1);
+    for (std::uint32_t slot = info.first_shape; slot != 0; slot = shapes[slots[slot - 1].row].next_shape) {
+        const ShapeRow& shape = shapes[slots[slot - 1].row];
+        if (w.traits_of(shape).geometry.kind == ShapeKind::plane) continue;
+        const shapes::Extent e = shapes::extent_of(solid_of(w, s, shape));
+        reach = max(reach, to<Real>(length(max(abs(e.lower), abs(e.upper)))) +
+                               length(w.traits_of(shape).local.position));
+    }
+    return reach;
+}
+
+void update_mass(Model& w, PlacedShapes& s, std::uint32_t row) {
+    const std::span<const Slot> slots = w.state.rows(w.m.shape_slot);
+    const std::span<const ShapeRow> shapes = w.state.rows(w.m.shape);
+    const BodyInfo& info = w.state.rows(w.m.body_info)[row];
+    const BodyTraits& traits = w.traits_of(info);
+    if (traits.mass_fixed != 0) return;
+    std::vector<MassPart>& parts = w.mass_parts;
+    parts.clear();
+    for (std::uint32_t slot = info.first_shape; slot != 0; slot = shapes[slots[slot - 1].row].next_shape) {
+        const ShapeRow& shape = shapes[slots[slot - 1].row];
+        if (w.traits_of(shape).sensor == 0)
+            parts.push_back({shapes::mass_properties(solid_of(w, s, shape), w.traits_of(shape).density),
+                             w.traits_of(shape).local});
+    }
+    std::reverse(parts.begin(), parts.end()); // in order of creation
+    const MassProperties total = combine(parts);
+    const PrincipalGyration principal = principal_gyration(total);
+    BodyMass mass{};
+    mass.center = total.center;
+    mass.gyration = principal.radii;
+    mass.principal = principal.axes;
+    // Without shapes: a ball of 1 kg with a gyration radius of 1 m.
+    if (total.mass == Real{}) {
+        const Real radius = info.kind == BodyKind::dynamic ? Real(1) : reach_of(w, s, info);
+        mass.gyration = {radius, radius, radius};
+        mass.principal = Quat::identity();
+    }
+    if (info.kind == BodyKind::dynamic) {
+        const Real from_shapes = total.mass == Real{} ? Real(1) : clamp(total.mass, mass_min, mass_max);
+        mass.mass = traits.mass_override != Real{} ? traits.mass_override : from_shapes;
+    }
+    set_mass(w, row, mass);
+}
+
+} // namespace lockstone::sim

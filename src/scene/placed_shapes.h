@@ -1,0 +1,69 @@
+// Where shapes are: the solid, pose and bounds of each, by shape slot, and the broad phase over them. Derived from the state, and
+// no part of it: what is kept from tick to tick changes speed only.
+#pragma once
+
+#include "collide/broad/broad_phase.h"
+#include "model/model.h"
+
+#include <memory>
+#include <vector>
+
+namespace lockstone::sim {
+
+struct PlacedShapes {
+    explicit PlacedShapes(std::shared_ptr<const AssetLibrary> assets)
+        : solids(std::move(assets)), broad_phase(0) {
+        changed.reserve(64);
+    }
+    /// There is room for so many shape slots, if there was less.
+    void fit(std::uint32_t shape_slots);
+    void reserve(std::uint32_t shape_slots); ///< ahead of need
+
+    shapes::SolidCache solids;
+    collide::BroadPhase broad_phase;
+    bool structure_stale = true; ///< objects came, went or were restored since the last update_bounds()
+    /// Poses and bounds are those of the state. update_bounds() makes it so; who changes the state takes it back.
+    bool is_current = false;
+
+    struct Shape {
+        shapes::Solid solid;
+        Transform pose;   ///< world
+        Rotation axes;    ///< of the pose
+        Length margin;    ///< how far its contacts reach ahead at most
+        Coordinate reach; ///< of its points from its origin [m]
+        Length inner;     ///< shapes::inner_radius() of the solid
+        collide::Bounds bounds;
+        bool is_placed; ///< while bounds are updated: pose, margin and bounds are those of this tick
+        bool rests;     ///< it was handed over as resting, as made of:
+        Transform resting_local, resting_at;
+        Vec3 resting_center;
+    };
+    std::vector<Shape> shape;          ///< by shape slot, of living shapes
+    std::vector<std::uint32_t> planes; ///< shape slots, sorted
+
+    // What the proxies of resting shapes were made of, so that only what changed since is looked at.
+    std::vector<std::uint32_t>
+        proxy_generation; ///< by shape slot: of the shape the broad phase holds, 0: none
+    ChangeMark proxies_of;
+    std::uint32_t awake_before = 0;             ///< bodies, when bounds were last updated
+    std::vector<std::uint32_t> solids_replaced; ///< shape slots that rested when another solid was put there
+    std::vector<RowRange> changed;
+};
+
+inline constexpr Length margin_base =
+    decimal<Length>("0.005"); ///< [m]: contacts are made this far ahead of touching
+
+/// How far ahead contacts of something with a velocity reach, or of two with a relative one: not less than it goes in a
+/// tick, in steps by a factor of two, so that it seldom grows while they near each other; nothing for what goes less
+/// than half of `margin_base`.
+Length ahead_of(SpeedVec3 velocity, std::uint32_t tick_rate);
+
+/// Poses, margins and bounds of the shapes that may have moved since the last call, in the broad phase too.   (bounds.cpp)
+void update_bounds(const Model& w, PlacedShapes& s, Tasks* tasks);
+/// What collision sees of a shape. Its asset was found when the shape was made, so it is there.             (bounds.cpp)
+const shapes::Solid& solid_of(const Model& w, PlacedShapes& s, const ShapeRow& shape);
+
+/// Sums up the shapes of a body. The body's origin stays where it is, its centre of mass moves.               (mass.cpp)
+void update_mass(Model& w, PlacedShapes& s, std::uint32_t body_row);
+
+} // namespace lockstone::sim

@@ -1,0 +1,73 @@
+// What the queries of a world keep from call to call: memory, and until when the caches are fresh.
+//
+// Several threads may ask at once: caches are brought up to the state by one of them, behind a lock, and each has memory of
+// its own while it asks. Nothing that is kept shows in an answer.
+#pragma once
+
+#include "base/lock.h"
+#include "collide/narrow_phase.h"
+#include "lockstone/query.h"
+#include "scene/placed_shapes.h"
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace lockstone::sim {
+
+/// The memory of one who asks.
+struct QueryWork {
+    collide::BroadPhase::Asker near; ///< shapes whose bounds may be met, by slot
+    struct Candidate {
+        std::int64_t enter; ///< no hit is nearer [m, 30 fraction bits]
+        std::uint32_t slot;
+    };
+    std::vector<Candidate> candidates;
+    collide::NarrowScratch narrow;
+};
+
+struct QueryScratch {
+    base::Lock
+        lock; ///< of all that const members of World change: this, the placed shapes, the state's hashes
+    std::vector<std::unique_ptr<QueryWork>> idle;
+};
+
+/// What can be asked about: a world's state and where its shapes are.
+struct Scene {
+    const Model& model;
+    PlacedShapes& placed; ///< brought up to the state
+    QueryScratch& query;
+    Tasks* tasks;
+};
+
+/// As World's; for phases that ask while a tick runs.
+std::optional<QueryHit> cast_ray(const Scene& scene, const Ray& ray, const QueryFilter& filter);
+std::optional<QueryHit> cast_shape(const Scene& scene, const Geometry& geometry, const Transform& pose,
+                                   Vec3 translation, const QueryFilter& filter);
+
+bool cast_ray_any(const Scene& scene, const Ray& ray, const QueryFilter& filter);
+bool cast_shape_any(const Scene& scene, const Geometry& geometry, const Transform& pose, Vec3 translation,
+                    const QueryFilter& filter);
+/// Those add to `hits`, and to `shapes`.
+void cast_ray_all(const Scene& scene, const Ray& ray, const QueryFilter& filter, std::vector<QueryHit>& hits);
+void cast_shape_all(const Scene& scene, const Geometry& geometry, const Transform& pose, Vec3 translation,
+                    const QueryFilter& filter, std::vector<QueryHit>& hits);
+void overlap(const Scene& scene, const Geometry& geometry, const Transform& pose, const QueryFilter& filter,
+             std::vector<ShapeId>& shapes);
+std::optional<QueryHit> nearest(const Scene& scene, const Geometry& geometry, const Transform& pose,
+                                Real limit, const QueryFilter& filter);
+std::optional<ShapeDistance> distance(const Scene& scene, ShapeId a, ShapeId b);
+
+/// A ball that is moved from a point along a way.
+struct BallCast {
+    Real radius;
+    Vec3 from, way;
+};
+inline constexpr std::size_t balls_max = 8;
+/// As cast_shape() of each ball; of balls that start near each other, what is near is found once. At most balls_max.
+void cast_balls(const Scene& scene, std::span<const BallCast> balls, const QueryFilter& filter,
+                std::span<std::optional<QueryHit>> hits);
+
+} // namespace lockstone::sim

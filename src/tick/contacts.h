@@ -1,0 +1,92 @@
+// Manifolds of the pairs that are near, and the contacts made of them.
+#pragma once
+
+#include "collide/narrow_phase.h"
+#include "play/character/character.h"
+#include "solve/contacts/contact.h"
+#include "solve/kernels/kernels.h"
+#include "solve/pairs/pair_kernel.h"
+#include "tick/pairs.h"
+
+#include <array>
+#include <vector>
+
+namespace lockstone::sim {
+
+/// What the narrow phase found for a pair that has contact points, or touched until now.
+struct ContactResult {
+    std::uint32_t near;                 ///< index
+    std::uint32_t first_row, row_count; ///< of the contact table
+    std::uint32_t flags;                ///< solve::ContactFlags: what of them is the pair's
+    bool was_touching;
+    bool overlaps;             ///< near enough to count as touching, before the solve
+    bool is_kept;              ///< its rows are those of the last tick
+    std::uint32_t deepest_row; ///< of the pair's rows, the one with the deepest point
+    // Of the deepest point, unless the pair was touching:
+    UnitVec3 normal; ///< key a to key b
+    Vec3 point;      ///< world
+    Speed approach;  ///< [m/s], positive when closing
+};
+
+/// What collide() finds.
+struct FoundContacts {
+    std::vector<ContactResult> results;   ///< of pairs, in pair order
+    std::vector<solve::Contact> contacts; ///< for the solver, in row order
+    std::uint32_t dropped; ///< rows that the table had no room for, and one for all pairs not looked at
+};
+
+/// What a chunk of pairs makes, before it is known where it goes: rows count from the chunk's own first.
+struct NearChunk {
+    std::vector<ContactMemory> memories; ///< of the pairs whose rows are new, in order
+    std::vector<ContactResult> results;
+    std::vector<solve::Contact> contacts;
+    std::uint32_t first_row, first_contact; ///< where it goes
+};
+
+/// Some pairs at once, side by side in lanes: those of the last tick's manifolds, then those of new ones.
+struct PairWindow {
+    static constexpr std::uint32_t pairs_max = 16, rows_max = 2 * pairs_max * collide::Manifolds::max;
+    std::uint32_t count; ///< rows
+    std::array<solve::PairLane, pairs_max> pairs;
+    std::array<solve::PairRow, rows_max> rows;
+    std::array<solve::PairPlace, rows_max> places;
+    std::array<solve::PairContact, rows_max> contacts;
+    std::array<std::uint8_t, rows_max> serves;
+};
+
+/// What a worker of the narrow phase needs for itself.
+struct alignas(64) NarrowWorker {
+    collide::NarrowScratch narrow;
+    collide::Manifolds manifolds;
+    PairWindow window;
+    struct Mean { ///< geometric, of the last two coefficients that differed: a root is worth keeping
+        Real a{}, b{}, value{};
+    } mean;
+};
+
+/// Memory of collide().
+struct ContactScratch {
+    struct RowMove {
+        std::uint32_t from, to, count;
+    };
+
+    std::vector<NearChunk> chunks;
+    std::vector<RowMove> row_moves; ///< of kept rows of the contact table
+    std::vector<NarrowWorker> workers;
+    const solve::PairKernel* pair_kernel = solve::kernels_of(best_simd())->pairs;
+};
+
+/// Manifolds of the pairs, made anew or used again, and their contacts. `table`: the contact table of the last tick becomes that
+/// of this one. `movers`: contacts that are theirs are not solved. Hints of the pairs are renewed; what is dropped is counted in
+/// the state.
+void collide(Model& w, const PlacedShapes& placed, const CharacterScratch& movers, NearPairs& near,
+             ContactList& table, ContactScratch& scratch, FoundContacts& out, Tasks* tasks);
+/// Whether a pair would have contact points now.
+bool has_contact_points(const Model& w, const PlacedShapes& placed, const NearPair& near,
+                        ContactScratch& scratch);
+
+/// What the chunks of collide() made becomes the contact table. (contact_table.cpp)
+void place_contacts(Model& w, const NearPairs& near, std::span<NearChunk> chunks, ContactList& table,
+                    ContactScratch& scratch, FoundContacts& out, Tasks* tasks);
+
+} // namespace lockstone::sim

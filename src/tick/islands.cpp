@@ -1,0 +1,188 @@
+#include "tick/islands.h"
+
+#include "lockstone/math/math.h"
+#include "model/sleep.h"
+
+#include <algorithm>
+
+namespace lockstone::sim {
+
+bool wake_touched(Model& w, const PlacedShapes& placed, std::span<const NearPair> near_pairs,
+                  ContactScratch& contacts, IslandScratch& scratch) {
+    std::vector<BodyId>& touched = scratch.touched;
+    touched.clear();
+    const std::span<const ShapeRow> shapes = w.state.rows(w.m.shape);
+    const std::span<const Slot> shape_slots = w.state.rows(w.m.shape_slot),
+                                body_slots = w.state.rows(w.m.body_slot);
+    const std::uint32_t awake = w.header().bodies_awake;
+    for (const NearPair& near : near_pairs) {
+        const ShapeRow& a = shapes[shape_slots[near.key.a.index - 1].row];
+        const ShapeRow& b = shapes[shape_slots[near.key.b.index - 1].row];
+        const std::uint32_t row_a = body_slots[a.body.index - 1].row,
+                            row_b = body_slots[b.body.index - 1].row;
+        const bool wakes_a = row_a >= awake, wakes_b = row_b >= awake;
+        if (wakes_a == wakes_b || (w.traits_of(a).sensor | w.traits_of(b).sensor) != 0) continue;
+        if (w.state.rows(w.m.body_info)[wakes_a ? row_a : row_b].kind != BodyKind::dynamic) continue;
+        if (has_contact_points(w, placed, near, contacts)) touched.push_back(wakes_a ? a.body : b.body);
+    }
+    wake_islands(w, touched);
+    return !touched.empty();
+}
+
+// ---- falling asleep -----------------------------------------------------------------------------------------
+
+namespace {
+
+/// |v| + |w| times twice the largest gyration radius is below the limit: no point of a solid body is much faster.
+bool is_below(const Velocity& v, const BodyMass& mass, Speed limit) {
+    for (int i = 0; i < 3; ++i)
+        if (abs(v.linear[i]) >= limit) return false;
+    const Real radius = max(mass.gyration.x, max(mass.gyration.y, mass.gyration.z)) * 2;
+    return to<Real>(length(v.linear)) + to<Real>(length(v.angular)) * radius < to<Real>(limit);
+}
+
+/// What counts as still: slow, or at most four times as fast but not away from where the still ticks began. What rocks or
+/// shakes on the spot between its neighbours would keep an island awake otherwise.
+/// source: Rouwe, Jolt Physics, Body::UpdateSleepStateInternal, for the idea to look at how far a body went
+struct Stillness {
+    std::uint32_t ticks_to_sleep;
+    Speed slow, rocking;
+    Speed away; ///< of BodySleep::moved: what sleep_speed covers in sleep_time [tick m/s]
+
+    explicit Stillness(const Config& c)
+        : ticks_to_sleep(static_cast<std::uint32_t>(std::max<std::int64_t>(
+              1, floor_to_int(c.sleep_time * static_cast<std::int32_t>(c.tick_rate))))),
+          slow(to<Speed>(c.sleep_speed)), rocking(to<Speed>(c.sleep_speed * 4)),
+          away(to<Speed>(c.sleep_speed * Real(ticks_to_sleep))) {}
+
+    bool is_still(const Velocity& v, const Velocity& moved, const BodyMass& mass) const {
+        return is_below(v, mass, slow) || (is_below(v, mass, rocking) && is_below(moved, mass, away));
+    }
+    void count(BodySleep& sleep, const Velocity& v, const BodyMass& mass) const {
+        sleep.moved = {sleep.moved.linear + v.linear, sleep.moved.angular + v.angular};
+        if (is_still(v, sleep.moved, mass))
+            sleep.still_ticks = std::min(sleep.still_ticks + 1, 1u << 30);
+        else
+            restart(sleep);
+    }
+};
+
+struct Islands {
+    IslandScratch& s;
+    std::uint32_t awake;
+    std::span<const BodyInfo> info;
+    std::span<const Velocity> velocity;
+
+    Islands(const Model& w, IslandScratch& scratch)
+        : s(scratch), awake(w.header().bodies_awake), info(w.state.rows(w.m.body_info)),
+          velocity(w.state.rows(w.m.body_velocity)) {}
+
+    std::uint32_t root(std::uint32_t row) {
+        while (s.parent[row] != row) row = s.parent[row] = s.parent[s.parent[row]];
+        return row;
+    }
+    bool is_dynamic(std::uint32_t row) const { return row < awake && info[row].kind == BodyKind::dynamic; }
+    /// A kinematic body that moves keeps awake what it holds.
+    bool holds(std::uint32_t row) const {
+        return row < awake && info[row].kind == BodyKind::kinematic && velocity[row] != Velocity{};
+    }
+    void link(std::uint32_t a, std::uint32_t b) {
+        if (is_dynamic(a) && holds(b)) s.still_ticks[a] = 0;
+        if (is_dynamic(b) && holds(a)) s.still_ticks[b] = 0;
+        if (!is_dynamic(a) || !is_dynamic(b)) return;
+        const std::uint32_t x = root(a), y = root(b);
+        s.parent[std::max(x, y)] = std::min(x, y);
+    }
+    void find(const Links& links) {
+        s.parent.resize(awake);
+        for (std::uint32_t row = 0; row < awake; ++row) s.parent[row] = row;
+        for (const solve::Contact& c : links.contacts) link(c.body_a, c.body_b);
+        for (const solve::Joint& j : links.joints) link(j.body_a, j.body_b);
+        for (const Standing& v : links.standing) link(v.chassis, v.ground);
+        for (std::uint32_t row = 0; row < awake; ++row) {
+            std::uint32_t& least = s.still_ticks[root(row)];
+            least = std::min(least, s.still_ticks[row]);
+        }
+    }
+};
+
+/// How long each awake body has been still, in the state and in the scratch.
+void count_still_ticks(Model& w, const Stillness& stillness, IslandScratch& s) {
+    const std::uint32_t awake = w.header().bodies_awake;
+    const std::span<BodySleep> sleep = w.state.edit(w.m.body_sleep, 0, awake);
+    const std::span<const BodyInfo> info = w.state.rows(w.m.body_info);
+    const solve::MassView mass = w.masses();
+    const std::span<const Velocity> velocity = w.state.rows(w.m.body_velocity);
+    s.still_ticks.resize(awake);
+    for (std::uint32_t row = 0; row < awake; ++row) {
+        if (info[row].kind == BodyKind::dynamic) stillness.count(sleep[row], velocity[row], mass[row]);
+        s.still_ticks[row] = sleep[row].still_ticks;
+    }
+}
+
+/// The bodies of islands that have been still for long enough, with their rings; in slot order.
+void find_still_islands(Model& w, const Links& links, IslandScratch& s) {
+    const Stillness stillness(w.config());
+    count_still_ticks(w, stillness, s);
+    Islands islands(w, s);
+    islands.find(links);
+    const std::size_t begin = s.resting.size();
+    for (std::uint32_t row = 0; row < islands.awake; ++row)
+        if (islands.is_dynamic(row) && s.still_ticks[islands.root(row)] >= stillness.ticks_to_sleep)
+            s.resting.push_back(islands.info[row].id);
+    if (s.resting.size() == begin) return;
+    std::sort(s.resting.begin() + static_cast<std::ptrdiff_t>(begin), s.resting.end());
+    s.first.assign(islands.awake, 0), s.last.assign(islands.awake, 0);
+    for (std::size_t i = begin; i < s.resting.size(); ++i) {
+        const std::uint32_t slot = s.resting[i].index, row = w.row_of(s.resting[i]), root = islands.root(row);
+        if (s.first[root] == 0) s.first[root] = slot;
+        BodySleep& sleep = w.state.edit_row(w.m.body_sleep, row);
+        sleep = {0, s.first[root], s.first[root], {}}; // the ring is closed behind each
+        if (s.last[root] != 0)
+            w.state.edit_row(w.m.body_sleep, w.state.rows(w.m.body_slot)[s.last[root] - 1].row).next = slot;
+        s.last[root] = slot;
+        w.state.edit_row(w.m.body_velocity, row) = {};
+    }
+}
+
+void publish_sleep(const Model& w, std::span<const BodyId> bodies, std::vector<Event>& events) {
+    for (BodyId body : bodies) {
+        if (w.state.rows(w.m.body_info)[w.row_of(body)].kind != BodyKind::dynamic) continue;
+        Event e{};
+        e.kind = EventKind::body_sleep;
+        e.body_a = body;
+        e.tick = w.header().tick;
+        events.push_back(e);
+    }
+}
+
+} // namespace
+
+void find_resting(Model& w, const Links& links, IslandScratch& s) {
+    s.resting.clear();
+    for (std::uint32_t row = 0; row < w.header().bodies_awake; ++row) {
+        const BodyInfo& info = w.state.rows(w.m.body_info)[row];
+        const bool rests =
+            info.kind == BodyKind::static_ ||
+            (info.kind == BodyKind::kinematic && w.state.rows(w.m.body_velocity)[row] == Velocity{});
+        if (rests) s.resting.push_back(info.id);
+    }
+    if (w.config().sleeping != 0) find_still_islands(w, links, s);
+}
+
+void put_to_sleep(Model& w, PlacedShapes& placed, std::span<const BodyId> resting,
+                  std::vector<Event>& events) {
+    if (resting.empty()) return;
+    for (BodyId body : resting) put_to_rest(w, w.row_of(body));
+    for (std::uint32_t row = w.header().joints_awake; row-- > 0;) {
+        const JointDef& def = w.state.rows(w.m.joint)[row].def;
+        const bool held =
+            (def.body_a && is_awake(w, w.row_of(def.body_a))) || is_awake(w, w.row_of(def.body_b));
+        if (!held) put_joint_to_rest(w, row);
+    }
+    rest_contacts(w);
+    publish_sleep(w, resting, events);
+    placed.structure_stale = true;
+}
+
+} // namespace lockstone::sim

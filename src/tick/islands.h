@@ -1,0 +1,43 @@
+// Islands: what touches or is joined, and so falls asleep and wakes together. model/sleep.h says who is awake.
+#pragma once
+
+#include "lockstone/event.h"
+#include "play/vehicle/vehicle.h"
+#include "solve/joints/joint.h"
+#include "tick/contacts.h"
+
+#include <span>
+#include <vector>
+
+namespace lockstone::sim {
+
+struct IslandScratch {
+    std::vector<std::uint32_t> parent;      ///< of the islands' trees, by awake row
+    std::vector<std::uint32_t> still_ticks; ///< least of the island, by root; 0: held awake
+    std::vector<std::uint32_t> first, last; ///< body slot + 1 of the ring so far, by root
+    std::vector<BodyId> touched, resting;   ///< what wake_touched() and find_resting() found
+
+    void reserve(std::size_t bodies) {
+        for (std::vector<std::uint32_t>* list : {&parent, &still_ticks, &first, &last}) list->reserve(bodies);
+        resting.reserve(bodies);
+    }
+};
+
+/// Wakes islands that something awake touches; true when there were any, and bounds and pairs have to be found again.
+bool wake_touched(Model& w, const PlacedShapes& placed, std::span<const NearPair> near,
+                  ContactScratch& contacts, IslandScratch& scratch);
+
+/// What holds bodies together in a tick.
+struct Links {
+    std::span<const solve::Contact> contacts;
+    std::span<const solve::Joint> joints;
+    std::span<const Standing> standing;
+};
+/// Counts how long bodies were still, and finds those that rest from now on, into `resting`: islands that were still for long
+/// enough, with their rings closed and their velocities gone, and what no island has.
+void find_resting(Model& w, const Links& links, IslandScratch& scratch);
+/// Moves their rows, and those of their joints and contacts, and reports them.
+void put_to_sleep(Model& w, PlacedShapes& placed, std::span<const BodyId> resting,
+                  std::vector<Event>& events);
+
+} // namespace lockstone::sim

@@ -1,0 +1,48 @@
+// Pairs of shapes that may meet and are near.
+#pragma once
+
+#include "collide/broad/broad_phase.h"
+#include "scene/placed_shapes.h"
+
+#include <vector>
+
+namespace lockstone::sim {
+
+/// Two shapes that may meet and are near, with their rows of the last tick's contact table.
+struct NearPair {
+    ContactKey key;
+    Length margin; ///< how far ahead contacts of the two reach
+    std::uint32_t old_first, old_count;
+    UnitVec3
+        apart; ///< what parted them when last looked at, in the axes of the narrow phase's A; zero: nothing known
+};
+
+struct EndedContact {
+    ContactKey key;
+    std::uint32_t flags; ///< solve::ContactFlags
+};
+
+/// What find_pairs() finds.
+struct NearPairs {
+    std::vector<NearPair> list;      ///< in pair order
+    bool is_cut = false;             ///< there were more such pairs than are looked at
+    std::vector<EndedContact> ended; ///< touching contacts that are gone
+};
+
+/// Its memory.
+struct PairScratch {
+    std::vector<collide::ProxyPair> pairs, plane_pairs, merged_pairs;
+    struct Key {
+        ContactKey
+            key;       ///< null: the two do not meet, or both rest, or they are further apart than the margin
+        Length margin; ///< how far ahead contacts of the two reach
+    };
+    std::vector<Key> keys;        ///< by pair
+    std::vector<NearPair> before; ///< gives the next ones their hints, which change speed only
+};
+
+/// Shapes that may meet and are near, in pair order, with their rows of the contact table `old`.
+void find_pairs(const Model& w, PlacedShapes& placed, const ContactList& old, PairScratch& scratch,
+                NearPairs& out, Tasks* tasks);
+
+} // namespace lockstone::sim

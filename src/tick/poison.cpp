@@ -1,0 +1,113 @@
+// What a tick leaves behind and no later one may see, overwritten: for tests, proofs and debug builds. Every member of the
+// scratch is named here, or this does not compile.
+#include "base/poison.h"
+#include "tick/tick.h"
+
+namespace lockstone::sim {
+
+namespace {
+
+using base::poison;
+
+void poison_narrow(std::byte with, collide::NarrowScratch& scratch, collide::Manifolds& found) {
+    auto& [triangles, parts, pieces, order] = scratch;
+    poison(with, triangles, parts, pieces, order, found);
+}
+
+/// Of what is awake, which every tick places anew. What rests stays where it was placed; so do the other caches.
+void poison_shapes(std::byte with, PlacedShapes& placed) {
+    auto& [solids, broad_phase, structure_stale, is_current, shape, planes, proxy_generation, proxies_of,
+           awake_before, solids_replaced, changed] = placed;
+    poison(with, changed);
+    is_current = false;
+    for (PlacedShapes::Shape& one : shape)
+        if (!one.rests)
+            poison(with, one.pose, one.axes, one.margin, one.bounds, one.resting_local, one.resting_at,
+                   one.resting_center);
+}
+
+void poison_query(std::byte with, QueryScratch& query) {
+    auto& [lock, idle] = query;
+    collide::Manifolds unused;
+    for (const std::unique_ptr<QueryWork>& work : idle) {
+        auto& [near, candidates, narrow] = *work;
+        poison(with, near.open, near.proxies, candidates);
+        poison_narrow(with, narrow, unused);
+    }
+}
+
+/// The hints of pairs are forgotten.
+void poison_pairs(std::byte with, PairScratch& scratch, NearPairs& found) {
+    auto& [pairs, plane_pairs, merged_pairs, keys, before] = scratch;
+    auto& [list, is_cut, ended] = found;
+    poison(with, pairs, plane_pairs, merged_pairs, keys, ended);
+    list.clear(), before.clear(), is_cut = false;
+}
+
+void poison_contacts(std::byte with, ContactScratch& scratch, FoundContacts& found) {
+    auto& [chunks, row_moves, workers, pair_kernel] = scratch;
+    auto& [results, contacts, dropped] = found;
+    poison(with, row_moves, results, contacts, dropped);
+    for (NearChunk& chunk : chunks) {
+        auto& [memories, chunk_results, chunk_contacts, first_row, first_contact] = chunk;
+        poison(with, memories, chunk_results, chunk_contacts, first_row, first_contact);
+    }
+    for (NarrowWorker& worker : workers) {
+        auto& [narrow, manifolds, window, mean] = worker;
+        poison_narrow(with, narrow, manifolds);
+        poison(with, window);
+        mean = {};
+    }
+}
+
+void poison_sweep(std::byte with, SweepScratch& sweep) {
+    auto& [workers, stopped] = sweep;
+    Transform somewhere;
+    poison(with, somewhere);
+    for (std::optional<Transform>& one : stopped) one = somewhere;
+    for (SweepScratch::Worker& worker : workers)
+        poison(with, worker.near.open, worker.near.proxies, worker.touching);
+}
+
+void poison_islands(std::byte with, IslandScratch& islands, RowMoves& moves) {
+    auto& [parent, still_ticks, first, last, touched, resting] = islands;
+    poison(with, parent, still_ticks, first, last, touched, resting);
+    auto& [joined, here, moving, there] = moves;
+    poison(with, joined);
+    for (ContactList* list : {&here, &moving, &there}) poison(with, list->keys, list->memories);
+}
+
+void poison_characters(std::byte with, CharacterScratch& characters) {
+    auto& [order_of_body, slots, neighbours, pushes, landings, narrow, manifolds, motion_max] = characters;
+    poison(with, order_of_body, slots, neighbours, pushes, landings, motion_max);
+    poison_narrow(with, narrow, manifolds);
+}
+
+void poison_bodies(std::byte with, solve::SolverBodies& bodies) {
+    auto& [body, step, turns, plain, fall, clamps, kernel] = bodies;
+    poison(with, body, step, turns, plain, fall, clamps);
+}
+
+} // namespace
+
+void poison_scratch(Model& w, PlacedShapes& placed, QueryScratch& query, TickScratch& scratch,
+                    std::byte with) {
+    auto& [characters, pair_scratch, near, table, contact_scratch, found, pose_before, joints, fields, step,
+           bodies, contacts, joint_solver, vehicles, fluids, sweep, broken, islands] = scratch;
+    poison_characters(with, characters);
+    poison_pairs(with, pair_scratch, near);
+    table.poison(with);
+    poison_contacts(with, contact_scratch, found);
+    poison(with, pose_before.list, joints, fields.pulls, fields.categories, step, broken, w.mass_parts);
+    poison_bodies(with, bodies);
+    contacts.poison(with);
+    joint_solver.poison(with);
+    vehicles.poison(with);
+    fluids.poison(with);
+    poison_sweep(with, sweep);
+    poison_islands(with, islands, w.moves);
+    poison_shapes(with, placed);
+    poison_query(with, query);
+}
+
+} // namespace lockstone::sim

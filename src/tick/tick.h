@@ -1,0 +1,76 @@
+// One tick: a pure function of the state and the commands since the last one. tick.cpp has the order of its phases.
+#pragma once
+
+#include "lockstone/journal.h"
+#include "play/character/character.h"
+#include "play/fluids/fluids.h"
+#include "play/vehicle/vehicle.h"
+#include "solve/bodies/solver_body.h"
+#include "solve/contacts/contact_solver.h"
+#include "solve/joints/joint.h"
+#include "tick/contacts.h"
+#include "tick/events.h"
+#include "tick/islands.h"
+#include "tick/pairs.h"
+#include "tick/sweep.h"
+
+#include <vector>
+
+namespace lockstone::sim {
+
+/// What a tick makes and forgets, by the phase that makes it. No later tick can see what it holds, but for the contact table,
+/// which is that of the state, and hints, which change speed only.
+struct TickScratch {
+    TickScratch() { bodies.kernel = solve::kernels_of(best_simd())->bodies; }
+    void reserve(const WorldRows& rows) {
+        bodies.reserve(rows.bodies);
+        islands.reserve(rows.bodies);
+        table.list.reserve(rows.contacts);
+    }
+
+    CharacterScratch characters;
+
+    PairScratch pair_scratch;
+    NearPairs near;
+
+    ContactCopy table; ///< of the last tick, then of this one; the state has it when the tick is over
+    ContactScratch contact_scratch;
+    FoundContacts found;
+
+    PosesBefore pose_before;
+    std::vector<solve::Joint> joints; ///< in slot order
+    FieldsOfTick fields;
+
+    solve::StepConstants step{};
+    solve::SolverBodies bodies;
+    solve::ContactSolver contacts;
+    solve::JointSolver joint_solver{*solve::kernels_of(best_simd())->joints};
+    VehicleSolver vehicles;
+    FluidSolver fluids;
+
+    SweepScratch sweep;
+    std::vector<JointId> broken;
+    IslandScratch islands;
+};
+
+/// What the last tick has to say, besides the state.
+struct TickOutput {
+    std::vector<Event> events;
+    ContactPoints contact_points;
+    std::vector<PhaseHash> phase_hashes; ///< when they are asked for
+};
+
+struct TickHooks {
+    Tasks* tasks = nullptr; ///< null: all on one thread
+    PhaseObserver* observer = nullptr;
+    bool phase_hashes = false;
+};
+
+/// Fills all that is written before it is read with a byte; caches stay.                     (poison.cpp)
+void poison_scratch(Model& w, PlacedShapes& placed, QueryScratch& query, TickScratch& scratch,
+                    std::byte with);
+
+void tick(Model& w, PlacedShapes& placed, QueryScratch& query, TickScratch& scratch, TickOutput& out,
+          const TickHooks& hooks);
+
+} // namespace lockstone::sim
