@@ -39,7 +39,7 @@ struct BodyDef {
     std::uint32_t locks = 0;                ///< AxisLock bits
     Transform pose = Transform::identity(); ///< of the body's origin [m]
     Vec3 linear_velocity{};                 ///< of the centre of mass [m/s], |v| <= 500
-    Vec3 angular_velocity{};                ///< [rad/s], each component within 4096
+    Vec3 angular_velocity{};                ///< [rad/s], each component within 4095
     Real linear_damping{};                  ///< [1/s], 0..1000: v decays as exp(-damping t) to first order
     Real angular_damping{};                 ///< [1/s], 0..1000
     Real gravity_scale = Real(1);           ///< times the world's gravity, -100..100
@@ -68,11 +68,11 @@ template <class V> constexpr void describe(SurfacePart& p, V&& v) {
 }
 
 struct ShapeDef {
-    Geometry geometry = sphere(Real::from_raw(std::int64_t{1} << 31));
+    Geometry geometry = sphere(0.5_r);
     Transform local = Transform::identity(); ///< the shape's frame in the body's; within 64 m of the origin
     Real density = Real(1000);               ///< [kg/m^3], 0.01..1e5
-    Real friction = Real::from_raw(2576980378); ///< 0.6; Coulomb coefficient, 0..4
-    Real restitution{};                         ///< 0..1
+    Real friction = 0.6_r;                   ///< Coulomb coefficient, 0..4
+    Real restitution{};                      ///< 0..1
     Real
         rolling_resistance{}; ///< [m], 0..1: a pair's larger one, times the normal force, is the torque that brakes
                               ///< turning against each other
@@ -263,19 +263,34 @@ template <class V> constexpr void describe(Geometry& g, V&& v) {
     v("asset", g.asset);
 }
 template <class V> constexpr void describe(BodyDef& d, V&& v) {
-    v("kind", d.kind), v("locks", d.locks), v("pose", d.pose);
-    v("linear_velocity", d.linear_velocity), v("angular_velocity", d.angular_velocity);
-    v("linear_damping", d.linear_damping), v("angular_damping", d.angular_damping);
-    v("gravity_scale", d.gravity_scale), v("drag_scale", d.drag_scale), v("mass", d.mass);
-    v("gyroscopic", d.gyroscopic);
-    v("enable_fields", d.enable_fields), v("bullet", d.bullet), v("user_key", d.user_key);
+    field(v, "kind", d.kind, in(0, 2));
+    field(v, "locks", d.locks, BitsOf{63, "AxisLock"});
+    field(v, "pose", d.pose, PoseIn{Real(1000000000)});
+    field(v, "linear_velocity", d.linear_velocity, LongAtMost{Real(500), "500 m/s"});
+    field(v, "angular_velocity", d.angular_velocity, EachIn{Real(4095), "rad/s"});
+    field(v, "linear_damping", d.linear_damping, in(0_r, 1000_r, " 1/s"));
+    field(v, "angular_damping", d.angular_damping, in(0_r, 1000_r, " 1/s"));
+    field(v, "gravity_scale", d.gravity_scale, in(-100_r, 100_r));
+    field(v, "drag_scale", d.drag_scale, in(0_r, 100_r));
+    v("mass", d.mass);
+    field(v, "gyroscopic", d.gyroscopic, no_or_yes);
+    field(v, "enable_fields", d.enable_fields, no_or_yes);
+    field(v, "bullet", d.bullet, no_or_yes);
+    v("user_key", d.user_key);
 }
 template <class V> constexpr void describe(ShapeDef& d, V&& v) {
-    v("geometry", d.geometry), v("local", d.local), v("density", d.density), v("friction", d.friction);
-    v("restitution", d.restitution), v("rolling_resistance", d.rolling_resistance);
-    v("surface_velocity", d.surface_velocity), v("friction_mix", d.friction_mix);
-    v("restitution_mix", d.restitution_mix), v("material", d.material), v("category", d.category);
-    v("mask", d.mask), v("group", d.group), v("sensor", d.sensor), v("one_way", d.one_way);
+    v("geometry", d.geometry);
+    field(v, "local", d.local, PoseIn{Real(64)});
+    field(v, "density", d.density, in(0.01_r, 100000_r, " kg/m^3"));
+    field(v, "friction", d.friction, in(0_r, 4_r));
+    field(v, "restitution", d.restitution, in(0_r, 1_r));
+    field(v, "rolling_resistance", d.rolling_resistance, in(0_r, 1_r, " m"));
+    field(v, "surface_velocity", d.surface_velocity, EachIn{Real(100), "m/s"});
+    field(v, "friction_mix", d.friction_mix, in(0, 4));
+    field(v, "restitution_mix", d.restitution_mix, in(0, 4));
+    v("material", d.material), v("category", d.category), v("mask", d.mask), v("group", d.group);
+    field(v, "sensor", d.sensor, no_or_yes);
+    field(v, "one_way", d.one_way, no_or_yes);
     v("user_key", d.user_key);
 }
 template <class V> constexpr void describe(CreateBody& c, V&& v) { v("def", c.def); }

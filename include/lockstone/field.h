@@ -75,7 +75,7 @@ constexpr FieldDef wind(Vec3 velocity, const Region& region = {}) {
     FieldDef d;
     d.kind = FieldKind::fluid;
     d.velocity = velocity;
-    d.drag_quadratic = Real::from_raw(2576980378); // 0.6
+    d.drag_quadratic = 0.6_r;
     d.region = region;
     return d;
 }
@@ -102,15 +102,26 @@ template <class V> constexpr void describe(Region& r, V&& v) {
     v("kind", r.kind), v("reserved", r.reserved), v("pose", r.pose), v("half_extent", r.half_extent);
 }
 template <class V> constexpr void describe(FieldDef& d, V&& v) {
-    v("kind", d.kind), v("mask", d.mask), v("center", d.center), v("strength", d.strength);
-    v("softening", d.softening), v("acceleration", d.acceleration), v("velocity", d.velocity);
-    v("density", d.density), v("drag_linear", d.drag_linear), v("drag_quadratic", d.drag_quadratic);
-    v("drag_angular", d.drag_angular), v("priority", d.priority), v("reserved", d.reserved);
-    v("region", d.region);
+    field(v, "kind", d.kind, in(0, 3));
+    v("mask", d.mask);
+    field(v, "center", d.center, EachIn{Real(1000000000), "m"});
+    field(v, "strength", d.strength, in(-100000000_r, 100000000_r));
+    field(v, "softening", d.softening, in(0_r, 30000_r, " m"));
+    field(v, "acceleration", d.acceleration, EachIn{Real(1000), "m/s^2"});
+    field(v, "velocity", d.velocity, LongAtMost{Real(500), "500 m/s"});
+    field(v, "density", d.density, in(0_r, 100000_r, " kg/m^3"));
+    field(v, "drag_linear", d.drag_linear, in(0_r, 1000000_r, " kg/(m^2 s)"));
+    field(v, "drag_quadratic", d.drag_quadratic, in(0_r, 1000000_r, " kg/m^3"));
+    field(v, "drag_angular", d.drag_angular, in(0_r, 1000000_r, " kg/(m^2 s)"));
+    v("priority", d.priority), v("reserved", d.reserved), v("region", d.region);
 }
 template <class V> constexpr void describe(ExplosionDef& d, V&& v) {
-    v("center", d.center), v("radius", d.radius), v("impulse", d.impulse), v("core", d.core);
-    v("falloff", d.falloff), v("mask", d.mask);
+    field(v, "center", d.center, EachIn{Real(1000000000), "m"});
+    field(v, "radius", d.radius, in(0.001_r, 30000_r, " m"));
+    field(v, "impulse", d.impulse, in(-100000000_r, 100000000_r, " N s/m^2"));
+    field(v, "core", d.core, in(0.001_r, 30000_r, " m"));
+    field(v, "falloff", d.falloff, in(0, 2));
+    v("mask", d.mask);
 }
 
 } // namespace lockstone

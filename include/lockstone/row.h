@@ -48,6 +48,47 @@ template <class Visit> constexpr void describe(Transform& t, Visit&& visit) {
     visit("rotation", t.rotation);
 }
 
+// ---- ranges: what a field of a definition may be, beside its name ----
+//
+//   template <class V> constexpr void describe(Ball& b, V&& v) {
+//       field(v, "radius", b.radius, in(0.01_r, 10_r, " m"));
+//   }
+//
+// A visitor that takes the range as a third argument gets it, any other is called as without.
+
+template <class T> struct In {
+    T low, high;
+    const char* unit;
+};
+constexpr In<std::int64_t> in(std::int64_t low, std::int64_t high) { return {low, high, ""}; }
+template <FixedPoint T> constexpr In<T> in(T low, T high, const char* unit = "") { return {low, high, unit}; }
+inline constexpr In<std::int64_t> no_or_yes{0, 1, ""};
+/// Bits of an enum, all of which together are `all`.
+struct BitsOf {
+    std::uint32_t all;
+    const char* name;
+};
+/// Each component of a vector, to both sides.
+template <class T> struct EachIn {
+    T most;
+    const char* unit;
+};
+/// The length of a vector; `text` is `most` as sentences say it.
+template <class T> struct LongAtMost {
+    T most;
+    const char* text;
+};
+/// The position of a pose, on each axis [m]; its rotation is of unit length.
+template <class T> struct PoseIn { T most; };
+
+template <class V, class F, class R>
+constexpr void field(V&& visit, const char* name, F& value, const R& range) {
+    if constexpr (requires { visit(name, value, range); })
+        visit(name, value, range);
+    else
+        visit(name, value);
+}
+
 /// An enum whose underlying type is written down; otherwise the compiler chooses its size and sign.
 template <class T>
 concept FixedEnum = std::is_enum_v<T> && requires {

@@ -20,9 +20,9 @@ enum class Integrator : std::uint32_t {
 const char* name_of(Integrator integrator);
 
 struct WorldDef {
-    std::uint32_t tick_rate = 60; ///< ticks per second, 1..1000
-    std::uint32_t substeps = 4;   ///< solver steps per tick, 1..16; see precise()
-    Vec3 gravity = {Real{}, Real::from_raw(-42133629174), Real{}}; ///< -9.81 m/s^2 along y; within 1000
+    std::uint32_t tick_rate = 60;       ///< ticks per second, 1..1000
+    std::uint32_t substeps = 4;         ///< solver steps per tick, 1..16; see precise()
+    Vec3 gravity = {0_r, -9.81_r, 0_r}; ///< [m/s^2], each within 1000
     Integrator integrator = Integrator::semi_implicit_euler;
     std::uint32_t bounds_shift =
         0; ///< 0..8: broad-phase step 2^(shift-16) m, exact within 2^(15+shift) m of the origin
@@ -45,12 +45,11 @@ struct WorldDef {
     Real contact_hertz = Real(90);        ///< stiffness of contacts, at most 3 / 16 of the substep rate
     Real contact_damping = Real(10);      ///< damping ratio of contacts
     Real push_speed_max = Real(3);        ///< [m/s]: how fast overlap is pushed out
-    /// [m/s]: 0.03. At rest is a body of which no point is faster, or none four times as fast and none farther than
+    /// [m/s]. At rest is a body of which no point is faster, or none four times as fast and none farther than
     /// sleep_speed * sleep_time from where it was.
-    Real sleep_speed = Real::from_raw(128849019);
-    Real sleep_time =
-        Real::from_raw(std::int64_t{1} << 31); ///< [s]: 0.5; an island that long at rest falls asleep
-    std::uint64_t seed = 1;                    ///< part of the state; the game's random streams start from it
+    Real sleep_speed = 0.03_r;
+    Real sleep_time = 0.5_r; ///< [s]: an island that long at rest falls asleep
+    std::uint64_t seed = 1;  ///< part of the state; the game's random streams start from it
 
     /// For towers, heavy loads and long chains: twice the substeps, at less than twice the cost of a tick.
     static WorldDef precise() {
@@ -59,6 +58,32 @@ struct WorldDef {
         return def;
     }
 };
+
+template <class V> constexpr void describe(WorldDef& d, V&& v) {
+    constexpr std::int64_t objects_max = 1 << 20;
+    field(v, "tick_rate", d.tick_rate, in(1, 1000));
+    field(v, "substeps", d.substeps, in(1, 16));
+    field(v, "gravity", d.gravity, EachIn{Real(1000), "m/s^2"});
+    field(v, "integrator", d.integrator, in(0, 3));
+    field(v, "bounds_shift", d.bounds_shift, in(0, 8));
+    field(v, "bodies_max", d.bodies_max, in(1, objects_max));
+    field(v, "shapes_max", d.shapes_max, in(1, objects_max));
+    field(v, "contacts_max", d.contacts_max, in(0, objects_max));
+    field(v, "fields_max", d.fields_max, in(1, 1024));
+    field(v, "pair_filters_max", d.pair_filters_max, in(1, objects_max));
+    field(v, "joints_max", d.joints_max, in(1, objects_max));
+    field(v, "characters_max", d.characters_max, in(1, 65536));
+    field(v, "vehicles_max", d.vehicles_max, in(1, 65536));
+    field(v, "continuous", d.continuous, no_or_yes);
+    field(v, "sleeping", d.sleeping, no_or_yes);
+    field(v, "restitution_speed_min", d.restitution_speed_min, in(0_r, 500_r));
+    field(v, "contact_hertz", d.contact_hertz, in(1_r, 4000_r));
+    field(v, "contact_damping", d.contact_damping, in(0.1_r, 100_r));
+    field(v, "push_speed_max", d.push_speed_max, in(0_r, 500_r));
+    field(v, "sleep_speed", d.sleep_speed, in(0_r, 10_r));
+    field(v, "sleep_time", d.sleep_time, in(0_r, 3600_r));
+    v("seed", d.seed);
+}
 
 /// How many there may be before a world takes more memory.
 struct WorldRows {

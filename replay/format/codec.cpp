@@ -203,24 +203,8 @@ GameSchema read_schema(ByteReader& in) {
 
 namespace {
 
-/// Every field, in the order of the file.
-template <class Visit> void for_each_field(WorldDef& d, Visit&& visit) {
-    visit("tick_rate", d.tick_rate), visit("substeps", d.substeps);
-    visit("gravity.x", d.gravity.x), visit("gravity.y", d.gravity.y), visit("gravity.z", d.gravity.z);
-    visit("integrator", d.integrator), visit("bounds_shift", d.bounds_shift);
-    visit("bodies_max", d.bodies_max), visit("shapes_max", d.shapes_max);
-    visit("contacts_max", d.contacts_max), visit("fields_max", d.fields_max);
-    visit("pair_filters_max", d.pair_filters_max), visit("joints_max", d.joints_max);
-    visit("characters_max", d.characters_max), visit("vehicles_max", d.vehicles_max);
-    visit("continuous", d.continuous), visit("sleeping", d.sleeping);
-    visit("restitution_speed_min", d.restitution_speed_min), visit("contact_hertz", d.contact_hertz);
-    visit("contact_damping", d.contact_damping), visit("push_speed_max", d.push_speed_max);
-    visit("sleep_speed", d.sleep_speed), visit("sleep_time", d.sleep_time);
-    visit("seed", d.seed);
-}
 constexpr std::size_t world_def_bytes = 136;
-static_assert(sizeof(WorldDef) == world_def_bytes,
-              "a field was added: for_each_field and FORMAT.md need it too");
+static_assert(sizeof(WorldDef) == world_def_bytes, "a field was added: FORMAT.md needs it too");
 
 template <Leaf T> void append_leaf(const T& leaf, std::vector<std::byte>& out) {
     const auto raw = std::bit_cast<std::array<std::byte, sizeof(T)>>(leaf);
@@ -248,16 +232,16 @@ template <class T> std::int64_t printable(const T& leaf) {
 
 void append_world_def(const WorldDef& def, std::vector<std::byte>& out) {
     WorldDef copy = def;
-    for_each_field(copy, [&](const char*, auto& field) { append_leaf(field, out); });
+    for_each_leaf(copy, [&](auto& leaf) { append_leaf(leaf, out); });
 }
 
 WorldDef read_world_def(ByteReader& in) {
     WorldDef def;
     std::span<const std::byte> from = in.bytes(world_def_bytes, "the world's definition");
     if (!in.ok()) return def;
-    for_each_field(def, [&](const char*, auto& field) {
-        read_leaf_value(from, field);
-        from = from.subspan(sizeof field);
+    for_each_leaf(def, [&](auto& leaf) {
+        read_leaf_value(from, leaf);
+        from = from.subspan(sizeof leaf);
     });
     return def;
 }
@@ -265,13 +249,14 @@ WorldDef read_world_def(ByteReader& in) {
 std::string first_difference(const WorldDef& left, const WorldDef& right) {
     std::vector<std::int64_t> values;
     WorldDef l = left, r = right;
-    for_each_field(l, [&](const char*, auto& field) { values.push_back(printable(field)); });
+    for_each_leaf(l, [&](auto& leaf) { values.push_back(printable(leaf)); });
+    const std::vector<LeafInfo> names = leaves_of<WorldDef>();
     std::string difference;
     std::size_t i = 0;
-    for_each_field(r, [&](const char* name, auto& field) {
-        if (difference.empty() && values[i] != printable(field))
-            difference = join(name, ": ", values[i], " against ", printable(field),
-                              FixedPoint<std::remove_reference_t<decltype(field)>> ? " (raw)" : "");
+    for_each_leaf(r, [&](auto& leaf) {
+        if (difference.empty() && values[i] != printable(leaf))
+            difference = join(names[i].name, ": ", values[i], " against ", printable(leaf),
+                              FixedPoint<std::remove_reference_t<decltype(leaf)>> ? " (raw)" : "");
         ++i;
     });
     return difference;

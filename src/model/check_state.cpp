@@ -3,7 +3,7 @@
 #include "base/text.h"
 #include "collide/narrow_phase.h"
 #include "lockstone/math/decimal.h"
-#include "model/checks.h"
+#include "model/fields.h"
 #include "model/model.h"
 
 #include <algorithm>
@@ -99,16 +99,12 @@ Status check_shared(std::string_view name, const State& s, const SharedTable<T>&
 
 /// Empty when a body may be like that.
 std::string check_traits(const BodyTraits& t) {
-    if (t.locks > 63) return "unknown locks";
-    const Real damping_max = Real(1000), scale_max = Real(100);
-    for (const Real damping : {t.linear_damping, t.angular_damping})
-        if (damping < Real{} || damping > damping_max) return "damping is out of range";
-    if (abs(t.gravity_scale) > scale_max) return "gravity_scale is out of range";
+    BodyDef def;
+    copy_named(t, def);
+    if (std::string e = check_ranges(def); !e.empty()) return e;
     if (t.mass_override != Real{} && (t.mass_override < mass_min || t.mass_override > mass_max))
         return "mass_override is out of range";
-    if (t.enable_fields > 1 || t.drag_scale < Real{} || t.drag_scale > scale_max)
-        return "enable_fields or drag_scale is out of range";
-    if (t.bullet > 1 || t.mass_fixed > 1 || t.gyroscopic > 1) return "a flag is neither 0 nor 1";
+    if (t.mass_fixed > 1) return "mass_fixed is neither 0 nor 1";
     const BodyMass& mass = t.mass;
     const bool weighs = mass.mass != Real{};
     if ((weighs && (mass.mass < mass_min || mass.mass > mass_max)) || !unit_like(mass.principal))
@@ -169,13 +165,9 @@ Status check_fields(const Manifest& m, const State& s) {
 std::string check_traits(shapes::SolidCache& solids, const ShapeTraits& t) {
     if (std::string e = validate(t.geometry); !e.empty()) return e;
     if (const Result<shapes::Solid> solid = solids.resolve(t.geometry); !solid) return solid.error().message;
-    if (t.density < 0.01_r || t.density > Real(100000)) return "density is out of range";
-    if (!unit_like(t.local.rotation)) return "local.rotation is not a unit quaternion";
-    if (t.sensor > 1 || t.one_way > 1) return "sensor or one_way is neither 0 nor 1";
-    if (t.friction_mix > Mix::maximum || t.restitution_mix > Mix::maximum) return "unknown mixing rule";
-    if (!within(t.surface_velocity, Real(100)) || !within(t.local.position, Real(64)))
-        return "surface_velocity or local is out of range";
-    return check_surface(t.friction, t.restitution, t.rolling_resistance, t.surface_velocity);
+    ShapeDef def;
+    copy_named(t, def);
+    return check_ranges(def);
 }
 
 /// Empty when a body of the kind can have the geometry.

@@ -3,6 +3,7 @@
 #include "base/text.h"
 #include "lockstone/math/decimal.h"
 #include "lockstone/math/math.h"
+#include "model/fields.h"
 
 namespace lockstone::sim {
 
@@ -31,25 +32,7 @@ std::string check_range(const char* what, Real value, Real low, Real high, const
 }
 
 std::string check(const BodyDef& d) {
-    if (d.kind > BodyKind::dynamic)
-        return join("kind is ", static_cast<std::uint32_t>(d.kind), ", must be 0 to 2");
-    if (d.locks > 63) return join("locks is ", d.locks, ", must be a sum of AxisLock bits, at most 63");
-    if (d.gyroscopic > 1) return join("gyroscopic is ", d.gyroscopic, ", must be 0 or 1");
-    if (d.bullet > 1) return join("bullet is ", d.bullet, ", must be 0 or 1");
-    if (d.enable_fields > 1) return join("enable_fields is ", d.enable_fields, ", must be 0 or 1");
-    if (std::string e = check_pose("pose", d.pose, position_max); !e.empty()) return e;
-    if (length(d.linear_velocity) > speed_max) return "linear_velocity must be at most 500 m/s long";
-    if (!within(d.angular_velocity, spin_max))
-        return "angular_velocity must be within 4095 rad/s on each axis";
-    if (std::string e = check_range("linear_damping", d.linear_damping, Real{}, Real(1000), " 1/s");
-        !e.empty())
-        return e;
-    if (std::string e = check_range("angular_damping", d.angular_damping, Real{}, Real(1000), " 1/s");
-        !e.empty())
-        return e;
-    if (std::string e = check_range("gravity_scale", d.gravity_scale, Real(-100), Real(100), ""); !e.empty())
-        return e;
-    if (std::string e = check_range("drag_scale", d.drag_scale, Real{}, Real(100), ""); !e.empty()) return e;
+    if (std::string e = check_ranges(d); !e.empty()) return e;
     if (d.mass == Real{}) return {};
     return check_range("mass", d.mass, mass_min, mass_max, " kg, or 0 for that of the shapes");
 }
@@ -65,32 +48,10 @@ static std::string check_body_kind(const Geometry& g, BodyKind kind) {
     return {};
 }
 
-std::string check_surface(Real friction, Real restitution, Real rolling_resistance, Vec3 surface_velocity) {
-    if (std::string e = check_range("friction", friction, Real{}, Real(4), ""); !e.empty()) return e;
-    if (std::string e = check_range("restitution", restitution, Real{}, Real(1), ""); !e.empty()) return e;
-    if (std::string e = check_range("rolling_resistance", rolling_resistance, Real{}, Real(1), " m");
-        !e.empty())
-        return e;
-    if (!within(surface_velocity, Real(100))) return "surface_velocity must be within 100 m/s on each axis";
-    return {};
-}
-
 std::string check(const ShapeDef& d, BodyKind kind) {
     if (std::string e = validate(d.geometry); !e.empty()) return e;
     if (std::string e = check_body_kind(d.geometry, kind); !e.empty()) return e;
-    if (std::string e = check_pose("local", d.local, Real(64)); !e.empty()) return e;
-    if (std::string e = check_range("density", d.density, 0.01_r, Real(100000), " kg/m^3"); !e.empty())
-        return e;
-    if (std::string e = check_surface(d.friction, d.restitution, d.rolling_resistance, d.surface_velocity);
-        !e.empty())
-        return e;
-    for (const auto& [what, rule] :
-         {std::pair("friction_mix", d.friction_mix), {"restitution_mix", d.restitution_mix}})
-        if (rule > Mix::maximum)
-            return join(what, " is ", static_cast<std::uint32_t>(rule), ", must be 0 to 4");
-    if (d.sensor > 1) return join("sensor is ", d.sensor, ", must be 0 or 1");
-    if (d.one_way > 1) return join("one_way is ", d.one_way, ", must be 0 or 1");
-    return {};
+    return check_ranges(d);
 }
 
 static std::string check(const Region& r) {
@@ -109,36 +70,12 @@ static std::string check(const Region& r) {
 }
 
 std::string check(const FieldDef& d) {
-    if (d.kind > FieldKind::fluid)
-        return join("kind is ", static_cast<std::uint32_t>(d.kind), ", must be 0 to 3");
+    if (std::string e = check_ranges(d); !e.empty()) return e;
     if (d.reserved != 0) return "reserved must be 0";
-    if (!within(d.center, position_max)) return "center must be within 1e9 m of the origin";
-    if (!within(d.acceleration, Real(1000))) return "acceleration must be within 1000 m/s^2 on each axis";
-    if (length(d.velocity) > speed_max) return "velocity must be at most 500 m/s long";
-    struct Range {
-        const char* what;
-        Real value, low, high;
-        const char* unit;
-    };
-    const Real drag_max = Real(1000000);
-    for (const Range& r : {Range{"strength", d.strength, Real(-100000000), Real(100000000), ""},
-                           {"softening", d.softening, Real{}, Real(30000), " m"},
-                           {"density", d.density, Real{}, Real(100000), " kg/m^3"},
-                           {"drag_linear", d.drag_linear, Real{}, drag_max, " kg/(m^2 s)"},
-                           {"drag_quadratic", d.drag_quadratic, Real{}, drag_max, " kg/m^3"},
-                           {"drag_angular", d.drag_angular, Real{}, drag_max, " kg/(m^2 s)"}})
-        if (std::string e = check_range(r.what, r.value, r.low, r.high, r.unit); !e.empty()) return e;
     return check(d.region);
 }
 
-std::string check(const ExplosionDef& d) {
-    if (d.falloff > Falloff::inverse_square)
-        return join("falloff is ", static_cast<std::uint32_t>(d.falloff), ", must be 0 to 2");
-    if (!within(d.center, position_max)) return "center must be within 1e9 m of the origin";
-    if (std::string e = check_range("radius", d.radius, 0.001_r, Real(30000), " m"); !e.empty()) return e;
-    if (std::string e = check_range("core", d.core, 0.001_r, Real(30000), " m"); !e.empty()) return e;
-    return check_range("impulse", d.impulse, Real(-100000000), Real(100000000), " N s/m^2");
-}
+std::string check(const ExplosionDef& d) { return check_ranges(d); }
 
 std::string check(const JointAxis& d, std::uint32_t index) {
     if (d.mode > AxisMode::free)

@@ -17,7 +17,6 @@ bool within(Vec3 v, Real most); ///< each component
 std::string check_unit(const char* what, Quat q);
 std::string check_pose(const char* what, const Transform& pose, Real most);
 std::string check_range(const char* what, Real value, Real low, Real high, const char* unit);
-std::string check_surface(Real friction, Real restitution, Real rolling_resistance, Vec3 surface_velocity);
 /// Whether each setting of a command says plainly that it is given or not.
 template <class C> std::string check_changes(C command) {
     std::string fault;

@@ -6,6 +6,7 @@
 #include "base/text.h"
 #include "lockstone/math/decimal.h"
 #include "lockstone/math/math.h"
+#include "model/fields.h"
 #include "model/sleep.h"
 #include "world/world_impl.h"
 
@@ -308,19 +309,12 @@ BodyDef World::body(BodyId body) const {
     const sim::BodyInfo& info = impl->state.rows(impl->m.body_info)[living(*impl, body)];
     const sim::BodyTraits& traits = impl->traits_of(info);
     BodyDef d;
+    sim::copy_named(traits, d);
     d.kind = info.kind;
-    d.locks = traits.locks;
     d.pose = pose(body);
     d.linear_velocity = linear_velocity(body);
     d.angular_velocity = angular_velocity(body);
-    d.linear_damping = traits.linear_damping;
-    d.angular_damping = traits.angular_damping;
-    d.gravity_scale = traits.gravity_scale;
-    d.drag_scale = traits.drag_scale;
     d.mass = traits.mass_override;
-    d.gyroscopic = traits.gyroscopic;
-    d.enable_fields = traits.enable_fields;
-    d.bullet = traits.bullet;
     d.user_key = info.user_key;
     return d;
 }
@@ -348,23 +342,10 @@ std::vector<ShapeId> World::shapes(BodyId body) const {
 }
 ShapeDef World::shape(ShapeId shape) const {
     const sim::ShapeRow& row = impl->state.rows(impl->m.shape)[living(*impl, shape)];
-    const sim::ShapeTraits& r = impl->traits_of(row);
-    return {r.geometry,
-            r.local,
-            r.density,
-            r.friction,
-            r.restitution,
-            r.rolling_resistance,
-            r.surface_velocity,
-            r.friction_mix,
-            r.restitution_mix,
-            r.material,
-            r.category,
-            r.mask,
-            r.group,
-            r.sensor,
-            r.one_way,
-            row.user_key};
+    ShapeDef d;
+    sim::copy_named(impl->traits_of(row), d);
+    d.user_key = row.user_key;
+    return d;
 }
 BodyId World::body_of(ShapeId shape) const {
     return impl->state.rows(impl->m.shape)[living(*impl, shape)].body;

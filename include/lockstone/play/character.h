@@ -37,21 +37,21 @@ struct CharacterDef {
     std::uint32_t mask = 0xffffffffu;
     std::int32_t group = 0;
     std::uint32_t coyote_ticks = 6; ///< how long after walking off an edge it can still jump, at most 1000
-    std::uint32_t jump_buffer_ticks = 6;      ///< how long a jump pressed too early is kept, at most 1000
-    Real radius = Real::from_raw(1288490189); ///< 0.3 [m], 0.05..10
-    Real height = Real::from_raw(7730941133); ///< 1.8 [m], 2 radius + 0.01..50
-    Real crouch_height = Real::from_raw(4294967296); ///< 1 [m], 2 radius + 0.01..height
-    Real slope_max = Real::from_raw(3748066029);     ///< 50 degrees [rad], 0..1.3
-    Real step_height = Real::from_raw(1503238554);   ///< 0.35 [m], 0..10
-    Real step_down = Real::from_raw(1503238554);     ///< 0.35 [m], 0..10
-    Real mass = Real(80);                            ///< [kg], 0.001..1e6: weighs, and meets what hits it
-    Real push_force = Real(500);                     ///< [N], 0..1e8
-    Real gravity = Real::from_raw(42133629174); ///< 9.81 [m/s^2] along -up, 0..1000; the world's is not used
-    Real fall_speed_max = Real(60);             ///< [m/s], 0.1..400
-    Real jump_speed = Real(5);                  ///< [m/s], 0..100
-    Real acceleration = Real(60);               ///< on the ground, to the wanted velocity [m/s^2], 0..1e6
-    Real air_acceleration = Real(15);           ///< [m/s^2], 0..1e6
-    std::uint64_t user_key = 0;                 ///< of its body and shape
+    std::uint32_t jump_buffer_ticks = 6;         ///< how long a jump pressed too early is kept, at most 1000
+    Real radius = 0.3_r;                         ///< [m], 0.05..10
+    Real height = 1.8_r;                         ///< [m], 2 radius + 0.01..50
+    Real crouch_height = 1_r;                    ///< [m], 2 radius + 0.01..height
+    Real slope_max = Real::from_raw(3748066029); ///< 50 degrees [rad], 0..1.3
+    Real step_height = 0.35_r;                   ///< [m], 0..10
+    Real step_down = 0.35_r;                     ///< [m], 0..10
+    Real mass = Real(80);                        ///< [kg], 0.001..1e6: weighs, and meets what hits it
+    Real push_force = Real(500);                 ///< [N], 0..1e8
+    Real gravity = 9.81_r;                       ///< [m/s^2] along -up, 0..1000; the world's is not used
+    Real fall_speed_max = Real(60);              ///< [m/s], 0.1..400
+    Real jump_speed = Real(5);                   ///< [m/s], 0..100
+    Real acceleration = Real(60);                ///< on the ground, to the wanted velocity [m/s^2], 0..1e6
+    Real air_acceleration = Real(15);            ///< [m/s^2], 0..1e6
+    std::uint64_t user_key = 0;                  ///< of its body and shape
 };
 
 /// What it is to do until another input comes.
@@ -83,17 +83,28 @@ struct CharacterState {
 };
 
 template <class V> constexpr void describe(CharacterDef& d, V&& v) {
-    v("position", d.position), v("up", d.up), v("category", d.category), v("mask", d.mask);
-    v("group", d.group), v("coyote_ticks", d.coyote_ticks), v("jump_buffer_ticks", d.jump_buffer_ticks);
-    v("radius", d.radius), v("height", d.height), v("crouch_height", d.crouch_height);
-    v("slope_max", d.slope_max), v("step_height", d.step_height), v("step_down", d.step_down);
-    v("mass", d.mass), v("push_force", d.push_force), v("gravity", d.gravity);
-    v("fall_speed_max", d.fall_speed_max), v("jump_speed", d.jump_speed);
-    v("acceleration", d.acceleration), v("air_acceleration", d.air_acceleration);
+    field(v, "position", d.position, EachIn{Real(1000000000), "m"});
+    v("up", d.up), v("category", d.category), v("mask", d.mask), v("group", d.group);
+    field(v, "coyote_ticks", d.coyote_ticks, in(0, 1000));
+    field(v, "jump_buffer_ticks", d.jump_buffer_ticks, in(0, 1000));
+    field(v, "radius", d.radius, in(0.05_r, 10_r, " m"));
+    v("height", d.height), v("crouch_height", d.crouch_height);
+    field(v, "slope_max", d.slope_max, in(0_r, 1.3_r, " rad"));
+    field(v, "step_height", d.step_height, in(0_r, 10_r, " m"));
+    field(v, "step_down", d.step_down, in(0_r, 10_r, " m"));
+    field(v, "mass", d.mass, in(0.001_r, 1000000_r, " kg"));
+    field(v, "push_force", d.push_force, in(0_r, 100000000_r, " N"));
+    field(v, "gravity", d.gravity, in(0_r, 1000_r, " m/s^2"));
+    field(v, "fall_speed_max", d.fall_speed_max, in(0.1_r, 400_r, " m/s"));
+    field(v, "jump_speed", d.jump_speed, in(0_r, 100_r, " m/s"));
+    field(v, "acceleration", d.acceleration, in(0_r, 1000000_r, " m/s^2"));
+    field(v, "air_acceleration", d.air_acceleration, in(0_r, 1000000_r, " m/s^2"));
     v("user_key", d.user_key);
 }
 template <class V> constexpr void describe(CharacterInput& i, V&& v) {
-    v("velocity", i.velocity), v("jump", i.jump), v("crouch", i.crouch);
+    field(v, "velocity", i.velocity, LongAtMost{character_speed_max, "100 m/s"});
+    field(v, "jump", i.jump, no_or_yes);
+    field(v, "crouch", i.crouch, no_or_yes);
 }
 template <class V> constexpr void describe(CharacterState& s, V&& v) {
     v("velocity", s.velocity), v("ground_velocity", s.ground_velocity), v("ground_body", s.ground_body);

@@ -33,19 +33,12 @@ struct CurvePoint {
 /// A tyre that slides both ways shares its grip out along the direction in which it slides.
 struct Tyre {
     std::array<CurvePoint, 4> along{
-        {{Real(0), Real(0)},
-         {Real::from_raw(343597384 /* 0.08 */), Real::from_raw(4724464026 /* 1.1 */)},
-         {Real::from_raw(1288490189 /* 0.3 */), Real::from_raw(4080218931 /* 0.95 */)},
-         {Real(1), Real::from_raw(3865470566 /* 0.9 */)}}}; ///< y 0..10
+        {{Real(0), Real(0)}, {0.08_r, 1.1_r}, {0.3_r, 0.95_r}, {Real(1), 0.9_r}}}; ///< y 0..10
     std::array<CurvePoint, 4> across{
-        {{Real(0), Real(0)},
-         {Real::from_raw(515396076 /* 0.12 */), Real(1)},
-         {Real::from_raw(1717986918 /* 0.4 */), Real::from_raw(3865470566 /* 0.9 */)},
-         {Real(2), Real::from_raw(3650722202 /* 0.85 */)}}};
-    Real ground_friction = Real::from_raw(
-        2576980378 /* 0.6 */); ///< of the ground on which the curves hold, 0.01..4: the grip grows
-                               ///< in proportion to that of the ground's shape
-    Real rolling_resistance = Real::from_raw(42949673 /* 0.01 */); ///< force over load, 0..1
+        {{Real(0), Real(0)}, {0.12_r, Real(1)}, {0.4_r, 0.9_r}, {Real(2), 0.85_r}}};
+    Real ground_friction = 0.6_r;     ///< of the ground on which the curves hold, 0.01..4: the grip grows
+                                      ///< in proportion to that of the ground's shape
+    Real rolling_resistance = 0.01_r; ///< force over load, 0..1
 };
 
 enum class WheelCast : std::uint32_t {
@@ -59,19 +52,16 @@ struct WheelDef {
         attachment{}; ///< where the hub is at a suspension length of 0, from the body's origin [m], within 64
     UnitVec3 direction{Unit{}, -unit_one, Unit{}}; ///< in which the suspension extends, downwards
     std::uint32_t tyre = 0;                        ///< index of VehicleDef::tyre
-    Real length_min =
-        Real::from_raw(429496730 /* 0.1 */); ///< of the suspension when it meets its stop [m], 0..4
-    Real length_max = Real::from_raw(2147483648 /* 0.5 */); ///< when it hangs
-    Real preload{}; ///< how much longer than length_max its spring is [m], 0..4
-    Real frequency = Real::from_raw(
-        6442450944 /* 1.5 */); ///< [Hz], 0.1..50: of the spring under the mass that rests on this wheel;
-                               ///< it gives by g / (2 pi frequency)^2 at rest
-    Real damping_compression = Real::from_raw(1717986918 /* 0.4 */); ///< damping ratio, 0..10
-    Real damping_rebound = Real::from_raw(2576980378 /* 0.6 */);
-    Real radius = Real::from_raw(1503238554 /* 0.35 */); ///< [m], 0.01..10
-    Real width = Real::from_raw(1073741824 /* 0.25 */);  ///< [m], 0.01..10
-    Real inertia = Real::from_raw(
-        3865470566 /* 0.9 */); ///< [kg m^2], 0.001..1e6, of the turning wheel; in a track they add up
+    Real length_min = 0.1_r;                       ///< of the suspension when it meets its stop [m], 0..4
+    Real length_max = 0.5_r;                       ///< when it hangs
+    Real preload{};         ///< how much longer than length_max its spring is [m], 0..4
+    Real frequency = 1.5_r; ///< [Hz], 0.1..50: of the spring under the mass that rests on this wheel;
+                            ///< it gives by g / (2 pi frequency)^2 at rest
+    Real damping_compression = 0.4_r; ///< damping ratio, 0..10
+    Real damping_rebound = 0.6_r;
+    Real radius = 0.35_r; ///< [m], 0.01..10
+    Real width = 0.25_r;  ///< [m], 0.01..10
+    Real inertia = 0.9_r; ///< [kg m^2], 0.001..1e6, of the turning wheel; in a track they add up
     Real steer_max{}; ///< angle at full steering [rad], within 1.3; negative for wheels that steer against it
     Real drive_share{};       ///< of the engine's torque, 0..1; all together 1, or 0 if nothing is driven
     Real brake_torque{};      ///< at full brake [N m], 0..1e8
@@ -103,16 +93,15 @@ struct Differential {
 struct EngineDef {
     Real torque_max = Real(400); ///< [N m], 0..1e7
     /// Share of torque_max at full throttle over rpm / rpm_max.
-    std::array<CurvePoint, 8> torque{
-        {{Real(0), Real::from_raw(3435973837 /* 0.8 */)},
-         {Real::from_raw(858993459 /* 0.2 */), Real::from_raw(3650722202 /* 0.85 */)},
-         {Real::from_raw(1717986918 /* 0.4 */), Real::from_raw(4080218931 /* 0.95 */)},
-         {Real::from_raw(2791728742 /* 0.65 */), Real(1)},
-         {Real::from_raw(3650722202 /* 0.85 */), Real::from_raw(4080218931 /* 0.95 */)},
-         {Real(1), Real::from_raw(3435973837 /* 0.8 */)},
-         {Real::from_raw(4724464026 /* 1.1 */), Real::from_raw(3006477107 /* 0.7 */)},
-         {Real::from_raw(5153960755 /* 1.2 */), Real::from_raw(2576980378 /* 0.6 */)}}};
-    Real inertia = Real::from_raw(1288490189 /* 0.3 */); ///< of crankshaft and flywheel [kg m^2], 0.001..1e5
+    std::array<CurvePoint, 8> torque{{{Real(0), 0.8_r},
+                                      {0.2_r, 0.85_r},
+                                      {0.4_r, 0.95_r},
+                                      {0.65_r, Real(1)},
+                                      {0.85_r, 0.95_r},
+                                      {Real(1), 0.8_r},
+                                      {1.1_r, 0.7_r},
+                                      {1.2_r, 0.6_r}}};
+    Real inertia = 0.3_r;         ///< of crankshaft and flywheel [kg m^2], 0.001..1e5
     Real rpm_idle = Real(900);    ///< 1..rpm_max; below it the engine does not fall: it never stalls
     Real rpm_max = Real(6500);    ///< the limiter cuts the fuel, 10..1e5
     Real brake_torque = Real(60); ///< without throttle at rpm_max, in proportion to rpm [N m], 0..1e7
@@ -125,20 +114,12 @@ enum class GearboxMode : std::uint32_t {
 struct GearboxDef {
     GearboxMode mode = GearboxMode::automatic;
     std::uint32_t forward_count = 5; ///< 1..8
-    std::array<Real, vehicle_gears_max> forward{Real::from_raw(15461882266 /* 3.6 */),
-                                                Real::from_raw(9019431322 /* 2.1 */),
-                                                Real::from_raw(6012954214 /* 1.4 */),
-                                                Real(1),
-                                                Real::from_raw(3435973837 /* 0.8 */),
-                                                Real(0),
-                                                Real(0),
-                                                Real(0)};     ///< engine turns per turn
-    Real reverse = Real::from_raw(13743895347 /* 3.2 */);     ///< 0.001..1000, as all ratios
-    Real final_drive = Real::from_raw(15891378995 /* 3.7 */); ///< 0.001..1000
-    Real shift_time =
-        Real::from_raw(1288490189 /* 0.3 */); ///< the clutch is open while a gear changes [s], 0..10
-    Real shift_pause =
-        Real::from_raw(2147483648 /* 0.5 */); ///< least time between changes of an automatic box [s], 0..10
+    std::array<Real, vehicle_gears_max> forward{3.6_r, 2.1_r,   1.4_r,   Real(1),
+                                                0.8_r, Real(0), Real(0), Real(0)}; ///< engine turns per turn
+    Real reverse = 3.2_r;     ///< 0.001..1000, as all ratios
+    Real final_drive = 3.7_r; ///< 0.001..1000
+    Real shift_time = 0.3_r;  ///< the clutch is open while a gear changes [s], 0..10
+    Real shift_pause = 0.5_r; ///< least time between changes of an automatic box [s], 0..10
     Real rpm_up = Real(5500), rpm_down = Real(2200); ///< where an automatic box changes, rpm_down < rpm_up
     Real clutch_torque =
         Real(900); ///< most that the clutch carries [N m], 0..1e8; it closes from rpm_idle on, within

@@ -74,9 +74,4 @@ template <class Tag> Error dead(const char* command, const char* what, Id<Tag> i
 inline Error dead_body(const char* command, BodyId id) { return dead(command, "body", id); }
 inline Error dead_shape(const char* command, ShapeId id) { return dead(command, "shape", id); }
 
-// ---- traits ----
-
-/// What a checked definition says of a body, but its mass.
-void define(BodyTraits& traits, const BodyDef& d);
-
 } // namespace lockstone::sim

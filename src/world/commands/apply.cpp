@@ -2,7 +2,7 @@
 
 #include "lockstone/math/decimal.h"
 #include "lockstone/math/math.h"
-#include "model/checks.h"
+#include "model/fields.h"
 #include "model/sleep.h"
 #include "solve/joints/locks.h"
 
@@ -27,17 +27,6 @@ void Applier::wake_all() {
 }
 
 // ---- bodies --------------------------------------------------------------------------------------------------
-
-void define(BodyTraits& traits, const BodyDef& d) {
-    traits.linear_damping = d.linear_damping;
-    traits.angular_damping = d.angular_damping;
-    traits.gravity_scale = d.gravity_scale;
-    traits.drag_scale = d.drag_scale;
-    traits.locks = d.locks;
-    traits.gyroscopic = static_cast<std::uint8_t>(d.gyroscopic);
-    traits.enable_fields = static_cast<std::uint8_t>(d.enable_fields);
-    traits.bullet = static_cast<std::uint8_t>(d.bullet);
-}
 
 static Vec3 center_offset(const Model& w, std::uint32_t row, Quat rotation) {
     return rotate(rotation, w.mass_of(row).center);
@@ -121,20 +110,13 @@ Result<World::Applied> Applier::operator()(const SetBodyParameters& c) {
     std::uint32_t row = w.row_of(c.body);
     if (row == Model::dead) return dead_body("set_body_parameters", c.body);
     if (std::string e = check_changes(c); !e.empty()) return Error{"set_body_parameters: " + e};
-    const BodyTraits& now = w.traits_of(w.state.rows(w.m.body_info)[row]);
     BodyDef d{};
-    d.linear_damping = c.linear_damping.or_else(now.linear_damping);
-    d.angular_damping = c.angular_damping.or_else(now.angular_damping);
-    d.gravity_scale = c.gravity_scale.or_else(now.gravity_scale);
-    d.locks = c.locks.or_else(now.locks);
-    d.gyroscopic = c.gyroscopic.or_else(now.gyroscopic);
-    d.bullet = c.bullet.or_else(now.bullet);
-    d.enable_fields = c.enable_fields.or_else(now.enable_fields);
-    d.drag_scale = c.drag_scale.or_else(now.drag_scale);
+    copy_named(w.traits_of(w.state.rows(w.m.body_info)[row]), d);
+    apply_changes(c, d);
     if (std::string e = check(d); !e.empty()) return Error{"set_body_parameters: " + e};
     row = wake(c.body);
     BodyTraits traits = w.traits_of(w.state.rows(w.m.body_info)[row]);
-    define(traits, d);
+    copy_named(d, traits);
     set_traits(w, row, traits);
     solve::drop_locked(w.state.edit_row(w.m.body_velocity, row), d.locks);
     return Applied{};
@@ -147,18 +129,12 @@ Result<World::Applied> Applier::operator()(const SetMaterial& c) {
     if (row == Model::dead) return dead_shape("set_material", c.shape);
     if (std::string e = check_changes(c); !e.empty()) return Error{"set_material: " + e};
     ShapeTraits traits = w.traits_of(w.state.rows(w.m.shape)[row]);
-    const Real friction = c.friction.or_else(traits.friction);
-    const Real restitution = c.restitution.or_else(traits.restitution);
-    const Real rolling_resistance = c.rolling_resistance.or_else(traits.rolling_resistance);
-    const Vec3 surface_velocity = c.surface_velocity.or_else(traits.surface_velocity);
-    if (std::string e = check_surface(friction, restitution, rolling_resistance, surface_velocity);
-        !e.empty())
-        return Error{"set_material: " + e};
+    ShapeDef d{};
+    copy_named(traits, d);
+    apply_changes(c, d);
+    if (std::string e = check_ranges(d); !e.empty()) return Error{"set_material: " + e};
     wake(w.state.rows(w.m.shape)[row].body);
-    traits.friction = friction;
-    traits.restitution = restitution;
-    traits.rolling_resistance = rolling_resistance;
-    traits.surface_velocity = surface_velocity;
+    copy_named(d, traits);
     set_shape_traits(w, row, traits);
     return Applied{};
 }
@@ -169,9 +145,7 @@ Result<World::Applied> Applier::operator()(const SetFilter& c) {
     if (std::string e = check_changes(c); !e.empty()) return Error{"set_filter: " + e};
     wake(w.state.rows(w.m.shape)[row].body);
     ShapeTraits traits = w.traits_of(w.state.rows(w.m.shape)[row]);
-    traits.category = c.category.or_else(traits.category);
-    traits.mask = c.mask.or_else(traits.mask);
-    traits.group = c.group.or_else(traits.group);
+    apply_changes(c, traits);
     set_shape_traits(w, row, traits);
     return Applied{};
 }

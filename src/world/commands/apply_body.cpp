@@ -3,7 +3,7 @@
 
 #include "lockstone/math/decimal.h"
 #include "lockstone/math/math.h"
-#include "model/checks.h"
+#include "model/fields.h"
 #include "model/sleep.h"
 #include "solve/joints/locks.h"
 
@@ -41,7 +41,7 @@ Result<World::Applied> Applier::operator()(const CreateBody& c) {
     info.user_key = d.user_key;
     info.kind = d.kind;
     BodyTraits traits{};
-    define(traits, d);
+    copy_named(d, traits);
     traits.mass_override = d.mass;
     traits.mass.principal = Quat::identity();
     std::uint32_t free = h.body_traits_free;
@@ -79,21 +79,10 @@ Result<World::Applied> Applier::operator()(const DestroyBody& c) {
 }
 
 static ShapeTraits traits_of(const ShapeDef& d) {
-    return {d.geometry,
-            {d.local.position, normalized(d.local.rotation)},
-            d.density,
-            d.friction,
-            d.restitution,
-            d.rolling_resistance,
-            d.surface_velocity,
-            d.friction_mix,
-            d.restitution_mix,
-            d.material,
-            d.category,
-            d.mask,
-            d.group,
-            d.sensor,
-            d.one_way};
+    ShapeTraits traits{};
+    copy_named(d, traits);
+    traits.local.rotation = normalized(d.local.rotation);
+    return traits;
 }
 
 Result<World::Applied> Applier::operator()(const CreateShape& c) {

@@ -1,0 +1,87 @@
+// What follows from the one list of a definition's fields (describe): checks, and copies between a definition, the row that holds it
+// and the command that changes it.
+#pragma once
+
+#include "base/text.h"
+#include "lockstone/command.h"
+#include "lockstone/math/decimal.h"
+#include "lockstone/math/math.h"
+#include "model/checks.h"
+
+#include <string>
+#include <string_view>
+
+namespace lockstone::sim {
+
+/// Keeps the first complaint about fields that are out of their ranges.
+struct RangeCheck {
+    std::string error;
+
+    template <class F> void operator()(const char*, F&) {}
+    template <class F> void operator()(const char* name, F& value, const In<std::int64_t>& range) {
+        const auto number = static_cast<std::int64_t>(value);
+        if (!error.empty() || (number >= range.low && number <= range.high)) return;
+        error = base::join(name, " is ", number, ", must be ", range.low,
+                           range.high == 1 && range.low == 0 ? " or " : " to ", range.high);
+    }
+    void operator()(const char* name, Real& value, const In<Real>& range) {
+        if (error.empty()) error = check_range(name, value, range.low, range.high, range.unit);
+    }
+    void operator()(const char* name, std::uint32_t& value, const BitsOf& bits) {
+        if (error.empty() && (value & ~bits.all) != 0)
+            error = base::join(name, " is ", value, ", must be a sum of ", bits.name, " bits, at most ",
+                               bits.all);
+    }
+    void operator()(const char* name, Vec3& value, const EachIn<Real>& range) {
+        for (int i = 0; i < 3; ++i)
+            if (error.empty() && abs(value[i]) > range.most)
+                error = base::join(name, ".", "xyz"[i], " is ", to_string(value[i]), ", must be within ",
+                                   to_string(range.most), " ", range.unit);
+    }
+    void operator()(const char* name, Vec3& value, const LongAtMost<Real>& range) {
+        if (error.empty() && length(value) > range.most)
+            error = base::join(name, " must be at most ", range.text, " long");
+    }
+    void operator()(const char* name, Transform& value, const PoseIn<Real>& range) {
+        if (error.empty()) error = check_pose(name, value, range.most);
+    }
+};
+
+/// Empty when every field is in its range, else what is wrong.
+template <class Def> std::string check_ranges(Def def) {
+    RangeCheck check;
+    describe(def, check);
+    return check.error;
+}
+
+/// Visits the field of that name, if there is one.
+template <class T, class Visit> constexpr void visit_named(T& in, std::string_view name, Visit&& visit) {
+    describe(in, [&](const char* other, auto& field) {
+        if (name == other) visit(field);
+    });
+}
+
+/// Every field of `to` that `from` has too, by name, becomes that one's. Fields of other kinds stay.
+template <class From, class To> constexpr void copy_named(From from, To& to) {
+    describe(from, [&]<class F>(const char* name, F& value) {
+        visit_named(to, name, [&]<class T>(T& target) {
+            if constexpr (std::is_same_v<F, T>)
+                target = value;
+            else if constexpr (std::is_integral_v<F> && std::is_integral_v<T>)
+                target = static_cast<T>(value);
+        });
+    });
+}
+
+/// The fields that a command gives (Change) become those of the same names.
+template <class Command, class To> constexpr void apply_changes(Command command, To& to) {
+    describe(command, [&]<class F>(const char* name, F& change) {
+        if constexpr (requires { change.given; })
+            if (change.given != 0)
+                visit_named(to, name, [&]<class T>(T& target) {
+                    if constexpr (std::is_same_v<decltype(F::value), T>) target = change.value;
+                });
+    });
+}
+
+} // namespace lockstone::sim
