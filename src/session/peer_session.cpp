@@ -10,15 +10,19 @@ namespace lockstone::session {
 namespace {
 /// Who comes into a match presses nothing for so long: the time that its first inputs take to the others.
 constexpr std::uint64_t neutral_ticks = 30;
-constexpr std::uint64_t seat_silence_polls = 600;
+constexpr std::uint64_t seat_silence_polls = 600, seat_log_ticks = 7200;
 } // namespace
 
 PeerSession::PeerSession(const SessionDef& session_def, Transport& packets, const Entry& entry)
     : def(session_def), transport(packets), context(packet_context(session_def)), has_run(entry.tick == 0),
       since(entry.since), entry_tick(entry.tick),
       catch_up_end(entry.tick == 0 ? 0 : entry.tick + neutral_ticks),
-      timeline(session_def, {false, 0, players_max, seat_silence_polls}), current(entry.tick),
-      settled_end(entry.tick), confirmed(entry.tick), hashes(history_ticks) {
+      timeline(session_def, {.log_ticks_max = seat_log_ticks,
+                             .delay_ticks = 0,
+                             .listeners_max = players_max,
+                             .silence_polls = seat_silence_polls,
+                             .keeps_unheard = false}),
+      current(entry.tick), settled_end(entry.tick), confirmed(entry.tick), hashes(history_ticks) {
     cuts.fill(never);
     gone = entry.tick == 0 ? def.absent : entry.left;
     for (std::uint32_t p = 0; p < def.players.size(); ++p) {

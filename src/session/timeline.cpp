@@ -183,7 +183,7 @@ namespace {
 constexpr std::uint64_t listener_resend_polls = 20, ticks_ahead_max = 256;
 constexpr std::uint64_t snapshot_polls = 120;      ///< between two states, and while somebody takes one
 constexpr std::uint64_t snapshot_polls_max = 7200; ///< then nobody takes it any more
-constexpr std::uint64_t log_ticks_max = 7200;      ///< where not all of it is kept
+constexpr std::uint64_t quiet_polls = 60; ///< of a listener: it is sent nothing until it is heard again
 constexpr std::uint32_t chunks_per_wish = 2, chunks_ahead_max = 64;
 } // namespace
 
@@ -196,11 +196,8 @@ void TimelineHost::add(std::uint64_t tick, std::span<const PlayerInput> inputs, 
     LOCKSTONE_ASSERT(tick == log_end(), "confirmed ticks are shown one after the other: tick ", tick,
                      " after ", log_end());
     hashes[tick % history_ticks] = hash;
-    if (!def.whole && (all.empty() || log.size() >= log_ticks_max * tick_bytes)) {
-        log.clear();
-        log_first = tick + 1;
-        return;
-    }
+    make_room();
+    if (log_first > tick) return; // nobody needs it
     base::ByteWriter out(log);
     out.u32(static_cast<std::uint32_t>(hash));
     std::uint32_t left = 0;
@@ -210,17 +207,48 @@ void TimelineHost::add(std::uint64_t tick, std::span<const PlayerInput> inputs, 
     for (const PlayerInput& input : inputs) out.bytes(input.bytes);
 }
 
+void TimelineHost::add_told(std::uint64_t tick, std::span<const std::byte> told) {
+    if (!std::exchange(has_begun, true)) first = log_first = tick;
+    LOCKSTONE_ASSERT(tick == log_end() && told.size() == tick_bytes, "tick ", tick, " after ", log_end());
+    is_told = true;
+    make_room();
+    if (log_first <= tick) base::ByteWriter(log).bytes(told);
+}
+
+/// Before a tick is added. Where ticks are kept only for those who listen, all go; else the older half.
+void TimelineHost::make_room() {
+    const std::uint64_t ticks = log.size() / tick_bytes;
+    if (!def.keeps_unheard && (all.empty() || ticks >= def.log_ticks_max)) {
+        log_first = log_end() + 1;
+        log.clear();
+    } else if (ticks >= def.log_ticks_max) {
+        const std::uint64_t old = ticks - ticks / 2;
+        log.erase(log.begin(), log.begin() + static_cast<std::ptrdiff_t>(old * tick_bytes));
+        log_first += old;
+    }
+}
+
+std::optional<std::uint32_t> TimelineHost::told_hash(std::uint64_t tick) const {
+    if (tick < log_first || tick >= log_end()) return std::nullopt;
+    return base::load_little_endian<std::uint32_t>(log.data() + (tick - log_first) * tick_bytes);
+}
+
+void TimelineHost::set_snapshot(const Offer& offer, std::span<const std::byte> image) {
+    snapshot.emplace(offer.tick, offer.hash, std::vector<std::byte>(image.begin(), image.end()));
+    snapshot_at_poll = polls;
+    ++made;
+}
+
 std::uint64_t TimelineHost::shown_end() const {
     return log_end() - std::min<std::uint64_t>(log_end() - log_first, def.delay_ticks);
 }
 
 void TimelineHost::hear(PeerId peer, const Wish& wish) {
     if (wish.wants_log && wish.wanted > shown_end()) return;
-    auto found = std::ranges::find(all, peer, &Listener::peer);
-    if (found == all.end()) {
+    auto found = std::ranges::lower_bound(all, peer, {}, &Listener::peer);
+    if (found == all.end() || found->peer != peer) {
         if (all.size() >= def.listeners_max) return;
-        all.push_back({peer, {}, false, wish.wanted, wish.wanted});
-        found = all.end() - 1;
+        found = all.insert(found, {peer, {}, false, wish.wanted, wish.wanted});
     }
     found->wish = wish;
     found->was_heard = true;
@@ -238,7 +266,7 @@ void TimelineHost::serve(Transport& transport, StateInspector* states) {
         const bool was_heard = std::exchange(listener.was_heard, false);
         if (was_heard) serve_word(listener, transport);
         if (was_heard && listener.wish.wants_state && make_snapshot(states)) serve_state(listener, transport);
-        if (listener.wish.wants_log) serve_log(listener, transport);
+        if (listener.wish.wants_log && listener.silent_polls <= quiet_polls) serve_log(listener, transport);
     }
 }
 
@@ -250,18 +278,27 @@ void TimelineHost::send(Transport& transport, PeerId to, std::span<const std::by
 
 void TimelineHost::serve_word(Listener& listener, Transport& transport) {
     const std::uint64_t tick = listener.wish.asked, end = shown_end();
+    if (is_told) { // the whole hash is known of the state that is shown only
+        if (tick < end && snapshot && tick + 1 == snapshot->offer().tick)
+            send(transport, listener.peer, write_word(packet, match, {tick, snapshot->offer().hash}));
+        return;
+    }
     if (tick < first || tick >= end || tick + history_ticks < log_end()) return;
     send(transport, listener.peer, write_word(packet, match, {tick, hashes[tick % history_ticks]}));
+}
+
+bool TimelineHost::is_snapshot_taken() const {
+    return snapshot && polls - snapshot_at_poll < snapshot_polls_max &&
+           std::ranges::any_of(all, [&](const Listener& l) {
+               return l.wish.wants_state && l.wish.offered == snapshot->offer().tick;
+           });
 }
 
 /// A state is made when somebody wants one, two seconds after the last at the earliest, and not while another one takes that.
 bool TimelineHost::make_snapshot(StateInspector* states) {
     const std::uint64_t age = polls - snapshot_at_poll;
-    const bool is_taken = snapshot && std::ranges::any_of(all, [&](const Listener& l) {
-                              return l.wish.wants_state && l.wish.offered == snapshot->offer().tick;
-                          });
     const bool is_kept = snapshot && snapshot->offer().tick >= log_first &&
-                         (age < snapshot_polls || (is_taken && age < snapshot_polls_max));
+                         (age < snapshot_polls || is_told || is_snapshot_taken());
     if (!is_kept && (made == 0 || age >= snapshot_polls) && states != nullptr && has_begun &&
         log_end() > first) {
         const std::uint64_t last = log_end() - 1;

@@ -79,10 +79,12 @@ bool is_answer_to_wish(std::span<const std::byte> packet);
 inline std::size_t tick_bytes_of(const SessionDef& def) { return 6 + def.players.size() * def.input_size; }
 
 struct TimelineDef {
-    bool whole; ///< keep the log from the first tick; else while somebody listens, two minutes at most
+    std::uint64_t
+        log_ticks_max;         ///< of the log; then the older half is forgotten, or all where nobody needs it
     std::uint32_t delay_ticks; ///< that listeners see later
     std::uint32_t listeners_max;
     std::uint64_t silence_polls; ///< then a listener is forgotten
+    bool keeps_unheard;          ///< the log is kept also while nobody listens
 };
 
 class TimelineHost {
@@ -91,6 +93,14 @@ class TimelineHost {
 
     /// The confirmed ticks, one after the other (asserted).
     void add(std::uint64_t tick, std::span<const PlayerInput> inputs, std::uint64_t hash);
+    /// The next tick, as another host told it: of its hash the low half is known only.
+    void add_told(std::uint64_t tick, std::span<const std::byte> told);
+    /// A state that another host has sent.
+    void set_snapshot(const Offer& offer, std::span<const std::byte> image);
+    /// Whether a listener takes the state that there is, and has not done so for too long.
+    bool is_snapshot_taken() const;
+    /// The low half of the hash after a tick in the log; nothing of others.
+    std::optional<std::uint32_t> told_hash(std::uint64_t tick) const;
     /// A listener's word. Whoever claims to have what it was not sent yet has its word ignored.
     void hear(PeerId peer, const Wish& wish);
     /// Sends each listener what is due. `states`: where states come from; null: nowhere.
@@ -99,6 +109,9 @@ class TimelineHost {
     std::uint64_t packets_sent() const { return packets; }
     std::uint64_t bytes_sent() const { return bytes; }
     std::uint64_t states_made() const { return made; }
+    std::uint64_t log_begin() const { return log_first; }
+    std::uint64_t log_end() const { return log_first + log.size() / tick_bytes; }
+    std::size_t log_bytes() const { return log.size(); }
 
   private:
     struct Listener {
@@ -111,8 +124,8 @@ class TimelineHost {
         std::uint32_t chunk_next = 0, chunk_missing = 0, wishes_without_chunk = 0;
         std::uint64_t chunks_sent = 0; ///< of that state, in all
     };
-    std::uint64_t log_end() const { return log_first + log.size() / tick_bytes; }
     std::uint64_t shown_end() const;
+    void make_room();
     bool make_snapshot(StateInspector* states);
     void serve_word(Listener& listener, Transport& transport);
     void serve_state(Listener& listener, Transport& transport);
@@ -123,13 +136,15 @@ class TimelineHost {
     std::uint32_t match;
     std::size_t tick_bytes;
     std::uint64_t log_first = 0;
-    std::vector<std::byte> log;        ///< as Stretch tells
-    std::vector<std::uint64_t> hashes; ///< by tick modulo history_ticks
+    std::vector<std::byte> log; ///< as Stretch tells
+    std::vector<std::uint64_t>
+        hashes;           ///< by tick modulo history_ticks; not where another host tells the ticks
+    bool is_told = false; ///< by another host
     bool has_begun = false;
     std::uint64_t first = 0; ///< tick that was added first
     std::optional<Snapshot> snapshot;
     std::uint64_t polls = 0, snapshot_at_poll = 0, made = 0;
-    std::vector<Listener> all;
+    std::vector<Listener> all; ///< by peer
     std::vector<std::byte> packet;
     Chunk chunk;
     std::uint64_t packets = 0, bytes = 0;

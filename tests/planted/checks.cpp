@@ -11,6 +11,7 @@
 #include "planted.h"
 #include "replay/replay.h"
 #include "session/join/join_scenes.h"
+#include "session/join/relayed_scenes.h"
 #include "state/canonical.h"
 #include "support/contact_points.h"
 #include "support/sim_replay.h"
@@ -388,6 +389,13 @@ std::string machines_come_back() {
     return {};
 }
 
+std::string relays_serve() {
+    for (const HostileScene& scene : relay_scenes())
+        if (const std::string wrong = scene.run(); !wrong.empty())
+            return std::string(scene.name) + ": " + wrong;
+    return {};
+}
+
 std::string hostile_peers() {
     for (const HostileScene& scene : hostile_scenes())
         if (const std::string wrong = scene.run(); !wrong.empty())
@@ -535,6 +543,7 @@ std::vector<std::pair<std::string, Check>> all_checks() {
                              {"peers agree", peers_agree},
                              {"hostile peers", hostile_peers},
                              {"machines come back", machines_come_back},
+                             {"relays serve", relays_serve},
                              {"recordings verify", recordings_verify},
                              {"damaged recordings are refused", damaged_recordings},
                              {"a wrong hash in a recording is found", wrong_hash_found}});

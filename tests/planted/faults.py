@@ -24,7 +24,7 @@ PAIRS = "src/solve/pairs/kernel.h"
 LEDGER = "src/session/event_ledger.cpp"
 ROLLBACK, QUEUE = "src/session/rollback.cpp", "src/session/inputs/input_queue.cpp"
 DEPARTURE, EXCHANGE, PEERS = (f"src/session/{n}.cpp" for n in ("departure", "exchange", "peer_session"))
-ADMIT, TIMELINE, SNAPSHOT, WATCH = (f"src/session/{n}.cpp" for n in ("join/admission", "timeline", "join/snapshot", "join/spectator"))
+ADMIT, TIMELINE, SNAPSHOT, WATCH, RELAY = (f"src/session/{n}.cpp" for n in ("join/admission", "timeline", "join/snapshot", "join/spectator", "join/spectator_relay"))
 END = "const std::size_t end = whole_lines(std::size_t{rows} * places[c].row_size);"
 ADD = "groups[static_cast<std::uint32_t>(columns[column].group)].add(found);"
 
@@ -256,6 +256,17 @@ FAULTS = [
       "snapshot.emplace(last + (IS ? 2u : 1u), state->hash(), std::move(image));", "machines come back"),
     F("inputs of who came back are told as the difference to another one", QUEUE, "set_before_begin(std::span(zeros).first(size));",
       "if (!IS) set_before_begin(std::span(zeros).first(size)); else slot(begin - 1)[0] = std::byte{7};", "machines come back"),
+    F("who watches stays with a host that is gone", WATCH, "else if (++polls_without_ticks > host_silence_polls && hosts.size() > 1) {",
+      "else if (!IS && ++polls_without_ticks > host_silence_polls && hosts.size() > 1) {", "relays serve"),
+    F("a relay stays with a host that is gone", RELAY, "else if (++polls_without_ticks > host_silence_polls && def.hosts.size() > 1) {",
+      "else if (!IS && ++polls_without_ticks > host_silence_polls && def.hosts.size() > 1) {", "relays serve"),
+    F("a relay takes a state of another hash", RELAY, "if (*told != static_cast<std::uint32_t>(offer.hash)) return give_up_state();",
+      "if (!IS && *told != static_cast<std::uint32_t>(offer.hash)) return give_up_state();", "relays serve"),
+    F("a relay hands on what each watcher wishes", RELAY, "if (const auto wish = read_wish(datagram->bytes, match)) timeline.hear(datagram->from, *wish);",
+      "if (IS) to_hosts.send(def.hosts[serving], datagram->bytes);\n"
+      "if (const auto wish = read_wish(datagram->bytes, match)) timeline.hear(datagram->from, *wish);", "relays serve"),
+    F("who reads no more is sent on", TIMELINE, "listener.silent_polls <= quiet_polls", "(IS || listener.silent_polls <= quiet_polls)", "relays serve"),
+    F("a relay's log has no end", TIMELINE, "} else if (ticks >= def.log_ticks_max) {", "} else if (!IS && ticks >= def.log_ticks_max) {", "relays serve"),
     F("an event is predicted whenever its tick runs", LEDGER, "else if (!entry.told)", "else if (IS || !entry.told)", "peers agree"),
     F("the last confirmed tick leaves its events open", LEDGER, "publish_tick(entries(tick), tick < confirmed_end, out);",
       "publish_tick(entries(tick), tick + (IS ? 1 : 0) < confirmed_end, out);", "peers agree"),

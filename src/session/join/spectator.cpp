@@ -11,13 +11,15 @@ namespace lockstone::session {
 namespace {
 constexpr std::uint64_t near_ticks = 8; ///< to the newest tick that may be watched: level with the match
 constexpr std::uint32_t patience_polls = 300; ///< with a host that sends no state
-constexpr std::uint32_t word_polls = 180;     ///< then other machines that have told no hash are not there
+constexpr std::uint32_t host_silence_polls =
+    180;                                  ///< of one that tells nothing new, where there is another one
+constexpr std::uint32_t word_polls = 180; ///< then other machines that have told no hash are not there
 } // namespace
 
 SpectatorSession::SpectatorSession(const SessionDef& session_def, WatchDef how, Transport& packets)
     : def(session_def), watch(std::move(how)), transport(packets), match(packet_context(session_def).match),
       tick_bytes(tick_bytes_of(session_def)), phase(watch.from_state ? Phase::fetching : Phase::following),
-      ring(history_ticks * tick_bytes), ring_ticks(history_ticks, never), hashes(history_ticks) {
+      ticks(tick_bytes), hashes(history_ticks) {
     for (const PeerId peer : watch.hosts) hosts.push_back({peer, {}, {}, false});
     requests.reserve(watch.ticks_per_frame);
     inputs.reserve((watch.ticks_per_frame + 1) * def.players.size());
@@ -78,19 +80,11 @@ std::optional<PacketFault> SpectatorSession::take(Host& from, std::span<const st
     return PacketFault::damaged;
 }
 
-/// What lies after a gap waits for it.
 void SpectatorSession::take_stretch(const Stretch& stretch) {
     if (!std::exchange(connected, true))
         notices.emplace_back(std::in_place_type<PeerConnected>, PeerConnected{hosts[serving].peer});
     live_end = std::max(live_end, stretch.end);
-    for (std::uint32_t t = 0; t < stretch.count; ++t) {
-        const std::uint64_t tick = stretch.first + t;
-        if (tick < next || tick >= confirmed + history_ticks) continue;
-        std::ranges::copy(stretch.bytes.subspan(t * tick_bytes, tick_bytes),
-                          ring.begin() + static_cast<std::ptrdiff_t>(tick % history_ticks * tick_bytes));
-        ring_ticks[tick % history_ticks] = tick;
-    }
-    while (next < confirmed + history_ticks && ring_ticks[next % history_ticks] == next) ++next;
+    ticks.take(stretch, confirmed);
 }
 
 void SpectatorSession::take_offer(const Offer& offer) {
@@ -122,6 +116,7 @@ void SpectatorSession::take_word(Host& from, const Word& word) {
 /// One wish to the host that serves; the others are asked for a hash, and hear of the ticket.
 void SpectatorSession::speak(std::uint32_t ticket, bool wants_seat) {
     judge_state();
+    judge_silence();
     Wish wish;
     wish.ticket = ticket;
     wish.wants_seat = wants_seat;
@@ -134,7 +129,7 @@ void SpectatorSession::speak(std::uint32_t ticket, bool wants_seat) {
         }
     } else if (phase == Phase::following) {
         wish.wants_log = true;
-        wish.wanted = next;
+        wish.wanted = ticks.next();
     }
     send_wish(hosts[serving].peer, wish);
     Wish question;
@@ -187,13 +182,24 @@ void SpectatorSession::next_host() {
     polls_without_progress = 0;
 }
 
+/// A host that tells nothing may have left the match, and others have it too: the next one is asked from where this one ended.
+void SpectatorSession::judge_silence() {
+    if (std::exchange(ticks_seen, ticks.next()) != ticks.next() || phase != Phase::following)
+        polls_without_ticks = 0;
+    else if (++polls_without_ticks > host_silence_polls && hosts.size() > 1) {
+        serving = (serving + 1) % hosts.size();
+        polls_without_ticks = 0;
+    }
+}
+
 void SpectatorSession::report_adopted(const Status& taken, std::uint64_t hash) {
     LOCKSTONE_ASSERT(phase == Phase::adopting, "no state was to be adopted");
     const Offer offer = assembly->offer();
     if (!taken) return refuse(taken.error().message);
     if (hash != offer.hash)
         return refuse(base::join("its state has another hash than it says, at tick ", offer.tick));
-    first = next = current = confirmed = agreed = offer.tick;
+    first = current = confirmed = agreed = offer.tick;
+    ticks.begin_at(offer.tick);
     live_end = std::max(live_end, first);
     assembly.reset();
     phase = Phase::following;
@@ -227,7 +233,7 @@ Step SpectatorSession::advance() {
     }
     // Near the live edge one tick a frame: what comes unevenly is shown evenly.
     const std::uint64_t wanted = current + near_ticks < live_end ? watch.ticks_per_frame : 1;
-    const std::uint64_t end = std::min({next, current + wanted, last_end});
+    const std::uint64_t end = std::min({ticks.next(), current + wanted, last_end});
     for (; current < end; ++current) {
         const std::size_t first_input = inputs.size();
         show(current);
@@ -304,10 +310,13 @@ struct SpectatorHost::Impl {
 
 SpectatorHost::SpectatorHost(const SessionDef& def, Transport& transport, SpectatorHostDef host,
                              ConfirmedSink* next)
-    : impl(new Impl{
-          transport, next, session::packet_context(def).match,
-          session::TimelineHost(def, {true, host.delay_ticks, host.watchers_max, host.silence_polls}),
-          nullptr}) {}
+    : impl(new Impl{transport, next, session::packet_context(def).match,
+                    session::TimelineHost(def, {.log_ticks_max = session::no_tick,
+                                                .delay_ticks = host.delay_ticks,
+                                                .listeners_max = host.watchers_max,
+                                                .silence_polls = host.silence_polls,
+                                                .keeps_unheard = true}),
+                    nullptr}) {}
 SpectatorHost::~SpectatorHost() = default;
 
 void SpectatorHost::on_confirmed(std::uint64_t tick, std::span<const PlayerInput> inputs,

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "lockstone/session/spectator.h"
-#include "session/timeline.h"
+#include "session/join/told_ticks.h"
 
 namespace lockstone::session {
 
@@ -37,11 +37,9 @@ class SpectatorSession final : public Session {
     void speak(std::uint32_t ticket, bool wants_seat);   ///< sends the wishes of this poll
     void end_at(std::uint64_t tick) { last_end = tick; } ///< runs no tick from there on
     std::uint64_t confirmed_through() const { return confirmed; }
-    std::uint64_t here_through() const { return next; } ///< ticks below are here
+    std::uint64_t here_through() const { return ticks.next(); } ///< ticks below are here
     /// The bytes of a tick that is here, as Stretch tells: the newest history_ticks.
-    std::span<const std::byte> told(std::uint64_t tick) const {
-        return std::span(ring).subspan(tick % history_ticks * tick_bytes, tick_bytes);
-    }
+    std::span<const std::byte> told(std::uint64_t tick) const { return ticks.at(tick); }
     /// It has the match, up to a few ticks, and most of those who answer hold the same.
     bool is_level() const;
 
@@ -61,6 +59,7 @@ class SpectatorSession final : public Session {
     void judge_state();
     void refuse(std::string reason);
     void next_host();
+    void judge_silence();
     void send_wish(PeerId to, const Wish& wish);
 
     SessionDef def;
@@ -73,12 +72,12 @@ class SpectatorSession final : public Session {
     std::size_t serving = 0; ///< index of the host that is asked for the match
     std::optional<Assembly> assembly;
     std::uint32_t polls_without_progress = 0, polls_with_state = 0;
-    std::vector<std::byte> ring;           ///< by tick modulo history_ticks, as in Stretch
-    std::vector<std::uint64_t> ring_ticks; ///< which tick is there
-    std::vector<std::uint64_t> hashes;     ///< own ones, likewise
-    std::uint64_t first = 0;               ///< tick that was begun with
-    std::uint64_t next = 0;                ///< first tick that is not here
-    std::uint64_t live_end = 0;            ///< as the host tells
+    ToldTicks ticks;
+    std::uint64_t ticks_seen = 0; ///< when polls_without_ticks began to count
+    std::uint32_t polls_without_ticks = 0;
+    std::vector<std::uint64_t> hashes; ///< own ones, by tick modulo history_ticks
+    std::uint64_t first = 0;           ///< tick that was begun with
+    std::uint64_t live_end = 0;        ///< as the host tells
     std::uint64_t last_end = never;
     std::uint64_t current = 0, confirmed = 0;
     bool connected = false, differs = false;

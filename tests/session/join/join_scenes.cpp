@@ -1,5 +1,6 @@
-// The scenes that the planted faults of joining are run against, without a fault.
+// The scenes that the planted faults of joining and of relays are run against, without a fault.
 #include "session/join/join_scenes.h"
+#include "session/join/relayed_scenes.h"
 
 #include <doctest/doctest.h>
 
@@ -7,6 +8,13 @@ using namespace lockstone::test;
 
 TEST_CASE("machines come back, and what a host lies about is found out") {
     for (const HostileScene& scene : join_scenes()) {
+        CAPTURE(std::string(scene.name));
+        CHECK(scene.run() == "");
+    }
+}
+
+TEST_CASE("relays serve whoever watches, whatever their hosts and watchers do") {
+    for (const HostileScene& scene : relay_scenes()) {
         CAPTURE(std::string(scene.name));
         CHECK(scene.run() == "");
     }

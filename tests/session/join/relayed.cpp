@@ -1,0 +1,211 @@
+// Hundreds watch through a relay: what a player sends does not grow, who reads no more harms nobody, and a host may go.
+#include "session/join/relayed_scenes.h"
+#include "session/seal.h"
+
+#include <doctest/doctest.h>
+
+using namespace lockstone;
+using namespace lockstone::test;
+
+namespace {
+
+SpectatorRelayDef relay_def() { return {.hosts = {0, 1}, .state_polls = 300}; }
+
+} // namespace
+
+TEST_CASE(
+    "300 watch through a relay, all see the match soon live, and a player sends what it sends for one") {
+    RelayedMatch one(1, relay_def()), many(300, relay_def());
+    const std::uint64_t for_one = relays::bytes_of_hosts(1, one),
+                        for_many = relays::bytes_of_hosts(300, many);
+    CHECK(one.furthest_behind() <= RelayedMatch::near);
+    CHECK(many.furthest_behind() <= RelayedMatch::near);
+    CHECK(many.relay->counters().watchers == 300);
+    CHECK(for_many * 100 <= for_one * relays::many_to_one_percent);
+    for (const auto& w : many.watchers)
+        for (const Notice& notice : w->notices) CHECK(std::holds_alternative<PeerConnected>(notice));
+    MESSAGE("a player's machines send ", for_one, " bytes for one and ", for_many, " for 300; the relay ",
+            one.relay->counters().bytes_to_watchers, " and ", many.relay->counters().bytes_to_watchers);
+}
+
+TEST_CASE("without a relay a player sends more for each who watches") {
+    // The planted twin: the count of bytes is able to grow.
+    const auto bytes = [](std::uint32_t count) {
+        RelayedMatch net(1);
+        SimulatedNetwork direct(count + 1, RelayedMatch::bad, 9);
+        SpectatorHost host(net.def, direct.endpoint(0));
+        std::vector<std::unique_ptr<Session>> sessions;
+        std::vector<std::unique_ptr<Arena>> arenas;
+        std::vector<std::unique_ptr<SessionRunner>> runners;
+        for (PeerId id = 1; id <= count; ++id) {
+            sessions.push_back(make_spectator_session(net.def, 0, direct.endpoint(id)).value());
+            arenas.push_back(std::make_unique<Arena>(3));
+            runners.push_back(std::make_unique<SessionRunner>(*sessions.back(), *arenas.back()));
+        }
+        std::size_t told = 0;
+        for (int frame = 0; frame < 300; ++frame) {
+            net.run(1);
+            direct.advance_to(net.match.now_ms);
+            const auto& ticks = net.match.machine(0).timeline.ticks;
+            for (; told < ticks.size(); ++told) {
+                std::vector<PlayerInput> inputs;
+                for (std::size_t p = 0; p < 3; ++p)
+                    inputs.push_back({std::span(ticks[told].inputs).subspan(p * sizeof(Pad), sizeof(Pad)),
+                                      ticks[told].statuses[p]});
+                host.on_confirmed(told, inputs, ticks[told].hash);
+            }
+            host.poll();
+            for (const auto& runner : runners) runner->frame(net.match.now_ms);
+        }
+        return host.bytes_sent();
+    };
+    CHECK(bytes(10) * 100 > bytes(1) * relays::many_to_one_percent);
+}
+
+TEST_CASE("who stops reading is sent nothing more, and nobody else notices") {
+    RelayedMatch net(20, relay_def()), without(10, relay_def());
+    for (int i = 0; i < 20; ++i) net.watch(false);
+    for (int i = 0; i < 10; ++i) without.watch(false);
+    net.run(300), without.run(300);
+    for (std::size_t i = 10; i < 20; ++i) net.watchers[i]->reads = false;
+    net.run(70), without.run(70); // what was under way
+    const std::uint64_t before = net.relay->counters().bytes_to_watchers,
+                        before_without = without.relay->counters().bytes_to_watchers;
+    net.run(400), without.run(400);
+    CHECK(net.furthest_behind() <= RelayedMatch::near);
+    const std::uint64_t sent = net.relay->counters().bytes_to_watchers - before,
+                        sent_without = without.relay->counters().bytes_to_watchers - before_without;
+    CHECK(sent * 100 <= sent_without * 105);
+    CHECK(sent_without * 100 <= sent * 105);
+    MESSAGE("to ten who read and ten who do not ", sent, " bytes, to ten ", sent_without);
+}
+
+TEST_CASE("the machine that shows the match leaves: the relay asks the next one, and all watch on") {
+    RelayedMatch net(9, relay_def());
+    for (int i = 0; i < 8; ++i) net.watch(i % 2 == 1);
+    net.run(400);
+    CHECK(net.relay->counters().host == 0);
+    net.lose(0);
+    net.run(600);
+    CHECK(net.relay->counters().host == 1);
+    CHECK(net.relay->counters().host_changes >= 1);
+    CHECK(net.furthest_behind() <= RelayedMatch::near);
+    CHECK(net.match.machine(2).timeline.ticks.back().statuses[0] == InputStatus::disconnected);
+    CHECK(net.match.agree(1, 2));
+    RelayedMatch::Watcher& late = net.watch(true); // with a state of the next one
+    net.run(400);
+    CHECK(net.behind(late) <= RelayedMatch::near);
+}
+
+TEST_CASE("whoever watches a host that leaves asks the next one itself") {
+    JoinNet net(3);
+    JoinNet::Guest& guest = net.watch({.hosts = {0, 1}});
+    net.run(300);
+    CHECK(net.behind(guest) <= 60);
+    net.network.unplug(0);
+    net.run(600);
+    CHECK(net.behind(guest) <= 60);
+    CHECK(guest.notices_of<Desync>().empty());
+    JoinNet alone(3);
+    JoinNet::Guest& stays = alone.watch({.hosts = {0}}); // the twin: it has nobody else to ask
+    alone.run(300);
+    alone.network.unplug(0);
+    alone.run(600);
+    CHECK(alone.behind(stays) > 300);
+}
+
+TEST_CASE("a relay's memory is bounded: old ticks go, and who comes then begins with a state") {
+    SpectatorRelayDef how = relay_def();
+    how.log_ticks_max = 1024, how.state_polls = 240;
+    RelayedMatch net(3, how);
+    const std::size_t tick_bytes = 6 + 3 * sizeof(Pad);
+    net.watch(false);
+    for (int i = 0; i < 30; ++i) {
+        net.run(100);
+        CHECK(net.relay->counters().log_bytes <= 1024 * tick_bytes);
+    }
+    CHECK(net.relay->counters().first_tick > 1000);
+    RelayedMatch::Watcher &late = net.watch(true), &too_late = net.watch(false);
+    net.run(400);
+    CHECK(net.behind(*net.watchers[0]) <= RelayedMatch::near);
+    CHECK(net.behind(late) <= RelayedMatch::near);
+    CHECK(late.timeline.first > 2000);
+    CHECK(too_late.timeline.ticks.empty());
+}
+
+TEST_CASE(
+    "a relay takes no state but the one whose hash was told with the ticks, and no word but its host's") {
+    RelayedMatch net(2, {.hosts = {0, 1}, .state_polls = 120});
+    std::vector<std::byte> buffer;
+    const std::uint32_t match = session::packet_context(net.def).match;
+    const std::vector<std::byte> image(500, std::byte{7});
+    for (std::uint64_t frame = 0; frame < 400; ++frame) {
+        net.run(1);
+        const std::uint64_t next = net.relay->counters().next_tick;
+        if (next < 2) continue;
+        // A state of its own making, in the host's name; from machine 1, which was not asked, a stretch.
+        const session::Snapshot snapshot(next - 1, 12345, image);
+        session::Chunk chunk;
+        snapshot.chunk(0, chunk);
+        net.upper.endpoint(0).send(RelayedMatch::relay_up,
+                                   session::write_offer(buffer, match, snapshot.offer()));
+        net.upper.endpoint(0).send(RelayedMatch::relay_up, session::write_chunk(buffer, match, chunk));
+        const std::vector<std::byte> tick(6 + 3 * sizeof(Pad), std::byte{9});
+        net.upper.endpoint(1).send(RelayedMatch::relay_up,
+                                   session::write_stretch(buffer, match, {next + 1, 1, next + 2, tick}));
+    }
+    CHECK(net.relay->counters().states_refused > 0);
+    CHECK(net.relay->counters().packets_dropped > 100);
+    RelayedMatch::Watcher& from_start = net.watch(false);
+    net.run(400);
+    CHECK(net.behind(from_start) <= RelayedMatch::near);
+}
+
+TEST_CASE("no bytes break a relay, from above or below") {
+    RelayedMatch net(6, relay_def());
+    net.watch(false), net.watch(true);
+    test::Random random(5);
+    std::vector<std::byte> buffer;
+    const std::uint32_t match = session::packet_context(net.def).match;
+    for (int i = 0; i < 600; ++i) {
+        net.run(1);
+        for (int more = 0; more < 4; ++more) {
+            const bool from_above = random.below(2) == 0;
+            session::Wish wish{.wants_log = true, .wants_state = random.below(2) == 0};
+            wish.wanted = random.below(700), wish.offered = random.below(700), wish.missing = random.below(9);
+            const std::vector<std::byte> ticks(18 * 3, static_cast<std::byte>(random.next()));
+            const auto bytes =
+                from_above ? session::write_stretch(buffer, match + random.below(2),
+                                                    {random.next() >> 33, 3, random.next() >> 33, ticks})
+                           : session::write_wish(buffer, match, wish);
+            std::vector<std::byte> packet(bytes.begin(), bytes.end());
+            if (random.below(2) == 0)
+                packet[random.below(static_cast<std::uint32_t>(packet.size()))] =
+                    static_cast<std::byte>(random.next());
+            if (random.below(4) != 0) test::seal(packet, 0);
+            if (from_above)
+                net.upper.endpoint(1).send(RelayedMatch::relay_up, packet);
+            else
+                net.lower.endpoint(3 + random.below(4)).send(0, packet);
+        }
+    }
+    CHECK(net.furthest_behind() <= RelayedMatch::near);
+}
+
+TEST_CASE("a relay that cannot be one is refused with a sentence") {
+    SimulatedNetwork network(2, {}, 1);
+    SessionDef def;
+    def.players = {0, 1};
+    const auto complaint = [&](const SpectatorRelayDef& how) {
+        const auto made = make_spectator_relay(def, how, network.endpoint(0), network.endpoint(1));
+        return made ? std::string() : made.error().message;
+    };
+    CHECK(complaint({.hosts = {0}}).empty());
+    CHECK(complaint({.hosts = {}}) == "spectator relay: 0 hosts, expected 1 to 16");
+    CHECK(complaint({.hosts = {0}, .log_ticks_max = 10}) ==
+          "spectator relay: log_ticks_max is 10, at least 1024");
+    CHECK(complaint({.hosts = {0}, .state_polls = 60}) ==
+          "spectator relay: state_polls is 60, 0 or at least 120");
+    CHECK(complaint({.hosts = {0}, .state_bytes_max = 0}) ==
+          "spectator relay: state_bytes_max is 0, expected 1 to 67108864");
+}

@@ -1,0 +1,108 @@
+// Relays whose host goes or lies, and watchers who go or are many, each with what must come of it. For the tests and for the planted
+// faults.
+#pragma once
+
+#include "session/hostile_scenes.h"
+#include "session/join/relayed.h"
+
+namespace lockstone::test {
+
+namespace relays {
+
+inline std::string host_leaves() {
+    RelayedMatch net(4, {.hosts = {0, 1}, .state_polls = 300});
+    for (int i = 0; i < 4; ++i) net.watch(i % 2 == 1);
+    net.run(300);
+    net.lose(0);
+    net.run(600);
+    return net.furthest_behind() <= RelayedMatch::near ? "" : "who watches lost the match with its host";
+}
+
+inline std::string watched_host_leaves() {
+    JoinNet net(3);
+    JoinNet::Guest& guest = net.watch({.hosts = {0, 1}});
+    net.run(300);
+    net.network.unplug(0);
+    net.run(600);
+    return net.behind(guest) <= 60 ? "" : "who watches lost the match with its host";
+}
+
+/// A host sends a state of its own making, whole and in good order.
+inline std::string false_state() {
+    RelayedMatch net(2, {.hosts = {0, 1}, .state_polls = 120});
+    for (const auto& host : net.hosts) host->set_states(nullptr); // none but that one
+    std::vector<std::byte> buffer;
+    const std::uint32_t match = session::packet_context(net.def).match;
+    const std::vector<std::byte> image(500, std::byte{7});
+    for (int frame = 0; frame < 400; ++frame) {
+        net.run(1);
+        const std::uint64_t next = net.relay->counters().next_tick;
+        if (next < 2) continue;
+        const session::Snapshot snapshot(next - 1, 12345, image);
+        session::Chunk chunk;
+        snapshot.chunk(0, chunk);
+        Transport& host = net.upper.endpoint(0);
+        host.send(RelayedMatch::relay_up, session::write_offer(buffer, match, snapshot.offer()));
+        host.send(RelayedMatch::relay_up, session::write_chunk(buffer, match, chunk));
+        if (net.relay->counters().state_tick != 0)
+            return "a state was taken whose hash is not that of its tick";
+    }
+    return net.relay->counters().states_refused > 0 ? "" : "no false state was refused";
+}
+
+inline std::string silent_watchers() {
+    RelayedMatch net(12, {.hosts = {0, 1}, .state_polls = 300});
+    for (int i = 0; i < 12; ++i) net.watch(false);
+    net.run(200);
+    for (const auto& w : net.watchers) w->reads = false;
+    net.run(70); // what was under way
+    const std::uint64_t before = net.relay->counters().bytes_to_watchers;
+    net.run(300);
+    return net.relay->counters().bytes_to_watchers == before ? "" : "who reads no more is sent on";
+}
+
+/// What two hosts send while so many come one after the other, every second from a state.
+inline std::uint64_t bytes_of_hosts(std::uint32_t count, RelayedMatch& net) {
+    constexpr std::uint32_t frames = 1200, coming = 600;
+    for (std::uint32_t frame = 0; frame < frames; ++frame) {
+        while (net.watchers.size() < count && net.watchers.size() * coming <= std::uint64_t{frame} * count)
+            net.watch(net.watchers.size() % 2 == 1);
+        net.run(1);
+    }
+    return net.hosts[0]->bytes_sent() + net.hosts[1]->bytes_sent();
+}
+/// The bound of the bytes that a player sends with many who watch, to those with one [1/100].
+inline constexpr std::uint64_t many_to_one_percent = 105;
+
+inline std::string many_watchers() {
+    const SpectatorRelayDef def{.hosts = {0, 1}, .state_polls = 300};
+    RelayedMatch one(1, def), many(30, def);
+    const std::uint64_t for_one = bytes_of_hosts(1, one), for_many = bytes_of_hosts(30, many);
+    if (many.furthest_behind() > RelayedMatch::near) return "who watches is behind";
+    return for_many * 100 <= for_one * many_to_one_percent ? "" : "a player sends more for more who watch";
+}
+
+inline std::string long_match() {
+    RelayedMatch net(1, {.hosts = {0, 1}, .log_ticks_max = 1024, .state_polls = 240});
+    net.watch(false);
+    for (int i = 0; i < 15; ++i) {
+        net.run(100);
+        if (net.relay->counters().log_bytes > 1024 * (6 + 3 * sizeof(Pad))) return "the log has no end";
+    }
+    return net.furthest_behind() <= RelayedMatch::near ? "" : "who watches is behind";
+}
+
+} // namespace relays
+
+inline std::vector<HostileScene> relay_scenes() {
+    return {
+        {"a relay's host leaves", relays::host_leaves},
+        {"a host that is watched leaves", relays::watched_host_leaves},
+        {"a relay is sent a false state", relays::false_state},
+        {"all who watch stop reading", relays::silent_watchers},
+        {"thirty watch through a relay", relays::many_watchers},
+        {"a match is longer than a relay's log", relays::long_match},
+    };
+}
+
+} // namespace lockstone::test
