@@ -21,7 +21,8 @@
 
 namespace lockstone {
 
-inline constexpr std::uint8_t net_version = 1;       ///< of the datagrams, the tokens and the passes
+inline constexpr std::uint8_t net_version = 1;       ///< of the datagrams and the passes
+inline constexpr std::uint8_t token_version = 2;     ///< of the tokens
 inline constexpr std::uint32_t net_players_max = 16; ///< of a match
 inline constexpr std::size_t net_overhead_bytes =
     19; ///< what a packet costs above UDP: 1 kind and slot, 2 sequence, 16 tag
@@ -53,6 +54,13 @@ std::string to_string(const NetKey& key);
 
 // ---- tokens --------------------------------------------------------------------------------------------------------
 
+/// A relay that waits for a player, as the player's token names it.
+struct RelaySeat {
+    NetAddress address; ///< no port: there is none
+    NetKey key;         ///< known to the player and, in the pass, to the relay
+    std::vector<std::byte> pass;
+};
+
 /// What a player needs in order to enter one match. It holds a secret: hand it over sealed, or over a channel that is.
 struct ConnectToken {
     std::uint64_t match_id = 0;
@@ -64,7 +72,8 @@ struct ConnectToken {
     std::array<NetAddress, net_players_max> addresses{}; ///< by slot; not used where there is a relay
     NetAddress relay;            ///< no port: the players send to each other's addresses
     NetKey relay_key;            ///< known to the player and, in the pass, to the relay
-    std::vector<std::byte> pass; ///< for the relay, sealed with its key; see make_pass
+    std::vector<std::byte> pass; ///< for the relay, sealed with its key; see seal_pass
+    RelaySeat second_relay;      ///< where players look for each other when they miss each other at the first
 };
 
 /// What the relay reads of a player.
@@ -83,10 +92,13 @@ struct MatchPlan {
     std::uint64_t expires_ms = 0;
     std::vector<NetAddress> addresses; ///< by slot, 2..net_players_max
     NetAddress relay;
-    NetKey relay_secret; ///< the relay's, where there is one
-    std::uint64_t relay_expires_ms = 0;
+    NetKey relay_secret;                ///< the relay's, where there is one
+    std::uint64_t relay_expires_ms = 0; ///< of the passes for both relays
+    NetAddress second_relay = {};       ///< no port: there is none; else there is a first one
+    NetKey second_relay_secret = {};
 };
-/// Tokens by slot, with new keys. Errors: too few or too many players; a player without address where there is no relay.
+/// Tokens by slot, with new keys. Errors: too few or too many players; a player without address where there is no relay;
+/// a second relay without a first, or at the same address.
 Result<std::vector<ConnectToken>> make_tokens(const MatchPlan& plan);
 
 /// Sealed with a key that maker and player share (XChaCha20-Poly1305-IETF, a random nonce).
@@ -143,6 +155,11 @@ struct EndpointDef {
     std::uint32_t bytes_per_second = 96'000; ///< sent to each peer; a packet beyond is dropped
     std::uint32_t keep_alive_ms = 1000;      ///< of silence, after which a few bytes keep the way open
     std::uint32_t silence_ms = 3000;         ///< after which the handshake is tried anew
+    /// Of a peer's silence, after which it is looked for at the other relay, where the token names two. More than keep_alive_ms, and
+    /// less than half a session's patience.
+    std::uint32_t relay_silence_ms = 1500;
+    std::uint32_t packets_waiting_max =
+        512; ///< in each direction, for one frame, at least 8; memory of so many is taken at the start
 };
 
 /// One datagram to be sent; the bytes are valid until the next call.
@@ -172,7 +189,7 @@ class Endpoint {
     std::optional<OutgoingDatagram> next_outgoing();
 
     bool is_connected(PeerId peer) const;
-    bool is_relayed() const; ///< the relay, if there is one, has let this player in
+    bool is_relayed() const; ///< a relay, if there is one, has let this player in
     /// Where a peer is, proven; no port: not connected.
     NetAddress address_of(PeerId peer) const;
     const NetStats& stats() const;
@@ -196,6 +213,9 @@ struct RelayDef {
     std::uint32_t rooms_max = 1024;           ///< of the lobby
     std::uint32_t room_ms = 300'000;          ///< how long a code is good
     std::uint32_t match_ms = 4 * 3600 * 1000; ///< how long a pass that the lobby makes is good
+    /// The relay that the lobby names as the second in every token, and its secret, which makes passes; no port: none.
+    NetAddress second = {};
+    NetKey second_secret = {};
 };
 
 /// Forwards sealed packets between the players of a match by slot, and brings players together by a code. It holds no keys
@@ -242,6 +262,50 @@ class LobbyClient {
 
   private:
     struct Impl;
+    std::unique_ptr<Impl> impl;
+};
+
+// ---- many who watch ------------------------------------------------------------------------------------------------
+
+struct WatchDoorDef {
+    NetAddress address = {};           ///< where watchers reach the door; with a port
+    std::uint64_t expires_ms = 0;      ///< of the tokens; who is connected stays so
+    std::uint32_t watchers_max = 1024; ///< 1..4096; each takes 60 kB while it is there
+    std::uint32_t idle_ms =
+        60'000; ///< of a watcher's silence, since its token at the earliest: its place is free again
+    std::uint32_t bytes_per_second = 200'000; ///< sent to each watcher
+    std::uint32_t packets_per_second = 120;   ///< taken of each watcher
+};
+
+/// Lets many machines in that watch through a SpectatorRelay: each is alone with the door, with keys of its own, behind one address.
+/// Pure as Endpoint is. To the watching machine it is the other one of a match of two, slot 0.
+class WatchDoor {
+  public:
+    /// Errors: a field out of range.
+    static Result<WatchDoor> create(const WatchDoorDef& def, std::uint64_t now_ms);
+    WatchDoor(WatchDoor&&) noexcept;
+    WatchDoor& operator=(WatchDoor&&) noexcept;
+    ~WatchDoor();
+
+    /// A token for one more watcher. Errors, with a sentence: every place is taken.
+    Result<ConnectToken> let_in(std::uint64_t now_ms);
+
+    void receive(const NetAddress& from, std::span<const std::byte> datagram, std::uint64_t now_ms);
+    void poll(std::uint64_t now_ms);
+    /// `watcher`: a place, below watchers_max, as packets name it.
+    void send(PeerId watcher, std::span<const std::byte> packet, std::uint64_t now_ms);
+    std::optional<Datagram> next_packet();
+    std::optional<OutgoingDatagram> next_outgoing();
+
+    struct Counters {
+        std::uint32_t let_in = 0, connected = 0; ///< places that are taken, and those whose watcher is there
+        std::uint64_t strangers = 0;             ///< datagrams that belong to no place; none is answered
+    };
+    Counters counters() const;
+
+  private:
+    struct Impl;
+    explicit WatchDoor(std::unique_ptr<Impl> made);
     std::unique_ptr<Impl> impl;
 };
 
@@ -294,6 +358,27 @@ class UdpTransport final : public Transport {
     UdpTransport(Endpoint made, UdpSocket opened, std::uint64_t now_ms);
     void flush();
     Endpoint peer;
+    UdpSocket wire;
+    std::uint64_t now;
+};
+
+/// A relay's transport to its watchers: a door with a socket.
+class UdpWatchDoor final : public Transport {
+  public:
+    /// `def.address` with port 0: the socket's own address, as at 127.0.0.1.
+    static Result<UdpWatchDoor> open(const WatchDoorDef& def, const NetAddress& local, std::uint64_t now_ms);
+    /// Call before SpectatorRelay::poll.
+    void poll(std::uint64_t now_ms);
+    void send(PeerId to, std::span<const std::byte> bytes) override;
+    std::optional<Datagram> receive() override;
+    bool authenticated() const override { return true; }
+    WatchDoor& door() { return watchers; }
+    static constexpr std::uint32_t datagrams_per_poll = 4096;
+
+  private:
+    UdpWatchDoor(WatchDoor made, UdpSocket opened, std::uint64_t now_ms);
+    void flush();
+    WatchDoor watchers;
     UdpSocket wire;
     std::uint64_t now;
 };

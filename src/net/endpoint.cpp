@@ -8,8 +8,12 @@ using namespace net;
 
 namespace {
 
-constexpr std::size_t packets_waiting_max = 512; // in each direction, for one frame
-constexpr std::size_t bytes_waiting_max = packets_waiting_max * 640;
+constexpr std::size_t bytes_of_one_waiting = 640, one_packet_waiting = net_datagram_bytes_max;
+constexpr std::size_t bytes_waiting(const EndpointDef& def) {
+    return std::max(def.packets_waiting_max * bytes_of_one_waiting, 4 * one_packet_waiting);
+}
+
+constexpr std::uint32_t packets_waiting_least = 8;
 
 Status check(const ConnectToken& token, std::uint64_t now_ms) {
     if (token.players < 2 || token.players > net_players_max)
@@ -22,6 +26,12 @@ Status check(const ConnectToken& token, std::uint64_t now_ms) {
     if (token.relay.port != 0 && token.pass.size() != pass_bytes)
         return Error{
             base::join("ConnectToken::pass has ", token.pass.size(), " bytes, a pass has ", pass_bytes)};
+    const RelaySeat& second = token.second_relay;
+    if (second.address.port != 0 && (token.relay.port == 0 || second.address == token.relay))
+        return Error{"ConnectToken::second_relay needs a first one, at another address"};
+    if (second.address.port != 0 && second.pass.size() != pass_bytes)
+        return Error{base::join("ConnectToken::second_relay has a pass of ", second.pass.size(),
+                                " bytes, a pass has ", pass_bytes)};
     if (now_ms >= token.expires_ms) return Error{"the connect token has expired"};
     return {};
 }
@@ -44,11 +54,18 @@ std::uint64_t NetStats::refused_in_all() const {
 }
 
 Endpoint::Impl::Impl(const ConnectToken& of, const EndpointDef& limits, std::uint64_t now_ms)
-    : token(of), def(limits), now(now_ms), outgoing(packets_waiting_max, bytes_waiting_max),
-      delivered(packets_waiting_max, bytes_waiting_max) {}
+    : token(of), def(limits), now(now_ms), outgoing(limits.packets_waiting_max, bytes_waiting(limits)),
+      delivered(limits.packets_waiting_max, bytes_waiting(limits)) {
+    relays[0].seat = {token.relay, token.relay_key, token.pass};
+    relays[1].seat = token.second_relay;
+    for (Peer& peer : peers) peer.heard_ms = peer.relay_changed_ms = now;
+}
 
 Result<Endpoint> Endpoint::create(const ConnectToken& token, const EndpointDef& def, std::uint64_t now_ms) {
     if (Status s = check(token, now_ms); !s) return s.error();
+    if (def.packets_waiting_max < packets_waiting_least)
+        return Error{base::join("EndpointDef::packets_waiting_max is ", def.packets_waiting_max,
+                                ", at least ", packets_waiting_least)};
     auto made = std::make_unique<Impl>(token, def, now_ms);
     for (PeerId slot = 0; slot < token.players; ++slot) {
         if (slot == token.slot) continue;
@@ -77,8 +94,10 @@ Endpoint::Impl::Fault Endpoint::Impl::take(const NetAddress& from, Bytes datagra
     if (const Fault fault = length_fault(datagram)) return fault;
     const Kind kind = kind_of(datagram[0]);
     const PeerId slot = slot_of(datagram[0]);
-    if (has_relay() && from != token.relay) return NetFault::stranger;
-    if (kind == Kind::relay_cookie || kind == Kind::relay_accept) return take_from_relay(from, datagram);
+    RelayLink* relay = relay_at(from);
+    if (has_relay() && relay == nullptr) return NetFault::stranger;
+    if (kind == Kind::relay_cookie || kind == Kind::relay_accept)
+        return relay ? take_from_relay(*relay, datagram) : Fault(NetFault::stranger);
     if (slot >= token.players || slot == token.slot) return NetFault::stranger;
     if (kind == Kind::punch)
         return {}; // it has opened the way through the sender's router, which is all it is for
@@ -96,10 +115,13 @@ void Endpoint::receive(const NetAddress& from, std::span<const std::byte> datagr
 
 void Endpoint::poll(std::uint64_t now_ms) {
     impl->advance(now_ms);
-    if (impl->has_relay()) impl->poll_relay();
-    if (impl->has_relay() && !impl->relay.is_in) return;
+    for (RelayLink& relay : impl->relays)
+        if (impl->is_missed(relay)) impl->poll_relay(relay);
     for (PeerId slot = 0; slot < impl->token.players; ++slot) {
         if (slot == impl->token.slot) continue;
+        impl->poll_path(slot);
+        if (const RelayLink* relay = impl->relay_at(impl->peers[slot].listed); relay && !relay->is_in)
+            continue;
         impl->poll_handshake(slot);
         impl->poll_keep_alive(slot);
     }
@@ -132,7 +154,7 @@ std::optional<OutgoingDatagram> Endpoint::next_outgoing() {
 bool Endpoint::is_connected(PeerId peer) const {
     return peer < impl->token.players && impl->peers[peer].channel;
 }
-bool Endpoint::is_relayed() const { return impl->relay.is_in; }
+bool Endpoint::is_relayed() const { return impl->relays[0].is_in || impl->relays[1].is_in; }
 NetAddress Endpoint::address_of(PeerId peer) const {
     return peer < impl->token.players ? impl->peers[peer].address : NetAddress{};
 }

@@ -33,20 +33,21 @@ struct Pending {
 
 struct Peer {
     DirectedKeys pair;  ///< of both players' keys in the token: for handshakes only
-    NetAddress listed;  ///< the token's, or the relay's
+    NetAddress listed;  ///< the token's, or that of the relay where it is looked for
     NetAddress address; ///< proven; no port before the first handshake
     std::optional<Channel> channel;
     std::optional<Pending> pending;
     std::uint64_t channel_nonce = 0; ///< of the request that the channel came from
     Attempt attempt;
-    std::uint64_t sent_ms = 0, heard_ms = 0, punched_ms = 0;
+    std::uint64_t sent_ms = 0, heard_ms = 0, punched_ms = 0, relay_changed_ms = 0;
     NetAddress candidate; ///< another address that authentic packets come from; challenged
     std::uint64_t challenge = 0, challenged_ms = 0;
     Bucket hellos, requests, packets, bytes;
 };
 
-/// How this player stands with the relay.
+/// How this player stands with a relay.
 struct RelayLink {
+    RelaySeat seat;
     Attempt attempt;
     bool is_in = false;
     std::uint64_t heard_ms = 0;
@@ -64,7 +65,7 @@ struct Endpoint::Impl {
     EndpointDef def;
     std::uint64_t now;
     std::array<net::Peer, net_players_max> peers;
-    net::RelayLink relay;
+    std::array<net::RelayLink, 2> relays; ///< a second one only where there is a first
     net::CookieJar cookies;
     net::SourceLimit hello_sources;
     net::Bucket hellos, opens;
@@ -110,9 +111,12 @@ struct Endpoint::Impl {
     void poll_keep_alive(PeerId slot);
 
     // relay_link.cpp
-    Fault take_from_relay(const NetAddress& from, net::Bytes datagram);
-    void poll_relay();
-    void send_relay_request();
+    net::RelayLink* relay_at(const NetAddress& address);
+    Fault take_from_relay(net::RelayLink& relay, net::Bytes datagram);
+    void poll_relay(net::RelayLink& relay);
+    void send_relay_request(const net::RelayLink& relay);
+    bool is_missed(net::RelayLink& relay);
+    void poll_path(PeerId slot);
 };
 
 } // namespace lockstone

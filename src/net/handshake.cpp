@@ -79,9 +79,10 @@ Endpoint::Impl::Fault Endpoint::Impl::take_handshake(PeerId slot, const NetAddre
 
 Endpoint::Impl::Fault Endpoint::Impl::take_hello(PeerId slot, const NetAddress& from, Bytes datagram) {
     // Who comes from where the token says has a rate of its own, which strangers cannot use up.
-    const bool may = from == peers[slot].listed ? peers[slot].hellos.take(1, def.hellos_per_source, now)
-                                                : hello_sources.take(from, def.hellos_per_source, now) &&
-                                                      hellos.take(1, def.hellos_per_second, now);
+    const bool may = from == peers[slot].listed || relay_at(from)
+                         ? peers[slot].hellos.take(1, def.hellos_per_source, now)
+                         : hello_sources.take(from, def.hellos_per_source, now) &&
+                               hellos.take(1, def.hellos_per_second, now);
     if (!may) return NetFault::over_rate;
     const std::uint64_t nonce = read_hello(datagram).nonce;
     if (const Space to = push(from, cookie_bytes); !to.empty()) {

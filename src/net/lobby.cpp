@@ -13,6 +13,11 @@ namespace {
 constexpr std::string_view letters = "ABCDEFGHJKLMNPQRSTUVWXYZ23456789"; // none that look alike
 static_assert(letters.size() == 32);
 
+// A token for the most players, with two relays, fits into an answer: head and seal, seat, keys, relays; and what stands before it.
+constexpr std::size_t token_bytes_max =
+    5 + sealed_extra_bytes + 18 + 1 + 32 + 32 * net_players_max + 2 * (18 + 32 + 2 + pass_bytes);
+static_assert(token_bytes_max + 2 + code_letters + 2 <= lobby_answer_plain);
+
 std::string random_code() {
     std::string code;
     for (std::uint64_t chance = random_u64(); code.size() < code_letters; chance >>= 5)
@@ -69,6 +74,7 @@ LobbyStatus Relay::Impl::enter(const NetKey& who, std::uint32_t players, std::st
     if (std::ranges::find(room.members, who) == room.members.end()) {
         if (room.members.size() == room.players) return LobbyStatus::room_full;
         room.members.push_back(who), room.relay_keys.push_back(random_key());
+        room.second_keys.push_back(random_key());
         room_of[who.bytes] = code;
     }
     return room.members.size() == room.players ? LobbyStatus::ready : LobbyStatus::waiting;
@@ -79,7 +85,7 @@ LobbyStatus Relay::Impl::open_room(const NetKey& who, std::uint32_t players, std
     if (rooms.size() >= def.rooms_max) return LobbyStatus::lobby_full;
     do code = random_code();
     while (rooms.contains(code));
-    rooms[code] = {players, random_u64(), now, {who}, {random_key()}};
+    rooms[code] = {players, random_u64(), now, {who}, {random_key()}, {random_key()}};
     room_of[who.bytes] = code;
     return LobbyStatus::waiting;
 }
@@ -94,6 +100,12 @@ std::vector<std::byte> Relay::Impl::token_for(const NetKey& who, const Room& roo
     token.relay_key = room.relay_keys[token.slot];
     token.pass = seal_pass(
         {token.match_id, room.opened_ms + def.match_ms, token.slot, token.players, token.relay_key}, secret);
+    if (def.second.port != 0) {
+        token.second_relay.address = def.second, token.second_relay.key = room.second_keys[token.slot];
+        token.second_relay.pass = seal_pass({token.match_id, room.opened_ms + def.match_ms, token.slot,
+                                             token.players, token.second_relay.key},
+                                            def.second_secret);
+    }
     return seal_token(token, key);
 }
 

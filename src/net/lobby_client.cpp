@@ -94,6 +94,7 @@ void LobbyClient::Impl::take_answer(Bytes datagram) {
         return;
     }
     opened->secret = secret, opened->relay = lobby;
+    if (opened->second_relay.address == lobby) opened->second_relay = {}; // it has named itself
     token = std::move(*opened);
 }
 

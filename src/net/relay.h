@@ -26,8 +26,9 @@ struct RelayedMatch {
 struct Room {
     std::uint32_t players = 0;
     std::uint64_t match_id = 0, opened_ms = 0;
-    std::vector<NetKey> members;    ///< public keys, by slot
-    std::vector<NetKey> relay_keys; ///< by slot
+    std::vector<NetKey> members;     ///< public keys, by slot
+    std::vector<NetKey> relay_keys;  ///< by slot
+    std::vector<NetKey> second_keys; ///< by slot, for the second relay
 };
 
 /// What the lobby says; the rest of a lobby answer has a meaning for the first two only.

@@ -1,4 +1,10 @@
-// An endpoint's way into a relay: hello, cookie, request with the pass, accept; again after silence.
+// An endpoint's way into a relay: hello, cookie, request with the pass, accept; again after silence. And from one relay to the other:
+//
+//   a peer is silent for two thirds of relay_silence_ms: a seat is asked for at both relays
+//   ... for all of it: what is for this peer goes through the other relay; after as much silence there, through the first again
+//   an authentic packet of it comes from the other relay: challenged and proven as any new address (sealed.cpp)
+//
+// So a match goes on when a relay is lost, or when a single player loses the way to it: whoever misses somebody looks in both places.
 #include "net/endpoint.h"
 
 #include "base/bytes.h"
@@ -13,7 +19,27 @@ constexpr std::uint64_t retry_ms = 250, attempt_ms = 10'000, cookie_kept_ms = 30
 
 } // namespace
 
-void Endpoint::Impl::poll_relay() {
+RelayLink* Endpoint::Impl::relay_at(const NetAddress& address) {
+    if (address.port == 0) return nullptr;
+    for (RelayLink& relay : relays)
+        if (relay.seat.address == address) return &relay;
+    return nullptr;
+}
+
+/// Whether a peer is looked for there, or has been silent elsewhere for long.
+bool Endpoint::Impl::is_missed(RelayLink& relay) {
+    if (relay.seat.address.port == 0) return false;
+    for (PeerId slot = 0; slot < token.players; ++slot) {
+        const Peer& peer = peers[slot];
+        if (slot == token.slot) continue;
+        if (peer.listed == relay.seat.address ||
+            3 * (now - peer.heard_ms) > 2 * std::uint64_t{def.relay_silence_ms})
+            return true;
+    }
+    return false;
+}
+
+void Endpoint::Impl::poll_relay(RelayLink& relay) {
     if (relay.is_in && now - relay.heard_ms <= def.silence_ms) return;
     Attempt& attempt = relay.attempt;
     if (!attempt.runs || now - attempt.started_ms > attempt_ms)
@@ -21,22 +47,21 @@ void Endpoint::Impl::poll_relay() {
     else if (now - attempt.tried_ms < retry_ms)
         return;
     attempt.tried_ms = now;
-    if (attempt.has_cookie && now - attempt.cookie_ms < cookie_kept_ms) return send_relay_request();
-    if (const Space to = push(token.relay, hello_bytes); !to.empty())
+    if (attempt.has_cookie && now - attempt.cookie_ms < cookie_kept_ms) return send_relay_request(relay);
+    if (const Space to = push(relay.seat.address, hello_bytes); !to.empty())
         write_hello(to, first_byte(Kind::relay_hello, token.slot), 0, attempt.nonce);
 }
 
-void Endpoint::Impl::send_relay_request() {
-    const Space to = push(token.relay, relay_request_bytes);
+void Endpoint::Impl::send_relay_request(const RelayLink& relay) {
+    const Space to = push(relay.seat.address, relay_request_bytes);
     if (to.empty()) return;
     write_cookie(to, first_byte(Kind::relay_request, token.slot), relay.attempt.nonce, relay.attempt.cookie);
-    std::ranges::copy(token.pass, to.begin() + cookie_bytes);
-    std::ranges::copy(authenticator(token.relay_key, to.first(relay_request_bytes - tag_bytes)),
+    std::ranges::copy(relay.seat.pass, to.begin() + cookie_bytes);
+    std::ranges::copy(authenticator(relay.seat.key, to.first(relay_request_bytes - tag_bytes)),
                       to.end() - tag_bytes);
 }
 
-Endpoint::Impl::Fault Endpoint::Impl::take_from_relay(const NetAddress& from, Bytes datagram) {
-    if (!has_relay() || from != token.relay) return NetFault::stranger;
+Endpoint::Impl::Fault Endpoint::Impl::take_from_relay(RelayLink& relay, Bytes datagram) {
     const Cookie answer = read_cookie(datagram);
     if (answer.version != net_version) return NetFault::version;
     Attempt& attempt = relay.attempt;
@@ -44,14 +69,27 @@ Endpoint::Impl::Fault Endpoint::Impl::take_from_relay(const NetAddress& from, By
     if (kind_of(datagram[0]) == Kind::relay_cookie) {
         const bool is_first = !attempt.has_cookie;
         attempt.cookie = answer.cookie, attempt.cookie_ms = now, attempt.has_cookie = true;
-        if (is_first) send_relay_request();
+        if (is_first) send_relay_request(relay);
         return {};
     }
     const Bytes head = datagram.first(relay_accept_bytes - tag_bytes);
-    if (!same(authenticator(token.relay_key, head), datagram.last(tag_bytes)))
+    if (!same(authenticator(relay.seat.key, head), datagram.last(tag_bytes)))
         return NetFault::unauthenticated;
     relay.is_in = true, relay.heard_ms = now, attempt = {};
     return {};
+}
+
+/// To the other relay, where this player has a seat there. Who is silent at both is looked for at each in turn.
+void Endpoint::Impl::poll_path(PeerId slot) {
+    Peer& peer = peers[slot];
+    if (now - std::max(peer.heard_ms, peer.relay_changed_ms) <= def.relay_silence_ms) return;
+    for (const RelayLink& other : relays) {
+        if (!other.is_in || other.seat.address == peer.listed) continue;
+        peer.listed = other.seat.address, peer.relay_changed_ms = now, peer.attempt = {};
+        if (peer.channel) peer.address = peer.listed;
+        ++stats.paths_changed;
+        return;
+    }
 }
 
 } // namespace lockstone

@@ -54,6 +54,7 @@ Endpoint::Impl::Fault Endpoint::Impl::open_any(Peer& peer, Bytes datagram, Space
     peer.channel = peer.pending->channel, peer.channel_nonce = peer.pending->nonce;
     // The cookie has proven the address that the request came from, and no other.
     peer.address = peer.pending->from;
+    if (has_relay()) peer.listed = peer.address;
     peer.pending.reset();
     return {};
 }
@@ -65,7 +66,8 @@ Endpoint::Impl::Fault Endpoint::Impl::take_sealed(PeerId slot, const NetAddress&
     std::uint64_t number = 0;
     if (const Fault fault = open_any(peer, datagram, plain, number))
         return fault == NetFault::unauthenticated && from != peer.address ? NetFault::spoofed : fault;
-    peer.heard_ms = now, relay.heard_ms = now;
+    peer.heard_ms = now;
+    if (RelayLink* relay = relay_at(from)) relay->heard_ms = now;
     const bool is_newest = number + 1 == peer.channel->window.next();
     if (!peer.packets.take(1, def.packets_per_second, now)) return NetFault::over_rate;
     if (is_newest && from != peer.address) judge_path(slot, from, datagram.size());
@@ -97,6 +99,7 @@ Endpoint::Impl::Fault Endpoint::Impl::prove_path(PeerId slot, const NetAddress& 
     const bool is_waited_for = peer.candidate.port != 0 && now - peer.challenged_ms <= challenge_good_ms;
     if (!is_waited_for || from != peer.candidate || answer != peer.challenge) return NetFault::unexpected;
     peer.address = from, peer.candidate = {};
+    if (has_relay()) peer.listed = from;
     ++stats.paths_changed;
     return {};
 }

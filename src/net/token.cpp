@@ -11,11 +11,12 @@ using net::Bytes;
 constexpr std::size_t pass_bytes_max = 256; // of a sealed pass inside a token
 
 /// What stands before the sealed part, and is authenticated with it.
+std::uint8_t version_of(std::string_view magic) { return magic == "LSTK" ? token_version : net_version; }
 std::vector<std::byte> head(std::string_view magic) {
     std::vector<std::byte> bytes;
     base::ByteWriter to(bytes);
     to.bytes(std::as_bytes(std::span(magic)));
-    to.u8(net_version);
+    to.u8(version_of(magic));
     return bytes;
 }
 
@@ -28,9 +29,9 @@ Result<std::vector<std::byte>> opened(std::string_view what, std::string_view ma
     if (!from.ok()) return from.error();
     if (!std::ranges::equal(found, std::as_bytes(std::span(magic))))
         return Error{base::join("this is no ", what)};
-    if (version != net_version)
+    if (version != version_of(magic))
         return Error{
-            base::join("the ", what, " is of version ", version, ", this program reads ", net_version)};
+            base::join("the ", what, " is of version ", version, ", this program reads ", version_of(magic))};
     if (bytes.size() < header.size() + net::sealed_extra_bytes)
         return Error{base::join("the ", what, " is cut")};
     std::vector<std::byte> plain(bytes.size() - header.size() - net::sealed_extra_bytes);
@@ -71,6 +72,30 @@ Status in_time(std::string_view what, std::uint64_t expires_ms, std::uint64_t no
     return {};
 }
 
+void write_relay(base::ByteWriter& to, const NetAddress& address, const NetKey& key, Bytes pass) {
+    write(to, address);
+    to.bytes(key.bytes);
+    to.u16(static_cast<std::uint16_t>(pass.size()));
+    to.bytes(pass);
+}
+RelaySeat read_relay(base::ByteReader& from) {
+    RelaySeat seat;
+    seat.address = read_address(from, "relay");
+    seat.key = read_key(from, "relay key");
+    const std::uint16_t pass_bytes = from.u16("pass length");
+    if (pass_bytes > pass_bytes_max)
+        from.fail(base::join("a pass of ", pass_bytes, " bytes, at most ", pass_bytes_max));
+    const Bytes pass = from.bytes(pass_bytes, "pass");
+    seat.pass.assign(pass.begin(), pass.end());
+    return seat;
+}
+
+/// A lobby's token has a pass, and not yet the address that its player asks at.
+std::uint8_t relays_of(const ConnectToken& token) {
+    if (token.relay.port == 0 && token.pass.empty()) return 0;
+    return token.second_relay.address.port == 0 ? 1 : 2;
+}
+
 /// What tokens and passes begin with: the match, its end, the seat.
 template <class T> void write_seat(base::ByteWriter& to, const T& t) {
     to.u64(t.match_id);
@@ -101,16 +126,17 @@ std::vector<std::byte> net::sealed_file(std::string_view magic, Bytes plain, con
 std::vector<std::byte> seal_token(const ConnectToken& token, const NetKey& key) {
     std::vector<std::byte> plain;
     base::ByteWriter to(plain);
+    const std::uint8_t relays = relays_of(token);
     write_seat(to, token);
+    to.u8(relays);
     to.bytes(token.secret.bytes);
     for (std::uint32_t slot = 0; slot < token.players && slot < net_players_max; ++slot) {
         to.bytes(token.public_keys[slot].bytes);
-        write(to, token.addresses[slot]);
+        if (relays == 0) write(to, token.addresses[slot]);
     }
-    write(to, token.relay);
-    to.bytes(token.relay_key.bytes);
-    to.u16(static_cast<std::uint16_t>(token.pass.size()));
-    to.bytes(token.pass);
+    if (relays > 0) write_relay(to, token.relay, token.relay_key, token.pass);
+    if (relays > 1)
+        write_relay(to, token.second_relay.address, token.second_relay.key, token.second_relay.pass);
     return net::sealed_file("LSTK", plain, key);
 }
 
@@ -120,18 +146,18 @@ Result<ConnectToken> open_token(std::span<const std::byte> bytes, const NetKey& 
     base::ByteReader from(*plain, "connect token");
     ConnectToken token;
     read_seat(from, token);
+    const std::uint8_t relays = from.u8("relays");
+    if (relays > 2) from.fail(base::join(relays, " relays, at most 2"));
     token.secret = read_key(from, "secret key");
     for (std::uint32_t slot = 0; from.ok() && slot < token.players; ++slot) {
         token.public_keys[slot] = read_key(from, "public key");
-        token.addresses[slot] = read_address(from, "address");
+        if (relays == 0) token.addresses[slot] = read_address(from, "address");
     }
-    token.relay = read_address(from, "relay");
-    token.relay_key = read_key(from, "relay key");
-    const std::uint16_t pass_bytes = from.u16("pass length");
-    if (pass_bytes > pass_bytes_max)
-        from.fail(base::join("a pass of ", pass_bytes, " bytes, at most ", pass_bytes_max));
-    const Bytes pass = from.bytes(pass_bytes, "pass");
-    token.pass.assign(pass.begin(), pass.end());
+    if (from.ok() && relays > 0) {
+        RelaySeat first = read_relay(from);
+        token.relay = first.address, token.relay_key = first.key, token.pass = std::move(first.pass);
+    }
+    if (from.ok() && relays > 1) token.second_relay = read_relay(from);
     from.expect_end();
     if (!from.ok()) return from.error();
     if (Status s = in_time("connect token", token.expires_ms, now_ms); !s) return s.error();
@@ -167,6 +193,8 @@ Result<std::vector<ConnectToken>> make_tokens(const MatchPlan& plan) {
     for (const NetAddress& address : plan.addresses)
         if (address.port == 0 && plan.relay.port == 0)
             return Error{"a player has no address, and there is no relay"};
+    if (plan.second_relay.port != 0 && (plan.relay.port == 0 || plan.second_relay == plan.relay))
+        return Error{"a second relay needs a first one, at another address"};
     ConnectToken all;
     all.match_id = plan.match_id, all.expires_ms = plan.expires_ms;
     all.players = static_cast<std::uint32_t>(players), all.relay = plan.relay;
@@ -182,6 +210,11 @@ Result<std::vector<ConnectToken>> make_tokens(const MatchPlan& plan) {
         if (plan.relay.port != 0)
             own.pass = seal_pass({plan.match_id, plan.relay_expires_ms, slot, own.players, own.relay_key},
                                  plan.relay_secret);
+        if (plan.second_relay.port == 0) continue;
+        own.second_relay.address = plan.second_relay, own.second_relay.key = random_key();
+        own.second_relay.pass =
+            seal_pass({plan.match_id, plan.relay_expires_ms, slot, own.players, own.second_relay.key},
+                      plan.second_relay_secret);
     }
     return tokens;
 }

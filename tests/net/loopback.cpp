@@ -46,7 +46,8 @@ struct Outcome {
     bool good = true;
 };
 
-Outcome play(const MatchPlan& plan, SocketRelay* relay) {
+/// `relays`: those that the plan names; the first is lost at a frame.
+Outcome play(const MatchPlan& plan, std::vector<SocketRelay*> relays, std::uint64_t lost_at = 1u << 30) {
     const auto players = static_cast<std::uint32_t>(plan.addresses.size());
     const auto game = make_scene("rollback-arena", {.size = 0, .seed = 1, .players = players}).value();
     const auto tokens = make_tokens(plan).value();
@@ -60,14 +61,17 @@ Outcome play(const MatchPlan& plan, SocketRelay* relay) {
     const auto done = [&] {
         return std::ranges::all_of(machines, [](const auto& m) { return m->hashes.size() >= match_ticks; });
     };
+    const auto poll_relays = [&](std::uint64_t frame, std::uint64_t now_ms) {
+        for (std::size_t r = frame < lost_at ? 0 : 1; r < relays.size(); ++r) relays[r]->poll(now_ms);
+    };
     for (std::uint64_t frame = 0; frame < 4 * match_ticks && !done(); ++frame) {
         const std::uint64_t now_ms = start_ms + frame * 1000 / 60;
         for (PeerId slot = 0; slot < players; ++slot) {
             // What has arrived is looked at once in six frames, so that inputs come late and guesses are made.
             if (frame < 60 || (frame + slot) % 6 == 0) transports[slot]->poll(now_ms);
-            if (relay) relay->poll(now_ms);
+            poll_relays(frame, now_ms);
             machines[slot]->frame(now_ms, match_ticks);
-            if (relay) relay->poll(now_ms);
+            poll_relays(frame, now_ms);
         }
     }
     Outcome out;
@@ -89,7 +93,7 @@ Outcome play(const MatchPlan& plan, SocketRelay* relay) {
 TEST_CASE("net: two machines play rollback-arena over UDP on 127.0.0.1 and agree on every confirmed hash") {
     MatchPlan plan = plan_of(2);
     plan.addresses = free_addresses(2);
-    const Outcome out = play(plan, nullptr);
+    const Outcome out = play(plan, {});
     CHECK(out.good);
     REQUIRE(out.hashes[0].size() == match_ticks);
     CHECK(out.hashes[0] == out.hashes[1]);
@@ -106,7 +110,7 @@ TEST_CASE("net: four machines play through a relay on 127.0.0.1 and agree on eve
     plan.addresses = free_addresses(4);
     plan.relay = relay.socket.local_address(), plan.relay_secret = relay.secret;
     plan.relay_expires_ms = start_ms + 3'600'000;
-    const Outcome out = play(plan, &relay);
+    const Outcome out = play(plan, {&relay});
     CHECK(out.good);
     for (PeerId slot = 0; slot < 4; ++slot) {
         REQUIRE(out.hashes[slot].size() == match_ticks);
@@ -114,6 +118,28 @@ TEST_CASE("net: four machines play through a relay on 127.0.0.1 and agree on eve
     }
     CHECK(relay.relay.counters().forwarded > match_ticks);
     CHECK(relay.relay.stats().refused_in_all() == 0);
+}
+
+TEST_CASE("net: a relay is lost in the middle of a match, and three machines go on through the second one") {
+    SocketRelay first, second;
+    MatchPlan plan = plan_of(3);
+    plan.addresses = free_addresses(3);
+    plan.relay = first.socket.local_address(), plan.relay_secret = first.secret;
+    plan.second_relay = second.socket.local_address(), plan.second_relay_secret = second.secret;
+    plan.relay_expires_ms = start_ms + 3'600'000;
+    const Outcome out = play(plan, {&first, &second}, 400);
+    CHECK(out.good); // nobody has left, nothing differs
+    for (PeerId slot = 0; slot < 3; ++slot) {
+        REQUIRE(out.hashes[slot].size() == match_ticks);
+        CHECK(out.hashes[slot] == out.hashes[0]);
+    }
+    CHECK(second.relay.counters().forwarded > match_ticks / 2);
+
+    plan.second_relay = {}; // the planted twin: without one the match ends there
+    plan.addresses = free_addresses(3);
+    const Outcome lost = play(plan, {&first, &second}, 400);
+    CHECK_FALSE(lost.good);
+    CHECK(lost.hashes[0] != lost.hashes[1]); // each has gone on alone
 }
 
 TEST_CASE("net: the comparison of hashes can fail: those of another game are others") {

@@ -2,20 +2,28 @@
 #pragma once
 
 #include "lockstone/net.h"
-#include "lockstone/session.h"
+#include "lockstone/session/spectator.h"
 #include "scenes/scenes.h"
 
 namespace lockstone::test {
 
-class NetPlayer final : private ConfirmedSink {
+class NetPlayer final : public ConfirmedSink {
   public:
-    NetPlayer(const Game& rules, PeerId self, std::uint32_t players, Transport& transport)
+    /// `shown_to`: where its match is watched from; null: nowhere.
+    NetPlayer(const Game& rules, PeerId self, std::uint32_t players, Transport& transport,
+              Transport* shown_to = nullptr)
         : game(rules), slot(self), world(rules.start().value()), simulation(world, rules) {
         std::vector<PeerId> machines(players);
         for (PeerId p = 0; p < players; ++p) machines[p] = p;
-        session = make_rollback_session(session_def(game, self, machines), transport).value();
+        const SessionDef def = session_def(game, self, machines);
+        session = make_rollback_session(def, transport).value();
+        if (shown_to != nullptr)
+            host = std::make_unique<SpectatorHost>(def, *shown_to, SpectatorHostDef{}, this);
+        ConfirmedSink* sink = this;
+        if (host) sink = host.get();
         runner = std::make_unique<SessionRunner>(*session, simulation,
-                                                 RunnerDef{.sink = this, .column_left_out = {}});
+                                                 RunnerDef{.sink = sink, .column_left_out = {}});
+        if (host) host->set_states(&runner->inspector());
     }
     NetPlayer(const NetPlayer&) = delete;
     NetPlayer& operator=(const NetPlayer&) = delete;
@@ -33,6 +41,7 @@ class NetPlayer final : private ConfirmedSink {
             session->add_local_input(slot, input);
             waits = runner->frame(now_ms).wait_ticks;
         }
+        if (host) host->poll();
         while (const auto notice = session->next_notice()) {
             desynced = desynced || std::holds_alternative<Desync>(*notice);
             lost = lost || std::holds_alternative<PlayerDisconnected>(*notice) ||
@@ -52,6 +61,7 @@ class NetPlayer final : private ConfirmedSink {
     World world;
     WorldSimulation simulation;
     std::unique_ptr<Session> session;
+    std::unique_ptr<SpectatorHost> host;
     std::unique_ptr<SessionRunner> runner;
     std::uint32_t waits = 0;
 };

@@ -48,12 +48,31 @@ TEST_CASE("net: a token opens with its key, in its time, whole and unchanged, an
         changed[at] ^= std::byte{4};
         const std::string said = trouble(changed);
         CHECK(said == (at < 4    ? "this is no connect token"
-                       : at == 4 ? "the connect token is of version 5, this program reads 1"
+                       : at == 4 ? "the connect token is of version 6, this program reads 2"
                                  : "the connect token was not sealed with this key, or was changed since"));
     }
     Packet longer = sealed;
     longer.push_back(std::byte{0});
     CHECK(trouble(longer) == "the connect token was not sealed with this key, or was changed since");
+}
+
+TEST_CASE("net: a token names two relays with a key and a pass for each, and then no player's address") {
+    MatchPlan plan = plan_of(16);
+    plan.relay = address(1), plan.relay_secret = random_key(), plan.relay_expires_ms = start_ms + 60'000;
+    plan.second_relay = address(2), plan.second_relay_secret = random_key();
+    const ConnectToken token = make_tokens(plan).value()[3];
+    const Packet sealed = seal_token(token, key);
+    CHECK(sealed.size() <= 1138); // what a lobby's answer has room for
+    const ConnectToken opened = open_token(sealed, key, start_ms).value();
+    CHECK(opened.relay == plan.relay);
+    CHECK(opened.pass == token.pass);
+    CHECK(opened.second_relay.address == plan.second_relay);
+    CHECK(opened.second_relay.key == token.second_relay.key);
+    CHECK(opened.second_relay.pass == token.second_relay.pass);
+    CHECK(opened.addresses == std::array<NetAddress, net_players_max>{});
+    CHECK(open_pass(opened.second_relay.pass, plan.second_relay_secret, start_ms));
+    CHECK_FALSE(open_pass(opened.second_relay.pass, plan.relay_secret, start_ms));
+    CHECK_FALSE(open_pass(opened.pass, plan.second_relay_secret, start_ms));
 }
 
 TEST_CASE("net: a token with a field out of range is refused though it is authentic") {
@@ -84,6 +103,10 @@ TEST_CASE("net: an endpoint refuses a token that cannot be one") {
     CHECK(complaint(token) == "the public key of slot 1 is one that no secret belongs to");
     token = good, token.relay = address(1);
     CHECK(complaint(token) == "ConnectToken::pass has 0 bytes, a pass has 95");
+    token.pass.resize(95), token.second_relay.address = address(2);
+    CHECK(complaint(token) == "ConnectToken::second_relay has a pass of 0 bytes, a pass has 95");
+    token.second_relay.address = token.relay;
+    CHECK(complaint(token) == "ConnectToken::second_relay needs a first one, at another address");
 }
 
 TEST_CASE("net: plans that make no match are refused") {
@@ -94,6 +117,10 @@ TEST_CASE("net: plans that make no match are refused") {
     CHECK_FALSE(make_tokens(plan));
     plan.relay = address(1);
     CHECK(make_tokens(plan).value()[0].addresses[0].port == 0); // nobody learns another's address
+    plan.second_relay = plan.relay;
+    CHECK_FALSE(make_tokens(plan));
+    plan.relay = {}, plan.addresses[1] = address(11);
+    CHECK_FALSE(make_tokens(plan));
 }
 
 TEST_CASE("net: addresses and keys are written and read as text") {

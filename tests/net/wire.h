@@ -47,6 +47,10 @@ class Wire {
         nodes[to] = nodes.at(from);
         nodes.erase(from);
     }
+    /// A machine is gone: what is sent to it is lost, and it sends nothing.
+    void detach(const NetAddress& at) { nodes.erase(at); }
+    /// What is lost of all that is sent; null: nothing by rule.
+    std::function<bool(const OnTheWay&)> is_cut = nullptr;
     void put(OnTheWay datagram) {
         datagram.due_ms = now_ms + latency_ms + (jitter_ms == 0 ? 0 : random.below(jitter_ms));
         way.push_back(std::move(datagram));
@@ -79,6 +83,7 @@ class Wire {
         while (const auto out = node.next()) {
             OnTheWay datagram{at, out->to, packet_of(out->bytes), 0};
             if (keeps) sent.push_back(datagram);
+            if (is_cut && is_cut(datagram)) continue;
             if (random.below(1000) < loss_permille) continue;
             if (random.below(1000) < duplicate_permille) put(datagram);
             put(std::move(datagram));

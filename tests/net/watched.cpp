@@ -1,0 +1,106 @@
+// Fifty machines watch over sockets of 127.0.0.1, each with keys of its own, through one relay: the player sends the match once.
+#include "lockstone/session/spectator_relay.h"
+#include "net/net_player.h"
+#include "net/wire.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+using namespace lockstone;
+using namespace lockstone::test;
+
+namespace {
+
+constexpr std::uint64_t match_ticks = 600;         // ten seconds at 60 Hz
+constexpr std::uint64_t bytes_bound_percent = 105; // what a player sends for fifty, to what it sends for one
+const NetAddress any_port = parse_address("127.0.0.1:0").value();
+
+struct NetWatcher final : ConfirmedSink {
+    UdpTransport transport;
+    World world;
+    WorldSimulation simulation;
+    std::unique_ptr<Session> session;
+    std::unique_ptr<SessionRunner> runner;
+    std::uint64_t first = 0;
+    std::vector<std::uint64_t> hashes;
+    bool differs = false;
+
+    NetWatcher(const Game& game, const ConnectToken& token, bool from_state, std::uint64_t now_ms)
+        : transport(UdpTransport::open(token, {.packets_per_second = 1000}, any_port, now_ms).value()),
+          world(game.start().value()), simulation(world, game) {
+        session = make_spectator_session(session_def(game, 0, {0, 1}),
+                                         WatchDef{.hosts = {0}, .from_state = from_state}, transport)
+                      .value();
+        runner = std::make_unique<SessionRunner>(*session, simulation,
+                                                 RunnerDef{.sink = this, .column_left_out = {}});
+    }
+    void on_confirmed(std::uint64_t tick, std::span<const PlayerInput>, std::uint64_t hash) override {
+        if (hashes.empty()) first = tick;
+        hashes.push_back(hash);
+    }
+    void frame(std::uint64_t now_ms) {
+        transport.poll(now_ms);
+        runner->frame(now_ms);
+        while (const auto notice = session->next_notice())
+            differs = differs || std::holds_alternative<Desync>(*notice);
+    }
+    std::uint64_t end() const { return first + hashes.size(); }
+};
+
+/// Two play and so many watch. What the player's machine has sent to the relay [bytes above UDP]; 0: somebody saw another match.
+std::uint64_t bytes_sent_with(std::uint32_t count) {
+    const auto game = make_scene("rollback-arena", {.size = 0, .seed = 1, .players = 2}).value();
+    SimulatedNetwork network(2, {.latency_ms = 30}, 1); // between the two who play
+    MatchPlan plan = plan_of(2);                        // of a player's machine and the relay
+    plan.expires_ms = start_ms + 3'600'000;
+    std::vector<UdpSocket> free;
+    for (NetAddress& address : plan.addresses) {
+        free.push_back(UdpSocket::open(any_port).value());
+        address = free.back().local_address();
+    }
+    free.clear();
+    const auto tokens = make_tokens(plan).value();
+    UdpTransport shown = UdpTransport::open(tokens[0], {}, plan.addresses[0], start_ms).value(),
+                 seen = UdpTransport::open(tokens[1], {}, plan.addresses[1], start_ms).value();
+    UdpWatchDoor door = UdpWatchDoor::open({.expires_ms = start_ms + 3'600'000}, any_port, start_ms).value();
+    const auto relay =
+        make_spectator_relay(session_def(*game, 0, {0, 1}), {.hosts = {0}, .state_polls = 120}, seen, door)
+            .value();
+    NetPlayer a(*game, 0, 2, network.endpoint(0), &shown), b(*game, 1, 2, network.endpoint(1));
+    std::vector<std::unique_ptr<NetWatcher>> watchers;
+    for (std::uint64_t frame = 0; frame < 2 * match_ticks; ++frame) {
+        const std::uint64_t now_ms = start_ms + frame * 1000 / 60;
+        network.advance_to(frame * 1000 / 60);
+        shown.poll(now_ms), seen.poll(now_ms);
+        for (NetPlayer* player : {&a, &b}) player->frame(now_ms, match_ticks);
+        // They come in the first half of the match, one after the other, every second one from a state.
+        while (watchers.size() < count && watchers.size() * match_ticks / 2 <= frame * count)
+            watchers.push_back(std::make_unique<NetWatcher>(*game, door.door().let_in(now_ms).value(),
+                                                            watchers.size() % 2 == 1, now_ms));
+        door.poll(now_ms);
+        relay->poll();
+        for (const auto& watcher : watchers) watcher->frame(now_ms);
+    }
+    CHECK(a.hashes.size() == match_ticks);
+    CHECK(door.door().counters().connected == count);
+    CHECK(relay->counters().watchers == count);
+    std::uint64_t late = 0;
+    for (const auto& watcher : watchers) {
+        CHECK_FALSE(watcher->differs);
+        REQUIRE(watcher->end() == match_ticks);
+        CHECK(std::ranges::equal(watcher->hashes, std::span(a.hashes).subspan(watcher->first)));
+        late += watcher->first > 0 ? 1u : 0u;
+    }
+    MESSAGE(count, " watch, ", late, " of them from a state; the player sent ",
+            shown.endpoint().stats().bytes_sent, " bytes, the relay ", relay->counters().bytes_to_watchers);
+    return shown.endpoint().stats().bytes_sent;
+}
+
+} // namespace
+
+TEST_CASE("net: fifty watch over 127.0.0.1 through a relay, all see every tick, and the player sends no more "
+          "than for one") {
+    const std::uint64_t for_one = bytes_sent_with(1), for_fifty = bytes_sent_with(50);
+    CHECK(for_fifty * 100 <= for_one * bytes_bound_percent);
+}
