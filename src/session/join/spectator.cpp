@@ -11,9 +11,7 @@ namespace lockstone::session {
 namespace {
 constexpr std::uint64_t near_ticks = 8; ///< to the newest tick that may be watched: level with the match
 constexpr std::uint32_t patience_polls = 300; ///< with a host that sends no state
-constexpr std::uint32_t host_silence_polls =
-    180;                                  ///< of one that tells nothing new, where there is another one
-constexpr std::uint32_t word_polls = 180; ///< then other machines that have told no hash are not there
+constexpr std::uint32_t word_polls = 180;     ///< then other machines that have told no hash are not there
 } // namespace
 
 SpectatorSession::SpectatorSession(const SessionDef& session_def, WatchDef how, Transport& packets)

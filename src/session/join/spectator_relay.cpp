@@ -8,8 +8,6 @@
 namespace lockstone::session {
 namespace {
 
-constexpr std::uint32_t host_silence_polls =
-    180; ///< of one that tells nothing new, where there is another one
 constexpr std::uint32_t state_patience_polls = 300; ///< with a host that sends nothing more of a state
 constexpr std::uint32_t hosts_max = players_max, log_ticks_least = 1024, state_polls_least = 120;
 

@@ -7,6 +7,9 @@
 
 namespace lockstone::session {
 
+/// Of a host that tells nothing new: then the next one is asked, where there is one.
+inline constexpr std::uint32_t host_silence_polls = 180;
+
 class ToldTicks {
   public:
     explicit ToldTicks(std::size_t bytes_of_a_tick)

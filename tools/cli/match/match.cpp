@@ -17,6 +17,7 @@ struct Args {
     std::uint32_t peers = 2;
     std::uint32_t loss_percent = 0, latency_ms = 50, jitter_ms = 10;
     std::uint64_t ticks = 600;
+    bool relayed = false;
     std::uint32_t watchers = 0, late = 0, rejoin = 0;
     bool trouble = false, chaos = false, plant = false, recover = false;
     std::vector<std::string> without;
@@ -34,6 +35,8 @@ void describe(CLI::App& command, Args& args) {
     add_number(command, "--ticks", args.ticks, "that every peer has to confirm", 1, UINT64_MAX);
     add_number(command, "--watchers", args.watchers,
                "machines that watch peer 0, and join one after the other", 0, 64);
+    add_flag(command, "--relayed", args.relayed,
+             "they watch through a relay, which peers 0 and 1 show the match to");
     add_number(command, "--late", args.late, "machines that come in late, into empty seats", 0, 15);
     add_number(command, "--rejoin", args.rejoin, "how often a machine loses all its state and comes back", 0,
                1000);
@@ -133,6 +136,7 @@ Chaos as_told(const Args& args, std::uint64_t seed) {
     match.def.ticks = args.ticks;
     match.def.mode = args.mode == "lockstep" ? MatchMode::lockstep : MatchMode::rollback;
     match.def.watchers = args.watchers;
+    match.def.relayed = args.relayed;
     match.def.sleeps = match.def.cuts = args.trouble;
     match.def.late = args.late;
     match.def.rejoins = args.rejoin;

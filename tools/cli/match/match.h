@@ -22,8 +22,11 @@ struct MatchDef {
     std::vector<std::int32_t>
         clock_permille; ///< by machine: how much faster its clock goes; empty: all alike
     std::uint32_t watchers =
-        0;                  ///< who watch peer 0; the first from the start, each next one some seconds later
-    std::uint32_t late = 0; ///< how many of the last machines come in some seconds after the start
+        0; ///< who watch peer 0; the first from the start, each next one some seconds later
+    bool relayed =
+        false; ///< they watch through a relay that peers 0 and 1 show the match to, not peer 0 itself
+    std::uint64_t show_lost = 0; ///< frame at which peer 0 can show the match no more; 0: never
+    std::uint32_t late = 0;      ///< how many of the last machines come in some seconds after the start
     std::uint32_t rejoins =
         0; ///< how often a machine, but not peer 0, loses all its state and comes back two seconds later
     std::uint32_t input_delay = 0;                     ///< [ticks]; 0: the session's own

@@ -26,9 +26,9 @@ LinkDef draw_link(Random& random) {
 } // namespace
 
 const std::vector<std::string>& chaos_kinds() {
-    static const std::vector<std::string> kinds = {"watchers", "rejoin", "late",   "sleep",
-                                                   "cuts",     "clocks", "damage", "duplicates",
-                                                   "reorder",  "jitter", "loss",   "latency"};
+    static const std::vector<std::string> kinds = {"relay",  "watchers", "rejoin", "late",       "sleep",
+                                                   "cuts",   "clocks",   "damage", "duplicates", "reorder",
+                                                   "jitter", "loss",     "latency"};
     return kinds;
 }
 
@@ -54,6 +54,11 @@ Chaos chaos_of(std::uint64_t seed, std::uint64_t ticks, const std::vector<std::s
     def.first_late = 60 + early, def.first_crash = 60 + early / 2;
     def.late = one_is_late && chaos.players >= 3 ? 1 : 0;
     def.rejoins = one_comes_back && chaos.players - def.late >= 3 ? 1 : 0;
+    def.relayed = random.below(2) == 0 && def.watchers != 0;
+    const bool is_lost = random.below(2) == 0;
+    // Peer 1 goes on showing it, so it stays.
+    if (def.relayed && is_lost && def.rejoins == 0 && chaos.players - def.late >= 2)
+        def.show_lost = 60 + early;
     for (LinkDef& link : def.links) {
         if (is_out("damage")) link.damage_permille = 0;
         if (is_out("duplicates")) link.duplicate_permille = 0;
@@ -67,6 +72,7 @@ Chaos chaos_of(std::uint64_t seed, std::uint64_t ticks, const std::vector<std::s
     for (const LinkDef& link : def.links) slowest_ms = std::max(slowest_ms, link.latency_ms + link.jitter_ms);
     if (def.mode == MatchMode::lockstep) def.input_delay = slowest_ms / frame_ms + 2;
     if (is_out("clocks")) def.clock_permille.clear();
+    if (is_out("relay")) def.relayed = false;
     if (is_out("watchers")) def.watchers = 0;
     if (is_out("sleep")) def.sleeps = false;
     if (is_out("cuts")) def.cuts = false;
@@ -84,6 +90,8 @@ std::string told(const Chaos& chaos) {
     std::string words = std::to_string(chaos.players) + " peers, up to " + std::to_string(latency) +
                         " ms and " + std::to_string(loss / 10) + " % lost";
     if (def.watchers != 0) words += ", " + std::to_string(def.watchers) + " watch";
+    if (def.watchers != 0 && def.relayed) words += " through a relay";
+    if (def.watchers != 0 && def.relayed && def.show_lost != 0) words += " whose host goes";
     if (def.late != 0) words += ", one comes late";
     if (def.rejoins != 0) words += ", one comes back";
     if (def.sleeps) words += ", machines sleep";

@@ -5,6 +5,7 @@
 #include "lockstone/math/random.h"
 #include "lockstone/session/join.h"
 #include "lockstone/session/spectator.h"
+#include "lockstone/session/spectator_relay.h"
 #include "scenes/scenes.h"
 
 #include <algorithm>
@@ -59,7 +60,8 @@ struct Peer {
     PlayedWorld simulation;
     replay::MemorySink sink;
     std::unique_ptr<ConfirmedLog> log;
-    std::unique_ptr<SpectatorHost> host; ///< peer 0's, where somebody watches
+    std::unique_ptr<SpectatorHost>
+        host; ///< peer 0's, where somebody watches; where that is through a relay, peer 1's too
     std::unique_ptr<Session> session;
     std::unique_ptr<SessionRunner> runner;
     EventLaw events;
@@ -114,6 +116,10 @@ Result<replay::InputRecorder> begin_recording(Peer& peer, const Game& game, cons
     return replay::InputRecorder::begin(peer.sink, game, peer.world, options);
 }
 
+bool shows_the_match(const MatchDef& def, PeerId self) {
+    return def.watchers > 0 && (self == 0 || (self == 1 && def.relayed));
+}
+
 Result<std::unique_ptr<Peer>> make_peer(const Game& game, const MatchDef& def, PeerId self,
                                         Transport& transport, Transport& to_watchers) {
     Result<World> world = game.start();
@@ -131,13 +137,14 @@ Result<std::unique_ptr<Peer>> make_peer(const Game& game, const MatchDef& def, P
     if (!session) return session.error();
     peer->session = std::move(*session);
     ConfirmedSink* sink = peer->log.get();
-    if (self == 0 && def.watchers > 0) {
+    if (shows_the_match(def, self)) {
         const SpectatorHostDef host_def{.watchers_max = def.watchers};
         peer->host = std::make_unique<SpectatorHost>(as_player, to_watchers, host_def, peer->log.get());
         sink = peer->host.get();
     }
     peer->runner = std::make_unique<SessionRunner>(*peer->session, peer->simulation,
                                                    RunnerDef{.sink = sink, .column_left_out = {}});
+    if (peer->host) peer->host->set_states(&peer->runner->inspector());
     return peer;
 }
 
@@ -308,6 +315,36 @@ class Trouble {
     bool is_cut = false;
 };
 
+/// Where the match is watched: from peer 0 itself, or through a relay that asks peers 0 and 1.
+struct Show {
+    SimulatedNetwork to_hosts, to_watchers;
+    std::unique_ptr<SpectatorRelay> relay; ///< null: none
+    static constexpr PeerId relay_up = 2;
+
+    explicit Show(const MatchDef& def)
+        : to_hosts(3, def.link, def.seed ^ 0x5eed), to_watchers(def.watchers + 1, def.link, ~def.seed) {}
+    Status begin(const Game& game, const MatchDef& def) {
+        if (!def.relayed || def.watchers == 0) return {};
+        Result<std::unique_ptr<SpectatorRelay>> made =
+            make_spectator_relay(session_of(game, def, 0), {.hosts = {0, 1}, .state_polls = 600},
+                                 to_hosts.endpoint(relay_up), to_watchers.endpoint(0));
+        if (!made) return made.error();
+        relay = std::move(*made);
+        return {};
+    }
+    Transport& of_host(PeerId self) {
+        return relay ? to_hosts.endpoint(self == 0 ? 0 : 1) : to_watchers.endpoint(0);
+    }
+    void run(const std::vector<std::unique_ptr<Peer>>& peers, const MatchDef& def, std::uint64_t frame,
+             std::uint64_t now_ms) {
+        to_hosts.advance_to(now_ms);
+        if (relay && def.show_lost != 0 && frame == def.show_lost) to_hosts.unplug(0);
+        for (const auto& peer : peers)
+            if (peer != nullptr && peer->host) peer->host->poll();
+        if (relay) relay->poll();
+    }
+};
+
 /// Watchers join one after the other, and tell what they are told.
 Status run_watchers(std::vector<std::unique_ptr<Watcher>>& watchers, const Game& game, const MatchDef& def,
                     std::uint64_t frame, SimulatedNetwork& network, MatchOutcome& out) {
@@ -371,8 +408,9 @@ Status ConfirmedLog::close() {
 
 Result<MatchOutcome> play_match(const Game& game, const MatchDef& def,
                                 const std::function<void(std::uint64_t)>& progress) {
-    SimulatedNetwork network(game.player_count(), def.link, def.seed),
-        to_watchers(def.watchers + 1, def.link, ~def.seed);
+    SimulatedNetwork network(game.player_count(), def.link, def.seed);
+    Show show(def);
+    if (Status s = show.begin(game, def); !s) return s.error();
     Trouble trouble(def, game.player_count());
     if (!def.links.empty())
         for (PeerId from = 0; from < game.player_count(); ++from)
@@ -384,8 +422,7 @@ Result<MatchOutcome> play_match(const Game& game, const MatchDef& def,
     if (def.late >= game.player_count()) return Error{"match: nobody is there from the start (--late)"};
     peers.resize(game.player_count());
     for (PeerId p = 0; p < game.player_count() - def.late; ++p) {
-        Result<std::unique_ptr<Peer>> peer =
-            make_peer(game, def, p, network.endpoint(p), to_watchers.endpoint(0));
+        Result<std::unique_ptr<Peer>> peer = make_peer(game, def, p, network.endpoint(p), show.of_host(p));
         if (!peer) return peer.error();
         peers[p] = std::move(*peer);
     }
@@ -410,8 +447,8 @@ Result<MatchOutcome> play_match(const Game& game, const MatchDef& def,
                     run_frame(*peers[p], p, game, def, frames[p] * 1000 / rate, out);
         if (def.recovers)
             if (Status s = recover(peers, game, def, network, out); !s) return s.error();
-        if (Status s = run_watchers(watchers, game, def, frame, to_watchers, out); !s) return s.error();
-        if (def.watchers > 0) peers[0]->host->poll();
+        if (Status s = run_watchers(watchers, game, def, frame, show.to_watchers, out); !s) return s.error();
+        show.run(peers, def, frame, out.milliseconds);
         if (progress) progress(ticks_confirmed(peers, watchers));
     }
     for (auto& peer : peers) {
