@@ -39,8 +39,7 @@ struct PackInverse {
 
 /// The bodies of one side: point rows and shares.
 struct PackSide {
-    std::uint32_t body[pack_lanes];
-    std::uint32_t movable;                            ///< bit per lane: impulses move it
+    std::uint32_t place[pack_lanes];                  ///< of the body: bytes from the first SolverBody on
     bool shifts;                                      ///< of some lane `shift` is not zero
     std::int32_t x[3][3][pack_lanes];                 ///< turning arms by rows, 28 fraction bits
     std::int32_t pull[pack_lanes];                    ///< 2^-e times the share, 28 fraction bits

@@ -36,9 +36,10 @@ void find_stage(JointTick& tick, JointWork& w, const SolverBodies& bodies) {
     if (b != nullptr) *b = w.stage + 1;
 }
 
-void set_share(PackSide& side, unsigned lane, Share share, std::uint32_t body, bool movable) {
-    side.body[lane] = body;
-    side.movable |= movable ? 1u << lane : 0u;
+std::uint32_t place_of(std::uint32_t body) { return body * static_cast<std::uint32_t>(sizeof(SolverBody)); }
+
+void set_share(PackSide& side, unsigned lane, Share share, std::uint32_t body) {
+    side.place[lane] = place_of(body);
     side.share[lane] = share.mantissa;
     side.shift[lane] = share.shift;
     side.half[lane] = share.shift != 0 ? std::int64_t{1} << (share.shift - 1) : 0;
@@ -67,7 +68,7 @@ void add_to_pack(JointTick& tick, JointWork& w, std::uint32_t kind, bool fresh, 
         pack.hinges = kind == hinge_kind;
         pack.turn_rows = pack.hinges ? 2 : kind;
         for (PackSide* side : {&pack.a, &pack.b})
-            for (std::uint32_t& body : side->body) body = bodies.still();
+            for (std::uint32_t& place : side->place) place = place_of(bodies.still());
         if (kind != 0) {
             pack.turn = static_cast<std::uint32_t>(tick.turn_packs.size());
             make_room(tick.turn_packs);
@@ -83,8 +84,8 @@ void add_to_pack(JointTick& tick, JointWork& w, std::uint32_t kind, bool fresh, 
     w.pack = static_cast<std::uint32_t>(tick.packs.size() - 1);
     w.lane = pack.count++;
     pack.stale[w.lane] = 1;
-    set_share(pack.a, w.lane, w.shares.a, w.a.body, bodies.step[w.a.body].movable);
-    set_share(pack.b, w.lane, w.shares.b, w.b.body, bodies.step[w.b.body].movable);
+    set_share(pack.a, w.lane, w.shares.a, w.a.body);
+    set_share(pack.b, w.lane, w.shares.b, w.b.body);
 }
 
 } // namespace

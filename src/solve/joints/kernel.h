@@ -8,6 +8,9 @@
 #include "solve/joints/joint_pack.h"
 #include "solve/lanes/lane_fixed.h"
 
+#include <cstddef>
+#include <type_traits>
+
 namespace lockstone::solve {
 
 template <class L> class PackedJoints {
@@ -42,58 +45,67 @@ template <class L> class PackedJoints {
 
     // ---- bodies --------------------------------------------------------------------------------------------------
 
-    static void gather(const Side& side, unsigned lane, const Data& data, Velocity (&out)[6]) {
+    static solve::SolverBody* body_at(const Data& data, std::uint32_t place) {
+        return reinterpret_cast<solve::SolverBody*>(reinterpret_cast<std::byte*>(data.bodies) + place);
+    }
+    [[gnu::always_inline]] static void gather(const Side& side, unsigned lane, const Data& data,
+                                              Velocity (&out)[6]) {
         const solve::SolverBody* body[N];
-        for (unsigned i = 0; i < N; ++i) body[i] = &data.bodies[side.body[lane + i]];
+        for (unsigned i = 0; i < N; ++i) body[i] = body_at(data, side.place[lane + i]);
         V raw[6];
         L::gather6(body, raw);
         for (int i = 0; i < 6; ++i) out[i] = {raw[i]};
     }
-    static void gather_moved(const Side& side, unsigned lane, const Data& data, Gap (&out)[6]) {
+    [[gnu::always_inline]] static void gather_moved(const Side& side, unsigned lane, const Data& data,
+                                                    Gap (&out)[6]) {
         const solve::SolverBody* body[N];
-        for (unsigned i = 0; i < N; ++i) body[i] = &data.bodies[side.body[lane + i]];
+        for (unsigned i = 0; i < N; ++i) body[i] = body_at(data, side.place[lane + i]);
         V raw[6];
         L::gather_motion(body, raw);
         for (int i = 0; i < 6; ++i) out[i] = {raw[i]};
     }
-    /// Bodies that nothing moves are shared by packs, so they are not written.
-    static void scatter(const Side& side, unsigned lane, const Data& data, const Velocity (&x)[6]) {
+    /// Bodies that nothing moves are shared by packs; their share is zero, so they are written as they were.
+    [[gnu::always_inline]] static void scatter(const Side& side, unsigned lane, const Data& data,
+                                               const Velocity (&x)[6]) {
         V raw[6];
         for (int i = 0; i < 6; ++i) raw[i] = x[i].raw;
         solve::SolverBody* to[N];
-        solve::SolverBody spare;
-        for (unsigned i = 0; i < N; ++i)
-            to[i] = (side.movable >> (lane + i)) & 1u ? &data.bodies[side.body[lane + i]] : &spare;
+        for (unsigned i = 0; i < N; ++i) to[i] = body_at(data, side.place[lane + i]);
         L::scatter6(to, raw);
     }
-    static void gather(const Pack& c, unsigned lane, const Data& data, Motion& m) {
+    [[gnu::always_inline]] static void gather(const Pack& c, unsigned lane, const Data& data, Motion& m) {
         gather(c.a, lane, data, m.a), gather(c.b, lane, data, m.b);
-        keep_readable(m);
+        keep_readable(m.a), keep_readable(m.b);
     }
-    static void scatter(const Pack& c, unsigned lane, const Data& data, const Motion& m) {
+    [[gnu::always_inline]] static void scatter(const Pack& c, unsigned lane, const Data& data,
+                                               const Motion& m) {
         scatter(c.a, lane, data, m.a), scatter(c.b, lane, data, m.b);
     }
 
     /// Within what rows read, in the lanes of the mask.
-    static void clamp_motion(Motion& m, V mask) {
+    static void clamp_motion(Velocity (&v)[6], V mask) {
         const V most = L::splat(solve::motion_max), least = L::splat(-solve::motion_max);
-        for (int i = 0; i < 6; ++i) {
-            m.a[i] = {L::select(mask, between(m.a[i].raw, least, most), m.a[i].raw)};
-            m.b[i] = {L::select(mask, between(m.b[i].raw, least, most), m.b[i].raw)};
-        }
+        const auto clamped = [&](Velocity& x) { x = {L::select(mask, between(x.raw, least, most), x.raw)}; };
+        // No loop: compilers do not unroll it where it is rarely run, and then keep all velocities in memory.
+        clamped(v[0]), clamped(v[1]), clamped(v[2]), clamped(v[3]), clamped(v[4]), clamped(v[5]);
     }
-    static void keep_readable(Motion& m) {
+    static void clamp_motion(Motion& m, V mask) { clamp_motion(m.a, mask), clamp_motion(m.b, mask); }
+    [[gnu::always_inline]] static void keep_readable(Velocity (&v)[6]) {
         const V most = L::splat(solve::motion_max);
         V any = L::splat(0); // from -motion_max on no bit of the sum is above that of 2 motion_max
-        for (int i = 0; i < 6; ++i)
-            any = L::either(any, L::either(L::add(m.a[i].raw, most), L::add(m.b[i].raw, most)));
+        for (int i = 0; i < 6; ++i) any = L::either(any, L::add(v[i].raw, most));
         const V beyond = L::greater64(L::template shift_right<solve::motion_bits + 1>(any), L::splat(0));
-        if (L::lanes_of(beyond) != 0) clamp_motion(m, beyond);
+        if (L::lanes_of(beyond) != 0) clamp_motion(v, beyond);
     }
     /// After changes of impulses of these sizes, or-ed.
     static void keep_small(Motion& m, Speed sizes) {
         const Mask large = sizes > Speed::splat(solve::small_impulse - 1);
         if (large.any()) clamp_motion(m, large.raw);
+    }
+    /// The same of one side: each component is clamped by itself.
+    static void keep_small(Velocity (&v)[6], Speed sizes) {
+        const Mask large = sizes > Speed::splat(solve::small_impulse - 1);
+        if (large.any()) clamp_motion(v, large.raw);
     }
     static Speed or_size(Speed sizes, Speed p) { return {L::either(sizes.raw, max(p, -p).raw)}; }
 
@@ -133,17 +145,18 @@ template <class L> class PackedJoints {
         Speed p[3];
         Speed sizes;
     };
-    static Change answer(const solve::PackInverse& inverse, Lanes<std::int32_t> (&impulse)[3], unsigned lane,
-                         const Speed (&speed)[3], int rows, const Data& data, bool bias,
-                         std::uint64_t& clamped) {
+    template <int Rows>
+    [[gnu::always_inline]] static Change
+    answer(const solve::PackInverse& inverse, Lanes<std::int32_t> (&impulse)[3], unsigned lane,
+           const Speed (&speed)[3], const Data& data, bool bias, std::uint64_t& clamped) {
         const bool odd = (inverse.odd[0] | inverse.odd[1] | inverse.odd[2] | inverse.odd[3]) != 0;
         const V most = L::splat(solve::impulse_change_max), least = L::splat(-solve::impulse_change_max);
         const Speed bound = Speed::splat(impulse_max);
         Change change;
         change.sizes = Speed::splat(0);
-        for (int r = 0; r < rows; ++r) {
+        for (int r = 0; r < Rows; ++r) {
             V sum = L::splat(0); // 30 bits times 31, three times
-            for (int s = 0; s < rows; ++s)
+            for (int s = 0; s < Rows; ++s)
                 sum = L::add(sum, L::mul(L::load32(&inverse.m[lower[r][s]][lane]), speed[s].raw));
             if (odd)
                 sum = shift_oddly(sum, inverse, lane);
@@ -157,7 +170,8 @@ template <class L> class PackedJoints {
                          rounded<speed_bits>(old * Unit::splat(data.impulse_scale));
             const Speed next = old - wanted, now = clamp(next, bound);
             const unsigned met = ((next > now) | (now > next)).lanes();
-            for (unsigned i = 0; i < N; ++i) clamped += (met >> i) & 1u;
+            if (met != 0) [[unlikely]]
+                for (unsigned i = 0; i < N; ++i) clamped += (met >> i) & 1u;
             now.store(&impulse[r][lane]);
             change.p[r] = now - old;
             change.sizes = or_size(change.sizes, change.p[r]);
@@ -167,37 +181,39 @@ template <class L> class PackedJoints {
 
     // ---- rows that only turn -------------------------------------------------------------------------------------
 
-    static void push_turn(const Lanes<std::int32_t> (&j)[3][3], const Side& side, unsigned lane,
-                          const Speed (&p)[3], int rows, Velocity (&v)[6]) {
+    template <int Rows>
+    [[gnu::always_inline]] static void push_turn(const Lanes<std::int32_t> (*j)[3], const Side& side,
+                                                 unsigned lane, const Speed (&p)[3], Velocity (&v)[6]) {
         const Unit share = Unit::load(&side.share[lane]);
         Speed part[3];
-        for (int r = 0; r < rows; ++r) part[r] = rounded<speed_bits>(share * p[r]);
+        for (int r = 0; r < Rows; ++r) part[r] = rounded<speed_bits>(share * p[r]);
         for (int i = 0; i < 3; ++i) {
             Velocity sum = Row::load(&j[0][i][lane]) * part[0];
-            for (int r = 1; r < rows; ++r) sum = sum + Row::load(&j[r][i][lane]) * part[r];
+            for (int r = 1; r < Rows; ++r) sum = sum + Row::load(&j[r][i][lane]) * part[r];
             add_rounded(v[3 + i], sum, side, lane);
         }
     }
-    static void solve_turn(Turn& t, const Pack& c, unsigned lane, const Data& data, bool bias, Motion& m,
-                           std::uint64_t& clamped) {
-        const int rows = static_cast<int>(c.turn_rows);
+    template <int Rows>
+    [[gnu::always_inline]] static void solve_turn(Turn& t, const Pack& c, unsigned lane, const Data& data,
+                                                  bool bias, Motion& m, std::uint64_t& clamped) {
         Speed a[3], b[3], speed[3];
         for (int i = 0; i < 3; ++i)
             a[i] = rounded<speed_bits>(m.a[3 + i]), b[i] = rounded<speed_bits>(m.b[3 + i]);
-        for (int r = 0; r < rows; ++r) {
+        for (int r = 0; r < Rows; ++r) {
             speed[r] = rounded_within<speed_bits>(dot(t.ja[r], lane, a) + dot(t.jb[r], lane, b), impulse_max);
             if (bias) speed[r] = speed[r] + Speed::load(&t.bias[r][lane]);
         }
-        const Change change = answer(t.inverse, t.impulse, lane, speed, rows, data, bias, clamped);
-        push_turn(t.ja, c.a, lane, change.p, rows, m.a);
-        push_turn(t.jb, c.b, lane, change.p, rows, m.b);
+        const Change change = answer<Rows>(t.inverse, t.impulse, lane, speed, data, bias, clamped);
+        push_turn<Rows>(t.ja, c.a, lane, change.p, m.a);
+        push_turn<Rows>(t.jb, c.b, lane, change.p, m.b);
         keep_small(m, change.sizes);
     }
 
     // ---- points --------------------------------------------------------------------------------------------------
 
     template <int Sign>
-    static void push_point(const Side& side, unsigned lane, const Speed (&p)[3], Velocity (&v)[6]) {
+    [[gnu::always_inline]] static void push_point(const Side& side, unsigned lane, const Speed (&p)[3],
+                                                  Velocity (&v)[6]) {
         const Row pull = Row::load(&side.pull[lane]);
         const Unit share = Unit::load(&side.share[lane]);
         Speed part[3];
@@ -212,8 +228,8 @@ template <class L> class PackedJoints {
                         side, lane);
     }
 
-    static void solve_point(Pack& c, unsigned lane, const Data& data, bool bias, Motion& m,
-                            std::uint64_t& clamped) {
+    [[gnu::always_inline]] static void solve_point(Pack& c, unsigned lane, const Data& data, bool bias,
+                                                   Motion& m, std::uint64_t& clamped) {
         Speed a[6], b[6], speed[3];
         for (int i = 0; i < 6; ++i) a[i] = rounded<speed_bits>(m.a[i]), b[i] = rounded<speed_bits>(m.b[i]);
         const Row one = Row::load(&c.one[lane]);
@@ -221,7 +237,7 @@ template <class L> class PackedJoints {
             speed[r] = rounded_within<speed_bits>(
                 one * (b[r] - a[r]) + dot(c.a.x[r], lane, a + 3) + dot(c.b.x[r], lane, b + 3), impulse_max);
         for (int r = 0; r < 3 && bias; ++r) speed[r] = speed[r] + Speed::load(&c.bias[r][lane]);
-        const Change change = answer(c.inverse, c.impulse, lane, speed, 3, data, bias, clamped);
+        const Change change = answer<3>(c.inverse, c.impulse, lane, speed, data, bias, clamped);
         push_point<-1>(c.a, lane, change.p, m.a);
         push_point<1>(c.b, lane, change.p, m.b);
         keep_small(m, change.sizes);
@@ -235,8 +251,8 @@ template <class L> class PackedJoints {
 
     /// K^-1 x / 2^shift: 30 bits times 32, three times.
     template <class X>
-    static void over_gyration(const Side& side, unsigned lane, const X* x, const Lanes<std::int64_t>& shift,
-                              V (&out)[3]) {
+    [[gnu::always_inline]] static void over_gyration(const Side& side, unsigned lane, const X* x,
+                                                     const Lanes<std::int64_t>& shift, V (&out)[3]) {
         const V by = L::load64(&shift[lane]);
         for (int i = 0; i < 3; ++i) {
             V sum = L::mul(L::load32(&side.inverse[inverse_at[i][0]][lane]), x[0].raw);
@@ -257,7 +273,7 @@ template <class L> class PackedJoints {
             }
         }
     };
-    static Turned matrix_of(const V (&q)[4]) {
+    [[gnu::always_inline]] static Turned matrix_of(const V (&q)[4]) {
         constexpr int shift = unit_bits - 1; // entries are twice a sum of products
         const V one = L::splat(std::int64_t{1} << unit_bits), half = L::splat(std::int64_t{1} << (shift - 1));
         const auto twice = [&](V sum) { return L::template shift_right<shift>(L::add(sum, half)); };
@@ -269,7 +285,7 @@ template <class L> class PackedJoints {
                  {twice(L::sub(xz, wy)), twice(L::add(yz, wx)), L::sub(one, twice(L::add(xx, yy)))}}};
     }
     /// How a body has turned since the tick began.
-    static Turned turn_of(const Side& side, unsigned lane, const Gap (&moved)[6]) {
+    [[gnu::always_inline]] static Turned turn_of(const Side& side, unsigned lane, const Gap (&moved)[6]) {
         constexpr std::int64_t one = std::int64_t{1} << unit_bits, quarter = one; // of pack_angle_bits
         V phi[3], q[4], square = L::splat(0);
         over_gyration(side, lane, moved + 3, side.turn_shift, phi);
@@ -304,8 +320,8 @@ template <class L> class PackedJoints {
         for (int i = 0; i < 3; ++i) r[i] = {now[i]};
     }
     /// w x (w x r), w within 2048 rad/s and the inner product within 2048 m/s: beyond that an arc is no guide. As Speed.
-    static void curve(const Side& side, unsigned lane, const Velocity (&motion)[6], const Lever (&r)[3],
-                      V (&out)[3]) {
+    [[gnu::always_inline]] static void curve(const Side& side, unsigned lane, const Velocity (&motion)[6],
+                                             const Lever (&r)[3], V (&out)[3]) {
         const V most = L::splat(std::int64_t{1} << 30), least = L::splat(-(std::int64_t{1} << 30));
         Speed u[3], w[3], v[3];
         for (int i = 0; i < 3; ++i) u[i] = rounded<speed_bits>(motion[3 + i]);
@@ -324,7 +340,8 @@ template <class L> class PackedJoints {
     }
     /// K^-1 (r x e) for the three axes e of the world, as rows. Returns the entries, 2 added to each, or-ed: where one is out
     /// of -2 .. 2, bits above those of 4 are set.
-    static V write_arms(Side& side, unsigned lane, const Lever (&r)[3], bool negative) {
+    [[gnu::always_inline]] static V write_arms(Side& side, unsigned lane, const Lever (&r)[3],
+                                               bool negative) {
         V m[6], at[3];
         for (int i = 0; i < 6; ++i) m[i] = L::load32(&side.inverse[i][lane]);
         for (int i = 0; i < 3; ++i) at[i] = negative ? (-r[i]).raw : r[i].raw;
@@ -343,7 +360,8 @@ template <class L> class PackedJoints {
         return any;
     }
     /// The speed that an error asks for: C rate, within push_max, and what lies ahead along the arc.
-    static void set_bias(Pack& c, unsigned lane, const Data& data, int r, V error, V arc) {
+    [[gnu::always_inline]] static void set_bias(Pack& c, unsigned lane, const Data& data, int r, V error,
+                                                V arc) {
         constexpr int split = 20, shift = gap_bits - speed_bits + solve::joint_rate_bits;
         const V rate = L::splat(data.rate), far = L::splat(std::int64_t{1} << 35),
                 most = L::splat(0x7fffffff);
@@ -459,30 +477,66 @@ template <class L> class PackedJoints {
 
     // ---- passes --------------------------------------------------------------------------------------------------
 
-    static void add_to_sums(Lanes<std::int64_t> (&sum)[3], unsigned lane, const Speed (&p)[3], int rows) {
-        for (int r = 0; r < rows; ++r) L::store64(&sum[r][lane], L::add(L::load64(&sum[r][lane]), p[r].raw));
+    template <int Rows>
+    static void add_to_sums(Lanes<std::int64_t> (&sum)[3], unsigned lane, const Speed (&p)[3]) {
+        for (int r = 0; r < Rows; ++r) L::store64(&sum[r][lane], L::add(L::load64(&sum[r][lane]), p[r].raw));
     }
-    static void warm_lanes(const Data& data, Pack& c, unsigned lane, bool sums) {
+    /// The impulses of a pack, on one of its sides.
+    template <int Sign, int Rows>
+    [[gnu::always_inline]] static void warm_side(const Data& data, const Side& side,
+                                                 const Lanes<std::int32_t> (*turns)[3], unsigned lane,
+                                                 const Change& turn, const Speed (&point)[3]) {
+        Velocity v[6];
+        gather(side, lane, data, v);
+        keep_readable(v);
+        if constexpr (Rows != 0) {
+            push_turn<Rows>(turns, side, lane, turn.p, v);
+            keep_small(v, turn.sizes);
+        }
+        push_point<Sign>(side, lane, point, v);
+        keep_readable(v);
+        scatter(side, lane, data, v);
+    }
+    template <int Rows>
+    [[gnu::always_inline]] static void warm_lanes(const Data& data, Pack& c, unsigned lane, bool sums) {
+        Change turn;
+        Speed point[3];
+        Turn* const t = Rows != 0 ? &data.turns[c.turn] : nullptr;
+        if constexpr (Rows != 0) {
+            turn.sizes = Speed::splat(0);
+            for (int r = 0; r < Rows; ++r)
+                turn.p[r] = Speed::load(&t->impulse[r][lane]), turn.sizes = or_size(turn.sizes, turn.p[r]);
+            if (sums) add_to_sums<Rows>(t->sum, lane, turn.p);
+        }
+        for (int r = 0; r < 3; ++r) point[r] = Speed::load(&c.impulse[r][lane]);
+        if (sums) add_to_sums<3>(c.sum, lane, point);
+        warm_side<-1, Rows>(data, c.a, Rows != 0 ? t->ja : nullptr, lane, turn, point);
+        warm_side<1, Rows>(data, c.b, Rows != 0 ? t->jb : nullptr, lane, turn, point);
+    }
+    template <int Rows>
+    [[gnu::always_inline]] static void solve_lanes(const Data& data, Pack& c, unsigned lane, bool bias,
+                                                   std::uint64_t& clamped) {
         Motion m;
         gather(c, lane, data, m);
-        Speed p[3];
-        if (c.turn_rows != 0) {
-            Turn& t = data.turns[c.turn];
-            const int rows = static_cast<int>(c.turn_rows);
-            Speed sizes = Speed::splat(0);
-            for (int r = 0; r < rows; ++r)
-                p[r] = Speed::load(&t.impulse[r][lane]), sizes = or_size(sizes, p[r]);
-            if (sums) add_to_sums(t.sum, lane, p, rows);
-            push_turn(t.ja, c.a, lane, p, rows, m.a);
-            push_turn(t.jb, c.b, lane, p, rows, m.b);
-            keep_small(m, sizes);
-        }
-        for (int r = 0; r < 3; ++r) p[r] = Speed::load(&c.impulse[r][lane]);
-        if (sums) add_to_sums(c.sum, lane, p, 3);
-        push_point<-1>(c.a, lane, p, m.a);
-        push_point<1>(c.b, lane, p, m.b);
-        keep_readable(m);
+        if constexpr (Rows != 0) solve_turn<Rows>(data.turns[c.turn], c, lane, data, bias, m, clamped);
+        solve_point(c, lane, data, bias, m, clamped);
         scatter(c, lane, data, m);
+    }
+    /// visit(integral constant of its rows that only turn, lane)
+    template <class Visit> static void by_rows(const Pack& c, Visit&& visit) {
+        for (unsigned lane = 0; lane < c.count; lane += N) switch (c.turn_rows) {
+            case 0:
+                visit(std::integral_constant<int, 0>{}, lane);
+                break;
+            case 1:
+                visit(std::integral_constant<int, 1>{}, lane);
+                break;
+            case 2:
+                visit(std::integral_constant<int, 2>{}, lane);
+                break;
+            default:
+                visit(std::integral_constant<int, 3>{}, lane);
+            }
     }
 
   public:
@@ -501,21 +555,17 @@ template <class L> class PackedJoints {
         return left != 0;
     }
     static void warm_start(const Data& data, std::uint32_t first, std::uint32_t last, bool sums) {
-        for (std::uint32_t i = first; i < last; ++i)
-            for (unsigned lane = 0; lane < data.packs[i].count; lane += N)
-                warm_lanes(data, data.packs[i], lane, sums);
+        for (std::uint32_t i = first; i < last; ++i) {
+            Pack& c = data.packs[i];
+            by_rows(c, [&](auto rows, unsigned lane) { warm_lanes<rows.value>(data, c, lane, sums); });
+        }
     }
     static std::uint64_t solve(const Data& data, std::uint32_t first, std::uint32_t last, bool bias) {
         std::uint64_t clamped = 0;
         for (std::uint32_t i = first; i < last; ++i) {
             Pack& c = data.packs[i];
-            for (unsigned lane = 0; lane < c.count; lane += N) {
-                Motion m;
-                gather(c, lane, data, m);
-                if (c.turn_rows != 0) solve_turn(data.turns[c.turn], c, lane, data, bias, m, clamped);
-                solve_point(c, lane, data, bias, m, clamped);
-                scatter(c, lane, data, m);
-            }
+            by_rows(c,
+                    [&](auto rows, unsigned lane) { solve_lanes<rows.value>(data, c, lane, bias, clamped); });
         }
         return clamped;
     }
