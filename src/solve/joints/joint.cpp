@@ -52,24 +52,23 @@ std::uint32_t cached(JointTick& tick, std::uint32_t body, const BodyColumns& col
 }
 
 /// Of a body that moves, levers beyond 128 m are clamped.
-JointWorkSide side(JointTick& tick, std::uint32_t body, const Transform& frame, const BodyColumns& columns,
-                   const SolverBodies& bodies) {
-    JointWorkSide s{};
-    s.body = body;
-    s.frame = unit_of(frame.rotation);
-    s.anchor = frame.position;
-    s.world = body == bodies.still() || !bodies.step[body].moves;
-    if (body == bodies.still()) return s;
-    const Vec3 lever = frame.position - columns.mass[body].center;
-    if (s.world) {
-        const Transform& pose = columns.pose[body];
-        s.anchor = pose.position + rotate(pose.rotation, lever);
-        s.frame = normalized(pose.rotation * frame.rotation);
-        return s;
+void set_side(JointTick& tick, JointWorkSide& s, bool framed, const Transform& frame,
+              const BodyColumns& columns, const SolverBodies& bodies) {
+    s.frame = framed ? unit_of(frame.rotation) : frame.rotation;
+    s.world = s.body == bodies.still() || !bodies.step[s.body].moves;
+    if (s.body == bodies.still()) {
+        s.anchor = frame.position;
+        return;
     }
-    s.cache = cached(tick, body, columns, bodies);
+    const Vec3 lever = frame.position - columns.mass[s.body].center;
+    if (s.world) {
+        const Transform& pose = columns.pose[s.body];
+        s.anchor = pose.position + rotate(pose.rotation, lever);
+        if (framed) s.frame = normalized(pose.rotation * frame.rotation);
+        return;
+    }
+    s.cache = cached(tick, s.body, columns, bodies);
     s.lever = to<Length>(lever);
-    return s;
 }
 
 Real mul_share(Real mass, Share share) {
@@ -79,6 +78,11 @@ Real mul_share(Real mass, Share share) {
 /// mA mB / (mA + mB); of the only one that moves, or zero.
 Real reduced_mass(const Shares& shares, const BodyMass& a, const BodyMass& b) {
     return shares.a.mantissa != 0 ? mul_share(a.mass, shares.a) : mul_share(b.mass, shares.b);
+}
+
+/// Whether it holds a point and nothing else.
+bool is_point(const JointTick& tick, const JointWork& w) {
+    return w.axis_count == 0 && w.block_count == 1 && tick.blocks[w.first_block].kind[0] == RowKind::point_x;
 }
 
 constexpr std::uint32_t joint_chunk = 32, pack_chunk = 16;
@@ -162,8 +166,7 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
         w.pack = no_pack;
         w.def = joint.def;
         w.memory = joint.memory;
-        w.a = side(tick, joint.body_a, joint.frame_a, columns, bodies);
-        w.b = side(tick, joint.body_b, joint.frame_b, columns, bodies);
+        w.a.body = joint.body_a, w.b.body = joint.body_b;
         const BodyMass& ma = joint.body_a == bodies.still() ? none : columns.mass[joint.body_a];
         const BodyMass& mb = joint.body_b == bodies.still() ? none : columns.mass[joint.body_b];
         w.shares = joint_shares(ma, bodies.step[joint.body_a], mb, bodies.step[joint.body_b]);
@@ -171,6 +174,9 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
         w.twist = memory[joint.memory].twist;
         w.travel = memory[joint.memory].twist;
         assemble(tick, w, step, memory[joint.memory]);
+        w.framed = !is_point(tick, w);
+        set_side(tick, w.a, w.framed, joint.frame_a, columns, bodies);
+        set_side(tick, w.b, w.framed, joint.frame_b, columns, bodies);
         w.stays = may_stay(tick, w);
     }
     plan_trees(tick, columns, step, bodies);
@@ -188,6 +194,7 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
             if (w.pack == no_pack && w.stays && w.tree == no_tree && !s->world)
                 tick.bodies[s->cache].unpacked = true;
     refresh_packs(tick, *kernel, step, bodies, tasks);
+    make_asked_rows(tick, step, bodies);
     invert_packs(tick, *kernel, step, bodies, tasks);
     factorise_trees(tick, bodies, tasks);
     find_acting(tick);

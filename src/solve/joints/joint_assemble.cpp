@@ -190,4 +190,28 @@ void assemble(JointTick& tick, JointWork& work, const StepConstants& step, const
         for (int r = 0; r < tick.blocks[i].count; ++r) note(tick.blocks[i].kind[r]);
 }
 
+bool counts_turns(const JointDef& def) {
+    return def.kind == JointKind::wheel ||
+           (def.axis[about_y].mode == AxisMode::locked && def.axis[about_z].mode == AxisMode::locked);
+}
+
+/// Kinds whose rows change by turns alone, and slowly.
+static bool may_stay(RowKind kind) {
+    return kind <= RowKind::point_z || (kind >= RowKind::orientation_x && kind <= RowKind::lock_z) ||
+           kind == RowKind::spin || kind == RowKind::swing;
+}
+
+bool may_stay(const JointTick& tick, const JointWork& work) {
+    for (std::uint32_t i = 0; i < work.axis_count; ++i) {
+        const JointAxisPart& part = tick.axes[work.first_axis + i];
+        if (!may_stay(part.kind)) return false;
+        // What a small cone pushes along turns by more than the bodies do.
+        if (part.kind == RowKind::swing && part.upper_at < decimal<Real>("0.25")) return false;
+    }
+    for (std::uint32_t i = 0; i < work.block_count; ++i)
+        for (int r = 0; r < tick.blocks[work.first_block + i].count; ++r)
+            if (!may_stay(tick.blocks[work.first_block + i].kind[r])) return false;
+    return true;
+}
+
 } // namespace lockstone::solve

@@ -92,6 +92,7 @@ JointSide side_of(const JointTick& tick, const JointWorkSide& side, const Solver
     if (now.body->turn != 0) now.body = &bodies.turns[now.body->turn - 1].now;
     if (side.world) {
         now.anchor = side.anchor;
+        if (!axes) return now;
         now.rotation = side.frame;
         now.axes = to_rotation(now.rotation);
         return now;
@@ -128,9 +129,8 @@ void add_travel(const JointTick& tick, JointWork& work, const JointPlace& p, con
 JointPlace place_of(const JointTick& tick, JointWork& work, const SolverBodies& bodies) {
     JointPlace p{};
     p.def = work.def;
-    const bool axes = work.axis_count + work.block_count != 0; // a point asks for none
-    p.a = side_of(tick, work.a, bodies, axes);
-    p.b = side_of(tick, work.b, bodies, axes);
+    p.a = side_of(tick, work.a, bodies, work.framed);
+    p.b = side_of(tick, work.b, bodies, work.framed);
     p.s = p.b.anchor - p.a.anchor;
     p.arc = p.b.centripetal - p.a.centripetal;
     if (work.needs_slip) {
@@ -214,19 +214,25 @@ LimitTargets limit_targets(std::int64_t room, std::int32_t ahead, std::int32_t p
     return {speed_within(open + ahead), speed_within(open)};
 }
 
-/// Nearer than this a limit of an angle may be in reach before rows are made again [rad].
-Real least_room(const StepConstants& step) {
-    constexpr Real slack = Real(1) / Real(16);
-    return limit_speed_far / Real(step.substeps_per_second) + slack;
+/// Nearer than this a limit of an angle may be in reach before rows are made again [rad]: by the speed of both bodies and 20 rad/s
+/// more, which a substep may give them.
+Real least_room(const JointTick& tick, const JointWork& work, const StepConstants& step) {
+    constexpr Real slack = Real(1) / Real(16), given = Real(20);
+    Real speed = given;
+    for (const JointWorkSide* side : {&work.a, &work.b}) {
+        if (side->world) continue;
+        const Vec3 w = abs(tick.bodies[side->cache].w);
+        speed += w.x + w.y + w.z;
+    }
+    return min(speed, limit_speed_far) / Real(step.substeps_per_second) + slack;
 }
 
 /// Whether nothing but limits of an angle acts along an axis, which have no impulse and are out of reach by so much that they
 /// stay so until the rows are made again: bodies turn by sqrt(3) / 1024 rad until then, angles by up to eight times both.
-bool is_out_of_reach(const JointAxisPart& part, bool made, Real position, const StepConstants& step) {
+bool is_out_of_reach(const JointAxisPart& part, bool made, Real position, Real least) {
     if ((part.features & (has_spring | has_motor)) != 0 || part.sum != Real{}) return false;
     if (made ? (part.lower | part.upper) != 0 : part.warm.lower != Real{} || part.warm.upper != Real{})
         return false;
-    const Real least = least_room(step);
     return ((part.features & has_lower) == 0 || position - part.lower_at > least) &&
            ((part.features & has_upper) == 0 || part.upper_at - position > least);
 }
@@ -303,10 +309,10 @@ void make_block(JointBlock& block, const JointWork& work, const JointPlace& plac
     set_block_errors(block, values, work.tree != no_tree, step, bodies);
 }
 
-void make_axis(JointAxisPart& part, const JointWork& work, const JointPlace& place, Bodies bodies,
+void make_axis(JointAxisPart& part, const JointWork& work, const JointPlace& place, Bodies bodies, Real least,
                const StepConstants& step) {
     part.turns = only_turns(part.kind);
-    part.unmade = part.kind == RowKind::twist && is_out_of_reach(part, work.made, place.twist, step);
+    part.unmade = part.kind == RowKind::twist && is_out_of_reach(part, work.made, place.twist, least);
     if (part.unmade) {
         part.idle = true;
         return;
@@ -331,12 +337,6 @@ void make_axis(JointAxisPart& part, const JointWork& work, const JointPlace& pla
     set_axis_targets(part, step, bodies);
 }
 
-/// Kinds whose rows change by turns alone, and slowly.
-bool may_stay(RowKind kind) {
-    return kind <= RowKind::point_z || (kind >= RowKind::orientation_x && kind <= RowKind::lock_z) ||
-           kind == RowKind::spin || kind == RowKind::swing;
-}
-
 /// Near opposite axes the way back about x turns fast.
 bool is_opposite(const JointPlace& place) {
     return dot<Real>(place.a.axes.x, place.b.axes.x) < decimal<Real>("-0.5");
@@ -350,30 +350,12 @@ Real half_step(Real x, Real most, const StepConstants& step) {
     return clamp(speed, -most, most);
 }
 
-bool counts_turns(const JointDef& def) {
-    return def.kind == JointKind::wheel ||
-           (def.axis[about_y].mode == AxisMode::locked && def.axis[about_z].mode == AxisMode::locked);
-}
-
 std::int64_t scaled_error(Real x, int exponent) {
     constexpr std::int64_t far = std::int64_t{1} << 60; // leaves room for what the bodies have moved since
     const int drop = Real::fraction_bits - Separation::fraction_bits + exponent;
     return std::clamp(drop >= 0 ? shift_right_rounded(x.raw, std::min(drop, 62))
                                 : shift_left_saturated(x.raw, std::min(-drop, 24)),
                       -far, far);
-}
-
-bool may_stay(const JointTick& tick, const JointWork& work) {
-    for (std::uint32_t i = 0; i < work.axis_count; ++i) {
-        const JointAxisPart& part = tick.axes[work.first_axis + i];
-        if (!may_stay(part.kind)) return false;
-        // What a small cone pushes along turns by more than the bodies do.
-        if (part.kind == RowKind::swing && part.upper_at < decimal<Real>("0.25")) return false;
-    }
-    for (std::uint32_t i = 0; i < work.block_count; ++i)
-        for (int r = 0; r < tick.blocks[work.first_block + i].count; ++r)
-            if (!may_stay(tick.blocks[work.first_block + i].kind[r])) return false;
-    return true;
 }
 
 namespace {
@@ -388,20 +370,46 @@ bool is_made_in_pack(const JointTick& tick, const JointWork& work) {
 }
 
 /// Where x of B is farther from x of A, rows are those of joint_parts.h from the first substep on.
-bool is_near(const JointPlace& place) {
-    return dot<Real>(place.a.axes.x, place.b.axes.x) > decimal<Real>("0.75");
-}
+bool is_near(const Rotation& a, const Rotation& b) { return dot<Real>(a.x, b.x) > decimal<Real>("0.75"); }
 
 /// Its frames into its pack. A twist that has nothing but limits is looked at there until they are in reach.
-void put_hinge(JointTick& tick, const JointWork& work, const JointPlace& place, const StepConstants& step,
-               const SolverBodies& bodies) {
-    HingeStart start{
-        &bodies.step[work.a.body], &bodies.step[work.b.body], place.a.axes, place.b.axes, Real{}, Real(7)};
+void put_hinge(JointTick& tick, const JointWork& work, const Rotation& a, const Rotation& b,
+               const StepConstants& step, const SolverBodies& bodies) {
+    HingeStart start{&bodies.step[work.a.body], &bodies.step[work.b.body], a, b, Real{}, Real(7)};
     if (work.axis_count == 1 && tick.axes[work.first_axis].unmade) {
         const JointAxisPart& part = tick.axes[work.first_axis];
-        start.lower = part.lower_at + least_room(step), start.upper = part.upper_at - least_room(step);
+        const Real least = least_room(tick, work, step);
+        start.lower = part.lower_at + least, start.upper = part.upper_at - least;
     }
     start_hinge(turn_pack(tick, work), work, start, tick.blocks[work.first_block], step);
+}
+
+Rotation frame_axes(const JointTick& tick, const JointWorkSide& side) {
+    return to_rotation(side.world ? side.frame : product(tick.bodies[side.cache].rotation, side.frame));
+}
+
+/// Starts a hinge without an angle, where its limits were out of reach in the last tick: the pack looks whether they still are.
+/// Its twist is kept as the middle of what they allow, which is less than a half turn from it on either side.
+bool start_free_hinge(JointTick& tick, JointWork& work, const StepConstants& step,
+                      const SolverBodies& bodies) {
+    if (work.axis_count > 1) return false;
+    JointAxisPart* const part = work.axis_count != 0 ? &tick.axes[work.first_axis] : nullptr;
+    const Real least = least_room(tick, work, step);
+    if (part != nullptr &&
+        (part->kind != RowKind::twist || !is_out_of_reach(*part, false, work.twist, least) ||
+         half(part->upper_at - part->lower_at) - least >= pi))
+        return false;
+    const Rotation a = frame_axes(tick, work.a), b = frame_axes(tick, work.b);
+    if (!is_near(a, b)) return false;
+    if (part != nullptr) {
+        part->turns = part->unmade = part->idle = true;
+        work.twist = part->lower_at + half(part->upper_at - part->lower_at);
+    }
+    put_hinge(tick, work, a, b, step, bodies);
+    work.steady = work.stays && work.tree == no_tree;
+    work.made = work.remade = true;
+    set_glance(tick, work);
+    return true;
 }
 
 } // namespace
@@ -412,13 +420,15 @@ bool has_own_rows(const JointTick& tick, const JointWork& work) {
 }
 
 void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, const SolverBodies& bodies) {
+    if (work.hinge && !work.made && start_free_hinge(tick, work, step, bodies)) return;
     const JointPlace place = place_of(tick, work, bodies);
     const Bodies both{bodies.body[work.a.body], bodies.body[work.b.body]};
+    const Real least = work.needs_twist ? least_room(tick, work, step) : Real{};
     for (std::uint32_t i = 0; i < work.axis_count; ++i)
-        make_axis(tick.axes[work.first_axis + i], work, place, both, step);
+        make_axis(tick.axes[work.first_axis + i], work, place, both, least, step);
     if (work.hinge && !work.made) {
-        if (is_near(place))
-            put_hinge(tick, work, place, step, bodies);
+        if (is_near(place.a.axes, place.b.axes))
+            put_hinge(tick, work, place.a.axes, place.b.axes, step, bodies);
         else
             turn_pack(tick, work).generic[work.lane] = -1;
     }
@@ -471,14 +481,6 @@ void invert_blocks(JointTick& tick, const JointWork& work) {
         JointBlock& block = tick.blocks[work.first_block + i];
         block.inverse = invert(block.row, block.count);
     }
-}
-
-Quat unit_of(Quat q) {
-    const std::int64_t x = q.x.raw, y = q.y.raw, z = q.z.raw, w = q.w.raw;
-    constexpr std::uint64_t one = std::uint64_t{1} << (2 * Unit::fraction_bits), off = std::uint64_t{1} << 33;
-    const auto size = static_cast<std::uint64_t>(x * x) + static_cast<std::uint64_t>(y * y) +
-                      static_cast<std::uint64_t>(z * z) + static_cast<std::uint64_t>(w * w);
-    return size - (one - off) <= 2 * off ? q : normalized(q);
 }
 
 void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodies) {

@@ -16,6 +16,14 @@ Real twist_between(Quat a, Quat b, Real near) {
     return principal + two_pi * turns;
 }
 
+Quat unit_of(Quat q) {
+    const std::int64_t x = q.x.raw, y = q.y.raw, z = q.z.raw, w = q.w.raw;
+    constexpr std::uint64_t one = std::uint64_t{1} << (2 * Unit::fraction_bits), off = std::uint64_t{1} << 33;
+    const auto size = static_cast<std::uint64_t>(x * x) + static_cast<std::uint64_t>(y * y) +
+                      static_cast<std::uint64_t>(z * z) + static_cast<std::uint64_t>(w * w);
+    return size - (one - off) <= 2 * off ? q : normalized(q);
+}
+
 Vec3 orientation_between(Quat a, Quat b) {
     const Quat q = b * conjugate(a);
     const Vec3 twice = Vec3{to<Real>(q.x), to<Real>(q.y), to<Real>(q.z)} * Real(2);

@@ -259,25 +259,4 @@ Inverse invert(const Stiffness& s, int count) {
                                           : invert_by_pivots(s, count);
 }
 
-// ---- units --------------------------------------------------------------------------------------------------------
-
-std::int32_t scaled_speed(std::int64_t raw, int fraction_bits, int exponent) {
-    const std::int64_t v = shifted(raw, fraction_bits + exponent - Speed::fraction_bits);
-    return static_cast<std::int32_t>(std::clamp<std::int64_t>(v, -joint_speed_max, joint_speed_max));
-}
-
-std::int32_t scaled_impulse(Real p, int exponent) {
-    const std::int64_t v = shifted(p.raw, Real::fraction_bits - Speed::fraction_bits - exponent);
-    return static_cast<std::int32_t>(std::clamp<std::int64_t>(v, -joint_impulse_max, joint_impulse_max));
-}
-
-Real unscaled_impulse(std::int64_t p, int exponent) {
-    return Real::from_raw(shifted(p, Speed::fraction_bits + exponent - Real::fraction_bits));
-}
-
-std::int32_t rescaled_impulse(std::int32_t p, int from, int to) {
-    const std::int64_t v = shifted(p, from - to);
-    return static_cast<std::int32_t>(std::clamp<std::int64_t>(v, -joint_impulse_max, joint_impulse_max));
-}
-
 } // namespace lockstone::solve

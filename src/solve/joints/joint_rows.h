@@ -88,12 +88,23 @@ Inverse invert(const Stiffness& stiffness, int count);
 Inverse invert(const Row* rows, int count);
 
 /// value 2^-exponent as a Speed within joint_speed_max. `raw` has `fraction_bits`.
-std::int32_t scaled_speed(std::int64_t raw, int fraction_bits, int exponent);
+inline std::int32_t scaled_speed(std::int64_t raw, int fraction_bits, int exponent) {
+    const std::int64_t v = shifted(raw, fraction_bits + exponent - Speed::fraction_bits);
+    return static_cast<std::int32_t>(std::clamp<std::int64_t>(v, -joint_speed_max, joint_speed_max));
+}
 /// p 2^exponent within joint_impulse_max, of an unscaled impulse.
-std::int32_t scaled_impulse(Real p, int exponent);
+inline std::int32_t scaled_impulse(Real p, int exponent) {
+    const std::int64_t v = shifted(p.raw, Real::fraction_bits - Speed::fraction_bits - exponent);
+    return static_cast<std::int32_t>(std::clamp<std::int64_t>(v, -joint_impulse_max, joint_impulse_max));
+}
 /// p 2^-exponent
-Real unscaled_impulse(std::int64_t p, int exponent);
+inline Real unscaled_impulse(std::int64_t p, int exponent) {
+    return Real::from_raw(shifted(p, Speed::fraction_bits + exponent - Real::fraction_bits));
+}
 /// p as it was under `from`, under `to`.
-std::int32_t rescaled_impulse(std::int32_t p, int from, int to);
+inline std::int32_t rescaled_impulse(std::int32_t p, int from, int to) {
+    const std::int64_t v = shifted(p, from - to);
+    return static_cast<std::int32_t>(std::clamp<std::int64_t>(v, -joint_impulse_max, joint_impulse_max));
+}
 
 } // namespace lockstone::solve

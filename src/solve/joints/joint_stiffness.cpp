@@ -1,6 +1,7 @@
 #include "solve/joints/joint_stiffness.h"
 
 #include "lockstone/math/math.h"
+#include "solve/joints/joint_rows.h"
 
 #include <algorithm>
 
@@ -8,42 +9,73 @@ namespace lockstone::solve {
 
 namespace {
 
-Real sum_of_sizes(Vec3 v) {
-    const Vec3 a = abs(v);
-    return a.x + a.y + a.z;
+/// m / 2^bits, entries within 2^30.
+struct Short3 {
+    std::int64_t m[3];
+    int bits;
+};
+Short3 shortened(const std::int64_t (&v)[3], int bits) {
+    const std::uint64_t any = magnitude(v[0]) | magnitude(v[1]) | magnitude(v[2]);
+    const int drop = std::max(bit_length(any) - 30, 0);
+    return {{v[0] >> drop, v[1] >> drop, v[2] >> drop}, bits - drop};
+}
+Short3 shortened(Vec3 v) { return shortened({v.x.raw, v.y.raw, v.z.raw}, Real::fraction_bits); }
+
+/// R^T v, which is no longer than v.
+Short3 times_transposed(const Rotation& r, const Short3& v) {
+    const auto along = [&](const UnitVec3& e) {
+        return (e.x.raw * v.m[0] + e.y.raw * v.m[1] + e.z.raw * v.m[2]) >> Unit::fraction_bits;
+    };
+    return {{along(r.x), along(r.y), along(r.z)}, v.bits};
 }
 
-/// True where a b < c^2 m for certain, by their bits: 2^(n - 1) <= x < 2^n. All are Reals and not negative.
-bool is_far_below(Real a, Real b, Real c, Real m) {
-    const auto bits = [](Real x) { return bit_length(static_cast<std::uint64_t>(x.raw)); };
-    constexpr int one = Real::fraction_bits, end = 62; // products are clamped at 2^63
-    const int square = std::min(2 * (bits(c) - 1) - one, end),
-              right = std::min(square + bits(m) - 1 - one, end);
-    return square > 1 && right > 1 && bits(a) + bits(b) - one < right - 1;
+/// h^2 / m, mantissa / 2^bits: the mantissa from 2^30 to 2^31. With rates up to 2^15 substeps a second, m rate^2 has 62 bits.
+struct Reciprocal {
+    std::int64_t mantissa;
+    int bits;
+};
+Reciprocal push_of(Real mass, std::int64_t rate) {
+    const int length = bit_length(magnitude(mass.raw)), drop = std::max(length - 32, 0);
+    const std::uint64_t all = magnitude(mass.raw >> drop) * magnitude(rate * rate);
+    const int up = 64 - bit_length(all);
+    const std::uint64_t q = (std::uint64_t{1} << 63) / ((all << up) >> 32); // in [2^31, 2^32]
+    return {static_cast<std::int64_t>(q >> 1), 62 + drop - up};
+}
+
+/// True where |f| |r| < m (k rate)^2 / 32 for certain, by their bits: 2^(n - 1) <= x < 2^n.
+bool is_too_weak(const Short3& f, const Short3& r, Real k, const BodyMass& mass, std::int64_t rate) {
+    const auto top = [](const Short3& v) {
+        return bit_length(magnitude(v.m[0]) | magnitude(v.m[1]) | magnitude(v.m[2])) - v.bits;
+    };
+    const auto least = [](std::int64_t x) { return bit_length(magnitude(x)) - 1; };
+    const int right = 2 * (least(k.raw) + least(rate)) + least(mass.mass.raw) - 3 * Real::fraction_bits;
+    return top(f) + top(r) + 2 + 5 <= right; // 3 < 2^2
 }
 
 /// Adds h^2 ((r . f) 1 - r f^T) / m of one side, its diagonal in principal axes [m^2]. False where it cannot matter.
 bool add_pull(const BodyColumns& columns, std::uint32_t row, Vec3 force, Vec3 place,
               const StepConstants& step, BodyStep& s) {
     const BodyMass& mass = columns.mass[row];
-    const Real rate = Real(step.substeps_per_second);
-    const Vec3 lever = place - mass.center;
-    const Vec3& k = mass.gyration;
-    const Real least = min(k.x, min(k.y, k.z));
-    const Real slow = least * rate;
-    const Real pulls = sum_of_sizes(force), reach = sum_of_sizes(lever) * 32;
-    if (is_far_below(pulls, reach, slow, mass.mass) || pulls * reach < slow * slow * mass.mass) return false;
-    const Vec3 speed = force / mass.mass / rate; // per substep
-    const Vec3 r = rotate(conjugate(mass.principal), lever);
-    const Vec3 f = rotate(conjugate(columns.pose[row].rotation * mass.principal), speed);
-    const Real all = dot(r, f);
-    for (int i = 0; i < 3; ++i) s.pull[i] = s.pull[i] + (all - r[i] * f[i]) / rate;
+    const Short3 pulls = shortened(force), lever = shortened(place - mass.center);
+    const Real least = min(mass.gyration.x, min(mass.gyration.y, mass.gyration.z));
+    if (is_too_weak(pulls, lever, least, mass, step.substeps_per_second)) return false;
+    const bool turned = mass.principal != Quat::identity();
+    const Quat pose = columns.pose[row].rotation;
+    const Short3 f = times_transposed(to_rotation(turned ? pose * mass.principal : pose), pulls);
+    const Short3 r = turned ? times_transposed(to_rotation(mass.principal), lever) : lever;
+    const Reciprocal push = push_of(mass.mass, step.substeps_per_second);
+    for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3; // r . f less the part along the axis: 61 bits, twice
+        const std::int64_t across = (r.m[j] * f.m[j] + r.m[k] * f.m[k]) >> 31;
+        const int bits = r.bits + f.bits - 31 + push.bits;
+        s.pull[i] += Real::from_raw(shifted(across * push.mantissa, bits - Real::fraction_bits));
+    }
     return true;
 }
 
 /// (k^2 + s)^(1/2), s twice the pull, beyond a quarter of k^2: the pull is that of the last tick, and in this one grows.
 Real stiffened(Real k, Real pull) {
-    const Real own = k * k, more = pull * Real(2) - own / Real(4);
+    const Real own = k * k, more = pull + pull - Real::from_raw(shift_right_rounded(own.raw, 2));
     return more > Real{} ? sqrt(own + more) : k;
 }
 

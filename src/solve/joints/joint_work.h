@@ -141,6 +141,7 @@ struct JointWork {
     std::uint32_t tree; ///< that solves its locks; no_tree: they are solved by themselves
     std::uint8_t block_count, axis_count;
     bool needs_twist, needs_target, needs_orientation, needs_travel, needs_slip, made;
+    bool framed;       ///< directions of its frames are asked for: it holds more than a point
     bool stays;        ///< its rows change by turns alone, and slowly
     bool remade;       ///< since trees were factorised
     bool steady;       ///< and they may stay behind where they are now

@@ -101,6 +101,25 @@ std::string spring_fault(const FreeAxis& which, double frequency, double told_fr
     return swing_fault(one, told_frequency, told_damping);
 }
 
+/// The longest way that the angle of a hinge takes in a tick [rad], while B turns at `speed` from one of its wide limits to the other.
+double longest_step(double speed) {
+    World w = bare_world();
+    JointDef def = hinge_joint();
+    def.axis[about_x].mode = AxisMode::limited;
+    def.axis[about_x].lower = real(-0.2), def.axis[about_x].upper = real(4);
+    const BodyId b = add_crate(w, at(0, 0, 0));
+    const JointId joint = made(w.create_joint(def, {}, b, at(0, 0, 0)));
+    done(w.set_velocity(b, {}, vec(speed, 0, 0)));
+    double last = 0, most = 0;
+    for (int t = 0; t < 150; ++t) {
+        w.tick();
+        const double now = to_double(w.joint_state(joint).position[about_x]);
+        most = std::max(most, std::abs(now - last));
+        last = now;
+    }
+    return most;
+}
+
 } // namespace
 
 TEST_CASE("every axis that a kind leaves free can be limited") {
@@ -135,6 +154,10 @@ TEST_CASE("every axis that a kind leaves free, and every lock that is soft, swin
         CHECK(spring_fault(which, 1.5, 1.5, 0, 0) == "");
         CHECK(spring_fault(which, 1.5, 1.5, 0.2, 0.2) == "");
     }
+}
+
+TEST_CASE("a hinge knows its angle from one limit to the other, beyond a half turn too") {
+    CHECK(longest_step(2) < 0.05); // 2 / 60 a tick
 }
 
 TEST_CASE("planted fault: limits, motors, friction and springs a little off are found out") {
@@ -219,3 +242,5 @@ TEST_CASE("a wheel turns about its own axle while it is steered and its suspensi
               doctest::Approx(-9.81 / std::pow(full_turn * 2, 2)).epsilon(0.03));
     }
 }
+
+TEST_CASE("planted fault: a hinge that turns ten times as fast") { CHECK(longest_step(20) > 0.05); }
