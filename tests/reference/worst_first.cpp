@@ -67,11 +67,10 @@ TEST_CASE("the fastest approach is resolved first, after all positions") {
     Engine engine = Engine::create(stage.world, settings).value();
     engine.tick();
     CHECK(order_of(engine.resolved(), true) == std::vector<int>{1, 3, 2, 0});
-    bool seen_velocity = false;
-    for (const Resolved& done : engine.resolved()) {
-        CHECK(!(seen_velocity && !done.velocity));
-        seen_velocity = seen_velocity || done.velocity;
-    }
+    CHECK(order_of(engine.resolved(), false) ==
+          std::vector<int>{1, 3, 2, 0}); // who came fastest is deepest by now
+    CHECK(
+        std::ranges::is_partitioned(engine.resolved(), [](const Resolved& done) { return !done.velocity; }));
 }
 
 TEST_CASE(

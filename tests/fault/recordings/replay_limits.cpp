@@ -59,13 +59,17 @@ TEST_CASE("every field of the world's definition is covered: changed and sealed 
     REQUIRE(verify(must(read(with_definition(good))), nullptr).good());
     Bytes bytes;
     append_world_def(good, bytes);
+    int read_but_bad = 0;
     for (std::size_t at = 0; at < bytes.size(); ++at) {
         CAPTURE(at);
         auto chunks = chunks_of(commands_file());
         chunks[find_chunk(chunks, chunk_world_def)].payload[at] ^= std::byte{1};
         const auto recording = read(file_of(std::move(chunks), true));
-        if (recording) CHECK(!verify(*recording, nullptr).good());
+        if (!recording) continue;
+        CHECK(!verify(*recording, nullptr).good());
+        ++read_but_bad;
     }
+    CHECK(read_but_bad > 0); // the others are refused at once
 }
 
 TEST_CASE("a definition that would take more than the limit is refused before anything is allocated") {

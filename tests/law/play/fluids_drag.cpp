@@ -302,6 +302,7 @@ TEST_CASE(
     };
     for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(samples(40, 2000)); ++seed)
         CHECK(hash_of(seed) == hash_of(seed));
+    CHECK(hash_of(0) != hash_of(1)); // planted: another run
 }
 
 TEST_CASE("drag of the thickest fluid on the largest plate slows it as it should: its product is beyond the "

@@ -24,36 +24,45 @@ World run(const Game& game, std::uint64_t ticks) {
 
 TEST_CASE("a tower of ten boxes stands still for ten seconds") {
     const World world = run(*make_scene("stack").value(), 600);
+    int boxes = 0;
     for (const BodyId body : world.bodies()) {
         if (world.kind(body) != BodyKind::dynamic) continue;
+        ++boxes;
         const Vec3 p = world.pose(body).position;
         const auto number = look_of(world.user_key(body)).number;
         CHECK(abs(p.x) < 0.01_r);
         CHECK(abs(p.z) < 0.01_r);
         CHECK(abs(p.y - Real(number) - 0.5_r) < 0.02_r);
     }
+    CHECK(boxes == 10);
 }
 
 TEST_CASE("a pile stays in its pit and above its floor") {
     const World world = run(*make_scene("pile", {.size = 120}).value(), 300);
+    int things = 0;
     for (const BodyId body : world.bodies()) {
         if (world.kind(body) != BodyKind::dynamic) continue;
+        ++things;
         const Vec3 p = world.pose(body).position;
         CHECK(abs(p.x) < 5_r);
         CHECK(abs(p.z) < 5_r);
         CHECK(p.y > 0_r);
     }
+    CHECK(things == 120);
     CHECK(world.faults() == Faults{});
 }
 
 TEST_CASE("the last domino falls") {
     const World world = run(*make_scene("domino", {.size = 60}).value(), 900);
+    int dominoes = 0;
     for (const BodyId body : world.bodies()) {
         const Look look = look_of(world.user_key(body));
         if (look.role != Role::prop) continue;
+        ++dominoes;
         CAPTURE(look.number);
         CHECK(world.pose(body).position.y < 0.45_r); // upright it is 0.5
     }
+    CHECK(dominoes == 60);
 }
 
 TEST_CASE("the arena's players play: props change hands and nobody leaves") {

@@ -181,6 +181,7 @@ TEST_CASE("events keep their order, alternate per pair and balance, in scenes wh
         INFO(std::string(name_of(scenery)));
         World w = start_script(scenery);
         std::map<std::pair<ShapeId, ShapeId>, bool> touching;
+        int begun = 0, ended = 0;
         for (int t = 0; t < 400; ++t) {
             step_script(w);
             REQUIRE(out_of_order(w.events()) == "");
@@ -190,8 +191,11 @@ TEST_CASE("events keep their order, alternate per pair and balance, in scenes wh
                 bool& now = touching[{e.shape_a, e.shape_b}];
                 REQUIRE(now != begin);
                 now = begin;
+                ++(begin ? begun : ended);
             }
         }
+        CHECK(ended > 10);
+        CHECK(begun - ended == std::ranges::count_if(touching, [](const auto& pair) { return pair.second; }));
     }
 }
 

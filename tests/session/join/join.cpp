@@ -30,8 +30,8 @@ void check_joined(Match& match, PeerId who, std::size_t times = 1) {
         Match::Machine& m = match.machine(id);
         for (PeerId other = 0; other < match.def.machines; ++other) CHECK(match.agree(id, other));
         CHECK(match.notices<Desync>(id).empty());
-        for (const StateRefused& refused : match.notices<StateRefused>(id)) CHECK(refused.reason == "");
-        for (const MatchStopped& stop : match.notices<MatchStopped>(id)) CHECK(stop.reason == "");
+        for (const StateRefused& refused : match.notices<StateRefused>(id)) FAIL_CHECK(refused.reason);
+        for (const MatchStopped& stop : match.notices<MatchStopped>(id)) FAIL_CHECK(stop.reason);
         CHECK(m.events.holds(m.timeline.end()));
         std::vector<std::uint64_t> mine;
         for (const PlayerJoined& joined : match.notices<PlayerJoined>(id))
