@@ -1,5 +1,6 @@
 // Questions change nothing, and are answered by the state alone.
 #include "lockstone/testing.h"
+#include "support/about.h"
 #include "support/query_scene.h"
 
 #include <doctest/doctest.h>
@@ -94,7 +95,7 @@ TEST_CASE("commands since the last tick count") {
     CHECK(!w.cast_ray(ray));
     done(w.set_pose(ball, at(0, 3, 0)));
     REQUIRE(w.cast_ray(ray));
-    CHECK(to_double(w.cast_ray(ray)->distance) == doctest::Approx(4.5));
+    CHECK(to_double(w.cast_ray(ray)->distance) == test::about(4.5));
     const BodyId wall = add_wall(w, at(-3, 3, 0), vec(0.1, 1, 1));
     CHECK(w.cast_ray(ray)->body == wall);
     done(w.destroy(wall));

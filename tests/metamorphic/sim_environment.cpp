@@ -110,7 +110,7 @@ TEST_CASE("planted fault: a kernel that is a little off is found out by the comp
     CHECK(lanes_differ(plain, tick_by(w, Simd::scalar,
                                       [&](sim::TickScratch& s) { s.bodies.kernel = &bodies; })) == "body row 5");
     const solve::PairKernel pairs{nearer};
-    CHECK(lanes_differ(plain, tick_by(w, Simd::scalar, [&](sim::TickScratch& s) { s.pair_kernel = &pairs; })) !=
+    CHECK(lanes_differ(plain, tick_by(w, Simd::scalar, [&](sim::TickScratch& s) { s.contact_scratch.pair_kernel = &pairs; })) !=
           "");
 }
 

@@ -1,6 +1,7 @@
 // The thesis' engine against the closed forms that it can meet. The bounds follow from the time step h and the rounding of
 // double precision (1e-9 leaves six digits of it).
 #include "reference/scene.h"
+#include "support/about.h"
 
 #include <doctest/doctest.h>
 
@@ -16,8 +17,8 @@ TEST_CASE("two equal spheres that meet head-on part at the coefficient of restit
         stage.add({.pose = at(0.6_r, 0_r, 0_r), .linear_velocity = {-2_r, 0_r, 0_r}}, ball);
         Engine engine = Engine::create(stage.world, strict()).value();
         for (int i = 0; i < 30; ++i) engine.tick();
-        CHECK(engine.bodies()[0].velocity.x == doctest::Approx(-2 * e).epsilon(1e-9));
-        CHECK(engine.bodies()[1].velocity.x == doctest::Approx(2 * e).epsilon(1e-9));
+        CHECK(engine.bodies()[0].velocity.x == lockstone::test::about(-2 * e, 1e-9));
+        CHECK(engine.bodies()[1].velocity.x == lockstone::test::about(2 * e, 1e-9));
         CHECK(length(engine.momentum()) <= 1e-6);
     }
 }
@@ -30,8 +31,8 @@ TEST_CASE("two balls that overlap are moved apart by their inverse masses (formu
     const double before_a = engine.bodies()[0].center.x, before_b = engine.bodies()[1].center.x;
     engine.tick();
     const double p = 1 - (before_b - before_a); // both radii less the distance
-    CHECK(before_a - engine.bodies()[0].center.x == doctest::Approx(0.75 * p).epsilon(1e-6));
-    CHECK(engine.bodies()[1].center.x - before_b == doctest::Approx(0.25 * p).epsilon(1e-6));
+    CHECK(before_a - engine.bodies()[0].center.x == lockstone::test::about(0.75 * p, 1e-6));
+    CHECK(engine.bodies()[1].center.x - before_b == lockstone::test::about(0.25 * p, 1e-6));
 }
 
 TEST_CASE("a box that is dropped flat comes to rest flat") {
@@ -176,10 +177,10 @@ TEST_CASE("integrators differ by their order on a fall: Euler-Cromer and Verlet 
         for (int i = 0; i < 60; ++i) engine.tick();
         return engine.bodies()[0].center.y;
     };
-    CHECK(fallen(Integrator::semi_implicit_euler) == doctest::Approx(exact - 9.81 * t * h / 2).epsilon(1e-8));
-    CHECK(fallen(Integrator::verlet) == doctest::Approx(exact - 9.81 * t * h / 2).epsilon(1e-8));
-    CHECK(fallen(Integrator::velocity_verlet) == doctest::Approx(exact).epsilon(1e-8));
-    CHECK(fallen(Integrator::runge_kutta_4) == doctest::Approx(exact).epsilon(1e-8));
+    CHECK(fallen(Integrator::semi_implicit_euler) == lockstone::test::about(exact - 9.81 * t * h / 2, 1e-8));
+    CHECK(fallen(Integrator::verlet) == lockstone::test::about(exact - 9.81 * t * h / 2, 1e-8));
+    CHECK(fallen(Integrator::velocity_verlet) == lockstone::test::about(exact, 1e-8));
+    CHECK(fallen(Integrator::runge_kutta_4) == lockstone::test::about(exact, 1e-8));
 }
 
 TEST_CASE("damping leaves d of a velocity after a second") {
@@ -191,6 +192,6 @@ TEST_CASE("damping leaves d of a velocity after a second") {
               {.geometry = sphere(0.5_r)});
     Engine engine = Engine::create(stage.world).value();
     for (int i = 0; i < 60; ++i) engine.tick();
-    CHECK(engine.bodies()[0].velocity.x == doctest::Approx(3 * std::exp(-0.7)).epsilon(1e-6));
-    CHECK(engine.bodies()[0].rotation.y == doctest::Approx(2 * std::exp(-0.2)).epsilon(1e-6));
+    CHECK(engine.bodies()[0].velocity.x == lockstone::test::about(3 * std::exp(-0.7), 1e-6));
+    CHECK(engine.bodies()[0].rotation.y == lockstone::test::about(2 * std::exp(-0.2), 1e-6));
 }

@@ -1,5 +1,6 @@
 // Curves lie where their values say, and outlines are as large as the shapes they stand for.
 #include "lockstone/math/decimal.h"
+#include "support/about.h"
 #include "view/chart.h"
 #include "view/outlines.h"
 
@@ -47,16 +48,16 @@ bool is_near(const glm::vec3& a, const glm::vec3& b) { return glm::distance(a, b
 
 TEST_CASE("a chart's axis is linear from zero, or logarithmic between its bounds") {
     const Chart linear = chart_of({}), powers = chart_of({}, ChartScale::powers);
-    CHECK(height_of(5, linear, 10) == doctest::Approx(0.5));
+    CHECK(height_of(5, linear, 10) == test::about(0.5));
     CHECK(height_of(20, linear, 10) == 1);
     CHECK(height_of(-1, linear, 10) == 0);
-    CHECK(height_of(1, powers, 10) == doctest::Approx(0.5));
+    CHECK(height_of(1, powers, 10) == test::about(0.5));
     CHECK(height_of(1e-9, powers, 10) == 0);
     CHECK(height_of(0, powers, 10) == 0);
     CHECK(height_of(none, powers, 10) == 1);
     for (const auto& [value, rounded] :
          {std::pair(0.3, 0.5), {1.0, 1.0}, {7.0, 10.0}, {1200.0, 2000.0}, {0.0, 1.0}})
-        CHECK(round_up(value) == doctest::Approx(rounded));
+        CHECK(round_up(value) == test::about(rounded));
     CHECK(format_unit(3186604, "J") == "3.19 MJ");
     CHECK(format_unit(20, "J") == "20 J");
 }
@@ -73,7 +74,7 @@ TEST_CASE("a curve has no gap where it jumps, and ends at its last tick") {
     }
     const double share = static_cast<double>(curve.size()) /
                          static_cast<double>(curve_of(chart_of(std::vector<double>(100, 1.0))).size());
-    CHECK(share == doctest::Approx(0.6).epsilon(0.03));
+    CHECK(share == test::about(0.6, 0.03));
 }
 
 TEST_CASE("an outline is as large as its shape") {

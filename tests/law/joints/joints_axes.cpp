@@ -1,5 +1,6 @@
 // Limits, motors, springs and friction of every kind that has them, on each axis that it leaves free; those of lines are
 // in joints_lines.cpp.
+#include "support/about.h"
 #include "support/one_axis.h"
 #include "support/rigs/joint_variants.h"
 
@@ -181,8 +182,8 @@ TEST_CASE("a motor joint drives a body to a pose relative to another, and holds 
     for (int t = 0; t < 240; ++t) j.world.tick();
     const Offset o = offset_of(j.world, j.joint);
     for (std::size_t i = 0; i < 3; ++i) {
-        CHECK(o.along[i] == doctest::Approx(way[i]).epsilon(0.01));
-        CHECK(o.about[i] == doctest::Approx(turn[i]).epsilon(0.01));
+        CHECK(o.along[i] == test::about(way[i], 0.01));
+        CHECK(o.about[i] == test::about(turn[i], 0.01));
     }
     JointDef idle = motor_joint(Real(3), Real(100000), Real(50000)); // planted: no target
     Jointed k = join_two(JointKind::motor, idle, turned(axis_z, 40));
@@ -197,8 +198,8 @@ TEST_CASE("a motor joint gives no more than its force and its torque") {
     const BodyId b = add_crate(w, at(0, 0, 0));
     made(w.create_joint(def, {}, b, at(0, 0, 0)));
     for (int t = 0; t < 30; ++t) w.tick();
-    CHECK(velocity(w, b)[1] == doctest::Approx(0.5 * 500 / crate_mass).epsilon(0.02));
-    CHECK(spin(w, b)[2] == doctest::Approx(0.5 * 50 / crate_inertia).epsilon(0.02));
+    CHECK(velocity(w, b)[1] == test::about(0.5 * 500 / crate_mass, 0.02));
+    CHECK(spin(w, b)[2] == test::about(0.5 * 50 / crate_inertia, 0.02));
 }
 
 TEST_CASE(
@@ -209,7 +210,7 @@ TEST_CASE(
     done(w.set_joint_frames(joint, at(20, 0, -1), Transform::identity()));
     done(w.set_velocity(b, {}, vec(0.7, 0.7, 0)));
     for (int t = 0; t < 30; ++t) w.tick();
-    CHECK(velocity(w, b)[0] == doctest::Approx(0.5 * 2000 / crate_mass).epsilon(0.01));
+    CHECK(velocity(w, b)[0] == test::about(0.5 * 2000 / crate_mass, 0.01));
     done(w.set_joint_frames(joint, at(1, 0.5, -1), Transform::identity()));
     for (int t = 0; t < 240; ++t) w.tick();
     CHECK(length(offset_of(w, joint).along) < 0.005);
@@ -233,13 +234,12 @@ TEST_CASE("a wheel turns about its own axle while it is steered and its suspensi
         for (int t = 0; t < 180; ++t) w.tick();
         const JointState s = w.joint_state(joint);
         const double expected = std::min(angle, 0.6);
-        CHECK(to_double(s.position[about_y]) == doctest::Approx(expected).epsilon(0.03));
+        CHECK(to_double(s.position[about_y]) == test::about(expected, 0.03));
         const Place wheel = place_of(w, b, w.joint(joint).frame_b);
         const D3 axle{std::cos(expected), 0, -std::sin(expected)};
         CHECK(angle_between(wheel.axes[0], axle) < 0.02);
-        CHECK(dot(spin(w, b), axle) == doctest::Approx(5).epsilon(0.02));
-        CHECK(to_double(s.position[along_y]) ==
-              doctest::Approx(-9.81 / std::pow(full_turn * 2, 2)).epsilon(0.03));
+        CHECK(dot(spin(w, b), axle) == test::about(5, 0.02));
+        CHECK(to_double(s.position[along_y]) == test::about(-9.81 / std::pow(full_turn * 2, 2), 0.03));
     }
 }
 

@@ -1,5 +1,6 @@
 // Breaking and reactions, kind by kind: a joint tells what it bears, and breaks when that is more than it can, once, with an
 // event.
+#include "support/about.h"
 #include "support/rigs/joint_variants.h"
 
 #include <doctest/doctest.h>
@@ -169,6 +170,6 @@ TEST_CASE("a gear and a rack load the other side with their ratio") {
         const JointId held = stand.world.joint_at(0); // of A to the world
         INFO(name_of(def.kind));
         CHECK(to_double(stand.world.joint_state(held).torque.x) ==
-              doctest::Approx((gear ? 1 : -1) * load / 4).epsilon(0.01));
+              test::about((gear ? 1 : -1) * load / 4, 0.01));
     }
 }

@@ -1,5 +1,6 @@
 // How many degrees of freedom a joint takes, counted: what two joined bodies answer to impulses is a projection onto what
 // they may do, and the trace of a projection is the number of its dimensions.
+#include "support/about.h"
 #include "support/rigs/joint_variants.h"
 
 #include <doctest/doctest.h>
@@ -46,7 +47,7 @@ TEST_CASE("every joint takes as many degrees of freedom as it says, and leaves t
     for (const JointVariant& v : joint_variants())
         for (const Quat turn : {Quat::identity(), turned(axis_y, 35), turned(axis_z, 70)}) {
             INFO(std::string(v.name));
-            CHECK(degrees_left(v.def, turn) == doctest::Approx(12.0 - v.taken).epsilon(0.004));
+            CHECK(degrees_left(v.def, turn) == test::about(12.0 - v.taken, 0.004));
         }
 }
 
@@ -56,8 +57,7 @@ TEST_CASE("any table of six axes takes as many degrees of freedom as it locks") 
         for (std::uint32_t i = 0; i < 6; ++i)
             if ((mask >> i & 1u) != 0) def.axis[i].mode = AxisMode::locked;
         INFO("mask ", mask);
-        CHECK(degrees_left(def, turned(axis_x, 20)) ==
-              doctest::Approx(12.0 - std::popcount(mask)).epsilon(0.004));
+        CHECK(degrees_left(def, turned(axis_x, 20)) == test::about(12.0 - std::popcount(mask), 0.004));
     }
 }
 
@@ -68,7 +68,7 @@ TEST_CASE("a rope takes its degree when it is taut, and only of what would stret
         done(j.world.set_velocity(j.b, vec(0.25 * way, 0, 0), {}));
         j.world.tick();
         const double parting = velocity(j.world, j.b)[0] - velocity(j.world, j.a)[0];
-        CHECK(parting == doctest::Approx(way > 0 ? 0 : -0.25).epsilon(0.01));
+        CHECK(parting == test::about(way > 0 ? 0 : -0.25, 0.01));
     }
 }
 
@@ -76,6 +76,6 @@ TEST_CASE("planted fault: one axis more or less is counted") {
     JointDef universal = ball_joint(), loose = hinge_joint();
     universal.axis[about_x].mode = AxisMode::locked;
     loose.axis[along_z].mode = AxisMode::free;
-    CHECK(degrees_left(universal, Quat::identity()) != doctest::Approx(12 - 3).epsilon(0.004));
-    CHECK(degrees_left(loose, Quat::identity()) != doctest::Approx(12 - 5).epsilon(0.004));
+    CHECK(degrees_left(universal, Quat::identity()) != test::about(12 - 3, 0.004));
+    CHECK(degrees_left(loose, Quat::identity()) != test::about(12 - 5, 0.004));
 }

@@ -1,4 +1,5 @@
 // Motors, springs and friction of joints against what they are defined to do; reactions, torques, and breaking.
+#include "support/about.h"
 #include "support/one_axis.h"
 
 #include <doctest/doctest.h>
@@ -97,16 +98,14 @@ TEST_CASE(
             INFO("axis ", axis, ", ", frequency, " Hz");
             const Swing s = swing_of(axis, frequency);
             const double inertia = axis < about_x ? crate_mass : crate_inertia;
-            CHECK(s.frequency == doctest::Approx(frequency).epsilon(0.02));
-            CHECK(std::sqrt(s.stiffness / inertia) / (2 * 3.14159265358979) ==
-                  doctest::Approx(frequency).epsilon(0.02));
+            CHECK(s.frequency == test::about(frequency, 0.02));
+            CHECK(std::sqrt(s.stiffness / inertia) / (2 * 3.14159265358979) == test::about(frequency, 0.02));
         }
 }
 
 TEST_CASE("planted fault: the measure of a swing tells 1 Hz from 1.1 Hz") {
-    CHECK(swing_of(along_x, 1.1).frequency != doctest::Approx(1.0).epsilon(0.02));
-    CHECK(std::sqrt(swing_of(along_x, 1.1).stiffness / crate_mass) !=
-          doctest::Approx(2 * 3.14159265).epsilon(0.02));
+    CHECK(swing_of(along_x, 1.1).frequency != test::about(1.0, 0.02));
+    CHECK(std::sqrt(swing_of(along_x, 1.1).stiffness / crate_mass) != test::about(2 * 3.14159265, 0.02));
 }
 
 TEST_CASE("a critically damped spring comes to its target without passing it; a bounded one stops where "
@@ -117,12 +116,12 @@ TEST_CASE("a critically damped spring comes to its target without passing it; a 
         OneAxis one = one_axis(axis, spring);
         double most = 0;
         for (int t = 0; t < 180; ++t) one.run(1), most = std::max(most, one.position());
-        CHECK(one.position() == doctest::Approx(0.5).epsilon(0.002));
+        CHECK(one.position() == test::about(0.5, 0.002));
         CHECK(most < 0.502);
         spring.spring_force = Real(100);
         OneAxis bounded = one_axis(axis, spring);
         bounded.run(30);
-        CHECK(bounded.speed() == doctest::Approx(100 / bounded.inertia() * 0.5).epsilon(0.02));
+        CHECK(bounded.speed() == test::about(100 / bounded.inertia() * 0.5, 0.02));
     }
 }
 
@@ -134,7 +133,7 @@ TEST_CASE("friction holds a smaller load at rest and takes its own force from a 
         one.run(120, 450);
         CHECK(std::abs(one.position()) < 1e-4);
         one.run(60, 800);
-        CHECK(one.speed() == doctest::Approx(300 / one.inertia()).epsilon(0.01));
+        CHECK(one.speed() == test::about(300 / one.inertia(), 0.01));
         one.run(600);
         CHECK(std::abs(one.speed()) < 1e-4);
     }
@@ -165,7 +164,7 @@ TEST_CASE("what holds a weight pulls with m g") {
         for (int t = 0; t < 300; ++t) w.tick();
         const JointState s = w.joint_state(joint);
         INFO(name_of(c.def.kind), " hanging by ", c.hangs);
-        CHECK(to_double(s.force.y) == doctest::Approx(crate_mass * 9.81).epsilon(0.005));
+        CHECK(to_double(s.force.y) == test::about(crate_mass * 9.81, 0.005));
         CHECK(std::hypot(to_double(s.force.x), to_double(s.force.z)) < 0.005 * crate_mass * 9.81);
         CHECK(length(to_double(s.torque)) < 0.005 * crate_mass * 9.81);
     }
@@ -180,7 +179,7 @@ TEST_CASE("lines pull with m g, and a pulley's rope with the same force on both 
         def.body_b = b;
         const JointId joint = made(w.create_joint(def));
         for (int t = 0; t < 300; ++t) w.tick();
-        CHECK(to_double(w.joint_state(joint).force.y) == doctest::Approx(crate_mass * 9.81).epsilon(0.005));
+        CHECK(to_double(w.joint_state(joint).force.y) == test::about(crate_mass * 9.81, 0.005));
         CHECK(length(velocity(w, b)) < 1e-3);
     }
     World w = heavy_world();
@@ -191,9 +190,9 @@ TEST_CASE("lines pull with m g, and a pulley's rope with the same force on both 
     const JointId joint = made(w.create_joint(rope));
     for (int t = 0; t < 30; ++t) w.tick();
     // Atwood's machine: a = g (2 - 1) / 2, T = m (g + a).
-    CHECK(velocity(w, b)[1] == doctest::Approx(9.81 / 2 * 0.5).epsilon(0.01));
-    CHECK(velocity(w, a)[1] == doctest::Approx(-9.81 / 2 * 0.5).epsilon(0.01));
-    CHECK(to_double(w.joint_state(joint).force.y) == doctest::Approx(crate_mass * 1.5 * 9.81).epsilon(0.01));
+    CHECK(velocity(w, b)[1] == test::about(9.81 / 2 * 0.5, 0.01));
+    CHECK(velocity(w, a)[1] == test::about(-9.81 / 2 * 0.5, 0.01));
+    CHECK(to_double(w.joint_state(joint).force.y) == test::about(crate_mass * 1.5 * 9.81, 0.01));
 }
 
 TEST_CASE("a cantilever's weld bears m g l, a slider across gravity too, an axle nothing about itself") {
@@ -205,7 +204,7 @@ TEST_CASE("a cantilever's weld bears m g l, a slider across gravity too, an axle
             for (int t = 0; t < 120; ++t) w.tick();
             const D3 torque = to_double(w.joint_state(joint).torque);
             INFO(name_of(def.kind), ", lever ", lever);
-            CHECK(torque[2] == doctest::Approx(crate_mass * 9.81 * lever).epsilon(0.01));
+            CHECK(torque[2] == test::about(crate_mass * 9.81 * lever, 0.01));
             CHECK(std::hypot(torque[0], torque[1]) < 0.01 * crate_mass * 9.81 * lever);
         }
     }

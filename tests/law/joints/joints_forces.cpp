@@ -1,4 +1,5 @@
 // What joints do to bodies: freedoms left and taken, momentum, limits, motors, springs, and the edges of the ranges.
+#include "support/about.h"
 #include "support/rigs/joint_rig.h"
 
 #include <doctest/doctest.h>
@@ -142,12 +143,11 @@ TEST_CASE("a pendulum at 10 rad/s keeps its energy within a thousandth a second"
     rig.velocity[b] = {to<Speed>(vec(0, 5, 0)), to<Speed>(vec(0, 0, 10))};
     const double before = rig.energy();
     rig.run(60);
-    CHECK(rig.energy() / before ==
-          doctest::Approx(1).epsilon(1e-3)); // 6e-3 without looking ahead along the arc
+    CHECK(rig.energy() / before == test::about(1, 1e-3)); // 6e-3 without looking ahead along the arc
     CHECK(rig.gap(j) < 2e-4);
-    CHECK(std::abs(rig.coordinate(j, about_x)) == doctest::Approx(10).epsilon(2e-3));
+    CHECK(std::abs(rig.coordinate(j, about_x)) == test::about(10, 2e-3));
     const double force = length(d3(rig.memory[j].force)); // m w^2 r
-    CHECK(force == doctest::Approx(50).epsilon(1e-2));
+    CHECK(force == test::about(50, 1e-2));
 }
 
 TEST_CASE("a wheel on a hinge through its centre keeps its spin") {
@@ -156,10 +156,10 @@ TEST_CASE("a wheel on a hinge through its centre keeps its spin") {
     const std::uint32_t j = rig.join(hinge_joint(), Rig::world, b, {0, 0, 0});
     rig.velocity[b].angular = to<Speed>(vec(40, 0, 0));
     rig.run(600);
-    CHECK(rig.w(b)[0] == doctest::Approx(40).epsilon(1e-4));
+    CHECK(rig.w(b)[0] == test::about(40, 1e-4));
     CHECK(rig.gap(j) < 1e-3);
-    CHECK(to_double(rig.memory[j].force.y) == doctest::Approx(3 * 9.81).epsilon(1e-3));
-    CHECK(rig.coordinate(j, about_x) == doctest::Approx(400).epsilon(1e-3)); // 64 turns, counted
+    CHECK(to_double(rig.memory[j].force.y) == test::about(3 * 9.81, 1e-3));
+    CHECK(rig.coordinate(j, about_x) == test::about(400, 1e-3)); // 64 turns, counted
 }
 
 namespace {
@@ -186,11 +186,10 @@ TEST_CASE("a bar falls to its limit and rests there") {
     Bar b = bar({.mode = AxisMode::limited, .lower = real(-0.5), .upper = real(0.5)});
     double lowest = 0;
     for (int t = 0; t < 180; ++t) b.rig.tick(), lowest = std::min(lowest, angle(b));
-    CHECK(angle(b) == doctest::Approx(-0.5).epsilon(1e-3));
+    CHECK(angle(b) == test::about(-0.5, 1e-3));
     CHECK(lowest > -0.505);
     CHECK(length(b.rig.w(b.body)) < 1e-4);
-    CHECK(length(d3(b.rig.memory[b.joint].torque)) ==
-          doctest::Approx(0.5 * 9.81 * std::cos(0.5)).epsilon(1e-2));
+    CHECK(length(d3(b.rig.memory[b.joint].torque)) == test::about(0.5 * 9.81 * std::cos(0.5), 1e-2));
     Bar open = bar({.mode = AxisMode::free}); // planted fault: no limit
     open.rig.run(60);
     CHECK(angle(open) < -0.51);
@@ -209,18 +208,18 @@ TEST_CASE("a winch turns ten times to its limit and stays") {
     rig.run(60);
     CHECK(rig.coordinate(j, about_x) > 25);
     rig.run(120);
-    CHECK(rig.coordinate(j, about_x) == doctest::Approx(62.8).epsilon(1e-3));
+    CHECK(rig.coordinate(j, about_x) == test::about(62.8, 1e-3));
     CHECK(length(rig.w(b)) < 1e-2);
 }
 
 TEST_CASE("a motor reaches its speed where its torque suffices, and stalls where not") {
     Bar strong = bar({.mode = AxisMode::free, .motor_speed = real(2), .motor_force = real(40)});
     strong.rig.run(120);
-    CHECK(strong.rig.w(strong.body)[2] == doctest::Approx(2).epsilon(1e-3));
+    CHECK(strong.rig.w(strong.body)[2] == test::about(2, 1e-3));
     Bar weak = bar({.mode = AxisMode::free, .motor_speed = real(2), .motor_force = real(2)});
     weak.rig.run(30);
     CHECK(weak.rig.w(weak.body)[2] < 0);
-    CHECK(length(d3(weak.rig.memory[weak.joint].torque)) == doctest::Approx(2).epsilon(1e-2));
+    CHECK(length(d3(weak.rig.memory[weak.joint].torque)) == test::about(2, 1e-2));
 }
 
 TEST_CASE("friction holds a bar that its torque can hold, and brakes one that it cannot") {
@@ -245,7 +244,7 @@ TEST_CASE("springs on axes come to rest at their targets") {
     const std::uint32_t b = rig.add(2, brick, {0, 0, 0});
     const std::uint32_t j = rig.join(def, Rig::world, b, {0.1, 0, 0});
     rig.run(300);
-    for (std::uint32_t i = 0; i < 3; ++i) CHECK(rig.coordinate(j, i) == doctest::Approx(at[i]).epsilon(1e-3));
+    for (std::uint32_t i = 0; i < 3; ++i) CHECK(rig.coordinate(j, i) == test::about(at[i], 1e-3));
     const Quat target = integrate_rotation(Quat::identity(), vec(at[3], at[4], at[5]));
     CHECK(length(d3(target_between(Quat::identity(), rig.frame_b(j).rotation, vec(at[3], at[4], at[5])))) <
           1e-3);
@@ -313,10 +312,10 @@ TEST_CASE("a pulley trades rope by its ratio") {
     const std::uint32_t j =
         rig.join_as_is(pulley_joint(vec(-1, 4, 0), vec(1, 4, 0), real(12), real(2)), a, b);
     rig.run(30);
-    CHECK(rig.coordinate(j, along_x) == doctest::Approx(12).epsilon(1e-4));
+    CHECK(rig.coordinate(j, along_x) == test::about(12, 1e-4));
     // 1 kg against 3 kg / 2: a = g (3 / 2 - 1) / (1 + 3 / 4)
-    CHECK(rig.v(a)[1] == doctest::Approx(9.81 * 0.5 / 1.75 * 0.5).epsilon(1e-2));
-    CHECK(rig.v(a)[1] == doctest::Approx(-2 * rig.v(b)[1]).epsilon(1e-3));
+    CHECK(rig.v(a)[1] == test::about(9.81 * 0.5 / 1.75 * 0.5, 1e-2));
+    CHECK(rig.v(a)[1] == test::about(-2 * rig.v(b)[1], 1e-3));
 }
 
 TEST_CASE("gears and racks turn in step for a hundred turns") {
@@ -364,8 +363,8 @@ TEST_CASE("a welded bracket bears weight and torque, and says so") {
     const std::uint32_t b = rig.add(4, brick, {1, 0, 0});
     const std::uint32_t j = rig.join(weld_joint(), Rig::world, b, {0, 0, 0});
     rig.run(120);
-    CHECK(to_double(rig.memory[j].force.y) == doctest::Approx(4 * 9.81).epsilon(1e-2));
-    CHECK(to_double(rig.memory[j].torque.z) == doctest::Approx(4 * 9.81).epsilon(1e-2));
+    CHECK(to_double(rig.memory[j].force.y) == test::about(4 * 9.81, 1e-2));
+    CHECK(to_double(rig.memory[j].torque.z) == test::about(4 * 9.81, 1e-2));
     CHECK(rig.gap(j) < 1e-3);
     CHECK(std::abs(rig.coordinate(j, about_z)) < 2e-3);
 }
@@ -408,7 +407,7 @@ TEST_CASE("lines without length and axes turned round find their way back") {
     const std::uint32_t a = rig.add(1, brick, {0, 0, 0}), b = rig.add(1, brick, {0, 0, 0});
     const std::uint32_t line = rig.join_as_is(distance_joint(real(1)), a, b);
     rig.run(240);
-    CHECK(rig.coordinate(line, along_x) == doctest::Approx(1).epsilon(1e-2));
+    CHECK(rig.coordinate(line, along_x) == test::about(1, 1e-2));
 
     Rig round;
     round.gravity = {};

@@ -1,4 +1,5 @@
 // What each kind of joint takes away and what it leaves, under loads from all sides; and limits.
+#include "support/about.h"
 #include "support/rigs/joint_scenes.h"
 
 #include <doctest/doctest.h>
@@ -120,7 +121,7 @@ TEST_CASE("a limited axis stops at its limits, and is free between them") {
                 least = std::min(least, last), most = std::max(most, last);
             }
             INFO(name_of(c.kind), ", axis ", c.axis, ", side ", side);
-            CHECK(last == doctest::Approx(side < 0 ? -0.5 : 0.7).epsilon(0.01));
+            CHECK(last == test::about(side < 0 ? -0.5 : 0.7, 0.01));
             CHECK(least > -0.51);
             CHECK(most < 0.71);
         }

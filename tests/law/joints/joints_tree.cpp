@@ -1,6 +1,7 @@
 // Locks of trees of joints: solved at once as a dense solution in double does, at any ratio of masses that the factor
 // has bits for, and calmly beyond.
 #include "solve/joints/tree/block_matrix.h"
+#include "support/about.h"
 #include "support/rigs/joint_rig.h"
 
 #include <doctest/doctest.h>
@@ -441,7 +442,7 @@ TEST_CASE("joint tree: each joint of a hanging chain bears what hangs below") {
     for (std::uint32_t j = 0; j < links; ++j) {
         const double below = (500 + 2.0 * (links - 1 - j)) * 9.81;
         CAPTURE(j);
-        CHECK(to_double(rig.memory[j].force.y) == doctest::Approx(below).epsilon(0.002));
+        CHECK(to_double(rig.memory[j].force.y) == test::about(below, 0.002));
     }
     CHECK(widest(rig) < 2e-3);
 }
@@ -456,8 +457,7 @@ TEST_CASE("joint tree: what is locked twice shares the load and stays") {
     rig.join(weld_joint(), door, handle, {0.9, 0, 0});
     rig.run(240);
     CHECK(length(rig.x(door) - D3{0.5, 0, 0}) < 1e-3);
-    CHECK(to_double(rig.memory[0].force.y + rig.memory[1].force.y) ==
-          doctest::Approx(41 * 9.81).epsilon(0.01));
+    CHECK(to_double(rig.memory[0].force.y + rig.memory[1].force.y) == test::about(41 * 9.81, 0.01));
     // the lower hinge is pushed, the upper one pulled: 41 kg half a metre out over 1.6 m
     const double turning = 40 * 9.81 * 0.5 + 9.81 * 0.9;
     CHECK(std::abs(to_double(rig.memory[1].force.x)) < turning / 1.6 * 1.5);

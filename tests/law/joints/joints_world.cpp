@@ -1,4 +1,5 @@
 // Joints as objects of a world: refused, listed, destroyed with their bodies, between bodies that sleep or touch.
+#include "support/about.h"
 #include "support/rigs/joint_scenes.h"
 
 #include <doctest/doctest.h>
@@ -171,8 +172,8 @@ TEST_CASE("the frames of a joint can be moved: a weld to the world follows its p
     const JointId joint = made(w.create_joint(weld_joint(Real(3)), {}, b, at(0, 0, 0)));
     done(w.set_joint_frames(joint, at(2, 1, 0), Transform::identity()));
     for (int t = 0; t < 240; ++t) w.tick();
-    CHECK(position(w, b)[0] == doctest::Approx(2).epsilon(0.01));
-    CHECK(position(w, b)[1] == doctest::Approx(1).epsilon(0.05)); // it gives a little
+    CHECK(position(w, b)[0] == test::about(2, 0.01));
+    CHECK(position(w, b)[1] == test::about(1, 0.05)); // it gives a little
     CHECK((w.joint(joint).frame_a == at(2, 1, 0)));
 }
 

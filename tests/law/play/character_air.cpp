@@ -1,4 +1,5 @@
 // Characters in the air: jumps, falls, steep slopes, fast ones, one-way platforms.
+#include "support/about.h"
 #include "support/character_course.h"
 
 #include <doctest/doctest.h>
@@ -30,7 +31,7 @@ TEST_CASE("a jump is as high as v^2 / 2g, and takes 2v / g") {
                 ++ticks;
             } while (!stands(w, c) && ticks < 600);
             INFO("speed ", speed, ", gravity ", gravity);
-            CHECK(highest - skin == doctest::Approx(speed * speed / (2 * gravity)).epsilon(0.005));
+            CHECK(highest - skin == test::about(speed * speed / (2 * gravity), 0.005));
             CHECK(std::abs(ticks * tick_time - 2 * speed / gravity) <= 1.01 * tick_time);
         }
 }
@@ -99,7 +100,7 @@ TEST_CASE("a slope that is too steep lets a character slide down, not up, and no
         CHECK(overlap(w, c) == 0);
     }
     run(w, 120);
-    CHECK(feet(w, c)[1] == doctest::Approx(skin).epsilon(0.2));
+    CHECK(feet(w, c)[1] == test::about(skin, 0.2));
     // Neither does running and jumping at it get one up.
     for (int i = 0; i < 10; ++i) {
         drive(w, c, 8, 0, i % 2 == 0);
@@ -132,7 +133,7 @@ TEST_CASE("at 50 m/s nothing is passed through, however thin") {
     def.fall_speed_max = real(300), def.gravity = real(300);
     const CharacterId c = add_character(w, 0, 90, 0, def);
     run(w, 120);
-    CHECK(feet(w, c)[1] == doctest::Approx(0.005 + skin).epsilon(0.1));
+    CHECK(feet(w, c)[1] == test::about(0.005 + skin, 0.1));
 }
 
 TEST_CASE("a one-way platform is jumped through from below and stood on from above") {
@@ -148,7 +149,7 @@ TEST_CASE("a one-way platform is jumped through from below and stood on from abo
     drive(w, c, 0, 0, true);
     run(w, 120);
     CHECK(stands(w, c));
-    CHECK(feet(w, c)[1] == doctest::Approx(1.05 + skin).epsilon(0.001));
+    CHECK(feet(w, c)[1] == test::about(1.05 + skin, 0.001));
 
     World solid = made(World::create(small_def())); // the twin: the same box, not one-way, is a ceiling
     add_floor(solid);
@@ -174,7 +175,7 @@ TEST_CASE("made inside something, a character comes out") {
     const CharacterId deep = add_character(w, 5, -0.5, 0);
     run(w, 10);
     CHECK(overlap(w, deep) == 0);
-    CHECK(feet(w, deep)[1] == doctest::Approx(skin).epsilon(0.1));
+    CHECK(feet(w, deep)[1] == test::about(skin, 0.1));
 }
 
 // ---- landing ---------------------------------------------------------------------------------------------------
@@ -215,13 +216,13 @@ TEST_CASE("a character that lands says so once, with its ground and the speed of
     for (const double height : {0.5, 2.0, 5.0}) {
         const Landings l = drop_from(height);
         CHECK(l.count == 1);
-        CHECK(l.speed == doctest::Approx(std::sqrt(2 * 9.81 * height)).epsilon(0.05));
+        CHECK(l.speed == test::about(std::sqrt(2 * 9.81 * height), 0.05));
     }
     CHECK(drop_from(2, true).speed > drop_from(2).speed + 0.8); // onto a lift that comes up
 }
 
 TEST_CASE("planted fault: the speed of a fall from another height is found to be wrong") {
-    CHECK(drop_from(2).speed != doctest::Approx(std::sqrt(2 * 9.81 * 2.5)).epsilon(0.05));
+    CHECK(drop_from(2).speed != test::about(std::sqrt(2 * 9.81 * 2.5), 0.05));
 }
 
 TEST_CASE("walking, stairs and standing tell of no landing; every jump of one") {

@@ -1,4 +1,5 @@
 // Characters and what moves: platforms, doors, crates, balls, each other.
+#include "support/about.h"
 #include "support/character_course.h"
 
 #include <doctest/doctest.h>
@@ -64,11 +65,11 @@ TEST_CASE("a turning platform carries a character round, and turns it") {
     const double angle_before = std::atan2(-from[2], from[0]);
     run(w, 120);
     const D3 to = feet(w, c);
-    CHECK(std::hypot(to[0], to[2]) == doctest::Approx(std::hypot(from[0], from[2])).epsilon(0.001));
-    CHECK(std::remainder(std::atan2(-to[2], to[0]) - angle_before - 2.0, 6.283185307179586) ==
-          doctest::Approx(0).epsilon(0.001));
+    CHECK(std::hypot(to[0], to[2]) == test::about(std::hypot(from[0], from[2]), 0.001));
+    CHECK(std::abs(std::remainder(std::atan2(-to[2], to[0]) - angle_before - 2.0, 6.283185307179586)) <
+          0.001);
     const D3 facing = to_double(to_rotation(w.pose(w.body_of(c)).rotation).x);
-    CHECK(std::hypot(facing[0], facing[2]) == doctest::Approx(1).epsilon(1e-6));
+    CHECK(std::hypot(facing[0], facing[2]) == test::about(1, 1e-6));
     CHECK(std::abs(to_double(w.angular_velocity(w.body_of(c)).y) - 1) < 1e-5);
 }
 
@@ -84,8 +85,8 @@ TEST_CASE("who jumps off a platform takes its velocity along") {
     drive(w, c, 0, 0, true);
     w.tick();
     const D3 v = to_double(w.character_state(c).velocity);
-    CHECK(v[0] == doctest::Approx(3).epsilon(0.001));
-    CHECK(v[1] == doctest::Approx(5 + 1 - 9.81 / 60).epsilon(0.001));
+    CHECK(v[0] == test::about(3, 0.001));
+    CHECK(v[1] == test::about(5 + 1 - 9.81 / 60, 0.001));
 }
 
 TEST_CASE("a door pushes a character ahead of it, and a wall behind keeps it out of the wall") {
@@ -98,7 +99,7 @@ TEST_CASE("a door pushes a character ahead of it, and a wall behind keeps it out
         CHECK(overlap(w, c) == 0);
         CHECK(feet(w, c)[0] > position(w, door)[0]);
     }
-    CHECK(feet(w, c)[0] == doctest::Approx(3 + 0.05 + 0.3 + skin).epsilon(0.002));
+    CHECK(feet(w, c)[0] == test::about(3 + 0.05 + 0.3 + skin, 0.002));
     const BodyId wall = add_wall(w, at(6, 1, 0), vec(0.5, 1, 5));
     bool squeezed = false;
     for (int i = 0; i < 60; ++i) {
@@ -124,7 +125,7 @@ TEST_CASE("a crate is pushed with at most push_force") {
         INFO("mass ", mass);
         CHECK(most < 300 * 1.01);
         CHECK(most > 300 * 0.9);
-        if (mass == 50) CHECK(before == doctest::Approx(3).epsilon(0.02));
+        if (mass == 50) CHECK(before == test::about(3, 0.02));
         CHECK(overlap(k.w, k.c) < 0.006);
     }
     Crate strong = crate_ahead(50, 0, 3000); // the twin: more force, more acceleration
@@ -180,7 +181,7 @@ TEST_CASE("a character weighs on what it stands on, and things lie on its head")
     run(w, 20);
     const double before = velocity(w, cart)[1];
     run(w, 30);
-    CHECK((before - velocity(w, cart)[1]) * 2 == doctest::Approx(9.81 * 80 / 400).epsilon(0.01));
+    CHECK((before - velocity(w, cart)[1]) * 2 == test::about(9.81 * 80 / 400, 0.01));
     CHECK(w.character_state(c).ground_body == cart);
 
     World head = made(World::create(small_def()));

@@ -1,4 +1,5 @@
 // Characters on the ground: slopes, steps, walls, corners, tunnels, terrain.
+#include "support/about.h"
 #include "support/character_course.h"
 #include "support/sim_shapes.h"
 
@@ -86,9 +87,8 @@ TEST_CASE("horizontal speed is kept up and down a slope") {
         run(w, 10);
         const double from = feet(w, c)[0], height = feet(w, c)[1];
         run(w, 60);
-        CHECK(feet(w, c)[0] - from == doctest::Approx(speed).epsilon(0.001));
-        CHECK(feet(w, c)[1] - height ==
-              doctest::Approx(speed * std::tan(3.14159265358979 / 6)).epsilon(0.002));
+        CHECK(feet(w, c)[0] - from == test::about(speed, 0.001));
+        CHECK(feet(w, c)[1] - height == test::about(speed * std::tan(3.14159265358979 / 6), 0.002));
         CHECK(stands(w, c));
     }
 }
@@ -147,7 +147,7 @@ TEST_CASE("ground within step_down is walked down to, deeper ground is fallen to
         }
         INFO("depth ", depth);
         CHECK(flew == (depth > 0.35));
-        CHECK(feet(w, c)[1] == doctest::Approx(skin).epsilon(0.1));
+        CHECK(feet(w, c)[1] == test::about(skin, 0.1));
     }
 }
 
@@ -161,9 +161,9 @@ TEST_CASE("along a wall only what goes into it is lost") {
     const D3 from = feet(w, c);
     run(w, 60);
     const D3 way = feet(w, c) - from;
-    CHECK(way[0] == doctest::Approx(3).epsilon(0.01));
+    CHECK(way[0] == test::about(3, 0.01));
     CHECK(std::abs(way[2]) < 1e-5);
-    CHECK(feet(w, c)[2] == doctest::Approx(0.5 - 0.3 - skin).epsilon(0.001));
+    CHECK(feet(w, c)[2] == test::about(0.5 - 0.3 - skin, 0.001));
 }
 
 TEST_CASE("in a corner a character stays within a millimetre, whatever the corner's angle") {
@@ -252,8 +252,8 @@ TEST_CASE("on terrain of triangles a character keeps its speed and never sinks i
             CHECK(overlap(w, c) == 0);
         }
         const D3 way = feet(w, c) - from;
-        CHECK(way[0] == doctest::Approx(2.4 * 6).epsilon(0.005));
-        CHECK(way[2] == doctest::Approx(1.8 * 6).epsilon(0.005));
+        CHECK(way[0] == test::about(2.4 * 6, 0.005));
+        CHECK(way[2] == test::about(1.8 * 6, 0.005));
     }
 }
 
@@ -266,6 +266,6 @@ TEST_CASE("up is whatever the definition says") {
     done(w.set_character_input(c, {.velocity = vec(0, 2, 0)}));
     run(w, 90);
     CHECK(stands(w, c));
-    CHECK(feet(w, c)[0] == doctest::Approx(skin).epsilon(0.1));
+    CHECK(feet(w, c)[0] == test::about(skin, 0.1));
     CHECK(feet(w, c)[1] > 2.5);
 }

@@ -1,4 +1,5 @@
 // Buoyancy: what floats where, how it rights itself, and that still water only takes energy.
+#include "support/about.h"
 #include "support/sim_scenes.h"
 
 #include <doctest/doctest.h>
@@ -111,7 +112,7 @@ TEST_CASE(
         World w = sea(still);
         const BodyId b = add_floater(w, sphere(real(0.25)), density, at(0, -4, 0));
         run(w, 30);
-        CHECK(velocity(w, b)[1] == doctest::Approx((1000 / density - 1) * g * 0.5).epsilon(0.001));
+        CHECK(velocity(w, b)[1] == test::about((1000 / density - 1) * g * 0.5, 0.001));
     }
 }
 
@@ -135,7 +136,7 @@ TEST_CASE("a raft bobs with the period of its draught: 2 pi sqrt(draught / g)") 
         last = y;
     }
     REQUIRE(count > 5);
-    CHECK((crossing - first) / count / 60 == doctest::Approx(2 * pi_ * std::sqrt(0.25 / g)).epsilon(0.005));
+    CHECK((crossing - first) / count / 60 == test::about(2 * pi_ * std::sqrt(0.25 / g), 0.005));
 }
 
 TEST_CASE("a tilted raft rights itself, a pencil on its end falls over, a boat loaded low stays upright") {
@@ -199,8 +200,7 @@ TEST_CASE("masks, enable_fields and the region's sides leave dry what they say")
                  outside = ball({.pose = at(21, -2, 0)}, 2);
     run(w, 30);
     CHECK(velocity(w, wet)[1] > 0.5);
-    for (BodyId dry : {other, off, outside})
-        CHECK(velocity(w, dry)[1] == doctest::Approx(-g / 2).epsilon(0.001));
+    for (BodyId dry : {other, off, outside}) CHECK(velocity(w, dry)[1] == test::about(-g / 2, 0.001));
 }
 
 TEST_CASE("a compound and a hull float as the boxes they are made of") {
@@ -219,7 +219,7 @@ TEST_CASE("a compound and a hull float as the boxes they are made of") {
         add_floater(w, instance(ShapeKind::compound, compound), 300, at(3, 0.1, 0, turned(axis_z, 10)));
     run(w, 1800);
     for (BodyId body : {a, b}) {
-        CHECK(0.2 - position(w, body)[1] == doctest::Approx(0.12).epsilon(0.005));
+        CHECK(0.2 - position(w, body)[1] == test::about(0.12, 0.005));
         CHECK(tilt_of(w, body) < 0.01);
     }
 }

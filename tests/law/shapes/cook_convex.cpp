@@ -1,5 +1,6 @@
 // Hulls, their reduction, and the decomposition into convex parts.
 #include "cook/decompose.h"
+#include "support/about.h"
 #include "support/cook_models.h"
 #include "support/effort.h"
 
@@ -31,9 +32,9 @@ TEST_CASE("the hull of a box's corners and inner points is the box") {
     REQUIRE(hull.ok());
     CHECK(hull->surface.vertices.size() == 8);
     CHECK(hull->surface.triangles.size() == 12);
-    CHECK(hull->volume == doctest::Approx(5 * 7 * 9));
-    CHECK(hull->beyond({0, 0, 0}) == doctest::Approx(-1));
-    CHECK(hull->beyond({0, 8, 0}) == doctest::Approx(3));
+    CHECK(hull->volume == test::about(5 * 7 * 9));
+    CHECK(hull->beyond({0, 0, 0}) == test::about(-1));
+    CHECK(hull->beyond({0, 8, 0}) == test::about(3));
 }
 
 TEST_CASE("points in a plane, on a line or too few have no hull, and the sentence says so") {
@@ -70,7 +71,7 @@ TEST_CASE("the distance to a hull is that of its faces, edges and corners, and l
                                       {{4, 5, 0}, 5},
                                       {{3, 3, 2}, 3},
                                       {{0.5, -0.5, 0.5}, 0}}) {
-        CHECK(distance(*cube, p) == doctest::Approx(expected));
+        CHECK(distance(*cube, p) == test::about(expected));
         CHECK(ball_meets(*cube, p, expected + 1e-3));
         if (expected > 0) CHECK_FALSE(ball_meets(*cube, p, expected - 1e-3));
     }
@@ -83,11 +84,11 @@ TEST_CASE("what is convex stays one part; an L becomes two, a hollow box its six
     const auto el = parts_of(bracket(), 0.01, 16);
     REQUIRE(el.ok());
     CHECK(el->size() == 2);
-    CHECK(volume_of(*el) == doctest::Approx(4));
+    CHECK(volume_of(*el) == test::about(4));
     const auto walls = parts_of(hollow_box(), 0.01, 16);
     REQUIRE(walls.ok());
     CHECK(walls->size() == 6);
-    CHECK(volume_of(*walls) == doctest::Approx(64 - 8));
+    CHECK(volume_of(*walls) == test::about(64 - 8));
 }
 
 TEST_CASE("solids apart from each other become parts apart") {
@@ -96,7 +97,7 @@ TEST_CASE("solids apart from each other become parts apart") {
     const auto parts = parts_of(two, 0.01, 16);
     REQUIRE(parts.ok());
     CHECK(parts->size() == 2);
-    CHECK(volume_of(*parts) == doctest::Approx(2));
+    CHECK(volume_of(*parts) == test::about(2));
 }
 
 TEST_CASE("parts cover the solid, keep to their number, and exceed it less the more they are" *
@@ -127,6 +128,6 @@ TEST_CASE("a surface knows inside from outside, though triangles be missing") {
     CHECK_FALSE(surface.contains({2.5, 0.3, 0.2}));
     double height = 0;
     CHECK(surface.top(0.1, 0.2, height));
-    CHECK(height == doctest::Approx(2));
+    CHECK(height == test::about(2));
     CHECK_FALSE(surface.top(2.1, 0.2, height));
 }

@@ -3,6 +3,7 @@
 #include "cook/deviation.h"
 #include "lockstone/math/convert.h"
 #include "scenes/asset_set.h"
+#include "support/about.h"
 #include "support/cook_models.h"
 
 #include <doctest/doctest.h>
@@ -28,7 +29,7 @@ TEST_CASE("a hull deviates from itself by nothing, and by what a corner was move
     moved.vertices[3].y += 0.01;
     const Result<Deviation> out = deviation_of_hulls(hull_of(cube), hull_of(moved));
     REQUIRE(out.ok());
-    CHECK(out->result_to_source == doctest::Approx(0.01));
+    CHECK(out->result_to_source == test::about(0.01));
     moved.vertices[3].y -= 0.02;
     const Result<Deviation> in = deviation_of_hulls(hull_of(cube), hull_of(moved));
     REQUIRE(in.ok());
@@ -45,9 +46,9 @@ TEST_CASE("parts deviate from their solid by nothing, and by what a corner was m
     Soup wide = box({0, 1, 0}, {1, 3, 1});
     wide.vertices[7].x += 0.05;
     parts[1] = hull_of(wide);
-    CHECK(deviation_of_solids(el, surface, parts).value().result_to_source == doctest::Approx(0.05));
+    CHECK(deviation_of_solids(el, surface, parts).value().result_to_source == test::about(0.05));
     parts.pop_back();
-    CHECK(deviation_of_solids(el, surface, parts).value().source_to_result == doctest::Approx(2));
+    CHECK(deviation_of_solids(el, surface, parts).value().source_to_result == test::about(2));
     CHECK(deviation_of_solids(el, surface, {hull_of(el)}).value().result_to_source > 0.4); // the L filled up
 }
 
@@ -120,8 +121,8 @@ TEST_CASE("scale, and an axis that points up, are applied before anything else")
     REQUIRE(id.ok());
     Box box;
     for (const Point& p : to_soup(triangulate(library.geometry(*id).value(), library)).vertices) box.add(p);
-    CHECK(box.upper.y == doctest::Approx(3));
-    CHECK(box.lower.z == doctest::Approx(-2));
+    CHECK(box.upper.y == test::about(3));
+    CHECK(box.lower.z == test::about(-2));
 }
 
 TEST_CASE("models that no asset can hold are refused with the reason") {

@@ -2,6 +2,7 @@
 #include "lockstone/math/math.h"
 #include "oracle/double_shapes.h"
 #include "shapes/hull/hull.h"
+#include "support/about.h"
 
 #include <doctest/doctest.h>
 
@@ -160,7 +161,7 @@ TEST_CASE("a cube has 8 corners, 6 faces, 12 edges, 12 triangles") {
     CHECK(h.edges.size() == 12);
     CHECK(h.triangles.size() == 12);
     CHECK(h.interior == LengthVec3{});
-    CHECK(to_double(h.inner_radius) == doctest::Approx(1).epsilon(1e-6));
+    CHECK(to_double(h.inner_radius) == test::about(1, 1e-6));
     CHECK(h.properties.mass == 48_r);
     Hull bad = h; // planted
     std::swap(bad.triangles[3][0], bad.triangles[3][1]);
@@ -198,7 +199,7 @@ TEST_CASE("255 points on a sphere are all corners, 256 are too many") {
     CHECK(h.vertices.size() == 255);
     CHECK(h.triangles.size() == 506);
     CHECK(h.faces.size() > 490); // a few of four points in one plane
-    CHECK(to_double(h.properties.mass) == doctest::Approx(33.51).epsilon(0.03));
+    CHECK(to_double(h.properties.mass) == test::about(33.51, 0.03));
     CHECK(make_hull(on_sphere(256, 2)).error().message == "hull has 256 corners, it may have 255");
 }
 
@@ -272,9 +273,9 @@ TEST_CASE("the extremes of size: 5 mm and 200 m") {
         require_good(h, points);
         CHECK(h.faces.size() == 6);
         const double third = size * size * 2 / 3;
-        CHECK(to_double(h.properties.gyration_squared.x.x) == doctest::Approx(third).epsilon(1e-4));
+        CHECK(to_double(h.properties.gyration_squared.x.x) == test::about(third, 1e-4));
         CHECK(to_double(mass_properties(Solid{.geometry = {}, .hull = &h}, 100_r).mass) ==
-              doctest::Approx(800 * size * size * size).epsilon(1e-4));
+              test::about(800 * size * size * size, 1e-4));
     }
     oracle::Random random(13);
     for (int i = 0; i < 100; ++i) {

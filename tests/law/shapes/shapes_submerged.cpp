@@ -1,6 +1,7 @@
 // What of a shape is below a plane, and the area it shows, against sums over a fine grid in double.
 #include "shapes/shown_area.h"
 #include "shapes/submerged.h"
+#include "support/about.h"
 #include "support/effort.h"
 #include "support/random.h"
 #include "support/sim_scenes.h"
@@ -120,7 +121,7 @@ TEST_CASE("a rounded box is dry and under where it should be") {
     CHECK(to_double(shapes::submerged(solid, axis_y, real(-0.29)).fraction) > 0.01);
     CHECK(shapes::submerged(solid, axis_y, real(0.301)).fraction == unit_one);
     CHECK(to_double(shapes::submerged(solid, axis_y, real(0.29)).fraction) < 0.99);
-    CHECK(to_double(shapes::submerged(solid, axis_y, Real{}).fraction) == doctest::Approx(0.5));
+    CHECK(to_double(shapes::submerged(solid, axis_y, Real{}).fraction) == test::about(0.5));
 }
 
 TEST_CASE("sizes from 5 mm to 100 m keep their parts") {
@@ -128,7 +129,7 @@ TEST_CASE("sizes from 5 mm to 100 m keep their parts") {
         for (double d : {-0.5, 0.0, 0.9}) {
             const shapes::Solid cube{.geometry = box(real(size), real(size), real(size))};
             CHECK(to_double(shapes::submerged(cube, axis_x, real(d * size)).fraction) ==
-                  doctest::Approx((1 + d) / 2).epsilon(1e-5));
+                  test::about((1 + d) / 2, 1e-5));
         }
 }
 
@@ -152,7 +153,6 @@ TEST_CASE("shown areas are the shadows of a fine grid" * doctest::skip(test::is_
                 }
             INFO(std::string(name_of(g.kind)));
             const double area = hit * (2.2 / n) * (2.2 / n);
-            CHECK(to_double(shapes::shown_area({.geometry = g}, d).area) ==
-                  doctest::Approx(area).epsilon(0.03));
+            CHECK(to_double(shapes::shown_area({.geometry = g}, d).area) == test::about(area, 0.03));
         }
 }

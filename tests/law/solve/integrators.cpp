@@ -1,4 +1,5 @@
 // The integrators have the order that they claim, measured; and what each of them does to an orbit.
+#include "support/about.h"
 #include "support/sim_scenes.h"
 
 #include <doctest/doctest.h>
@@ -182,7 +183,7 @@ TEST_CASE("all integrators agree with the closed form of free fall to their orde
             w.tick();
             // A tick's change of speed is rounded to 1.9e-6 m/s, the same way every tick.
             const double s = t / 60.0, fall = 9.81 / 2 * (s * s + (i == 0 ? h * s : 0));
-            REQUIRE(position(w, ball)[0] == doctest::Approx(3 + 4 * s).epsilon(1e-7));
+            REQUIRE(position(w, ball)[0] == test::about(3 + 4 * s, 1e-7));
             REQUIRE(std::abs(position(w, ball)[1] - (100 + 2 * s - fall)) < 1e-6 + 1e-8 * t * t);
             REQUIRE(std::abs(velocity(w, ball)[1] - (2 - 9.81 * s)) < 1e-6 * (t + 1));
         }

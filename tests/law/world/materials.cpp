@@ -1,6 +1,7 @@
 // What a hit tells of triangles, cells and parts, and what their materials do in contacts.
 #include "shapes/asset/asset.h"
 #include "shapes/asset/asset_file.h"
+#include "support/about.h"
 #include "support/sim_scenes.h"
 
 #include <doctest/doctest.h>
@@ -117,8 +118,8 @@ TEST_CASE("friction, bounce and a conveyor's speed are those of the triangle, wh
     const Floor floor(17, by_quarter);
     World w = world_on(floor.baked(), small_def(), {.friction = real(0.5), .friction_mix = Mix::multiply});
     // v^2 / (2 mu g) on rubber, with 0.6 * 0.5; on ice all the way.
-    CHECK(slide(w, -6, -8, 2) == doctest::Approx(4 / (2 * 0.3 * 9.81)).epsilon(0.03));
-    CHECK(slide(w, -6, 4, 2) == doctest::Approx(2).epsilon(0.01));
+    CHECK(slide(w, -6, -8, 2) == test::about(4 / (2 * 0.3 * 9.81), 0.03));
+    CHECK(slide(w, -6, 4, 2) == test::about(2, 0.01));
     const BodyId carried =
         add(w, {.pose = at(3, 0.25, -6)}, {.geometry = box(real(0.25), real(0.25), real(0.25))});
     const BodyId bouncing = add(w, {.pose = at(6, 2.3, 6)}, {.geometry = sphere(real(0.3))});
@@ -127,8 +128,8 @@ TEST_CASE("friction, bounce and a conveyor's speed are those of the triangle, wh
         w.tick();
         if (t > 45) highest = std::max(highest, position(w, bouncing)[1]);
     }
-    CHECK(velocity(w, carried)[0] == doctest::Approx(3).epsilon(0.02));
-    CHECK(highest == doctest::Approx(2.3).epsilon(0.03));
+    CHECK(velocity(w, carried)[0] == test::about(3, 0.02));
+    CHECK(highest == test::about(2.3, 0.03));
 }
 
 TEST_CASE("planted fault: the same floor without surfaces slides, carries and bounces otherwise") {
@@ -181,8 +182,8 @@ TEST_CASE("cells of a height field: rays, contacts, surfaces and wheels feel the
             CHECK(hit->part.source == row * 8 + column);
             CHECK(hit->part.material == cells[row * 8 + column]);
         }
-    CHECK(slide(w, 3, 2, 2) == doctest::Approx(4 / (2 * 0.3 * 9.81)).epsilon(0.03));
-    CHECK(slide(w, 13, 2, 2) == doctest::Approx(2).epsilon(0.01));
+    CHECK(slide(w, 3, 2, 2) == test::about(4 / (2 * 0.3 * 9.81), 0.03));
+    CHECK(slide(w, 13, 2, 2) == test::about(2, 0.01));
 }
 
 TEST_CASE("of a compound a hit and a contact tell the part, and the shape's own material") {

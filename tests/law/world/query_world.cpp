@@ -1,4 +1,5 @@
 // What a world answers: order, filters, agreement of the questions with each other, and nonsense.
+#include "support/about.h"
 #include "support/query_scene.h"
 
 #include <doctest/doctest.h>
@@ -211,10 +212,10 @@ TEST_CASE("filters: categories, kinds, sensors and the own body") {
     CHECK(bodies({.kinds = 1}) == std::vector{a});
     CHECK(bodies({.kinds = 6}) == std::vector{b, c});
     CHECK(bodies({.ignore = b}) == std::vector{a, c});
-    CHECK(to_double(hits[0].distance) == doctest::Approx(1.5));
-    CHECK(to_double(hits[0].fraction) == doctest::Approx(0.075));
-    CHECK(to_double(hits[0].normal.x) == doctest::Approx(-1));
-    CHECK(to_double(hits[0].point.x) == doctest::Approx(1.5));
+    CHECK(to_double(hits[0].distance) == test::about(1.5));
+    CHECK(to_double(hits[0].fraction) == test::about(0.075));
+    CHECK(to_double(hits[0].normal.x) == test::about(-1));
+    CHECK(to_double(hits[0].point.x) == test::about(1.5));
 }
 
 TEST_CASE("batches answer like single rays, as many as there is room for") {
@@ -238,18 +239,18 @@ TEST_CASE("far from the origin and over 16 km a ray meets what it should") {
     const auto hit = w.cast_ray({vec(far - 15000, far, -far), vec(15900, 0, 0)});
     REQUIRE(hit);
     CHECK(hit->body == ball);
-    CHECK(to_double(hit->distance) == doctest::Approx(14999.5).epsilon(1e-11));
+    CHECK(to_double(hit->distance) == test::about(14999.5, 1e-11));
     CHECK(!w.cast_ray({vec(far - 15000, far + 0.51, -far), vec(15900, 0, 0)}));
     const auto edge = w.cast_ray({vec(5e8 - 3, 0.4, 0), vec(10, 0, 0)});
     REQUIRE(edge);
     CHECK(edge->body == beyond);
-    CHECK(to_double(edge->distance) == doctest::Approx(2.7).epsilon(1e-6));
+    CHECK(to_double(edge->distance) == test::about(2.7, 1e-6));
     World p = made(World::create(weightless()));
     add_floor(p);
     const auto ground = p.cast_ray({vec(3e8, 100, -7e8), vec(300, -400, 0)});
     REQUIRE(ground);
-    CHECK(to_double(ground->distance) == doctest::Approx(125));
-    CHECK(to_double(ground->point.y) == doctest::Approx(0));
+    CHECK(to_double(ground->distance) == test::about(125));
+    CHECK(std::abs(to_double(ground->point.y)) < 1e-6);
 }
 
 TEST_CASE("nonsense gets an empty answer") {

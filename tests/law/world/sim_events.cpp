@@ -1,4 +1,5 @@
 // Events: once per transition, in their documented order; and who meets whom.
+#include "support/about.h"
 #include "support/contact_points.h"
 #include "support/sim_script.h"
 
@@ -104,8 +105,8 @@ TEST_CASE("a contact begins once when bodies meet and ends once when they part")
     CHECK(begin.body_a == floor);
     CHECK(begin.body_b == ball);
     CHECK(begin.tick == w.tick_count() - 1);
-    CHECK(to_double(begin.normal.y) == doctest::Approx(1));
-    CHECK(to_double(begin.approach_speed) == doctest::Approx(std::sqrt(2 * 9.81 * 1.5)).epsilon(0.05));
+    CHECK(to_double(begin.normal.y) == test::about(1));
+    CHECK(to_double(begin.approach_speed) == test::about(std::sqrt(2 * 9.81 * 1.5), 0.05));
     CHECK(std::abs(to_double(begin.point.y)) < 0.1);
     CHECK(next_events(w, 120) == "none");
     done(w.add_impulse(ball, {Real{}, w.mass(ball) * Real(3), Real{}}));
@@ -134,8 +135,7 @@ TEST_CASE("a sensor reports who enters and leaves, and stops nobody") {
     CHECK(w.events()[0].body_b == ball);
     CHECK(w.events()[0].normal == UnitVec3{});
     CHECK(next_events(w) == "sensor_end");
-    CHECK(velocity(w, ball)[1] ==
-          doctest::Approx(-9.81 * static_cast<double>(w.tick_count()) / 60).epsilon(1e-4));
+    CHECK(velocity(w, ball)[1] == test::about(-9.81 * static_cast<double>(w.tick_count()) / 60, 1e-4));
 }
 
 TEST_CASE("destroying a touching shape or body ends its contacts and sensor overlaps") {

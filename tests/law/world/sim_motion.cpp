@@ -1,4 +1,5 @@
 // Free motion: forces, damping, locks, kinds of bodies, and spin without torque.
+#include "support/about.h"
 #include "support/sim_scenes.h"
 
 #include <doctest/doctest.h>
@@ -51,7 +52,7 @@ TEST_CASE("a force changes momentum by force times time, a torque angular moment
         const Block block{{0.5 * scale, 0.25 * scale, 1.0 * scale}};
         const BodyId b = add_block(w, block);
         const double m = block.mass();
-        REQUIRE(to_double(w.mass(b)) == doctest::Approx(m).epsilon(1e-6));
+        REQUIRE(to_double(w.mass(b)) == test::about(m, 1e-6));
         done(w.add_force(b, vec(6 * m, -12 * m, 3 * m)));
         w.tick();
         CHECK(length(velocity(w, b) - D3{0.1, -0.2, 0.05}) < 2e-6);
@@ -110,8 +111,8 @@ TEST_CASE("damping lets speed and spin fade as exp(-damping t), to first order i
     for (int t = 0; t < 120; ++t) w.tick();
     // 1 / (1 + d h) per substep instead of exp(-d h): relative error d^2 h t / 2.
     const double h = 1.0 / 480;
-    CHECK(velocity(w, b)[0] == doctest::Approx(10 * std::exp(-1.0)).epsilon(0.25 * h * 2 / 2 + 1e-5));
-    CHECK(spin(w, b)[1] == doctest::Approx(5 * std::exp(-4.0)).epsilon(4 * h * 2 / 2 + 1e-4));
+    CHECK(velocity(w, b)[0] == test::about(10 * std::exp(-1.0), 0.25 * h * 2 / 2 + 1e-5));
+    CHECK(spin(w, b)[1] == test::about(5 * std::exp(-4.0), 4 * h * 2 / 2 + 1e-4));
 }
 
 TEST_CASE("gravity scale multiplies gravity for one body: upwards, none, three times") {
@@ -120,7 +121,7 @@ TEST_CASE("gravity scale multiplies gravity for one body: upwards, none, three t
     for (double scale : scales) {
         const BodyId b = made(w.create_body({.gravity_scale = real(scale)}));
         for (int t = 0; t < 60; ++t) w.tick();
-        CHECK(velocity(w, b)[1] == doctest::Approx(-9.81 * scale).epsilon(1e-5));
+        CHECK(velocity(w, b)[1] == test::about(-9.81 * scale, 1e-5));
         done(w.destroy(b));
     }
 }
@@ -162,9 +163,9 @@ TEST_CASE("what stands on a kinematic turntable turns with it") {
     const BodyId crate = add_crate(w, at(1, 0.5, 0), 0.25);
     for (int t = 0; t < 300; ++t) w.tick();
     const D3 p = position(w, crate);
-    CHECK(std::hypot(p[0], p[2]) == doctest::Approx(1).epsilon(0.05));
-    CHECK(spin(w, crate)[1] == doctest::Approx(1).epsilon(0.02));
-    CHECK(std::hypot(velocity(w, crate)[0], velocity(w, crate)[2]) == doctest::Approx(1).epsilon(0.05));
+    CHECK(std::hypot(p[0], p[2]) == test::about(1, 0.05));
+    CHECK(spin(w, crate)[1] == test::about(1, 0.02));
+    CHECK(std::hypot(velocity(w, crate)[0], velocity(w, crate)[2]) == test::about(1, 0.05));
 }
 
 TEST_CASE("with planar locks a pile stays in its plane to the last bit") {

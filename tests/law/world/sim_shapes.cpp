@@ -1,5 +1,6 @@
 // Shapes of every kind at rest, rolling and stacked.
 #include "support/sim_shapes.h"
+#include "support/about.h"
 
 #include <doctest/doctest.h>
 
@@ -66,7 +67,7 @@ TEST_CASE("a cylinder rolls down a slope at 2/3 g sin, smoothly") {
         before = speed;
     }
     const double acceleration = 2.0 / 3 * 9.81 * std::sin(angle);
-    CHECK(length(velocity(w, b)) == doctest::Approx(acceleration * 2).epsilon(0.01));
+    CHECK(length(velocity(w, b)) == test::about(acceleration * 2, 0.01));
     CHECK(fastest_change < 2 * acceleration / 60); // no bumps
     CHECK(std::abs(position(w, b)[2]) < 0.005);    // straight
 }
@@ -116,7 +117,6 @@ TEST_CASE("shapes stand on a static box, cylinder and cone of a kilometre, far o
             const BodyId b = add(w, {.pose = at(300, 0.5, -250)}, {.geometry = geometry});
             const Rest rest = rest_after(w, {b}, 240);
             CHECK(rest.drift < 0.005);
-            CHECK(position(w, b)[1] ==
-                  doctest::Approx(geometry.kind == ShapeKind::cone ? 0.25 : 0.5).epsilon(0.01));
+            CHECK(position(w, b)[1] == test::about(geometry.kind == ShapeKind::cone ? 0.25 : 0.5, 0.01));
         }
 }

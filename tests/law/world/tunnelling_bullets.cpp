@@ -1,4 +1,5 @@
 // Bullets against thin bodies that move themselves, against each other, and what a sweep must not do.
+#include "support/about.h"
 #include "support/random.h"
 
 #include <doctest/doctest.h>
@@ -151,8 +152,8 @@ TEST_CASE("a sweep does not hold up what slides over seams") {
         for (int t = 0; t < 24; ++t) w.tick();
         return position(w, puck)[0] + 8;
     };
-    CHECK(slide(0, 1) == doctest::Approx(36).epsilon(0.001));
-    CHECK(slide(2, 1) == doctest::Approx(36).epsilon(0.001));
+    CHECK(slide(0, 1) == test::about(36, 0.001));
+    CHECK(slide(2, 1) == test::about(36, 0.001));
     for (int kind = 0; kind < 3; ++kind) CHECK(slide(kind, 1) == slide(kind, 0));
 }
 
@@ -162,8 +163,8 @@ TEST_CASE("a shot stops at what it hits, keeps its velocity in that tick, and is
     const BodyId ball = add(w, {.pose = at(0, 0, -3), .linear_velocity = vec(0, 0, 300)},
                             {.geometry = sphere(0.05_r), .restitution = 1_r});
     w.tick();
-    CHECK(position(w, ball)[2] == doctest::Approx(-0.005 - 0.05 - 0.002).epsilon(0.01));
-    CHECK(velocity(w, ball)[2] == doctest::Approx(300));
+    CHECK(position(w, ball)[2] == test::about(-0.005 - 0.05 - 0.002, 0.01));
+    CHECK(velocity(w, ball)[2] == test::about(300));
     w.tick();
     CHECK(velocity(w, ball)[2] < -250);
 }
