@@ -99,6 +99,19 @@ inline std::vector<BodyId> add_pyramid(World& w, int base) {
     return boxes;
 }
 
+inline constexpr double speed_step =
+    1.0 / (1 << 19); ///< of an impulse over mass [m/s]: what roundings leave of a speed at rest
+
+/// How far contacts between bodies give: a load F on a contact between m1 and m2 sinks it by F / m * give, 1 / m = 1 / m1 + 1 / m2.
+/// In the steady state of a soft step (Catto, Solver2D, 2024) what a substep pushes is what it lets go, which makes the contact a
+/// spring of m (2 pi f)^2 whatever its damping. f is contact_hertz, at most 3 / 16 of the substep rate. On what does not move f is
+/// twice that, and this a quarter. [s^2]
+inline double give(const WorldDef& def) {
+    const double omega = 2 * 3.14159265358979323846 *
+                         std::min(to_double(def.contact_hertz), 3.0 / 16 * def.tick_rate * def.substeps);
+    return 1 / (omega * omega);
+}
+
 /// What a pile does over time.
 struct Rest {
     double drift = 0;       ///< farthest horizontal way of a centre of mass from where it was [m]

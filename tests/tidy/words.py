@@ -26,6 +26,9 @@ CLOCKS = [
     (r"#\s*include\s*<random>|\bstd::(random_device|mt19937\w*)|(?<![\w.:>])s?rand\s*\(", "chance"),
     (r"\bthread_local\b", "state outside the world"),
 ]
+LOOSE = [
+    (r"\bdoctest::Approx\b", "a tolerance that adds its epsilon times 1 (use test::about)"),
+]
 EVERYWHERE = [
     (r"(?<![\w/.])/(home|root|work|Users)/\w", "a path of one machine"),
 ]
@@ -48,6 +51,9 @@ def check(tree):
         complaints += complaints_of(name, text, ORDER)
         if not name.startswith(MAY_USE_CLOCKS):
             complaints += complaints_of(name, text, CLOCKS)
+    for path in tree.files(("tests",)):
+        if path.name != "about.h":
+            complaints += complaints_of(tree.name(path), without_comments(path.read_text()), LOOSE)
     for path in tree.files(endings=(".h", ".cpp", ".md", ".txt", ".sh")):
         complaints += complaints_of(tree.name(path), path.read_text(), EVERYWHERE)
     return complaints
@@ -66,6 +72,7 @@ PLANTED = [
     ("a clock", {"src/session/x.cpp": "#include <chrono>\n"}),
     ("the time", {"src/session/x.cpp": "auto seed = time(nullptr);\n"}),
     ("rand", {"src/session/x.cpp": "int r = rand();\n"}),
+    ("a loose tolerance", {"tests/x.cpp": "CHECK(x == doctest::Approx(0.001).epsilon(0.1));\n"}),
     ("a path of one machine", {"tests/x.cpp": "// see /home" + "/me/notes\n"}),
 ]
 GOOD = [

@@ -1,4 +1,5 @@
 // Vehicles that drive, brake and turn, against the formulas of a textbook.
+#include "support/about.h"
 #include "support/rigs/vehicle_rig.h"
 
 #include <doctest/doctest.h>
@@ -20,19 +21,19 @@ Rig strong_car(double torque) {
     return rig;
 }
 
-/// From one speed to the other [m/s^2], in first gear.
-double acceleration(double torque, double from, double to) {
+/// From one speed to the other [m/s^2]; backwards in gear -1.
+double acceleration(double torque, double from, double to, std::int32_t gear = 1) {
     Rig rig = strong_car(torque);
-    rig.drive({.throttle = 1_r});
+    rig.drive({.throttle = 1_r, .gear = gear});
     int begin = 0, tick = 0;
-    for (; tick < 1200 && rig.speed() < to; ++tick) {
-        if (rig.speed() < from) begin = tick;
+    for (; tick < 1200 && rig.speed() * gear < to; ++tick) {
+        if (rig.speed() * gear < from) begin = tick;
         rig.run(1);
     }
     return (to - from) * 60 / (tick - begin);
 }
 
-/// Mass with what turns in first gear; see strong_car.
+/// Mass with what turns; see strong_car.
 double mass_with_turning(double ratio) {
     const double r = 0.35;
     return 1200 + (0.3 * ratio * ratio + 4 * 0.9) / (r * r);
@@ -81,14 +82,23 @@ double turning_radius(double steer) {
 } // namespace
 
 TEST_CASE("a car accelerates by the torque at its wheels over its mass and what turns with it") {
-    const double ratio = 3.6 * 3.7;
-    for (double torque : {100.0, 200.0}) {
-        const double expected = torque * ratio / 0.35 / mass_with_turning(ratio);
-        const double found = acceleration(torque, 5, 14);
-        INFO(torque, " N m: ", found, " m/s^2 for ", expected);
-        CHECK(off(found, expected) < 0.02);
-        CHECK_FALSE(off(found, torque * ratio / 0.35 / 1200) < 0.02); // planted: what turns was forgotten
-    }
+    struct Drive {
+        std::int32_t gear;
+        double ratio;
+    };
+    for (const Drive& d : {Drive{1, 3.6 * 3.7}, Drive{-1, 3.2 * 3.7}})
+        for (double torque : {100.0, 200.0}) {
+            const double force = torque * d.ratio / 0.35, mass = mass_with_turning(d.ratio),
+                         expected = force / mass;
+            const double found = acceleration(torque, 5, 14, d.gear);
+            // Both ends are told to a tick. What turns goes ahead of the road by the slip that gives the force, 0.05 at a grip of 4; it
+            // is the share of the mass that is not the car's.
+            const double slip = 0.05 * force / (4 * 1200 * g / 2);
+            const double bound = 2 * expected / 60 / (14 - 5) + slip * (1 - 1200 / mass);
+            INFO("gear ", d.gear, ", ", torque, " N m: ", found, " m/s^2 for ", expected);
+            CHECK(off(found, expected) < bound);
+            CHECK_FALSE(off(found, force / 1200) < bound); // planted: what turns was forgotten
+        }
 }
 
 TEST_CASE("each gear ends at the engine's limit") {
@@ -97,20 +107,17 @@ TEST_CASE("each gear ends at the engine's limit") {
         Rig rig = strong_car(400);
         rig.drive({.throttle = 1_r, .gear = gear});
         rig.run(1500);
-        const double top = 6500 * 2 * pi_double / 60 / (ratios[gear - 1] * 3.7) * 0.35;
+        const double ratio = ratios[gear - 1] * 3.7, top = 6500 * 2 * pi_double / 60 / ratio * 0.35;
         INFO("gear ", gear, ": ", rig.speed(), " m/s for ", top);
-        CHECK(off(rig.speed(), top) < 0.015);
+        CHECK(off(rig.speed(), top) < 0.01); // the limiter takes the fuel away over the last hundredth
     }
 }
 
-TEST_CASE("reverse drives backwards, neutral does not drive") {
+TEST_CASE("neutral does not drive") {
     Rig rig = strong_car(200);
     rig.drive({.throttle = 1_r, .gear = 0});
     rig.run(120);
-    CHECK(std::abs(rig.speed()) < 0.01);
-    rig.drive({.throttle = 1_r, .gear = -1});
-    rig.run(120);
-    CHECK(rig.speed() < -3);
+    CHECK(std::abs(rig.speed()) < 4 * speed_step);
 }
 
 TEST_CASE("locked wheels stop in v^2 / (2 mu g)") {
@@ -119,15 +126,20 @@ TEST_CASE("locked wheels stop in v^2 / (2 mu g)") {
             const Stop s = stop_from(speed, grip, 100);
             const double expected = s.begin * s.begin / (2 * grip * g);
             INFO(speed, " m/s, grip ", grip, ": ", s.way, " m for ", expected);
-            CHECK(off(s.way, expected) < 0.02);
-            CHECK_FALSE(off(stop_from(speed, grip * 0.9, 100).way, expected) < 0.02); // planted: a worse tyre
+            const double bound = 2 * s.begin / 480 / expected; // wheels lock within a substep or two
+            CHECK(off(s.way, expected) < bound);
+            CHECK_FALSE(off(stop_from(speed, grip * 0.98, 100).way, expected) <
+                        bound); // planted: a worse tyre
         }
 }
 
 TEST_CASE("brakes that do not lock stop by their torque") {
     const Stop s = stop_from(20, 2, 0.5);
     const double force = 0.5 * (2 * 1500 + 2 * 600) / 0.35, mass = 1200 + 4 * 0.9 / (0.35 * 0.35);
-    CHECK(off(s.way, s.begin * s.begin / 2 / (force / mass)) < 0.03);
+    const double expected = s.begin * s.begin / 2 / (force / mass);
+    // Wheels have to turn slower than the road first, by the slip of this force; then as above.
+    const double slip = 0.05 * force / (2 * 1200 * g);
+    CHECK(off(s.way, expected) < 2 * s.begin / 480 / expected + 2 * slip * (mass / 1200 - 1));
 }
 
 TEST_CASE("at walking speed a car rolls about the point where the axles meet") {
@@ -135,7 +147,11 @@ TEST_CASE("at walking speed a car rolls about the point where the axles meet") {
         const double angle = std::abs(steer) * 0.6, expected = 2.8 / std::tan(angle);
         const double found = turning_radius(steer);
         INFO("steer ", steer, ": radius ", found, " m for ", expected);
-        CHECK(off(found, expected) < 0.03);
+        // Tyres roll aside by the slip of the turn's force, at a grip of 2: v^2 / R over g. At most so much is one axle's angle off.
+        const double slip = 0.05 * 3 * 3 / (expected * g) / 2;
+        CHECK(off(found, expected) < slip / (std::sin(angle) * std::cos(angle)));
+        CHECK_FALSE(off(found, 2.8 / std::tan(angle * 1.04)) <
+                    slip / (std::sin(angle) * std::cos(angle))); // planted
     }
 }
 
@@ -147,7 +163,7 @@ TEST_CASE("the inner wheel steers more, as Ackermann has it") {
     const double left = to_double(s.wheel[0].steer), right = to_double(s.wheel[1].steer);
     CHECK(right < left);
     CHECK(left < 0);
-    CHECK(1 / std::tan(-left) - 1 / std::tan(-right) == doctest::Approx(1.5 / 2.8).epsilon(1e-6));
+    CHECK(1 / std::tan(-left) - 1 / std::tan(-right) == test::about(1.5 / 2.8, 1e-6));
     CHECK(to_double(s.wheel[2].steer) == 0);
 }
 
@@ -164,13 +180,20 @@ TEST_CASE("a car cannot turn with more than its grip, and turns with most of it"
     double strongest = 0;
     for (int i = 0; i < 60; ++i) {
         const D3 before = velocity(rig.w, rig.chassis);
-        rig.run(6);
+        double load = 0; // of all wheels, in six ticks, over the weight
+        for (int t = 0; t < 6; ++t) {
+            rig.run(1);
+            const VehicleState s = rig.state();
+            for (std::uint32_t wheel = 0; wheel < 4; ++wheel)
+                load += to_double(s.wheel[wheel].load) / (6 * 1200 * g);
+        }
         const D3 change = velocity(rig.w, rig.chassis) - before;
-        strongest = std::max(strongest, std::hypot(change[0], change[2]) * 10);
+        strongest = std::max(strongest, std::hypot(change[0], change[2]) * 10 / load);
     }
     INFO("strongest ", strongest / g, " g");
-    CHECK(strongest < 0.8 * g * 1.03);
-    CHECK(strongest > 0.8 * g * 0.8);
+    CHECK(strongest < 0.8 * g * 1.005); // loads are those of the last of eight substeps
+    // The front wheels, which stand at 0.24 rad, push with all their grip; the rear ones as much, or the car would turn ever faster.
+    CHECK(strongest > 0.8 * g * std::cos(0.24));
 }
 
 TEST_CASE("an automatic box shifts up and down at its speeds") {
@@ -192,13 +215,15 @@ TEST_CASE("an automatic box shifts up and down at its speeds") {
             (i < 1500 ? ups : downs).push_back(to_double(before.rpm));
         before = now;
     }
+    // What is told is at most a tick away: the engine gains no more a tick than in first gear, and loses no more than its brakes take of
+    // it in second: 0.8 of 12,000 N.
+    const double per_speed = 3.7 / 0.35 * 60 / (2 * pi_double), first = 3.6, second = 2.1;
+    const double gain = 300 * first * 3.7 / 0.35 / mass_with_turning(first * 3.7) / 60 * first * per_speed;
+    const double loss = 0.8 * 12000 / 1200 / 60 * second * per_speed;
     REQUIRE(ups.size() == 4);
-    for (double rpm : ups) {
-        CHECK(rpm > 5500 * 0.99);
-        CHECK(rpm < 5500 * 1.04);
-    }
+    for (double rpm : ups) CHECK(std::abs(rpm - 5500) < gain);
     REQUIRE(downs.size() == 4);
-    for (double rpm : downs) CHECK(rpm < 2200 * 1.01);
+    for (double rpm : downs) CHECK(rpm - 2200 < loss); // lower while the box pauses between two changes
     CHECK(before.gear == 1);
 }
 
@@ -220,8 +245,14 @@ TEST_CASE("a limited slip differential drives the wheel that has grip") {
     const double open = way(DifferentialKind::open), limited = way(DifferentialKind::limited),
                  locked = way(DifferentialKind::locked);
     INFO("open ", open, ", limited ", limited, ", locked ", locked, " m");
+    // A bias of 1 brakes their difference by all that comes in: as if locked. Both wheels then have what each can bear, 0.05 and 1 of a
+    // quarter of the weight; the way is that of at most this force, and the clutch takes its time. Open, the wheel on the road has the
+    // torque of the one on ice: 0.05 of a quarter, and what spins that one up.
+    const double most = 1.05 * (g / 4) * 3 * 3 / 2;
+    CHECK(off(limited, locked) < 0.01);
+    CHECK(locked < most);
+    CHECK(locked > 0.8 * most);
     CHECK(limited > 2 * open);
-    CHECK(locked > 0.95 * limited);
 }
 
 TEST_CASE("a tracked vehicle turns on the spot, and drives straight on") {
@@ -240,8 +271,9 @@ TEST_CASE("a tracked vehicle turns on the spot, and drives straight on") {
         turned += spin(rig.w, body)[1] / 60;
     }
     INFO("turned ", turned, " rad, went ", length(rig.at() - from), " m");
-    CHECK(turned < -2); // to the right
-    CHECK(length(rig.at() - from) < 0.2);
+    // A game's need: a third of a turn in five seconds, to the right, without leaving the spot by a hand's breadth.
+    CHECK(turned < -2 * pi_double / 3);
+    CHECK(length(rig.at() - from) < 0.1);
     const VehicleState s = rig.state();
     CHECK(s.wheel[0].spin > 0_r);
     CHECK(s.wheel[1].spin < 0_r);
@@ -252,6 +284,7 @@ TEST_CASE("a tracked vehicle turns on the spot, and drives straight on") {
     rig.drive({.throttle = 1_r});
     rig.run(300);
     const D3 way = rig.at() - begin;
-    CHECK(dot(way, ahead) > 10);
-    CHECK(length(way) < 1.001 * dot(way, ahead));
+    CHECK(dot(way, ahead) > 10); // a game's need: a running man's pace
+    CHECK(std::sqrt(std::max(0.0, dot(way, way) - dot(way, ahead) * dot(way, ahead))) <
+          0.01 * dot(way, ahead));
 }

@@ -1,4 +1,5 @@
 // Contacts against closed forms: bouncing, rolling, friction, momentum, energy.
+#include "support/about.h"
 #include "support/sim_scenes.h"
 
 #include <doctest/doctest.h>
@@ -26,6 +27,31 @@ D3 momentum(const World& w) {
     D3 sum{};
     for (BodyId b : w.bodies()) sum = sum + to_double(w.mass(b)) * velocity(w, b);
     return sum;
+}
+
+constexpr double substep = 1.0 / 480;
+/// A contact is felt at the ends of substeps, so a velocity at one is off by what gravity gives in a substep.
+constexpr double speed_of_substep = g * substep;
+
+/// Between which heights the bounces of a ball dropped from 3 m lie, as long as they are hit at more than restitution_speed_min, 1 m/s.
+/// Semi-implicit Euler falls along a parabola that begins half a substep late: a fall ends, and a rise begins, slower by half a substep of
+/// gravity. The floor is felt up to a substep early or late.
+struct HeightRange {
+    double least, most;
+};
+std::vector<HeightRange> bounces_expected(double restitution) {
+    std::vector<HeightRange> heights;
+    const auto next = [&](double height, double felt) {
+        const double in = std::sqrt(2 * g * height) - speed_of_substep / 2 + felt * speed_of_substep;
+        const double out = restitution * in - speed_of_substep / 2;
+        return std::pair(in, out * out / (2 * g));
+    };
+    HeightRange now{3, 3};
+    while (heights.size() < 4 && next(now.least, -1).first > 1) {
+        now = {next(now.least, -1).second, next(now.most, 1).second};
+        heights.push_back(now);
+    }
+    return heights;
 }
 
 /// The heights of the bounces of a ball dropped from 3 m, as far as its lowest point.
@@ -74,23 +100,34 @@ double slide_angle(double friction, double direction) {
 TEST_CASE("a ball bounces to restitution squared of its height, and not at all at 0") {
     for (double e : {0.5, 0.8, 1.0}) {
         const std::vector<double> heights = bounces(e, 4);
-        double expected = 3;
+        const std::vector<HeightRange> expected = bounces_expected(e);
         std::printf("  restitution %.1f from 3 m:", e);
-        REQUIRE(!heights.empty());
-        for (std::size_t i = 0; i < heights.size(); ++i) {
-            expected *= e * e;
-            std::printf(" %.4f (%.4f)", heights[i], expected);
-            CHECK(heights[i] < expected + 0.001);
-            // A bounce begins up to a substep of fall, 1.6 cm at 7.7 m/s, from the floor.
-            CHECK(heights[i] > expected * (1 - 0.011 * static_cast<double>(i + 1)) - 0.006);
+        REQUIRE(heights.size() >= expected.size());
+        for (std::size_t i = 0; i < expected.size(); ++i) {
+            std::printf(" %.4f (%.4f to %.4f)", heights[i], expected[i].least, expected[i].most);
+            CHECK(heights[i] > expected[i].least);
+            CHECK(heights[i] < expected[i].most);
         }
         std::printf("\n");
     }
-    for (double h : bounces(0, 3)) CHECK(h < 0.002);
 }
 
-TEST_CASE("planted fault: restitution 0.8 is told from 0.7") {
-    CHECK(bounces(0.7, 1)[0] < 0.64 * 3 * (1 - 0.011) - 0.006);
+TEST_CASE("planted fault: restitution 0.8 is told from 0.79, at the first bounce") {
+    CHECK(bounces(0.79, 1)[0] < bounces_expected(0.8)[0].least);
+}
+
+TEST_CASE("a ball without restitution stays where it lands") {
+    const auto highest_after = [](double restitution) {
+        World w = made(World::create(small_def()));
+        add_floor(w, {.restitution = real(restitution)});
+        const BodyId ball = add_ball(w, at(0, 3.5, 0), 0.5, restitution);
+        while (w.contacts().empty() || position(w, ball)[1] > 0.5) w.tick(); // it lands
+        double highest = 0;
+        for (int t = 0; t < 120; ++t) w.tick(), highest = std::max(highest, position(w, ball)[1] - 0.5);
+        return highest;
+    };
+    CHECK(highest_after(0) < 1e-5);          // the roundings of a gap
+    CHECK_FALSE(highest_after(0.15) < 1e-5); // planted: it comes at 7.7 m/s and leaves at 1.2
 }
 
 TEST_CASE("a ball rolls down without slipping at 5/7 of g sin") {
@@ -104,9 +141,10 @@ TEST_CASE("a ball rolls down without slipping at 5/7 of g sin") {
         const double expected = 5.0 / 7 * g * std::sin(angle * degree) * 2;
         std::printf("  ball on %.0f degrees after 2 s: %.4f m/s (%.4f)\n", angle, velocity(w, ball)[0],
                     expected);
-        CHECK(velocity(w, ball)[0] == doctest::Approx(expected).epsilon(0.005));
-        CHECK(spin(w, ball)[2] * -0.5 == doctest::Approx(velocity(w, ball)[0]).epsilon(0.005));
-        CHECK(std::abs(velocity(w, ball)[2]) < 1e-4);
+        // The first substep may pass before the floor is felt.
+        CHECK(velocity(w, ball)[0] == test::about(expected, substep / 2));
+        CHECK(spin(w, ball)[2] * -0.5 == test::about(velocity(w, ball)[0], substep / 2));
+        CHECK(std::abs(velocity(w, ball)[2]) < 960 * speed_step); // a step a substep
     }
 }
 
@@ -117,8 +155,7 @@ TEST_CASE("a ball rolls down a plane that is itself turned at 5/7 of g sin") {
     const BodyId ball = add(w, {.pose = {rotate(rotation, vec(0, 0.5, 0)), Quat::identity()}},
                             {.geometry = sphere(real(0.5))});
     for (int t = 0; t < 120; ++t) w.tick();
-    CHECK(length(velocity(w, ball)) ==
-          doctest::Approx(5.0 / 7 * g * std::sin(20 * degree) * 2).epsilon(0.005));
+    CHECK(length(velocity(w, ball)) == test::about(5.0 / 7 * g * std::sin(20 * degree) * 2, substep / 2));
 }
 
 TEST_CASE("a block holds on an incline up to atan(friction), in every direction") {
@@ -128,7 +165,10 @@ TEST_CASE("a block holds on an incline up to atan(friction), in every direction"
             const double expected = std::atan(friction) / degree;
             std::printf("  friction %.1f towards %.0f degrees: slides from %.2f degrees (%.2f)\n", friction,
                         direction, angle, expected);
-            CHECK(std::abs(angle - expected) < 0.5);
+            // What slides at 0.02 m/s after 2 s has g sin(excess) / cos(atan(friction)) of acceleration; half of the last interval on top.
+            const double excess = 0.02 / 2 / g * std::cos(expected * degree) / degree;
+            CHECK(angle > expected - 0.01);
+            CHECK(angle < expected + excess + 0.01);
         }
 }
 
@@ -142,8 +182,9 @@ TEST_CASE("a sliding block slows down by friction times g") {
     const D3 v = velocity(w, block);
     std::printf("  sliding block after 1 s: %.4f m/s (%.4f), %.4f rad/s of turn\n", std::hypot(v[0], v[2]),
                 expected, spin(w, block)[1]);
-    CHECK(std::hypot(v[0], v[2]) == doctest::Approx(expected).epsilon(0.01));
-    CHECK(std::abs(v[0] - 2 * v[2]) < 0.02);
+    CHECK(std::abs(std::hypot(v[0], v[2]) - expected) <
+          0.3 * speed_of_substep);                           // the first substep's friction
+    CHECK(std::abs(v[0] - 2 * v[2]) < 480 * 3 * speed_step); // a step along each axis a substep
 }
 
 TEST_CASE("two bodies that collide in space keep their momentum and, elastic, their energy") {
@@ -156,13 +197,18 @@ TEST_CASE("two bodies that collide in space keep their momentum and, elastic, th
         const D3 before = momentum(w);
         const double energy = to_double(w.kinetic_energy());
         for (int t = 0; t < 60; ++t) w.tick();
-        CHECK(length(momentum(w) - before) < 2e-5);
-        // Along the line of centres at impact: sin = 0.3 of the distance.
-        const double normal_speed = 9 * std::sqrt(1 - 0.09), reduced = 0.75;
-        const double lost = reduced / 2 * normal_speed * normal_speed * (1 - e * e);
-        std::printf("  collision, restitution %.1f: momentum off by %.2g, energy %.4f J (%.4f)\n", e,
-                    length(momentum(w) - before), to_double(w.kinetic_energy()), energy - lost);
-        CHECK(to_double(w.kinetic_energy()) == doctest::Approx(energy - lost).epsilon(0.02));
+        CHECK(length(momentum(w) - before) <
+              4 * speed_step * std::sqrt(3.0)); // a step along each axis of 4 kg
+        // Along the line of centres: 0.3 aside of a distance between that of the touch, 1, and a tick's way more, when it was found.
+        const auto left_at = [&](double distance) {
+            const double sine = 0.3 / distance, normal_speed = 9 * std::sqrt(1 - sine * sine), reduced = 0.75;
+            return energy - reduced / 2 * normal_speed * normal_speed * (1 - e * e);
+        };
+        std::printf("  collision, restitution %.1f: momentum off by %.2g, energy %.4f J (%.4f to %.4f)\n", e,
+                    length(momentum(w) - before), to_double(w.kinetic_energy()), left_at(1 + 9.0 / 60),
+                    left_at(1));
+        CHECK(to_double(w.kinetic_energy()) > left_at(1 + 9.0 / 60) - energy * 1e-5);
+        CHECK(to_double(w.kinetic_energy()) < left_at(1) + energy * 1e-5);
     }
 }
 
@@ -203,8 +249,10 @@ TEST_CASE("elastic balls that fly about a closed box gain no energy") {
     const double clean = rise(-1), planted = rise(45);
     std::printf("  64 elastic balls: energy grows by %.2g of itself, with one pushed by %.2g\n", clean,
                 planted);
-    CHECK(clean < 1e-6);
-    CHECK_FALSE(planted < 1e-6);
+    // A bounce at 4 m/s, rounded to a step of a speed: twice a step over 4 m/s of the energy of two balls of 64, and some bounces a tick.
+    const double rounding = 2 * speed_step / 4;
+    CHECK(clean < rounding);
+    CHECK_FALSE(planted < rounding);
 }
 
 TEST_CASE("a cloud of bodies in space keeps its momentum through all collisions") {
@@ -223,33 +271,55 @@ TEST_CASE("a cloud of bodies in space keeps its momentum through all collisions"
     for (int t = 0; t < 300; ++t) w.tick();
     std::printf("  cloud of 40: velocity of the whole off by %.2g m/s\n",
                 length(momentum(w) - before) / mass);
-    CHECK(length(momentum(w) - before) / mass < 1e-5);
+    // A step of a speed for each body and tick, in directions of chance: the mean of 40 bodies over 300 ticks, three times that.
+    CHECK(length(momentum(w) - before) / mass < 3 * speed_step * std::sqrt(300.0 / 40));
 }
+
+namespace {
+
+/// How far the energy of a crowd in a shaft gets above what it had at first, and above its least until then [J/kg]. At tick
+/// `pushed_at` one body of it is given 3 m/s.
+struct Growth {
+    double above_first = -1e9, above_least = 0;
+};
+Growth growth_of_crowd(double restitution, int pushed_at) {
+    World w = made(World::create(small_def()));
+    add_floor(w);
+    for (double x : {-2.5, 2.5}) add_wall(w, at(x, 5, 0), vec(0.5, 8, 3));
+    for (double z : {-2.5, 2.5}) add_wall(w, at(0, 5, z), vec(3, 8, 0.5));
+    BodyId last;
+    for (int i = 0; i < 30; ++i) {
+        const Geometry shapes[] = {box(real(0.4), real(0.3), real(0.5)), sphere(real(0.35)),
+                                   capsule(real(0.2), real(0.3))};
+        last = add(w, {.pose = at(i % 3 - 1, 1 + i / 3, i % 2 - 0.5, turned(axis_z, 23 * i))},
+                   {.geometry = shapes[i % 3], .restitution = real(restitution)});
+    }
+    const double first = energy_per_mass(w);
+    double least = first;
+    Growth out;
+    for (int t = 0; t < 1200; ++t) {
+        if (t == pushed_at) done(w.add_impulse(last, {{}, w.mass(last) * Real(3), {}}));
+        w.tick();
+        const double now = energy_per_mass(w);
+        out = {std::max(out.above_first, now - first), std::max(out.above_least, now - least)};
+        least = std::min(least, now);
+    }
+    std::printf("  closed scene, restitution %.1f: %.4f J/kg at first, at most %+.4f, rises by %.4f\n",
+                restitution, first, out.above_first, out.above_least);
+    return out;
+}
+/// Overlap that is pushed out lifts what lies on it: all of them, by the most that all of them press one contact together.
+const double growth_max = g * 2 * 30 * g * give(small_def());
+
+} // namespace
 
 TEST_CASE("energy never grows in a closed scene that nothing drives") {
     for (double restitution : {0.0, 0.5, 1.0}) {
-        World w = made(World::create(small_def()));
-        add_floor(w);
-        for (double x : {-2.5, 2.5}) add_wall(w, at(x, 5, 0), vec(0.5, 8, 3));
-        for (double z : {-2.5, 2.5}) add_wall(w, at(0, 5, z), vec(3, 8, 0.5));
-        for (int i = 0; i < 30; ++i) {
-            const Geometry shapes[] = {box(real(0.4), real(0.3), real(0.5)), sphere(real(0.35)),
-                                       capsule(real(0.2), real(0.3))};
-            add(w, {.pose = at(i % 3 - 1, 1 + i / 3, i % 2 - 0.5, turned(axis_z, 23 * i))},
-                {.geometry = shapes[i % 3], .restitution = real(restitution)});
-        }
-        const double start = energy_per_mass(w);
-        double worst = -1e9, rise = 0, lowest = start;
-        for (int t = 0; t < 1200; ++t) {
-            w.tick();
-            const double e = energy_per_mass(w);
-            worst = std::max(worst, e - start), rise = std::max(rise, e - lowest);
-            lowest = std::min(lowest, e);
-        }
-        std::printf(
-            "  closed scene, restitution %.1f: %.4f J/kg at first, at most %+.4f, rises by %.4f, ends %.4f\n",
-            restitution, start, worst, rise, energy_per_mass(w));
-        CHECK(worst < 0.02);
-        CHECK(rise < start / 25); // overlap that is pushed out lifts what lies on it
+        const Growth growth = growth_of_crowd(restitution, -1);
+        CHECK(growth.above_first <= 0);
+        CHECK(growth.above_least < growth_max);
     }
+}
+TEST_CASE("planted fault: one body of thirty that is pushed is found by the energy of all") {
+    CHECK_FALSE(growth_of_crowd(0, 600).above_least < growth_max);
 }

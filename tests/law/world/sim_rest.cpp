@@ -1,4 +1,5 @@
 // Things that should come to rest do, where they were put.
+#include "support/about.h"
 #include "support/sim_scenes.h"
 
 #include <doctest/doctest.h>
@@ -11,10 +12,45 @@ using namespace lockstone::test::scene;
 
 namespace {
 
+constexpr double g = 9.81;
+
 World piles_world() {
     WorldDef def;
     def.bodies_max = def.shapes_max = 1024;
+    def.sleeping = 0; // the contacts of what sleeps are not told
     return made(World::create(def));
+}
+
+/// At rest: twenty steps of a speed [J/kg]. What one body alone keeps is below one step along and about each axis.
+constexpr double at_rest = 400 * speed_step * speed_step / 2, alone_at_rest = 6 * speed_step * speed_step / 2;
+/// What nothing pushes aside stays: the bound of symmetry, as in contact_block.cpp [m].
+constexpr double stays = 1e-5;
+
+/// What a pyramid of equal boxes of 1 m does by its own weight, when each rests by halves on the two below: how deep the deepest contact
+/// is, and how far a centre goes aside because one of its two supports sinks more than the other and tilts it [m].
+struct Settled {
+    double deepest = 0, aside = 0;
+};
+Settled settled(std::size_t base, double give) {
+    std::vector<std::vector<double>> load{{1}}; // by row from the top, in weights of a box
+    for (std::size_t row = 1; row < base; ++row) {
+        load.emplace_back(row + 1, 1.0);
+        for (std::size_t i = 0; i < load[row - 1].size(); ++i)
+            load[row][i] += load[row - 1][i] / 2, load[row][i + 1] += load[row - 1][i] / 2;
+    }
+    Settled out;
+    std::vector<double> sunk, aside(load.back().size(), 0.0);
+    for (const double weights : load.back()) sunk.push_back(weights * g * give / 4);
+    for (std::size_t row = base - 1; row-- > 0;)
+        for (std::size_t i = 0; i < load[row].size(); ++i) {
+            const double contact =
+                load[row][i] * g * give; // half of it on each of two contacts of half the mass
+            const double tilt = (sunk[i] - sunk[i + 1]) / 1.02;
+            sunk[i] = (sunk[i] + sunk[i + 1]) / 2 + contact;
+            aside[i] = (aside[i] + aside[i + 1]) / 2 - tilt / 2;
+            out.deepest = std::max(out.deepest, contact), out.aside = std::max(out.aside, std::abs(aside[i]));
+        }
+    return out;
 }
 
 Rest print(const char* what, const Rest& r) {
@@ -31,26 +67,31 @@ TEST_CASE("a stack of 10 boxes stands for 1,200 ticks") {
     World w = piles_world();
     add_floor(w);
     const Rest r = print("stack of 10", rest_after(w, add_stack(w, 10), 1200));
-    CHECK(r.drift < 0.005);
-    CHECK(r.penetration < 0.006);
-    CHECK(r.kinetic < 1);
+    CHECK(r.drift < stays);
+    // Nine boxes on a contact of half the mass.
+    CHECK(r.penetration == test::about(2 * 9 * g * give(w.def()), 0.02));
+    CHECK(r.kinetic / 10'000 < at_rest);
 }
 
-TEST_CASE("a pyramid of base 20 stands for 1,200 ticks") {
+TEST_CASE("planted fault: a stack of 11 boxes sinks in deeper than one of 10") {
     World w = piles_world();
     add_floor(w);
-    const Rest r = print("pyramid of base 20", rest_after(w, add_pyramid(w, 20), 1200));
-    CHECK(r.drift < 0.008);
-    CHECK(r.penetration < 0.006);
-    CHECK(r.kinetic < 1);
+    CHECK(rest_after(w, add_stack(w, 11), 1200).penetration != test::about(2 * 9 * g * give(w.def()), 0.02));
 }
 
-TEST_CASE("a pyramid of base 40 stands for 1,200 ticks" * doctest::skip(!long_run())) {
-    World w = piles_world();
-    add_floor(w);
-    const Rest r = print("pyramid of base 40", rest_after(w, add_pyramid(w, 40), 1200));
-    CHECK(r.drift < 0.1);
-    CHECK(r.penetration < 0.012);
+TEST_CASE("pyramids of base 20 and 40 stand for 1,200 ticks") {
+    for (const int base : {20, 40}) {
+        if (base == 40 && !long_run()) continue;
+        World w = piles_world();
+        add_floor(w);
+        const Rest r = print("pyramid", rest_after(w, add_pyramid(w, base), 1200));
+        const Settled closed = settled(static_cast<std::size_t>(base), give(w.def()));
+        INFO("base ", base, ": at most ", closed.aside * 1e3, " mm aside, ", closed.deepest * 1e3,
+             " mm deep");
+        CHECK(r.drift < closed.aside);
+        CHECK(r.penetration < closed.deepest);
+        if (base == 20) CHECK(r.kinetic / (500.0 * base * (base + 1)) < at_rest); // the other still settles
+    }
 }
 
 TEST_CASE("a single ball, capsule and box rest without jitter") {
@@ -68,8 +109,8 @@ TEST_CASE("a single ball, capsule and box rest without jitter") {
         std::printf("  kind %u at rest: %.2g J/kg, moves %.2g m in 300 ticks\n",
                     static_cast<unsigned>(shape.kind), per_mass,
                     length(to_double(w.pose(b).position) - to_double(before.position)));
-        CHECK(per_mass < 1e-9);
-        CHECK(length(to_double(w.pose(b).position) - to_double(before.position)) < 1e-4);
+        CHECK(per_mass < alone_at_rest);
+        CHECK(length(to_double(w.pose(b).position) - to_double(before.position)) < 5 * speed_step * 2);
     }
 }
 
@@ -85,8 +126,9 @@ TEST_CASE("a box that lands flat stays where it landed, from 0.1 m to 20 m") {
                 const Rest r = rest_after(w, {b}, 240);
                 INFO("half extents ", half[0], " ", half[1], " ", half[2], ", from ", height, " m, yaw ",
                      yaw);
-                CHECK(r.drift < 0.005);
-                CHECK(to_double(w.pose(b).position.y) == doctest::Approx(half[1]).epsilon(0.01));
+                CHECK(r.drift < stays);
+                // It stands in the floor by what its weight presses, 8 micrometres; the roundings of a gap come on top.
+                CHECK(std::abs(position(w, b)[1] - (half[1] - g * give(w.def()) / 4)) < stays);
             }
 }
 
@@ -96,10 +138,10 @@ TEST_CASE("a box that bounces flat does not tumble") {
     const BodyId b = add(w, {.pose = at(0, 4, 0)},
                          {.geometry = box(real(0.5), real(0.5), real(0.5)), .restitution = real(0.6)});
     const Rest r = print("bouncing box", rest_after(w, {b}, 600));
-    CHECK(r.drift < 0.5); // each bounce magnifies the tilt that the one before left
-    CHECK(r.kinetic == 0);
-    CHECK(to_double(to_rotation(w.pose(b).rotation).y.y) > 0.9999);
-    CHECK(position(w, b)[1] == doctest::Approx(0.5).epsilon(0.01));
+    CHECK(r.drift < stays); // it falls on all four corners at once, each time
+    CHECK(r.kinetic / 1000 < alone_at_rest);
+    CHECK(to_double(to_rotation(w.pose(b).rotation).y.y) > 1 - 1e-9);
+    CHECK(std::abs(position(w, b)[1] - (0.5 - g * give(w.def()) / 4)) < stays);
 }
 
 TEST_CASE("a box that lands flat on another stays on it") {
@@ -107,8 +149,9 @@ TEST_CASE("a box that lands flat on another stays on it") {
     add_floor(w);
     const BodyId lower = add_crate(w, at(0, 0.5, 0)), upper = add_crate(w, at(0, 4, 0));
     const Rest r = print("box on box", rest_after(w, {lower, upper}, 600));
-    CHECK(r.drift < 0.02);
-    CHECK(position(w, upper)[1] == doctest::Approx(1.5).epsilon(0.01));
+    CHECK(r.drift < stays);
+    // One weight on half the mass, and both on the floor.
+    CHECK(std::abs(position(w, upper)[1] - (1.5 - (2 + 2.0 / 4) * g * give(w.def()))) < stays);
 }
 
 TEST_CASE("a heavy ball rests on a light one without crushing it") {
@@ -123,7 +166,8 @@ TEST_CASE("a heavy ball rests on a light one without crushing it") {
             add(w, {.pose = at(0, 1.5, 0), .mass = real(ratio)}, {.geometry = sphere(real(0.5))});
         for (int t = 0; t < 600; ++t) w.tick();
         std::printf("  %.0f kg on 1 kg: sinks %.2f mm\n", ratio, 1e3 * (1.5 - position(w, heavy)[1]));
-        CHECK(position(w, heavy)[1] > (ratio < 50 ? 1.49 : 1.4));
+        // `ratio` on a reduced mass of ratio / (1 + ratio), and 1 + ratio of the light one's weights on the floor.
+        CHECK(1.5 - position(w, heavy)[1] == test::about((1 + ratio) * 1.25 * g * give(w.def()), 0.02));
     }
 }
 
@@ -136,11 +180,13 @@ TEST_CASE("balls in a box settle and stay inside") {
     for (int i = 0; i < 50; ++i)
         balls.push_back(add_ball(w, at(i % 3 - 1 + 0.002 * i, 1 + 0.7 * (i / 3), (i / 3) % 3 - 1), 0.35));
     const Rest r = print("50 balls in a box", rest_after(w, balls, 900));
-    CHECK(r.kinetic / (50 * to_double(w.mass(balls[0]))) < 1e-4);
-    CHECK(r.penetration < 0.01);
+    // Some may still creep into place: below 1.5 cm/s, a quarter of a millimetre a tick.
+    CHECK(r.kinetic / (50 * to_double(w.mass(balls[0]))) < 0.015 * 0.015 / 2);
+    const double deepest = 2 * 50 * g * give(w.def()); // if one contact bore them all
+    CHECK(r.penetration < deepest);
     for (BodyId b : balls) {
-        CHECK(std::abs(position(w, b)[0]) < 1.5);
-        CHECK(std::abs(position(w, b)[2]) < 1.5);
-        CHECK(position(w, b)[1] > 0.3);
+        CHECK(std::abs(position(w, b)[0]) < 1.5 - 0.35 + deepest);
+        CHECK(std::abs(position(w, b)[2]) < 1.5 - 0.35 + deepest);
+        CHECK(position(w, b)[1] > 0.35 - deepest);
     }
 }
