@@ -182,7 +182,14 @@ TEST_CASE("planted fault: warm starts and turns of joints that a restore forgets
             std::ranges::fill(bytes, std::byte{});
         else
             bytes[0] ^= std::byte{1};
-        CHECK(departs(w, 40, 5).find("joint.memory") != std::string::npos);
+        World straight = start_joints();
+        straight.restore(the_run().images[40]);
+        REQUIRE(same_motion(w, straight));
+        step_joints(straight);
+        World forgetful = w.clone();
+        step_joints(forgetful);
+        if (byte == 0) CHECK_FALSE(same_motion(forgetful, straight));
+        CHECK(departs(w, 40, 5).find("joint.memory") != std::string::npos); // and it is named
     }
 }
 
