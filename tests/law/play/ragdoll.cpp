@@ -23,11 +23,19 @@ WorldDef ragdoll_def(std::uint32_t bodies = 20) {
 struct Strain {
     double gap = 0, beyond = -10;
 };
-Strain strain_of(const World& w, const Ragdoll& r) {
+using Joints = std::array<JointDef, ragdoll_part_count>;
+Joints joints_of(const World& w, const Ragdoll& r) {
+    Joints out;
+    for (std::uint32_t part = 1; part < ragdoll_part_count; ++part) out[part] = w.joint(r.joints[part]);
+    return out;
+}
+/// Against what the joints were made as.
+Strain strain_of(const World& w, const Ragdoll& r, const Joints& made_as) {
     Strain strain;
     for (std::uint32_t part = 1; part < ragdoll_part_count; ++part) {
-        const JointDef def = w.joint(r.joints[part]);
-        const Offset o = offset_of(w, r.joints[part]);
+        const JointDef& def = made_as[part];
+        const Offset o =
+            offset_of(place_of(w, def.body_a, def.frame_a), place_of(w, def.body_b, def.frame_b));
         strain.gap = std::max(strain.gap, length(o.along));
         const double twist = to_double(w.joint_state(r.joints[part]).position[about_x]);
         strain.beyond = std::max({strain.beyond, twist - to_double(def.axis[about_x].upper),
@@ -38,6 +46,7 @@ Strain strain_of(const World& w, const Ragdoll& r) {
     }
     return strain;
 }
+Strain strain_of(const World& w, const Ragdoll& r) { return strain_of(w, r, joints_of(w, r)); }
 
 /// A fall from 3 m ends at 7.7 m/s. A joint learns of it at the next substep, and each of the five from a hand to a foot one later.
 constexpr double impact_gap_max = 5 * 7.7 / 480;
@@ -76,6 +85,12 @@ TEST_CASE("a ragdoll has the mass that it was given, and its segments their shar
     w.tick();
     for (const World::ContactPoint& p : w.contacts())
         CHECK(to_double(p.separation) > 0); // no part touches another
+    done(w.set_pose(r.bodies[static_cast<std::size_t>(RagdollPart::forearm_left)],
+                    w.pose(r.bodies[static_cast<std::size_t>(RagdollPart::head)])));
+    w.tick();
+    CHECK(std::ranges::any_of(w.contacts(), [](const World::ContactPoint& p) { // planted: an arm in the head
+        return to_double(p.separation) < 0;
+    }));
 }
 
 TEST_CASE("both poses stand within the limits of all joints, and ragdoll_pose reads them back") {
@@ -86,47 +101,67 @@ TEST_CASE("both poses stand within the limits of all joints, and ragdoll_pose re
         CHECK(strain_of(w, r).beyond < 1e-3);
         CHECK(apart(ragdoll_pose(w, r), pose) < 1e-4);
         for (int t = 0; t < 60; ++t) w.tick();
-        CHECK(apart(ragdoll_pose(w, r), pose) < 0.01); // nothing moves where nothing pulls
+        CHECK(apart(ragdoll_pose(w, r), pose) < 1e-3); // nothing moves but what was beyond a limit
     }
 }
+
+namespace {
+
+/// Empty when a ragdoll that `change` was applied to falls from 3 m, lies down whole and within its limits, and sleeps.
+template <class Change> std::string fall_fault(int seed, Change&& change) {
+    World w = made(World::create(ragdoll_def()));
+    add_floor(w);
+    Random random = Random::seeded(static_cast<std::uint64_t>(seed));
+    const Vec3 angles{random.range(-pi, pi), random.range(-pi, pi), random.range(-pi, pi)};
+    const Ragdoll r = made(make_ragdoll(w, {.place = {vec(0, 3, 0), from_euler(angles)},
+                                            .pose = seed % 2 == 0 ? ragdoll_standing() : ragdoll_t_pose()}));
+    const Joints made_as = joints_of(w, r);
+    change(w, r);
+    Strain worst;
+    for (int t = 0; t < 1200 && w.awake_count() > 0; ++t) {
+        w.tick();
+        const Strain now = strain_of(w, r, made_as);
+        worst = {std::max(worst.gap, now.gap), std::max(worst.beyond, now.beyond)};
+    }
+    const Strain rest = strain_of(w, r, made_as);
+    if (worst.gap > impact_gap_max) return "it comes apart by " + std::to_string(worst.gap);
+    if (worst.beyond > impact_beyond_max) return "a limit is passed by " + std::to_string(worst.beyond);
+    if (rest.gap > rest_gap_max) return "it lies apart by " + std::to_string(rest.gap);
+    if (rest.beyond > rest_gap_max / lever) return "it lies beyond a limit by " + std::to_string(rest.beyond);
+    if (w.awake_count() != 0) return "it does not sleep";
+    for (BodyId b : r.bodies)
+        if (position(w, b)[1] < 0) return "a part is below the floor";
+    return w.faults() == Faults{} ? "" : "something was clamped";
+}
+
+} // namespace
 
 TEST_CASE("a ragdoll that falls in any way lies down whole, within its limits, and sleeps") {
     const int count = std::getenv("LOCKSTONE_LONG") != nullptr ? 40 : 3;
     for (int seed = 0; seed < count; ++seed) {
-        World w = made(World::create(ragdoll_def()));
-        add_floor(w);
-        Random random = Random::seeded(static_cast<std::uint64_t>(seed));
-        const Vec3 angles{random.range(-pi, pi), random.range(-pi, pi), random.range(-pi, pi)};
-        const Ragdoll r =
-            made(make_ragdoll(w, {.place = {vec(0, 3, 0), from_euler(angles)},
-                                  .pose = seed % 2 == 0 ? ragdoll_standing() : ragdoll_t_pose()}));
-        Strain worst;
-        int ticks = 0;
-        for (; ticks < 1200 && w.awake_count() > 0; ++ticks) {
-            w.tick();
-            const Strain now = strain_of(w, r);
-            worst = {std::max(worst.gap, now.gap), std::max(worst.beyond, now.beyond)};
-        }
-        INFO("seed ", seed, ", ", ticks, " ticks");
-        CHECK(worst.gap < impact_gap_max);
-        CHECK(worst.beyond < impact_beyond_max);
-        CHECK(strain_of(w, r).gap < rest_gap_max);
-        CHECK(strain_of(w, r).beyond < rest_gap_max / lever);
-        CHECK(w.awake_count() == 0);
-        for (BodyId b : r.bodies) CHECK(position(w, b)[1] > 0);
-        const Faults faults = w.faults();
-        CHECK(faults.speed_clamped + faults.position_clamped + faults.impulse_clamped == 0);
+        INFO("seed ", seed);
+        CHECK(fall_fault(seed, [](World&, const Ragdoll&) {}) == "");
     }
 }
 
-TEST_CASE("planted fault: a ragdoll with a joint cut is found to be apart") {
-    World w = made(World::create(weightless(ragdoll_def())));
-    const Ragdoll r = made(make_ragdoll(w, {}));
-    const BodyId head = r.bodies[static_cast<std::size_t>(RagdollPart::head)];
-    done(w.set_pose(head, {w.pose(head).position + vec(0, 0.1, 0), Quat::identity()}));
-    CHECK(strain_of(w, r).gap > 0.08);
-    done(w.set_pose(head, {w.pose(head).position, turned(axis_x, 70)}));
-    CHECK(strain_of(w, r).beyond > 0.4);
+TEST_CASE("planted fault: a neck that holds 10 cm off, and a knee that bends the wrong way, are found when "
+          "it falls") {
+    const auto joint = [](const Ragdoll& r, RagdollPart part) {
+        return r.joints[static_cast<std::size_t>(part)];
+    };
+    const auto stretched = [&](World& w, const Ragdoll& r) {
+        const JointDef neck = w.joint(joint(r, RagdollPart::head));
+        Transform longer = neck.frame_a;
+        longer.position.y += 0.1_r;
+        done(w.set_joint_frames(joint(r, RagdollPart::head), longer, neck.frame_b));
+    };
+    const auto backwards = [&](World& w, const Ragdoll& r) {
+        JointAxis knee = w.joint(joint(r, RagdollPart::shin_left)).axis[about_x];
+        knee.lower = -2.4_r, knee.upper = -0.7_r;
+        done(w.set_joint_axis(joint(r, RagdollPart::shin_left), about_x, knee));
+    };
+    CHECK(fall_fault(0, stretched).starts_with("it comes apart"));
+    CHECK(fall_fault(0, backwards).starts_with("a limit is passed"));
 }
 
 TEST_CASE("driven, a ragdoll takes a pose and keeps it; limp again, it lets go") {
@@ -138,7 +173,8 @@ TEST_CASE("driven, a ragdoll takes a pose and keeps it; limp again, it lets go")
     pose[static_cast<std::size_t>(RagdollPart::thigh_right)] = turned(axis_x, -40);
     done(set_ragdoll_drive(w, r, pose, {.frequency = Real(20)}));
     for (int t = 0; t < 240; ++t) w.tick();
-    CHECK(apart(ragdoll_pose(w, r), pose) < 0.06); // friction holds what is left
+    CHECK(apart(ragdoll_pose(w, r), pose) <
+          0.06); // friction holds what is left; a game's need: nobody sees 3 degrees
     CHECK(apart(ragdoll_pose(w, r), ragdoll_standing()) > 0.9);
     done(set_ragdoll_drive(w, r, pose, {}));
     for (JointId joint : r.joints)
