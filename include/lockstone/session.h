@@ -401,9 +401,6 @@ std::string to_string(const SyncTestFailure& failure);
 
 struct RunnerDef {
     ConfirmedSink* sink = nullptr; ///< not owned
-    /// Plants a fault, for tests of the sync test: this column keeps its present values at every restore, as if the
-    /// snapshot lacked it.
-    std::string column_left_out = {};
     /// How many of the newest states are kept beside what rollbacks need, so that a desync can be named whose first tick lies
     /// that far back: the round trip, and what lost packets add. Each takes the memory of an image. 0: desyncs name a tick.
     std::uint32_t inspected_ticks = 64;

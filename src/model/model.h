@@ -98,7 +98,7 @@ void set_shape_traits(Model& w, std::uint32_t shape_row, const ShapeTraits& trai
 // ---- what a body does at once (traits.cpp) ---
 
 /// Velocity changes by an impulse [N s] and an angular impulse [N m s] about the centre of mass.
-void push(Model& w, std::uint32_t body_row, Vec3 linear, Vec3 angular);
+void apply_impulse(Model& w, std::uint32_t body_row, Vec3 linear, Vec3 angular);
 /// Moves the centre of mass within a body whose origin stays where it is.
 void set_mass(Model& w, std::uint32_t body_row, const BodyMass& fresh);
 

@@ -53,7 +53,7 @@ void forget_forces(Model& w) {
     w.state.resize(w.m.forces, 0);
 }
 
-void push(Model& w, std::uint32_t row, Vec3 linear, Vec3 angular) {
+void apply_impulse(Model& w, std::uint32_t row, Vec3 linear, Vec3 angular) {
     const BodyMass& mass = w.mass_of(row);
     if (mass.mass == Real{}) return;
     const std::uint32_t locks = w.traits_of(w.state.rows(w.m.body_info)[row]).locks;

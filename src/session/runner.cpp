@@ -24,7 +24,6 @@ struct SessionRunner::Impl final : StateInspector {
     session::EventLedger ledger;
     std::vector<SessionEvent> events;
     std::optional<SyncTestFailure> failure;
-    std::vector<std::byte> left_out; ///< scratch of the planted fault
     bool is_inspected;          ///< every state is kept for a while, not only those that may be returned to
     std::optional<State> shown; ///< to the session
     std::uint64_t confirmed_end = 0; ///< ticks below have been handed to the sink
@@ -69,10 +68,7 @@ struct SessionRunner::Impl final : StateInspector {
 
     void execute(const Load& load) {
         const Image& image = saved(load.tick);
-        if (def.column_left_out.empty())
-            simulation.restore(image);
-        else
-            restore_without_column(image);
+        simulation.restore(image);
         if (!load.verify) return;
         hash = simulation.hash();
         if (hash != ring_hashes[load.tick % ring.size()])
@@ -135,18 +131,6 @@ struct SessionRunner::Impl final : StateInspector {
         State first = simulation.state();
         first.restore(saved(saved_tick));
         failure = {when, tick, first.hash(), hash, State::diff(first, simulation.state(), 8)};
-    }
-
-    void restore_without_column(const Image& image) {
-        State& state = simulation.state();
-        const ColumnInfo* info = state.layout().find_column(def.column_left_out);
-        LOCKSTONE_ASSERT(info != nullptr, "no column ", def.column_left_out);
-        const std::uint32_t column = static_cast<std::uint32_t>(info - state.layout().columns().data());
-        const std::span<const std::byte> present = state.bytes(column);
-        left_out.assign(present.begin(), present.end());
-        simulation.restore(image);
-        const std::span<std::byte> restored = state.edit_bytes(column);
-        std::copy_n(left_out.begin(), std::min(left_out.size(), restored.size()), restored.begin());
     }
 };
 

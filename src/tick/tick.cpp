@@ -138,7 +138,7 @@ void finish(const Tick& t) {
 }
 
 /// Contacts go back to the state, then who rests falls asleep.
-void settle(const Tick& t) {
+void update_sleep(const Tick& t) {
     TickScratch& s = t.s;
     Model& w = t.w;
     s.table.write(w.state, w.m.contacts);
@@ -179,11 +179,11 @@ void tick(Model& w, PlacedShapes& placed, QueryScratch& query, TickScratch& s, T
     break_joints(w, s.broken, out.events);
     publish_events(w, placed, s.near, s.found, s.characters.landings, s.table.list, out.events);
     out.contact_points.wait = true;
-    settle(t);
+    update_sleep(t);
     order_events(out.events);
     ++w.edit_header().tick;
     placed.is_current = false;
-    checkpoint(t, "settle");
+    checkpoint(t, "update_sleep");
 }
 
 } // namespace lockstone::sim

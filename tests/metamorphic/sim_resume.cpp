@@ -144,7 +144,7 @@ TEST_CASE("an observer of phases is told the same by a run and its replay, and c
         REQUIRE(of_left.list == of_right.list);
     }
     for (const char* phase : {"commands", "update_bounds", "find_pairs", "collide", "prepare", "warm_start",
-                              "solve_contacts", "relax_contacts", "finish", "settle"})
+                              "solve_contacts", "relax_contacts", "finish", "update_sleep"})
         CHECK(std::ranges::find(of_left.list, phase) != of_left.list.end());
     const std::size_t told = of_left.list.size();
     left.clone().tick();

@@ -21,8 +21,7 @@ class NetPlayer final : public ConfirmedSink {
             host = std::make_unique<SpectatorHost>(def, *shown_to, SpectatorHostDef{}, this);
         ConfirmedSink* sink = this;
         if (host) sink = host.get();
-        runner = std::make_unique<SessionRunner>(*session, simulation,
-                                                 RunnerDef{.sink = sink, .column_left_out = {}});
+        runner = std::make_unique<SessionRunner>(*session, simulation, RunnerDef{sink});
         if (host) host->set_states(&runner->inspector());
     }
     NetPlayer(const NetPlayer&) = delete;

@@ -32,8 +32,7 @@ struct NetWatcher final : ConfirmedSink {
         session = make_spectator_session(session_def(game, 0, {0, 1}),
                                          WatchDef{.hosts = {0}, .from_state = from_state}, transport)
                       .value();
-        runner = std::make_unique<SessionRunner>(*session, simulation,
-                                                 RunnerDef{.sink = this, .column_left_out = {}});
+        runner = std::make_unique<SessionRunner>(*session, simulation, RunnerDef{this});
     }
     void on_confirmed(std::uint64_t tick, std::span<const PlayerInput>, std::uint64_t hash) override {
         if (hashes.empty()) first = tick;

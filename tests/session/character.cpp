@@ -1,4 +1,5 @@
 // Characters under rollback: every tick run again from a saved state, through the session and its event ledger.
+#include "lockstone/session/forgetful.h"
 #include "session/match.h"
 
 #include "scenes/scenes.h"
@@ -14,14 +15,16 @@ namespace {
 struct Course {
     std::unique_ptr<Game> game = make_scene("character", {.size = 0, .seed = 1, .players = 2}).value();
     World world = game->start().value();
-    WorldSimulation simulation{world, *game};
+    WorldSimulation whole{world, *game};
+    testing::ForgetfulSimulation simulation;
     std::unique_ptr<Session> session;
     EventLaw events;
     SessionRunner runner;
     std::uint64_t landings = 0; ///< confirmed
 
     explicit Course(std::uint32_t depth, std::string column_left_out = "")
-        : session(make(*game, depth)), runner(*session, simulation, {nullptr, std::move(column_left_out)}) {}
+        : simulation(whole, std::move(column_left_out)), session(make(*game, depth)),
+          runner(*session, simulation) {}
 
     static std::unique_ptr<Session> make(const Game& game, std::uint32_t depth) {
         SessionDef def;

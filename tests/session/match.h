@@ -207,8 +207,7 @@ class Match {
     void start(Machine& m, PeerId id) {
         m.simulation = make_simulation(id);
         m.runner = std::make_unique<SessionRunner>(
-            *m.session, *m.simulation,
-            RunnerDef{def.record ? &m.timeline : nullptr, "", def.inspected_ticks});
+            *m.session, *m.simulation, RunnerDef{def.record ? &m.timeline : nullptr, def.inspected_ticks});
     }
     std::function<std::unique_ptr<Simulation>(PeerId)> make_simulation;
 };

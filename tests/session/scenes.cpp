@@ -2,6 +2,7 @@
 #include "support/effort.h"
 
 #include "lockstone/session.h"
+#include "lockstone/session/forgetful.h"
 #include "scenes/scenes.h"
 
 #include <doctest/doctest.h>
@@ -18,12 +19,13 @@ std::string rollback_fault(const char* scene, std::uint32_t size, std::uint32_t 
                            std::string column_left_out = "") {
     const auto game = make_scene(scene, {.size = size, .seed = 1, .players = 2}).value();
     World world = game->start().value();
-    WorldSimulation simulation(world, *game);
+    WorldSimulation whole(world, *game);
+    testing::ForgetfulSimulation simulation(whole, std::move(column_left_out));
     SessionDef def;
     def.input_size = game->input_size();
     def.players = {0, 0};
     const auto session = make_sync_test_session(def, depth).value();
-    SessionRunner runner(*session, simulation, {nullptr, std::move(column_left_out)});
+    SessionRunner runner(*session, simulation);
     std::vector<std::byte> input(game->input_size());
     for (std::uint64_t i = 0; i < ticks; ++i) {
         for (std::uint32_t p = 0; p < 2; ++p) {

@@ -1,4 +1,5 @@
 // The sync test: silent on a sound game, and exact about what is wrong with an unsound one.
+#include "lockstone/session/forgetful.h"
 #include "session/match.h"
 
 #include <doctest/doctest.h>
@@ -13,10 +14,12 @@ struct SyncTest {
     std::unique_ptr<Session> session;
     Timeline timeline;
     EventLaw events;
+    testing::ForgetfulSimulation simulation;
     SessionRunner runner;
 
-    SyncTest(Simulation& simulation, std::uint32_t depth, std::string column_left_out = "")
-        : session(make(depth)), runner(*session, simulation, {&timeline, std::move(column_left_out)}) {}
+    SyncTest(Simulation& whole, std::uint32_t depth, std::string column_left_out = "")
+        : session(make(depth)), simulation(whole, std::move(column_left_out)),
+          runner(*session, simulation, {&timeline}) {}
 
     static std::unique_ptr<Session> make(std::uint32_t depth) {
         SessionDef def;

@@ -30,7 +30,7 @@ PUBLIC = {
     "journal.h": "collide", "world_def.h": "model",
     "command.h": "collide", "event.h": "collide", "query.h": "collide",  # definitions and ids, which rows of the state hold
     "world.h": "world", "assemble.h": "world", "game.h": "world", "input.h": "world",
-    "transport.h": "session", "session.h": "session", "spectator.h": "session", "spectator_relay.h": "session", "join.h": "session", "input_delay.h": "session", "prove.h": "prove", "testing.h": "prove",
+    "transport.h": "session", "session.h": "session", "spectator.h": "session", "spectator_relay.h": "session", "join.h": "session", "input_delay.h": "session", "prove.h": "prove", "testing.h": "prove", "forgetful.h": "session",
     "net.h": "net",
     "convert.h": "outside",
 }

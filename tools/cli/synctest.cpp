@@ -3,6 +3,7 @@
 #include "cli/scene_choice.h"
 #include "cli/text.h"
 #include "lockstone/session.h"
+#include "lockstone/session/forgetful.h"
 
 #include <cstdio>
 
@@ -61,7 +62,8 @@ Result<Exit> synctest(const Args& args) {
     const std::unique_ptr<Tasks> tasks = tasks_of(args.threads);
     started->world.set_tasks(tasks.get());
     WorldSimulation simulation(started->world, game);
-    SessionRunner runner(**session, simulation, {.sink = nullptr, .column_left_out = args.plant});
+    testing::ForgetfulSimulation planted(simulation, args.plant);
+    SessionRunner runner(**session, planted);
     std::vector<std::byte> input(game.input_size());
     Progress progress(args.choice.scene, args.ticks);
     while ((*session)->current_tick() < args.ticks) {

@@ -50,7 +50,7 @@ void Mover::take_impact(const SpaceContact& c) {
     const Real own_share = row.def.mass / (row.def.mass + mass); // of the body's mass: the reduced mass
     const Real most = mass * own_share * closing + row.def.push_force / Real(rate);
     const Vec3 impulse = scale<Real>(c.normal, -min(stopped, most));
-    push(w, at, impulse, cross(c.point - w.state.rows(w.m.body_pose)[at].position, impulse));
+    apply_impulse(w, at, impulse, cross(c.point - w.state.rows(w.m.body_pose)[at].position, impulse));
     space.update_body(body);
     row.state.velocity += level(impulse / -row.def.mass);
 }

@@ -86,7 +86,7 @@ Result<World::Applied> Applier::operator()(const AddImpulse& c) {
     if (!within(c.linear, force_max) || !within(c.angular, force_max))
         return Error{"add_impulse: linear and angular must be within 2e9 on each axis"};
     row = wake(c.body);
-    push(w, row, c.linear, c.angular);
+    apply_impulse(w, row, c.linear, c.angular);
     return Applied{};
 }
 
@@ -96,7 +96,7 @@ Result<World::Applied> Applier::operator()(const AddImpulseAt& c) {
     if (!within(c.impulse, force_max) || !within(c.point, position_max))
         return Error{"add_impulse_at: impulse must be within 2e9 N s, point within 1e9 m on each axis"};
     row = wake(c.body);
-    push(w, row, c.impulse, cross(c.point - w.state.rows(w.m.body_pose)[row].position, c.impulse));
+    apply_impulse(w, row, c.impulse, cross(c.point - w.state.rows(w.m.body_pose)[row].position, c.impulse));
     return Applied{};
 }
 

@@ -125,7 +125,7 @@ Result<World::Applied> Applier::operator()(const Explode& c) {
     }
     // Waking moves rows, in the order of the ids wherever the rows were.
     std::sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) { return a.body < b.body; });
-    for (const Hit& hit : hits) push(w, wake(hit.body), hit.push.linear, hit.push.angular);
+    for (const Hit& hit : hits) apply_impulse(w, wake(hit.body), hit.push.linear, hit.push.angular);
     return Applied{};
 }
 

@@ -108,7 +108,7 @@ struct Machine {
     Machine(const PacketSetup& setup, PeerId id, Make&& make)
         : session(make(setup, setup.def(id), mailbox)), arena(setup.machines), self(id) {
         mailbox.session = session.get();
-        runner = std::make_unique<SessionRunner>(*session, arena, RunnerDef{&timeline, ""});
+        runner = std::make_unique<SessionRunner>(*session, arena, RunnerDef{&timeline});
     }
     Machine(const Machine&) = delete;
     Machine& operator=(const Machine&) = delete;

@@ -59,7 +59,7 @@ class JoinNet {
         const PeerId id = machines + static_cast<PeerId>(guests.size());
         Guest& g = *guests.emplace_back(std::make_unique<Guest>(machines));
         g.session = make_spectator_session(def, std::move(how), network.endpoint(id)).value();
-        g.runner = std::make_unique<SessionRunner>(*g.session, g.arena, RunnerDef{&g.timeline, ""});
+        g.runner = std::make_unique<SessionRunner>(*g.session, g.arena, RunnerDef{&g.timeline});
         return g;
     }
     void run(int frames) {

@@ -40,7 +40,7 @@ class RelayedMatch {
         w.session = make_spectator_session(def, WatchDef{.hosts = {0}, .from_state = from_state},
                                            lower.endpoint(static_cast<PeerId>(watchers.size())))
                         .value();
-        w.runner = std::make_unique<SessionRunner>(*w.session, w.arena, RunnerDef{&w.timeline, ""});
+        w.runner = std::make_unique<SessionRunner>(*w.session, w.arena, RunnerDef{&w.timeline});
         return w;
     }
     void run(int frames) {

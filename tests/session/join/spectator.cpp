@@ -50,7 +50,7 @@ struct Watched {
         Watcher& w = *watchers.emplace_back(std::make_unique<Watcher>());
         const PeerId id = static_cast<PeerId>(watchers.size());
         w.session = make_spectator_session(def, 0, network.endpoint(id), 4).value();
-        w.runner = std::make_unique<SessionRunner>(*w.session, w.arena, RunnerDef{&w.timeline, ""});
+        w.runner = std::make_unique<SessionRunner>(*w.session, w.arena, RunnerDef{&w.timeline});
         return w;
     }
     void run(int frames) {

@@ -104,8 +104,8 @@ Result<std::unique_ptr<Watcher>> make_watcher(const Game& game, const MatchDef& 
         make_spectator_session(session_of(game, def, self), 0, transport);
     if (!session) return session.error();
     watcher->session = std::move(*session);
-    watcher->runner = std::make_unique<SessionRunner>(
-        *watcher->session, watcher->simulation, RunnerDef{.sink = watcher.get(), .column_left_out = {}});
+    watcher->runner =
+        std::make_unique<SessionRunner>(*watcher->session, watcher->simulation, RunnerDef{watcher.get()});
     return watcher;
 }
 
@@ -142,8 +142,7 @@ Result<std::unique_ptr<Peer>> make_peer(const Game& game, const MatchDef& def, P
         peer->host = std::make_unique<SpectatorHost>(as_player, to_watchers, host_def, peer->log.get());
         sink = peer->host.get();
     }
-    peer->runner = std::make_unique<SessionRunner>(*peer->session, peer->simulation,
-                                                   RunnerDef{.sink = sink, .column_left_out = {}});
+    peer->runner = std::make_unique<SessionRunner>(*peer->session, peer->simulation, RunnerDef{sink});
     if (peer->host) peer->host->set_states(&peer->runner->inspector());
     return peer;
 }
@@ -163,8 +162,8 @@ Result<std::unique_ptr<Peer>> make_joining_peer(const Game& game, const MatchDef
         make_join_session(session_of(game, def, self), join, transport);
     if (!session) return session.error();
     peer->session = std::move(*session);
-    peer->runner = std::make_unique<SessionRunner>(*peer->session, peer->simulation,
-                                                   RunnerDef{.sink = peer->log.get(), .column_left_out = {}});
+    peer->runner =
+        std::make_unique<SessionRunner>(*peer->session, peer->simulation, RunnerDef{peer->log.get()});
     return peer;
 }
 

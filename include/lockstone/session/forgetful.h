@@ -1,0 +1,33 @@
+// For tests of sessions: a simulation that restores badly.
+#pragma once
+
+#include "lockstone/session.h"
+
+#include <string>
+#include <vector>
+
+namespace lockstone::testing {
+
+/// Drives another simulation, but one column keeps its present values at every restore, as if the snapshot lacked it: a sync test
+/// has to notice. The other one outlives it.
+class ForgetfulSimulation final : public Simulation {
+  public:
+    /// `column`: its name in the state, which has to have it (asserted); empty: forgets nothing.
+    ForgetfulSimulation(Simulation& driven, std::string column) : real(driven), left_out(std::move(column)) {}
+    void save(Image& image) const override { real.save(image); }
+    void restore(const Image& image) override;
+    void advance(std::span<const PlayerInput> inputs) override { real.advance(inputs); }
+    std::uint64_t hash() const override { return real.hash(); }
+    std::span<const Event> events() const override { return real.events(); }
+    State& state() override { return real.state(); }
+    Status adopt(std::span<const std::byte> portable_image) override { return real.adopt(portable_image); }
+    void record_phase_hashes(bool on) override { real.record_phase_hashes(on); }
+    std::span<const PhaseHash> phase_hashes() const override { return real.phase_hashes(); }
+
+  private:
+    Simulation& real;
+    std::string left_out;
+    std::vector<std::byte> kept;
+};
+
+} // namespace lockstone::testing
