@@ -9,8 +9,8 @@
 namespace lockstone::demo {
 namespace {
 
-constexpr std::chrono::milliseconds
-    seek_budget(12); ///< per picture, so that a long way does not freeze the window
+/// Per picture, so that a long way does not freeze the window
+constexpr std::chrono::milliseconds seek_budget(12);
 
 constexpr const char* page_keys = "Space play or pause   Left, Right one tick   with shift a second\n"
                                   "Home, End first and last tick   Page up, Page down keyframes\n"

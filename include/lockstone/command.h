@@ -56,11 +56,10 @@ enum class Mix : std::uint32_t { geometric_mean, average, minimum, multiply, max
 
 /// Where on a shape something touches it.
 struct SurfacePart {
-    std::uint32_t
-        source; ///< triangle of MeshDef::triangles; cell of a height field, row * (columns - 1) + column; part of a
-                ///< compound; else 0
-    std::uint32_t
-        material; ///< of the triangle or cell; where that is 0, and of other shapes, ShapeDef::material
+    /// Triangle of MeshDef::triangles; cell of a height field, row * (columns - 1) + column; part of a compound; else 0
+    std::uint32_t source;
+    /// Of the triangle or cell; where that is 0, and of other shapes, ShapeDef::material
+    std::uint32_t material;
     friend bool operator==(const SurfacePart&, const SurfacePart&) = default;
 };
 template <class V> constexpr void describe(SurfacePart& p, V&& v) {
@@ -73,9 +72,8 @@ struct ShapeDef {
     Real density = Real(1000);               ///< [kg/m^3], 0.01..1e5
     Real friction = 0.6_r;                   ///< Coulomb coefficient, 0..4
     Real restitution{};                      ///< 0..1
-    Real
-        rolling_resistance{}; ///< [m], 0..1: a pair's larger one, times the normal force, is the torque that brakes
-                              ///< turning against each other
+    /// [m], 0..1: a pair's larger one, times the normal force, is the torque that brakes turning against each other
+    Real rolling_resistance{};
     Vec3 surface_velocity{}; ///< of a conveyor's surface, in the shape's axes [m/s], each within 100
     Mix friction_mix = Mix::geometric_mean;
     Mix restitution_mix = Mix::maximum;

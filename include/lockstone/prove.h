@@ -67,8 +67,8 @@ struct ProofCheck {
     std::string name;           ///< "rolls back"
     bool passed;                ///< also when there was nothing to check; then `compared` is 0
     std::uint64_t compared = 0; ///< hashes, or flipped bits
-    std::string
-        sentence; ///< the first thing that was wrong: tick and place; or why there was nothing to check
+    /// The first thing that was wrong: tick and place; or why there was nothing to check
+    std::string sentence;
 };
 
 struct Proof {

@@ -30,8 +30,8 @@ RelativePose plane_relative_pose(const Transform& plane, const Transform& b);
 struct ManifoldPoint {
     LengthVec3 position;   ///< midway between the two surfaces, from B's origin, in A's axes [m]
     Separation separation; ///< along the normal; negative is penetration, clamped at 16 m [m]
-    std::uint32_t
-        feature; ///< what touches what: the same while the contact moves a little, unique in its manifold
+    /// What touches what: the same while the contact moves a little, unique in its manifold
+    std::uint32_t feature;
 };
 
 struct Manifold {
@@ -41,8 +41,8 @@ struct Manifold {
     // Of shapes of many pieces: which of them touch most deeply.
     std::uint32_t piece_a; ///< triangle or part of A
     std::uint32_t piece_b; ///< part of B
-    std::uint32_t
-        surface; ///< of A's triangle, shapes::surface_number: manifolds of different ones stay apart
+    /// Of A's triangle, shapes::surface_number: manifolds of different ones stay apart
+    std::uint32_t surface;
     /// 1: the normal is a flat face's, of all points to half a degree. It then turns with that face and hangs on nothing
     /// else; of edges, corners and round shapes it also depends on where they are to each other.
     std::uint32_t on_face;
@@ -54,8 +54,8 @@ struct Manifolds {
     static constexpr std::uint32_t max = 8;
     std::uint32_t count; ///< 0: apart
     Manifold items[max]; ///< deepest first; beyond `count`: unspecified
-    UnitVec3
-        apart{}; ///< when `count` is 0: a direction from A to B that parts them, in A's axes; zero: not known
+    /// When `count` is 0: a direction from A to B that parts them, in A's axes; zero: not known
+    UnitVec3 apart{};
 };
 
 /// Memory that `collide` uses again from call to call; no trace of earlier calls shows.

@@ -28,8 +28,8 @@ struct Header {
     std::uint64_t tick;
     std::uint64_t commands; ///< applied so far
     Vec3 gravity;
-    std::uint32_t body_free, shape_free, field_free, joint_free, character_free,
-        vehicle_free;                                  ///< first free slot + 1, 0: none
+    /// First free slot + 1, 0: none
+    std::uint32_t body_free, shape_free, field_free, joint_free, character_free, vehicle_free;
     std::uint32_t body_traits_free, shape_traits_free; ///< first free row + 1, 0: none
     std::uint32_t bodies_awake, joints_awake;          ///< the first rows of their tables; see sleep.h
 };

@@ -13,8 +13,8 @@ namespace lockstone::sim {
 /// Memory for moving rows between awake and resting (sleep.h).
 struct RowMoves {
     std::vector<BodyId> joined;
-    ContactList here, moving,
-        there; ///< rows of one table, those that leave it, those of the table they go to
+    /// Rows of one table, those that leave it, those of the table they go to
+    ContactList here, moving, there;
 };
 
 struct Model {

@@ -42,8 +42,8 @@ struct PlacedShapes {
     std::vector<std::uint32_t> planes; ///< shape slots, sorted
 
     // What the proxies of resting shapes were made of, so that only what changed since is looked at.
-    std::vector<std::uint32_t>
-        proxy_generation; ///< by shape slot: of the shape the broad phase holds, 0: none
+    /// By shape slot: of the shape the broad phase holds, 0: none
+    std::vector<std::uint32_t> proxy_generation;
     ChangeMark proxies_of;
     std::uint32_t awake_before = 0;             ///< bodies, when bounds were last updated
     std::vector<std::uint32_t> solids_replaced; ///< shape slots that rested when another solid was put there

@@ -29,8 +29,8 @@ struct QueryWork {
 };
 
 struct QueryScratch {
-    base::Lock
-        lock; ///< of all that const members of World change: this, the placed shapes, the state's hashes
+    /// Of all that const members of World change: this, the placed shapes, the state's hashes
+    base::Lock lock;
     std::vector<std::unique_ptr<QueryWork>> idle;
 };
 

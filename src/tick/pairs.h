@@ -13,8 +13,8 @@ struct NearPair {
     ContactKey key;
     Length margin; ///< how far ahead contacts of the two reach
     std::uint32_t old_first, old_count;
-    UnitVec3
-        apart; ///< what parted them when last looked at, in the axes of the narrow phase's A; zero: nothing known
+    /// What parted them when last looked at, in the axes of the narrow phase's A; zero: nothing known
+    UnitVec3 apart;
 };
 
 struct EndedContact {
@@ -33,8 +33,8 @@ struct NearPairs {
 struct PairScratch {
     std::vector<collide::ProxyPair> pairs, plane_pairs, merged_pairs;
     struct Key {
-        ContactKey
-            key;       ///< null: the two do not meet, or both rest, or they are further apart than the margin
+        /// null: the two do not meet, or both rest, or they are further apart than the margin
+        ContactKey key;
         Length margin; ///< how far ahead contacts of the two reach
     };
     std::vector<Key> keys;        ///< by pair

@@ -107,11 +107,13 @@ TEST_CASE("planted fault: a kernel that is a little off is found out by the comp
     REQUIRE(lanes_differ(plain, tick_by(w, Simd::scalar)) == "");
     solve::BodyKernel bodies = solve::scalar_bodies;
     bodies.integrate_velocities = faster_by_a_step;
-    CHECK(lanes_differ(plain, tick_by(w, Simd::scalar,
-                                      [&](sim::TickScratch& s) { s.bodies.kernel = &bodies; })) == "body row 5");
+    CHECK(lanes_differ(plain, tick_by(w, Simd::scalar, [&](sim::TickScratch& s) {
+                           s.bodies.kernel = &bodies;
+                       })) == "body row 5");
     const solve::PairKernel pairs{nearer};
-    CHECK(lanes_differ(plain, tick_by(w, Simd::scalar, [&](sim::TickScratch& s) { s.contact_scratch.pair_kernel = &pairs; })) !=
-          "");
+    CHECK(lanes_differ(plain, tick_by(w, Simd::scalar, [&](sim::TickScratch& s) {
+                           s.contact_scratch.pair_kernel = &pairs;
+                       })) != "");
 }
 
 TEST_CASE("rounding modes and flushing of denormals around a tick change nothing and are left as they were") {

@@ -18,10 +18,10 @@ struct CookOptions {
     std::uint32_t parts_max = 32;      ///< of a convex decomposition, 1..compound_parts_max
     std::uint32_t corners_max = 64;    ///< of each hull, 4..hull_vertices_max
     bool two_sided = false;            ///< mesh
-    std::optional<double>
-        flat{}; ///< mesh, height field: edges flatter than this are not felt [degrees, 0..90]
-    std::optional<double>
-        spacing{}; ///< height field: between samples [m]; none: as coarse as the deviation allows
+    /// mesh, height field: edges flatter than this are not felt [degrees, 0..90]
+    std::optional<double> flat{};
+    /// Height field: between samples [m]; none: as coarse as the deviation allows
+    std::optional<double> spacing{};
     std::size_t samples = 5'000; ///< points between vertices that the deviation check asks
     bool z_up = false;           ///< the model's z axis points up, not y
 };

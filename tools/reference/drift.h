@@ -14,8 +14,8 @@ struct DriftLine {
     std::string name;          ///< "float, fused"
     std::string against;       ///< "float"
     std::vector<double> apart; ///< by tick: the farthest that a body is from its counterpart [m]
-    std::optional<std::uint64_t>
-        parts_at; ///< the first tick after which any bit of a place or a turn differs
+    /// The first tick after which any bit of a place or a turn differs
+    std::optional<std::uint64_t> parts_at;
     /// The first tick after which they are farther apart than this.
     std::optional<std::uint64_t> apart_by(double metres) const;
 };

@@ -69,9 +69,9 @@ void destroy_ragdoll(World& world, const Ragdoll& ragdoll);
 
 /// How hard the joints pull towards a pose.
 struct RagdollDrive {
-    Real
-        frequency{}; ///< [Hz] of each joint's spring with the part alone, 0: limp. What hangs on it swings slower, and
-                     ///< friction of the joint stays: 10 to 30 hold a pose
+    /// [Hz] of each joint's spring with the part alone, 0: limp. What hangs on it swings slower, and friction of the joint stays:
+    /// 10 to 30 hold a pose
+    Real frequency{};
     Real damping_ratio = Real(1); ///< 0..100
     Real torque_max{};            ///< [N m] of every joint, 0: no bound
 };

@@ -48,8 +48,8 @@ enum class WheelCast : std::uint32_t {
 };
 
 struct WheelDef {
-    Vec3
-        attachment{}; ///< where the hub is at a suspension length of 0, from the body's origin [m], within 64
+    /// Where the hub is at a suspension length of 0, from the body's origin [m], within 64
+    Vec3 attachment{};
     UnitVec3 direction{Unit{}, -unit_one, Unit{}}; ///< in which the suspension extends, downwards
     std::uint32_t tyre = 0;                        ///< index of VehicleDef::tyre
     Real length_min = 0.1_r;                       ///< of the suspension when it meets its stop [m], 0..4

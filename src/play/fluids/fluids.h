@@ -23,8 +23,8 @@ namespace lockstone::sim {
 /// Fields of acceleration, as the integrator takes them.
 struct FieldsOfTick {
     std::vector<FieldRow> pulls; ///< in order of their ids
-    std::vector<std::uint32_t>
-        categories; ///< by row of what is awake, of its shapes; empty while no pull looks at them
+    /// By row of what is awake, of its shapes; empty while no pull looks at them
+    std::vector<std::uint32_t> categories;
 };
 void list_fields(const Model& w, FieldsOfTick& out);
 

@@ -92,8 +92,8 @@ struct Vehicle {
     VehicleMemory memory;
     std::uint32_t row, chassis; ///< rows of the vehicle and body columns
     Real mass;
-    Real engine_speed,
-        ratio; ///< [rad/s]; engine turns per turn of the wheels, 0: in neutral or between gears
+    /// [rad/s]; engine turns per turn of the wheels, 0: in neutral or between gears
+    Real engine_speed, ratio;
     std::uint32_t group_count, coupling_count;
     std::array<TyrePeaks, vehicle_tyres_max> peaks;
     std::array<Wheel, vehicle_wheels_max> wheel;

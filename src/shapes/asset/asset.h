@@ -50,12 +50,12 @@ struct Hull {
     std::vector<std::uint8_t> loops;            ///< vertex indices
     std::vector<Edge> edges;                    ///< between different faces, each once
     std::vector<std::uint16_t> first_neighbour; ///< by vertex, vertices + 1 entries: range in `neighbours`
-    std::vector<std::uint8_t>
-        neighbours; ///< vertices that share an edge of the exact surface, ascending: for hill climbing
+    /// Vertices that share an edge of the exact surface, ascending: for hill climbing
+    std::vector<std::uint8_t> neighbours;
     std::vector<std::uint16_t> first_face_at; ///< by vertex, vertices + 1 entries: range in `faces_at`
     std::vector<std::uint16_t> faces_at;      ///< the faces that have it as a corner, ascending
-    std::vector<std::int32_t>
-        lanes;                 ///< the vertices side by side, filled up with the first: support_kernel.h
+    /// The vertices side by side, filled up with the first: support_kernel.h
+    std::vector<std::int32_t> lanes;
     LengthVec3 interior;       ///< a point well inside: the centre of mass, rounded
     Length inner_radius;       ///< of a ball about `interior` within the hull
     MassProperties properties; ///< at density 1 kg/m^3, by exact integrals
@@ -119,8 +119,8 @@ struct Compound {
     void find(const Extent& where, std::vector<std::uint32_t>& out) const;
     struct Node { ///< a tree over the parts: children before parents are not needed, node 0 is the top
         Extent extent;
-        std::uint32_t first,
-            count; ///< count > 0: parts order[first .. first + count); else children first, first + 1
+        /// Count > 0: parts order[first .. first + count); else children first, first + 1
+        std::uint32_t first, count;
     };
     std::vector<Node> nodes;
     std::vector<std::uint32_t> order;

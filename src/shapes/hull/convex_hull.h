@@ -28,8 +28,8 @@ Scaled length_of(const WideVec3& n);
 /// A closed surface of triangles, counter-clockwise seen from outside, nowhere concave.
 struct ConvexSurface {
     std::vector<LengthVec3> vertices; ///< ascending by x, then y, then z; every one a corner
-    std::vector<std::array<std::uint32_t, 3>>
-        triangles; ///< ascending; the smallest vertex of each comes first
+    /// ascending; the smallest vertex of each comes first
+    std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
 enum class HullFault { none, too_few_points, one_point, one_line, one_plane };

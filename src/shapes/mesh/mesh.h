@@ -29,8 +29,8 @@ struct MeshContent {
     std::vector<MeshVertex> vertices; ///< in the order in which the triangles name them first
     std::vector<std::array<std::uint32_t, 3>> triangles; ///< neighbours in space are neighbours here
     std::vector<std::uint16_t> materials;                ///< one a triangle, or none when all are 0
-    std::vector<std::uint32_t>
-        sources; ///< by triangle its index before baking, or none when all are their own
+    /// By triangle its index before baking, or none when all are their own
+    std::vector<std::uint32_t> sources;
     std::vector<MaterialSurface> surfaces;
 };
 

@@ -20,8 +20,8 @@ struct BodyPass {
     const std::uint8_t* plain; ///< PlainMotion, by body
     std::uint32_t first, last;
     std::int64_t dv[6]; ///< what the substep adds, 47 fraction bits
-    std::int64_t
-        most[6]; ///< 2^k - 1: a velocity with a component outside [-2^k, 2^k) may be beyond its limit
+    /// 2^k - 1: a velocity with a component outside [-2^k, 2^k) may be beyond its limit
+    std::int64_t most[6];
     std::int64_t substep_time; ///< [s], 30 fraction bits
 };
 

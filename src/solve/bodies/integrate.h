@@ -12,8 +12,8 @@ enum class Scheme : std::uint32_t { semi_implicit_euler, verlet, velocity_verlet
 struct FreeMotion {
     Scheme scheme;
     std::span<const FieldRow> fields; ///< of acceleration: no fluids
-    std::span<const std::uint32_t>
-        categories{}; ///< by body row, of its shapes; empty: no field looks at them
+    /// By body row, of its shapes; empty: no field looks at them
+    std::span<const std::uint32_t> categories{};
 };
 
 /// Velocity after the substep, before constraints. What the scheme moves a body beyond (velocity after) * time goes

@@ -58,8 +58,8 @@ struct Velocity {
 /// Whether a body rests, and with whom it sleeps.
 struct BodySleep {
     std::uint32_t still_ticks; ///< in a row, see Stillness in tick/sleep.cpp
-    std::uint32_t
-        island; ///< body slot + 1 of the sleeping island's first body, 0: awake; kept until its waking is reported
+    /// Body slot + 1 of the sleeping island's first body, 0: awake; kept until its waking is reported
+    std::uint32_t island;
     std::uint32_t next; ///< body slot + 1 of the next body of the sleeping island, a ring; 0: awake
     Velocity moved;     ///< sum of the velocities of the still ticks: how far it went, in tick * m/s
 };
@@ -95,8 +95,8 @@ struct ContactKey {
 
 /// One point of a manifold, and the impulse per substep that holds it, over the reduced mass of the two bodies.
 struct ContactPointMemory {
-    LengthVec3
-        position; ///< from shape B's origin, in shape A's axes [m]; finds the point again when its feature changed
+    /// From shape B's origin, in shape A's axes [m]; finds the point again when its feature changed
+    LengthVec3 position;
     std::uint32_t feature;
     Separation separation; ///< when the manifold was made [m]
     Speed normal;          ///< impulse along the normal [m/s]
@@ -148,8 +148,8 @@ inline constexpr std::uint16_t contact_has_more = 128; ///< a row of ContactMore
 
 /// Of contacts that have anything of it: on large terrain, of surfaces that resist rolling, of shapes of many pieces.
 struct ContactMore {
-    std::array<std::int32_t, 3>
-        beyond; ///< multiples of 256 m in made_position, without which each is within 128 m
+    /// Multiples of 256 m in made_position, without which each is within 128 m
+    std::array<std::int32_t, 3> beyond;
     SpeedVec3 rolling;
     std::uint32_t piece_a, piece_b;
 };

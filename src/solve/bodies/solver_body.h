@@ -39,18 +39,18 @@ template <class T> struct Symmetric { T xx, yy, zz, xy, xz, yz; };
 /// What a tick needs of a body besides its SolverBody; constant within the tick. The first cache line is all that preparing a
 /// contact reads of it.
 struct alignas(64) BodyStep {
-    Symmetric<std::int32_t>
-        inv_mantissa; ///< K^-1 = mantissa / 2^inv_exponent, the largest entry in [2^29, 2^30)
+    /// K^-1 = mantissa / 2^inv_exponent, the largest entry in [2^29, 2^30)
+    Symmetric<std::int32_t> inv_mantissa;
     std::int32_t inv_exponent;
-    std::uint32_t linear_mask,
-        angular_mask;   ///< bit per axis along which it may move, about which it may turn
+    /// Bit per axis along which it may move, about which it may turn
+    std::uint32_t linear_mask, angular_mask;
     std::uint32_t turn; ///< entry of SolverBodies::turns + 1, 0: not followed
     Real mass;          ///< [kg] of what is movable
     bool movable;       ///< dynamic and with mass
     bool moves;         ///< dynamic or kinematic
     bool jointed;       ///< some joint holds it
-    Vec3
-        radii; ///< of gyration in this tick [m]: the body's own, or more where joints pull hard; joint_stiffness.h
+    /// Of gyration in this tick [m]: the body's own, or more where joints pull hard; joint_stiffness.h
+    Vec3 radii;
     Vec3 pull;                                     ///< what joints ask for, while that is found [m^2]
     Vec3 radii_inv;                                ///< [1/m]; zero where the radius is
     Symmetric<Real> gyration, gyration_inv;        ///< K [m] and K^-1 [1/m], world axes
@@ -72,8 +72,8 @@ struct FollowedTurn {
     Quat rotation; ///< of the body now
     Quat principal;
     Vec3 radii_inv; ///< of gyration [1/m]
-    std::int64_t
-        half_way[3]; ///< radii_inv^2 / (2 substeps per second): momentum to the turn of half a substep;
+    /// radii_inv^2 / (2 substeps per second): momentum to the turn of half a substep;
+    std::int64_t half_way[3];
     std::int32_t half_way_bits[3]; ///< mantissas below 2^30 and the fraction bits of each
     Symmetric<std::int32_t> k;     ///< K of the start of the tick: mantissas below 2^30, k_bits fraction bits
     std::int32_t k_bits;

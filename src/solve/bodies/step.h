@@ -10,8 +10,8 @@ struct Softness {
     Speed bias_rate;    ///< [1/s]: overlap -> push speed
     Unit mass_scale;    ///< of the effective mass
     Unit impulse_scale; ///< of the accumulated impulse
-    Unit
-        ease; ///< impulse_scale / mass_scale, at most 1: how much of its impulse a contact yields in a substep
+    /// Impulse_scale / mass_scale, at most 1: how much of its impulse a contact yields in a substep
+    Unit ease;
 };
 
 /// A spring of a joint. As Softness, but stiffer: up to 1000 Hz.
@@ -32,8 +32,8 @@ struct StepConstants {
     Softness soft, soft_static;       ///< against dynamic bodies; against what does not move
     SpringSoftness joint;             ///< of locks that are solved one after another
     Real tree_rate;                   ///< [1/s]: error -> push speed, of locks that are solved at once
-    Real
-        tree_load; ///< trees whose bodies carry more than this in masses of their own are solved at once; joint_tree.h
+    /// Trees whose bodies carry more than this in masses of their own are solved at once; joint_tree.h
+    Real tree_load;
     Real joint_push_max; ///< [m/s] or [rad/s]: most that a lock is pushed by its error
     Real tree_arc_max;   ///< [m/s]: most that the bias of a lock of a tree looks ahead along an arc
 };

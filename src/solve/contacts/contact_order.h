@@ -47,8 +47,8 @@ class ContactOrder {
 
     std::uint32_t level_max = 0;       ///< of the bodies that are held
     std::vector<std::uint32_t> levels; ///< by body
-    std::vector<std::uint32_t> first,
-        neighbours; ///< bodies that touch body b: neighbours[first[b] .. first[b + 1])
+    /// Bodies that touch body b: neighbours[first[b] .. first[b + 1])
+    std::vector<std::uint32_t> first, neighbours;
     std::vector<std::uint32_t> queue;
     std::vector<std::uint32_t> down;     ///< contacts from the top down
     std::vector<std::uint32_t> place;    ///< by contact: its stage

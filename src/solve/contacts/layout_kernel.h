@@ -42,8 +42,8 @@ template <class L> class LayoutKernel {
         Mask exists[4], member[4], several; ///< several: more than one point
         std::int32_t members[N];            ///< how many
         Length centre_a[3], centre_b[3];    ///< levers of the members' centre
-        Length along
-            [2][3]; ///< from the centre to the farthest point, in the plane; and that turned by a right angle
+        /// From the centre to the farthest point, in the plane; and that turned by a right angle
+        Length along[2][3];
         Length size;              ///< |along|
         Sum<unit_bits> arm[2][4]; ///< in units of `along`, within 1; of contacts of one point nothing
     };

@@ -38,11 +38,11 @@ template <unsigned N> struct PointLanes {
 /// N contacts of one stage: no two of them share a body that can move.
 template <unsigned N> struct ContactPack {
     std::uint32_t body_a[N], body_b[N]; ///< entries of SolverBodies
-    std::uint32_t movable_a,
-        movable_b;         ///< bit per lane: impulses move the body; others are read, never written
-    std::uint32_t locked;  ///< not 0: one of the bodies has a locked axis
-    std::uint32_t impacts; ///< not 0: an impact of a point is not 0
-    std::uint32_t hit;     ///< bit per lane: stopped its bodies in this tick
+    /// Bit per lane: impulses move the body; others are read, never written
+    std::uint32_t movable_a, movable_b;
+    std::uint32_t locked;                              ///< not 0: one of the bodies has a locked axis
+    std::uint32_t impacts;                             ///< not 0: an impact of a point is not 0
+    std::uint32_t hit;                                 ///< bit per lane: stopped its bodies in this tick
     std::uint32_t bounce, bounce_count;                ///< its entries of the table of bounces
     std::int32_t point_count;                          ///< most of any lane
     std::int32_t d[3][3][N];                           ///< normal and tangents

@@ -24,8 +24,8 @@ struct PairLane {
     // Lengths with 24 fraction bits, and masks of 0 and -1.
     std::int32_t limit; ///< most that B may have moved for the manifolds to serve: recycling_limit()
     std::int32_t reach; ///< of B's points from its origin; below 128 m
-    std::int32_t
-        step_max; ///< between two bodies: points that would move further in half a tick stay where they are
+    /// Between two bodies: points that would move further in half a tick stay where they are
+    std::int32_t step_max;
     std::int32_t advances;  ///< mask: points are moved on to the middle of the tick
     std::int32_t on_ground; ///< mask: they go with B, not as the mean of both
     std::int32_t is_given;  ///< mask
@@ -40,8 +40,8 @@ struct PairRow {
 
 /// What a kernel finds.
 struct PairPlace {
-    std::int64_t position
-        [3];       ///< of B's origin in A's frame [m], 24 fraction bits; relative_position_max: too far away
+    /// Of B's origin in A's frame [m], 24 fraction bits; relative_position_max: too far away
+    std::int64_t position[3];
     Quat rotation; ///< B's axes in A's
 };
 /// A manifold that serves, as the solver wants it.
@@ -65,8 +65,8 @@ struct PairPass {
     Unit half_tick;       ///< [s]
     PairPlace* place;     ///< by row
     PairContact* contact; ///< by row, of manifolds that serve
-    std::uint8_t*
-        serves; ///< by row: 1 where B has moved by no more than the limit, and all that a lane holds fits
+    /// By row: 1 where B has moved by no more than the limit, and all that a lane holds fits
+    std::uint8_t* serves;
 };
 
 /// All rows of a pass.
