@@ -84,7 +84,7 @@ struct FollowedTurn {
     bool stiff;   ///< turns as if it were larger: u is velocity alone, and precession zero
     Vec3 own;     ///< radii of a stiff body as it is [m]
     BodyStep now; ///< of a held body: with K of where it is now
-    std::int64_t u_outside[3], u_inside[3]; ///< while TurnedK or StartK lives: u before, and K' w
+    std::int64_t u_outside[3], u_inside[3]; ///< between turn_in and turn_out: u before, and K' w
 };
 
 struct FieldRow {

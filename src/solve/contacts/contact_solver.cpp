@@ -18,7 +18,6 @@ using solve::Contact;
 using solve::ContactMemory;
 using solve::SolverBodies;
 using solve::SolverBody;
-using solve::StartK;
 using solve::StepConstants;
 
 namespace {
@@ -221,7 +220,7 @@ void ContactSolver::Inside::next_warm_start(SolverBodies& bodies) const {
 }
 
 void ContactSolver::warm_start(SolverBodies& bodies, Tasks* tasks) {
-    const StartK start(bodies);
+    note_u(bodies);
     Inside& s = *inside;
     if (s.started)
         s.next_warm_start(bodies);
@@ -233,10 +232,11 @@ void ContactSolver::warm_start(SolverBodies& bodies, Tasks* tasks) {
         if (!s.rolling.empty()) solve_rolling<N>(s.rolling, s.packs<N>(), bodies, true);
         if (!s.bounces.empty()) measure_approach<N>(s.bounces, s.packs<N>(), bodies);
     });
+    keep_velocity(bodies);
 }
 
 void ContactSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bias, Tasks* tasks) {
-    const StartK start(bodies);
+    note_u(bodies);
     Inside& s = *inside;
     if (!s.rolling.empty())
         s.with_lanes(
@@ -251,15 +251,17 @@ void ContactSolver::solve(const StepConstants& step, SolverBodies& bodies, bool 
         s.kernel->solve(s.storage.data(), first, last, s.data(bodies), settings);
     });
     s.end_pass(bodies);
+    keep_velocity(bodies);
 }
 
 void ContactSolver::apply_restitution(const StepConstants& step, SolverBodies& bodies) {
     Inside& s = *inside;
     if (s.bounces.empty()) return;
-    const StartK start(bodies);
+    note_u(bodies);
     s.with_lanes([&](auto width) {
         give_back<width()>(s.bounces, s.packs<width()>(), step.restitution_speed_min.raw, bodies);
     });
+    keep_velocity(bodies);
 }
 
 namespace {

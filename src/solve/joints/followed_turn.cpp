@@ -408,7 +408,7 @@ void add_precession(FollowedTurn& turn, const Change& u, const Change& momentum)
 
 } // namespace
 
-TurnedK::TurnedK(const StepConstants& step, SolverBodies& solver_bodies) : bodies(solver_bodies) {
+void turn_in(const StepConstants& step, SolverBodies& bodies) {
     const std::int64_t most = std::int64_t{step.tip_speed_max.raw} << row_bits;
     for_each_held(bodies, [most](FollowedTurn& turn, SolverBody& b) {
         const Change u = times<false>(turn.to_now, b.u);
@@ -419,7 +419,7 @@ TurnedK::TurnedK(const StepConstants& step, SolverBodies& solver_bodies) : bodie
     });
 }
 
-TurnedK::~TurnedK() {
+void turn_out(SolverBodies& bodies) {
     for_each_held(bodies, [](FollowedTurn& turn, SolverBody& b) {
         const Change change = change_of(b, turn.u_inside);
         const Change faster = times<false>(turn.from_now, change.m);
@@ -429,12 +429,12 @@ TurnedK::~TurnedK() {
     });
 }
 
-StartK::StartK(SolverBodies& solver_bodies) : bodies(solver_bodies) {
+void note_u(SolverBodies& bodies) {
     for_each_held(bodies,
                   [](FollowedTurn& turn, const SolverBody& b) { std::copy(b.u, b.u + 3, turn.u_outside); });
 }
 
-StartK::~StartK() {
+void keep_velocity(SolverBodies& bodies) {
     for_each_held(bodies, [](FollowedTurn& turn, const SolverBody& b) {
         if (turn.stiff) return;
         const Change change = change_of(b, turn.u_outside);

@@ -14,10 +14,10 @@
 //
 // What joints hold is followed from small turns on. Their rows have the levers of now, and with the K of the start of the
 // tick a pull along a link that has turned by a tenth of a radian spins it about itself, five times as strongly as it would
-// answer: chains came apart in the middle. So while joints are solved u is K' w, K' of where the body is now (TurnedK).
+// answer: chains came apart in the middle. So while joints are solved u is K' w, K' of where the body is now (turn_in, turn_out).
 // Contacts keep rows of the start, to which a limb that has turned answers up to six times as strongly as they say, and every
 // pass adds speed instead of taking it away. What they give a body that joints hold is taken for a change of
-// velocity, and momentum for what belongs to it (StartK).
+// velocity, and momentum for what belongs to it (note_u, keep_velocity).
 // A body that turns as if it were larger (joint_stiffness.h) has no momentum that would be kept: its u is K w, and between
 // substeps the gyroscopic torque of the body as it is acts on the body as it answers. With the torque of the larger one a
 // link that rolled off a wall at 50 rad/s shakes its chain apart.
@@ -40,29 +40,13 @@ void follow_turns(std::span<const Joint> joints, const BodyColumns& columns, con
 /// Turns a body by its u for a substep and finds g for the next one. |u| is within the tip speed limit.
 void advance_turn(SolverBody& b, const BodyStep& s, FollowedTurn& turn, const StepConstants& step);
 
-/// While one lives, u of followed bodies that joints hold is K' w; what is added to that is momentum.
-class TurnedK {
-  public:
-    TurnedK(const StepConstants& step, SolverBodies& bodies);
-    ~TurnedK();
-    TurnedK(const TurnedK&) = delete;
-    TurnedK& operator=(const TurnedK&) = delete;
+/// From here to turn_out(), u of followed bodies that joints hold is K' w; what is added to that is momentum.
+void turn_in(const StepConstants& step, SolverBodies& bodies);
+void turn_out(SolverBodies& bodies);
 
-  private:
-    SolverBodies& bodies;
-};
-
-/// What is added to u of followed bodies that joints hold while one lives is velocity.
-class StartK {
-  public:
-    explicit StartK(SolverBodies& bodies);
-    ~StartK();
-    StartK(const StartK&) = delete;
-    StartK& operator=(const StartK&) = delete;
-
-  private:
-    SolverBodies& bodies;
-};
+/// What is added to u of followed bodies that joints hold between these two is velocity.
+void note_u(SolverBodies& bodies);
+void keep_velocity(SolverBodies& bodies);
 
 /// Angular velocity of the momentum K m where the body is now [rad/s].
 Vec3 spin_of(const SolverBody& b, const BodyStep& s, const FollowedTurn& turn);

@@ -172,7 +172,7 @@ void find_acting(JointTick& tick) {
 
 void JointSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bias, Tasks* tasks) {
     JointTick& tick = *work;
-    const TurnedK turned(step, bodies);
+    turn_in(step, bodies);
     const JointPassData data = pass_data(tick, step, bodies.body.data());
     const std::size_t count = tick.stages.size();
     for (std::size_t k = 0; k < count; ++k) { // relaxing goes back the way the biased pass came
@@ -187,6 +187,7 @@ void JointSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bi
                          for (std::uint32_t i = first; i < last; ++i)
                              if (trees[i].direct) solve_tree(tick, trees[i], bodies, bias);
                      });
+    turn_out(bodies);
 }
 
 // ---- warm start ---------------------------------------------------------------------------------------------------
@@ -223,13 +224,14 @@ static void warm_joint(JointTick& tick, const JointWork& w, SolverBodies& bodies
 
 void JointSolver::warm_start(const StepConstants& step, SolverBodies& bodies) {
     JointTick& tick = *work;
-    const TurnedK turned(step, bodies);
+    turn_in(step, bodies);
     const JointPassData data = pass_data(tick, step, bodies.body.data());
     for (const JointStage& stage : tick.stages) {
         for (std::uint32_t i = stage.first_single; i < stage.last_single; ++i)
             if (tick.acts[i] != 0) warm_joint(tick, tick.joints[tick.singles[i]], bodies);
         kernel->warm_start(data, stage.first_pack, stage.last_pack, !tick.first);
     }
+    turn_out(bodies);
     tick.first = false;
 }
 
