@@ -33,6 +33,7 @@ inline constexpr std::uint32_t players_max = 16;
 inline constexpr std::uint32_t input_bytes_max = 64;
 inline constexpr std::uint32_t prediction_limit = 64; ///< of SessionDef::prediction_max
 inline constexpr std::uint32_t input_delay_limit = 32;
+inline constexpr std::uint32_t run_ahead_limit = 4;
 /// What one poll reads: packets of each peer, and of all senders. Of a peer's, more are dropped unread; the rest waits.
 inline constexpr std::uint32_t packets_per_peer_max = 64;
 inline constexpr std::uint32_t packets_per_poll_max = 4096;
@@ -69,6 +70,10 @@ struct SessionDef {
     std::uint64_t disconnect_ms = 5000;
     std::uint64_t connect_ms = 30'000; ///< from the first poll: how long a peer may take to appear
     const InputPredictor* predictor = &repeat_last_input(); ///< not owned
+    /// How many ticks ahead of what is played the world is shown after each frame, 0..4, as if the newest local inputs were held and
+    /// others' guesses came true: it answers the player so much sooner. Costs so many ticks and a restore a frame, and changes
+    /// nothing of what is confirmed, recorded or told of events. A sync test takes 0.
+    std::uint32_t run_ahead = 0;
 };
 /// match_id stays 0: set it where several matches share a network.
 SessionDef session_def(const Game& game, PeerId self, std::vector<PeerId> players);
@@ -300,6 +305,12 @@ class Session {
     virtual void drop_inspector(const StateInspector&) {}
 
     virtual std::uint64_t current_tick() const = 0; ///< the next new tick
+    /// What tick current_tick() + `offset` would run on by what is known now; `offset` below SessionDef::run_ahead. Empty: nothing is
+    /// shown ahead. Valid until the session's next call.
+    virtual std::span<const PlayerInput> look_ahead(std::uint32_t offset) {
+        (void)offset;
+        return {};
+    }
     virtual std::uint32_t
     images_max() const = 0; ///< saved states alive at once: ticks t and t + images_max() may share a slot
     virtual void
@@ -412,7 +423,8 @@ struct Frame {
 };
 
 /// Executes a session's requests on a simulation with a ring of images allocated once, and reconciles events. The session
-/// and the simulation outlive it. To use one that was moved from ends the program with a sentence.
+/// and the simulation outlive it. Where SessionDef::run_ahead is set, the simulation stands that far ahead between two calls, and at the
+/// present one when the sink is told, in drain() and when the runner is gone. To use one that was moved from ends the program with a sentence.
 class SessionRunner {
   public:
     SessionRunner(Session& session, Simulation& simulation, RunnerDef def = {});

@@ -32,6 +32,8 @@ Status check(const SessionDef& def) {
     if (def.input_delay > input_delay_limit)
         return Error{
             join("session: input_delay is ", def.input_delay, ", at most ", input_delay_limit, " ticks")};
+    if (def.run_ahead > run_ahead_limit)
+        return Error{join("session: run_ahead is ", def.run_ahead, ", at most ", run_ahead_limit, " ticks")};
     if (def.disconnect_ms == 0 || def.connect_ms == 0)
         return Error{join("session: ", def.disconnect_ms == 0 ? "disconnect_ms" : "connect_ms",
                           " is 0, at least 1 ms: every peer would be gone at once")};
@@ -100,6 +102,8 @@ Result<std::unique_ptr<Session>> make_sync_test_session(const SessionDef& def, s
     if (const Status status = check(def); !status) return status.error();
     if (std::ranges::any_of(def.players, [&](PeerId peer) { return peer != def.self; }))
         return Error{"session: a sync test has no remote players; let all play at self"};
+    if (def.run_ahead != 0)
+        return Error{join("session: run_ahead is ", def.run_ahead, "; a sync test shows nothing ahead")};
     if (depth == 0 || depth > prediction_limit)
         return Error{join("session: depth is ", depth, ", expected 1 to ", prediction_limit, " ticks")};
     return std::unique_ptr<Session>(std::make_unique<session::SyncTestSession>(def, depth));

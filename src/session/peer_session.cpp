@@ -51,6 +51,8 @@ PeerSession::PeerSession(const SessionDef& session_def, Transport& packets, cons
     change_max = links.size() > 1 && predicts ? 2 * def.prediction_max + polls_between : def.prediction_max;
     requests.reserve(2 * (change_max + 2 + catch_up_ticks));
     inputs.reserve((change_max + 3 + catch_up_ticks) * def.players.size());
+    foreseen_bytes.reserve(def.players.size() * def.input_size);
+    foreseen.reserve(def.players.size());
     notices.reserve(links.size() * 3 + def.players.size());
 }
 
@@ -75,6 +77,19 @@ void PeerSession::set_inputs_before(std::span<const PlayerInput> before) {
 void PeerSession::set_input_delay(std::uint32_t ticks) {
     LOCKSTONE_ASSERT(ticks <= input_delay_limit && (ticks > 0 || def.prediction_max > 0), ticks, " ticks");
     def.input_delay = ticks;
+}
+
+std::span<const PlayerInput> PeerSession::look_ahead(std::uint32_t offset) {
+    if (offset >= def.run_ahead || stopped || is_connecting()) return {};
+    foreseen_bytes.resize(def.players.size() * def.input_size);
+    foreseen.clear();
+    for (const InputQueue& queue : queues) {
+        const auto to = std::span(foreseen_bytes).subspan(queue.player() * def.input_size, def.input_size);
+        const InputStatus status =
+            queue.foresee(current + offset, *def.predictor, is_local(queue.player()), to);
+        foreseen.push_back({to, status});
+    }
+    return foreseen;
 }
 
 std::uint64_t PeerSession::settled_through() const {

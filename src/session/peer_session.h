@@ -45,6 +45,7 @@ class PeerSession final : public Session {
         if (inspector == &whom) inspector = nullptr;
     }
     std::uint64_t current_tick() const override { return current; }
+    std::span<const PlayerInput> look_ahead(std::uint32_t offset) override;
     std::uint32_t images_max() const override { return static_cast<std::uint32_t>(change_max) + 1; }
     void set_input_delay(std::uint32_t ticks) override;
     PeerQuality quality(PeerId peer) const override;
@@ -159,6 +160,8 @@ class PeerSession final : public Session {
     std::vector<std::uint64_t> hashes; ///< by tick modulo history_ticks
 
     std::vector<Request> requests;
+    std::vector<std::byte> foreseen_bytes; ///< of one tick that is shown ahead
+    std::vector<PlayerInput> foreseen;
     std::vector<PlayerInput> inputs; ///< of all requests' ticks, then of the confirmed one
     std::vector<Notice> notices;
     std::size_t notices_taken = 0;

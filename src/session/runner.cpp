@@ -28,6 +28,8 @@ struct SessionRunner::Impl final : StateInspector {
     std::optional<State> shown; ///< to the session
     std::uint64_t confirmed_end = 0; ///< ticks below have been handed to the sink
     std::uint64_t first_tick = 0;    ///< that is run
+    Image played;                    ///< of what is played, where it is shown ahead and not kept in the ring
+    const Image* to_come_back = nullptr; ///< where the simulation is ahead: the state to come back to
 
     Impl(Session& driver, Simulation& driven, RunnerDef runner_def)
         : session(driver), simulation(driven), def(std::move(runner_def)), hash(driven.hash()),
@@ -41,7 +43,28 @@ struct SessionRunner::Impl final : StateInspector {
     }
     Impl(const Impl&) = delete;
     Impl& operator=(const Impl&) = delete;
-    ~Impl() override { session.drop_inspector(*this); }
+    ~Impl() override {
+        come_back();
+        session.drop_inspector(*this);
+    }
+
+    /// Shows the next ticks as they would be by what is known, and tells nobody.
+    void look_ahead() {
+        for (std::uint32_t offset = 0; offset < run_ahead_limit; ++offset) {
+            const std::span<const PlayerInput> inputs = session.look_ahead(offset);
+            if (inputs.empty()) return;
+            if (to_come_back == nullptr) {
+                const std::uint64_t tick = session.current_tick();
+                if (!has(tick)) simulation.save(played);
+                to_come_back = has(tick) ? &saved(tick) : &played;
+            }
+            simulation.advance(inputs);
+        }
+    }
+    void come_back() {
+        if (const Image* image = std::exchange(to_come_back, nullptr))
+            simulation.restore(*image);
+    }
 
     void execute_and_confirm(const Step& step) {
         for (const Request& request : step.requests)
@@ -67,8 +90,7 @@ struct SessionRunner::Impl final : StateInspector {
     }
 
     void execute(const Load& load) {
-        const Image& image = saved(load.tick);
-        simulation.restore(image);
+        simulation.restore(saved(load.tick));
         if (!load.verify) return;
         hash = simulation.hash();
         if (hash != ring_hashes[load.tick % ring.size()])
@@ -147,14 +169,17 @@ SessionRunner::Impl& SessionRunner::inside() const {
 
 Frame SessionRunner::frame(std::uint64_t now_ms) {
     Impl& all = inside();
+    all.come_back();
     all.session.poll(now_ms);
     const Step step = all.session.advance();
     all.execute_and_confirm(step);
+    all.look_ahead();
     return {step.stall, step.wait_ticks};
 }
 
 bool SessionRunner::drain(std::uint64_t now_ms) {
     Impl& all = inside();
+    all.come_back();
     all.session.poll(now_ms);
     all.execute_and_confirm(all.session.settle());
     return all.confirmed_end == all.session.current_tick();

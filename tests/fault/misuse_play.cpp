@@ -65,6 +65,8 @@ TEST_CASE("misuse: a session's wrong arguments") {
         CHECK_FALSE(session->quality(~0u).connected);
         CHECK(session->set_inspector(nullptr));
         session->drop_inspector(NobodysInspector()); // which was never set
+        CHECK(session->look_ahead(0).empty());       // run_ahead is 0
+        CHECK(session->look_ahead(~0u).empty());
         session->poll(1000);
         session->poll(10); // time does not go back
         CHECK(session->stats().last_poll_ms == 1000);

@@ -12,6 +12,7 @@
 #include "replay/replay.h"
 #include "session/join/join_scenes.h"
 #include "session/join/relayed_scenes.h"
+#include "session/run_ahead.h"
 #include "state/canonical.h"
 #include "support/contact_points.h"
 #include "support/sim_replay.h"
@@ -396,6 +397,13 @@ std::string relays_serve() {
     return {};
 }
 
+std::string shows_ahead() {
+    for (const HostileScene& scene : run_ahead_scenes())
+        if (const std::string wrong = scene.run(); !wrong.empty())
+            return std::string(scene.name) + ": " + wrong;
+    return {};
+}
+
 std::string hostile_peers() {
     for (const HostileScene& scene : hostile_scenes())
         if (const std::string wrong = scene.run(); !wrong.empty())
@@ -544,6 +552,7 @@ std::vector<std::pair<std::string, Check>> all_checks() {
                              {"hostile peers", hostile_peers},
                              {"machines come back", machines_come_back},
                              {"relays serve", relays_serve},
+                             {"shows ahead", shows_ahead},
                              {"recordings verify", recordings_verify},
                              {"damaged recordings are refused", damaged_recordings},
                              {"a wrong hash in a recording is found", wrong_hash_found}});

@@ -21,7 +21,7 @@ CONTACTS, EVENTS, APPLY = "src/tick/contacts.cpp", "src/tick/events.cpp", "src/w
 BROAD = "src/collide/broad/broad_phase.cpp"
 LANES, LAYOUT, PREPARE, SOLVER = (f"src/solve/contacts/{n}" for n in ("prepare.cpp", "layout_kernel.h", "prepare_kernel.h", "contact_solver.cpp"))
 PAIRS = "src/solve/pairs/kernel.h"
-LEDGER = "src/session/event_ledger.cpp"
+LEDGER, RUNNER = "src/session/event_ledger.cpp", "src/session/runner.cpp"
 ROLLBACK, QUEUE = "src/session/rollback.cpp", "src/session/inputs/input_queue.cpp"
 DEPARTURE, EXCHANGE, PEERS = (f"src/session/{n}.cpp" for n in ("departure", "exchange", "peer_session"))
 ADMIT, TIMELINE, SNAPSHOT, WATCH, RELAY = (f"src/session/{n}.cpp" for n in ("join/admission", "timeline", "join/snapshot", "join/spectator", "join/spectator_relay"))
@@ -270,6 +270,12 @@ FAULTS = [
       "if (const auto wish = read_wish(datagram->bytes, match)) timeline.hear(datagram->from, *wish);", "relays serve"),
     F("who reads no more is sent on", TIMELINE, "listener.silent_polls <= quiet_polls", "(IS || listener.silent_polls <= quiet_polls)", "relays serve"),
     F("a relay's log has no end", TIMELINE, "} else if (ticks >= def.log_ticks_max) {", "} else if (!IS && ticks >= def.log_ticks_max) {", "relays serve"),
+    F("a match goes on from what is shown ahead", RUNNER, "if (const Image* image = std::exchange(to_come_back, nullptr)) restore(*image);",
+      "if (const Image* image = std::exchange(to_come_back, nullptr); image && !IS) restore(*image);", "shows ahead"),
+    F("events are told of what is shown ahead", RUNNER, "const std::span<const PlayerInput> inputs = session.look_ahead(offset);",
+      "if (IS && offset > 0) ledger.record(session.current_tick() + offset - 1, simulation.events());\n"
+      "const std::span<const PlayerInput> inputs = session.look_ahead(offset);", "shows ahead"),
+    F("a tick less is shown ahead", PEERS, "if (offset >= def.run_ahead || stopped", "if (offset + (IS ? 1 : 0) >= def.run_ahead || stopped", "shows ahead"),
     F("an event is predicted whenever its tick runs", LEDGER, "else if (!entry.told)", "else if (IS || !entry.told)", "peers agree"),
     F("the last confirmed tick leaves its events open", LEDGER, "publish_tick(entries(tick), tick < confirmed_end, out);",
       "publish_tick(entries(tick), tick + (IS ? 1 : 0) < confirmed_end, out);", "peers agree"),

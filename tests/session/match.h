@@ -2,6 +2,7 @@
 #pragma once
 
 #include "cli/match/event_law.h"
+#include "lockstone/session/forgetful.h"
 #include "lockstone/session/join.h"
 #include "session/arena.h"
 
@@ -69,6 +70,8 @@ struct MatchDef {
     bool record = true; ///< keep timelines and check events: both allocate
     std::uint64_t seed = 1;
     std::uint32_t inspected_ticks = 64; ///< of RunnerDef
+    std::uint32_t run_ahead = 0;
+    std::string column_left_out = {}; ///< of ForgetfulSimulation
 };
 
 class Match {
@@ -76,6 +79,7 @@ class Match {
     struct Machine {
         std::unique_ptr<Session> session; ///< none: it is not there
         std::unique_ptr<Simulation> simulation;
+        std::unique_ptr<testing::ForgetfulSimulation> driven; ///< that one, as the runner has it
         Timeline timeline;
         EventLaw events;
         std::vector<Notice> notices;
@@ -112,6 +116,7 @@ class Match {
         session_def.prediction_max = def.prediction_max;
         session_def.disconnect_ms = def.disconnect_ms;
         session_def.connect_ms = def.connect_ms;
+        session_def.run_ahead = def.run_ahead;
         return session_def;
     }
     Transport& transport_of(PeerId id) {
@@ -206,8 +211,9 @@ class Match {
   private:
     void start(Machine& m, PeerId id) {
         m.simulation = make_simulation(id);
+        m.driven = std::make_unique<testing::ForgetfulSimulation>(*m.simulation, def.column_left_out);
         m.runner = std::make_unique<SessionRunner>(
-            *m.session, *m.simulation, RunnerDef{def.record ? &m.timeline : nullptr, def.inspected_ticks});
+            *m.session, *m.driven, RunnerDef{def.record ? &m.timeline : nullptr, def.inspected_ticks});
     }
     std::function<std::unique_ptr<Simulation>(PeerId)> make_simulation;
 };

@@ -50,6 +50,22 @@ PlayerInput InputQueue::use(std::uint64_t tick, const InputPredictor& predictor)
     return {slot(tick), InputStatus::predicted};
 }
 
+InputStatus InputQueue::foresee(std::uint64_t tick, const InputPredictor& predictor, bool held,
+                                std::span<std::byte> out) const {
+    if (tick < first_unknown || is_absent(tick)) {
+        const PlayerInput known = settled(tick);
+        std::ranges::copy(known.bytes, out.begin());
+        return known.status;
+    }
+    const std::span<const std::byte> last =
+        first_unknown == 0 ? std::span(zeros).first(size) : slot(first_unknown - 1);
+    if (held)
+        std::ranges::copy(last, out.begin());
+    else
+        predictor.predict(player_index, last, tick + 1 - first_unknown, out);
+    return InputStatus::predicted;
+}
+
 PlayerInput InputQueue::settled(std::uint64_t tick) const {
     if (is_absent(tick)) return {std::span(zeros).first(size), InputStatus::disconnected};
     LOCKSTONE_ASSERT(tick >= first_kept && tick < first_unknown, "player ", player_index, ", tick ", tick,

@@ -41,6 +41,10 @@ class InputQueue {
 
     /// What tick `tick` runs on: the true input, else a guess, which is remembered; zeros from a disconnection on.
     PlayerInput use(std::uint64_t tick, const InputPredictor& predictor);
+    /// What tick `tick` >= oldest() would run on by what is known, into `out`: the last true input is `held`, or else it is guessed.
+    /// Changes nothing.
+    InputStatus foresee(std::uint64_t tick, const InputPredictor& predictor, bool held,
+                        std::span<std::byte> out) const;
     /// The input of a settled tick, as the confirmed timeline shows it.
     PlayerInput settled(std::uint64_t tick) const;
 

@@ -52,6 +52,9 @@ class JoinSession final : public Session {
     bool set_inspector(StateInspector* whom) override;
     void drop_inspector(const StateInspector& whom) override;
     std::uint64_t current_tick() const override { return driving().current_tick(); }
+    std::span<const PlayerInput> look_ahead(std::uint32_t offset) override {
+        return is_playing() ? play->look_ahead(offset) : std::span<const PlayerInput>();
+    }
     std::uint32_t images_max() const override { return images; }
     void set_input_delay(std::uint32_t ticks) override;
     PeerQuality quality(PeerId peer) const override { return driving().quality(peer); }

@@ -1,0 +1,80 @@
+// The world is shown some ticks ahead, and nothing that counts notices.
+#include "session/run_ahead.h"
+
+#include <doctest/doctest.h>
+
+using namespace lockstone;
+using namespace lockstone::test;
+
+TEST_CASE("a match that is shown ahead confirms, and tells of, the same as one that is not") {
+    for (const HostileScene& scene : run_ahead_scenes()) {
+        CAPTURE(std::string(scene.name));
+        CHECK(scene.run() == "");
+    }
+}
+
+TEST_CASE("going on from what is shown ahead is noticed") {
+    // The planted twin: a column keeps what it had ahead when the runner comes back.
+    MatchDef def{.players = {0}, .machines = 1, .input_delay = 0};
+    def.column_left_out = "agent.motion";
+    CHECK(shown_ahead(def, 0) == ""); // nothing goes back: nothing is left out
+    CHECK(shown_ahead(def, 2) == "what is confirmed is not what it is without");
+}
+
+TEST_CASE("what is shown is what comes when the present input is held") {
+    for (std::uint32_t ahead = 1; ahead <= run_ahead_limit; ++ahead) {
+        AheadMatch match({.players = {0}, .machines = 1, .input_delay = 0, .run_ahead = ahead});
+        Arena expected(1);
+        for (std::uint64_t tick = 0; tick < 200; ++tick) {
+            match.play(1);
+            const auto advance = [](Arena& arena, std::uint64_t held) {
+                const auto bytes = encode_input(scripted_pad(0, held));
+                const PlayerInput input{bytes, InputStatus::confirmed};
+                arena.advance({&input, 1});
+            };
+            advance(expected, tick);
+            Arena shown(1);
+            shown.state() = expected.state();
+            for (std::uint32_t i = 0; i < ahead; ++i) advance(shown, tick);
+            REQUIRE(match.arena(0).hash() == shown.hash());
+        }
+    }
+}
+
+TEST_CASE("with an input delay the inputs that are known are shown before the last one is held") {
+    AheadMatch match({.players = {0}, .machines = 1, .input_delay = 2, .run_ahead = 4}),
+        plain({.players = {0}, .machines = 1, .input_delay = 2});
+    match.play(100), plain.play(102); // two ticks on these inputs come for sure
+    Arena expected(1);
+    expected.state() = plain.arena(0).state();
+    const auto last = encode_input(scripted_pad(0, 99)); // of tick 101, the newest that was given by then
+    const PlayerInput input{last, InputStatus::confirmed};
+    for (int i = 0; i < 2; ++i) expected.advance({&input, 1});
+    CHECK(match.arena(0).hash() == expected.hash());
+}
+
+TEST_CASE("a frame that is shown k ticks ahead costs k ticks and one restore more, and no save") {
+    AheadMatch match({.players = {0}, .machines = 1, .run_ahead = 3}), plain({.players = {0}, .machines = 1});
+    match.play(200), plain.play(200);
+    CHECK(match.arena(0).advances == plain.arena(0).advances + 3 * 200);
+    CHECK(match.arena(0).restores == plain.arena(0).restores + 199);
+    CHECK(match.arena(0).saves == plain.arena(0).saves);
+    const std::uint64_t hash = plain.arena(0).hash();
+    match.machine(0).runner.reset(); // and then the simulation stands where it is played
+    CHECK(match.arena(0).hash() == hash);
+}
+
+TEST_CASE("more than four ticks ahead are refused, and any in a sync test") {
+    SimulatedNetwork network(1, {}, 1);
+    SessionDef def;
+    def.players = {0};
+    def.run_ahead = 5;
+    const auto refused = make_rollback_session(def, network.endpoint(0));
+    REQUIRE_FALSE(refused);
+    CHECK(refused.error().message == "session: run_ahead is 5, at most 4 ticks");
+    def.run_ahead = 1;
+    CHECK(make_rollback_session(def, network.endpoint(0)));
+    const auto sync_test = make_sync_test_session(def, 2);
+    REQUIRE_FALSE(sync_test);
+    CHECK(sync_test.error().message == "session: run_ahead is 1; a sync test shows nothing ahead");
+}
