@@ -19,12 +19,7 @@ constexpr std::uint64_t frames_between_cards = 10;
 std::string number(std::uint64_t n) { return std::to_string(n); }
 std::string machine(PeerId peer) { return "machine " + number(peer + 1); }
 
-/// As to_string says it, with machines counted from 1 as everywhere on the page.
-std::string in_words(const DesyncReport& report) {
-    const std::string text = to_string(report);
-    return "the worlds differ: tick " + number(report.tick) + ", " + machine(report.peer) +
-           text.substr(std::min(text.find(": "), text.size()));
-}
+std::string in_words(const DesyncReport& report) { return "the worlds differ: " + to_string(report); }
 
 } // namespace
 

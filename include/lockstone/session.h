@@ -185,7 +185,8 @@ struct DesyncReport {
 struct DesyncNamed {
     std::shared_ptr<const DesyncReport> report; ///< never null
 };
-/// "tick 118, machine 1: phase solve, column body.velocity, row 7, linear.x: 1 (raw 0x80000) against 2 (raw 0x100000)"
+/// Machines are counted from 1.
+/// "tick 118, machine 2: phase solve, column body.velocity, row 7, linear.x: 1 (raw 0x80000) against 2 (raw 0x100000)"
 std::string to_string(const DesyncReport& report);
 /// The sentence above, then a line for each difference, column and tick: for a file.
 std::string log_text(const DesyncReport& report);
@@ -345,6 +346,12 @@ class Simulation {
     virtual Status adopt(std::span<const std::byte> portable_image) {
         return state().restore_portable(portable_image);
     }
+    /// Runs a tick from the state of `before`, with the hashes of its phases, and leaves the present state and all that listens to
+    /// it alone. Nothing: it cannot, and is driven there and back instead.
+    virtual std::optional<Rerun> run_aside(const Image& before, std::span<const PlayerInput> inputs) {
+        (void)before, (void)inputs;
+        return {};
+    }
     /// Whether ticks from now on note a hash after each of their phases, and those of the last tick.
     virtual void record_phase_hashes(bool) {}
     virtual std::span<const PhaseHash> phase_hashes() const { return {}; }
@@ -362,6 +369,7 @@ class WorldSimulation final : public Simulation {
     std::span<const Event> events() const override;
     State& state() override;
     Status adopt(std::span<const std::byte> portable_image) override; ///< World's checks, then Game::check
+    std::optional<Rerun> run_aside(const Image& before, std::span<const PlayerInput> inputs) override;
     void record_phase_hashes(bool on) override;
     std::span<const PhaseHash> phase_hashes() const override;
     /// The first error of the rules, for display. The tick was run all the same, on every machine alike; it may have

@@ -128,6 +128,7 @@ struct SessionRunner::Impl final : StateInspector {
     }
     Rerun run_again(std::uint64_t tick, std::span<const PlayerInput> inputs) override {
         if (!has(tick)) return {};
+        if (std::optional<Rerun> aside = simulation.run_aside(saved(tick), inputs)) return *aside;
         Image present;
         simulation.save(present);
         simulation.restore(saved(tick));

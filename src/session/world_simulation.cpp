@@ -31,6 +31,15 @@ Status WorldSimulation::adopt(std::span<const std::byte> portable_image) {
     if (!checked) driven.restore(present);
     return checked;
 }
+/// In a clone: a journal of the world that is driven hears nothing of it.
+std::optional<Rerun> WorldSimulation::run_aside(const Image& before, std::span<const PlayerInput> inputs) {
+    World aside = living().clone();
+    aside.restore(before);
+    aside.record_phase_hashes(true);
+    WorldSimulation(aside, game).advance(inputs);
+    const std::span<const PhaseHash> phases = aside.phase_hashes();
+    return Rerun{{phases.begin(), phases.end()}, aside.hash()};
+}
 std::uint64_t WorldSimulation::hash() const { return living().hash(); }
 std::span<const Event> WorldSimulation::events() const { return living().events(); }
 void WorldSimulation::record_phase_hashes(bool on) { living().record_phase_hashes(on); }

@@ -85,6 +85,13 @@ TEST_CASE("misuse: a session's wrong arguments") {
     stops("sync test, no player", [&] { sync->add_local_input(2, {}); });
 }
 
+TEST_CASE("misuse: a tick is not run aside from a state that was never saved") {
+    const SmallGame game;
+    World world = must(game.start());
+    WorldSimulation simulation(world, game);
+    stops("nothing saved", [&] { (void)simulation.run_aside(Image{}, {}); });
+}
+
 TEST_CASE("misuse: a recorder's wrong arguments are errors that say what was expected") {
     const SmallGame game;
     replay::MemorySink sink;

@@ -248,7 +248,7 @@ std::optional<DesyncReport> Inspection::take_report() {
 namespace lockstone {
 
 std::string to_string(const DesyncReport& report) {
-    std::string out = base::join("tick ", report.tick, ", machine ", report.peer, ": ");
+    std::string out = base::join("tick ", report.tick, ", machine ", report.peer + 1, ": ");
     if (!report.phase.empty()) out += base::join("phase ", report.phase, ", ");
     if (!report.differences.empty())
         out += to_string(report.differences.front());

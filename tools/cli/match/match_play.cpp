@@ -208,7 +208,7 @@ void run_frame(Peer& peer, PeerId self, const Game& game, const MatchDef& def, s
     std::vector<std::string>& desyncs = def.recovers ? out.notes : out.broken;
     while (const auto notice = peer.session->next_notice()) {
         if (const auto* named = std::get_if<DesyncNamed>(&*notice))
-            desyncs.push_back("peer " + std::to_string(self) + ": " + to_string(*named->report));
+            desyncs.push_back("machine " + std::to_string(self + 1) + ": " + to_string(*named->report));
         if (const auto* stopped = std::get_if<MatchStopped>(&*notice))
             out.notes.push_back("peer " + std::to_string(self) + ": " + stopped->reason);
         if (const auto* gone = std::get_if<PlayerDisconnected>(&*notice))
