@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <ranges>
 
 using namespace lockstone;
 using namespace lockstone::test;
@@ -13,6 +14,7 @@ using namespace lockstone::test;
 namespace {
 
 constexpr std::uint64_t match_ticks = 1200; // 20 s at 60 Hz
+constexpr std::uint64_t never = ~std::uint64_t{0};
 const NetAddress any_port = parse_address("127.0.0.1:0").value();
 
 /// A relay with a socket.
@@ -46,8 +48,9 @@ struct Outcome {
     bool good = true;
 };
 
-/// `relays`: those that the plan names; the first is lost at a frame.
-Outcome play(const MatchPlan& plan, std::vector<SocketRelay*> relays, std::uint64_t lost_at = 1u << 30) {
+/// `relays`: those that the plan names; the first is lost at a frame. So may machine 0 be, which opened the match.
+Outcome play(const MatchPlan& plan, std::vector<SocketRelay*> relays, std::uint64_t lost_at = never,
+             std::uint64_t leader_lost_at = never) {
     const auto players = static_cast<std::uint32_t>(plan.addresses.size());
     const auto game = make_scene("rollback-arena", {.size = 0, .seed = 1, .players = players}).value();
     const auto tokens = make_tokens(plan).value();
@@ -59,7 +62,9 @@ Outcome play(const MatchPlan& plan, std::vector<SocketRelay*> relays, std::uint6
         machines.push_back(std::make_unique<NetPlayer>(*game, slot, players, *transports.back()));
     }
     const auto done = [&] {
-        return std::ranges::all_of(machines, [](const auto& m) { return m->hashes.size() >= match_ticks; });
+        const std::size_t first = leader_lost_at == never ? 0 : 1;
+        return std::ranges::all_of(machines | std::views::drop(first),
+                                   [](const auto& m) { return m->hashes.size() >= match_ticks; });
     };
     const auto poll_relays = [&](std::uint64_t frame, std::uint64_t now_ms) {
         for (std::size_t r = frame < lost_at ? 0 : 1; r < relays.size(); ++r) relays[r]->poll(now_ms);
@@ -67,6 +72,7 @@ Outcome play(const MatchPlan& plan, std::vector<SocketRelay*> relays, std::uint6
     for (std::uint64_t frame = 0; frame < 4 * match_ticks && !done(); ++frame) {
         const std::uint64_t now_ms = start_ms + frame * 1000 / 60;
         for (PeerId slot = 0; slot < players; ++slot) {
+            if (slot == 0 && frame >= leader_lost_at) continue;
             // What has arrived is looked at once in six frames, so that inputs come late and guesses are made.
             if (frame < 60 || (frame + slot) % 6 == 0) transports[slot]->poll(now_ms);
             poll_relays(frame, now_ms);
@@ -140,6 +146,22 @@ TEST_CASE("net: a relay is lost in the middle of a match, and three machines go 
     const Outcome lost = play(plan, {&first, &second}, 400);
     CHECK_FALSE(lost.good);
     CHECK(lost.hashes[0] != lost.hashes[1]); // each has gone on alone
+}
+
+TEST_CASE(
+    "net: the machine that opened the match is lost, and the others go on through the relay from what was "
+    "confirmed") {
+    SocketRelay relay;
+    MatchPlan plan = plan_of(3);
+    plan.addresses = free_addresses(3);
+    plan.relay = relay.socket.local_address(), plan.relay_secret = relay.secret;
+    plan.relay_expires_ms = start_ms + 3'600'000;
+    const Outcome out = play(plan, {&relay}, never, 400);
+    REQUIRE(out.hashes[1].size() == match_ticks);
+    CHECK(out.hashes[1] == out.hashes[2]);
+    REQUIRE(out.hashes[0].size() > 300);
+    CHECK(out.hashes[0].size() < 500);
+    CHECK(std::ranges::equal(out.hashes[0], std::span(out.hashes[1]).first(out.hashes[0].size())));
 }
 
 TEST_CASE("net: the comparison of hashes can fail: those of another game are others") {

@@ -55,22 +55,46 @@ refused "none" --key "$work/none"
 refused "a key is 64 hexadecimal digits" --key "$work/short"
 refused "is there already" --key "$work/short" --new-key
 refused "is no address" --key "$work/new" --new-key --address everywhere
-"$lockstone" relay --key "$work/key" --new-key --port 0 --address 127.0.0.1 --seconds $((ticks / 60 + 40)) >"$work/relay" &
-children+=($!)
-for _ in $(seq 50); do
-    grep -q '^port' "$work/relay" && break
-    sleep 0.1
-done
-read -r _ port _ key < <(tr -d ',' <"$work/relay") || fail "the relay did not say its port"
-"$peer" --relay "127.0.0.1:$port" --key "$key" --ticks "$ticks" >"$work/a" &
-one=$!
-children+=($one)
-for _ in $(seq 100); do
-    grep -q '^code' "$work/a" && break
-    sleep 0.1
-done
-code=$(sed -n 's/^code //p' "$work/a")
-[ -n "$code" ] || fail "the lobby gave no code"
-"$peer" --relay "127.0.0.1:$port" --key "$key" --code "$code" --ticks "$ticks" >"$work/b" || fail "who entered by the code did not confirm all"
-wait $one || fail "who opened the room did not confirm all"
-agree "by a code, through the relay"
+refused "go together" --key "$work/new1" --new-key --second 127.0.0.1:9
+refused "has no port" --key "$work/new2" --new-key --second 127.0.0.1:0 --second-key "$work/short"
+relay_at() { # NAME ARGUMENT...: starts a relay; port, key and process of it
+    local name=$1
+    shift
+    "$lockstone" relay --key "$work/$name.key" --new-key --port 0 --address 127.0.0.1 --seconds $((ticks / 60 + 40)) "$@" >"$work/$name" &
+    process=$!
+    children+=($process)
+    for _ in $(seq 50); do
+        grep -q '^port' "$work/$name" && break
+        sleep 0.1
+    done
+    read -r _ port _ key < <(tr -d ',' <"$work/$name") || fail "the relay did not say its port"
+}
+by_code() { # WHAT: two meet by a code at the relay at $port, and agree
+    local what=$1 one other code
+    "$peer" --relay "127.0.0.1:$port" --key "$key" --ticks "$ticks" >"$work/a" &
+    one=$!
+    children+=($one)
+    for _ in $(seq 100); do
+        grep -q '^code' "$work/a" && break
+        sleep 0.1
+    done
+    code=$(sed -n 's/^code //p' "$work/a")
+    [ -n "$code" ] || fail "the lobby gave no code"
+    "$peer" --relay "127.0.0.1:$port" --key "$key" --code "$code" --ticks "$ticks" >"$work/b" &
+    other=$!
+    children+=($other)
+    if [ -n "${lost:-}" ]; then
+        sleep 4
+        kill -KILL "$lost"
+    fi
+    wait $other || fail "$what: who entered by the code did not confirm all"
+    wait $one || fail "$what: who opened the room did not confirm all"
+    agree "$what"
+}
+relay_at first
+by_code "by a code, through the relay"
+relay_at second
+second=127.0.0.1:$port
+relay_at third --second "$second" --second-key "$work/second.key"
+lost=$process
+by_code "by a code, through a relay that is lost, and then through the second one"

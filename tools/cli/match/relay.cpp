@@ -14,6 +14,7 @@ namespace {
 
 struct Args {
     std::string key_file, address = "0.0.0.0";
+    std::string second, second_key_file;
     std::uint32_t port = 7700, matches = RelayDef{}.matches_max, seconds = 0;
     bool new_key = false;
 };
@@ -26,8 +27,21 @@ void describe(CLI::App& command, Args& args) {
     add_text(command, "--key", args.key_file, "the file of the relay's secret: 64 hexadecimal digits")
         .required();
     add_flag(command, "--new-key", args.new_key, "make that file first; it must not be there");
+    add_text(command, "--second", args.second,
+             "ADDRESS:PORT of a second relay, where players go on when this one is lost: the lobby names it");
+    add_text(command, "--second-key", args.second_key_file,
+             "the file of its secret, which makes the players' passes for it");
     add_number(command, "--matches", args.matches, "matches at one time", 1, 65536).show_default();
     add_number(command, "--seconds", args.seconds, "end after so long; 0: at a signal").show_default();
+}
+
+Result<NetKey> key_in(const std::string& file) {
+    Result<std::string> text = read_file(file);
+    if (!text) return text.error();
+    while (!text->empty() && text->back() == '\n') text->pop_back();
+    Result<NetKey> key = parse_key(*text);
+    if (!key) return Error{file + ": " + key.error().message};
+    return key;
 }
 
 Result<NetKey> key_of(const Args& args) {
@@ -36,12 +50,21 @@ Result<NetKey> key_of(const Args& args) {
         ::umask(077); // the secret is its owner's to read
         if (Status s = write_file(args.key_file, to_string(random_key()) + "\n"); !s) return s.error();
     }
-    Result<std::string> text = read_file(args.key_file);
-    if (!text) return text.error();
-    while (!text->empty() && text->back() == '\n') text->pop_back();
-    Result<NetKey> key = parse_key(*text);
-    if (!key) return Error{args.key_file + ": " + key.error().message};
-    return key;
+    return key_in(args.key_file);
+}
+
+/// The second relay, if one is named, into `def`.
+Status name_second(const Args& args, RelayDef& def) {
+    if (args.second.empty() != args.second_key_file.empty())
+        return Error{"--second and --second-key go together"};
+    if (args.second.empty()) return {};
+    const auto at = parse_address(args.second);
+    if (!at) return Error{"--second " + args.second + ": " + at.error().message};
+    if (at->port == 0) return Error{"--second " + args.second + ": has no port"};
+    const Result<NetKey> key = key_in(args.second_key_file);
+    if (!key) return key.error();
+    def.second = *at, def.second_secret = *key;
+    return {};
 }
 
 void report(const Relay& relay) {
@@ -65,7 +88,9 @@ Result<Exit> relay(const Args& args) {
     Result<UdpSocket> socket = UdpSocket::open(*local);
     if (!socket) return socket.error();
     const std::uint64_t begun_ms = unix_ms();
-    Relay relay(*key, {.matches_max = args.matches}, begun_ms);
+    RelayDef def{.matches_max = args.matches};
+    if (Status s = name_second(args, def); !s) return s.error();
+    Relay relay(*key, def, begun_ms);
     std::printf("port %u, key %s\n", socket->local_address().port, to_string(public_key_of(*key)).c_str());
     std::fflush(stdout);
     const Interrupt interrupt;
