@@ -1,8 +1,8 @@
 // Wrong arguments to what misuse_world.cpp and misuse_play.cpp leave over: questions, shapes and their masses, ragdolls, pools,
 // networks, proofs, verifying and branching. tests/tidy/misuse.py knows which functions there are.
+#include "fault/misuse.h"
 #include "support/sim_scenes.h"
 #include "support/small_recording.h"
-#include "support/stops.h"
 
 #include "lockstone/assemble.h"
 #include "lockstone/asset.h"
@@ -25,20 +25,6 @@ using namespace lockstone;
 using namespace lockstone::test;
 
 namespace {
-
-void refused(const char* what, const Status& status, const char* word) {
-    CAPTURE(what);
-    REQUIRE_FALSE(status.ok());
-    CHECK_MESSAGE(status.error().message.find(word) != std::string::npos, status.error().message);
-}
-template <class T> Status status_of(const Result<T>& result) {
-    return result ? Status{} : Status{result.error()};
-}
-void stops(const char* what, const std::function<void()>& call) {
-    CAPTURE(what);
-    const std::string words = last_words(call);
-    CHECK_MESSAGE(words.starts_with("lockstone: broken rule: "), words);
-}
 
 template <class Enum> constexpr Enum none_of = static_cast<Enum>(99);
 

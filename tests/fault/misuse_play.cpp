@@ -1,6 +1,6 @@
 // Wrong arguments to sessions, recorders, players and asset libraries.
+#include "fault/misuse.h"
 #include "support/small_recording.h"
-#include "support/stops.h"
 
 #include "lockstone/asset.h"
 #include "lockstone/session.h"
@@ -13,20 +13,6 @@ using namespace lockstone;
 using namespace lockstone::test;
 
 namespace {
-
-void refused(const char* what, const Status& status, const char* word) {
-    CAPTURE(what);
-    REQUIRE_FALSE(status.ok());
-    CHECK_MESSAGE(status.error().message.find(word) != std::string::npos, status.error().message);
-}
-template <class T> Status status_of(const Result<T>& result) {
-    return result ? Status{} : Status{result.error()};
-}
-void stops(const char* what, const std::function<void()>& call) {
-    CAPTURE(what);
-    const std::string words = last_words(call);
-    CHECK_MESSAGE(words.starts_with("lockstone: broken rule: "), words);
-}
 
 struct NobodysInspector final : StateInspector {
     const State* state_after(std::uint64_t) override { return nullptr; }

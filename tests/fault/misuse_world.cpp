@@ -1,6 +1,6 @@
 // Wrong arguments to a world: commands answer with a sentence and change nothing, reading ends the program with one.
+#include "fault/misuse.h"
 #include "support/sim_scenes.h"
-#include "support/stops.h"
 
 #include "lockstone/play/vehicle.h"
 #include "lockstone/session.h"
@@ -57,15 +57,6 @@ void refuses(World& w, const char* what, const std::function<Status()>& call) {
     CHECK(status.error().message.size() > 20);
     CHECK(w.hash() == before);
 }
-void stops(const char* what, const std::function<void()>& call) {
-    CAPTURE(what);
-    const std::string words = last_words(call);
-    CHECK_MESSAGE(words.starts_with("lockstone: broken rule: "), words);
-}
-template <class Made> Status status_of(const Result<Made>& made) {
-    return made ? Status{} : Status{made.error()};
-}
-
 } // namespace
 
 TEST_CASE("misuse: commands refuse every wrong body with a sentence, and change nothing") {

@@ -1,6 +1,6 @@
 // The root hash of every scene at a few ticks, from a table in a file. A change of a hash is a change of behaviour:
 // when it is meant, put the printed rows into hashes.tsv and say in the commit what changed.
-#include "scenes/scenes.h"
+#include "support/scripted_inputs.h"
 
 #include <doctest/doctest.h>
 
@@ -53,17 +53,11 @@ Table computed(const Table& wanted) {
     for (const auto& [name, end] : last) {
         const auto game = make_scene_named(name).value();
         World world = game->start().value();
-        std::vector<std::vector<std::byte>> bytes(game->player_count(),
-                                                  std::vector<std::byte>(game->input_size()));
-        std::vector<PlayerInput> inputs(game->player_count());
+        test::ScriptedInputs inputs(*game);
         for (std::uint64_t tick = 0;; ++tick) {
             if (wanted.contains({name, tick})) table[{name, tick}] = hex16(world.hash());
             if (tick == end) break;
-            for (std::uint32_t p = 0; p < inputs.size(); ++p) {
-                scripted_input(*game, 1, tick, p, bytes[p]);
-                inputs[p] = {bytes[p]};
-            }
-            REQUIRE(game->advance(world, inputs).ok());
+            REQUIRE(game->advance(world, inputs.at(tick)).ok());
         }
     }
     return table;

@@ -18,7 +18,7 @@
 #include "host.h"
 #include "replay/player.h"
 #include "replay/recorder.h"
-#include "scenes/scenes.h"
+#include "tests/support/scripted_inputs.h"
 
 #include <cstdio>
 #include <cstdlib>
@@ -94,26 +94,6 @@ Options parse(int argc, char** argv) {
     return o;
 }
 
-/// Inputs of all players at a tick, as scripted from seed 1.
-class Inputs {
-  public:
-    explicit Inputs(const Game& from)
-        : game(from), bytes(game.player_count(), std::vector<std::byte>(game.input_size())),
-          inputs(game.player_count()) {}
-    std::span<const PlayerInput> at(std::uint64_t tick) {
-        for (std::uint32_t p = 0; p < inputs.size(); ++p) {
-            scripted_input(game, 1, tick, p, bytes[p]);
-            inputs[p] = {bytes[p]};
-        }
-        return inputs;
-    }
-
-  private:
-    const Game& game;
-    std::vector<std::vector<std::byte>> bytes;
-    std::vector<PlayerInput> inputs;
-};
-
 /// "rollback-arena-size-0-seed-1-players-2"
 std::string file_name(const std::string& folder, const std::string& game, const char* ending) {
     std::string name = game;
@@ -146,7 +126,7 @@ void print(const Options& o, const std::string& game, const World& world) {
                 static_cast<unsigned long long>(world.hash()));
 }
 
-void advance(const Options& o, const Game& game, World& world, Inputs& inputs) {
+void advance(const Options& o, const Game& game, World& world, test::ScriptedInputs& inputs) {
     if (o.move != 0) host::move_heap(o.move + world.tick_count());
     const std::span<const PlayerInput> now = inputs.at(world.tick_count());
     const host::FloatingPoint odd(o.fpu, world.tick_count());
@@ -181,7 +161,7 @@ void run(const Options& o, const std::string& name) {
     if (o.move != 0) host::move_heap(o.move);
     const std::unique_ptr<Tasks> tasks = host::make_tasks(o.workers, o.shuffle);
     World world = got(game->start(), name);
-    Inputs inputs(*game);
+    test::ScriptedInputs inputs(*game);
     const std::unique_ptr<replay::Sink> file = sink_of(o, name);
     auto recorder = got(replay::InputRecorder::begin(*file, *game, world), name);
     Image start;

@@ -21,7 +21,7 @@ seed=$(od -An -N32 -tx1 /dev/urandom | tr -d ' \n')
 base=$((20000 + RANDOM % 20000))
 a=$base b=$((base + 1)) way=$((base + 2))
 
-python3 "$(dirname "$0")/../support/slow_way.py" --between $a $b --at $way 40 20 10 >"$work/way" &
+python3 "$(dirname "$0")/slow_way.py" --between $a $b --at $way 40 20 10 >"$work/way" &
 children+=($!)
 # Each sends to the way, which knows them by their ports.
 "$peer" --tokens 127.0.0.1:$a 127.0.0.1:$way --slot 0 --seed "$seed" --port $a --ticks "$ticks" >"$work/a" &

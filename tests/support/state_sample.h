@@ -3,6 +3,7 @@
 #pragma once
 
 #include "lockstone/state.h"
+#include "support/split_mix.h"
 
 #include <algorithm>
 #include <array>
@@ -11,22 +12,6 @@
 #include <string>
 
 namespace lockstone::test {
-
-/// SplitMix64 (Steele, Lea, Flood 2014): enough for test data.
-class Random {
-  public:
-    explicit Random(std::uint64_t seed) : state(seed) {}
-    std::uint64_t next() {
-        std::uint64_t z = state += 0x9e3779b97f4a7c15u;
-        z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-        z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-        return z ^ (z >> 31);
-    }
-    std::uint32_t below(std::uint32_t n) { return static_cast<std::uint32_t>(next() % n); }
-
-  private:
-    std::uint64_t state;
-};
 
 enum class Mood : std::uint8_t { calm, alert };
 

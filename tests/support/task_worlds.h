@@ -1,7 +1,7 @@
 // Worlds that start alike, on different tasks: do they stay alike?
 #pragma once
 
-#include "scenes/scenes.h"
+#include "support/scripted_inputs.h"
 #include "support/sim_scenes.h"
 #include "support/task_runners.h"
 
@@ -15,26 +15,6 @@ inline std::unique_ptr<Game> small_scene(const SceneInfo& info) {
             std::min(info.size_max, info.name == "pyramid" ? 14u : std::min(info.size_default, 150u));
     return make_scene(info.name, options).value();
 }
-
-/// Inputs of all players at a tick, as scripted.
-class ScriptedInputs {
-  public:
-    explicit ScriptedInputs(const Game& from)
-        : game(from), bytes(game.player_count(), std::vector<std::byte>(game.input_size())),
-          inputs(game.player_count()) {}
-    std::span<const PlayerInput> at(std::uint64_t tick) {
-        for (std::uint32_t p = 0; p < inputs.size(); ++p) {
-            scripted_input(game, 1, tick, p, bytes[p]);
-            inputs[p] = {bytes[p]};
-        }
-        return inputs;
-    }
-
-  private:
-    const Game& game;
-    std::vector<std::vector<std::byte>> bytes;
-    std::vector<PlayerInput> inputs;
-};
 
 /// Where the outputs of the last tick part; empty when they do not.
 inline std::string output_difference(const World& left, const World& right) {

@@ -1,11 +1,9 @@
 #!/usr/bin/env bash
 # cli_bad_usage.sh LOCKSTONE: bad usage and bad input end with status 2 and one sentence that names what is wrong.
 set -euo pipefail
-source "$(dirname "${BASH_SOURCE[0]}")/../../support/cli.sh"
+source "$(dirname "${BASH_SOURCE[0]}")/cli.sh"
 lockstone=$1
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
+own_folder
 
 # refused WORDS ARGUMENT...: status 2, nothing on stdout, one line on stderr that holds WORDS.
 refused() {

@@ -1,11 +1,9 @@
 #!/usr/bin/env bash
 # cli_bench.sh LOCKSTONE: the benchmark runs, says what it measured, and judges. Nothing here depends on how fast it is.
 set -euo pipefail
-source "$(dirname "${BASH_SOURCE[0]}")/../../support/cli.sh"
+source "$(dirname "${BASH_SOURCE[0]}")/cli.sh"
 lockstone=$1
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
+own_folder
 
 refused() { # SENTENCE ARGUMENT...: bad input, which the sentence names
     local sentence=$1

@@ -1,11 +1,9 @@
 #!/usr/bin/env bash
 # cli_compare.sh LOCKSTONE: both engines run in every scene of `compare`, its pictures are drawn, and what it cannot do it says.
 set -euo pipefail
-source "$(dirname "${BASH_SOURCE[0]}")/../../support/cli.sh"
+source "$(dirname "${BASH_SOURCE[0]}")/cli.sh"
 lockstone=$1
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
+own_folder
 
 refused() { # SENTENCE ARGUMENT...: status 2, one line on stderr that holds the sentence
     local sentence=$1

@@ -1,11 +1,9 @@
 #!/usr/bin/env bash
 # cli_crash.sh LOCKSTONE: recordings that were cut are opened and repaired, a signal ends a recording properly, limits hold.
 set -euo pipefail
-source "$(dirname "${BASH_SOURCE[0]}")/../../support/cli.sh"
+source "$(dirname "${BASH_SOURCE[0]}")/cli.sh"
 lockstone=$1
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
+own_folder
 
 says() { grep -qF -- "$1" out err || fail "'$1' is not said: $(cat out err)"; }
 

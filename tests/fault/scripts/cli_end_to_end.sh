@@ -1,11 +1,9 @@
 #!/usr/bin/env bash
 # cli_end_to_end.sh LOCKSTONE: every scene is recorded, replayed, verified and branched; every damage is noticed.
 set -euo pipefail
-source "$(dirname "${BASH_SOURCE[0]}")/../../support/cli.sh"
+source "$(dirname "${BASH_SOURCE[0]}")/cli.sh"
 lockstone=$1
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
+own_folder
 
 small() { # the scene at a size that is quick to run
     case $1 in

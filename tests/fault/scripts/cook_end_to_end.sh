@@ -2,12 +2,10 @@
 # cook_end_to_end.sh LOCKSTONE: every sample model becomes every asset that it can be; the rest is refused with a sentence.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-source "$here/../../support/cli.sh"
+source "$here/cli.sh"
 samples=$here/../../../tools/cook/samples
 lockstone=$1
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
+own_folder
 
 # value KEY: a number or word of the report in out.
 value() { python3 -c 'import json, sys; print(json.load(open("out"))[sys.argv[1]])' "$1"; }

@@ -1,11 +1,9 @@
 #!/usr/bin/env bash
 # demo_compare.sh LOCKSTONE DEMO: both engines are drawn over each other; a sentence where there is nothing to compare.
 set -euo pipefail
-source "$(dirname "${BASH_SOURCE[0]}")/../../support/cli.sh"
+source "$(dirname "${BASH_SOURCE[0]}")/cli.sh"
 demo=$2
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
+own_folder
 unset DISPLAY WAYLAND_DISPLAY
 
 # compares STATUS ARGUMENT...

@@ -1,11 +1,9 @@
 #!/usr/bin/env bash
 # demo_figures.sh LOCKSTONE DEMO: four pictures of a recording of two-blocks; a sentence for one without the four moments.
 set -euo pipefail
-source "$(dirname "${BASH_SOURCE[0]}")/../../support/cli.sh"
+source "$(dirname "${BASH_SOURCE[0]}")/cli.sh"
 lockstone=$1 demo=$2
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
+own_folder
 unset DISPLAY WAYLAND_DISPLAY
 
 # figures STATUS SOURCE [ARGUMENT...]

@@ -3,9 +3,9 @@
 # to differ is told, and each thing that can go wrong has its sentence.
 set -euo pipefail
 here=$(dirname "${BASH_SOURCE[0]}")
-source "$here/../../support/cli.sh"
+source "$here/cli.sh"
 lockstone=$1 demo=$2 ticks=${LOCKSTONE_ONLINE_TICKS:-600}
-slow_way=$(realpath "$here/../../support/slow_way.py")
+slow_way=$(realpath "$here/../../net/slow_way.py")
 work=$(mktemp -d)
 children=()
 trap 'kill "${children[@]}" 2>/dev/null || true; wait 2>/dev/null || true; rm -rf "$work"' EXIT

@@ -1,11 +1,9 @@
 #!/usr/bin/env bash
 # demo_recordings.sh LOCKSTONE DEMO: a signal ends what the demo records properly, and what a crash left of a recording is shown.
 set -euo pipefail
-source "$(dirname "${BASH_SOURCE[0]}")/../../support/cli.sh"
+source "$(dirname "${BASH_SOURCE[0]}")/cli.sh"
 lockstone=$1 demo=$2
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
+own_folder
 unset DISPLAY WAYLAND_DISPLAY
 
 # record FILE SIGNAL: the demo plays until the file has grown, and is sent the signal. Its status is that of the signal.

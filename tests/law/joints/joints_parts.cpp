@@ -1,4 +1,5 @@
 // Rows of joints one by one: each Jacobian is the derivative of its error, and a part's inverse is its inverse.
+#include "draw.h"
 #include "solve/joints/joint_parts.h"
 
 #include "support/about.h"
@@ -7,25 +8,11 @@
 #include <doctest/doctest.h>
 
 #include <cstdlib>
-#include <random>
 
 using namespace lockstone;
 using namespace lockstone::test::rig;
 
 namespace {
-
-struct Draw {
-    std::mt19937_64 engine;
-    double operator()(double low, double high) {
-        return low + (high - low) * static_cast<double>(engine() >> 11) * 0x1p-53;
-    }
-    D3 vector(double size) { return {(*this)(-size, size), (*this)(-size, size), (*this)(-size, size)}; }
-    Quat rotation(double most) {
-        D3 axis = vector(1);
-        if (length(axis) < 0.1) axis = {1, 0, 0};
-        return turn(axis, (*this)(-most, most));
-    }
-};
 
 int rounds(int quick, int thorough) { return std::getenv("LOCKSTONE_LONG") != nullptr ? thorough : quick; }
 

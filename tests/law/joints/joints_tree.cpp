@@ -1,5 +1,6 @@
 // Locks of trees of joints: solved at once as a dense solution in double does, at any ratio of masses that the factor
 // has bits for, and calmly beyond.
+#include "draw.h"
 #include "solve/joints/tree/block_matrix.h"
 #include "support/about.h"
 #include "support/rigs/joint_rig.h"
@@ -8,26 +9,11 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <random>
 
 using namespace lockstone;
 using namespace lockstone::test::rig;
 
 namespace {
-
-struct Draw {
-    std::mt19937_64 engine;
-    double operator()(double low, double high) {
-        return low + (high - low) * static_cast<double>(engine() >> 11) * 0x1p-53;
-    }
-    int below(int n) { return static_cast<int>(engine() % static_cast<std::uint64_t>(n)); }
-    D3 vector(double size) { return {(*this)(-size, size), (*this)(-size, size), (*this)(-size, size)}; }
-    Quat rotation() {
-        D3 axis = vector(1);
-        if (length(axis) < 0.1) axis = {1, 0, 0};
-        return turn(axis, (*this)(-3, 3));
-    }
-};
 
 int rounds(int quick, int thorough) { return std::getenv("LOCKSTONE_LONG") != nullptr ? thorough : quick; }
 

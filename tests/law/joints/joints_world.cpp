@@ -1,5 +1,6 @@
 // Joints as objects of a world: refused, listed, destroyed with their bodies, between bodies that sleep or touch.
 #include "support/about.h"
+#include "support/refusal.h"
 #include "support/rigs/joint_scenes.h"
 
 #include <doctest/doctest.h>
@@ -8,16 +9,6 @@ using namespace lockstone;
 using namespace lockstone::test::scene;
 
 namespace {
-
-/// Empty when the command is refused with `words` and no bit of the world changed.
-std::string refusal_fault(World& w, const Command& command, const std::string& words) {
-    const std::uint64_t hash = w.hash();
-    const Result<World::Applied> result = w.apply(command);
-    if (result) return "it was accepted";
-    if (result.error().message.find(words) == std::string::npos)
-        return "the error says: " + result.error().message;
-    return w.hash() == hash ? "" : "it was refused, but the world changed";
-}
 
 JointDef between(BodyId a, BodyId b, JointDef def = ball_joint()) {
     def.body_a = a, def.body_b = b;
@@ -78,7 +69,8 @@ TEST_CASE("a joint that cannot be is refused with a sentence that names the fiel
                         "is not alive") == "");
     CHECK(refusal_fault(w, DestroyJoint{{}}, "is not alive") == "");
     CHECK(refusal_fault(w, SetJointAxis{joint, 0, 0, {.lower = Real(1)}}, "lower is 1") == "");
-    CHECK(refusal_fault(w, CreateJoint{between(a, b)}, "") == "it was accepted"); // planted: a good one
+    CHECK(refusal_fault(w, CreateJoint{between(a, b)}, "") ==
+          "create_joint was accepted"); // planted: a good one
 }
 
 TEST_CASE("a world holds joints_max joints, and says so") {

@@ -1,5 +1,5 @@
 // What a watcher would call right: towers stand, piles stay in their pit, dominoes fall, games are played.
-#include "scenes/scenes.h"
+#include "support/scripted_inputs.h"
 
 #include <doctest/doctest.h>
 
@@ -8,15 +8,8 @@ namespace {
 
 World run(const Game& game, std::uint64_t ticks) {
     World world = game.start().value();
-    std::vector<std::vector<std::byte>> bytes(game.player_count(), std::vector<std::byte>(game.input_size()));
-    std::vector<PlayerInput> inputs(game.player_count());
-    while (world.tick_count() < ticks) {
-        for (std::uint32_t p = 0; p < inputs.size(); ++p) {
-            scripted_input(game, 1, world.tick_count(), p, bytes[p]);
-            inputs[p] = {bytes[p]};
-        }
-        REQUIRE(game.advance(world, inputs).ok());
-    }
+    ScriptedInputs inputs(game);
+    while (world.tick_count() < ticks) { REQUIRE(game.advance(world, inputs.at(world.tick_count())).ok()); }
     return world;
 }
 

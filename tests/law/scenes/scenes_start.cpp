@@ -1,5 +1,5 @@
 // What holds for every built-in scene.
-#include "scenes/scenes.h"
+#include "support/scripted_inputs.h"
 
 #include <doctest/doctest.h>
 
@@ -12,15 +12,8 @@ World started(const Game& game) { return game.start().value(); }
 
 std::uint64_t hash_after(const Game& game, std::uint64_t ticks, std::uint64_t seed) {
     World world = started(game);
-    std::vector<std::vector<std::byte>> bytes(game.player_count(), std::vector<std::byte>(game.input_size()));
-    std::vector<PlayerInput> inputs(game.player_count());
-    while (world.tick_count() < ticks) {
-        for (std::uint32_t p = 0; p < inputs.size(); ++p) {
-            scripted_input(game, seed, world.tick_count(), p, bytes[p]);
-            inputs[p] = {bytes[p]};
-        }
-        REQUIRE(game.advance(world, inputs).ok());
-    }
+    ScriptedInputs inputs(game, seed);
+    while (world.tick_count() < ticks) { REQUIRE(game.advance(world, inputs.at(world.tick_count())).ok()); }
     return world.hash();
 }
 

@@ -1,4 +1,5 @@
 // Ids, capacities, refused commands, game columns.
+#include "support/refusal.h"
 #include "support/sim_script.h"
 
 #include <doctest/doctest.h>
@@ -9,17 +10,6 @@ using namespace lockstone;
 using namespace lockstone::test::scene;
 
 namespace {
-
-/// Empty when the command is refused with a sentence that has `words`, and no bit of the world changed.
-std::string refusal_fault(World& w, const Command& command, const std::string& words) {
-    const std::uint64_t hash = w.hash();
-    const Result<World::Applied> result = w.apply(command);
-    if (result) return std::string(name_of(command)) + " was accepted";
-    if (result.error().message.find(words) == std::string::npos)
-        return "the error says: " + result.error().message;
-    if (w.hash() != hash) return std::string(name_of(command)) + " was refused, but the world changed";
-    return {};
-}
 
 BodyDef with(void (*change)(BodyDef&)) {
     BodyDef d;

@@ -1,6 +1,13 @@
 # What the scripts that drive the command line share. Expects: lockstone. Leaves the last command's output in out and err.
 # shellcheck shell=bash disable=SC2154
 
+# Everything happens in a folder of its own, which is gone at the end.
+own_folder() {
+    work=$(mktemp -d)
+    trap 'rm -rf "$work"' EXIT
+    cd "$work"
+}
+
 fail() {
     echo "FAILED: $1" >&2
     exit 1
