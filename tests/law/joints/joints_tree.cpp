@@ -212,7 +212,6 @@ double widest(const Rig& rig) {
 /// Links of 0.5 m along x on the world, and a ball at their end.
 Rig chain(int links, double link, double ball) {
     Rig rig;
-    rig.relax_all = true;
     std::uint32_t last = Rig::world;
     for (int i = 0; i < links; ++i) {
         const std::uint32_t b = rig.add(link, {0.05, 0.14, 0.14}, {0.5 * (i + 0.5), 0, 0});
@@ -369,7 +368,6 @@ TEST_CASE("joint tree: beyond its range a chain lets go without energy of its ow
 /// Planks hinged to each other and to both banks, taut, set swinging.
 Rig bridge(int planks) {
     Rig rig;
-    rig.relax_all = true;
     std::uint32_t last = Rig::world;
     const Quat across = turn({0, 1, 0}, -1.5707963267948966);
     for (int i = 0; i < planks; ++i) {
@@ -415,7 +413,6 @@ TEST_CASE("joint tree: short bridges, whose planks carry little, lose energy as 
 
 TEST_CASE("joint tree: each joint of a hanging chain bears what hangs below") {
     Rig rig;
-    rig.relax_all = true;
     std::uint32_t last = Rig::world;
     constexpr int links = 12;
     for (int i = 0; i < links; ++i) {
@@ -435,7 +432,6 @@ TEST_CASE("joint tree: each joint of a hanging chain bears what hangs below") {
 
 TEST_CASE("joint tree: what is locked twice shares the load and stays") {
     Rig rig;
-    rig.relax_all = true;
     const std::uint32_t door = rig.add(40, {0.05, 0.6, 0.3}, {0.5, 0, 0}),
                         handle = rig.add(1, {0.05, 0.05, 0.05}, {0.9, 0, 0});
     const Quat up = turn({0, 0, 1}, 1.5707963267948966); // x of the frame upwards

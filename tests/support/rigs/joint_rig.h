@@ -54,7 +54,6 @@ struct Rig {
     JointSolver solver{*solve::kernels_of(best_simd())->joints};
     StepSettings settings{60, 8, Real(30), Real(10), Real(3), Real(1)};
     Vec3 gravity = vec(0, -9.81, 0);
-    bool relax_all = false; ///< after every substep, not every second
     ClampCounts clamps;
 
     static constexpr std::uint32_t world = 0xffffffffu;
@@ -112,18 +111,19 @@ struct Rig {
         follow_turns(ready, columns(), step, bodies);
         solver.prepare(ready, memory, columns(), step, bodies);
     }
-    void substep(const StepConstants& step, std::int32_t i) {
+    /// As in tick.cpp, without contacts, vehicles and fluids.
+    void substep(const StepConstants& step) {
         integrate_velocities({Scheme::semi_implicit_euler, {}}, columns(), step, bodies);
         solver.warm_start(step, bodies);
         solver.solve(step, bodies, true);
         integrate_poses(step, bodies);
         solver.update(step, bodies);
-        if (relax_all || i % 2 == 1 || i + 1 == step.substeps) solver.solve(step, bodies, false);
+        solver.solve(step, bodies, false);
     }
     void tick() {
         const StepConstants step = constants();
         begin(step);
-        for (std::int32_t i = 0; i < step.substeps; ++i) substep(step, i);
+        for (std::int32_t i = 0; i < step.substeps; ++i) substep(step);
         solver.store(step, memory, clamps);
         finish_step(step, bodies, columns());
     }
