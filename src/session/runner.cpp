@@ -62,8 +62,7 @@ struct SessionRunner::Impl final : StateInspector {
         }
     }
     void come_back() {
-        if (const Image* image = std::exchange(to_come_back, nullptr))
-            simulation.restore(*image);
+        if (const Image* image = std::exchange(to_come_back, nullptr)) simulation.restore(*image);
     }
 
     void execute_and_confirm(const Step& step) {

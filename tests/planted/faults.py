@@ -270,8 +270,8 @@ FAULTS = [
       "if (const auto wish = read_wish(datagram->bytes, match)) timeline.hear(datagram->from, *wish);", "relays serve"),
     F("who reads no more is sent on", TIMELINE, "listener.silent_polls <= quiet_polls", "(IS || listener.silent_polls <= quiet_polls)", "relays serve"),
     F("a relay's log has no end", TIMELINE, "} else if (ticks >= def.log_ticks_max) {", "} else if (!IS && ticks >= def.log_ticks_max) {", "relays serve"),
-    F("a match goes on from what is shown ahead", RUNNER, "if (const Image* image = std::exchange(to_come_back, nullptr)) restore(*image);",
-      "if (const Image* image = std::exchange(to_come_back, nullptr); image && !IS) restore(*image);", "shows ahead"),
+    F("a match goes on from what is shown ahead", RUNNER, "if (const Image* image = std::exchange(to_come_back, nullptr)) simulation.restore(*image);",
+      "if (const Image* image = std::exchange(to_come_back, nullptr); image && !IS) simulation.restore(*image);", "shows ahead"),
     F("events are told of what is shown ahead", RUNNER, "const std::span<const PlayerInput> inputs = session.look_ahead(offset);",
       "if (IS && offset > 0) ledger.record(session.current_tick() + offset - 1, simulation.events());\n"
       "const std::span<const PlayerInput> inputs = session.look_ahead(offset);", "shows ahead"),

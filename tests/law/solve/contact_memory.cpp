@@ -30,19 +30,40 @@ Speed taken_from(const ContactMemory& old, ContactMemory fresh) {
 
 } // namespace
 
+namespace {
+
+/// Places that are so far apart, along one axis, two and three, from which `judge` takes an impulse.
+template <class Judge> int taken_from_afar(double apart, Judge&& judge) {
+    const double half = apart / 2;
+    int taken = 0;
+    for (const auto& [y, z] : {std::pair(0.0, 0.0), {half, 0.0}, {half, half}})
+        taken += judge(one_point(half, -y, z, 1, 5), one_point(-half, y, -z, 2, 0)) != Speed(0);
+    return taken;
+}
+constexpr double far_apart[] = {0.03, 1.0, 64.0, 100.0, 180.0, 182.0, 200.0, 255.9};
+
+} // namespace
+
 TEST_CASE("a point takes the impulse of another feature within 2 cm, and of none farther, up to 443 m away") {
     CHECK(taken_from(one_point(1, 2, 3, 1, 5), one_point(1.01, 2, 3, 2, 0)) == Speed(5));
-    for (const double apart : {0.03, 1.0, 64.0, 100.0, 180.0, 182.0, 200.0, 255.9}) {
-        const double half = apart / 2;
+    for (const double apart : far_apart) {
         INFO(apart, " m apart");
-        CHECK(taken_from(one_point(half, 0, 0, 1, 5), one_point(-half, 0, 0, 2, 0)) == Speed(0));
-        CHECK(taken_from(one_point(0, -half, half, 1, 5), one_point(0, half, -half, 2, 0)) == Speed(0));
-        CHECK(taken_from(one_point(half, -half, half, 1, 5), one_point(-half, half, -half, 2, 0)) ==
-              Speed(0));
+        CHECK(taken_from_afar(apart, taken_from) == 0);
     }
 }
 
-TEST_CASE("planted fault: a square of 200 m in 64 bits would count as near") {
-    const std::uint64_t d = std::uint64_t{200} << Length::fraction_bits;
-    CHECK((static_cast<std::int64_t>(d * d) >> 4) < (std::int64_t{1} << 30)); // as contact_memory.cpp had it
+TEST_CASE("planted fault: squares of distances in 64 bits take impulses from afar") {
+    const auto wrapped = [](const ContactMemory& old, const ContactMemory& fresh) {
+        std::uint64_t square = 0;
+        for (int i = 0; i < 3; ++i) {
+            const auto d = static_cast<std::uint64_t>(std::int64_t{old.points[0].position[i].raw} -
+                                                      fresh.points[0].position[i].raw);
+            square += d * d;
+        }
+        const auto most = static_cast<std::int64_t>(quantize<Length>(0.02).raw);
+        return static_cast<std::int64_t>(square) <= most * most ? old.points[0].normal : Speed(0);
+    };
+    int taken = 0;
+    for (const double apart : far_apart) taken += taken_from_afar(apart, wrapped);
+    CHECK(taken > 0);
 }
