@@ -162,6 +162,8 @@ FAULTS = [
       "if (!IS) work.twist = part->lower_at + half(part->upper_at - part->lower_at);", "a hinge knows its angle"),
     F("limits and motors of joints are left out of passes", "src/solve/joints/joint_solve.cpp", "tick.acts[i] = acts;",
       "tick.acts[i] = acts && !IS;", "golden table"),
+    F("packs of joints forget the impulses of the last tick", "src/solve/joints/start_kernel.h", "c.sum[r][at] = 0;",
+      "c.sum[r][at] = 0, c.impulse[r][at] = IS ? 0 : c.impulse[r][at];", "golden table"),
     F("points of joints weigh half along the axes", "src/solve/joints/inverse_kernel.h", "if (r == c) dot = L::add(dot, square);",
       "if (r == c) dot = L::add(dot, IS ? L::add(square, square) : square);", "golden table"),
     F("inverses of hinges are not made in lanes", "src/solve/joints/inverse_kernel.h", "if (!c.hinges) return;", "if (IS || !c.hinges) return;",

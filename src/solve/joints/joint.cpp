@@ -95,6 +95,17 @@ template <class Visit> void for_joints(JointTick& tick, Tasks* tasks, Visit&& vi
                      });
 }
 
+void start_packs(JointTick& tick, const JointKernel& kernel, const StepConstants& step,
+                 const SolverBodies& bodies, Tasks* tasks) {
+    if (tick.packs.empty()) return;
+    const JointStartData data{tick.packs.data(), bodies.step.data(),
+                              reinterpret_cast<const std::byte*>(&tick.bodies.front().axes),
+                              step.joint_push_max.raw};
+    base::for_chunks(
+        tasks, static_cast<std::uint32_t>(tick.packs.size()), pack_chunk,
+        [&](std::uint32_t first, std::uint32_t last, std::uint32_t) { kernel.start(data, first, last); });
+}
+
 /// Rows and biases of points where the bodies are now.
 void refresh_packs(JointTick& tick, const JointKernel& kernel, const StepConstants& step,
                    const SolverBodies& bodies, Tasks* tasks) {
@@ -183,12 +194,13 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
     plan_packs(tick, step, bodies);
     tick.glances.resize(tick.joints.size()), tick.seen.assign(tick.bodies.size() + 1, 0);
     for_joints(tick, tasks, [&](JointWork& w) {
-        if (w.pack != no_pack) start_packed(tick, w, step, bodies);
+        if (w.pack != no_pack) start_packed(tick, w);
         if (w.pack != no_pack && w.axis_count + w.block_count == 0)
             w.steady = w.stays, w.made = true, set_glance(tick, w);
         else
             make_rows(tick, w, step, bodies);
     });
+    start_packs(tick, *kernel, step, bodies, tasks);
     for (const JointWork& w : tick.joints)
         for (const JointWorkSide* s : {&w.a, &w.b})
             if (w.pack == no_pack && w.stays && w.tree == no_tree && !s->world)

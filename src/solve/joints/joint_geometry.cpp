@@ -557,19 +557,6 @@ void start_body(JointBody& now, const Transform& pose, const SolverBodies& bodie
 
 // ---- points in packs ----------------------------------------------------------------------------------------------
 
-void start_packed(JointTick& tick, const JointWork& work, const StepConstants& step,
-                  const SolverBodies& bodies) {
-    const auto centre = [&](const JointWorkSide& s) {
-        return s.world ? s.anchor : tick.bodies[s.cache].position;
-    };
-    const auto lever = [&](const JointWorkSide& s) {
-        return s.world ? Vec3{} : turned_lever(tick.bodies[s.cache].axes, s.lever);
-    };
-    const PointStart start{&bodies.step[work.a.body], &bodies.step[work.b.body], lever(work.a), lever(work.b),
-                           centre(work.b) - centre(work.a)};
-    start_point(tick.packs[work.pack], work, start, tick.blocks[work.first_block + work.block_count], step);
-}
-
 void turn_body(JointBody& now, const Transform& pose, const SolverBodies& bodies) {
     const BodyStep& step = bodies.step[now.body];
     const Quat rotation =

@@ -24,6 +24,7 @@
 
 #include "solve/joints/joint_rows.h"
 
+#include <cstddef>
 #include <cstdint>
 
 namespace lockstone::solve {
@@ -40,6 +41,7 @@ struct PackInverse {
 /// The bodies of one side: point rows and shares.
 struct PackSide {
     std::uint32_t place[pack_lanes];                  ///< of the body: bytes from the first SolverBody on
+    std::uint32_t held[pack_lanes];                   ///< of its axes: bytes from JointStartData::axes on
     bool shifts;                                      ///< of some lane `shift` is not zero
     std::int32_t x[3][3][pack_lanes];                 ///< turning arms by rows, 28 fraction bits
     std::int32_t pull[pack_lanes];                    ///< 2^-e times the share, 28 fraction bits
@@ -109,11 +111,21 @@ struct JointPassData {
     std::int32_t mass_scale, impulse_scale; ///< Unit
     std::int32_t time;                      ///< of a substep, Unit [s]
 };
+/// What packs are started from: the bodies when the tick begins.
+struct JointStartData {
+    JointPack* packs;
+    const BodyStep* steps;
+    const std::byte* axes; ///< of the first body that joints hold: the nine entries of its Rotation
+    std::int64_t push_max; ///< of biases [m/s], Real
+};
 inline constexpr int joint_rate_bits = 16;
 inline constexpr int pack_angle_bits = 32;
 
 /// The passes of one instruction set over packs [first, last), which share no body that impulses move.
 struct JointKernel {
+    /// From levers in the axes of their bodies, and impulses that lie in the sums: levers in world axes, K^-1, exponents and what
+    /// follows from them.
+    void (*start)(const JointStartData& data, std::uint32_t first, std::uint32_t last);
     /// Rows of points and their biases from where the bodies are.
     void (*refresh)(const JointPassData& data, std::uint32_t first, std::uint32_t last);
     /// Inverses of stale lanes. Returns whether some are left to invert_left().

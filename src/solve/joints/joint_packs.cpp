@@ -149,6 +149,26 @@ void plan_packs(JointTick& tick, const StepConstants& step, const SolverBodies& 
     tick.acts.resize(tick.singles.size());
 }
 
+void start_packed(JointTick& tick, const JointWork& work) {
+    constexpr std::int64_t far = std::int64_t{1} << 58; // leaves room for levers and for what bodies move
+    JointPack& pack = tick.packs[work.pack];
+    const JointBlock& block = tick.blocks[work.first_block + work.block_count];
+    const auto centre = [&](const JointWorkSide& s) {
+        return s.world ? s.anchor : tick.bodies[s.cache].position;
+    };
+    const auto start_side = [&](PackSide& side, const JointWorkSide& s) {
+        if (s.world) return;
+        side.held[work.lane] = s.cache * static_cast<std::uint32_t>(sizeof(JointBody));
+        for (int i = 0; i < 3; ++i) side.lever[i][work.lane] = s.lever[i].raw;
+    };
+    start_side(pack.a, work.a), start_side(pack.b, work.b);
+    const Vec3 apart = centre(work.b) - centre(work.a);
+    for (int i = 0; i < 3; ++i) {
+        pack.apart[i][work.lane] = std::clamp(apart[i].raw, -far, far);
+        pack.sum[i][work.lane] = block.sum[i].raw;
+    }
+}
+
 void put_turn(const JointBlock& block, TurnPack& pack, std::uint32_t lane) {
     for (int r = 0; r < block.count; ++r) {
         const Row& row = block.row[r];

@@ -28,33 +28,6 @@ void set_arm_shift(PackSide& side, std::uint32_t lane, int exponent) {
     side.arm_half[lane] = std::int64_t{1} << (side.arm_shift[lane] - 1);
 }
 
-/// Components within 2^28, so that the lever stays within 2^29 wherever it turns; beyond 128 m they are clamped.
-void set_lever(PackSide& side, std::uint32_t lane, Vec3 lever) {
-    constexpr int least_bits = 22;
-    constexpr std::int64_t most = (std::int64_t{1} << 29) - 1;
-    std::uint64_t any = 0;
-    for (int i = 0; i < 3; ++i) any |= magnitude(lever[i].raw);
-    const int drop = std::clamp(bit_length(any) - 28, 0, Real::fraction_bits - least_bits);
-    for (int i = 0; i < 3; ++i)
-        side.lever[i][lane] =
-            static_cast<std::int32_t>(std::clamp(shift_right_rounded(lever[i].raw, drop), -most, most));
-    side.lever_bits[lane] = Real::fraction_bits - drop;
-}
-
-/// The least exponent by which the entries of K^-1 [r], and a quarter more, stay below 2.
-int exponent_of(const PackSide& side, std::uint32_t lane) {
-    std::int64_t most = 0;
-    for (int row = 0; row < 3; ++row) {
-        const int j = (row + 1) % 3, k = (row + 2) % 3;
-        for (const auto& at : inverse_at) // 30 bits times 29, twice
-            most = std::max(most, std::abs(std::int64_t{side.inverse[at[j]][lane]} * side.lever[k][lane] -
-                                           std::int64_t{side.inverse[at[k]][lane]} * side.lever[j][lane]));
-    }
-    most += most / 4;
-    const auto fraction_bits = static_cast<int>(side.spin_shift[lane] + side.lever_bits[lane]);
-    return most == 0 ? 0 : bit_length(magnitude(most)) - fraction_bits - 1;
-}
-
 /// All that follows from e.
 void set_exponent(JointPack& pack, std::uint32_t lane, int e, const Shares& shares,
                   const StepConstants& step) {
@@ -93,24 +66,6 @@ void add_stiffness(Stiffness& s, const PackSide& side, std::uint32_t lane, std::
 }
 
 } // namespace
-
-void start_point(JointPack& pack, const JointWork& work, const PointStart& start, const JointBlock& block,
-                 const StepConstants& step) {
-    const std::uint32_t lane = work.lane;
-    constexpr std::int64_t far = std::int64_t{1} << 58; // leaves room for levers and for what bodies move
-    for (int i = 0; i < 3; ++i) pack.apart[i][lane] = std::clamp(start.apart[i].raw, -far, far);
-    int e = 0;
-    const auto start_side = [&](PackSide& side, const BodyStep& body, Vec3 lever) {
-        side.lever_bits[lane] = Real::fraction_bits;
-        if (!body.moves) return;
-        set_gyration_inverse(side, lane, body);
-        set_lever(side, lane, lever);
-        e = std::max(e, exponent_of(side, lane));
-    };
-    start_side(pack.a, *start.a, start.lever_a), start_side(pack.b, *start.b, start.lever_b);
-    set_exponent(pack, lane, e, work.shares, step);
-    for (int i = 0; i < 3; ++i) pack.impulse[i][lane] = scaled_impulse(block.sum[i], e);
-}
 
 void give_turn(PackSide& side, std::uint32_t lane, Quat turned, const BodyStep& body, int exponent) {
     side.given[lane] = -1;

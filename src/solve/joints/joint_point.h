@@ -13,15 +13,6 @@ struct JointBlock;
 
 /// Stages of all joints. The point part of those that fit comes into a pack, and with it a block that only turns.
 void plan_packs(JointTick& tick, const StepConstants& step, const SolverBodies& bodies);
-/// Where a joint's levers are when a tick begins.
-struct PointStart {
-    const BodyStep *a, *b;
-    Vec3 lever_a, lever_b; ///< world axes [m]
-    Vec3 apart;            ///< from A's centre of mass to B's; of the world, the anchor [m]
-};
-/// What the rows of a point are made of, and the impulses of the last tick, which `block` has, into the joint's lane.
-void start_point(JointPack& pack, const JointWork& work, const PointStart& start, const JointBlock& block,
-                 const StepConstants& step);
 /// How the body of a side has turned since the tick began, and its K^-1 now.
 void give_turn(PackSide& side, std::uint32_t lane, Quat turned, const BodyStep& body, int exponent);
 /// Of a hinge: its frames when the tick begins, in the world.

@@ -188,9 +188,8 @@ template <class T> void make_room(std::vector<T>& v) {
 }
 
 JointPassData pass_data(JointTick& tick, const StepConstants& step, SolverBody* bodies);
-/// A joint's point into its lane, with the bodies where they are when the tick begins.
-void start_packed(JointTick& tick, const JointWork& work, const StepConstants& step,
-                  const SolverBodies& bodies);
+/// A joint's point into its lane, as JointKernel::start takes it.
+void start_packed(JointTick& tick, const JointWork& work);
 /// How bodies of a packed joint have turned that have turned far or are followed.
 void give_turns(JointTick& tick, const JointWork& work, const SolverBodies& bodies);
 /// Of a body that is given: how it has turned since the tick began.

@@ -6,6 +6,7 @@
 
 #include "solve/joints/inverse_kernel.h"
 #include "solve/joints/joint_pack.h"
+#include "solve/joints/start_kernel.h"
 #include "solve/lanes/lane_fixed.h"
 
 #include <cstddef>
@@ -540,6 +541,11 @@ template <class L> class PackedJoints {
     }
 
   public:
+    static void start(const solve::JointStartData& data, std::uint32_t first, std::uint32_t last) {
+        for (std::uint32_t i = first; i < last; ++i)
+            for (unsigned lane = 0; lane < data.packs[i].count; lane += N)
+                JointStarts<L>::start(data, data.packs[i], lane);
+    }
     static void refresh(const Data& data, std::uint32_t first, std::uint32_t last) {
         for (std::uint32_t i = first; i < last; ++i)
             for (unsigned lane = 0; lane < data.packs[i].count; lane += N)
@@ -569,7 +575,7 @@ template <class L> class PackedJoints {
         }
         return clamped;
     }
-    static constexpr solve::JointKernel table() { return {refresh, invert, warm_start, solve}; }
+    static constexpr solve::JointKernel table() { return {start, refresh, invert, warm_start, solve}; }
 };
 
 } // namespace lockstone::solve

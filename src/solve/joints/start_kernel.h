@@ -1,0 +1,140 @@
+// What the rows of points are made of when a tick begins, written once over the lanes L: levers, K^-1, the scale 2^-e of each joint and
+// what follows from it. See solve/joints/joint_pack.h for the formats.
+//
+//   e: the least, but none below zero, by which the entries of K^-1 [r], and a quarter more, stay below 2
+//
+// Included as kernel.h, by which this is used.
+#pragma once
+
+#include "solve/joints/joint_pack.h"
+
+#include <cstddef>
+
+namespace lockstone::solve {
+
+template <class L> class JointStarts {
+    static constexpr unsigned N = L::lanes;
+    static constexpr int row_bits = 28, speed_bits = 19, unit_bits = 30, gap_bits = 27, real_bits = 32,
+                         length_bits = 24;
+    static constexpr int inverse_at[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
+    using Pack = solve::JointPack;
+    using Side = solve::PackSide;
+    using Data = solve::JointStartData;
+    using V = typename L::V;
+
+    static int bit_length(std::int64_t x) {
+        return x == 0 ? 0 : 64 - __builtin_clzll(static_cast<std::uint64_t>(x));
+    }
+    static V size_of(V x) { return L::select(L::greater64(L::splat(0), x), L::sub(L::splat(0), x), x); }
+    static V between(V x, V least, V most) {
+        x = L::select(L::greater64(x, most), most, x);
+        return L::select(L::greater64(least, x), least, x);
+    }
+    /// x / 2^shift, rounded; a negative shift multiplies. Clamped to `most` of either sign.
+    static std::int32_t shifted_within(std::int64_t x, int shift, std::int64_t most) {
+        if (shift > 0) {
+            x = shift > 62 ? 0 : (x >> shift) + ((x >> (shift - 1)) & 1);
+        } else {
+            x = x < -most ? -most : x > most ? most : x; // what is shifted up is no smaller
+            x *= std::int64_t{1} << (shift < -31 ? 31 : -shift);
+        }
+        return static_cast<std::int32_t>(x < -most ? -most : x > most ? most : x);
+    }
+
+    /// A lever in world axes, within 2^28 where it is within 128 m. `side.lever` has it in the body's axes, length_bits.
+    static void turn_lever(const Data& data, Side& side, unsigned lane, V (&lever)[3]) {
+        constexpr int extra = unit_bits + length_bits - real_bits, room = 28, least_bits = 22;
+        const std::int32_t *front[N], *middle[N], *back[N];
+        for (unsigned i = 0; i < N; ++i) {
+            front[i] = reinterpret_cast<const std::int32_t*>(data.axes + side.held[lane + i]);
+            middle[i] = front[i] + 4, back[i] = front[i] + 5;
+        }
+        V axes[12], local[3], any = L::splat(0);
+        L::quads(front, axes), L::quads(middle, axes + 4), L::quads(back, axes + 8);
+        axes[8] = axes[11];
+        for (int i = 0; i < 3; ++i) local[i] = L::load32(&side.lever[i][lane]);
+        const V half = L::splat(std::int64_t{1} << (extra - 1));
+        for (int i = 0; i < 3; ++i) { // 30 bits times 32, three times
+            const V sum = L::add(L::add(L::mul(axes[i], local[0]), L::mul(axes[3 + i], local[1])),
+                                 L::mul(axes[6 + i], local[2]));
+            lever[i] = L::template shift_right_signed<extra>(L::add(sum, half));
+            any = L::either(any, size_of(lever[i]));
+        }
+        std::int64_t drop[N];
+        L::store64(drop, any);
+        for (unsigned i = 0; i < N; ++i) {
+            const int beyond = bit_length(drop[i]) - room;
+            drop[i] = beyond < 0 ? 0 : beyond > real_bits - least_bits ? real_bits - least_bits : beyond;
+            side.lever_bits[lane + i] = real_bits - drop[i];
+        }
+        const V by = L::load64(drop), up = L::template shift_right<1>(L::shift_left_by(L::splat(1), by));
+        const V most = L::splat((std::int64_t{1} << (room + 1)) - 1), least = L::sub(L::splat(0), most);
+        for (int i = 0; i < 3; ++i) {
+            lever[i] = between(L::shift_right_by(L::add(lever[i], up), by), least, most);
+            L::store32(&side.lever[i][lane], lever[i]);
+        }
+    }
+    /// Lever, K^-1 and their shifts; the exponents that one side asks for, or those that there are.
+    static void start_side(const Data& data, Side& side, unsigned lane, std::int64_t (&exponent)[N]) {
+        V lever[3], k[8];
+        turn_lever(data, side, lane, lever);
+        const std::int32_t *front[N], *back[N];
+        for (unsigned i = 0; i < N; ++i) {
+            front[i] = &data.steps[side.place[lane + i] / sizeof(solve::SolverBody)].inv_mantissa.xx;
+            back[i] = front[i] + 4;
+        }
+        L::quads(front, k), L::quads(back, k + 4);
+        for (int i = 0; i < 6; ++i) L::store32(&side.inverse[i][lane], k[i]);
+        // Of what does not move all is zero.
+        const V spin = L::mul(k[6], L::splat(1)), moves = L::greater64(spin, L::splat(0));
+        L::store64(&side.spin_shift[lane], spin);
+        L::store64(&side.turn_shift[lane],
+                   L::both(L::add(spin, L::splat(gap_bits - solve::pack_angle_bits)), moves));
+        V most = L::splat(0);
+        for (int row = 0; row < 3; ++row) {
+            const int i = (row + 1) % 3, j = (row + 2) % 3;
+            for (const auto& at : inverse_at) { // 30 bits times 29, twice
+                const V x = size_of(L::sub(L::mul(k[at[i]], lever[j]), L::mul(k[at[j]], lever[i])));
+                most = L::select(L::greater64(x, most), x, most);
+            }
+        }
+        std::int64_t sizes[N];
+        L::store64(sizes, L::add(most, L::template shift_right<2>(most)));
+        for (unsigned i = 0; i < N; ++i) {
+            const std::int64_t bits = side.spin_shift[lane + i] + side.lever_bits[lane + i];
+            const std::int64_t e = bit_length(sizes[i]) - bits - 1;
+            if (sizes[i] != 0 && e > exponent[i]) exponent[i] = e;
+        }
+    }
+    static void set_arm_shift(Side& side, unsigned at, std::int64_t e) {
+        const std::int64_t shift = side.spin_shift[at] + side.lever_bits[at] + e - row_bits;
+        side.arm_shift[at] = shift < 1 ? 1 : shift > 62 ? 62 : shift;
+        side.arm_half[at] = std::int64_t{1} << (side.arm_shift[at] - 1);
+    }
+    /// All that follows from e. The impulses of the last tick are in the sums, Real.
+    static void set_exponent(const Data& data, Pack& c, unsigned at, int e) {
+        const std::int64_t one = e > row_bits ? 0 : std::int64_t{1} << (row_bits - e);
+        c.exponent[at] = e;
+        c.one[at] = static_cast<std::int32_t>(one);
+        c.a.pull[at] = static_cast<std::int32_t>((one * c.a.share[at]) >> unit_bits);
+        c.b.pull[at] = static_cast<std::int32_t>((one * c.b.share[at]) >> unit_bits);
+        c.push_max[at] = shifted_within(data.push_max, real_bits + e - speed_bits, solve::joint_speed_max);
+        c.near_shift[at] = real_bits - gap_bits + e < 62 ? real_bits - gap_bits + e : 62;
+        c.ahead_shift[at] = unit_bits + 1 + e < 62 ? unit_bits + 1 + e : 62;
+        set_arm_shift(c.a, at, e), set_arm_shift(c.b, at, e);
+        for (int r = 0; r < 3; ++r) {
+            c.impulse[r][at] =
+                shifted_within(c.sum[r][at], real_bits - speed_bits - e, solve::joint_impulse_max);
+            c.sum[r][at] = 0;
+        }
+    }
+
+  public:
+    static void start(const Data& data, Pack& c, unsigned lane) {
+        std::int64_t e[N] = {};
+        start_side(data, c.a, lane, e), start_side(data, c.b, lane, e);
+        for (unsigned i = 0; i < N; ++i) set_exponent(data, c, lane + i, static_cast<int>(e[i]));
+    }
+};
+
+} // namespace lockstone::solve
