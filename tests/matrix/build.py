@@ -4,6 +4,7 @@ import filecmp
 import hashlib
 import os
 import pathlib
+import platform
 import shutil
 import subprocess
 import threading
@@ -25,7 +26,8 @@ ALONE = {"kernels"}  # one instruction set each
 KERNELS = {"kernel_sse41.cpp": ["-msse4.1"], "kernel_avx2.cpp": ["-mavx2"], "kernel_avx512.cpp": ["-mavx512f", "-mavx512dq", "-mavx512vl"]}
 UNALIGNED = ["-Wa,-muse-unaligned-vector-move"]  # as CMakeLists.txt has it
 FOR_THE_LINKER = ("-l", "-mexec-model=")  # flags that begin so
-X86 = ("", "i386", "windows")  # targets; "": this machine
+X86 = ("i386", "windows") + (("",) if platform.machine().lower() in ("x86_64", "amd64", "i686") else ())  # targets; "": this machine
+ON_WINDOWS = os.name == "nt"
 
 
 class BuildFailed(Exception):
@@ -80,8 +82,9 @@ class Builder:
         self.includes.mkdir(parents=True, exist_ok=True)
         # The one header from outside; a cross compiler must not see what else lies in /usr/include.
         header = self.includes / "xxhash.h"
-        if not header.exists() or not filecmp.cmp("/usr/include/xxhash.h", header, shallow=False):
-            shutil.copyfile("/usr/include/xxhash.h", header)
+        found = pathlib.Path(os.environ.get("LOCKSTONE_XXHASH", "/usr/include")) / "xxhash.h"
+        if not header.exists() or not filecmp.cmp(found, header, shallow=False):
+            shutil.copyfile(found, header)
 
     def program(self, build):
         """Path of the program. Raises BuildFailed with what the compiler said."""
@@ -98,8 +101,9 @@ class Builder:
         flags += ["-include", self.prelude(build, flags, folder)]
         # A planted fault is one object beside those of the build that has none.
         objects = self.objects(build, flags, folder, files)
-        program = folder / (name + ("_planted" if build.patch else "") + {"wasm": ".wasm", "windows": ".exe"}.get(build.target, ""))
-        threads = [] if build.target == "wasm" else ["-pthread"]
+        ending = {"wasm": ".wasm", "windows": ".exe"}.get(build.target, ".exe" if ON_WINDOWS else "")
+        program = folder / (name + ("_planted" if build.patch else "") + ending)
+        threads = [] if build.target == "wasm" or "--target=x86_64-pc-windows-msvc" in build.flags else ["-pthread"]
         linked = [f for f in build.flags if f.startswith(FOR_THE_LINKER)]
         run([build.cxx, *flags, *threads, "-o", program, *objects, *linked])
         return program
@@ -116,7 +120,7 @@ class Builder:
         with self.lock_of(out):  # two programs may want it at once
             if not fresh(out, compiled_header(build, folder)):
                 own = KERNELS.get(path.name, []) if build.target in X86 else []
-                if own and build.target == "windows":
+                if own and (build.target == "windows" or ON_WINDOWS and "clang" not in build.cxx):
                     own = [*own, *UNALIGNED]
                 # What the prelude was compiled into is not for these instructions; some sources must not see all of it.
                 if own or path.relative_to(ROOT).as_posix() in WITHOUT_PRELUDE:

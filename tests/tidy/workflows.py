@@ -1,0 +1,36 @@
+"""Every script that a workflow runs exists, and knows each option that it is given."""
+import re
+
+from tree import numbered
+
+OURS = r"(?:tests|tools|demo|\.ci)/[\w./-]+"
+
+
+def check(tree):
+    complaints = []
+    for path in sorted((tree.root / ".github/workflows").glob("*.y*ml")):
+        for number, line in numbered(path.read_text()):
+            line = re.sub(r"(^|\s)#.*", "", line)
+            for script, options in re.findall(rf"({OURS})((?: --?[\w-]+)*)", line):
+                place = f"{tree.name(path)}:{number}"
+                if not (tree.root / script).is_file():
+                    complaints.append(f"{place}: there is no {script}")
+                    continue
+                text = (tree.root / script).read_text()
+                complaints += [f"{place}: {script} does not know {o}" for o in options.split() if o.lstrip("-") not in re.findall(r"[\w-]+", text.replace("--", ""))]
+    return complaints
+
+
+def workflow(command, script="print('--long')"):
+    return {".github/workflows/a.yml": f"jobs:\n  a:\n    # tests/never\n    steps:\n      - run: {command}\n", "tests/run": script}
+
+
+PLANTED = [
+    ("a script that is gone", workflow("tests/ran --long")),
+    ("an option that is gone", workflow("tests/run --quick")),
+    ("one behind an interpreter, in a table", workflow('{name: a, command: "python3 tools/gone --here"}')),
+]
+GOOD = [
+    ("what exists, with an option that it knows", workflow("tests/run --long")),
+    ("other programs", workflow("cmake --build build/release && brew install xxhash")),
+]
