@@ -3,6 +3,7 @@
 #pragma once
 
 #include "collide/query/cast.h"
+#include "double_shapes.h"
 #include "lockstone/math/math.h"
 
 #include <algorithm>
@@ -25,15 +26,8 @@ template <FixedPoint T> T fixed(double x) {
         std::llround(x * static_cast<double>(std::int64_t{1} << T::fraction_bits))));
 }
 
-struct V {
-    double x, y, z;
-    friend V operator+(V a, V b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-    friend V operator-(V a, V b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-    friend V operator*(V a, double s) { return {a.x * s, a.y * s, a.z * s}; }
-};
-inline double dot(V a, V b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-inline V cross(V a, V b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
-inline double norm(V a) { return std::sqrt(dot(a, a)); }
+using V = oracle::D3;
+using oracle::cross, oracle::dot, oracle::norm;
 inline V unit(V a) { return a * (1 / norm(a)); }
 template <FixedPoint T> V of(const Vector3<T>& v) { return {value(v.x), value(v.y), value(v.z)}; }
 inline CoordinateVec3 coordinates(V v) {
