@@ -31,7 +31,7 @@ std::string describe_notice(const Notice& notice) {
 
 Peer::Peer(World start, const Game& game, std::unique_ptr<Session> made, cli::InputSource source)
     : world(std::move(start)), simulation(world, game), session(std::move(made)),
-      runner(*session, simulation, {.sink = &log, .column_left_out = {}}), inputs(std::move(source)) {}
+      runner(*session, simulation, {&log}), inputs(std::move(source)) {}
 
 NetplayMatch::NetplayMatch(const Options& options, std::unique_ptr<Game> game, std::uint64_t ticks)
     : game_(std::move(game)), network_(peer_count, {}, options.scene.seed), ticks_(ticks) {

@@ -270,7 +270,7 @@ class LobbyClient {
 struct WatchDoorDef {
     NetAddress address = {};           ///< where watchers reach the door; with a port
     std::uint64_t expires_ms = 0;      ///< of the tokens; who is connected stays so
-    std::uint32_t watchers_max = 1024; ///< 1..4096; each takes 60 kB while it is there
+    std::uint32_t watchers_max = 1024; ///< 1..4096; each takes 75 kB while it is there
     std::uint32_t idle_ms =
         60'000; ///< of a watcher's silence, since its token at the earliest: its place is free again
     std::uint32_t bytes_per_second = 200'000; ///< sent to each watcher

@@ -84,6 +84,8 @@ Endpoint::Impl::Fault Endpoint::Impl::take_hello(PeerId slot, const NetAddress& 
                          : hello_sources.take(from, def.hellos_per_source, now) &&
                                hellos.take(1, def.hellos_per_second, now);
     if (!may) return NetFault::over_rate;
+    if (!peers[slot].channel && relay_at(from))
+        peers[slot].relay_changed_ms = now; // a handshake begins there
     const std::uint64_t nonce = read_hello(datagram).nonce;
     if (const Space to = push(from, cookie_bytes); !to.empty()) {
         write_cookie(to, first_to(Kind::cookie, slot), nonce,
@@ -99,6 +101,7 @@ Endpoint::Impl::Fault Endpoint::Impl::take_cookie(PeerId slot, const NetAddress&
     if (!attempt.runs || cookie.nonce != attempt.nonce || from != peers[slot].listed)
         return NetFault::unexpected;
     const bool is_first = !attempt.has_cookie;
+    if (is_first) peers[slot].relay_changed_ms = now; // this way is open
     attempt.cookie = cookie.cookie, attempt.cookie_ms = now, attempt.has_cookie = true;
     if (is_first) send_request(slot);
     return {};

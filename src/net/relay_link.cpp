@@ -75,6 +75,9 @@ Endpoint::Impl::Fault Endpoint::Impl::take_from_relay(RelayLink& relay, Bytes da
     const Bytes head = datagram.first(relay_accept_bytes - tag_bytes);
     if (!same(authenticator(relay.seat.key, head), datagram.last(tag_bytes)))
         return NetFault::unauthenticated;
+    if (!relay.is_in) // only now can anybody be heard through it
+        for (Peer& peer : peers)
+            if (peer.listed == relay.seat.address) peer.relay_changed_ms = now;
     relay.is_in = true, relay.heard_ms = now, attempt = {};
     return {};
 }
@@ -82,7 +85,10 @@ Endpoint::Impl::Fault Endpoint::Impl::take_from_relay(RelayLink& relay, Bytes da
 /// To the other relay, where this player has a seat there. Who is silent at both is looked for at each in turn.
 void Endpoint::Impl::poll_path(PeerId slot) {
     Peer& peer = peers[slot];
-    if (now - std::max(peer.heard_ms, peer.relay_changed_ms) <= def.relay_silence_ms) return;
+    // A handshake takes longer than a packet, and is begun anew at the other relay.
+    const bool is_heard = peer.channel && peer.channel->window.next() > 0;
+    const std::uint64_t patience = std::uint64_t{def.relay_silence_ms} * (is_heard ? 1 : 2);
+    if (now - std::max(peer.heard_ms, peer.relay_changed_ms) <= patience) return;
     for (const RelayLink& other : relays) {
         if (!other.is_in || other.seat.address == peer.listed) continue;
         peer.listed = other.seat.address, peer.relay_changed_ms = now, peer.attempt = {};

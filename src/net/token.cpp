@@ -155,9 +155,14 @@ Result<ConnectToken> open_token(std::span<const std::byte> bytes, const NetKey& 
     }
     if (from.ok() && relays > 0) {
         RelaySeat first = read_relay(from);
+        if (first.pass.empty()) from.fail("a relay without a pass");
         token.relay = first.address, token.relay_key = first.key, token.pass = std::move(first.pass);
     }
-    if (from.ok() && relays > 1) token.second_relay = read_relay(from);
+    if (from.ok() && relays > 1) {
+        token.second_relay = read_relay(from);
+        if (token.second_relay.address.port == 0 || token.second_relay.pass.empty())
+            from.fail("a second relay without a port, or without a pass");
+    }
     from.expect_end();
     if (!from.ok()) return from.error();
     if (Status s = in_time("connect token", token.expires_ms, now_ms); !s) return s.error();

@@ -46,7 +46,7 @@ template <class Row> std::span<Row> rows(State& s, const char* name) {
 /// What restore_portable says of an image with `damage`; "accepted" when it takes it.
 std::string verdict(const std::function<void(State&)>& damage) {
     World w = start(), damaged = start();
-    testing::state_of(damage(damaged));
+    damage(testing::state_of(damaged));
     const std::uint64_t hash = w.hash();
     const Status status = w.restore_portable(damaged.save_portable());
     if (status) return "accepted";

@@ -22,7 +22,7 @@ const Run& the_run() {
 template <class Sabotage> std::string verdict(Sabotage&& sabotage) {
     World w = start_script(Scenery::pile);
     w.restore(the_run().images[restored_at]);
-    testing::state_of(sabotage(w));
+    sabotage(testing::state_of(w));
     return departs(the_run(), w, restored_at, 20);
 }
 
@@ -57,7 +57,7 @@ TEST_CASE("planted fault: a restore that drops the warm-start impulses is found 
 TEST_CASE("warm-start impulses are state: without them the next tick moves bodies differently") {
     World with = start_script(Scenery::pile), without = with.clone();
     for (World* w : {&with, &without}) w->restore(the_run().images[restored_at]);
-    testing::state_of(zero(without), "contact.memory");
+    zero(testing::state_of(without), "contact.memory");
     with.tick(), without.tick();
     bool moved_differently = false;
     for (const Difference& d : State::diff(with.state(), without.state(), 1000))

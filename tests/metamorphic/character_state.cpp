@@ -149,7 +149,7 @@ TEST_CASE("a file with a broken character is refused") {
     const std::vector<std::byte> good = w.save_portable();
     const auto refused = [&](const std::function<void(State&)>& damage) {
         World bad = w.clone();
-        testing::state_of(damage(bad));
+        damage(testing::state_of(bad));
         World into = course();
         const std::uint64_t before = into.hash();
         const Status status = into.restore_portable(bad.save_portable());

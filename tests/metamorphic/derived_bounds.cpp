@@ -142,7 +142,7 @@ struct Run {
             w.state = std::move(other);
             sim::forget_derived(w);
         }
-        planes = std::max(planes, static_cast<int>(w.scratch.planes.size()));
+        planes = std::max(planes, static_cast<int>(w.placed.planes.size()));
         sleepers = std::max(sleepers, static_cast<int>(w.state.count(w.m.bodies) - w.header().bodies_awake));
     }
 };
@@ -170,10 +170,10 @@ TEST_CASE("planted fault: changes that were taken but not looked at are noticed"
     for (std::uint64_t seed = 1; seed <= 8; ++seed) {
         Run run(seed);
         for (int t = 0; t < 30; ++t) run.step([] {});
-        sim::update_bounds(run.w);
+        sim::update_bounds(run.w, run.w.placed, nullptr);
         run.restore(run.images[run.below(12)]);
         for (std::uint32_t c = 0; c < run.w.state.layout().columns().size(); ++c)
-            run.w.state.take_changes(c, run.w.scratch.proxies_of, run.w.scratch.changed);
+            run.w.state.take_changes(c, run.w.placed.proxies_of, run.w.placed.changed);
         noticed += derived_hash(run.w) != derived_anew(run.w) ? 1 : 0;
     }
     CHECK(noticed >= 3);

@@ -108,6 +108,18 @@ TEST_CASE("net: a match begins at the second relay where the first never was, an
     CHECK(match[0].address_of(1) == first_at);
 }
 
+TEST_CASE("net: two seconds there and back are no loss: they connect at the first relay and stay") {
+    TwoRelays match(2);
+    match.wire.latency_ms = 500; // from a player to the relay, and from there to the other
+    REQUIRE(match.connect(20'000));
+    match.longest_silence(3000);
+    CHECK(match.longest_silence(10'000) <= 100);
+    for (PeerId slot = 0; slot < 2; ++slot) {
+        CHECK(match[slot].address_of(1 - slot) == first_at);
+        CHECK(match[slot].stats().paths_changed == 0);
+    }
+}
+
 TEST_CASE("net: what comes past both relays is a stranger's, also when it is a copy of what was sent") {
     TwoRelays match(2);
     match.wire.keeps = true;

@@ -64,7 +64,7 @@ TEST_CASE("a sync test that is drained has confirmed every tick") {
     const std::unique_ptr<Session> session = make_sync_test_session(def, 5).value();
     Arena arena(1);
     Timeline timeline;
-    SessionRunner runner(*session, arena, {&timeline, ""});
+    SessionRunner runner(*session, arena, {&timeline});
     for (std::uint64_t tick = 0; tick < 30; ++tick) {
         session->add_local_input(0, encode_input(scripted_pad(0, tick)));
         runner.frame(tick);

@@ -21,11 +21,11 @@ constexpr std::int64_t row_limit = std::int64_t{4} << row_bits; ///< of a compon
 std::int32_t low(std::int64_t x) { return static_cast<std::int32_t>(x); }
 
 /// The share of each body in the pair's inverse mass, alpha + beta = 1; 0 for what impulses do not move.
-struct Shares {
+struct ContactShares {
     std::int64_t a, b;
 };
 
-Shares shares_of(const BodyStep& a, const BodyStep& b) {
+ContactShares shares_of(const BodyStep& a, const BodyStep& b) {
     if (!a.movable || !b.movable) return {a.movable ? unit : 0, b.movable ? unit : 0};
     const std::int64_t ma = a.mass.raw, mb = b.mass.raw;
     // A hair above one half: half of an odd impulse would be rounded upwards whatever its sign, and resting boxes creep.
@@ -83,7 +83,7 @@ std::int64_t product(const std::int32_t (&x)[3], const std::int32_t (&y)[3]) {
     return std::int64_t{x[0]} * y[0] + std::int64_t{x[1]} * y[1] + std::int64_t{x[2]} * y[2];
 }
 /// What three rows answer to their own impulses: response_bits, below 52.
-void respond(const Rows& rows, Shares shares, std::int64_t (&out)[3]) {
+void respond(const Rows& rows, ContactShares shares, std::int64_t (&out)[3]) {
     constexpr int drop = 2 * row_bits - response_bits;
     for (int r = 0; r < 3; ++r)
         out[r] = shift_right_rounded((product(rows.xa[r], rows.xa[r]) >> drop) * shares.a +
@@ -108,7 +108,7 @@ namespace {
 template <unsigned N>
 void fill_head(ContactPack<N>& pack, unsigned lane, const Contact& contact, const BodyStep& sa,
                const BodyStep& sb, const solve::Softness& soft) {
-    const Shares shares = shares_of(sa, sb);
+    const ContactShares shares = shares_of(sa, sb);
     pack.body_a[lane] = contact.body_a, pack.body_b[lane] = contact.body_b;
     pack.movable_a |= (sa.movable ? 1u : 0u) << lane, pack.movable_b |= (sb.movable ? 1u : 0u) << lane;
     if ((sa.movable && sa.linear_mask != 7u) || (sb.movable && sb.linear_mask != 7u)) pack.locked = 1;
@@ -232,7 +232,7 @@ void fill_rolling(Rolling& rolling, const Contact& contact, const PrepareInput& 
     const Real la = rolling_length(mass_of(in.mass, contact.body_a)),
                lb = rolling_length(mass_of(in.mass, contact.body_b));
     const Real length = !sa.movable ? lb : !sb.movable ? la : min(la, lb);
-    const Shares shares = shares_of(sa, sb);
+    const ContactShares shares = shares_of(sa, sb);
     if (length <= Real{} || shares.a + shares.b == 0) return;
     Rows rows{};
     const Turner ta(sa), tb(sb);

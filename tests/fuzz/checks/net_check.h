@@ -17,16 +17,19 @@ struct NetOutcome {
 
 class SiegedNet {
   public:
-    explicit SiegedNet(bool relayed)
-        : secret(lockstone::random_key()), relay(secret, {}, lockstone::test::start_ms) {
+    /// `relays`: 0, 1 or 2.
+    explicit SiegedNet(std::uint32_t relays)
+        : secret(lockstone::random_key()), relay(secret, {}, lockstone::test::start_ms),
+          second(secret, {}, lockstone::test::start_ms) {
         auto plan = lockstone::test::plan_of(2);
-        if (relayed)
+        if (relays > 1) plan.second_relay = second_at, plan.second_relay_secret = secret;
+        if (relays > 0)
             plan.relay = relay_at, plan.relay_secret = secret,
             plan.relay_expires_ms = lockstone::test::start_ms + 3'600'000;
         plan.expires_ms = lockstone::test::start_ms + 3'600'000;
         players = std::make_unique<lockstone::test::Players>(plan);
         players->wire.keeps = true, players->wire.latency_ms = 1;
-        players->wire.attach(relay_at, relay);
+        players->wire.attach(relay_at, relay), players->wire.attach(second_at, second);
     }
 
     std::string start() { return players->connect(5000) ? "" : "nobody connects"; }
@@ -47,8 +50,8 @@ class SiegedNet {
     /// One datagram more, to player 0, player 1 or the relay. What is wrong, or nothing.
     std::string attack(std::uint8_t at, const lockstone::NetAddress& from, std::span<const std::byte> bytes) {
         std::size_t drawn = 0;
-        const bool is_known =
-            from == lockstone::test::address(10) || from == lockstone::test::address(11) || from == relay_at;
+        const bool is_known = from == lockstone::test::address(10) || from == lockstone::test::address(11) ||
+                              from == relay_at || from == second_at;
         const auto hit = [&](auto& node) {
             while (node.next_outgoing()) {}
             node.receive(from, bytes, players->wire.now_ms);
@@ -100,8 +103,9 @@ class SiegedNet {
         return {};
     }
     lockstone::NetAddress relay_at = lockstone::test::address(1, 9999);
+    lockstone::NetAddress second_at = lockstone::test::address(2, 9999);
     lockstone::NetKey secret;
-    lockstone::Relay relay;
+    lockstone::Relay relay, second;
     std::unique_ptr<lockstone::test::Players> players;
     std::array<std::map<lockstone::test::Packet, int>, 2> expected;
     std::uint64_t said = 0;
@@ -109,7 +113,7 @@ class SiegedNet {
 
 /// Where a hostile datagram claims to come from.
 inline lockstone::NetAddress source_of(std::uint8_t which) {
-    if (which % 4 == 3) return lockstone::test::address(1, 9999);
+    if (which % 4 == 3) return lockstone::test::address(which < 128 ? 1 : 2, 9999);
     return lockstone::test::address(which % 4 == 2 ? 66 : static_cast<std::uint8_t>(10 + which % 4),
                                     which < 192 ? 7777 : 9);
 }
@@ -131,7 +135,7 @@ inline std::string net_step(Input& in, SiegedNet& net) {
 
 inline std::string check_net(std::span<const std::byte> data, NetOutcome& outcome) {
     Input in(data);
-    SiegedNet net(in.take_u8() % 2 == 1);
+    SiegedNet net(in.take_u8() % 3);
     if (std::string e = net.start(); !e.empty()) return e;
     for (int steps = 0; steps < 200 && !in.empty(); ++steps)
         if (std::string e = net_step(in, net); !e.empty()) return e;
@@ -154,7 +158,9 @@ inline std::string check_token(std::span<const std::byte> data) {
         if (token->slot >= token->players || token->players > lockstone::net_players_max)
             return "a token of a slot that nobody has";
         const auto again = lockstone::open_token(lockstone::seal_token(*token, key), key, 0);
-        if (!again || again->pass != token->pass || again->addresses != token->addresses)
+        if (!again || again->pass != token->pass || again->addresses != token->addresses ||
+            again->second_relay.address != token->second_relay.address ||
+            again->second_relay.pass != token->second_relay.pass)
             return "a token changes when it is sealed again";
         const auto made = lockstone::Endpoint::create(*token, {}, 0);
         return made || !made.error().message.empty() ? "" : "no reason is given";
@@ -166,9 +172,9 @@ inline std::string check_token(std::span<const std::byte> data) {
 inline std::vector<Seed> net_seeds() {
     constexpr std::uint8_t frame = 0, any = 1, changed = 2, again = 3;
     std::vector<Seed> all;
-    for (const std::uint8_t relayed : {std::uint8_t{0}, std::uint8_t{1}}) {
-        const std::string name = relayed ? "relayed_" : "direct_";
-        const auto begin = [&] { return Script().u8(relayed).u8(frame).u8(16).u8(frame).u8(16); };
+    for (const std::uint8_t relays : {std::uint8_t{0}, std::uint8_t{1}, std::uint8_t{2}}) {
+        const std::string name = relays == 0 ? "direct_" : relays == 1 ? "relayed_" : "twice_relayed_";
+        const auto begin = [&] { return Script().u8(relays).u8(frame).u8(16).u8(frame).u8(16); };
         all.push_back({name + "peace", begin().u8(frame).u8(20).done()});
         Script replays = begin(), spoofs = begin(), kinds = begin(), elsewhere = begin();
         const std::byte patch[] = {std::byte{3}};
@@ -193,12 +199,20 @@ inline std::vector<Seed> net_seeds() {
 }
 
 inline std::vector<Seed> token_seeds() {
-    Buffer token(50 + 3 * 50 + 18 + 32 + 2, std::byte{0});
-    token[15] = std::byte{1}, token[17] = std::byte{3};
+    const auto seat = [](Buffer& of) { of[15] = std::byte{1}, of[17] = std::byte{3}; };
+    Buffer token(19 + 32 + 3 * 50, std::byte{0}), relayed(19 + 32 + 3 * 32, std::byte{0});
+    seat(token), seat(relayed);
+    relayed[18] = std::byte{2};
+    for (int relay = 0; relay < 2; ++relay) {
+        Buffer at(18 + 32 + 2 + 95, std::byte{1});
+        at[50] = std::byte{95}, at[51] = std::byte{0};
+        relayed.insert(relayed.end(), at.begin(), at.end());
+    }
     Buffer pass(50, std::byte{0});
     pass[15] = std::byte{1}, pass[17] = std::byte{2};
     return {{"nothing", {}},
             {"token_inside", Script().u8(1).bytes(token).done()},
+            {"token_of_two_relays", Script().u8(1).bytes(relayed).done()},
             {"pass_inside", Script().u8(3).bytes(pass).done()},
             {"token_raw", Script().u8(0).bytes(lockstone::net::sealed_file("LSTK", token, {})).done()}};
 }
