@@ -21,9 +21,11 @@ Symmetric<Real> rotated_diagonal(const Rotation& r, Vec3 d) {
         a[i][1] = shift_right_rounded(r.y[i].raw * dy, unit);
         a[i][2] = shift_right_rounded(r.z[i].raw * dz, unit);
     }
+    const int down = drop < unit ? unit - drop : 0, up = drop < unit ? 0 : drop - unit;
+    const std::int64_t half = (std::int64_t{1} << down) >> 1;
     const auto entry = [&](int i, int j) {
         const std::int64_t sum = a[i][0] * r.x[j].raw + a[i][1] * r.y[j].raw + a[i][2] * r.z[j].raw;
-        return Real::from_raw(drop <= unit ? shift_right_rounded(sum, unit - drop) : sum << (drop - unit));
+        return Real::from_raw(((sum + half) >> down) << up);
     };
     return {entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(0, 2), entry(1, 2)};
 }

@@ -373,12 +373,11 @@ bool is_made_in_pack(const JointTick& tick, const JointWork& work) {
 bool is_near(const Rotation& a, const Rotation& b) { return dot<Real>(a.x, b.x) > decimal<Real>("0.75"); }
 
 /// Its frames into its pack. A twist that has nothing but limits is looked at there until they are in reach.
-void put_hinge(JointTick& tick, const JointWork& work, const Rotation& a, const Rotation& b,
+void put_hinge(JointTick& tick, const JointWork& work, const Rotation& a, const Rotation& b, Real least,
                const StepConstants& step, const SolverBodies& bodies) {
     HingeStart start{&bodies.step[work.a.body], &bodies.step[work.b.body], a, b, Real{}, Real(7)};
     if (work.axis_count == 1 && tick.axes[work.first_axis].unmade) {
         const JointAxisPart& part = tick.axes[work.first_axis];
-        const Real least = least_room(tick, work, step);
         start.lower = part.lower_at + least, start.upper = part.upper_at - least;
     }
     start_hinge(turn_pack(tick, work), work, start, tick.blocks[work.first_block], step);
@@ -405,7 +404,7 @@ bool start_free_hinge(JointTick& tick, JointWork& work, const StepConstants& ste
         part->turns = part->unmade = part->idle = true;
         work.twist = part->lower_at + half(part->upper_at - part->lower_at);
     }
-    put_hinge(tick, work, a, b, step, bodies);
+    put_hinge(tick, work, a, b, least, step, bodies);
     work.steady = work.stays && work.tree == no_tree;
     work.made = work.remade = true;
     set_glance(tick, work);
@@ -428,7 +427,7 @@ void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, cons
         make_axis(tick.axes[work.first_axis + i], work, place, both, least, step);
     if (work.hinge && !work.made) {
         if (is_near(place.a.axes, place.b.axes))
-            put_hinge(tick, work, place.a.axes, place.b.axes, step, bodies);
+            put_hinge(tick, work, place.a.axes, place.b.axes, least, step, bodies);
         else
             turn_pack(tick, work).generic[work.lane] = -1;
     }

@@ -119,8 +119,8 @@ void walk_tree(JointForest& f, std::uint32_t root) {
 }
 
 /// Whether some body of the tree carries many times its own mass: then a pass joint after joint is far from the solution.
+/// `carried` has the masses before, and is spent after.
 template <class Mass> bool is_heavy(JointForest& f, Real load, Mass&& mass) {
-    for (const std::uint32_t body : f.queue) f.carried[body] = mass(body);
     for (std::size_t i = f.queue.size(); i-- > 0;) {
         const std::uint32_t body = f.queue[i], above = f.above[body];
         if (above == 0) continue;
@@ -163,7 +163,7 @@ void plan_trees(JointTick& tick, const BodyColumns& columns, const StepConstants
     const auto count = static_cast<std::uint32_t>(tick.bodies.size());
     f.node_of.assign(count, 0);
     f.size.assign(count, 0), f.root.assign(count, no_tree);
-    f.above.assign(count, 0), f.carried.assign(count, Real{}), f.anchors.assign(count, 0);
+    f.above.assign(count, 0), f.carried.resize(count), f.anchors.assign(count, 0);
     for (std::size_t i = 0; i < f.links.size(); ++i) {
         const TreeLink& l = f.links[i];
         const std::uint32_t c = component_of(f, l.a != no_tree ? l.a : l.b);
@@ -174,10 +174,11 @@ void plan_trees(JointTick& tick, const BodyColumns& columns, const StepConstants
         f.root[c] = l.a != no_tree ? l.a : l.b;
     }
     const auto mass = [&](std::uint32_t body) { return columns.mass[tick.bodies[body].body].mass; };
+    for (std::uint32_t body = 0; body < count; ++body) f.carried[body] = mass(body);
     for (std::uint32_t body = 0; body < count; ++body) {
         const std::uint32_t c = component_of(f, body);
         if (f.anchor_of[c] != 0) continue;
-        if (f.root[c] == no_tree || mass(body) > mass(f.root[c])) f.root[c] = body;
+        if (f.root[c] == no_tree || f.carried[body] > f.carried[f.root[c]]) f.root[c] = body;
     }
     for (std::uint32_t c = 0; c < count; ++c) { // in the order of their first joints
         const bool is_net = f.loops[c] * tree_loop_part > f.size[c] + f.loops[c];
