@@ -127,19 +127,20 @@ template <class L> class JointInverses {
             m[i] = L::template shift_right<32>(L::add(L::mul(x, by), half));
         }
         const V left = L::either(beyond<k_bits + 1>(out), L::greater64(by, L::splat(k_end - 1)));
-        const V ready = L::without(mask, left);
+        const V ready = L::without(mask, left), one = L::splat(1);
+        const auto keep = [ready](V x, V before) { return L::select(ready, x, before); };
         for (int i = 0; i < 6; ++i)
-            L::store32(&to.m[i][lane],
-                       L::select(ready, i < Count ? m[i] : L::splat(0), L::load32(&to.m[i][lane])));
-        const unsigned done = L::lanes_of(ready);
-        for (unsigned i = 0; i < N; ++i) {
-            if (((done >> i) & 1u) == 0) continue;
-            const std::int64_t shift = length[i] - (cut[i] + 31) + 12 + drop[i];
-            const bool odd = shift < 1 || shift > 62;
-            to.odd[lane + i] = odd;
-            to.shift[lane + i] = shift;
-            to.half[lane + i] = odd ? 0 : std::int64_t{1} << (shift - 1);
-        }
+            L::store32(&to.m[i][lane], keep(i < Count ? m[i] : L::splat(0), L::load32(&to.m[i][lane])));
+        // length - (cut + 31) + 12 + drop
+        const V shift =
+            L::add(L::sub(L::load64(length), L::load64(cut)), L::sub(L::load64(drop), L::splat(31 - 12)));
+        const V odd = L::either(L::greater64(one, shift), L::greater64(shift, L::splat(62)));
+        const V rounding = L::without(L::shift_left_by(one, L::without(L::sub(shift, one), odd)), odd);
+        L::store64(&to.shift[lane], keep(shift, L::load64(&to.shift[lane])));
+        L::store64(&to.half[lane], keep(rounding, L::load64(&to.half[lane])));
+        const unsigned done = L::lanes_of(ready), odd_lanes = L::lanes_of(odd);
+        for (unsigned i = 0; i < N; ++i)
+            if ((done >> i) & 1u) to.odd[lane + i] = (odd_lanes >> i) & 1u;
         return left;
     }
 
@@ -191,6 +192,8 @@ template <class L> class JointInverses {
         const V mask = L::load64(stale);
         const auto note = [&](V left, std::uint8_t bit) {
             const unsigned lanes = L::lanes_of(left);
+            if (lanes == 0) [[likely]]
+                return;
             for (unsigned i = 0; i < N; ++i)
                 if ((lanes >> i) & 1u) c.left[lane + i] |= bit;
         };

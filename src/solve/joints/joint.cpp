@@ -360,7 +360,7 @@ void JointSolver::store(const StepConstants& step, std::span<JointMemory> memory
                       : Real{}; // nobody asks how often it went round
         const Real mass_rate = w.mass * step.ticks_per_second;
         m.force = wrench.force * mass_rate;
-        m.torque = wrench.torque * mass_rate;
+        m.torque = wrench.torque == Vec3{} ? Vec3{} : wrench.torque * mass_rate; // points have none
     }
     clamps.impulse += tick.clamped;
 }
