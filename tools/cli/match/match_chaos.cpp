@@ -26,9 +26,9 @@ LinkDef draw_link(Random& random) {
 } // namespace
 
 const std::vector<std::string>& chaos_kinds() {
-    static const std::vector<std::string> kinds = {"relay",  "watchers", "rejoin", "late",       "sleep",
-                                                   "cuts",   "clocks",   "damage", "duplicates", "reorder",
-                                                   "jitter", "loss",     "latency"};
+    static const std::vector<std::string> kinds = {"ahead",   "relay",  "watchers", "rejoin", "late",
+                                                   "sleep",   "cuts",   "clocks",   "damage", "duplicates",
+                                                   "reorder", "jitter", "loss",     "latency"};
     return kinds;
 }
 
@@ -59,6 +59,7 @@ Chaos chaos_of(std::uint64_t seed, std::uint64_t ticks, const std::vector<std::s
     // Peer 1 goes on showing it, so it stays.
     if (def.relayed && is_lost && def.rejoins == 0 && chaos.players - def.late >= 2)
         def.show_lost = 60 + early;
+    def.run_ahead = random.below(3) == 0 ? 1 + random.below(run_ahead_limit) : 0;
     for (LinkDef& link : def.links) {
         if (is_out("damage")) link.damage_permille = 0;
         if (is_out("duplicates")) link.duplicate_permille = 0;
@@ -72,6 +73,7 @@ Chaos chaos_of(std::uint64_t seed, std::uint64_t ticks, const std::vector<std::s
     for (const LinkDef& link : def.links) slowest_ms = std::max(slowest_ms, link.latency_ms + link.jitter_ms);
     if (def.mode == MatchMode::lockstep) def.input_delay = slowest_ms / frame_ms + 2;
     if (is_out("clocks")) def.clock_permille.clear();
+    if (is_out("ahead")) def.run_ahead = 0;
     if (is_out("relay")) def.relayed = false;
     if (is_out("watchers")) def.watchers = 0;
     if (is_out("sleep")) def.sleeps = false;
@@ -92,6 +94,7 @@ std::string told(const Chaos& chaos) {
     if (def.watchers != 0) words += ", " + std::to_string(def.watchers) + " watch";
     if (def.watchers != 0 && def.relayed) words += " through a relay";
     if (def.watchers != 0 && def.relayed && def.show_lost != 0) words += " whose host goes";
+    if (def.run_ahead != 0) words += ", " + std::to_string(def.run_ahead) + " ticks shown ahead";
     if (def.late != 0) words += ", one comes late";
     if (def.rejoins != 0) words += ", one comes back";
     if (def.sleeps) words += ", machines sleep";

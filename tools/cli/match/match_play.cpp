@@ -91,6 +91,7 @@ SessionDef session_of(const Game& game, const MatchDef& def, PeerId self) {
     for (PeerId p = 0; p < players.size(); ++p) players[p] = p;
     SessionDef session = session_def(game, self, players);
     if (def.input_delay != 0) session.input_delay = def.input_delay;
+    session.run_ahead = def.run_ahead;
     for (PeerId p = game.player_count() - def.late; p < players.size(); ++p) session.absent |= 1u << p;
     return session;
 }
