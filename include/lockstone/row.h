@@ -69,17 +69,19 @@ struct BitsOf {
     const char* name;
 };
 /// Each component of a vector, to both sides.
-template <class T> struct EachIn {
-    T most;
+struct EachIn {
+    Real most;
     const char* unit;
 };
 /// The length of a vector; `text` is `most` as sentences say it.
-template <class T> struct LongAtMost {
-    T most;
+struct LongAtMost {
+    Real most;
     const char* text;
 };
 /// The position of a pose, on each axis [m]; its rotation is of unit length.
-template <class T> struct PoseIn { T most; };
+struct PoseIn {
+    Real most;
+};
 
 template <class V, class F, class R>
 constexpr void field(V&& visit, const char* name, F& value, const R& range) {

@@ -118,8 +118,8 @@ const char* name_of(Stall stall);
 
 struct Step {
     Stall stall;
-    std::span<const Request>
-        requests; ///< execute all, in order, also when stalled; valid until the next advance
+    /// Execute all, in order, also when stalled; valid until the next advance
+    std::span<const Request> requests;
     /// How many frames to skip (poll without advance) so that slower peers catch up; asked for once a second or so,
     /// never more than prediction_max (lockstep: the input delay), whatever peers say.
     std::uint32_t wait_ticks;
@@ -166,8 +166,8 @@ struct DesyncReport {
     std::uint64_t local = 0, remote = 0; ///< root hashes after it; remote: 0 where not told
     std::string phase; ///< of the tick, run again: the first that both leave differently; empty: not known
     std::vector<std::string> columns; ///< that differ, in manifest order
-    std::vector<Difference>
-        differences;            ///< row counts, then of the first page of the first column; ours left
+    /// Row counts, then of the first page of the first column; ours left
+    std::vector<Difference> differences;
     bool complete = false;      ///< the other side has answered all
     bool local_repeats = false; ///< the tick, run again here, leads to the same state as it did
     bool remote_repeats =

@@ -32,17 +32,18 @@ struct RangeCheck {
             error = base::join(name, " is ", value, ", must be a sum of ", bits.name, " bits, at most ",
                                bits.all);
     }
-    void operator()(const char* name, Vec3& value, const EachIn<Real>& range) {
+    void operator()(const char* name, Vec3& value, const EachIn& range) {
         for (int i = 0; i < 3; ++i)
             if (error.empty() && abs(value[i]) > range.most)
-                error = base::join(name, ".", "xyz"[i], " is ", to_string(value[i]), ", must be within ",
-                                   to_string(range.most), " ", range.unit);
+                error = base::join(name, ".", std::string_view("xyz").substr(static_cast<std::size_t>(i), 1),
+                                   " is ", to_string(value[i]), ", must be within ", to_string(range.most),
+                                   " ", range.unit);
     }
-    void operator()(const char* name, Vec3& value, const LongAtMost<Real>& range) {
+    void operator()(const char* name, Vec3& value, const LongAtMost& range) {
         if (error.empty() && length(value) > range.most)
             error = base::join(name, " must be at most ", range.text, " long");
     }
-    void operator()(const char* name, Transform& value, const PoseIn<Real>& range) {
+    void operator()(const char* name, Transform& value, const PoseIn& range) {
         if (error.empty()) error = check_pose(name, value, range.most);
     }
 };

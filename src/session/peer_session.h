@@ -141,8 +141,8 @@ class PeerSession final : public Session {
     std::vector<PeerLink> links;    ///< by peer id, without this machine
     std::uint64_t change_max;       ///< how many ticks that may still change may have run
     std::uint32_t gone = 0;         ///< bit p: player p has left; no input of it is accepted any more
-    std::array<std::uint64_t, players_max>
-        cuts{}; ///< by player, as told to all: where it left; `never`: not known yet
+    /// By player, as told to all: where it left; `never`: not known yet
+    std::array<std::uint64_t, players_max> cuts{};
     bool stopped = false;
     bool has_run;                                   ///< it was asked for ticks; before it only listens
     std::array<std::uint64_t, players_max> since{}; ///< by player: where it came in last; 0: the start

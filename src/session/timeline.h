@@ -79,8 +79,8 @@ bool is_answer_to_wish(std::span<const std::byte> packet);
 inline std::size_t tick_bytes_of(const SessionDef& def) { return 6 + def.players.size() * def.input_size; }
 
 struct TimelineDef {
-    std::uint64_t
-        log_ticks_max;         ///< of the log; then the older half is forgotten, or all where nobody needs it
+    /// Of the log; then the older half is forgotten, or all where nobody needs it
+    std::uint64_t log_ticks_max;
     std::uint32_t delay_ticks; ///< that listeners see later
     std::uint32_t listeners_max;
     std::uint64_t silence_polls; ///< then a listener is forgotten
@@ -137,8 +137,8 @@ class TimelineHost {
     std::size_t tick_bytes;
     std::uint64_t log_first = 0;
     std::vector<std::byte> log; ///< as Stretch tells
-    std::vector<std::uint64_t>
-        hashes;           ///< by tick modulo history_ticks; not where another host tells the ticks
+    /// By tick modulo history_ticks; not where another host tells the ticks
+    std::vector<std::uint64_t> hashes;
     bool is_told = false; ///< by another host
     bool has_begun = false;
     std::uint64_t first = 0; ///< tick that was added first

@@ -6,7 +6,6 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <ranges>
 
 using namespace lockstone;
 using namespace lockstone::test;
@@ -62,9 +61,9 @@ Outcome play(const MatchPlan& plan, std::vector<SocketRelay*> relays, std::uint6
         machines.push_back(std::make_unique<NetPlayer>(*game, slot, players, *transports.back()));
     }
     const auto done = [&] {
-        const std::size_t first = leader_lost_at == never ? 0 : 1;
-        return std::ranges::all_of(machines | std::views::drop(first),
-                                   [](const auto& m) { return m->hashes.size() >= match_ticks; });
+        const std::ptrdiff_t first = leader_lost_at == never ? 0 : 1;
+        return std::all_of(machines.begin() + first, machines.end(),
+                           [](const auto& m) { return m->hashes.size() >= match_ticks; });
     };
     const auto poll_relays = [&](std::uint64_t frame, std::uint64_t now_ms) {
         for (std::size_t r = frame < lost_at ? 0 : 1; r < relays.size(); ++r) relays[r]->poll(now_ms);

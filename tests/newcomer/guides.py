@@ -14,7 +14,7 @@ import threading
 
 import readme
 
-sys.path.insert(0, str(readme.ROOT / "tests/support"))
+sys.path.insert(0, str(readme.ROOT / "tests/net"))
 from slow_way import SlowWay  # noqa: E402
 
 FOLDER = readme.ROOT / "tools/guides"

@@ -18,8 +18,8 @@ struct Flip {
     std::uint64_t tick;
     std::string column;
     std::uint32_t row, byte;
-    bool
-        each_time; ///< whenever the tick runs; else only the first time: a fault of the machine, not of its program
+    /// Whenever the tick runs; else only the first time: a fault of the machine, not of its program
+    bool each_time;
 };
 
 /// A world whose state changes behind its back.

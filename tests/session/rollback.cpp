@@ -177,7 +177,7 @@ TEST_CASE("players that are all local need no network and confirm every tick at 
     const auto session = make_rollback_session(def, network.endpoint(0)).value();
     Arena arena(2);
     Timeline timeline;
-    SessionRunner runner(*session, arena, {&timeline, ""});
+    SessionRunner runner(*session, arena, {&timeline});
     for (std::uint64_t tick = 0; tick < 100; ++tick) {
         for (std::uint32_t p = 0; p < 2; ++p)
             session->add_local_input(p, encode_input(scripted_pad(p, tick)));

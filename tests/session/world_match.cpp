@@ -1,4 +1,5 @@
 // The real thing: worlds of bodies with contacts, driven by players over a bad network.
+#include "lockstone/session/forgetful.h"
 #include "session/match.h"
 
 #include <doctest/doctest.h>
@@ -130,7 +131,8 @@ TEST_CASE("the sync test names every column that changes when the snapshot lacks
         CAPTURE(name);
         const auto session = make_sync_test_session(session_def(game, 0, {0, 0}), 6).value();
         PushSimulation simulation(game);
-        SessionRunner runner(*session, simulation, {nullptr, name});
+        testing::ForgetfulSimulation forgetful(simulation, name);
+        SessionRunner runner(*session, forgetful);
         std::vector<std::byte> before;
         bool changed = false;
         const std::uint32_t index =

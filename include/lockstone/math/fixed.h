@@ -299,11 +299,20 @@ template <FixedPoint T> consteval T decimal(std::string_view text) {
     return result.value;
 }
 
+namespace detail {
+template <char... Characters> struct Literal {
+    static constexpr char text[] = {Characters...};
+    static constexpr DecimalResult<Real> result =
+        parse_decimal<Real>(std::string_view(text, sizeof...(Characters)));
+    static_assert(result.error == DecimalError::none, "this is not a decimal in the range of Real");
+};
+} // namespace detail
+
 inline namespace literals {
 /// 0.005_r is the Real nearest to 5/1000. A malformed or out-of-range literal does not compile.
-template <char... Characters> consteval Real operator""_r() {
-    constexpr char text[] = {Characters...};
-    return decimal<Real>(std::string_view(text, sizeof...(Characters)));
+/// Not consteval: clang takes the address of such a function where a template or a default member initializer calls it.
+template <char... Characters> constexpr Real operator""_r() {
+    return detail::Literal<Characters...>::result.value;
 }
 } // namespace literals
 

@@ -18,8 +18,8 @@
 namespace lockstone {
 
 struct SpectatorRelayDef {
-    std::vector<PeerId>
-        hosts; ///< on the transport to them: machines that show the match (SpectatorHost), 1..16; asked in this order
+    /// On the transport to them: machines that show the match (SpectatorHost), 1..16; asked in this order
+    std::vector<PeerId> hosts;
     std::uint32_t watchers_max = 1024; ///< more are not answered
     std::uint64_t silence_polls = 600; ///< of a watcher: then its place is free again
     std::uint32_t delay_ticks = 0;     ///< that watchers see later than the relay

@@ -74,8 +74,8 @@ struct Message {
     std::uint32_t gone;     ///< bit p: for the sender it has left
     std::uint32_t has_cut;  ///< bit p: the sender tells in cut[p] at which tick player p left
     std::array<std::uint64_t, players_max> cut;
-    std::array<std::uint64_t, players_max>
-        since; ///< of those players: where the sender says they came in last; 0: the start
+    /// Of those players: where the sender says they came in last; 0: the start
+    std::array<std::uint64_t, players_max> since;
     std::array<JoinWord, players_max> joins;
     std::uint32_t join_count;
     /// By player: first tick whose input the sender lacks. Of its own players 0: it has them.

@@ -99,8 +99,8 @@ struct PeerLink {
     std::uint64_t sequence_sent = 0, sequence_heard = 0; ///< newest packets
     std::uint32_t packets_read = 0;                      ///< in this poll
     std::uint64_t tick = 0;                              ///< newest tick the peer told of
-    std::array<std::uint64_t, players_max>
-        next_input{}; ///< by player: first tick whose input the peer lacks; not its own
+    /// By player: first tick whose input the peer lacks; not its own
+    std::array<std::uint64_t, players_max> next_input{};
 
     // ---- departure.cpp: what it did to this machine's patience, and what it says of others ----
     std::uint64_t waited_ms = 0; ///< how long the match has waited for it, less what ticks made up for

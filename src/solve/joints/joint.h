@@ -47,8 +47,8 @@ namespace lockstone::solve {
 /// A living joint as the tick hands it over.
 struct Joint {
     const JointDef* def;
-    std::uint32_t body_a,
-        body_b; ///< rows of the body columns; SolverBodies::still() for the world and for what rests
+    /// Rows of the body columns; SolverBodies::still() for the world and for what rests
+    std::uint32_t body_a, body_b;
     std::uint32_t memory;       ///< row of the memory column
     Transform frame_a, frame_b; ///< as in the definition; where the body is still(), in the world
 };

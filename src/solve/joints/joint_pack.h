@@ -89,8 +89,8 @@ struct TurnPack {
     std::int64_t sum[3][pack_lanes];                          ///< of p' since the rows were made
     std::int32_t generic[pack_lanes];                         ///< all ones, or zero
     // Of a hinge:
-    std::int32_t
-        frame_a[2][3][pack_lanes]; ///< y and z of A's frame when the tick began, world axes, 30 fraction bits
+    /// Y and z of A's frame when the tick began, world axes, 30 fraction bits
+    std::int32_t frame_a[2][3][pack_lanes];
     std::int32_t frame_b[2][3][pack_lanes];                ///< x and y of B's
     std::int32_t axis[2][3][pack_lanes];                   ///< about which the rows turn B, 28 fraction bits
     std::int32_t exponent[pack_lanes];                     ///< e of its rows

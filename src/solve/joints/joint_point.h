@@ -19,8 +19,8 @@ void give_turn(PackSide& side, std::uint32_t lane, Quat turned, const BodyStep& 
 struct HingeStart {
     const BodyStep *a, *b;
     Rotation axes_a, axes_b;
-    Real lower,
-        upper; ///< twists between which nothing is in reach of a limit; the same: always, further than 2 pi: never
+    /// Twists between which nothing is in reach of a limit; the same: always, further than 2 pi: never
+    Real lower, upper;
 };
 void start_hinge(TurnPack& turn, const JointWork& work, const HingeStart& start, JointBlock& block,
                  const StepConstants& step);

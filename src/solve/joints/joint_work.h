@@ -33,8 +33,8 @@ struct JointBody {
     bool given;      ///< its turn is given to packs, from now on; joint_pack.h
     bool unpacked;   ///< rows of some joint in no pack stay where they are while it hardly turns
     bool wanted;     ///< it is to be placed where it is
-    std::int32_t
-        least; ///< its least gyration radius: it has turned by no more than theta by this; Separation
+    /// Its least gyration radius: it has turned by no more than theta by this; Separation
+    std::int32_t least;
     std::int32_t theta_made[3], theta_packed[3]; ///< when it strayed last
     std::int32_t shift[3], theta[3];             ///< of the SolverBody, when this was made
     Vec3 position;
@@ -96,8 +96,8 @@ struct JointAxisPart {
     Real sum;
     // Separation, 2^-e of a length or an angle less J . (shift, theta) of when the row was made
     std::int64_t stretch; ///< of the spring
-    std::int64_t room,
-        room_up; ///< to the lower and from the upper limit; the second falls with J . (shift, theta)
+    /// To the lower and from the upper limit; the second falls with J . (shift, theta)
+    std::int64_t room, room_up;
     std::int32_t ahead, ahead_up; ///< of their biases: along the arc, Speed
     std::int32_t push_max;        ///< of their biases, Speed
     std::int32_t far;             ///< Speed at which limits are out of reach in a substep
@@ -147,8 +147,8 @@ struct JointWork {
     bool steady;       ///< and they may stay behind where they are now
     bool turns_packed; ///< its block is in a pack of turns
     bool hinge;        ///< and its rows are made there
-    std::uint32_t
-        pack; ///< entry of JointTick::packs that has its point part; no_pack: that is a block, if any
+    /// Entry of JointTick::packs that has its point part; no_pack: that is a block, if any
+    std::uint32_t pack;
     std::uint32_t lane;  ///< of the pack
     std::uint32_t stage; ///< of JointTick::stages
     Real twist, travel;

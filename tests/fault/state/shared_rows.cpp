@@ -118,7 +118,7 @@ TEST_CASE("shared rows: two rows that are the same, and rows out of range, are r
                         [](State& s, const sim::Manifest& m) {
                             s.edit_row(m.body_traits.row, s.rows(m.body_info)[1].traits).locks = 64;
                         }),
-                "unknown locks"));
+                "locks is 64"));
     CHECK(holds(said_of(w,
                         [](State& s, const sim::Manifest& m) {
                             s.edit_row(m.body_traits.row, s.rows(m.body_info)[1].traits).mass.gyration.x =

@@ -303,8 +303,8 @@ TEST_CASE("joint tree: pivots too small are refused or raised, and rows of zeros
 
 TEST_CASE("joint tree: three passes are the dense solution, whatever the masses") {
     struct Case {
-        double ratio,
-            most; ///< at a ratio of 10000 speeds are small, for impulses have their range, and rounding shows
+        /// At a ratio of 10000 speeds are small, for impulses have their range, and rounding shows
+        double ratio, most;
     };
     for (const Case c : {Case{1, 1e-4}, Case{100, 1e-4}, Case{1e4, 5e-3}}) {
         Draw draw{std::mt19937_64{7}};

@@ -19,8 +19,8 @@ struct MatchDef {
     MatchMode mode = MatchMode::rollback;
     LinkDef link;
     std::vector<LinkDef> links; ///< in place of `link`, where it is not empty: by from * machines + to
-    std::vector<std::int32_t>
-        clock_permille; ///< by machine: how much faster its clock goes; empty: all alike
+    /// By machine: how much faster its clock goes; empty: all alike
+    std::vector<std::int32_t> clock_permille;
     std::uint32_t watchers =
         0; ///< who watch peer 0; the first from the start, each next one some seconds later
     bool relayed =

@@ -60,8 +60,8 @@ struct Peer {
     PlayedWorld simulation;
     replay::MemorySink sink;
     std::unique_ptr<ConfirmedLog> log;
-    std::unique_ptr<SpectatorHost>
-        host; ///< peer 0's, where somebody watches; where that is through a relay, peer 1's too
+    /// Peer 0's, where somebody watches; where that is through a relay, peer 1's too
+    std::unique_ptr<SpectatorHost> host;
     std::unique_ptr<Session> session;
     std::unique_ptr<SessionRunner> runner;
     EventLaw events;

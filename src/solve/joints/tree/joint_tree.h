@@ -91,8 +91,8 @@ struct JointForest {
     std::vector<std::uint32_t> component;      ///< by body: union-find
     std::vector<std::uint32_t> first_of, hung; ///< by body: its links, one after another
     std::vector<std::uint32_t> node_of;        ///< by body: node + 1
-    std::vector<std::uint32_t> size, root,
-        anchor_of;                       ///< by component: links, body, first link to the world + 1
+    /// By component: links, body, first link to the world + 1
+    std::vector<std::uint32_t> size, root, anchor_of;
     std::vector<std::uint32_t> loops;    ///< by component: joints that close a loop
     std::vector<std::uint32_t> anchors;  ///< by component: joints to the world
     std::vector<std::uint32_t> above_of; ///< by node: link to its parent + 1
