@@ -127,7 +127,7 @@ def check_desync(programs, folder, lockstone, lucky=("yes", "no")):
     if match.status != [1, 1]:
         return [f"the processes end with {match.status} instead of two reports of a desync: {told}"]
     place = r"phase \w+, column [\w.]+, row \d+, [\w.]+: .+ against .+"
-    complaints = [] if None not in match.lines(r"^tick 200, machine [01]: " + place) else [f"where they part is not told: {told}"]
+    complaints = [] if None not in match.lines(r"^tick 200, machine [12]: " + place) else [f"where they part is not told: {told}"]
     commands = [folder / "a-commands.lsr", folder / "b-commands.lsr"]
     for recorded, to, each, program in zip(match.recordings, commands, lucky, programs["export.cpp"]):
         subprocess.run([program, recorded, to, each], check=True)
