@@ -165,13 +165,19 @@ Result<Played> play(const Args& args, const Chaos& chaos,
     return played;
 }
 
+void set_plant(const Args& args, MatchDef& def) {
+    def.planted = args.plant, def.recovers = args.recover;
+    // Peer 1 shows the match where peer 0 no longer can, so it may not be the one that comes back.
+    if (args.recover) def.show_lost = 0;
+}
+
 /// Leaves out what a match fails without, and ticks, as long as it still fails. Prints how to see it fail again.
 void shrink(const Args& args, std::uint64_t seed) {
     std::vector<std::string> without = args.without;
     std::uint64_t ticks = args.ticks;
     const auto fails = [&](std::uint64_t some_ticks, const std::vector<std::string>& less) {
         Chaos smaller = chaos_of(seed, some_ticks, less);
-        smaller.def.planted = args.plant, smaller.def.recovers = args.recover;
+        set_plant(args, smaller.def);
         const Result<Played> played = play(args, smaller, {});
         return !played || !played->found.empty();
     };
@@ -194,7 +200,7 @@ void shrink(const Args& args, std::uint64_t seed) {
 /// True when the peers agree.
 Result<bool> play_seed(const Args& args, std::uint64_t seed, std::uint64_t ticks_before, Progress& progress) {
     Chaos chaos = args.chaos ? chaos_of(seed, args.ticks, args.without) : as_told(args, seed);
-    chaos.def.planted = args.plant, chaos.def.recovers = args.recover;
+    set_plant(args, chaos.def);
     const Result<Played> played =
         play(args, chaos, [&](std::uint64_t ticks) { progress.at(ticks_before + ticks); });
     if (!played && !args.chaos) return played.error();
