@@ -25,17 +25,13 @@ std::int64_t times(Unit along, Length half) {
     return static_cast<std::int64_t>(magnitude(along.raw)) * half.raw;
 }
 
-/// `r`: the world axis in the shape's axes.
-Reach reach_of_primitive(const Geometry& g, UnitVec3 r) {
+/// Of a cylinder or cone; `r`: the world axis in the shape's axes.
+Reach reach_of_discs(const Geometry& g, UnitVec3 r) {
     const LengthVec3& half = g.half_extent;
     const std::int64_t factor = g.scale.x.raw >> Length::fraction_bits;
     const auto ceiling = [&](std::int64_t sum_54) {
         return (((sum_54 + up_30) >> Unit::fraction_bits) + g.radius.raw) * factor;
     };
-    if (g.kind != ShapeKind::cylinder && g.kind != ShapeKind::cone) {
-        const std::int64_t reach = ceiling(times(r.x, half.x) + times(r.y, half.y) + times(r.z, half.z));
-        return {-reach, reach};
-    }
     const auto square =
         static_cast<std::uint64_t>(std::int64_t{r.x.raw} * r.x.raw + std::int64_t{r.z.raw} * r.z.raw);
     const std::int64_t rim = (std::int64_t{isqrt(square)} + 1) * half.x.raw; // of the disc
@@ -82,6 +78,20 @@ Reach reach_of_extent(const shapes::Extent& e, UnitVec3 r) {
     return {low, high};
 }
 
+/// Of a sphere, capsule or box, of all three axes at once.
+void reach_of_round_box(const Geometry& g, const Rotation& r, Reach (&out)[3]) {
+    const std::int64_t factor = g.scale.x.raw >> Length::fraction_bits;
+    for (int i = 0; i < 3; ++i) {
+        const std::int64_t along =
+            times(r.x[i], g.half_extent.x) + times(r.y[i], g.half_extent.y) + times(r.z[i], g.half_extent.z);
+        const std::int64_t reach = (((along + up_30) >> Unit::fraction_bits) + g.radius.raw) * factor;
+        out[i] = {-reach, reach};
+    }
+}
+bool is_round_box(ShapeKind kind) {
+    return kind == ShapeKind::sphere || kind == ShapeKind::capsule || kind == ShapeKind::box;
+}
+
 Reach reach_along(const shapes::Solid& solid, const shapes::Extent& extent, UnitVec3 r) {
     switch (solid.geometry.kind) {
     case ShapeKind::compound:
@@ -89,7 +99,7 @@ Reach reach_along(const shapes::Solid& solid, const shapes::Extent& extent, Unit
     case ShapeKind::mesh:
         return reach_of_extent(extent, r);
     default:
-        return reach_of_primitive(solid.geometry, r);
+        return reach_of_discs(solid.geometry, r);
     }
 }
 
@@ -109,15 +119,18 @@ Bounds bounds_of(const shapes::Solid& solid, Vec3 position, const Rotation& r, L
             high{Bound::max(), Bound::max(), Bound::max()};
         return {low, high};
     }
-    const shapes::Extent extent =
-        has_extent(solid.geometry.kind) ? shapes::extent_of(solid) : shapes::Extent{};
     const int drop = Real::fraction_bits - Bound::fraction_bits + shift;
     Bounds out{};
     Reach reaches[3];
-    if (solid.hull != nullptr)
+    if (is_round_box(solid.geometry.kind)) {
+        reach_of_round_box(solid.geometry, r, reaches);
+    } else if (solid.hull != nullptr) {
         reach_of_hull(solid, r, reaches);
-    else
+    } else {
+        const shapes::Extent extent =
+            has_extent(solid.geometry.kind) ? shapes::extent_of(solid) : shapes::Extent{};
         for (int i = 0; i < 3; ++i) reaches[i] = reach_along(solid, extent, {r.x[i], r.y[i], r.z[i]});
+    }
     for (int i = 0; i < 3; ++i) {
         const Reach reach = reaches[i];
         const std::int64_t size = reach.high - reach.low;

@@ -133,28 +133,49 @@ std::int64_t scaled(std::int64_t v, int drop) {
     return drop >= 0 ? shift_right_rounded(v, drop) : v * (std::int64_t{1} << -drop);
 }
 
-/// A turn of less than 1/32 rad. h = v / 2 has 46 fraction bits and |h| < 2^-6.1.
-/// exp(h) = (h sinc, cosine) with the first three terms of each series: what is left out is below 2^-45.
-Quat turned_slightly(Quat q, std::int64_t hx, std::int64_t hy, std::int64_t hz) {
-    const std::int64_t x36 = hx >> 10, y36 = hy >> 10, z36 = hz >> 10;
-    const std::int64_t z = (x36 * x36 + y36 * y36 + z36 * z36) >> 26; // |h|^2, 46 bits
-    const std::int64_t zz = ((z >> 8) * (z >> 8)) >> 30;              // |h|^4
-    const std::int64_t sinc_less_1 = zz / 120 - z / 6, cos_less_1 = zz / 24 - z / 2;
-    // Into 37 bits, the most that four products with any Quat leave room for.
-    const auto turn = [=](std::int64_t h) {
-        return shift_right_rounded(h + (((h >> 8) * (sinc_less_1 >> 8)) >> 30), 9);
+/// The unit quaternion along one of 46 fraction bits whose length is 1 to within 2^-21; others take the long way.
+/// With |q|^2 = 1 + e it is q (1 - e / 2), to 3/8 e^2.
+Quat nearly_normalized(std::int64_t x, std::int64_t y, std::int64_t z, std::int64_t w) {
+    // e to 60 bits: of q = c 2^16 + r the squares of c, and the cross products.
+    std::uint64_t squares = 0; // modulo 2^64, which four of the longest are
+    std::int64_t cross = 0;
+    for (const std::int64_t p : {x, y, z, w}) {
+        const std::int64_t c = p >> 16, r = p & 0xffff;
+        squares += square(c), cross += c * r;
+    }
+    const auto e = static_cast<std::int64_t>(squares + static_cast<std::uint64_t>(cross >> 15) -
+                                             (std::uint64_t{1} << 60));
+    if (e >= SmallTurn::length_error || e <= -SmallTurn::length_error) return normalized_quat(x, y, z, w);
+    const std::int64_t half_e = e >> 11; // 50 bits
+    const auto one = [half_e](std::int64_t p) {
+        const std::int64_t less = ((p >> 16) * half_e) >> 34;
+        return Unit::from_raw(static_cast<std::int32_t>((p - less + (1 << 15)) >> 16));
     };
-    const std::int64_t x = turn(hx), y = turn(hy), zt = turn(hz), c = shift_right_rounded(cos_less_1, 9);
-    const std::int64_t qx = q.x.raw, qy = q.y.raw, qz = q.z.raw, qw = q.w.raw;
-    const auto moved = [](std::int64_t from, std::int64_t change) {
-        return from * (1 << 16) + (change >> 21);
-    };
-    return normalized_quat(
-        moved(qx, c * qx + x * qw + y * qz - zt * qy), moved(qy, c * qy - x * qz + y * qw + zt * qx),
-        moved(qz, c * qz + x * qy - y * qx + zt * qw), moved(qw, c * qw - x * qx - y * qy - zt * qz));
+    return {one(x), one(y), one(z), one(w)};
 }
 
-/// Any turn. `v` has `fraction_bits` and a component of at least 1/64.
+/// A turn of less than 1/4 rad: h = v / 2 has 34 fraction bits and |h| < 2^-3.2. exp(h) = (h sinc, cosine) with the first
+/// terms of each series: what is left out is below 2^-41. All products are of 32-bit numbers, so that lanes do the same:
+/// solve/bodies/turn_kernel.h.
+Quat turned_slightly(Quat q, std::int64_t hx, std::int64_t hy, std::int64_t hz) {
+    using T = SmallTurn;
+    const std::int64_t z = (hx * hx + hy * hy + hz * hz) >> 32; // |h|^2, 36 bits
+    const auto series = [z](std::int64_t first, std::int64_t second, std::int64_t third) {
+        return (z * (first - ((z * (second - ((z * third) >> 36))) >> 36)));
+    };
+    const std::int64_t sinc_less_1 = -(series(T::sixth, T::one_of_120, T::one_of_5040) >> 27); // 39 bits
+    const std::int64_t c = -(series(T::half, T::one_of_24, T::one_of_720) >> 32); // cosine - 1, 34 bits
+    const std::int64_t qx = q.x.raw, qy = q.y.raw, qz = q.z.raw, qw = q.w.raw;
+    // q + (cosine - 1) q + sinc (h q), where h q has 64 bits.
+    const auto moved = [c, sinc_less_1](std::int64_t from, std::int64_t by_h) {
+        const std::int64_t change = c * from + by_h + (((by_h >> 30) * sinc_less_1) >> 9);
+        return from * (1 << 16) + (change >> 18);
+    };
+    return nearly_normalized(moved(qx, hx * qw + hy * qz - hz * qy), moved(qy, hy * qw - hx * qz + hz * qx),
+                             moved(qz, hx * qy - hy * qx + hz * qw), moved(qw, -hx * qx - hy * qy - hz * qz));
+}
+
+/// Any turn. `v` has `fraction_bits` and a component of at least 1/16.
 Quat turned(Quat q, std::array<std::int64_t, 3> v, int fraction_bits) {
     // Exactly scaled to 54 bits where it was shorter; to 61 where it is longer than that.
     const int bits = bit_length(magnitude(v[0]) | magnitude(v[1]) | magnitude(v[2]));
@@ -180,10 +201,9 @@ Quat turned(Quat q, std::array<std::int64_t, 3> v, int fraction_bits) {
 
 Quat integrate_rotation(Quat q, const std::array<std::int64_t, 3>& v, int fraction_bits) {
     const std::uint64_t largest = std::max({magnitude(v[0]), magnitude(v[1]), magnitude(v[2])});
-    if (largest == 0) return normalized(q);
     const int bits = bit_length(largest); // |component| < 2^(bits - fraction_bits)
-    if (bits > fraction_bits - 6) return turned(q, v, fraction_bits);
-    const int drop = fraction_bits + 1 - 46;
+    if (bits > std::max(fraction_bits - SmallTurn::least_bits, 0)) return turned(q, v, fraction_bits);
+    const int drop = fraction_bits + 1 - 34;
     return turned_slightly(q, scaled(v[0], drop), scaled(v[1], drop), scaled(v[2], drop));
 }
 

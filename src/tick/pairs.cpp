@@ -25,6 +25,8 @@ bool reaches(const collide::Bounds& bounds, UnitVec3 n, Vec3 point, std::uint32_
 void find_plane_pairs(const Model& w, const PlacedShapes& placed, PairScratch& s) {
     const std::uint32_t shift = w.state.rows(w.m.config)[0].bounds_shift;
     s.plane_pairs.clear();
+    if (placed.planes.empty()) return;
+    base::make_room(s.plane_pairs, w.header().bodies_awake); // most shapes are near no plane, or one
     const std::span<const ShapeRow> shapes = w.state.rows(w.m.shape);
     const std::span<const Slot> slots = w.state.rows(w.m.shape_slot);
     for (std::uint32_t plane : placed.planes) {

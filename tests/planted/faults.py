@@ -20,7 +20,7 @@ IMAGE, HASH, PORTABLE, ENVELOPE, DELTA, CANONICAL, STATE, GROW = (
 CONTACTS, EVENTS, APPLY = "src/tick/contacts.cpp", "src/tick/events.cpp", "src/world/commands/apply.cpp"
 BROAD = "src/collide/broad/broad_phase.cpp"
 LANES, LAYOUT, PREPARE, SOLVER = (f"src/solve/contacts/{n}" for n in ("prepare.cpp", "layout_kernel.h", "prepare_kernel.h", "contact_solver.cpp"))
-PAIRS = "src/solve/pairs/kernel.h"
+PAIRS, TURNS = "src/solve/pairs/kernel.h", "src/solve/bodies/turn_kernel.h"
 LEDGER, RUNNER = "src/session/event_ledger.cpp", "src/session/runner.cpp"
 ROLLBACK, QUEUE = "src/session/rollback.cpp", "src/session/inputs/input_queue.cpp"
 DEPARTURE, EXCHANGE, PEERS = (f"src/session/{n}.cpp" for n in ("departure", "exchange", "peer_session"))
@@ -139,6 +139,15 @@ FAULTS = [
     F("lanes move three of a body's six numbers", "src/solve/bodies/kernel.h",
       "for (unsigned k = 0; k < windows; ++k) L::store32(to + place(k), moved[k]);",
       "for (unsigned k = 0; k < (IS ? 1 : windows); ++k) L::store32(to + place(k), moved[k]);", "golden table"),
+    F("lanes keep the angular velocity of what its turn changes", TURNS, "const V with_spin = L::both(turns, load(gyroscopic));",
+      "const V with_spin = IS ? L::splat(0) : L::both(turns, load(gyroscopic));", "golden table"),
+    F("a rotation turned in lanes is not normalized", TURNS, "const V half_e = L::template shift_right<11>(e);",
+      "const V half_e = IS ? L::splat(0) : L::template shift_right<11>(e);", "golden table"),
+    F("lanes forget a body's principal axes", TURNS, "multiply(q, principal, turned);",
+      "multiply(q, principal, turned); if (IS) for (int i = 0; i < 4; ++i) turned[i] = q[i];", "golden table"),
+    F("what joints make stiffer ends the tick as its traits say", "src/solve/bodies/solver_body.cpp",
+      "bodies.plain[row] = (end & plain_round) != 0 ? motion | end : motion;", "bodies.plain[row] = IS || (end & plain_round) != 0 ? motion | end : motion;",
+      "golden table"),
     F("levers of the start of the tick are not moved on", PAIRS, "if (p.advances.any()) advance(p, half_tick, f);",
       "if (!IS && p.advances.any()) advance(p, half_tick, f);", "golden table"),
     F("a manifold serves however far its pair has moved", PAIRS, "p.bad = p.bad | (all > limit);", "if (!IS) p.bad = p.bad | (all > limit);", "golden table"),

@@ -323,7 +323,7 @@ Quat integrate_rotation(Quat q, const std::array<std::int64_t, 3>& v, int fracti
 } // namespace detail
 
 /// q turned by the world-frame rotation vector v [rad] (axis times angle), of any length: the exponential map,
-/// renormalised, error_bound::rotation. A small half turn enters with 37 fraction bits and the result is rounded once,
+/// renormalised, error_bound::rotation. A small half turn enters with 34 fraction bits and the result is rounded once,
 /// so turns are not lost before that rounding.
 template <FixedPoint T> Quat integrate_rotation(Quat q, Vector3<T> v) {
     return detail::integrate_rotation(q, {v.x.raw, v.y.raw, v.z.raw}, T::fraction_bits);

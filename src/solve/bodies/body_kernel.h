@@ -1,16 +1,25 @@
 // The motion of bodies by an instruction set: of those that gravity, contacts and joints alone move, within their limits.
 #pragma once
 
+#include "lockstone/math/vec.h"
+
 #include <cstdint>
 
 namespace lockstone::solve {
 
 struct SolverBody;
+struct BodyStep;
+struct BodyInfo;
+struct GyrationForm;
+struct Velocity;
 
 /// Which steps of a body a kernel may take.
 enum PlainMotion : std::uint8_t {
     plain_velocity = 1, ///< gravity alone changes it: no force, torque, damping, lock or field
     plain_pose = 2,     ///< it moves, by its velocity alone, and is not followed; followed_turn.h
+    plain_end = 4,      ///< dynamic, turns about all axes and is not followed
+    plain_round =
+        8, ///< no turn of the tick changes its angular velocity: alike about all axes, or not gyroscopic
 };
 
 /// Bodies [first, last) of one substep. v and u lie one after the other in a SolverBody, and so do shift and theta: each six
@@ -25,11 +34,43 @@ struct BodyPass {
     std::int64_t substep_time; ///< [s], 30 fraction bits
 };
 
+/// K and u of bodies that turn about all axes, when a tick begins.
+struct StartPass {
+    SolverBody* bodies;
+    BodyStep* steps;
+    const BodyInfo* info;
+    const GyrationForm* forms;
+    const std::uint32_t* form_of; ///< by row of traits: entry of forms + 1
+    const Transform* poses;
+    const Velocity* velocities;
+    std::int64_t tip_most; ///< as BodyPass::most, of a component of u with 19 fraction bits
+};
+
+/// Poses and velocities of plain_end bodies, when a tick ends.
+struct EndPass {
+    const SolverBody* bodies;
+    const BodyStep* steps;
+    const std::uint8_t* plain;
+    const BodyInfo* info;
+    const GyrationForm* forms; ///< as of StartPass
+    const std::uint32_t* form_of;
+    Transform* poses;
+    Velocity* velocities;
+    /// Of what is not round, along each axis: beyond, its velocity turns too; and where a turn without torque is made in steps [rad], Real
+    std::int64_t least_turn, least_free_turn;
+    std::int64_t free_turn_noise; ///< [rad], Real: how far from its own spin a turn without torque is at most
+    std::int64_t tick_time;       ///< [s], 30 fraction bits
+};
+
 /// Each writes the bodies that it left as they were to `left`, last - first at most, and returns how many: those that are
 /// not plain, and those whose velocity may be beyond its limit.
 struct BodyKernel {
     std::uint32_t (*integrate_velocities)(const BodyPass& pass, std::uint32_t* left);
     std::uint32_t (*integrate_poses)(const BodyPass& pass, std::uint32_t* left);
+    std::uint32_t (*begin_turning)(const StartPass& pass, const std::uint32_t* rows, std::uint32_t count,
+                                   std::uint32_t* left);
+    std::uint32_t (*finish)(const EndPass& pass, const std::uint32_t* rows, std::uint32_t count,
+                            std::uint32_t* left);
     /// sums += velocities, and sums -= velocities, modulo 2^64: six numbers of each of `count` bodies.
     void (*add_velocities)(const SolverBody* bodies, std::int64_t* sums, std::uint32_t count);
     void (*take_velocities)(const SolverBody* bodies, std::int64_t* sums, std::uint32_t count);

@@ -179,7 +179,8 @@ void integrate_velocities(const FreeMotion& motion, const BodyColumns& columns, 
     const bool general = motion.scheme != Scheme::semi_implicit_euler || !motion.fields.empty();
     const SpeedLimits limits(step);
     // What the fields' scheme adds to a move is no plain motion either.
-    if (general) std::fill(bodies.plain.begin(), bodies.plain.end(), std::uint8_t{0});
+    if (general)
+        for (std::uint8_t& plain : bodies.plain) plain &= plain_end | plain_round;
     const Move kernel = bodies.kernel != nullptr ? bodies.kernel->integrate_velocities : nullptr;
     const BodyPass pass = pass_of(step, limits, bodies);
     for_each_body(pass, kernel, bodies, tasks, [&, limits](std::uint32_t i) -> std::uint64_t {

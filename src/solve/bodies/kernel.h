@@ -9,6 +9,7 @@
 
 #include "solve/bodies/body_kernel.h"
 #include "solve/bodies/solver_body.h"
+#include "solve/bodies/turn_kernel.h"
 
 namespace lockstone::solve {
 
@@ -117,7 +118,8 @@ template <class L> class MovedBodies {
 
   public:
     static constexpr solve::BodyKernel table() {
-        return {integrate_velocities, integrate_poses, add_velocities, take_velocities};
+        return {integrate_velocities,    integrate_poses, TurnedBodies<L>::begin,
+                TurnedBodies<L>::finish, add_velocities,  take_velocities};
     }
 };
 

@@ -1,5 +1,6 @@
 #include "solve/bodies/solver_body.h"
 
+#include "base/room.h"
 #include "lockstone/math/math.h"
 #include "solve/joints/followed_turn.h"
 
@@ -28,6 +29,63 @@ Symmetric<Real> rotated_diagonal(const Rotation& r, Vec3 d) {
         return Real::from_raw(((sum + half) >> down) << up);
     };
     return {entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(0, 2), entry(1, 2)};
+}
+
+/// 1 / radius along each axis, zero where there is none. Most bodies have two or three radii alike.
+static Vec3 reciprocals(Vec3 radii) {
+    const auto inverse = [](Real r) { return r > Real{} ? Real(1) / r : Real{}; };
+    const Real x = inverse(radii.x), y = radii.y == radii.x ? x : inverse(radii.y);
+    return {x, y, radii.z == radii.x ? x : radii.z == radii.y ? y : inverse(radii.z)};
+}
+
+/// Of one of the two diagonals, as rotated_diagonal() has it. False: it has no room in 32 bits.
+static bool set_form(Vec3 d, std::int32_t (&out)[4]) {
+    const int bits = bit_length(magnitude(d.x.raw) | magnitude(d.y.raw) | magnitude(d.z.raw));
+    const int drop = bits > 31 ? bits - 31 : 0;
+    constexpr std::int64_t most =
+        (std::int64_t{1} << 31) - 8; // times a component of a rotation, which may be a step above 1
+    if (drop >= Unit::fraction_bits) return false;
+    for (int i = 0; i < 3; ++i) {
+        const std::int64_t part = shift_right_rounded(d[i].raw, drop);
+        if (part > most) return false;
+        out[i] = static_cast<std::int32_t>(part);
+    }
+    out[3] = Unit::fraction_bits - drop;
+    return true;
+}
+
+static SpinForm spin_form(Vec3 radii_inv) {
+    SpinForm form{};
+    for (int i = 0; i < 3; ++i) {
+        const Wide square = Wide::product(radii_inv[i].raw, radii_inv[i].raw); // 64 fraction bits
+        const std::uint64_t high = static_cast<std::uint64_t>(square.high_bits());
+        const int size = high != 0 ? 64 + bit_length(high) : bit_length(square.low_bits());
+        const int drop = std::max(size - 30, 0);
+        form.mantissa[i] = static_cast<std::int32_t>((square >> drop).low_bits());
+        form.bits[i] = 2 * Real::fraction_bits - drop;
+    }
+    return form;
+}
+
+static GyrationForm form_of(const BodyMass& mass) {
+    GyrationForm form{};
+    form.spin = spin_form(reciprocals(mass.gyration));
+    form.principal = mass.principal, form.radii_inv = reciprocals(mass.gyration);
+    form.is_round = mass.gyration.x == mass.gyration.y && mass.gyration.y == mass.gyration.z;
+    form.has_room = set_form(mass.gyration, form.radii) && set_form(form.radii_inv, form.inverses);
+    return form;
+}
+
+static void find_forms(const BodyColumns& c, SolverBodies& out) {
+    out.forms.clear();
+    base::make_room(out.form_of, c.all_traits.size());
+    out.form_of.assign(c.all_traits.size(), 0);
+    for (const BodyInfo& info : c.info) {
+        std::uint32_t& form = out.form_of[info.traits];
+        if (form != 0) continue;
+        out.forms.push_back(form_of(c.all_traits[info.traits].mass));
+        form = static_cast<std::uint32_t>(out.forms.size());
+    }
 }
 
 static bool is_round(const BodyStep& s) { return s.radii.x == s.radii.y && s.radii.y == s.radii.z; }
@@ -69,13 +127,6 @@ static void set_mantissa(BodyStep& s) {
         set([drop](std::int64_t x) { return shift_right_rounded(x, drop); });
 }
 
-/// 1 / radius along each axis, zero where there is none. Most bodies have two or three radii alike.
-static Vec3 reciprocals(Vec3 radii) {
-    const auto inverse = [](Real r) { return r > Real{} ? Real(1) / r : Real{}; };
-    const Real x = inverse(radii.x), y = radii.y == radii.x ? x : inverse(radii.y);
-    return {x, y, radii.z == radii.x ? x : radii.z == radii.y ? y : inverse(radii.z)};
-}
-
 static void set_sizes(BodyStep& s) {
     s.gyration_bits = bit_length(entries_or(s.gyration));
     s.gyration_inv_bits = bit_length(entries_or(s.gyration_inv));
@@ -87,8 +138,8 @@ void set_gyration(BodyStep& s, const Rotation& axes) {
     set_sizes(s);
 }
 
-void set_gyration(BodyStep& s, Quat principal, Quat rotation) {
-    s.radii_inv = reciprocals(s.radii);
+/// K of radii whose reciprocals are known.
+static void set_gyration(BodyStep& s, Quat principal, Quat rotation) {
     const auto multiple = [](Real d) { return Symmetric<Real>{d, d, d, Real{}, Real{}, Real{}}; };
     if (is_round(s)) {
         s.gyration = multiple(s.radii.x), s.gyration_inv = multiple(s.radii_inv.x);
@@ -121,9 +172,9 @@ static void per_substep(Vec3 acceleration, const StepConstants& step, std::int64
 }
 
 /// K, and u of the velocity within its bounds. Locks hold here too, for velocities of states from files.
-static void begin_turning(const BodyMass& mass, const Transform& pose, const Velocity& velocity,
+static void begin_turning(Quat principal, const Transform& pose, const Velocity& velocity,
                           const StepConstants& step, SolverBody& b, BodyStep& s, ClampCounts& clamps) {
-    set_gyration(s, mass.principal, pose.rotation);
+    set_gyration(s, principal, pose.rotation);
     const SpeedVec3 u = by_gyration<Speed>(s, masked(velocity.angular, s.angular_mask));
     for (int i = 0; i < 3; ++i) b.u[i] = std::int64_t{u[i].raw} << row_bits;
     clamps.speed += clamp_length(b.u, step.tip_speed_max) ? 1u : 0u;
@@ -141,9 +192,17 @@ struct Fall {
     std::int64_t dv[3]; ///< per substep, 47 fraction bits
 };
 
-/// Returns PlainMotion.
+static bool turns_about_all_axes(const BodyStep& s) { return s.movable && s.angular_mask == 7u; }
+
+/// PlainMotion as to where the body is when the tick ends.
+static std::uint8_t plain_end_of(const BodyTraits& traits, const BodyStep& s) {
+    if (!turns_about_all_axes(s)) return 0;
+    return plain_end | (traits.gyroscopic == 0 || is_round(s) ? plain_round : 0);
+}
+
+/// All but K and what follows from it. Returns PlainMotion.
 static std::uint8_t begin_body(const BodyInfo& info, const BodyTraits& traits, const BodyForce& force,
-                               const Transform& pose, const Velocity& velocity, const Fall& fall,
+                               const Velocity& velocity, const GyrationForm& form, const Fall& fall,
                                const StepConstants& step, SolverBody& b, BodyStep& s, ClampCounts& clamps) {
     const BodyMass& mass = traits.mass;
     s.movable = info.kind == BodyKind::dynamic && mass.mass > Real{};
@@ -154,12 +213,11 @@ static std::uint8_t begin_body(const BodyInfo& info, const BodyTraits& traits, c
     s.angular_mask = s.movable ? ~(traits.locks >> 3) & 7u : 7u;
     for (int i = 0; i < 3; ++i) b.keep[i] = (s.linear_mask >> i) & 1u ? -1 : 0;
     if (!s.moves) return 0;
-    s.radii = mass.gyration;
+    s.radii = mass.gyration, s.radii_inv = form.radii_inv;
     for (int i = 0; i < 3; ++i)
         if (((s.linear_mask >> i) & 1u) != 0) b.v[i] = std::int64_t{velocity.linear[i].raw} << row_bits;
     // Commands may leave any velocity; rows have room for these.
     clamps.speed += clamp_length(b.v, step.linear_speed_max) ? 1u : 0u;
-    begin_turning(mass, pose, velocity, step, b, s, clamps);
     s.linear_keep = s.angular_keep = unit_one;
     if (!s.movable) return plain_pose;
     s.linear_keep = kept(traits.linear_damping, step);
@@ -172,18 +230,49 @@ static std::uint8_t begin_body(const BodyInfo& info, const BodyTraits& traits, c
         std::copy_n(fall.dv, 3, s.dv);
     else
         per_substep(s.acceleration, step, s.dv);
-    begin_torque(mass, force, step, s);
     const bool is_plain =
         falls && force.torque == Vec3{} && s.linear_keep == unit_one && s.angular_keep == unit_one;
-    return plain_pose | (is_plain ? plain_velocity : 0);
+    return plain_pose | (is_plain ? plain_velocity : 0) | plain_end_of(traits, s);
 }
 
 void set_radii(const BodyColumns& c, std::uint32_t row, Vec3 radii, const StepConstants& step,
                SolverBodies& bodies) {
     BodyStep& s = bodies.step[row];
-    s.radii = radii;
-    begin_turning(c.mass[row], c.pose[row], c.velocity[row], step, bodies.body[row], s, bodies.clamps);
+    s.radii = radii, s.radii_inv = reciprocals(radii);
+    begin_turning(c.mass[row].principal, c.pose[row], c.velocity[row], step, bodies.body[row], s,
+                  bodies.clamps);
     begin_torque(c.mass[row], c.force[row], step, s);
+    // Its radii are no longer those of its traits.
+    const auto motion = static_cast<std::uint8_t>(bodies.plain[row] & (plain_velocity | plain_pose));
+    const std::uint8_t end = plain_end_of(c.traits(row), s);
+    bodies.plain[row] = (end & plain_round) != 0 ? motion | end : motion;
+}
+
+/// K and u of bodies [first, last), whose other entries are there.
+static void begin_turns(const BodyColumns& c, const StepConstants& step, SolverBodies& out,
+                        std::uint32_t first, std::uint32_t last, ClampCounts& clamps) {
+    std::uint32_t rows[body_chunk], left[body_chunk], in_lanes = 0, alone = 0;
+    for (std::uint32_t i = first; i < last; ++i) {
+        if (!out.step[i].moves) continue;
+        const GyrationForm& form = out.forms[out.form_of[c.info[i].traits] - 1];
+        const bool fits = out.kernel != nullptr && form.has_room && !form.is_round;
+        if (fits && turns_about_all_axes(out.step[i]))
+            rows[in_lanes++] = i;
+        else
+            left[alone++] = i;
+    }
+    if (in_lanes != 0) {
+        const LengthLimit tip(step.tip_speed_max);
+        const StartPass pass{out.body.data(),    out.step.data(),
+                             c.info.data(),      out.forms.data(),
+                             out.form_of.data(), c.pose.data(),
+                             c.velocity.data(),  (std::int64_t{1} << (tip.k - row_bits)) - 1};
+        alone += out.kernel->begin_turning(pass, rows, in_lanes, left + alone);
+    }
+    for (std::uint32_t k = 0; k < alone; ++k) {
+        const std::uint32_t i = left[k];
+        begin_turning(c.mass[i].principal, c.pose[i], c.velocity[i], step, out.body[i], out.step[i], clamps);
+    }
 }
 
 void begin_step(const BodyColumns& c, Vec3 gravity, const StepConstants& step, SolverBodies& out,
@@ -194,6 +283,7 @@ void begin_step(const BodyColumns& c, Vec3 gravity, const StepConstants& step, S
     out.plain.resize(count);
     out.turns.clear();
     out.clamps = {};
+    find_forms(c, out);
     Fall fall{gravity, {}};
     per_substep(gravity, step, fall.dv);
     std::copy_n(fall.dv, 3, out.fall);
@@ -202,9 +292,13 @@ void begin_step(const BodyColumns& c, Vec3 gravity, const StepConstants& step, S
         for (std::uint32_t i = first; i < last; ++i) {
             out.body[i] = {};
             out.step[i] = {};
-            out.plain[i] = begin_body(c.info[i], c.traits(i), c.force[i], c.pose[i], c.velocity[i], fall,
-                                      step, out.body[i], out.step[i], clamps);
+            out.plain[i] = begin_body(c.info[i], c.traits(i), c.force[i], c.velocity[i],
+                                      out.forms[out.form_of[c.info[i].traits] - 1], fall, step, out.body[i],
+                                      out.step[i], clamps);
         }
+        begin_turns(c, step, out, first, last, clamps);
+        for (std::uint32_t i = first; i < last; ++i)
+            if (out.step[i].movable) begin_torque(c.mass[i], c.force[i], step, out.step[i]);
         base::add_count(out.clamps.speed, clamps.speed);
     });
     // The still entry keeps no motion along any axis.
@@ -223,14 +317,80 @@ static SpeedVec3 rounded(const std::int64_t v[3]) {
 /// keeps its energy to 0.1 % and its phase for minutes.
 constexpr std::int32_t free_turn_steps = 4;
 
-/// Whether nothing but the body's own spin w turned it in this tick, and by more than a hundredth of a radian.
-static bool is_free_turn(Vec3 rotation, Vec3 w, std::int32_t ticks_per_second) {
-    constexpr Real least = decimal<Real>("0.01"), noise = decimal<Real>("0.00001");
-    const Vec3 size = abs(rotation);
-    if (size.x + size.y + size.z <= least) return false;
-    const Vec3 off = abs(rotation - w / Real(ticks_per_second));
-    return off.x + off.y + off.z < noise;
+/// Turned by less than this, the change of w is below the step of a Speed [rad].
+constexpr Real least_turn = decimal<Real>("0.0001");
+
+constexpr Real least_free_turn = decimal<Real>("0.01"), free_turn_noise = decimal<Real>("0.00001");
+
+static Vec3 in_a_tick(Vec3 w, const StepConstants& step) {
+    return {mul<Real>(w.x, step.tick_time), mul<Real>(w.y, step.tick_time), mul<Real>(w.z, step.tick_time)};
 }
+
+/// Whether nothing but the body's own spin turned it in this tick, and by more than a hundredth of a radian.
+static bool is_free_turn(Vec3 rotation, Vec3 by_spin) {
+    const Vec3 size = abs(rotation);
+    if (size.x + size.y + size.z <= least_free_turn) return false;
+    const Vec3 off = abs(rotation - by_spin);
+    return off.x + off.y + off.z < free_turn_noise;
+}
+
+namespace {
+
+/// What a body keeps through a turn without torque: its angular momentum per mass.
+class Momentum {
+    Vec3 whole; ///< [m^2/s]
+    Vec3 radii_inv;
+    Quat principal;
+    SpinForm form;
+    std::int64_t parts[3]; ///< of it, 30 bits
+    std::int32_t dropped;  ///< by which they are shorter than a Real
+    bool is_quick;         ///< that is enough
+
+  public:
+    Momentum(const BodyStep& s, SpeedVec3 u, Quat principal_axes)
+        : whole(by_gyration<Real>(s, u)), radii_inv(s.radii_inv), principal(principal_axes),
+          form(spin_form(s.radii_inv)) {
+        const int bits = bit_length(magnitude(whole.x.raw) | magnitude(whole.y.raw) | magnitude(whole.z.raw));
+        dropped = std::max(bits - 30, 0), is_quick = true;
+        for (int i = 0; i < 3; ++i) {
+            parts[i] = shift_right_rounded(whole[i].raw, dropped);
+            is_quick = is_quick && shift(i) >= 1 && shift(i) <= 62;
+        }
+    }
+    /// Angular velocity of the body at a rotation: K^-2 of it, in world axes.
+    Vec3 spin_at(Quat rotation) const {
+        const Rotation axes = to_rotation(principal == Quat::identity() ? rotation : rotation * principal);
+        std::int64_t spin[3];
+        if (!is_quick || !find_quickly(axes, spin)) {
+            Vec3 inside = mul_transposed<Real>(axes, whole);
+            for (int i = 0; i < 3; ++i) inside[i] = inside[i] * radii_inv[i] * radii_inv[i];
+            return mul<Real>(axes, inside);
+        }
+        constexpr int drop = Unit::fraction_bits + spin_bits - Real::fraction_bits;
+        Vec3 out;
+        for (int i = 0; i < 3; ++i)
+            out[i] = Real::from_raw(shift_right_rounded(
+                axes.x[i].raw * spin[0] + axes.y[i].raw * spin[1] + axes.z[i].raw * spin[2], drop));
+        return out;
+    }
+
+  private:
+    int shift(int i) const { return form.bits[i] + Real::fraction_bits - spin_bits - dropped; }
+    /// Along the principal axes, spin_bits. False: it is too fast for that.
+    bool find_quickly(const Rotation& axes, std::int64_t (&spin)[3]) const {
+        const UnitVec3* const along = &axes.x;
+        for (int i = 0; i < 3; ++i) {
+            const std::int64_t inside = shift_right_rounded(
+                along[i].x.raw * parts[0] + along[i].y.raw * parts[1] + along[i].z.raw * parts[2],
+                Unit::fraction_bits);
+            spin[i] = shift_right_rounded(inside * form.mantissa[i], shift(i));
+            if (magnitude(spin[i]) >= std::uint64_t{1} << 31) return false;
+        }
+        return true;
+    }
+};
+
+} // namespace
 
 /// The rotation of the tick and the angular velocity after it. Without torque the angular momentum per mass K u is
 /// kept exactly up to rounding: K is taken at the middle of the turn (midpoint rule, second order).
@@ -240,10 +400,8 @@ static void turn(const BodyTraits& traits, const StepConstants& step, const Solv
                                     Separation::from_raw(b.theta[2])};
     const Vec3 rotation = masked(over_gyration<Real>(s, theta), s.angular_mask);
     const SpeedVec3 u = rounded(b.u);
-    // Turned by less than this, the change of w is below the step of a Speed.
-    constexpr Real least = decimal<Real>("0.0001");
     const Vec3 size = abs(rotation);
-    const bool turns = size.x > least || size.y > least || size.z > least;
+    const bool turns = size.x > least_turn || size.y > least_turn || size.z > least_turn;
     const bool gyroscopic = s.movable && traits.gyroscopic != 0 && s.angular_mask == 7u && !is_round(s);
     const Vec3 w = over_gyration<Real>(s, u);
     if (!gyroscopic || !turns) {
@@ -251,30 +409,22 @@ static void turn(const BodyTraits& traits, const StepConstants& step, const Solv
         velocity.angular = to<Speed>(masked(w, s.angular_mask));
         return;
     }
-    const Quat principal = traits.mass.principal;
-    const Vec3 momentum = by_gyration<Real>(s, u); // per mass
-    const auto spin_at = [&](Quat q) {             // K^-2 momentum
-        const Rotation axes = to_rotation(principal == Quat::identity() ? q : q * principal);
-        Vec3 inside = mul_transposed<Real>(axes, momentum);
-        for (int i = 0; i < 3; ++i) inside[i] = inside[i] * s.radii_inv[i] * s.radii_inv[i];
-        return mul<Real>(axes, inside);
-    };
+    const Momentum momentum(s, u, traits.mass.principal);
     const auto halved = [](Vec3 v) { return Vec3{half(v.x), half(v.y), half(v.z)}; };
-    if (is_free_turn(rotation, w, step.ticks_per_second)) {
+    if (is_free_turn(rotation, in_a_tick(w, step))) {
         for (std::int32_t i = 0; i < free_turn_steps; ++i) {
             const Real time = Real(step.ticks_per_second * free_turn_steps);
-            const Vec3 now = spin_at(pose.rotation) / time;
+            const Vec3 now = momentum.spin_at(pose.rotation) / time;
             Vec3 at_middle = now; // of the turn that it leads to: then energy does not drift
             for (int round = 0; round < 3; ++round)
-                at_middle = spin_at(integrate_rotation(pose.rotation, halved(at_middle))) / time;
+                at_middle = momentum.spin_at(integrate_rotation(pose.rotation, halved(at_middle))) / time;
             pose.rotation = integrate_rotation(pose.rotation, at_middle);
         }
     } else {
-        const Vec3 middle = spin_at(integrate_rotation(pose.rotation, halved(rotation)));
-        pose.rotation =
-            integrate_rotation(pose.rotation, rotation + (middle - w) / Real(step.ticks_per_second));
+        const Vec3 middle = momentum.spin_at(integrate_rotation(pose.rotation, halved(rotation)));
+        pose.rotation = integrate_rotation(pose.rotation, rotation + in_a_tick(middle - w, step));
     }
-    velocity.angular = to<Speed>(spin_at(pose.rotation));
+    velocity.angular = to<Speed>(momentum.spin_at(pose.rotation));
 }
 
 /// Returns how many components met the end of their range.
@@ -292,25 +442,39 @@ static std::uint64_t shift_position(const SolverBody& b, Vec3& position) {
     return clamped;
 }
 
+/// The end of a body alone. Returns how many components of its place met the end of their range.
+static std::uint64_t finish_body(const StepConstants& step, SolverBodies& bodies, const BodyColumns& c,
+                                 std::uint32_t i) {
+    const SolverBody& b = bodies.body[i];
+    BodyStep& s = bodies.step[i];
+    const std::uint64_t clamped = shift_position(b, c.pose[i].position);
+    if (s.movable) c.velocity[i].linear = rounded(b.v);
+    Velocity turned = c.velocity[i];
+    if (s.turn != 0) {
+        c.pose[i].rotation = bodies.turns[s.turn - 1].rotation;
+        c.velocity[i].angular = to<Speed>(spin_of(b, s, bodies.turns[s.turn - 1]));
+        return clamped;
+    }
+    turn(c.traits(i), step, b, s, c.pose[i], turned);
+    if (s.movable) c.velocity[i].angular = turned.angular;
+    return clamped;
+}
+
 void finish_step(const StepConstants& step, SolverBodies& bodies, const BodyColumns& c, Tasks* tasks) {
     const std::uint32_t count = static_cast<std::uint32_t>(c.info.size());
+    const EndPass pass{bodies.body.data(),  bodies.step.data(),    bodies.plain.data(), c.info.data(),
+                       bodies.forms.data(), bodies.form_of.data(), c.pose.data(),       c.velocity.data(),
+                       least_turn.raw,      least_free_turn.raw,   free_turn_noise.raw, step.tick_time.raw};
     base::for_chunks(tasks, count, body_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+        std::uint32_t rows[body_chunk], left[body_chunk], in_lanes = 0, alone = 0;
+        for (std::uint32_t i = first; i < last; ++i)
+            if (bodies.kernel != nullptr && (bodies.plain[i] & plain_end) != 0)
+                rows[in_lanes++] = i;
+            else if (bodies.step[i].moves)
+                left[alone++] = i;
+        if (in_lanes != 0) alone += bodies.kernel->finish(pass, rows, in_lanes, left + alone);
         std::uint64_t clamped = 0;
-        for (std::uint32_t i = first; i < last; ++i) {
-            const SolverBody& b = bodies.body[i];
-            BodyStep& s = bodies.step[i];
-            if (!s.moves) continue;
-            clamped += shift_position(b, c.pose[i].position);
-            if (s.movable) c.velocity[i].linear = rounded(b.v);
-            Velocity turned = c.velocity[i];
-            if (s.turn != 0) {
-                c.pose[i].rotation = bodies.turns[s.turn - 1].rotation;
-                c.velocity[i].angular = to<Speed>(spin_of(b, s, bodies.turns[s.turn - 1]));
-                continue;
-            }
-            turn(c.traits(i), step, b, s, c.pose[i], turned);
-            if (s.movable) c.velocity[i].angular = turned.angular;
-        }
+        for (std::uint32_t k = 0; k < alone; ++k) clamped += finish_body(step, bodies, c, left[k]);
         base::add_count(bodies.clamps.position, clamped);
     });
 }

@@ -61,6 +61,24 @@ struct alignas(64) BodyStep {
     Unit linear_keep, angular_keep; ///< velocity kept per substep under damping
 };
 
+/// K^-2 along the principal axes [1/m^2]: mantissas below 2^30, and the fraction bits of each.
+struct SpinForm {
+    std::int32_t mantissa[4], bits[4]; ///< the fourth of each is not used
+};
+/// Of w in principal axes, where the turn of a tick changes it: within 128 rad/s; beyond, all is done in Real.
+inline constexpr int spin_bits = 24;
+
+/// What a tick finds once for all bodies of the same traits: of their K.
+struct alignas(16) GyrationForm {
+    /// Of radii of gyration and of their reciprocals: 31 bits of each, and the bits that an entry of K drops after the products
+    std::int32_t radii[4], inverses[4];
+    Quat principal;
+    SpinForm spin;
+    Vec3 radii_inv; ///< [1/m]; zero where the radius is
+    bool is_round;
+    bool has_room; ///< for products of 32 bits
+};
+
 /// A 3x3 matrix, m / 2^bits by row and column, its largest entry in [2^29, 2^30].
 struct TurnMatrix {
     std::int32_t m[3][3];
@@ -117,14 +135,17 @@ struct ClampCounts {
 struct SolverBodies {
     std::vector<SolverBody> body;
     std::vector<BodyStep> step;
-    std::vector<FollowedTurn> turns; ///< of some bodies
-    std::vector<std::uint8_t> plain; ///< PlainMotion, by body
-    std::int64_t fall[3];            ///< dv of what gravity alone moves
+    std::vector<FollowedTurn> turns;    ///< of some bodies
+    std::vector<std::uint8_t> plain;    ///< PlainMotion, by body
+    std::vector<GyrationForm> forms;    ///< of the traits that bodies have
+    std::vector<std::uint32_t> form_of; ///< by row of traits: entry of forms + 1, 0: no body has them
+    std::int64_t fall[3];               ///< dv of what gravity alone moves
     ClampCounts clamps;
     const BodyKernel* kernel = nullptr; ///< null: all bodies are moved one by one, to the same bits
 
     void reserve(std::size_t bodies) {
         body.reserve(bodies + 1), step.reserve(bodies + 1), turns.reserve(bodies), plain.reserve(bodies);
+        forms.reserve(bodies), form_of.reserve(bodies);
     }
     std::uint32_t still() const { return static_cast<std::uint32_t>(body.size() - 1); }
 };
@@ -186,9 +207,7 @@ inline constexpr std::uint32_t body_chunk = 64;
 /// Reads the columns into `out`: K of each pose, u of each velocity, the constant changes per substep.
 void begin_step(const BodyColumns& columns, Vec3 gravity, const StepConstants& step, SolverBodies& out,
                 Tasks* tasks = nullptr);
-/// K at this rotation.
-void set_gyration(BodyStep& s, Quat principal, Quat rotation);
-/// The same of a body whose radii differ and have been inverted before: its principal axes are given.
+/// K of a body whose radii differ, at these principal axes.
 void set_gyration(BodyStep& s, const Rotation& axes);
 /// Turning parts of a dynamic body's entries for other radii of gyration, its angular velocity kept.
 void set_radii(const BodyColumns& columns, std::uint32_t row, Vec3 radii, const StepConstants& step,

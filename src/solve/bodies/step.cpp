@@ -34,6 +34,7 @@ StepConstants step_constants(const StepSettings& s) {
     c.substeps = s.substeps;
     c.substeps_per_second = std::int64_t{s.ticks_per_second} * s.substeps;
     c.substep_time = to<Unit>(Real(1) / Real(c.substeps_per_second));
+    c.tick_time = to<Unit>(Real(1) / Real(c.ticks_per_second));
     c.linear_speed_max = to<Speed>(min(linear_speed_limit, Real(15) * s.ticks_per_second));
     c.tip_speed_max = to<Speed>(min(tip_speed_limit, Real(2) * s.ticks_per_second));
     c.push_speed_max = to<Speed>(s.push_speed_max);

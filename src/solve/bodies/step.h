@@ -24,7 +24,7 @@ struct StepConstants {
     std::int32_t ticks_per_second;
     std::int32_t substeps;
     std::int64_t substeps_per_second; ///< ticks_per_second * substeps
-    Unit substep_time;                ///< [s], at most 1
+    Unit substep_time, tick_time;     ///< [s], at most 1
     Speed linear_speed_max;           ///< [m/s]: 500, and 15 m in a tick
     Speed tip_speed_max;              ///< [m/s]: 170 of u = K w, and 2 m in a tick
     Speed push_speed_max;             ///< [m/s]
