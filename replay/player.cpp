@@ -95,8 +95,7 @@ std::uint64_t Player::memory_of(const Recording& recording, const WorldDef& def,
     for (const Recording::Keyframe& keyframe : recording.keyframes())
         image = std::max(image, keyframe.image_size);
     // The world; states that keyframes are read into and compared with; keyframes as they stand and as they should be.
-    return (world ? world->all() + 3 * world->state : 0) + 4 * image +
-           recording.commands_most() * std::uint64_t{sizeof(Command)};
+    return (world ? world->all() + 3 * world->state : 0) + 4 * image + recording.commands_memory();
 }
 
 Result<Player> Player::at_start(const Recording& recording, const Game* game, World world) {

@@ -13,6 +13,7 @@
 #include <array>
 #include <cstdint>
 #include <type_traits>
+#include <utility>
 #include <variant>
 
 namespace lockstone {
@@ -89,6 +90,29 @@ struct ShapeDef {
 };
 
 // ---- commands ------------------------------------------------------------------------------------------------
+
+/// A large definition in memory of its own, so that every command is not as large as the largest. A value all the same: a copy
+/// has another. Reached by * and ->; what was moved from has none until it is assigned to.
+template <class T> class Indirect {
+  public:
+    constexpr Indirect() : value(new T{}) {}
+    constexpr Indirect(const T& of) : value(new T(of)) {}
+    constexpr Indirect(const Indirect& other) : value(other.value != nullptr ? new T(*other) : nullptr) {}
+    constexpr Indirect(Indirect&& other) noexcept : value(std::exchange(other.value, nullptr)) {}
+    constexpr Indirect& operator=(Indirect other) noexcept {
+        std::swap(value, other.value);
+        return *this;
+    }
+    constexpr ~Indirect() { delete value; }
+
+    constexpr T& operator*() { return *value; }
+    constexpr const T& operator*() const { return *value; }
+    constexpr T* operator->() { return value; }
+    constexpr const T* operator->() const { return value; }
+
+  private:
+    T* value;
+};
 
 struct CreateBody {
     BodyDef def;
@@ -186,7 +210,7 @@ struct WakeBody {
     BodyId body;
 };
 struct CreateJoint {
-    JointDef def;
+    Indirect<JointDef> def;
 };
 struct DestroyJoint {
     JointId joint;
@@ -204,7 +228,7 @@ struct SetJointFrames {
     Transform frame_a, frame_b; ///< as in JointDef
 };
 struct CreateVehicle {
-    VehicleDef def;
+    Indirect<VehicleDef> def;
 };
 struct DestroyVehicle {
     VehicleId vehicle;
@@ -250,6 +274,7 @@ using Command =
                  SetGravity, WriteGame, SetFilter, SetPairFilter, SetMass, CreateJoint, DestroyJoint,
                  SetJointAxis, SetJointFrames, WakeBody, CreateVehicle, DestroyVehicle, SetVehicleInput,
                  CreateCharacter, DestroyCharacter, SetCharacterInput, SetField, Explode>;
+static_assert(sizeof(Command) <= 224, "a large definition goes into an Indirect");
 /// Name of a command's kind, as in FORMAT.md and diffs: "create_body".
 const char* name_of(const Command& command);
 
@@ -336,7 +361,7 @@ template <class V> constexpr void describe(SetMass& c, V&& v) {
     v("principal", c.principal);
 }
 template <class V> constexpr void describe(WakeBody& c, V&& v) { v("body", c.body); }
-template <class V> constexpr void describe(CreateJoint& c, V&& v) { v("def", c.def); }
+template <class V> constexpr void describe(CreateJoint& c, V&& v) { v("def", *c.def); }
 template <class V> constexpr void describe(DestroyJoint& c, V&& v) { v("joint", c.joint); }
 template <class V> constexpr void describe(SetJointAxis& c, V&& v) {
     v("joint", c.joint), v("index", c.index), v("reserved", c.reserved), v("axis", c.axis);
@@ -344,7 +369,7 @@ template <class V> constexpr void describe(SetJointAxis& c, V&& v) {
 template <class V> constexpr void describe(SetJointFrames& c, V&& v) {
     v("joint", c.joint), v("frame_a", c.frame_a), v("frame_b", c.frame_b);
 }
-template <class V> constexpr void describe(CreateVehicle& c, V&& v) { v("def", c.def); }
+template <class V> constexpr void describe(CreateVehicle& c, V&& v) { v("def", *c.def); }
 template <class V> constexpr void describe(DestroyVehicle& c, V&& v) { v("vehicle", c.vehicle); }
 template <class V> constexpr void describe(SetVehicleInput& c, V&& v) {
     v("vehicle", c.vehicle), v("input", c.input);

@@ -188,12 +188,12 @@ TEST_CASE("every range of every definition is enforced, and the field is named")
 
 TEST_CASE("planted: a range that nobody checks, and a sentence about another field, are noticed") {
     const Tally unchecked = try_all([](Command& command) {
-        if (auto* vehicle = std::get_if<CreateVehicle>(&command)) vehicle->def.wheel[3].preload = {};
+        if (auto* vehicle = std::get_if<CreateVehicle>(&command)) vehicle->def->wheel[3].preload = {};
     });
     CHECK(unchecked.faults.size() == 2);
     const Tally misnamed = try_all([](Command& command) {
         if (auto* joint = std::get_if<CreateJoint>(&command))
-            std::swap(joint->def.axis[along_x].friction, joint->def.axis[along_x].motor_force);
+            std::swap(joint->def->axis[along_x].friction, joint->def->axis[along_x].motor_force);
     });
     CHECK(misnamed.faults.size() == 8);
 }
