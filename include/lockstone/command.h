@@ -49,6 +49,10 @@ struct BodyDef {
     std::uint32_t gyroscopic = 1; ///< 0: skip the gyroscopic term (angular velocity kept instead of momentum)
     std::uint32_t enable_fields = 1; ///< 0: force fields do not act on it
     std::uint32_t bullet = 0; ///< 1: never passes through dynamic bodies either; costs a sweep in fast ticks
+    /// 0: a dynamic body starts asleep, without velocity; create_shape, and what is made beside it and does not move, leave it so.
+    /// Other commands wake it, and what comes. Until then it has no contacts: it does not notice that what it stands on goes.
+    /// In a world without sleeping it starts awake.
+    std::uint32_t awake = 1;
     std::uint64_t user_key = 0; ///< the game's own; hashed, never read
 };
 
@@ -299,6 +303,7 @@ template <class V> constexpr void describe(BodyDef& d, V&& v) {
     field(v, "gyroscopic", d.gyroscopic, no_or_yes);
     field(v, "enable_fields", d.enable_fields, no_or_yes);
     field(v, "bullet", d.bullet, no_or_yes);
+    field(v, "awake", d.awake, no_or_yes);
     v("user_key", d.user_key);
 }
 template <class V> constexpr void describe(ShapeDef& d, V&& v) {

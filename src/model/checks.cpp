@@ -33,6 +33,9 @@ std::string check_range(const char* what, Real value, Real low, Real high, const
 
 std::string check(const BodyDef& d) {
     if (std::string e = check_ranges(d); !e.empty()) return e;
+    const bool moves = d.linear_velocity != Vec3{} || d.angular_velocity != Vec3{};
+    if (d.awake == 0 && d.kind == BodyKind::dynamic && moves)
+        return "awake is 0, but linear_velocity or angular_velocity is not: what sleeps does not move";
     if (d.mass == Real{}) return {};
     return check_range("mass", d.mass, mass_min, mass_max, " kg, or 0 for that of the shapes");
 }
