@@ -99,4 +99,19 @@ class Recording {
     std::string damage_sentence;
 };
 
+/// Goes through the blocks of a recording, which outlives it: a block is unpacked when the first of its ticks is asked for.
+class BlockCursor {
+  public:
+    explicit BlockCursor(const Recording& recording) : source(&recording) {}
+    /// The block with a tick, as Recording::block_with; until the next call.
+    const TickBlock& at(std::uint64_t tick) {
+        if (!block.holds(tick)) block = source->block_with(tick);
+        return block;
+    }
+
+  private:
+    const Recording* source;
+    TickBlock block;
+};
+
 } // namespace lockstone::replay

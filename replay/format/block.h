@@ -49,6 +49,8 @@ class TickBlock {
     /// that is announced, and no more than `limits` allow.
     static TickBlock read(base::ByteReader& in, BlockShape shape, const Limits& limits);
     static constexpr std::uint64_t memory_per_byte = 4;
+    /// Where the hashes stand in the payload: behind first tick, count and unpacked size.
+    static constexpr std::uint64_t hashes_offset = 8 + 4 + 8;
 
     std::uint64_t first_tick() const { return first; }
     std::uint64_t end_tick() const { return first + hashes.size(); }
