@@ -42,11 +42,10 @@ Result<Writer> copy(const Recording& source, const Header& header, std::uint64_t
                     const RecorderOptions& options) {
     Result<Writer> writer = begin_like(source, header, sink, options);
     if (!writer) return writer.error();
-    TickBlock block;
+    BlockCursor blocks(source);
     std::size_t keyframe = 1;
     for (std::uint64_t tick = source.start_tick(); tick < at; ++tick) {
-        if (!block.holds(tick)) block = source.block_with(tick);
-        Status status = copy_tick(source, block, tick, *writer);
+        Status status = copy_tick(source, blocks.at(tick), tick, *writer);
         if (status && keyframe < source.keyframes().size() && source.keyframes()[keyframe].time == tick + 1)
             status = writer->add_keyframe(source.keyframe_image(keyframe++));
         if (!status) return status.error();
@@ -104,15 +103,13 @@ Status add_keyframes(const Recording& source, const Game* game, Sink& sink, cons
     if (!player) return player.error();
     Result<Writer> writer = begin_like(source, source.header(), sink, options);
     if (!writer) return writer.error();
-    TickBlock block;
     while (!player->at_end()) {
         const std::uint64_t tick = player->time();
-        if (!block.holds(tick)) block = source.block_with(tick);
         Status status = player->step();
         if (status && !player->agrees())
             status =
                 Error{join(source.name(), ": re-simulating tick ", tick, " does not give the recorded hash")};
-        if (status) status = copy_tick(source, block, tick, *writer);
+        if (status) status = copy_tick(source, player->blocks().at(tick), tick, *writer);
         if (status && options.keyframe_ticks != 0 &&
             (tick + 1 - source.start_tick()) % options.keyframe_ticks == 0)
             status = writer->add_keyframe(player->world().save_portable());

@@ -53,18 +53,16 @@ std::string difference_of(std::span<const Command> left, std::span<const Command
 /// Walks two recordings block by block in step.
 class TickPair {
   public:
-    TickPair(const Recording& l, const Recording& r) : left(l), right(r) {}
+    TickPair(const Recording& l, const Recording& r) : mode(l.header().mode), left(l), right(r) {}
     std::string difference(std::uint64_t tick) {
-        if (!left_block.holds(tick)) left_block = left.block_with(tick);
-        if (!right_block.holds(tick)) right_block = right.block_with(tick);
-        if (left.header().mode == Mode::inputs)
-            return difference_of(left_block.inputs(tick), right_block.inputs(tick));
-        return difference_of(left_block.commands(tick), right_block.commands(tick));
+        if (mode == Mode::inputs)
+            return difference_of(left.at(tick).inputs(tick), right.at(tick).inputs(tick));
+        return difference_of(left.at(tick).commands(tick), right.at(tick).commands(tick));
     }
 
   private:
-    const Recording &left, &right;
-    TickBlock left_block, right_block;
+    Mode mode;
+    BlockCursor left, right;
 };
 
 void find_first_hash(const Recording& left, const Recording& right, DiffReport& report) {

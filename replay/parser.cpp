@@ -250,7 +250,7 @@ void Parser::read_ticks(ByteReader& in, const Chunk& chunk) {
     const TickBlock block =
         TickBlock::read(in, out.block_shape(),
                         {.memory = memory_left(), .commands_per_tick = out.read_limits.commands_per_tick});
-    out.most_commands = std::max(out.most_commands, block.commands_most());
+    out.most_command_memory = std::max(out.most_command_memory, block.commands_memory());
     if (!in.ok()) return;
     if (block.first_tick() != out.time)
         return in.fail(join("its first tick is ", block.first_tick(), ", must be ", out.time));

@@ -95,8 +95,7 @@ std::uint64_t Player::memory_of(const Recording& recording, const WorldDef& def,
     for (const Recording::Keyframe& keyframe : recording.keyframes())
         image = std::max(image, keyframe.image_size);
     // The world; states that keyframes are read into and compared with; keyframes as they stand and as they should be.
-    return (world ? world->all() + 3 * world->state : 0) + 4 * image +
-           recording.commands_most() * std::uint64_t{sizeof(Command)};
+    return (world ? world->all() + 3 * world->state : 0) + 4 * image + recording.commands_memory();
 }
 
 Result<Player> Player::at_start(const Recording& recording, const Game* game, World world) {
@@ -115,11 +114,10 @@ Result<Player> Player::at_start(const Recording& recording, const Game* game, Wo
 
 Status Player::step() {
     if (at_end()) return error(join("it ends at tick ", time_now));
-    if (!block.holds(time_now)) block = source->block_with(time_now);
     if (game == nullptr) {
         if (const Status status = run_commands(); !status) return status;
     } else {
-        if (const Status status = game->advance(now, block.inputs(time_now)); !status)
+        if (const Status status = game->advance(now, cursor.at(time_now).inputs(time_now)); !status)
             return error(join("tick ", time_now, ": the game's rules fail: ", status.error().message));
     }
     if (now.tick_count() != time_now + 1)
@@ -138,7 +136,7 @@ void Player::keep_state() {
 }
 
 Status Player::run_commands() {
-    const std::vector<Command> commands = block.commands(time_now);
+    const std::vector<Command> commands = cursor.at(time_now).commands(time_now);
     for (std::size_t i = 0; i < commands.size(); ++i) {
         const auto applied = now.apply(commands[i]);
         if (!applied)

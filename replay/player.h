@@ -30,6 +30,8 @@ class Player {
     World release() && { return std::move(now); }
 
     std::uint64_t time() const { return time_now; }
+    /// Where it reads what a tick is made of.
+    BlockCursor& blocks() { return cursor; }
     bool at_end() const { return time_now == source->end_tick(); }
     /// Whether the world is, by its hash, the recorded one at this time.
     bool agrees() const { return now.hash() == source->hash_at(time_now); }
@@ -46,7 +48,7 @@ class Player {
 
   private:
     Player(const Recording& from, const Game* by, World start)
-        : source(&from), game(by), now(std::move(start)) {}
+        : source(&from), game(by), now(std::move(start)), cursor(from) {}
     static Result<Player> at_start(const Recording& recording, const Game* game, World world);
     Status run_commands();
     void keep_state();
@@ -56,7 +58,7 @@ class Player {
     const Game* game; ///< null in commands mode
     World now;
     std::uint64_t time_now = 0;
-    TickBlock block;                     ///< the one with the last tick that was run
+    BlockCursor cursor;
     std::map<std::uint64_t, Image> kept; ///< by time; only states that agree with the recording
     std::size_t kept_bytes = 0, kept_bytes_max = std::size_t{64} << 20;
 };

@@ -87,8 +87,8 @@ std::uint64_t Recording::hash_at(std::uint64_t at) const {
                      end_tick());
     if (at == start_tick()) return keyframe_list.front().hash;
     const Block& block = find_block(at - 1);
-    constexpr std::uint64_t hashes_at = 8 + 4 + 8; // behind first tick, count and unpacked size
-    const std::uint64_t offset = block.payload_offset + hashes_at + 8 * (at - 1 - block.first_tick);
+    const std::uint64_t offset =
+        block.payload_offset + TickBlock::hashes_offset + 8 * (at - 1 - block.first_tick);
     return base::load_little_endian<std::uint64_t>(bytes.data() + offset);
 }
 

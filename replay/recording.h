@@ -38,8 +38,8 @@ class Recording {
     const Limits& limits() const { return read_limits; }
     /// What it keeps in memory [bytes].
     std::uint64_t memory() const;
-    /// Most commands before any tick; 0 in inputs mode.
-    std::uint32_t commands_most() const { return most_commands; }
+    /// Most that the commands before any tick take [bytes]; 0 in inputs mode.
+    std::uint64_t commands_memory() const { return most_command_memory; }
 
     /// Empty for a complete recording; else the sentence that says where and why it ends early.
     const std::string& damage() const { return damage_sentence; }
@@ -88,8 +88,8 @@ class Recording {
     Header head;
     GameSchema game_schema;
     WorldDef def;
-    std::uint64_t asset_bytes = 0;   ///< of the library
-    std::uint32_t most_commands = 0; ///< before any tick
+    std::uint64_t asset_bytes = 0;         ///< of the library
+    std::uint64_t most_command_memory = 0; ///< before any tick
     std::shared_ptr<AssetLibrary> library = std::make_shared<AssetLibrary>();
     std::vector<Keyframe> keyframe_list;
     std::vector<Block> block_list;
@@ -97,6 +97,21 @@ class Recording {
     std::uint64_t hash_now = 0;
     std::uint64_t chain = 0;
     std::string damage_sentence;
+};
+
+/// Goes through the blocks of a recording, which outlives it: a block is unpacked when the first of its ticks is asked for.
+class BlockCursor {
+  public:
+    explicit BlockCursor(const Recording& recording) : source(&recording) {}
+    /// The block with a tick, as Recording::block_with; until the next call.
+    const TickBlock& at(std::uint64_t tick) {
+        if (!block.holds(tick)) block = source->block_with(tick);
+        return block;
+    }
+
+  private:
+    const Recording* source;
+    TickBlock block;
 };
 
 } // namespace lockstone::replay

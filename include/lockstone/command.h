@@ -13,6 +13,7 @@
 #include <array>
 #include <cstdint>
 #include <type_traits>
+#include <utility>
 #include <variant>
 
 namespace lockstone {
@@ -48,6 +49,10 @@ struct BodyDef {
     std::uint32_t gyroscopic = 1; ///< 0: skip the gyroscopic term (angular velocity kept instead of momentum)
     std::uint32_t enable_fields = 1; ///< 0: force fields do not act on it
     std::uint32_t bullet = 0; ///< 1: never passes through dynamic bodies either; costs a sweep in fast ticks
+    /// 0: a dynamic body starts asleep, without velocity; create_shape, and what is made beside it and does not move, leave it so.
+    /// Other commands wake it, and what comes. Until then it has no contacts: it does not notice that what it stands on goes.
+    /// In a world without sleeping it starts awake.
+    std::uint32_t awake = 1;
     std::uint64_t user_key = 0; ///< the game's own; hashed, never read
 };
 
@@ -89,6 +94,29 @@ struct ShapeDef {
 };
 
 // ---- commands ------------------------------------------------------------------------------------------------
+
+/// A large definition in memory of its own, so that every command is not as large as the largest. A value all the same: a copy
+/// has another. Reached by * and ->; what was moved from has none until it is assigned to.
+template <class T> class Indirect {
+  public:
+    constexpr Indirect() : value(new T{}) {}
+    constexpr Indirect(const T& of) : value(new T(of)) {}
+    constexpr Indirect(const Indirect& other) : value(other.value != nullptr ? new T(*other) : nullptr) {}
+    constexpr Indirect(Indirect&& other) noexcept : value(std::exchange(other.value, nullptr)) {}
+    constexpr Indirect& operator=(Indirect other) noexcept {
+        std::swap(value, other.value);
+        return *this;
+    }
+    constexpr ~Indirect() { delete value; }
+
+    constexpr T& operator*() { return *value; }
+    constexpr const T& operator*() const { return *value; }
+    constexpr T* operator->() { return value; }
+    constexpr const T* operator->() const { return value; }
+
+  private:
+    T* value;
+};
 
 struct CreateBody {
     BodyDef def;
@@ -186,7 +214,7 @@ struct WakeBody {
     BodyId body;
 };
 struct CreateJoint {
-    JointDef def;
+    Indirect<JointDef> def;
 };
 struct DestroyJoint {
     JointId joint;
@@ -204,7 +232,7 @@ struct SetJointFrames {
     Transform frame_a, frame_b; ///< as in JointDef
 };
 struct CreateVehicle {
-    VehicleDef def;
+    Indirect<VehicleDef> def;
 };
 struct DestroyVehicle {
     VehicleId vehicle;
@@ -250,6 +278,7 @@ using Command =
                  SetGravity, WriteGame, SetFilter, SetPairFilter, SetMass, CreateJoint, DestroyJoint,
                  SetJointAxis, SetJointFrames, WakeBody, CreateVehicle, DestroyVehicle, SetVehicleInput,
                  CreateCharacter, DestroyCharacter, SetCharacterInput, SetField, Explode>;
+static_assert(sizeof(Command) <= 224, "a large definition goes into an Indirect");
 /// Name of a command's kind, as in FORMAT.md and diffs: "create_body".
 const char* name_of(const Command& command);
 
@@ -274,6 +303,7 @@ template <class V> constexpr void describe(BodyDef& d, V&& v) {
     field(v, "gyroscopic", d.gyroscopic, no_or_yes);
     field(v, "enable_fields", d.enable_fields, no_or_yes);
     field(v, "bullet", d.bullet, no_or_yes);
+    field(v, "awake", d.awake, no_or_yes);
     v("user_key", d.user_key);
 }
 template <class V> constexpr void describe(ShapeDef& d, V&& v) {
@@ -336,7 +366,7 @@ template <class V> constexpr void describe(SetMass& c, V&& v) {
     v("principal", c.principal);
 }
 template <class V> constexpr void describe(WakeBody& c, V&& v) { v("body", c.body); }
-template <class V> constexpr void describe(CreateJoint& c, V&& v) { v("def", c.def); }
+template <class V> constexpr void describe(CreateJoint& c, V&& v) { v("def", *c.def); }
 template <class V> constexpr void describe(DestroyJoint& c, V&& v) { v("joint", c.joint); }
 template <class V> constexpr void describe(SetJointAxis& c, V&& v) {
     v("joint", c.joint), v("index", c.index), v("reserved", c.reserved), v("axis", c.axis);
@@ -344,7 +374,7 @@ template <class V> constexpr void describe(SetJointAxis& c, V&& v) {
 template <class V> constexpr void describe(SetJointFrames& c, V&& v) {
     v("joint", c.joint), v("frame_a", c.frame_a), v("frame_b", c.frame_b);
 }
-template <class V> constexpr void describe(CreateVehicle& c, V&& v) { v("def", c.def); }
+template <class V> constexpr void describe(CreateVehicle& c, V&& v) { v("def", *c.def); }
 template <class V> constexpr void describe(DestroyVehicle& c, V&& v) { v("vehicle", c.vehicle); }
 template <class V> constexpr void describe(SetVehicleInput& c, V&& v) {
     v("vehicle", c.vehicle), v("input", c.input);

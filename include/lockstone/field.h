@@ -99,7 +99,10 @@ struct ExplosionDef {
 };
 
 template <class V> constexpr void describe(Region& r, V&& v) {
-    v("kind", r.kind), v("reserved", r.reserved), v("pose", r.pose), v("half_extent", r.half_extent);
+    field(v, "kind", r.kind, in(0, 2));
+    field(v, "reserved", r.reserved, always_zero);
+    field(v, "pose", r.pose, PoseIn{Real(1000000000)});
+    v("half_extent", r.half_extent);
 }
 template <class V> constexpr void describe(FieldDef& d, V&& v) {
     field(v, "kind", d.kind, in(0, 3));
@@ -113,7 +116,9 @@ template <class V> constexpr void describe(FieldDef& d, V&& v) {
     field(v, "drag_linear", d.drag_linear, in(0_r, 1000000_r, " kg/(m^2 s)"));
     field(v, "drag_quadratic", d.drag_quadratic, in(0_r, 1000000_r, " kg/m^3"));
     field(v, "drag_angular", d.drag_angular, in(0_r, 1000000_r, " kg/(m^2 s)"));
-    v("priority", d.priority), v("reserved", d.reserved), v("region", d.region);
+    v("priority", d.priority);
+    field(v, "reserved", d.reserved, always_zero);
+    v("region", d.region);
 }
 template <class V> constexpr void describe(ExplosionDef& d, V&& v) {
     field(v, "center", d.center, EachIn{Real(1000000000), "m"});

@@ -11,6 +11,7 @@
 #pragma once
 
 #include "lockstone/ids.h"
+#include "lockstone/math/math.h"
 #include "lockstone/row.h"
 
 #include <array>
@@ -65,7 +66,8 @@ struct JointDef {
     JointKind kind = JointKind::six_dof;
     std::uint32_t collide_connected = 0; ///< 1: the two bodies may touch each other
     BodyId body_a{}, body_b{};
-    Transform frame_a = Transform::identity(); ///< in the body's axes, from its origin; within 1e6 m
+    Transform frame_a =
+        Transform::identity(); ///< in the body's axes, from its origin; within 1e6 m, in the world 1e9 m
     Transform frame_b = Transform::identity();
     std::array<JointAxis, joint_axis_count> axis{};
     Real swing{};         ///< ball: B's x axis stays within this angle of A's [rad], 0: anywhere; below pi
@@ -101,17 +103,34 @@ struct JointState {
 };
 
 template <class V> constexpr void describe(JointAxis& a, V&& v) {
-    v("mode", a.mode), v("spring", a.spring), v("lower", a.lower), v("upper", a.upper);
-    v("frequency", a.frequency), v("damping_ratio", a.damping_ratio), v("target", a.target);
-    v("motor_speed", a.motor_speed), v("motor_force", a.motor_force), v("friction", a.friction);
-    v("spring_force", a.spring_force);
+    constexpr In<Real> reach = in(-1000000_r, 1000000_r, " m or rad"),
+                       force = in(0_r, 2000000000_r, " N or N m");
+    field(v, "mode", a.mode, in(0, 2));
+    field(v, "spring", a.spring, no_or_yes);
+    field(v, "lower", a.lower, reach);
+    field(v, "upper", a.upper, reach);
+    field(v, "frequency", a.frequency, in(0_r, 1000_r, " Hz"));
+    field(v, "damping_ratio", a.damping_ratio, in(0_r, 100_r));
+    field(v, "target", a.target, reach);
+    field(v, "motor_speed", a.motor_speed, in(-500_r, 500_r, " m/s or rad/s"));
+    field(v, "motor_force", a.motor_force, force);
+    field(v, "friction", a.friction, force);
+    field(v, "spring_force", a.spring_force, force);
 }
 template <class V> constexpr void describe(JointDef& d, V&& v) {
-    v("kind", d.kind), v("collide_connected", d.collide_connected);
-    v("body_a", d.body_a), v("body_b", d.body_b), v("frame_a", d.frame_a), v("frame_b", d.frame_b);
-    v("axis", d.axis), v("swing", d.swing), v("ratio", d.ratio);
-    v("ground_a", d.ground_a), v("ground_b", d.ground_b);
-    v("break_force", d.break_force), v("break_torque", d.break_torque), v("user_key", d.user_key);
+    field(v, "kind", d.kind, in(0, 11));
+    field(v, "collide_connected", d.collide_connected, no_or_yes);
+    v("body_a", d.body_a), v("body_b", d.body_b);
+    field(v, "frame_a", d.frame_a, PoseIn{Real(1000000000)});
+    field(v, "frame_b", d.frame_b, PoseIn{Real(1000000)});
+    v("axis", d.axis);
+    field(v, "swing", d.swing, Below{pi, "pi"});
+    field(v, "ratio", d.ratio, EitherSign{0.001_r, 1000_r});
+    field(v, "ground_a", d.ground_a, EachIn{Real(1000000000), "m"});
+    field(v, "ground_b", d.ground_b, EachIn{Real(1000000000), "m"});
+    field(v, "break_force", d.break_force, in(0_r, 2000000000_r, " N"));
+    field(v, "break_torque", d.break_torque, in(0_r, 2000000000_r, " N m"));
+    v("user_key", d.user_key);
 }
 
 } // namespace lockstone

@@ -54,7 +54,8 @@ template <class Visit> constexpr void describe(Transform& t, Visit&& visit) {
 //       field(v, "radius", b.radius, in(0.01_r, 10_r, " m"));
 //   }
 //
-// A visitor that takes the range as a third argument gets it, any other is called as without.
+// A visitor that takes the range as a third argument gets it, any other is called as without. The range of an array is that
+// of each entry.
 
 template <class T> struct In {
     T low, high;
@@ -63,6 +64,16 @@ template <class T> struct In {
 constexpr In<std::int64_t> in(std::int64_t low, std::int64_t high) { return {low, high, ""}; }
 template <FixedPoint T> constexpr In<T> in(T low, T high, const char* unit = "") { return {low, high, unit}; }
 inline constexpr In<std::int64_t> no_or_yes{0, 1, ""};
+inline constexpr In<std::int64_t> always_zero{0, 0, ""}; ///< of a reserved field
+/// From 0 to less than `end`; `text` is that as sentences say it.
+struct Below {
+    Real end;
+    const char* text;
+};
+/// From low to high, or the negative of that.
+struct EitherSign {
+    Real low, high;
+};
 /// Bits of an enum, all of which together are `all`.
 struct BitsOf {
     std::uint32_t all;
@@ -82,6 +93,17 @@ struct LongAtMost {
 struct PoseIn {
     Real most;
 };
+/// A direction is of length 1, as `normalized` makes it.
+struct UnitLong {};
+/// A struct's or an array's own fields have ranges; a struct and an array are looked into without it.
+struct OwnRanges {};
+/// The range holds for the first `count` entries of an array; what stands behind them means nothing.
+template <class R> struct First {
+    std::uint32_t count;
+    R range;
+};
+constexpr First<OwnRanges> first(std::uint32_t count) { return {count, {}}; }
+template <class R> constexpr First<R> first(std::uint32_t count, const R& range) { return {count, range}; }
 
 template <class V, class F, class R>
 constexpr void field(V&& visit, const char* name, F& value, const R& range) {

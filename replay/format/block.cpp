@@ -141,7 +141,6 @@ void TickBlock::read_commands(ByteReader& in, std::span<const std::byte> unpacke
     for (std::size_t at = 0; at < counts.size(); at += 4) {
         first_command.push_back(static_cast<std::uint32_t>(total));
         const auto count = base::load_little_endian<std::uint32_t>(counts.data() + at);
-        most_commands = std::max(most_commands, count);
         total += count;
         if (total > unpacked.size() / command_bytes_least)
             return fail(join("more commands are announced than ", unpacked.size(), " bytes can hold"));
@@ -157,6 +156,12 @@ void TickBlock::read_commands(ByteReader& in, std::span<const std::byte> unpacke
         if (k >= command_kinds)
             return fail(join("a command is of kind ", k, ", this engine knows 0..", command_kinds - 1));
         refs.push_back({k, rows[k]++});
+    }
+    for (std::size_t t = 0; t < hashes.size(); ++t) {
+        std::uint64_t memory = 0;
+        for (std::uint32_t i = first_command[t]; i < first_command[t + 1]; ++i)
+            memory += command_memory(refs[i].kind);
+        most_memory = std::max(most_memory, memory);
     }
     check_work(in, limits);
     if (!in.ok()) return;
@@ -206,6 +211,7 @@ std::vector<Command> TickBlock::commands(std::uint64_t tick) const {
     std::vector<Command> out;
     if (shape.mode != Mode::commands) return out;
     const auto at = static_cast<std::size_t>(tick - first);
+    out.reserve(first_command[at + 1] - first_command[at]);
     for (std::uint32_t i = first_command[at]; i < first_command[at + 1]; ++i) {
         const std::size_t bytes = command_bytes(refs[i].kind);
         out.push_back(read_command(refs[i].kind,

@@ -49,6 +49,8 @@ class TickBlock {
     /// that is announced, and no more than `limits` allow.
     static TickBlock read(base::ByteReader& in, BlockShape shape, const Limits& limits);
     static constexpr std::uint64_t memory_per_byte = 4;
+    /// Where the hashes stand in the payload: behind first tick, count and unpacked size.
+    static constexpr std::uint64_t hashes_offset = 8 + 4 + 8;
 
     std::uint64_t first_tick() const { return first; }
     std::uint64_t end_tick() const { return first + hashes.size(); }
@@ -57,8 +59,8 @@ class TickBlock {
     std::uint64_t hash_after(std::uint64_t tick) const;
     /// The players' inputs of a tick, pointing into this block; empty in commands mode.
     std::vector<PlayerInput> inputs(std::uint64_t tick) const;
-    /// Most commands before any tick; 0 in inputs mode.
-    std::uint32_t commands_most() const { return most_commands; }
+    /// Most that the commands before any tick take [bytes]; 0 in inputs mode.
+    std::uint64_t commands_memory() const { return most_memory; }
     /// The commands before a tick, in order; empty in inputs mode.
     std::vector<Command> commands(std::uint64_t tick) const;
 
@@ -72,7 +74,7 @@ class TickBlock {
     void check_work(base::ByteReader& in, const Limits& limits) const;
 
     BlockShape shape;
-    std::uint32_t most_commands = 0;
+    std::uint64_t most_memory = 0; ///< of the commands before any tick
     std::uint64_t first = 0;
     std::vector<std::uint64_t> hashes;
     std::vector<std::byte> input_rows;

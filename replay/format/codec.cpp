@@ -314,6 +314,12 @@ std::size_t command_bytes(std::size_t kind) {
     return command_sizes(std::make_index_sequence<command_kinds>{})[kind];
 }
 
+std::size_t command_memory(std::size_t kind) {
+    constexpr std::size_t allocation = 32; ///< of what an Indirect holds, beside its bytes
+    const std::size_t bytes = command_bytes(kind);
+    return sizeof(Command) + (bytes > sizeof(Command) ? bytes + allocation : 0);
+}
+
 void append_command(const Command& command, std::vector<std::byte>& out) {
     std::visit([&](auto copy) { for_each_leaf(copy, [&](auto& leaf) { append_leaf(leaf, out); }); }, command);
 }

@@ -30,6 +30,8 @@ std::vector<std::span<const std::byte>> assets_in_order(const AssetLibrary& libr
 inline constexpr std::size_t command_kinds = std::variant_size_v<Command>;
 /// Bytes of the fields of a kind, kind < command_kinds.
 std::size_t command_bytes(std::size_t kind);
+/// What a command of the kind takes in memory [bytes].
+std::size_t command_memory(std::size_t kind);
 void append_command(const Command& command, std::vector<std::byte>& out);
 /// `fields` has command_bytes(kind) bytes.
 Command read_command(std::size_t kind, std::span<const std::byte> fields);

@@ -44,7 +44,7 @@ const std::string* find_option(const Header& header, std::string_view key);
 
 inline constexpr std::string_view engine_version =
     "0.1.0"; ///< as in CMakeLists.txt; a test holds them together
-inline constexpr std::uint16_t version_major = 5;
+inline constexpr std::uint16_t version_major = 6;
 inline constexpr std::uint16_t version_minor = 0;
 
 // ---- limits: a file beyond them is refused, by the writer and by the reader ----

@@ -8,8 +8,6 @@ std::string check(const CharacterInput& input) { return check_ranges(input); }
 
 std::string check(const CharacterDef& d) {
     if (std::string e = check_ranges(d); !e.empty()) return e;
-    if (abs(length(d.up) - unit_one) > Unit::from_raw(1 << 20))
-        return "up must be a unit vector: use normalized";
     const Real least = d.radius * 2 + 0.01_r;
     if (std::string e = check_range("height", d.height, least, Real(50), " m"); !e.empty()) return e;
     return check_range("crouch_height", d.crouch_height, least, d.height, " m");

@@ -17,15 +17,47 @@ namespace lockstone::sim {
 struct RangeCheck {
     std::string error;
 
-    template <class F> void operator()(const char*, F&) {}
-    template <class F> void operator()(const char* name, F& value, const In<std::int64_t>& range) {
+    /// A struct's fields have ranges of their own.
+    template <class F> void operator()(const char* name, F& value, OwnRanges = {}) {
+        if constexpr (!Leaf<F>) {
+            RangeCheck inner;
+            describe(value, inner);
+            if (error.empty() && !inner.error.empty()) error = base::join(name, ".", inner.error);
+        }
+    }
+    template <class T, std::size_t N, class R = OwnRanges>
+    void operator()(const char* name, std::array<T, N>& values, const R& range = {}) {
+        (*this)(name, values, First<R>{N, range});
+    }
+    template <class T, std::size_t N, class R>
+    void operator()(const char* name, std::array<T, N>& values, const First<R>& range) {
+        for (std::size_t i = 0; i < N && i < range.count && error.empty(); ++i)
+            (*this)(base::join(name, "[", i, "]").c_str(), values[i], range.range);
+    }
+    template <class F>
+    requires std::is_enum_v<F> || std::is_integral_v<F>
+    void operator()(const char* name, F& value, const In<std::int64_t>& range) {
         const auto number = static_cast<std::int64_t>(value);
         if (!error.empty() || (number >= range.low && number <= range.high)) return;
-        error = base::join(name, " is ", number, ", must be ", range.low,
-                           range.high == 1 && range.low == 0 ? " or " : " to ", range.high);
+        error = base::join(name, " is ", number, ", must be ", range.low);
+        if (range.high != range.low)
+            error += base::join(range.low == 0 && range.high == 1 ? " or " : " to ", range.high);
     }
     void operator()(const char* name, Real& value, const In<Real>& range) {
         if (error.empty()) error = check_range(name, value, range.low, range.high, range.unit);
+    }
+    void operator()(const char* name, Real& value, const Below& range) {
+        if (error.empty() && (value < Real{} || value >= range.end))
+            error = base::join(name, " is ", to_string(value), ", must be 0 to less than ", range.text);
+    }
+    void operator()(const char* name, Real& value, const EitherSign& range) {
+        if (error.empty() && (abs(value) < range.low || abs(value) > range.high))
+            error = base::join(name, " is ", to_string(value), ", must be ", to_string(range.low), " to ",
+                               to_string(range.high), " or the negative of that");
+    }
+    void operator()(const char* name, UnitVec3& value, UnitLong) {
+        if (error.empty() && abs(length(value) - unit_one) > Unit::from_raw(1 << 20))
+            error = base::join(name, " is not of length 1: use normalized");
     }
     void operator()(const char* name, std::uint32_t& value, const BitsOf& bits) {
         if (error.empty() && (value & ~bits.all) != 0)

@@ -49,6 +49,9 @@ void raise(Model& w, BodyId body) {
     });
 }
 
+/// BodySleep::still_ticks of a sleeper; of one that fell asleep it is 0.
+constexpr std::uint32_t ticks_of_never_awake = 1;
+
 BodyId body_in_slot(const Model& w, std::uint32_t slot) {
     return w.state.rows(w.m.body_info)[w.state.rows(w.m.body_slot)[slot - 1].row].id;
 }
@@ -166,6 +169,16 @@ void wake_all(Model& w) {
             row = w.header().bodies_awake - 1; // rows from here on have changed
         }
     wake_contacts(w);
+}
+
+void start_asleep(Model& w, std::uint32_t body_row) {
+    const std::uint32_t slot = w.state.rows(w.m.body_info)[body_row].id.index;
+    w.state.edit_row(w.m.body_sleep, body_row) = {ticks_of_never_awake, slot, slot, {}};
+}
+
+bool was_never_awake(const Model& w, std::uint32_t body_row) {
+    return !is_awake(w, body_row) &&
+           w.state.rows(w.m.body_sleep)[body_row].still_ticks == ticks_of_never_awake;
 }
 
 std::uint32_t put_to_rest(Model& w, std::uint32_t body_row) {

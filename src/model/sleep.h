@@ -22,6 +22,10 @@ inline bool is_awake(const Model& w, std::uint32_t body_row) { return body_row <
 /// row, which may have changed.
 std::uint32_t wake(Model& w, BodyId body);
 void wake_all(Model& w);
+/// A dynamic body that was just made, without velocity: asleep in an island of its own.
+void start_asleep(Model& w, std::uint32_t body_row);
+/// Whether a sleeping body has slept since it was made.
+bool was_never_awake(const Model& w, std::uint32_t body_row);
 /// The islands of resting bodies that something awake touches.
 void wake_islands(Model& w, std::span<const BodyId> bodies);
 /// Takes a row to the resting ones, as the first step of removing it. Returns the row it has then.

@@ -99,6 +99,15 @@ struct PairView {
           awake(w.header().bodies_awake) {}
 };
 
+/// Whether one of two bodies was made asleep and the other does not move: a level is made in any order.
+bool leaves_asleep(const PairView& v, std::uint32_t body_a, std::uint32_t body_b) {
+    const auto leaves = [&](std::uint32_t other, std::uint32_t sleeper) {
+        return v.info[sleeper].kind == BodyKind::dynamic && v.info[other].kind != BodyKind::dynamic &&
+               v.w.state.rows(v.w.m.body_velocity)[other] == Velocity{} && was_never_awake(v.w, sleeper);
+    };
+    return body_a >= v.awake ? leaves(body_b, body_a) : body_b >= v.awake && leaves(body_a, body_b);
+}
+
 /// A null key when the two do not meet, or both rest, or are farther apart than the margin.
 PairScratch::Key key_of(const PairView& v, collide::ProxyPair pair) {
     const ShapeRow &a = v.shapes[v.shape_slots[pair.a].row], &b = v.shapes[v.shape_slots[pair.b].row];
@@ -121,7 +130,7 @@ PairScratch::Key key_of(const PairView& v, collide::ProxyPair pair) {
                                       (is_b.category & is_a.mask) != 0 &&
                                       !(have_joints && are_joined(v.w, a.body, b.body))
                                 : may_meet(v.w, a, b);
-    if (!meet) return {};
+    if (!meet || leaves_asleep(v, body_a, body_b)) return {};
     return {{a.id, b.id}, margin};
 }
 

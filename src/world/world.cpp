@@ -315,6 +315,7 @@ BodyDef World::body(BodyId body) const {
     d.linear_velocity = linear_velocity(body);
     d.angular_velocity = angular_velocity(body);
     d.mass = traits.mass_override;
+    d.awake = d.kind != BodyKind::dynamic || is_awake(body) ? 1 : 0;
     d.user_key = info.user_key;
     return d;
 }

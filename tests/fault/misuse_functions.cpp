@@ -334,6 +334,7 @@ TEST_CASE("misuse: verifying, branching, repairing and comparing with wrong argu
     stops("a hash of no time", [&] { (void)inputs.hash_at(31); });
     stops("a keyframe of no number", [&] { (void)inputs.keyframe_image(99); });
     stops("a block of no tick", [&] { (void)inputs.block_with(30); });
+    stops("a cursor at no tick", [&] { (void)replay::BlockCursor(inputs).at(30); });
     refused("no path", status_of(replay::Recording::open("")), "");
     refused("no bytes", status_of(replay::Recording::from_bytes({}, "empty")), "empty");
     refused("no folder", status_of(replay::FileSink::create("/nowhere/at/all.lsr")), "/nowhere/at/all.lsr");

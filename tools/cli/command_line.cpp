@@ -24,6 +24,7 @@ void add_all(CLI::App& app, Work& work) {
     add_diff(app, work);
     add_branch(app, work);
     add_repair(app, work);
+    add_format(app, work);
     add_synctest(app, work);
     add_match(app, work);
 #ifdef LOCKSTONE_BENCH

@@ -84,7 +84,8 @@ struct CharacterState {
 
 template <class V> constexpr void describe(CharacterDef& d, V&& v) {
     field(v, "position", d.position, EachIn{Real(1000000000), "m"});
-    v("up", d.up), v("category", d.category), v("mask", d.mask), v("group", d.group);
+    field(v, "up", d.up, UnitLong{});
+    v("category", d.category), v("mask", d.mask), v("group", d.group);
     field(v, "coyote_ticks", d.coyote_ticks, in(0, 1000));
     field(v, "jump_buffer_ticks", d.jump_buffer_ticks, in(0, 1000));
     field(v, "radius", d.radius, in(0.05_r, 10_r, " m"));

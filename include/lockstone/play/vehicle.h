@@ -196,49 +196,93 @@ VehicleDef two_tracks(BodyId chassis, Vec3 hub, std::uint32_t wheels);
 std::string validate(const VehicleDef& def);
 std::string validate(const VehicleInput& input);
 
-template <class V> constexpr void describe(CurvePoint& p, V&& v) { v("x", p.x), v("y", p.y); }
+template <class V> constexpr void describe(CurvePoint& p, V&& v) {
+    field(v, "x", p.x, in(0_r, 1000_r));
+    field(v, "y", p.y, in(0_r, 10_r));
+}
 template <class V> constexpr void describe(Tyre& t, V&& v) {
-    v("along", t.along), v("across", t.across), v("ground_friction", t.ground_friction);
-    v("rolling_resistance", t.rolling_resistance);
+    v("along", t.along), v("across", t.across);
+    field(v, "ground_friction", t.ground_friction, in(0.01_r, 4_r));
+    field(v, "rolling_resistance", t.rolling_resistance, in(0_r, 1_r));
 }
 template <class V> constexpr void describe(WheelDef& w, V&& v) {
-    v("attachment", w.attachment), v("direction", w.direction), v("tyre", w.tyre);
-    v("length_min", w.length_min), v("length_max", w.length_max), v("preload", w.preload);
-    v("frequency", w.frequency), v("damping_compression", w.damping_compression);
-    v("damping_rebound", w.damping_rebound), v("radius", w.radius), v("width", w.width);
-    v("inertia", w.inertia), v("steer_max", w.steer_max), v("drive_share", w.drive_share);
-    v("brake_torque", w.brake_torque), v("hand_brake_torque", w.hand_brake_torque), v("track", w.track);
-    v("reserved", w.reserved);
+    field(v, "attachment", w.attachment, EachIn{Real(64), "m"});
+    field(v, "direction", w.direction, UnitLong{});
+    field(v, "tyre", w.tyre, in(0, vehicle_tyres_max - 1));
+    field(v, "length_min", w.length_min, in(0_r, 4_r, " m"));
+    field(v, "length_max", w.length_max, in(0_r, 4_r, " m"));
+    field(v, "preload", w.preload, in(0_r, 4_r, " m"));
+    field(v, "frequency", w.frequency, in(0.1_r, 50_r, " Hz"));
+    field(v, "damping_compression", w.damping_compression, in(0_r, 10_r));
+    field(v, "damping_rebound", w.damping_rebound, in(0_r, 10_r));
+    field(v, "radius", w.radius, in(0.01_r, 10_r, " m"));
+    field(v, "width", w.width, in(0.01_r, 10_r, " m"));
+    field(v, "inertia", w.inertia, in(0.001_r, 1000000_r, " kg m^2"));
+    field(v, "steer_max", w.steer_max, in(-1.3_r, 1.3_r, " rad"));
+    field(v, "drive_share", w.drive_share, in(0_r, 1_r));
+    field(v, "brake_torque", w.brake_torque, in(0_r, 100000000_r, " N m"));
+    field(v, "hand_brake_torque", w.hand_brake_torque, in(0_r, 100000000_r, " N m"));
+    field(v, "track", w.track, in(0, 1));
+    field(v, "reserved", w.reserved, always_zero);
 }
 template <class V> constexpr void describe(AntiRollBar& a, V&& v) {
-    v("wheel_a", a.wheel_a), v("wheel_b", a.wheel_b), v("stiffness", a.stiffness);
+    v("wheel_a", a.wheel_a), v("wheel_b", a.wheel_b);
+    field(v, "stiffness", a.stiffness, in(0_r, 1000000000_r, " N/m"));
 }
 template <class V> constexpr void describe(Differential& d, V&& v) {
-    v("kind", d.kind), v("wheels_a", d.wheels_a), v("wheels_b", d.wheels_b), v("reserved", d.reserved);
-    v("preload", d.preload), v("bias", d.bias);
+    field(v, "kind", d.kind, in(0, 2));
+    v("wheels_a", d.wheels_a), v("wheels_b", d.wheels_b);
+    field(v, "reserved", d.reserved, always_zero);
+    field(v, "preload", d.preload, in(0_r, 100000000_r, " N m"));
+    field(v, "bias", d.bias, in(0_r, 10_r));
 }
 template <class V> constexpr void describe(EngineDef& e, V&& v) {
-    v("torque_max", e.torque_max), v("torque", e.torque), v("inertia", e.inertia), v("rpm_idle", e.rpm_idle);
-    v("rpm_max", e.rpm_max), v("brake_torque", e.brake_torque);
+    field(v, "torque_max", e.torque_max, in(0_r, 10000000_r, " N m"));
+    v("torque", e.torque);
+    field(v, "inertia", e.inertia, in(0.001_r, 100000_r, " kg m^2"));
+    field(v, "rpm_idle", e.rpm_idle, in(1_r, 100000_r));
+    field(v, "rpm_max", e.rpm_max, in(10_r, 100000_r));
+    field(v, "brake_torque", e.brake_torque, in(0_r, 10000000_r, " N m"));
 }
 template <class V> constexpr void describe(GearboxDef& g, V&& v) {
-    v("mode", g.mode), v("forward_count", g.forward_count), v("forward", g.forward), v("reverse", g.reverse);
-    v("final_drive", g.final_drive), v("shift_time", g.shift_time), v("shift_pause", g.shift_pause);
-    v("rpm_up", g.rpm_up), v("rpm_down", g.rpm_down), v("clutch_torque", g.clutch_torque);
+    constexpr In<Real> ratio = in(0.001_r, 1000_r);
+    field(v, "mode", g.mode, in(0, 1));
+    field(v, "forward_count", g.forward_count, in(1, vehicle_gears_max));
+    field(v, "forward", g.forward, first(g.forward_count, ratio));
+    field(v, "reverse", g.reverse, ratio);
+    field(v, "final_drive", g.final_drive, ratio);
+    field(v, "shift_time", g.shift_time, in(0_r, 10_r, " s"));
+    field(v, "shift_pause", g.shift_pause, in(0_r, 10_r, " s"));
+    field(v, "rpm_up", g.rpm_up, in(1_r, 100000_r));
+    field(v, "rpm_down", g.rpm_down, in(0_r, 100000_r));
+    field(v, "clutch_torque", g.clutch_torque, in(0_r, 100000000_r, " N m"));
 }
 template <class V> constexpr void describe(TrackDef& t, V&& v) {
-    v("enabled", t.enabled), v("reserved", t.reserved), v("steer_ratio", t.steer_ratio);
-    v("steer_torque", t.steer_torque);
+    field(v, "enabled", t.enabled, no_or_yes);
+    field(v, "reserved", t.reserved, always_zero);
+    field(v, "steer_ratio", t.steer_ratio, in(0.001_r, 10000_r));
+    field(v, "steer_torque", t.steer_torque, in(0_r, 100000000_r, " N m"));
 }
 template <class V> constexpr void describe(VehicleDef& d, V&& v) {
-    v("chassis", d.chassis), v("wheel_count", d.wheel_count), v("cast", d.cast), v("category", d.category);
-    v("mask", d.mask), v("wheel", d.wheel), v("tyre", d.tyre), v("anti_roll", d.anti_roll);
-    v("engine", d.engine), v("gearbox", d.gearbox), v("differential", d.differential), v("tracks", d.tracks);
-    v("ackermann", d.ackermann), v("steer_speed", d.steer_speed), v("user_key", d.user_key);
+    v("chassis", d.chassis);
+    field(v, "wheel_count", d.wheel_count, in(1, vehicle_wheels_max));
+    field(v, "cast", d.cast, in(0, 2));
+    v("category", d.category), v("mask", d.mask);
+    field(v, "wheel", d.wheel, first(d.wheel_count));
+    v("tyre", d.tyre), v("anti_roll", d.anti_roll), v("engine", d.engine), v("gearbox", d.gearbox);
+    v("differential", d.differential), v("tracks", d.tracks);
+    field(v, "ackermann", d.ackermann, in(0_r, 1_r));
+    field(v, "steer_speed", d.steer_speed, in(0_r, 1000_r, " 1/s"));
+    v("user_key", d.user_key);
 }
 template <class V> constexpr void describe(VehicleInput& i, V&& v) {
-    v("throttle", i.throttle), v("brake", i.brake), v("steer", i.steer), v("hand_brake", i.hand_brake);
-    v("clutch", i.clutch), v("gear", i.gear), v("reserved", i.reserved);
+    field(v, "throttle", i.throttle, in(0_r, 1_r));
+    field(v, "brake", i.brake, in(0_r, 1_r));
+    field(v, "steer", i.steer, in(-1_r, 1_r));
+    field(v, "hand_brake", i.hand_brake, in(0_r, 1_r));
+    field(v, "clutch", i.clutch, in(0_r, 1_r));
+    field(v, "gear", i.gear, in(-1, vehicle_gears_max));
+    field(v, "reserved", i.reserved, always_zero);
 }
 
 } // namespace lockstone

@@ -51,7 +51,10 @@ Result<World::Applied> Applier::operator()(const CreateBody& c) {
     Velocity& velocity = w.state.edit_row(w.m.body_velocity, row);
     velocity = {to<Speed>(d.linear_velocity), to<Speed>(d.angular_velocity)};
     solve::drop_locked(velocity, d.locks);
-    wake(id);
+    if (d.awake == 0 && d.kind == BodyKind::dynamic && w.config().sleeping != 0)
+        start_asleep(w, row);
+    else
+        wake(id);
     update_mass(w, placed, w.row_of(id));
     return Applied{.body = id};
 }
@@ -95,7 +98,7 @@ Result<World::Applied> Applier::operator()(const CreateShape& c) {
     const std::uint32_t row = w.state.count(w.m.shapes);
     if (row == w.state.rows_max(w.m.shapes))
         return Error{join("create_shape: the world is full: shapes_max is ", row)};
-    body_row = wake(c.body);
+    if (!was_never_awake(w, body_row)) body_row = wake(c.body);
     w.state.make_room({w.m.shape_slots, w.m.shapes}, 1);
     placed.fit(w.state.capacity(w.m.shape_slots));
     const std::uint32_t index =

@@ -36,21 +36,22 @@ void wake_bodies(Model& w, const JointDef& def) {
 } // namespace
 
 Result<World::Applied> Applier::operator()(const CreateJoint& c) {
-    if (std::string e = check(c.def); !e.empty()) return Error{"create_joint: " + e};
-    if (std::string e = check_bodies(w, c.def); !e.empty()) return Error{"create_joint: " + e};
+    const JointDef& def = *c.def;
+    if (std::string e = check(def); !e.empty()) return Error{"create_joint: " + e};
+    if (std::string e = check_bodies(w, def); !e.empty()) return Error{"create_joint: " + e};
     const std::uint32_t row = w.state.count(w.m.joints);
     if (row == w.state.rows_max(w.m.joints))
         return Error{join("create_joint: the world is full: joints_max is ", row)};
-    wake_bodies(w, c.def);
+    wake_bodies(w, def);
     w.state.make_room({w.m.joint_slots, w.m.joints}, 1);
     const std::uint32_t index =
         take_slot(w.state, w.m.joint_slots, w.m.joint_slot, w.edit_header().joint_free, row);
     const JointId id{index, w.state.rows(w.m.joint_slot)[index - 1].generation};
     w.state.resize(w.m.joints, row + 1);
     JointRow& fresh = w.state.edit_row(w.m.joint, row);
-    fresh = {id, c.def, 0, 0};
-    fresh.def.frame_a.rotation = normalized(c.def.frame_a.rotation);
-    fresh.def.frame_b.rotation = normalized(c.def.frame_b.rotation);
+    fresh = {id, def, 0, 0};
+    fresh.def.frame_a.rotation = normalized(def.frame_a.rotation);
+    fresh.def.frame_b.rotation = normalized(def.frame_b.rotation);
     enlist_joint(w, row);
     wake_joint(w, row);
     return Applied{.joint = id};

@@ -32,8 +32,9 @@ VehicleMemory parked(const VehicleDef& def) {
 } // namespace
 
 Result<World::Applied> Applier::operator()(const CreateVehicle& c) {
-    if (std::string e = validate(c.def); !e.empty()) return Error{"create_vehicle: " + e};
-    const BodyId chassis = c.def.chassis;
+    const VehicleDef& def = *c.def;
+    if (std::string e = validate(def); !e.empty()) return Error{"create_vehicle: " + e};
+    const BodyId chassis = def.chassis;
     const std::uint32_t body = w.row_of(chassis);
     if (body == Model::dead) return dead_body("create_vehicle", chassis);
     if (w.state.rows(w.m.body_info)[body].kind != BodyKind::dynamic)
@@ -48,8 +49,8 @@ Result<World::Applied> Applier::operator()(const CreateVehicle& c) {
         take_slot(w.state, w.m.vehicle_slots, w.m.vehicle_slot, w.edit_header().vehicle_free, row);
     const VehicleId id{index, w.state.rows(w.m.vehicle_slot)[index - 1].generation};
     w.state.resize(w.m.vehicles, row + 1);
-    w.state.edit_row(w.m.vehicle, row) = {id, c.def, VehicleInput{}};
-    w.state.edit_row(w.m.vehicle_memory, row) = parked(c.def);
+    w.state.edit_row(w.m.vehicle, row) = {id, def, VehicleInput{}};
+    w.state.edit_row(w.m.vehicle_memory, row) = parked(def);
     wake(chassis);
     return Applied{.vehicle = id};
 }

@@ -116,8 +116,8 @@ TEST_CASE("a file that is no recording is refused by what it is") {
     CHECK(message(std::string(100000, '\0')) ==
           "test.lsr: this is not a recording: it does not begin with the eight bytes of .lsr files");
     CHECK(message("\x89LSR\r\n\x1a\n") == "test.lsr: the recording is cut at byte 8, inside the preamble");
-    CHECK(message(std::string_view("\x89LSR\r\n\x1a\n\4\0\0\0\0\0\0\0", 16)) ==
-          "test.lsr: the recording is of format version 4, this reader knows version 5");
+    CHECK(message(std::string_view("\x89LSR\r\n\x1a\n\5\0\0\0\0\0\0\0", 16)) ==
+          "test.lsr: the recording is of format version 5, this reader knows version 6");
 }
 
 TEST_CASE("a path that cannot be read is refused with the system's reason") {

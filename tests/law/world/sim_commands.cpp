@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 
+#include <memory>
 #include <utility>
 
 using namespace lockstone;
@@ -228,4 +229,38 @@ TEST_CASE("game columns and records are saved, hashed, restored, carried in port
     w.restore(image);
     CHECK(w.read(health_column, b).last_tick == 9);
     CHECK(w.read(tally_record).ended == 12);
+}
+
+namespace {
+
+/// Empty when a definition held like that is a value: copies part, what is assigned or moved to has what the source had.
+template <class Held> std::string value_fault(const Held& good) {
+    Held copy = good;
+    copy->break_force = 7_r;
+    if (good->break_force == copy->break_force) return "a copy shares the definition";
+    Held other = copy;
+    other = good;
+    if (other->break_force != good->break_force) return "an assignment changes nothing";
+    Held& same = other;
+    other = same;
+    if (other->break_force != good->break_force) return "an assignment to itself loses the definition";
+    const Held taken = std::move(copy);
+    return taken->break_force == 7_r ? "" : "a move loses the definition";
+}
+
+} // namespace
+
+TEST_CASE("a large definition in a command is a value, and so is the command") {
+    CHECK(value_fault(Indirect<JointDef>(hinge_joint())) == "");
+    Command command = CreateJoint{hinge_joint()};
+    const Command copy = command;
+    std::get<CreateJoint>(command).def->break_force = 7_r;
+    CHECK(std::get<CreateJoint>(copy).def->break_force == 0_r);
+    command = DestroyBody{};
+    command = copy;
+    CHECK(std::get<CreateJoint>(command).def->kind == JointKind::hinge);
+}
+
+TEST_CASE("planted: a definition that copies of a command share is noticed") {
+    CHECK(value_fault(std::make_shared<JointDef>(hinge_joint())) == "a copy shares the definition");
 }

@@ -248,3 +248,91 @@ TEST_CASE("contacts of sleepers are remembered: no event of an end, none of a be
     CHECK(touches == 0);
     CHECK(std::abs(to_double(w.pose(tower[5]).position.y) - top) < 1e-5);
 }
+
+namespace {
+
+BodyId sleeper_at(World& w, double x, double y, std::uint32_t awake = 0) {
+    return add(w, {.pose = at(x, y, 0), .awake = awake}, {.geometry = box(real(0.5), real(0.5), real(0.5))});
+}
+
+/// Empty when the body, which hangs in the air, sleeps there.
+std::string sleeper_fault(World& w, BodyId body) {
+    const Transform before = w.pose(body);
+    for (int i = 0; i < 100; ++i) {
+        w.tick();
+        if (!w.events().empty()) return "there is an event";
+    }
+    if (w.is_awake(body) || w.awake_count() != 0) return "it is awake";
+    return w.pose(body) == before ? "" : "it has moved";
+}
+
+} // namespace
+
+TEST_CASE("a body that is made asleep stands still, shapes and all, and is there for casts and images") {
+    World w = made(World::create(drowsy_def()));
+    const BodyId crate = sleeper_at(w, 0, 5);
+    made(w.create_shape(crate, {.geometry = sphere(real(0.25)), .local = at(1, 0, 0)}));
+    CHECK(!w.is_awake(crate));
+    CHECK(w.body(crate).awake == 0);
+    CHECK(w.mass(crate) > Real(1000)); // of both shapes
+    CHECK(sleeper_fault(w, crate) == "");
+    const auto hit = w.cast_ray({vec(0, 9, 0), vec(0, -9, 0)});
+    REQUIRE(hit);
+    CHECK(hit->body == crate);
+    World other = made(World::create(drowsy_def()));
+    done(other.restore_portable(w.save_portable()));
+    CHECK(difference(w, other) == "");
+    CHECK(sleeper_fault(other, crate) == "");
+}
+
+TEST_CASE("planted: a body that starts awake, and one that a shape woke, are noticed") {
+    World w = made(World::create(drowsy_def()));
+    CHECK(sleeper_fault(w, sleeper_at(w, 0, 5, 1)) == "it is awake");
+    World woken = made(World::create(drowsy_def()));
+    const BodyId crate = sleeper_at(woken, 0, 5);
+    done(woken.wake_body(crate));
+    CHECK(sleeper_fault(woken, crate) == "there is an event");
+}
+
+TEST_CASE(
+    "what comes near wakes a pile that was made asleep, from body to body, and then it is like any other") {
+    World w = made(World::create(drowsy_def()));
+    add_floor(w);
+    std::vector<BodyId> pile;
+    for (int i = 0; i < 3; ++i) pile.push_back(sleeper_at(w, 0, 0.5 + i));
+    run(w, 10);
+    CHECK(w.awake_count() == 0);
+    add(w, {.pose = at(0, 4, 0), .linear_velocity = vec(0, -2, 0)}, {.geometry = sphere(real(0.25))});
+    std::size_t woken = 0;
+    for (int i = 0; i < 60; ++i) {
+        w.tick();
+        for (const BodyId body : pile) woken += events_of(w, EventKind::body_wake, body);
+    }
+    CHECK(woken == 3);
+    for (std::size_t i = 0; i < pile.size(); ++i)
+        CHECK(abs(w.pose(pile[i]).position.y - real(0.5 + static_cast<double>(i))) < real(0.02));
+    run(w, 300);
+    CHECK(w.awake_count() == 0);
+    made(w.create_shape(pile[0], {.geometry = sphere(real(0.5))})); // it has been awake: a shape wakes it
+    CHECK(w.is_awake(pile[0]));
+}
+
+TEST_CASE("a body starts asleep only where it can: dynamic, without velocity, in a world that sleeps") {
+    World w = made(World::create(drowsy_def()));
+    for (const BodyDef& moving : {BodyDef{.linear_velocity = vec(0, 1, 0), .awake = 0},
+                                  BodyDef{.angular_velocity = vec(0, 0, 1), .awake = 0}})
+        CHECK(w.create_body(moving).error().message == "create_body: awake is 0, but linear_velocity or "
+                                                       "angular_velocity is not: what sleeps does not move");
+    CHECK(w.create_body({.awake = 2}).error().message == "create_body: awake is 2, must be 0 or 1");
+    const BodyId drifting =
+        made(w.create_body({.kind = BodyKind::kinematic, .linear_velocity = vec(1, 0, 0), .awake = 0}));
+    run(w, 60);
+    CHECK(w.pose(drifting).position.x > real(0.9));
+    CHECK(w.body(drifting).awake == 1);
+    const BodyId pushed = sleeper_at(w, 0, 50);
+    done(w.add_impulse(pushed, vec(1000, 0, 0)));
+    CHECK(w.is_awake(pushed));
+    World sleepless = made(World::create(small_def()));
+    REQUIRE(sleepless.def().sleeping == 0);
+    CHECK(sleepless.is_awake(sleeper_at(sleepless, 0, 5)));
+}
