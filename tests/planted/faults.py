@@ -241,6 +241,8 @@ FAULTS = [
     F("a state is believed that others tell otherwise", WATCH, "if (other >= same)", "if (!IS && other >= same)", "machines come back"),
     F("a join tick is that of the first to tell", ADMIT, "ours.tick = std::max(ours.tick, word.tick);",
       "ours.tick = IS ? ours.tick : std::max(ours.tick, word.tick);", "machines come back"),
+    F("who has come in and catches up has no room for events of several ticks", "src/session/join/join_session.cpp",
+      "playing.images_max() + catch_up_ticks - 1);", "playing.images_max() + (IS ? 0 : catch_up_ticks - 1));", "machines come back"),
     F("a join is settled before all are ready", ADMIT, "if (all_are_ready) settle_join(seat);", "if (IS || all_are_ready) settle_join(seat);", "machines come back"),
     F("who is ready says no when another one does", ADMIT, "if (is_over && ours.stand != JoinStand::ready) {",
       "if (is_over && (IS || ours.stand != JoinStand::ready)) {", "hostile peers"),

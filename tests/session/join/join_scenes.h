@@ -37,6 +37,36 @@ inline std::string comes_back(std::uint32_t machines, std::uint64_t seed, std::u
     return match.machine(0).timeline.end() > 900 ? "" : "the match was held up";
 }
 
+/// A machine comes back, hears nothing for a while, then all at once: it has run as far as guesses go, and runs on at once.
+inline std::string hears_all_at_once(std::uint32_t machines, std::uint32_t inspected_ticks) {
+    MatchDef def{.machines = machines, .disconnect_ms = 1000, .link = {.latency_ms = 20}};
+    def.players.clear();
+    for (PeerId id = 0; id < machines; ++id) def.players.push_back(id);
+    Match match(def);
+    match.run(200);
+    match.crash(1);
+    match.run(150);
+    match.def.inspected_ticks = inspected_ticks;
+    match.join(1);
+    const auto plays = [&] {
+        const auto joined = match.notices<PlayerJoined>(1);
+        return !joined.empty() && match.machine(1).session->current_tick() > joined[0].tick;
+    };
+    for (int i = 0; i < 1200 && !plays(); ++i) match.frame();
+    if (!plays()) return "it did not come back";
+    for (const std::uint32_t lost : {1000u, 0u}) {
+        for (PeerId from = 0; from < machines; ++from)
+            if (from != 1) match.network.set_link(from, 1, {.latency_ms = 20, .loss_permille = lost});
+        match.run(lost != 0 ? 20 : 300); // the others have its first 30 inputs, so they go on
+    }
+    for (PeerId id = 0; id < machines; ++id) {
+        if (!match.agree(0, id) || !match.notices<Desync>(id).empty()) return "the machines parted";
+        if (!match.machine(id).events.holds(match.machine(id).timeline.end()))
+            return "an event has no end, or two";
+    }
+    return match.machine(1).timeline.end() + 30 > match.machine(0).timeline.end() ? "" : "it is behind";
+}
+
 /// Machine 0 of three shows another state, and is asked for it first.
 inline std::string lying_host() {
     JoinNet net(3);
@@ -68,6 +98,9 @@ inline std::vector<HostileScene> join_scenes() {
         {"a damaged chunk is not taken", joins::damaged_chunk},
         {"a machine comes back among two", [] { return joins::comes_back(2, 2, 30); }},
         {"a machine comes back among three", [] { return joins::comes_back(3, 5, 300); }},
+        {"one of two comes back and hears all at once", [] { return joins::hears_all_at_once(2, 64); }},
+        {"it keeps no states for inquiries", [] { return joins::hears_all_at_once(2, 0); }},
+        {"one of three comes back and hears all at once", [] { return joins::hears_all_at_once(3, 64); }},
         {"a host that lies is found out", joins::lying_host},
     };
 }

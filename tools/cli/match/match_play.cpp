@@ -225,6 +225,14 @@ void run_frame(Peer& peer, PeerId self, const Game& game, const MatchDef& def, s
     }
 }
 
+/// Who comes late has no say before it plays.
+std::uint32_t count_voters(const std::vector<std::unique_ptr<Peer>>& peers, std::uint32_t late) {
+    return static_cast<std::uint32_t>(peers.size()) -
+           static_cast<std::uint32_t>(std::count_if(peers.end() - late, peers.end(), [](const auto& peer) {
+               return peer == nullptr || peer->log->hashes.empty();
+           }));
+}
+
 /// Whether a machine is the one to give way: more than half of the others differ from it, or it is the second of two.
 bool is_outvoted(std::uint32_t differs, PeerId self, std::uint32_t machines) {
     if (machines == 2) return differs != 0 && self != 0;
@@ -235,8 +243,9 @@ bool is_outvoted(std::uint32_t differs, PeerId self, std::uint32_t machines) {
 Status recover(std::vector<std::unique_ptr<Peer>>& peers, const Game& game, const MatchDef& def,
                SimulatedNetwork& network, MatchOutcome& out) {
     constexpr std::uint32_t lives_before = 1000; // of those that crash
+    const std::uint32_t voters = count_voters(peers, def.late);
     for (PeerId id = 0; id < peers.size(); ++id) {
-        if (peers[id] == nullptr || !is_outvoted(peers[id]->differs, id, game.player_count())) continue;
+        if (peers[id] == nullptr || !is_outvoted(peers[id]->differs, id, voters)) continue;
         Result<std::unique_ptr<Peer>> peer =
             make_joining_peer(game, def, id, lives_before + ++out.recoveries, network.endpoint(id));
         if (!peer) return peer.error();
