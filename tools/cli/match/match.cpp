@@ -34,9 +34,9 @@ void describe(CLI::App& command, Args& args) {
     add_number(command, "--jitter", args.jitter_ms, "added, up to [ms]", 0, 10000);
     add_number(command, "--ticks", args.ticks, "that every peer has to confirm", 1, UINT64_MAX);
     add_number(command, "--watchers", args.watchers,
-               "machines that watch peer 0, and join one after the other", 0, 64);
+               "machines that watch machine 1, and join one after the other", 0, 64);
     add_flag(command, "--relayed", args.relayed,
-             "they watch through a relay, which peers 0 and 1 show the match to");
+             "they watch through a relay, which machines 1 and 2 show the match to");
     add_number(command, "--late", args.late, "machines that come in late, into empty seats", 0, 15);
     add_number(command, "--rejoin", args.rejoin, "how often a machine loses all its state and comes back", 0,
                1000);
@@ -54,7 +54,8 @@ void describe(CLI::App& command, Args& args) {
     add_text(command, "--mode", args.mode, "rollback or lockstep")
         .one_of({"rollback", "lockstep"})
         .show_default();
-    add_text(command, "--record-prefix", args.record_prefix, "write PREFIX-SEED-PEER.lsr of every peer");
+    add_text(command, "--record-prefix", args.record_prefix,
+             "write PREFIX-SEED-MACHINE.lsr of every machine, from 1");
 }
 
 struct Seeds {
@@ -76,15 +77,15 @@ std::vector<std::string> disagreements(const MatchOutcome& match, const Game& ga
     const PeerOutcome& first = match.peers.front();
     for (std::size_t p = 0; p < match.peers.size(); ++p) {
         const PeerOutcome& peer = match.peers[p];
-        const std::string name = "seed " + std::to_string(seed) + ", peer " + std::to_string(p);
+        const std::string name = "seed " + std::to_string(seed) + ", machine " + std::to_string(p + 1);
         for (std::size_t tick = peer.first; tick < first.hashes.size(); ++tick)
             if (peer.hashes[tick - peer.first] != first.hashes[tick]) {
-                found.push_back(name + ": differs from peer 0 after tick " + std::to_string(tick));
+                found.push_back(name + ": differs from machine 1 after tick " + std::to_string(tick));
                 break;
             }
         const std::size_t before = first.inputs.size() - std::min(first.inputs.size(), peer.inputs.size());
         if (!std::ranges::equal(peer.inputs, std::span(first.inputs).subspan(before)))
-            found.push_back(name + ": its confirmed inputs are not those of peer 0");
+            found.push_back(name + ": its confirmed inputs are not those of machine 1");
         if (peer.recording.empty()) continue;
         const auto recording = replay::Recording::from_bytes(peer.recording, name);
         if (!recording)
@@ -94,15 +95,15 @@ std::vector<std::string> disagreements(const MatchOutcome& match, const Game& ga
     }
     for (std::size_t w = 0; w < match.watched.size(); ++w)
         if (!std::equal(first.hashes.begin(), first.hashes.end(), match.watched[w].begin()))
-            found.push_back("seed " + std::to_string(seed) + ", watcher " + std::to_string(w) +
-                            ": has seen another match than peer 0");
+            found.push_back("seed " + std::to_string(seed) + ", watcher " + std::to_string(w + 1) +
+                            ": has seen another match than machine 1");
     return found;
 }
 
 Status write_recordings(const MatchOutcome& match, const std::string& prefix, std::uint64_t seed) {
     for (std::size_t p = 0; p < match.peers.size(); ++p) {
         if (match.peers[p].recording.empty()) continue;
-        const std::string path = prefix + "-" + std::to_string(seed) + "-" + std::to_string(p) + ".lsr";
+        const std::string path = prefix + "-" + std::to_string(seed) + "-" + std::to_string(p + 1) + ".lsr";
         Result<replay::FileSink> sink = replay::FileSink::create(path);
         if (!sink) return sink.error();
         if (Status s = sink->append(match.peers[p].recording); !s) return s;

@@ -56,6 +56,9 @@ class PlayedWorld final : public Simulation {
     WorldSimulation simulation;
 };
 
+/// In texts machines count from 1.
+std::string machine_name(PeerId id) { return "machine " + std::to_string(id + 1); }
+
 /// Everything of one machine. Not moved: its parts refer to each other.
 struct Peer {
     Peer(World start, const Game& game) : world(std::move(start)), simulation(world, game) {}
@@ -213,16 +216,16 @@ void run_frame(Peer& peer, PeerId self, const Game& game, const MatchDef& def, s
     std::vector<std::string>& desyncs = def.recovers ? out.notes : out.broken;
     while (const auto notice = peer.session->next_notice()) {
         if (const auto* named = std::get_if<DesyncNamed>(&*notice))
-            desyncs.push_back("machine " + std::to_string(self + 1) + ": " + to_string(*named->report));
+            desyncs.push_back(machine_name(self) + ": " + to_string(*named->report));
         if (const auto* stopped = std::get_if<MatchStopped>(&*notice))
-            out.notes.push_back("peer " + std::to_string(self) + ": " + stopped->reason);
+            out.notes.push_back(machine_name(self) + ": " + stopped->reason);
         if (const auto* gone = std::get_if<PlayerDisconnected>(&*notice))
-            out.notes.push_back("peer " + std::to_string(self) + ": player " + std::to_string(gone->player) +
+            out.notes.push_back(machine_name(self) + ": player " + std::to_string(gone->player + 1) +
                                 " left at tick " + std::to_string(gone->tick) + ", at " +
                                 std::to_string(now_ms) + " ms");
         if (const auto* desync = std::get_if<Desync>(&*notice)) {
             peer.differs |= 1u << desync->peer;
-            desyncs.push_back("peer " + std::to_string(self) + " and peer " + std::to_string(desync->peer) +
+            desyncs.push_back(machine_name(self) + " and " + machine_name(desync->peer) +
                               " differ after tick " + std::to_string(desync->tick) + ": " +
                               hash_text(desync->local) + " against " + hash_text(desync->remote));
         }
@@ -385,7 +388,7 @@ std::string not_through(const std::vector<std::unique_ptr<Peer>>& peers, const M
     std::string told = "seed " + std::to_string(def.seed) + ": the match is still not through after " +
                        std::to_string(frames) + " frames";
     for (std::size_t p = 0; p < peers.size(); ++p)
-        told += ", peer " + std::to_string(p) +
+        told += ", " + machine_name(static_cast<PeerId>(p)) +
                 (peers[p] == nullptr
                      ? std::string(" is away")
                      : " is at tick " + std::to_string(peers[p]->session->current_tick()) + " with " +
@@ -467,10 +470,10 @@ Result<MatchOutcome> play_match(const Game& game, const MatchDef& def,
     for (auto& peer : peers) {
         if (Status s = peer->log->close(); !s) return s.error();
         if (!peer->events.holds(peer->log->first + peer->log->hashes.size()))
-            out.broken.push_back("peer " + std::to_string(out.peers.size()) +
+            out.broken.push_back(machine_name(static_cast<PeerId>(out.peers.size())) +
                                  ": an event was told twice, or never to its end");
         if (const std::uint64_t depth = peer->session->stats().depth_max; depth > depth_limit(game, def))
-            out.broken.push_back("peer " + std::to_string(out.peers.size()) + ": went back by " +
+            out.broken.push_back(machine_name(static_cast<PeerId>(out.peers.size())) + ": went back by " +
                                  std::to_string(depth) + " ticks, " + std::to_string(depth_limit(game, def)) +
                                  " are the most");
         out.peers.push_back({std::move(peer->sink.bytes), peer->log->first, std::move(peer->log->hashes),
