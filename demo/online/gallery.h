@@ -1,8 +1,8 @@
 #pragma once
 /// Lets others watch a match: each watcher enters a room for two at the relay, one after the other, and is a peer from then on.
 
-#include "online/match_card.h"
-#include "online/meeting.h"
+#include "meet/match_card.h"
+#include "meet/meeting.h"
 
 #include <memory>
 
