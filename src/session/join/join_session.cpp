@@ -46,7 +46,12 @@ void Inbox::put(const Datagram& datagram) {
 JoinSession::JoinSession(const SessionDef& session_def, const JoinDef& how, Transport& packets)
     : def(session_def), join(how), transport(packets), match(packet_context(session_def).match),
       watch(session_def, watch_of(session_def, how), packets), inbox(packets), ticket(how.life << 8),
-      images(images_of(watch, PeerSession(session_def, packets))) {}
+      images(images_of(watch, PeerSession(session_def, packets))) {
+    // The others wait for it so long when it is in: a host that has gone may take half of that.
+    constexpr std::uint64_t polls_a_second = 60;
+    watch.ask_next_after(static_cast<std::uint32_t>(std::clamp<std::uint64_t>(
+        session_def.disconnect_ms / 2 * polls_a_second / 1000, 1, host_silence_polls)));
+}
 
 const Session& JoinSession::driving() const {
     return is_playing() ? static_cast<const Session&>(*play) : static_cast<const Session&>(watch);

@@ -37,6 +37,49 @@ inline std::string comes_back(std::uint32_t machines, std::uint64_t seed, std::u
     return match.machine(0).timeline.end() > 900 ? "" : "the match was held up";
 }
 
+/// Machine 0, which all ask first, goes so many frames after the last machine has begun to come late (before it, where that is negative), and
+/// comes back itself at the end. Nobody else stops, and one after the other both are in.
+inline std::string first_goes(std::uint32_t machines, int frames_after) {
+    MatchDef def{.machines = machines,
+                 .disconnect_ms = 1000,
+                 .link = {.latency_ms = 60, .jitter_ms = 30, .loss_permille = 100},
+                 .absent = 1u << (machines - 1),
+                 .seed = machines + static_cast<std::uint64_t>(frames_after + 1000)};
+    def.players.clear();
+    for (PeerId id = 0; id < machines; ++id) def.players.push_back(id);
+    const PeerId late = machines - 1;
+    Match match(def);
+    match.run(300);
+    if (frames_after < 0) match.crash(0), match.run(static_cast<std::uint64_t>(-frames_after));
+    match.join(late);
+    if (frames_after >= 0) match.run(static_cast<std::uint64_t>(frames_after)), match.crash(0);
+    match.run(900);
+    if (!match.notices<MatchStopped>(late).empty()) { // let in by machine 0 and gone with it: it comes again
+        match.crash(late), match.join(late, 2);
+        match.run(900);
+    }
+    const std::uint64_t before = match.machine(1).timeline.end();
+    if (before < 600) return "the match was held up";
+    if (match.notices<PlayerJoined>(late).size() != 1) return "who comes late is not in";
+    if (match.machine(1).timeline.ticks.back().statuses[late] != InputStatus::confirmed)
+        return "the inputs of who came late do not count";
+    if (match.machine(1).timeline.ticks.back().statuses[0] != InputStatus::disconnected)
+        return "who has gone still has a say";
+    match.join(0);
+    match.run(900);
+    for (PeerId a = 0; a < machines; ++a) {
+        for (PeerId b = 0; b < machines; ++b)
+            if (!match.agree(a, b)) return "the machines parted";
+        if (!match.notices<Desync>(a).empty()) return "a desync";
+        if (!match.notices<MatchStopped>(a).empty()) return "a match has stopped";
+        if (match.machine(a).timeline.end() + 60 < match.machine(1).timeline.end())
+            return "a machine is behind";
+        for (const InputStatus status : match.machine(a).timeline.ticks.back().statuses)
+            if (status != InputStatus::confirmed) return "somebody's inputs do not count";
+    }
+    return match.machine(1).timeline.end() > before + 600 ? "" : "the match was held up when it came back";
+}
+
 /// A machine comes back, hears nothing for a while, then all at once: it has run as far as guesses go, and runs on at once.
 inline std::string hears_all_at_once(std::uint32_t machines, std::uint32_t inspected_ticks) {
     MatchDef def{.machines = machines, .disconnect_ms = 1000, .link = {.latency_ms = 20}};
@@ -101,6 +144,10 @@ inline std::vector<HostileScene> join_scenes() {
         {"one of two comes back and hears all at once", [] { return joins::hears_all_at_once(2, 64); }},
         {"it keeps no states for inquiries", [] { return joins::hears_all_at_once(2, 0); }},
         {"one of three comes back and hears all at once", [] { return joins::hears_all_at_once(3, 64); }},
+        {"the first goes before the last comes late", [] { return joins::first_goes(3, -300); }},
+        {"it goes while the last comes", [] { return joins::first_goes(4, 40); }},
+        {"it goes when it has let another one in", [] { return joins::first_goes(3, 54); }},
+        {"it goes while others wait for it", [] { return joins::first_goes(4, -20); }},
         {"a host that lies is found out", joins::lying_host},
     };
 }
