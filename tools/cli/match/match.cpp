@@ -74,18 +74,22 @@ Result<Seeds> parse_seeds(const std::string& text) {
 /// What the peers of a match disagree about, with sentences; nothing when all is well.
 std::vector<std::string> disagreements(const MatchOutcome& match, const Game& game, std::uint64_t seed) {
     std::vector<std::string> found = match.broken;
-    const PeerOutcome& first = match.peers.front();
+    // One that was there from the start has all ticks.
+    const auto first_there = std::ranges::find(match.peers, std::uint64_t{0}, &PeerOutcome::first);
+    if (first_there == match.peers.end()) return {"nobody was there from the start to the end"};
+    const PeerOutcome& first = *first_there;
+    const std::string its_name = "machine " + std::to_string(first_there - match.peers.begin() + 1);
     for (std::size_t p = 0; p < match.peers.size(); ++p) {
         const PeerOutcome& peer = match.peers[p];
         const std::string name = "seed " + std::to_string(seed) + ", machine " + std::to_string(p + 1);
         for (std::size_t tick = peer.first; tick < first.hashes.size(); ++tick)
             if (peer.hashes[tick - peer.first] != first.hashes[tick]) {
-                found.push_back(name + ": differs from machine 1 after tick " + std::to_string(tick));
+                found.push_back(name + ": differs from " + its_name + " after tick " + std::to_string(tick));
                 break;
             }
         const std::size_t before = first.inputs.size() - std::min(first.inputs.size(), peer.inputs.size());
         if (!std::ranges::equal(peer.inputs, std::span(first.inputs).subspan(before)))
-            found.push_back(name + ": its confirmed inputs are not those of machine 1");
+            found.push_back(name + ": its confirmed inputs are not those of " + its_name);
         if (peer.recording.empty()) continue;
         const auto recording = replay::Recording::from_bytes(peer.recording, name);
         if (!recording)
@@ -96,7 +100,7 @@ std::vector<std::string> disagreements(const MatchOutcome& match, const Game& ga
     for (std::size_t w = 0; w < match.watched.size(); ++w)
         if (!std::equal(first.hashes.begin(), first.hashes.end(), match.watched[w].begin()))
             found.push_back("seed " + std::to_string(seed) + ", watcher " + std::to_string(w + 1) +
-                            ": has seen another match than machine 1");
+                            ": has seen another match than " + its_name);
     return found;
 }
 
@@ -169,7 +173,7 @@ Result<Played> play(const Args& args, const Chaos& chaos,
 void set_plant(const Args& args, MatchDef& def) {
     def.planted = args.plant, def.recovers = args.recover;
     // Peer 1 shows the match where peer 0 no longer can, so it may not be the one that comes back.
-    if (args.recover) def.show_lost = 0;
+    if (args.recover) def.show_lost = 0, def.host_crashes = false;
 }
 
 /// Leaves out what a match fails without, and ticks, as long as it still fails. Prints how to see it fail again.

@@ -67,7 +67,7 @@ struct Peer {
     PlayedWorld simulation;
     replay::MemorySink sink;
     std::unique_ptr<ConfirmedLog> log;
-    /// Peer 0's, where somebody watches; where that is through a relay, peer 1's too
+    /// Peer 0's, where somebody watches; where that is through a relay or peer 0 crashes, peer 1's too
     std::unique_ptr<SpectatorHost> host;
     std::unique_ptr<Session> session;
     std::unique_ptr<SessionRunner> runner;
@@ -103,13 +103,22 @@ SessionDef session_of(const Game& game, const MatchDef& def, PeerId self) {
     return session;
 }
 
+/// On the watchers' network peer 0, or the relay, is 0; peer 1 comes behind them.
+PeerId second_host(const MatchDef& def) { return def.watchers + 1; }
+
+WatchDef watch_def(const MatchDef& def) {
+    WatchDef watch{.hosts = {0}};
+    if (def.host_crashes && !def.relayed) watch.hosts.push_back(second_host(def));
+    return watch;
+}
+
 Result<std::unique_ptr<Watcher>> make_watcher(const Game& game, const MatchDef& def, PeerId self,
                                               Transport& transport) {
     Result<World> world = game.start();
     if (!world) return world.error();
     auto watcher = std::make_unique<Watcher>(std::move(*world), game, self);
     Result<std::unique_ptr<Session>> session =
-        make_spectator_session(session_of(game, def, self), 0, transport);
+        make_spectator_session(session_of(game, def, self), watch_def(def), transport);
     if (!session) return session.error();
     watcher->session = std::move(*session);
     watcher->runner =
@@ -125,7 +134,7 @@ Result<replay::InputRecorder> begin_recording(Peer& peer, const Game& game, cons
 }
 
 bool shows_the_match(const MatchDef& def, PeerId self) {
-    return def.watchers > 0 && (self == 0 || (self == 1 && def.relayed));
+    return def.watchers > 0 && (self == 0 || (self == 1 && (def.relayed || def.host_crashes)));
 }
 
 Result<std::unique_ptr<Peer>> make_peer(const Game& game, const MatchDef& def, PeerId self,
@@ -192,7 +201,7 @@ Status come_and_go(std::vector<std::unique_ptr<Peer>>& peers, const Game& game, 
     const std::uint32_t who = game.player_count() - def.late - 1;
     for (std::uint32_t n = 0; n < def.rejoins && who > 0; ++n) {
         const std::uint64_t at = def.first_crash + n * frames_between;
-        const PeerId id = 1 + n % who;
+        const PeerId id = def.host_crashes && n == 0 ? 0 : 1 + n % who;
         if (frame == at) peers[id] = nullptr;
         if (frame == at + frames_away)
             if (Status s = join(id, n + 1); !s) return s;
@@ -331,14 +340,16 @@ class Trouble {
     bool is_cut = false;
 };
 
-/// Where the match is watched: from peer 0 itself, or through a relay that asks peers 0 and 1.
+/// Where the match is watched: from peer 0 itself, and peer 1 where that one goes, or through a relay that asks peers 0 and 1.
 struct Show {
+    PeerId second; ///< peer 1, to those who watch without a relay; 0 where it does not show the match
     SimulatedNetwork to_hosts, to_watchers;
     std::unique_ptr<SpectatorRelay> relay; ///< null: none
     static constexpr PeerId relay_up = 2;
 
     explicit Show(const MatchDef& def)
-        : to_hosts(3, def.link, def.seed ^ 0x5eed), to_watchers(def.watchers + 1, def.link, ~def.seed) {}
+        : second(def.host_crashes ? second_host(def) : 0), to_hosts(3, def.link, def.seed ^ 0x5eed),
+          to_watchers(def.watchers + (def.host_crashes ? 2 : 1), def.link, ~def.seed) {}
     Status begin(const Game& game, const MatchDef& def) {
         if (!def.relayed || def.watchers == 0) return {};
         Result<std::unique_ptr<SpectatorRelay>> made =
@@ -349,7 +360,8 @@ struct Show {
         return {};
     }
     Transport& of_host(PeerId self) {
-        return relay ? to_hosts.endpoint(self == 0 ? 0 : 1) : to_watchers.endpoint(0);
+        if (relay) return to_hosts.endpoint(self == 0 ? 0 : 1);
+        return to_watchers.endpoint(self == 1 ? second : 0);
     }
     void run(const std::vector<std::unique_ptr<Peer>>& peers, const MatchDef& def, std::uint64_t frame,
              std::uint64_t now_ms) {
