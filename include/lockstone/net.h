@@ -212,7 +212,7 @@ struct RelayDef {
     std::uint32_t idle_ms = 30'000;           ///< after which a silent player is forgotten
     std::uint32_t rooms_max = 1024;           ///< of the lobby
     std::uint32_t room_ms = 300'000;          ///< how long a code is good
-    std::uint32_t match_ms = 4 * 3600 * 1000; ///< how long a pass that the lobby makes is good
+    std::uint32_t match_ms = 4 * 3600 * 1000; ///< how long a token and a pass that the lobby makes are good
     /// The relay that the lobby names as the second in every token, and its secret, which makes passes; no port: none.
     NetAddress second = {};
     NetKey second_secret = {};

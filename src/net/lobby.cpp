@@ -104,7 +104,7 @@ LobbyStatus Relay::Impl::open_room(const NetKey& who, std::uint32_t players, std
 /// Without the secret and the relay's address: the player has the one, and asks at the other.
 std::vector<std::byte> Relay::Impl::token_for(const NetKey& who, const Room& room, const NetKey& key) const {
     ConnectToken token;
-    token.match_id = room.match_id, token.expires_ms = room.opened_ms + 2 * std::uint64_t{def.room_ms};
+    token.match_id = room.match_id, token.expires_ms = room.opened_ms + def.match_ms;
     token.players = room.players;
     token.slot = static_cast<PeerId>(std::ranges::find(room.members, who) - room.members.begin());
     std::ranges::copy(room.members, token.public_keys.begin());
