@@ -48,9 +48,9 @@ JoinSession::JoinSession(const SessionDef& session_def, const JoinDef& how, Tran
       watch(session_def, watch_of(session_def, how), packets), inbox(packets), ticket(how.life << 8),
       images(images_of(watch, PeerSession(session_def, packets))) {
     // The others wait for it so long when it is in: a host that has gone may take half of that.
-    constexpr std::uint64_t polls_a_second = 60;
-    watch.ask_next_after(static_cast<std::uint32_t>(std::clamp<std::uint64_t>(
-        session_def.disconnect_ms / 2 * polls_a_second / 1000, 1, host_silence_polls)));
+    constexpr std::uint64_t polls_a_second = 60, most_ms = host_silence_polls * 1000 / polls_a_second;
+    const std::uint64_t half_ms = std::min(session_def.disconnect_ms / 2, most_ms);
+    watch.ask_next_after(static_cast<std::uint32_t>(half_ms * polls_a_second / 1000));
 }
 
 const Session& JoinSession::driving() const {
