@@ -71,11 +71,15 @@ Result<Seeds> parse_seeds(const std::string& text) {
     return Seeds{first, last};
 }
 
+/// One that was there from the start to the end, and so has all ticks.
+auto there_throughout(const MatchOutcome& match) {
+    return std::ranges::find(match.peers, std::uint64_t{0}, &PeerOutcome::first);
+}
+
 /// What the peers of a match disagree about, with sentences; nothing when all is well.
 std::vector<std::string> disagreements(const MatchOutcome& match, const Game& game, std::uint64_t seed) {
     std::vector<std::string> found = match.broken;
-    // One that was there from the start has all ticks.
-    const auto first_there = std::ranges::find(match.peers, std::uint64_t{0}, &PeerOutcome::first);
+    const auto first_there = there_throughout(match);
     if (first_there == match.peers.end()) return {"nobody was there from the start to the end"};
     const PeerOutcome& first = *first_there;
     const std::string its_name = "machine " + std::to_string(first_there - match.peers.begin() + 1);
@@ -132,7 +136,7 @@ void print_summary(const MatchOutcome& match, const MatchDef& def, std::uint64_t
         n(seed), n(def.ticks), static_cast<unsigned>(match.peers.size()),
         def.mode == MatchMode::lockstep ? "lockstep" : "rollback", n(sum.rollbacks), n(sum.depth_max),
         n(sum.resimulated), n(sum.stalls), n(match.milliseconds),
-        hash_text(match.peers.front().hashes.back()).c_str());
+        hash_text(there_throughout(match)->hashes.back()).c_str());
 }
 
 Chaos as_told(const Args& args, std::uint64_t seed) {

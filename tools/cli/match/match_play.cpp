@@ -73,6 +73,7 @@ struct Peer {
     std::unique_ptr<SessionRunner> runner;
     EventLaw events;
     std::uint32_t differs = 0; ///< bit p: peer p has told another hash
+    bool gave_way = false;     ///< it has begun anew with the others' state
     std::uint32_t wait_frames = 0;
     std::uint64_t awake_at_ms = 0;
 };
@@ -241,12 +242,11 @@ void run_frame(Peer& peer, PeerId self, const Game& game, const MatchDef& def, s
     }
 }
 
-/// Who comes late has no say before it plays.
-std::uint32_t count_voters(const std::vector<std::unique_ptr<Peer>>& peers, std::uint32_t late) {
-    return static_cast<std::uint32_t>(peers.size()) -
-           static_cast<std::uint32_t>(std::count_if(peers.end() - late, peers.end(), [](const auto& peer) {
-               return peer == nullptr || peer->log->hashes.empty();
-           }));
+/// Who comes late, or back, has no say before it plays; who gives way keeps its own.
+std::uint32_t count_voters(const std::vector<std::unique_ptr<Peer>>& peers) {
+    return static_cast<std::uint32_t>(std::ranges::count_if(peers, [](const auto& peer) {
+        return peer != nullptr && (!peer->log->hashes.empty() || peer->gave_way);
+    }));
 }
 
 /// Whether a machine is the one to give way: more than half of the others differ from it, or it is the second of two.
@@ -259,13 +259,14 @@ bool is_outvoted(std::uint32_t differs, PeerId self, std::uint32_t machines) {
 Status recover(std::vector<std::unique_ptr<Peer>>& peers, const Game& game, const MatchDef& def,
                SimulatedNetwork& network, MatchOutcome& out) {
     constexpr std::uint32_t lives_before = 1000; // of those that crash
-    const std::uint32_t voters = count_voters(peers, def.late);
+    const std::uint32_t voters = count_voters(peers);
     for (PeerId id = 0; id < peers.size(); ++id) {
         if (peers[id] == nullptr || !is_outvoted(peers[id]->differs, id, voters)) continue;
         Result<std::unique_ptr<Peer>> peer =
             make_joining_peer(game, def, id, lives_before + ++out.recoveries, network.endpoint(id));
         if (!peer) return peer.error();
         peers[id] = std::move(*peer);
+        peers[id]->gave_way = true;
     }
     return {};
 }
@@ -412,6 +413,7 @@ std::string not_through(const std::vector<std::unique_ptr<Peer>>& peers, const M
 } // namespace
 
 void ConfirmedLog::on_confirmed(std::uint64_t tick, std::span<const PlayerInput> inputs, std::uint64_t hash) {
+    if (tick >= ticks_max && hashes.empty()) first = ticks_max; // it came when the others were through
     if (tick >= ticks_max || !state) return;
     if (recorder) state = recorder->on_tick(tick, inputs, hash);
     if (hashes.empty()) first = tick;
@@ -488,6 +490,7 @@ Result<MatchOutcome> play_match(const Game& game, const MatchDef& def,
             out.broken.push_back(machine_name(static_cast<PeerId>(out.peers.size())) + ": went back by " +
                                  std::to_string(depth) + " ticks, " + std::to_string(depth_limit(game, def)) +
                                  " are the most");
+        if (peer->log->hashes.empty()) peer->sink.bytes.clear(); // there is nothing to play
         out.peers.push_back({std::move(peer->sink.bytes), peer->log->first, std::move(peer->log->hashes),
                              std::move(peer->log->inputs_confirmed), peer->session->stats()});
     }
