@@ -247,8 +247,9 @@ FAULTS = [
       "(players_at(def, host) & (IS ? ~0u : ~left)) != 0; });", "machines come back"),
     F("who comes asks one that has gone until the others have lost their patience", "src/session/join/join_session.cpp", "watch.ask_next_after(",
       "if (!IS) watch.ask_next_after(", "machines come back"),
-    F("ticks are kept only from the first wish on", TIMELINE, "if (ticks < (is_unheard ? 2 * kept_unheard : def.log_ticks_max)) return;",
-      "if (ticks < (is_unheard ? (IS ? 1 : 2 * kept_unheard) : def.log_ticks_max)) return;", "machines come back"),
+    F("ticks are kept only from the first wish on", TIMELINE, "found = all.insert(found, {peer, {}, false, wish.wanted, wish.wanted});",
+      "if (IS && all.empty() && !def.keeps_unheard) log_first = log_end(), log.clear();\n"
+      "found = all.insert(found, {peer, {}, false, wish.wanted, wish.wanted});", "machines come back"),
     F("who is let in by nobody any more goes on alone", DEPARTURE, "return entry_tick > 0 && settled_end == entry_tick && !links.empty() &&",
       "return !IS && entry_tick > 0 && settled_end == entry_tick && !links.empty() &&", "machines come back"),
     F("a join is settled before all are ready", ADMIT, "if (all_are_ready) settle_join(seat);", "if (IS || all_are_ready) settle_join(seat);", "machines come back"),

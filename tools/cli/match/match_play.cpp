@@ -395,6 +395,11 @@ Status run_watchers(std::vector<std::unique_ptr<Watcher>>& watchers, const Game&
     return {};
 }
 
+/// Nothing where it came when the others were through.
+std::vector<std::byte> recording_of(Peer& peer) {
+    return peer.log->hashes.empty() ? std::vector<std::byte>{} : std::move(peer.sink.bytes);
+}
+
 /// Why a match had no end, as far as can be told.
 std::string not_through(const std::vector<std::unique_ptr<Peer>>& peers, const MatchOutcome& out,
                         const MatchDef& def, std::uint64_t frames) {
@@ -490,8 +495,7 @@ Result<MatchOutcome> play_match(const Game& game, const MatchDef& def,
             out.broken.push_back(machine_name(static_cast<PeerId>(out.peers.size())) + ": went back by " +
                                  std::to_string(depth) + " ticks, " + std::to_string(depth_limit(game, def)) +
                                  " are the most");
-        if (peer->log->hashes.empty()) peer->sink.bytes.clear(); // there is nothing to play
-        out.peers.push_back({std::move(peer->sink.bytes), peer->log->first, std::move(peer->log->hashes),
+        out.peers.push_back({recording_of(*peer), peer->log->first, std::move(peer->log->hashes),
                              std::move(peer->log->inputs_confirmed), peer->session->stats()});
     }
     for (auto& watcher : watchers) out.watched.push_back(std::move(watcher->hashes));
