@@ -54,8 +54,9 @@ Result<UdpWatchDoor> UdpWatchDoor::open(const WatchDoorDef& def, const NetAddres
 }
 
 const std::string& UdpWatchDoor::open_lobby(const NetKey& secret, std::uint64_t now_ms) {
-    // It seats no players and opens no rooms: all that it does is to let in.
-    lobby = std::make_unique<Relay>(secret, RelayDef{.matches_max = 0, .rooms_max = 0}, now_ms);
+    // It seats no players and opens no rooms: all that it does is to let in. A classroom behind one address comes in within seconds.
+    lobby = std::make_unique<Relay>(
+        secret, RelayDef{.matches_max = 0, .hellos_per_source = 64, .rooms_max = 0}, now_ms);
     return lobby->show(*watchers);
 }
 
