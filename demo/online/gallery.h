@@ -1,8 +1,8 @@
 #pragma once
 /// Lets others watch a match: each watcher enters a room for two at the relay, one after the other, and is a peer from then on.
 
-#include "online/match_card.h"
-#include "online/meeting.h"
+#include "meet/match_card.h"
+#include "meet/meeting.h"
 
 #include <memory>
 
@@ -11,7 +11,7 @@ namespace lockstone::demo {
 /// What SpectatorHost sends through: watcher i is PeerId i + 1.
 class Gallery final : public Transport {
   public:
-    static constexpr std::size_t watchers_max = 8;
+    static constexpr std::uint32_t watchers_max = 8;
 
     Gallery(const Invitation& relay, const MatchCard& card) : relay_(relay), card_(card) {}
     /// Opens the next room when the last one is taken, tells watchers what is played. Call each frame.

@@ -1,6 +1,7 @@
 #include "online/host_relay.h"
 
 #include "cli/match/serve_relay.h"
+#include "online/gallery.h"
 
 namespace lockstone::demo {
 
@@ -26,7 +27,8 @@ Invitation HostRelay::invitation() const {
 }
 
 void HostRelay::serve() {
-    Relay relay(secret_, {.matches_max = 16}, cli::unix_ms());
+    // The match, and one for each watcher of each machine.
+    Relay relay(secret_, {.matches_max = 1 + net_players_max * Gallery::watchers_max}, cli::unix_ms());
     while (!over_) cli::serve_relay(relay, socket_, 50);
 }
 

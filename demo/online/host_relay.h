@@ -1,7 +1,7 @@
 #pragma once
 /// A relay on a thread of its own, for a host who names none.
 
-#include "online/invitation.h"
+#include "meet/invitation.h"
 
 #include <atomic>
 #include <memory>

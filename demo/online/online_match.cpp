@@ -137,7 +137,7 @@ Status OnlineMatch::start_session() {
         played_ = std::make_unique<PlantedGame>(std::move(*again), *plant_);
     }
     std::unique_ptr<SpectatorHost> watched;
-    if (host_) {
+    if (!watches_) { // every machine that plays shows the match: it is watched on when one has left
         Invitation relay = invitation();
         relay.code.clear();
         gallery_.emplace(relay, card_);
@@ -151,7 +151,8 @@ Status OnlineMatch::start_session() {
 }
 
 void OnlineMatch::play(std::uint64_t now_ms, InputMap* people) {
-    if (host_) tell_the_game(now_ms);
+    if (gallery_) gallery_->poll(now_ms);
+    if (host_) tell_the_game();
     const std::uint64_t resimulated = play_->session->stats().resimulated;
     if (watches_)
         watch(now_ms);
@@ -197,8 +198,7 @@ void OnlineMatch::settle_when_done(bool confirmed) {
 }
 
 /// To whoever has not begun: what is lost is told again.
-void OnlineMatch::tell_the_game(std::uint64_t now_ms) {
-    gallery_->poll(now_ms);
+void OnlineMatch::tell_the_game() {
     for (PeerId peer = 1; peer < machines_ && frames_ % frames_between_cards == 0; ++peer)
         if (!play_->session->quality(peer).connected) packets_->send(peer, to_bytes(card_));
 }

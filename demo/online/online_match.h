@@ -4,10 +4,11 @@
 #include "input_map.h"
 #include "lockstone/session/input_delay.h"
 #include "lockstone/session/spectator.h"
+#include "meet/match_card.h"
+#include "meet/meeting.h"
 #include "online/gallery.h"
 #include "online/host_relay.h"
-#include "online/match_card.h"
-#include "online/meeting.h"
+#include "options.h"
 #include "pages/confirmed_log.h"
 
 #include <deque>
@@ -99,7 +100,7 @@ class OnlineMatch {
     void play_tick(std::uint64_t now_ms, InputMap* people);
     void watch(std::uint64_t now_ms);
     void settle_when_done(bool confirmed);
-    void tell_the_game(std::uint64_t now_ms);
+    void tell_the_game();
     void tune_delay();
     void add_inputs(InputMap* people);
     void read_notices();
@@ -117,7 +118,7 @@ class OnlineMatch {
     std::optional<Meeting> meeting_;
     std::optional<UdpTransport> wire_;
     std::optional<CardTransport> packets_;
-    std::optional<Gallery> gallery_; ///< the host's
+    std::optional<Gallery> gallery_; ///< of a machine that plays
     std::unique_ptr<Game> rules_;    ///< without a fault
     std::unique_ptr<Game> played_;   ///< null, or the rules with one
     ConfirmedLog log_;

@@ -212,7 +212,7 @@ struct RelayDef {
     std::uint32_t idle_ms = 30'000;           ///< after which a silent player is forgotten
     std::uint32_t rooms_max = 1024;           ///< of the lobby
     std::uint32_t room_ms = 300'000;          ///< how long a code is good
-    std::uint32_t match_ms = 4 * 3600 * 1000; ///< how long a pass that the lobby makes is good
+    std::uint32_t match_ms = 4 * 3600 * 1000; ///< how long a token and a pass that the lobby makes are good
     /// The relay that the lobby names as the second in every token, and its secret, which makes passes; no port: none.
     NetAddress second = {};
     NetKey second_secret = {};
@@ -220,6 +220,7 @@ struct RelayDef {
 
 /// Forwards sealed packets between the players of a match by slot, and brings players together by a code. It holds no keys
 /// of theirs: what they send each other it can drop or delay, not read and not forge. All state is bounded by RelayDef.
+class WatchDoor;
 class Relay {
   public:
     Relay(const NetKey& secret, const RelayDef& def, std::uint64_t now_ms);
@@ -230,6 +231,9 @@ class Relay {
     void receive(const NetAddress& from, std::span<const std::byte> datagram, std::uint64_t now_ms);
     void poll(std::uint64_t now_ms); ///< forgets who is silent
     std::optional<OutgoingDatagram> next_outgoing();
+    /// A new code, for as many as come: its lobby answers each with a place at `door`, which has to be reached at the relay's own address.
+    /// Not owned: the door, which has to live as long.
+    const std::string& show(WatchDoor& door);
     struct Counters {
         std::uint64_t forwarded = 0, matches = 0, players = 0, rooms = 0;
     };
@@ -257,7 +261,7 @@ class LobbyClient {
     const std::string& code() const; ///< empty until the room is there
     /// When all are there. The secret in it was made here and is known to nobody else.
     const std::optional<ConnectToken>& token() const;
-    /// A sentence when the lobby has refused: no such code, the room is full, the lobby is full.
+    /// A sentence when the lobby has refused: no such code, the room is full, the lobby is full, no place to watch is free.
     const std::string& refusal() const;
 
   private:
@@ -289,6 +293,8 @@ class WatchDoor {
 
     /// A token for one more watcher. Errors, with a sentence: every place is taken.
     Result<ConnectToken> let_in(std::uint64_t now_ms);
+    /// The same for one that has made its keys itself: the token lacks the secret. Asked again it is the same place.
+    Result<ConnectToken> let_in(const NetKey& public_key, std::uint64_t now_ms);
 
     void receive(const NetAddress& from, std::span<const std::byte> datagram, std::uint64_t now_ms);
     void poll(std::uint64_t now_ms);
@@ -367,18 +373,22 @@ class UdpWatchDoor final : public Transport {
   public:
     /// `def.address` with port 0: the socket's own address, as at 127.0.0.1.
     static Result<UdpWatchDoor> open(const WatchDoorDef& def, const NetAddress& local, std::uint64_t now_ms);
+    /// From now on a LobbyClient that asks at this socket with the code that is returned, and the public key of `secret`, is let in.
+    const std::string& open_lobby(const NetKey& secret, std::uint64_t now_ms);
     /// Call before SpectatorRelay::poll.
     void poll(std::uint64_t now_ms);
     void send(PeerId to, std::span<const std::byte> bytes) override;
     std::optional<Datagram> receive() override;
     bool authenticated() const override { return true; }
-    WatchDoor& door() { return watchers; }
+    WatchDoor& door() { return *watchers; }
+    UdpSocket& socket() { return wire; }
     static constexpr std::uint32_t datagrams_per_poll = 4096;
 
   private:
     UdpWatchDoor(WatchDoor made, UdpSocket opened, std::uint64_t now_ms);
     void flush();
-    WatchDoor watchers;
+    std::unique_ptr<WatchDoor> watchers; ///< where it stays: the lobby names it
+    std::unique_ptr<Relay> lobby;        ///< null: none
     UdpSocket wire;
     std::uint64_t now;
 };

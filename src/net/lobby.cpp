@@ -41,25 +41,36 @@ Relay::Impl::Fault Relay::Impl::take_lobby_request(const NetAddress& from, Bytes
     const Bytes asked = in.bytes(code_letters, "code");
     std::string code(reinterpret_cast<const char*>(asked.data()), asked.size());
     if (code[0] == 0) code.clear();
-    const LobbyStatus status = enter(who, players, code);
+    const Said said = say(who, players, code, keys->send);
 
     std::vector<std::byte> answer;
     base::ByteWriter out(answer);
-    const Room* room = status <= LobbyStatus::ready ? &rooms[code] : nullptr;
-    out.u8(static_cast<std::uint8_t>(status));
-    out.u8(static_cast<std::uint8_t>(room ? room->members.size() : 0));
+    out.u8(static_cast<std::uint8_t>(said.status));
+    out.u8(static_cast<std::uint8_t>(said.members));
     code.resize(code_letters);
     out.bytes(std::as_bytes(std::span(code)));
-    const std::vector<std::byte> token =
-        status == LobbyStatus::ready ? token_for(who, *room, keys->send) : std::vector<std::byte>{};
-    out.u16(static_cast<std::uint16_t>(token.size()));
-    out.bytes(token);
+    out.u16(static_cast<std::uint16_t>(said.token.size()));
+    out.bytes(said.token);
     answer.resize(lobby_answer_plain);
     const Space to = push(from, packet_bytes_max);
     if (to.empty()) return {};
     write_cookie(to, first_byte(Kind::lobby_answer, 0), read_cookie(datagram).nonce, 0);
     seal_with_nonce(to.subspan(lobby_answer_head), answer, to.first(lobby_answer_head), keys->send);
     return {};
+}
+
+Relay::Impl::Said Relay::Impl::say(const NetKey& who, std::uint32_t players, std::string& code,
+                                   const NetKey& key) {
+    if (door != nullptr && code == door_code) {
+        const Result<ConnectToken> place = door->let_in(who, now);
+        if (!place) return {LobbyStatus::door_full, 0, {}};
+        return {LobbyStatus::ready, place->players, seal_token(*place, key)};
+    }
+    const LobbyStatus status = enter(who, players, code);
+    if (status > LobbyStatus::ready) return {status, 0, {}};
+    const Room& room = rooms[code];
+    return {status, static_cast<std::uint32_t>(room.members.size()),
+            status == LobbyStatus::ready ? token_for(who, room, key) : std::vector<std::byte>{}};
 }
 
 /// Into the room of `code`, or into a new one where it is empty; then `code` names it.
@@ -84,7 +95,7 @@ LobbyStatus Relay::Impl::open_room(const NetKey& who, std::uint32_t players, std
     if (players < 2 || players > net_players_max) return LobbyStatus::bad_request;
     if (rooms.size() >= def.rooms_max) return LobbyStatus::lobby_full;
     do code = random_code();
-    while (rooms.contains(code));
+    while (rooms.contains(code) || code == door_code);
     rooms[code] = {players, random_u64(), now, {who}, {random_key()}, {random_key()}};
     room_of[who.bytes] = code;
     return LobbyStatus::waiting;
@@ -93,7 +104,7 @@ LobbyStatus Relay::Impl::open_room(const NetKey& who, std::uint32_t players, std
 /// Without the secret and the relay's address: the player has the one, and asks at the other.
 std::vector<std::byte> Relay::Impl::token_for(const NetKey& who, const Room& room, const NetKey& key) const {
     ConnectToken token;
-    token.match_id = room.match_id, token.expires_ms = room.opened_ms + 2 * std::uint64_t{def.room_ms};
+    token.match_id = room.match_id, token.expires_ms = room.opened_ms + def.match_ms;
     token.players = room.players;
     token.slot = static_cast<PeerId>(std::ranges::find(room.members, who) - room.members.begin());
     std::ranges::copy(room.members, token.public_keys.begin());
@@ -107,6 +118,13 @@ std::vector<std::byte> Relay::Impl::token_for(const NetKey& who, const Room& roo
                                             def.second_secret);
     }
     return seal_token(token, key);
+}
+
+const std::string& Relay::show(WatchDoor& door) {
+    impl->door = &door;
+    do impl->door_code = random_code();
+    while (impl->rooms.contains(impl->door_code));
+    return impl->door_code;
 }
 
 void Relay::Impl::close_old_rooms() {

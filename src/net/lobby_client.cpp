@@ -20,6 +20,8 @@ const char* sentence_of(LobbyStatus status) {
         return "the lobby has no room for another match";
     case LobbyStatus::bad_request:
         return "the lobby takes 2 to 16 players";
+    case LobbyStatus::door_full:
+        return "all places for those who watch are taken";
     default:
         return "the lobby answers what this program does not know";
     }
@@ -93,7 +95,14 @@ void LobbyClient::Impl::take_answer(Bytes datagram) {
         refusal = opened.error().message;
         return;
     }
-    opened->secret = secret, opened->relay = lobby;
+    opened->secret = secret;
+    if (opened->pass.empty()) { // a place at a door, which stands where its lobby does
+        opened->addresses = {};
+        opened->addresses[0] = lobby;
+        token = std::move(*opened);
+        return;
+    }
+    opened->relay = lobby;
     if (opened->second_relay.address == lobby) opened->second_relay = {}; // it has named itself
     token = std::move(*opened);
 }

@@ -32,7 +32,15 @@ struct Room {
 };
 
 /// What the lobby says; the rest of a lobby answer has a meaning for the first two only.
-enum class LobbyStatus : std::uint8_t { waiting, ready, no_such_code, room_full, lobby_full, bad_request };
+enum class LobbyStatus : std::uint8_t {
+    waiting,
+    ready,
+    no_such_code,
+    room_full,
+    lobby_full,
+    bad_request,
+    door_full
+};
 
 // The lobby's formats, see README.md: both directions are of one length, so that nothing is amplified or told by it.
 inline constexpr std::size_t code_letters = 8;
@@ -58,6 +66,8 @@ struct Relay::Impl {
     std::map<NetAddress, std::pair<std::uint64_t, PeerId>> seats; ///< by address: match and slot
     std::map<std::string, net::Room> rooms;                       ///< by code
     std::map<std::array<std::byte, 32>, std::string> room_of;     ///< by a member's public key
+    WatchDoor* door = nullptr;                                    ///< that is shown; null: none
+    std::string door_code;                                        ///< its code
     net::PacketQueue<NetAddress> outgoing;
     std::uint64_t forwarded = 0;
     NetStats stats;
@@ -77,6 +87,13 @@ struct Relay::Impl {
 
     // lobby.cpp
     Fault take_lobby_request(const NetAddress& from, net::Bytes datagram);
+    /// What is said to who asks.
+    struct Said {
+        net::LobbyStatus status;
+        std::uint32_t members;
+        std::vector<std::byte> token;
+    };
+    Said say(const NetKey& who, std::uint32_t players, std::string& code, const NetKey& key);
     net::LobbyStatus enter(const NetKey& who, std::uint32_t players, std::string& code);
     net::LobbyStatus open_room(const NetKey& who, std::uint32_t players, std::string& code);
     std::vector<std::byte> token_for(const NetKey& who, const net::Room& room, const NetKey& key) const;

@@ -1,4 +1,4 @@
-#include "lockstone/net.h"
+#include "net/packet.h"
 
 namespace lockstone {
 
@@ -40,7 +40,7 @@ std::optional<Datagram> UdpTransport::receive() { return peer.next_packet(); }
 // ---- a door --------------------------------------------------------------------------------------------------------
 
 UdpWatchDoor::UdpWatchDoor(WatchDoor made, UdpSocket opened, std::uint64_t now_ms)
-    : watchers(std::move(made)), wire(std::move(opened)), now(now_ms) {}
+    : watchers(std::make_unique<WatchDoor>(std::move(made))), wire(std::move(opened)), now(now_ms) {}
 
 Result<UdpWatchDoor> UdpWatchDoor::open(const WatchDoorDef& def, const NetAddress& local,
                                         std::uint64_t now_ms) {
@@ -53,27 +53,44 @@ Result<UdpWatchDoor> UdpWatchDoor::open(const WatchDoorDef& def, const NetAddres
     return UdpWatchDoor(std::move(*door), std::move(*socket), now_ms);
 }
 
+const std::string& UdpWatchDoor::open_lobby(const NetKey& secret, std::uint64_t now_ms) {
+    // It seats no players and opens no rooms: all that it does is to let in. A classroom behind one address comes in within seconds.
+    lobby = std::make_unique<Relay>(
+        secret, RelayDef{.matches_max = 0, .hellos_per_source = 64, .rooms_max = 0}, now_ms);
+    return lobby->show(*watchers);
+}
+
 void UdpWatchDoor::poll(std::uint64_t now_ms) {
     now = now_ms;
+    const auto is_for_lobby = [&](std::span<const std::byte> datagram) {
+        const auto kind = datagram.empty() ? net::Kind::hello : net::kind_of(datagram[0]);
+        return lobby != nullptr && (kind == net::Kind::relay_hello || kind == net::Kind::lobby_request);
+    };
     for (std::uint32_t i = 0; i < datagrams_per_poll; ++i) {
         const auto arrived = wire.receive();
         if (!arrived) break;
-        watchers.receive(arrived->from, arrived->bytes, now);
+        if (is_for_lobby(arrived->bytes))
+            lobby->receive(arrived->from, arrived->bytes, now);
+        else
+            watchers->receive(arrived->from, arrived->bytes, now);
         flush();
     }
-    watchers.poll(now);
+    watchers->poll(now);
+    if (lobby) lobby->poll(now);
     flush();
 }
 
 void UdpWatchDoor::flush() {
-    while (const auto datagram = watchers.next_outgoing()) wire.send(datagram->to, datagram->bytes);
+    while (const auto datagram = watchers->next_outgoing()) wire.send(datagram->to, datagram->bytes);
+    while (const auto datagram = lobby ? lobby->next_outgoing() : std::nullopt)
+        wire.send(datagram->to, datagram->bytes);
 }
 
 void UdpWatchDoor::send(PeerId to, std::span<const std::byte> bytes) {
-    watchers.send(to, bytes, now);
+    watchers->send(to, bytes, now);
     flush();
 }
 
-std::optional<Datagram> UdpWatchDoor::receive() { return watchers.next_packet(); }
+std::optional<Datagram> UdpWatchDoor::receive() { return watchers->next_packet(); }
 
 } // namespace lockstone

@@ -20,6 +20,7 @@ void PeerSession::judge_peers() {
     find_silent_peers();
     find_late_peer();
     drop_unwanted_peers();
+    if (has_come_in_vain()) return stop("the machines that let this one in count it as gone, or are gone");
     for (std::uint32_t p = 0; p < queues.size() && !stopped; ++p)
         if (is_gone(p)) agree_on_cut(p);
 }
@@ -39,6 +40,13 @@ bool PeerSession::is_dropped() const {
         if (has_dropped_us(link) || (link.state == PeerLink::State::connected && !link.unwanted)) ++heard;
     }
     return others > 1 && 2 * dropped_by > heard;
+}
+
+/// Who came in and has confirmed nothing with the others would go on alone beside them: it may come again instead.
+bool PeerSession::has_come_in_vain() const {
+    return entry_tick > 0 && settled_end == entry_tick && !links.empty() &&
+           std::ranges::all_of(links,
+                               [](const PeerLink& link) { return link.state == PeerLink::State::gone; });
 }
 
 void PeerSession::find_silent_peers() {

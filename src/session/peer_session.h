@@ -117,6 +117,7 @@ class PeerSession final : public Session {
     std::uint32_t players_of(PeerId peer) const { return players_at(def, peer); }
     bool has_dropped_us(const PeerLink& link) const;
     bool is_dropped() const;
+    bool has_come_in_vain() const;
     void find_silent_peers();
     void find_fault_with(PeerLink& link);
     void find_late_peer();

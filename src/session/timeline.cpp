@@ -183,13 +183,16 @@ namespace {
 constexpr std::uint64_t listener_resend_polls = 20, ticks_ahead_max = 256;
 constexpr std::uint64_t snapshot_polls = 120;      ///< between two states, and while somebody takes one
 constexpr std::uint64_t snapshot_polls_max = 7200; ///< then nobody takes it any more
-constexpr std::uint64_t quiet_polls = 60; ///< of a listener: it is sent nothing until it is heard again
+constexpr std::uint64_t quiet_polls = 60;   ///< of a listener: it is sent nothing until it is heard again
+constexpr std::uint64_t kept_unheard = 256; ///< [ticks], at least
 constexpr std::uint32_t chunks_per_wish = 2, chunks_ahead_max = 64;
 } // namespace
 
 TimelineHost::TimelineHost(const SessionDef& session_def, TimelineDef how)
     : def(how), match(packet_context(session_def).match), tick_bytes(tick_bytes_of(session_def)),
-      hashes(history_ticks) {}
+      hashes(history_ticks) {
+    if (!def.keeps_unheard) log.reserve(2 * kept_unheard * tick_bytes);
+}
 
 void TimelineHost::add(std::uint64_t tick, std::span<const PlayerInput> inputs, std::uint64_t hash) {
     if (!std::exchange(has_begun, true)) first = log_first = tick;
@@ -197,7 +200,6 @@ void TimelineHost::add(std::uint64_t tick, std::span<const PlayerInput> inputs, 
                      " after ", log_end());
     hashes[tick % history_ticks] = hash;
     make_room();
-    if (log_first > tick) return; // nobody needs it
     base::ByteWriter out(log);
     out.u32(static_cast<std::uint32_t>(hash));
     std::uint32_t left = 0;
@@ -212,20 +214,18 @@ void TimelineHost::add_told(std::uint64_t tick, std::span<const std::byte> told)
     LOCKSTONE_ASSERT(tick == log_end() && told.size() == tick_bytes, "tick ", tick, " after ", log_end());
     is_told = true;
     make_room();
-    if (log_first <= tick) base::ByteWriter(log).bytes(told);
+    base::ByteWriter(log).bytes(told);
 }
 
-/// Before a tick is added. Where ticks are kept only for those who listen, all go; else the older half.
+/// Before a tick is added. A log that is kept for those who listen begins before anybody does: whoever takes another machine's state may
+/// ask here for what comes after it.
 void TimelineHost::make_room() {
     const std::uint64_t ticks = log.size() / tick_bytes;
-    if (!def.keeps_unheard && (all.empty() || ticks >= def.log_ticks_max)) {
-        log_first = log_end() + 1;
-        log.clear();
-    } else if (ticks >= def.log_ticks_max) {
-        const std::uint64_t old = ticks - ticks / 2;
-        log.erase(log.begin(), log.begin() + static_cast<std::ptrdiff_t>(old * tick_bytes));
-        log_first += old;
-    }
+    const bool is_unheard = !def.keeps_unheard && all.empty();
+    if (ticks < (is_unheard ? 2 * kept_unheard : def.log_ticks_max)) return;
+    const std::uint64_t old = def.keeps_unheard || is_unheard ? ticks - ticks / 2 : ticks;
+    log.erase(log.begin(), log.begin() + static_cast<std::ptrdiff_t>(old * tick_bytes));
+    log_first += old;
 }
 
 std::optional<std::uint32_t> TimelineHost::told_hash(std::uint64_t tick) const {

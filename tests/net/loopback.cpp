@@ -44,12 +44,14 @@ struct Outcome {
     std::vector<std::vector<std::uint64_t>> hashes;
     std::vector<NetStats> wire;
     std::uint64_t rollbacks = 0;
+    std::uint64_t leader_first = 0; ///< tick that machine 0 has confirmed first since it came back
     bool good = true;
 };
 
-/// `relays`: those that the plan names; the first is lost at a frame. So may machine 0 be, which opened the match.
+/// `relays`: those that the plan names; the first is lost at a frame. So may machine 0 be, which opened the match; it may come back without
+/// anything but its token.
 Outcome play(const MatchPlan& plan, std::vector<SocketRelay*> relays, std::uint64_t lost_at = never,
-             std::uint64_t leader_lost_at = never) {
+             std::uint64_t leader_lost_at = never, std::uint64_t leader_back_at = never) {
     const auto players = static_cast<std::uint32_t>(plan.addresses.size());
     const auto game = make_scene("rollback-arena", {.size = 0, .seed = 1, .players = players}).value();
     const auto tokens = make_tokens(plan).value();
@@ -61,17 +63,23 @@ Outcome play(const MatchPlan& plan, std::vector<SocketRelay*> relays, std::uint6
         machines.push_back(std::make_unique<NetPlayer>(*game, slot, players, *transports.back()));
     }
     const auto done = [&] {
-        const std::ptrdiff_t first = leader_lost_at == never ? 0 : 1;
+        const std::ptrdiff_t first = leader_lost_at == never || leader_back_at != never ? 0 : 1;
         return std::all_of(machines.begin() + first, machines.end(),
-                           [](const auto& m) { return m->hashes.size() >= match_ticks; });
+                           [](const auto& m) { return m->end() >= match_ticks; });
     };
     const auto poll_relays = [&](std::uint64_t frame, std::uint64_t now_ms) {
         for (std::size_t r = frame < lost_at ? 0 : 1; r < relays.size(); ++r) relays[r]->poll(now_ms);
     };
     for (std::uint64_t frame = 0; frame < 4 * match_ticks && !done(); ++frame) {
         const std::uint64_t now_ms = start_ms + frame * 1000 / 60;
+        if (frame == leader_back_at) {
+            machines[0] = nullptr, transports[0] = nullptr;
+            transports[0] =
+                std::make_unique<UdpTransport>(UdpTransport::open(tokens[0], {}, any_port, now_ms).value());
+            machines[0] = std::make_unique<NetPlayer>(*game, 0, players, *transports[0], nullptr, 1);
+        }
         for (PeerId slot = 0; slot < players; ++slot) {
-            if (slot == 0 && frame >= leader_lost_at) continue;
+            if (slot == 0 && frame >= leader_lost_at && frame < leader_back_at) continue;
             // What has arrived is looked at once in six frames, so that inputs come late and guesses are made.
             if (frame < 60 || (frame + slot) % 6 == 0) transports[slot]->poll(now_ms);
             poll_relays(frame, now_ms);
@@ -80,6 +88,7 @@ Outcome play(const MatchPlan& plan, std::vector<SocketRelay*> relays, std::uint6
         }
     }
     Outcome out;
+    out.leader_first = machines[0]->first;
     for (PeerId slot = 0; slot < players; ++slot) {
         out.hashes.push_back(machines[slot]->hashes),
             out.wire.push_back(transports[slot]->endpoint().stats());
@@ -161,6 +170,28 @@ TEST_CASE(
     REQUIRE(out.hashes[0].size() > 300);
     CHECK(out.hashes[0].size() < 500);
     CHECK(std::ranges::equal(out.hashes[0], std::span(out.hashes[1]).first(out.hashes[0].size())));
+}
+
+TEST_CASE("net: the machine that opened the match is lost with the relay that it ran: the others go on "
+          "through the second one, and there it comes back") {
+    SocketRelay first, second;
+    MatchPlan plan = plan_of(3);
+    plan.addresses = free_addresses(3);
+    plan.relay = first.socket.local_address(), plan.relay_secret = first.secret;
+    plan.second_relay = second.socket.local_address(), plan.second_relay_secret = second.secret;
+    plan.relay_expires_ms = start_ms + 3'600'000;
+    const Outcome out = play(plan, {&first, &second}, 400, 400, 1000);
+    REQUIRE(out.hashes[1].size() == match_ticks);
+    CHECK(out.hashes[1] == out.hashes[2]);
+    CHECK(out.leader_first > 400);
+    REQUIRE(out.leader_first + out.hashes[0].size() == match_ticks);
+    CHECK(std::ranges::equal(out.hashes[0], std::span(out.hashes[1]).subspan(out.leader_first)));
+
+    plan.second_relay = {}; // the planted twin: without one nobody meets anybody any more
+    plan.addresses = free_addresses(3);
+    const Outcome lost = play(plan, {&first, &second}, 400, 400, 1000);
+    CHECK(lost.hashes[1] != lost.hashes[2]);
+    CHECK(lost.hashes[0].empty());
 }
 
 TEST_CASE("net: the comparison of hashes can fail: those of another game are others") {

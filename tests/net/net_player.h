@@ -2,6 +2,7 @@
 #pragma once
 
 #include "lockstone/net.h"
+#include "lockstone/session/join.h"
 #include "lockstone/session/spectator.h"
 #include "scenes/scenes.h"
 
@@ -9,14 +10,15 @@ namespace lockstone::test {
 
 class NetPlayer final : public ConfirmedSink {
   public:
-    /// `shown_to`: where its match is watched from; null: nowhere.
+    /// `shown_to`: where its match is watched from; null: nowhere. `life`: how often it has come back without any state.
     NetPlayer(const Game& rules, PeerId self, std::uint32_t players, Transport& transport,
-              Transport* shown_to = nullptr)
+              Transport* shown_to = nullptr, std::uint32_t life = 0)
         : game(rules), slot(self), world(rules.start().value()), simulation(world, rules) {
         std::vector<PeerId> machines(players);
         for (PeerId p = 0; p < players; ++p) machines[p] = p;
         const SessionDef def = session_def(game, self, machines);
-        session = make_rollback_session(def, transport).value();
+        session = life == 0 ? make_rollback_session(def, transport).value()
+                            : make_join_session(def, {.life = life}, transport).value();
         if (shown_to != nullptr)
             host = std::make_unique<SpectatorHost>(def, *shown_to, SpectatorHostDef{}, this);
         ConfirmedSink* sink = this;
@@ -48,11 +50,14 @@ class NetPlayer final : public ConfirmedSink {
         }
     }
     std::vector<std::uint64_t> hashes; ///< of confirmed ticks
+    std::uint64_t first = 0;           ///< of them
+    std::uint64_t end() const { return first + hashes.size(); }
     bool desynced = false, lost = false;
     const SessionStats& stats() const { return session->stats(); }
 
   private:
-    void on_confirmed(std::uint64_t, std::span<const PlayerInput>, std::uint64_t hash) override {
+    void on_confirmed(std::uint64_t tick, std::span<const PlayerInput>, std::uint64_t hash) override {
+        if (hashes.empty()) first = tick;
         hashes.push_back(hash);
     }
     const Game& game;

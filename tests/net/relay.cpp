@@ -217,6 +217,38 @@ TEST_CASE("net: a code brings three players together, who then connect through t
         for (PeerId b = 0; b < 3; ++b) CHECK(players[a]->is_connected(b) == (a != b));
 }
 
+TEST_CASE(
+    "net: who met by a code may come back with its token as long as the match may last, and not later") {
+    constexpr std::uint64_t minute_ms = 60'000;
+    for (const std::uint64_t minutes : {11u, 25u}) {
+        Lobby lobby;
+        lobby.wire.keeps = false;
+        lobby.relay = Relay(relay_secret, {.match_ms = 20 * minute_ms}, start_ms);
+        const std::string code = lobby.ask("", 2).code();
+        lobby.ask(code, 0);
+        lobby.wire.run(1000);
+        std::array<std::unique_ptr<Endpoint>, 2> players;
+        const auto begin = [&](std::size_t slot) {
+            auto made = Endpoint::create(lobby.clients[slot]->token().value(), {}, lobby.wire.now_ms);
+            if (!made) return false;
+            players[slot] = std::make_unique<Endpoint>(std::move(*made));
+            lobby.wire.attach(address(static_cast<std::uint8_t>(50 + slot)), *players[slot]);
+            return true;
+        };
+        REQUIRE(begin(0));
+        REQUIRE(begin(1));
+        lobby.wire.run(2000);
+        CHECK(players[1]->is_connected(0));
+        lobby.wire.detach(address(50)); // who opened the room
+        for (std::uint64_t second = 0; second < 60 * minutes; ++second) lobby.wire.advance(1000);
+        const bool is_in_time = minutes < 20;
+        CHECK(begin(0) == is_in_time); // as a new process does, which has kept its token
+        if (!is_in_time) continue;
+        lobby.wire.run(3000);
+        CHECK(players[0]->is_connected(1));
+    }
+}
+
 TEST_CASE("net: the lobby says why it refuses, and takes no orders from who does not know its key") {
     Lobby lobby;
     CHECK(lobby.ask("ABCDEFGH", 0).refusal() == "the lobby knows no such code, or it has expired");

@@ -1,4 +1,5 @@
-// Fifty machines watch over sockets of 127.0.0.1, each with keys of its own, through one relay: the player sends the match once.
+// Fifty machines watch over sockets of 127.0.0.1, each with keys of its own, through one relay: the player sends the match once. They come
+// by tokens, or all by one code.
 #include "lockstone/session/spectator_relay.h"
 #include "net/net_player.h"
 #include "net/wire.h"
@@ -102,4 +103,99 @@ TEST_CASE("net: fifty watch over 127.0.0.1 through a relay, all see every tick, 
           "than for one") {
     const std::uint64_t for_one = bytes_sent_with(1), for_fifty = bytes_sent_with(50);
     CHECK(for_fifty * 100 <= for_one * bytes_bound_percent);
+}
+
+namespace {
+
+/// A machine that asks the lobby of a door by a code, then watches.
+struct Guest {
+    UdpSocket socket = UdpSocket::open(any_port).value();
+    LobbyClient lobby;
+    std::optional<UdpTransport> transport;
+
+    bool doubles = true; ///< all that it sends to the lobby arrives twice: it is one place
+
+    Guest(const NetAddress& at, const NetKey& key, const std::string& code, bool doubled = true)
+        : lobby(at, key, code, 2), doubles(doubled) {}
+    void poll(std::uint64_t now_ms) {
+        while (const auto arrived = socket.receive()) lobby.receive(arrived->from, arrived->bytes, now_ms);
+        lobby.poll(now_ms);
+        while (const auto out = lobby.next_outgoing()) {
+            socket.send(out->to, out->bytes);
+            if (doubles) socket.send(out->to, out->bytes);
+        }
+        if (!transport && lobby.token())
+            transport = UdpTransport::open(*lobby.token(), {}, any_port, now_ms).value();
+        if (transport) transport->poll(now_ms);
+    }
+};
+
+} // namespace
+
+TEST_CASE(
+    "net: by one code as many come as there are places, each to one of its own, and nobody by another code") {
+    constexpr std::uint32_t places = 6;
+    const NetKey secret = random_key();
+    UdpWatchDoor opened =
+        UdpWatchDoor::open({.expires_ms = start_ms + 3'600'000, .watchers_max = places}, any_port, start_ms)
+            .value();
+    const std::string code = opened.open_lobby(secret, start_ms);
+    UdpWatchDoor door = std::move(opened); // the lobby still knows where the door is
+    const NetAddress at = door.socket().local_address();
+    std::vector<std::unique_ptr<Guest>> guests;
+    const auto run = [&](std::uint64_t from_ms) {
+        for (std::uint64_t now_ms = from_ms; now_ms < from_ms + 4000; now_ms += 20) {
+            door.poll(now_ms);
+            for (const auto& guest : guests) guest->poll(now_ms);
+        }
+    };
+    const auto come = [&](const std::string& word, const NetKey& key) {
+        guests.push_back(std::make_unique<Guest>(at, key, word));
+    };
+    const NetKey key = public_key_of(secret);
+    come(code == "AAAAAAAA" ? "BBBBBBBB" : "AAAAAAAA", key), come("", key),
+        come(code, public_key_of(random_key()));
+    run(start_ms);
+    CHECK(guests[0]->lobby.refusal() == "the lobby knows no such code, or it has expired");
+    CHECK(guests[1]->lobby.refusal() == "the lobby has no room for another match");
+    CHECK_FALSE(guests[2]->lobby.token()); // another key: nothing is answered
+    CHECK(door.door().counters().let_in == 0);
+    for (std::uint32_t i = 0; i < places; ++i) come(code, key);
+    run(start_ms + 5000);
+    CHECK(door.door().counters().let_in == places);
+    CHECK(door.door().counters().connected == places);
+    come(code, key);
+    run(start_ms + 10'000);
+    CHECK(guests.back()->lobby.refusal() == "all places for those who watch are taken");
+    std::vector<std::uint64_t> matches;
+    for (std::uint32_t i = 3; i < 3 + places; ++i) {
+        REQUIRE(guests[i]->lobby.token());
+        CHECK(guests[i]->lobby.token()->addresses[0] == at);
+        matches.push_back(guests[i]->lobby.token()->match_id);
+        guests[i]->transport->send(0, Packet(30, static_cast<std::byte>(i)));
+    }
+    std::ranges::sort(matches);
+    CHECK(std::ranges::adjacent_find(matches) == matches.end());
+    door.poll(start_ms + 15'000);
+    std::uint32_t taken = 0;
+    for (; const auto packet = door.receive(); ++taken) CHECK(packet->bytes.size() == 30);
+    CHECK(taken == places);
+}
+
+TEST_CASE("net: three hundred behind one address come by one code before any of them loses its patience") {
+    constexpr std::uint32_t count = 300;
+    constexpr std::uint64_t patience_ms = 5000; // of the demo with a relay that does not answer
+    const NetKey secret = random_key();
+    UdpWatchDoor door = UdpWatchDoor::open({.expires_ms = start_ms + 3'600'000}, any_port, start_ms).value();
+    const std::string code = door.open_lobby(secret, start_ms);
+    std::vector<std::unique_ptr<Guest>> guests;
+    for (std::uint32_t i = 0; i < count; ++i)
+        guests.push_back(
+            std::make_unique<Guest>(door.socket().local_address(), public_key_of(secret), code, false));
+    for (std::uint64_t now_ms = start_ms; now_ms < start_ms + patience_ms; now_ms += 20) {
+        door.poll(now_ms);
+        for (const auto& guest : guests) guest->poll(now_ms);
+    }
+    CHECK(std::ranges::count_if(guests, [](const auto& g) { return g->lobby.token().has_value(); }) == count);
+    CHECK(door.door().counters().let_in == count);
 }

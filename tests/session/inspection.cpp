@@ -33,7 +33,15 @@ class FaultySimulation final : public Simulation {
     std::uint64_t hash() const override { return real.hash(); }
     std::span<const Event> events() const override { return real.events(); }
     State& state() override { return real.state(); }
-    void record_phase_hashes(bool on) override { real.record_phase_hashes(on); }
+    void record_phase_hashes(bool on) override {
+        real.record_phase_hashes(on);
+        run_again_here += on ? 1u : 0u;
+    }
+    /// A fault of the program is in every copy of it, one of the machine is not.
+    std::optional<Rerun> run_aside(const Image& before, std::span<const PlayerInput> inputs) override {
+        const bool is_in_program = flip && (flip->column.empty() || flip->each_time);
+        return is_in_program ? std::nullopt : real.run_aside(before, inputs);
+    }
     std::span<const PhaseHash> phase_hashes() const override { return real.phase_hashes(); }
     void advance(std::span<const PlayerInput> inputs) override {
         const std::uint64_t tick = world.tick_count();
@@ -47,6 +55,8 @@ class FaultySimulation final : public Simulation {
             static_cast<std::uint32_t>(layout.find_column(flip->column) - layout.columns().data());
         state().edit_bytes(column, flip->row, 1)[flip->byte] ^= std::byte{1};
     }
+
+    std::uint32_t run_again_here = 0; ///< ticks of an inquiry that were not run aside
 
   private:
     std::unique_ptr<Game> game;
@@ -151,6 +161,8 @@ TEST_CASE("a flipped bit is named at both machines: tick, column, row, field and
         CHECK(report.remote_repeats ==
               flip.each_time); // a fault that does not come again is the other machine's
         CHECK(match.sides[1].reports[0].local_repeats == flip.each_time);
+        CHECK(match.sides[0].simulation->run_again_here == 0); // what is played is left alone
+        CHECK(match.sides[1].simulation->run_again_here == (flip.each_time ? 1 : 0));
         MESSAGE(to_string(report), "; ", report.bytes_exchanged, " bytes, log of ", log_text(report).size());
     }
 }

@@ -35,6 +35,7 @@ void add_all(CLI::App& app, Work& work) {
 #endif
 #ifdef LOCKSTONE_NET
     add_relay(app, work);
+    add_broadcast(app, work);
 #endif
 #ifdef LOCKSTONE_REFERENCE
     add_compare(app, work);

@@ -39,10 +39,11 @@ void add_repair(CLI::App& app, Work& work);
 void add_format(CLI::App& app, Work& work); ///< the tables of replay/FORMAT.md
 void add_synctest(CLI::App& app, Work& work);
 void add_match(CLI::App& app, Work& work);
-void add_bench(CLI::App& app, Work& work);   ///< only where LOCKSTONE_BUILD_BENCH is on
-void add_cook(CLI::App& app, Work& work);    ///< only where LOCKSTONE_BUILD_COOK is on
-void add_relay(CLI::App& app, Work& work);   ///< only where LOCKSTONE_BUILD_NET is on
-void add_compare(CLI::App& app, Work& work); ///< only where LOCKSTONE_BUILD_REFERENCE is on
+void add_bench(CLI::App& app, Work& work);     ///< only where LOCKSTONE_BUILD_BENCH is on
+void add_cook(CLI::App& app, Work& work);      ///< only where LOCKSTONE_BUILD_COOK is on
+void add_relay(CLI::App& app, Work& work);     ///< only where LOCKSTONE_BUILD_NET is on
+void add_broadcast(CLI::App& app, Work& work); ///< likewise
+void add_compare(CLI::App& app, Work& work);   ///< only where LOCKSTONE_BUILD_REFERENCE is on
 
 /// A subcommand: `describe` adds its options, `act` runs once all are read.
 void add_subcommand(CLI::App& app, Work& work, const std::string& name, const std::string& sentence,

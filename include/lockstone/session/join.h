@@ -8,7 +8,8 @@
 // A peer sends the state at a confirmed tick in chunks, then what was confirmed since, and the machine runs after it; all others are
 // asked whether it is their match too. When it is level it asks for its seat, all who play agree on a tick, and from that tick on
 // its inputs count. It comes in where its players have left (Session::drop_peer, silence), or were SessionDef::absent; a machine
-// that asks while the others still wait for what it was before is dropped first, at once.
+// that asks while the others still wait for what it was before is dropped first, at once. Whoever else goes meanwhile, those who stay let it in;
+// where it loses all of them before a tick was confirmed with them it stops (MatchStopped), and may come again with a greater life.
 #pragma once
 
 #include "lockstone/session.h"

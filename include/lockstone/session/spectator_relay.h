@@ -5,6 +5,8 @@
 //                        each frame: relay->poll();
 //   a watching machine:  make_spectator_session(session_def, relay_peer, transport), as of any host
 //
+// `lockstone broadcast` is such a relay over UDP, for matches of the demo; tools/cli/match/broadcast.cpp is how one is made.
+//
 // The relay has neither game nor world. It asks one host for confirmed ticks and, now and then, for a state, as one watcher does, keeps
 // both in bounded memory and serves every watcher from there. So what a player sends does not depend on who watches. When its host says
 // nothing new for three seconds, it asks the next one from where that ended: the match is watched on when a machine has left.

@@ -20,6 +20,8 @@ constexpr std::uint64_t sweep_every_ms = 1000;
 
 struct Place {
     std::optional<Endpoint> endpoint = {}; ///< none: it is free
+    std::uint64_t match_id = 0;            ///< the token's
+    NetKey own = {}, theirs = {};          ///< public keys
     std::uint32_t match = 0;               ///< low half of the token's match id, of no other place
     std::uint64_t heard_ms = 0, delivered = 0;
     NetAddress address = {}; ///< that has proven to be the token's owner's last; no port: none
@@ -38,6 +40,7 @@ struct WatchDoor::Impl {
     std::vector<PeerId> sending, giving;
     std::uint64_t strangers = 0;
 
+    ConnectToken token_of(const Place& place) const;
     PeerId place_of(const NetAddress& from, Bytes datagram) const;
     void set_address(PeerId at, const NetAddress& proven);
     void ask(PeerId at);
@@ -63,19 +66,26 @@ Result<WatchDoor> WatchDoor::create(const WatchDoorDef& def, std::uint64_t now_m
 }
 
 Result<ConnectToken> WatchDoor::let_in(std::uint64_t now_ms) {
+    const NetKey secret = random_key();
+    Result<ConnectToken> token = let_in(public_key_of(secret), now_ms);
+    if (token) token->secret = secret;
+    return token;
+}
+
+Result<ConnectToken> WatchDoor::let_in(const NetKey& public_key, std::uint64_t now_ms) {
     Impl& all = *impl;
     all.now = std::max(all.now, now_ms);
+    const auto known = std::ranges::find_if(
+        all.places, [&](const Place& place) { return place.endpoint && place.theirs == public_key; });
+    if (known != all.places.end()) return all.token_of(*known);
     const auto free = std::ranges::find_if(all.places, [](const Place& place) { return !place.endpoint; });
     if (free == all.places.end())
         return Error{base::join("all ", all.places.size(), " places for those who watch are taken")};
     ConnectToken token;
     do token.match_id = random_u64();
     while (all.by_match.contains(static_cast<std::uint32_t>(token.match_id)));
-    token.expires_ms = all.def.expires_ms, token.players = 2;
-    const NetKey own = random_key(), theirs = random_key();
-    token.public_keys[door_slot] = public_key_of(own),
-    token.public_keys[watcher_slot] = public_key_of(theirs);
-    token.addresses[door_slot] = all.def.address;
+    const NetKey own = random_key();
+    token = all.token_of({.match_id = token.match_id, .own = public_key_of(own), .theirs = public_key});
     token.slot = door_slot, token.secret = own;
     Result<Endpoint> made = Endpoint::create(token,
                                              {.packets_per_second = all.def.packets_per_second,
@@ -84,10 +94,20 @@ Result<ConnectToken> WatchDoor::let_in(std::uint64_t now_ms) {
                                              all.now);
     if (!made) return made.error();
     free->endpoint.emplace(std::move(*made));
+    free->match_id = token.match_id, free->own = token.public_keys[door_slot], free->theirs = public_key;
     free->match = static_cast<std::uint32_t>(token.match_id);
     free->heard_ms = all.now;
     all.by_match[free->match] = static_cast<PeerId>(free - all.places.begin());
-    token.slot = watcher_slot, token.secret = theirs;
+    return all.token_of(*free);
+}
+
+/// The watcher's, without the secret.
+ConnectToken WatchDoor::Impl::token_of(const Place& place) const {
+    ConnectToken token;
+    token.match_id = place.match_id, token.expires_ms = def.expires_ms, token.players = 2;
+    token.public_keys[door_slot] = place.own, token.public_keys[watcher_slot] = place.theirs;
+    token.addresses[door_slot] = def.address;
+    token.slot = watcher_slot;
     return token;
 }
 

@@ -12,6 +12,11 @@ namespace {
 
 constexpr std::uint64_t ask_again_ms = 2000; ///< with a new ticket, when nothing came of the last
 
+/// A frame in which it catches up begins with all that may still change, and runs several ticks before any of it is confirmed.
+std::uint32_t images_of(const Session& watching, const Session& playing) {
+    return std::max(watching.images_max(), playing.images_max() + catch_up_ticks - 1);
+}
+
 WatchDef watch_of(const SessionDef& def, const JoinDef& join) {
     WatchDef watch;
     for (const PeerId peer : def.players)
@@ -41,7 +46,12 @@ void Inbox::put(const Datagram& datagram) {
 JoinSession::JoinSession(const SessionDef& session_def, const JoinDef& how, Transport& packets)
     : def(session_def), join(how), transport(packets), match(packet_context(session_def).match),
       watch(session_def, watch_of(session_def, how), packets), inbox(packets), ticket(how.life << 8),
-      images(std::max(watch.images_max(), PeerSession(session_def, packets).images_max())) {}
+      images(images_of(watch, PeerSession(session_def, packets))) {
+    // The others wait for it so long when it is in: a host that has gone may take half of that.
+    constexpr std::uint64_t polls_a_second = 60, most_ms = host_silence_polls * 1000 / polls_a_second;
+    const std::uint64_t half_ms = std::min(session_def.disconnect_ms / 2, most_ms);
+    watch.ask_next_after(static_cast<std::uint32_t>(half_ms * polls_a_second / 1000));
+}
 
 const Session& JoinSession::driving() const {
     return is_playing() ? static_cast<const Session&>(*play) : static_cast<const Session&>(watch);

@@ -184,7 +184,7 @@ void SpectatorSession::next_host() {
 void SpectatorSession::judge_silence() {
     if (std::exchange(ticks_seen, ticks.next()) != ticks.next() || phase != Phase::following)
         polls_without_ticks = 0;
-    else if (++polls_without_ticks > host_silence_polls && hosts.size() > 1) {
+    else if (++polls_without_ticks > silence_polls && hosts.size() > 1) {
         serving = (serving + 1) % hosts.size();
         polls_without_ticks = 0;
     }

@@ -36,6 +36,8 @@ class SpectatorSession final : public Session {
     void count(const Datagram& datagram, std::optional<PacketFault> fault);
     void speak(std::uint32_t ticket, bool wants_seat);   ///< sends the wishes of this poll
     void end_at(std::uint64_t tick) { last_end = tick; } ///< runs no tick from there on
+    /// After so many polls of a host that tells nothing new, at most host_silence_polls.
+    void ask_next_after(std::uint32_t polls) { silence_polls = std::min(polls, host_silence_polls); }
     std::uint64_t confirmed_through() const { return confirmed; }
     std::uint64_t here_through() const { return ticks.next(); } ///< ticks below are here
     /// The bytes of a tick that is here, as Stretch tells: the newest history_ticks.
@@ -74,7 +76,7 @@ class SpectatorSession final : public Session {
     std::uint32_t polls_without_progress = 0, polls_with_state = 0;
     ToldTicks ticks;
     std::uint64_t ticks_seen = 0; ///< when polls_without_ticks began to count
-    std::uint32_t polls_without_ticks = 0;
+    std::uint32_t polls_without_ticks = 0, silence_polls = host_silence_polls;
     std::vector<std::uint64_t> hashes; ///< own ones, by tick modulo history_ticks
     std::uint64_t first = 0;           ///< tick that was begun with
     std::uint64_t live_end = 0;        ///< as the host tells

@@ -1,6 +1,7 @@
 // The scenes that the planted faults of joining and of relays are run against, without a fault.
 #include "session/join/join_scenes.h"
 #include "session/join/relayed_scenes.h"
+#include "support/effort.h"
 
 #include <doctest/doctest.h>
 
@@ -18,4 +19,14 @@ TEST_CASE("relays serve whoever watches, whatever their hosts and watchers do") 
         CAPTURE(std::string(scene.name));
         CHECK(scene.run() == "");
     }
+}
+
+TEST_CASE("the first machine goes at any time while another one comes, and the match goes on without it and "
+          "with it") {
+    for (int frames = -100; frames <= 200; frames += is_too_long_here() ? 100 : 20)
+        for (const std::uint32_t machines : {3u, 4u}) {
+            CAPTURE(frames);
+            CAPTURE(machines);
+            CHECK(joins::first_goes(machines, frames) == "");
+        }
 }

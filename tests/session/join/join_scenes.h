@@ -37,6 +37,79 @@ inline std::string comes_back(std::uint32_t machines, std::uint64_t seed, std::u
     return match.machine(0).timeline.end() > 900 ? "" : "the match was held up";
 }
 
+/// Machine 0, which all ask first, goes so many frames after the last machine has begun to come late (before it, where that is negative), and
+/// comes back itself at the end. Nobody else stops, and one after the other both are in.
+inline std::string first_goes(std::uint32_t machines, int frames_after) {
+    MatchDef def{.machines = machines,
+                 .disconnect_ms = 1000,
+                 .link = {.latency_ms = 60, .jitter_ms = 30, .loss_permille = 100},
+                 .absent = 1u << (machines - 1),
+                 .seed = machines + static_cast<std::uint64_t>(frames_after + 1000)};
+    def.players.clear();
+    for (PeerId id = 0; id < machines; ++id) def.players.push_back(id);
+    const PeerId late = machines - 1;
+    Match match(def);
+    match.run(300);
+    if (frames_after < 0) match.crash(0), match.run(static_cast<std::uint64_t>(-frames_after));
+    match.join(late);
+    if (frames_after >= 0) match.run(static_cast<std::uint64_t>(frames_after)), match.crash(0);
+    match.run(900);
+    if (!match.notices<MatchStopped>(late).empty()) { // let in by machine 0 and gone with it: it comes again
+        match.crash(late), match.join(late, 2);
+        match.run(900);
+    }
+    const std::uint64_t before = match.machine(1).timeline.end();
+    if (before < 600) return "the match was held up";
+    if (match.notices<PlayerJoined>(late).size() != 1) return "who comes late is not in";
+    if (match.machine(1).timeline.ticks.back().statuses[late] != InputStatus::confirmed)
+        return "the inputs of who came late do not count";
+    if (match.machine(1).timeline.ticks.back().statuses[0] != InputStatus::disconnected)
+        return "who has gone still has a say";
+    match.join(0);
+    match.run(900);
+    for (PeerId a = 0; a < machines; ++a) {
+        for (PeerId b = 0; b < machines; ++b)
+            if (!match.agree(a, b)) return "the machines parted";
+        if (!match.notices<Desync>(a).empty()) return "a desync";
+        if (!match.notices<MatchStopped>(a).empty()) return "a match has stopped";
+        if (match.machine(a).timeline.end() + 60 < match.machine(1).timeline.end())
+            return "a machine is behind";
+        for (const InputStatus status : match.machine(a).timeline.ticks.back().statuses)
+            if (status != InputStatus::confirmed) return "somebody's inputs do not count";
+    }
+    return match.machine(1).timeline.end() > before + 600 ? "" : "the match was held up when it came back";
+}
+
+/// A machine comes back, hears nothing for a while, then all at once: it has run as far as guesses go, and runs on at once.
+inline std::string hears_all_at_once(std::uint32_t machines, std::uint32_t inspected_ticks) {
+    MatchDef def{.machines = machines, .disconnect_ms = 1000, .link = {.latency_ms = 20}};
+    def.players.clear();
+    for (PeerId id = 0; id < machines; ++id) def.players.push_back(id);
+    Match match(def);
+    match.run(200);
+    match.crash(1);
+    match.run(150);
+    match.def.inspected_ticks = inspected_ticks;
+    match.join(1);
+    const auto plays = [&] {
+        const auto joined = match.notices<PlayerJoined>(1);
+        return !joined.empty() && match.machine(1).session->current_tick() > joined[0].tick;
+    };
+    for (int i = 0; i < 1200 && !plays(); ++i) match.frame();
+    if (!plays()) return "it did not come back";
+    for (const std::uint32_t lost : {1000u, 0u}) {
+        for (PeerId from = 0; from < machines; ++from)
+            if (from != 1) match.network.set_link(from, 1, {.latency_ms = 20, .loss_permille = lost});
+        match.run(lost != 0 ? 20 : 300); // the others have its first 30 inputs, so they go on
+    }
+    for (PeerId id = 0; id < machines; ++id) {
+        if (!match.agree(0, id) || !match.notices<Desync>(id).empty()) return "the machines parted";
+        if (!match.machine(id).events.holds(match.machine(id).timeline.end()))
+            return "an event has no end, or two";
+    }
+    return match.machine(1).timeline.end() + 30 > match.machine(0).timeline.end() ? "" : "it is behind";
+}
+
 /// Machine 0 of three shows another state, and is asked for it first.
 inline std::string lying_host() {
     JoinNet net(3);
@@ -68,6 +141,14 @@ inline std::vector<HostileScene> join_scenes() {
         {"a damaged chunk is not taken", joins::damaged_chunk},
         {"a machine comes back among two", [] { return joins::comes_back(2, 2, 30); }},
         {"a machine comes back among three", [] { return joins::comes_back(3, 5, 300); }},
+        {"one of two comes back and hears all at once", [] { return joins::hears_all_at_once(2, 64); }},
+        {"it keeps no states for inquiries", [] { return joins::hears_all_at_once(2, 0); }},
+        {"one of three comes back and hears all at once", [] { return joins::hears_all_at_once(3, 64); }},
+        {"the first goes before the last comes late", [] { return joins::first_goes(3, -300); }},
+        {"it goes while it gives its state", [] { return joins::first_goes(3, 20); }},
+        {"it goes while the last comes", [] { return joins::first_goes(4, 40); }},
+        {"it goes when it has let another one in", [] { return joins::first_goes(3, 54); }},
+        {"it goes while others wait for it", [] { return joins::first_goes(4, -20); }},
         {"a host that lies is found out", joins::lying_host},
     };
 }

@@ -34,9 +34,9 @@ void describe(CLI::App& command, Args& args) {
     add_number(command, "--jitter", args.jitter_ms, "added, up to [ms]", 0, 10000);
     add_number(command, "--ticks", args.ticks, "that every peer has to confirm", 1, UINT64_MAX);
     add_number(command, "--watchers", args.watchers,
-               "machines that watch peer 0, and join one after the other", 0, 64);
+               "machines that watch machine 1, and join one after the other", 0, 64);
     add_flag(command, "--relayed", args.relayed,
-             "they watch through a relay, which peers 0 and 1 show the match to");
+             "they watch through a relay, which machines 1 and 2 show the match to");
     add_number(command, "--late", args.late, "machines that come in late, into empty seats", 0, 15);
     add_number(command, "--rejoin", args.rejoin, "how often a machine loses all its state and comes back", 0,
                1000);
@@ -54,7 +54,8 @@ void describe(CLI::App& command, Args& args) {
     add_text(command, "--mode", args.mode, "rollback or lockstep")
         .one_of({"rollback", "lockstep"})
         .show_default();
-    add_text(command, "--record-prefix", args.record_prefix, "write PREFIX-SEED-PEER.lsr of every peer");
+    add_text(command, "--record-prefix", args.record_prefix,
+             "write PREFIX-SEED-MACHINE.lsr of every machine, from 1");
 }
 
 struct Seeds {
@@ -70,21 +71,29 @@ Result<Seeds> parse_seeds(const std::string& text) {
     return Seeds{first, last};
 }
 
+/// One that was there from the start to the end, and so has all ticks.
+auto there_throughout(const MatchOutcome& match) {
+    return std::ranges::find(match.peers, std::uint64_t{0}, &PeerOutcome::first);
+}
+
 /// What the peers of a match disagree about, with sentences; nothing when all is well.
 std::vector<std::string> disagreements(const MatchOutcome& match, const Game& game, std::uint64_t seed) {
     std::vector<std::string> found = match.broken;
-    const PeerOutcome& first = match.peers.front();
+    const auto first_there = there_throughout(match);
+    if (first_there == match.peers.end()) return {"nobody was there from the start to the end"};
+    const PeerOutcome& first = *first_there;
+    const std::string its_name = "machine " + std::to_string(first_there - match.peers.begin() + 1);
     for (std::size_t p = 0; p < match.peers.size(); ++p) {
         const PeerOutcome& peer = match.peers[p];
-        const std::string name = "seed " + std::to_string(seed) + ", peer " + std::to_string(p);
+        const std::string name = "seed " + std::to_string(seed) + ", machine " + std::to_string(p + 1);
         for (std::size_t tick = peer.first; tick < first.hashes.size(); ++tick)
             if (peer.hashes[tick - peer.first] != first.hashes[tick]) {
-                found.push_back(name + ": differs from peer 0 after tick " + std::to_string(tick));
+                found.push_back(name + ": differs from " + its_name + " after tick " + std::to_string(tick));
                 break;
             }
         const std::size_t before = first.inputs.size() - std::min(first.inputs.size(), peer.inputs.size());
         if (!std::ranges::equal(peer.inputs, std::span(first.inputs).subspan(before)))
-            found.push_back(name + ": its confirmed inputs are not those of peer 0");
+            found.push_back(name + ": its confirmed inputs are not those of " + its_name);
         if (peer.recording.empty()) continue;
         const auto recording = replay::Recording::from_bytes(peer.recording, name);
         if (!recording)
@@ -94,15 +103,15 @@ std::vector<std::string> disagreements(const MatchOutcome& match, const Game& ga
     }
     for (std::size_t w = 0; w < match.watched.size(); ++w)
         if (!std::equal(first.hashes.begin(), first.hashes.end(), match.watched[w].begin()))
-            found.push_back("seed " + std::to_string(seed) + ", watcher " + std::to_string(w) +
-                            ": has seen another match than peer 0");
+            found.push_back("seed " + std::to_string(seed) + ", watcher " + std::to_string(w + 1) +
+                            ": has seen another match than " + its_name);
     return found;
 }
 
 Status write_recordings(const MatchOutcome& match, const std::string& prefix, std::uint64_t seed) {
     for (std::size_t p = 0; p < match.peers.size(); ++p) {
         if (match.peers[p].recording.empty()) continue;
-        const std::string path = prefix + "-" + std::to_string(seed) + "-" + std::to_string(p) + ".lsr";
+        const std::string path = prefix + "-" + std::to_string(seed) + "-" + std::to_string(p + 1) + ".lsr";
         Result<replay::FileSink> sink = replay::FileSink::create(path);
         if (!sink) return sink.error();
         if (Status s = sink->append(match.peers[p].recording); !s) return s;
@@ -127,7 +136,7 @@ void print_summary(const MatchOutcome& match, const MatchDef& def, std::uint64_t
         n(seed), n(def.ticks), static_cast<unsigned>(match.peers.size()),
         def.mode == MatchMode::lockstep ? "lockstep" : "rollback", n(sum.rollbacks), n(sum.depth_max),
         n(sum.resimulated), n(sum.stalls), n(match.milliseconds),
-        hash_text(match.peers.front().hashes.back()).c_str());
+        hash_text(there_throughout(match)->hashes.back()).c_str());
 }
 
 Chaos as_told(const Args& args, std::uint64_t seed) {
@@ -168,7 +177,7 @@ Result<Played> play(const Args& args, const Chaos& chaos,
 void set_plant(const Args& args, MatchDef& def) {
     def.planted = args.plant, def.recovers = args.recover;
     // Peer 1 shows the match where peer 0 no longer can, so it may not be the one that comes back.
-    if (args.recover) def.show_lost = 0;
+    if (args.recover) def.show_lost = 0, def.host_crashes = false;
 }
 
 /// Leaves out what a match fails without, and ticks, as long as it still fails. Prints how to see it fail again.

@@ -29,8 +29,9 @@ struct MatchDef {
     std::uint32_t late = 0;      ///< how many of the last machines come in some seconds after the start
     std::uint32_t rejoins =
         0; ///< how often a machine, but not peer 0, loses all its state and comes back two seconds later
-    std::uint32_t run_ahead = 0;                       ///< [ticks] that every machine is shown ahead
-    std::uint32_t input_delay = 0;                     ///< [ticks]; 0: the session's own
+    bool host_crashes = false;     ///< the first of them is peer 0, after all; then peer 1 shows the match
+    std::uint32_t run_ahead = 0;   ///< [ticks] that every machine is shown ahead
+    std::uint32_t input_delay = 0; ///< [ticks]; 0: the session's own
     std::uint64_t first_late = 200, first_crash = 300; ///< frames
     bool sleeps = false;                               ///< machines sleep for up to half a second
     bool cuts = false;                                 ///< links are cut for up to two seconds

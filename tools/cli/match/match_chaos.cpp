@@ -26,9 +26,9 @@ LinkDef draw_link(Random& random) {
 } // namespace
 
 const std::vector<std::string>& chaos_kinds() {
-    static const std::vector<std::string> kinds = {"ahead",   "relay",  "watchers", "rejoin", "late",
-                                                   "sleep",   "cuts",   "clocks",   "damage", "duplicates",
-                                                   "reorder", "jitter", "loss",     "latency"};
+    static const std::vector<std::string> kinds = {"host",       "ahead",   "relay",  "watchers", "rejoin",
+                                                   "late",       "sleep",   "cuts",   "clocks",   "damage",
+                                                   "duplicates", "reorder", "jitter", "loss",     "latency"};
     return kinds;
 }
 
@@ -60,6 +60,8 @@ Chaos chaos_of(std::uint64_t seed, std::uint64_t ticks, const std::vector<std::s
     if (def.relayed && is_lost && def.rejoins == 0 && chaos.players - def.late >= 2)
         def.show_lost = 60 + early;
     def.run_ahead = random.below(3) == 0 ? 1 + random.below(run_ahead_limit) : 0;
+    // Drawn last: without it a seed is the match that it was before hosts went.
+    def.host_crashes = random.below(2) == 0 && def.rejoins != 0;
     for (LinkDef& link : def.links) {
         if (is_out("damage")) link.damage_permille = 0;
         if (is_out("duplicates")) link.duplicate_permille = 0;
@@ -73,6 +75,7 @@ Chaos chaos_of(std::uint64_t seed, std::uint64_t ticks, const std::vector<std::s
     for (const LinkDef& link : def.links) slowest_ms = std::max(slowest_ms, link.latency_ms + link.jitter_ms);
     if (def.mode == MatchMode::lockstep) def.input_delay = slowest_ms / frame_ms + 2;
     if (is_out("clocks")) def.clock_permille.clear();
+    if (is_out("host")) def.host_crashes = false;
     if (is_out("ahead")) def.run_ahead = 0;
     if (is_out("relay")) def.relayed = false;
     if (is_out("watchers")) def.watchers = 0;
@@ -96,7 +99,7 @@ std::string told(const Chaos& chaos) {
     if (def.watchers != 0 && def.relayed && def.show_lost != 0) words += " whose host goes";
     if (def.run_ahead != 0) words += ", " + std::to_string(def.run_ahead) + " ticks shown ahead";
     if (def.late != 0) words += ", one comes late";
-    if (def.rejoins != 0) words += ", one comes back";
+    if (def.rejoins != 0) words += def.host_crashes ? ", the first comes back" : ", one comes back";
     if (def.sleeps) words += ", machines sleep";
     if (def.cuts) words += ", links are cut";
     return words;

@@ -34,6 +34,10 @@ class PlayedWorld final : public Simulation {
         if (taken && on_adopt) on_adopt();
         return taken;
     }
+    /// Without what it does by itself: then the tick comes out differently here, and the report says so.
+    std::optional<Rerun> run_aside(const Image& before, std::span<const PlayerInput> inputs) override {
+        return simulation.run_aside(before, inputs);
+    }
     void record_phase_hashes(bool on) override { simulation.record_phase_hashes(on); }
     std::span<const PhaseHash> phase_hashes() const override { return simulation.phase_hashes(); }
 
@@ -52,6 +56,9 @@ class PlayedWorld final : public Simulation {
     WorldSimulation simulation;
 };
 
+/// In texts machines count from 1.
+std::string machine_name(PeerId id) { return "machine " + std::to_string(id + 1); }
+
 /// Everything of one machine. Not moved: its parts refer to each other.
 struct Peer {
     Peer(World start, const Game& game) : world(std::move(start)), simulation(world, game) {}
@@ -60,12 +67,13 @@ struct Peer {
     PlayedWorld simulation;
     replay::MemorySink sink;
     std::unique_ptr<ConfirmedLog> log;
-    /// Peer 0's, where somebody watches; where that is through a relay, peer 1's too
+    /// Peer 0's, where somebody watches; where that is through a relay or peer 0 crashes, peer 1's too
     std::unique_ptr<SpectatorHost> host;
     std::unique_ptr<Session> session;
     std::unique_ptr<SessionRunner> runner;
     EventLaw events;
     std::uint32_t differs = 0; ///< bit p: peer p has told another hash
+    bool gave_way = false;     ///< it has begun anew with the others' state
     std::uint32_t wait_frames = 0;
     std::uint64_t awake_at_ms = 0;
 };
@@ -96,13 +104,22 @@ SessionDef session_of(const Game& game, const MatchDef& def, PeerId self) {
     return session;
 }
 
+/// On the watchers' network peer 0, or the relay, is 0; peer 1 comes behind them.
+PeerId second_host(const MatchDef& def) { return def.watchers + 1; }
+
+WatchDef watch_def(const MatchDef& def) {
+    WatchDef watch{.hosts = {0}};
+    if (def.host_crashes && !def.relayed) watch.hosts.push_back(second_host(def));
+    return watch;
+}
+
 Result<std::unique_ptr<Watcher>> make_watcher(const Game& game, const MatchDef& def, PeerId self,
                                               Transport& transport) {
     Result<World> world = game.start();
     if (!world) return world.error();
     auto watcher = std::make_unique<Watcher>(std::move(*world), game, self);
     Result<std::unique_ptr<Session>> session =
-        make_spectator_session(session_of(game, def, self), 0, transport);
+        make_spectator_session(session_of(game, def, self), watch_def(def), transport);
     if (!session) return session.error();
     watcher->session = std::move(*session);
     watcher->runner =
@@ -118,7 +135,7 @@ Result<replay::InputRecorder> begin_recording(Peer& peer, const Game& game, cons
 }
 
 bool shows_the_match(const MatchDef& def, PeerId self) {
-    return def.watchers > 0 && (self == 0 || (self == 1 && def.relayed));
+    return def.watchers > 0 && (self == 0 || (self == 1 && (def.relayed || def.host_crashes)));
 }
 
 Result<std::unique_ptr<Peer>> make_peer(const Game& game, const MatchDef& def, PeerId self,
@@ -185,7 +202,7 @@ Status come_and_go(std::vector<std::unique_ptr<Peer>>& peers, const Game& game, 
     const std::uint32_t who = game.player_count() - def.late - 1;
     for (std::uint32_t n = 0; n < def.rejoins && who > 0; ++n) {
         const std::uint64_t at = def.first_crash + n * frames_between;
-        const PeerId id = 1 + n % who;
+        const PeerId id = def.host_crashes && n == 0 ? 0 : 1 + n % who;
         if (frame == at) peers[id] = nullptr;
         if (frame == at + frames_away)
             if (Status s = join(id, n + 1); !s) return s;
@@ -209,20 +226,27 @@ void run_frame(Peer& peer, PeerId self, const Game& game, const MatchDef& def, s
     std::vector<std::string>& desyncs = def.recovers ? out.notes : out.broken;
     while (const auto notice = peer.session->next_notice()) {
         if (const auto* named = std::get_if<DesyncNamed>(&*notice))
-            desyncs.push_back("machine " + std::to_string(self + 1) + ": " + to_string(*named->report));
+            desyncs.push_back(machine_name(self) + ": " + to_string(*named->report));
         if (const auto* stopped = std::get_if<MatchStopped>(&*notice))
-            out.notes.push_back("peer " + std::to_string(self) + ": " + stopped->reason);
+            out.notes.push_back(machine_name(self) + ": " + stopped->reason);
         if (const auto* gone = std::get_if<PlayerDisconnected>(&*notice))
-            out.notes.push_back("peer " + std::to_string(self) + ": player " + std::to_string(gone->player) +
+            out.notes.push_back(machine_name(self) + ": player " + std::to_string(gone->player + 1) +
                                 " left at tick " + std::to_string(gone->tick) + ", at " +
                                 std::to_string(now_ms) + " ms");
         if (const auto* desync = std::get_if<Desync>(&*notice)) {
             peer.differs |= 1u << desync->peer;
-            desyncs.push_back("peer " + std::to_string(self) + " and peer " + std::to_string(desync->peer) +
+            desyncs.push_back(machine_name(self) + " and " + machine_name(desync->peer) +
                               " differ after tick " + std::to_string(desync->tick) + ": " +
                               hash_text(desync->local) + " against " + hash_text(desync->remote));
         }
     }
+}
+
+/// Who comes late, or back, has no say before it plays; who gives way keeps its own.
+std::uint32_t count_voters(const std::vector<std::unique_ptr<Peer>>& peers) {
+    return static_cast<std::uint32_t>(std::ranges::count_if(peers, [](const auto& peer) {
+        return peer != nullptr && (!peer->log->hashes.empty() || peer->gave_way);
+    }));
 }
 
 /// Whether a machine is the one to give way: more than half of the others differ from it, or it is the second of two.
@@ -235,12 +259,14 @@ bool is_outvoted(std::uint32_t differs, PeerId self, std::uint32_t machines) {
 Status recover(std::vector<std::unique_ptr<Peer>>& peers, const Game& game, const MatchDef& def,
                SimulatedNetwork& network, MatchOutcome& out) {
     constexpr std::uint32_t lives_before = 1000; // of those that crash
+    const std::uint32_t voters = count_voters(peers);
     for (PeerId id = 0; id < peers.size(); ++id) {
-        if (peers[id] == nullptr || !is_outvoted(peers[id]->differs, id, game.player_count())) continue;
+        if (peers[id] == nullptr || !is_outvoted(peers[id]->differs, id, voters)) continue;
         Result<std::unique_ptr<Peer>> peer =
             make_joining_peer(game, def, id, lives_before + ++out.recoveries, network.endpoint(id));
         if (!peer) return peer.error();
         peers[id] = std::move(*peer);
+        peers[id]->gave_way = true;
     }
     return {};
 }
@@ -315,14 +341,16 @@ class Trouble {
     bool is_cut = false;
 };
 
-/// Where the match is watched: from peer 0 itself, or through a relay that asks peers 0 and 1.
+/// Where the match is watched: from peer 0 itself, and peer 1 where that one goes, or through a relay that asks peers 0 and 1.
 struct Show {
+    PeerId second; ///< peer 1, to those who watch without a relay; 0 where it does not show the match
     SimulatedNetwork to_hosts, to_watchers;
     std::unique_ptr<SpectatorRelay> relay; ///< null: none
     static constexpr PeerId relay_up = 2;
 
     explicit Show(const MatchDef& def)
-        : to_hosts(3, def.link, def.seed ^ 0x5eed), to_watchers(def.watchers + 1, def.link, ~def.seed) {}
+        : second(def.host_crashes ? second_host(def) : 0), to_hosts(3, def.link, def.seed ^ 0x5eed),
+          to_watchers(def.watchers + (def.host_crashes ? 2 : 1), def.link, ~def.seed) {}
     Status begin(const Game& game, const MatchDef& def) {
         if (!def.relayed || def.watchers == 0) return {};
         Result<std::unique_ptr<SpectatorRelay>> made =
@@ -333,7 +361,8 @@ struct Show {
         return {};
     }
     Transport& of_host(PeerId self) {
-        return relay ? to_hosts.endpoint(self == 0 ? 0 : 1) : to_watchers.endpoint(0);
+        if (relay) return to_hosts.endpoint(self == 0 ? 0 : 1);
+        return to_watchers.endpoint(self == 1 ? second : 0);
     }
     void run(const std::vector<std::unique_ptr<Peer>>& peers, const MatchDef& def, std::uint64_t frame,
              std::uint64_t now_ms) {
@@ -366,13 +395,18 @@ Status run_watchers(std::vector<std::unique_ptr<Watcher>>& watchers, const Game&
     return {};
 }
 
+/// Nothing where it came when the others were through.
+std::vector<std::byte> recording_of(Peer& peer) {
+    return peer.log->hashes.empty() ? std::vector<std::byte>{} : std::move(peer.sink.bytes);
+}
+
 /// Why a match had no end, as far as can be told.
 std::string not_through(const std::vector<std::unique_ptr<Peer>>& peers, const MatchOutcome& out,
                         const MatchDef& def, std::uint64_t frames) {
     std::string told = "seed " + std::to_string(def.seed) + ": the match is still not through after " +
                        std::to_string(frames) + " frames";
     for (std::size_t p = 0; p < peers.size(); ++p)
-        told += ", peer " + std::to_string(p) +
+        told += ", " + machine_name(static_cast<PeerId>(p)) +
                 (peers[p] == nullptr
                      ? std::string(" is away")
                      : " is at tick " + std::to_string(peers[p]->session->current_tick()) + " with " +
@@ -384,6 +418,7 @@ std::string not_through(const std::vector<std::unique_ptr<Peer>>& peers, const M
 } // namespace
 
 void ConfirmedLog::on_confirmed(std::uint64_t tick, std::span<const PlayerInput> inputs, std::uint64_t hash) {
+    if (tick >= ticks_max && hashes.empty()) first = ticks_max; // it came when the others were through
     if (tick >= ticks_max || !state) return;
     if (recorder) state = recorder->on_tick(tick, inputs, hash);
     if (hashes.empty()) first = tick;
@@ -454,13 +489,13 @@ Result<MatchOutcome> play_match(const Game& game, const MatchDef& def,
     for (auto& peer : peers) {
         if (Status s = peer->log->close(); !s) return s.error();
         if (!peer->events.holds(peer->log->first + peer->log->hashes.size()))
-            out.broken.push_back("peer " + std::to_string(out.peers.size()) +
+            out.broken.push_back(machine_name(static_cast<PeerId>(out.peers.size())) +
                                  ": an event was told twice, or never to its end");
         if (const std::uint64_t depth = peer->session->stats().depth_max; depth > depth_limit(game, def))
-            out.broken.push_back("peer " + std::to_string(out.peers.size()) + ": went back by " +
+            out.broken.push_back(machine_name(static_cast<PeerId>(out.peers.size())) + ": went back by " +
                                  std::to_string(depth) + " ticks, " + std::to_string(depth_limit(game, def)) +
                                  " are the most");
-        out.peers.push_back({std::move(peer->sink.bytes), peer->log->first, std::move(peer->log->hashes),
+        out.peers.push_back({recording_of(*peer), peer->log->first, std::move(peer->log->hashes),
                              std::move(peer->log->inputs_confirmed), peer->session->stats()});
     }
     for (auto& watcher : watchers) out.watched.push_back(std::move(watcher->hashes));

@@ -1,13 +1,10 @@
 // lockstone relay
 #include "cli/commands.h"
 #include "cli/interrupt.h"
+#include "cli/match/key_file.h"
 #include "cli/match/serve_relay.h"
-#include "cli/text.h"
 
 #include <cstdio>
-#include <filesystem>
-
-#include <sys/stat.h>
 
 namespace lockstone::cli {
 namespace {
@@ -33,24 +30,6 @@ void describe(CLI::App& command, Args& args) {
              "the file of its secret, which makes the players' passes for it");
     add_number(command, "--matches", args.matches, "matches at one time", 1, 65536).show_default();
     add_number(command, "--seconds", args.seconds, "end after so long; 0: at a signal").show_default();
-}
-
-Result<NetKey> key_in(const std::string& file) {
-    Result<std::string> text = read_file(file);
-    if (!text) return text.error();
-    while (!text->empty() && text->back() == '\n') text->pop_back();
-    Result<NetKey> key = parse_key(*text);
-    if (!key) return Error{file + ": " + key.error().message};
-    return key;
-}
-
-Result<NetKey> key_of(const Args& args) {
-    if (args.new_key) {
-        if (std::filesystem::exists(args.key_file)) return Error{args.key_file + ": is there already"};
-        ::umask(077); // the secret is its owner's to read
-        if (Status s = write_file(args.key_file, to_string(random_key()) + "\n"); !s) return s.error();
-    }
-    return key_in(args.key_file);
 }
 
 /// The second relay, if one is named, into `def`.
@@ -81,7 +60,7 @@ void report(const Relay& relay) {
 }
 
 Result<Exit> relay(const Args& args) {
-    const Result<NetKey> key = key_of(args);
+    const Result<NetKey> key = key_of(args.key_file, args.new_key);
     if (!key) return key.error();
     const auto local = parse_address(args.address + ":" + std::to_string(args.port));
     if (!local) return local.error();

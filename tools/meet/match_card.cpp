@@ -1,16 +1,21 @@
-#include "online/match_card.h"
+#include "meet/match_card.h"
 
-#include "view/hud.h"
-
+#include <iomanip>
 #include <sstream>
 
-namespace lockstone::demo {
+namespace lockstone {
 namespace {
 
 constexpr std::string_view magic = "DEMO1"; ///< no packet of a session begins with 'D'
 constexpr std::size_t card_bytes_max = 300;
 constexpr std::uint64_t ticks_max = 1'000'000;
 
+/// 16 hexadecimal digits.
+std::string hex(std::uint64_t number) {
+    std::ostringstream out;
+    out << std::hex << std::setw(16) << std::setfill('0') << number;
+    return out.str();
+}
 std::string first_word(const std::string& text) { return text.substr(0, text.find(' ')); }
 
 } // namespace
@@ -46,9 +51,9 @@ Result<std::unique_ptr<Game>> game_of(const MatchCard& card, const std::string& 
         return Error{"the host plays '" + card.game +
                      "', which this program cannot: " + game.error().message};
     if ((*game)->content_id() != card.content_id)
-        return Error{"the host plays " + first_word(card.game) + " by other rules (" +
-                     format_hash(card.content_id) + ") than this program has (" +
-                     format_hash((*game)->content_id()) + "): both must be of one version"};
+        return Error{"the host plays " + first_word(card.game) + " by other rules (" + hex(card.content_id) +
+                     ") than this program has (" + hex((*game)->content_id()) +
+                     "): both must be of one version"};
     return game;
 }
 
@@ -61,4 +66,4 @@ std::optional<Datagram> CardTransport::receive() {
     return {};
 }
 
-} // namespace lockstone::demo
+} // namespace lockstone

@@ -1,6 +1,6 @@
-#include "online/meeting.h"
+#include "meet/meeting.h"
 
-namespace lockstone::demo {
+namespace lockstone {
 namespace {
 
 constexpr std::uint64_t relay_patience_ms = 5000, room_ms = 300'000;
@@ -34,4 +34,4 @@ Status Meeting::poll(std::uint64_t now_ms) {
     return {};
 }
 
-} // namespace lockstone::demo
+} // namespace lockstone

@@ -1,6 +1,6 @@
-#include "online/invitation.h"
+#include "meet/invitation.h"
 
-namespace lockstone::demo {
+namespace lockstone {
 
 Result<Invitation> parse_invitation(std::string_view text) {
     const std::string all(text);
@@ -27,4 +27,4 @@ std::string to_string(const Invitation& invitation) {
            to_string(invitation.key);
 }
 
-} // namespace lockstone::demo
+} // namespace lockstone

@@ -2,9 +2,9 @@
 /// What the host of a match tells the machines that enter: which game is played, from what start and how long.
 
 #include "lockstone/net.h"
-#include "options.h"
+#include "scenes/scenes.h"
 
-namespace lockstone::demo {
+namespace lockstone {
 
 struct MatchCard {
     std::string game;              ///< Game::name(), of a scene
@@ -38,4 +38,4 @@ class CardTransport final : public Transport {
     static inline const std::optional<MatchCard> none_;
 };
 
-} // namespace lockstone::demo
+} // namespace lockstone

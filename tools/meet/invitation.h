@@ -3,7 +3,7 @@
 
 #include "lockstone/net.h"
 
-namespace lockstone::demo {
+namespace lockstone {
 
 struct Invitation {
     std::string code; ///< of the lobby; empty: a room is opened
@@ -15,4 +15,4 @@ struct Invitation {
 Result<Invitation> parse_invitation(std::string_view text);
 std::string to_string(const Invitation& invitation);
 
-} // namespace lockstone::demo
+} // namespace lockstone

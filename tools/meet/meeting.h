@@ -1,9 +1,9 @@
 #pragma once
 /// From an invitation to a token: this machine asks a relay's lobby until all machines of the match are there.
 
-#include "online/invitation.h"
+#include "meet/invitation.h"
 
-namespace lockstone::demo {
+namespace lockstone {
 
 class Meeting {
   public:
@@ -23,4 +23,4 @@ class Meeting {
     std::uint64_t begun_ms_;
 };
 
-} // namespace lockstone::demo
+} // namespace lockstone

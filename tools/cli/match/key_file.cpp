@@ -1,0 +1,29 @@
+#include "cli/match/key_file.h"
+
+#include "cli/text.h"
+
+#include <filesystem>
+
+#include <sys/stat.h>
+
+namespace lockstone::cli {
+
+Result<NetKey> key_in(const std::string& file) {
+    Result<std::string> text = read_file(file);
+    if (!text) return text.error();
+    while (!text->empty() && text->back() == '\n') text->pop_back();
+    Result<NetKey> key = parse_key(*text);
+    if (!key) return Error{file + ": " + key.error().message};
+    return key;
+}
+
+Result<NetKey> key_of(const std::string& file, bool is_new) {
+    if (is_new) {
+        if (std::filesystem::exists(file)) return Error{file + ": is there already"};
+        ::umask(077); // the secret is its owner's to read
+        if (Status s = write_file(file, to_string(random_key()) + "\n"); !s) return s.error();
+    }
+    return key_in(file);
+}
+
+} // namespace lockstone::cli
