@@ -80,6 +80,35 @@ inline std::string first_goes(std::uint32_t machines, int frames_after) {
     return match.machine(1).timeline.end() > before + 600 ? "" : "the match was held up when it came back";
 }
 
+/// Machine 2 of four goes before it has heard of machine 3, which comes late. One of the others misses it first and lets machine 3 in before the
+/// departure is settled, the other one after that. Machine 3 is told by machine 1: where that one is the other, that machine 2 has left.
+inline std::string another_goes(PeerId misses_it_first) {
+    MatchDef def{.players = {0, 1, 2, 3},
+                 .machines = 4,
+                 .disconnect_ms = 1000,
+                 .link = {.latency_ms = 30},
+                 .absent = 1u << 3};
+    Match match(def);
+    match.network.set_link(misses_it_first, 3, {.latency_ms = 200});
+    match.run(300);
+    match.join(3);
+    match.run(10);
+    match.network.set_link(2, misses_it_first, {.loss_permille = 1000});
+    match.run(6);
+    match.crash(2);
+    match.run(600);
+    for (const PeerId a : {0u, 1u, 3u}) {
+        if (!match.agree(a, 0) || !match.agree(a, 1)) return "the machines parted";
+        if (!match.notices<MatchStopped>(a).empty()) return "a match has stopped";
+        if (match.notices<PlayerJoined>(a).size() != 1) return "who comes late is not in";
+        if (match.machine(a).timeline.end() < 700) return "the match was held up";
+        const std::vector<InputStatus>& last = match.machine(a).timeline.ticks.back().statuses;
+        if (last[2] != InputStatus::disconnected) return "who has gone still has a say";
+        if (last[3] != InputStatus::confirmed) return "the inputs of who came late do not count";
+    }
+    return "";
+}
+
 /// A machine comes back, hears nothing for a while, then all at once: it has run as far as guesses go, and runs on at once.
 inline std::string hears_all_at_once(std::uint32_t machines, std::uint32_t inspected_ticks) {
     MatchDef def{.machines = machines, .disconnect_ms = 1000, .link = {.latency_ms = 20}};
@@ -149,6 +178,8 @@ inline std::vector<HostileScene> join_scenes() {
         {"it goes while the last comes", [] { return joins::first_goes(4, 40); }},
         {"it goes when it has let another one in", [] { return joins::first_goes(3, 54); }},
         {"it goes while others wait for it", [] { return joins::first_goes(4, -20); }},
+        {"another one goes, and has left for who comes", [] { return joins::another_goes(0); }},
+        {"another one goes, and is there for who comes", [] { return joins::another_goes(1); }},
         {"a host that lies is found out", joins::lying_host},
     };
 }
