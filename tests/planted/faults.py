@@ -305,6 +305,8 @@ FAULTS = [
       "return IS || since[static_cast<std::size_t>(first_player)] <= cuts[player];", "machines come back"),
     F("who has come in hears of cuts from before that", EXCHANGE, "const std::uint64_t earliest = std::max(since[p], entry_tick);",
       "const std::uint64_t earliest = IS ? since[p] : std::max(since[p], entry_tick);", "machines come back"),
+    F("ticks run on however far back the fixed ones are", ROLLBACK, "if (current >= fixed_through() + change_max)",
+      "if (!IS && current >= fixed_through() + change_max)", "machines come back"),
     F("a keyframe says it is one tick earlier", "replay/writer.cpp", "to.u64(time);\n    to.u64(hash_now);",
       "to.u64(time - (IS && time != 0 ? 1u : 0u));\n    to.u64(hash_now);", "recordings verify"),
     F("the recorder misses a kind of command", "replay/recorder.cpp", "pending.push_back(command);",
