@@ -5,12 +5,14 @@
 // two machines that is one. From then on its inputs are refused. No other machine's word stands for them, so where they
 // end, the cut, is where the machine that remains and has the fewest of them ends. Nobody has confirmed a tick beyond
 // it, because a tick is confirmed only when all others are known to have its inputs. All who remain tell their cut, the
-// lowest holds, and when all tell the same the player is disconnected. Where they cannot agree the match stops.
+// lowest holds, and when all tell the same the player is disconnected. Where they cannot agree the match stops. Who came
+// in after the cut has no say in it.
 #include "session/peer_session.h"
 
 #include "base/text.h"
 
 #include <algorithm>
+#include <bit>
 #include <utility>
 
 namespace lockstone::session {
@@ -98,7 +100,7 @@ bool PeerSession::is_awaited(const PeerLink& link) const {
     const std::uint64_t settled = settled_through();
     return std::ranges::any_of(queues, [&](const InputQueue& queue) {
         const std::uint32_t p = queue.player();
-        if (is_gone(p)) return !queue.disconnected() && link.cut[p] == never;
+        if (is_gone(p)) return !queue.disconnected() && link.cut[p] == never && has_say_in_cut(link, p);
         return def.players[p] == link.peer && queue.next() == settled &&
                current >= settled + def.prediction_max;
     });
@@ -176,6 +178,12 @@ bool PeerSession::is_somebody_leaving() const {
         queues, [&](const InputQueue& queue) { return is_gone(queue.player()) && !queue.disconnected(); });
 }
 
+/// Not one that came in after it: it has no input from before, and may be told by the log that the player has left, so it tells no cut.
+bool PeerSession::has_say_in_cut(const PeerLink& link, std::uint32_t player) const {
+    const int first_player = std::countr_zero(players_of(link.peer));
+    return since[static_cast<std::size_t>(first_player)] <= cuts[player];
+}
+
 void PeerSession::agree_on_cut(std::uint32_t player) {
     InputQueue& queue = queues[player];
     const auto remains = [](const PeerLink& link) { return link.state == PeerLink::State::connected; };
@@ -197,14 +205,14 @@ void PeerSession::agree_on_cut(std::uint32_t player) {
     bool all_tell_it = true;
     for (const PeerLink& link : links) {
         if (!remains(link)) continue;
-        const bool has_begun = settled_end > entry_tick; // else what lies before was confirmed by others
-        if (has_begun && link.cut[player] < settled_end) return stop_without_cut(player, link, settled_end);
+        if (link.cut[player] < settled_end) return stop_without_cut(player, link, settled_end);
         cuts[player] = std::min(cuts[player], link.cut[player]);
     }
     for (const PeerLink& link : links)
-        all_tell_it = all_tell_it && (!remains(link) || link.cut[player] == cuts[player]);
+        if (remains(link) && has_say_in_cut(link, player))
+            all_tell_it = all_tell_it && link.cut[player] == cuts[player];
     if (!all_tell_it) return;
-    queue.disconnect_at(std::max(cuts[player], entry_tick));
+    queue.disconnect_at(cuts[player]);
     notices.emplace_back(std::in_place_type<PlayerDisconnected>,
                          PlayerDisconnected{player, def.players[player], cuts[player]});
 }

@@ -132,8 +132,9 @@ void PeerSession::apply_departures(PeerLink& link) {
         if (incoming.since[p] != since[p]) continue; // of another time that the player was there
         link.says_unwanted |= bit;
         link.says_gone |= incoming.gone & bit;
-        if ((incoming.has_cut & bit) != 0)
-            link.cut[p] = std::min(link.cut[p], std::max(incoming.cut[p], since[p])); // not before it came
+        if ((incoming.has_cut & bit) == 0) continue;
+        const std::uint64_t earliest = std::max(since[p], entry_tick); // both had come in
+        link.cut[p] = std::min(link.cut[p], std::max(incoming.cut[p], earliest));
     }
 }
 

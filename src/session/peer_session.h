@@ -130,6 +130,7 @@ class PeerSession final : public Session {
     Votes count_votes(const PeerLink& accused) const;
     void drop_unwanted_peers();
     bool is_somebody_leaving() const;
+    bool has_say_in_cut(const PeerLink& link, std::uint32_t player) const;
     void agree_on_cut(std::uint32_t player);
     void stop_without_cut(std::uint32_t player, const PeerLink& link, std::uint64_t here);
     void stop(std::string reason);

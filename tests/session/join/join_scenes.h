@@ -80,6 +80,65 @@ inline std::string first_goes(std::uint32_t machines, int frames_after) {
     return match.machine(1).timeline.end() > before + 600 ? "" : "the match was held up when it came back";
 }
 
+/// Machine 2 of four goes before it has heard of machine 3, which comes late. One of the others misses it first and lets machine 3 in before the
+/// departure is settled, the other one after that. Machine 3 is told by machine 1: where that one is the other, that machine 2 has left.
+inline std::string another_goes(PeerId misses_it_first) {
+    MatchDef def{.players = {0, 1, 2, 3},
+                 .machines = 4,
+                 .disconnect_ms = 1000,
+                 .link = {.latency_ms = 30},
+                 .absent = 1u << 3};
+    Match match(def);
+    match.network.set_link(misses_it_first, 3, {.latency_ms = 200});
+    match.run(300);
+    match.join(3);
+    match.run(10);
+    match.network.set_link(2, misses_it_first, {.loss_permille = 1000});
+    match.run(6);
+    match.crash(2);
+    match.run(600);
+    for (const PeerId a : {0u, 1u, 3u}) {
+        if (!match.agree(a, 0) || !match.agree(a, 1)) return "the machines parted";
+        if (!match.notices<MatchStopped>(a).empty()) return "a match has stopped";
+        if (match.notices<PlayerJoined>(a).size() != 1) return "who comes late is not in";
+        if (match.machine(a).timeline.end() < 700) return "the match was held up";
+        const std::vector<InputStatus>& last = match.machine(a).timeline.ticks.back().statuses;
+        if (last[2] != InputStatus::disconnected) return "who has gone still has a say";
+        if (last[3] != InputStatus::confirmed) return "the inputs of who came late do not count";
+    }
+    return "";
+}
+
+/// Machine 3 of four comes late and hears nothing of machine 2 from there on. The others go on with its first 30 inputs as far as the stall
+/// lets them. When machine 2 is dropped its inputs end where machine 3 came in: all of that is run again, and no more.
+inline std::string leaves_unheard() {
+    MatchDef def{.players = {0, 1, 2, 3},
+                 .machines = 4,
+                 .disconnect_ms = 1000,
+                 .link = {.latency_ms = 20},
+                 .absent = 1u << 3};
+    const std::uint64_t bound = 2 * def.prediction_max + 8;
+    Match match(def);
+    match.run(300);
+    match.join(3);
+    for (int i = 0; i < 600 && match.notices<PlayerJoined>(2).empty(); ++i) match.frame();
+    if (match.notices<PlayerJoined>(2).empty()) return "it is not let in";
+    const std::uint64_t tick = match.notices<PlayerJoined>(2)[0].tick;
+    while (match.machine(2).session->current_tick() + def.input_delay + 1 < tick) match.frame();
+    match.network.set_link(2, 3, {.loss_permille = 1000});
+    match.run(2 * bound);
+    for (const PeerId a : {0u, 1u})
+        if (!match.machine(a).session->drop_peer(2)) return "machine 2 is unknown";
+    match.run(600);
+    for (const PeerId a : {0u, 1u, 3u}) {
+        if (!match.agree(a, 0) || !match.agree(a, 1)) return "the machines parted";
+        if (!match.notices<MatchStopped>(a).empty()) return "a match has stopped";
+        const std::uint64_t depth = match.machine(a).session->stats().depth_max;
+        if (a != 3 && depth != bound) return "a session went back by " + std::to_string(depth) + " ticks";
+    }
+    return match.machine(0).timeline.end() > 700 ? "" : "the match was held up";
+}
+
 /// A machine comes back, hears nothing for a while, then all at once: it has run as far as guesses go, and runs on at once.
 inline std::string hears_all_at_once(std::uint32_t machines, std::uint32_t inspected_ticks) {
     MatchDef def{.machines = machines, .disconnect_ms = 1000, .link = {.latency_ms = 20}};
@@ -149,6 +208,9 @@ inline std::vector<HostileScene> join_scenes() {
         {"it goes while the last comes", [] { return joins::first_goes(4, 40); }},
         {"it goes when it has let another one in", [] { return joins::first_goes(3, 54); }},
         {"it goes while others wait for it", [] { return joins::first_goes(4, -20); }},
+        {"another one goes, and has left for who comes", [] { return joins::another_goes(0); }},
+        {"another one goes, and is there for who comes", [] { return joins::another_goes(1); }},
+        {"one leaves whom who came in has not heard", joins::leaves_unheard},
         {"a host that lies is found out", joins::lying_host},
     };
 }

@@ -292,14 +292,13 @@ std::uint64_t frames_by_own_clock(const MatchDef& def, PeerId id, std::uint64_t 
     return (frame + 1) * static_cast<std::uint64_t>(1000 + faster) / 1000;
 }
 
-/// How far a session may go back. Where somebody leaves, to the fewest inputs q that a machine has of it. That machine is at tick q +
-/// prediction_max at most, so it has sent its own inputs of ticks up to q + prediction_max + input_delay; whoever has these is at most
-/// prediction_max beyond the first that is missing.
+/// How far a session may go back. Who leaves here comes in again. Of a machine that comes in the first 30 inputs are known before it has any
+/// of the others', so nobody waits for these: if the next one leaves, its inputs end where that one came in. Then only the stall holds the others,
+/// 2 prediction_max + 8 ticks beyond what is fixed.
 std::uint64_t depth_limit(const Game& game, const MatchDef& def) {
-    const SessionDef session = session_of(game, def, 0);
-    return def.rejoins == 0 && !def.recovers
-               ? session.prediction_max
-               : std::uint64_t{2} * session.prediction_max + session.input_delay + 1;
+    constexpr std::uint64_t polls_between = 8; // of the stall
+    const std::uint64_t guesses = session_of(game, def, 0).prediction_max;
+    return def.rejoins == 0 && !def.recovers ? guesses : 2 * guesses + polls_between;
 }
 
 /// Now and then a machine falls asleep, or one loses another. One at a time, with two quiet seconds between: what comes together adds up
