@@ -8,7 +8,7 @@
 namespace lockstone::session {
 
 namespace {
-/// Who comes into a match presses nothing for so long: the time that its first inputs take to the others.
+/// Ticks of neutral inputs of who comes into a match: the time that its first inputs take to the others.
 constexpr std::uint64_t neutral_ticks = 30;
 constexpr std::uint64_t seat_silence_polls = 600, seat_log_ticks = 7200;
 } // namespace

@@ -134,13 +134,19 @@ TEST_CASE("net: four machines play through a relay on 127.0.0.1 and agree on eve
     CHECK(relay.relay.stats().refused_in_all() == 0);
 }
 
-TEST_CASE("net: a relay is lost in the middle of a match, and three machines go on through the second one") {
-    SocketRelay first, second;
+/// Three machines that know two relays.
+static MatchPlan plan_through(const SocketRelay& first, const SocketRelay& second) {
     MatchPlan plan = plan_of(3);
     plan.addresses = free_addresses(3);
     plan.relay = first.socket.local_address(), plan.relay_secret = first.secret;
     plan.second_relay = second.socket.local_address(), plan.second_relay_secret = second.secret;
     plan.relay_expires_ms = start_ms + 3'600'000;
+    return plan;
+}
+
+TEST_CASE("net: a relay is lost in the middle of a match, and three machines go on through the second one") {
+    SocketRelay first, second;
+    MatchPlan plan = plan_through(first, second);
     const Outcome out = play(plan, {&first, &second}, 400);
     CHECK(out.good); // nobody has left, nothing differs
     for (PeerId slot = 0; slot < 3; ++slot) {
@@ -175,11 +181,7 @@ TEST_CASE(
 TEST_CASE("net: the machine that opened the match is lost with the relay that it ran: the others go on "
           "through the second one, and there it comes back") {
     SocketRelay first, second;
-    MatchPlan plan = plan_of(3);
-    plan.addresses = free_addresses(3);
-    plan.relay = first.socket.local_address(), plan.relay_secret = first.secret;
-    plan.second_relay = second.socket.local_address(), plan.second_relay_secret = second.secret;
-    plan.relay_expires_ms = start_ms + 3'600'000;
+    MatchPlan plan = plan_through(first, second);
     const Outcome out = play(plan, {&first, &second}, 400, 400, 1000);
     REQUIRE(out.hashes[1].size() == match_ticks);
     CHECK(out.hashes[1] == out.hashes[2]);

@@ -56,10 +56,14 @@ struct EndPass {
     const std::uint32_t* form_of;
     Transform* poses;
     Velocity* velocities;
-    /// Of what is not round, along each axis: beyond, its velocity turns too; and where a turn without torque is made in steps [rad], Real
-    std::int64_t least_turn, least_free_turn;
-    std::int64_t free_turn_noise; ///< [rad], Real: how far from its own spin a turn without torque is at most
-    std::int64_t tick_time;       ///< [s], 30 fraction bits
+    // Of bodies that are not round; all [rad], Real.
+    /// Along an axis: a longer turn changes the angular velocity
+    std::int64_t least_turn;
+    /// Of the three axes together: a longer turn without torque is made in steps
+    std::int64_t least_free_turn;
+    /// A turn without torque is nearer than this to that of the body's own spin
+    std::int64_t free_turn_noise;
+    std::int64_t tick_time; ///< [s], 30 fraction bits
 };
 
 /// Each writes the bodies that it left as they were to `left`, last - first at most, and returns how many: those that are

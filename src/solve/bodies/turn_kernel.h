@@ -90,10 +90,10 @@ template <class L> class TurnedBodies {
     }
     static std::int64_t room_of(std::int64_t bits) { return bits > 61 ? 0 : 61 - bits; }
 
-    static void gather_symmetric(const BodyStep* const* steps, V (&out)[6]) {
+    static void gather(const BodyStep* const* steps, Symmetric<Real> BodyStep::*matrix, V (&out)[6]) {
         Numbers entries[6];
         for (unsigned lane = 0; lane < N; ++lane) {
-            const Real* const from = &steps[lane]->gyration_inv.xx;
+            const Real* const from = &(steps[lane]->*matrix).xx;
             for (int i = 0; i < 6; ++i) entries[i][lane] = from[i].raw;
         }
         for (int i = 0; i < 6; ++i) out[i] = load(entries[i]);
@@ -262,17 +262,15 @@ template <class L> class TurnedBodies {
     static Momentum momentum_of(const EndPass& pass, const std::uint32_t (&rows)[N], const V (&u)[3]) {
         const BodyStep* steps[N];
         const std::int32_t *principals[N], *mantissas[N], *bits[N];
-        Numbers room, entries[6], size;
+        Numbers room, size;
         for (unsigned i = 0; i < N; ++i) {
             const GyrationForm& form = pass.forms[pass.form_of[pass.info[rows[i]].traits] - 1];
             steps[i] = &pass.steps[rows[i]], room[i] = room_of(steps[i]->gyration_bits);
             principals[i] = &form.principal.x.raw;
             mantissas[i] = form.spin.mantissa, bits[i] = form.spin.bits;
-            const Real* const k = &steps[i]->gyration.xx;
-            for (int j = 0; j < 6; ++j) entries[j][i] = k[j].raw;
         }
         V k[6], whole[3], more[4];
-        for (int j = 0; j < 6; ++j) k[j] = load(entries[j]);
+        gather(steps, &BodyStep::gyration, k);
         Momentum m;
         m.left = is_long(u, room);
         multiply<speed_bits>(k, u, whole);
@@ -366,7 +364,7 @@ template <class L> class TurnedBodies {
         }
         V velocity[6], moves[6], inverse[6], q[4], next[4], theta[3], rotation[3], u[3], w[3];
         L::gather6(bodies, velocity), L::gather_motion(bodies, moves);
-        gather_symmetric(steps, inverse), L::quads(rotations, q);
+        gather(steps, &BodyStep::gyration_inv, inverse), L::quads(rotations, q);
         V left = L::splat(0);
         for (int i = 0; i < 3; ++i) {
             constexpr std::int64_t edge = std::int64_t{1000000000} << real_bits, fits = std::int64_t{1} << 58;
