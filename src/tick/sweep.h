@@ -6,7 +6,8 @@
 //
 // Guarantee: the core of a shape (a ball of half its inner radius about its core centre) never passes through what its
 // body is swept against, and a shape that was apart from a piece (a convex part, a triangle) stops where it comes within
-// collide::stop_gap of it. What stands still stops it across alone: it goes on along that. Velocity is kept: the contacts of
+// collide::stop_gap of it, unless it is rounded and would enter by less than half of its rounding: contacts push it out of
+// that, and a limb that is held in the air instead tears at its joints. What stands still stops it across alone: it goes on along that. Velocity is kept: the contacts of
 // the next tick stop it.
 //
 // Fast: a point of the shape may have moved in the tick, against what it is swept against, by more than half of the

@@ -74,7 +74,8 @@ void touching_directions(const shapes::Solid& a, const Sweep& sweep_a, const sha
 /// The fraction of the way at which A stops B, 1 when it does not; never late. For each convex part of B and each piece
 /// (part, triangle) of A:
 ///   apart by more than stop_gap at the start: where the shape comes within stop_gap. A shape that touches something
-///     (`touching`) is lifted off it by seam_height, and passes if it meets nothing then.
+///     (`touching`) is lifted off it by seam_height, and passes if it meets nothing then. A rounded shape passes, too, that
+///     never enters by half of its rounding: contacts push it out.
 ///   nearer, or passed: where its core, a ball of half its inner radius, comes within stop_gap or half of its distance at
 ///     the start; where the core overlaps the piece at the start, the same of the core's centre.
 /// One-sided triangles do not stop what starts behind them.

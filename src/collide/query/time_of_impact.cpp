@@ -72,6 +72,7 @@ struct Mover {
     Vec3 center;           ///< of the ball, in the part's frame
     std::int64_t reach_30; ///< of the core's points from B's centre of mass
     Vec3 shift;            ///< world: where it is moved to for the test
+    bool thin = false;     ///< half of its rounding is left out
 
     Transform pose(const Sweep& b, Unit fraction) const {
         const Transform body = body_pose_at(b, fraction);
@@ -79,7 +80,11 @@ struct Mover {
                 normalized(body.rotation * place.rotation)};
     }
     Convex shape(const Rotation& rotation) const {
-        if (!is_ball) return convex_of(*solid, rotation, CoordinateVec3{});
+        if (!is_ball) {
+            Convex all = convex_of(*solid, rotation, CoordinateVec3{});
+            if (thin) all.radius = half(all.radius);
+            return all;
+        }
         Convex ball{};
         ball.core = Convex::Core::point;
         ball.radius = radius;
@@ -261,6 +266,15 @@ Vec3 lift_of(std::span<const UnitVec3> touching) {
     return lift;
 }
 
+/// Whether a rounded shape never enters a piece by half of its rounding: contacts push it out of that. What moves by half its
+/// inner radius is not swept at all, so it may be as deep.
+bool sinks_little(const Ways& w, const Obstacle& o, const Mover& whole) {
+    Mover thin = whole;
+    thin.thin = true;
+    if (whole.solid->geometry.radius == Length{}) return false;
+    return advance(w, o, thin, stop_gap_30, unit_one) == unit_one;
+}
+
 Unit piece_stop(const Ways& w, const Obstacle& o, const Mover& whole, Vec3 lift, Unit until) {
     if (starts_behind(w, o, whole)) return unit_one;
     const std::int64_t reachable = w.approach_max_30(whole, w.reach_of(o)) + 2 * touching_gap_30;
@@ -268,7 +282,8 @@ Unit piece_stop(const Ways& w, const Obstacle& o, const Mover& whole, Vec3 lift,
     if (!start.overlap && start.distance_30 > reachable) return unit_one;
     if (!start.overlap && start.distance_30 > touching_gap_30) {
         const Unit stop = advance(w, o, whole, stop_gap_30, until);
-        if (stop == unit_one || lift == Vec3{}) return stop;
+        if (stop == unit_one || sinks_little(w, o, whole)) return unit_one;
+        if (lift == Vec3{}) return stop;
         Mover lifted = whole;
         lifted.shift = lift;
         if (advance(w, o, lifted, stop_gap_30, unit_one) < unit_one) return stop;

@@ -13,10 +13,24 @@ namespace {
 /// Points farther apart carry nothing soon [m].
 constexpr std::int32_t touching = decimal<Separation>("0.0005").raw;
 
-bool touches(const Contact& contact) {
+std::int32_t least_separation(const Contact& contact) {
+    std::int32_t least = Separation::max().raw;
     for (std::uint32_t k = 0; k < contact.count; ++k)
-        if (contact.points[k].separation.raw < touching) return true;
-    return false;
+        least = std::min(least, contact.points[k].separation.raw);
+    return least;
+}
+
+bool touches(const Contact& contact) { return least_separation(contact) < touching; }
+
+/// An overlap of less is for the order by levels [m]; of more, each step is a class of its own up to the last.
+constexpr std::int32_t depth_step = decimal<Separation>("0.01").raw;
+constexpr std::int32_t depth_last = 10;
+
+std::uint32_t depth_of(const Contact& contact) {
+    const std::int32_t least = least_separation(contact);
+    if (least > -depth_step) [[likely]]
+        return 0;
+    return static_cast<std::uint32_t>(std::min(least / -depth_step, depth_last));
 }
 
 /// counts[k] items of key k become where the items of key k begin.
@@ -36,7 +50,7 @@ void ContactOrder::reserve(std::size_t contacts, std::size_t bodies) {
     for (auto* list : {&levels, &first, &queue, &last}) list->reserve(bodies + 2);
     for (auto* list : {&down, &place, &staged, &begin}) list->reserve(contacts + 2);
     neighbours.reserve(2 * contacts);
-    counts.reserve(std::max(2 * bodies + 4, contacts + 2));
+    counts.reserve(std::max(2 * bodies + depth_last + 4, contacts + 2));
 }
 
 /// Breadth first over the contacts that touch, from what nothing moves.
@@ -72,13 +86,15 @@ void ContactOrder::find_levels(std::span<const Contact> contacts, const SolverBo
     }
 }
 
-/// Contacts by the sum of their bodies' levels, the highest first; what nothing holds comes before.
+/// Contacts by the sum of their bodies' levels, the highest first; what nothing holds comes before. Deep overlaps follow
+/// after all others, the deepest last.
 void ContactOrder::sort_down(std::span<const Contact> contacts) {
     const std::uint32_t above = level_max + 1;
     const auto key = [&](const Contact& c) {
+        if (const std::uint32_t depth = depth_of(c); depth != 0) return 2 * above + depth;
         return 2 * above - std::min(levels[c.body_a], above) - std::min(levels[c.body_b], above);
     };
-    counts.assign(std::size_t{2} * above + 1, 0);
+    counts.assign(std::size_t{2} * above + depth_last + 1, 0);
     for (const Contact& c : contacts) ++counts[key(c)];
     sum_up(counts);
     down.resize(contacts.size());

@@ -5,6 +5,9 @@
 // order of chance, or in one that turns round between the passes, the answer of the ground comes some substeps late, and
 // walls sway by themselves: a pyramid with a base of 10 by 6 mm at 3 Hz, for ever.
 //
+// What overlaps deeply comes after all that: the contact that is solved last keeps the speed that it asks for, and between bodies that
+// are held from all sides only that one comes apart.
+//
 //   level    of a body: how many contacts away what nothing moves is
 //   stage    the first stage after those of all earlier contacts that move the same body: solving stage after stage is
 //            solving in order, and the contacts of a stage share nothing that is written
@@ -24,7 +27,7 @@ struct Contact;
 class ContactOrder {
   public:
     void reserve(std::size_t contacts, std::size_t bodies);
-    /// From the top down; within a level by index. Pure: depends on the contacts and on who can move, on nothing else.
+    /// From the top down, then what overlaps by centimetres, the deepest last; of equals by index. Pure: depends on the contacts and on who can move, on nothing else.
     void find(std::span<const Contact> contacts, const SolverBodies& bodies);
 
     /// Fills what find() makes anew with a byte.
