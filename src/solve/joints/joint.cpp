@@ -81,9 +81,7 @@ Real reduced_mass(const Shares& shares, const BodyMass& a, const BodyMass& b) {
 }
 
 /// Whether it holds a point and nothing else.
-bool is_point(const JointTick& tick, const JointWork& w) {
-    return w.axis_count == 0 && w.block_count == 1 && tick.blocks[w.first_block].kind[0] == RowKind::point_x;
-}
+bool is_point(const JointWork& w) { return w.point && w.axis_count == 0 && w.block_count == 0; }
 
 constexpr std::uint32_t joint_chunk = 32, pack_chunk = 16;
 
@@ -185,7 +183,7 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
         w.twist = memory[joint.memory].twist;
         w.travel = memory[joint.memory].twist;
         assemble(tick, w, step, memory[joint.memory]);
-        w.framed = !is_point(tick, w);
+        w.framed = !is_point(w);
         set_side(tick, w.a, w.framed, joint.frame_a, columns, bodies);
         set_side(tick, w.b, w.framed, joint.frame_b, columns, bodies);
         w.stays = may_stay(tick, w);

@@ -94,10 +94,14 @@ void Assembly::add_swing() {
 void Assembly::add_linear() {
     int locked = 0;
     for (int i = 0; i < 3; ++i) locked += rigid(axis(i)) ? 1 : 0;
-    const RowKind first = locked == 3 ? RowKind::point_x : RowKind::along_x;
+    if (locked == 3) {
+        work.point = true;
+        for (int i = 0; i < 3; ++i) work.point_sum[i] = memory.axis[static_cast<std::size_t>(i)].spring;
+        return;
+    }
     JointBlock* block = locked == 0 ? nullptr : &add_block();
     for (int i = 0; i < 3; ++i) {
-        const RowKind kind = static_cast<RowKind>(static_cast<int>(first) + i);
+        const RowKind kind = static_cast<RowKind>(static_cast<int>(RowKind::along_x) + i);
         if (rigid(axis(i)))
             add_lock(*block, kind, i);
         else
@@ -160,6 +164,7 @@ void assemble(JointTick& tick, JointWork& work, const StepConstants& step, const
     work.first_block = static_cast<std::uint32_t>(tick.blocks.size());
     work.first_axis = static_cast<std::uint32_t>(tick.axes.size());
     work.block_count = work.axis_count = 0;
+    work.point = false;
     work.needs_twist = work.needs_target = work.needs_orientation = work.needs_travel = work.needs_slip =
         false;
     if (work.mass == Real{}) return; // nothing that an impulse could move
@@ -188,6 +193,24 @@ void assemble(JointTick& tick, JointWork& work, const StepConstants& step, const
     for (std::size_t i = work.first_axis; i < tick.axes.size(); ++i) note(tick.axes[i].kind);
     for (std::size_t i = work.first_block; i < tick.blocks.size(); ++i)
         for (int r = 0; r < tick.blocks[i].count; ++r) note(tick.blocks[i].kind[r]);
+}
+
+void add_point_block(JointTick& tick, JointWork& work) {
+    const std::uint32_t before = work.first_block, count = work.block_count;
+    work.first_block = static_cast<std::uint32_t>(tick.blocks.size());
+    for (std::uint32_t i = 0; i < count; ++i) {
+        make_room(tick.blocks);
+        tick.blocks.push_back(tick.blocks[before + i]); // all of a joint stand together
+    }
+    make_room(tick.blocks);
+    JointBlock& block = tick.blocks.emplace_back();
+    for (int i = 0; i < 3; ++i) {
+        block.kind[i] = static_cast<RowKind>(static_cast<int>(RowKind::point_x) + i);
+        block.slot[i] = static_cast<std::uint8_t>(i);
+        block.sum[i] = work.point_sum[i];
+    }
+    block.count = 3;
+    ++work.block_count;
 }
 
 bool counts_turns(const JointDef& def) {

@@ -19,11 +19,9 @@ bool fits(std::uint32_t body, const SolverBodies& bodies) {
     return !s.movable || (s.angular_mask == 7u && (b.keep[0] & b.keep[1] & b.keep[2]) == -1);
 }
 
-/// The last block of such a joint is its point part, which no tree solves.
-bool has_point(const JointTick& tick, const JointWork& w, const SolverBodies& bodies) {
-    return w.tree == no_tree && w.block_count != 0 &&
-           tick.blocks[w.first_block + w.block_count - 1].kind[0] == RowKind::point_x &&
-           fits(w.a.body, bodies) && fits(w.b.body, bodies);
+/// Whether a pack takes a joint's point: no tree solves it.
+bool is_packed(const JointWork& w, const SolverBodies& bodies) {
+    return w.point && w.tree == no_tree && fits(w.a.body, bodies) && fits(w.b.body, bodies);
 }
 
 void find_stage(JointTick& tick, JointWork& w, const SolverBodies& bodies) {
@@ -110,9 +108,11 @@ void plan_packs(JointTick& tick, const StepConstants& step, const SolverBodies& 
     for (JointWork& w : tick.joints) {
         find_stage(tick, w, bodies);
         stage_count = std::max(stage_count, w.stage + 1);
-        if (!packs || !has_point(tick, w, bodies)) continue;
+        if (!packs || !is_packed(w, bodies)) {
+            if (w.point) add_point_block(tick, w);
+            continue;
+        }
         w.pack = 0; // which one follows
-        --w.block_count;
         w.turns_packed = w.block_count == 1 && only_turns(tick.blocks[w.first_block].kind[0]);
         w.hinge = w.turns_packed && is_hinge(*w.def, tick.blocks[w.first_block]);
     }
@@ -152,7 +152,6 @@ void plan_packs(JointTick& tick, const StepConstants& step, const SolverBodies& 
 void start_packed(JointTick& tick, const JointWork& work) {
     constexpr std::int64_t far = std::int64_t{1} << 58; // leaves room for levers and for what bodies move
     JointPack& pack = tick.packs[work.pack];
-    const JointBlock& block = tick.blocks[work.first_block + work.block_count];
     const auto centre = [&](const JointWorkSide& s) {
         return s.world ? s.anchor : tick.bodies[s.cache].position;
     };
@@ -165,7 +164,7 @@ void start_packed(JointTick& tick, const JointWork& work) {
     const Vec3 apart = centre(work.b) - centre(work.a);
     for (int i = 0; i < 3; ++i) {
         pack.apart[i][work.lane] = std::clamp(apart[i].raw, -far, far);
-        pack.sum[i][work.lane] = block.sum[i].raw;
+        pack.sum[i][work.lane] = work.point_sum[i].raw;
     }
 }
 

@@ -42,23 +42,49 @@ Reciprocal push_of(Real mass, std::int64_t rate) {
     return {static_cast<std::int64_t>(q >> 1), 62 + drop - up};
 }
 
-/// True where |f| |r| < m (k rate)^2 / 32 for certain, by their bits: 2^(n - 1) <= x < 2^n.
-bool is_too_weak(const Short3& f, const Short3& r, Real k, const BodyMass& mass, std::int64_t rate) {
-    const auto top = [](const Short3& v) {
-        return bit_length(magnitude(v.m[0]) | magnitude(v.m[1]) | magnitude(v.m[2])) - v.bits;
-    };
-    const auto least = [](std::int64_t x) { return bit_length(magnitude(x)) - 1; };
-    const int right = 2 * (least(k.raw) + least(rate)) + least(mass.mass.raw) - 3 * Real::fraction_bits;
-    return top(f) + top(r) + 2 + 5 <= right; // 3 < 2^2
+/// A size, mantissa 2^exponent: the mantissa has 16 bits, or is zero.
+struct Size {
+    std::int64_t mantissa;
+    int exponent;
+};
+/// `v` 2^-bits, no more than it.
+Size size_of(std::uint64_t v, int bits) {
+    const int drop = bit_length(v) - 16;
+    return {static_cast<std::int64_t>(drop > 0 ? v >> drop : v << -drop), drop - bits};
+}
+/// No less than a length, and at most 1 / 6 more: a + 7 b / 16 + 6 c / 16, a >= b >= c.
+Size length_of(Vec3 v) {
+    std::uint64_t a = magnitude(v.x.raw), b = magnitude(v.y.raw), c = magnitude(v.z.raw);
+    if (a < b) std::swap(a, b);
+    if (a < c) std::swap(a, c);
+    if (b < c) std::swap(b, c);
+    Size size = size_of(a + 7 * (b >> 4) + 6 * (c >> 4) + 13, Real::fraction_bits);
+    ++size.mantissa;
+    return size;
+}
+
+/// True where |f| |r| < m (k rate)^2 / 32 for certain.
+bool is_too_weak(Vec3 f, Vec3 r, Real k, const BodyMass& mass, std::int64_t rate) {
+    const Size a = length_of(f), b = length_of(r);
+    const Size turns = size_of(magnitude(k.raw), Real::fraction_bits), often = size_of(magnitude(rate), 0),
+               heavy = size_of(magnitude(mass.mass.raw), Real::fraction_bits);
+    const std::int64_t square = turns.mantissa * often.mantissa >> 16;
+    const std::int64_t right = (square * square >> 16) * heavy.mantissa;
+    const std::int64_t left = a.mantissa * b.mantissa << 5;
+    const int apart =
+        2 * (turns.exponent + often.exponent + 16) + 16 + heavy.exponent - a.exponent - b.exponent;
+    // Both are below 2^40, and `right` is above 2^27.
+    return apart >= 0 ? apart > 12 || left < right << apart : apart >= -40 && left < right >> -apart;
 }
 
 /// Adds h^2 ((r . f) 1 - r f^T) / m of one side, its diagonal in principal axes [m^2]. False where it cannot matter.
 bool add_pull(const BodyColumns& columns, std::uint32_t row, Vec3 force, Vec3 place,
               const StepConstants& step, BodyStep& s) {
     const BodyMass& mass = columns.mass[row];
-    const Short3 pulls = shortened(force), lever = shortened(place - mass.center);
     const Real least = min(mass.gyration.x, min(mass.gyration.y, mass.gyration.z));
-    if (is_too_weak(pulls, lever, least, mass, step.substeps_per_second)) return false;
+    const Vec3 away = place - mass.center;
+    if (is_too_weak(force, away, least, mass, step.substeps_per_second)) return false;
+    const Short3 pulls = shortened(force), lever = shortened(away);
     const bool turned = mass.principal != Quat::identity();
     const Quat pose = columns.pose[row].rotation;
     const Short3 f = times_transposed(to_rotation(turned ? pose * mass.principal : pose), pulls);

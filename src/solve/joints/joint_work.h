@@ -138,8 +138,10 @@ struct JointWork {
     Real mass; ///< mA mB / (mA + mB) [kg]
     std::uint32_t memory;
     std::uint32_t first_block, first_axis;
-    std::uint32_t tree; ///< that solves its locks; no_tree: they are solved by themselves
-    std::uint8_t block_count, axis_count;
+    std::uint32_t tree;                   ///< that solves its locks; no_tree: they are solved by themselves
+    std::uint8_t block_count, axis_count; ///< of the point only where no pack has it
+    bool point; ///< it holds a point; `point_sum`: impulses of the last tick, unscaled
+    Real point_sum[3];
     bool needs_twist, needs_target, needs_orientation, needs_travel, needs_slip, made;
     bool framed;       ///< directions of its frames are asked for: it holds more than a point
     bool stays;        ///< its rows change by turns alone, and slowly
@@ -200,8 +202,10 @@ void make_asked_rows(JointTick& tick, const StepConstants& step, const SolverBod
 void find_acting(JointTick& tick);
 /// Whether something of a joint is made by make_rows(): all but what packs make and limits that are out of reach.
 bool has_own_rows(const JointTick& tick, const JointWork& work);
-/// Parts of one joint by its table of axes; appends to blocks and axes.
+/// Parts of one joint by its table of axes; appends to blocks and axes. Its point is no block yet: most are packed.
 void assemble(JointTick& tick, JointWork& work, const StepConstants& step, const JointMemory& memory);
+/// The point of a joint that no pack takes, as its last block.
+void add_point_block(JointTick& tick, JointWork& work);
 /// Where x can swing freely, a swing past the back of A adds turns that nobody made, and a limit would wind them off.
 bool counts_turns(const JointDef& def);
 /// Of a joint that was assembled: whether its rows change by turns alone, and slowly.

@@ -34,7 +34,7 @@ void find_links(JointTick& tick, const SolverBodies& bodies) {
     for (std::uint32_t k = 0; k < tick.joints.size(); ++k) {
         JointWork& w = tick.joints[k];
         w.tree = no_tree;
-        if (w.block_count == 0) continue;
+        if (w.block_count == 0 && !w.point) continue;
         const std::uint32_t a = node_side(w.a, bodies), b = node_side(w.b, bodies);
         if (a == b) continue;
         if (a != no_tree && b != no_tree) {
@@ -87,6 +87,7 @@ void add_joint(JointTick& tick, std::uint32_t link, std::uint32_t child, std::ui
     w.tree = static_cast<std::uint32_t>(f.trees.size());
     const std::uint32_t b = w.b.world ? no_tree : f.node_of[w.b.cache];
     t.child_is_b = child != no_tree ? b == child + 1 : b != parent + 1;
+    t.rows = w.point ? 3 : 0;
     for (std::uint32_t i = 0; i < w.block_count; ++i) t.rows += tick.blocks[w.first_block + i].count;
     t.mass = scaled(w.mass.raw, Real::fraction_bits);
     // 2^62 / [2^31, 2^32) = (2^30, 2^31]
