@@ -32,6 +32,7 @@ struct ContactResult {
 struct FoundContacts {
     std::vector<ContactResult> results;   ///< of pairs, in pair order
     std::vector<solve::Contact> contacts; ///< for the solver, in row order
+    void reserve(std::size_t rows) { results.reserve(rows), contacts.reserve(rows); }
     std::uint32_t dropped; ///< rows that the table had no room for, and one for all pairs not looked at
 };
 
@@ -41,6 +42,7 @@ struct NearChunk {
     std::vector<ContactResult> results;
     std::vector<solve::Contact> contacts;
     std::uint32_t first_row, first_contact; ///< where it goes
+    void reserve(std::size_t rows) { memories.reserve(rows), results.reserve(rows), contacts.reserve(rows); }
 };
 
 /// Some pairs at once, side by side in lanes: those of the last tick's manifolds, then those of new ones.
@@ -74,6 +76,13 @@ struct ContactScratch {
     std::vector<RowMove> row_moves; ///< of kept rows of the contact table
     std::vector<NarrowWorker> workers;
     const solve::PairKernel* pair_kernel = solve::kernels_of(best_simd())->pairs;
+
+    /// As one thread needs it, which makes one chunk of all pairs.
+    void reserve(std::size_t rows) {
+        row_moves.reserve(rows);
+        if (chunks.empty()) chunks.emplace_back();
+        chunks[0].reserve(rows);
+    }
 };
 
 /// Manifolds of the pairs, made anew or used again, and their contacts. `table`: the contact table of the last tick becomes that

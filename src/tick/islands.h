@@ -19,7 +19,7 @@ struct IslandScratch {
 
     void reserve(std::size_t bodies) {
         for (std::vector<std::uint32_t>* list : {&parent, &still_ticks, &first, &last}) list->reserve(bodies);
-        resting.reserve(bodies);
+        touched.reserve(bodies), resting.reserve(bodies);
     }
 };
 

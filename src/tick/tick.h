@@ -26,6 +26,8 @@ struct TickScratch {
         bodies.reserve(rows.bodies);
         islands.reserve(rows.bodies);
         table.list.reserve(rows.contacts);
+        contact_scratch.reserve(rows.contacts), found.reserve(rows.contacts);
+        near.ended.reserve(rows.contacts), contacts.reserve(rows.contacts, rows.bodies);
     }
 
     CharacterScratch characters;
@@ -58,6 +60,8 @@ struct TickOutput {
     std::vector<Event> events;
     ContactPoints contact_points;
     std::vector<PhaseHash> phase_hashes; ///< when they are asked for
+
+    void reserve(const WorldRows& rows) { contact_points.list.reserve(std::size_t{4} * rows.contacts); }
 };
 
 struct TickHooks {

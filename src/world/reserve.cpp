@@ -42,7 +42,8 @@ Status reserve(Data& w, const WorldRows& rows) {
     take(rows.vehicles, {m.vehicles, m.vehicle_slots});
     w.state.reserve(capacities);
     w.placed.reserve(std::max(rows.shapes, w.state.capacity(m.shape_slots)));
-    w.scratch.reserve(rows);
+    w.scratch.reserve(rows), w.output.reserve(rows);
+    for (ContactList* list : {&w.moves.here, &w.moves.there, &w.moves.moving}) list->reserve(rows.contacts);
     return {};
 }
 

@@ -166,11 +166,6 @@ TEST_CASE("ticks, saves, hashes, restores and the commands of a tick do not allo
                 if (t == 30) w.restore(image);
             }
         };
-        // What falls asleep in these ticks has done so once before: reserving makes no room to sort a pile's contacts in.
-        Image start;
-        w.save(start);
-        play();
-        w.restore(start);
         const test::AllocationCounter counter;
         play();
         CHECK(counter.count() == 0);

@@ -88,6 +88,8 @@ template <class Visit> void ContactSolver::Inside::with_lanes(Visit&& visit) con
 
 void ContactSolver::reserve(std::size_t contacts, std::size_t bodies) {
     inside->stage_begin.reserve(contacts + 1);
+    inside->sort_of.reserve(contacts), inside->lane_contact.reserve(2 * contacts);
+    inside->bounces.reserve(contacts), inside->rolling.reserve(contacts);
     inside->warm.reserve(bodies + 1);
     inside->order.reserve(contacts, bodies);
 }
