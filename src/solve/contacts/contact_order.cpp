@@ -22,15 +22,16 @@ std::int32_t least_separation(const Contact& contact) {
 
 bool touches(const Contact& contact) { return least_separation(contact) < touching; }
 
-/// An overlap of less is for the order by levels [m]; of more, each step is a class of its own up to the last.
-constexpr std::int32_t depth_step = decimal<Separation>("0.01").raw;
+/// An overlap of less is for the order by levels [m]; of more, each step is a class of its own up to the last. With what
+/// nothing moves contacts are four times as stiff (StepConstants::soft_static), so a quarter of the depth is as hard a squeeze.
+constexpr std::int32_t depth_step = decimal<Separation>("0.01").raw, depth_step_static = depth_step / 4;
 constexpr std::int32_t depth_last = 10;
 
-std::uint32_t depth_of(const Contact& contact) {
+std::uint32_t depth_of(const Contact& contact, std::int32_t step) {
     const std::int32_t least = least_separation(contact);
-    if (least > -depth_step) [[likely]]
+    if (least > -step) [[likely]]
         return 0;
-    return static_cast<std::uint32_t>(std::min(least / -depth_step, depth_last));
+    return static_cast<std::uint32_t>(std::min(least / -step, depth_last));
 }
 
 /// counts[k] items of key k become where the items of key k begin.
@@ -91,7 +92,9 @@ void ContactOrder::find_levels(std::span<const Contact> contacts, const SolverBo
 void ContactOrder::sort_down(std::span<const Contact> contacts) {
     const std::uint32_t above = level_max + 1;
     const auto key = [&](const Contact& c) {
-        if (const std::uint32_t depth = depth_of(c); depth != 0) return 2 * above + depth;
+        const bool stands = levels[c.body_a] == 0 || levels[c.body_b] == 0;
+        const std::uint32_t depth = depth_of(c, stands ? depth_step_static : depth_step);
+        if (depth != 0) return 2 * above + depth;
         return 2 * above - std::min(levels[c.body_a], above) - std::min(levels[c.body_b], above);
     };
     counts.assign(std::size_t{2} * above + depth_last + 1, 0);
