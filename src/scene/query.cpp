@@ -93,13 +93,17 @@ Transform plane_below(const Transform& plane, Vec3 point) {
     return {point - scale<Real>(n, height), plane.rotation};
 }
 
+/// Most of what is cast against is not turned: then vectors are the same in its frame.
+bool is_turned(const Rotation& axes) { return axes != Rotation::identity(); }
+
 QueryHit world_hit(const Asking& asking, const ShapeRow& shape, const Transform& frame, const Rotation& axes,
                    const collide::CastHit& hit) {
     QueryHit out{};
     out.shape = shape.id;
     out.body = shape.body;
-    out.point = frame.position + lockstone::mul<Real>(axes, hit.point);
-    out.normal = lockstone::mul<Unit>(axes, hit.normal);
+    const bool turned = is_turned(axes);
+    out.point = frame.position + (turned ? lockstone::mul<Real>(axes, hit.point) : to<Real>(hit.point));
+    out.normal = turned ? lockstone::mul<Unit>(axes, hit.normal) : hit.normal;
     out.feature = hit.feature;
     out.part = part_of(asking.w, asking.placed, shape.id, hit.feature);
     return out;
@@ -118,8 +122,9 @@ bool cast_at(const Asking& asking, const Cast& cast, const ShapeRow& shape, coll
     const Rotation& axes = at.axes; // a plane's frame has its rotation
     const CoordinateVec3 begin = collide::coordinates(collide::place_24(line, span.enter_30));
     const CoordinateVec3 end = collide::coordinates(collide::place_24(line, span.exit_30));
-    const CoordinateVec3 from = mul_transposed<Coordinate>(axes, begin),
-                         way = mul_transposed<Coordinate>(axes, end - begin);
+    CoordinateVec3 from = begin, way = end - begin;
+    if (is_turned(axes))
+        from = mul_transposed<Coordinate>(axes, from), way = mul_transposed<Coordinate>(axes, way);
     collide::CastHit hit{};
     if (cast.solid == nullptr) {
         if (!collide::cast_ray(at.solid, from, way, narrow, hit)) return false;

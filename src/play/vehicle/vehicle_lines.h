@@ -145,8 +145,8 @@ Real ground_speed(const solve::SolverBody& ground, const WheelLine& line);
 
 /// Speed of the chassis' patch over the ground along a line [m/s].
 template <class Number>
-Number line_speed(const Chassis& chassis, const Wheel& wheel, const WheelLine& line,
-                  const solve::SolverBodies& bodies) {
+[[gnu::always_inline]] inline Number line_speed(const Chassis& chassis, const Wheel& wheel,
+                                                const WheelLine& line, const solve::SolverBodies& bodies) {
     const Number speed =
         speed_along<Number>(chassis.v, chassis.u, line.d, line.xc) - number<Number>(line.belt);
     if (!wheel.rides) [[likely]]

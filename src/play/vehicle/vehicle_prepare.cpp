@@ -57,8 +57,10 @@ struct Levers {
 
 WheelLine line_of(const SolverBodies& bodies, std::uint32_t chassis, const Wheel& wheel, UnitVec3 d,
                   const Levers& levers) {
-    WheelLine line{
-        d, arm_of(bodies.step[chassis], levers.chassis, d, 1), {}, dot<Real>(levers.surface, d), Real{}};
+    WheelLine line{};
+    line.d = d;
+    line.xc = arm_of(bodies.step[chassis], levers.chassis, d, 1);
+    if (levers.surface != Vec3{}) line.belt = dot<Real>(levers.surface, d);
     line.kappa = mobility(bodies.body[chassis], d, line.xc, d, line.xc);
     if (wheel.ground == bodies.still()) return line;
     line.xg = arm_of(bodies.step[wheel.ground], levers.ground, d, -1);

@@ -18,10 +18,9 @@ Real share_of_peak(Real own, Real other) {
     return min(quotient(own, long_slide + rest), Real(1));
 }
 
-Real free_spin(const Vehicle& v, std::uint32_t wheel, Real Wheel::*impulse) {
+Real shared_spin(const Vehicle& v, std::uint32_t wheel, Real Wheel::*impulse) {
     const SpinGroup& g = v.group[v.wheel[wheel].group];
     Real spin = g.free;
-    if (g.on_ground == 1) return spin;
     for (std::uint32_t i = g.first; i <= g.last; ++i)
         if (i != wheel && v.wheel[i].group == v.wheel[wheel].group && v.wheel[i].touches)
             spin -= v.wheel[i].*impulse * v.wheel[i].arm;

@@ -86,7 +86,8 @@ template <class Number>
 }
 
 template <class Number>
-TyreAnswer<Number> tyre_answer(const TyreQuestion<Number>& tyre, Number slide, Number kappa, Number speed) {
+[[gnu::always_inline]] inline TyreAnswer<Number> tyre_answer(const TyreQuestion<Number>& tyre, Number slide,
+                                                             Number kappa, Number speed) {
     if (tyre.load.raw <= 0 || slide.raw <= 0 || kappa.raw <= 0)
         return {{}, {}, slip_of(tyre, slide, kappa, Number{0}, speed)};
     const TyreAnswer<Number> out = on_curve(tyre, slide, kappa, speed);
@@ -132,8 +133,12 @@ inline Real braked_spin(const SpinGroup& group, Real spin) {
     const Real most = group.brake_spin;
     return spin > most ? spin - most : spin < -most ? spin + most : Real{};
 }
-/// Spin of a wheel's group under its torque and all tyres but this one's, the brake left out.
-Real free_spin(const Vehicle& v, std::uint32_t wheel, Real Wheel::*impulse);
+/// Spin of a wheel's group under its torque and all tyres but this one's, the brake left out: of several wheels, and of any.
+Real shared_spin(const Vehicle& v, std::uint32_t wheel, Real Wheel::*impulse);
+inline Real free_spin(const Vehicle& v, std::uint32_t wheel, Real Wheel::*impulse) {
+    const SpinGroup& g = v.group[v.wheel[wheel].group];
+    return g.on_ground == 1 ? g.free : shared_spin(v, wheel, impulse);
+}
 /// The torque of a group, or its brake, has changed.
 template <class Number = Real> void set_free(SpinGroup& g) {
     constexpr std::int64_t most = Real(1 << 16).raw;
