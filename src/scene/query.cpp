@@ -93,13 +93,17 @@ Transform plane_below(const Transform& plane, Vec3 point) {
     return {point - scale<Real>(n, height), plane.rotation};
 }
 
+/// Most of what is cast against is not turned: then vectors are the same in its frame.
+bool is_turned(const Rotation& axes) { return axes != Rotation::identity(); }
+
 QueryHit world_hit(const Asking& asking, const ShapeRow& shape, const Transform& frame, const Rotation& axes,
                    const collide::CastHit& hit) {
     QueryHit out{};
     out.shape = shape.id;
     out.body = shape.body;
-    out.point = frame.position + lockstone::mul<Real>(axes, hit.point);
-    out.normal = lockstone::mul<Unit>(axes, hit.normal);
+    const bool turned = is_turned(axes);
+    out.point = frame.position + (turned ? lockstone::mul<Real>(axes, hit.point) : to<Real>(hit.point));
+    out.normal = turned ? lockstone::mul<Unit>(axes, hit.normal) : hit.normal;
     out.feature = hit.feature;
     out.part = part_of(asking.w, asking.placed, shape.id, hit.feature);
     return out;
@@ -107,25 +111,20 @@ QueryHit world_hit(const Asking& asking, const ShapeRow& shape, const Transform&
 
 /// A part of the way near the shape is turned into its frame, so that the rotation's rounding does not grow with the way.
 /// Returns whether they meet.
-bool cast_at(const Asking& asking, const Cast& cast, const ShapeRow& shape, QueryHit& out) {
+bool cast_at(const Asking& asking, const Cast& cast, const ShapeRow& shape, collide::Span span,
+             QueryHit& out) {
     collide::NarrowScratch& narrow = asking.work->narrow;
     const PlacedShapes::Shape& at = asking.placed.shape[shape.id.index - 1];
     const bool is_plane = asking.w.traits_of(shape).geometry.kind == ShapeKind::plane;
     const Transform frame = is_plane ? plane_below(at.pose, cast.from) : at.pose;
-    collide::Line line{};
-    if (!collide::make_line(to<Coordinate>(cast.from - frame.position), to<Coordinate>(cast.way), line))
-        return false;
-    collide::Span span{0, line.length_30};
-    if (!is_plane) span = collide::span_of_ball(line, collide::Long3{}, at.reach.raw + cast.reach.raw);
-    if (span.empty()) return false;
-
+    collide::Line line = cast.line;
+    if (!collide::move_line(to<Coordinate>(cast.from - frame.position), line)) return false;
     const Rotation& axes = at.axes; // a plane's frame has its rotation
-    const CoordinateVec3 begin =
-        collide::coordinates(collide::shifted(collide::point_30(line, span.enter_30), 6));
-    const CoordinateVec3 end =
-        collide::coordinates(collide::shifted(collide::point_30(line, span.exit_30), 6));
-    const CoordinateVec3 from = mul_transposed<Coordinate>(axes, begin),
-                         way = mul_transposed<Coordinate>(axes, end - begin);
+    const CoordinateVec3 begin = collide::coordinates(collide::place_24(line, span.enter_30));
+    const CoordinateVec3 end = collide::coordinates(collide::place_24(line, span.exit_30));
+    CoordinateVec3 from = begin, way = end - begin;
+    if (is_turned(axes))
+        from = mul_transposed<Coordinate>(axes, from), way = mul_transposed<Coordinate>(axes, way);
     collide::CastHit hit{};
     if (cast.solid == nullptr) {
         if (!collide::cast_ray(at.solid, from, way, narrow, hit)) return false;
@@ -200,16 +199,16 @@ void find_candidates(const Asking& asking, const Cast& cast, const QueryFilter& 
     for (const std::uint32_t slot : q.near.proxies) {
         const ShapeRow& shape = row_of_slot(w, slot);
         if (!is_seen(w, shape, filter)) continue;
-        std::int64_t enter = 0;
+        std::int64_t enter = 0, exit = cast.line.length_30;
         const PlacedShapes::Shape& at = s.shape[slot];
         if (w.traits_of(shape).geometry.kind != ShapeKind::plane) {
             const collide::Long3 center = collide::raw(to<Coordinate>(at.pose.position - cast.from));
             const collide::Span span =
                 collide::span_of_ball(cast.line, center, at.reach.raw + cast.reach.raw);
             if (span.empty()) continue;
-            enter = span.enter_30;
+            enter = span.enter_30, exit = span.exit_30;
         }
-        q.candidates.push_back({enter, slot});
+        q.candidates.push_back({enter, exit, slot});
     }
     std::sort(q.candidates.begin(), q.candidates.end(),
               [](const QueryWork::Candidate& a, const QueryWork::Candidate& b) {
@@ -226,7 +225,7 @@ void for_each_hit_near(const Asking& asking, const Cast& cast, const QueryFilter
     for (const QueryWork::Candidate& c : asking.work->candidates) {
         if (c.enter > matters + slack) break;
         QueryHit hit{};
-        if (cast_at(asking, cast, row_of_slot(asking.w, c.slot), hit))
+        if (cast_at(asking, cast, row_of_slot(asking.w, c.slot), {c.enter, c.exit}, hit))
             matters = std::min(matters, visit(hit));
     }
 }

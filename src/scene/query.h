@@ -21,7 +21,7 @@ namespace lockstone::sim {
 struct QueryWork {
     collide::BroadPhase::Asker near; ///< shapes whose bounds may be met, by slot
     struct Candidate {
-        std::int64_t enter; ///< no hit is nearer [m, 30 fraction bits]
+        std::int64_t enter, exit; ///< all hits are between them [m, 30 fraction bits]
         std::uint32_t slot;
     };
     std::vector<Candidate> candidates;

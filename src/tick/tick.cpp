@@ -123,7 +123,7 @@ void store(const Tick& t) {
     s.contacts.apply_restitution(s.step, s.bodies);
     s.contacts.store(s.found.contacts, s.table.list.memories, s.bodies.clamps, t.hooks.tasks);
     s.joint_solver.store(s.step, w.state.edit(w.m.joint_memory, 0, w.header().joints_awake), s.bodies.clamps);
-    s.vehicles.store(w, s.bodies);
+    s.vehicles.store(w, s.step, s.bodies);
 }
 
 void finish(const Tick& t) {

@@ -166,11 +166,11 @@ std::string golden_rows(const std::string& name) {
     return {};
 }
 
-/// A game; boxes of equal mass; hulls of many kinds that fall on each other.
+/// A game; boxes of equal mass; hulls of many kinds that fall on each other; joints; vehicles.
 std::string golden_table() {
     for (const char* name : {"rollback-arena size=0 seed=1 players=2", "pyramid size=12 seed=1 players=0",
                              "convex-pile size=60 seed=1 players=0", "ragdolls size=4 seed=1 players=0",
-                             "joint-grid size=0 seed=1 players=0"})
+                             "joint-grid size=0 seed=1 players=0", "cars size=0 seed=1 players=1"})
         if (std::string found = golden_rows(name); !found.empty()) return found;
     return {};
 }

@@ -16,13 +16,18 @@ CoordinateVec3 coordinates_of(Long3 p) {
 
 CoordinateVec3 coordinates(Long3 p_24) { return coordinates_of(p_24); }
 
+bool move_line(CoordinateVec3 from, Line& line) {
+    line.from_24 = raw(from);
+    for (int i = 0; i < 3; ++i)
+        if (line.from_24[i] > start_max_24 || line.from_24[i] < -start_max_24) return false;
+    return true;
+}
+
 bool make_line(CoordinateVec3 from, CoordinateVec3 way, Line& out) {
-    out.from_24 = raw(from);
+    if (!move_line(from, out)) return false;
     out.way_24 = raw(way);
     for (int i = 0; i < 3; ++i)
-        if (out.from_24[i] > start_max_24 || out.from_24[i] < -start_max_24 ||
-            out.way_24[i] > cast_length_max.raw || out.way_24[i] < -cast_length_max.raw)
-            return false;
+        if (out.way_24[i] > cast_length_max.raw || out.way_24[i] < -cast_length_max.raw) return false;
     const detail::SquareSum n = detail::square_sum(way); // below 2^78
     if ((n.high | n.low) == 0) {
         out.unit_60 = Long3{};

@@ -15,6 +15,8 @@ struct Line {
 };
 /// False when the way is longer than cast_length_max or starts further than 2^17 m away on an axis.
 bool make_line(CoordinateVec3 from, CoordinateVec3 way, Line& out);
+/// The same line from elsewhere.
+bool move_line(CoordinateVec3 from, Line& line);
 
 /// a . b without overflow, `drop` fraction bits rounded away. For components of up to 2^62 and sums below 2^126.
 constexpr std::int64_t dot_dropped(Long3 a, Long3 b, int drop) {
@@ -31,6 +33,14 @@ constexpr Long3 times_60(Long3 unit_60, std::int64_t x) {
 /// The point at `at_30` of the line, with 30 fraction bits.
 inline Long3 point_30(const Line& line, std::int64_t at_30) {
     return up(line.from_24, 6) + times_60(line.unit_60, at_30);
+}
+
+/// The same with 24 fraction bits; at the ends of the line exactly.
+inline Long3 place_24(const Line& line, std::int64_t at_30) {
+    if (at_30 <= 0) return line.from_24;
+    if (at_30 >= line.length_30) return line.from_24 + line.way_24;
+    const Long3 p = point_30(line, at_30);
+    return shifted(p, 6);
 }
 
 /// The point of the line nearest to `center_24`, as a place along it: not clamped to the line's ends.

@@ -38,7 +38,12 @@ struct BallPath {
         if (!is_near(off)) return false;
         const std::int64_t gap = shift_right_rounded(dot(normal, off), 24) - up(radius_24, 6);
         if (gap <= close_30) return false;
-        at_30 = add_saturated(from_30, divide_shifted(gap - close_30 / 2, -slope_60, 60));
+        // Off the grazing, and within 8 m, 30 bits of the slope are enough for a billionth of the way.
+        constexpr std::int64_t steep_60 = std::int64_t{1} << 55;
+        const std::int64_t way = gap - close_30 / 2;
+        at_30 = add_saturated(from_30, -slope_60 >= steep_60 && (way >> 33) == 0
+                                           ? (way << 30) / (-slope_60 >> 30)
+                                           : divide_shifted(way, -slope_60, 60));
         return true;
     }
     /// Whether a centre is above the triangle.
@@ -137,11 +142,14 @@ class BallCaster {
         const CastHit on_face = path.hit_on_face(at, at_24);
         if (!found || comes_first(on_face, hit)) hit = on_face;
         found = true;
+        face_30 = smaller(face_30, at);
     }
     void finish() {
         for (std::size_t i = 0; i < count; ++i) {
             const Waiting& last = waiting[i];
-            if (found && last.at_30 >= up(hit.distance.raw, 6)) continue; // it only touches later
+            // It only touches later. Of faces side by side in one plane rounding would decide which is first.
+            if (last.at_30 >= face_30 - close_30 || (found && last.at_30 >= up(hit.distance.raw, 6)))
+                continue;
             const Obstacle o{Obstacle::Kind::triangle, last.triangle.index, nullptr, nullptr,
                              &last.triangle,           last.one_sided};
             try_obstacle(c, o, {last.at_30, span.exit_30}, hit, found);
@@ -160,15 +168,19 @@ class BallCaster {
     Long3 from_24;
     CastHit& hit;
     bool& found;
+    std::int64_t face_30 = std::int64_t{1} << 60; ///< where the ball comes down onto a face
     std::size_t count = 0;
     std::array<Waiting, waiting_max> waiting;
 };
 
 /// Along the line in pieces of a few times the shape's size, so that few triangles are looked at twice.
 bool cast_in_pieces(const shapes::Solid& solid, const Caster& c, NarrowScratch& scratch, CastHit& hit) {
-    const shapes::Extent e = shapes::extent_of(solid);
-    const Span span = span_of_box(c.line, swept_extent(raw(e.lower), raw(e.upper), c.reach_24));
     const std::int64_t first_piece = larger(up(c.reach_24, 6) * 8, std::int64_t{1} << 26);
+    Span span{0, c.line.length_30};
+    if (c.line.length_30 > first_piece) {
+        const shapes::Extent e = shapes::extent_of(solid);
+        span = span_of_box(c.line, swept_extent(raw(e.lower), raw(e.upper), c.reach_24));
+    }
     bool found = false;
     std::int64_t piece = first_piece;
     for (std::int64_t from = span.enter_30; from <= span.exit_30;) {

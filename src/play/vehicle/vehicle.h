@@ -27,62 +27,111 @@
 
 namespace lockstone::sim {
 
+/// Of a row's turning arm K^-1 (r x d): within 64.
+using Arm = I8F24;
+
 /// A constraint direction of a wheel.
 struct WheelLine {
     UnitVec3 d;
-    Vec3 xc, xg;
+    Vector3<Arm> xc, xg;
+    Real belt; ///< speed of the ground's surface along it [m/s]
     Real kappa;
+};
+
+/// A curve as the solver reads it: its corners, and the way from each to the next.
+struct TyreCurve {
+    std::array<Real, 4> x, y;
+    std::array<Real, 3> run, rise;
+    Real peak;      ///< its highest point
+    bool from_zero; ///< it begins at 0, 0
 };
 
 /// A wheel within a tick.
 struct Wheel {
-    bool touches;         ///< the ground, or may within the tick
+    bool touches;     ///< the ground, or may within the tick
+    bool rides;       ///< its ground moves
+    bool ordinary;    ///< numbers of its tyre and its rim that are constant are far from the end of a Real
+    bool small;       ///< its load too
+    bool small_ahead; ///< and the speeds of its patch for the train
     std::uint32_t ground; ///< entry of SolverBodies
-    Real ratio;           ///< m / mg, 0 for a ground that nothing moves
+    std::uint32_t tyre, group;
+    Real ratio; ///< m / mg, 0 for a ground that nothing moves
     WheelLine normal, along, across;
     Real mixed;                    ///< speed across per impulse along
-    Vec3 surface;                  ///< velocity of a conveyor's surface [m/s]
     Real length_begin, per_length; ///< at the start of the tick [m]; suspension length per separation
     Real length;                   ///< now
     Real compression;              ///< of the spring when the substep began [m], 0: it hangs
-    Real spring_rate, spring_soft, damper[2]; ///< h k [1/s]; h^2 k; h c of rebound and compression
-    Real grip;                                ///< factor of the tyre's curves on this ground
-    std::uint32_t group;
+    Real pull[2], yield[2];        ///< h k / (1 + a kappa) and a / (1 + a kappa): of rebound and compression
+    Real gap, gap_rate; ///< to the stop when the substep began [m]; what closes it within one [m/s]
+    Real grip;          ///< factor of the tyre's curves on this ground
+    Real radius;
     Real arm;                      ///< spin of its group per impulse [rad/m]
     Real stiff;                    ///< of its spin: mass radius^2 [kg m^2]
     Real kappa_rim;                ///< mobility along with a rim that turns freely
+    Real rolling;                  ///< brake of the rolling tyre per load [kg m]
     Real brake_torque;             ///< impulse of the brakes per substep [N m s]
     Real load;                     ///< on the tyre, grip included [m/s]
+    Real most_along, most_across;  ///< load times the peaks of its curves
+    Real arm_most;                 ///< most that the tyre changes the spin [rad/s]
     Real spring, stop, bars;       ///< impulses along the normal; `bars` is the sum of the anti-roll bars
     Real along_p, across_p, try_p; ///< of the tyre; `try_p` while the train is solved
-    Real ahead, aside;             ///< speeds of the patch then [m/s]
+    Real ahead, aside, ahead_free; ///< speeds of the patch then [m/s]; without the tyre's impulse along
     Real slip, slip_side;
+};
+
+/// x / of, as a product with 1 / of where that keeps 22 bits or more.
+struct Divisor {
+    static constexpr Real inverse_below = Real(1 << 10);
+    Real of, inverse;
+    bool large;
+
+    static Divisor make(Real of) { return {of, Real(1) / of, of >= inverse_below}; }
+    friend Real operator/(Real x, const Divisor& d) { return d.large ? x / d.of : x * d.inverse; }
 };
 
 /// What turns as one: a wheel, or a track's wheels.
 struct SpinGroup {
     Real inertia, spin_begin, spin; ///< [kg m^2], [rad/s]; spin_begin is that of the substep
-    Real torque;                    ///< impulse of the train in this substep [N m s]
-    Real brake;                     ///< most impulse of the brake
-    Real brake_ahead, brake_back;   ///< brake / inertia, and that of the other sign: what it takes of a spin
-    Real free;                      ///< spin_begin and what the torque adds
-    std::uint32_t on_ground;        ///< how many of its wheels touch
-    Real answer;                    ///< d spin / d torque
-    bool coupled;                   ///< to the train
+    Divisor by_inertia;
+    Real torque;               ///< impulse of the train in this substep [N m s]
+    Real brake;                ///< most impulse of the brake
+    Real brake_spin;           ///< brake / inertia: what it takes of a spin
+    Real free;                 ///< spin_begin and what the torque adds
+    Real turned;               ///< sum of the spins of the tick's substeps
+    std::uint32_t first, last; ///< its wheels are among these
+    std::uint32_t on_ground;   ///< how many of its wheels touch
+    Real answer;               ///< d spin / d torque
+    bool coupled;              ///< to the train
+    bool small;                ///< its spins are far from the end of a Real
 };
 
 struct Coupling {
     std::uint32_t source;                       ///< 0..3: differential, else one of the two below
     Real engine;                                ///< ce
     std::array<Real, vehicle_wheels_max> group; ///< cg
-    Real cap;                                   ///< [N m s]
+    std::array<Real, vehicle_wheels_max> group_square;
+    Real engine_answer;    ///< ce^2 / inertia of the engine
+    DifferentialKind kind; ///< of a differential
+    Real most;             ///< of its torque in a substep: at a closed clutch, without bias [N m s]
+    Real cap;              ///< in this substep
     Real impulse;
 };
 inline constexpr std::uint32_t coupling_clutch = 4, coupling_steering = 5;
 
-/// The highest points of a tyre's curves.
-struct TyrePeaks {
-    Real along, across;
+/// An anti-roll bar within a tick; a spring as those of wheels.
+struct BarRow {
+    bool holds;       ///< its wheels touch
+    Real kappa;       ///< of both wheels against each other
+    Real pull, yield; ///< h k / (1 + a kappa) and a / (1 + a kappa)
+};
+
+/// The engine within a tick.
+struct EngineRow {
+    Divisor inertia;
+    Real push, drag;                 ///< speed per substep at the full and at the brake torque [rad/s]
+    Real per_speed;                  ///< rpm / rpm_max per speed [s]
+    Real idle_speed, per_idle;       ///< [rad/s]; 2 / idle_speed
+    std::array<Real, 8> run_inverse; ///< of the torque curve
 };
 
 /// A vehicle within a tick.
@@ -95,7 +144,11 @@ struct Vehicle {
     /// [rad/s]; engine turns per turn of the wheels, 0: in neutral or between gears
     Real engine_speed, ratio;
     std::uint32_t group_count, coupling_count;
-    std::array<TyrePeaks, vehicle_tyres_max> peaks;
+    std::array<TyreCurve, vehicle_tyres_max> along, across;
+    EngineRow engine;
+    /// Numbers of the engine, and of all that turns, are far from the end of a Real
+    bool small_engine, small_train;
+    std::array<BarRow, vehicle_couplings_max> bar;
     std::array<Wheel, vehicle_wheels_max> wheel;
     std::array<SpinGroup, vehicle_wheels_max> group;
     std::array<Coupling, vehicle_couplings_max + 2> coupling;
@@ -106,6 +159,13 @@ struct WheelGround {
     bool found;
     QueryHit hit;
     Real length; ///< of the suspension [m]
+};
+
+/// How a vehicle's weight lies on its wheels, and of what that was found: the same from tick to tick.
+struct WeightShares {
+    std::uint32_t wheel_count;
+    std::array<Vec3, vehicle_wheels_max> at; ///< attachments from the centre of mass [m]
+    std::array<Real, vehicle_wheels_max> share;
 };
 
 /// A chassis and a body that one of its wheels stands on, by row.
@@ -127,7 +187,7 @@ class VehicleSolver {
     /// Springs, stops and bars in the pass with bias; tyres in every pass.
     void solve(const solve::StepConstants& step, solve::SolverBodies& bodies, bool bias);
     /// What vehicles keep, and what they stood on.
-    void store(Model& w, const solve::SolverBodies& bodies);
+    void store(Model& w, const solve::StepConstants& step, const solve::SolverBodies& bodies);
     /// In the tick that was stored last: vehicles sleep and wake with what they stand on.
     std::span<const Standing> standing() const { return stands; }
     /// Fills what cast() and prepare() make anew with a byte.
@@ -144,8 +204,10 @@ class VehicleSolver {
                          });
     }
 
+    std::int32_t substeps_left = 0; ///< of this tick
     std::vector<Standing> stands;
     std::vector<Vehicle> vehicles;
+    std::vector<WeightShares> shares;              ///< by row; looked at anew in each tick
     Tasks* tasks = nullptr;                        ///< of this tick
     std::vector<std::uint32_t> order;              ///< of vehicles: by convoy, then by row
     std::vector<std::uint32_t> convoy_begin = {0}; ///< in `order`, and the end
@@ -158,6 +220,8 @@ class VehicleSolver {
     std::vector<std::uint32_t> convoy; ///< by vehicle: the first vehicle of its convoy, when all are found
     std::vector<std::array<WheelGround, vehicle_wheels_max>> grounds; ///< by row
 };
+
+struct Chassis;
 
 // ---- parts -------------------------------------------------------------------------------------------------------
 
@@ -175,13 +239,12 @@ void prepare_wheel(const VehicleTick& tick, const Rotation& axes, Vehicle& v, st
 void prepare_rims(const solve::StepConstants& step, Vehicle& v);
 void shift_gears(const VehicleTick& tick, Vehicle& v);
 void prepare_train(Vehicle& v);
+void prepare_engine(const solve::StepConstants& step, Vehicle& v);
 /// Torques of clutch, differentials and steering for this substep; leaves the impulses of tyres as they are.
-void solve_train(const solve::StepConstants& step, const solve::SolverBodies& bodies, Vehicle& v);
+void solve_train(const Chassis& chassis, const solve::SolverBodies& bodies, Vehicle& v);
 
-/// y at x, level beyond the ends.
-Real curve_at(std::span<const CurvePoint> curve, Real x);
 /// Fractions of the chassis' mass on each wheel, so that equal frequencies sag level; `center` is that of mass.
-std::array<Real, vehicle_wheels_max> sprung_shares(const VehicleDef& def, Vec3 center);
+void find_shares(const VehicleDef& def, Vec3 center, WeightShares& known);
 /// To the left [rad].
 Real steer_angle(const VehicleDef& def, std::uint32_t wheel, Real steer);
 

@@ -1,7 +1,17 @@
-// What the rows of wheels share: their speeds and impulses, and a rim between its brake and its tyre. See vehicle.h.
+// Numbers and lines of vehicles: the chassis within a pass, speeds along lines, impulses. See vehicle.h.
+//
+//   number                 format            products of 64 bits have room
+//   v, u of the chassis    64 bits, 24       below 256 and 64 m/s: Chassis::has_room()
+//   d, x of a line         32 bits, 30 and 24
+//   impulse                Real              up to 1 m/s
+//
+// What has no room takes products of 128 bits, to the same bits.
 #pragma once
 
 #include "play/vehicle/vehicle.h"
+
+#include <algorithm>
+#include <concepts>
 
 namespace lockstone::sim {
 
@@ -10,124 +20,166 @@ constexpr std::int64_t narrow_small(Wide w, int shift) {
     return (static_cast<std::int64_t>((w >> (shift - 1)).low_bits()) + 1) >> 1;
 }
 
-/// What a wheel's rows read of its two bodies, in raw steps of a Real.
-struct PatchMotion {
-    std::int64_t v[3];         ///< of the chassis over the ground, its surface left out [m/s]
-    std::int64_t uc[3], ug[3]; ///< tip speeds; of a ground that stands still zero
-    bool stands;               ///< the ground
+/// A Real of which it is known that no result comes near the end of its range: nothing is clamped.
+struct Small {
+    std::int64_t raw;
+
+    friend Small operator+(Small a, Small b) { return {a.raw + b.raw}; }
+    friend Small operator-(Small a, Small b) { return {a.raw - b.raw}; }
+    friend Small operator-(Small a) { return {-a.raw}; }
+    friend Small operator*(Small a, Small b) {
+        return {narrow_small(Wide::product(a.raw, b.raw), Real::fraction_bits)};
+    }
+    friend bool operator==(Small, Small) = default;
+    friend auto operator<=>(Small, Small) = default;
+};
+inline Small operator/(Small x, const Divisor& d) {
+    return x * Small{d.inverse.raw};
+} ///< of one that is not large
+inline Small abs(Small x) { return {x.raw < 0 ? -x.raw : x.raw}; }
+
+/// A wheel is small below these: arms of its spin and mobilities, of its patch alone and with its rim; its load [m/s]. Then kappa p stays
+/// below 2^11, speeds below 2^15 m/s, arm p below 2^19, and kappa_rim load y, speed x and slides times impulses below 2^29.
+inline constexpr Real small_arm = Real(1 << 14), small_kappa = Real(1 << 6), small_kappa_rim = Real(1 << 18),
+                      small_load = Real(2);
+
+/// A train is small below these: what the engine's torque gives it in a substep [rad/s]; reciprocals of inertia; ratios; torque
+/// impulses [N m s]; and where all groups are. Six couplings give a group less than 2^21 rad/s in a substep, and eight groups through
+/// their ratios stay below 2^31.
+inline constexpr Real small_push = Real(1 << 12), small_inverse = Real(1 << 4), small_ratio = Real(1 << 6),
+                      small_torque = Real(1 << 8);
+
+template <class Number> Number number(Real x) {
+    if constexpr (std::same_as<Number, Real>)
+        return x;
+    else
+        return {x.raw};
+}
+inline Real real(Real x) { return x; }
+inline Real real(Small x) { return Real::from_raw(x.raw); }
+
+/// n / d of n >= 0 and d >= 0, within 2^-29 of it and clamped: mantissas of 62 and of 31 bits are divided. n / 0 is the largest Real.
+constexpr Real quotient(Real n, Real d) {
+    if (n.raw <= 0) return Real{};
+    if (d.raw <= 0) return Real::max();
+    const int up = std::countl_zero(static_cast<std::uint64_t>(n.raw)) - 1,
+              bits = bit_length(static_cast<std::uint64_t>(d.raw));
+    const std::int64_t divisor = bits > 31 ? d.raw >> (bits - 31) : d.raw << (31 - bits);
+    const std::int64_t q = static_cast<std::int64_t>(static_cast<std::uint64_t>(n.raw << up) /
+                                                     static_cast<std::uint64_t>(divisor));
+    const int raise = 31 + Real::fraction_bits - up - bits;
+    if (raise >= 0) return Real::from_raw(shift_left_saturated(q, raise));
+    return Real::from_raw(raise > -62 ? shift_right_rounded(q, -raise) : 0);
+}
+
+inline constexpr int share_bits = 31;
+/// n / d of 0 <= n <= d, d > 0, with share_bits fraction bits: of their leading 32 bits.
+constexpr std::int64_t share_of(std::int64_t n, std::int64_t d) {
+    const int bits = bit_length(static_cast<std::uint64_t>(d));
+    if (bits > 32) n >>= bits - 32, d >>= bits - 32;
+    return static_cast<std::int64_t>((static_cast<std::uint64_t>(n) << share_bits) /
+                                     static_cast<std::uint64_t>(d));
+}
+/// x times a share.
+template <class Number> constexpr Number part_of(Number x, std::int64_t share) {
+    x.raw = narrow_small(Wide::product(x.raw, share), share_bits);
+    return x;
+}
+
+// ---- lines ---------------------------------------------------------------------------------------------------------
+
+inline constexpr int speed_bits = 24, speed_to_accumulator = solve::accumulator_bits - speed_bits;
+/// Bits that a product drops: to a Real of speed, and to what an impulse changes.
+inline constexpr int speed_d_shift = speed_bits + Unit::fraction_bits - Real::fraction_bits,
+                     speed_x_shift = speed_bits + Arm::fraction_bits - Real::fraction_bits,
+                     push_d_shift = Real::fraction_bits + Unit::fraction_bits - speed_bits,
+                     push_x_shift = Real::fraction_bits + Arm::fraction_bits - speed_bits;
+
+/// floor(x / 2^Shift + 1/2), where half a step has room.
+template <int Shift> constexpr std::int64_t rounded(std::int64_t x) {
+    return (x + (std::int64_t{1} << (Shift - 1))) >> Shift;
+}
+
+/// The chassis of a vehicle while a pass works on it.
+struct Chassis {
+    std::int64_t v[3], u[3], keep[3];
+
+    explicit Chassis(const solve::SolverBody& body) {
+        for (int i = 0; i < 3; ++i) {
+            v[i] = rounded<speed_to_accumulator>(body.v[i]);
+            u[i] = rounded<speed_to_accumulator>(body.u[i]);
+            keep[i] = body.keep[i];
+        }
+    }
+    /// For speed_along<Small>(): |v| below 2^8 sqrt(3), and d has the length 1; |u| below 2^6 by component, and x at most 2^6.
+    bool has_room() const {
+        constexpr std::int64_t v_most = std::int64_t{1} << (8 + speed_bits),
+                               u_most = std::int64_t{1} << (6 + speed_bits);
+        const std::int64_t of_v = (v[0] + v_most) | (v[1] + v_most) | (v[2] + v_most),
+                           of_u = (u[0] + u_most) | (u[1] + u_most) | (u[2] + u_most);
+        return ((static_cast<std::uint64_t>(of_v) >> (9 + speed_bits)) |
+                (static_cast<std::uint64_t>(of_u) >> (7 + speed_bits))) == 0;
+    }
 };
 
-inline PatchMotion motion_of(const Wheel& wheel, const solve::SolverBodies& bodies, std::uint32_t chassis) {
-    constexpr int down = solve::accumulator_bits - Real::fraction_bits;
-    const auto real = [](std::int64_t x) { return shift_right_rounded(x, down); };
-    const solve::SolverBody &c = bodies.body[chassis], &g = bodies.body[wheel.ground];
-    PatchMotion out{};
-    out.stands = wheel.ground == bodies.still();
-    for (int i = 0; i < 3; ++i) {
-        out.v[i] = real(c.v[i]) - wheel.surface[i].raw;
-        out.uc[i] = real(c.u[i]);
-        if (out.stands) continue;
-        out.v[i] -= real(g.v[i]);
-        out.ug[i] = real(g.u[i]);
-    }
-    return out;
-}
-
-/// Speed of the chassis' patch over the ground along a line [m/s]. No velocity is above 2^12 m/s and no arm above 2^6: sums stay
-/// below 2^84, and what they are rounded to below 2^52.
-inline Real line_speed(const PatchMotion& motion, const WheelLine& line) {
-    Wide along = Wide::from(0), turning = along;
-    for (int i = 0; i < 3; ++i) {
-        along = along + Wide::product(motion.v[i], line.d[i].raw);
-        turning = turning + Wide::product(motion.uc[i], line.xc[i].raw);
-    }
-    for (int i = 0; i < 3 && !motion.stands; ++i)
-        turning = turning + Wide::product(motion.ug[i], line.xg[i].raw);
-    return Real::from_raw(narrow_small(along, Unit::fraction_bits) +
-                          narrow_small(turning, Real::fraction_bits));
-}
-inline Real line_speed(const Wheel& wheel, const WheelLine& line, const solve::SolverBodies& bodies,
-                       std::uint32_t chassis) {
-    return line_speed(motion_of(wheel, bodies, chassis), line);
-}
-
-/// Adds an impulse along d, and turning along x, to a body; narrow(product, shift) rounds. Velocities stay within 2048 m/s, where the
-/// rows of contacts can read them.
-template <class Narrow>
-void push_body(solve::SolverBody& body, UnitVec3 d, Vec3 x, std::int64_t moves, std::int64_t turns,
-               Narrow&& narrow) {
-    constexpr std::int64_t most = std::int64_t{2048} << solve::accumulator_bits;
-    constexpr int unit = Real::fraction_bits + Unit::fraction_bits - solve::accumulator_bits;
-    constexpr int real = 2 * Real::fraction_bits - solve::accumulator_bits;
-    const auto add = [](std::int64_t& v, std::int64_t change) {
-        const std::int64_t sum = add_saturated(v, change);
-        v = sum > most ? most : sum < -most ? -most : sum;
-    };
-    for (int i = 0; i < 3; ++i) {
-        if (body.keep[i] != 0) add(body.v[i], narrow(Wide::product(moves, d[i].raw), unit));
-        add(body.u[i], narrow(Wide::product(turns, x[i].raw), real));
+/// Speed of a place of a body along d [m/s], rounded twice.
+template <class Number>
+Number speed_along(const std::int64_t (&v)[3], const std::int64_t (&u)[3], const UnitVec3& d,
+                   const Vector3<Arm>& x) {
+    if constexpr (std::same_as<Number, Small>) {
+        const std::int64_t along = v[0] * d.x.raw + v[1] * d.y.raw + v[2] * d.z.raw;
+        const std::int64_t turning = u[0] * x.x.raw + u[1] * x.y.raw + u[2] * x.z.raw;
+        return {rounded<speed_d_shift>(along) + rounded<speed_x_shift>(turning)};
+    } else { // below 2^12 m/s and arms below 2^6: sums stay below 2^85
+        Wide along = Wide::from(0), turning = along;
+        for (int i = 0; i < 3; ++i) {
+            along = along + Wide::product(v[i], d[i].raw);
+            turning = turning + Wide::product(u[i], x[i].raw);
+        }
+        return Real::from_raw(narrow_small(along, speed_d_shift) + narrow_small(turning, speed_x_shift));
     }
 }
-/// The same, quick below 256 m/s: an arm is at most 2^6, so a product stays below 2^78.
-inline void push_body(solve::SolverBody& body, UnitVec3 d, Vec3 x, Real moves, Real turns) {
-    if (abs(moves) < Real(256)) [[likely]]
-        push_body(body, d, x, moves.raw, turns.raw, [](Wide w, int shift) { return narrow_small(w, shift); });
-    else
-        push_body(body, d, x, moves.raw, turns.raw,
-                  [](Wide w, int shift) { return narrow_rounded(w, shift); });
+
+/// Speed of a ground that moves, at a patch.
+Real ground_speed(const solve::SolverBody& ground, const WheelLine& line);
+
+/// Speed of the chassis' patch over the ground along a line [m/s].
+template <class Number>
+[[gnu::always_inline]] inline Number line_speed(const Chassis& chassis, const Wheel& wheel,
+                                                const WheelLine& line, const solve::SolverBodies& bodies) {
+    const Number speed =
+        speed_along<Number>(chassis.v, chassis.u, line.d, line.xc) - number<Number>(line.belt);
+    if (!wheel.rides) [[likely]]
+        return speed;
+    return speed - number<Number>(ground_speed(bodies.body[wheel.ground], line));
 }
 
-/// Adds an impulse along a line to the chassis, and against it to the ground.
-inline void push_line(const Wheel& wheel, const WheelLine& line, Real impulse, solve::SolverBodies& bodies,
-                      std::uint32_t chassis) {
-    push_body(bodies.body[chassis], line.d, line.xc, impulse, impulse);
-    if (wheel.ratio <= Real{}) return;
-    const Real back = impulse * wheel.ratio;
-    push_body(bodies.body[wheel.ground], line.d, line.xg, -back, back);
+void push_far(Chassis& chassis, const WheelLine& line, Real impulse);
+void push_ground(const Wheel& wheel, const WheelLine& line, Real impulse, solve::SolverBodies& bodies);
+
+/// Adds an impulse along a line to the chassis, and against it to the ground. A pass pushes the chassis 40 times at most, so what is
+/// up to 1 m/s adds at most 2560 m/s to the 2048 of push_far(): far from the end of an accumulator.
+inline void push_line(Chassis& chassis, const Wheel& wheel, const WheelLine& line, Real impulse,
+                      solve::SolverBodies& bodies) {
+    constexpr std::uint64_t one = static_cast<std::uint64_t>(Real(1).raw);
+    if (static_cast<std::uint64_t>(impulse.raw) + one <= 2 * one) [[likely]] {
+        for (int i = 0; i < 3; ++i) {
+            chassis.v[i] += rounded<push_d_shift>(impulse.raw * line.d[i].raw) & chassis.keep[i];
+            chassis.u[i] += rounded<push_x_shift>(impulse.raw * line.xc[i].raw);
+        }
+    } else {
+        push_far(chassis, line, impulse);
+    }
+    if (wheel.ratio > Real{}) [[unlikely]]
+        push_ground(wheel, line, impulse, bodies);
 }
+
+/// The impulses of all three lines of a wheel, rounded once where they are up to 1 m/s together.
+void push_lines(Chassis& chassis, const Wheel& wheel, solve::SolverBodies& bodies);
+
+/// Adds to a body what a pass changed of it. Velocities stay within 2048 m/s, where the rows of contacts can read them.
+void write_back(const Chassis& chassis, solve::SolverBody& body);
 
 inline Real load_of(const Wheel& wheel) { return max(wheel.spring + wheel.stop + wheel.bars, Real{}); }
-
-/// How the patch slides over the ground, along and across; at least 0 [m/s].
-struct TyreSlide {
-    Real along, across;
-};
-/// What is left of a direction's peak for a tyre that slides `own` along it and `other` across it: the tyre shares its
-/// peak out along the slide. At rest both directions hold their peaks.
-Real share_of_peak(Real own, Real other);
-
-/// Impulse of a tyre against a slide.
-struct TyreAnswer {
-    Real impulse; ///< at least 0, against the slide
-    Real give;    ///< slide per impulse beside kappa: 0 where it sticks, the largest Real where it slides
-    Real slip;
-};
-/// The q >= 0 with q = load grip(s), s = (slide - kappa q) / speed, that has the least slip; at most what is left of the peak when the
-/// tyre slides `own` along and `other` across. `slide` >= 0 is what the patch does without q. A speed of 0 is rest: the
-/// tyre sticks while the peak of the curve lasts. `peak` is the curve's; the give is found only when it is asked for.
-struct TyreQuestion {
-    const std::array<CurvePoint, 4>& curve;
-    Real peak, load, own, other;
-    bool asks_give;
-};
-TyreAnswer tyre_answer(const TyreQuestion& tyre, Real slide, Real kappa, Real speed);
-
-/// Spin of a group that `torque` and its brake act on, if no tyre did.
-Real braked_spin(const SpinGroup& group, Real spin);
-
-/// A rim, its brake and its tyre solved together.
-struct RimAnswer {
-    Real impulse; ///< of the tyre on the chassis, forwards
-    Real spin, give, slip;
-    bool held; ///< by the brake
-};
-/// `free_spin`: of the rim without this tyre and without the brake; `patch`: speed of the chassis' patch without this
-/// tyre; `ground_speed` for the slip.
-RimAnswer turn_rim(const Vehicle& v, const Wheel& wheel, const WheelDef& def, Real free_spin, Real patch,
-                   Real ground_speed, const TyreQuestion& tyre);
-/// Spin of a wheel's group under its torque and all tyres but this one's, the brake left out.
-Real free_spin(const Vehicle& v, std::uint32_t wheel, Real Wheel::*impulse);
-/// The torque of a group has changed.
-inline void set_free(SpinGroup& g) { g.free = g.spin_begin + g.torque / g.inertia; }
 
 } // namespace lockstone::sim

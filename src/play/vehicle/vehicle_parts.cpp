@@ -5,38 +5,39 @@
 
 namespace lockstone::sim {
 
-Real curve_at(std::span<const CurvePoint> curve, Real x) {
-    if (x <= curve.front().x) return curve.front().y;
-    for (std::size_t i = 1; i < curve.size(); ++i) {
-        const CurvePoint &a = curve[i - 1], &b = curve[i];
-        if (x > b.x) continue;
-        return b.x > a.x ? a.y + (b.y - a.y) * ((x - a.x) / (b.x - a.x)) : b.y;
-    }
-    return curve.back().y;
-}
+namespace {
 
-std::array<Real, vehicle_wheels_max> sprung_shares(const VehicleDef& def, Vec3 center) {
-    // The share that is linear in the place: share = a + b x + c z, with sum 1 and no moment about the centre.
-    std::array<Real, vehicle_wheels_max> shares{};
-    const std::uint32_t n = def.wheel_count;
+/// The share that is linear in the place: share = a + b x + c z, with sum 1 and no moment about the centre.
+void find_shares(WeightShares& out) {
     Mat3 gram{};
-    for (std::uint32_t i = 0; i < n; ++i) {
-        const Vec3 at = def.wheel[i].attachment - center;
-        const Vec3 row{Real(1), at.x, at.z};
+    for (std::uint32_t i = 0; i < out.wheel_count; ++i) {
+        const Vec3 row{Real(1), out.at[i].x, out.at[i].z};
         gram.x += row;
-        gram.y += row * at.x;
-        gram.z += row * at.z;
+        gram.y += row * out.at[i].x;
+        gram.z += row * out.at[i].z;
     }
     const Mat3 inv = inverse(gram);
-    const Real least = decimal<Real>("0.02") / Real(n);
+    const Real least = decimal<Real>("0.02") / Real(out.wheel_count);
     bool good = true;
-    for (std::uint32_t i = 0; i < n; ++i) {
-        const Vec3 at = def.wheel[i].attachment - center;
-        shares[i] = inv.x.x + inv.x.y * at.x + inv.x.z * at.z;
-        good = good && shares[i] >= least && shares[i] <= Real(1);
+    for (std::uint32_t i = 0; i < out.wheel_count; ++i) {
+        out.share[i] = inv.x.x + inv.x.y * out.at[i].x + inv.x.z * out.at[i].z;
+        good = good && out.share[i] >= least && out.share[i] <= Real(1);
     }
-    for (std::uint32_t i = 0; i < n && !good; ++i) shares[i] = Real(1) / Real(n);
-    return shares;
+    for (std::uint32_t i = 0; i < out.wheel_count && !good; ++i)
+        out.share[i] = Real(1) / Real(out.wheel_count);
+}
+
+} // namespace
+
+void find_shares(const VehicleDef& def, Vec3 center, WeightShares& known) {
+    bool same = known.wheel_count == def.wheel_count;
+    for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
+        const Vec3 at = def.wheel[i].attachment - center;
+        same = same && known.at[i] == at;
+        known.at[i] = at;
+    }
+    known.wheel_count = def.wheel_count;
+    if (!same) find_shares(known);
 }
 
 Real steer_angle(const VehicleDef& def, std::uint32_t wheel, Real steer) {

@@ -3,6 +3,7 @@
 #include "lockstone/math/math.h"
 #include "model/sleep.h"
 #include "play/vehicle/vehicle.h"
+#include "play/vehicle/vehicle_lines.h"
 #include "scene/surface.h"
 
 #include <algorithm>
@@ -18,40 +19,48 @@ namespace {
 constexpr Real steepest = 0.17_r; ///< least cosine between a ground's normal and the suspension: 80 degrees
 constexpr Real ratio_max =
     Real(65536); ///< of the masses of chassis and ground; a lighter ground acts as if it had this
-constexpr Real arm_max = Real(64); ///< of a row's turning arm K^-1 (r x d)
+constexpr std::int32_t arm_max = 64; ///< of a row's turning arm K^-1 (r x d)
 constexpr Real impulse_max = Real(2048);
 constexpr Real part_spin_max = Real(100000); ///< [rad/s], of wheels and engines
 
-Vec3 arm_of(const BodyStep& body, Vec3 lever, UnitVec3 d, std::int32_t sign) {
-    Vec3 turn = cross<Real>(lever, d);
-    for (int i = 0; i < 3; ++i) turn[i] = (body.angular_mask >> i & 1u) != 0 ? turn[i] * sign : Real{};
-    const solve::Symmetric<Real>& k = body.gyration_inv;
-    const auto row = [&](Real a, Real b,
-                         Real c) { // below 2^127: no lever is a thousandth of the range of a Real
-        return Real::from_raw(narrow_rounded(Wide::product(a.raw, turn.x.raw) +
-                                                 Wide::product(b.raw, turn.y.raw) +
-                                                 Wide::product(c.raw, turn.z.raw),
-                                             Real::fraction_bits));
-    };
-    const Vec3 x{row(k.xx, k.xy, k.xz), row(k.xy, k.yy, k.yz), row(k.xz, k.yz, k.zz)};
-    return {clamp(x.x, -arm_max, arm_max), clamp(x.y, -arm_max, arm_max), clamp(x.z, -arm_max, arm_max)};
+Arm bounded(Arm x) { return clamp(x, Arm(-arm_max), Arm(arm_max)); }
+
+/// K^-1 (lever x d); in 64 bits below a lever of 128 m.
+Vector3<Arm> arm_of(const BodyStep& body, Vec3 lever, UnitVec3 d, std::int32_t sign) {
+    constexpr Real far = Real(128);
+    Vector3<Arm> x{};
+    if (abs(lever.x) < far && abs(lever.y) < far && abs(lever.z) < far) {
+        Vector3<Arm> turn = cross<Arm>(to<Arm>(lever), d);
+        for (int i = 0; i < 3; ++i)
+            turn[i] = Arm::from_raw((body.angular_mask >> i & 1u) != 0 ? sign * turn[i].raw : 0);
+        x = solve::over_gyration<Arm>(body, turn);
+    } else {
+        Vec3 turn = cross<Real>(lever, d);
+        for (int i = 0; i < 3; ++i) turn[i] = (body.angular_mask >> i & 1u) != 0 ? turn[i] * sign : Real{};
+        x = solve::over_gyration<Arm>(body, turn);
+    }
+    return {bounded(x.x), bounded(x.y), bounded(x.z)};
 }
 
 /// Speed along a direction d_a of what an impulse along d_b does to a body; x: their turning arms.
-Real mobility(const SolverBody& body, UnitVec3 d_a, Vec3 x_a, UnitVec3 d_b, Vec3 x_b) {
-    Real sum = dot<Real>(x_a, x_b);
+Real mobility(const SolverBody& body, UnitVec3 d_a, Vector3<Arm> x_a, UnitVec3 d_b, Vector3<Arm> x_b) {
+    SumOfProducts<Unit, Unit> moves;
     for (int i = 0; i < 3; ++i)
-        if (body.keep[i] != 0) sum += mul<Real>(d_a[i], d_b[i]);
-    return sum;
+        if (body.keep[i] != 0) moves.add(d_a[i], d_b[i]);
+    return moves.round<Real>() + dot<Real>(x_a, x_b);
 }
 
+/// Of a wheel's patch [m], and the speed of what it stands on beside its body's [m/s].
 struct Levers {
-    Vec3 chassis, ground;
+    Vec3 chassis, ground, surface;
 };
 
 WheelLine line_of(const SolverBodies& bodies, std::uint32_t chassis, const Wheel& wheel, UnitVec3 d,
                   const Levers& levers) {
-    WheelLine line{d, arm_of(bodies.step[chassis], levers.chassis, d, 1), Vec3{}, Real{}};
+    WheelLine line{};
+    line.d = d;
+    line.xc = arm_of(bodies.step[chassis], levers.chassis, d, 1);
+    if (levers.surface != Vec3{}) line.belt = dot<Real>(levers.surface, d);
     line.kappa = mobility(bodies.body[chassis], d, line.xc, d, line.xc);
     if (wheel.ground == bodies.still()) return line;
     line.xg = arm_of(bodies.step[wheel.ground], levers.ground, d, -1);
@@ -193,6 +202,18 @@ static UnitVec3 axle_of(const Rotation& axes, Real steer) {
     return lockstone::mul<Unit>(axes, UnitVec3{turn.cos, Unit{}, -turn.sin});
 }
 
+/// Implicit: a = h^2 k + h c.
+static void set_spring(const solve::StepConstants& step, const WheelDef& def, Real share, Wheel& wheel) {
+    const Real h = Real(1) / Real(step.substeps_per_second), omega = two_pi * def.frequency,
+               stiff = share * omega * h, rate = stiff * omega;
+    const Real damping[2] = {def.damping_rebound, def.damping_compression};
+    for (int side = 0; side < 2; ++side) {
+        const Real a = rate * h + stiff * damping[side] * 2, whole = Real(1) + a * wheel.normal.kappa;
+        wheel.pull[side] = quotient(rate, whole);
+        wheel.yield[side] = quotient(a, whole);
+    }
+}
+
 void prepare_wheel(const VehicleTick& tick, const Rotation& axes, Vehicle& v, std::uint32_t i, Real share,
                    const WheelGround& ground) {
     const Model& w = tick.w;
@@ -216,12 +237,13 @@ void prepare_wheel(const VehicleTick& tick, const Rotation& axes, Vehicle& v, st
     const std::uint32_t row = w.row_of(hit.body);
     const bool moves = row < bodies.still() && bodies.step[row].moves;
     wheel.ground = moves ? row : bodies.still();
+    wheel.rides = moves;
     if (moves && bodies.step[row].movable) wheel.ratio = min(v.mass / w.mass_of(row).mass, ratio_max);
-    wheel.surface = rotate(at_ground.pose.rotation, touch.velocity);
-    const Levers levers{hit.point - pose.position, hit.point - w.state.rows(w.m.body_pose)[row].position};
+    const Levers levers{hit.point - pose.position, hit.point - w.state.rows(w.m.body_pose)[row].position,
+                        touch.velocity == Vec3{} ? Vec3{} : rotate(at_ground.pose.rotation, touch.velocity)};
     const UnitVec3 axle = axle_of(axes, memory.steer);
     const UnitVec3 left =
-        normalized_or(to<Real>(axle) - lockstone::scale<Real>(n, dot<Real>(n, axle)), any_perpendicular(n));
+        normalized_or(axle - lockstone::scale<Unit>(n, dot<Unit>(n, axle)), any_perpendicular(n));
     wheel.normal = line_of(bodies, v.chassis, wheel, n, levers);
     wheel.touches = wheel.normal.kappa > Real{};
     if (!wheel.touches) return forget_ground(memory); // nothing can move
@@ -232,16 +254,9 @@ void prepare_wheel(const VehicleTick& tick, const Rotation& axes, Vehicle& v, st
         wheel.mixed += wheel.ratio * mobility(bodies.body[wheel.ground], wheel.along.d, wheel.along.xg, left,
                                               wheel.across.xg);
     wheel.length_begin = ground.length;
-    wheel.per_length = Real(1) / max(-dot<Real>(n, down), 0.5_r);
-    const Tyre& tyre = v.def->tyre[def.tyre];
-    wheel.grip = touch.friction / tyre.ground_friction;
-
-    const Real h = Real(1) / Real(step.substeps_per_second);
-    const Real omega = two_pi * def.frequency;
-    wheel.spring_rate = share * omega * omega * h;
-    wheel.spring_soft = wheel.spring_rate * h;
-    wheel.damper[0] = share * omega * def.damping_rebound * h * 2;
-    wheel.damper[1] = share * omega * def.damping_compression * h * 2;
+    wheel.per_length = quotient(Real(1), max(-dot<Real>(n, down), 0.5_r));
+    wheel.grip = quotient(touch.friction, v.def->tyre[def.tyre].ground_friction);
+    set_spring(step, def, share, wheel);
     // Impulses against another ground are none to start from.
     if (memory.ground != hit.shape) forget_ground(memory);
     memory.ground = hit.shape;
@@ -335,6 +350,7 @@ void prepare_train(Vehicle& v) {
         const std::uint32_t group = v.wheel[i].group = tracked ? def.wheel[i].track : i;
         SpinGroup& g = v.group[group];
         g.inertia += def.wheel[i].inertia;
+        g.first = tracked ? 0 : i, g.last = tracked ? def.wheel_count - 1 : i;
         g.spin = bounded(v.memory.wheel[i].spin, part_spin_max);
         share[group] = tracked ? half(Real(1)) : def.wheel[i].drive_share;
         driven += def.wheel[i].drive_share;
@@ -342,7 +358,8 @@ void prepare_train(Vehicle& v) {
     v.engine_speed = clamp(v.memory.engine_speed, Real{}, part_spin_max);
     if (v.ratio != Real{} && (tracked || driven > Real{})) {
         Coupling& c = v.coupling[v.coupling_count++];
-        c = {coupling_clutch, Real(1), {}, Real{}, v.memory.clutch};
+        c = Coupling{};
+        c.source = coupling_clutch, c.engine = Real(1), c.impulse = v.memory.clutch;
         for (std::uint32_t g = 0; g < v.group_count; ++g) c.group[g] = -(v.ratio * share[g]);
     } else {
         v.memory.clutch = Real{};
@@ -351,7 +368,8 @@ void prepare_train(Vehicle& v) {
         const Differential& diff = def.differential[d];
         if (diff.kind == DifferentialKind::open || diff.wheels_a == 0 || diff.wheels_b == 0) continue;
         Coupling& c = v.coupling[v.coupling_count++];
-        c = {d, Real{}, {}, Real{}, v.memory.differential[d]};
+        c = Coupling{};
+        c.source = d, c.impulse = v.memory.differential[d];
         for (std::uint32_t g = 0; g < v.group_count; ++g) {
             if ((diff.wheels_a >> g & 1u) != 0) c.group[g] = Real(1) / Real(std::popcount(diff.wheels_a));
             if ((diff.wheels_b >> g & 1u) != 0) c.group[g] = -(Real(1) / Real(std::popcount(diff.wheels_b)));
@@ -359,7 +377,9 @@ void prepare_train(Vehicle& v) {
     }
     if (tracked) { // left faster than right by steer / ratio of the engine's speed
         Coupling& c = v.coupling[v.coupling_count++];
-        c = {coupling_steering, v.memory.steer / def.tracks.steer_ratio, {}, Real{}, v.memory.steer_coupling};
+        c = Coupling{};
+        c.source = coupling_steering, c.engine = v.memory.steer / def.tracks.steer_ratio;
+        c.impulse = v.memory.steer_coupling;
         c.group[0] = Real(-1);
         c.group[1] = Real(1);
     }
@@ -368,37 +388,69 @@ void prepare_train(Vehicle& v) {
             v.group[g].coupled = v.group[g].coupled || v.coupling[k].group[g] != Real{};
 }
 
-void prepare_rims(const solve::StepConstants& step, Vehicle& v) {
-    for (std::uint32_t t = 0; t < vehicle_tyres_max; ++t) {
-        TyrePeaks& peaks = v.peaks[t] = TyrePeaks{};
-        for (const CurvePoint& c : v.def->tyre[t].along) peaks.along = max(peaks.along, c.y);
-        for (const CurvePoint& c : v.def->tyre[t].across) peaks.across = max(peaks.across, c.y);
+static TyreCurve curve_of(const std::array<CurvePoint, 4>& points) {
+    TyreCurve out{};
+    out.from_zero = points[0].x == Real{} && points[0].y == Real{};
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        out.x[i] = points[i].x, out.y[i] = points[i].y;
+        out.peak = max(out.peak, points[i].y);
+        if (i == 0) continue;
+        out.run[i - 1] = points[i].x - points[i - 1].x;
+        out.rise[i - 1] = points[i].y - points[i - 1].y;
     }
+    return out;
+}
+
+void prepare_rims(const solve::StepConstants& step, Vehicle& v) {
+    std::uint32_t tyres = 0;
+    for (std::uint32_t g = 0; g < v.group_count; ++g)
+        v.group[g].by_inertia = Divisor::make(v.group[g].inertia);
     const Real per_second = Real(step.substeps_per_second);
     for (std::uint32_t i = 0; i < v.def->wheel_count; ++i) {
         const WheelDef& def = v.def->wheel[i];
         Wheel& wheel = v.wheel[i];
         SpinGroup& g = v.group[wheel.group];
+        tyres |= 1u << def.tyre;
+        wheel.tyre = def.tyre, wheel.radius = def.radius;
         wheel.brake_torque =
             (v.input.brake * def.brake_torque + v.input.hand_brake * def.hand_brake_torque) / per_second;
         if (!wheel.touches) continue;
         ++g.on_ground;
-        wheel.arm = def.radius * v.mass / g.inertia;
+        const Real lever = def.radius * v.mass;
+        wheel.rolling = v.def->tyre[def.tyre].rolling_resistance * lever;
+        wheel.arm = lever / g.by_inertia;
         wheel.kappa_rim = wheel.along.kappa + wheel.arm * def.radius;
-        wheel.stiff = def.radius * def.radius * v.mass;
+        wheel.stiff = def.radius * lever;
+        wheel.ordinary = wheel.arm < small_arm && wheel.kappa_rim < small_kappa_rim &&
+                         max(max(wheel.normal.kappa, wheel.along.kappa),
+                             max(wheel.across.kappa, abs(wheel.mixed))) < small_kappa;
+    }
+    for (std::uint32_t t = 0; t < vehicle_tyres_max; ++t) {
+        if ((tyres >> t & 1u) == 0) continue;
+        v.along[t] = curve_of(v.def->tyre[t].along);
+        v.across[t] = curve_of(v.def->tyre[t].across);
     }
 }
 
 namespace {
 
-void prepare_bars(Vehicle& v) {
+void prepare_bars(const solve::StepConstants& step, const SolverBodies& bodies, Vehicle& v) {
     for (std::uint32_t k = 0; k < vehicle_couplings_max; ++k) {
         const AntiRollBar& bar = v.def->anti_roll[k];
         Wheel &a = v.wheel[bar.wheel_a], &b = v.wheel[bar.wheel_b];
         Real& p = v.memory.anti_roll[k];
-        p = a.touches && b.touches && bar.wheel_a != bar.wheel_b ? bounded(p, impulse_max) : Real{};
+        BarRow& row = v.bar[k] = BarRow{};
+        row.holds = bar.wheel_a != bar.wheel_b && bar.stiffness > Real{} && a.touches && b.touches;
+        p = row.holds ? bounded(p, impulse_max) : Real{};
         a.bars += p;
         b.bars -= p;
+        if (!row.holds) continue;
+        const WheelLine &of_a = a.normal, &of_b = b.normal;
+        const Real shared = mobility(bodies.body[v.chassis], of_a.d, of_a.xc, of_b.d, of_b.xc);
+        row.kappa = max(of_a.kappa + of_b.kappa - shared * 2, Real{});
+        const Real rate = bar.stiffness / v.mass / Real(step.substeps_per_second);
+        const Real soft = rate / Real(step.substeps_per_second), whole = Real(1) + soft * row.kappa;
+        row.pull = quotient(rate, whole), row.yield = quotient(soft, whole);
     }
 }
 
@@ -442,7 +494,8 @@ void VehicleSolver::prepare(const Scene& scene, const solve::StepConstants& step
     const std::span<const VehicleRow> rows = w.state.rows(w.m.vehicle);
     const std::span<const VehicleMemory> memories = w.state.rows(w.m.vehicle_memory);
     tasks = scene.tasks;
-    vehicles.resize(rows.size());
+    substeps_left = step.substeps;
+    vehicles.resize(rows.size()), shares.resize(rows.size());
     std::uint32_t count = 0;
     for (std::uint32_t i = 0; i < rows.size(); ++i) {
         const std::uint32_t chassis = w.row_of(rows[i].def.chassis);
@@ -462,23 +515,24 @@ void VehicleSolver::prepare(const Scene& scene, const solve::StepConstants& step
         const Real way = v.def->steer_speed / Real(step.ticks_per_second);
         const Real turn = v.input.steer - v.memory.steer;
         v.memory.steer = way > Real{} ? v.memory.steer + bounded(turn, way) : v.input.steer;
-        const auto shares = sprung_shares(*v.def, w.mass_of(v.chassis).center);
+        find_shares(*v.def, w.mass_of(v.chassis).center, shares[v.row]);
         const Rotation axes = to_rotation(w.state.rows(w.m.body_pose)[v.chassis].rotation);
         for (std::uint32_t i = 0; i < v.def->wheel_count; ++i)
-            prepare_wheel(tick, axes, v, i, shares[i], grounds[v.row][i]);
-        prepare_bars(v);
+            prepare_wheel(tick, axes, v, i, shares[v.row].share[i], grounds[v.row][i]);
+        prepare_bars(step, bodies, v);
         shift_gears(tick, v);
         prepare_train(v);
         prepare_rims(step, v);
+        prepare_engine(step, v);
     });
     find_convoys(bodies);
 }
 
 void VehicleSolver::poison(std::byte with) {
-    auto& [stand_list, vehicle_list, pool, order_list, begin_list, pushed_list, convoy_list, ground_list] =
-        *this;
-    base::poison(with, stand_list, vehicle_list, pool, order_list, begin_list, pushed_list, convoy_list,
-                 ground_list);
+    auto& [left, stand_list, vehicle_list, share_list, pool, order_list, begin_list, pushed_list, convoy_list,
+           ground_list] = *this;
+    base::poison(with, stand_list, vehicle_list, share_list, pool, order_list, begin_list, pushed_list,
+                 convoy_list, ground_list);
 }
 
 } // namespace lockstone::sim

@@ -1,121 +1,228 @@
 // Engine, clutch, differentials and tracks: what turns, solved against what the tyres will answer.
-#include "lockstone/math/math.h"
-#include "play/vehicle/vehicle.h"
-#include "play/vehicle/vehicle_lines.h"
+#include "play/vehicle/vehicle_tyre.h"
 
 namespace lockstone::sim {
 
 using solve::SolverBodies;
-using solve::StepConstants;
 
 namespace {
 
 constexpr Real speed_per_rpm = decimal<Real>("0.10471975511965977462"); ///< 2 pi / 60
-constexpr Real torque_max = Real(100000000);                            ///< [N m], of what is locked
-constexpr Real engine_speed_max = Real(100000);                         ///< [rad/s]
+constexpr Real rpm_per_speed = decimal<Real>("9.54929658551372014613");
+constexpr Real torque_max = Real(100000000);          ///< [N m], of what is locked
+constexpr Real engine_speed_max = Real(100000);       ///< [rad/s]
 constexpr Real error_least = Real::from_raw(1 << 14); ///< [rad/s]: 4e-6; couplings leave smaller ones
 
-/// Torque of the engine [N m]. The limiter takes the fuel away over the last hundredth below rpm_max.
-Real engine_torque(const EngineDef& engine, Real throttle, Real rpm) {
-    const Real relative = rpm / engine.rpm_max;
-    const Real left = clamp((Real(1) - relative) * 100, Real{}, Real(1));
-    const Real pull = throttle * left * engine.torque_max * curve_at(engine.torque, relative);
-    return pull - (Real(1) - throttle) * engine.brake_torque * relative;
+/// Share of the engine's torque at a relative speed.
+template <class Number> Number torque_at(const Vehicle& v, Number relative) {
+    const std::array<CurvePoint, 8>& curve = v.def->engine.torque;
+    if (real(relative) <= curve.front().x) return number<Number>(curve.front().y);
+    for (std::size_t i = 1; i < curve.size(); ++i) {
+        const CurvePoint &a = curve[i - 1], &b = curve[i];
+        if (real(relative) > b.x) continue;
+        Number part = (relative - number<Number>(a.x)) * number<Number>(v.engine.run_inverse[i]);
+        if (real(part) > Real(1)) part = number<Number>(Real(1));
+        return number<Number>(a.y) + number<Number>(b.y - a.y) * part;
+    }
+    return number<Number>(curve.back().y);
+}
+
+template <class Number> Number within_one(Number x) {
+    return number<Number>(clamp(real(x), Real{}, Real(1)));
+}
+
+/// Speed that the engine's torque gives it in a substep. The limiter takes the fuel away over the last hundredth below rpm_max.
+template <class Number> Number engine_push(const Vehicle& v) {
+    const Number one = number<Number>(Real(1)),
+                 throttle = number<Number>(v.memory.shift_ticks > 0 ? Real{} : v.input.throttle);
+    const Number relative = number<Number>(v.engine_speed) * number<Number>(v.engine.per_speed);
+    const Number left = within_one((one - relative) * number<Number>(Real(100)));
+    const Number drag = (one - throttle) * relative * number<Number>(v.engine.drag);
+    if (throttle.raw <= 0 || left.raw <= 0) return -drag;
+    return throttle * left * torque_at(v, relative) * number<Number>(v.engine.push) - drag;
 }
 
 /// How far the clutch is closed: it opens towards the idle speed, so the engine does not stall.
-Real clutch_closed(const EngineDef& engine, const VehicleInput& input, Real rpm) {
-    const Real closed = (rpm - engine.rpm_idle) / (half(engine.rpm_idle));
-    return clamp(closed, Real{}, Real(1)) * (Real(1) - input.clutch);
+template <class Number> Number clutch_closed(const Vehicle& v) {
+    const Number closed = (number<Number>(v.engine_speed) - number<Number>(v.engine.idle_speed)) *
+                          number<Number>(v.engine.per_idle);
+    return within_one(closed) * number<Number>(Real(1) - v.input.clutch);
 }
 
 /// Most torque impulse of a coupling in this substep [N m s].
-Real cap_of(const Vehicle& v, const Coupling& c, Real clutch_torque, Real substeps_per_second) {
-    if (c.source == coupling_clutch) return clutch_torque / substeps_per_second;
-    if (c.source == coupling_steering) return v.def->tracks.steer_torque / substeps_per_second;
-    const Differential& d = v.def->differential[c.source];
-    if (d.kind == DifferentialKind::locked) return torque_max / substeps_per_second;
+Real cap_of(const Vehicle& v, const Coupling& c, Real clutch_closed) {
+    if (c.source > coupling_clutch || c.kind == DifferentialKind::locked) return c.most;
+    if (c.source == coupling_clutch) return clutch_closed * c.most;
     const bool driven = v.coupling_count > 0 && v.coupling[0].source == coupling_clutch;
     const Real through = driven ? abs(v.coupling[0].impulse * v.ratio) : Real{};
-    return d.preload / substeps_per_second + d.bias * through;
+    return c.most + v.def->differential[c.source].bias * through;
+}
+
+/// One tyre on trial. True when the brake holds it.
+template <class Number> bool try_wheel(Vehicle& v, std::uint32_t i, Real& stiff) {
+    Wheel& wheel = v.wheel[i];
+    SpinGroup& g = v.group[wheel.group];
+    const Number ahead = number<Number>(wheel.ahead);
+    const auto slides = TyreSlide<Number>::make(
+        abs(ahead - number<Number>(g.spin) * number<Number>(wheel.radius)), abs(number<Number>(wheel.aside)));
+    const RimAnswer<Number> a =
+        turn_rim<Number>(g, wheel, number<Number>(free_spin(v, i, &Wheel::try_p)),
+                         number<Number>(wheel.ahead_free), abs(ahead),
+                         {v.along[wheel.tyre], number<Number>(wheel.load), number<Number>(wheel.most_along),
+                          slides, number<Number>(wheel.along.kappa), TyreAsks::gain});
+    wheel.try_p = real(a.impulse);
+    g.spin = real(a.spin);
+    stiff += wheel.stiff * real(a.gain);
+    return a.held;
 }
 
 /// One pass over the tyres of a group, on trial: the spin that its torque leads to, and how it would answer more.
 void settle(Vehicle& v, std::uint32_t group) {
     SpinGroup& g = v.group[group];
-    set_free(g);
     Real stiff{};
     bool held = false;
-    for (std::uint32_t i = 0; i < v.def->wheel_count && g.on_ground > 0; ++i) {
-        Wheel& wheel = v.wheel[i];
+    for (std::uint32_t i = g.first; i <= g.last && g.on_ground > 0; ++i) {
+        const Wheel& wheel = v.wheel[i];
         if (wheel.group != group || !wheel.touches) continue;
-        const WheelDef& def = v.def->wheel[i];
-        const RimAnswer a = turn_rim(v, wheel, def, free_spin(v, i, &Wheel::try_p),
-                                     wheel.ahead - wheel.along.kappa * wheel.along_p, abs(wheel.ahead),
-                                     {v.def->tyre[def.tyre].along, v.peaks[def.tyre].along, wheel.load,
-                                      abs(wheel.ahead - g.spin * def.radius), abs(wheel.aside), true});
-        wheel.try_p = a.impulse;
-        g.spin = a.spin;
-        held = a.held;
-        stiff += wheel.stiff / (wheel.along.kappa + a.give);
+        held = wheel.small_ahead && g.small ? try_wheel<Small>(v, i, stiff) : try_wheel<Real>(v, i, stiff);
     }
     if (g.on_ground == 0) {
         g.spin = braked_spin(g, g.free);
         held = g.spin == Real{} && g.brake > Real{};
     }
-    g.answer = held ? Real{} : Real(1) / (g.inertia + stiff);
+    g.answer = held ? Real{} : quotient(Real(1), g.inertia + stiff);
+}
+
+/// How the patches of driven wheels move over the ground before tyres are tried.
+template <class Number> void look_ahead(const Chassis& chassis, const SolverBodies& bodies, Wheel& wheel) {
+    const Number ahead = line_speed<Number>(chassis, wheel, wheel.along, bodies);
+    wheel.ahead = real(ahead);
+    wheel.aside = real(line_speed<Number>(chassis, wheel, wheel.across, bodies));
+    wheel.ahead_free = real(ahead - number<Number>(wheel.along.kappa) * number<Number>(wheel.along_p));
+}
+
+template <class Number> void add_torque(SpinGroup& g, Number torque) {
+    g.torque = real(number<Number>(g.torque) + torque);
+    set_free<Number>(g);
+}
+template <class Number> void turn_engine(Vehicle& v, Number by) {
+    v.engine_speed = real(number<Number>(v.engine_speed) + by);
 }
 
 /// One visit of a coupling: its impulse is what its error wants, up to its cap.
-void solve_coupling(Vehicle& v, Coupling& c) {
-    const Real inertia = v.def->engine.inertia;
-    Real error = c.engine * v.engine_speed, answer = c.engine * c.engine / inertia;
-    for (std::uint32_t g = 0; g < v.group_count; ++g) {
-        error += c.group[g] * v.group[g].spin;
-        answer += c.group[g] * c.group[g] * v.group[g].answer;
-    }
-    if (answer <= Real{} || abs(error) < error_least) return;
-    const Real next = clamp(c.impulse + error / answer, -c.cap, c.cap), change = next - c.impulse;
-    if (change == Real{}) return;
-    c.impulse = next;
-    v.engine_speed -= c.engine * change / inertia;
+template <class Number> void solve_coupling(Vehicle& v, Coupling& c) {
+    Number error = number<Number>(c.engine) * number<Number>(v.engine_speed);
+    Real answer = c.engine_answer;
     for (std::uint32_t g = 0; g < v.group_count; ++g) {
         if (c.group[g] == Real{}) continue;
-        v.group[g].torque -= c.group[g] * change;
+        error = error + number<Number>(c.group[g]) * number<Number>(v.group[g].spin);
+        answer += real(number<Number>(c.group_square[g]) * number<Number>(v.group[g].answer));
+    }
+    if (answer <= Real{} || real(abs(error)) < error_least) return;
+    const Real wanted = quotient(real(abs(error)), answer);
+    const Real next = clamp(error.raw < 0 ? c.impulse - wanted : c.impulse + wanted, -c.cap, c.cap);
+    if (next == c.impulse) return;
+    const Number change = number<Number>(next - c.impulse);
+    c.impulse = next;
+    turn_engine<Number>(v, -(number<Number>(c.engine) * change / v.engine.inertia));
+    for (std::uint32_t g = 0; g < v.group_count; ++g) {
+        if (c.group[g] == Real{}) continue;
+        add_torque<Number>(v.group[g], -(number<Number>(c.group[g]) * change));
         settle(v, g);
     }
 }
 
-} // namespace
-
-void solve_train(const StepConstants& step, const SolverBodies& bodies, Vehicle& v) {
-    const Real sps = Real(step.substeps_per_second);
-    const EngineDef& engine = v.def->engine;
-    const Real rpm = v.engine_speed / speed_per_rpm;
-    const Real throttle = v.memory.shift_ticks > 0 ? Real{} : v.input.throttle;
-    v.engine_speed += engine_torque(engine, throttle, rpm) / engine.inertia / sps;
-    const Real clutch_torque = clutch_closed(engine, v.input, rpm) * v.def->gearbox.clutch_torque;
+/// The impulses of the last substep, within the caps of this one, to begin with.
+template <class Number> void start_couplings(Vehicle& v) {
     for (std::uint32_t k = 0; k < v.coupling_count; ++k) {
         Coupling& c = v.coupling[k];
-        c.cap = cap_of(v, c, clutch_torque, sps);
         c.impulse = clamp(c.impulse, -c.cap, c.cap);
-        v.engine_speed -= c.engine * c.impulse / engine.inertia;
-        for (std::uint32_t g = 0; g < v.group_count; ++g) v.group[g].torque -= c.group[g] * c.impulse;
+        const Number impulse = number<Number>(c.impulse);
+        turn_engine<Number>(v, -(number<Number>(c.engine) * impulse / v.engine.inertia));
+        for (std::uint32_t g = 0; g < v.group_count; ++g)
+            if (c.group[g] != Real{}) add_torque<Number>(v.group[g], -(number<Number>(c.group[g]) * impulse));
     }
-    for (std::uint32_t i = 0; i < v.def->wheel_count; ++i) {
-        Wheel& wheel = v.wheel[i];
-        if (!wheel.touches || !v.group[wheel.group].coupled) continue;
-        wheel.try_p = wheel.along_p;
-        const PatchMotion motion = motion_of(wheel, bodies, v.chassis);
-        wheel.ahead = line_speed(motion, wheel.along);
-        wheel.aside = line_speed(motion, wheel.across);
-    }
+}
+
+template <class Number> void solve_couplings(Vehicle& v) {
+    start_couplings<Number>(v);
     for (std::uint32_t g = 0; g < v.group_count; ++g)
         if (v.group[g].coupled) settle(v, g);
     constexpr int passes = 3;
     for (int pass = 0; pass < passes; ++pass)
-        for (std::uint32_t k = 0; k < v.coupling_count; ++k) solve_coupling(v, v.coupling[k]);
-    v.engine_speed = clamp(v.engine_speed, engine.rpm_idle * speed_per_rpm, engine_speed_max);
+        for (std::uint32_t k = 0; k < v.coupling_count; ++k) solve_coupling<Number>(v, v.coupling[k]);
+}
+
+/// The caps of this substep. True where all impulses have room in Small.
+template <class Number> bool begin_train(Vehicle& v) {
+    turn_engine<Number>(v, engine_push<Number>(v));
+    const Real closed = real(clutch_closed<Number>(v));
+    bool small = v.small_train;
+    for (std::uint32_t g = 0; g < v.group_count; ++g) small = small && v.group[g].small;
+    for (std::uint32_t k = 0; k < v.coupling_count; ++k) {
+        Coupling& c = v.coupling[k];
+        c.cap = cap_of(v, c, closed);
+        small = small && c.cap < small_torque;
+    }
+    return small;
+}
+
+} // namespace
+
+void prepare_engine(const solve::StepConstants& step, Vehicle& v) {
+    const EngineDef& def = v.def->engine;
+    EngineRow& engine = v.engine;
+    const Real per_second = Real(step.substeps_per_second);
+    engine.inertia = Divisor::make(def.inertia);
+    engine.push = def.torque_max / def.inertia / per_second;
+    engine.drag = def.brake_torque / def.inertia / per_second;
+    engine.per_speed = rpm_per_speed / def.rpm_max;
+    engine.idle_speed = def.rpm_idle * speed_per_rpm;
+    engine.per_idle = Real(2) / engine.idle_speed;
+    for (std::size_t i = 1; i < def.torque.size(); ++i)
+        engine.run_inverse[i] = Real(1) / (def.torque[i].x - def.torque[i - 1].x);
+    for (std::uint32_t k = 0; k < v.coupling_count; ++k) {
+        Coupling& c = v.coupling[k];
+        c.engine_answer = c.engine * c.engine / def.inertia;
+        for (std::uint32_t g = 0; g < v.group_count; ++g) c.group_square[g] = c.group[g] * c.group[g];
+        c.kind = c.source < coupling_clutch ? v.def->differential[c.source].kind : DifferentialKind::open;
+        const Real most = c.source == coupling_clutch          ? v.def->gearbox.clutch_torque
+                          : c.source == coupling_steering      ? v.def->tracks.steer_torque
+                          : c.kind == DifferentialKind::locked ? torque_max
+                                                               : v.def->differential[c.source].preload;
+        c.most = most / per_second;
+    }
+    v.small_engine = max(engine.push, engine.drag) < small_push;
+    v.small_train = v.small_engine && engine.inertia.inverse < small_inverse && !engine.inertia.large;
+    for (std::uint32_t g = 0; g < v.group_count; ++g) {
+        const Divisor& d = v.group[g].by_inertia;
+        v.small_train = v.small_train && d.inverse < small_inverse && !d.large;
+    }
+    for (std::uint32_t k = 0; k < v.coupling_count; ++k) {
+        const Coupling& c = v.coupling[k];
+        v.small_train = v.small_train && abs(c.engine) < small_ratio;
+        for (std::uint32_t g = 0; g < v.group_count; ++g)
+            v.small_train = v.small_train && abs(c.group[g]) < small_ratio;
+    }
+}
+
+void solve_train(const Chassis& chassis, const SolverBodies& bodies, Vehicle& v) {
+    const bool small = v.small_engine ? begin_train<Small>(v) : begin_train<Real>(v);
+    for (std::uint32_t i = 0; i < v.def->wheel_count; ++i) {
+        Wheel& wheel = v.wheel[i];
+        if (!wheel.touches || !v.group[wheel.group].coupled) continue;
+        wheel.try_p = wheel.along_p;
+        wheel.small_ahead = wheel.small && chassis.has_room();
+        if (wheel.small_ahead)
+            look_ahead<Small>(chassis, bodies, wheel);
+        else
+            look_ahead<Real>(chassis, bodies, wheel);
+    }
+    if (small)
+        solve_couplings<Small>(v);
+    else
+        solve_couplings<Real>(v);
+    v.engine_speed = clamp(v.engine_speed, v.engine.idle_speed, engine_speed_max);
 }
 
 } // namespace lockstone::sim

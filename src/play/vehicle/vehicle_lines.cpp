@@ -1,0 +1,72 @@
+// Lines of vehicles beside what is in every loop: grounds that move, and impulses that are large. See vehicle_lines.h.
+#include "play/vehicle/vehicle_lines.h"
+
+namespace lockstone::sim {
+
+namespace {
+
+constexpr std::int64_t speed_most = 2048; ///< [m/s]
+
+void add_far(std::int64_t& v, std::int64_t p, std::int64_t by, int shift, int fraction_bits) {
+    const std::int64_t most = speed_most << fraction_bits;
+    v = std::clamp(add_saturated(v, narrow_rounded(Wide::product(p, by), shift)), -most, most);
+}
+
+} // namespace
+
+Real ground_speed(const solve::SolverBody& ground, const WheelLine& line) {
+    const Chassis motion(ground);
+    std::int64_t back[3];
+    for (int i = 0; i < 3; ++i) back[i] = -motion.u[i]; // xg has the sign of the ground's side
+    return motion.has_room() ? real(speed_along<Small>(motion.v, back, line.d, line.xg))
+                             : speed_along<Real>(motion.v, back, line.d, line.xg);
+}
+
+void push_far(Chassis& chassis, const WheelLine& line, Real impulse) {
+    for (int i = 0; i < 3; ++i) {
+        if (chassis.keep[i] != 0) add_far(chassis.v[i], impulse.raw, line.d[i].raw, push_d_shift, speed_bits);
+        add_far(chassis.u[i], impulse.raw, line.xc[i].raw, push_x_shift, speed_bits);
+    }
+}
+
+void push_ground(const Wheel& wheel, const WheelLine& line, Real impulse, solve::SolverBodies& bodies) {
+    solve::SolverBody& ground = bodies.body[wheel.ground];
+    const Real turns = impulse * wheel.ratio, moves = -turns;
+    for (int i = 0; i < 3; ++i) {
+        if (ground.keep[i] != 0)
+            add_far(ground.v[i], moves.raw, line.d[i].raw, push_d_shift - speed_to_accumulator,
+                    solve::accumulator_bits);
+        add_far(ground.u[i], turns.raw, line.xg[i].raw, push_x_shift - speed_to_accumulator,
+                solve::accumulator_bits);
+    }
+}
+
+void push_lines(Chassis& chassis, const Wheel& wheel, solve::SolverBodies& bodies) {
+    const Real normal = wheel.spring + wheel.stop + wheel.bars;
+    const WheelLine &n = wheel.normal, &a = wheel.along, &s = wheel.across;
+    if (wheel.ratio > Real{} || abs(normal) + abs(wheel.along_p) + abs(wheel.across_p) > Real(1)) {
+        push_line(chassis, wheel, n, normal, bodies);
+        push_line(chassis, wheel, a, wheel.along_p, bodies);
+        return push_line(chassis, wheel, s, wheel.across_p, bodies);
+    }
+    const std::int64_t of_n = normal.raw, of_a = wheel.along_p.raw, of_s = wheel.across_p.raw;
+    for (int i = 0; i < 3; ++i) {
+        chassis.v[i] += rounded<push_d_shift>(of_n * n.d[i].raw + of_a * a.d[i].raw + of_s * s.d[i].raw) &
+                        chassis.keep[i];
+        chassis.u[i] += rounded<push_x_shift>(of_n * n.xc[i].raw + of_a * a.xc[i].raw + of_s * s.xc[i].raw);
+    }
+}
+
+void write_back(const Chassis& chassis, solve::SolverBody& body) {
+    constexpr std::int64_t most = speed_most << speed_bits;
+    const Chassis before(body);
+    const auto add = [&](std::int64_t& v, std::int64_t from, std::int64_t to) {
+        v += (std::clamp(to, -most, most) - from) * (std::int64_t{1} << speed_to_accumulator);
+    };
+    for (int i = 0; i < 3; ++i) {
+        add(body.v[i], before.v[i], chassis.v[i]);
+        add(body.u[i], before.u[i], chassis.u[i]);
+    }
+}
+
+} // namespace lockstone::sim

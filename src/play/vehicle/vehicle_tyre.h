@@ -1,0 +1,149 @@
+// A tyre, and a rim between its brake and its tyre. Number: Real, or Small where a wheel is small: to the same bits.
+#pragma once
+
+#include "play/vehicle/vehicle_lines.h"
+
+#include "lockstone/math/math.h"
+
+namespace lockstone::sim {
+
+/// How a patch slides. A tyre shares its peak out along the slide: what is left of a direction's peak is
+/// (own + rest) / (slide + rest). At rest both directions hold their peaks.
+template <class Number> struct TyreSlide {
+    static constexpr Real rest = 0.1_r; ///< [m/s]: from here on the slide decides
+    Number own, other;                  ///< at least 0, and rest more than it slides [m/s]
+    Number both;                        ///< their sum less one rest
+    static TyreSlide make(Number own, Number other) {
+        const Number more = number<Number>(rest);
+        return {own + more, other + more, own + other + more};
+    }
+    TyreSlide turned() const { return {other, own, both}; }
+};
+
+/// Impulse of a tyre against a slide.
+template <class Number> struct TyreAnswer {
+    Number impulse; ///< at least 0, against the slide
+    Number gain;    ///< impulse per slide, of the mobility that was asked for: 0 where it slides
+    Real slip;
+};
+enum class TyreAsks { impulse, gain, slip };
+
+/// The q >= 0 with q = load grip(s), s = (slide - kappa q) / speed, that has the least slip; at most what is left of the peak
+/// when the tyre slides so. `slide` >= 0 is what the patch does without q. A speed of 0 is rest: the tyre sticks while
+/// the peak of the curve lasts.
+template <class Number> struct TyreQuestion {
+    const TyreCurve& curve;
+    Number load, most; ///< load times the curve's peak
+    TyreSlide<Number> slides;
+    Number kappa_gain; ///< mobility of the gain
+    TyreAsks asks;
+};
+
+/// What is left of the peak, for a tyre that slides. 1 at most: the length of a slide is rounded, its parts are not.
+Real share_of_peak(Real own, Real other);
+
+/// Slip of a tyre that its curve does not say.
+template <class Number>
+Real slip_of(const TyreQuestion<Number>& tyre, Number slide, Number kappa, Number impulse, Number speed) {
+    if (tyre.asks != TyreAsks::slip || speed.raw <= 0) return Real{};
+    return quotient(real(slide - kappa * impulse), real(speed));
+}
+
+/// An answer that does not slide, or does so beyond the curve.
+template <class Number>
+[[gnu::always_inline]] inline TyreAnswer<Number> on_curve(const TyreQuestion<Number>& tyre, Number slide,
+                                                          Number kappa, Number speed) {
+    // g(s) = slide - kappa load grip(s) - speed s falls where the curve rises; its first root is where the tyre clings.
+    const TyreCurve& curve = tyre.curve;
+    const Number stiff = kappa * tyre.load;
+    Number before = slide;
+    if (!curve.from_zero) {
+        before = before - stiff * number<Number>(curve.y[0]) - speed * number<Number>(curve.x[0]);
+        if (before.raw <= 0) // it sticks, or slips where the curve is level
+            return {number<Number>(min(quotient(real(slide), real(kappa)),
+                                       real(tyre.load * number<Number>(curve.y[0])))),
+                    number<Number>(tyre.asks == TyreAsks::gain ? quotient(Real(1), real(tyre.kappa_gain))
+                                                               : Real{}),
+                    Real{}};
+    }
+    for (std::size_t i = 0; i < curve.run.size(); ++i) {
+        const Number rise = number<Number>(curve.rise[i]), run = number<Number>(curve.run[i]);
+        const Number fall = stiff * rise + speed * run;
+        if (before > fall) {
+            before = before - fall;
+            continue;
+        }
+        const std::int64_t share = share_of(before.raw, fall.raw);
+        TyreAnswer<Number> out{tyre.load * (number<Number>(curve.y[i]) + part_of(rise, share)), {}, {}};
+        if (tyre.asks == TyreAsks::slip) out.slip = curve.x[i] + real(part_of(run, share));
+        if (tyre.asks != TyreAsks::gain || rise.raw <= 0) return out;
+        const Number lifts = tyre.load * rise, yields = tyre.kappa_gain * lifts + speed * run;
+        if (yields.raw > 0) out.gain = number<Number>(quotient(real(lifts), real(yields)));
+        return out;
+    }
+    const Number impulse = tyre.load * number<Number>(curve.y.back());
+    return {impulse, {}, slip_of(tyre, slide, kappa, impulse, speed)};
+}
+
+template <class Number>
+[[gnu::always_inline]] inline TyreAnswer<Number> tyre_answer(const TyreQuestion<Number>& tyre, Number slide,
+                                                             Number kappa, Number speed) {
+    if (tyre.load.raw <= 0 || slide.raw <= 0 || kappa.raw <= 0)
+        return {{}, {}, slip_of(tyre, slide, kappa, Number{0}, speed)};
+    const TyreAnswer<Number> out = on_curve(tyre, slide, kappa, speed);
+    // As far as that is seen without a root and a quotient: the slide is no longer than its two parts together.
+    if (out.impulse * tyre.slides.both <= tyre.most * tyre.slides.own) return out;
+    const Number cap =
+        tyre.most * number<Number>(share_of_peak(real(tyre.slides.own), real(tyre.slides.other)));
+    if (out.impulse <= cap) return out;
+    return {cap, {}, slip_of(tyre, slide, kappa, cap, speed)};
+}
+
+/// A rim, its brake and its tyre solved together.
+template <class Number> struct RimAnswer {
+    Number impulse; ///< of the tyre on the chassis, forwards
+    Number spin, gain;
+    Real slip;
+    bool held; ///< by the brake
+};
+/// `free`: spin of the rim without this tyre and without the brake; `patch`: speed of the chassis' patch without this
+/// tyre; `speed` over the ground for the slip.
+template <class Number>
+RimAnswer<Number> turn_rim(const SpinGroup& g, const Wheel& wheel, Number free, Number patch, Number speed,
+                           const TyreQuestion<Number>& tyre) {
+    const Number arm = number<Number>(wheel.arm), brake = number<Number>(g.brake_spin);
+    // Held by the brake, if it can: then only the chassis gives. A rim that no tyre could stop is not.
+    Number rest = free;
+    if (abs(free) <= brake + number<Number>(wheel.arm_most)) {
+        TyreAnswer<Number> held = tyre_answer(tyre, abs(patch), number<Number>(wheel.along.kappa), speed);
+        if (patch.raw > 0) held.impulse = -held.impulse, held.slip = -held.slip; // against the slide
+        rest = free - arm * held.impulse;
+        if (abs(rest) <= brake) return {held.impulse, {}, held.gain, held.slip, true};
+    }
+    const Number braked = rest.raw > 0 ? free - brake : free + brake;
+    const Number slide = patch - braked * number<Number>(wheel.radius);
+    TyreAnswer<Number> turning = tyre_answer(tyre, abs(slide), number<Number>(wheel.kappa_rim), speed);
+    // A rim that is faster than the ground drives: its slip is positive.
+    if (slide.raw > 0) turning.impulse = -turning.impulse, turning.slip = -turning.slip;
+    return {turning.impulse, braked - arm * turning.impulse, turning.gain, turning.slip, false};
+}
+
+/// Spin of a group that `torque` and its brake act on, if no tyre did.
+inline Real braked_spin(const SpinGroup& group, Real spin) {
+    const Real most = group.brake_spin;
+    return spin > most ? spin - most : spin < -most ? spin + most : Real{};
+}
+/// Spin of a wheel's group under its torque and all tyres but this one's, the brake left out: of several wheels, and of any.
+Real shared_spin(const Vehicle& v, std::uint32_t wheel, Real Wheel::*impulse);
+inline Real free_spin(const Vehicle& v, std::uint32_t wheel, Real Wheel::*impulse) {
+    const SpinGroup& g = v.group[v.wheel[wheel].group];
+    return g.on_ground == 1 ? g.free : shared_spin(v, wheel, impulse);
+}
+/// The torque of a group, or its brake, has changed.
+template <class Number = Real> void set_free(SpinGroup& g) {
+    constexpr std::int64_t most = Real(1 << 16).raw;
+    g.free = real(number<Number>(g.spin_begin) + number<Number>(g.torque) / g.by_inertia);
+    g.small = abs(g.free).raw < most && abs(g.spin).raw < most && g.brake_spin.raw < most;
+}
+
+} // namespace lockstone::sim
