@@ -12,10 +12,10 @@ struct ContactResult {
     ContactKey key;
     std::uint32_t flags = 0;                    ///< solve::ContactFlags of the pair
     std::uint32_t old_first = 0, old_count = 0; ///< its rows in the contact table of the last tick
-    std::uint32_t first_row = 0,
-                  row_count = 0; ///< in that of this tick; none: it has no points, or there was no room
-    bool is_kept = false;        ///< its rows are those of the last tick
-    bool was_touching = false;   ///< when the last tick ended
+    /// In that of this tick; none: it has no points, or there was no room
+    std::uint32_t first_row = 0, row_count = 0;
+    bool is_kept = false;      ///< its rows are those of the last tick
+    bool was_touching = false; ///< when the last tick ended
     /// From collide() on: whether it is near enough. From settle_touching() on: whether it touches, which it also does when the
     /// solver had to stop it.
     bool is_touching = false;
@@ -26,8 +26,8 @@ struct ContactResult {
     Speed approach{};  ///< [m/s], positive when closing
 };
 
-/// Whether the pair that this is the first row of touched when the last tick ended; false of its other rows. Together with
-/// settle_touching() this is all that knows where the state has that.
+/// Of the first row of a pair: whether the pair touched when the last tick ended. False of its other rows. Nothing but this and
+/// settle_touching() knows where the state has that.
 inline bool touched(const ContactMemory& first_row) {
     return (first_row.flags & solve::contact_touching) != 0;
 }

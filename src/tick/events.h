@@ -31,7 +31,7 @@ void find_contact_points(const Model& w, const PlacedShapes& placed, const Poses
 /// What began or ceased to touch, woke or landed.
 void publish_events(Model& w, const PlacedShapes& placed, const NearPairs& near, const FoundContacts& found,
                     std::span<const Event> landings, const ContactList& table, std::vector<Event>& events);
-/// The last of all, since what falls asleep is known last.
+/// Sorts the tick's events, once it is known who falls asleep.
 void order_events(std::vector<Event>& events);
 
 } // namespace lockstone::sim

@@ -1,4 +1,4 @@
-// The state rows that the dynamics read and write. Formats: lockstone/math/formats.h.
+// The state rows that the solver reads and writes. Formats: lockstone/math/formats.h.
 #pragma once
 
 #include "lockstone/command.h"
@@ -57,7 +57,7 @@ struct Velocity {
 
 /// Whether a body rests, and with whom it sleeps.
 struct BodySleep {
-    std::uint32_t still_ticks; ///< in a row, see Stillness in tick/sleep.cpp
+    std::uint32_t still_ticks; ///< in a row, see Stillness in tick/islands.cpp
     /// Body slot + 1 of the sleeping island's first body, 0: awake; kept until its waking is reported
     std::uint32_t island;
     std::uint32_t next; ///< body slot + 1 of the next body of the sleeping island, a ring; 0: awake
