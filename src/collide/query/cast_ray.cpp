@@ -280,14 +280,17 @@ bool cast_ray_compound(const shapes::Solid& solid, const Line& line, CastHit& hi
         const Span here = span_of_box(line, box);
         return !here.empty() && !(found && shift_right_rounded(here.enter_30, 6) > hit.distance.raw);
     };
-    compound.hierarchy->visit_if(may_be_nearer, [&](std::uint32_t i) {
-        const std::uint32_t index = compound.order[i];
+    const auto cast = [&](std::uint32_t index) {
         CastHit at{};
         if (!cast_ray_part(compound.parts[index], line, at)) return;
         at.feature = index;
         if (!found || comes_first(at, hit)) hit = at;
         found = true;
-    });
+    };
+    if (compound.hierarchy == nullptr)
+        for (std::uint32_t i = 0; i < compound.parts.size(); ++i) cast(i);
+    else
+        compound.hierarchy->visit_if(may_be_nearer, [&](std::uint32_t i) { cast(compound.order[i]); });
     return found;
 }
 

@@ -120,8 +120,8 @@ struct Compound {
     Length inner_radius{};
     /// Appends the indices of the parts whose extents overlap, ascending.
     void find(const Extent& where, std::vector<std::uint32_t>& out) const;
-    std::vector<std::uint32_t> order; ///< of the parts: neighbours in space are neighbours in it
-    std::unique_ptr<const BoundsHierarchy> hierarchy; ///< over the parts in that order
+    std::vector<std::uint32_t> order; ///< of more than eight parts: neighbours in space are neighbours in it
+    std::unique_ptr<const BoundsHierarchy> hierarchy; ///< over them in that order; null for up to eight
 };
 
 /// Turns geometries into solids; keeps hulls that had to be scaled. A cache: it never changes what comes out.
