@@ -1,4 +1,5 @@
-// Definitions from outside: each field in its range (describe, fields.h), and how fields have to be to each other. Each function returns an empty text when all is good, else what is wrong.
+// Definitions from outside: each field in its range (describe, fields.h), and how fields have to be to each other. Each function
+// returns an empty text when all is good, else what is wrong.
 #pragma once
 
 #include "lockstone/command.h"

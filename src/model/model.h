@@ -84,6 +84,18 @@ std::string check(const WorldDef& def);
 WorldDef with_derived_limits(WorldDef def);
 Config config_of(const WorldDef& def);
 
+// ---- bodies and shapes as they are defined, and as rows (definitions.cpp) ---
+
+/// Fills in the rows of a body that is new: all but its mass, its shapes and whether it sleeps. Moves rows of the state: references
+/// end.
+void write_body(Model& w, std::uint32_t row, BodyId id, const BodyDef& def);
+/// What would make the body as it is now.
+BodyDef body_def(const Model& w, std::uint32_t row);
+/// Where its origin is: rows hold the centre of mass.
+Transform body_origin(const Model& w, std::uint32_t row);
+ShapeTraits traits_of(const ShapeDef& def);
+ShapeDef shape_def(const Model& w, std::uint32_t row);
+
 // ---- rows that bodies and shapes name (traits.cpp) ---
 
 /// The force that pushes a body in the next tick, to be added to. Valid until the state grows.

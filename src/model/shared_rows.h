@@ -1,5 +1,5 @@
 // Rows that many objects share. Most bodies and shapes of a game are alike: what they are like stands in the state once, and
-// each names the row. A row that is in use never changes: who is to be otherwise takes another one.
+// each names the row. A row that is in use never changes: what is no longer like it takes another one.
 #pragma once
 
 #include "base/assert.h"
@@ -11,7 +11,7 @@
 
 namespace lockstone::sim {
 
-/// How many name a row.
+/// How many objects name a row.
 struct SharedUses {
     std::uint32_t count; ///< while free: is_free, and the next free row + 1, 0: last
 
@@ -31,8 +31,8 @@ template <class T> struct SharedTable {
 /// alone, and a bound keeps making many of them fast.
 inline constexpr std::uint32_t shared_rows_compared = 256;
 
-/// The row of a value, one more use of which begins. `first_free`: of the header, as it is to be. May grow the table, so
-/// references into the state end. The caller makes sure that there are no more uses than rows_max.
+/// A row that holds `value`, with one use more. `first_free`: the header's, which the caller writes back. May grow the table: references
+/// into the state end then. The caller makes sure that there are no more uses than rows_max.
 template <class T>
 std::uint32_t take_shared(State& state, const SharedTable<T>& t, const T& value, std::uint32_t& first_free) {
     const std::span<const T> rows = state.rows(t.row);
@@ -55,7 +55,7 @@ std::uint32_t take_shared(State& state, const SharedTable<T>& t, const T& value,
     return row;
 }
 
-/// One use less. A row that nobody uses is zero, and the next that is taken.
+/// Ends one use of a row. A row that nobody uses becomes zero, and is the next that is taken.
 template <class T>
 void drop_shared(State& state, const SharedTable<T>& t, std::uint32_t row, std::uint32_t& first_free) {
     SharedUses& uses = state.edit_row(t.uses, row);
@@ -66,7 +66,7 @@ void drop_shared(State& state, const SharedTable<T>& t, std::uint32_t row, std::
     std::memset(static_cast<void*>(&state.edit_row(t.row, row)), 0, sizeof(T));
 }
 
-/// The row of what is to be named in place of `row`. `value` lies outside of the table.
+/// Ends one use of `row`, and returns the row that holds `value`, with one use more. `value` lies outside of the table.
 template <class T>
 std::uint32_t exchange_shared(State& state, const SharedTable<T>& t, std::uint32_t row, const T& value,
                               std::uint32_t& first_free) {

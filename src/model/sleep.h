@@ -8,7 +8,7 @@
 // A tick reads and writes the awake rows only. Islands are found anew in every tick, among what is awake: dynamic bodies
 // that touch or are joined, so they split as soon as they part. An island falls asleep as a whole when all its bodies were
 // still for the world's sleep_time and none of them is held by a kinematic body that moves; its bodies then stand in a ring.
-// Still is what is slow, or rocks a little on the spot. An island wakes as a whole: when a command touches one of its bodies,
+// A body is still when it is slow, or rocks a little on the spot. An island wakes as a whole: when a command touches one of its bodies,
 // or something awake comes near enough to one to make contact points.
 #pragma once
 
@@ -18,11 +18,11 @@ namespace lockstone::sim {
 
 inline bool is_awake(const Model& w, std::uint32_t body_row) { return body_row < w.header().bodies_awake; }
 
-/// Wakes a body that a command touches: its island, and what static and kinematic bodies hold up or are joined to. Returns its
-/// row, which may have changed.
+/// For a command that touches a body: wakes its island; of a static or kinematic body, those that rest on it or are joined to it.
+/// Returns the body's row, which may have changed.
 std::uint32_t wake(Model& w, BodyId body);
 void wake_all(Model& w);
-/// A dynamic body that was just made, without velocity: asleep in an island of its own.
+/// Puts a dynamic body that was just made, and has no velocity, to sleep in an island of its own.
 void start_asleep(Model& w, std::uint32_t body_row);
 /// Whether a sleeping body has slept since it was made.
 bool was_never_awake(const Model& w, std::uint32_t body_row);
@@ -31,9 +31,9 @@ void wake_islands(Model& w, std::span<const BodyId> bodies);
 /// Takes a row to the resting ones, as the first step of removing it. Returns the row it has then.
 std::uint32_t put_to_rest(Model& w, std::uint32_t body_row);
 std::uint32_t put_joint_to_rest(Model& w, std::uint32_t joint_row);
-/// A joint that was made between two bodies that were just woken.
+/// Wakes the joint that was made between two bodies that were just woken.
 void wake_joint(Model& w, std::uint32_t joint_row);
-/// Contacts of which no body is awake any more leave the table that a tick works on.
+/// Moves contacts of which no body is awake any more out of the table that a tick works on.
 void rest_contacts(Model& w);
 
 } // namespace lockstone::sim

@@ -11,7 +11,7 @@ std::uint32_t take_slot(State& state, TableId table, Column<Slot> column, std::u
 void free_slot(State& state, Column<Slot> column, std::uint32_t index, std::uint32_t& first_free);
 /// Moves the last row of a table into `row` and drops the last.
 void remove_row(State& state, TableId table, std::uint32_t row);
-/// Changes places of two rows of a table, in all its columns.
+/// Swaps two rows of a table, in all its columns.
 void swap_rows(State& state, TableId table, std::uint32_t x, std::uint32_t y);
 
 /// A joint's row joins the lists of its bodies, or leaves them.

@@ -15,14 +15,14 @@ struct PlacedShapes {
         : solids(std::move(assets)), broad_phase(0) {
         changed.reserve(64);
     }
-    /// There is room for so many shape slots, if there was less.
+    /// Makes room for so many shape slots, where there is less.
     void fit(std::uint32_t shape_slots);
     void reserve(std::uint32_t shape_slots); ///< ahead of need
 
     shapes::SolidCache solids;
     collide::BroadPhase broad_phase;
     bool structure_stale = true; ///< objects came, went or were restored since the last update_bounds()
-    /// Poses and bounds are those of the state. update_bounds() makes it so; who changes the state takes it back.
+    /// Whether poses and bounds are those of the state. update_bounds() sets it, whoever changes the state clears it.
     bool is_current = false;
 
     struct Shape {
@@ -34,7 +34,7 @@ struct PlacedShapes {
         Length inner;     ///< shapes::inner_radius() of the solid
         collide::Bounds bounds;
         bool is_placed; ///< while bounds are updated: pose, margin and bounds are those of this tick
-        bool rests;     ///< it was handed over as resting, as made of:
+        bool rests;     ///< the broad phase has it as resting, placed by:
         Transform resting_local, resting_at;
         Vec3 resting_center;
     };
@@ -42,7 +42,7 @@ struct PlacedShapes {
     std::vector<std::uint32_t> planes; ///< shape slots, sorted
 
     // What the proxies of resting shapes were made of, so that only what changed since is looked at.
-    /// By shape slot: of the shape the broad phase holds, 0: none
+    /// By shape slot: the generation of the shape that the broad phase holds, 0: none
     std::vector<std::uint32_t> proxy_generation;
     ChangeMark proxies_of;
     std::uint32_t awake_before = 0;             ///< bodies, when bounds were last updated
@@ -53,9 +53,9 @@ struct PlacedShapes {
 inline constexpr Length margin_base =
     decimal<Length>("0.005"); ///< [m]: contacts are made this far ahead of touching
 
-/// How far ahead contacts of something with a velocity reach, or of two with a relative one: not less than it goes in a
-/// tick, in steps by a factor of two, so that it seldom grows while they near each other; nothing for what goes less
-/// than half of `margin_base`.
+/// How far ahead of touching contacts are made for a velocity, a body's own or that of two against each other: no less than it goes
+/// in a tick, by factors of two, so that it seldom grows while they near each other; 0 for what goes less than half of
+/// `margin_base` in a tick.
 Length ahead_of(SpeedVec3 velocity, std::uint32_t tick_rate);
 
 /// Poses, margins and bounds of the shapes that may have moved since the last call, in the broad phase too.   (bounds.cpp)

@@ -1,4 +1,4 @@
-// What the queries of a world keep from call to call: memory, and until when the caches are fresh.
+// Questions to a world, and the memory that they keep from call to call.
 //
 // Several threads may ask at once: caches are brought up to the state by one of them, behind a lock, and each has memory of
 // its own while it asks. Nothing that is kept shows in an answer.
@@ -29,7 +29,7 @@ struct QueryWork {
 };
 
 struct QueryScratch {
-    /// Of all that const members of World change: this, the placed shapes, the state's hashes
+    /// Guards all that const members of World change: this, the placed shapes, the state's hashes
     base::Lock lock;
     std::vector<std::unique_ptr<QueryWork>> idle;
 };
@@ -50,7 +50,7 @@ std::optional<QueryHit> cast_shape(const Scene& scene, const Geometry& geometry,
 bool cast_ray_any(const Scene& scene, const Ray& ray, const QueryFilter& filter);
 bool cast_shape_any(const Scene& scene, const Geometry& geometry, const Transform& pose, Vec3 translation,
                     const QueryFilter& filter);
-/// Those add to `hits`, and to `shapes`.
+/// These append to `hits` or `shapes`.
 void cast_ray_all(const Scene& scene, const Ray& ray, const QueryFilter& filter, std::vector<QueryHit>& hits);
 void cast_shape_all(const Scene& scene, const Geometry& geometry, const Transform& pose, Vec3 translation,
                     const QueryFilter& filter, std::vector<QueryHit>& hits);

@@ -27,7 +27,7 @@ std::uint32_t drop_pairs(NearChunk& chunk, std::size_t room) {
             chunk.memories[made_kept++] = chunk.memories[made + i];
         made += new_rows;
         result.first_row = rows;
-        if (!fits) dropped += result.row_count, result.row_count = 0, result.overlaps = false;
+        if (!fits) dropped += result.row_count, result.row_count = 0, result.is_touching = false;
         rows += result.row_count;
     }
     chunk.memories.resize(made_kept), chunk.contacts.resize(contacts);
@@ -65,24 +65,23 @@ std::uint32_t place_chunks(Model& w, bool is_cut, std::span<NearChunk> chunks, F
 }
 
 /// Which kept rows change places; true when every row of the table has the key that it had.
-bool find_moves(const NearPairs& near_pairs, const ContactList& table, std::span<const ContactResult> results,
-                std::uint32_t rows, ContactScratch& s) {
+bool find_moves(const ContactList& table, std::span<const ContactResult> results, std::uint32_t rows,
+                ContactScratch& s) {
     bool same_keys = rows == table.keys.size();
     s.row_moves.clear();
     for (const ContactResult& result : results) {
-        const NearPair& near = near_pairs.list[result.near];
         if (result.row_count == 0) continue;
-        if (near.old_first == result.first_row && near.old_count == result.row_count) continue;
+        if (result.old_first == result.first_row && result.old_count == result.row_count) continue;
         same_keys = false;
-        if (!result.is_kept || near.old_first == result.first_row) continue;
+        if (!result.is_kept || result.old_first == result.first_row) continue;
         if (!s.row_moves.empty()) {
             ContactScratch::RowMove& last = s.row_moves.back();
-            if (last.from + last.count == near.old_first && last.to + last.count == result.first_row) {
+            if (last.from + last.count == result.old_first && last.to + last.count == result.first_row) {
                 last.count += result.row_count;
                 continue;
             }
         }
-        s.row_moves.push_back({near.old_first, result.first_row, result.row_count});
+        s.row_moves.push_back({result.old_first, result.first_row, result.row_count});
     }
     return same_keys;
 }
@@ -99,10 +98,9 @@ template <class Row> void move_rows(std::span<Row> rows, std::span<const Contact
         if (moves[i].to > moves[i].from) move(moves[i]);
 }
 
-void write_rows(const NearPairs& near, std::span<const NearChunk> chunks,
-                std::span<const ContactResult> results, std::uint32_t rows, ContactList& table,
-                ContactScratch& s) {
-    const bool same_keys = find_moves(near, table, results, rows, s);
+void write_rows(std::span<const NearChunk> chunks, std::span<const ContactResult> results, std::uint32_t rows,
+                ContactList& table, ContactScratch& s) {
+    const bool same_keys = find_moves(table, results, rows, s);
     std::vector<ContactMemory>& memories = table.memories;
     if (memories.capacity() < rows) memories.reserve(rows + rows / 8);
     memories.resize(std::max<std::size_t>(rows, memories.size()));
@@ -122,16 +120,15 @@ void write_rows(const NearPairs& near, std::span<const NearChunk> chunks,
     if (keys.capacity() < rows) keys.reserve(rows + rows / 8);
     keys.resize(rows);
     for (const ContactResult& result : results)
-        for (std::uint32_t i = 0; i < result.row_count; ++i)
-            keys[result.first_row + i] = near.list[result.near].key;
+        for (std::uint32_t i = 0; i < result.row_count; ++i) keys[result.first_row + i] = result.key;
 }
 
 } // namespace
 
-void place_contacts(Model& w, const NearPairs& near, std::span<NearChunk> chunks, ContactList& table,
-                    ContactScratch& s, FoundContacts& out, Tasks* tasks) {
-    const std::uint32_t rows = place_chunks(w, near.is_cut, chunks, out);
-    write_rows(near, chunks, out.results, rows, table, s);
+void place_contacts(Model& w, bool is_cut, std::span<NearChunk> chunks, ContactList& table, ContactScratch& s,
+                    FoundContacts& out, Tasks* tasks) {
+    const std::uint32_t rows = place_chunks(w, is_cut, chunks, out);
+    write_rows(chunks, out.results, rows, table, s);
     if (chunks.size() == 1) {
         std::swap(out.contacts, chunks[0].contacts);
         return;

@@ -294,7 +294,7 @@ void use_rows(const View& v, const CandidatePair& c, std::span<const ContactMemo
               is_movers_contact(v.w, *v.movers, v.body(c.body_a), v.body(c.body_b), found[i].normal)))
             add_contact(v, c, result.first_row + i, rows[i], found[i], worker, chunk.contacts);
     }
-    result.overlaps = deepest <= (c.sensor ? Separation{} : touching_gap) && !passing;
+    result.is_touching = deepest <= (c.sensor ? Separation{} : touching_gap) && !passing;
     if (result.was_touching) return;
     const PairContact& at = found[result.deepest_row];
     store_deepest(v, c, rows[result.deepest_row].points[deepest_point], at, at.points[deepest_point], result);
@@ -315,7 +315,7 @@ void choose_rows(NarrowWorker& worker, NearChunk& chunk, WindowPair& pair) {
     const CandidatePair& c = pair.shapes;
     const bool had = !pair.old.empty();
     ContactResult& result = pair.result;
-    result.was_touching = had && (pair.old[0].flags & solve::contact_touching) != 0;
+    result.was_touching = had && touched(pair.old[0]);
     result.is_kept = had && ((pair.old[0].flags & solve::contact_flipped) != 0) == c.flipped &&
                      solve::covers(pair.old[0], c.margin) && worker.window.serves[pair.row] != 0;
     pair.fresh = static_cast<std::uint32_t>(chunk.memories.size());
@@ -392,7 +392,7 @@ void collide_chunk(const View& v, std::uint32_t first, std::uint32_t last, std::
         if (are_still_parted(pair.shapes, near[i])) continue;
         pair.near = &near[i];
         pair.old = v.old.subspan(near[i].old_first, near[i].old_count);
-        pair.result = {}, pair.result.near = i;
+        pair.result = {.key = near[i].key, .old_first = near[i].old_first, .old_count = near[i].old_count};
         if (++count == pairs.size()) collide_window(v, pairs, worker, chunk, next_row), count = 0;
     }
     if (count != 0) collide_window(v, std::span(pairs).first(count), worker, chunk, next_row);
@@ -435,7 +435,7 @@ void collide(Model& w, const PlacedShapes& placed, const CharacterScratch& mover
         tasks, pairs, chunk_size, [&](std::uint32_t first, std::uint32_t last, std::uint32_t worker) {
             collide_chunk(view, first, last, near.list, s.workers[worker], s.chunks[first / chunk_size]);
         });
-    place_contacts(w, near, std::span(s.chunks).first(chunk_count), table, s, out, tasks);
+    place_contacts(w, near.is_cut, std::span(s.chunks).first(chunk_count), table, s, out, tasks);
 }
 
 } // namespace lockstone::sim

@@ -13,24 +13,9 @@
 
 namespace lockstone::sim {
 
-/// What the narrow phase found for a pair that has contact points, or touched until now.
-struct ContactResult {
-    std::uint32_t near;                 ///< index
-    std::uint32_t first_row, row_count; ///< of the contact table
-    std::uint32_t flags;                ///< solve::ContactFlags: what of them is the pair's
-    bool was_touching;
-    bool overlaps;             ///< near enough to count as touching, before the solve
-    bool is_kept;              ///< its rows are those of the last tick
-    std::uint32_t deepest_row; ///< of the pair's rows, the one with the deepest point
-    // Of the deepest point, unless the pair was touching:
-    UnitVec3 normal; ///< key a to key b
-    Vec3 point;      ///< world
-    Speed approach;  ///< [m/s], positive when closing
-};
-
 /// What collide() finds.
 struct FoundContacts {
-    std::vector<ContactResult> results;   ///< of pairs, in pair order
+    std::vector<ContactResult> results;   ///< of pairs that are near, in pair order
     std::vector<solve::Contact> contacts; ///< for the solver, in row order
     void reserve(std::size_t rows) { results.reserve(rows), contacts.reserve(rows); }
     std::uint32_t dropped; ///< rows that the table had no room for, and one for all pairs not looked at
@@ -95,7 +80,8 @@ bool has_contact_points(const Model& w, const PlacedShapes& placed, const NearPa
                         ContactScratch& scratch);
 
 /// What the chunks of collide() made becomes the contact table. (contact_table.cpp)
-void place_contacts(Model& w, const NearPairs& near, std::span<NearChunk> chunks, ContactList& table,
+/// `is_cut`: there were more pairs than were looked at.
+void place_contacts(Model& w, bool is_cut, std::span<NearChunk> chunks, ContactList& table,
                     ContactScratch& scratch, FoundContacts& out, Tasks* tasks);
 
 } // namespace lockstone::sim

@@ -30,15 +30,6 @@ Event event_of(const Model& w, const ContactKey& key, std::uint32_t flags, bool 
     return e;
 }
 
-bool was_hit(std::span<const ContactMemory> rows) {
-    for (const ContactMemory& memory : rows) {
-        if ((memory.flags & solve::contact_hit) != 0) return true;
-        for (std::uint32_t k = 0; k < memory.count; ++k)
-            if (memory.points[k].normal.raw > 0) return true;
-    }
-    return false;
-}
-
 /// Where the key's a and b touch.
 struct Parts {
     SurfacePart a, b;
@@ -48,6 +39,22 @@ Parts parts_of(const Model& w, const PlacedShapes& placed, const ContactKey& key
     const bool flipped = (memory.flags & solve::contact_flipped) != 0;
     return {part_of(w, placed, key.a, flipped ? memory.piece_b : memory.piece_a),
             part_of(w, placed, key.b, flipped ? memory.piece_a : memory.piece_b)};
+}
+
+/// That a pair began or ceased to touch, if it did.
+void publish_change(const Model& w, const PlacedShapes& placed, const ContactResult& result,
+                    const ContactList& table, std::vector<Event>& events) {
+    if (result.is_touching == result.was_touching) return;
+    Event e = event_of(w, result.key, result.flags, result.is_touching);
+    if (result.is_touching) {
+        e.point = result.point;
+        if ((result.flags & solve::contact_sensor) == 0) e.normal = result.normal;
+        e.approach_speed = result.approach;
+        Parts parts = parts_of(w, placed, result.key, table.memories[result.first_row + result.deepest_row]);
+        if (e.shape_a != result.key.a) std::swap(parts.a, parts.b);
+        e.part_a = parts.a, e.part_b = parts.b;
+    }
+    events.push_back(e);
 }
 
 /// Of bodies that slept when the last tick ended.
@@ -95,30 +102,10 @@ void find_contact_points(const Model& w, const PlacedShapes& placed, const Poses
 }
 
 void publish_events(Model& w, const PlacedShapes& placed, const NearPairs& near, const FoundContacts& found,
-                    std::span<const Event> landings, ContactList& table, std::vector<Event>& events) {
-    const std::span<ContactMemory> memories = table.memories;
+                    std::span<const Event> landings, const ContactList& table, std::vector<Event>& events) {
     events.reserve(64); // what a usual tick has, so that one with more than ever seldom allocates
-    for (const EndedContact& ended : near.ended) events.push_back(event_of(w, ended.key, ended.flags, false));
-    for (const ContactResult& result : found.results) {
-        const std::span<ContactMemory> rows = memories.subspan(result.first_row, result.row_count);
-        const bool sensor = (result.flags & solve::contact_sensor) != 0;
-        const bool now = result.overlaps || (!sensor && was_hit(rows));
-        for (ContactMemory& row : rows)
-            row.flags &= ~std::uint32_t{solve::contact_touching | solve::contact_hit};
-        if (now) rows[0].flags |= solve::contact_touching;
-        if (now == result.was_touching) continue;
-        const ContactKey& key = near.list[result.near].key;
-        Event e = event_of(w, key, result.flags, now);
-        if (now) {
-            e.point = result.point;
-            if (!sensor) e.normal = result.normal;
-            e.approach_speed = result.approach;
-            Parts parts = parts_of(w, placed, key, rows[result.deepest_row]);
-            if (e.shape_a != key.a) std::swap(parts.a, parts.b);
-            e.part_a = parts.a, e.part_b = parts.b;
-        }
-        events.push_back(e);
-    }
+    for (const ContactResult& result : near.ended) publish_change(w, placed, result, table, events);
+    for (const ContactResult& result : found.results) publish_change(w, placed, result, table, events);
     if (found.dropped != 0) publish_drop(w, events);
     publish_waking(w, events);
     events.insert(events.end(), landings.begin(), landings.end());

@@ -28,10 +28,10 @@ struct ContactPoints {
 void find_contact_points(const Model& w, const PlacedShapes& placed, const PosesBefore& before,
                          const ContactList& table, const FoundContacts& found, ContactPoints& out);
 
-/// Touching flags in the table; what began, ended, woke or landed.
+/// What began or ceased to touch, woke or landed.
 void publish_events(Model& w, const PlacedShapes& placed, const NearPairs& near, const FoundContacts& found,
-                    std::span<const Event> landings, ContactList& table, std::vector<Event>& events);
-/// The last of all, since what falls asleep is known last.
+                    std::span<const Event> landings, const ContactList& table, std::vector<Event>& events);
+/// Sorts the tick's events, once it is known who falls asleep.
 void order_events(std::vector<Event>& events);
 
 } // namespace lockstone::sim

@@ -33,8 +33,8 @@ struct Links {
     std::span<const solve::Joint> joints;
     std::span<const Standing> standing;
 };
-/// Counts how long bodies were still, and finds those that rest from now on, into `resting`: islands that were still for long
-/// enough, with their rings closed and their velocities gone, and what no island has.
+/// Counts how long bodies were still, and finds those that rest from now on, into `resting`: bodies of islands that were still for
+/// long enough, which are linked to rings and lose their velocities, and bodies that belong to no island.
 void find_resting(Model& w, const Links& links, IslandScratch& scratch);
 /// Moves their rows, and those of their joints and contacts, and reports them.
 void put_to_sleep(Model& w, PlacedShapes& placed, std::span<const BodyId> resting,

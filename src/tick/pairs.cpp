@@ -162,9 +162,9 @@ void find_overlaps(const PairView& view, collide::BroadPhase& broad_phase, PairS
 }
 
 /// Ends what touched and is no longer near.
-void retire(const ContactList& old, std::uint32_t row, std::vector<EndedContact>& ended) {
-    const std::uint32_t flags = old.memories[row].flags;
-    if (flags & solve::contact_touching) ended.push_back({old.keys[row], flags});
+void retire(const ContactList& old, std::uint32_t row, std::vector<ContactResult>& ended) {
+    const ContactMemory& memory = old.memories[row];
+    if (touched(memory)) ended.push_back({.key = old.keys[row], .flags = memory.flags, .was_touching = true});
 }
 
 } // namespace

@@ -3,6 +3,7 @@
 
 #include "collide/broad/broad_phase.h"
 #include "scene/placed_shapes.h"
+#include "tick/contact_result.h"
 
 #include <vector>
 
@@ -17,16 +18,11 @@ struct NearPair {
     UnitVec3 apart;
 };
 
-struct EndedContact {
-    ContactKey key;
-    std::uint32_t flags; ///< solve::ContactFlags
-};
-
 /// What find_pairs() finds.
 struct NearPairs {
-    std::vector<NearPair> list;      ///< in pair order
-    bool is_cut = false;             ///< there were more such pairs than are looked at
-    std::vector<EndedContact> ended; ///< touching contacts that are gone
+    std::vector<NearPair> list;       ///< in pair order
+    bool is_cut = false;              ///< there were more such pairs than are looked at
+    std::vector<ContactResult> ended; ///< of pairs that touched and are no longer near
 };
 
 /// Its memory.

@@ -7,11 +7,12 @@
 // Guarantee: the core of a shape (a ball of half its inner radius about its core centre) never passes through what its
 // body is swept against, and a shape that was apart from a piece (a convex part, a triangle) stops where it comes within
 // collide::stop_gap of it, unless it is rounded and would enter by less than half of its rounding: contacts push it out of
-// that, and a limb that is held in the air instead tears at its joints. What stands still stops it across alone: it goes on along that. Velocity is kept: the contacts of
-// the next tick stop it.
+// that, and a limb that is held in the air instead tears at its joints. At what stands still only its motion towards that ends:
+// it slides on along it. Velocity is kept: the contacts of the next tick stop it.
 //
 // Fast: a point of the shape may have moved in the tick, against what it is swept against, by more than half of the
-// shape's inner radius (a quarter where that moves, a 64th for bullets there that are no balls); turning counts with the shape's reach.
+// shape's inner radius. Against what moves: by more than a quarter of it, or a 64th for a bullet that is no ball. Turning counts with the
+// shape's reach.
 // Slower ones are left to the contacts, whose margin looks further ahead than that.
 // Not swept: sensors, shapes that may not meet, pairs of which neither moves.
 #pragma once

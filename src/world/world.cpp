@@ -6,7 +6,6 @@
 #include "base/text.h"
 #include "lockstone/math/decimal.h"
 #include "lockstone/math/math.h"
-#include "model/fields.h"
 #include "model/sleep.h"
 #include "world/world_impl.h"
 
@@ -281,13 +280,7 @@ std::vector<BodyId> World::bodies() const {
     return out;
 }
 
-Transform World::pose(BodyId body) const {
-    const std::uint32_t row = living(*impl, body);
-    const Transform& pose = impl->state.rows(impl->m.body_pose)[row];
-    const Vec3 center = impl->mass_of(row).center;
-    if (center == Vec3{}) return pose; // games ask for many poses in a tick
-    return {pose.position - rotate(pose.rotation, center), pose.rotation};
-}
+Transform World::pose(BodyId body) const { return sim::body_origin(*impl, living(*impl, body)); }
 Vec3 World::center_of_mass(BodyId body) const {
     return impl->state.rows(impl->m.body_pose)[living(*impl, body)].position;
 }
@@ -305,20 +298,7 @@ std::uint64_t World::user_key(BodyId body) const {
     return impl->state.rows(impl->m.body_info)[living(*impl, body)].user_key;
 }
 
-BodyDef World::body(BodyId body) const {
-    const sim::BodyInfo& info = impl->state.rows(impl->m.body_info)[living(*impl, body)];
-    const sim::BodyTraits& traits = impl->traits_of(info);
-    BodyDef d;
-    sim::copy_named(traits, d);
-    d.kind = info.kind;
-    d.pose = pose(body);
-    d.linear_velocity = linear_velocity(body);
-    d.angular_velocity = angular_velocity(body);
-    d.mass = traits.mass_override;
-    d.awake = d.kind != BodyKind::dynamic || is_awake(body) ? 1 : 0;
-    d.user_key = info.user_key;
-    return d;
-}
+BodyDef World::body(BodyId body) const { return sim::body_def(*impl, living(*impl, body)); }
 SetMass World::mass_properties(BodyId body) const {
     const sim::BodyMass& mass = impl->mass_of(living(*impl, body));
     return {body, mass.mass, mass.center, mass.gyration, mass.principal};
@@ -341,13 +321,7 @@ std::vector<ShapeId> World::shapes(BodyId body) const {
     std::reverse(out.begin(), out.end());
     return out;
 }
-ShapeDef World::shape(ShapeId shape) const {
-    const sim::ShapeRow& row = impl->state.rows(impl->m.shape)[living(*impl, shape)];
-    ShapeDef d;
-    sim::copy_named(impl->traits_of(row), d);
-    d.user_key = row.user_key;
-    return d;
-}
+ShapeDef World::shape(ShapeId shape) const { return sim::shape_def(*impl, living(*impl, shape)); }
 BodyId World::body_of(ShapeId shape) const {
     return impl->state.rows(impl->m.shape)[living(*impl, shape)].body;
 }

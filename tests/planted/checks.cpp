@@ -508,6 +508,16 @@ std::string hint_of_large_box() {
     return found.count == 1 ? "" : "a ball 100 m from its centre is outside";
 }
 
+std::string parts_are_found() {
+    AssetLibrary library;
+    std::vector<CompoundPart> balls(20, {sphere(0.1_r), Transform::identity()});
+    for (std::size_t i = 0; i < balls.size(); ++i) balls[i].local.position.x = Real(static_cast<int>(i));
+    const auto& row = *library.find(library.add(bake_compound(balls)).value());
+    std::vector<std::uint32_t> found;
+    row.compound->find(row.compound->extent, found);
+    return found.size() == balls.size() ? "" : "a part of a compound is not found";
+}
+
 /// Two cubes that overlap by 1 cm along x and by 2 cm along y, and touched along y in the last tick.
 std::string kept_face_is_nearest() {
     std::vector<LengthVec3> corners;
@@ -546,6 +556,7 @@ std::vector<std::pair<std::string, Check>> all_checks() {
                              {"crowds agree", crowds_agree},
                              {"what is alike stays apart", alike_shapes},
                              {"a hint does not part from large boxes", hint_of_large_box},
+                             {"parts are found", parts_are_found},
                              {"a face that is kept is the nearest", kept_face_is_nearest},
                              {"grows", grows},
                              {"peers agree", peers_agree},

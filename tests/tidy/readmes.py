@@ -1,4 +1,4 @@
-"""Every README and specification names only files that exist."""
+"""Every README and specification names only files that exist, and a table of files those of its folder."""
 import re
 
 from tree import CODE_FOLDERS, numbered
@@ -30,11 +30,24 @@ def exists(word, folder, root):
     return any((place / word).exists() for place in places)
 
 
+def misplaced(lines, folder):
+    """Names in the first column of a table of files that stand somewhere else: (line number, name)."""
+    in_table = False
+    for number, line in lines:
+        cell = line.split("|")[1].strip() if line.startswith("|") else None
+        in_table = cell is not None and (in_table or cell in ("file", "header"))
+        for name in re.findall(r"`([^`\s*]+)`", cell or "") if in_table else []:
+            if name.endswith(ENDINGS) and not (folder / name).exists():
+                yield number, name
+
+
 def check(tree):
     complaints = []
     for path in sorted(tree.root.rglob("*.md")):
         if tree.name(path).startswith(("build", ".git")) or "node_modules" in path.parts:
             continue
+        complaints += [f"{tree.name(path)}:{number}: {name} is not in this folder"
+                       for number, name in misplaced(numbered(path.read_text()), path.parent)]
         fenced = False
         for number, line in numbered(path.read_text()):
             if line.lstrip().startswith("```"):
@@ -54,11 +67,15 @@ PLANTED = [
     ("a file that is gone", {"README.md": "Start at `src/tick/tick.cpp`.\n", "src/world/world.cpp": ""}),
     ("a script that is gone", {"README.md": "```\ntests/run --long\n```\n", "tests/main.cpp": ""}),
     ("a link to nowhere", {"docs/a.md": "See [the spec](FORMAT.md).\n"}),
+    ("a row of a file that moved away", {"src/session/README.md": "| file | what |\n|---|---|\n| `prove.cpp` | the proof |\n", "src/prove/prove.cpp": ""}),
     ("a pattern without a match", {"tests/README.md": "`law/*.cpp` hold the algebra.\n"}),
 ]
 GOOD = [
     ("files that exist, and words that are not files", {
         "README.md": "`src/tick/tick.cpp`, `lockstone/math/vec.h`, `world.save()`, `0.5`, `n/a`, `build/release/bin/lockstone`\n",
         "src/tick/tick.cpp": "", "include/lockstone/math/vec.h": ""}),
+    ("a table of files, and one of other things", {
+        "src/a/README.md": "| file | what |\n|---|---|\n| `b/c.h` | `src/a/b/c.h` |\n\n| tool | what |\n|---|---|\n| `d.cpp` | |\n",
+        "src/a/b/c.h": "", "src/d.cpp": ""}),
     ("code that names what the reader will write", {"README.md": '```\n#include "game.h"\ncc my_game.cpp\n```\n'}),
 ]

@@ -161,8 +161,8 @@ bool BroadPhase::find_leaf_pairs(std::size_t leaf_pairs_max) {
     forget_pairs_of_fresh_leaves();
     found.clear();
     const bool are_few = leaf_pairs.size() <= leaf_pairs_max &&
-                         find_fresh_pairs_within(moving, leaf_pairs_max - leaf_pairs.size()) &&
-                         find_fresh_pairs_between(moving, fixed, leaf_pairs_max - leaf_pairs.size());
+                         find_fresh_pairs(moving, moving, leaf_pairs_max - leaf_pairs.size()) &&
+                         find_fresh_pairs(moving, fixed, leaf_pairs_max - leaf_pairs.size());
     if (are_few)
         merge_found();
     else
@@ -199,40 +199,9 @@ ProxyPair ordered(std::uint32_t x, std::uint32_t y) { return x < y ? ProxyPair{x
 
 } // namespace
 
-/// A stack entry (n, n) stands for all pairs below n, (a, b) for those of one leaf below each. False when there are more
-/// than `found_max` in all.
-bool BroadPhase::find_fresh_pairs_within(const BoundsTree& tree, std::size_t found_max) {
-    stack.clear();
-    if (tree.root() != BoundsTree::none) stack.push_back({tree.root(), tree.root()});
-    while (!stack.empty()) {
-        const NodePair top = stack.back();
-        stack.pop_back();
-        const BoundsTree::Node &a = tree.node(top.a), &b = tree.node(top.b);
-        if (!a.fresh && !b.fresh) continue;
-        if (top.a == top.b) {
-            if (a.is_leaf()) continue;
-            stack.push_back({a.child[0], a.child[0]});
-            stack.push_back({a.child[1], a.child[1]});
-            stack.push_back({a.child[0], a.child[1]});
-            continue;
-        }
-        if (!overlap(a.bounds, b.bounds)) continue;
-        if (a.is_leaf() && b.is_leaf()) {
-            if (found.size() == found_max) return false;
-            found.push_back(ordered(a.proxy(), b.proxy()));
-        } else if (b.is_leaf() || (!a.is_leaf() && half_area(a.bounds) >= half_area(b.bounds))) {
-            stack.push_back({a.child[0], top.b});
-            stack.push_back({a.child[1], top.b});
-        } else {
-            stack.push_back({top.a, b.child[0]});
-            stack.push_back({top.a, b.child[1]});
-        }
-    }
-    return true;
-}
-
-bool BroadPhase::find_fresh_pairs_between(const BoundsTree& tree_a, const BoundsTree& tree_b,
-                                          std::size_t found_max) {
+/// A stack entry (n, n) of one tree stands for all pairs below n, (a, b) for those of one leaf below each.
+bool BroadPhase::find_fresh_pairs(const BoundsTree& tree_a, const BoundsTree& tree_b, std::size_t found_max) {
+    const bool is_one_tree = &tree_a == &tree_b;
     stack.clear();
     if (tree_a.root() != BoundsTree::none && tree_b.root() != BoundsTree::none)
         stack.push_back({tree_a.root(), tree_b.root()});
@@ -240,7 +209,15 @@ bool BroadPhase::find_fresh_pairs_between(const BoundsTree& tree_a, const Bounds
         const NodePair top = stack.back();
         stack.pop_back();
         const BoundsTree::Node &a = tree_a.node(top.a), &b = tree_b.node(top.b);
-        if ((!a.fresh && !b.fresh) || !overlap(a.bounds, b.bounds)) continue;
+        if (!a.fresh && !b.fresh) continue;
+        if (is_one_tree && top.a == top.b) {
+            if (a.is_leaf()) continue;
+            stack.push_back({a.child[0], a.child[0]});
+            stack.push_back({a.child[1], a.child[1]});
+            stack.push_back({a.child[0], a.child[1]});
+            continue;
+        }
+        if (!overlap(a.bounds, b.bounds)) continue;
         if (a.is_leaf() && b.is_leaf()) {
             if (found.size() == found_max) return false;
             found.push_back(ordered(a.proxy(), b.proxy()));

@@ -103,8 +103,8 @@ class BroadPhase {
     void insert_moved(bool is_fixed);
     BoundsTree& tree_of(bool is_fixed) { return is_fixed ? fixed : moving; }
     void forget_pairs_of_fresh_leaves();
-    bool find_fresh_pairs_within(const BoundsTree& tree, std::size_t found_max);
-    bool find_fresh_pairs_between(const BoundsTree& a, const BoundsTree& b, std::size_t found_max);
+    /// Of two trees, or within one. False when there are more than `found_max` in all.
+    bool find_fresh_pairs(const BoundsTree& a, const BoundsTree& b, std::size_t found_max);
     bool find_leaf_pairs(std::size_t leaf_pairs_max);
     void merge_found();
 

@@ -8,6 +8,7 @@
 // source: Ericson, Real-Time Collision Detection, 5.3; Kay and Kajiya, Ray Tracing Complex Scenes, 1986 (slabs)
 #include "collide/convex/convex.h"
 #include "collide/query/cast_line.h"
+#include "shapes/bounds_hierarchy.h"
 
 namespace lockstone::collide {
 namespace {
@@ -270,31 +271,26 @@ bool cast_ray_plane(const Line& line, CastHit& hit) {
     return true;
 }
 
-bool cast_ray_compound(const shapes::Solid& solid, const Line& line, NarrowScratch& scratch, CastHit& hit) {
+bool cast_ray_compound(const shapes::Solid& solid, const Line& line, CastHit& hit) {
     const Span span = span_of_box(line, solid.compound->extent);
     if (span.empty()) return false;
+    const shapes::Compound& compound = *solid.compound;
     bool found = false;
-    scratch.order.clear();
-    scratch.order.push_back(0);
-    while (!scratch.order.empty()) {
-        const shapes::Compound::Node& node = solid.compound->nodes[scratch.order.back()];
-        scratch.order.pop_back();
-        const Span here = span_of_box(line, node.extent);
-        if (here.empty() || (found && shift_right_rounded(here.enter_30, 6) > hit.distance.raw)) continue;
-        if (node.count == 0) {
-            scratch.order.push_back(node.first);
-            scratch.order.push_back(node.first + 1);
-            continue;
-        }
-        for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-            const std::uint32_t index = solid.compound->order[i];
-            CastHit at{};
-            if (!cast_ray_part(solid.compound->parts[index], line, at)) continue;
-            at.feature = index;
-            if (!found || comes_first(at, hit)) hit = at;
-            found = true;
-        }
-    }
+    const auto may_be_nearer = [&](const shapes::Extent& box) {
+        const Span here = span_of_box(line, box);
+        return !here.empty() && !(found && shift_right_rounded(here.enter_30, 6) > hit.distance.raw);
+    };
+    const auto cast = [&](std::uint32_t index) {
+        CastHit at{};
+        if (!cast_ray_part(compound.parts[index], line, at)) return;
+        at.feature = index;
+        if (!found || comes_first(at, hit)) hit = at;
+        found = true;
+    };
+    if (compound.hierarchy == nullptr)
+        for (std::uint32_t i = 0; i < compound.parts.size(); ++i) cast(i);
+    else
+        compound.hierarchy->visit_if(may_be_nearer, [&](std::uint32_t i) { cast(compound.order[i]); });
     return found;
 }
 
@@ -346,7 +342,7 @@ bool cast_ray(const shapes::Solid& solid, CoordinateVec3 from, CoordinateVec3 tr
     Line line{};
     if (!make_line(from, translation, line)) return false;
     if (solid.geometry.kind == ShapeKind::plane) return cast_ray_plane(line, hit);
-    if (solid.geometry.kind == ShapeKind::compound) return cast_ray_compound(solid, line, scratch, hit);
+    if (solid.geometry.kind == ShapeKind::compound) return cast_ray_compound(solid, line, hit);
     if (has_triangles(solid)) return cast_ray_triangles(solid, line, scratch, hit);
     return cast_ray_convex(solid, line, hit);
 }

@@ -76,8 +76,9 @@ struct Triangle {
     UnitVec3 beyond[3]; ///< normal of the triangle across edge k; of a border edge: the reverse of `normal`
 };
 
-class Mesh;        // mesh.h
-class HeightField; // height_field.h
+class Mesh;            // mesh.h
+class HeightField;     // height_field.h
+class BoundsHierarchy; // bounds_hierarchy.h
 
 /// Convex parts with places. Parts of a compound are found by extent.
 struct Compound;
@@ -106,24 +107,21 @@ struct Solid {
 };
 
 struct Compound {
+    Compound();
+    ~Compound();
     struct Part {
         Solid solid;
         Transform local;
         Extent extent; ///< in the compound's axes, rounding included
     };
     std::vector<Part> parts;
-    Extent extent;
-    Vec3 core_center; ///< of the part with the largest inner radius
-    Length inner_radius;
+    Extent extent{};
+    Vec3 core_center{}; ///< of the part with the largest inner radius
+    Length inner_radius{};
     /// Appends the indices of the parts whose extents overlap, ascending.
     void find(const Extent& where, std::vector<std::uint32_t>& out) const;
-    struct Node { ///< a tree over the parts: children before parents are not needed, node 0 is the top
-        Extent extent;
-        /// Count > 0: parts order[first .. first + count); else children first, first + 1
-        std::uint32_t first, count;
-    };
-    std::vector<Node> nodes;
-    std::vector<std::uint32_t> order;
+    std::vector<std::uint32_t> order; ///< of more than eight parts: neighbours in space are neighbours in it
+    std::unique_ptr<const BoundsHierarchy> hierarchy; ///< over them in that order; null for up to eight
 };
 
 /// Turns geometries into solids; keeps hulls that had to be scaled. A cache: it never changes what comes out.

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "shapes/asset/asset.h"
-#include "shapes/mesh/bounds_hierarchy.h"
+#include "shapes/bounds_hierarchy.h"
 
 namespace lockstone::shapes {
 

@@ -1,4 +1,4 @@
-// The state rows that the dynamics read and write. Formats: lockstone/math/formats.h.
+// The state rows that the solver reads and writes. Formats: lockstone/math/formats.h.
 #pragma once
 
 #include "lockstone/command.h"
@@ -57,7 +57,7 @@ struct Velocity {
 
 /// Whether a body rests, and with whom it sleeps.
 struct BodySleep {
-    std::uint32_t still_ticks; ///< in a row, see Stillness in tick/sleep.cpp
+    std::uint32_t still_ticks; ///< in a row, see Stillness in tick/islands.cpp
     /// Body slot + 1 of the sleeping island's first body, 0: awake; kept until its waking is reported
     std::uint32_t island;
     std::uint32_t next; ///< body slot + 1 of the next body of the sleeping island, a ring; 0: awake
@@ -102,12 +102,14 @@ struct ContactPointMemory {
     Speed normal;          ///< impulse along the normal [m/s]
 };
 
+/// What is the pair's, and not the row's, is the same in all its rows, but for contact_touching.
 enum ContactFlags : std::uint32_t {
-    contact_touching = 1,    ///< of the pair: set in its first row
-    contact_sensor = 2,      ///< one of the shapes is a sensor
+    contact_touching =
+        1, ///< of the pair, in its first row: sim::touched() and settle_touching() alone look at it
+    contact_sensor = 2,      ///< of the pair: one of the shapes is a sensor
     contact_sensor_is_b = 4, ///< and it is the key's b
-    contact_flipped = 8,     ///< the manifold's shape A is the key's b
-    contact_passing = 16,    ///< goes through a one-way shape until they are apart
+    contact_flipped = 8,     ///< of the pair: the manifold's shape A is the key's b
+    contact_passing = 16,    ///< of the pair: goes through a one-way shape until they are apart
     contact_on_face = 32,    ///< of the row: collide::Manifold::on_face
     contact_hit = 64,        ///< of the row: stopped its bodies in this tick; gone when events are out
 };

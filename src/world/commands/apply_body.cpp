@@ -1,11 +1,9 @@
 // Bodies and shapes come and go; masses follow.
 #include "world/commands/applier.h"
 
-#include "lockstone/math/decimal.h"
 #include "lockstone/math/math.h"
-#include "model/fields.h"
+#include "model/checks.h"
 #include "model/sleep.h"
-#include "solve/joints/locks.h"
 
 #include <algorithm>
 
@@ -35,22 +33,7 @@ Result<World::Applied> Applier::operator()(const CreateBody& c) {
     const BodyId id{index, w.state.rows(w.m.body_slot)[index - 1].generation};
     w.state.resize(w.m.bodies, row + 1);
     const BodyDef& d = c.def;
-    BodyInfo& info = w.state.edit_row(w.m.body_info, row);
-    info = {};
-    info.id = id;
-    info.user_key = d.user_key;
-    info.kind = d.kind;
-    BodyTraits traits{};
-    copy_named(d, traits);
-    traits.mass_override = d.mass;
-    traits.mass.principal = Quat::identity();
-    std::uint32_t free = h.body_traits_free;
-    const std::uint32_t shared = take_shared(w.state, w.m.body_traits, traits, free);
-    w.edit_header().body_traits_free = free, w.state.edit_row(w.m.body_info, row).traits = shared;
-    w.state.edit_row(w.m.body_pose, row) = {d.pose.position, normalized(d.pose.rotation)};
-    Velocity& velocity = w.state.edit_row(w.m.body_velocity, row);
-    velocity = {to<Speed>(d.linear_velocity), to<Speed>(d.angular_velocity)};
-    solve::drop_locked(velocity, d.locks);
+    write_body(w, row, id, d);
     if (d.awake == 0 && d.kind == BodyKind::dynamic && w.config().sleeping != 0)
         start_asleep(w, row);
     else
@@ -79,13 +62,6 @@ Result<World::Applied> Applier::operator()(const DestroyBody& c) {
     forget_filters_of(c.body);
     placed.structure_stale = true;
     return Applied{};
-}
-
-static ShapeTraits traits_of(const ShapeDef& d) {
-    ShapeTraits traits{};
-    copy_named(d, traits);
-    traits.local.rotation = normalized(d.local.rotation);
-    return traits;
 }
 
 Result<World::Applied> Applier::operator()(const CreateShape& c) {

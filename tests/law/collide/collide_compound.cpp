@@ -1,6 +1,8 @@
-// Contacts of compounds are those of their parts, in the right frame, merged.
+// Contacts of compounds are those of their parts, in the right frame, merged. Rays meet them as they meet their parts.
+#include "collide/query/cast.h"
 #include "lockstone/math/math.h"
 #include "oracle/mesh_scenes.h"
+#include "support/effort.h"
 
 #include <cstdio>
 
@@ -230,4 +232,51 @@ TEST_CASE("two compounds meet as their parts do, whichever kind is the greater")
     };
     CHECK(is_at({0.5, 0.3995, 0}, -0.001));
     CHECK(is_at({-0.6, 0.201, 0}, 0.002));
+}
+
+TEST_CASE("a ray meets of a compound what it meets first of its parts, in any number of them") {
+    oracle::Random random(77);
+    for (const std::size_t count : {1u, 8u, 9u, 70u, 600u}) {
+        std::vector<Part> parts;
+        std::vector<Owned> single;
+        for (std::size_t i = 0; i < count; ++i) {
+            const Geometry shapes[] = {sphere(0.3_r), box(0.4_r, 0.1_r, 0.2_r), capsule(0.2_r, 0.3_r),
+                                       cone(0.3_r, 0.4_r)};
+            parts.push_back({shapes[i % 4], random.vector(0, 4), random.rotation(0, 3)});
+            single.push_back(compound({parts.back()}));
+        }
+        const Owned all = compound(parts);
+        collide::NarrowScratch scratch;
+        int hits = 0, differ = 0, differ_planted = 0;
+        const int rays = test::is_long_run() ? 20'000 : 400;
+        for (int i = 0; i < rays; ++i) {
+            // Half of them past a part's silhouette, where the bounds of parts and the parts themselves end.
+            const D3 from = random.vector(0, 8);
+            const D3 at =
+                parts[static_cast<std::size_t>(i) % count].at + random.vector(0, i % 2 == 0 ? 0.2 : 0.7);
+            const CoordinateVec3 start = to<Coordinate>(real(from)),
+                                 way = to<Coordinate>(real((at - from) * 2));
+            collide::CastHit hit{}, first{};
+            const bool found = collide::cast_ray(all.solid, start, way, scratch, hit);
+            bool any = false;
+            for (std::size_t k = 0; k < count; ++k) {
+                collide::CastHit one{};
+                if (!collide::cast_ray(single[k].solid, start, way, scratch, one)) continue;
+                one.feature = static_cast<std::uint32_t>(k);
+                if (!any || one.distance < first.distance) first = one;
+                any = true;
+            }
+            const auto same = [&](const collide::CastHit& h) {
+                return found == any && (!found || (h.distance == first.distance && h.point == first.point &&
+                                                   h.normal == first.normal && h.feature == first.feature));
+            };
+            hits += found, differ += !same(hit);
+            hit.feature ^= 1; // planted: the next part
+            differ_planted += !same(hit);
+        }
+        CAPTURE(count);
+        CHECK(differ == 0);
+        CHECK(hits > rays / 10);
+        CHECK(differ_planted == hits);
+    }
 }

@@ -1,8 +1,9 @@
-// lockstone format: the tables of replay/FORMAT.md, from the descriptions of commands and definitions.
+// lockstone format: the tables of replay/FORMAT.md, from the descriptions of commands, definitions and the state.
 #include "cli/commands.h"
+#include "cli/recordings/state_columns.h"
 #include "lockstone/command.h"
 #include "lockstone/math/decimal.h"
-#include "lockstone/world_def.h"
+#include "lockstone/world.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -147,6 +148,7 @@ template <class T> std::string table_of() {
 struct Definitions {
     std::string text;
     std::vector<std::string> seen;
+    std::vector<NamedLeaves> leaves; ///< of those that may stand in the state
 
     template <class F, class R = OwnRanges> void operator()(const char*, F& value, const R& = {}) {
         if constexpr (is_std_array<F>) {
@@ -155,6 +157,7 @@ struct Definitions {
             const std::string name = struct_name<F>;
             if (std::ranges::find(seen, name) != seen.end()) return;
             seen.push_back(name);
+            if constexpr (StateRow<F>) leaves.push_back({name, leaves_of<F>()});
             text += "\n**" + name + "**, " + std::to_string(bytes_of<F>()) + " bytes\n\n" + table_of<F>();
             describe(value, *this);
         }
@@ -174,11 +177,21 @@ template <std::size_t... I> std::string commands(std::index_sequence<I...>) {
     return text;
 }
 
-template <std::size_t... I> std::string definitions(std::index_sequence<I...>) {
+template <std::size_t... I> Definitions definitions(std::index_sequence<I...>) {
     Definitions all;
     const auto look_into = [&](auto command) { describe(command, all); };
     (look_into(std::variant_alternative_t<I, Command>{}), ...);
-    return all.text.substr(1);
+    all.text.erase(0, 1);
+    return all;
+}
+
+/// Of a world without columns of a game.
+std::string state_of(std::vector<NamedLeaves> known) {
+    known.push_back({"Transform", leaves_of<Transform>()});
+    known.push_back({"Vec3", leaves_of<Vec3>()});
+    known.push_back({"Quat", leaves_of<Quat>()});
+    known.push_back({"Id", leaves_of<BodyId>()});
+    return state_tables(World::create({}).value().state().layout(), known);
 }
 
 struct Args {};
@@ -186,8 +199,12 @@ void describe(CLI::App&, Args&) {}
 
 Result<Exit> print(const Args&) {
     constexpr auto kinds = std::make_index_sequence<std::variant_size_v<Command>>{};
-    const std::pair<const char*, std::string> parts[] = {
-        {"world", table_of<WorldDef>()}, {"commands", commands(kinds)}, {"definitions", definitions(kinds)}};
+    Definitions all = definitions(kinds);
+    const std::string state = state_of(std::move(all.leaves));
+    const std::pair<const char*, std::string> parts[] = {{"world", table_of<WorldDef>()},
+                                                         {"commands", commands(kinds)},
+                                                         {"definitions", std::move(all.text)},
+                                                         {"state", state}};
     for (const auto& [name, text] : parts)
         std::printf("<!-- %s -->\n%s<!-- end of %s -->\n", name, text.c_str(), name);
     return Exit::good;
@@ -197,7 +214,8 @@ Result<Exit> print(const Args&) {
 
 void add_format(CLI::App& app, Work& work) {
     add_command<Args>(app, work, "format",
-                      "The tables of replay/FORMAT.md, from the descriptions of commands.", describe, print);
+                      "The tables of replay/FORMAT.md, from the descriptions of commands and the state.",
+                      describe, print);
 }
 
 } // namespace lockstone::cli

@@ -1,5 +1,6 @@
-// A tree over boxes whose shape follows from their number: eight neighbours in the order given make one box of the next
-// level. Whoever orders the boxes in space makes it good; in any order it is right.
+// A tree over boxes that never change, the triangles of a mesh or the parts of a compound. Its shape follows from their number: eight
+// neighbours in the order given make one box of the next level. Whoever orders the boxes in space makes it good; in any order it is
+// right. What moves is in a tree that changes leaf by leaf: collide/broad/tree.h.
 #pragma once
 
 #include "shapes/asset/asset.h"
@@ -10,6 +11,8 @@ namespace lockstone::shapes {
 
 class BoundsHierarchy {
   public:
+    static constexpr std::uint32_t width = 8; ///< boxes side by side
+
     /// `all` bounds every box_of(0) .. box_of(count - 1); all within 2^14 m of the origin; count in 1 .. 2^24.
     template <class BoxOf> BoundsHierarchy(std::uint32_t count, const Extent& all, BoxOf&& box_of) {
         start(count, all);
@@ -20,12 +23,39 @@ class BoundsHierarchy {
     /// Calls each(index), ascending, for all boxes that overlap; when not `is_exact` for a few more.
     template <class Each> void visit(const Extent& where, Each&& each) const {
         const Query q = query_of(where);
+        walk([&q](const Group& group) { return overlaps(group, q); }, each);
+    }
+    /// Calls each(index), ascending, for all boxes that may_meet(box) holds of, and of all boxes above them; boxes are a little larger
+    /// when not `is_exact`.
+    template <class MayMeet, class Each> void visit_if(MayMeet&& may_meet, Each&& each) const {
+        const auto hits_of = [&](const Group& group) {
+            std::uint32_t hits = 0;
+            for (std::uint32_t k = 0; k < width; ++k)
+                if (group.lower[0][k] <= group.upper[0][k] && may_meet(box_of(group, k))) hits |= 1u << k;
+            return hits;
+        };
+        walk(hits_of, each);
+    }
+    bool is_exact() const { return shift == 0; }
+
+  private:
+    static constexpr std::size_t levels_max = 9;
+    /// Eight boxes side by side, in 2^shift steps from `middle`, rounded down, which keeps the order.
+    struct alignas(32) Group {
+        std::int32_t lower[3][width], upper[3][width];
+    };
+    struct Query {
+        std::int32_t lower[3], upper[3];
+    };
+
+    /// hits_of(group): bit k of the boxes in it to go on with.
+    template <class HitsOf, class Each> void walk(HitsOf&& hits_of, Each&& each) const {
         struct {
             std::uint32_t group, hits;
         } path[levels_max];
         const std::size_t top = level_start.size() - 1;
         std::size_t level = top;
-        path[level] = {0, overlaps(groups[level_start[level]], q)};
+        path[level] = {0, hits_of(groups[level_start[level]])};
         while (level <= top) {
             auto& at = path[level];
             if (at.hits == 0) {
@@ -39,28 +69,17 @@ class BoundsHierarchy {
                 each(index);
             } else {
                 --level;
-                path[level] = {index, overlaps(groups[level_start[level] + index], q)};
+                path[level] = {index, hits_of(groups[level_start[level] + index])};
             }
         }
     }
-    bool is_exact() const { return shift == 0; }
-
-  private:
-    static constexpr std::uint32_t width = 8;
-    static constexpr std::size_t levels_max = 9;
-    /// Eight boxes side by side, in 2^shift steps from `middle`, rounded down, which keeps the order.
-    struct alignas(32) Group {
-        std::int32_t lower[3][width], upper[3][width];
-    };
-    struct Query {
-        std::int32_t lower[3], upper[3];
-    };
 
     void start(std::uint32_t count, const Extent& all);
     void put(Group& group, std::uint32_t slot, const Extent& box) const;
     void finish(std::uint32_t count);
     std::int32_t quantised(Coordinate x, int axis) const;
     Query query_of(const Extent& where) const;
+    Extent box_of(const Group& group, std::uint32_t slot) const; ///< of a slot that is not empty
 
     /// Bit k: box k overlaps. No branches and no shifts by variables, so that compilers compare four at once.
     static std::uint32_t overlaps(const Group& g, const Query& q) {

@@ -1,4 +1,4 @@
-#include "shapes/mesh/bounds_hierarchy.h"
+#include "shapes/bounds_hierarchy.h"
 
 #include <algorithm>
 #include <limits>
@@ -66,6 +66,17 @@ BoundsHierarchy::Query BoundsHierarchy::query_of(const Extent& where) const {
         q.upper[i] = quantised(where.upper[i], i);
     }
     return q;
+}
+
+Extent BoundsHierarchy::box_of(const Group& group, std::uint32_t slot) const {
+    Extent box;
+    for (int i = 0; i < 3; ++i) {
+        const std::int64_t first = std::int64_t{group.lower[i][slot]} << shift,
+                           last = ((std::int64_t{group.upper[i][slot]} + 1) << shift) - 1;
+        box.lower[i] = Coordinate::from_raw(middle[i].raw + first);
+        box.upper[i] = Coordinate::from_raw(middle[i].raw + last);
+    }
+    return box;
 }
 
 } // namespace lockstone::shapes
