@@ -139,6 +139,64 @@ inline std::string leaves_unheard() {
     return match.machine(0).timeline.end() > 700 ? "" : "the match was held up";
 }
 
+/// The last of so many machines comes late. When machine `gone` has settled its seat, or all but two have, the machines before that one go: they
+/// have said that they are ready, and their word of the seat does not come through. Who came is waited for from then on, as long as for those which
+/// have gone: it is in nevertheless, at once and for good.
+inline std::string goes_when_settled(std::uint32_t machines, std::uint32_t gone) {
+    MatchDef def{.machines = machines,
+                 .disconnect_ms = 1000,
+                 .link = {.latency_ms = 20},
+                 .absent = 1u << (machines - 1)};
+    def.players.clear();
+    for (PeerId id = 0; id < machines; ++id) def.players.push_back(id);
+    const PeerId late = machines - 1;
+    Match match(def);
+    for (PeerId id = 0; id < gone; ++id) // hears last that the others are ready
+        for (PeerId from = gone; from < late; ++from) match.network.set_link(from, id, {.latency_ms = 60});
+    match.run(300);
+    match.join(late);
+    for (int i = 0; i < 600 && match.notices<PlayerJoined>(gone).empty(); ++i) match.frame();
+    for (PeerId id = 0; id < gone; ++id) {
+        if (!match.notices<PlayerJoined>(id).empty()) return "it goes too late";
+        match.crash(id);
+    }
+    match.run(600);
+    for (PeerId id = gone; id < machines; ++id) {
+        if (!match.agree(id, gone) || !match.agree(id, late)) return "the machines parted";
+        if (!match.notices<MatchStopped>(id).empty()) return "a match has stopped";
+        if (match.notices<PlayerJoined>(id).size() != 1) return "who comes late is not in, or twice";
+        if (match.notices<PlayerDisconnected>(id).size() != gone) return "somebody is thrown out";
+        if (match.machine(id).timeline.end() < 700) return "the match was held up";
+    }
+    return match.machine(gone).timeline.ticks.back().statuses[late] == InputStatus::confirmed
+               ? ""
+               : "the inputs of who came late do not count";
+}
+
+/// Machine 0 of three has left, but goes on telling hashes to machine 2, which comes late: it is heard, and has no say.
+inline std::string has_left_and_talks() {
+    MatchDef def{.players = {0, 1, 2},
+                 .machines = 3,
+                 .disconnect_ms = 1000,
+                 .link = {.latency_ms = 20},
+                 .absent = 1u << 2};
+    Match match(def);
+    match.run(300);
+    match.crash(0);
+    match.run(150);
+    match.join(2);
+    std::vector<std::byte> packet;
+    const std::uint32_t id = session::packet_context(match.session_def_of(2)).match;
+    for (int i = 0; i < 900; ++i) {
+        const Timeline& played = match.machine(1).timeline;
+        const std::uint64_t tick = played.end() - 20;
+        match.network.endpoint(0).send(2, session::write_word(packet, id, {tick, played.ticks[tick].hash}));
+        match.frame();
+    }
+    if (match.notices<PlayerJoined>(2).size() != 1) return "who comes late is not in";
+    return match.agree(1, 2) && match.notices<MatchStopped>(2).empty() ? "" : "it did not stay in";
+}
+
 /// A machine comes back, hears nothing for a while, then all at once: it has run as far as guesses go, and runs on at once.
 inline std::string hears_all_at_once(std::uint32_t machines, std::uint32_t inspected_ticks) {
     MatchDef def{.machines = machines, .disconnect_ms = 1000, .link = {.latency_ms = 20}};
@@ -210,6 +268,10 @@ inline std::vector<HostileScene> join_scenes() {
         {"it goes while others wait for it", [] { return joins::first_goes(4, -20); }},
         {"another one goes, and has left for who comes", [] { return joins::another_goes(0); }},
         {"another one goes, and is there for who comes", [] { return joins::another_goes(1); }},
+        {"the first goes when another one has settled the seat",
+         [] { return joins::goes_when_settled(3, 1); }},
+        {"three go when the others have", [] { return joins::goes_when_settled(6, 3); }},
+        {"one that has left talks on to who comes", joins::has_left_and_talks},
         {"one leaves whom who came in has not heard", joins::leaves_unheard},
         {"a host that lies is found out", joins::lying_host},
     };
