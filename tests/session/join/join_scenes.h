@@ -328,6 +328,7 @@ inline std::vector<HostileScene> join_scenes() {
         {"one of three comes back and hears all at once", [] { return joins::hears_all_at_once(3, 64); }},
         {"the first goes before the last comes late", [] { return joins::first_goes(3, -300); }},
         {"it goes while it gives its state", [] { return joins::first_goes(3, 20); }},
+        {"it goes when it has given its state", [] { return joins::first_goes(3, 22); }},
         {"it goes while the last comes", [] { return joins::first_goes(4, 40); }},
         {"it goes when it has let another one in", [] { return joins::first_goes(3, 54); }},
         {"it goes while others wait for it", [] { return joins::first_goes(4, -20); }},
