@@ -338,8 +338,8 @@ class UdpSocket {
     void wait(std::uint32_t milliseconds);
 
   private:
-    explicit UdpSocket(int made);
-    int handle = -1;
+    explicit UdpSocket(std::intptr_t made);
+    std::intptr_t handle = -1; ///< of the system; -1: none
     bool is_ipv6 = false;
     std::unique_ptr<std::array<std::byte, 2048>> buffer;
 };

@@ -1,8 +1,7 @@
 #include "lockstone/net.h"
 
 #include "base/text.h"
-
-#include <arpa/inet.h>
+#include "net/udp/system_socket.h"
 
 #include <algorithm>
 #include <charconv>

@@ -6,7 +6,7 @@
 // end, the cut, is where the machine that remains and has the fewest of them ends. Nobody has confirmed a tick beyond
 // it, because a tick is confirmed only when all others are known to have its inputs. All who remain tell their cut, the
 // lowest holds, and when all tell the same the player is disconnected. Where they cannot agree the match stops. Who came
-// in after the cut has no say in it.
+// in after the cut has no say in it; who is about to come in before it has one, so it is not settled until that is.
 #include "session/peer_session.h"
 
 #include "base/text.h"
@@ -115,8 +115,9 @@ bool PeerSession::owes_word(const PeerLink& link) const {
     return std::ranges::any_of(queues, [&](const InputQueue& queue) {
         const std::uint32_t p = queue.player();
         if (is_gone(p) || def.players[p] == link.peer) return false;
-        if (is_local(p)) return queue.room() == 0 && link.next_input[p] <= queue.oldest();
-        return link.next_input[p] <= fixed && current >= fixed + change_max && is_heard(def.players[p]);
+        if (is_local(p) && queue.room() == 0 && link.next_input[p] <= queue.oldest()) return true;
+        const bool is_needed = is_local(p) ? links.size() > 1 : is_heard(def.players[p]);
+        return is_needed && link.next_input[p] <= fixed && current >= fixed + change_max;
     });
 }
 
@@ -211,7 +212,7 @@ void PeerSession::agree_on_cut(std::uint32_t player) {
     for (const PeerLink& link : links)
         if (remains(link) && has_say_in_cut(link, player))
             all_tell_it = all_tell_it && link.cut[player] == cuts[player];
-    if (!all_tell_it) return;
+    if (!all_tell_it || is_entry_open(cuts[player])) return;
     queue.disconnect_at(cuts[player]);
     notices.emplace_back(std::in_place_type<PlayerDisconnected>,
                          PlayerDisconnected{player, def.players[player], cuts[player]});

@@ -98,13 +98,16 @@ std::uint64_t PeerSession::settled_through() const {
     return end;
 }
 
+/// Also of its own inputs: if it goes, they end with what the others have, and what it has confirmed by then is shown, recorded and given to
+/// those who come. Two do not wait for that: it would take the way back, too.
 std::uint64_t PeerSession::agreed_through() const {
+    const bool are_two = links.size() == 1;
     std::uint64_t end = never;
     for (const PeerLink& link : links) {
         if (link.state != PeerLink::State::connected || link.unwanted) continue;
         for (const InputQueue& queue : queues) {
             const std::uint32_t p = queue.player();
-            if (is_local(p) || is_gone(p) || def.players[p] == link.peer) continue;
+            if ((is_local(p) && are_two) || is_gone(p) || def.players[p] == link.peer) continue;
             end = std::min(end, link.next_input[p]);
         }
     }

@@ -99,6 +99,9 @@ class PeerSession final : public Session {
     void settle_join(PeerLink& seat);
     void serve_those_who_come();
     std::uint64_t join_bound() const;
+    std::uint64_t earliest_entry() const;
+    bool is_entry_open(std::uint64_t cut) const;
+    bool is_reached(std::uint64_t tick) const;
     bool owes_join_word(const PeerLink& link) const;
     const JoinWord& word_of(const PeerLink& link, const PeerLink& seat) const;
     PacketContext context_with(PeerId peer) const;

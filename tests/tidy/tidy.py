@@ -21,7 +21,8 @@ from tree import Tree  # noqa: E402
 WITHOUT_BUILD = ["words", "layers", "headers", "sizes", "readmes", "dead_headers", "misuse", "diagram", "workflows", "format"]
 OF_RELEASE = ["instructions", "optimised", "tables"]
 SLOW = ["lint"]  # a minute
-CHECKS = WITHOUT_BUILD + SLOW + OF_RELEASE
+OF_WINDOWS = ["winsock"]  # where its compiler is installed
+CHECKS = WITHOUT_BUILD + SLOW + OF_RELEASE + OF_WINDOWS
 SKIPPED = 77  # what ctest takes for a test that cannot run
 
 
@@ -76,6 +77,10 @@ def main():
     if not arguments.planted and arguments.build_type != "Release" and set(names) & set(OF_RELEASE):
         print(f"{', '.join(names)}: is about the release build, and this build's type is {arguments.build_type or 'none'}")
         sys.exit(SKIPPED)
+    for name in set(names) & set(OF_WINDOWS):
+        if reason := importlib.import_module(name).missing():
+            print(f"{name}: {reason}")
+            sys.exit(SKIPPED)
     results = [run_planted(n, arguments) if arguments.planted else run(n, tree) for n in names]
     sys.exit(0 if all(results) else 1)
 

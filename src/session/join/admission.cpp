@@ -96,6 +96,14 @@ bool PeerSession::may_come(const PeerLink& link) const {
     });
 }
 
+/// Not before a tick where somebody has left: it has none of the inputs that count up to there.
+std::uint64_t PeerSession::earliest_entry() const {
+    std::uint64_t tick = current + join_lead_ticks;
+    for (const InputQueue& queue : queues)
+        if (is_gone(queue.player())) tick = std::max(tick, queue.disconnected_at());
+    return tick;
+}
+
 void PeerSession::take_a_stand(PeerLink& link) {
     PeerLink::Seat& seat = link.seat;
     const std::uint32_t player = static_cast<std::uint32_t>(std::countr_zero(players_of(link.peer)));
@@ -109,7 +117,7 @@ void PeerSession::take_a_stand(PeerLink& link) {
     }
     if (told == 0) seat.told_ms = now;
     if (may_come(link) && told <= seat.wish) {
-        seat.stand = JoinWord{player, seat.wish, JoinStand::yes, current + join_lead_ticks};
+        seat.stand = JoinWord{player, seat.wish, JoinStand::yes, earliest_entry()};
         seat.is_settled = false;
         seat.stand_ms = now;
     } else if (told != 0 && now - seat.told_ms > fresh_ms) {
@@ -206,8 +214,19 @@ bool PeerSession::owes_join_word(const PeerLink& link) const {
         const JoinWord &ours = *seat.seat.stand, &word = word_of(link, seat);
         const bool is_ready =
             word.ticket == ours.ticket && word.tick == ours.tick && word.stand == JoinStand::ready;
-        return settled_end >= ours.tick && !is_ready;
+        return is_reached(ours.tick) && !is_ready;
     });
+}
+
+/// Whether somebody may come in before that tick. It lacks the inputs of who leaves, from where it comes in on, as nobody else speaks for these.
+bool PeerSession::is_entry_open(std::uint64_t cut) const { return join_bound() < cut; }
+
+/// Whether the match stands at that tick, or a departure does that ends behind it.
+bool PeerSession::is_reached(std::uint64_t tick) const {
+    return settled_end >= tick || std::ranges::any_of(queues, [&](const InputQueue& queue) {
+               const std::uint64_t cut = cuts[queue.player()];
+               return is_gone(queue.player()) && !queue.disconnected() && cut != never && cut > tick;
+           });
 }
 
 } // namespace lockstone::session

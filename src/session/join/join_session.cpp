@@ -17,6 +17,16 @@ std::uint32_t images_of(const Session& watching, const Session& playing) {
     return std::max(watching.images_max(), playing.images_max() + catch_up_ticks - 1);
 }
 
+/// How long one that is not heard is counted, T. Of the others' patience D, and w, the longest that a word takes one way, with what is lost
+/// and sent again:
+///   w < T < D - 4 w
+/// Below, one that is there could be taken for gone. Above, who has come in could be thrown out for silence. The worst is a machine
+/// that goes when another one has settled the seat on its word, at s, before its own word of that has come here: it has the
+/// other's word at s + w and answers the next wish, so where nothing of that comes it has gone by s + 2 w. It is last heard here by
+/// s + 3 w, counted no more from s + 3 w + T on, and the first word as a player is there w later, in time before s + D.
+/// A quarter holds both for all w below 3/16 D.
+std::uint64_t gone_after_ms(const SessionDef& def) { return def.disconnect_ms / 4; }
+
 WatchDef watch_of(const SessionDef& def, const JoinDef& join) {
     WatchDef watch;
     for (const PeerId peer : def.players)
@@ -47,10 +57,11 @@ JoinSession::JoinSession(const SessionDef& session_def, const JoinDef& how, Tran
     : def(session_def), join(how), transport(packets), match(packet_context(session_def).match),
       watch(session_def, watch_of(session_def, how), packets), inbox(packets), ticket(how.life << 8),
       images(images_of(watch, PeerSession(session_def, packets))) {
-    // The others wait for it so long when it is in: a host that has gone may take half of that.
+    // One that is heard and tells nothing new may take half of the patience that the others have with who is in.
     constexpr std::uint64_t polls_a_second = 60, most_ms = host_silence_polls * 1000 / polls_a_second;
     const std::uint64_t half_ms = std::min(session_def.disconnect_ms / 2, most_ms);
-    watch.ask_next_after(static_cast<std::uint32_t>(half_ms * polls_a_second / 1000));
+    watch.ask_next_after(static_cast<std::uint32_t>(half_ms * polls_a_second / 1000),
+                         gone_after_ms(session_def));
 }
 
 const Session& JoinSession::driving() const {
@@ -104,10 +115,12 @@ void JoinSession::hear_admission(const Datagram& datagram) {
         known->second = *heard;
 }
 
-/// What more than half of those who play tell alike, once: none yet. `left`: bit p, player p has left.
+/// What more than half of those tell alike who play and have told it or are heard: none yet. `left`: bit p, player p has left.
 std::optional<Admission> JoinSession::agreed_admission(std::uint32_t left) const {
-    const auto others = std::ranges::count_if(
-        watch_of(def, join).hosts, [&](PeerId host) { return (players_at(def, host) & ~left) != 0; });
+    const auto others = std::ranges::count_if(watch_of(def, join).hosts, [&](PeerId host) {
+        const bool has_told = std::ranges::count(told, host, &std::pair<PeerId, Admission>::first) != 0;
+        return (players_at(def, host) & ~left) != 0 && (has_told || watch.is_heard(host, asked_ms));
+    });
     for (const auto& [peer, one] : told) {
         const auto same = std::ranges::count(told, one, &std::pair<PeerId, Admission>::second);
         if (2 * same > others && one.tick >= watch.here_through()) return one;

@@ -18,7 +18,7 @@ SpectatorSession::SpectatorSession(const SessionDef& session_def, WatchDef how, 
     : def(session_def), watch(std::move(how)), transport(packets), match(packet_context(session_def).match),
       tick_bytes(tick_bytes_of(session_def)), phase(watch.from_state ? Phase::fetching : Phase::following),
       ticks(tick_bytes), hashes(history_ticks) {
-    for (const PeerId peer : watch.hosts) hosts.push_back({peer, {}, {}, false});
+    for (const PeerId peer : watch.hosts) hosts.push_back({peer, {}, {}});
     requests.reserve(watch.ticks_per_frame);
     inputs.reserve((watch.ticks_per_frame + 1) * def.players.size());
 }
@@ -43,6 +43,8 @@ void SpectatorSession::begin_poll(std::uint64_t now_ms) {
 void SpectatorSession::count(const Datagram& datagram, std::optional<PacketFault> fault) {
     ++counts.packets_received;
     counts.bytes_received += datagram.bytes.size();
+    const auto from = std::ranges::find(hosts, datagram.from, &Host::peer);
+    if (!fault && from != hosts.end()) from->heard_ms = counts.last_poll_ms;
     if (!fault) return;
     ++counts.packets_dropped;
     ++counts.dropped[static_cast<std::size_t>(*fault)];
@@ -173,6 +175,20 @@ void SpectatorSession::refuse(std::string reason) {
     next_host();
 }
 
+bool SpectatorSession::is_heard(PeerId peer, std::uint64_t since_ms) const {
+    const auto host = std::ranges::find(hosts, peer, &Host::peer);
+    return host != hosts.end() && counts.last_poll_ms - std::max(host->heard_ms, since_ms) <= gone_after_ms;
+}
+
+/// Those that have gone do not cost their time one after the other.
+std::optional<std::size_t> SpectatorSession::next_heard() const {
+    for (std::size_t i = 1; i < hosts.size(); ++i) {
+        const std::size_t next = (serving + i) % hosts.size();
+        if (is_heard(hosts[next].peer, 0)) return next;
+    }
+    return std::nullopt;
+}
+
 void SpectatorSession::next_host() {
     phase = Phase::fetching;
     serving = (serving + 1) % hosts.size();
@@ -182,12 +198,16 @@ void SpectatorSession::next_host() {
 
 /// A host that tells nothing may have left the match, and others have it too: the next one is asked from where this one ended.
 void SpectatorSession::judge_silence() {
-    if (std::exchange(ticks_seen, ticks.next()) != ticks.next() || phase != Phase::following)
+    if (std::exchange(ticks_seen, ticks.next()) != ticks.next() || phase != Phase::following) {
         polls_without_ticks = 0;
-    else if (++polls_without_ticks > silence_polls && hosts.size() > 1) {
-        serving = (serving + 1) % hosts.size();
-        polls_without_ticks = 0;
+        return;
     }
+    const std::optional<std::size_t> next = next_heard();
+    const bool is_too_long = ++polls_without_ticks > silence_polls;
+    if (!is_too_long && (is_heard(hosts[serving].peer, serving_since_ms) || !next)) return;
+    serving = next.value_or((serving + 1) % hosts.size());
+    serving_since_ms = counts.last_poll_ms;
+    polls_without_ticks = 0;
 }
 
 void SpectatorSession::report_adopted(const Status& taken, std::uint64_t hash) {
@@ -200,6 +220,7 @@ void SpectatorSession::report_adopted(const Status& taken, std::uint64_t hash) {
     ticks.begin_at(offer.tick);
     live_end = std::max(live_end, first);
     assembly.reset();
+    serving_since_ms = counts.last_poll_ms;
     phase = Phase::following;
 }
 

@@ -36,8 +36,13 @@ class SpectatorSession final : public Session {
     void count(const Datagram& datagram, std::optional<PacketFault> fault);
     void speak(std::uint32_t ticket, bool wants_seat);   ///< sends the wishes of this poll
     void end_at(std::uint64_t tick) { last_end = tick; } ///< runs no tick from there on
-    /// After so many polls of a host that tells nothing new, at most host_silence_polls.
-    void ask_next_after(std::uint32_t polls) { silence_polls = std::min(polls, host_silence_polls); }
+    /// After so many polls of a host that tells nothing new, at most host_silence_polls; and at once where it has not been heard for so long.
+    void ask_next_after(std::uint32_t polls, std::uint64_t unheard_ms) {
+        silence_polls = std::min(polls, host_silence_polls);
+        gone_after_ms = unheard_ms;
+    }
+    /// Whether the machine has said anything within that time, or that is not over yet since then.
+    bool is_heard(PeerId peer, std::uint64_t since_ms) const;
     std::uint64_t confirmed_through() const { return confirmed; }
     std::uint64_t here_through() const { return ticks.next(); } ///< ticks below are here
     /// The bytes of a tick that is here, as Stretch tells: the newest history_ticks.
@@ -52,6 +57,7 @@ class SpectatorSession final : public Session {
         std::optional<std::uint64_t> state_hash; ///< that it tells, of the state before assembly.offer().tick
         std::optional<bool> agrees;              ///< the newest tick whose hash it told has ours, too
         bool differs_told = false;
+        std::uint64_t heard_ms = 0;
     };
     void show(std::uint64_t tick);
     std::optional<PacketFault> take(Host& from, std::span<const std::byte> packet);
@@ -61,6 +67,7 @@ class SpectatorSession final : public Session {
     void judge_state();
     void refuse(std::string reason);
     void next_host();
+    std::optional<std::size_t> next_heard() const;
     void judge_silence();
     void send_wish(PeerId to, const Wish& wish);
 
@@ -77,6 +84,7 @@ class SpectatorSession final : public Session {
     ToldTicks ticks;
     std::uint64_t ticks_seen = 0; ///< when polls_without_ticks began to count
     std::uint32_t polls_without_ticks = 0, silence_polls = host_silence_polls;
+    std::uint64_t gone_after_ms = never, serving_since_ms = 0;
     std::vector<std::uint64_t> hashes; ///< own ones, by tick modulo history_ticks
     std::uint64_t first = 0;           ///< tick that was begun with
     std::uint64_t live_end = 0;        ///< as the host tells

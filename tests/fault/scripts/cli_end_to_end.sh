@@ -90,6 +90,8 @@ done
 expect 0 match --seeds 1..2 --peers 3 --loss 10 --latency 70 --ticks 120 --record-prefix m
 expect 0 verify m-1-1.lsr m-1-2.lsr m-1-3.lsr m-2-1.lsr
 expect 0 diff m-1-1.lsr m-1-3.lsr
+expect 0 info m-1-3.lsr
+grep -qF '"match.peer":"3"' out || fail "the file of machine 3 names another one: $(grep options out)"
 expect 0 match --peers 2 --mode lockstep --ticks 60
 grep -q ' 0 rollbacks' out || fail "lockstep rolled back: $(cat out)"
 echo "ok"

@@ -139,6 +139,129 @@ inline std::string leaves_unheard() {
     return match.machine(0).timeline.end() > 700 ? "" : "the match was held up";
 }
 
+/// The last of so many machines comes late. When machine `gone` has settled its seat, or all but two have, the machines before that one go: they
+/// have said that they are ready, and their word of the seat does not come through. Who came is waited for from then on, as long as for those which
+/// have gone: it is in nevertheless, at once and for good.
+inline std::string goes_when_settled(std::uint32_t machines, std::uint32_t gone) {
+    MatchDef def{.machines = machines,
+                 .disconnect_ms = 1000,
+                 .link = {.latency_ms = 20},
+                 .absent = 1u << (machines - 1)};
+    def.players.clear();
+    for (PeerId id = 0; id < machines; ++id) def.players.push_back(id);
+    const PeerId late = machines - 1;
+    Match match(def);
+    for (PeerId id = 0; id < gone; ++id) // hears last that the others are ready
+        for (PeerId from = gone; from < late; ++from) match.network.set_link(from, id, {.latency_ms = 60});
+    match.run(300);
+    match.join(late);
+    for (int i = 0; i < 600 && match.notices<PlayerJoined>(gone).empty(); ++i) match.frame();
+    for (PeerId id = 0; id < gone; ++id) {
+        if (!match.notices<PlayerJoined>(id).empty()) return "it goes too late";
+        match.crash(id);
+    }
+    match.run(600);
+    for (PeerId id = gone; id < machines; ++id) {
+        if (!match.agree(id, gone) || !match.agree(id, late)) return "the machines parted";
+        if (!match.notices<MatchStopped>(id).empty()) return "a match has stopped";
+        if (match.notices<PlayerJoined>(id).size() != 1) return "who comes late is not in, or twice";
+        if (match.notices<PlayerDisconnected>(id).size() != gone) return "somebody is thrown out";
+        if (match.machine(id).timeline.end() < 700) return "the match was held up";
+    }
+    return match.machine(gone).timeline.ticks.back().statuses[late] == InputStatus::confirmed
+               ? ""
+               : "the inputs of who came late do not count";
+}
+
+/// Both others go when they have let machine 2 in, before a tick was confirmed with it: it does not go on alone.
+inline std::string all_go() {
+    Match match({.players = {0, 1, 2},
+                 .machines = 3,
+                 .disconnect_ms = 1000,
+                 .link = {.latency_ms = 20},
+                 .absent = 1u << 2});
+    match.run(300);
+    match.join(2);
+    for (int i = 0; i < 600 && match.notices<PlayerJoined>(2).empty(); ++i) match.frame();
+    if (match.notices<PlayerJoined>(2).empty()) return "it is not let in";
+    match.crash(0), match.crash(1);
+    match.run(300);
+    return match.notices<MatchStopped>(2).size() == 1 ? "" : "it goes on alone";
+}
+
+/// Machine 2 goes when its inputs reach beyond the tick where machine 3 comes in, which machine 1 has not been able to tell machine 0 that it is
+/// ready for, `unheard` frames long: so guesses have to reach far. Machine 3 has none of those inputs, and the other two have.
+inline std::string goes_beyond_an_entry(std::uint64_t unheard) {
+    MatchDef def{.players = {0, 1, 2, 3},
+                 .machines = 4,
+                 .prediction_max = 40,
+                 .link = {.latency_ms = 20},
+                 .absent = 1u << 3};
+    Match match(def);
+    match.run(300);
+    if (!match.machine(1).session->drop_peer(2))
+        return "machine 2 is unknown"; // by one of two, so that it stays
+    match.run(10);
+    match.join(3);
+    match.run(2);
+    match.network.set_link(1, 0, {.loss_permille = 1000});
+    match.run(unheard);
+    if (!match.machine(0).session->drop_peer(2)) return "machine 2 is unknown";
+    match.crash(2);
+    match.run(6);
+    match.network.set_link(1, 0, {.latency_ms = 20});
+    match.run(600);
+    for (const PeerId a : {0u, 1u, 3u}) {
+        if (!match.notices<MatchStopped>(a).empty()) return "a match has stopped";
+        if (!match.agree(a, 0) || !match.agree(a, 3)) return "the machines parted";
+        if (match.machine(a).timeline.end() < 700) return "the match was held up";
+    }
+    return match.machine(0).timeline.ticks.back().statuses[3] == InputStatus::confirmed
+               ? ""
+               : "the inputs of who came late do not count";
+}
+
+/// Machine 0 of three goes, and the others have not heard the newest of its inputs. What it has confirmed, shown and recorded stays.
+inline std::string goes_unheard(bool lockstep) {
+    Match match({.players = {0, 1, 2},
+                 .machines = 3,
+                 .lockstep = lockstep,
+                 .input_delay = lockstep ? 8u : 2u,
+                 .disconnect_ms = 1000,
+                 .link = {.latency_ms = 20}});
+    match.run(300);
+    for (const PeerId to : {1u, 2u}) match.network.set_link(0, to, {.loss_permille = 1000});
+    match.run(20);
+    match.crash(0);
+    match.run(300);
+    if (match.machine(1).timeline.end() < 400) return "the match was held up";
+    return match.agree(0, 1) && match.agree(0, 2) ? "" : "it has confirmed a tick that did not stay";
+}
+
+/// Machine 0 of three has left, but goes on telling hashes to machine 2, which comes late: it is heard, and has no say.
+inline std::string has_left_and_talks() {
+    MatchDef def{.players = {0, 1, 2},
+                 .machines = 3,
+                 .disconnect_ms = 1000,
+                 .link = {.latency_ms = 20},
+                 .absent = 1u << 2};
+    Match match(def);
+    match.run(300);
+    match.crash(0);
+    match.run(150);
+    match.join(2);
+    std::vector<std::byte> packet;
+    const std::uint32_t id = session::packet_context(match.session_def_of(2)).match;
+    for (int i = 0; i < 900; ++i) {
+        const Timeline& played = match.machine(1).timeline;
+        const std::uint64_t tick = played.end() - 20;
+        match.network.endpoint(0).send(2, session::write_word(packet, id, {tick, played.ticks[tick].hash}));
+        match.frame();
+    }
+    if (match.notices<PlayerJoined>(2).size() != 1) return "who comes late is not in";
+    return match.agree(1, 2) && match.notices<MatchStopped>(2).empty() ? "" : "it did not stay in";
+}
+
 /// A machine comes back, hears nothing for a while, then all at once: it has run as far as guesses go, and runs on at once.
 inline std::string hears_all_at_once(std::uint32_t machines, std::uint32_t inspected_ticks) {
     MatchDef def{.machines = machines, .disconnect_ms = 1000, .link = {.latency_ms = 20}};
@@ -205,11 +328,20 @@ inline std::vector<HostileScene> join_scenes() {
         {"one of three comes back and hears all at once", [] { return joins::hears_all_at_once(3, 64); }},
         {"the first goes before the last comes late", [] { return joins::first_goes(3, -300); }},
         {"it goes while it gives its state", [] { return joins::first_goes(3, 20); }},
+        {"it goes when it has given its state", [] { return joins::first_goes(3, 22); }},
         {"it goes while the last comes", [] { return joins::first_goes(4, 40); }},
         {"it goes when it has let another one in", [] { return joins::first_goes(3, 54); }},
         {"it goes while others wait for it", [] { return joins::first_goes(4, -20); }},
         {"another one goes, and has left for who comes", [] { return joins::another_goes(0); }},
         {"another one goes, and is there for who comes", [] { return joins::another_goes(1); }},
+        {"the first goes when another one has settled the seat",
+         [] { return joins::goes_when_settled(3, 1); }},
+        {"twelve go when the others have", [] { return joins::goes_when_settled(16, 12); }},
+        {"all go when they have let one in", joins::all_go},
+        {"one goes whose inputs reach beyond an entry", [] { return joins::goes_beyond_an_entry(90); }},
+        {"one goes whose newest inputs nobody has", [] { return joins::goes_unheard(false); }},
+        {"one of lockstep goes whose newest inputs nobody has", [] { return joins::goes_unheard(true); }},
+        {"one that has left talks on to who comes", joins::has_left_and_talks},
         {"one leaves whom who came in has not heard", joins::leaves_unheard},
         {"a host that lies is found out", joins::lying_host},
     };

@@ -130,7 +130,7 @@ Result<std::unique_ptr<Watcher>> make_watcher(const Game& game, const MatchDef& 
 Result<replay::InputRecorder> begin_recording(Peer& peer, const Game& game, const MatchDef& def,
                                               PeerId self) {
     replay::RecorderOptions options;
-    options.options = {{"match.peer", std::to_string(self)}, {"match.seed", std::to_string(def.seed)}};
+    options.options = {{"match.peer", std::to_string(self + 1)}, {"match.seed", std::to_string(def.seed)}};
     return replay::InputRecorder::begin(peer.sink, game, peer.world, options);
 }
 

@@ -1,26 +1,23 @@
 #include "lockstone/net.h"
 
 #include "base/text.h"
-
-#include <arpa/inet.h>
-#include <fcntl.h>
-#include <netinet/in.h>
-#include <poll.h>
-#include <sys/socket.h>
-#include <unistd.h>
+#include "net/udp/system_socket.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cstring>
+#include <utility>
 
 namespace lockstone {
+
+namespace sockets = net::sockets;
+
 namespace {
 
 constexpr int buffer_bytes =
     1 << 20; // of the system, in each direction: some frames' worth of the busiest relay
 
 Error system_error(std::string_view what, const NetAddress& local) {
-    return {base::join("cannot ", what, " ", to_string(local), ": ", std::strerror(errno))};
+    return {base::join("cannot ", what, " ", to_string(local), ": ", sockets::last_sentence())};
 }
 
 sockaddr_in6 ipv6_of(const NetAddress& address) {
@@ -61,6 +58,12 @@ template <class Address> const sockaddr* generic(const Address& address) {
 }
 template <class Address> sockaddr* generic(Address& address) { return reinterpret_cast<sockaddr*>(&address); }
 
+sockets::Handle handle_of(std::intptr_t kept) { return static_cast<sockets::Handle>(kept); }
+
+void set_option(sockets::Handle socket, int level, int option, int value) {
+    ::setsockopt(socket, level, option, reinterpret_cast<const char*>(&value), sizeof value);
+}
+
 /// An IPv4 address on a socket for IPv6 too, where 0.0.0.0 stands for every address.
 NetAddress as_ipv6(NetAddress address) {
     if (std::ranges::all_of(std::span(address.ip).last<4>(), [](std::uint8_t b) { return b == 0; }))
@@ -70,25 +73,26 @@ NetAddress as_ipv6(NetAddress address) {
 
 } // namespace
 
-UdpSocket::UdpSocket(int made) : handle(made), buffer(std::make_unique<std::array<std::byte, 2048>>()) {}
+UdpSocket::UdpSocket(std::intptr_t made)
+    : handle(made), buffer(std::make_unique<std::array<std::byte, 2048>>()) {}
 
 Result<UdpSocket> UdpSocket::open(const NetAddress& local) {
-    int made = ::socket(AF_INET6, SOCK_DGRAM, 0);
-    const bool ipv6 = made >= 0;
+    if (!sockets::is_ready()) return system_error("have sockets for", local);
+    sockets::Handle made = ::socket(AF_INET6, SOCK_DGRAM, 0);
+    const bool ipv6 = made != sockets::no_handle;
     if (!ipv6) made = ::socket(AF_INET, SOCK_DGRAM, 0);
-    if (made < 0) return system_error("make a socket for", local);
-    UdpSocket opened(made);
+    if (made == sockets::no_handle) return system_error("make a socket for", local);
+    UdpSocket opened(static_cast<std::intptr_t>(made));
     opened.is_ipv6 = ipv6;
-    const int off = 0;
-    if (ipv6) ::setsockopt(made, IPPROTO_IPV6, IPV6_V6ONLY, &off, sizeof off);
-    ::setsockopt(made, SOL_SOCKET, SO_RCVBUF, &buffer_bytes, sizeof buffer_bytes);
-    ::setsockopt(made, SOL_SOCKET, SO_SNDBUF, &buffer_bytes, sizeof buffer_bytes);
+    if (ipv6) set_option(made, IPPROTO_IPV6, IPV6_V6ONLY, 0);
+    set_option(made, SOL_SOCKET, SO_RCVBUF, buffer_bytes);
+    set_option(made, SOL_SOCKET, SO_SNDBUF, buffer_bytes);
     const sockaddr_in6 six = ipv6_of(as_ipv6(local));
     const sockaddr_in four = ipv4_of(local);
     const int bound =
         ipv6 ? ::bind(made, generic(six), sizeof six) : ::bind(made, generic(four), sizeof four);
     if (bound != 0) return system_error("listen at", local);
-    if (::fcntl(made, F_SETFL, O_NONBLOCK) != 0) return system_error("read without waiting at", local);
+    if (!sockets::never_wait(made)) return system_error("read without waiting at", local);
     return opened;
 }
 
@@ -101,23 +105,25 @@ UdpSocket& UdpSocket::operator=(UdpSocket&& other) noexcept {
 }
 
 UdpSocket::~UdpSocket() {
-    if (handle >= 0) ::close(handle);
+    if (handle >= 0) sockets::close(handle_of(handle));
 }
 
 NetAddress UdpSocket::local_address() const {
     sockaddr_storage own{};
     socklen_t size = sizeof own;
-    if (::getsockname(handle, generic(own), &size) != 0) return {};
+    if (::getsockname(handle_of(handle), generic(own), &size) != 0) return {};
     return address_of(own);
 }
 
 void UdpSocket::send(const NetAddress& to, std::span<const std::byte> bytes) {
     const sockaddr_in6 six = ipv6_of(to);
     const sockaddr_in four = ipv4_of(to);
+    const auto data = reinterpret_cast<const char*>(bytes.data());
+    const auto size = static_cast<sockets::Length>(bytes.size());
     // What the system does not take now is lost, as on any network.
     [[maybe_unused]] const auto sent =
-        is_ipv6 ? ::sendto(handle, bytes.data(), bytes.size(), 0, generic(six), sizeof six)
-                : ::sendto(handle, bytes.data(), bytes.size(), 0, generic(four), sizeof four);
+        is_ipv6 ? ::sendto(handle_of(handle), data, size, 0, generic(six), sizeof six)
+                : ::sendto(handle_of(handle), data, size, 0, generic(four), sizeof four);
 }
 
 std::optional<UdpSocket::Arrived> UdpSocket::receive() {
@@ -125,16 +131,14 @@ std::optional<UdpSocket::Arrived> UdpSocket::receive() {
     for (int tries = 0; tries < 16; ++tries) {
         sockaddr_storage from{};
         socklen_t size = sizeof from;
-        const auto got = ::recvfrom(handle, buffer->data(), buffer->size(), 0, generic(from), &size);
+        const auto got = ::recvfrom(handle_of(handle), reinterpret_cast<char*>(buffer->data()),
+                                    static_cast<sockets::Length>(buffer->size()), 0, generic(from), &size);
         if (got >= 0) return Arrived{address_of(from), {buffer->data(), static_cast<std::size_t>(got)}};
-        if (errno == EAGAIN || errno == EWOULDBLOCK) return {};
+        if (sockets::would_wait()) return {};
     }
     return {};
 }
 
-void UdpSocket::wait(std::uint32_t milliseconds) {
-    pollfd waited{handle, POLLIN, 0};
-    ::poll(&waited, 1, static_cast<int>(milliseconds));
-}
+void UdpSocket::wait(std::uint32_t milliseconds) { sockets::wait(handle_of(handle), milliseconds); }
 
 } // namespace lockstone
