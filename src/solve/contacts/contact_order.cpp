@@ -20,15 +20,12 @@ std::int32_t least_separation(const Contact& contact) {
     return least;
 }
 
-bool touches(const Contact& contact) { return least_separation(contact) < touching; }
-
 /// An overlap of less is for the order by levels [m]; of more, each step is a class of its own up to the last. With what
 /// nothing moves contacts are four times as stiff (StepConstants::soft_static), so a quarter of the depth is as hard a squeeze.
 constexpr std::int32_t depth_step = decimal<Separation>("0.01").raw, depth_step_static = depth_step / 4;
 constexpr std::int32_t depth_last = 10;
 
-std::uint32_t depth_of(const Contact& contact, std::int32_t step) {
-    const std::int32_t least = least_separation(contact);
+std::uint32_t depth_of(std::int32_t least, std::int32_t step) {
     if (least > -step) [[likely]]
         return 0;
     return static_cast<std::uint32_t>(std::min(least / -step, depth_last));
@@ -50,6 +47,7 @@ void sum_up(std::span<std::uint32_t> counts) {
 void ContactOrder::reserve(std::size_t contacts, std::size_t bodies) {
     for (auto* list : {&levels, &first, &queue, &last}) list->reserve(bodies + 2);
     for (auto* list : {&down, &place, &staged, &begin}) list->reserve(contacts + 2);
+    least.reserve(contacts);
     neighbours.reserve(2 * contacts);
     counts.reserve(std::max(2 * bodies + depth_last + 4, contacts + 2));
 }
@@ -58,16 +56,21 @@ void ContactOrder::reserve(std::size_t contacts, std::size_t bodies) {
 void ContactOrder::find_levels(std::span<const Contact> contacts, const SolverBodies& bodies) {
     const std::size_t count = bodies.body.size();
     first.assign(count + 1, 0);
-    for (const Contact& c : contacts)
-        if (touches(c)) ++first[c.body_a], ++first[c.body_b];
+    least.resize(contacts.size());
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+        const Contact& c = contacts[i];
+        least[i] = least_separation(c);
+        if (least[i] < touching) ++first[c.body_a], ++first[c.body_b];
+    }
     sum_up(first);
     neighbours.resize(first[count]);
     queue.assign(first.begin(), first.end() - 1); // where the next neighbour of each body goes
-    for (const Contact& c : contacts)
-        if (touches(c)) {
-            neighbours[queue[c.body_a]++] = c.body_b;
-            neighbours[queue[c.body_b]++] = c.body_a;
-        }
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+        if (least[i] >= touching) continue;
+        const Contact& c = contacts[i];
+        neighbours[queue[c.body_a]++] = c.body_b;
+        neighbours[queue[c.body_b]++] = c.body_a;
+    }
     levels.assign(count, no_level);
     queue.clear();
     for (std::uint32_t b = 0; b < count; ++b)
@@ -91,17 +94,19 @@ void ContactOrder::find_levels(std::span<const Contact> contacts, const SolverBo
 /// after all others, the deepest last.
 void ContactOrder::sort_down(std::span<const Contact> contacts) {
     const std::uint32_t above = level_max + 1;
-    const auto key = [&](const Contact& c) {
+    const auto key = [&](std::size_t i) {
+        const Contact& c = contacts[i];
         const bool stands = levels[c.body_a] == 0 || levels[c.body_b] == 0;
-        const std::uint32_t depth = depth_of(c, stands ? depth_step_static : depth_step);
+        const std::uint32_t depth = depth_of(least[i], stands ? depth_step_static : depth_step);
         if (depth != 0) return 2 * above + depth;
         return 2 * above - std::min(levels[c.body_a], above) - std::min(levels[c.body_b], above);
     };
     counts.assign(std::size_t{2} * above + depth_last + 1, 0);
-    for (const Contact& c : contacts) ++counts[key(c)];
+    place.resize(contacts.size()); // of its key, until find_stages()
+    for (std::size_t i = 0; i < contacts.size(); ++i) ++counts[place[i] = key(i)];
     sum_up(counts);
     down.resize(contacts.size());
-    for (std::uint32_t i = 0; i < contacts.size(); ++i) down[counts[key(contacts[i])]++] = i;
+    for (std::uint32_t i = 0; i < contacts.size(); ++i) down[counts[place[i]]++] = i;
 }
 
 void ContactOrder::find_stages(std::span<const Contact> contacts, const SolverBodies& bodies) {
@@ -133,7 +138,7 @@ void ContactOrder::find(std::span<const Contact> contacts, const SolverBodies& b
 }
 
 void ContactOrder::poison(std::byte with) {
-    base::poison(with, levels, first, neighbours, queue, down, place, last, staged, begin, counts);
+    base::poison(with, least, levels, first, neighbours, queue, down, place, last, staged, begin, counts);
 }
 
 } // namespace lockstone::solve

@@ -48,13 +48,14 @@ class ContactOrder {
     void sort_down(std::span<const Contact> contacts);
     void find_stages(std::span<const Contact> contacts, const SolverBodies& bodies);
 
+    std::vector<std::int32_t> least;   ///< by contact: its least separation, Separation
     std::uint32_t level_max = 0;       ///< of the bodies that are held
     std::vector<std::uint32_t> levels; ///< by body
     /// Bodies that touch body b: neighbours[first[b] .. first[b + 1])
     std::vector<std::uint32_t> first, neighbours;
     std::vector<std::uint32_t> queue;
     std::vector<std::uint32_t> down;     ///< contacts from the top down
-    std::vector<std::uint32_t> place;    ///< by contact: its stage
+    std::vector<std::uint32_t> place;    ///< by contact: its key, then its stage
     std::vector<std::uint32_t> last;     ///< by body: one more than the stage of its latest contact
     std::vector<std::uint32_t> staged;   ///< contacts by stage
     std::vector<std::uint32_t> begin{0}; ///< of each stage in `staged`, and the end
