@@ -30,6 +30,8 @@ namespace lockstone::sim {
 /// Of a row's turning arm K^-1 (r x d): within 64.
 using Arm = I8F24;
 
+inline constexpr Real rpm_per_speed = decimal<Real>("9.54929658551372014613"); ///< 60 / (2 pi)
+
 /// A constraint direction of a wheel.
 struct WheelLine {
     UnitVec3 d;

@@ -271,8 +271,6 @@ void prepare_wheel(const VehicleTick& tick, const Rotation& axes, Vehicle& v, st
 
 namespace {
 
-constexpr Real rpm_per_speed = decimal<Real>("9.54929658551372014613"); ///< 60 / (2 pi)
-
 std::uint32_t ticks_of(Real seconds, std::int32_t ticks_per_second) {
     const std::int64_t ticks = floor_to_int(seconds * ticks_per_second + half(Real(1)));
     return static_cast<std::uint32_t>(std::clamp<std::int64_t>(ticks, 0, 100000));

@@ -8,9 +8,8 @@ using solve::SolverBodies;
 namespace {
 
 constexpr Real speed_per_rpm = decimal<Real>("0.10471975511965977462"); ///< 2 pi / 60
-constexpr Real rpm_per_speed = decimal<Real>("9.54929658551372014613");
-constexpr Real torque_max = Real(100000000);          ///< [N m], of what is locked
-constexpr Real engine_speed_max = Real(100000);       ///< [rad/s]
+constexpr Real torque_max = Real(100000000);                            ///< [N m], of what is locked
+constexpr Real engine_speed_max = Real(100000);                         ///< [rad/s]
 constexpr Real error_least = Real::from_raw(1 << 14); ///< [rad/s]: 4e-6; couplings leave smaller ones
 
 /// Share of the engine's torque at a relative speed.
