@@ -21,7 +21,7 @@ TOOLS = ("tools/engines/scene.cpp", "tools/engines/pieces.cpp", "tools/engines/l
 
 def sources():
     engine = [path for pattern in ("src/**/*.cpp",) for path in sorted(ROOT.glob(pattern))
-              if path.parent.name != "net"]
+              if not path.is_relative_to(ROOT / "src/net")]
     return [p for p in engine if p.relative_to(ROOT).as_posix() not in WITHOUT_THREADS] + [ROOT / name for name in TOOLS]
 
 
