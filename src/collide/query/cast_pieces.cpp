@@ -23,10 +23,28 @@ Convex placed(const Obstacle& o, Long3 position_24) {
                      coordinates(raw(to<Coordinate>(o.place->position)) - position_24));
 }
 
+/// Whether the plane of a triangle parts a shape from it by more than the limit: `out` is a gap along its normal then. Most
+/// triangles near a way are told by that.
+bool is_off_plane(const shapes::Triangle& t, const Convex& shape, Long3 position_24, std::int64_t limit_30,
+                  Between& out) {
+    constexpr std::int64_t roundings = 64;
+    const Long3 plane = raw(t.normal);
+    const std::int64_t above = dot_dropped(up(position_24 - raw(t.corner[0]), 6), plane, 30);
+    const Long3 n = above < 0 ? -plane : plane;
+    const std::int64_t lowest = dot_dropped(support(shape, -n).at_30, n, 30);
+    const std::int64_t gap = absolute(above) + lowest - up(std::int64_t{shape.radius.raw}, 6);
+    if (gap <= limit_30 || gap - limit_30 <= roundings) return false;
+    out = {false, n, gap, Long3{}};
+    return true;
+}
+
 } // namespace
 
 Between between(const Obstacle& o, const Convex& shape, Long3 position_24, std::int64_t limit_30) {
     if (o.kind == Obstacle::Kind::plane) return between_plane(shape, position_24);
+    if (Between far; o.kind == Obstacle::Kind::triangle && shape.core != Convex::Core::point &&
+                     is_off_plane(*o.triangle, shape, position_24, limit_30, far))
+        return far;
     const Convex other = placed(o, position_24);
     const std::int64_t radius_a = up(std::int64_t{other.radius.raw}, 6);
     const std::int64_t radii = radius_a + up(std::int64_t{shape.radius.raw}, 6);
