@@ -27,7 +27,8 @@ struct Contact;
 class ContactOrder {
   public:
     void reserve(std::size_t contacts, std::size_t bodies);
-    /// From the top down, then what overlaps by centimetres, the deepest last; of equals by index. Pure: depends on the contacts and on who can move, on nothing else.
+    /// From the top down, then what overlaps by centimetres, the deepest last; of equals by index. Pure: depends on the
+    /// contacts and on who can move, on nothing else.
     void find(std::span<const Contact> contacts, const SolverBodies& bodies);
 
     /// Fills what find() makes anew with a byte.
