@@ -504,7 +504,7 @@ std::string hint_of_large_box() {
     collide::NarrowScratch scratch;
     collide::Manifolds found;
     collide::collide(cliff, ball, {Rotation::identity(), {along, along, along}}, Length{},
-                     UnitVec3{third, third, third}, UnitVec3{}, scratch, found);
+                     {{third, third, third}, {}, 0}, scratch, found);
     return found.count == 1 ? "" : "a ball 100 m from its centre is outside";
 }
 
@@ -535,7 +535,7 @@ std::string kept_face_is_nearest() {
     collide::collide(
         cube, cube,
         {Rotation::identity(), {decimal<Coordinate>("0.99"), decimal<Coordinate>("0.98"), Coordinate{}}},
-        decimal<Length>("0.02"), UnitVec3{}, UnitVec3{Unit{}, unit_one, Unit{}}, scratch, found);
+        decimal<Length>("0.02"), {{}, {Unit{}, unit_one, Unit{}}, 0}, scratch, found);
     return found.count == 1 && found.items[0].normal.x == unit_one
                ? ""
                : "a face is kept though another is nearer";
