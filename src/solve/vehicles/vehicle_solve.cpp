@@ -1,11 +1,8 @@
 // The rows of vehicles: springs, stops, anti-roll bars, tyres. See vehicle.h for the symbols.
-#include "play/vehicle/vehicle_tyre.h"
+#include "solve/vehicles/vehicle.h"
+#include "solve/vehicles/vehicle_tyre.h"
 
-namespace lockstone::sim {
-
-using solve::SolverBodies;
-using solve::SolverBody;
-using solve::StepConstants;
+namespace lockstone::solve {
 
 // ---- rims ----------------------------------------------------------------------------------------------------------
 
@@ -267,23 +264,12 @@ void VehicleSolver::solve(const StepConstants& step, SolverBodies& bodies, bool 
     });
 }
 
-/// Nobody drives it, and nothing in it turns: it may sleep once its chassis rests.
-static bool is_parked(const Model& w, const Vehicle& v) {
-    const Real slow = w.state.rows(w.m.config)[0].sleep_speed;
-    const Real engine_before = w.state.rows(w.m.vehicle_memory)[v.row].engine_speed;
-    if (v.input.throttle != Real{} || v.input.steer != v.memory.steer || v.memory.shift_ticks != 0)
-        return false;
-    if (abs(v.engine_speed - engine_before) > Real(1)) return false; // [rad/s] in a tick
-    for (std::uint32_t i = 0; i < v.def->wheel_count; ++i)
-        if (abs(v.group[v.wheel[i].group].spin * v.def->wheel[i].radius) > slow) return false;
-    return true;
-}
-
-void VehicleSolver::store(Model& w, const StepConstants& step, const SolverBodies& bodies) {
+void VehicleSolver::store(const StepConstants& step, const SolverBodies& bodies,
+                          std::span<DrivenVehicle> driven) {
     stands.clear();
-    for (const Vehicle& v : vehicles) {
-        if (!is_parked(w, v)) restart(w.state.edit_row(w.m.body_sleep, v.chassis));
-        VehicleMemory& m = w.state.edit_row(w.m.vehicle_memory, v.row);
+    for (std::size_t n = 0; n < vehicles.size(); ++n) {
+        const Vehicle& v = vehicles[n];
+        VehicleMemory& m = driven[n].memory;
         m = v.memory;
         m.engine_speed = v.engine_speed;
         m.clutch = m.steer_coupling = Real{};
@@ -315,4 +301,4 @@ void VehicleSolver::store(Model& w, const StepConstants& step, const SolverBodie
     }
 }
 
-} // namespace lockstone::sim
+} // namespace lockstone::solve

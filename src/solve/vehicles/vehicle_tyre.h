@@ -1,11 +1,11 @@
 // A tyre, and a rim between its brake and its tyre. Number: Real, or Small where a wheel is small: to the same bits.
 #pragma once
 
-#include "play/vehicle/vehicle_lines.h"
+#include "solve/vehicles/vehicle_lines.h"
 
 #include "lockstone/math/math.h"
 
-namespace lockstone::sim {
+namespace lockstone::solve {
 
 /// How a patch slides. A tyre shares its peak out along the slide: what is left of a direction's peak is
 /// (own + rest) / (slide + rest). At rest both directions hold their peaks.
@@ -146,4 +146,4 @@ template <class Number = Real> void set_free(SpinGroup& g) {
     g.small = abs(g.free).raw < most && abs(g.spin).raw < most && g.brake_spin.raw < most;
 }
 
-} // namespace lockstone::sim
+} // namespace lockstone::solve
