@@ -63,11 +63,12 @@ Size length_of(Vec3 v) {
     return size;
 }
 
-/// True where |f| |r| < m (k rate)^2 / 32 for certain.
-bool is_too_weak(Vec3 f, Vec3 r, Real k, const BodyMass& mass, std::int64_t rate) {
+} // namespace
+
+bool is_too_weak(Vec3 f, Vec3 r, Real k, Real mass, std::int64_t rate) {
     const Size a = length_of(f), b = length_of(r);
     const Size turns = size_of(magnitude(k.raw), Real::fraction_bits), often = size_of(magnitude(rate), 0),
-               heavy = size_of(magnitude(mass.mass.raw), Real::fraction_bits);
+               heavy = size_of(magnitude(mass.raw), Real::fraction_bits);
     const std::int64_t square = turns.mantissa * often.mantissa >> 16;
     const std::int64_t right = (square * square >> 16) * heavy.mantissa;
     const std::int64_t left = a.mantissa * b.mantissa << 5;
@@ -77,13 +78,15 @@ bool is_too_weak(Vec3 f, Vec3 r, Real k, const BodyMass& mass, std::int64_t rate
     return apart >= 0 ? apart > 12 || left < right << apart : apart >= -40 && left < right >> -apart;
 }
 
+namespace {
+
 /// Adds h^2 ((r . f) 1 - r f^T) / m of one side, its diagonal in principal axes [m^2]. False where it cannot matter.
 bool add_pull(const BodyColumns& columns, std::uint32_t row, Vec3 force, Vec3 place,
               const StepConstants& step, BodyStep& s) {
     const BodyMass& mass = columns.mass[row];
     const Real least = min(mass.gyration.x, min(mass.gyration.y, mass.gyration.z));
     const Vec3 away = place - mass.center;
-    if (is_too_weak(force, away, least, mass, step.substeps_per_second)) return false;
+    if (is_too_weak(force, away, least, mass.mass, step.substeps_per_second)) return false;
     const Short3 pulls = shortened(force), lever = shortened(away);
     const bool turned = mass.principal != Quat::identity();
     const Quat pose = columns.pose[row].rotation;

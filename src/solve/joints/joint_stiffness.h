@@ -19,4 +19,8 @@ namespace lockstone::solve {
 void stiffen_bodies(std::span<const Joint> joints, std::span<const JointMemory> memory,
                     const BodyColumns& columns, const StepConstants& step, SolverBodies& bodies);
 
+/// Whether a pull f [N] at a lever r [m] is left out: true only where |f| |r| < m (k rate)^2 / 32, and always below 0.73 of that, where f
+/// is a micronewton or more and r a micrometre. k: the least radius of gyration [m], above 0; rate: substeps per second.
+bool is_too_weak(Vec3 f, Vec3 r, Real k, Real mass, std::int64_t rate);
+
 } // namespace lockstone::solve
