@@ -26,7 +26,7 @@ WheelHit cast_ray_wheel(const Scene& scene, const QueryFilter& filter, const Whe
     return {true, *hit, hit->distance - wheel.radius - wheel.radius};
 }
 
-/// What the solid of a wheel found; from a wall beside the wheel, or something it starts in, a ray looks past it.
+/// The ground that the cast solid of a wheel found. Where that is a wall beside the wheel, or a shape in which the cast begins, a ray looks past it.
 WheelHit ground_of(const Scene& scene, const QueryFilter& filter, const WheelDef& wheel,
                    const WheelCastWay& way, const std::optional<QueryHit>& solid_hit) {
     if (!solid_hit) return {};
@@ -89,7 +89,7 @@ void cast_wheels(const Scene& scene, const VehicleDef& def, const VehicleMemory&
 
 } // namespace
 
-/// Whether the wheels of a vehicle that sleeps find what they found last, and that sleeps too.
+/// Whether the wheels of a vehicle that sleeps find the same shapes as when it fell asleep.
 bool VehicleDriver::stands_as_before(const Scene& scene, std::uint32_t k) const {
     const Model& w = scene.model;
     const VehicleDef& def = w.state.rows(w.m.vehicle)[k].def;

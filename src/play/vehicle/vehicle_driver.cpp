@@ -20,7 +20,7 @@ Real steer_angle(const VehicleDef& def, std::uint32_t wheel, Real steer) {
     if (own.steer_max == Real{} || steer == Real{} || def.tracks.enabled != 0) return Real{};
     const Real parallel = -steer * own.steer_max;
     if (def.ackermann == Real{}) return parallel;
-    // The wheels that do not steer stand on the line of the turning centre; if all do, the mean of all is it.
+    // The turning centre is on the line of the wheels that do not steer; where all wheels steer, on the line through their mean.
     Real fixed{}, fixed_count{}, all{};
     for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
         all += def.wheel[i].attachment.z;
@@ -31,7 +31,7 @@ Real steer_angle(const VehicleDef& def, std::uint32_t wheel, Real steer) {
     const Real line = fixed_count > Real{} ? fixed / fixed_count : all / Real(def.wheel_count);
     Real ahead = own.attachment.z - line, slope = tan(parallel);
     if (ahead == Real{}) return parallel;
-    if (ahead < Real{}) ahead = -ahead, slope = -slope; // a rear axle, seen in the mirror
+    if (ahead < Real{}) ahead = -ahead, slope = -slope; // a rear axle, as a mirrored front axle
     const Real ideal = atan2(ahead * slope, ahead - own.attachment.x * slope);
     const Real turned = own.attachment.z < line ? -ideal : ideal;
     return parallel + (turned - parallel) * def.ackermann;
@@ -59,7 +59,7 @@ Real ratio_of(const GearboxDef& box, std::int32_t gear) {
     return box.forward[static_cast<std::size_t>(gear - 1)] * box.final_drive;
 }
 
-/// The gear an automatic box wants. Wheels that spin do not shift it up: the road has to go by fast enough as well.
+/// The gear that an automatic box wants. It shifts up only where the road goes by fast enough as well: wheels that spin do not count.
 std::int32_t automatic_gear(const GearboxDef& box, const VehicleInput& input, std::int32_t gear,
                             Real wheel_speed, Real road_speed) {
     if (input.gear <= 0) return input.gear < 0 ? -1 : 0;
@@ -128,7 +128,7 @@ solve::WheelGround ground_of(const Scene& scene, const WheelHit& wheel) {
 
 // ---- sleep ---------------------------------------------------------------------------------------------------------
 
-/// Nobody drives it, and nothing in it turns: it may sleep once its chassis rests.
+/// Whether nobody drives it and nothing in it turns, so that it may sleep once its chassis rests.
 bool is_parked(const Model& w, const solve::DrivenVehicle& v) {
     const Real slow = w.config().sleep_speed;
     const Real engine_before = w.state.rows(w.m.vehicle_memory)[v.row].engine_speed;

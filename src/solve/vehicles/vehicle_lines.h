@@ -5,7 +5,7 @@
 //   d, x of a line         32 bits, 30 and 24
 //   impulse                Real              up to 1 m/s
 //
-// What has no room takes products of 128 bits, to the same bits.
+// Numbers beyond that take products of 128 bits, which give the same bits.
 #pragma once
 
 #include "solve/vehicles/vehicle_work.h"
@@ -20,7 +20,7 @@ constexpr std::int64_t narrow_small(Wide w, int shift) {
     return (static_cast<std::int64_t>((w >> (shift - 1)).low_bits()) + 1) >> 1;
 }
 
-/// A Real of which it is known that no result comes near the end of its range: nothing is clamped.
+/// A Real whose results are known to stay far from the end of its range, so that nothing has to be clamped.
 struct Small {
     std::int64_t raw;
 
@@ -35,7 +35,7 @@ struct Small {
 };
 inline Small operator/(Small x, const Divisor& d) {
     return x * Small{d.inverse.raw};
-} ///< of one that is not large
+} ///< of a divisor that is not large
 inline Small abs(Small x) { return {x.raw < 0 ? -x.raw : x.raw}; }
 
 /// A wheel is small below these: arms of its spin and mobilities, of its patch alone and with its rim; its load [m/s]. Then kappa p stays
@@ -157,8 +157,8 @@ template <class Number>
 void push_far(Chassis& chassis, const WheelLine& line, Real impulse);
 void push_ground(const Wheel& wheel, const WheelLine& line, Real impulse, SolverBodies& bodies);
 
-/// Adds an impulse along a line to the chassis, and against it to the ground. A pass pushes the chassis 40 times at most, so what is
-/// up to 1 m/s adds at most 2560 m/s to the 2048 of push_far(): far from the end of an accumulator.
+/// Adds an impulse along a line to the chassis, and its reverse to the ground. A pass pushes the chassis 40 times at most, so impulses of
+/// up to 1 m/s add at most 2560 m/s to the 2048 of push_far(): far from the end of an accumulator.
 inline void push_line(Chassis& chassis, const Wheel& wheel, const WheelLine& line, Real impulse,
                       SolverBodies& bodies) {
     constexpr std::uint64_t one = static_cast<std::uint64_t>(Real(1).raw);

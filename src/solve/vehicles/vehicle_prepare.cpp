@@ -34,7 +34,7 @@ Vector3<Arm> arm_of(const BodyStep& body, Vec3 lever, UnitVec3 d, std::int32_t s
     return {bounded(x.x), bounded(x.y), bounded(x.z)};
 }
 
-/// Speed along a direction d_a of what an impulse along d_b does to a body; x: their turning arms.
+/// The speed along d_a that an impulse along d_b gives a body; x: their turning arms.
 Real mobility(const SolverBody& body, UnitVec3 d_a, Vector3<Arm> x_a, UnitVec3 d_b, Vector3<Arm> x_b) {
     SumOfProducts<Unit, Unit> moves;
     for (int i = 0; i < 3; ++i)
@@ -164,7 +164,7 @@ void prepare_wheel(const Making& of, std::uint32_t i, Real share) {
         quotient(Real(1), max(-dot<Real>(n, lockstone::mul<Unit>(of.axes, def.direction)), 0.5_r));
     wheel.grip = quotient(ground.friction, v.def->tyre[def.tyre].ground_friction);
     set_spring(of.step, def, share, wheel);
-    // Impulses against another ground are none to start from.
+    // A wheel does not start from impulses that it had on another ground.
     if (memory.ground != ground.shape) forget_ground(memory);
     memory.ground = ground.shape;
     memory.normal = n;
@@ -196,8 +196,8 @@ void prepare_bars(const StepConstants& step, const SolverBodies& bodies, Vehicle
 
 } // namespace
 
-/// Vehicles that push the same body belong together: the chassis of one may be what another stands on. A ground that
-/// nothing pushes may be shared.
+/// Vehicles that push the same body are one convoy: the chassis of one may be the ground of another. A ground that nothing pushes
+/// makes no convoy.
 void VehicleSolver::find_convoys(const SolverBodies& bodies) {
     const std::uint32_t count = static_cast<std::uint32_t>(vehicles.size());
     pushed.clear(), order.clear(), convoy.clear(), convoy_begin.clear();

@@ -48,7 +48,7 @@ Real moved(const Wheel& wheel, const SolverBodies& bodies, std::uint32_t chassis
     return Real::from_raw(sum);
 }
 
-/// What a stop wants that is met or about to be.
+/// The impulse of a stop that is met, or will be within the substep.
 Real stop_of(const StepConstants& step, const Wheel& wheel, Real speed) {
     const Real kappa = wheel.normal.kappa;
     Real stop = wheel.stop;
@@ -109,7 +109,7 @@ void solve_bar(const Pass& pass, std::uint32_t k) {
         const Real speed = line_speed<Real>(pass.chassis, a, a.normal, pass.bodies) -
                            line_speed<Real>(pass.chassis, b, b.normal, pass.bodies);
         next = row.pull * (a.compression - b.compression) + row.yield * (row.kappa * p - speed);
-        // Neither wheel is lifted by more than it bears.
+        // The bar lifts no wheel by more than the load on it.
         next = clamp(next, p - (a.spring + a.stop + a.bars), p + (b.spring + b.stop + b.bars));
     }
     const Real change = next - p;
@@ -202,7 +202,7 @@ void begin_wheel(const StepConstants& step, const WheelDef& def, Real way, Wheel
     wheel.gap_rate = wheel.gap * step.substeps_per_second;
 }
 
-/// Whether the wheels' lines read the chassis in 64 bits, and nothing else of this one needs more.
+/// Whether 64 bits are enough for this wheel: for the speeds of the chassis along its lines, and for its own numbers.
 bool is_small(const Pass& pass, const Wheel& wheel) {
     return wheel.small && pass.v.group[wheel.group].small && pass.chassis.has_room();
 }
@@ -251,7 +251,7 @@ void VehicleSolver::warm_start(const StepConstants& step, SolverBodies& bodies) 
 }
 
 void VehicleSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bias) {
-    // What slips at the end of the tick is all that is remembered.
+    // Only the slip at the end of the tick is remembered.
     const TyreAsks asks = substeps_left == 0 && !bias ? TyreAsks::slip : TyreAsks::impulse;
     for_each_vehicle([&](Vehicle& v) {
         Chassis chassis(bodies.body[v.chassis]);

@@ -76,7 +76,7 @@ template <class Number> bool try_wheel(Vehicle& v, std::uint32_t i, Real& stiff)
     return a.held;
 }
 
-/// One pass over the tyres of a group, on trial: the spin that its torque leads to, and how it would answer more.
+/// One pass over the tyres of a group, on trial: the spin that its torque leads to, and how the spin would change with more torque.
 void settle(Vehicle& v, std::uint32_t group) {
     SpinGroup& g = v.group[group];
     Real stiff{};
@@ -109,7 +109,7 @@ template <class Number> void turn_engine(Vehicle& v, Number by) {
     v.engine_speed = real(number<Number>(v.engine_speed) + by);
 }
 
-/// One visit of a coupling: its impulse is what its error wants, up to its cap.
+/// One visit of a coupling: its impulse takes its error away, as far as its cap allows.
 template <class Number> void solve_coupling(Vehicle& v, Coupling& c) {
     Number error = number<Number>(c.engine) * number<Number>(v.engine_speed);
     Real answer = c.engine_answer;
@@ -132,7 +132,7 @@ template <class Number> void solve_coupling(Vehicle& v, Coupling& c) {
     }
 }
 
-/// The impulses of the last substep, within the caps of this one, to begin with.
+/// Couplings start from the impulses of the last substep, within the caps of this one.
 template <class Number> void start_couplings(Vehicle& v) {
     for (std::uint32_t k = 0; k < v.coupling_count; ++k) {
         Coupling& c = v.coupling[k];

@@ -44,9 +44,9 @@ struct Wheel {
     Real length_begin, per_length; ///< at the start of the tick [m]; suspension length per separation
     Real length;                   ///< now
     Real compression;              ///< of the spring when the substep began [m], 0: it hangs
-    Real pull[2], yield[2];        ///< h k / (1 + a kappa) and a / (1 + a kappa): of rebound and compression
-    Real gap, gap_rate; ///< to the stop when the substep began [m]; what closes it within one [m/s]
-    Real grip;          ///< factor of the tyre's curves on this ground
+    Real pull[2], yield[2]; ///< h k / (1 + a kappa) and a / (1 + a kappa), for rebound and for compression
+    Real gap, gap_rate;     ///< to the stop when the substep began [m]; what closes it within one [m/s]
+    Real grip;              ///< factor of the tyre's curves on this ground
     Real radius;
     Real arm;                      ///< spin of its group per impulse [rad/m]
     Real stiff;                    ///< of its spin: mass radius^2 [kg m^2]
@@ -137,7 +137,7 @@ struct Vehicle {
     std::array<Coupling, vehicle_couplings_max + 2> coupling;
 };
 
-/// How a vehicle's weight lies on its wheels, and of what that was found: the same from tick to tick.
+/// How a vehicle's weight is shared out over its wheels, and the places that this was computed from: the same from tick to tick.
 struct WeightShares {
     std::uint32_t wheel_count;
     std::array<Vec3, vehicle_wheels_max> at; ///< attachments from the centre of mass [m]
