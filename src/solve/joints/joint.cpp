@@ -83,7 +83,7 @@ Real reduced_mass(const Shares& shares, const BodyMass& a, const BodyMass& b) {
 /// Whether it holds a point and nothing else.
 bool is_point(const JointWork& w) { return w.point && w.axis_count == 0 && w.block_count == 0; }
 
-constexpr std::uint32_t joint_chunk = 32, pack_chunk = 16;
+constexpr std::uint32_t joint_chunk = 32, joint_pack_chunk = 16;
 
 /// Calls visit(joint) for each joint; workers share them.
 template <class Visit> void for_joints(JointTick& tick, Tasks* tasks, Visit&& visit) {
@@ -100,7 +100,7 @@ void start_packs(JointTick& tick, const JointKernel& kernel, const StepConstants
                               reinterpret_cast<const std::byte*>(&tick.bodies.front().axes),
                               step.joint_push_max.raw};
     base::for_chunks(
-        tasks, static_cast<std::uint32_t>(tick.packs.size()), pack_chunk,
+        tasks, static_cast<std::uint32_t>(tick.packs.size()), joint_pack_chunk,
         [&](std::uint32_t first, std::uint32_t last, std::uint32_t) { kernel.start(data, first, last); });
 }
 
@@ -110,7 +110,7 @@ void refresh_packs(JointTick& tick, const JointKernel& kernel, const StepConstan
     // Other passes of a kernel write to bodies, this one only reads them.
     const JointPassData data = pass_data(tick, step, const_cast<SolverBody*>(bodies.body.data()));
     base::for_chunks(
-        tasks, static_cast<std::uint32_t>(tick.packs.size()), pack_chunk,
+        tasks, static_cast<std::uint32_t>(tick.packs.size()), joint_pack_chunk,
         [&](std::uint32_t first, std::uint32_t last, std::uint32_t) { kernel.refresh(data, first, last); });
     for (std::uint32_t i = 0; i < tick.packs.size(); ++i) {
         JointPack& pack = tick.packs[i];
@@ -130,7 +130,7 @@ void refresh_packs(JointTick& tick, const JointKernel& kernel, const StepConstan
 void invert_packs(JointTick& tick, const JointKernel& kernel, const StepConstants& step,
                   const SolverBodies& bodies, Tasks* tasks) {
     const JointPassData data = pass_data(tick, step, const_cast<SolverBody*>(bodies.body.data()));
-    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.packs.size()), pack_chunk,
+    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.packs.size()), joint_pack_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
                          if (!kernel.invert(data, first, last)) return;
                          for (std::uint32_t i = first; i < last; ++i)
