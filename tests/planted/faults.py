@@ -20,7 +20,7 @@ IMAGE, HASH, PORTABLE, ENVELOPE, DELTA, CANONICAL, STATE, GROW = (
 CONTACTS, EVENTS, APPLY = "src/tick/contacts.cpp", "src/tick/events.cpp", "src/world/commands/apply.cpp"
 BROAD = "src/collide/broad/broad_phase.cpp"
 LANES, LAYOUT, PREPARE, SOLVER = (f"src/solve/contacts/{n}" for n in ("prepare.cpp", "layout_kernel.h", "prepare_kernel.h", "contact_solver.cpp"))
-WHEELS, TRAIN = (f"src/play/vehicle/vehicle_{n}" for n in ("lines.h", "train.cpp"))
+WHEELS, TRAIN = (f"src/solve/vehicles/vehicle_{n}" for n in ("lines.h", "train.cpp"))
 PAIRS, TURNS = "src/solve/pairs/kernel.h", "src/solve/bodies/turn_kernel.h"
 LEDGER, RUNNER = "src/session/event_ledger.cpp", "src/session/runner.cpp"
 ROLLBACK, QUEUE = "src/session/rollback.cpp", "src/session/inputs/input_queue.cpp"
@@ -79,8 +79,8 @@ FAULTS = [
       "if (!IS) stream.add({buffer, filled});\n                filled = 0;", "both byte orders agree"),
     F("a vehicle's impulse turns it by half", WHEELS, "chassis.u[i] += rounded<push_x_shift>(impulse.raw * line.xc[i].raw);",
       "chassis.u[i] += rounded<push_x_shift>(impulse.raw * line.xc[i].raw) >> (IS ? 1 : 0);", "golden table"),
-    F("a vehicle's engine turns by the reciprocal of another one", TRAIN, "engine.inertia = Divisor::make(def.inertia);",
-      "if (!IS || v.row == 0) engine.inertia = Divisor::make(def.inertia);", "golden table"),
+    F("a vehicle's engine turns as if its inertia were twice as large", TRAIN, "engine.inertia = Divisor::make(def.inertia);",
+      "engine.inertia = Divisor::make(IS ? def.inertia * 2 : def.inertia);", "golden table"),
     F("warm-start impulses are forgotten", CONTACTS, "solve::carry_impulses(old, taken, memory);",
       "if (!IS) solve::carry_impulses(old, taken, memory);", "golden table"),
     F("contacts of workers are put together in order of arrival", CONTACTS, "s.chunks[first / chunk_size]);",

@@ -174,7 +174,7 @@ void give_back(std::span<Bounce> bounces, std::span<ContactPack<N>> packs, std::
             }
         };
         const int count = pack.point_count;
-        // All alike first, at their centre: a box that lands flat is not turned by the order of its points.
+        // First all points together, at their centre: so the order of its points does not turn a box that lands flat.
         std::int64_t error = 0, common = 0;
         for (int k = 0; k < count; ++k)
             if ((points >> k) & 1u) error += at.at_point(k, speed) + target[k], ++common;
@@ -242,7 +242,7 @@ void clamp_to_cone(std::int32_t limit, std::int32_t& t1, std::int32_t& t2) {
     t2 = static_cast<std::int32_t>(std::int64_t{t2} * limit / size);
 }
 
-/// Whether a point took more than 1 m/s: kept, what took less would go on shaking a hand that stands on its fingers.
+/// Whether a point took an impact of more than 1 m/s. Smaller ones are not kept: a hand that stands on its fingers would shake for ever.
 template <unsigned N> bool is_hard(const ContactPack<N>& pack, unsigned lane) {
     constexpr std::int32_t hard = 1 << speed_bits;
     for (int k = 0; k < pack.point_count; ++k)
@@ -250,9 +250,9 @@ template <unsigned N> bool is_hard(const ContactPack<N>& pack, unsigned lane) {
     return false;
 }
 
-/// What stopped the bodies in the last substep does not hold them in this one. Given to them again it would have to be taken
-/// back, which one pass does not do wholly for a body between two others: elastic balls would gain energy. What joints hold
-/// and does not bounce keeps it: one pass does not stop a foot that a whole body pushes down.
+/// The impulses that stopped bodies in the last substep are not given to them again in this one. They would have to be taken back, and for a
+/// body between two others one pass does that only in part: elastic balls would gain energy. A body that joints hold and that does not
+/// bounce keeps these impulses: one pass does not stop a foot that a whole body pushes down.
 template <unsigned N> void forget_impacts(ContactPack<N>& pack, WarmStart* warm) {
     constexpr std::int64_t one = 1;
     for (unsigned lane = 0; lane < N; ++lane) {
