@@ -83,8 +83,10 @@ void PeerSession::count_waits(std::uint64_t passed_ms) {
     constexpr std::uint64_t passed_max_ms = 250; // nobody keeps a machine waiting that does not poll
     const std::uint64_t passed = std::min(passed_ms, passed_max_ms);
     for (PeerLink& link : links) {
-        if (is_awaited(link)) link.waited_ms += passed;
-        if (owes_word(link)) link.waited_ms += links.size() > 1 ? 2 * passed : passed;
+        if (owes_word(link))
+            link.waited_ms += links.size() > 1 ? 2 * passed : passed; // at most that: README.md, Leaving
+        else if (is_awaited(link))
+            link.waited_ms += passed;
     }
 }
 
@@ -100,7 +102,8 @@ bool PeerSession::is_awaited(const PeerLink& link) const {
     const std::uint64_t settled = settled_through();
     return std::ranges::any_of(queues, [&](const InputQueue& queue) {
         const std::uint32_t p = queue.player();
-        if (is_gone(p)) return !queue.disconnected() && link.cut[p] == never && has_say_in_cut(link, p);
+        const bool tells_cut = link.cut[p] != never && link.cut[p] <= cuts[p];
+        if (is_gone(p)) return !queue.disconnected() && !tells_cut && has_say_in_cut(link, p);
         return def.players[p] == link.peer && queue.next() == settled &&
                current >= settled + def.prediction_max;
     });
@@ -112,12 +115,15 @@ bool PeerSession::owes_word(const PeerLink& link) const {
     if (link.state != PeerLink::State::connected || link.unwanted || is_connecting()) return false;
     if (link.hashes.exchanged_through() + history_confirmed_max <= confirmed) return true;
     const std::uint64_t fixed = fixed_through();
+    // A tick that lacks inputs waits for these: of what is not there nobody owes an acknowledgement.
+    const bool lacks_inputs = current >= settled_through() + def.prediction_max;
+    const bool is_held = !lacks_inputs && current >= fixed + change_max;
     return std::ranges::any_of(queues, [&](const InputQueue& queue) {
         const std::uint32_t p = queue.player();
         if (is_gone(p) || def.players[p] == link.peer) return false;
         if (is_local(p) && queue.room() == 0 && link.next_input[p] <= queue.oldest()) return true;
         const bool is_needed = is_local(p) ? links.size() > 1 : is_heard(def.players[p]);
-        return is_needed && link.next_input[p] <= fixed && current >= fixed + change_max;
+        return is_held && is_needed && link.next_input[p] <= fixed;
     });
 }
 
