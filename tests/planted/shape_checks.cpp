@@ -28,8 +28,8 @@ std::string parts_are_found() {
     return found.size() == balls.size() ? "" : "a part of a compound is not found";
 }
 
-/// Two cubes that overlap by 1 cm along x and by 2 cm along y, and touched along y in the last tick.
-std::string kept_face_is_nearest() {
+/// A cube of a metre, as a hull.
+shapes::Solid hull_cube(AssetLibrary& library) {
     std::vector<LengthVec3> corners;
     for (int i = 0; i < 8; ++i) {
         const auto side = [&](int axis) {
@@ -37,9 +37,14 @@ std::string kept_face_is_nearest() {
         };
         corners.push_back({side(0), side(1), side(2)});
     }
-    AssetLibrary library;
     const AssetId id = library.add(bake_hull(corners)).value();
-    const shapes::Solid cube{library.geometry(id).value(), library.find(id)->hull.get()};
+    return {library.geometry(id).value(), library.find(id)->hull.get()};
+}
+
+/// Two cubes that overlap by 1 cm along x and by 2 cm along y, and touched along y in the last tick.
+std::string kept_face_is_nearest() {
+    AssetLibrary library;
+    const shapes::Solid cube = hull_cube(library);
     collide::NarrowScratch scratch;
     collide::Manifolds found;
     collide::collide(
@@ -51,12 +56,41 @@ std::string kept_face_is_nearest() {
                : "a face is kept though another is nearer";
 }
 
+/// A cube that lies with an edge across the edge of another one, sunk into it by `deep` and moved along that one's edge [m].
+std::string kept_edges_are_nearest() {
+    AssetLibrary library;
+    const shapes::Solid cube = hull_cube(library);
+    const Rotation turned =
+        to_rotation(from_axis_angle({Unit{}, Unit{}, unit_one}, decimal<Real>("-0.785398163")) *
+                    from_axis_angle({unit_one, Unit{}, Unit{}}, 0.785398163_r));
+    collide::NarrowScratch scratch;
+    collide::Manifolds found;
+    const auto look = [&](Real deep, Real aside, const collide::PairHints& hints) {
+        const Real each = (1.414213562_r - deep) * 0.707106781_r;
+        collide::collide(cube, cube,
+                         {turned, {to<Coordinate>(each), to<Coordinate>(each), to<Coordinate>(aside)}},
+                         decimal<Length>("0.02"), hints, scratch, found);
+    };
+    look(0.01_r, Real{}, {});
+    const collide::Manifold first = found.items[0];
+    if (found.count != 1 || first.on_face != 0) return "two edges do not touch";
+    const collide::PairHints hints{{}, first.normal, first.points[0].feature};
+    look(0.01_r, 0.1_r, hints);
+    if (found.count != 1 || found.items[0].points[0].feature != hints.edges)
+        return "edges that touch are not kept";
+    look(0.01_r, 0.6_r, hints);
+    if (found.count != 0) return "edges are kept beyond an end of one";
+    look(0.8_r, 0.45_r, hints); // by 0.76 m along the other's edge it is out
+    return found.items[0].normal.z > decimal<Unit>("0.99") ? "" : "edges are kept though a face is nearer";
+}
+
 } // namespace
 
 Checks shape_checks() {
     return {{"a hint does not part from large boxes", hint_of_large_box},
             {"parts are found", parts_are_found},
-            {"a face that is kept is the nearest", kept_face_is_nearest}};
+            {"a face that is kept is the nearest", kept_face_is_nearest},
+            {"edges that are kept are the nearest", kept_edges_are_nearest}};
 }
 
 } // namespace planted
