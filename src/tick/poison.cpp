@@ -30,9 +30,10 @@ void poison_query(std::byte with, QueryScratch& query) {
     auto& [lock, idle] = query;
     collide::Manifolds unused;
     for (const std::unique_ptr<QueryWork>& work : idle) {
-        auto& [near, candidates, narrow] = *work;
+        auto& [near, candidates, narrow, ball] = *work;
         poison(with, near.open, near.proxies, candidates);
         poison_narrow(with, narrow, unused);
+        ball.radius = Real{};
     }
 }
 

@@ -281,6 +281,19 @@ struct Start {
     }
 };
 
+/// Whether a mover that stands so at the start stays on its side of a triangle's plane.
+bool keeps_its_side(const Ways& w, const Standing& s, const Obstacle& o, const Mover& m) {
+    constexpr std::int64_t roundings = 1024;
+    if (o.kind != Obstacle::Kind::triangle) return false;
+    const Long3 plane = raw(o.triangle->normal);
+    const std::int64_t above = dot_dropped(up(s.place_24 - raw(o.triangle->corner[0]), 6), plane, 30);
+    const Long3 n = above < 0 ? -plane : plane;
+    const std::int64_t lowest = dot_dropped(support(s.shape, -n).at_30, n, 30);
+    const std::int64_t gap = absolute(above) + lowest - up(std::int64_t{s.shape.radius.raw}, 6);
+    if (gap <= touching_gap_30 + roundings) return false;
+    return gap - touching_gap_30 - roundings > w.approach_30(m, w.reach_of(o), in_world(s, n));
+}
+
 /// Whether a mover stays beside a triangle's extent or on its side of the triangle's plane: most triangles near a way are told by
 /// that, without closest points.
 bool stays_off(const Ways& w, const Start& start, const Obstacle& o, const Mover& m,
@@ -295,14 +308,7 @@ bool stays_off(const Ways& w, const Start& start, const Obstacle& o, const Mover
             approach_max + touching_gap_30 + roundings)
             return true;
     }
-    const Standing& s = start.standing;
-    const Long3 plane = raw(o.triangle->normal);
-    const std::int64_t above = dot_dropped(up(s.place_24 - raw(o.triangle->corner[0]), 6), plane, 30);
-    const Long3 n = above < 0 ? -plane : plane;
-    const std::int64_t lowest = dot_dropped(support(s.shape, -n).at_30, n, 30);
-    const std::int64_t gap = absolute(above) + lowest - up(std::int64_t{s.shape.radius.raw}, 6);
-    if (gap <= touching_gap_30 + roundings) return false;
-    return gap - touching_gap_30 - roundings > w.approach_30(m, w.reach_of(o), in_world(s, n));
+    return keeps_its_side(w, start.standing, o, m);
 }
 
 /// The core against a piece: first a ball of half the inner radius, else its centre.
@@ -310,7 +316,9 @@ Unit core_stop(const Ways& w, const Obstacle& o, const Mover& whole, Unit until)
     const std::int64_t inner_24 = shapes::inner_radius(*whole.solid).raw;
     for (const std::int64_t radius_24 : {inner_24 / 2, std::int64_t{0}}) {
         const Mover ball = ball_of(whole, Coordinate::from_raw(radius_24));
-        const Between start = measure(w, o, ball, Unit{}, anything_30).gap;
+        const Standing begin = Standing::at(w, ball, Unit{}, o.kind == Obstacle::Kind::plane);
+        if (keeps_its_side(w, begin, o, ball)) return unit_one;
+        const Between start = measure(begin, o, anything_30).gap;
         if (start.overlap || start.distance_30 <= 64) continue;
         return advance(w, o, ball, smaller(stop_gap_30, start.distance_30 / 2), until);
     }
