@@ -250,6 +250,7 @@ void place_bodies(JointTick& tick, const SolverBodies& bodies, Tasks* tasks) {
 
 void JointSolver::update(const StepConstants& step, const SolverBodies& bodies, Tasks* tasks) {
     JointTick& tick = *work;
+    if (tick.joints.empty()) return;
     if (!look_at_bodies(tick, bodies, tasks)) { // before the first substep
         for_joints(tick, tasks, [&](JointWork& w) {
             if (w.pack == no_pack) follow_errors(tick, w, step, bodies);
