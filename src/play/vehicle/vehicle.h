@@ -127,8 +127,10 @@ struct BarRow {
     Real pull, yield; ///< h k / (1 + a kappa) and a / (1 + a kappa)
 };
 
-/// The engine within a tick.
+/// The engine within a tick: the same from tick to tick while it is of the same definition.
 struct EngineRow {
+    std::int64_t known_rate = 0; ///< substeps per second that it was found for; 0: nothing is found
+    EngineDef known;             ///< and of what
     Divisor inertia;
     Real push, drag;                 ///< speed per substep at the full and at the brake torque [rad/s]
     Real per_speed;                  ///< rpm / rpm_max per speed [s]
@@ -233,13 +235,14 @@ struct VehicleTick {
     const PlacedShapes& placed;
     const solve::StepConstants& step;
     const solve::SolverBodies& bodies;
+    Real substep; ///< [s]
 };
 /// `axes`: of the chassis; `share`: of its mass.
 void prepare_wheel(const VehicleTick& tick, const Rotation& axes, Vehicle& v, std::uint32_t wheel, Real share,
                    const WheelGround& ground);
 /// Once the train is made: what of a rim stays as it is for the tick.
 void prepare_rims(const solve::StepConstants& step, Vehicle& v);
-void shift_gears(const VehicleTick& tick, Vehicle& v);
+void shift_gears(const VehicleTick& tick, const Rotation& axes, Vehicle& v);
 void prepare_train(Vehicle& v);
 void prepare_engine(const solve::StepConstants& step, Vehicle& v);
 /// Torques of clutch, differentials and steering for this substep; leaves the impulses of tyres as they are.
@@ -247,7 +250,7 @@ void solve_train(const Chassis& chassis, const solve::SolverBodies& bodies, Vehi
 
 /// Fractions of the chassis' mass on each wheel, so that equal frequencies sag level; `center` is that of mass.
 void find_shares(const VehicleDef& def, Vec3 center, WeightShares& known);
-/// To the left [rad].
-Real steer_angle(const VehicleDef& def, std::uint32_t wheel, Real steer);
+/// Of each wheel to the left [rad].
+void find_steer_angles(const VehicleDef& def, Real steer, VehicleMemory& out);
 
 } // namespace lockstone::sim

@@ -40,26 +40,32 @@ void find_shares(const VehicleDef& def, Vec3 center, WeightShares& known) {
     if (!same) find_shares(known);
 }
 
-Real steer_angle(const VehicleDef& def, std::uint32_t wheel, Real steer) {
-    const WheelDef& own = def.wheel[wheel];
-    if (own.steer_max == Real{} || steer == Real{} || def.tracks.enabled != 0) return Real{};
-    const Real parallel = -steer * own.steer_max;
-    if (def.ackermann == Real{}) return parallel;
+void find_steer_angles(const VehicleDef& def, Real steer, VehicleMemory& out) {
     // The wheels that do not steer stand on the line of the turning centre; if all do, the mean of all is it.
     Real fixed{}, fixed_count{}, all{};
     for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
+        out.wheel[i].steer = Real{};
         all += def.wheel[i].attachment.z;
         if (def.wheel[i].steer_max != Real{}) continue;
         fixed += def.wheel[i].attachment.z;
         fixed_count += Real(1);
     }
+    if (steer == Real{} || def.tracks.enabled != 0) return;
     const Real line = fixed_count > Real{} ? fixed / fixed_count : all / Real(def.wheel_count);
-    Real ahead = own.attachment.z - line, slope = tan(parallel);
-    if (ahead == Real{}) return parallel;
-    if (ahead < Real{}) ahead = -ahead, slope = -slope; // a rear axle, seen in the mirror
-    const Real ideal = atan2(ahead * slope, ahead - own.attachment.x * slope);
-    const Real turned = own.attachment.z < line ? -ideal : ideal;
-    return parallel + (turned - parallel) * def.ackermann;
+    Real known{}, known_slope{}; // wheels that steer as far have one slope
+    for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
+        const WheelDef& own = def.wheel[i];
+        if (own.steer_max == Real{}) continue;
+        const Real parallel = out.wheel[i].steer = -steer * own.steer_max;
+        Real ahead = own.attachment.z - line;
+        if (def.ackermann == Real{} || ahead == Real{}) continue;
+        if (parallel != known) known = parallel, known_slope = tan(parallel);
+        Real slope = known_slope;
+        if (ahead < Real{}) ahead = -ahead, slope = -slope; // a rear axle, seen in the mirror
+        const Real ideal = atan2(ahead * slope, ahead - own.attachment.x * slope);
+        const Real turned = own.attachment.z < line ? -ideal : ideal;
+        out.wheel[i].steer = parallel + (turned - parallel) * def.ackermann;
+    }
 }
 
 } // namespace lockstone::sim

@@ -25,17 +25,29 @@ constexpr Real part_spin_max = Real(100000); ///< [rad/s], of wheels and engines
 
 Arm bounded(Arm x) { return clamp(x, Arm(-arm_max), Arm(arm_max)); }
 
+/// From a centre of mass [m].
+struct Lever {
+    Vec3 whole;
+    Vector3<Arm> near{}; ///< the same, below 128 m
+    bool is_near = false;
+
+    explicit Lever(Vec3 lever) : whole(lever) {
+        constexpr Real far = Real(128);
+        is_near = abs(lever.x) < far && abs(lever.y) < far && abs(lever.z) < far;
+        if (is_near) near = to<Arm>(lever);
+    }
+};
+
 /// K^-1 (lever x d); in 64 bits below a lever of 128 m.
-Vector3<Arm> arm_of(const BodyStep& body, Vec3 lever, UnitVec3 d, std::int32_t sign) {
-    constexpr Real far = Real(128);
+Vector3<Arm> arm_of(const BodyStep& body, const Lever& lever, UnitVec3 d, std::int32_t sign) {
     Vector3<Arm> x{};
-    if (abs(lever.x) < far && abs(lever.y) < far && abs(lever.z) < far) {
-        Vector3<Arm> turn = cross<Arm>(to<Arm>(lever), d);
+    if (lever.is_near) {
+        Vector3<Arm> turn = cross<Arm>(lever.near, d);
         for (int i = 0; i < 3; ++i)
             turn[i] = Arm::from_raw((body.angular_mask >> i & 1u) != 0 ? sign * turn[i].raw : 0);
         x = solve::over_gyration<Arm>(body, turn);
     } else {
-        Vec3 turn = cross<Real>(lever, d);
+        Vec3 turn = cross<Real>(lever.whole, d);
         for (int i = 0; i < 3; ++i) turn[i] = (body.angular_mask >> i & 1u) != 0 ? turn[i] * sign : Real{};
         x = solve::over_gyration<Arm>(body, turn);
     }
@@ -52,7 +64,8 @@ Real mobility(const SolverBody& body, UnitVec3 d_a, Vector3<Arm> x_a, UnitVec3 d
 
 /// Of a wheel's patch [m], and the speed of what it stands on beside its body's [m/s].
 struct Levers {
-    Vec3 chassis, ground, surface;
+    Lever chassis, ground;
+    Vec3 surface;
 };
 
 WheelLine line_of(const SolverBodies& bodies, std::uint32_t chassis, const Wheel& wheel, UnitVec3 d,
@@ -73,8 +86,9 @@ WheelLine line_of(const SolverBodies& bodies, std::uint32_t chassis, const Wheel
 struct WheelCastWay {
     Vec3 from; ///< a radius above the attachment
     UnitVec3 down;
-    Quat rotation; ///< y along the axle, of a cylinder
-    Real to_hub;   ///< farthest [m]
+    Quat rotation;   ///< y along the axle, of a cylinder
+    Real to_hub;     ///< farthest [m]
+    Vec3 raise, way; ///< down by a radius, and as far as the hub may be
 };
 
 bool stands_on(const QueryHit& hit, UnitVec3 down) { return -dot<Real>(hit.normal, down) >= steepest; }
@@ -111,10 +125,15 @@ void find_ways(const Model& w, const VehicleDef& def, const VehicleMemory& memor
     const Real ahead = min(to<Real>(speed) / Real(w.state.rows(w.m.config)[0].tick_rate), Real(1));
     for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
         const WheelDef& wheel = def.wheel[i];
-        const UnitVec3 down = lockstone::mul<Unit>(axes, wheel.direction);
+        const bool as_before = i > 0 && wheel.direction == def.wheel[i - 1].direction;
+        const UnitVec3 down = as_before ? out[i - 1].down : lockstone::mul<Unit>(axes, wheel.direction);
         const Vec3 attachment = pose.position + lockstone::mul<Real>(axes, wheel.attachment - center);
-        out[i] = {attachment - lockstone::scale<Real>(down, wheel.radius), down, Quat::identity(),
-                  wheel.radius + wheel.length_max + ahead};
+        const Real to_hub = wheel.radius + wheel.length_max + ahead;
+        const bool is_alike =
+            as_before && wheel.radius == def.wheel[i - 1].radius && to_hub == out[i - 1].to_hub;
+        const Vec3 raise = is_alike ? out[i - 1].raise : lockstone::scale<Real>(down, wheel.radius),
+                   way = is_alike ? out[i - 1].way : lockstone::scale<Real>(down, to_hub);
+        out[i] = {attachment - raise, down, Quat::identity(), to_hub, raise, way};
         if (def.cast != WheelCast::cylinder) continue;
         out[i].rotation =
             normalized(pose.rotation * from_axis_angle(up_axis, memory.wheel[i].steer) * y_to_x);
@@ -133,16 +152,14 @@ void cast_wheels(const Scene& scene, const VehicleDef& def, const VehicleMemory&
         static_assert(balls_max >= vehicle_wheels_max);
         std::array<BallCast, vehicle_wheels_max> balls;
         for (std::uint32_t i = 0; i < def.wheel_count; ++i)
-            balls[i] = {def.wheel[i].radius, ways[i].from,
-                        lockstone::scale<Real>(ways[i].down, ways[i].to_hub)};
+            balls[i] = {def.wheel[i].radius, ways[i].from, ways[i].way};
         cast_balls(scene, std::span(balls).first(def.wheel_count), filter, hits);
     }
     for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
         const WheelDef& wheel = def.wheel[i];
         if (def.cast == WheelCast::cylinder)
-            hits[i] =
-                cast_shape(scene, cylinder(wheel.radius, half(wheel.width)), {ways[i].from, ways[i].rotation},
-                           lockstone::scale<Real>(ways[i].down, ways[i].to_hub), filter);
+            hits[i] = cast_shape(scene, cylinder(wheel.radius, half(wheel.width)),
+                                 {ways[i].from, ways[i].rotation}, ways[i].way, filter);
         out[i] = def.cast == WheelCast::ray ? cast_ray_wheel(scene, filter, wheel, ways[i])
                                             : ground_of(scene, filter, wheel, ways[i], hits[i]);
     }
@@ -202,13 +219,16 @@ static UnitVec3 axle_of(const Rotation& axes, Real steer) {
     return lockstone::mul<Unit>(axes, UnitVec3{turn.cos, Unit{}, -turn.sin});
 }
 
-/// Implicit: a = h^2 k + h c.
-static void set_spring(const solve::StepConstants& step, const WheelDef& def, Real share, Wheel& wheel) {
-    const Real h = Real(1) / Real(step.substeps_per_second), omega = two_pi * def.frequency,
-               stiff = share * omega * h, rate = stiff * omega;
+/// Implicit: a = h^2 k + h c. Small: below 50 Hz, of a share of up to 1, so rate stays below 2^17 and a below 2^18.
+static void set_spring(Real substep, const WheelDef& def, Real share, Wheel& wheel) {
+    const Small h = number<Small>(substep), omega = number<Small>(two_pi) * number<Small>(def.frequency),
+                stiff = number<Small>(share) * omega * h;
+    const Real rate = real(stiff * omega);
     const Real damping[2] = {def.damping_rebound, def.damping_compression};
     for (int side = 0; side < 2; ++side) {
-        const Real a = rate * h + stiff * damping[side] * 2, whole = Real(1) + a * wheel.normal.kappa;
+        const Small of_damping = stiff * number<Small>(damping[side]);
+        const Real a = real(number<Small>(rate) * h + of_damping + of_damping),
+                   whole = Real(1) + a * wheel.normal.kappa;
         wheel.pull[side] = quotient(rate, whole);
         wheel.yield[side] = quotient(a, whole);
     }
@@ -218,13 +238,11 @@ void prepare_wheel(const VehicleTick& tick, const Rotation& axes, Vehicle& v, st
                    const WheelGround& ground) {
     const Model& w = tick.w;
     const SolverBodies& bodies = tick.bodies;
-    const solve::StepConstants& step = tick.step;
     const WheelDef& def = v.def->wheel[i];
     WheelMemory& memory = v.memory.wheel[i];
     Wheel& wheel = v.wheel[i] = Wheel{};
     wheel.ground = bodies.still();
     wheel.length = memory.length = def.length_max;
-    memory.steer = steer_angle(*v.def, i, v.memory.steer);
     if (!ground.found) return forget_ground(memory);
 
     const Transform& pose = w.state.rows(w.m.body_pose)[v.chassis];
@@ -239,11 +257,12 @@ void prepare_wheel(const VehicleTick& tick, const Rotation& axes, Vehicle& v, st
     wheel.ground = moves ? row : bodies.still();
     wheel.rides = moves;
     if (moves && bodies.step[row].movable) wheel.ratio = min(v.mass / w.mass_of(row).mass, ratio_max);
-    const Levers levers{hit.point - pose.position, hit.point - w.state.rows(w.m.body_pose)[row].position,
+    const Levers levers{Lever(hit.point - pose.position),
+                        Lever(hit.point - w.state.rows(w.m.body_pose)[row].position),
                         touch.velocity == Vec3{} ? Vec3{} : rotate(at_ground.pose.rotation, touch.velocity)};
     const UnitVec3 axle = axle_of(axes, memory.steer);
-    const UnitVec3 left =
-        normalized_or(axle - lockstone::scale<Unit>(n, dot<Unit>(n, axle)), any_perpendicular(n));
+    const UnitVec3 sideways = axle - lockstone::scale<Unit>(n, dot<Unit>(n, axle)),
+                   left = sideways == UnitVec3{} ? any_perpendicular(n) : normalized(sideways);
     wheel.normal = line_of(bodies, v.chassis, wheel, n, levers);
     wheel.touches = wheel.normal.kappa > Real{};
     if (!wheel.touches) return forget_ground(memory); // nothing can move
@@ -256,7 +275,7 @@ void prepare_wheel(const VehicleTick& tick, const Rotation& axes, Vehicle& v, st
     wheel.length_begin = ground.length;
     wheel.per_length = quotient(Real(1), max(-dot<Real>(n, down), 0.5_r));
     wheel.grip = quotient(touch.friction, v.def->tyre[def.tyre].ground_friction);
-    set_spring(step, def, share, wheel);
+    set_spring(tick.substep, def, share, wheel);
     // Impulses against another ground are none to start from.
     if (memory.ground != hit.shape) forget_ground(memory);
     memory.ground = hit.shape;
@@ -299,7 +318,7 @@ std::int32_t automatic_gear(const GearboxDef& box, const VehicleInput& input, st
 
 } // namespace
 
-void shift_gears(const VehicleTick& tick, Vehicle& v) {
+void shift_gears(const VehicleTick& tick, const Rotation& axes, Vehicle& v) {
     const Model& w = tick.w;
     VehicleMemory& m = v.memory;
     const GearboxDef& box = v.def->gearbox;
@@ -319,9 +338,8 @@ void shift_gears(const VehicleTick& tick, Vehicle& v) {
         radius += wheel.radius * share;
         driven += share;
     }
-    if (driven > Real{}) turns = turns / driven, radius = radius / driven;
-    const UnitVec3 forward = to_rotation(w.state.rows(w.m.body_pose)[v.chassis].rotation).z;
-    const Real speed = dot<Real>(forward, w.state.rows(w.m.body_velocity)[v.chassis].linear);
+    if (driven > Real{} && driven != Real(1)) turns = turns / driven, radius = radius / driven;
+    const Real speed = dot<Real>(axes.z, w.state.rows(w.m.body_velocity)[v.chassis].linear);
     std::int32_t wanted = std::clamp(v.input.gear, -1, count);
     if (box.mode == GearboxMode::automatic)
         wanted = automatic_gear(box, v.input, m.gear, turns, radius > Real{} ? speed / radius : Real{});
@@ -341,7 +359,11 @@ void prepare_train(Vehicle& v) {
     const bool tracked = def.tracks.enabled != 0;
     v.group_count = tracked ? 2 : def.wheel_count;
     v.coupling_count = 0;
-    for (SpinGroup& g : v.group) g = SpinGroup{};
+    for (SpinGroup& g : v.group) {
+        const Divisor known = g.by_inertia;
+        g = SpinGroup{};
+        g.by_inertia = known;
+    }
     std::array<Real, vehicle_wheels_max> share{};
     Real driven{};
     for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
@@ -401,8 +423,9 @@ static TyreCurve curve_of(const std::array<CurvePoint, 4>& points) {
 
 void prepare_rims(const solve::StepConstants& step, Vehicle& v) {
     std::uint32_t tyres = 0;
-    for (std::uint32_t g = 0; g < v.group_count; ++g)
-        v.group[g].by_inertia = Divisor::make(v.group[g].inertia);
+    for (std::uint32_t k = 0; k < v.group_count; ++k)
+        if (SpinGroup& g = v.group[k]; g.by_inertia.of != g.inertia || g.inertia <= Real{})
+            g.by_inertia = Divisor::make(g.inertia);
     const Real per_second = Real(step.substeps_per_second);
     for (std::uint32_t i = 0; i < v.def->wheel_count; ++i) {
         const WheelDef& def = v.def->wheel[i];
@@ -410,8 +433,8 @@ void prepare_rims(const solve::StepConstants& step, Vehicle& v) {
         SpinGroup& g = v.group[wheel.group];
         tyres |= 1u << def.tyre;
         wheel.tyre = def.tyre, wheel.radius = def.radius;
-        wheel.brake_torque =
-            (v.input.brake * def.brake_torque + v.input.hand_brake * def.hand_brake_torque) / per_second;
+        wheel.brake_torque = v.input.brake * def.brake_torque + v.input.hand_brake * def.hand_brake_torque;
+        if (wheel.brake_torque != Real{}) wheel.brake_torque = wheel.brake_torque / per_second;
         if (!wheel.touches) continue;
         ++g.on_ground;
         const Real lever = def.radius * v.mass;
@@ -503,7 +526,7 @@ void VehicleSolver::prepare(const Scene& scene, const solve::StepConstants& step
         v.chassis = chassis;
     }
     vehicles.resize(count);
-    const VehicleTick tick{w, scene.placed, step, bodies};
+    const VehicleTick tick{w, scene.placed, step, bodies, Real(1) / Real(step.substeps_per_second)};
     base::for_chunks(tasks, count, 1, [&](std::uint32_t k, std::uint32_t, std::uint32_t) {
         Vehicle& v = vehicles[k];
         v.def = &rows[v.row].def;
@@ -515,10 +538,11 @@ void VehicleSolver::prepare(const Scene& scene, const solve::StepConstants& step
         v.memory.steer = way > Real{} ? v.memory.steer + bounded(turn, way) : v.input.steer;
         find_shares(*v.def, w.mass_of(v.chassis).center, shares[v.row]);
         const Rotation axes = to_rotation(w.state.rows(w.m.body_pose)[v.chassis].rotation);
+        find_steer_angles(*v.def, v.memory.steer, v.memory);
         for (std::uint32_t i = 0; i < v.def->wheel_count; ++i)
             prepare_wheel(tick, axes, v, i, shares[v.row].share[i], grounds[v.row][i]);
         prepare_bars(step, bodies, v);
-        shift_gears(tick, v);
+        shift_gears(tick, axes, v);
         prepare_train(v);
         prepare_rims(step, v);
         prepare_engine(step, v);

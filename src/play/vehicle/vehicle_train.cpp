@@ -1,6 +1,9 @@
 // Engine, clutch, differentials and tracks: what turns, solved against what the tyres will answer.
 #include "play/vehicle/vehicle_tyre.h"
 
+#include <cstring>
+#include <type_traits>
+
 namespace lockstone::sim {
 
 using solve::SolverBodies;
@@ -64,11 +67,11 @@ template <class Number> bool try_wheel(Vehicle& v, std::uint32_t i, Real& stiff)
     const Number ahead = number<Number>(wheel.ahead);
     const auto slides = TyreSlide<Number>::make(
         abs(ahead - number<Number>(g.spin) * number<Number>(wheel.radius)), abs(number<Number>(wheel.aside)));
-    const RimAnswer<Number> a =
-        turn_rim<Number>(g, wheel, number<Number>(free_spin(v, i, &Wheel::try_p)),
-                         number<Number>(wheel.ahead_free), abs(ahead),
-                         {v.along[wheel.tyre], number<Number>(wheel.load), number<Number>(wheel.most_along),
-                          slides, number<Number>(wheel.along.kappa), TyreAsks::gain});
+    const TyreQuestion<Number, TyreAsks::gain> tyre{v.along[wheel.tyre], number<Number>(wheel.load),
+                                                    number<Number>(wheel.most_along), slides,
+                                                    number<Number>(wheel.along.kappa)};
+    const RimAnswer<Number> a = turn_rim(g, wheel, number<Number>(free_spin(v, g, i, &Wheel::try_p)),
+                                         number<Number>(wheel.ahead_free), abs(ahead), tyre);
     wheel.try_p = real(a.impulse);
     g.spin = real(a.spin);
     stiff += wheel.stiff * real(a.gain);
@@ -102,7 +105,7 @@ template <class Number> void look_ahead(const Chassis& chassis, const SolverBodi
 
 template <class Number> void add_torque(SpinGroup& g, Number torque) {
     g.torque = real(number<Number>(g.torque) + torque);
-    set_free<Number>(g);
+    set_free(g, real(number<Number>(g.spin_begin) + number<Number>(g.torque) / g.by_inertia));
 }
 template <class Number> void turn_engine(Vehicle& v, Number by) {
     v.engine_speed = real(number<Number>(v.engine_speed) + by);
@@ -168,10 +171,14 @@ template <class Number> bool begin_train(Vehicle& v) {
 
 } // namespace
 
-void prepare_engine(const solve::StepConstants& step, Vehicle& v) {
-    const EngineDef& def = v.def->engine;
-    EngineRow& engine = v.engine;
+/// What follows from the definition alone.
+static void find_engine(const solve::StepConstants& step, const EngineDef& def, EngineRow& engine) {
+    static_assert(std::has_unique_object_representations_v<EngineDef>);
+    if (engine.known_rate == step.substeps_per_second && std::memcmp(&engine.known, &def, sizeof def) == 0)
+        return;
     const Real per_second = Real(step.substeps_per_second);
+    engine.known_rate = step.substeps_per_second;
+    engine.known = def;
     engine.inertia = Divisor::make(def.inertia);
     engine.push = def.torque_max / def.inertia / per_second;
     engine.drag = def.brake_torque / def.inertia / per_second;
@@ -180,6 +187,13 @@ void prepare_engine(const solve::StepConstants& step, Vehicle& v) {
     engine.per_idle = Real(2) / engine.idle_speed;
     for (std::size_t i = 1; i < def.torque.size(); ++i)
         engine.run_inverse[i] = Real(1) / (def.torque[i].x - def.torque[i - 1].x);
+}
+
+void prepare_engine(const solve::StepConstants& step, Vehicle& v) {
+    const EngineDef& def = v.def->engine;
+    EngineRow& engine = v.engine;
+    const Real per_second = Real(step.substeps_per_second);
+    find_engine(step, def, engine);
     for (std::uint32_t k = 0; k < v.coupling_count; ++k) {
         Coupling& c = v.coupling[k];
         c.engine_answer = c.engine * c.engine / def.inertia;
