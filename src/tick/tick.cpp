@@ -9,6 +9,8 @@
 #include "solve/joints/joint_stiffness.h"
 #include "tick/joints.h"
 
+#include <tuple>
+
 namespace lockstone::sim {
 
 namespace {
@@ -47,10 +49,21 @@ void checkpoint_with_contacts(const Tick& t, const char* phase) {
     checkpoint(t, phase);
 }
 
-solve::StepConstants constants_of(const Config& c) {
-    return solve::step_constants({static_cast<std::int32_t>(c.tick_rate),
-                                  static_cast<std::int32_t>(c.substeps), c.contact_hertz, c.contact_damping,
-                                  c.push_speed_max, c.restitution_speed_min});
+/// The same from tick to tick while the settings are.
+void find_constants(const Config& c, TickScratch& s) {
+    const solve::StepSettings now{static_cast<std::int32_t>(c.tick_rate),
+                                  static_cast<std::int32_t>(c.substeps),
+                                  c.contact_hertz,
+                                  c.contact_damping,
+                                  c.push_speed_max,
+                                  c.restitution_speed_min};
+    const auto all = [](const solve::StepSettings& x) {
+        return std::tie(x.ticks_per_second, x.substeps, x.contact_hertz, x.contact_damping, x.push_speed_max,
+                        x.restitution_speed_min);
+    };
+    if (all(now) == all(s.step_of)) return;
+    s.step = solve::step_constants(now);
+    s.step_of = now;
 }
 
 /// Bounds and pairs, again while something awake wakes what it touches.
@@ -71,7 +84,7 @@ void prepare(const Tick& t, const Scene& scene, const solve::BodyColumns& column
     TickScratch& s = t.s;
     Model& w = t.w;
     Tasks* const tasks = t.hooks.tasks;
-    s.step = constants_of(w.config());
+    find_constants(w.config(), s);
     const std::span<const Transform> poses = w.state.rows(w.m.body_pose).first(w.header().bodies_awake);
     s.pose_before.list.assign(poses.begin(), poses.end());
     const std::span<const JointMemory> memory = w.state.rows(w.m.joint_memory);
