@@ -103,6 +103,7 @@ struct SpinGroup {
     std::uint32_t first, last; ///< its wheels are among these
     std::uint32_t on_ground;   ///< how many of its wheels touch
     Real answer;               ///< d spin / d torque
+    Real answer_free;          ///< the same while no tyre clings
     bool coupled;              ///< to the train
     bool small;                ///< its spins are far from the end of a Real
 };
@@ -148,6 +149,7 @@ struct Vehicle {
     /// [rad/s]; engine turns per turn of the wheels, 0: in neutral or between gears
     Real engine_speed, ratio;
     std::uint32_t group_count, coupling_count;
+    bool any_in_air; ///< a group of which no wheel is on the ground
     std::array<TyreCurve, vehicle_tyres_max> along, across;
     EngineRow engine;
     /// Numbers of the engine, and of all that turns, are far from the end of a Real

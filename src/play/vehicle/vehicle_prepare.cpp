@@ -359,7 +359,8 @@ void prepare_train(Vehicle& v) {
     const bool tracked = def.tracks.enabled != 0;
     v.group_count = tracked ? 2 : def.wheel_count;
     v.coupling_count = 0;
-    for (SpinGroup& g : v.group) {
+    for (std::uint32_t k = 0; k < v.group_count; ++k) {
+        SpinGroup& g = v.group[k];
         const Divisor known = g.by_inertia;
         g = SpinGroup{};
         g.by_inertia = known;
@@ -445,6 +446,12 @@ void prepare_rims(const solve::StepConstants& step, Vehicle& v) {
         wheel.ordinary = wheel.arm < small_arm && wheel.kappa_rim < small_kappa_rim &&
                          max(max(wheel.normal.kappa, wheel.along.kappa),
                              max(wheel.across.kappa, abs(wheel.mixed))) < small_kappa;
+    }
+    v.any_in_air = false;
+    for (std::uint32_t k = 0; k < v.group_count; ++k) {
+        SpinGroup& g = v.group[k];
+        v.any_in_air = v.any_in_air || g.on_ground == 0;
+        if (g.coupled) g.answer_free = quotient(Real(1), g.inertia);
     }
     for (std::uint32_t t = 0; t < vehicle_tyres_max; ++t) {
         if ((tyres >> t & 1u) == 0) continue;

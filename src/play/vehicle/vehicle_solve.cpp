@@ -163,7 +163,7 @@ template <class Number> void set_peaks(const Vehicle& v, Wheel& wheel) {
 }
 
 void set_load(const Vehicle& v, Wheel& wheel, Real load) {
-    wheel.load = load * wheel.grip;
+    wheel.load = wheel.grip == Real(1) ? load : load * wheel.grip;
     wheel.small = wheel.ordinary && wheel.load < small_load;
     if (wheel.small)
         set_peaks<Small>(v, wheel);
@@ -273,7 +273,7 @@ void VehicleSolver::solve(const StepConstants& step, SolverBodies& bodies, bool 
             solve_tyres<TyreAsks::slip>(pass);
         else
             solve_tyres<TyreAsks::impulse>(pass);
-        spin_in_the_air(v);
+        if (v.any_in_air) spin_in_the_air(v);
         write_back(chassis, bodies.body[v.chassis]);
         for (std::uint32_t g = 0; g < v.group_count && bias; ++g) v.group[g].turned += v.group[g].spin;
     });

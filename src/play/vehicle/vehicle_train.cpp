@@ -92,7 +92,7 @@ void settle(Vehicle& v, std::uint32_t group) {
         g.spin = braked_spin(g, g.free);
         held = g.spin == Real{} && g.brake > Real{};
     }
-    g.answer = held ? Real{} : quotient(Real(1), g.inertia + stiff);
+    g.answer = held ? Real{} : stiff == Real{} ? g.answer_free : quotient(Real(1), g.inertia + stiff);
 }
 
 /// How the patches of driven wheels move over the ground before tyres are tried.
