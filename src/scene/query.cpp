@@ -77,6 +77,14 @@ bool make_cast(Vec3 from, Vec3 way, Cast& out) {
            out.line.length_30 <= query_length_max.raw >> 2;
 }
 
+/// The same as another from elsewhere.
+bool make_cast_beside(Vec3 from, Vec3 way, const Cast& other, Cast& out) {
+    if (way != other.way) return make_cast(from, way, out);
+    out = other;
+    out.from = from;
+    return true;
+}
+
 /// A solid that can be cast, or asked about; false otherwise.
 bool find_solid(const Scene& scene, const Geometry& geometry, shapes::Solid& out) {
     const base::Holds holds(scene.query.lock); // scaled hulls are kept
@@ -120,19 +128,22 @@ bool cast_at(const Asking& asking, const Cast& cast, const ShapeRow& shape, coll
     collide::Line line = cast.line;
     if (!collide::move_line(to<Coordinate>(cast.from - frame.position), line)) return false;
     const Rotation& axes = at.axes; // a plane's frame has its rotation
+    const bool turns = is_turned(axes),
+               is_whole = span.enter_30 <= 0 && span.exit_30 >= line.length_30 && !turns;
     const CoordinateVec3 begin = collide::coordinates(collide::place_24(line, span.enter_30));
     const CoordinateVec3 end = collide::coordinates(collide::place_24(line, span.exit_30));
     CoordinateVec3 from = begin, way = end - begin;
-    if (is_turned(axes))
-        from = mul_transposed<Coordinate>(axes, from), way = mul_transposed<Coordinate>(axes, way);
+    if (turns) from = mul_transposed<Coordinate>(axes, from), way = mul_transposed<Coordinate>(axes, way);
     collide::CastHit hit{};
     if (cast.solid == nullptr) {
         if (!collide::cast_ray(at.solid, from, way, narrow, hit)) return false;
     } else {
+        collide::Line part = line;
+        if (!is_whole && !collide::make_line(CoordinateVec3{}, way, part)) return false;
         const bool is_ball = cast.solid->geometry.kind == ShapeKind::sphere;
         const Rotation turned =
             is_ball ? Rotation::identity() : to_rotation(conjugate(frame.rotation) * cast.rotation);
-        if (!collide::cast_shape(at.solid, *cast.solid, {turned, from}, way, narrow, hit)) return false;
+        if (!collide::cast_shape(at.solid, *cast.solid, {turned, from}, part, narrow, hit)) return false;
     }
     out = world_hit(asking, shape, frame, axes, hit);
     const std::int64_t travelled = std::min(span.enter_30 + (hit.distance.raw << 6), line.length_30);
@@ -165,16 +176,22 @@ collide::SweptBox swept_box(const Model& w, const Cast& cast) {
     return {point(cast.from), point(cast.from + cast.way)};
 }
 
+/// Planes are near whatever is cast. What the filter hides is not.
+void add_planes(const Asking& asking, const QueryFilter& filter) {
+    std::vector<std::uint32_t>& slots = asking.work->near.proxies;
+    slots.insert(slots.end(), asking.placed.planes.begin(), asking.placed.planes.end());
+    std::erase_if(
+        slots, [&](std::uint32_t slot) { return !is_seen(asking.w, row_of_slot(asking.w, slot), filter); });
+}
+
 /// The shapes whose bounds a cast may meet, into near.
-void find_near(const Asking& asking, const Cast& cast) {
-    const PlacedShapes& s = asking.placed;
-    collide::BroadPhase::Asker& near = asking.work->near;
-    s.broad_phase.query(swept_box(asking.w, cast), near);
-    near.proxies.insert(near.proxies.end(), s.planes.begin(), s.planes.end());
+void find_near(const Asking& asking, const Cast& cast, const QueryFilter& filter) {
+    asking.placed.broad_phase.query(swept_box(asking.w, cast), asking.work->near);
+    add_planes(asking, filter);
 }
 
 /// The same for several casts of solids: what the box around all of them meets.
-void find_near(const Asking& asking, std::span<const Cast> casts) {
+void find_near(const Asking& asking, std::span<const Cast> casts, const QueryFilter& filter) {
     const PlacedShapes& s = asking.placed;
     Vec3 lower = casts[0].from, upper = lower;
     for (const Cast& cast : casts) {
@@ -185,20 +202,18 @@ void find_near(const Asking& asking, std::span<const Cast> casts) {
     }
     const int shift = static_cast<int>(asking.w.state.rows(asking.w.m.config)[0].bounds_shift);
     const collide::Bounds around{bound_below(lower, shift), bound_below(upper, shift)};
-    collide::BroadPhase::Asker& near = asking.work->near;
-    s.broad_phase.query(collide::expand(around, Bound::from_raw(2)), near);
-    near.proxies.insert(near.proxies.end(), s.planes.begin(), s.planes.end());
+    s.broad_phase.query(collide::expand(around, Bound::from_raw(2)), asking.work->near);
+    add_planes(asking, filter);
 }
 
 /// What of near a cast may meet, by where the balls of the shapes begin, then by slot.
-void find_candidates(const Asking& asking, const Cast& cast, const QueryFilter& filter) {
+void find_candidates(const Asking& asking, const Cast& cast) {
     const Model& w = asking.w;
     const PlacedShapes& s = asking.placed;
     QueryWork& q = *asking.work;
     q.candidates.clear();
     for (const std::uint32_t slot : q.near.proxies) {
         const ShapeRow& shape = row_of_slot(w, slot);
-        if (!is_seen(w, shape, filter)) continue;
         std::int64_t enter = 0, exit = cast.line.length_30;
         const PlacedShapes::Shape& at = s.shape[slot];
         if (w.traits_of(shape).geometry.kind != ShapeKind::plane) {
@@ -217,9 +232,8 @@ void find_candidates(const Asking& asking, const Cast& cast, const QueryFilter& 
 }
 
 /// visit(hit) returns how far hits still matter [m, 30 fraction bits]. After find_near().
-template <class Visit>
-void for_each_hit_near(const Asking& asking, const Cast& cast, const QueryFilter& filter, Visit&& visit) {
-    find_candidates(asking, cast, filter);
+template <class Visit> void for_each_hit_near(const Asking& asking, const Cast& cast, Visit&& visit) {
+    find_candidates(asking, cast);
     constexpr std::int64_t slack = 1 << 10; // what roundings can move a ball
     std::int64_t matters = std::int64_t{1} << 60;
     for (const QueryWork::Candidate& c : asking.work->candidates) {
@@ -232,14 +246,14 @@ void for_each_hit_near(const Asking& asking, const Cast& cast, const QueryFilter
 template <class Visit>
 void for_each_hit(const Scene& scene, const Cast& cast, const QueryFilter& filter, Visit&& visit) {
     const Asking asking(scene);
-    find_near(asking, cast);
-    for_each_hit_near(asking, cast, filter, visit);
+    find_near(asking, cast, filter);
+    for_each_hit_near(asking, cast, visit);
 }
 
 /// After find_near().
-std::optional<QueryHit> first_hit(const Asking& asking, const Cast& cast, const QueryFilter& filter) {
+std::optional<QueryHit> first_hit(const Asking& asking, const Cast& cast) {
     std::optional<QueryHit> first;
-    for_each_hit_near(asking, cast, filter, [&](const QueryHit& hit) {
+    for_each_hit_near(asking, cast, [&](const QueryHit& hit) {
         if (!first || hit < *first) first = hit;
         return first->distance.raw >> 2;
     });
@@ -247,8 +261,8 @@ std::optional<QueryHit> first_hit(const Asking& asking, const Cast& cast, const 
 }
 std::optional<QueryHit> first_hit(const Scene& scene, const Cast& cast, const QueryFilter& filter) {
     const Asking asking(scene);
-    find_near(asking, cast);
-    return first_hit(asking, cast, filter);
+    find_near(asking, cast, filter);
+    return first_hit(asking, cast);
 }
 
 bool any_hit(const Scene& scene, const Cast& cast, const QueryFilter& filter) {
@@ -353,6 +367,7 @@ std::optional<QueryHit> cast_shape(const Scene& scene, const Geometry& geometry,
 
 void cast_balls(const Scene& scene, std::span<const BallCast> balls, const QueryFilter& filter,
                 std::span<std::optional<QueryHit>> hits) {
+    const Asking asking(scene);
     std::array<shapes::Solid, balls_max> solids;
     std::array<Cast, balls_max> casts;
     std::array<std::size_t, balls_max> index;
@@ -360,20 +375,32 @@ void cast_balls(const Scene& scene, std::span<const BallCast> balls, const Query
     for (std::size_t i = 0; i < balls.size(); ++i) {
         hits[i].reset();
         const BallCast& ball = balls[i];
-        const bool is_known = count > 0 && ball.radius == balls[index[count - 1]].radius;
-        if (is_known)
-            solids[count] = solids[count - 1];
-        else if (!find_solid(scene, sphere(ball.radius), solids[count]))
+        Cast& cast = casts[count];
+        if (count == 0 ? !make_cast(ball.from, ball.way, cast)
+                       : !make_cast_beside(ball.from, ball.way, casts[count - 1], cast))
             continue;
-        if (!make_cast(ball.from, ball.way, casts[count])) continue;
-        casts[count].solid = &solids[count];
-        casts[count].reach = is_known ? casts[count - 1].reach : shapes::reach_of(solids[count]);
+        if (count > 0 && ball.radius == balls[index[count - 1]].radius) {
+            cast.solid = casts[count - 1].solid;
+            cast.reach = casts[count - 1].reach;
+        } else {
+            QueryWork::KnownBall& known = asking.work->ball;
+            if (known.radius != ball.radius || ball.radius <= Real{}) {
+                if (!find_solid(scene, sphere(ball.radius), known.solid)) {
+                    known.radius = Real{};
+                    continue;
+                }
+                known.radius = ball.radius;
+                known.reach = shapes::reach_of(known.solid);
+            }
+            solids[count] = known.solid;
+            cast.solid = &solids[count];
+            cast.reach = known.reach;
+        }
         index[count++] = i;
     }
     if (count == 0) return;
-    const Asking asking(scene);
-    find_near(asking, std::span(casts).first(count));
-    for (std::size_t k = 0; k < count; ++k) hits[index[k]] = first_hit(asking, casts[k], filter);
+    find_near(asking, std::span(casts).first(count), filter);
+    for (std::size_t k = 0; k < count; ++k) hits[index[k]] = first_hit(asking, casts[k]);
 }
 
 bool cast_ray_any(const Scene& scene, const Ray& ray, const QueryFilter& filter) {

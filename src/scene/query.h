@@ -26,6 +26,13 @@ struct QueryWork {
     };
     std::vector<Candidate> candidates;
     collide::NarrowScratch narrow;
+    /// What the last ball was that was cast: of one radius it is always the same.
+    struct KnownBall {
+        Real radius; ///< 0: none
+        shapes::Solid solid;
+        Coordinate reach;
+    };
+    KnownBall ball{};
 };
 
 struct QueryScratch {

@@ -30,9 +30,10 @@ void poison_query(std::byte with, QueryScratch& query) {
     auto& [lock, idle] = query;
     collide::Manifolds unused;
     for (const std::unique_ptr<QueryWork>& work : idle) {
-        auto& [near, candidates, narrow] = *work;
+        auto& [near, candidates, narrow, ball] = *work;
         poison(with, near.open, near.proxies, candidates);
         poison_narrow(with, narrow, unused);
+        ball.radius = Real{};
     }
 }
 
@@ -93,12 +94,13 @@ void poison_bodies(std::byte with, solve::SolverBodies& bodies) {
 void poison_scratch(Model& w, PlacedShapes& placed, QueryScratch& query, TickScratch& scratch,
                     std::byte with) {
     auto& [characters, pair_scratch, near, table, contact_scratch, found, pose_before, joints, fields, step,
-           bodies, contacts, joint_solver, vehicles, vehicle_solver, fluids, sweep, broken, islands] =
-        scratch;
+           step_of, bodies, contacts, joint_solver, vehicles, vehicle_solver, fluids, sweep, broken,
+           islands] = scratch;
     poison_characters(with, characters);
     poison_pairs(with, pair_scratch, near);
     table.poison(with);
     poison_contacts(with, contact_scratch, found);
+    step_of = {};
     poison(with, pose_before.list, joints, fields.pulls, fields.categories, step, broken, w.mass_parts);
     poison_bodies(with, bodies);
     contacts.poison(with);

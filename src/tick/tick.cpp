@@ -9,6 +9,8 @@
 #include "solve/joints/joint_stiffness.h"
 #include "tick/joints.h"
 
+#include <tuple>
+
 namespace lockstone::sim {
 
 namespace {
@@ -47,10 +49,21 @@ void checkpoint_with_contacts(const Tick& t, const char* phase) {
     checkpoint(t, phase);
 }
 
-solve::StepConstants constants_of(const Config& c) {
-    return solve::step_constants({static_cast<std::int32_t>(c.tick_rate),
-                                  static_cast<std::int32_t>(c.substeps), c.contact_hertz, c.contact_damping,
-                                  c.push_speed_max, c.restitution_speed_min});
+/// The same from tick to tick while the settings are.
+void find_constants(const Config& c, TickScratch& s) {
+    const solve::StepSettings now{static_cast<std::int32_t>(c.tick_rate),
+                                  static_cast<std::int32_t>(c.substeps),
+                                  c.contact_hertz,
+                                  c.contact_damping,
+                                  c.push_speed_max,
+                                  c.restitution_speed_min};
+    const auto all = [](const solve::StepSettings& x) {
+        return std::tie(x.ticks_per_second, x.substeps, x.contact_hertz, x.contact_damping, x.push_speed_max,
+                        x.restitution_speed_min);
+    };
+    if (all(now) == all(s.step_of)) return;
+    s.step = solve::step_constants(now);
+    s.step_of = now;
 }
 
 /// Bounds and pairs, again while something awake wakes what it touches.
@@ -67,32 +80,31 @@ void find_near(const Tick& t, const Scene& scene) {
 }
 
 /// From rows of the state to what the solver works on.
-void prepare(const Tick& t, const Scene& scene) {
+void prepare(const Tick& t, const Scene& scene, const solve::BodyColumns& columns) {
     TickScratch& s = t.s;
     Model& w = t.w;
     Tasks* const tasks = t.hooks.tasks;
-    s.step = constants_of(w.config());
+    find_constants(w.config(), s);
     const std::span<const Transform> poses = w.state.rows(w.m.body_pose).first(w.header().bodies_awake);
     s.pose_before.list.assign(poses.begin(), poses.end());
     const std::span<const JointMemory> memory = w.state.rows(w.m.joint_memory);
-    solve::begin_step(w.body_columns(), w.header().gravity, s.step, s.bodies, tasks);
+    solve::begin_step(columns, w.header().gravity, s.step, s.bodies, tasks);
     list_joints(w, s.joints);
-    solve::stiffen_bodies(s.joints, memory, w.body_columns(), s.step, s.bodies);
-    solve::follow_turns(s.joints, w.body_columns(), s.step, s.bodies);
-    s.contacts.prepare(s.found.contacts, s.table.list.memories, w.body_columns().mass, s.step, s.bodies,
-                       tasks);
-    s.joint_solver.prepare(s.joints, memory, w.body_columns(), s.step, s.bodies, tasks);
-    s.vehicle_solver.prepare(s.vehicles.drive(scene), w.body_columns(), s.step, s.bodies, tasks);
+    solve::stiffen_bodies(s.joints, memory, columns, s.step, s.bodies);
+    solve::follow_turns(s.joints, columns, s.step, s.bodies);
+    s.contacts.prepare(s.found.contacts, s.table.list.memories, columns.mass, s.step, s.bodies, tasks);
+    s.joint_solver.prepare(s.joints, memory, columns, s.step, s.bodies, tasks);
+    s.vehicle_solver.prepare(s.vehicles.drive(scene), columns, s.step, s.bodies, tasks);
     list_fields(w, s.fields);
     s.fluids.prepare(w, t.placed, s.fields, s.step, s.bodies);
     s.joint_solver.update(s.step, s.bodies, tasks);
     passed(t, "prepare");
 }
 
-void substep(const Tick& t, const solve::FreeMotion& motion) {
+void substep(const Tick& t, const solve::FreeMotion& motion, const solve::BodyColumns& columns) {
     TickScratch& s = t.s;
     Tasks* const tasks = t.hooks.tasks;
-    integrate_velocities(motion, t.w.body_columns(), s.step, s.bodies, tasks);
+    integrate_velocities(motion, columns, s.step, s.bodies, tasks);
     s.fluids.push(t.w, s.step, s.bodies, tasks);
     passed(t, "integrate");
     s.joint_solver.warm_start(s.step, s.bodies);
@@ -164,11 +176,12 @@ void tick(Model& w, PlacedShapes& placed, QueryScratch& query, TickScratch& s, T
     find_near(t, scene);
     collide(w, placed, s.characters, s.near, s.table.list, s.contact_scratch, s.found, hooks.tasks);
     checkpoint_with_contacts(t, "collide");
-    prepare(t, scene);
+    const solve::BodyColumns columns = w.body_columns();
+    prepare(t, scene, columns);
 
     const solve::FreeMotion motion{static_cast<solve::Scheme>(w.config().integrator), s.fields.pulls,
                                    s.fields.categories};
-    for (std::int32_t i = 0; i < s.step.substeps; ++i) substep(t, motion);
+    for (std::int32_t i = 0; i < s.step.substeps; ++i) substep(t, motion, columns);
     store(t);
     checkpoint_with_contacts(t, "solve");
     finish(t);

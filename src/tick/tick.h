@@ -44,6 +44,7 @@ struct TickScratch {
     FieldsOfTick fields;
 
     solve::StepConstants step{};
+    solve::StepSettings step_of{}; ///< what `step` was made of; without ticks of nothing
     solve::SolverBodies bodies;
     solve::ContactSolver contacts;
     solve::JointSolver joint_solver{*solve::kernels_of(best_simd())->joints};

@@ -1,5 +1,6 @@
 #include "collide/mesh/triangles.h"
 
+#include "collide/core.h"
 #include "collide/merge_manifolds.h"
 #include "collide/mesh/triangle_contact.h"
 #include "collide/pairs/pairs.h"
@@ -49,6 +50,7 @@ class TriangleCollision {
             LocalTriangle t = view(index);
             const bool is_behind = height_30(t, context.center_24) < 0;
             const std::int64_t lowest = lowest_30(t);
+            below_plane = below_plane || lowest <= 0;
             if (lowest > up(context.margin.raw, 6)) continue;
             if (is_behind && a.height_field != nullptr) {
                 behind.push_back(index);
@@ -64,7 +66,7 @@ class TriangleCollision {
         }
         drop_hidden();
         if (!behind.empty()) push_out(behind);
-        if (scratch.pieces.size() == first_piece) any_overlap();
+        if (below_plane && scratch.pieces.size() == first_piece) any_overlap();
     }
 
   private:
@@ -249,6 +251,7 @@ class TriangleCollision {
     NarrowScratch& scratch;
     std::size_t first_piece;
     bool two_sided;
+    bool below_plane = false; ///< B reaches the plane of a triangle that its bounds meet
     std::int64_t found_30 = std::numeric_limits<std::int64_t>::max() / 2; ///< the deepest separation so far
 };
 
@@ -259,6 +262,22 @@ shapes::Extent extent_in(const shapes::Solid& b, const RelativePose& pose, Lengt
     const Long3 lower = raw(local.lower), upper = raw(local.upper);
     const Long3 columns[3] = {raw(pose.rotation.x), raw(pose.rotation.y), raw(pose.rotation.z)};
     shapes::Extent out;
+    const std::int64_t margin_24 = std::int64_t{margin.raw} + 2;
+    constexpr std::int64_t small = std::int64_t{1} << 31; // three products with units stay below 2^63
+    if (larger(widest(lower), widest(upper)) < small) {
+        for (int i = 0; i < 3; ++i) {
+            std::int64_t least = 0, most = 0;
+            for (int j = 0; j < 3; ++j) {
+                const std::int64_t x = columns[j][i] * lower[j], y = columns[j][i] * upper[j];
+                least += smaller(x, y);
+                most += larger(x, y);
+            }
+            const std::int64_t at = raw(pose.position)[i];
+            out.lower[i] = coordinate(at + (least >> 30) - margin_24);
+            out.upper[i] = coordinate(at + (most >> 30) + margin_24);
+        }
+        return out;
+    }
     for (int i = 0; i < 3; ++i) {
         Wide least = Wide::from(0), most = least; // 54 fraction bits; a scaled primitive reaches 1.4 km: 2^65
         for (int j = 0; j < 3; ++j) {
@@ -266,9 +285,9 @@ shapes::Extent extent_in(const shapes::Solid& b, const RelativePose& pose, Lengt
             least = least + (y < x ? y : x);
             most = most + (x < y ? y : x);
         }
-        const std::int64_t at = raw(pose.position)[i], grown = std::int64_t{margin.raw} + 2;
-        out.lower[i] = coordinate(at + saturate_to_int64(least >> 30) - grown);
-        out.upper[i] = coordinate(at + saturate_to_int64(most >> 30) + grown);
+        const std::int64_t at = raw(pose.position)[i];
+        out.lower[i] = coordinate(at + saturate_to_int64(least >> 30) - margin_24);
+        out.upper[i] = coordinate(at + saturate_to_int64(most >> 30) + margin_24);
     }
     return out;
 }

@@ -31,6 +31,10 @@ bool cast_ray(const shapes::Solid& solid, CoordinateVec3 from, CoordinateVec3 tr
 /// turning. The surfaces are within 2 um of each other at the hit.
 bool cast_shape(const shapes::Solid& solid, const shapes::Solid& moving, const RelativePose& pose,
                 CoordinateVec3 translation, NarrowScratch& scratch, CastHit& hit);
+struct Line; // cast_line.h
+/// The same along a line's way, wherever the line begins.
+bool cast_shape(const shapes::Solid& solid, const shapes::Solid& moving, const RelativePose& pose,
+                const Line& way, NarrowScratch& scratch, CastHit& hit);
 
 /// Nearest points of two solids, at most one of them with triangles or a plane. False when further apart than `limit`.
 struct Nearest {

@@ -43,6 +43,12 @@ bool make_line(CoordinateVec3 from, CoordinateVec3 way, Line& out) {
 
 Span span_of_ball(const Line& line, Long3 center_24, std::int64_t radius_24) {
     constexpr std::int64_t guard_24 = 16; // what rounding the nearest point can hide
+    // Deep in a large ball the whole line is in it.
+    const Long3 from_center = line.from_24 - center_24;
+    const std::int64_t quarter = radius_24 / 4;
+    if (absolute(from_center[0]) < quarter && absolute(from_center[1]) < quarter &&
+        absolute(from_center[2]) < quarter && line.length_30 < up(quarter, 6))
+        return {0, line.length_30};
     const std::int64_t nearest = nearest_30(line, center_24);
     const Long3 off = point_30(line, nearest) - up(center_24, 6);
     const std::int64_t r_30 = up(radius_24 + guard_24, 6);

@@ -23,10 +23,23 @@ constexpr std::int64_t dot_dropped(Long3 a, Long3 b, int drop) {
     return narrow_rounded(Wide::product(a[0], b[0]) + Wide::product(a[1], b[1]) + Wide::product(a[2], b[2]),
                           drop);
 }
+/// Of two directions: never far from 1, so that nothing is clamped.
+constexpr std::int64_t slope_60(Long3 direction_30, Long3 unit_60) {
+    const Wide sum = Wide::product(direction_30[0], unit_60[0]) + Wide::product(direction_30[1], unit_60[1]) +
+                     Wide::product(direction_30[2], unit_60[2]);
+    return (static_cast<std::int64_t>((sum >> 29).low_bits()) + 1) >> 1;
+}
 constexpr std::int64_t times_60(std::int64_t x, std::int64_t unit_60) {
     return narrow_rounded(Wide::product(x, unit_60), 60);
 }
 constexpr Long3 times_60(Long3 unit_60, std::int64_t x) {
+    constexpr std::int64_t small = std::int64_t{1} << 61; // no product is longer than x: nothing is clamped
+    if (x < small && x > -small) [[likely]] {
+        const auto rounded = [x](std::int64_t u) {
+            return (static_cast<std::int64_t>((Wide::product(x, u) >> 59).low_bits()) + 1) >> 1;
+        };
+        return {rounded(unit_60[0]), rounded(unit_60[1]), rounded(unit_60[2])};
+    }
     return {times_60(x, unit_60[0]), times_60(x, unit_60[1]), times_60(x, unit_60[2])};
 }
 

@@ -25,7 +25,7 @@ Convex placed(const Obstacle& o, Long3 position_24) {
 
 /// Whether the plane of a triangle parts a shape from it by more than the limit: `out` is a gap along its normal then. Most
 /// triangles near a way are told by that.
-bool is_off_plane(const shapes::Triangle& t, const Convex& shape, Long3 position_24, std::int64_t limit_30,
+bool is_off_plane(const shapes::Face& t, const Convex& shape, Long3 position_24, std::int64_t limit_30,
                   Between& out) {
     constexpr std::int64_t roundings = 64;
     const Long3 plane = raw(t.normal);

@@ -3,6 +3,7 @@
 
 #include "collide/convex/convex.h"
 #include "collide/query/cast_line.h"
+#include "shapes/mesh/face.h"
 
 namespace lockstone::collide {
 
@@ -10,11 +11,11 @@ namespace lockstone::collide {
 struct Obstacle {
     enum class Kind : std::uint8_t { convex, triangle, plane };
     Kind kind;
-    std::uint32_t feature;            ///< part or triangle; 0
-    const shapes::Solid* solid;       ///< convex
-    const Transform* place;           ///< of a part, else null
-    const shapes::Triangle* triangle; ///< of a triangle
-    bool one_sided;                   ///< of a triangle
+    std::uint32_t feature;        ///< part or triangle; 0
+    const shapes::Solid* solid;   ///< convex
+    const Transform* place;       ///< of a part, else null
+    const shapes::Face* triangle; ///< of a triangle
+    bool one_sided;               ///< of a triangle
 };
 
 /// How far a convex shape is from an obstacle, roundings included.
@@ -42,7 +43,7 @@ void for_each_obstacle(const shapes::Solid& solid, const shapes::Extent& where, 
         scratch.triangles.clear();
         shapes::find_triangles(solid, where, scratch.triangles);
         for (const std::uint32_t index : scratch.triangles) {
-            const shapes::Triangle triangle = shapes::triangle_at(solid, index);
+            const shapes::Face triangle = shapes::face_at(solid, index);
             o.feature = index;
             o.triangle = &triangle;
             visit(o);

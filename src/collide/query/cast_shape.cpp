@@ -21,12 +21,14 @@ struct Caster {
     std::int64_t reach_24;
 };
 
-Long3 position_24(const Line& line, std::int64_t at_30) { return shifted(point_30(line, at_30), 6); }
+Long3 position_24(const Line& line, std::int64_t at_30) {
+    return at_30 == 0 ? line.from_24 : shifted(point_30(line, at_30), 6);
+}
 
 /// A ball that moves towards a triangle.
 struct BallPath {
     const Line& line;
-    const shapes::Triangle& triangle;
+    const shapes::Face& triangle;
     std::int64_t radius_24;
 
     /// Within 32 m on each axis: products stay in 64 bits.
@@ -125,7 +127,7 @@ class BallCaster {
         : c(caster), span(where), from_24(position_24(caster.line, where.enter_30)), hit(first), found(any) {}
 
     void visit(const Obstacle& o) {
-        const std::int64_t slope = dot_dropped(raw(o.triangle->normal), c.line.unit_60, 30);
+        const std::int64_t slope = slope_60(raw(o.triangle->normal), c.line.unit_60);
         const BallPath path{c.line, *o.triangle, c.shape.radius.raw};
         std::int64_t at = 0;
         if (slope >= 0 || !path.find_plane(span.enter_30, from_24, slope, at))
@@ -159,7 +161,7 @@ class BallCaster {
   private:
     static constexpr std::size_t waiting_max = 12;
     struct Waiting {
-        shapes::Triangle triangle;
+        shapes::Face triangle;
         std::int64_t at_30; ///< not touched before
         bool one_sided;
     };
@@ -172,6 +174,15 @@ class BallCaster {
     std::size_t count = 0;
     std::array<Waiting, waiting_max> waiting;
 };
+
+/// At the origin. A ball's axes nobody asks for.
+Convex shape_of(const shapes::Solid& solid, const Rotation& rotation) {
+    if (solid.geometry.kind != ShapeKind::sphere) return convex_of(solid, rotation, CoordinateVec3{});
+    Convex ball{};
+    ball.core = Convex::Core::point;
+    ball.radius = Coordinate::from_raw(reach_24(solid));
+    return ball;
+}
 
 /// Along the line in pieces of a few times the shape's size, so that few triangles are looked at twice.
 bool cast_in_pieces(const shapes::Solid& solid, const Caster& c, NarrowScratch& scratch, CastHit& hit) {
@@ -207,17 +218,14 @@ bool cast_in_pieces(const shapes::Solid& solid, const Caster& c, NarrowScratch& 
 }
 
 bool cast_convex(const shapes::Solid& solid, const shapes::Solid& moving, const RelativePose& pose,
-                 CoordinateVec3 translation, NarrowScratch& scratch, CastHit& hit) {
-    Line line{};
-    if (solid.geometry.kind == ShapeKind::plane) {
-        // Only the height counts: the place beside it would leave the range far from the plane's origin.
-        RelativePose above = pose;
-        above.position = {Coordinate{}, pose.position.y, Coordinate{}};
-        if (!make_line(above.position, translation, line)) return false;
-    } else if (!make_line(pose.position, translation, line)) {
-        return false;
-    }
-    const Caster c{line, convex_of(moving, pose.rotation, CoordinateVec3{}), reach_24(moving)};
+                 const Line& way, NarrowScratch& scratch, CastHit& hit) {
+    // Above a plane only the height counts: the place beside it would leave the range far from the plane's origin.
+    const CoordinateVec3 from = solid.geometry.kind == ShapeKind::plane
+                                    ? CoordinateVec3{Coordinate{}, pose.position.y, Coordinate{}}
+                                    : pose.position;
+    Line line = way;
+    if (!move_line(from, line)) return false;
+    const Caster c{line, shape_of(moving, pose.rotation), reach_24(moving)};
     if (has_triangles(solid) || solid.geometry.kind == ShapeKind::compound)
         return cast_in_pieces(solid, c, scratch, hit);
     const Obstacle whole{solid.geometry.kind == ShapeKind::plane ? Obstacle::Kind::plane
@@ -239,12 +247,19 @@ bool cast_convex(const shapes::Solid& solid, const shapes::Solid& moving, const 
 
 bool cast_shape(const shapes::Solid& solid, const shapes::Solid& moving, const RelativePose& pose,
                 CoordinateVec3 translation, NarrowScratch& scratch, CastHit& hit) {
+    Line way{};
+    return make_line(CoordinateVec3{}, translation, way) &&
+           cast_shape(solid, moving, pose, way, scratch, hit);
+}
+
+bool cast_shape(const shapes::Solid& solid, const shapes::Solid& moving, const RelativePose& pose,
+                const Line& way, NarrowScratch& scratch, CastHit& hit) {
     bool found = false;
     if (has_triangles(moving) || moving.geometry.kind == ShapeKind::plane) return false;
     for_each_part(moving, [&](const shapes::Solid& part, const Transform* place, std::uint32_t) {
         CastHit at{};
         const RelativePose where = place == nullptr ? pose : part_pose(pose, *place);
-        if (!cast_convex(solid, part, where, translation, scratch, at)) return;
+        if (!cast_convex(solid, part, where, way, scratch, at)) return;
         if (!found || comes_first(at, hit)) hit = at;
         found = true;
     });

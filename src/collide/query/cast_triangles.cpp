@@ -6,6 +6,7 @@
 //
 // source: Segura and Feito, An Algorithm for Determining Intersection Segment-Polygon in 3D, 1998 (signed volumes)
 #include "collide/query/cast_line.h"
+#include "shapes/mesh/face.h"
 
 namespace lockstone::collide {
 namespace {
@@ -53,7 +54,7 @@ bool quotient_60(Wide n, Wide d, std::int64_t& out) {
 }
 
 /// Where the line meets the triangle; the front is where the normal points.
-bool meets(const Anchored& line, const shapes::Triangle& triangle, bool two_sided, std::int64_t& at_30,
+bool meets(const Anchored& line, const shapes::Face& triangle, bool two_sided, std::int64_t& at_30,
            bool& from_front) {
     Long3 corner[3];
     for (int i = 0; i < 3; ++i) corner[i] = raw(triangle.corner[i]) - line.origin_24;
@@ -114,7 +115,7 @@ bool cast_ray_triangles(const shapes::Solid& solid, const Line& line, NarrowScra
         scratch.triangles.clear();
         shapes::find_triangles(solid, extent_of_piece(line, from, to_30), scratch.triangles);
         for (const std::uint32_t index : scratch.triangles) {
-            const shapes::Triangle triangle = shapes::triangle_at(solid, index);
+            const shapes::Face triangle = shapes::face_at(solid, index);
             std::int64_t at = 0;
             bool from_front = true;
             if (!meets(anchored, triangle, two_sided, at, from_front)) continue;

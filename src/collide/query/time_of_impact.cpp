@@ -172,24 +172,43 @@ struct Measured {
     Long3 direction_30; ///< world, from A to B
 };
 
-Measured measure(const Ways& w, const Obstacle& o, const Mover& m, Unit fraction, std::int64_t limit_30) {
-    const Transform pose_a = pose_at(w.a, fraction), pose_b = m.pose(w.b, fraction);
-    const bool is_plane = o.kind == Obstacle::Kind::plane;
-    const RelativePose rel = is_plane ? plane_relative_pose(pose_a, pose_b) : relative_pose(pose_a, pose_b);
-    const Between gap = between(o, m.shape(rel.rotation), raw(rel.position), limit_30);
-    if (gap.overlap) return {gap, Long3{}};
-    return {gap, raw(lockstone::mul<Unit>(to_rotation(pose_a.rotation), unit_of_30(gap.normal_30)))};
+/// Where a mover stands at a time, as all pieces of A see it.
+struct Standing {
+    Rotation axes; ///< of A
+    Long3 place_24;
+    Convex shape;
+
+    static Standing at(const Ways& w, const Mover& m, Unit fraction, bool on_plane) {
+        const Transform pose_a = pose_at(w.a, fraction), pose_b = m.pose(w.b, fraction);
+        const RelativePose rel =
+            on_plane ? plane_relative_pose(pose_a, pose_b) : relative_pose(pose_a, pose_b);
+        return {to_rotation(pose_a.rotation), raw(rel.position), m.shape(rel.rotation)};
+    }
+};
+
+Long3 in_world(const Standing& s, Long3 direction_30) {
+    return raw(lockstone::mul<Unit>(s.axes, unit_of_30(direction_30)));
 }
 
-/// The first fraction before `until` at which the gap is `target`; 1 when there is none.
-Unit advance(const Ways& w, const Obstacle& o, const Mover& m, std::int64_t target_30, Unit until) {
+Measured measure(const Standing& s, const Obstacle& o, std::int64_t limit_30) {
+    const Between gap = between(o, s.shape, s.place_24, limit_30);
+    return {gap, gap.overlap ? Long3{} : in_world(s, gap.normal_30)};
+}
+Measured measure(const Ways& w, const Obstacle& o, const Mover& m, Unit fraction, std::int64_t limit_30) {
+    return measure(Standing::at(w, m, fraction, o.kind == Obstacle::Kind::plane), o, limit_30);
+}
+
+/// The first fraction before `until` at which the gap is `target`; 1 when there is none. `start`: the gap at 0 if it is known, to
+/// no smaller a limit than is asked for here.
+Unit advance(const Ways& w, const Obstacle& o, const Mover& m, std::int64_t target_30, Unit until,
+             const Measured* start = nullptr) {
     const std::int64_t close = target_30 + larger(target_30 / 8, 2048);
     const std::int64_t reach_a = w.reach_of(o), approach_max = w.approach_max_30(m, reach_a);
     std::int64_t t = 0;
     for (int i = 0; i < advances_max; ++i) {
         const Unit fraction = Unit::from_raw(static_cast<std::int32_t>(t));
         const std::int64_t reachable = times_30(approach_max, until.raw - t) + close;
-        const Measured at = measure(w, o, m, fraction, reachable);
+        const Measured at = i == 0 && start != nullptr ? *start : measure(w, o, m, fraction, reachable);
         const std::int64_t distance = at.gap.distance_30;
         if (at.gap.overlap || distance <= (i == 0 ? target_30 : close)) return fraction;
         const std::int64_t approach = distance > reachable ? 0 : w.approach_30(m, reach_a, at.direction_30);
@@ -234,13 +253,62 @@ Corridor corridor_of(const Ways& w, const Mover& m, Length margin) {
     return {from, to, around + turned + 64};
 }
 
-/// Whether the core's centre starts behind a one-sided triangle.
-bool starts_behind(const Ways& w, const Obstacle& o, const Mover& m) {
-    if (o.kind != Obstacle::Kind::triangle || !o.one_sided) return false;
-    const Transform b = m.pose(w.b, Unit{});
-    const RelativePose rel = relative_pose(
-        pose_at(w.a, Unit{}), {b.position + rotate(b.rotation, shapes::core_center(*m.solid)), b.rotation});
-    return dot_dropped(raw(rel.position - o.triangle->corner[0]), raw(o.triangle->normal), 30) < 0;
+/// How a mover starts, found once for all pieces of A.
+struct Start {
+    Standing standing;
+    CoordinateVec3 core;      ///< its core's centre
+    Long3 lower_30, upper_30; ///< its extent, roundings included
+
+    Start(const Ways& w, const Mover& m, const shapes::Solid& a)
+        : standing(Standing::at(w, m, Unit{}, a.geometry.kind == ShapeKind::plane)) {
+        const std::int64_t radius = up(std::int64_t{standing.shape.radius.raw}, 6);
+        for (int i = 0; i < 3; ++i) {
+            Long3 along{};
+            along[i] = one_30;
+            const std::int64_t at = up(standing.place_24[i], 6);
+            lower_30[i] = at + support(standing.shape, -along).at_30[i] - radius;
+            upper_30[i] = at + support(standing.shape, along).at_30[i] + radius;
+        }
+        const Transform b = m.pose(w.b, Unit{});
+        core = relative_pose(pose_at(w.a, Unit{}),
+                             {b.position + rotate(b.rotation, shapes::core_center(*m.solid)), b.rotation})
+                   .position;
+    }
+    /// Whether the core's centre is behind a one-sided triangle.
+    bool is_behind(const Obstacle& o) const {
+        return o.kind == Obstacle::Kind::triangle && o.one_sided &&
+               dot_dropped(raw(core - o.triangle->corner[0]), raw(o.triangle->normal), 30) < 0;
+    }
+};
+
+/// Whether a mover that stands so at the start stays on its side of a triangle's plane.
+bool keeps_its_side(const Ways& w, const Standing& s, const Obstacle& o, const Mover& m) {
+    constexpr std::int64_t roundings = 1024;
+    if (o.kind != Obstacle::Kind::triangle) return false;
+    const Long3 plane = raw(o.triangle->normal);
+    const std::int64_t above = dot_dropped(up(s.place_24 - raw(o.triangle->corner[0]), 6), plane, 30);
+    const Long3 n = above < 0 ? -plane : plane;
+    const std::int64_t lowest = dot_dropped(support(s.shape, -n).at_30, n, 30);
+    const std::int64_t gap = absolute(above) + lowest - up(std::int64_t{s.shape.radius.raw}, 6);
+    if (gap <= touching_gap_30 + roundings) return false;
+    return gap - touching_gap_30 - roundings > w.approach_30(m, w.reach_of(o), in_world(s, n));
+}
+
+/// Whether a mover stays beside a triangle's extent or on its side of the triangle's plane: most triangles near a way are told by
+/// that, without closest points.
+bool stays_off(const Ways& w, const Start& start, const Obstacle& o, const Mover& m,
+               std::int64_t approach_max) {
+    constexpr std::int64_t roundings = 1024;
+    if (o.kind != Obstacle::Kind::triangle) return false;
+    const CoordinateVec3(&c)[3] = o.triangle->corner;
+    for (int i = 0; i < 3; ++i) {
+        const std::int64_t low = up(smaller(c[0][i].raw, smaller(c[1][i].raw, c[2][i].raw)), 6),
+                           high = up(larger(c[0][i].raw, larger(c[1][i].raw, c[2][i].raw)), 6);
+        if (larger(low - start.upper_30[i], start.lower_30[i] - high) >
+            approach_max + touching_gap_30 + roundings)
+            return true;
+    }
+    return keeps_its_side(w, start.standing, o, m);
 }
 
 /// The core against a piece: first a ball of half the inner radius, else its centre.
@@ -248,7 +316,9 @@ Unit core_stop(const Ways& w, const Obstacle& o, const Mover& whole, Unit until)
     const std::int64_t inner_24 = shapes::inner_radius(*whole.solid).raw;
     for (const std::int64_t radius_24 : {inner_24 / 2, std::int64_t{0}}) {
         const Mover ball = ball_of(whole, Coordinate::from_raw(radius_24));
-        const Between start = measure(w, o, ball, Unit{}, anything_30).gap;
+        const Standing begin = Standing::at(w, ball, Unit{}, o.kind == Obstacle::Kind::plane);
+        if (keeps_its_side(w, begin, o, ball)) return unit_one;
+        const Between start = measure(begin, o, anything_30).gap;
         if (start.overlap || start.distance_30 <= 64) continue;
         return advance(w, o, ball, smaller(stop_gap_30, start.distance_30 / 2), until);
     }
@@ -275,13 +345,17 @@ bool sinks_little(const Ways& w, const Obstacle& o, const Mover& whole) {
     return advance(w, o, thin, stop_gap_30, unit_one) == unit_one;
 }
 
-Unit piece_stop(const Ways& w, const Obstacle& o, const Mover& whole, Vec3 lift, Unit until) {
-    if (starts_behind(w, o, whole)) return unit_one;
-    const std::int64_t reachable = w.approach_max_30(whole, w.reach_of(o)) + 2 * touching_gap_30;
-    const Between start = measure(w, o, whole, Unit{}, reachable).gap;
+Unit piece_stop(const Ways& w, const Start& begin, const Obstacle& o, const Mover& whole, Vec3 lift,
+                Unit until) {
+    if (begin.is_behind(o)) return unit_one;
+    const std::int64_t approach_max = w.approach_max_30(whole, w.reach_of(o));
+    if (stays_off(w, begin, o, whole, approach_max)) return unit_one;
+    const std::int64_t reachable = approach_max + 2 * touching_gap_30;
+    const Measured at_start = measure(begin.standing, o, reachable);
+    const Between& start = at_start.gap;
     if (!start.overlap && start.distance_30 > reachable) return unit_one;
     if (!start.overlap && start.distance_30 > touching_gap_30) {
-        const Unit stop = advance(w, o, whole, stop_gap_30, until);
+        const Unit stop = advance(w, o, whole, stop_gap_30, until, &at_start);
         if (stop == unit_one || sinks_little(w, o, whole)) return unit_one;
         if (lift == Vec3{}) return stop;
         Mover lifted = whole;
@@ -336,9 +410,10 @@ void touching_directions(const shapes::Solid& a, const Sweep& sweep_a, const sha
         const Mover m = mover_of(part, place_in_body(sweep_b, place));
         const Long3 at = raw(relative_pose(pose_at(sweep_a, Unit{}), sweep_b.from).position);
         const std::int64_t around = (m.reach_30 >> 6) + reach_24(part) + 2 * std::int64_t{stop_gap.raw};
+        const Start begin(w, m, a);
         for_each_obstacle(a, swept_extent(at, at, around), scratch, [&](const Obstacle& o) {
-            if (starts_behind(w, o, m)) return;
-            Measured start = measure(w, o, m, Unit{}, touching_gap_30);
+            if (begin.is_behind(o)) return;
+            Measured start = measure(begin.standing, o, touching_gap_30);
             if (!start.gap.overlap && start.gap.distance_30 > touching_gap_30) return;
             // The shape itself may be a little in; its core is not.
             if (start.gap.overlap) start = measure(w, o, ball_of(m, Coordinate{}), Unit{}, anything_30);
@@ -355,8 +430,10 @@ Unit stop_fraction(const shapes::Solid& a, const Sweep& sweep_a, const shapes::S
     for_each_part(b, [&](const shapes::Solid& part, const Transform* place, std::uint32_t) {
         const Mover m = mover_of(part, place_in_body(sweep_b, place));
         const Corridor corridor = corridor_of(w, m, stop_gap + stop_gap);
+        const Start begin(w, m, a);
         for_each_obstacle(a, corridor.extent, scratch, [&](const Obstacle& o) {
-            if (first > Unit{} && corridor.may_meet(o)) first = min(first, piece_stop(w, o, m, lift, first));
+            if (first > Unit{} && corridor.may_meet(o))
+                first = min(first, piece_stop(w, begin, o, m, lift, first));
         });
     });
     return first;

@@ -12,8 +12,9 @@ constexpr Real steepest = 0.17_r; ///< least cosine between a ground's normal an
 struct WheelCastWay {
     Vec3 from; ///< a radius above the attachment
     UnitVec3 down;
-    Quat rotation; ///< y along the axle, of a cylinder
-    Real to_hub;   ///< farthest [m]
+    Quat rotation;   ///< y along the axle, of a cylinder
+    Real to_hub;     ///< farthest [m]
+    Vec3 raise, way; ///< down by a radius, and as far as the hub may be
 };
 
 bool stands_on(const QueryHit& hit, UnitVec3 down) { return -dot<Real>(hit.normal, down) >= steepest; }
@@ -50,10 +51,15 @@ void find_ways(const Model& w, const VehicleDef& def, const VehicleMemory& memor
     const Real ahead = min(to<Real>(speed) / Real(w.state.rows(w.m.config)[0].tick_rate), Real(1));
     for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
         const WheelDef& wheel = def.wheel[i];
-        const UnitVec3 down = lockstone::mul<Unit>(axes, wheel.direction);
+        const bool as_before = i > 0 && wheel.direction == def.wheel[i - 1].direction;
+        const UnitVec3 down = as_before ? out[i - 1].down : lockstone::mul<Unit>(axes, wheel.direction);
         const Vec3 attachment = pose.position + lockstone::mul<Real>(axes, wheel.attachment - center);
-        out[i] = {attachment - lockstone::scale<Real>(down, wheel.radius), down, Quat::identity(),
-                  wheel.radius + wheel.length_max + ahead};
+        const Real to_hub = wheel.radius + wheel.length_max + ahead;
+        const bool is_alike =
+            as_before && wheel.radius == def.wheel[i - 1].radius && to_hub == out[i - 1].to_hub;
+        const Vec3 raise = is_alike ? out[i - 1].raise : lockstone::scale<Real>(down, wheel.radius),
+                   way = is_alike ? out[i - 1].way : lockstone::scale<Real>(down, to_hub);
+        out[i] = {attachment - raise, down, Quat::identity(), to_hub, raise, way};
         if (def.cast != WheelCast::cylinder) continue;
         out[i].rotation =
             normalized(pose.rotation * from_axis_angle(up_axis, memory.wheel[i].steer) * y_to_x);
@@ -72,16 +78,14 @@ void cast_wheels(const Scene& scene, const VehicleDef& def, const VehicleMemory&
         static_assert(balls_max >= vehicle_wheels_max);
         std::array<BallCast, vehicle_wheels_max> balls;
         for (std::uint32_t i = 0; i < def.wheel_count; ++i)
-            balls[i] = {def.wheel[i].radius, ways[i].from,
-                        lockstone::scale<Real>(ways[i].down, ways[i].to_hub)};
+            balls[i] = {def.wheel[i].radius, ways[i].from, ways[i].way};
         cast_balls(scene, std::span(balls).first(def.wheel_count), filter, hits);
     }
     for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
         const WheelDef& wheel = def.wheel[i];
         if (def.cast == WheelCast::cylinder)
-            hits[i] =
-                cast_shape(scene, cylinder(wheel.radius, half(wheel.width)), {ways[i].from, ways[i].rotation},
-                           lockstone::scale<Real>(ways[i].down, ways[i].to_hub), filter);
+            hits[i] = cast_shape(scene, cylinder(wheel.radius, half(wheel.width)),
+                                 {ways[i].from, ways[i].rotation}, ways[i].way, filter);
         out[i] = def.cast == WheelCast::ray ? cast_ray_wheel(scene, filter, wheel, ways[i])
                                             : ground_of(scene, filter, wheel, ways[i], hits[i]);
     }

@@ -14,27 +14,33 @@ namespace {
 
 // ---- steering ------------------------------------------------------------------------------------------------------
 
-/// To the left [rad].
-Real steer_angle(const VehicleDef& def, std::uint32_t wheel, Real steer) {
-    const WheelDef& own = def.wheel[wheel];
-    if (own.steer_max == Real{} || steer == Real{} || def.tracks.enabled != 0) return Real{};
-    const Real parallel = -steer * own.steer_max;
-    if (def.ackermann == Real{}) return parallel;
+/// Of each wheel to the left [rad].
+void find_steer_angles(const VehicleDef& def, Real steer, VehicleMemory& out) {
     // The turning centre is on the line of the wheels that do not steer; where all wheels steer, on the line through their mean.
     Real fixed{}, fixed_count{}, all{};
     for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
+        out.wheel[i].steer = Real{};
         all += def.wheel[i].attachment.z;
         if (def.wheel[i].steer_max != Real{}) continue;
         fixed += def.wheel[i].attachment.z;
         fixed_count += Real(1);
     }
+    if (steer == Real{} || def.tracks.enabled != 0) return;
     const Real line = fixed_count > Real{} ? fixed / fixed_count : all / Real(def.wheel_count);
-    Real ahead = own.attachment.z - line, slope = tan(parallel);
-    if (ahead == Real{}) return parallel;
-    if (ahead < Real{}) ahead = -ahead, slope = -slope; // a rear axle, as a mirrored front axle
-    const Real ideal = atan2(ahead * slope, ahead - own.attachment.x * slope);
-    const Real turned = own.attachment.z < line ? -ideal : ideal;
-    return parallel + (turned - parallel) * def.ackermann;
+    Real known{}, known_slope{}; // wheels that steer as far have one slope
+    for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
+        const WheelDef& own = def.wheel[i];
+        if (own.steer_max == Real{}) continue;
+        const Real parallel = out.wheel[i].steer = -steer * own.steer_max;
+        Real ahead = own.attachment.z - line;
+        if (def.ackermann == Real{} || ahead == Real{}) continue;
+        if (parallel != known) known = parallel, known_slope = tan(parallel);
+        Real slope = known_slope;
+        if (ahead < Real{}) ahead = -ahead, slope = -slope; // a rear axle, as a mirrored front axle
+        const Real ideal = atan2(ahead * slope, ahead - own.attachment.x * slope);
+        const Real turned = own.attachment.z < line ? -ideal : ideal;
+        out.wheel[i].steer = parallel + (turned - parallel) * def.ackermann;
+    }
 }
 
 /// The steering wheel follows the input as fast as it may, and the wheels follow it.
@@ -42,8 +48,7 @@ void steer(const Model& w, solve::DrivenVehicle& v) {
     const Real way = v.def->steer_speed / Real(w.config().tick_rate);
     const Real turn = v.input.steer - v.memory.steer;
     v.memory.steer = way > Real{} ? v.memory.steer + clamp(turn, -way, way) : v.input.steer;
-    for (std::uint32_t i = 0; i < v.def->wheel_count; ++i)
-        v.memory.wheel[i].steer = steer_angle(*v.def, i, v.memory.steer);
+    find_steer_angles(*v.def, v.memory.steer, v.memory);
 }
 
 // ---- the gearbox ---------------------------------------------------------------------------------------------------
@@ -93,9 +98,8 @@ void shift_gears(const Model& w, solve::DrivenVehicle& v) {
         radius += wheel.radius * share;
         driven += share;
     }
-    if (driven > Real{}) turns = turns / driven, radius = radius / driven;
-    const UnitVec3 forward = to_rotation(w.state.rows(w.m.body_pose)[v.chassis].rotation).z;
-    const Real speed = dot<Real>(forward, w.state.rows(w.m.body_velocity)[v.chassis].linear);
+    if (driven > Real{} && driven != Real(1)) turns = turns / driven, radius = radius / driven;
+    const Real speed = dot<Real>(v.axes.z, w.state.rows(w.m.body_velocity)[v.chassis].linear);
     std::int32_t wanted = std::clamp(v.input.gear, -1, count);
     if (box.mode == GearboxMode::automatic)
         wanted = automatic_gear(box, v.input, m.gear, turns, radius > Real{} ? speed / radius : Real{});
@@ -154,6 +158,7 @@ std::span<solve::DrivenVehicle> VehicleDriver::drive(const Scene& scene) {
         solve::DrivenVehicle& v = vehicles[count++];
         v.def = &rows[row].def, v.input = rows[row].input, v.memory = memories[row];
         v.row = row, v.chassis = chassis;
+        v.axes = to_rotation(w.state.rows(w.m.body_pose)[chassis].rotation);
         steer(w, v);
         shift_gears(w, v);
         for (std::uint32_t i = 0; i < v.def->wheel_count; ++i) v.ground[i] = ground_of(scene, hits[row][i]);

@@ -115,6 +115,17 @@ bool HeightField::is_convex(const Place& place, const Slope& slope, std::uint32_
     return rise < slope.x * c + slope.z * r;
 }
 
+Face HeightField::face(std::uint32_t index, LengthVec3 scale) const {
+    const Place own = place_of(index);
+    const Corners corners = corners_of(own);
+    Face out;
+    for (int k = 0; k < 3; ++k)
+        out.corner[k] = scale == scale_one ? corners.at[k] : scaled_by(corners.at[k], scale);
+    out.normal = normal_of(own, slope_of(own), scale);
+    out.index = index;
+    return out;
+}
+
 Triangle HeightField::triangle(std::uint32_t index, LengthVec3 scale) const {
     const Place own = place_of(index);
     Triangle out{};

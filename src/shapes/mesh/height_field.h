@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/bytes.h"
-#include "shapes/asset/asset.h"
+#include "shapes/mesh/face.h"
 
 #include <bit>
 #include <cstring>
@@ -26,6 +26,7 @@ class HeightField {
     std::span<const std::byte> cell_bytes() const { return cells; }
     std::uint32_t triangle_count() const; ///< two a cell; cells with holes have numbers too
     Triangle triangle(std::uint32_t index, LengthVec3 scale) const;
+    Face face(std::uint32_t index, LengthVec3 scale) const;
     void find(const Extent& where, LengthVec3 scale,
               std::vector<std::uint32_t>& out) const; ///< without holes
     Extent extent() const { return bounds; }          ///< at scale 1

@@ -100,6 +100,19 @@ void Mesh::find_creases() {
     }
 }
 
+Face Mesh::face(std::uint32_t index, LengthVec3 scale) const {
+    Face out;
+    corners_of(index, out.corner);
+    out.index = index;
+    if (scale == scale_one) {
+        out.normal = normals[index];
+    } else {
+        out.normal = triangle_normal(out.corner, scale);
+        for (CoordinateVec3& c : out.corner) c = scaled_by(c, scale);
+    }
+    return out;
+}
+
 Triangle Mesh::triangle(std::uint32_t index, LengthVec3 scale) const {
     const bool as_baked = scale == scale_one;
     const auto normal_of = [&](std::uint32_t i) {

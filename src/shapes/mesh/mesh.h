@@ -3,6 +3,7 @@
 
 #include "shapes/asset/asset.h"
 #include "shapes/bounds_hierarchy.h"
+#include "shapes/mesh/face.h"
 
 namespace lockstone::shapes {
 
@@ -39,6 +40,7 @@ class Mesh {
     explicit Mesh(MeshContent content);
     std::uint32_t triangle_count() const { return static_cast<std::uint32_t>(content.triangles.size()); }
     Triangle triangle(std::uint32_t index, LengthVec3 scale) const;
+    Face face(std::uint32_t index, LengthVec3 scale) const;
     void find(const Extent& where, LengthVec3 scale, std::vector<std::uint32_t>& out) const;
     Extent extent() const { return bounds; } ///< at scale 1
     bool is_two_sided() const { return content.two_sided; }

@@ -20,6 +20,11 @@ Triangle triangle_at(const Solid& solid, std::uint32_t index) {
                                  : solid.height_field->triangle(index, solid.geometry.scale);
 }
 
+Face face_at(const Solid& solid, std::uint32_t index) {
+    return solid.mesh != nullptr ? solid.mesh->face(index, solid.geometry.scale)
+                                 : solid.height_field->face(index, solid.geometry.scale);
+}
+
 bool is_two_sided(const Solid& solid) { return solid.mesh != nullptr && solid.mesh->is_two_sided(); }
 
 } // namespace lockstone::shapes

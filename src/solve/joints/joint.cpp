@@ -164,11 +164,13 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
                           const BodyColumns& columns, const StepConstants& step, const SolverBodies& bodies,
                           Tasks* tasks) {
     JointTick& tick = *work;
+    const bool stays_empty = joints.empty() && tick.joints.empty(); // then all that is planned is empty too
     tick.joints.clear(), tick.blocks.clear(), tick.axes.clear(), tick.bodies.clear();
     tick.cache_of.assign(bodies.body.size(), 0);
     tick.pose = columns.pose;
     tick.clamped = 0;
     tick.first = true;
+    if (stays_empty) return;
     constexpr BodyMass none{};
     for (const Joint& joint : joints) {
         JointWork& w = tick.joints.emplace_back();
@@ -250,6 +252,7 @@ void place_bodies(JointTick& tick, const SolverBodies& bodies, Tasks* tasks) {
 
 void JointSolver::update(const StepConstants& step, const SolverBodies& bodies, Tasks* tasks) {
     JointTick& tick = *work;
+    if (tick.joints.empty()) return;
     if (!look_at_bodies(tick, bodies, tasks)) { // before the first substep
         for_joints(tick, tasks, [&](JointWork& w) {
             if (w.pack == no_pack) follow_errors(tick, w, step, bodies);

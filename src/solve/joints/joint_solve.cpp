@@ -172,6 +172,7 @@ void find_acting(JointTick& tick) {
 
 void JointSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bias, Tasks* tasks) {
     JointTick& tick = *work;
+    if (tick.joints.empty()) return;
     turn_in(step, bodies);
     const JointPassData data = pass_data(tick, step, bodies.body.data());
     const std::size_t count = tick.stages.size();
@@ -224,6 +225,7 @@ static void warm_joint(JointTick& tick, const JointWork& w, SolverBodies& bodies
 
 void JointSolver::warm_start(const StepConstants& step, SolverBodies& bodies) {
     JointTick& tick = *work;
+    if (tick.joints.empty()) return;
     turn_in(step, bodies);
     const JointPassData data = pass_data(tick, step, bodies.body.data());
     for (const JointStage& stage : tick.stages) {

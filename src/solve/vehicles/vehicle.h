@@ -45,6 +45,7 @@ struct DrivenVehicle {
     VehicleMemory memory;
     std::uint32_t row;     ///< of the vehicle columns
     std::uint32_t chassis; ///< row of the body columns
+    Rotation axes;         ///< of the chassis
     Real ratio;            ///< engine turns per turn of the wheels, 0: in neutral or between gears
     std::array<WheelGround, vehicle_wheels_max> ground;
 };

@@ -28,6 +28,7 @@ void push_far(Chassis& chassis, const WheelLine& line, Real impulse) {
             add_far(chassis.v[i], impulse.raw, line.d[i].raw, push_d_shift, chassis_bits);
         add_far(chassis.u[i], impulse.raw, line.xc[i].raw, push_x_shift, chassis_bits);
     }
+    chassis.look();
 }
 
 void push_ground(const Wheel& wheel, const WheelLine& line, Real impulse, SolverBodies& bodies) {

@@ -1,7 +1,7 @@
 // Numbers and lines of vehicles: the chassis within a pass, speeds along lines, impulses. See vehicle.h.
 //
 //   number                 format            products of 64 bits have room
-//   v, u of the chassis    64 bits, 24       below 256 and 64 m/s: Chassis::has_room()
+//   v, u of the chassis    64 bits, 24       below 256 and 64 m/s: Chassis::has_room(); or a chassis' small wheels
 //   d, x of a line         32 bits, 30 and 24
 //   impulse                Real              up to 1 m/s
 //
@@ -103,6 +103,7 @@ template <int Shift> constexpr std::int64_t rounded(std::int64_t x) {
 /// The chassis of a vehicle while a pass works on it.
 struct Chassis {
     std::int64_t v[3], u[3], keep[3];
+    bool roomy = false; ///< for the small wheels of this loop over them
 
     explicit Chassis(const SolverBody& body) {
         for (int i = 0; i < 3; ++i) {
@@ -112,13 +113,16 @@ struct Chassis {
         }
     }
     /// For speed_along<Small>(): |v| below 2^8 sqrt(3), and d has the length 1; |u| below 2^6 by component, and x at most 2^6.
-    bool has_room() const {
-        constexpr std::int64_t v_most = std::int64_t{1} << (8 + chassis_bits),
-                               u_most = std::int64_t{1} << (6 + chassis_bits);
-        const std::int64_t of_v = (v[0] + v_most) | (v[1] + v_most) | (v[2] + v_most),
-                           of_u = (u[0] + u_most) | (u[1] + u_most) | (u[2] + u_most);
-        return ((static_cast<std::uint64_t>(of_v) >> (9 + chassis_bits)) |
-                (static_cast<std::uint64_t>(of_u) >> (7 + chassis_bits))) == 0;
+    bool has_room() const { return is_within<8>(v) && is_within<6>(u); }
+    /// Before a loop over wheels, and in it after anything but a small wheel's impulses of up to 1 m/s. Arms of a small wheel are
+    /// below 8, for it is ordinary: two impulses of each of eight wheels add at most 16 to |v| and 128 to |u|.
+    void look() { roomy = is_within<7>(v) && is_within<6>(u); }
+
+  private:
+    template <int Bits> static bool is_within(const std::int64_t (&x)[3]) {
+        constexpr std::int64_t most = std::int64_t{1} << (Bits + chassis_bits);
+        return (static_cast<std::uint64_t>((x[0] + most) | (x[1] + most) | (x[2] + most)) >>
+                (Bits + 1 + chassis_bits)) == 0;
     }
 };
 
@@ -172,6 +176,25 @@ inline void push_line(Chassis& chassis, const Wheel& wheel, const WheelLine& lin
     }
     if (wheel.ratio > Real{}) [[unlikely]]
         push_ground(wheel, line, impulse, bodies);
+}
+
+/// The same along both lines of a tyre.
+inline void push_tyre(Chassis& chassis, const Wheel& wheel, Real along, Real across, SolverBodies& bodies) {
+    constexpr std::uint64_t one = static_cast<std::uint64_t>(Real(1).raw);
+    const WheelLine &a = wheel.along, &s = wheel.across;
+    const bool are_near = std::max(static_cast<std::uint64_t>(along.raw) + one,
+                                   static_cast<std::uint64_t>(across.raw) + one) <= 2 * one;
+    if (!are_near || wheel.ratio > Real{}) [[unlikely]] {
+        push_line(chassis, wheel, a, along, bodies);
+        return push_line(chassis, wheel, s, across, bodies);
+    }
+    for (int i = 0; i < 3; ++i) {
+        chassis.v[i] +=
+            (rounded<push_d_shift>(along.raw * a.d[i].raw) + rounded<push_d_shift>(across.raw * s.d[i].raw)) &
+            chassis.keep[i];
+        chassis.u[i] +=
+            rounded<push_x_shift>(along.raw * a.xc[i].raw) + rounded<push_x_shift>(across.raw * s.xc[i].raw);
+    }
 }
 
 /// The impulses of all three lines of a wheel, rounded once where they are up to 1 m/s together.

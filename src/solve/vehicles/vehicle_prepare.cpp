@@ -17,17 +17,29 @@ constexpr Real impulse_max = Real(2048);
 
 Arm bounded(Arm x) { return clamp(x, Arm(-arm_most), Arm(arm_most)); }
 
+/// From a centre of mass [m].
+struct Lever {
+    Vec3 whole;
+    Vector3<Arm> near{}; ///< the same, below 128 m
+    bool is_near = false;
+
+    explicit Lever(Vec3 lever) : whole(lever) {
+        constexpr Real far = Real(128);
+        is_near = abs(lever.x) < far && abs(lever.y) < far && abs(lever.z) < far;
+        if (is_near) near = to<Arm>(lever);
+    }
+};
+
 /// K^-1 (lever x d); in 64 bits below a lever of 128 m.
-Vector3<Arm> arm_of(const BodyStep& body, Vec3 lever, UnitVec3 d, std::int32_t sign) {
-    constexpr Real far = Real(128);
+Vector3<Arm> arm_of(const BodyStep& body, const Lever& lever, UnitVec3 d, std::int32_t sign) {
     Vector3<Arm> x{};
-    if (abs(lever.x) < far && abs(lever.y) < far && abs(lever.z) < far) {
-        Vector3<Arm> turn = cross<Arm>(to<Arm>(lever), d);
+    if (lever.is_near) {
+        Vector3<Arm> turn = cross<Arm>(lever.near, d);
         for (int i = 0; i < 3; ++i)
             turn[i] = Arm::from_raw((body.angular_mask >> i & 1u) != 0 ? sign * turn[i].raw : 0);
         x = over_gyration<Arm>(body, turn);
     } else {
-        Vec3 turn = cross<Real>(lever, d);
+        Vec3 turn = cross<Real>(lever.whole, d);
         for (int i = 0; i < 3; ++i) turn[i] = (body.angular_mask >> i & 1u) != 0 ? turn[i] * sign : Real{};
         x = over_gyration<Arm>(body, turn);
     }
@@ -44,7 +56,8 @@ Real mobility(const SolverBody& body, UnitVec3 d_a, Vector3<Arm> x_a, UnitVec3 d
 
 /// Of a wheel's patch [m], and the speed of what it stands on beside its body's [m/s].
 struct Levers {
-    Vec3 chassis, ground, surface;
+    Lever chassis, ground;
+    Vec3 surface;
 };
 
 WheelLine line_of(const SolverBodies& bodies, std::uint32_t chassis, const Wheel& wheel, UnitVec3 d,
@@ -105,13 +118,16 @@ UnitVec3 axle_of(const Rotation& axes, Real steer) {
     return lockstone::mul<Unit>(axes, UnitVec3{turn.cos, Unit{}, -turn.sin});
 }
 
-/// Implicit: a = h^2 k + h c.
-void set_spring(const StepConstants& step, const WheelDef& def, Real share, Wheel& wheel) {
-    const Real h = Real(1) / Real(step.substeps_per_second), omega = two_pi * def.frequency,
-               stiff = share * omega * h, rate = stiff * omega;
+/// Implicit: a = h^2 k + h c. Small: below 50 Hz, of a share of up to 1, so rate stays below 2^17 and a below 2^18.
+void set_spring(Real substep, const WheelDef& def, Real share, Wheel& wheel) {
+    const Small h = number<Small>(substep), omega = number<Small>(two_pi) * number<Small>(def.frequency),
+                stiff = number<Small>(share) * omega * h;
+    const Real rate = real(stiff * omega);
     const Real damping[2] = {def.damping_rebound, def.damping_compression};
     for (int side = 0; side < 2; ++side) {
-        const Real a = rate * h + stiff * damping[side] * 2, whole = Real(1) + a * wheel.normal.kappa;
+        const Small of_damping = stiff * number<Small>(damping[side]);
+        const Real a = real(number<Small>(rate) * h + of_damping + of_damping),
+                   whole = Real(1) + a * wheel.normal.kappa;
         wheel.pull[side] = quotient(rate, whole);
         wheel.yield[side] = quotient(a, whole);
     }
@@ -120,10 +136,9 @@ void set_spring(const StepConstants& step, const WheelDef& def, Real share, Whee
 /// A vehicle whose rows are being made.
 struct Making {
     const BodyColumns& columns;
-    const StepConstants& step;
     const SolverBodies& bodies;
     const DrivenVehicle& driven;
-    Rotation axes; ///< of the chassis
+    Real substep; ///< [s]
     Vehicle& v;
 };
 
@@ -143,13 +158,14 @@ void prepare_wheel(const Making& of, std::uint32_t i, Real share) {
     const bool moves = ground.body != bodies.still() && bodies.step[ground.body].moves;
     wheel.ground = moves ? ground.body : bodies.still();
     wheel.rides = moves;
-    Levers levers{ground.point - of.columns.pose[v.chassis].position, {}, ground.velocity};
-    if (moves) levers.ground = ground.point - of.columns.pose[ground.body].position;
+    const Levers levers{Lever(ground.point - of.columns.pose[v.chassis].position),
+                        Lever(moves ? ground.point - of.columns.pose[ground.body].position : Vec3{}),
+                        ground.velocity};
     if (moves && bodies.step[ground.body].movable)
         wheel.ratio = min(v.mass / of.columns.mass[ground.body].mass, ratio_max);
-    const UnitVec3 axle = axle_of(of.axes, memory.steer);
-    const UnitVec3 left =
-        normalized_or(axle - lockstone::scale<Unit>(n, dot<Unit>(n, axle)), any_perpendicular(n));
+    const UnitVec3 axle = axle_of(of.driven.axes, memory.steer);
+    const UnitVec3 sideways = axle - lockstone::scale<Unit>(n, dot<Unit>(n, axle)),
+                   left = sideways == UnitVec3{} ? any_perpendicular(n) : normalized(sideways);
     wheel.normal = line_of(bodies, v.chassis, wheel, n, levers);
     wheel.touches = wheel.normal.kappa > Real{};
     if (!wheel.touches) return forget_ground(memory); // nothing can move
@@ -161,9 +177,9 @@ void prepare_wheel(const Making& of, std::uint32_t i, Real share) {
                                               wheel.across.xg);
     wheel.length_begin = ground.length;
     wheel.per_length =
-        quotient(Real(1), max(-dot<Real>(n, lockstone::mul<Unit>(of.axes, def.direction)), 0.5_r));
+        quotient(Real(1), max(-dot<Real>(n, lockstone::mul<Unit>(of.driven.axes, def.direction)), 0.5_r));
     wheel.grip = quotient(ground.friction, v.def->tyre[def.tyre].ground_friction);
-    set_spring(of.step, def, share, wheel);
+    set_spring(of.substep, def, share, wheel);
     // A wheel does not start from impulses that it had on another ground.
     if (memory.ground != ground.shape) forget_ground(memory);
     memory.ground = ground.shape;
@@ -236,6 +252,7 @@ void VehicleSolver::prepare(std::span<const DrivenVehicle> driven, const BodyCol
     for (const DrivenVehicle& d : driven)
         if (d.row >= shares.size()) shares.resize(std::size_t{d.row} + 1);
     const std::uint32_t count = static_cast<std::uint32_t>(driven.size());
+    const Real substep = Real(1) / Real(step.substeps_per_second);
     base::for_chunks(tasks, count, 1, [&](std::uint32_t k, std::uint32_t, std::uint32_t) {
         const DrivenVehicle& d = driven[k];
         Vehicle& v = vehicles[k];
@@ -243,7 +260,7 @@ void VehicleSolver::prepare(std::span<const DrivenVehicle> driven, const BodyCol
         v.chassis = d.chassis;
         v.mass = columns.mass[v.chassis].mass;
         find_shares(*v.def, columns.mass[v.chassis].center, shares[d.row]);
-        const Making of{columns, step, bodies, d, to_rotation(columns.pose[v.chassis].rotation), v};
+        const Making of{columns, bodies, d, substep, v};
         for (std::uint32_t i = 0; i < v.def->wheel_count; ++i) prepare_wheel(of, i, shares[d.row].share[i]);
         prepare_bars(step, bodies, v);
         prepare_train(v);

@@ -28,7 +28,7 @@ Real shared_spin(const Vehicle& v, std::uint32_t wheel, Real Wheel::*impulse) {
 
 namespace {
 
-/// How far the patch moved along the normal since the start of the tick [m]. No body moves by more than 16 m in a tick:
+/// How far the patch moved along the normal since the start of the tick [m], below 2^12. No body moves by more than 16 m in a tick:
 /// three products of 31 and 30 bits.
 Real moved(const Wheel& wheel, const SolverBodies& bodies, std::uint32_t chassis) {
     constexpr int finer = Real::fraction_bits - Separation::fraction_bits;
@@ -69,7 +69,6 @@ struct Pass {
     SolverBodies& bodies;
     Chassis& chassis;
     Vehicle& v;
-    TyreAsks asks;
 };
 
 template <class Number> void solve_spring(const Pass& pass, Wheel& wheel) {
@@ -120,10 +119,9 @@ void solve_bar(const Pass& pass, std::uint32_t k) {
 
 // ---- tyres ---------------------------------------------------------------------------------------------------------
 
-template <class Number> void solve_tyre(const Pass& pass, std::uint32_t i) {
-    Vehicle& v = pass.v;
-    Wheel& wheel = v.wheel[i];
-    SpinGroup& g = v.group[wheel.group];
+template <class Number, TyreAsks asks>
+void solve_tyre(const Pass& pass, Wheel& wheel, SpinGroup& g, std::uint32_t i) {
+    const Vehicle& v = pass.v;
     const Number ahead = line_speed<Number>(pass.chassis, wheel, wheel.along, pass.bodies),
                  speed = abs(ahead),
                  aside = line_speed<Number>(pass.chassis, wheel, wheel.across, pass.bodies),
@@ -131,25 +129,27 @@ template <class Number> void solve_tyre(const Pass& pass, std::uint32_t i) {
     const auto slides = TyreSlide<Number>::make(
         abs(ahead - number<Number>(g.spin) * number<Number>(wheel.radius)), abs(aside));
     const Number along_before = number<Number>(wheel.along_p), across_before = number<Number>(wheel.across_p);
-    const RimAnswer<Number> rim = turn_rim<Number>(
-        g, wheel, number<Number>(free_spin(v, i, &Wheel::along_p)),
-        ahead - number<Number>(wheel.along.kappa) * along_before, speed,
-        {v.along[wheel.tyre], load, number<Number>(wheel.most_along), slides, Number{}, pass.asks});
+    const TyreQuestion<Number, asks> along{v.along[wheel.tyre], load, number<Number>(wheel.most_along),
+                                           slides, Number{}};
+    const RimAnswer<Number> rim =
+        turn_rim(g, wheel, number<Number>(free_spin(v, g, i, &Wheel::along_p)),
+                 ahead - number<Number>(wheel.along.kappa) * along_before, speed, along);
     const Number change = rim.impulse - along_before;
-    push_line(pass.chassis, wheel, wheel.along, real(change), pass.bodies);
     wheel.along_p = real(rim.impulse);
-    wheel.slip = rim.slip;
     g.spin = real(rim.spin);
 
     const Number kappa = number<Number>(wheel.across.kappa),
                  slide = aside + number<Number>(wheel.mixed) * change - kappa * across_before;
-    TyreAnswer<Number> side = tyre_answer<Number>(
-        {v.across[wheel.tyre], load, number<Number>(wheel.most_across), slides.turned(), Number{}, pass.asks},
-        abs(slide), kappa, speed);
+    const TyreQuestion<Number, asks> across{v.across[wheel.tyre], load, number<Number>(wheel.most_across),
+                                            slides.turned(), Number{}};
+    TyreAnswer<Number> side = tyre_answer(across, abs(slide), kappa, speed);
     if (slide.raw > 0) side.impulse = -side.impulse;
-    push_line(pass.chassis, wheel, wheel.across, real(side.impulse - across_before), pass.bodies);
     wheel.across_p = real(side.impulse);
-    wheel.slip_side = slide.raw > 0 ? side.slip : -side.slip;
+    push_tyre(pass.chassis, wheel, real(change), real(side.impulse - across_before), pass.bodies);
+    if constexpr (asks == TyreAsks::slip) {
+        wheel.slip = rim.slip;
+        wheel.slip_side = slide.raw > 0 ? side.slip : -side.slip;
+    }
 }
 
 template <class Number> void set_peaks(const Vehicle& v, Wheel& wheel) {
@@ -160,7 +160,7 @@ template <class Number> void set_peaks(const Vehicle& v, Wheel& wheel) {
 }
 
 void set_load(const Vehicle& v, Wheel& wheel, Real load) {
-    wheel.load = load * wheel.grip;
+    wheel.load = wheel.grip == Real(1) ? load : load * wheel.grip;
     wheel.small = wheel.ordinary && wheel.load < small_load;
     if (wheel.small)
         set_peaks<Small>(v, wheel);
@@ -168,8 +168,9 @@ void set_load(const Vehicle& v, Wheel& wheel, Real load) {
         set_peaks<Real>(v, wheel);
 }
 
-/// What the brakes and the rolling of the tyres can take from each group in this substep; the loads on the tyres.
-void set_brakes(Vehicle& v) {
+/// What the brakes and the rolling of the tyres can take from each group in this substep. The loads on the tyres at the begin of a
+/// tick: later they are those that the springs were left with.
+void set_brakes(Vehicle& v, bool begins_tick) {
     for (std::uint32_t g = 0; g < v.group_count; ++g) v.group[g].brake = Real{};
     for (std::uint32_t i = 0; i < v.def->wheel_count; ++i) {
         Wheel& wheel = v.wheel[i];
@@ -178,14 +179,14 @@ void set_brakes(Vehicle& v) {
         if (!wheel.touches) continue;
         const Real load = load_of(wheel);
         g.brake += wheel.rolling * load;
-        set_load(v, wheel, load);
+        if (begins_tick) set_load(v, wheel, load);
     }
     for (std::uint32_t k = 0; k < v.group_count; ++k) {
         SpinGroup& g = v.group[k];
         g.brake_spin = g.brake / g.by_inertia;
         g.spin_begin = g.spin;
         g.torque = Real{};
-        set_free(g);
+        set_free(g, g.spin_begin);
     }
 }
 
@@ -196,7 +197,7 @@ void spin_in_the_air(Vehicle& v) {
 }
 
 void begin_wheel(const StepConstants& step, const WheelDef& def, Real way, Wheel& wheel) {
-    wheel.length = wheel.length_begin + wheel.per_length * way;
+    wheel.length = wheel.length_begin + real(number<Small>(wheel.per_length) * number<Small>(way));
     wheel.compression = wheel.length < def.length_max ? def.length_max + def.preload - wheel.length : Real{};
     wheel.gap = wheel.length - def.length_min;
     wheel.gap_rate = wheel.gap * step.substeps_per_second;
@@ -204,38 +205,46 @@ void begin_wheel(const StepConstants& step, const WheelDef& def, Real way, Wheel
 
 /// Whether 64 bits are enough for this wheel: for the speeds of the chassis along its lines, and for its own numbers.
 bool is_small(const Pass& pass, const Wheel& wheel) {
-    return wheel.small && pass.v.group[wheel.group].small && pass.chassis.has_room();
+    return wheel.small && pass.v.group[wheel.group].small && pass.chassis.roomy;
 }
 
 void solve_normals(const Pass& pass) {
     Vehicle& v = pass.v;
     const std::uint32_t count = v.def->wheel_count;
+    pass.chassis.look();
     for (std::uint32_t i = 0; i < count; ++i) {
         if (!v.wheel[i].touches) continue;
-        if (is_small(pass, v.wheel[i]))
+        if (is_small(pass, v.wheel[i])) [[likely]] {
             solve_spring<Small>(pass, v.wheel[i]);
-        else
+        } else {
             solve_spring<Real>(pass, v.wheel[i]);
+            pass.chassis.look();
+        }
     }
     for (std::uint32_t k = 0; k < vehicle_couplings_max; ++k) solve_bar(pass, k);
     for (std::uint32_t i = 0; i < count; ++i)
         if (v.wheel[i].touches) set_load(v, v.wheel[i], load_of(v.wheel[i]));
 }
 
-void solve_tyres(const Pass& pass) {
+template <TyreAsks asks> void solve_tyres(const Pass& pass) {
+    pass.chassis.look();
     for (std::uint32_t i = 0; i < pass.v.def->wheel_count; ++i) {
-        if (!pass.v.wheel[i].touches) continue;
-        if (is_small(pass, pass.v.wheel[i]))
-            solve_tyre<Small>(pass, i);
-        else
-            solve_tyre<Real>(pass, i);
+        Wheel& wheel = pass.v.wheel[i];
+        if (!wheel.touches) continue;
+        SpinGroup& g = pass.v.group[wheel.group];
+        if (is_small(pass, wheel)) [[likely]] {
+            solve_tyre<Small, asks>(pass, wheel, g, i);
+        } else {
+            solve_tyre<Real, asks>(pass, wheel, g, i);
+            pass.chassis.look();
+        }
     }
 }
 
 } // namespace
 
 void VehicleSolver::warm_start(const StepConstants& step, SolverBodies& bodies) {
-    --substeps_left;
+    const bool begins_tick = substeps_left-- == step.substeps;
     for_each_vehicle([&](Vehicle& v) {
         Chassis chassis(bodies.body[v.chassis]);
         for (std::uint32_t i = 0; i < v.def->wheel_count; ++i) {
@@ -245,20 +254,23 @@ void VehicleSolver::warm_start(const StepConstants& step, SolverBodies& bodies) 
             push_lines(chassis, wheel, bodies);
         }
         write_back(chassis, bodies.body[v.chassis]);
-        set_brakes(v);
+        set_brakes(v, begins_tick);
         solve_train(chassis, bodies, v);
     });
 }
 
 void VehicleSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bias) {
     // Only the slip at the end of the tick is remembered.
-    const TyreAsks asks = substeps_left == 0 && !bias ? TyreAsks::slip : TyreAsks::impulse;
+    const bool is_last = substeps_left == 0 && !bias;
     for_each_vehicle([&](Vehicle& v) {
         Chassis chassis(bodies.body[v.chassis]);
-        const Pass pass{step, bodies, chassis, v, asks};
+        const Pass pass{step, bodies, chassis, v};
         if (bias) solve_normals(pass);
-        solve_tyres(pass);
-        spin_in_the_air(v);
+        if (is_last)
+            solve_tyres<TyreAsks::slip>(pass);
+        else
+            solve_tyres<TyreAsks::impulse>(pass);
+        if (v.any_in_air) spin_in_the_air(v);
         write_back(chassis, bodies.body[v.chassis]);
         for (std::uint32_t g = 0; g < v.group_count && bias; ++g) v.group[g].turned += v.group[g].spin;
     });
@@ -285,8 +297,10 @@ void VehicleSolver::store(const StepConstants& step, const SolverBodies& bodies,
             WheelMemory& out = m.wheel[i];
             out.spin = v.group[wheel.group].spin;
             out.rotation += v.group[wheel.group].turned / Real(step.substeps_per_second);
-            const Real turns = out.rotation / two_pi;
-            out.rotation = clamp(out.rotation - two_pi * floor(turns), Real{}, two_pi);
+            if (out.rotation < Real{} || out.rotation >= two_pi - decimal<Real>("0.001")) {
+                const Real turns = out.rotation / two_pi;
+                out.rotation = clamp(out.rotation - two_pi * floor(turns), Real{}, two_pi);
+            }
             if (!wheel.touches) continue;
             if (wheel.ground != bodies.still()) stands.push_back({v.chassis, wheel.ground});
             out.length = clamp(wheel.length, min(v.def->wheel[i].length_min, wheel.length),

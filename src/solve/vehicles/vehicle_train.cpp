@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
+#include <type_traits>
 
 namespace lockstone::solve {
 
@@ -65,11 +67,11 @@ template <class Number> bool try_wheel(Vehicle& v, std::uint32_t i, Real& stiff)
     const Number ahead = number<Number>(wheel.ahead);
     const auto slides = TyreSlide<Number>::make(
         abs(ahead - number<Number>(g.spin) * number<Number>(wheel.radius)), abs(number<Number>(wheel.aside)));
-    const RimAnswer<Number> a =
-        turn_rim<Number>(g, wheel, number<Number>(free_spin(v, i, &Wheel::try_p)),
-                         number<Number>(wheel.ahead_free), abs(ahead),
-                         {v.along[wheel.tyre], number<Number>(wheel.load), number<Number>(wheel.most_along),
-                          slides, number<Number>(wheel.along.kappa), TyreAsks::gain});
+    const TyreQuestion<Number, TyreAsks::gain> tyre{v.along[wheel.tyre], number<Number>(wheel.load),
+                                                    number<Number>(wheel.most_along), slides,
+                                                    number<Number>(wheel.along.kappa)};
+    const RimAnswer<Number> a = turn_rim(g, wheel, number<Number>(free_spin(v, g, i, &Wheel::try_p)),
+                                         number<Number>(wheel.ahead_free), abs(ahead), tyre);
     wheel.try_p = real(a.impulse);
     g.spin = real(a.spin);
     stiff += wheel.stiff * real(a.gain);
@@ -90,7 +92,7 @@ void settle(Vehicle& v, std::uint32_t group) {
         g.spin = braked_spin(g, g.free);
         held = g.spin == Real{} && g.brake > Real{};
     }
-    g.answer = held ? Real{} : quotient(Real(1), g.inertia + stiff);
+    g.answer = held ? Real{} : stiff == Real{} ? g.answer_free : quotient(Real(1), g.inertia + stiff);
 }
 
 /// How the patches of driven wheels move over the ground before tyres are tried.
@@ -103,7 +105,7 @@ template <class Number> void look_ahead(const Chassis& chassis, const SolverBodi
 
 template <class Number> void add_torque(SpinGroup& g, Number torque) {
     g.torque = real(number<Number>(g.torque) + torque);
-    set_free<Number>(g);
+    set_free(g, real(number<Number>(g.spin_begin) + number<Number>(g.torque) / g.by_inertia));
 }
 template <class Number> void turn_engine(Vehicle& v, Number by) {
     v.engine_speed = real(number<Number>(v.engine_speed) + by);
@@ -187,7 +189,12 @@ void prepare_train(Vehicle& v) {
     const bool tracked = def.tracks.enabled != 0;
     v.group_count = tracked ? 2 : def.wheel_count;
     v.coupling_count = 0;
-    for (SpinGroup& g : v.group) g = SpinGroup{};
+    for (std::uint32_t k = 0; k < v.group_count; ++k) {
+        SpinGroup& g = v.group[k];
+        const Divisor known = g.by_inertia;
+        g = SpinGroup{};
+        g.by_inertia = known;
+    }
     std::array<Real, vehicle_wheels_max> share{};
     Real driven{};
     for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
@@ -234,8 +241,9 @@ void prepare_train(Vehicle& v) {
 
 void prepare_rims(const StepConstants& step, Vehicle& v) {
     std::uint32_t tyres = 0;
-    for (std::uint32_t g = 0; g < v.group_count; ++g)
-        v.group[g].by_inertia = Divisor::make(v.group[g].inertia);
+    for (std::uint32_t k = 0; k < v.group_count; ++k)
+        if (SpinGroup& g = v.group[k]; g.by_inertia.of != g.inertia || g.inertia <= Real{})
+            g.by_inertia = Divisor::make(g.inertia);
     const Real per_second = Real(step.substeps_per_second);
     for (std::uint32_t i = 0; i < v.def->wheel_count; ++i) {
         const WheelDef& def = v.def->wheel[i];
@@ -243,8 +251,8 @@ void prepare_rims(const StepConstants& step, Vehicle& v) {
         SpinGroup& g = v.group[wheel.group];
         tyres |= 1u << def.tyre;
         wheel.tyre = def.tyre, wheel.radius = def.radius;
-        wheel.brake_torque =
-            (v.input.brake * def.brake_torque + v.input.hand_brake * def.hand_brake_torque) / per_second;
+        wheel.brake_torque = v.input.brake * def.brake_torque + v.input.hand_brake * def.hand_brake_torque;
+        if (wheel.brake_torque != Real{}) wheel.brake_torque = wheel.brake_torque / per_second;
         if (!wheel.touches) continue;
         ++g.on_ground;
         const Real lever = def.radius * v.mass;
@@ -256,6 +264,12 @@ void prepare_rims(const StepConstants& step, Vehicle& v) {
                          max(max(wheel.normal.kappa, wheel.along.kappa),
                              max(wheel.across.kappa, abs(wheel.mixed))) < small_kappa;
     }
+    v.any_in_air = false;
+    for (std::uint32_t k = 0; k < v.group_count; ++k) {
+        SpinGroup& g = v.group[k];
+        v.any_in_air = v.any_in_air || g.on_ground == 0;
+        if (g.coupled) g.answer_free = quotient(Real(1), g.inertia);
+    }
     for (std::uint32_t t = 0; t < vehicle_tyres_max; ++t) {
         if ((tyres >> t & 1u) == 0) continue;
         v.along[t] = curve_of(v.def->tyre[t].along);
@@ -263,10 +277,14 @@ void prepare_rims(const StepConstants& step, Vehicle& v) {
     }
 }
 
-void prepare_engine(const StepConstants& step, Vehicle& v) {
-    const EngineDef& def = v.def->engine;
-    EngineRow& engine = v.engine;
+/// What follows from the definition alone.
+static void find_engine(const StepConstants& step, const EngineDef& def, EngineRow& engine) {
+    static_assert(std::has_unique_object_representations_v<EngineDef>);
+    if (engine.known_rate == step.substeps_per_second && std::memcmp(&engine.known, &def, sizeof def) == 0)
+        return;
     const Real per_second = Real(step.substeps_per_second);
+    engine.known_rate = step.substeps_per_second;
+    engine.known = def;
     engine.inertia = Divisor::make(def.inertia);
     engine.push = def.torque_max / def.inertia / per_second;
     engine.drag = def.brake_torque / def.inertia / per_second;
@@ -275,6 +293,13 @@ void prepare_engine(const StepConstants& step, Vehicle& v) {
     engine.per_idle = Real(2) / engine.idle_speed;
     for (std::size_t i = 1; i < def.torque.size(); ++i)
         engine.run_inverse[i] = Real(1) / (def.torque[i].x - def.torque[i - 1].x);
+}
+
+void prepare_engine(const StepConstants& step, Vehicle& v) {
+    const EngineDef& def = v.def->engine;
+    EngineRow& engine = v.engine;
+    const Real per_second = Real(step.substeps_per_second);
+    find_engine(step, def, engine);
     for (std::uint32_t k = 0; k < v.coupling_count; ++k) {
         Coupling& c = v.coupling[k];
         c.engine_answer = c.engine * c.engine / def.inertia;

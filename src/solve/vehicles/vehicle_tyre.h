@@ -31,28 +31,27 @@ enum class TyreAsks { impulse, gain, slip };
 /// The q >= 0 with q = load grip(s), s = (slide - kappa q) / speed, that has the least slip; at most what is left of the peak
 /// when the tyre slides so. `slide` >= 0 is what the patch does without q. A speed of 0 is rest: the tyre sticks while
 /// the peak of the curve lasts.
-template <class Number> struct TyreQuestion {
+template <class Number, TyreAsks asks> struct TyreQuestion {
     const TyreCurve& curve;
     Number load, most; ///< load times the curve's peak
     TyreSlide<Number> slides;
     Number kappa_gain; ///< mobility of the gain
-    TyreAsks asks;
 };
 
 /// The share of the peak that is left for a direction while a tyre slides. At most 1: rounding of the slide's length could make it more.
 Real share_of_peak(Real own, Real other);
 
 /// Slip of a tyre where its curve does not give it.
-template <class Number>
-Real slip_of(const TyreQuestion<Number>& tyre, Number slide, Number kappa, Number impulse, Number speed) {
-    if (tyre.asks != TyreAsks::slip || speed.raw <= 0) return Real{};
+template <TyreAsks asks, class Number>
+Real slip_of(Number slide, Number kappa, Number impulse, Number speed) {
+    if (asks != TyreAsks::slip || speed.raw <= 0) return Real{};
     return quotient(real(slide - kappa * impulse), real(speed));
 }
 
 /// The answer of a tyre that sticks, or slides beyond the end of the curve.
-template <class Number>
-[[gnu::always_inline]] inline TyreAnswer<Number> on_curve(const TyreQuestion<Number>& tyre, Number slide,
-                                                          Number kappa, Number speed) {
+template <class Number, TyreAsks asks>
+[[gnu::always_inline]] inline TyreAnswer<Number> on_curve(const TyreQuestion<Number, asks>& tyre,
+                                                          Number slide, Number kappa, Number speed) {
     // g(s) = slide - kappa load grip(s) - speed s falls where the curve rises; its first root is where the tyre clings.
     const TyreCurve& curve = tyre.curve;
     const Number stiff = kappa * tyre.load;
@@ -60,11 +59,11 @@ template <class Number>
     if (!curve.from_zero) {
         before = before - stiff * number<Number>(curve.y[0]) - speed * number<Number>(curve.x[0]);
         if (before.raw <= 0) // it sticks, or slips where the curve is level
-            return {number<Number>(min(quotient(real(slide), real(kappa)),
-                                       real(tyre.load * number<Number>(curve.y[0])))),
-                    number<Number>(tyre.asks == TyreAsks::gain ? quotient(Real(1), real(tyre.kappa_gain))
-                                                               : Real{}),
-                    Real{}};
+            return {
+                number<Number>(
+                    min(quotient(real(slide), real(kappa)), real(tyre.load * number<Number>(curve.y[0])))),
+                number<Number>(asks == TyreAsks::gain ? quotient(Real(1), real(tyre.kappa_gain)) : Real{}),
+                Real{}};
     }
     for (std::size_t i = 0; i < curve.run.size(); ++i) {
         const Number rise = number<Number>(curve.rise[i]), run = number<Number>(curve.run[i]);
@@ -75,28 +74,28 @@ template <class Number>
         }
         const std::int64_t share = share_of(before.raw, fall.raw);
         TyreAnswer<Number> out{tyre.load * (number<Number>(curve.y[i]) + part_of(rise, share)), {}, {}};
-        if (tyre.asks == TyreAsks::slip) out.slip = curve.x[i] + real(part_of(run, share));
-        if (tyre.asks != TyreAsks::gain || rise.raw <= 0) return out;
+        if (asks == TyreAsks::slip) out.slip = curve.x[i] + real(part_of(run, share));
+        if (asks != TyreAsks::gain || rise.raw <= 0) return out;
         const Number lifts = tyre.load * rise, yields = tyre.kappa_gain * lifts + speed * run;
         if (yields.raw > 0) out.gain = number<Number>(quotient(real(lifts), real(yields)));
         return out;
     }
     const Number impulse = tyre.load * number<Number>(curve.y.back());
-    return {impulse, {}, slip_of(tyre, slide, kappa, impulse, speed)};
+    return {impulse, {}, slip_of<asks>(slide, kappa, impulse, speed)};
 }
 
-template <class Number>
-[[gnu::always_inline]] inline TyreAnswer<Number> tyre_answer(const TyreQuestion<Number>& tyre, Number slide,
-                                                             Number kappa, Number speed) {
+template <class Number, TyreAsks asks>
+[[gnu::always_inline]] inline TyreAnswer<Number> tyre_answer(const TyreQuestion<Number, asks>& tyre,
+                                                             Number slide, Number kappa, Number speed) {
     if (tyre.load.raw <= 0 || slide.raw <= 0 || kappa.raw <= 0)
-        return {{}, {}, slip_of(tyre, slide, kappa, Number{0}, speed)};
+        return {{}, {}, slip_of<asks>(slide, kappa, Number{}, speed)};
     const TyreAnswer<Number> out = on_curve(tyre, slide, kappa, speed);
     // A test without a root and a quotient, which most tyres pass: the slide is no longer than the sum of its two parts.
     if (out.impulse * tyre.slides.both <= tyre.most * tyre.slides.own) return out;
     const Number cap =
         tyre.most * number<Number>(share_of_peak(real(tyre.slides.own), real(tyre.slides.other)));
     if (out.impulse <= cap) return out;
-    return {cap, {}, slip_of(tyre, slide, kappa, cap, speed)};
+    return {cap, {}, slip_of<asks>(slide, kappa, cap, speed)};
 }
 
 /// A rim, its brake and its tyre solved together.
@@ -108,9 +107,9 @@ template <class Number> struct RimAnswer {
 };
 /// `free`: spin of the rim without this tyre and without the brake; `patch`: speed of the chassis' patch without this
 /// tyre; `speed` over the ground for the slip.
-template <class Number>
+template <class Number, TyreAsks asks>
 RimAnswer<Number> turn_rim(const SpinGroup& g, const Wheel& wheel, Number free, Number patch, Number speed,
-                           const TyreQuestion<Number>& tyre) {
+                           const TyreQuestion<Number, asks>& tyre) {
     const Number arm = number<Number>(wheel.arm), brake = number<Number>(g.brake_spin);
     // First the brake holds the rim, if it can; then only the chassis gives way. A rim that no tyre could stop is not held.
     Number rest = free;
@@ -135,14 +134,13 @@ inline Real braked_spin(const SpinGroup& group, Real spin) {
 }
 /// Spin of a wheel's group under its torque and all tyres but this one's, the brake left out: of several wheels, and of any.
 Real shared_spin(const Vehicle& v, std::uint32_t wheel, Real Wheel::*impulse);
-inline Real free_spin(const Vehicle& v, std::uint32_t wheel, Real Wheel::*impulse) {
-    const SpinGroup& g = v.group[v.wheel[wheel].group];
+inline Real free_spin(const Vehicle& v, const SpinGroup& g, std::uint32_t wheel, Real Wheel::*impulse) {
     return g.on_ground == 1 ? g.free : shared_spin(v, wheel, impulse);
 }
-/// The torque of a group, or its brake, has changed.
-template <class Number = Real> void set_free(SpinGroup& g) {
+/// The spin of a group that no tyre and no brake acts on, or its brake, has changed.
+inline void set_free(SpinGroup& g, Real free) {
     constexpr std::int64_t most = Real(1 << 16).raw;
-    g.free = real(number<Number>(g.spin_begin) + number<Number>(g.torque) / g.by_inertia);
+    g.free = free;
     g.small = abs(g.free).raw < most && abs(g.spin).raw < most && g.brake_spin.raw < most;
 }
 

@@ -84,6 +84,7 @@ struct SpinGroup {
     std::uint32_t first, last; ///< its wheels are among these
     std::uint32_t on_ground;   ///< how many of its wheels touch
     Real answer;               ///< d spin / d torque
+    Real answer_free;          ///< the same while no tyre clings
     bool coupled;              ///< to the train
     bool small;                ///< its spins are far from the end of a Real
 };
@@ -108,8 +109,10 @@ struct BarRow {
     Real pull, yield; ///< h k / (1 + a kappa) and a / (1 + a kappa)
 };
 
-/// The engine within a tick.
+/// The engine within a tick: the same from tick to tick while it is of the same definition.
 struct EngineRow {
+    std::int64_t known_rate = 0; ///< substeps per second that it was found for; 0: nothing is found
+    EngineDef known;             ///< and of what
     Divisor inertia;
     Real push, drag;                 ///< speed per substep at the full and at the brake torque [rad/s]
     Real per_speed;                  ///< rpm / rpm_max per speed [s]
@@ -127,6 +130,7 @@ struct Vehicle {
     /// [rad/s]; engine turns per turn of the wheels, 0: in neutral or between gears
     Real engine_speed, ratio;
     std::uint32_t group_count, coupling_count;
+    bool any_in_air; ///< a group of which no wheel is on the ground
     std::array<TyreCurve, vehicle_tyres_max> along, across;
     EngineRow engine;
     /// Numbers of the engine, and of all that turns, are far from the end of a Real

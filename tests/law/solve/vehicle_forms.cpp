@@ -62,11 +62,22 @@ struct AnyRim {
         asks = static_cast<TyreAsks>(random.below(3));
     }
     template <class Number> RimAnswer<Real> turned() const {
+        switch (asks) {
+        case TyreAsks::impulse:
+            return turned<Number, TyreAsks::impulse>();
+        case TyreAsks::gain:
+            return turned<Number, TyreAsks::gain>();
+        default:
+            return turned<Number, TyreAsks::slip>();
+        }
+    }
+    template <class Number, TyreAsks asked> RimAnswer<Real> turned() const {
+        const TyreQuestion<Number, asked> tyre{
+            curve, number<Number>(wheel.load), number<Number>(wheel.most_along),
+            TyreSlide<Number>::make(number<Number>(own), number<Number>(other)),
+            number<Number>(wheel.along.kappa)};
         const RimAnswer<Number> a =
-            turn_rim<Number>(group, wheel, number<Number>(free), number<Number>(patch), number<Number>(speed),
-                             {curve, number<Number>(wheel.load), number<Number>(wheel.most_along),
-                              TyreSlide<Number>::make(number<Number>(own), number<Number>(other)),
-                              number<Number>(wheel.along.kappa), asks});
+            turn_rim(group, wheel, number<Number>(free), number<Number>(patch), number<Number>(speed), tyre);
         return {real(a.impulse), real(a.spin), real(a.gain), a.slip, a.held};
     }
 };
@@ -144,6 +155,73 @@ TEST_CASE("lines read a chassis alike in 64 and in 128 bits, where it has room")
     }
     CHECK(std::min(with, without) > cases / 100);
     CHECK(parted > with / 2);
+}
+
+namespace {
+
+/// A chassis that look() found room in, after all that small wheels may do to it before the next look; arms below `arm_most`.
+Chassis after_small_wheels(Chance& random, Real arm_most) {
+    AnyLine any(random, Real(128), Real(64));
+    any.chassis.look();
+    REQUIRE(any.chassis.roomy);
+    Wheel wheel{};
+    wheel.along = wheel.across = any.line;
+    for (int i = 0; i < 3; ++i) wheel.along.xc[i] = wheel.across.xc[i] = to<Arm>(arm_most) - Arm::step();
+    solve::SolverBodies none;
+    for (std::uint32_t i = 0; i < vehicle_wheels_max; ++i)
+        push_tyre(any.chassis, wheel, Real(1), Real(1), none);
+    return any.chassis;
+}
+bool has_small_room(const Chassis& chassis) {
+    bool good = true;
+    for (int i = 0; i < 3; ++i)
+        good = good && std::abs(chassis.v[i]) <= std::int64_t{144} << speed_bits &&
+               std::abs(chassis.u[i]) <= std::int64_t{192} << speed_bits;
+    return good;
+}
+
+} // namespace
+
+TEST_CASE("small wheels leave each other room in a chassis") {
+    Chance random(45);
+    int taken = 0;
+    for (int i = 0; i < cases / 10; ++i) {
+        REQUIRE(has_small_room(after_small_wheels(random, Real(8))));
+        taken += has_small_room(after_small_wheels(random, Real(64)))
+                     ? 0
+                     : 1; // planted: arms of wheels that are not
+    }
+    CHECK(taken > cases / 20);
+    // What is left is room: the largest speeds and arms below 8 read alike.
+    for (int i = 0; i < cases / 10; ++i) {
+        AnyLine any(random, Real(144), Real(192));
+        for (int k = 0; k < 3; ++k) any.line.xc[k] = to<Arm>(either_way(random, Real(8)));
+        REQUIRE(any.is_alike());
+    }
+}
+
+TEST_CASE("a tyre's two impulses at once move a chassis as one after the other do") {
+    Chance random(46);
+    solve::SolverBodies none;
+    int parted = 0;
+    for (int i = 0; i < cases / 10; ++i) {
+        const AnyLine any(random, Real(500), Real(170)), other(random, Real(1), Real(1));
+        Wheel wheel{};
+        wheel.along = any.line, wheel.across = other.line;
+        const Real most = random.one_in(4) ? Real(4) : Real(1), along = either_way(random, most),
+                   across = either_way(random, most);
+        const auto speeds = [](const Chassis& c) {
+            return std::array{c.v[0], c.v[1], c.v[2], c.u[0], c.u[1], c.u[2]};
+        };
+        Chassis at_once = any.chassis, in_turn = any.chassis, off = any.chassis;
+        push_tyre(at_once, wheel, along, across, none);
+        push_line(in_turn, wheel, wheel.along, along, none);
+        push_line(in_turn, wheel, wheel.across, across, none);
+        REQUIRE(speeds(at_once) == speeds(in_turn));
+        push_tyre(off, wheel, along, across + decimal<Real>("0.001"), none); // planted
+        parted += speeds(at_once) == speeds(off) ? 0 : 1;
+    }
+    CHECK(parted > cases / 20);
 }
 
 TEST_CASE("an impulse of 1 m/s moves a chassis as a larger one does") {
