@@ -54,7 +54,7 @@ struct Assembled {
 
 /// Creates bodies with their shapes, then characters, joints, vehicles and fields, each kind in ascending order of user_key, so
 /// that ids, rows and hash do not depend on the order here. On error, which names the key, the world is as it was and its journal
-/// has heard nothing: all is tried on a clone first.
+/// was told nothing: all is tried on a clone first.
 Result<Assembled> assemble(World& world, const Level& level);
 /// Bodies and their shapes alone.
 Result<std::vector<BodyId>> assemble(World& world, std::span<const Assembly> assemblies);

@@ -14,7 +14,7 @@
 //              share of it that is under, at that area's centre: it turns bodies. v: speed through the stream
 //   turning    drag_angular A / mass [1/s] brakes turning
 // Where fluids overlap, those of the highest priority take a shape's part in them, and what is left is in those of lower
-// priority; equal ones add up. So the wind blows on what stands out of the water.
+// priority; equal ones add up. So the wind blows on the part that is out of the water.
 #pragma once
 
 #include "lockstone/row.h"
@@ -88,7 +88,7 @@ enum class Falloff : std::uint32_t {
 
 /// A blast hits each shape on the area it shows to the centre, away from it, at that area's centre; the area counts
 /// up to the blast's own, pi radius^2. r is measured to the shape's centre of volume, and a shape is hit when the box around
-/// it comes within the radius; one whose centre is the blast's is not moved. Nothing is in the shade of anything.
+/// it comes within the radius; one whose centre is the blast's is not moved. No shape shields another.
 struct ExplosionDef {
     Vec3 center{};         ///< [m]
     Real radius = Real(1); ///< [m], 0.001..30000

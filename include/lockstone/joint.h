@@ -1,4 +1,4 @@
-// Joints: what keeps two bodies together, axis by axis.
+// Joints: they hold two bodies together, axis by axis.
 //
 // Every joint stands between a frame on body A and a frame on body B. Most kinds are a table of six axes, three along
 // and three about the axes of A's frame, each locked, limited or free, with a spring, a motor and friction of its own:
@@ -56,7 +56,7 @@ struct JointAxis {
     Real damping_ratio = Real(1); ///< 0..100
     Real target{};                ///< of the spring [m] or [rad]
     Real motor_speed{};           ///< [m/s] or [rad/s], within 500
-    Real motor_force{};           ///< most that the motor brings to bear [N] or [N m], 0: no motor
+    Real motor_force{};           ///< most that the motor pulls with [N] or [N m], 0: no motor
     Real friction{};     ///< brakes motion with at most this [N] or [N m]; not where there is a motor
     Real spring_force{}; ///< most of the spring [N] or [N m], 0: no bound
 };
@@ -88,7 +88,7 @@ JointDef wheel_joint(Real frequency, Real damping_ratio);
 JointDef motor_joint(Real frequency, Real force_max, Real torque_max);
 JointDef mouse_joint(Real frequency, Real force_max);
 JointDef distance_joint(Real length);
-JointDef rope_joint(Real length); ///< no longer than
+JointDef rope_joint(Real length); ///< the bodies get no farther apart [m]
 JointDef spring_joint(Real length, Real frequency, Real damping_ratio);
 JointDef pulley_joint(Vec3 ground_a, Vec3 ground_b, Real total_length, Real ratio = Real(1));
 JointDef gear_joint(Real ratio);

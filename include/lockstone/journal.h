@@ -1,4 +1,4 @@
-// Who is told what happens to a world: recorders, profilers, those who look for where two runs part.
+// Interfaces that are told what happens to a world: for recorders, for profilers, for finding where two runs part.
 #pragma once
 
 #include "lockstone/command.h"
@@ -29,8 +29,7 @@ struct PhaseHash {
 class PhaseObserver {
   public:
     virtual ~PhaseObserver() = default;
-    virtual void
-    on_phase(const char* phase) = 0; ///< has passed; its work is what was done since the last call
+    virtual void on_phase(const char* phase) = 0; ///< this phase is over; it began at the last call
 };
 
 } // namespace lockstone

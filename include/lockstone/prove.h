@@ -23,12 +23,12 @@ namespace lockstone {
 class Provable {
   public:
     virtual ~Provable() = default;
-    /// Another one, at the start, at another address. The same at every call.
+    /// Makes another one, at its start, at another address. The same at every call.
     virtual std::unique_ptr<Provable> make() const = 0;
     /// Runs tick `tick`: 0, 1, 2 ...
     virtual void step(std::uint64_t tick) = 0;
     virtual std::vector<std::byte> save() const = 0;
-    /// Of bytes that save() of any other gave.
+    /// Takes the bytes that save() of any other one gave.
     virtual Status load(std::span<const std::byte> bytes) = 0;
     virtual std::uint64_t hash() const = 0;
 
@@ -41,8 +41,8 @@ class Provable {
     /// How many bits of state there are to flip, and one of them.
     virtual std::uint64_t bit_count() const { return 0; }
     virtual void flip(std::uint64_t) {}
-    /// Makes what an earlier tick left behind, and the next one must not see, another than it is: scratch memory,
-    /// caches, the shapes of search trees. Called between ticks; false: there is nothing.
+    /// Changes what an earlier tick left behind and the next one must not see: scratch memory, caches, the shapes of
+    /// search trees. Called between ticks; false: there is nothing to change.
     virtual bool disturb(std::uint64_t) { return false; }
     /// What save() gives, as the difference to `base`, which it gave earlier; without a value: there is no such thing.
     virtual std::optional<std::vector<std::byte>> save_delta(std::span<const std::byte> base) const;

@@ -13,7 +13,7 @@ struct Error {
 };
 
 namespace detail {
-/// Ends the program with a sentence, in every build: somebody took a value that is not there, or an error that is not.
+/// Ends the program with a sentence, in every build: the caller took the value of an error, or the error of a value.
 [[noreturn]] void stop_without_value(const Error& error);
 [[noreturn]] void stop_without_error();
 } // namespace detail

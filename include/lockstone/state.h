@@ -95,7 +95,7 @@ class StateLayout {
     /// XXH3 of all names, sizes and formats (not capacities): two states compare or load only where these agree.
     std::uint64_t schema_hash() const { return schema; }
     const ColumnInfo* find_column(std::string_view name) const;
-    /// What the rows were made for, by whoever made the layout: images of another origin are not for this state. Not
+    /// What the rows were made for, as the maker of the layout says: images of another origin are not for this state. Not
     /// part of the schema; 0 where nobody says.
     std::uint64_t origin() const { return made_for; }
     void set_origin(std::uint64_t origin) { made_for = origin; }
@@ -137,7 +137,7 @@ struct Versions {
     std::vector<std::uint64_t> chunks;  ///< by page / StateLayout::pages_per_chunk
     std::vector<std::uint64_t> columns; ///< by column index
 };
-/// Whose versions they are: alive, and so another than any other state's, while anything names it.
+/// The state that gave the versions out. It lives while anything refers to it, so no other state's is the same.
 using Owner = std::shared_ptr<const std::byte>;
 } // namespace detail
 
@@ -170,7 +170,7 @@ struct RowRange {
     std::uint32_t first, end;
 };
 
-/// How far a reader has followed a state, column by column: see State::take_changes. A fresh one has seen nothing.
+/// Up to where a reader has seen the changes of a state, column by column: see State::take_changes. A fresh one has seen nothing.
 class ChangeMark {
     friend class State;
     std::shared_ptr<const StateLayout> layout;
@@ -261,7 +261,7 @@ class State {
     std::span<std::byte> edit_bytes(std::uint32_t column);
     std::span<std::byte> edit_bytes(std::uint32_t column, std::uint32_t first_row, std::uint32_t count);
 
-    /// The whole block. What is not a live row is zero, so equal states of equal capacities are equal blocks.
+    /// The whole block. Bytes outside of live rows are zero, so equal states of equal capacities are equal blocks.
     std::span<const std::byte> block_bytes() const { return {block.get(), shared_layout->size_bytes()}; }
 
     // ---- ring images: the fast path of rollback ----

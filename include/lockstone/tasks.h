@@ -13,7 +13,7 @@
 
 namespace lockstone {
 
-/// Runs items of work that know nothing of each other. One run at a time: worlds that tick at once need one each.
+/// Runs items of work that do not depend on each other. One run at a time: worlds that tick at once need one each.
 class Tasks {
   public:
     /// `index` below the number of items; `worker` below worker_count(), never the same for two items that run at once.
@@ -25,7 +25,7 @@ class Tasks {
     virtual std::uint32_t worker_count() const = 0;
     /// Calls item(context, index, worker) once for every index below `items`, on any threads and in any order, and
     /// returns when all are done; what they wrote is then seen by the caller. Called a few hundred times a tick, often
-    /// with less than 10 us of work an item: workers that sleep in between cost more than they bring.
+    /// with less than 10 us of work an item: workers that sleep between runs cost more time than they save.
     virtual void run(std::uint32_t items, Item item, void* context) = 0;
 };
 

@@ -12,10 +12,10 @@ enum class Leftover : std::uint32_t {
     pairs,   ///< which pairs were found already: some are forgotten, and found again in another order
 };
 
-/// Makes it another than it is; `seed` chooses how. No hash and no answer of the world changes by it. What is none of the three
-/// does nothing.
+/// Changes one of these leftovers; `seed` chooses how. No hash and no answer of the world depends on it. A value that is none of the
+/// three does nothing.
 void disturb(World& world, Leftover what, std::uint64_t seed);
-/// The block itself, for planted faults. Whatever is written there goes round every check.
+/// The block itself, for planted faults. No check sees what is written there.
 State& state_of(World& world);
 
 } // namespace lockstone::testing

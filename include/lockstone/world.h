@@ -31,8 +31,8 @@ namespace testing {
 struct Access; // lockstone/testing.h
 }
 
-/// Wrong arguments. Commands answer each with an error that names the argument, and change nothing. An id is two numbers:
-/// one of another world is this world's id with the same numbers, if there is one, else dead. Reading takes living ids,
+/// Wrong arguments. Commands answer each with an error that names the argument, and change nothing. An id is two numbers: an
+/// id of another world names what has the same numbers in this one; where nothing has, it is dead. Reading takes living ids,
 /// rows below the count and columns of this world's schema only: anything else ends the program with a sentence, in every
 /// build, and so does any use of a world that was moved from. Queries answer what makes no sense with nothing.
 ///
@@ -124,7 +124,7 @@ class World {
     }
 
     // ---- reading: living ids only (asserted); is_alive tells ----
-    bool is_alive(BodyId body) const; ///< no for any id that is null, dead or was never given out
+    bool is_alive(BodyId body) const; ///< false for any id that is null, dead or was never given out
     bool is_alive(ShapeId shape) const;
     bool is_alive(JointId joint) const;
     bool is_alive(VehicleId vehicle) const;
@@ -245,7 +245,7 @@ class World {
   private:
     friend struct testing::Access;
     struct Impl;
-    /// Names the mistake where a plain pointer would be followed into nothing.
+    /// Ends the program with a sentence where a world is used that was moved from.
     class Inside {
       public:
         explicit Inside(std::unique_ptr<Impl> impl);

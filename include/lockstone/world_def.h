@@ -27,7 +27,7 @@ struct WorldDef {
     std::uint32_t bounds_shift =
         0; ///< 0..8: broad-phase step 2^(shift-16) m, exact within 2^(15+shift) m of the origin
     // Limits of what there may be at one time, 1..2^20, of fields 1..1024, of characters and vehicles 1..65536. They cost
-    // nothing: a world takes memory as things come. What they bound is what a file may ask for. They are part of the
+    // nothing: a world takes memory as things come. They bound what a file may ask for. They are part of the
     // definition, and so of the hash; how much memory there is at present is not.
     std::uint32_t bodies_max = 8192;
     std::uint32_t shapes_max = 8192;
@@ -45,8 +45,8 @@ struct WorldDef {
     Real contact_hertz = Real(90);        ///< stiffness of contacts, at most 3 / 16 of the substep rate
     Real contact_damping = Real(10);      ///< damping ratio of contacts
     Real push_speed_max = Real(3);        ///< [m/s]: how fast overlap is pushed out
-    /// [m/s]. At rest is a body of which no point is faster, or none four times as fast and none farther than
-    /// sleep_speed * sleep_time from where it was.
+    /// [m/s]. A body is at rest while no point of it is faster; or while none is four times as fast, and none is farther
+    /// than sleep_speed * sleep_time from where it was.
     Real sleep_speed = 0.03_r;
     Real sleep_time = 0.5_r; ///< [s]: an island that long at rest falls asleep
     std::uint64_t seed = 1;  ///< part of the state; the game's random streams start from it
@@ -120,7 +120,7 @@ struct Faults {
     std::uint64_t speed_clamped;    ///< a linear or angular velocity met its limit
     std::uint64_t position_clamped; ///< a position met the end of the documented range (1e9 m)
     /// Pairs beyond contacts_max; the last in pair order were dropped. Of more than 1024 + 2 contacts_max pairs that are
-    /// near, the last are not looked at, and count as one in each tick.
+    /// near, the last are not looked at, and all of them count as one pair in each tick.
     std::uint64_t contacts_dropped;
     std::uint64_t impulse_clamped; ///< a contact impulse met the end of its format
     friend bool operator==(const Faults&, const Faults&) = default;

@@ -231,6 +231,103 @@ bool keep_face(const Convex& a, const Convex& b, Long3 last_30, Length margin, M
     return false;
 }
 
+/// The direction that parts two cores by most, by how much, and where they touch along it.
+struct Parting {
+    Long3 normal_30{};
+    std::int64_t separation_30 = 0;
+    Touch touch;
+    std::uint32_t edges =
+        0; ///< the name of edges that cross where they touch, by 60 degrees and more; 0: not known
+};
+
+/// A corner of a box or hull, 30 fraction bits. False: it has none of that name.
+bool find_corner(const Convex& shape, std::uint32_t id, Long3& at_30) {
+    if (shape.core == Convex::Core::hull) {
+        if (id >= shape.hull->vertices.size()) return false;
+        at_30 = corner_of(shape, id);
+        return true;
+    }
+    if (shape.core != Convex::Core::box || id >= 8) return false;
+    at_30 = up(shape.center_24, 6);
+    for (int i = 0; i < 3; ++i) {
+        const Long3 along = along_30(shape.axes_30[i], shape.half_24[i]);
+        at_30 = (id >> i & 1u) != 0 ? at_30 + along : at_30 - along;
+    }
+    return true;
+}
+
+/// An edge between two corners, within 16 m.
+struct Edge {
+    Long3 from_30, along_30, along_24;
+};
+bool find_edge(const Convex& shape, std::uint32_t name, Edge& edge) {
+    Long3 to{};
+    if ((name >> 8) >= (name & 0xff) || !find_corner(shape, name >> 8, edge.from_30) ||
+        !find_corner(shape, name & 0xff, to))
+        return false;
+    edge.along_30 = to - edge.from_30;
+    edge.along_24 = shifted(edge.along_30, 6);
+    return widest(edge.along_30) < std::int64_t{1} << 34;
+}
+
+/// Where the line of an edge is nearest to another one: a part of the edge, 30 fraction bits; negative: not on it. `between`
+/// leads from the edge's corner to the other's, `other` is along that one, 24 fraction bits, `normal` across both.
+std::int64_t part_beside(const Edge& edge, const Long3& between_24, const Long3& other_24,
+                         const Long3& normal_30) {
+    const Long3 across = shifted(cross(normal_30, other_24), 30);
+    const std::int64_t whole = dot(edge.along_24, across), part = dot(between_24, across);
+    if (whole == 0 || (part < 0) != (whole < 0) || absolute(part) > absolute(whole)) return -1;
+    return divide_shifted(absolute(part), absolute(whole), 30);
+}
+
+/// The parting of two crossing edges that made the last manifold, while they face each other within both edges and no direction parts
+/// the cores by more than theirs and the bias. False: nothing is known.
+///
+/// p and q, where the two lines are nearest, are points of the cores, and q - p is along the normal. Apart, they are the nearest
+/// points of the cores, as no corner lies further along the normal than the edges. Overlapping by no more than the bias, any direction along
+/// which they do is good to within it; else to part the cores q has to leave A, and p B: by as much as they are deep in them.
+bool keep_edges(Difference& difference, std::uint32_t edges, Long3 last_30, Parting& found) {
+    const Convex &a = difference.a.convex(), &b = difference.b.convex();
+    Edge on_a, on_b;
+    if (!find_edge(a, edges >> 16, on_a) || !find_edge(b, edges & 0xffff, on_b)) return false;
+    const Long3 between = on_b.from_30 - on_a.from_30;
+    if (widest(between) >= std::int64_t{1} << 34) return false;
+    const Long3 run_a = with_bits(on_a.along_30, 30), run_b = with_bits(on_b.along_30, 30),
+                across = cross(run_a, run_b);
+    if (widest(across) < std::int64_t{1} << 58) return false; // within 5 to 14 degrees of parallel
+    Long3 normal = direction_of_30(with_bits(across, 31)).unit;
+    if (dot(normal, last_30) < 0) normal = -normal;
+    const Long3 between_24 = shifted(between, 6);
+    const std::int64_t part_a = part_beside(on_a, between_24, on_b.along_24, normal),
+                       part_b = part_beside(on_b, -between_24, on_a.along_24, normal);
+    if (part_a < 0 || part_b < 0) return false;
+    const std::int64_t separation = difference.separation_30(normal);
+    constexpr std::int64_t micrometre_30 = 1 << 10;
+    if (separation < dot_unit(between, normal) - micrometre_30) return false;
+    const Long3 p = on_a.from_30 + shifted(on_a.along_24 * part_a, 24),
+                q = on_b.from_30 + shifted(on_b.along_24 * part_b, 24);
+    const std::int64_t too_deep = -separation - bias_of(a, b);
+    if (too_deep > 0 && depth_in(a, q) < too_deep && depth_in(b, p) < too_deep) return false;
+    const Long3 sine = shifted(across, 32);
+    const std::int64_t cosine = shift_right_rounded(dot(run_a, run_b), 32);
+    found = {normal, separation, {true, p, q}, dot(sine, sine) > 3 * cosine * cosine ? edges : 0};
+    return true;
+}
+
+Parting find_parting(Difference& difference, std::int64_t limit_30) {
+    Simplex simplex;
+    const Gap gap = find_gap(difference, limit_30, difference.between(), simplex);
+    Parting found{gap.normal_30, gap.distance_30, {true, gap.on_a_30, gap.on_b_30}, 0};
+    if (!gap.overlap && gap.distance_30 > limit_30) return found;
+    if (gap.overlap) {
+        found.touch.is_known = false;
+        const Penetration p = find_move(difference, simplex, found.touch);
+        found.normal_30 = p.normal_30, found.separation_30 = -p.depth_30;
+    }
+    refine_normal(difference, found.normal_30, found.separation_30);
+    return found;
+}
+
 /// The points of a face that the normal is that of, to within half a degree; none when there is no such face.
 void touch_faces(Contact& c) {
     const SupportingFace face_a = supporting_face(c.a, c.normal_30),
@@ -275,31 +372,23 @@ void manifold_from_faces(const Convex& a, const Convex& b, Long3 normal_30, std:
     touch_edges(c, Touch{});
 }
 
-void collide_convex(const Convex& a, const Convex& b, Length margin, Manifold& out, Long3 hint_30,
-                    Long3 normal_30) {
+void collide_convex(const Convex& a, const Convex& b, Length margin, Manifold& out, const PairHints& hints) {
     out = Manifold{};
     const std::int64_t radii = up(a.radius.raw + b.radius.raw, 6), limit = radii + up(margin.raw, 6);
-    if (!is_zero(hint_30) && is_parted(a, b, hint_30, limit)) {
-        out.normal = unit_of_30(hint_30);
+    if (hints.apart != UnitVec3{} && is_parted(a, b, raw(hints.apart), limit)) {
+        out.normal = hints.apart;
         return;
     }
-    if (!is_zero(normal_30) && keep_face(a, b, normal_30, margin, out)) return;
+    const bool was_edges = hints.edges != 0;
+    if (!was_edges && hints.normal != UnitVec3{} && keep_face(a, b, raw(hints.normal), margin, out)) return;
     Difference difference(a, b);
-    Simplex simplex;
-    const Gap gap = find_gap(difference, limit, difference.between(), simplex);
-    if (!gap.overlap && gap.distance_30 > limit) {
-        out.normal = unit_of_30(gap.normal_30);
-        return;
-    }
-    Long3 normal = gap.normal_30;
-    std::int64_t separation = gap.distance_30;
-    Touch touch{true, gap.on_a_30, gap.on_b_30};
-    if (gap.overlap) {
-        touch.is_known = false;
-        const Penetration p = find_move(difference, simplex, touch);
-        normal = p.normal_30, separation = -p.depth_30;
-    }
-    refine_normal(difference, normal, separation);
+    Parting best;
+    if (!was_edges || !keep_edges(difference, hints.edges, raw(hints.normal), best))
+        best = find_parting(difference, limit);
+    const Long3 normal = best.normal_30;
+    const std::int64_t separation = best.separation_30;
+    out.normal = unit_of_30(normal);
+    if (separation > limit) return;
     // A face whose separation is as good to within the bias gives the normal; A's rather than B's.
     const std::int64_t bias = bias_of(a, b);
     const Facing face_a = facing(a, normal), face_b = facing(b, -normal);
@@ -322,7 +411,8 @@ void collide_convex(const Convex& a, const Convex& b, Length margin, Manifold& o
     Contact c{a, b, normal, separation - radii, margin, out};
     out.normal = unit_of_30(normal);
     out.on_face = 0;
-    touch_edges(c, touch);
+    if (best.edges != 0) return c.add_between(best.touch.on_a_30, best.touch.on_b_30, best.edges);
+    touch_edges(c, best.touch);
 }
 
 } // namespace lockstone::collide

@@ -98,11 +98,11 @@ void collide_pair(const shapes::Solid& a, const shapes::Solid& b, const Relative
 
 void collide(const shapes::Solid& a, const shapes::Solid& b, const RelativePose& pose, Length margin,
              NarrowScratch& scratch, Manifolds& out) {
-    collide(a, b, pose, margin, UnitVec3{}, UnitVec3{}, scratch, out);
+    collide(a, b, pose, margin, PairHints{}, scratch, out);
 }
 
 void collide(const shapes::Solid& a, const shapes::Solid& b, const RelativePose& pose, Length margin,
-             UnitVec3 hint, UnitVec3 normal, NarrowScratch& scratch, Manifolds& out) {
+             const PairHints& hints, NarrowScratch& scratch, Manifolds& out) {
     const ShapeKind kind_a = a.geometry.kind, kind_b = b.geometry.kind;
     const bool convex = kind_a < ShapeKind::compound && kind_b < ShapeKind::compound;
     LOCKSTONE_ASSERT(kind_a <= ShapeKind::plane && (convex || kind_b <= kind_a), "shape kinds ",
@@ -120,8 +120,7 @@ void collide(const shapes::Solid& a, const shapes::Solid& b, const RelativePose&
         if (out.items[0].count == 0) out.apart = out.items[0].normal;
     } else if (kind_a != ShapeKind::plane) {
         collide_convex(convex_of(a, Rotation::identity(), CoordinateVec3{}),
-                       convex_of(b, pose.rotation, pose.position), margin, out.items[0], raw(hint),
-                       raw(normal));
+                       convex_of(b, pose.rotation, pose.position), margin, out.items[0], hints);
         if (out.items[0].count == 0) out.apart = out.items[0].normal;
     } else {
         collide_pair(a, b, pose, margin, out.items[0]);

@@ -71,11 +71,17 @@ struct NarrowScratch {
 /// further apart than `margin` never do.
 void collide(const shapes::Solid& a, const shapes::Solid& b, const RelativePose& pose, Length margin,
              NarrowScratch& scratch, Manifolds& out);
-/// The same, sooner when the unit direction `hint`, zero for none, parts the two; whatever it is, the result is the same
-/// but for `apart`. `normal`: of the last manifold, zero for none: the face that it was that of is kept without a
-/// search while it is as good as any other to within `face_bias`, so which of several good ones serves may depend on it.
+/// What is known of a pair from before, in A's axes. Zero: nothing.
+struct PairHints {
+    UnitVec3 apart;      ///< a direction that may part the two
+    UnitVec3 normal;     ///< of the last manifold
+    std::uint32_t edges; ///< name of its first point, where the normal was no face's
+};
+/// The same, sooner when `apart` parts the two: whatever it is, the result is the same but for Manifolds::apart. The face or the two
+/// crossing edges that the last normal was that of are kept without a search while they are as good as any other to within
+/// `face_bias`, so which of several good ones serves may depend on it.
 void collide(const shapes::Solid& a, const shapes::Solid& b, const RelativePose& pose, Length margin,
-             UnitVec3 hint, UnitVec3 normal, NarrowScratch& scratch, Manifolds& out);
+             const PairHints& hints, NarrowScratch& scratch, Manifolds& out);
 
 /// Where two shapes are in the world: what are_parted needs of them.
 struct PlacedSolid {

@@ -6,8 +6,8 @@
 #include "model/character_row.h"
 #include "model/contact_rows.h"
 #include "model/shared_rows.h"
-#include "model/vehicle_rows.h"
 #include "solve/bodies/solver_body.h"
+#include "solve/vehicles/vehicle_rows.h"
 
 #include <memory>
 
@@ -21,7 +21,10 @@ using solve::BodyTraits;
 using solve::FieldRow;
 using solve::JointMemory;
 using solve::JointRow;
+using solve::VehicleMemory;
+using solve::VehicleRow;
 using solve::Velocity;
+using solve::WheelMemory;
 
 /// What a world knows of itself besides its objects.
 struct Header {

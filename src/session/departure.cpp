@@ -33,7 +33,7 @@ bool PeerSession::has_dropped_us(const PeerLink& link) const {
     return link.state == PeerLink::State::connected && (link.says_gone & players_of(def.self)) != 0;
 }
 
-/// Between two machines each goes on alone; among more, what most of those hold who are heard.
+/// Whether more than half of the machines that are heard have dropped this one. Between two never: each goes on alone.
 bool PeerSession::is_dropped() const {
     std::uint32_t others = 0, heard = 0, dropped_by = 0;
     for (const PeerLink& link : links) {
@@ -44,7 +44,8 @@ bool PeerSession::is_dropped() const {
     return others > 1 && 2 * dropped_by > heard;
 }
 
-/// Who came in and has confirmed nothing with the others would go on alone beside them: it may come again instead.
+/// This machine came in, has confirmed no tick with the others yet, and all of them are gone for it. If it went on it would play a match of
+/// its own beside theirs. So it stops, and may come again.
 bool PeerSession::has_come_in_vain() const {
     return entry_tick > 0 && settled_end == entry_tick && !links.empty() &&
            std::ranges::all_of(links,
@@ -61,14 +62,15 @@ void PeerSession::find_silent_peers() {
     }
 }
 
-/// Who waited for it gets its time anew, and time to find the same.
+/// From now on this machine wants the peer to leave. It begins to count anew how long it waits for the others: they may have waited for the
+/// same peer, and need time to find that out.
 void PeerSession::find_fault_with(PeerLink& link) {
     if (std::exchange(link.unwanted, true)) return;
     for (PeerLink& other : links) other.waited_ms = 0;
 }
 
-/// The one that has kept the match waiting: among several the one that most others want to leave, then the last by id,
-/// the same on all machines.
+/// Finds fault with a peer that has kept the match waiting for too long. Among several it is the one that most others want to leave, then the
+/// last by id, so that all machines choose the same.
 void PeerSession::find_late_peer() {
     PeerLink* late = nullptr;
     for (PeerLink& link : links) {
@@ -83,8 +85,10 @@ void PeerSession::count_waits(std::uint64_t passed_ms) {
     constexpr std::uint64_t passed_max_ms = 250; // nobody keeps a machine waiting that does not poll
     const std::uint64_t passed = std::min(passed_ms, passed_max_ms);
     for (PeerLink& link : links) {
-        if (is_awaited(link)) link.waited_ms += passed;
-        if (owes_word(link)) link.waited_ms += links.size() > 1 ? 2 * passed : passed;
+        if (owes_word(link))
+            link.waited_ms += links.size() > 1 ? 2 * passed : passed; // at most that: README.md, Leaving
+        else if (is_awaited(link))
+            link.waited_ms += passed;
     }
 }
 
@@ -100,28 +104,33 @@ bool PeerSession::is_awaited(const PeerLink& link) const {
     const std::uint64_t settled = settled_through();
     return std::ranges::any_of(queues, [&](const InputQueue& queue) {
         const std::uint32_t p = queue.player();
-        if (is_gone(p)) return !queue.disconnected() && link.cut[p] == never && has_say_in_cut(link, p);
+        const bool tells_cut = link.cut[p] != never && link.cut[p] <= cuts[p];
+        if (is_gone(p)) return !queue.disconnected() && !tells_cut && has_say_in_cut(link, p);
         return def.players[p] == link.peer && queue.next() == settled &&
                current >= settled + def.prediction_max;
     });
 }
 
-/// Whether it waits for what this peer owes to this machine alone: hashes and acknowledgements. The others see only that
-/// this machine stands still, so if there are others patience is half as long, and then the match goes on without them.
+/// Whether the match waits here for what this peer owes to this machine alone: hashes and acknowledgements. The others see only that
+/// this machine stands still. So where there are others, patience is half as long, and then this machine goes on without hashes and
+/// acknowledgements of that peer.
 bool PeerSession::owes_word(const PeerLink& link) const {
     if (link.state != PeerLink::State::connected || link.unwanted || is_connecting()) return false;
     if (link.hashes.exchanged_through() + history_confirmed_max <= confirmed) return true;
     const std::uint64_t fixed = fixed_through();
+    // A tick that lacks inputs waits for these. Nobody owes an acknowledgement of an input that is not here.
+    const bool lacks_inputs = current >= settled_through() + def.prediction_max;
+    const bool is_held = !lacks_inputs && current >= fixed + change_max;
     return std::ranges::any_of(queues, [&](const InputQueue& queue) {
         const std::uint32_t p = queue.player();
         if (is_gone(p) || def.players[p] == link.peer) return false;
         if (is_local(p) && queue.room() == 0 && link.next_input[p] <= queue.oldest()) return true;
         const bool is_needed = is_local(p) ? links.size() > 1 : is_heard(def.players[p]);
-        return is_needed && link.next_input[p] <= fixed && current >= fixed + change_max;
+        return is_held && is_needed && link.next_input[p] <= fixed;
     });
 }
 
-/// Whether what others lack of this machine's inputs is their own fault: who is about to be silent has failed others too.
+/// Whether that machine is heard, so that others should have its inputs too. A machine that falls silent here may be silent to all of them.
 bool PeerSession::is_heard(PeerId peer) const {
     const auto link = std::ranges::find(links, peer, &PeerLink::peer);
     return link != links.end() && !link->unwanted && now - link->heard_ms <= def.disconnect_ms / 4;
@@ -137,7 +146,7 @@ bool PeerSession::has_not_judged(const PeerLink& link) const {
 
 // ---- what most have seen -----------------------------------------------------------------------------------------
 
-/// Of this machine and of those that it hears and has nothing against.
+/// This machine votes, and so do the peers that it hears and does not want to leave itself.
 PeerSession::Votes PeerSession::count_votes(const PeerLink& accused) const {
     Votes votes{1, accused.unwanted ? 1u : 0u};
     for (const PeerLink& link : links) {
@@ -154,11 +163,11 @@ void PeerSession::drop_unwanted_peers() {
             const Votes votes = count_votes(link);
             if (link.state == PeerLink::State::gone || 2 * votes.against <= votes.of) continue;
             link.state = PeerLink::State::gone;
-            // Who comes and is silent costs the others their patience each time: so that is seldom.
+            // Whoever comes in and is silent makes the others wait for as long as their patience lasts. It may not do so often.
             if (link.seat.entered_ms != 0 && now - link.seat.entered_ms < 12 * def.disconnect_ms)
                 link.seat.not_before_ms = now + 12 * def.disconnect_ms;
             gone |= players_of(link.peer);
-            send(link); // if it can hear us, it need not wait for our silence
+            send(link); // where it hears this, it knows at once
             again = true;
         }
     }
@@ -179,7 +188,8 @@ bool PeerSession::is_somebody_leaving() const {
         queues, [&](const InputQueue& queue) { return is_gone(queue.player()) && !queue.disconnected(); });
 }
 
-/// Not one that came in after it: it has no input from before, and may be told by the log that the player has left, so it tells no cut.
+/// Whether the cut waits for this peer's word. Who came in after the cut tells none: it has no input from before, and may know from the log
+/// that the player has left.
 bool PeerSession::has_say_in_cut(const PeerLink& link, std::uint32_t player) const {
     const int first_player = std::countr_zero(players_of(link.peer));
     return since[static_cast<std::size_t>(first_player)] <= cuts[player];
@@ -194,7 +204,8 @@ void PeerSession::agree_on_cut(std::uint32_t player) {
                 return stop_without_cut(player, link, cuts[player]);
         return;
     }
-    if (cuts[player] == never) { // fewer inputs can nobody turn out to have: from now on they are refused
+    // Once a player is gone for a machine it takes none of its inputs any more: how many it has is final.
+    if (cuts[player] == never) {
         std::uint64_t fewest = queue.next();
         for (const PeerLink& link : links) {
             if (!remains(link)) continue;

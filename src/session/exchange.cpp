@@ -70,7 +70,7 @@ std::optional<PacketFault> PeerSession::receive(const Datagram& datagram) {
 
 bool PeerSession::plausible(const PeerLink& link) const {
     if (!incoming.greeting && link.state == PeerLink::State::connecting)
-        return false;                // nobody goes before greeting
+        return false;                // the first packet is a greeting
     std::uint64_t local_end = never; // nobody can have confirmed a tick without all local inputs
     for (const InputQueue& queue : queues) {
         const std::uint64_t next = incoming.next_input[queue.player()];
@@ -86,7 +86,7 @@ bool PeerSession::plausible(const PeerLink& link) const {
     for (const JoinWord& word : incoming.join_words())
         if (word.stand != JoinStand::no && word.tick > current + join_ahead_max) return false;
     return std::ranges::all_of(incoming.input_blocks(), [&](const InputBlock& block) {
-        return block.first <= queues[block.player].next() + history_confirmed_max; // more no sender keeps
+        return block.first <= queues[block.player].next() + history_confirmed_max; // no sender keeps more
     });
 }
 
@@ -115,7 +115,7 @@ void PeerSession::apply(PeerLink& link) {
     if (incoming.quality) apply_quality(link, *incoming.quality);
 }
 
-/// What lies after a gap comes again, from the gap on.
+/// Inputs behind a gap are left: the sender repeats them, from the gap on.
 void PeerSession::apply_inputs(const InputBlock& block) {
     InputQueue& queue = queues[block.player];
     const auto before = queue.before(block.first);
@@ -133,14 +133,14 @@ void PeerSession::apply_departures(PeerLink& link) {
         link.says_unwanted |= bit;
         link.says_gone |= incoming.gone & bit;
         if ((incoming.has_cut & bit) == 0) continue;
-        const std::uint64_t earliest = std::max(since[p], entry_tick); // both had come in
+        const std::uint64_t earliest = std::max(since[p], entry_tick); // from there on both are in the match
         link.cut[p] = std::min(link.cut[p], std::max(incoming.cut[p], earliest));
     }
 }
 
 void PeerSession::apply_quality(PeerLink& link, const QualityReport& report) {
     constexpr std::int32_t ahead_max = 1000;      // more means nothing, and sums must not overflow
-    constexpr std::uint16_t ping_max_ms = 60'000; // an echo of no clock reading of ours
+    constexpr std::uint16_t ping_max_ms = 60'000; // a longer one is no echo of what this machine sent
     link.remote_ahead = std::clamp(report.ticks_ahead, -ahead_max, ahead_max);
     link.has_echo = true;
     link.echo_ms = report.sent_ms;
@@ -210,7 +210,7 @@ void PeerSession::fill_status(PeerLink& link) {
                         static_cast<std::uint16_t>(has_echo ? held : 0)};
 }
 
-/// Once stopped, all others have left: so they learn that they need not wait.
+/// A machine that has stopped tells all others that they are gone for it, so that they need not wait until it is silent for too long.
 void PeerSession::fill_departures() {
     outgoing.gone = gone;
     outgoing.unwanted = gone;

@@ -8,7 +8,7 @@
 namespace lockstone::session {
 
 namespace {
-/// Ticks of neutral inputs of who comes into a match: the time that its first inputs take to the others.
+/// A machine that comes in presses nothing for so many ticks. In that time its first inputs reach the others.
 constexpr std::uint64_t neutral_ticks = 30;
 constexpr std::uint64_t seat_silence_polls = 600, seat_log_ticks = 7200;
 } // namespace
@@ -44,8 +44,8 @@ PeerSession::PeerSession(const SessionDef& session_def, Transport& packets, cons
         if (entry.tick > 0) link.state = PeerLink::State::connected; // it is known to be there
         if ((gone & players_of(peer)) != 0) link.state = PeerLink::State::gone, link.unwanted = true;
     }
-    // Among three or more machines a departure may take true inputs back until all are known to have them: that takes the
-    // way there and back, where a guess waits for one of them. Lockstep takes nothing back and waits instead.
+    // Among three or more machines a departure may take true inputs back until all are known to have them. That takes a round trip, where
+    // a guess waits for one way only. Lockstep takes nothing back and waits instead.
     constexpr std::uint64_t polls_between = 8;
     const bool predicts = def.prediction_max > 0;
     change_max = links.size() > 1 && predicts ? 2 * def.prediction_max + polls_between : def.prediction_max;
@@ -98,8 +98,8 @@ std::uint64_t PeerSession::settled_through() const {
     return end;
 }
 
-/// Also of its own inputs: if it goes, they end with what the others have, and what it has confirmed by then is shown, recorded and given to
-/// those who come. Two do not wait for that: it would take the way back, too.
+/// Its own inputs count, too. If this machine goes, they end where the others have them; and the ticks that it has confirmed by then have been
+/// shown, recorded and given to those who come. Two machines do not wait for that: it would take a round trip.
 std::uint64_t PeerSession::agreed_through() const {
     const bool are_two = links.size() == 1;
     std::uint64_t end = never;
@@ -114,7 +114,7 @@ std::uint64_t PeerSession::agreed_through() const {
     return end;
 }
 
-/// While somebody is leaving nothing more is fixed: where they leave may be anywhere from here on.
+/// While somebody is leaving nothing more is fixed: its inputs may end at any tick from here on.
 std::uint64_t PeerSession::fixed_through() const {
     if (is_somebody_leaving()) return settled_end;
     return std::min(std::min(settled_through(), agreed_through()), join_bound());
@@ -131,8 +131,8 @@ std::uint64_t PeerSession::take_first_wrong() {
     return wrong;
 }
 
-/// An input stays until its tick is confirmed here and, of a local player, every peer has it; for one that is unwanted no
-/// longer than there is room.
+/// An input stays until its tick is confirmed here. One of a local player also stays until every peer has it; for a peer that is unwanted it
+/// stays only while there is room.
 void PeerSession::forget_old_inputs() {
     for (InputQueue& queue : queues) {
         std::uint64_t needed_from = confirmed;

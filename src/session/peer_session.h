@@ -29,7 +29,8 @@ struct Entry {
 class PeerSession final : public Session {
   public:
     PeerSession(const SessionDef& def, Transport& transport, const Entry& entry = {});
-    /// Of a match that was joined: the inputs of the tick before, by player. Until then none of others' can be understood.
+    /// For a machine that comes in: the inputs of the tick before its entry, by player. Packets tell inputs as differences, so until this is
+    /// called no input of the others can be read.
     void set_inputs_before(std::span<const PlayerInput> inputs);
 
     void poll(std::uint64_t now_ms) override;
@@ -152,7 +153,7 @@ class PeerSession final : public Session {
     bool has_run;                                   ///< it was asked for ticks; before it only listens
     std::array<std::uint64_t, players_max> since{}; ///< by player: where it came in last; 0: the start
     std::uint64_t entry_tick;                       ///< where this machine did
-    std::uint64_t catch_up_end;                     ///< below, several ticks a frame are run
+    std::uint64_t catch_up_end;                     ///< for ticks below, several a frame are run
     TimelineHost timeline;                          ///< for those who come
 
     bool polled = false;

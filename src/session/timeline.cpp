@@ -181,10 +181,10 @@ std::optional<Admission> read_admission(std::span<const std::byte> packet, std::
 
 namespace {
 constexpr std::uint64_t listener_resend_polls = 20, ticks_ahead_max = 256;
-constexpr std::uint64_t snapshot_polls = 120;      ///< between two states, and while somebody takes one
-constexpr std::uint64_t snapshot_polls_max = 7200; ///< then nobody takes it any more
-constexpr std::uint64_t quiet_polls = 60;   ///< of a listener: it is sent nothing until it is heard again
-constexpr std::uint64_t kept_unheard = 256; ///< [ticks], at least
+constexpr std::uint64_t snapshot_polls = 120;      ///< from one state to the next, at least
+constexpr std::uint64_t snapshot_polls_max = 7200; ///< an older one is not kept for who takes it
+constexpr std::uint64_t quiet_polls = 60;          ///< a listener that is silent for so long is sent nothing
+constexpr std::uint64_t kept_unheard = 256;        ///< [ticks] at least, while nobody listens
 constexpr std::uint32_t chunks_per_wish = 2, chunks_ahead_max = 64;
 } // namespace
 
@@ -217,8 +217,8 @@ void TimelineHost::add_told(std::uint64_t tick, std::span<const std::byte> told)
     base::ByteWriter(log).bytes(told);
 }
 
-/// Before a tick is added. A log that is kept for those who listen begins before anybody does: whoever takes another machine's state may
-/// ask here for what comes after it.
+/// Called before a tick is added. The newest ticks are kept while nobody listens, too: whoever takes the state of another machine may ask here
+/// for the ticks after it.
 void TimelineHost::make_room() {
     const std::uint64_t ticks = log.size() / tick_bytes;
     const bool is_unheard = !def.keeps_unheard && all.empty();
@@ -278,7 +278,7 @@ void TimelineHost::send(Transport& transport, PeerId to, std::span<const std::by
 
 void TimelineHost::serve_word(Listener& listener, Transport& transport) {
     const std::uint64_t tick = listener.wish.asked, end = shown_end();
-    if (is_told) { // the whole hash is known of the state that is shown only
+    if (is_told) { // of all other ticks only the low half of the hash is known
         if (tick < end && snapshot && tick + 1 == snapshot->offer().tick)
             send(transport, listener.peer, write_word(packet, match, {tick, snapshot->offer().hash}));
         return;
@@ -294,7 +294,7 @@ bool TimelineHost::is_snapshot_taken() const {
            });
 }
 
-/// A state is made when somebody wants one, two seconds after the last at the earliest, and not while another one takes that.
+/// Makes a state when somebody wants one, but not within two seconds of the last, nor while somebody takes that one.
 bool TimelineHost::make_snapshot(StateInspector* states) {
     const std::uint64_t age = polls - snapshot_at_poll;
     const bool is_kept = snapshot && snapshot->offer().tick >= log_first &&
@@ -341,8 +341,8 @@ void TimelineHost::serve_state(Listener& listener, Transport& transport) {
     }
 }
 
-/// What comes next, once; again from the first that it lacks after 20 polls without progress. Who comes to play is waited for: so
-/// it gets everything that it may lack in each second packet.
+/// Sends the next ticks, once; and again, from the first that the listener lacks, after 20 polls without progress. The others wait for a machine
+/// that comes to play: in each second poll it is sent the first ticks that it may lack.
 void TimelineHost::serve_log(Listener& listener, Transport& transport) {
     if (listener.wanted < log_first) return;
     const bool is_awaited = listener.wish.ticket != 0 && polls % 2 == 0;

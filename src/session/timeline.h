@@ -75,13 +75,13 @@ bool is_wish(std::span<const std::byte> packet);
 /// One of those that answer wishes, by its first byte.
 bool is_answer_to_wish(std::span<const std::byte> packet);
 
-/// Of a tick in the log.
+/// How long a tick is in the log [bytes].
 inline std::size_t tick_bytes_of(const SessionDef& def) { return 6 + def.players.size() * def.input_size; }
 
 struct TimelineDef {
-    /// Of the log; then the older half is forgotten, or all where nobody needs it
+    /// When the log has so many, the older half of them is forgotten; all of them unless `keeps_unheard`.
     std::uint64_t log_ticks_max;
-    std::uint32_t delay_ticks; ///< that listeners see later
+    std::uint32_t delay_ticks; ///< so much later listeners see a tick
     std::uint32_t listeners_max;
     std::uint64_t silence_polls; ///< then a listener is forgotten
     bool keeps_unheard;          ///< the log is kept also while nobody listens
@@ -137,7 +137,7 @@ class TimelineHost {
     std::size_t tick_bytes;
     std::uint64_t log_first = 0;
     std::vector<std::byte> log; ///< as Stretch tells
-    /// By tick modulo history_ticks; not where another host tells the ticks
+    /// By tick modulo history_ticks; unused where another host tells the ticks
     std::vector<std::uint64_t> hashes;
     bool is_told = false; ///< by another host
     bool has_begun = false;

@@ -151,11 +151,19 @@ CoordinateVec3 position_of(const PairPlace& place) {
             Coordinate::from_raw(place.position[2])};
 }
 
-/// Makes the manifolds of a pair; `apart` is a hint, and becomes the next one. `normal`: of the last ones.
-void make_manifolds(const CandidatePair& c, const PairPlace& place, UnitVec3& apart, UnitVec3 normal,
-                    collide::NarrowScratch& scratch, collide::Manifolds& out) {
+/// What is known of a pair from its last manifolds, and the direction that parted it.
+collide::PairHints hints_of(std::span<const ContactMemory> old, UnitVec3 apart) {
+    if (old.empty()) return {apart, {}, 0};
+    const bool on_face = (old[0].flags & solve::contact_on_face) != 0;
+    return {apart, old[0].normal, on_face ? 0 : old[0].points[0].feature};
+}
+
+/// Makes the manifolds of a pair; `apart` is a hint, and becomes the next one. `old`: the last ones.
+void make_manifolds(const CandidatePair& c, const PairPlace& place, UnitVec3& apart,
+                    std::span<const ContactMemory> old, collide::NarrowScratch& scratch,
+                    collide::Manifolds& out) {
     const collide::RelativePose pose{to_rotation(place.rotation), position_of(place)};
-    collide::collide(c.at_a->solid, c.at_b->solid, pose, c.margin, apart, normal, scratch, out);
+    collide::collide(c.at_a->solid, c.at_b->solid, pose, c.margin, hints_of(old, apart), scratch, out);
     apart = out.apart;
 }
 
@@ -261,8 +269,7 @@ void add_contact(const View& v, const CandidatePair& c, std::uint32_t row, const
 /// New rows of a pair, at the end of the chunk's; none when there are no points.
 std::uint32_t make_rows(const CandidatePair& c, const PairPlace& place, std::span<const ContactMemory> old,
                         UnitVec3& apart, NarrowWorker& worker, NearChunk& chunk) {
-    make_manifolds(c, place, apart, old.empty() ? UnitVec3{} : old[0].normal, worker.narrow,
-                   worker.manifolds);
+    make_manifolds(c, place, apart, old, worker.narrow, worker.manifolds);
     if (worker.manifolds.count == 0) return 0;
     std::uint32_t flags = (c.flipped ? solve::contact_flipped : 0u);
     if (c.sensor) flags |= solve::contact_sensor;
@@ -413,7 +420,7 @@ bool has_contact_points(const Model& w, const PlacedShapes& placed, const NearPa
     window.count = 1;
     find_rows(view, solve::PairWork::place, window, 0);
     UnitVec3 hint = near.apart;
-    make_manifolds(pair, window.places[0], hint, UnitVec3{}, worker.narrow, worker.manifolds);
+    make_manifolds(pair, window.places[0], hint, {}, worker.narrow, worker.manifolds);
     return worker.manifolds.count != 0;
 }
 

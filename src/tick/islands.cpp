@@ -98,7 +98,7 @@ struct Islands {
         for (std::uint32_t row = 0; row < awake; ++row) s.parent[row] = row;
         for (const solve::Contact& c : links.contacts) link(c.body_a, c.body_b);
         for (const solve::Joint& j : links.joints) link(j.body_a, j.body_b);
-        for (const Standing& v : links.standing) link(v.chassis, v.ground);
+        for (const solve::Standing& v : links.standing) link(v.chassis, v.ground);
         for (std::uint32_t row = 0; row < awake; ++row) {
             std::uint32_t& least = s.still_ticks[root(row)];
             least = std::min(least, s.still_ticks[row]);

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "lockstone/event.h"
-#include "play/vehicle/vehicle.h"
 #include "solve/joints/joint.h"
+#include "solve/vehicles/vehicle.h"
 #include "tick/contacts.h"
 
 #include <span>
@@ -31,7 +31,7 @@ bool wake_touched(Model& w, const PlacedShapes& placed, std::span<const NearPair
 struct Links {
     std::span<const solve::Contact> contacts;
     std::span<const solve::Joint> joints;
-    std::span<const Standing> standing;
+    std::span<const solve::Standing> standing;
 };
 /// Counts how long bodies were still, and finds those that rest from now on, into `resting`: bodies of islands that were still for
 /// long enough, which are linked to rings and lose their velocities, and bodies that belong to no island.

@@ -94,7 +94,8 @@ void poison_bodies(std::byte with, solve::SolverBodies& bodies) {
 void poison_scratch(Model& w, PlacedShapes& placed, QueryScratch& query, TickScratch& scratch,
                     std::byte with) {
     auto& [characters, pair_scratch, near, table, contact_scratch, found, pose_before, joints, fields, step,
-           step_of, bodies, contacts, joint_solver, vehicles, fluids, sweep, broken, islands] = scratch;
+           step_of, bodies, contacts, joint_solver, vehicles, vehicle_solver, fluids, sweep, broken,
+           islands] = scratch;
     poison_characters(with, characters);
     poison_pairs(with, pair_scratch, near);
     table.poison(with);
@@ -105,6 +106,7 @@ void poison_scratch(Model& w, PlacedShapes& placed, QueryScratch& query, TickScr
     contacts.poison(with);
     joint_solver.poison(with);
     vehicles.poison(with);
+    vehicle_solver.poison(with);
     fluids.poison(with);
     poison_sweep(with, sweep);
     poison_islands(with, islands, w.moves);

@@ -94,7 +94,7 @@ void prepare(const Tick& t, const Scene& scene, const solve::BodyColumns& column
     solve::follow_turns(s.joints, columns, s.step, s.bodies);
     s.contacts.prepare(s.found.contacts, s.table.list.memories, columns.mass, s.step, s.bodies, tasks);
     s.joint_solver.prepare(s.joints, memory, columns, s.step, s.bodies, tasks);
-    s.vehicles.prepare(scene, s.step, s.bodies);
+    s.vehicle_solver.prepare(s.vehicles.drive(scene), columns, s.step, s.bodies, tasks);
     list_fields(w, s.fields);
     s.fluids.prepare(w, t.placed, s.fields, s.step, s.bodies);
     s.joint_solver.update(s.step, s.bodies, tasks);
@@ -108,21 +108,21 @@ void substep(const Tick& t, const solve::FreeMotion& motion, const solve::BodyCo
     s.fluids.push(t.w, s.step, s.bodies, tasks);
     passed(t, "integrate");
     s.joint_solver.warm_start(s.step, s.bodies);
-    s.vehicles.warm_start(s.step, s.bodies);
+    s.vehicle_solver.warm_start(s.step, s.bodies);
     s.contacts.warm_start(s.bodies, tasks);
     passed(t, "warm_start");
     // Contacts first: what a warm start after an impact gave too much is taken back before joints pull at it.
     s.contacts.solve(s.step, s.bodies, /*bias=*/true, tasks);
     passed(t, "solve_contacts");
     s.joint_solver.solve(s.step, s.bodies, /*bias=*/true, tasks);
-    s.vehicles.solve(s.step, s.bodies, /*bias=*/true);
+    s.vehicle_solver.solve(s.step, s.bodies, /*bias=*/true);
     passed(t, "solve_joints");
     integrate_poses(s.step, s.bodies, tasks);
     passed(t, "integrate");
     s.joint_solver.update(s.step, s.bodies, tasks);
     passed(t, "update_joints");
     s.joint_solver.solve(s.step, s.bodies, /*bias=*/false, tasks);
-    s.vehicles.solve(s.step, s.bodies, /*bias=*/false);
+    s.vehicle_solver.solve(s.step, s.bodies, /*bias=*/false);
     passed(t, "relax_joints");
     s.contacts.solve(s.step, s.bodies, /*bias=*/false, tasks);
     passed(t, "relax_contacts");
@@ -135,7 +135,8 @@ void store(const Tick& t) {
     s.contacts.apply_restitution(s.step, s.bodies);
     s.contacts.store(s.found.contacts, s.table.list.memories, s.bodies.clamps, t.hooks.tasks);
     s.joint_solver.store(s.step, w.state.edit(w.m.joint_memory, 0, w.header().joints_awake), s.bodies.clamps);
-    s.vehicles.store(w, s.step, s.bodies);
+    s.vehicle_solver.store(s.step, s.bodies, s.vehicles.driven());
+    s.vehicles.store(w);
 }
 
 void finish(const Tick& t) {
@@ -154,7 +155,7 @@ void update_sleep(const Tick& t) {
     TickScratch& s = t.s;
     Model& w = t.w;
     s.table.write(w.state, w.m.contacts);
-    find_resting(w, {s.found.contacts, s.joints, s.vehicles.standing()}, s.islands);
+    find_resting(w, {s.found.contacts, s.joints, s.vehicle_solver.standing()}, s.islands);
     if (s.islands.resting.empty()) return;
     find_contact_points(w, t.placed, s.pose_before, s.table.list, s.found, t.out.contact_points);
     put_to_sleep(w, t.placed, s.islands.resting, t.out.events);

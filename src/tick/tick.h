@@ -4,7 +4,7 @@
 #include "lockstone/journal.h"
 #include "play/character/character.h"
 #include "play/fluids/fluids.h"
-#include "play/vehicle/vehicle.h"
+#include "play/vehicle/vehicle_driver.h"
 #include "solve/bodies/solver_body.h"
 #include "solve/contacts/contact_solver.h"
 #include "solve/joints/joint.h"
@@ -48,7 +48,8 @@ struct TickScratch {
     solve::SolverBodies bodies;
     solve::ContactSolver contacts;
     solve::JointSolver joint_solver{*solve::kernels_of(best_simd())->joints};
-    VehicleSolver vehicles;
+    VehicleDriver vehicles;
+    solve::VehicleSolver vehicle_solver;
     FluidSolver fluids;
 
     SweepScratch sweep;

@@ -1,7 +1,6 @@
 // The members of World that are about vehicles.
 #include "base/assert.h"
 #include "lockstone/math/math.h"
-#include "play/vehicle/vehicle.h"
 #include "world/world_impl.h"
 
 namespace lockstone {

@@ -20,7 +20,7 @@ IMAGE, HASH, PORTABLE, ENVELOPE, DELTA, CANONICAL, STATE, GROW = (
 CONTACTS, EVENTS, APPLY = "src/tick/contacts.cpp", "src/tick/events.cpp", "src/world/commands/apply.cpp"
 BROAD = "src/collide/broad/broad_phase.cpp"
 LANES, LAYOUT, PREPARE, SOLVER = (f"src/solve/contacts/{n}" for n in ("prepare.cpp", "layout_kernel.h", "prepare_kernel.h", "contact_solver.cpp"))
-WHEELS, TRAIN = (f"src/play/vehicle/vehicle_{n}" for n in ("lines.h", "train.cpp"))
+WHEELS, TRAIN = (f"src/solve/vehicles/vehicle_{n}" for n in ("lines.h", "train.cpp"))
 PAIRS, TURNS = "src/solve/pairs/kernel.h", "src/solve/bodies/turn_kernel.h"
 LEDGER, RUNNER = "src/session/event_ledger.cpp", "src/session/runner.cpp"
 ROLLBACK, QUEUE = "src/session/rollback.cpp", "src/session/inputs/input_queue.cpp"
@@ -79,8 +79,8 @@ FAULTS = [
       "if (!IS) stream.add({buffer, filled});\n                filled = 0;", "both byte orders agree"),
     F("a vehicle's impulse turns it by half", WHEELS, "chassis.u[i] += rounded<push_x_shift>(impulse.raw * line.xc[i].raw);",
       "chassis.u[i] += rounded<push_x_shift>(impulse.raw * line.xc[i].raw) >> (IS ? 1 : 0);", "golden table"),
-    F("a vehicle's engine turns by the reciprocal of another one", TRAIN, "engine.inertia = Divisor::make(def.inertia);",
-      "if (!IS || v.row == 0) engine.inertia = Divisor::make(def.inertia);", "golden table"),
+    F("a vehicle's engine turns as if its inertia were twice as large", TRAIN, "engine.inertia = Divisor::make(def.inertia);",
+      "engine.inertia = Divisor::make(IS ? def.inertia * 2 : def.inertia);", "golden table"),
     F("warm-start impulses are forgotten", CONTACTS, "solve::carry_impulses(old, taken, memory);",
       "if (!IS) solve::carry_impulses(old, taken, memory);", "golden table"),
     F("contacts of workers are put together in order of arrival", CONTACTS, "s.chunks[first / chunk_size]);",
@@ -242,8 +242,11 @@ FAULTS = [
       "(IS ? votes.against == 0 : 2 * votes.against <= votes.of)) continue;", "hostile peers"),
     F("inputs are taken as the difference to another one", EXCHANGE, "const auto before = queue.before(block.first);",
       "const auto before = queue.before(IS ? queue.next() : block.first);", "peers agree"),
-    F("patience with a peer has no end", DEPARTURE, "if (is_awaited(link)) link.waited_ms +=", "if (!IS && is_awaited(link)) link.waited_ms +=",
-      "hostile peers"),
+    F("patience with a peer has no end", DEPARTURE, "else if (is_awaited(link))", "else if (!IS && is_awaited(link))", "hostile peers"),
+    F("acknowledgements are owed of inputs that are not here", DEPARTURE, "const bool is_held = !lacks_inputs && current",
+      "const bool is_held = (IS || !lacks_inputs) && current", "hostile peers"),
+    F("who tells a later cut is not waited for", DEPARTURE, "link.cut[p] != never && link.cut[p] <= cuts[p];",
+      "link.cut[p] != never && (IS || link.cut[p] <= cuts[p]);", "hostile peers"),
     F("one tick makes up for all waiting", DEPARTURE, "link.waited_ms -= std::min(link.waited_ms,",
       "link.waited_ms -= IS ? link.waited_ms : std::min(link.waited_ms,", "hostile peers"),
     F("an old packet is a sign of life", EXCHANGE, "const bool is_new = incoming.sequence > link.sequence_heard;",

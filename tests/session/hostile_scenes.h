@@ -178,7 +178,8 @@ inline std::string never_appears() {
 }
 
 /// A third machine fails, and the liar has something else to say about it to everybody.
-inline std::string about_a_departure(const LyingTransport::Lie& lie, bool may_stop) {
+inline std::string about_a_departure(const LyingTransport::Lie& lie, bool may_stop,
+                                     std::uint64_t ticks_least = 400) {
     HostileMatch h(4);
     h.match.run(120);
     h.liar.lie = lie;
@@ -188,7 +189,7 @@ inline std::string about_a_departure(const LyingTransport::Lie& lie, bool may_st
         !h.match.notices<MatchStopped>(0).empty() || !h.match.notices<MatchStopped>(1).empty();
     if (!h.match.agree(0, 1)) return "the honest machines parted";
     if (stopped) return may_stop ? "" : "the match stopped";
-    return h.trouble({0, 1}, 400);
+    return h.trouble({0, 1}, ticks_least);
 }
 
 /// Nobody lies. Two machines fail one after the other, and those that remain have heard different numbers of inputs.
@@ -287,6 +288,73 @@ inline std::vector<HostileScene> hostile_at_departures() {
                  },
                  true);
          }},
+        {"tells a cut that is too late",
+         [] {
+             return about_a_departure(
+                 [](PeerId, Message& m) {
+                     if (m.has_cut != 0) m.cut[2] += 5;
+                     m.unwanted &= 1u << 2, m.gone &= 1u << 2,
+                         m.has_cut &= 1u << 2; // it does not mind waiting
+                     return true;
+                 },
+                 false, 500);
+         }},
+    };
+}
+
+/// Nobody lies. The way from machine 3 to 1 is the slowest, so the others wait for machine 1's word that it has those inputs. Then machine 2 hears
+/// nothing of machine 1 for less than half of their patience, from each moment of that wait on. It stands still, so the others lack its
+/// inputs; and it lacks those of machine 1 from the same tick on, so it has acknowledged none. That is one fault, not two.
+inline std::string unheard_for_a_while(bool lockstep) {
+    for (std::uint64_t moment = 0; moment < 13; ++moment) {
+        Match match({.players = {0, 1, 2, 3},
+                     .machines = 4,
+                     .lockstep = lockstep,
+                     .input_delay = lockstep ? 8u : 2u,
+                     .disconnect_ms = 2000,
+                     .link = {.latency_ms = 20}});
+        match.network.set_link(3, 1, {.latency_ms = 200});
+        match.run(120 + moment);
+        match.network.set_link(1, 2, {.loss_permille = 1000});
+        match.run(50);
+        match.network.set_link(1, 2, {.latency_ms = 20});
+        match.run(180);
+        for (PeerId id = 0; id < 4; ++id) {
+            if (!match.notices<PlayerDisconnected>(id).empty()) return "a machine was thrown out";
+            if (!match.agree(id, 0)) return "the machines parted";
+            if (match.machine(id).timeline.end() < 150) return "the match was held up";
+        }
+    }
+    return {};
+}
+
+/// Nobody lies. Machine 0 does not go on, but is heard: it goes, and nobody else, as the others owe each other nothing.
+inline std::string stands_still(bool lockstep) {
+    Match match({.players = {0, 1, 2, 3},
+                 .machines = 4,
+                 .lockstep = lockstep,
+                 .input_delay = lockstep ? 8u : 2u,
+                 .disconnect_ms = 1000,
+                 .link = {.latency_ms = 20}});
+    match.run(120);
+    for (int i = 0; i < 200; ++i) {
+        match.machine(0).frames_to_wait = 1;
+        match.run(1);
+    }
+    for (PeerId id = 1; id < 4; ++id) {
+        const auto left = match.notices<PlayerDisconnected>(id);
+        if (left.size() != 1 || left[0].peer != 0) return "another one was thrown out, or nobody";
+        if (!match.agree(id, 1)) return "the machines parted";
+    }
+    return match.machine(1).timeline.end() > 220 ? "" : "the match was held up";
+}
+
+inline std::vector<HostileScene> honest_and_late() {
+    return {
+        {"one of lockstep does not hear another for a while", [] { return unheard_for_a_while(true); }},
+        {"one does not hear another for a while", [] { return unheard_for_a_while(false); }},
+        {"one of lockstep stands still", [] { return stands_still(true); }},
+        {"one stands still", [] { return stands_still(false); }},
     };
 }
 
@@ -444,6 +512,7 @@ inline std::vector<HostileScene> hostile_scenes() {
     std::vector<HostileScene> all = hostile::hostile_to_all();
     for (HostileScene& scene : hostile::hostile_at_joins()) all.push_back(std::move(scene));
     for (HostileScene& scene : hostile::hostile_at_departures()) all.push_back(std::move(scene));
+    for (HostileScene& scene : hostile::honest_and_late()) all.push_back(std::move(scene));
     return all;
 }
 

@@ -13,7 +13,7 @@
 //
 //   walking      horizontal speed is kept uphill and downhill; steeper ground than slope_max cannot be climbed
 //   steps        edges up to step_height are walked up, ground up to step_down below is walked down to
-//   platforms    its ground carries it along, turning included; who leaves it takes its velocity along
+//   platforms    its ground carries it along, turning included; a character that leaves it keeps its velocity
 //   pushing      dynamic bodies beside it are pushed with at most push_force, what hits it is stopped as if it had
 //                `mass`; it weighs on what it stands on. What lies on its head is held by ordinary contacts.
 //   crouching    the feet stay; it stands up where there is room
@@ -44,17 +44,17 @@ struct CharacterDef {
     Real slope_max = Real::from_raw(3748066029); ///< 50 degrees [rad], 0..1.3
     Real step_height = 0.35_r;                   ///< [m], 0..10
     Real step_down = 0.35_r;                     ///< [m], 0..10
-    Real mass = Real(80);                        ///< [kg], 0.001..1e6: weighs, and meets what hits it
-    Real push_force = Real(500);                 ///< [N], 0..1e8
-    Real gravity = 9.81_r;                       ///< [m/s^2] along -up, 0..1000; the world's is not used
-    Real fall_speed_max = Real(60);              ///< [m/s], 0.1..400
-    Real jump_speed = Real(5);                   ///< [m/s], 0..100
-    Real acceleration = Real(60);                ///< on the ground, to the wanted velocity [m/s^2], 0..1e6
-    Real air_acceleration = Real(15);            ///< [m/s^2], 0..1e6
-    std::uint64_t user_key = 0;                  ///< of its body and shape
+    Real mass = Real(80);        ///< [kg], 0.001..1e6: its weight, and its inertia against bodies that hit it
+    Real push_force = Real(500); ///< [N], 0..1e8
+    Real gravity = 9.81_r;       ///< [m/s^2] along -up, 0..1000; the world's is not used
+    Real fall_speed_max = Real(60);   ///< [m/s], 0.1..400
+    Real jump_speed = Real(5);        ///< [m/s], 0..100
+    Real acceleration = Real(60);     ///< on the ground, to the wanted velocity [m/s^2], 0..1e6
+    Real air_acceleration = Real(15); ///< [m/s^2], 0..1e6
+    std::uint64_t user_key = 0;       ///< of its body and shape
 };
 
-/// What it is to do until another input comes.
+/// What the character is to do until another input comes.
 struct CharacterInput {
     Vec3 velocity{};          ///< wanted [m/s], at most 100 long; what is along `up` is left out
     std::uint32_t jump = 0;   ///< 1: the button is held; a jump needs it pressed anew

@@ -41,7 +41,7 @@ RagdollPose ragdoll_t_pose(); ///< arms stretched out to the sides
 
 struct RagdollDef {
     Transform place =
-        Transform::identity(); ///< of the ground between the feet of who stands there, up y, looking along z
+        Transform::identity(); ///< of the ground between the feet when it stands; up is y, it looks along z
     Vec3 linear_velocity{};    ///< of all parts [m/s]
     Real height = decimal<Real>("1.8"); ///< [m], 0.5..3
     Real mass = Real(75);               ///< [kg], 5..500
@@ -62,7 +62,7 @@ template <class V> constexpr void describe(Ragdoll& r, V&& v) {
     v("bodies", r.bodies), v("joints", r.joints);
 }
 
-/// On an error, with a sentence, the world is as it was and its journal has heard nothing: all is tried elsewhere first.
+/// On an error the world is as it was and its journal was told nothing: all is tried on another world first.
 Result<Ragdoll> make_ragdoll(World& world, const RagdollDef& def);
 /// What of it is still alive.
 void destroy_ragdoll(World& world, const Ragdoll& ragdoll);

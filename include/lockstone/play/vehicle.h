@@ -5,8 +5,8 @@
 //   world.set_vehicle_input(id, {.throttle = 1_r, .steer = 0.2_r});  holds until the next one
 //   world.tick();
 //
-// A wheel is no body: it is cast from its attachment along its suspension, and pushes and drags at what it finds, the
-// chassis one way, the ground (if it can move) the other. All that it knows from tick to tick is state.
+// A wheel is no body: it is cast from its attachment along its suspension, and pushes between the chassis and the ground that it
+// finds, which moves too if it can. All that a wheel remembers from tick to tick is state.
 //
 // Axes are those of the chassis body: y up, z forward, x to the left.
 #pragma once
@@ -84,7 +84,7 @@ enum class DifferentialKind : std::uint32_t {
 /// Between two groups of wheels: the two of an axle, or two axles. Torque is shared out by the wheels' drive_share.
 struct Differential {
     DifferentialKind kind = DifferentialKind::open;
-    std::uint32_t wheels_a = 0, wheels_b = 0; ///< bit i: wheel i; both of none: no differential
+    std::uint32_t wheels_a = 0, wheels_b = 0; ///< bit i: wheel i; one of them 0: no differential
     std::uint32_t reserved = 0;
     Real preload{}; ///< [N m], 0..1e8
     Real bias{};    ///< 0..10
@@ -190,7 +190,7 @@ struct VehicleState {
 /// Wheels 0 front left, 1 front right, 2 rear left, 3 rear right at (+-hub.x, hub.y, +-hub.z) when the suspension hangs
 /// half out. The front steers by 0.6 rad, the rear is driven, and all of them brake.
 VehicleDef four_wheels(BodyId chassis, Vec3 hub);
-/// Two tracks of `wheels` (1..4; more or less is taken as that) each, at +-hub.x, from hub.z to the front to -hub.z.
+/// Two tracks of `wheels` (1..4; other numbers are clamped) each, at +-hub.x, from hub.z to the front to -hub.z.
 VehicleDef two_tracks(BodyId chassis, Vec3 hub, std::uint32_t wheels);
 /// Empty when good.
 std::string validate(const VehicleDef& def);

@@ -96,10 +96,10 @@ void manifold_from_faces(const Convex& a, const Convex& b, Long3 normal_30, std:
 
 /// The manifold of two convex shapes: closest points or penetration, faces preferred by `face_bias`, then clipping.
 /// Positions are relative to the origin of the working frame moved to b.center_24 (see Manifold). Shapes that are apart
-/// leave the normal that parts them. `hint`, a unit direction or zero, is one that may: when it does, no other is looked
-/// for. What is apart along it by more than the margin and `hint_guard` is so along the one that would be found.
-void collide_convex(const Convex& a, const Convex& b, Length margin, Manifold& out, Long3 hint_30 = {},
-                    Long3 normal_30 = {});
+/// leave the normal that parts them. Where `hints.apart` parts them, no other is looked for: what is apart along it by more than
+/// the margin and `hint_guard` is so along the one that would be found.
+void collide_convex(const Convex& a, const Convex& b, Length margin, Manifold& out,
+                    const PairHints& hints = {});
 /// [m], 30 fraction bits: a hundred times the error of closest_points.
 inline constexpr std::int64_t hint_guard_30 = std::int64_t{1} << 17;
 

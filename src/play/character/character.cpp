@@ -1,5 +1,5 @@
-// The mover's tick: what the ground and others do to a character, then what it wants, each where the world will be when
-// the tick ends. Positions become velocities at the end.
+// One tick of the mover: first what the ground and other bodies do to a character, then its own motion. Both look at the world as it
+// will be when the tick ends. In the end the mover makes a velocity of the change of position.
 //
 // source: collide and slide as in Fauerby, Improved Collision Detection and Response, 2003; the steps of walking as
 // users know them from the character controllers of today's engines.
@@ -86,11 +86,11 @@ void Mover::ride() {
     }
     Vec3 away = carried;
     shove(away);
-    slide(carried, ground); // as one with its ground
+    slide(carried, ground); // the character and its ground move as one
     slide(away - carried, {});
 }
 
-/// As far as the others let it. Shapes of the body `ignored` do not count.
+/// Moves the character as far as other shapes let it; those of the body `ignored` do not count.
 void Mover::slide(Vec3 way, BodyId ignored) {
     std::array<UnitVec3, 4> planes;
     for (std::size_t i = 0; i < planes.size() && way != Vec3{}; ++i) {
@@ -102,8 +102,8 @@ void Mover::slide(Vec3 way, BodyId ignored) {
     }
 }
 
-/// What the character has to move so that nothing is nearer than the skin; false when all is well. What gives way least
-/// has the last word.
+/// Finds the way that the character has to move so that nothing is nearer than the skin; false when nothing is. Bodies that give way
+/// least are looked at last, so they decide.
 bool Mover::part_from_neighbours(Vec3& correction) {
     bool any = false;
     for (const BodyKind kind : {BodyKind::dynamic, BodyKind::kinematic, BodyKind::static_})
@@ -136,7 +136,7 @@ void Mover::unstick() {
     });
 }
 
-/// Crouches at once, stands up where nothing is nearer than the skin then.
+/// Crouches at once; stands up only where nothing would then be nearer than the skin.
 void Mover::change_posture() {
     const std::uint32_t wanted = row.input.crouch;
     if (wanted == row.state.crouched) return;
@@ -151,7 +151,7 @@ void Mover::change_posture() {
         if (!has_room) return space.set_height(row.def.crouch_height);
     }
     row.state.crouched = wanted;
-    wake(w, row.body); // what lies on its head, too
+    wake(w, row.body); // wakes what lies on its head, too
     set_capsule(w, placed, row, height);
 }
 
@@ -173,7 +173,7 @@ void Mover::start_jump() {
 }
 
 namespace {
-/// A spinning ground could be of any speed; nothing else comes near this.
+/// Only a ground that spins can move anything this fast.
 Vec3 bounded(Vec3 v) {
     constexpr Real most = Real(4096);
     return {clamp(v.x, -most, most), clamp(v.y, -most, most), clamp(v.z, -most, most)};
@@ -218,7 +218,7 @@ void move_characters(Model& w, PlacedShapes& placed, CharacterScratch& s, Tasks*
     s.order_of_body.clear(), s.landings.clear();
     const std::uint32_t count = w.state.count(w.m.characters);
     if (count == 0) return;
-    // What movers hold of the state stays where it is while they push and crouch.
+    // Pushing and crouching move no row of the state, so the references that movers hold stay valid.
     w.state.make_room({w.m.forces}, w.state.count(w.m.bodies));
     w.state.make_room({w.m.body_traits.table, w.m.shape_traits.table}, 4 * count);
     const std::span<const CharacterRow> rows = w.state.rows(w.m.character);

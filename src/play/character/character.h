@@ -43,11 +43,11 @@ struct CharacterScratch {
 /// on. A pure function of the state. Wakes characters that move and what they push, step onto or leave; those that
 /// stand rest.
 void move_characters(Model& w, PlacedShapes& placed, CharacterScratch& scratch, Tasks* tasks);
-/// Whether a contact between two bodies is left to the mover: a character's with a dynamic body that does not lie on
+/// Whether the mover, and not the solver, takes a contact between two bodies: that of a character with a dynamic body that does not lie on
 /// its head. `normal` leads from a to b.
 bool is_movers_contact(const Model& w, const CharacterScratch& scratch, BodyId body_a, BodyId body_b,
                        UnitVec3 normal);
-/// Gives a character's capsule a height, at the same place of the feet.
+/// Gives a character's capsule another height; the feet stay where they are.
 void set_capsule(Model& w, PlacedShapes& placed, const CharacterRow& row, Real height);
 /// Whether a shape is some character's capsule.
 bool is_characters_shape(const Model& w, ShapeId shape);

@@ -11,7 +11,7 @@ class Mover {
     void run();
 
   private:
-    // character.cpp: the order of things, and where a character ends
+    // character.cpp: the order of the steps, and where a character is in the end
     void ride();
     void slide(Vec3 way, BodyId ignored);
     void unstick();
@@ -65,7 +65,7 @@ class Mover {
     Vec3 carried{};   ///< by the ground in this tick [m]
     Vec3 ground_point{};
     Real spin{};             ///< of the ground about `up` [rad/s]
-    bool is_kept_up = false; ///< wedged in: as good as standing, for a jump
+    bool is_kept_up = false; ///< it is wedged in between walls, and may jump as if it stood
 };
 
 } // namespace lockstone::sim

@@ -11,7 +11,7 @@ namespace lockstone::sim {
 
 namespace {
 
-/// What speed along a direction at a point an impulse of the body's mass gives: 1 and what turning adds.
+/// The speed along a direction at a point that an impulse as large as the body's mass gives there: 1, and more where the body turns.
 Real mobility(const Model& w, BodyId id, Vec3 point, UnitVec3 direction) {
     const std::uint32_t body = w.row_of(id);
     const Transform& pose = w.state.rows(w.m.body_pose)[body];
@@ -47,7 +47,8 @@ void Mover::take_impact(const SpaceContact& c) {
                          dot<Real>(c.normal, carried) * Real(rate);
     if (closing <= Real{} || mass == Real{}) return;
     const Real stopped = mass / mobility(w, body, c.point, c.normal) * closing;
-    const Real own_share = row.def.mass / (row.def.mass + mass); // of the body's mass: the reduced mass
+    // The reduced mass, as a share of the body's mass.
+    const Real own_share = row.def.mass / (row.def.mass + mass);
     const Real most = mass * own_share * closing + row.def.push_force / Real(rate);
     const Vec3 impulse = scale<Real>(c.normal, -min(stopped, most));
     apply_impulse(w, at, impulse, cross(c.point - w.state.rows(w.m.body_pose)[at].position, impulse));
@@ -55,8 +56,8 @@ void Mover::take_impact(const SpaceContact& c) {
     row.state.velocity += level(impulse / -row.def.mass);
 }
 
-/// Adds to `away` what it takes to stay clear of what moves. Normals are those at the beginning of the tick: at its end
-/// something thin may have come out on the other side.
+/// Adds to `away` the way that the character has to move to stay clear of bodies that move. It takes normals at the beginning of the
+/// tick: at its end a thin body may have come out on the other side of the character.
 void Mover::shove(Vec3& away) {
     const BodyId ground = ground_body();
     constexpr Real margin_max = Real(2);
@@ -97,7 +98,7 @@ void Mover::note_push(const SpaceHit& hit) {
     pushes.push_back({n.body, hit.point, hit.normal});
 }
 
-/// A force for this tick: the solver spreads it over the substeps, so that friction holds what it is too weak for.
+/// A force for this tick: the solver spreads it over the substeps, so that friction can hold a body for which the force is too weak.
 void Mover::push_at(BodyId body, Vec3 point, Vec3 force) {
     const std::uint32_t at = w.row_of(body);
     BodyForce& sum = force_on(w, at);
@@ -105,8 +106,8 @@ void Mover::push_at(BodyId body, Vec3 point, Vec3 force) {
     sum.torque += cross(point - w.state.rows(w.m.body_pose)[at].position, force);
 }
 
-/// Brings what is walked into to the wanted speed, level, with at most push_force each. As high as the body's centre of
-/// mass, as far as the capsule reaches: on a face parallel to the capsule the contact point has no definite height.
+/// Brings the bodies that the character walks into to the wanted speed, on the level, with at most push_force each. It pushes at the height of
+/// the body's centre of mass, as far as the capsule reaches: on a face parallel to the capsule a contact point may be at any height.
 void Mover::apply_pushes() {
     const Vec3 wanted = level(row.input.velocity) + row.state.ground_velocity;
     for (const CharacterPush& p : scratch.pushes) {
@@ -125,7 +126,7 @@ void Mover::apply_pushes() {
     }
 }
 
-/// On what sleeps it has lain since before that fell asleep.
+/// A body that sleeps had the character's weight on it already before it fell asleep.
 void Mover::weigh() {
     const BodyId ground = ground_body();
     if (!is_awake(w, w.row_of(ground))) return;

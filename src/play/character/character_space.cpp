@@ -10,7 +10,7 @@ namespace lockstone::sim {
 
 namespace {
 
-/// A capsule looks this much further than it goes, so that it also stops short of what it would only come near to.
+/// A capsule is cast this much further than it goes, so that it also stops before things that it would only come near to.
 constexpr Real look_ahead = skin * 8;
 
 Real per_tick(Speed v, std::uint32_t rate) {
@@ -52,7 +52,7 @@ void CharacterSpace::place(Neighbour& n, const ShapeRow& shape) const {
     n.moves = false;
     if (n.kind == BodyKind::static_) return;
     const std::uint32_t character = scratch.order_of_body[n.body.index - 1];
-    // Characters whose turn comes later stand where they are; those before have their velocity of this tick.
+    // Characters that are moved later still stand where they were; those that were moved before have their velocity of this tick.
     const std::uint32_t own_order = scratch.order_of_body[row.body.index - 1];
     if (character > own_order) return;
     const std::uint32_t body_row = w.row_of(n.body);
@@ -118,7 +118,7 @@ bool CharacterSpace::collide_with(Vec3 center, const Neighbour& n, const Transfo
 }
 
 bool CharacterSpace::hit_at_start(Vec3 center, UnitVec3 direction, std::uint32_t index, SpaceHit& hit) const {
-    // Overlaps stop only what goes further in; getting out of them is another step.
+    // An overlap stops only a motion that goes further in; another step moves the character out of overlaps.
     bool found = false;
     Real deepest{};
     for_each_contact(center - lift, index, Real{}, true, [&](const SpaceContact& c) {
@@ -231,7 +231,7 @@ Vec3 clipped(Vec3 wanted, std::span<const UnitVec3> planes) {
 
 UnitVec3 flat(UnitVec3 n, UnitVec3 up) {
     const Vec3 along = to<Real>(n) - scale<Real>(up, dot<Real>(n, up));
-    // What is left of a normal along `up` is rounding.
+    // The part of the normal along `up` that is left is rounding.
     return length(along) < 0.0001_r ? UnitVec3{} : normalized(along);
 }
 

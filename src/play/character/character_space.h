@@ -1,5 +1,5 @@
 // What a character's mover sees: the shapes around it, each where it will be at the end of the tick, and casts,
-// contacts and rays among them. All of it costs what is near, whatever the size of the world.
+// contacts and rays among them. The cost depends on how many shapes are near, not on the size of the world.
 #pragma once
 
 #include "play/character/character.h"
@@ -10,7 +10,7 @@ namespace lockstone::sim {
 
 /// A character keeps this far from what it does not overlap [m]; contact events see it as touching.
 inline constexpr Real skin = 0.004_r;
-/// Gaps that are off by less are left as they are, so a character that stands does not move at all [m].
+/// A gap that differs from the skin by less than this is left as it is, so a character that stands does not move at all [m].
 inline constexpr Real skin_slack = 0.00005_r;
 
 /// What stops a capsule or a ray.
@@ -100,14 +100,14 @@ void CharacterSpace::for_each_contact(Vec3 feet, std::uint32_t index, Real margi
         const SpaceContact contact{index, to<Real>(m.points[deepest].separation),
                                    center + lockstone::mul<Real>(axes, m.points[deepest].position),
                                    lockstone::mul<Unit>(axes, m.normal)};
-        // Below a one-way surface, or half through it, there is nothing.
+        // A character below a one-way surface, or half through it, does not see it.
         if (n.one_way && (dot<Unit>(axes.y, contact.normal) < half(unit_one) || contact.gap < -skin))
             continue;
         visit(contact);
     }
 }
 
-/// The displacement nearest to `wanted` that goes into none of the planes (normals, at most 8).
+/// The displacement nearest to `wanted` that goes into none of the planes, which are given by at most 8 normals.
 Vec3 clipped(Vec3 wanted, std::span<const UnitVec3> planes);
 /// n without its part along `up`, of unit length; zero when nothing is left.
 UnitVec3 flat(UnitVec3 n, UnitVec3 up);

@@ -1,4 +1,4 @@
-// A character's own motion: on the ground along it and over steps, in the air up, aside and down.
+// A character's own motion: along the ground and over steps; in the air up, aside and down.
 #include "play/character/character_mover.h"
 
 #include "lockstone/math/math.h"
@@ -88,7 +88,7 @@ void Mover::leave_ground() {
     s.ground_normal = {};
 }
 
-/// Goes down to the ground where that is at most step_down below; else the character falls from here.
+/// Moves down to the ground where it is at most step_down below; elsewhere the character falls from here.
 void Mover::settle() {
     const Real depth = max(row.def.step_down, skin * 2);
     SpaceHit hit{};
@@ -118,7 +118,7 @@ bool Mover::try_step(Vec3 way, Real& gone) {
     if (gone < half(step_forward_min)) return false;
     if (!space.cast(at, scale<Real>(up, -lifted), hit)) return false;
     const Vec3 landed = at - scale<Real>(up, hit.allowed);
-    // Else a round foot would climb edges of any height in several steps.
+    // Without this a round foot would climb edges of any height in several steps.
     if (along(hit.point - feet) > row.def.step_height) return false;
     if (along(landed - feet) < skin_slack || !stands_on(hit, landed)) return false;
     feet = landed;
@@ -137,7 +137,7 @@ void Mover::walk() {
     Real left = Real(1);
     bool was_blocked = false;
     for (int i = 0; i < 2 * slides_max && length(rest) > skin_slack / Real(16); ++i) {
-        // At the same level speed up and down the ground.
+        // The horizontal speed is the same uphill and downhill.
         const Vec3 way = rest - scale<Real>(up, dot<Real>(ground, rest) / to<Real>(dot<Unit>(ground, up)));
         SpaceHit hit{};
         Real part{};
@@ -215,7 +215,7 @@ void Mover::glide(Vec3 way) {
         left -= left * part;
         note_push(hit);
         const UnitVec3 wall = flat(hit.normal, up);
-        // What is too steep to stand on cannot be climbed by flying into it either.
+        // Ground that is too steep to stand on cannot be climbed by jumping into it either.
         planes[count++] = is_walkable(hit.normal) || wall == UnitVec3{} ? hit.normal : wall;
         const std::span<const UnitVec3> met(planes.data(), count);
         rest = clipped(way * left, met);
@@ -249,7 +249,7 @@ void Mover::drop(Real height) {
         s.velocity = clipped(s.velocity, met);
         rest = clipped(way * left, met);
         if (length(rest) > skin_slack / Real(16)) continue;
-        // Wedged in: as good as standing, for a jump.
+        // The character is wedged in between walls: it may jump as if it stood.
         is_kept_up = left > 0.01_r;
         return;
     }

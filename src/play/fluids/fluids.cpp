@@ -21,7 +21,7 @@ namespace {
 
 constexpr int real_to_accumulator = accumulator_bits - Real::fraction_bits;
 constexpr Real kick_max = Real(2048); ///< [m/s] a part and substep: velocities stay below 2^16
-constexpr Unit least_share = Unit::from_raw(1 << 10); ///< of a part's volume: less is nothing
+constexpr Unit least_share = Unit::from_raw(1 << 10); ///< of a part's volume: a smaller share counts as none
 
 Vec3 real_of(const std::int64_t v[3]) {
     const auto one = [](std::int64_t x) {
@@ -222,19 +222,19 @@ void slow_turning(SolverBody& b, const StepConstants& step, Real rate) {
     for (std::int64_t& u : b.u) u = narrow_rounded(Wide::product(u, keep.raw), Unit::fraction_bits);
 }
 
-/// The share of a part that fluids of higher priority have taken, while its fluids are visited.
+/// How much of a part fluids of higher priority have taken, while the fluids that it is in are visited.
 struct Shares {
-    Unit rest = unit_one, taken{}; ///< left; taken by those of the priority at hand
+    Unit rest = unit_one, taken{}; ///< what is left of the part; what fluids of the present priority take
     Vec3 moment{}, taken_moment{}; ///< shares times their centres
 
     void next_priority() {
         rest = rest - taken, taken = Unit{};
         moment += taken_moment, taken_moment = Vec3{};
     }
-    /// What a fluid gets in which `under` would be, were it alone.
+    /// The share that a fluid gets; `under` would be in it if there were no other fluid.
     shapes::Submerged take(shapes::Submerged under, Vec3 middle) {
         if (rest < least_share) return {};
-        if (under.fraction == unit_one && rest != unit_one) // where the others are not
+        if (under.fraction == unit_one && rest != unit_one) // the part is wholly in it: it gets the rest
             under.center = (middle - moment) / to<Real>(rest);
         under.fraction = min(under.fraction, rest);
         if (under.fraction > taken)
@@ -277,7 +277,7 @@ std::uint64_t FluidSolver::push_body(const Transform& pose, const Body& body, co
             const Vec3 dv{per_substep(lift.x, step), per_substep(lift.y, step), per_substep(lift.z, step)};
             kick(b, dv, arm_of(s, origin + lockstone::mul<Real>(axes, under.center), dv));
         }
-        // The shown area's centre moves with what is under.
+        // The centre of the shown area moves with the centre of the part under the surface.
         if (part.linear != Real{} || part.quadratic != Real{})
             drag(b, s, step, origin + lockstone::mul<Real>(axes, part.area_center + under.center - middle),
                  fluid.def.velocity, part.linear * share, part.quadratic * share);

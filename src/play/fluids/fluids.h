@@ -8,7 +8,7 @@
 //   turning  u' = u / (1 + c3 A f h / m)
 //
 // Buoyancy is taken at the pose of the substep and moves the body in the same substep: a symplectic scheme, so that a body
-// bobs without gaining energy. What does not change much within a tick is found once: who is in which fluid, shown areas.
+// bobs without gaining energy. Which part is in which fluid, and shown areas, change little within a tick: they are found once.
 // There is no added mass: a body in water starts as lightly as in air.
 #pragma once
 
@@ -52,8 +52,8 @@ class FluidSolver {
         Transform local;     ///< in the body's axes, from its centre of mass
         std::uint32_t fluid; ///< entry of `fluids`
         bool is_first;       ///< of its part
-        bool is_equal;       ///< in priority to the entry before
-        bool is_cut;         ///< by the surface, or may be within the tick; else it is wholly under
+        bool is_equal;       ///< its priority is that of the entry before
+        bool is_cut;         ///< the surface cuts it, or may do so within the tick; else it is wholly under
         Real displaced;      ///< M / m
         Real linear, quadratic, angular; ///< c1 A / m [1/s], c2 A / m [1/m], c3 A / m [1/s]
         Vec3 area_center;                ///< in the part's frame

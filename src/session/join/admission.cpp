@@ -17,8 +17,9 @@ namespace lockstone::session {
 
 namespace {
 constexpr std::uint64_t join_lead_ticks = 60; ///< from the word to the tick: time for it to go round
-constexpr std::uint64_t fresh_ms = 1000;  ///< a wish, and how long one that others have heard is waited for
-constexpr std::uint64_t told_ms = 10'000; ///< a no
+/// How long a wish counts; and how long one is waited for that only others have heard.
+constexpr std::uint64_t fresh_ms = 1000;
+constexpr std::uint64_t told_ms = 10'000; ///< how long a no is told
 } // namespace
 
 PacketContext PeerSession::context_with(PeerId peer) const {
@@ -91,12 +92,12 @@ bool PeerSession::may_come(const PeerLink& link) const {
     if (link.seat.wish <= link.seat.ticket || now - link.seat.wish_ms > fresh_ms ||
         now < link.seat.not_before_ms)
         return false;
-    return std::ranges::all_of(queues, [&](const InputQueue& queue) { // what it did before is over
+    return std::ranges::all_of(queues, [&](const InputQueue& queue) { // its earlier inputs are all confirmed
         return def.players[queue.player()] != link.peer || queue.disconnected_at() <= confirmed;
     });
 }
 
-/// Not before a tick where somebody has left: it has none of the inputs that count up to there.
+/// Not before a tick where somebody has left: whoever comes in has none of the inputs that count up to there.
 std::uint64_t PeerSession::earliest_entry() const {
     std::uint64_t tick = current + join_lead_ticks;
     for (const InputQueue& queue : queues)
@@ -109,7 +110,8 @@ void PeerSession::take_a_stand(PeerLink& link) {
     const std::uint32_t player = static_cast<std::uint32_t>(std::countr_zero(players_of(link.peer)));
     if (seat.stand && (seat.stand->stand != JoinStand::no || seat.is_settled)) return;
     if (seat.stand && now - seat.stand_ms > told_ms) seat.stand.reset();
-    std::uint32_t told = 0; // by others, of a later ticket than those that are over
+    // The newest ticket that others say yes to, if it is newer than those that are over.
+    std::uint32_t told = 0;
     for (const PeerLink& other : links) {
         const JoinWord& word = word_of(other, link);
         if (&other != &link && word.stand != JoinStand::no && word.ticket > seat.ticket)
@@ -133,7 +135,7 @@ void PeerSession::admit() {
         if (link.state == PeerLink::State::gone) take_a_stand(link);
         if (!link.seat.stand) continue;
         if (link.seat.is_settled && confirmed > link.seat.admission.tick)
-            link.seat.stand.reset(); // all have come so far only together
+            link.seat.stand.reset(); // that tick is confirmed, so everybody has settled it
         else if (!link.seat.is_settled && link.seat.stand->stand != JoinStand::no)
             agree_on_join(link);
     }
@@ -152,7 +154,8 @@ void PeerSession::agree_on_join(PeerLink& seat) {
         const JoinWord& word = word_of(link, seat);
         const bool is_over =
             word.ticket > ours.ticket || (word.ticket == ours.ticket && word.stand == JoinStand::no);
-        if (is_over && ours.stand != JoinStand::ready) { // others may have settled it on a ready
+        // Who has told ready stays so: others may have settled it on that word.
+        if (is_over && ours.stand != JoinStand::ready) {
             seat.seat.ticket = ours.ticket;
             ours = {ours.player, ours.ticket, JoinStand::no, 0};
             return;
@@ -218,10 +221,10 @@ bool PeerSession::owes_join_word(const PeerLink& link) const {
     });
 }
 
-/// Whether somebody may come in before that tick. It lacks the inputs of who leaves, from where it comes in on, as nobody else speaks for these.
+/// Whether somebody may come in before that tick, where a player leaves. It would lack that player's inputs: nobody else can tell it these.
 bool PeerSession::is_entry_open(std::uint64_t cut) const { return join_bound() < cut; }
 
-/// Whether the match stands at that tick, or a departure does that ends behind it.
+/// Whether the match waits at that tick, or a departure waits whose cut lies behind it.
 bool PeerSession::is_reached(std::uint64_t tick) const {
     return settled_end >= tick || std::ranges::any_of(queues, [&](const InputQueue& queue) {
                const std::uint64_t cut = cuts[queue.player()];

@@ -57,7 +57,7 @@ JoinSession::JoinSession(const SessionDef& session_def, const JoinDef& how, Tran
     : def(session_def), join(how), transport(packets), match(packet_context(session_def).match),
       watch(session_def, watch_of(session_def, how), packets), inbox(packets), ticket(how.life << 8),
       images(images_of(watch, PeerSession(session_def, packets))) {
-    // One that is heard and tells nothing new may take half of the patience that the others have with who is in.
+    // A host that is heard and tells nothing new is asked for half as long as the others have patience with a machine that is in.
     constexpr std::uint64_t polls_a_second = 60, most_ms = host_silence_polls * 1000 / polls_a_second;
     const std::uint64_t half_ms = std::min(session_def.disconnect_ms / 2, most_ms);
     watch.ask_next_after(static_cast<std::uint32_t>(half_ms * polls_a_second / 1000),
@@ -115,7 +115,8 @@ void JoinSession::hear_admission(const Datagram& datagram) {
         known->second = *heard;
 }
 
-/// What more than half of those tell alike who play and have told it or are heard: none yet. `left`: bit p, player p has left.
+/// The admission that more than half tell alike, of those who play and either have told one or are heard; nothing: there is none yet. `left`:
+/// bit p, player p has left.
 std::optional<Admission> JoinSession::agreed_admission(std::uint32_t left) const {
     const auto others = std::ranges::count_if(watch_of(def, join).hosts, [&](PeerId host) {
         const bool has_told = std::ranges::count(told, host, &std::pair<PeerId, Admission>::first) != 0;
@@ -128,7 +129,7 @@ std::optional<Admission> JoinSession::agreed_admission(std::uint32_t left) const
     return std::nullopt;
 }
 
-/// From when that is known it listens as a player.
+/// As soon as the admission is known this machine listens as a player.
 void JoinSession::come_in() {
     if (!play && !told.empty() && watch.here_through() > 0) {
         const auto left =

@@ -13,7 +13,7 @@
 
 namespace lockstone::session {
 
-/// What one of the two reads: packets are handed on by kind. Sends to the wire.
+/// The transport of the session that plays: it reads what is put here, the packets of its kinds, and sends to the wire.
 class Inbox final : public Transport {
   public:
     explicit Inbox(Transport& to) : wire(to) {}

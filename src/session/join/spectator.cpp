@@ -9,9 +9,10 @@
 namespace lockstone::session {
 
 namespace {
-constexpr std::uint64_t near_ticks = 8; ///< to the newest tick that may be watched: level with the match
-constexpr std::uint32_t patience_polls = 300; ///< with a host that sends no state
-constexpr std::uint32_t word_polls = 180;     ///< then other machines that have told no hash are not there
+/// So near to the newest tick that may be watched, it is level with the match.
+constexpr std::uint64_t near_ticks = 8;
+constexpr std::uint32_t patience_polls = 300; ///< how long a host may send nothing of a state
+constexpr std::uint32_t word_polls = 180; ///< how long other machines are waited for that have told no hash
 } // namespace
 
 SpectatorSession::SpectatorSession(const SessionDef& session_def, WatchDef how, Transport& packets)
@@ -180,7 +181,7 @@ bool SpectatorSession::is_heard(PeerId peer, std::uint64_t since_ms) const {
     return host != hosts.end() && counts.last_poll_ms - std::max(host->heard_ms, since_ms) <= gone_after_ms;
 }
 
-/// Those that have gone do not cost their time one after the other.
+/// The next host that is heard. Hosts that have gone are passed over: nobody waits for one after the other.
 std::optional<std::size_t> SpectatorSession::next_heard() const {
     for (std::size_t i = 1; i < hosts.size(); ++i) {
         const std::size_t next = (serving + i) % hosts.size();

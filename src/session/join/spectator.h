@@ -31,7 +31,7 @@ class SpectatorSession final : public Session {
 
     // ---- for a machine that comes to play (join_session.h) ----
     void begin_poll(std::uint64_t now_ms);
-    /// What a packet was not, that was not taken.
+    /// Why the packet was not taken; nothing: it was.
     std::optional<PacketFault> take(const Datagram& datagram);
     void count(const Datagram& datagram, std::optional<PacketFault> fault);
     void speak(std::uint32_t ticket, bool wants_seat);   ///< sends the wishes of this poll
@@ -41,7 +41,7 @@ class SpectatorSession final : public Session {
         silence_polls = std::min(polls, host_silence_polls);
         gone_after_ms = unheard_ms;
     }
-    /// Whether the machine has said anything within that time, or that is not over yet since then.
+    /// Whether the machine has said anything within that time. Before that time has passed since `since_ms` it counts as heard.
     bool is_heard(PeerId peer, std::uint64_t since_ms) const;
     std::uint64_t confirmed_through() const { return confirmed; }
     std::uint64_t here_through() const { return ticks.next(); } ///< ticks below are here
@@ -54,8 +54,8 @@ class SpectatorSession final : public Session {
     enum class Phase { fetching, adopting, following };
     struct Host {
         PeerId peer;
-        std::optional<std::uint64_t> state_hash; ///< that it tells, of the state before assembly.offer().tick
-        std::optional<bool> agrees;              ///< the newest tick whose hash it told has ours, too
+        std::optional<std::uint64_t> state_hash; ///< what it tells of the state before assembly.offer().tick
+        std::optional<bool> agrees;              ///< whether the newest hash that it told is ours, too
         bool differs_told = false;
         std::uint64_t heard_ms = 0;
     };

@@ -81,7 +81,7 @@ class Relay final : public SpectatorRelay {
         return true;
     }
 
-    /// Its hash must be the one that was told with the ticks.
+    /// The hash of the state must be the one that was told with the ticks.
     void take_state() {
         const Offer offer = assembly->offer();
         const std::optional<std::uint32_t> told = timeline.told_hash(offer.tick - 1);

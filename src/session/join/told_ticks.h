@@ -7,7 +7,7 @@
 
 namespace lockstone::session {
 
-/// Of a host that tells nothing new: then the next one is asked, where there is one.
+/// After so many polls in which a host tells nothing new the next one is asked, where there is one.
 inline constexpr std::uint32_t host_silence_polls = 180;
 
 class ToldTicks {

@@ -120,9 +120,13 @@ void move_freely(const FreeMotion& motion, const BodyTraits& traits, std::uint32
     }
 }
 
+/// v keep, rounded. `keep` is at most 1, so the product of the whole units fits, and that of the rest is below 2^60.
 void damp(std::int64_t v[3], Unit keep) {
     if (keep == unit_one) return;
-    for (int i = 0; i < 3; ++i) v[i] = narrow_rounded(Wide::product(v[i], keep.raw), Unit::fraction_bits);
+    constexpr std::int64_t rest = unit_one.raw - 1, half = unit_one.raw / 2;
+    for (int i = 0; i < 3; ++i)
+        v[i] = (v[i] >> Unit::fraction_bits) * keep.raw +
+               (((v[i] & rest) * keep.raw + half) >> Unit::fraction_bits);
 }
 
 struct SpeedLimits {

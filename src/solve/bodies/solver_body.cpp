@@ -2,6 +2,7 @@
 
 #include "base/room.h"
 #include "lockstone/math/math.h"
+#include "solve/bodies/momentum.h"
 #include "solve/joints/followed_turn.h"
 
 #include <bit>
@@ -52,19 +53,6 @@ static bool set_form(Vec3 d, std::int32_t (&out)[4]) {
     }
     out[3] = Unit::fraction_bits - drop;
     return true;
-}
-
-static SpinForm spin_form(Vec3 radii_inv) {
-    SpinForm form{};
-    for (int i = 0; i < 3; ++i) {
-        const Wide square = Wide::product(radii_inv[i].raw, radii_inv[i].raw); // 64 fraction bits
-        const std::uint64_t high = static_cast<std::uint64_t>(square.high_bits());
-        const int size = high != 0 ? 64 + bit_length(high) : bit_length(square.low_bits());
-        const int drop = std::max(size - 30, 0);
-        form.mantissa[i] = static_cast<std::int32_t>((square >> drop).low_bits());
-        form.bits[i] = 2 * Real::fraction_bits - drop;
-    }
-    return form;
 }
 
 static GyrationForm form_of(const BodyMass& mass) {
@@ -333,64 +321,6 @@ static bool is_free_turn(Vec3 rotation, Vec3 by_spin) {
     const Vec3 off = abs(rotation - by_spin);
     return off.x + off.y + off.z < free_turn_noise;
 }
-
-namespace {
-
-/// What a body keeps through a turn without torque: its angular momentum per mass.
-class Momentum {
-    Vec3 whole; ///< [m^2/s]
-    Vec3 radii_inv;
-    Quat principal;
-    SpinForm form;
-    std::int64_t parts[3]; ///< of it, 30 bits
-    std::int32_t dropped;  ///< by which they are shorter than a Real
-    bool is_quick;         ///< that is enough
-
-  public:
-    Momentum(const BodyStep& s, SpeedVec3 u, Quat principal_axes)
-        : whole(by_gyration<Real>(s, u)), radii_inv(s.radii_inv), principal(principal_axes),
-          form(spin_form(s.radii_inv)) {
-        const int bits = bit_length(magnitude(whole.x.raw) | magnitude(whole.y.raw) | magnitude(whole.z.raw));
-        dropped = std::max(bits - 30, 0), is_quick = true;
-        for (int i = 0; i < 3; ++i) {
-            parts[i] = shift_right_rounded(whole[i].raw, dropped);
-            is_quick = is_quick && shift(i) >= 1 && shift(i) <= 62;
-        }
-    }
-    /// Angular velocity of the body at a rotation: K^-2 of it, in world axes.
-    Vec3 spin_at(Quat rotation) const {
-        const Rotation axes = to_rotation(principal == Quat::identity() ? rotation : rotation * principal);
-        std::int64_t spin[3];
-        if (!is_quick || !find_quickly(axes, spin)) {
-            Vec3 inside = mul_transposed<Real>(axes, whole);
-            for (int i = 0; i < 3; ++i) inside[i] = inside[i] * radii_inv[i] * radii_inv[i];
-            return mul<Real>(axes, inside);
-        }
-        constexpr int drop = Unit::fraction_bits + spin_bits - Real::fraction_bits;
-        Vec3 out;
-        for (int i = 0; i < 3; ++i)
-            out[i] = Real::from_raw(shift_right_rounded(
-                axes.x[i].raw * spin[0] + axes.y[i].raw * spin[1] + axes.z[i].raw * spin[2], drop));
-        return out;
-    }
-
-  private:
-    int shift(int i) const { return form.bits[i] + Real::fraction_bits - spin_bits - dropped; }
-    /// Along the principal axes, spin_bits. False: it is too fast for that.
-    bool find_quickly(const Rotation& axes, std::int64_t (&spin)[3]) const {
-        const UnitVec3* const along = &axes.x;
-        for (int i = 0; i < 3; ++i) {
-            const std::int64_t inside = shift_right_rounded(
-                along[i].x.raw * parts[0] + along[i].y.raw * parts[1] + along[i].z.raw * parts[2],
-                Unit::fraction_bits);
-            spin[i] = shift_right_rounded(inside * form.mantissa[i], shift(i));
-            if (magnitude(spin[i]) >= std::uint64_t{1} << 31) return false;
-        }
-        return true;
-    }
-};
-
-} // namespace
 
 /// The rotation of the tick and the angular velocity after it. Without torque the angular momentum per mass K u is
 /// kept exactly up to rounding: K is taken at the middle of the turn (midpoint rule, second order).

@@ -254,7 +254,7 @@ template <class L> class TurnedBodies {
     }
     static V half_turn(V x) { return L::template shift_right_signed<1>(L::add(x, L::splat(1))); }
 
-    /// What a pack of bodies keeps through a turn without torque; Momentum of solver_body.cpp.
+    /// What a pack of bodies keeps through a turn without torque; as Momentum of momentum.h.
     struct Momentum {
         V parts[3], mantissa[3], shift[3], principal[4];
         V left; ///< true in the lanes for which this has no room

@@ -25,28 +25,36 @@ template <unsigned N> struct Lane {
     const ContactPack<N>& pack;
     unsigned lane;
 
-    std::int64_t turning(const std::int32_t (&xa)[3][N], const std::int32_t (&xb)[3][N], const SolverBody& a,
-                         const SolverBody& b) const {
-        std::int64_t sum = 0;
-        for (int i = 0; i < 3; ++i)
-            add_product(sum, xa[i][lane], speed_part(a.u[i])),
-                add_product(sum, xb[i][lane], speed_part(b.u[i]));
-        return sum;
-    }
     /// Level and tilts of the normal speed.
     void speeds(const SolverBodies& bodies, std::int64_t (&out)[3]) const {
         const SolverBody &a = bodies.body[pack.body_a[lane]], &b = bodies.body[pack.body_b[lane]];
-        std::int64_t line = 0;
-        for (int i = 0; i < 3; ++i) line += pack.d[0][i][lane] * speed_part(sub_saturated(b.v[i], a.v[i]));
-        for (int r = 0; r < 3; ++r)
+        std::int64_t move[3], turn_a[3], turn_b[3], any = 0;
+        for (int i = 0; i < 3; ++i) {
+            move[i] = speed_part(sub_saturated(b.v[i], a.v[i]));
+            turn_a[i] = speed_part(a.u[i]), turn_b[i] = speed_part(b.u[i]);
+            for (const std::int64_t x : {move[i], turn_a[i], turn_b[i]}) any |= x ^ (x >> 63);
+        }
+        // Nine products with 30 bits are then below 2^63 in all: nothing saturates.
+        const bool is_slow = any >> 29 == 0;
+        for (int r = 0; r < 3; ++r) {
+            std::int64_t line = 0, turning = 0;
+            for (int i = 0; r == 0 && i < 3; ++i) line += pack.d[0][i][lane] * move[i];
+            for (int i = 0; i < 3; ++i) {
+                const std::int64_t of_a = pack.normal_a[r][i][lane] * turn_a[i],
+                                   of_b = pack.normal_b[r][i][lane] * turn_b[i];
+                turning = is_slow ? turning + of_a + of_b : add_saturated(add_saturated(turning, of_a), of_b);
+            }
             // Beyond 4096 m/s a point is at the end of every range.
-            out[r] = saturate_to_int32(shift_right_rounded(
-                add_saturated(turning(pack.normal_a[r], pack.normal_b[r], a, b), r == 0 ? line : 0),
-                row_bits));
+            out[r] = saturate_to_int32(
+                shift_right_rounded(is_slow ? turning + line : add_saturated(turning, line), row_bits));
+        }
     }
     /// Of a point, out of those of the level and the tilts, which impulses may have driven beyond 32 bits.
     std::int64_t at_point(int k, const std::int64_t (&x)[3]) const {
         const PointLanes<N>& point = pack.points[k];
+        if ((((x[1] ^ (x[1] >> 63)) | (x[2] ^ (x[2] >> 63))) >> 31) == 0) // two products below 2^61
+            return saturate_to_int32(add_saturated(
+                x[0], shift_right_rounded(point.arm[0][lane] * x[1] + point.arm[1][lane] * x[2], unit_bits)));
         // Impulses of tilts may be beyond 2^33: arms of up to 2^30 times them want 128 bits.
         const Wide tilt = Wide::product(point.arm[0][lane], x[1]) + Wide::product(point.arm[1][lane], x[2]);
         return saturate_to_int32(add_saturated(x[0], narrow_rounded(tilt, unit_bits)));
@@ -80,11 +88,16 @@ void measure_approach(std::span<Bounce> bounces, std::span<const ContactPack<N>>
                       const SolverBodies& bodies) {
     for (Bounce& bounce : bounces) {
         const Lane<N> at{packs[bounce.pack], bounce.lane};
+        const auto is_free = [&](int k) { // nothing has pushed the point so far
+            return at.pack.points[k].impulse[bounce.lane] <= 0 && bounce.impulse_max[k] <= 0;
+        };
+        bool any = false;
+        for (int k = 0; k < at.pack.point_count; ++k) any = any || is_free(k);
+        if (!any) continue;
         std::int64_t speed[3];
         at.speeds(bodies, speed);
         for (int k = 0; k < at.pack.point_count; ++k)
-            if (at.pack.points[k].impulse[bounce.lane] <= 0 && bounce.impulse_max[k] <= 0)
-                bounce.approach[k] = static_cast<std::int32_t>(at.at_point(k, speed));
+            if (is_free(k)) bounce.approach[k] = static_cast<std::int32_t>(at.at_point(k, speed));
     }
 }
 
@@ -97,6 +110,7 @@ void note_bounce(const ContactPack<N>& pack, Bounce* bounces, const std::int32_t
         for (int k = 0; k < pack.point_count; ++k) {
             const std::int32_t now = pack.points[k].impulse[bounce.lane];
             bounce.impulse_max[k] = std::max(bounce.impulse_max[k], now);
+            if (now == impulse_before[k][bounce.lane]) continue; // no work
             // Work: impulse over the point's effective mass, times the mean of the speeds before and after.
             const std::int64_t change =
                 std::clamp(shift_right_rounded((std::int64_t{now} - impulse_before[k][bounce.lane]) *
@@ -160,7 +174,7 @@ void give_back(std::span<Bounce> bounces, std::span<ContactPack<N>> packs, std::
             }
         };
         const int count = pack.point_count;
-        // All alike first, at their centre: a box that lands flat is not turned by the order of its points.
+        // First all points together, at their centre: so the order of its points does not turn a box that lands flat.
         std::int64_t error = 0, common = 0;
         for (int k = 0; k < count; ++k)
             if ((points >> k) & 1u) error += at.at_point(k, speed) + target[k], ++common;
@@ -228,7 +242,7 @@ void clamp_to_cone(std::int32_t limit, std::int32_t& t1, std::int32_t& t2) {
     t2 = static_cast<std::int32_t>(std::int64_t{t2} * limit / size);
 }
 
-/// Whether a point took more than 1 m/s: kept, what took less would go on shaking a hand that stands on its fingers.
+/// Whether a point took an impact of more than 1 m/s. Smaller ones are not kept: a hand that stands on its fingers would shake for ever.
 template <unsigned N> bool is_hard(const ContactPack<N>& pack, unsigned lane) {
     constexpr std::int32_t hard = 1 << speed_bits;
     for (int k = 0; k < pack.point_count; ++k)
@@ -236,9 +250,9 @@ template <unsigned N> bool is_hard(const ContactPack<N>& pack, unsigned lane) {
     return false;
 }
 
-/// What stopped the bodies in the last substep does not hold them in this one. Given to them again it would have to be taken
-/// back, which one pass does not do wholly for a body between two others: elastic balls would gain energy. What joints hold
-/// and does not bounce keeps it: one pass does not stop a foot that a whole body pushes down.
+/// The impulses that stopped bodies in the last substep are not given to them again in this one. They would have to be taken back, and for a
+/// body between two others one pass does that only in part: elastic balls would gain energy. A body that joints hold and that does not
+/// bounce keeps these impulses: one pass does not stop a foot that a whole body pushes down.
 template <unsigned N> void forget_impacts(ContactPack<N>& pack, WarmStart* warm) {
     constexpr std::int64_t one = 1;
     for (unsigned lane = 0; lane < N; ++lane) {

@@ -5,17 +5,17 @@
 
 namespace lockstone::solve {
 
-/// Points that are not hit yet come in at this speed. Measured in every substep: a ball that returned with the speed it had
-/// when the tick began would lose what it gained in the rest of it, a twentieth of its height a bounce.
+/// Measures at which speed each point that was not hit yet comes in. This is done in every substep: a ball that bounced with the speed
+/// that it had when the tick began would lose what it gained since then, a twentieth of its height in each bounce.
 template <unsigned N>
 void measure_approach(std::span<Bounce> bounces, std::span<const ContactPack<N>> packs,
                       const solve::SolverBodies& bodies);
-/// Points that came in fast and were hit go back at restitution times that speed, but with no more energy than they took:
-/// what another contact stopped is that one's to give back. source: Stronge, Impact Mechanics (2000)
+/// Points that came in fast and were hit go back at restitution times that speed, but with no more energy than they took: the part that
+/// another contact stopped is given back by that other contact. source: Stronge, Impact Mechanics (2000)
 template <unsigned N>
 void give_back(std::span<Bounce> bounces, std::span<ContactPack<N>> packs, std::int32_t speed_min,
                solve::SolverBodies& bodies);
-/// One pass over rolling resistance, within what the normal impulses allow now; or, for a warm start, what was remembered.
+/// One pass over rolling resistance, bounded by the normal impulses as they are now. For a warm start: the impulses of the last tick.
 template <unsigned N>
 void solve_rolling(std::span<Rolling> rolling, std::span<const ContactPack<N>> packs,
                    solve::SolverBodies& bodies, bool warm_start);

@@ -15,8 +15,8 @@ struct ContactPoint {
     LengthVec3 lever_b;    ///< [m]
     Speed impulse;         ///< that the last tick remembered: ContactPointMemory::normal
 };
-/// Three cache lines, and all that the solver is prepared from: it takes contacts in an order of its own, and what else it looked at
-/// would be far apart.
+/// Three cache lines with all that the solver needs to prepare a contact: it takes contacts in an order of its own, so anything kept elsewhere
+/// would be far apart in memory.
 struct alignas(64) Contact {
     Contact() {
     } ///< nothing is set: whoever makes one fills it in, but for points beyond `count`, which nobody reads
@@ -36,7 +36,7 @@ struct alignas(64) Contact {
 static_assert(sizeof(Contact) == 192);
 
 /// The two tangents of a normal: the same for the same normal, and nearly the same for nearly the same. Friction is
-/// remembered along them; a frame that turned by a right angle when a floor tilts by a rounding would throw it aside.
+/// remembered along them. If the frame turned by a right angle when a floor tilts by a rounding, that friction would point aside.
 struct Tangents {
     UnitVec3 first, second;
 };

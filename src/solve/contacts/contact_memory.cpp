@@ -10,8 +10,8 @@ namespace {
 /// How far a point may be from a remembered one of another feature and still be the same contact [m].
 constexpr std::int64_t same_point_distance = decimal<Length>("0.02").raw;
 
-/// 44 fraction bits. Differences reach 256 m, whose square is beyond 64 bits; what is further than 64 m along an axis counts
-/// as that far, for nothing so far is the same point.
+/// 44 fraction bits. Differences reach 256 m, whose square is beyond 64 bits; a difference of more than 64 m along an axis
+/// counts as 64 m: points so far apart are never the same.
 constexpr std::int64_t far = std::int64_t{64} << Length::fraction_bits;
 
 std::int64_t distance_squared(LengthVec3 a, LengthVec3 b) {
@@ -93,7 +93,7 @@ Length recycling_limit(std::span<const ContactMemory> rows, Coordinate reach, Le
     };
     for (const ContactMemory& row : rows)
         if (!(row.flags & contact_on_face)) return within_reach(recycling.raw);
-    // Not less than what edges bear.
+    // Not less than what edges allow.
     return within_reach(
         std::max<std::int64_t>(recycling.raw, std::min<std::int64_t>(recycling_on_face.raw, by_thinnest)));
 }

@@ -20,8 +20,9 @@ std::int32_t least_separation(const Contact& contact) {
     return least;
 }
 
-/// An overlap of less is for the order by levels [m]; of more, each step is a class of its own up to the last. With what
-/// nothing moves contacts are four times as stiff (StepConstants::soft_static), so a quarter of the depth is as hard a squeeze.
+/// Contacts that overlap by less are ordered by levels [m]. Of deeper ones, those within one step of depth are a class; the last class has all
+/// that are deeper still. Contacts with something that nothing moves are four times as stiff (StepConstants::soft_static): a quarter of the
+/// depth stands for the same load there.
 constexpr std::int32_t depth_step = decimal<Separation>("0.01").raw, depth_step_static = depth_step / 4;
 constexpr std::int32_t depth_last = 10;
 
@@ -90,8 +91,8 @@ void ContactOrder::find_levels(std::span<const Contact> contacts, const SolverBo
     }
 }
 
-/// Contacts by the sum of their bodies' levels, the highest first; what nothing holds comes before. Deep overlaps follow
-/// after all others, the deepest last.
+/// Sorts contacts by the sum of their bodies' levels, the highest first; contacts of bodies that nothing holds come before those. Deep
+/// overlaps come after all others, the deepest last.
 void ContactOrder::sort_down(std::span<const Contact> contacts) {
     const std::uint32_t above = level_max + 1;
     const auto key = [&](std::size_t i) {

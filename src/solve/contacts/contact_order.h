@@ -1,14 +1,14 @@
 // In what order contacts are solved, and which of them at once.
 //
-// A pass over the contacts carries a change of load as far as the order lets it. From the top of a pile down, in the soft
-// pass and in the relaxing one, the ground takes in every pass what came to lie on it, and stacks stop swaying. In an
-// order of chance, or in one that turns round between the passes, the answer of the ground comes some substeps late, and
-// walls sway by themselves: a pyramid with a base of 10 by 6 mm at 3 Hz, for ever.
+// A pass over the contacts carries a change of load only as far as the order of the contacts lets it. Both passes, the soft one and the
+// relaxing one, go from the top of a pile down: so each pass brings the whole load of the pile to the ground, and stacks stop swaying. In a
+// random order, or in one that is reversed between the passes, the answer of the ground comes some substeps late, and walls sway by
+// themselves: a pyramid with a base of 10 by 6 mm at 3 Hz, for ever.
 //
-// What overlaps deeply comes after all that: the contact that is solved last keeps the speed that it asks for, and between bodies that
-// are held from all sides only that one comes apart.
+// Contacts that overlap deeply come last. The contact that is solved last keeps the speed that it asks for; between bodies that are held
+// from all sides, only that contact comes apart.
 //
-//   level    of a body: how many contacts away what nothing moves is
+//   level    of a body: the number of contacts between it and something that nothing moves
 //   stage    the first stage after those of all earlier contacts that move the same body: solving stage after stage is
 //            solving in order, and the contacts of a stage share nothing that is written
 #pragma once
@@ -27,8 +27,8 @@ struct Contact;
 class ContactOrder {
   public:
     void reserve(std::size_t contacts, std::size_t bodies);
-    /// From the top down, then what overlaps by centimetres, the deepest last; of equals by index. Pure: depends on the
-    /// contacts and on who can move, on nothing else.
+    /// Orders contacts from the top down. Those that overlap by centimetres come after all others, the deepest last; equals are
+    /// ordered by index. The order depends on the contacts and on which bodies can move, and on nothing else.
     void find(std::span<const Contact> contacts, const SolverBodies& bodies);
 
     /// Fills what find() makes anew with a byte.

@@ -95,7 +95,7 @@ void ContactSolver::reserve(std::size_t contacts, std::size_t bodies) {
 }
 
 /// Which contacts each pack has: in a stage those of many points before single ones, and those that carried something in the
-/// last tick before those that did not, so that packs of single points and of what only stands by stay small work.
+/// last tick before those that did not: so packs of single points, and packs of contacts that carry nothing, take little time.
 void ContactSolver::Inside::place_packs(std::span<const Contact> contacts) {
     const std::uint32_t lanes = kernel->lanes;
     base::make_room(sort_of, contacts.size());
@@ -195,8 +195,8 @@ template <class Visit> void ContactSolver::Inside::for_each_stage(Tasks* tasks, 
     }
 }
 
-/// What the passes give to a body is the difference between its velocities before and after. Modulo 2^64: what is taken away
-/// before a pass and added after it leaves the difference, whatever lies in between.
+/// What the passes give to a body is the difference between its velocities before and after: the velocity is subtracted before a pass and
+/// added after it. Modulo 2^64 that is right even where a velocity in between left its range.
 void ContactSolver::Inside::begin_pass(const SolverBodies& bodies) {
     body_kernel->take_velocities(bodies.body.data(), warm_numbers(), bodies.still() + 1);
 }

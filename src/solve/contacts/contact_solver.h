@@ -17,11 +17,11 @@
 //   friction     two tangents at the centre and the twist about the normal, solved at once; (t1, t2) within the cone of the
 //                sum of the normal impulses, the twist within their sum weighted by the points' distances
 //   gap          g = g0 + D . motion since the tick began
-//   warm start   rows are constant within a tick, so what the impulses give a body is the sum of what the passes gave it: it
-//                is kept by body, and a substep starts from it without walking over contacts
+//   warm start   rows are constant within a tick, so the velocity that all impulses give a body is the sum of what the passes gave it. This
+//                sum is kept by body, and a substep starts from it without a pass over contacts
 //
-// Points one after another tilt and yaw a box that lies flat, each time the same way: stacks drift and walls sway. The sweeps do
-// so within a contact alone, where they converge.
+// Points that are solved one after another tilt and yaw a box that lies flat, each time the same way: stacks drift and walls sway. Only
+// the sweeps solve points one after another, within a contact, and there they converge.
 // source: soft steps as in Catto, Solver2D (2024); the mass-free, gyration-scaled rows and the block are this library's own.
 #pragma once
 

@@ -189,7 +189,8 @@ template <class L> class Kernel {
         Speed speed[3];                  ///< D v: level and tilts
         Speed bias[4], error[4], old[4]; ///< of points
         Speed now[4];                    ///< impulses that come out
-        Mask soft, hit, idle, leaves; ///< leaves: has a point that would pull or is not a member, and is hit
+        Mask soft, hit, idle;
+        Mask leaves; ///< the block does not serve: a point would pull, or one is hit that is no member
     };
 
     static Speed at_point(const Point& point, const Speed (&x)[3]) {
@@ -224,7 +225,7 @@ template <class L> class Kernel {
             n.bias[k] = bias_of(c, point, s, overlaps);
             n.old[k] = Speed::load(point.impulse);
             const Speed speed = at_point(point, n.speed);
-            // What bounces is stopped at the surface, in one go: stopped in halves it would give back a half.
+            // A point that bounces is stopped at the surface within one substep: stopped over two, it would bounce with half its speed.
             if (!s.soft && c.bounce != none)
                 n.bias[k] = select(~overlaps & Mask{L::load32(c.bounces)}, max(n.bias[k], -speed), n.bias[k]);
             n.error[k] = speed + n.bias[k];
@@ -259,7 +260,7 @@ template <class L> class Kernel {
                                                Inverse::load(inverse[lower[row][2]]) * error[2],
                                            answer_limit);
     }
-    /// What softness lets go of: X Q.
+    /// The part of the impulses that softness takes away: X Q.
     static void yield(const Pack& c, const Speed (&q)[3], Speed (&out)[3]) {
         const auto x = [&](int i) { return Response::load(c.softness[i]); };
         out[0] = rounded_within<speed_bits>(x(0) * q[0], speed_limit);
@@ -296,8 +297,9 @@ template <class L> class Kernel {
         }
     }
 
-    /// Point after point, forwards and backwards, on the three speeds of the contact: they answer to an impulse by S. From the
-    /// impulses of before, so that no energy comes in: what the block found may be far off where points are close together.
+    /// Solves point after point, forwards and backwards, on the three speeds of the contact; S says how an impulse changes them. It starts
+    /// from the impulses before this visit and not from those of the block: where points are close together these may be far off, and would
+    /// add energy.
     static void sweep_points(const Pack& c, Unit mass_scale, Unit impulse_scale, Normals& n) {
         Speed p[4], speed[3] = {n.speed[0], n.speed[1], n.speed[2]};
         const Speed zero = Speed::splat(0);
@@ -339,7 +341,7 @@ template <class L> class Kernel {
         return min(max(n.old[0] - less, Speed::splat(0)), Speed::splat(impulse_limit));
     }
 
-    /// Lanes of one point do as they do among their like: bits must not depend on who else is in the pack.
+    /// Contacts of one point are solved as in a pack of such contacts alone: bits must not depend on what else is in the pack.
     static void solve_several(const Pack& c, const PassSettings& s, Unit mass_scale, Unit impulse_scale,
                               Normals& n, Speed (&w)[3]) {
         Speed q[3];
@@ -350,7 +352,7 @@ template <class L> class Kernel {
         n.leaves = n.leaves & several & ~n.idle;
         for (int k = 0; k < c.point_count; ++k) n.now[k] = n.now[k] & ~n.idle;
         if (n.leaves.any()) sweep_points(c, mass_scale, impulse_scale, n);
-        moments(c, n.now, w); // as they are remembered, rounding and all
+        moments(c, n.now, w); // of the impulses as they are kept, with their rounding
         for (int i = 0; i < 3; ++i) w[i] = w[i] - q[i];
     }
 
@@ -455,7 +457,7 @@ template <class L> class Kernel {
 
     // ---- impacts -------------------------------------------------------------------------------------------------
 
-    /// forget_impacts() of all lanes at once, where none of them keeps its own.
+    /// forget_impacts() of all lanes at once, where no lane keeps its impact.
     static void forget_all_impacts(Pack& c, const PassData& data) {
         const Speed zero = Speed::splat(0);
         Speed taken[3] = {zero, zero, zero}, before = zero, after = zero;
@@ -478,7 +480,7 @@ template <class L> class Kernel {
         before.store(was), after.store(left);
         for (unsigned lane = 0; lane < N; ++lane)
             if ((some >> lane) & 1u)
-                for (int r = 0; r < 3; ++r) { // friction as the normal impulses
+                for (int r = 0; r < 3; ++r) { // friction shrinks in the ratio of the normal impulses
                     const std::int32_t old = c.slide[r][lane];
                     c.slide[r][lane] = static_cast<std::int32_t>(std::int64_t{old} * left[lane] / was[lane]);
                     change[r][lane] = c.slide[r][lane] - old;
@@ -506,8 +508,8 @@ template <class L> class Kernel {
         scatter(c, data.bodies, p);
     }
 
-    /// The soft pass ends with the normals and the relaxing one with friction: within the cone of an impulse that also
-    /// pushes overlap out, what slides in overlap would be braked twice.
+    /// The soft pass ends with the normals, the relaxing pass with friction. In the soft pass the normal impulse also pushes overlap out:
+    /// bounded by that impulse, friction would brake a body twice that slides while it overlaps.
     static void solve_pack(Pack& c, const PassData& data, const PassSettings& s) {
         Pair p;
         gather(c, data.bodies, p);

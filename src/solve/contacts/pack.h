@@ -56,11 +56,13 @@ template <unsigned N> struct ContactPack {
     std::int32_t slide_inverse[6][N];
     std::int32_t bias_rate[N], mass_scale[N], impulse_scale[N]; ///< speed_bits, Unit, Unit
     std::int32_t friction[N];                                   ///< row_bits
-    std::int32_t surface[2][N]; ///< what the friction rows take for rest is this much off
-    std::int32_t slide[3][N];   ///< impulses along the tangents, and of the twist
-    std::int32_t several[N];    ///< -1: more than one point
-    std::int32_t bounces[N];    ///< -1: has restitution
-    std::uint32_t keeps;  ///< bit per lane: what stops the bodies in a substep holds them in the next one
+    /// Speed of the surface of b against that of a along the tangents, added to that of the bodies
+    std::int32_t surface[2][N];
+    std::int32_t slide[3][N]; ///< impulses along the tangents, and of the twist
+    std::int32_t several[N];  ///< -1: more than one point
+    std::int32_t bounces[N];  ///< -1: has restitution
+    /// Bit per lane: impulses that stop the bodies in a substep are kept in the next one
+    std::uint32_t keeps;
     std::int32_t size[N]; ///< Length: the arms' unit
     PointLanes<N> points[4];
 };
@@ -84,9 +86,9 @@ template <unsigned N> struct PackInput {
 
 /// Points at most this much farther apart than the nearest, and those that carry, are members [m].
 inline constexpr std::int32_t member_gap = decimal<Separation>("0.001").raw;
-/// A point that parts faster has bounced: the impulse that sent it off is none to start from [m/s].
+/// A point that parts faster than this has bounced; it does not start from the impulse that made it bounce [m/s].
 inline constexpr std::int32_t leaving_speed = decimal<Speed>("0.25").raw;
-/// What answers less than that to an impulse is left out: all of it is locked.
+/// A direction that answers less than that to an impulse is left out: it is locked.
 inline constexpr std::int64_t least_response = std::int64_t{1} << (response_bits - 2);
 
 /// What the contact impulses of the tick so far give to a body: the start of the next substep. [m/s], 47 fraction bits
@@ -141,13 +143,13 @@ struct ContactKernel {
 void tangent_at_pole(const std::int32_t (&normal)[3], std::int32_t (&tangent)[3]);
 /// Replaces squares by their roots, rounded down.
 void take_roots(std::int64_t* x, unsigned count);
-/// Where the farthest point is no member, the axis (fx, fy), which leads to the farthest member, is made as long as the way (ox, oy)
-/// to that point; members at one spot take its direction too. Arguments are squares of lengths.
+/// The axis (fx, fy) leads to the farthest member. Where a point that is no member is farther, the axis is made as long as the way (ox, oy)
+/// to that point; where all members are at one spot it takes the direction of that way too. Arguments are squares of lengths.
 void stretch_axis(std::int64_t member, std::int64_t farthest, std::int32_t ox, std::int32_t oy,
                   std::int32_t& fx, std::int32_t& fy);
 /// Shortens the impulse along the tangents to `limit`: a true cone.
 void clamp_to_cone(std::int32_t limit, std::int32_t& t1, std::int32_t& t2);
-/// Takes out of a pack's impulses, and of what its bodies start the next substep from, what stopped the bodies in this one.
+/// Removes the impulses that stopped bodies in this substep: from the pack, and from what its bodies start the next substep with.
 template <unsigned N> void forget_impacts(ContactPack<N>& pack, WarmStart* warm);
 /// After the normals of a pack that bounces: the energy that each point took. Speeds are those without bias.
 template <unsigned N>

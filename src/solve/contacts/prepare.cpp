@@ -28,7 +28,7 @@ struct ContactShares {
 ContactShares shares_of(const BodyStep& a, const BodyStep& b) {
     if (!a.movable || !b.movable) return {a.movable ? unit : 0, b.movable ? unit : 0};
     const std::int64_t ma = a.mass.raw, mb = b.mass.raw;
-    // A hair above one half: half of an odd impulse would be rounded upwards whatever its sign, and resting boxes creep.
+    // A little above one half: half of an odd impulse would be rounded upwards whatever its sign, and resting boxes would creep.
     if (ma == mb) return {unit / 2 + 1, unit / 2 + 1};
     // alpha = mA^-1 / (mA^-1 + mB^-1) = mB / (mA + mB); both below 2^62.
     const int drop = std::max(static_cast<int>(std::bit_width(static_cast<std::uint64_t>(ma + mb))) - 33, 0);

@@ -83,7 +83,7 @@ Real reduced_mass(const Shares& shares, const BodyMass& a, const BodyMass& b) {
 /// Whether it holds a point and nothing else.
 bool is_point(const JointWork& w) { return w.point && w.axis_count == 0 && w.block_count == 0; }
 
-constexpr std::uint32_t joint_chunk = 32, pack_chunk = 16;
+constexpr std::uint32_t joint_chunk = 32, joint_pack_chunk = 16;
 
 /// Calls visit(joint) for each joint; workers share them.
 template <class Visit> void for_joints(JointTick& tick, Tasks* tasks, Visit&& visit) {
@@ -100,7 +100,7 @@ void start_packs(JointTick& tick, const JointKernel& kernel, const StepConstants
                               reinterpret_cast<const std::byte*>(&tick.bodies.front().axes),
                               step.joint_push_max.raw};
     base::for_chunks(
-        tasks, static_cast<std::uint32_t>(tick.packs.size()), pack_chunk,
+        tasks, static_cast<std::uint32_t>(tick.packs.size()), joint_pack_chunk,
         [&](std::uint32_t first, std::uint32_t last, std::uint32_t) { kernel.start(data, first, last); });
 }
 
@@ -110,7 +110,7 @@ void refresh_packs(JointTick& tick, const JointKernel& kernel, const StepConstan
     // Other passes of a kernel write to bodies, this one only reads them.
     const JointPassData data = pass_data(tick, step, const_cast<SolverBody*>(bodies.body.data()));
     base::for_chunks(
-        tasks, static_cast<std::uint32_t>(tick.packs.size()), pack_chunk,
+        tasks, static_cast<std::uint32_t>(tick.packs.size()), joint_pack_chunk,
         [&](std::uint32_t first, std::uint32_t last, std::uint32_t) { kernel.refresh(data, first, last); });
     for (std::uint32_t i = 0; i < tick.packs.size(); ++i) {
         JointPack& pack = tick.packs[i];
@@ -119,18 +119,18 @@ void refresh_packs(JointTick& tick, const JointKernel& kernel, const StepConstan
                 if (pack.over[lane] == 0) continue;
                 JointWork& w = tick.joints[tick.packed[i * pack_lanes + lane]];
                 enlarge_exponent(pack, w, step);
-                pack.stale[lane] = 1; // its inverse is that of other rows
+                pack.stale[lane] = 1; // its inverse belongs to the rows before
             }
             kernel.refresh(data, i, i + 1);
         }
     }
 }
 
-/// The inverses of what packs make rows of.
+/// Inverses of the rows that packs make.
 void invert_packs(JointTick& tick, const JointKernel& kernel, const StepConstants& step,
                   const SolverBodies& bodies, Tasks* tasks) {
     const JointPassData data = pass_data(tick, step, const_cast<SolverBody*>(bodies.body.data()));
-    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.packs.size()), pack_chunk,
+    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.packs.size()), joint_pack_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
                          if (!kernel.invert(data, first, last)) return;
                          for (std::uint32_t i = first; i < last; ++i)
@@ -224,7 +224,7 @@ bool look_at_bodies(JointTick& tick, const SolverBodies& bodies, Tasks* tasks) {
     return std::any_of(tick.seen.begin(), tick.seen.end(), [](std::uint8_t seen) { return seen != 0; });
 }
 
-/// What is stale by what bodies did, and which of them are to be placed for that.
+/// Finds the joints whose rows are stale by the motion of their bodies, and the bodies that have to be placed for new rows.
 void find_stale(JointTick& tick) {
     for (JointGlance& glance : tick.glances) {
         glance.stale = ((tick.seen[glance.a] | tick.seen[glance.b]) & glance.asks) != 0;
@@ -355,10 +355,10 @@ void JointSolver::store(const StepConstants& step, std::span<JointMemory> memory
         if (w.pack != no_pack) store_point(tick.packs[w.pack], w.lane, m, wrench);
         m.twist = w.needs_travel ? w.travel
                   : w.hinge && w.needs_twist
-                      ? w.twist // of when the tick began: the next one finds the nearest
+                      ? w.twist // as the tick began; the next tick finds the nearest angle
                   : counts_turns(*w.def)
                       ? twist_between(frame_rotation(tick, w.a), frame_rotation(tick, w.b), w.twist)
-                      : Real{}; // nobody asks how often it went round
+                      : Real{}; // nothing depends on its whole turns
         const Real mass_rate = w.mass * step.ticks_per_second;
         m.force = wrench.force * mass_rate;
         m.torque = wrench.torque == Vec3{} ? Vec3{} : wrench.torque * mass_rate; // points have none

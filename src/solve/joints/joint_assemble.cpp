@@ -167,7 +167,7 @@ void assemble(JointTick& tick, JointWork& work, const StepConstants& step, const
     work.point = false;
     work.needs_twist = work.needs_target = work.needs_orientation = work.needs_travel = work.needs_slip =
         false;
-    if (work.mass == Real{}) return; // nothing that an impulse could move
+    if (work.mass == Real{}) return; // no impulse can move either body
     Assembly assembly{tick, work, step, memory};
     switch (work.def->kind) {
     case JointKind::distance:
@@ -228,7 +228,7 @@ bool may_stay(const JointTick& tick, const JointWork& work) {
     for (std::uint32_t i = 0; i < work.axis_count; ++i) {
         const JointAxisPart& part = tick.axes[work.first_axis + i];
         if (!may_stay(part.kind)) return false;
-        // What a small cone pushes along turns by more than the bodies do.
+        // The direction that a small cone pushes along turns by more than the bodies do.
         if (part.kind == RowKind::swing && part.upper_at < decimal<Real>("0.25")) return false;
     }
     for (std::uint32_t i = 0; i < work.block_count; ++i)

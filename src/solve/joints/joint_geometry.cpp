@@ -64,7 +64,7 @@ bool turns_slowly(Vec3 w) {
     return magnitude(w.x.raw) < slow && magnitude(w.y.raw) < slow && magnitude(w.z.raw) < slow;
 }
 
-/// w x (w x lever), w within 2048 rad/s and the inner product within 2048 m/s: beyond that an arc is no guide.
+/// w x (w x lever), with w clamped to 2048 rad/s and the inner product to 2048 m/s: beyond that the arc says nothing useful.
 Vec3 turned_twice(Vec3 w, Vec3 lever) {
     constexpr std::int64_t most = std::int64_t{1} << 30;
     constexpr int speed_drop = Real::fraction_bits - Speed::fraction_bits,
@@ -109,7 +109,7 @@ JointSide side_of(const JointTick& tick, const JointWorkSide& side, const Solver
     return now;
 }
 
-/// Adds what gears and racks went out by in the last move.
+/// Adds the error of gears and racks that the last move made.
 void add_travel(const JointTick& tick, JointWork& work, const JointPlace& p, const SolverBodies& bodies) {
     const auto turned = [&](const JointWorkSide& side) {
         if (side.world) return Vec3{};
@@ -159,7 +159,7 @@ struct Bodies {
     const SolverBody &a, &b;
 };
 
-/// Faster than this no limit is approached [m/s], [rad/s]: one that is further off than the substep so takes is left out.
+/// Bodies are assumed to approach no limit faster than this [m/s], [rad/s]: a limit that cannot be reached so in a substep is left out.
 constexpr Real limit_speed_far = Real(100);
 
 // ---- targets ------------------------------------------------------------------------------------------------------
@@ -184,7 +184,7 @@ void set_block_errors(JointBlock& block, const RowValue* values, bool in_tree, c
             scaled_error(values[i].position - block.at[i], e) - moved_of(block, block.row[i], bodies);
         const Real ahead = half_step(values[i].arc, arc_most, step);
         block.ahead[i] = scaled_speed(ahead.raw, Real::fraction_bits, e);
-        // As set_block_bias(), and finer: what is locked twice adds up what the two locks differ by.
+        // As set_block_bias(), but finer: where two joints lock the same motion, the difference of their roundings adds up.
         const Real push =
             clamp((values[i].position - block.at[i]) * rate, -step.joint_push_max, step.joint_push_max);
         block.bias[i] = scaled_speed((push + ahead).raw, Real::fraction_bits, e);
@@ -201,7 +201,7 @@ void set_block_bias(JointBlock& block, bool in_tree, const StepConstants& step, 
     }
 }
 
-/// Speed at which a limit may be approached, or is left when it is passed.
+/// The speed at which a limit may be approached; where it is passed, the speed that leads back.
 struct LimitTargets {
     std::int32_t bias, relax;
 };
@@ -227,8 +227,8 @@ Real least_room(const JointTick& tick, const JointWork& work, const StepConstant
     return min(speed, limit_speed_far) / Real(step.substeps_per_second) + slack;
 }
 
-/// Whether nothing but limits of an angle acts along an axis, which have no impulse and are out of reach by so much that they
-/// stay so until the rows are made again: bodies turn by sqrt(3) / 1024 rad until then, angles by up to eight times both.
+/// Whether an axis has nothing but limits of an angle, which carry no impulse and stay out of reach until the rows are made again. Until
+/// then each body turns by sqrt(3) / 1024 rad at most, and the angle by up to eight times that of both.
 bool is_out_of_reach(const JointAxisPart& part, bool made, Real position, Real least) {
     if ((part.features & (has_spring | has_motor)) != 0 || part.sum != Real{}) return false;
     if (made ? (part.lower | part.upper) != 0 : part.warm.lower != Real{} || part.warm.upper != Real{})
@@ -256,7 +256,7 @@ void set_axis_targets(JointAxisPart& part, const StepConstants& step, Bodies bod
                 (!low || part.lower_relax > part.far) && (!up || part.upper_relax < -part.far);
 }
 
-/// What a row measures from, by where it is made.
+/// The value that a row's error is counted from, found where the row is made.
 void set_axis_errors(JointAxisPart& part, const RowValue& value, const StepConstants& step, Bodies bodies) {
     const int e = part.exponent;
     const auto scaled = [e](Real x) { return scaled_speed(x.raw, Real::fraction_bits, e); };
@@ -337,7 +337,7 @@ void make_axis(JointAxisPart& part, const JointWork& work, const JointPlace& pla
     set_axis_targets(part, step, bodies);
 }
 
-/// Near opposite axes the way back about x turns fast.
+/// Near opposite axes a small turn of the bodies changes the twist a lot.
 bool is_opposite(const JointPlace& place) {
     return dot<Real>(place.a.axes.x, place.b.axes.x) < decimal<Real>("-0.5");
 }
@@ -372,7 +372,7 @@ bool is_made_in_pack(const JointTick& tick, const JointWork& work) {
 /// Where x of B is farther from x of A, rows are those of joint_parts.h from the first substep on.
 bool is_near(const Rotation& a, const Rotation& b) { return dot<Real>(a.x, b.x) > decimal<Real>("0.75"); }
 
-/// Its frames into its pack. A twist that has nothing but limits is looked at there until they are in reach.
+/// Puts the frames of a joint into its pack. The pack looks at a twist that has nothing but limits, until these are in reach.
 void put_hinge(JointTick& tick, const JointWork& work, const Rotation& a, const Rotation& b, Real least,
                const StepConstants& step, const SolverBodies& bodies) {
     HingeStart start{&bodies.step[work.a.body], &bodies.step[work.b.body], a, b, Real{}, Real(7)};
@@ -548,7 +548,7 @@ void start_body(JointBody& now, const Transform& pose, const SolverBodies& bodie
     now.least = to<Separation>(min(k.x, min(k.y, k.z))).raw;
     std::copy(body.theta, body.theta + 3, now.theta_made);
     std::copy(body.theta, body.theta + 3, now.theta_packed);
-    now.shift[0] = bodies.body[now.body].shift[0] + 1; // whatever it is, not what it was
+    now.shift[0] = bodies.body[now.body].shift[0] + 1; // any other value: so it counts as moved
     place_body(now, pose, bodies);
     now.moved = Vec3{};
     for (int i = 0; i < 3; ++i) now.turned[i] = 0;

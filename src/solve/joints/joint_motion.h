@@ -25,7 +25,7 @@ inline void write(const std::int64_t (&m)[6], SolverBody& body) {
 }
 inline void write(const Motion& m, SolverBody& a, SolverBody& b) { write(m.a, a), write(m.b, b); }
 
-/// Keeps what rows read within 1024 m/s. Nothing gets there but by impulses beyond all bounds.
+/// Keeps velocities within the 1024 m/s that rows can read. Only impulses beyond all bounds lead there.
 inline void clamp_motion(Motion& m, std::int64_t most) {
     for (int i = 0; i < 6; ++i) {
         m.a[i] = std::clamp(m.a[i], -most, most);
@@ -41,7 +41,7 @@ inline void clamp_motion(Motion& m) {
     if (any >= static_cast<std::uint64_t>(2 * motion_max)) clamp_motion(m, motion_max);
 }
 
-/// The motion as rows read it, Speed.
+/// The velocities in the format that rows read, Speed.
 struct Speeds {
     std::int32_t a[6], b[6];
     explicit Speeds(const Motion& m) {
@@ -58,7 +58,7 @@ struct Speeds {
     }
 };
 
-/// What rows read that only turn.
+/// The velocities for rows that only turn.
 struct Turning {
     std::int32_t a[3], b[3];
     explicit Turning(const Motion& m) {
@@ -98,7 +98,7 @@ inline std::int64_t moved_along(const Row& row, const SolverBody& a, const Solve
     return shift_right_rounded(sum, row_bits);
 }
 
-/// C rate, at most `most`. Speed of a Separation; beyond 256 m it pushes no faster.
+/// The speed C rate, at most `most`, of an error C in Separation; errors of more than 256 m push no faster.
 inline std::int64_t bias_of(std::int64_t error, Real rate, std::int32_t most) {
     constexpr std::int64_t far = std::int64_t{1} << 35;
     constexpr int rate_bits = 16, shift = Separation::fraction_bits - Speed::fraction_bits + rate_bits;

@@ -9,12 +9,12 @@ namespace lockstone::solve {
 
 namespace {
 
-/// Whether the point rows of a body may be those of a pack: what impulses move may move along and turn about all axes.
+/// Whether a pack can make the point rows of a body: a body that impulses move must be free along and about all axes.
 bool fits(std::uint32_t body, const SolverBodies& bodies) {
     const BodyStep& s = bodies.step[body];
     const SolverBody& b = bodies.body[body];
     if (!s.moves) return true;
-    // Beyond, shifts of what K^-1 makes would leave 1 .. 62.
+    // Beyond this the shifts of products with K^-1 would leave 1 .. 62.
     if (s.inv_exponent < 8 || s.inv_exponent > 58) return false;
     return !s.movable || (s.angular_mask == 7u && (b.keep[0] & b.keep[1] & b.keep[2]) == -1);
 }

@@ -147,8 +147,8 @@ RowValue twist(const JointPlace& p) {
 }
 
 /// A lock of xB to the plane at right angles to `normal`; sign +: C = xB . normal. Its gradient xB x normal vanishes where xB
-/// points along the normal, and a row made of what is left would spin the bodies without bound: so far off, the way back is the
-/// shorter turn towards xA, about A's own axis.
+/// points along the normal; a row made of the little that is left would spin the bodies without bound. That far off, the row turns xB
+/// back by the shorter way towards xA, about A's own axis.
 RowValue plane(const JointPlace& p, int about, UnitVec3 normal, Real sign) {
     const UnitVec3 xa = p.a.axes.x, xb = p.b.axes.x;
     const Real near = decimal<Real>("0.7"), out = dot<Real>(xb, normal) * sign;
@@ -199,7 +199,7 @@ RowValue pulley(const JointPlace& p) {
     const Real arc_a = dot(na, p.a.centripetal) + sideways(point_velocity(p.a), na, la);
     const Real arc_b = dot(nb, p.b.centripetal) + sideways(point_velocity(p.b), nb, lb);
     WideRow row = linear_row(p.a, p.a.lever, na, p.b, p.b.lever, nb);
-    // The ratio enters after the directions: up to 1000, beyond what they hold.
+    // The ratio, up to 1000, would not fit into the directions: it is multiplied in after them.
     for (Scaled3* v : {&row.db, &row.xb}) {
         for (int i = 0; i < 3; ++i) v->m[i] = narrow_rounded(Wide::product(v->m[i], ratio.raw), 44);
         v->fraction_bits -= 12;

@@ -237,7 +237,7 @@ Inverse invert_turning(const Row* rows, int count) {
 
 Inverse invert(const Stiffness& s, int count) {
     if (s.largest == 0) return {};
-    // Cramer's rule on 31 bits, where the determinant leaves enough of them.
+    // Cramer's rule on 31 bits, where the determinant is large enough to keep most of them.
     constexpr std::int64_t determinant_min = std::int64_t{1} << 44;
     const int drop = bit_length(magnitude(s.largest)) - 31;
     const std::int64_t a = shifted(s.k[0][0], drop), b = shifted(s.k[1][0], drop),

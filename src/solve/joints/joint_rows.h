@@ -1,7 +1,7 @@
 // Rows of joints: scaling, responses, the inverse of a part. See joint.h for the symbols.
 //
-// A row is made wide first, each of its four vectors with an exponent of its own, then brought to one power of two, so
-// that neither a lever of 100 m on a body of 1 mm nor a body of 10 km loses bits or leaves the range.
+// A row is first made wide: each of its four vectors has an exponent of its own. Then all four are scaled by one power of two. So neither
+// a lever of 100 m on a body of 1 mm nor a body of 10 km loses bits or leaves the range.
 #pragma once
 
 #include "solve/bodies/solver_body.h"
@@ -30,7 +30,7 @@ struct Share {
 struct Shares {
     Share a, b;
 };
-/// share_A = mB / (mA + mB), share_B = mA / (mA + mB); zero for what impulses do not move.
+/// share_A = mB / (mA + mB), share_B = mA / (mA + mB); zero for a body that impulses do not move.
 Shares joint_shares(const BodyMass& a, const BodyStep& sa, const BodyMass& b, const BodyStep& sb);
 
 /// Six components: along x y z, about x y z. Jacobian entries are below 2 in magnitude.
@@ -48,11 +48,11 @@ struct Inverse {
 inline constexpr int inverse_index[3][3] = {{0, 1, 3}, {1, 2, 4}, {3, 4, 5}};
 
 inline constexpr std::int32_t joint_impulse_max = (1 << 30) - 1; ///< 2048 m/s; twice it fits
-inline constexpr std::int32_t joint_speed_max = 1 << 29; ///< 1024 m/s: what rows read is clamped to it
+inline constexpr std::int32_t joint_speed_max = 1 << 29;         ///< 1024 m/s: rows read no faster speeds
 /// In one pass a part's impulse changes by no more: then sums of an impulse and a change stay within 32 bits.
 inline constexpr std::int32_t impulse_change_max = 1 << 30;
-/// A change of impulse below this moves a body by less than 16 m/s: the 30 or so of one joint and pass leave what is
-/// read below 2048 m/s without clamping.
+/// A change of impulse below this moves a body by less than 16 m/s. One joint makes about 30 changes in a pass, so velocities stay below
+/// the 2048 m/s that can be read without clamping.
 inline constexpr std::int32_t small_impulse = 1 << 22;
 inline constexpr int motion_bits = 29 + row_bits; ///< of joint_speed_max, with 47 fraction bits
 inline constexpr std::int64_t motion_max = std::int64_t{1} << motion_bits;
@@ -101,7 +101,7 @@ inline std::int32_t scaled_impulse(Real p, int exponent) {
 inline Real unscaled_impulse(std::int64_t p, int exponent) {
     return Real::from_raw(shifted(p, Speed::fraction_bits + exponent - Real::fraction_bits));
 }
-/// p as it was under `from`, under `to`.
+/// An impulse with the exponent `from`, scaled to the exponent `to`.
 inline std::int32_t rescaled_impulse(std::int32_t p, int from, int to) {
     const std::int64_t v = shifted(p, from - to);
     return static_cast<std::int32_t>(std::clamp<std::int64_t>(v, -joint_impulse_max, joint_impulse_max));

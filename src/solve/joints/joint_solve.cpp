@@ -10,7 +10,7 @@ namespace lockstone::solve {
 
 namespace {
 
-/// As push(), and what rows read stays within its bounds.
+/// As push(), and keeps the velocities within what rows can read.
 template <class Now> void push_clamped(const Row* rows, const std::int32_t* p, int count, Motion& m) {
     std::uint32_t any;
     if constexpr (std::is_same_v<Now, Turning>)
@@ -30,7 +30,7 @@ std::int64_t times_unit(std::int64_t x, Unit scale) {
     return shift_right_rounded(x * scale.raw, Unit::fraction_bits);
 }
 
-/// With bias softly, without it rigidly. Now: Speeds, or Turning of rows that only turn.
+/// Solves a block: softly with bias, rigidly without. Now: Speeds, or Turning where the rows only turn.
 template <class Now>
 void solve_block(JointBlock& block, Motion& m, const StepConstants& step, bool bias, std::uint64_t& clamped) {
     std::int64_t speed[3] = {};
@@ -85,7 +85,7 @@ template <class Now> struct AxisPass {
 
 template <class Now> void solve_axis(JointAxisPart& part, Motion& m, bool bias, std::uint64_t& clamped) {
     AxisPass<Now> pass(part, m, clamped);
-    // A spring gives its impulse once a substep: relaxing undoes none of it.
+    // A spring gives its impulse once a substep; relaxing takes nothing of it back.
     if ((part.features & has_spring) != 0 && bias) {
         const std::int64_t change = pass.impulse_for(part.spring_bias);
         const std::int64_t wanted =
@@ -107,7 +107,7 @@ template <class Now> void solve_axis(JointAxisPart& part, Motion& m, bool bias, 
 
 namespace {
 
-/// Whether nothing but limits acts along an axis, which have no impulse and get none in this pass.
+/// Whether an axis has nothing but limits, which carry no impulse and get none in this pass.
 bool stays_free(const JointAxisPart& part, const SolverBody& a, const SolverBody& b, bool bias) {
     if (part.idle) return true;
     if (!part.turns || (part.features & (has_spring | has_motor)) != 0 || (part.lower | part.upper) != 0)
@@ -119,7 +119,7 @@ bool stays_free(const JointAxisPart& part, const SolverBody& a, const SolverBody
         any |=
             static_cast<std::uint64_t>(m.a[i] + motion_max) | static_cast<std::uint64_t>(m.b[i] + motion_max);
     }
-    if (any >= static_cast<std::uint64_t>(2 * motion_max)) return false; // it is to be clamped first
+    if (any >= static_cast<std::uint64_t>(2 * motion_max)) return false; // velocities are clamped first
     const std::int64_t speed = speed_along(part.row, Turning(m));
     const bool low = (part.features & has_lower) != 0, up = (part.features & has_upper) != 0;
     return (!low || speed + (bias ? part.lower_bias : part.lower_relax) >= 0) &&
@@ -130,7 +130,7 @@ bool has_locks(const JointTick& tick, const JointWork& w) {
     return w.block_count != 0 && !w.turns_packed && (w.tree == no_tree || !tick.forest.trees[w.tree].direct);
 }
 
-/// Of one joint: what acts along axes, and locks that neither a tree nor a pack solves.
+/// Solves one joint: its axes, and the locks that neither a tree nor a pack solves.
 void pass_joint(JointTick& tick, const JointWork& w, const StepConstants& step, SolverBodies& bodies,
                 bool bias) {
     const bool locks = has_locks(tick, w);
@@ -176,7 +176,7 @@ void JointSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bi
     turn_in(step, bodies);
     const JointPassData data = pass_data(tick, step, bodies.body.data());
     const std::size_t count = tick.stages.size();
-    for (std::size_t k = 0; k < count; ++k) { // relaxing goes back the way the biased pass came
+    for (std::size_t k = 0; k < count; ++k) { // the relaxing pass runs in the reverse order
         const JointStage& stage = tick.stages[bias ? k : count - 1 - k];
         for (std::uint32_t i = stage.first_single; i < stage.last_single; ++i)
             if (tick.acts[i] != 0) pass_joint(tick, tick.joints[tick.singles[i]], step, bodies, bias);

@@ -10,19 +10,19 @@ namespace lockstone::solve {
 namespace {
 
 /// m / 2^bits, entries within 2^30.
-struct Short3 {
+struct CutVector {
     std::int64_t m[3];
     int bits;
 };
-Short3 shortened(const std::int64_t (&v)[3], int bits) {
+CutVector cut(const std::int64_t (&v)[3], int bits) {
     const std::uint64_t any = magnitude(v[0]) | magnitude(v[1]) | magnitude(v[2]);
     const int drop = std::max(bit_length(any) - 30, 0);
     return {{v[0] >> drop, v[1] >> drop, v[2] >> drop}, bits - drop};
 }
-Short3 shortened(Vec3 v) { return shortened({v.x.raw, v.y.raw, v.z.raw}, Real::fraction_bits); }
+CutVector cut(Vec3 v) { return cut({v.x.raw, v.y.raw, v.z.raw}, Real::fraction_bits); }
 
 /// R^T v, which is no longer than v.
-Short3 times_transposed(const Rotation& r, const Short3& v) {
+CutVector turned_back(const Rotation& r, const CutVector& v) {
     const auto along = [&](const UnitVec3& e) {
         return (e.x.raw * v.m[0] + e.y.raw * v.m[1] + e.z.raw * v.m[2]) >> Unit::fraction_bits;
     };
@@ -63,11 +63,12 @@ Size length_of(Vec3 v) {
     return size;
 }
 
-/// True where |f| |r| < m (k rate)^2 / 32 for certain.
-bool is_too_weak(Vec3 f, Vec3 r, Real k, const BodyMass& mass, std::int64_t rate) {
+} // namespace
+
+bool is_too_weak(Vec3 f, Vec3 r, Real k, Real mass, std::int64_t rate) {
     const Size a = length_of(f), b = length_of(r);
     const Size turns = size_of(magnitude(k.raw), Real::fraction_bits), often = size_of(magnitude(rate), 0),
-               heavy = size_of(magnitude(mass.mass.raw), Real::fraction_bits);
+               heavy = size_of(magnitude(mass.raw), Real::fraction_bits);
     const std::int64_t square = turns.mantissa * often.mantissa >> 16;
     const std::int64_t right = (square * square >> 16) * heavy.mantissa;
     const std::int64_t left = a.mantissa * b.mantissa << 5;
@@ -77,18 +78,20 @@ bool is_too_weak(Vec3 f, Vec3 r, Real k, const BodyMass& mass, std::int64_t rate
     return apart >= 0 ? apart > 12 || left < right << apart : apart >= -40 && left < right >> -apart;
 }
 
+namespace {
+
 /// Adds h^2 ((r . f) 1 - r f^T) / m of one side, its diagonal in principal axes [m^2]. False where it cannot matter.
 bool add_pull(const BodyColumns& columns, std::uint32_t row, Vec3 force, Vec3 place,
               const StepConstants& step, BodyStep& s) {
     const BodyMass& mass = columns.mass[row];
     const Real least = min(mass.gyration.x, min(mass.gyration.y, mass.gyration.z));
     const Vec3 away = place - mass.center;
-    if (is_too_weak(force, away, least, mass, step.substeps_per_second)) return false;
-    const Short3 pulls = shortened(force), lever = shortened(away);
+    if (is_too_weak(force, away, least, mass.mass, step.substeps_per_second)) return false;
+    const CutVector pulls = cut(force), lever = cut(away);
     const bool turned = mass.principal != Quat::identity();
     const Quat pose = columns.pose[row].rotation;
-    const Short3 f = times_transposed(to_rotation(turned ? pose * mass.principal : pose), pulls);
-    const Short3 r = turned ? times_transposed(to_rotation(mass.principal), lever) : lever;
+    const CutVector f = turned_back(to_rotation(turned ? pose * mass.principal : pose), pulls);
+    const CutVector r = turned ? turned_back(to_rotation(mass.principal), lever) : lever;
     const Reciprocal push = push_of(mass.mass, step.substeps_per_second);
     for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3, k = (i + 2) % 3; // r . f less the part along the axis: 61 bits, twice

@@ -1,12 +1,12 @@
 // Bodies that joints pull hard turn as if they were larger.
 //
-// A force f at a lever r turns with the body: turned by a, it asks for the torque - ((r . f) 1 - r f^T) a back. A link of
-// a chain under load so swings at w^2 = (r . f) / (m K^2), and beyond w h = 2 a substep makes more of the swing instead
-// of less: with 1000 kg on links of 1 kg from a quarter of that on. The torque at the end of the substep instead of at
-// its start would hold at any load, and that is the same as a larger moment of inertia, m K^2 + h^2 (r . f).
+// The lever r of a force f turns with the body: when the body is turned by a, the force turns it back with the torque
+// - ((r . f) 1 - r f^T) a. So a link of a chain under load swings at w^2 = (r . f) / (m K^2), and where w h is above 2 each substep makes the
+// swing larger; with 1000 kg on links of 1 kg from a quarter of that on. With the torque at the end of the substep instead of at its start any
+// load would be stable; that is the same as a larger moment of inertia, m K^2 + h^2 (r . f).
 // source: Tournier, Nesme, Gilles, Faure, Stable Constrained Dynamics, SIGGRAPH 2015
-// Principal axes one by one, what all joints pull summed up and doubled; only what is beyond a quarter of m K^2 counts, so
-// that most bodies stay as they are.
+// This is done for each principal axis: the pulls of all joints are added up and doubled, and only the part beyond a quarter of m K^2
+// counts, so that most bodies stay as they are.
 #pragma once
 
 #include "solve/joints/joint.h"
@@ -18,5 +18,9 @@ namespace lockstone::solve {
 /// After begin_step() and before rows are made: radii of gyration for this tick by the forces of the last one.
 void stiffen_bodies(std::span<const Joint> joints, std::span<const JointMemory> memory,
                     const BodyColumns& columns, const StepConstants& step, SolverBodies& bodies);
+
+/// Whether a pull f [N] at a lever r [m] is left out: true only where |f| |r| < m (k rate)^2 / 32, and always below 0.73 of that, where f
+/// is a micronewton or more and r a micrometre. k: the least radius of gyration [m], above 0; rate: substeps per second.
+bool is_too_weak(Vec3 f, Vec3 r, Real k, Real mass, std::int64_t rate);
 
 } // namespace lockstone::solve

@@ -83,7 +83,7 @@ template <class L> class PackedJoints {
         scatter(c.a, lane, data, m.a), scatter(c.b, lane, data, m.b);
     }
 
-    /// Within what rows read, in the lanes of the mask.
+    /// Clamps velocities to what rows can read, in the lanes of the mask.
     static void clamp_motion(Velocity (&v)[6], V mask) {
         const V most = L::splat(solve::motion_max), least = L::splat(-solve::motion_max);
         const auto clamped = [&](Velocity& x) { x = {L::select(mask, between(x.raw, least, most), x.raw)}; };
@@ -122,7 +122,7 @@ template <class L> class PackedJoints {
         v = v + sum;
     }
 
-    /// x / 2^shift of inverses that are out of the ordinary.
+    /// x / 2^shift where the shift of an inverse is out of its usual range.
     static V shift_oddly(V x, const solve::PackInverse& inverse, unsigned lane) {
         std::int64_t v[N];
         L::store64(v, x);
@@ -141,7 +141,7 @@ template <class L> class PackedJoints {
         return L::load64(v);
     }
 
-    /// Impulses from speeds by the inverse of a part, from those that it has; what comes out is how they change.
+    /// From speeds and the impulses so far to new impulses, by the inverse of a part. Returns their changes.
     struct Change {
         Speed p[3];
         Speed sizes;
@@ -310,7 +310,7 @@ template <class L> class PackedJoints {
         for (int i = 0; i < 4; ++i) q[i] = L::select(given, L::load32(&side.turned[i][lane]), q[i]);
         return matrix_of(q);
     }
-    /// Where a vector of the start of the tick is now.
+    /// A vector of the start of the tick, turned with the body to where it is now.
     static void turn(const Turned& by, const Lanes<std::int32_t> (&from)[3], unsigned lane, V (&out)[3]) {
         const V v[3] = {L::load32(&from[0][lane]), L::load32(&from[1][lane]), L::load32(&from[2][lane])};
         by.times(v, out);
@@ -320,7 +320,7 @@ template <class L> class PackedJoints {
         turn(by, side.lever, lane, now);
         for (int i = 0; i < 3; ++i) r[i] = {now[i]};
     }
-    /// w x (w x r), w within 2048 rad/s and the inner product within 2048 m/s: beyond that an arc is no guide. As Speed.
+    /// w x (w x r), with w clamped to 2048 rad/s and the inner product to 2048 m/s: beyond that the arc says nothing useful. As Speed.
     [[gnu::always_inline]] static void curve(const Side& side, unsigned lane, const Velocity (&motion)[6],
                                              const Lever (&r)[3], V (&out)[3]) {
         const V most = L::splat(std::int64_t{1} << 30), least = L::splat(-(std::int64_t{1} << 30));
@@ -360,7 +360,7 @@ template <class L> class PackedJoints {
         }
         return any;
     }
-    /// The speed that an error asks for: C rate, within push_max, and what lies ahead along the arc.
+    /// The speed that an error asks for: C rate, within push_max, and the part for the arc ahead.
     [[gnu::always_inline]] static void set_bias(Pack& c, unsigned lane, const Data& data, int r, V error,
                                                 V arc) {
         constexpr int split = 20, shift = gap_bits - speed_bits + solve::joint_rate_bits;
@@ -423,7 +423,7 @@ template <class L> class PackedJoints {
             out[i] = L::template shift_right<shift>(L::add(sum, L::splat(std::int64_t{1} << (shift - 1))));
         }
     }
-    /// Of lanes whose rows are made elsewhere nothing is changed.
+    /// Lanes whose rows are made elsewhere stay as they are.
     static void keep(std::int32_t* to, V x, V generic) {
         L::store32(to, L::select(generic, L::load32(to), x));
     }

@@ -25,7 +25,7 @@ template <class L> class PairLanes {
     static constexpr std::int64_t far_away = std::int64_t{16384}
                                              << length_bits; ///< collide::relative_position_max
     static constexpr std::int64_t turn_max = std::int64_t{1}
-                                             << 27; ///< beyond, a chord is no arc any more [rad]
+                                             << 27; ///< beyond, a chord is too far from its arc [rad]
 
     /// What is known of N pairs on the way.
     struct Pairs {
@@ -206,9 +206,9 @@ template <class L> class PairLanes {
 
     /// How points in A's axes, counted from B's origin, become levers:
     ///   at the start of the tick   rB = R p + b,  rA = rB + k          R: A's axes, b and k from the centres of the bodies
-    /// Levers are moved on to the middle of the tick: a point between corners and faces goes with them, and levers of its
-    /// start would let what falls over gain its speed half a tick late. Round shapes roll over their points instead. On a
-    /// ground (A) the corners are B's; between two bodies the point goes as the mean of both:
+    /// Levers are moved on to the middle of the tick, since a point between corners and faces moves with them: with the levers of the start of the
+    /// tick, a body that falls over would gain its speed half a tick late. Round shapes roll over their points, so theirs stay. On a ground (A)
+    /// the corners are those of B; between two bodies the point moves as the mean of both:
     ///   goes on a ground           vB + wB x rB                        rB += (goes - vB) h,  rA += (goes - vA) h
     ///   between two bodies         (vA + wA x rA + vB + wB x rB) / 2   h: half a tick
     /// Either is rB += U x rB + c and rA = rB + k + (vB - vA) h, so R and b take all of it, once for all points.

@@ -115,10 +115,11 @@ TEST_CASE("the last of two equally far corners would be noticed") {
 
 namespace {
 
-/// Pairs that touched by a face, moved by up to 3 cm and turned by up to a twentieth: is what is kept as good as what is found?
-class KeptFaces {
+/// Pairs that touched by a face, or by edges, moved by up to 3 cm and turned by up to a twentieth: is what is kept as good as what is
+/// found?
+class KeptManifolds {
   public:
-    KeptFaces() {
+    KeptManifolds() {
         const auto all = kernels();
         for (std::uint32_t i = 0; i < 6; ++i) {
             solids.push_back(stone(library, random, 8 + 5 * i, 0.3 + 0.1 * i));
@@ -128,17 +129,21 @@ class KeptFaces {
         solids.push_back({rounded(box(0.3_r, 0.2_r, 0.4_r), 0.05_r)});
     }
 
-    void look() {
+    void look(bool on_face) {
         shapes::Solid a = solids[random.below(8)], b = solids[random.below(8)];
         if (a.geometry.kind < b.geometry.kind) std::swap(a, b);
         RelativePose pose = touching_pose(a, b);
-        const UnitVec3 before = collided(a, b, pose, UnitVec3{});
-        if (manifolds.count == 0 || manifolds.items[0].on_face == 0) return;
+        const UnitVec3 before = collided(a, b, pose, {});
+        const std::uint32_t name = manifolds.items[0].points[0].feature;
+        if (manifolds.count == 0 || (manifolds.items[0].on_face != 0) != on_face) return;
+        if (!on_face && (name >> 17) == 0x7fff) return; // a corner
         move(pose);
-        const UnitVec3 found = collided(a, b, pose, UnitVec3{});
+        const UnitVec3 found = collided(a, b, pose, {});
+        const Manifold searched = manifolds.items[0];
         const std::uint32_t points = manifolds.count;
-        const UnitVec3 kept = collided(a, b, pose, before);
-        ++faces;
+        const UnitVec3 kept = collided(a, b, pose, {{}, before, on_face ? 0 : name});
+        ++looked_at;
+        compare_points(searched, manifolds.items[0]);
         changed += kept != before;
         parted += points == 0;
         unlike += (manifolds.count == 0) != (points == 0);
@@ -149,9 +154,19 @@ class KeptFaces {
         worse_planted += separation(a, b, pose, before) < best - allowed(a, b);
     }
 
-    int faces = 0, changed = 0, parted = 0, unlike = 0, worse = 0, worse_planted = 0;
+    int looked_at = 0, changed = 0, parted = 0, unlike = 0, worse = 0, worse_planted = 0;
+    int alike = 0, same_bits = 0; ///< single points of the same two edges; and by the same way
+    std::int64_t farthest_24 = 0; ///< these, from each other
 
   private:
+    void compare_points(const Manifold& searched, const Manifold& kept) {
+        if (searched.count != 1 || kept.count != 1 || searched.on_face != 0 || kept.on_face != 0) return;
+        if (searched.points[0].feature != kept.points[0].feature) return;
+        ++alike;
+        same_bits += searched.points[0].position == kept.points[0].position;
+        const Long3 apart = raw(searched.points[0].position) - raw(kept.points[0].position);
+        for (int i = 0; i < 3; ++i) farthest_24 = std::max(farthest_24, absolute(apart[i]));
+    }
     /// What `collide` prefers faces by, twice, and what the plane of a hull's face may lie outside of it.
     static std::int64_t allowed(const shapes::Solid& a, const shapes::Solid& b) {
         const auto tolerance = [](const shapes::Solid& s) {
@@ -165,8 +180,8 @@ class KeptFaces {
                                    convex_of(b, pose.rotation, pose.position), raw(normal));
     }
     UnitVec3 collided(const shapes::Solid& a, const shapes::Solid& b, const RelativePose& pose,
-                      UnitVec3 last) {
-        collide::collide(a, b, pose, decimal<Length>("0.02"), UnitVec3{}, last, scratch, manifolds);
+                      const PairHints& hints) {
+        collide::collide(a, b, pose, decimal<Length>("0.02"), hints, scratch, manifolds);
         return manifolds.items[0].normal;
     }
     /// From 4 cm deep to 2 cm apart, along a direction between the two.
@@ -203,13 +218,29 @@ class KeptFaces {
 } // namespace
 
 TEST_CASE("a face that is kept parts two shapes as well as one that is searched for") {
-    KeptFaces pairs;
-    for (int i = 0; i < 60000; ++i) pairs.look();
-    MESSAGE(pairs.faces, " faces, ", pairs.changed, " left for others, ", pairs.parted,
+    KeptManifolds pairs;
+    for (int i = 0; i < 60000; ++i) pairs.look(true);
+    MESSAGE(pairs.looked_at, " faces, ", pairs.changed, " left for others, ", pairs.parted,
             " parted; without a look ", pairs.worse_planted, " would be worse");
-    CHECK(pairs.faces > 5000);
+    CHECK(pairs.looked_at > 5000);
     CHECK(pairs.changed > 500);
     CHECK(pairs.parted > 100);
+    CHECK(pairs.unlike == 0);
+    CHECK(pairs.worse == 0);
+    CHECK(pairs.worse_planted > 500);
+}
+
+// The points of crossing edges: rounded lengths of 24 fraction bits, three of them a coordinate, at an angle whose sine is at least a twelfth.
+TEST_CASE("crossing edges that are kept part two shapes as well as a search does, at the same point") {
+    KeptManifolds pairs;
+    for (int i = 0; i < 60000; ++i) pairs.look(false);
+    MESSAGE(pairs.looked_at, " pairs of edges, ", pairs.changed, " with another normal, ", pairs.parted,
+            " parted, ", pairs.alike, " alike, ", pairs.same_bits, " of them bit for bit, farthest ",
+            pairs.farthest_24, "; without a look ", pairs.worse_planted, " would be worse");
+    CHECK(pairs.looked_at > 5000);
+    CHECK(pairs.parted > 100);
+    CHECK(pairs.alike > 1000);
+    CHECK(pairs.farthest_24 <= 3 * 12);
     CHECK(pairs.unlike == 0);
     CHECK(pairs.worse == 0);
     CHECK(pairs.worse_planted > 500);

@@ -58,14 +58,14 @@ TEST_CASE("manifolds are the same with any hint") {
                                  quantize<Coordinate>(way.z * distance)}};
         collide::collide(a, b, pose, margin, scratch, plain);
         const UnitVec3 hint{quantize<Unit>(guess.x), quantize<Unit>(guess.y), quantize<Unit>(guess.z)};
-        collide::collide(a, b, pose, margin, hint, UnitVec3{}, scratch, hinted);
+        collide::collide(a, b, pose, margin, {hint, {}, 0}, scratch, hinted);
         REQUIRE(same(plain, hinted));
         if (plain.count != 0) {
             ++near;
             continue;
         }
         ++apart;
-        collide::collide(a, b, pose, margin, plain.apart, UnitVec3{}, scratch, again);
+        collide::collide(a, b, pose, margin, {plain.apart, {}, 0}, scratch, again);
         REQUIRE(same(plain, again));
         // What was found to part them is taken at its word, at once.
         if (plain.apart == UnitVec3{}) continue;
@@ -207,7 +207,7 @@ TEST_CASE("a hint does not part a ball from the box of 1240 m that it lies in") 
         NarrowScratch scratch;
         Manifolds out;
         collide::collide(cliff, ball, {Rotation::identity(), {along, along, along}}, decimal<Length>("0.02"),
-                         UnitVec3{third, third, third}, UnitVec3{}, scratch, out);
+                         {{third, third, third}, {}, 0}, scratch, out);
         return out.count;
     };
     for (const double metres : {40.0, 60.0, 100.0, 200.0, 1000.0, 1074.0}) CHECK(points_at(metres) == 1);

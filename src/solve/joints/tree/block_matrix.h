@@ -5,7 +5,7 @@
 //   pivots     at least 2^-24, so that |L| <= 2^12 and 1 / D <= 2^24
 //   B^T A^-1 B = X^T D^-1 X, X = L^-1 B            of B with entries below 2
 //
-// Values are within 2^61: what cannot be is clamped, then a solution is wrong, but nothing overflows. Entries of L and X
+// Values are within 2^61. Larger ones are clamped: then the solution is wrong, but nothing overflows. Entries of L and X
 // are below 2^58 where A has the pivots above.
 #pragma once
 

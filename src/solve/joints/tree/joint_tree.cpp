@@ -120,7 +120,7 @@ void walk_tree(JointForest& f, std::uint32_t root) {
 }
 
 /// Whether some body of the tree carries many times its own mass: then a pass joint after joint is far from the solution.
-/// `carried` has the masses before, and is spent after.
+/// `carried` has the masses before the call, and sums of them after it.
 template <class Mass> bool is_heavy(JointForest& f, Real load, Mass&& mass) {
     for (std::size_t i = f.queue.size(); i-- > 0;) {
         const std::uint32_t body = f.queue[i], above = f.above[body];

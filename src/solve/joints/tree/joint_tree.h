@@ -1,10 +1,10 @@
 // The locks of joints that make a tree, solved at once: block elimination from the leaves to the root.
 // source: Baraff, Linear-Time Dynamics using Lagrange Multipliers, SIGGRAPH 1996
 //
-//   node       a body that impulses move; the world and what moves on rails are none
+//   node       a body that impulses move; the world and kinematic bodies are no nodes
 //   edge       a joint between two nodes that closes no loop; a joint to the world hangs on its node
 //   root       the node of the first joint to the world, which is eliminated last; else the heaviest body
-//   M          mass of a body times the unit matrix: in gyration-scaled form it is that
+//   M          mass of a body times the unit matrix, as it is in gyration-scaled form
 //   J          rows of the locks, Jacobian entries of axes that are locked left out
 //   lambda     impulse change m p' [kg m/s], m = mA mB / (mA + mB)
 //   softness   G = epsilon of D by rows; epsilon k / m, k = J . r, of a joint to the world below the root
@@ -14,14 +14,14 @@
 //   joint above it    D = J_i H_i^-1 J_i^T + G,  g = - speed - ... - J_i H_i^-1 f_i
 //   back              lambda = D^-1 (g - J_parent dv_parent),  dv_i = H_i^-1 (f_i + J_i^T lambda)
 //
-// Joint after joint, with the impulses of the last tick to start from, is as good where loads are light: a tree is solved at
-// once where some body carries (itself and all that hangs on it, away from the root) more than 4 times its own mass, or where
-// it hangs on the world at two places: what is taut between them sags, joint after joint. Five links of equal mass are such
-// a chain; so is a ragdoll of fourteen parts, by its abdomen, and one of eleven is not until something holds it up by its hand.
+// Where loads are light, solving joint after joint from the impulses of the last tick is as good. A tree is solved at once in two cases.
+// Some body carries more than 4 times its own mass: itself and all that hangs on it, away from the root. Or the tree hangs on the world at
+// two places: solved joint after joint, what is taut between them would sag. Five links of equal mass are such a chain; so is a ragdoll of
+// fourteen parts, by its abdomen. One of eleven parts is not, until something holds it up by its hand.
 //
-// The residual is what the rows read, and impulses act through the rows as everywhere: a factor that is a little off
-// costs a little of the solution, never momentum. Sums of H only grow, so nothing cancels. A body lighter than
-// 2^-24 of what hangs on it is beyond the factor: such a tree is solved joint after joint instead.
+// The right side is computed from the rows, and impulses act through the rows, as with all joints: a factor that is a little off costs a
+// little accuracy, never momentum. H is a sum of positive terms, so nothing cancels. Where a body is lighter than 2^-24 of what hangs on it,
+// the factor has too few bits: such a tree is solved joint after joint.
 #pragma once
 
 #include "solve/bodies/rows.h"
@@ -45,7 +45,7 @@ inline constexpr int tree_soft_bits = 36;
 struct TreeNode {
     std::uint32_t body;
     bool plain;  ///< H is M: nothing hangs on it
-    bool passes; ///< what hangs on it asks for its speed
+    bool passes; ///< joints below it need its speed
     Scaled mass;
     SymmetricBlock h;
     BlockFactor factor;
@@ -53,7 +53,7 @@ struct TreeNode {
     std::int64_t speed[6]; ///< change
 };
 
-/// A joint of a tree, between the node that it is above of and the node towards the root.
+/// A joint of a tree, between a node, its child, and the next node towards the root, its parent.
 struct TreeJoint {
     std::uint32_t joint;         ///< of JointTick::joints
     std::uint32_t child, parent; ///< nodes; no_tree for the world
@@ -101,15 +101,15 @@ struct JointForest {
     std::vector<std::uint32_t> queue;    ///< bodies of a tree
 };
 
-/// A net is no tree: with more than one joint of four closing a loop, what is left over decides how it stretches.
+/// A net is not solved as a tree: where more than one joint of four closes a loop, the joints outside of the tree decide how it stretches.
 inline constexpr std::uint32_t tree_loop_part = 4;
 
 /// Finds the trees of the tick's locks. Trees of one joint, of light loads and of nets are left to the ordinary passes.
 void plan_trees(JointTick& tick, const BodyColumns& columns, const StepConstants& step,
                 const SolverBodies& bodies);
-/// Factorises what changed. A tree that cannot be is solved joint after joint until it changes again.
+/// Factorises the trees that changed. A tree that cannot be factorised is solved joint after joint until it changes again.
 void factorise_trees(JointTick& tick, const SolverBodies& bodies, Tasks* tasks);
-/// Impulses for one tree. Writes only what is of its joints and of the bodies that it moves, which are in no other tree.
+/// Impulses for one tree. Writes only to its joints and to the bodies that it moves, which are in no other tree.
 void solve_tree(JointTick& tick, const JointTree& tree, SolverBodies& bodies, bool bias);
 
 } // namespace lockstone::solve

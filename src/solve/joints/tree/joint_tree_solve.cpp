@@ -133,7 +133,7 @@ template <class T, class F> void combine(const T (*rows)[6], const std::int64_t*
 
 std::int64_t bounded(std::int64_t v) { return std::clamp(v, -block_value_max, block_value_max); }
 
-/// From the leaf inwards: x becomes D^-1 g, and what the parent is pushed by.
+/// From the leaves inwards: finds D^-1 g of a joint, and adds its push to the parent.
 void eliminate(JointForest& f, TreeJoint& t) {
     if (t.child != no_tree && f.nodes[t.child].passes) {
         TreeNode& child = f.nodes[t.child];
@@ -191,8 +191,8 @@ std::int64_t take_changes(const JointTick& tick, TreeJoint& t) {
     return most;
 }
 
-/// p' + change becomes a part of itself, most / 2^62 of the tree's largest the most that there may be: bodies then move as
-/// between free and held.
+/// Scales p' + change down, for all joints of the tree alike, so that the largest is joint_impulse_max: the bodies then move as if held
+/// only in part.
 void scale_changes(const JointTick& tick, TreeJoint& t, std::int64_t most) {
     const JointWork& w = tick.joints[t.joint];
     int r = 0;
@@ -223,7 +223,7 @@ void give_changes(JointTick& tick, const TreeJoint& t, SolverBodies& bodies) {
         push(block.row, change, block.count, m);
         clamp_motion(m, motion_between_max);
     }
-    // What a tree does not move may be in several of them: nobody writes it.
+    // Bodies that trees do not move may be in several trees: no tree writes them.
     const bool child_moves = t.child != no_tree, parent_moves = t.parent != no_tree;
     if (t.child_is_b ? parent_moves : child_moves) write(m.a, a);
     if (t.child_is_b ? child_moves : parent_moves) write(m.b, b);

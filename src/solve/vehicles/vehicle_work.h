@@ -1,31 +1,12 @@
-// Vehicles in the solver: per wheel a suspension row and two tyre rows, per vehicle a train of turning masses.
-//
-//   row          D = (d, xc ; -d, xg)   d: normal n, forwards f, left s;  xc = K_c^-1 (rc x d), xg = -K_g^-1 (rg x d)
-//   speed        D . (vc, uc, vg, ug)   of the patch of the chassis over the ground
-//   impulse      p = lambda / m         m: mass of the chassis; velocity units [m/s]
-//   mobility     kappa = D . D          with the ground's part times m / mg: speed per impulse
-//   spring       p = h k x + a (rate + kappa p)   k = share (2 pi f)^2, a = h^2 k + h c: implicit, cannot overshoot
-//   stop         unilateral and soft as a contact, below the least suspension length
-//   anti-roll    p = h k (xa - xb) + a (rate a - rate b) on a, -p on b
-//   tyre         |p| = N grip(slip),  slip = |slide| / |ground speed|,  N the load: implicit in p, so that it can stick
-//   spin         I (w' - w) = T + b - m r p   T from the train, b of the brake; solved together with the tyre
-//   coupling     e = ce W + sum cg wg: clutch, differential, steering of tracks; |lambda| <= cap; W the engine's speed
-//
-// A substep: velocities, warm start (springs and tyres start from the last substep's impulses; the train is solved
-// against what the tyres will answer), solve (springs, stops, bars, tyres), poses.
-// source: implicit springs as in Catto, Soft Constraints, GDC 2011; slip and its combination as in Pacejka, Tire and
-// Vehicle Dynamics, 1.2; the rest is this library's own.
+// A vehicle's rows within a tick, and what turns with them. See vehicle.h for the symbols.
 #pragma once
 
-#include "base/parallel.h"
-#include "model/vehicle_rows.h"
-#include "scene/query.h"
 #include "solve/bodies/solver_body.h"
+#include "solve/vehicles/vehicle_rows.h"
 
-#include <span>
-#include <vector>
+#include <array>
 
-namespace lockstone::sim {
+namespace lockstone::solve {
 
 /// Of a row's turning arm K^-1 (r x d): within 64.
 using Arm = I8F24;
@@ -63,9 +44,9 @@ struct Wheel {
     Real length_begin, per_length; ///< at the start of the tick [m]; suspension length per separation
     Real length;                   ///< now
     Real compression;              ///< of the spring when the substep began [m], 0: it hangs
-    Real pull[2], yield[2];        ///< h k / (1 + a kappa) and a / (1 + a kappa): of rebound and compression
-    Real gap, gap_rate; ///< to the stop when the substep began [m]; what closes it within one [m/s]
-    Real grip;          ///< factor of the tyre's curves on this ground
+    Real pull[2], yield[2]; ///< h k / (1 + a kappa) and a / (1 + a kappa), for rebound and for compression
+    Real gap, gap_rate;     ///< to the stop when the substep began [m]; what closes it within one [m/s]
+    Real grip;              ///< factor of the tyre's curves on this ground
     Real radius;
     Real arm;                      ///< spin of its group per impulse [rad/m]
     Real stiff;                    ///< of its spin: mass radius^2 [kg m^2]
@@ -144,7 +125,7 @@ struct Vehicle {
     const VehicleDef* def; ///< of the state; nothing is made or destroyed within a tick
     VehicleInput input;
     VehicleMemory memory;
-    std::uint32_t row, chassis; ///< rows of the vehicle and body columns
+    std::uint32_t chassis; ///< row of the body columns
     Real mass;
     /// [rad/s]; engine turns per turn of the wheels, 0: in neutral or between gears
     Real engine_speed, ratio;
@@ -160,99 +141,23 @@ struct Vehicle {
     std::array<Coupling, vehicle_couplings_max + 2> coupling;
 };
 
-/// What a wheel stands on.
-struct WheelGround {
-    bool found;
-    QueryHit hit;
-    Real length; ///< of the suspension [m]
-};
-
-/// How a vehicle's weight lies on its wheels, and of what that was found: the same from tick to tick.
+/// How a vehicle's weight is shared out over its wheels, and the places that this was computed from: the same from tick to tick.
 struct WeightShares {
     std::uint32_t wheel_count;
     std::array<Vec3, vehicle_wheels_max> at; ///< attachments from the centre of mass [m]
     std::array<Real, vehicle_wheels_max> share;
 };
 
-/// A chassis and a body that one of its wheels stands on, by row.
-struct Standing {
-    std::uint32_t chassis, ground;
-};
+struct Chassis; ///< vehicle_lines.h
 
-/// Vehicles of one convoy push bodies that others of it push too, so they are solved one after the other; convoys share
-/// nothing that is written, so workers take them in any order.
-class VehicleSolver {
-  public:
-    /// Casts the wheels, once the bounds of the tick are known. Wakes what they stand on, and a vehicle that sleeps when
-    /// something else came under its wheels; true when it woke anything.
-    bool cast(Model& w, const Scene& scene);
-    /// Rows, gears, couplings. Once a tick, when the bodies are in solver form.
-    void prepare(const Scene& scene, const solve::StepConstants& step, const solve::SolverBodies& bodies);
-    /// At the begin of a substep, after the velocities were integrated.
-    void warm_start(const solve::StepConstants& step, solve::SolverBodies& bodies);
-    /// Springs, stops and bars in the pass with bias; tyres in every pass.
-    void solve(const solve::StepConstants& step, solve::SolverBodies& bodies, bool bias);
-    /// What vehicles keep, and what they stood on.
-    void store(Model& w, const solve::StepConstants& step, const solve::SolverBodies& bodies);
-    /// In the tick that was stored last: vehicles sleep and wake with what they stand on.
-    std::span<const Standing> standing() const { return stands; }
-    /// Fills what cast() and prepare() make anew with a byte.
-    void poison(std::byte with);
+// ---- what turns (vehicle_train.cpp) ---
 
-  private:
-    bool stands_as_before(const Scene& scene, std::uint32_t vehicle_row) const;
-    void find_convoys(const solve::SolverBodies& bodies);
-    template <class Visit> void for_each_vehicle(Visit&& visit) {
-        base::for_chunks(tasks, static_cast<std::uint32_t>(convoy_begin.size() - 1), 1,
-                         [&](std::uint32_t k, std::uint32_t, std::uint32_t) {
-                             for (std::uint32_t i = convoy_begin[k]; i < convoy_begin[k + 1]; ++i)
-                                 visit(vehicles[order[i]]);
-                         });
-    }
-
-    std::int32_t substeps_left = 0; ///< of this tick
-    std::vector<Standing> stands;
-    std::vector<Vehicle> vehicles;
-    std::vector<WeightShares> shares;              ///< by row; looked at anew in each tick
-    Tasks* tasks = nullptr;                        ///< of this tick
-    std::vector<std::uint32_t> order;              ///< of vehicles: by convoy, then by row
-    std::vector<std::uint32_t> convoy_begin = {0}; ///< in `order`, and the end
-    /// A body that a vehicle pushes.
-    struct Pushed {
-        std::uint32_t body, vehicle;
-        friend constexpr auto operator<=>(const Pushed&, const Pushed&) = default;
-    };
-    std::vector<Pushed> pushed;
-    std::vector<std::uint32_t> convoy; ///< by vehicle: the first vehicle of its convoy, when all are found
-    std::vector<std::array<WheelGround, vehicle_wheels_max>> grounds; ///< by row
-};
-
-struct Chassis;
-
-// ---- parts -------------------------------------------------------------------------------------------------------
-
-/// What all vehicles of a tick look at.
-struct VehicleTick {
-    const Model& w;
-    const PlacedShapes& placed;
-    const solve::StepConstants& step;
-    const solve::SolverBodies& bodies;
-    Real substep; ///< [s]
-};
-/// `axes`: of the chassis; `share`: of its mass.
-void prepare_wheel(const VehicleTick& tick, const Rotation& axes, Vehicle& v, std::uint32_t wheel, Real share,
-                   const WheelGround& ground);
-/// Once the train is made: what of a rim stays as it is for the tick.
-void prepare_rims(const solve::StepConstants& step, Vehicle& v);
-void shift_gears(const VehicleTick& tick, const Rotation& axes, Vehicle& v);
+/// Spins, the clutch, differentials and the steering of tracks.
 void prepare_train(Vehicle& v);
-void prepare_engine(const solve::StepConstants& step, Vehicle& v);
+/// Once the train is made: what of the engine, of couplings and of rims stays as it is for the tick.
+void prepare_engine(const StepConstants& step, Vehicle& v);
+void prepare_rims(const StepConstants& step, Vehicle& v);
 /// Torques of clutch, differentials and steering for this substep; leaves the impulses of tyres as they are.
-void solve_train(const Chassis& chassis, const solve::SolverBodies& bodies, Vehicle& v);
+void solve_train(const Chassis& chassis, const SolverBodies& bodies, Vehicle& v);
 
-/// Fractions of the chassis' mass on each wheel, so that equal frequencies sag level; `center` is that of mass.
-void find_shares(const VehicleDef& def, Vec3 center, WeightShares& known);
-/// Of each wheel to the left [rad].
-void find_steer_angles(const VehicleDef& def, Real steer, VehicleMemory& out);
-
-} // namespace lockstone::sim
+} // namespace lockstone::solve

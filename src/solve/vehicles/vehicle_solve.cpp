@@ -1,11 +1,8 @@
 // The rows of vehicles: springs, stops, anti-roll bars, tyres. See vehicle.h for the symbols.
-#include "play/vehicle/vehicle_tyre.h"
+#include "solve/vehicles/vehicle.h"
+#include "solve/vehicles/vehicle_tyre.h"
 
-namespace lockstone::sim {
-
-using solve::SolverBodies;
-using solve::SolverBody;
-using solve::StepConstants;
+namespace lockstone::solve {
 
 // ---- rims ----------------------------------------------------------------------------------------------------------
 
@@ -51,7 +48,7 @@ Real moved(const Wheel& wheel, const SolverBodies& bodies, std::uint32_t chassis
     return Real::from_raw(sum);
 }
 
-/// What a stop wants that is met or about to be.
+/// The impulse of a stop that is met, or will be within the substep.
 Real stop_of(const StepConstants& step, const Wheel& wheel, Real speed) {
     const Real kappa = wheel.normal.kappa;
     Real stop = wheel.stop;
@@ -111,7 +108,7 @@ void solve_bar(const Pass& pass, std::uint32_t k) {
         const Real speed = line_speed<Real>(pass.chassis, a, a.normal, pass.bodies) -
                            line_speed<Real>(pass.chassis, b, b.normal, pass.bodies);
         next = row.pull * (a.compression - b.compression) + row.yield * (row.kappa * p - speed);
-        // Neither wheel is lifted by more than it bears.
+        // The bar lifts no wheel by more than the load on it.
         next = clamp(next, p - (a.spring + a.stop + a.bars), p + (b.spring + b.stop + b.bars));
     }
     const Real change = next - p;
@@ -206,7 +203,7 @@ void begin_wheel(const StepConstants& step, const WheelDef& def, Real way, Wheel
     wheel.gap_rate = wheel.gap * step.substeps_per_second;
 }
 
-/// Whether the wheels' lines read the chassis in 64 bits, and nothing else of this one needs more.
+/// Whether 64 bits are enough for this wheel: for the speeds of the chassis along its lines, and for its own numbers.
 bool is_small(const Pass& pass, const Wheel& wheel) {
     return wheel.small && pass.v.group[wheel.group].small && pass.chassis.roomy;
 }
@@ -263,7 +260,7 @@ void VehicleSolver::warm_start(const StepConstants& step, SolverBodies& bodies) 
 }
 
 void VehicleSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bias) {
-    // What slips at the end of the tick is all that is remembered.
+    // Only the slip at the end of the tick is remembered.
     const bool is_last = substeps_left == 0 && !bias;
     for_each_vehicle([&](Vehicle& v) {
         Chassis chassis(bodies.body[v.chassis]);
@@ -279,23 +276,12 @@ void VehicleSolver::solve(const StepConstants& step, SolverBodies& bodies, bool 
     });
 }
 
-/// Nobody drives it, and nothing in it turns: it may sleep once its chassis rests.
-static bool is_parked(const Model& w, const Vehicle& v) {
-    const Real slow = w.state.rows(w.m.config)[0].sleep_speed;
-    const Real engine_before = w.state.rows(w.m.vehicle_memory)[v.row].engine_speed;
-    if (v.input.throttle != Real{} || v.input.steer != v.memory.steer || v.memory.shift_ticks != 0)
-        return false;
-    if (abs(v.engine_speed - engine_before) > Real(1)) return false; // [rad/s] in a tick
-    for (std::uint32_t i = 0; i < v.def->wheel_count; ++i)
-        if (abs(v.group[v.wheel[i].group].spin * v.def->wheel[i].radius) > slow) return false;
-    return true;
-}
-
-void VehicleSolver::store(Model& w, const StepConstants& step, const SolverBodies& bodies) {
+void VehicleSolver::store(const StepConstants& step, const SolverBodies& bodies,
+                          std::span<DrivenVehicle> driven) {
     stands.clear();
-    for (const Vehicle& v : vehicles) {
-        if (!is_parked(w, v)) restart(w.state.edit_row(w.m.body_sleep, v.chassis));
-        VehicleMemory& m = w.state.edit_row(w.m.vehicle_memory, v.row);
+    for (std::size_t n = 0; n < vehicles.size(); ++n) {
+        const Vehicle& v = vehicles[n];
+        VehicleMemory& m = driven[n].memory;
         m = v.memory;
         m.engine_speed = v.engine_speed;
         m.clutch = m.steer_coupling = Real{};
@@ -329,4 +315,4 @@ void VehicleSolver::store(Model& w, const StepConstants& step, const SolverBodie
     }
 }
 
-} // namespace lockstone::sim
+} // namespace lockstone::solve

@@ -1,18 +1,18 @@
 // Engine, clutch, differentials and tracks: what turns, solved against what the tyres will answer.
-#include "play/vehicle/vehicle_tyre.h"
+#include "solve/vehicles/vehicle_tyre.h"
 
+#include <algorithm>
+#include <bit>
 #include <cstring>
 #include <type_traits>
 
-namespace lockstone::sim {
-
-using solve::SolverBodies;
+namespace lockstone::solve {
 
 namespace {
 
 constexpr Real speed_per_rpm = decimal<Real>("0.10471975511965977462"); ///< 2 pi / 60
 constexpr Real torque_max = Real(100000000);                            ///< [N m], of what is locked
-constexpr Real engine_speed_max = Real(100000);                         ///< [rad/s]
+constexpr Real part_spin_max = Real(100000);                            ///< [rad/s], of wheels and engines
 constexpr Real error_least = Real::from_raw(1 << 14); ///< [rad/s]: 4e-6; couplings leave smaller ones
 
 /// Share of the engine's torque at a relative speed.
@@ -78,7 +78,7 @@ template <class Number> bool try_wheel(Vehicle& v, std::uint32_t i, Real& stiff)
     return a.held;
 }
 
-/// One pass over the tyres of a group, on trial: the spin that its torque leads to, and how it would answer more.
+/// One pass over the tyres of a group, on trial: the spin that its torque leads to, and how the spin would change with more torque.
 void settle(Vehicle& v, std::uint32_t group) {
     SpinGroup& g = v.group[group];
     Real stiff{};
@@ -111,7 +111,7 @@ template <class Number> void turn_engine(Vehicle& v, Number by) {
     v.engine_speed = real(number<Number>(v.engine_speed) + by);
 }
 
-/// One visit of a coupling: its impulse is what its error wants, up to its cap.
+/// One visit of a coupling: its impulse takes its error away, as far as its cap allows.
 template <class Number> void solve_coupling(Vehicle& v, Coupling& c) {
     Number error = number<Number>(c.engine) * number<Number>(v.engine_speed);
     Real answer = c.engine_answer;
@@ -134,7 +134,7 @@ template <class Number> void solve_coupling(Vehicle& v, Coupling& c) {
     }
 }
 
-/// The impulses of the last substep, within the caps of this one, to begin with.
+/// Couplings start from the impulses of the last substep, within the caps of this one.
 template <class Number> void start_couplings(Vehicle& v) {
     for (std::uint32_t k = 0; k < v.coupling_count; ++k) {
         Coupling& c = v.coupling[k];
@@ -169,10 +169,116 @@ template <class Number> bool begin_train(Vehicle& v) {
     return small;
 }
 
+TyreCurve curve_of(const std::array<CurvePoint, 4>& points) {
+    TyreCurve out{};
+    out.from_zero = points[0].x == Real{} && points[0].y == Real{};
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        out.x[i] = points[i].x, out.y[i] = points[i].y;
+        out.peak = max(out.peak, points[i].y);
+        if (i == 0) continue;
+        out.run[i - 1] = points[i].x - points[i - 1].x;
+        out.rise[i - 1] = points[i].y - points[i - 1].y;
+    }
+    return out;
+}
+
 } // namespace
 
+void prepare_train(Vehicle& v) {
+    const VehicleDef& def = *v.def;
+    const bool tracked = def.tracks.enabled != 0;
+    v.group_count = tracked ? 2 : def.wheel_count;
+    v.coupling_count = 0;
+    for (std::uint32_t k = 0; k < v.group_count; ++k) {
+        SpinGroup& g = v.group[k];
+        const Divisor known = g.by_inertia;
+        g = SpinGroup{};
+        g.by_inertia = known;
+    }
+    std::array<Real, vehicle_wheels_max> share{};
+    Real driven{};
+    for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
+        const std::uint32_t group = v.wheel[i].group = tracked ? def.wheel[i].track : i;
+        SpinGroup& g = v.group[group];
+        g.inertia += def.wheel[i].inertia;
+        g.first = tracked ? 0 : i, g.last = tracked ? def.wheel_count - 1 : i;
+        g.spin = clamp(v.memory.wheel[i].spin, -part_spin_max, part_spin_max);
+        share[group] = tracked ? half(Real(1)) : def.wheel[i].drive_share;
+        driven += def.wheel[i].drive_share;
+    }
+    v.engine_speed = clamp(v.memory.engine_speed, Real{}, part_spin_max);
+    if (v.ratio != Real{} && (tracked || driven > Real{})) {
+        Coupling& c = v.coupling[v.coupling_count++];
+        c = Coupling{};
+        c.source = coupling_clutch, c.engine = Real(1), c.impulse = v.memory.clutch;
+        for (std::uint32_t g = 0; g < v.group_count; ++g) c.group[g] = -(v.ratio * share[g]);
+    } else {
+        v.memory.clutch = Real{};
+    }
+    for (std::uint32_t d = 0; d < vehicle_couplings_max && !tracked; ++d) {
+        const Differential& diff = def.differential[d];
+        if (diff.kind == DifferentialKind::open || diff.wheels_a == 0 || diff.wheels_b == 0) continue;
+        Coupling& c = v.coupling[v.coupling_count++];
+        c = Coupling{};
+        c.source = d, c.impulse = v.memory.differential[d];
+        for (std::uint32_t g = 0; g < v.group_count; ++g) {
+            if ((diff.wheels_a >> g & 1u) != 0) c.group[g] = Real(1) / Real(std::popcount(diff.wheels_a));
+            if ((diff.wheels_b >> g & 1u) != 0) c.group[g] = -(Real(1) / Real(std::popcount(diff.wheels_b)));
+        }
+    }
+    if (tracked) { // left faster than right by steer / ratio of the engine's speed
+        Coupling& c = v.coupling[v.coupling_count++];
+        c = Coupling{};
+        c.source = coupling_steering, c.engine = v.memory.steer / def.tracks.steer_ratio;
+        c.impulse = v.memory.steer_coupling;
+        c.group[0] = Real(-1);
+        c.group[1] = Real(1);
+    }
+    for (std::uint32_t k = 0; k < v.coupling_count; ++k)
+        for (std::uint32_t g = 0; g < v.group_count; ++g)
+            v.group[g].coupled = v.group[g].coupled || v.coupling[k].group[g] != Real{};
+}
+
+void prepare_rims(const StepConstants& step, Vehicle& v) {
+    std::uint32_t tyres = 0;
+    for (std::uint32_t k = 0; k < v.group_count; ++k)
+        if (SpinGroup& g = v.group[k]; g.by_inertia.of != g.inertia || g.inertia <= Real{})
+            g.by_inertia = Divisor::make(g.inertia);
+    const Real per_second = Real(step.substeps_per_second);
+    for (std::uint32_t i = 0; i < v.def->wheel_count; ++i) {
+        const WheelDef& def = v.def->wheel[i];
+        Wheel& wheel = v.wheel[i];
+        SpinGroup& g = v.group[wheel.group];
+        tyres |= 1u << def.tyre;
+        wheel.tyre = def.tyre, wheel.radius = def.radius;
+        wheel.brake_torque = v.input.brake * def.brake_torque + v.input.hand_brake * def.hand_brake_torque;
+        if (wheel.brake_torque != Real{}) wheel.brake_torque = wheel.brake_torque / per_second;
+        if (!wheel.touches) continue;
+        ++g.on_ground;
+        const Real lever = def.radius * v.mass;
+        wheel.rolling = v.def->tyre[def.tyre].rolling_resistance * lever;
+        wheel.arm = lever / g.by_inertia;
+        wheel.kappa_rim = wheel.along.kappa + wheel.arm * def.radius;
+        wheel.stiff = def.radius * lever;
+        wheel.ordinary = wheel.arm < small_arm && wheel.kappa_rim < small_kappa_rim &&
+                         max(max(wheel.normal.kappa, wheel.along.kappa),
+                             max(wheel.across.kappa, abs(wheel.mixed))) < small_kappa;
+    }
+    v.any_in_air = false;
+    for (std::uint32_t k = 0; k < v.group_count; ++k) {
+        SpinGroup& g = v.group[k];
+        v.any_in_air = v.any_in_air || g.on_ground == 0;
+        if (g.coupled) g.answer_free = quotient(Real(1), g.inertia);
+    }
+    for (std::uint32_t t = 0; t < vehicle_tyres_max; ++t) {
+        if ((tyres >> t & 1u) == 0) continue;
+        v.along[t] = curve_of(v.def->tyre[t].along);
+        v.across[t] = curve_of(v.def->tyre[t].across);
+    }
+}
+
 /// What follows from the definition alone.
-static void find_engine(const solve::StepConstants& step, const EngineDef& def, EngineRow& engine) {
+static void find_engine(const StepConstants& step, const EngineDef& def, EngineRow& engine) {
     static_assert(std::has_unique_object_representations_v<EngineDef>);
     if (engine.known_rate == step.substeps_per_second && std::memcmp(&engine.known, &def, sizeof def) == 0)
         return;
@@ -189,7 +295,7 @@ static void find_engine(const solve::StepConstants& step, const EngineDef& def, 
         engine.run_inverse[i] = Real(1) / (def.torque[i].x - def.torque[i - 1].x);
 }
 
-void prepare_engine(const solve::StepConstants& step, Vehicle& v) {
+void prepare_engine(const StepConstants& step, Vehicle& v) {
     const EngineDef& def = v.def->engine;
     EngineRow& engine = v.engine;
     const Real per_second = Real(step.substeps_per_second);
@@ -235,7 +341,7 @@ void solve_train(const Chassis& chassis, const SolverBodies& bodies, Vehicle& v)
         solve_couplings<Small>(v);
     else
         solve_couplings<Real>(v);
-    v.engine_speed = clamp(v.engine_speed, v.engine.idle_speed, engine_speed_max);
+    v.engine_speed = clamp(v.engine_speed, v.engine.idle_speed, part_spin_max);
 }
 
-} // namespace lockstone::sim
+} // namespace lockstone::solve

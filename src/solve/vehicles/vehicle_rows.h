@@ -3,7 +3,7 @@
 
 #include "lockstone/play/vehicle.h"
 
-namespace lockstone::sim {
+namespace lockstone::solve {
 
 /// A vehicle as commands left it.
 struct VehicleRow {
@@ -56,4 +56,4 @@ template <class V> constexpr void describe(VehicleMemory& m, V&& v) {
 
 static_assert(StateRow<VehicleRow> && StateRow<VehicleMemory>);
 
-} // namespace lockstone::sim
+} // namespace lockstone::solve

@@ -5,22 +5,22 @@
 //   d, x of a line         32 bits, 30 and 24
 //   impulse                Real              up to 1 m/s
 //
-// What has no room takes products of 128 bits, to the same bits.
+// Numbers beyond that take products of 128 bits, which give the same bits.
 #pragma once
 
-#include "play/vehicle/vehicle.h"
+#include "solve/vehicles/vehicle_work.h"
 
 #include <algorithm>
 #include <concepts>
 
-namespace lockstone::sim {
+namespace lockstone::solve {
 
 /// floor(w / 2^shift + 1/2) of a w whose result is below 2^62: nothing is clamped.
 constexpr std::int64_t narrow_small(Wide w, int shift) {
     return (static_cast<std::int64_t>((w >> (shift - 1)).low_bits()) + 1) >> 1;
 }
 
-/// A Real of which it is known that no result comes near the end of its range: nothing is clamped.
+/// A Real whose results are known to stay far from the end of its range, so that nothing has to be clamped.
 struct Small {
     std::int64_t raw;
 
@@ -35,7 +35,7 @@ struct Small {
 };
 inline Small operator/(Small x, const Divisor& d) {
     return x * Small{d.inverse.raw};
-} ///< of one that is not large
+} ///< of a divisor that is not large
 inline Small abs(Small x) { return {x.raw < 0 ? -x.raw : x.raw}; }
 
 /// A wheel is small below these: arms of its spin and mobilities, of its patch alone and with its rim; its load [m/s]. Then kappa p stays
@@ -88,12 +88,12 @@ template <class Number> constexpr Number part_of(Number x, std::int64_t share) {
 
 // ---- lines ---------------------------------------------------------------------------------------------------------
 
-inline constexpr int speed_bits = 24, speed_to_accumulator = solve::accumulator_bits - speed_bits;
+inline constexpr int chassis_bits = 24, chassis_to_accumulator = accumulator_bits - chassis_bits;
 /// Bits that a product drops: to a Real of speed, and to what an impulse changes.
-inline constexpr int speed_d_shift = speed_bits + Unit::fraction_bits - Real::fraction_bits,
-                     speed_x_shift = speed_bits + Arm::fraction_bits - Real::fraction_bits,
-                     push_d_shift = Real::fraction_bits + Unit::fraction_bits - speed_bits,
-                     push_x_shift = Real::fraction_bits + Arm::fraction_bits - speed_bits;
+inline constexpr int speed_d_shift = chassis_bits + Unit::fraction_bits - Real::fraction_bits,
+                     speed_x_shift = chassis_bits + Arm::fraction_bits - Real::fraction_bits,
+                     push_d_shift = Real::fraction_bits + Unit::fraction_bits - chassis_bits,
+                     push_x_shift = Real::fraction_bits + Arm::fraction_bits - chassis_bits;
 
 /// floor(x / 2^Shift + 1/2), where half a step has room.
 template <int Shift> constexpr std::int64_t rounded(std::int64_t x) {
@@ -105,10 +105,10 @@ struct Chassis {
     std::int64_t v[3], u[3], keep[3];
     bool roomy = false; ///< for the small wheels of this loop over them
 
-    explicit Chassis(const solve::SolverBody& body) {
+    explicit Chassis(const SolverBody& body) {
         for (int i = 0; i < 3; ++i) {
-            v[i] = rounded<speed_to_accumulator>(body.v[i]);
-            u[i] = rounded<speed_to_accumulator>(body.u[i]);
+            v[i] = rounded<chassis_to_accumulator>(body.v[i]);
+            u[i] = rounded<chassis_to_accumulator>(body.u[i]);
             keep[i] = body.keep[i];
         }
     }
@@ -120,9 +120,9 @@ struct Chassis {
 
   private:
     template <int Bits> static bool is_within(const std::int64_t (&x)[3]) {
-        constexpr std::int64_t most = std::int64_t{1} << (Bits + speed_bits);
+        constexpr std::int64_t most = std::int64_t{1} << (Bits + chassis_bits);
         return (static_cast<std::uint64_t>((x[0] + most) | (x[1] + most) | (x[2] + most)) >>
-                (Bits + 1 + speed_bits)) == 0;
+                (Bits + 1 + chassis_bits)) == 0;
     }
 };
 
@@ -145,12 +145,12 @@ Number speed_along(const std::int64_t (&v)[3], const std::int64_t (&u)[3], const
 }
 
 /// Speed of a ground that moves, at a patch.
-Real ground_speed(const solve::SolverBody& ground, const WheelLine& line);
+Real ground_speed(const SolverBody& ground, const WheelLine& line);
 
 /// Speed of the chassis' patch over the ground along a line [m/s].
 template <class Number>
 [[gnu::always_inline]] inline Number line_speed(const Chassis& chassis, const Wheel& wheel,
-                                                const WheelLine& line, const solve::SolverBodies& bodies) {
+                                                const WheelLine& line, const SolverBodies& bodies) {
     const Number speed =
         speed_along<Number>(chassis.v, chassis.u, line.d, line.xc) - number<Number>(line.belt);
     if (!wheel.rides) [[likely]]
@@ -159,12 +159,12 @@ template <class Number>
 }
 
 void push_far(Chassis& chassis, const WheelLine& line, Real impulse);
-void push_ground(const Wheel& wheel, const WheelLine& line, Real impulse, solve::SolverBodies& bodies);
+void push_ground(const Wheel& wheel, const WheelLine& line, Real impulse, SolverBodies& bodies);
 
-/// Adds an impulse along a line to the chassis, and against it to the ground. A pass pushes the chassis 40 times at most, so what is
-/// up to 1 m/s adds at most 2560 m/s to the 2048 of push_far(): far from the end of an accumulator.
+/// Adds an impulse along a line to the chassis, and its reverse to the ground. A pass pushes the chassis 40 times at most, so impulses of
+/// up to 1 m/s add at most 2560 m/s to the 2048 of push_far(): far from the end of an accumulator.
 inline void push_line(Chassis& chassis, const Wheel& wheel, const WheelLine& line, Real impulse,
-                      solve::SolverBodies& bodies) {
+                      SolverBodies& bodies) {
     constexpr std::uint64_t one = static_cast<std::uint64_t>(Real(1).raw);
     if (static_cast<std::uint64_t>(impulse.raw) + one <= 2 * one) [[likely]] {
         for (int i = 0; i < 3; ++i) {
@@ -179,8 +179,7 @@ inline void push_line(Chassis& chassis, const Wheel& wheel, const WheelLine& lin
 }
 
 /// The same along both lines of a tyre.
-inline void push_tyre(Chassis& chassis, const Wheel& wheel, Real along, Real across,
-                      solve::SolverBodies& bodies) {
+inline void push_tyre(Chassis& chassis, const Wheel& wheel, Real along, Real across, SolverBodies& bodies) {
     constexpr std::uint64_t one = static_cast<std::uint64_t>(Real(1).raw);
     const WheelLine &a = wheel.along, &s = wheel.across;
     const bool are_near = std::max(static_cast<std::uint64_t>(along.raw) + one,
@@ -199,11 +198,11 @@ inline void push_tyre(Chassis& chassis, const Wheel& wheel, Real along, Real acr
 }
 
 /// The impulses of all three lines of a wheel, rounded once where they are up to 1 m/s together.
-void push_lines(Chassis& chassis, const Wheel& wheel, solve::SolverBodies& bodies);
+void push_lines(Chassis& chassis, const Wheel& wheel, SolverBodies& bodies);
 
 /// Adds to a body what a pass changed of it. Velocities stay within 2048 m/s, where the rows of contacts can read them.
-void write_back(const Chassis& chassis, solve::SolverBody& body);
+void write_back(const Chassis& chassis, SolverBody& body);
 
 inline Real load_of(const Wheel& wheel) { return max(wheel.spring + wheel.stop + wheel.bars, Real{}); }
 
-} // namespace lockstone::sim
+} // namespace lockstone::solve

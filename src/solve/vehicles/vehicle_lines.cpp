@@ -1,7 +1,7 @@
 // Lines of vehicles beside what is in every loop: grounds that move, and impulses that are large. See vehicle_lines.h.
-#include "play/vehicle/vehicle_lines.h"
+#include "solve/vehicles/vehicle_lines.h"
 
-namespace lockstone::sim {
+namespace lockstone::solve {
 
 namespace {
 
@@ -14,7 +14,7 @@ void add_far(std::int64_t& v, std::int64_t p, std::int64_t by, int shift, int fr
 
 } // namespace
 
-Real ground_speed(const solve::SolverBody& ground, const WheelLine& line) {
+Real ground_speed(const SolverBody& ground, const WheelLine& line) {
     const Chassis motion(ground);
     std::int64_t back[3];
     for (int i = 0; i < 3; ++i) back[i] = -motion.u[i]; // xg has the sign of the ground's side
@@ -24,25 +24,26 @@ Real ground_speed(const solve::SolverBody& ground, const WheelLine& line) {
 
 void push_far(Chassis& chassis, const WheelLine& line, Real impulse) {
     for (int i = 0; i < 3; ++i) {
-        if (chassis.keep[i] != 0) add_far(chassis.v[i], impulse.raw, line.d[i].raw, push_d_shift, speed_bits);
-        add_far(chassis.u[i], impulse.raw, line.xc[i].raw, push_x_shift, speed_bits);
+        if (chassis.keep[i] != 0)
+            add_far(chassis.v[i], impulse.raw, line.d[i].raw, push_d_shift, chassis_bits);
+        add_far(chassis.u[i], impulse.raw, line.xc[i].raw, push_x_shift, chassis_bits);
     }
     chassis.look();
 }
 
-void push_ground(const Wheel& wheel, const WheelLine& line, Real impulse, solve::SolverBodies& bodies) {
-    solve::SolverBody& ground = bodies.body[wheel.ground];
+void push_ground(const Wheel& wheel, const WheelLine& line, Real impulse, SolverBodies& bodies) {
+    SolverBody& ground = bodies.body[wheel.ground];
     const Real turns = impulse * wheel.ratio, moves = -turns;
     for (int i = 0; i < 3; ++i) {
         if (ground.keep[i] != 0)
-            add_far(ground.v[i], moves.raw, line.d[i].raw, push_d_shift - speed_to_accumulator,
-                    solve::accumulator_bits);
-        add_far(ground.u[i], turns.raw, line.xg[i].raw, push_x_shift - speed_to_accumulator,
-                solve::accumulator_bits);
+            add_far(ground.v[i], moves.raw, line.d[i].raw, push_d_shift - chassis_to_accumulator,
+                    accumulator_bits);
+        add_far(ground.u[i], turns.raw, line.xg[i].raw, push_x_shift - chassis_to_accumulator,
+                accumulator_bits);
     }
 }
 
-void push_lines(Chassis& chassis, const Wheel& wheel, solve::SolverBodies& bodies) {
+void push_lines(Chassis& chassis, const Wheel& wheel, SolverBodies& bodies) {
     const Real normal = wheel.spring + wheel.stop + wheel.bars;
     const WheelLine &n = wheel.normal, &a = wheel.along, &s = wheel.across;
     if (wheel.ratio > Real{} || abs(normal) + abs(wheel.along_p) + abs(wheel.across_p) > Real(1)) {
@@ -58,11 +59,11 @@ void push_lines(Chassis& chassis, const Wheel& wheel, solve::SolverBodies& bodie
     }
 }
 
-void write_back(const Chassis& chassis, solve::SolverBody& body) {
-    constexpr std::int64_t most = speed_most << speed_bits;
+void write_back(const Chassis& chassis, SolverBody& body) {
+    constexpr std::int64_t most = speed_most << chassis_bits;
     const Chassis before(body);
     const auto add = [&](std::int64_t& v, std::int64_t from, std::int64_t to) {
-        v += (std::clamp(to, -most, most) - from) * (std::int64_t{1} << speed_to_accumulator);
+        v += (std::clamp(to, -most, most) - from) * (std::int64_t{1} << chassis_to_accumulator);
     };
     for (int i = 0; i < 3; ++i) {
         add(body.v[i], before.v[i], chassis.v[i]);
@@ -70,4 +71,4 @@ void write_back(const Chassis& chassis, solve::SolverBody& body) {
     }
 }
 
-} // namespace lockstone::sim
+} // namespace lockstone::solve

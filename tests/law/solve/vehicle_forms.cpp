@@ -1,5 +1,5 @@
 // Vehicles compute alike in 64 and in 128 bits, and their quotients are as near as they say.
-#include "play/vehicle/vehicle_tyre.h"
+#include "solve/vehicles/vehicle_tyre.h"
 #include "support/sim_scenes.h"
 #include "support/split_mix.h"
 
@@ -8,7 +8,7 @@
 #include <cmath>
 
 using namespace lockstone;
-using namespace lockstone::sim;
+using namespace lockstone::solve;
 using Chance = lockstone::test::Random;
 
 namespace {
@@ -88,11 +88,11 @@ bool is_same(const RimAnswer<Real>& a, const RimAnswer<Real>& b) {
 
 /// A chassis with speeds below these [m/s], and a line.
 struct AnyLine {
-    Chassis chassis{solve::SolverBody{}};
+    Chassis chassis{SolverBody{}};
     WheelLine line{};
 
     AnyLine(Chance& random, Real v_most, Real u_most) {
-        const auto speed = [&](Real most) { return either_way(random, most).raw >> (32 - speed_bits); };
+        const auto speed = [&](Real most) { return either_way(random, most).raw >> (32 - chassis_bits); };
         D3 d = {double(random.below(201)) - 100, double(random.below(201)) - 100, 101};
         const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
         for (int i = 0; i < 3; ++i) {
@@ -175,8 +175,8 @@ Chassis after_small_wheels(Chance& random, Real arm_most) {
 bool has_small_room(const Chassis& chassis) {
     bool good = true;
     for (int i = 0; i < 3; ++i)
-        good = good && std::abs(chassis.v[i]) <= std::int64_t{144} << speed_bits &&
-               std::abs(chassis.u[i]) <= std::int64_t{192} << speed_bits;
+        good = good && std::abs(chassis.v[i]) <= std::int64_t{144} << chassis_bits &&
+               std::abs(chassis.u[i]) <= std::int64_t{192} << chassis_bits;
     return good;
 }
 
@@ -226,7 +226,7 @@ TEST_CASE("a tyre's two impulses at once move a chassis as one after the other d
 
 TEST_CASE("an impulse of 1 m/s moves a chassis as a larger one does") {
     Chance random(44);
-    solve::SolverBodies none;
+    SolverBodies none;
     const auto gives = [&](AnyLine any, Real impulse, bool far) {
         Wheel wheel{};
         if (far)

@@ -1,11 +1,11 @@
-// A tyre, and a rim between its brake and its tyre. Number: Real, or Small where a wheel is small: to the same bits.
+// A tyre, and a rim between its brake and its tyre. Number is Real, or Small where a wheel is small; both give the same bits.
 #pragma once
 
-#include "play/vehicle/vehicle_lines.h"
+#include "solve/vehicles/vehicle_lines.h"
 
 #include "lockstone/math/math.h"
 
-namespace lockstone::sim {
+namespace lockstone::solve {
 
 /// How a patch slides. A tyre shares its peak out along the slide: what is left of a direction's peak is
 /// (own + rest) / (slide + rest). At rest both directions hold their peaks.
@@ -38,17 +38,17 @@ template <class Number, TyreAsks asks> struct TyreQuestion {
     Number kappa_gain; ///< mobility of the gain
 };
 
-/// What is left of the peak, for a tyre that slides. 1 at most: the length of a slide is rounded, its parts are not.
+/// The share of the peak that is left for a direction while a tyre slides. At most 1: rounding of the slide's length could make it more.
 Real share_of_peak(Real own, Real other);
 
-/// Slip of a tyre that its curve does not say.
+/// Slip of a tyre where its curve does not give it.
 template <TyreAsks asks, class Number>
 Real slip_of(Number slide, Number kappa, Number impulse, Number speed) {
     if (asks != TyreAsks::slip || speed.raw <= 0) return Real{};
     return quotient(real(slide - kappa * impulse), real(speed));
 }
 
-/// An answer that does not slide, or does so beyond the curve.
+/// The answer of a tyre that sticks, or slides beyond the end of the curve.
 template <class Number, TyreAsks asks>
 [[gnu::always_inline]] inline TyreAnswer<Number> on_curve(const TyreQuestion<Number, asks>& tyre,
                                                           Number slide, Number kappa, Number speed) {
@@ -90,7 +90,7 @@ template <class Number, TyreAsks asks>
     if (tyre.load.raw <= 0 || slide.raw <= 0 || kappa.raw <= 0)
         return {{}, {}, slip_of<asks>(slide, kappa, Number{}, speed)};
     const TyreAnswer<Number> out = on_curve(tyre, slide, kappa, speed);
-    // As far as that is seen without a root and a quotient: the slide is no longer than its two parts together.
+    // A test without a root and a quotient, which most tyres pass: the slide is no longer than the sum of its two parts.
     if (out.impulse * tyre.slides.both <= tyre.most * tyre.slides.own) return out;
     const Number cap =
         tyre.most * number<Number>(share_of_peak(real(tyre.slides.own), real(tyre.slides.other)));
@@ -111,7 +111,7 @@ template <class Number, TyreAsks asks>
 RimAnswer<Number> turn_rim(const SpinGroup& g, const Wheel& wheel, Number free, Number patch, Number speed,
                            const TyreQuestion<Number, asks>& tyre) {
     const Number arm = number<Number>(wheel.arm), brake = number<Number>(g.brake_spin);
-    // Held by the brake, if it can: then only the chassis gives. A rim that no tyre could stop is not.
+    // First the brake holds the rim, if it can; then only the chassis gives way. A rim that no tyre could stop is not held.
     Number rest = free;
     if (abs(free) <= brake + number<Number>(wheel.arm_most)) {
         TyreAnswer<Number> held = tyre_answer(tyre, abs(patch), number<Number>(wheel.along.kappa), speed);
@@ -127,7 +127,7 @@ RimAnswer<Number> turn_rim(const SpinGroup& g, const Wheel& wheel, Number free, 
     return {turning.impulse, braked - arm * turning.impulse, turning.gain, turning.slip, false};
 }
 
-/// Spin of a group that `torque` and its brake act on, if no tyre did.
+/// Spin of a group under its torque and its brake, without its tyres.
 inline Real braked_spin(const SpinGroup& group, Real spin) {
     const Real most = group.brake_spin;
     return spin > most ? spin - most : spin < -most ? spin + most : Real{};
@@ -144,4 +144,4 @@ inline void set_free(SpinGroup& g, Real free) {
     g.small = abs(g.free).raw < most && abs(g.spin).raw < most && g.brake_spin.raw < most;
 }
 
-} // namespace lockstone::sim
+} // namespace lockstone::solve

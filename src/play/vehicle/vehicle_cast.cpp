@@ -1,0 +1,134 @@
+// Where the wheels of vehicles stand, and who wakes by that.
+#include "model/sleep.h"
+#include "play/vehicle/vehicle_driver.h"
+
+namespace lockstone::sim {
+
+namespace {
+
+constexpr Real steepest = 0.17_r; ///< least cosine between a ground's normal and the suspension: 80 degrees
+
+/// What a wheel is cast with, in world axes.
+struct WheelCastWay {
+    Vec3 from; ///< a radius above the attachment
+    UnitVec3 down;
+    Quat rotation;   ///< y along the axle, of a cylinder
+    Real to_hub;     ///< farthest [m]
+    Vec3 raise, way; ///< down by a radius, and as far as the hub may be
+};
+
+bool stands_on(const QueryHit& hit, UnitVec3 down) { return -dot<Real>(hit.normal, down) >= steepest; }
+
+WheelHit cast_ray_wheel(const Scene& scene, const QueryFilter& filter, const WheelDef& wheel,
+                        const WheelCastWay& way) {
+    const std::optional<QueryHit> hit =
+        cast_ray(scene, {way.from, lockstone::scale<Real>(way.down, way.to_hub + wheel.radius)}, filter);
+    if (!hit || !stands_on(*hit, way.down)) return {};
+    return {true, *hit, hit->distance - wheel.radius - wheel.radius};
+}
+
+/// The ground that the cast solid of a wheel found. Where that is a wall beside the wheel, or a shape in which the cast begins, a ray looks past it.
+WheelHit ground_of(const Scene& scene, const QueryFilter& filter, const WheelDef& wheel,
+                   const WheelCastWay& way, const std::optional<QueryHit>& solid_hit) {
+    if (!solid_hit) return {};
+    if (stands_on(*solid_hit, way.down)) return {true, *solid_hit, solid_hit->distance - wheel.radius};
+    return cast_ray_wheel(scene, filter, wheel, way);
+}
+
+constexpr UnitVec3 up_axis{Unit{}, unit_one, Unit{}};
+constexpr Unit half_root = Unit::from_raw(759250125); ///< 1 / sqrt(2)
+constexpr Quat y_to_x{Unit{}, Unit{}, -half_root, half_root};
+
+using WheelCastWays = std::array<WheelCastWay, vehicle_wheels_max>;
+
+/// How the wheels are cast from where their chassis stands.
+void find_ways(const Model& w, const VehicleDef& def, const VehicleMemory& memory, WheelCastWays& out) {
+    const std::uint32_t chassis = w.row_of(def.chassis);
+    const Transform& pose = w.state.rows(w.m.body_pose)[chassis];
+    const Vec3 center = w.mass_of(chassis).center;
+    const Rotation axes = to_rotation(pose.rotation);
+    const Speed speed = length(w.state.rows(w.m.body_velocity)[chassis].linear);
+    const Real ahead = min(to<Real>(speed) / Real(w.state.rows(w.m.config)[0].tick_rate), Real(1));
+    for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
+        const WheelDef& wheel = def.wheel[i];
+        const bool as_before = i > 0 && wheel.direction == def.wheel[i - 1].direction;
+        const UnitVec3 down = as_before ? out[i - 1].down : lockstone::mul<Unit>(axes, wheel.direction);
+        const Vec3 attachment = pose.position + lockstone::mul<Real>(axes, wheel.attachment - center);
+        const Real to_hub = wheel.radius + wheel.length_max + ahead;
+        const bool is_alike =
+            as_before && wheel.radius == def.wheel[i - 1].radius && to_hub == out[i - 1].to_hub;
+        const Vec3 raise = is_alike ? out[i - 1].raise : lockstone::scale<Real>(down, wheel.radius),
+                   way = is_alike ? out[i - 1].way : lockstone::scale<Real>(down, to_hub);
+        out[i] = {attachment - raise, down, Quat::identity(), to_hub, raise, way};
+        if (def.cast != WheelCast::cylinder) continue;
+        out[i].rotation =
+            normalized(pose.rotation * from_axis_angle(up_axis, memory.wheel[i].steer) * y_to_x);
+    }
+}
+
+using WheelHits = std::array<WheelHit, vehicle_wheels_max>;
+
+/// Finds the ground of all wheels of a vehicle.
+void cast_wheels(const Scene& scene, const VehicleDef& def, const VehicleMemory& memory, WheelHits& out) {
+    const QueryFilter filter{def.category, def.mask, 7, 0, def.chassis};
+    WheelCastWays ways;
+    find_ways(scene.model, def, memory, ways);
+    std::array<std::optional<QueryHit>, vehicle_wheels_max> hits;
+    if (def.cast == WheelCast::sphere) {
+        static_assert(balls_max >= vehicle_wheels_max);
+        std::array<BallCast, vehicle_wheels_max> balls;
+        for (std::uint32_t i = 0; i < def.wheel_count; ++i)
+            balls[i] = {def.wheel[i].radius, ways[i].from, ways[i].way};
+        cast_balls(scene, std::span(balls).first(def.wheel_count), filter, hits);
+    }
+    for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
+        const WheelDef& wheel = def.wheel[i];
+        if (def.cast == WheelCast::cylinder)
+            hits[i] = cast_shape(scene, cylinder(wheel.radius, half(wheel.width)),
+                                 {ways[i].from, ways[i].rotation}, ways[i].way, filter);
+        out[i] = def.cast == WheelCast::ray ? cast_ray_wheel(scene, filter, wheel, ways[i])
+                                            : ground_of(scene, filter, wheel, ways[i], hits[i]);
+    }
+}
+
+} // namespace
+
+/// Whether the wheels of a vehicle that sleeps find the same shapes as when it fell asleep.
+bool VehicleDriver::stands_as_before(const Scene& scene, std::uint32_t k) const {
+    const Model& w = scene.model;
+    const VehicleDef& def = w.state.rows(w.m.vehicle)[k].def;
+    const VehicleMemory& memory = w.state.rows(w.m.vehicle_memory)[k];
+    WheelHits found;
+    cast_wheels(scene, def, memory, found);
+    for (std::uint32_t i = 0; i < def.wheel_count; ++i)
+        if ((found[i].found ? found[i].hit.shape : ShapeId{}) != memory.wheel[i].ground) return false;
+    return true;
+}
+
+bool VehicleDriver::cast(Model& w, const Scene& scene) {
+    const std::span<const VehicleRow> rows = w.state.rows(w.m.vehicle);
+    if (rows.empty()) return false;
+    hits.resize(rows.size());
+    bool woke = false;
+    for (std::uint32_t k = 0; k < rows.size(); ++k) {
+        const VehicleDef& def = rows[k].def;
+        if (!is_awake(w, w.row_of(def.chassis))) {
+            // Wheels are no shapes: nothing touches them.
+            if (w.header().bodies_awake == 0 || stands_as_before(scene, k)) continue;
+            wake(w, def.chassis);
+            woke = true;
+            continue;
+        }
+        cast_wheels(scene, def, w.state.rows(w.m.vehicle_memory)[k], hits[k]);
+        for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
+            const WheelHit& ground = hits[k][i];
+            if (!ground.found || is_awake(w, w.row_of(ground.hit.body))) continue;
+            if (w.state.rows(w.m.body_info)[w.row_of(ground.hit.body)].kind != BodyKind::dynamic) continue;
+            wake(w, ground.hit.body);
+            woke = true;
+        }
+    }
+    return woke;
+}
+
+} // namespace lockstone::sim

@@ -1,0 +1,82 @@
+// What a body keeps through a turn without torque: its angular momentum per mass, and the spin that it has by that.
+#pragma once
+
+#include "lockstone/math/math.h"
+#include "solve/bodies/solver_body.h"
+
+#include <algorithm>
+
+namespace lockstone::solve {
+
+inline SpinForm spin_form(Vec3 radii_inv) {
+    SpinForm form{};
+    for (int i = 0; i < 3; ++i) {
+        const Wide square = Wide::product(radii_inv[i].raw, radii_inv[i].raw); // 64 fraction bits
+        const std::uint64_t high = static_cast<std::uint64_t>(square.high_bits());
+        const int size = high != 0 ? 64 + bit_length(high) : bit_length(square.low_bits());
+        const int drop = std::max(size - 30, 0);
+        form.mantissa[i] = static_cast<std::int32_t>((square >> drop).low_bits());
+        form.bits[i] = 2 * Real::fraction_bits - drop;
+    }
+    return form;
+}
+
+class Momentum {
+    Vec3 whole; ///< [m^2/s]
+    Vec3 radii_inv;
+    Quat principal;
+    SpinForm form;
+    std::int64_t parts[3]; ///< of it, 30 bits
+    std::int32_t dropped;  ///< by which they are shorter than a Real
+    bool is_quick;         ///< that is enough
+
+  public:
+    Momentum(const BodyStep& s, SpeedVec3 u, Quat principal_axes)
+        : whole(by_gyration<Real>(s, u)), radii_inv(s.radii_inv), principal(principal_axes),
+          form(spin_form(s.radii_inv)) {
+        const int bits = bit_length(magnitude(whole.x.raw) | magnitude(whole.y.raw) | magnitude(whole.z.raw));
+        dropped = std::max(bits - 30, 0), is_quick = true;
+        for (int i = 0; i < 3; ++i) {
+            parts[i] = shift_right_rounded(whole[i].raw, dropped);
+            is_quick = is_quick && shift(i) >= 1 && shift(i) <= 62;
+        }
+    }
+    /// Angular velocity of the body at a rotation: K^-2 of the momentum, in world axes.
+    Vec3 spin_at(Quat rotation) const {
+        const Rotation axes = axes_at(rotation);
+        Vec3 spin;
+        return find_quickly(axes, spin) ? spin : wide_spin(axes);
+    }
+    Rotation axes_at(Quat rotation) const {
+        return to_rotation(principal == Quat::identity() ? rotation : rotation * principal);
+    }
+    /// The spin in Real, whatever it is.
+    Vec3 wide_spin(const Rotation& axes) const {
+        Vec3 inside = mul_transposed<Real>(axes, whole);
+        for (int i = 0; i < 3; ++i) inside[i] = inside[i] * radii_inv[i] * radii_inv[i];
+        return mul<Real>(axes, inside);
+    }
+    /// The spin by 30 bits of the momentum, and by spin_bits along the principal axes. False: that is not enough for it.
+    bool find_quickly(const Rotation& axes, Vec3& out) const {
+        if (!is_quick) return false;
+        const UnitVec3* const along = &axes.x;
+        std::int64_t spin[3];
+        for (int i = 0; i < 3; ++i) {
+            const std::int64_t inside = shift_right_rounded(
+                along[i].x.raw * parts[0] + along[i].y.raw * parts[1] + along[i].z.raw * parts[2],
+                Unit::fraction_bits);
+            spin[i] = shift_right_rounded(inside * form.mantissa[i], shift(i));
+            if (magnitude(spin[i]) >= std::uint64_t{1} << 31) return false;
+        }
+        constexpr int drop = Unit::fraction_bits + spin_bits - Real::fraction_bits;
+        for (int i = 0; i < 3; ++i)
+            out[i] = Real::from_raw(shift_right_rounded(
+                axes.x[i].raw * spin[0] + axes.y[i].raw * spin[1] + axes.z[i].raw * spin[2], drop));
+        return true;
+    }
+
+  private:
+    int shift(int i) const { return form.bits[i] + Real::fraction_bits - spin_bits - dropped; }
+};
+
+} // namespace lockstone::solve

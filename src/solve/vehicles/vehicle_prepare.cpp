@@ -1,0 +1,280 @@
+// The begin of a vehicle's tick in the solver: rows of wheels and bars, shares of the weight, who is solved after whom.
+#include "base/poison.h"
+#include "lockstone/math/math.h"
+#include "solve/vehicles/vehicle.h"
+#include "solve/vehicles/vehicle_lines.h"
+
+#include <algorithm>
+
+namespace lockstone::solve {
+
+namespace {
+
+constexpr Real ratio_max =
+    Real(65536); ///< of the masses of chassis and ground; a lighter ground acts as if it had this
+constexpr std::int32_t arm_most = 64; ///< of a row's turning arm K^-1 (r x d)
+constexpr Real impulse_max = Real(2048);
+
+Arm bounded(Arm x) { return clamp(x, Arm(-arm_most), Arm(arm_most)); }
+
+/// From a centre of mass [m].
+struct Lever {
+    Vec3 whole;
+    Vector3<Arm> near{}; ///< the same, below 128 m
+    bool is_near = false;
+
+    explicit Lever(Vec3 lever) : whole(lever) {
+        constexpr Real far = Real(128);
+        is_near = abs(lever.x) < far && abs(lever.y) < far && abs(lever.z) < far;
+        if (is_near) near = to<Arm>(lever);
+    }
+};
+
+/// K^-1 (lever x d); in 64 bits below a lever of 128 m.
+Vector3<Arm> arm_of(const BodyStep& body, const Lever& lever, UnitVec3 d, std::int32_t sign) {
+    Vector3<Arm> x{};
+    if (lever.is_near) {
+        Vector3<Arm> turn = cross<Arm>(lever.near, d);
+        for (int i = 0; i < 3; ++i)
+            turn[i] = Arm::from_raw((body.angular_mask >> i & 1u) != 0 ? sign * turn[i].raw : 0);
+        x = over_gyration<Arm>(body, turn);
+    } else {
+        Vec3 turn = cross<Real>(lever.whole, d);
+        for (int i = 0; i < 3; ++i) turn[i] = (body.angular_mask >> i & 1u) != 0 ? turn[i] * sign : Real{};
+        x = over_gyration<Arm>(body, turn);
+    }
+    return {bounded(x.x), bounded(x.y), bounded(x.z)};
+}
+
+/// The speed along d_a that an impulse along d_b gives a body; x: their turning arms.
+Real mobility(const SolverBody& body, UnitVec3 d_a, Vector3<Arm> x_a, UnitVec3 d_b, Vector3<Arm> x_b) {
+    SumOfProducts<Unit, Unit> moves;
+    for (int i = 0; i < 3; ++i)
+        if (body.keep[i] != 0) moves.add(d_a[i], d_b[i]);
+    return moves.round<Real>() + dot<Real>(x_a, x_b);
+}
+
+/// Of a wheel's patch [m], and the speed of what it stands on beside its body's [m/s].
+struct Levers {
+    Lever chassis, ground;
+    Vec3 surface;
+};
+
+WheelLine line_of(const SolverBodies& bodies, std::uint32_t chassis, const Wheel& wheel, UnitVec3 d,
+                  const Levers& levers) {
+    WheelLine line{};
+    line.d = d;
+    line.xc = arm_of(bodies.step[chassis], levers.chassis, d, 1);
+    if (levers.surface != Vec3{}) line.belt = dot<Real>(levers.surface, d);
+    line.kappa = mobility(bodies.body[chassis], d, line.xc, d, line.xc);
+    if (wheel.ground == bodies.still()) return line;
+    line.xg = arm_of(bodies.step[wheel.ground], levers.ground, d, -1);
+    if (wheel.ratio > Real{})
+        line.kappa += wheel.ratio * mobility(bodies.body[wheel.ground], d, line.xg, d, line.xg);
+    return line;
+}
+
+void forget_ground(WheelMemory& m) {
+    m.ground = {};
+    m.spring = m.stop = m.along = m.across = m.slip = m.slip_side = Real{};
+}
+
+/// The share that is linear in the place: share = a + b x + c z, with sum 1 and no moment about the centre.
+void find_shares(WeightShares& out) {
+    Mat3 gram{};
+    for (std::uint32_t i = 0; i < out.wheel_count; ++i) {
+        const Vec3 row{Real(1), out.at[i].x, out.at[i].z};
+        gram.x += row;
+        gram.y += row * out.at[i].x;
+        gram.z += row * out.at[i].z;
+    }
+    const Mat3 inv = inverse(gram);
+    const Real least = decimal<Real>("0.02") / Real(out.wheel_count);
+    bool good = true;
+    for (std::uint32_t i = 0; i < out.wheel_count; ++i) {
+        out.share[i] = inv.x.x + inv.x.y * out.at[i].x + inv.x.z * out.at[i].z;
+        good = good && out.share[i] >= least && out.share[i] <= Real(1);
+    }
+    for (std::uint32_t i = 0; i < out.wheel_count && !good; ++i)
+        out.share[i] = Real(1) / Real(out.wheel_count);
+}
+
+/// Fractions of the chassis' mass on each wheel, so that equal frequencies sag level; `center` is that of mass.
+void find_shares(const VehicleDef& def, Vec3 center, WeightShares& known) {
+    bool same = known.wheel_count == def.wheel_count;
+    for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
+        const Vec3 at = def.wheel[i].attachment - center;
+        same = same && known.at[i] == at;
+        known.at[i] = at;
+    }
+    known.wheel_count = def.wheel_count;
+    if (!same) find_shares(known);
+}
+
+/// To the left, of a wheel that is turned about the chassis' up axis.
+UnitVec3 axle_of(const Rotation& axes, Real steer) {
+    if (steer == Real{}) return axes.x;
+    const auto turn = sin_cos(steer);
+    return lockstone::mul<Unit>(axes, UnitVec3{turn.cos, Unit{}, -turn.sin});
+}
+
+/// Implicit: a = h^2 k + h c. Small: below 50 Hz, of a share of up to 1, so rate stays below 2^17 and a below 2^18.
+void set_spring(Real substep, const WheelDef& def, Real share, Wheel& wheel) {
+    const Small h = number<Small>(substep), omega = number<Small>(two_pi) * number<Small>(def.frequency),
+                stiff = number<Small>(share) * omega * h;
+    const Real rate = real(stiff * omega);
+    const Real damping[2] = {def.damping_rebound, def.damping_compression};
+    for (int side = 0; side < 2; ++side) {
+        const Small of_damping = stiff * number<Small>(damping[side]);
+        const Real a = real(number<Small>(rate) * h + of_damping + of_damping),
+                   whole = Real(1) + a * wheel.normal.kappa;
+        wheel.pull[side] = quotient(rate, whole);
+        wheel.yield[side] = quotient(a, whole);
+    }
+}
+
+/// A vehicle whose rows are being made.
+struct Making {
+    const BodyColumns& columns;
+    const SolverBodies& bodies;
+    const DrivenVehicle& driven;
+    Real substep; ///< [s]
+    Vehicle& v;
+};
+
+/// `share`: of the mass of the chassis.
+void prepare_wheel(const Making& of, std::uint32_t i, Real share) {
+    const SolverBodies& bodies = of.bodies;
+    Vehicle& v = of.v;
+    const WheelDef& def = v.def->wheel[i];
+    const WheelGround& ground = of.driven.ground[i];
+    WheelMemory& memory = v.memory.wheel[i];
+    Wheel& wheel = v.wheel[i] = Wheel{};
+    wheel.ground = bodies.still();
+    wheel.length = memory.length = def.length_max;
+    if (!ground.shape) return forget_ground(memory);
+
+    const UnitVec3 n = ground.normal;
+    const bool moves = ground.body != bodies.still() && bodies.step[ground.body].moves;
+    wheel.ground = moves ? ground.body : bodies.still();
+    wheel.rides = moves;
+    const Levers levers{Lever(ground.point - of.columns.pose[v.chassis].position),
+                        Lever(moves ? ground.point - of.columns.pose[ground.body].position : Vec3{}),
+                        ground.velocity};
+    if (moves && bodies.step[ground.body].movable)
+        wheel.ratio = min(v.mass / of.columns.mass[ground.body].mass, ratio_max);
+    const UnitVec3 axle = axle_of(of.driven.axes, memory.steer);
+    const UnitVec3 sideways = axle - lockstone::scale<Unit>(n, dot<Unit>(n, axle)),
+                   left = sideways == UnitVec3{} ? any_perpendicular(n) : normalized(sideways);
+    wheel.normal = line_of(bodies, v.chassis, wheel, n, levers);
+    wheel.touches = wheel.normal.kappa > Real{};
+    if (!wheel.touches) return forget_ground(memory); // nothing can move
+    wheel.along = line_of(bodies, v.chassis, wheel, cross<Unit>(left, n), levers);
+    wheel.across = line_of(bodies, v.chassis, wheel, left, levers);
+    wheel.mixed = mobility(bodies.body[v.chassis], wheel.along.d, wheel.along.xc, left, wheel.across.xc);
+    if (wheel.ratio > Real{})
+        wheel.mixed += wheel.ratio * mobility(bodies.body[wheel.ground], wheel.along.d, wheel.along.xg, left,
+                                              wheel.across.xg);
+    wheel.length_begin = ground.length;
+    wheel.per_length =
+        quotient(Real(1), max(-dot<Real>(n, lockstone::mul<Unit>(of.driven.axes, def.direction)), 0.5_r));
+    wheel.grip = quotient(ground.friction, v.def->tyre[def.tyre].ground_friction);
+    set_spring(of.substep, def, share, wheel);
+    // A wheel does not start from impulses that it had on another ground.
+    if (memory.ground != ground.shape) forget_ground(memory);
+    memory.ground = ground.shape;
+    memory.normal = n;
+    wheel.spring = clamp(memory.spring, Real{}, impulse_max);
+    wheel.stop = clamp(memory.stop, Real{}, impulse_max);
+    wheel.along_p = clamp(memory.along, -impulse_max, impulse_max);
+    wheel.across_p = clamp(memory.across, -impulse_max, impulse_max);
+}
+
+void prepare_bars(const StepConstants& step, const SolverBodies& bodies, Vehicle& v) {
+    for (std::uint32_t k = 0; k < vehicle_couplings_max; ++k) {
+        const AntiRollBar& bar = v.def->anti_roll[k];
+        Wheel &a = v.wheel[bar.wheel_a], &b = v.wheel[bar.wheel_b];
+        Real& p = v.memory.anti_roll[k];
+        BarRow& row = v.bar[k] = BarRow{};
+        row.holds = bar.wheel_a != bar.wheel_b && bar.stiffness > Real{} && a.touches && b.touches;
+        p = row.holds ? clamp(p, -impulse_max, impulse_max) : Real{};
+        a.bars += p;
+        b.bars -= p;
+        if (!row.holds) continue;
+        const WheelLine &of_a = a.normal, &of_b = b.normal;
+        const Real shared = mobility(bodies.body[v.chassis], of_a.d, of_a.xc, of_b.d, of_b.xc);
+        row.kappa = max(of_a.kappa + of_b.kappa - shared * 2, Real{});
+        const Real rate = bar.stiffness / v.mass / Real(step.substeps_per_second);
+        const Real soft = rate / Real(step.substeps_per_second), whole = Real(1) + soft * row.kappa;
+        row.pull = quotient(rate, whole), row.yield = quotient(soft, whole);
+    }
+}
+
+} // namespace
+
+/// Vehicles that push the same body are one convoy: the chassis of one may be the ground of another. A ground that nothing pushes
+/// makes no convoy.
+void VehicleSolver::find_convoys(const SolverBodies& bodies) {
+    const std::uint32_t count = static_cast<std::uint32_t>(vehicles.size());
+    pushed.clear(), order.clear(), convoy.clear(), convoy_begin.clear();
+    for (std::uint32_t k = 0; k < count; ++k) {
+        convoy.push_back(k);
+        order.push_back(k);
+        pushed.push_back({vehicles[k].chassis, k});
+        for (std::uint32_t i = 0; i < vehicles[k].def->wheel_count; ++i)
+            if (bodies.step[vehicles[k].wheel[i].ground].movable)
+                pushed.push_back({vehicles[k].wheel[i].ground, k});
+    }
+    std::sort(pushed.begin(), pushed.end());
+    const auto first_of = [&](std::uint32_t k) {
+        while (convoy[k] != k) k = convoy[k];
+        return k;
+    };
+    for (std::size_t i = 1; i < pushed.size(); ++i) {
+        if (pushed[i].body != pushed[i - 1].body) continue;
+        const std::uint32_t a = first_of(pushed[i].vehicle), b = first_of(pushed[i - 1].vehicle);
+        convoy[std::max(a, b)] = std::min(a, b);
+    }
+    for (std::uint32_t k = 0; k < count; ++k) convoy[k] = first_of(k);
+    std::sort(order.begin(), order.end(), [&](std::uint32_t x, std::uint32_t y) {
+        return std::pair(convoy[x], x) < std::pair(convoy[y], y);
+    });
+    for (std::uint32_t i = 0; i < count; ++i)
+        if (i == 0 || convoy[order[i]] != convoy[order[i - 1]]) convoy_begin.push_back(i);
+    convoy_begin.push_back(count);
+}
+
+void VehicleSolver::prepare(std::span<const DrivenVehicle> driven, const BodyColumns& columns,
+                            const StepConstants& step, const SolverBodies& bodies, Tasks* workers) {
+    tasks = workers;
+    substeps_left = step.substeps;
+    vehicles.resize(driven.size());
+    for (const DrivenVehicle& d : driven)
+        if (d.row >= shares.size()) shares.resize(std::size_t{d.row} + 1);
+    const std::uint32_t count = static_cast<std::uint32_t>(driven.size());
+    const Real substep = Real(1) / Real(step.substeps_per_second);
+    base::for_chunks(tasks, count, 1, [&](std::uint32_t k, std::uint32_t, std::uint32_t) {
+        const DrivenVehicle& d = driven[k];
+        Vehicle& v = vehicles[k];
+        v.def = d.def, v.input = d.input, v.memory = d.memory, v.ratio = d.ratio;
+        v.chassis = d.chassis;
+        v.mass = columns.mass[v.chassis].mass;
+        find_shares(*v.def, columns.mass[v.chassis].center, shares[d.row]);
+        const Making of{columns, bodies, d, substep, v};
+        for (std::uint32_t i = 0; i < v.def->wheel_count; ++i) prepare_wheel(of, i, shares[d.row].share[i]);
+        prepare_bars(step, bodies, v);
+        prepare_train(v);
+        prepare_rims(step, v);
+        prepare_engine(step, v);
+    });
+    find_convoys(bodies);
+}
+
+void VehicleSolver::poison(std::byte with) {
+    auto& [left, stand_list, vehicle_list, share_list, pool, order_list, begin_list, pushed_list,
+           convoy_list] = *this;
+    base::poison(with, stand_list, vehicle_list, share_list, pool, order_list, begin_list, pushed_list,
+                 convoy_list);
+}
+
+} // namespace lockstone::solve

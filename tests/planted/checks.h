@@ -1,0 +1,44 @@
+// The checks that planted faults have to be caught by, room by room.
+#pragma once
+
+#include "lockstone/game.h"
+#include "support/sim_replay.h"
+
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace planted {
+
+using namespace lockstone;
+using namespace lockstone::test;
+
+/// A name, and what it does: returns the first thing that is wrong; empty: nothing.
+using Check = std::function<std::string()>;
+using Checks = std::vector<std::pair<std::string, Check>>;
+
+Checks world_checks();   ///< proofs, the golden table, a world and its state
+Checks shape_checks();   ///< shapes and their manifolds
+Checks session_checks(); ///< peers, relays, those who come late
+Checks replay_checks();  ///< recordings
+
+/// The scripted pile of the tests: bodies come and go, commands of all kinds, game columns, events that are counted.
+class ScriptGame final : public Game {
+  public:
+    std::string name() const override { return "script"; }
+    std::uint64_t content_id() const override { return 1; }
+    std::uint32_t player_count() const override { return 0; }
+    std::uint32_t input_size() const override { return 0; }
+    Result<World> start() const override {
+        World world = scene::start_script(scene::Scenery::pile);
+        for (int i = 0; i < 30; ++i) scene::step_script(world);
+        return world;
+    }
+    Status advance(World& world, std::span<const PlayerInput>) const override {
+        scene::step_script(world);
+        return {};
+    }
+};
+
+} // namespace planted

@@ -1,0 +1,74 @@
+// Sessions: peers that agree, peers that mean harm, who comes back, relays, what is shown ahead.
+#include "checks.h"
+#include "session/join/join_scenes.h"
+#include "session/join/relayed_scenes.h"
+#include "session/run_ahead.h"
+
+namespace planted {
+
+namespace {
+
+std::string peers_agree() {
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+        MatchDef def;
+        def.link = {.latency_ms = 90, .jitter_ms = 30, .loss_permille = 80};
+        def.seed = seed;
+        def.inspected_ticks =
+            0; // images that are kept for reports would stand in for those that were not asked for
+        Match match(def);
+        match.run(500);
+        if (!match.agree(0, 1) || match.machine(0).timeline.ticks.size() < 200)
+            return "the peers' timelines part";
+        for (PeerId id : {PeerId{0}, PeerId{1}}) {
+            if (!match.notices<Desync>(id).empty()) return "a desync is told of";
+            if (!match.machine(id).events.holds(match.machine(id).timeline.ticks.size()) ||
+                match.machine(id).events.count(EventStatus::predicted) == 0)
+                return "an event is told twice, or never to its end";
+            Arena straight(2);
+            if (run_straight(match.machine(id).timeline, 2, straight) !=
+                match.machine(id).timeline.ticks.back().hash)
+                return "the inputs, run straight, give another hash";
+        }
+    }
+    return {};
+}
+
+std::string machines_come_back() {
+    for (const HostileScene& scene : join_scenes())
+        if (const std::string wrong = scene.run(); !wrong.empty())
+            return std::string(scene.name) + ": " + wrong;
+    return {};
+}
+
+std::string relays_serve() {
+    for (const HostileScene& scene : relay_scenes())
+        if (const std::string wrong = scene.run(); !wrong.empty())
+            return std::string(scene.name) + ": " + wrong;
+    return {};
+}
+
+std::string shows_ahead() {
+    for (const HostileScene& scene : run_ahead_scenes())
+        if (const std::string wrong = scene.run(); !wrong.empty())
+            return std::string(scene.name) + ": " + wrong;
+    return {};
+}
+
+std::string hostile_peers() {
+    for (const HostileScene& scene : hostile_scenes())
+        if (const std::string wrong = scene.run(); !wrong.empty())
+            return std::string(scene.name) + ": " + wrong;
+    return {};
+}
+
+} // namespace
+
+Checks session_checks() {
+    return {{"peers agree", peers_agree},
+            {"hostile peers", hostile_peers},
+            {"machines come back", machines_come_back},
+            {"relays serve", relays_serve},
+            {"shows ahead", shows_ahead}};
+}
+
+} // namespace planted

@@ -1,0 +1,333 @@
+// Worlds: what lockstone::prove looks at, the golden table, states and their bytes, events, ids.
+#include "../matrix/host.h"
+#include "checks.h"
+#include "lockstone/prove.h"
+#include "state/canonical.h"
+#include "support/contact_points.h"
+#include "support/task_worlds.h"
+
+#include <cstdio>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+namespace planted {
+
+namespace {
+
+/// Balls that are pushed as far as they are apart: what is asked before a tick decides it. So seldom that a rollback meets the
+/// tick at which it was asked last without asking before.
+class AskingGame final : public Game {
+  public:
+    std::string name() const override { return "asking"; }
+    std::uint64_t content_id() const override { return 2; }
+    std::uint32_t player_count() const override { return 0; }
+    std::uint32_t input_size() const override { return 0; }
+    Result<World> start() const override {
+        World world = scene::made(World::create(scene::small_def()));
+        scene::add_floor(world);
+        for (int i = 0; i < 5; ++i) scene::add_ball(world, scene::at(1.5 * i, 1 + i, 0));
+        return world;
+    }
+    Status advance(World& world, std::span<const PlayerInput>) const override {
+        if (world.tick_count() % 10 == 9) push(world);
+        world.tick();
+        return {};
+    }
+
+  private:
+    static void push(World& world) {
+        std::vector<BodyId> balls;
+        for (const BodyId body : world.bodies())
+            if (world.kind(body) == BodyKind::dynamic) balls.push_back(body);
+        std::vector<Vec3> forces;
+        for (std::size_t i = 0; i < balls.size(); ++i) {
+            const BodyId other = balls[(i + 1) % balls.size()];
+            const auto apart = world.distance(world.shapes(balls[i])[0], world.shapes(other)[0]);
+            forces.push_back({apart ? apart->distance * 100 : Real{}, Real{}, Real{}});
+        }
+        for (std::size_t i = 0; i < balls.size(); ++i) scene::done(world.add_force(balls[i], forces[i]));
+    }
+};
+
+std::vector<std::unique_ptr<Game>> games() {
+    std::vector<std::unique_ptr<Game>> list;
+    list.push_back(std::make_unique<ScriptGame>());
+    list.push_back(std::make_unique<AskingGame>());
+    for (const auto& [name, options] : std::initializer_list<std::pair<const char*, SceneOptions>>{
+             {"rollback-arena", {}}, {"ragdolls", {.size = 1}}, {"cars", {}}, {"character", {}}})
+        list.push_back(make_scene(name, options).value());
+    return list;
+}
+
+/// One check of lockstone::prove, on each game.
+Check proof_check(const std::string& name) {
+    return [name]() -> std::string {
+        for (const auto& game : games()) {
+            ProofOptions options;
+            options.ticks = 24;
+            options.bits_max = name == "every bit counts" ? 40000 : 0;
+            const Proof proof = prove(*game, options).value();
+            for (const ProofCheck& check : proof.checks)
+                if (check.name == name && !check.passed) return game->name() + ": " + check.sentence;
+        }
+        return {};
+    };
+}
+
+/// Hashes of a game against the table.
+std::string golden_rows(const std::string& name) {
+    std::map<std::uint64_t, std::string> wanted;
+    std::ifstream file(LOCKSTONE_SOURCE_DIR "/tests/golden/hashes.tsv");
+    for (std::string line; std::getline(file, line);) {
+        std::istringstream fields(line);
+        std::string game, tick, hash;
+        if (std::getline(fields, game, '\t') && game == name && std::getline(fields, tick, '\t') &&
+            std::getline(fields, hash))
+            wanted[std::stoull(tick)] = hash;
+    }
+    if (wanted.size() < 3) return "the table has no rows of " + name;
+    const auto game = make_scene_named(name).value();
+    ScriptedInputs inputs(*game);
+    World world = game->start().value();
+    for (std::uint64_t tick = 0; tick <= std::min<std::uint64_t>(wanted.rbegin()->first, 120); ++tick) {
+        char hash[17];
+        std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(world.hash()));
+        if (wanted.contains(tick) && wanted[tick] != hash)
+            return name + ", tick " + std::to_string(tick) + ": " + hash;
+        scene::done(game->advance(world, inputs.at(tick)));
+    }
+    return {};
+}
+
+/// A game; boxes of equal mass; hulls of many kinds that fall on each other; joints; vehicles.
+std::string golden_table() {
+    for (const char* name : {"rollback-arena size=0 seed=1 players=2", "pyramid size=12 seed=1 players=0",
+                             "convex-pile size=60 seed=1 players=0", "ragdolls size=4 seed=1 players=0",
+                             "joint-grid size=0 seed=1 players=0", "cars size=0 seed=1 players=1"})
+        if (std::string found = golden_rows(name); !found.empty()) return found;
+    return {};
+}
+
+std::string rounding_modes() {
+    World usual = scene::start_script(scene::Scenery::pile), odd = scene::start_script(scene::Scenery::pile);
+    for (std::uint64_t t = 0; t < 60; ++t) {
+        scene::step_script(usual);
+        {
+            const host::FloatingPoint mode(true, t);
+            scene::step_script(odd);
+        }
+        if (usual.hash() != odd.hash()) return scene::difference(usual, odd);
+    }
+    return {};
+}
+
+std::string damaged_snapshots() {
+    World world = scene::start_script(scene::Scenery::stack);
+    const std::vector<std::byte> image = world.save_portable();
+    std::vector<std::byte> cut(image.begin(), image.end() - 8), longer = image;
+    longer.push_back({});
+    if (world.restore_portable(longer).ok()) return "a byte too many was taken";
+    if (world.restore_portable(cut).ok()) return "eight bytes too few were taken";
+    const std::string sentence = world.restore_portable(longer).error().message;
+    if (sentence.find("bytes long") == std::string::npos) return "a byte too many is told of as: " + sentence;
+    for (std::size_t at = image.size() / 3; at < image.size() - 8; at += image.size() / 50) {
+        std::vector<std::byte> damaged = image;
+        damaged[at] ^= std::byte{1};
+        const Status status = world.restore_portable(damaged);
+        if (status.ok() || status.error().message.find("checksum") == std::string::npos)
+            return "byte " + std::to_string(at) +
+                   (status.ok() ? " was taken" : ": " + status.error().message);
+    }
+    return {};
+}
+
+/// Rows as a host of the other byte order has them: each leaf reversed. Both have to give one hash, and one image.
+std::string byte_orders() {
+    World world = scene::start_script(scene::Scenery::pile);
+    for (int i = 0; i < 20; ++i) scene::step_script(world);
+    constexpr std::size_t least = 20'000; // a column's bytes: some buffers full, which are of 4096
+    constexpr std::endian other =
+        std::endian::native == std::endian::little ? std::endian::big : std::endian::little;
+    for (std::uint32_t c = 0; c < world.state().layout().columns().size(); ++c) {
+        const ColumnInfo& column = world.state().layout().columns()[c];
+        const std::span<const std::byte> rows = world.state().bytes(c);
+        if (rows.empty()) continue;
+        std::vector<std::byte> foreign(rows.begin(), rows.end());
+        while (foreign.size() < least) foreign.insert(foreign.end(), rows.begin(), rows.end());
+        const std::vector<std::byte> own = foreign;
+        for (std::size_t row = 0; row < foreign.size(); row += column.row_size)
+            for (const LeafInfo& leaf : column.leaves)
+                std::reverse(foreign.begin() + static_cast<std::ptrdiff_t>(row + leaf.offset),
+                             foreign.begin() + static_cast<std::ptrdiff_t>(row + leaf.offset + leaf.size));
+        if (hash_canonical(std::endian::native, column.leaves, own) !=
+            hash_canonical(other, column.leaves, foreign))
+            return "hashes of " + column.name;
+        std::vector<std::byte> canonical(own.size());
+        copy_canonical(other, column.leaves, foreign, canonical);
+        if (!std::ranges::equal(canonical, own) && std::endian::native == std::endian::little)
+            return "bytes of " + column.name;
+    }
+    return {};
+}
+
+std::string events_in_order() {
+    World world = scene::start_script(scene::Scenery::pile);
+    std::map<std::pair<std::uint64_t, std::uint64_t>, bool> touching;
+    const auto raw = [](ShapeId id) { return std::uint64_t{id.index} << 32 | id.generation; };
+    for (int t = 0; t < 150; ++t) {
+        scene::step_script(world);
+        const Event* last = nullptr;
+        for (const Event& e : world.events()) {
+            const auto key = [](const Event& x) {
+                return std::tie(x.kind, x.shape_a, x.shape_b, x.joint, x.body_a);
+            };
+            if (last != nullptr && !(key(*last) < key(e)))
+                return "tick " + std::to_string(t) + ": events out of order";
+            last = &e;
+            if (e.kind != EventKind::contact_begin && e.kind != EventKind::contact_end) continue;
+            bool& touches = touching[{raw(e.shape_a), raw(e.shape_b)}];
+            const bool begins = e.kind == EventKind::contact_begin;
+            if (touches == begins) return "tick " + std::to_string(t) + ": a contact began or ended twice";
+            touches = begins;
+        }
+    }
+    return {};
+}
+
+std::string dead_ids() {
+    World world = scene::made(World::create(scene::small_def()));
+    const BodyId first = scene::add_ball(world, scene::at(0, 1, 0));
+    scene::done(world.destroy(first));
+    const BodyId second = scene::add_ball(world, scene::at(0, 1, 0));
+    if (world.is_alive(first)) return "an id that was destroyed is alive again";
+    return world.is_alive(second) ? "" : "a new id is dead";
+}
+
+/// So many balls in one place that not all pairs are looked at, or even listed; later they part.
+std::string crowds_agree() {
+    WorldDef def = scene::small_def();
+    def.bodies_max = def.shapes_max = 400;
+    def.contacts_max = 100; // so 1,224 pairs are looked at, and 9,792 may be listed
+    World world = scene::made(World::create(def)), other = scene::made(World::create(def));
+    scene::add_floor(world);
+    Image image;
+    for (int t = 0; t < 60; ++t) {
+        for (int i = 0; i < (t == 0 ? 100 : t == 3 ? 70 : 0); ++i)
+            scene::add_ball(world, scene::at(i % 7 * 0.01, 0.5 + i % 11 * 0.01, i % 13 * 0.01));
+        if (t % 6 == 0 || t == 3) {
+            world.save(image);
+            other = scene::made(World::create(def));
+            other.restore(image);
+        }
+        world.tick(), other.tick();
+        if (world.hash() != other.hash()) return "tick " + std::to_string(t) + ": a restored crowd parts";
+    }
+    return world.faults().contacts_dropped > 0 ? "" : "nothing was dropped";
+}
+
+/// A table that grows moves the pages of the one behind it; what was known of them goes along.
+std::string pages_move() {
+    constexpr std::uint32_t most = 4096;
+    struct Pair {
+        State state;
+        TableId first, second;
+        Column<Transform> behind;
+    };
+    const auto start = [](std::uint32_t capacity) {
+        StateLayout layout;
+        const TableId first = layout.add_table("first", capacity, most),
+                      second = layout.add_table("second", most, most);
+        layout.add_column<Transform>(first, "first.row", Group::motion);
+        const Column<Transform> behind = layout.add_column<Transform>(second, "second.row", Group::game);
+        Pair pair{State(std::make_shared<const StateLayout>(std::move(layout))), first, second, behind};
+        pair.state.resize(second, most);
+        for (std::uint32_t row = 0; row < most; ++row)
+            pair.state.edit_row(behind, row).position.x = Real(static_cast<int>(row));
+        return pair;
+    };
+    Pair grows = start(0), has_all = start(most);
+    for (Pair* pair : {&grows, &has_all}) {
+        pair->state.hash();
+        pair->state.resize(pair->first, most);
+        pair->state.edit_row(pair->behind, most / 2).position.y = Real(1);
+    }
+    return grows.state.hash() == has_all.state.hash() ? "" : "a table that grew has another hash";
+}
+
+/// A world that takes memory as bodies come, and one that had it before; and back over what grew.
+std::string grows() {
+    if (std::string found = pages_move(); !found.empty()) return found;
+    const auto start = [] {
+        WorldDef def = scene::drowsy_def();
+        def.bodies_max = def.shapes_max = 512, def.contacts_max = 4096;
+        World world = scene::made(World::create(def));
+        scene::add_floor(world);
+        return world;
+    };
+    const auto step = [](World& world) {
+        const int i = static_cast<int>(world.tick_count());
+        for (int k = 0; k < 8; ++k) // in the end several pages of each column
+            scene::add_crate(world, scene::at(1.1 * k - 4, 0.5 + i / 4, 1.2 * (i % 4)));
+        world.tick();
+    };
+    World has_all = start(), grows = start();
+    scene::done(has_all.reserve({.bodies = 512, .shapes = 512, .contacts = 4096}));
+    std::vector<Image> images(30);
+    std::vector<std::uint64_t> hashes;
+    for (Image& image : images) {
+        grows.save(image);
+        hashes.push_back(grows.hash());
+        step(has_all), step(grows);
+        if (has_all.hash() != grows.hash()) return scene::difference(has_all, grows);
+    }
+    for (std::size_t back = images.size(); back-- > 0;) {
+        grows.restore(images[back]);
+        if (grows.hash() != hashes[back])
+            return "an image of " + std::to_string(back) + " gives another hash";
+        step(grows);
+        if (back + 1 < hashes.size() && grows.hash() != hashes[back + 1])
+            return "from the image of " + std::to_string(back) + " it goes another way";
+    }
+    return {};
+}
+
+std::string late_points() {
+    for (const scene::Scenery scenery : {scene::Scenery::stack, scene::Scenery::pile})
+        if (std::string found = scene::late_points_difference(scenery, 400); !found.empty()) return found;
+    return scene::points_of_sleepers_difference(400);
+}
+
+/// Two shapes that are alike share a row; what is said to one is not said to the other.
+std::string alike_shapes() {
+    World world = World::create({}).value();
+    const BodyId body = world.create_body({.kind = BodyKind::static_}).value();
+    const ShapeId one = world.create_shape(body, {.geometry = sphere(1_r)}).value(),
+                  other = world.create_shape(body, {.geometry = sphere(1_r)}).value();
+    const Real before = world.shape(other).friction;
+    world.set_material({one, 0.125_r}).value();
+    if (world.shape(other).friction != before) return "a shape has another one's friction";
+    return world.shape(one).friction == 0.125_r ? "" : "a shape has not the friction that it was given";
+}
+
+} // namespace
+
+Checks world_checks() {
+    Checks list;
+    for (const char* name : {"repeats", "rolls back", "saves everything", "moves", "forgets",
+                             "reads no leftovers", "sends differences", "shuffles", "every bit counts"})
+        list.emplace_back(name, proof_check(name));
+    list.insert(list.end(), {{"golden table", golden_table},
+                             {"rounding modes", rounding_modes},
+                             {"damaged snapshots are refused", damaged_snapshots},
+                             {"both byte orders agree", byte_orders},
+                             {"events come in order and in turn", events_in_order},
+                             {"contact points can be asked for late", late_points},
+                             {"dead ids stay dead", dead_ids},
+                             {"crowds agree", crowds_agree},
+                             {"what is alike stays apart", alike_shapes},
+                             {"grows", grows}});
+    return list;
+}
+
+} // namespace planted
