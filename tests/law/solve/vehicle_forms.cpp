@@ -175,8 +175,8 @@ Chassis after_small_wheels(Chance& random, Real arm_most) {
 bool has_small_room(const Chassis& chassis) {
     bool good = true;
     for (int i = 0; i < 3; ++i)
-        good = good && std::abs(chassis.v[i]) <= std::int64_t{144} << speed_bits &&
-               std::abs(chassis.u[i]) <= std::int64_t{192} << speed_bits;
+        good = good && std::abs(chassis.v[i]) <= std::int64_t{144} << chassis_bits &&
+               std::abs(chassis.u[i]) <= std::int64_t{192} << chassis_bits;
     return good;
 }
 
