@@ -1,4 +1,5 @@
 """The cells: what a simulation may be built by, built for and run in."""
+import shutil
 from dataclasses import dataclass, field, replace
 
 
@@ -148,6 +149,7 @@ def packages(cells):
         if cell.build.target == "wasm":
             names |= {"wasi-libc", "libc++-19-dev-wasm32", "libc++abi-19-dev-wasm32", "libclang-rt-19-dev-wasm32"}
             names |= {"chromium"} if cell.browser else set()
+            names |= set() if shutil.which("node") else {"nodejs"}  # whoever it is of will do
         elif cell.build.target:
             target = TARGETS[cell.build.target]
             names |= target.packages

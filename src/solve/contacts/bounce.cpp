@@ -87,16 +87,17 @@ template <unsigned N>
 void measure_approach(std::span<Bounce> bounces, std::span<const ContactPack<N>> packs,
                       const SolverBodies& bodies) {
     for (Bounce& bounce : bounces) {
-        const Lane<N> at{packs[bounce.pack], bounce.lane};
-        const auto is_free = [&](int k) { // nothing has pushed the point so far
-            return at.pack.points[k].impulse[bounce.lane] <= 0 && bounce.impulse_max[k] <= 0;
+        const ContactPack<N>& pack = packs[bounce.pack];
+        const auto is_free = [&pack, &bounce](int k) { // nothing has pushed the point so far
+            return pack.points[k].impulse[bounce.lane] <= 0 && bounce.impulse_max[k] <= 0;
         };
         bool any = false;
-        for (int k = 0; k < at.pack.point_count; ++k) any = any || is_free(k);
+        for (int k = 0; k < pack.point_count; ++k) any = any || is_free(k);
         if (!any) continue;
+        const Lane<N> at{pack, bounce.lane};
         std::int64_t speed[3];
         at.speeds(bodies, speed);
-        for (int k = 0; k < at.pack.point_count; ++k)
+        for (int k = 0; k < pack.point_count; ++k)
             if (is_free(k)) bounce.approach[k] = static_cast<std::int32_t>(at.at_point(k, speed));
     }
 }

@@ -93,13 +93,13 @@ std::int64_t any_raw(Chance& random, int bits_max) {
 
 Vec3 any_way(Chance& random, int bits_max) {
     const std::int64_t x = any_raw(random, bits_max);
+    const auto up_to = [&](std::int64_t most) {
+        return static_cast<std::int64_t>((random.next() >> 1) % (static_cast<std::uint64_t>(most) + 1));
+    };
     Vec3 v{Real::from_raw(x), Real{}, Real{}};
     const std::uint32_t shape = random.below(4);
-    if (shape > 0)
-        v.y = Real::from_raw(shape == 1 ? x : static_cast<std::int64_t>(random.next() >> 1) % (x + 1));
-    if (shape > 1)
-        v.z = Real::from_raw(random.one_in(2) ? v.y.raw
-                                              : static_cast<std::int64_t>(random.next() >> 1) % (x + 1));
+    if (shape > 0) v.y = Real::from_raw(shape == 1 ? x : up_to(x));
+    if (shape > 1) v.z = Real::from_raw(random.one_in(2) ? v.y.raw : up_to(x));
     if (random.one_in(2)) std::swap(v.x, v.y);
     if (random.one_in(2)) std::swap(v.x, v.z);
     for (int i = 0; i < 3; ++i)
