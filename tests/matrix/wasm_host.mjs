@@ -7,4 +7,6 @@ import { WASI } from "node:wasi";
 
 const wasi = new WASI({ version: "preview1", args: argv.slice(2), env: {}, preopens: { ".": "." }, returnOnExit: true });
 const module = await WebAssembly.compile(await readFile(argv[2]));
-exit(wasi.start(await WebAssembly.instantiate(module, wasi.getImportObject())));
+// Debian's Node 18 has no getImportObject.
+const imports = wasi.getImportObject?.() ?? { wasi_snapshot_preview1: wasi.wasiImport };
+exit(wasi.start(await WebAssembly.instantiate(module, imports)));
