@@ -8,7 +8,7 @@
 namespace lockstone::session {
 
 namespace {
-/// A machine that comes in presses nothing for so many ticks. In that time its first inputs reach the others.
+/// The inputs of a machine that comes in are zero for so many ticks. In that time its first inputs reach the others.
 constexpr std::uint64_t neutral_ticks = 30;
 constexpr std::uint64_t seat_silence_polls = 600, seat_log_ticks = 7200;
 } // namespace
