@@ -20,18 +20,6 @@ std::int32_t least_separation(const Contact& contact) {
     return least;
 }
 
-/// Contacts that overlap by less are ordered by levels [m]. Of deeper ones, those within one step of depth are a class; the last class has all
-/// that are deeper still. Contacts with something that nothing moves are four times as stiff (StepConstants::soft_static): a quarter of the
-/// depth stands for the same load there.
-constexpr std::int32_t depth_step = decimal<Separation>("0.01").raw, depth_step_static = depth_step / 4;
-constexpr std::int32_t depth_last = 10;
-
-std::uint32_t depth_of(std::int32_t least, std::int32_t step) {
-    if (least > -step) [[likely]]
-        return 0;
-    return static_cast<std::uint32_t>(std::min(least / -step, depth_last));
-}
-
 /// counts[k] items of key k become where the items of key k begin.
 void sum_up(std::span<std::uint32_t> counts) {
     std::uint32_t sum = 0;
@@ -50,7 +38,7 @@ void ContactOrder::reserve(std::size_t contacts, std::size_t bodies) {
     for (auto* list : {&down, &place, &staged, &begin}) list->reserve(contacts + 2);
     least.reserve(contacts);
     neighbours.reserve(2 * contacts);
-    counts.reserve(std::max(2 * bodies + depth_last + 4, contacts + 2));
+    counts.reserve(std::max(2 * bodies + 4, contacts + 2));
 }
 
 /// Breadth first over the contacts that touch, from what nothing moves.
@@ -91,20 +79,15 @@ void ContactOrder::find_levels(std::span<const Contact> contacts, const SolverBo
     }
 }
 
-/// Sorts contacts by the sum of their bodies' levels, the highest first; contacts of bodies that nothing holds come before those. Deep
-/// overlaps come after all others, the deepest last.
+/// Sorts contacts by the sum of their bodies' levels, the highest first; contacts of bodies that nothing holds come before those.
 void ContactOrder::sort_down(std::span<const Contact> contacts) {
     const std::uint32_t above = level_max + 1;
-    const auto key = [&](std::size_t i) {
-        const Contact& c = contacts[i];
-        const bool stands = levels[c.body_a] == 0 || levels[c.body_b] == 0;
-        const std::uint32_t depth = depth_of(least[i], stands ? depth_step_static : depth_step);
-        if (depth != 0) return 2 * above + depth;
+    const auto key = [&](const Contact& c) {
         return 2 * above - std::min(levels[c.body_a], above) - std::min(levels[c.body_b], above);
     };
-    counts.assign(std::size_t{2} * above + depth_last + 1, 0);
+    counts.assign(std::size_t{2} * above + 1, 0);
     place.resize(contacts.size()); // of its key, until find_stages()
-    for (std::size_t i = 0; i < contacts.size(); ++i) ++counts[place[i] = key(i)];
+    for (std::size_t i = 0; i < contacts.size(); ++i) ++counts[place[i] = key(contacts[i])];
     sum_up(counts);
     down.resize(contacts.size());
     for (std::uint32_t i = 0; i < contacts.size(); ++i) down[counts[place[i]]++] = i;

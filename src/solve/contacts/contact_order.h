@@ -5,9 +5,6 @@
 // random order, or in one that is reversed between the passes, the answer of the ground comes some substeps late, and walls sway by
 // themselves: a pyramid with a base of 10 by 6 mm at 3 Hz, for ever.
 //
-// Contacts that overlap deeply come last. The contact that is solved last keeps the speed that it asks for; between bodies that are held
-// from all sides, only that contact comes apart.
-//
 //   level    of a body: the number of contacts between it and something that nothing moves
 //   stage    the first stage after those of all earlier contacts that move the same body: solving stage after stage is
 //            solving in order, and the contacts of a stage share nothing that is written
@@ -27,8 +24,8 @@ struct Contact;
 class ContactOrder {
   public:
     void reserve(std::size_t contacts, std::size_t bodies);
-    /// Orders contacts from the top down. Those that overlap by centimetres come after all others, the deepest last; equals are
-    /// ordered by index. The order depends on the contacts and on which bodies can move, and on nothing else.
+    /// Orders contacts from the top down, those of one level by index. The order depends on which bodies touch and can move, and on
+    /// nothing else.
     void find(std::span<const Contact> contacts, const SolverBodies& bodies);
 
     /// Fills what find() makes anew with a byte.

@@ -38,6 +38,7 @@ struct ContactSolver::Inside {
     std::vector<std::uint32_t> stage_begin;  ///< first pack of each stage, and the end
     std::vector<std::uint8_t> sort_of;       ///< by contact: see place_packs()
     std::vector<WarmStart> warm;             ///< by body
+    std::vector<WarmStart> arrival;          ///< by body: PassData::arrival
     std::vector<Bounce> bounces;
     std::vector<Rolling> rolling;
     solve::ContactOrder order;
@@ -49,6 +50,7 @@ struct ContactSolver::Inside {
         return reinterpret_cast<std::int64_t*>(warm.data());
     }
     void begin_pass(const SolverBodies& bodies);
+    void find_arrival();
     void end_pass(const SolverBodies& bodies);
     void first_warm_start(SolverBodies& bodies, Tasks* tasks);
     void next_warm_start(SolverBodies& bodies) const;
@@ -57,7 +59,9 @@ struct ContactSolver::Inside {
     }
     /// visit(std::integral_constant<unsigned, N>) for the lane width in use.
     template <class Visit> void with_lanes(Visit&& visit) const;
-    PassData data(SolverBodies& bodies) { return {bodies.body.data(), warm.data(), bounces.data()}; }
+    PassData data(SolverBodies& bodies) {
+        return {bodies.body.data(), warm.data(), arrival.data(), bounces.data()};
+    }
 };
 
 ContactSolver::ContactSolver() : inside(std::make_unique<Inside>()) { use(best_simd()); }
@@ -90,7 +94,7 @@ void ContactSolver::reserve(std::size_t contacts, std::size_t bodies) {
     inside->stage_begin.reserve(contacts + 1);
     inside->sort_of.reserve(contacts), inside->lane_contact.reserve(2 * contacts);
     inside->bounces.reserve(contacts), inside->rolling.reserve(contacts);
-    inside->warm.reserve(bodies + 1);
+    inside->warm.reserve(bodies + 1), inside->arrival.reserve(bodies + 1);
     inside->order.reserve(contacts, bodies);
 }
 
@@ -140,6 +144,7 @@ void ContactSolver::prepare(std::span<const Contact> contacts, std::span<const C
     s.place_packs(contacts);
     s.started = false;
     s.warm.assign(bodies.body.size(), {});
+    s.arrival.resize(bodies.body.size());
     const PrepareInput in{contacts, memory, mass, step, bodies};
     s.with_lanes([&](auto width) {
         constexpr unsigned N = width();
@@ -204,6 +209,18 @@ void ContactSolver::Inside::end_pass(const SolverBodies& bodies) {
     body_kernel->add_velocities(bodies.body.data(), warm_numbers(), bodies.still() + 1);
 }
 
+/// During a pass, `warm` is what contacts gave less the velocity: the negative of what is left without them.
+void ContactSolver::Inside::find_arrival() {
+    const auto negative = [](std::int64_t x) {
+        return static_cast<std::int64_t>(0 - static_cast<std::uint64_t>(x));
+    };
+    for (std::size_t i = 0; i < warm.size(); ++i)
+        for (int axis = 0; axis < 3; ++axis) {
+            arrival[i].v[axis] = negative(warm[i].v[axis]);
+            arrival[i].u[axis] = negative(warm[i].u[axis]);
+        }
+}
+
 void ContactSolver::Inside::first_warm_start(SolverBodies& bodies, Tasks* tasks) {
     begin_pass(bodies);
     for_each_stage(tasks, [&](std::uint32_t first, std::uint32_t last) {
@@ -249,6 +266,7 @@ void ContactSolver::solve(const StepConstants& step, SolverBodies& bodies, bool 
                                 static_cast<std::int32_t>(std::min<std::int64_t>(gap_max, 0x7fffffff)),
                                 step.push_speed_max.raw, bias};
     s.begin_pass(bodies);
+    if (bias) s.find_arrival();
     s.for_each_stage(tasks, [&](std::uint32_t first, std::uint32_t last) {
         s.kernel->solve(s.storage.data(), first, last, s.data(bodies), settings);
     });
@@ -316,7 +334,8 @@ void ContactSolver::store(std::span<const Contact> contacts, std::span<ContactMe
 
 void ContactSolver::poison(std::byte with) {
     Inside& s = *inside;
-    base::poison(with, s.storage, s.lane_contact, s.stage_begin, s.sort_of, s.warm, s.bounces, s.rolling);
+    base::poison(with, s.storage, s.lane_contact, s.stage_begin, s.sort_of, s.warm, s.arrival, s.bounces,
+                 s.rolling);
     s.order.poison(with);
 }
 

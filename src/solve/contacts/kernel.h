@@ -232,11 +232,11 @@ template <class L> class Kernel {
             const Mask carries = n.old[k] > zero, closes = zero > n.error[k];
             const Mask member = Fit::load(point.fit[0]) > Fit::splat(0);
             busy = busy | carries | closes;
-            n.hit = n.hit | (member & ((-fast > n.error[k]) | ((n.error[k] > fast) & carries)));
+            const Speed stops = speed + (n.bias[k] & ~overlaps);
+            n.hit = n.hit | (member & ((-fast > stops) | ((stops > fast) & carries)));
             n.leaves = n.leaves | (~member & (carries | closes));
             if (s.soft) n.soft = n.soft | (member & overlaps);
         }
-        n.soft = n.soft & ~n.hit;
         n.idle = ~busy;
     }
 
@@ -356,11 +356,40 @@ template <class L> class Kernel {
         for (int i = 0; i < 3; ++i) w[i] = w[i] - q[i];
     }
 
+    /// A hit is one where the bodies come together at that speed by themselves: what passes and overlaps push at each other is a load, which
+    /// has to grow until all that carry it give alike.
+    [[gnu::noinline]] static void keep_hits_of_arrivals(const Pack& c, const PassData& data, Pair& arrival,
+                                                        Normals& n) {
+        gather(c, data.arrival, arrival);
+        arrival.round();
+        Speed speed[3] = {line_speed(arrival, c.d[0], c.normal_a[0], c.normal_b[0])};
+        if (c.point_count > 1)
+            for (int r = 1; r < 3; ++r) speed[r] = turn_speed(arrival, c.normal_a[r], c.normal_b[r]);
+        Mask arrives = Mask::none();
+        for (int k = 0; k < c.point_count; ++k)
+            arrives = arrives | (-Speed::splat(impact_speed) > at_point(c.points[k], speed));
+        n.hit = n.hit & arrives;
+    }
+
+    /// What a hit pushed on arrives so at the contacts that are solved later.
+    [[gnu::noinline]] static void pass_hits_on(const Pack& c, const PassData& data, const Normals& n,
+                                               Pair& arrival) {
+        Speed change[4], w[3];
+        for (int k = 0; k < c.point_count; ++k) change[k] = (n.now[k] - n.old[k]) & n.hit;
+        moments(c, change, w);
+        push_normal(c, w, arrival);
+        if (c.locked != 0) hold_locked(c, data, arrival);
+        scatter(c, data.arrival, arrival);
+    }
+
     /// All normals once.
     static void solve_normals(Pack& c, const PassData& data, const PassSettings& s, Pair& p) {
         Normals n;
         measure_normals(c, s, p, n);
         if ((~n.idle).any() == false) return;
+        Pair arrival;
+        if (n.hit.any()) keep_hits_of_arrivals(c, data, arrival, n);
+        n.soft = n.soft & ~n.hit;
         const Unit one = Unit::splat(1 << unit_bits), zero = Unit::splat(0);
         const Unit mass_scale = s.soft ? select(n.soft, Unit::load(c.mass_scale), one) : one;
         const Unit impulse_scale = s.soft ? Unit::load(c.impulse_scale) & n.soft : zero;
@@ -379,7 +408,10 @@ template <class L> class Kernel {
             n.now[k].store(point.impulse);
             if (hit) (Speed::load(point.impact) + ((n.now[k] - n.old[k]) & n.hit)).store(point.impact);
         }
-        if (hit) c.impacts = 1, c.hit |= n.hit.lanes();
+        if (hit) {
+            c.impacts = 1, c.hit |= n.hit.lanes();
+            pass_hits_on(c, data, n, arrival);
+        }
         if (c.bounce != none) note(c, data, n, p);
     }
 

@@ -91,7 +91,7 @@ inline constexpr std::int32_t leaving_speed = decimal<Speed>("0.25").raw;
 /// A direction that answers less than that to an impulse is left out: it is locked.
 inline constexpr std::int64_t least_response = std::int64_t{1} << (response_bits - 2);
 
-/// What the contact impulses of the tick so far give to a body: the start of the next substep. [m/s], 47 fraction bits
+/// Of a body [m/s], 47 fraction bits: what the contact impulses of the tick so far give to it, the start of the next substep.
 struct WarmStart {
     std::int64_t v[3], u[3];
 };
@@ -126,6 +126,7 @@ struct PassSettings {
 struct PassData {
     solve::SolverBody* bodies;
     WarmStart* warm;
+    WarmStart* arrival; ///< by body: its velocity without what contacts give in this substep, hits apart
     Bounce* bounces;
 };
 

@@ -51,14 +51,14 @@ template <unsigned N> void compare(const ContactKernel& kernel) {
         one_by_one.keeps = (1u << N) - 1; // then lanes are looked at one by one; none of them keeps so little
         const ContactPack<N> before = at_once;
         std::vector<solve::SolverBody> bodies(2 * N, solve::SolverBody{});
-        std::vector<WarmStart> warm(2 * N, WarmStart{}), other = warm;
+        std::vector<WarmStart> warm(2 * N, WarmStart{}), other = warm, arrival = warm;
         // Close to the end of the range: sums wrap there, and in both ways alike.
         for (WarmStart& start : warm) start.v[0] = random.below(2) == 0 ? INT64_MAX - 5 : INT64_MIN + 5;
         other = warm;
         const std::int64_t start = warm[0].v[0];
         const PassSettings settings{240, 1 << gap_bits, 1 << speed_bits, false};
-        kernel.solve(&at_once, 0, 1, {bodies.data(), warm.data(), nullptr}, settings);
-        kernel.solve(&one_by_one, 0, 1, {bodies.data(), other.data(), nullptr}, settings);
+        kernel.solve(&at_once, 0, 1, {bodies.data(), warm.data(), arrival.data(), nullptr}, settings);
+        kernel.solve(&one_by_one, 0, 1, {bodies.data(), other.data(), arrival.data(), nullptr}, settings);
         wrapped += (warm[0].v[0] < 0) != (start < 0);
         REQUIRE(std::memcmp(warm.data(), other.data(), warm.size() * sizeof(WarmStart)) == 0);
         for (int k = 0; k < 4; ++k)

@@ -279,10 +279,25 @@ TEST_CASE("a cloud of bodies in space keeps its momentum through all collisions"
 
 namespace {
 
-/// How far the energy of a crowd in a shaft gets above what it had at first, and above its least until then [J/kg]. At tick
-/// `pushed_at` one body of it is given 3 m/s.
+/// Overlap that is pushed out lifts what lies on it. In a tick that is at most the part of an overlap that springs of contacts with what stands
+/// still push out: w / (2 damping + w h) in a second, w their frequency and h a substep; at most all bodies are lifted by that [J/kg].
+double lifted(const WorldDef& def, double deepest) {
+    const double w = 2 * 2 * 3.14159265358979323846 * to_double(def.contact_hertz), h = substep;
+    return g * deepest / 60 * w / (2 * to_double(def.contact_damping) + w * h);
+}
+/// What rests at the end of a substep still falls in the next one: all of them, by the most that all of them press one contact together.
+const double growth_max = g * 2 * 30 * g * give(small_def());
+
+/// At the start of the latest tick [m].
+double deepest(const World& w) {
+    double out = 0;
+    for (const World::ContactPoint& point : w.contacts()) out = std::max(out, -to_double(point.separation));
+    return out;
+}
+/// How far the energy of a crowd in a shaft gets above what it had at first; how far a tick raises it above what overlaps can; and how far
+/// it gets, once all have landed, above its least since then [J/kg]. At tick `pushed_at` one body of it is given 3 m/s.
 struct Growth {
-    double above_first = -1e9, above_least = 0;
+    double above_first = -1e9, unexplained = -1e9, landed = 0;
 };
 Growth growth_of_crowd(double restitution, int pushed_at) {
     World w = made(World::create(small_def()));
@@ -297,21 +312,21 @@ Growth growth_of_crowd(double restitution, int pushed_at) {
                    {.geometry = shapes[i % 3], .restitution = real(restitution)});
     }
     const double first = energy_per_mass(w);
-    double least = first;
+    double before = first, least = 1e9;
     Growth out;
     for (int t = 0; t < 1200; ++t) {
         if (t == pushed_at) done(w.add_impulse(last, {{}, w.mass(last) * Real(3), {}}));
         w.tick();
-        const double now = energy_per_mass(w);
-        out = {std::max(out.above_first, now - first), std::max(out.above_least, now - least)};
-        least = std::min(least, now);
+        const double now = energy_per_mass(w), rises = now - before - lifted(small_def(), deepest(w));
+        if (t >= 300) least = std::min(least, now); // ten metres take 1.5 s
+        out = {std::max(out.above_first, now - first), std::max(out.unexplained, rises),
+               std::max(out.landed, now - least)};
+        before = now;
     }
-    std::printf("  closed scene, restitution %.1f: %.4f J/kg at first, at most %+.4f, rises by %.4f\n",
-                restitution, first, out.above_first, out.above_least);
+    std::printf("  closed scene, restitution %.1f: %.4f J/kg at first, at most %+.4f, landed %.4f\n",
+                restitution, first, out.above_first, out.landed);
     return out;
 }
-/// Overlap that is pushed out lifts what lies on it: all of them, by the most that all of them press one contact together.
-const double growth_max = g * 2 * 30 * g * give(small_def());
 
 } // namespace
 
@@ -319,9 +334,10 @@ TEST_CASE("energy never grows in a closed scene that nothing drives") {
     for (double restitution : {0.0, 0.5, 1.0}) {
         const Growth growth = growth_of_crowd(restitution, -1);
         CHECK(growth.above_first <= 0);
-        CHECK(growth.above_least < growth_max);
+        CHECK(growth.unexplained < growth_max);
+        CHECK(growth.landed < growth_max);
     }
 }
 TEST_CASE("planted fault: one body of thirty that is pushed is found by the energy of all") {
-    CHECK_FALSE(growth_of_crowd(0, 600).above_least < growth_max);
+    CHECK_FALSE(growth_of_crowd(0, 600).landed < growth_max);
 }
