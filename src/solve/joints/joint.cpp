@@ -22,14 +22,15 @@ void JointSolver::reserve(std::size_t joints) {
     work->seen.reserve(2 * joints + 1), work->packed.reserve(pack_lanes * joints),
         work->in_order.reserve(joints);
     work->last_stage.reserve(2 * joints), work->counts.reserve(5 * joints + 1);
-    work->bodies.reserve(2 * joints);
+    work->bodies.reserve(2 * joints), work->planned.reserve(2 * joints);
 }
 
 void JointSolver::poison(std::byte with) {
     auto& [joints, blocks, axes, packs, turn_packs, stages, singles, glances, seen, acts, packed, last_stage,
-           counts, in_order, bodies, forest, cache_of, pose, clamped, first] = *work;
+           counts, in_order, bodies, planned, has_plan, forest, cache_of, pose, clamped, first] = *work;
     base::poison(with, joints, blocks, axes, packs, turn_packs, stages, singles, glances, seen, acts, packed,
-                 last_stage, counts, in_order, bodies, cache_of, pose, clamped, first);
+                 last_stage, counts, in_order, bodies, planned, cache_of, pose, clamped, first);
+    has_plan = false;
     auto& [trees, nodes, edges, links, component, first_of, hung, node_of, size, root, anchor_of, loops,
            anchors, above_of, above, carried, queue] = forest;
     base::poison(with, trees, nodes, edges, links, component, first_of, hung, node_of, size, root, anchor_of,
@@ -160,17 +161,18 @@ void set_glance(JointTick& tick, const JointWork& work) {
     if (work.steady) glance.asks = packed ? seen_strays_far : seen_strays;
 }
 
-void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMemory> memory,
-                          const BodyColumns& columns, const StepConstants& step, const SolverBodies& bodies,
-                          Tasks* tasks) {
-    JointTick& tick = *work;
-    const bool stays_empty = joints.empty() && tick.joints.empty(); // then all that is planned is empty too
+namespace {
+
+PlannedBody planned_of(std::uint32_t body, const SolverBodies& bodies) {
+    const BodyStep& step = bodies.step[body];
+    return {step.moves, step.movable, fits_pack(body, bodies)};
+}
+
+/// Which bodies joints hold, what parts they have, and in which order they are solved.
+void plan_joints(JointTick& tick, std::span<const Joint> joints, std::span<const JointMemory> memory,
+                 const BodyColumns& columns, const StepConstants& step, const SolverBodies& bodies) {
     tick.joints.clear(), tick.blocks.clear(), tick.axes.clear(), tick.bodies.clear();
     tick.cache_of.assign(bodies.body.size(), 0);
-    tick.pose = columns.pose;
-    tick.clamped = 0;
-    tick.first = true;
-    if (stays_empty) return;
     constexpr BodyMass none{};
     for (const Joint& joint : joints) {
         JointWork& w = tick.joints.emplace_back();
@@ -192,6 +194,55 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
     }
     plan_trees(tick, columns, step, bodies);
     plan_packs(tick, step, bodies);
+    tick.planned.clear();
+    for (const JointBody& now : tick.bodies) tick.planned.push_back(planned_of(now.body, bodies));
+    tick.has_plan = tick.forest.trees.empty();
+}
+
+/// Whether the plan of the last tick serves again. How large a body's K^-1 is changes from tick to tick.
+bool is_plan_good(const JointTick& tick, std::size_t joints, const SolverBodies& bodies) {
+    if (!tick.has_plan || tick.joints.size() != joints) return false;
+    for (std::size_t i = 0; i < tick.bodies.size(); ++i)
+        if (tick.planned[i] != planned_of(tick.bodies[i].body, bodies)) return false;
+    return true;
+}
+
+/// What plan_joints() makes, from what it made in the last tick.
+void keep_plan(JointTick& tick, std::span<const Joint> joints, std::span<const JointMemory> memory,
+               const BodyColumns& columns, const SolverBodies& bodies) {
+    for (JointBody& now : tick.bodies) {
+        const std::uint32_t body = now.body;
+        now = {};
+        now.body = body;
+        start_body(now, columns.pose[body], bodies);
+    }
+    for (std::size_t i = 0; i < joints.size(); ++i) {
+        JointWork& w = tick.joints[i];
+        const JointMemory& last = memory[joints[i].memory];
+        w.twist = w.travel = last.twist;
+        w.made = w.remade = w.steady = false;
+        reassemble(tick, w, last);
+        if (w.a.world) set_side(tick, w.a, w.framed, joints[i].frame_a, columns, bodies);
+        if (w.b.world) set_side(tick, w.b, w.framed, joints[i].frame_b, columns, bodies);
+    }
+    restart_packs(tick);
+}
+
+} // namespace
+
+void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMemory> memory,
+                          const BodyColumns& columns, const StepConstants& step, const SolverBodies& bodies,
+                          Tasks* tasks, bool same) {
+    JointTick& tick = *work;
+    const bool stays_empty = joints.empty() && tick.joints.empty(); // then all that is planned is empty too
+    tick.pose = columns.pose;
+    tick.clamped = 0;
+    tick.first = true;
+    if (stays_empty) return;
+    if (same && is_plan_good(tick, joints.size(), bodies))
+        keep_plan(tick, joints, memory, columns, bodies);
+    else
+        plan_joints(tick, joints, memory, columns, step, bodies);
     tick.glances.resize(tick.joints.size()), tick.seen.assign(tick.bodies.size() + 1, 0);
     for_joints(tick, tasks, [&](JointWork& w) {
         if (w.pack != no_pack) start_packed(tick, w);
