@@ -265,25 +265,31 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
 
 namespace {
 
-/// Which bodies have moved, and whether any has.
-bool look_at_bodies(JointTick& tick, const SolverBodies& bodies, Tasks* tasks) {
+/// Which bodies have moved. JointSeen of any of them.
+std::uint8_t look_at_bodies(JointTick& tick, const SolverBodies& bodies, Tasks* tasks) {
     base::for_chunks(tasks, static_cast<std::uint32_t>(tick.bodies.size()), body_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
                          for (std::uint32_t i = first; i < last; ++i)
                              tick.seen[i + 1] = look_at_body(tick.bodies[i], bodies);
                      });
-    return std::any_of(tick.seen.begin(), tick.seen.end(), [](std::uint8_t seen) { return seen != 0; });
+    std::uint8_t any = 0;
+    for (const std::uint8_t seen : tick.seen) any |= seen;
+    return any;
 }
 
-/// Finds the joints whose rows are stale by the motion of their bodies, and the bodies that have to be placed for new rows.
-void find_stale(JointTick& tick) {
+/// Finds the joints whose rows are stale by the motion of their bodies, and the bodies that have to be placed for new rows. Whether any
+/// joint has rows of its own.
+bool find_stale(JointTick& tick) {
+    bool any = false;
     for (JointGlance& glance : tick.glances) {
+        any = any || glance.own_rows;
         glance.stale = ((tick.seen[glance.a] | tick.seen[glance.b]) & glance.asks) != 0;
         if (glance.pack != no_pack) tick.packs[glance.pack].stale[glance.lane] = glance.stale;
         if (!glance.stale || !glance.places) continue;
         for (const std::uint32_t body : {glance.a, glance.b})
             if (body != 0) tick.bodies[body - 1].wanted = true;
     }
+    return any;
 }
 
 void place_bodies(JointTick& tick, const SolverBodies& bodies, Tasks* tasks) {
@@ -299,20 +305,8 @@ void place_bodies(JointTick& tick, const SolverBodies& bodies, Tasks* tasks) {
                      });
 }
 
-} // namespace
-
-void JointSolver::update(const StepConstants& step, const SolverBodies& bodies, Tasks* tasks) {
-    JointTick& tick = *work;
-    if (tick.joints.empty()) return;
-    if (!look_at_bodies(tick, bodies, tasks)) { // before the first substep
-        for_joints(tick, tasks, [&](JointWork& w) {
-            if (w.pack == no_pack) follow_errors(tick, w, step, bodies);
-        });
-        find_acting(tick);
-        return;
-    }
-    find_stale(tick);
-    place_bodies(tick, bodies, tasks);
+/// What is made joint by joint: how bodies have turned that packs are told of, and rows of no pack.
+void follow_joints(JointTick& tick, const StepConstants& step, const SolverBodies& bodies, Tasks* tasks) {
     base::for_chunks(tasks, static_cast<std::uint32_t>(tick.joints.size()), joint_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
                          for (std::uint32_t i = first; i < last; ++i) {
@@ -327,6 +321,24 @@ void JointSolver::update(const StepConstants& step, const SolverBodies& bodies, 
                                  follow_errors(tick, tick.joints[i], step, bodies);
                          }
                      });
+}
+
+} // namespace
+
+void JointSolver::update(const StepConstants& step, const SolverBodies& bodies, Tasks* tasks) {
+    JointTick& tick = *work;
+    if (tick.joints.empty()) return;
+    const std::uint8_t seen = look_at_bodies(tick, bodies, tasks);
+    if (seen == 0) { // before the first substep
+        for_joints(tick, tasks, [&](JointWork& w) {
+            if (w.pack == no_pack) follow_errors(tick, w, step, bodies);
+        });
+        find_acting(tick);
+        return;
+    }
+    const bool own_rows = find_stale(tick);
+    place_bodies(tick, bodies, tasks);
+    if (own_rows || (seen & seen_given) != 0) follow_joints(tick, step, bodies, tasks);
     refresh_packs(tick, *kernel, step, bodies, tasks);
     make_asked_rows(tick, step, bodies);
     invert_packs(tick, *kernel, step, bodies, tasks);

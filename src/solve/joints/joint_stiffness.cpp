@@ -96,6 +96,10 @@ std::uint64_t weak_force(Vec3 r, Real k, Real mass, std::int64_t rate) {
     return bit_length(force) + up > 63 ? std::uint64_t{1} << 63 : force << up;
 }
 
+bool is_strong(std::uint64_t force, std::uint64_t weak) {
+    return weak != 0 && weak < std::uint64_t{1} << 62 && force > weak + (weak >> 5) + 2;
+}
+
 void find_weak_forces(std::span<Joint> joints, const BodyColumns& columns, const StepConstants& step,
                       const SolverBodies& bodies) {
     const auto of = [&](std::uint32_t row, const Transform& frame) {
@@ -112,12 +116,14 @@ void find_weak_forces(std::span<Joint> joints, const BodyColumns& columns, const
 namespace {
 
 /// Adds h^2 ((r . f) 1 - r f^T) / m of one side, its diagonal in principal axes [m^2]. False where it cannot matter.
-bool add_pull(const BodyColumns& columns, std::uint32_t row, Vec3 force, Vec3 place,
+/// `strong`: it is known that it can.
+bool add_pull(const BodyColumns& columns, std::uint32_t row, Vec3 force, Vec3 place, bool strong,
               const StepConstants& step, BodyStep& s) {
     const BodyMass& mass = columns.mass[row];
-    const Real least = min(mass.gyration.x, min(mass.gyration.y, mass.gyration.z));
     const Vec3 away = place - mass.center;
-    if (is_too_weak(force, away, least, mass.mass, step.substeps_per_second)) return false;
+    if (!strong && is_too_weak(force, away, min(mass.gyration.x, min(mass.gyration.y, mass.gyration.z)),
+                               mass.mass, step.substeps_per_second))
+        return false;
     const CutVector pulls = cut(force), lever = cut(away);
     const bool turned = mass.principal != Quat::identity();
     const Quat pose = columns.pose[row].rotation;
@@ -157,11 +163,11 @@ void stiffen_bodies(std::span<const Joint> joints, std::span<const JointMemory> 
         if (force == Vec3{}) continue;
         const std::uint64_t size = length_above(force);
         if (size > joint.weak_a && bodies.step[joint.body_a].movable)
-            any |= add_pull(columns, joint.body_a, -force, joint.frame_a.position, step,
-                            bodies.step[joint.body_a]);
+            any |= add_pull(columns, joint.body_a, -force, joint.frame_a.position,
+                            is_strong(size, joint.weak_a), step, bodies.step[joint.body_a]);
         if (size > joint.weak_b && bodies.step[joint.body_b].movable)
-            any |= add_pull(columns, joint.body_b, force, joint.frame_b.position, step,
-                            bodies.step[joint.body_b]);
+            any |= add_pull(columns, joint.body_b, force, joint.frame_b.position,
+                            is_strong(size, joint.weak_b), step, bodies.step[joint.body_b]);
     }
     if (!any) return;
     for (const Joint& joint : joints)

@@ -31,5 +31,7 @@ bool is_too_weak(Vec3 f, Vec3 r, Real k, Real mass, std::int64_t rate);
 std::uint64_t length_above(Vec3 v);
 /// A pull f with a length_above() of at most this is_too_weak(); of others, above 0.97 of what is too weak, that is to be asked.
 std::uint64_t weak_force(Vec3 r, Real k, Real mass, std::int64_t rate);
+/// Whether a length_above() is so far above a weak_force() that the pull is not too weak for certain.
+bool is_strong(std::uint64_t force, std::uint64_t weak);
 
 } // namespace lockstone::solve
