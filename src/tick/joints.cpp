@@ -1,5 +1,6 @@
 #include "tick/joints.h"
 
+#include "base/poison.h"
 #include "lockstone/math/math.h"
 #include "model/slots.h"
 
@@ -15,11 +16,48 @@ static Transform frame_for_solver(const Model& w, std::uint32_t row, const Trans
     return {pose.position + rotate(pose.rotation, arm), normalized(pose.rotation * frame.rotation)};
 }
 
-void list_joints(const Model& w, std::vector<solve::Joint>& out) {
-    const std::uint32_t still = w.header().bodies_awake;
+/// Whether something that the list is made of may be another than when this was last called.
+static bool has_changed(const Model& w, JointList& list) {
+    bool any = false;
+    const auto look = [&](std::uint32_t column, std::uint32_t rows) {
+        const std::uint32_t before = w.state.take_changes(column, list.seen, list.changed);
+        any = any || before != rows || !list.changed.empty();
+    };
+    look(w.m.joint.index, w.state.count(w.m.joints));
+    look(w.m.body_slot.index, w.state.count(w.m.body_slots));
+    look(w.m.body_info.index, w.state.count(w.m.bodies));
+    look(w.m.body_traits.row.index, w.state.count(w.m.body_traits.table));
+    return any;
+}
+
+/// Frames on what rests, which may have been put elsewhere.
+static void place_resting(const Model& w, JointList& list) {
+    for (solve::Joint& joint : list.all) {
+        const JointDef& def = *joint.def;
+        if (joint.body_a == list.bodies_awake && def.body_a)
+            joint.frame_a = frame_for_solver(w, w.row_of(def.body_a), def.frame_a);
+        if (joint.body_b == list.bodies_awake)
+            joint.frame_b = frame_for_solver(w, w.row_of(def.body_b), def.frame_b);
+    }
+}
+
+void JointList::poison(std::byte with) {
+    base::poison(with, all);
+    rows = nullptr;
+}
+
+void list_joints(const Model& w, JointList& list) {
+    std::vector<solve::Joint>& out = list.all;
+    const std::uint32_t still = w.header().bodies_awake, count = w.header().joints_awake;
     const std::span<const JointRow> rows = w.state.rows(w.m.joint);
+    if (count == 0 && out.empty()) return;
+    const bool is_known =
+        list.rows == rows.data() && list.bodies_awake == still && list.joints_awake == count;
+    list.is_new = has_changed(w, list) || !is_known;
+    if (!list.is_new) return place_resting(w, list);
+    list.rows = rows.data(), list.bodies_awake = still, list.joints_awake = count;
     out.clear();
-    for (std::uint32_t row = 0; row < w.header().joints_awake; ++row) {
+    for (std::uint32_t row = 0; row < count; ++row) {
         const JointDef& def = rows[row].def;
         const std::uint32_t a = def.body_a ? w.row_of(def.body_a) : Model::dead, b = w.row_of(def.body_b);
         out.push_back({&def, std::min(a, still), std::min(b, still), row, frame_for_solver(w, a, def.frame_a),

@@ -5,12 +5,27 @@
 #include "model/model.h"
 #include "solve/joints/joint.h"
 
+#include <cstddef>
 #include <vector>
 
 namespace lockstone::sim {
 
-/// In slot order, as the solver takes them.
-void list_joints(const Model& w, std::vector<solve::Joint>& out);
+/// The joints of a tick, and whether they are those of the last one: then what was made of them alone serves again.
+struct JointList {
+    std::vector<solve::Joint> all; ///< in slot order, as the solver takes them
+    /// Made anew: joints have come, gone or changed, or bodies, their masses or their rows have. Frames in the world may be others in
+    /// any tick.
+    bool is_new = true;
+
+    void poison(std::byte with);
+
+    // What the list was made of
+    const JointRow* rows = nullptr;
+    std::uint32_t bodies_awake = 0, joints_awake = 0;
+    ChangeMark seen;
+    std::vector<RowRange> changed; ///< memory
+};
+void list_joints(const Model& w, JointList& out);
 /// Removes joints that bore too much, and reports them. `broken`: memory.
 void break_joints(Model& w, std::vector<JointId>& broken, std::vector<Event>& events);
 

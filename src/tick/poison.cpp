@@ -101,7 +101,8 @@ void poison_scratch(Model& w, PlacedShapes& placed, QueryScratch& query, TickScr
     table.poison(with);
     poison_contacts(with, contact_scratch, found);
     step_of = {};
-    poison(with, pose_before.list, joints, fields.pulls, fields.categories, step, broken, w.mass_parts);
+    joints.poison(with);
+    poison(with, pose_before.list, fields.pulls, fields.categories, step, broken, w.mass_parts);
     poison_bodies(with, bodies);
     contacts.poison(with);
     joint_solver.poison(with);

@@ -131,6 +131,17 @@ struct Way {
     Vec3 moved;           ///< in the tick as far as is known, for one-way surfaces
 };
 
+/// Whether a way stays above a plane that stands still, by more than how far a shape reaches `around` it: as boxes do that the way's box
+/// does not meet, it neither stops nor touches the shape then.
+bool stays_above(const Sweeper& s, std::uint32_t plane, const Sweep& way, Real around) {
+    const std::uint32_t body = s.w.row_of(s.shapes[s.slots[plane].row].body);
+    if (s.info[body].kind != BodyKind::static_) return false;
+    const Transform& at = s.placed.shape[plane].pose;
+    const UnitVec3 n = to_rotation(at.rotation).y;
+    const auto height = [&](Vec3 p) { return dot<Real>(n, p - at.position); };
+    return height(way.from.position) > around && height(way.to.position) > around;
+}
+
 /// visit(wall, row of its body, way of its body, way of the shape's body) for the shapes that may stop this one.
 template <class Visit>
 void for_each_wall(const Sweeper& s, const Way& whole, const ShapeRow& shape,
@@ -158,7 +169,8 @@ void for_each_wall(const Sweeper& s, const Way& whole, const ShapeRow& shape,
         placed.broad_phase.query_static(swept, near);
     else
         placed.broad_phase.query(swept, near);
-    near.proxies.insert(near.proxies.end(), placed.planes.begin(), placed.planes.end());
+    for (const std::uint32_t plane : placed.planes)
+        if (!stays_above(s, plane, way, around)) near.proxies.push_back(plane);
     for (const std::uint32_t slot : near.proxies) {
         const ShapeRow& wall = s.shapes[s.slots[slot].row];
         const std::uint32_t other = s.w.row_of(wall.body);

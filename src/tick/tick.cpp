@@ -7,7 +7,6 @@
 #include "solve/bodies/step.h"
 #include "solve/joints/followed_turn.h"
 #include "solve/joints/joint_stiffness.h"
-#include "tick/joints.h"
 
 #include <tuple>
 
@@ -49,8 +48,8 @@ void checkpoint_with_contacts(const Tick& t, const char* phase) {
     checkpoint(t, phase);
 }
 
-/// The same from tick to tick while the settings are.
-void find_constants(const Config& c, TickScratch& s) {
+/// The same from tick to tick while the settings are. Whether they were made anew.
+bool find_constants(const Config& c, TickScratch& s) {
     const solve::StepSettings now{static_cast<std::int32_t>(c.tick_rate),
                                   static_cast<std::int32_t>(c.substeps),
                                   c.contact_hertz,
@@ -61,9 +60,10 @@ void find_constants(const Config& c, TickScratch& s) {
         return std::tie(x.ticks_per_second, x.substeps, x.contact_hertz, x.contact_damping, x.push_speed_max,
                         x.restitution_speed_min);
     };
-    if (all(now) == all(s.step_of)) return;
+    if (all(now) == all(s.step_of)) return false;
     s.step = solve::step_constants(now);
     s.step_of = now;
+    return true;
 }
 
 /// Bounds and pairs, again while something awake wakes what it touches.
@@ -84,16 +84,18 @@ void prepare(const Tick& t, const Scene& scene, const solve::BodyColumns& column
     TickScratch& s = t.s;
     Model& w = t.w;
     Tasks* const tasks = t.hooks.tasks;
-    find_constants(w.config(), s);
+    const bool other_step = find_constants(w.config(), s);
     const std::span<const Transform> poses = w.state.rows(w.m.body_pose).first(w.header().bodies_awake);
     s.pose_before.list.assign(poses.begin(), poses.end());
     const std::span<const JointMemory> memory = w.state.rows(w.m.joint_memory);
     solve::begin_step(columns, w.header().gravity, s.step, s.bodies, tasks);
     list_joints(w, s.joints);
-    solve::stiffen_bodies(s.joints, memory, columns, s.step, s.bodies);
-    solve::follow_turns(s.joints, columns, s.step, s.bodies);
+    const bool same_joints = !s.joints.is_new && !other_step;
+    if (!same_joints) solve::find_weak_forces(s.joints.all, columns, s.step, s.bodies);
+    solve::stiffen_bodies(s.joints.all, memory, columns, s.step, s.bodies);
+    solve::follow_turns(s.joints.all, columns, s.step, s.bodies);
     s.contacts.prepare(s.found.contacts, s.table.list.memories, columns.mass, s.step, s.bodies, tasks);
-    s.joint_solver.prepare(s.joints, memory, columns, s.step, s.bodies, tasks);
+    s.joint_solver.prepare(s.joints.all, memory, columns, s.step, s.bodies, tasks, same_joints);
     s.vehicle_solver.prepare(s.vehicles.drive(scene), columns, s.step, s.bodies, tasks);
     list_fields(w, s.fields);
     s.fluids.prepare(w, t.placed, s.fields, s.step, s.bodies);
@@ -155,7 +157,7 @@ void update_sleep(const Tick& t) {
     TickScratch& s = t.s;
     Model& w = t.w;
     s.table.write(w.state, w.m.contacts);
-    find_resting(w, {s.found.contacts, s.joints, s.vehicle_solver.standing()}, s.islands);
+    find_resting(w, {s.found.contacts, s.joints.all, s.vehicle_solver.standing()}, s.islands);
     if (s.islands.resting.empty()) return;
     find_contact_points(w, t.placed, s.pose_before, s.table.list, s.found, t.out.contact_points);
     put_to_sleep(w, t.placed, s.islands.resting, t.out.events);

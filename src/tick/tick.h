@@ -11,6 +11,7 @@
 #include "tick/contacts.h"
 #include "tick/events.h"
 #include "tick/islands.h"
+#include "tick/joints.h"
 #include "tick/pairs.h"
 #include "tick/sweep.h"
 
@@ -40,7 +41,7 @@ struct TickScratch {
     FoundContacts found;
 
     PosesBefore pose_before;
-    std::vector<solve::Joint> joints; ///< in slot order
+    JointList joints;
     FieldsOfTick fields;
 
     solve::StepConstants step{};

@@ -1,9 +1,10 @@
-// Worlds: what lockstone::prove looks at, the golden table, states and their bytes, events, ids.
+// Worlds: what lockstone::prove looks at, the golden table, states and their bytes, events, ids, joints that change.
 #include "../matrix/host.h"
 #include "checks.h"
 #include "lockstone/prove.h"
 #include "state/canonical.h"
 #include "support/contact_points.h"
+#include "support/rigs/joint_chains.h"
 #include "support/task_worlds.h"
 
 #include <cstdio>
@@ -310,6 +311,12 @@ std::string alike_shapes() {
     return world.shape(one).friction == 0.125_r ? "" : "a shape has not the friction that it was given";
 }
 
+/// Beside a world whose memory is overwritten before every tick, one in which joints and bodies change goes the same way.
+std::string joints_planned() {
+    const ChainRun run = run_chains(100);
+    return run.parted_at < 0 ? "" : "they part at tick " + std::to_string(run.parted_at);
+}
+
 } // namespace
 
 Checks world_checks() {
@@ -326,6 +333,7 @@ Checks world_checks() {
                              {"dead ids stay dead", dead_ids},
                              {"crowds agree", crowds_agree},
                              {"what is alike stays apart", alike_shapes},
+                             {"joints that change are planned anew", joints_planned},
                              {"grows", grows}});
     return list;
 }

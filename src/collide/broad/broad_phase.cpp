@@ -92,13 +92,15 @@ void BroadPhase::update_trees() {
         if (entry.present) ++changes[entry.is_static];
     }
     const bool anew[2] = {changes[0] * 8 > moving.leaf_count(), changes[1] * 8 > fixed.leaf_count()};
+    const bool fitted[2] = {anew[0] && refit(false), anew[1] && refit(true)};
     for (std::uint32_t proxy : moved) {
         Entry& entry = entries[proxy];
-        if (entry.leaf != BoundsTree::none && !anew[entry.in_fixed])
-            tree_of(entry.in_fixed).remove(entry.leaf);
+        if (entry.leaf == BoundsTree::none || fitted[entry.in_fixed]) continue;
+        if (!anew[entry.in_fixed]) tree_of(entry.in_fixed).remove(entry.leaf);
         entry.leaf = BoundsTree::none;
     }
     for (bool is_fixed : {false, true}) {
+        if (fitted[is_fixed]) continue;
         if (anew[is_fixed])
             rebuild(is_fixed);
         else
@@ -106,6 +108,21 @@ void BroadPhase::update_trees() {
     }
     for (std::uint32_t proxy : moved) entries[proxy].moved = false;
     moved.clear();
+}
+
+bool BroadPhase::refit(bool is_fixed) {
+    BoundsTree& tree = tree_of(is_fixed);
+    if (!tree.can_refit()) return false;
+    for (std::uint32_t proxy : moved) {
+        const Entry& entry = entries[proxy];
+        const bool was_there = entry.leaf != BoundsTree::none && entry.in_fixed == is_fixed;
+        if (was_there != (entry.present && entry.is_static == is_fixed)) return false;
+    }
+    for (std::uint32_t proxy : moved)
+        if (const Entry& entry = entries[proxy]; entry.leaf != BoundsTree::none && entry.in_fixed == is_fixed)
+            tree.set_leaf(entry.leaf, entry.leaf_bounds);
+    tree.refit();
+    return true;
 }
 
 void BroadPhase::rebuild(bool is_fixed) {

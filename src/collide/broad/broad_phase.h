@@ -96,6 +96,8 @@ class BroadPhase {
                   std::vector<std::uint32_t>& out) const;
     Bounds moving_leaf(const Bounds& before, const Bounds& exact) const;
     void note_move(std::uint32_t proxy);
+    /// Of the leaves that have moved, if it is a tree of the same proxies as before.
+    bool refit(bool is_fixed);
     void rebuild(bool is_fixed);
     void take_leaves(bool is_fixed); ///< of a tree that is up to date
     void note_leaves(bool is_fixed); ///< where they are in a tree that was made anew

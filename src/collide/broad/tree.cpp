@@ -34,10 +34,12 @@ void BoundsTree::clear() {
     nodes.clear();
     top = free_list = none;
     leaf_total = 0;
+    is_ordered = false;
 }
 
 BoundsTree::NodeId BoundsTree::insert(const Bounds& bounds, std::uint32_t proxy) {
     ++leaf_total;
+    is_ordered = false;
     const NodeId leaf = take_node();
     at(leaf) = {bounds, none, {none, static_cast<NodeId>(proxy)}, true};
     if (top == none) {
@@ -59,6 +61,7 @@ BoundsTree::NodeId BoundsTree::insert(const Bounds& bounds, std::uint32_t proxy)
 
 void BoundsTree::remove(NodeId leaf) {
     --leaf_total;
+    is_ordered = false;
     const NodeId parent = at(leaf).parent;
     free_node(leaf);
     if (parent == none) {
@@ -168,7 +171,23 @@ int widest_axis(const BoundsTree::Leaf* begin, const BoundsTree::Leaf* end) {
 
 } // namespace
 
-/// A node comes before its children, so bounds are merged back to front.
+void BoundsTree::merge_all() {
+    area = 0;
+    for (std::size_t i = nodes.size(); i-- > 0;) {
+        if (nodes[i].is_leaf()) continue;
+        merge_children(static_cast<NodeId>(i));
+        area += half_area(nodes[i].bounds) >> 18;
+    }
+}
+
+void BoundsTree::set_leaf(NodeId leaf, const Bounds& bounds) {
+    at(leaf).bounds = bounds;
+    at(leaf).fresh = true;
+}
+
+void BoundsTree::refit() { merge_all(); }
+
+/// A node comes before its children.
 template <class Split> void BoundsTree::rebuild_by(std::vector<Leaf>& leaves, Split&& split) {
     clear();
     leaf_total = static_cast<std::uint32_t>(leaves.size());
@@ -194,8 +213,9 @@ template <class Split> void BoundsTree::rebuild_by(std::vector<Leaf>& leaves, Sp
         ranges.push_back({r.begin, middle, id, 0});
         ranges.push_back({middle, r.end, id, 1});
     }
-    for (std::size_t i = nodes.size(); i-- > 0;)
-        if (!nodes[i].is_leaf()) merge_children(static_cast<NodeId>(i));
+    merge_all();
+    is_ordered = true;
+    area_max = area + area / 4;
 }
 
 /// Splits at the median of the widest axis.

@@ -255,11 +255,10 @@ constexpr int held_parts = 16;
 /// Whether a body feels gyroscopic torque and turns by more than 1 / `parts` of a radian in the tick about some axis.
 bool spins(const BodyColumns& columns, std::uint32_t row, const BodyStep& s, int parts,
            const StepConstants& step) {
-    if (!s.movable || s.turn != 0 || columns.traits(row).gyroscopic == 0 || s.angular_mask != 7u)
-        return false;
-    if (s.radii.x == s.radii.y && s.radii.y == s.radii.z) return false;
+    if (!s.movable || (s.radii.x == s.radii.y && s.radii.y == s.radii.z)) return false;
     const Vec3 w = abs(to<Real>(columns.velocity[row].angular));
-    return max(w.x, max(w.y, w.z)) * parts > Real(step.ticks_per_second);
+    if (!(max(w.x, max(w.y, w.z)) * parts > Real(step.ticks_per_second))) return false;
+    return s.turn == 0 && columns.traits(row).gyroscopic != 0 && s.angular_mask == 7u;
 }
 
 /// Mantissas below 2^30 of entries below 2^length; returns their fraction bits.

@@ -22,14 +22,15 @@ void JointSolver::reserve(std::size_t joints) {
     work->seen.reserve(2 * joints + 1), work->packed.reserve(pack_lanes * joints),
         work->in_order.reserve(joints);
     work->last_stage.reserve(2 * joints), work->counts.reserve(5 * joints + 1);
-    work->bodies.reserve(2 * joints);
+    work->bodies.reserve(2 * joints), work->planned.reserve(2 * joints);
 }
 
 void JointSolver::poison(std::byte with) {
     auto& [joints, blocks, axes, packs, turn_packs, stages, singles, glances, seen, acts, packed, last_stage,
-           counts, in_order, bodies, forest, cache_of, pose, clamped, first] = *work;
+           counts, in_order, bodies, planned, has_plan, forest, cache_of, pose, clamped, first] = *work;
     base::poison(with, joints, blocks, axes, packs, turn_packs, stages, singles, glances, seen, acts, packed,
-                 last_stage, counts, in_order, bodies, cache_of, pose, clamped, first);
+                 last_stage, counts, in_order, bodies, planned, cache_of, pose, clamped, first);
+    has_plan = false;
     auto& [trees, nodes, edges, links, component, first_of, hung, node_of, size, root, anchor_of, loops,
            anchors, above_of, above, carried, queue] = forest;
     base::poison(with, trees, nodes, edges, links, component, first_of, hung, node_of, size, root, anchor_of,
@@ -160,17 +161,18 @@ void set_glance(JointTick& tick, const JointWork& work) {
     if (work.steady) glance.asks = packed ? seen_strays_far : seen_strays;
 }
 
-void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMemory> memory,
-                          const BodyColumns& columns, const StepConstants& step, const SolverBodies& bodies,
-                          Tasks* tasks) {
-    JointTick& tick = *work;
-    const bool stays_empty = joints.empty() && tick.joints.empty(); // then all that is planned is empty too
+namespace {
+
+PlannedBody planned_of(std::uint32_t body, const SolverBodies& bodies) {
+    const BodyStep& step = bodies.step[body];
+    return {step.moves, step.movable, fits_pack(body, bodies)};
+}
+
+/// Which bodies joints hold, what parts they have, and in which order they are solved.
+void plan_joints(JointTick& tick, std::span<const Joint> joints, std::span<const JointMemory> memory,
+                 const BodyColumns& columns, const StepConstants& step, const SolverBodies& bodies) {
     tick.joints.clear(), tick.blocks.clear(), tick.axes.clear(), tick.bodies.clear();
     tick.cache_of.assign(bodies.body.size(), 0);
-    tick.pose = columns.pose;
-    tick.clamped = 0;
-    tick.first = true;
-    if (stays_empty) return;
     constexpr BodyMass none{};
     for (const Joint& joint : joints) {
         JointWork& w = tick.joints.emplace_back();
@@ -192,6 +194,55 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
     }
     plan_trees(tick, columns, step, bodies);
     plan_packs(tick, step, bodies);
+    tick.planned.clear();
+    for (const JointBody& now : tick.bodies) tick.planned.push_back(planned_of(now.body, bodies));
+    tick.has_plan = tick.forest.trees.empty();
+}
+
+/// Whether the plan of the last tick serves again. How large a body's K^-1 is changes from tick to tick.
+bool is_plan_good(const JointTick& tick, std::size_t joints, const SolverBodies& bodies) {
+    if (!tick.has_plan || tick.joints.size() != joints) return false;
+    for (std::size_t i = 0; i < tick.bodies.size(); ++i)
+        if (tick.planned[i] != planned_of(tick.bodies[i].body, bodies)) return false;
+    return true;
+}
+
+/// What plan_joints() makes, from what it made in the last tick.
+void keep_plan(JointTick& tick, std::span<const Joint> joints, std::span<const JointMemory> memory,
+               const BodyColumns& columns, const SolverBodies& bodies) {
+    for (JointBody& now : tick.bodies) {
+        const std::uint32_t body = now.body;
+        now = {};
+        now.body = body;
+        start_body(now, columns.pose[body], bodies);
+    }
+    for (std::size_t i = 0; i < joints.size(); ++i) {
+        JointWork& w = tick.joints[i];
+        const JointMemory& last = memory[joints[i].memory];
+        w.twist = w.travel = last.twist;
+        w.made = w.remade = w.steady = false;
+        reassemble(tick, w, last);
+        if (w.a.world) set_side(tick, w.a, w.framed, joints[i].frame_a, columns, bodies);
+        if (w.b.world) set_side(tick, w.b, w.framed, joints[i].frame_b, columns, bodies);
+    }
+    restart_packs(tick);
+}
+
+} // namespace
+
+void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMemory> memory,
+                          const BodyColumns& columns, const StepConstants& step, const SolverBodies& bodies,
+                          Tasks* tasks, bool same) {
+    JointTick& tick = *work;
+    const bool stays_empty = joints.empty() && tick.joints.empty(); // then all that is planned is empty too
+    tick.pose = columns.pose;
+    tick.clamped = 0;
+    tick.first = true;
+    if (stays_empty) return;
+    if (same && is_plan_good(tick, joints.size(), bodies))
+        keep_plan(tick, joints, memory, columns, bodies);
+    else
+        plan_joints(tick, joints, memory, columns, step, bodies);
     tick.glances.resize(tick.joints.size()), tick.seen.assign(tick.bodies.size() + 1, 0);
     for_joints(tick, tasks, [&](JointWork& w) {
         if (w.pack != no_pack) start_packed(tick, w);
@@ -214,25 +265,31 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
 
 namespace {
 
-/// Which bodies have moved, and whether any has.
-bool look_at_bodies(JointTick& tick, const SolverBodies& bodies, Tasks* tasks) {
+/// Which bodies have moved. JointSeen of any of them.
+std::uint8_t look_at_bodies(JointTick& tick, const SolverBodies& bodies, Tasks* tasks) {
     base::for_chunks(tasks, static_cast<std::uint32_t>(tick.bodies.size()), body_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
                          for (std::uint32_t i = first; i < last; ++i)
                              tick.seen[i + 1] = look_at_body(tick.bodies[i], bodies);
                      });
-    return std::any_of(tick.seen.begin(), tick.seen.end(), [](std::uint8_t seen) { return seen != 0; });
+    std::uint8_t any = 0;
+    for (const std::uint8_t seen : tick.seen) any |= seen;
+    return any;
 }
 
-/// Finds the joints whose rows are stale by the motion of their bodies, and the bodies that have to be placed for new rows.
-void find_stale(JointTick& tick) {
+/// Finds the joints whose rows are stale by the motion of their bodies, and the bodies that have to be placed for new rows. Whether any
+/// joint has rows of its own.
+bool find_stale(JointTick& tick) {
+    bool any = false;
     for (JointGlance& glance : tick.glances) {
+        any = any || glance.own_rows;
         glance.stale = ((tick.seen[glance.a] | tick.seen[glance.b]) & glance.asks) != 0;
         if (glance.pack != no_pack) tick.packs[glance.pack].stale[glance.lane] = glance.stale;
         if (!glance.stale || !glance.places) continue;
         for (const std::uint32_t body : {glance.a, glance.b})
             if (body != 0) tick.bodies[body - 1].wanted = true;
     }
+    return any;
 }
 
 void place_bodies(JointTick& tick, const SolverBodies& bodies, Tasks* tasks) {
@@ -248,20 +305,8 @@ void place_bodies(JointTick& tick, const SolverBodies& bodies, Tasks* tasks) {
                      });
 }
 
-} // namespace
-
-void JointSolver::update(const StepConstants& step, const SolverBodies& bodies, Tasks* tasks) {
-    JointTick& tick = *work;
-    if (tick.joints.empty()) return;
-    if (!look_at_bodies(tick, bodies, tasks)) { // before the first substep
-        for_joints(tick, tasks, [&](JointWork& w) {
-            if (w.pack == no_pack) follow_errors(tick, w, step, bodies);
-        });
-        find_acting(tick);
-        return;
-    }
-    find_stale(tick);
-    place_bodies(tick, bodies, tasks);
+/// What is made joint by joint: how bodies have turned that packs are told of, and rows of no pack.
+void follow_joints(JointTick& tick, const StepConstants& step, const SolverBodies& bodies, Tasks* tasks) {
     base::for_chunks(tasks, static_cast<std::uint32_t>(tick.joints.size()), joint_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
                          for (std::uint32_t i = first; i < last; ++i) {
@@ -276,6 +321,24 @@ void JointSolver::update(const StepConstants& step, const SolverBodies& bodies, 
                                  follow_errors(tick, tick.joints[i], step, bodies);
                          }
                      });
+}
+
+} // namespace
+
+void JointSolver::update(const StepConstants& step, const SolverBodies& bodies, Tasks* tasks) {
+    JointTick& tick = *work;
+    if (tick.joints.empty()) return;
+    const std::uint8_t seen = look_at_bodies(tick, bodies, tasks);
+    if (seen == 0) { // before the first substep
+        for_joints(tick, tasks, [&](JointWork& w) {
+            if (w.pack == no_pack) follow_errors(tick, w, step, bodies);
+        });
+        find_acting(tick);
+        return;
+    }
+    const bool own_rows = find_stale(tick);
+    place_bodies(tick, bodies, tasks);
+    if (own_rows || (seen & seen_given) != 0) follow_joints(tick, step, bodies, tasks);
     refresh_packs(tick, *kernel, step, bodies, tasks);
     make_asked_rows(tick, step, bodies);
     invert_packs(tick, *kernel, step, bodies, tasks);

@@ -51,6 +51,8 @@ struct Joint {
     std::uint32_t body_a, body_b;
     std::uint32_t memory;       ///< row of the memory column
     Transform frame_a, frame_b; ///< as in the definition; where the body is still(), in the world
+    /// Forces that leave the body's inertia as it is, as length_above(); 0: not found. joint_stiffness.h
+    std::uint64_t weak_a = 0, weak_b = 0;
 };
 
 struct JointTick;   ///< joint_work.h
@@ -65,10 +67,11 @@ class JointSolver {
     /// False, and nothing changes, without lanes.
     bool use(const JointKernel* lanes) { return lanes != nullptr && (kernel = lanes, true); }
 
-    /// Once a tick, before the substeps. `joints` in solving order; all spans are kept until store().
+    /// Once a tick, before the substeps. `joints` in solving order; all spans are kept until store(). `same`: joints, masses and
+    /// what bodies are free to do, and `step`, are those of the last call. It saves the plan, and changes nothing else.
     void prepare(std::span<const Joint> joints, std::span<const JointMemory> memory,
                  const BodyColumns& columns, const StepConstants& step, const SolverBodies& bodies,
-                 Tasks* tasks = nullptr);
+                 Tasks* tasks = nullptr, bool same = false);
     /// Rows and errors from where the bodies are now: before the first substep and after each move.
     void update(const StepConstants& step, const SolverBodies& bodies, Tasks* tasks = nullptr);
     void warm_start(const StepConstants& step, SolverBodies& bodies);

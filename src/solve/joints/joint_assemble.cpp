@@ -45,6 +45,18 @@ struct Assembly {
     void add_ratio(RowKind kind);
 };
 
+/// The impulses of the last tick.
+void set_warm(JointAxisPart& part, const JointMemory& memory) {
+    const std::uint8_t features = part.features;
+    if (features & is_swing) {
+        part.warm = {Real{}, Real{}, Real{}, memory.swing};
+        return;
+    }
+    const JointAxisImpulses& warm = memory.axis[part.slot];
+    part.warm = {features & has_spring ? warm.spring : Real{}, features & has_motor ? warm.motor : Real{},
+                 features & has_lower ? warm.lower : Real{}, features & has_upper ? warm.upper : Real{}};
+}
+
 bool rigid(const JointAxis& a) { return a.mode == AxisMode::locked && a.frequency == Real{}; }
 
 std::uint8_t Assembly::features_of(int i) const {
@@ -59,7 +71,6 @@ std::uint8_t Assembly::features_of(int i) const {
 void Assembly::add_axis(RowKind kind, int slot, std::uint8_t features, Real target) {
     if (features == 0) return;
     const JointAxis& a = axis(slot);
-    const JointAxisImpulses& warm = memory.axis[static_cast<std::size_t>(slot)];
     ++work.axis_count;
     tick.axes.emplace_back();
     JointAxisPart& part = tick.axes.back();
@@ -76,8 +87,7 @@ void Assembly::add_axis(RowKind kind, int slot, std::uint8_t features, Real targ
         part.rate = soft.rate;
         part.mass_scale = soft.mass_scale, part.impulse_scale = soft.impulse_scale;
     }
-    part.warm = {features & has_spring ? warm.spring : Real{}, features & has_motor ? warm.motor : Real{},
-                 features & has_lower ? warm.lower : Real{}, features & has_upper ? warm.upper : Real{}};
+    set_warm(part, memory);
 }
 
 void Assembly::add_swing() {
@@ -88,7 +98,7 @@ void Assembly::add_swing() {
     part.kind = RowKind::swing;
     part.features = has_upper | is_swing;
     part.upper_at = work.def->swing;
-    part.warm.upper = memory.swing;
+    set_warm(part, memory);
 }
 
 void Assembly::add_linear() {
@@ -193,6 +203,23 @@ void assemble(JointTick& tick, JointWork& work, const StepConstants& step, const
     for (std::size_t i = work.first_axis; i < tick.axes.size(); ++i) note(tick.axes[i].kind);
     for (std::size_t i = work.first_block; i < tick.blocks.size(); ++i)
         for (int r = 0; r < tick.blocks[i].count; ++r) note(tick.blocks[i].kind[r]);
+}
+
+void reassemble(JointTick& tick, JointWork& work, const JointMemory& memory) {
+    if (work.point)
+        for (std::size_t i = 0; i < 3; ++i) work.point_sum[i] = memory.axis[i].spring;
+    for (std::uint32_t i = 0; i < work.block_count; ++i) {
+        JointBlock& block = tick.blocks[work.first_block + i];
+        for (int r = 0; r < block.count; ++r)
+            block.sum[r] = memory.axis[block.slot[r]].spring, block.impulse[r] = 0;
+    }
+    for (std::uint32_t i = 0; i < work.axis_count; ++i) {
+        JointAxisPart& part = tick.axes[work.first_axis + i];
+        part.spring = part.motor = part.lower = part.upper = part.exponent = 0;
+        part.sum = Real{};
+        part.idle = part.unmade = false;
+        set_warm(part, memory);
+    }
 }
 
 void add_point_block(JointTick& tick, JointWork& work) {

@@ -530,7 +530,7 @@ std::uint8_t look_at_body(JointBody& now, const SolverBodies& bodies) {
         std::int64_t change[3];
         for (int i = 0; i < 3; ++i) change[i] = std::int64_t{body.theta[i]} - made[i];
         if (step.turn == 0 && !has_turned(now, change, bits, step)) return false;
-        std::copy(body.theta, body.theta + 3, made);
+        for (int i = 0; i < 3; ++i) made[i] = body.theta[i]; // std::copy would call memmove
         return true;
     };
     now.strays = now.unpacked && strays(now.theta_made, row_turn_bits);

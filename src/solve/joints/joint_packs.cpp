@@ -9,19 +9,9 @@ namespace lockstone::solve {
 
 namespace {
 
-/// Whether a pack can make the point rows of a body: a body that impulses move must be free along and about all axes.
-bool fits(std::uint32_t body, const SolverBodies& bodies) {
-    const BodyStep& s = bodies.step[body];
-    const SolverBody& b = bodies.body[body];
-    if (!s.moves) return true;
-    // Beyond this the shifts of products with K^-1 would leave 1 .. 62.
-    if (s.inv_exponent < 8 || s.inv_exponent > 58) return false;
-    return !s.movable || (s.angular_mask == 7u && (b.keep[0] & b.keep[1] & b.keep[2]) == -1);
-}
-
 /// Whether a pack takes a joint's point: no tree solves it.
 bool is_packed(const JointWork& w, const SolverBodies& bodies) {
-    return w.point && w.tree == no_tree && fits(w.a.body, bodies) && fits(w.b.body, bodies);
+    return w.point && w.tree == no_tree && fits_pack(w.a.body, bodies) && fits_pack(w.b.body, bodies);
 }
 
 void find_stage(JointTick& tick, JointWork& w, const SolverBodies& bodies) {
@@ -88,6 +78,15 @@ void add_to_pack(JointTick& tick, JointWork& w, std::uint32_t kind, bool fresh, 
 
 } // namespace
 
+bool fits_pack(std::uint32_t body, const SolverBodies& bodies) {
+    const BodyStep& s = bodies.step[body];
+    const SolverBody& b = bodies.body[body];
+    if (!s.moves) return true;
+    // Beyond this the shifts of products with K^-1 would leave 1 .. 62.
+    if (s.inv_exponent < 8 || s.inv_exponent > 58) return false;
+    return !s.movable || (s.angular_mask == 7u && (b.keep[0] & b.keep[1] & b.keep[2]) == -1);
+}
+
 void set_inverse(PackInverse& to, std::uint32_t lane, const Inverse& inverse) {
     for (int i = 0; i < 6; ++i) to.m[i][lane] = inverse.m[i];
     to.odd[lane] = inverse.shift < 1 || inverse.shift > 62;
@@ -147,6 +146,18 @@ void plan_packs(JointTick& tick, const StepConstants& step, const SolverBodies& 
         tick.stages.push_back(stage);
     }
     tick.acts.resize(tick.singles.size());
+}
+
+void restart_packs(JointTick& tick) {
+    const auto fill = [](auto& lanes, auto with) { std::fill(std::begin(lanes), std::end(lanes), with); };
+    for (JointPack& pack : tick.packs) {
+        fill(pack.a.given, 0), fill(pack.b.given, 0);
+        for (std::uint32_t lane = 0; lane < pack.count; ++lane) pack.stale[lane] = 1;
+        if (pack.turn_rows == 0) continue;
+        TurnPack& turn = tick.turn_packs[pack.turn];
+        fill(turn.generic, pack.hinges ? 0 : -1);
+        for (auto& lanes : turn.sum) fill(lanes, 0);
+    }
 }
 
 void start_packed(JointTick& tick, const JointWork& work) {

@@ -52,41 +52,78 @@ Size size_of(std::uint64_t v, int bits) {
     const int drop = bit_length(v) - 16;
     return {static_cast<std::int64_t>(drop > 0 ? v >> drop : v << -drop), drop - bits};
 }
-/// No less than a length, and at most 1 / 6 more: a + 7 b / 16 + 6 c / 16, a >= b >= c.
 Size length_of(Vec3 v) {
-    std::uint64_t a = magnitude(v.x.raw), b = magnitude(v.y.raw), c = magnitude(v.z.raw);
-    if (a < b) std::swap(a, b);
-    if (a < c) std::swap(a, c);
-    if (b < c) std::swap(b, c);
-    Size size = size_of(a + 7 * (b >> 4) + 6 * (c >> 4) + 13, Real::fraction_bits);
+    Size size = size_of(length_above(v), Real::fraction_bits);
     ++size.mantissa;
     return size;
 }
 
-} // namespace
-
-bool is_too_weak(Vec3 f, Vec3 r, Real k, Real mass, std::int64_t rate) {
-    const Size a = length_of(f), b = length_of(r);
+/// m (k rate)^2: the mantissa is below 2^32.
+Size resistance_of(Real k, Real mass, std::int64_t rate) {
     const Size turns = size_of(magnitude(k.raw), Real::fraction_bits), often = size_of(magnitude(rate), 0),
                heavy = size_of(magnitude(mass.raw), Real::fraction_bits);
     const std::int64_t square = turns.mantissa * often.mantissa >> 16;
-    const std::int64_t right = (square * square >> 16) * heavy.mantissa;
+    return {(square * square >> 16) * heavy.mantissa,
+            2 * (turns.exponent + often.exponent + 16) + 16 + heavy.exponent};
+}
+
+} // namespace
+
+std::uint64_t length_above(Vec3 v) {
+    std::uint64_t a = magnitude(v.x.raw), b = magnitude(v.y.raw), c = magnitude(v.z.raw);
+    if (a < b) std::swap(a, b);
+    if (a < c) std::swap(a, c);
+    if (b < c) std::swap(b, c);
+    return a + 7 * (b >> 4) + 6 * (c >> 4) + 13;
+}
+
+bool is_too_weak(Vec3 f, Vec3 r, Real k, Real mass, std::int64_t rate) {
+    const Size a = length_of(f), b = length_of(r), right = resistance_of(k, mass, rate);
     const std::int64_t left = a.mantissa * b.mantissa << 5;
-    const int apart =
-        2 * (turns.exponent + often.exponent + 16) + 16 + heavy.exponent - a.exponent - b.exponent;
-    // Both are below 2^40, and `right` is above 2^27.
-    return apart >= 0 ? apart > 12 || left < right << apart : apart >= -40 && left < right >> -apart;
+    const int apart = right.exponent - a.exponent - b.exponent;
+    // Both are below 2^40, and that of `right` is above 2^27.
+    return apart >= 0 ? apart > 12 || left < right.mantissa << apart
+                      : apart >= -40 && left < right.mantissa >> -apart;
+}
+
+std::uint64_t weak_force(Vec3 r, Real k, Real mass, std::int64_t rate) {
+    const Size b = length_of(r), right = resistance_of(k, mass, rate);
+    // Less by a 128th: what is_too_weak() rounds up is a 2^15th, and a step of a number above 2^35.
+    const auto least = static_cast<std::uint64_t>(right.mantissa - (right.mantissa >> 7));
+    const std::uint64_t force = (least << 28) / static_cast<std::uint64_t>(b.mantissa);
+    const int up = right.exponent - b.exponent + Real::fraction_bits - 28 - 5;
+    if (up <= 0) return -up < 64 ? force >> -up : 0;
+    return bit_length(force) + up > 63 ? std::uint64_t{1} << 63 : force << up;
+}
+
+bool is_strong(std::uint64_t force, std::uint64_t weak) {
+    return weak != 0 && weak < std::uint64_t{1} << 62 && force > weak + (weak >> 5) + 2;
+}
+
+void find_weak_forces(std::span<Joint> joints, const BodyColumns& columns, const StepConstants& step,
+                      const SolverBodies& bodies) {
+    const auto of = [&](std::uint32_t row, const Transform& frame) {
+        if (!bodies.step[row].movable) return UINT64_MAX;
+        const BodyMass& mass = columns.mass[row];
+        return weak_force(frame.position - mass.center,
+                          min(mass.gyration.x, min(mass.gyration.y, mass.gyration.z)), mass.mass,
+                          step.substeps_per_second);
+    };
+    for (Joint& joint : joints)
+        joint.weak_a = of(joint.body_a, joint.frame_a), joint.weak_b = of(joint.body_b, joint.frame_b);
 }
 
 namespace {
 
 /// Adds h^2 ((r . f) 1 - r f^T) / m of one side, its diagonal in principal axes [m^2]. False where it cannot matter.
-bool add_pull(const BodyColumns& columns, std::uint32_t row, Vec3 force, Vec3 place,
+/// `strong`: it is known that it can.
+bool add_pull(const BodyColumns& columns, std::uint32_t row, Vec3 force, Vec3 place, bool strong,
               const StepConstants& step, BodyStep& s) {
     const BodyMass& mass = columns.mass[row];
-    const Real least = min(mass.gyration.x, min(mass.gyration.y, mass.gyration.z));
     const Vec3 away = place - mass.center;
-    if (is_too_weak(force, away, least, mass.mass, step.substeps_per_second)) return false;
+    if (!strong && is_too_weak(force, away, min(mass.gyration.x, min(mass.gyration.y, mass.gyration.z)),
+                               mass.mass, step.substeps_per_second))
+        return false;
     const CutVector pulls = cut(force), lever = cut(away);
     const bool turned = mass.principal != Quat::identity();
     const Quat pose = columns.pose[row].rotation;
@@ -124,12 +161,13 @@ void stiffen_bodies(std::span<const Joint> joints, std::span<const JointMemory> 
     for (const Joint& joint : joints) {
         const Vec3 force = memory[joint.memory].force;
         if (force == Vec3{}) continue;
-        if (bodies.step[joint.body_a].movable)
-            any |= add_pull(columns, joint.body_a, -force, joint.frame_a.position, step,
-                            bodies.step[joint.body_a]);
-        if (bodies.step[joint.body_b].movable)
-            any |= add_pull(columns, joint.body_b, force, joint.frame_b.position, step,
-                            bodies.step[joint.body_b]);
+        const std::uint64_t size = length_above(force);
+        if (size > joint.weak_a && bodies.step[joint.body_a].movable)
+            any |= add_pull(columns, joint.body_a, -force, joint.frame_a.position,
+                            is_strong(size, joint.weak_a), step, bodies.step[joint.body_a]);
+        if (size > joint.weak_b && bodies.step[joint.body_b].movable)
+            any |= add_pull(columns, joint.body_b, force, joint.frame_b.position,
+                            is_strong(size, joint.weak_b), step, bodies.step[joint.body_b]);
     }
     if (!any) return;
     for (const Joint& joint : joints)

@@ -162,6 +162,12 @@ struct JointStage {
     std::uint32_t first_pack, last_pack, first_single, last_single;
 };
 
+/// What a plan takes for granted of a body that joints hold.
+struct PlannedBody {
+    bool moves, movable, fits; ///< a pack can make its rows
+    friend bool operator==(const PlannedBody&, const PlannedBody&) = default;
+};
+
 /// All joints of a tick in solving order.
 struct JointTick {
     std::vector<JointWork> joints;
@@ -177,6 +183,10 @@ struct JointTick {
     std::vector<std::uint32_t> packed;                       ///< joints by pack and lane
     std::vector<std::uint32_t> last_stage, counts, in_order; ///< while packs are filled
     std::vector<JointBody> bodies;
+    /// The plan: which bodies joints hold, what parts joints have, where packs have them. While joints stay the same it serves again,
+    /// but not with trees, which are found anew in every tick.
+    std::vector<PlannedBody> planned;
+    bool has_plan;
     JointForest forest;
     std::vector<std::uint32_t> cache_of; ///< by body: entry of `bodies` + 1
     std::span<const Transform> pose;
@@ -190,6 +200,10 @@ template <class T> void make_room(std::vector<T>& v) {
 }
 
 JointPassData pass_data(JointTick& tick, const StepConstants& step, SolverBody* bodies);
+/// Packs of the last tick as they are when they have just been planned, but for numbers that are written before they are read.
+void restart_packs(JointTick& tick);
+/// Whether a pack can make the point rows of a body: one that impulses move must be free along and about all axes.
+bool fits_pack(std::uint32_t body, const SolverBodies& bodies);
 /// A joint's point into its lane, as JointKernel::start takes it.
 void start_packed(JointTick& tick, const JointWork& work);
 /// How bodies of a packed joint have turned that have turned far or are followed.
@@ -204,6 +218,8 @@ void find_acting(JointTick& tick);
 bool has_own_rows(const JointTick& tick, const JointWork& work);
 /// Parts of one joint by its table of axes; appends to blocks and axes. Its point is no block yet: most are packed.
 void assemble(JointTick& tick, JointWork& work, const StepConstants& step, const JointMemory& memory);
+/// Parts of the last tick as assemble() and add_point_block() leave them, but for numbers that are written before they are read.
+void reassemble(JointTick& tick, JointWork& work, const JointMemory& memory);
 /// The point of a joint that no pack takes, as its last block.
 void add_point_block(JointTick& tick, JointWork& work);
 /// Where x can swing freely, a swing past the back of A adds turns that nobody made, and a limit would wind them off.

@@ -168,3 +168,38 @@ TEST_CASE("planted fault: a bound on pulls that is 0.4 percent too high is found
     }
     CHECK(above > 0);
 }
+
+namespace {
+
+/// Forces that are known to be weak or strong, and how many of them are not by is_too_weak().
+struct Known {
+    int weak = 0, strong = 0, wrong = 0;
+    explicit Known(std::uint64_t percent) {
+        Chance random(82);
+        for (int i = 0; i < cases; ++i) {
+            const Pull p = any_pull(random);
+            const std::uint64_t most = weak_force(p.r, p.k, p.mass, p.rate);
+            const bool is_known = length_above(p.f) <= (percent == 100 ? most : most / 100 * percent);
+            const bool is_heavy = is_strong(length_above(p.f), percent == 100 ? most : most / 100 * percent);
+            weak += is_known ? 1 : 0;
+            strong += is_heavy ? 1 : 0;
+            wrong += is_known && !p.is_left_out() ? 1 : 0;
+            wrong += is_heavy && p.is_left_out() ? 1 : 0;
+        }
+    }
+};
+
+} // namespace
+
+TEST_CASE("a force that is known to be weak is left out, and most of what is left out is known") {
+    const Known known(100);
+    CHECK(known.wrong == 0);
+    CHECK(known.weak > cases / 10);
+    CHECK(known.strong > cases / 10);
+    CHECK(known.weak + known.strong > cases / 2);
+}
+
+TEST_CASE("planted fault: a weak force that is 5 percent too high or too low is found out") {
+    CHECK(Known(105).wrong > 0);
+    CHECK(Known(95).wrong > 0);
+}

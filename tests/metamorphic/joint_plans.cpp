@@ -1,0 +1,47 @@
+// The plan of joints serves from tick to tick while joints, bodies and rows stay what they are. Beside each world goes one whose
+// memory is overwritten before every tick, so that all is planned anew: both go the same way.
+#include "support/rigs/joint_chains.h"
+
+#include <doctest/doctest.h>
+
+using namespace lockstone;
+using namespace lockstone::test;
+
+TEST_CASE("a plan of joints that is kept is the one that would be made anew, whatever happens to joints and "
+          "bodies") {
+    const ChainRun kept = run_chains(400);
+    CHECK(kept.parted_at == -1);
+    CHECK(kept.kept > 100);
+    CHECK(kept.anew > 20);
+    CHECK(kept.asleep > 0);
+}
+
+TEST_CASE(
+    "a plan is kept over restores: images, portable ones and clones go on alike, forwards and backwards") {
+    JointChains c;
+    std::vector<Image> images(60);
+    std::vector<std::uint64_t> hashes;
+    for (std::size_t t = 0; t < images.size(); ++t) {
+        c.w.state.save(images[t]);
+        hashes.push_back(c.w.state.hash());
+        sim::tick(c.w);
+    }
+    for (std::size_t t = images.size() - 4; t-- > 0;) {
+        c.w.state.restore(images[t]);
+        sim::forget_derived(c.w);
+        JointChains clone = c;
+        for (std::size_t k = 1; k <= 3; ++k) {
+            sim::tick(c.w), sim::tick(clone.w);
+            REQUIRE(c.w.state.hash() == hashes[t + k]);
+            REQUIRE(clone.w.state.hash() == hashes[t + k]);
+        }
+    }
+}
+
+TEST_CASE("planted fault: a plan that is kept although a joint or a body has changed is found out") {
+    const ChainRun kept = run_chains(400, [](sim::Data& w) {
+        // The list is made anew, and the tick takes it for that of the last one.
+        sim::list_joints(w, w.scratch.joints);
+    });
+    CHECK(kept.parted_at >= 0);
+}
