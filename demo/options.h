@@ -11,6 +11,9 @@
 
 namespace lockstone::demo {
 
+/// How long to play where nothing says so: to files, and with people in front of a window.
+constexpr std::uint64_t ticks_default = 600, ticks_default_window = 3600;
+
 struct Options {
     std::string source = "rollback-arena"; ///< a scene's name, or a replay file
     std::string asset_file;                ///< shown instead of a scene; empty: none

@@ -14,7 +14,6 @@ namespace {
 
 using Phase = OnlineMatch::Phase;
 
-constexpr std::uint64_t ticks_default = 600, ticks_default_window = 3600;
 constexpr std::uint32_t tick_rate_default = 60; ///< while the game is not known
 constexpr std::size_t sentence_letters = 84;    ///< of a line of an error
 

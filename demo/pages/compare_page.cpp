@@ -16,7 +16,6 @@
 namespace lockstone::demo {
 namespace {
 
-constexpr std::uint64_t ticks_default = 600;
 constexpr float reach_min = 6;       ///< [m]
 constexpr float charts_height = 164; ///< [design px]
 constexpr double apart = 0.01; ///< [m]: the verdict names the first tick at which both are farther apart

@@ -9,7 +9,6 @@
 namespace lockstone::demo {
 namespace {
 
-constexpr std::uint64_t ticks_default = 600, ticks_default_window = 3600;
 constexpr std::uint64_t keyframe_ticks = 120; ///< two seconds: scrubbing feels immediate
 
 constexpr const char* ending_keys = "Enter ends the game and plays it back";

@@ -8,7 +8,6 @@
 namespace lockstone::demo {
 namespace {
 
-constexpr std::uint64_t ticks_default = 600, ticks_default_window = 3600;
 constexpr float flash_frames = 15;
 
 constexpr const char* link_keys = "- = less or more latency   9 0 less or more loss";

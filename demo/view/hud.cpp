@@ -140,7 +140,7 @@ void draw_match(Frame& frame, const Moment& moment, const SceneView& view, std::
         const float above = match->it == p ? 1.75f : 0.95f; // "it" wears a cone
         const auto pixel = frame.camera.project(*position + glm::vec3(0, above, 0), size);
         if (!pixel) continue;
-        const std::string name = match->it == p ? "it" : "P" + std::to_string(p + 1);
+        const std::string name = match->it == p ? "it" : std::string("P").append(std::to_string(p + 1));
         frame.text.push_back({.text = name,
                               .position = *pixel - glm::vec2(0.5f * moment.cell.x * 2, moment.cell.y),
                               .colour = player_ink(p)});

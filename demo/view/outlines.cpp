@@ -80,11 +80,11 @@ std::vector<Edge> edges_of(const Geometry& g, const AssetLibrary& assets) {
     const glm::vec3 half = to_glm(to_float(g.half_extent)) * to_glm(to_float(g.scale));
     std::vector<Edge> edges;
     const bool is_rounded = g.radius > Length{};
-    if (g.kind == ShapeKind::sphere) return capsule_edges(radius, 0);
-    if (g.kind == ShapeKind::capsule) return capsule_edges(radius, half.y);
-    if (g.kind == ShapeKind::cylinder && !is_rounded)
+    if (g.kind == lockstone::ShapeKind::sphere) return capsule_edges(radius, 0);
+    if (g.kind == lockstone::ShapeKind::capsule) return capsule_edges(radius, half.y);
+    if (g.kind == lockstone::ShapeKind::cylinder && !is_rounded)
         add_round(edges, half.x, -half.y, half.x, half.y);
-    else if (g.kind == ShapeKind::cone && !is_rounded)
+    else if (g.kind == lockstone::ShapeKind::cone && !is_rounded)
         add_round(edges, half.x, -half.y, 0, half.y);
     else
         edges = sharp_edges(triangulate(g, assets));

@@ -1,16 +1,12 @@
 #include "shape_meshes.h"
 
 #include "lockstone/math/convert.h"
+#include "to_glm.h"
 
 #include <cmath>
 
 namespace lockstone::demo {
 namespace {
-
-glm::vec3 to_glm(const Vec3& v) {
-    const std::array<float, 3> p = to_float(v);
-    return {p[0], p[1], p[2]};
-}
 
 /// Facets of hulls shall be seen; hills shall look round.
 float crease_of(lockstone::ShapeKind kind) {

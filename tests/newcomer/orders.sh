@@ -25,7 +25,7 @@ commands() {
 import json, sys
 for entry in json.load(open(sys.argv[1])):
     name = entry["file"].removeprefix(sys.argv[2] + "/")
-    if name.startswith(("src/", "replay/", "tools/")):
+    if name.startswith(("src/", "replay/", "tools/")) or "/Unity/" in name:
         print(name, entry["command"])
 PYTHON
     grep '^CMAKE_BUILD_TYPE:' "$1/CMakeCache.txt"

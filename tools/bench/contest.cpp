@@ -95,7 +95,7 @@ Json verdicts(const BenchScene& scene, const std::vector<Run>& runs, const Json&
         if (must != 0) list.push_back(at_most(what, found, must));
     };
     if (target.ratio_must != 0 && !bullet_per_ours.is_null()) {
-        list.push_back(at_least("Bullet / ours", bullet_per_ours["mean"], target.ratio_must));
+        list.push_back(at_least("Bullet / ours", bullet_per_ours.at("mean").as_double(), target.ratio_must));
         list.back()["goal"] = target.ratio_goal;
     }
     if (target.overlap_with_static)

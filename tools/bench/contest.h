@@ -2,12 +2,11 @@
 #pragma once
 
 #include "bench/quality.h"
-
-#include <nlohmann/json.hpp>
+#include "json/json.h"
 
 namespace lockstone::bench {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 /// What a contestant did in a scene.
 struct Run {

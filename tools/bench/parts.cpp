@@ -80,7 +80,8 @@ Json scaling(const Plan& plan, const Done& done) {
         if (plan.quick && count > 100) break;
         Json row = scaling_row(count, plan);
         const Json& ours = row.at(chosen_contestants(plan)[0].name);
-        const double us = ours.at("us_per_body"), heap = ours.at("heap_bytes_per_body");
+        const double us = ours.at("us_per_body").as_double(),
+                     heap = ours.at("heap_bytes_per_body").as_double();
         if (count >= 1000) least = std::min(least, us), most = std::max(most, us);
         row["verdicts"] = Json::array();
         if (count == 50000) {
@@ -134,19 +135,21 @@ Json front(const Plan& plan, const Done& done) {
 /// S6 is the game that is rolled back.
 Json state_verdicts(const Json& row, const Plan& plan) {
     Json list = Json::array();
-    const std::string name = row.at("scene");
+    const std::string name = row.at("scene").as_text();
     if (name == "S1" || name == "S2")
-        list.push_back(at_most("snapshot, bytes a body", row.at("bytes_per_body"), snapshot_bytes_per_body));
+        list.push_back(
+            at_most("snapshot, bytes a body", row.at("bytes_per_body").as_double(), snapshot_bytes_per_body));
     if (name != "S6") return list;
     const Json& eight = row.at("rollbacks").at(0);
-    list.push_back(at_most("rollback of 8 ticks / its ticks", eight.at("ratio"), 1.05));
+    list.push_back(at_most("rollback of 8 ticks / its ticks", eight.at("ratio").as_double(), 1.05));
     if (!is_built(Product::bullet)) return list;
     ContestPlan how = contest_plan(plan);
     how.is_judged = false;
     const std::vector<Run> bullet =
         contest(make_bench_scene("S6", size_of(plan)), {bullet_as_it_comes("Bullet")}, how);
     const double jolt_us = jolt_rollback_in_bullet_ticks * mean(bullet[0].tick_us);
-    list.push_back(at_most("rollback of 8 ticks, us, Jolt's here", eight.at("rollback_us"), jolt_us));
+    list.push_back(
+        at_most("rollback of 8 ticks, us, Jolt's here", eight.at("rollback_us").as_double(), jolt_us));
     return list;
 }
 

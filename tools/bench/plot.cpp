@@ -10,13 +10,13 @@ namespace {
 
 /// The figure that tells most of a scene's quality: the joints' where there are joints.
 double worst_of(const Json& scene, const Json& run) {
-    if (scene.at("joints").get<int>() > 0) return run.at("joint_worst_mm").get<double>();
-    return run.at(scene.at("scene") == "S3" ? "overlap_static_mm" : "overlap_mm").get<double>();
+    if (scene.at("joints").as_int() > 0) return run.at("joint_worst_mm").as_double();
+    return run.at(scene.at("scene").as_text() == "S3" ? "overlap_static_mm" : "overlap_mm").as_double();
 }
 
 std::string title_of(const Json& scene) {
-    const char* worst = scene.at("joints").get<int>() > 0 ? "widest joint" : "worst overlap";
-    return scene.at("scene").get<std::string>() + ", " + worst;
+    const char* worst = scene.at("joints").as_int() > 0 ? "widest joint" : "worst overlap";
+    return scene.at("scene").as_text() + ", " + worst;
 }
 
 /// [mm]: on a logarithmic axis there is no 0, and what is below is as good as that.
@@ -26,9 +26,9 @@ constexpr double least_mm = 0.01;
 std::string points_of(const Json& scene, const std::string& product) {
     std::ostringstream out;
     for (const Json& run : scene.at("engines")) {
-        const auto name = run.at("engine").get<std::string>();
+        const auto name = run.at("engine").as_text();
         if (!name.starts_with(product)) continue;
-        out << run.at("mean_ms").get<double>() << ' ' << std::max(least_mm, worst_of(scene, run)) << " \""
+        out << run.at("mean_ms").as_double() << ' ' << std::max(least_mm, worst_of(scene, run)) << " \""
             << name.substr(std::min(name.size(), product.size() + 1)) << "\"\n";
     }
     return out.str();
@@ -69,9 +69,10 @@ std::string ratio_script(const Json& scenes) {
         if (scene.at("bullet_per_ours").is_null()) continue;
         double must = 0, goal = 0;
         for (const Json& verdict : scene.at("verdicts"))
-            if (verdict.contains("goal")) must = verdict.at("must"), goal = verdict.at("goal");
-        out << scene.at("scene") << ' ' << scene.at("bullet_per_ours").at("mean").get<double>() << ' ' << must
-            << ' ' << goal << '\n';
+            if (verdict.contains("goal"))
+                must = verdict.at("must").as_double(), goal = verdict.at("goal").as_double();
+        out << scene.at("scene").dump() << ' ' << scene.at("bullet_per_ours").at("mean").as_double() << ' '
+            << must << ' ' << goal << '\n';
     }
     out << "EOD\nset title 'Time of Bullet / time of Lockstone, default settings, one thread'\n"
         << "set style data histogram\nset style histogram clustered\nset style fill solid 0.7\nset grid "

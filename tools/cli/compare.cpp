@@ -4,8 +4,7 @@
 #include "reference/drift.h"
 #include "reference/plot.h"
 #include "reference/scenes.h"
-
-#include <nlohmann/json.hpp>
+#include "json/json.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +14,7 @@
 namespace lockstone::cli {
 namespace {
 
-using nlohmann::ordered_json;
+using json::Value;
 using reference::Sample;
 
 struct Args {
@@ -121,7 +120,7 @@ void print(const Args& args, const Found& found) {
                     tick_text(line.apart_by(0.001)).c_str());
 }
 
-ordered_json json_of(const reference::Measures& m) {
+Value json_of(const reference::Measures& m) {
     return {{"kinetic_j", m.kinetic},
             {"potential_j", m.potential},
             {"momentum_ns", {m.momentum.x, m.momentum.y, m.momentum.z}},
@@ -129,12 +128,10 @@ ordered_json json_of(const reference::Measures& m) {
             {"penetration_m", m.penetration}};
 }
 
-ordered_json json_of(const std::optional<std::uint64_t>& tick) {
-    return tick ? ordered_json(*tick) : ordered_json();
-}
+Value json_of(const std::optional<std::uint64_t>& tick) { return tick ? Value(*tick) : Value(); }
 
-ordered_json json_of(const Args& args, const Found& found) {
-    ordered_json ticks = ordered_json::array(), drifts = ordered_json::array();
+Value json_of(const Args& args, const Found& found) {
+    Value ticks = Value::array(), drifts = Value::array();
     for (const Sample& s : found.samples)
         ticks.push_back({{"tick", s.tick},
                          {"separation_max_m", s.separation_max},

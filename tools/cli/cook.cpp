@@ -4,8 +4,7 @@
 #include "cli/text.h"
 #include "cook/import.h"
 #include "scenes/asset_set.h"
-
-#include <nlohmann/json.hpp>
+#include "json/json.h"
 
 #include <cstdio>
 
@@ -50,20 +49,20 @@ void describe(CLI::App& command, Args& args) {
     add_flag(command, "--json", args.json, "for programs");
 }
 
-nlohmann::ordered_json report_of(const Args& args, const cook::Cooked& made) {
+json::Value report_of(const Args& args, const cook::Cooked& made) {
     const cook::Point origin = made.origin;
-    nlohmann::ordered_json json{{"model", args.model},
-                                {"asset", args.asset},
-                                {"kind", name_of(made.kind)},
-                                {"id", hash_text(made.id.value)},
-                                {"bytes", made.bytes()},
-                                {"source_vertices", made.source_vertices},
-                                {"source_triangles", made.source_triangles},
-                                {"vertices", made.vertices},
-                                {"triangles", made.triangles},
-                                {"parts", made.parts},
-                                {"deviation_m", made.deviation},
-                                {"deviation_allowed_m", made.deviation_max}};
+    json::Value json{{"model", args.model},
+                     {"asset", args.asset},
+                     {"kind", name_of(made.kind)},
+                     {"id", hash_text(made.id.value)},
+                     {"bytes", made.bytes()},
+                     {"source_vertices", made.source_vertices},
+                     {"source_triangles", made.source_triangles},
+                     {"vertices", made.vertices},
+                     {"triangles", made.triangles},
+                     {"parts", made.parts},
+                     {"deviation_m", made.deviation},
+                     {"deviation_allowed_m", made.deviation_max}};
     if (made.kind == ShapeKind::hull) json["gap_m"] = made.gap;
     if (made.parts_dropped > 0) json["parts_dropped"] = made.parts_dropped;
     if (made.kind == ShapeKind::height_field) {

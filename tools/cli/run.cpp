@@ -90,7 +90,7 @@ Status close_outputs(const Args& args, Started& started, Outputs& out) {
     if (!args.hashes.empty())
         if (Status s = write_file(args.hashes, out.hashes); !s) return s;
     if (!out.report) return {};
-    nlohmann::ordered_json json = {{"scene", started.game->name()}, {"ticks", started.world.tick_count()}};
+    json::Value json = {{"scene", started.game->name()}, {"ticks", started.world.tick_count()}};
     json.update(out.report->json(started.world));
     return write_file(args.report, json.dump(2) + '\n');
 }

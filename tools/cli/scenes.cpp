@@ -1,8 +1,7 @@
 // lockstone scenes
 #include "scenes/scenes.h"
 #include "cli/commands.h"
-
-#include <nlohmann/json.hpp>
+#include "json/json.h"
 
 #include <cstdio>
 
@@ -25,7 +24,7 @@ std::string options_of(const SceneInfo& info) {
 }
 
 Result<Exit> list(const Args& args) {
-    nlohmann::ordered_json all = nlohmann::ordered_json::array();
+    json::Value all = json::Value::array();
     for (const SceneInfo& info : scenes()) {
         if (!args.json)
             std::printf("%-16s%s%s\n", std::string(info.name).c_str(), std::string(info.sentence).c_str(),

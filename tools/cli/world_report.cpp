@@ -75,7 +75,7 @@ void WorldReport::add_tick(double microseconds, const World& world) {
     penetration_ever = std::max(penetration_ever, penetration(world));
 }
 
-nlohmann::ordered_json WorldReport::json(World& end) const {
+json::Value WorldReport::json(World& end) const {
     double drift = 0, displacement = 0;
     std::size_t awake = 0;
     for (const auto& [body, from] : start_positions) {

@@ -3,8 +3,7 @@
 
 #include "cli/timing.h"
 #include "lockstone/world.h"
-
-#include <nlohmann/json.hpp>
+#include "json/json.h"
 
 #include <map>
 
@@ -18,7 +17,7 @@ class WorldReport {
     explicit WorldReport(const World& start);
     void add_tick(double microseconds, const World& world);
     /// The keys that the design lists; lengths in metres, energies in joules, times in microseconds.
-    nlohmann::ordered_json json(World& end) const;
+    json::Value json(World& end) const;
 
   private:
     std::map<BodyId, Vec3> start_positions; ///< of dynamic bodies

@@ -3,8 +3,7 @@
 #include "cli/recordings/recording_choice.h"
 #include "cli/text.h"
 #include "replay/player.h"
-
-#include <nlohmann/json.hpp>
+#include "json/json.h"
 
 #include <cstdio>
 #include <optional>
@@ -90,11 +89,11 @@ void describe(CLI::App& command, InfoArgs& args) {
     describe_limits(command, args.limits);
 }
 
-nlohmann::ordered_json facts_of(const replay::Recording& recording) {
+json::Value facts_of(const replay::Recording& recording) {
     const replay::Header& head = recording.header();
-    nlohmann::ordered_json options = nlohmann::ordered_json::object();
+    json::Value options = json::Value::object();
     for (const replay::Option& option : head.options) options[option.key] = option.value;
-    nlohmann::ordered_json columns = nlohmann::ordered_json::array();
+    json::Value columns = json::Value::array();
     for (const GameSchema::Entry& column : recording.schema().entries()) columns.push_back(column.name);
     return {{"file", recording.name()},
             {"mode", replay::name_of(head.mode)},
@@ -120,14 +119,13 @@ nlohmann::ordered_json facts_of(const replay::Recording& recording) {
 Result<Exit> inform(const InfoArgs& args) {
     const Result<replay::Recording> recording = open_recording(args.file, args.limits.limits());
     if (!recording) return recording.error();
-    const nlohmann::ordered_json facts = facts_of(*recording);
+    const json::Value facts = facts_of(*recording);
     if (args.json) {
         std::printf("%s\n", facts.dump(2).c_str());
         return Exit::good;
     }
-    for (const auto& [key, value] : facts.items())
-        std::printf("%-12s %s\n", key.c_str(),
-                    (value.is_string() ? value.get<std::string>() : value.dump()).c_str());
+    for (const auto& [key, value] : facts.members())
+        std::printf("%-12s %s\n", key.c_str(), (value.is_text() ? value.as_text() : value.dump()).c_str());
     return Exit::good;
 }
 

@@ -2,8 +2,7 @@
 #include "cli/progress.h"
 #include "cli/recordings/recording_choice.h"
 #include "replay/verifier.h"
-
-#include <nlohmann/json.hpp>
+#include "json/json.h"
 
 #include <algorithm>
 #include <chrono>
@@ -67,14 +66,14 @@ Exit exit_of(replay::Verdict verdict) {
     return Exit::bad_input;
 }
 
-nlohmann::ordered_json to_json(const std::string& file, const replay::VerifyReport& report) {
-    nlohmann::ordered_json json = {{"file", file},
-                                   {"verdict", replay::name_of(report.verdict)},
-                                   {"ticks", report.ticks},
-                                   {"hashes_compared", report.hashes_compared},
-                                   {"keyframes_compared", report.keyframes_compared},
-                                   {"first_bad_tick", nullptr},
-                                   {"sentence", report.sentence}};
+json::Value to_json(const std::string& file, const replay::VerifyReport& report) {
+    json::Value json = {{"file", file},
+                        {"verdict", replay::name_of(report.verdict)},
+                        {"ticks", report.ticks},
+                        {"hashes_compared", report.hashes_compared},
+                        {"keyframes_compared", report.keyframes_compared},
+                        {"first_bad_tick", nullptr},
+                        {"sentence", report.sentence}};
     if (report.first_bad_tick) json["first_bad_tick"] = *report.first_bad_tick;
     return json;
 }
@@ -97,7 +96,7 @@ Result<Exit> verify_all(const Args& args) {
     const Result<Shard> shard = parse_shard(args.shard);
     if (!shard) return shard.error();
     Exit worst = Exit::good;
-    nlohmann::ordered_json all = nlohmann::ordered_json::array();
+    json::Value all = json::Value::array();
     for (const std::string& file : args.files) {
         const replay::VerifyReport report = verify_file(file, args, *shard);
         const Exit exit = exit_of(report.verdict);
