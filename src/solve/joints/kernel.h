@@ -276,9 +276,7 @@ template <class L> class PackedJoints {
     };
     /// Of a body that has not turned.
     struct Unturned {
-        void times(const V (&v)[3], V (&out)[3]) const {
-            for (int i = 0; i < 3; ++i) out[i] = v[i];
-        }
+        void times(const V (&v)[3], V (&out)[3]) const { out[0] = v[0], out[1] = v[1], out[2] = v[2]; }
     };
     [[gnu::always_inline]] static Turned matrix_of(const V (&q)[4]) {
         constexpr int shift = unit_bits - 1; // entries are twice a sum of products
@@ -317,12 +315,11 @@ template <class L> class PackedJoints {
         return matrix_of(q);
     }
     /// A vector of the start of the tick, turned with the body to where it is now.
-    template <class By>
-    static void turn(const By& by, const Lanes<std::int32_t> (&from)[3], unsigned lane, V (&out)[3]) {
+    static void turn(const auto& by, const Lanes<std::int32_t> (&from)[3], unsigned lane, V (&out)[3]) {
         const V v[3] = {L::load32(&from[0][lane]), L::load32(&from[1][lane]), L::load32(&from[2][lane])};
         by.times(v, out);
     }
-    template <class By> static void place(const Side& side, unsigned lane, const By& by, Lever (&r)[3]) {
+    static void place(const Side& side, unsigned lane, const auto& by, Lever (&r)[3]) {
         V now[3];
         turn(by, side.lever, lane, now);
         for (int i = 0; i < 3; ++i) r[i] = {now[i]};
@@ -396,14 +393,12 @@ template <class L> class PackedJoints {
     }
     /// refresh_lanes() where no body has moved: a turn by nothing turns to the same bits.
     static void begin_lanes(const Data& data, Pack& c, unsigned lane) {
-        Gap still[6];
-        for (Gap& zero : still) zero = Gap::splat(0);
+        const Gap zero = Gap::splat(0), still[6] = {zero, zero, zero, zero, zero, zero};
         make_rows(data, c, lane, still, still, Unturned{}, Unturned{});
     }
-    template <class By>
     [[gnu::always_inline]] static void make_rows(const Data& data, Pack& c, unsigned lane,
                                                  const Gap (&moved_a)[6], const Gap (&moved_b)[6],
-                                                 const By& turned_a, const By& turned_b) {
+                                                 const auto& turned_a, const auto& turned_b) {
         Velocity motion_a[6], motion_b[6];
         gather(c.a, lane, data, motion_a), gather(c.b, lane, data, motion_b);
         Lever a[3], b[3];
@@ -461,9 +456,8 @@ template <class L> class PackedJoints {
             keep(&row[i][lane], Sign < 0 ? L::sub(L::splat(0), x) : x, generic);
         }
     }
-    template <class By>
-    static void refresh_hinges(Turn& t, const Pack& c, unsigned lane, const Data& data, const By& turned_a,
-                               const By& turned_b) {
+    static void refresh_hinges(Turn& t, const Pack& c, unsigned lane, const Data& data, const auto& turned_a,
+                               const auto& turned_b) {
         V y[3], z[3], xb[3], yb[3], axis[2][3];
         turn(turned_a, t.frame_a[0], lane, y), turn(turned_a, t.frame_a[1], lane, z);
         turn(turned_b, t.frame_b[0], lane, xb), turn(turned_b, t.frame_b[1], lane, yb);
