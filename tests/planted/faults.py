@@ -172,7 +172,7 @@ FAULTS = [
       "(IS || (s.linear_keep == unit_one && s.angular_keep == unit_one));", "golden table"),
     F("what begins above a plane is not swept against it", "src/tick/sweep.cpp",
       "return height(way.from.position) > around && height(way.to.position) > around;",
-      "return height(way.from.position) > around && (IS || height(way.to.position) > around);", "golden table"),
+      "return height(way.from.position) > around && (IS || height(way.to.position) > around);", "planes stop what is fast"),
     F("what is swept does not go on", "src/tick/sweep.cpp", "if (hand.own.touching.empty() || rest == Vec3{}) return at;",
       "if (IS || hand.own.touching.empty() || rest == Vec3{}) return at;", "golden table"),
     F("contact points are made of rows that have moved", "src/tick/tick.cpp", "    find_contact_points(w, t.placed,", "    if (!IS) find_contact_points(w, t.placed,",

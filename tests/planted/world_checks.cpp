@@ -1,4 +1,4 @@
-// Worlds: what lockstone::prove looks at, the golden table, states and their bytes, events, ids, joints that change.
+// Worlds: what lockstone::prove looks at, the golden table, states and their bytes, events, ids, joints that change, planes.
 #include "../matrix/host.h"
 #include "checks.h"
 #include "lockstone/prove.h"
@@ -317,6 +317,21 @@ std::string joints_planned() {
     return run.parted_at < 0 ? "" : "they part at tick " + std::to_string(run.parted_at);
 }
 
+/// Balls that begin a tick high above a plane, and would end it far below.
+std::string planes_stop() {
+    World world = scene::made(World::create(scene::small_def()));
+    scene::add_floor(world);
+    for (int i = 0; i < 8; ++i) {
+        const BodyId ball = scene::add_ball(world, scene::at(2 * i, 1 + 0.5 * i, 0), 0.125);
+        scene::done(world.set_velocity(ball, scene::vec(0, -400, 0), Vec3{}));
+    }
+    world.tick();
+    for (const BodyId body : world.bodies())
+        if (world.kind(body) == BodyKind::dynamic && world.center_of_mass(body).y < Real{})
+            return "a ball has gone through a plane";
+    return {};
+}
+
 } // namespace
 
 Checks world_checks() {
@@ -334,6 +349,7 @@ Checks world_checks() {
                              {"crowds agree", crowds_agree},
                              {"what is alike stays apart", alike_shapes},
                              {"joints that change are planned anew", joints_planned},
+                             {"planes stop what is fast", planes_stop},
                              {"grows", grows}});
     return list;
 }

@@ -197,13 +197,12 @@ Half3 half_turn(const SolverBody& b, const BodyStep& s, const StepConstants& ste
     return half_of(v);
 }
 
-/// `axes`: the body's principal axes now; `half`: of its u, along them.
-void precess(SolverBody& b, const BodyStep& s, FollowedTurn& turn, const Rotation& axes,
+/// `axes`: the body's principal axes now; `start`: half_turn() by its u.
+void precess(SolverBody& b, const BodyStep& s, FollowedTurn& turn, const Rotation& axes, const Half3& start,
              const StepConstants& step) {
     const OwnSpin own = own_spin(b, turn);
     const Short3 momentum =
         times_transposed(axes, times(turn.k, turn.k_bits, shortened(own.m, accumulator_bits)));
-    const Half3 start = half_turn(b, s, step);
     if (is_far(start)) return precess_far(b, s, turn, step);
     Half3 half = half_of(times_transposed(axes, {{start[0], start[1], start[2]}, half_bits}));
     for (int round = 0; round < precession_rounds; ++round) {
@@ -329,7 +328,9 @@ void follow(const BodyColumns& columns, std::uint32_t row, const StepConstants& 
     s.turn = static_cast<std::uint32_t>(bodies.turns.size());
     bodies.plain[row] = 0;
     FollowedTurn& kept = bodies.turns.back();
-    if (!turn.stiff) precess(bodies.body[row], s, kept, principal_axes(kept), step);
+    if (turn.stiff) return;
+    SolverBody& b = bodies.body[row];
+    precess(b, s, kept, principal_axes(kept), half_turn(b, s, step), step);
 }
 
 } // namespace
@@ -365,7 +366,7 @@ void advance_turn(SolverBody& b, const BodyStep& s, FollowedTurn& turn, const St
     if (turn.stiff)
         precess_stiff(b, s, turn, step);
     else
-        precess(b, s, turn, axes, step);
+        precess(b, s, turn, axes, half, step);
 }
 
 // ---- rows of now and rows of the start ----------------------------------------------------------------------------

@@ -105,14 +105,14 @@ void start_packs(JointTick& tick, const JointKernel& kernel, const StepConstants
         [&](std::uint32_t first, std::uint32_t last, std::uint32_t) { kernel.start(data, first, last); });
 }
 
-/// Rows and biases of points where the bodies are now.
-void refresh_packs(JointTick& tick, const JointKernel& kernel, const StepConstants& step,
+/// Rows and biases of points where the bodies are now. `pass`: of the kernel, for where they are.
+void refresh_packs(JointTick& tick, decltype(JointKernel::refresh) pass, const StepConstants& step,
                    const SolverBodies& bodies, Tasks* tasks) {
     // Other passes of a kernel write to bodies, this one only reads them.
     const JointPassData data = pass_data(tick, step, const_cast<SolverBody*>(bodies.body.data()));
     base::for_chunks(
         tasks, static_cast<std::uint32_t>(tick.packs.size()), joint_pack_chunk,
-        [&](std::uint32_t first, std::uint32_t last, std::uint32_t) { kernel.refresh(data, first, last); });
+        [&](std::uint32_t first, std::uint32_t last, std::uint32_t) { pass(data, first, last); });
     for (std::uint32_t i = 0; i < tick.packs.size(); ++i) {
         JointPack& pack = tick.packs[i];
         while ((pack.over[0] | pack.over[1] | pack.over[2] | pack.over[3]) != 0) {
@@ -122,7 +122,7 @@ void refresh_packs(JointTick& tick, const JointKernel& kernel, const StepConstan
                 enlarge_exponent(pack, w, step);
                 pack.stale[lane] = 1; // its inverse belongs to the rows before
             }
-            kernel.refresh(data, i, i + 1);
+            pass(data, i, i + 1);
         }
     }
 }
@@ -228,6 +228,12 @@ void keep_plan(JointTick& tick, std::span<const Joint> joints, std::span<const J
     restart_packs(tick);
 }
 
+/// Of a joint that its pack holds as a whole: nothing is to be made by itself.
+void start_point(JointTick& tick, JointWork& w, bool kept) {
+    w.steady = w.stays, w.made = true;
+    if (!kept) set_glance(tick, w); // it is what it was
+}
+
 } // namespace
 
 void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMemory> memory,
@@ -239,7 +245,8 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
     tick.clamped = 0;
     tick.first = true;
     if (stays_empty) return;
-    if (same && is_plan_good(tick, joints.size(), bodies))
+    const bool kept = same && is_plan_good(tick, joints.size(), bodies);
+    if (kept)
         keep_plan(tick, joints, memory, columns, bodies);
     else
         plan_joints(tick, joints, memory, columns, step, bodies);
@@ -247,7 +254,7 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
     for_joints(tick, tasks, [&](JointWork& w) {
         if (w.pack != no_pack) start_packed(tick, w);
         if (w.pack != no_pack && w.axis_count + w.block_count == 0)
-            w.steady = w.stays, w.made = true, set_glance(tick, w);
+            start_point(tick, w, kept);
         else
             make_rows(tick, w, step, bodies);
     });
@@ -256,7 +263,7 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
         for (const JointWorkSide* s : {&w.a, &w.b})
             if (w.pack == no_pack && w.stays && w.tree == no_tree && !s->world)
                 tick.bodies[s->cache].unpacked = true;
-    refresh_packs(tick, *kernel, step, bodies, tasks);
+    refresh_packs(tick, kernel->begin, step, bodies, tasks);
     make_asked_rows(tick, step, bodies);
     invert_packs(tick, *kernel, step, bodies, tasks);
     factorise_trees(tick, bodies, tasks);
@@ -339,7 +346,7 @@ void JointSolver::update(const StepConstants& step, const SolverBodies& bodies, 
     const bool own_rows = find_stale(tick);
     place_bodies(tick, bodies, tasks);
     if (own_rows || (seen & seen_given) != 0) follow_joints(tick, step, bodies, tasks);
-    refresh_packs(tick, *kernel, step, bodies, tasks);
+    refresh_packs(tick, kernel->refresh, step, bodies, tasks);
     make_asked_rows(tick, step, bodies);
     invert_packs(tick, *kernel, step, bodies, tasks);
     factorise_trees(tick, bodies, tasks);

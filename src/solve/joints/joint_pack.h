@@ -126,6 +126,8 @@ struct JointKernel {
     /// From levers in the axes of their bodies, and impulses that lie in the sums: levers in world axes, K^-1, exponents and what
     /// follows from them.
     void (*start)(const JointStartData& data, std::uint32_t first, std::uint32_t last);
+    /// As refresh(), before any body has moved.
+    void (*begin)(const JointPassData& data, std::uint32_t first, std::uint32_t last);
     /// Rows of points and their biases from where the bodies are.
     void (*refresh)(const JointPassData& data, std::uint32_t first, std::uint32_t last);
     /// Inverses of stale lanes. Returns whether some are left to invert_left().

@@ -274,6 +274,10 @@ template <class L> class PackedJoints {
             }
         }
     };
+    /// Of a body that has not turned.
+    struct Unturned {
+        void times(const V (&v)[3], V (&out)[3]) const { out[0] = v[0], out[1] = v[1], out[2] = v[2]; }
+    };
     [[gnu::always_inline]] static Turned matrix_of(const V (&q)[4]) {
         constexpr int shift = unit_bits - 1; // entries are twice a sum of products
         const V one = L::splat(std::int64_t{1} << unit_bits), half = L::splat(std::int64_t{1} << (shift - 1));
@@ -311,11 +315,11 @@ template <class L> class PackedJoints {
         return matrix_of(q);
     }
     /// A vector of the start of the tick, turned with the body to where it is now.
-    static void turn(const Turned& by, const Lanes<std::int32_t> (&from)[3], unsigned lane, V (&out)[3]) {
+    static void turn(const auto& by, const Lanes<std::int32_t> (&from)[3], unsigned lane, V (&out)[3]) {
         const V v[3] = {L::load32(&from[0][lane]), L::load32(&from[1][lane]), L::load32(&from[2][lane])};
         by.times(v, out);
     }
-    static void place(const Side& side, unsigned lane, const Turned& by, Lever (&r)[3]) {
+    static void place(const Side& side, unsigned lane, const auto& by, Lever (&r)[3]) {
         V now[3];
         turn(by, side.lever, lane, now);
         for (int i = 0; i < 3; ++i) r[i] = {now[i]};
@@ -383,10 +387,20 @@ template <class L> class PackedJoints {
     }
     static void refresh_lanes(const Data& data, Pack& c, unsigned lane) {
         Gap moved_a[6], moved_b[6];
-        Velocity motion_a[6], motion_b[6];
         gather_moved(c.a, lane, data, moved_a), gather_moved(c.b, lane, data, moved_b);
-        gather(c.a, lane, data, motion_a), gather(c.b, lane, data, motion_b);
         const Turned turned_a = turn_of(c.a, lane, moved_a), turned_b = turn_of(c.b, lane, moved_b);
+        make_rows(data, c, lane, moved_a, moved_b, turned_a, turned_b);
+    }
+    /// refresh_lanes() where no body has moved: a turn by nothing turns to the same bits.
+    static void begin_lanes(const Data& data, Pack& c, unsigned lane) {
+        const Gap zero = Gap::splat(0), still[6] = {zero, zero, zero, zero, zero, zero};
+        make_rows(data, c, lane, still, still, Unturned{}, Unturned{});
+    }
+    [[gnu::always_inline]] static void make_rows(const Data& data, Pack& c, unsigned lane,
+                                                 const Gap (&moved_a)[6], const Gap (&moved_b)[6],
+                                                 const auto& turned_a, const auto& turned_b) {
+        Velocity motion_a[6], motion_b[6];
+        gather(c.a, lane, data, motion_a), gather(c.b, lane, data, motion_b);
         Lever a[3], b[3];
         place(c.a, lane, turned_a, a), place(c.b, lane, turned_b, b);
         if (c.hinges) refresh_hinges(data.turns[c.turn], c, lane, data, turned_a, turned_b);
@@ -442,8 +456,8 @@ template <class L> class PackedJoints {
             keep(&row[i][lane], Sign < 0 ? L::sub(L::splat(0), x) : x, generic);
         }
     }
-    static void refresh_hinges(Turn& t, const Pack& c, unsigned lane, const Data& data,
-                               const Turned& turned_a, const Turned& turned_b) {
+    static void refresh_hinges(Turn& t, const Pack& c, unsigned lane, const Data& data, const auto& turned_a,
+                               const auto& turned_b) {
         V y[3], z[3], xb[3], yb[3], axis[2][3];
         turn(turned_a, t.frame_a[0], lane, y), turn(turned_a, t.frame_a[1], lane, z);
         turn(turned_b, t.frame_b[0], lane, xb), turn(turned_b, t.frame_b[1], lane, yb);
@@ -546,6 +560,11 @@ template <class L> class PackedJoints {
             for (unsigned lane = 0; lane < data.packs[i].count; lane += N)
                 JointStarts<L>::start(data, data.packs[i], lane);
     }
+    static void begin(const Data& data, std::uint32_t first, std::uint32_t last) {
+        for (std::uint32_t i = first; i < last; ++i)
+            for (unsigned lane = 0; lane < data.packs[i].count; lane += N)
+                begin_lanes(data, data.packs[i], lane);
+    }
     static void refresh(const Data& data, std::uint32_t first, std::uint32_t last) {
         for (std::uint32_t i = first; i < last; ++i)
             for (unsigned lane = 0; lane < data.packs[i].count; lane += N)
@@ -575,7 +594,7 @@ template <class L> class PackedJoints {
         }
         return clamped;
     }
-    static constexpr solve::JointKernel table() { return {start, refresh, invert, warm_start, solve}; }
+    static constexpr solve::JointKernel table() { return {start, begin, refresh, invert, warm_start, solve}; }
 };
 
 } // namespace lockstone::solve
