@@ -1,13 +1,15 @@
 // Bytes that are wanted soon.
 #pragma once
 
+#include "lockstone/compiler.h"
+
 #include <cstddef>
 
 namespace lockstone::base {
 
 /// Asks for the cache lines of an object that will be read; no more than a hint.
 template <class T> inline void prefetch(const T& object) {
-#if defined(__GNUC__)
+#if LOCKSTONE_GNU
     const auto* bytes = reinterpret_cast<const std::byte*>(&object);
     for (std::size_t at = 0; at < sizeof(T); at += 64) __builtin_prefetch(bytes + at);
 #else

@@ -3,13 +3,14 @@
 
 #include "base/assert.h"
 #include "base/bell.h"
+#include "lockstone/compiler.h"
 
 #include <atomic>
 #include <system_error>
 #include <thread>
 #include <vector>
 
-#if defined(__x86_64__) || defined(_M_X64)
+#if LOCKSTONE_HAS_X86
 #include <immintrin.h>
 #endif
 
@@ -21,9 +22,9 @@ namespace {
 constexpr int looks_max = 100;
 
 void relax() {
-#if defined(__x86_64__) || defined(_M_X64)
+#if LOCKSTONE_HAS_X86
     _mm_pause();
-#elif defined(__aarch64__) && defined(__GNUC__)
+#elif defined(__aarch64__) && LOCKSTONE_GNU
     asm volatile("yield");
 #endif
 }

@@ -25,6 +25,8 @@ ALONE = {"kernels"}  # one instruction set each
 # Kernels of an instruction set, as in CMakeLists.txt: the machine chooses among them when the program runs.
 KERNELS = {"kernel_sse41.cpp": ["-msse4.1"], "kernel_avx2.cpp": ["-mavx2"], "kernel_avx512.cpp": ["-mavx512f", "-mavx512dq", "-mavx512vl"]}
 UNALIGNED = ["-Wa,-muse-unaligned-vector-move"]  # as CMakeLists.txt has it
+# Of MSVC's cl, which takes intrinsics of SSE4.1 as they come; clang-cl takes clang's, handed on.
+KERNELS_OF_CL = {"kernel_avx2.cpp": ["-arch:AVX2"], "kernel_avx512.cpp": ["-arch:AVX512"]}
 FOR_THE_LINKER = ("-l", "-mexec-model=")  # flags that begin so
 X86 = ("i386", "windows") + (("",) if platform.machine().lower() in ("x86_64", "amd64", "i686") else ())  # targets; "": this machine
 ON_WINDOWS = os.name == "nt"
@@ -55,6 +57,20 @@ def sources(build):
     if build.target == "wasm":
         found = [p for p in found if p.relative_to(ROOT).as_posix() not in WITHOUT_THREADS]
     return found
+
+
+def is_like_cl(cxx):
+    """MSVC's cl and clang-cl, which has its command line. Options of both begin with a dash, which shells for Windows leave alone."""
+    return pathlib.Path(cxx).stem.lower() in ("cl", "clang-cl")
+
+
+def kernel_flags(build, name):
+    if build.target not in X86:
+        return []
+    if is_like_cl(build.cxx):
+        return [f"-clang:{flag}" for flag in KERNELS.get(name, [])] if "clang" in build.cxx else KERNELS_OF_CL.get(name, [])
+    own = KERNELS.get(name, [])
+    return own + UNALIGNED if own and (build.target == "windows" or ON_WINDOWS and "clang" not in build.cxx) else own
 
 
 def fresh(out, *others):
@@ -96,13 +112,19 @@ class Builder:
         folder = self.folder / f"{build.target or 'host'}-{key}"
         folder.mkdir(parents=True, exist_ok=True)
         include = [ROOT / name for name in ("include", "src", "", "tools", "tests/matrix")]
-        flags = ["-std=c++20", "-DNDEBUG", *[f for f in build.flags if not f.startswith(FOR_THE_LINKER)], *[f"-I{p}" for p in include],
-                 "-isystem", str(self.includes)]
-        flags += ["-include", self.prelude(build, flags, folder)]
+        own = ["-DNDEBUG", *[f for f in build.flags if not f.startswith(FOR_THE_LINKER)], *[f"-I{p}" for p in include]]
+        if is_like_cl(build.cxx):
+            flags = ["-nologo", "-std:c++20", *own, f"-I{self.includes}"]
+        else:
+            flags = ["-std=c++20", *own, "-isystem", str(self.includes)]
+            flags += ["-include", self.prelude(build, flags, folder)]
         # A planted fault is one object beside those of the build that has none.
         objects = self.objects(build, flags, folder, files)
         ending = {"wasm": ".wasm", "windows": ".exe"}.get(build.target, ".exe" if ON_WINDOWS else "")
         program = folder / (name + ("_planted" if build.patch else "") + ending)
+        if is_like_cl(build.cxx):
+            run([build.cxx, *flags, f"-Fe{program}", *objects])
+            return program
         threads = [] if build.target == "wasm" or "--target=x86_64-pc-windows-msvc" in build.flags else ["-pthread"]
         linked = [f for f in build.flags if f.startswith(FOR_THE_LINKER)]
         run([build.cxx, *flags, *threads, "-o", program, *objects, *linked])
@@ -115,13 +137,14 @@ class Builder:
         path, sources_now = paths[0], [self.patched(build, folder, p) for p in paths]
         name = path.relative_to(ROOT).as_posix().replace("/", "-")
         planted = "" if sources_now == list(paths) else "-planted"
-        out = folder / f"{name}{f'-and-{len(paths) - 1}' if len(paths) > 1 else ''}{planted}.o"
+        out = folder / f"{name}{f'-and-{len(paths) - 1}' if len(paths) > 1 else ''}{planted}{'.obj' if is_like_cl(build.cxx) else '.o'}"
         source = sources_now[0] if len(paths) == 1 else self.joined(out.with_suffix(".cpp"), sources_now)
         with self.lock_of(out):  # two programs may want it at once
             if not fresh(out, compiled_header(build, folder)):
-                own = KERNELS.get(path.name, []) if build.target in X86 else []
-                if own and (build.target == "windows" or ON_WINDOWS and "clang" not in build.cxx):
-                    own = [*own, *UNALIGNED]
+                own = kernel_flags(build, path.name)
+                if is_like_cl(build.cxx):
+                    run([build.cxx, *flags, *own, "-c", f"-Tp{source}", f"-Fo{out}"])
+                    return out
                 # What the prelude was compiled into is not for these instructions; some sources must not see all of it.
                 if own or path.relative_to(ROOT).as_posix() in WITHOUT_PRELUDE:
                     flags = flags[:flags.index("-include")]

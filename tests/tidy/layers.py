@@ -23,7 +23,7 @@ LINKS = {
 }
 # The layer that implements each public header.
 PUBLIC = {
-    "result.h": "base", "tasks.h": "base",
+    "compiler.h": "base", "result.h": "base", "tasks.h": "base",
     "simd.h": "solve", "wide.h": "math", "fixed.h": "math", "formats.h": "math", "vec.h": "math", "math.h": "math", "random.h": "math",
     "decimal.h": "math", "row.h": "state", "state.h": "state", "shape.h": "shapes", "asset.h": "shapes",
     "ids.h": "collide", "field.h": "collide", "character.h": "collide", "joint.h": "collide", "vehicle.h": "collide", "ragdoll.h": "world",

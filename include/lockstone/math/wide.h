@@ -5,6 +5,8 @@
 // -DLOCKSTONE_PORTABLE_WIDE=1 forces the portable one. Tests run both and compare.
 #pragma once
 
+#include "lockstone/compiler.h"
+
 #include <bit>
 #include <cstdint>
 #include <limits>
@@ -21,7 +23,7 @@ constexpr std::uint64_t magnitude(std::int64_t v) {
 
 namespace detail {
 /// Out of line, so that the way of nearly every number is one comparison and no selection.
-#if defined(__GNUC__)
+#if LOCKSTONE_GNU
 [[gnu::noinline, gnu::cold]]
 #endif
 constexpr std::int32_t
@@ -41,7 +43,7 @@ constexpr std::int32_t saturate_to_int32(std::int64_t v) {
 /// a + b clamped to the range of int64.
 constexpr std::int64_t add_saturated(std::int64_t a, std::int64_t b) {
     std::int64_t sum = 0;
-#if defined(__GNUC__)
+#if LOCKSTONE_GNU
     const bool overflows = __builtin_add_overflow(a, b, &sum);
 #else
     sum = static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b));
@@ -56,7 +58,7 @@ constexpr std::int64_t add_saturated(std::int64_t a, std::int64_t b) {
 /// a - b clamped to the range of int64.
 constexpr std::int64_t sub_saturated(std::int64_t a, std::int64_t b) {
     std::int64_t difference = 0;
-#if defined(__GNUC__)
+#if LOCKSTONE_GNU
     const bool overflows = __builtin_sub_overflow(a, b, &difference);
 #else
     difference = static_cast<std::int64_t>(static_cast<std::uint64_t>(a) - static_cast<std::uint64_t>(b));
@@ -70,7 +72,7 @@ constexpr std::int64_t sub_saturated(std::int64_t a, std::int64_t b) {
 /// floor(v / 2^shift + 1/2), the one rounding of the library. 0 <= shift <= 62; no intermediate overflow.
 constexpr std::int64_t shift_right_rounded(std::int64_t v, int shift) {
     if (shift == 0) return v;
-#if defined(__GNUC__)
+#if LOCKSTONE_GNU
     if (__builtin_constant_p(shift) && shift > 1)
         return ((v >> (shift - 1)) + 1) >> 1; // the same, two steps less
 #endif
@@ -145,8 +147,7 @@ struct WidePortable {
     constexpr std::int64_t high_bits() const { return high; }
 };
 
-#if defined(__SIZEOF_INT128__)
-#define LOCKSTONE_HAS_INT128 1
+#if LOCKSTONE_HAS_INT128
 __extension__ typedef __int128 int128_t;
 __extension__ typedef unsigned __int128 uint128_t;
 
@@ -177,8 +178,6 @@ struct WideNative {
     constexpr std::uint64_t low_bits() const { return static_cast<std::uint64_t>(value); }
     constexpr std::int64_t high_bits() const { return static_cast<std::int64_t>(value >> 64); }
 };
-#else
-#define LOCKSTONE_HAS_INT128 0
 #endif
 
 #if LOCKSTONE_HAS_INT128 && !LOCKSTONE_PORTABLE_WIDE

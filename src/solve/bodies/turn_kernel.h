@@ -7,6 +7,9 @@
 #include "math/elementary.h"
 #include "solve/bodies/solver_body.h"
 
+#include <bit>
+#include <cstdint>
+
 namespace lockstone::solve {
 
 template <class L> class TurnedBodies {
@@ -26,7 +29,7 @@ template <class L> class TurnedBodies {
         return L::greater64(magnitude(x), L::splat(below - 1));
     }
     static int bit_length(std::int64_t x) {
-        return x == 0 ? 0 : 64 - __builtin_clzll(static_cast<std::uint64_t>(x));
+        return x == 0 ? 0 : 64 - std::countl_zero(static_cast<std::uint64_t>(x));
     }
     static V load(const Numbers& numbers) { return L::load64(numbers); }
 

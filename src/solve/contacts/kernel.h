@@ -4,11 +4,12 @@
 // too, since the linker keeps one of their copies.
 #pragma once
 
+#include "lockstone/compiler.h"
 #include "solve/contacts/pack.h"
 #include "solve/contacts/prepare_kernel.h"
 #include "solve/lanes/lane_fixed.h"
 
-#if defined(__GNUC__) && !defined(__clang__)
+#if LOCKSTONE_GNU && !defined(__clang__)
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized" // of arrays by point: every pack has at least one
 #endif
 

@@ -7,6 +7,9 @@
 #include "solve/contacts/pack.h"
 #include "solve/lanes/lane_fixed.h"
 
+#include <bit>
+#include <cstdint>
+
 namespace lockstone::solve {
 
 template <class L> class LayoutKernel {
@@ -167,7 +170,7 @@ template <class L> class LayoutKernel {
         L::store64(widest, bits);
         for (unsigned lane = 0; lane < N; ++lane)
             up[lane] =
-                widest[lane] == 0 ? 4 : __builtin_clzll(static_cast<unsigned long long>(widest[lane])) - 31;
+                widest[lane] == 0 ? 4 : std::countl_zero(static_cast<std::uint64_t>(widest[lane])) - 31;
     }
 
     /// (fx, fy): as long as the farthest point is away, towards the farthest member. Arms of members on a line so lie on the

@@ -9,6 +9,9 @@
 
 #include "solve/joints/joint_pack.h"
 
+#include <bit>
+#include <cstdint>
+
 namespace lockstone::solve {
 
 template <class L> class JointInverses {
@@ -24,7 +27,7 @@ template <class L> class JointInverses {
     using Symmetric = V[6];
 
     static int bit_length(std::int64_t x) {
-        return x == 0 ? 0 : 64 - __builtin_clzll(static_cast<std::uint64_t>(x));
+        return x == 0 ? 0 : 64 - std::countl_zero(static_cast<std::uint64_t>(x));
     }
     static V negative(V x) { return L::greater64(L::splat(0), x); }
     /// Lanes in which some x - least is below zero or not below 2^Bits; `any` has those differences or-ed.

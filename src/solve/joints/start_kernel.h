@@ -8,7 +8,9 @@
 
 #include "solve/joints/joint_pack.h"
 
+#include <bit>
 #include <cstddef>
+#include <cstdint>
 
 namespace lockstone::solve {
 
@@ -23,7 +25,7 @@ template <class L> class JointStarts {
     using V = typename L::V;
 
     static int bit_length(std::int64_t x) {
-        return x == 0 ? 0 : 64 - __builtin_clzll(static_cast<std::uint64_t>(x));
+        return x == 0 ? 0 : 64 - std::countl_zero(static_cast<std::uint64_t>(x));
     }
     static V size_of(V x) { return L::select(L::greater64(L::splat(0), x), L::sub(L::splat(0), x), x); }
     static V between(V x, V least, V most) {

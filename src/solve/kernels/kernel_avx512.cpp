@@ -1,7 +1,9 @@
 // Compiled with the flags of its instruction set where the target is x86.
-#if defined(__x86_64__) || defined(__i386__)
+#include "lockstone/compiler.h"
 
-#if defined(__GNUC__) && !defined(__clang__)
+#if LOCKSTONE_HAS_X86
+
+#if LOCKSTONE_GNU && !defined(__clang__)
 #pragma GCC diagnostic ignored                                                                               \
     "-Wuninitialized" // in the intrinsics of g++ 12: what a mask of all lanes leaves of a vector
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"

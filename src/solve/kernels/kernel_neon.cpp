@@ -1,5 +1,7 @@
 // Every AArch64 has NEON; its intrinsics count lanes otherwise where bytes are big-endian.
-#if defined(__aarch64__) && !defined(__AARCH64EB__)
+#include "lockstone/compiler.h"
+
+#if LOCKSTONE_HAS_NEON
 
 #include "solve/bodies/kernel.h"
 #include "solve/contacts/kernel.h"

@@ -1,5 +1,7 @@
 // Compiled with the flags of its instruction set where the target is x86.
-#if defined(__x86_64__) || defined(__i386__)
+#include "lockstone/compiler.h"
+
+#if LOCKSTONE_HAS_X86
 
 #include "solve/bodies/kernel.h"
 #include "solve/contacts/kernel.h"

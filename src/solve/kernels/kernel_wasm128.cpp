@@ -1,5 +1,7 @@
 // Of modules that are compiled with vectors (-msimd128): others do not load where there are none.
-#if defined(__wasm_simd128__)
+#include "lockstone/compiler.h"
+
+#if LOCKSTONE_HAS_WASM128
 
 #include "solve/bodies/kernel.h"
 #include "solve/contacts/kernel.h"

@@ -1,10 +1,12 @@
 #include "solve/kernels/kernels.h"
 
+#include "lockstone/compiler.h"
+
 namespace lockstone::solve {
 
 const Kernels* kernels_of(Simd level) {
     if (!has_simd(level)) return nullptr;
-#if defined(__x86_64__) || defined(__i386__)
+#if LOCKSTONE_HAS_X86
     // Packs of joints have four lanes and bodies six velocities, so AVX-512 has nothing to add there.
     static constexpr Kernels avx512{&avx512_contacts, &avx2_joints, &avx2_bodies, &avx512_pairs,
                                     &avx512_hulls},
@@ -13,10 +15,10 @@ const Kernels* kernels_of(Simd level) {
     if (level == Simd::avx512) return &avx512;
     if (level == Simd::avx2) return &avx2;
     if (level == Simd::sse41) return &sse41;
-#elif defined(__aarch64__) && !defined(__AARCH64EB__)
+#elif LOCKSTONE_HAS_NEON
     static constexpr Kernels neon{&neon_contacts, &neon_joints, &neon_bodies, &neon_pairs, &neon_hulls};
     if (level == Simd::neon) return &neon;
-#elif defined(__wasm_simd128__)
+#elif LOCKSTONE_HAS_WASM128
     static constexpr Kernels wasm128{&wasm128_contacts, &wasm128_joints, &wasm128_bodies, &wasm128_pairs,
                                      &wasm128_hulls};
     if (level == Simd::wasm128) return &wasm128;

@@ -1,7 +1,9 @@
 // Two lanes by NEON, on AArch64. See scalar.h for what each operation means.
 #pragma once
 
-#if defined(__aarch64__) && !defined(__AARCH64EB__)
+#include "lockstone/compiler.h"
+
+#if LOCKSTONE_HAS_NEON
 
 #include <arm_neon.h>
 #include <cstdint>

@@ -1,7 +1,9 @@
 // Two lanes by the 128-bit vectors of WebAssembly. See scalar.h for what each operation means.
 #pragma once
 
-#if defined(__wasm_simd128__)
+#include "lockstone/compiler.h"
+
+#if LOCKSTONE_HAS_WASM128
 
 #include <cstdint>
 #include <wasm_simd128.h>

@@ -9,6 +9,7 @@
 // are below 2^58 where A has the pivots above.
 #pragma once
 
+#include "lockstone/compiler.h"
 #include "lockstone/math/wide.h"
 
 #include <algorithm>
@@ -70,7 +71,7 @@ inline constexpr std::int64_t block_value_max = std::int64_t{1} << 61;
 /// a b. GCC 12 finds the sign of a factor that it uses twice in advance, and then multiplies by the signs as well: three
 /// times the work. It does not where it cannot know that it has met the factor before.
 inline Wide block_product(std::int64_t a, std::int64_t b) {
-#if defined(__GNUC__) && !defined(__clang__)
+#if LOCKSTONE_GNU && !defined(__clang__)
     __asm__("" : "+r"(a));
     __asm__("" : "+r"(b));
 #endif
