@@ -198,11 +198,13 @@ struct Hand {
 /// Where the first of the body's shapes is stopped, with what is in `touching`.
 Stop first_stop(const Sweeper& s, const Way& way, const Hand& hand) {
     Stop stop;
+    const auto held = s.info[way.row].first_joint != 0 ? collide::Held::by_joints : collide::Held::not_at_all;
     s.for_each_shape(way.row, [&](const ShapeRow& shape) {
         for_each_wall(s, way, shape, hand.own.near,
                       [&](const ShapeRow& wall, std::uint32_t other, const Sweep& theirs, const Sweep& own) {
-                          const Unit fraction = collide::stop_fraction(s.solid(wall), theirs, s.solid(shape),
-                                                                       own, hand.own.touching, hand.narrow);
+                          const Unit fraction =
+                              collide::stop_fraction(s.solid(wall), theirs, s.solid(shape), own,
+                                                     hand.own.touching, held, hand.narrow);
                           if (fraction < stop.fraction) stop = {fraction, other};
                       });
     });

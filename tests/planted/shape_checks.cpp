@@ -1,6 +1,7 @@
 // Shapes: what of them is near, and their manifolds.
 #include "checks.h"
 #include "collide/narrow_phase.h"
+#include "collide/query/cast.h"
 
 namespace planted {
 
@@ -89,13 +90,28 @@ std::string kept_edges_are_nearest() {
     return "";
 }
 
+/// A capsule that sinks into a plane by 0.6 of its rounding: joints let it, nothing else does.
+std::string limbs_pass() {
+    const shapes::Solid ground{plane()}, limb{capsule(0.1_r, 0.2_r)};
+    const auto at = [](Real y) { return Transform{{0_r, y, 0_r}, Quat::identity()}; };
+    const collide::Sweep still{Transform::identity(), Transform::identity(), Transform::identity()};
+    const collide::Sweep way{at(0.4_r), at(0.24_r), Transform::identity()};
+    collide::NarrowScratch scratch;
+    const auto passes = [&](collide::Held held) {
+        return collide::stop_fraction(ground, still, limb, way, {}, held, scratch) == unit_one;
+    };
+    if (!passes(collide::Held::by_joints)) return "a limb is held where it first touches";
+    return passes(collide::Held::not_at_all) ? "what no joint holds enters by 0.6 of its rounding" : "";
+}
+
 } // namespace
 
 Checks shape_checks() {
     return {{"a hint does not part from large boxes", hint_of_large_box},
             {"parts are found", parts_are_found},
             {"a face that is kept is the nearest", kept_face_is_nearest},
-            {"edges that are kept are the nearest", kept_edges_are_nearest}};
+            {"edges that are kept are the nearest", kept_edges_are_nearest},
+            {"limbs pass where contacts push them out", limbs_pass}};
 }
 
 } // namespace planted

@@ -332,6 +332,34 @@ std::string planes_stop() {
     return {};
 }
 
+/// Four balls in a ring of joints that all move alike, one of them 30 mm aside: after a tick the ring is closed, and as fast as before.
+std::string open_points_close() {
+    World w = scene::made(World::create({.gravity = {}, .sleeping = 0}));
+    std::vector<BodyId> balls;
+    for (int i = 0; i < 4; ++i) {
+        balls.push_back(
+            scene::made(w.create_body({.kind = BodyKind::dynamic,
+                                       .pose = {{Real(i % 2), Real(i / 2), 0_r}, Quat::identity()},
+                                       .linear_velocity = {1_r, 0_r, 0_r}})));
+        scene::made(w.create_shape(balls.back(), {.geometry = sphere(0.3_r)}));
+    }
+    for (const auto& [a, b] : {std::pair{0, 1}, {2, 3}, {0, 2}, {1, 3}}) {
+        JointDef def = ball_joint();
+        def.body_a = balls[static_cast<std::size_t>(a)], def.body_b = balls[static_cast<std::size_t>(b)];
+        def.frame_a.position = a + 1 == b ? Vec3{0.5_r, 0_r, 0_r} : Vec3{0_r, 0.5_r, 0_r};
+        def.frame_b.position = -def.frame_a.position;
+        scene::made(w.create_joint(def));
+    }
+    Transform away = w.pose(balls[3]);
+    away.position += Vec3{0.02_r, 0.02_r, 0_r};
+    if (!w.set_pose(balls[3], away).ok()) return "no pose";
+    w.tick();
+    const Vec3 apart = w.pose(balls[3]).position - w.pose(balls[2]).position,
+               speed = w.linear_velocity(balls[0]);
+    if (length(apart) > 1.01_r) return "points stay open";
+    return speed.x < 0.75_r || speed.x > 1.25_r ? "the ring has another speed" : "";
+}
+
 } // namespace
 
 Checks world_checks() {
@@ -350,6 +378,7 @@ Checks world_checks() {
                              {"what is alike stays apart", alike_shapes},
                              {"joints that change are planned anew", joints_planned},
                              {"planes stop what is fast", planes_stop},
+                             {"open points are closed", open_points_close},
                              {"grows", grows}});
     return list;
 }

@@ -71,6 +71,9 @@ inline constexpr Length stop_gap = decimal<Length>("0.002");
 /// at steps lower than this.
 inline constexpr Length seam_height = decimal<Length>("0.006");
 
+/// Where a limb is stopped, its joints come apart: it is stopped later.
+enum class Held : std::uint8_t { not_at_all, by_joints };
+
 /// Appends the directions, in world axes from A to B, in which pieces of A are nearer than stop_gap to B at the start.
 void touching_directions(const shapes::Solid& a, const Sweep& sweep_a, const shapes::Solid& b,
                          const Sweep& sweep_b, NarrowScratch& scratch, std::vector<UnitVec3>& directions);
@@ -79,12 +82,12 @@ void touching_directions(const shapes::Solid& a, const Sweep& sweep_a, const sha
 /// (part, triangle) of A:
 ///   apart by more than stop_gap at the start: where the shape comes within stop_gap. A shape that touches something
 ///     (`touching`) is lifted off it by seam_height, and passes if it meets nothing then. A rounded shape passes, too, that
-///     never enters by half of its rounding: contacts push it out.
+///     never enters by half of its rounding, three quarters where joints hold it: contacts push it out.
 ///   nearer, or passed: where its core, a ball of half its inner radius, comes within stop_gap or half of its distance at
 ///     the start; where the core overlaps the piece at the start, the same of the core's centre.
 /// One-sided triangles do not stop what starts behind them.
 Unit stop_fraction(const shapes::Solid& a, const Sweep& sweep_a, const shapes::Solid& b, const Sweep& sweep_b,
-                   std::span<const UnitVec3> touching, NarrowScratch& scratch);
+                   std::span<const UnitVec3> touching, Held held, NarrowScratch& scratch);
 
 /// Of two bodies' ways: a bound of how far any point of B, within `reach` of B's centre of mass, moves against A [m].
 Real relative_motion(const Sweep& a, const Sweep& b, Real reach);

@@ -72,7 +72,7 @@ struct Mover {
     Vec3 center;           ///< of the ball, in the part's frame
     std::int64_t reach_30; ///< of the core's points from B's centre of mass
     Vec3 shift;            ///< world: where it is moved to for the test
-    bool thin = false;     ///< half of its rounding is left out
+    int thin_bits = 0;     ///< its rounding is 2^-thin_bits of what it is
 
     Transform pose(const Sweep& b, Unit fraction) const {
         const Transform body = body_pose_at(b, fraction);
@@ -82,7 +82,7 @@ struct Mover {
     Convex shape(const Rotation& rotation) const {
         if (!is_ball) {
             Convex all = convex_of(*solid, rotation, CoordinateVec3{});
-            if (thin) all.radius = half(all.radius);
+            all.radius = Coordinate::from_raw(all.radius.raw >> thin_bits);
             return all;
         }
         Convex ball{};
@@ -337,16 +337,16 @@ Vec3 lift_of(std::span<const UnitVec3> touching) {
 }
 
 /// Whether a rounded shape never enters a piece by half of its rounding: contacts push it out of that. What moves by half its
-/// inner radius is not swept at all, so it may be as deep.
-bool sinks_little(const Ways& w, const Obstacle& o, const Mover& whole) {
+/// inner radius is not swept at all, so it may be as deep. Of a body that joints hold, by three quarters.
+bool sinks_little(const Ways& w, const Obstacle& o, const Mover& whole, Held held) {
     Mover thin = whole;
-    thin.thin = true;
+    thin.thin_bits = held == Held::by_joints ? 2 : 1;
     if (whole.solid->geometry.radius == Length{}) return false;
     return advance(w, o, thin, stop_gap_30, unit_one) == unit_one;
 }
 
 Unit piece_stop(const Ways& w, const Start& begin, const Obstacle& o, const Mover& whole, Vec3 lift,
-                Unit until) {
+                Held held, Unit until) {
     if (begin.is_behind(o)) return unit_one;
     const std::int64_t approach_max = w.approach_max_30(whole, w.reach_of(o));
     if (stays_off(w, begin, o, whole, approach_max)) return unit_one;
@@ -356,7 +356,7 @@ Unit piece_stop(const Ways& w, const Start& begin, const Obstacle& o, const Move
     if (!start.overlap && start.distance_30 > reachable) return unit_one;
     if (!start.overlap && start.distance_30 > touching_gap_30) {
         const Unit stop = advance(w, o, whole, stop_gap_30, until, &at_start);
-        if (stop == unit_one || sinks_little(w, o, whole)) return unit_one;
+        if (stop == unit_one || sinks_little(w, o, whole, held)) return unit_one;
         if (lift == Vec3{}) return stop;
         Mover lifted = whole;
         lifted.shift = lift;
@@ -423,7 +423,7 @@ void touching_directions(const shapes::Solid& a, const Sweep& sweep_a, const sha
 }
 
 Unit stop_fraction(const shapes::Solid& a, const Sweep& sweep_a, const shapes::Solid& b, const Sweep& sweep_b,
-                   std::span<const UnitVec3> touching, NarrowScratch& scratch) {
+                   std::span<const UnitVec3> touching, Held held, NarrowScratch& scratch) {
     const Ways w(sweep_a, sweep_b);
     const Vec3 lift = lift_of(touching);
     Unit first = unit_one;
@@ -433,7 +433,7 @@ Unit stop_fraction(const shapes::Solid& a, const Sweep& sweep_a, const shapes::S
         const Start begin(w, m, a);
         for_each_obstacle(a, corridor.extent, scratch, [&](const Obstacle& o) {
             if (first > Unit{} && corridor.may_meet(o))
-                first = min(first, piece_stop(w, begin, o, m, lift, first));
+                first = min(first, piece_stop(w, begin, o, m, lift, held, first));
         });
     });
     return first;

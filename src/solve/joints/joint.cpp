@@ -23,13 +23,16 @@ void JointSolver::reserve(std::size_t joints) {
         work->in_order.reserve(joints);
     work->last_stage.reserve(2 * joints), work->counts.reserve(5 * joints + 1);
     work->bodies.reserve(2 * joints), work->planned.reserve(2 * joints);
+    work->kept_velocities.reserve(6 * 2 * joints), work->kept_impulses.reserve(3 * pack_lanes * 2 * joints);
 }
 
 void JointSolver::poison(std::byte with) {
     auto& [joints, blocks, axes, packs, turn_packs, stages, singles, glances, seen, acts, packed, last_stage,
-           counts, in_order, bodies, planned, has_plan, forest, cache_of, pose, clamped, first] = *work;
+           counts, in_order, bodies, planned, has_plan, forest, cache_of, kept_velocities, kept_impulses,
+           pose, clamped, first] = *work;
     base::poison(with, joints, blocks, axes, packs, turn_packs, stages, singles, glances, seen, acts, packed,
-                 last_stage, counts, in_order, bodies, planned, cache_of, pose, clamped, first);
+                 last_stage, counts, in_order, bodies, planned, cache_of, kept_velocities, kept_impulses,
+                 pose, clamped, first);
     has_plan = false;
     auto& [trees, nodes, edges, links, component, first_of, hung, node_of, size, root, anchor_of, loops,
            anchors, above_of, above, carried, queue] = forest;

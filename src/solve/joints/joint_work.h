@@ -189,6 +189,8 @@ struct JointTick {
     bool has_plan;
     JointForest forest;
     std::vector<std::uint32_t> cache_of; ///< by body: entry of `bodies` + 1
+    std::vector<std::int64_t> kept_velocities; ///< of `bodies`, while points are closed
+    std::vector<std::int32_t> kept_impulses;   ///< of packs, while points are closed
     std::span<const Transform> pose;
     std::uint64_t clamped; ///< impulses that met joint_impulse_max
     bool first;            ///< no substep is in the sums yet
