@@ -188,7 +188,7 @@ struct JointTick {
     std::vector<PlannedBody> planned;
     bool has_plan;
     JointForest forest;
-    std::vector<std::uint32_t> cache_of; ///< by body: entry of `bodies` + 1
+    std::vector<std::uint32_t> cache_of;       ///< by body: entry of `bodies` + 1
     std::vector<std::int64_t> kept_velocities; ///< of `bodies`, while points are closed
     std::vector<std::int32_t> kept_impulses;   ///< of packs, while points are closed
     std::span<const Transform> pose;
