@@ -4,7 +4,7 @@
 #include "model/fields.h"
 #include "model/model.h"
 #include "model/sleep.h"
-#include "solve/joints/locks.h"
+#include "solve/bodies/locks.h"
 
 namespace lockstone::sim {
 

@@ -1,7 +1,7 @@
 // What bodies and shapes are like, and what pushes them: rows of tables beside theirs.
 #include "lockstone/math/math.h"
 #include "model/model.h"
-#include "solve/joints/locks.h"
+#include "solve/bodies/locks.h"
 
 namespace lockstone::sim {
 

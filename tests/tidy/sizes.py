@@ -1,10 +1,12 @@
-"""A function over 60 lines or a file over 600 wants a reason: a comment above it that says "Long:" and why."""
+"""A function over 60 lines or a file over 600 wants a reason: a comment above it that says "Long:" and why. No folder of sources has more
+than 25 files."""
 import re
 
 from tree import without_comments
 
 FUNCTION_LINES_MAX = 60
 FILE_LINES_MAX = 600
+FOLDER_FILES_MAX = 25
 REASON = re.compile(r"Long:\s+\w+")
 NOT_A_FUNCTION = re.compile(r"^\s*(template\s*<.*>\s*)?(namespace|class|struct|union|enum|extern\s*\"|if|for|while|switch|else|do|catch)\b",
                             re.DOTALL)
@@ -61,6 +63,10 @@ def check(tree):
         for first, last in functions(without_comments(text)):
             if last - first + 1 > FUNCTION_LINES_MAX and not has_reason(lines, first):
                 complaints.append(f"{name}:{first}: a function of {last - first + 1} lines without a reason above")
+    for folder in sorted({path.parent for path in tree.files()}):
+        count = sum(path.is_file() for path in folder.iterdir())
+        if count > FOLDER_FILES_MAX:
+            complaints.append(f"{tree.name(folder)}: {count} files, at most {FOLDER_FILES_MAX} are looked through at once")
     return complaints
 
 
@@ -71,8 +77,10 @@ PLANTED = [
     ("a long constructor", {"src/sim/x.cpp": "S::S(int x) : y{x}, z(x) {\n" + LONG_BODY + "}\n"}),
     ("a long test", {"tests/law/x.cpp": 'TEST_CASE("claim") {\n' + LONG_BODY + "}\n"}),
     ("a long file", {"src/sim/x.cpp": "int x;\n" * 601}),
+    ("a full folder", {f"src/sim/x{i}.cpp": "int x;\n" for i in range(26)}),
 ]
 GOOD = [
+    ("as many files as there may be", {f"src/sim/x{i}.cpp": "int x;\n" for i in range(25)}),
     ("a long function with a reason", {"src/sim/x.cpp": "// Long: one row per opcode.\nvoid f() {\n" + LONG_BODY + "}\n"}),
     ("a long namespace", {"src/sim/x.cpp": "namespace a {\n" + "int f() { return 1; }\n" * 100 + "}\n"}),
     ("a long template with a requires clause", {"src/sim/x.h": "template <class T>\n    requires(a<T> && b<T>)\nstruct S {\n" + "    int x;\n" * 70 + "};\n"}),

@@ -4,7 +4,7 @@
 #include "lockstone/math/math.h"
 #include "model/fields.h"
 #include "model/sleep.h"
-#include "solve/joints/locks.h"
+#include "solve/bodies/locks.h"
 
 #include <algorithm>
 #include <cstring>
