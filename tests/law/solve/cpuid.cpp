@@ -17,15 +17,18 @@ using solve::CpuidWords;
 constexpr std::uint32_t bit(int at) { return std::uint32_t{1} << at; }
 
 TEST_CASE("each of the bits that instructions need is needed, and no other") {
-    const struct {
+    struct Needs {
         Simd level;
         CpuidWords needed;
-    } levels[] = {
+    };
+    const Needs levels[] = {
         {Simd::sse41, {bit(19), 0, 0}},
         {Simd::avx2, {bit(28), bit(5), 0x06}},
         {Simd::avx512, {bit(28), bit(5) | bit(16) | bit(17) | bit(31), 0xe6}},
     };
-    for (const auto& [level, needed] : levels) {
+    for (const Needs& needs : levels) { // clang's lambdas take no structured bindings
+        const Simd level = needs.level;
+        const CpuidWords needed = needs.needed;
         CAPTURE(name_of(level));
         CHECK(solve::has_simd(needed, level));
         for (std::uint32_t CpuidWords::*word :
