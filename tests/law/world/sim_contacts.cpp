@@ -295,7 +295,7 @@ double deepest(const World& w) {
     return out;
 }
 /// How far the energy of a crowd in a shaft gets above what it had at first; how far a tick raises it above what overlaps can; and how far
-/// it gets, once all have landed, above its least since then [J/kg]. At tick `pushed_at` one body of it is given 3 m/s.
+/// it gets, once all have landed, above its least since then [J/kg]. At tick `pushed_at` one body of it is given 10 m/s.
 struct Growth {
     double above_first = -1e9, unexplained = -1e9, landed = 0;
 };
@@ -315,7 +315,7 @@ Growth growth_of_crowd(double restitution, int pushed_at) {
     double before = first, least = 1e9;
     Growth out;
     for (int t = 0; t < 1200; ++t) {
-        if (t == pushed_at) done(w.add_impulse(last, {{}, w.mass(last) * Real(3), {}}));
+        if (t == pushed_at) done(w.add_impulse(last, {{}, w.mass(last) * Real(10), {}}));
         w.tick();
         const double now = energy_per_mass(w), rises = now - before - lifted(small_def(), deepest(w));
         if (t >= 300) least = std::min(least, now); // ten metres take 1.5 s
@@ -339,5 +339,7 @@ TEST_CASE("energy never grows in a closed scene that nothing drives") {
     }
 }
 TEST_CASE("planted fault: one body of thirty that is pushed is found by the energy of all") {
-    CHECK_FALSE(growth_of_crowd(0, 600).landed < growth_max);
+    const Growth growth = growth_of_crowd(0, 600);
+    CHECK_FALSE(growth.unexplained < growth_max);
+    CHECK_FALSE(growth.landed < growth_max);
 }
