@@ -134,7 +134,7 @@ void substep(const Tick& t, const solve::FreeMotion& motion, const solve::BodyCo
 void store(const Tick& t) {
     TickScratch& s = t.s;
     Model& w = t.w;
-    s.joint_solver.close(s.step, s.bodies, t.hooks.tasks);
+    s.joint_solver.close(s.step, s.bodies);
     s.contacts.apply_restitution(s.step, s.bodies);
     s.contacts.store(s.found.contacts, s.table.list.memories, s.bodies.clamps, t.hooks.tasks);
     s.joint_solver.store(s.step, w.state.edit(w.m.joint_memory, 0, w.header().joints_awake), s.bodies.clamps);

@@ -23,16 +23,16 @@ void JointSolver::reserve(std::size_t joints) {
         work->in_order.reserve(joints);
     work->last_stage.reserve(2 * joints), work->counts.reserve(5 * joints + 1);
     work->bodies.reserve(2 * joints), work->planned.reserve(2 * joints);
-    work->kept_velocities.reserve(6 * 2 * joints), work->kept_impulses.reserve(3 * pack_lanes * 2 * joints);
 }
 
 void JointSolver::poison(std::byte with) {
     auto& [joints, blocks, axes, packs, turn_packs, stages, singles, glances, seen, acts, packed, last_stage,
-           counts, in_order, bodies, planned, has_plan, forest, cache_of, kept_velocities, kept_impulses,
-           pose, clamped, first] = *work;
+           counts, in_order, bodies, planned, has_plan, forest, cache_of, closed, pose, clamped, first] =
+        *work;
     base::poison(with, joints, blocks, axes, packs, turn_packs, stages, singles, glances, seen, acts, packed,
-                 last_stage, counts, in_order, bodies, planned, cache_of, kept_velocities, kept_impulses,
-                 pose, clamped, first);
+                 last_stage, counts, in_order, bodies, planned, cache_of, pose, clamped, first);
+    base::poison(with, closed.of_body, closed.of_pack, closed.stopped, closed.pushed, closed.velocities,
+                 closed.packs);
     has_plan = false;
     auto& [trees, nodes, edges, links, component, first_of, hung, node_of, size, root, anchor_of, loops,
            anchors, above_of, above, carried, queue] = forest;
@@ -116,18 +116,7 @@ void refresh_packs(JointTick& tick, decltype(JointKernel::refresh) pass, const S
     base::for_chunks(
         tasks, static_cast<std::uint32_t>(tick.packs.size()), joint_pack_chunk,
         [&](std::uint32_t first, std::uint32_t last, std::uint32_t) { pass(data, first, last); });
-    for (std::uint32_t i = 0; i < tick.packs.size(); ++i) {
-        JointPack& pack = tick.packs[i];
-        while ((pack.over[0] | pack.over[1] | pack.over[2] | pack.over[3]) != 0) {
-            for (std::uint32_t lane = 0; lane < pack.count; ++lane) {
-                if (pack.over[lane] == 0) continue;
-                JointWork& w = tick.joints[tick.packed[i * pack_lanes + lane]];
-                enlarge_exponent(pack, w, step);
-                pack.stale[lane] = 1; // its inverse belongs to the rows before
-            }
-            pass(data, i, i + 1);
-        }
-    }
+    for (std::uint32_t i = 0; i < tick.packs.size(); ++i) enlarge_exponents(tick, i, pass, data, step);
 }
 
 /// Inverses of the rows that packs make.
@@ -136,14 +125,33 @@ void invert_packs(JointTick& tick, const JointKernel& kernel, const StepConstant
     const JointPassData data = pass_data(tick, step, const_cast<SolverBody*>(bodies.body.data()));
     base::for_chunks(tasks, static_cast<std::uint32_t>(tick.packs.size()), joint_pack_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-                         if (!kernel.invert(data, first, last)) return;
-                         for (std::uint32_t i = first; i < last; ++i)
-                             for (std::uint32_t lane = 0; lane < tick.packs[i].count; ++lane)
-                                 invert_left(tick.packs[i], data.turns, lane);
+                         invert_some(tick, first, last, kernel, data);
                      });
 }
 
 } // namespace
+
+void enlarge_exponents(JointTick& tick, std::uint32_t p, decltype(JointKernel::refresh) pass,
+                       const JointPassData& data, const StepConstants& step) {
+    JointPack& pack = tick.packs[p];
+    while ((pack.over[0] | pack.over[1] | pack.over[2] | pack.over[3]) != 0) {
+        for (std::uint32_t lane = 0; lane < pack.count; ++lane) {
+            if (pack.over[lane] == 0) continue;
+            JointWork& w = tick.joints[tick.packed[p * pack_lanes + lane]];
+            enlarge_exponent(pack, w, step);
+            pack.stale[lane] = 1; // its inverse belongs to the rows before
+        }
+        pass(data, p, p + 1);
+    }
+}
+
+void invert_some(JointTick& tick, std::uint32_t first, std::uint32_t last, const JointKernel& kernel,
+                 const JointPassData& data) {
+    if (!kernel.invert(data, first, last)) return;
+    for (std::uint32_t i = first; i < last; ++i)
+        for (std::uint32_t lane = 0; lane < tick.packs[i].count; ++lane)
+            invert_left(tick.packs[i], data.turns, lane);
+}
 
 JointPassData pass_data(JointTick& tick, const StepConstants& step, SolverBody* bodies) {
     return {bodies,
@@ -267,6 +275,7 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
             if (w.pack == no_pack && w.stays && w.tree == no_tree && !s->world)
                 tick.bodies[s->cache].unpacked = true;
     refresh_packs(tick, kernel->begin, step, bodies, tasks);
+    for (JointPack& pack : tick.packs) std::copy_n(&pack.bias[0][0], 3 * pack_lanes, &pack.bias_before[0][0]);
     make_asked_rows(tick, step, bodies);
     invert_packs(tick, *kernel, step, bodies, tasks);
     factorise_trees(tick, bodies, tasks);

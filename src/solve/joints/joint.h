@@ -78,7 +78,7 @@ class JointSolver {
     /// One pass over all joints: springs and motors, limits, locks; then the locks of trees, which workers share.
     void solve(const StepConstants& step, SolverBodies& bodies, bool bias, Tasks* tasks = nullptr);
     /// After the substeps: closes points that are further off than 8 mm, by moving bodies; no speed and no impulse changes.
-    void close(const StepConstants& step, SolverBodies& bodies, Tasks* tasks = nullptr);
+    void close(const StepConstants& step, SolverBodies& bodies);
     /// Impulses, unwrapped angles and reactions for the next tick and for readers.
     void store(const StepConstants& step, std::span<JointMemory> memory, ClampCounts& clamps) const;
 

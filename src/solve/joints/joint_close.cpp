@@ -3,11 +3,14 @@
 // A figure that lands on stretched legs is stopped at its feet within a substep, and a pass over its joints carries that no further than their
 // order does: a hip opens by 3 cm and is pulled together over the next ticks. So what is open after the substeps is closed by moving
 // bodies: passes over the points and hinges of packs, each from bodies at rest and from impulses of zero, that take the whole error out.
+// Only joints of bodies that are pushed pull: those of open points, and whom these push in turn. All others stay as they are, to the bit.
 // Velocities and impulses are as before then. Bodies enter what they touch by that much, which contacts push out.
 // source: errors of positions solved apart from velocities: Bender, Mueller, Macklin, A survey on position based dynamics (2017)
 #include "solve/joints/joint_work.h"
 
 #include "lockstone/math/math.h"
+
+#include <algorithm>
 
 namespace lockstone::solve {
 
@@ -15,95 +18,254 @@ namespace {
 
 /// Points that are nearer than this are left to the next substeps [m].
 constexpr std::int32_t open_gap = decimal<Separation>("0.008").raw;
-/// Passes at most: a joint that a load keeps open stays open by a part.
-constexpr int passes_max = 4;
+/// Points that have opened by less since the tick began were so before; a load may keep them open [m].
+constexpr std::int32_t opened_gap = decimal<Separation>("0.004").raw;
+/// Whom a pass moves by less than about that, its other joints need not follow [m].
+constexpr std::int32_t push_gap = decimal<Separation>("0.0005").raw;
+/// Passes at most: what a net is torn by spreads out over its joints slowly.
+constexpr int passes_max = 16;
 
-/// The speed that closes `open_gap` at a rate [1/s], joint_rate_bits.
-std::int64_t open_speed(std::int32_t rate) {
-    return (std::int64_t{open_gap} * rate) >>
-           (joint_rate_bits + Separation::fraction_bits - Speed::fraction_bits);
-}
+/// Of a body, in ClosedPoints::of_body.
+constexpr std::uint8_t is_stopped = 1, is_pushed = 2;
 
-/// Whether a point is off by more than open_gap, by the biases that packs have.
-bool is_open(const JointPassData& data, std::size_t packs) {
-    const std::int64_t most = open_speed(data.rate);
-    for (std::size_t p = 0; p < packs; ++p) {
-        const JointPack& pack = data.packs[p];
+class Closer {
+    JointTick& tick;
+    ClosedPoints& closed;
+    const StepConstants& step;
+    SolverBodies& bodies;
+    const JointKernel& kernel;
+    JointPassData data;
+
+    static std::uint32_t body_of(const PackSide& side, std::uint32_t lane) {
+        return side.place[lane] / static_cast<std::uint32_t>(sizeof(SolverBody));
+    }
+    JointWork& joint_of(std::uint32_t p, std::uint32_t lane) {
+        return tick.joints[tick.packed[p * pack_lanes + lane]];
+    }
+    TurnPack* turn_of(const JointPack& pack) {
+        return pack.turn_rows != 0 ? &tick.turn_packs[pack.turn] : nullptr;
+    }
+
+    // ---- what is open, and what is pushed ------------------------------------------------------------------------
+
+    /// What closes a gap at the rate of `data`, where e is 0.
+    std::int32_t speed_for(std::int32_t gap) const {
+        return static_cast<std::int32_t>(
+            (std::int64_t{gap} * data.rate) >>
+            (joint_rate_bits + Separation::fraction_bits - Speed::fraction_bits));
+    }
+    static bool is_beyond(const std::int32_t (&x)[3][pack_lanes], std::uint32_t lane, std::int32_t most) {
+        return std::abs(x[0][lane]) > most || std::abs(x[1][lane]) > most || std::abs(x[2][lane]) > most;
+    }
+    /// Whether the point of a lane is off by more than open_gap, by its bias.
+    bool is_open(const JointPack& pack, std::uint32_t lane) const {
+        return is_beyond(pack.bias, lane, speed_for(open_gap) >> pack.exponent[lane]);
+    }
+    /// Whether it has opened since the tick began: what a load keeps open has not.
+    bool has_opened(const JointPack& pack, std::uint32_t lane) const {
+        std::int32_t grown = 0;
+        for (int r = 0; r < 3; ++r)
+            grown = std::max(grown, std::abs(pack.bias[r][lane]) - std::abs(pack.bias_before[r][lane]));
+        return grown > speed_for(opened_gap) >> pack.exponent[lane];
+    }
+    void push(std::uint32_t body) {
+        if (!bodies.step[body].movable || (closed.of_body[body] & is_pushed) != 0) return;
+        closed.of_body[body] |= is_pushed;
+        closed.pushed.push_back(body);
+    }
+    void push(const JointPack& pack, std::uint32_t lane) {
+        push(body_of(pack.a, lane)), push(body_of(pack.b, lane));
+    }
+    bool is_lane_pushed(const JointPack& pack, std::uint32_t lane) const {
+        return ((closed.of_body[body_of(pack.a, lane)] | closed.of_body[body_of(pack.b, lane)]) &
+                is_pushed) != 0;
+    }
+    bool is_any_pushed(const JointPack& pack) const {
         for (std::uint32_t lane = 0; lane < pack.count; ++lane)
-            for (const auto& bias : pack.bias)
-                if (std::int64_t{bias[lane]} > (most >> pack.exponent[lane]) ||
-                    -std::int64_t{bias[lane]} > (most >> pack.exponent[lane]))
-                    return true;
+            if (is_lane_pushed(pack, lane)) return true;
+        return false;
     }
-    return false;
-}
 
-void swap_impulses(JointTick& tick) {
-    std::size_t at = 0;
-    const auto swap = [&](auto& impulse) {
-        for (auto& row : impulse)
-            for (std::int32_t& p : row) std::swap(p, tick.kept_impulses[at++]);
-    };
-    for (JointPack& pack : tick.packs) swap(pack.impulse);
-    for (TurnPack& turn : tick.turn_packs) swap(turn.impulse);
-}
+    // ---- what is set aside ---------------------------------------------------------------------------------------
 
-/// Velocities of all bodies that joints hold, in and out.
-void swap_velocities(JointTick& tick, SolverBodies& bodies) {
-    std::size_t at = 0;
-    for (const JointBody& now : tick.bodies) {
-        SolverBody& b = bodies.body[now.body];
+    /// Stops a body until all is closed.
+    void stop(std::uint32_t body) {
+        if ((closed.of_body[body] & is_stopped) != 0) return;
+        closed.of_body[body] |= is_stopped;
+        closed.stopped.push_back(body);
+        SolverBody& b = bodies.body[body];
         for (auto* x : {&b.v, &b.u})
-            for (std::int64_t& part : *x) std::swap(part, tick.kept_velocities[at++]);
+            for (std::int64_t& part : *x) closed.velocities.push_back(part), part = 0;
     }
-}
-
-/// Moves bodies for a substep and stops them. Those whose turn is followed only shift.
-void move_and_stop(JointTick& tick, const StepConstants& step, SolverBodies& bodies) {
-    constexpr int to_separation = accumulator_bits - Separation::fraction_bits;
-    const auto way = [&](std::int64_t& v) {
-        const std::int64_t out =
-            shift_right_rounded((v >> to_separation) * step.substep_time.raw, Unit::fraction_bits);
-        v = 0;
-        return out;
-    };
-    for (const JointBody& now : tick.bodies) {
-        SolverBody& b = bodies.body[now.body];
-        const bool turns = bodies.step[now.body].turn == 0;
-        for (int i = 0; i < 3; ++i) {
-            b.shift[i] = saturate_to_int32(b.shift[i] + way(b.v[i]));
-            const std::int64_t turn = way(b.u[i]);
-            if (turns) b.theta[i] = saturate_to_int32(b.theta[i] + turn);
+    static void clear_impulses(JointPack& pack, TurnPack* turn) {
+        std::fill_n(&pack.impulse[0][0], 3 * pack_lanes, 0);
+        if (turn != nullptr) std::fill_n(&turn->impulse[0][0], 3 * pack_lanes, 0);
+    }
+    static void clear_biases(JointPack& pack, TurnPack* turn, std::uint32_t lane) {
+        for (auto& bias : pack.bias) bias[lane] = 0;
+        for (int r = 0; turn != nullptr && r < 3; ++r) turn->bias[r][lane] = 0;
+    }
+    /// The impulses of a pack are set aside, and its bodies stopped: the solver visits all of its lanes.
+    void take(std::uint32_t p) {
+        if (closed.of_pack[p] != 0) return;
+        closed.of_pack[p] = 1;
+        JointPack& pack = tick.packs[p];
+        TurnPack* const turn = turn_of(pack);
+        ClosedPack& kept = closed.packs.emplace_back();
+        kept.pack = p;
+        std::copy_n(pack.exponent, pack_lanes, kept.exponent);
+        std::copy_n(&pack.impulse[0][0], 3 * pack_lanes, &kept.point[0][0]);
+        if (turn != nullptr) std::copy_n(&turn->impulse[0][0], 3 * pack_lanes, &kept.turn[0][0]);
+        clear_impulses(pack, turn);
+        for (std::uint32_t lane = 0; lane < pack.count; ++lane) {
+            stop(body_of(pack.a, lane)), stop(body_of(pack.b, lane));
+            clear_biases(pack, turn, lane);
         }
     }
-}
+    void give_back() {
+        std::size_t at = 0;
+        for (const std::uint32_t body : closed.stopped) {
+            SolverBody& b = bodies.body[body];
+            for (auto* x : {&b.v, &b.u})
+                for (std::int64_t& part : *x) part = closed.velocities[at++];
+        }
+        for (const ClosedPack& kept : closed.packs) {
+            JointPack& pack = tick.packs[kept.pack];
+            for (int r = 0; r < 3; ++r)
+                for (std::uint32_t lane = 0; lane < pack_lanes; ++lane)
+                    pack.impulse[r][lane] =
+                        rescaled_impulse(kept.point[r][lane], kept.exponent[lane], pack.exponent[lane]);
+            if (TurnPack* const turn = turn_of(pack); turn != nullptr)
+                std::copy_n(&kept.turn[0][0], 3 * pack_lanes, &turn->impulse[0][0]);
+        }
+    }
+
+    // ---- a pass --------------------------------------------------------------------------------------------------
+
+    /// How the bodies that were pushed have turned, for their packs.
+    void follow_bodies() {
+        for (const std::uint32_t body : closed.pushed) {
+            const std::uint32_t at = tick.cache_of[body];
+            JointBody& now = tick.bodies[at - 1];
+            tick.seen[at] = look_at_body(now, bodies);
+            if (now.given && now.stirred) turn_body(now, tick.pose[body], bodies);
+        }
+    }
+    void follow_joint(std::uint32_t p, std::uint32_t lane) {
+        const JointGlance& glance = tick.glances[tick.packed[p * pack_lanes + lane]];
+        const int seen = tick.seen[glance.a] | tick.seen[glance.b];
+        tick.packs[p].stale[lane] = (seen & glance.asks) != 0;
+        if ((seen & seen_given) != 0) give_turns(tick, joint_of(p, lane), bodies);
+        if (glance.own_rows) follow_errors(tick, joint_of(p, lane), step, bodies);
+    }
+    /// Rows of a pack and the biases of its joints that pull, from where bodies are. Whether one of these is open.
+    bool refresh(std::uint32_t p, bool moved) {
+        JointPack& pack = tick.packs[p];
+        for (std::uint32_t lane = 0; lane < pack.count && moved; ++lane) follow_joint(p, lane);
+        kernel.refresh(data, p, p + 1);
+        enlarge_exponents(tick, p, kernel.refresh, data, step);
+        if (moved) invert_some(tick, p, p + 1, kernel, data);
+        bool open = false;
+        for (std::uint32_t lane = 0; lane < pack.count; ++lane)
+            if (is_lane_pushed(pack, lane))
+                open = open || is_open(pack, lane);
+            else
+                clear_biases(pack, turn_of(pack), lane);
+        return open;
+    }
+    bool refresh_pushed(bool moved) {
+        bool open = false;
+        for (std::uint32_t p = 0; p < tick.packs.size(); ++p) {
+            if (!is_any_pushed(tick.packs[p])) continue;
+            take(p);
+            open = refresh(p, moved) || open;
+        }
+        return open;
+    }
+    /// A pass over the lanes of a pack whose bodies are pushed; the kernel takes all of them.
+    void solve(std::uint32_t p) {
+        JointPack& pack = tick.packs[p];
+        if (!is_any_pushed(pack)) return;
+        take(p);
+        bool pulls[pack_lanes];
+        SolverBody before[pack_lanes][2];
+        for (std::uint32_t lane = 0; lane < pack.count; ++lane) {
+            pulls[lane] = is_lane_pushed(pack, lane);
+            if (pulls[lane]) continue;
+            before[lane][0] = bodies.body[body_of(pack.a, lane)];
+            before[lane][1] = bodies.body[body_of(pack.b, lane)];
+        }
+        tick.clamped += kernel.solve(data, p, p + 1, true);
+        for (std::uint32_t lane = 0; lane < pack.count; ++lane) {
+            if (!pulls[lane]) {
+                bodies.body[body_of(pack.a, lane)] = before[lane][0];
+                bodies.body[body_of(pack.b, lane)] = before[lane][1];
+            } else if (is_beyond(pack.impulse, lane, speed_for(push_gap) >> pack.exponent[lane])) {
+                push(pack, lane);
+            }
+        }
+    }
+    /// Moves bodies for a substep and stops them. Those whose turn is followed only shift.
+    void move_and_stop() {
+        constexpr int to_separation = accumulator_bits - Separation::fraction_bits;
+        const auto way = [&](std::int64_t& v) {
+            const std::int64_t out =
+                shift_right_rounded((v >> to_separation) * step.substep_time.raw, Unit::fraction_bits);
+            v = 0;
+            return out;
+        };
+        for (const std::uint32_t body : closed.stopped) {
+            SolverBody& b = bodies.body[body];
+            const bool turns = bodies.step[body].turn == 0;
+            for (int i = 0; i < 3; ++i) {
+                b.shift[i] = saturate_to_int32(b.shift[i] + way(b.v[i]));
+                const std::int64_t turn = way(b.u[i]);
+                if (turns) b.theta[i] = saturate_to_int32(b.theta[i] + turn);
+            }
+        }
+        for (const ClosedPack& kept : closed.packs)
+            clear_impulses(tick.packs[kept.pack], turn_of(tick.packs[kept.pack]));
+    }
+
+  public:
+    Closer(JointTick& joint_tick, const StepConstants& step_constants, SolverBodies& solver_bodies,
+           const JointKernel& lanes)
+        : tick(joint_tick), closed(joint_tick.closed), step(step_constants), bodies(solver_bodies),
+          kernel(lanes), data(pass_data(joint_tick, step_constants, solver_bodies.body.data())) {}
+
+    /// Pushes the bodies of open points, if any.
+    bool find_open() {
+        closed.pushed.clear();
+        for (const JointPack& pack : tick.packs)
+            for (std::uint32_t lane = 0; lane < pack.count; ++lane) {
+                if (!is_open(pack, lane) || !has_opened(pack, lane)) continue;
+                if (closed.pushed.empty()) closed.of_body.assign(bodies.body.size(), 0);
+                push(pack, lane);
+            }
+        return !closed.pushed.empty();
+    }
+    void close() {
+        closed.of_pack.assign(tick.packs.size(), 0);
+        closed.stopped.clear(), closed.velocities.clear(), closed.packs.clear();
+        // The whole error within a substep.
+        data.rate = saturate_to_int32(step.substeps_per_second << joint_rate_bits);
+        data.mass_scale = unit_one.raw, data.impulse_scale = 0;
+        for (int pass = 0; pass < passes_max; ++pass) {
+            if (pass != 0) follow_bodies();
+            if (!refresh_pushed(pass != 0)) break;
+            for (const JointStage& stage : tick.stages)
+                for (std::uint32_t p = stage.first_pack; p < stage.last_pack; ++p) solve(p);
+            move_and_stop();
+        }
+        give_back();
+    }
+};
 
 } // namespace
 
-void JointSolver::close(const StepConstants& step, SolverBodies& bodies, Tasks* tasks) {
-    JointTick& tick = *work;
-    JointPassData data = pass_data(tick, step, bodies.body.data());
-    if (!is_open(data, tick.packs.size())) return;
-    tick.kept_velocities.assign(6 * tick.bodies.size(), 0);
-    tick.kept_impulses.assign(3 * pack_lanes * (tick.packs.size() + tick.turn_packs.size()), 0);
-    swap_velocities(tick, bodies);
-    swap_impulses(tick);
-    // The whole error within a substep.
-    data.rate = saturate_to_int32(step.substeps_per_second << joint_rate_bits);
-    data.mass_scale = unit_one.raw, data.impulse_scale = 0;
-    const auto packs = static_cast<std::uint32_t>(tick.packs.size());
-    for (int pass = 0; pass < passes_max; ++pass) {
-        update(step, bodies, tasks); // rows, at the rate of the substeps
-        kernel->refresh(data, 0, packs);
-        if (!is_open(data, packs)) break;
-        for (const JointStage& stage : tick.stages)
-            tick.clamped += kernel->solve(data, stage.first_pack, stage.last_pack, true);
-        move_and_stop(tick, step, bodies);
-        for (JointPack& pack : tick.packs) std::fill_n(&pack.impulse[0][0], 3 * pack_lanes, 0);
-        for (TurnPack& turn : tick.turn_packs) std::fill_n(&turn.impulse[0][0], 3 * pack_lanes, 0);
-    }
-    swap_impulses(tick);
-    swap_velocities(tick, bodies);
+void JointSolver::close(const StepConstants& step, SolverBodies& bodies) {
+    Closer closer(*work, step, bodies, *kernel);
+    if (closer.find_open()) closer.close();
 }
 
 } // namespace lockstone::solve

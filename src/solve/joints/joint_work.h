@@ -168,6 +168,21 @@ struct PlannedBody {
     friend bool operator==(const PlannedBody&, const PlannedBody&) = default;
 };
 
+/// What a pack was like before its points were closed: exponents, impulses of its points and of what only turns.
+struct ClosedPack {
+    std::uint32_t pack;
+    std::int32_t exponent[pack_lanes], point[3][pack_lanes], turn[3][pack_lanes];
+};
+
+/// While open points are closed (joint_close.cpp).
+struct ClosedPoints {
+    std::vector<std::uint8_t> of_body;          ///< flags, by SolverBodies
+    std::vector<std::uint8_t> of_pack;          ///< 1: it is in `packs`
+    std::vector<std::uint32_t> pushed, stopped; ///< bodies
+    std::vector<std::int64_t> velocities;       ///< six of each that is stopped
+    std::vector<ClosedPack> packs;
+};
+
 /// All joints of a tick in solving order.
 struct JointTick {
     std::vector<JointWork> joints;
@@ -188,9 +203,8 @@ struct JointTick {
     std::vector<PlannedBody> planned;
     bool has_plan;
     JointForest forest;
-    std::vector<std::uint32_t> cache_of;       ///< by body: entry of `bodies` + 1
-    std::vector<std::int64_t> kept_velocities; ///< of `bodies`, while points are closed
-    std::vector<std::int32_t> kept_impulses;   ///< of packs, while points are closed
+    std::vector<std::uint32_t> cache_of; ///< by body: entry of `bodies` + 1
+    ClosedPoints closed;
     std::span<const Transform> pose;
     std::uint64_t clamped; ///< impulses that met joint_impulse_max
     bool first;            ///< no substep is in the sums yet
@@ -202,6 +216,12 @@ template <class T> void make_room(std::vector<T>& v) {
 }
 
 JointPassData pass_data(JointTick& tick, const StepConstants& step, SolverBody* bodies);
+/// After `pass` over a pack: larger exponents where entries have grown to 2, and rows by these.
+void enlarge_exponents(JointTick& tick, std::uint32_t pack, decltype(JointKernel::refresh) pass,
+                       const JointPassData& data, const StepConstants& step);
+/// Inverses of the stale lanes of packs [first, last).
+void invert_some(JointTick& tick, std::uint32_t first, std::uint32_t last, const JointKernel& kernel,
+                 const JointPassData& data);
 /// Packs of the last tick as they are when they have just been planned, but for numbers that are written before they are read.
 void restart_packs(JointTick& tick);
 /// Whether a pack can make the point rows of a body: one that impulses move must be free along and about all axes.

@@ -11,19 +11,25 @@ using namespace lockstone::test::scene;
 
 namespace {
 
-/// A net of balls in space, held to their neighbours half way; packs solve its points, for it has loops.
+World space() { return made(World::create({.gravity = {}, .sleeping = 0})); }
+
+/// A net of balls, held to their neighbours half way; packs solve its points, for it has loops. `hangs`: from the ends of its top row.
 struct Net {
     static constexpr int side = 6;
-    World world;
+    World& world;
     std::vector<BodyId> balls;
     std::vector<JointId> joints;
 
-    Net() : world(made(World::create({.gravity = {}, .sleeping = 0}))) {
-        for (int i = 0; i < side * side; ++i)
-            balls.push_back(add(world, {.pose = at(i % side, i / side, 0)}, {.geometry = sphere(real(0.3))}));
-        for (int i = 0; i < side * side; ++i) {
-            if (i % side + 1 < side) join(i, i + 1, vec(0.5, 0, 0));
-            if (i + side < side * side) join(i, i + side, vec(0, 0.5, 0));
+    explicit Net(World& w, double x = 0, int width = side, int height = side, bool hangs = false) : world(w) {
+        for (int i = 0; i < width * height; ++i) {
+            BodyDef ball{.pose = at(x + i % width, -(i / width), 0)};
+            if (hangs) ball.linear_damping = ball.angular_damping = 1_r;
+            if (hangs && (i == 0 || i == width - 1))
+                ball.kind = BodyKind::static_, balls.push_back(made(world.create_body(ball)));
+            else
+                balls.push_back(add(world, ball, {.geometry = sphere(real(0.4))}));
+            if (i % width != 0) join(i - 1, i, vec(0.5, 0, 0));
+            if (i >= width) join(i - width, i, vec(0, -0.5, 0));
         }
     }
     void join(int a, int b, Vec3 way) {
@@ -32,13 +38,17 @@ struct Net {
         def.frame_a.position = way, def.frame_b.position = -way;
         joints.push_back(made(world.create_joint(def)));
     }
+    void hit(std::size_t ball, double speed) {
+        done(world.set_velocity(balls[ball], vec(speed, speed, 0), {}));
+    }
+    /// Along an axis.
     double widest() const {
         double out = 0;
         for (const JointId joint : joints) {
             const JointDef def = world.joint(joint);
             const Offset o =
                 offset_of(place_of(world, def.body_a, def.frame_a), place_of(world, def.body_b, def.frame_b));
-            out = std::max(out, length(o.along));
+            for (const double part : o.along) out = std::max(out, std::abs(part));
         }
         return out;
     }
@@ -51,19 +61,47 @@ struct Net {
 
 } // namespace
 
-// 8 mm are what JointSolver::close leaves to the next substeps. Without it a tick takes 43 % out of a gap, and 31 mm leave 18.
-TEST_CASE("points that are open are closed within a tick, and what they hold stays where it is") {
+// 8 mm are what JointSolver::close leaves to the next substeps. Without it these hits leave 9 to 11 after a tick.
+TEST_CASE("points that a hit opens are closed within the tick, and what they hold goes on as it did") {
     Random random = Random::seeded(5);
     for (int i = 0; i < 20; ++i) {
-        Net net;
-        const BodyId ball = net.balls[random.below(Net::side * Net::side)];
-        Transform away = net.world.pose(ball);
-        away.position += Vec3{random.range(0.018_r, 0.025_r), random.range(0.018_r, 0.025_r), {}};
-        done(net.world.set_pose(ball, away));
+        World world = space();
+        Net net(world);
+        const double speed = to_double(random.range(10_r, 11_r));
         const D3 before = net.center();
-        CHECK(net.widest() > 0.02); // twin: it is open
-        net.world.tick();
+        net.hit(random.below(Net::side * Net::side), speed);
+        world.tick();
         CHECK(net.widest() < 0.008);
-        CHECK(length(net.center() - before) < 1e-5);
+        const double way = speed / 60 / (Net::side * Net::side);
+        CHECK(length(net.center() - before - D3{way, way, 0}) < 1e-5);
     }
+}
+
+// The joints of the top row, which hold 60 balls each, stay open by 12 mm. Closed in every tick they would never come to rest.
+TEST_CASE("points that a load keeps open are left to it, and come to rest") {
+    constexpr int width = 4, height = 60;
+    World world = made(World::create({.sleeping = 0}));
+    Net net(world, 0, width, height, true);
+    double speed = 0;
+    for (int tick = 0; tick < 600; ++tick) world.tick();
+    for (const BodyId ball : net.balls) speed = std::max(speed, length(velocity(world, ball)));
+    CHECK(net.widest() > 0.008);
+    CHECK(speed < 0.01);
+}
+
+TEST_CASE("points that are closed move nothing of another figure, to the bit") {
+    std::vector<Transform> poses[2];
+    for (const bool hit : {false, true}) {
+        World world = space();
+        Net quiet(world), other(world, 100);
+        quiet.hit(7, 2); // opens it by 2 mm
+        if (hit) other.hit(14, 10);
+        for (int tick = 0; tick < 5; ++tick) {
+            world.tick();
+            for (const BodyId ball : quiet.balls) poses[hit].push_back(world.pose(ball));
+        }
+        CHECK((length(position(world, other.balls[14]) - D3{102, -2, 0}) > 0.01) ==
+              hit); // twin: the other net moves
+    }
+    CHECK(poses[0] == poses[1]);
 }
