@@ -19,20 +19,20 @@ void JointSolver::reserve(std::size_t joints) {
     work->axes.reserve(7 * joints);
     work->packs.reserve(joints), work->turn_packs.reserve(joints), work->stages.reserve(joints);
     work->singles.reserve(joints), work->acts.reserve(joints), work->glances.reserve(joints);
-    work->seen.reserve(2 * joints + 1), work->packed.reserve(pack_lanes * joints),
-        work->in_order.reserve(joints);
+    work->packed.reserve(pack_lanes * joints), work->in_order.reserve(joints);
     work->last_stage.reserve(2 * joints), work->counts.reserve(5 * joints + 1);
     work->bodies.reserve(2 * joints), work->planned.reserve(2 * joints);
 }
 
 void JointSolver::poison(std::byte with) {
-    auto& [joints, blocks, axes, packs, turn_packs, stages, singles, glances, seen, acts, packed, last_stage,
-           counts, in_order, bodies, planned, has_plan, forest, cache_of, closed, pose, clamped, first] =
-        *work;
-    base::poison(with, joints, blocks, axes, packs, turn_packs, stages, singles, glances, seen, acts, packed,
-                 last_stage, counts, in_order, bodies, planned, cache_of, pose, clamped, first);
-    base::poison(with, closed.of_body, closed.of_pack, closed.stopped, closed.pushed, closed.velocities,
-                 closed.packs);
+    auto& [joints, blocks, axes, packs, turn_packs, stages, singles, glances, held, turned, seen, given, acts,
+           packed, last_stage, counts, in_order, bodies, planned, has_plan, forest, cache_of, closed, pose,
+           clamped, first] = *work;
+    base::poison(with, joints, blocks, axes, packs, turn_packs, stages, singles, glances, held, turned, seen,
+                 given, acts, packed, last_stage, counts, in_order, bodies, planned, cache_of, pose, clamped,
+                 first);
+    base::poison(with, closed.of_body, closed.of_pack, closed.of_four, closed.stopped, closed.pushed,
+                 closed.velocities, closed.packs);
     has_plan = false;
     auto& [trees, nodes, edges, links, component, first_of, hung, node_of, size, root, anchor_of, loops,
            anchors, above_of, above, carried, queue] = forest;
@@ -108,6 +108,13 @@ void start_packs(JointTick& tick, const JointKernel& kernel, const StepConstants
         [&](std::uint32_t first, std::uint32_t last, std::uint32_t) { kernel.start(data, first, last); });
 }
 
+std::uint8_t turn_held(JointTick& tick, const JointKernel& kernel, const StepConstants& step,
+                       const SolverBodies& bodies, Tasks* tasks) {
+    // Other passes of a kernel write to bodies, this one only reads them.
+    return turn_bodies(tick, kernel, pass_data(tick, step, const_cast<SolverBody*>(bodies.body.data())),
+                       bodies, tasks);
+}
+
 /// Rows and biases of points where the bodies are now. `pass`: of the kernel, for where they are.
 void refresh_packs(JointTick& tick, decltype(JointKernel::refresh) pass, const StepConstants& step,
                    const SolverBodies& bodies, Tasks* tasks) {
@@ -157,6 +164,9 @@ JointPassData pass_data(JointTick& tick, const StepConstants& step, SolverBody* 
     return {bodies,
             tick.packs.data(),
             tick.turn_packs.data(),
+            tick.held.data(),
+            tick.turned.data(),
+            tick.seen.data(),
             pack_rate(step),
             step.joint.mass_scale.raw,
             step.joint.impulse_scale.raw,
@@ -261,7 +271,8 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
         keep_plan(tick, joints, memory, columns, bodies);
     else
         plan_joints(tick, joints, memory, columns, step, bodies);
-    tick.glances.resize(tick.joints.size()), tick.seen.assign(tick.bodies.size() + 1, 0);
+    tick.glances.resize(tick.joints.size());
+    hold_bodies(tick, bodies);
     for_joints(tick, tasks, [&](JointWork& w) {
         if (w.pack != no_pack) start_packed(tick, w);
         if (w.pack != no_pack && w.axis_count + w.block_count == 0)
@@ -270,10 +281,7 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
             make_rows(tick, w, step, bodies);
     });
     start_packs(tick, *kernel, step, bodies, tasks);
-    for (const JointWork& w : tick.joints)
-        for (const JointWorkSide* s : {&w.a, &w.b})
-            if (w.pack == no_pack && w.stays && w.tree == no_tree && !s->world)
-                tick.bodies[s->cache].unpacked = true;
+    turn_held(tick, *kernel, step, bodies, tasks);
     refresh_packs(tick, kernel->begin, step, bodies, tasks);
     for (JointPack& pack : tick.packs) std::copy_n(&pack.bias[0][0], 3 * pack_lanes, &pack.bias_before[0][0]);
     make_asked_rows(tick, step, bodies);
@@ -283,18 +291,6 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
 }
 
 namespace {
-
-/// Which bodies have moved. JointSeen of any of them.
-std::uint8_t look_at_bodies(JointTick& tick, const SolverBodies& bodies, Tasks* tasks) {
-    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.bodies.size()), body_chunk,
-                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-                         for (std::uint32_t i = first; i < last; ++i)
-                             tick.seen[i + 1] = look_at_body(tick.bodies[i], bodies);
-                     });
-    std::uint8_t any = 0;
-    for (const std::uint8_t seen : tick.seen) any |= seen;
-    return any;
-}
 
 /// Finds the joints whose rows are stale by the motion of their bodies, and the bodies that have to be placed for new rows. Whether any
 /// joint has rows of its own.
@@ -306,7 +302,7 @@ bool find_stale(JointTick& tick) {
         if (glance.pack != no_pack) tick.packs[glance.pack].stale[glance.lane] = glance.stale;
         if (!glance.stale || !glance.places) continue;
         for (const std::uint32_t body : {glance.a, glance.b})
-            if (body != 0) tick.bodies[body - 1].wanted = true;
+            if (body != 0) tick.seen[body] |= seen_wanted;
     }
     return any;
 }
@@ -314,13 +310,9 @@ bool find_stale(JointTick& tick) {
 void place_bodies(JointTick& tick, const SolverBodies& bodies, Tasks* tasks) {
     base::for_chunks(tasks, static_cast<std::uint32_t>(tick.bodies.size()), body_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-                         for (std::uint32_t i = first; i < last; ++i) {
-                             JointBody& now = tick.bodies[i];
-                             const bool stirred = now.stirred;
-                             if (now.given && stirred) turn_body(now, tick.pose[now.body], bodies);
-                             if (now.wanted) place_body(now, tick.pose[now.body], bodies);
-                             now.stirred = stirred;
-                         }
+                         for (std::uint32_t i = first; i < last; ++i)
+                             if ((tick.seen[i + 1] & seen_wanted) != 0)
+                                 place_body(tick.bodies[i], tick.pose[tick.bodies[i].body], bodies);
                      });
 }
 
@@ -330,9 +322,10 @@ void follow_joints(JointTick& tick, const StepConstants& step, const SolverBodie
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
                          for (std::uint32_t i = first; i < last; ++i) {
                              const JointGlance glance = tick.glances[i];
-                             const bool given =
-                                 ((tick.seen[glance.a] | tick.seen[glance.b]) & seen_given) != 0;
-                             if (given && glance.pack != no_pack) give_turns(tick, tick.joints[i], bodies);
+                             const bool followed =
+                                 ((tick.seen[glance.a] | tick.seen[glance.b]) & seen_followed) != 0;
+                             if (followed && glance.pack != no_pack)
+                                 give_gyration(tick, tick.joints[i], bodies);
                              if (!glance.own_rows) continue;
                              if (glance.stale)
                                  make_rows(tick, tick.joints[i], step, bodies);
@@ -347,17 +340,17 @@ void follow_joints(JointTick& tick, const StepConstants& step, const SolverBodie
 void JointSolver::update(const StepConstants& step, const SolverBodies& bodies, Tasks* tasks) {
     JointTick& tick = *work;
     if (tick.joints.empty()) return;
-    const std::uint8_t seen = look_at_bodies(tick, bodies, tasks);
-    if (seen == 0) { // before the first substep
+    if (tick.first) { // before the first substep: nothing has moved
         for_joints(tick, tasks, [&](JointWork& w) {
             if (w.pack == no_pack) follow_errors(tick, w, step, bodies);
         });
         find_acting(tick);
         return;
     }
+    const std::uint8_t seen = turn_held(tick, *kernel, step, bodies, tasks);
     const bool own_rows = find_stale(tick);
     place_bodies(tick, bodies, tasks);
-    if (own_rows || (seen & seen_given) != 0) follow_joints(tick, step, bodies, tasks);
+    if (own_rows || (seen & seen_followed) != 0) follow_joints(tick, step, bodies, tasks);
     refresh_packs(tick, kernel->refresh, step, bodies, tasks);
     make_asked_rows(tick, step, bodies);
     invert_packs(tick, *kernel, step, bodies, tasks);

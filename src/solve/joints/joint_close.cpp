@@ -142,20 +142,21 @@ class Closer {
 
     // ---- a pass --------------------------------------------------------------------------------------------------
 
-    /// How the bodies that were pushed have turned, for their packs.
-    void follow_bodies() {
-        for (const std::uint32_t body : closed.pushed) {
-            const std::uint32_t at = tick.cache_of[body];
-            JointBody& now = tick.bodies[at - 1];
-            tick.seen[at] = look_at_body(now, bodies);
-            if (now.given && now.stirred) turn_body(now, tick.pose[body], bodies);
+    /// Where the bodies are that were stopped, four by four.
+    void look_at_bodies() {
+        closed.of_four.assign(tick.held.size(), 0);
+        for (const std::uint32_t body : closed.stopped) {
+            const std::uint32_t at = tick.cache_of[body]; // none of what stands still
+            if (at == 0 || closed.of_four[(at - 1) / pack_lanes] != 0) continue;
+            closed.of_four[(at - 1) / pack_lanes] = 1;
+            turn_four(tick, (at - 1) / pack_lanes, kernel, data, bodies);
         }
     }
     void follow_joint(std::uint32_t p, std::uint32_t lane) {
         const JointGlance& glance = tick.glances[tick.packed[p * pack_lanes + lane]];
         const int seen = tick.seen[glance.a] | tick.seen[glance.b];
         tick.packs[p].stale[lane] = (seen & glance.asks) != 0;
-        if ((seen & seen_given) != 0) give_turns(tick, joint_of(p, lane), bodies);
+        if ((seen & seen_followed) != 0) give_gyration(tick, joint_of(p, lane), bodies);
         if (glance.own_rows) follow_errors(tick, joint_of(p, lane), step, bodies);
     }
     /// Rows of a pack and the biases of its joints that pull, from where bodies are. Whether one of these is open.
@@ -175,11 +176,11 @@ class Closer {
     }
     bool refresh_pushed(bool moved) {
         bool open = false;
-        for (std::uint32_t p = 0; p < tick.packs.size(); ++p) {
-            if (!is_any_pushed(tick.packs[p])) continue;
-            take(p);
-            open = refresh(p, moved) || open;
-        }
+        for (std::uint32_t p = 0; p < tick.packs.size(); ++p)
+            if (is_any_pushed(tick.packs[p])) take(p);
+        look_at_bodies();
+        for (std::uint32_t p = 0; p < tick.packs.size(); ++p)
+            if (is_any_pushed(tick.packs[p])) open = refresh(p, moved) || open;
         return open;
     }
     /// A pass over the lanes of a pack whose bodies are pushed; the kernel takes all of them.
@@ -251,7 +252,6 @@ class Closer {
         data.rate = saturate_to_int32(step.substeps_per_second << joint_rate_bits);
         data.mass_scale = unit_one.raw, data.impulse_scale = 0;
         for (int pass = 0; pass < passes_max; ++pass) {
-            if (pass != 0) follow_bodies();
             if (!refresh_pushed(pass != 0)) break;
             for (const JointStage& stage : tick.stages)
                 for (std::uint32_t p = stage.first_pack; p < stage.last_pack; ++p) solve(p);

@@ -360,10 +360,6 @@ std::int64_t scaled_error(Real x, int exponent) {
 
 namespace {
 
-TurnPack& turn_pack(JointTick& tick, const JointWork& work) {
-    return tick.turn_packs[tick.packs[work.pack].turn];
-}
-
 /// Whether its block is a hinge's, with rows that its pack makes.
 bool is_made_in_pack(const JointTick& tick, const JointWork& work) {
     return work.hinge && tick.turn_packs[tick.packs[work.pack].turn].generic[work.lane] == 0;
@@ -482,11 +478,19 @@ void invert_blocks(JointTick& tick, const JointWork& work) {
     }
 }
 
+Quat rotation_now(const Transform& pose, std::uint32_t body, const SolverBodies& bodies) {
+    const BodyStep& step = bodies.step[body];
+    const auto& theta = bodies.body[body].theta;
+    return step.turn != 0 ? bodies.turns[step.turn - 1].rotation
+           : (theta[0] | theta[1] | theta[2]) == 0
+               ? unit_of(pose.rotation)
+               : integrate_rotation(pose.rotation, over_gyration(step, theta, Separation::fraction_bits));
+}
+
 void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodies) {
     const SolverBody& body = bodies.body[now.body];
     const BodyStep& step = bodies.step[now.body];
     const bool still = are_same(body.shift, now.shift) && are_same(body.theta, now.theta);
-    now.stirred = !still;
     now.moved = Vec3{};
     for (int i = 0; i < 3; ++i) now.turned[i] = 0;
     if (still) return;
@@ -498,85 +502,17 @@ void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodie
         now.velocity[i] =
             Real::from_raw(shift_right_rounded(body.v[i], accumulator_bits - Real::fraction_bits));
     }
-    now.rotation =
-        step.turn != 0 ? bodies.turns[step.turn - 1].rotation
-        : (body.theta[0] | body.theta[1] | body.theta[2]) == 0
-            ? unit_of(pose.rotation)
-            : integrate_rotation(pose.rotation, over_gyration(step, body.theta, Separation::fraction_bits));
+    now.rotation = rotation_now(pose, now.body, bodies);
     now.axes = to_rotation(now.rotation);
     const std::int32_t u[3] = {speed_of(body.u[0]), speed_of(body.u[1]), speed_of(body.u[2])};
     now.w = over_gyration(step, u, Speed::fraction_bits);
 }
 
-/// Whether a body has turned by more than 2^-bits rad about an axis, by the change of its theta.
-static inline bool has_turned(const JointBody& now, const std::int64_t (&change)[3], int bits,
-                              const BodyStep& step) {
-    const std::int64_t most = std::max({std::abs(change[0]), std::abs(change[1]), std::abs(change[2])});
-    if (most <= now.least >> bits) [[likely]]
-        return false;
-    std::int32_t theta[3];
-    for (int i = 0; i < 3; ++i) theta[i] = saturate_to_int32(change[i]);
-    const Vec3 turn = abs(over_gyration(step, theta, Separation::fraction_bits));
-    return max(turn.x, max(turn.y, turn.z)).raw > std::int64_t{1} << (Real::fraction_bits - bits);
-}
-
-std::uint8_t look_at_body(JointBody& now, const SolverBodies& bodies) {
-    const SolverBody& body = bodies.body[now.body];
-    const BodyStep& step = bodies.step[now.body];
-    now.stirred = !are_same(body.shift, now.shift) || !are_same(body.theta, now.theta);
-    now.wanted = now.strays = now.strays_far = false;
-    if (!now.stirred) return 0;
-    const auto strays = [&](std::int32_t(&made)[3], int bits) {
-        std::int64_t change[3];
-        for (int i = 0; i < 3; ++i) change[i] = std::int64_t{body.theta[i]} - made[i];
-        if (step.turn == 0 && !has_turned(now, change, bits, step)) return false;
-        for (int i = 0; i < 3; ++i) made[i] = body.theta[i]; // std::copy would call memmove
-        return true;
-    };
-    now.strays = now.unpacked && strays(now.theta_made, row_turn_bits);
-    now.strays_far = strays(now.theta_packed, pack_turn_bits);
-    const std::int64_t all[3] = {body.theta[0], body.theta[1], body.theta[2]};
-    now.given =
-        now.given || step.turn != 0 || (now.strays_far && has_turned(now, all, given_turn_bits, step));
-    return static_cast<std::uint8_t>(seen_stirred | (now.strays ? seen_strays : 0) |
-                                     (now.strays_far ? seen_strays_far : 0) | (now.given ? seen_given : 0));
-}
-
 void start_body(JointBody& now, const Transform& pose, const SolverBodies& bodies) {
-    const SolverBody& body = bodies.body[now.body];
-    const Vec3& k = bodies.step[now.body].radii;
-    now.least = to<Separation>(min(k.x, min(k.y, k.z))).raw;
-    std::copy(body.theta, body.theta + 3, now.theta_made);
-    std::copy(body.theta, body.theta + 3, now.theta_packed);
     now.shift[0] = bodies.body[now.body].shift[0] + 1; // any other value: so it counts as moved
     place_body(now, pose, bodies);
     now.moved = Vec3{};
     for (int i = 0; i < 3; ++i) now.turned[i] = 0;
-}
-
-// ---- points in packs ----------------------------------------------------------------------------------------------
-
-void turn_body(JointBody& now, const Transform& pose, const SolverBodies& bodies) {
-    const BodyStep& step = bodies.step[now.body];
-    const Quat rotation =
-        step.turn != 0 ? bodies.turns[step.turn - 1].rotation
-                       : integrate_rotation(pose.rotation, over_gyration(step, bodies.body[now.body].theta,
-                                                                         Separation::fraction_bits));
-    now.turn = product(rotation, conjugate(pose.rotation));
-}
-
-void give_turns(JointTick& tick, const JointWork& work, const SolverBodies& bodies) {
-    JointPack& pack = tick.packs[work.pack];
-    const auto give = [&](PackSide& side, const JointWorkSide& s, bool of_a) {
-        if (s.world) return;
-        const JointBody& now = tick.bodies[s.cache];
-        if (!now.given || !now.stirred) return;
-        const BodyStep& own = bodies.step[s.body];
-        const BodyStep& body = own.turn != 0 ? bodies.turns[own.turn - 1].now : own;
-        give_turn(side, work.lane, now.turn, body, pack.exponent[work.lane]);
-        if (work.hinge) set_hinge_shift(turn_pack(tick, work), work.lane, of_a, body);
-    };
-    give(pack.a, work.a, true), give(pack.b, work.b, false);
 }
 
 } // namespace lockstone::solve

@@ -9,34 +9,20 @@
 #pragma once
 
 #include "solve/joints/joint.h"
-#include "solve/joints/joint_pack.h"
 #include "solve/joints/joint_parts.h"
-#include "solve/joints/joint_point.h"
+#include "solve/joints/pack/joint_pack.h"
+#include "solve/joints/pack/joint_point.h"
 #include "solve/joints/tree/joint_tree.h"
 
 #include <vector>
 
 namespace lockstone::solve {
 
-inline constexpr int row_turn_bits = 11; ///< row_turn_max = 2^-11 rad
-/// pack_turn_max = 2^-10 rad: with 2^-8 a pendulum that swings by 150 degrees is 0.12 % slow instead of 0.10 %. Points and hinges, which
-/// are made anew in every substep, carry the weight; other rows about the axes miss a part 2^-20 of the energy of the turn that they leave free.
-inline constexpr int pack_turn_bits = 10;
-inline constexpr int given_turn_bits = 4; ///< packs turn by theta up to 2^-4 rad about an axis
-
 /// A body that joints hold, where it is in this substep.
 struct JointBody {
     std::uint32_t body;
-    bool stirred;    ///< moved or turned since it was placed
-    bool strays;     ///< it has turned by more than rows may stay behind: row_turn_max
-    bool strays_far; ///< by more than rows beside a packed point may: pack_turn_max
-    bool given;      ///< its turn is given to packs, from now on; joint_pack.h
-    bool unpacked;   ///< rows of some joint in no pack stay where they are while it hardly turns
-    bool wanted;     ///< it is to be placed where it is
-    /// Its least gyration radius: it has turned by no more than theta by this; Separation
-    std::int32_t least;
-    std::int32_t theta_made[3], theta_packed[3]; ///< when it strayed last
-    std::int32_t shift[3], theta[3];             ///< of the SolverBody, when this was made
+    bool given;                      ///< it has turned far or is followed: in JointTick::given
+    std::int32_t shift[3], theta[3]; ///< of the SolverBody, when this was made
     Vec3 position;
     Quat rotation;
     Rotation axes;
@@ -44,7 +30,6 @@ struct JointBody {
     Vec3 velocity;
     Vec3 moved;             ///< by the last update [m]
     std::int32_t turned[3]; ///< by the last update, of theta
-    Quat turn;              ///< since the tick began, of what is given
 };
 
 /// Up to three locks solved together.
@@ -118,9 +103,6 @@ struct JointWorkSide {
     Quat frame;          ///< in the body's axes, or in the world
 };
 
-/// What JointBodies did since the last update, bits of JointTick::seen: the flags of these names, and that packs are to be told.
-enum JointSeen : std::uint8_t { seen_stirred = 1, seen_strays = 2, seen_strays_far = 4, seen_given = 8 };
-
 inline constexpr std::uint32_t no_pack = 0xffffffffu;
 
 /// What an update asks of every joint: a few bytes in place of the rest of it.
@@ -178,6 +160,7 @@ struct ClosedPack {
 struct ClosedPoints {
     std::vector<std::uint8_t> of_body;          ///< flags, by SolverBodies
     std::vector<std::uint8_t> of_pack;          ///< 1: it is in `packs`
+    std::vector<std::uint8_t> of_four;          ///< 1: these HeldBodies have been looked at in this pass
     std::vector<std::uint32_t> pushed, stopped; ///< bodies
     std::vector<std::int64_t> velocities;       ///< six of each that is stopped
     std::vector<ClosedPack> packs;
@@ -191,11 +174,14 @@ struct JointTick {
     std::vector<JointPack> packs;
     std::vector<TurnPack> turn_packs;
     std::vector<JointStage> stages;
-    std::vector<std::uint32_t> singles;                      ///< joints that have parts in no pack, by stage
-    std::vector<JointGlance> glances;                        ///< by joint
-    std::vector<std::uint8_t> seen;                          ///< JointSeen, by body, after one of the world
-    std::vector<std::uint8_t> acts;                          ///< of singles: whether passes look at it
-    std::vector<std::uint32_t> packed;                       ///< joints by pack and lane
+    std::vector<std::uint32_t> singles; ///< joints that have parts in no pack, by stage
+    std::vector<JointGlance> glances;   ///< by joint
+    std::vector<HeldBodies> held;       ///< of `bodies`
+    std::vector<TurnedBody> turned;     ///< by body, after one of the world
+    std::vector<std::uint8_t> seen;     ///< JointSeen, likewise
+    std::vector<std::uint32_t> given;   ///< entries of `bodies` whose turn theta does not tell
+    std::vector<std::uint8_t> acts;     ///< of singles: whether passes look at it
+    std::vector<std::uint32_t> packed;  ///< joints by pack and lane
     std::vector<std::uint32_t> last_stage, counts, in_order; ///< while packs are filled
     std::vector<JointBody> bodies;
     /// The plan: which bodies joints hold, what parts joints have, where packs have them. While joints stay the same it serves again,
@@ -209,6 +195,11 @@ struct JointTick {
     std::uint64_t clamped; ///< impulses that met joint_impulse_max
     bool first;            ///< no substep is in the sums yet
 };
+
+/// Of a joint whose block is in a pack of turns.
+inline TurnPack& turn_pack(JointTick& tick, const JointWork& work) {
+    return tick.turn_packs[tick.packs[work.pack].turn];
+}
 
 /// Room for one more entry; where there is none, for a quarter more: entries are large.
 template <class T> void make_room(std::vector<T>& v) {
@@ -228,10 +219,16 @@ void restart_packs(JointTick& tick);
 bool fits_pack(std::uint32_t body, const SolverBodies& bodies);
 /// A joint's point into its lane, as JointKernel::start takes it.
 void start_packed(JointTick& tick, const JointWork& work);
-/// How bodies of a packed joint have turned that have turned far or are followed.
-void give_turns(JointTick& tick, const JointWork& work, const SolverBodies& bodies);
-/// Of a body that is given: how it has turned since the tick began.
-void turn_body(JointBody& now, const Transform& pose, const SolverBodies& bodies);
+/// K^-1 of the followed bodies of a packed joint, as it is now.
+void give_gyration(JointTick& tick, const JointWork& work, const SolverBodies& bodies);
+/// Held bodies as the tick begins.
+void hold_bodies(JointTick& tick, const SolverBodies& bodies);
+/// Where held bodies are now: TurnedBody and JointSeen. What they did, or-ed.
+std::uint8_t turn_bodies(JointTick& tick, const JointKernel& kernel, const JointPassData& data,
+                         const SolverBodies& bodies, Tasks* tasks);
+/// The same of one HeldBodies.
+void turn_four(JointTick& tick, std::uint32_t group, const JointKernel& kernel, const JointPassData& data,
+               const SolverBodies& bodies);
 /// Rows that the refreshed packs ask for: of hinges that have come apart, and limits that are in reach again.
 void make_asked_rows(JointTick& tick, const StepConstants& step, const SolverBodies& bodies);
 /// Which singles act: those with locks that passes solve, or an axis that is not idle.
@@ -251,9 +248,9 @@ bool may_stay(const JointTick& tick, const JointWork& work);
 /// As normalized(), but what is one by a rounding is left as it is.
 Quat unit_of(Quat q);
 void start_body(JointBody& now, const Transform& pose, const SolverBodies& bodies);
+/// A body's rotation in this substep, of its pose when the tick began.
+Quat rotation_now(const Transform& pose, std::uint32_t body, const SolverBodies& bodies);
 void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodies);
-/// Whether it has moved since it was placed, and turned by more than rows may stay behind: JointSeen.
-std::uint8_t look_at_body(JointBody& now, const SolverBodies& bodies);
 /// After its rows were made.
 void set_glance(JointTick& tick, const JointWork& work);
 /// Rows, responses, inverses and targets of a joint's parts. Writes nothing that is another joint's.

@@ -5,7 +5,7 @@
 
 #include "solve/bodies/kernel.h"
 #include "solve/contacts/kernel.h"
-#include "solve/joints/kernel.h"
+#include "solve/joints/pack/kernel.h"
 #include "solve/kernels/kernels.h"
 #include "solve/lanes/neon.h"
 #include "solve/pairs/kernel.h"

@@ -1,6 +1,6 @@
 #include "solve/bodies/kernel.h"
 #include "solve/contacts/kernel.h"
-#include "solve/joints/kernel.h"
+#include "solve/joints/pack/kernel.h"
 #include "solve/kernels/kernels.h"
 #include "solve/lanes/scalar.h"
 #include "solve/pairs/kernel.h"

@@ -4,7 +4,7 @@
 #include "shapes/hull/support_kernel.h"
 #include "solve/bodies/body_kernel.h"
 #include "solve/contacts/pack.h"
-#include "solve/joints/joint_pack.h"
+#include "solve/joints/pack/joint_pack.h"
 #include "solve/pairs/pair_kernel.h"
 
 #include "lockstone/simd.h"

@@ -1,13 +1,13 @@
 // The inverses of the rows of packed joints, written once over the lanes L: of points, and of hinges about their axes. Bit for bit those
 // of solve/joints/joint_rows.h, by Cramer's rule on 31 bits; what that rule leaves to pivots, or what does not fit into the
-// low half of a lane, is left to the caller. See solve/joints/joint_pack.h for the formats.
+// low half of a lane, is left to the caller. See solve/joints/pack/joint_pack.h for the formats.
 //
 //   k = sum over both sides of share (X X^T + one^2 1)      k^-1 = adjugate / determinant
 //
 // Included as kernel.h, by which this is used.
 #pragma once
 
-#include "solve/joints/joint_pack.h"
+#include "solve/joints/pack/joint_pack.h"
 
 #include <bit>
 #include <cstdint>

@@ -1,12 +1,12 @@
 // What the rows of points are made from when a tick begins, written once over the lanes L: levers, K^-1, the scale 2^-e of each joint and
-// what follows from that. See solve/joints/joint_pack.h for the formats.
+// what follows from that. See solve/joints/pack/joint_pack.h for the formats.
 //
 //   e: the least exponent, at least 0, with which the entries of K^-1 [r], times 1.25, stay below 2
 //
 // Included as kernel.h, by which this is used.
 #pragma once
 
-#include "solve/joints/joint_pack.h"
+#include "solve/joints/pack/joint_pack.h"
 
 #include <bit>
 #include <cstddef>
@@ -88,10 +88,7 @@ template <class L> class JointStarts {
         L::quads(front, k), L::quads(back, k + 4);
         for (int i = 0; i < 6; ++i) L::store32(&side.inverse[i][lane], k[i]);
         // A side that does not move has zeros only.
-        const V spin = L::mul(k[6], L::splat(1)), moves = L::greater64(spin, L::splat(0));
-        L::store64(&side.spin_shift[lane], spin);
-        L::store64(&side.turn_shift[lane],
-                   L::both(L::add(spin, L::splat(gap_bits - solve::pack_angle_bits)), moves));
+        L::store64(&side.spin_shift[lane], L::mul(k[6], L::splat(1)));
         V most = L::splat(0);
         for (int row = 0; row < 3; ++row) {
             const int i = (row + 1) % 3, j = (row + 2) % 3;

@@ -4,9 +4,10 @@
 // too, since the linker keeps one of their copies.
 #pragma once
 
-#include "solve/joints/inverse_kernel.h"
-#include "solve/joints/joint_pack.h"
-#include "solve/joints/start_kernel.h"
+#include "solve/joints/pack/held_kernel.h"
+#include "solve/joints/pack/inverse_kernel.h"
+#include "solve/joints/pack/joint_pack.h"
+#include "solve/joints/pack/start_kernel.h"
 #include "solve/lanes/lane_fixed.h"
 
 #include <cstddef>
@@ -55,14 +56,6 @@ template <class L> class PackedJoints {
         for (unsigned i = 0; i < N; ++i) body[i] = body_at(data, side.place[lane + i]);
         V raw[6];
         L::gather6(body, raw);
-        for (int i = 0; i < 6; ++i) out[i] = {raw[i]};
-    }
-    [[gnu::always_inline]] static void gather_moved(const Side& side, unsigned lane, const Data& data,
-                                                    Gap (&out)[6]) {
-        const solve::SolverBody* body[N];
-        for (unsigned i = 0; i < N; ++i) body[i] = body_at(data, side.place[lane + i]);
-        V raw[6];
-        L::gather_motion(body, raw);
         for (int i = 0; i < 6; ++i) out[i] = {raw[i]};
     }
     /// Bodies that nothing moves are shared by packs; their share is zero, so they are written as they were.
@@ -247,21 +240,8 @@ template <class L> class PackedJoints {
     // ---- rows of points ------------------------------------------------------------------------------------------
 
     using Lever = LaneFixed<L, 0>; ///< as it is scaled by lane
-    using Angle = LaneFixed<L, solve::pack_angle_bits>;
     static constexpr int inverse_at[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
 
-    /// K^-1 x / 2^shift: 30 bits times 32, three times.
-    template <class X>
-    [[gnu::always_inline]] static void over_gyration(const Side& side, unsigned lane, const X* x,
-                                                     const Lanes<std::int64_t>& shift, V (&out)[3]) {
-        const V by = L::load64(&shift[lane]);
-        for (int i = 0; i < 3; ++i) {
-            V sum = L::mul(L::load32(&side.inverse[inverse_at[i][0]][lane]), x[0].raw);
-            for (int k = 1; k < 3; ++k)
-                sum = L::add(sum, L::mul(L::load32(&side.inverse[inverse_at[i][k]][lane]), x[k].raw));
-            out[i] = L::shift_right_by(sum, by);
-        }
-    }
     /// A rotation matrix by rows, 30 fraction bits in the low halves.
     struct Turned {
         V m[3][3];
@@ -278,41 +258,30 @@ template <class L> class PackedJoints {
     struct Unturned {
         void times(const V (&v)[3], V (&out)[3]) const { out[0] = v[0], out[1] = v[1], out[2] = v[2]; }
     };
-    [[gnu::always_inline]] static Turned matrix_of(const V (&q)[4]) {
-        constexpr int shift = unit_bits - 1; // entries are twice a sum of products
-        const V one = L::splat(std::int64_t{1} << unit_bits), half = L::splat(std::int64_t{1} << (shift - 1));
-        const auto twice = [&](V sum) { return L::template shift_right<shift>(L::add(sum, half)); };
-        const V xx = L::mul(q[0], q[0]), yy = L::mul(q[1], q[1]), zz = L::mul(q[2], q[2]);
-        const V xy = L::mul(q[0], q[1]), xz = L::mul(q[0], q[2]), yz = L::mul(q[1], q[2]);
-        const V wx = L::mul(q[3], q[0]), wy = L::mul(q[3], q[1]), wz = L::mul(q[3], q[2]);
-        return {{{L::sub(one, twice(L::add(yy, zz))), twice(L::sub(xy, wz)), twice(L::add(xz, wy))},
-                 {twice(L::add(xy, wz)), L::sub(one, twice(L::add(xx, zz))), twice(L::sub(yz, wx))},
-                 {twice(L::sub(xz, wy)), twice(L::add(yz, wx)), L::sub(one, twice(L::add(xx, yy)))}}};
-    }
-    /// How a body has turned since the tick began.
-    [[gnu::always_inline]] static Turned turn_of(const Side& side, unsigned lane, const Gap (&moved)[6]) {
-        constexpr std::int64_t one = std::int64_t{1} << unit_bits, quarter = one; // of pack_angle_bits
-        V phi[3], q[4], square = L::splat(0);
-        over_gyration(side, lane, moved + 3, side.turn_shift, phi);
-        for (int i = 0; i < 3; ++i) {
-            phi[i] = between(phi[i], L::splat(-quarter), L::splat(quarter));
-            square = L::add(square, L::mul(phi[i], phi[i]));
+    /// Where the bodies of one side are.
+    struct Placed {
+        Turned turned;
+        Speed spin[3];
+        V shift[3]; ///< low halves
+    };
+    [[gnu::always_inline]] static void look(const Side& side, unsigned lane, const Data& data, int first_row,
+                                            V (&out)[4][4]) {
+        const std::int32_t* row[N];
+        for (unsigned i = 0; i < N; ++i)
+            row[i] = reinterpret_cast<const std::int32_t*>(reinterpret_cast<const std::byte*>(data.turned) +
+                                                           side.turned[lane + i]) +
+                     4 * first_row;
+        for (int r = first_row; r < 4; ++r) {
+            L::quads(row, out[r]);
+            for (auto& at : row) at += 4;
         }
-        // h has the bits of phi and one fraction bit more.
-        const V z = L::template shift_right<2 * (solve::pack_angle_bits + 1) - unit_bits>(square);
-        const auto by = [](V x, std::int64_t factor) {
-            return L::template shift_right<unit_bits>(L::mul(x, L::splat(factor)));
-        };
-        const V zz = L::template shift_right<unit_bits>(L::mul(z, z));
-        const V sinc = L::add(L::sub(L::splat(one), by(z, one / 6)), by(zz, one / 120));
-        const V given = L::load32(&side.given[lane]),
-                half = L::splat(std::int64_t{1} << solve::pack_angle_bits);
-        for (int i = 0; i < 3; ++i)
-            q[i] = L::template shift_right_signed<solve::pack_angle_bits + 1>(
-                L::add(L::mul(phi[i], sinc), half));
-        q[3] = L::add(L::sub(L::splat(one), by(z, one / 2)), by(zz, one / 24));
-        for (int i = 0; i < 4; ++i) q[i] = L::select(given, L::load32(&side.turned[i][lane]), q[i]);
-        return matrix_of(q);
+    }
+    [[gnu::always_inline]] static Placed placed(const Side& side, unsigned lane, const Data& data) {
+        V x[4][4];
+        look(side, lane, data, 0, x);
+        return {{{{x[0][0], x[0][1], x[0][2]}, {x[0][3], x[1][0], x[1][1]}, {x[1][2], x[1][3], x[2][0]}}},
+                {{x[2][1]}, {x[2][2]}, {x[2][3]}},
+                {x[3][0], x[3][1], x[3][2]}};
     }
     /// A vector of the start of the tick, turned with the body to where it is now.
     static void turn(const auto& by, const Lanes<std::int32_t> (&from)[3], unsigned lane, V (&out)[3]) {
@@ -324,15 +293,11 @@ template <class L> class PackedJoints {
         turn(by, side.lever, lane, now);
         for (int i = 0; i < 3; ++i) r[i] = {now[i]};
     }
-    /// w x (w x r), with w clamped to 2048 rad/s and the inner product to 2048 m/s: beyond that the arc says nothing useful. As Speed.
-    [[gnu::always_inline]] static void curve(const Side& side, unsigned lane, const Velocity (&motion)[6],
+    /// w x (w x r), the inner product clamped to 2048 m/s: beyond that the arc says nothing useful. As Speed.
+    [[gnu::always_inline]] static void curve(const Side& side, unsigned lane, const Speed (&w)[3],
                                              const Lever (&r)[3], V (&out)[3]) {
         const V most = L::splat(std::int64_t{1} << 30), least = L::splat(-(std::int64_t{1} << 30));
-        Speed u[3], w[3], v[3];
-        for (int i = 0; i < 3; ++i) u[i] = rounded<speed_bits>(motion[3 + i]);
-        V spin[3];
-        over_gyration(side, lane, u, side.spin_shift, spin);
-        for (int i = 0; i < 3; ++i) w[i] = {between(spin[i], least, most)};
+        Speed v[3];
         const V bits = L::load64(&side.lever_bits[lane]);
         for (int i = 0; i < 3; ++i) {
             const int j = (i + 1) % 3, k = (i + 2) % 3;
@@ -386,21 +351,24 @@ template <class L> class PackedJoints {
         L::store32(&c.bias[r][lane], L::add(L::template shift_right<shift>(L::add(within, half)), ahead));
     }
     static void refresh_lanes(const Data& data, Pack& c, unsigned lane) {
-        Gap moved_a[6], moved_b[6];
-        gather_moved(c.a, lane, data, moved_a), gather_moved(c.b, lane, data, moved_b);
-        const Turned turned_a = turn_of(c.a, lane, moved_a), turned_b = turn_of(c.b, lane, moved_b);
-        make_rows(data, c, lane, moved_a, moved_b, turned_a, turned_b);
+        const Placed a = placed(c.a, lane, data), b = placed(c.b, lane, data);
+        make_rows(data, c, lane, a, b, a.turned, b.turned);
     }
     /// refresh_lanes() where no body has moved: a turn by nothing turns to the same bits.
     static void begin_lanes(const Data& data, Pack& c, unsigned lane) {
-        const Gap zero = Gap::splat(0), still[6] = {zero, zero, zero, zero, zero, zero};
-        make_rows(data, c, lane, still, still, Unturned{}, Unturned{});
+        const auto spinning = [&](const Side& side) {
+            V x[4][4];
+            look(side, lane, data, 2, x);
+            const V zero = L::splat(0);
+            Placed out;
+            for (int i = 0; i < 3; ++i) out.spin[i] = {x[2][1 + i]}, out.shift[i] = zero;
+            return out;
+        };
+        make_rows(data, c, lane, spinning(c.a), spinning(c.b), Unturned{}, Unturned{});
     }
     [[gnu::always_inline]] static void make_rows(const Data& data, Pack& c, unsigned lane,
-                                                 const Gap (&moved_a)[6], const Gap (&moved_b)[6],
+                                                 const Placed& placed_a, const Placed& placed_b,
                                                  const auto& turned_a, const auto& turned_b) {
-        Velocity motion_a[6], motion_b[6];
-        gather(c.a, lane, data, motion_a), gather(c.b, lane, data, motion_b);
         Lever a[3], b[3];
         place(c.a, lane, turned_a, a), place(c.b, lane, turned_b, b);
         if (c.hinges) refresh_hinges(data.turns[c.turn], c, lane, data, turned_a, turned_b);
@@ -409,13 +377,13 @@ template <class L> class PackedJoints {
             L::lanes_of(L::greater64(L::template shift_right<row_bits + 2>(any), L::splat(0)));
         for (unsigned i = 0; i < N; ++i) c.over[lane + i] = (over >> i) & 1u;
         V arc_a[3], arc_b[3];
-        curve(c.a, lane, motion_a, a, arc_a), curve(c.b, lane, motion_b, b, arc_b);
+        curve(c.a, lane, placed_a.spin, a, arc_a), curve(c.b, lane, placed_b.spin, b, arc_b);
         // Lengths with 32 fraction bits: their sign up to where it belongs, and all down.
         const V bits_a = L::load64(&c.a.lever_bits[lane]), bits_b = L::load64(&c.b.lever_bits[lane]);
         const auto wide = [](V x) { return L::template shift_left<32>(x); };
         for (int r = 0; r < 3; ++r) {
-            const V shift = L::sub(shift_arithmetic(wide(moved_b[r].raw), gap_bits),
-                                   shift_arithmetic(wide(moved_a[r].raw), gap_bits));
+            const V shift = L::sub(shift_arithmetic(wide(placed_b.shift[r]), gap_bits),
+                                   shift_arithmetic(wide(placed_a.shift[r]), gap_bits));
             const V lever =
                 L::sub(L::shift_right_by(wide(b[r].raw), bits_b), L::shift_right_by(wide(a[r].raw), bits_a));
             const V error = L::add(L::load64(&c.apart[r][lane]), L::add(shift, lever));
@@ -594,7 +562,9 @@ template <class L> class PackedJoints {
         }
         return clamped;
     }
-    static constexpr solve::JointKernel table() { return {start, begin, refresh, invert, warm_start, solve}; }
+    static constexpr solve::JointKernel table() {
+        return {start, TurnedLanes<L>::turn, begin, refresh, invert, warm_start, solve};
+    }
 };
 
 } // namespace lockstone::solve

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "solve/bodies/step.h"
-#include "solve/joints/joint_pack.h"
+#include "solve/joints/pack/joint_pack.h"
 
 namespace lockstone::solve {
 
@@ -13,8 +13,8 @@ struct JointBlock;
 
 /// Stages of all joints. The point part of those that fit comes into a pack, and with it a block that only turns.
 void plan_packs(JointTick& tick, const StepConstants& step, const SolverBodies& bodies);
-/// How the body of a side has turned since the tick began, and its K^-1 now.
-void give_turn(PackSide& side, std::uint32_t lane, Quat turned, const BodyStep& body, int exponent);
+/// K^-1 of the body of a side, and what follows from it.
+void give_gyration(PackSide& side, std::uint32_t lane, const BodyStep& body, int exponent);
 /// Of a hinge: its frames when the tick begins, in the world.
 struct HingeStart {
     const BodyStep *a, *b;

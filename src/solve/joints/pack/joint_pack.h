@@ -3,7 +3,7 @@
 //   C = s, axes of the world; J = 2^-e (-1, -K_A^-1 [rA] ; 1, K_B^-1 [rB]), [r] e = r x e
 //
 // The generic rows of joint_rows.h say the same. Here the linear part is one number, and nothing is looped over that is zero.
-// Rows and biases are made anew in every substep, from where bodies have turned to since the tick began: by the unit quaternion
+// Rows and biases are made anew in every substep, from where bodies have turned to since the tick began (TurnedBody): by the unit quaternion
 //
 //   q = (sinc(|h|) h, cos |h|),  h = K^-1 theta / 2    three terms of each series: off by less than |h|^6 / 720 = 4e-11
 //
@@ -48,12 +48,10 @@ struct PackSide {
     std::int32_t share[pack_lanes];                   ///< mantissa, 30 fraction bits
     std::int64_t shift[pack_lanes], half[pack_lanes]; ///< v += (r p + half) / 2^shift
     // What arms are made of: the lever when the tick began, how the body has turned since, K^-1.
+    std::uint32_t turned[pack_lanes];    ///< of the body: bytes from the first TurnedBody on
     std::int32_t lever[3][pack_lanes];   ///< world axes, components within 2^28; lever_bits fraction bits
-    std::int32_t given[pack_lanes];      ///< all ones: the turn is that of `turned`, and not of theta
-    std::int32_t turned[4][pack_lanes];  ///< x, y, z, w of a unit quaternion
     std::int32_t inverse[6][pack_lanes]; ///< mantissas of K^-1: xx, yy, zz, xy, xz, yz
     std::int64_t lever_bits[pack_lanes]; ///< 22 .. 32
-    std::int64_t turn_shift[pack_lanes]; ///< of K^-1 theta to pack_angle_bits
     std::int64_t spin_shift[pack_lanes]; ///< of K^-1 u to Speed
     std::int64_t arm_shift[pack_lanes], arm_half[pack_lanes]; ///< of K^-1 [r] to x
 };
@@ -103,11 +101,43 @@ struct TurnPack {
     std::uint8_t reaches[pack_lanes]; ///< its limits may be within reach
 };
 
+/// Where a body is that joints hold, as packs read it: four rows of four numbers.
+struct alignas(64) TurnedBody {
+    std::int32_t turn[3][3]; ///< since the tick began: a rotation matrix by rows, Unit
+    std::int32_t spin[3];    ///< within 2048 rad/s, Speed
+    std::int32_t shift[3];   ///< since the tick began [m], Separation
+    std::int32_t spare;
+};
+
+/// Four bodies that joints hold: what TurnedBodies are made of, and JointSeen.
+struct HeldBodies {
+    std::uint32_t place[pack_lanes];     ///< as in PackSide
+    std::int32_t inverse[6][pack_lanes]; ///< K^-1 when the tick began, as in PackSide
+    std::int64_t turn_shift[pack_lanes]; ///< of K^-1 theta to pack_angle_bits
+    std::int64_t spin_shift[pack_lanes]; ///< of K^-1 u to Speed
+    /// K^-1 theta when it strayed last, pack_angle_bits: as for packs, and as for rows of no pack
+    std::int32_t packed_at[3][pack_lanes], alone_at[3][pack_lanes];
+    std::int32_t strays[pack_lanes]; ///< all ones: K^-1 has no room here, so it strays whenever it has moved
+};
+
+/// What a body did that joints hold: bits of JointTick::seen.
+enum JointSeen : std::uint8_t {
+    seen_stirred = 1,    ///< moved or turned since the tick began
+    seen_strays = 2,     ///< turned by more than rows of no pack may stay behind: row_turn_max
+    seen_strays_far = 4, ///< and by more than what is beside a packed point may: pack_turn_max
+    seen_far = 8,        ///< turned by more than theta tells since the tick began: given_turn_bits
+    seen_followed = 16,  ///< its K^-1 has changed; followed_turn.h
+    seen_wanted = 32     ///< it is to be placed where it is
+};
+
 /// What a pass over packs reads besides them.
 struct JointPassData {
     SolverBody* bodies;
     JointPack* packs;
     TurnPack* turns;
+    HeldBodies* held;
+    TurnedBody* turned;                     ///< that of the world, then four of each HeldBodies
+    std::uint8_t* seen;                     ///< likewise
     std::int32_t rate;                      ///< of locks: error to push speed [1/s], 16 fraction bits
     std::int32_t mass_scale, impulse_scale; ///< Unit
     std::int32_t time;                      ///< of a substep, Unit [s]
@@ -121,12 +151,19 @@ struct JointStartData {
 };
 inline constexpr int joint_rate_bits = 16;
 inline constexpr int pack_angle_bits = 32;
+inline constexpr int row_turn_bits = 11; ///< row_turn_max = 2^-11 rad; joint_work.h
+/// pack_turn_max = 2^-10 rad: with 2^-8 a pendulum that swings by 150 degrees is 0.12 % slow instead of 0.10 %. Points and hinges, which
+/// are made anew in every substep, carry the weight; other rows about the axes miss a part 2^-20 of the energy of the turn that they leave free.
+inline constexpr int pack_turn_bits = 10;
+inline constexpr int given_turn_bits = 4; ///< theta tells a turn up to 2^-4 rad about an axis
 
 /// The passes of one instruction set over packs [first, last), which share no body that impulses move.
 struct JointKernel {
     /// From levers in the axes of their bodies, and impulses that lie in the sums: levers in world axes, K^-1, exponents and what
     /// follows from them.
     void (*start)(const JointStartData& data, std::uint32_t first, std::uint32_t last);
+    /// Where held bodies are, and what they did: of HeldBodies [first, last).
+    void (*turn)(const JointPassData& data, std::uint32_t first, std::uint32_t last);
     /// As refresh(), before any body has moved.
     void (*begin)(const JointPassData& data, std::uint32_t first, std::uint32_t last);
     /// Rows of points and their biases from where the bodies are.

@@ -1,4 +1,4 @@
-#include "solve/joints/joint_point.h"
+#include "solve/joints/pack/joint_point.h"
 
 #include "lockstone/math/math.h"
 #include "solve/joints/joint_work.h"
@@ -17,7 +17,6 @@ void set_gyration_inverse(PackSide& side, std::uint32_t lane, const BodyStep& bo
     const auto& [xx, yy, zz, xy, xz, yz] = body.inv_mantissa;
     const std::int32_t entries[6] = {xx, yy, zz, xy, xz, yz};
     for (int i = 0; i < 6; ++i) side.inverse[i][lane] = entries[i];
-    side.turn_shift[lane] = body.inv_exponent + Separation::fraction_bits - pack_angle_bits;
     side.spin_shift[lane] = body.inv_exponent;
 }
 
@@ -67,10 +66,7 @@ void add_stiffness(Stiffness& s, const PackSide& side, std::uint32_t lane, std::
 
 } // namespace
 
-void give_turn(PackSide& side, std::uint32_t lane, Quat turned, const BodyStep& body, int exponent) {
-    side.given[lane] = -1;
-    const Unit q[4] = {turned.x, turned.y, turned.z, turned.w};
-    for (int i = 0; i < 4; ++i) side.turned[i][lane] = q[i].raw;
+void give_gyration(PackSide& side, std::uint32_t lane, const BodyStep& body, int exponent) {
     set_gyration_inverse(side, lane, body);
     set_arm_shift(side, lane, exponent);
 }

@@ -1,5 +1,5 @@
 // Where packs of joints stand in the order of solving, and what goes in and out of their lanes.
-#include "solve/joints/joint_point.h"
+#include "solve/joints/pack/joint_point.h"
 
 #include "solve/joints/joint_work.h"
 
@@ -74,6 +74,12 @@ void add_to_pack(JointTick& tick, JointWork& w, std::uint32_t kind, bool fresh, 
     pack.stale[w.lane] = 1;
     set_share(pack.a, w.lane, w.shares.a, w.a.body);
     set_share(pack.b, w.lane, w.shares.b, w.b.body);
+    const auto set_held = [&](PackSide& side, const JointWorkSide& s) {
+        if (s.world) return; // zero is the world's
+        side.held[w.lane] = s.cache * static_cast<std::uint32_t>(sizeof(JointBody));
+        side.turned[w.lane] = (s.cache + 1) * static_cast<std::uint32_t>(sizeof(TurnedBody));
+    };
+    set_held(pack.a, w.a), set_held(pack.b, w.b);
 }
 
 } // namespace
@@ -151,7 +157,6 @@ void plan_packs(JointTick& tick, const StepConstants& step, const SolverBodies& 
 void restart_packs(JointTick& tick) {
     const auto fill = [](auto& lanes, auto with) { std::fill(std::begin(lanes), std::end(lanes), with); };
     for (JointPack& pack : tick.packs) {
-        fill(pack.a.given, 0), fill(pack.b.given, 0);
         for (std::uint32_t lane = 0; lane < pack.count; ++lane) pack.stale[lane] = 1;
         if (pack.turn_rows == 0) continue;
         TurnPack& turn = tick.turn_packs[pack.turn];
@@ -168,7 +173,6 @@ void start_packed(JointTick& tick, const JointWork& work) {
     };
     const auto start_side = [&](PackSide& side, const JointWorkSide& s) {
         if (s.world) return;
-        side.held[work.lane] = s.cache * static_cast<std::uint32_t>(sizeof(JointBody));
         for (int i = 0; i < 3; ++i) side.lever[i][work.lane] = s.lever[i].raw;
     };
     start_side(pack.a, work.a), start_side(pack.b, work.b);
