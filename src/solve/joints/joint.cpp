@@ -179,7 +179,7 @@ void set_glance(JointTick& tick, const JointWork& work) {
     const bool packed = work.pack != no_pack, own_rows = has_own_rows(tick, work);
     glance = {at(work.a),   at(work.b), work.pack,           work.lane,
               seen_stirred, own_rows,   own_rows || !packed, false};
-    if (work.steady) glance.asks = packed ? seen_strays_far : seen_strays;
+    if (work.steady) glance.asks = packed && !own_rows ? seen_strays_far : seen_strays;
 }
 
 namespace {

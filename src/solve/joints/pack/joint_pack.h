@@ -9,7 +9,7 @@
 //
 // for bodies that have turned by at most 1 / 16 rad about each axis; for others, and for those that are followed
 // (followed_turn.h), q is given. The inverse is that of rows that were made when no body stood further than
-// a = 2^-10 rad about each axis from where it is: impulses are off by a part 2 a, which the next pass takes out.
+// a = 2^-9 rad about each axis from where it is: impulses are off by a part 2 a, which the next pass takes out.
 //
 // Of a hinge whose two axes are within 45 degrees the rows about the axes are made here as well (lock_y, lock_z of joint_parts.h):
 //
@@ -124,7 +124,7 @@ struct HeldBodies {
 enum JointSeen : std::uint8_t {
     seen_stirred = 1,    ///< moved or turned since the tick began
     seen_strays = 2,     ///< turned by more than rows of no pack may stay behind: row_turn_max
-    seen_strays_far = 4, ///< and by more than what is beside a packed point may: pack_turn_max
+    seen_strays_far = 4, ///< and by more than inverses of packs may: pack_turn_max
     seen_far = 8,        ///< turned by more than theta tells since the tick began: given_turn_bits
     seen_followed = 16,  ///< its K^-1 has changed; followed_turn.h
     seen_wanted = 32     ///< it is to be placed where it is
@@ -152,9 +152,9 @@ struct JointStartData {
 inline constexpr int joint_rate_bits = 16;
 inline constexpr int pack_angle_bits = 32;
 inline constexpr int row_turn_bits = 11; ///< row_turn_max = 2^-11 rad; joint_work.h
-/// pack_turn_max = 2^-10 rad: with 2^-8 a pendulum that swings by 150 degrees is 0.12 % slow instead of 0.10 %. Points and hinges, which
-/// are made anew in every substep, carry the weight; other rows about the axes miss a part 2^-20 of the energy of the turn that they leave free.
-inline constexpr int pack_turn_bits = 10;
+/// pack_turn_max = 2^-9 rad: with 2^-8 a pendulum that swings by 150 degrees is 0.13 % slow instead of 0.10 %. Points and hinges are made anew in
+/// every substep and carry the weight.
+inline constexpr int pack_turn_bits = 9;
 inline constexpr int given_turn_bits = 4; ///< theta tells a turn up to 2^-4 rad about an axis
 
 /// The passes of one instruction set over packs [first, last), which share no body that impulses move.
