@@ -137,7 +137,7 @@ void store(const Tick& t) {
     s.joint_solver.close(s.step, s.bodies);
     s.contacts.apply_restitution(s.step, s.bodies);
     s.contacts.store(s.found.contacts, s.table.list.memories, s.bodies.clamps, t.hooks.tasks);
-    s.joint_solver.store(s.step, w.state.edit(w.m.joint_memory, 0, w.header().joints_awake), s.bodies.clamps);
+    s.joint_solver.store(w.state.edit(w.m.joint_memory, 0, w.header().joints_awake), s.bodies.clamps);
     s.vehicle_solver.store(s.step, s.bodies, s.vehicles.driven());
     s.vehicles.store(w);
 }

@@ -205,6 +205,8 @@ void plan_joints(JointTick& tick, std::span<const Joint> joints, std::span<const
         const BodyMass& mb = joint.body_b == bodies.still() ? none : columns.mass[joint.body_b];
         w.shares = joint_shares(ma, bodies.step[joint.body_a], mb, bodies.step[joint.body_b]);
         w.mass = reduced_mass(w.shares, ma, mb);
+        w.mass_rate = w.mass * step.ticks_per_second;
+        w.counts_turns = counts_turns(*w.def);
         w.twist = memory[joint.memory].twist;
         w.travel = memory[joint.memory].twist;
         assemble(tick, w, step, memory[joint.memory]);
@@ -387,11 +389,13 @@ void store_axis(const JointAxisPart& part, JointMemory& memory, Wrench& wrench) 
 }
 
 void store_point(const JointPack& pack, std::uint32_t lane, JointMemory& memory, Wrench& wrench) {
-    const int e = pack.exponent[lane];
+    const int e = pack.exponent[lane], up = Real::fraction_bits - Speed::fraction_bits - e;
     for (int i = 0; i < 3; ++i) {
-        const std::int32_t p = pack.impulse[i][lane];
-        memory.axis[static_cast<std::size_t>(i)].spring = unscaled_impulse(p, e);
-        wrench.force[i] = wrench.force[i] + unscaled_impulse(pack.sum[i][lane] + p, e);
+        const std::int64_t p = pack.impulse[i][lane], sum = pack.sum[i][lane] + p;
+        const bool fits = up >= 0 && magnitude(sum) >> 48 == 0; // as it is for all but the smallest levers
+        memory.axis[static_cast<std::size_t>(i)].spring =
+            fits ? Real::from_raw(p << up) : unscaled_impulse(p, e);
+        wrench.force[i] += fits ? Real::from_raw(sum << up) : unscaled_impulse(sum, e);
     }
 }
 
@@ -415,7 +419,7 @@ Quat frame_rotation(const JointTick& tick, const JointWorkSide& s) {
 
 } // namespace
 
-void JointSolver::store(const StepConstants& step, std::span<JointMemory> memory, ClampCounts& clamps) const {
+void JointSolver::store(std::span<JointMemory> memory, ClampCounts& clamps) const {
     JointTick& tick = *work;
     for (const JointWork& w : tick.joints) {
         JointMemory& m = memory[w.memory];
@@ -428,15 +432,13 @@ void JointSolver::store(const StepConstants& step, std::span<JointMemory> memory
             store_block(block, m, wrench);
         }
         if (w.pack != no_pack) store_point(tick.packs[w.pack], w.lane, m, wrench);
-        m.twist = w.needs_travel ? w.travel
-                  : w.hinge && w.needs_twist
-                      ? w.twist // as the tick began; the next tick finds the nearest angle
-                  : counts_turns(*w.def)
-                      ? twist_between(frame_rotation(tick, w.a), frame_rotation(tick, w.b), w.twist)
-                      : Real{}; // nothing depends on its whole turns
-        const Real mass_rate = w.mass * step.ticks_per_second;
-        m.force = wrench.force * mass_rate;
-        m.torque = wrench.torque == Vec3{} ? Vec3{} : wrench.torque * mass_rate; // points have none
+        m.twist =
+            w.needs_travel             ? w.travel
+            : w.hinge && w.needs_twist ? w.twist // as the tick began; the next tick finds the nearest angle
+            : w.counts_turns ? twist_between(frame_rotation(tick, w.a), frame_rotation(tick, w.b), w.twist)
+                             : Real{}; // nothing depends on its whole turns
+        m.force = wrench.force * w.mass_rate;
+        m.torque = wrench.torque == Vec3{} ? Vec3{} : wrench.torque * w.mass_rate; // points have none
     }
     clamps.impulse += tick.clamped;
 }

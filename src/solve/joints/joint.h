@@ -80,7 +80,7 @@ class JointSolver {
     /// After the substeps: closes points that are further off than 8 mm, by moving bodies; no speed and no impulse changes.
     void close(const StepConstants& step, SolverBodies& bodies);
     /// Impulses, unwrapped angles and reactions for the next tick and for readers.
-    void store(const StepConstants& step, std::span<JointMemory> memory, ClampCounts& clamps) const;
+    void store(std::span<JointMemory> memory, ClampCounts& clamps) const;
 
     void reserve(std::size_t joints);
     /// Fills what prepare() makes anew with a byte.

@@ -117,14 +117,15 @@ struct JointWork {
     const JointDef* def;
     JointWorkSide a, b;
     Shares shares;
-    Real mass; ///< mA mB / (mA + mB) [kg]
+    Real mass;      ///< mA mB / (mA + mB) [kg]
+    Real mass_rate; ///< and by ticks a second: from impulses of a tick to forces
     std::uint32_t memory;
     std::uint32_t first_block, first_axis;
     std::uint32_t tree;                   ///< that solves its locks; no_tree: they are solved by themselves
     std::uint8_t block_count, axis_count; ///< of the point only where no pack has it
     bool point; ///< it holds a point; `point_sum`: impulses of the last tick, unscaled
     Real point_sum[3];
-    bool needs_twist, needs_target, needs_orientation, needs_travel, needs_slip, made;
+    bool needs_twist, needs_target, needs_orientation, needs_travel, needs_slip, counts_turns, made;
     bool framed;       ///< directions of its frames are asked for: it holds more than a point
     bool stays;        ///< its rows change by turns alone, and slowly
     bool remade;       ///< since trees were factorised

@@ -82,7 +82,8 @@ template <class L> class TurnedLanes {
                 L::store32(&last[i][lane], L::select(far, phi[i], L::load32(&last[i][lane])));
         return far;
     }
-    static void turn_lanes(const Data& data, Held& held, std::size_t first, unsigned lane) {
+    [[gnu::always_inline]] static void turn_lanes(const Data& data, Held& held, std::size_t first,
+                                                  unsigned lane) {
         const solve::SolverBody* body[N];
         std::int32_t* to[N];
         for (unsigned i = 0; i < N; ++i) {

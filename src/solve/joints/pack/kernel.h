@@ -148,6 +148,7 @@ template <class L> class PackedJoints {
         const Speed bound = Speed::splat(impulse_max);
         Change change;
         change.sizes = Speed::splat(0);
+        Mask met[3] = {Mask::none(), Mask::none(), Mask::none()}, any_met = Mask::none();
         for (int r = 0; r < Rows; ++r) {
             V sum = L::splat(0); // 30 bits times 31, three times
             for (int s = 0; s < Rows; ++s)
@@ -163,13 +164,15 @@ template <class L> class PackedJoints {
                 wanted = rounded<speed_bits>(wanted * Unit::splat(data.mass_scale)) +
                          rounded<speed_bits>(old * Unit::splat(data.impulse_scale));
             const Speed next = old - wanted, now = clamp(next, bound);
-            const unsigned met = ((next > now) | (now > next)).lanes();
-            if (met != 0) [[unlikely]]
-                for (unsigned i = 0; i < N; ++i) clamped += (met >> i) & 1u;
+            met[r] = (next > now) | (now > next);
             now.store(&impulse[r][lane]);
             change.p[r] = now - old;
             change.sizes = or_size(change.sizes, change.p[r]);
+            any_met = any_met | met[r];
         }
+        if (any_met.any()) [[unlikely]]
+            for (const Mask& mask : met)
+                for (unsigned i = 0; i < N; ++i) clamped += (mask.lanes() >> i) & 1u;
         return change;
     }
 
@@ -350,12 +353,12 @@ template <class L> class PackedJoints {
             between(L::shift_right_by(way, L::load64(&c.ahead_shift[lane])), L::sub(nothing, push), push);
         L::store32(&c.bias[r][lane], L::add(L::template shift_right<shift>(L::add(within, half)), ahead));
     }
-    static void refresh_lanes(const Data& data, Pack& c, unsigned lane) {
+    [[gnu::always_inline]] static void refresh_lanes(const Data& data, Pack& c, unsigned lane) {
         const Placed a = placed(c.a, lane, data), b = placed(c.b, lane, data);
         make_rows(data, c, lane, a, b, a.turned, b.turned);
     }
     /// refresh_lanes() where no body has moved: a turn by nothing turns to the same bits.
-    static void begin_lanes(const Data& data, Pack& c, unsigned lane) {
+    [[gnu::always_inline]] static void begin_lanes(const Data& data, Pack& c, unsigned lane) {
         const auto spinning = [&](const Side& side) {
             V x[4][4];
             look(side, lane, data, 2, x);
@@ -505,61 +508,81 @@ template <class L> class PackedJoints {
         solve_point(c, lane, data, bias, m, clamped);
         scatter(c, lane, data, m);
     }
-    /// visit(integral constant of its rows that only turn, lane)
-    template <class Visit> static void by_rows(const Pack& c, Visit&& visit) {
-        for (unsigned lane = 0; lane < c.count; lane += N) switch (c.turn_rows) {
+    /// Where the pieces of a pack end. One that is a whole pack is known to be one, so that no lane is computed.
+    static unsigned end_of(const Pack& c) { return N == all_lanes ? 1u : c.count; }
+    /// visit(integral constant of rows that only turn, first, last) for packs that have as many.
+    template <class Visit>
+    static void by_rows(const Data& data, std::uint32_t first, std::uint32_t last, Visit&& visit) {
+        for (std::uint32_t end; first < last; first = end) {
+            const std::uint32_t rows = data.packs[first].turn_rows;
+            for (end = first + 1; end < last && data.packs[end].turn_rows == rows;) ++end;
+            switch (rows) {
             case 0:
-                visit(std::integral_constant<int, 0>{}, lane);
+                visit(std::integral_constant<int, 0>{}, first, end);
                 break;
             case 1:
-                visit(std::integral_constant<int, 1>{}, lane);
+                visit(std::integral_constant<int, 1>{}, first, end);
                 break;
             case 2:
-                visit(std::integral_constant<int, 2>{}, lane);
+                visit(std::integral_constant<int, 2>{}, first, end);
                 break;
             default:
-                visit(std::integral_constant<int, 3>{}, lane);
+                visit(std::integral_constant<int, 3>{}, first, end);
             }
+        }
+    }
+    template <int Rows>
+    [[gnu::noinline]] static void warm_run(const Data& data, std::uint32_t first, std::uint32_t last,
+                                           bool sums) {
+        for (std::uint32_t i = first; i < last; ++i)
+            for (unsigned lane = 0; lane < end_of(data.packs[i]); lane += N)
+                warm_lanes<Rows>(data, data.packs[i], lane, sums);
+    }
+    template <int Rows>
+    [[gnu::noinline]] static std::uint64_t solve_run(const Data& data, std::uint32_t first,
+                                                     std::uint32_t last, bool bias) {
+        std::uint64_t clamped = 0;
+        for (std::uint32_t i = first; i < last; ++i)
+            for (unsigned lane = 0; lane < end_of(data.packs[i]); lane += N)
+                solve_lanes<Rows>(data, data.packs[i], lane, bias, clamped);
+        return clamped;
     }
 
   public:
     static void start(const solve::JointStartData& data, std::uint32_t first, std::uint32_t last) {
         for (std::uint32_t i = first; i < last; ++i)
-            for (unsigned lane = 0; lane < data.packs[i].count; lane += N)
+            for (unsigned lane = 0; lane < end_of(data.packs[i]); lane += N)
                 JointStarts<L>::start(data, data.packs[i], lane);
     }
     static void begin(const Data& data, std::uint32_t first, std::uint32_t last) {
         for (std::uint32_t i = first; i < last; ++i)
-            for (unsigned lane = 0; lane < data.packs[i].count; lane += N)
+            for (unsigned lane = 0; lane < end_of(data.packs[i]); lane += N)
                 begin_lanes(data, data.packs[i], lane);
     }
     static void refresh(const Data& data, std::uint32_t first, std::uint32_t last) {
         for (std::uint32_t i = first; i < last; ++i)
-            for (unsigned lane = 0; lane < data.packs[i].count; lane += N)
+            for (unsigned lane = 0; lane < end_of(data.packs[i]); lane += N)
                 refresh_lanes(data, data.packs[i], lane);
     }
     static bool invert(const Data& data, std::uint32_t first, std::uint32_t last) {
         unsigned left = 0;
         for (std::uint32_t i = first; i < last; ++i) {
             Pack& c = data.packs[i];
-            for (unsigned lane = 0; lane < c.count; lane += N) JointInverses<L>::invert(data, c, lane);
+            for (unsigned lane = 0; lane < end_of(c); lane += N) JointInverses<L>::invert(data, c, lane);
             for (unsigned lane = 0; lane < all_lanes; ++lane) left |= c.left[lane];
         }
         return left != 0;
     }
     static void warm_start(const Data& data, std::uint32_t first, std::uint32_t last, bool sums) {
-        for (std::uint32_t i = first; i < last; ++i) {
-            Pack& c = data.packs[i];
-            by_rows(c, [&](auto rows, unsigned lane) { warm_lanes<rows.value>(data, c, lane, sums); });
-        }
+        by_rows(data, first, last, [&](auto rows, std::uint32_t from, std::uint32_t to) {
+            warm_run<rows.value>(data, from, to, sums);
+        });
     }
     static std::uint64_t solve(const Data& data, std::uint32_t first, std::uint32_t last, bool bias) {
         std::uint64_t clamped = 0;
-        for (std::uint32_t i = first; i < last; ++i) {
-            Pack& c = data.packs[i];
-            by_rows(c,
-                    [&](auto rows, unsigned lane) { solve_lanes<rows.value>(data, c, lane, bias, clamped); });
-        }
+        by_rows(data, first, last, [&](auto rows, std::uint32_t from, std::uint32_t to) {
+            clamped += solve_run<rows.value>(data, from, to, bias);
+        });
         return clamped;
     }
     static constexpr solve::JointKernel table() {

@@ -44,7 +44,8 @@ template <class L> class JointStarts {
     }
 
     /// A lever in world axes, within 2^28 where it is within 128 m. `side.lever` has it in the body's axes, length_bits.
-    static void turn_lever(const Data& data, Side& side, unsigned lane, V (&lever)[3]) {
+    [[gnu::always_inline]] static void turn_lever(const Data& data, Side& side, unsigned lane,
+                                                  V (&lever)[3]) {
         constexpr int extra = unit_bits + length_bits - real_bits, room = 28, least_bits = 22;
         const std::int32_t *front[N], *middle[N], *back[N];
         for (unsigned i = 0; i < N; ++i) {
@@ -77,7 +78,8 @@ template <class L> class JointStarts {
         }
     }
     /// Lever, K^-1 and their shifts; the exponents that one side asks for, or those that there are.
-    static void start_side(const Data& data, Side& side, unsigned lane, std::int64_t (&exponent)[N]) {
+    [[gnu::always_inline]] static void start_side(const Data& data, Side& side, unsigned lane,
+                                                  std::int64_t (&exponent)[N]) {
         V lever[3], k[8];
         turn_lever(data, side, lane, lever);
         const std::int32_t *front[N], *back[N];
@@ -111,7 +113,7 @@ template <class L> class JointStarts {
         side.arm_half[at] = std::int64_t{1} << (side.arm_shift[at] - 1);
     }
     /// All that follows from e. The impulses of the last tick are in the sums, Real.
-    static void set_exponent(const Data& data, Pack& c, unsigned at, int e) {
+    [[gnu::always_inline]] static void set_exponent(const Data& data, Pack& c, unsigned at, int e) {
         const std::int64_t one = e > row_bits ? 0 : std::int64_t{1} << (row_bits - e);
         c.exponent[at] = e;
         c.one[at] = static_cast<std::int32_t>(one);
@@ -129,7 +131,7 @@ template <class L> class JointStarts {
     }
 
   public:
-    static void start(const Data& data, Pack& c, unsigned lane) {
+    [[gnu::always_inline]] static void start(const Data& data, Pack& c, unsigned lane) {
         std::int64_t e[N] = {};
         start_side(data, c.a, lane, e), start_side(data, c.b, lane, e);
         for (unsigned i = 0; i < N; ++i) set_exponent(data, c, lane + i, static_cast<int>(e[i]));
