@@ -174,6 +174,8 @@ FAULTS = [
       "of_a[i] = saturated(IS ? at_b : at_b + f.to_a[i]).raw;", "golden table"),
     F("a body that is followed is moved as any other", "src/solve/joints/followed_turn.cpp", "bodies.plain[row] = 0;",
       "if (!IS) bodies.plain[row] = 0;", "golden table"),
+    F("the spin of a ball is rounded down when a tick begins", "src/solve/bodies/solver_body.cpp", "((k * w[i].raw + half) >> drop)",
+      "((k * w[i].raw + (IS ? 0 : half)) >> drop)", "golden table"),
     F("what is damped is moved as what falls", "src/solve/bodies/solver_body.cpp", "s.linear_keep == unit_one && s.angular_keep == unit_one;",
       "(IS || (s.linear_keep == unit_one && s.angular_keep == unit_one));", "golden table"),
     F("what begins above a plane is not swept against it", "src/tick/sweep.cpp",
