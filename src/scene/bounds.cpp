@@ -134,15 +134,27 @@ void place_known(const PlaceView& v, const ShapeTraits& traits, std::uint32_t ro
     if (at.is_placed) place(v, traits, row, at);
 }
 
+/// How far a body goes in a tick at its velocity.
+Vector3<Bound> motion_of(const PlaceView& v, std::uint32_t row) {
+    const SpeedVec3& velocity = v.velocities[row].linear;
+    const auto one = [&](Speed s) {
+        constexpr int drop = Speed::fraction_bits - Bound::fraction_bits;
+        return Bound::from_raw((s.raw >> (drop + v.shift)) / static_cast<std::int32_t>(v.tick_rate));
+    };
+    return {one(velocity.x), one(velocity.y), one(velocity.z)};
+}
+
 /// Tells the broad phase of a shape that awake bodies have. A solid that is not known is found then too: finding one changes
 /// what all share.
-void hand_over_awake(const Model& w, PlacedShapes& s, const ShapeRow& shape, std::uint32_t row) {
+void hand_over_awake(const Model& w, const PlaceView& v, PlacedShapes& s, const ShapeRow& shape,
+                     std::uint32_t row) {
     const std::uint32_t slot = shape.id.index - 1;
     PlacedShapes::Shape& at = s.shape[slot];
     if (!at.is_placed) return set_proxy(w, s, shape, row);
     if (at.solid.geometry.kind == ShapeKind::plane) return hand_over(w, s, shape, row);
     at.rests = false;
-    s.broad_phase.set(slot, at.bounds, false);
+    if (!s.broad_phase.move_within(slot, at.bounds))
+        s.broad_phase.set(slot, at.bounds, false, motion_of(v, row));
     s.proxy_generation[slot] = shape.id.generation;
 }
 
@@ -161,7 +173,7 @@ void update_awake(const Model& w, PlacedShapes& s, Tasks* tasks) {
         for (std::uint32_t row = 0; row < awake; ++row)
             for_each(row, [&](const ShapeRow& shape, std::uint32_t slot) {
                 place_known(v, v.traits[shape.traits], row, s.shape[slot]);
-                hand_over_awake(w, s, shape, row);
+                hand_over_awake(w, v, s, shape, row);
             });
         return;
     }
@@ -173,7 +185,7 @@ void update_awake(const Model& w, PlacedShapes& s, Tasks* tasks) {
                              });
                      });
     for (std::uint32_t row = 0; row < awake; ++row)
-        for_each(row, [&](const ShapeRow& shape, std::uint32_t) { hand_over_awake(w, s, shape, row); });
+        for_each(row, [&](const ShapeRow& shape, std::uint32_t) { hand_over_awake(w, v, s, shape, row); });
 }
 
 bool is_living_plane(const Model& w, std::uint32_t slot) {

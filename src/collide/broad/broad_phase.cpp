@@ -38,13 +38,13 @@ void BroadPhase::note_move(std::uint32_t proxy) {
     entry.moved = entry.fresh = true;
 }
 
-/// The bounds with the margin, and ahead by four times the last move (at most four margins): a body that keeps its
+/// The bounds with the margin, and ahead by four times the motion (at most four margins): a body that keeps its
 /// course leaves its leaf less often.
-Bounds BroadPhase::moving_leaf(const Bounds& before, const Bounds& exact) const {
+Bounds BroadPhase::moving_leaf(const Vector3<Bound>& motion, const Bounds& exact) const {
     Bounds leaf = expand(exact, margin);
     const Bound limit = margin * 4;
     for (int i = 0; i < 3; ++i) {
-        const Bound ahead = clamp((exact.lower[i] - before.lower[i]) * 4, -limit, limit);
+        const Bound ahead = clamp(motion[i] * 4, -limit, limit);
         if (ahead < Bound{})
             leaf.lower[i] += ahead;
         else
@@ -53,14 +53,18 @@ Bounds BroadPhase::moving_leaf(const Bounds& before, const Bounds& exact) const 
     return leaf;
 }
 
-void BroadPhase::set_leaf(std::uint32_t proxy, const Bounds& exact, bool is_static) {
+void BroadPhase::set_leaf(std::uint32_t proxy, const Bounds& exact, bool is_static,
+                          const Vector3<Bound>& motion) {
+    LOCKSTONE_ASSERT(proxy < entries.size(), "proxy ", proxy, ", capacity ", entries.size());
     Entry& entry = entries[proxy];
     const Bounds before = entry.present ? entry.exact : exact;
     entry.exact = exact;
     if (entry.present && entry.is_static && is_static && entry.leaf_bounds == exact) return;
     entry.present = true;
     entry.is_static = is_static;
-    entry.leaf_bounds = is_static ? exact : moving_leaf(before, exact);
+    const bool is_known = motion != Vector3<Bound>{};
+    entry.leaf_bounds =
+        is_static ? exact : moving_leaf(is_known ? motion : exact.lower - before.lower, exact);
     note_move(proxy);
 }
 

@@ -35,14 +35,18 @@ class BroadPhase {
     /// Takes memory for trees and pairs of so many proxies ahead of the calls that need it.
     void reserve(std::uint32_t proxies);
 
-    /// Inserts or moves a proxy, or changes its kind. Costs next to nothing while the bounds stay within the leaf.
-    void set(std::uint32_t proxy, const Bounds& exact, bool is_static) {
+    /// Inserts or moves a proxy, or changes its kind. Costs next to nothing while the bounds stay within the leaf. `motion`: how far
+    /// it will go by the next call, as far as is known; zero: as far as since the last one.
+    void set(std::uint32_t proxy, const Bounds& exact, bool is_static, const Vector3<Bound>& motion = {}) {
+        if (is_static || !move_within(proxy, exact)) set_leaf(proxy, exact, is_static, motion);
+    }
+    /// Moves a proxy that is there, is not static and stays within its leaf. False: it is otherwise, and nothing was done.
+    bool move_within(std::uint32_t proxy, const Bounds& exact) {
         LOCKSTONE_ASSERT(proxy < entries.size(), "proxy ", proxy, ", capacity ", entries.size());
         Entry& entry = entries[proxy];
-        if (entry.present && !entry.is_static && !is_static && collide::contains(entry.leaf_bounds, exact))
-            entry.exact = exact;
-        else
-            set_leaf(proxy, exact, is_static);
+        if (!entry.present || entry.is_static || !collide::contains(entry.leaf_bounds, exact)) return false;
+        entry.exact = exact;
+        return true;
     }
     /// Does nothing for a proxy that is not there.
     void remove(std::uint32_t proxy);
@@ -104,8 +108,8 @@ class BroadPhase {
     template <class MayMeet>
     void query_if(MayMeet&& may_meet, std::vector<BoundsTree::NodeId>& open,
                   std::vector<std::uint32_t>& out) const;
-    void set_leaf(std::uint32_t proxy, const Bounds& exact, bool is_static);
-    Bounds moving_leaf(const Bounds& before, const Bounds& exact) const;
+    void set_leaf(std::uint32_t proxy, const Bounds& exact, bool is_static, const Vector3<Bound>& motion);
+    Bounds moving_leaf(const Vector3<Bound>& motion, const Bounds& exact) const;
     void note_move(std::uint32_t proxy);
     /// Whether the leaf of a proxy may stay where it is in a tree, and take other bounds there.
     bool may_stay(const Entry& entry) const;
