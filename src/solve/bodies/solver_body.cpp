@@ -301,19 +301,18 @@ static void begin_some(const BodyColumns& c, const Fall& fall, const StepConstan
         const GyrationForm& form = out.forms[out.form_of[info.traits] - 1];
         SolverBody& b = out.body[i];
         BodyStep& s = out.step[i];
-        b = {};
         if (form.start != 0 && info.kind == BodyKind::dynamic && c.pushes[i] == 0) {
             const BodyStart& start = out.starts[form.start - 1];
             s = start.step, out.plain[i] = start.plain;
             s.jointed = info.first_joint != 0;
-            std::copy_n(start.keep, 3, b.keep);
+            for (int k = 0; k < 3; ++k) b.u[k] = b.shift[k] = b.theta[k] = 0, b.keep[k] = start.keep[k];
             begin_moving(c.velocity[i], linear, b, clamps);
             if (start.has_gyration) {
                 begin_round_turning(c.velocity[i].angular, tip, s, b, clamps);
                 continue;
             }
         } else {
-            s = {};
+            b = {}, s = {};
             out.plain[i] = begin_body(info, c.traits(i), c.force[i], form, fall, step, b.keep, s);
             if (!s.moves) continue;
             begin_moving(c.velocity[i], linear, b, clamps);
