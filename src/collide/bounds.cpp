@@ -107,10 +107,34 @@ bool has_extent(ShapeKind kind) {
     return kind == ShapeKind::compound || kind == ShapeKind::height_field || kind == ShapeKind::mesh;
 }
 
+/// From `low` to `high` around a position, in Length steps, rounded outward.
+void set_side(Bounds& out, int axis, Vec3 position, std::int64_t low_24, std::int64_t high_24, int drop) {
+    const auto at = [&](std::int64_t along_24) {
+        return add_saturated(position[axis].raw,
+                             along_24 * (std::int64_t{1} << (Real::fraction_bits - Length::fraction_bits)));
+    };
+    out.lower[axis] = Bound::from_raw(saturate_to_int32(at(low_24) >> drop));
+    out.upper[axis] = // ceil: one above the floor
+        Bound::from_raw(saturate_to_int32((at(high_24) >> drop) + 1));
+}
+int drop_of(int shift) { return Real::fraction_bits - Bound::fraction_bits + shift; }
+/// What roundings add to a reach, and the margin.
+std::int64_t more_than(Reach reach, Length margin) {
+    return margin.raw + guard + ((reach.high - reach.low) >> 28); // 2^32 steps: 256 m
+}
+
 } // namespace
 
 Bounds bounds_of(const shapes::Solid& solid, const Transform& pose, Length margin, int shift) {
     return bounds_of(solid, pose.position, to_rotation(pose.rotation), margin, shift);
+}
+
+Bounds bounds_of_ball(const Geometry& ball, Vec3 position, Length margin, int shift) {
+    const std::int64_t reach = ball.radius.raw * std::int64_t{ball.scale.x.raw >> Length::fraction_bits};
+    const std::int64_t all = reach + more_than({-reach, reach}, margin);
+    Bounds out;
+    for (int i = 0; i < 3; ++i) set_side(out, i, position, -all, all, drop_of(shift));
+    return out;
 }
 
 Bounds bounds_of(const shapes::Solid& solid, Vec3 position, const Rotation& r, Length margin, int shift) {
@@ -119,7 +143,6 @@ Bounds bounds_of(const shapes::Solid& solid, Vec3 position, const Rotation& r, L
             high{Bound::max(), Bound::max(), Bound::max()};
         return {low, high};
     }
-    const int drop = Real::fraction_bits - Bound::fraction_bits + shift;
     Bounds out{};
     Reach reaches[3];
     if (is_round_box(solid.geometry.kind)) {
@@ -132,16 +155,8 @@ Bounds bounds_of(const shapes::Solid& solid, Vec3 position, const Rotation& r, L
         for (int i = 0; i < 3; ++i) reaches[i] = reach_along(solid, extent, {r.x[i], r.y[i], r.z[i]});
     }
     for (int i = 0; i < 3; ++i) {
-        const Reach reach = reaches[i];
-        const std::int64_t size = reach.high - reach.low;
-        const std::int64_t more = margin.raw + guard + (size >> 28); // 2^32 steps: 256 m
-        const auto at = [&](std::int64_t along_24) {
-            return add_saturated(position[i].raw, along_24 * (std::int64_t{1} << (Real::fraction_bits -
-                                                                                  Length::fraction_bits)));
-        };
-        out.lower[i] = Bound::from_raw(saturate_to_int32(at(reach.low - more) >> drop));
-        out.upper[i] = // ceil: one above the floor
-            Bound::from_raw(saturate_to_int32((at(reach.high + more) >> drop) + 1));
+        const std::int64_t more = more_than(reaches[i], margin);
+        set_side(out, i, position, reaches[i].low - more, reaches[i].high + more, drop_of(shift));
     }
     return out;
 }

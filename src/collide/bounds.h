@@ -23,6 +23,9 @@ Bounds bounds_of(const shapes::Solid& solid, const Transform& pose, Length margi
 /// The same at `position`, turned by `axes`.
 Bounds bounds_of(const shapes::Solid& solid, Vec3 position, const Rotation& axes, Length margin, int shift);
 
+/// The same of a sphere, which no rotation changes.
+Bounds bounds_of_ball(const Geometry& ball, Vec3 position, Length margin, int shift);
+
 /// A length in bound steps, rounded up.
 constexpr Bound bound_steps(Length length, int shift) {
     const int drop = Length::fraction_bits - Bound::fraction_bits + shift;
@@ -39,7 +42,11 @@ constexpr bool overlap(const Bounds& a, const Bounds& b) {
 constexpr Bounds merge(const Bounds& a, const Bounds& b) {
     return {min(a.lower, b.lower), max(a.upper, b.upper)};
 }
-constexpr bool contains(const Bounds& outer, const Bounds& inner) { return merge(outer, inner) == outer; }
+constexpr bool contains(const Bounds& outer, const Bounds& inner) {
+    return (outer.lower.x.raw <= inner.lower.x.raw) & (inner.upper.x.raw <= outer.upper.x.raw) &
+           (outer.lower.y.raw <= inner.lower.y.raw) & (inner.upper.y.raw <= outer.upper.y.raw) &
+           (outer.lower.z.raw <= inner.lower.z.raw) & (inner.upper.z.raw <= outer.upper.z.raw);
+}
 constexpr Bounds expand(const Bounds& b, Bound by) {
     return {{b.lower.x - by, b.lower.y - by, b.lower.z - by},
             {b.upper.x + by, b.upper.y + by, b.upper.z + by}};

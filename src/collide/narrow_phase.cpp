@@ -79,12 +79,15 @@ RelativePose relative_pose(const Transform& a, const Transform& b) {
             into_frame(to_rotation(a.rotation), b.position - a.position)};
 }
 
-RelativePose plane_relative_pose(const Transform& plane, const Transform& b) {
+CoordinateVec3 plane_relative_position(UnitVec3 normal, Vec3 on_plane, Vec3 b) {
     constexpr Real height_max = 16000_r;
-    const UnitVec3 normal = to_rotation(plane.rotation).y;
-    const Real height = dot<Real>(normal, b.position - plane.position);
+    const Real height = dot<Real>(normal, b - on_plane);
+    return {Coordinate{}, to<Coordinate>(clamp(height, -height_max, height_max)), Coordinate{}};
+}
+
+RelativePose plane_relative_pose(const Transform& plane, const Transform& b) {
     return {to_rotation(conjugate(plane.rotation) * b.rotation),
-            {Coordinate{}, to<Coordinate>(clamp(height, -height_max, height_max)), Coordinate{}}};
+            plane_relative_position(to_rotation(plane.rotation).y, plane.position, b.position)};
 }
 
 void collide_pair(const shapes::Solid& a, const shapes::Solid& b, const RelativePose& pose, Length margin,

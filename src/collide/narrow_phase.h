@@ -26,6 +26,8 @@ CoordinateVec3 into_frame(const Rotation& axes_of_a, Vec3 d);
 /// A plane has no useful origin: seen from it, B is straight above the origin of its frame.
 /// position is (0, height of B's origin, 0), the height clamped to +-16000 m.
 RelativePose plane_relative_pose(const Transform& plane, const Transform& b);
+/// Its position alone. `normal`: the plane's +y in the world.
+CoordinateVec3 plane_relative_position(UnitVec3 normal, Vec3 on_plane, Vec3 b);
 
 struct ManifoldPoint {
     LengthVec3 position;   ///< midway between the two surfaces, from B's origin, in A's axes [m]

@@ -16,8 +16,9 @@ bool are_joined(const Model& w, BodyId a, BodyId b) {
     const std::span<const Slot> slots = w.state.rows(w.m.joint_slot);
     const std::span<const JointRow> joints = w.state.rows(w.m.joint);
     // Many joints may end at what does not move.
-    if (info[w.row_of(a)].kind == BodyKind::static_) std::swap(a, b);
-    for (std::uint32_t slot = info[w.row_of(a)].first_joint; slot != 0;) {
+    std::uint32_t row = w.row_of(a);
+    if (info[row].kind == BodyKind::static_) std::swap(a, b), row = w.row_of(a);
+    for (std::uint32_t slot = info[row].first_joint; slot != 0;) {
         const JointRow& r = joints[slots[slot - 1].row];
         const bool is_a = r.def.body_a == a;
         if (r.def.collide_connected == 0 && (is_a ? r.def.body_b : r.def.body_a) == b) return true;

@@ -7,6 +7,7 @@
 #include "lockstone/math/math.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 
 namespace lockstone::sim {
@@ -15,9 +16,10 @@ namespace {
 
 /// Most shapes stand in the middle of their body, and as it does.
 Transform shape_pose(const ShapeTraits& shape, const Transform& body, const BodyMass& mass) {
-    const Vec3 offset = shape.local.position - mass.center;
     const bool is_turned = shape.local.rotation != Quat::identity();
-    return {offset == Vec3{} ? body.position : body.position + rotate(body.rotation, offset),
+    return {shape.local.position == mass.center
+                ? body.position
+                : body.position + rotate(body.rotation, shape.local.position - mass.center),
             is_turned ? normalized(body.rotation * shape.local.rotation) : body.rotation};
 }
 
@@ -29,18 +31,42 @@ Length margin_of(Length inner, const BodyInfo& info, const Velocity& velocity, s
     return margin_base + min(ahead, info.first_joint != 0 ? inner + inner : inner);
 }
 
+/// The columns that every shape looks at, found once for many.
+struct PlaceView {
+    std::span<const ShapeRow> shapes;
+    std::span<const Slot> slots;
+    std::span<const ShapeTraits> traits;
+    std::span<const BodyInfo> info;
+    std::span<const BodyTraits> body_traits;
+    std::span<const Transform> poses;
+    std::span<const Velocity> velocities;
+    std::uint32_t tick_rate;
+    int shift;
+
+    explicit PlaceView(const Model& w)
+        : shapes(w.state.rows(w.m.shape)), slots(w.state.rows(w.m.shape_slot)),
+          traits(w.state.rows(w.m.shape_traits.row)), info(w.state.rows(w.m.body_info)),
+          body_traits(w.state.rows(w.m.body_traits.row)), poses(w.state.rows(w.m.body_pose)),
+          velocities(w.state.rows(w.m.body_velocity)), tick_rate(w.config().tick_rate),
+          shift(static_cast<int>(w.config().bounds_shift)) {}
+};
+
 /// Where a shape is whose solid is known. Writes nothing but `at`.
-void place(const Model& w, const ShapeRow& shape, std::uint32_t body_row, PlacedShapes::Shape& at) {
-    const Config& config = w.state.rows(w.m.config)[0];
-    const BodyInfo& info = w.state.rows(w.m.body_info)[body_row];
-    at.pose = shape_pose(w.traits_of(shape), w.state.rows(w.m.body_pose)[body_row], w.traits_of(info).mass);
-    at.axes = to_rotation(at.pose.rotation);
+void place(const PlaceView& v, const ShapeTraits& shape, std::uint32_t body_row, PlacedShapes::Shape& at) {
+    const BodyInfo& info = v.info[body_row];
+    const Geometry& geometry = at.solid.geometry;
+    at.pose = shape_pose(shape, v.poses[body_row], v.body_traits[info.traits].mass);
     at.margin = info.kind == BodyKind::static_
                     ? margin_base
-                    : margin_of(at.inner, info, w.state.rows(w.m.body_velocity)[body_row], config.tick_rate);
-    if (at.solid.geometry.kind != ShapeKind::plane)
-        at.bounds = collide::bounds_of(at.solid, at.pose.position, at.axes, at.margin,
-                                       static_cast<int>(config.bounds_shift));
+                    : margin_of(at.inner, info, v.velocities[body_row], v.tick_rate);
+    at.has_axes = geometry.kind != ShapeKind::sphere || geometry.half_extent != LengthVec3{};
+    if (!at.has_axes) {
+        at.bounds = collide::bounds_of_ball(geometry, at.pose.position, at.margin, v.shift);
+        return;
+    }
+    at.axes = to_rotation(at.pose.rotation);
+    if (geometry.kind != ShapeKind::plane)
+        at.bounds = collide::bounds_of(at.solid, at.pose.position, at.axes, at.margin, v.shift);
 }
 
 /// Tells the broad phase. Shapes of what rests lie in its still tree; no two of them meet.
@@ -66,7 +92,7 @@ void set_proxy(const Model& w, PlacedShapes& s, const ShapeRow& shape, std::uint
     PlacedShapes::Shape& at = s.shape[shape.id.index - 1];
     at.rests = false;
     solid_of(w, s, shape);
-    place(w, shape, body_row, at);
+    place(PlaceView(w), w.traits_of(shape), body_row, at);
     hand_over(w, s, shape, body_row);
 }
 
@@ -93,26 +119,73 @@ template <class Visit> void for_each_shape(const Model& w, std::uint32_t body_ro
 
 constexpr std::uint32_t bodies_per_chunk = 32;
 
-/// Where the shapes of the awake bodies are, by workers; then the broad phase hears of it, by one and in order. A solid that
-/// is not known is found then too: finding one changes what all share.
+/// As ==, in fewer steps: a geometry has no gaps.
+bool is_same(const Geometry& a, const Geometry& b) {
+    using Words = std::array<std::uint64_t, sizeof(Geometry) / sizeof(std::uint64_t)>;
+    const Words x = std::bit_cast<Words>(a), y = std::bit_cast<Words>(b);
+    std::uint64_t other = 0;
+    for (std::size_t i = 0; i < x.size(); ++i) other |= x[i] ^ y[i];
+    return other == 0;
+}
+
+/// Places a shape if its solid is known.
+void place_known(const PlaceView& v, const ShapeTraits& traits, std::uint32_t row, PlacedShapes::Shape& at) {
+    at.is_placed = is_same(at.solid.geometry, traits.geometry);
+    if (at.is_placed) place(v, traits, row, at);
+}
+
+/// How far a body goes in a tick at its velocity.
+Vector3<Bound> motion_of(const PlaceView& v, std::uint32_t row) {
+    const SpeedVec3& velocity = v.velocities[row].linear;
+    const auto one = [&](Speed s) {
+        constexpr int drop = Speed::fraction_bits - Bound::fraction_bits;
+        return Bound::from_raw((s.raw >> (drop + v.shift)) / static_cast<std::int32_t>(v.tick_rate));
+    };
+    return {one(velocity.x), one(velocity.y), one(velocity.z)};
+}
+
+/// Tells the broad phase of a shape that awake bodies have. A solid that is not known is found then too: finding one changes
+/// what all share.
+void hand_over_awake(const Model& w, const PlaceView& v, PlacedShapes& s, const ShapeRow& shape,
+                     std::uint32_t row) {
+    const std::uint32_t slot = shape.id.index - 1;
+    PlacedShapes::Shape& at = s.shape[slot];
+    if (!at.is_placed) return set_proxy(w, s, shape, row);
+    if (at.solid.geometry.kind == ShapeKind::plane) return hand_over(w, s, shape, row);
+    at.rests = false;
+    if (!s.broad_phase.move_within(slot, at.bounds))
+        s.broad_phase.set(slot, at.bounds, false, motion_of(v, row));
+    s.proxy_generation[slot] = shape.id.generation;
+}
+
+/// Where the shapes of the awake bodies are, by workers; then the broad phase hears of it, by one and in order.
 void update_awake(const Model& w, PlacedShapes& s, Tasks* tasks) {
     const std::uint32_t awake = w.header().bodies_awake;
+    const PlaceView v(w);
+    const auto for_each = [&v](std::uint32_t row, auto&& visit) {
+        for (std::uint32_t slot = v.info[row].first_shape; slot != 0;) {
+            const ShapeRow& shape = v.shapes[v.slots[slot - 1].row];
+            visit(shape, slot - 1);
+            slot = shape.next_shape;
+        }
+    };
+    if (tasks == nullptr) {
+        for (std::uint32_t row = 0; row < awake; ++row)
+            for_each(row, [&](const ShapeRow& shape, std::uint32_t slot) {
+                place_known(v, v.traits[shape.traits], row, s.shape[slot]);
+                hand_over_awake(w, v, s, shape, row);
+            });
+        return;
+    }
     base::for_chunks(tasks, awake, bodies_per_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
                          for (std::uint32_t row = first; row < last; ++row)
-                             for_each_shape(w, row, [&](const ShapeRow& shape) {
-                                 PlacedShapes::Shape& at = s.shape[shape.id.index - 1];
-                                 at.is_placed = at.solid.geometry == w.traits_of(shape).geometry;
-                                 if (at.is_placed) place(w, shape, row, at);
+                             for_each(row, [&](const ShapeRow& shape, std::uint32_t slot) {
+                                 place_known(v, v.traits[shape.traits], row, s.shape[slot]);
                              });
                      });
     for (std::uint32_t row = 0; row < awake; ++row)
-        for_each_shape(w, row, [&](const ShapeRow& shape) {
-            if (s.shape[shape.id.index - 1].is_placed)
-                hand_over(w, s, shape, row);
-            else
-                set_proxy(w, s, shape, row);
-        });
+        for_each(row, [&](const ShapeRow& shape, std::uint32_t) { hand_over_awake(w, v, s, shape, row); });
 }
 
 bool is_living_plane(const Model& w, std::uint32_t slot) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "collide/broad/broad_phase.h"
+#include "lockstone/math/math.h"
 #include "model/model.h"
 
 #include <memory>
@@ -28,11 +29,12 @@ struct PlacedShapes {
     struct Shape {
         shapes::Solid solid;
         Transform pose;   ///< world
-        Rotation axes;    ///< of the pose
+        Rotation axes;    ///< of the pose, once has_axes
         Length margin;    ///< how far its contacts reach ahead at most
         Coordinate reach; ///< of its points from its origin [m]
         Length inner;     ///< shapes::inner_radius() of the solid
         collide::Bounds bounds;
+        bool has_axes;  ///< a ball that nothing is near needs none
         bool is_placed; ///< while bounds are updated: pose, margin and bounds are those of this tick
         bool rests;     ///< the broad phase has it as resting, placed by:
         Transform resting_local, resting_at;
@@ -52,6 +54,17 @@ struct PlacedShapes {
 
 inline constexpr Length margin_base =
     decimal<Length>("0.005"); ///< [m]: contacts are made this far ahead of touching
+
+/// For those of one thread that read `axes` later.
+inline void make_axes(PlacedShapes::Shape& at) {
+    if (at.has_axes) return;
+    at.axes = to_rotation(at.pose.rotation);
+    at.has_axes = true;
+}
+/// For those that share shapes with other threads.
+inline Rotation axes_of(const PlacedShapes::Shape& at) {
+    return at.has_axes ? at.axes : to_rotation(at.pose.rotation);
+}
 
 /// How far ahead of touching contacts are made for a velocity, a body's own or that of two against each other: no less than it goes
 /// in a tick, by factors of two, so that it seldom grows while they near each other; 0 for what goes less than half of

@@ -127,7 +127,7 @@ bool cast_at(const Asking& asking, const Cast& cast, const ShapeRow& shape, coll
     const Transform frame = is_plane ? plane_below(at.pose, cast.from) : at.pose;
     collide::Line line = cast.line;
     if (!collide::move_line(to<Coordinate>(cast.from - frame.position), line)) return false;
-    const Rotation& axes = at.axes; // a plane's frame has its rotation
+    const Rotation axes = axes_of(at); // a plane's frame has its rotation
     const bool turns = is_turned(axes),
                is_whole = span.enter_30 <= 0 && span.exit_30 >= line.length_30 && !turns;
     const CoordinateVec3 begin = collide::coordinates(collide::place_24(line, span.enter_30));
@@ -311,9 +311,10 @@ bool nearest_of(const Asking& asking, const ShapeRow& shape, const shapes::Solid
     local.point = nearest.on_a;
     local.normal = nearest.normal;
     local.feature = nearest.feature_a;
-    hit = world_hit(asking, shape, frame, at.axes, local);
+    const Rotation axes = axes_of(at);
+    hit = world_hit(asking, shape, frame, axes, local);
     hit.distance = to<Real>(nearest.distance);
-    on_other = frame.position + lockstone::mul<Real>(at.axes, nearest.on_b);
+    on_other = frame.position + lockstone::mul<Real>(axes, nearest.on_b);
     return true;
 }
 

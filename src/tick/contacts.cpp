@@ -114,7 +114,7 @@ void fill_pair(const View& v, const CandidatePair& c, std::span<const ContactMem
     for (int i = 0; i < 3; ++i)
         lane.way.v[i] = to_b[i], lane.way.u[i] = from_body[i], lane.kept.u[i] = base[i];
     if (is_plane) {
-        const Long3 given = raw(collide::plane_relative_pose(a, b).position);
+        const Long3 given = raw(collide::plane_relative_position(c.at_a->axes.y, a.position, b.position));
         for (int i = 0; i < 3; ++i) lane.given.v[i] = given[i];
     }
     lane.rotation_a = &a.rotation, lane.rotation_b = &b.rotation, lane.axes_a = &c.at_a->axes;

@@ -59,8 +59,9 @@ void publish_change(const Model& w, const PlacedShapes& placed, const ContactRes
 
 /// Of bodies that slept when the last tick ended.
 void publish_waking(Model& w, std::vector<Event>& events) {
-    for (std::uint32_t row = 0; row < w.header().bodies_awake; ++row) {
-        if (w.state.rows(w.m.body_sleep)[row].island == 0) continue;
+    const std::span<const BodySleep> sleep = w.state.rows(w.m.body_sleep).first(w.header().bodies_awake);
+    for (std::uint32_t row = 0; row < sleep.size(); ++row) {
+        if (sleep[row].island == 0) continue;
         w.state.edit_row(w.m.body_sleep, row).island = 0;
         Event e{};
         e.kind = EventKind::body_wake;

@@ -160,12 +160,12 @@ void publish_sleep(const Model& w, std::span<const BodyId> bodies, std::vector<E
 
 void find_resting(Model& w, const Links& links, IslandScratch& s) {
     s.resting.clear();
-    for (std::uint32_t row = 0; row < w.header().bodies_awake; ++row) {
-        const BodyInfo& info = w.state.rows(w.m.body_info)[row];
-        const bool rests =
-            info.kind == BodyKind::static_ ||
-            (info.kind == BodyKind::kinematic && w.state.rows(w.m.body_velocity)[row] == Velocity{});
-        if (rests) s.resting.push_back(info.id);
+    const std::span<const BodyInfo> bodies = w.state.rows(w.m.body_info).first(w.header().bodies_awake);
+    for (std::uint32_t row = 0; row < bodies.size(); ++row) {
+        const BodyInfo& info = bodies[row];
+        if (info.kind == BodyKind::dynamic) continue;
+        if (info.kind == BodyKind::static_ || w.state.rows(w.m.body_velocity)[row] == Velocity{})
+            s.resting.push_back(info.id);
     }
     if (w.config().sleeping != 0) find_still_islands(w, links, s);
 }

@@ -16,6 +16,8 @@ static Transform frame_for_solver(const Model& w, std::uint32_t row, const Trans
     return {pose.position + rotate(pose.rotation, arm), normalized(pose.rotation * frame.rotation)};
 }
 
+static bool can_break(const JointDef& def) { return def.break_force != Real{} || def.break_torque != Real{}; }
+
 /// Whether something that the list is made of may be another than when this was last called.
 static bool has_changed(const Model& w, JointList& list) {
     bool any = false;
@@ -32,6 +34,7 @@ static bool has_changed(const Model& w, JointList& list) {
 
 /// Frames on what rests, which may have been put elsewhere.
 static void place_resting(const Model& w, JointList& list) {
+    if (!list.any_rests) return;
     for (solve::Joint& joint : list.all) {
         const JointDef& def = *joint.def;
         if (joint.body_a == list.bodies_awake && def.body_a)
@@ -50,16 +53,21 @@ void list_joints(const Model& w, JointList& list) {
     std::vector<solve::Joint>& out = list.all;
     const std::uint32_t still = w.header().bodies_awake, count = w.header().joints_awake;
     const std::span<const JointRow> rows = w.state.rows(w.m.joint);
-    if (count == 0 && out.empty()) return;
+    if (count == 0 && out.empty()) {
+        list.any_breaks = false;
+        return;
+    }
     const bool is_known =
         list.rows == rows.data() && list.bodies_awake == still && list.joints_awake == count;
     list.is_new = has_changed(w, list) || !is_known;
     if (!list.is_new) return place_resting(w, list);
     list.rows = rows.data(), list.bodies_awake = still, list.joints_awake = count;
-    out.clear();
+    out.clear(), list.any_rests = list.any_breaks = false;
     for (std::uint32_t row = 0; row < count; ++row) {
         const JointDef& def = rows[row].def;
+        list.any_breaks = list.any_breaks || can_break(def);
         const std::uint32_t a = def.body_a ? w.row_of(def.body_a) : Model::dead, b = w.row_of(def.body_b);
+        list.any_rests = list.any_rests || (a != Model::dead && a >= still) || b >= still;
         out.push_back({&def, std::min(a, still), std::min(b, still), row, frame_for_solver(w, a, def.frame_a),
                        frame_for_solver(w, b, def.frame_b)});
     }
@@ -69,11 +77,12 @@ void list_joints(const Model& w, JointList& list) {
     if (!std::is_sorted(out.begin(), out.end(), before)) std::sort(out.begin(), out.end(), before);
 }
 
-void break_joints(Model& w, std::vector<JointId>& broken, std::vector<Event>& events) {
+void break_joints(Model& w, const JointList& list, std::vector<JointId>& broken, std::vector<Event>& events) {
+    if (!list.any_breaks) return;
     const std::span<const JointMemory> memory = w.state.rows(w.m.joint_memory);
     broken.clear();
     for (const JointRow& row : w.state.rows(w.m.joint).first(w.header().joints_awake)) {
-        if (row.def.break_force == Real{} && row.def.break_torque == Real{}) continue;
+        if (!can_break(row.def)) continue;
         const JointMemory& m = memory[w.row_of(row.id)];
         const bool by_force = row.def.break_force != Real{} && length(m.force) > row.def.break_force;
         const bool by_torque = row.def.break_torque != Real{} && length(m.torque) > row.def.break_torque;

@@ -16,6 +16,8 @@ struct JointList {
     /// Made anew: joints have come, gone or changed, or bodies, their masses or their rows have. Frames in the world may be others in
     /// any tick.
     bool is_new = true;
+    bool any_rests = false;  ///< a body that a joint holds
+    bool any_breaks = false; ///< a joint that would, with enough force or torque
 
     void poison(std::byte with);
 
@@ -27,6 +29,6 @@ struct JointList {
 };
 void list_joints(const Model& w, JointList& out);
 /// Removes joints that bore too much, and reports them. `broken`: memory.
-void break_joints(Model& w, std::vector<JointId>& broken, std::vector<Event>& events);
+void break_joints(Model& w, const JointList& list, std::vector<JointId>& broken, std::vector<Event>& events);
 
 } // namespace lockstone::sim

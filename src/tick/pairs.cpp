@@ -196,6 +196,7 @@ void find_pairs(const Model& w, PlacedShapes& placed, const ContactList& table, 
         const std::uint64_t place = order(pair.key);
         while (old < count && order(old_keys[old]) < place) retire(table, old++, out.ended);
         while (hint < s.before.size() && order(s.before[hint].key) < place) ++hint;
+        make_axes(placed.shape[pair.key.a.index - 1]), make_axes(placed.shape[pair.key.b.index - 1]);
         NearPair near{pair.key, pair.margin, old, 0, {}};
         for (; old < count && order(old_keys[old]) == place; ++old) {
             if (old_keys[old] == pair.key)

@@ -22,8 +22,8 @@ void poison_shapes(std::byte with, PlacedShapes& placed) {
     is_current = false;
     for (PlacedShapes::Shape& one : shape)
         if (!one.rests)
-            poison(with, one.pose, one.axes, one.margin, one.bounds, one.resting_local, one.resting_at,
-                   one.resting_center);
+            poison(with, one.pose, one.axes, one.has_axes, one.margin, one.bounds, one.resting_local,
+                   one.resting_at, one.resting_center);
 }
 
 void poison_query(std::byte with, QueryScratch& query) {
@@ -85,8 +85,8 @@ void poison_characters(std::byte with, CharacterScratch& characters) {
 }
 
 void poison_bodies(std::byte with, solve::SolverBodies& bodies) {
-    auto& [body, step, turns, plain, forms, form_of, fall, clamps, kernel] = bodies;
-    poison(with, body, step, turns, plain, forms, form_of, fall, clamps);
+    auto& [body, step, turns, plain, forms, form_of, starts, fall, clamps, kernel] = bodies;
+    poison(with, body, step, turns, plain, forms, form_of, starts, fall, clamps);
 }
 
 } // namespace

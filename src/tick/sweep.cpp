@@ -37,7 +37,9 @@ struct Sweeper {
           shape_traits(w.state.rows(w.m.shape_traits.row)), slots(w.state.rows(w.m.shape_slot)) {}
 
     const PlacedShapes::Shape& at(const ShapeRow& shape) const { return placed.shape[shape.id.index - 1]; }
-    const Transform& pose_before(std::uint32_t row) const { return before.of(w, row); }
+    const Transform& pose_before(std::uint32_t row) const {
+        return row < before.list.size() ? before.list[row] : pose[row]; // what rests is where it was
+    }
     const shapes::Solid& solid(const ShapeRow& shape) const { return at(shape).solid; }
     const ShapeTraits& traits(const ShapeRow& shape) const { return shape_traits[shape.traits]; }
     bool is_bullet(std::uint32_t row) const { return mass.traits[info[row].traits].bullet != 0; }
@@ -73,26 +75,34 @@ Real motion_of(const Sweeper& s, std::uint32_t row) {
     return most;
 }
 
-/// No less than what relative_motion says of the body alone, without roots: a turn's rate is at most 2.9 times the length of
+/// No less than what relative_motion says of a body alone, without roots: a turn's rate is at most 2.9 times the length of
 /// the quaternion's change, and no length is above the sum of its parts.
-Real coarse_motion(const Sweeper& s, std::uint32_t row, const ShapeRow& shape) {
-    const Transform &a = s.pose_before(row), &b = s.pose[row];
-    const auto apart = [](std::int64_t x, std::int64_t y) { return x < y ? y - x : x - y; };
-    const auto sum_apart = [&](const Vec3& x, const Vec3& y) {
-        return apart(x.x.raw, y.x.raw) + apart(x.y.raw, y.y.raw) +
-               apart(x.z.raw, y.z.raw); // each is below 2^49
-    };
-    const Quat p = a.rotation, q = b.rotation;
-    const std::int64_t turn_30 =
-        apart(p.x.raw, q.x.raw) + apart(p.y.raw, q.y.raw) + apart(p.z.raw, q.z.raw) + apart(p.w.raw, q.w.raw);
-    std::int64_t reach = sum_apart(s.traits(shape).local.position, s.mass[row].center);
-    if (s.traits(shape).geometry.kind != ShapeKind::sphere) reach += to<Real>(s.at(shape).reach).raw;
-    constexpr std::int64_t rounding = 1 << 9, reach_max = std::int64_t{1024} << Real::fraction_bits;
-    if (reach > reach_max) return Real::max();
-    // Below 2^35 times 2^27.
-    const std::int64_t by_turn = (3 * turn_30 + 1) * ((reach >> 16) + 1) >> 14;
-    return Real::from_raw(sum_apart(b.position, a.position) + by_turn + rounding);
-}
+class CoarseMotion {
+    const Transform &from, &to;
+    std::int64_t moved; ///< [m], Real
+
+    static std::int64_t apart(std::int64_t x, std::int64_t y) { return x < y ? y - x : x - y; }
+
+  public:
+    CoarseMotion(const Transform& before, const Transform& after)
+        : from(before), to(after), moved(sum_apart(before.position, after.position)) {}
+
+    static std::int64_t sum_apart(const Vec3& x, const Vec3& y) { // each is below 2^49
+        return apart(x.x.raw, y.x.raw) + apart(x.y.raw, y.y.raw) + apart(x.z.raw, y.z.raw);
+    }
+    /// Of points within `reach` of the centre of mass [m], Real.
+    Real of(std::int64_t reach) const {
+        constexpr std::int64_t rounding = 1 << 9, reach_max = std::int64_t{1024} << Real::fraction_bits;
+        if (reach == 0) return Real::from_raw(moved + rounding);
+        if (reach > reach_max) return Real::max();
+        const Quat p = from.rotation, q = to.rotation;
+        const std::int64_t turn_30 = apart(p.x.raw, q.x.raw) + apart(p.y.raw, q.y.raw) +
+                                     apart(p.z.raw, q.z.raw) + apart(p.w.raw, q.w.raw);
+        // Below 2^35 times 2^27.
+        const std::int64_t by_turn = (3 * turn_30 + 1) * ((reach >> 16) + 1) >> 14;
+        return Real::from_raw(moved + by_turn + rounding);
+    }
+};
 
 /// Against what stands still a shape may move further before it has to be swept: nothing comes towards it besides. A
 /// bullet is swept whenever it moves: what turns so fast that its contacts do not hold it would sink in bit by bit. Not a
@@ -119,7 +129,7 @@ bool is_swept_against(const Sweeper& s, std::uint32_t row, std::uint32_t other) 
 /// A one-way surface stops what moves against its +y and began above it. `moved`: the other body against the wall's.
 bool passes_one_way(const Sweeper& s, const ShapeRow& wall, Vec3 moved) {
     if (s.traits(wall).one_way == 0) return false;
-    return dot<Real>(to_rotation(s.placed.shape[wall.id.index - 1].pose.rotation).y, moved) >= Real{};
+    return dot<Real>(axes_of(s.at(wall)).y, moved) >= Real{};
 }
 
 /// The way of the body in a row, or a later part of it: then the others' ways begin at the same time.
@@ -136,9 +146,9 @@ struct Way {
 bool stays_above(const Sweeper& s, std::uint32_t plane, const Sweep& way, Real around) {
     const std::uint32_t body = s.w.row_of(s.shapes[s.slots[plane].row].body);
     if (s.info[body].kind != BodyKind::static_) return false;
-    const Transform& at = s.placed.shape[plane].pose;
-    const UnitVec3 n = to_rotation(at.rotation).y;
-    const auto height = [&](Vec3 p) { return dot<Real>(n, p - at.position); };
+    const PlacedShapes::Shape& at = s.placed.shape[plane];
+    const UnitVec3 n = axes_of(at).y;
+    const auto height = [&](Vec3 p) { return dot<Real>(n, p - at.pose.position); };
     return height(way.from.position) > around && height(way.to.position) > around;
 }
 
@@ -277,17 +287,21 @@ std::optional<Transform> sweep_body(const Sweeper& s, std::uint32_t row, const H
 /// Whether a body may be fast against what moves by up to `others` in the tick.
 bool may_be_fast(const Sweeper& s, std::uint32_t row, Real others) {
     bool fast = false;
-    const bool all_stands_still = others == Real{};
+    const bool all_stands_still = others == Real{}, bullet = s.is_bullet(row);
+    const CoarseMotion coarse(s.pose_before(row), s.pose[row]);
+    const Vec3& center = s.mass[row].center;
     s.for_each_shape(row, [&](const ShapeRow& shape) {
-        fast |=
-            is_fast(coarse_motion(s, row, shape) + others, s.at(shape), all_stands_still, s.is_bullet(row));
+        const ShapeTraits& traits = s.traits(shape);
+        const Vec3& local = traits.local.position;
+        std::int64_t reach = local == center ? 0 : CoarseMotion::sum_apart(local, center);
+        if (traits.geometry.kind != ShapeKind::sphere) reach += to<Real>(s.at(shape).reach).raw;
+        fast |= is_fast(coarse.of(reach) + others, s.at(shape), all_stands_still, bullet);
     });
     if (!fast) return false;
     fast = false;
     const Real motion = motion_of(s, row) + others;
-    s.for_each_shape(row, [&](const ShapeRow& shape) {
-        fast |= is_fast(motion, s.at(shape), all_stands_still, s.is_bullet(row));
-    });
+    s.for_each_shape(
+        row, [&](const ShapeRow& shape) { fast |= is_fast(motion, s.at(shape), all_stands_still, bullet); });
     return fast;
 }
 

@@ -193,7 +193,7 @@ void tick(Model& w, PlacedShapes& placed, QueryScratch& query, TickScratch& s, T
         sweep_fast_bodies(w, placed, s.pose_before, s.contact_scratch.workers, s.sweep, hooks.tasks);
     checkpoint_with_contacts(t, "sweep_fast_bodies");
 
-    break_joints(w, s.broken, out.events);
+    break_joints(w, s.joints, s.broken, out.events);
     settle_touching(s.found.results, s.table.list);
     publish_events(w, placed, s.near, s.found, s.characters.landings, s.table.list, out.events);
     out.contact_points.wait = true;

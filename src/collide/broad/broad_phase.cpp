@@ -38,13 +38,13 @@ void BroadPhase::note_move(std::uint32_t proxy) {
     entry.moved = entry.fresh = true;
 }
 
-/// The bounds with the margin, and ahead by four times the last move (at most four margins): a body that keeps its
+/// The bounds with the margin, and ahead by four times the motion (at most four margins): a body that keeps its
 /// course leaves its leaf less often.
-Bounds BroadPhase::moving_leaf(const Bounds& before, const Bounds& exact) const {
+Bounds BroadPhase::moving_leaf(const Vector3<Bound>& motion, const Bounds& exact) const {
     Bounds leaf = expand(exact, margin);
     const Bound limit = margin * 4;
     for (int i = 0; i < 3; ++i) {
-        const Bound ahead = clamp((exact.lower[i] - before.lower[i]) * 4, -limit, limit);
+        const Bound ahead = clamp(motion[i] * 4, -limit, limit);
         if (ahead < Bound{})
             leaf.lower[i] += ahead;
         else
@@ -53,17 +53,18 @@ Bounds BroadPhase::moving_leaf(const Bounds& before, const Bounds& exact) const 
     return leaf;
 }
 
-void BroadPhase::set(std::uint32_t proxy, const Bounds& exact, bool is_static) {
+void BroadPhase::set_leaf(std::uint32_t proxy, const Bounds& exact, bool is_static,
+                          const Vector3<Bound>& motion) {
     LOCKSTONE_ASSERT(proxy < entries.size(), "proxy ", proxy, ", capacity ", entries.size());
     Entry& entry = entries[proxy];
     const Bounds before = entry.present ? entry.exact : exact;
     entry.exact = exact;
-    if (entry.present && entry.is_static == is_static &&
-        (is_static ? entry.leaf_bounds == exact : collide::contains(entry.leaf_bounds, exact)))
-        return;
+    if (entry.present && entry.is_static && is_static && entry.leaf_bounds == exact) return;
     entry.present = true;
     entry.is_static = is_static;
-    entry.leaf_bounds = is_static ? exact : moving_leaf(before, exact);
+    const bool is_known = motion != Vector3<Bound>{};
+    entry.leaf_bounds =
+        is_static ? exact : moving_leaf(is_known ? motion : exact.lower - before.lower, exact);
     note_move(proxy);
 }
 
@@ -83,46 +84,56 @@ void BroadPhase::clear() {
     gave_up = false;
 }
 
+bool BroadPhase::may_stay(const Entry& entry) const {
+    if (entry.leaf == BoundsTree::none || !entry.present || entry.is_static != entry.in_fixed) return false;
+    const BoundsTree& tree = tree_of(entry.in_fixed);
+    return tree.is_tight() && overlap(tree.node(entry.leaf).bounds, entry.leaf_bounds);
+}
+
 void BroadPhase::update_trees() {
     if (moved.empty()) return;
-    std::uint32_t changes[2] = {0, 0};
+    std::uint32_t staying[2] = {0, 0}, changes[2] = {0, 0};
     for (std::uint32_t proxy : moved) {
-        const Entry& entry = entries[proxy];
+        Entry& entry = entries[proxy];
+        entry.stays = may_stay(entry);
+        if (entry.stays) {
+            ++staying[entry.in_fixed];
+            continue;
+        }
         if (entry.leaf != BoundsTree::none) ++changes[entry.in_fixed];
         if (entry.present) ++changes[entry.is_static];
     }
     const bool anew[2] = {changes[0] * 8 > moving.leaf_count(), changes[1] * 8 > fixed.leaf_count()};
-    const bool fitted[2] = {anew[0] && refit(false), anew[1] && refit(true)};
+    for (bool is_fixed : {false, true})
+        if (!anew[is_fixed] && staying[is_fixed] != 0) move_leaves(is_fixed, staying[is_fixed]);
     for (std::uint32_t proxy : moved) {
         Entry& entry = entries[proxy];
-        if (entry.leaf == BoundsTree::none || fitted[entry.in_fixed]) continue;
+        if (entry.leaf == BoundsTree::none || (entry.stays && !anew[entry.in_fixed])) continue;
         if (!anew[entry.in_fixed]) tree_of(entry.in_fixed).remove(entry.leaf);
         entry.leaf = BoundsTree::none;
     }
     for (bool is_fixed : {false, true}) {
-        if (fitted[is_fixed]) continue;
         if (anew[is_fixed])
             rebuild(is_fixed);
-        else
+        else if (changes[is_fixed] != 0)
             insert_moved(is_fixed);
     }
     for (std::uint32_t proxy : moved) entries[proxy].moved = false;
     moved.clear();
 }
 
-bool BroadPhase::refit(bool is_fixed) {
+void BroadPhase::move_leaves(bool is_fixed, std::uint32_t count) {
     BoundsTree& tree = tree_of(is_fixed);
-    if (!tree.can_refit()) return false;
+    const bool all_at_once = tree.can_refit() && count > tree.leaf_count() / 8;
     for (std::uint32_t proxy : moved) {
         const Entry& entry = entries[proxy];
-        const bool was_there = entry.leaf != BoundsTree::none && entry.in_fixed == is_fixed;
-        if (was_there != (entry.present && entry.is_static == is_fixed)) return false;
-    }
-    for (std::uint32_t proxy : moved)
-        if (const Entry& entry = entries[proxy]; entry.leaf != BoundsTree::none && entry.in_fixed == is_fixed)
+        if (!entry.stays || entry.in_fixed != is_fixed) continue;
+        if (all_at_once)
             tree.set_leaf(entry.leaf, entry.leaf_bounds);
-    tree.refit();
-    return true;
+        else
+            tree.move(entry.leaf, entry.leaf_bounds);
+    }
+    if (all_at_once) tree.refit();
 }
 
 void BroadPhase::rebuild(bool is_fixed) {
@@ -149,7 +160,7 @@ void BroadPhase::note_leaves(bool is_fixed) {
 void BroadPhase::insert_moved(bool is_fixed) {
     for (std::uint32_t proxy : moved) {
         Entry& entry = entries[proxy];
-        if (!entry.present || entry.is_static != is_fixed) continue;
+        if (!entry.present || entry.is_static != is_fixed || entry.leaf != BoundsTree::none) continue;
         entry.leaf = tree_of(is_fixed).insert(entry.leaf_bounds, proxy);
         entry.in_fixed = is_fixed;
     }
@@ -219,34 +230,41 @@ ProxyPair ordered(std::uint32_t x, std::uint32_t y) { return x < y ? ProxyPair{x
 /// A stack entry (n, n) of one tree stands for all pairs below n, (a, b) for those of one leaf below each.
 bool BroadPhase::find_fresh_pairs(const BoundsTree& tree_a, const BoundsTree& tree_b, std::size_t found_max) {
     const bool is_one_tree = &tree_a == &tree_b;
+    if (tree_a.root() == BoundsTree::none || tree_b.root() == BoundsTree::none) return true;
+    bool are_few = true;
+    const auto look_at = [&](BoundsTree::NodeId x, BoundsTree::NodeId y) {
+        const BoundsTree::Node &a = tree_a.node(x), &b = tree_b.node(y);
+        if (!(a.fresh | b.fresh) || !overlap(a.bounds, b.bounds)) return;
+        if (!a.is_leaf() || !b.is_leaf())
+            stack.push_back({x, y});
+        else if (found.size() < found_max)
+            found.push_back(ordered(a.proxy(), b.proxy()));
+        else
+            are_few = false;
+    };
+    const auto look_below = [&](BoundsTree::NodeId id) {
+        const BoundsTree::Node& n = tree_a.node(id);
+        if (n.fresh && !n.is_leaf()) stack.push_back({id, id});
+    };
     stack.clear();
-    if (tree_a.root() != BoundsTree::none && tree_b.root() != BoundsTree::none)
-        stack.push_back({tree_a.root(), tree_b.root()});
-    while (!stack.empty()) {
+    if (is_one_tree)
+        look_below(tree_a.root());
+    else
+        look_at(tree_a.root(), tree_b.root());
+    while (!stack.empty() && are_few) {
         const NodePair top = stack.back();
         stack.pop_back();
         const BoundsTree::Node &a = tree_a.node(top.a), &b = tree_b.node(top.b);
-        if (!a.fresh && !b.fresh) continue;
         if (is_one_tree && top.a == top.b) {
-            if (a.is_leaf()) continue;
-            stack.push_back({a.child[0], a.child[0]});
-            stack.push_back({a.child[1], a.child[1]});
-            stack.push_back({a.child[0], a.child[1]});
-            continue;
-        }
-        if (!overlap(a.bounds, b.bounds)) continue;
-        if (a.is_leaf() && b.is_leaf()) {
-            if (found.size() == found_max) return false;
-            found.push_back(ordered(a.proxy(), b.proxy()));
+            look_below(a.child[0]), look_below(a.child[1]);
+            look_at(a.child[0], a.child[1]);
         } else if (b.is_leaf() || (!a.is_leaf() && half_area(a.bounds) >= half_area(b.bounds))) {
-            stack.push_back({a.child[0], top.b});
-            stack.push_back({a.child[1], top.b});
+            look_at(a.child[0], top.b), look_at(a.child[1], top.b);
         } else {
-            stack.push_back({top.a, b.child[0]});
-            stack.push_back({top.a, b.child[1]});
+            look_at(top.a, b.child[0]), look_at(top.a, b.child[1]);
         }
     }
-    return true;
+    return are_few;
 }
 
 void BroadPhase::merge_found() {

@@ -4,6 +4,7 @@
 // calls that set them, so it can be thrown away, rebuilt or left as it is at any tick.
 #pragma once
 
+#include "base/assert.h"
 #include "collide/broad/tree.h"
 #include "collide/swept_box.h"
 
@@ -34,8 +35,19 @@ class BroadPhase {
     /// Takes memory for trees and pairs of so many proxies ahead of the calls that need it.
     void reserve(std::uint32_t proxies);
 
-    /// Inserts or moves a proxy, or changes its kind. Costs next to nothing while the bounds stay within the leaf.
-    void set(std::uint32_t proxy, const Bounds& exact, bool is_static);
+    /// Inserts or moves a proxy, or changes its kind. Costs next to nothing while the bounds stay within the leaf. `motion`: how far
+    /// it will go by the next call, as far as is known; zero: as far as since the last one.
+    void set(std::uint32_t proxy, const Bounds& exact, bool is_static, const Vector3<Bound>& motion = {}) {
+        if (is_static || !move_within(proxy, exact)) set_leaf(proxy, exact, is_static, motion);
+    }
+    /// Moves a proxy that is there, is not static and stays within its leaf. False: it is otherwise, and nothing was done.
+    bool move_within(std::uint32_t proxy, const Bounds& exact) {
+        LOCKSTONE_ASSERT(proxy < entries.size(), "proxy ", proxy, ", capacity ", entries.size());
+        Entry& entry = entries[proxy];
+        if (!entry.present || entry.is_static || !collide::contains(entry.leaf_bounds, exact)) return false;
+        entry.exact = exact;
+        return true;
+    }
     /// Does nothing for a proxy that is not there.
     void remove(std::uint32_t proxy);
     bool contains(std::uint32_t proxy) const { return proxy < entries.size() && entries[proxy].present; }
@@ -84,9 +96,11 @@ class BroadPhase {
         bool present, is_static;
         bool in_fixed; ///< where `leaf` is
         bool moved;    ///< the tree does not know of its leaf bounds yet
+        bool stays;    ///< while trees are updated: in its place there
         bool fresh;    ///< `leaf_pairs` does not know of its leaf yet
     };
-    static constexpr Entry absent{Bounds{}, Bounds{}, BoundsTree::none, false, false, false, false, false};
+    static constexpr Entry absent{Bounds{}, Bounds{}, BoundsTree::none, false, false, false, false,
+                                  false,    false};
     struct NodePair {
         BoundsTree::NodeId a, b;
     };
@@ -94,16 +108,19 @@ class BroadPhase {
     template <class MayMeet>
     void query_if(MayMeet&& may_meet, std::vector<BoundsTree::NodeId>& open,
                   std::vector<std::uint32_t>& out) const;
-    Bounds moving_leaf(const Bounds& before, const Bounds& exact) const;
+    void set_leaf(std::uint32_t proxy, const Bounds& exact, bool is_static, const Vector3<Bound>& motion);
+    Bounds moving_leaf(const Vector3<Bound>& motion, const Bounds& exact) const;
     void note_move(std::uint32_t proxy);
-    /// Of the leaves that have moved, if it is a tree of the same proxies as before.
-    bool refit(bool is_fixed);
+    /// Whether the leaf of a proxy may stay where it is in a tree, and take other bounds there.
+    bool may_stay(const Entry& entry) const;
+    void move_leaves(bool is_fixed, std::uint32_t count); ///< of those that stay, which are so many
     void rebuild(bool is_fixed);
     void take_leaves(bool is_fixed); ///< of a tree that is up to date
     void note_leaves(bool is_fixed); ///< where they are in a tree that was made anew
     void make_fresh(std::uint32_t proxy);
     void insert_moved(bool is_fixed);
     BoundsTree& tree_of(bool is_fixed) { return is_fixed ? fixed : moving; }
+    const BoundsTree& tree_of(bool is_fixed) const { return is_fixed ? fixed : moving; }
     void forget_pairs_of_fresh_leaves();
     /// Of two trees, or within one. False when there are more than `found_max` in all.
     bool find_fresh_pairs(const BoundsTree& a, const BoundsTree& b, std::size_t found_max);

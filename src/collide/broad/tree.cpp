@@ -35,7 +35,10 @@ void BoundsTree::clear() {
     top = free_list = none;
     leaf_total = 0;
     is_ordered = false;
+    area = area_max = 0;
 }
+
+static std::int64_t area_of(const Bounds& bounds) { return half_area(bounds) >> 18; }
 
 BoundsTree::NodeId BoundsTree::insert(const Bounds& bounds, std::uint32_t proxy) {
     ++leaf_total;
@@ -50,6 +53,7 @@ BoundsTree::NodeId BoundsTree::insert(const Bounds& bounds, std::uint32_t proxy)
     const NodeId parent = take_node();
     const NodeId above = at(sibling).parent;
     at(parent) = {merge(bounds, at(sibling).bounds), above, {sibling, leaf}, true};
+    area += area_of(at(parent).bounds);
     at(sibling).parent = at(leaf).parent = parent;
     if (above == none)
         top = parent;
@@ -70,6 +74,7 @@ void BoundsTree::remove(NodeId leaf) {
     }
     const NodeId sibling = at(parent).child[at(parent).child[0] == leaf ? 1 : 0];
     const NodeId above = at(parent).parent;
+    area -= area_of(at(parent).bounds);
     free_node(parent);
     at(sibling).parent = above;
     if (above == none)
@@ -99,11 +104,28 @@ BoundsTree::NodeId BoundsTree::best_sibling(const Bounds& bounds) const {
     return id;
 }
 
+void BoundsTree::set_bounds(Node& n, const Bounds& bounds) {
+    area += area_of(bounds) - area_of(n.bounds);
+    n.bounds = bounds;
+}
+
 void BoundsTree::merge_children(NodeId id) {
     Node& n = at(id);
     const Node &a = at(n.child[0]), &b = at(n.child[1]);
-    n.bounds = merge(a.bounds, b.bounds);
+    set_bounds(n, merge(a.bounds, b.bounds));
     n.fresh = a.fresh || b.fresh;
+}
+
+void BoundsTree::move(NodeId leaf, const Bounds& bounds) {
+    set_leaf(leaf, bounds);
+    for (NodeId id = at(leaf).parent; id != none; id = at(id).parent) {
+        Node& n = at(id);
+        const Bounds merged = merge(at(n.child[0]).bounds, at(n.child[1]).bounds);
+        const bool is_same = merged == n.bounds;
+        if (is_same && n.fresh) return;
+        if (!is_same) set_bounds(n, merged);
+        n.fresh = true;
+    }
 }
 
 void BoundsTree::refit_up(NodeId id) {
@@ -174,9 +196,12 @@ int widest_axis(const BoundsTree::Leaf* begin, const BoundsTree::Leaf* end) {
 void BoundsTree::merge_all() {
     area = 0;
     for (std::size_t i = nodes.size(); i-- > 0;) {
-        if (nodes[i].is_leaf()) continue;
-        merge_children(static_cast<NodeId>(i));
-        area += half_area(nodes[i].bounds) >> 18;
+        Node& n = nodes[i];
+        if (n.is_leaf()) continue;
+        const Node &a = at(n.child[0]), &b = at(n.child[1]);
+        n.bounds = merge(a.bounds, b.bounds);
+        n.fresh = a.fresh || b.fresh;
+        area += area_of(n.bounds);
     }
 }
 

@@ -89,12 +89,15 @@ template <class L> class MovedBodies {
     }
 
     static std::uint32_t integrate_poses(const Pass& pass, std::uint32_t* left) {
-        // Velocity with 27 fraction bits times time with 30: at most 15 m in a tick, so 2^61.
-        constexpr int drop = solve::accumulator_bits - 27;
+        // Velocity with 27 fraction bits, moved up to where nothing is negative, in two parts of 30 bits and of 8; each times
+        // time with 30.
+        constexpr int drop = solve::accumulator_bits - 27, up = 57;
         constexpr std::int64_t top = INT32_MAX, bottom = INT32_MIN;
         const Limits limits = limits_of(pass);
         const V time = L::splat(pass.substep_time), half = L::splat(std::int64_t{1} << 29),
-                most = L::splat(top), least = L::splat(bottom);
+                most = L::splat(top), least = L::splat(bottom), raised = L::splat(std::int64_t{1} << up),
+                low_part = L::splat((std::int64_t{1} << 30) - 1),
+                back = L::splat(pass.substep_time * (1 << (up - drop - 30)));
         std::uint32_t count = 0;
         for (std::uint32_t i = pass.first; i < pass.last; ++i) {
             const Row row = load(velocities(pass, i));
@@ -105,9 +108,10 @@ template <class L> class MovedBodies {
             std::int32_t* const to = moves(pass, i);
             V moved[windows];
             for (unsigned k = 0; k < windows; ++k) {
-                const V way = L::template shift_right_signed<30>(
-                    L::add(L::mul64(L::template shift_right_signed<drop>(row.at[k]), time), half));
-                moved[k] = L::add(L::load32(to + place(k)), way);
+                const V v = L::template shift_right<drop>(L::add(row.at[k], raised));
+                const V whole = L::mul(L::template shift_right<30>(v), time),
+                        rest = L::template shift_right<30>(L::add(L::mul(L::both(v, low_part), time), half));
+                moved[k] = L::add(L::sub(L::load32(to + place(k)), back), L::add(whole, rest));
                 moved[k] = L::select(L::greater64(moved[k], most), most, moved[k]);
                 moved[k] = L::select(L::greater64(least, moved[k]), least, moved[k]);
             }

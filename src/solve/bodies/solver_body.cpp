@@ -64,18 +64,6 @@ static GyrationForm form_of(const BodyMass& mass) {
     return form;
 }
 
-static void find_forms(const BodyColumns& c, SolverBodies& out) {
-    out.forms.clear();
-    base::make_room(out.form_of, c.all_traits.size());
-    out.form_of.assign(c.all_traits.size(), 0);
-    for (const BodyInfo& info : c.info) {
-        std::uint32_t& form = out.form_of[info.traits];
-        if (form != 0) continue;
-        out.forms.push_back(form_of(c.all_traits[info.traits].mass));
-        form = static_cast<std::uint32_t>(out.forms.size());
-    }
-}
-
 static bool is_round(const BodyStep& s) { return s.radii.x == s.radii.y && s.radii.y == s.radii.z; }
 
 bool clamp_long(std::int64_t v[3], Speed limit) {
@@ -188,10 +176,17 @@ static std::uint8_t plain_end_of(const BodyTraits& traits, const BodyStep& s) {
     return plain_end | (traits.gyroscopic == 0 || is_round(s) ? plain_round : 0);
 }
 
-/// All but K and what follows from it. Returns PlainMotion.
+/// What moves, of the velocity; v within its bounds.
+static void begin_moving(const Velocity& velocity, LengthLimit limit, SolverBody& b, ClampCounts& clamps) {
+    for (int i = 0; i < 3; ++i) b.v[i] = (std::int64_t{velocity.linear[i].raw} << row_bits) & b.keep[i];
+    // Commands may leave any velocity; rows have room for these.
+    clamps.speed += clamp_length(b.v, limit) ? 1u : 0u;
+}
+
+/// All but K and what follows from it, and v. Returns PlainMotion.
 static std::uint8_t begin_body(const BodyInfo& info, const BodyTraits& traits, const BodyForce& force,
-                               const Velocity& velocity, const GyrationForm& form, const Fall& fall,
-                               const StepConstants& step, SolverBody& b, BodyStep& s, ClampCounts& clamps) {
+                               const GyrationForm& form, const Fall& fall, const StepConstants& step,
+                               std::int64_t (&keep)[3], BodyStep& s) {
     const BodyMass& mass = traits.mass;
     s.movable = info.kind == BodyKind::dynamic && mass.mass > Real{};
     s.moves = info.kind != BodyKind::static_;
@@ -199,13 +194,9 @@ static std::uint8_t begin_body(const BodyInfo& info, const BodyTraits& traits, c
     if (s.movable) s.mass = mass.mass;
     s.linear_mask = s.movable ? ~traits.locks & 7u : 7u;
     s.angular_mask = s.movable ? ~(traits.locks >> 3) & 7u : 7u;
-    for (int i = 0; i < 3; ++i) b.keep[i] = (s.linear_mask >> i) & 1u ? -1 : 0;
+    for (int i = 0; i < 3; ++i) keep[i] = (s.linear_mask >> i) & 1u ? -1 : 0;
     if (!s.moves) return 0;
     s.radii = mass.gyration, s.radii_inv = form.radii_inv;
-    for (int i = 0; i < 3; ++i)
-        if (((s.linear_mask >> i) & 1u) != 0) b.v[i] = std::int64_t{velocity.linear[i].raw} << row_bits;
-    // Commands may leave any velocity; rows have room for these.
-    clamps.speed += clamp_length(b.v, step.linear_speed_max) ? 1u : 0u;
     s.linear_keep = s.angular_keep = unit_one;
     if (!s.movable) return plain_pose;
     s.linear_keep = kept(traits.linear_damping, step);
@@ -236,31 +227,105 @@ void set_radii(const BodyColumns& c, std::uint32_t row, Vec3 radii, const StepCo
     bodies.plain[row] = (end & plain_round) != 0 ? motion | end : motion;
 }
 
-/// K and u of bodies [first, last), whose other entries are there.
-static void begin_turns(const BodyColumns& c, const StepConstants& step, SolverBodies& out,
-                        std::uint32_t first, std::uint32_t last, ClampCounts& clamps) {
-    std::uint32_t rows[body_chunk], left[body_chunk], in_lanes = 0, alone = 0;
-    for (std::uint32_t i = first; i < last; ++i) {
-        if (!out.step[i].moves) continue;
-        const GyrationForm& form = out.forms[out.form_of[c.info[i].traits] - 1];
-        const bool fits = out.kernel != nullptr && form.has_room && !form.is_round;
-        if (fits && turns_about_all_axes(out.step[i]))
-            rows[in_lanes++] = i;
-        else
-            left[alone++] = i;
+/// Of dynamic bodies with these traits that no force pushes.
+static BodyStart start_of(const BodyTraits& traits, const GyrationForm& form, const Fall& fall,
+                          const StepConstants& step) {
+    BodyStart start{};
+    BodyInfo info{};
+    info.kind = BodyKind::dynamic;
+    start.plain = begin_body(info, traits, BodyForce{}, form, fall, step, start.keep, start.step);
+    start.has_gyration = form.is_round && start.step.angular_mask == 7u;
+    if (start.has_gyration) set_gyration(start.step, Quat::identity(), Quat::identity());
+    return start;
+}
+
+static void find_forms(const BodyColumns& c, const Fall& fall, const StepConstants& step, SolverBodies& out) {
+    out.forms.clear(), out.starts.clear();
+    base::make_room(out.form_of, c.all_traits.size());
+    out.form_of.assign(c.all_traits.size(), 0);
+    for (const BodyInfo& info : c.info) {
+        std::uint32_t& number = out.form_of[info.traits];
+        if (number != 0) continue;
+        const BodyTraits& traits = c.all_traits[info.traits];
+        GyrationForm& form = out.forms.emplace_back(form_of(traits.mass));
+        number = static_cast<std::uint32_t>(out.forms.size());
+        if (info.kind != BodyKind::dynamic || out.starts.size() == starts_max) continue;
+        out.starts.push_back(start_of(traits, form, fall, step));
+        form.start = static_cast<std::uint32_t>(out.starts.size());
     }
-    if (in_lanes != 0) {
-        const LengthLimit tip(step.tip_speed_max);
+}
+
+/// Bodies of a piece of work whose K and u are still to be found.
+struct Unturned {
+    std::uint32_t in_lanes[body_chunk], alone[body_chunk], lane_count = 0, alone_count = 0;
+};
+
+/// K and u of bodies whose other entries are there.
+static void begin_turns(const BodyColumns& c, const StepConstants& step, LengthLimit tip, SolverBodies& out,
+                        Unturned& rows, ClampCounts& clamps) {
+    if (rows.lane_count != 0) {
         const StartPass pass{out.body.data(),    out.step.data(),
                              c.info.data(),      out.forms.data(),
                              out.form_of.data(), c.pose.data(),
                              c.velocity.data(),  (std::int64_t{1} << (tip.k - row_bits)) - 1};
-        alone += out.kernel->begin_turning(pass, rows, in_lanes, left + alone);
+        rows.alone_count +=
+            out.kernel->begin_turning(pass, rows.in_lanes, rows.lane_count, rows.alone + rows.alone_count);
     }
-    for (std::uint32_t k = 0; k < alone; ++k) {
-        const std::uint32_t i = left[k];
+    for (std::uint32_t k = 0; k < rows.alone_count; ++k) {
+        const std::uint32_t i = rows.alone[k];
         begin_turning(c.mass[i].principal, c.pose[i], c.velocity[i], step, out.body[i], out.step[i], clamps);
     }
+}
+
+/// u of a body alike about all axes, and that turns about all: K is a multiple of the unit matrix.
+static void begin_round_turning(SpeedVec3 w, LengthLimit tip, const BodyStep& s, SolverBody& b,
+                                ClampCounts& clamps) {
+    constexpr int drop = Real::fraction_bits;
+    const std::int64_t k = s.gyration.xx.raw, half = std::int64_t{1} << (drop - 1);
+    if (s.gyration_bits <= 31) { // products below 2^62
+        for (int i = 0; i < 3; ++i) b.u[i] = ((k * w[i].raw + half) >> drop) * (std::int64_t{1} << row_bits);
+    } else {
+        const SpeedVec3 u = by_gyration<Speed>(s, w);
+        for (int i = 0; i < 3; ++i) b.u[i] = std::int64_t{u[i].raw} << row_bits;
+    }
+    clamps.speed += clamp_length(b.u, tip) ? 1u : 0u;
+}
+
+/// Bodies [first, last).
+static void begin_some(const BodyColumns& c, const Fall& fall, const StepConstants& step, SolverBodies& out,
+                       std::uint32_t first, std::uint32_t last, ClampCounts& clamps) {
+    const LengthLimit linear(step.linear_speed_max), tip(step.tip_speed_max);
+    Unturned unturned;
+    for (std::uint32_t i = first; i < last; ++i) {
+        const BodyInfo& info = c.info[i];
+        const GyrationForm& form = out.forms[out.form_of[info.traits] - 1];
+        SolverBody& b = out.body[i];
+        BodyStep& s = out.step[i];
+        if (form.start != 0 && info.kind == BodyKind::dynamic && c.pushes[i] == 0) {
+            const BodyStart& start = out.starts[form.start - 1];
+            s = start.step, out.plain[i] = start.plain;
+            s.jointed = info.first_joint != 0;
+            for (int k = 0; k < 3; ++k) b.u[k] = b.shift[k] = b.theta[k] = 0, b.keep[k] = start.keep[k];
+            begin_moving(c.velocity[i], linear, b, clamps);
+            if (start.has_gyration) {
+                begin_round_turning(c.velocity[i].angular, tip, s, b, clamps);
+                continue;
+            }
+        } else {
+            b = {}, s = {};
+            out.plain[i] = begin_body(info, c.traits(i), c.force[i], form, fall, step, b.keep, s);
+            if (!s.moves) continue;
+            begin_moving(c.velocity[i], linear, b, clamps);
+        }
+        const bool fits = out.kernel != nullptr && form.has_room && !form.is_round;
+        if (fits && turns_about_all_axes(s))
+            unturned.in_lanes[unturned.lane_count++] = i;
+        else
+            unturned.alone[unturned.alone_count++] = i;
+    }
+    begin_turns(c, step, tip, out, unturned, clamps);
+    for (std::uint32_t i = first; i < last; ++i)
+        if (c.pushes[i] != 0 && out.step[i].movable) begin_torque(c.mass[i], c.force[i], step, out.step[i]);
 }
 
 void begin_step(const BodyColumns& c, Vec3 gravity, const StepConstants& step, SolverBodies& out,
@@ -271,22 +336,13 @@ void begin_step(const BodyColumns& c, Vec3 gravity, const StepConstants& step, S
     out.plain.resize(count);
     out.turns.clear();
     out.clamps = {};
-    find_forms(c, out);
     Fall fall{gravity, {}};
     per_substep(gravity, step, fall.dv);
     std::copy_n(fall.dv, 3, out.fall);
+    find_forms(c, fall, step, out);
     base::for_chunks(tasks, count, body_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
         ClampCounts clamps;
-        for (std::uint32_t i = first; i < last; ++i) {
-            out.body[i] = {};
-            out.step[i] = {};
-            out.plain[i] = begin_body(c.info[i], c.traits(i), c.force[i], c.velocity[i],
-                                      out.forms[out.form_of[c.info[i].traits] - 1], fall, step, out.body[i],
-                                      out.step[i], clamps);
-        }
-        begin_turns(c, step, out, first, last, clamps);
-        for (std::uint32_t i = first; i < last; ++i)
-            if (out.step[i].movable) begin_torque(c.mass[i], c.force[i], step, out.step[i]);
+        begin_some(c, fall, step, out, first, last, clamps);
         base::add_count(out.clamps.speed, clamps.speed);
     });
     // The still entry keeps no motion along any axis.

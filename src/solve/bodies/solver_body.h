@@ -76,8 +76,19 @@ struct alignas(16) GyrationForm {
     SpinForm spin;
     Vec3 radii_inv; ///< [1/m]; zero where the radius is
     bool is_round;
-    bool has_room; ///< for products of 32 bits
+    bool has_room;       ///< for products of 32 bits
+    std::uint32_t start; ///< entry of SolverBodies::starts + 1, 0: none
 };
+
+/// What bodies of the same traits are alike in when a tick begins: of a dynamic body that no force pushes.
+struct BodyStart {
+    BodyStep step; ///< with K where it does not depend on how the body is turned
+    std::int64_t keep[3];
+    std::uint8_t plain; ///< PlainMotion
+    bool has_gyration;  ///< K is there, and the body turns about all axes
+};
+/// Of so many traits at most: they are made anew each tick. Bodies of others begin one by one.
+inline constexpr std::size_t starts_max = 64;
 
 /// A 3x3 matrix, m / 2^bits by row and column, its largest entry in [2^29, 2^30].
 struct TurnMatrix {
@@ -139,13 +150,14 @@ struct SolverBodies {
     std::vector<std::uint8_t> plain;    ///< PlainMotion, by body
     std::vector<GyrationForm> forms;    ///< of the traits that bodies have
     std::vector<std::uint32_t> form_of; ///< by row of traits: entry of forms + 1, 0: no body has them
+    std::vector<BodyStart> starts;      ///< of the first of these forms
     std::int64_t fall[3];               ///< dv of what gravity alone moves
     ClampCounts clamps;
     const BodyKernel* kernel = nullptr; ///< null: all bodies are moved one by one, to the same bits
 
     void reserve(std::size_t bodies) {
         body.reserve(bodies + 1), step.reserve(bodies + 1), turns.reserve(bodies), plain.reserve(bodies);
-        forms.reserve(bodies), form_of.reserve(bodies);
+        forms.reserve(bodies), form_of.reserve(bodies), starts.reserve(starts_max);
     }
     std::uint32_t still() const { return static_cast<std::uint32_t>(body.size() - 1); }
 };

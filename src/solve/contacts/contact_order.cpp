@@ -116,6 +116,11 @@ void ContactOrder::find_stages(std::span<const Contact> contacts, const SolverBo
 void ContactOrder::find(std::span<const Contact> contacts, const SolverBodies& bodies) {
     if (down.capacity() < contacts.size() + 2 || levels.capacity() < bodies.body.size() + 2)
         reserve(base::room_for(contacts.size()), base::room_for(bodies.body.size()));
+    if (contacts.empty()) { // no stages
+        levels.assign(bodies.body.size(), no_level);
+        begin.assign(1, 0);
+        return;
+    }
     find_levels(contacts, bodies);
     sort_down(contacts);
     find_stages(contacts, bodies);

@@ -143,6 +143,7 @@ void ContactSolver::prepare(std::span<const Contact> contacts, std::span<const C
     s.order.find(contacts, bodies);
     s.place_packs(contacts);
     s.started = false;
+    if (s.pack_count == 0) return;
     s.warm.assign(bodies.body.size(), {});
     s.arrival.resize(bodies.body.size());
     const PrepareInput in{contacts, memory, mass, step, bodies};
@@ -239,8 +240,9 @@ void ContactSolver::Inside::next_warm_start(SolverBodies& bodies) const {
 }
 
 void ContactSolver::warm_start(SolverBodies& bodies, Tasks* tasks) {
-    note_u(bodies);
     Inside& s = *inside;
+    if (s.pack_count == 0) return;
+    note_u(bodies);
     if (s.started)
         s.next_warm_start(bodies);
     else
@@ -255,8 +257,9 @@ void ContactSolver::warm_start(SolverBodies& bodies, Tasks* tasks) {
 }
 
 void ContactSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bias, Tasks* tasks) {
-    note_u(bodies);
     Inside& s = *inside;
+    if (s.pack_count == 0) return;
+    note_u(bodies);
     if (!s.rolling.empty())
         s.with_lanes(
             [&](auto width) { solve_rolling<width()>(s.rolling, s.packs<width()>(), bodies, false); });

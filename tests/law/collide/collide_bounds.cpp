@@ -48,6 +48,12 @@ TEST_CASE("bounds are rounded outward by at most two steps, and a wrong one is r
             return check_bounds(b, g, pose, to_double(margin), shift);
         };
         REQUIRE(verdict(good) == "");
+        if (g.kind == ShapeKind::sphere) {
+            CHECK(bounds_of_ball(g, pose.position, margin, shift) == good);
+            Geometry larger = g; // planted
+            larger.radius += decimal<Length>("0.01");
+            CHECK(bounds_of_ball(larger, pose.position, margin, shift) != good);
+        }
         Bounds bad = good; // planted
         bad.upper.x = Bound::from_raw(bad.upper.x.raw - 3);
         CHECK(verdict(bad) != "");

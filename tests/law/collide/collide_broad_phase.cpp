@@ -58,10 +58,14 @@ struct Crowd {
     }
     void set(BroadPhase& phase, std::uint32_t i) const {
         const Member& m = members[i];
-        if (m.present)
-            phase.set(i, m.bounds, m.is_static);
-        else
+        const auto way = [](double v) { return oracle::quantize<Bound>(v); };
+        const bool is_known = i % 2 == 0; // where it goes
+        if (!m.present)
             phase.remove(i);
+        else if (is_known)
+            phase.set(i, m.bounds, m.is_static, {way(m.velocity.x), way(m.velocity.y), way(m.velocity.z)});
+        else if (m.is_static || !phase.move_within(i, m.bounds))
+            phase.set(i, m.bounds, m.is_static);
     }
     std::vector<ProxyPair> brute_force() const {
         std::vector<ProxyPair> out;

@@ -1,4 +1,4 @@
-// Bodies begin and end a tick alike in lanes and one by one.
+// Bodies begin and end a tick alike in lanes and one by one, and alike whether they share what their traits say or not.
 #include "lockstone/math/random.h"
 #include "support/rigs/joint_rig.h"
 
@@ -115,7 +115,46 @@ int differences(std::uint64_t seed, const BodyKernel* kernel, bool stiff_as_trai
     return different + (a.speed == b.speed && a.position == b.position ? 0 : 1);
 }
 
+bool begins_alike(const Rig& a, const Rig& b, std::size_t i) {
+    const BodyStep &x = a.bodies.step[i], &y = b.bodies.step[i];
+    const SolverBody &p = a.bodies.body[i], &q = b.bodies.body[i];
+    const auto rest = [](const BodyStep& s) {
+        return std::tuple(s.linear_mask, s.angular_mask, s.mass, s.movable, s.moves, s.jointed, s.radii,
+                          s.linear_keep, s.angular_keep, s.acceleration, std::to_array(s.dv));
+    };
+    const auto numbers = [](const SolverBody& s) {
+        return std::tuple(std::to_array(s.v), std::to_array(s.u), std::to_array(s.shift),
+                          std::to_array(s.theta), std::to_array(s.keep));
+    };
+    return is_alike(x, y) && rest(x) == rest(y) && numbers(p) == numbers(q) &&
+           a.bodies.plain[i] == b.bodies.plain[i];
+}
+
 } // namespace
+
+TEST_CASE("bodies begin a tick alike where they share what their traits say and one by one") {
+    for (const bool faulty : {false, true}) {
+        Rig alone, shared;
+        const StepConstants step = alone.constants();
+        for (Rig* rig : {&alone, &shared}) {
+            add_bodies(*rig, 11);
+            for (std::uint32_t i = 0; i < rig->info.size(); ++i) rig->info[i].traits = i % 80;
+            for (std::uint32_t i = 0; i < 80; i += 3) rig->traits[i].linear_damping = real(0.1 * i);
+            for (std::uint32_t i = 0; i < rig->info.size(); i += 5) rig->info[i].first_joint = 1;
+        }
+        // No force at all, and one that is zero; planted: one that is not.
+        shared.pushes.assign(shared.pushes.size(), 0);
+        if (faulty) alone.force[100].force = vec(1, 0, 0);
+        begin_step(alone.columns(), alone.gravity, step, alone.bodies);
+        begin_step(shared.columns(), shared.gravity, step, shared.bodies);
+        int different = 0;
+        for (std::size_t i = 0; i < alone.info.size(); ++i)
+            different += begins_alike(alone, shared, i) ? 0 : 1;
+        CHECK((different != 0) == faulty);
+        CHECK(alone.bodies.clamps.speed == shared.bodies.clamps.speed);
+        CHECK(shared.bodies.starts.size() == starts_max);
+    }
+}
 
 TEST_CASE("bodies begin and end a tick alike in lanes and alone") {
     for (const Simd level : {Simd::scalar, Simd::sse41, Simd::avx2, Simd::neon, Simd::wasm128}) {
