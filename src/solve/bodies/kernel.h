@@ -107,7 +107,7 @@ template <class L> class MovedBodies {
             for (unsigned k = 0; k < windows; ++k) {
                 const V way = L::template shift_right_signed<30>(
                     L::add(L::mul64(L::template shift_right_signed<drop>(row.at[k]), time), half));
-                moved[k] = L::add(L::load32(to + place(k)), way);
+                moved[k] = L::add(load_extended<L>(to + place(k)), way);
                 moved[k] = L::select(L::greater64(moved[k], most), most, moved[k]);
                 moved[k] = L::select(L::greater64(least, moved[k]), least, moved[k]);
             }

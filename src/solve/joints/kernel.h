@@ -43,6 +43,7 @@ template <class L> class PackedJoints {
         return L::select(L::greater64(least, x), least, x);
     }
     static V shift_arithmetic(V x, int by) { return L::shift_right_by(x, L::splat(by)); }
+    static void add_to(std::int64_t* sum, V x) { L::store64(sum, L::add(L::load64(sum), x)); }
 
     // ---- bodies --------------------------------------------------------------------------------------------------
 
@@ -63,7 +64,7 @@ template <class L> class PackedJoints {
         for (unsigned i = 0; i < N; ++i) body[i] = body_at(data, side.place[lane + i]);
         V raw[6];
         L::gather_motion(body, raw);
-        for (int i = 0; i < 6; ++i) out[i] = {raw[i]};
+        for (int i = 0; i < 6; ++i) out[i] = Gap::of(raw[i]);
     }
     /// Bodies that nothing moves are shared by packs; their share is zero, so they are written as they were.
     [[gnu::always_inline]] static void scatter(const Side& side, unsigned lane, const Data& data,
@@ -101,12 +102,12 @@ template <class L> class PackedJoints {
     /// After changes of impulses of these sizes, or-ed.
     static void keep_small(Motion& m, Speed sizes) {
         const Mask large = sizes > Speed::splat(solve::small_impulse - 1);
-        if (large.any()) clamp_motion(m, large.raw);
+        if (large.any()) clamp_motion(m, large.whole());
     }
     /// The same of one side: each component is clamped by itself.
     static void keep_small(Velocity (&v)[6], Speed sizes) {
         const Mask large = sizes > Speed::splat(solve::small_impulse - 1);
-        if (large.any()) clamp_motion(v, large.raw);
+        if (large.any()) clamp_motion(v, large.whole());
     }
     static Speed or_size(Speed sizes, Speed p) { return {L::either(sizes.raw, max(p, -p).raw)}; }
 
@@ -158,13 +159,13 @@ template <class L> class PackedJoints {
         for (int r = 0; r < Rows; ++r) {
             V sum = L::splat(0); // 30 bits times 31, three times
             for (int s = 0; s < Rows; ++s)
-                sum = L::add(sum, L::mul(L::load32(&inverse.m[lower[r][s]][lane]), speed[s].raw));
+                sum = L::add(sum, L::mul(load_low<L>(&inverse.m[lower[r][s]][lane]), speed[s].raw));
             if (odd)
                 sum = shift_oddly(sum, inverse, lane);
             else
                 sum = L::shift_right_by(L::add(sum, L::load64(&inverse.half[lane])),
                                         L::load64(&inverse.shift[lane]));
-            Speed wanted{between(sum, least, most)};
+            Speed wanted = Speed::of(between(sum, least, most));
             const Speed old = Speed::load(&impulse[r][lane]);
             if (bias)
                 wanted = rounded<speed_bits>(wanted * Unit::splat(data.mass_scale)) +
@@ -256,9 +257,9 @@ template <class L> class PackedJoints {
                                                      const Lanes<std::int64_t>& shift, V (&out)[3]) {
         const V by = L::load64(&shift[lane]);
         for (int i = 0; i < 3; ++i) {
-            V sum = L::mul(L::load32(&side.inverse[inverse_at[i][0]][lane]), x[0].raw);
+            V sum = L::mul(load_low<L>(&side.inverse[inverse_at[i][0]][lane]), x[0].raw);
             for (int k = 1; k < 3; ++k)
-                sum = L::add(sum, L::mul(L::load32(&side.inverse[inverse_at[i][k]][lane]), x[k].raw));
+                sum = L::add(sum, L::mul(load_low<L>(&side.inverse[inverse_at[i][k]][lane]), x[k].raw));
             out[i] = L::shift_right_by(sum, by);
         }
     }
@@ -322,7 +323,7 @@ template <class L> class PackedJoints {
     static void place(const Side& side, unsigned lane, const auto& by, Lever (&r)[3]) {
         V now[3];
         turn(by, side.lever, lane, now);
-        for (int i = 0; i < 3; ++i) r[i] = {now[i]};
+        for (int i = 0; i < 3; ++i) r[i] = Lever::of(now[i]);
     }
     /// w x (w x r), with w clamped to 2048 rad/s and the inner product to 2048 m/s: beyond that the arc says nothing useful. As Speed.
     [[gnu::always_inline]] static void curve(const Side& side, unsigned lane, const Velocity (&motion)[6],
@@ -332,11 +333,11 @@ template <class L> class PackedJoints {
         for (int i = 0; i < 3; ++i) u[i] = rounded<speed_bits>(motion[3 + i]);
         V spin[3];
         over_gyration(side, lane, u, side.spin_shift, spin);
-        for (int i = 0; i < 3; ++i) w[i] = {between(spin[i], least, most)};
+        for (int i = 0; i < 3; ++i) w[i] = Speed::of(between(spin[i], least, most));
         const V bits = L::load64(&side.lever_bits[lane]);
         for (int i = 0; i < 3; ++i) {
             const int j = (i + 1) % 3, k = (i + 2) % 3;
-            v[i] = {between(L::shift_right_by((w[j] * r[k] - w[k] * r[j]).raw, bits), least, most)};
+            v[i] = Speed::of(between(L::shift_right_by((w[j] * r[k] - w[k] * r[j]).raw, bits), least, most));
         }
         for (int i = 0; i < 3; ++i) {
             const int j = (i + 1) % 3, k = (i + 2) % 3;
@@ -349,7 +350,7 @@ template <class L> class PackedJoints {
                                                bool negative) {
         V m[6], at[3];
         for (int i = 0; i < 6; ++i) m[i] = L::load32(&side.inverse[i][lane]);
-        for (int i = 0; i < 3; ++i) at[i] = negative ? (-r[i]).raw : r[i].raw;
+        for (int i = 0; i < 3; ++i) at[i] = (negative ? -r[i] : r[i]).lanes();
         const V shift = L::load64(&side.arm_shift[lane]), half = L::load64(&side.arm_half[lane]);
         const V two = L::splat(std::int64_t{2} << row_bits);
         V any = L::splat(0);
@@ -371,7 +372,7 @@ template <class L> class PackedJoints {
         const V rate = L::splat(data.rate), far = L::splat(std::int64_t{1} << 35),
                 most = L::splat(0x7fffffff);
         const V nothing = L::splat(0), half = L::splat(std::int64_t{1} << (shift - 1));
-        const V push = L::load32(&c.push_max[lane]), wide_push = L::template shift_left<shift>(push);
+        const V push = load_extended<L>(&c.push_max[lane]), wide_push = L::template shift_left<shift>(push);
         const V near =
             between(L::shift_right_by(error, L::load64(&c.near_shift[lane])), L::sub(nothing, far), far);
         // 2^35 times 2^27, in two halves
@@ -412,12 +413,12 @@ template <class L> class PackedJoints {
         curve(c.a, lane, motion_a, a, arc_a), curve(c.b, lane, motion_b, b, arc_b);
         // Lengths with 32 fraction bits: their sign up to where it belongs, and all down.
         const V bits_a = L::load64(&c.a.lever_bits[lane]), bits_b = L::load64(&c.b.lever_bits[lane]);
-        const auto wide = [](V x) { return L::template shift_left<32>(x); };
+        const auto wide = [](auto x) { return L::template shift_left<32>(x.lanes()); };
         for (int r = 0; r < 3; ++r) {
-            const V shift = L::sub(shift_arithmetic(wide(moved_b[r].raw), gap_bits),
-                                   shift_arithmetic(wide(moved_a[r].raw), gap_bits));
+            const V shift = L::sub(shift_arithmetic(wide(moved_b[r]), gap_bits),
+                                   shift_arithmetic(wide(moved_a[r]), gap_bits));
             const V lever =
-                L::sub(L::shift_right_by(wide(b[r].raw), bits_b), L::shift_right_by(wide(a[r].raw), bits_a));
+                L::sub(L::shift_right_by(wide(b[r]), bits_b), L::shift_right_by(wide(a[r]), bits_a));
             const V error = L::add(L::load64(&c.apart[r][lane]), L::add(shift, lever));
             set_bias(c, lane, data, r, error, L::sub(arc_b[r], arc_a[r]));
         }
@@ -438,9 +439,7 @@ template <class L> class PackedJoints {
         }
     }
     /// Lanes whose rows are made elsewhere stay as they are.
-    static void keep(std::int32_t* to, V x, V generic) {
-        L::store32(to, L::select(generic, L::load32(to), x));
-    }
+    static void keep(std::int32_t* to, V x, V kept) { L::store32(to, L::select(kept, L::load32(to), x)); }
 
     /// K^-1 axis as a row of one side.
     template <int Sign>
@@ -479,7 +478,7 @@ template <class L> class PackedJoints {
                            near));
         for (unsigned i = 0; i < N; ++i)
             t.apart[lane + i] = (far_apart >> i) & 1u, t.reaches[lane + i] = (reaches >> i) & 1u;
-        const V shift = L::load64(&t.bias_shift[lane]), push = L::load32(&t.push_max[lane]);
+        const V shift = L::load64(&t.bias_shift[lane]), push = load_extended<L>(&t.push_max[lane]);
         const V half = L::shift_left_by(L::splat(1), L::sub(shift, L::splat(1)));
         for (int r = 0; r < 2; ++r) {
             for (int i = 0; i < 3; ++i) L::store32(&t.axis[r][i][lane], axis[r][i]);
@@ -494,7 +493,7 @@ template <class L> class PackedJoints {
 
     template <int Rows>
     static void add_to_sums(Lanes<std::int64_t> (&sum)[3], unsigned lane, const Speed (&p)[3]) {
-        for (int r = 0; r < Rows; ++r) L::store64(&sum[r][lane], L::add(L::load64(&sum[r][lane]), p[r].raw));
+        for (int r = 0; r < Rows; ++r) add_to(&sum[r][lane], signed_lanes<L>(p[r].raw));
     }
     /// The impulses of a pack, on one of its sides.
     template <int Sign, int Rows>

@@ -7,6 +7,7 @@
 #pragma once
 
 #include "solve/joints/joint_pack.h"
+#include "solve/lanes/lane_fixed.h"
 
 #include <bit>
 #include <cstddef>
@@ -88,7 +89,7 @@ template <class L> class JointStarts {
         L::quads(front, k), L::quads(back, k + 4);
         for (int i = 0; i < 6; ++i) L::store32(&side.inverse[i][lane], k[i]);
         // A side that does not move has zeros only.
-        const V spin = L::mul(k[6], L::splat(1)), moves = L::greater64(spin, L::splat(0));
+        const V spin = extended<L>(k[6]), moves = L::greater64(spin, L::splat(0));
         L::store64(&side.spin_shift[lane], spin);
         L::store64(&side.turn_shift[lane],
                    L::both(L::add(spin, L::splat(gap_bits - solve::pack_angle_bits)), moves));
