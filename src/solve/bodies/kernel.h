@@ -111,7 +111,7 @@ template <class L> class MovedBodies {
                 const V v = L::template shift_right<drop>(L::add(row.at[k], raised));
                 const V whole = L::mul(L::template shift_right<30>(v), time),
                         rest = L::template shift_right<30>(L::add(L::mul(L::both(v, low_part), time), half));
-                moved[k] = L::add(L::sub(L::load32(to + place(k)), back), L::add(whole, rest));
+                moved[k] = L::add(L::sub(load_extended<L>(to + place(k)), back), L::add(whole, rest));
                 moved[k] = L::select(L::greater64(moved[k], most), most, moved[k]);
                 moved[k] = L::select(L::greater64(least, moved[k]), least, moved[k]);
             }

@@ -6,6 +6,7 @@
 
 #include "math/elementary.h"
 #include "solve/bodies/solver_body.h"
+#include "solve/lanes/lane_fixed.h"
 
 #include <bit>
 #include <cstdint>
@@ -24,7 +25,7 @@ template <class L> class TurnedBodies {
     static V half_of(int bits) { return L::splat(std::int64_t{1} << (bits - 1)); }
     static V negated(V x) { return L::sub(L::splat(0), x); }
     static V magnitude(V x) { return L::select(L::greater64(L::splat(0), x), negated(x), x); }
-    static V wide(V x) { return L::mul(x, L::splat(1)); }
+    static V wide(V x) { return extended<L>(x); }
     static V not_within(V x, std::int64_t below) { // |x| >= below
         return L::greater64(magnitude(x), L::splat(below - 1));
     }

@@ -150,7 +150,7 @@ template <class L> class Kernel {
         L::gather_motion(b, raw + 6);
         constexpr int sum_bits = gap_bits + row_bits;
         LaneSum<L, sum_bits> level{L::splat(0)};
-        const auto at = [&](int i) { return Gap{raw[i]}; };
+        const auto at = [&](int i) { return Gap::of(raw[i]); };
         for (int i = 0; i < 3; ++i) {
             const Row n = Row::load(c.d[0][i]);
             level = level + (n * at(6 + i) - n * at(i)) + Row::load(c.normal_a[0][i]) * at(3 + i) +
@@ -228,7 +228,7 @@ template <class L> class Kernel {
             const Speed speed = at_point(point, n.speed);
             // A point that bounces is stopped at the surface within one substep: stopped over two, it would bounce with half its speed.
             if (!s.soft && c.bounce != none)
-                n.bias[k] = select(~overlaps & Mask{L::load32(c.bounces)}, max(n.bias[k], -speed), n.bias[k]);
+                n.bias[k] = select(~overlaps & Mask::load(c.bounces), max(n.bias[k], -speed), n.bias[k]);
             n.error[k] = speed + n.bias[k];
             const Mask carries = n.old[k] > zero, closes = zero > n.error[k];
             const Mask member = Fit::load(point.fit[0]) > Fit::splat(0);
@@ -348,7 +348,7 @@ template <class L> class Kernel {
         Speed q[3];
         moments(c, n.old, q);
         solve_block(c, s, q, n);
-        const Mask several{L::load32(c.several)};
+        const Mask several = Mask::load(c.several);
         if ((~several).any()) n.now[0] = select(several, n.now[0], single(c, mass_scale, impulse_scale, n));
         n.leaves = n.leaves & several & ~n.idle;
         for (int k = 0; k < c.point_count; ++k) n.now[k] = n.now[k] & ~n.idle;

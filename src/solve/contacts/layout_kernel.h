@@ -100,7 +100,7 @@ template <class L> class LayoutKernel {
         if (line.any()) fit_line(pack, points, l, line, inverse, g);
         V any = L::splat(0);
         for (int k = 0; k < points; ++k) any = L::either(any, L::load32(pack.points[k].fit[1]));
-        g.tilts = Mask{L::either(L::greater64(any, L::splat(0)), L::greater64(L::splat(0), any))};
+        g.tilts = Mask::of(L::either(L::greater64(any, L::splat(0)), L::greater64(L::splat(0), any)));
     }
 
   private:
@@ -117,7 +117,7 @@ template <class L> class LayoutKernel {
             l.exists[k] = count > Count::splat(k);
             l.member[k] =
                 (most > Gap::load(in.separation[k])) | (Speed::load(in.impulse[k]) > Speed::splat(0));
-            members = L::sub(members, l.member[k].raw);
+            members = L::sub(members, l.member[k].whole());
         }
         l.several = count > Count::splat(1);
         L::store32(l.members, members);
@@ -140,7 +140,7 @@ template <class L> class LayoutKernel {
 
     /// Coordinates of the points along the tangents, from the centre of the body that moves; zero for single points.
     static void flatten(const Input& in, int points, const Layout& l, Sum<length_bits> (&x)[2][4]) {
-        const Mask of_b{L::load32(in.arms_of_b)};
+        const Mask of_b = Mask::load(in.arms_of_b);
         for (int r = 0; r < 2; ++r) {
             // The difference of two sums below 2^62, and itself below that.
             Sum<length_bits + unit_bits> centre = Sum<length_bits + unit_bits>::splat(0);
@@ -214,8 +214,8 @@ template <class L> class LayoutKernel {
         const V up = L::load64(up_by);
         Flat x[4], y[4];
         for (int k = 0; k < points; ++k) {
-            x[k] = {L::template shift_right<4>(L::shift_left_by(wide_x[0][k].raw, up))};
-            y[k] = {L::template shift_right<4>(L::shift_left_by(wide_x[1][k].raw, up))};
+            x[k] = Flat::of(L::template shift_right<4>(L::shift_left_by(wide_x[0][k].raw, up)));
+            y[k] = Flat::of(L::template shift_right<4>(L::shift_left_by(wide_x[1][k].raw, up)));
         }
         Sum<2 * flat_bits> farthest;
         Flat fx, fy;
@@ -231,7 +231,7 @@ template <class L> class LayoutKernel {
                                 : (std::int64_t{1} << 58) / denominator; // 31 fraction bits, in [2^28, 2^31]
             root[lane] = square[lane];
         }
-        const LaneFixed<L, 31> per_square{L::load64(inverse)};
+        const auto per_square = LaneFixed<L, 31>::of(L::load64(inverse));
         const Mask is_one = LaneFixed<L, 31>::splat(0) > per_square; // 2^31, as 32 bits see it
         for (int k = 0; k < points; ++k) {
             const auto arm = [&](Sum<2 * flat_bits> product) {
@@ -246,7 +246,7 @@ template <class L> class LayoutKernel {
         const auto back = [&](V v) { // beyond 128 m sizes are clamped
             return low(clamp(Sum<length_bits>{L::shift_right_by(L::mul(v, L::splat(16)), up)}, 0x7fffffff));
         };
-        const Length along_x = back(fx.raw), along_y = back(fy.raw);
+        const Length along_x = back(fx.lanes()), along_y = back(fy.lanes());
         l.size = back(L::load64(root));
         for (int i = 0; i < 3; ++i) {
             const Unit first = Unit::load(in.d[1][i]), second = Unit::load(in.d[2][i]);

@@ -86,13 +86,14 @@ template <class L> class PrepareKernel {
 
     /// K^-1 of the bodies of one side.
     struct Turner {
-        V m[6], turns[3], shift, half;
+        typename L::Low m[6], turns[3];
+        V shift, half;
     };
     static Turner turner_of(const std::int32_t (&inverse)[6][N], const std::int32_t (&turns)[3][N],
                             const std::int64_t (&shift)[N]) {
         Turner t;
-        for (int i = 0; i < 6; ++i) t.m[i] = L::load32(inverse[i]);
-        for (int i = 0; i < 3; ++i) t.turns[i] = L::load32(turns[i]);
+        for (int i = 0; i < 6; ++i) t.m[i] = load_low<L>(inverse[i]);
+        for (int i = 0; i < 3; ++i) t.turns[i] = load_low<L>(turns[i]);
         t.shift = L::load64(shift);
         t.half = L::shift_left_by(L::splat(1), L::sub(t.shift, L::splat(1)));
         return t;
@@ -100,7 +101,7 @@ template <class L> class PrepareKernel {
     /// K^-1 r as an angular row, each component within 4. Mantissas are below 2^30, so sums stay below 2^63.
     static void turn(const Turner& t, const Length (&r)[3], bool negative, std::int32_t (&out)[3][N]) {
         constexpr int at[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
-        V masked[3];
+        typename L::Low masked[3];
         for (int i = 0; i < 3; ++i) masked[i] = L::both(r[i].raw, t.turns[i]);
         for (int i = 0; i < 3; ++i) {
             const V sum = L::add(L::add(L::mul(t.m[at[i][0]], masked[0]), L::mul(t.m[at[i][1]], masked[1])),
@@ -127,7 +128,7 @@ template <class L> class PrepareKernel {
                                      const std::int64_t (&keep)[3][N]) {
         Sum<2 * row_bits> sum = Sum<2 * row_bits>::splat(0);
         for (int i = 0; i < 3; ++i)
-            sum = sum + (Row::load(x[i]) * Row::load(y[i]) & Mask{L::load64(keep[i])});
+            sum = sum + (Row::load(x[i]) * Row::load(y[i]) & Mask::of(L::load64(keep[i])));
         return sum;
     }
     /// Rows times the pair's inverse mass times rows, below 52: how their speeds answer to their impulses. The first `Lines`
@@ -138,7 +139,7 @@ template <class L> class PrepareKernel {
                         Response (&out)[6]) {
         const Unit alpha = Unit::load(c.share_a), beta = Unit::load(c.share_b);
         const auto narrow = [](Sum<2 * row_bits> q) { // towards minus infinity
-            return Response{L::template shift_right<2 * row_bits - response_bits>(q.raw)};
+            return Response::of(L::template shift_right<2 * row_bits - response_bits>(q.raw));
         };
         int at = 0;
         for (int r = 0; r < 3; ++r)
@@ -335,7 +336,7 @@ template <class L> class PrepareKernel {
         constexpr int sum_bits = row_bits + speed_bits;
         static_assert(sum_bits == accumulator_bits);
         const auto speed = [&](int i) {
-            return Speed{L::template shift_right<accumulator_bits - speed_bits>(raw[i])};
+            return Speed::of(L::template shift_right<accumulator_bits - speed_bits>(raw[i]));
         };
         Sum<speed_bits> level;
         Speed tilt[2];

@@ -12,6 +12,7 @@ namespace lockstone::solve {
 struct Avx512 {
     static constexpr unsigned lanes = 8;
     using V = __m512i;
+    using Low = V; ///< of 32-bit numbers
 
     static V splat(std::int64_t x) { return _mm512_set1_epi64(x); }
     static V load32(const std::int32_t* p) {

@@ -13,6 +13,7 @@ namespace lockstone::solve {
 struct Neon {
     static constexpr unsigned lanes = 2;
     using V = int64x2_t;
+    using Low = V; ///< of 32-bit numbers
 
     static V splat(std::int64_t x) { return vdupq_n_s64(x); }
     static V load32(const std::int32_t* p) { return vmovl_s32(vld1_s32(p)); }

@@ -11,6 +11,8 @@ namespace lockstone::solve {
 struct Scalar {
     static constexpr unsigned lanes = 1;
     using V = std::int64_t;
+    /// Of 32-bit numbers: lanes, too, but where an instruction set wants them side by side
+    using Low = V;
 
     static V splat(std::int64_t x) { return x; }
     static V load32(const std::int32_t* p) { return *p; }

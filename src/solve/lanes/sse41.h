@@ -9,6 +9,7 @@ namespace lockstone::solve {
 struct Sse41 {
     static constexpr unsigned lanes = 2;
     using V = __m128i;
+    using Low = V; ///< of 32-bit numbers
 
     static V splat(std::int64_t x) { return _mm_set1_epi64x(x); }
     static V load32(const std::int32_t* p) {

@@ -1,4 +1,8 @@
-// Two lanes by the 128-bit vectors of WebAssembly. See scalar.h for what each operation means.
+// Four lanes by pairs of the 128-bit vectors of WebAssembly. See scalar.h for what each operation means.
+//
+// Engines multiply 32-bit numbers that lie side by side: of two vectors, the low halves or the high halves. So they lie so here (`Low`), and
+// code that has them in lanes puts them side by side where it multiplies (`packed`). Shuffles are those of the compiler and no intrinsics: a
+// number that is spread and packed again costs nothing.
 #pragma once
 
 #include "lockstone/compiler.h"
@@ -11,86 +15,156 @@
 namespace lockstone::solve {
 
 struct Wasm128 {
-    static constexpr unsigned lanes = 2;
-    using V = v128_t;
+    static constexpr unsigned lanes = 4;
+    using Low = std::int32_t __attribute__((vector_size(16))); ///< side by side
+    using Two = std::int64_t __attribute__((vector_size(16))); ///< two lanes
+    struct V {
+        Two low, high; ///< lanes 0 and 1, lanes 2 and 3
+    };
 
-    static V splat(std::int64_t x) { return wasm_i64x2_splat(x); }
-    static V load32(const std::int32_t* p) { return wasm_i64x2_load32x2(p); }
-    static void store32(std::int32_t* p, V x) { wasm_v128_store64_lane(p, low_halves(x), 0); }
-    static V load64(const std::int64_t* p) { return wasm_v128_load(p); }
-    static void store64(std::int64_t* p, V x) { wasm_v128_store(p, x); }
+    static V splat(std::int64_t x) { return {Two{x, x}, Two{x, x}}; }
+    static Low splat_low(std::int32_t x) { return Low{x, x, x, x}; }
+    static V load32(const std::int32_t* p) { return spread(load_low(p)); }
+    static Low load_low(const std::int32_t* p) { return wasm_v128_load(p); }
+    static void store32(std::int32_t* p, Low x) { wasm_v128_store(p, x); }
+    static void store32(std::int32_t* p, V x) { store32(p, packed(x)); }
+    static V load64(const std::int64_t* p) { return {two_at(p), two_at(p + 2)}; }
+    static void store64(std::int64_t* p, V x) { wasm_v128_store(p, x.low), wasm_v128_store(p + 2, x.high); }
 
-    static V add(V a, V b) { return wasm_i64x2_add(a, b); }
-    static V sub(V a, V b) { return wasm_i64x2_sub(a, b); }
-    static V mul(V a, V b) { return wasm_i64x2_extmul_low_i32x4(low_halves(a), low_halves(b)); }
-    static V mul64(V a, V b) { return wasm_i64x2_mul(a, b); }
-    template <int S> static V shift_right(V x) { return wasm_u64x2_shr(x, S); }
-    template <int S> static V shift_right_signed(V x) { return wasm_i64x2_shr(x, S); }
-    template <int S> static V shift_left(V x) { return wasm_i64x2_shl(x, S); }
-    static V shift_left_by(V x, V by) { // of all lanes by one count: so one after the other
-        return wasm_i64x2_make(wasm_i64x2_extract_lane(wasm_i64x2_shl(x, count(by, 0)), 0),
-                               wasm_i64x2_extract_lane(wasm_i64x2_shl(x, count(by, 1)), 1));
+    /// The low halves of lanes, side by side; and numbers side by side in both halves of their lanes.
+    static Low packed(V x) {
+        return __builtin_shufflevector(reinterpret_cast<Low>(x.low), reinterpret_cast<Low>(x.high), 0, 2, 4,
+                                       6);
+    }
+    static V spread(Low x) {
+        return {reinterpret_cast<Two>(__builtin_shufflevector(x, x, 0, 0, 1, 1)),
+                reinterpret_cast<Two>(__builtin_shufflevector(x, x, 2, 2, 3, 3))};
+    }
+
+    static V add(V a, V b) { return {wasm_i64x2_add(a.low, b.low), wasm_i64x2_add(a.high, b.high)}; }
+    static V sub(V a, V b) { return {wasm_i64x2_sub(a.low, b.low), wasm_i64x2_sub(a.high, b.high)}; }
+    static Low add(Low a, Low b) { return wasm_i32x4_add(a, b); }
+    static Low sub(Low a, Low b) { return wasm_i32x4_sub(a, b); }
+    static V mul(V a, V b) { return mul(packed(a), packed(b)); }
+    static V mul(Low a, Low b) {
+        const Low x = fresh(a), y = fresh(b);
+        return {wasm_i64x2_extmul_low_i32x4(x, y), wasm_i64x2_extmul_high_i32x4(x, y)};
+    }
+    static V mul64(V a, V b) { return {wasm_i64x2_mul(a.low, b.low), wasm_i64x2_mul(a.high, b.high)}; }
+    static V extended(Low x) { return {wasm_i64x2_extend_low_i32x4(x), wasm_i64x2_extend_high_i32x4(x)}; }
+    template <int S> static V shift_right(V x) {
+        return {wasm_u64x2_shr(x.low, S), wasm_u64x2_shr(x.high, S)};
+    }
+    template <int S> static V shift_right_signed(V x) { // x86 has none: the halves of a lane one by one
+        const auto shifted = [](Two two) -> Two {
+            const Low signs = wasm_i32x4_shr(two, S < 32 ? S : 31);
+            if constexpr (S < 32)
+                return __builtin_shufflevector(Low(wasm_u64x2_shr(two, S)), signs, 0, 5, 2, 7);
+            return __builtin_shufflevector(Low(wasm_i32x4_shr(two, S & 31)), signs, 1, 5, 3, 7);
+        };
+        return {shifted(x.low), shifted(x.high)};
+    }
+    template <int S> static V shift_left(V x) {
+        return {wasm_i64x2_shl(x.low, S), wasm_i64x2_shl(x.high, S)};
+    }
+    // Vectors are shifted by one count alone: so lane after lane.
+    static V shift_left_by(V x, V by) {
+        const auto shifted = [](Two x, Two by) { return Two{x[0] << (by[0] & 63), x[1] << (by[1] & 63)}; };
+        return {shifted(x.low, by.low), shifted(x.high, by.high)};
     }
     static V shift_right_by(V x, V by) {
-        return wasm_i64x2_make(wasm_i64x2_extract_lane(x, 0) >> count(by, 0),
-                               wasm_i64x2_extract_lane(x, 1) >> count(by, 1));
+        const auto shifted = [](Two x, Two by) { return Two{x[0] >> (by[0] & 63), x[1] >> (by[1] & 63)}; };
+        return {shifted(x.low, by.low), shifted(x.high, by.high)};
     }
 
-    static V max32(V a, V b) { return wasm_i32x4_max(a, b); }
-    static V min32(V a, V b) { return wasm_i32x4_min(a, b); }
-    static V greater32(V a, V b) { // what the low halves say, in both
-        const V greater = wasm_i32x4_gt(a, b);
-        return wasm_i32x4_shuffle(greater, greater, 0, 0, 2, 2);
+    static Low max32(Low a, Low b) { return wasm_i32x4_max(a, b); }
+    static Low min32(Low a, Low b) { return wasm_i32x4_min(a, b); }
+    static Low greater32(Low a, Low b) { return wasm_i32x4_gt(a, b); }
+    static V greater32(V a, V b) { return spread(greater32(packed(a), packed(b))); }
+    static V greater64(V a, V b) { return {wasm_i64x2_gt(a.low, b.low), wasm_i64x2_gt(a.high, b.high)}; }
+    /// -2^k <= x < 2^k in all lanes: where numbers are rarely clamped, asking takes half of what clamping them takes.
+    static bool all_within(V x, int k) {
+        const V from_least = add(x, splat(std::int64_t{1} << k));
+        return !wasm_v128_any_true(
+            wasm_u64x2_shr(wasm_v128_or(from_least.low, from_least.high), static_cast<std::uint32_t>(k + 1)));
     }
-    static V greater64(V a, V b) { return wasm_i64x2_gt(a, b); }
-    static V select(V mask, V a, V b) { return wasm_v128_bitselect(a, b, mask); }
-    static V both(V a, V b) { return wasm_v128_and(a, b); }
-    static V either(V a, V b) { return wasm_v128_or(a, b); }
-    static V without(V a, V b) { return wasm_v128_andnot(a, b); }
-    static unsigned lanes_of(V mask) { return static_cast<unsigned>(wasm_i64x2_bitmask(mask)); }
+    static V select(V mask, V a, V b) {
+        return {wasm_v128_bitselect(a.low, b.low, mask.low), wasm_v128_bitselect(a.high, b.high, mask.high)};
+    }
+    static Low select(Low mask, Low a, Low b) { return wasm_v128_bitselect(a, b, mask); }
+    static V both(V a, V b) { return {wasm_v128_and(a.low, b.low), wasm_v128_and(a.high, b.high)}; }
+    static V either(V a, V b) { return {wasm_v128_or(a.low, b.low), wasm_v128_or(a.high, b.high)}; }
+    static V without(V a, V b) { return {wasm_v128_andnot(a.low, b.low), wasm_v128_andnot(a.high, b.high)}; }
+    static Low both(Low a, Low b) { return wasm_v128_and(a, b); }
+    static Low either(Low a, Low b) { return wasm_v128_or(a, b); }
+    static Low without(Low a, Low b) { return wasm_v128_andnot(a, b); }
+    static unsigned lanes_of(Low mask) { return static_cast<unsigned>(wasm_i32x4_bitmask(mask)); }
+    static unsigned lanes_of(V mask) { return lanes_of(packed(mask)); }
 
     template <class Body> static void gather6(const Body* const* p, V* out) {
-        for (int i = 0; i < 6; i += 2) two_words(p, i, out + i);
+        for (int i = 0; i < 6; i += 2) {
+            const Two a = two_at(words(p[0]) + i), b = two_at(words(p[1]) + i), c = two_at(words(p[2]) + i),
+                      d = two_at(words(p[3]) + i);
+            out[i] = {first_of(a, b), first_of(c, d)};
+            out[i + 1] = {second_of(a, b), second_of(c, d)};
+        }
     }
+    /// Six numbers of 32 bits behind the velocities.
     template <class Body> static void gather_motion(const Body* const* p, V* out) {
-        V word[4];
-        two_words(p, 6, word);
-        word[2] = wasm_i64x2_make(words(p[0])[8], words(p[1])[8]);
-        for (int i = 0; i < 3; ++i) out[2 * i] = word[i], out[2 * i + 1] = shift_right<32>(word[i]);
+        const std::int32_t* front[lanes];
+        Two back[lanes];
+        for (unsigned k = 0; k < lanes; ++k) {
+            front[k] = reinterpret_cast<const std::int32_t*>(words(p[k]) + 6);
+            back[k] = wasm_v128_load64_zero(words(p[k]) + 8);
+        }
+        quads(front, out);
+        const Low ab = first_of(back[0], back[1]), cd = first_of(back[2], back[3]);
+        out[4] = spread(__builtin_shufflevector(ab, cd, 0, 2, 4, 6));
+        out[5] = spread(__builtin_shufflevector(ab, cd, 1, 3, 5, 7));
     }
     template <class Body> static void scatter6(Body* const* p, const V* x) {
         for (int i = 0; i < 6; i += 2) {
-            store64(words(p[0]) + i, wasm_i64x2_shuffle(x[i], x[i + 1], 0, 2));
-            store64(words(p[1]) + i, wasm_i64x2_shuffle(x[i], x[i + 1], 1, 3));
+            const V a = x[i], b = x[i + 1];
+            wasm_v128_store(words(p[0]) + i, first_of(a.low, b.low));
+            wasm_v128_store(words(p[1]) + i, second_of(a.low, b.low));
+            wasm_v128_store(words(p[2]) + i, first_of(a.high, b.high));
+            wasm_v128_store(words(p[3]) + i, second_of(a.high, b.high));
         }
     }
     static void quads(const std::int32_t* const* p, V* out) {
-        const V x = wasm_v128_load(p[0]), y = wasm_v128_load(p[1]);
-        out[0] = wasm_i64x2_shuffle(x, y, 0, 2), out[1] = shift_right<32>(out[0]);
-        out[2] = wasm_i64x2_shuffle(x, y, 1, 3), out[3] = shift_right<32>(out[2]);
+        Low x[4] = {load_low(p[0]), load_low(p[1]), load_low(p[2]), load_low(p[3])};
+        transpose(x);
+        for (int i = 0; i < 4; ++i) out[i] = spread(x[i]);
     }
     static void store_quads(std::int32_t* const* p, const V* x) {
-        const V front = wasm_i32x4_shuffle(x[0], x[1], 0, 4, 2, 6),
-                back = wasm_i32x4_shuffle(x[2], x[3], 0, 4, 2, 6);
-        wasm_v128_store(p[0], wasm_i64x2_shuffle(front, back, 0, 2));
-        wasm_v128_store(p[1], wasm_i64x2_shuffle(front, back, 1, 3));
+        Low row[4] = {packed(x[0]), packed(x[1]), packed(x[2]), packed(x[3])};
+        transpose(row);
+        for (int i = 0; i < 4; ++i) wasm_v128_store(p[i], row[i]);
     }
 
   private:
-    static V low_halves(V x) { return wasm_i32x4_shuffle(x, x, 0, 2, 0, 2); }
-    static std::uint32_t count(V by, int lane) {
-        return static_cast<std::uint32_t>(lane == 0 ? wasm_i64x2_extract_lane(by, 0)
-                                                    : wasm_i64x2_extract_lane(by, 1));
+    static Two two_at(const std::int64_t* p) { return wasm_v128_load(p); }
+    /// The same number, as something that clang has not seen yet. It would extend a factor of several products once, ahead of their loop or
+    /// branch, and then multiply whole lanes: eight instructions of x86 in place of three. Engines see that the choice is none.
+    static Low fresh(Low x) {
+        std::int32_t nothing = 0;
+        asm volatile("" : "+r"(nothing));
+        return nothing != 0 ? Low{} : x;
+    }
+    static Two first_of(Two a, Two b) { return __builtin_shufflevector(a, b, 0, 2); }
+    static Two second_of(Two a, Two b) { return __builtin_shufflevector(a, b, 1, 3); }
+    static void transpose(Low (&x)[4]) {
+        const Low ab0 = __builtin_shufflevector(x[0], x[1], 0, 4, 1, 5),
+                  ab2 = __builtin_shufflevector(x[0], x[1], 2, 6, 3, 7),
+                  cd0 = __builtin_shufflevector(x[2], x[3], 0, 4, 1, 5),
+                  cd2 = __builtin_shufflevector(x[2], x[3], 2, 6, 3, 7);
+        x[0] = first_of(ab0, cd0), x[1] = second_of(ab0, cd0);
+        x[2] = first_of(ab2, cd2), x[3] = second_of(ab2, cd2);
     }
     template <class Body> static const std::int64_t* words(const Body* p) {
         return reinterpret_cast<const std::int64_t*>(p);
     }
     template <class Body> static std::int64_t* words(Body* p) { return reinterpret_cast<std::int64_t*>(p); }
-    template <class Body> static void two_words(const Body* const* p, int at, V* out) {
-        const V x = load64(words(p[0]) + at), y = load64(words(p[1]) + at);
-        out[0] = wasm_i64x2_shuffle(x, y, 0, 2);
-        out[1] = wasm_i64x2_shuffle(x, y, 1, 3);
-    }
 };
 
 } // namespace lockstone::solve

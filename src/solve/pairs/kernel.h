@@ -55,8 +55,8 @@ template <class L> class PairLanes {
         for (unsigned k = 0; k < N; ++k) from[k] = place(*p.lane[k]);
         L::gather6(from, out);
     }
-    static Mask mask_of(V flags) { return {L::mul(flags, L::splat(1))}; }
-    template <int F> static Sum<F> sum_of(V low) { return {L::mul(low, L::splat(1))}; }
+    static Mask mask_of(V flags) { return Mask::of(extended<L>(flags)); }
+    template <int F> static Sum<F> sum_of(V low) { return {extended<L>(low)}; }
 
     static void read(Pairs& p) {
         V v[6], q[4];
@@ -66,12 +66,13 @@ template <class L> class PairLanes {
         const auto axes = [&](int from, int first) { // nine numbers: the last four overlap the four before
             quad(
                 p, [&](const Lane& l) { return reinterpret_cast<const std::int32_t*>(l.axes_a) + from; }, q);
-            for (int i = first; i < 4; ++i) p.axes[(from + i) / 3][(from + i) % 3] = {q[i]};
+            for (int i = first; i < 4; ++i) p.axes[(from + i) / 3][(from + i) % 3] = Unit::of(q[i]);
         };
         axes(0, 0), axes(4, 0), axes(5, 3);
         quad(
             p, [](const Lane& l) { return &l.limit; }, q);
-        p.limit = {q[0]}, p.reach = {q[1]}, p.step_max = {q[2]}, p.advances = mask_of(q[3]);
+        p.limit = Length::of(q[0]), p.reach = Length::of(q[1]), p.step_max = Length::of(q[2]),
+        p.advances = mask_of(q[3]);
         quad(
             p, [](const Lane& l) { return &l.on_ground; }, q);
         p.on_ground = mask_of(q[0]), p.is_given = mask_of(q[1]);
@@ -92,10 +93,10 @@ template <class L> class PairLanes {
         V q[4];
         quad(
             p, [](const Lane& l) { return l.rotation_a; }, q);
-        const Unit a[4] = {{q[0]}, {q[1]}, {q[2]}, {q[3]}};
+        const Unit a[4] = {Unit::of(q[0]), Unit::of(q[1]), Unit::of(q[2]), Unit::of(q[3])};
         quad(
             p, [](const Lane& l) { return l.rotation_b; }, q);
-        const Unit b[4] = {{q[0]}, {q[1]}, {q[2]}, {q[3]}};
+        const Unit b[4] = {Unit::of(q[0]), Unit::of(q[1]), Unit::of(q[2]), Unit::of(q[3])};
         p.turn[0] = rounded<unit_bits>(a[3] * b[0] - a[0] * b[3] - a[1] * b[2] + a[2] * b[1]);
         p.turn[1] = rounded<unit_bits>(a[3] * b[1] + a[0] * b[2] - a[1] * b[3] - a[2] * b[0]);
         p.turn[2] = rounded<unit_bits>(a[3] * b[2] - a[0] * b[1] + a[1] * b[0] - a[2] * b[3]);
@@ -111,7 +112,8 @@ template <class L> class PairLanes {
         for (int i = 0; i < 3; ++i) {
             const V d = p.way[i].raw;
             far = far | is_beyond<47>(d);
-            high[i] = {L::template shift_right<16>(d)}, rest[i] = {L::both(d, part)};
+            high[i] = LaneFixed<L, 16>::of(L::template shift_right<16>(d));
+            rest[i] = LaneFixed<L, 32>::of(L::both(d, part));
         }
         p.bad = far;
         const auto most = Sum<length_bits>::splat(far_away);
@@ -138,8 +140,9 @@ template <class L> class PairLanes {
     template <int F> static Sum<F> length_above(const LaneFixed<L, F> (&x)[3]) {
         LaneFixed<L, F> size[3];
         for (int i = 0; i < 3; ++i) size[i] = max(x[i], -x[i]);
-        const Sum<F> widest = clean<F>(max(size[0], max(size[1], size[2])).raw);
-        const Sum<F> others = clean<F>(size[0].raw) + clean<F>(size[1].raw) + clean<F>(size[2].raw) - widest;
+        const Sum<F> widest = clean<F>(max(size[0], max(size[1], size[2])).lanes());
+        const Sum<F> others =
+            clean<F>(size[0].lanes()) + clean<F>(size[1].lanes()) + clean<F>(size[2].lanes()) - widest;
         return widest + Sum<F>{L::template shift_right<1>(L::add(others.raw, L::splat(1)))};
     }
 
@@ -148,7 +151,8 @@ template <class L> class PairLanes {
         V made[4];
         quad(
             p, [](const Lane& l) { return l.made_rotation; }, made);
-        const Unit *q = p.turn, m[4] = {{made[0]}, {made[1]}, {made[2]}, {made[3]}};
+        const Unit *q = p.turn,
+                   m[4] = {Unit::of(made[0]), Unit::of(made[1]), Unit::of(made[2]), Unit::of(made[3])};
         const auto cosine = q[3] * m[3] + q[0] * m[0] + q[1] * m[1] + q[2] * m[2];
         const Mask is_negative = Sum<2 * unit_bits>::splat(0) > cosine;
         const auto part = [&](Sum<2 * unit_bits> sum) {
@@ -239,7 +243,8 @@ template <class L> class PairLanes {
         quad(p, of, first);
         quad(
             p, [&](const Lane& l) { return reinterpret_cast<const std::int32_t*>(of(l)) + 2; }, last);
-        return {{{first[0]}, {first[1]}, {first[2]}}, {{first[3]}, {last[2]}, {last[3]}}};
+        return {{Speed::of(first[0]), Speed::of(first[1]), Speed::of(first[2])},
+                {Speed::of(first[3]), Speed::of(last[2]), Speed::of(last[3])}};
     }
 
     static void advance(const Pairs& p, Unit half_tick, Frame& f) {
@@ -311,10 +316,11 @@ template <class L> class PairLanes {
         V row[4];
         quad_of_rows(
             p, [](const solve::ContactMemory& m) { return &m.normal; }, row);
-        const Unit n[3] = {{row[0]}, {row[1]}, {row[2]}};
+        const Unit n[3] = {Unit::of(row[0]), Unit::of(row[1]), Unit::of(row[2])};
         V out[4];
         for (int i = 0; i < 3; ++i)
-            out[i] = rounded<unit_bits>(p.axes[0][i] * n[0] + p.axes[1][i] * n[1] + p.axes[2][i] * n[2]).raw;
+            out[i] =
+                rounded<unit_bits>(p.axes[0][i] * n[0] + p.axes[1][i] * n[1] + p.axes[2][i] * n[2]).lanes();
         out[3] = L::splat(0);
         write_quad(to, 0, out);
         const Tilt tilt = tilt_of(p, n);
@@ -324,20 +330,20 @@ template <class L> class PairLanes {
         for (std::uint32_t k = 0; k < count; ++k) {
             quad_of_rows(
                 p, [k](const solve::ContactMemory& m) { return &point_of(m, k)->position; }, row);
-            const Length at[3] = {{row[0]}, {row[1]}, {row[2]}};
+            const Length at[3] = {Length::of(row[0]), Length::of(row[1]), Length::of(row[2])};
             V then[4];
             quad_of_rows(
                 p, [k](const solve::ContactMemory& m) { return &point_of(m, k)->separation; }, then);
             const auto by = tilt.along + tilt.by[0] * at[0] + tilt.by[1] * at[1] + tilt.by[2] * at[2];
             V of_a[4], of_b[4];
-            of_a[3] = saturated(sum_of<gap_bits>(then[0]) + round_to<gap_bits>(by)).raw;
+            of_a[3] = saturated(sum_of<gap_bits>(then[0]) + round_to<gap_bits>(by)).lanes();
             of_b[3] = L::splat(0);
             for (int i = 0; i < 3; ++i) {
                 const auto at_b =
                     f.base_b[i] +
                     round_to<length_bits>(f.axes[0][i] * at[0] + f.axes[1][i] * at[1] + f.axes[2][i] * at[2]);
-                of_b[i] = saturated(at_b).raw;
-                of_a[i] = saturated(at_b + f.to_a[i]).raw;
+                of_b[i] = saturated(at_b).lanes();
+                of_a[i] = saturated(at_b + f.to_a[i]).lanes();
             }
             write_quad(to, 1 + 2 * k, of_a);
             write_quad(to, 2 + 2 * k, of_b);

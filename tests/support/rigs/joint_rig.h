@@ -124,7 +124,7 @@ struct Rig {
         const StepConstants step = constants();
         begin(step);
         for (std::int32_t i = 0; i < step.substeps; ++i) substep(step);
-        solver.store(step, memory, clamps);
+        solver.store(memory, clamps);
         finish_step(step, bodies, columns());
     }
     void run(int ticks) {

@@ -71,9 +71,9 @@ template <class L> class TurnedLanes {
                    V stirred, int bits) {
         const V most = L::splat(std::int64_t{1} << (solve::pack_angle_bits - bits)),
                 least = L::sub(L::splat(0), most);
-        V far = L::load32(&held.strays[lane]);
+        V far = load_extended<L>(&held.strays[lane]);
         for (int i = 0; i < 3; ++i) {
-            const V change = L::sub(phi[i], L::load32(&last[i][lane]));
+            const V change = L::sub(phi[i], load_extended<L>(&last[i][lane]));
             far = L::either(far, L::either(L::greater64(change, most), L::greater64(least, change)));
         }
         far = L::both(far, stirred);
@@ -96,7 +96,7 @@ template <class L> class TurnedLanes {
         const V theta[3] = {moved[3], moved[4], moved[5]};
         over_gyration(held, lane, theta, held.turn_shift, std::int64_t{1} << unit_bits, phi);
         for (int i = 0; i < 3; ++i)
-            u[i] = rounded<speed_bits>(LaneSum<L, accumulator_bits>{motion[3 + i]}).raw;
+            u[i] = rounded<speed_bits>(LaneSum<L, accumulator_bits>{motion[3 + i]}).lanes();
         over_gyration(held, lane, u, held.spin_shift, std::int64_t{1} << 30, spin);
         matrix_of(phi, m);
         const V rows[4][4] = {{m[0], m[1], m[2], m[3]},

@@ -44,6 +44,7 @@ template <class L> class PackedJoints {
         return L::select(L::greater64(least, x), least, x);
     }
     static V shift_arithmetic(V x, int by) { return L::shift_right_by(x, L::splat(by)); }
+    static void add_to(std::int64_t* sum, V x) { L::store64(sum, L::add(L::load64(sum), x)); }
 
     // ---- bodies --------------------------------------------------------------------------------------------------
 
@@ -94,12 +95,12 @@ template <class L> class PackedJoints {
     /// After changes of impulses of these sizes, or-ed.
     static void keep_small(Motion& m, Speed sizes) {
         const Mask large = sizes > Speed::splat(solve::small_impulse - 1);
-        if (large.any()) clamp_motion(m, large.raw);
+        if (large.any()) clamp_motion(m, large.whole());
     }
     /// The same of one side: each component is clamped by itself.
     static void keep_small(Velocity (&v)[6], Speed sizes) {
         const Mask large = sizes > Speed::splat(solve::small_impulse - 1);
-        if (large.any()) clamp_motion(v, large.raw);
+        if (large.any()) clamp_motion(v, large.whole());
     }
     static Speed or_size(Speed sizes, Speed p) { return {L::either(sizes.raw, max(p, -p).raw)}; }
 
@@ -152,13 +153,13 @@ template <class L> class PackedJoints {
         for (int r = 0; r < Rows; ++r) {
             V sum = L::splat(0); // 30 bits times 31, three times
             for (int s = 0; s < Rows; ++s)
-                sum = L::add(sum, L::mul(L::load32(&inverse.m[lower[r][s]][lane]), speed[s].raw));
+                sum = L::add(sum, L::mul(load_low<L>(&inverse.m[lower[r][s]][lane]), speed[s].raw));
             if (odd)
                 sum = shift_oddly(sum, inverse, lane);
             else
                 sum = L::shift_right_by(L::add(sum, L::load64(&inverse.half[lane])),
                                         L::load64(&inverse.shift[lane]));
-            Speed wanted{between(sum, least, most)};
+            Speed wanted = Speed::of(between(sum, least, most));
             const Speed old = Speed::load(&impulse[r][lane]);
             if (bias)
                 wanted = rounded<speed_bits>(wanted * Unit::splat(data.mass_scale)) +
@@ -265,7 +266,7 @@ template <class L> class PackedJoints {
     struct Placed {
         Turned turned;
         Speed spin[3];
-        V shift[3]; ///< low halves
+        Gap shift[3];
     };
     [[gnu::always_inline]] static void look(const Side& side, unsigned lane, const Data& data, int first_row,
                                             V (&out)[4][4]) {
@@ -283,8 +284,8 @@ template <class L> class PackedJoints {
         V x[4][4];
         look(side, lane, data, 0, x);
         return {{{{x[0][0], x[0][1], x[0][2]}, {x[0][3], x[1][0], x[1][1]}, {x[1][2], x[1][3], x[2][0]}}},
-                {{x[2][1]}, {x[2][2]}, {x[2][3]}},
-                {x[3][0], x[3][1], x[3][2]}};
+                {Speed::of(x[2][1]), Speed::of(x[2][2]), Speed::of(x[2][3])},
+                {Gap::of(x[3][0]), Gap::of(x[3][1]), Gap::of(x[3][2])}};
     }
     /// A vector of the start of the tick, turned with the body to where it is now.
     static void turn(const auto& by, const Lanes<std::int32_t> (&from)[3], unsigned lane, V (&out)[3]) {
@@ -294,7 +295,7 @@ template <class L> class PackedJoints {
     static void place(const Side& side, unsigned lane, const auto& by, Lever (&r)[3]) {
         V now[3];
         turn(by, side.lever, lane, now);
-        for (int i = 0; i < 3; ++i) r[i] = {now[i]};
+        for (int i = 0; i < 3; ++i) r[i] = Lever::of(now[i]);
     }
     /// w x (w x r), the inner product clamped to 2048 m/s: beyond that the arc says nothing useful. As Speed.
     [[gnu::always_inline]] static void curve(const Side& side, unsigned lane, const Speed (&w)[3],
@@ -304,7 +305,7 @@ template <class L> class PackedJoints {
         const V bits = L::load64(&side.lever_bits[lane]);
         for (int i = 0; i < 3; ++i) {
             const int j = (i + 1) % 3, k = (i + 2) % 3;
-            v[i] = {between(L::shift_right_by((w[j] * r[k] - w[k] * r[j]).raw, bits), least, most)};
+            v[i] = Speed::of(between(L::shift_right_by((w[j] * r[k] - w[k] * r[j]).raw, bits), least, most));
         }
         for (int i = 0; i < 3; ++i) {
             const int j = (i + 1) % 3, k = (i + 2) % 3;
@@ -317,7 +318,7 @@ template <class L> class PackedJoints {
                                                bool negative) {
         V m[6], at[3];
         for (int i = 0; i < 6; ++i) m[i] = L::load32(&side.inverse[i][lane]);
-        for (int i = 0; i < 3; ++i) at[i] = negative ? (-r[i]).raw : r[i].raw;
+        for (int i = 0; i < 3; ++i) at[i] = (negative ? -r[i] : r[i]).lanes();
         const V shift = L::load64(&side.arm_shift[lane]), half = L::load64(&side.arm_half[lane]);
         const V two = L::splat(std::int64_t{2} << row_bits);
         V any = L::splat(0);
@@ -339,7 +340,7 @@ template <class L> class PackedJoints {
         const V rate = L::splat(data.rate), far = L::splat(std::int64_t{1} << 35),
                 most = L::splat(0x7fffffff);
         const V nothing = L::splat(0), half = L::splat(std::int64_t{1} << (shift - 1));
-        const V push = L::load32(&c.push_max[lane]), wide_push = L::template shift_left<shift>(push);
+        const V push = load_extended<L>(&c.push_max[lane]), wide_push = L::template shift_left<shift>(push);
         const V near =
             between(L::shift_right_by(error, L::load64(&c.near_shift[lane])), L::sub(nothing, far), far);
         // 2^35 times 2^27, in two halves
@@ -362,9 +363,8 @@ template <class L> class PackedJoints {
         const auto spinning = [&](const Side& side) {
             V x[4][4];
             look(side, lane, data, 2, x);
-            const V zero = L::splat(0);
             Placed out;
-            for (int i = 0; i < 3; ++i) out.spin[i] = {x[2][1 + i]}, out.shift[i] = zero;
+            for (int i = 0; i < 3; ++i) out.spin[i] = Speed::of(x[2][1 + i]), out.shift[i] = Gap::splat(0);
             return out;
         };
         make_rows(data, c, lane, spinning(c.a), spinning(c.b), Unturned{}, Unturned{});
@@ -383,12 +383,12 @@ template <class L> class PackedJoints {
         curve(c.a, lane, placed_a.spin, a, arc_a), curve(c.b, lane, placed_b.spin, b, arc_b);
         // Lengths with 32 fraction bits: their sign up to where it belongs, and all down.
         const V bits_a = L::load64(&c.a.lever_bits[lane]), bits_b = L::load64(&c.b.lever_bits[lane]);
-        const auto wide = [](V x) { return L::template shift_left<32>(x); };
+        const auto wide = [](auto x) { return L::template shift_left<32>(x.lanes()); };
         for (int r = 0; r < 3; ++r) {
             const V shift = L::sub(shift_arithmetic(wide(placed_b.shift[r]), gap_bits),
                                    shift_arithmetic(wide(placed_a.shift[r]), gap_bits));
             const V lever =
-                L::sub(L::shift_right_by(wide(b[r].raw), bits_b), L::shift_right_by(wide(a[r].raw), bits_a));
+                L::sub(L::shift_right_by(wide(b[r]), bits_b), L::shift_right_by(wide(a[r]), bits_a));
             const V error = L::add(L::load64(&c.apart[r][lane]), L::add(shift, lever));
             set_bias(c, lane, data, r, error, L::sub(arc_b[r], arc_a[r]));
         }
@@ -409,9 +409,7 @@ template <class L> class PackedJoints {
         }
     }
     /// Lanes whose rows are made elsewhere stay as they are.
-    static void keep(std::int32_t* to, V x, V generic) {
-        L::store32(to, L::select(generic, L::load32(to), x));
-    }
+    static void keep(std::int32_t* to, V x, V kept) { L::store32(to, L::select(kept, L::load32(to), x)); }
 
     /// K^-1 axis as a row of one side.
     template <int Sign>
@@ -450,7 +448,7 @@ template <class L> class PackedJoints {
                            near));
         for (unsigned i = 0; i < N; ++i)
             t.apart[lane + i] = (far_apart >> i) & 1u, t.reaches[lane + i] = (reaches >> i) & 1u;
-        const V shift = L::load64(&t.bias_shift[lane]), push = L::load32(&t.push_max[lane]);
+        const V shift = L::load64(&t.bias_shift[lane]), push = load_extended<L>(&t.push_max[lane]);
         const V half = L::shift_left_by(L::splat(1), L::sub(shift, L::splat(1)));
         for (int r = 0; r < 2; ++r) {
             for (int i = 0; i < 3; ++i) L::store32(&t.axis[r][i][lane], axis[r][i]);
@@ -465,7 +463,7 @@ template <class L> class PackedJoints {
 
     template <int Rows>
     static void add_to_sums(Lanes<std::int64_t> (&sum)[3], unsigned lane, const Speed (&p)[3]) {
-        for (int r = 0; r < Rows; ++r) L::store64(&sum[r][lane], L::add(L::load64(&sum[r][lane]), p[r].raw));
+        for (int r = 0; r < Rows; ++r) add_to(&sum[r][lane], signed_lanes<L>(p[r].raw));
     }
     /// The impulses of a pack, on one of its sides.
     template <int Sign, int Rows>

@@ -7,6 +7,7 @@
 #pragma once
 
 #include "solve/joints/pack/joint_pack.h"
+#include "solve/lanes/lane_fixed.h"
 
 #include <bit>
 #include <cstddef>
@@ -90,7 +91,7 @@ template <class L> class JointStarts {
         L::quads(front, k), L::quads(back, k + 4);
         for (int i = 0; i < 6; ++i) L::store32(&side.inverse[i][lane], k[i]);
         // A side that does not move has zeros only.
-        L::store64(&side.spin_shift[lane], L::mul(k[6], L::splat(1)));
+        L::store64(&side.spin_shift[lane], extended<L>(k[6]));
         V most = L::splat(0);
         for (int row = 0; row < 3; ++row) {
             const int i = (row + 1) % 3, j = (row + 2) % 3;
