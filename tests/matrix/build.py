@@ -27,8 +27,9 @@ KERNELS = {"kernel_sse41.cpp": ["-msse4.1"], "kernel_avx2.cpp": ["-mavx2"], "ker
 UNALIGNED = ["-Wa,-muse-unaligned-vector-move"]  # as CMakeLists.txt has it
 # Of MSVC's cl, which takes intrinsics of SSE4.1 as they come; clang-cl takes clang's, handed on.
 KERNELS_OF_CL = {"kernel_avx2.cpp": ["-arch:AVX2"], "kernel_avx512.cpp": ["-arch:AVX512"]}
-# Short loops of lanes: what stays a loop keeps its numbers in memory. A linker that optimises would not know of this.
-KERNELS_OF_WASM = {"kernel_wasm128.cpp": ["-fno-lto", "-fno-tree-vectorize", "-fno-tree-slp-vectorize", "-mllvm", "-unroll-threshold=3000"]}
+# Short loops and small functions of lanes: what stays a loop or a call keeps its numbers in memory. A linker that optimises would not know of this.
+KERNELS_OF_WASM = {"kernel_wasm128.cpp": ["-fno-lto", "-fno-tree-vectorize", "-fno-tree-slp-vectorize", "-mllvm", "-unroll-threshold=3000",
+                                          "-mllvm", "-inline-threshold=2000"]}
 FOR_THE_LINKER = ("-l", "-mexec-model=")  # flags that begin so
 X86 = ("i386", "windows") + (("",) if platform.machine().lower() in ("x86_64", "amd64", "i686") else ())  # targets; "": this machine
 ON_WINDOWS = os.name == "nt"
