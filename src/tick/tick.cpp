@@ -93,7 +93,7 @@ void prepare(const Tick& t, const Scene& scene, const solve::BodyColumns& column
     const bool same_joints = !s.joints.is_new && !other_step;
     if (!same_joints) solve::find_weak_forces(s.joints.all, columns, s.step, s.bodies);
     solve::stiffen_bodies(s.joints.all, memory, columns, s.step, s.bodies);
-    solve::follow_turns(s.joints.all, columns, s.step, s.bodies);
+    solve::follow_turns(columns, s.step, s.bodies);
     s.contacts.prepare(s.found.contacts, s.table.list.memories, columns.mass, s.step, s.bodies, tasks);
     s.joint_solver.prepare(s.joints.all, memory, columns, s.step, s.bodies, tasks, same_joints);
     s.vehicle_solver.prepare(s.vehicles.drive(scene), columns, s.step, s.bodies, tasks);

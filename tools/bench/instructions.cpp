@@ -20,7 +20,8 @@ namespace {
 using namespace engines;
 namespace fs = std::filesystem;
 
-constexpr int warm_ticks = 2; ///< after a restore caches are cold: these are not counted
+constexpr int warm_ticks =
+    10; ///< after a restore caches are cold, and the leaves of the broad phase all new: these are not counted
 
 /// A folder that is gone when its owner is.
 class Folder {

@@ -335,17 +335,14 @@ void follow(const BodyColumns& columns, std::uint32_t row, const StepConstants& 
 
 } // namespace
 
-void follow_turns(std::span<const Joint> joints, const BodyColumns& columns, const StepConstants& step,
-                  SolverBodies& bodies) {
+void follow_turns(const BodyColumns& columns, const StepConstants& step, SolverBodies& bodies) {
     const std::uint32_t count = static_cast<std::uint32_t>(columns.info.size());
-    for (std::uint32_t row = 0; row < count; ++row)
-        if (spins(columns, row, bodies.step[row], spin_parts, step)) follow(columns, row, step, bodies);
-    for (const Joint& joint : joints)
-        for (const std::uint32_t row : {joint.body_a, joint.body_b}) {
-            if (row == bodies.still()) continue;
-            if (spins(columns, row, bodies.step[row], held_parts, step)) follow(columns, row, step, bodies);
-            if (bodies.step[row].turn != 0) bodies.turns[bodies.step[row].turn - 1].held = true;
-        }
+    for (std::uint32_t row = 0; row < count; ++row) {
+        const bool jointed = bodies.step[row].jointed;
+        if (!spins(columns, row, bodies.step[row], jointed ? held_parts : spin_parts, step)) continue;
+        follow(columns, row, step, bodies);
+        bodies.turns.back().held = jointed;
+    }
     for (FollowedTurn& turn : bodies.turns) {
         turn.now = bodies.step[turn.body];
         if (turn.held) set_matrices(turn, turn.now);

@@ -27,15 +27,13 @@
 #pragma once
 
 #include "solve/bodies/solver_body.h"
-#include "solve/joints/joint.h"
 
 namespace lockstone::solve {
 
 /// After stiffen_bodies() and before rows are made: finds the bodies that are followed in this tick, and their g. These
 /// are those that feel gyroscopic torque and turn about some axis by half a radian in the tick or more, or by a sixteenth
 /// where a joint holds them.
-void follow_turns(std::span<const Joint> joints, const BodyColumns& columns, const StepConstants& step,
-                  SolverBodies& bodies);
+void follow_turns(const BodyColumns& columns, const StepConstants& step, SolverBodies& bodies);
 
 /// Turns a body by its u for a substep and finds g for the next one. |u| is within the tip speed limit.
 void advance_turn(SolverBody& b, const BodyStep& s, FollowedTurn& turn, const StepConstants& step);

@@ -86,6 +86,8 @@ Real reduced_mass(const Shares& shares, const BodyMass& a, const BodyMass& b) {
 
 /// Whether it holds a point and nothing else.
 bool is_point(const JointWork& w) { return w.point && w.axis_count == 0 && w.block_count == 0; }
+/// Whether its pack holds it as a whole.
+bool is_packed_point(const JointWork& w) { return w.pack != no_pack && w.axis_count + w.block_count == 0; }
 
 constexpr std::uint32_t joint_chunk = 32, joint_pack_chunk = 16;
 
@@ -123,7 +125,8 @@ void refresh_packs(JointTick& tick, decltype(JointKernel::refresh) pass, const S
     base::for_chunks(
         tasks, static_cast<std::uint32_t>(tick.packs.size()), joint_pack_chunk,
         [&](std::uint32_t first, std::uint32_t last, std::uint32_t) { pass(data, first, last); });
-    for (std::uint32_t i = 0; i < tick.packs.size(); ++i) enlarge_exponents(tick, i, pass, data, step);
+    for (std::uint32_t i = 0; i < tick.packs.size(); ++i)
+        if (tick.packs[i].over != 0) enlarge_exponents(tick, i, pass, data, step);
 }
 
 /// Inverses of the rows that packs make.
@@ -141,9 +144,9 @@ void invert_packs(JointTick& tick, const JointKernel& kernel, const StepConstant
 void enlarge_exponents(JointTick& tick, std::uint32_t p, decltype(JointKernel::refresh) pass,
                        const JointPassData& data, const StepConstants& step) {
     JointPack& pack = tick.packs[p];
-    while ((pack.over[0] | pack.over[1] | pack.over[2] | pack.over[3]) != 0) {
+    while (pack.over != 0) {
         for (std::uint32_t lane = 0; lane < pack.count; ++lane) {
-            if (pack.over[lane] == 0) continue;
+            if (((pack.over >> lane) & 1u) == 0) continue;
             JointWork& w = tick.joints[tick.packed[p * pack_lanes + lane]];
             enlarge_exponent(pack, w, step);
             pack.stale[lane] = 1; // its inverse belongs to the rows before
@@ -217,6 +220,9 @@ void plan_joints(JointTick& tick, std::span<const Joint> joints, std::span<const
     }
     plan_trees(tick, columns, step, bodies);
     plan_packs(tick, step, bodies);
+    for (const JointWork& w : tick.joints)
+        for (const JointWorkSide* s : {&w.a, &w.b})
+            if (!s->world && !is_packed_point(w)) tick.bodies[s->cache].motion_asked = true;
     tick.planned.clear();
     for (const JointBody& now : tick.bodies) tick.planned.push_back(planned_of(now.body, bodies));
     tick.has_plan = tick.forest.trees.empty();
@@ -235,8 +241,9 @@ void keep_plan(JointTick& tick, std::span<const Joint> joints, std::span<const J
                const BodyColumns& columns, const SolverBodies& bodies) {
     for (JointBody& now : tick.bodies) {
         const std::uint32_t body = now.body;
+        const bool asked = now.motion_asked;
         now = {};
-        now.body = body;
+        now.body = body, now.motion_asked = asked;
         start_body(now, columns.pose[body], bodies);
     }
     for (std::size_t i = 0; i < joints.size(); ++i) {
@@ -274,10 +281,12 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
     else
         plan_joints(tick, joints, memory, columns, step, bodies);
     tick.glances.resize(tick.joints.size());
+    for (JointBody& now : tick.bodies)
+        if (now.motion_asked) set_motion(now, bodies);
     hold_bodies(tick, bodies);
     for_joints(tick, tasks, [&](JointWork& w) {
         if (w.pack != no_pack) start_packed(tick, w);
-        if (w.pack != no_pack && w.axis_count + w.block_count == 0)
+        if (is_packed_point(w))
             start_point(tick, w, kept);
         else
             make_rows(tick, w, step, bodies);

@@ -487,32 +487,41 @@ Quat rotation_now(const Transform& pose, std::uint32_t body, const SolverBodies&
                : integrate_rotation(pose.rotation, over_gyration(step, theta, Separation::fraction_bits));
 }
 
-void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodies) {
+void set_motion(JointBody& now, const SolverBodies& bodies) {
     const SolverBody& body = bodies.body[now.body];
-    const BodyStep& step = bodies.step[now.body];
-    const bool still = are_same(body.shift, now.shift) && are_same(body.theta, now.theta);
-    now.moved = Vec3{};
-    for (int i = 0; i < 3; ++i) now.turned[i] = 0;
-    if (still) return;
-    for (int i = 0; i < 3; ++i) {
-        now.moved[i] = from_separation(body.shift[i]) - from_separation(now.shift[i]);
-        now.turned[i] = saturate_to_int32(std::int64_t{body.theta[i]} - now.theta[i]);
-        now.shift[i] = body.shift[i], now.theta[i] = body.theta[i];
-        now.position[i] = pose.position[i] + from_separation(body.shift[i]);
+    for (int i = 0; i < 3; ++i)
         now.velocity[i] =
             Real::from_raw(shift_right_rounded(body.v[i], accumulator_bits - Real::fraction_bits));
+    const std::int32_t u[3] = {speed_of(body.u[0]), speed_of(body.u[1]), speed_of(body.u[2])};
+    now.w = over_gyration(bodies.step[now.body], u, Speed::fraction_bits);
+}
+
+static void set_pose(JointBody& now, const Transform& pose, const SolverBodies& bodies) {
+    const SolverBody& body = bodies.body[now.body];
+    for (int i = 0; i < 3; ++i) {
+        now.shift[i] = body.shift[i], now.theta[i] = body.theta[i];
+        now.position[i] = pose.position[i] + from_separation(body.shift[i]);
     }
     now.rotation = rotation_now(pose, now.body, bodies);
     now.axes = to_rotation(now.rotation);
-    const std::int32_t u[3] = {speed_of(body.u[0]), speed_of(body.u[1]), speed_of(body.u[2])};
-    now.w = over_gyration(step, u, Speed::fraction_bits);
+}
+
+void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodies) {
+    const SolverBody& body = bodies.body[now.body];
+    const bool still = are_same(body.shift, now.shift) && are_same(body.theta, now.theta);
+    for (int i = 0; i < 3; ++i) {
+        now.moved[i] = from_separation(body.shift[i]) - from_separation(now.shift[i]);
+        now.turned[i] = saturate_to_int32(std::int64_t{body.theta[i]} - now.theta[i]);
+    }
+    if (still) return;
+    set_pose(now, pose, bodies);
+    set_motion(now, bodies);
 }
 
 void start_body(JointBody& now, const Transform& pose, const SolverBodies& bodies) {
-    now.shift[0] = bodies.body[now.body].shift[0] + 1; // any other value: so it counts as moved
-    place_body(now, pose, bodies);
     now.moved = Vec3{};
     for (int i = 0; i < 3; ++i) now.turned[i] = 0;
+    set_pose(now, pose, bodies);
 }
 
 } // namespace lockstone::solve

@@ -21,7 +21,9 @@ namespace lockstone::solve {
 /// A body that joints hold, where it is in this substep.
 struct JointBody {
     std::uint32_t body;
-    bool given;                      ///< it has turned far or is followed: in JointTick::given
+    bool given; ///< it has turned far or is followed: in JointTick::given
+    /// Rows are made of its velocity and w, which are found only then: some joint is more than a point in a pack.
+    bool motion_asked;
     std::int32_t shift[3], theta[3]; ///< of the SolverBody, when this was made
     Vec3 position;
     Quat rotation;
@@ -251,6 +253,8 @@ Quat unit_of(Quat q);
 void start_body(JointBody& now, const Transform& pose, const SolverBodies& bodies);
 /// A body's rotation in this substep, of its pose when the tick began.
 Quat rotation_now(const Transform& pose, std::uint32_t body, const SolverBodies& bodies);
+/// Its velocity and w.
+void set_motion(JointBody& now, const SolverBodies& bodies);
 void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodies);
 /// After its rows were made.
 void set_glance(JointTick& tick, const JointWork& work);

@@ -106,9 +106,10 @@ struct Rig {
         for (std::size_t i = 0; i < ready.size(); ++i) {
             ready[i].def = &defs[i];
             if (ready[i].body_a == world) ready[i].body_a = bodies.still();
+            bodies.step[ready[i].body_a].jointed = bodies.step[ready[i].body_b].jointed = true;
         }
         stiffen_bodies(ready, memory, columns(), step, bodies);
-        follow_turns(ready, columns(), step, bodies);
+        follow_turns(columns(), step, bodies);
         solver.prepare(ready, memory, columns(), step, bodies);
     }
     /// As in tick.cpp, without contacts, vehicles and fluids.

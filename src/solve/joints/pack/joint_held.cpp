@@ -27,7 +27,7 @@ void hold_bodies(JointTick& tick, const SolverBodies& bodies) {
         HeldBodies& held = tick.held[i / pack_lanes];
         const std::uint32_t lane = i % pack_lanes, body = i < count ? tick.bodies[i].body : bodies.still();
         const BodyStep& step = bodies.step[body];
-        const bool fits = step.moves && fits_pack(body, bodies);
+        const bool fits = i < count && tick.planned[i].moves && tick.planned[i].fits;
         const auto& [xx, yy, zz, xy, xz, yz] = step.inv_mantissa;
         const std::int32_t inverse[6] = {xx, yy, zz, xy, xz, yz};
         held.place[lane] = body * static_cast<std::uint32_t>(sizeof(SolverBody));

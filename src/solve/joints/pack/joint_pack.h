@@ -72,7 +72,7 @@ struct JointPack {
     /// From A's centre of mass to B's when the tick began; of the world, the anchor. [m], Real
     std::int64_t apart[3][pack_lanes];
     std::int64_t near_shift[pack_lanes], ahead_shift[pack_lanes]; ///< of C and of the arc to 2^-e
-    std::uint8_t over[pack_lanes];     ///< entries have grown to 2: the rows want a larger e
+    std::uint32_t over;                ///< bit per lane: entries have grown to 2, the rows want a larger e
     std::uint8_t stale[pack_lanes];    ///< inverses are to be made anew
     std::uint8_t left[pack_lanes];     ///< and lanes could not: point_left, hinge_left
     std::int32_t push_max[pack_lanes]; ///< of the bias: by the error, Speed

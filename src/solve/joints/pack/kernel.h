@@ -378,7 +378,7 @@ template <class L> class PackedJoints {
         const V any = L::either(write_arms(c.a, lane, a, true), write_arms(c.b, lane, b, false));
         const unsigned over =
             L::lanes_of(L::greater64(L::template shift_right<row_bits + 2>(any), L::splat(0)));
-        for (unsigned i = 0; i < N; ++i) c.over[lane + i] = (over >> i) & 1u;
+        c.over = (lane == 0 ? 0 : c.over) | over << lane;
         V arc_a[3], arc_b[3];
         curve(c.a, lane, placed_a.spin, a, arc_a), curve(c.b, lane, placed_b.spin, b, arc_b);
         // Lengths with 32 fraction bits: their sign up to where it belongs, and all down.
@@ -567,7 +567,7 @@ template <class L> class PackedJoints {
         for (std::uint32_t i = first; i < last; ++i) {
             Pack& c = data.packs[i];
             for (unsigned lane = 0; lane < end_of(c); lane += N) JointInverses<L>::invert(data, c, lane);
-            for (unsigned lane = 0; lane < all_lanes; ++lane) left |= c.left[lane];
+            left |= (c.left[0] | c.left[1]) | (c.left[2] | c.left[3]);
         }
         return left != 0;
     }
