@@ -77,7 +77,7 @@ std::uint32_t TableInfo::grown(std::uint32_t rows) const {
     constexpr std::uint32_t least = 8; // few are worth no second thought
     if (rows <= capacity) return capacity;
     // What is asked for is seldom the most there will be: a state that was just loaded would grow at its first tick.
-    const std::uint64_t some = std::uint64_t{rows} + rows / 8, more = std::uint64_t{capacity} + capacity / 2;
+    const std::uint64_t some = std::uint64_t{rows} + rows / 8, more = std::uint64_t{capacity} + capacity / 4;
     return static_cast<std::uint32_t>(
         std::min<std::uint64_t>(rows_max, std::max<std::uint64_t>({some, more, least})));
 }

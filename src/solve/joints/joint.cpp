@@ -294,7 +294,10 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
     start_packs(tick, *kernel, step, bodies, tasks);
     turn_held(tick, *kernel, step, bodies, tasks);
     refresh_packs(tick, kernel->begin, step, bodies, tasks);
-    for (JointPack& pack : tick.packs) std::copy_n(&pack.bias[0][0], 3 * pack_lanes, &pack.bias_before[0][0]);
+    for (JointPack& pack : tick.packs)
+        for (std::uint32_t lane = 0; lane < pack_lanes; ++lane)
+            pack.bias_before[lane] = std::max(
+                {std::abs(pack.bias[0][lane]), std::abs(pack.bias[1][lane]), std::abs(pack.bias[2][lane])});
     make_asked_rows(tick, step, bodies);
     invert_packs(tick, *kernel, step, bodies, tasks);
     factorise_trees(tick, bodies, tasks);

@@ -63,10 +63,9 @@ class Closer {
     }
     /// Whether it has opened since the tick began: what a load keeps open has not.
     bool has_opened(const JointPack& pack, std::uint32_t lane) const {
-        std::int32_t grown = 0;
-        for (int r = 0; r < 3; ++r)
-            grown = std::max(grown, std::abs(pack.bias[r][lane]) - std::abs(pack.bias_before[r][lane]));
-        return grown > speed_for(opened_gap) >> pack.exponent[lane];
+        std::int32_t now = 0;
+        for (const auto& bias : pack.bias) now = std::max(now, std::abs(bias[lane]));
+        return now - pack.bias_before[lane] > speed_for(opened_gap) >> pack.exponent[lane];
     }
     void push(std::uint32_t body) {
         if (!bodies.step[body].movable || (closed.of_body[body] & is_pushed) != 0) return;
@@ -95,7 +94,10 @@ class Closer {
         closed.stopped.push_back(body);
         SolverBody& b = bodies.body[body];
         for (auto* x : {&b.v, &b.u})
-            for (std::int64_t& part : *x) closed.velocities.push_back(part), part = 0;
+            for (std::int64_t& part : *x) {
+                make_room(closed.velocities);
+                closed.velocities.push_back(part), part = 0;
+            }
     }
     static void clear_impulses(JointPack& pack, TurnPack* turn) {
         std::fill_n(&pack.impulse[0][0], 3 * pack_lanes, 0);
@@ -111,6 +113,7 @@ class Closer {
         closed.of_pack[p] = 1;
         JointPack& pack = tick.packs[p];
         TurnPack* const turn = turn_of(pack);
+        make_room(closed.packs);
         ClosedPack& kept = closed.packs.emplace_back();
         kept.pack = p;
         std::copy_n(pack.exponent, pack_lanes, kept.exponent);

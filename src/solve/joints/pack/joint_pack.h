@@ -66,9 +66,9 @@ struct JointPack {
     bool hinges;                  ///< they are those of hinges
     std::int32_t one[pack_lanes]; ///< 2^-e, 28 fraction bits
     PackInverse inverse;
-    std::int32_t impulse[3][pack_lanes];     ///< p', Speed
-    std::int32_t bias[3][pack_lanes];        ///< Speed
-    std::int32_t bias_before[3][pack_lanes]; ///< when the tick began
+    std::int32_t impulse[3][pack_lanes];  ///< p', Speed
+    std::int32_t bias[3][pack_lanes];     ///< Speed
+    std::int32_t bias_before[pack_lanes]; ///< its largest part when the tick began
     /// From A's centre of mass to B's when the tick began; of the world, the anchor. [m], Real
     std::int64_t apart[3][pack_lanes];
     std::int64_t near_shift[pack_lanes], ahead_shift[pack_lanes]; ///< of C and of the arc to 2^-e
