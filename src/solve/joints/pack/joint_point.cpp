@@ -10,8 +10,6 @@ namespace lockstone::solve {
 
 namespace {
 
-constexpr int inverse_at[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
-
 /// K^-1 of a body, and what follows from its exponent.
 void set_gyration_inverse(PackSide& side, std::uint32_t lane, const BodyStep& body) {
     const auto& [xx, yy, zz, xy, xz, yz] = body.inv_mantissa;
