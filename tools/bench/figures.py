@@ -141,7 +141,7 @@ def counts(results):
     lines = head("M instructions a tick", "counted", "must", "goal")
     for counted in results.get("instructions", []):
         if counted["scene"] not in timed:
-            lines.append(row(counted["scene"], number(counted["millions_per_tick"]), f"{counted['must']:.4g}", f"{counted['goal']:.4g}"))
+            lines.append(row(counted["scene"], f"{counted['millions_per_tick']:.4g}", f"{counted['must']:.4g}", f"{counted['goal']:.4g}" if counted["goal"] else ""))
     return lines
 
 
