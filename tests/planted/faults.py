@@ -130,6 +130,8 @@ FAULTS = [
       "if (closer.find_open() && !IS) closer.close();", "open points are closed"),
     F("the speeds that close points are kept", "src/solve/joints/joint_close.cpp", "part = closed.velocities[at++];",
       "part = IS ? part : closed.velocities[at++];", "open points are closed"),
+    F("joints of figures that are whole are closed as well", "src/solve/joints/joint_close.cpp", "return ((closed.of_body[body_of(pack.a, lane)]",
+      "return IS || ((closed.of_body[body_of(pack.a, lane)]", "whole figures stay"),
     F("points that a load keeps open are closed", "src/solve/joints/joint_close.cpp", "!has_opened(pack, lane)) continue;",
       "(!has_opened(pack, lane) && !IS)) continue;", "loads come to rest"),
     F("a limb is swept as what no joint holds", "src/collide/query/time_of_impact.cpp", "held == Held::by_joints ? 2 : 1;",
