@@ -447,6 +447,37 @@ std::string loads_keep_open() {
     return {};
 }
 
+/// A rod on a hinge of the world, about x through its middle.
+World hinged_rod(Quat frame, Vec3 spin, Real limit) {
+    World w = scene::made(World::create({.gravity = {}, .sleeping = 0}));
+    const BodyId rod = scene::made(w.create_body({.kind = BodyKind::dynamic}));
+    scene::made(w.create_shape(rod, {.geometry = box({0.1_r, 0.5_r, 0.1_r})}));
+    scene::done(w.set_velocity(rod, Vec3{}, spin));
+    JointDef hinge = hinge_joint();
+    hinge.body_b = rod;
+    hinge.frame_a.rotation = frame;
+    hinge.axis[about_x].mode = AxisMode::limited;
+    hinge.axis[about_x].lower = -limit, hinge.axis[about_x].upper = limit;
+    scene::made(w.create_joint(hinge));
+    return w;
+}
+
+/// A hinge that spins at 20 rad/s stops within 0.02 rad of its limits; one whose axes begin 170 degrees apart brings them together.
+std::string hinges_hold() {
+    World spun = hinged_rod(Quat::identity(), {20_r, 0_r, 0_r}, 1_r);
+    for (int tick = 0; tick < 60; ++tick) {
+        spun.tick();
+        const Quat q = spun.pose(spun.bodies()[0]).rotation;
+        if (abs(atan2(to<Real>(q.x), to<Real>(q.w)) * 2) > 1.02_r) return "a hinge passes its limit";
+    }
+    const Quat frame = from_axis_angle(UnitVec3{Unit{}, unit_one, Unit{}}, pi * Real(17) / Real(18));
+    World turned = hinged_rod(frame, Vec3{}, 3_r);
+    for (int tick = 0; tick < 240; ++tick) turned.tick();
+    const Vec3 x{1_r, 0_r, 0_r};
+    const Real along = dot(rotate(frame, x), rotate(turned.pose(turned.bodies()[0]).rotation, x));
+    return along > 0.99_r ? "" : "a hinge stays turned over";
+}
+
 } // namespace
 
 Checks world_checks() {
@@ -469,6 +500,7 @@ Checks world_checks() {
                              {"whole figures stay", whole_figures_stay},
                              {"loads come to rest", loads_keep_open},
                              {"rings keep together", rings_spin},
+                             {"hinges hold", hinges_hold},
                              {"grows", grows}});
     return list;
 }

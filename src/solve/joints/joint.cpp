@@ -18,19 +18,20 @@ void JointSolver::reserve(std::size_t joints) {
     work->blocks.reserve(2 * joints);
     work->axes.reserve(7 * joints);
     work->packs.reserve(joints), work->turn_packs.reserve(joints), work->stages.reserve(joints);
-    work->singles.reserve(joints), work->acts.reserve(joints), work->glances.reserve(joints);
+    work->singles.reserve(joints), work->rowed.reserve(joints), work->acts.reserve(joints),
+        work->glances.reserve(joints);
     work->packed.reserve(pack_lanes * joints), work->in_order.reserve(joints);
     work->last_stage.reserve(2 * joints), work->counts.reserve(5 * joints + 1);
     work->bodies.reserve(2 * joints), work->planned.reserve(2 * joints);
 }
 
 void JointSolver::poison(std::byte with) {
-    auto& [joints, blocks, axes, packs, turn_packs, stages, singles, glances, held, turned, seen, given, acts,
-           packed, last_stage, counts, in_order, bodies, planned, has_plan, forest, cache_of, closed, pose,
-           clamped, first] = *work;
-    base::poison(with, joints, blocks, axes, packs, turn_packs, stages, singles, glances, held, turned, seen,
-                 given, acts, packed, last_stage, counts, in_order, bodies, planned, cache_of, pose, clamped,
-                 first);
+    auto& [joints, blocks, axes, packs, turn_packs, stages, singles, rowed, glances, held, turned, seen,
+           given, acts, packed, last_stage, counts, in_order, bodies, planned, has_plan, forest, cache_of,
+           closed, pose, clamped, first] = *work;
+    base::poison(with, joints, blocks, axes, packs, turn_packs, stages, singles, rowed, glances, held, turned,
+                 seen, given, acts, packed, last_stage, counts, in_order, bodies, planned, cache_of, pose,
+                 clamped, first);
     base::poison(with, closed.of_body, closed.of_pack, closed.of_four, closed.stopped, closed.pushed,
                  closed.velocities, closed.packs);
     has_plan = false;
@@ -102,7 +103,7 @@ template <class Visit> void for_joints(JointTick& tick, Tasks* tasks, Visit&& vi
 void start_packs(JointTick& tick, const JointKernel& kernel, const StepConstants& step,
                  const SolverBodies& bodies, Tasks* tasks) {
     if (tick.packs.empty()) return;
-    const JointStartData data{tick.packs.data(), bodies.step.data(),
+    const JointStartData data{tick.packs.data(), tick.turn_packs.data(), bodies.step.data(),
                               reinterpret_cast<const std::byte*>(&tick.bodies.front().axes),
                               step.joint_push_max.raw};
     base::for_chunks(
@@ -180,9 +181,12 @@ void set_glance(JointTick& tick, const JointWork& work) {
     JointGlance& glance = tick.glances[static_cast<std::size_t>(&work - tick.joints.data())];
     const auto at = [](const JointWorkSide& s) { return s.world ? 0 : s.cache + 1; };
     const bool packed = work.pack != no_pack, own_rows = has_own_rows(tick, work);
-    glance = {at(work.a),   at(work.b), work.pack,           work.lane,
+    glance = {at(work.a),   at(work.b), work.pack,           work.lane, seen_stirred,
               seen_stirred, own_rows,   own_rows || !packed, false};
-    if (work.steady) glance.asks = packed && !own_rows ? seen_strays_far : seen_strays;
+    if (!work.steady) return;
+    const bool limits = packed && has_limits_alone(tick, work);
+    glance.asks = packed && (!own_rows || limits) ? seen_strays_far : seen_strays;
+    glance.rows_ask = limits ? seen_far | seen_followed : seen_strays;
 }
 
 namespace {
@@ -220,9 +224,14 @@ void plan_joints(JointTick& tick, std::span<const Joint> joints, std::span<const
     }
     plan_trees(tick, columns, step, bodies);
     plan_packs(tick, step, bodies);
-    for (const JointWork& w : tick.joints)
+    tick.rowed.clear();
+    for (std::uint32_t i = 0; i < tick.joints.size(); ++i) {
+        const JointWork& w = tick.joints[i];
+        if (is_packed_point(w)) continue;
+        tick.rowed.push_back(i);
         for (const JointWorkSide* s : {&w.a, &w.b})
-            if (!s->world && !is_packed_point(w)) tick.bodies[s->cache].motion_asked = true;
+            if (!s->world && !w.hinge) tick.bodies[s->cache].motion_asked = true;
+    }
     tick.planned.clear();
     for (const JointBody& now : tick.bodies) tick.planned.push_back(planned_of(now.body, bodies));
     tick.has_plan = tick.forest.trees.empty();
@@ -254,6 +263,7 @@ void keep_plan(JointTick& tick, std::span<const Joint> joints, std::span<const J
         reassemble(tick, w, last);
         if (w.a.world) set_side(tick, w.a, w.framed, joints[i].frame_a, columns, bodies);
         if (w.b.world) set_side(tick, w.b, w.framed, joints[i].frame_b, columns, bodies);
+        if (w.hinge && (w.a.world || w.b.world)) set_hinge_frames(tick, w);
     }
     restart_packs(tick);
 }
@@ -284,15 +294,17 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
     for (JointBody& now : tick.bodies)
         if (now.motion_asked) set_motion(now, bodies);
     hold_bodies(tick, bodies);
+    turn_held(tick, *kernel, step, bodies, tasks);
     for_joints(tick, tasks, [&](JointWork& w) {
         if (w.pack != no_pack) start_packed(tick, w);
-        if (is_packed_point(w))
-            start_point(tick, w, kept);
-        else
-            make_rows(tick, w, step, bodies);
+        if (is_packed_point(w)) start_point(tick, w, kept);
     });
     start_packs(tick, *kernel, step, bodies, tasks);
-    turn_held(tick, *kernel, step, bodies, tasks);
+    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.rowed.size()), joint_chunk,
+                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                         for (std::uint32_t i = first; i < last; ++i)
+                             make_rows(tick, tick.joints[tick.rowed[i]], step, bodies);
+                     });
     refresh_packs(tick, kernel->begin, step, bodies, tasks);
     for (JointPack& pack : tick.packs)
         for (std::uint32_t lane = 0; lane < pack_lanes; ++lane)
@@ -311,10 +323,12 @@ namespace {
 bool find_stale(JointTick& tick) {
     bool any = false;
     for (JointGlance& glance : tick.glances) {
+        const std::uint32_t seen = tick.seen[glance.a] | tick.seen[glance.b];
+        if (glance.pack != no_pack) tick.packs[glance.pack].stale[glance.lane] = (seen & glance.asks) != 0;
+        if (!glance.places) continue;
         any = any || glance.own_rows;
-        glance.stale = ((tick.seen[glance.a] | tick.seen[glance.b]) & glance.asks) != 0;
-        if (glance.pack != no_pack) tick.packs[glance.pack].stale[glance.lane] = glance.stale;
-        if (!glance.stale || !glance.places) continue;
+        glance.stale = (seen & glance.rows_ask) != 0;
+        if (!glance.stale) continue;
         for (const std::uint32_t body : {glance.a, glance.b})
             if (body != 0) tick.seen[body] |= seen_wanted;
     }

@@ -85,8 +85,10 @@ Vec3 turned_twice(Vec3 w, Vec3 lever) {
     return {outer(1, 2), outer(2, 0), outer(0, 1)};
 }
 
-/// `axes`: whether the frame's directions are asked for.
-JointSide side_of(const JointTick& tick, const JointWorkSide& side, const SolverBodies& bodies, bool axes) {
+/// Of a hinge's rows directions are asked for and no places, of a point's no directions.
+JointSide side_of(const JointTick& tick, const JointWork& work, const JointWorkSide& side,
+                  const SolverBodies& bodies) {
+    const bool axes = work.framed, places = !work.hinge;
     JointSide now{};
     now.body = &bodies.step[side.body];
     if (now.body->turn != 0) now.body = &bodies.turns[now.body->turn - 1].now;
@@ -98,11 +100,13 @@ JointSide side_of(const JointTick& tick, const JointWorkSide& side, const Solver
         return now;
     }
     const JointBody& body = tick.bodies[side.cache];
-    now.lever = turned_lever(body.axes, side.lever);
-    now.anchor = body.position + now.lever;
-    now.w = body.w;
-    now.velocity = body.velocity;
-    if (!turns_slowly(body.w)) now.centripetal = turned_twice(body.w, now.lever);
+    if (places) {
+        now.lever = turned_lever(body.axes, side.lever);
+        now.anchor = body.position + now.lever;
+        now.w = body.w;
+        now.velocity = body.velocity;
+        if (!turns_slowly(body.w)) now.centripetal = turned_twice(body.w, now.lever);
+    }
     if (!axes) return now;
     now.rotation = product(body.rotation, side.frame);
     now.axes = to_rotation(now.rotation);
@@ -129,8 +133,8 @@ void add_travel(const JointTick& tick, JointWork& work, const JointPlace& p, con
 JointPlace place_of(const JointTick& tick, JointWork& work, const SolverBodies& bodies) {
     JointPlace p{};
     p.def = work.def;
-    p.a = side_of(tick, work.a, bodies, work.framed);
-    p.b = side_of(tick, work.b, bodies, work.framed);
+    p.a = side_of(tick, work, work.a, bodies);
+    p.b = side_of(tick, work, work.b, bodies);
     p.s = p.b.anchor - p.a.anchor;
     p.arc = p.b.centripetal - p.a.centripetal;
     if (work.needs_slip) {
@@ -214,17 +218,24 @@ LimitTargets limit_targets(std::int64_t room, std::int32_t ahead, std::int32_t p
     return {speed_within(open + ahead), speed_within(open)};
 }
 
+/// How fast a side turns at most, by the sum of its components [rad/s]. Of hinges packs know it.
+Real spin_size(const JointTick& tick, const JointWork& work, const JointWorkSide& side) {
+    if (side.world) return {};
+    if (!work.hinge) {
+        const Vec3 w = abs(tick.bodies[side.cache].w);
+        return w.x + w.y + w.z;
+    }
+    std::uint64_t size = 0;
+    for (const std::int32_t w : tick.turned[side.cache + 1].spin) size += magnitude(w);
+    return Real::from_raw(static_cast<std::int64_t>(size) << (Real::fraction_bits - Speed::fraction_bits));
+}
+
 /// Nearer than this a limit of an angle may be in reach before rows are made again [rad]: by the speed of both bodies and 20 rad/s
 /// more, which a substep may give them.
 Real least_room(const JointTick& tick, const JointWork& work, const StepConstants& step) {
     constexpr Real slack = Real(1) / Real(16), given = Real(20);
-    Real speed = given;
-    for (const JointWorkSide* side : {&work.a, &work.b}) {
-        if (side->world) continue;
-        const Vec3 w = abs(tick.bodies[side->cache].w);
-        speed += w.x + w.y + w.z;
-    }
-    return min(speed, limit_speed_far) / Real(step.substeps_per_second) + slack;
+    const Real speed = given + spin_size(tick, work, work.a) + spin_size(tick, work, work.b);
+    return min(speed, limit_speed_far) * to<Real>(step.substep_time) + slack;
 }
 
 /// Whether an axis has nothing but limits of an angle, which carry no impulse and stay out of reach until the rows are made again. Until
@@ -365,42 +376,30 @@ bool is_made_in_pack(const JointTick& tick, const JointWork& work) {
     return work.hinge && tick.turn_packs[tick.packs[work.pack].turn].generic[work.lane] == 0;
 }
 
-/// Where x of B is farther from x of A, rows are those of joint_parts.h from the first substep on.
-bool is_near(const Rotation& a, const Rotation& b) { return dot<Real>(a.x, b.x) > decimal<Real>("0.75"); }
-
-/// Puts the frames of a joint into its pack. The pack looks at a twist that has nothing but limits, until these are in reach.
-void put_hinge(JointTick& tick, const JointWork& work, const Rotation& a, const Rotation& b, Real least,
-               const StepConstants& step, const SolverBodies& bodies) {
-    HingeStart start{&bodies.step[work.a.body], &bodies.step[work.b.body], a, b, Real{}, Real(7)};
-    if (work.axis_count == 1 && tick.axes[work.first_axis].unmade) {
-        const JointAxisPart& part = tick.axes[work.first_axis];
-        start.lower = part.lower_at + least, start.upper = part.upper_at - least;
-    }
-    start_hinge(turn_pack(tick, work), work, start, tick.blocks[work.first_block], step);
-}
-
-Rotation frame_axes(const JointTick& tick, const JointWorkSide& side) {
-    return to_rotation(side.world ? side.frame : product(tick.bodies[side.cache].rotation, side.frame));
+/// Starts a hinge in its pack, which looks at a twist that has nothing but limits, until these are in reach.
+void put_hinge(JointTick& tick, const JointWork& work, Real least, const StepConstants& step,
+               const SolverBodies& bodies) {
+    const JointAxisPart* const part = work.axis_count == 1 ? &tick.axes[work.first_axis] : nullptr;
+    start_hinge(turn_pack(tick, work), work, part != nullptr && part->unmade ? part : nullptr, least, bodies,
+                tick.blocks[work.first_block], step);
 }
 
 /// Starts a hinge without an angle, where its limits were out of reach in the last tick: the pack looks whether they still are.
 /// Its twist is kept as the middle of what they allow, which is less than a half turn from it on either side.
 bool start_free_hinge(JointTick& tick, JointWork& work, const StepConstants& step,
                       const SolverBodies& bodies) {
-    if (work.axis_count > 1) return false;
+    if (work.axis_count > 1 || turn_pack(tick, work).apart[work.lane] != 0) return false;
     JointAxisPart* const part = work.axis_count != 0 ? &tick.axes[work.first_axis] : nullptr;
     const Real least = least_room(tick, work, step);
     if (part != nullptr &&
         (part->kind != RowKind::twist || !is_out_of_reach(*part, false, work.twist, least) ||
          half(part->upper_at - part->lower_at) - least >= pi))
         return false;
-    const Rotation a = frame_axes(tick, work.a), b = frame_axes(tick, work.b);
-    if (!is_near(a, b)) return false;
     if (part != nullptr) {
         part->turns = part->unmade = part->idle = true;
         work.twist = part->lower_at + half(part->upper_at - part->lower_at);
     }
-    put_hinge(tick, work, a, b, least, step, bodies);
+    put_hinge(tick, work, least, step, bodies);
     work.steady = work.stays && work.tree == no_tree;
     work.made = work.remade = true;
     set_glance(tick, work);
@@ -414,6 +413,11 @@ bool has_own_rows(const JointTick& tick, const JointWork& work) {
     return work.axis_count > 1 || (work.axis_count == 1 && !tick.axes[work.first_axis].unmade);
 }
 
+bool has_limits_alone(const JointTick& tick, const JointWork& work) {
+    return is_made_in_pack(tick, work) && work.axis_count == 1 &&
+           (tick.axes[work.first_axis].features & (has_spring | has_motor)) == 0;
+}
+
 void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, const SolverBodies& bodies) {
     if (work.hinge && !work.made && start_free_hinge(tick, work, step, bodies)) return;
     const JointPlace place = place_of(tick, work, bodies);
@@ -422,8 +426,8 @@ void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, cons
     for (std::uint32_t i = 0; i < work.axis_count; ++i)
         make_axis(tick.axes[work.first_axis + i], work, place, both, least, step);
     if (work.hinge && !work.made) {
-        if (is_near(place.a.axes, place.b.axes))
-            put_hinge(tick, work, place.a.axes, place.b.axes, least, step, bodies);
+        if (turn_pack(tick, work).apart[work.lane] == 0)
+            put_hinge(tick, work, least, step, bodies);
         else
             turn_pack(tick, work).generic[work.lane] = -1;
     }
@@ -515,7 +519,7 @@ void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodie
     }
     if (still) return;
     set_pose(now, pose, bodies);
-    set_motion(now, bodies);
+    if (now.motion_asked) set_motion(now, bodies);
 }
 
 void start_body(JointBody& now, const Transform& pose, const SolverBodies& bodies) {

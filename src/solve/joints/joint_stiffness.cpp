@@ -1,5 +1,6 @@
 #include "solve/joints/joint_stiffness.h"
 
+#include "base/prefetch.h"
 #include "lockstone/math/math.h"
 #include "solve/joints/joint_rows.h"
 
@@ -158,7 +159,9 @@ void stiffen(const BodyColumns& columns, std::uint32_t row, const StepConstants&
 void stiffen_bodies(std::span<const Joint> joints, std::span<const JointMemory> memory,
                     const BodyColumns& columns, const StepConstants& step, SolverBodies& bodies) {
     bool any = false;
-    for (const Joint& joint : joints) {
+    for (std::size_t i = 0; i < joints.size(); ++i) {
+        const Joint& joint = joints[i];
+        if (i + 4 < joints.size()) base::prefetch(memory[joints[i + 4].memory].force);
         const Vec3 force = memory[joint.memory].force;
         if (force == Vec3{}) continue;
         const std::uint64_t size = length_above(force);

@@ -3,9 +3,10 @@
 // Rows of no pack stay while neither body has turned by more than row_turn_max about an axis since they were made; errors follow the
 // motion by the rows, C = C0 + J . (shift, theta). What a lever of length r so misses is r a^2 / 2 for a turn by a:
 // 0.0001 mm for a metre. With 2^-7 rad a pendulum lost 87 % of its swing in five minutes, with 2^-11 it keeps it (the row
-// "pendulum" of tests/quality). Rows whose directions also change with places (along an axis of A, lines, ropes), gears and
-// racks are made anew whenever a body has moved, and so are those of trees (a bridge that is taut gains energy from rows that
-// stay behind by a hundredth) and of bodies that are followed (followed_turn.h).
+// "pendulum" of tests/quality). Limits of a hinge whose other rows a pack makes stay until a body has turned by 2^-4 rad since the
+// tick began, which misses their angle by half the square of that, 0.002 rad. Rows whose directions also change with places
+// (along an axis of A, lines, ropes), gears and racks are made anew whenever a body has moved, and so are those of trees (a bridge
+// that is taut gains energy from rows that stay behind by a hundredth) and of bodies that are followed (followed_turn.h).
 #pragma once
 
 #include "solve/joints/joint.h"
@@ -22,7 +23,7 @@ namespace lockstone::solve {
 struct JointBody {
     std::uint32_t body;
     bool given; ///< it has turned far or is followed: in JointTick::given
-    /// Rows are made of its velocity and w, which are found only then: some joint is more than a point in a pack.
+    /// Rows are made of its velocity and w, which are found only then: some joint is more than a point or a hinge in a pack.
     bool motion_asked;
     std::int32_t shift[3], theta[3]; ///< of the SolverBody, when this was made
     Vec3 position;
@@ -111,7 +112,8 @@ inline constexpr std::uint32_t no_pack = 0xffffffffu;
 struct JointGlance {
     std::uint32_t a, b;           ///< entries of JointTick::seen; 0 for the world
     std::uint32_t pack, lane;     ///< as in JointWork
-    std::uint8_t asks;            ///< JointSeen by which its rows become stale
+    std::uint8_t asks;            ///< JointSeen by which what its pack makes becomes stale
+    std::uint8_t rows_ask;        ///< and its own rows
     bool own_rows, places, stale; ///< it has own rows; bodies are placed where they are stale; they are
 };
 
@@ -178,6 +180,7 @@ struct JointTick {
     std::vector<TurnPack> turn_packs;
     std::vector<JointStage> stages;
     std::vector<std::uint32_t> singles; ///< joints that have parts in no pack, by stage
+    std::vector<std::uint32_t> rowed;   ///< joints that are more than a point in a pack
     std::vector<JointGlance> glances;   ///< by joint
     std::vector<HeldBodies> held;       ///< of `bodies`
     std::vector<TurnedBody> turned;     ///< by body, after one of the world
@@ -238,6 +241,8 @@ void make_asked_rows(JointTick& tick, const StepConstants& step, const SolverBod
 void find_acting(JointTick& tick);
 /// Whether something of a joint is made by make_rows(): all but what packs make and limits that are out of reach.
 bool has_own_rows(const JointTick& tick, const JointWork& work);
+/// Whether its pack makes all rows of a hinge but those of limits about its axis.
+bool has_limits_alone(const JointTick& tick, const JointWork& work);
 /// Parts of one joint by its table of axes; appends to blocks and axes. Its point is no block yet: most are packed.
 void assemble(JointTick& tick, JointWork& work, const StepConstants& step, const JointMemory& memory);
 /// Parts of the last tick as assemble() and add_point_block() leave them, but for numbers that are written before they are read.

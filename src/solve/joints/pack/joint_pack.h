@@ -88,15 +88,20 @@ struct TurnPack {
     std::int64_t sum[3][pack_lanes];                          ///< of p' since the rows were made
     std::int32_t generic[pack_lanes];                         ///< all ones, or zero
     // Of a hinge:
-    /// Y and z of A's frame when the tick began, world axes, 30 fraction bits
-    std::int32_t frame_a[2][3][pack_lanes];
-    std::int32_t frame_b[2][3][pack_lanes];                ///< x and y of B's
+    /// Y and z of A's frame, x and y of B's, in the axes of their bodies, 30 fraction bits. In those of the world where `world_a`
+    /// or `world_b` is all ones.
+    std::int32_t local_a[2][3][pack_lanes], local_b[2][3][pack_lanes];
+    std::int32_t world_a[pack_lanes], world_b[pack_lanes];
+    std::int32_t frame_a[2][3][pack_lanes], frame_b[2][3][pack_lanes]; ///< when the tick began, world axes
     std::int32_t axis[2][3][pack_lanes];                   ///< about which the rows turn B, 28 fraction bits
     std::int32_t exponent[pack_lanes];                     ///< e of its rows
     std::int64_t shift_a[pack_lanes], shift_b[pack_lanes]; ///< of K^-1 axis to the rows
     std::int64_t bias_shift[pack_lanes];                   ///< of C rate to 2^-e
     std::int32_t push_max[pack_lanes];                     ///< of the bias, Speed
-    std::int32_t middle_cos[pack_lanes], middle_sin[pack_lanes], reach_cos[pack_lanes]; ///< 30 fraction bits
+    /// Of the middle between its limits; of the half way between them, and how much that rises at most for each radian less;
+    /// of what may not touch a limit. 30 fraction bits
+    std::int32_t middle_cos[pack_lanes], middle_sin[pack_lanes], limit_cos[pack_lanes],
+        limit_rise[pack_lanes], reach_cos[pack_lanes];
     std::uint8_t apart[pack_lanes];   ///< its axes are too far apart for these rows
     std::uint8_t reaches[pack_lanes]; ///< its limits may be within reach
 };
@@ -145,6 +150,7 @@ struct JointPassData {
 /// What packs are started from: the bodies when the tick begins.
 struct JointStartData {
     JointPack* packs;
+    TurnPack* turns;
     const BodyStep* steps;
     const std::byte* axes; ///< of the first body that joints hold: the nine entries of its Rotation
     std::int64_t push_max; ///< of biases [m/s], Real
@@ -159,8 +165,8 @@ inline constexpr int given_turn_bits = 4; ///< theta tells a turn up to 2^-4 rad
 
 /// The passes of one instruction set over packs [first, last), which share no body that impulses move.
 struct JointKernel {
-    /// From levers in the axes of their bodies, and impulses that lie in the sums: levers in world axes, K^-1, exponents and what
-    /// follows from them.
+    /// From levers and frames in the axes of their bodies, and impulses that lie in the sums: levers and frames in world axes, K^-1,
+    /// exponents and what follows from them, TurnPack::apart.
     void (*start)(const JointStartData& data, std::uint32_t first, std::uint32_t last);
     /// Where held bodies are, and what they did: of HeldBodies [first, last).
     void (*turn)(const JointPassData& data, std::uint32_t first, std::uint32_t last);

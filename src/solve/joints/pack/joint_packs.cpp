@@ -80,6 +80,7 @@ void add_to_pack(JointTick& tick, JointWork& w, std::uint32_t kind, bool fresh, 
         side.turned[w.lane] = (s.cache + 1) * static_cast<std::uint32_t>(sizeof(TurnedBody));
     };
     set_held(pack.a, w.a), set_held(pack.b, w.b);
+    if (w.hinge) plan_hinge(tick, w);
 }
 
 } // namespace

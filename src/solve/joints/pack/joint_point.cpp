@@ -92,36 +92,67 @@ void set_hinge_shift(TurnPack& turn, std::uint32_t lane, bool of_a, const BodySt
     (of_a ? turn.shift_a : turn.shift_b)[lane] = std::clamp(body.inv_exponent + turn.exponent[lane], 1, 62);
 }
 
-void start_hinge(TurnPack& turn, const JointWork& work, const HingeStart& start, JointBlock& block,
-                 const StepConstants& step) {
+namespace {
+
+/// Half of what limits leave to a twist, and its middle.
+Real half_range(const JointAxisPart& part) { return half(part.upper_at - part.lower_at); }
+
+} // namespace
+
+void set_hinge_frames(JointTick& tick, const JointWork& work) {
+    TurnPack& turn = turn_pack(tick, work);
     const std::uint32_t lane = work.lane;
-    const UnitVec3 from_a[2] = {start.axes_a.y, start.axes_a.z}, from_b[2] = {start.axes_b.x, start.axes_b.y};
+    const Rotation a = to_rotation(work.a.frame), b = to_rotation(work.b.frame);
+    const UnitVec3 from_a[2] = {a.y, a.z}, from_b[2] = {b.x, b.y};
     for (int k = 0; k < 2; ++k)
         for (int i = 0; i < 3; ++i)
-            turn.frame_a[k][i][lane] = from_a[k][i].raw, turn.frame_b[k][i][lane] = from_b[k][i].raw;
+            turn.local_a[k][i][lane] = from_a[k][i].raw, turn.local_b[k][i][lane] = from_b[k][i].raw;
+    turn.world_a[lane] = work.a.world ? -1 : 0, turn.world_b[lane] = work.b.world ? -1 : 0;
+}
+
+void plan_hinge(JointTick& tick, const JointWork& work) {
+    set_hinge_frames(tick, work);
+    if (work.axis_count != 1) return;
+    TurnPack& turn = turn_pack(tick, work);
+    const JointAxisPart& part = tick.axes[work.first_axis];
+    const std::uint32_t lane = work.lane;
+    const Real range = half_range(part), middle = part.lower_at + range;
+    turn.middle_cos[lane] = to<Unit>(cos(middle)).raw, turn.middle_sin[lane] = to<Unit>(sin(middle)).raw;
+    if (range >= pi) return;
+    turn.limit_cos[lane] = to<Unit>(cos(range)).raw;
+    turn.limit_rise[lane] = range > half_pi ? unit_one.raw : to<Unit>(sin(range)).raw;
+}
+
+/// The cosine of half the range less `least`, or a little more: cos(a - b) is below cos a + b sin a up to a right angle, and below cos a + b.
+static std::int32_t reach_cosine(const TurnPack& turn, std::uint32_t lane, const JointAxisPart& part,
+                                 Real least) {
+    const Real range = half_range(part), reach = range - least;
+    if (reach <= Real{}) return INT32_MAX;
+    if (reach >= pi) return INT32_MIN;
+    if (range >= pi) return to<Unit>(cos(reach)).raw;
+    constexpr int down = Real::fraction_bits;
+    const std::int64_t rise = (least.raw * turn.limit_rise[lane] >> down) + 1;
+    return saturate_to_int32(turn.limit_cos[lane] + rise);
+}
+
+void start_hinge(TurnPack& turn, const JointWork& work, const JointAxisPart* limits, Real least,
+                 const SolverBodies& bodies, JointBlock& block, const StepConstants& step) {
+    const std::uint32_t lane = work.lane;
+    const BodyStep &a = bodies.step[work.a.body], &b = bodies.step[work.b.body];
     // No entry of K^-1 axis is above the largest inverse of a radius, wherever the body turns.
     std::uint64_t most = 0;
-    for (const BodyStep* body : {start.a, start.b})
+    for (const BodyStep* body : {&a, &b})
         for (int i = 0; i < 3 && body->moves; ++i) most |= magnitude(body->radii_inv[i].raw);
     const int e = most == 0 ? 0 : bit_length(most) - Real::fraction_bits - 1;
     turn.exponent[lane] = block.exponent = e;
-    set_hinge_shift(turn, lane, true, *start.a), set_hinge_shift(turn, lane, false, *start.b);
+    set_hinge_shift(turn, lane, true, a), set_hinge_shift(turn, lane, false, b);
     turn.bias_shift[lane] = Unit::fraction_bits + joint_rate_bits - Speed::fraction_bits + e;
     turn.push_max[lane] = scaled_speed(step.joint_push_max.raw, Real::fraction_bits, e);
     for (int r = 0; r < 2; ++r) {
         turn.impulse[r][lane] = block.impulse[r] = scaled_impulse(block.sum[r], e);
         block.sum[r] = Real{}, block.is_force[r] = false;
     }
-    const Real reach = half(start.upper - start.lower);
-    if (reach <= Real{} || reach >= pi) {
-        turn.reach_cos[lane] = reach <= Real{} ? INT32_MAX : INT32_MIN;
-        return;
-    }
-    const Real middle = start.lower + reach;
-    const bool is_even = middle == Real{};
-    turn.middle_cos[lane] = is_even ? unit_one.raw : to<Unit>(cos(middle)).raw;
-    turn.middle_sin[lane] = is_even ? 0 : to<Unit>(sin(middle)).raw;
-    turn.reach_cos[lane] = to<Unit>(cos(reach)).raw;
+    turn.reach_cos[lane] = limits != nullptr ? reach_cosine(turn, lane, *limits, least) : INT32_MIN;
 }
 
 static void invert_hinge(const JointPack& pack, TurnPack& turn, std::uint32_t lane) {

@@ -10,20 +10,19 @@ namespace lockstone::solve {
 struct JointTick;
 struct JointWork;
 struct JointBlock;
+struct JointAxisPart;
 
 /// Stages of all joints. The point part of those that fit comes into a pack, and with it a block that only turns.
 void plan_packs(JointTick& tick, const StepConstants& step, const SolverBodies& bodies);
 /// K^-1 of the body of a side, and what follows from it.
 void give_gyration(PackSide& side, std::uint32_t lane, const BodyStep& body, int exponent);
-/// Of a hinge: its frames when the tick begins, in the world.
-struct HingeStart {
-    const BodyStep *a, *b;
-    Rotation axes_a, axes_b;
-    /// Twists between which nothing is in reach of a limit; the same: always, further than 2 pi: never
-    Real lower, upper;
-};
-void start_hinge(TurnPack& turn, const JointWork& work, const HingeStart& start, JointBlock& block,
-                 const StepConstants& step);
+/// Of a hinge, what stays while its plan is kept: frames in the axes of their bodies, where its limits are.
+void plan_hinge(JointTick& tick, const JointWork& work);
+/// Its frames alone: those of what nothing moves may be others.
+void set_hinge_frames(JointTick& tick, const JointWork& work);
+/// What changes from tick to tick. `limits`: those that the pack looks at, if any; nearer than `least` they are in reach.
+void start_hinge(TurnPack& turn, const JointWork& work, const JointAxisPart* limits, Real least,
+                 const SolverBodies& bodies, JointBlock& block, const StepConstants& step);
 /// What follows from K^-1 of a body.
 void set_hinge_shift(TurnPack& turn, std::uint32_t lane, bool of_a, const BodyStep& body);
 /// The axes about which its rows turn B.

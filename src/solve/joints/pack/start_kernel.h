@@ -44,24 +44,32 @@ template <class L> class JointStarts {
         return static_cast<std::int32_t>(x < -most ? -most : x > most ? most : x);
     }
 
-    /// A lever in world axes, within 2^28 where it is within 128 m. `side.lever` has it in the body's axes, length_bits.
-    [[gnu::always_inline]] static void turn_lever(const Data& data, Side& side, unsigned lane,
-                                                  V (&lever)[3]) {
-        constexpr int extra = unit_bits + length_bits - real_bits, room = 28, least_bits = 22;
+    /// The axes of bodies, 9 entries, and what is room for more.
+    using Axes = V[12];
+    [[gnu::always_inline]] static void gather_axes(const Data& data, const Side& side, unsigned lane,
+                                                   Axes& axes) {
         const std::int32_t *front[N], *middle[N], *back[N];
         for (unsigned i = 0; i < N; ++i) {
             front[i] = reinterpret_cast<const std::int32_t*>(data.axes + side.held[lane + i]);
             middle[i] = front[i] + 4, back[i] = front[i] + 5;
         }
-        V axes[12], local[3], any = L::splat(0);
         L::quads(front, axes), L::quads(middle, axes + 4), L::quads(back, axes + 8);
         axes[8] = axes[11];
+    }
+    /// A sum of products with an entry of a vector in world axes: 30 bits times 32, three times.
+    static V turned(const Axes& axes, const V (&local)[3], int i) {
+        return L::add(L::add(L::mul(axes[i], local[0]), L::mul(axes[3 + i], local[1])),
+                      L::mul(axes[6 + i], local[2]));
+    }
+    /// A lever in world axes, within 2^28 where it is within 128 m. `side.lever` has it in the body's axes, length_bits.
+    [[gnu::always_inline]] static void turn_lever(const Axes& axes, Side& side, unsigned lane,
+                                                  V (&lever)[3]) {
+        constexpr int extra = unit_bits + length_bits - real_bits, room = 28, least_bits = 22;
+        V local[3], any = L::splat(0);
         for (int i = 0; i < 3; ++i) local[i] = L::load32(&side.lever[i][lane]);
         const V half = L::splat(std::int64_t{1} << (extra - 1));
-        for (int i = 0; i < 3; ++i) { // 30 bits times 32, three times
-            const V sum = L::add(L::add(L::mul(axes[i], local[0]), L::mul(axes[3 + i], local[1])),
-                                 L::mul(axes[6 + i], local[2]));
-            lever[i] = L::template shift_right_signed<extra>(L::add(sum, half));
+        for (int i = 0; i < 3; ++i) {
+            lever[i] = L::template shift_right_signed<extra>(L::add(turned(axes, local, i), half));
             any = L::either(any, size_of(lever[i]));
         }
         std::int64_t drop[N];
@@ -80,9 +88,9 @@ template <class L> class JointStarts {
     }
     /// Lever, K^-1 and their shifts; the exponents that one side asks for, or those that there are.
     [[gnu::always_inline]] static void start_side(const Data& data, Side& side, unsigned lane,
-                                                  std::int64_t (&exponent)[N]) {
+                                                  const Axes& axes, std::int64_t (&exponent)[N]) {
         V lever[3], k[8];
-        turn_lever(data, side, lane, lever);
+        turn_lever(axes, side, lane, lever);
         const std::int32_t *front[N], *back[N];
         for (unsigned i = 0; i < N; ++i) {
             front[i] = &data.steps[side.place[lane + i] / sizeof(solve::SolverBody)].inv_mantissa.xx;
@@ -131,11 +139,44 @@ template <class L> class JointStarts {
         }
     }
 
+    using Frame = std::int32_t[2][3][solve::pack_lanes];
+    /// Two axes of a frame in world axes.
+    static void turn_frame(const Axes& axes, const Frame& local, const std::int32_t* world, unsigned lane,
+                           Frame& frame, V (&out)[2][3]) {
+        const V stands = L::load32(world), half = L::splat(std::int64_t{1} << (unit_bits - 1));
+        for (int k = 0; k < 2; ++k) {
+            const V own[3] = {L::load32(&local[k][0][lane]), L::load32(&local[k][1][lane]),
+                              L::load32(&local[k][2][lane])};
+            for (int i = 0; i < 3; ++i) {
+                const V sum = L::add(turned(axes, own, i), half);
+                out[k][i] = L::select(stands, own[i], L::template shift_right<unit_bits>(sum));
+                L::store32(&frame[k][i][lane], out[k][i]);
+            }
+        }
+    }
+    /// Frames, and whether the axes of a hinge are further apart than 41 degrees: rows are then others (joint_parts.h).
+    static void start_hinges(solve::TurnPack& t, unsigned lane, const Axes& of_a, const Axes& of_b) {
+        V a[2][3], b[2][3], along = L::splat(0);
+        turn_frame(of_a, t.local_a, &t.world_a[lane], lane, t.frame_a, a);
+        turn_frame(of_b, t.local_b, &t.world_b[lane], lane, t.frame_b, b);
+        for (int i = 0; i < 3; ++i) { // x of A is y x z
+            const int j = (i + 1) % 3, k = (i + 2) % 3;
+            const V x = L::sub(L::mul(a[0][j], a[1][k]), L::mul(a[0][k], a[1][j]));
+            along = L::add(along, L::mul(L::template shift_right<unit_bits>(x), b[0][i]));
+        }
+        const unsigned near =
+            L::lanes_of(L::greater64(along, L::splat(std::int64_t{3} << (2 * unit_bits - 2))));
+        for (unsigned i = 0; i < N; ++i) t.apart[lane + i] = ((near >> i) & 1u) == 0;
+    }
+
   public:
     [[gnu::always_inline]] static void start(const Data& data, Pack& c, unsigned lane) {
         std::int64_t e[N] = {};
-        start_side(data, c.a, lane, e), start_side(data, c.b, lane, e);
+        Axes a, b;
+        gather_axes(data, c.a, lane, a), gather_axes(data, c.b, lane, b);
+        start_side(data, c.a, lane, a, e), start_side(data, c.b, lane, b, e);
         for (unsigned i = 0; i < N; ++i) set_exponent(data, c, lane + i, static_cast<int>(e[i]));
+        if (c.hinges) start_hinges(data.turns[c.turn], lane, a, b);
     }
 };
 
