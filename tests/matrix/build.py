@@ -113,7 +113,8 @@ class Builder:
 
     def link(self, build, name, files):
         """Path of the program `name` made of these files. Those that programs share are compiled once."""
-        key = hashlib.sha256(repr((build.cxx, build.flags)).encode()).hexdigest()[:12]
+        of_kernels = [kernel_flags(build, name) for name in (*KERNELS, *KERNELS_OF_WASM)]
+        key = hashlib.sha256(repr((build.cxx, build.flags, of_kernels)).encode()).hexdigest()[:12]
         folder = self.folder / f"{build.target or 'host'}-{key}"
         folder.mkdir(parents=True, exist_ok=True)
         include = [ROOT / name for name in ("include", "src", "", "tools", "tests/matrix")]
