@@ -219,6 +219,23 @@ void meet_shape(const Model& w, PlacedShapes& s, const ShapeRow& shape) {
     if (!is_awake(w, body_row)) set_resting_proxy(w, s, shape, body_row);
 }
 
+/// Filters of the shapes that may be others than when it was last called; `s.changed` has the rows of the table of shapes then.
+void take_shape_changes(const Model& w, PlacedShapes& s) {
+    const std::span<const ShapeRow> shapes = w.state.rows(w.m.shape);
+    const auto note = [&](std::uint32_t first, std::uint32_t end) {
+        for (const ShapeRow& shape : shapes.subspan(first, end - first)) {
+            const ShapeTraits& is = w.traits_of(shape);
+            s.shape[shape.id.index - 1].filter = {
+                shape.id.generation, shape.body.index - 1,           shape.traits, is.category, is.mask,
+                is.geometry.kind,    is.sensor == 0 && is.group == 0};
+        }
+    };
+    w.state.take_changes(w.m.shape_traits.row.index, s.proxies_of, s.changed);
+    if (!s.changed.empty()) note(0, static_cast<std::uint32_t>(shapes.size()));
+    w.state.take_changes(w.m.shape.index, s.proxies_of, s.changed);
+    for (const RowRange& range : s.changed) note(range.first, range.end);
+}
+
 /// Proxies of what rests, and the planes, after anything may have happened to the state. Where the pages of a shape and of
 /// its body are those of the last time, and the body rested then too, its proxy is right: what made it has not changed.
 void update_resting(const Model& w, PlacedShapes& s) {
@@ -230,7 +247,7 @@ void update_resting(const Model& w, PlacedShapes& s) {
         drop_if_dead(w, s, slot);
     std::erase_if(s.planes, [&](std::uint32_t slot) { return !is_living_plane(w, slot); });
 
-    state.take_changes(w.m.shape.index, s.proxies_of, s.changed);
+    take_shape_changes(w, s);
     for (const RowRange& range : s.changed)
         for (std::uint32_t row = range.first; row < range.end; ++row)
             meet_shape(w, s, state.rows(w.m.shape)[row]);
@@ -248,8 +265,8 @@ void update_resting(const Model& w, PlacedShapes& s) {
 
 /// The same when nothing that rests has changed: only what is awake, and who is.
 void pass_over_changes(const Model& w, PlacedShapes& s) {
-    for (const std::uint32_t column :
-         {w.m.shape_slot.index, w.m.shape.index, w.m.body_info.index, w.m.body_pose.index})
+    take_shape_changes(w, s);
+    for (const std::uint32_t column : {w.m.shape_slot.index, w.m.body_info.index, w.m.body_pose.index})
         w.state.take_changes(column, s.proxies_of, s.changed);
 }
 

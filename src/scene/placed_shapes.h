@@ -26,24 +26,35 @@ struct PlacedShapes {
     /// Whether poses and bounds are those of the state. update_bounds() sets it, whoever changes the state clears it.
     bool is_current = false;
 
-    struct Shape {
-        shapes::Solid solid;
-        Transform pose;   ///< world
-        Rotation axes;    ///< of the pose, once has_axes
+    /// What pairs ask of the row and the traits of a shape.
+    struct Filter {
+        std::uint32_t generation; ///< of the shape's id
+        std::uint32_t body;       ///< its slot
+        std::uint32_t traits;     ///< row of the table of ShapeTraits
+        std::uint32_t category, mask;
+        ShapeKind kind;
+        bool is_plain; ///< neither a sensor nor in a group
+    };
+    /// The first cache line is what most pairs look at.
+    struct alignas(64) Shape {
+        Filter filter;
         Length margin;    ///< how far its contacts reach ahead at most
         Coordinate reach; ///< of its points from its origin [m]
         Length inner;     ///< shapes::inner_radius() of the solid
+        bool has_axes;    ///< a ball that nothing is near needs none
+        bool is_placed;   ///< while bounds are updated: pose, margin and bounds are those of this tick
+        bool rests;       ///< the broad phase has it as resting, placed by: resting_local...
         collide::Bounds bounds;
-        bool has_axes;  ///< a ball that nothing is near needs none
-        bool is_placed; ///< while bounds are updated: pose, margin and bounds are those of this tick
-        bool rests;     ///< the broad phase has it as resting, placed by:
+        Transform pose; ///< world
+        Rotation axes;  ///< of the pose, once has_axes
+        shapes::Solid solid;
         Transform resting_local, resting_at;
         Vec3 resting_center;
     };
     std::vector<Shape> shape;          ///< by shape slot, of living shapes
     std::vector<std::uint32_t> planes; ///< shape slots, sorted
 
-    // What the proxies of resting shapes were made of, so that only what changed since is looked at.
+    // What filters and the proxies of resting shapes were made of, so that only what changed since is looked at.
     /// By shape slot: the generation of the shape that the broad phase holds, 0: none
     std::vector<std::uint32_t> proxy_generation;
     ChangeMark proxies_of;

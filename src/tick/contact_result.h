@@ -9,6 +9,9 @@ namespace lockstone::sim {
 
 /// What a tick finds out about a pair that has contact points, or touched until now.
 struct ContactResult {
+    ContactResult() {
+    } ///< `key` is not set; the rest number by number, which a value of zeros would be once more
+
     ContactKey key;
     std::uint32_t flags = 0;                    ///< solve::ContactFlags of the pair
     std::uint32_t old_first = 0, old_count = 0; ///< its rows in the contact table of the last tick

@@ -2,6 +2,7 @@
 #include "tick/contacts.h"
 
 #include "base/parallel.h"
+#include "base/prefetch.h"
 #include "collide/integer.h"
 #include "lockstone/math/math.h"
 #include "scene/surface.h"
@@ -22,9 +23,8 @@ struct View {
     const PlacedShapes& placed;
     const CharacterScratch* movers; ///< null: no contacts are left to characters
     const solve::PairKernel& kernel;
-    std::span<const ShapeRow> shapes;
     std::span<const ShapeTraits> traits;
-    std::span<const Slot> shape_slots, body_slots;
+    std::span<const Slot> body_slots;
     std::span<const Transform> poses;
     std::span<const Velocity> velocities;
     std::span<const ContactMemory> old; ///< the contact table of the last tick
@@ -34,13 +34,10 @@ struct View {
     View(const Model& model, const PlacedShapes& shapes_placed, const CharacterScratch* characters,
          std::span<const ContactMemory> table, const solve::PairKernel& pair_kernel)
         : w(model), placed(shapes_placed), movers(characters), kernel(pair_kernel),
-          shapes(w.state.rows(w.m.shape)), traits(w.state.rows(w.m.shape_traits.row)),
-          shape_slots(w.state.rows(w.m.shape_slot)), body_slots(w.state.rows(w.m.body_slot)),
+          traits(w.state.rows(w.m.shape_traits.row)), body_slots(w.state.rows(w.m.body_slot)),
           poses(w.state.rows(w.m.body_pose)), velocities(w.state.rows(w.m.body_velocity)), old(table),
           awake(w.header().bodies_awake),
           half_tick(Unit::from_raw(unit_one.raw / (2 * static_cast<std::int32_t>(w.config().tick_rate)))) {}
-    const ShapeRow& shape(ShapeId living) const { return shapes[shape_slots[living.index - 1].row]; }
-    std::uint32_t row_of(BodyId living) const { return body_slots[living.index - 1].row; }
     BodyId body(std::uint32_t row) const { return w.state.rows(w.m.body_info)[row].id; }
 };
 
@@ -55,24 +52,24 @@ struct CandidatePair {
 
 /// Whether shape b is the narrow phase's A: the greater kind is, of equal kinds the larger. Of two convex shapes one that
 /// is larger than a lever can be comes first whatever its kind, as contact points are told from B's origin.
-bool goes_after(const ShapeTraits& a, const PlacedShapes::Shape& at_a, const ShapeTraits& b,
-                const PlacedShapes::Shape& at_b) {
-    const ShapeKind ka = a.geometry.kind, kb = b.geometry.kind;
+bool goes_after(const PlacedShapes::Shape& a, const PlacedShapes::Shape& b) {
+    const ShapeKind ka = a.filter.kind, kb = b.filter.kind;
     const bool are_convex = ka <= ShapeKind::hull && kb <= ShapeKind::hull;
-    const bool is_huge = max(at_a.reach, at_b.reach) > Coordinate(128);
-    if (ka == kb || (are_convex && is_huge)) return at_a.reach < at_b.reach;
+    const bool is_huge = max(a.reach, b.reach) > Coordinate(128);
+    if (ka == kb || (are_convex && is_huge)) return a.reach < b.reach;
     return ka < kb;
 }
 
 void find_candidate(const View& v, const NearPair& near, CandidatePair& c) {
-    const ShapeRow &a = v.shape(near.key.a), &b = v.shape(near.key.b);
-    c.a = &v.traits[a.traits], c.b = &v.traits[b.traits];
-    c.body_a = v.row_of(a.body), c.body_b = v.row_of(b.body);
-    c.at_a = &v.placed.shape[near.key.a.index - 1], c.at_b = &v.placed.shape[near.key.b.index - 1];
-    c.flipped = goes_after(*c.a, *c.at_a, *c.b, *c.at_b);
-    if (c.flipped) std::swap(c.a, c.b), std::swap(c.at_a, c.at_b), std::swap(c.body_a, c.body_b);
+    const PlacedShapes::Shape &a = v.placed.shape[near.key.a.index - 1],
+                              &b = v.placed.shape[near.key.b.index - 1];
+    c.flipped = goes_after(a, b);
+    c.at_a = c.flipped ? &b : &a, c.at_b = c.flipped ? &a : &b;
+    c.a = &v.traits[c.at_a->filter.traits], c.b = &v.traits[c.at_b->filter.traits];
+    c.body_a = v.body_slots[c.at_a->filter.body].row, c.body_b = v.body_slots[c.at_b->filter.body].row;
     c.margin = near.margin;
-    c.sensor = (c.a->sensor | c.b->sensor) != 0;
+    // Only a few shapes are sensors or in a group; of others this asks for no row that is not at hand.
+    c.sensor = !(a.filter.is_plain && b.filter.is_plain) && (c.a->sensor | c.b->sensor) != 0;
 }
 
 // ---- pairs in lanes ---
@@ -86,10 +83,15 @@ bool has_corners(const ShapeTraits& shape) {
     return (kind == ShapeKind::box || kind == ShapeKind::hull) && shape.geometry.radius == Length{};
 }
 
-/// From one place to another [m]. Most shapes stand in the middle of their body.
-Long3 way(const Vec3& from, const Vec3& to) {
-    if (from == to) return {};
-    return raw(lockstone::to<Length>(to - from));
+/// From one place to another [m], number by number: a copy of all three would wait for them.
+void set_way(const Vec3& from, const Vec3& to, std::int64_t (&way)[3]) {
+    for (int i = 0; i < 3; ++i) way[i] = (to[i] - from[i]).raw;
+}
+/// The same as lengths. Most shapes stand in the middle of their body.
+void set_base(const Vec3& from, const Vec3& to, std::int64_t (&base)[3]) {
+    for (std::int64_t& x : base) x = 0;
+    if (from == to) return;
+    for (int i = 0; i < 3; ++i) base[i] = lockstone::to<Length>(to[i] - from[i]).raw;
 }
 
 /// Whether what parted two shapes when they were last looked at still does: then they have no contact points.
@@ -109,10 +111,9 @@ void fill_pair(const View& v, const CandidatePair& c, std::span<const ContactMem
                on_ground = c.a->geometry.kind > ShapeKind::compound;
     const Length thinnest =
         c.a->geometry.kind < ShapeKind::compound ? min(c.at_a->inner, c.at_b->inner) : c.at_b->inner;
-    const Long3 to_b = raw(b.position - a.position), from_body = raw(b.position - v.poses[c.body_a].position),
-                base = way(v.poses[c.body_b].position, b.position);
-    for (int i = 0; i < 3; ++i)
-        lane.way.v[i] = to_b[i], lane.way.u[i] = from_body[i], lane.kept.u[i] = base[i];
+    set_way(a.position, b.position, lane.way.v);
+    set_way(v.poses[c.body_a].position, b.position, lane.way.u);
+    set_base(v.poses[c.body_b].position, b.position, lane.kept.u);
     if (is_plane) {
         const Long3 given = raw(collide::plane_relative_position(c.at_a->axes.y, a.position, b.position));
         for (int i = 0; i < 3; ++i) lane.given.v[i] = given[i];
@@ -314,21 +315,22 @@ struct WindowPair {
     std::span<const ContactMemory> old; ///< its rows of the last tick
     std::uint32_t row;                  ///< of the window: first of those that are used
     std::uint32_t fresh;                ///< of the chunk: first of its new ones
-    ContactResult result;
+    std::uint32_t row_count;            ///< of those that are used
+    bool is_kept;                       ///< they are those of the last tick
+    bool was_touching;                  ///< when the last tick ended
 };
 
 /// The rows of the last tick while the shapes stand to each other as they did, else new ones.
 void choose_rows(NarrowWorker& worker, NearChunk& chunk, WindowPair& pair) {
     const CandidatePair& c = pair.shapes;
     const bool had = !pair.old.empty();
-    ContactResult& result = pair.result;
-    result.was_touching = had && touched(pair.old[0]);
-    result.is_kept = had && ((pair.old[0].flags & solve::contact_flipped) != 0) == c.flipped &&
-                     solve::covers(pair.old[0], c.margin) && worker.window.serves[pair.row] != 0;
+    pair.was_touching = had && touched(pair.old[0]);
+    pair.is_kept = had && ((pair.old[0].flags & solve::contact_flipped) != 0) == c.flipped &&
+                   solve::covers(pair.old[0], c.margin) && worker.window.serves[pair.row] != 0;
     pair.fresh = static_cast<std::uint32_t>(chunk.memories.size());
-    result.row_count = result.is_kept ? pair.near->old_count
-                                      : make_rows(c, worker.window.places[pair.row], pair.old,
-                                                  pair.near->apart, worker, chunk);
+    pair.row_count = pair.is_kept ? pair.near->old_count
+                                  : make_rows(c, worker.window.places[pair.row], pair.old, pair.near->apart,
+                                              worker, chunk);
 }
 
 /// Where the shapes of all pairs are to each other, and which rows of the last tick serve.
@@ -360,27 +362,25 @@ void collide_window(const View& v, std::span<WindowPair> pairs, NarrowWorker& wo
     for (WindowPair& pair : pairs) choose_rows(worker, chunk, pair);
     const auto rows_of = [&](const WindowPair& pair) {
         const std::span<const ContactMemory> made = chunk.memories;
-        return pair.result.is_kept ? pair.old : made.subspan(pair.fresh, pair.result.row_count);
+        return pair.is_kept ? pair.old : made.subspan(pair.fresh, pair.row_count);
     };
     const std::uint32_t fresh = window.count;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-        if (pairs[i].result.is_kept) continue;
+        if (pairs[i].is_kept) continue;
         pairs[i].row = window.count;
         add_rows(window.pairs[i], rows_of(pairs[i]), window);
     }
     find_rows(v, solve::PairWork::fresh, window, fresh);
     for (const WindowPair& pair : pairs) {
-        ContactResult& result = chunk.results.emplace_back(pair.result);
-        result.first_row = next_row;
-        if (result.row_count == 0) {
-            if (result.was_touching)
-                result.flags = pair.old[0].flags;
-            else
-                chunk.results.pop_back();
-            continue;
-        }
+        if (pair.row_count == 0 && !pair.was_touching) continue;
+        ContactResult& result = chunk.results.emplace_back();
+        result.key = pair.near->key;
+        result.old_first = pair.near->old_first, result.old_count = pair.near->old_count;
+        result.first_row = next_row, result.row_count = pair.row_count;
+        result.is_kept = pair.is_kept, result.was_touching = pair.was_touching;
         const std::span<const ContactMemory> rows = rows_of(pair);
-        result.flags = rows[0].flags;
+        result.flags = rows.empty() ? pair.old[0].flags : rows[0].flags;
+        if (rows.empty()) continue;
         use_rows(v, pair.shapes, rows, window.contacts.data() + pair.row, worker, chunk, result);
         next_row += result.row_count;
     }
@@ -397,9 +397,9 @@ void collide_chunk(const View& v, std::uint32_t first, std::uint32_t last, std::
         WindowPair& pair = pairs[count];
         find_candidate(v, near[i], pair.shapes);
         if (are_still_parted(pair.shapes, near[i])) continue;
+        base::prefetch(*pair.shapes.a), base::prefetch(*pair.shapes.b);
         pair.near = &near[i];
         pair.old = v.old.subspan(near[i].old_first, near[i].old_count);
-        pair.result = {.key = near[i].key, .old_first = near[i].old_first, .old_count = near[i].old_count};
         if (++count == pairs.size()) collide_window(v, pairs, worker, chunk, next_row), count = 0;
     }
     if (count != 0) collide_window(v, std::span(pairs).first(count), worker, chunk, next_row);

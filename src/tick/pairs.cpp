@@ -84,19 +84,19 @@ bool still_overlap(const collide::Bounds& a, const collide::Bounds& b, Length sp
 struct PairView {
     const Model& w;
     const PlacedShapes& placed;
-    std::span<const Slot> shape_slots, body_slots;
-    std::span<const ShapeRow> shapes;
-    std::span<const ShapeTraits> traits;
+    const JoinedBodies& joined;
+    std::span<const Slot> body_slots;
     std::span<const BodyInfo> info;
     bool has_filters;
     std::uint32_t shift, awake;
 
-    PairView(const Model& model, const PlacedShapes& shapes_placed)
-        : w(model), placed(shapes_placed), shape_slots(w.state.rows(w.m.shape_slot)),
-          body_slots(w.state.rows(w.m.body_slot)), shapes(w.state.rows(w.m.shape)),
-          traits(w.state.rows(w.m.shape_traits.row)), info(w.state.rows(w.m.body_info)),
-          has_filters(w.state.count(w.m.pair_filters) != 0), shift(w.state.rows(w.m.config)[0].bounds_shift),
-          awake(w.header().bodies_awake) {}
+    PairView(const Model& model, const PlacedShapes& shapes_placed, const JoinedBodies& joined_bodies)
+        : w(model), placed(shapes_placed), joined(joined_bodies), body_slots(w.state.rows(w.m.body_slot)),
+          info(w.state.rows(w.m.body_info)), has_filters(w.state.count(w.m.pair_filters) != 0),
+          shift(w.state.rows(w.m.config)[0].bounds_shift), awake(w.header().bodies_awake) {}
+    const ShapeRow& shape(std::uint32_t slot) const {
+        return w.state.rows(w.m.shape)[w.state.rows(w.m.shape_slot)[slot].row];
+    }
 };
 
 /// Whether one of two bodies was made asleep and the other does not move: a level is made in any order.
@@ -108,30 +108,31 @@ bool leaves_asleep(const PairView& v, std::uint32_t body_a, std::uint32_t body_b
     return body_a >= v.awake ? leaves(body_b, body_a) : body_b >= v.awake && leaves(body_a, body_b);
 }
 
-/// A null key when the two do not meet, or both rest, or are farther apart than the margin.
-PairScratch::Key key_of(const PairView& v, collide::ProxyPair pair) {
-    const ShapeRow &a = v.shapes[v.shape_slots[pair.a].row], &b = v.shapes[v.shape_slots[pair.b].row];
-    const std::uint32_t body_a = v.body_slots[a.body.index - 1].row,
-                        body_b = v.body_slots[b.body.index - 1].row;
-    const PlacedShapes::Shape &at_a = v.placed.shape[pair.a], &at_b = v.placed.shape[pair.b];
-    if (body_a >= v.awake && body_b >= v.awake) return {};
+/// Whether two shapes may meet: may_meet(), and what most pairs are without looking further.
+bool may_pair(const PairView& v, collide::ProxyPair pair, std::uint32_t body_a, std::uint32_t body_b) {
+    const PlacedShapes::Filter &a = v.placed.shape[pair.a].filter, &b = v.placed.shape[pair.b].filter;
     const BodyInfo &info_a = v.info[body_a], &info_b = v.info[body_b];
-    const ShapeTraits &is_a = v.traits[a.traits], &is_b = v.traits[b.traits];
-    const bool is_common = !v.has_filters && (is_a.sensor | is_b.sensor) == 0 &&
-                           (is_a.group | is_b.group) == 0 &&
+    const bool is_common = !v.has_filters && a.is_plain && b.is_plain &&
                            (info_a.kind == BodyKind::dynamic || info_b.kind == BodyKind::dynamic);
-    const bool have_joints = info_a.first_joint != 0 && info_b.first_joint != 0;
-    const Length margin = pair_margin(v.w, at_a, body_a, at_b, body_b);
-    const bool has_plane = is_a.geometry.kind == ShapeKind::plane || is_b.geometry.kind == ShapeKind::plane;
-    const Length spare = has_plane ? Length{} : at_a.margin + at_b.margin - margin;
-    if (!still_overlap(at_a.bounds, at_b.bounds, spare, v.shift)) return {};
-    // What most pairs are, without looking further.
-    const bool meet = is_common ? a.body != b.body && (is_a.category & is_b.mask) != 0 &&
-                                      (is_b.category & is_a.mask) != 0 &&
-                                      !(have_joints && are_joined(v.w, a.body, b.body))
-                                : may_meet(v.w, a, b);
-    if (!meet || leaves_asleep(v, body_a, body_b)) return {};
-    return {{a.id, b.id}, margin};
+    if (!is_common) return may_meet(v.w, v.shape(pair.a), v.shape(pair.b));
+    return body_a != body_b && (a.category & b.mask) != 0 && (b.category & a.mask) != 0 &&
+           !v.joined.contain(a.body, b.body);
+}
+
+/// Its key is null when the two do not meet, or both rest, or are farther apart than the margin. Written where it is kept: a copy
+/// of the whole would wait for numbers that were just written one by one.
+void find_key(const PairView& v, collide::ProxyPair pair, PairScratch::Key& out) {
+    const PlacedShapes::Shape &a = v.placed.shape[pair.a], &b = v.placed.shape[pair.b];
+    const std::uint32_t body_a = v.body_slots[a.filter.body].row, body_b = v.body_slots[b.filter.body].row;
+    out.key.a = {};
+    if (body_a >= v.awake && body_b >= v.awake) return;
+    const Length margin = pair_margin(v.w, a, body_a, b, body_b);
+    const bool has_plane = a.filter.kind == ShapeKind::plane || b.filter.kind == ShapeKind::plane;
+    const Length spare = has_plane ? Length{} : a.margin + b.margin - margin;
+    if (!still_overlap(a.bounds, b.bounds, spare, v.shift)) return;
+    if (!may_pair(v, pair, body_a, body_b) || leaves_asleep(v, body_a, body_b)) return;
+    out.key.a = {pair.a + 1, a.filter.generation}, out.key.b = {pair.b + 1, b.filter.generation};
+    out.margin = margin;
 }
 
 void find_keys(const PairView& view, PairScratch& s, Tasks* tasks) {
@@ -141,7 +142,7 @@ void find_keys(const PairView& view, PairScratch& s, Tasks* tasks) {
     keys.resize(count);
     base::for_chunks(tasks, count, filtered_per_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-                         for (std::uint32_t i = first; i < last; ++i) keys[i] = key_of(view, s.pairs[i]);
+                         for (std::uint32_t i = first; i < last; ++i) find_key(view, s.pairs[i], keys[i]);
                      });
 }
 
@@ -157,21 +158,61 @@ std::size_t leaf_pairs_max(const Model& w) { return 8 * near_max(w); }
 /// Pairs whose bounds overlap, in order: all of them, or in a crowd as many as are looked at, and one more.
 void find_overlaps(const PairView& view, collide::BroadPhase& broad_phase, PairScratch& s) {
     if (broad_phase.find_pairs(s.pairs, leaf_pairs_max(view.w))) return;
-    broad_phase.find_first_pairs(s.pairs, near_max(view.w) + 1,
-                                 [&](collide::ProxyPair pair) { return bool(key_of(view, pair).key.a); });
+    broad_phase.find_first_pairs(s.pairs, near_max(view.w) + 1, [&](collide::ProxyPair pair) {
+        PairScratch::Key found;
+        find_key(view, pair, found);
+        return bool(found.key.a);
+    });
 }
 
 /// Ends what touched and is no longer near.
 void retire(const ContactList& old, std::uint32_t row, std::vector<ContactResult>& ended) {
     const ContactMemory& memory = old.memories[row];
-    if (touched(memory)) ended.push_back({.key = old.keys[row], .flags = memory.flags, .was_touching = true});
+    if (!touched(memory)) return;
+    ContactResult& result = ended.emplace_back();
+    result.key = old.keys[row], result.flags = memory.flags, result.was_touching = true;
 }
 
 } // namespace
 
+void JoinedBodies::reserve(const WorldRows& rows) {
+    bits.reserve(rows.bodies), first.reserve(rows.bodies + 1), partners.reserve(2 * rows.joints);
+}
+
+void JoinedBodies::find(const Model& w) {
+    const std::uint32_t joints = w.state.count(w.m.joints), slots = w.state.count(w.m.body_slots),
+                        before = w.state.take_changes(w.m.joint.index, seen, changed);
+    if (changed.empty() && before == joints && bits.size() == slots) return;
+    const auto for_each_end = [&](auto&& visit) {
+        for (const JointRow& joint : w.state.rows(w.m.joint)) {
+            if (joint.def.collide_connected != 0 || !joint.def.body_a) continue;
+            const std::uint32_t a = joint.def.body_a.index - 1, b = joint.def.body_b.index - 1;
+            visit(a, b), visit(b, a);
+        }
+    };
+    base::make_room(bits, slots), base::make_room(first, slots + 1), base::make_room(partners, 2 * joints);
+    bits.assign(slots, 0), first.assign(slots + 1, 0);
+    for_each_end([&](std::uint32_t own, std::uint32_t other) {
+        bits[own] |= std::uint64_t{1} << other % 64;
+        ++first[own];
+    });
+    for (std::uint32_t slot = 1; slot <= slots; ++slot) first[slot] += first[slot - 1];
+    partners.resize(first[slots]);
+    // From where those of a slot end down to where they begin.
+    for_each_end([&](std::uint32_t own, std::uint32_t other) { partners[--first[own]] = other; });
+}
+
+/// Many joints may end at one body: the one with fewer is asked.
+bool JoinedBodies::has_partner(std::uint32_t a, std::uint32_t b) const {
+    if (first[a + 1] - first[a] > first[b + 1] - first[b]) std::swap(a, b);
+    const auto begin = partners.begin();
+    return std::find(begin + first[a], begin + first[a + 1], b) != begin + first[a + 1];
+}
+
 void find_pairs(const Model& w, PlacedShapes& placed, const ContactList& table, PairScratch& s,
                 NearPairs& out, Tasks* tasks) {
-    const PairView view(w, placed);
+    s.joined.find(w);
+    const PairView view(w, placed, s.joined);
     find_overlaps(view, placed.broad_phase, s);
     find_plane_pairs(w, placed, s);
     find_keys(view, s, tasks);
@@ -197,7 +238,8 @@ void find_pairs(const Model& w, PlacedShapes& placed, const ContactList& table, 
         while (old < count && order(old_keys[old]) < place) retire(table, old++, out.ended);
         while (hint < s.before.size() && order(s.before[hint].key) < place) ++hint;
         make_axes(placed.shape[pair.key.a.index - 1]), make_axes(placed.shape[pair.key.b.index - 1]);
-        NearPair near{pair.key, pair.margin, old, 0, {}};
+        NearPair& near = out.list.emplace_back(); // filled in there, as keys are
+        near.key = pair.key, near.margin = pair.margin, near.old_first = old;
         for (; old < count && order(old_keys[old]) == place; ++old) {
             if (old_keys[old] == pair.key)
                 ++near.old_count;
@@ -205,7 +247,6 @@ void find_pairs(const Model& w, PlacedShapes& placed, const ContactList& table, 
                 retire(table, old, out.ended), near.old_first = old + 1;
         }
         if (hint < s.before.size() && s.before[hint].key == pair.key) near.apart = s.before[hint].apart;
-        out.list.push_back(near);
     }
     while (old < count) retire(table, old++, out.ended);
 }

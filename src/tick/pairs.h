@@ -25,6 +25,28 @@ struct NearPairs {
     std::vector<ContactResult> ended; ///< of pairs that touched and are no longer near
 };
 
+/// Which bodies joints hold together without letting them touch: are_joined() by slots, without a walk over rows of joints.
+class JoinedBodies {
+  public:
+    void reserve(const WorldRows& rows);
+    /// Cheap while no joint has come, gone or changed.
+    void find(const Model& w);
+    bool contain(std::uint32_t slot_a, std::uint32_t slot_b) const {
+        const bool may = ((bits[slot_a] >> slot_b % 64 & bits[slot_b] >> slot_a % 64) & 1u) != 0;
+        return may && has_partner(slot_a, slot_b);
+    }
+
+  private:
+    bool has_partner(std::uint32_t slot_a, std::uint32_t slot_b) const;
+
+    std::vector<std::uint64_t> bits; ///< by body slot: its partners' slots modulo 64
+    /// The partners of slot s are partners[first[s]] to before partners[first[s + 1]].
+    std::vector<std::uint32_t> first, partners;
+    // What it was made of
+    ChangeMark seen;
+    std::vector<RowRange> changed; ///< memory
+};
+
 /// Its memory.
 struct PairScratch {
     std::vector<collide::ProxyPair> pairs, plane_pairs, merged_pairs;
@@ -35,6 +57,14 @@ struct PairScratch {
     };
     std::vector<Key> keys;        ///< by pair
     std::vector<NearPair> before; ///< gives the next ones their hints, which change speed only
+    JoinedBodies joined;
+
+    /// Pairs of leaves are listed before those are kept whose bounds overlap.
+    void reserve(const WorldRows& rows) {
+        for (auto* list : {&pairs, &merged_pairs}) // which change places
+            list->reserve(collide::BroadPhase::leaf_pairs_reserved(rows.shapes));
+        joined.reserve(rows);
+    }
 };
 
 /// Shapes that may meet and are near, in pair order, with their rows of the contact table `old`.

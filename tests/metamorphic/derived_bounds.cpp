@@ -28,6 +28,8 @@ std::uint64_t derived_hash(sim::Data& w) {
     for (const sim::ShapeRow& shape : w.state.rows(w.m.shape)) {
         const sim::PlacedShapes::Shape& at = s.shape[shape.id.index - 1];
         add(at.margin.raw, at.reach.raw, at.rests);
+        const sim::PlacedShapes::Filter& f = at.filter;
+        add(f.generation, f.body, f.traits, f.category, f.mask, f.kind, f.is_plain);
         for (int i = 0; i < 3; ++i) add(at.pose.position[i].raw);
         for (const Unit u : {at.pose.rotation.x, at.pose.rotation.y, at.pose.rotation.z, at.pose.rotation.w})
             add(u.raw);
@@ -67,7 +69,7 @@ struct Run {
     }
     static WorldDef definition() {
         WorldDef def = drowsy_def();
-        def.bodies_max = def.shapes_max = 400, def.contacts_max = 3000;
+        def.bodies_max = def.shapes_max = 400, def.contacts_max = 3000, def.joints_max = 60;
         def.sleep_time = real(0.1);
         return def;
     }
@@ -90,8 +92,22 @@ struct Run {
                  pose, shape);
     }
     BodyId some_body() { return w.state.rows(w.m.body_info)[below(w.state.count(w.m.bodies))].id; }
+    ShapeId some_shape() { return w.state.rows(w.m.shape)[below(w.state.count(w.m.shapes))].id; }
+    void join_something() {
+        JointDef def = ball_joint();
+        def.body_a = some_body(), def.body_b = some_body();
+        def.collide_connected = chance(0.2) ? 1 : 0;
+        static_cast<void>(sim::apply(w, CreateJoint{def}));
+    }
     void command() {
         if (chance(0.4)) add_something();
+        if (chance(0.3)) join_something();
+        if (chance(0.1))
+            static_cast<void>(sim::apply(w, SetFilter{.shape = some_shape(), .mask = below(3) + 1}));
+        if (const std::span<const sim::JointRow> joints = w.state.rows(w.m.joint);
+            !joints.empty() && chance(0.1))
+            static_cast<void>(
+                sim::apply(w, DestroyJoint{joints[below(static_cast<std::uint32_t>(joints.size()))].id}));
         if (chance(0.3)) static_cast<void>(sim::apply(w, DestroyBody{some_body()}));
         if (chance(0.2))
             static_cast<void>(
@@ -221,4 +237,25 @@ TEST_CASE("changes of a column are listed once, and what went and came back is l
     state = State(other);
     CHECK(state.take_changes(column.index, mark, changed) == 1200);
     CHECK(changed.size() == 1);
+}
+
+TEST_CASE("bodies are joined as the rows of joints say, whatever was restored, made and destroyed") {
+    Run run(3);
+    std::size_t found = 0;
+    for (int t = 0; t < samples(100, 600); ++t) {
+        INFO(t);
+        run.step([] {});
+        sim::JoinedBodies& joined = run.w.scratch.pair_scratch.joined;
+        joined.find(run.w);
+        int wrong = 0;
+        const std::span<const sim::BodyInfo> bodies = run.w.state.rows(run.w.m.body_info);
+        for (const sim::BodyInfo& a : bodies)
+            for (const sim::BodyInfo& b : bodies) {
+                const bool is = a.id != b.id && sim::are_joined(run.w, a.id, b.id);
+                found += is ? 1 : 0;
+                wrong += is != joined.contain(a.id.index - 1, b.id.index - 1) ? 1 : 0;
+            }
+        REQUIRE(wrong == 0);
+    }
+    CHECK(found > 100);
 }

@@ -23,13 +23,15 @@ void BroadPhase::grow(std::uint32_t proxy_capacity) {
     if (proxy_capacity <= entries.size()) return;
     entries.reserve(proxy_capacity); // no more than that: whoever asks grows in steps
     entries.resize(proxy_capacity, absent);
+    exact_bounds.reserve(proxy_capacity);
+    exact_bounds.resize(proxy_capacity);
 }
 
 void BroadPhase::reserve(std::uint32_t proxies) {
     moving.reserve(proxies), fixed.reserve(proxies);
     moved.reserve(proxies), changed.reserve(proxies), leaves.reserve(proxies);
     for (std::vector<ProxyPair>* pairs : {&leaf_pairs, &found, &merged})
-        pairs->reserve(std::size_t{8} * proxies);
+        pairs->reserve(leaf_pairs_reserved(proxies));
 }
 
 void BroadPhase::note_move(std::uint32_t proxy) {
@@ -58,8 +60,8 @@ void BroadPhase::set_leaf(std::uint32_t proxy, const Bounds& exact, bool is_stat
                           const Vector3<Bound>& motion) {
     LOCKSTONE_ASSERT(proxy < entries.size(), "proxy ", proxy, ", capacity ", entries.size());
     Entry& entry = entries[proxy];
-    const Bounds before = entry.present ? entry.exact : exact;
-    entry.exact = exact;
+    const Bounds before = entry.present ? exact_bounds[proxy] : exact;
+    exact_bounds[proxy] = exact;
     if (entry.present && entry.is_static && is_static && entry.leaf_bounds == exact) return;
     entry.present = true;
     entry.is_static = is_static;
@@ -168,22 +170,36 @@ void BroadPhase::insert_moved(bool is_fixed) {
 }
 
 bool BroadPhase::find_pairs(std::vector<ProxyPair>& out, std::size_t leaf_pairs_max) {
-    out.clear();
     if (gave_up)
         for (std::uint32_t proxy = 0; proxy < entries.size(); ++proxy)
             if (entries[proxy].present) note_move(proxy);
     if (!changed.empty()) {
         update_trees();
         gave_up = !find_leaf_pairs(leaf_pairs_max);
-        if (gave_up) return false;
+        if (gave_up) {
+            out.clear();
+            return false;
+        }
         moving.clear_fresh();
         fixed.clear_fresh();
         for (std::uint32_t proxy : changed) entries[proxy].fresh = false;
         changed.clear();
     }
-    for (const ProxyPair& pair : leaf_pairs)
-        if (overlap(entries[pair.a].exact, entries[pair.b].exact)) out.push_back(pair);
+    keep_overlaps(out);
     return true;
+}
+
+/// Those of `leaf_pairs` whose exact bounds overlap, which about half of them do. Each is written, and stays if it does: a branch
+/// would be taken by chance.
+void BroadPhase::keep_overlaps(std::vector<ProxyPair>& out) const {
+    base::make_room(out, leaf_pairs.size());
+    out.resize(leaf_pairs.size());
+    std::size_t count = 0;
+    for (const ProxyPair& pair : leaf_pairs) {
+        out[count] = pair;
+        count += std::size_t{overlap(exact_bounds[pair.a], exact_bounds[pair.b])};
+    }
+    out.resize(count);
 }
 
 bool BroadPhase::find_leaf_pairs(std::size_t leaf_pairs_max) {
@@ -205,11 +221,11 @@ void BroadPhase::find_first_pairs(std::vector<ProxyPair>& out, std::size_t count
     out.clear();
     for (std::uint32_t a = 0; a < entries.size() && out.size() < count_max; ++a) {
         if (!entries[a].present) continue;
-        const Bounds& bounds = entries[a].exact;
+        const Bounds& bounds = exact_bounds[a];
         const auto meets = [&](const Bounds& other) { return overlap(other, bounds); };
         const std::ptrdiff_t before = std::ssize(out);
         const auto add = [&](std::uint32_t b) {
-            if (b > a && meets(entries[b].exact) && is_wanted({a, b})) out.push_back({a, b});
+            if (b > a && meets(exact_bounds[b]) && is_wanted({a, b})) out.push_back({a, b});
         };
         moving.query_if(meets, open, add);
         if (!entries[a].is_static) fixed.query_if(meets, open, add);
@@ -281,7 +297,7 @@ void BroadPhase::query_if(MayMeet&& may_meet, std::vector<BoundsTree::NodeId>& o
                           std::vector<std::uint32_t>& out) const {
     out.clear();
     const auto add = [&](std::uint32_t proxy) {
-        if (may_meet(entries[proxy].exact)) out.push_back(proxy);
+        if (may_meet(exact_bounds[proxy])) out.push_back(proxy);
     };
     moving.query_if(may_meet, own, add);
     fixed.query_if(may_meet, own, add);
@@ -313,7 +329,7 @@ void BroadPhase::query_static(const SweptBox& box, Asker& asker) const {
     asker.proxies.clear();
     const auto may_meet = [&](const Bounds& b) { return box.may_meet(b); };
     fixed.query_if(may_meet, asker.open, [&](std::uint32_t proxy) {
-        if (may_meet(entries[proxy].exact)) asker.proxies.push_back(proxy);
+        if (may_meet(exact_bounds[proxy])) asker.proxies.push_back(proxy);
     });
     std::sort(asker.proxies.begin(), asker.proxies.end());
 }

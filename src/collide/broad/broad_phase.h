@@ -34,6 +34,7 @@ class BroadPhase {
     void grow(std::uint32_t proxy_capacity);
     /// Takes memory for trees and pairs of so many proxies ahead of the calls that need it.
     void reserve(std::uint32_t proxies);
+    static std::size_t leaf_pairs_reserved(std::uint32_t proxies) { return std::size_t{8} * proxies; }
 
     /// Inserts or moves a proxy, or changes its kind. Costs next to nothing while the bounds stay within the leaf. `motion`: how far
     /// it will go by the next call, as far as is known; zero: as far as since the last one.
@@ -45,7 +46,7 @@ class BroadPhase {
         LOCKSTONE_ASSERT(proxy < entries.size(), "proxy ", proxy, ", capacity ", entries.size());
         Entry& entry = entries[proxy];
         if (!entry.present || entry.is_static || !collide::contains(entry.leaf_bounds, exact)) return false;
-        entry.exact = exact;
+        exact_bounds[proxy] = exact;
         return true;
     }
     /// Does nothing for a proxy that is not there.
@@ -87,11 +88,11 @@ class BroadPhase {
     void forget_pairs(Random& random);
 
     /// Of a proxy that is there.
-    const Bounds& bounds(std::uint32_t proxy) const { return entries[proxy].exact; }
+    const Bounds& bounds(std::uint32_t proxy) const { return exact_bounds[proxy]; }
 
   private:
     struct Entry {
-        Bounds exact, leaf_bounds;
+        Bounds leaf_bounds;
         BoundsTree::NodeId leaf;
         bool present, is_static;
         bool in_fixed; ///< where `leaf` is
@@ -99,8 +100,7 @@ class BroadPhase {
         bool stays;    ///< while trees are updated: in its place there
         bool fresh;    ///< `leaf_pairs` does not know of its leaf yet
     };
-    static constexpr Entry absent{Bounds{}, Bounds{}, BoundsTree::none, false, false, false, false,
-                                  false,    false};
+    static constexpr Entry absent{Bounds{}, BoundsTree::none, false, false, false, false, false, false};
     struct NodePair {
         BoundsTree::NodeId a, b;
     };
@@ -126,8 +126,11 @@ class BroadPhase {
     bool find_fresh_pairs(const BoundsTree& a, const BoundsTree& b, std::size_t found_max);
     bool find_leaf_pairs(std::size_t leaf_pairs_max);
     void merge_found();
+    void keep_overlaps(std::vector<ProxyPair>& out) const;
 
     std::vector<Entry> entries; // by proxy
+    std::vector<Bounds>
+        exact_bounds; // likewise: each tick all pairs of leaves are asked by them, and by nothing else
     BoundsTree moving, fixed;
     Bound margin;
     std::vector<std::uint32_t> moved;   // since the trees were updated
