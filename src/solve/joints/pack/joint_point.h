@@ -13,8 +13,8 @@ struct JointBlock;
 
 /// Stages of all joints. The point part of those that fit comes into a pack, and with it a block that only turns.
 void plan_packs(JointTick& tick, const StepConstants& step, const SolverBodies& bodies);
-/// K^-1 of the body of a side, and what follows from it.
-void give_gyration(PackSide& side, std::uint32_t lane, const BodyStep& body, int exponent);
+/// K^-1 of the body of a side, with the fraction bits that it had.
+void give_gyration(PackSide& side, std::uint32_t lane, const BodyInertia& body);
 /// Of a hinge: its frames when the tick begins, in the world.
 struct HingeStart {
     const BodyStep *a, *b;
@@ -24,8 +24,6 @@ struct HingeStart {
 };
 void start_hinge(TurnPack& turn, const JointWork& work, const HingeStart& start, JointBlock& block,
                  const StepConstants& step);
-/// What follows from K^-1 of a body.
-void set_hinge_shift(TurnPack& turn, std::uint32_t lane, bool of_a, const BodyStep& body);
 /// The axes about which its rows turn B.
 void take_axes(JointBlock& block, const TurnPack& turn, std::uint32_t lane);
 /// Where entries of its rows have grown to 2.
