@@ -85,25 +85,27 @@ Vec3 turned_twice(Vec3 w, Vec3 lever) {
     return {outer(1, 2), outer(2, 0), outer(0, 1)};
 }
 
-/// `axes`: whether the frame's directions are asked for.
-JointSide side_of(const JointTick& tick, const JointWorkSide& side, const SolverBodies& bodies, bool axes) {
+JointSide side_of(const JointTick& tick, const JointWork& work, const JointWorkSide& side,
+                  const SolverBodies& bodies) {
     JointSide now{};
     now.body = &bodies.step[side.body];
     if (now.body->turn != 0) now.body = &bodies.turns[now.body->turn - 1].now;
     if (side.world) {
         now.anchor = side.anchor;
-        if (!axes) return now;
+        if (!work.framed) return now;
         now.rotation = side.frame;
         now.axes = to_rotation(now.rotation);
         return now;
     }
     const JointBody& body = tick.bodies[side.cache];
-    now.lever = turned_lever(body.axes, side.lever);
-    now.anchor = body.position + now.lever;
-    now.w = body.w;
-    now.velocity = body.velocity;
-    if (!turns_slowly(body.w)) now.centripetal = turned_twice(body.w, now.lever);
-    if (!axes) return now;
+    if (work.needs_lever) {
+        now.lever = turned_lever(body.axes, side.lever);
+        now.anchor = body.position + now.lever;
+        now.w = body.w;
+        now.velocity = body.velocity;
+        if (!turns_slowly(body.w)) now.centripetal = turned_twice(body.w, now.lever);
+    }
+    if (!work.framed) return now;
     now.rotation = product(body.rotation, side.frame);
     now.axes = to_rotation(now.rotation);
     return now;
@@ -129,8 +131,8 @@ void add_travel(const JointTick& tick, JointWork& work, const JointPlace& p, con
 JointPlace place_of(const JointTick& tick, JointWork& work, const SolverBodies& bodies) {
     JointPlace p{};
     p.def = work.def;
-    p.a = side_of(tick, work.a, bodies, work.framed);
-    p.b = side_of(tick, work.b, bodies, work.framed);
+    p.a = side_of(tick, work, work.a, bodies);
+    p.b = side_of(tick, work, work.b, bodies);
     p.s = p.b.anchor - p.a.anchor;
     p.arc = p.b.centripetal - p.a.centripetal;
     if (work.needs_slip) {
@@ -496,14 +498,14 @@ void set_motion(JointBody& now, const SolverBodies& bodies) {
     now.w = over_gyration(bodies.step[now.body], u, Speed::fraction_bits);
 }
 
-static void set_pose(JointBody& now, const Transform& pose, const SolverBodies& bodies) {
+static void set_pose(JointBody& now, const Transform& pose, const SolverBodies& bodies, bool axes) {
     const SolverBody& body = bodies.body[now.body];
     for (int i = 0; i < 3; ++i) {
         now.shift[i] = body.shift[i], now.theta[i] = body.theta[i];
         now.position[i] = pose.position[i] + from_separation(body.shift[i]);
     }
     now.rotation = rotation_now(pose, now.body, bodies);
-    now.axes = to_rotation(now.rotation);
+    if (axes) now.axes = to_rotation(now.rotation);
 }
 
 void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodies) {
@@ -514,14 +516,14 @@ void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodie
         now.turned[i] = saturate_to_int32(std::int64_t{body.theta[i]} - now.theta[i]);
     }
     if (still) return;
-    set_pose(now, pose, bodies);
+    set_pose(now, pose, bodies, now.lever_asked);
     set_motion(now, bodies);
 }
 
 void start_body(JointBody& now, const Transform& pose, const SolverBodies& bodies) {
     now.moved = Vec3{};
     for (int i = 0; i < 3; ++i) now.turned[i] = 0;
-    set_pose(now, pose, bodies);
+    set_pose(now, pose, bodies, true);
 }
 
 } // namespace lockstone::solve
