@@ -152,10 +152,8 @@ bool stays_above(const Sweeper& s, std::uint32_t plane, const Sweep& way, Real a
     return height(way.from.position) > around && height(way.to.position) > around;
 }
 
-/// visit(wall, row of its body, way of its body, way of the shape's body) for the shapes that may stop this one.
-template <class Visit>
-void for_each_wall(const Sweeper& s, const Way& whole, const ShapeRow& shape,
-                   collide::BroadPhase::Asker& near, Visit&& visit) {
+/// The shapes that a way may lead near to, into `near`. Returns the way of this shape.
+Sweep find_near(const Sweeper& s, const Way& whole, const ShapeRow& shape, collide::BroadPhase::Asker& near) {
     const std::uint32_t row = whole.row;
     Sweep way = s.sweep(row, shape);
     way.from = whole.from, way.to = whole.to;
@@ -181,6 +179,15 @@ void for_each_wall(const Sweeper& s, const Way& whole, const ShapeRow& shape,
         placed.broad_phase.query(swept, near);
     for (const std::uint32_t plane : placed.planes)
         if (!stays_above(s, plane, way, around)) near.proxies.push_back(plane);
+    return way;
+}
+
+/// visit(wall, row of its body, way of its body, way of the shape's body) for the shapes that may stop this one.
+template <class Visit>
+void for_each_wall(const Sweeper& s, const Way& whole, const ShapeRow& shape,
+                   collide::BroadPhase::Asker& near, Visit&& visit) {
+    const std::uint32_t row = whole.row;
+    const Sweep way = find_near(s, whole, shape, near);
     for (const std::uint32_t slot : near.proxies) {
         const ShapeRow& wall = s.shapes[s.slots[slot].row];
         const std::uint32_t other = s.w.row_of(wall.body);
@@ -284,6 +291,18 @@ std::optional<Transform> sweep_body(const Sweeper& s, std::uint32_t row, const H
     return collide::body_pose_at({at, end, Transform::identity()}, again.fraction);
 }
 
+/// Whether anything is near the way of a body.
+bool may_be_stopped(const Sweeper& s, std::uint32_t row, const Hand& hand) {
+    const Transform &from = s.pose_before(row), &to = s.pose[row];
+    bool any = false;
+    s.for_each_shape(row, [&](const ShapeRow& shape) {
+        if (any) return;
+        find_near(s, {row, from, to, Unit{}, Model::dead, to.position - from.position}, shape, hand.own.near);
+        any = !hand.own.near.proxies.empty();
+    });
+    return any;
+}
+
 /// Whether a body may be fast against what moves by up to `others` in the tick.
 bool may_be_fast(const Sweeper& s, std::uint32_t row, Real others) {
     bool fast = false;
@@ -297,12 +316,20 @@ bool may_be_fast(const Sweeper& s, std::uint32_t row, Real others) {
         if (traits.geometry.kind != ShapeKind::sphere) reach += to<Real>(s.at(shape).reach).raw;
         fast |= is_fast(coarse.of(reach) + others, s.at(shape), all_stands_still, bullet);
     });
-    if (!fast) return false;
-    fast = false;
+    return fast;
+}
+bool is_body_fast(const Sweeper& s, std::uint32_t row, Real others) {
+    bool fast = false;
+    const bool all_stands_still = others == Real{}, bullet = s.is_bullet(row);
     const Real motion = motion_of(s, row) + others;
     s.for_each_shape(
         row, [&](const ShapeRow& shape) { fast |= is_fast(motion, s.at(shape), all_stands_still, bullet); });
     return fast;
+}
+
+/// Most of what falls is far from all else, and what that costs to find is less than how fast a body is.
+bool is_to_sweep(const Sweeper& s, std::uint32_t row, Real others, const Hand& hand) {
+    return may_be_fast(s, row, others) && may_be_stopped(s, row, hand) && is_body_fast(s, row, others);
 }
 
 constexpr std::uint32_t sweeps_per_chunk = 16;
@@ -318,7 +345,7 @@ void sweep_plain_bodies(Model& w, const Sweeper& s, std::span<NarrowWorker> work
                          for (std::uint32_t row = first; row < last; ++row) {
                              sweep.stopped[row].reset();
                              if (s.info[row].kind == BodyKind::dynamic && !s.is_bullet(row) &&
-                                 may_be_fast(s, row, s.kinematic_motion_max))
+                                 is_to_sweep(s, row, s.kinematic_motion_max, hand))
                                  sweep.stopped[row] = sweep_body(s, row, hand);
                          }
                      });
@@ -357,7 +384,8 @@ void sweep_fast_bodies(Model& w, PlacedShapes& placed, const PosesBefore& before
     for (std::uint32_t row = 0; row < rows; ++row) s.motion_max = max(s.motion_max, motion_of(s, row));
     const Hand hand{sweep.workers[0], narrow[0].narrow};
     for (std::uint32_t row = 0; row < rows; ++row)
-        if (s.info[row].kind == BodyKind::dynamic && s.is_bullet(row) && may_be_fast(s, row, s.motion_max))
+        if (s.info[row].kind == BodyKind::dynamic && s.is_bullet(row) &&
+            is_to_sweep(s, row, s.motion_max, hand))
             if (const std::optional<Transform> stopped = sweep_body(s, row, hand))
                 w.state.edit_row(w.m.body_pose, row) = *stopped;
 }

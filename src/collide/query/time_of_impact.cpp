@@ -245,7 +245,9 @@ struct Corridor {
         return box.may_meet(bounds_of({min(c[0], min(c[1], c[2])), max(c[0], max(c[1], c[2]))}));
     }
 };
-Corridor corridor_of(const Ways& w, const Mover& m, Length margin) {
+/// Of a shape that is one piece, nothing: whatever meets it meets the piece.
+Corridor corridor_of(const Ways& w, const Mover& m, const shapes::Solid& a, Length margin) {
+    if (!has_triangles(a) && a.geometry.kind != ShapeKind::compound) return {Long3{}, Long3{}, 0};
     const Long3 from = raw(relative_pose(pose_at(w.a, Unit{}), w.b.from).position);
     const Long3 to = raw(relative_pose(pose_at(w.a, unit_one), w.b.to).position);
     const std::int64_t turned = times_30(w.spin_a.rate_30, w.apart_30) >> 6;
@@ -259,8 +261,11 @@ struct Start {
     CoordinateVec3 core;      ///< its core's centre
     Long3 lower_30, upper_30; ///< its extent, roundings included
 
+    /// All but how it stands is asked for by triangles alone.
     Start(const Ways& w, const Mover& m, const shapes::Solid& a)
-        : standing(Standing::at(w, m, Unit{}, a.geometry.kind == ShapeKind::plane)) {
+        : standing(Standing::at(w, m, Unit{}, a.geometry.kind == ShapeKind::plane)), core{}, lower_30{},
+          upper_30{} {
+        if (!has_triangles(a)) return;
         const std::int64_t radius = up(std::int64_t{standing.shape.radius.raw}, 6);
         for (int i = 0; i < 3; ++i) {
             Long3 along{};
@@ -394,7 +399,7 @@ Unit time_of_impact(const shapes::Solid& a, const Sweep& sweep_a, const shapes::
     Unit first = unit_one;
     for_each_part(b, [&](const shapes::Solid& part, const Transform* place, std::uint32_t) {
         const Mover m = mover_of(part, place_in_body(sweep_b, place));
-        const Corridor corridor = corridor_of(w, m, target);
+        const Corridor corridor = corridor_of(w, m, a, target);
         for_each_obstacle(a, corridor.extent, scratch, [&](const Obstacle& o) {
             if (first > Unit{} && corridor.may_meet(o))
                 first = min(first, advance(w, o, m, up(std::int64_t{target.raw}, 6), first));
@@ -429,7 +434,7 @@ Unit stop_fraction(const shapes::Solid& a, const Sweep& sweep_a, const shapes::S
     Unit first = unit_one;
     for_each_part(b, [&](const shapes::Solid& part, const Transform* place, std::uint32_t) {
         const Mover m = mover_of(part, place_in_body(sweep_b, place));
-        const Corridor corridor = corridor_of(w, m, stop_gap + stop_gap);
+        const Corridor corridor = corridor_of(w, m, a, stop_gap + stop_gap);
         const Start begin(w, m, a);
         for_each_obstacle(a, corridor.extent, scratch, [&](const Obstacle& o) {
             if (first > Unit{} && corridor.may_meet(o))

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "lockstone/math/vec.h"
+#include "solve/bodies/followed_body.h"
 
 #include <cstdint>
 
@@ -16,7 +17,7 @@ struct Velocity;
 /// Which steps of a body a kernel may take.
 enum PlainMotion : std::uint8_t {
     plain_velocity = 1, ///< gravity alone changes it: no force, torque, damping, lock or field
-    plain_pose = 2,     ///< it moves, by its velocity alone, and is not followed; followed_turn.h
+    plain_pose = 2,     ///< it moves, by its velocity alone
     plain_end = 4,      ///< dynamic, turns about all axes and is not followed
     plain_round =
         8, ///< no turn of the tick changes its angular velocity: alike about all axes, or not gyroscopic
@@ -78,6 +79,7 @@ struct BodyKernel {
     /// sums += velocities, and sums -= velocities, modulo 2^64: six numbers of each of `count` bodies.
     void (*add_velocities)(const SolverBody* bodies, std::int64_t* sums, std::uint32_t count);
     void (*take_velocities)(const SolverBody* bodies, std::int64_t* sums, std::uint32_t count);
+    FollowKernel followed;
 };
 
 } // namespace lockstone::solve

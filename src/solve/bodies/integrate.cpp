@@ -129,6 +129,14 @@ void damp(std::int64_t v[3], Unit keep) {
                (((v[i] & rest) * keep.raw + half) >> Unit::fraction_bits);
 }
 
+void damp_precession(SolverBodies& bodies, std::uint32_t turn, Unit keep) {
+    FollowedFour& four = bodies.fours[(turn - 1) / followed_lanes];
+    const unsigned lane = (turn - 1) % followed_lanes;
+    std::int64_t g[3] = {four.precession[0][lane], four.precession[1][lane], four.precession[2][lane]};
+    damp(g, keep);
+    for (int i = 0; i < 3; ++i) four.precession[i][lane] = g[i];
+}
+
 struct SpeedLimits {
     LengthLimit linear, tip;
     explicit SpeedLimits(const StepConstants& step)
@@ -140,7 +148,7 @@ inline std::uint64_t clamp_speeds(SolverBodies& bodies, std::uint32_t i, SpeedLi
     SolverBody& b = bodies.body[i];
     const bool turns_less = clamp_length(b.u, limits.tip);
     if (turns_less && bodies.step[i].turn != 0) [[unlikely]]
-        for (std::int64_t& part : bodies.turns[bodies.step[i].turn - 1].precession) part = 0;
+        forget_precession(bodies, bodies.step[i].turn);
     return (clamp_length(b.v, limits.linear) ? 1u : 0u) + (turns_less ? 1u : 0u);
 }
 
@@ -201,7 +209,7 @@ void integrate_velocities(const FreeMotion& motion, const BodyColumns& columns, 
             for (int axis = 0; axis < 3; ++axis) b.u[axis] += s.du[axis];
             damp(b.v, s.linear_keep);
             damp(b.u, s.angular_keep);
-            if (s.turn != 0) damp(bodies.turns[s.turn - 1].precession, s.angular_keep);
+            if (s.turn != 0) damp_precession(bodies, s.turn, s.angular_keep);
         }
         return clamp_speeds(bodies, i, limits);
     });
@@ -228,9 +236,9 @@ void integrate_poses(const StepConstants& step, SolverBodies& bodies, Tasks* tas
             b.shift[axis] = saturate_to_int32(b.shift[axis] + way(b.v[axis]) + more);
             b.theta[axis] = saturate_to_int32(b.theta[axis] + way(b.u[axis]));
         }
-        if (s.turn != 0) advance_turn(b, s, bodies.turns[s.turn - 1], step);
         return clamped;
     });
+    advance_turns(step, bodies, tasks);
 }
 
 } // namespace lockstone::solve

@@ -8,6 +8,7 @@
 #pragma once
 
 #include "solve/bodies/body_kernel.h"
+#include "solve/bodies/followed_kernel.h"
 #include "solve/bodies/solver_body.h"
 #include "solve/bodies/turn_kernel.h"
 
@@ -122,8 +123,8 @@ template <class L> class MovedBodies {
 
   public:
     static constexpr solve::BodyKernel table() {
-        return {integrate_velocities,    integrate_poses, TurnedBodies<L>::begin,
-                TurnedBodies<L>::finish, add_velocities,  take_velocities};
+        return {integrate_velocities, integrate_poses, TurnedBodies<L>::begin,    TurnedBodies<L>::finish,
+                add_velocities,       take_velocities, FollowedBodies<L>::table()};
     }
 };
 

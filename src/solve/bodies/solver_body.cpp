@@ -334,7 +334,7 @@ void begin_step(const BodyColumns& c, Vec3 gravity, const StepConstants& step, S
     out.body.resize(count + 1);
     out.step.resize(count + 1);
     out.plain.resize(count);
-    out.turns.clear();
+    out.turns.clear(), out.fours.clear();
     out.clamps = {};
     Fall fall{gravity, {}};
     per_substep(gravity, step, fall.dv);
@@ -438,7 +438,7 @@ static std::uint64_t finish_body(const StepConstants& step, SolverBodies& bodies
     Velocity turned = c.velocity[i];
     if (s.turn != 0) {
         c.pose[i].rotation = bodies.turns[s.turn - 1].rotation;
-        c.velocity[i].angular = to<Speed>(spin_of(b, s, bodies.turns[s.turn - 1]));
+        c.velocity[i].angular = bodies.turns[s.turn - 1].spin;
         return clamped;
     }
     turn(c.traits(i), step, b, s, c.pose[i], turned);
@@ -448,6 +448,7 @@ static std::uint64_t finish_body(const StepConstants& step, SolverBodies& bodies
 
 void finish_step(const StepConstants& step, SolverBodies& bodies, const BodyColumns& c, Tasks* tasks) {
     const std::uint32_t count = static_cast<std::uint32_t>(c.info.size());
+    find_spins(step, bodies);
     const EndPass pass{bodies.body.data(),  bodies.step.data(),    bodies.plain.data(), c.info.data(),
                        bodies.forms.data(), bodies.form_of.data(), c.pose.data(),       c.velocity.data(),
                        least_turn.raw,      least_free_turn.raw,   free_turn_noise.raw, step.tick_time.raw};

@@ -10,6 +10,7 @@
 
 #include "base/parallel.h"
 #include "solve/bodies/body_kernel.h"
+#include "solve/bodies/followed_body.h"
 #include "solve/bodies/rows.h"
 #include "solve/bodies/step.h"
 
@@ -33,22 +34,9 @@ struct SolverBody {
     std::int64_t keep[3]; ///< all ones where the body may move along the axis, zero where locked
 };
 
-/// A symmetric 3x3 matrix.
-template <class T> struct Symmetric { T xx, yy, zz, xy, xz, yz; };
-
-/// What a tick needs of a body besides its SolverBody; constant within the tick. The first cache line is all that preparing a
-/// contact reads of it.
-struct alignas(64) BodyStep {
-    /// K^-1 = mantissa / 2^inv_exponent, the largest entry in [2^29, 2^30)
-    Symmetric<std::int32_t> inv_mantissa;
-    std::int32_t inv_exponent;
-    /// Bit per axis along which it may move, about which it may turn
-    std::uint32_t linear_mask, angular_mask;
-    std::uint32_t turn; ///< entry of SolverBodies::turns + 1, 0: not followed
-    Real mass;          ///< [kg] of what is movable
-    bool movable;       ///< dynamic and with mass
-    bool moves;         ///< dynamic or kinematic
-    bool jointed;       ///< some joint holds it
+/// What a tick needs of a body besides its SolverBody; constant within the tick, but for K^-1 of followed bodies when it begins. The first
+/// cache line is all that preparing a contact reads of it.
+struct BodyStep : BodyInertia {
     /// Of gyration in this tick [m]: the body's own, or more where joints pull hard; joint_stiffness.h
     Vec3 radii;
     Vec3 pull;                                     ///< what joints ask for, while that is found [m^2]
@@ -90,32 +78,6 @@ struct BodyStart {
 /// Of so many traits at most: they are made anew each tick. Bodies of others begin one by one.
 inline constexpr std::size_t starts_max = 64;
 
-/// A 3x3 matrix, m / 2^bits by row and column, its largest entry in [2^29, 2^30].
-struct TurnMatrix {
-    std::int32_t m[3][3];
-    std::int32_t bits;
-};
-
-/// The turn of a body that is followed substep by substep; followed_turn.h.
-struct FollowedTurn {
-    Quat rotation; ///< of the body now
-    Quat principal;
-    Vec3 radii_inv; ///< of gyration [1/m]
-    /// radii_inv^2 / (2 substeps per second): momentum to the turn of half a substep;
-    std::int64_t half_way[3];
-    std::int32_t half_way_bits[3]; ///< mantissas below 2^30 and the fraction bits of each
-    Symmetric<std::int32_t> k;     ///< K of the start of the tick: mantissas below 2^30, k_bits fraction bits
-    std::int32_t k_bits;
-    TurnMatrix to_now, from_now; ///< of a held body: K' K^-1 and K K'^-1
-    std::int64_t precession[3];  ///< the part of u that is no momentum [m/s], 47 fraction bits
-    std::uint32_t body;
-    bool held;    ///< by a joint
-    bool stiff;   ///< turns as if it were larger: u is velocity alone, and precession zero
-    Vec3 own;     ///< radii of a stiff body as it is [m]
-    BodyStep now; ///< of a held body: with K of where it is now
-    std::int64_t u_outside[3], u_inside[3]; ///< between turn_in and turn_out: u before, and K' w
-};
-
 struct FieldRow {
     FieldId id;
     FieldDef def;
@@ -146,7 +108,8 @@ struct ClampCounts {
 struct SolverBodies {
     std::vector<SolverBody> body;
     std::vector<BodyStep> step;
-    std::vector<FollowedTurn> turns;    ///< of some bodies
+    std::vector<FollowedTurn> turns;    ///< of some bodies, filled up to fours
+    std::vector<FollowedFour> fours;    ///< the same four side by side
     std::vector<std::uint8_t> plain;    ///< PlainMotion, by body
     std::vector<GyrationForm> forms;    ///< of the traits that bodies have
     std::vector<std::uint32_t> form_of; ///< by row of traits: entry of forms + 1, 0: no body has them
@@ -156,7 +119,8 @@ struct SolverBodies {
     const BodyKernel* kernel = nullptr; ///< null: all bodies are moved one by one, to the same bits
 
     void reserve(std::size_t bodies) {
-        body.reserve(bodies + 1), step.reserve(bodies + 1), turns.reserve(bodies), plain.reserve(bodies);
+        body.reserve(bodies + 1), step.reserve(bodies + 1), turns.reserve(bodies),
+            fours.reserve(bodies / followed_lanes + 1), plain.reserve(bodies);
         forms.reserve(bodies), form_of.reserve(bodies), starts.reserve(starts_max);
     }
     std::uint32_t still() const { return static_cast<std::uint32_t>(body.size() - 1); }

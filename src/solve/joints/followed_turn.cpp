@@ -1,9 +1,9 @@
 #include "solve/joints/followed_turn.h"
 
 #include "lockstone/math/math.h"
+#include "solve/kernels/kernels.h"
 
 #include <algorithm>
-#include <array>
 
 namespace lockstone::solve {
 
@@ -25,202 +25,70 @@ Vec3 spin_at(Quat rotation, const FollowedTurn& turn, Vec3 momentum) {
     return mul<Real>(axes, times_each(times_each(inside, turn.radii_inv), turn.radii_inv));
 }
 
-/// Far beyond what a body keeps [m/s]: then |g| stays within this and the tip speed limit, and no sum leaves 64 bits.
-constexpr std::int64_t own_max = std::int64_t{2048} << accumulator_bits;
+/// A followed body in its lane.
+struct Followed {
+    FollowedFour& four;
+    unsigned lane;
+    FollowedTurn& turn;
+    SolverBody& body;
+    const BodyStep& step;
 
-struct OwnSpin {
-    std::int64_t m[3]; ///< 47 fraction bits
-};
-OwnSpin own_spin(const SolverBody& b, const FollowedTurn& turn) {
-    OwnSpin own;
-    for (int i = 0; i < 3; ++i) own.m[i] = std::clamp(b.u[i] - turn.precession[i], -own_max, own_max);
-    return own;
-}
+    Followed(SolverBodies& bodies, std::size_t at)
+        : four(bodies.fours[at / followed_lanes]), lane(at % followed_lanes), turn(bodies.turns[at]),
+          body(bodies.body[turn.body]), step(bodies.step[turn.body]) {}
 
-// ---- short vectors ------------------------------------------------------------------------------------------------
-
-/// m / 2^bits, entries within 2^31: three products with mantissas of 30 bits fit into 64 bits.
-struct Short3 {
-    std::int64_t m[3];
-    int bits;
-};
-
-/// Of entries within 2^62.
-inline Short3 shortened(const std::int64_t (&v)[3], int bits) {
-    const auto any =
-        static_cast<std::uint64_t>((v[0] ^ (v[0] >> 63)) | (v[1] ^ (v[1] >> 63)) | (v[2] ^ (v[2] >> 63)));
-    const int length = bit_length(any), drop = length > 31 ? length - 31 : 0;
-    const std::int64_t up = (std::int64_t{1} << drop) >> 1;
-    return {{(v[0] + up) >> drop, (v[1] + up) >> drop, (v[2] + up) >> drop}, bits - drop};
-}
-
-/// x with `bits` fraction bits into `to` of them, clamped to the range.
-inline std::int64_t with_bits(std::int64_t x, int bits, int to) {
-    const int drop = bits - to;
-    if (drop > 0 && drop <= 62) [[likely]]
-        return (x >> drop) + ((x >> (drop - 1)) & 1);
-    return drop > 62 ? 0 : shift_left_saturated(x, std::min(-drop, 63));
-}
-
-/// A sum of products that is to be shortened.
-Short3 times(const Symmetric<std::int32_t>& k, int k_bits, const Short3& v) {
-    const std::int64_t sum[3] = {k.xx * v.m[0] + k.xy * v.m[1] + k.xz * v.m[2],
-                                 k.xy * v.m[0] + k.yy * v.m[1] + k.yz * v.m[2],
-                                 k.xz * v.m[0] + k.yz * v.m[1] + k.zz * v.m[2]};
-    return shortened(sum, k_bits + v.bits);
-}
-
-/// A R v and A R^T v of a rotation.
-Short3 times(const Rotation& r, const Short3& v) {
-    std::int64_t sum[3];
-    for (int i = 0; i < 3; ++i) sum[i] = r.x[i].raw * v.m[0] + r.y[i].raw * v.m[1] + r.z[i].raw * v.m[2];
-    return shortened(sum, Unit::fraction_bits + v.bits);
-}
-Short3 times_transposed(const Rotation& r, const Short3& v) {
-    const auto along = [&](const UnitVec3& e) {
-        return e.x.raw * v.m[0] + e.y.raw * v.m[1] + e.z.raw * v.m[2];
-    };
-    const std::int64_t sum[3] = {along(r.x), along(r.y), along(r.z)};
-    return shortened(sum, Unit::fraction_bits + v.bits);
-}
-
-// ---- turns of half a substep --------------------------------------------------------------------------------------
-
-constexpr int half_bits = 33; ///< of turns of half a substep [rad]
-/// Components of turns that series follow [rad], 2^-33.
-constexpr std::int64_t half_max = std::int64_t{1} << (half_bits - 2);
-using Half3 = std::array<std::int64_t, 3>;
-
-bool is_far(const Half3& v) {
-    return std::max({magnitude(v[0]), magnitude(v[1]), magnitude(v[2])}) >= magnitude(half_max);
-}
-Half3 half_of(const Short3& v) {
-    return {with_bits(v.m[0], v.bits, half_bits), with_bits(v.m[1], v.bits, half_bits),
-            with_bits(v.m[2], v.bits, half_bits)};
-}
-
-/// exp(phi) by Rodrigues' formula: x + sine (phi x x) + versine (phi x (phi x x)), for |phi| components up to 1/4. What series
-/// leave out is below 2^-27 |phi|.
-struct SmallTurn {
-    static constexpr int bits = Unit::fraction_bits;
-    std::int64_t phi[3], sine, versine; ///< sin |phi| / |phi| and (1 - cos |phi|) / |phi|^2
-
-    explicit SmallTurn(const Half3& half) {
-        for (std::size_t i = 0; i < 3; ++i) phi[i] = half[i] >> (half_bits - bits);
-        const std::int64_t z = (phi[0] * phi[0] + phi[1] * phi[1] + phi[2] * phi[2]) >> bits;
-        constexpr std::int64_t one = std::int64_t{1} << bits;
-        const auto by = [z](std::int64_t x) { return (x * z) >> bits; };
-        sine = one - by(one / 6 - by(one / 120 - by(one / 5040)));
-        versine = one / 2 - by(one / 24 - by(one / 720 - by(one / 40320)));
+    /// Angular momentum per mass.
+    Vec3 momentum() const {
+        // Far beyond what a body keeps [m/s]: then |g| stays within this and the tip speed limit, and no sum leaves 64 bits.
+        constexpr std::int64_t most = std::int64_t{2048} << accumulator_bits;
+        std::int64_t own[3];
+        for (int i = 0; i < 3; ++i) own[i] = std::clamp(body.u[i] - four.precession[i][lane], -most, most);
+        return mul<Real>(step.gyration, to_real(own));
     }
-    std::int64_t cosine() const {
-        const std::int64_t z = (phi[0] * phi[0] + phi[1] * phi[1] + phi[2] * phi[2]) >> bits;
-        return (std::int64_t{1} << bits) - ((versine * z) >> bits);
+    Vec3 spin() const { return mul<Real>(step.gyration_inv, to_real(body.u)); }
+    /// u by w, within the tip speed limit; what that changes is g, but of a stiff body.
+    void set_spin(Vec3 w, const StepConstants& constants) {
+        const Vec3 fast = mul<Real>(step.gyration, w);
+        const Real most = to<Real>(constants.tip_speed_max);
+        for (int i = 0; i < 3; ++i) {
+            const std::int64_t u = clamp(fast[i], -most, most).raw * (std::int64_t{1} << real_to_accumulator);
+            if (!turn.stiff) four.precession[i][lane] += u - body.u[i];
+            body.u[i] = u;
+        }
+        give_spin(w);
     }
-    /// exp(sign phi) v, of components within 2^32.
-    template <int Sign> void turn(std::int64_t (&v)[3]) const {
-        const auto cross = [this](const std::int64_t(&x)[3], std::int64_t(&out)[3]) {
-            out[0] = (phi[1] * x[2] - phi[2] * x[1]) >> bits;
-            out[1] = (phi[2] * x[0] - phi[0] * x[2]) >> bits;
-            out[2] = (phi[0] * x[1] - phi[1] * x[0]) >> bits;
-        };
-        std::int64_t once[3], twice[3];
-        cross(v, once), cross(once, twice);
-        for (int i = 0; i < 3; ++i) v[i] += (Sign * sine * once[i] + versine * twice[i]) >> bits;
+    /// As TurnedBody has it.
+    void give_spin(Vec3 w) {
+        constexpr std::int64_t most = std::int64_t{2048} << Speed::fraction_bits;
+        for (int i = 0; i < 3; ++i)
+            turn.turned[9 + i] = static_cast<std::int32_t>(
+                std::clamp(w[i].raw >> (Real::fraction_bits - Speed::fraction_bits), -most, most));
     }
 };
 
-/// exp(turn) q, of a turn by twice `half`; |q| is brought back to one as far as roundings move it.
-Quat turned_by(Quat q, const Half3& half) {
-    const SmallTurn t(half);
-    std::int64_t e[3];
-    for (int i = 0; i < 3; ++i) e[i] = (t.sine * t.phi[i]) >> SmallTurn::bits;
-    const std::int64_t c = t.cosine(), x = q.x.raw, y = q.y.raw, z = q.z.raw, w = q.w.raw;
-    constexpr int extra = 15, bits = Unit::fraction_bits;
-    std::int64_t sum[4] = {c * x + e[0] * w + e[1] * z - e[2] * y, c * y - e[0] * z + e[1] * w + e[2] * x,
-                           c * z + e[0] * y - e[1] * x + e[2] * w, c * w - e[0] * x - e[1] * y - e[2] * z};
-    std::int64_t size = 0; // 60 bits
-    for (std::int64_t& s : sum) {
-        s >>= extra;
-        const std::int64_t rough = shift_right_rounded(s, bits - extra);
-        size += rough * rough;
-    }
-    const std::int64_t more = ((std::int64_t{1} << (2 * bits)) - size) >> (bits + 1); // (1 - |q|^2) / 2
-    const auto one = [&](std::int64_t s) {
-        return Unit::from_raw(static_cast<std::int32_t>(
-            shift_right_rounded(s + (((s >> extra) * more) >> (bits - extra)), bits - extra)));
-    };
-    return {one(sum[0]), one(sum[1]), one(sum[2]), one(sum[3])};
+// ---- one by one, in Real ------------------------------------------------------------------------------------------
+
+/// The turn of a substep, of a body that turns by more than lanes have room for.
+void turn_far(Followed f, const StepConstants& step) {
+    auto& q = f.four.turn;
+    const unsigned i = f.lane;
+    const Quat now{Unit::from_raw(q[0][i]), Unit::from_raw(q[1][i]), Unit::from_raw(q[2][i]),
+                   Unit::from_raw(q[3][i])};
+    const Quat next = integrate_rotation(now, scale<Real>(f.spin(), step.substep_time));
+    q[0][i] = next.x.raw, q[1][i] = next.y.raw, q[2][i] = next.z.raw, q[3][i] = next.w.raw;
 }
 
-// ---- precession ---------------------------------------------------------------------------------------------------
-
-Rotation principal_axes(const FollowedTurn& turn) {
-    return to_rotation(turn.principal == Quat::identity() ? turn.rotation : turn.rotation * turn.principal);
-}
-
-void set_speed(SolverBody& b, FollowedTurn& turn, const OwnSpin& own, const std::int64_t (&u)[3],
-               const StepConstants& step) {
-    const std::int64_t most = std::int64_t{step.tip_speed_max.raw} << row_bits;
-    for (int i = 0; i < 3; ++i) {
-        b.u[i] = std::clamp(u[i], -most, most);
-        turn.precession[i] = b.u[i] - own.m[i];
-    }
-}
-
-/// g by the midpoint rule. Two rounds more than the explicit rule: then a body that spins fast loses energy by what is
-/// left of the error, where with one or three more it gains.
-constexpr int precession_rounds = 3;
-
-/// Of a body that turns by more than series follow.
-void precess_far(SolverBody& b, const BodyStep& s, FollowedTurn& turn, const StepConstants& step) {
+/// g of a body that turns by more than lanes have room for; with as many rounds.
+void precess_far(Followed f, const StepConstants& step) {
+    constexpr int rounds = 3;
     const Unit half_time = Unit::from_raw(step.substep_time.raw / 2);
-    const OwnSpin own = own_spin(b, turn);
-    const Vec3 momentum = mul<Real>(s.gyration, to_real(own.m));
-    Vec3 w = mul<Real>(s.gyration_inv, to_real(b.u));
-    for (int round = 0; round < precession_rounds; ++round) {
-        const Quat middle = integrate_rotation(turn.rotation, scale<Real>(w, half_time));
-        w = spin_at(middle, turn, momentum);
+    const Vec3 momentum = f.momentum();
+    Vec3 w = f.spin();
+    for (int round = 0; round < rounds; ++round) {
+        const Quat middle = integrate_rotation(f.turn.rotation, scale<Real>(w, half_time));
+        w = spin_at(middle, f.turn, momentum);
     }
-    const Vec3 fast = mul<Real>(s.gyration, w);
-    const Real most = to<Real>(step.tip_speed_max);
-    std::int64_t u[3];
-    for (int i = 0; i < 3; ++i) u[i] = clamp(fast[i], -most, most).raw << real_to_accumulator;
-    set_speed(b, turn, own, u, step);
-}
-
-/// The turn of half a substep by u, in world axes.
-Half3 half_turn(const SolverBody& b, const BodyStep& s, const StepConstants& step) {
-    Short3 v = times(s.inv_mantissa, s.inv_exponent, shortened(b.u, accumulator_bits));
-    for (std::int64_t& x : v.m) x *= step.substep_time.raw;
-    v.bits += Unit::fraction_bits + 1;
-    return half_of(v);
-}
-
-/// `axes`: the body's principal axes now; `start`: half_turn() by its u.
-void precess(SolverBody& b, const BodyStep& s, FollowedTurn& turn, const Rotation& axes, const Half3& start,
-             const StepConstants& step) {
-    const OwnSpin own = own_spin(b, turn);
-    const Short3 momentum =
-        times_transposed(axes, times(turn.k, turn.k_bits, shortened(own.m, accumulator_bits)));
-    if (is_far(start)) return precess_far(b, s, turn, step);
-    Half3 half = half_of(times_transposed(axes, {{start[0], start[1], start[2]}, half_bits}));
-    for (int round = 0; round < precession_rounds; ++round) {
-        if (is_far(half)) return precess_far(b, s, turn, step);
-        const SmallTurn t(half);
-        std::int64_t v[3] = {momentum.m[0], momentum.m[1], momentum.m[2]};
-        t.turn<-1>(v);
-        for (std::size_t i = 0; i < 3; ++i) // 31 bits and what turning adds, times 30
-            v[i] = with_bits(v[i] * turn.half_way[i], momentum.bits + turn.half_way_bits[i], half_bits);
-        if (is_far({v[0], v[1], v[2]})) return precess_far(b, s, turn, step);
-        t.turn<1>(v);
-        half = {v[0], v[1], v[2]};
-    }
-    Short3 u = times(turn.k, turn.k_bits, times(axes, shortened({half[0], half[1], half[2]}, half_bits)));
-    std::int64_t fast[3];
-    for (int i = 0; i < 3; ++i)
-        fast[i] = with_bits(u.m[i] * (2 * step.substeps_per_second), u.bits, accumulator_bits);
-    set_speed(b, turn, own, fast, step);
+    f.set_spin(w, step);
 }
 
 /// R diag(own^2) R^T w with the body where it is now.
@@ -231,19 +99,19 @@ Vec3 momentum_of(const FollowedTurn& turn, Vec3 w) {
 
 /// The gyroscopic torque of the body as it is, in a substep, on the body as it answers. Three rounds of the midpoint rule lose
 /// a little energy; two gain it.
-void precess_stiff(SolverBody& b, const BodyStep& s, const FollowedTurn& turn, const StepConstants& step) {
+void precess_stiff(Followed f, const StepConstants& step) {
     constexpr int rounds = 3;
-    const Vec3 before = mul<Real>(s.gyration_inv, to_real(b.u));
+    const Vec3 before = f.spin();
     Vec3 w = before;
     for (int round = 0; round < rounds; ++round) {
         const Vec3 sum = before + w, middle{half(sum.x), half(sum.y), half(sum.z)};
-        const Vec3 torque = cross(momentum_of(turn, middle), middle);
-        w = before + scale<Real>(spin_at(turn.rotation, turn, torque), step.substep_time);
+        const Vec3 torque = cross(momentum_of(f.turn, middle), middle);
+        w = before + scale<Real>(spin_at(f.turn.rotation, f.turn, torque), step.substep_time);
     }
-    const Vec3 u = mul<Real>(s.gyration, w);
-    const Real most = to<Real>(step.tip_speed_max);
-    for (int i = 0; i < 3; ++i) b.u[i] = clamp(u[i], -most, most).raw << real_to_accumulator;
+    f.set_spin(w, step);
 }
+
+// ---- when a tick begins -------------------------------------------------------------------------------------------
 
 /// Slower than this, arms of contacts, which are those of the start of the tick, are the larger error: a top on a floor
 /// does better if all its turn is made after the tick.
@@ -260,189 +128,225 @@ bool spins(const BodyColumns& columns, std::uint32_t row, const BodyStep& s, int
     return s.turn == 0 && columns.traits(row).gyroscopic != 0 && s.angular_mask == 7u;
 }
 
-/// Mantissas below 2^30 of entries below 2^length; returns their fraction bits.
-int mantissas(const Symmetric<Real>& k, int length, Symmetric<std::int32_t>& out) {
-    const int bits = Real::fraction_bits + 30 - length;
-    const auto one = [bits](Real x) {
-        return saturate_to_int32(with_bits(x.raw, Real::fraction_bits, bits));
-    };
-    out = {one(k.xx), one(k.yy), one(k.zz), one(k.xy), one(k.xz), one(k.yz)};
-    return bits;
+template <class T> using Lanes = FollowedFour::Lanes<T>;
+
+/// x / 2^drop rounded, of |x| below 2^62; of a negative drop times a power of two.
+std::int64_t shortened(std::int64_t x, int drop) {
+    return drop > 0 ? shift_right_rounded(x, drop) : x * (std::int64_t{1} << std::min(-drop, 30));
 }
 
-void set_half_way(FollowedTurn& turn, const StepConstants& step) {
+/// Mantissas up to 2^30 of a diagonal: the third, and what the others have more. Returns their fraction bits.
+int set_diagonal(Lanes<std::int32_t> (&out)[3], unsigned lane, Vec3 d) {
+    const int drop = bit_length(magnitude(d.x.raw) | magnitude(d.y.raw) | magnitude(d.z.raw)) - 30;
+    std::int64_t m[3];
+    for (int i = 0; i < 3; ++i) m[i] = shortened(d[i].raw, drop);
+    out[0][lane] = static_cast<std::int32_t>(m[2]);
+    for (int i = 0; i < 2; ++i) out[1 + i][lane] = static_cast<std::int32_t>(m[i] - m[2]);
+    return Real::fraction_bits - drop;
+}
+
+/// Within what lanes can be shifted by. False: it is not.
+bool set_shift(std::int64_t& out, int shift, int least) {
+    out = std::clamp(shift, least, 62);
+    return out == shift;
+}
+
+/// radii^-2 / (2 substeps per second), by which a momentum with `momentum_bits` is multiplied. False: there is no room for it.
+bool set_half_way(FollowedFour& four, unsigned lane, Vec3 radii_inv, int momentum_bits,
+                  std::int32_t half_rate) {
+    bool fits = true;
     for (int i = 0; i < 3; ++i) {
-        const std::uint64_t inverse = magnitude(turn.radii_inv[i].raw);
-        const int length = bit_length(inverse), drop = length - 31;
+        const std::uint64_t inverse = magnitude(radii_inv[i].raw);
+        const int drop = bit_length(inverse) - 31;
         const auto short_one =
-            static_cast<std::uint64_t>(with_bits(static_cast<std::int64_t>(inverse), drop, 0));
-        const std::uint64_t way = short_one * short_one / magnitude(2 * step.substeps_per_second);
+            static_cast<std::uint64_t>(shortened(static_cast<std::int64_t>(inverse), drop));
+        const std::uint64_t way = short_one * short_one / static_cast<std::uint32_t>(half_rate);
         const int way_drop = bit_length(way) - 30;
-        turn.half_way[i] = with_bits(static_cast<std::int64_t>(way), way_drop, 0);
-        turn.half_way_bits[i] = 2 * (Real::fraction_bits - drop) - way_drop;
+        const std::int64_t mantissa = shortened(static_cast<std::int64_t>(way), way_drop);
+        four.half_way[i][lane] = static_cast<std::int32_t>(mantissa);
+        const int bits = 2 * (Real::fraction_bits - drop) - way_drop + momentum_bits;
+        fits =
+            set_shift(four.half_way_drop[i][lane], mantissa == 0 ? 1 : bits - followed_half_bits, 1) && fits;
     }
+    return fits;
 }
 
-/// m = a b, both symmetric with mantissas below 2^30.
-void set_product(TurnMatrix& out, const Symmetric<std::int32_t>& a, int a_bits,
-                 const Symmetric<std::int32_t>& b, int b_bits) {
-    const std::int64_t x[3][3] = {{a.xx, a.xy, a.xz}, {a.xy, a.yy, a.yz}, {a.xz, a.yz, a.zz}};
-    const std::int64_t y[3][3] = {{b.xx, b.xy, b.xz}, {b.xy, b.yy, b.yz}, {b.xz, b.yz, b.zz}};
-    std::int64_t m[3][3];
-    std::uint64_t any = 0;
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) {
-            m[i][j] = x[i][0] * y[0][j] + x[i][1] * y[1][j] + x[i][2] * y[2][j];
-            any |= magnitude(m[i][j]);
-        }
-    const int drop = std::max(bit_length(any) - 30, 0);
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j)
-            out.m[i][j] = static_cast<std::int32_t>(shift_right_rounded(m[i][j], drop));
-    out.bits = a_bits + b_bits - drop;
+/// A mantissa of the time of half a substep in [2^29, 2^30], and its fraction bits.
+struct HalfTime {
+    std::int32_t mantissa;
+    int bits;
+    explicit HalfTime(std::int32_t half_rate)
+        : mantissa(0), bits(29 + bit_length(static_cast<std::uint32_t>(half_rate))) {
+        mantissa = static_cast<std::int32_t>((std::int64_t{1} << bits) / half_rate);
+    }
+};
+
+std::int32_t half_rate_of(const StepConstants& step) {
+    return static_cast<std::int32_t>(2 * step.substeps_per_second);
 }
 
-/// K' K^-1 and its inverse, from where the body is now.
-void set_matrices(FollowedTurn& turn, const BodyStep& start) {
-    Symmetric<std::int32_t> now;
-    const int now_bits = mantissas(turn.now.gyration, turn.now.gyration_bits, now);
-    set_product(turn.to_now, now, now_bits, start.inv_mantissa, start.inv_exponent);
-    set_product(turn.from_now, turn.k, turn.k_bits, turn.now.inv_mantissa, turn.now.inv_exponent);
+/// What follows from the radii of a body.
+void set_radii(FollowedFour& four, unsigned lane, const BodyStep& s, const StepConstants& step) {
+    const int k_bits = set_diagonal(four.radii, lane, s.radii),
+              inverse_bits = set_diagonal(four.inverses, lane, s.radii_inv);
+    four.inverse_bits[lane] = inverse_bits;
+    const std::int32_t half_rate = half_rate_of(step);
+    // Of products of two mantissas and fine u, 31 bits are dropped; of those of a turn and K too.
+    const int to_half =
+        inverse_bits + followed_fine_bits - 31 + HalfTime(half_rate).bits - followed_half_bits;
+    bool fits = set_shift(four.turn_drop[lane], to_half, 1);
+    fits = set_half_way(four, lane, s.radii_inv, k_bits + followed_fine_bits - 31, half_rate) && fits;
+    fits =
+        set_shift(four.speed_raise[lane], accumulator_bits - (k_bits + followed_half_bits - 31), 0) && fits;
+    four.speed_most[lane] = (std::int64_t{step.tip_speed_max.raw} << row_bits) >> four.speed_raise[lane];
+    four.alone[lane] = fits ? 0 : -1;
+    // Of products of K' and K^-1, 30 bits are dropped.
+    const int bits = k_bits + inverse_bits - 30 + followed_change_bits;
+    four.change_raise[lane] = std::clamp(accumulator_bits - bits, 0, 62);
+    four.change_drop[lane] = std::clamp(bits - accumulator_bits, 0, 62);
+    four.change_most[lane] = bits > 50 ? std::int64_t{1} << 62 : std::int64_t{4096} << std::max(bits, 0);
+}
+
+void set_quat(Lanes<std::int32_t> (&out)[4], unsigned lane, Quat q) {
+    out[0][lane] = q.x.raw, out[1][lane] = q.y.raw, out[2][lane] = q.z.raw, out[3][lane] = q.w.raw;
+}
+
+/// Room for one more; by a quarter, since all bodies of a heap come in one tick.
+template <class T> T& add(std::vector<T>& v) {
+    if (v.size() == v.capacity()) v.reserve(v.size() + v.size() / 4 + 16);
+    return v.emplace_back();
 }
 
 void follow(const BodyColumns& columns, std::uint32_t row, const StepConstants& step, SolverBodies& bodies) {
+    const std::size_t at = bodies.turns.size();
+    const unsigned lane = at % followed_lanes;
     BodyStep& s = bodies.step[row];
-    FollowedTurn turn{};
-    turn.rotation = normalized(columns.pose[row].rotation);
+    FollowedTurn& turn = add(bodies.turns);
+    FollowedFour& four = lane == 0 ? add(bodies.fours) : bodies.fours.back();
+    s.turn = static_cast<std::uint32_t>(at + 1);
     turn.principal = columns.mass[row].principal;
     turn.radii_inv = s.radii_inv;
-    set_half_way(turn, step);
-    turn.k_bits = mantissas(s.gyration, s.gyration_bits, turn.k);
-    turn.body = row;
     turn.own = columns.mass[row].gyration;
+    turn.body = row;
+    turn.held = s.jointed;
     turn.stiff = s.radii != turn.own;
-    // By a quarter: an entry is large, and all bodies of a heap come in one tick.
-    if (const std::size_t count = bodies.turns.size(); count == bodies.turns.capacity())
-        bodies.turns.reserve(count + count / 4 + 16);
-    bodies.turns.push_back(turn);
-    s.turn = static_cast<std::uint32_t>(bodies.turns.size());
-    bodies.plain[row] = 0;
-    FollowedTurn& kept = bodies.turns.back();
-    if (turn.stiff) return;
-    SolverBody& b = bodies.body[row];
-    precess(b, s, kept, principal_axes(kept), half_turn(b, s, step), step);
+    four.row[lane] = row;
+    four.any_held = four.any_held || turn.held;
+    four.held[lane] = turn.held ? -1 : 0, four.stiff[lane] = turn.stiff ? -1 : 0;
+    four.linear_mask[lane] = static_cast<std::int32_t>(s.linear_mask);
+    set_quat(four.start, lane, normalized(columns.pose[row].rotation));
+    set_quat(four.principal, lane, turn.principal);
+    set_radii(four, lane, s, step);
+    // Not as other bodies does it end the tick.
+    bodies.plain[row] &= plain_velocity | plain_pose;
 }
+
+/// What turns, but for times.
+FollowPass pass_of(SolverBodies& bodies) {
+    return {bodies.body.data(), bodies.fours.data(), bodies.turns.data(), 0, 0, 0};
+}
+FollowPass pass_of(const StepConstants& step, SolverBodies& bodies) {
+    FollowPass pass = pass_of(bodies);
+    pass.tip_most = std::int64_t{step.tip_speed_max.raw} << row_bits;
+    pass.half_rate = half_rate_of(step), pass.half_time = HalfTime(pass.half_rate).mantissa;
+    return pass;
+}
+
+const FollowKernel& kernel_of(const SolverBodies& bodies) {
+    return (bodies.kernel != nullptr ? *bodies.kernel : scalar_bodies).followed;
+}
+
+/// Lanes that are not used stand still.
+void fill_up(SolverBodies& bodies) {
+    while (bodies.turns.size() % followed_lanes != 0) {
+        const unsigned lane = bodies.turns.size() % followed_lanes;
+        FollowedFour& four = bodies.fours.back();
+        add(bodies.turns).body = four.row[lane] = bodies.still();
+        four.start[3][lane] = four.principal[3][lane] = unit_one.raw;
+    }
+}
+
+/// Calls visit(Followed) for those in FollowedFours [first, last) that the kernel left.
+template <class Visit>
+void for_each_left(SolverBodies& bodies, std::uint32_t first, std::uint32_t last, Visit&& visit) {
+    for (std::uint32_t i = first; i < last; ++i)
+        for (unsigned lane = 0; bodies.fours[i].left != 0 && lane < followed_lanes; ++lane)
+            if (((bodies.fours[i].left >> lane) & 1u) != 0)
+                visit(Followed(bodies, i * followed_lanes + lane));
+}
+
+/// K' and its matrices, and g.
+void answer(const FollowPass& pass, const StepConstants& step, SolverBodies& bodies, std::uint32_t first,
+            std::uint32_t last) {
+    kernel_of(bodies).answer(pass, first, last);
+    for_each_left(bodies, first, last, [&](Followed f) {
+        if (!f.turn.stiff) precess_far(f, step);
+    });
+}
+
+std::uint32_t count_of(const SolverBodies& bodies) { return static_cast<std::uint32_t>(bodies.fours.size()); }
 
 } // namespace
 
 void follow_turns(const BodyColumns& columns, const StepConstants& step, SolverBodies& bodies) {
     const std::uint32_t count = static_cast<std::uint32_t>(columns.info.size());
-    for (std::uint32_t row = 0; row < count; ++row) {
-        const bool jointed = bodies.step[row].jointed;
-        if (!spins(columns, row, bodies.step[row], jointed ? held_parts : spin_parts, step)) continue;
-        follow(columns, row, step, bodies);
-        bodies.turns.back().held = jointed;
-    }
-    for (FollowedTurn& turn : bodies.turns) {
-        turn.now = bodies.step[turn.body];
-        if (turn.held) set_matrices(turn, turn.now);
+    for (std::uint32_t row = 0; row < count; ++row)
+        if (spins(columns, row, bodies.step[row], bodies.step[row].jointed ? held_parts : spin_parts, step))
+            follow(columns, row, step, bodies);
+    if (bodies.turns.empty()) return;
+    fill_up(bodies);
+    const FollowPass pass = pass_of(step, bodies);
+    kernel_of(bodies).start(pass, 0, count_of(bodies));
+    answer(pass, step, bodies, 0, count_of(bodies));
+    for (std::size_t at = 0; at < bodies.turns.size(); ++at) {
+        Followed f(bodies, at);
+        if (f.turn.stiff) f.give_spin(f.spin());
+        // Rows have the K^-1 of the kernel, which changes from here on.
+        const BodyInertia now = f.turn.now;
+        BodyStep& s = bodies.step[f.turn.body];
+        f.turn.now = s;
+        if (f.turn.body == bodies.still()) continue;
+        s.inv_mantissa = f.turn.now.inv_mantissa = now.inv_mantissa;
+        s.inv_exponent = f.turn.now.inv_exponent = now.inv_exponent;
     }
 }
 
-void advance_turn(SolverBody& b, const BodyStep& s, FollowedTurn& turn, const StepConstants& step) {
-    const Half3 half = half_turn(b, s, step);
-    turn.rotation =
-        is_far(half) ? integrate_rotation(turn.rotation, scale<Real>(mul<Real>(s.gyration_inv, to_real(b.u)),
-                                                                     step.substep_time))
-                     : turned_by(turn.rotation, half);
-    const Rotation axes = principal_axes(turn);
-    if (turn.held) {
-        set_gyration(turn.now, axes);
-        set_matrices(turn, s);
-    }
-    if (turn.stiff)
-        precess_stiff(b, s, turn, step);
-    else
-        precess(b, s, turn, axes, half, step);
+void advance_turns(const StepConstants& step, SolverBodies& bodies, Tasks* tasks) {
+    if (bodies.fours.empty()) return;
+    const FollowPass pass = pass_of(step, bodies);
+    base::for_chunks(tasks, count_of(bodies), body_chunk / followed_lanes,
+                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                         kernel_of(bodies).turn(pass, first, last);
+                         for_each_left(bodies, first, last, [&](Followed f) { turn_far(f, step); });
+                         answer(pass, step, bodies, first, last);
+                         for (std::uint32_t i = first; i < last; ++i)
+                             for (unsigned lane = 0; lane < followed_lanes; ++lane)
+                                 if (bodies.fours[i].stiff[lane] != 0)
+                                     precess_stiff(Followed(bodies, i * followed_lanes + lane), step);
+                     });
+}
+
+void find_spins(const StepConstants& step, SolverBodies& bodies) {
+    kernel_of(bodies).end(pass_of(step, bodies), 0, count_of(bodies));
+    for_each_left(bodies, 0, count_of(bodies), [](Followed f) {
+        f.turn.spin = to<Speed>(f.turn.stiff ? f.spin() : spin_at(f.turn.rotation, f.turn, f.momentum()));
+    });
+}
+
+void forget_precession(SolverBodies& bodies, std::uint32_t turn) {
+    const Followed f(bodies, turn - 1);
+    for (auto& part : f.four.precession) part[f.lane] = 0;
 }
 
 // ---- rows of now and rows of the start ----------------------------------------------------------------------------
 
-namespace {
-
-template <class Visit> void for_each_held(SolverBodies& bodies, Visit&& visit) {
-    for (FollowedTurn& turn : bodies.turns)
-        if (turn.held) visit(turn, bodies.body[turn.body]);
-}
-
-struct Change {
-    std::int64_t m[3]; ///< 47 fraction bits
-};
-Change change_of(const SolverBody& b, const std::int64_t (&before)[3]) {
-    return {{b.u[0] - before[0], b.u[1] - before[1], b.u[2] - before[2]}};
-}
-bool is_none(const Change& change) { return (change.m[0] | change.m[1] | change.m[2]) == 0; }
-
-/// M x, or M^T x, within 4096 m/s: no sum leaves 64 bits.
-template <bool Transposed> Change times(const TurnMatrix& m, const std::int64_t (&x)[3]) {
-    constexpr std::int64_t most = std::int64_t{4096} << accumulator_bits;
-    const Short3 v = shortened(x, accumulator_bits);
-    Change out;
-    for (int i = 0; i < 3; ++i) {
-        std::int64_t sum = 0; // 30 bits times 31, three times
-        for (int k = 0; k < 3; ++k) sum += std::int64_t{Transposed ? m.m[k][i] : m.m[i][k]} * v.m[k];
-        out.m[i] = std::clamp(with_bits(sum, m.bits + v.bits, accumulator_bits), -most, most);
-    }
-    return out;
-}
-
-/// What was added to u without being momentum.
-void add_precession(FollowedTurn& turn, const Change& u, const Change& momentum) {
-    for (int i = 0; i < 3; ++i)
-        turn.precession[i] =
-            std::clamp(turn.precession[i] + u.m[i] - momentum.m[i], -2 * own_max, 2 * own_max);
-}
-
-} // namespace
-
 void turn_in(const StepConstants& step, SolverBodies& bodies) {
-    const std::int64_t most = std::int64_t{step.tip_speed_max.raw} << row_bits;
-    for_each_held(bodies, [most](FollowedTurn& turn, SolverBody& b) {
-        const Change u = times<false>(turn.to_now, b.u);
-        for (int i = 0; i < 3; ++i) {
-            turn.u_outside[i] = b.u[i];
-            b.u[i] = turn.u_inside[i] = std::clamp(u.m[i], -most, most);
-        }
-    });
+    kernel_of(bodies).turn_in(pass_of(step, bodies), 0, count_of(bodies));
 }
-
-void turn_out(SolverBodies& bodies) {
-    for_each_held(bodies, [](FollowedTurn& turn, SolverBody& b) {
-        const Change change = change_of(b, turn.u_inside);
-        const Change faster = times<false>(turn.from_now, change.m);
-        for (int i = 0; i < 3; ++i) b.u[i] = std::clamp(turn.u_outside[i] + faster.m[i], -own_max, own_max);
-        // K^-1 K' is the transpose of K' K^-1.
-        if (!turn.stiff) add_precession(turn, faster, times<true>(turn.to_now, change.m));
-    });
-}
-
-void note_u(SolverBodies& bodies) {
-    for_each_held(bodies,
-                  [](FollowedTurn& turn, const SolverBody& b) { std::copy(b.u, b.u + 3, turn.u_outside); });
-}
-
+void turn_out(SolverBodies& bodies) { kernel_of(bodies).turn_out(pass_of(bodies), 0, count_of(bodies)); }
+void note_u(SolverBodies& bodies) { kernel_of(bodies).note_u(pass_of(bodies), 0, count_of(bodies)); }
 void keep_velocity(SolverBodies& bodies) {
-    for_each_held(bodies, [](FollowedTurn& turn, const SolverBody& b) {
-        if (turn.stiff) return;
-        const Change change = change_of(b, turn.u_outside);
-        if (is_none(change)) return;
-        add_precession(turn, change, times<true>(turn.to_now, times<false>(turn.to_now, change.m).m));
-    });
-}
-
-Vec3 spin_of(const SolverBody& b, const BodyStep& s, const FollowedTurn& turn) {
-    if (turn.stiff) return mul<Real>(s.gyration_inv, to_real(b.u));
-    return spin_at(turn.rotation, turn, mul<Real>(s.gyration, to_real(own_spin(b, turn).m)));
+    kernel_of(bodies).keep_velocity(pass_of(bodies), 0, count_of(bodies));
 }
 
 } // namespace lockstone::solve

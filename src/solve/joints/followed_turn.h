@@ -21,7 +21,7 @@
 // A body that turns as if it were larger (joint_stiffness.h) has no momentum that would be kept: its u is K w, and between
 // substeps the gyroscopic torque of the body as it is acts on the body as it answers. With the torque of the larger one a
 // link that rolled off a wall at 50 rad/s shakes its chain apart.
-// Turns of half a substep within 1/4 rad about each axis follow series, in vectors of 31 bits that share a power of two; u' = K' K^-1 u
+// Turns of half a substep within 1/4 rad about each axis follow series, in lanes (../bodies/followed_kernel.h); u' = K' K^-1 u
 // by one matrix a substep, and what joints add goes back by its inverse and, as momentum, by its transpose.
 // source: Hairer, Lubich, Wanner, Geometric Numerical Integration, VII.5 (rigid bodies, splitting and midpoint rule)
 #pragma once
@@ -35,8 +35,8 @@ namespace lockstone::solve {
 /// where a joint holds them.
 void follow_turns(const BodyColumns& columns, const StepConstants& step, SolverBodies& bodies);
 
-/// Turns a body by its u for a substep and finds g for the next one. |u| is within the tip speed limit.
-void advance_turn(SolverBody& b, const BodyStep& s, FollowedTurn& turn, const StepConstants& step);
+/// Turns followed bodies by their u for a substep and finds g for the next one. |u| is within the tip speed limit.
+void advance_turns(const StepConstants& step, SolverBodies& bodies, Tasks* tasks);
 
 /// From here to turn_out(), u of followed bodies that joints hold is K' w; what is added to that is momentum.
 void turn_in(const StepConstants& step, SolverBodies& bodies);
@@ -46,7 +46,9 @@ void turn_out(SolverBodies& bodies);
 void note_u(SolverBodies& bodies);
 void keep_velocity(SolverBodies& bodies);
 
-/// Angular velocity of the momentum K m where the body is now [rad/s].
-Vec3 spin_of(const SolverBody& b, const BodyStep& s, const FollowedTurn& turn);
+/// FollowedTurn::spin: angular velocity of the momentum K m where the body is now.
+void find_spins(const StepConstants& step, SolverBodies& bodies);
+/// Of a body whose u was shortened; `turn` as in BodyInertia.
+void forget_precession(SolverBodies& bodies, std::uint32_t turn);
 
 } // namespace lockstone::solve

@@ -230,7 +230,10 @@ void plan_joints(JointTick& tick, std::span<const Joint> joints, std::span<const
         if (is_packed_point(w)) continue;
         tick.rowed.push_back(i);
         for (const JointWorkSide* s : {&w.a, &w.b})
-            if (!s->world && !w.hinge) tick.bodies[s->cache].motion_asked = true;
+            if (!s->world && !w.hinge) {
+                tick.bodies[s->cache].motion_asked = true;
+                tick.bodies[s->cache].lever_asked |= w.needs_lever;
+            }
     }
     tick.planned.clear();
     for (const JointBody& now : tick.bodies) tick.planned.push_back(planned_of(now.body, bodies));
@@ -250,9 +253,9 @@ void keep_plan(JointTick& tick, std::span<const Joint> joints, std::span<const J
                const BodyColumns& columns, const SolverBodies& bodies) {
     for (JointBody& now : tick.bodies) {
         const std::uint32_t body = now.body;
-        const bool asked = now.motion_asked;
+        const bool motion = now.motion_asked, lever = now.lever_asked;
         now = {};
-        now.body = body, now.motion_asked = asked;
+        now.body = body, now.motion_asked = motion, now.lever_asked = lever;
         start_body(now, columns.pose[body], bodies);
     }
     for (std::size_t i = 0; i < joints.size(); ++i) {

@@ -176,7 +176,7 @@ void assemble(JointTick& tick, JointWork& work, const StepConstants& step, const
     work.block_count = work.axis_count = 0;
     work.point = false;
     work.needs_twist = work.needs_target = work.needs_orientation = work.needs_travel = work.needs_slip =
-        false;
+        work.needs_lever = false;
     if (work.mass == Real{}) return; // no impulse can move either body
     Assembly assembly{tick, work, step, memory};
     switch (work.def->kind) {
@@ -199,6 +199,7 @@ void assemble(JointTick& tick, JointWork& work, const StepConstants& step, const
     const auto note = [&](RowKind k) {
         work.needs_twist = work.needs_twist || k == RowKind::twist || k == RowKind::spin;
         work.needs_slip = work.needs_slip || (k >= RowKind::along_x && k <= RowKind::along_z);
+        work.needs_lever = work.needs_lever || !only_turns(k);
     };
     for (std::size_t i = work.first_axis; i < tick.axes.size(); ++i) note(tick.axes[i].kind);
     for (std::size_t i = work.first_block; i < tick.blocks.size(); ++i)
@@ -238,6 +239,7 @@ void add_point_block(JointTick& tick, JointWork& work) {
     }
     block.count = 3;
     ++work.block_count;
+    work.needs_lever = true;
 }
 
 bool counts_turns(const JointDef& def) {

@@ -88,26 +88,25 @@ Vec3 turned_twice(Vec3 w, Vec3 lever) {
 /// Of a hinge's rows directions are asked for and no places, of a point's no directions.
 JointSide side_of(const JointTick& tick, const JointWork& work, const JointWorkSide& side,
                   const SolverBodies& bodies) {
-    const bool axes = work.framed, places = !work.hinge;
     JointSide now{};
     now.body = &bodies.step[side.body];
     if (now.body->turn != 0) now.body = &bodies.turns[now.body->turn - 1].now;
     if (side.world) {
         now.anchor = side.anchor;
-        if (!axes) return now;
+        if (!work.framed) return now;
         now.rotation = side.frame;
         now.axes = to_rotation(now.rotation);
         return now;
     }
     const JointBody& body = tick.bodies[side.cache];
-    if (places) {
+    if (work.needs_lever) {
         now.lever = turned_lever(body.axes, side.lever);
         now.anchor = body.position + now.lever;
         now.w = body.w;
         now.velocity = body.velocity;
         if (!turns_slowly(body.w)) now.centripetal = turned_twice(body.w, now.lever);
     }
-    if (!axes) return now;
+    if (!work.framed) return now;
     now.rotation = product(body.rotation, side.frame);
     now.axes = to_rotation(now.rotation);
     return now;
@@ -500,14 +499,14 @@ void set_motion(JointBody& now, const SolverBodies& bodies) {
     now.w = over_gyration(bodies.step[now.body], u, Speed::fraction_bits);
 }
 
-static void set_pose(JointBody& now, const Transform& pose, const SolverBodies& bodies) {
+static void set_pose(JointBody& now, const Transform& pose, const SolverBodies& bodies, bool axes) {
     const SolverBody& body = bodies.body[now.body];
     for (int i = 0; i < 3; ++i) {
         now.shift[i] = body.shift[i], now.theta[i] = body.theta[i];
         now.position[i] = pose.position[i] + from_separation(body.shift[i]);
     }
     now.rotation = rotation_now(pose, now.body, bodies);
-    now.axes = to_rotation(now.rotation);
+    if (axes) now.axes = to_rotation(now.rotation);
 }
 
 void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodies) {
@@ -518,14 +517,14 @@ void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodie
         now.turned[i] = saturate_to_int32(std::int64_t{body.theta[i]} - now.theta[i]);
     }
     if (still) return;
-    set_pose(now, pose, bodies);
+    set_pose(now, pose, bodies, now.lever_asked);
     if (now.motion_asked) set_motion(now, bodies);
 }
 
 void start_body(JointBody& now, const Transform& pose, const SolverBodies& bodies) {
     now.moved = Vec3{};
     for (int i = 0; i < 3; ++i) now.turned[i] = 0;
-    set_pose(now, pose, bodies);
+    set_pose(now, pose, bodies, true);
 }
 
 } // namespace lockstone::solve

@@ -34,7 +34,7 @@ enum class RowKind : std::uint8_t {
 
 /// One body of a joint, now.
 struct JointSide {
-    const BodyStep* body;
+    const BodyInertia* body;
     Vec3 anchor;   ///< origin of the frame, world [m]
     Vec3 lever;    ///< from the centre of mass, world [m]; within 128 m, zero for a body that does not move
     Quat rotation; ///< of the frame, world

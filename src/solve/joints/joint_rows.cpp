@@ -40,7 +40,7 @@ Shares joint_shares(const BodyMass& a, const BodyStep& sa, const BodyMass& b, co
     return {share_of(b.mass, sum), share_of(a.mass, sum)};
 }
 
-Scaled3 turning(const BodyStep& body, const std::int64_t arm[3], int fraction_bits) {
+Scaled3 turning(const BodyInertia& body, const std::int64_t arm[3], int fraction_bits) {
     if (!body.moves) return {};
     const std::int64_t x = body.angular_mask & 1u ? arm[0] : 0;
     const std::int64_t y = body.angular_mask & 2u ? arm[1] : 0;

@@ -66,7 +66,7 @@ inline std::int64_t shifted(std::int64_t v, int shift) {
 
 /// sign K^-1 arm; zero about axes that the body may not turn about, and for a body that does not move.
 /// `arm` has `fraction_bits`; its components are below 2^31.
-Scaled3 turning(const BodyStep& body, const std::int64_t arm[3], int fraction_bits);
+Scaled3 turning(const BodyInertia& body, const std::int64_t arm[3], int fraction_bits);
 
 /// Writes the Jacobians of `count` rows, all scaled by 2^-exponent. Returns the exponent; 0 for rows of zeros.
 int set_rows(Row* rows, const WideRow* wide, int count);

@@ -25,6 +25,7 @@ struct JointBody {
     bool given; ///< it has turned far or is followed: in JointTick::given
     /// Rows are made of its velocity and w, which are found only then: some joint is more than a point or a hinge in a pack.
     bool motion_asked;
+    bool lever_asked;                ///< and so are its axes: some joint needs levers
     std::int32_t shift[3], theta[3]; ///< of the SolverBody, when this was made
     Vec3 position;
     Quat rotation;
@@ -130,6 +131,7 @@ struct JointWork {
     bool point; ///< it holds a point; `point_sum`: impulses of the last tick, unscaled
     Real point_sum[3];
     bool needs_twist, needs_target, needs_orientation, needs_travel, needs_slip, counts_turns, made;
+    bool needs_lever;  ///< some row of its own does not only turn
     bool framed;       ///< directions of its frames are asked for: it holds more than a point
     bool stays;        ///< its rows change by turns alone, and slowly
     bool remade;       ///< since trees were factorised

@@ -6,6 +6,8 @@
 #include "lockstone/math/math.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <cstring>
 
 namespace lockstone::solve {
 
@@ -75,12 +77,17 @@ void turn_given(JointTick& tick, std::uint32_t at, const SolverBodies& bodies) {
     const std::uint32_t body = tick.bodies[at].body;
     const Transform& pose = tick.pose[body];
     const BodyStep& own = bodies.step[body];
-    const FollowedTurn* const followed = own.turn != 0 ? &bodies.turns[own.turn - 1] : nullptr;
-    if (followed != nullptr) tick.seen[at + 1] |= seen_followed;
-    if (!fits_pack(body, bodies)) return; // no pack reads it
     TurnedBody& to = tick.turned[at + 1];
+    if (own.turn != 0) {
+        tick.seen[at + 1] |= seen_followed;
+        const auto& turned = bodies.turns[own.turn - 1].turned;
+        static_assert(offsetof(TurnedBody, shift) == sizeof(turned));
+        std::memcpy(&to, turned, sizeof(turned));
+        return;
+    }
+    if (!fits_pack(body, bodies)) return; // no pack reads it
     set_turn(to, rotation_now(pose, body, bodies) * conjugate(pose.rotation));
-    set_spin(to, followed != nullptr ? followed->now : own, bodies.body[body]);
+    set_spin(to, own, bodies.body[body]);
 }
 
 } // namespace
@@ -91,7 +98,10 @@ void turn_four(JointTick& tick, std::uint32_t group, const JointKernel& kernel, 
     for (std::uint32_t at = group * pack_lanes; at < (group + 1) * pack_lanes; ++at) {
         if (at >= tick.bodies.size()) return;
         if ((tick.seen[at + 1] & seen_far) != 0) give_body(tick, at);
-        if (tick.bodies[at].given) turn_given(tick, at, bodies);
+        if (!tick.bodies[at].given) continue;
+        turn_given(tick, at, bodies);
+        // Other than after a substep: followed bodies have been stopped since.
+        set_spin(tick.turned[at + 1], bodies.step[tick.bodies[at].body], bodies.body[tick.bodies[at].body]);
     }
 }
 
@@ -115,14 +125,12 @@ std::uint8_t turn_bodies(JointTick& tick, const JointKernel& kernel, const Joint
 
 void give_gyration(JointTick& tick, const JointWork& work, const SolverBodies& bodies) {
     JointPack& pack = tick.packs[work.pack];
-    const auto give = [&](PackSide& side, const JointWorkSide& s, bool of_a) {
+    const auto give = [&](PackSide& side, const JointWorkSide& s) {
         const std::uint32_t turn = s.world ? 0 : bodies.step[s.body].turn;
         if (turn == 0) return;
-        const BodyStep& now = bodies.turns[turn - 1].now;
-        give_gyration(side, work.lane, now, pack.exponent[work.lane]);
-        if (work.hinge) set_hinge_shift(turn_pack(tick, work), work.lane, of_a, now);
+        give_gyration(side, work.lane, bodies.turns[turn - 1].now);
     };
-    give(pack.a, work.a, true), give(pack.b, work.b, false);
+    give(pack.a, work.a), give(pack.b, work.b);
 }
 
 } // namespace lockstone::solve

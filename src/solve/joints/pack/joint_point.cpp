@@ -10,14 +10,6 @@ namespace lockstone::solve {
 
 namespace {
 
-/// K^-1 of a body, and what follows from its exponent.
-void set_gyration_inverse(PackSide& side, std::uint32_t lane, const BodyStep& body) {
-    const auto& [xx, yy, zz, xy, xz, yz] = body.inv_mantissa;
-    const std::int32_t entries[6] = {xx, yy, zz, xy, xz, yz};
-    for (int i = 0; i < 6; ++i) side.inverse[i][lane] = entries[i];
-    side.spin_shift[lane] = body.inv_exponent;
-}
-
 void set_arm_shift(PackSide& side, std::uint32_t lane, int exponent) {
     // Beyond 62 nothing is left of sums below 2^61.
     const std::int64_t shift = side.spin_shift[lane] + side.lever_bits[lane] + exponent - row_bits;
@@ -64,9 +56,10 @@ void add_stiffness(Stiffness& s, const PackSide& side, std::uint32_t lane, std::
 
 } // namespace
 
-void give_gyration(PackSide& side, std::uint32_t lane, const BodyStep& body, int exponent) {
-    set_gyration_inverse(side, lane, body);
-    set_arm_shift(side, lane, exponent);
+void give_gyration(PackSide& side, std::uint32_t lane, const BodyInertia& body) {
+    const auto& [xx, yy, zz, xy, xz, yz] = body.inv_mantissa;
+    const std::int32_t entries[6] = {xx, yy, zz, xy, xz, yz};
+    for (int i = 0; i < 6; ++i) side.inverse[i][lane] = entries[i];
 }
 
 void enlarge_exponent(JointPack& pack, const JointWork& work, const StepConstants& step) {
@@ -88,7 +81,8 @@ static void invert_point(JointPack& pack, std::uint32_t lane) {
 
 // ---- hinges -------------------------------------------------------------------------------------------------------
 
-void set_hinge_shift(TurnPack& turn, std::uint32_t lane, bool of_a, const BodyStep& body) {
+/// What follows from K^-1 of a body.
+static void set_hinge_shift(TurnPack& turn, std::uint32_t lane, bool of_a, const BodyStep& body) {
     (of_a ? turn.shift_a : turn.shift_b)[lane] = std::clamp(body.inv_exponent + turn.exponent[lane], 1, 62);
 }
 

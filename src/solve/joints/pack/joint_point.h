@@ -14,8 +14,8 @@ struct JointAxisPart;
 
 /// Stages of all joints. The point part of those that fit comes into a pack, and with it a block that only turns.
 void plan_packs(JointTick& tick, const StepConstants& step, const SolverBodies& bodies);
-/// K^-1 of the body of a side, and what follows from it.
-void give_gyration(PackSide& side, std::uint32_t lane, const BodyStep& body, int exponent);
+/// K^-1 of the body of a side, with the fraction bits that it had.
+void give_gyration(PackSide& side, std::uint32_t lane, const BodyInertia& body);
 /// Of a hinge, what stays while its plan is kept: frames in the axes of their bodies, where its limits are.
 void plan_hinge(JointTick& tick, const JointWork& work);
 /// Its frames alone: those of what nothing moves may be others.
@@ -23,8 +23,6 @@ void set_hinge_frames(JointTick& tick, const JointWork& work);
 /// What changes from tick to tick. `limits`: those that the pack looks at, if any; nearer than `least` they are in reach.
 void start_hinge(TurnPack& turn, const JointWork& work, const JointAxisPart* limits, Real least,
                  const SolverBodies& bodies, JointBlock& block, const StepConstants& step);
-/// What follows from K^-1 of a body.
-void set_hinge_shift(TurnPack& turn, std::uint32_t lane, bool of_a, const BodyStep& body);
 /// The axes about which its rows turn B.
 void take_axes(JointBlock& block, const TurnPack& turn, std::uint32_t lane);
 /// Where entries of its rows have grown to 2.

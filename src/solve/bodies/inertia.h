@@ -1,0 +1,27 @@
+// What makes rows of a body: how impulses turn it, and what it may do.
+#pragma once
+
+#include "lockstone/math/vec.h"
+
+#include <cstdint>
+
+namespace lockstone::solve {
+
+/// A symmetric 3x3 matrix.
+template <class T> struct Symmetric { T xx, yy, zz, xy, xz, yz; };
+
+/// A cache line. Kernels read and write it in rows of four numbers from the mantissa on.
+struct alignas(64) BodyInertia {
+    /// K^-1 = mantissa / 2^inv_exponent, the largest entry in [2^28, 2^30)
+    Symmetric<std::int32_t> inv_mantissa;
+    std::int32_t inv_exponent;
+    /// Bit per axis along which it may move, about which it may turn
+    std::uint32_t linear_mask, angular_mask;
+    std::uint32_t turn; ///< entry of SolverBodies::turns + 1, 0: not followed
+    Real mass;          ///< [kg] of what is movable
+    bool movable;       ///< dynamic and with mass
+    bool moves;         ///< dynamic or kinematic
+    bool jointed;       ///< some joint holds it
+};
+
+} // namespace lockstone::solve
