@@ -13,11 +13,18 @@ namespace {
 /// Points farther apart carry nothing soon [m].
 constexpr std::int32_t touching = decimal<Separation>("0.0005").raw;
 
-std::int32_t least_separation(const Contact& contact) {
-    std::int32_t least = Separation::max().raw;
-    for (std::uint32_t k = 0; k < contact.count; ++k)
+std::uint8_t kind_of(const Contact& contact) {
+    std::int32_t least = Separation::max().raw, carried = 0;
+    for (std::uint32_t k = 0; k < contact.count; ++k) {
         least = std::min(least, contact.points[k].separation.raw);
-    return least;
+        carried |= contact.points[k].impulse.raw;
+    }
+    const auto bit = [](bool is, ContactOrder::Kind kind) { return is ? unsigned{kind} : 0u; };
+    return static_cast<std::uint8_t>(bit(carried != 0, ContactOrder::carried) |
+                                     bit(contact.count > 1, ContactOrder::several) |
+                                     bit(least < touching, ContactOrder::touches) |
+                                     bit(contact.restitution > Unit{}, ContactOrder::bounces) |
+                                     bit(contact.rolling > Unit{}, ContactOrder::rolls));
 }
 
 /// counts[k] items of key k become where the items of key k begin.
@@ -34,36 +41,48 @@ void sum_up(std::span<std::uint32_t> counts) {
 
 /// For the most that these contacts could need, so that a tick in which more of them touch does not allocate.
 void ContactOrder::reserve(std::size_t contacts, std::size_t bodies) {
-    for (auto* list : {&levels, &first, &queue, &last}) list->reserve(bodies + 2);
-    for (auto* list : {&down, &place, &staged, &begin}) list->reserve(contacts + 2);
-    least.reserve(contacts);
+    for (auto* list : {&moves, &levels, &first, &queue, &last}) list->reserve(bodies + 2);
+    for (auto* list : {&down, &place, &staged}) list->reserve(contacts + 2);
+    links.reserve(contacts), kinds.reserve(contacts);
     neighbours.reserve(2 * contacts);
-    counts.reserve(std::max(2 * bodies + 4, contacts + 2));
+    begin.reserve(sorts * contacts + 2);
+    counts.reserve(std::max(2 * bodies + 4, sorts * contacts + 2));
+}
+
+/// Counts the neighbours of bodies, too.
+void ContactOrder::read(std::span<const Contact> contacts, const SolverBodies& bodies) {
+    const std::size_t count = bodies.body.size();
+    moves.resize(count);
+    for (std::size_t b = 0; b < count; ++b) moves[b] = bodies.step[b].movable ? 0xffffffffu : 0;
+    first.assign(count + 1, 0);
+    links.resize(contacts.size()), kinds.resize(contacts.size());
+    all_kinds = 0;
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+        const Contact& c = contacts[i];
+        links[i] = {c.body_a, c.body_b};
+        kinds[i] = kind_of(c);
+        all_kinds |= kinds[i];
+        const std::uint32_t one = (kinds[i] & touches) != 0 ? 1 : 0;
+        first[c.body_a] += one, first[c.body_b] += one;
+    }
 }
 
 /// Breadth first over the contacts that touch, from what nothing moves.
-void ContactOrder::find_levels(std::span<const Contact> contacts, const SolverBodies& bodies) {
-    const std::size_t count = bodies.body.size();
-    first.assign(count + 1, 0);
-    least.resize(contacts.size());
-    for (std::size_t i = 0; i < contacts.size(); ++i) {
-        const Contact& c = contacts[i];
-        least[i] = least_separation(c);
-        if (least[i] < touching) ++first[c.body_a], ++first[c.body_b];
-    }
+void ContactOrder::find_levels() {
+    const std::size_t count = moves.size();
     sum_up(first);
     neighbours.resize(first[count]);
     queue.assign(first.begin(), first.end() - 1); // where the next neighbour of each body goes
-    for (std::size_t i = 0; i < contacts.size(); ++i) {
-        if (least[i] >= touching) continue;
-        const Contact& c = contacts[i];
-        neighbours[queue[c.body_a]++] = c.body_b;
-        neighbours[queue[c.body_b]++] = c.body_a;
+    for (std::size_t i = 0; i < links.size(); ++i) {
+        if ((kinds[i] & touches) == 0) continue;
+        const Link& link = links[i];
+        neighbours[queue[link.a]++] = link.b;
+        neighbours[queue[link.b]++] = link.a;
     }
     levels.assign(count, no_level);
     queue.clear();
     for (std::uint32_t b = 0; b < count; ++b)
-        if (!bodies.step[b].movable && first[b] != first[b + 1]) {
+        if (moves[b] == 0 && first[b] != first[b + 1]) {
             levels[b] = 0;
             queue.push_back(b);
         }
@@ -80,36 +99,35 @@ void ContactOrder::find_levels(std::span<const Contact> contacts, const SolverBo
 }
 
 /// Sorts contacts by the sum of their bodies' levels, the highest first; contacts of bodies that nothing holds come before those.
-void ContactOrder::sort_down(std::span<const Contact> contacts) {
+void ContactOrder::sort_down() {
     const std::uint32_t above = level_max + 1;
-    const auto key = [&](const Contact& c) {
-        return 2 * above - std::min(levels[c.body_a], above) - std::min(levels[c.body_b], above);
+    const auto key = [&](const Link& link) {
+        return 2 * above - std::min(levels[link.a], above) - std::min(levels[link.b], above);
     };
     counts.assign(std::size_t{2} * above + 1, 0);
-    place.resize(contacts.size()); // of its key, until find_stages()
-    for (std::size_t i = 0; i < contacts.size(); ++i) ++counts[place[i] = key(contacts[i])];
+    place.resize(links.size()); // of its key, until find_stages()
+    for (std::size_t i = 0; i < links.size(); ++i) ++counts[place[i] = key(links[i])];
     sum_up(counts);
-    down.resize(contacts.size());
-    for (std::uint32_t i = 0; i < contacts.size(); ++i) down[counts[place[i]]++] = i;
+    down.resize(links.size());
+    for (std::uint32_t i = 0; i < links.size(); ++i) down[counts[place[i]]++] = i;
 }
 
-void ContactOrder::find_stages(std::span<const Contact> contacts, const SolverBodies& bodies) {
-    last.assign(bodies.body.size(), 0);
-    place.resize(contacts.size());
-    begin.assign(1, 0);
+void ContactOrder::find_stages() {
+    last.assign(moves.size(), 0);
+    begin.clear();
     for (const std::uint32_t i : down) {
-        const std::uint32_t a = contacts[i].body_a, b = contacts[i].body_b;
-        const bool a_moves = bodies.step[a].movable, b_moves = bodies.step[b].movable;
-        const std::uint32_t stage = std::max(a_moves ? last[a] : 0, b_moves ? last[b] : 0);
-        if (a_moves) last[a] = stage + 1;
-        if (b_moves) last[b] = stage + 1;
-        if (stage + 1 == begin.size()) begin.push_back(0); // at most one stage further than before
-        ++begin[stage];
-        place[i] = stage;
+        const Link& link = links[i];
+        const std::uint32_t stage = std::max(last[link.a], last[link.b]);
+        last[link.a] = (stage + 1) & moves[link.a], last[link.b] = (stage + 1) & moves[link.b];
+        if (sorts * stage == begin.size())
+            begin.insert(begin.end(), sorts, 0); // at most one further than before
+        place[i] = sorts * stage + (~kinds[i] & (carried | several));
+        ++begin[place[i]];
     }
+    begin.push_back(0);
     sum_up(begin);
     counts.assign(begin.begin(), begin.end());
-    staged.resize(contacts.size());
+    staged.resize(links.size());
     for (const std::uint32_t i : down) staged[counts[place[i]]++] = i;
 }
 
@@ -118,16 +136,19 @@ void ContactOrder::find(std::span<const Contact> contacts, const SolverBodies& b
         reserve(base::room_for(contacts.size()), base::room_for(bodies.body.size()));
     if (contacts.empty()) { // no stages
         levels.assign(bodies.body.size(), no_level);
-        begin.assign(1, 0);
+        begin.assign(1, 0), staged.clear();
+        all_kinds = 0;
         return;
     }
-    find_levels(contacts, bodies);
-    sort_down(contacts);
-    find_stages(contacts, bodies);
+    read(contacts, bodies);
+    find_levels();
+    sort_down();
+    find_stages();
 }
 
 void ContactOrder::poison(std::byte with) {
-    base::poison(with, least, levels, first, neighbours, queue, down, place, last, staged, begin, counts);
+    base::poison(with, links, kinds, all_kinds, moves, levels, first, neighbours, queue, down, place, last,
+                 staged, begin, counts);
 }
 
 } // namespace lockstone::solve

@@ -31,32 +31,48 @@ class ContactOrder {
     /// Fills what find() makes anew with a byte.
     void poison(std::byte with);
 
-    std::uint32_t stage_count() const { return static_cast<std::uint32_t>(begin.size() - 1); }
-    /// Indices of the contacts of a stage, rising within a level.
+    std::size_t contact_count() const { return staged.size(); }
+    std::uint32_t stage_count() const { return static_cast<std::uint32_t>((begin.size() - 1) / sorts); }
+    /// Indices of the contacts of a stage: those of several points before single ones, of either those that carried something in
+    /// the last tick before those that did not, and so from the top down and rising within a level.
     std::span<const std::uint32_t> stage(std::uint32_t s) const {
-        return std::span(staged).subspan(begin[s], begin[s + 1] - begin[s]);
+        return std::span(staged).subspan(begin[sorts * s], begin[sorts * (s + 1)] - begin[sorts * s]);
     }
+    enum Kind : std::uint8_t { carried = 1, several = 2, touches = 4, bounces = 8, rolls = 16 };
+    /// What a contact is, as bits, and what any of them is.
+    std::uint8_t kind(std::uint32_t contact) const { return kinds[contact]; }
+    std::uint8_t any_kind() const { return all_kinds; }
     /// Of a body, after `find`; no_level when nothing holds it.
     std::uint32_t level(std::uint32_t body) const { return levels[body]; }
 
     static constexpr std::uint32_t no_level = 0xffffffffu;
 
   private:
-    void find_levels(std::span<const Contact> contacts, const SolverBodies& bodies);
-    void sort_down(std::span<const Contact> contacts);
-    void find_stages(std::span<const Contact> contacts, const SolverBodies& bodies);
+    /// Of contacts, which are far apart in memory, all that is looked at again.
+    struct Link {
+        std::uint32_t a, b; ///< bodies
+    };
+    static constexpr std::uint32_t sorts = 4; ///< of contacts in a stage: `carried` and `several`
 
-    std::vector<std::int32_t> least;   ///< by contact: its least separation, Separation
+    void read(std::span<const Contact> contacts, const SolverBodies& bodies);
+    void find_levels();
+    void sort_down();
+    void find_stages();
+
+    std::vector<Link> links;         ///< by contact
+    std::vector<std::uint8_t> kinds; ///< by contact: Kind
+    std::uint8_t all_kinds = 0;
+    std::vector<std::uint32_t> moves;  ///< by body: all ones where impulses move it, or zero
     std::uint32_t level_max = 0;       ///< of the bodies that are held
     std::vector<std::uint32_t> levels; ///< by body
     /// Bodies that touch body b: neighbours[first[b] .. first[b + 1])
     std::vector<std::uint32_t> first, neighbours;
     std::vector<std::uint32_t> queue;
-    std::vector<std::uint32_t> down;     ///< contacts from the top down
-    std::vector<std::uint32_t> place;    ///< by contact: its key, then its stage
-    std::vector<std::uint32_t> last;     ///< by body: one more than the stage of its latest contact
-    std::vector<std::uint32_t> staged;   ///< contacts by stage
-    std::vector<std::uint32_t> begin{0}; ///< of each stage in `staged`, and the end
+    std::vector<std::uint32_t> down;  ///< contacts from the top down
+    std::vector<std::uint32_t> place; ///< by contact: its key, then its stage and sort
+    std::vector<std::uint32_t> last;  ///< by body: one more than its latest contact's stage; 0 if it is still
+    std::vector<std::uint32_t> staged;   ///< contacts by stage and sort
+    std::vector<std::uint32_t> begin{0}; ///< of each sort of each stage in `staged`, and the end
     std::vector<std::uint32_t> counts;   ///< of a counting sort
 };
 

@@ -36,14 +36,16 @@ struct ContactSolver::Inside {
     std::vector<std::uint32_t> storage;      ///< the packs
     std::vector<std::uint32_t> lane_contact; ///< contact of each lane of each pack, or none
     std::vector<std::uint32_t> stage_begin;  ///< first pack of each stage, and the end
-    std::vector<std::uint8_t> sort_of;       ///< by contact: see place_packs()
     std::vector<WarmStart> warm;             ///< by body
     std::vector<WarmStart> arrival;          ///< by body: PassData::arrival
     std::vector<Bounce> bounces;
     std::vector<Rolling> rolling;
     solve::ContactOrder order;
 
-    void place_packs(std::span<const Contact> contacts);
+    void place_packs();
+    /// A pack's head, and what the rest is prepared from.
+    template <unsigned N>
+    void fill(std::uint32_t pack, PackInput<N>& input, const PrepareInput& in, bool is_cleared);
     template <class Visit> void for_each_stage(Tasks* tasks, Visit&& visit);
     std::int64_t* warm_numbers() {
         static_assert(sizeof(WarmStart) == 6 * sizeof(std::int64_t));
@@ -92,48 +94,64 @@ template <class Visit> void ContactSolver::Inside::with_lanes(Visit&& visit) con
 
 void ContactSolver::reserve(std::size_t contacts, std::size_t bodies) {
     inside->stage_begin.reserve(contacts + 1);
-    inside->sort_of.reserve(contacts), inside->lane_contact.reserve(2 * contacts);
+    inside->lane_contact.reserve(2 * contacts);
     inside->bounces.reserve(contacts), inside->rolling.reserve(contacts);
     inside->warm.reserve(bodies + 1), inside->arrival.reserve(bodies + 1);
     inside->order.reserve(contacts, bodies);
 }
 
-/// Which contacts each pack has: in a stage those of many points before single ones, and those that carried something in the
-/// last tick before those that did not: so packs of single points, and packs of contacts that carry nothing, take little time.
-void ContactSolver::Inside::place_packs(std::span<const Contact> contacts) {
+/// Which contacts each pack has. As a stage is sorted, packs of single points, and packs of contacts that carry nothing, take little
+/// time.
+void ContactSolver::Inside::place_packs() {
     const std::uint32_t lanes = kernel->lanes;
-    base::make_room(sort_of, contacts.size());
-    sort_of.clear();
-    for (const Contact& c : contacts) {
-        std::int32_t carried = 0;
-        for (std::uint32_t k = 0; k < c.count; ++k) carried |= c.points[k].impulse.raw;
-        sort_of.push_back(static_cast<std::uint8_t>((c.count > 1 ? 2 : 0) | (carried != 0 ? 1 : 0)));
-    }
     stage_begin.clear();
     base::make_room(stage_begin, order.stage_count() + 1);
     lane_contact.clear();
-    base::make_room(lane_contact, contacts.size() + std::size_t{lanes - 1} * order.stage_count());
+    base::make_room(lane_contact, order.contact_count() + std::size_t{lanes - 1} * order.stage_count());
     for (std::uint32_t s = 0; s < order.stage_count(); ++s) {
         stage_begin.push_back(static_cast<std::uint32_t>(lane_contact.size()) / lanes);
-        for (const std::uint32_t sort : {3u, 2u, 1u, 0u})
-            for (const std::uint32_t i : order.stage(s))
-                if (sort_of[i] == sort) lane_contact.push_back(i);
+        const std::span<const std::uint32_t> stage = order.stage(s);
+        lane_contact.insert(lane_contact.end(), stage.begin(), stage.end());
         while (lane_contact.size() % lanes != 0) lane_contact.push_back(none);
     }
     pack_count = static_cast<std::uint32_t>(lane_contact.size()) / lanes;
     stage_begin.push_back(pack_count);
     bounces.clear();
     rolling.clear();
+    if ((order.any_kind() & (ContactOrder::bounces | ContactOrder::rolls)) == 0) return;
     for (std::uint32_t i = 0; i < lane_contact.size(); ++i) {
         if (lane_contact[i] == none) continue;
-        const Contact& c = contacts[lane_contact[i]];
+        const unsigned kind = order.kind(lane_contact[i]);
         const auto add = [&](auto& table) {
             auto& entry = table.emplace_back();
             entry.pack = i / lanes, entry.lane = i % lanes;
         };
-        if (c.restitution > Unit{}) add(bounces);
-        if (c.rolling > Unit{}) add(rolling);
+        if (kind & ContactOrder::bounces) add(bounces);
+        if (kind & ContactOrder::rolls) add(rolling);
     }
+}
+
+template <unsigned N>
+void ContactSolver::Inside::fill(std::uint32_t pack, PackInput<N>& input, const PrepareInput& in,
+                                 bool is_cleared) {
+    const auto for_contacts_of = [&](std::size_t other, auto&& visit) {
+        for (std::size_t i = other * N; i < (other + 1) * N && i < lane_contact.size(); ++i)
+            if (lane_contact[i] != none) visit(in.contacts[lane_contact[i]]);
+    };
+    for_contacts_of(pack + 3, [](const Contact& c) { base::prefetch(c); });
+    for_contacts_of(pack + 1, [&](const Contact& c) {
+        const auto& step = in.bodies.step;
+        base::prefetch(step[c.body_a].movable), base::prefetch(step[c.body_b].movable);
+    });
+    const Contact* of[N];
+    std::uint32_t points = 0;
+    for (unsigned lane = 0; lane < N; ++lane) {
+        const std::uint32_t contact = lane_contact[pack * N + lane];
+        of[lane] = contact != none ? &in.contacts[contact] : nullptr;
+        if (contact != none) points = std::max(points, of[lane]->count);
+    }
+    if (!is_cleared) clear_pack(packs<N>()[pack], in.bodies.still(), points);
+    fill_pack(packs<N>()[pack], input, of, points, in);
 }
 
 void ContactSolver::prepare(std::span<const Contact> contacts, std::span<const ContactMemory> memory,
@@ -141,7 +159,7 @@ void ContactSolver::prepare(std::span<const Contact> contacts, std::span<const C
                             const SolverBodies& bodies, Tasks* tasks) {
     Inside& s = *inside;
     s.order.find(contacts, bodies);
-    s.place_packs(contacts);
+    s.place_packs();
     s.started = false;
     if (s.pack_count == 0) return;
     s.warm.assign(bodies.body.size(), {});
@@ -156,23 +174,16 @@ void ContactSolver::prepare(std::span<const Contact> contacts, std::span<const C
             return s.lane_contact[pack * N + lane];
         };
         // Tasks of the game's own may leave a pack out: then it has to be an empty one.
-        for (std::size_t i = 0; tasks != nullptr && i < packs.size(); ++i)
-            clear_pack(packs[i], bodies.still());
-        const auto ask_for = [&](std::size_t from, auto&& visit) { // the contacts of one pack
-            for (std::size_t i = from; i < from + N && i < s.lane_contact.size(); ++i)
-                if (s.lane_contact[i] != none) visit(contacts[s.lane_contact[i]]);
-        };
+        const bool is_cleared = tasks != nullptr;
+        for (std::size_t i = 0; is_cleared && i < packs.size(); ++i) clear_pack(packs[i], bodies.still(), 4);
         base::for_chunks(tasks, s.pack_count, pack_chunk,
                          [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-                             PackInput<N> input;
+                             // One ahead: loads of four lanes would wait for the numbers that were just written one by one.
+                             PackInput<N> inputs[2];
+                             s.fill(first, inputs[first % 2], in, is_cleared);
                              for (std::uint32_t i = first; i < last; ++i) {
-                                 clear_input(input);
-                                 if (tasks == nullptr) clear_pack(packs[i], bodies.still());
-                                 ask_for((i + 2) * N, [](const Contact& c) { base::prefetch(c); });
-                                 for (unsigned lane = 0; lane < N; ++lane)
-                                     if (contact_of(i, lane) != none)
-                                         fill_lane(packs[i], input, lane, contacts[contact_of(i, lane)], in);
-                                 s.kernel->prepare(&packs[i], &input, bodies.body.data());
+                                 if (i + 1 < last) s.fill(i + 1, inputs[(i + 1) % 2], in, is_cleared);
+                                 s.kernel->prepare(&packs[i], &inputs[i % 2], bodies.body.data());
                              }
                          });
         for (std::uint32_t i = 0; i < s.bounces.size(); ++i) {
@@ -318,10 +329,14 @@ void ContactSolver::store(std::span<const Contact> contacts, std::span<ContactMe
         base::for_chunks(
             tasks, s.pack_count, 4 * pack_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
                 solve::ClampCounts counts;
-                constexpr std::size_t ahead = 8; // the table is walked in the order of packs
+                constexpr std::size_t ahead = 8; // the tables are walked in the order of packs
+                const auto soon = [&](std::size_t lane) {
+                    return s.lane_contact[std::min(lane, s.lane_contact.size() - 1)];
+                };
                 for (std::uint32_t i = first * N; i < last * N; ++i) {
-                    const std::size_t soon = std::min<std::size_t>(i + ahead, s.lane_contact.size() - 1);
-                    if (const std::uint32_t c = s.lane_contact[soon]; c != none)
+                    if (const std::uint32_t c = soon(i + 2 * ahead); c != none)
+                        base::prefetch(contacts[c].memory);
+                    if (const std::uint32_t c = soon(i + ahead); c != none)
                         base::prefetch(memory[contacts[c].memory]);
                     if (const std::uint32_t c = s.lane_contact[i]; c != none)
                         store_lane(packs[i / N], i % N, contacts[c], memory[contacts[c].memory], counts);
@@ -337,8 +352,7 @@ void ContactSolver::store(std::span<const Contact> contacts, std::span<ContactMe
 
 void ContactSolver::poison(std::byte with) {
     Inside& s = *inside;
-    base::poison(with, s.storage, s.lane_contact, s.stage_begin, s.sort_of, s.warm, s.arrival, s.bounces,
-                 s.rolling);
+    base::poison(with, s.storage, s.lane_contact, s.stage_begin, s.warm, s.arrival, s.bounces, s.rolling);
     s.order.poison(with);
 }
 

@@ -93,12 +93,17 @@ void respond(const Rows& rows, ContactShares shares, std::int64_t (&out)[3]) {
 
 } // namespace
 
-template <unsigned N> void clear_pack(ContactPack<N>& pack, std::uint32_t still_body) {
-    pack = {};
+template <unsigned N> void clear_pack(ContactPack<N>& pack, std::uint32_t still_body, std::uint32_t points) {
+    const std::span<PointLanes<N>> cleared = std::span(pack.points).first(points > 1 ? 4 : 1);
+    if (points > 1)
+        pack = {};
+    else
+        std::fill(reinterpret_cast<std::uint32_t*>(&pack), reinterpret_cast<std::uint32_t*>(&pack.points[1]),
+                  0u);
     pack.bounce = none;
     for (unsigned lane = 0; lane < N; ++lane) {
         pack.body_a[lane] = pack.body_b[lane] = still_body;
-        for (PointLanes<N>& point : pack.points) point.gap0[lane] = point.gap[lane] = 0x7fffffff;
+        for (PointLanes<N>& point : cleared) point.gap0[lane] = point.gap[lane] = 0x7fffffff;
     }
 }
 
@@ -136,7 +141,9 @@ void fill_side(const BodyStep& step, unsigned lane, std::int32_t (&inverse)[6][N
     }
 }
 
-template <unsigned N> void fill_points(PackInput<N>& to, unsigned lane, const Contact& contact) {
+/// Points that the contact lacks, below `points`, are as far apart as can be.
+template <unsigned N>
+void fill_points(PackInput<N>& to, unsigned lane, const Contact& contact, std::uint32_t points) {
     to.count[lane] = static_cast<std::int32_t>(contact.count);
     for (std::uint32_t k = 0; k < contact.count; ++k) {
         const ContactPoint& point = contact.points[k];
@@ -147,11 +154,14 @@ template <unsigned N> void fill_points(PackInput<N>& to, unsigned lane, const Co
         to.separation[k][lane] = point.separation.raw;
         to.impulse[k][lane] = point.impulse.raw;
     }
+    for (std::uint32_t k = contact.count; k < points; ++k) {
+        for (int i = 0; i < 3; ++i) to.lever_a[k][i][lane] = to.lever_b[k][i][lane] = 0;
+        to.separation[k][lane] = 0x7fffffff;
+        to.impulse[k][lane] = 0;
+    }
     to.slide[0][lane] = contact.tangent_1.raw, to.slide[1][lane] = contact.tangent_2.raw;
     to.twist[lane] = contact.twist.raw;
 }
-
-} // namespace
 
 template <unsigned N> void clear_input(PackInput<N>& input) {
     input = {};
@@ -163,8 +173,7 @@ template <unsigned N> void clear_input(PackInput<N>& input) {
 
 template <unsigned N>
 void fill_lane(ContactPack<N>& pack, PackInput<N>& input, unsigned lane, const Contact& contact,
-               const PrepareInput& in) {
-    if (contact.count == 0) return; // not filled in by tasks of the game's own that left an item out
+               std::uint32_t points, const PrepareInput& in) {
     const BodyStep &sa = in.bodies.step[contact.body_a], &sb = in.bodies.step[contact.body_b];
     const solve::Softness& soft = sa.movable && sb.movable ? in.step.soft : in.step.soft_static;
     fill_head(pack, lane, contact, sa, sb, soft);
@@ -172,11 +181,24 @@ void fill_lane(ContactPack<N>& pack, PackInput<N>& input, unsigned lane, const C
         input.d[0][i][lane] = contact.normal[i].raw;
         input.surface_velocity[i][lane] = contact.surface_velocity[i].raw;
     }
-    fill_points(input, lane, contact);
+    fill_points(input, lane, contact, points);
     input.arms_of_b[lane] = sb.movable ? -1 : 0;
     input.ease[lane] = soft.ease.raw;
     fill_side(sa, lane, input.inverse_a, input.shift_a, input.turns_a, input.keep_a);
     fill_side(sb, lane, input.inverse_b, input.shift_b, input.turns_b, input.keep_b);
+}
+
+} // namespace
+
+template <unsigned N>
+void fill_pack(ContactPack<N>& pack, PackInput<N>& input, const Contact* const (&contacts)[N],
+               std::uint32_t points, const PrepareInput& in) {
+    // Filled lanes leave nothing of what was there. A contact without points was not filled in, by tasks of the game's own that left an
+    // item out.
+    const auto is_there = [](const Contact* contact) { return contact != nullptr && contact->count != 0; };
+    if (!std::all_of(std::begin(contacts), std::end(contacts), is_there)) clear_input(input);
+    for (unsigned lane = 0; lane < N; ++lane)
+        if (is_there(contacts[lane])) fill_lane(pack, input, lane, *contacts[lane], points, in);
 }
 
 void tangent_at_pole(const std::int32_t (&normal)[3], std::int32_t (&tangent)[3]) {
@@ -205,7 +227,7 @@ template <unsigned N> void fill_bounce(Bounce& bounce, const ContactPack<N>& pac
     for (int k = 0; k < 4; ++k) {
         bounce.approach[k] = bounce.impulse_max[k] = 0;
         bounce.taken[k] = 0;
-        const std::int64_t kappa = pack.points[k].kappa[bounce.lane];
+        const std::int64_t kappa = k < pack.point_count ? pack.points[k].kappa[bounce.lane] : 0;
         bounce.inverse_mass[k] = kappa == 0 ? 0 : (std::int64_t{1} << (kappa_bits + response_bits)) / kappa;
     }
 }
@@ -256,21 +278,21 @@ void fill_rolling(Rolling& rolling, const Contact& contact, const PrepareInput& 
     rolling.bound = low(std::min(divide_shifted(contact.rolling.raw, length.raw, unit_bits), row_limit));
 }
 
-template void clear_pack(ContactPack<1>&, std::uint32_t);
-template void clear_input(PackInput<1>&);
-template void fill_lane(ContactPack<1>&, PackInput<1>&, unsigned, const Contact&, const PrepareInput&);
+template void clear_pack(ContactPack<1>&, std::uint32_t, std::uint32_t);
+template void fill_pack(ContactPack<1>&, PackInput<1>&, const Contact* const (&)[1], std::uint32_t,
+                        const PrepareInput&);
 template void fill_bounce(Bounce&, const ContactPack<1>&, const Contact&);
-template void clear_pack(ContactPack<2>&, std::uint32_t);
-template void clear_input(PackInput<2>&);
-template void fill_lane(ContactPack<2>&, PackInput<2>&, unsigned, const Contact&, const PrepareInput&);
+template void clear_pack(ContactPack<2>&, std::uint32_t, std::uint32_t);
+template void fill_pack(ContactPack<2>&, PackInput<2>&, const Contact* const (&)[2], std::uint32_t,
+                        const PrepareInput&);
 template void fill_bounce(Bounce&, const ContactPack<2>&, const Contact&);
-template void clear_pack(ContactPack<4>&, std::uint32_t);
-template void clear_input(PackInput<4>&);
-template void fill_lane(ContactPack<4>&, PackInput<4>&, unsigned, const Contact&, const PrepareInput&);
+template void clear_pack(ContactPack<4>&, std::uint32_t, std::uint32_t);
+template void fill_pack(ContactPack<4>&, PackInput<4>&, const Contact* const (&)[4], std::uint32_t,
+                        const PrepareInput&);
 template void fill_bounce(Bounce&, const ContactPack<4>&, const Contact&);
-template void clear_pack(ContactPack<8>&, std::uint32_t);
-template void clear_input(PackInput<8>&);
-template void fill_lane(ContactPack<8>&, PackInput<8>&, unsigned, const Contact&, const PrepareInput&);
+template void clear_pack(ContactPack<8>&, std::uint32_t, std::uint32_t);
+template void fill_pack(ContactPack<8>&, PackInput<8>&, const Contact* const (&)[8], std::uint32_t,
+                        const PrepareInput&);
 template void fill_bounce(Bounce&, const ContactPack<8>&, const Contact&);
 
 } // namespace lockstone::solve

@@ -248,8 +248,9 @@ template <class L> class PrepareKernel {
     } ///< of a matrix that is none of a response
 
     /// m^-1 of symmetric matrices, by rows of the lower triangle: L D L^T, levels and lines first. What nothing answers to, or
-    /// depends on the rows before it, gets zero rows. Entries of m are clamped at 2^31.
-    static void invert(const Sum<response_bits> (&entries)[6], std::int32_t (&out)[6][N]) {
+    /// depends on the rows before it, gets zero rows. Entries of m are clamped at 2^31. `rows`: 3, or 2 where the third row is zero and
+    /// `out` is.
+    static void invert(const Sum<response_bits> (&entries)[6], int rows, std::int32_t (&out)[6][N]) {
         constexpr std::int64_t top = std::int64_t{1} << (response_bits + inverse_bits), least = (1 << 12) + 1;
         constexpr int factor_bits = 27, ratio_bits = 20;
         Sum<response_bits> m[6];
@@ -280,6 +281,13 @@ template <class L> class PrepareKernel {
             ratio[lane] = q > range ? range : q < -range ? -range : q;
         }
         const auto d1 = Sum<inverse_bits>::load64(inverse1);
+        if (rows == 2) {
+            const auto r = round_to<inverse_bits>(l10 * low(d1));
+            const auto r00 = d0 + round_to<inverse_bits>(l10 * low(clamp(r, range)));
+            low(clamp(r00, range)).store(out[0]), low(clamp(-r, range)).store(out[1]);
+            low(clamp(d1, range)).store(out[2]);
+            return;
+        }
         const auto l21 = Sum<ratio_bits>::load64(ratio);
         p2 = p2 - round_to<response_bits>(low(l21) * low(e21));
         const auto l = round_to<ratio_bits>(l10 * low(l21)) - round_to<ratio_bits>(wide(l20)); // of L^-1
@@ -397,7 +405,7 @@ template <class L> class PrepareKernel {
         respond<2>(c, in, 1, points > 1 ? 3 : 2, c.slide_a, c.slide_b, response);
         Sum<response_bits> s[6];
         for (int i = 0; i < 6; ++i) s[i] = wide(response[i]);
-        invert(s, c.slide_inverse);
+        invert(s, points > 1 ? 3 : 2, c.slide_inverse);
         respond<1>(c, in, 0, points > 1 ? 3 : 1, c.normal_a, c.normal_b, response);
         for (int i = 0; i < 6; ++i) response[i].store(c.response[i]), s[i] = wide(response[i]);
         const Sum<response_bits> mean = fill_points(c, in, points, l, s);
@@ -405,9 +413,9 @@ template <class L> class PrepareKernel {
         if (points == 1) return;
         for (int i : {1, 2}) s[i] = s[i] & gram.tilts;
         for (int i : {3, 4, 5}) s[i] = s[i] & gram.plane;
-        invert(s, c.inverse);
+        invert(s, 3, c.inverse);
         soften(c, in, gram, mean, s);
-        invert(s, c.soft_inverse);
+        invert(s, 3, c.soft_inverse);
     }
 };
 

@@ -71,7 +71,7 @@ struct Avx2 {
         out[2] = pair[1], out[3] = shift_right<32>(pair[1]);
         out[4] = last, out[5] = shift_right<32>(last);
     }
-    template <class Body> static void scatter6(Body* const* p, const V* x) {
+    template <class Body> [[gnu::always_inline]] static void scatter6(Body* const* p, const V* x) {
         V row[4];
         transpose(x[0], x[1], x[2], x[3], row);
         const V ac = _mm256_unpacklo_epi64(x[4], x[5]), bd = _mm256_unpackhi_epi64(x[4], x[5]);

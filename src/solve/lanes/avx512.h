@@ -62,7 +62,7 @@ struct Avx512 {
             out[2 * i] = pair, out[2 * i + 1] = shift_right<32>(pair);
         }
     }
-    template <class Body> static void scatter6(Body* const* p, const V* x) {
+    template <class Body> [[gnu::always_inline]] static void scatter6(Body* const* p, const V* x) {
         scatter_half<0>(p, x);
         scatter_half<1>(p + 4, x);
     }

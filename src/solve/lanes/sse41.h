@@ -69,7 +69,7 @@ struct Sse41 {
         word[2] = _mm_set_epi64x(words(p[1])[8], words(p[0])[8]);
         for (int i = 0; i < 3; ++i) out[2 * i] = word[i], out[2 * i + 1] = shift_right<32>(word[i]);
     }
-    template <class Body> static void scatter6(Body* const* p, const V* x) {
+    template <class Body> [[gnu::always_inline]] static void scatter6(Body* const* p, const V* x) {
         for (int i = 0; i < 6; i += 2) {
             store64(words(p[0]) + i, _mm_unpacklo_epi64(x[i], x[i + 1]));
             store64(words(p[1]) + i, _mm_unpackhi_epi64(x[i], x[i + 1]));

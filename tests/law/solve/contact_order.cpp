@@ -34,6 +34,8 @@ Heap heap_of(std::uint32_t count, double deepest, std::uint64_t seed) {
             contact.body_a = static_cast<std::uint32_t>(random(0, b));
             contact.body_b = b;
             contact.count = static_cast<std::uint32_t>(random(1, 4.99));
+            contact.points = {};
+            contact.restitution = contact.rolling = Unit{};
             for (std::uint32_t i = 0; i < contact.count; ++i)
                 contact.points[i].separation = quantize<Separation>(random(-deepest, 0));
             heap.contacts.push_back(contact);
