@@ -234,7 +234,7 @@ Real spin_size(const JointTick& tick, const JointWork& work, const JointWorkSide
 Real least_room(const JointTick& tick, const JointWork& work, const StepConstants& step) {
     constexpr Real slack = Real(1) / Real(16), given = Real(20);
     const Real speed = given + spin_size(tick, work, work.a) + spin_size(tick, work, work.b);
-    return min(speed, limit_speed_far) * to<Real>(step.substep_time) + slack;
+    return mul<Real>(min(speed, limit_speed_far), step.substep_time) + slack;
 }
 
 /// Whether an axis has nothing but limits of an angle, which carry no impulse and stay out of reach until the rows are made again. Until
@@ -495,8 +495,14 @@ void set_motion(JointBody& now, const SolverBodies& bodies) {
     for (int i = 0; i < 3; ++i)
         now.velocity[i] =
             Real::from_raw(shift_right_rounded(body.v[i], accumulator_bits - Real::fraction_bits));
+    const BodyStep& step = bodies.step[now.body];
+    if (step.turn != 0) {
+        const std::int32_t* const w = bodies.turns[step.turn - 1].turned + 9;
+        now.w = to<Real>(SpeedVec3{Speed::from_raw(w[0]), Speed::from_raw(w[1]), Speed::from_raw(w[2])});
+        return;
+    }
     const std::int32_t u[3] = {speed_of(body.u[0]), speed_of(body.u[1]), speed_of(body.u[2])};
-    now.w = over_gyration(bodies.step[now.body], u, Speed::fraction_bits);
+    now.w = over_gyration(step, u, Speed::fraction_bits);
 }
 
 static void set_pose(JointBody& now, const Transform& pose, const SolverBodies& bodies, bool axes) {
