@@ -48,9 +48,20 @@ bool is_hinge(const JointDef& def, const JointBlock& block) {
            block.kind[1] == RowKind::lock_z;
 }
 
+/// Room for the packs of `counts`, joints by kind from the second entry on, and for no more: they are large.
+void reserve_packs(JointTick& tick) {
+    std::size_t packs = 0, turns = 0;
+    for (std::uint32_t key = 0; key + 1 < tick.counts.size(); ++key) {
+        const std::uint32_t kind = key % pack_kinds,
+                            some = (tick.counts[key + 1] + pack_lanes - 1) / pack_lanes;
+        if (kind != no_kind) packs += some;
+        if (kind != no_kind && kind != 0) turns += some;
+    }
+    tick.packs.reserve(packs), tick.turn_packs.reserve(turns);
+}
+
 void add_to_pack(JointTick& tick, JointWork& w, std::uint32_t kind, bool fresh, const SolverBodies& bodies) {
     if (fresh) {
-        make_room(tick.packs);
         tick.packs.emplace_back();
         JointPack& pack = tick.packs.back();
         pack.hinges = kind == hinge_kind;
@@ -59,7 +70,6 @@ void add_to_pack(JointTick& tick, JointWork& w, std::uint32_t kind, bool fresh, 
             for (std::uint32_t& place : side->place) place = place_of(bodies.still());
         if (kind != 0) {
             pack.turn = static_cast<std::uint32_t>(tick.turn_packs.size());
-            make_room(tick.turn_packs);
             tick.turn_packs.emplace_back();
             for (std::uint32_t lane = 0; lane < pack_lanes; ++lane) {
                 TurnPack& turn = tick.turn_packs.back();
@@ -125,6 +135,7 @@ void plan_packs(JointTick& tick, const StepConstants& step, const SolverBodies& 
     tick.counts.assign(stage_count * pack_kinds + 1, 0);
     const auto key = [&](const JointWork& w) { return w.stage * pack_kinds + kind_of(tick, w); };
     for (const JointWork& w : tick.joints) ++tick.counts[key(w) + 1];
+    reserve_packs(tick);
     for (std::size_t i = 1; i < tick.counts.size(); ++i) tick.counts[i] += tick.counts[i - 1];
     tick.in_order.resize(tick.joints.size());
     for (std::uint32_t i = 0; i < tick.joints.size(); ++i)
