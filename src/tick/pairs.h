@@ -59,12 +59,7 @@ struct PairScratch {
     std::vector<NearPair> before; ///< gives the next ones their hints, which change speed only
     JoinedBodies joined;
 
-    /// Pairs of leaves are listed before those are kept whose bounds overlap.
-    void reserve(const WorldRows& rows) {
-        for (auto* list : {&pairs, &merged_pairs}) // which change places
-            list->reserve(collide::BroadPhase::leaf_pairs_reserved(rows.shapes));
-        joined.reserve(rows);
-    }
+    void reserve(const WorldRows& rows) { joined.reserve(rows); }
 };
 
 /// Shapes that may meet and are near, in pair order, with their rows of the contact table `old`.

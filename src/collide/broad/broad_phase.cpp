@@ -31,14 +31,7 @@ void BroadPhase::reserve(std::uint32_t proxies) {
     moving.reserve(proxies), fixed.reserve(proxies);
     moved.reserve(proxies), changed.reserve(proxies), leaves.reserve(proxies);
     for (std::vector<ProxyPair>* pairs : {&leaf_pairs, &found, &merged})
-        pairs->reserve(leaf_pairs_reserved(proxies));
-}
-
-void BroadPhase::note_move(std::uint32_t proxy) {
-    Entry& entry = entries[proxy];
-    if (!entry.moved) moved.push_back(proxy);
-    if (!entry.fresh) changed.push_back(proxy);
-    entry.moved = entry.fresh = true;
+        pairs->reserve(std::size_t{8} * proxies);
 }
 
 /// The bounds with the margin, and ahead by eight times the motion (at most twelve margins): a body that keeps its
@@ -191,15 +184,16 @@ bool BroadPhase::find_pairs(std::vector<ProxyPair>& out, std::size_t leaf_pairs_
 
 /// Those of `leaf_pairs` whose exact bounds overlap, which about half of them do. Each is written, and stays if it does: a branch
 /// would be taken by chance.
-void BroadPhase::keep_overlaps(std::vector<ProxyPair>& out) const {
-    base::make_room(out, leaf_pairs.size());
-    out.resize(leaf_pairs.size());
-    std::size_t count = 0;
+void BroadPhase::keep_overlaps(std::vector<ProxyPair>& out) {
+    if (merged.size() < leaf_pairs.size()) merged.resize(leaf_pairs.size());
+    const Bounds* const exact = exact_bounds.data();
+    ProxyPair* kept = merged.data();
     for (const ProxyPair& pair : leaf_pairs) {
-        out[count] = pair;
-        count += std::size_t{overlap(exact_bounds[pair.a], exact_bounds[pair.b])};
+        *kept = pair;
+        kept += overlap(exact[pair.a], exact[pair.b]) ? 1 : 0;
     }
-    out.resize(count);
+    base::make_room(out, static_cast<std::size_t>(kept - merged.data()));
+    out.assign(merged.data(), kept);
 }
 
 bool BroadPhase::find_leaf_pairs(std::size_t leaf_pairs_max) {

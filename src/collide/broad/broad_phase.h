@@ -34,7 +34,6 @@ class BroadPhase {
     void grow(std::uint32_t proxy_capacity);
     /// Takes memory for trees and pairs of so many proxies ahead of the calls that need it.
     void reserve(std::uint32_t proxies);
-    static std::size_t leaf_pairs_reserved(std::uint32_t proxies) { return std::size_t{8} * proxies; }
 
     /// Inserts or moves a proxy, or changes its kind. Costs next to nothing while the bounds stay within the leaf. `motion`: how far
     /// it will go by the next call, as far as is known; zero: as far as since the last one.
@@ -110,7 +109,12 @@ class BroadPhase {
                   std::vector<std::uint32_t>& out) const;
     void set_leaf(std::uint32_t proxy, const Bounds& exact, bool is_static, const Vector3<Bound>& motion);
     Bounds moving_leaf(const Vector3<Bound>& motion, const Bounds& exact) const;
-    void note_move(std::uint32_t proxy);
+    void note_move(std::uint32_t proxy) {
+        Entry& entry = entries[proxy];
+        if (!entry.moved) moved.push_back(proxy);
+        if (!entry.fresh) changed.push_back(proxy);
+        entry.moved = entry.fresh = true;
+    }
     /// Whether the leaf of a proxy may stay where it is in a tree, and take other bounds there.
     bool may_stay(const Entry& entry) const;
     void move_leaves(bool is_fixed, std::uint32_t count); ///< of those that stay, which are so many
@@ -126,11 +130,10 @@ class BroadPhase {
     bool find_fresh_pairs(const BoundsTree& a, const BoundsTree& b, std::size_t found_max);
     bool find_leaf_pairs(std::size_t leaf_pairs_max);
     void merge_found();
-    void keep_overlaps(std::vector<ProxyPair>& out) const;
+    void keep_overlaps(std::vector<ProxyPair>& out);
 
-    std::vector<Entry> entries; // by proxy
-    std::vector<Bounds>
-        exact_bounds; // likewise: each tick all pairs of leaves are asked by them, and by nothing else
+    std::vector<Entry> entries;       // by proxy
+    std::vector<Bounds> exact_bounds; // likewise: all that is asked of most pairs of leaves in a tick
     BoundsTree moving, fixed;
     Bound margin;
     std::vector<std::uint32_t> moved;   // since the trees were updated

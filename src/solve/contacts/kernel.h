@@ -212,11 +212,16 @@ template <class L> class Kernel {
         return select(apart, closes, max(parts, Speed::splat(-s.push_speed_max)));
     }
 
-    static void measure_normals(const Pack& c, const PassSettings& s, const Pair& p, Normals& n) {
-        n.speed[0] = line_speed(p, c.d[0], c.normal_a[0], c.normal_b[0]);
-        n.speed[1] = n.speed[2] = Speed::splat(0);
+    /// Along the normal: level and tilts.
+    static void find_speeds(const Pack& c, const Pair& p, Speed (&speed)[3]) {
+        speed[0] = line_speed(p, c.d[0], c.normal_a[0], c.normal_b[0]);
+        speed[1] = speed[2] = Speed::splat(0);
         if (c.point_count > 1)
-            for (int r = 1; r < 3; ++r) n.speed[r] = turn_speed(p, c.normal_a[r], c.normal_b[r]);
+            for (int r = 1; r < 3; ++r) speed[r] = turn_speed(p, c.normal_a[r], c.normal_b[r]);
+    }
+
+    static void measure_normals(const Pack& c, const PassSettings& s, const Pair& p, Normals& n) {
+        find_speeds(c, p, n.speed);
         const Speed zero = Speed::splat(0), fast = Speed::splat(impact_speed);
         n.soft = n.hit = n.leaves = Mask::none();
         Mask busy = Mask::none();
@@ -363,9 +368,8 @@ template <class L> class Kernel {
                                                         Normals& n) {
         gather(c, data.arrival, arrival);
         arrival.round();
-        Speed speed[3] = {line_speed(arrival, c.d[0], c.normal_a[0], c.normal_b[0])};
-        if (c.point_count > 1)
-            for (int r = 1; r < 3; ++r) speed[r] = turn_speed(arrival, c.normal_a[r], c.normal_b[r]);
+        Speed speed[3];
+        find_speeds(c, arrival, speed);
         Mask arrives = Mask::none();
         for (int k = 0; k < c.point_count; ++k)
             arrives = arrives | (-Speed::splat(impact_speed) > at_point(c.points[k], speed));
