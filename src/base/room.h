@@ -6,9 +6,9 @@
 
 namespace lockstone::base {
 
-/// For how many there is room where `count` were too many for what there was: a fifth more, so that a heap that grows seldom
+/// For how many there is room where `count` were too many for what there was: an eighth more, so that a heap that grows seldom
 /// allocates.
-constexpr std::size_t room_for(std::size_t count) { return count + count / 5 + 64; }
+constexpr std::size_t room_for(std::size_t count) { return count + count / 8 + 64; }
 template <class T> void make_room(std::vector<T>& list, std::size_t count) {
     if (list.capacity() < count) list.reserve(room_for(count));
 }

@@ -211,9 +211,9 @@ void set_quat(Lanes<std::int32_t> (&out)[4], unsigned lane, Quat q) {
     out[0][lane] = q.x.raw, out[1][lane] = q.y.raw, out[2][lane] = q.z.raw, out[3][lane] = q.w.raw;
 }
 
-/// Room for one more; by a quarter, since all bodies of a heap come in one tick.
+/// Room for one more; by an eighth, since all bodies of a heap come in one tick.
 template <class T> T& add(std::vector<T>& v) {
-    if (v.size() == v.capacity()) v.reserve(v.size() + v.size() / 4 + 16);
+    if (v.size() == v.capacity()) v.reserve(v.size() + v.size() / 8 + 16);
     return v.emplace_back();
 }
 

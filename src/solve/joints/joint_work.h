@@ -209,9 +209,9 @@ inline TurnPack& turn_pack(JointTick& tick, const JointWork& work) {
     return tick.turn_packs[tick.packs[work.pack].turn];
 }
 
-/// Room for one more entry; where there is none, for a quarter more: entries are large.
+/// Room for one more entry; where there is none, for an eighth more: entries are large.
 template <class T> void make_room(std::vector<T>& v) {
-    if (v.size() == v.capacity()) v.reserve(v.size() + v.size() / 4 + 16);
+    if (v.size() == v.capacity()) v.reserve(v.size() + v.size() / 8 + 16);
 }
 
 JointPassData pass_data(JointTick& tick, const StepConstants& step, SolverBody* bodies);
