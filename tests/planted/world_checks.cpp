@@ -332,6 +332,22 @@ std::string planes_stop() {
     return {};
 }
 
+/// Two balls that overlap touch, but not while a joint holds them.
+std::string joints_part() {
+    World world = scene::made(World::create(scene::small_def()));
+    JointDef def = ball_joint();
+    def.body_a = scene::add_ball(world, scene::at(0, 5, 0), 0.5);
+    def.body_b = scene::add_ball(world, scene::at(0.9, 5, 0), 0.5);
+    world.tick();
+    if (world.contacts().empty()) return "they do not touch";
+    const JointId joint = scene::made(world.create_joint(def));
+    world.tick();
+    if (!world.contacts().empty()) return "they touch in spite of a joint";
+    scene::done(world.destroy(joint));
+    world.tick();
+    return world.contacts().empty() ? "they do not touch after the joint is gone" : "";
+}
+
 Vec3 end_of(const World& w, BodyId body, Vec3 at) {
     const Transform pose = w.pose(body);
     return pose.position + rotate(pose.rotation, at);
@@ -495,6 +511,7 @@ Checks world_checks() {
                              {"crowds agree", crowds_agree},
                              {"what is alike stays apart", alike_shapes},
                              {"joints that change are planned anew", joints_planned},
+                             {"joints keep bodies apart", joints_part},
                              {"planes stop what is fast", planes_stop},
                              {"open points are closed", open_points_close},
                              {"whole figures stay", whole_figures_stay},
