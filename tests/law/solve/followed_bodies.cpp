@@ -201,8 +201,8 @@ TEST_CASE("what joints and contacts do not add leaves followed bodies as they ar
     add_spinning(rig, 3, 200, true);
     const StepConstants step = rig.constants();
     begin(rig, step, true);
-    Random none = Random::seeded(1);
-    substep(rig, step, none, 0.5);
+    Random chance = Random::seeded(1);
+    substep(rig, step, chance, 0.5);
     const std::vector<SolverBody> bodies = rig.bodies.body;
     const auto kept = [&] {
         std::vector<std::int64_t> all;
