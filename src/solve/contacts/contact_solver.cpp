@@ -168,7 +168,7 @@ void ContactSolver::prepare(std::span<const Contact> contacts, std::span<const C
     s.with_lanes([&](auto width) {
         constexpr unsigned N = width();
         const std::size_t words = s.pack_count * (sizeof(ContactPack<N>) / sizeof(std::uint32_t));
-        base::make_room(s.storage, words); // resize() alone would double it
+        base::make_room(s.storage, words); // resize() alone would take twice as much
         if (s.storage.size() < words) s.storage.resize(words);
         const std::span<ContactPack<N>> packs = s.packs<N>();
         const auto contact_of = [&](std::uint32_t pack, unsigned lane) {

@@ -18,7 +18,7 @@ void JointSolver::reserve(std::size_t joints) {
     work->blocks.reserve(2 * joints);
     work->axes.reserve(7 * joints);
     work->packs.reserve(joints), work->turn_packs.reserve(joints), work->stages.reserve(joints);
-    work->singles.reserve(joints), work->rowed.reserve(joints), work->acts.reserve(joints),
+    work->singles.reserve(joints), work->with_rows.reserve(joints), work->acts.reserve(joints),
         work->glances.reserve(joints);
     work->packed.reserve(pack_lanes * joints), work->in_order.reserve(joints);
     work->last_stage.reserve(2 * joints), work->counts.reserve(5 * joints + 1);
@@ -26,12 +26,12 @@ void JointSolver::reserve(std::size_t joints) {
 }
 
 void JointSolver::poison(std::byte with) {
-    auto& [joints, blocks, axes, packs, turn_packs, stages, singles, rowed, glances, held, turned, seen,
+    auto& [joints, blocks, axes, packs, turn_packs, stages, singles, with_rows, glances, held, turned, seen,
            given, acts, packed, last_stage, counts, in_order, bodies, planned, has_plan, forest, cache_of,
            closed, pose, clamped, first] = *work;
-    base::poison(with, joints, blocks, axes, packs, turn_packs, stages, singles, rowed, glances, held, turned,
-                 seen, given, acts, packed, last_stage, counts, in_order, bodies, planned, cache_of, pose,
-                 clamped, first);
+    base::poison(with, joints, blocks, axes, packs, turn_packs, stages, singles, with_rows, glances, held,
+                 turned, seen, given, acts, packed, last_stage, counts, in_order, bodies, planned, cache_of,
+                 pose, clamped, first);
     base::poison(with, closed.of_body, closed.of_pack, closed.of_four, closed.stopped, closed.pushed,
                  closed.velocities, closed.packs);
     has_plan = false;
@@ -224,11 +224,11 @@ void plan_joints(JointTick& tick, std::span<const Joint> joints, std::span<const
     }
     plan_trees(tick, columns, step, bodies);
     plan_packs(tick, step, bodies);
-    tick.rowed.clear();
+    tick.with_rows.clear();
     for (std::uint32_t i = 0; i < tick.joints.size(); ++i) {
         const JointWork& w = tick.joints[i];
         if (is_packed_point(w)) continue;
-        tick.rowed.push_back(i);
+        tick.with_rows.push_back(i);
         for (const JointWorkSide* s : {&w.a, &w.b})
             if (!s->world && !w.hinge) {
                 tick.bodies[s->cache].motion_asked = true;
@@ -303,10 +303,10 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
         if (is_packed_point(w)) start_point(tick, w, kept);
     });
     start_packs(tick, *kernel, step, bodies, tasks);
-    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.rowed.size()), joint_chunk,
+    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.with_rows.size()), joint_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
                          for (std::uint32_t i = first; i < last; ++i)
-                             make_rows(tick, tick.joints[tick.rowed[i]], step, bodies);
+                             make_rows(tick, tick.joints[tick.with_rows[i]], step, bodies);
                      });
     refresh_packs(tick, kernel->begin, step, bodies, tasks);
     for (JointPack& pack : tick.packs)

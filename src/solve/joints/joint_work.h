@@ -181,15 +181,15 @@ struct JointTick {
     std::vector<JointPack> packs;
     std::vector<TurnPack> turn_packs;
     std::vector<JointStage> stages;
-    std::vector<std::uint32_t> singles; ///< joints that have parts in no pack, by stage
-    std::vector<std::uint32_t> rowed;   ///< joints that are more than a point in a pack
-    std::vector<JointGlance> glances;   ///< by joint
-    std::vector<HeldBodies> held;       ///< of `bodies`
-    std::vector<TurnedBody> turned;     ///< by body, after one of the world
-    std::vector<std::uint8_t> seen;     ///< JointSeen, likewise
-    std::vector<std::uint32_t> given;   ///< entries of `bodies` whose turn theta does not tell
-    std::vector<std::uint8_t> acts;     ///< of singles: whether passes look at it
-    std::vector<std::uint32_t> packed;  ///< joints by pack and lane
+    std::vector<std::uint32_t> singles;   ///< joints that have parts in no pack, by stage
+    std::vector<std::uint32_t> with_rows; ///< joints that are more than a point in a pack
+    std::vector<JointGlance> glances;     ///< by joint
+    std::vector<HeldBodies> held;         ///< of `bodies`
+    std::vector<TurnedBody> turned;       ///< by body, after one of the world
+    std::vector<std::uint8_t> seen;       ///< JointSeen, likewise
+    std::vector<std::uint32_t> given;     ///< entries of `bodies` whose turn theta does not tell
+    std::vector<std::uint8_t> acts;       ///< of singles: whether passes look at it
+    std::vector<std::uint32_t> packed;    ///< joints by pack and lane
     std::vector<std::uint32_t> last_stage, counts, in_order; ///< while packs are filled
     std::vector<JointBody> bodies;
     /// The plan: which bodies joints hold, what parts joints have, where packs have them. While joints stay the same it serves again,
