@@ -43,7 +43,7 @@ void sum_up(std::span<std::uint32_t> counts) {
 void ContactOrder::reserve(std::size_t contacts, std::size_t bodies) {
     for (auto* list : {&moves, &levels, &first, &queue, &last}) list->reserve(bodies + 2);
     for (auto* list : {&down, &place, &staged}) list->reserve(contacts + 2);
-    links.reserve(contacts), kinds.reserve(contacts);
+    links.reserve(contacts), kinds.reserve(contacts), followers.reserve(contacts), waits.reserve(contacts);
     neighbours.reserve(2 * contacts);
     begin.reserve(sorts * contacts + 2);
     counts.reserve(std::max(2 * bodies + 4, sorts * contacts + 2));
@@ -121,7 +121,7 @@ void ContactOrder::find_stages() {
         last[link.a] = (stage + 1) & moves[link.a], last[link.b] = (stage + 1) & moves[link.b];
         if (sorts * stage == begin.size())
             begin.insert(begin.end(), sorts, 0); // at most one further than before
-        place[i] = sorts * stage + (~kinds[i] & (carried | several));
+        place[i] = sorts * stage + sort_of(i);
         ++begin[place[i]];
     }
     begin.push_back(0);
@@ -134,21 +134,114 @@ void ContactOrder::find_stages() {
 void ContactOrder::find(std::span<const Contact> contacts, const SolverBodies& bodies) {
     if (down.capacity() < contacts.size() + 2 || levels.capacity() < bodies.body.size() + 2)
         reserve(base::room_for(contacts.size()), base::room_for(bodies.body.size()));
-    if (contacts.empty()) { // no stages
+    if (contacts.empty()) {
         levels.assign(bodies.body.size(), no_level);
-        begin.assign(1, 0), staged.clear();
+        down.clear();
         all_kinds = 0;
         return;
     }
     read(contacts, bodies);
     find_levels();
     sort_down();
+}
+
+void ContactOrder::pack_stages(std::uint32_t lanes, std::vector<std::uint32_t>& packed,
+                               std::vector<std::uint32_t>& stage_begin) {
     find_stages();
+    stage_begin.clear(), packed.clear();
+    base::make_room(stage_begin, stage_count() + 1);
+    base::make_room(packed, down.size() + std::size_t{lanes - 1} * stage_count());
+    for (std::uint32_t s = 0; s < stage_count(); ++s) {
+        stage_begin.push_back(static_cast<std::uint32_t>(packed.size()) / lanes);
+        packed.insert(packed.end(), stage(s).begin(), stage(s).end());
+        while (packed.size() % lanes != 0) packed.push_back(no_contact);
+    }
+    stage_begin.push_back(static_cast<std::uint32_t>(packed.size()) / lanes);
+}
+
+/// Contacts that wait for none, of each sort in the order in which they became so.
+class ContactOrder::Ready {
+  public:
+    /// `next`: room by contact.
+    explicit Ready(std::span<std::uint32_t> next) : next(next) {}
+
+    void add(std::uint32_t contact, std::uint32_t sort) {
+        Queue& line = queues[sort];
+        (line.count != 0 ? next[line.back] : line.front) = contact;
+        line.back = contact;
+        ++line.count;
+    }
+    /// Of which sort the next pack is: the first that fills it, or the first that there is. `sorts`: none.
+    std::uint32_t next_sort(std::uint32_t lanes) const {
+        std::uint32_t some = sorts;
+        for (std::uint32_t sort = 0; sort < sorts; ++sort) {
+            if (queues[sort].count >= lanes) return sort;
+            if (queues[sort].count != 0 && some == sorts) some = sort;
+        }
+        return some;
+    }
+    /// At most so many contacts that a pack of a sort takes: none costs it more by what its own lack. Returns how many.
+    std::uint32_t take(std::uint32_t sort, std::uint32_t most, std::uint32_t* to) {
+        std::uint32_t taken = 0;
+        for (std::uint32_t from = sort; from < sorts; ++from) {
+            if ((sort & ~from) != 0) continue;
+            Queue& line = queues[from];
+            for (; line.count != 0 && taken < most; --line.count) {
+                to[taken++] = line.front;
+                line.front = next[line.front];
+            }
+        }
+        return taken;
+    }
+
+  private:
+    struct Queue {
+        std::uint32_t count = 0, front = 0, back = 0;
+    };
+    Queue queues[sorts];
+    std::span<std::uint32_t> next;
+};
+
+void ContactOrder::find_followers(Ready& ready) {
+    last.assign(moves.size(), 0);
+    followers.resize(links.size()), waits.resize(links.size());
+    const auto follow = [&](std::uint32_t i, std::uint32_t body) -> std::uint8_t {
+        const std::uint32_t before = last[body];
+        last[body] = (i + 1) & moves[body];
+        if (before == 0) return 0;
+        Followers& of = followers[before - 1];
+        (links[before - 1].a == body ? of.of_a : of.of_b) = i;
+        return 1;
+    };
+    for (const std::uint32_t i : down) {
+        followers[i] = {no_contact, no_contact};
+        waits[i] = static_cast<std::uint8_t>(follow(i, links[i].a) + follow(i, links[i].b));
+        if (waits[i] == 0) ready.add(i, sort_of(i));
+    }
+}
+
+void ContactOrder::pack_densely(std::uint32_t lanes, std::vector<std::uint32_t>& packed) {
+    packed.clear();
+    base::make_room(packed, down.size() + down.size() / 4 + lanes);
+    Ready ready(place);
+    find_followers(ready);
+    const auto is_over = [&](std::uint32_t contact) {
+        if (contact != no_contact && --waits[contact] == 0) ready.add(contact, sort_of(contact));
+    };
+    for (std::uint32_t sort; (sort = ready.next_sort(lanes)) != sorts;) {
+        const std::size_t at = packed.size();
+        packed.resize(at + lanes, no_contact);
+        const std::uint32_t taken = ready.take(sort, lanes, &packed[at]);
+        for (std::size_t i = at; i < at + taken; ++i) {
+            const Followers& of = followers[packed[i]];
+            is_over(of.of_a), is_over(of.of_b);
+        }
+    }
 }
 
 void ContactOrder::poison(std::byte with) {
     base::poison(with, links, kinds, all_kinds, moves, levels, first, neighbours, queue, down, place, last,
-                 staged, begin, counts);
+                 followers, waits, staged, begin, counts);
 }
 
 } // namespace lockstone::solve

@@ -8,6 +8,9 @@
 //   level    of a body: the number of contacts between it and something that nothing moves
 //   stage    the first stage after those of all earlier contacts that move the same body: solving stage after stage is
 //            solving in order, and the contacts of a stage share nothing that is written
+//   packs    contacts that are solved at once, in lanes. Workers take the packs of a stage in any order. Where there are none, a pack holds
+//            contacts of several stages, as long as all that they wait for is in earlier packs: a wall of base 40 then has a
+//            twelfth fewer, and pack after pack it is solved in the same order
 #pragma once
 
 #include "solve/bodies/solver_body.h"
@@ -31,13 +34,21 @@ class ContactOrder {
     /// Fills what find() makes anew with a byte.
     void poison(std::byte with);
 
-    std::size_t contact_count() const { return staged.size(); }
+    /// Sorts the contacts by stages, after `find`.
+    void find_stages();
     std::uint32_t stage_count() const { return static_cast<std::uint32_t>((begin.size() - 1) / sorts); }
     /// Indices of the contacts of a stage: those of several points before single ones, of either those that carried something in
     /// the last tick before those that did not, and so from the top down and rising within a level.
     std::span<const std::uint32_t> stage(std::uint32_t s) const {
         return std::span(staged).subspan(begin[sorts * s], begin[sorts * (s + 1)] - begin[sorts * s]);
     }
+    static constexpr std::uint32_t no_contact = 0xffffffffu;
+    /// Contacts in packs of `lanes`, after `find`; lanes that are left over get `no_contact`. By stages, of which `stage_begin` gets the
+    /// first pack of each, and the end; or as densely as their order allows.
+    void pack_stages(std::uint32_t lanes, std::vector<std::uint32_t>& packed,
+                     std::vector<std::uint32_t>& stage_begin);
+    void pack_densely(std::uint32_t lanes, std::vector<std::uint32_t>& packed);
+
     enum Kind : std::uint8_t { carried = 1, several = 2, touches = 4, bounces = 8, rolls = 16 };
     /// What a contact is, as bits, and what any of them is.
     std::uint8_t kind(std::uint32_t contact) const { return kinds[contact]; }
@@ -52,12 +63,18 @@ class ContactOrder {
     struct Link {
         std::uint32_t a, b; ///< bodies
     };
-    static constexpr std::uint32_t sorts = 4; ///< of contacts in a stage: `carried` and `several`
+    static constexpr std::uint32_t sorts = 4; ///< of contacts: several points or one, carried or did not
+    std::uint32_t sort_of(std::uint32_t contact) const { return ~kinds[contact] & (carried | several); }
+    /// The next contact that moves the same body, of either body; or `no_contact`.
+    struct Followers {
+        std::uint32_t of_a, of_b;
+    };
+    class Ready;
 
     void read(std::span<const Contact> contacts, const SolverBodies& bodies);
     void find_levels();
     void sort_down();
-    void find_stages();
+    void find_followers(Ready& ready);
 
     std::vector<Link> links;         ///< by contact
     std::vector<std::uint8_t> kinds; ///< by contact: Kind
@@ -68,9 +85,13 @@ class ContactOrder {
     /// Bodies that touch body b: neighbours[first[b] .. first[b + 1])
     std::vector<std::uint32_t> first, neighbours;
     std::vector<std::uint32_t> queue;
-    std::vector<std::uint32_t> down;  ///< contacts from the top down
-    std::vector<std::uint32_t> place; ///< by contact: its key, then its stage and sort
-    std::vector<std::uint32_t> last;  ///< by body: one more than its latest contact's stage; 0 if it is still
+    std::vector<std::uint32_t> down; ///< contacts from the top down
+    /// By contact: its key, then its stage and sort, or the next that is ready
+    std::vector<std::uint32_t> place;
+    /// By body: one more than its latest contact, or than its stage; 0: none
+    std::vector<std::uint32_t> last;
+    std::vector<Followers> followers; ///< by contact
+    std::vector<std::uint8_t> waits;  ///< by contact: how many contacts it follows that are in no pack so far
     std::vector<std::uint32_t> staged;   ///< contacts by stage and sort
     std::vector<std::uint32_t> begin{0}; ///< of each sort of each stage in `staged`, and the end
     std::vector<std::uint32_t> counts;   ///< of a counting sort

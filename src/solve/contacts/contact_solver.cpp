@@ -35,14 +35,14 @@ struct ContactSolver::Inside {
     bool started = false;                    ///< the warm start from the last tick was given
     std::vector<std::uint32_t> storage;      ///< the packs
     std::vector<std::uint32_t> lane_contact; ///< contact of each lane of each pack, or none
-    std::vector<std::uint32_t> stage_begin;  ///< first pack of each stage, and the end
+    std::vector<std::uint32_t> stage_begin;  ///< first pack of each stage, and the end; empty without workers
     std::vector<WarmStart> warm;             ///< by body
     std::vector<WarmStart> arrival;          ///< by body: PassData::arrival
     std::vector<Bounce> bounces;
     std::vector<Rolling> rolling;
     solve::ContactOrder order;
 
-    void place_packs();
+    void place_packs(bool is_shared);
     /// A pack's head, and what the rest is prepared from.
     template <unsigned N>
     void fill(std::uint32_t pack, PackInput<N>& input, const PrepareInput& in, bool is_cleared);
@@ -100,22 +100,17 @@ void ContactSolver::reserve(std::size_t contacts, std::size_t bodies) {
     inside->order.reserve(contacts, bodies);
 }
 
-/// Which contacts each pack has. As a stage is sorted, packs of single points, and packs of contacts that carry nothing, take little
-/// time.
-void ContactSolver::Inside::place_packs() {
+/// Which contacts each pack has. Workers take the packs of a stage in any order; without workers packs may be filled across stages. As a
+/// stage is sorted, packs of single points, and packs of contacts that carry nothing, take little time.
+void ContactSolver::Inside::place_packs(bool is_shared) {
+    static_assert(none == ContactOrder::no_contact);
     const std::uint32_t lanes = kernel->lanes;
     stage_begin.clear();
-    base::make_room(stage_begin, order.stage_count() + 1);
-    lane_contact.clear();
-    base::make_room(lane_contact, order.contact_count() + std::size_t{lanes - 1} * order.stage_count());
-    for (std::uint32_t s = 0; s < order.stage_count(); ++s) {
-        stage_begin.push_back(static_cast<std::uint32_t>(lane_contact.size()) / lanes);
-        const std::span<const std::uint32_t> stage = order.stage(s);
-        lane_contact.insert(lane_contact.end(), stage.begin(), stage.end());
-        while (lane_contact.size() % lanes != 0) lane_contact.push_back(none);
-    }
+    if (is_shared)
+        order.pack_stages(lanes, lane_contact, stage_begin);
+    else
+        order.pack_densely(lanes, lane_contact);
     pack_count = static_cast<std::uint32_t>(lane_contact.size()) / lanes;
-    stage_begin.push_back(pack_count);
     bounces.clear();
     rolling.clear();
     if ((order.any_kind() & (ContactOrder::bounces | ContactOrder::rolls)) == 0) return;
@@ -159,7 +154,7 @@ void ContactSolver::prepare(std::span<const Contact> contacts, std::span<const C
                             const SolverBodies& bodies, Tasks* tasks) {
     Inside& s = *inside;
     s.order.find(contacts, bodies);
-    s.place_packs();
+    s.place_packs(tasks != nullptr);
     s.started = false;
     if (s.pack_count == 0) return;
     s.warm.assign(bodies.body.size(), {});
@@ -200,7 +195,7 @@ void ContactSolver::prepare(std::span<const Contact> contacts, std::span<const C
 
 /// visit(first, last) for pieces of packs: one stage after the other, the pieces of a stage by workers.
 template <class Visit> void ContactSolver::Inside::for_each_stage(Tasks* tasks, Visit&& visit) {
-    if (tasks == nullptr) {
+    if (tasks == nullptr || stage_begin.empty()) {
         visit(0, pack_count);
         return;
     }

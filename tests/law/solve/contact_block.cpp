@@ -77,6 +77,7 @@ OrderFaults order_faults(const Pile& p, const std::vector<std::vector<std::uint3
 std::vector<std::vector<std::uint32_t>> stages_of(const Pile& p) {
     solve::ContactOrder order;
     order.find(p.contacts, p.bodies);
+    order.find_stages();
     std::vector<std::vector<std::uint32_t>> stages;
     for (std::uint32_t s = 0; s < order.stage_count(); ++s)
         stages.emplace_back(order.stage(s).begin(), order.stage(s).end());

@@ -5,6 +5,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,7 @@ Heap heap_of(std::uint32_t count, double deepest, std::uint64_t seed) {
             heap.contacts.push_back(contact);
         }
     heap.order.find(heap.contacts, heap.bodies);
+    heap.order.find_stages();
     return heap;
 }
 
@@ -56,6 +58,27 @@ std::string out_of_levels(const Heap& heap, bool upwards = false) {
                 if (!heap.bodies.step[b].movable) continue;
                 if (upwards ? height < last[b] : height > last[b]) return "body " + std::to_string(b);
                 last[b] = height;
+            }
+        }
+    return {};
+}
+
+/// Contacts that do not come once, and where a contact is in no later pack than one before it that moves the same body.
+std::string out_of_order(const Heap& heap, std::uint32_t lanes, const std::vector<std::uint32_t>& packed) {
+    std::vector<std::uint32_t> pack_of(heap.contacts.size(), ContactOrder::no_contact);
+    for (std::uint32_t i = 0; i < packed.size(); ++i) {
+        if (packed[i] == ContactOrder::no_contact) continue;
+        if (pack_of[packed[i]] != ContactOrder::no_contact) return "twice: " + std::to_string(packed[i]);
+        pack_of[packed[i]] = i / lanes;
+    }
+    std::vector<std::uint32_t> last(heap.bodies.body.size(), 0); // one more than the pack
+    for (std::uint32_t s = 0; s < heap.order.stage_count(); ++s)
+        for (const std::uint32_t i : heap.order.stage(s)) {
+            if (pack_of[i] == ContactOrder::no_contact) return "lost: " + std::to_string(i);
+            for (const std::uint32_t b : {heap.contacts[i].body_a, heap.contacts[i].body_b}) {
+                if (!heap.bodies.step[b].movable) continue;
+                if (pack_of[i] + 1 <= last[b]) return "too early: " + std::to_string(i);
+                last[b] = pack_of[i] + 1;
             }
         }
     return {};
@@ -103,6 +126,28 @@ TEST_CASE("contacts are solved from the top down, however deep they are") {
             const Heap heap = heap_of(200, deepest, seed);
             CHECK(out_of_levels(heap) == "");
             CHECK(out_of_levels(heap, true) != ""); // twin
+        }
+}
+
+// Every contact of a heap has points; half of them have carried something, and some have one point.
+TEST_CASE("packs across stages leave contacts in order, and fewer lanes empty") {
+    for (std::uint64_t seed = 1; seed <= 20; ++seed)
+        for (const std::uint32_t lanes : {1u, 2u, 4u, 8u}) {
+            Heap heap = heap_of(200, 0.01, seed);
+            for (std::size_t i = 0; i < heap.contacts.size(); i += 2)
+                heap.contacts[i].points[0].impulse = Speed::from_raw(1);
+            heap.order.find(heap.contacts, heap.bodies);
+            std::vector<std::uint32_t> dense, by_stage, stages;
+            heap.order.pack_densely(lanes, dense);
+            heap.order.pack_stages(lanes, by_stage, stages);
+            CHECK(out_of_order(heap, lanes, dense) == "");
+            CHECK(out_of_order(heap, lanes, by_stage) == "");
+            CHECK(dense.size() <= by_stage.size());
+            if (lanes > 1) CHECK(dense.size() < by_stage.size());
+            std::vector<std::uint32_t> lost(dense.begin(), dense.end() - lanes), reversed(dense);
+            std::reverse(reversed.begin(), reversed.end());
+            CHECK(out_of_order(heap, lanes, lost) != ""); // twins
+            CHECK(out_of_order(heap, lanes, reversed) != "");
         }
 }
 
