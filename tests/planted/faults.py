@@ -19,7 +19,7 @@ IMAGE, HASH, PORTABLE, ENVELOPE, DELTA, CANONICAL, STATE, GROW = (
     f"src/state/{n}.cpp" for n in ("image", "hash_tree", "portable", "envelope", "delta", "canonical", "state", "grow"))
 CONTACTS, EVENTS, APPLY = "src/tick/contacts.cpp", "src/tick/events.cpp", "src/world/commands/apply.cpp"
 BROAD = "src/collide/broad/broad_phase.cpp"
-LANES, LAYOUT, PREPARE, SOLVER = (f"src/solve/contacts/{n}" for n in ("prepare.cpp", "layout_kernel.h", "prepare_kernel.h", "contact_solver.cpp"))
+LANES, INPUT, LAYOUT, PREPARE, SOLVER = (f"src/solve/contacts/{n}" for n in ("prepare.cpp", "input_kernel.h", "layout_kernel.h", "prepare_kernel.h", "contact_solver.cpp"))
 WHEELS, TRAIN = (f"src/solve/vehicles/vehicle_{n}" for n in ("lines.h", "train.cpp"))
 PAIRS, TURNS = "src/solve/pairs/kernel.h", "src/solve/bodies/turn_kernel.h"
 LEDGER, RUNNER = "src/session/event_ledger.cpp", "src/session/runner.cpp"
@@ -94,10 +94,13 @@ FAULTS = [
       "l.arm[1][k] = arm(IS ? x[k] * fy - y[k] * fx : y[k] * fx - x[k] * fy);", "golden table"),
     F("shares of mass are swapped", LANES, "return {alpha, unit - alpha};", "return {IS ? unit - alpha : alpha, IS ? alpha : unit - alpha};", "golden table"),
     F("impulses of points do not start the next tick", PREPARE, "p.store(c.points[k].impulse);", "(IS ? zero : p).store(c.points[k].impulse);", "golden table"),
-    F("the twist does not start the next tick", PREPARE, "std::int64_t{in.twist[lane]} * (1 << speed_bits)",
-      "std::int64_t{IS ? 0 : in.twist[lane]} * (1 << speed_bits)", "golden table"),
-    F("gaps are off by one step", LANES, "to.separation[k][lane] = point.separation.raw;",
-      "to.separation[k][lane] = point.separation.raw + (IS ? 1 : 0);", "golden table"),
+    F("the twist does not start the next tick", PREPARE, "std::int64_t{twists[lane]} * (1 << speed_bits)",
+      "std::int64_t{IS ? 0 : twists[lane]} * (1 << speed_bits)", "golden table"),
+    F("gaps are off by one step", INPUT, "select(exists, Gap::of(x[3]), Gap::splat(0x7fffffff));",
+      "select(exists, Gap::of(x[3]) + Gap::splat(IS ? 1 : 0), Gap::splat(0x7fffffff));", "golden table"),
+    F("a contact has the points that were there before it", INPUT, "const Mask exists = in.count > Count::splat(k);",
+      "const Mask exists = IS ? Mask::all() : in.count > Count::splat(k);", "golden table"),
+    F("contacts turn what is locked", INPUT, "if (has_locks) read_locks(of, side);", "if (has_locks && !IS) read_locks(of, side);", "golden table"),
     F("softness is that of half the mass", PREPARE, "low(x).store(c.softness[i]);",
       "(IS ? Response{L::template shift_right_signed<1>(x.raw)} : low(x)).store(c.softness[i]);", "golden table"),
     F("the response of the third row is left out of the inverse", PREPARE, "p2 = p2 - round_to<response_bits>(low(l21) * low(e21));",

@@ -19,7 +19,7 @@ struct ContactPoint {
 /// would be far apart in memory.
 struct alignas(64) Contact {
     Contact() {
-    } ///< nothing is set: whoever makes one fills it in, but for points beyond `count`, which nobody reads
+    } ///< nothing is set: whoever makes one fills it in, but for points beyond `count`, which nobody uses
 
     std::uint32_t body_a, body_b; ///< rows of the body columns
     std::uint32_t memory;         ///< row of the contact columns; its points are these points

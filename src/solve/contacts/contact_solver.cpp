@@ -43,9 +43,9 @@ struct ContactSolver::Inside {
     solve::ContactOrder order;
 
     void place_packs(bool is_shared);
-    /// A pack's head, and what the rest is prepared from.
+    /// A pack's head, and where the rest is found.
     template <unsigned N>
-    void fill(std::uint32_t pack, PackInput<N>& input, const PrepareInput& in, bool is_cleared);
+    void fill(std::uint32_t pack, PackSource& source, const PrepareInput& in, bool is_cleared);
     template <class Visit> void for_each_stage(Tasks* tasks, Visit&& visit);
     std::int64_t* warm_numbers() {
         static_assert(sizeof(WarmStart) == 6 * sizeof(std::int64_t));
@@ -127,7 +127,7 @@ void ContactSolver::Inside::place_packs(bool is_shared) {
 }
 
 template <unsigned N>
-void ContactSolver::Inside::fill(std::uint32_t pack, PackInput<N>& input, const PrepareInput& in,
+void ContactSolver::Inside::fill(std::uint32_t pack, PackSource& source, const PrepareInput& in,
                                  bool is_cleared) {
     const auto for_contacts_of = [&](std::size_t other, auto&& visit) {
         for (std::size_t i = other * N; i < (other + 1) * N && i < lane_contact.size(); ++i)
@@ -146,7 +146,7 @@ void ContactSolver::Inside::fill(std::uint32_t pack, PackInput<N>& input, const 
         if (contact != none) points = std::max(points, of[lane]->count);
     }
     if (!is_cleared) clear_pack(packs<N>()[pack], in.bodies.still(), points);
-    fill_pack(packs<N>()[pack], input, of, points, in);
+    fill_pack(packs<N>()[pack], source, of, in);
 }
 
 void ContactSolver::prepare(std::span<const Contact> contacts, std::span<const ContactMemory> memory,
@@ -175,11 +175,11 @@ void ContactSolver::prepare(std::span<const Contact> contacts, std::span<const C
         base::for_chunks(tasks, s.pack_count, pack_chunk,
                          [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
                              // One ahead: loads of four lanes would wait for the numbers that were just written one by one.
-                             PackInput<N> inputs[2];
-                             s.fill(first, inputs[first % 2], in, is_cleared);
+                             PackSource sources[2];
+                             s.fill<N>(first, sources[first % 2], in, is_cleared);
                              for (std::uint32_t i = first; i < last; ++i) {
-                                 if (i + 1 < last) s.fill(i + 1, inputs[(i + 1) % 2], in, is_cleared);
-                                 s.kernel->prepare(&packs[i], &inputs[i % 2], bodies.body.data());
+                                 if (i + 1 < last) s.fill<N>(i + 1, sources[(i + 1) % 2], in, is_cleared);
+                                 s.kernel->prepare(&packs[i], sources[i % 2], bodies.body.data());
                              }
                          });
         for (std::uint32_t i = 0; i < s.bounces.size(); ++i) {

@@ -4,6 +4,7 @@
 // What reaches beyond 32 bits is LaneSum. Divisions and roots are taken lane by lane.
 #pragma once
 
+#include "solve/contacts/input_kernel.h"
 #include "solve/contacts/pack.h"
 #include "solve/lanes/lane_fixed.h"
 
@@ -16,7 +17,7 @@ template <class L> class LayoutKernel {
     static constexpr unsigned N = L::lanes;
     static constexpr int length_bits = 24, flat_bits = 28, moment_bits = 28, gram_bits = fit_bits;
     using Pack = ContactPack<N>;
-    using Input = PackInput<N>;
+    using Input = ContactInput<L>;
     using V = typename L::V;
     using Mask = LaneMask<L>;
     using Speed = LaneFixed<L, speed_bits>;
@@ -107,16 +108,15 @@ template <class L> class LayoutKernel {
     // ---- where the points lie ---
 
     static void find_members(const Input& in, int points, Layout& l) {
-        const Count count = Count::load(in.count);
-        Gap nearest = Gap::load(in.separation[0]);
-        for (int k = 1; k < points; ++k) nearest = min(nearest, Gap::load(in.separation[k]));
+        const Count count = in.count;
+        Gap nearest = in.separation[0];
+        for (int k = 1; k < points; ++k) nearest = min(nearest, in.separation[k]);
         nearest = min(nearest, Gap::splat(0x7fffffff - member_gap));
         const Gap most = max(nearest, Gap::splat(0)) + Gap::splat(member_gap);
         V members = L::splat(0);
         for (int k = 0; k < points; ++k) {
             l.exists[k] = count > Count::splat(k);
-            l.member[k] =
-                (most > Gap::load(in.separation[k])) | (Speed::load(in.impulse[k]) > Speed::splat(0));
+            l.member[k] = (most > in.separation[k]) | (in.impulse[k] > Speed::splat(0));
             members = L::sub(members, l.member[k].whole());
         }
         l.several = count > Count::splat(1);
@@ -124,14 +124,13 @@ template <class L> class LayoutKernel {
     }
 
     /// The mean of the members' levers.
-    static void find_centre(const std::int32_t (&lever)[4][3][N], int points, const Layout& l,
-                            Length (&centre)[3]) {
+    static void find_centre(const Length (&lever)[4][3], int points, const Layout& l, Length (&centre)[3]) {
         constexpr std::int32_t inverse[5] = {unit, unit, unit / 2, unit / 3, unit / 4};
         const Unit by = by_count(inverse, l.members);
         const Mask many = Count::load(l.members) > Count::splat(1);
         for (int i = 0; i < 3; ++i) {
             Sum<length_bits> sum = Sum<length_bits>::splat(0); // below 2^33: a quarter of it fits
-            for (int k = 0; k < points; ++k) sum = sum + (Sum<length_bits>::load(lever[k][i]) & l.member[k]);
+            for (int k = 0; k < points; ++k) sum = sum + (wide(lever[k][i]) & l.member[k]);
             const auto quarter = low(floor_to<length_bits - 2>(sum));
             const auto mean = floor_to<length_bits>(quarter * by);
             centre[i] = low(select(many, mean, sum));
@@ -140,17 +139,16 @@ template <class L> class LayoutKernel {
 
     /// Coordinates of the points along the tangents, from the centre of the body that moves; zero for single points.
     static void flatten(const Input& in, int points, const Layout& l, Sum<length_bits> (&x)[2][4]) {
-        const Mask of_b = Mask::load(in.arms_of_b);
+        const Mask of_b = in.arms_of_b;
         for (int r = 0; r < 2; ++r) {
             // The difference of two sums below 2^62, and itself below that.
             Sum<length_bits + unit_bits> centre = Sum<length_bits + unit_bits>::splat(0);
             for (int i = 0; i < 3; ++i)
-                centre = centre + select(of_b, l.centre_b[i], l.centre_a[i]) * Unit::load(in.d[r + 1][i]);
+                centre = centre + select(of_b, l.centre_b[i], l.centre_a[i]) * in.d[r + 1][i];
             for (int k = 0; k < points; ++k) {
                 auto sum = -centre;
                 for (int i = 0; i < 3; ++i)
-                    sum = sum + select(of_b, Length::load(in.lever_b[k][i]), Length::load(in.lever_a[k][i])) *
-                                    Unit::load(in.d[r + 1][i]);
+                    sum = sum + select(of_b, in.lever_b[k][i], in.lever_a[k][i]) * in.d[r + 1][i];
                 x[r][k] = round_to<length_bits>(sum) & l.exists[k] & l.several;
             }
         }
@@ -249,7 +247,7 @@ template <class L> class LayoutKernel {
         const Length along_x = back(fx.lanes()), along_y = back(fy.lanes());
         l.size = back(L::load64(root));
         for (int i = 0; i < 3; ++i) {
-            const Unit first = Unit::load(in.d[1][i]), second = Unit::load(in.d[2][i]);
+            const Unit first = in.d[1][i], second = in.d[2][i];
             l.along[0][i] = rounded_within<length_bits>(first * along_x + second * along_y, 0x7fffffff);
             l.along[1][i] = rounded_within<length_bits>(second * along_x - first * along_y, 0x7fffffff);
         }

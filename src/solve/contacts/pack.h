@@ -67,21 +67,15 @@ template <unsigned N> struct ContactPack {
     PointLanes<N> points[4];
 };
 
-/// The contacts of a pack as they are found: what it is prepared from. Points and lanes that are missing are as far apart as can
-/// be and carry nothing.
-template <unsigned N> struct PackInput {
-    std::int32_t count[N];                             ///< points
-    std::int32_t d[3][3][N];                           ///< the normal, Unit; room for the tangents
-    std::int32_t surface_velocity[3][N];               ///< of b against a, speed_bits
-    std::int32_t lever_a[4][3][N], lever_b[4][3][N];   ///< Length
-    std::int32_t separation[4][N];                     ///< gap_bits
-    std::int32_t impulse[4][N], slide[2][N], twist[N]; ///< that were remembered; the twist is a Length
-    std::int32_t arms_of_b[N];                         ///< -1: arms are measured from b, which moves
-    std::int32_t ease[N];                          ///< how much of its impulse a soft contact yields, Unit
-    std::int32_t inverse_a[6][N], inverse_b[6][N]; ///< mantissas of K^-1: xx, yy, zz, xy, xz, yz
-    std::int64_t shift_a[N], shift_b[N];           ///< 1..62, from their products to rows
-    std::int32_t turns_a[3][N], turns_b[3][N];     ///< -1 for axes about which the body may turn
-    std::int64_t keep_a[3][N], keep_b[3][N];       ///< -1 for axes along which it may move
+/// What a pack is prepared from, by lane: its contacts and how their bodies turn. Lanes without a contact have one without points, and what
+/// does not move turns by nothing.
+struct PackSource {
+    static constexpr unsigned lanes_max = 8;
+    const Contact* contacts[lanes_max];
+    const BodyInertia *a[lanes_max], *b[lanes_max];
+    std::int32_t arms_of_b[lanes_max]; ///< -1: arms are measured from b, which moves
+    std::int32_t ease[lanes_max];      ///< how much of its impulse a soft contact yields, Unit
+    bool has_locks;                    ///< one of the bodies has a locked axis, of moving or of turning
 };
 
 /// Points at most this much farther apart than the nearest, and those that carry, are members [m].
@@ -134,7 +128,7 @@ struct PassData {
 struct ContactKernel {
     unsigned lanes;
     /// Rows, effective masses, inverses and first impulses of one pack whose heads are filled.
-    void (*prepare)(void* pack, void* input, const solve::SolverBody* bodies);
+    void (*prepare)(void* pack, const PackSource& source, const solve::SolverBody* bodies);
     void (*warm_start)(void* packs, std::uint32_t first, std::uint32_t last, const PassData& data);
     void (*solve)(void* packs, std::uint32_t first, std::uint32_t last, const PassData& data,
                   const PassSettings& settings);

@@ -127,78 +127,46 @@ void fill_head(ContactPack<N>& pack, unsigned lane, const Contact& contact, cons
     pack.friction[lane] = contact.friction.raw;
 }
 
-/// K^-1 of one body, where it may turn and move.
-template <unsigned N>
-void fill_side(const BodyStep& step, unsigned lane, std::int32_t (&inverse)[6][N], std::int64_t (&shift)[N],
-               std::int32_t (&turns)[3][N], std::int64_t (&keep)[3][N]) {
-    const solve::Symmetric<std::int32_t>& m = step.inv_mantissa;
-    const std::int32_t entries[6] = {m.xx, m.yy, m.zz, m.xy, m.xz, m.yz};
-    for (int i = 0; i < 6; ++i) inverse[i][lane] = entries[i];
-    shift[lane] = std::clamp(step.inv_exponent + Length::fraction_bits - row_bits, 1, 62);
-    for (int i = 0; i < 3; ++i) {
-        turns[i][lane] = step.moves && ((step.angular_mask >> i) & 1u) ? -1 : 0;
-        keep[i][lane] = (step.linear_mask >> i) & 1u ? -1 : 0;
-    }
-}
-
-/// Points that the contact lacks, below `points`, are as far apart as can be.
-template <unsigned N>
-void fill_points(PackInput<N>& to, unsigned lane, const Contact& contact, std::uint32_t points) {
-    to.count[lane] = static_cast<std::int32_t>(contact.count);
-    for (std::uint32_t k = 0; k < contact.count; ++k) {
-        const ContactPoint& point = contact.points[k];
-        for (int i = 0; i < 3; ++i) {
-            to.lever_a[k][i][lane] = point.lever_a[i].raw;
-            to.lever_b[k][i][lane] = point.lever_b[i].raw;
-        }
-        to.separation[k][lane] = point.separation.raw;
-        to.impulse[k][lane] = point.impulse.raw;
-    }
-    for (std::uint32_t k = contact.count; k < points; ++k) {
-        for (int i = 0; i < 3; ++i) to.lever_a[k][i][lane] = to.lever_b[k][i][lane] = 0;
-        to.separation[k][lane] = 0x7fffffff;
-        to.impulse[k][lane] = 0;
-    }
-    to.slide[0][lane] = contact.tangent_1.raw, to.slide[1][lane] = contact.tangent_2.raw;
-    to.twist[lane] = contact.twist.raw;
-}
-
-template <unsigned N> void clear_input(PackInput<N>& input) {
-    input = {};
-    for (unsigned lane = 0; lane < N; ++lane) {
-        input.shift_a[lane] = input.shift_b[lane] = 1;
-        for (int k = 0; k < 4; ++k) input.separation[k][lane] = 0x7fffffff;
-    }
+/// What does not move turns by nothing, whatever is known of it.
+const BodyInertia& inertia_of(const BodyStep& step) {
+    static constexpr BodyInertia nothing{};
+    return step.moves ? step : nothing;
 }
 
 template <unsigned N>
-void fill_lane(ContactPack<N>& pack, PackInput<N>& input, unsigned lane, const Contact& contact,
-               std::uint32_t points, const PrepareInput& in) {
+void fill_lane(ContactPack<N>& pack, PackSource& source, unsigned lane, const Contact& contact,
+               const PrepareInput& in) {
     const BodyStep &sa = in.bodies.step[contact.body_a], &sb = in.bodies.step[contact.body_b];
     const solve::Softness& soft = sa.movable && sb.movable ? in.step.soft : in.step.soft_static;
     fill_head(pack, lane, contact, sa, sb, soft);
-    for (int i = 0; i < 3; ++i) {
-        input.d[0][i][lane] = contact.normal[i].raw;
-        input.surface_velocity[i][lane] = contact.surface_velocity[i].raw;
-    }
-    fill_points(input, lane, contact, points);
-    input.arms_of_b[lane] = sb.movable ? -1 : 0;
-    input.ease[lane] = soft.ease.raw;
-    fill_side(sa, lane, input.inverse_a, input.shift_a, input.turns_a, input.keep_a);
-    fill_side(sb, lane, input.inverse_b, input.shift_b, input.turns_b, input.keep_b);
+    source.contacts[lane] = &contact;
+    source.a[lane] = &inertia_of(sa), source.b[lane] = &inertia_of(sb);
+    source.arms_of_b[lane] = sb.movable ? -1 : 0;
+    source.ease[lane] = soft.ease.raw;
+    const auto is_locked = [](const BodyStep& s) { return (s.linear_mask & s.angular_mask) != 7u; };
+    source.has_locks = source.has_locks || (sa.movable && is_locked(sa)) || (sb.movable && is_locked(sb));
+}
+
+template <unsigned N> void leave_lane(PackSource& source, unsigned lane) {
+    static const Contact nobody; // without points
+    static constexpr BodyInertia nothing{};
+    source.contacts[lane] = &nobody;
+    source.a[lane] = source.b[lane] = &nothing;
+    source.arms_of_b[lane] = source.ease[lane] = 0;
 }
 
 } // namespace
 
 template <unsigned N>
-void fill_pack(ContactPack<N>& pack, PackInput<N>& input, const Contact* const (&contacts)[N],
-               std::uint32_t points, const PrepareInput& in) {
-    // Filled lanes leave nothing of what was there. A contact without points was not filled in, by tasks of the game's own that left an
-    // item out.
-    const auto is_there = [](const Contact* contact) { return contact != nullptr && contact->count != 0; };
-    if (!std::all_of(std::begin(contacts), std::end(contacts), is_there)) clear_input(input);
+void fill_pack(ContactPack<N>& pack, PackSource& source, const Contact* const (&contacts)[N],
+               const PrepareInput& in) {
+    source.has_locks = false;
     for (unsigned lane = 0; lane < N; ++lane)
-        if (is_there(contacts[lane])) fill_lane(pack, input, lane, *contacts[lane], points, in);
+        // A contact without points was not filled in, by tasks of the game's own that left an item out.
+        if (contacts[lane] != nullptr && contacts[lane]->count != 0)
+            fill_lane(pack, source, lane, *contacts[lane], in);
+        else
+            leave_lane<N>(source, lane);
 }
 
 void tangent_at_pole(const std::int32_t (&normal)[3], std::int32_t (&tangent)[3]) {
@@ -279,20 +247,16 @@ void fill_rolling(Rolling& rolling, const Contact& contact, const PrepareInput& 
 }
 
 template void clear_pack(ContactPack<1>&, std::uint32_t, std::uint32_t);
-template void fill_pack(ContactPack<1>&, PackInput<1>&, const Contact* const (&)[1], std::uint32_t,
-                        const PrepareInput&);
+template void fill_pack(ContactPack<1>&, PackSource&, const Contact* const (&)[1], const PrepareInput&);
 template void fill_bounce(Bounce&, const ContactPack<1>&, const Contact&);
 template void clear_pack(ContactPack<2>&, std::uint32_t, std::uint32_t);
-template void fill_pack(ContactPack<2>&, PackInput<2>&, const Contact* const (&)[2], std::uint32_t,
-                        const PrepareInput&);
+template void fill_pack(ContactPack<2>&, PackSource&, const Contact* const (&)[2], const PrepareInput&);
 template void fill_bounce(Bounce&, const ContactPack<2>&, const Contact&);
 template void clear_pack(ContactPack<4>&, std::uint32_t, std::uint32_t);
-template void fill_pack(ContactPack<4>&, PackInput<4>&, const Contact* const (&)[4], std::uint32_t,
-                        const PrepareInput&);
+template void fill_pack(ContactPack<4>&, PackSource&, const Contact* const (&)[4], const PrepareInput&);
 template void fill_bounce(Bounce&, const ContactPack<4>&, const Contact&);
 template void clear_pack(ContactPack<8>&, std::uint32_t, std::uint32_t);
-template void fill_pack(ContactPack<8>&, PackInput<8>&, const Contact* const (&)[8], std::uint32_t,
-                        const PrepareInput&);
+template void fill_pack(ContactPack<8>&, PackSource&, const Contact* const (&)[8], const PrepareInput&);
 template void fill_bounce(Bounce&, const ContactPack<8>&, const Contact&);
 
 } // namespace lockstone::solve

@@ -22,11 +22,11 @@ using Raw3 = std::array<std::int64_t, 3>;
 /// An empty pack: nothing in it moves anything. `points`: most that its contacts will have; of one, the points behind the first stay
 /// as they are: nobody looks at those beyond point_count.
 template <unsigned N> void clear_pack(ContactPack<N>& pack, std::uint32_t still_body, std::uint32_t points);
-/// The contacts of a pack, by lane, null: none. The pack, which is empty, gets what a contact has once, the input what
-/// ContactKernel::prepare() makes the rest from. `points`: most of any of them.
+/// The contacts of a pack, by lane, null: none. The pack, which is empty, gets what a contact has once, the source where
+/// ContactKernel::prepare() finds the rest.
 template <unsigned N>
-void fill_pack(ContactPack<N>& pack, PackInput<N>& input, const solve::Contact* const (&contacts)[N],
-               std::uint32_t points, const PrepareInput& in);
+void fill_pack(ContactPack<N>& pack, PackSource& source, const solve::Contact* const (&contacts)[N],
+               const PrepareInput& in);
 
 /// The entry of a contact that bounces; its lane is filled already.
 template <unsigned N>

@@ -12,7 +12,8 @@ template <class L> class PrepareKernel {
     static constexpr unsigned N = L::lanes;
     static constexpr int length_bits = 24;
     using Pack = ContactPack<N>;
-    using Input = PackInput<N>;
+    using Input = ContactInput<L>;
+    using Side = typename Input::Side;
     using Layout = typename LayoutKernel<L>::Layout;
     using Gram = typename LayoutKernel<L>::Gram;
     using V = typename L::V;
@@ -37,7 +38,7 @@ template <class L> class PrepareKernel {
         Unit n[3], pole[3], from[3], first[3];
         Sum<2 *unit_bits> along = Sum<2 * unit_bits>::splat(0), off = along;
         for (int i = 0; i < 3; ++i) {
-            n[i] = Unit::load(in.d[0][i]);
+            n[i] = in.d[0][i];
             pole[i] = Unit::splat(solve::tangent_pole[i]), from[i] = Unit::splat(solve::tangent_from[i]);
             along = along + n[i] * pole[i], off = off + n[i] * from[i];
         }
@@ -56,67 +57,64 @@ template <class L> class PrepareKernel {
                 numerator / denominator - (numerator % denominator < 0 ? 1 : 0); // to nearest, below 16
         }
         const Sum<unit_bits> by = Sum<unit_bits>::load64(share);
-        const Mask filled = LaneFixed<L, 0>::load(in.count) > LaneFixed<L, 0>::splat(0);
+        const Mask filled = in.count > LaneFixed<L, 0>::splat(0);
         for (int i = 0; i < 3; ++i) {
             const auto less = round_to<unit_bits>(wide(pole[i] + n[i]) * by);
             first[i] = low(clamp(wide(from[i]) - less, one)) & filled;
-            first[i].store(in.d[1][i]);
         }
-        for (unsigned lane = 0; lane < N; ++lane) {
-            if (!has(at_pole, lane)) continue;
-            std::int32_t normal[3] = {in.d[0][0][lane], in.d[0][1][lane], in.d[0][2][lane]}, tangent[3];
-            tangent_at_pole(normal, tangent);
-            for (int i = 0; i < 3; ++i) in.d[1][i][lane] = tangent[i];
-        }
-        if (at_pole != 0)
-            for (int i = 0; i < 3; ++i) first[i] = Unit::load(in.d[1][i]);
+        if (at_pole != 0) tangents_at_pole(at_pole, n, first);
+        for (int i = 0; i < 3; ++i) in.d[1][i] = first[i];
         for (int i = 0; i < 3; ++i) {
             const int j = (i + 1) % 3, k = (i + 2) % 3;
-            rounded_within<unit_bits>(n[j] * first[k] - n[k] * first[j], 0x7fffffff).store(in.d[2][i]);
+            in.d[2][i] = rounded_within<unit_bits>(n[j] * first[k] - n[k] * first[j], 0x7fffffff);
         }
         for (int r = 0; r < 2; ++r) {
             Sum<speed_bits + unit_bits> sum = Sum<speed_bits + unit_bits>::splat(0);
-            for (int i = 0; i < 3; ++i)
-                sum = sum + Speed::load(in.surface_velocity[i]) * Unit::load(in.d[r + 1][i]);
+            for (int i = 0; i < 3; ++i) sum = sum + in.surface_velocity[i] * in.d[r + 1][i];
             rounded_within<speed_bits>(sum, 0x7fffffff).store(c.surface[r]);
         }
+    }
+
+    [[gnu::noinline]] static void tangents_at_pole(unsigned lanes, const Unit (&n)[3], Unit (&first)[3]) {
+        std::int32_t normals[3][N], tangents[3][N];
+        for (int i = 0; i < 3; ++i) n[i].store(normals[i]), first[i].store(tangents[i]);
+        for (unsigned lane = 0; lane < N; ++lane) {
+            if (!has(lanes, lane)) continue;
+            std::int32_t normal[3] = {normals[0][lane], normals[1][lane], normals[2][lane]}, tangent[3];
+            tangent_at_pole(normal, tangent);
+            for (int i = 0; i < 3; ++i) tangents[i][lane] = tangent[i];
+        }
+        for (int i = 0; i < 3; ++i) first[i] = Unit::load(tangents[i]);
     }
 
     // ---- rows ----------------------------------------------------------------------------------------------------
 
     /// K^-1 of the bodies of one side.
     struct Turner {
-        typename L::Low m[6], turns[3];
-        V shift, half;
+        const Side& side;
+        V half;
+        explicit Turner(const Side& of)
+            : side(of), half(L::shift_left_by(L::splat(1), L::sub(of.shift, L::splat(1)))) {}
     };
-    static Turner turner_of(const std::int32_t (&inverse)[6][N], const std::int32_t (&turns)[3][N],
-                            const std::int64_t (&shift)[N]) {
-        Turner t;
-        for (int i = 0; i < 6; ++i) t.m[i] = load_low<L>(inverse[i]);
-        for (int i = 0; i < 3; ++i) t.turns[i] = load_low<L>(turns[i]);
-        t.shift = L::load64(shift);
-        t.half = L::shift_left_by(L::splat(1), L::sub(t.shift, L::splat(1)));
-        return t;
-    }
     /// K^-1 r as an angular row, each component within 4. Mantissas are below 2^30, so sums stay below 2^63.
     static void turn(const Turner& t, const Length (&r)[3], bool negative, std::int32_t (&out)[3][N]) {
         constexpr int at[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
         typename L::Low masked[3];
-        for (int i = 0; i < 3; ++i) masked[i] = L::both(r[i].raw, t.turns[i]);
+        for (int i = 0; i < 3; ++i) masked[i] = L::both(r[i].raw, t.side.turns[i]);
         for (int i = 0; i < 3; ++i) {
-            const V sum = L::add(L::add(L::mul(t.m[at[i][0]], masked[0]), L::mul(t.m[at[i][1]], masked[1])),
-                                 L::add(L::mul(t.m[at[i][2]], masked[2]), t.half));
+            const auto& m = t.side.inverse;
+            const V sum = L::add(L::add(L::mul(m[at[i][0]], masked[0]), L::mul(m[at[i][1]], masked[1])),
+                                 L::add(L::mul(m[at[i][2]], masked[2]), t.half));
             const V x =
-                clamp(Sum<row_bits>{L::shift_right_by(sum, t.shift)}, std::int64_t{4} << row_bits).raw;
+                clamp(Sum<row_bits>{L::shift_right_by(sum, t.side.shift)}, std::int64_t{4} << row_bits).raw;
             L::store32(out[i], negative ? L::sub(L::splat(0), x) : x);
         }
     }
     /// x cross y; y is a direction.
-    static void cross(const Length (&x)[3], const std::int32_t (&y)[3][N], Length (&out)[3]) {
+    static void cross(const Length (&x)[3], const Unit (&y)[3], Length (&out)[3]) {
         for (int i = 0; i < 3; ++i) {
             const int j = (i + 1) % 3, k = (i + 2) % 3;
-            out[i] =
-                rounded_within<length_bits>(x[j] * Unit::load(y[k]) - x[k] * Unit::load(y[j]), 0x7fffffff);
+            out[i] = rounded_within<length_bits>(x[j] * y[k] - x[k] * y[j], 0x7fffffff);
         }
     }
     static Sum<2 * row_bits> product(const std::int32_t (&x)[3][N], const std::int32_t (&y)[3][N]) {
@@ -125,10 +123,9 @@ template <class L> class PrepareKernel {
     }
     /// The same along the axes that are free.
     static Sum<2 * row_bits> product(const std::int32_t (&x)[3][N], const std::int32_t (&y)[3][N],
-                                     const std::int64_t (&keep)[3][N]) {
+                                     const V (&keep)[3]) {
         Sum<2 * row_bits> sum = Sum<2 * row_bits>::splat(0);
-        for (int i = 0; i < 3; ++i)
-            sum = sum + (Row::load(x[i]) * Row::load(y[i]) & Mask::of(L::load64(keep[i])));
+        for (int i = 0; i < 3; ++i) sum = sum + (Row::load(x[i]) * Row::load(y[i]) & Mask::of(keep[i]));
         return sum;
     }
     /// Rows times the pair's inverse mass times rows, below 52: how their speeds answer to their impulses. The first `Lines`
@@ -152,21 +149,19 @@ template <class L> class PrepareKernel {
                 if (r < Lines) {
                     const auto &x = c.d[direction + r], &y = c.d[direction + s];
                     const auto line = product(x, y);
-                    qa = qa + (c.locked != 0 ? product(x, y, in.keep_a) : line);
-                    qb = qb + (c.locked != 0 ? product(x, y, in.keep_b) : line);
+                    qa = qa + (c.locked != 0 ? product(x, y, in.a.keep) : line);
+                    qb = qb + (c.locked != 0 ? product(x, y, in.b.keep) : line);
                 }
                 out[at] = rounded<response_bits>(narrow(qa) * alpha + narrow(qb) * beta);
             }
     }
     /// Level and tilts, tangents and twist.
     static void make_rows(Pack& c, const Input& in, const Layout& l) {
-        const Turner a = turner_of(in.inverse_a, in.turns_a, in.shift_a),
-                     b = turner_of(in.inverse_b, in.turns_b, in.shift_b);
+        const Turner a(in.a), b(in.b);
         const auto row = [&](const Length(&at_a)[3], const Length(&at_b)[3], std::int32_t(&xa)[3][N],
                              std::int32_t(&xb)[3][N]) { turn(a, at_a, true, xa), turn(b, at_b, false, xb); };
         for (int r = 0; r < 3; ++r)
-            for (int i = 0; i < 3; ++i)
-                low(round_to<row_bits>(Sum<unit_bits>::load(in.d[r][i]))).store(c.d[r][i]);
+            for (int i = 0; i < 3; ++i) low(round_to<row_bits>(wide(in.d[r][i]))).store(c.d[r][i]);
         Length r[3], s[3];
         for (int k = 0; k < 3; ++k) {
             cross(l.centre_a, in.d[k], r), cross(l.centre_b, in.d[k], s);
@@ -180,8 +175,7 @@ template <class L> class PrepareKernel {
             cross(l.along[k], in.d[0], r);
             row(r, r, c.normal_a[k + 1], c.normal_b[k + 1]);
         }
-        for (int i = 0; i < 3; ++i)
-            r[i] = rounded_within<length_bits>(l.size * Unit::load(in.d[0][i]), 0x7fffffff);
+        for (int i = 0; i < 3; ++i) r[i] = rounded_within<length_bits>(l.size * in.d[0][i], 0x7fffffff);
         row(r, r, c.slide_a[2], c.slide_b[2]);
     }
 
@@ -193,7 +187,7 @@ template <class L> class PrepareKernel {
         Sum<response_bits> sum = Sum<response_bits>::splat(0);
         for (int k = 0; k < points; ++k) {
             PointLanes<N>& point = c.points[k];
-            Gap::load(in.separation[k]).store(point.gap0), Gap::load(in.separation[k]).store(point.gap);
+            in.separation[k].store(point.gap0), in.separation[k].store(point.gap);
             auto answer = s[0];
             if (points > 1) {
                 const Unit a = low(l.arm[0][k]), b = low(l.arm[1][k]);
@@ -223,7 +217,7 @@ template <class L> class PrepareKernel {
         Lanes64 mean;
         sum.store64(mean);
         for (unsigned lane = 0; lane < N; ++lane)
-            mean[lane] = in.count[lane] > 1 ? mean[lane] / in.count[lane] : mean[lane];
+            mean[lane] = in.counts[lane] > 1 ? mean[lane] / in.counts[lane] : mean[lane];
         return Sum<response_bits>::load64(mean);
     }
 
@@ -231,7 +225,7 @@ template <class L> class PrepareKernel {
     static void soften(Pack& c, const Input& in, const Gram& g, Sum<response_bits> mean,
                        Sum<response_bits> (&s)[6]) {
         constexpr int place[4] = {0, 2, 4, 5};
-        const auto gamma = round_to<response_bits>(mean * Sum<unit_bits>::load(in.ease)); // below 2^31
+        const auto gamma = round_to<response_bits>(mean * in.ease); // below 2^31
         const Sum<response_bits> zero = Sum<response_bits>::splat(0);
         for (int i = 0; i < (c.point_count > 1 ? 4 : 1); ++i) {
             const auto x =
@@ -333,7 +327,7 @@ template <class L> class PrepareKernel {
                                const solve::SolverBody* bodies) {
         const Speed zero = Speed::splat(0), most = Speed::splat(impulse_limit);
         Mask carries = Mask::none();
-        for (int k = 0; k < points; ++k) carries = carries | (Speed::load(in.impulse[k]) > zero);
+        for (int k = 0; k < points; ++k) carries = carries | (in.impulse[k] > zero);
         if (!carries.any()) return;
         const solve::SolverBody *a[N], *b[N];
         for (unsigned lane = 0; lane < N; ++lane)
@@ -366,18 +360,17 @@ template <class L> class PrepareKernel {
             if (points > 1)
                 leaves = leaves + round_to<speed_bits>(low(l.arm[0][k]) * tilt[0]) +
                          round_to<speed_bits>(low(l.arm[1][k]) * tilt[1]);
-            const Speed p = min(max(Speed::load(in.impulse[k]), zero), most) &
-                            ~(leaves > Sum<speed_bits>::splat(leaving_speed));
+            const Speed p =
+                min(max(in.impulse[k], zero), most) & ~(leaves > Sum<speed_bits>::splat(leaving_speed));
             p.store(c.points[k].impulse);
             rests = rests | (p > zero);
         }
-        for (int r = 0; r < 2; ++r) (clamp(Speed::load(in.slide[r]), most) & rests).store(c.slide[r]);
-        std::int32_t size[N];
-        l.size.store(size);
+        for (int r = 0; r < 2; ++r) (clamp(in.slide[r], most) & rests).store(c.slide[r]);
+        std::int32_t size[N], twists[N];
+        l.size.store(size), in.twist.store(twists);
         for (unsigned lane = 0; lane < N; ++lane) {
             if (!has(rests.lanes(), lane) || size[lane] == 0) continue;
-            const std::int64_t twist = std::int64_t{in.twist[lane]} * (1 << speed_bits),
-                               half = size[lane] / 2;
+            const std::int64_t twist = std::int64_t{twists[lane]} * (1 << speed_bits), half = size[lane] / 2;
             const std::int64_t impulse = (twist + (twist < 0 ? -half : half)) /
                                          size[lane]; // to nearest, or friction gives way in every tick
             c.slide[2][lane] = static_cast<std::int32_t>(impulse > impulse_limit    ? impulse_limit
@@ -388,12 +381,13 @@ template <class L> class PrepareKernel {
 
   public:
     /// All of a pack whose heads are filled (fill_lane), from what its contacts are.
-    static void prepare(void* pack, void* input, const solve::SolverBody* bodies) {
+    static void prepare(void* pack, const PackSource& source, const solve::SolverBody* bodies) {
         Pack& c = *static_cast<Pack*>(pack);
         const int points = c.point_count;
         if (points == 0) return;
-        find_tangents(c, *static_cast<Input*>(input));
-        const Input& in = *static_cast<const Input*>(input);
+        Input in;
+        Input::read(source, points, in);
+        find_tangents(c, in);
         Layout l;
         LayoutKernel<L>::lay_out(in, points, l);
         l.size.store(c.size);
