@@ -19,7 +19,7 @@ PRELUDE = ("lockstone/world.h", "world/data.h", "algorithm", "array", "functiona
 WITHOUT_PRELUDE = {"tools/bench/scenes.cpp"}  # has names of its own for what lockstone/world.h names too
 
 # Sources of a folder of src/, and of replay/, are compiled some at a time, which takes half as long: a name means one thing within a layer.
-AT_ONCE = 8
+AT_ONCE = 16
 ALONE = {"kernels"}  # one instruction set each
 
 # Kernels of an instruction set, as in CMakeLists.txt: the machine chooses among them when the program runs.

@@ -32,7 +32,7 @@ Wide times(Wide c, std::int64_t d) {
 int sign_of(Wide w) { return w.is_negative() ? -1 : w == Wide::from(0) ? 0 : 1; }
 bool is_zero(const WideVec3& n) { return sign_of(n.x) == 0 && sign_of(n.y) == 0 && sign_of(n.z) == 0; }
 
-struct Face {
+struct HullFace {
     std::array<std::uint32_t, 3> corner;
     std::array<std::uint32_t, 3> across; ///< the face beyond the edge corner[k], corner[k + 1]
     WideVec3 normal;
@@ -64,7 +64,7 @@ class Growing {
     /// The points at which at least three planes meet.
     std::vector<LengthVec3> corners() const {
         std::vector<std::uint32_t> creases(points.size(), 0);
-        for (const Face& f : faces)
+        for (const HullFace& f : faces)
             for (std::size_t k = 0; f.seen_by != none && k < 3; ++k)
                 if (height(f, opposite(f, k)) != 0) ++creases[f.corner[k]];
         std::vector<LengthVec3> out;
@@ -75,7 +75,7 @@ class Growing {
 
     std::vector<std::array<std::uint32_t, 3>> triangles() const {
         std::vector<std::array<std::uint32_t, 3>> out;
-        for (const Face& f : faces) {
+        for (const HullFace& f : faces) {
             if (f.seen_by == none) continue;
             out.push_back(f.corner);
             std::rotate(out.back().begin(), std::ranges::min_element(out.back()), out.back().end());
@@ -89,12 +89,12 @@ class Growing {
         std::uint32_t from, to, outer;
     };
 
-    int height(const Face& f, std::uint32_t p) const {
+    int height(const HullFace& f, std::uint32_t p) const {
         return sign_of(exact_height(f.normal, points[f.corner[0]], points[p]));
     }
     /// The corner of the face beyond edge k that is not on the edge.
-    std::uint32_t opposite(const Face& f, std::size_t k) const {
-        const Face& other = faces[f.across[k]];
+    std::uint32_t opposite(const HullFace& f, std::size_t k) const {
+        const HullFace& other = faces[f.across[k]];
         for (std::uint32_t corner : other.corner)
             if (corner != f.corner[k] && corner != f.corner[(k + 1) % 3]) return corner;
         return none;
@@ -150,7 +150,7 @@ class Growing {
     }
 
     bool sees(std::uint32_t p, std::uint32_t f) {
-        Face& face = faces[f];
+        HullFace& face = faces[f];
         if (face.seen_by != p + 1) {
             face.seen_by = p + 1;
             face.visible = height(face, p) > 0;
@@ -168,7 +168,7 @@ class Growing {
         taken.resize(faces.size(), 0);
         taken[first_visible] = 1;
         for (std::size_t i = 0; i < doomed.size(); ++i) {
-            const Face face = faces[doomed[i]];
+            const HullFace face = faces[doomed[i]];
             for (std::size_t k = 0; k < 3; ++k) {
                 const std::uint32_t next = face.across[k];
                 if (!sees(p, next)) {
@@ -188,7 +188,7 @@ class Growing {
         for (const RimEdge& e : rim) {
             const std::uint32_t f = new_face(e.from, e.to, p);
             faces[f].across[0] = e.outer;
-            Face& outer = faces[e.outer];
+            HullFace& outer = faces[e.outer];
             for (std::size_t k = 0; k < 3; ++k)
                 if (outer.corner[k] == e.to && outer.corner[(k + 1) % 3] == e.from) outer.across[k] = f;
             begins_at[e.from] = f;
@@ -202,7 +202,7 @@ class Growing {
     }
 
     std::span<const LengthVec3> points;
-    std::vector<Face> faces;
+    std::vector<HullFace> faces;
     std::vector<std::uint32_t> gone, fan; ///< free places; the faces at the point added last
     std::vector<std::uint32_t> begins_at; ///< by point: the face of the fan whose rim edge begins there
     std::vector<std::uint8_t> added;

@@ -1,5 +1,6 @@
 // Damaged assets: flipped bits, missing and added bytes, and lies under a right checksum.
 #include "fuzz/asset_samples.h"
+#include "support/effort.h"
 
 #include <doctest/doctest.h>
 
@@ -22,10 +23,12 @@ std::string refusal(std::span<const std::byte> bytes) {
 bool mentions(const std::string& text, const char* part) { return text.find(part) != std::string::npos; }
 
 /// How many of all single flipped bits are refused in sentences that say what they are about; `before` may undo them.
+std::size_t flips_a_byte() { return static_cast<std::size_t>(test::tries(8)); }
 template <class Before> std::size_t flips_refused(const AssetBytes& good, Before&& before) {
     std::size_t refused = 0;
     for (std::size_t at = 0; at < good.size(); ++at)
-        for (int bit = 0; bit < 8; ++bit) {
+        for (std::size_t i = 0; i < flips_a_byte(); ++i) {
+            const std::size_t bit = (at + i) % 8; // where one is tried, it is another one in the next byte
             AssetBytes bytes = good;
             bytes[at] ^= static_cast<std::byte>(1 << bit);
             before(bytes);
@@ -194,9 +197,9 @@ AssetBytes sample(const std::string& name) {
 TEST_CASE("every flipped bit of an asset is refused") {
     for (const fuzz::Sample& s : all_samples()) {
         REQUIRE(refusal(s.bytes) == "");
-        CHECK_MESSAGE(flips_refused(s.bytes, [](AssetBytes&) {}) == s.bytes.size() * 8, s.name);
+        CHECK_MESSAGE(flips_refused(s.bytes, [](AssetBytes&) {}) == s.bytes.size() * flips_a_byte(), s.name);
         // Planted: with the checksum put right again, a flip of an unimportant bit passes.
-        CHECK(flips_refused(s.bytes, [](AssetBytes& b) { fuzz::seal(b); }) < s.bytes.size() * 8);
+        CHECK(flips_refused(s.bytes, [](AssetBytes& b) { fuzz::seal(b); }) < s.bytes.size() * flips_a_byte());
     }
 }
 

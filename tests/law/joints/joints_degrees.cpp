@@ -1,6 +1,7 @@
 // How many degrees of freedom a joint takes, counted: what two joined bodies answer to impulses is a projection onto what
 // they may do, and the trace of a projection is the number of its dimensions.
 #include "support/about.h"
+#include "support/effort.h"
 #include "support/rigs/joint_variants.h"
 
 #include <doctest/doctest.h>
@@ -52,7 +53,8 @@ TEST_CASE("every joint takes as many degrees of freedom as it says, and leaves t
 }
 
 TEST_CASE("any table of six axes takes as many degrees of freedom as it locks") {
-    for (std::uint32_t mask = 0; mask < 64; ++mask) {
+    for (std::uint32_t mask = 0; mask < 64;
+         mask += test::is_too_long_here() ? 9u : 1u) { // every ninth has each axis both ways
         JointDef def = six_dof_joint();
         for (std::uint32_t i = 0; i < 6; ++i)
             if ((mask >> i & 1u) != 0) def.axis[i].mode = AxisMode::locked;

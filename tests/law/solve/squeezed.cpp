@@ -1,4 +1,5 @@
 // Bodies that are held squeezed: they rest, and what they give is shared as among springs.
+#include "support/effort.h"
 #include "support/sim_scenes.h"
 
 #include <doctest/doctest.h>
@@ -98,7 +99,7 @@ constexpr double unevenness_max = 4 * 0.6 / 100;
 
 } // namespace
 
-TEST_CASE("rows of boxes that two walls hold squeezed rest") {
+TEST_CASE("rows of boxes that two walls hold squeezed rest" * doctest::skip(test::is_too_long_here())) {
     for (const WorldDef& def : {awake({}), awake(WorldDef::precise())})
         for (const int count : {2, 4, 8})
             for (const double overlap : {0.004, 0.009, 0.0105, 0.016, 0.03, 0.06}) {
