@@ -105,37 +105,39 @@ template <class L> class Kernel {
         return bounded(rounded<speed_bits>(dot(d, p.apart) + dot(xa, p.ua) + dot(xb, p.ub)));
     }
 
-    /// Adds an impulse along a direction to both bodies.
-    static void push_line(const std::int32_t (&d)[3][N], Pair& p, Speed da, Speed db) {
+    /// Adds impulses along rows of which the first `Lines` have a linear part; component by component, so that velocities are read and
+    /// written once.
+    template <int Lines, int Rows>
+    static void push_rows(const Pack& c, int direction, const std::int32_t (&xa)[3][3][N],
+                          const std::int32_t (&xb)[3][3][N], const Speed (&w)[3], Pair& p) {
+        const Unit alpha = Unit::load(c.share_a), beta = Unit::load(c.share_b);
+        Speed da[3], db[3];
+        for (int r = 0; r < Rows; ++r)
+            da[r] = rounded<speed_bits>(w[r] * alpha), db[r] = rounded<speed_bits>(w[r] * beta);
         for (int i = 0; i < 3; ++i) {
-            const Row along = Row::load(d[i]);
-            p.a[i] = p.a[i] - along * da;
-            p.b[i] = p.b[i] + along * db;
+            for (int r = 0; r < Lines; ++r) {
+                const Row along = Row::load(c.d[direction + r][i]);
+                p.a[i] = p.a[i] - along * da[r], p.b[i] = p.b[i] + along * db[r];
+            }
+            for (int r = 0; r < Rows; ++r) {
+                p.a[3 + i] = p.a[3 + i] + Row::load(xa[r][i]) * da[r];
+                p.b[3 + i] = p.b[3 + i] + Row::load(xb[r][i]) * db[r];
+            }
         }
     }
-    static void push_turn(const std::int32_t (&xa)[3][N], const std::int32_t (&xb)[3][N], Pair& p, Speed da,
-                          Speed db) {
-        for (int i = 0; i < 3; ++i) {
-            p.a[3 + i] = p.a[3 + i] + Row::load(xa[i]) * da;
-            p.b[3 + i] = p.b[3 + i] + Row::load(xb[i]) * db;
-        }
-    }
-    /// Three impulses along rows of which the first `lines` have a linear part.
     template <int Lines>
     static void push(const Pack& c, int direction, const std::int32_t (&xa)[3][3][N],
-                     const std::int32_t (&xb)[3][3][N], const Speed (&w)[3], Pair& p, int rows) {
-        const Unit alpha = Unit::load(c.share_a), beta = Unit::load(c.share_b);
-        for (int r = 0; r < rows; ++r) {
-            const Speed da = rounded<speed_bits>(w[r] * alpha), db = rounded<speed_bits>(w[r] * beta);
-            if (r < Lines) push_line(c.d[direction + r], p, da, db);
-            push_turn(xa[r], xb[r], p, da, db);
-        }
+                     const std::int32_t (&xb)[3][3][N], const Speed (&w)[3], Pair& p) {
+        if (c.point_count > 1)
+            push_rows<Lines, 3>(c, direction, xa, xb, w, p);
+        else
+            push_rows<Lines, Lines>(c, direction, xa, xb, w, p);
     }
     static void push_normal(const Pack& c, const Speed (&w)[3], Pair& p) {
-        push<1>(c, 0, c.normal_a, c.normal_b, w, p, c.point_count > 1 ? 3 : 1);
+        push<1>(c, 0, c.normal_a, c.normal_b, w, p);
     }
     static void push_slide(const Pack& c, const Speed (&w)[3], Pair& p) {
-        push<2>(c, 1, c.slide_a, c.slide_b, w, p, c.point_count > 1 ? 3 : 2);
+        push<2>(c, 1, c.slide_a, c.slide_b, w, p);
     }
 
     // ---- gaps ----------------------------------------------------------------------------------------------------
@@ -387,11 +389,11 @@ template <class L> class Kernel {
         scatter(c, data.arrival, arrival);
     }
 
-    /// All normals once.
-    static void solve_normals(Pack& c, const PassData& data, const PassSettings& s, Pair& p) {
+    /// All normals once. False: they gave nothing.
+    static bool solve_normals(Pack& c, const PassData& data, const PassSettings& s, Pair& p) {
         Normals n;
         measure_normals(c, s, p, n);
-        if ((~n.idle).any() == false) return;
+        if (!(~n.idle).any()) return false;
         Pair arrival;
         if (n.hit.any()) keep_hits_of_arrivals(c, data, arrival, n);
         n.soft = n.soft & ~n.hit;
@@ -418,6 +420,7 @@ template <class L> class Kernel {
             pass_hits_on(c, data, n, arrival);
         }
         if (c.bounce != none) note(c, data, n, p);
+        return true;
     }
 
     /// The speeds of the points before and after, for the energy that a bounce may give back.
@@ -436,8 +439,8 @@ template <class L> class Kernel {
 
     // ---- friction ------------------------------------------------------------------------------------------------
 
-    /// Along both tangents and about the normal, within what the normal impulses allow now.
-    static void solve_friction(Pack& c, const PassData& data, Pair& p) {
+    /// Along both tangents and about the normal, within what the normal impulses allow now. False: it gave nothing.
+    static bool solve_friction(Pack& c, const PassData& data, Pair& p) {
         const bool turns = c.point_count > 1;
         Speed pressing = Speed::load(c.points[0].impulse);
         LaneSum<L, speed_bits + unit_bits> reach = pressing * Unit::load(c.points[0].reach);
@@ -453,7 +456,7 @@ template <class L> class Kernel {
             old[r] = Speed::load(c.slide[r]);
             busy = busy | (old[r] > zero) | (zero > old[r]);
         }
-        if (!busy.any()) return;
+        if (!busy.any()) return false;
         const Row friction = Row::load(c.friction);
         const Speed limit = rounded_within<speed_bits>(friction * pressing, speed_limit);
         Speed speed[3], now[3], w[3];
@@ -480,6 +483,7 @@ template <class L> class Kernel {
         }
         push_slide(c, w, p);
         if (c.locked != 0) hold_locked(c, data, p);
+        return true;
     }
 
     static void hold_in_cone(Speed limit, Speed& t1, Speed& t2) {
@@ -551,17 +555,18 @@ template <class L> class Kernel {
         Pair p;
         gather(c, data.bodies, p);
         p.round();
+        bool pushed = false;
         if (s.soft) {
-            solve_friction(c, data, p);
-            p.round();
-            solve_normals(c, data, s, p);
+            pushed = solve_friction(c, data, p);
+            if (pushed) p.round();
+            pushed = solve_normals(c, data, s, p) || pushed;
         } else {
             measure_gaps(c, data);
-            solve_normals(c, data, s, p);
-            p.round();
-            solve_friction(c, data, p);
+            pushed = solve_normals(c, data, s, p);
+            if (pushed) p.round();
+            pushed = solve_friction(c, data, p) || pushed;
         }
-        scatter(c, data.bodies, p);
+        if (pushed) scatter(c, data.bodies, p);
         if (s.soft || c.impacts == 0) return;
         if (c.keeps == 0)
             forget_all_impacts(c, data);
