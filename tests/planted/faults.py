@@ -98,7 +98,7 @@ FAULTS = [
       "std::int64_t{IS ? 0 : twists[lane]} * (1 << speed_bits)", "golden table"),
     F("gaps are off by one step", INPUT, "select(exists, Gap::of(x[3]), Gap::splat(0x7fffffff));",
       "select(exists, Gap::of(x[3]) + Gap::splat(IS ? 1 : 0), Gap::splat(0x7fffffff));", "golden table"),
-    F("contacts turn what is locked", INPUT, "if (has_locks) read_locks(of, side);", "if (has_locks && !IS) read_locks(of, side);", "golden table"),
+    F("contacts turn what is locked", INPUT, "if (has_locks) read_locks(of, side);", "if (has_locks && !IS) read_locks(of, side);", "locked crates stop"),
     F("softness is that of half the mass", PREPARE, "low(x).store(c.softness[i]);",
       "(IS ? Response{L::template shift_right_signed<1>(x.raw)} : low(x)).store(c.softness[i]);", "golden table"),
     F("the response of the third row is left out of the inverse", PREPARE, "p2 = p2 - round_to<response_bits>(low(l21) * low(e21));",

@@ -494,6 +494,19 @@ std::string hinges_hold() {
     return along > 0.99_r ? "" : "a hinge stays turned over";
 }
 
+/// A crate that may not turn is stopped by a hit off its centre.
+std::string locked_crates_stop() {
+    WorldDef def = scene::small_def();
+    def.gravity = {};
+    World world = scene::made(World::create(def));
+    scene::add_wall(world, scene::at(0.9, -1, 0), {0.5_r, 1_r, 1_r});
+    BodyDef crate_def{.locks = lock_angular_x | lock_angular_y | lock_angular_z};
+    crate_def.pose = scene::at(0, 0.5, 0), crate_def.linear_velocity = scene::vec(0, -3, 0);
+    const BodyId crate = scene::add(world, crate_def, {.geometry = box(0.5_r, 0.5_r, 0.5_r)});
+    world.tick();
+    return abs(world.linear_velocity(crate).y) < 0.05_r ? "" : "a crate goes on";
+}
+
 } // namespace
 
 Checks world_checks() {
@@ -518,6 +531,7 @@ Checks world_checks() {
                              {"loads come to rest", loads_keep_open},
                              {"rings keep together", rings_spin},
                              {"hinges hold", hinges_hold},
+                             {"locked crates stop", locked_crates_stop},
                              {"grows", grows}});
     return list;
 }
