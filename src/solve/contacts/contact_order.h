@@ -9,8 +9,8 @@
 //   stage    the first stage after those of all earlier contacts that move the same body: solving stage after stage is
 //            solving in order, and the contacts of a stage share nothing that is written
 //   packs    contacts that are solved at once, in lanes. Workers take the packs of a stage in any order. Where there are none, a pack holds
-//            contacts of several stages, as long as all that they wait for is in earlier packs: a wall of base 40 then has a
-//            twelfth fewer, and pack after pack it is solved in the same order
+//            contacts of several stages, as long as all that they wait for is in earlier packs: a pyramid of base 40 then has a
+//            tenth fewer, and pack after pack it is solved in the same order
 #pragma once
 
 #include "solve/bodies/solver_body.h"
