@@ -100,8 +100,8 @@ void ContactSolver::reserve(std::size_t contacts, std::size_t bodies) {
     inside->order.reserve(contacts, bodies);
 }
 
-/// Which contacts each pack has. Workers take the packs of a stage in any order; without workers packs may be filled across stages. As a
-/// stage is sorted, packs of single points, and packs of contacts that carry nothing, take little time.
+/// Which contacts each pack has: `is_shared` by workers or not. Single points have packs of their own, and so have contacts that carry
+/// nothing: those take little time.
 void ContactSolver::Inside::place_packs(bool is_shared) {
     static_assert(none == ContactOrder::no_contact);
     const std::uint32_t lanes = kernel->lanes;

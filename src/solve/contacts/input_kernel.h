@@ -98,7 +98,13 @@ template <class L> struct ContactInput {
             }
         for (int i = 0; i < 3; ++i) side.turns[i] = load_low<L>(turns[i]), side.keep[i] = L::load64(keep[i]);
     }
-    static_assert(offsetof(BodyInertia, inv_exponent) == 6 * sizeof(std::int32_t), "read_side() reads rows");
+    // The rows that are read, as the structures have them.
+    static_assert(offsetof(BodyInertia, inv_exponent) == 6 * sizeof(std::int32_t));
+    static_assert(offsetof(Contact, count) == 3 * sizeof(std::int32_t));
+    static_assert(offsetof(Contact, normal) == 4 * sizeof(std::int32_t));
+    static_assert(offsetof(Contact, tangent_1) == 10 * sizeof(std::int32_t));
+    static_assert(offsetof(Contact, twist) == 12 * sizeof(std::int32_t));
+    static_assert(offsetof(Contact, points) == 16 * sizeof(std::int32_t));
 };
 
 } // namespace lockstone::solve
