@@ -22,7 +22,7 @@ struct World {
 /// Twenty columns in two tables, 8 to 64 bytes a row.
 World make_world(std::uint32_t rows, std::uint32_t capacity) {
     StateLayout layout;
-    World world{State(std::make_shared<const StateLayout>()), {}};
+    World world{State(StateLayout().finished()), {}};
     world.tables = {layout.add_table("body", capacity), layout.add_table("contact", capacity)};
     for (int i = 0; i < 5; ++i) {
         const std::string n = std::to_string(i);
@@ -31,7 +31,7 @@ World make_world(std::uint32_t rows, std::uint32_t capacity) {
         layout.add_column<Manifold>(world.tables[1], "contact.manifold" + n, Group::contact);
         layout.add_column<std::uint64_t>(world.tables[1], "contact.key" + n, Group::contact);
     }
-    world.state = State(std::make_shared<const StateLayout>(std::move(layout)));
+    world.state = State(std::move(layout).finished());
     for (TableId table : world.tables) world.state.resize(table, rows);
     Random random(1);
     scramble(world.state, random);

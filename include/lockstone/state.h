@@ -54,10 +54,10 @@ struct ColumnInfo {
     std::uint64_t name_hash;          ///< seeds the column's node of the hash tree
 };
 
-/// The manifest: tables and columns in hash order. Built once, then shared read-only by every copy of the state.
+/// The manifest: tables and columns in hash order. Tables and columns are added, then finished() gives what every copy of a
+/// state shares, read-only; what is asked of places, sizes and the schema's hash holds of a finished layout only.
 class StateLayout {
   public:
-    StateLayout();
     /// Names of tables are unique (asserted). A limit of zero is allowed: the columns exist and stay empty.
     /// `capacity`: rows that a state has memory for when it is made, at most `rows_max` (asserted).
     TableId add_table(std::string name, std::uint32_t capacity, std::uint32_t rows_max);
@@ -65,12 +65,15 @@ class StateLayout {
     TableId add_table(std::string name, std::uint32_t capacity) {
         return add_table(std::move(name), capacity, capacity);
     }
-    /// Columns of a table may be added until a State is made of the layout. Names are unique (asserted).
+    /// Names of columns are unique (asserted).
     template <StateRow T> Column<T> add_column(TableId table, std::string name, Group group) {
         return {add_column(table, std::move(name), group, sizeof(T), leaves_of<T>())};
     }
     std::uint32_t add_column(TableId table, std::string name, Group group, std::size_t row_size,
                              std::vector<LeafInfo> leaves);
+    /// Places the columns and hashes the schema: a State is made of this.
+    std::shared_ptr<const StateLayout> finished() &&;
+    bool is_finished() const { return has_places; }
 
     std::span<const TableInfo> tables() const { return table_infos; }
     std::span<const ColumnInfo> columns() const { return column_infos; }
@@ -112,6 +115,7 @@ class StateLayout {
     std::size_t pages_total = 0;
     std::uint64_t schema = 0;
     std::uint64_t made_for = 0;
+    bool has_places = false;
 };
 
 namespace detail {

@@ -48,8 +48,7 @@ static ContactTables add_contacts(StateLayout& l, const WorldDef& def, const std
 }
 
 Manifest make_manifest(const WorldDef& def, const GameSchema& schema, std::uint64_t origin) {
-    auto layout = std::make_shared<StateLayout>();
-    StateLayout& l = *layout;
+    StateLayout l;
     Manifest m{};
 
     m.world = l.add_table("world", 1);
@@ -93,7 +92,7 @@ Manifest make_manifest(const WorldDef& def, const GameSchema& schema, std::uint6
         m.game.push_back(
             l.add_column(e.per_body ? m.bodies : m.records, e.name, Group::game, e.row_size, e.leaves));
     l.set_origin(origin);
-    m.layout = std::move(layout);
+    m.layout = std::move(l).finished();
     return m;
 }
 

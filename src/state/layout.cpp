@@ -4,7 +4,6 @@
 #include "lockstone/state.h"
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 
 namespace lockstone {
@@ -31,31 +30,9 @@ bool describes(std::span<const LeafInfo> leaves, std::size_t row_size) {
     return end == row_size && end > 0;
 }
 
-/// Counts the bytes of what Placed would write.
-struct Counted {
-    void u8(std::uint8_t) { ++size; }
-    void u32(std::uint32_t) { size += sizeof(std::uint32_t); }
-    void text(std::string_view v) { size += sizeof(std::uint32_t) + v.size(); }
-    std::size_t size = 0;
-};
-
-/// Writes as ByteWriter does, into what is large enough.
-struct Placed {
-    void u8(std::uint8_t v) { *to++ = std::byte{v}; }
-    void u32(std::uint32_t v) {
-        base::store_little_endian(v, to);
-        to += sizeof v;
-    }
-    void text(std::string_view v) {
-        u32(static_cast<std::uint32_t>(v.size()));
-        std::memcpy(to, v.data(), v.size());
-        to += v.size();
-    }
-    std::byte* to;
-};
-
-template <class Out>
-void write_description(std::span<const TableInfo> tables, std::span<const ColumnInfo> columns, Out& out) {
+std::uint64_t hash_of(std::span<const TableInfo> tables, std::span<const ColumnInfo> columns) {
+    std::vector<std::byte> bytes;
+    base::ByteWriter out(bytes);
     out.u32(static_cast<std::uint32_t>(tables.size()));
     out.u32(static_cast<std::uint32_t>(columns.size()));
     out.u32(group_count);
@@ -75,15 +52,6 @@ void write_description(std::span<const TableInfo> tables, std::span<const Column
             out.u8(leaf.fraction_bits);
         }
     }
-}
-
-/// A world adds a hundred columns, and each addition describes all of them: half of what making a world takes, were it not written at once.
-std::uint64_t hash_of(std::span<const TableInfo> tables, std::span<const ColumnInfo> columns) {
-    Counted counted;
-    write_description(tables, columns, counted);
-    std::vector<std::byte> bytes(counted.size);
-    Placed placed{bytes.data()};
-    write_description(tables, columns, placed);
     return base::xxh3(bytes);
 }
 
@@ -114,18 +82,11 @@ std::uint32_t TableInfo::grown(std::uint32_t rows) const {
         std::min<std::uint64_t>(rows_max, std::max<std::uint64_t>({some, more, least})));
 }
 
-StateLayout::StateLayout() {
-    place_columns();
-    schema = hash_of(table_infos, column_infos);
-}
-
 TableId StateLayout::add_table(std::string name, std::uint32_t capacity, std::uint32_t rows_max) {
     for (const TableInfo& table : table_infos)
         LOCKSTONE_ASSERT(table.name != name, "two tables named ", name);
     LOCKSTONE_ASSERT(capacity <= rows_max, "table ", name, ", capacity ", capacity, " of ", rows_max);
     table_infos.push_back({std::move(name), capacity, rows_max});
-    place_columns();
-    schema = hash_of(table_infos, column_infos);
     return {static_cast<std::uint32_t>(table_infos.size() - 1)};
 }
 
@@ -148,15 +109,20 @@ std::uint32_t StateLayout::add_column(TableId table, std::string name, Group gro
                             .offset = 0,
                             .leaves = *leaf_lists.back(),
                             .name_hash = name_hash});
+    return static_cast<std::uint32_t>(column_infos.size() - 1);
+}
+
+std::shared_ptr<const StateLayout> StateLayout::finished() && {
     place_columns();
     schema = hash_of(table_infos, column_infos);
-    return static_cast<std::uint32_t>(column_infos.size() - 1);
+    has_places = true;
+    return std::make_shared<const StateLayout>(std::move(*this));
 }
 
 std::shared_ptr<const StateLayout>
 StateLayout::with_capacities(std::span<const std::uint32_t> capacities) const {
-    LOCKSTONE_ASSERT(capacities.size() == table_infos.size(), capacities.size(), " capacities for ",
-                     table_infos.size(), " tables");
+    LOCKSTONE_ASSERT(has_places && capacities.size() == table_infos.size(), capacities.size(),
+                     " capacities for ", table_infos.size(), " tables");
     auto other = std::make_shared<StateLayout>(*this);
     for (std::size_t table = 0; table < capacities.size(); ++table) {
         TableInfo& info = other->table_infos[table];
@@ -168,7 +134,7 @@ StateLayout::with_capacities(std::span<const std::uint32_t> capacities) const {
     return other;
 }
 
-/// Offsets and sizes follow from the two lists; all are found anew at each addition.
+/// Offsets and sizes follow from the two lists.
 void StateLayout::place_columns() {
     const std::uint64_t header = table_infos.size() * sizeof(std::uint32_t);
     std::uint64_t block = round_up(header);

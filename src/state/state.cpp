@@ -29,7 +29,8 @@ detail::Owner new_owner() { return std::make_shared<const std::byte>(); }
 
 State::State(std::shared_ptr<const StateLayout> layout)
     : shared_layout(std::move(layout)), owner(new_owner()) {
-    LOCKSTONE_ASSERT(shared_layout != nullptr, "a State needs a layout");
+    LOCKSTONE_ASSERT(shared_layout != nullptr && shared_layout->is_finished(),
+                     "a State needs a finished layout");
     block = detail::Block(shared_layout->size_bytes());
     std::memset(block.get(), 0, shared_layout->size_bytes());
     const std::size_t pages = shared_layout->page_count(), columns = shared_layout->columns().size();

@@ -210,7 +210,7 @@ TEST_CASE("changes of a column are listed once, and what went and came back is l
     StateLayout layout;
     const TableId table = layout.add_table("t", 5000);
     const Column<std::uint64_t> column = layout.add_column<std::uint64_t>(table, "t.number", Group::game);
-    State state(std::make_shared<const StateLayout>(std::move(layout)));
+    State state(std::move(layout).finished());
     state.resize(table, 1200); // pages of 512
     ChangeMark mark;
     std::vector<RowRange> changed;

@@ -26,7 +26,7 @@ Growing growing(std::uint32_t capacity, std::uint32_t rows_max) {
     layout.add_column<Health>(g.tables[0], "pose.health", Group::game);
     g.bag = layout.add_column<Inventory>(g.tables[1], "bag.row", Group::contact);
     g.flag = layout.add_column<std::uint8_t>(g.tables[2], "flag.row", Group::game);
-    g.layout = std::make_shared<const StateLayout>(std::move(layout));
+    g.layout = std::move(layout).finished();
     return g;
 }
 

@@ -30,7 +30,7 @@ Wide make_wide(std::uint32_t bodies, std::uint32_t bags, bool grows = false) {
     layout.add_column<std::uint8_t>(w.body, "body.flag", Group::game);
     layout.add_column<Health>(w.bag, "bag.health", Group::game);
     w.capacity = {bodies, bags};
-    w.layout = std::make_shared<const StateLayout>(std::move(layout));
+    w.layout = std::move(layout).finished();
     return w;
 }
 

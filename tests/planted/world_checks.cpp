@@ -241,7 +241,7 @@ std::string pages_move() {
                       second = layout.add_table("second", most, most);
         layout.add_column<Transform>(first, "first.row", Group::motion);
         const Column<Transform> behind = layout.add_column<Transform>(second, "second.row", Group::game);
-        Pair pair{State(std::make_shared<const StateLayout>(std::move(layout))), first, second, behind};
+        Pair pair{State(std::move(layout).finished()), first, second, behind};
         pair.state.resize(second, most);
         for (std::uint32_t row = 0; row < most; ++row)
             pair.state.edit_row(behind, row).position.x = Real(static_cast<int>(row));

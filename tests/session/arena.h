@@ -40,12 +40,12 @@ struct ArenaColumns {
 inline const ArenaColumns& arena_columns() {
     static const ArenaColumns columns = [] {
         ArenaColumns c{};
-        auto layout = std::make_shared<StateLayout>();
-        c.agents = layout->add_table("agents", 8);
-        c.clocks = layout->add_table("clocks", 1);
-        c.agent = layout->add_column<Agent>(c.agents, "agent.motion", Group::motion);
-        c.clock = layout->add_column<Clock>(c.clocks, "game.clock", Group::game);
-        c.layout = layout;
+        StateLayout layout;
+        c.agents = layout.add_table("agents", 8);
+        c.clocks = layout.add_table("clocks", 1);
+        c.agent = layout.add_column<Agent>(c.agents, "agent.motion", Group::motion);
+        c.clock = layout.add_column<Clock>(c.clocks, "game.clock", Group::game);
+        c.layout = std::move(layout).finished();
         return c;
     }();
     return columns;

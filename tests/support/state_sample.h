@@ -82,7 +82,7 @@ inline Sample make_sample(std::uint32_t body_capacity = 8, std::uint32_t contact
     s.manifold = layout.add_column<Manifold>(s.contact, "contact.manifold", Group::contact);
     s.health = layout.add_column<Health>(s.body, "game.health", Group::game);
     s.flag = layout.add_column<std::uint8_t>(s.body, "game.flag", Group::game);
-    s.layout = std::make_shared<const StateLayout>(std::move(layout));
+    s.layout = std::move(layout).finished();
     return s;
 }
 

@@ -71,9 +71,15 @@ TEST_CASE("a programmer's error aborts with the rule and the values") {
                                             {{"x", 0, 4, LeafKind::signed_integer, 0}});
                       }),
                       "lockstone: broken rule: row_size"));
-    CHECK(begins_with(last_words([&] {
+    CHECK(begins_with(last_words([] {
                           StateLayout layout;
-                          const State other(std::make_shared<const StateLayout>(layout));
+                          layout.add_table("t", 1);
+                          const State never(std::make_shared<const StateLayout>(std::move(layout)));
+                      }),
+                      "lockstone: broken rule: shared_layout != nullptr && shared_layout->is_finished(): "
+                      "a State needs a finished layout"));
+    CHECK(begins_with(last_words([&] {
+                          const State other(StateLayout().finished());
                           Image image;
                           other.save(image);
                           state.restore(image);

@@ -97,7 +97,7 @@ TEST_CASE("columns of equal rows but other names have other hashes") {
     const auto root = [](const char* name) {
         StateLayout layout;
         layout.add_column<Real>(layout.add_table("t", 4), name, Group::game);
-        State state(std::make_shared<const StateLayout>(std::move(layout)));
+        State state(std::move(layout).finished());
         state.resize({0}, 4);
         return state.hash_tree().columns[0];
     };

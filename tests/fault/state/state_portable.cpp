@@ -75,7 +75,7 @@ TEST_CASE("the portable bytes of a tiny state are these") {
     const TableId t = layout.add_table("t", 4);
     const auto speed = layout.add_column<Speed>(t, "t.speed", Group::motion);
     const auto key = layout.add_column<std::uint64_t>(t, "t.key", Group::game);
-    State state(std::make_shared<const StateLayout>(std::move(layout)));
+    State state(std::move(layout).finished());
     state.resize(t, 2);
     state.edit_row(speed, 0) = decimal<Speed>("1.5");
     state.edit_row(speed, 1) = decimal<Speed>("-0.25");
@@ -201,7 +201,7 @@ TEST_CASE("an image of another manifest is refused, naming the first column that
         layout.add_column(layout.add_table("t", 2), name, Group::game, 4,
                           {{"x", 0, 4, LeafKind::fixed_point, fraction_bits}});
         Sample s{};
-        s.layout = std::make_shared<const StateLayout>(std::move(layout));
+        s.layout = std::move(layout).finished();
         return s;
     };
     const Bytes image = State(layout_with("t.mana", 16).layout).save_portable();
@@ -216,7 +216,7 @@ TEST_CASE("a table without columns may hold the largest count") {
     StateLayout layout;
     layout.add_table("unused", 0xffffffffu);
     Sample s{};
-    s.layout = std::make_shared<const StateLayout>(std::move(layout));
+    s.layout = std::move(layout).finished();
     Bytes image = State(s.layout).save_portable();
     base::store_little_endian(0xffffffffu, image.data() + find(image, "unused") + 6);
     seal(image);

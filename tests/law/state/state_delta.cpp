@@ -116,7 +116,7 @@ TEST_CASE("the bytes of a small delta are these") {
     const TableId t = layout.add_table("t", 4);
     const auto key = layout.add_column<std::uint16_t>(t, "t.key", Group::game);
     const auto speed = layout.add_column<Speed>(t, "t.speed", Group::motion);
-    State from(std::make_shared<const StateLayout>(std::move(layout)));
+    State from(std::move(layout).finished());
     from.resize(t, 2);
     from.edit_row(key, 0) = 5, from.edit_row(key, 1) = 9;
     from.edit_row(speed, 1) = Speed::from_raw(1000);

@@ -119,7 +119,7 @@ TEST_CASE("the schema hash sees every name and format, and no capacity") {
         StateLayout layout;
         layout.add_column(layout.add_table(std::move(table), capacity), std::move(column), group, 4,
                           std::move(leaves));
-        return layout.schema_hash();
+        return std::move(layout).finished()->schema_hash();
     };
     const LeafInfo x{"x", 0, 4, LeafKind::fixed_point, 19};
     const auto reference = hash_of("t", "c", Group::game, {x}, 1);
