@@ -143,7 +143,16 @@ check_suite() {
     ! grep -q '[*]Skipped' "$log" || status=1
     add_tally "$folder: tests" "$log" "$status" "$seconds"
     grep '[*]Skipped' "$log" | sed 's/^/        cannot run: /' || true
-    [ "$status" -eq 0 ] || { ctest --test-dir "build/$folder" --rerun-failed --output-on-failure --timeout "$test_seconds" 2>&1 || true; } | tail -n 200
+    [ "$status" -eq 0 ] || last_words_of_failed "$log"
+}
+
+# What each test that failed printed in this run, out of a log of ctest -V: a second run may pass, and tells nothing of the first.
+last_words_of_failed() {
+    local number
+    for number in $(sed -nE '/Passed/!s/^ *[0-9]+\/[0-9]+ Test +#([0-9]+): .*/\1/p' "$1"); do
+        grep -m 1 -E "Test +#$number: " "$1"
+        grep "^$number: " "$1" | tail -n 60
+    done
 }
 
 # check_program NAME PROGRAM [ARGUMENT...]: a doctest program, each case counted.

@@ -10,7 +10,8 @@ work=$(mktemp -d)
 children=()
 trap 'kill "${children[@]}" 2>/dev/null || true; rm -rf "$work"' EXIT
 seed=$(od -An -N32 -tx1 /dev/urandom | tr -d ' \n')
-a=$((20000 + RANDOM % 20000)) b=$((a + 1)) way=$((a + 2))
+source "$(dirname "$0")/free_ports.sh"
+read -r a b way < <(free_ports 3)
 python3 "$(dirname "$0")/slow_way.py" --between $a $b --at $way 80 40 5 >"$work/way" &
 children+=($!)
 "$peer" --tokens 127.0.0.1:$a 127.0.0.1:$way --slot 0 --seed "$seed" --port $a --ticks $ticks --leak "$leak" >"$work/a" &

@@ -18,8 +18,8 @@ agree() { # WHAT: both ended well, with one hash
     echo "$1: $a; $(grep '^rollbacks' "$work/a")"
 }
 seed=$(od -An -N32 -tx1 /dev/urandom | tr -d ' \n')
-base=$((20000 + RANDOM % 20000))
-a=$base b=$((base + 1)) way=$((base + 2))
+source "$(dirname "$0")/free_ports.sh"
+read -r a b way c d < <(free_ports 5)
 
 python3 "$(dirname "$0")/slow_way.py" --between $a $b --at $way 40 20 10 >"$work/way" &
 children+=($!)
@@ -35,9 +35,9 @@ agree "10 % loss, 40 to 60 ms each way"
 
 # The planted twin: who has another seed's keys is not let in.
 wrong=$(od -An -N32 -tx1 /dev/urandom | tr -d ' \n')
-"$peer" --tokens 127.0.0.1:$((base + 4)) 127.0.0.1:$((base + 5)) --slot 0 --seed "$seed" --ticks 30 --patience 120 >"$work/c" &
+"$peer" --tokens 127.0.0.1:$c 127.0.0.1:$d --slot 0 --seed "$seed" --ticks 30 --patience 120 >"$work/c" &
 one=$!
-"$peer" --tokens 127.0.0.1:$((base + 4)) 127.0.0.1:$((base + 5)) --slot 1 --seed "$wrong" --ticks 30 --patience 120 >"$work/d" &
+"$peer" --tokens 127.0.0.1:$c 127.0.0.1:$d --slot 1 --seed "$wrong" --ticks 30 --patience 120 >"$work/d" &
 other=$!
 children+=($one $other)
 ! wait $one || fail "a peer with other keys was let in"
@@ -84,7 +84,10 @@ by_code() { # WHAT: two meet by a code at the relay at $port, and agree
     other=$!
     children+=($other)
     if [ -n "${lost:-}" ]; then
-        sleep 4
+        for _ in $(seq 300); do
+            grep -q '^playing' "$work/a" && break
+            sleep 0.1
+        done
         kill -KILL "$lost"
     fi
     wait $other || fail "$what: who entered by the code did not confirm all"

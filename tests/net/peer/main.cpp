@@ -4,8 +4,9 @@
 //   net_peer --tokens A:PORT B:PORT --slot N --seed HEX --ticks N     directly: both ends make the same tokens from a common seed
 //   ... --leak BYTES                                                  planted: lost in every frame
 //
-// Prints "confirmed TICKS hash HASH" at the end: the hash of all confirmed hashes. Exit status 0: all ticks were confirmed.
+// Prints "playing" after a second of confirmed ticks, and "confirmed TICKS hash HASH" at the end: the hash of all confirmed hashes. Exit status 0: all ticks were confirmed.
 #include "base/hash.h"
+#include "cli/match/clock.h"
 #include "net/net_player.h"
 
 #include <algorithm>
@@ -15,14 +16,9 @@
 #include <thread>
 
 using namespace lockstone;
+using cli::unix_ms;
 
 namespace {
-
-std::uint64_t unix_ms() {
-    using namespace std::chrono;
-    return static_cast<std::uint64_t>(
-        duration_cast<milliseconds>(system_clock::now().time_since_epoch()).count());
-}
 
 struct Args {
     std::vector<std::string> words;
@@ -84,6 +80,7 @@ int play(const Args& args, const ConnectToken& token) {
     test::NetPlayer player(*game, token.slot, 2, transport);
     const auto begun = std::chrono::steady_clock::now();
     std::uint64_t after = 0;
+    bool playing = false;
     std::vector<std::vector<std::byte>> leaked;
     for (std::uint64_t frame = 0; frame < 3 * ticks + args.number("--patience", 1200) && after < 60;
          ++frame) {
@@ -91,6 +88,8 @@ int play(const Args& args, const ConnectToken& token) {
             leaked.emplace_back(leak, std::byte{1});
         transport.poll(unix_ms());
         player.frame(unix_ms(), ticks);
+        if (!playing && player.hashes.size() >= 60)
+            std::printf("playing\n"), std::fflush(stdout), playing = true;
         if (player.hashes.size() >= ticks) ++after; // the other needs our last packets
         std::this_thread::sleep_until(begun + std::chrono::microseconds(frame * 1'000'000 / 60));
     }

@@ -1,18 +1,10 @@
 // One turn of a relay's loop, for the command `relay` and for a demo that hosts a match.
 #pragma once
 
+#include "cli/match/clock.h"
 #include "lockstone/net.h"
 
-#include <chrono>
-
 namespace lockstone::cli {
-
-/// [ms] since 1970.
-inline std::uint64_t unix_ms() {
-    using namespace std::chrono;
-    return static_cast<std::uint64_t>(
-        duration_cast<milliseconds>(system_clock::now().time_since_epoch()).count());
-}
 
 /// Waits for datagrams, at most so long, and forwards or answers some of them.
 inline void serve_relay(Relay& relay, UdpSocket& socket, std::uint32_t wait_ms) {

@@ -1,0 +1,20 @@
+# shellcheck shell=bash
+# free_ports N: N UDP ports in one line that nobody holds. They lie below those that the kernel hands out by itself, so whoever runs beside this
+# and takes any port does not take one of these.
+free_ports() {
+    python3 - "$1" <<'PYTHON'
+import random
+import socket
+import sys
+
+held = []
+while len(held) < int(sys.argv[1]):
+    port, probe = random.randrange(10000, 32768), socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    try:
+        probe.bind(("127.0.0.1", port))
+        held.append(probe)
+    except OSError:
+        pass
+print(*(probe.getsockname()[1] for probe in held))
+PYTHON
+}
