@@ -206,13 +206,11 @@ template <class L> class PrepareKernel {
             }
             answer = answer & l.exists[k];
             sum = sum + answer;
+            const Mask answers = ~(Sum<response_bits>::splat(least_response) > answer);
             Lanes64 of;
-            answer.store64(of);
-            for (unsigned lane = 0; lane < N; ++lane)
-                point.kappa[lane] = of[lane] < least_response
-                                        ? 0
-                                        : static_cast<std::int32_t>(
-                                              (std::int64_t{1} << (kappa_bits + response_bits)) / of[lane]);
+            select(answers, answer, Sum<response_bits>::splat(1)).store64(of);
+            for (std::int64_t& x : of) x = (std::int64_t{1} << (kappa_bits + response_bits)) / x;
+            (low(Sum<kappa_bits>::load64(of)) & answers).store(point.kappa);
         }
         Lanes64 mean;
         sum.store64(mean);
@@ -241,73 +239,102 @@ template <class L> class PrepareKernel {
         return clamp(x, range);
     } ///< of a matrix that is none of a response
 
-    /// m^-1 of symmetric matrices, by rows of the lower triangle: L D L^T, levels and lines first. What nothing answers to, or
-    /// depends on the rows before it, gets zero rows. Entries of m are clamped at 2^31. `rows`: 3, or 2 where the third row is zero and
-    /// `out` is.
-    static void invert(const Sum<response_bits> (&entries)[6], int rows, std::int32_t (&out)[6][N]) {
-        constexpr std::int64_t top = std::int64_t{1} << (response_bits + inverse_bits), least = (1 << 12) + 1;
-        constexpr int factor_bits = 27, ratio_bits = 20;
-        Sum<response_bits> m[6];
-        for (int i = 0; i < 6; ++i) m[i] = clamp(entries[i], range);
-        const auto at = [&](int i) { return low(m[i]); };
+    static constexpr int factor_bits = 27, ratio_bits = 20; ///< fraction bits of L and of L^-1
 
-        Lanes64 pivot, part, inverse0, inverse1, inverse2, ratio;
-        m[0].store64(pivot);
+    /// A symmetric matrix on its way to its inverse, L D L^T: levels and lines first.
+    struct Factors {
+        Sum<response_bits> m[6], e21, p2;
+        LaneFixed<L, factor_bits> l10, l20;
+        LaneFixed<L, ratio_bits> l21, i20; ///< i20: of L^-1
+        Sum<inverse_bits> d0, d1;
+        Mask answers;
+        alignas(64) Lanes64 pivot, part;
+    };
+    /// What is divided by is 1 where nothing answers: no lane asks before it divides.
+    static void store_pivot(Sum<response_bits> pivot, Sum<response_bits> least, Factors& f) {
+        f.answers = ~(least > pivot);
+        select(f.answers, pivot, Sum<response_bits>::splat(1)).store64(f.pivot);
+    }
+    /// A row that answers to a 1024th of what it would alone, or less, depends on the rows before it.
+    static Sum<response_bits> least_of(Sum<response_bits> alone) {
+        const Sum<response_bits> floor{L::template shift_right_signed<10>(alone.raw)},
+            least = Sum<response_bits>::splat((1 << 12) + 1);
+        return select(floor > least, floor, least);
+    }
+    static Sum<inverse_bits> inverse_of(Factors& f) {
+        constexpr std::int64_t top = std::int64_t{1} << (response_bits + inverse_bits);
+        Lanes64 x;
+        for (unsigned lane = 0; lane < N; ++lane) x[lane] = top / f.pivot[lane];
+        return Sum<inverse_bits>::load64(x) & f.answers;
+    }
+    /// Entries of m are clamped at 2^31.
+    static void begin_inverse(const Sum<response_bits> (&entries)[6], Factors& f) {
+        for (int i = 0; i < 6; ++i) f.m[i] = clamp(entries[i], range);
+        store_pivot(f.m[0], Sum<response_bits>::splat(least_response), f);
+    }
+    static void clear_first(Factors& f) {
+        Lanes64 x;
         for (unsigned lane = 0; lane < N; ++lane) // 28 fraction bits, at most 4
-            inverse0[lane] =
-                pivot[lane] < least_response ? 0 : (std::int64_t{1} << (response_bits + 28)) / pivot[lane];
-        const Sum<28> inverse = Sum<28>::load64(inverse0);
-        const auto d0 = floor_to<inverse_bits>(inverse);
-        const auto l10 = low(bounded_factor(round_to<factor_bits>(at(1) * low(inverse))));
-        const auto l20 = low(bounded_factor(round_to<factor_bits>(at(3) * low(inverse))));
-        const auto p1 = m[2] - round_to<response_bits>(l10 * at(1));
-        const auto e21 = clamp(m[4] - round_to<response_bits>(l20 * at(1)), range);
-        auto p2 = m[5] - round_to<response_bits>(l20 * at(3));
-
-        Lanes64 floor1, floor2;
-        Sum<response_bits>{L::template shift_right_signed<10>(m[2].raw)}.store64(floor1);
-        Sum<response_bits>{L::template shift_right_signed<10>(m[5].raw)}.store64(floor2);
-        p1.store64(pivot), e21.store64(part);
-        for (unsigned lane = 0; lane < N; ++lane) {
-            const bool answers = pivot[lane] >= (floor1[lane] > least ? floor1[lane] : least);
-            inverse1[lane] = answers ? top / pivot[lane] : 0;
-            const std::int64_t q = answers ? part[lane] * (1 << ratio_bits) / pivot[lane] : 0;
-            ratio[lane] = q > range ? range : q < -range ? -range : q;
-        }
-        const auto d1 = Sum<inverse_bits>::load64(inverse1);
-        if (rows == 2) {
-            const auto r = round_to<inverse_bits>(l10 * low(d1));
-            const auto r00 = d0 + round_to<inverse_bits>(l10 * low(clamp(r, range)));
-            low(clamp(r00, range)).store(out[0]), low(clamp(-r, range)).store(out[1]);
-            low(clamp(d1, range)).store(out[2]);
-            return;
-        }
-        const auto l21 = Sum<ratio_bits>::load64(ratio);
-        p2 = p2 - round_to<response_bits>(low(l21) * low(e21));
-        const auto l = round_to<ratio_bits>(l10 * low(l21)) - round_to<ratio_bits>(wide(l20)); // of L^-1
-        p2.store64(pivot), l.store64(part);
-        for (unsigned lane = 0; lane < N; ++lane) {
-            const bool answers = pivot[lane] >= (floor2[lane] > least ? floor2[lane] : least) &&
-                                 part[lane] < range && part[lane] > -range && ratio[lane] < range &&
-                                 ratio[lane] > -range;
-            inverse2[lane] = answers ? top / pivot[lane] : 0;
-        }
-        finish_inverse(d0, d1, Sum<inverse_bits>::load64(inverse2), l10, low(l21), low(clamp(l, range)), out);
+            x[lane] = (std::int64_t{1} << (response_bits + 28)) / f.pivot[lane];
+        const Sum<28> inverse = Sum<28>::load64(x) & f.answers;
+        const auto at = [&](int i) { return low(f.m[i]); };
+        f.d0 = floor_to<inverse_bits>(inverse);
+        f.l10 = low(bounded_factor(round_to<factor_bits>(at(1) * low(inverse))));
+        f.l20 = low(bounded_factor(round_to<factor_bits>(at(3) * low(inverse))));
+        f.e21 = clamp(f.m[4] - round_to<response_bits>(f.l20 * at(1)), range);
+        f.p2 = f.m[5] - round_to<response_bits>(f.l20 * at(3));
+        store_pivot(f.m[2] - round_to<response_bits>(f.l10 * at(1)), least_of(f.m[2]), f);
+        (f.e21 & f.answers).store64(f.part);
+    }
+    static void clear_second(Factors& f) {
+        f.d1 = inverse_of(f);
+        Lanes64 x;
+        for (unsigned lane = 0; lane < N; ++lane) x[lane] = f.part[lane] * (1 << ratio_bits) / f.pivot[lane];
+        const auto ratio = clamp(Sum<ratio_bits>::load64(x), range);
+        f.l21 = low(ratio);
+        const auto l = round_to<ratio_bits>(f.l10 * f.l21) - round_to<ratio_bits>(wide(f.l20));
+        f.i20 = low(clamp(l, range));
+        store_pivot(f.p2 - round_to<response_bits>(f.l21 * low(f.e21)), least_of(f.m[5]), f);
+        f.answers = f.answers & is_inside(l) & is_inside(ratio);
+    }
+    /// Whether it is less than `range`, of either sign.
+    static Mask is_inside(Sum<ratio_bits> x) {
+        return (Sum<ratio_bits>::splat(range) > x) & (x > Sum<ratio_bits>::splat(-range));
+    }
+    /// Where the third row is zero.
+    static void invert_two(const Sum<response_bits> (&entries)[6], std::int32_t (&out)[6][N]) {
+        Factors f;
+        begin_inverse(entries, f), clear_first(f);
+        f.d1 = inverse_of(f);
+        const auto r = round_to<inverse_bits>(f.l10 * low(f.d1));
+        const auto r00 = f.d0 + round_to<inverse_bits>(f.l10 * low(clamp(r, range)));
+        low(clamp(r00, range)).store(out[0]), low(clamp(-r, range)).store(out[1]);
+        low(clamp(f.d1, range)).store(out[2]);
+    }
+    /// m^-1 of symmetric matrices, by rows of the lower triangle. What nothing answers to, or depends on the rows before it, gets
+    /// zero rows. Step by step for all of them: each step waits for the one before, and not for those of other matrices.
+    template <std::size_t Count>
+    [[gnu::noinline]] static void invert(const Sum<response_bits> (&entries)[Count][6],
+                                         std::int32_t (*const (&out)[Count])[N]) {
+        Factors f[Count];
+        for (std::size_t k = 0; k < Count; ++k) begin_inverse(entries[k], f[k]);
+        for (Factors& each : f) clear_first(each);
+        for (Factors& each : f) clear_second(each);
+        for (std::size_t k = 0; k < Count; ++k) finish_inverse(f[k], out[k]);
     }
     static Mask within(Sum<inverse_bits> x) {
         return ~((x > Sum<inverse_bits>::splat(range)) | (Sum<inverse_bits>::splat(-range) > x));
     }
-    static void finish_inverse(Sum<inverse_bits> d0, Sum<inverse_bits> d1, Sum<inverse_bits> d2,
-                               LaneFixed<L, 27> l10, LaneFixed<L, 20> l21, LaneFixed<L, 20> l20,
-                               std::int32_t (&out)[6][N]) {
-        const auto r = round_to<inverse_bits>(l10 * low(d1));
-        const auto r00 = d0 + round_to<inverse_bits>(l10 * low(clamp(r, range)));
+    static void finish_inverse(Factors& f, std::int32_t (*out)[N]) {
+        auto d2 = inverse_of(f);
+        const auto r = round_to<inverse_bits>(f.l10 * low(f.d1));
+        const auto r00 = f.d0 + round_to<inverse_bits>(f.l10 * low(clamp(r, range)));
         for (;;) {
-            const auto i20 = round_to<inverse_bits>(l20 * low(d2)),
-                       i21 = -round_to<inverse_bits>(l21 * low(d2));
-            const Sum<inverse_bits> all[6] = {r00 + round_to<inverse_bits>(l20 * low(i20)),
-                                              -r - round_to<inverse_bits>(l21 * low(i20)),
-                                              d1 - round_to<inverse_bits>(l21 * low(i21)),
+            const auto i20 = round_to<inverse_bits>(f.i20 * low(d2)),
+                       i21 = -round_to<inverse_bits>(f.l21 * low(d2));
+            const Sum<inverse_bits> all[6] = {r00 + round_to<inverse_bits>(f.i20 * low(i20)),
+                                              -r - round_to<inverse_bits>(f.l21 * low(i20)),
+                                              f.d1 - round_to<inverse_bits>(f.l21 * low(i21)),
                                               i20,
                                               i21,
                                               d2};
@@ -397,19 +424,19 @@ template <class L> class PrepareKernel {
 
         Response response[6];
         respond<2>(c, in, 1, points > 1 ? 3 : 2, c.slide_a, c.slide_b, response);
-        Sum<response_bits> s[6];
-        for (int i = 0; i < 6; ++i) s[i] = wide(response[i]);
-        invert(s, points > 1 ? 3 : 2, c.slide_inverse);
+        Sum<response_bits> s[3][6]; // of friction, of normals, and of these softened
+        for (int i = 0; i < 6; ++i) s[0][i] = wide(response[i]);
+        if (points == 1) invert_two(s[0], c.slide_inverse);
         respond<1>(c, in, 0, points > 1 ? 3 : 1, c.normal_a, c.normal_b, response);
-        for (int i = 0; i < 6; ++i) response[i].store(c.response[i]), s[i] = wide(response[i]);
-        const Sum<response_bits> mean = fill_points(c, in, points, l, s);
+        for (int i = 0; i < 6; ++i) response[i].store(c.response[i]), s[1][i] = wide(response[i]);
+        const Sum<response_bits> mean = fill_points(c, in, points, l, s[1]);
         start_impulses(c, in, points, l, bodies);
         if (points == 1) return;
-        for (int i : {1, 2}) s[i] = s[i] & gram.tilts;
-        for (int i : {3, 4, 5}) s[i] = s[i] & gram.plane;
-        invert(s, 3, c.inverse);
-        soften(c, in, gram, mean, s);
-        invert(s, 3, c.soft_inverse);
+        for (int i : {1, 2}) s[1][i] = s[1][i] & gram.tilts;
+        for (int i : {3, 4, 5}) s[1][i] = s[1][i] & gram.plane;
+        for (int i = 0; i < 6; ++i) s[2][i] = s[1][i];
+        soften(c, in, gram, mean, s[2]);
+        invert<3>(s, {c.slide_inverse, c.inverse, c.soft_inverse});
     }
 };
 
