@@ -46,7 +46,8 @@ void find_plane_pairs(const Model& w, const PlacedShapes& placed, PairScratch& s
             }
     }
     if (s.plane_pairs.empty()) return;
-    std::sort(s.plane_pairs.begin(), s.plane_pairs.end());
+    if (!std::is_sorted(s.plane_pairs.begin(), s.plane_pairs.end()))
+        std::sort(s.plane_pairs.begin(), s.plane_pairs.end());
     base::make_room(s.merged_pairs, s.pairs.size() + s.plane_pairs.size());
     s.merged_pairs.resize(s.pairs.size() + s.plane_pairs.size());
     std::merge(s.pairs.begin(), s.pairs.end(), s.plane_pairs.begin(), s.plane_pairs.end(),
