@@ -3,8 +3,10 @@
 // The working frame has A's axes and B's origin, so all that matters is near the origin however large A is.
 #pragma once
 
-#include "collide/convex/convex.h"
+#include "collide/core.h"
+#include "shapes/mesh/face.h"
 
+#include <optional>
 #include <span>
 
 namespace lockstone::collide {
@@ -18,20 +20,30 @@ inline constexpr std::int64_t near_24 = std::int64_t{256} << 24;
 struct LocalTriangle {
     Long3 corners_24[3]; ///< may be far away: up to 2^21 m
     Long3 normal_30;
-    std::int64_t offset_30;    ///< normal . x on the plane; clamped to +-1024 m
-    Long3 sides_27[3];         ///< outward, of length 2^25 .. 2^28
-    std::int64_t limits_51[3]; ///< side . x on the side; clamped to +-2^61
-    Long3 beyond_30[3];
-    std::uint32_t felt;   ///< bit k: contacts of edge k may have normals of their own
-    std::uint32_t border; ///< bit k: nothing is across edge k
+    std::int64_t offset_30; ///< normal . x on the plane; clamped to +-1024 m
     std::uint32_t index;
     bool is_far; ///< a corner is too far away for 64-bit products
     bool is_flipped;
+
+    // Set by set_edges:
+    Long3 beyond_30[3];
+    std::uint32_t felt;   ///< bit k: contacts of edge k may have normals of their own
+    std::uint32_t border; ///< bit k: nothing is across edge k
+    std::uint32_t sides;  ///< bit k: side k is set
+
+    // Set by need_side:
+    Long3 sides_27[3];         ///< outward, of length 2^25 .. 2^28
+    std::int64_t limits_51[3]; ///< side . x on the side; clamped to +-2^61
 };
-/// Corners, plane and neighbours, without sides. `flipped`: the same triangle seen from behind.
-LocalTriangle local_triangle(const shapes::Triangle& triangle, CoordinateVec3 origin, bool flipped);
-/// What everything below needs but height_30 and is_apart.
-void set_sides(LocalTriangle& t);
+/// Corners and plane: what height_30 and is_apart need. `flipped`: the same triangle seen from behind.
+LocalTriangle local_triangle(const shapes::Face& face, CoordinateVec3 origin, bool flipped);
+/// What everything else needs.
+void set_edges(LocalTriangle& t, const shapes::FaceEdges& edges);
+/// Many a triangle is done with before all its sides are looked at.
+void set_side(LocalTriangle& t, int k);
+inline void need_side(LocalTriangle& t, int k) {
+    if ((t.sides >> k & 1u) == 0) set_side(t, k);
+}
 
 /// How B lies to an edge.
 struct EdgeGap {
@@ -55,7 +67,13 @@ struct KnownEdges {
 
 /// Shape B and what is derived from it once a pair.
 struct TriangleContext {
+    TriangleContext(const shapes::Solid& b, const shapes::Extent& extent, const RelativePose& pose,
+                    Length limit);
+    TriangleContext(const TriangleContext&) = delete; // `core` points to `shape`
+    TriangleContext& operator=(const TriangleContext&) = delete;
+
     Convex shape;
+    std::optional<Core> core; ///< of `shape`, made by furthest_24
     Long3 center_24;          ///< the core's centre, which tells front from behind
     Long3 lower_24, upper_24; ///< in B's own axes, radius included
     Length margin;
@@ -69,6 +87,9 @@ struct TriangleContext {
     bool has_outline = false;
     KnownEdges edges;
 };
+
+/// The point of B's core furthest along a direction of at most 2^31.
+Long3 furthest_24(TriangleContext& c, const Long3& direction);
 
 /// height of a point above the triangle's plane, 30 fraction bits.
 inline std::int64_t height_30(const LocalTriangle& t, Long3 x_24) {
@@ -86,7 +107,7 @@ struct TriangleContact {
 bool is_apart(const TriangleContext& c, const LocalTriangle& t);
 
 /// Contacts with the triangle's own normal at the points of B that are within the triangle's sides.
-void face_contact(TriangleContext& c, const LocalTriangle& t, TriangleContact& out);
+void face_contact(TriangleContext& c, LocalTriangle& t, TriangleContact& out);
 /// Whether a triangle without felt edges lies within the outline of B's supporting face, and nothing of that face
 /// is deeper than what was found already, up to noise: then its contacts are between those of its neighbours and
 /// of no use.
@@ -110,7 +131,7 @@ struct EdgeContact {
 };
 /// `lowest_30`: separation of B and the triangle's plane. `has_face`: the triangle's own normal serves some point;
 /// then a border on which B stands has no say.
-EdgeContact edge_contact(TriangleContext& c, const LocalTriangle& t, std::int64_t lowest_30, bool has_face);
+EdgeContact edge_contact(TriangleContext& c, LocalTriangle& t, std::int64_t lowest_30, bool has_face);
 /// The manifold of a `contact`; without points when it was written for the other triangle of the edge a short
 /// while ago.
 Manifold edge_manifold(TriangleContext& c, const LocalTriangle& t, const EdgeContact& contact);
@@ -123,7 +144,7 @@ bool near_part(Long3& from_24, Long3& to_24);
 struct PointDistance {
     std::int64_t distance_20, height_20;
 };
-PointDistance distance_from(const LocalTriangle& t, Long3 point_24);
+PointDistance distance_from(LocalTriangle& t, Long3 point_24);
 
 /// Names for features: the same numbers give the same name, different ones nearly always another.
 constexpr std::uint32_t feature_of(std::uint32_t kind, std::uint32_t a, std::uint32_t b, std::uint32_t c) {

@@ -5,9 +5,9 @@
 // letting it pass would make bodies stumble over the seams of a flat floor.
 // source: Terdiman, Contact generation for meshes (codercorner.com); Ericson, Real-Time Collision Detection,
 // 5.1.5.
-#include "collide/core.h"
 #include "collide/mesh/triangle_contact.h"
 
+#include <limits>
 #include <utility>
 
 namespace lockstone::collide {
@@ -29,14 +29,21 @@ struct EdgeLine {
     Long3 from_24, to_24, along_30;
     std::int64_t length_30;
 };
+EdgeLine line_between(const Long3& from_24, const Long3& to_24) {
+    const Direction d = direction_of_30(up(to_24 - from_24, 6));
+    return {from_24, to_24, d.unit, d.length};
+}
+/// The ends of its part near B; false when it has none.
+bool ends_of(const LocalTriangle& t, int k, Long3& from_24, Long3& to_24) {
+    from_24 = t.corners_24[k];
+    to_24 = t.corners_24[(k + 1) % 3];
+    return (!t.is_far || near_part(from_24, to_24)) && !is_same(from_24, to_24);
+}
 bool edge_line(const LocalTriangle& t, int k, EdgeLine& e) {
-    e.from_24 = t.corners_24[k];
-    e.to_24 = t.corners_24[(k + 1) % 3];
-    if (!near_part(e.from_24, e.to_24)) return false;
-    const Direction d = direction_of_30(up(e.to_24 - e.from_24, 6));
-    e.along_30 = d.unit;
-    e.length_30 = d.length;
-    return d.length > 0;
+    Long3 from_24, to_24;
+    if (!ends_of(t, k, from_24, to_24)) return false;
+    e = line_between(from_24, to_24);
+    return true;
 }
 
 /// The nearest point of the edge to B's centre, B being a ball.
@@ -106,20 +113,49 @@ KnownEdges::Entry* find_known(KnownEdges& known, Long3 from_24, Long3 to_24) {
     return nullptr;
 }
 
-/// The same, whichever way the edge runs.
-EdgeGap known_gap(TriangleContext& c, const LocalTriangle& t, const EdgeLine& e) {
-    const bool reversed = is_before(e.to_24, e.from_24);
-    const KnownEdges::Entry* entry = find_known(c.edges, e.from_24, e.to_24);
-    if (entry == nullptr) {
-        const EdgeLine line = reversed ? EdgeLine{e.to_24, e.from_24, -e.along_30, e.length_30} : e;
-        KnownEdges& known = c.edges;
-        const int slot = known.count < KnownEdges::max ? known.count++ : known.oldest++ % KnownEdges::max;
-        known.entries[slot] = {line.from_24, line.to_24, gap_of(c, t, line), false};
-        entry = &known.entries[slot];
+/// B and an edge are surely further apart than the margin: by a millimetre, far more than all roundings.
+bool are_parted(const TriangleContext& c, const Long3& from_24, const Long3& to_24) {
+    constexpr std::int64_t guard_24 = 1 << 14;
+    const std::int64_t margin = c.margin.raw + guard_24;
+    if (c.shape.core == Convex::Core::point) { // in 16 fraction bits, below 2^26
+        const auto from_center = [&](const Long3& end_24) {
+            const Long3 d = end_24 - c.shape.center_24;
+            return Long3{d[0] >> 8, d[1] >> 8, d[2] >> 8};
+        };
+        const Long3 from = from_center(from_24), to = from_center(to_24), edge = to - from;
+        const std::int64_t reach = ((margin + (c.radius_30 >> 6)) >> 8) + 1, square = reach * reach;
+        const std::int64_t ahead = -dot(from, edge), whole = dot(edge, edge);
+        if (ahead <= 0) return dot(from, from) > square;
+        if (ahead >= whole) return dot(to, to) > square;
+        return Wide::product(ahead, ahead) < Wide::product(dot(from, from) - square, whole);
     }
-    EdgeGap gap = entry->gap;
-    if (reversed) std::swap(gap.at_from, gap.at_to);
-    return gap;
+    for (int i = 0; i < 3; ++i) {
+        const std::int64_t x = dot(c.shape.axes_30[i], from_24) >> 30,
+                           y = dot(c.shape.axes_30[i], to_24) >> 30;
+        if (smaller(x, y) > c.upper_24[i] + margin || larger(x, y) < c.lower_24[i] - margin) return true;
+    }
+    return false;
+}
+
+/// The same, whichever way the edge runs. Edges that are parted from B have places too, as which ones are forgotten
+/// decides which are written twice.
+KnownEdges::Entry* add_known(TriangleContext& c, const LocalTriangle& t, const Long3& from_24,
+                             const Long3& to_24) {
+    const bool reversed = is_before(to_24, from_24);
+    KnownEdges& known = c.edges;
+    const int slot = known.count < KnownEdges::max ? known.count++ : known.oldest++ % KnownEdges::max;
+    KnownEdges::Entry& entry = known.entries[slot];
+    entry.from_24 = reversed ? to_24 : from_24;
+    entry.to_24 = reversed ? from_24 : to_24;
+    entry.written = false;
+    if (are_parted(c, from_24, to_24)) {
+        entry.gap.separation_30 = std::numeric_limits<std::int64_t>::max();
+        return &entry;
+    }
+    EdgeLine line = line_between(from_24, to_24);
+    if (reversed) line = {entry.from_24, entry.to_24, -line.along_30, line.length_30};
+    entry.gap = gap_of(c, t, line);
+    return &entry;
 }
 
 /// Where a direction lies around an edge: inward of the triangle's normal, between it and the neighbour's normal, or
@@ -155,14 +191,14 @@ void nearest_contact(const TriangleContext& c, const EdgeGap& g, std::uint32_t f
     add_point(out, g.on_edge_30 + to_middle, g.separation_30, c.margin, feature);
 }
 
-void write_contact(const TriangleContext& c, const LocalTriangle& t, int k, const Convex& segment,
+void write_contact(const TriangleContext& c, const LocalTriangle& t, int k, const EdgeLine& line,
                    const EdgeGap& g, Manifold& out) {
     out = Manifold{};
     const std::uint32_t edge = static_cast<std::uint32_t>(k);
     if (c.shape.core == Convex::Core::point) {
         return nearest_contact(c, g, feature_of(4, t.index, edge, 0), out);
     }
-    manifold_from_faces(segment, c.shape, g.normal_30, g.separation_30, c.margin, out);
+    manifold_from_faces(segment_of(line), c.shape, g.normal_30, g.separation_30, c.margin, out);
     // The edge is one of three; only its own normal is known to be within its range.
     out.normal = unit_of_30(g.normal_30);
     out.on_face = 0;
@@ -177,8 +213,9 @@ void write_contact(const TriangleContext& c, const LocalTriangle& t, int k, cons
 }
 
 /// Whether B gets past the side of edge k at all.
-bool reaches(const TriangleContext& c, const LocalTriangle& t, int k) {
-    const Long3 furthest = shifted(support(c.shape, up(t.sides_27[k], 2)).at_30, 6);
+bool reaches(TriangleContext& c, LocalTriangle& t, int k) {
+    need_side(t, k);
+    const Long3 furthest = furthest_24(c, up(t.sides_27[k], 2));
     const std::int64_t reach_24 = (c.radius_30 >> 6) + c.margin.raw;
     return dot(t.sides_27[k], furthest) + up(reach_24, 28) > t.limits_51[k];
 }
@@ -211,18 +248,23 @@ bool near_part(Long3& from_24, Long3& to_24) {
     return true;
 }
 
-EdgeContact edge_contact(TriangleContext& c, const LocalTriangle& t, std::int64_t lowest_30, bool has_face) {
+EdgeContact edge_contact(TriangleContext& c, LocalTriangle& t, std::int64_t lowest_30, bool has_face) {
     using Verdict = EdgeContact::Verdict;
     EdgeContact best{};
     for (int k = 0; k < 3; ++k) {
-        if ((t.felt >> k & 1u) == 0 || !reaches(c, t, k)) continue;
+        if ((t.felt >> k & 1u) == 0) continue;
         const bool on_border = (t.border >> k & 1u) != 0 && lowest_30 >= -c.border_bias_30;
-        EdgeLine line;
-        if ((on_border && has_face) || !edge_line(t, k, line)) continue;
-        const EdgeGap g = known_gap(c, t, line);
-        if (g.separation_30 > up(c.margin.raw, 6)) continue;
-        if (on_border && g.separation_30 > 0) continue;
-        const EdgeSide place = edge_side_of(t, k, line, g);
+        const std::int64_t limit_30 = on_border ? 0 : up(c.margin.raw, 6);
+        Long3 from_24, to_24;
+        if ((on_border && has_face) || !ends_of(t, k, from_24, to_24)) continue;
+        const KnownEdges::Entry* known = find_known(c.edges, from_24, to_24);
+        if (known != nullptr && known->gap.separation_30 > limit_30) continue;
+        if (!reaches(c, t, k)) continue;
+        if (known == nullptr) known = add_known(c, t, from_24, to_24);
+        if (known->gap.separation_30 > limit_30) continue;
+        EdgeGap g = known->gap;
+        if (is_before(to_24, from_24)) std::swap(g.at_from, g.at_to);
+        const EdgeSide place = edge_side_of(t, k, line_between(from_24, to_24), g);
         if (place == EdgeSide::inward || (place == EdgeSide::past && !g.overlap)) continue;
         // Apart, the nearest edge counts; overlapping, the one that is easiest to leave.
         const bool nearer =
@@ -241,21 +283,25 @@ EdgeContact edge_contact(TriangleContext& c, const LocalTriangle& t, std::int64_
 }
 
 Manifold edge_manifold(TriangleContext& c, const LocalTriangle& t, const EdgeContact& contact) {
-    Manifold out{};
-    EdgeLine line;
-    if (!edge_line(t, contact.edge, line)) return out;
-    KnownEdges::Entry* known = find_known(c.edges, line.from_24, line.to_24);
+    Manifold out;
+    out.count = 0;
+    Long3 from_24, to_24;
+    if (!ends_of(t, contact.edge, from_24, to_24)) return out;
+    KnownEdges::Entry* known = find_known(c.edges, from_24, to_24);
     if (known != nullptr && known->written) return out;
     if (known != nullptr) known->written = true;
-    write_contact(c, t, contact.edge, segment_of(line), contact.gap, out);
+    write_contact(c, t, contact.edge, line_between(from_24, to_24), contact.gap, out);
     return out;
 }
 
-PointDistance distance_from(const LocalTriangle& t, Long3 point_24) {
+PointDistance distance_from(LocalTriangle& t, Long3 point_24) {
     constexpr std::int64_t far_20 = std::int64_t{1} << 30;
     const std::int64_t height_20 = clamped(height_30(t, point_24) >> 10, -far_20, far_20);
     bool above = true;
-    for (int k = 0; k < 3; ++k) above = above && dot(t.sides_27[k], point_24) <= t.limits_51[k];
+    for (int k = 0; k < 3 && above; ++k) {
+        need_side(t, k);
+        above = dot(t.sides_27[k], point_24) <= t.limits_51[k];
+    }
     if (above) return {absolute(height_20), height_20};
     std::int64_t least = far_20;
     for (int k = 0; k < 3; ++k) {

@@ -1,7 +1,6 @@
 // A triangle's frame, and the contacts that have its own normal: B's supporting face clipped to the triangle's sides.
 //
 // source: Sutherland, Hodgman, Reentrant CutPolygon Clipping, CACM 1974.
-#include "collide/core.h"
 #include "collide/mesh/triangle_contact.h"
 
 namespace lockstone::collide {
@@ -16,7 +15,10 @@ std::int64_t far_dot(Long3 a, Long3 x, int drop, std::int64_t limit) {
     return clamped(narrow_rounded(wide_dot(a, x), drop), -limit, limit);
 }
 
+} // namespace
+
 void set_side(LocalTriangle& t, int k) {
+    t.sides |= 1u << k;
     const Long3 from = t.corners_24[k], to = t.corners_24[(k + 1) % 3];
     const Long3 edge = with_bits(to - from, 27); // < 2^27.8, so the products stay below 2^59
     const Long3 own = shifted(cross(edge, t.normal_30), 30);
@@ -32,6 +34,8 @@ void set_side(LocalTriangle& t, int k) {
     const Long3 at = widest(from) < widest(to) ? from : to;
     t.limits_51[k] = t.is_far ? far_dot(t.sides_27[k], at, 0, limit_max_51) : dot(t.sides_27[k], at);
 }
+
+namespace {
 
 /// How far outside of its side a point at `height` above the plane may be, 51 fraction bits. Where flat edges meet
 /// in a corner their halves leave a cone of space to nobody, as wide as they are bent: 1 / 64 of the height covers
@@ -190,23 +194,16 @@ void set_outline(TriangleContext& c) {
 
 } // namespace
 
-LocalTriangle local_triangle(const shapes::Triangle& triangle, CoordinateVec3 origin, bool flipped) {
-    // Seen from behind, corners 0 2 1: edge 0 runs from 0 to 2 and was edge 2.
-    constexpr int corner_of[2][3] = {{0, 1, 2}, {0, 2, 1}}, edge_of[2][3] = {{0, 1, 2}, {2, 1, 0}};
+LocalTriangle local_triangle(const shapes::Face& face, CoordinateVec3 origin, bool flipped) {
+    constexpr int corner_of[2][3] = {{0, 1, 2}, {0, 2, 1}};
     LocalTriangle t;
-    t.index = triangle.index;
-    t.normal_30 = flipped ? -raw(triangle.normal) : raw(triangle.normal);
-    t.felt = t.border = 0;
+    t.index = face.index;
+    t.normal_30 = flipped ? -raw(face.normal) : raw(face.normal);
     t.is_flipped = flipped;
     std::int64_t reach = 0, nearest = std::numeric_limits<std::int64_t>::max();
     int nearest_corner = 0;
     for (int k = 0; k < 3; ++k) {
-        t.corners_24[k] = raw(triangle.corner[corner_of[flipped][k]]) - raw(origin);
-        const int edge = edge_of[flipped][k];
-        t.beyond_30[k] = flipped ? -raw(triangle.beyond[edge]) : raw(triangle.beyond[edge]);
-        const bool is_border = triangle.beyond[edge] == -triangle.normal;
-        t.felt |= static_cast<std::uint32_t>(is_border || (triangle.sharp >> edge & 1u) != 0) << k;
-        t.border |= static_cast<std::uint32_t>(is_border) << k;
+        t.corners_24[k] = raw(face.corner[corner_of[flipped][k]]) - raw(origin);
         const std::int64_t w = widest(t.corners_24[k]);
         reach = larger(reach, w);
         if (w < nearest) nearest = w, nearest_corner = k;
@@ -218,8 +215,19 @@ LocalTriangle local_triangle(const shapes::Triangle& triangle, CoordinateVec3 or
     return t;
 }
 
-void set_sides(LocalTriangle& t) {
-    for (int k = 0; k < 3; ++k) set_side(t, k);
+void set_edges(LocalTriangle& t, const shapes::FaceEdges& edges) {
+    // Seen from behind, corners 0 2 1: edge 0 runs from 0 to 2 and was edge 2.
+    constexpr int edge_of[2][3] = {{0, 1, 2}, {2, 1, 0}};
+    t.felt = t.border = t.sides = 0;
+    for (int k = 0; k < 3; ++k) {
+        const int edge = edge_of[t.is_flipped][k];
+        t.beyond_30[k] = t.is_flipped ? -raw(edges.beyond[edge]) : raw(edges.beyond[edge]);
+        const bool is_border = is_same(t.beyond_30[k], -t.normal_30);
+        t.felt |= static_cast<std::uint32_t>(is_border || (edges.sharp >> edge & 1u) != 0) << k;
+        t.border |= static_cast<std::uint32_t>(is_border) << k;
+    }
+    if (t.is_flipped) // which edges are felt comes of the sides
+        for (int k = 0; k < 3; ++k) set_side(t, k);
 }
 
 bool is_apart(const TriangleContext& c, const LocalTriangle& t) {
@@ -252,13 +260,15 @@ bool is_apart(const TriangleContext& c, const LocalTriangle& t) {
     return false;
 }
 
-void face_contact(TriangleContext& c, const LocalTriangle& t, TriangleContact& out) {
+void face_contact(TriangleContext& c, LocalTriangle& t, TriangleContact& out) {
     out.count = 0;
     if (c.shape.core == Convex::Core::point) {
         const Long3 at = c.shape.center_24;
         const std::int64_t height = height_30(t, at);
-        for (int k = 0; k < 3; ++k)
+        for (int k = 0; k < 3; ++k) {
+            need_side(t, k);
             if (dot(t.sides_27[k], at) > t.limits_51[k] + tolerance_51(t, k, height)) return;
+        }
         return add_face_point(c, t, at, height, feature_of(1, 0, 0, 0), out);
     }
     const SupportingFace& face = face_against(c, t.normal_30);
@@ -275,12 +285,15 @@ void face_contact(TriangleContext& c, const LocalTriangle& t, TriangleContact& o
         x.line_out = i;
     }
     if (face.count == 1) {
-        for (int k = 0; k < 3; ++k)
+        for (int k = 0; k < 3; ++k) {
+            need_side(t, k);
             if (dot(t.sides_27[k], polygon.points[0].at_24) >
                 t.limits_51[k] + tolerance_51(t, k, polygon.points[0].height))
                 return;
+        }
     } else {
         for (int k = 0; k < 3 && polygon.count > 0; ++k) {
+            need_side(t, k);
             if (polygon.is_open)
                 clip_segment(t, k, polygon);
             else
@@ -303,6 +316,14 @@ bool is_covered(TriangleContext& c, const LocalTriangle& t, std::int64_t deepest
     std::int64_t least = std::numeric_limits<std::int64_t>::max();
     for (int i = 0; i < face.count; ++i) least = smaller(least, height_30(t, shifted(face.corners_30[i], 6)));
     return least - c.radius_30 >= deepest_30 - noise_30;
+}
+
+Long3 furthest_24(TriangleContext& c, const Long3& direction) {
+    if (c.shape.core == Convex::Core::point) return c.shape.center_24;
+    // Of corners of a hull that are equally far, which one a Core finds depends on its last search.
+    if (c.shape.core == Convex::Core::hull) return shifted(support(c.shape, direction).at_30, 6);
+    if (!c.core) c.core.emplace(c.shape);
+    return shifted(c.core->support(direction).at_30, 6);
 }
 
 void forced_contact(const TriangleContext& c, const LocalTriangle& t, TriangleContact& out) {

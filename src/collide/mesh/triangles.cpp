@@ -1,6 +1,5 @@
 #include "collide/mesh/triangles.h"
 
-#include "collide/core.h"
 #include "collide/merge_manifolds.h"
 #include "collide/mesh/triangle_contact.h"
 #include "collide/pairs/pairs.h"
@@ -16,28 +15,12 @@ Coordinate coordinate(std::int64_t raw_24) { return Coordinate::from_raw(raw_24)
 /// B is up to this deep over a border and still on it: 1 cm, a quarter of B's inner ball when that is less.
 std::int64_t border_bias_30(Length inner) { return smaller(up(inner.raw, 4), std::int64_t{10737418}); }
 
-TriangleContext context_of(const shapes::Solid& b, const RelativePose& pose, Length margin) {
-    TriangleContext c;
-    c.shape = convex_of(b, pose.rotation, CoordinateVec3{});
-    c.margin = margin;
-    c.center_24 = raw(mul<Coordinate>(pose.rotation, shapes::core_center(b)));
-    const shapes::Extent local = shapes::extent_of(b);
-    c.lower_24 = raw(local.lower);
-    c.upper_24 = raw(local.upper);
-    c.radius_30 = up(c.shape.radius.raw, 6);
-    const Length inner = shapes::inner_radius(b);
-    c.face_bias_30 = smaller(up(face_bias.raw, 3), inner.raw);
-    c.border_bias_30 = border_bias_30(inner);
-    c.face_normal_30 = Long3{};
-    return c;
-}
-
 /// One pair of a mesh or height field and a convex shape.
 class TriangleCollision {
   public:
-    TriangleCollision(const shapes::Solid& solid, const shapes::Solid& other, const RelativePose& relative,
-                      Length margin, NarrowScratch& memory)
-        : a(solid), pose(relative), context(context_of(other, relative, margin)), scratch(memory),
+    TriangleCollision(const shapes::Solid& solid, const shapes::Solid& other, const shapes::Extent& extent,
+                      const RelativePose& relative, Length margin, NarrowScratch& memory)
+        : a(solid), pose(relative), context(other, extent, relative, margin), scratch(memory),
           first_piece(memory.pieces.size()), two_sided(shapes::is_two_sided(solid)) {}
 
     void run(const shapes::Extent& where) {
@@ -47,7 +30,8 @@ class TriangleCollision {
         std::vector<std::uint32_t>& behind = scratch.order;
         behind.clear();
         for (const std::uint32_t index : scratch.triangles) {
-            LocalTriangle t = view(index);
+            const shapes::Face face = shapes::face_at(a, index);
+            LocalTriangle t = view(face);
             const bool is_behind = height_30(t, context.center_24) < 0;
             const std::int64_t lowest = lowest_30(t);
             below_plane = below_plane || lowest <= 0;
@@ -58,7 +42,7 @@ class TriangleCollision {
             }
             if (is_apart(context, t) || (is_behind && highest_30(t) < 0)) continue;
             if (is_behind) behind.push_back(index);
-            set_sides(t);
+            set_edges(t, shapes::edges_at(a, face));
             if (!is_behind)
                 from_front(t, lowest);
             else if (t.border != 0)
@@ -70,11 +54,16 @@ class TriangleCollision {
     }
 
   private:
-    LocalTriangle view(std::uint32_t index) const {
-        const shapes::Triangle triangle = shapes::triangle_at(a, index);
-        const LocalTriangle t = local_triangle(triangle, pose.position, false);
-        if (two_sided && height_30(t, context.center_24) < 0)
-            return local_triangle(triangle, pose.position, true);
+    LocalTriangle view(const shapes::Face& face) const {
+        LocalTriangle t = local_triangle(face, pose.position, false);
+        if (two_sided && height_30(t, context.center_24) < 0) t = local_triangle(face, pose.position, true);
+        return t;
+    }
+    LocalTriangle view(std::uint32_t index) const { return view(shapes::face_at(a, index)); }
+    LocalTriangle view_with_edges(std::uint32_t index) const {
+        const shapes::Face face = shapes::face_at(a, index);
+        LocalTriangle t = view(face);
+        set_edges(t, shapes::edges_at(a, face));
         return t;
     }
     std::int64_t lowest_30(const LocalTriangle& t) const {
@@ -107,7 +96,7 @@ class TriangleCollision {
         m.piece_a = index, m.piece_b = 0, m.surface = shapes::surface_number(a, index);
     }
 
-    void from_front(const LocalTriangle& t, std::int64_t lowest) {
+    void from_front(LocalTriangle& t, std::int64_t lowest) {
         if (t.felt == 0 && is_covered(context, t, found_30)) return;
         TriangleContact face;
         face_contact(context, t, face);
@@ -158,8 +147,7 @@ class TriangleCollision {
         PointDistance best{std::int64_t{1} << 40, 0};
         LocalTriangle nearest{};
         for (const std::uint32_t index : scratch.triangles) {
-            LocalTriangle t = view(index);
-            set_sides(t);
+            LocalTriangle t = view_with_edges(index);
             const PointDistance d = distance_from(t, context.center_24);
             if (d.distance_20 > best.distance_20 + same_20) continue;
             if (d.distance_20 < best.distance_20 - same_20 ||
@@ -170,9 +158,8 @@ class TriangleCollision {
         const std::size_t before = scratch.pieces.size();
         TriangleContact contact;
         for (const std::uint32_t index : behind) {
-            LocalTriangle t = view(index);
+            LocalTriangle t = view_with_edges(index);
             if (dot(t.normal_30, nearest.normal_30) < std::int64_t{1} << 59) continue; // 60 degrees
-            set_sides(t);
             face_contact(context, t, contact);
             append(t, contact);
         }
@@ -255,10 +242,7 @@ class TriangleCollision {
     std::int64_t found_30 = std::numeric_limits<std::int64_t>::max() / 2; ///< the deepest separation so far
 };
 
-} // namespace
-
-shapes::Extent extent_in(const shapes::Solid& b, const RelativePose& pose, Length margin) {
-    const shapes::Extent local = shapes::extent_of(b);
+shapes::Extent extent_in(const shapes::Extent& local, const RelativePose& pose, Length margin) {
     const Long3 lower = raw(local.lower), upper = raw(local.upper);
     const Long3 columns[3] = {raw(pose.rotation.x), raw(pose.rotation.y), raw(pose.rotation.z)};
     shapes::Extent out;
@@ -292,12 +276,29 @@ shapes::Extent extent_in(const shapes::Solid& b, const RelativePose& pose, Lengt
     return out;
 }
 
+} // namespace
+
+shapes::Extent extent_in(const shapes::Solid& b, const RelativePose& pose, Length margin) {
+    return extent_in(shapes::extent_of(b), pose, margin);
+}
+
+TriangleContext::TriangleContext(const shapes::Solid& b, const shapes::Extent& extent,
+                                 const RelativePose& pose, Length limit)
+    : shape(convex_of(b, pose.rotation, CoordinateVec3{})),
+      center_24(raw(mul<Coordinate>(pose.rotation, shapes::core_center(b)))), lower_24(raw(extent.lower)),
+      upper_24(raw(extent.upper)), margin(limit), radius_30(up(shape.radius.raw, 6)) {
+    const Length inner = shapes::inner_radius(b);
+    face_bias_30 = smaller(up(face_bias.raw, 3), inner.raw);
+    border_bias_30 = collide::border_bias_30(inner);
+}
+
 void append_triangle_pieces(const shapes::Solid& a, const shapes::Solid& b, const RelativePose& pose,
                             Length margin, NarrowScratch& scratch) {
-    shapes::Extent where = extent_in(b, pose, margin);
+    const shapes::Extent local = shapes::extent_of(b);
+    shapes::Extent where = extent_in(local, pose, margin);
     // Height fields are solid below: the surface over a shape counts however high it is.
     if (a.height_field != nullptr) where.upper.y = coordinate(std::int64_t{1} << 44);
-    TriangleCollision(a, b, pose, margin, scratch).run(where);
+    TriangleCollision(a, b, local, pose, margin, scratch).run(where);
 }
 
 void collide_triangles(const shapes::Solid& a, const shapes::Solid& b, const RelativePose& pose,

@@ -1,4 +1,4 @@
-// The face of a triangle alone, without what lies beside it: what casts and distances look at.
+// The face of a triangle and what lies beside it, apart: casts and distances look at the face alone, contacts at the face first.
 #pragma once
 
 #include "shapes/asset/asset.h"
@@ -13,5 +13,12 @@ struct Face {
 };
 /// Of a solid that has triangles: the face of triangle_at().
 Face face_at(const Solid& solid, std::uint32_t index);
+
+/// What lies beside a face, as in Triangle.
+struct FaceEdges {
+    std::uint32_t sharp;
+    UnitVec3 beyond[3];
+};
+FaceEdges edges_at(const Solid& solid, const Face& face);
 
 } // namespace lockstone::shapes

@@ -126,21 +126,16 @@ Face HeightField::face(std::uint32_t index, LengthVec3 scale) const {
     return out;
 }
 
-Triangle HeightField::triangle(std::uint32_t index, LengthVec3 scale) const {
-    const Place own = place_of(index);
-    Triangle out{};
-    const Corners corners = corners_of(own);
-    for (int k = 0; k < 3; ++k)
-        out.corner[k] = scale == scale_one ? corners.at[k] : scaled_by(corners.at[k], scale);
+FaceEdges HeightField::edges(const Face& face, LengthVec3 scale) const {
+    const Place own = place_of(face.index);
     const Slope slope = slope_of(own);
-    out.normal = normal_of(own, slope, scale);
-    out.index = index;
-    out.material = material_of(index);
+    FaceEdges out;
+    out.sharp = 0;
     for (std::uint32_t k = 0; k < 3; ++k) {
         Place other = own;
         const bool border = !cross_edge(other, k);
-        out.beyond[k] = border ? -out.normal : normal_of(other, slope_of(other), scale);
-        if (border || (is_convex(own, slope, k) && !is_flat(out.normal, out.beyond[k], grid.flat_sine)))
+        out.beyond[k] = border ? -face.normal : normal_of(other, slope_of(other), scale);
+        if (border || (is_convex(own, slope, k) && !is_flat(face.normal, out.beyond[k], grid.flat_sine)))
             out.sharp |= 1u << k;
     }
     return out;

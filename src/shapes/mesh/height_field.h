@@ -25,8 +25,8 @@ class HeightField {
     const HeightGrid& size() const { return grid; }
     std::span<const std::byte> cell_bytes() const { return cells; }
     std::uint32_t triangle_count() const; ///< two a cell; cells with holes have numbers too
-    Triangle triangle(std::uint32_t index, LengthVec3 scale) const;
     Face face(std::uint32_t index, LengthVec3 scale) const;
+    FaceEdges edges(const Face& face, LengthVec3 scale) const; ///< of what face() has given at this scale
     void find(const Extent& where, LengthVec3 scale,
               std::vector<std::uint32_t>& out) const; ///< without holes
     Extent extent() const { return bounds; }          ///< at scale 1

@@ -113,7 +113,7 @@ Face Mesh::face(std::uint32_t index, LengthVec3 scale) const {
     return out;
 }
 
-Triangle Mesh::triangle(std::uint32_t index, LengthVec3 scale) const {
+FaceEdges Mesh::edges(const Face& face, LengthVec3 scale) const {
     const bool as_baked = scale == scale_one;
     const auto normal_of = [&](std::uint32_t i) {
         if (as_baked) return normals[i];
@@ -121,20 +121,15 @@ Triangle Mesh::triangle(std::uint32_t index, LengthVec3 scale) const {
         corners_of(i, c);
         return triangle_normal(c, scale);
     };
-    Triangle out{};
-    corners_of(index, out.corner);
-    if (!as_baked)
-        for (CoordinateVec3& c : out.corner) c = scaled_by(c, scale);
-    out.normal = normal_of(index);
-    out.index = index;
-    out.material = material_of(index);
-    out.sharp = as_baked ? creases[index] >> 3 : 0;
+    const std::uint32_t crease = creases[face.index];
+    FaceEdges out;
+    out.sharp = as_baked ? crease >> 3 : 0;
     for (std::uint32_t k = 0; k < 3; ++k) {
-        const std::uint32_t other = neighbours[index][k];
-        const bool border = other == no_neighbour, convex = (creases[index] >> k & 1) != 0;
-        out.beyond[k] = border ? -out.normal : normal_of(other);
+        const std::uint32_t other = neighbours[face.index][k];
+        const bool border = other == no_neighbour, convex = (crease >> k & 1) != 0;
+        out.beyond[k] = border ? -face.normal : normal_of(other);
         if (!as_baked && (border || ((convex || content.two_sided) &&
-                                     !is_flat(out.normal, out.beyond[k], content.flat_sine))))
+                                     !is_flat(face.normal, out.beyond[k], content.flat_sine))))
             out.sharp |= 1u << k;
     }
     return out;

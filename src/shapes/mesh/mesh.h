@@ -39,8 +39,8 @@ class Mesh {
   public:
     explicit Mesh(MeshContent content);
     std::uint32_t triangle_count() const { return static_cast<std::uint32_t>(content.triangles.size()); }
-    Triangle triangle(std::uint32_t index, LengthVec3 scale) const;
     Face face(std::uint32_t index, LengthVec3 scale) const;
+    FaceEdges edges(const Face& face, LengthVec3 scale) const; ///< of what face() has given at this scale
     void find(const Extent& where, LengthVec3 scale, std::vector<std::uint32_t>& out) const;
     Extent extent() const { return bounds; } ///< at scale 1
     bool is_two_sided() const { return content.two_sided; }

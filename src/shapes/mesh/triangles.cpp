@@ -16,13 +16,24 @@ void find_triangles(const Solid& solid, const Extent& where, std::vector<std::ui
 }
 
 Triangle triangle_at(const Solid& solid, std::uint32_t index) {
-    return solid.mesh != nullptr ? solid.mesh->triangle(index, solid.geometry.scale)
-                                 : solid.height_field->triangle(index, solid.geometry.scale);
+    const Face face = face_at(solid, index);
+    const FaceEdges edges = edges_at(solid, face);
+    return {{face.corner[0], face.corner[1], face.corner[2]},
+            face.normal,
+            index,
+            solid.mesh != nullptr ? solid.mesh->material_of(index) : solid.height_field->material_of(index),
+            edges.sharp,
+            {edges.beyond[0], edges.beyond[1], edges.beyond[2]}};
 }
 
 Face face_at(const Solid& solid, std::uint32_t index) {
     return solid.mesh != nullptr ? solid.mesh->face(index, solid.geometry.scale)
                                  : solid.height_field->face(index, solid.geometry.scale);
+}
+
+FaceEdges edges_at(const Solid& solid, const Face& face) {
+    return solid.mesh != nullptr ? solid.mesh->edges(face, solid.geometry.scale)
+                                 : solid.height_field->edges(face, solid.geometry.scale);
 }
 
 bool is_two_sided(const Solid& solid) { return solid.mesh != nullptr && solid.mesh->is_two_sided(); }
