@@ -128,6 +128,10 @@ void make_features_unique(Manifolds& out) {
 void merge_manifolds(std::span<const Manifold> pieces, bool one_point, std::vector<std::uint32_t>& order,
                      Manifolds& out) {
     out.count = 0;
+    if (pieces.size() == 1 && pieces[0].count == 1) { // as a ball touches a mesh
+        out.items[out.count++] = pieces[0];
+        return;
+    }
     order.clear();
     for (std::uint32_t i = 0; i < pieces.size(); ++i)
         if (pieces[i].count > 0) order.push_back(i);

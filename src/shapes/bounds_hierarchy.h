@@ -55,22 +55,18 @@ class BoundsHierarchy {
         } path[levels_max];
         const std::size_t top = level_start.size() - 1;
         std::size_t level = top;
-        path[level] = {0, hits_of(groups[level_start[level]])};
-        while (level <= top) {
-            auto& at = path[level];
-            if (at.hits == 0) {
-                ++level;
-                continue;
-            }
-            const std::uint32_t index =
-                at.group * width + static_cast<std::uint32_t>(std::countr_zero(at.hits));
+        std::uint32_t group = 0;
+        while (true) {
+            std::uint32_t hits = hits_of(groups[level_start[level] + group]);
+            if (level == 0)
+                for (; hits != 0; hits &= hits - 1)
+                    each(group * width + static_cast<std::uint32_t>(std::countr_zero(hits)));
+            path[level] = {group, hits};
+            while (path[level].hits == 0)
+                if (level++ == top) return;
+            auto& at = path[level--];
+            group = at.group * width + static_cast<std::uint32_t>(std::countr_zero(at.hits));
             at.hits &= at.hits - 1;
-            if (level == 0) {
-                each(index);
-            } else {
-                --level;
-                path[level] = {index, hits_of(groups[level_start[level] + index])};
-            }
         }
     }
 
@@ -81,19 +77,8 @@ class BoundsHierarchy {
     Query query_of(const Extent& where) const;
     Extent box_of(const Group& group, std::uint32_t slot) const; ///< of a slot that is not empty
 
-    /// Bit k: box k overlaps. No branches and no shifts by variables, so that compilers compare four at once.
-    static std::uint32_t overlaps(const Group& g, const Query& q) {
-        constexpr std::uint32_t bit[width] = {1, 2, 4, 8, 16, 32, 64, 128};
-        const auto past = [](std::int32_t a, std::int32_t b) { return static_cast<std::uint32_t>(a > b); };
-        std::uint32_t hits = 0;
-        for (std::uint32_t k = 0; k < width; ++k) {
-            const std::uint32_t apart = past(g.lower[0][k], q.upper[0]) | past(q.lower[0], g.upper[0][k]) |
-                                        past(g.lower[1][k], q.upper[1]) | past(q.lower[1], g.upper[1][k]) |
-                                        past(g.lower[2][k], q.upper[2]) | past(q.lower[2], g.upper[2][k]);
-            hits += (apart - 1) & bit[k];
-        }
-        return hits;
-    }
+    /// Bit k: box k overlaps.
+    static std::uint32_t overlaps(const Group& g, const Query& q);
 
     CoordinateVec3 middle{};
     int shift = 0;

@@ -173,6 +173,15 @@ const SupportingFace& face_against(TriangleContext& c, Long3 normal) {
     return c.face;
 }
 
+/// The side opposite to the corner furthest from a point: of those that the point may be past, the likeliest.
+int side_before(const LocalTriangle& t, Long3 at_24) {
+    std::int64_t most = -1;
+    int far = 0;
+    for (int k = 0; k < 3; ++k)
+        if (const std::int64_t w = widest(t.corners_24[k] - at_24); w > most) most = w, far = k;
+    return (far + 1) % 3;
+}
+
 /// The outward normals of the supporting face's sides, at right angles to the triangle's normal.
 void set_outline(TriangleContext& c) {
     const SupportingFace& face = c.face;
@@ -265,7 +274,8 @@ void face_contact(TriangleContext& c, LocalTriangle& t, TriangleContact& out) {
     if (c.shape.core == Convex::Core::point) {
         const Long3 at = c.shape.center_24;
         const std::int64_t height = height_30(t, at);
-        for (int k = 0; k < 3; ++k) {
+        int k = side_before(t, at);
+        for (int i = 0; i < 3; ++i, k = (k + 1) % 3) {
             need_side(t, k);
             if (dot(t.sides_27[k], at) > t.limits_51[k] + tolerance_51(t, k, height)) return;
         }

@@ -40,6 +40,9 @@ class Mesh {
     explicit Mesh(MeshContent content);
     std::uint32_t triangle_count() const { return static_cast<std::uint32_t>(content.triangles.size()); }
     Face face(std::uint32_t index, LengthVec3 scale) const;
+    FacePlane plane(std::uint32_t index) const { ///< at scale 1
+        return {position_of(content.vertices[content.triangles[index][0]]), normals[index]};
+    }
     FaceEdges edges(const Face& face, LengthVec3 scale) const; ///< of what face() has given at this scale
     void find(const Extent& where, LengthVec3 scale, std::vector<std::uint32_t>& out) const;
     Extent extent() const { return bounds; } ///< at scale 1
