@@ -18,7 +18,8 @@ inline constexpr std::int64_t near_24 = std::int64_t{256} << 24;
 /// triangle's own normal serves: at right angles to the triangle where the edge is felt or concave, halfway to the
 /// neighbour where it is flat, so that neighbours on a flat mesh share out the space above them without a gap.
 struct LocalTriangle {
-    Long3 corners_24[3]; ///< may be far away: up to 2^21 m
+    Long3 corners_24[3];       ///< may be far away: up to 2^21 m
+    std::int64_t widest_24[3]; ///< of each corner
     Long3 normal_30;
     std::int64_t offset_30; ///< normal . x on the plane; clamped to +-1024 m
     std::uint32_t index;

@@ -78,10 +78,13 @@ EdgeGap gap_of(const TriangleContext& c, const LocalTriangle& t, const EdgeLine&
     const Convex segment = segment_of(e);
     EdgeGap g{};
     const std::int64_t limit_30 = c.radius_30 + up(c.margin.raw, 6);
-    const Gap gap = closest_points_within(segment, c.shape, limit_30);
+    Difference difference(segment, c.shape);
+    Simplex simplex;
+    const Gap gap = find_gap(difference, larger(limit_30, 0), difference.between(), simplex);
     g.overlap = gap.overlap;
     if (gap.overlap) {
-        const Penetration p = penetration(segment, c.shape);
+        Touch touch;
+        const Penetration p = find_move(difference, simplex, touch);
         g.normal_30 = p.normal_30;
         g.separation_30 = -p.depth_30 - c.radius_30;
         return g;

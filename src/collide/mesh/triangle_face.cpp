@@ -31,7 +31,7 @@ void set_side(LocalTriangle& t, int k) {
     const bool halfway = bend > 0 && (t.felt & bit) == 0;
     t.sides_27[k] = halfway ? shifted(cross(edge, shifted(t.normal_30 + t.beyond_30[k], 1)), 30) : own;
     // The nearer end: its rounding error has the shorter lever.
-    const Long3 at = widest(from) < widest(to) ? from : to;
+    const Long3 at = t.widest_24[k] < t.widest_24[(k + 1) % 3] ? from : to;
     t.limits_51[k] = t.is_far ? far_dot(t.sides_27[k], at, 0, limit_max_51) : dot(t.sides_27[k], at);
 }
 
@@ -173,13 +173,11 @@ const SupportingFace& face_against(TriangleContext& c, Long3 normal) {
     return c.face;
 }
 
-/// The side opposite to the corner furthest from a point: of those that the point may be past, the likeliest.
-int side_before(const LocalTriangle& t, Long3 at_24) {
-    std::int64_t most = -1;
-    int far = 0;
-    for (int k = 0; k < 3; ++k)
-        if (const std::int64_t w = widest(t.corners_24[k] - at_24); w > most) most = w, far = k;
-    return (far + 1) % 3;
+/// The side opposite to the corner furthest from B's origin: of those that a ball may be past, the likeliest.
+int side_before(const LocalTriangle& t) {
+    const std::int64_t* w = t.widest_24;
+    if (w[0] > w[1]) return w[0] > w[2] ? 1 : 0;
+    return w[1] > w[2] ? 2 : 0;
 }
 
 /// The outward normals of the supporting face's sides, at right angles to the triangle's normal.
@@ -214,6 +212,7 @@ LocalTriangle local_triangle(const shapes::Face& face, CoordinateVec3 origin, bo
     for (int k = 0; k < 3; ++k) {
         t.corners_24[k] = raw(face.corner[corner_of[flipped][k]]) - raw(origin);
         const std::int64_t w = widest(t.corners_24[k]);
+        t.widest_24[k] = w;
         reach = larger(reach, w);
         if (w < nearest) nearest = w, nearest_corner = k;
     }
@@ -274,8 +273,8 @@ void face_contact(TriangleContext& c, LocalTriangle& t, TriangleContact& out) {
     if (c.shape.core == Convex::Core::point) {
         const Long3 at = c.shape.center_24;
         const std::int64_t height = height_30(t, at);
-        int k = side_before(t, at);
-        for (int i = 0; i < 3; ++i, k = (k + 1) % 3) {
+        int k = side_before(t);
+        for (int i = 0; i < 3; ++i, k = k == 2 ? 0 : k + 1) {
             need_side(t, k);
             if (dot(t.sides_27[k], at) > t.limits_51[k] + tolerance_51(t, k, height)) return;
         }
