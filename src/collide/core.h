@@ -35,7 +35,8 @@ constexpr bool is_zero(Long3 a) { return (a[0] | a[1] | a[2]) == 0; }
 constexpr bool is_same(Long3 a, Long3 b) { return a[0] == b[0] && a[1] == b[1] && a[2] == b[2]; }
 /// The same direction with its widest component in [2^(bits - 1), 2^bits); zero stays zero. |a| < 2^63.
 constexpr Long3 with_bits(Long3 a, int bits) {
-    const int shift = bits - bit_length(static_cast<std::uint64_t>(widest(a)));
+    const std::int64_t any = absolute(a[0]) | absolute(a[1]) | absolute(a[2]); // as many bits as the widest
+    const int shift = bits - bit_length(static_cast<std::uint64_t>(any));
     if (shift >= 0) return is_zero(a) ? a : up(a, shift);
     return {a[0] >> -shift, a[1] >> -shift, a[2] >> -shift};
 }

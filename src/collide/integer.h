@@ -69,10 +69,10 @@ struct Direction {
 };
 /// d has 30 fraction bits; relative error 2^-30 whatever its length (up to 2^9 m).
 inline Direction direction_of_30(Long3 d) {
-    const std::int64_t widest = larger(absolute(d[0]), larger(absolute(d[1]), absolute(d[2])));
-    if (widest == 0) return {Long3{}, 0};
+    const std::int64_t any = absolute(d[0]) | absolute(d[1]) | absolute(d[2]); // as many bits as the widest
+    if (any == 0) return {Long3{}, 0};
     // To 31 bits: the squares then add up below 2^64.
-    const int shift = 31 - bit_length(static_cast<std::uint64_t>(widest));
+    const int shift = 31 - bit_length(static_cast<std::uint64_t>(any));
     const Long3 m = shift >= 0 ? up(d, shift) : Long3{d[0] >> -shift, d[1] >> -shift, d[2] >> -shift};
     std::uint64_t square = 0;
     for (int i = 0; i < 3; ++i) square += static_cast<std::uint64_t>(m[i] * m[i]);

@@ -13,9 +13,9 @@ namespace {
 /// A face serves as the reference when the normal is within this of its own: cos of 0.5 degrees.
 constexpr std::int64_t cosine_min_30 = (std::int64_t{1} << 30) - 40902;
 
-bool serves(const SupportingFace& f, Long3 direction, std::int64_t& cosine) {
+bool serves(const Facing& f, Long3 direction, std::int64_t& cosine) {
     cosine = shift_right_rounded(dot(f.normal_30, direction), 30);
-    return f.count >= 3 && f.flat && cosine >= cosine_min_30;
+    return f.flat && cosine >= cosine_min_30;
 }
 
 /// A length that tells small shapes: their smallest half extent, radius or inner radius, 24 fraction bits.
@@ -332,16 +332,18 @@ Parting find_parting(Difference& difference, std::int64_t limit_30) {
 
 /// The points of a face that the normal is that of, to within half a degree; none when there is no such face.
 void touch_faces(Contact& c) {
-    const SupportingFace face_a = supporting_face(c.a, c.normal_30),
-                         face_b = supporting_face(c.b, -c.normal_30);
+    const Facing face_a = facing(c.a, c.normal_30), face_b = facing(c.b, -c.normal_30);
     std::int64_t cosine_a = 0, cosine_b = 0;
     const bool a_serves = serves(face_a, c.normal_30, cosine_a),
                b_serves = serves(face_b, -c.normal_30, cosine_b);
     constexpr std::int64_t better = 1 << 6; // the cosine of 0.3 mrad
+    if (!a_serves && !b_serves) return;
+    const SupportingFace of_a = face_at(c.a, face_a, c.normal_30),
+                         of_b = face_at(c.b, face_b, -c.normal_30);
     if (a_serves && (!b_serves || cosine_b <= cosine_a + better))
-        clip_to_face(c, false, face_a, face_b);
-    else if (b_serves)
-        clip_to_face(c, true, face_b, face_a);
+        clip_to_face(c, false, of_a, of_b);
+    else
+        clip_to_face(c, true, of_b, of_a);
 }
 
 } // namespace

@@ -68,7 +68,7 @@ class TriangleCollision {
         if (!has_planes) return false;
         const shapes::FacePlane plane = a.mesh->plane(index);
         const Long3 off = raw(pose.position) - raw(plane.on), n = raw(plane.normal);
-        if (widest(off) > near_24) return false;
+        if (!is_within(off, 32)) return false;
         std::int64_t reach_54 = context.radius_30 << 24;
         if (context.shape.core != Convex::Core::point) {
             reach_54 = 0;
