@@ -338,8 +338,7 @@ void touch_faces(Contact& c) {
                b_serves = serves(face_b, -c.normal_30, cosine_b);
     constexpr std::int64_t better = 1 << 6; // the cosine of 0.3 mrad
     if (!a_serves && !b_serves) return;
-    const SupportingFace of_a = face_at(c.a, face_a, c.normal_30),
-                         of_b = face_at(c.b, face_b, -c.normal_30);
+    const SupportingFace of_a = face_at(c.a, face_a, c.normal_30), of_b = face_at(c.b, face_b, -c.normal_30);
     if (a_serves && (!b_serves || cosine_b <= cosine_a + better))
         clip_to_face(c, false, of_a, of_b);
     else

@@ -16,23 +16,56 @@ Coordinate coordinate(std::int64_t raw_24) { return Coordinate::from_raw(raw_24)
 /// B is up to this deep over a border and still on it: 1 cm, a quarter of B's inner ball when that is less.
 std::int64_t border_bias_30(Length inner) { return smaller(up(inner.raw, 4), std::int64_t{10737418}); }
 
+shapes::Extent extent_in(const shapes::Extent& local, const RelativePose& pose, Length margin) {
+    const Long3 lower = raw(local.lower), upper = raw(local.upper);
+    const Long3 columns[3] = {raw(pose.rotation.x), raw(pose.rotation.y), raw(pose.rotation.z)};
+    shapes::Extent out;
+    const std::int64_t margin_24 = std::int64_t{margin.raw} + 2;
+    constexpr std::int64_t small = std::int64_t{1} << 31; // three products with units stay below 2^63
+    if (larger(widest(lower), widest(upper)) < small) {
+        for (int i = 0; i < 3; ++i) {
+            std::int64_t least = 0, most = 0;
+            for (int j = 0; j < 3; ++j) {
+                const std::int64_t x = columns[j][i] * lower[j], y = columns[j][i] * upper[j];
+                least += smaller(x, y);
+                most += larger(x, y);
+            }
+            const std::int64_t at = raw(pose.position)[i];
+            out.lower[i] = coordinate(at + (least >> 30) - margin_24);
+            out.upper[i] = coordinate(at + (most >> 30) + margin_24);
+        }
+        return out;
+    }
+    for (int i = 0; i < 3; ++i) {
+        Wide least = Wide::from(0), most = least; // 54 fraction bits; a scaled primitive reaches 1.4 km: 2^65
+        for (int j = 0; j < 3; ++j) {
+            const Wide x = Wide::product(columns[j][i], lower[j]), y = Wide::product(columns[j][i], upper[j]);
+            least = least + (y < x ? y : x);
+            most = most + (x < y ? y : x);
+        }
+        const std::int64_t at = raw(pose.position)[i];
+        out.lower[i] = coordinate(at + saturate_to_int64(least >> 30) - margin_24);
+        out.upper[i] = coordinate(at + saturate_to_int64(most >> 30) + margin_24);
+    }
+    return out;
+}
+
 /// One pair of a mesh or height field and a convex shape.
 class TriangleCollision {
   public:
     TriangleCollision(const shapes::Solid& solid, const shapes::Solid& other, const shapes::Extent& extent,
                       const RelativePose& relative, Length margin, NarrowScratch& memory)
-        : a(solid), pose(relative), context(other, extent, relative, margin), scratch(memory),
-          first_piece(memory.pieces.size()), two_sided(shapes::is_two_sided(solid)) {
-        for (int i = 0; i < 3; ++i)
-            furthest_24[i] = larger(-context.lower_24[i], context.upper_24[i]);
+        : a(solid), local(extent), pose(relative), context(other, extent, relative, margin), scratch(memory),
+          first_piece(memory.pieces.size()), two_sided(shapes::is_two_sided(solid)),
+          is_small(solid.mesh != nullptr && context.shape.core == Convex::Core::point) {
+        for (int i = 0; i < 3; ++i) furthest_24[i] = larger(-context.lower_24[i], context.upper_24[i]);
         has_planes = solid.mesh != nullptr && !two_sided && solid.geometry.scale == scale_one &&
                      widest(furthest_24) < std::int64_t{1} << 31;
     }
 
-    void run(const shapes::Extent& where) {
-        scratch.triangles.clear();
+    void run() {
         scratch.parts.clear();
-        shapes::find_triangles(a, where, scratch.triangles);
+        find_triangles(is_small ? ball_extent() : whole_extent());
         std::vector<std::uint32_t>& behind = scratch.order;
         behind.clear();
         for (const std::uint32_t index : scratch.triangles) {
@@ -61,6 +94,27 @@ class TriangleCollision {
     }
 
   private:
+    void find_triangles(const shapes::Extent& where) {
+        scratch.triangles.clear();
+        shapes::find_triangles(a, where, scratch.triangles);
+    }
+    shapes::Extent whole_extent() const {
+        shapes::Extent where = extent_in(local, pose, context.margin);
+        // Height fields are solid below: the surface over a shape counts however high it is.
+        if (a.height_field != nullptr) where.upper.y = coordinate(std::int64_t{1} << 44);
+        return where;
+    }
+    /// A ball's own box, not that of its box turned: all triangles that are not `is_apart`, by more than its rounding.
+    shapes::Extent ball_extent() const {
+        constexpr std::int64_t guard_24 = 1 << 10;
+        const std::int64_t reach_24 = context.shape.radius.raw + context.margin.raw + guard_24;
+        shapes::Extent where;
+        for (int i = 0; i < 3; ++i) {
+            where.lower[i] = coordinate(pose.position[i].raw - reach_24);
+            where.upper[i] = coordinate(pose.position[i].raw + reach_24);
+        }
+        return where;
+    }
     /// Whether B is surely above the triangle's plane by more than the margin, told from one corner: for the many
     /// that are. A tenth of a millimetre is far more than all roundings.
     bool is_above(std::uint32_t index) const {
@@ -166,7 +220,8 @@ class TriangleCollision {
     /// one that it is more clearly above or below.
     /// source: Baerentzen, Aanaes, Signed distance computation using the angle weighted pseudonormal, 2005.
     void push_out(std::span<const std::uint32_t> behind) {
-        constexpr std::int64_t same_20 = 16; // 16 um
+        constexpr std::int64_t same_20 = 16;          // 16 um
+        if (is_small) find_triangles(whole_extent()); // one further away may be the nearest
         PointDistance best{std::int64_t{1} << 40, 0};
         LocalTriangle nearest{};
         for (const std::uint32_t index : scratch.triangles) {
@@ -256,50 +311,18 @@ class TriangleCollision {
     }
 
     const shapes::Solid& a;
+    const shapes::Extent& local; ///< B's
     const RelativePose& pose;
     TriangleContext context;
     NarrowScratch& scratch;
     std::size_t first_piece;
     bool two_sided;
-    bool has_planes;   ///< of is_above
-    Long3 furthest_24; ///< how far B reaches along its own axes
+    bool is_small;            ///< looks only at what is in ball_extent at first
+    bool has_planes;          ///< of is_above
+    Long3 furthest_24;        ///< how far B reaches along its own axes
     bool below_plane = false; ///< B reaches the plane of a triangle that its bounds meet
     std::int64_t found_30 = std::numeric_limits<std::int64_t>::max() / 2; ///< the deepest separation so far
 };
-
-shapes::Extent extent_in(const shapes::Extent& local, const RelativePose& pose, Length margin) {
-    const Long3 lower = raw(local.lower), upper = raw(local.upper);
-    const Long3 columns[3] = {raw(pose.rotation.x), raw(pose.rotation.y), raw(pose.rotation.z)};
-    shapes::Extent out;
-    const std::int64_t margin_24 = std::int64_t{margin.raw} + 2;
-    constexpr std::int64_t small = std::int64_t{1} << 31; // three products with units stay below 2^63
-    if (larger(widest(lower), widest(upper)) < small) {
-        for (int i = 0; i < 3; ++i) {
-            std::int64_t least = 0, most = 0;
-            for (int j = 0; j < 3; ++j) {
-                const std::int64_t x = columns[j][i] * lower[j], y = columns[j][i] * upper[j];
-                least += smaller(x, y);
-                most += larger(x, y);
-            }
-            const std::int64_t at = raw(pose.position)[i];
-            out.lower[i] = coordinate(at + (least >> 30) - margin_24);
-            out.upper[i] = coordinate(at + (most >> 30) + margin_24);
-        }
-        return out;
-    }
-    for (int i = 0; i < 3; ++i) {
-        Wide least = Wide::from(0), most = least; // 54 fraction bits; a scaled primitive reaches 1.4 km: 2^65
-        for (int j = 0; j < 3; ++j) {
-            const Wide x = Wide::product(columns[j][i], lower[j]), y = Wide::product(columns[j][i], upper[j]);
-            least = least + (y < x ? y : x);
-            most = most + (x < y ? y : x);
-        }
-        const std::int64_t at = raw(pose.position)[i];
-        out.lower[i] = coordinate(at + saturate_to_int64(least >> 30) - margin_24);
-        out.upper[i] = coordinate(at + saturate_to_int64(most >> 30) + margin_24);
-    }
-    return out;
-}
 
 } // namespace
 
@@ -320,10 +343,7 @@ TriangleContext::TriangleContext(const shapes::Solid& b, const shapes::Extent& e
 void append_triangle_pieces(const shapes::Solid& a, const shapes::Solid& b, const RelativePose& pose,
                             Length margin, NarrowScratch& scratch) {
     const shapes::Extent local = shapes::extent_of(b);
-    shapes::Extent where = extent_in(local, pose, margin);
-    // Height fields are solid below: the surface over a shape counts however high it is.
-    if (a.height_field != nullptr) where.upper.y = coordinate(std::int64_t{1} << 44);
-    TriangleCollision(a, b, local, pose, margin, scratch).run(where);
+    TriangleCollision(a, b, local, pose, margin, scratch).run();
 }
 
 void collide_triangles(const shapes::Solid& a, const shapes::Solid& b, const RelativePose& pose,
