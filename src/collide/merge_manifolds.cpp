@@ -128,6 +128,7 @@ void make_features_unique(Manifolds& out) {
 void merge_manifolds(std::span<const Manifold> pieces, bool one_point, std::vector<std::uint32_t>& order,
                      Manifolds& out) {
     out.count = 0;
+    if (pieces.empty()) return;
     if (pieces.size() == 1 && pieces[0].count == 1) { // as a ball touches a mesh
         out.items[out.count++] = pieces[0];
         return;

@@ -64,6 +64,7 @@ struct KnownEdges {
     };
     Entry entries[max];
     int count = 0, oldest = 0;
+    bool all_fit = false; ///< there are no more edges than places
 };
 
 /// Shape B and what is derived from it once a pair.
@@ -81,7 +82,7 @@ struct TriangleContext {
     std::int64_t radius_30;
     std::int64_t face_bias_30;   ///< the triangle's normal is preferred by this much
     std::int64_t border_bias_30; ///< B stands on a border while it reaches no deeper than this
-    Long3 face_normal_30{};      ///< `face` is the supporting face against it; zero: none yet
+    Long3 face_normal_30{};      ///< `face` is the supporting face against it; zero: none yet, and its id 0
     SupportingFace face;
     Long3 outline_27[SupportingFace::corners_max]; ///< outward, of the face's sides; set when `has_outline`
     std::int64_t outline_51[SupportingFace::corners_max]; ///< outline . x on the side

@@ -140,8 +140,8 @@ bool are_parted(const TriangleContext& c, const Long3& from_24, const Long3& to_
     return false;
 }
 
-/// The same, whichever way the edge runs. Edges that are parted from B have places too, as which ones are forgotten
-/// decides which are written twice.
+/// The same, whichever way the edge runs. Where not all edges fit, those that are parted from B have places too, as which
+/// ones are forgotten decides which are written twice.
 KnownEdges::Entry* add_known(TriangleContext& c, const LocalTriangle& t, const Long3& from_24,
                              const Long3& to_24) {
     const bool reversed = is_before(to_24, from_24);
@@ -151,7 +151,7 @@ KnownEdges::Entry* add_known(TriangleContext& c, const LocalTriangle& t, const L
     entry.from_24 = reversed ? to_24 : from_24;
     entry.to_24 = reversed ? from_24 : to_24;
     entry.written = false;
-    if (are_parted(c, from_24, to_24)) {
+    if (!known.all_fit && are_parted(c, from_24, to_24)) {
         entry.gap.separation_30 = std::numeric_limits<std::int64_t>::max();
         return &entry;
     }
@@ -262,6 +262,7 @@ EdgeContact edge_contact(TriangleContext& c, LocalTriangle& t, std::int64_t lowe
         if ((on_border && has_face) || !ends_of(t, k, from_24, to_24)) continue;
         const KnownEdges::Entry* known = find_known(c.edges, from_24, to_24);
         if (known != nullptr && known->gap.separation_30 > limit_30) continue;
+        if (known == nullptr && c.edges.all_fit && are_parted(c, from_24, to_24)) continue;
         if (!reaches(c, t, k)) continue;
         if (known == nullptr) known = add_known(c, t, from_24, to_24);
         if (known->gap.separation_30 > limit_30) continue;

@@ -3,6 +3,8 @@
 // source: Sutherland, Hodgman, Reentrant CutPolygon Clipping, CACM 1974.
 #include "collide/mesh/triangle_contact.h"
 
+#include <limits>
+
 namespace lockstone::collide {
 namespace {
 
@@ -95,13 +97,18 @@ void clip_segment(const LocalTriangle& t, int k, CutPolygon& polygon) {
 }
 
 void clip_polygon(const LocalTriangle& t, int k, CutPolygon& polygon) {
-    std::int64_t inside[clip_max], least = 0;
+    std::int64_t inside[clip_max], least = 0, most = std::numeric_limits<std::int64_t>::min();
     const int count = polygon.count;
     for (int i = 0; i < count; ++i) {
         inside[i] = inside_51(t, k, polygon.points[i].at_24);
         least = smaller(least, inside[i]);
+        most = larger(most, inside[i]);
     }
     if (least >= 0) return;
+    if (most < 0) {
+        polygon.count = 0;
+        return;
+    }
     CutCorner whole[clip_max];
     for (int i = 0; i < count; ++i) whole[i] = polygon.points[i];
     int n = 0;
@@ -166,7 +173,12 @@ void add_polygon(const TriangleContext& c, const LocalTriangle& t, const Support
 const SupportingFace& face_against(TriangleContext& c, Long3 normal) {
     const Long3 d = normal - c.face_normal_30;
     if ((d[0] | d[1] | d[2]) != 0) {
-        c.face = supporting_face(c.shape, -normal);
+        if (c.shape.core == Convex::Core::box || c.shape.core == Convex::Core::hull) {
+            const Facing at = facing(c.shape, -normal);
+            if (at.id != c.face.id) c.face = face_at(c.shape, at, -normal);
+        } else {
+            c.face = supporting_face(c.shape, -normal);
+        }
         c.face_normal_30 = normal;
         c.has_outline = false;
     }

@@ -66,6 +66,7 @@ class TriangleCollision {
     void run() {
         scratch.parts.clear();
         find_triangles(is_small ? ball_extent() : whole_extent());
+        context.edges.all_fit = 3 * scratch.triangles.size() <= KnownEdges::max;
         std::vector<std::uint32_t>& behind = scratch.order;
         behind.clear();
         for (const std::uint32_t index : scratch.triangles) {
@@ -335,6 +336,7 @@ TriangleContext::TriangleContext(const shapes::Solid& b, const shapes::Extent& e
     : shape(convex_of(b, pose.rotation, CoordinateVec3{})),
       center_24(raw(mul<Coordinate>(pose.rotation, shapes::core_center(b)))), lower_24(raw(extent.lower)),
       upper_24(raw(extent.upper)), margin(limit), radius_30(up(shape.radius.raw, 6)) {
+    face.id = 0;
     const Length inner = shapes::inner_radius(b);
     face_bias_30 = smaller(up(face_bias.raw, 3), inner.raw);
     border_bias_30 = collide::border_bias_30(inner);
