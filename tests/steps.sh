@@ -155,6 +155,15 @@ last_words_of_failed() {
     done
 }
 
+# Of two tests the words of the one that failed have to be shown, and no others.
+planted_failure_is_shown() {
+    local report log=$logs/planted-failure
+    printf '%s\n' '1: all is well' '2: the reason' '1/2 Test #1: good ....   Passed    0.02 sec' '2/2 Test #2: bad .....***Failed    0.02 sec' >"$log"
+    report=$(last_words_of_failed "$log")
+    echo "$report"
+    grep -q '^2: the reason$' <<<"$report" && grep -q 'Test #2: bad' <<<"$report" && ! grep -q 'all is well' <<<"$report"
+}
+
 # check_program NAME PROGRAM [ARGUMENT...]: a doctest program, each case counted.
 check_program() { start_check check_program_now "$@"; }
 check_program_now() {
