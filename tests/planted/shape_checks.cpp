@@ -2,6 +2,7 @@
 #include "checks.h"
 #include "collide/narrow_phase.h"
 #include "collide/query/cast.h"
+#include "shapes/asset/asset.h"
 
 namespace planted {
 
@@ -90,6 +91,31 @@ std::string kept_edges_are_nearest() {
     return "";
 }
 
+/// A ball and a box 2 mm above a mesh of two triangles: within the margin of a centimetre.
+std::string mesh_is_found() {
+    const std::vector<Vec3> vertices = {
+        {-4_r, 0_r, -4_r}, {-4_r, 0_r, 4_r}, {4_r, 0_r, 4_r}, {4_r, 0_r, -4_r}};
+    const std::vector<std::array<std::uint32_t, 3>> triangles = {{0, 1, 2}, {0, 2, 3}};
+    const auto library = std::make_shared<AssetLibrary>();
+    const AssetId id =
+        library->add(bake_mesh({.vertices = vertices, .triangles = triangles}).value()).value();
+    shapes::SolidCache cache(library);
+    const shapes::Solid ground = cache.resolve(library->geometry(id).value()).value();
+    for (const Geometry& shape : {sphere(0.5_r), box(0.5_r, 0.5_r, 0.5_r)}) {
+        const shapes::Solid above{shape};
+        collide::NarrowScratch scratch;
+        collide::Manifolds found;
+        const collide::RelativePose pose{
+            Rotation::identity(),
+            {decimal<Coordinate>("1"), decimal<Coordinate>("0.502"), decimal<Coordinate>("0.5")}};
+        collide::collide(ground, above, pose, decimal<Length>("0.01"), {}, scratch, found);
+        if (found.count == 0)
+            return std::string(shape.kind == ShapeKind::sphere ? "a ball" : "a box") +
+                   " that is about to touch a mesh has no contact";
+    }
+    return "";
+}
+
 /// A capsule that sinks into a plane by 0.6 of its rounding: joints let it, nothing else does.
 std::string limbs_pass() {
     const shapes::Solid ground{plane()}, limb{capsule(0.1_r, 0.2_r)};
@@ -111,6 +137,7 @@ Checks shape_checks() {
             {"parts are found", parts_are_found},
             {"a face that is kept is the nearest", kept_face_is_nearest},
             {"edges that are kept are the nearest", kept_edges_are_nearest},
+            {"what is near a mesh has contacts", mesh_is_found},
             {"limbs pass where contacts push them out", limbs_pass}};
 }
 
