@@ -15,6 +15,9 @@ while len(held) < int(sys.argv[1]):
         held.append(probe)
     except OSError:
         pass
-print(*(probe.getsockname()[1] for probe in held))
+ports = [probe.getsockname()[1] for probe in held]
+for probe in held: # before they are told: whoever reads the line takes them at once, while this is still on its way out
+    probe.close()
+print(*ports)
 PYTHON
 }

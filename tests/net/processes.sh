@@ -63,18 +63,19 @@ relay_at() { # NAME ARGUMENT...: starts a relay; port, key and process of it
     "$lockstone" relay --key "$work/$name.key" --new-key --port 0 --address 127.0.0.1 --seconds $((ticks / 60 + 40)) "$@" >"$work/$name" &
     process=$!
     children+=($process)
-    for _ in $(seq 50); do
-        grep -q '^port' "$work/$name" && break
+    for _ in $(seq 300); do
+        grep -qs '^port' "$work/$name" && break
         sleep 0.1
     done
     read -r _ port _ key < <(tr -d ',' <"$work/$name") || fail "the relay did not say its port"
 }
 by_code() { # WHAT: two meet by a code at the relay at $port, and agree
     local what=$1 one other code
+    : >"$work/a" # what two others said before is not to be read as theirs
     "$peer" --relay "127.0.0.1:$port" --key "$key" --ticks "$ticks" >"$work/a" &
     one=$!
     children+=($one)
-    for _ in $(seq 100); do
+    for _ in $(seq 300); do
         grep -q '^code' "$work/a" && break
         sleep 0.1
     done

@@ -21,6 +21,17 @@ expect() {
     [ "$status" -eq "$wanted" ] || fail "'lockstone $*' ended with $status instead of $wanted; it printed: $(cat out err)"
 }
 
+# begin NAME COMMAND...: in the background, at most $patience seconds; sets process, and adds it to children. All that it says goes into the file NAME,
+# which is empty before it starts: whoever waits for words in it does not find those of an earlier process.
+begin() {
+    local name=$1
+    shift
+    : >"$name"
+    timeout "$patience" "$@" >"$name" 2>&1 &
+    process=$!
+    children+=("$process")
+}
+
 # flip FILE BYTE: turns one bit round.
 flip() {
     python3 - "$1" "$2" <<'PYTHON'

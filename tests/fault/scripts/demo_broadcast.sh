@@ -13,14 +13,6 @@ unset DISPLAY WAYLAND_DISPLAY
 patience=$((ticks / 60 + 110)) # [s], on a machine that does something else
 view=(--offscreen --script --width 320 --height 200 --frame-every 100000)
 
-# begin NAME COMMAND...: in the background, what it says into NAME; sets process.
-begin() {
-    local name=$1
-    shift
-    timeout "$patience" "$@" >"$name" 2>&1 &
-    process=$!
-    children+=("$process")
-}
 # said WORDS FILE [NTH]: sets words, what stands behind these words in the file, in the NTH line that has them.
 said() {
     for _ in $(seq 300); do

@@ -21,15 +21,14 @@ wait_for() {
         kill -0 "$3" 2>/dev/null || break
         sleep 0.1
     done
-    fail "'$1' is not said in $2: $(cat "$2")"
+    fail "'$1' is not said in $2: $(tail -n 20 [a-z] 2>/dev/null)"
 }
 # host NAME ARGUMENT...: in the background; sets hosted, its process, and invitation.
 host() {
     local name=$1
     shift
-    timeout "$patience" "$demo" "$@" --host "${view[@]}" --frames "$name-frames" --record "$name.lsr" >"$name" 2>&1 &
-    hosted=$!
-    children+=("$hosted")
+    begin "$name" "$demo" "$@" --host "${view[@]}" --frames "$name-frames" --record "$name.lsr"
+    hosted=$process
     wait_for '^to join' "$name" $hosted
     invitation=$(sed -n 's/^to join: lockstone-demo --join //p' "$name")
 }
@@ -37,9 +36,8 @@ host() {
 join() {
     local name=$1
     shift
-    timeout "$patience" "$demo" --join "$invitation" "$@" "${view[@]}" --frames "$name-frames" --record "$name.lsr" >"$name" 2>&1 &
-    joined=$!
-    children+=("$joined")
+    begin "$name" "$demo" --join "$invitation" "$@" "${view[@]}" --frames "$name-frames" --record "$name.lsr"
+    joined=$process
 }
 # ends STATUS NAME PROCESS
 ends() {
@@ -89,9 +87,8 @@ join c
 third=$joined
 wait_for '^to watch' a $hosted
 watching=$(sed -n 's/^to watch: lockstone-demo --watch //p' a | head -n 1)
-timeout "$patience" "$demo" --watch "$watching" "${view[@]}" --frames w-frames --record w.lsr >w 2>&1 &
-watcher=$!
-children+=($watcher)
+begin w "$demo" --watch "$watching" "${view[@]}" --frames w-frames --record w.lsr
+watcher=$process
 ends 0 a $hosted
 ends 0 b $second
 ends 0 c $third
