@@ -70,9 +70,11 @@ class Core {
 
     /// The point furthest along a direction of at most 2^31, 30 fraction bits.
     SupportPoint support(const Long3& direction);
-    /// No point of the core is further than this from `middle()`, on each axis; 30 fraction bits.
-    Long3 reach() const { return half_reach; }
-    Long3 middle() const { return center; }
+    /// The middle of the core's extent; no point of the core is further than `reach` from it, on each axis; 30 fraction bits.
+    struct Extent {
+        Long3 middle, reach;
+    };
+    Extent extent() const;
     bool is_smooth() const { return has_discs(*shape); }
     const Convex& convex() const { return *shape; }
 
@@ -80,11 +82,29 @@ class Core {
     Long3 support_rim(Long3 direction) const;
 
     const Convex* shape;
-    Long3 origin_30; ///< the shape's origin
-    Long3 center;    ///< of the core's extent
-    Long3 half_reach;
-    Long3 extent_30[3]; ///< half extents along the axes; cylinder and cone: x and z are radii
+    Long3 origin_30;      ///< the shape's origin
+    Long3 extent_30[3]{}; ///< half extents along the axes, but of hulls; cylinder and cone: x and z are radii
     std::uint32_t corner = 0;
+};
+
+/// The separation of two cores along a direction, and the corners of hulls that are furthest along it.
+struct SeparationAlong {
+    std::int64_t separation_30;
+    std::uint32_t corner_a, corner_b;
+};
+
+/// The two cores of a pair. Cheap to make of boxes, and of hulls next to nothing.
+struct Cores {
+    Core a, b;
+
+    Cores(const Convex& first, const Convex& second) : a(first), b(second) {}
+    /// Along a unit direction from A to B.
+    SeparationAlong separation(const Long3& normal) {
+        const SupportPoint p = a.support(normal), q = b.support(-normal);
+        return {dot_unit(q.at_30 - p.at_30, normal), p.id, q.id};
+    }
+    std::int64_t separation_30(const Long3& normal) { return separation(normal).separation_30; }
+    bool is_smooth() const { return a.is_smooth() || b.is_smooth(); }
 };
 
 /// A point of the difference A - B, in steps of 2^shift of 30 fraction bits, and the two points it comes of.
@@ -95,27 +115,21 @@ struct Vertex {
 
 /// A - B with a step such that no coordinate exceeds 2^29. Edges are then within 2^30, their cross products within
 /// 2^61, and triple products fit 128 bits with room for one more factor.
-class Difference {
+class Difference : public Cores {
   public:
-    Difference(const Convex& a, const Convex& b);
+    explicit Difference(const Cores& cores);
+    Difference(const Convex& first, const Convex& second) : Difference(Cores(first, second)) {}
     /// Furthest along a direction of at most 2^31.
     Vertex support(const Long3& direction) {
         const Long3 p = a.support(direction).at_30, q = b.support(-direction).at_30;
         return {shifted(p - q, drop), p, q};
     }
-    /// Separation along a unit direction from A to B.
-    std::int64_t separation_30(const Long3& normal) {
-        const Long3 p = a.support(normal).at_30, q = b.support(-normal).at_30;
-        return dot_unit(q - p, normal);
-    }
     /// From B's middle to A's, 30 fraction bits.
-    Long3 between() const { return a.middle() - b.middle(); }
+    const Long3& between() const { return offset; }
     int shift() const { return drop; }
-    bool is_smooth() const { return a.is_smooth() || b.is_smooth(); }
-
-    Core a, b;
 
   private:
+    Long3 offset;
     int drop;
 };
 

@@ -211,7 +211,8 @@ bool keep_face(const Convex& a, const Convex& b, Long3 last_30, Length margin, M
     const bool by_a = cosine_a >= cosine_b;
     if (larger(cosine_a, cosine_b) < same_face) return false;
     const Long3 normal = by_a ? face_a.normal_30 : -face_b.normal_30;
-    const Long3 on_a = support(a, normal).at_30, on_b = support(b, -normal).at_30;
+    const SupportPoint top_a = support(a, normal), top_b = support(b, -normal);
+    const Long3 on_a = top_a.at_30, on_b = top_b.at_30;
     const std::int64_t separation = dot_unit(on_b - on_a, normal), radii = up(a.radius.raw + b.radius.raw, 6),
                        bias = bias_of(a, b);
     out.normal = unit_of_30(normal);
@@ -220,9 +221,9 @@ bool keep_face(const Convex& a, const Convex& b, Long3 last_30, Length margin, M
         return false;
     Contact c{a, b, normal, separation - radii, margin, out};
     if (by_a)
-        clip_to_face(c, false, face_at(a, face_a, last_30), supporting_face(b, -normal));
+        clip_to_face(c, false, face_at(a, face_a, last_30), supporting_face(b, -normal, top_b.id));
     else
-        clip_to_face(c, true, face_at(b, face_b, -last_30), supporting_face(a, normal));
+        clip_to_face(c, true, face_at(b, face_b, -last_30), supporting_face(a, normal, top_a.id));
     std::int64_t lowest = std::numeric_limits<std::int64_t>::max();
     for (std::uint32_t k = 0; k < out.count; ++k)
         lowest = smaller(lowest, up(out.points[k].separation.raw, 3));
@@ -238,6 +239,7 @@ struct Parting {
     Touch touch;
     std::uint32_t edges =
         0; ///< the name of edges that cross where they touch, by 60 degrees and more; 0: not known
+    std::uint32_t corner_a = unknown_corner, corner_b = unknown_corner; ///< the furthest along it, of hulls
 };
 
 /// A corner of a box or hull, 30 fraction bits. False: it has none of that name.
@@ -286,8 +288,8 @@ std::int64_t part_beside(const Edge& edge, const Long3& between_24, const Long3&
 /// p and q, where the two lines are nearest, are points of the cores, and q - p is along the normal. Apart, they are the nearest
 /// points of the cores, as no corner lies further along the normal than the edges. Overlapping by no more than the bias, any direction along
 /// which they do is good to within it; else to part the cores q has to leave A, and p B: by as much as they are deep in them.
-bool keep_edges(Difference& difference, std::uint32_t edges, Long3 last_30, Parting& found) {
-    const Convex &a = difference.a.convex(), &b = difference.b.convex();
+bool keep_edges(Cores& cores, std::uint32_t edges, Long3 last_30, Parting& found) {
+    const Convex &a = cores.a.convex(), &b = cores.b.convex();
     Edge on_a, on_b;
     if (!find_edge(a, edges >> 16, on_a) || !find_edge(b, edges & 0xffff, on_b)) return false;
     const Long3 between = on_b.from_30 - on_a.from_30;
@@ -303,7 +305,8 @@ bool keep_edges(Difference& difference, std::uint32_t edges, Long3 last_30, Part
     const std::int64_t part_a = part_beside(on_a, between_24, on_b.along_24, normal),
                        part_b = part_beside(on_b, -between_24, on_a.along_24, normal);
     if (part_a < 0 || part_b < 0) return false;
-    const std::int64_t separation = difference.separation_30(normal);
+    const SeparationAlong along = cores.separation(normal);
+    const std::int64_t separation = along.separation_30;
     constexpr std::int64_t micrometre_30 = 1 << 10;
     if (separation < dot_unit(between, normal) - micrometre_30) return false;
     const Long3 p = on_a.from_30 + shifted(on_a.along_24 * part_a, 24),
@@ -312,14 +315,16 @@ bool keep_edges(Difference& difference, std::uint32_t edges, Long3 last_30, Part
     if (too_deep > 0 && depth_in(a, q) < too_deep && depth_in(b, p) < too_deep) return false;
     const Long3 sine = shifted(across, 32);
     const std::int64_t cosine = shift_right_rounded(dot(run_a, run_b), 32);
-    found = {normal, separation, {true, p, q}, dot(sine, sine) > 3 * cosine * cosine ? edges : 0};
+    const bool crosses = dot(sine, sine) > 3 * cosine * cosine;
+    found = {normal, separation, {true, p, q}, crosses ? edges : 0, along.corner_a, along.corner_b};
     return true;
 }
 
-Parting find_parting(Difference& difference, std::int64_t limit_30) {
+Parting find_parting(const Cores& cores, std::int64_t limit_30) {
+    Difference difference(cores);
     Simplex simplex;
     const Gap gap = find_gap(difference, limit_30, difference.between(), simplex);
-    Parting found{gap.normal_30, gap.distance_30, {true, gap.on_a_30, gap.on_b_30}, 0};
+    Parting found{gap.normal_30, gap.distance_30, {true, gap.on_a_30, gap.on_b_30}};
     if (!gap.overlap && gap.distance_30 > limit_30) return found;
     if (gap.overlap) {
         found.touch.is_known = false;
@@ -347,8 +352,9 @@ void touch_faces(Contact& c) {
 
 } // namespace
 
-void touch_edges(Contact& c, const Touch& touch) {
-    const SupportingFace ea = supporting_edge(c.a, c.normal_30), eb = supporting_edge(c.b, -c.normal_30);
+void touch_edges(Contact& c, const Touch& touch, std::uint32_t corner_a, std::uint32_t corner_b) {
+    const SupportingFace ea = supporting_edge(c.a, c.normal_30, corner_a),
+                         eb = supporting_edge(c.b, -c.normal_30, corner_b);
     if (freedom(ea) == 1 && freedom(eb) == 1) {
         const Lines g{ea.corners_30[0], eb.corners_30[0],
                       direction_of_30(ea.corners_30[1] - ea.corners_30[0]),
@@ -384,21 +390,22 @@ void collide_convex(const Convex& a, const Convex& b, Length margin, Manifold& o
     }
     const bool was_edges = hints.edges != 0;
     if (!was_edges && hints.normal != UnitVec3{} && keep_face(a, b, raw(hints.normal), margin, out)) return;
-    Difference difference(a, b);
+    Cores cores(a, b);
     Parting best;
-    if (!was_edges || !keep_edges(difference, hints.edges, raw(hints.normal), best))
-        best = find_parting(difference, limit);
+    if (!was_edges || !keep_edges(cores, hints.edges, raw(hints.normal), best))
+        best = find_parting(cores, limit);
     const Long3 normal = best.normal_30;
     const std::int64_t separation = best.separation_30;
     out.normal = unit_of_30(normal);
     if (separation > limit) return;
     // A face whose separation is as good to within the bias gives the normal; A's rather than B's.
     const std::int64_t bias = bias_of(a, b);
-    const Facing face_a = facing(a, normal), face_b = facing(b, -normal);
+    const Facing face_a = facing(a, normal, best.corner_a), face_b = facing(b, -normal, best.corner_b);
     constexpr std::int64_t none = std::numeric_limits<std::int64_t>::min() / 2;
-    std::int64_t of_a = none, of_b = none;
-    if (face_a.flat) of_a = difference.separation_30(face_a.normal_30);
-    if (face_b.flat) of_b = difference.separation_30(-face_b.normal_30);
+    SeparationAlong along_a{none, unknown_corner, unknown_corner}, along_b = along_a;
+    if (face_a.flat) along_a = cores.separation(face_a.normal_30);
+    if (face_b.flat) along_b = cores.separation(-face_b.normal_30);
+    const std::int64_t of_a = along_a.separation_30, of_b = along_b.separation_30;
     const bool by_a = of_a >= separation - bias && of_a >= of_b - bias,
                by_b = !by_a && of_b >= separation - bias;
     if (by_a || by_b) {
@@ -406,16 +413,17 @@ void collide_convex(const Convex& a, const Convex& b, Length margin, Manifold& o
         Contact c{a, b, of_face, (by_a ? of_a : of_b) - radii, margin, out};
         out.normal = unit_of_30(of_face);
         if (by_a)
-            clip_to_face(c, false, face_at(a, face_a, normal), supporting_face(b, -of_face));
+            clip_to_face(c, false, face_at(a, face_a, normal),
+                         supporting_face(b, -of_face, along_a.corner_b));
         else
-            clip_to_face(c, true, face_at(b, face_b, -normal), supporting_face(a, of_face));
+            clip_to_face(c, true, face_at(b, face_b, -normal), supporting_face(a, of_face, along_b.corner_a));
         if (out.count > 0) return;
     }
     Contact c{a, b, normal, separation - radii, margin, out};
     out.normal = unit_of_30(normal);
     out.on_face = 0;
     if (best.edges != 0) return c.add_between(best.touch.on_a_30, best.touch.on_b_30, best.edges);
-    touch_edges(c, best.touch);
+    touch_edges(c, best.touch, face_a.corner, face_b.corner);
 }
 
 } // namespace lockstone::collide

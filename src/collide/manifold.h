@@ -8,7 +8,8 @@ namespace lockstone::collide {
 
 /// The corner of a core that lies furthest along a direction, or two corners when an edge or generator of it does, to
 /// within 1/64 rad; `flat` when more than two do, and then the two are some of them.
-SupportingFace supporting_edge(const Convex& shape, Long3 direction_30);
+SupportingFace supporting_edge(const Convex& shape, Long3 direction_30,
+                               std::uint32_t corner = unknown_corner);
 
 /// What the points of a manifold are made with: along `normal_30`, from A to B.
 struct Contact {
@@ -56,7 +57,8 @@ void clip_to_face(Contact& c, bool reference_is_b, const SupportingFace& referen
                   const SupportingFace& incident);
 
 /// One or two points of the edges or corners that face each other. `touch`: where the cores touch or are
-/// nearest, when that is known.
-void touch_edges(Contact& c, const Touch& touch);
+/// nearest, when that is known; `corner_a` and `corner_b`: the furthest ones of hulls along the normal, when they are.
+void touch_edges(Contact& c, const Touch& touch, std::uint32_t corner_a = unknown_corner,
+                 std::uint32_t corner_b = unknown_corner);
 
 } // namespace lockstone::collide

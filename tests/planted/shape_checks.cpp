@@ -58,6 +58,31 @@ std::string kept_face_is_nearest() {
                : "a face is kept though another is nearer";
 }
 
+/// Two cubes 5 mm apart, one on each of the other's six sides, met now and in the tick before: whichever corner is the first, it is not at all
+/// of them.
+std::string cubes_face_each_other() {
+    AssetLibrary library;
+    const shapes::Solid cube = hull_cube(library);
+    collide::NarrowScratch scratch;
+    collide::Manifolds found;
+    for (int side = 0; side < 6; ++side) {
+        collide::RelativePose pose{Rotation::identity(), {}};
+        pose.position[side / 2] = decimal<Coordinate>("1.005") * Coordinate(side % 2 == 0 ? 1 : -1);
+        collide::PairHints hints{};
+        for (const char* when : {" now", " in the tick before"}) {
+            collide::collide(cube, cube, pose, decimal<Length>("0.02"), hints, scratch, found);
+            if (found.count != 1 || found.items[0].count != 4)
+                return "cubes do not face each other on side " + std::to_string(side) + ", met" + when;
+            for (const collide::ManifoldPoint& point : found.items[0].points)
+                if (abs(point.separation - decimal<Separation>("0.005")) > decimal<Separation>("0.0001"))
+                    return "a corner is not where it touches on side " + std::to_string(side) + ", met" +
+                           when;
+            hints.normal = found.items[0].normal;
+        }
+    }
+    return "";
+}
+
 /// A cube that lies with an edge across the edge of another one, sunk into it by `deep` and moved along that one's edge [m].
 std::string kept_edges_are_nearest() {
     AssetLibrary library;
@@ -135,6 +160,7 @@ std::string limbs_pass() {
 Checks shape_checks() {
     return {{"a hint does not part from large boxes", hint_of_large_box},
             {"parts are found", parts_are_found},
+            {"cubes face each other", cubes_face_each_other},
             {"a face that is kept is the nearest", kept_face_is_nearest},
             {"edges that are kept are the nearest", kept_edges_are_nearest},
             {"what is near a mesh has contacts", mesh_is_found},

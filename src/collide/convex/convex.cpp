@@ -88,28 +88,31 @@ Long3 cross_with_bits(Long3 a, Long3 b, int bits) {
     return {part(x[0]), part(x[1]), part(x[2])};
 }
 
-Core::Core(const Convex& convex)
-    : shape(&convex), origin_30(up(convex.center_24, 6)), center(origin_30), extent_30{} {
-    Long3 half = convex.half_24;
-    if (convex.core == Convex::Core::hull) {
-        const shapes::Extent& e = convex.hull->extent;
-        const Long3 low = raw(e.lower), high = raw(e.upper);
-        for (int i = 0; i < 3; ++i) center = center + along_30(convex.axes_30[i], (low[i] + high[i]) >> 1);
-        half = {(high[0] - low[0] + 3) >> 1, (high[1] - low[1] + 3) >> 1, (high[2] - low[2] + 3) >> 1};
-    }
-    if (convex.core == Convex::Core::triangle) {
-        Long3 low = convex.corners_24[0], high = low;
-        for (const Long3& c : convex.corners_24)
+Core::Core(const Convex& convex) : shape(&convex), origin_30(up(convex.center_24, 6)) {
+    if (convex.core == Convex::Core::hull || convex.core == Convex::Core::triangle) return;
+    for (int i = 0; i < 3; ++i) extent_30[i] = along_30(convex.axes_30[i], convex.half_24[i]);
+}
+
+Core::Extent Core::extent() const {
+    constexpr Long3 roundings{4, 4, 4};
+    Extent found{origin_30, roundings};
+    if (shape->core == Convex::Core::triangle) {
+        Long3 low = shape->corners_24[0], high = low;
+        for (const Long3& c : shape->corners_24)
             for (int i = 0; i < 3; ++i) low[i] = smaller(low[i], c[i]), high[i] = larger(high[i], c[i]);
-        center = up(low + high, 5);
-        half_reach = up(high - low, 5) + Long3{4, 4, 4};
-        return;
+        return {up(low + high, 5), up(high - low, 5) + roundings};
     }
-    half_reach = {4, 4, 4}; // the roundings
+    if (shape->core != Convex::Core::hull) {
+        for (const Long3& half : extent_30) found.reach = found.reach + absolute3(half);
+        return found;
+    }
+    const Long3 low = raw(shape->hull->extent.lower), high = raw(shape->hull->extent.upper);
     for (int i = 0; i < 3; ++i) {
-        extent_30[i] = along_30(convex.axes_30[i], half[i]);
-        half_reach = half_reach + absolute3(extent_30[i]);
+        const Long3& axis = shape->axes_30[i];
+        found.middle = found.middle + along_30(axis, (low[i] + high[i]) >> 1);
+        found.reach = found.reach + absolute3(along_30(axis, (high[i] - low[i] + 3) >> 1));
     }
+    return found;
 }
 
 /// Furthest on the rim of a disc about y with x = z radius, from the disc's centre.
@@ -212,10 +215,11 @@ SupportPoint Core::support(const Long3& direction) {
     return {origin_30, 0};
 }
 
-Difference::Difference(const Convex& first, const Convex& second) : a(first), b(second) {
-    const Long3 offset = a.middle() - b.middle(), ra = a.reach(), rb = b.reach();
+Difference::Difference(const Cores& cores) : Cores(cores) {
+    const Core::Extent of_a = a.extent(), of_b = b.extent();
+    offset = of_a.middle - of_b.middle;
     std::int64_t reach = 0;
-    for (int i = 0; i < 3; ++i) reach = larger(reach, absolute(offset[i]) + ra[i] + rb[i]);
+    for (int i = 0; i < 3; ++i) reach = larger(reach, absolute(offset[i]) + of_a.reach[i] + of_b.reach[i]);
     const int excess = bit_length(static_cast<std::uint64_t>(reach)) - 29;
     drop = excess > 0 ? excess : 0;
 }

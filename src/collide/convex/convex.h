@@ -78,14 +78,18 @@ struct SupportingFace {
     std::uint32_t id;               ///< names the face or edge; 0 for a point
     bool flat;                      ///< a true face of the shape: its normal may become the contact's
 };
-SupportingFace supporting_face(const Convex& shape, Long3 direction_30);
+/// The corner of a hull that is furthest along a direction, where it has been found before.
+constexpr std::uint32_t unknown_corner = ~std::uint32_t{0};
+SupportingFace supporting_face(const Convex& shape, Long3 direction_30,
+                               std::uint32_t corner = unknown_corner);
 /// Which face that is, without its corners; and the face, from this and the direction that it was found along.
 struct Facing {
     Long3 normal_30;
     std::uint32_t id;
     bool flat;
+    std::uint32_t corner = unknown_corner; ///< of a hull, the furthest
 };
-Facing facing(const Convex& shape, const Long3& direction_30);
+Facing facing(const Convex& shape, const Long3& direction_30, std::uint32_t corner = unknown_corner);
 SupportingFace face_at(const Convex& shape, const Facing& at, const Long3& direction_30);
 
 /// Fills the manifold from the two supporting faces along `normal_30`: the better one is the reference, the other is

@@ -59,8 +59,10 @@ class BestEdge {
     bool found = false;
 };
 
-void polytope_edge(const Convex& shape, Long3 direction, SupportingFace& face) {
-    const SupportPoint top = support(shape, direction);
+void polytope_edge(const Convex& shape, Long3 direction, std::uint32_t corner, SupportingFace& face) {
+    const bool is_found = shape.core == Convex::Core::hull && corner != unknown_corner;
+    const SupportPoint top =
+        is_found ? SupportPoint{corner_of(shape, corner), corner} : support(shape, direction);
     BestEdge best(top, direction);
     if (shape.core == Convex::Core::box)
         for (int i = 0; i < 3; ++i) {
@@ -96,7 +98,7 @@ void round_edge(const Convex& shape, Long3 direction, SupportingFace& face) {
 
 } // namespace
 
-SupportingFace supporting_edge(const Convex& shape, Long3 direction) {
+SupportingFace supporting_edge(const Convex& shape, Long3 direction, std::uint32_t corner) {
     SupportingFace face;
     face.count = 0;
     face.normal_30 = direction;
@@ -119,7 +121,7 @@ SupportingFace supporting_edge(const Convex& shape, Long3 direction) {
         round_edge(shape, direction, face);
         break;
     default:
-        polytope_edge(shape, direction, face);
+        polytope_edge(shape, direction, corner, face);
     }
     return face;
 }

@@ -69,19 +69,19 @@ void triangle_face(const Convex& shape, Long3 direction, SupportingFace& face) {
 }
 
 /// Of the faces about the furthest corner the one that looks most along the direction.
-Facing facing_of_hull(const Convex& shape, const Long3& direction) {
+Facing facing_of_hull(const Convex& shape, const Long3& direction, std::uint32_t furthest) {
     const shapes::Hull& hull = *shape.hull;
     const Long3 local{shift_right_rounded(dot(shape.axes_30[0], direction), 30),
                       shift_right_rounded(dot(shape.axes_30[1], direction), 30),
                       shift_right_rounded(dot(shape.axes_30[2], direction), 30)};
-    const std::uint32_t furthest = support(shape, direction).id;
+    if (furthest == unknown_corner) furthest = support(shape, direction).id;
     std::size_t best = 0;
     std::int64_t most = std::numeric_limits<std::int64_t>::min();
     for (std::size_t k = hull.first_face_at[furthest]; k < hull.first_face_at[furthest + 1]; ++k)
         if (const std::int64_t x = dot(local, raw(hull.faces[hull.faces_at[k]].normal)); x > most)
             best = hull.faces_at[k], most = x;
     const Long3 n = raw(hull.faces[best].normal);
-    Facing found{n, static_cast<std::uint32_t>(best + 1), true};
+    Facing found{n, static_cast<std::uint32_t>(best + 1), true, furthest};
     if (!shape.upright)
         for (int i = 0; i < 3; ++i)
             found.normal_30[i] = shift_right_rounded(
@@ -168,7 +168,7 @@ void cone_face(const Convex& shape, Long3 direction, SupportingFace& face) {
 
 } // namespace
 
-SupportingFace supporting_face(const Convex& shape, Long3 direction) {
+SupportingFace supporting_face(const Convex& shape, Long3 direction, std::uint32_t corner) {
     SupportingFace face; // the corners beyond `count` are not filled: 1 KiB a call
     face.count = 0;
     face.normal_30 = direction;
@@ -194,14 +194,14 @@ SupportingFace supporting_face(const Convex& shape, Long3 direction) {
         break;
     case Convex::Core::box:
     case Convex::Core::hull:
-        return face_at(shape, facing(shape, direction), direction);
+        return face_at(shape, facing(shape, direction, corner), direction);
     }
     return face;
 }
 
-Facing facing(const Convex& shape, const Long3& direction) {
+Facing facing(const Convex& shape, const Long3& direction, std::uint32_t corner) {
     if (shape.core == Convex::Core::box) return facing_of_box(shape, direction);
-    if (shape.core == Convex::Core::hull) return facing_of_hull(shape, direction);
+    if (shape.core == Convex::Core::hull) return facing_of_hull(shape, direction, corner);
     const SupportingFace face = supporting_face(shape, direction);
     return {face.normal_30, face.id, face.flat};
 }

@@ -13,31 +13,43 @@ template <class L> class HullSupport {
     static constexpr unsigned N = L::lanes;
     using V = typename L::V;
 
+    static constexpr std::int32_t numbers[16] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+
+    /// The further of two corners becomes the first; of two that are as far the one of the lower number. By masks: which one is further is as
+    /// good as chance, and a branch would be guessed wrong.
+    static void keep_further(std::int64_t& reach, std::int64_t& corner, std::int64_t reach_of_other,
+                             std::int64_t other) {
+        const bool is_further = reach_of_other + std::int64_t{other < corner} > reach;
+        const std::int64_t all = -std::int64_t{is_further};
+        reach ^= (reach ^ reach_of_other) & all;
+        corner ^= (corner ^ other) & all;
+    }
+
     /// Each lane looks at every Nth corner and keeps the first of its furthest.
     static std::uint32_t furthest(const std::int32_t* corners, std::uint32_t stride,
                                   const std::int32_t (&direction)[3]) {
+        static_assert(N <= 16);
         const V x = L::splat(direction[0]), y = L::splat(direction[1]), z = L::splat(direction[2]);
-        const auto along = [&](std::uint32_t k) {
-            return L::add(
-                L::add(L::mul(L::load32(corners + k), x), L::mul(L::load32(corners + stride + k), y)),
-                L::mul(L::load32(corners + 2 * stride + k), z));
+        const std::size_t count = stride;
+        const std::int32_t *const ys = corners + count, *const zs = ys + count;
+        const auto along = [&](std::size_t k) {
+            return L::add(L::add(L::mul(L::load32(corners + k), x), L::mul(L::load32(ys + k), y)),
+                          L::mul(L::load32(zs + k), z));
         };
-        V most = along(0), block = L::splat(0);
-        for (std::uint32_t k = N; k < stride; k += N) {
+        const V lanes = L::splat(N);
+        V number = L::load32(numbers), most = along(0), corner = number;
+        for (std::size_t k = N; k < count; k += N) {
             const V next = along(k), more = L::greater64(next, most);
+            number = L::add(number, lanes);
             most = L::select(more, next, most);
-            block = L::select(more, L::splat(k), block);
+            corner = L::select(more, number, corner);
         }
-        std::int64_t reach[N], first[N];
-        L::store64(reach, most), L::store64(first, block);
-        std::int64_t best = first[0];
-        for (unsigned lane = 1; lane < N; ++lane) {
-            const std::int64_t corner = first[lane] + lane;
-            const bool better = reach[lane] > reach[0] || (reach[lane] == reach[0] && corner < best);
-            reach[0] = better ? reach[lane] : reach[0];
-            best = better ? corner : best;
-        }
-        return static_cast<std::uint32_t>(best);
+        std::int64_t reach[N], best[N];
+        L::store64(reach, most), L::store64(best, corner);
+        for (unsigned half = N / 2; half != 0; half /= 2)
+            for (unsigned lane = 0; lane < half; ++lane)
+                keep_further(reach[lane], best[lane], reach[lane + half], best[lane + half]);
+        return static_cast<std::uint32_t>(best[0]);
     }
 
     static void reach(const std::int32_t* corners, std::uint32_t stride,
