@@ -49,8 +49,8 @@ struct Avx2 {
         return _mm256_shuffle_epi32(_mm256_cmpgt_epi32(a, b), _MM_SHUFFLE(2, 2, 0, 0));
     }
     static V greater64(V a, V b) { return _mm256_cmpgt_epi64(a, b); }
-    static V select(V mask, V a,
-                    V b) { // by doubles: of bytes g++ 12 compares a mask with zero before it chooses by it
+    /// By doubles: of bytes, g++ 12 compares a mask that serves twice with zero before it chooses by it.
+    static V select(V mask, V a, V b) {
         return _mm256_castpd_si256(
             _mm256_blendv_pd(_mm256_castsi256_pd(b), _mm256_castsi256_pd(a), _mm256_castsi256_pd(mask)));
     }

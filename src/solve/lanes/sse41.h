@@ -52,7 +52,10 @@ struct Sse41 {
     static V greater64(V a, V b) {
         return _mm_srai_epi32(_mm_shuffle_epi32(_mm_sub_epi64(b, a), _MM_SHUFFLE(3, 3, 1, 1)), 31);
     }
-    static V select(V mask, V a, V b) { return _mm_blendv_epi8(b, a, mask); }
+    static V select(V mask, V a, V b) { // by doubles: see avx2.h
+        return _mm_castpd_si128(
+            _mm_blendv_pd(_mm_castsi128_pd(b), _mm_castsi128_pd(a), _mm_castsi128_pd(mask)));
+    }
     static V both(V a, V b) { return _mm_and_si128(a, b); }
     static V either(V a, V b) { return _mm_or_si128(a, b); }
     static V without(V a, V b) { return _mm_andnot_si128(b, a); }
