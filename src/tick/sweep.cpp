@@ -43,6 +43,8 @@ struct Sweeper {
     const shapes::Solid& solid(const ShapeRow& shape) const { return at(shape).solid; }
     const ShapeTraits& traits(const ShapeRow& shape) const { return shape_traits[shape.traits]; }
     bool is_bullet(std::uint32_t row) const { return mass.traits[info[row].traits].bullet != 0; }
+    /// Whether all that may stop a body is among the static proxies.
+    bool asks_static_alone(std::uint32_t row) const { return all_dynamic && !is_bullet(row); }
     Sweep sweep(std::uint32_t row, const ShapeRow& shape) const {
         return {pose_before(row),
                 pose[row],
@@ -173,7 +175,7 @@ Sweep find_near(const Sweeper& s, const Way& whole, const ShapeRow& shape, colli
         return collide::Bounds{{low(p.x), low(p.y), low(p.z)}, {high(p.x), high(p.y), high(p.z)}};
     };
     const collide::SweptBox swept(box(way.from.position), box(way.to.position));
-    if (s.all_dynamic && !s.is_bullet(row)) // what is dynamic would be left out below
+    if (s.asks_static_alone(row)) // what is dynamic would be left out below
         placed.broad_phase.query_static(swept, near);
     else
         placed.broad_phase.query(swept, near);
@@ -327,9 +329,11 @@ bool is_body_fast(const Sweeper& s, std::uint32_t row, Real others) {
     return fast;
 }
 
-/// Most of what falls is far from all else, and what that costs to find is less than how fast a body is.
+/// Most of what falls is far from all else, and what that costs to find is less than how fast a body is. Who asks all bodies finds at
+/// least itself.
 bool is_to_sweep(const Sweeper& s, std::uint32_t row, Real others, const Hand& hand) {
-    return may_be_fast(s, row, others) && may_be_stopped(s, row, hand) && is_body_fast(s, row, others);
+    return may_be_fast(s, row, others) && (!s.asks_static_alone(row) || may_be_stopped(s, row, hand)) &&
+           is_body_fast(s, row, others);
 }
 
 constexpr std::uint32_t sweeps_per_chunk = 16;

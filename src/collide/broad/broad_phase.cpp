@@ -286,45 +286,49 @@ void BroadPhase::merge_found() {
     leaf_pairs.swap(merged);
 }
 
-template <class MayMeet>
-void BroadPhase::query_if(MayMeet&& may_meet, std::vector<BoundsTree::NodeId>& own,
-                          std::vector<std::uint32_t>& out) const {
+template <class MayMeetWithin, class MayMeet>
+void BroadPhase::query_if(MayMeetWithin&& may_meet_within, MayMeet&& may_meet,
+                          std::vector<BoundsTree::NodeId>& own, std::vector<std::uint32_t>& out) const {
     out.clear();
     const auto add = [&](std::uint32_t proxy) {
         if (may_meet(exact_bounds[proxy])) out.push_back(proxy);
     };
-    moving.query_if(may_meet, own, add);
-    fixed.query_if(may_meet, own, add);
+    moving.query_if(may_meet_within, own, add);
+    fixed.query_if(may_meet_within, own, add);
     std::sort(out.begin(), out.end());
 }
 
 void BroadPhase::query(const Bounds& bounds, std::vector<std::uint32_t>& out) {
     update_trees();
-    query_if([&](const Bounds& b) { return overlap(b, bounds); }, open, out);
+    const auto meets = [&](const Bounds& b) { return overlap(b, bounds); };
+    query_if(meets, meets, open, out);
 }
 
 void BroadPhase::query(const SweptBox& box, std::vector<std::uint32_t>& out) {
     update_trees();
-    query_if([&](const Bounds& b) { return box.may_meet(b); }, open, out);
+    query_if([&](const Bounds& b) { return box.may_meet_within(b); },
+             [&](const Bounds& b) { return box.may_meet(b); }, open, out);
 }
 
 void BroadPhase::query(const SweptBox& box, Asker& asker) const {
     LOCKSTONE_ASSERT(moved.empty(), moved.size(), " proxies that the trees do not know yet");
-    query_if([&](const Bounds& b) { return box.may_meet(b); }, asker.open, asker.proxies);
+    query_if([&](const Bounds& b) { return box.may_meet_within(b); },
+             [&](const Bounds& b) { return box.may_meet(b); }, asker.open, asker.proxies);
 }
 
 void BroadPhase::query(const Bounds& bounds, Asker& asker) const {
     LOCKSTONE_ASSERT(moved.empty(), moved.size(), " proxies that the trees do not know yet");
-    query_if([&](const Bounds& b) { return overlap(b, bounds); }, asker.open, asker.proxies);
+    const auto meets = [&](const Bounds& b) { return overlap(b, bounds); };
+    query_if(meets, meets, asker.open, asker.proxies);
 }
 
 void BroadPhase::query_static(const SweptBox& box, Asker& asker) const {
     LOCKSTONE_ASSERT(moved.empty(), moved.size(), " proxies that the trees do not know yet");
     asker.proxies.clear();
-    const auto may_meet = [&](const Bounds& b) { return box.may_meet(b); };
-    fixed.query_if(may_meet, asker.open, [&](std::uint32_t proxy) {
-        if (may_meet(exact_bounds[proxy])) asker.proxies.push_back(proxy);
-    });
+    fixed.query_if([&](const Bounds& b) { return box.may_meet_within(b); }, asker.open,
+                   [&](std::uint32_t proxy) {
+                       if (box.may_meet(exact_bounds[proxy])) asker.proxies.push_back(proxy);
+                   });
     std::sort(asker.proxies.begin(), asker.proxies.end());
 }
 

@@ -110,16 +110,21 @@ class BoundsTree {
 template <class MayMeet, class Visit>
 void BoundsTree::query_if(MayMeet&& may_meet, std::vector<NodeId>& open, Visit&& visit) const {
     open.clear();
-    if (top != none) open.push_back(top);
-    while (!open.empty()) {
-        const Node& n = node(open.back());
-        open.pop_back();
-        if (!may_meet(n.bounds)) continue;
-        if (n.is_leaf()) {
-            visit(n.proxy());
-        } else {
-            open.push_back(n.child[0]);
-            open.push_back(n.child[1]);
+    NodeId id = top;
+    while (id != none) {
+        const Node& n = node(id);
+        id = none;
+        if (may_meet(n.bounds)) {
+            if (n.is_leaf()) {
+                visit(n.proxy());
+            } else {
+                open.push_back(n.child[0]);
+                id = n.child[1];
+            }
+        }
+        if (id == none && !open.empty()) {
+            id = open.back();
+            open.pop_back();
         }
     }
 }

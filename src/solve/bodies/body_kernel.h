@@ -16,17 +16,19 @@ struct Velocity;
 
 /// Which steps of a body a kernel may take.
 enum PlainMotion : std::uint8_t {
-    plain_velocity = 1, ///< gravity alone changes it: no force, torque, damping, lock or field
+    plain_velocity = 1, ///< gravity and damping alone change it: no force, torque, lock or field
     plain_pose = 2,     ///< it moves, by its velocity alone
     plain_end = 4,      ///< dynamic, turns about all axes and is not followed
     plain_round =
         8, ///< no turn of the tick changes its angular velocity: alike about all axes, or not gyroscopic
+    plain_damped = 16, ///< it is damped
 };
 
 /// Bodies [first, last) of one substep. v and u lie one after the other in a SolverBody, and so do shift and theta: each six
 /// numbers here.
 struct BodyPass {
     SolverBody* bodies;
+    const BodyStep* steps;
     const std::uint8_t* plain; ///< PlainMotion, by body
     std::uint32_t first, last;
     std::int64_t dv[6]; ///< what the substep adds, 47 fraction bits

@@ -155,7 +155,8 @@ inline std::uint64_t clamp_speeds(SolverBodies& bodies, std::uint32_t i, SpeedLi
 using Move = decltype(BodyKernel::integrate_poses);
 
 BodyPass pass_of(const StepConstants& step, SpeedLimits limits, SolverBodies& bodies) {
-    BodyPass pass{bodies.body.data(), bodies.plain.data(), 0, 0, {}, {}, step.substep_time.raw};
+    BodyPass pass{bodies.body.data(),   bodies.step.data(), bodies.plain.data(), 0, 0, {}, {},
+                  step.substep_time.raw};
     for (int i = 0; i < 3; ++i) {
         pass.dv[i] = bodies.fall[i];
         pass.most[i] = (std::int64_t{1} << limits.linear.k) - 1;

@@ -72,9 +72,22 @@ template <class L> class MovedBodies {
         combine(bodies, sums, count, [](V a, V b) { return L::sub(a, b); });
     }
 
+    /// What damping leaves of velocities within their limits, in two parts of 30 bits, as with one body.
+    static void damp(Row& row, const Row& is_turn, const solve::BodyStep& step) {
+        const V linear = L::splat(step.linear_keep.raw), angular = L::splat(step.angular_keep.raw),
+                low_part = L::splat((std::int64_t{1} << 30) - 1), half = L::splat(std::int64_t{1} << 29);
+        for (unsigned k = 0; k < windows; ++k) {
+            const V keep = L::select(is_turn.at[k], angular, linear);
+            const V whole = L::mul(L::template shift_right<30>(row.at[k]), keep),
+                    rest = L::mul(L::both(row.at[k], low_part), keep);
+            row.at[k] = L::add(whole, L::template shift_right<30>(L::add(rest, half)));
+        }
+    }
+
     static std::uint32_t integrate_velocities(const Pass& pass, std::uint32_t* left) {
+        static constexpr std::int64_t turns[6] = {0, 0, 0, -1, -1, -1};
         const Limits limits = limits_of(pass);
-        const Row change = load(pass.dv);
+        const Row change = load(pass.dv), is_turn = load(turns);
         std::uint32_t count = 0;
         for (std::uint32_t i = pass.first; i < pass.last; ++i) {
             std::int64_t* const p = velocities(pass, i);
@@ -84,6 +97,7 @@ template <class L> class MovedBodies {
                 left[count++] = i;
                 continue;
             }
+            if ((pass.plain[i] & solve::plain_damped) != 0) damp(row, is_turn, pass.steps[i]);
             for (unsigned k = 0; k < windows; ++k) L::store64(p + place(k), row.at[k]);
         }
         return count;

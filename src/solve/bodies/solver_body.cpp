@@ -209,9 +209,10 @@ static std::uint8_t begin_body(const BodyInfo& info, const BodyTraits& traits, c
         std::copy_n(fall.dv, 3, s.dv);
     else
         per_substep(s.acceleration, step, s.dv);
-    const bool is_plain =
-        falls && force.torque == Vec3{} && s.linear_keep == unit_one && s.angular_keep == unit_one;
-    return plain_pose | (is_plain ? plain_velocity : 0) | plain_end_of(traits, s);
+    const bool is_plain = falls && force.torque == Vec3{},
+               is_damped = s.linear_keep != unit_one || s.angular_keep != unit_one;
+    return plain_pose | (is_plain ? plain_velocity : 0) | (is_damped ? plain_damped : 0) |
+           plain_end_of(traits, s);
 }
 
 void set_radii(const BodyColumns& c, std::uint32_t row, Vec3 radii, const StepConstants& step,
@@ -222,7 +223,8 @@ void set_radii(const BodyColumns& c, std::uint32_t row, Vec3 radii, const StepCo
                   bodies.clamps);
     begin_torque(c.mass[row], c.force[row], step, s);
     // Its radii are no longer those of its traits.
-    const auto motion = static_cast<std::uint8_t>(bodies.plain[row] & (plain_velocity | plain_pose));
+    const auto motion =
+        static_cast<std::uint8_t>(bodies.plain[row] & (plain_velocity | plain_pose | plain_damped));
     const std::uint8_t end = plain_end_of(c.traits(row), s);
     bodies.plain[row] = (end & plain_round) != 0 ? motion | end : motion;
 }

@@ -237,8 +237,9 @@ void follow(const BodyColumns& columns, std::uint32_t row, const StepConstants& 
     set_quat(four.start, lane, normalized(columns.pose[row].rotation));
     set_quat(four.principal, lane, turn.principal);
     set_radii(four, lane, s, step);
-    // Not as other bodies does it end the tick.
-    bodies.plain[row] &= plain_velocity | plain_pose;
+    // Not as other bodies does it end the tick; and where it is damped, its precession is too.
+    const bool is_damped = (bodies.plain[row] & plain_damped) != 0;
+    bodies.plain[row] &= plain_pose | (is_damped ? 0 : plain_velocity);
 }
 
 /// What turns, but for times.

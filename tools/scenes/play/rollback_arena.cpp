@@ -118,11 +118,15 @@ void push(Turn& turn, const Cast& cast, BodyId ball) {
     for (const BodyId prop : cast.props) throw_away(turn, from, prop);
 }
 
-void capture(Turn& turn, const Cast& cast, Match& match, std::uint32_t player) {
+/// Where the props are, found once for all players: who pushes one in this tick moves it in the next.
+using Places = std::array<Vec3, prop_count>;
+
+void capture(Turn& turn, const Cast& cast, const Places& places, Match& match, std::uint32_t player) {
     World& world = turn.world;
     const Vec3 at_ball = world.pose(cast.balls[player]).position;
-    for (const BodyId prop : cast.props) {
-        if (!within(at_ball, world.pose(prop).position, ball_radius + reach)) continue;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        if (!within(at_ball, places[i], ball_radius + reach)) continue;
+        const BodyId prop = cast.props[i];
         const Claim claim = world.read(columns.claim, prop);
         if (claim.owner == player + 1) continue;
         if (claim.owner != 0) --match.score[claim.owner - 1];
@@ -179,9 +183,11 @@ class RollbackArena final : public Scene {
         const Cast cast = world.read(columns.cast);
         const Match before = world.read(columns.match);
         Match match = before;
+        Places places;
+        for (std::size_t i = 0; i < places.size(); ++i) places[i] = world.pose(cast.props[i]).position;
         for (std::uint32_t p = 0; p < inputs.size(); ++p) {
             if (inputs[p].status == InputStatus::disconnected) continue;
-            play_one(turn, cast, match, p, decode_input<ArenaInput>(inputs[p]), now);
+            play_one(turn, cast, places, match, p, decode_input<ArenaInput>(inputs[p]), now);
         }
         if (now % geyser_period == geyser_period - 1) geyser(turn, cast, match);
         if (match != before) turn.must(world.write(columns.match, match));
@@ -206,8 +212,8 @@ class RollbackArena final : public Scene {
     }
 
   private:
-    static void play_one(Turn& turn, const Cast& cast, Match& match, std::uint32_t p, ArenaInput input,
-                         std::uint32_t now) {
+    static void play_one(Turn& turn, const Cast& cast, const Places& places, Match& match, std::uint32_t p,
+                         ArenaInput input, std::uint32_t now) {
         const BodyId ball = cast.balls[p];
         roll(turn, ball, input);
         if ((input.buttons & arena_jump) != 0 && now >= match.jump_ready[p]) {
@@ -218,7 +224,7 @@ class RollbackArena final : public Scene {
             push(turn, cast, ball);
             match.push_ready[p] = now + push_pause;
         }
-        capture(turn, cast, match, p);
+        capture(turn, cast, places, match, p);
         tag(turn.world, cast, match, p, now);
     }
 };
