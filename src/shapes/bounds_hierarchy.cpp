@@ -68,8 +68,7 @@ BoundsHierarchy::Query BoundsHierarchy::query_of(const Extent& where) const {
     return q;
 }
 
-// No branches and no shifts by variables, and a function of its own: so compilers compare four at once, which they do not do
-// within a loop.
+// No branches and no shifts by variables, and never inlined: so compilers compare four at once, which they do not do within a loop.
 std::uint32_t BoundsHierarchy::overlaps(const Group& g, const Query& q) {
     constexpr std::uint32_t bit[width] = {1, 2, 4, 8, 16, 32, 64, 128};
     const auto past = [](std::int32_t a, std::int32_t b) { return static_cast<std::uint32_t>(a > b); };

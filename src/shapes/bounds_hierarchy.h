@@ -78,7 +78,7 @@ class BoundsHierarchy {
     Extent box_of(const Group& group, std::uint32_t slot) const; ///< of a slot that is not empty
 
     /// Bit k: box k overlaps.
-    static std::uint32_t overlaps(const Group& g, const Query& q);
+    [[gnu::noinline]] static std::uint32_t overlaps(const Group& g, const Query& q);
 
     CoordinateVec3 middle{};
     int shift = 0;
