@@ -33,6 +33,11 @@ struct BallPath {
 
     /// Within 32 m on each axis: products stay in 64 bits.
     static bool is_near(Long3 x) { return ((absolute(x[0]) | absolute(x[1]) | absolute(x[2])) >> 29) == 0; }
+    /// Within 16 m: then what lies between two of them is near as well.
+    static bool is_close(Long3 x) {
+        constexpr std::int64_t most = std::int64_t{1} << 28;
+        return static_cast<std::uint64_t>((x[0] + most) | (x[1] + most) | (x[2] + most)) >> 29 == 0;
+    }
     /// A place after `from_30`, where the ball is at `from_24`, at which it comes down onto the plane from the front: to half of
     /// what counts as touching. False when it touches the plane already or is far away: then nothing is known.
     bool find_plane(std::int64_t from_30, Long3 from_24, std::int64_t slope_60, std::int64_t& at_30) const {
@@ -51,11 +56,13 @@ struct BallPath {
     /// Whether a centre is above the triangle.
     bool is_above(Long3 at_24) const {
         const Long3 normal = raw(triangle.normal);
+        const Long3 off[3] = {at_24 - raw(triangle.corner[0]), at_24 - raw(triangle.corner[1]),
+                              at_24 - raw(triangle.corner[2])};
+        const bool all_close = is_close(off[0]) && is_close(off[1]) && is_close(off[2]);
         for (int k = 0; k < 3; ++k) {
-            const Long3 corner = raw(triangle.corner[k]), off = at_24 - corner;
-            const Long3 edge = raw(triangle.corner[(k + 1) % 3]) - corner;
-            if (!is_near(off) || !is_near(edge) || dot(shifted(cross(edge, normal), 31), off) > 0)
-                return false;
+            const Long3 edge = off[k] - off[(k + 1) % 3];
+            if (!all_close && (!is_near(off[k]) || !is_near(edge))) return false;
+            if (dot(shifted(cross(edge, normal), 31), off[k]) > 0) return false;
         }
         return true;
     }
