@@ -63,7 +63,7 @@ requires((std::same_as<Rep, std::int32_t> || std::same_as<Rep, std::int64_t>)&&F
 
     friend constexpr Fixed operator*(Fixed a, Fixed b) {
         if constexpr (sizeof(Rep) == 8)
-            return from_raw(narrow_rounded(Wide::product(a.raw, b.raw), FractionBits));
+            return from_raw(product_rounded(a.raw, b.raw, FractionBits));
         else
             return from_raw(saturate_to_int32(
                 shift_right_rounded(static_cast<std::int64_t>(a.raw) * b.raw, FractionBits)));

@@ -70,6 +70,33 @@ template <class Portable> long disagreements_at_random(int count) {
 
 #endif
 
+/// floor(w / 2^shift + 1/2), clamped: step by step.
+template <class W> std::int64_t narrowed(W w, int shift) {
+    if (shift == 0) return saturate_to_int64(w);
+    const bool up = ((w >> (shift - 1)).low_bits() & 1u) != 0;
+    return saturate_to_int64((w >> shift) + W::from(up ? 1 : 0));
+}
+
+/// Disagreements of a type with that, where the compiler knows the shift.
+template <class W, int shift> long misses_of_shift() {
+    long bad = 0;
+    for (const std::int64_t a : edges<std::int64_t>())
+        for (const std::int64_t b : edges<std::int64_t>()) {
+            const W product = W::product(a, b), ends = (W::from(a) << 64) + W::from(b);
+            bad += narrow_rounded(product, shift) != narrowed(product, shift) ? 1 : 0;
+            bad += narrow_rounded(ends, shift) != narrowed(ends, shift) ? 1 : 0;
+            if constexpr (shift <= 63)
+                bad += product_rounded(a, b, shift) != narrowed(product, shift) ? 1 : 0;
+        }
+    return bad;
+}
+template <class W> long misses_of_shifts() {
+    return misses_of_shift<W, 0>() + misses_of_shift<W, 1>() + misses_of_shift<W, 2>() +
+           misses_of_shift<W, 24>() + misses_of_shift<W, 32>() + misses_of_shift<W, 60>() +
+           misses_of_shift<W, 63>() + misses_of_shift<W, 64>() + misses_of_shift<W, 94>() +
+           misses_of_shift<W, 126>();
+}
+
 /// Whether q is floor(n 2^shift / d + 1/2), clamped, by the definition: 2 q d <= 2 n 2^shift + d < 2 (q + 1) d.
 bool is_rounded_quotient(std::int64_t n, std::int64_t d, int shift, std::int64_t q) {
     if (d < 0) {
@@ -178,6 +205,11 @@ TEST_CASE("a right shift rounds to nearest, ties up, without overflow") {
                 shift_right_rounded(v, shift) != static_cast<std::int64_t>((sum >> shift).low_bits()) ? 1 : 0;
         }
     CHECK(bad == 0);
+}
+
+TEST_CASE("a wide value is rounded and clamped alike by shifts that the compiler knows") {
+    CHECK(misses_of_shifts<Wide>() == 0);
+    CHECK(misses_of_shifts<WidePortable>() == 0);
 }
 
 TEST_CASE("sums, differences and left shifts clamp to 64 bits") {
