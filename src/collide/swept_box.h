@@ -50,8 +50,9 @@ class SweptBox {
         return true;
     }
 
-    /// Says the same of what holds others' bounds, and is asked for many: yes more often, where the box moves by less than its size.
-    bool may_meet_within(const Bounds& b) const { return is_short ? overlap(hull, b) : may_meet(b); }
+    /// The same, asked of the nodes above: a box that moves by less than its size is compared by bounds alone. That is quicker, and a node is
+    /// entered in vain more often.
+    bool may_meet_node(const Bounds& b) const { return is_short ? overlap(hull, b) : may_meet(b); }
 
   private:
     Bounds hull;

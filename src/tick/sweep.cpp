@@ -329,8 +329,8 @@ bool is_body_fast(const Sweeper& s, std::uint32_t row, Real others) {
     return fast;
 }
 
-/// Most of what falls is far from all else, and what that costs to find is less than how fast a body is. Who asks all bodies finds at
-/// least itself.
+/// Most of what falls is far from all else, and what that costs to find is less than how fast a body is. Where moving bodies are asked too, a
+/// body finds itself, so nothing is asked.
 bool is_to_sweep(const Sweeper& s, std::uint32_t row, Real others, const Hand& hand) {
     return may_be_fast(s, row, others) && (!s.asks_static_alone(row) || may_be_stopped(s, row, hand)) &&
            is_body_fast(s, row, others);

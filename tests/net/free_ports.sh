@@ -16,7 +16,7 @@ while len(held) < int(sys.argv[1]):
     except OSError:
         pass
 ports = [probe.getsockname()[1] for probe in held]
-for probe in held: # before they are told: whoever reads the line takes them at once, while this is still on its way out
+for probe in held: # Closed before the line is printed: its reader may use the ports while this process is still ending.
     probe.close()
 print(*ports)
 PYTHON

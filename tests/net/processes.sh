@@ -57,16 +57,19 @@ refused "is there already" --key "$work/short" --new-key
 refused "is no address" --key "$work/new" --new-key --address everywhere
 refused "go together" --key "$work/new1" --new-key --second 127.0.0.1:9
 refused "has no port" --key "$work/new2" --new-key --second 127.0.0.1:0 --second-key "$work/short"
+wait_for() { # WORD NAME: until that process has said a line that begins so, at most 30 s
+    for _ in $(seq 300); do
+        ! grep -qs "^$1" "$work/$2" || return 0
+        sleep 0.1
+    done
+}
 relay_at() { # NAME ARGUMENT...: starts a relay; port, key and process of it
     local name=$1
     shift
     "$lockstone" relay --key "$work/$name.key" --new-key --port 0 --address 127.0.0.1 --seconds $((ticks / 60 + 40)) "$@" >"$work/$name" &
     process=$!
     children+=($process)
-    for _ in $(seq 300); do
-        grep -qs '^port' "$work/$name" && break
-        sleep 0.1
-    done
+    wait_for port "$name"
     read -r _ port _ key < <(tr -d ',' <"$work/$name") || fail "the relay did not say its port"
 }
 by_code() { # WHAT: two meet by a code at the relay at $port, and agree
@@ -75,20 +78,14 @@ by_code() { # WHAT: two meet by a code at the relay at $port, and agree
     "$peer" --relay "127.0.0.1:$port" --key "$key" --ticks "$ticks" >"$work/a" &
     one=$!
     children+=($one)
-    for _ in $(seq 300); do
-        grep -q '^code' "$work/a" && break
-        sleep 0.1
-    done
+    wait_for code a
     code=$(sed -n 's/^code //p' "$work/a")
     [ -n "$code" ] || fail "the lobby gave no code"
     "$peer" --relay "127.0.0.1:$port" --key "$key" --code "$code" --ticks "$ticks" >"$work/b" &
     other=$!
     children+=($other)
     if [ -n "${lost:-}" ]; then
-        for _ in $(seq 300); do
-            grep -q '^playing' "$work/a" && break
-            sleep 0.1
-        done
+        wait_for playing a
         kill -KILL "$lost"
     fi
     wait $other || fail "$what: who entered by the code did not confirm all"

@@ -286,15 +286,15 @@ void BroadPhase::merge_found() {
     leaf_pairs.swap(merged);
 }
 
-template <class MayMeetWithin, class MayMeet>
-void BroadPhase::query_if(MayMeetWithin&& may_meet_within, MayMeet&& may_meet,
+template <class MayMeetNode, class MayMeet>
+void BroadPhase::query_if(MayMeetNode&& may_meet_node, MayMeet&& may_meet,
                           std::vector<BoundsTree::NodeId>& own, std::vector<std::uint32_t>& out) const {
     out.clear();
     const auto add = [&](std::uint32_t proxy) {
         if (may_meet(exact_bounds[proxy])) out.push_back(proxy);
     };
-    moving.query_if(may_meet_within, own, add);
-    fixed.query_if(may_meet_within, own, add);
+    moving.query_if(may_meet_node, own, add);
+    fixed.query_if(may_meet_node, own, add);
     std::sort(out.begin(), out.end());
 }
 
@@ -306,13 +306,13 @@ void BroadPhase::query(const Bounds& bounds, std::vector<std::uint32_t>& out) {
 
 void BroadPhase::query(const SweptBox& box, std::vector<std::uint32_t>& out) {
     update_trees();
-    query_if([&](const Bounds& b) { return box.may_meet_within(b); },
+    query_if([&](const Bounds& b) { return box.may_meet_node(b); },
              [&](const Bounds& b) { return box.may_meet(b); }, open, out);
 }
 
 void BroadPhase::query(const SweptBox& box, Asker& asker) const {
     LOCKSTONE_ASSERT(moved.empty(), moved.size(), " proxies that the trees do not know yet");
-    query_if([&](const Bounds& b) { return box.may_meet_within(b); },
+    query_if([&](const Bounds& b) { return box.may_meet_node(b); },
              [&](const Bounds& b) { return box.may_meet(b); }, asker.open, asker.proxies);
 }
 
@@ -325,7 +325,7 @@ void BroadPhase::query(const Bounds& bounds, Asker& asker) const {
 void BroadPhase::query_static(const SweptBox& box, Asker& asker) const {
     LOCKSTONE_ASSERT(moved.empty(), moved.size(), " proxies that the trees do not know yet");
     asker.proxies.clear();
-    fixed.query_if([&](const Bounds& b) { return box.may_meet_within(b); }, asker.open,
+    fixed.query_if([&](const Bounds& b) { return box.may_meet_node(b); }, asker.open,
                    [&](std::uint32_t proxy) {
                        if (box.may_meet(exact_bounds[proxy])) asker.proxies.push_back(proxy);
                    });

@@ -105,8 +105,8 @@ class BroadPhase {
     };
 
     /// The proxies of which `may_meet` holds, found by what holds of a tree's nodes.
-    template <class MayMeetWithin, class MayMeet>
-    void query_if(MayMeetWithin&& may_meet_within, MayMeet&& may_meet, std::vector<BoundsTree::NodeId>& open,
+    template <class MayMeetNode, class MayMeet>
+    void query_if(MayMeetNode&& may_meet_node, MayMeet&& may_meet, std::vector<BoundsTree::NodeId>& open,
                   std::vector<std::uint32_t>& out) const;
     void set_leaf(std::uint32_t proxy, const Bounds& exact, bool is_static, const Vector3<Bound>& motion);
     Bounds moving_leaf(const Vector3<Bound>& motion, const Bounds& exact) const;

@@ -1,5 +1,6 @@
 // The broad phase finds exactly the pairs that comparing everything with everything finds, whatever happened before.
 #include "collide/broad/broad_phase.h"
+#include "collide/swept_box.h"
 #include "oracle/double_shapes.h"
 #include "support/allocation_counter.h"
 
@@ -204,6 +205,40 @@ TEST_CASE("a query returns the sorted proxies that overlap") {
             REQUIRE(found == expected);
         }
     }
+}
+
+TEST_CASE("a box that moves finds what it may meet, on short and on long ways") {
+    constexpr std::uint32_t count = 400;
+    Crowd crowd(count, 8, 6);
+    BroadPhase phase(count);
+    BroadPhase::Asker asker;
+    std::vector<std::uint32_t> begun, expected, standing;
+    int more_than_begun = 0;
+    for (int frame = 0; frame < 30; ++frame) {
+        crowd.step();
+        for (std::uint32_t i = 0; i < count; ++i) crowd.set(phase, i);
+        phase.update_trees();
+        for (int k = 0; k < 20; ++k) {
+            const Crowd::Member& from = crowd.members[crowd.random.below(count)];
+            Crowd::Member to = from;
+            to.at = to.at + crowd.random.vector(0, k % 2 == 0 ? from.size : 8);
+            Crowd::measure(to);
+            const SweptBox box(from.bounds, to.bounds);
+            expected.clear(), standing.clear();
+            for (std::uint32_t i = 0; i < count; ++i) {
+                if (!crowd.members[i].present || !box.may_meet(crowd.members[i].bounds)) continue;
+                expected.push_back(i);
+                if (crowd.members[i].is_static) standing.push_back(i);
+            }
+            phase.query(box, asker);
+            REQUIRE(asker.proxies == expected);
+            phase.query_static(box, asker);
+            REQUIRE(asker.proxies == standing);
+            phase.query(from.bounds, begun);
+            more_than_begun += begun != expected ? 1 : 0;
+        }
+    }
+    CHECK(more_than_begun > 100); // planted: where the way begins is not enough
 }
 
 TEST_CASE("a broad phase knows what it holds") {
