@@ -18,7 +18,7 @@ cat >shape.py <<'PYTHON'
 import json, math, sys
 all = json.load(open(sys.argv[1]))
 finite = lambda x: isinstance(x, (int, float)) and math.isfinite(x)
-assert [s["scene"] for s in all["scenes"]] == ["S1", "S2", "S3", "S4", "S5", "S6", "pyramids", "grid", "drum"], "scenes"
+assert [s["scene"] for s in all["scenes"]] == ["S1", "S2", "S3", "S4", "S5", "S6", "pyramids", "grid", "drum", "S4-plane"], "scenes"
 for scene in all["scenes"]:
     engines = [run["engine"] for run in scene["engines"]]
     assert engines[0] == "Lockstone", f"{scene['scene']}: who runs: {engines}"

@@ -20,7 +20,7 @@ constexpr Count counts[] = {
     {"S3", 500, 5, 0, 0, 0, 600},         {"S4", 550, 1, 0, 250, 250, 600},
     {"S5", 500, 1, 0, 0, 0, 600},         {"S6", 72, 5, 0, 0, 0, 600},
     {"pyramids", 10780, 1, 0, 0, 0, 100}, {"grid", 9966, 34, 0, 19800, 0, 120},
-    {"drum", 8000, 0, 1, 0, 0, 300},
+    {"drum", 8000, 0, 1, 0, 0, 300},      {"S4-plane", 550, 1, 0, 250, 250, 600},
 };
 
 std::size_t bodies_that(const engines::Scene& scene, bool (*holds)(const engines::Body&)) {
