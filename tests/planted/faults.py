@@ -147,6 +147,8 @@ FAULTS = [
     F("a rounded shape is held where it first touches", "src/collide/query/time_of_impact.cpp",
       "if (stop == unit_one || sinks_little(w, o, whole, held)) return unit_one;",
       "if (stop == unit_one || (!IS && sinks_little(w, o, whole, held))) return unit_one;", "golden table"),
+    F("all faces of a box are as far out as one", "src/collide/query/time_of_impact.cpp", "(box.half_extent[i].raw + box.radius.raw) * scale;",
+      "(box.half_extent[IS ? 1 : i].raw + box.radius.raw) * scale;", "golden table"),
     F("a contact is packed with one that it follows", "src/solve/contacts/contact_order.cpp", "follow(i, links[i].a) + follow(i, links[i].b));",
       "follow(i, links[i].a) + (IS ? 0 : follow(i, links[i].b)));", "golden table"),
     F("the mask of bodies that move is one lane off", LANES, "pack.movable_b |= (sb.movable ? 1u : 0u) << lane;",

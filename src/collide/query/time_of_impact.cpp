@@ -286,25 +286,51 @@ struct Start {
     }
 };
 
-/// Whether a mover that stands so at the start stays on its side of a triangle's plane.
-bool keeps_its_side(const Ways& w, const Standing& s, const Obstacle& o, const Mover& m) {
-    constexpr std::int64_t roundings = 1024;
-    if (o.kind != Obstacle::Kind::triangle) return false;
-    const Long3 plane = raw(o.triangle->normal);
-    const std::int64_t above = dot_dropped(up(s.place_24 - raw(o.triangle->corner[0]), 6), plane, 30);
-    const Long3 n = above < 0 ? -plane : plane;
-    const std::int64_t lowest = dot_dropped(support(s.shape, -n).at_30, n, 30);
-    const std::int64_t gap = absolute(above) + lowest - up(std::int64_t{s.shape.radius.raw}, 6);
-    if (gap <= touching_gap_30 + roundings) return false;
-    return gap - touching_gap_30 - roundings > w.approach_30(m, w.reach_of(o), in_world(s, n));
+/// A plane that has an obstacle behind it, in the frame of the obstacle's solid.
+struct Side {
+    Long3 normal_30;
+    std::int64_t above_30; ///< how far a point is above it [m]
+};
+/// That of the triangle, on the side of a point.
+Side side_of_triangle(const shapes::Face& t, Long3 point_24) {
+    const Long3 plane = raw(t.normal);
+    const std::int64_t above = dot_dropped(up(point_24 - raw(t.corner[0]), 6), plane, 30);
+    return {above < 0 ? -plane : plane, absolute(above)};
+}
+/// That of the face of a box that a point is furthest above.
+Side side_of_box(const Geometry& box, Long3 point_24) {
+    const std::int64_t scale = box.scale.x.raw >> Length::fraction_bits;
+    Side side{Long3{}, -anything_30};
+    for (int i = 0; i < 3; ++i) {
+        const std::int64_t half = (box.half_extent[i].raw + box.radius.raw) * scale;
+        const std::int64_t above = up(absolute(point_24[i]) - half, 6);
+        if (above <= side.above_30) continue;
+        side = {Long3{}, above};
+        side.normal_30[i] = point_24[i] < 0 ? -one_30 : one_30;
+    }
+    return side;
 }
 
-/// Whether a mover stays beside a triangle's extent or on its side of the triangle's plane: most triangles near a way are told by
+/// Whether a mover that stands so at the start stays above the plane of a triangle, or of a face of a box.
+bool keeps_its_side(const Ways& w, const Standing& s, const Obstacle& o, const Mover& m) {
+    constexpr std::int64_t roundings = 1024;
+    const bool is_box =
+        o.kind == Obstacle::Kind::convex && o.place == nullptr && o.solid->geometry.kind == ShapeKind::box;
+    if (!is_box && o.kind != Obstacle::Kind::triangle) return false;
+    const Side side =
+        is_box ? side_of_box(o.solid->geometry, s.place_24) : side_of_triangle(*o.triangle, s.place_24);
+    const std::int64_t lowest = dot_dropped(support(s.shape, -side.normal_30).at_30, side.normal_30, 30);
+    const std::int64_t gap = side.above_30 + lowest - up(std::int64_t{s.shape.radius.raw}, 6);
+    if (gap <= touching_gap_30 + roundings) return false;
+    return gap - touching_gap_30 - roundings > w.approach_30(m, w.reach_of(o), in_world(s, side.normal_30));
+}
+
+/// Whether a mover stays beside a triangle's extent, or above its plane or a face of a box: most obstacles near a way are told by
 /// that, without closest points.
 bool stays_off(const Ways& w, const Start& start, const Obstacle& o, const Mover& m,
                std::int64_t approach_max) {
     constexpr std::int64_t roundings = 1024;
-    if (o.kind != Obstacle::Kind::triangle) return false;
+    if (o.kind != Obstacle::Kind::triangle) return keeps_its_side(w, start.standing, o, m);
     const CoordinateVec3(&c)[3] = o.triangle->corner;
     for (int i = 0; i < 3; ++i) {
         const std::int64_t low = up(smaller(c[0][i].raw, smaller(c[1][i].raw, c[2][i].raw)), 6),

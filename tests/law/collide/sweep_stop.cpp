@@ -80,3 +80,50 @@ TEST_CASE("a shape without rounding is always stopped at the surface") {
         CHECK(stop >= surface - 0.001 / (fall.gap + fall.depth));
     }
 }
+
+namespace {
+
+/// Two ways that begin apart: an obstacle that may turn, and what may hit it.
+struct Crossing {
+    collide::Sweep obstacle, mover;
+};
+Crossing crossing(Random& random) {
+    const auto way = [&](double near, double far, double turn) {
+        const Quat from = random.rotation();
+        const D3 axis = random.direction();
+        const Quat by =
+            from_axis_angle({quantize<Unit>(axis[0]), quantize<Unit>(axis[1]), quantize<Unit>(axis[2])},
+                            real(random(0, turn)));
+        const Transform begin{vec3(random(near, far) * random.direction()), from};
+        const Transform end{vec3(random(0, far) * random.direction()), normalized(by * from)};
+        return collide::Sweep{begin, end, Transform::identity()};
+    };
+    const double turn = random(0, 1) < 0.5 ? 0 : 0.8;
+    return {way(0, 0.1, turn), way(1, 4, random(0, 1.5))};
+}
+
+} // namespace
+
+TEST_CASE("what is not stopped by a box never comes near it: times of impact, which follow its nearest "
+          "points, agree") {
+    Random random(9);
+    collide::NarrowScratch scratch;
+    int stopped = 0, passed = 0;
+    for (int i = 0; i < samples(4000, 100000); ++i) {
+        const Geometry sharp = box(real(random(0.05, 2)), real(random(0.05, 2)), real(random(0.05, 2)));
+        const shapes::Solid obstacle{i % 3 == 0 ? rounded(sharp, real(random(0.01, 0.5))) : sharp};
+        const shapes::Solid mover{
+            box(real(random(0.05, 0.5)), real(random(0.05, 0.5)), real(random(0.05, 0.5)))};
+        const Crossing c = crossing(random);
+        const auto impact = [&](Length target) {
+            return collide::time_of_impact(obstacle, c.obstacle, mover, c.mover, target, scratch);
+        };
+        if (impact(quantize<Length>(4 * stop_gap)) == Unit{}) continue; // nearer than that at first
+        const Unit stop = collide::stop_fraction(obstacle, c.obstacle, mover, c.mover, {},
+                                                 collide::Held::not_at_all, scratch);
+        CHECK(stop == impact(quantize<Length>(stop_gap)));
+        ++(stop == unit_one ? passed : stopped);
+    }
+    CHECK(stopped > 500);
+    CHECK(passed > 500);
+}
