@@ -104,53 +104,83 @@ Transform plane_below(const Transform& plane, Vec3 point) {
 /// Most of what is cast against is not turned: then vectors are the same in its frame.
 bool is_turned(const Rotation& axes) { return axes != Rotation::identity(); }
 
-QueryHit world_hit(const Asking& asking, const ShapeRow& shape, const Transform& frame, const Rotation& axes,
-                   const collide::CastHit& hit) {
-    QueryHit out{};
-    out.shape = shape.id;
-    out.body = shape.body;
+/// Where a cast meets a shape, in its frame.
+struct Met {
+    const PlacedShapes::Shape* at;
+    std::uint32_t slot;
+    Vec3 origin; ///< of the frame; its axes are those of the shape
+    collide::CastHit local;
+    std::int64_t travelled_30;
+
+    /// As of QueryHits.
+    friend bool operator<(const Met& a, const Met& b) {
+        return std::tie(a.travelled_30, a.slot, a.local.feature) <
+               std::tie(b.travelled_30, b.slot, b.local.feature);
+    }
+};
+
+FirstHit world_hit(const ShapeRow& shape, Vec3 origin, const Rotation& axes, const collide::CastHit& hit,
+                   Real distance) {
     const bool turned = is_turned(axes);
-    out.point = frame.position + (turned ? lockstone::mul<Real>(axes, hit.point) : to<Real>(hit.point));
-    out.normal = turned ? lockstone::mul<Unit>(axes, hit.normal) : hit.normal;
-    out.feature = hit.feature;
-    out.part = part_of(asking.w, asking.placed, shape.id, hit.feature);
+    return {shape.id,
+            shape.body,
+            distance,
+            origin + (turned ? lockstone::mul<Real>(axes, hit.point) : to<Real>(hit.point)),
+            turned ? lockstone::mul<Unit>(axes, hit.normal) : hit.normal,
+            hit.feature};
+}
+FirstHit world_hit(const Asking& asking, const Met& met) {
+    return world_hit(row_of_slot(asking.w, met.slot), met.origin, axes_of(*met.at), met.local,
+                     Real::from_raw(met.travelled_30 << 2));
+}
+
+QueryHit query_hit(const Asking& asking, const FirstHit& hit) {
+    return {hit.shape, hit.body,   hit.distance, Unit{},
+            hit.point, hit.normal, hit.feature,  part_of(asking.w, asking.placed, hit.shape, hit.feature)};
+}
+QueryHit query_hit(const Asking& asking, const Cast& cast, const Met& met) {
+    QueryHit out = query_hit(asking, world_hit(asking, met));
+    out.fraction = collide::fraction_of(cast.line, met.travelled_30);
     return out;
 }
 
 /// A part of the way near the shape is turned into its frame, so that the rotation's rounding does not grow with the way.
 /// Returns whether they meet.
-bool cast_at(const Asking& asking, const Cast& cast, const ShapeRow& shape, collide::Span span,
-             QueryHit& out) {
+bool cast_at(const Asking& asking, const Cast& cast, std::uint32_t slot, collide::Span span, Met& out) {
     collide::NarrowScratch& narrow = asking.work->narrow;
-    const PlacedShapes::Shape& at = asking.placed.shape[shape.id.index - 1];
-    const bool is_plane = asking.w.traits_of(shape).geometry.kind == ShapeKind::plane;
-    const Transform frame = is_plane ? plane_below(at.pose, cast.from) : at.pose;
+    const PlacedShapes::Shape& at = asking.placed.shape[slot];
+    out.at = &at;
+    out.slot = slot;
+    out.origin = at.solid.geometry.kind == ShapeKind::plane ? plane_below(at.pose, cast.from).position
+                                                            : at.pose.position;
     collide::Line line = cast.line;
-    if (!collide::move_line(to<Coordinate>(cast.from - frame.position), line)) return false;
-    const Rotation axes = axes_of(at); // a plane's frame has its rotation
-    const bool turns = is_turned(axes),
+    if (!collide::move_line(to<Coordinate>(cast.from - out.origin), line)) return false;
+    const bool turns = at.pose.rotation != Quat::identity(),
                is_whole = span.enter_30 <= 0 && span.exit_30 >= line.length_30 && !turns;
-    const CoordinateVec3 begin = collide::coordinates(collide::place_24(line, span.enter_30));
-    const CoordinateVec3 end = collide::coordinates(collide::place_24(line, span.exit_30));
-    CoordinateVec3 from = begin, way = end - begin;
-    if (turns) from = mul_transposed<Coordinate>(axes, from), way = mul_transposed<Coordinate>(axes, way);
-    collide::CastHit hit{};
-    if (cast.solid == nullptr) {
-        if (!collide::cast_ray(at.solid, from, way, narrow, hit)) return false;
+    if (is_whole && cast.solid != nullptr && cast.solid->geometry.kind == ShapeKind::sphere &&
+        collide::has_triangles(at.solid)) {
+        if (!collide::cast_ball(at.solid, line, collide::reach_24(*cast.solid), narrow, out.local)) return false;
     } else {
-        collide::Line part = line;
-        if (!is_whole && !collide::make_line(CoordinateVec3{}, way, part)) return false;
-        const bool is_ball = cast.solid->geometry.kind == ShapeKind::sphere;
-        const Rotation turned =
-            is_ball ? Rotation::identity() : to_rotation(conjugate(frame.rotation) * cast.rotation);
-        if (!collide::cast_shape(at.solid, *cast.solid, {turned, from}, part, narrow, hit)) return false;
+        const CoordinateVec3 begin = collide::coordinates(collide::place_24(line, span.enter_30));
+        const CoordinateVec3 end = collide::coordinates(collide::place_24(line, span.exit_30));
+        CoordinateVec3 from = begin, way = end - begin;
+        if (turns) {
+            const Rotation axes = axes_of(at);
+            from = mul_transposed<Coordinate>(axes, from), way = mul_transposed<Coordinate>(axes, way);
+        }
+        if (cast.solid == nullptr) {
+            if (!collide::cast_ray(at.solid, from, way, narrow, out.local)) return false;
+        } else {
+            collide::Line part = line;
+            if (!is_whole && !collide::make_line(CoordinateVec3{}, way, part)) return false;
+            const Rotation turned = cast.solid->geometry.kind == ShapeKind::sphere
+                                        ? Rotation::identity()
+                                        : to_rotation(conjugate(at.pose.rotation) * cast.rotation);
+            if (!collide::cast_shape(at.solid, *cast.solid, {turned, from}, part, narrow, out.local))
+                return false;
+        }
     }
-    out = world_hit(asking, shape, frame, axes, hit);
-    const std::int64_t travelled = std::min(span.enter_30 + (hit.distance.raw << 6), line.length_30);
-    out.distance = Real::from_raw(travelled << 2);
-    if (line.length_30 != 0)
-        out.fraction =
-            Unit::from_raw(static_cast<std::int32_t>(divide_shifted(travelled, line.length_30, 30)));
+    out.travelled_30 = std::min(span.enter_30 + (out.local.distance.raw << 6), line.length_30);
     return true;
 }
 
@@ -208,15 +238,13 @@ void find_near(const Asking& asking, std::span<const Cast> casts, const QueryFil
 
 /// What of near a cast may meet, by where the balls of the shapes begin, then by slot.
 void find_candidates(const Asking& asking, const Cast& cast) {
-    const Model& w = asking.w;
     const PlacedShapes& s = asking.placed;
     QueryWork& q = *asking.work;
     q.candidates.clear();
     for (const std::uint32_t slot : q.near.proxies) {
-        const ShapeRow& shape = row_of_slot(w, slot);
         std::int64_t enter = 0, exit = cast.line.length_30;
         const PlacedShapes::Shape& at = s.shape[slot];
-        if (w.traits_of(shape).geometry.kind != ShapeKind::plane) {
+        if (at.solid.geometry.kind != ShapeKind::plane) {
             const collide::Long3 center = collide::raw(to<Coordinate>(at.pose.position - cast.from));
             const collide::Span span =
                 collide::span_of_ball(cast.line, center, at.reach.raw + cast.reach.raw);
@@ -231,43 +259,41 @@ void find_candidates(const Asking& asking, const Cast& cast) {
               });
 }
 
-/// visit(hit) returns how far hits still matter [m, 30 fraction bits]. After find_near().
+/// visit(met) returns how far hits still matter [m, 30 fraction bits]. After find_near().
 template <class Visit> void for_each_hit_near(const Asking& asking, const Cast& cast, Visit&& visit) {
     find_candidates(asking, cast);
     constexpr std::int64_t slack = 1 << 10; // what roundings can move a ball
     std::int64_t matters = std::int64_t{1} << 60;
     for (const QueryWork::Candidate& c : asking.work->candidates) {
         if (c.enter > matters + slack) break;
-        QueryHit hit{};
-        if (cast_at(asking, cast, row_of_slot(asking.w, c.slot), {c.enter, c.exit}, hit))
-            matters = std::min(matters, visit(hit));
+        Met met;
+        if (cast_at(asking, cast, c.slot, {c.enter, c.exit}, met)) matters = std::min(matters, visit(met));
     }
-}
-template <class Visit>
-void for_each_hit(const Scene& scene, const Cast& cast, const QueryFilter& filter, Visit&& visit) {
-    const Asking asking(scene);
-    find_near(asking, cast, filter);
-    for_each_hit_near(asking, cast, visit);
 }
 
 /// After find_near().
-std::optional<QueryHit> first_hit(const Asking& asking, const Cast& cast) {
-    std::optional<QueryHit> first;
-    for_each_hit_near(asking, cast, [&](const QueryHit& hit) {
-        if (!first || hit < *first) first = hit;
-        return first->distance.raw >> 2;
+bool first_hit(const Asking& asking, const Cast& cast, Met& first) {
+    bool found = false;
+    for_each_hit_near(asking, cast, [&](const Met& met) {
+        if (!found || met < first) first = met;
+        found = true;
+        return first.travelled_30;
     });
-    return first;
+    return found;
 }
 std::optional<QueryHit> first_hit(const Scene& scene, const Cast& cast, const QueryFilter& filter) {
     const Asking asking(scene);
     find_near(asking, cast, filter);
-    return first_hit(asking, cast);
+    Met first;
+    if (!first_hit(asking, cast, first)) return std::nullopt;
+    return query_hit(asking, cast, first);
 }
 
 bool any_hit(const Scene& scene, const Cast& cast, const QueryFilter& filter) {
+    const Asking asking(scene);
+    find_near(asking, cast, filter);
     bool found = false;
-    for_each_hit(scene, cast, filter, [&](const QueryHit&) {
+    for_each_hit_near(asking, cast, [&](const Met&) {
         found = true;
         return -(std::int64_t{1} << 60);
     });
@@ -275,8 +301,10 @@ bool any_hit(const Scene& scene, const Cast& cast, const QueryFilter& filter) {
 }
 
 void all_hits(const Scene& scene, const Cast& cast, const QueryFilter& filter, std::vector<QueryHit>& hits) {
-    for_each_hit(scene, cast, filter, [&](const QueryHit& hit) {
-        hits.push_back(hit);
+    const Asking asking(scene);
+    find_near(asking, cast, filter);
+    for_each_hit_near(asking, cast, [&](const Met& met) {
+        hits.push_back(query_hit(asking, cast, met));
         return std::int64_t{1} << 60;
     });
     std::sort(hits.begin(), hits.end());
@@ -312,8 +340,7 @@ bool nearest_of(const Asking& asking, const ShapeRow& shape, const shapes::Solid
     local.normal = nearest.normal;
     local.feature = nearest.feature_a;
     const Rotation axes = axes_of(at);
-    hit = world_hit(asking, shape, frame, axes, local);
-    hit.distance = to<Real>(nearest.distance);
+    hit = query_hit(asking, world_hit(shape, frame.position, axes, local, to<Real>(nearest.distance)));
     on_other = frame.position + lockstone::mul<Real>(axes, nearest.on_b);
     return true;
 }
@@ -367,14 +394,14 @@ std::optional<QueryHit> cast_shape(const Scene& scene, const Geometry& geometry,
 }
 
 void cast_balls(const Scene& scene, std::span<const BallCast> balls, const QueryFilter& filter,
-                std::span<std::optional<QueryHit>> hits) {
+                std::span<FirstHit> hits) {
     const Asking asking(scene);
     std::array<shapes::Solid, balls_max> solids;
     std::array<Cast, balls_max> casts;
     std::array<std::size_t, balls_max> index;
     std::size_t count = 0;
     for (std::size_t i = 0; i < balls.size(); ++i) {
-        hits[i].reset();
+        hits[i].shape = {};
         const BallCast& ball = balls[i];
         Cast& cast = casts[count];
         if (count == 0 ? !make_cast(ball.from, ball.way, cast)
@@ -401,7 +428,8 @@ void cast_balls(const Scene& scene, std::span<const BallCast> balls, const Query
     }
     if (count == 0) return;
     find_near(asking, std::span(casts).first(count), filter);
-    for (std::size_t k = 0; k < count; ++k) hits[index[k]] = first_hit(asking, casts[k]);
+    for (std::size_t k = 0; k < count; ++k)
+        if (Met first; first_hit(asking, casts[k], first)) hits[index[k]] = world_hit(asking, first);
 }
 
 bool cast_ray_any(const Scene& scene, const Ray& ray, const QueryFilter& filter) {

@@ -67,6 +67,16 @@ std::optional<QueryHit> nearest(const Scene& scene, const Geometry& geometry, co
                                 Real limit, const QueryFilter& filter);
 std::optional<ShapeDistance> distance(const Scene& scene, ShapeId a, ShapeId b);
 
+/// Where a cast meets a shape first: of a QueryHit what ticks ask.
+struct FirstHit {
+    ShapeId shape; ///< null: it meets nothing, and nothing else is set
+    BodyId body;
+    Real distance; ///< travelled [m]
+    Vec3 point;
+    UnitVec3 normal;
+    std::uint32_t feature;
+};
+
 /// A ball that is moved from a point along a way.
 struct BallCast {
     Real radius;
@@ -75,6 +85,6 @@ struct BallCast {
 inline constexpr std::size_t balls_max = 8;
 /// As cast_shape() of each ball; of balls that start near each other, what is near is found once. At most balls_max.
 void cast_balls(const Scene& scene, std::span<const BallCast> balls, const QueryFilter& filter,
-                std::span<std::optional<QueryHit>> hits);
+                std::span<FirstHit> hits);
 
 } // namespace lockstone::sim

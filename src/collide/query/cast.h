@@ -35,6 +35,9 @@ struct Line; // cast_line.h
 /// The same along a line's way, wherever the line begins.
 bool cast_shape(const shapes::Solid& solid, const shapes::Solid& moving, const RelativePose& pose,
                 const Line& way, NarrowScratch& scratch, CastHit& hit);
+/// The same of a ball, along a line in the frame of a solid that has triangles.
+bool cast_ball(const shapes::Solid& solid, const Line& line, std::int64_t radius_24, NarrowScratch& scratch,
+               CastHit& hit);
 
 /// Nearest points of two solids, at most one of them with triangles or a plane. False when further apart than `limit`.
 struct Nearest {

@@ -4,25 +4,6 @@
 
 namespace lockstone::collide {
 
-namespace {
-
-constexpr std::int64_t start_max_24 = std::int64_t{1} << (17 + 24);
-
-CoordinateVec3 coordinates_of(Long3 p) {
-    return {Coordinate::from_raw(p[0]), Coordinate::from_raw(p[1]), Coordinate::from_raw(p[2])};
-}
-
-} // namespace
-
-CoordinateVec3 coordinates(Long3 p_24) { return coordinates_of(p_24); }
-
-bool move_line(CoordinateVec3 from, Line& line) {
-    line.from_24 = raw(from);
-    for (int i = 0; i < 3; ++i)
-        if (line.from_24[i] > start_max_24 || line.from_24[i] < -start_max_24) return false;
-    return true;
-}
-
 bool make_line(CoordinateVec3 from, CoordinateVec3 way, Line& out) {
     if (!move_line(from, out)) return false;
     out.way_24 = raw(way);
@@ -81,10 +62,8 @@ CastHit hit_at(const Line& line, std::int64_t at_30, Long3 normal_30, std::uint3
     const std::int64_t at = clamped(at_30, 0, line.length_30);
     CastHit hit{};
     hit.distance = Coordinate::from_raw(shift_right_rounded(at, 6));
-    hit.fraction = line.length_30 == 0
-                       ? Unit{}
-                       : Unit::from_raw(static_cast<std::int32_t>(divide_shifted(at, line.length_30, 30)));
-    hit.point = coordinates_of(shifted(point_30(line, at), 6));
+    hit.fraction = fraction_of(line, at);
+    hit.point = coordinates(shifted(point_30(line, at), 6));
     hit.normal = unit_of_30(normal_30);
     hit.feature = feature;
     return hit;
@@ -107,10 +86,6 @@ std::int64_t reach_24(const shapes::Solid& solid) {
 }
 
 bool is_convex(const shapes::Solid& solid) { return solid.geometry.kind <= ShapeKind::hull; }
-bool has_triangles(const shapes::Solid& solid) {
-    return solid.geometry.kind == ShapeKind::mesh || solid.geometry.kind == ShapeKind::height_field;
-}
-
 RelativePose part_pose(const RelativePose& pose, const Transform& part) {
     return {pose.rotation * to_rotation(part.rotation),
             pose.position + lockstone::mul<Coordinate>(pose.rotation, part.position)};

@@ -16,7 +16,13 @@ struct Line {
 /// False when the way is longer than cast_length_max or starts further than 2^17 m away on an axis.
 bool make_line(CoordinateVec3 from, CoordinateVec3 way, Line& out);
 /// The same line from elsewhere.
-bool move_line(CoordinateVec3 from, Line& line);
+inline bool move_line(CoordinateVec3 from, Line& line) {
+    constexpr std::int64_t start_max_24 = std::int64_t{1} << (17 + 24);
+    line.from_24 = raw(from);
+    for (int i = 0; i < 3; ++i)
+        if (line.from_24[i] > start_max_24 || line.from_24[i] < -start_max_24) return false;
+    return true;
+}
 
 /// a . b without overflow, `drop` fraction bits rounded away. For components of up to 2^62 and sums below 2^126.
 constexpr std::int64_t dot_dropped(Long3 a, Long3 b, int drop) {
@@ -77,18 +83,28 @@ inline bool comes_first(const CastHit& a, const CastHit& b) {
     return a.distance != b.distance ? a.distance < b.distance : a.feature < b.feature;
 }
 
+/// How much of the line a place in it has behind it.
+inline Unit fraction_of(const Line& line, std::int64_t at_30) {
+    if (line.length_30 == 0) return Unit{};
+    return Unit::from_raw(static_cast<std::int32_t>(divide_shifted(at_30, line.length_30, 30)));
+}
+
 /// A hit at a place of the line (clamped to its ends), with the normal of the surface.
 CastHit hit_at(const Line& line, std::int64_t at_30, Long3 normal_30, std::uint32_t feature);
 CastHit hit_at_start(const Line& line, std::uint32_t feature);
 
-CoordinateVec3 coordinates(Long3 p_24);
+inline CoordinateVec3 coordinates(Long3 p_24) {
+    return {Coordinate::from_raw(p_24[0]), Coordinate::from_raw(p_24[1]), Coordinate::from_raw(p_24[2])};
+}
 
 /// Radius of a ball about the solid's origin that holds it. Not of a plane.
 std::int64_t reach_24(const shapes::Solid& solid);
 
 /// A primitive at scale 1, a hull, or any of them rounded; what collide calls convex.
 bool is_convex(const shapes::Solid& solid);
-bool has_triangles(const shapes::Solid& solid);
+inline bool has_triangles(const shapes::Solid& solid) {
+    return solid.geometry.kind == ShapeKind::mesh || solid.geometry.kind == ShapeKind::height_field;
+}
 
 /// The pose of a part of a solid that is at `pose`.
 RelativePose part_pose(const RelativePose& pose, const Transform& part);

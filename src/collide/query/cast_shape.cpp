@@ -16,8 +16,8 @@ constexpr std::int64_t close_30 = 1024; ///< 1 um: nearer counts as touching
 constexpr int steps_max = 64;
 
 struct Caster {
-    const Line& line; ///< of the shape's origin, in the solid's frame
-    Convex shape;     ///< at the origin
+    const Line& line;    ///< of the shape's origin, in the solid's frame
+    const Convex& shape; ///< at the origin
     std::int64_t reach_24;
 };
 
@@ -25,10 +25,9 @@ Long3 position_24(const Line& line, std::int64_t at_30) {
     return at_30 == 0 ? line.from_24 : shifted(point_30(line, at_30), 6);
 }
 
-/// A ball that moves towards a triangle.
+/// A ball that moves towards triangles.
 struct BallPath {
     const Line& line;
-    const shapes::Face& triangle;
     std::int64_t radius_24;
 
     /// Within 32 m on each axis: products stay in 64 bits.
@@ -40,10 +39,11 @@ struct BallPath {
     }
     /// A place after `from_30`, where the ball is at `from_24`, at which it comes down onto the plane from the front: to half of
     /// what counts as touching. False when it touches the plane already or is far away: then nothing is known.
-    bool find_plane(std::int64_t from_30, Long3 from_24, std::int64_t slope_60, std::int64_t& at_30) const {
-        const Long3 off = from_24 - raw(triangle.corner[0]), normal = raw(triangle.normal);
+    bool find_plane(const shapes::FacePlane& plane, std::int64_t from_30, Long3 from_24, std::int64_t slope_60,
+                    std::int64_t& at_30) const {
+        const Long3 off = from_24 - raw(plane.on);
         if (!is_near(off)) return false;
-        const std::int64_t gap = shift_right_rounded(dot(normal, off), 24) - up(radius_24, 6);
+        const std::int64_t gap = shift_right_rounded(dot(raw(plane.normal), off), 24) - up(radius_24, 6);
         if (gap <= close_30) return false;
         // Off the grazing, and within 8 m, 30 bits of the slope are enough for a billionth of the way.
         constexpr std::int64_t steep_60 = std::int64_t{1} << 55;
@@ -53,8 +53,8 @@ struct BallPath {
                                            : divide_shifted(way, -slope_60, 60));
         return true;
     }
-    /// Whether a centre is above the triangle.
-    bool is_above(Long3 at_24) const {
+    /// Whether a centre is above a triangle.
+    static bool is_above(const shapes::Face& triangle, Long3 at_24) {
         const Long3 normal = raw(triangle.normal);
         const Long3 off[3] = {at_24 - raw(triangle.corner[0]), at_24 - raw(triangle.corner[1]),
                               at_24 - raw(triangle.corner[2])};
@@ -66,12 +66,18 @@ struct BallPath {
         }
         return true;
     }
-    /// Of a ball that came down onto the triangle's face.
-    CastHit hit_on_face(std::int64_t at_30, Long3 at_24) const {
-        const Long3 normal = raw(triangle.normal);
-        CastHit hit = hit_at(line, at_30, normal, triangle.index);
-        hit.point = coordinates(at_24 - shifted(normal * (radius_24 + (close_30 >> 7)), 30));
+    /// Of a ball that came down onto a triangle's face, within the line.
+    CastHit hit_on_face(const shapes::Face& triangle, std::int64_t at_30, Long3 at_24) const {
+        CastHit hit;
+        hit.distance = distance_at(at_30);
+        hit.fraction = fraction_of(line, at_30);
+        hit.point = coordinates(at_24 - shifted(raw(triangle.normal) * (radius_24 + (close_30 >> 7)), 30));
+        hit.normal = triangle.normal;
+        hit.feature = triangle.index;
         return hit;
+    }
+    static Coordinate distance_at(std::int64_t at_30) {
+        return Coordinate::from_raw(shift_right_rounded(at_30, 6));
     }
 };
 
@@ -126,29 +132,41 @@ void try_obstacle(const Caster& c, const Obstacle& o, Span span, CastHit& hit, b
     found = true;
 }
 
+/// At the origin. A ball's axes nobody asks for.
+Convex ball_of(std::int64_t radius_24) {
+    Convex ball{};
+    ball.core = Convex::Core::point;
+    ball.radius = Coordinate::from_raw(radius_24);
+    return ball;
+}
+
 /// Balls against triangles: first those that the ball comes down on, for what it may touch beside them then ends there. The order
 /// decides on speed alone.
 class BallCaster {
   public:
-    BallCaster(const Caster& caster, Span where, CastHit& first, bool& any)
-        : c(caster), span(where), from_24(position_24(caster.line, where.enter_30)), hit(first), found(any) {}
+    /// Of the part of a path from a place on, where the ball is at `at_24`.
+    BallCaster(const shapes::Solid& of, const BallPath& way, Span where, Long3 at_24, CastHit& first, bool& any)
+        : solid(of), path(way), span(where), from_24(at_24), hit(first), found(any) {}
 
-    void visit(const Obstacle& o) {
-        const std::int64_t slope = slope_60(raw(o.triangle->normal), c.line.unit_60);
-        const BallPath path{c.line, *o.triangle, c.shape.radius.raw};
+    void visit(std::uint32_t index) {
+        const shapes::FacePlane plane = shapes::plane_at(solid, index);
+        const std::int64_t slope = slope_60(raw(plane.normal), path.line.unit_60);
         std::int64_t at = 0;
-        if (slope >= 0 || !path.find_plane(span.enter_30, from_24, slope, at))
-            return try_obstacle(c, o, span, hit, found);
+        if (slope >= 0 || !path.find_plane(plane, span.enter_30, from_24, slope, at))
+            return touch(shapes::face_at(solid, index), span);
         if (at > span.exit_30) return;
-        const Long3 at_24 = position_24(c.line, at);
-        if (!path.is_above(at_24)) {
+        // Behind a face that it came down on; in the same place the lower index is the first, and that was visited before.
+        if (at >= face_30 && BallPath::distance_at(at) >= hit.distance) return;
+        const shapes::Face triangle = shapes::face_at(solid, index);
+        const Long3 at_24 = position_24(path.line, at);
+        if (!BallPath::is_above(triangle, at_24)) {
             if (count < waiting_max)
-                waiting[count++] = {*o.triangle, at, o.one_sided};
+                waiting[count++] = {triangle, at};
             else
-                try_obstacle(c, o, {at, span.exit_30}, hit, found);
+                touch(triangle, {at, span.exit_30});
             return;
         }
-        const CastHit on_face = path.hit_on_face(at, at_24);
+        const CastHit on_face = path.hit_on_face(triangle, at, at_24);
         if (!found || comes_first(on_face, hit)) hit = on_face;
         found = true;
         face_30 = smaller(face_30, at);
@@ -159,20 +177,25 @@ class BallCaster {
             // It only touches later. Of faces side by side in one plane rounding would decide which is first.
             if (last.at_30 >= face_30 - close_30 || (found && last.at_30 >= up(hit.distance.raw, 6)))
                 continue;
-            const Obstacle o{Obstacle::Kind::triangle, last.triangle.index, nullptr, nullptr,
-                             &last.triangle,           last.one_sided};
-            try_obstacle(c, o, {last.at_30, span.exit_30}, hit, found);
+            touch(last.triangle, {last.at_30, span.exit_30});
         }
     }
 
   private:
+    [[gnu::noinline]] void touch(const shapes::Face& triangle, Span where) {
+        const Convex ball = ball_of(path.radius_24);
+        const Obstacle o{Obstacle::Kind::triangle, triangle.index, nullptr, nullptr,
+                         &triangle,                !shapes::is_two_sided(solid)};
+        try_obstacle({path.line, ball, path.radius_24}, o, where, hit, found);
+    }
+
     static constexpr std::size_t waiting_max = 12;
     struct Waiting {
         shapes::Face triangle;
         std::int64_t at_30; ///< not touched before
-        bool one_sided;
     };
-    const Caster& c;
+    const shapes::Solid& solid;
+    const BallPath& path;
     Span span;
     Long3 from_24;
     CastHit& hit;
@@ -182,45 +205,41 @@ class BallCaster {
     std::array<Waiting, waiting_max> waiting;
 };
 
-/// At the origin. A ball's axes nobody asks for.
-Convex shape_of(const shapes::Solid& solid, const Rotation& rotation) {
-    if (solid.geometry.kind != ShapeKind::sphere) return convex_of(solid, rotation, CoordinateVec3{});
-    Convex ball{};
-    ball.core = Convex::Core::point;
-    ball.radius = Coordinate::from_raw(reach_24(solid));
-    return ball;
-}
-
-/// Along the line in pieces of a few times the shape's size, so that few triangles are looked at twice.
-bool cast_in_pieces(const shapes::Solid& solid, const Caster& c, NarrowScratch& scratch, CastHit& hit) {
-    const std::int64_t first_piece = larger(up(c.reach_24, 6) * 8, std::int64_t{1} << 26);
-    Span span{0, c.line.length_30};
-    if (c.line.length_30 > first_piece) {
+/// Along the line in pieces of a few times the shape's size, so that few obstacles are looked at twice, until something is found before
+/// the next. look(span, at_24, where) is told the rest of the line, its begin, and the box of the piece; it returns how many it saw.
+template <class Look>
+void look_in_pieces(const shapes::Solid& solid, const Line& line, std::int64_t reach_24, const bool& found,
+                    const CastHit& hit, Look&& look) {
+    const std::int64_t first_piece = larger(up(reach_24, 6) * 8, std::int64_t{1} << 26);
+    Span span{0, line.length_30};
+    if (line.length_30 > first_piece) {
         const shapes::Extent e = shapes::extent_of(solid);
-        span = span_of_box(c.line, swept_extent(raw(e.lower), raw(e.upper), c.reach_24));
+        span = span_of_box(line, swept_extent(raw(e.lower), raw(e.upper), reach_24));
     }
-    bool found = false;
     std::int64_t piece = first_piece;
     for (std::int64_t from = span.enter_30; from <= span.exit_30;) {
         if (found && up(hit.distance.raw, 6) <= from) break;
         const std::int64_t end = smaller(from + piece, span.exit_30);
-        const shapes::Extent where =
-            swept_extent(position_24(c.line, from), position_24(c.line, end), c.reach_24 + 256);
-        std::uint32_t seen = 0;
-        BallCaster balls(c, {from, span.exit_30}, hit, found);
-        for_each_obstacle(solid, where, scratch, [&](const Obstacle& o) {
-            ++seen;
-            if (o.kind == Obstacle::Kind::triangle && c.shape.core == Convex::Core::point)
-                balls.visit(o);
-            else
-                try_obstacle(c, o, {from, span.exit_30}, hit, found);
-        });
-        balls.finish();
+        const Long3 from_24 = position_24(line, from);
+        const std::size_t seen = look(Span{from, span.exit_30}, from_24,
+                                      swept_extent(from_24, position_24(line, end), reach_24 + 256));
         from = end + 1;
         piece = seen == 0   ? smaller(piece * 2, first_piece * 64)
                 : seen > 64 ? larger(piece / 2, first_piece / 8)
                             : piece;
     }
+}
+
+bool cast_in_pieces(const shapes::Solid& solid, const Caster& c, NarrowScratch& scratch, CastHit& hit) {
+    bool found = false;
+    look_in_pieces(solid, c.line, c.reach_24, found, hit, [&](Span rest, Long3, const shapes::Extent& where) {
+        std::size_t seen = 0;
+        for_each_obstacle(solid, where, scratch, [&](const Obstacle& o) {
+            ++seen;
+            try_obstacle(c, o, rest, hit, found);
+        });
+        return seen;
+    });
     return found;
 }
 
@@ -232,7 +251,11 @@ bool cast_convex(const shapes::Solid& solid, const shapes::Solid& moving, const 
                                     : pose.position;
     Line line = way;
     if (!move_line(from, line)) return false;
-    const Caster c{line, shape_of(moving, pose.rotation), reach_24(moving)};
+    const bool is_ball = moving.geometry.kind == ShapeKind::sphere;
+    const std::int64_t reach = reach_24(moving);
+    if (is_ball && has_triangles(solid)) return cast_ball(solid, line, reach, scratch, hit);
+    const Convex shape = is_ball ? ball_of(reach) : convex_of(moving, pose.rotation, CoordinateVec3{});
+    const Caster c{line, shape, reach};
     if (has_triangles(solid) || solid.geometry.kind == ShapeKind::compound)
         return cast_in_pieces(solid, c, scratch, hit);
     const Obstacle whole{solid.geometry.kind == ShapeKind::plane ? Obstacle::Kind::plane
@@ -251,6 +274,22 @@ bool cast_convex(const shapes::Solid& solid, const shapes::Solid& moving, const 
 }
 
 } // namespace
+
+bool cast_ball(const shapes::Solid& solid, const Line& line, std::int64_t radius_24, NarrowScratch& scratch,
+               CastHit& hit) {
+    const BallPath path{line, radius_24};
+    bool found = false;
+    look_in_pieces(solid, line, radius_24, found, hit,
+                   [&](Span rest, Long3 from_24, const shapes::Extent& where) {
+                       scratch.triangles.clear();
+                       shapes::find_triangles(solid, where, scratch.triangles);
+                       BallCaster balls(solid, path, rest, from_24, hit, found);
+                       for (const std::uint32_t index : scratch.triangles) balls.visit(index);
+                       balls.finish();
+                       return scratch.triangles.size();
+                   });
+    return found;
+}
 
 bool cast_shape(const shapes::Solid& solid, const shapes::Solid& moving, const RelativePose& pose,
                 CoordinateVec3 translation, NarrowScratch& scratch, CastHit& hit) {

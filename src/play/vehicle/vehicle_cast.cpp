@@ -17,22 +17,27 @@ struct WheelCastWay {
     Vec3 raise, way; ///< down by a radius, and as far as the hub may be
 };
 
-bool stands_on(const QueryHit& hit, UnitVec3 down) { return -dot<Real>(hit.normal, down) >= steepest; }
+bool stands_on(const FirstHit& hit, UnitVec3 down) { return -dot<Real>(hit.normal, down) >= steepest; }
 
-WheelHit cast_ray_wheel(const Scene& scene, const QueryFilter& filter, const WheelDef& wheel,
-                        const WheelCastWay& way) {
-    const std::optional<QueryHit> hit =
-        cast_ray(scene, {way.from, lockstone::scale<Real>(way.down, way.to_hub + wheel.radius)}, filter);
-    if (!hit || !stands_on(*hit, way.down)) return {};
-    return {true, *hit, hit->distance - wheel.radius - wheel.radius};
+FirstHit first_of(const std::optional<QueryHit>& hit) {
+    if (!hit) return {};
+    return {hit->shape, hit->body, hit->distance, hit->point, hit->normal, hit->feature};
+}
+
+void cast_ray_wheel(const Scene& scene, const QueryFilter& filter, const WheelDef& wheel,
+                    const WheelCastWay& way, WheelHit& out) {
+    out.hit = first_of(
+        cast_ray(scene, {way.from, lockstone::scale<Real>(way.down, way.to_hub + wheel.radius)}, filter));
+    if (out.hit.shape && !stands_on(out.hit, way.down)) out.hit.shape = {};
+    out.length = out.hit.distance - wheel.radius - wheel.radius;
 }
 
 /// The ground that the cast solid of a wheel found. Where that is a wall beside the wheel, or a shape in which the cast begins, a ray looks past it.
-WheelHit ground_of(const Scene& scene, const QueryFilter& filter, const WheelDef& wheel,
-                   const WheelCastWay& way, const std::optional<QueryHit>& solid_hit) {
-    if (!solid_hit) return {};
-    if (stands_on(*solid_hit, way.down)) return {true, *solid_hit, solid_hit->distance - wheel.radius};
-    return cast_ray_wheel(scene, filter, wheel, way);
+void find_ground(const Scene& scene, const QueryFilter& filter, const WheelDef& wheel,
+                 const WheelCastWay& way, WheelHit& out) {
+    if (!out.hit.shape) return;
+    if (!stands_on(out.hit, way.down)) return cast_ray_wheel(scene, filter, wheel, way, out);
+    out.length = out.hit.distance - wheel.radius;
 }
 
 constexpr UnitVec3 up_axis{Unit{}, unit_one, Unit{}};
@@ -73,21 +78,25 @@ void cast_wheels(const Scene& scene, const VehicleDef& def, const VehicleMemory&
     const QueryFilter filter{def.category, def.mask, 7, 0, def.chassis};
     WheelCastWays ways;
     find_ways(scene.model, def, memory, ways);
-    std::array<std::optional<QueryHit>, vehicle_wheels_max> hits;
     if (def.cast == WheelCast::sphere) {
         static_assert(balls_max >= vehicle_wheels_max);
         std::array<BallCast, vehicle_wheels_max> balls;
+        std::array<FirstHit, vehicle_wheels_max> hits;
         for (std::uint32_t i = 0; i < def.wheel_count; ++i)
             balls[i] = {def.wheel[i].radius, ways[i].from, ways[i].way};
         cast_balls(scene, std::span(balls).first(def.wheel_count), filter, hits);
+        for (std::uint32_t i = 0; i < def.wheel_count; ++i) out[i].hit = hits[i];
     }
     for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
         const WheelDef& wheel = def.wheel[i];
+        if (def.cast == WheelCast::ray) {
+            cast_ray_wheel(scene, filter, wheel, ways[i], out[i]);
+            continue;
+        }
         if (def.cast == WheelCast::cylinder)
-            hits[i] = cast_shape(scene, cylinder(wheel.radius, half(wheel.width)),
-                                 {ways[i].from, ways[i].rotation}, ways[i].way, filter);
-        out[i] = def.cast == WheelCast::ray ? cast_ray_wheel(scene, filter, wheel, ways[i])
-                                            : ground_of(scene, filter, wheel, ways[i], hits[i]);
+            out[i].hit = first_of(cast_shape(scene, cylinder(wheel.radius, half(wheel.width)),
+                                             {ways[i].from, ways[i].rotation}, ways[i].way, filter));
+        find_ground(scene, filter, wheel, ways[i], out[i]);
     }
 }
 
@@ -101,7 +110,7 @@ bool VehicleDriver::stands_as_before(const Scene& scene, std::uint32_t k) const 
     WheelHits found;
     cast_wheels(scene, def, memory, found);
     for (std::uint32_t i = 0; i < def.wheel_count; ++i)
-        if ((found[i].found ? found[i].hit.shape : ShapeId{}) != memory.wheel[i].ground) return false;
+        if (found[i].hit.shape != memory.wheel[i].ground) return false;
     return true;
 }
 
@@ -121,10 +130,10 @@ bool VehicleDriver::cast(Model& w, const Scene& scene) {
         }
         cast_wheels(scene, def, w.state.rows(w.m.vehicle_memory)[k], hits[k]);
         for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
-            const WheelHit& ground = hits[k][i];
-            if (!ground.found || is_awake(w, w.row_of(ground.hit.body))) continue;
-            if (w.state.rows(w.m.body_info)[w.row_of(ground.hit.body)].kind != BodyKind::dynamic) continue;
-            wake(w, ground.hit.body);
+            const FirstHit& ground = hits[k][i].hit;
+            if (!ground.shape || is_awake(w, w.row_of(ground.body))) continue;
+            if (w.state.rows(w.m.body_info)[w.row_of(ground.body)].kind != BodyKind::dynamic) continue;
+            wake(w, ground.body);
             woke = true;
         }
     }

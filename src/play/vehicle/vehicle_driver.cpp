@@ -115,9 +115,9 @@ void shift_gears(const Model& w, solve::DrivenVehicle& v) {
 // ---- what wheels stand on ------------------------------------------------------------------------------------------
 
 solve::WheelGround ground_of(const Scene& scene, const WheelHit& wheel) {
-    if (!wheel.found) return {};
+    const FirstHit& hit = wheel.hit;
+    if (!hit.shape) return {};
     const Model& w = scene.model;
-    const QueryHit& hit = wheel.hit;
     const ShapeTraits& shape = w.traits_of(w.state.rows(w.m.shape)[w.row_of(hit.shape)]);
     const PlacedShapes::Shape& placed = scene.placed.shape[hit.shape.index - 1];
     const Touch touch = touch_of(shape, placed.solid, hit.feature);

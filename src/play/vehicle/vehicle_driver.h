@@ -12,9 +12,8 @@ namespace lockstone::sim {
 
 /// What a wheel was cast onto.
 struct WheelHit {
-    bool found;
-    QueryHit hit;
-    Real length; ///< of the suspension [m]
+    FirstHit hit; ///< of no shape: nothing
+    Real length;  ///< of the suspension [m]
 };
 
 class VehicleDriver {

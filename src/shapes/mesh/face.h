@@ -14,11 +14,12 @@ struct Face {
 /// Of a solid that has triangles: the face of triangle_at().
 Face face_at(const Solid& solid, std::uint32_t index);
 
-/// A corner of a face and its normal, which tell its plane.
+/// The first corner of a face and its normal, which tell its plane.
 struct FacePlane {
     CoordinateVec3 on;
     UnitVec3 normal;
 };
+FacePlane plane_at(const Solid& solid, std::uint32_t index); ///< of face_at()
 
 /// What lies beside a face, as in Triangle.
 struct FaceEdges {

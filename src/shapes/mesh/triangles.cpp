@@ -31,6 +31,12 @@ Face face_at(const Solid& solid, std::uint32_t index) {
                                  : solid.height_field->face(index, solid.geometry.scale);
 }
 
+FacePlane plane_at(const Solid& solid, std::uint32_t index) {
+    if (solid.mesh != nullptr && solid.geometry.scale == scale_one) return solid.mesh->plane(index);
+    const Face face = face_at(solid, index);
+    return {face.corner[0], face.normal};
+}
+
 FaceEdges edges_at(const Solid& solid, const Face& face) {
     return solid.mesh != nullptr ? solid.mesh->edges(face, solid.geometry.scale)
                                  : solid.height_field->edges(face, solid.geometry.scale);
