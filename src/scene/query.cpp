@@ -62,7 +62,8 @@ struct Cast {
     const shapes::Solid* solid; ///< null: a ray
     Quat rotation;
     Coordinate reach;
-    collide::Line line; ///< from 0 along the way, world axes
+    collide::NearFaces* near; ///< of a ball that is cast again and again, else null
+    collide::Line line;       ///< from 0 along the way, world axes
 };
 
 bool make_cast(Vec3 from, Vec3 way, Cast& out) {
@@ -71,6 +72,7 @@ bool make_cast(Vec3 from, Vec3 way, Cast& out) {
     out.solid = nullptr;
     out.rotation = Quat::identity();
     out.reach = Coordinate{};
+    out.near = nullptr;
     for (int i = 0; i < 3; ++i)
         if (abs(way[i]) > query_length_max) return false;
     return collide::make_line(CoordinateVec3{}, to<Coordinate>(way), out.line) &&
@@ -159,7 +161,8 @@ bool cast_at(const Asking& asking, const Cast& cast, std::uint32_t slot, collide
                is_whole = span.enter_30 <= 0 && span.exit_30 >= line.length_30 && !turns;
     if (is_whole && cast.solid != nullptr && cast.solid->geometry.kind == ShapeKind::sphere &&
         collide::has_triangles(at.solid)) {
-        if (!collide::cast_ball(at.solid, line, collide::reach_24(*cast.solid), narrow, out.local)) return false;
+        if (!collide::cast_ball(at.solid, line, collide::reach_24(*cast.solid), cast.near, narrow, out.local))
+            return false;
     } else {
         const CoordinateVec3 begin = collide::coordinates(collide::place_24(line, span.enter_30));
         const CoordinateVec3 end = collide::coordinates(collide::place_24(line, span.exit_30));
@@ -424,6 +427,7 @@ void cast_balls(const Scene& scene, std::span<const BallCast> balls, const Query
             cast.solid = &solids[count];
             cast.reach = known.reach;
         }
+        cast.near = ball.near;
         index[count++] = i;
     }
     if (count == 0) return;

@@ -5,7 +5,7 @@
 #pragma once
 
 #include "base/lock.h"
-#include "collide/narrow_phase.h"
+#include "collide/query/cast.h"
 #include "lockstone/query.h"
 #include "scene/placed_shapes.h"
 
@@ -81,6 +81,7 @@ struct FirstHit {
 struct BallCast {
     Real radius;
     Vec3 from, way;
+    collide::NearFaces* near = nullptr; ///< for that which is cast thereabouts again and again
 };
 inline constexpr std::size_t balls_max = 8;
 /// As cast_shape() of each ball; of balls that start near each other, what is near is found once. At most balls_max.

@@ -5,6 +5,9 @@
 #pragma once
 
 #include "collide/narrow_phase.h"
+#include "shapes/mesh/face.h"
+
+#include <vector>
 
 namespace lockstone::collide {
 
@@ -35,9 +38,20 @@ struct Line; // cast_line.h
 /// The same along a line's way, wherever the line begins.
 bool cast_shape(const shapes::Solid& solid, const shapes::Solid& moving, const RelativePose& pose,
                 const Line& way, NarrowScratch& scratch, CastHit& hit);
-/// The same of a ball, along a line in the frame of a solid that has triangles.
-bool cast_ball(const shapes::Solid& solid, const Line& line, std::int64_t radius_24, NarrowScratch& scratch,
-               CastHit& hit);
+/// The triangles of a solid around a place, kept by one who casts a ball thereabouts again and again. Changes speed only.
+struct NearFaces {
+    struct Entry {
+        shapes::Extent box;
+        shapes::Face face;
+    };
+    Geometry of{}; ///< of the solid, whose asset is named by its content; of a ball: nothing is kept
+    shapes::Extent within{};  ///< all whose boxes meet this are kept...
+    bool too_many = false;    ///< ... but for these
+    std::vector<Entry> faces; ///< ascending
+};
+/// The same of a ball, along a line in the frame of a solid that has triangles. `near` may be null.
+bool cast_ball(const shapes::Solid& solid, const Line& line, std::int64_t radius_24, NearFaces* near,
+               NarrowScratch& scratch, CastHit& hit);
 
 /// Nearest points of two solids, at most one of them with triangles or a plane. False when further apart than `limit`.
 struct Nearest {

@@ -39,8 +39,8 @@ struct BallPath {
     }
     /// A place after `from_30`, where the ball is at `from_24`, at which it comes down onto the plane from the front: to half of
     /// what counts as touching. False when it touches the plane already or is far away: then nothing is known.
-    bool find_plane(const shapes::FacePlane& plane, std::int64_t from_30, Long3 from_24, std::int64_t slope_60,
-                    std::int64_t& at_30) const {
+    bool find_plane(const shapes::FacePlane& plane, std::int64_t from_30, Long3 from_24,
+                    std::int64_t slope_60, std::int64_t& at_30) const {
         const Long3 off = from_24 - raw(plane.on);
         if (!is_near(off)) return false;
         const std::int64_t gap = shift_right_rounded(dot(raw(plane.normal), off), 24) - up(radius_24, 6);
@@ -145,19 +145,20 @@ Convex ball_of(std::int64_t radius_24) {
 class BallCaster {
   public:
     /// Of the part of a path from a place on, where the ball is at `at_24`.
-    BallCaster(const shapes::Solid& of, const BallPath& way, Span where, Long3 at_24, CastHit& first, bool& any)
+    BallCaster(const shapes::Solid& of, const BallPath& way, Span where, Long3 at_24, CastHit& first,
+               bool& any)
         : solid(of), path(way), span(where), from_24(at_24), hit(first), found(any) {}
 
-    void visit(std::uint32_t index) {
-        const shapes::FacePlane plane = shapes::plane_at(solid, index);
+    /// face(): what the plane is of.
+    template <class MakeFace> void visit(const shapes::FacePlane& plane, MakeFace&& face) {
         const std::int64_t slope = slope_60(raw(plane.normal), path.line.unit_60);
         std::int64_t at = 0;
         if (slope >= 0 || !path.find_plane(plane, span.enter_30, from_24, slope, at))
-            return touch(shapes::face_at(solid, index), span);
+            return touch(face(), span);
         if (at > span.exit_30) return;
         // Behind a face that it came down on; in the same place the lower index is the first, and that was visited before.
         if (at >= face_30 && BallPath::distance_at(at) >= hit.distance) return;
-        const shapes::Face triangle = shapes::face_at(solid, index);
+        const shapes::Face& triangle = face();
         const Long3 at_24 = position_24(path.line, at);
         if (!BallPath::is_above(triangle, at_24)) {
             if (count < waiting_max)
@@ -184,8 +185,8 @@ class BallCaster {
   private:
     [[gnu::noinline]] void touch(const shapes::Face& triangle, Span where) {
         const Convex ball = ball_of(path.radius_24);
-        const Obstacle o{Obstacle::Kind::triangle, triangle.index, nullptr, nullptr,
-                         &triangle,                !shapes::is_two_sided(solid)};
+        const Obstacle o{Obstacle::Kind::triangle,    triangle.index, nullptr, nullptr, &triangle,
+                         !shapes::is_two_sided(solid)};
         try_obstacle({path.line, ball, path.radius_24}, o, where, hit, found);
     }
 
@@ -243,6 +244,31 @@ bool cast_in_pieces(const shapes::Solid& solid, const Caster& c, NarrowScratch& 
     return found;
 }
 
+bool holds(const shapes::Extent& all, const shapes::Extent& part) {
+    for (int i = 0; i < 3; ++i)
+        if (part.lower[i] < all.lower[i] || part.upper[i] > all.upper[i]) return false;
+    return true;
+}
+
+/// Whether the triangles whose boxes meet `where` are kept. Those around it are, where they are few, when they were not.
+bool keeps(NearFaces& near, const shapes::Solid& solid, const shapes::Extent& where, std::int64_t radius_24,
+           NarrowScratch& scratch) {
+    if (near.of == solid.geometry && holds(near.within, where)) return !near.too_many;
+    constexpr std::size_t few = 64; // each is looked at by every ball
+    near.of = solid.geometry;
+    near.within = swept_extent(raw(where.lower), raw(where.upper), 2 * radius_24);
+    near.faces.clear();
+    scratch.triangles.clear();
+    shapes::find_triangles(solid, near.within, scratch.triangles);
+    near.too_many = scratch.triangles.size() > few;
+    for (std::size_t i = 0; i < scratch.triangles.size() && !near.too_many; ++i) {
+        const shapes::Face face = shapes::face_at(solid, scratch.triangles[i]);
+        const CoordinateVec3(&c)[3] = face.corner;
+        near.faces.push_back({{min(c[0], min(c[1], c[2])), max(c[0], max(c[1], c[2]))}, face});
+    }
+    return !near.too_many;
+}
+
 bool cast_convex(const shapes::Solid& solid, const shapes::Solid& moving, const RelativePose& pose,
                  const Line& way, NarrowScratch& scratch, CastHit& hit) {
     // Above a plane only the height counts: the place beside it would leave the range far from the plane's origin.
@@ -253,7 +279,7 @@ bool cast_convex(const shapes::Solid& solid, const shapes::Solid& moving, const 
     if (!move_line(from, line)) return false;
     const bool is_ball = moving.geometry.kind == ShapeKind::sphere;
     const std::int64_t reach = reach_24(moving);
-    if (is_ball && has_triangles(solid)) return cast_ball(solid, line, reach, scratch, hit);
+    if (is_ball && has_triangles(solid)) return cast_ball(solid, line, reach, nullptr, scratch, hit);
     const Convex shape = is_ball ? ball_of(reach) : convex_of(moving, pose.rotation, CoordinateVec3{});
     const Caster c{line, shape, reach};
     if (has_triangles(solid) || solid.geometry.kind == ShapeKind::compound)
@@ -275,18 +301,31 @@ bool cast_convex(const shapes::Solid& solid, const shapes::Solid& moving, const 
 
 } // namespace
 
-bool cast_ball(const shapes::Solid& solid, const Line& line, std::int64_t radius_24, NarrowScratch& scratch,
-               CastHit& hit) {
+bool cast_ball(const shapes::Solid& solid, const Line& line, std::int64_t radius_24, NearFaces* near,
+               NarrowScratch& scratch, CastHit& hit) {
     const BallPath path{line, radius_24};
     bool found = false;
     look_in_pieces(solid, line, radius_24, found, hit,
                    [&](Span rest, Long3 from_24, const shapes::Extent& where) {
-                       scratch.triangles.clear();
-                       shapes::find_triangles(solid, where, scratch.triangles);
                        BallCaster balls(solid, path, rest, from_24, hit, found);
-                       for (const std::uint32_t index : scratch.triangles) balls.visit(index);
+                       std::size_t seen = 0;
+                       if (near != nullptr && keeps(*near, solid, where, radius_24, scratch)) {
+                           for (const NearFaces::Entry& e : near->faces) {
+                               if (!shapes::overlap(e.box, where)) continue;
+                               ++seen;
+                               balls.visit({e.face.corner[0], e.face.normal},
+                                           [&e]() -> const shapes::Face& { return e.face; });
+                           }
+                       } else {
+                           scratch.triangles.clear();
+                           shapes::find_triangles(solid, where, scratch.triangles);
+                           seen = scratch.triangles.size();
+                           for (const std::uint32_t index : scratch.triangles)
+                               balls.visit(shapes::plane_at(solid, index),
+                                           [&] { return shapes::face_at(solid, index); });
+                       }
                        balls.finish();
-                       return scratch.triangles.size();
+                       return seen;
                    });
     return found;
 }

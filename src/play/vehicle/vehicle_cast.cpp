@@ -74,7 +74,8 @@ void find_ways(const Model& w, const VehicleDef& def, const VehicleMemory& memor
 using WheelHits = std::array<WheelHit, vehicle_wheels_max>;
 
 /// Finds the ground of all wheels of a vehicle.
-void cast_wheels(const Scene& scene, const VehicleDef& def, const VehicleMemory& memory, WheelHits& out) {
+void cast_wheels(const Scene& scene, const VehicleDef& def, const VehicleMemory& memory,
+                 std::span<collide::NearFaces> near, WheelHits& out) {
     const QueryFilter filter{def.category, def.mask, 7, 0, def.chassis};
     WheelCastWays ways;
     find_ways(scene.model, def, memory, ways);
@@ -83,7 +84,7 @@ void cast_wheels(const Scene& scene, const VehicleDef& def, const VehicleMemory&
         std::array<BallCast, vehicle_wheels_max> balls;
         std::array<FirstHit, vehicle_wheels_max> hits;
         for (std::uint32_t i = 0; i < def.wheel_count; ++i)
-            balls[i] = {def.wheel[i].radius, ways[i].from, ways[i].way};
+            balls[i] = {def.wheel[i].radius, ways[i].from, ways[i].way, &near[i]};
         cast_balls(scene, std::span(balls).first(def.wheel_count), filter, hits);
         for (std::uint32_t i = 0; i < def.wheel_count; ++i) out[i].hit = hits[i];
     }
@@ -103,12 +104,12 @@ void cast_wheels(const Scene& scene, const VehicleDef& def, const VehicleMemory&
 } // namespace
 
 /// Whether the wheels of a vehicle that sleeps find the same shapes as when it fell asleep.
-bool VehicleDriver::stands_as_before(const Scene& scene, std::uint32_t k) const {
+bool VehicleDriver::stands_as_before(const Scene& scene, std::uint32_t k) {
     const Model& w = scene.model;
     const VehicleDef& def = w.state.rows(w.m.vehicle)[k].def;
     const VehicleMemory& memory = w.state.rows(w.m.vehicle_memory)[k];
     WheelHits found;
-    cast_wheels(scene, def, memory, found);
+    cast_wheels(scene, def, memory, near[k], found);
     for (std::uint32_t i = 0; i < def.wheel_count; ++i)
         if (found[i].hit.shape != memory.wheel[i].ground) return false;
     return true;
@@ -118,6 +119,7 @@ bool VehicleDriver::cast(Model& w, const Scene& scene) {
     const std::span<const VehicleRow> rows = w.state.rows(w.m.vehicle);
     if (rows.empty()) return false;
     hits.resize(rows.size());
+    near.resize(rows.size());
     bool woke = false;
     for (std::uint32_t k = 0; k < rows.size(); ++k) {
         const VehicleDef& def = rows[k].def;
@@ -128,7 +130,7 @@ bool VehicleDriver::cast(Model& w, const Scene& scene) {
             woke = true;
             continue;
         }
-        cast_wheels(scene, def, w.state.rows(w.m.vehicle_memory)[k], hits[k]);
+        cast_wheels(scene, def, w.state.rows(w.m.vehicle_memory)[k], near[k], hits[k]);
         for (std::uint32_t i = 0; i < def.wheel_count; ++i) {
             const FirstHit& ground = hits[k][i].hit;
             if (!ground.shape || is_awake(w, w.row_of(ground.body))) continue;

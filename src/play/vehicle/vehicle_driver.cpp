@@ -175,7 +175,8 @@ void VehicleDriver::store(Model& w) const {
 }
 
 void VehicleDriver::poison(std::byte with) {
-    auto& [hit_list, vehicle_list] = *this;
+    auto& [near_list, hit_list, vehicle_list] = *this;
+    near_list.clear();
     base::poison(with, hit_list, vehicle_list);
 }
 

@@ -30,8 +30,11 @@ class VehicleDriver {
     void poison(std::byte with);
 
   private:
-    bool stands_as_before(const Scene& scene, std::uint32_t vehicle_row) const;
+    bool stands_as_before(const Scene& scene, std::uint32_t vehicle_row);
 
+    /// Of the wheels of a vehicle that are cast as balls: what they were cast at before.
+    using WheelFaces = std::array<collide::NearFaces, vehicle_wheels_max>;
+    std::vector<WheelFaces> near;                               ///< by row
     std::vector<std::array<WheelHit, vehicle_wheels_max>> hits; ///< by row
     std::vector<solve::DrivenVehicle> vehicles;                 ///< by row, of those that are awake
 };

@@ -59,8 +59,8 @@ struct Standing {
 /// nothing that is written, so workers take them in any order.
 class VehicleSolver {
   public:
-    /// Once a tick, when the bodies are in solver form. Definitions are kept until store().
-    void prepare(std::span<const DrivenVehicle> driven, const BodyColumns& columns, const StepConstants& step,
+    /// Once a tick, when the bodies are in solver form. What is driven stays where it is until store().
+    void prepare(std::span<DrivenVehicle> driven, const BodyColumns& columns, const StepConstants& step,
                  const SolverBodies& bodies, Tasks* tasks = nullptr);
     /// At the begin of a substep, after the velocities were integrated.
     void warm_start(const StepConstants& step, SolverBodies& bodies);

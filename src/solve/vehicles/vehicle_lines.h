@@ -72,6 +72,9 @@ constexpr Real quotient(Real n, Real d) {
     return Real::from_raw(raise > -62 ? shift_right_rounded(q, -raise) : 0);
 }
 
+/// x / Real(count) of count > 0, without the bits that both are shifted by.
+constexpr Real divided(Real x, std::int64_t count) { return Real::from_raw(divide_shifted(x.raw, count, 0)); }
+
 inline constexpr int share_bits = 31;
 /// n / d of 0 <= n <= d, d > 0, with share_bits fraction bits: of their leading 32 bits.
 constexpr std::int64_t share_of(std::int64_t n, std::int64_t d) {

@@ -148,7 +148,7 @@ void prepare_wheel(const Making& of, std::uint32_t i, Real share) {
     Vehicle& v = of.v;
     const WheelDef& def = v.def->wheel[i];
     const WheelGround& ground = of.driven.ground[i];
-    WheelMemory& memory = v.memory.wheel[i];
+    WheelMemory& memory = v.memory->wheel[i];
     Wheel& wheel = v.wheel[i] = Wheel{};
     wheel.ground = bodies.still();
     wheel.length = memory.length = def.length_max;
@@ -194,7 +194,7 @@ void prepare_bars(const StepConstants& step, const SolverBodies& bodies, Vehicle
     for (std::uint32_t k = 0; k < vehicle_couplings_max; ++k) {
         const AntiRollBar& bar = v.def->anti_roll[k];
         Wheel &a = v.wheel[bar.wheel_a], &b = v.wheel[bar.wheel_b];
-        Real& p = v.memory.anti_roll[k];
+        Real& p = v.memory->anti_roll[k];
         BarRow& row = v.bar[k] = BarRow{};
         row.holds = bar.wheel_a != bar.wheel_b && bar.stiffness > Real{} && a.touches && b.touches;
         p = row.holds ? clamp(p, -impulse_max, impulse_max) : Real{};
@@ -204,8 +204,8 @@ void prepare_bars(const StepConstants& step, const SolverBodies& bodies, Vehicle
         const WheelLine &of_a = a.normal, &of_b = b.normal;
         const Real shared = mobility(bodies.body[v.chassis], of_a.d, of_a.xc, of_b.d, of_b.xc);
         row.kappa = max(of_a.kappa + of_b.kappa - shared * 2, Real{});
-        const Real rate = bar.stiffness / v.mass / Real(step.substeps_per_second);
-        const Real soft = rate / Real(step.substeps_per_second), whole = Real(1) + soft * row.kappa;
+        const Real rate = divided(bar.stiffness / v.mass, step.substeps_per_second);
+        const Real soft = divided(rate, step.substeps_per_second), whole = Real(1) + soft * row.kappa;
         row.pull = quotient(rate, whole), row.yield = quotient(soft, whole);
     }
 }
@@ -244,7 +244,7 @@ void VehicleSolver::find_convoys(const SolverBodies& bodies) {
     convoy_begin.push_back(count);
 }
 
-void VehicleSolver::prepare(std::span<const DrivenVehicle> driven, const BodyColumns& columns,
+void VehicleSolver::prepare(std::span<DrivenVehicle> driven, const BodyColumns& columns,
                             const StepConstants& step, const SolverBodies& bodies, Tasks* workers) {
     tasks = workers;
     substeps_left = step.substeps;
@@ -254,9 +254,9 @@ void VehicleSolver::prepare(std::span<const DrivenVehicle> driven, const BodyCol
     const std::uint32_t count = static_cast<std::uint32_t>(driven.size());
     const Real substep = Real(1) / Real(step.substeps_per_second);
     base::for_chunks(tasks, count, 1, [&](std::uint32_t k, std::uint32_t, std::uint32_t) {
-        const DrivenVehicle& d = driven[k];
+        DrivenVehicle& d = driven[k];
         Vehicle& v = vehicles[k];
-        v.def = d.def, v.input = d.input, v.memory = d.memory, v.ratio = d.ratio;
+        v.def = d.def, v.input = d.input, v.memory = &d.memory, v.ratio = d.ratio;
         v.chassis = d.chassis;
         v.mass = columns.mass[v.chassis].mass;
         find_shares(*v.def, columns.mass[v.chassis].center, shares[d.row]);

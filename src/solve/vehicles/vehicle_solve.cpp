@@ -102,7 +102,7 @@ void solve_bar(const Pass& pass, std::uint32_t k) {
     const BarRow& row = v.bar[k];
     if (!row.holds) return;
     Wheel &a = v.wheel[v.def->anti_roll[k].wheel_a], &b = v.wheel[v.def->anti_roll[k].wheel_b];
-    Real& p = v.memory.anti_roll[k];
+    Real& p = v.memory->anti_roll[k];
     Real next{};
     if (a.compression > Real{} && b.compression > Real{}) {
         const Real speed = line_speed<Real>(pass.chassis, a, a.normal, pass.bodies) -
@@ -282,7 +282,6 @@ void VehicleSolver::store(const StepConstants& step, const SolverBodies& bodies,
     for (std::size_t n = 0; n < vehicles.size(); ++n) {
         const Vehicle& v = vehicles[n];
         VehicleMemory& m = driven[n].memory;
-        m = v.memory;
         m.engine_speed = v.engine_speed;
         m.clutch = m.steer_coupling = Real{};
         m.differential = {};
@@ -296,7 +295,7 @@ void VehicleSolver::store(const StepConstants& step, const SolverBodies& bodies,
             const Wheel& wheel = v.wheel[i];
             WheelMemory& out = m.wheel[i];
             out.spin = v.group[wheel.group].spin;
-            out.rotation += v.group[wheel.group].turned / Real(step.substeps_per_second);
+            out.rotation += divided(v.group[wheel.group].turned, step.substeps_per_second);
             if (out.rotation < Real{} || out.rotation >= two_pi - decimal<Real>("0.001")) {
                 const Real turns = out.rotation / two_pi;
                 out.rotation = clamp(out.rotation - two_pi * floor(turns), Real{}, two_pi);

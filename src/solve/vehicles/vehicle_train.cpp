@@ -36,7 +36,7 @@ template <class Number> Number within_one(Number x) {
 /// Speed that the engine's torque gives it in a substep. The limiter takes the fuel away over the last hundredth below rpm_max.
 template <class Number> Number engine_push(const Vehicle& v) {
     const Number one = number<Number>(Real(1)),
-                 throttle = number<Number>(v.memory.shift_ticks > 0 ? Real{} : v.input.throttle);
+                 throttle = number<Number>(v.memory->shift_ticks > 0 ? Real{} : v.input.throttle);
     const Number relative = number<Number>(v.engine_speed) * number<Number>(v.engine.per_speed);
     const Number left = within_one((one - relative) * number<Number>(Real(100)));
     const Number drag = (one - throttle) * relative * number<Number>(v.engine.drag);
@@ -202,25 +202,25 @@ void prepare_train(Vehicle& v) {
         SpinGroup& g = v.group[group];
         g.inertia += def.wheel[i].inertia;
         g.first = tracked ? 0 : i, g.last = tracked ? def.wheel_count - 1 : i;
-        g.spin = clamp(v.memory.wheel[i].spin, -part_spin_max, part_spin_max);
+        g.spin = clamp(v.memory->wheel[i].spin, -part_spin_max, part_spin_max);
         share[group] = tracked ? half(Real(1)) : def.wheel[i].drive_share;
         driven += def.wheel[i].drive_share;
     }
-    v.engine_speed = clamp(v.memory.engine_speed, Real{}, part_spin_max);
+    v.engine_speed = clamp(v.memory->engine_speed, Real{}, part_spin_max);
     if (v.ratio != Real{} && (tracked || driven > Real{})) {
         Coupling& c = v.coupling[v.coupling_count++];
         c = Coupling{};
-        c.source = coupling_clutch, c.engine = Real(1), c.impulse = v.memory.clutch;
+        c.source = coupling_clutch, c.engine = Real(1), c.impulse = v.memory->clutch;
         for (std::uint32_t g = 0; g < v.group_count; ++g) c.group[g] = -(v.ratio * share[g]);
     } else {
-        v.memory.clutch = Real{};
+        v.memory->clutch = Real{};
     }
     for (std::uint32_t d = 0; d < vehicle_couplings_max && !tracked; ++d) {
         const Differential& diff = def.differential[d];
         if (diff.kind == DifferentialKind::open || diff.wheels_a == 0 || diff.wheels_b == 0) continue;
         Coupling& c = v.coupling[v.coupling_count++];
         c = Coupling{};
-        c.source = d, c.impulse = v.memory.differential[d];
+        c.source = d, c.impulse = v.memory->differential[d];
         for (std::uint32_t g = 0; g < v.group_count; ++g) {
             if ((diff.wheels_a >> g & 1u) != 0) c.group[g] = Real(1) / Real(std::popcount(diff.wheels_a));
             if ((diff.wheels_b >> g & 1u) != 0) c.group[g] = -(Real(1) / Real(std::popcount(diff.wheels_b)));
@@ -229,8 +229,8 @@ void prepare_train(Vehicle& v) {
     if (tracked) { // left faster than right by steer / ratio of the engine's speed
         Coupling& c = v.coupling[v.coupling_count++];
         c = Coupling{};
-        c.source = coupling_steering, c.engine = v.memory.steer / def.tracks.steer_ratio;
-        c.impulse = v.memory.steer_coupling;
+        c.source = coupling_steering, c.engine = v.memory->steer / def.tracks.steer_ratio;
+        c.impulse = v.memory->steer_coupling;
         c.group[0] = Real(-1);
         c.group[1] = Real(1);
     }
@@ -244,7 +244,6 @@ void prepare_rims(const StepConstants& step, Vehicle& v) {
     for (std::uint32_t k = 0; k < v.group_count; ++k)
         if (SpinGroup& g = v.group[k]; g.by_inertia.of != g.inertia || g.inertia <= Real{})
             g.by_inertia = Divisor::make(g.inertia);
-    const Real per_second = Real(step.substeps_per_second);
     for (std::uint32_t i = 0; i < v.def->wheel_count; ++i) {
         const WheelDef& def = v.def->wheel[i];
         Wheel& wheel = v.wheel[i];
@@ -252,7 +251,8 @@ void prepare_rims(const StepConstants& step, Vehicle& v) {
         tyres |= 1u << def.tyre;
         wheel.tyre = def.tyre, wheel.radius = def.radius;
         wheel.brake_torque = v.input.brake * def.brake_torque + v.input.hand_brake * def.hand_brake_torque;
-        if (wheel.brake_torque != Real{}) wheel.brake_torque = wheel.brake_torque / per_second;
+        if (wheel.brake_torque != Real{})
+            wheel.brake_torque = divided(wheel.brake_torque, step.substeps_per_second);
         if (!wheel.touches) continue;
         ++g.on_ground;
         const Real lever = def.radius * v.mass;
@@ -298,18 +298,17 @@ static void find_engine(const StepConstants& step, const EngineDef& def, EngineR
 void prepare_engine(const StepConstants& step, Vehicle& v) {
     const EngineDef& def = v.def->engine;
     EngineRow& engine = v.engine;
-    const Real per_second = Real(step.substeps_per_second);
     find_engine(step, def, engine);
     for (std::uint32_t k = 0; k < v.coupling_count; ++k) {
         Coupling& c = v.coupling[k];
-        c.engine_answer = c.engine * c.engine / def.inertia;
+        c.engine_answer = c.engine == Real(1) ? engine.inertia.inverse : c.engine * c.engine / def.inertia;
         for (std::uint32_t g = 0; g < v.group_count; ++g) c.group_square[g] = c.group[g] * c.group[g];
         c.kind = c.source < coupling_clutch ? v.def->differential[c.source].kind : DifferentialKind::open;
         const Real most = c.source == coupling_clutch          ? v.def->gearbox.clutch_torque
                           : c.source == coupling_steering      ? v.def->tracks.steer_torque
                           : c.kind == DifferentialKind::locked ? torque_max
                                                                : v.def->differential[c.source].preload;
-        c.most = most / per_second;
+        c.most = divided(most, step.substeps_per_second);
     }
     v.small_engine = max(engine.push, engine.drag) < small_push;
     v.small_train = v.small_engine && engine.inertia.inverse < small_inverse && !engine.inertia.large;

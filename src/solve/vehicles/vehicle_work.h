@@ -124,7 +124,7 @@ struct EngineRow {
 struct Vehicle {
     const VehicleDef* def; ///< of the state; nothing is made or destroyed within a tick
     VehicleInput input;
-    VehicleMemory memory;
+    VehicleMemory* memory; ///< of the DrivenVehicle
     std::uint32_t chassis; ///< row of the body columns
     Real mass;
     /// [rad/s]; engine turns per turn of the wheels, 0: in neutral or between gears
