@@ -61,13 +61,14 @@ void push_lines(Chassis& chassis, const Wheel& wheel, SolverBodies& bodies) {
 
 void write_back(const Chassis& chassis, SolverBody& body) {
     constexpr std::int64_t most = speed_most << chassis_bits;
+    constexpr std::int64_t finer = std::int64_t{1} << chassis_to_accumulator;
     const Chassis before(body);
-    const auto add = [&](std::int64_t& v, std::int64_t from, std::int64_t to) {
-        v += (std::clamp(to, -most, most) - from) * (std::int64_t{1} << chassis_to_accumulator);
-    };
+    const bool far = chassis.is_far();
     for (int i = 0; i < 3; ++i) {
-        add(body.v[i], before.v[i], chassis.v[i]);
-        add(body.u[i], before.u[i], chassis.u[i]);
+        const std::int64_t v = far ? std::clamp(chassis.v[i], -most, most) : chassis.v[i],
+                           u = far ? std::clamp(chassis.u[i], -most, most) : chassis.u[i];
+        body.v[i] += (v - before.v[i]) * finer;
+        body.u[i] += (u - before.u[i]) * finer;
     }
 }
 

@@ -120,6 +120,7 @@ struct Chassis {
     /// Before a loop over wheels, and in it after anything but a small wheel's impulses of up to 1 m/s. Arms of a small wheel are
     /// below 8, for it is ordinary: two impulses of each of eight wheels add at most 16 to |v| and 128 to |u|.
     void look() { roomy = is_within<7>(v) && is_within<6>(u); }
+    bool is_far() const { return !is_within<11>(v) || !is_within<11>(u); } ///< at 2048 m/s or beyond
 
   private:
     template <int Bits> static bool is_within(const std::int64_t (&x)[3]) {

@@ -140,6 +140,7 @@ struct Making {
     const DrivenVehicle& driven;
     Real substep; ///< [s]
     Vehicle& v;
+    UnitVec3 down; ///< of the wheel's suspension
 };
 
 /// `share`: of the mass of the chassis.
@@ -176,8 +177,7 @@ void prepare_wheel(const Making& of, std::uint32_t i, Real share) {
         wheel.mixed += wheel.ratio * mobility(bodies.body[wheel.ground], wheel.along.d, wheel.along.xg, left,
                                               wheel.across.xg);
     wheel.length_begin = ground.length;
-    wheel.per_length =
-        quotient(Real(1), max(-dot<Real>(n, lockstone::mul<Unit>(of.driven.axes, def.direction)), 0.5_r));
+    wheel.per_length = quotient(Real(1), max(-dot<Real>(n, of.down), 0.5_r));
     wheel.grip = quotient(ground.friction, v.def->tyre[def.tyre].ground_friction);
     set_spring(of.substep, def, share, wheel);
     // A wheel does not start from impulses that it had on another ground.
@@ -260,8 +260,12 @@ void VehicleSolver::prepare(std::span<DrivenVehicle> driven, const BodyColumns& 
         v.chassis = d.chassis;
         v.mass = columns.mass[v.chassis].mass;
         find_shares(*v.def, columns.mass[v.chassis].center, shares[d.row]);
-        const Making of{columns, bodies, d, substep, v};
-        for (std::uint32_t i = 0; i < v.def->wheel_count; ++i) prepare_wheel(of, i, shares[d.row].share[i]);
+        Making of{columns, bodies, d, substep, v, {}};
+        for (std::uint32_t i = 0; i < v.def->wheel_count; ++i) {
+            if (const auto& wheel = v.def->wheel; i == 0 || wheel[i].direction != wheel[i - 1].direction)
+                of.down = lockstone::mul<Unit>(d.axes, wheel[i].direction);
+            prepare_wheel(of, i, shares[d.row].share[i]);
+        }
         prepare_bars(step, bodies, v);
         prepare_train(v);
         prepare_rims(step, v);

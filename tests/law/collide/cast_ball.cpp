@@ -1,0 +1,66 @@
+// Balls that are cast at triangles again and again: what is kept from cast to cast changes no hit.
+#include "collide/query/cast_line.h"
+#include "oracle/mesh_scenes.h"
+
+#include <algorithm>
+#include <cmath>
+
+using namespace lockstone;
+using namespace mesh_scenes;
+
+namespace {
+
+bool same(const collide::CastHit& a, const collide::CastHit& b) {
+    return a.distance == b.distance && a.fraction == b.fraction && a.point == b.point &&
+           a.normal == b.normal && a.feature == b.feature;
+}
+
+/// A ball that wanders over a ground and is cast down a metre from each place, with what it kept and without.
+struct Wanderer {
+    const Owned& ground;
+    collide::NearFaces near = {};
+    collide::NarrowScratch scratch = {};
+    int hits = 0, differing = 0;
+
+    void cast(D3 from, Length radius) {
+        const collide::RelativePose pose = pose_at(from, Quat::identity());
+        const CoordinateVec3 way{Coordinate{}, Coordinate(-1), Coordinate{}};
+        collide::CastHit expected{};
+        const bool meets = collide::cast_shape(ground.solid, primitive(sphere(to<Real>(radius))), pose, way,
+                                               scratch, expected);
+        collide::Line line{};
+        REQUIRE(collide::make_line(pose.position, way, line));
+        collide::CastHit hit{};
+        const bool found = collide::cast_ball(ground.solid, line, radius.raw, &near, scratch, hit);
+        if (found != meets || (found && !same(hit, expected))) ++differing;
+        if (meets) ++hits;
+    }
+};
+
+/// Around a place.
+void wander(const Owned& ground, std::uint64_t seed, double place = 0) {
+    oracle::Random random(seed);
+    Wanderer w{ground};
+    D3 at{place, 0, place};
+    const Length radius = quantize<Length>(0.35);
+    for (int i = 0; i < 400; ++i) {
+        for (double* x : {&at.x, &at.z})
+            *x = std::clamp(*x + random.uniform(-0.3, 0.3), place - 6, place + 6);
+        w.cast({at.x, random.uniform(0.2, 1.2), at.z}, radius);
+    }
+    CHECK(w.differing == 0);
+    CHECK(w.hits > 100);
+}
+
+} // namespace
+
+TEST_CASE("a ball meets the same triangles whatever was kept of its last cast") {
+    const auto flat = [](double, double) { return 0.0; };
+    const auto rough = [](double x, double z) { return 0.3 * std::sin(2 * x) * std::cos(3 * z); };
+    wander(mesh(grid(-8, -8, 1, 16, 16, 0, 0, flat)), 1);
+    wander(mesh(grid(-8, -8, 1, 16, 16, 0.3, 2, rough)), 2);
+    wander(mesh(grid(-8, -8, 0.25, 64, 64, 0.3, 3, rough), true), 3); // more than are kept
+    const LengthVec3 scale{quantize<Length>(1.5), quantize<Length>(0.5), quantize<Length>(1.25)};
+    wander(mesh(grid(-8, -8, 1, 16, 16, 0.3, 4, rough), false, scale), 4);
+    wander(height_field(33, 33, 0.5, [&](double x, double z) { return rough(x / 2, z / 2); }), 5, 8);
+}
