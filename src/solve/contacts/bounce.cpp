@@ -26,8 +26,8 @@ template <unsigned N> struct Lane {
     unsigned lane;
 
     /// Level and tilts of the normal speed.
-    void speeds(const SolverBodies& bodies, std::int64_t (&out)[3]) const {
-        const SolverBody &a = bodies.body[pack.body_a[lane]], &b = bodies.body[pack.body_b[lane]];
+    void speeds(const SolverBody* bodies, std::int64_t (&out)[3]) const {
+        const SolverBody &a = bodies[pack.body_a[lane]], &b = bodies[pack.body_b[lane]];
         std::int64_t move[3], turn_a[3], turn_b[3], any = 0;
         for (int i = 0; i < 3; ++i) {
             move[i] = speed_part(sub_saturated(b.v[i], a.v[i]));
@@ -81,32 +81,49 @@ template <unsigned N> struct Lane {
     }
 };
 
+/// Whether no point will bounce in this tick: what a point that was pushed came in with stays as it is.
+template <unsigned N>
+bool is_settled(const Bounce& bounce, const ContactPack<N>& pack, std::int32_t speed_min) {
+    for (int k = 0; k < pack.point_count; ++k) {
+        const bool stays = bounce.impulse_max[k] > 0 && bounce.approach[k] > -speed_min;
+        if (!stays && pack.points[k].kappa[bounce.lane] != 0) return false;
+    }
+    return true;
+}
+
 } // namespace
 
 template <unsigned N>
-void measure_approach(std::span<Bounce> bounces, std::span<const ContactPack<N>> packs,
-                      const SolverBodies& bodies) {
-    for (Bounce& bounce : bounces) {
-        const ContactPack<N>& pack = packs[bounce.pack];
-        const auto is_free = [&pack, &bounce](int k) { // nothing has pushed the point so far
-            return pack.points[k].impulse[bounce.lane] <= 0 && bounce.impulse_max[k] <= 0;
-        };
-        bool any = false;
-        for (int k = 0; k < pack.point_count; ++k) any = any || is_free(k);
-        if (!any) continue;
-        const Lane<N> at{pack, bounce.lane};
-        std::int64_t speed[3];
-        at.speeds(bodies, speed);
-        for (int k = 0; k < pack.point_count; ++k)
-            if (is_free(k)) bounce.approach[k] = static_cast<std::int32_t>(at.at_point(k, speed));
+void keep_approach(const ContactPack<N>& pack, Bounce* bounces, const std::int32_t (&speed)[4][N]) {
+    for (std::uint32_t i = 0; i < pack.bounce_count; ++i) {
+        Bounce& bounce = bounces[pack.bounce + i];
+        for (int k = 0; k < pack.point_count; ++k) {
+            const bool was_hit = pack.points[k].impulse[bounce.lane] > 0 || bounce.impulse_max[k] > 0;
+            if (!was_hit) bounce.approach[k] = speed[k][bounce.lane];
+        }
     }
 }
 
 template <unsigned N>
-void note_bounce(const ContactPack<N>& pack, Bounce* bounces, const std::int32_t (&speed_before)[4][N],
-                 const std::int32_t (&speed_after)[4][N], const std::int32_t (&impulse_before)[4][N]) {
-    constexpr std::int64_t limit = std::int64_t{1} << 62, most = std::int64_t{1} << 30;
+void measure_approach(const ContactPack<N>& pack, Bounce* bounces, const SolverBody* bodies) {
+    std::int32_t found[4][N];
     for (std::uint32_t i = 0; i < pack.bounce_count; ++i) {
+        const unsigned lane = bounces[pack.bounce + i].lane;
+        const Lane<N> at{pack, lane};
+        std::int64_t speed[3];
+        at.speeds(bodies, speed);
+        for (int k = 0; k < pack.point_count; ++k)
+            found[k][lane] = static_cast<std::int32_t>(at.at_point(k, speed));
+    }
+    keep_approach(pack, bounces, found);
+}
+
+template <unsigned N>
+void note_bounce(ContactPack<N>& pack, Bounce* bounces, std::int32_t speed_min,
+                 const std::int32_t (&speed_before)[4][N], const std::int32_t (&speed_after)[4][N],
+                 const std::int32_t (&impulse_before)[4][N]) {
+    constexpr std::int64_t limit = std::int64_t{1} << 62, most = std::int64_t{1} << 30;
+    for (std::uint32_t i = pack.bounce_count; i-- > 0;) {
         Bounce& bounce = bounces[pack.bounce + i];
         for (int k = 0; k < pack.point_count; ++k) {
             const std::int32_t now = pack.points[k].impulse[bounce.lane];
@@ -122,6 +139,9 @@ void note_bounce(const ContactPack<N>& pack, Bounce* bounces, const std::int32_t
                 std::int64_t{speed_before[k][bounce.lane]} + speed_after[k][bounce.lane], -most, most);
             bounce.taken[k] = std::clamp(bounce.taken[k] - change * speeds, -limit, limit);
         }
+        // Behind those that are still looked at; no two of a pack share a body that moves.
+        if (is_settled(bounce, pack, speed_min))
+            std::swap(bounce, bounces[pack.bounce + --pack.bounce_count]);
     }
 }
 
@@ -159,7 +179,7 @@ void give_back(std::span<Bounce> bounces, std::span<ContactPack<N>> packs, std::
         std::uint32_t points;
         if (!find_targets(bounce, pack, speed_min, target, points)) continue;
         const Lane<N> at{pack, lane};
-        at.speeds(bodies, speed);
+        at.speeds(bodies.body.data(), speed);
         std::int64_t sum[3] = {};
         const auto add = [&](int k, std::int64_t change) {
             PointLanes<N>& point = pack.points[k];
@@ -301,29 +321,33 @@ template <unsigned N> void forget_impacts(ContactPack<N>& pack, WarmStart* warm)
     pack.impacts = 0;
 }
 
-template void measure_approach(std::span<Bounce>, std::span<const ContactPack<1>>, const SolverBodies&);
+template void measure_approach(const ContactPack<1>&, Bounce*, const SolverBody*);
+template void keep_approach(const ContactPack<1>&, Bounce*, const std::int32_t (&)[4][1]);
 template void give_back(std::span<Bounce>, std::span<ContactPack<1>>, std::int32_t, SolverBodies&);
 template void solve_rolling(std::span<Rolling>, std::span<const ContactPack<1>>, SolverBodies&, bool);
 template void forget_impacts(ContactPack<1>&, WarmStart*);
-template void note_bounce(const ContactPack<1>&, Bounce*, const std::int32_t (&)[4][1],
+template void note_bounce(ContactPack<1>&, Bounce*, std::int32_t, const std::int32_t (&)[4][1],
                           const std::int32_t (&)[4][1], const std::int32_t (&)[4][1]);
-template void measure_approach(std::span<Bounce>, std::span<const ContactPack<2>>, const SolverBodies&);
+template void measure_approach(const ContactPack<2>&, Bounce*, const SolverBody*);
+template void keep_approach(const ContactPack<2>&, Bounce*, const std::int32_t (&)[4][2]);
 template void give_back(std::span<Bounce>, std::span<ContactPack<2>>, std::int32_t, SolverBodies&);
 template void solve_rolling(std::span<Rolling>, std::span<const ContactPack<2>>, SolverBodies&, bool);
 template void forget_impacts(ContactPack<2>&, WarmStart*);
-template void note_bounce(const ContactPack<2>&, Bounce*, const std::int32_t (&)[4][2],
+template void note_bounce(ContactPack<2>&, Bounce*, std::int32_t, const std::int32_t (&)[4][2],
                           const std::int32_t (&)[4][2], const std::int32_t (&)[4][2]);
-template void measure_approach(std::span<Bounce>, std::span<const ContactPack<4>>, const SolverBodies&);
+template void measure_approach(const ContactPack<4>&, Bounce*, const SolverBody*);
+template void keep_approach(const ContactPack<4>&, Bounce*, const std::int32_t (&)[4][4]);
 template void give_back(std::span<Bounce>, std::span<ContactPack<4>>, std::int32_t, SolverBodies&);
 template void solve_rolling(std::span<Rolling>, std::span<const ContactPack<4>>, SolverBodies&, bool);
 template void forget_impacts(ContactPack<4>&, WarmStart*);
-template void note_bounce(const ContactPack<4>&, Bounce*, const std::int32_t (&)[4][4],
+template void note_bounce(ContactPack<4>&, Bounce*, std::int32_t, const std::int32_t (&)[4][4],
                           const std::int32_t (&)[4][4], const std::int32_t (&)[4][4]);
-template void measure_approach(std::span<Bounce>, std::span<const ContactPack<8>>, const SolverBodies&);
+template void measure_approach(const ContactPack<8>&, Bounce*, const SolverBody*);
+template void keep_approach(const ContactPack<8>&, Bounce*, const std::int32_t (&)[4][8]);
 template void give_back(std::span<Bounce>, std::span<ContactPack<8>>, std::int32_t, SolverBodies&);
 template void solve_rolling(std::span<Rolling>, std::span<const ContactPack<8>>, SolverBodies&, bool);
 template void forget_impacts(ContactPack<8>&, WarmStart*);
-template void note_bounce(const ContactPack<8>&, Bounce*, const std::int32_t (&)[4][8],
+template void note_bounce(ContactPack<8>&, Bounce*, std::int32_t, const std::int32_t (&)[4][8],
                           const std::int32_t (&)[4][8], const std::int32_t (&)[4][8]);
 
 } // namespace lockstone::solve

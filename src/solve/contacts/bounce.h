@@ -5,11 +5,6 @@
 
 namespace lockstone::solve {
 
-/// Measures at which speed each point that was not hit yet comes in. This is done in every substep: a ball that bounced with the speed
-/// that it had when the tick began would lose what it gained since then, a twentieth of its height in each bounce.
-template <unsigned N>
-void measure_approach(std::span<Bounce> bounces, std::span<const ContactPack<N>> packs,
-                      const solve::SolverBodies& bodies);
 /// Points that came in fast and were hit go back at restitution times that speed, but with no more energy than they took: the part that
 /// another contact stopped is given back by that other contact. source: Stronge, Impact Mechanics (2000)
 template <unsigned N>

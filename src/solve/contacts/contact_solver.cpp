@@ -258,8 +258,8 @@ void ContactSolver::warm_start(SolverBodies& bodies, Tasks* tasks) {
     s.with_lanes([&](auto width) {
         constexpr unsigned N = width();
         if (!s.rolling.empty()) solve_rolling<N>(s.rolling, s.packs<N>(), bodies, true);
-        if (!s.bounces.empty()) measure_approach<N>(s.bounces, s.packs<N>(), bodies);
     });
+    if (!s.bounces.empty()) s.kernel->measure_approaches(s.storage.data(), s.pack_count, s.data(bodies));
     keep_velocity(bodies);
 }
 
@@ -274,7 +274,7 @@ void ContactSolver::solve(const StepConstants& step, SolverBodies& bodies, bool 
         (std::int64_t{impulse_limit} << (gap_bits - speed_bits)) / step.substeps_per_second;
     const PassSettings settings{static_cast<std::int32_t>(step.substeps_per_second),
                                 static_cast<std::int32_t>(std::min<std::int64_t>(gap_max, 0x7fffffff)),
-                                step.push_speed_max.raw, bias};
+                                step.push_speed_max.raw, step.restitution_speed_min.raw, bias};
     s.begin_pass(bodies);
     if (bias) s.find_arrival();
     s.for_each_stage(tasks, [&](std::uint32_t first, std::uint32_t last) {

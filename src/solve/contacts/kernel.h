@@ -5,6 +5,7 @@
 #pragma once
 
 #include "lockstone/compiler.h"
+#include "solve/contacts/bounce_kernel.h"
 #include "solve/contacts/pack.h"
 #include "solve/contacts/prepare_kernel.h"
 #include "solve/lanes/lane_fixed.h"
@@ -16,6 +17,8 @@
 namespace lockstone::solve {
 
 template <class L> class Kernel {
+    using Bounces = BounceKernel<L, Kernel>;
+    friend Bounces;
     static constexpr unsigned N = L::lanes;
     using Pack = ContactPack<N>;
     using Point = PointLanes<N>;
@@ -419,22 +422,8 @@ template <class L> class Kernel {
             c.impacts = 1, c.hit |= n.hit.lanes();
             pass_hits_on(c, data, n, arrival);
         }
-        if (c.bounce != none) note(c, data, n, p);
+        if (c.bounce_count != 0) Bounces::note(c, data, s, n.speed, n.old, p);
         return true;
-    }
-
-    /// The speeds of the points before and after, for the energy that a bounce may give back.
-    [[gnu::noinline]] static void note(const Pack& c, const PassData& data, const Normals& n, Pair& p) {
-        std::int32_t before[4][N] = {}, after[4][N] = {}, impulse[4][N] = {};
-        Normals then;
-        p.round();
-        measure_normals(c, {1, 0, 0, false}, p, then);
-        for (int k = 0; k < c.point_count; ++k) {
-            at_point(c.points[k], n.speed).store(before[k]);
-            at_point(c.points[k], then.speed).store(after[k]);
-            n.old[k].store(impulse[k]);
-        }
-        note_bounce<N>(c, data.bounces, before, after, impulse);
     }
 
     // ---- friction ------------------------------------------------------------------------------------------------
@@ -582,7 +571,14 @@ template <class L> class Kernel {
                       const PassSettings& settings) {
         for (std::uint32_t i = first; i < last; ++i) solve_pack(static_cast<Pack*>(packs)[i], data, settings);
     }
-    static constexpr ContactKernel table() { return {N, PrepareKernel<L>::prepare, warm_start, solve}; }
+    static void measure_approaches(const void* packs, std::uint32_t count, const PassData& data) {
+        const Pack* const all = static_cast<const Pack*>(packs);
+        for (std::uint32_t i = 0; i < count; ++i)
+            if (all[i].bounce_count != 0) Bounces::measure(all[i], data);
+    }
+    static constexpr ContactKernel table() {
+        return {N, PrepareKernel<L>::prepare, warm_start, measure_approaches, solve};
+    }
 };
 
 } // namespace lockstone::solve

@@ -40,13 +40,13 @@ template <unsigned N> struct ContactPack {
     std::uint32_t body_a[N], body_b[N]; ///< entries of SolverBodies
     /// Bit per lane: impulses move the body; others are read, never written
     std::uint32_t movable_a, movable_b;
-    std::uint32_t locked;                              ///< not 0: one of the bodies has a locked axis
-    std::uint32_t impacts;                             ///< not 0: an impact of a point is not 0
-    std::uint32_t hit;                                 ///< bit per lane: stopped its bodies in this tick
-    std::uint32_t bounce, bounce_count;                ///< its entries of the table of bounces
-    std::int32_t point_count;                          ///< most of any lane
-    std::int32_t d[3][3][N];                           ///< normal and tangents
-    std::int32_t share_a[N], share_b[N];               ///< alpha, beta
+    std::uint32_t locked;                ///< not 0: one of the bodies has a locked axis
+    std::uint32_t impacts;               ///< not 0: an impact of a point is not 0
+    std::uint32_t hit;                   ///< bit per lane: stopped its bodies in this tick
+    std::uint32_t bounce, bounce_count;  ///< its entries of the table of bounces that may bounce yet
+    std::int32_t point_count;            ///< most of any lane
+    std::int32_t d[3][3][N];             ///< normal and tangents
+    std::int32_t share_a[N], share_b[N]; ///< alpha, beta
     std::int32_t normal_a[3][3][N], normal_b[3][3][N]; ///< angular rows: level, tilts
     std::int32_t slide_a[3][3][N], slide_b[3][3][N];   ///< angular rows: tangents, twist
     std::int32_t response[6][N];                       ///< S by rows of the lower triangle
@@ -112,9 +112,10 @@ struct Rolling {
 /// One pass over packs: which instruction set does it is chosen when the program starts.
 struct PassSettings {
     std::int32_t substeps_per_second;
-    std::int32_t gap_max;        ///< beyond it the speed that closes a gap within a substep has no meaning
-    std::int32_t push_speed_max; ///< speed_bits
-    bool soft;                   ///< overlap is pushed out softly; without, what the push left is relaxed
+    std::int32_t gap_max;          ///< beyond it the speed that closes a gap within a substep has no meaning
+    std::int32_t push_speed_max;   ///< speed_bits
+    std::int32_t bounce_speed_min; ///< what comes in slower does not bounce, speed_bits
+    bool soft;                     ///< overlap is pushed out softly; without, what the push left is relaxed
 };
 
 struct PassData {
@@ -130,6 +131,8 @@ struct ContactKernel {
     /// Rows, effective masses, inverses and first impulses of one pack whose heads are filled.
     void (*prepare)(void* pack, const PackSource& source, const solve::SolverBody* bodies);
     void (*warm_start)(void* packs, std::uint32_t first, std::uint32_t last, const PassData& data);
+    /// At which speed each point that was not hit yet comes in, of the bounces that packs count.
+    void (*measure_approaches)(const void* packs, std::uint32_t count, const PassData& data);
     void (*solve)(void* packs, std::uint32_t first, std::uint32_t last, const PassData& data,
                   const PassSettings& settings);
 };
@@ -146,9 +149,18 @@ void stretch_axis(std::int64_t member, std::int64_t farthest, std::int32_t ox, s
 void clamp_to_cone(std::int32_t limit, std::int32_t& t1, std::int32_t& t2);
 /// Removes the impulses that stopped bodies in this substep: from the pack, and from what its bodies start the next substep with.
 template <unsigned N> void forget_impacts(ContactPack<N>& pack, WarmStart* warm);
-/// After the normals of a pack that bounces: the energy that each point took. Speeds are those without bias.
+/// Measures at which speed each point that was not hit yet comes in. This is done in every substep: a ball that bounced with the speed
+/// that it had when the tick began would lose what it gained since then, a twentieth of its height in each bounce.
 template <unsigned N>
-void note_bounce(const ContactPack<N>& pack, Bounce* bounces, const std::int32_t (&speed_before)[4][N],
-                 const std::int32_t (&speed_after)[4][N], const std::int32_t (&impulse_before)[4][N]);
+void measure_approach(const ContactPack<N>& pack, Bounce* bounces, const solve::SolverBody* bodies);
+/// Keeps the speeds at which the points of a pack that were not hit yet come in.
+template <unsigned N>
+void keep_approach(const ContactPack<N>& pack, Bounce* bounces, const std::int32_t (&speed)[4][N]);
+/// After the normals of a pack that bounces: the energy that each point took. Speeds are those without bias. What will not bounce in this tick
+/// is counted no more.
+template <unsigned N>
+void note_bounce(ContactPack<N>& pack, Bounce* bounces, std::int32_t speed_min,
+                 const std::int32_t (&speed_before)[4][N], const std::int32_t (&speed_after)[4][N],
+                 const std::int32_t (&impulse_before)[4][N]);
 
 } // namespace lockstone::solve

@@ -1,10 +1,12 @@
-// Impacts are forgotten alike whether the lanes of a pack are taken at once or one by one.
+// Impacts are forgotten, and the speeds that points come in with are measured, alike whether the lanes of a pack are taken at once or one
+// by one.
 #include "lockstone/math/random.h"
 #include "solve/kernels/kernels.h"
 
 #include <doctest/doctest.h>
 
 #include <cstring>
+#include <type_traits>
 #include <vector>
 
 using namespace lockstone;
@@ -56,7 +58,7 @@ template <unsigned N> void compare(const ContactKernel& kernel) {
         for (WarmStart& start : warm) start.v[0] = random.below(2) == 0 ? INT64_MAX - 5 : INT64_MIN + 5;
         other = warm;
         const std::int64_t start = warm[0].v[0];
-        const PassSettings settings{240, 1 << gap_bits, 1 << speed_bits, false};
+        const PassSettings settings{240, 1 << gap_bits, 1 << speed_bits, 1 << speed_bits, false};
         kernel.solve(&at_once, 0, 1, {bodies.data(), warm.data(), arrival.data(), nullptr}, settings);
         kernel.solve(&one_by_one, 0, 1, {bodies.data(), other.data(), arrival.data(), nullptr}, settings);
         wrapped += (warm[0].v[0] < 0) != (start < 0);
@@ -75,18 +77,62 @@ template <unsigned N> void compare(const ContactKernel& kernel) {
     CHECK(wrapped > 200);
 }
 
-} // namespace
+template <unsigned N> void compare_approach(const ContactKernel& kernel) {
+    Random random = Random::seeded(100 + N);
+    int kept = 0, measured = 0;
+    for (int round = 0; round < 2000; ++round) {
+        ContactPack<N> pack = pack_of<N>(random);
+        pack.bounce = 0, pack.bounce_count = N;
+        std::vector<Bounce> bounces(N, Bounce{});
+        for (unsigned lane = 0; lane < N; ++lane) {
+            bounces[lane].lane = lane;
+            for (int k = 0; k < pack.point_count; ++k) {
+                if (random.below(2) == 0) pack.points[k].impulse[lane] = 0;
+                bounces[lane].impulse_max[k] = random.below(4) == 0 ? 1 : 0;
+                bounces[lane].approach[k] = INT32_MIN;
+            }
+        }
+        // From what is measured at once to what is beyond the range of every row: 2^17 m/s.
+        const int bits = accumulator_bits - 4 + static_cast<int>(random.below(20));
+        std::vector<solve::SolverBody> bodies(2 * N, solve::SolverBody{});
+        for (solve::SolverBody& body : bodies)
+            for (int i = 0; i < 3; ++i)
+                for (std::int64_t* x : {&body.v[i], &body.u[i]})
+                    *x = static_cast<std::int64_t>(random.next_u64()) >> (63 - bits);
+        std::vector<Bounce> other = bounces;
+        kernel.measure_approaches(&pack, 1, {bodies.data(), nullptr, nullptr, bounces.data()});
+        measure_approach<N>(pack, other.data(), bodies.data());
+        for (unsigned lane = 0; lane < N; ++lane)
+            for (int k = 0; k < pack.point_count; ++k) {
+                REQUIRE(bounces[lane].approach[k] == other[lane].approach[k]);
+                ++(pack.points[k].impulse[lane] > 0 || bounces[lane].impulse_max[k] > 0 ? kept : measured);
+                if (pack.points[k].impulse[lane] > 0) REQUIRE(bounces[lane].approach[k] == INT32_MIN);
+            }
+    }
+    CHECK(kept > 1000);
+    CHECK(measured > 1000);
+}
 
-TEST_CASE("impacts are forgotten alike at once and lane by lane") {
+template <class Check> void for_each_set(Check&& check) {
     for (const Simd level :
          {Simd::scalar, Simd::sse41, Simd::avx2, Simd::avx512, Simd::neon, Simd::wasm128}) {
         const Kernels* kernels = kernels_of(level);
         if (kernels == nullptr) continue;
         const ContactKernel& kernel = *kernels->contacts;
         INFO("lanes: ", kernel.lanes);
-        if (kernel.lanes == 1) compare<1>(kernel);
-        if (kernel.lanes == 2) compare<2>(kernel);
-        if (kernel.lanes == 4) compare<4>(kernel);
-        if (kernel.lanes == 8) compare<8>(kernel);
+        if (kernel.lanes == 1) check(std::integral_constant<unsigned, 1>{}, kernel);
+        if (kernel.lanes == 2) check(std::integral_constant<unsigned, 2>{}, kernel);
+        if (kernel.lanes == 4) check(std::integral_constant<unsigned, 4>{}, kernel);
+        if (kernel.lanes == 8) check(std::integral_constant<unsigned, 8>{}, kernel);
     }
+}
+
+} // namespace
+
+TEST_CASE("impacts are forgotten alike at once and lane by lane") {
+    for_each_set([](auto width, const ContactKernel& kernel) { compare<width()>(kernel); });
+}
+
+TEST_CASE("points come in as fast whether they are measured at once or lane by lane") {
+    for_each_set([](auto width, const ContactKernel& kernel) { compare_approach<width()>(kernel); });
 }
