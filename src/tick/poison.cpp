@@ -62,9 +62,9 @@ void poison_contacts(std::byte with, ContactScratch& scratch, FoundContacts& fou
 }
 
 void poison_sweep(std::byte with, SweepScratch& sweep) {
-    auto& [workers, stopped] = sweep;
+    auto& [workers, driven, stopped] = sweep;
     Transform somewhere;
-    poison(with, somewhere);
+    poison(with, somewhere), poison(with, driven);
     for (std::optional<Transform>& one : stopped) one = somewhere;
     for (SweepScratch::Worker& worker : workers)
         poison(with, worker.near.open, worker.near.proxies, worker.touching);

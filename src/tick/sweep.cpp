@@ -27,9 +27,9 @@ struct Sweeper {
     std::span<const ShapeRow> shapes;
     std::span<const ShapeTraits> shape_traits;
     std::span<const Slot> slots;
+    std::span<const std::uint32_t> driven; ///< shapes of awake bodies that are not dynamic
     Real kinematic_motion_max{},
-        motion_max{};        ///< of any point of a kinematic, of any moving body in this tick [m]
-    bool all_dynamic = true; ///< every awake body: all else is among the static proxies
+        motion_max{}; ///< of any point of a kinematic, of any moving body in this tick [m]
 
     Sweeper(const Model& model, const PlacedShapes& shapes_placed, const PosesBefore& poses_before)
         : w(model), placed(shapes_placed), before(poses_before), pose(w.state.rows(w.m.body_pose)),
@@ -43,8 +43,10 @@ struct Sweeper {
     const shapes::Solid& solid(const ShapeRow& shape) const { return at(shape).solid; }
     const ShapeTraits& traits(const ShapeRow& shape) const { return shape_traits[shape.traits]; }
     bool is_bullet(std::uint32_t row) const { return mass.traits[info[row].traits].bullet != 0; }
-    /// Whether all that may stop a body is among the static proxies.
-    bool asks_static_alone(std::uint32_t row) const { return all_dynamic && !is_bullet(row); }
+    std::uint32_t row_of(std::uint32_t slot) const { return w.row_of(shapes[slots[slot].row].body); }
+    bool stands_still(std::uint32_t row) const {
+        return info[row].kind != BodyKind::dynamic && pose_before(row) == pose[row];
+    }
     Sweep sweep(std::uint32_t row, const ShapeRow& shape) const {
         return {pose_before(row),
                 pose[row],
@@ -146,16 +148,29 @@ struct Way {
 /// Whether a way stays above a plane that stands still, by more than how far a shape reaches `around` it: as boxes do that the way's box
 /// does not meet, it neither stops nor touches the shape then.
 bool stays_above(const Sweeper& s, std::uint32_t plane, const Sweep& way, Real around) {
-    const std::uint32_t body = s.w.row_of(s.shapes[s.slots[plane].row].body);
-    if (s.info[body].kind != BodyKind::static_) return false;
+    if (s.info[s.row_of(plane)].kind != BodyKind::static_) return false;
     const PlacedShapes::Shape& at = s.placed.shape[plane];
     const UnitVec3 n = axes_of(at).y;
     const auto height = [&](Vec3 p) { return dot<Real>(n, p - at.pose.position); };
     return height(way.from.position) > around && height(way.to.position) > around;
 }
 
+/// So many driven shapes are compared with each way; more are looked for in the trees.
+constexpr std::size_t driven_max = 64;
+
+/// Adds the driven shapes that the box may meet. In order, as the trees answer.
+void add_driven(const Sweeper& s, const collide::SweptBox& box, std::vector<std::uint32_t>& near) {
+    const std::size_t before = near.size();
+    for (const std::uint32_t proxy : s.driven)
+        if (box.may_meet(s.placed.broad_phase.bounds(proxy))) near.push_back(proxy);
+    if (near.size() != before) std::sort(near.begin(), near.end());
+}
+
+enum class Among { all, driven }; ///< what a way may lead near to
+
 /// The shapes that a way may lead near to, into `near`. Returns the way of this shape.
-Sweep find_near(const Sweeper& s, const Way& whole, const ShapeRow& shape, collide::BroadPhase::Asker& near) {
+Sweep find_near(const Sweeper& s, const Way& whole, const ShapeRow& shape, Among among,
+                collide::BroadPhase::Asker& near) {
     const std::uint32_t row = whole.row;
     Sweep way = s.sweep(row, shape);
     way.from = whole.from, way.to = whole.to;
@@ -175,12 +190,17 @@ Sweep find_near(const Sweeper& s, const Way& whole, const ShapeRow& shape, colli
         return collide::Bounds{{low(p.x), low(p.y), low(p.z)}, {high(p.x), high(p.y), high(p.z)}};
     };
     const collide::SweptBox swept(box(way.from.position), box(way.to.position));
-    if (s.asks_static_alone(row)) // what is dynamic would be left out below
-        placed.broad_phase.query_static(swept, near);
-    else
+    near.proxies.clear();
+    if (s.is_bullet(row) || s.driven.size() > driven_max)
         placed.broad_phase.query(swept, near);
-    for (const std::uint32_t plane : placed.planes)
-        if (!stays_above(s, plane, way, around)) near.proxies.push_back(plane);
+    else { // what is dynamic would be left out below
+        if (among == Among::all) placed.broad_phase.query_static(swept, near);
+        add_driven(s, swept, near.proxies);
+    }
+    for (const std::uint32_t plane : placed.planes) {
+        const bool is_meant = among == Among::all || !s.stands_still(s.row_of(plane));
+        if (is_meant && !stays_above(s, plane, way, around)) near.proxies.push_back(plane);
+    }
     return way;
 }
 
@@ -189,7 +209,7 @@ template <class Visit>
 void for_each_wall(const Sweeper& s, const Way& whole, const ShapeRow& shape,
                    collide::BroadPhase::Asker& near, Visit&& visit) {
     const std::uint32_t row = whole.row;
-    const Sweep way = find_near(s, whole, shape, near);
+    const Sweep way = find_near(s, whole, shape, Among::all, near);
     for (const std::uint32_t slot : near.proxies) {
         const ShapeRow& wall = s.shapes[s.slots[slot].row];
         const std::uint32_t other = s.w.row_of(wall.body);
@@ -202,7 +222,7 @@ void for_each_wall(const Sweeper& s, const Way& whole, const ShapeRow& shape,
         Sweep theirs = s.sweep(other, wall);
         theirs.from = collide::body_pose_at(theirs, whole.begin);
         if (!is_fast(collide::relative_motion(theirs, way, s.reach(row, shape)), s.at(shape),
-                     s.info[other].kind == BodyKind::static_, s.is_bullet(row)))
+                     s.stands_still(other), s.is_bullet(row)))
             continue;
         visit(wall, other, theirs, way);
     }
@@ -294,21 +314,34 @@ std::optional<Transform> sweep_body(const Sweeper& s, std::uint32_t row, const H
 }
 
 /// Whether anything is near the way of a body.
-bool may_be_stopped(const Sweeper& s, std::uint32_t row, const Hand& hand) {
+bool may_be_stopped(const Sweeper& s, std::uint32_t row, Among among, const Hand& hand) {
     const Transform &from = s.pose_before(row), &to = s.pose[row];
     bool any = false;
     s.for_each_shape(row, [&](const ShapeRow& shape) {
         if (any) return;
-        find_near(s, {row, from, to, Unit{}, Model::dead, to.position - from.position}, shape, hand.own.near);
+        find_near(s, {row, from, to, Unit{}, Model::dead, to.position - from.position}, shape, among,
+                  hand.own.near);
         any = !hand.own.near.proxies.empty();
     });
     return any;
 }
 
-/// Whether a body may be fast against what moves by up to `others` in the tick.
-bool may_be_fast(const Sweeper& s, std::uint32_t row, Real others) {
-    bool fast = false;
-    const bool all_stands_still = others == Real{}, bullet = s.is_bullet(row);
+/// Against what a body is fast.
+struct Haste {
+    bool against_still = false, against_moving = false;
+
+    void add(const Sweeper& s, std::uint32_t row, Real motion, const ShapeRow& shape) {
+        const bool bullet = s.is_bullet(row);
+        const Real others = bullet ? s.motion_max : s.kinematic_motion_max;
+        against_still |= is_fast(motion, s.at(shape), true, bullet);
+        against_moving |= others != Real{} && is_fast(motion + others, s.at(shape), false, bullet);
+    }
+    bool any() const { return against_still || against_moving; }
+};
+
+/// No less than haste_of.
+Haste coarse_haste_of(const Sweeper& s, std::uint32_t row) {
+    Haste haste;
     const CoarseMotion coarse(s.pose_before(row), s.pose[row]);
     const Vec3& center = s.mass[row].center;
     s.for_each_shape(row, [&](const ShapeRow& shape) {
@@ -316,24 +349,24 @@ bool may_be_fast(const Sweeper& s, std::uint32_t row, Real others) {
         const Vec3& local = traits.local.position;
         std::int64_t reach = local == center ? 0 : CoarseMotion::sum_apart(local, center);
         if (traits.geometry.kind != ShapeKind::sphere) reach += to<Real>(s.at(shape).reach).raw;
-        fast |= is_fast(coarse.of(reach) + others, s.at(shape), all_stands_still, bullet);
+        haste.add(s, row, coarse.of(reach), shape);
     });
-    return fast;
+    return haste;
 }
-bool is_body_fast(const Sweeper& s, std::uint32_t row, Real others) {
-    bool fast = false;
-    const bool all_stands_still = others == Real{}, bullet = s.is_bullet(row);
-    const Real motion = motion_of(s, row) + others;
-    s.for_each_shape(
-        row, [&](const ShapeRow& shape) { fast |= is_fast(motion, s.at(shape), all_stands_still, bullet); });
-    return fast;
+Haste haste_of(const Sweeper& s, std::uint32_t row) {
+    Haste haste;
+    const Real motion = motion_of(s, row);
+    s.for_each_shape(row, [&](const ShapeRow& shape) { haste.add(s, row, motion, shape); });
+    return haste;
 }
 
-/// Most of what falls is far from all else, and what that costs to find is less than how fast a body is. Where moving bodies are asked too, a
-/// body finds itself, so nothing is asked.
-bool is_to_sweep(const Sweeper& s, std::uint32_t row, Real others, const Hand& hand) {
-    return may_be_fast(s, row, others) && (!s.asks_static_alone(row) || may_be_stopped(s, row, hand)) &&
-           is_body_fast(s, row, others);
+/// Most of what falls is far from all else, and what that costs to find is less than how fast a body is. What is fast only against what moves
+/// asks for that alone. A bullet finds itself, so it does not ask.
+bool is_to_sweep(const Sweeper& s, std::uint32_t row, const Hand& hand) {
+    const Haste coarse = coarse_haste_of(s, row);
+    if (!coarse.any()) return false;
+    const Among among = coarse.against_still ? Among::all : Among::driven;
+    return (s.is_bullet(row) || may_be_stopped(s, row, among, hand)) && haste_of(s, row).any();
 }
 
 constexpr std::uint32_t sweeps_per_chunk = 16;
@@ -343,16 +376,15 @@ void sweep_plain_bodies(Model& w, const Sweeper& s, std::span<NarrowWorker> work
                         Tasks* tasks) {
     const std::uint32_t rows = w.header().bodies_awake;
     sweep.stopped.resize(rows);
-    base::for_chunks(tasks, rows, sweeps_per_chunk,
-                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t worker) {
-                         const Hand hand{sweep.workers[worker], workers[worker].narrow};
-                         for (std::uint32_t row = first; row < last; ++row) {
-                             sweep.stopped[row].reset();
-                             if (s.info[row].kind == BodyKind::dynamic && !s.is_bullet(row) &&
-                                 is_to_sweep(s, row, s.kinematic_motion_max, hand))
-                                 sweep.stopped[row] = sweep_body(s, row, hand);
-                         }
-                     });
+    base::for_chunks(
+        tasks, rows, sweeps_per_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t worker) {
+            const Hand hand{sweep.workers[worker], workers[worker].narrow};
+            for (std::uint32_t row = first; row < last; ++row) {
+                sweep.stopped[row].reset();
+                if (s.info[row].kind == BodyKind::dynamic && !s.is_bullet(row) && is_to_sweep(s, row, hand))
+                    sweep.stopped[row] = sweep_body(s, row, hand);
+            }
+        });
     for (std::uint32_t row = 0; row < rows; ++row)
         if (sweep.stopped[row]) w.state.edit_row(w.m.body_pose, row) = *sweep.stopped[row];
 }
@@ -361,6 +393,7 @@ void sweep_plain_bodies(Model& w, const Sweeper& s, std::span<NarrowWorker> work
 void make_workers(SweepScratch& sweep, std::uint32_t count) {
     constexpr std::size_t usual = 256;
     sweep.workers.resize(count);
+    sweep.driven.reserve(usual);
     for (SweepScratch::Worker& worker : sweep.workers) {
         worker.near.open.reserve(usual), worker.near.proxies.reserve(usual);
         worker.touching.reserve(usual);
@@ -375,21 +408,23 @@ void sweep_fast_bodies(Model& w, PlacedShapes& placed, const PosesBefore& before
     const bool any_bullet =
         std::ranges::any_of(s.mass.traits, [](const BodyTraits& traits) { return traits.bullet != 0; });
     const std::uint32_t rows = w.header().bodies_awake;
+    sweep.driven.clear();
     for (std::uint32_t row = 0; row < rows; ++row) {
-        if (s.info[row].kind == BodyKind::kinematic)
-            s.kinematic_motion_max = max(s.kinematic_motion_max, motion_of(s, row));
-        s.all_dynamic = s.all_dynamic && s.info[row].kind == BodyKind::dynamic;
+        if (s.info[row].kind == BodyKind::dynamic) continue;
+        s.kinematic_motion_max = max(s.kinematic_motion_max, motion_of(s, row));
+        s.for_each_shape(row, [&](const ShapeRow& shape) { sweep.driven.push_back(shape.id.index - 1); });
     }
+    std::sort(sweep.driven.begin(), sweep.driven.end());
     const std::uint32_t workers = base::worker_count(tasks);
     if (sweep.workers.size() < workers) make_workers(sweep, workers);
+    s.driven = sweep.driven; // which making workers may move
     placed.broad_phase.update_trees();
     sweep_plain_bodies(w, s, narrow, sweep, tasks);
     if (!any_bullet) return;
     for (std::uint32_t row = 0; row < rows; ++row) s.motion_max = max(s.motion_max, motion_of(s, row));
     const Hand hand{sweep.workers[0], narrow[0].narrow};
     for (std::uint32_t row = 0; row < rows; ++row)
-        if (s.info[row].kind == BodyKind::dynamic && s.is_bullet(row) &&
-            is_to_sweep(s, row, s.motion_max, hand))
+        if (s.info[row].kind == BodyKind::dynamic && s.is_bullet(row) && is_to_sweep(s, row, hand))
             if (const std::optional<Transform> stopped = sweep_body(s, row, hand))
                 w.state.edit_row(w.m.body_pose, row) = *stopped;
 }

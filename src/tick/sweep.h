@@ -32,6 +32,7 @@ struct SweepScratch {
         std::vector<UnitVec3> touching;
     };
     std::vector<Worker> workers;
+    std::vector<std::uint32_t> driven;             ///< shapes of awake bodies that are not dynamic
     std::vector<std::optional<Transform>> stopped; ///< by row: where, if the body was
 };
 
