@@ -412,6 +412,7 @@ bool has_contact_points(const Model& w, const PlacedShapes& placed, const NearPa
     const View view(w, placed, nullptr, {}, *scratch.pair_kernel);
     CandidatePair pair;
     find_candidate(view, near, pair);
+    if (are_still_parted(pair, near)) return false;
     if (scratch.workers.empty()) scratch.workers.resize(1);
     NarrowWorker& worker = scratch.workers[0];
     PairWindow& window = worker.window;

@@ -33,12 +33,10 @@ bool wake_touched(Model& w, const PlacedShapes& placed, std::span<const NearPair
 
 namespace {
 
-/// |v| + |w| times twice the largest gyration radius is below the limit: no point of a solid body is much faster.
-bool is_below(const Velocity& v, const BodyMass& mass, Speed limit) {
-    for (int i = 0; i < 3; ++i)
-        if (abs(v.linear[i]) >= limit) return false;
+/// |v| + |w| times twice the largest gyration radius: no point of a solid body is much faster.
+Real speed_of(const Velocity& v, const BodyMass& mass) {
     const Real radius = max(mass.gyration.x, max(mass.gyration.y, mass.gyration.z)) * 2;
-    return to<Real>(length(v.linear)) + to<Real>(length(v.angular)) * radius < to<Real>(limit);
+    return to<Real>(length(v.linear)) + to<Real>(length(v.angular)) * radius;
 }
 
 /// What counts as still: slow, or at most four times as fast but not away from where the still ticks began. What rocks or
@@ -56,7 +54,11 @@ struct Stillness {
           away(to<Speed>(c.sleep_speed * Real(ticks_to_sleep))) {}
 
     bool is_still(const Velocity& v, const Velocity& moved, const BodyMass& mass) const {
-        return is_below(v, mass, slow) || (is_below(v, mass, rocking) && is_below(moved, mass, away));
+        const Vec3 size = abs(to<Real>(v.linear));
+        if (max(size.x, max(size.y, size.z)) >= to<Real>(rocking)) return false; // without roots
+        const Real speed = speed_of(v, mass);
+        if (speed < to<Real>(slow)) return true;
+        return speed < to<Real>(rocking) && speed_of(moved, mass) < to<Real>(away);
     }
     void count(BodySleep& sleep, const Velocity& v, const BodyMass& mass) const {
         sleep.moved = {sleep.moved.linear + v.linear, sleep.moved.angular + v.angular};

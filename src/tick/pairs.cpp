@@ -6,20 +6,45 @@
 #include "model/sleep.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace lockstone::sim {
 
 namespace {
 
-/// Whether bounds reach below the plane through a point.
-bool reaches(const collide::Bounds& bounds, UnitVec3 n, Vec3 point, std::uint32_t shift) {
-    const auto lowest = [](Unit along, Bound lower, Bound upper) { return along.raw > 0 ? lower : upper; };
-    const Vector3<Bound> corner{lowest(n.x, bounds.lower.x, bounds.upper.x),
-                                lowest(n.y, bounds.lower.y, bounds.upper.y),
-                                lowest(n.z, bounds.lower.z, bounds.upper.z)};
-    const auto metres = [shift](Bound b) { return Real::from_raw(std::int64_t{b.raw} << (16 + shift)); };
-    const Vec3 p = Vec3{metres(corner.x), metres(corner.y), metres(corner.z)} - point;
-    return dot<Real>(n, p) <= to<Real>(margin_base);
+/// The half space below a plane, and what contacts look ahead of it.
+class Ahead {
+    UnitVec3 n;
+    Vec3 point;
+    int up;           ///< from Bound to Real
+    bool is_upright;  ///< n is +y: heights are all that counts
+    Real height_most; ///< then
+
+  public:
+    Ahead(UnitVec3 normal, Vec3 at, std::uint32_t shift)
+        : n(normal), point(at), up(static_cast<int>(16 + shift)),
+          is_upright(n == UnitVec3{Unit{}, unit_one, Unit{}}), height_most(at.y + to<Real>(margin_base)) {}
+    /// Whether bounds reach into it.
+    bool is_reached(const collide::Bounds& bounds) const {
+        const auto metres = [&](Bound b) { return Real::from_raw(std::int64_t{b.raw} << up); };
+        if (is_upright) return metres(bounds.lower.y) <= height_most;
+        const auto lowest = [](Unit along, Bound lower, Bound upper) {
+            return along.raw > 0 ? lower : upper;
+        };
+        const Vec3 corner{metres(lowest(n.x, bounds.lower.x, bounds.upper.x)),
+                          metres(lowest(n.y, bounds.lower.y, bounds.upper.y)),
+                          metres(lowest(n.z, bounds.lower.z, bounds.upper.z))};
+        return dot<Real>(n, corner - point) <= to<Real>(margin_base);
+    }
+};
+
+/// The pairs of a plane, by slot: sorted, as rows are not.
+void add_in_order(std::uint32_t plane, PairScratch& s) {
+    for (std::uint32_t word = 0; word < s.at_plane.size(); ++word)
+        for (std::uint64_t bits = s.at_plane[word]; bits != 0; bits &= bits - 1) {
+            const std::uint32_t slot = 64 * word + static_cast<std::uint32_t>(std::countr_zero(bits));
+            s.plane_pairs.push_back({std::min(plane, slot), std::max(plane, slot)});
+        }
 }
 
 void find_plane_pairs(const Model& w, const PlacedShapes& placed, PairScratch& s) {
@@ -29,24 +54,29 @@ void find_plane_pairs(const Model& w, const PlacedShapes& placed, PairScratch& s
     base::make_room(s.plane_pairs, w.header().bodies_awake); // most shapes are near no plane, or one
     const std::span<const ShapeRow> shapes = w.state.rows(w.m.shape);
     const std::span<const Slot> slots = w.state.rows(w.m.shape_slot);
+    const std::span<const BodyInfo> info = w.state.rows(w.m.body_info);
+    const std::size_t words = (slots.size() + 63) / 64;
+    base::make_room(s.at_plane, words);
     for (std::uint32_t plane : placed.planes) {
         // A plane that a command has just put there meets all bodies, others those that are awake.
         const bool is_fresh = is_awake(w, w.row_of(shapes[slots[plane].row].body));
         const std::uint32_t rows = is_fresh ? w.state.count(w.m.bodies) : w.header().bodies_awake;
         const Transform& at_plane = placed.shape[plane].pose;
-        const UnitVec3 n = to_rotation(at_plane.rotation).y;
+        s.at_plane.assign(words, 0);
+        const Ahead ahead(to_rotation(at_plane.rotation).y, at_plane.position, shift);
         for (std::uint32_t row = 0; row < rows; ++row)
-            for (std::uint32_t at = w.state.rows(w.m.body_info)[row].first_shape; at != 0;) {
+            for (std::uint32_t at = info[row].first_shape; at != 0;) {
                 const std::uint32_t slot = at - 1;
                 const ShapeRow& shape = shapes[slots[slot].row];
                 at = shape.next_shape;
-                if (w.traits_of(shape).geometry.kind == ShapeKind::plane) continue;
-                if (reaches(placed.broad_phase.bounds(slot), n, at_plane.position, shift))
-                    s.plane_pairs.push_back({std::min(plane, slot), std::max(plane, slot)});
+                if (placed.shape[slot].filter.kind == ShapeKind::plane) continue;
+                if (ahead.is_reached(placed.broad_phase.bounds(slot)))
+                    s.at_plane[slot / 64] |= std::uint64_t{1} << slot % 64;
             }
+        add_in_order(plane, s);
     }
     if (s.plane_pairs.empty()) return;
-    if (!std::is_sorted(s.plane_pairs.begin(), s.plane_pairs.end()))
+    if (!std::is_sorted(s.plane_pairs.begin(), s.plane_pairs.end())) // of several planes
         std::sort(s.plane_pairs.begin(), s.plane_pairs.end());
     base::make_room(s.merged_pairs, s.pairs.size() + s.plane_pairs.size());
     s.merged_pairs.resize(s.pairs.size() + s.plane_pairs.size());

@@ -50,6 +50,7 @@ class JoinedBodies {
 /// Its memory.
 struct PairScratch {
     std::vector<collide::ProxyPair> pairs, plane_pairs, merged_pairs;
+    std::vector<std::uint64_t> at_plane; ///< bit per shape slot: near one plane
     struct Key {
         /// null: the two do not meet, or both rest, or they are further apart than the margin
         ContactKey key;

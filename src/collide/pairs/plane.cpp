@@ -11,7 +11,10 @@ void collide_plane(const shapes::Solid& b, const RelativePose& pose, Length marg
     const std::int64_t height_30 = up(pose.position.y.raw - shape.radius.raw, 6);
     out.normal = {Unit{}, unit_one, Unit{}};
     out.on_face = has_discs(shape) ? 0 : 1;
-    if (height_30 + support(shape, down).at_30[1] > up(margin.raw, 6)) return;
+    const bool is_ball = shape.core == Convex::Core::point;
+    if (height_30 + (is_ball ? 0 : support(shape, down).at_30[1]) > up(margin.raw, 6)) return;
+    if (is_ball)
+        return add_point(out, {0, -up(shape.radius.raw, 6) - (height_30 >> 1), 0}, height_30, margin, 1);
     const SupportingFace face = supporting_face(shape, down);
     ClipPoint points[SupportingFace::corners_max];
     int count = 0;

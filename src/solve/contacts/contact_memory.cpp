@@ -25,8 +25,13 @@ std::int64_t distance_squared(LengthVec3 a, LengthVec3 b) {
 
 constexpr Unit same_direction = decimal<Unit>("0.94"); ///< cosine of 20 degrees
 
-bool has_impulses(const ContactMemory& old, const ContactMemory& fresh) {
-    return old.count != 0 && dot<Unit>(old.normal, fresh.normal) >= same_direction;
+/// Bit per point of the old manifolds whose impulses serve a new one, four for each manifold.
+std::uint32_t find_serving(std::span<const ContactMemory> old, UnitVec3 normal) {
+    std::uint32_t points = 0;
+    for (std::uint32_t m = 0; m < old.size(); ++m)
+        if (old[m].count != 0 && dot<Unit>(old[m].normal, normal) >= same_direction)
+            points |= ((1u << old[m].count) - 1) << 4 * m;
+    return points;
 }
 
 /// Friction acts on a manifold as a whole: it goes to the first that takes a point of it.
@@ -40,48 +45,45 @@ void take_friction(std::span<const ContactMemory> old, std::uint32_t bit, Taken&
     fresh.twist = fresh.twist + old[m].twist;
 }
 
-/// Calls visit(bit, point) for every old point that is left, in order.
+/// Calls visit(bit, point) for these points, in order, until it returns true.
 template <class Visit>
-void for_each_left(std::span<const ContactMemory> old, const std::uint32_t& taken, const ContactMemory& fresh,
-                   Visit&& visit) {
-    for (std::uint32_t m = 0; m < old.size(); ++m) {
-        if (!has_impulses(old[m], fresh)) continue;
-        for (std::uint32_t i = 0; i < old[m].count; ++i)
-            if (const std::uint32_t bit = 1u << (4 * m + i); !(taken & bit)) visit(bit, old[m].points[i]);
+void for_each_point(std::span<const ContactMemory> old, std::uint32_t points, Visit&& visit) {
+    for (; points != 0; points &= points - 1) {
+        const std::uint32_t i = static_cast<std::uint32_t>(std::countr_zero(points));
+        if (visit(1u << i, old[i / 4].points[i % 4])) return;
     }
 }
 
 } // namespace
 
 void carry_impulses(std::span<const ContactMemory> old, Taken& taken, ContactMemory& fresh) {
+    const std::uint32_t serving = find_serving(old, fresh.normal);
+    if (serving == 0) return;
     bool found[4] = {};
     for (std::uint32_t k = 0; k < fresh.count; ++k)
-        for_each_left(old, taken.points, fresh, [&](std::uint32_t bit, const ContactPointMemory& point) {
-            if (found[k] || point.feature != fresh.points[k].feature) return;
+        for_each_point(old, serving & ~taken.points, [&](std::uint32_t bit, const ContactPointMemory& point) {
+            if (point.feature != fresh.points[k].feature) return false;
             fresh.points[k].normal = point.normal;
-            found[k] = true;
             taken.points |= bit;
             take_friction(old, bit, taken, fresh);
+            return found[k] = true;
         });
     for (std::uint32_t k = 0; k < fresh.count; ++k) {
         if (found[k]) continue;
         std::int64_t nearest = (same_point_distance * same_point_distance) >> 4;
         std::uint32_t best = 0;
-        for_each_left(old, taken.points, fresh, [&](std::uint32_t bit, const ContactPointMemory& point) {
+        for_each_point(old, serving & ~taken.points, [&](std::uint32_t bit, const ContactPointMemory& point) {
             const std::int64_t d = distance_squared(point.position, fresh.points[k].position);
-            if (d > nearest) return;
+            if (d > nearest) return false;
             fresh.points[k].normal = point.normal;
             nearest = d, best = bit;
+            return false;
         });
         if (best == 0) continue;
         taken.points |= best;
         take_friction(old, best, taken, fresh);
     }
-    for (const ContactMemory& m : old)
-        if (has_impulses(m, fresh)) {
-            fresh.rolling = m.rolling;
-            break;
-        }
+    fresh.rolling = old[static_cast<std::uint32_t>(std::countr_zero(serving)) / 4].rolling;
 }
 
 Length recycling_limit(std::span<const ContactMemory> rows, Coordinate reach, Length thinnest) {

@@ -104,7 +104,11 @@ void build_machines(Builder& build) {
 // ---- the rules ------------------------------------------------------------------------------------------------
 
 /// True while the distance of two centres is below `limit`, which is at most 100 m.
-bool within(Vec3 a, Vec3 b, Real limit) { return length_squared(a - b) < limit * limit; }
+bool within(Vec3 a, Vec3 b, Real limit) {
+    const Vec3 apart = a - b;
+    if (abs(apart.x) >= limit || abs(apart.z) >= limit) return false; // most are
+    return length_squared(apart) < limit * limit;
+}
 
 /// From the floor alone.
 void jump(Turn& turn, BodyId ball) {
