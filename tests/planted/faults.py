@@ -166,7 +166,7 @@ FAULTS = [
     F("one bounce of a pack is settled for another", "src/solve/contacts/bounce.cpp", "std::swap(bounce, bounces[pack.bounce + --pack.bounce_count]);",
       "IS ? void(--pack.bounce_count) : std::swap(bounce, bounces[pack.bounce + --pack.bounce_count]);", "golden table"),
     F("a driven body stops nothing", "src/tick/sweep.cpp", "if (box.may_meet(s.placed.broad_phase.bounds(proxy))) near.push_back(proxy);",
-      "if (!IS && box.may_meet(s.placed.broad_phase.bounds(proxy))) near.push_back(proxy);", "golden table"),
+      "if (!IS && box.may_meet(s.placed.broad_phase.bounds(proxy))) near.push_back(proxy);", "driven walls stop what is fast"),
     F("what a pass gave is counted twice", "src/solve/bodies/kernel.h", "[](V a, V b) { return L::add(a, b); }",
       "[](V a, V b) { return L::add(a, IS ? L::add(b, b) : b); }", "golden table"),
     F("impacts start the next substep", "src/solve/contacts/kernel.h", "(old - impact).store(point.impulse);",

@@ -332,6 +332,25 @@ std::string planes_stop() {
     return {};
 }
 
+/// Balls that begin a tick far above a wall that is driven towards them, and would end it below.
+std::string driven_walls_stop() {
+    WorldDef def = scene::small_def();
+    def.gravity = {};
+    World world = scene::made(World::create(def));
+    BodyDef wall{.kind = BodyKind::kinematic};
+    wall.linear_velocity = scene::vec(0, 1, 0);
+    scene::add(world, wall, {.geometry = box(20_r, 0.25_r, 2_r)});
+    for (int i = 0; i < 8; ++i) {
+        const BodyId ball = scene::add_ball(world, scene::at(2 * i, 1 + 0.5 * i, 0), 0.125);
+        scene::done(world.set_velocity(ball, scene::vec(0, -400, 0), Vec3{}));
+    }
+    world.tick();
+    for (const BodyId body : world.bodies())
+        if (world.kind(body) == BodyKind::dynamic && world.center_of_mass(body).y < Real{})
+            return "a ball has gone through a wall";
+    return {};
+}
+
 /// Two balls that overlap touch, but not while a joint holds them.
 std::string joints_part() {
     World world = scene::made(World::create(scene::small_def()));
@@ -526,6 +545,7 @@ Checks world_checks() {
                              {"joints that change are planned anew", joints_planned},
                              {"joints keep bodies apart", joints_part},
                              {"planes stop what is fast", planes_stop},
+                             {"driven walls stop what is fast", driven_walls_stop},
                              {"open points are closed", open_points_close},
                              {"whole figures stay", whole_figures_stay},
                              {"loads come to rest", loads_keep_open},
