@@ -188,3 +188,40 @@ TEST_CASE("a sweep heeds filters: sensors, groups and masks let a shot pass") {
     CHECK(passes({.geometry = wall, .group = -2}, {.geometry = ball, .group = -2}));
     CHECK(passes({.geometry = wall, .category = 2}, {.geometry = ball, .mask = 1}));
 }
+
+namespace {
+
+/// Where a ball that is shot down at a kinematic slab ends [m], beside plates that are driven far away.
+std::vector<Real> heights_of_shot(double speed, int driven_plates, double slab_speed) {
+    WorldDef def = weightless();
+    def.bodies_max = def.shapes_max = 256;
+    World w = made(World::create(def));
+    add(w, {.kind = BodyKind::kinematic, .linear_velocity = vec(0, slab_speed, 0)},
+        {.geometry = box(2_r, 0.01_r, 2_r)});
+    const BodyId ball = add_ball(w, at(0, 1, 0), 0.1);
+    done(w.set_velocity(ball, vec(0, -speed, 0), Vec3{}));
+    for (int i = 0; i < driven_plates; ++i)
+        add(w, {.kind = BodyKind::kinematic, .pose = at(100 + 3 * i, 0, 0), .linear_velocity = vec(0, 20, 0)},
+            {.geometry = box(1_r, 0.01_r, 1_r)});
+    std::vector<Real> heights;
+    for (int tick = 0; tick < 20; ++tick) {
+        w.tick();
+        heights.push_back(w.center_of_mass(ball).y);
+    }
+    return heights;
+}
+
+} // namespace
+
+TEST_CASE("how a shot meets a kinematic body that stands still does not depend on what is driven elsewhere") {
+    int told_apart = 0;
+    for (double speed = 0.5; speed < 300; speed *= 1.3) {
+        CAPTURE(speed);
+        const std::vector<Real> alone = heights_of_shot(speed, 0, 0);
+        CHECK(heights_of_shot(speed, 1, 0) == alone);
+        CHECK(heights_of_shot(speed, 70, 0) == alone); // more than are compared one by one
+        CHECK(alone.back() > Real{});
+        told_apart += heights_of_shot(speed, 0, 1) != alone;
+    }
+    CHECK(told_apart > 10); // twin: a slab that comes is another
+}
