@@ -141,18 +141,33 @@ std::string mesh_is_found() {
     return "";
 }
 
-/// A capsule that sinks into a plane by 0.6 of its rounding: joints let it, nothing else does.
-std::string limbs_pass() {
-    const shapes::Solid ground{plane()}, limb{capsule(0.1_r, 0.2_r)};
+/// How a body that sinks straight down from one height to another is stopped by a plane, or by a box whose top is there.
+bool is_let_through(const shapes::Solid& ground, const shapes::Solid& body, Real from, Real to,
+                    collide::Held held) {
     const auto at = [](Real y) { return Transform{{0_r, y, 0_r}, Quat::identity()}; };
-    const collide::Sweep still{Transform::identity(), Transform::identity(), Transform::identity()};
-    const collide::Sweep way{at(0.4_r), at(0.24_r), Transform::identity()};
+    const bool is_box = ground.geometry.kind == ShapeKind::box;
+    const Transform place = at(is_box ? -1_r : 0_r);
+    const collide::Sweep still{place, place, Transform::identity()},
+        way{at(from), at(to), Transform::identity()};
     collide::NarrowScratch scratch;
-    const auto passes = [&](collide::Held held) {
-        return collide::stop_fraction(ground, still, limb, way, {}, held, scratch) == unit_one;
-    };
-    if (!passes(collide::Held::by_joints)) return "a limb is held where it first touches";
-    return passes(collide::Held::not_at_all) ? "what no joint holds enters by 0.6 of its rounding" : "";
+    return collide::stop_fraction(ground, still, body, way, {}, held, scratch) == unit_one;
+}
+
+/// A capsule that sinks in by 0.6 of its rounding: joints let it, nothing else does. A ball that touches at first and sinks in by as
+/// much is stopped by its core.
+std::string limbs_pass() {
+    const shapes::Solid limb{capsule(0.1_r, 0.2_r)}, ball{sphere(0.1_r)};
+    for (const shapes::Solid& ground : {shapes::Solid{plane()}, shapes::Solid{box(5_r, 1_r, 5_r)}}) {
+        if (!is_let_through(ground, limb, 0.4_r, 0.24_r, collide::Held::by_joints))
+            return "a limb is held where it first touches";
+        if (is_let_through(ground, limb, 0.4_r, 0.24_r, collide::Held::not_at_all))
+            return "what no joint holds enters by 0.6 of its rounding";
+        if (is_let_through(ground, limb, 0.4_r, 0.21_r, collide::Held::by_joints))
+            return "a limb enters by 0.9 of its rounding";
+        if (is_let_through(ground, ball, 0.1_r, 0.04_r, collide::Held::by_joints))
+            return "the core of a ball enters";
+    }
+    return "";
 }
 
 } // namespace

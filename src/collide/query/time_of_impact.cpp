@@ -174,7 +174,8 @@ struct Measured {
 
 /// Where a mover stands at a time, as all pieces of A see it.
 struct Standing {
-    Rotation axes; ///< of A
+    Rotation axes;     ///< of A
+    Rotation rotation; ///< of the mover, against A
     Long3 place_24;
     Convex shape;
 
@@ -182,8 +183,10 @@ struct Standing {
         const Transform pose_a = pose_at(w.a, fraction), pose_b = m.pose(w.b, fraction);
         const RelativePose rel =
             on_plane ? plane_relative_pose(pose_a, pose_b) : relative_pose(pose_a, pose_b);
-        return {to_rotation(pose_a.rotation), raw(rel.position), m.shape(rel.rotation)};
+        return {to_rotation(pose_a.rotation), rel.rotation, raw(rel.position), m.shape(rel.rotation)};
     }
+    /// The same of what is in the mover.
+    Standing of(const Mover& inside) const { return {axes, rotation, place_24, inside.shape(rotation)}; }
 };
 
 Long3 in_world(const Standing& s, Long3 direction_30) {
@@ -311,26 +314,48 @@ Side side_of_box(const Geometry& box, Long3 point_24) {
     return side;
 }
 
-/// Whether a mover that stands so at the start stays above the plane of a triangle, or of a face of a box.
-bool keeps_its_side(const Ways& w, const Standing& s, const Obstacle& o, const Mover& m) {
-    constexpr std::int64_t roundings = 1024;
-    const bool is_box =
-        o.kind == Obstacle::Kind::convex && o.place == nullptr && o.solid->geometry.kind == ShapeKind::box;
-    if (!is_box && o.kind != Obstacle::Kind::triangle) return false;
-    const Side side =
-        is_box ? side_of_box(o.solid->geometry, s.place_24) : side_of_triangle(*o.triangle, s.place_24);
-    const std::int64_t lowest = dot_dropped(support(s.shape, -side.normal_30).at_30, side.normal_30, 30);
-    const std::int64_t gap = side.above_30 + lowest - up(std::int64_t{s.shape.radius.raw}, 6);
-    if (gap <= touching_gap_30 + roundings) return false;
-    return gap - touching_gap_30 - roundings > w.approach_30(m, w.reach_of(o), in_world(s, side.normal_30));
-}
+/// How a mover starts above a side of an obstacle: what keeps above it is told by that, without closest points.
+class Above {
+  public:
+    Above(const Ways& ways, const Standing& standing, const Obstacle& obstacle, const Mover& mover)
+        : w(ways), s(standing), o(obstacle), m(mover) {
+        const bool is_box = o.kind == Obstacle::Kind::convex && o.place == nullptr &&
+                            o.solid->geometry.kind == ShapeKind::box;
+        if (!is_box && o.kind != Obstacle::Kind::triangle) return;
+        const Side side =
+            is_box ? side_of_box(o.solid->geometry, s.place_24) : side_of_triangle(*o.triangle, s.place_24);
+        normal_30 = side.normal_30;
+        core_30 = side.above_30 + dot_dropped(support(s.shape, -normal_30).at_30, normal_30, 30);
+    }
+    /// Whether the core with a rounding of so much starts apart from the obstacle.
+    bool is_apart(std::int64_t radius_24) const { return room_30(radius_24) > 0; }
+    /// Whether it stays so on its way.
+    bool keeps(std::int64_t radius_24) {
+        if (!is_apart(radius_24)) return false;
+        if (!is_known) approach_30 = w.approach_30(m, w.reach_of(o), in_world(s, normal_30));
+        is_known = true;
+        return room_30(radius_24) > approach_30;
+    }
 
-/// Whether a mover stays beside a triangle's extent, or above its plane or a face of a box: most obstacles near a way are told by
-/// that, without closest points.
-bool stays_off(const Ways& w, const Start& start, const Obstacle& o, const Mover& m,
-               std::int64_t approach_max) {
+  private:
+    std::int64_t room_30(std::int64_t radius_24) const {
+        constexpr std::int64_t roundings = 1024;
+        return core_30 - up(radius_24, 6) - touching_gap_30 - roundings;
+    }
+    const Ways& w;
+    const Standing& s;
+    const Obstacle& o;
+    const Mover& m;
+    Long3 normal_30{};
+    std::int64_t core_30 = -anything_30; ///< its core's gap to the side; less than any: there is no such side
+    bool is_known = false;
+    std::int64_t approach_30 = 0; ///< most of the gap that it loses on its way
+};
+
+/// Whether a mover stays beside a triangle's extent.
+bool stays_beside(const Start& start, const Obstacle& o, std::int64_t approach_max) {
     constexpr std::int64_t roundings = 1024;
-    if (o.kind != Obstacle::Kind::triangle) return keeps_its_side(w, start.standing, o, m);
+    if (o.kind != Obstacle::Kind::triangle) return false;
     const CoordinateVec3(&c)[3] = o.triangle->corner;
     for (int i = 0; i < 3; ++i) {
         const std::int64_t low = up(smaller(c[0][i].raw, smaller(c[1][i].raw, c[2][i].raw)), 6),
@@ -339,16 +364,19 @@ bool stays_off(const Ways& w, const Start& start, const Obstacle& o, const Mover
             approach_max + touching_gap_30 + roundings)
             return true;
     }
-    return keeps_its_side(w, start.standing, o, m);
+    return false;
+}
+
+/// The balls that stand for the core, the larger first: of half the inner radius, and its centre.
+Mover core_ball(const Mover& whole) {
+    return ball_of(whole, Coordinate::from_raw(shapes::inner_radius(*whole.solid).raw / 2));
 }
 
 /// The core against a piece: first a ball of half the inner radius, else its centre.
-Unit core_stop(const Ways& w, const Obstacle& o, const Mover& whole, Unit until) {
-    const std::int64_t inner_24 = shapes::inner_radius(*whole.solid).raw;
-    for (const std::int64_t radius_24 : {inner_24 / 2, std::int64_t{0}}) {
-        const Mover ball = ball_of(whole, Coordinate::from_raw(radius_24));
-        const Standing begin = Standing::at(w, ball, Unit{}, o.kind == Obstacle::Kind::plane);
-        if (keeps_its_side(w, begin, o, ball)) return unit_one;
+Unit core_stop(const Ways& w, const Standing& standing, const Obstacle& o, const Mover& whole, Unit until) {
+    for (const Mover& ball : {core_ball(whole), ball_of(whole, Coordinate{})}) {
+        const Standing begin = standing.of(ball);
+        if (Above(w, begin, o, ball).keeps(ball.radius.raw)) return unit_one;
         const Between start = measure(begin, o, anything_30).gap;
         if (start.overlap || start.distance_30 <= 64) continue;
         return advance(w, o, ball, smaller(stop_gap_30, start.distance_30 / 2), until);
@@ -367,20 +395,34 @@ Vec3 lift_of(std::span<const UnitVec3> touching) {
     return lift;
 }
 
-/// Whether a rounded shape never enters a piece by half of its rounding: contacts push it out of that. What moves by half its
-/// inner radius is not swept at all, so it may be as deep. Of a body that joints hold, by three quarters.
+/// A rounded shape that never enters a piece by half of its rounding is not stopped: contacts push it out of that. What moves by half
+/// its inner radius is not swept at all, so it may be as deep. Of a body that joints hold, three quarters.
+int thin_bits_of(Held held) { return held == Held::by_joints ? 2 : 1; }
 bool sinks_little(const Ways& w, const Obstacle& o, const Mover& whole, Held held) {
     Mover thin = whole;
-    thin.thin_bits = held == Held::by_joints ? 2 : 1;
+    thin.thin_bits = thin_bits_of(held);
     if (whole.solid->geometry.radius == Length{}) return false;
     return advance(w, o, thin, stop_gap_30, unit_one) == unit_one;
+}
+/// Whether a side tells it, for a shape that starts apart from the piece, or whose core keeps above that side, too.
+bool is_told_to_pass(const Ways& w, const Standing& begin, const Obstacle& o, const Mover& whole, Held held,
+                     Above& above) {
+    const std::int64_t radius = begin.shape.radius.raw;
+    if (whole.solid->geometry.radius == Length{} || !above.keeps(radius >> thin_bits_of(held))) return false;
+    if (above.is_apart(radius)) return true;
+    const Mover ball = core_ball(whole);
+    const Standing core = begin.of(ball);
+    return Above(w, core, o, ball).keeps(ball.radius.raw);
 }
 
 Unit piece_stop(const Ways& w, const Start& begin, const Obstacle& o, const Mover& whole, Vec3 lift,
                 Held held, Unit until) {
     if (begin.is_behind(o)) return unit_one;
     const std::int64_t approach_max = w.approach_max_30(whole, w.reach_of(o));
-    if (stays_off(w, begin, o, whole, approach_max)) return unit_one;
+    if (stays_beside(begin, o, approach_max)) return unit_one;
+    Above above(w, begin.standing, o, whole);
+    if (above.keeps(begin.standing.shape.radius.raw)) return unit_one;
+    if (is_told_to_pass(w, begin.standing, o, whole, held, above)) return unit_one;
     const std::int64_t reachable = approach_max + 2 * touching_gap_30;
     const Measured at_start = measure(begin.standing, o, reachable);
     const Between& start = at_start.gap;
@@ -393,7 +435,7 @@ Unit piece_stop(const Ways& w, const Start& begin, const Obstacle& o, const Move
         lifted.shift = lift;
         if (advance(w, o, lifted, stop_gap_30, unit_one) < unit_one) return stop;
     }
-    return core_stop(w, o, whole, until);
+    return core_stop(w, begin.standing, o, whole, until);
 }
 
 } // namespace

@@ -127,3 +127,55 @@ TEST_CASE("what is not stopped by a box never comes near it: times of impact, wh
     CHECK(stopped > 500);
     CHECK(passed > 500);
 }
+
+namespace {
+
+/// A capsule that meets a box, as what stops it: the whole, what is left of it as it sinks in, and its core.
+struct Dipping {
+    shapes::Solid whole, thin, core;
+
+    Dipping(double radius, double half_height, int part) // an integer part is exact
+        : whole{capsule(real(radius), real(half_height))}, thin{whole}, core{whole} {
+        const Length rounding = whole.geometry.radius;
+        thin.geometry.radius = Length::from_raw(rounding.raw / part);
+        core = shapes::Solid{sphere(to<Real>(Length::from_raw(rounding.raw / 2)))};
+    }
+};
+
+} // namespace
+
+TEST_CASE("a rounded shape at a box is stopped where times of impact say so, of the whole of it and of what "
+          "is left as it sinks in: "
+          "faces that tell it without nearest points change nothing") {
+    Random random(10);
+    collide::NarrowScratch scratch;
+    int stopped = 0, passed = 0, dipped = 0, held_at_core = 0;
+    for (int i = 0; i < samples(6000, 150000); ++i) {
+        const auto held = i % 2 == 0 ? collide::Held::not_at_all : collide::Held::by_joints;
+        const shapes::Solid obstacle{
+            box(real(random(0.05, 2)), real(random(0.05, 2)), real(random(0.05, 2)))};
+        const Dipping mover(random(0.02, 0.4), random(0.02, 0.5), i % 2 == 0 ? 2 : 4);
+        const Crossing c = crossing(random);
+        const auto impact = [&](const shapes::Solid& of, Length target) {
+            return collide::time_of_impact(obstacle, c.obstacle, of, c.mover, target, scratch);
+        };
+        const Length gap = quantize<Length>(stop_gap);
+        const Unit stop =
+            collide::stop_fraction(obstacle, c.obstacle, mover.whole, c.mover, {}, held, scratch);
+        if (impact(mover.whole, quantize<Length>(2 * stop_gap)) == Unit{}) { // it touches, or nearly
+            if (impact(mover.whole, Length{}) != Unit{}) continue;
+            if (impact(mover.core, quantize<Length>(2 * stop_gap)) == Unit{}) continue;
+            CHECK(stop == impact(mover.core, gap));
+            held_at_core += stop != unit_one;
+            continue;
+        }
+        const Unit surface = impact(mover.whole, gap), deep = impact(mover.thin, gap);
+        CHECK(stop == (deep == unit_one ? unit_one : surface));
+        dipped += surface != unit_one && deep == unit_one;
+        ++(stop == unit_one ? passed : stopped);
+    }
+    CHECK(stopped > 500);
+    CHECK(passed > 500);
+    CHECK(dipped > 100);
+    CHECK(held_at_core > 20);
+}
