@@ -117,10 +117,9 @@ enum ContactFlags : std::uint32_t {
 /// What a contact remembers from tick to tick: the manifold, where it was made, and the impulses. While the shapes stay
 /// where they were to each other, the manifold is used again instead of being made anew, so all of it is state. The tick works
 /// on these; the state holds them as ContactRow, ContactPointMemory and ContactMore: model/contact_rows.h.
-struct ContactMemory {
-    std::uint32_t flags; ///< ContactFlags
-    std::uint32_t count; ///< points in use; the others are zero
-    std::array<ContactPointMemory, 4> points;
+struct alignas(64) ContactMemory {
+    std::uint32_t flags;          ///< ContactFlags
+    std::uint32_t count;          ///< points in use; the others are zero
     CoordinateVec3 made_position; ///< of B's origin in A's frame when the manifold was made [m]
     Quat made_rotation;           ///< B's axes in A's, then
     UnitVec3 normal;              ///< from A to B, in A's axes
@@ -129,8 +128,9 @@ struct ContactMemory {
     Length twist;                 ///< friction impulse about the normal [m^2/s]
     SpeedVec3 rolling;            ///< angular impulse against rolling, world axes, as solve::Rolling has it
     // Of shapes of many pieces; see collide::Manifold.
-    std::uint32_t piece_a; ///< triangle or part of A
-    std::uint32_t piece_b; ///< part of B
+    std::uint32_t piece_a;                    ///< triangle or part of A
+    std::uint32_t piece_b;                    ///< part of B
+    std::array<ContactPointMemory, 4> points; ///< last: most contacts have few
 };
 
 /// What the state holds of every ContactMemory. Its points are the next `count` rows of the table of points, and what

@@ -174,12 +174,12 @@ void ContactSolver::prepare(std::span<const Contact> contacts, std::span<const C
         for (std::size_t i = 0; is_cleared && i < packs.size(); ++i) clear_pack(packs[i], bodies.still(), 4);
         base::for_chunks(tasks, s.pack_count, pack_chunk,
                          [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-                             // One ahead: loads of four lanes would wait for the numbers that were just written one by one.
-                             PackSource sources[2];
-                             s.fill<N>(first, sources[first % 2], in, is_cleared);
-                             for (std::uint32_t i = first; i < last; ++i) {
-                                 if (i + 1 < last) s.fill<N>(i + 1, sources[(i + 1) % 2], in, is_cleared);
-                                 s.kernel->prepare(&packs[i], sources[i % 2], bodies.body.data());
+                             PackSource sources[prepared_at_once];
+                             for (std::uint32_t i = first, end; i < last; i = end) {
+                                 end = std::min(i + prepared_at_once, last);
+                                 for (std::uint32_t at = i; at < end; ++at)
+                                     s.fill<N>(at, sources[at - i], in, is_cleared);
+                                 s.kernel->prepare(&packs[i], sources, end - i, bodies.body.data());
                              }
                          });
         for (std::uint32_t i = 0; i < s.bounces.size(); ++i) {

@@ -50,9 +50,6 @@ template <unsigned N> struct ContactPack {
     std::int32_t normal_a[3][3][N], normal_b[3][3][N]; ///< angular rows: level, tilts
     std::int32_t slide_a[3][3][N], slide_b[3][3][N];   ///< angular rows: tangents, twist
     std::int32_t response[6][N];                       ///< S by rows of the lower triangle
-    std::int32_t inverse[6][N];      ///< S^-1 likewise; zero in directions that nothing answers to
-    std::int32_t soft_inverse[6][N]; ///< (S + X)^-1 likewise
-    std::int32_t softness[4][N];     ///< X: level; tilts by rows of the lower triangle
     std::int32_t slide_inverse[6][N];
     std::int32_t bias_rate[N], mass_scale[N], impulse_scale[N]; ///< speed_bits, Unit, Unit
     std::int32_t friction[N];                                   ///< row_bits
@@ -65,6 +62,10 @@ template <unsigned N> struct ContactPack {
     std::uint32_t keeps;
     std::int32_t size[N]; ///< Length: the arms' unit
     PointLanes<N> points[4];
+    // Of packs with more than one point alone; packs of single points do not touch these
+    std::int32_t inverse[6][N];      ///< S^-1 as S; zero in directions that nothing answers to
+    std::int32_t soft_inverse[6][N]; ///< (S + X)^-1 likewise
+    std::int32_t softness[4][N];     ///< X: level; tilts by rows of the lower triangle
 };
 
 /// What a pack is prepared from, by lane: its contacts and how their bodies turn. Lanes without a contact have one without points, and what
@@ -77,6 +78,9 @@ struct PackSource {
     std::int32_t ease[lanes_max];      ///< how much of its impulse a soft contact yields, Unit
     bool has_locks;                    ///< one of the bodies has a locked axis, of moving or of turning
 };
+
+/// So many packs are prepared at once, at most.
+inline constexpr unsigned prepared_at_once = 4;
 
 /// Points at most this much farther apart than the nearest, and those that carry, are members [m].
 inline constexpr std::int32_t member_gap = decimal<Separation>("0.001").raw;
@@ -128,8 +132,8 @@ struct PassData {
 /// The passes of one instruction set over packs [first, last) of its lane width.
 struct ContactKernel {
     unsigned lanes;
-    /// Rows, effective masses, inverses and first impulses of one pack whose heads are filled.
-    void (*prepare)(void* pack, const PackSource& source, const solve::SolverBody* bodies);
+    /// Rows, effective masses, inverses and first impulses of packs whose heads are filled: at most prepared_at_once.
+    void (*prepare)(void* packs, const PackSource* sources, unsigned count, const solve::SolverBody* bodies);
     void (*warm_start)(void* packs, std::uint32_t first, std::uint32_t last, const PassData& data);
     /// At which speed each point that was not hit yet comes in, of the bounces that packs count.
     void (*measure_approaches)(const void* packs, std::uint32_t count, const PassData& data);

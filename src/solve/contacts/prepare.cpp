@@ -94,12 +94,12 @@ void respond(const Rows& rows, ContactShares shares, std::int64_t (&out)[3]) {
 } // namespace
 
 template <unsigned N> void clear_pack(ContactPack<N>& pack, std::uint32_t still_body, std::uint32_t points) {
-    const std::span<PointLanes<N>> cleared = std::span(pack.points).first(points > 1 ? 4 : 1);
-    if (points > 1)
-        pack = {};
-    else
-        std::fill(reinterpret_cast<std::uint32_t*>(&pack), reinterpret_cast<std::uint32_t*>(&pack.points[1]),
-                  0u);
+    const std::span<PointLanes<N>> cleared = std::span(pack.points).first(std::max(points, 1u));
+    const auto clear = [](void* from, void* to) {
+        std::fill(static_cast<std::uint32_t*>(from), static_cast<std::uint32_t*>(to), 0u);
+    };
+    clear(&pack, cleared.data() + cleared.size());
+    if (points > 1) clear(&pack.inverse, &pack + 1);
     pack.bounce = none;
     for (unsigned lane = 0; lane < N; ++lane) {
         pack.body_a[lane] = pack.body_b[lane] = still_body;

@@ -19,8 +19,8 @@ struct PrepareInput {
 
 using Raw3 = std::array<std::int64_t, 3>;
 
-/// An empty pack: nothing in it moves anything. `points`: most that its contacts will have; of one, the points behind the first stay
-/// as they are: nobody looks at those beyond point_count.
+/// An empty pack: nothing in it moves anything. `points`: most that its contacts will have, at least 1. Those behind stay as they are, and
+/// with one point what only several have: nobody looks at that.
 template <unsigned N> void clear_pack(ContactPack<N>& pack, std::uint32_t still_body, std::uint32_t points);
 /// The contacts of a pack, by lane, null: none. The pack, which is empty, gets what a contact has once, the source where
 /// ContactKernel::prepare() finds the rest.

@@ -406,37 +406,57 @@ template <class L> class PrepareKernel {
         }
     }
 
-  public:
-    /// All of a pack whose heads are filled (fill_lane), from what its contacts are.
-    static void prepare(void* pack, const PackSource& source, const solve::SolverBody* bodies) {
-        Pack& c = *static_cast<Pack*>(pack);
-        const int points = c.point_count;
-        if (points == 0) return;
-        Input in;
-        Input::read(source, points, in);
-        find_tangents(c, in);
-        Layout l;
-        LayoutKernel<L>::lay_out(in, points, l);
-        l.size.store(c.size);
-        Gram gram;
-        LayoutKernel<L>::fit_members(c, points, l, gram);
-        make_rows(c, in, l);
+    // ---- the steps --------------------------------------------------------------------------------------------------
 
-        Response response[6];
-        respond<2>(c, in, 1, points > 1 ? 3 : 2, c.slide_a, c.slide_b, response);
+    /// What a step leaves to the next one.
+    struct Work {
+        Input in;
+        Layout layout;
+        Gram gram;
+        Response of_slide[6], of_normals[6];
+    };
+    [[gnu::noinline]] static void lay_out(Pack& c, const PackSource& source, Work& w) {
+        const int points = c.point_count;
+        Input::read(source, points, w.in);
+        find_tangents(c, w.in);
+        LayoutKernel<L>::lay_out(w.in, points, w.layout);
+        w.layout.size.store(c.size);
+        LayoutKernel<L>::fit_members(c, points, w.layout, w.gram);
+    }
+    [[gnu::noinline]] static void find_responses(Pack& c, Work& w) {
+        const bool several = c.point_count > 1;
+        make_rows(c, w.in, w.layout);
+        respond<2>(c, w.in, 1, several ? 3 : 2, c.slide_a, c.slide_b, w.of_slide);
+        respond<1>(c, w.in, 0, several ? 3 : 1, c.normal_a, c.normal_b, w.of_normals);
+        for (int i = 0; i < 6; ++i) w.of_normals[i].store(c.response[i]);
+    }
+    [[gnu::noinline]] static void find_masses(Pack& c, Work& w, const solve::SolverBody* bodies) {
+        const int points = c.point_count;
         Sum<response_bits> s[3][6]; // of friction, of normals, and of these softened
-        for (int i = 0; i < 6; ++i) s[0][i] = wide(response[i]);
-        if (points == 1) invert_two(s[0], c.slide_inverse);
-        respond<1>(c, in, 0, points > 1 ? 3 : 1, c.normal_a, c.normal_b, response);
-        for (int i = 0; i < 6; ++i) response[i].store(c.response[i]), s[1][i] = wide(response[i]);
-        const Sum<response_bits> mean = fill_points(c, in, points, l, s[1]);
-        start_impulses(c, in, points, l, bodies);
-        if (points == 1) return;
-        for (int i : {1, 2}) s[1][i] = s[1][i] & gram.tilts;
-        for (int i : {3, 4, 5}) s[1][i] = s[1][i] & gram.plane;
+        for (int i = 0; i < 6; ++i) s[0][i] = wide(w.of_slide[i]), s[1][i] = wide(w.of_normals[i]);
+        const Sum<response_bits> mean = fill_points(c, w.in, points, w.layout, s[1]);
+        start_impulses(c, w.in, points, w.layout, bodies);
+        if (points == 1) return invert_two(s[0], c.slide_inverse);
+        for (int i : {1, 2}) s[1][i] = s[1][i] & w.gram.tilts;
+        for (int i : {3, 4, 5}) s[1][i] = s[1][i] & w.gram.plane;
         for (int i = 0; i < 6; ++i) s[2][i] = s[1][i];
-        soften(c, in, gram, mean, s[2]);
+        soften(c, w.in, w.gram, mean, s[2]);
         invert<3>(s, {c.slide_inverse, c.inverse, c.soft_inverse});
+    }
+
+  public:
+    /// All of packs whose heads are filled (fill_lane), from what their contacts are. Step by step for all of them: each step's
+    /// instructions have room in a cache of 32 KB, those of all steps have not.
+    static void prepare(void* packs, const PackSource* sources, unsigned count,
+                        const solve::SolverBody* bodies) {
+        Pack* const c = static_cast<Pack*>(packs);
+        Work work[prepared_at_once];
+        for (unsigned i = 0; i < count; ++i)
+            if (c[i].point_count != 0) lay_out(c[i], sources[i], work[i]);
+        for (unsigned i = 0; i < count; ++i)
+            if (c[i].point_count != 0) find_responses(c[i], work[i]);
+        for (unsigned i = 0; i < count; ++i)
+            if (c[i].point_count != 0) find_masses(c[i], work[i], bodies);
     }
 };
 
