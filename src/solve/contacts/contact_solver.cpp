@@ -133,8 +133,9 @@ void ContactSolver::Inside::fill(std::uint32_t pack, PackSource& source, const P
         for (std::size_t i = other * N; i < (other + 1) * N && i < lane_contact.size(); ++i)
             if (lane_contact[i] != none) visit(in.contacts[lane_contact[i]]);
     };
-    for_contacts_of(pack + 3, [](const Contact& c) { base::prefetch(c); });
-    for_contacts_of(pack + 1, [&](const Contact& c) {
+    // As long as the packs before are prepared they are on their way.
+    for_contacts_of(pack + 2 * prepared_at_once, [](const Contact& c) { base::prefetch(c); });
+    for_contacts_of(pack + prepared_at_once, [&](const Contact& c) {
         const auto& step = in.bodies.step;
         base::prefetch(step[c.body_a].movable), base::prefetch(step[c.body_b].movable);
     });
