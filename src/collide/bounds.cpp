@@ -16,6 +16,8 @@ constexpr std::int64_t guard = 16; // Length steps
 
 constexpr std::int64_t up_30 = (std::int64_t{1} << Unit::fraction_bits) - 1;
 
+constexpr std::int64_t length_step = std::int64_t{1} << (Real::fraction_bits - Length::fraction_bits);
+
 /// How far a shape reaches from its origin along a world axis, in Length steps, rounded outward.
 struct Reach {
     std::int64_t low, high;
@@ -78,12 +80,13 @@ Reach reach_of_extent(const shapes::Extent& e, UnitVec3 r) {
     return {low, high};
 }
 
-/// Of a sphere, capsule or box, of all three axes at once.
+/// Of a sphere, capsule or box, of all three axes at once. Only a box has an extent along x and z.
 void reach_of_round_box(const Geometry& g, const Rotation& r, Reach (&out)[3]) {
     const std::int64_t factor = g.scale.x.raw >> Length::fraction_bits;
+    const bool is_box = g.kind == ShapeKind::box;
     for (int i = 0; i < 3; ++i) {
-        const std::int64_t along =
-            times(r.x[i], g.half_extent.x) + times(r.y[i], g.half_extent.y) + times(r.z[i], g.half_extent.z);
+        std::int64_t along = times(r.y[i], g.half_extent.y);
+        if (is_box) along += times(r.x[i], g.half_extent.x) + times(r.z[i], g.half_extent.z);
         const std::int64_t reach = (((along + up_30) >> Unit::fraction_bits) + g.radius.raw) * factor;
         out[i] = {-reach, reach};
     }
@@ -108,14 +111,33 @@ bool has_extent(ShapeKind kind) {
 }
 
 /// From `low` to `high` around a position, in Length steps, rounded outward.
-void set_side(Bounds& out, int axis, Vec3 position, std::int64_t low_24, std::int64_t high_24, int drop) {
-    const auto at = [&](std::int64_t along_24) {
-        return add_saturated(position[axis].raw,
-                             along_24 * (std::int64_t{1} << (Real::fraction_bits - Length::fraction_bits)));
-    };
-    out.lower[axis] = Bound::from_raw(saturate_to_int32(at(low_24) >> drop));
-    out.upper[axis] = // ceil: one above the floor
-        Bound::from_raw(saturate_to_int32((at(high_24) >> drop) + 1));
+Bounds clamped_around(const Vec3& position, const Reach (&reaches)[3], int drop) {
+    Bounds out;
+    for (int i = 0; i < 3; ++i) {
+        const auto at = [&](std::int64_t along_24) {
+            return add_saturated(position[i].raw, along_24 * length_step);
+        };
+        out.lower[i] = Bound::from_raw(saturate_to_int32(at(reaches[i].low) >> drop));
+        out.upper[i] = Bound::from_raw(saturate_to_int32((at(reaches[i].high) >> drop) + 1));
+    }
+    return out;
+}
+/// The same, without clamps within 16 km of the origin. Ceil: one above the floor.
+Bounds bounds_around(const Vec3& position, const Reach (&reaches)[3], int drop) {
+    constexpr std::uint64_t near = std::uint64_t{1} << (Real::fraction_bits + 14);
+    Bounds out;
+    std::uint64_t beyond = 0;
+    for (int i = 0; i < 3; ++i) {
+        const auto at = [&](std::int64_t along_24) {
+            const auto raw = static_cast<std::uint64_t>(position[i].raw) +
+                             static_cast<std::uint64_t>(along_24 * length_step);
+            beyond |= raw + near;
+            return static_cast<std::int64_t>(raw) >> drop;
+        };
+        out.lower[i] = Bound::from_raw(static_cast<std::int32_t>(at(reaches[i].low)));
+        out.upper[i] = Bound::from_raw(static_cast<std::int32_t>(at(reaches[i].high) + 1));
+    }
+    return beyond < 2 * near ? out : clamped_around(position, reaches, drop);
 }
 int drop_of(int shift) { return Real::fraction_bits - Bound::fraction_bits + shift; }
 /// What roundings add to a reach, and the margin.
@@ -132,9 +154,7 @@ Bounds bounds_of(const shapes::Solid& solid, const Transform& pose, Length margi
 Bounds bounds_of_ball(const Geometry& ball, Vec3 position, Length margin, int shift) {
     const std::int64_t reach = ball.radius.raw * std::int64_t{ball.scale.x.raw >> Length::fraction_bits};
     const std::int64_t all = reach + more_than({-reach, reach}, margin);
-    Bounds out;
-    for (int i = 0; i < 3; ++i) set_side(out, i, position, -all, all, drop_of(shift));
-    return out;
+    return bounds_around(position, {{-all, all}, {-all, all}, {-all, all}}, drop_of(shift));
 }
 
 Bounds bounds_of(const shapes::Solid& solid, Vec3 position, const Rotation& r, Length margin, int shift) {
@@ -143,7 +163,6 @@ Bounds bounds_of(const shapes::Solid& solid, Vec3 position, const Rotation& r, L
             high{Bound::max(), Bound::max(), Bound::max()};
         return {low, high};
     }
-    Bounds out{};
     Reach reaches[3];
     if (is_round_box(solid.geometry.kind)) {
         reach_of_round_box(solid.geometry, r, reaches);
@@ -154,11 +173,11 @@ Bounds bounds_of(const shapes::Solid& solid, Vec3 position, const Rotation& r, L
             has_extent(solid.geometry.kind) ? shapes::extent_of(solid) : shapes::Extent{};
         for (int i = 0; i < 3; ++i) reaches[i] = reach_along(solid, extent, {r.x[i], r.y[i], r.z[i]});
     }
-    for (int i = 0; i < 3; ++i) {
-        const std::int64_t more = more_than(reaches[i], margin);
-        set_side(out, i, position, reaches[i].low - more, reaches[i].high + more, drop_of(shift));
+    for (Reach& reach : reaches) {
+        const std::int64_t more = more_than(reach, margin);
+        reach.low -= more, reach.high += more;
     }
-    return out;
+    return bounds_around(position, reaches, drop_of(shift));
 }
 
 } // namespace lockstone::collide

@@ -144,17 +144,27 @@ Vector3<Bound> motion_of(const PlaceView& v, std::uint32_t row) {
     return {one(velocity.x), one(velocity.y), one(velocity.z)};
 }
 
-/// Tells the broad phase of a shape that awake bodies have. A solid that is not known is found then too: finding one changes
-/// what all share.
-void hand_over_awake(const Model& w, const PlaceView& v, PlacedShapes& s, const ShapeRow& shape,
+/// Tells the broad phase of a shape that has left its leaf, or has none. A solid that is not known is found then too: finding one
+/// changes what all share.
+void hand_over_moved(const Model& w, const PlaceView& v, PlacedShapes& s, const ShapeRow& shape,
                      std::uint32_t row) {
     const std::uint32_t slot = shape.id.index - 1;
     PlacedShapes::Shape& at = s.shape[slot];
     if (!at.is_placed) return set_proxy(w, s, shape, row);
     if (at.solid.geometry.kind == ShapeKind::plane) return hand_over(w, s, shape, row);
     at.rests = false;
-    if (!s.broad_phase.move_within(slot, at.bounds))
-        s.broad_phase.set(slot, at.bounds, false, motion_of(v, row));
+    s.broad_phase.set(slot, at.bounds, false, motion_of(v, row));
+    s.proxy_generation[slot] = shape.id.generation;
+}
+
+/// Tells the broad phase of a shape that awake bodies have.
+inline void hand_over_awake(const Model& w, const PlaceView& v, PlacedShapes& s, const ShapeRow& shape,
+                            std::uint32_t row) {
+    const std::uint32_t slot = shape.id.index - 1;
+    PlacedShapes::Shape& at = s.shape[slot];
+    if (!at.is_placed || at.filter.kind == ShapeKind::plane || !s.broad_phase.move_within(slot, at.bounds))
+        return hand_over_moved(w, v, s, shape, row);
+    at.rests = false;
     s.proxy_generation[slot] = shape.id.generation;
 }
 
