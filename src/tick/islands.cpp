@@ -11,19 +11,18 @@ bool wake_touched(Model& w, const PlacedShapes& placed, std::span<const NearPair
                   ContactScratch& contacts, IslandScratch& scratch) {
     std::vector<BodyId>& touched = scratch.touched;
     touched.clear();
-    const std::span<const ShapeRow> shapes = w.state.rows(w.m.shape);
-    const std::span<const Slot> shape_slots = w.state.rows(w.m.shape_slot),
-                                body_slots = w.state.rows(w.m.body_slot);
+    const std::span<const Slot> body_slots = w.state.rows(w.m.body_slot);
+    const std::span<const ShapeTraits> traits = w.state.rows(w.m.shape_traits.row);
     const std::uint32_t awake = w.header().bodies_awake;
     for (const NearPair& near : near_pairs) {
-        const ShapeRow& a = shapes[shape_slots[near.key.a.index - 1].row];
-        const ShapeRow& b = shapes[shape_slots[near.key.b.index - 1].row];
-        const std::uint32_t row_a = body_slots[a.body.index - 1].row,
-                            row_b = body_slots[b.body.index - 1].row;
+        const PlacedShapes::Filter &a = placed.shape[near.key.a.index - 1].filter,
+                                   &b = placed.shape[near.key.b.index - 1].filter;
+        const std::uint32_t row_a = body_slots[a.body].row, row_b = body_slots[b.body].row;
         const bool wakes_a = row_a >= awake, wakes_b = row_b >= awake;
-        if (wakes_a == wakes_b || (w.traits_of(a).sensor | w.traits_of(b).sensor) != 0) continue;
-        if (w.state.rows(w.m.body_info)[wakes_a ? row_a : row_b].kind != BodyKind::dynamic) continue;
-        if (has_contact_points(w, placed, near, contacts)) touched.push_back(wakes_a ? a.body : b.body);
+        if (wakes_a == wakes_b || (traits[a.traits].sensor | traits[b.traits].sensor) != 0) continue;
+        const BodyInfo& woken = w.state.rows(w.m.body_info)[wakes_a ? row_a : row_b];
+        if (woken.kind != BodyKind::dynamic) continue;
+        if (has_contact_points(w, placed, near, contacts)) touched.push_back(woken.id);
     }
     wake_islands(w, touched);
     return !touched.empty();

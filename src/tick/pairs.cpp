@@ -12,6 +12,39 @@ namespace lockstone::sim {
 
 namespace {
 
+/// The columns that every pair looks at, found once for many.
+struct PairView {
+    const Model& w;
+    const PlacedShapes& placed;
+    const JoinedBodies& joined;
+    std::span<const Slot> body_slots;
+    std::span<const BodyInfo> info;
+    std::span<const Velocity> velocity;
+    bool has_filters;
+    std::uint32_t shift, tick_rate, awake;
+
+    PairView(const Model& model, const PlacedShapes& shapes_placed, const JoinedBodies& joined_bodies)
+        : w(model), placed(shapes_placed), joined(joined_bodies), body_slots(w.state.rows(w.m.body_slot)),
+          info(w.state.rows(w.m.body_info)), velocity(w.state.rows(w.m.body_velocity)),
+          has_filters(w.state.count(w.m.pair_filters) != 0), shift(w.config().bounds_shift),
+          tick_rate(w.config().tick_rate), awake(w.header().bodies_awake) {}
+    const ShapeRow& shape(std::uint32_t slot) const {
+        return w.state.rows(w.m.shape)[w.state.rows(w.m.shape_slot)[slot].row];
+    }
+};
+
+/// Whether two shapes may meet: may_meet(), and what most pairs are without looking further.
+bool may_pair(const PairView& v, collide::ProxyPair pair) {
+    const PlacedShapes::Filter &a = v.placed.shape[pair.a].filter, &b = v.placed.shape[pair.b].filter;
+    const auto is_dynamic = [&](const PlacedShapes::Filter& shape) {
+        return v.info[v.body_slots[shape.body].row].kind == BodyKind::dynamic;
+    };
+    const bool is_common = !v.has_filters && a.is_plain && b.is_plain && (is_dynamic(a) || is_dynamic(b));
+    if (!is_common) return may_meet(v.w, v.shape(pair.a), v.shape(pair.b));
+    return a.body != b.body && (a.category & b.mask) != 0 && (b.category & a.mask) != 0 &&
+           !v.joined.contain(a.body, b.body);
+}
+
 /// The half space below a plane, and what contacts look ahead of it.
 class Ahead {
     UnitVec3 n;
@@ -47,8 +80,9 @@ void add_in_order(std::uint32_t plane, PairScratch& s) {
         }
 }
 
-void find_plane_pairs(const Model& w, const PlacedShapes& placed, PairScratch& s) {
-    const std::uint32_t shift = w.state.rows(w.m.config)[0].bounds_shift;
+void find_plane_pairs(const PairView& v, PairScratch& s) {
+    const Model& w = v.w;
+    const PlacedShapes& placed = v.placed;
     s.plane_pairs.clear();
     if (placed.planes.empty()) return;
     base::make_room(s.plane_pairs, w.header().bodies_awake); // most shapes are near no plane, or one
@@ -63,14 +97,14 @@ void find_plane_pairs(const Model& w, const PlacedShapes& placed, PairScratch& s
         const std::uint32_t rows = is_fresh ? w.state.count(w.m.bodies) : w.header().bodies_awake;
         const Transform& at_plane = placed.shape[plane].pose;
         s.at_plane.assign(words, 0);
-        const Ahead ahead(to_rotation(at_plane.rotation).y, at_plane.position, shift);
+        const Ahead ahead(to_rotation(at_plane.rotation).y, at_plane.position, v.shift);
         for (std::uint32_t row = 0; row < rows; ++row)
             for (std::uint32_t at = info[row].first_shape; at != 0;) {
                 const std::uint32_t slot = at - 1;
                 const ShapeRow& shape = shapes[slots[slot].row];
                 at = shape.next_shape;
                 if (placed.shape[slot].filter.kind == ShapeKind::plane) continue;
-                if (ahead.is_reached(placed.broad_phase.bounds(slot)))
+                if (ahead.is_reached(placed.broad_phase.bounds(slot)) && may_pair(v, {plane, slot}))
                     s.at_plane[slot / 64] |= std::uint64_t{1} << slot % 64;
             }
         add_in_order(plane, s);
@@ -86,16 +120,13 @@ void find_plane_pairs(const Model& w, const PlacedShapes& placed, PairScratch& s
 }
 
 constexpr std::uint32_t filtered_per_chunk = 128;
+constexpr Length margin_least = margin_base + margin_base; ///< of two shapes
 
 /// How far ahead the contacts of two shapes reach: as far as they near each other in a tick. What moves along with the
 /// other, however fast, meets nothing sooner than what rests.
-Length pair_margin(const Model& w, const PlacedShapes::Shape& a, std::uint32_t body_a,
-                   const PlacedShapes::Shape& b, std::uint32_t body_b) {
-    const Length widest = a.margin + b.margin, least = margin_base + margin_base;
-    if (widest == least) return least;
-    const std::span<const Velocity> velocity = w.state.rows(w.m.body_velocity);
-    return min(widest, least + ahead_of(velocity[body_b].linear - velocity[body_a].linear,
-                                        w.state.rows(w.m.config)[0].tick_rate));
+Length pair_margin(const PairView& v, Length widest, std::uint32_t body_a, std::uint32_t body_b) {
+    return min(widest,
+               margin_least + ahead_of(v.velocity[body_b].linear - v.velocity[body_a].linear, v.tick_rate));
 }
 
 /// Whether bounds that reach ahead by each shape's own margin still overlap when the pair's margin is `spare` less than
@@ -111,59 +142,32 @@ bool still_overlap(const collide::Bounds& a, const collide::Bounds& b, Length sp
     return out;
 }
 
-/// The columns that every pair looks at, found once for many.
-struct PairView {
-    const Model& w;
-    const PlacedShapes& placed;
-    const JoinedBodies& joined;
-    std::span<const Slot> body_slots;
-    std::span<const BodyInfo> info;
-    bool has_filters;
-    std::uint32_t shift, awake;
-
-    PairView(const Model& model, const PlacedShapes& shapes_placed, const JoinedBodies& joined_bodies)
-        : w(model), placed(shapes_placed), joined(joined_bodies), body_slots(w.state.rows(w.m.body_slot)),
-          info(w.state.rows(w.m.body_info)), has_filters(w.state.count(w.m.pair_filters) != 0),
-          shift(w.state.rows(w.m.config)[0].bounds_shift), awake(w.header().bodies_awake) {}
-    const ShapeRow& shape(std::uint32_t slot) const {
-        return w.state.rows(w.m.shape)[w.state.rows(w.m.shape_slot)[slot].row];
-    }
-};
-
 /// Whether one of two bodies was made asleep and the other does not move: a level is made in any order.
 bool leaves_asleep(const PairView& v, std::uint32_t body_a, std::uint32_t body_b) {
     const auto leaves = [&](std::uint32_t other, std::uint32_t sleeper) {
         return v.info[sleeper].kind == BodyKind::dynamic && v.info[other].kind != BodyKind::dynamic &&
-               v.w.state.rows(v.w.m.body_velocity)[other] == Velocity{} && was_never_awake(v.w, sleeper);
+               v.velocity[other] == Velocity{} && was_never_awake(v.w, sleeper);
     };
     return body_a >= v.awake ? leaves(body_b, body_a) : body_b >= v.awake && leaves(body_a, body_b);
 }
 
-/// Whether two shapes may meet: may_meet(), and what most pairs are without looking further.
-bool may_pair(const PairView& v, collide::ProxyPair pair, std::uint32_t body_a, std::uint32_t body_b) {
-    const PlacedShapes::Filter &a = v.placed.shape[pair.a].filter, &b = v.placed.shape[pair.b].filter;
-    const BodyInfo &info_a = v.info[body_a], &info_b = v.info[body_b];
-    const bool is_common = !v.has_filters && a.is_plain && b.is_plain &&
-                           (info_a.kind == BodyKind::dynamic || info_b.kind == BodyKind::dynamic);
-    if (!is_common) return may_meet(v.w, v.shape(pair.a), v.shape(pair.b));
-    return body_a != body_b && (a.category & b.mask) != 0 && (b.category & a.mask) != 0 &&
-           !v.joined.contain(a.body, b.body);
-}
-
-/// Its key is null when the two do not meet, or both rest, or are farther apart than the margin. Written where it is kept: a copy
+/// Of two that may meet. Its key is null when both rest, or are farther apart than the margin. Written where it is kept: a copy
 /// of the whole would wait for numbers that were just written one by one.
 void find_key(const PairView& v, collide::ProxyPair pair, PairScratch::Key& out) {
     const PlacedShapes::Shape &a = v.placed.shape[pair.a], &b = v.placed.shape[pair.b];
     const std::uint32_t body_a = v.body_slots[a.filter.body].row, body_b = v.body_slots[b.filter.body].row;
     out.key.a = {};
-    if (body_a >= v.awake && body_b >= v.awake) return;
-    const Length margin = pair_margin(v.w, a, body_a, b, body_b);
-    const bool has_plane = a.filter.kind == ShapeKind::plane || b.filter.kind == ShapeKind::plane;
-    const Length spare = has_plane ? Length{} : a.margin + b.margin - margin;
-    if (!still_overlap(a.bounds, b.bounds, spare, v.shift)) return;
-    if (!may_pair(v, pair, body_a, body_b) || leaves_asleep(v, body_a, body_b)) return;
+    const bool rests_a = body_a >= v.awake, rests_b = body_b >= v.awake;
+    if (rests_a | rests_b)
+        if ((rests_a & rests_b) || leaves_asleep(v, body_a, body_b)) return;
+    out.margin = a.margin + b.margin;
+    if (out.margin != margin_least) {
+        const Length widest = out.margin;
+        out.margin = pair_margin(v, widest, body_a, body_b);
+        const bool has_plane = a.filter.kind == ShapeKind::plane || b.filter.kind == ShapeKind::plane;
+        if (!has_plane && !still_overlap(a.bounds, b.bounds, widest - out.margin, v.shift)) return;
+    }
     out.key.a = {pair.a + 1, a.filter.generation}, out.key.b = {pair.b + 1, b.filter.generation};
-    out.margin = margin;
 }
 
 void find_keys(const PairView& view, PairScratch& s, Tasks* tasks) {
@@ -186,14 +190,50 @@ std::size_t near_max(const Model& w) {
 /// How many pairs of overlapping leaves may be listed; it decides on speed and memory only.
 std::size_t leaf_pairs_max(const Model& w) { return 8 * near_max(w); }
 
-/// Pairs whose bounds overlap, in order: all of them, or in a crowd as many as are looked at, and one more.
-void find_overlaps(const PairView& view, collide::BroadPhase& broad_phase, PairScratch& s) {
-    if (broad_phase.find_pairs(s.pairs, leaf_pairs_max(view.w))) return;
+/// Whether may_pair() may say otherwise of pairs that it was asked about before: all that it reads.
+bool are_filters_new(const Model& w, PairScratch& s) {
+    bool are_new = false;
+    std::uint32_t before = 0; // rows of the last column
+    for (const std::uint32_t column :
+         {w.m.shape.index, w.m.shape_traits.row.index, w.m.body_info.index, w.m.pair_filter.index}) {
+        before = w.state.take_changes(column, s.filters_of, s.changed);
+        are_new |= !s.changed.empty();
+    }
+    return are_new || before != w.state.count(w.m.pair_filters);
+}
+
+/// Pairs that may meet and whose bounds overlap, in order: all of them, or in a crowd as many as are looked at, and one more.
+void find_overlaps(const PairView& view, collide::BroadPhase& broad_phase, bool filters_new, PairScratch& s) {
+    const auto may = [&view](collide::ProxyPair pair) { return may_pair(view, pair); };
+    if (broad_phase.find_pairs(s.pairs, leaf_pairs_max(view.w), {may, filters_new})) return;
     broad_phase.find_first_pairs(s.pairs, near_max(view.w) + 1, [&](collide::ProxyPair pair) {
+        if (!may_pair(view, pair)) return false;
         PairScratch::Key found;
         find_key(view, pair, found);
         return bool(found.key.a);
     });
+}
+
+/// Walks keys in pair order; after the last of them it stays at a place beyond all.
+template <class Rows, class KeyOf> class Walk {
+    const Rows& rows;
+    KeyOf key_of;
+
+  public:
+    std::uint32_t at = 0;
+    std::uint64_t place;
+
+    Walk(const Rows& sorted, KeyOf key) : rows(sorted), key_of(key), place(find_place()) {}
+    static std::uint64_t place_of(const ContactKey& k) { return std::uint64_t{k.a.index} << 32 | k.b.index; }
+    void next() { ++at, place = find_place(); }
+
+  private:
+    std::uint64_t find_place() const { return at < rows.size() ? place_of(key_of(rows[at])) : UINT64_MAX; }
+};
+
+/// Whether keys that stand at one place are the same.
+bool is_same(const ContactKey& x, const ContactKey& y) {
+    return x.a.generation == y.a.generation && x.b.generation == y.b.generation;
 }
 
 /// Ends what touched and is no longer near.
@@ -204,16 +244,55 @@ void retire(const ContactList& old, std::uint32_t row, std::vector<ContactResult
     result.key = old.keys[row], result.flags = memory.flags, result.was_touching = true;
 }
 
+/// The pairs of `s.keys` that have one, with their rows of the contact table and the hints of the last tick.
+void list_near(PlacedShapes& placed, const ContactList& table, std::size_t most, PairScratch& s,
+               NearPairs& out) {
+    out.list.swap(s.before);
+    out.list.clear(), out.ended.clear();
+    out.is_cut = false;
+    const std::span<const ContactKey> old_keys = table.keys;
+    const std::span<const NearPair> hints = s.before;
+    base::make_room(out.ended, old_keys.size());
+    base::make_room(out.list, std::min(s.keys.size(), most));
+    std::size_t room = most;
+    Walk old(old_keys, [](const ContactKey& key) -> const ContactKey& { return key; });
+    Walk hint(hints, [](const NearPair& near) -> const ContactKey& { return near.key; });
+    for (const PairScratch::Key& pair : s.keys) {
+        if (!pair.key.a) continue;
+        if (room == 0) {
+            out.is_cut = true;
+            break;
+        }
+        --room;
+        const std::uint64_t place = old.place_of(pair.key);
+        for (; old.place < place; old.next()) retire(table, old.at, out.ended);
+        while (hint.place < place) hint.next();
+        make_axes(placed.shape[pair.key.a.index - 1]), make_axes(placed.shape[pair.key.b.index - 1]);
+        NearPair& near = out.list.emplace_back(); // filled in there, as keys are
+        near.key = pair.key, near.margin = pair.margin, near.old_first = old.at;
+        for (; old.place == place; old.next()) {
+            if (is_same(old_keys[old.at], pair.key))
+                ++near.old_count;
+            else
+                retire(table, old.at, out.ended), near.old_first = old.at + 1;
+        }
+        if (hint.place == place && is_same(hints[hint.at].key, pair.key)) near.apart = hints[hint.at].apart;
+    }
+    for (; old.at < old_keys.size(); old.next()) retire(table, old.at, out.ended);
+}
+
 } // namespace
 
 void JoinedBodies::reserve(const WorldRows& rows) {
-    bits.reserve(rows.bodies), first.reserve(rows.bodies + 1), partners.reserve(2 * rows.joints);
+    bits.reserve(rows.bodies);
+    for (std::vector<std::uint32_t>* list : {&first, &first_before}) list->reserve(rows.bodies + 1);
+    for (std::vector<std::uint32_t>* list : {&partners, &partners_before}) list->reserve(2 * rows.joints);
 }
 
-void JoinedBodies::find(const Model& w) {
+bool JoinedBodies::find(const Model& w) {
     const std::uint32_t joints = w.state.count(w.m.joints), slots = w.state.count(w.m.body_slots),
                         before = w.state.take_changes(w.m.joint.index, seen, changed);
-    if (changed.empty() && before == joints && bits.size() == slots) return;
+    if (changed.empty() && before == joints && bits.size() == slots) return false;
     const auto for_each_end = [&](auto&& visit) {
         for (const JointRow& joint : w.state.rows(w.m.joint)) {
             if (joint.def.collide_connected != 0 || !joint.def.body_a) continue;
@@ -221,6 +300,7 @@ void JoinedBodies::find(const Model& w) {
             visit(a, b), visit(b, a);
         }
     };
+    first.swap(first_before), partners.swap(partners_before);
     base::make_room(bits, slots), base::make_room(first, slots + 1), base::make_room(partners, 2 * joints);
     bits.assign(slots, 0), first.assign(slots + 1, 0);
     for_each_end([&](std::uint32_t own, std::uint32_t other) {
@@ -231,6 +311,7 @@ void JoinedBodies::find(const Model& w) {
     partners.resize(first[slots]);
     // From where those of a slot end down to where they begin.
     for_each_end([&](std::uint32_t own, std::uint32_t other) { partners[--first[own]] = other; });
+    return first != first_before || partners != partners_before;
 }
 
 /// Many joints may end at one body: the one with fewer is asked.
@@ -242,44 +323,12 @@ bool JoinedBodies::has_partner(std::uint32_t a, std::uint32_t b) const {
 
 void find_pairs(const Model& w, PlacedShapes& placed, const ContactList& table, PairScratch& s,
                 NearPairs& out, Tasks* tasks) {
-    s.joined.find(w);
+    const bool joints_new = s.joined.find(w), filters_new = are_filters_new(w, s) || joints_new;
     const PairView view(w, placed, s.joined);
-    find_overlaps(view, placed.broad_phase, s);
-    find_plane_pairs(w, placed, s);
+    find_overlaps(view, placed.broad_phase, filters_new, s);
+    find_plane_pairs(view, s);
     find_keys(view, s, tasks);
-    const auto order = [](const ContactKey& k) { return std::uint64_t{k.a.index} << 32 | k.b.index; };
-
-    out.list.swap(s.before);
-    out.list.clear(), out.ended.clear();
-    out.is_cut = false;
-    const std::span<const ContactKey> old_keys = table.keys;
-    const std::uint32_t count = static_cast<std::uint32_t>(old_keys.size());
-    base::make_room(out.ended, count);
-    base::make_room(out.list, std::min(s.keys.size(), near_max(w)));
-    std::uint32_t old = 0;
-    std::size_t hint = 0;
-    const std::size_t most = near_max(w);
-    for (const PairScratch::Key& pair : s.keys) {
-        if (!pair.key.a) continue;
-        if (out.list.size() == most) {
-            out.is_cut = true;
-            break;
-        }
-        const std::uint64_t place = order(pair.key);
-        while (old < count && order(old_keys[old]) < place) retire(table, old++, out.ended);
-        while (hint < s.before.size() && order(s.before[hint].key) < place) ++hint;
-        make_axes(placed.shape[pair.key.a.index - 1]), make_axes(placed.shape[pair.key.b.index - 1]);
-        NearPair& near = out.list.emplace_back(); // filled in there, as keys are
-        near.key = pair.key, near.margin = pair.margin, near.old_first = old;
-        for (; old < count && order(old_keys[old]) == place; ++old) {
-            if (old_keys[old] == pair.key)
-                ++near.old_count;
-            else
-                retire(table, old, out.ended), near.old_first = old + 1;
-        }
-        if (hint < s.before.size() && s.before[hint].key == pair.key) near.apart = s.before[hint].apart;
-    }
-    while (old < count) retire(table, old++, out.ended);
+    list_near(placed, table, near_max(w), s, out);
 }
 
 } // namespace lockstone::sim

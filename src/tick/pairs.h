@@ -29,8 +29,8 @@ struct NearPairs {
 class JoinedBodies {
   public:
     void reserve(const WorldRows& rows);
-    /// Cheap while no joint has come, gone or changed.
-    void find(const Model& w);
+    /// Cheap while no joint has come, gone or changed. Whether others are joined than in the last call.
+    bool find(const Model& w);
     bool contain(std::uint32_t slot_a, std::uint32_t slot_b) const {
         const bool may = ((bits[slot_a] >> slot_b % 64 & bits[slot_b] >> slot_a % 64) & 1u) != 0;
         return may && has_partner(slot_a, slot_b);
@@ -41,7 +41,7 @@ class JoinedBodies {
 
     std::vector<std::uint64_t> bits; ///< by body slot: its partners' slots modulo 64
     /// The partners of slot s are partners[first[s]] to before partners[first[s + 1]].
-    std::vector<std::uint32_t> first, partners;
+    std::vector<std::uint32_t> first, partners, first_before, partners_before;
     // What it was made of
     ChangeMark seen;
     std::vector<RowRange> changed; ///< memory
@@ -59,6 +59,8 @@ struct PairScratch {
     std::vector<Key> keys;        ///< by pair
     std::vector<NearPair> before; ///< gives the next ones their hints, which change speed only
     JoinedBodies joined;
+    ChangeMark filters_of; ///< what the broad phase's filter was made of
+    std::vector<RowRange> changed;
 
     void reserve(const WorldRows& rows) { joined.reserve(rows); }
 };

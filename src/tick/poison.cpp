@@ -39,7 +39,7 @@ void poison_query(std::byte with, QueryScratch& query) {
 
 /// The hints of pairs are forgotten.
 void poison_pairs(std::byte with, PairScratch& scratch, NearPairs& found) {
-    auto& [pairs, plane_pairs, merged_pairs, at_plane, keys, before, joined] = scratch;
+    auto& [pairs, plane_pairs, merged_pairs, at_plane, keys, before, joined, filters_of, changed] = scratch;
     auto& [list, is_cut, ended] = found;
     poison(with, pairs, plane_pairs, merged_pairs, at_plane, keys, ended);
     list.clear(), before.clear(), is_cut = false;

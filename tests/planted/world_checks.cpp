@@ -360,6 +360,27 @@ std::string joints_part() {
     return world.contacts().empty() ? "they do not touch after the joint is gone" : "";
 }
 
+/// Two balls that overlap touch, but not while a filter parts them.
+std::string filters_part() {
+    World world = scene::made(World::create(scene::small_def()));
+    const BodyId a = scene::add_ball(world, scene::at(0, 5, 0), 0.5),
+                 b = scene::add_ball(world, scene::at(0.9, 5, 0), 0.5);
+    const ShapeId shape = world.shapes(b)[0];
+    const auto touch = [&] {
+        world.tick();
+        return !world.contacts().empty();
+    };
+    if (!touch()) return "they do not touch";
+    scene::done(world.set_filter({shape, 1, 0, 0}));
+    if (touch()) return "they touch in spite of a mask";
+    scene::done(world.set_filter({shape, 1, ~0u, 0}));
+    if (!touch()) return "they do not touch after the mask is gone";
+    scene::done(world.set_pair_filter(a, b, false));
+    if (touch()) return "they touch in spite of a filter of the two";
+    scene::done(world.set_pair_filter(a, b, true));
+    return touch() ? "" : "they do not touch after the filter of the two is gone";
+}
+
 Vec3 end_of(const World& w, BodyId body, Vec3 at) {
     const Transform pose = w.pose(body);
     return pose.position + rotate(pose.rotation, at);
@@ -537,6 +558,7 @@ Checks world_checks() {
                              {"what is alike stays apart", alike_shapes},
                              {"joints that change are planned anew", joints_planned},
                              {"joints keep bodies apart", joints_part},
+                             {"filters are followed", filters_part},
                              {"planes stop what is fast", planes_stop},
                              {"driven walls stop what is fast", driven_walls_stop},
                              {"open points are closed", open_points_close},

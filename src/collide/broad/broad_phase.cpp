@@ -1,8 +1,8 @@
-// Pairs of overlapping leaves are kept from call to call; a call finds anew only the pairs of leaves that changed, by
-// descending two trees (or one tree twice) at once, then filters all pairs by exact bounds.
+// Pairs of overlapping leaves are kept from call to call; a call finds anew only the pairs of leaves that changed, by asking
+// the trees for each of those, then filters all pairs by exact bounds. Descending two trees at once looks at three times as
+// many nodes: most pairs of nodes with something new below them meet elsewhere.
 //
-// source: van den Bergen, Efficient Collision Detection of Complex Deformable Models using AABB Trees, 1997 (fat
-// leaves, simultaneous descent)
+// source: van den Bergen, Efficient Collision Detection of Complex Deformable Models using AABB Trees, 1997 (fat leaves)
 #include "collide/broad/broad_phase.h"
 
 #include "base/assert.h"
@@ -15,7 +15,6 @@ namespace lockstone::collide {
 BroadPhase::BroadPhase(std::uint32_t proxy_capacity, Bound leaf_margin) : margin(leaf_margin) {
     grow(proxy_capacity);
     reserve(proxy_capacity);
-    stack.reserve(256);
     open.reserve(256);
 }
 
@@ -30,7 +29,7 @@ void BroadPhase::grow(std::uint32_t proxy_capacity) {
 void BroadPhase::reserve(std::uint32_t proxies) {
     moving.reserve(proxies), fixed.reserve(proxies);
     moved.reserve(proxies), changed.reserve(proxies), leaves.reserve(proxies);
-    for (std::vector<ProxyPair>* pairs : {&leaf_pairs, &found, &merged})
+    for (std::vector<ProxyPair>* pairs : {&leaf_pairs, &barred, &found, &merged})
         pairs->reserve(std::size_t{8} * proxies);
 }
 
@@ -77,6 +76,7 @@ void BroadPhase::clear() {
     moved.clear();
     changed.clear();
     leaf_pairs.clear();
+    barred.clear();
     gave_up = false;
 }
 
@@ -137,11 +137,11 @@ void BroadPhase::rebuild(bool is_fixed) {
     leaves.clear();
     tree.for_each_leaf([&](BoundsTree::NodeId, const BoundsTree::Node& leaf) {
         const Entry& entry = entries[leaf.proxy()];
-        if (!entry.moved) leaves.push_back({leaf.bounds, leaf.proxy(), entry.fresh});
+        if (!entry.moved) leaves.push_back({leaf.bounds, leaf.proxy()});
     });
     for (std::uint32_t proxy : moved)
         if (const Entry& entry = entries[proxy]; entry.present && entry.is_static == is_fixed)
-            leaves.push_back({entry.leaf_bounds, proxy, true});
+            leaves.push_back({entry.leaf_bounds, proxy});
     tree.rebuild(leaves);
     note_leaves(is_fixed);
 }
@@ -162,19 +162,20 @@ void BroadPhase::insert_moved(bool is_fixed) {
     }
 }
 
-bool BroadPhase::find_pairs(std::vector<ProxyPair>& out, std::size_t leaf_pairs_max) {
+bool BroadPhase::find_pairs(std::vector<ProxyPair>& out, std::size_t leaf_pairs_max,
+                            const PairFilter& filter) {
+    const bool is_other = filter.is_new || is_filtered != bool(filter.may_meet);
+    is_filtered = bool(filter.may_meet);
     if (gave_up)
         for (std::uint32_t proxy = 0; proxy < entries.size(); ++proxy)
             if (entries[proxy].present) note_move(proxy);
-    if (!changed.empty()) {
+    if (!changed.empty() || is_other) {
         update_trees();
-        gave_up = !find_leaf_pairs(leaf_pairs_max);
+        gave_up = !find_leaf_pairs(leaf_pairs_max, filter, is_other);
         if (gave_up) {
             out.clear();
             return false;
         }
-        moving.clear_fresh();
-        fixed.clear_fresh();
         for (std::uint32_t proxy : changed) entries[proxy].fresh = false;
         changed.clear();
     }
@@ -188,25 +189,43 @@ void BroadPhase::keep_overlaps(std::vector<ProxyPair>& out) {
     if (merged.size() < leaf_pairs.size()) merged.resize(leaf_pairs.size());
     const Bounds* const exact = exact_bounds.data();
     ProxyPair* kept = merged.data();
-    for (const ProxyPair& pair : leaf_pairs) {
-        *kept = pair;
-        kept += overlap(exact[pair.a], exact[pair.b]) ? 1 : 0;
+    const ProxyPair* const end = leaf_pairs.data() + leaf_pairs.size();
+    for (const ProxyPair* pair = leaf_pairs.data(); pair != end;) {
+        const std::uint32_t a = pair->a;
+        const Bounds bounds = exact[a];
+        do {
+            *kept = *pair;
+            kept += overlap(bounds, exact[pair->b]) ? 1 : 0;
+        } while (++pair != end && pair->a == a);
     }
     base::make_room(out, static_cast<std::size_t>(kept - merged.data()));
     out.assign(merged.data(), kept);
 }
 
-bool BroadPhase::find_leaf_pairs(std::size_t leaf_pairs_max) {
-    forget_pairs_of_fresh_leaves();
+bool BroadPhase::find_leaf_pairs(std::size_t leaf_pairs_max, const PairFilter& filter, bool is_other) {
     found.clear();
-    const bool are_few = leaf_pairs.size() <= leaf_pairs_max &&
-                         find_fresh_pairs(moving, moving, leaf_pairs_max - leaf_pairs.size()) &&
-                         find_fresh_pairs(moving, fixed, leaf_pairs_max - leaf_pairs.size());
-    if (are_few)
+    std::erase_if(barred, [&](ProxyPair pair) { return is_fresh(pair); });
+    if (is_other) ask_again(filter);
+    bool are_few = find_fresh_pairs(leaf_pairs_max, filter);
+    if (are_few) {
         merge_found();
-    else
-        leaf_pairs.clear();
+        are_few = leaf_pairs.size() + barred.size() <= leaf_pairs_max;
+    }
+    if (!are_few) leaf_pairs.clear(), barred.clear();
     return are_few;
+}
+
+void BroadPhase::ask_again(const PairFilter& filter) {
+    std::erase_if(barred, [&](ProxyPair pair) {
+        if (!filter.allows(pair)) return false;
+        found.push_back(pair);
+        return true;
+    });
+    std::erase_if(leaf_pairs, [&](ProxyPair pair) {
+        if (is_fresh(pair) || filter.allows(pair)) return false;
+        barred.push_back(pair);
+        return true;
+    });
 }
 
 void BroadPhase::find_first_pairs(std::vector<ProxyPair>& out, std::size_t count_max,
@@ -228,61 +247,45 @@ void BroadPhase::find_first_pairs(std::vector<ProxyPair>& out, std::size_t count
     out.resize(std::min(out.size(), count_max));
 }
 
-void BroadPhase::forget_pairs_of_fresh_leaves() {
-    std::erase_if(leaf_pairs, [&](const ProxyPair& p) { return entries[p.a].fresh || entries[p.b].fresh; });
-}
-
 namespace {
 
 ProxyPair ordered(std::uint32_t x, std::uint32_t y) { return x < y ? ProxyPair{x, y} : ProxyPair{y, x}; }
 
 } // namespace
 
-/// A stack entry (n, n) of one tree stands for all pairs below n, (a, b) for those of one leaf below each.
-bool BroadPhase::find_fresh_pairs(const BoundsTree& tree_a, const BoundsTree& tree_b, std::size_t found_max) {
-    const bool is_one_tree = &tree_a == &tree_b;
-    if (tree_a.root() == BoundsTree::none || tree_b.root() == BoundsTree::none) return true;
-    bool are_few = true;
-    const auto look_at = [&](BoundsTree::NodeId x, BoundsTree::NodeId y) {
-        const BoundsTree::Node &a = tree_a.node(x), &b = tree_b.node(y);
-        if (!(a.fresh | b.fresh) || !overlap(a.bounds, b.bounds)) return;
-        if (!a.is_leaf() || !b.is_leaf())
-            stack.push_back({x, y});
-        else if (found.size() < found_max)
-            found.push_back(ordered(a.proxy(), b.proxy()));
-        else
-            are_few = false;
-    };
-    const auto look_below = [&](BoundsTree::NodeId id) {
-        const BoundsTree::Node& n = tree_a.node(id);
-        if (n.fresh && !n.is_leaf()) stack.push_back({id, id});
-    };
-    stack.clear();
-    if (is_one_tree)
-        look_below(tree_a.root());
-    else
-        look_at(tree_a.root(), tree_b.root());
-    while (!stack.empty() && are_few) {
-        const NodePair top = stack.back();
-        stack.pop_back();
-        const BoundsTree::Node &a = tree_a.node(top.a), &b = tree_b.node(top.b);
-        if (is_one_tree && top.a == top.b) {
-            look_below(a.child[0]), look_below(a.child[1]);
-            look_at(a.child[0], a.child[1]);
-        } else if (b.is_leaf() || (!a.is_leaf() && half_area(a.bounds) >= half_area(b.bounds))) {
-            look_at(a.child[0], top.b), look_at(a.child[1], top.b);
-        } else {
-            look_at(top.a, b.child[0]), look_at(top.a, b.child[1]);
-        }
+bool BroadPhase::find_fresh_pairs(std::size_t found_max, const PairFilter& filter) {
+    for (std::uint32_t proxy : changed) {
+        const Entry& entry = entries[proxy];
+        if (!entry.present) continue;
+        const auto meets = [leaf = entry.leaf_bounds](const Bounds& other) { return overlap(other, leaf); };
+        // The lower of two that are fresh finds them.
+        const auto add = [&](std::uint32_t other) {
+            if (other < proxy && entries[other].fresh) return;
+            const ProxyPair pair = ordered(proxy, other);
+            (filter.allows(pair) ? found : barred).push_back(pair);
+        };
+        moving.query_if(meets, open, [&](std::uint32_t other) {
+            if (other != proxy) add(other);
+        });
+        if (!entry.is_static) fixed.query_if(meets, open, add);
+        if (found.size() + barred.size() > found_max) return false;
     }
-    return are_few;
+    return true;
 }
 
 void BroadPhase::merge_found() {
     std::sort(found.begin(), found.end());
     base::make_room(merged, leaf_pairs.size() + found.size());
     merged.resize(leaf_pairs.size() + found.size());
-    std::merge(leaf_pairs.begin(), leaf_pairs.end(), found.begin(), found.end(), merged.begin());
+    ProxyPair* end = merged.data();
+    auto next = found.begin();
+    for (const ProxyPair& pair : leaf_pairs) {
+        if (is_fresh(pair)) continue;
+        while (next != found.end() && *next < pair) *end++ = *next++;
+        *end++ = pair;
+    }
+    end = std::copy(next, found.end(), end);
+    merged.resize(static_cast<std::size_t>(end - merged.data()));
     leaf_pairs.swap(merged);
 }
 
@@ -342,7 +345,7 @@ void BroadPhase::make_fresh(std::uint32_t proxy) {
 void BroadPhase::take_leaves(bool is_fixed) {
     leaves.clear();
     tree_of(is_fixed).for_each_leaf([&](BoundsTree::NodeId, const BoundsTree::Node& leaf) {
-        leaves.push_back({leaf.bounds, leaf.proxy(), entries[leaf.proxy()].fresh});
+        leaves.push_back({leaf.bounds, leaf.proxy()});
     });
 }
 
@@ -351,7 +354,7 @@ void BroadPhase::rebuild_trees(Random& random) {
     for (const bool is_fixed : {false, true}) {
         BoundsTree& tree = tree_of(is_fixed);
         take_leaves(is_fixed);
-        for (BoundsTree::Leaf& leaf : leaves) make_fresh(leaf.proxy), leaf.fresh = true;
+        for (BoundsTree::Leaf& leaf : leaves) make_fresh(leaf.proxy);
         tree.rebuild_at_random(leaves, random);
         if (random.next_u32() % 2 == 0) { // `leaves` is in random order now
             tree.clear();
@@ -368,7 +371,7 @@ void BroadPhase::forget_pairs(Random& random) {
     for (const bool is_fixed : {false, true}) {
         take_leaves(is_fixed);
         for (BoundsTree::Leaf& leaf : leaves)
-            if (random.next_u32() % 2 == 0) make_fresh(leaf.proxy), leaf.fresh = true;
+            if (random.next_u32() % 2 == 0) make_fresh(leaf.proxy);
         tree_of(is_fixed).rebuild_at_random(leaves, random);
         note_leaves(is_fixed);
     }

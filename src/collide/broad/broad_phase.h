@@ -21,6 +21,15 @@ struct ProxyPair {
     friend constexpr auto operator<=>(const ProxyPair&, const ProxyPair&) = default;
 };
 
+/// Which pairs are left out wherever the two are.
+struct PairFilter {
+    /// Asked of two proxies when their leaves come to overlap, and remembered; empty: all may meet
+    std::function<bool(ProxyPair)> may_meet;
+    bool is_new = false; ///< it may say otherwise than in the last call: what was remembered is asked again
+
+    bool allows(ProxyPair pair) const { return !may_meet || may_meet(pair); }
+};
+
 inline constexpr Bound leaf_margin_default = decimal<Bound>("0.1"); ///< [m] while bounds are not shifted
 
 class BroadPhase {
@@ -53,11 +62,12 @@ class BroadPhase {
     bool contains(std::uint32_t proxy) const { return proxy < entries.size() && entries[proxy].present; }
     void clear();
 
-    /// All pairs, not both static, whose exact bounds overlap (touching counts), sorted by (a, b).
+    /// All pairs, not both static, whose exact bounds overlap (touching counts) and that `filter` allows, sorted by (a, b).
     /// Costs what moved out of its leaf since the last call, and a test for each pair of overlapping leaves. False, and
     /// nothing found, when more than `leaf_pairs_max` leaves overlap: then the next call finds all pairs anew.
-    bool find_pairs(std::vector<ProxyPair>& out, std::size_t leaf_pairs_max = SIZE_MAX);
-    /// For crowds, in which the pairs are too many to be listed: the first `count_max` of the pairs above that
+    bool find_pairs(std::vector<ProxyPair>& out, std::size_t leaf_pairs_max = SIZE_MAX,
+                    const PairFilter& filter = {});
+    /// For crowds, in which the pairs are too many to be listed: the first `count_max` of all pairs that
     /// `is_wanted`. The trees have to be up to date (asserted), as they are after `find_pairs`.
     void find_first_pairs(std::vector<ProxyPair>& out, std::size_t count_max,
                           const std::function<bool(ProxyPair)>& is_wanted);
@@ -100,9 +110,6 @@ class BroadPhase {
         bool fresh;    ///< `leaf_pairs` does not know of its leaf yet
     };
     static constexpr Entry absent{Bounds{}, BoundsTree::none, false, false, false, false, false, false};
-    struct NodePair {
-        BoundsTree::NodeId a, b;
-    };
 
     /// The proxies of which `may_meet` holds, found by what holds of a tree's nodes.
     template <class MayMeetNode, class MayMeet>
@@ -126,11 +133,12 @@ class BroadPhase {
     void insert_moved(bool is_fixed);
     BoundsTree& tree_of(bool is_fixed) { return is_fixed ? fixed : moving; }
     const BoundsTree& tree_of(bool is_fixed) const { return is_fixed ? fixed : moving; }
-    void forget_pairs_of_fresh_leaves();
-    /// Of two trees, or within one. False when there are more than `found_max` in all.
-    bool find_fresh_pairs(const BoundsTree& a, const BoundsTree& b, std::size_t found_max);
-    bool find_leaf_pairs(std::size_t leaf_pairs_max);
-    void merge_found();
+    bool is_fresh(ProxyPair pair) const { return entries[pair.a].fresh | entries[pair.b].fresh; }
+    /// Those of leaves that changed. False when there are more than `found_max`.
+    bool find_fresh_pairs(std::size_t found_max, const PairFilter& filter);
+    bool find_leaf_pairs(std::size_t leaf_pairs_max, const PairFilter& filter, bool is_other);
+    void ask_again(const PairFilter& filter); ///< of all pairs but those of fresh leaves
+    void merge_found();                       ///< in place of the pairs of fresh leaves
     void keep_overlaps(std::vector<ProxyPair>& out);
 
     std::vector<Entry> entries;       // by proxy
@@ -140,10 +148,11 @@ class BroadPhase {
     std::vector<std::uint32_t> moved;   // since the trees were updated
     std::vector<std::uint32_t> changed; // since the pairs were found
     std::vector<ProxyPair> leaf_pairs;  // whose leaves overlap, sorted: a superset of the answer
-    bool gave_up = false;               // `leaf_pairs` were too many, and are not known
+    std::vector<ProxyPair> barred;      // likewise of those that may not meet, in no order
+    bool is_filtered = false;           // the last call had a filter
+    bool gave_up = false;               // the pairs of leaves were too many, and are not known
     // scratch
     std::vector<ProxyPair> found, merged;
-    std::vector<NodePair> stack;
     std::vector<BoundsTree::NodeId> open;
     std::vector<BoundsTree::Leaf> leaves;
 };

@@ -6,10 +6,7 @@
 
 namespace lockstone::collide {
 
-BoundsTree::BoundsTree() {
-    stack.reserve(256);
-    ranges.reserve(64);
-}
+BoundsTree::BoundsTree() { ranges.reserve(64); }
 
 void BoundsTree::reserve(std::uint32_t leaves) { nodes.reserve(std::size_t{2} * leaves); }
 
@@ -44,7 +41,7 @@ BoundsTree::NodeId BoundsTree::insert(const Bounds& bounds, std::uint32_t proxy)
     ++leaf_total;
     is_ordered = false;
     const NodeId leaf = take_node();
-    at(leaf) = {bounds, none, {none, static_cast<NodeId>(proxy)}, true};
+    at(leaf) = {bounds, none, {none, static_cast<NodeId>(proxy)}};
     if (top == none) {
         top = leaf;
         return leaf;
@@ -52,7 +49,7 @@ BoundsTree::NodeId BoundsTree::insert(const Bounds& bounds, std::uint32_t proxy)
     const NodeId sibling = best_sibling(bounds);
     const NodeId parent = take_node();
     const NodeId above = at(sibling).parent;
-    at(parent) = {merge(bounds, at(sibling).bounds), above, {sibling, leaf}, true};
+    at(parent) = {merge(bounds, at(sibling).bounds), above, {sibling, leaf}};
     area += area_of(at(parent).bounds);
     at(sibling).parent = at(leaf).parent = parent;
     if (above == none)
@@ -111,9 +108,7 @@ void BoundsTree::set_bounds(Node& n, const Bounds& bounds) {
 
 void BoundsTree::merge_children(NodeId id) {
     Node& n = at(id);
-    const Node &a = at(n.child[0]), &b = at(n.child[1]);
-    set_bounds(n, merge(a.bounds, b.bounds));
-    n.fresh = a.fresh || b.fresh;
+    set_bounds(n, merge(at(n.child[0]).bounds, at(n.child[1]).bounds));
 }
 
 void BoundsTree::move(NodeId leaf, const Bounds& bounds) {
@@ -121,10 +116,8 @@ void BoundsTree::move(NodeId leaf, const Bounds& bounds) {
     for (NodeId id = at(leaf).parent; id != none; id = at(id).parent) {
         Node& n = at(id);
         const Bounds merged = merge(at(n.child[0]).bounds, at(n.child[1]).bounds);
-        const bool is_same = merged == n.bounds;
-        if (is_same && n.fresh) return;
-        if (!is_same) set_bounds(n, merged);
-        n.fresh = true;
+        if (merged == n.bounds) return;
+        set_bounds(n, merged);
     }
 }
 
@@ -198,17 +191,12 @@ void BoundsTree::merge_all() {
     for (std::size_t i = nodes.size(); i-- > 0;) {
         Node& n = nodes[i];
         if (n.is_leaf()) continue;
-        const Node &a = at(n.child[0]), &b = at(n.child[1]);
-        n.bounds = merge(a.bounds, b.bounds);
-        n.fresh = a.fresh || b.fresh;
+        n.bounds = merge(at(n.child[0]).bounds, at(n.child[1]).bounds);
         area += area_of(n.bounds);
     }
 }
 
-void BoundsTree::set_leaf(NodeId leaf, const Bounds& bounds) {
-    at(leaf).bounds = bounds;
-    at(leaf).fresh = true;
-}
+void BoundsTree::set_leaf(NodeId leaf, const Bounds& bounds) { at(leaf).bounds = bounds; }
 
 void BoundsTree::refit() { merge_all(); }
 
@@ -229,7 +217,7 @@ template <class Split> void BoundsTree::rebuild_by(std::vector<Leaf>& leaves, Sp
         Leaf* const begin = leaves.data() + r.begin;
         Leaf* const end = leaves.data() + r.end;
         if (end - begin == 1) {
-            at(id) = {begin->bounds, r.parent, {none, static_cast<NodeId>(begin->proxy)}, begin->fresh};
+            at(id) = {begin->bounds, r.parent, {none, static_cast<NodeId>(begin->proxy)}};
             continue;
         }
         at(id).parent = r.parent;
@@ -259,20 +247,6 @@ void BoundsTree::rebuild_at_random(std::vector<Leaf>& leaves, Random& random) {
     rebuild_by(leaves, [&](Leaf* begin, Leaf* end) {
         return begin + 1 + random.next_u32() % static_cast<std::uint32_t>(end - begin - 1);
     });
-}
-
-void BoundsTree::clear_fresh() {
-    stack.clear();
-    if (top != none) stack.push_back(top);
-    while (!stack.empty()) {
-        Node& n = at(stack.back());
-        stack.pop_back();
-        if (!n.fresh) continue;
-        n.fresh = false;
-        if (n.is_leaf()) continue;
-        stack.push_back(n.child[0]);
-        stack.push_back(n.child[1]);
-    }
 }
 
 } // namespace lockstone::collide

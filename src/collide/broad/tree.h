@@ -22,7 +22,6 @@ class BoundsTree {
         Bounds bounds;
         NodeId parent;
         NodeId child[2];
-        bool fresh; ///< this leaf, or one below, was added since the last `clear_fresh`
 
         bool is_leaf() const { return child[0] == none; }
         std::uint32_t proxy() const { return static_cast<std::uint32_t>(child[1]); }
@@ -30,14 +29,13 @@ class BoundsTree {
     struct Leaf {
         Bounds bounds;
         std::uint32_t proxy;
-        bool fresh;
     };
 
     BoundsTree();
 
     void reserve(std::uint32_t leaves);
 
-    /// A fresh leaf where it makes the tree grow least.
+    /// A leaf where it makes the tree grow least.
     NodeId insert(const Bounds& bounds, std::uint32_t proxy);
     void remove(NodeId leaf);
     void clear();
@@ -46,18 +44,16 @@ class BoundsTree {
     void rebuild(std::vector<Leaf>& leaves);
     /// Whether its nodes have spread by no more than a quarter since rebuild(): then leaves may move where they are.
     bool is_tight() const { return area_max > 0 && area <= area_max; }
-    /// Other bounds of a leaf, which is fresh then, and of the nodes above it. Costs about a twentieth of removing and inserting it.
+    /// Other bounds of a leaf, and of the nodes above it. Costs about a twentieth of removing and inserting it.
     void move(NodeId leaf, const Bounds& bounds);
     /// Whether no leaf has come or gone since rebuild(): then set_leaf() and refit() may take the place of many moves.
     bool can_refit() const { return is_ordered; }
-    /// Other bounds of a leaf, which is fresh then; refit() is to follow.
+    /// Other bounds of a leaf; refit() is to follow.
     void set_leaf(NodeId leaf, const Bounds& bounds);
     /// The nodes above all leaves, in place. For n leaves it costs about as much as n / 8 moves.
     void refit();
     /// A tree of them that has any shape, and neighbours that lie anywhere: for tests.
     void rebuild_at_random(std::vector<Leaf>& leaves, Random& random);
-    /// Forgets which leaves are fresh.
-    void clear_fresh();
 
     NodeId root() const { return top; }
     const Node& node(NodeId id) const { return nodes[static_cast<std::size_t>(id)]; }
@@ -87,7 +83,7 @@ class BoundsTree {
     NodeId take_node();
     void free_node(NodeId id);
     NodeId best_sibling(const Bounds& bounds) const;
-    /// Recomputes bounds and freshness from `id` to the top, rotating where that makes the tree tighter.
+    /// Recomputes bounds from `id` to the top, rotating where that makes the tree tighter.
     void refit_up(NodeId id);
     void merge_children(NodeId id);
     void set_bounds(Node& n, const Bounds& bounds); ///< of a node that is no leaf
@@ -104,7 +100,6 @@ class BoundsTree {
     std::int64_t area = 0,
                  area_max = 0; ///< half the surfaces of all nodes above leaves, in units of 2^22 square steps
     std::vector<Range> ranges; // scratch
-    std::vector<NodeId> stack; // scratch
 };
 
 template <class MayMeet, class Visit>

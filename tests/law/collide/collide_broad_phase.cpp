@@ -188,6 +188,36 @@ TEST_CASE("of a crowd the first pairs are found, whatever was found or given up 
     CHECK(listed > 10);
 }
 
+TEST_CASE("a filter is remembered until it is another, and then asked about all pairs again") {
+    constexpr std::uint32_t count = 200;
+    Crowd crowd(count, 5, 9);
+    oracle::Random random(10);
+    BroadPhase kept(count);
+    std::vector<ProxyPair> pairs;
+    std::uint32_t apart = 2;
+    std::size_t asked = 0, total = 0;
+    PairFilter filter{[&](ProxyPair p) { return ++asked, (p.a + p.b) % apart != 0; }};
+    for (int frame = 0; frame < 200; ++frame) {
+        crowd.step();
+        for (std::uint32_t i = 0; i < count; ++i) crowd.set(kept, i);
+        filter.is_new = random.below(5) == 0;
+        if (filter.is_new) apart = 2 + random.below(3);
+        const bool is_asked = random.below(8) != 0, gives_up = random.below(8) == 0;
+        if (gives_up) CHECK(!kept.find_pairs(pairs, 3, filter));
+        filter.is_new = filter.is_new && !gives_up;
+        kept.find_pairs(pairs, SIZE_MAX, is_asked ? filter : PairFilter{});
+        std::vector<ProxyPair> expected = crowd.brute_force();
+        std::erase_if(expected, [&](ProxyPair p) { return is_asked && (p.a + p.b) % apart == 0; });
+        total += expected.size();
+        REQUIRE(check_pairs(pairs, expected) == "");
+    }
+    CHECK(total > 10000);
+    asked = 0, filter.is_new = false;
+    kept.find_pairs(pairs, SIZE_MAX, filter), asked = 0;
+    kept.find_pairs(pairs, SIZE_MAX, filter);
+    CHECK(asked == 0);
+}
+
 TEST_CASE("a query returns the sorted proxies that overlap") {
     constexpr std::uint32_t count = 400;
     Crowd crowd(count, 8, 5);
