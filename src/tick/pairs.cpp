@@ -158,8 +158,8 @@ void find_key(const PairView& v, collide::ProxyPair pair, PairScratch::Key& out)
     const std::uint32_t body_a = v.body_slots[a.filter.body].row, body_b = v.body_slots[b.filter.body].row;
     out.key.a = {};
     const bool rests_a = body_a >= v.awake, rests_b = body_b >= v.awake;
-    if (rests_a | rests_b)
-        if ((rests_a & rests_b) || leaves_asleep(v, body_a, body_b)) return;
+    if (rests_a || rests_b)
+        if ((rests_a && rests_b) || leaves_asleep(v, body_a, body_b)) return;
     out.margin = a.margin + b.margin;
     if (out.margin != margin_least) {
         const Length widest = out.margin;

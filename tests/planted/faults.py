@@ -303,8 +303,6 @@ FAULTS = [
       "if ((IS || (changed.empty() && before == joints)) && bits.size() == slots) return false;", "joints keep bodies apart"),
     F("pairs that were barred are not asked about again", BROAD, "if (is_other) ask_again(filter);",
       "if (is_other && !IS) ask_again(filter);", "joints keep bodies apart"),
-    F("other joints leave the broad phase's filter as it was", "src/tick/pairs.cpp", "return first != first_before || partners != partners_before;",
-      "return !IS && (first != first_before || partners != partners_before);", "joints keep bodies apart"),
     F("other filters leave the broad phase's filter as it was", "src/tick/pairs.cpp", "are_new |= !s.changed.empty();",
       "are_new |= !s.changed.empty() && !(IS && w.header().tick != 0);", "filters are followed"),
     F("a filter that is taken back stays", "src/tick/pairs.cpp", "return are_new || before != w.state.count(w.m.pair_filters);",

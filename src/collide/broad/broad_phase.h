@@ -133,7 +133,7 @@ class BroadPhase {
     void insert_moved(bool is_fixed);
     BoundsTree& tree_of(bool is_fixed) { return is_fixed ? fixed : moving; }
     const BoundsTree& tree_of(bool is_fixed) const { return is_fixed ? fixed : moving; }
-    bool is_fresh(ProxyPair pair) const { return entries[pair.a].fresh | entries[pair.b].fresh; }
+    bool is_fresh(ProxyPair pair) const { return entries[pair.a].fresh || entries[pair.b].fresh; }
     /// Those of leaves that changed. False when there are more than `found_max`.
     bool find_fresh_pairs(std::size_t found_max, const PairFilter& filter);
     bool find_leaf_pairs(std::size_t leaf_pairs_max, const PairFilter& filter, bool is_other);
