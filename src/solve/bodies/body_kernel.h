@@ -22,6 +22,7 @@ enum PlainMotion : std::uint8_t {
     plain_round =
         8, ///< no turn of the tick changes its angular velocity: alike about all axes, or not gyroscopic
     plain_damped = 16, ///< it is damped
+    plain_falls = 32,  ///< it is pushed by gravity alone, as most are
 };
 
 /// Bodies [first, last) of one substep. v and u lie one after the other in a SolverBody, and so do shift and theta: each six

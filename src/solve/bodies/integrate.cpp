@@ -100,10 +100,11 @@ constexpr Real kick_max = Real(2048); ///< [m/s] per substep: far beyond the spe
 
 /// Fields or a scheme other than the solver's own: the general path, in Real.
 void move_freely(const FreeMotion& motion, const BodyTraits& traits, std::uint32_t categories,
-                 const Transform& pose, const StepConstants& step, SolverBody& b, BodyStep& s) {
+                 Vec3 acceleration, const Transform& pose, const StepConstants& step, SolverBody& b,
+                 BodyDrift& drift) {
     const FreeMotion without{motion.scheme, {}, {}};
     const Path chosen{traits.enable_fields != 0 ? motion : without,
-                      s.acceleration,
+                      acceleration,
                       categories,
                       pose.position + Vec3{Real::from_raw(std::int64_t{b.shift[0]} << 5),
                                            Real::from_raw(std::int64_t{b.shift[1]} << 5),
@@ -116,7 +117,7 @@ void move_freely(const FreeMotion& motion, const BodyTraits& traits, std::uint32
     const Vec3 by_velocity = chosen.times_h(chosen.v + change.dv);
     for (int i = 0; i < 3; ++i) {
         b.v[i] += (clamp(change.dv[i], -kick_max, kick_max).raw << real_to_accumulator) & b.keep[i];
-        s.drift[i] = ((change.dx[i] - by_velocity[i]).raw) & b.keep[i];
+        drift[static_cast<std::size_t>(i)] = ((change.dx[i] - by_velocity[i]).raw) & b.keep[i];
     }
 }
 
@@ -158,7 +159,7 @@ BodyPass pass_of(const StepConstants& step, SpeedLimits limits, SolverBodies& bo
     BodyPass pass{bodies.body.data(),   bodies.step.data(), bodies.plain.data(), 0, 0, {}, {},
                   step.substep_time.raw};
     for (int i = 0; i < 3; ++i) {
-        pass.dv[i] = bodies.fall[i];
+        pass.dv[i] = bodies.fall.dv[i];
         pass.most[i] = (std::int64_t{1} << limits.linear.k) - 1;
         pass.most[3 + i] = (std::int64_t{1} << limits.tip.k) - 1;
     }
@@ -192,22 +193,25 @@ void integrate_velocities(const FreeMotion& motion, const BodyColumns& columns, 
     const bool general = motion.scheme != Scheme::semi_implicit_euler || !motion.fields.empty();
     const SpeedLimits limits(step);
     // What the fields' scheme adds to a move is no plain motion either.
-    if (general)
-        for (std::uint8_t& plain : bodies.plain) plain &= plain_end | plain_round;
+    if (general) {
+        for (std::uint8_t& plain : bodies.plain) plain &= plain_end | plain_round | plain_falls;
+        if (bodies.drift.empty()) bodies.drift.assign(bodies.still(), {});
+    }
     const Move kernel = bodies.kernel != nullptr ? bodies.kernel->integrate_velocities : nullptr;
     const BodyPass pass = pass_of(step, limits, bodies);
     for_each_body(pass, kernel, bodies, tasks, [&, limits](std::uint32_t i) -> std::uint64_t {
         SolverBody& b = bodies.body[i];
-        BodyStep& s = bodies.step[i];
+        const BodyStep& s = bodies.step[i];
         if (!s.moves) return 0;
         if (s.movable) {
+            const BodyPush& push = (bodies.plain[i] & plain_falls) != 0 ? bodies.fall : bodies.push[i];
             if (general)
                 move_freely(motion, columns.traits(i),
                             motion.categories.empty() ? every_category : motion.categories[i],
-                            columns.pose[i], step, b, s);
+                            push.acceleration, columns.pose[i], step, b, bodies.drift[i]);
             else
-                for (int axis = 0; axis < 3; ++axis) b.v[axis] += s.dv[axis];
-            for (int axis = 0; axis < 3; ++axis) b.u[axis] += s.du[axis];
+                for (int axis = 0; axis < 3; ++axis) b.v[axis] += push.dv[axis];
+            for (int axis = 0; axis < 3; ++axis) b.u[axis] += push.du[axis];
             damp(b.v, s.linear_keep);
             damp(b.u, s.angular_keep);
             if (s.turn != 0) damp_precession(bodies, s.turn, s.angular_keep);
@@ -232,7 +236,8 @@ void integrate_poses(const StepConstants& step, SolverBodies& bodies, Tasks* tas
         if (!s.moves) return 0;
         const std::uint64_t clamped = clamp_speeds(bodies, i, limits);
         for (int axis = 0; axis < 3; ++axis) {
-            const std::int64_t drift = s.drift[axis];
+            const std::int64_t drift =
+                bodies.drift.empty() ? 0 : bodies.drift[i][static_cast<std::size_t>(axis)];
             const std::int64_t more = drift == 0 ? 0 : shift_right_rounded(drift, drift_to_separation);
             b.shift[axis] = saturate_to_int32(b.shift[axis] + way(b.v[axis]) + more);
             b.theta[axis] = saturate_to_int32(b.theta[axis] + way(b.u[axis]));

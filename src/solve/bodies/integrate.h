@@ -17,7 +17,7 @@ struct FreeMotion {
 };
 
 /// Velocity after the substep, before constraints. What the scheme moves a body beyond (velocity after) * time goes
-/// to BodyStep::drift, so contacts still correct the motion of every scheme.
+/// to SolverBodies::drift, so contacts still correct the motion of every scheme.
 void integrate_velocities(const FreeMotion& motion, const BodyColumns& columns, const StepConstants& step,
                           SolverBodies& bodies, Tasks* tasks = nullptr);
 /// shift += v h + drift, theta += u h.

@@ -157,16 +157,10 @@ static void begin_turning(Quat principal, const Transform& pose, const Velocity&
 }
 
 static void begin_torque(const BodyMass& mass, const BodyForce& force, const StepConstants& step,
-                         BodyStep& s) {
+                         const BodyStep& s, BodyPush& push) {
     const Vec3 torque = masked(force.torque, s.angular_mask);
-    if (torque != Vec3{}) per_substep(mul<Real>(s.gyration_inv, torque / mass.mass), step, s.du);
+    if (torque != Vec3{}) per_substep(mul<Real>(s.gyration_inv, torque / mass.mass), step, push.du);
 }
-
-/// What gravity alone does: the same to most bodies.
-struct Fall {
-    Vec3 gravity;       ///< [m/s^2]
-    std::int64_t dv[3]; ///< per substep, 47 fraction bits
-};
 
 static bool turns_about_all_axes(const BodyStep& s) { return s.movable && s.angular_mask == 7u; }
 
@@ -183,10 +177,10 @@ static void begin_moving(const Velocity& velocity, LengthLimit limit, SolverBody
     clamps.speed += clamp_length(b.v, limit) ? 1u : 0u;
 }
 
-/// All but K and what follows from it, and v. Returns PlainMotion.
+/// All but K and what follows from it, and v; and du. Returns PlainMotion.
 static std::uint8_t begin_body(const BodyInfo& info, const BodyTraits& traits, const BodyForce& force,
-                               const GyrationForm& form, const Fall& fall, const StepConstants& step,
-                               std::int64_t (&keep)[3], BodyStep& s) {
+                               const GyrationForm& form, const BodyPush& fall, const StepConstants& step,
+                               std::int64_t (&keep)[3], BodyStep& s, BodyPush& push) {
     const BodyMass& mass = traits.mass;
     s.movable = info.kind == BodyKind::dynamic && mass.mass > Real{};
     s.moves = info.kind != BodyKind::static_;
@@ -201,17 +195,14 @@ static std::uint8_t begin_body(const BodyInfo& info, const BodyTraits& traits, c
     if (!s.movable) return plain_pose;
     s.linear_keep = kept(traits.linear_damping, step);
     s.angular_keep = kept(traits.angular_damping, step);
-    Vec3 acceleration = traits.gravity_scale == Real(1) ? fall.gravity : fall.gravity * traits.gravity_scale;
+    Vec3 acceleration =
+        traits.gravity_scale == Real(1) ? fall.acceleration : fall.acceleration * traits.gravity_scale;
     if (force.force != Vec3{}) acceleration += force.force / mass.mass;
-    s.acceleration = masked(acceleration, s.linear_mask);
-    const bool falls = s.acceleration == fall.gravity;
-    if (falls)
-        std::copy_n(fall.dv, 3, s.dv);
-    else
-        per_substep(s.acceleration, step, s.dv);
-    const bool is_plain = falls && force.torque == Vec3{},
+    acceleration = masked(acceleration, s.linear_mask);
+    const bool is_plain = acceleration == fall.acceleration && force.torque == Vec3{},
                is_damped = s.linear_keep != unit_one || s.angular_keep != unit_one;
-    return plain_pose | (is_plain ? plain_velocity : 0) | (is_damped ? plain_damped : 0) |
+    if (!is_plain) push = {{}, {}, acceleration}, per_substep(acceleration, step, push.dv);
+    return plain_pose | (is_plain ? plain_velocity | plain_falls : 0) | (is_damped ? plain_damped : 0) |
            plain_end_of(traits, s);
 }
 
@@ -221,27 +212,27 @@ void set_radii(const BodyColumns& c, std::uint32_t row, Vec3 radii, const StepCo
     s.radii = radii, s.radii_inv = reciprocals(radii);
     begin_turning(c.mass[row].principal, c.pose[row], c.velocity[row], step, bodies.body[row], s,
                   bodies.clamps);
-    begin_torque(c.mass[row], c.force[row], step, s);
+    if (c.pushes[row] != 0) begin_torque(c.mass[row], c.force[row], step, s, bodies.push[row]);
     // Its radii are no longer those of its traits.
-    const auto motion =
-        static_cast<std::uint8_t>(bodies.plain[row] & (plain_velocity | plain_pose | plain_damped));
+    const auto motion = static_cast<std::uint8_t>(bodies.plain[row] &
+                                                  (plain_velocity | plain_pose | plain_damped | plain_falls));
     const std::uint8_t end = plain_end_of(c.traits(row), s);
     bodies.plain[row] = (end & plain_round) != 0 ? motion | end : motion;
 }
 
 /// Of dynamic bodies with these traits that no force pushes.
-static BodyStart start_of(const BodyTraits& traits, const GyrationForm& form, const Fall& fall,
+static BodyStart start_of(const BodyTraits& traits, const GyrationForm& form, const BodyPush& fall,
                           const StepConstants& step) {
     BodyStart start{};
     BodyInfo info{};
     info.kind = BodyKind::dynamic;
-    start.plain = begin_body(info, traits, BodyForce{}, form, fall, step, start.keep, start.step);
+    start.plain = begin_body(info, traits, BodyForce{}, form, fall, step, start.keep, start.step, start.push);
     start.has_gyration = form.is_round && start.step.angular_mask == 7u;
     if (start.has_gyration) set_gyration(start.step, Quat::identity(), Quat::identity());
     return start;
 }
 
-static void find_forms(const BodyColumns& c, const Fall& fall, const StepConstants& step, SolverBodies& out) {
+static void find_forms(const BodyColumns& c, const StepConstants& step, SolverBodies& out) {
     out.forms.clear(), out.starts.clear();
     base::make_room(out.form_of, c.all_traits.size());
     out.form_of.assign(c.all_traits.size(), 0);
@@ -252,7 +243,7 @@ static void find_forms(const BodyColumns& c, const Fall& fall, const StepConstan
         GyrationForm& form = out.forms.emplace_back(form_of(traits.mass));
         number = static_cast<std::uint32_t>(out.forms.size());
         if (info.kind != BodyKind::dynamic || out.starts.size() == starts_max) continue;
-        out.starts.push_back(start_of(traits, form, fall, step));
+        out.starts.push_back(start_of(traits, form, out.fall, step));
         form.start = static_cast<std::uint32_t>(out.starts.size());
     }
 }
@@ -294,7 +285,7 @@ static void begin_round_turning(SpeedVec3 w, LengthLimit tip, const BodyStep& s,
 }
 
 /// Bodies [first, last).
-static void begin_some(const BodyColumns& c, const Fall& fall, const StepConstants& step, SolverBodies& out,
+static void begin_some(const BodyColumns& c, const StepConstants& step, SolverBodies& out,
                        std::uint32_t first, std::uint32_t last, ClampCounts& clamps) {
     const LengthLimit linear(step.linear_speed_max), tip(step.tip_speed_max);
     Unturned unturned;
@@ -306,6 +297,7 @@ static void begin_some(const BodyColumns& c, const Fall& fall, const StepConstan
         if (form.start != 0 && info.kind == BodyKind::dynamic && c.pushes[i] == 0) {
             const BodyStart& start = out.starts[form.start - 1];
             s = start.step, out.plain[i] = start.plain;
+            if ((start.plain & plain_falls) == 0) out.push[i] = start.push;
             s.jointed = info.first_joint != 0;
             for (int k = 0; k < 3; ++k) b.u[k] = b.shift[k] = b.theta[k] = 0, b.keep[k] = start.keep[k];
             begin_moving(c.velocity[i], linear, b, clamps);
@@ -315,7 +307,8 @@ static void begin_some(const BodyColumns& c, const Fall& fall, const StepConstan
             }
         } else {
             b = {}, s = {};
-            out.plain[i] = begin_body(info, c.traits(i), c.force[i], form, fall, step, b.keep, s);
+            out.plain[i] =
+                begin_body(info, c.traits(i), c.force[i], form, out.fall, step, b.keep, s, out.push[i]);
             if (!s.moves) continue;
             begin_moving(c.velocity[i], linear, b, clamps);
         }
@@ -327,7 +320,8 @@ static void begin_some(const BodyColumns& c, const Fall& fall, const StepConstan
     }
     begin_turns(c, step, tip, out, unturned, clamps);
     for (std::uint32_t i = first; i < last; ++i)
-        if (c.pushes[i] != 0 && out.step[i].movable) begin_torque(c.mass[i], c.force[i], step, out.step[i]);
+        if (c.pushes[i] != 0 && out.step[i].movable)
+            begin_torque(c.mass[i], c.force[i], step, out.step[i], out.push[i]);
 }
 
 void begin_step(const BodyColumns& c, Vec3 gravity, const StepConstants& step, SolverBodies& out,
@@ -335,16 +329,15 @@ void begin_step(const BodyColumns& c, Vec3 gravity, const StepConstants& step, S
     const std::uint32_t count = static_cast<std::uint32_t>(c.info.size());
     out.body.resize(count + 1);
     out.step.resize(count + 1);
-    out.plain.resize(count);
-    out.turns.clear(), out.fours.clear();
+    out.plain.resize(count), out.push.resize(count);
+    out.turns.clear(), out.fours.clear(), out.drift.clear();
     out.clamps = {};
-    Fall fall{gravity, {}};
-    per_substep(gravity, step, fall.dv);
-    std::copy_n(fall.dv, 3, out.fall);
-    find_forms(c, fall, step, out);
+    out.fall = {{}, {}, gravity};
+    per_substep(gravity, step, out.fall.dv);
+    find_forms(c, step, out);
     base::for_chunks(tasks, count, body_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
         ClampCounts clamps;
-        begin_some(c, fall, step, out, first, last, clamps);
+        begin_some(c, step, out, first, last, clamps);
         base::add_count(out.clamps.speed, clamps.speed);
     });
     // The still entry keeps no motion along any axis.

@@ -15,6 +15,7 @@
 #include "solve/bodies/step.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -39,15 +40,19 @@ struct SolverBody {
 struct BodyStep : BodyInertia {
     /// Of gyration in this tick [m]: the body's own, or more where joints pull hard; joint_stiffness.h
     Vec3 radii;
-    Vec3 pull;                                     ///< what joints ask for, while that is found [m^2]
     Vec3 radii_inv;                                ///< [1/m]; zero where the radius is
     Symmetric<Real> gyration, gyration_inv;        ///< K [m] and K^-1 [1/m], world axes
     std::int32_t gyration_bits, gyration_inv_bits; ///< of their entries: |raw| < 2^bits
-    std::int64_t dv[3], du[3]; ///< change per substep by gravity, force and torque, 47 fraction bits
-    Vec3 acceleration;         ///< [m/s^2] of gravity and force, for the integrators
-    std::int64_t drift[3];     ///< what the integrator adds to the move of this substep [m], 32 fraction bits
-    Unit linear_keep, angular_keep; ///< velocity kept per substep under damping
+    Unit linear_keep, angular_keep;                ///< velocity kept per substep under damping
 };
+
+/// What changes velocities besides impulses and damping; constant within the tick. What plain_falls is pushed by is the same for all.
+struct BodyPush {
+    std::int64_t dv[3], du[3]; ///< per substep by gravity, force and torque, 47 fraction bits
+    Vec3 acceleration;         ///< [m/s^2] of gravity and force, for the integrators
+};
+/// What the integrator adds to the move of this substep [m], 32 fraction bits.
+using BodyDrift = std::array<std::int64_t, 3>;
 
 /// K^-2 along the principal axes [1/m^2]: mantissas below 2^30, and the fraction bits of each.
 struct SpinForm {
@@ -71,6 +76,7 @@ struct alignas(16) GyrationForm {
 /// What bodies of the same traits are alike in when a tick begins: of a dynamic body that no force pushes.
 struct BodyStart {
     BodyStep step; ///< with K where it does not depend on how the body is turned
+    BodyPush push;
     std::int64_t keep[3];
     std::uint8_t plain; ///< PlainMotion
     bool has_gyration;  ///< K is there, and the body turns about all axes
@@ -108,18 +114,21 @@ struct ClampCounts {
 struct SolverBodies {
     std::vector<SolverBody> body;
     std::vector<BodyStep> step;
+    std::vector<BodyPush> push;         ///< by body, of those that are not plain_falls
+    std::vector<BodyDrift> drift;       ///< by body, where an integrator adds to moves; or empty
+    std::vector<Vec3> pull;             ///< by body, what joints ask of its radii [m^2], while that is found
     std::vector<FollowedTurn> turns;    ///< of some bodies, filled up to fours
     std::vector<FollowedFour> fours;    ///< the same four side by side
     std::vector<std::uint8_t> plain;    ///< PlainMotion, by body
     std::vector<GyrationForm> forms;    ///< of the traits that bodies have
     std::vector<std::uint32_t> form_of; ///< by row of traits: entry of forms + 1, 0: no body has them
     std::vector<BodyStart> starts;      ///< of the first of these forms
-    std::int64_t fall[3];               ///< dv of what gravity alone moves
+    BodyPush fall;                      ///< of what gravity alone pushes
     ClampCounts clamps;
     const BodyKernel* kernel = nullptr; ///< null: all bodies are moved one by one, to the same bits
 
     void reserve(std::size_t bodies) {
-        body.reserve(bodies + 1), step.reserve(bodies + 1), turns.reserve(bodies),
+        body.reserve(bodies + 1), step.reserve(bodies + 1), push.reserve(bodies), turns.reserve(bodies),
             fours.reserve(bodies / followed_lanes + 1), plain.reserve(bodies);
         forms.reserve(bodies), form_of.reserve(bodies), starts.reserve(starts_max);
     }

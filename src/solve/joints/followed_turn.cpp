@@ -239,7 +239,7 @@ void follow(const BodyColumns& columns, std::uint32_t row, const StepConstants& 
     set_radii(four, lane, s, step);
     // Not as other bodies does it end the tick; and where it is damped, its precession is too.
     const bool is_damped = (bodies.plain[row] & plain_damped) != 0;
-    bodies.plain[row] &= plain_pose | (is_damped ? 0 : plain_velocity);
+    bodies.plain[row] &= plain_pose | plain_falls | (is_damped ? 0 : plain_velocity);
 }
 
 /// What turns, but for times.

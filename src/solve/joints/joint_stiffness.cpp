@@ -119,7 +119,7 @@ namespace {
 /// Adds h^2 ((r . f) 1 - r f^T) / m of one side, its diagonal in principal axes [m^2]. False where it cannot matter.
 /// `strong`: it is known that it can.
 bool add_pull(const BodyColumns& columns, std::uint32_t row, Vec3 force, Vec3 place, bool strong,
-              const StepConstants& step, BodyStep& s) {
+              const StepConstants& step, Vec3& pull) {
     const BodyMass& mass = columns.mass[row];
     const Vec3 away = place - mass.center;
     if (!strong && is_too_weak(force, away, min(mass.gyration.x, min(mass.gyration.y, mass.gyration.z)),
@@ -135,7 +135,7 @@ bool add_pull(const BodyColumns& columns, std::uint32_t row, Vec3 force, Vec3 pl
         const int j = (i + 1) % 3, k = (i + 2) % 3; // r . f less the part along the axis: 61 bits, twice
         const std::int64_t across = (r.m[j] * f.m[j] + r.m[k] * f.m[k]) >> 31;
         const int bits = r.bits + f.bits - 31 + push.bits;
-        s.pull[i] += Real::from_raw(shifted(across * push.mantissa, bits - Real::fraction_bits));
+        pull[i] += Real::from_raw(shifted(across * push.mantissa, bits - Real::fraction_bits));
     }
     return true;
 }
@@ -147,10 +147,10 @@ Real stiffened(Real k, Real pull) {
 }
 
 void stiffen(const BodyColumns& columns, std::uint32_t row, const StepConstants& step, SolverBodies& bodies) {
-    BodyStep& s = bodies.step[row];
+    Vec3& pull = bodies.pull[row];
     const Vec3& k = columns.mass[row].gyration;
-    const Vec3 radii{stiffened(k.x, s.pull.x), stiffened(k.y, s.pull.y), stiffened(k.z, s.pull.z)};
-    s.pull = Vec3{};
+    const Vec3 radii{stiffened(k.x, pull.x), stiffened(k.y, pull.y), stiffened(k.z, pull.z)};
+    pull = Vec3{};
     if (radii != k) set_radii(columns, row, radii, step, bodies);
 }
 
@@ -159,6 +159,11 @@ void stiffen(const BodyColumns& columns, std::uint32_t row, const StepConstants&
 void stiffen_bodies(std::span<const Joint> joints, std::span<const JointMemory> memory,
                     const BodyColumns& columns, const StepConstants& step, SolverBodies& bodies) {
     bool any = false;
+    bodies.pull.clear();
+    const auto pull = [&](std::uint32_t row, Vec3 force, const Transform& frame, bool strong) {
+        bodies.pull.resize(bodies.body.size());
+        any |= add_pull(columns, row, force, frame.position, strong, step, bodies.pull[row]);
+    };
     for (std::size_t i = 0; i < joints.size(); ++i) {
         const Joint& joint = joints[i];
         if (i + 4 < joints.size()) base::prefetch(memory[joints[i + 4].memory].force);
@@ -166,17 +171,14 @@ void stiffen_bodies(std::span<const Joint> joints, std::span<const JointMemory> 
         if (force == Vec3{}) continue;
         const std::uint64_t size = length_above(force);
         if (size > joint.weak_a && bodies.step[joint.body_a].movable)
-            any |= add_pull(columns, joint.body_a, -force, joint.frame_a.position,
-                            is_strong(size, joint.weak_a), step, bodies.step[joint.body_a]);
+            pull(joint.body_a, -force, joint.frame_a, is_strong(size, joint.weak_a));
         if (size > joint.weak_b && bodies.step[joint.body_b].movable)
-            any |= add_pull(columns, joint.body_b, force, joint.frame_b.position,
-                            is_strong(size, joint.weak_b), step, bodies.step[joint.body_b]);
+            pull(joint.body_b, force, joint.frame_b, is_strong(size, joint.weak_b));
     }
     if (!any) return;
     for (const Joint& joint : joints)
         for (const std::uint32_t row : {joint.body_a, joint.body_b})
-            if (bodies.step[row].movable && bodies.step[row].pull != Vec3{})
-                stiffen(columns, row, step, bodies);
+            if (bodies.pull[row] != Vec3{}) stiffen(columns, row, step, bodies);
 }
 
 } // namespace lockstone::solve

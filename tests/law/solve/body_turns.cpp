@@ -120,14 +120,19 @@ bool begins_alike(const Rig& a, const Rig& b, std::size_t i) {
     const SolverBody &p = a.bodies.body[i], &q = b.bodies.body[i];
     const auto rest = [](const BodyStep& s) {
         return std::tuple(s.linear_mask, s.angular_mask, s.mass, s.movable, s.moves, s.jointed, s.radii,
-                          s.linear_keep, s.angular_keep, s.acceleration, std::to_array(s.dv));
+                          s.linear_keep, s.angular_keep);
+    };
+    const auto push = [i](const Rig& rig) {
+        const SolverBodies& all = rig.bodies;
+        const BodyPush& s = (all.plain[i] & plain_falls) != 0 ? all.fall : all.push[i];
+        return std::tuple(s.acceleration, std::to_array(s.dv), std::to_array(s.du));
     };
     const auto numbers = [](const SolverBody& s) {
         return std::tuple(std::to_array(s.v), std::to_array(s.u), std::to_array(s.shift),
                           std::to_array(s.theta), std::to_array(s.keep));
     };
     return is_alike(x, y) && rest(x) == rest(y) && numbers(p) == numbers(q) &&
-           a.bodies.plain[i] == b.bodies.plain[i];
+           (!x.movable || push(a) == push(b)) && a.bodies.plain[i] == b.bodies.plain[i];
 }
 
 } // namespace
