@@ -5,6 +5,7 @@
 #include "model/slots.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace lockstone::sim {
 
@@ -45,7 +46,7 @@ static void place_resting(const Model& w, JointList& list) {
 }
 
 void JointList::poison(std::byte with) {
-    base::poison(with, all);
+    base::poison(with, all, order);
     rows = nullptr;
 }
 
@@ -62,19 +63,20 @@ void list_joints(const Model& w, JointList& list) {
     list.is_new = has_changed(w, list) || !is_known;
     if (!list.is_new) return place_resting(w, list);
     list.rows = rows.data(), list.bodies_awake = still, list.joints_awake = count;
+    list.order.resize(count);
+    std::iota(list.order.begin(), list.order.end(), 0u);
+    const auto before = [&](std::uint32_t x, std::uint32_t y) { return rows[x].id.index < rows[y].id.index; };
+    if (!std::is_sorted(list.order.begin(), list.order.end(), before))
+        std::sort(list.order.begin(), list.order.end(), before);
     out.clear(), list.any_rests = list.any_breaks = false;
-    for (std::uint32_t row = 0; row < count; ++row) {
+    for (const std::uint32_t row : list.order) {
         const JointDef& def = rows[row].def;
         list.any_breaks = list.any_breaks || can_break(def);
         const std::uint32_t a = def.body_a ? w.row_of(def.body_a) : Model::dead, b = w.row_of(def.body_b);
         list.any_rests = list.any_rests || (a != Model::dead && a >= still) || b >= still;
-        out.push_back({&def, std::min(a, still), std::min(b, still), row, frame_for_solver(w, a, def.frame_a),
-                       frame_for_solver(w, b, def.frame_b)});
+        out.push_back({&def, std::min(a, still), std::min(b, still), row, 0, 0,
+                       frame_for_solver(w, a, def.frame_a), frame_for_solver(w, b, def.frame_b)});
     }
-    const auto before = [&](const solve::Joint& x, const solve::Joint& y) {
-        return rows[x.memory].id.index < rows[y.memory].id.index;
-    };
-    if (!std::is_sorted(out.begin(), out.end(), before)) std::sort(out.begin(), out.end(), before);
 }
 
 void break_joints(Model& w, const JointList& list, std::vector<JointId>& broken, std::vector<Event>& events) {

@@ -25,7 +25,8 @@ struct JointList {
     const JointRow* rows = nullptr;
     std::uint32_t bodies_awake = 0, joints_awake = 0;
     ChangeMark seen;
-    std::vector<RowRange> changed; ///< memory
+    std::vector<RowRange> changed;    ///< memory
+    std::vector<std::uint32_t> order; ///< memory: rows in slot order
 };
 void list_joints(const Model& w, JointList& out);
 /// Removes joints that bore too much, and reports them. `broken`: memory.

@@ -7,6 +7,7 @@
 #include "math/elementary.h"
 #include "solve/bodies/solver_body.h"
 #include "solve/lanes/lane_fixed.h"
+#include "solve/lanes/lane_rotation.h"
 
 #include <bit>
 #include <cstdint>
@@ -34,22 +35,6 @@ template <class L> class TurnedBodies {
     }
     static V load(const Numbers& numbers) { return L::load64(numbers); }
 
-    /// r[k][i] is component i of column k; to_rotation(). True in the lanes of what is no rotation.
-    static V rotation_of(const V (&q)[4], V (&r)[3][3]) {
-        const V &x = q[0], &y = q[1], &z = q[2], &w = q[3];
-        const V xx = L::mul(x, x), yy = L::mul(y, y), zz = L::mul(z, z), ww = L::mul(w, w);
-        const auto once = [](V sum) { return L::template shift_right<30>(L::add(sum, half_of(30))); };
-        const auto twice = [](V sum) { return L::template shift_right<29>(L::add(sum, half_of(29))); };
-        const V xy = L::mul(x, y), xz = L::mul(x, z), yz = L::mul(y, z), wx = L::mul(w, x), wy = L::mul(w, y),
-                wz = L::mul(w, z);
-        const V plus = L::add(ww, xx), minus = L::sub(ww, xx), sum = L::add(yy, zz), less = L::sub(yy, zz);
-        r[0][0] = once(L::sub(plus, sum)), r[0][1] = twice(L::add(xy, wz)), r[0][2] = twice(L::sub(xz, wy));
-        r[1][0] = twice(L::sub(xy, wz)), r[1][1] = once(L::add(minus, less)), r[1][2] = twice(L::add(yz, wx));
-        r[2][0] = twice(L::add(xz, wy)), r[2][1] = twice(L::sub(yz, wx)), r[2][2] = once(L::sub(minus, less));
-        const V less_1 = L::sub(L::add(plus, sum), L::splat(1));
-        return L::either(L::greater64(L::splat(0), less_1),
-                         L::greater64(less_1, L::splat(3 * (std::int64_t{1} << 59) - 1)));
-    }
     /// a b, where both are rotations.
     static void multiply(const V (&a)[4], const V (&b)[4], V (&out)[4]) {
         const auto rounded = [](V sum) { return L::template shift_right<30>(L::add(sum, half_of(30))); };
@@ -136,9 +121,9 @@ template <class L> class TurnedBodies {
         }
         V q[4], principal[4], turned[4], r[3][3], form[4], entries[6];
         L::quads(rotations, q), L::quads(principals, principal);
-        V left = rotation_of(q, r); // its product may have no room
+        V left = rotation_of<L>(q, r); // its product may have no room
         multiply(q, principal, turned);
-        left = L::either(left, rotation_of(turned, r));
+        left = L::either(left, rotation_of<L>(turned, r));
         L::quads(radii, form), rotated_diagonal(r, form, entries);
         for (int i = 0; i < 6; ++i) L::store64(s.k[i], entries[i]);
         L::store64(s.k_bits, all_bits(entries));
@@ -304,7 +289,7 @@ template <class L> class TurnedBodies {
     static void spin_at(Momentum& m, const V (&q)[4], V (&spin)[3]) {
         V turned[4], r[3][3], inside[3];
         multiply(q, m.principal, turned);
-        m.left = L::either(m.left, rotation_of(turned, r));
+        m.left = L::either(m.left, rotation_of<L>(turned, r));
         for (int i = 0; i < 3; ++i) {
             const V along = L::add(L::add(L::mul(r[i][0], m.parts[0]), L::mul(r[i][1], m.parts[1])),
                                    L::mul(r[i][2], m.parts[2]));

@@ -26,12 +26,12 @@ void JointSolver::reserve(std::size_t joints) {
 }
 
 void JointSolver::poison(std::byte with) {
-    auto& [joints, blocks, axes, packs, turn_packs, stages, singles, with_rows, glances, held, turned, seen,
-           given, acts, packed, last_stage, counts, in_order, bodies, planned, has_plan, forest, cache_of,
-           closed, pose, clamped, first] = *work;
-    base::poison(with, joints, blocks, axes, packs, turn_packs, stages, singles, with_rows, glances, held,
-                 turned, seen, given, acts, packed, last_stage, counts, in_order, bodies, planned, cache_of,
-                 pose, clamped, first);
+    auto& [joints, blocks, axes, packs, turn_packs, stages, singles, with_rows, framed_in_world, glances,
+           held, turned, seen, given, acts, packed, last_stage, counts, in_order, bodies, planned, has_plan,
+           forest, cache_of, closed, pose, memory, clamped, first] = *work;
+    base::poison(with, joints, blocks, axes, packs, turn_packs, stages, singles, with_rows, framed_in_world,
+                 glances, held, turned, seen, given, acts, packed, last_stage, counts, in_order, bodies,
+                 planned, cache_of, pose, memory, clamped, first);
     base::poison(with, closed.of_body, closed.of_pack, closed.of_four, closed.stopped, closed.pushed,
                  closed.velocities, closed.packs);
     has_plan = false;
@@ -57,23 +57,23 @@ std::uint32_t cached(JointTick& tick, std::uint32_t body, const BodyColumns& col
 }
 
 /// Of a body that moves, levers beyond 128 m are clamped.
-void set_side(JointTick& tick, JointWorkSide& s, bool framed, const Transform& frame,
+void set_side(JointTick& tick, JointWorkSide& s, JointFrame& own, bool framed, const Transform& frame,
               const BodyColumns& columns, const SolverBodies& bodies) {
-    s.frame = framed ? unit_of(frame.rotation) : frame.rotation;
+    own.rotation = framed ? unit_of(frame.rotation) : frame.rotation;
     s.world = s.body == bodies.still() || !bodies.step[s.body].moves;
     if (s.body == bodies.still()) {
-        s.anchor = frame.position;
+        own.anchor = frame.position;
         return;
     }
     const Vec3 lever = frame.position - columns.mass[s.body].center;
     if (s.world) {
         const Transform& pose = columns.pose[s.body];
-        s.anchor = pose.position + rotate(pose.rotation, lever);
-        if (framed) s.frame = normalized(pose.rotation * frame.rotation);
+        own.anchor = pose.position + rotate(pose.rotation, lever);
+        if (framed) own.rotation = normalized(pose.rotation * frame.rotation);
         return;
     }
     s.cache = cached(tick, s.body, columns, bodies);
-    s.lever = to<Length>(lever);
+    own.lever = to<Length>(lever);
 }
 
 Real mul_share(Real mass, Share share) {
@@ -88,15 +88,17 @@ Real reduced_mass(const Shares& shares, const BodyMass& a, const BodyMass& b) {
 /// Whether it holds a point and nothing else.
 bool is_point(const JointWork& w) { return w.point && w.axis_count == 0 && w.block_count == 0; }
 /// Whether its pack holds it as a whole.
-bool is_packed_point(const JointWork& w) { return w.pack != no_pack && w.axis_count + w.block_count == 0; }
+bool is_packed_point(const JointWork& w) {
+    return w.pack != no_pack && w.axis_count + w.block_count == 0 && !w.counts_turns;
+}
 
 constexpr std::uint32_t joint_chunk = 32, joint_pack_chunk = 16;
 
-/// Calls visit(joint) for each joint; workers share them.
+/// Calls visit(joint) for each joint that is more than a point in a pack; workers share them.
 template <class Visit> void for_joints(JointTick& tick, Tasks* tasks, Visit&& visit) {
-    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.joints.size()), joint_chunk,
+    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.with_rows.size()), joint_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-                         for (std::uint32_t i = first; i < last; ++i) visit(tick.joints[i]);
+                         for (std::uint32_t i = first; i < last; ++i) visit(tick.joints[tick.with_rows[i]]);
                      });
 }
 
@@ -104,11 +106,13 @@ void start_packs(JointTick& tick, const JointKernel& kernel, const StepConstants
                  const SolverBodies& bodies, Tasks* tasks) {
     if (tick.packs.empty()) return;
     const JointStartData data{tick.packs.data(), tick.turn_packs.data(), bodies.step.data(),
-                              reinterpret_cast<const std::byte*>(&tick.bodies.front().axes),
+                              reinterpret_cast<const std::byte*>(&tick.bodies.front().rotation),
                               step.joint_push_max.raw};
-    base::for_chunks(
-        tasks, static_cast<std::uint32_t>(tick.packs.size()), joint_pack_chunk,
-        [&](std::uint32_t first, std::uint32_t last, std::uint32_t) { kernel.start(data, first, last); });
+    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.packs.size()), joint_pack_chunk,
+                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                         for (std::uint32_t i = first; i < last; ++i) start_points(tick, i);
+                         kernel.start(data, first, last);
+                     });
 }
 
 std::uint8_t turn_held(JointTick& tick, const JointKernel& kernel, const StepConstants& step,
@@ -218,16 +222,21 @@ void plan_joints(JointTick& tick, std::span<const Joint> joints, std::span<const
         w.travel = memory[joint.memory].twist;
         assemble(tick, w, step, memory[joint.memory]);
         w.framed = !is_point(w);
-        set_side(tick, w.a, w.framed, joint.frame_a, columns, bodies);
-        set_side(tick, w.b, w.framed, joint.frame_b, columns, bodies);
+        set_side(tick, w.a, w.frame_a, w.framed, joint.frame_a, columns, bodies);
+        set_side(tick, w.b, w.frame_b, w.framed, joint.frame_b, columns, bodies);
         w.stays = may_stay(tick, w);
     }
     plan_trees(tick, columns, step, bodies);
     plan_packs(tick, step, bodies);
-    tick.with_rows.clear();
+    tick.with_rows.clear(), tick.framed_in_world.clear();
     for (std::uint32_t i = 0; i < tick.joints.size(); ++i) {
-        const JointWork& w = tick.joints[i];
-        if (is_packed_point(w)) continue;
+        JointWork& w = tick.joints[i];
+        if (w.a.world || w.b.world) tick.framed_in_world.push_back(i);
+        if (w.pack != no_pack) tick.packs[w.pack].whole[w.lane] = is_packed_point(w);
+        if (is_packed_point(w)) {
+            w.steady = w.stays, w.made = true; // nothing is to be made by itself
+            continue;
+        }
         tick.with_rows.push_back(i);
         for (const JointWorkSide* s : {&w.a, &w.b})
             if (!s->world && !w.hinge) {
@@ -249,32 +258,23 @@ bool is_plan_good(const JointTick& tick, std::size_t joints, const SolverBodies&
 }
 
 /// What plan_joints() makes, from what it made in the last tick.
-void keep_plan(JointTick& tick, std::span<const Joint> joints, std::span<const JointMemory> memory,
-               const BodyColumns& columns, const SolverBodies& bodies) {
-    for (JointBody& now : tick.bodies) {
-        const std::uint32_t body = now.body;
-        const bool motion = now.motion_asked, lever = now.lever_asked;
-        now = {};
-        now.body = body, now.motion_asked = motion, now.lever_asked = lever;
-        start_body(now, columns.pose[body], bodies);
-    }
-    for (std::size_t i = 0; i < joints.size(); ++i) {
+void keep_plan(JointTick& tick, std::span<const Joint> joints, const BodyColumns& columns,
+               const SolverBodies& bodies) {
+    for (JointBody& now : tick.bodies) start_body(now, columns.pose[now.body], bodies);
+    for (const std::uint32_t i : tick.with_rows) {
         JointWork& w = tick.joints[i];
-        const JointMemory& last = memory[joints[i].memory];
-        w.twist = w.travel = last.twist;
+        w.twist = tick.memory[w.memory].twist;
+        if (w.needs_travel) w.travel = w.twist;
         w.made = w.remade = w.steady = false;
-        reassemble(tick, w, last);
-        if (w.a.world) set_side(tick, w.a, w.framed, joints[i].frame_a, columns, bodies);
-        if (w.b.world) set_side(tick, w.b, w.framed, joints[i].frame_b, columns, bodies);
-        if (w.hinge && (w.a.world || w.b.world)) set_hinge_frames(tick, w);
+        reassemble(tick, w);
+    }
+    for (const std::uint32_t i : tick.framed_in_world) {
+        JointWork& w = tick.joints[i];
+        if (w.a.world) set_side(tick, w.a, w.frame_a, w.framed, joints[i].frame_a, columns, bodies);
+        if (w.b.world) set_side(tick, w.b, w.frame_b, w.framed, joints[i].frame_b, columns, bodies);
+        if (w.hinge) set_hinge_frames(tick, w);
     }
     restart_packs(tick);
-}
-
-/// Of a joint that its pack holds as a whole: nothing is to be made by itself.
-void start_point(JointTick& tick, JointWork& w, bool kept) {
-    w.steady = w.stays, w.made = true;
-    if (!kept) set_glance(tick, w); // it is what it was
 }
 
 } // namespace
@@ -284,30 +284,24 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
                           Tasks* tasks, bool same) {
     JointTick& tick = *work;
     const bool stays_empty = joints.empty() && tick.joints.empty(); // then all that is planned is empty too
-    tick.pose = columns.pose;
+    tick.pose = columns.pose, tick.memory = memory;
     tick.clamped = 0;
     tick.first = true;
     if (stays_empty) return;
     const bool kept = same && is_plan_good(tick, joints.size(), bodies);
     if (kept)
-        keep_plan(tick, joints, memory, columns, bodies);
+        keep_plan(tick, joints, columns, bodies);
     else
         plan_joints(tick, joints, memory, columns, step, bodies);
     tick.glances.resize(tick.joints.size());
+    for (const JointWork& w : std::span(tick.joints).first(kept ? 0 : tick.joints.size()))
+        if (is_packed_point(w)) set_glance(tick, w); // it stays what it is
     for (JointBody& now : tick.bodies)
-        if (now.motion_asked) set_motion(now, bodies);
+        if (now.motion_asked) start_motion(now, columns.pose[now.body], bodies);
     hold_bodies(tick, bodies);
     turn_held(tick, *kernel, step, bodies, tasks);
-    for_joints(tick, tasks, [&](JointWork& w) {
-        if (w.pack != no_pack) start_packed(tick, w);
-        if (is_packed_point(w)) start_point(tick, w, kept);
-    });
     start_packs(tick, *kernel, step, bodies, tasks);
-    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.with_rows.size()), joint_chunk,
-                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-                         for (std::uint32_t i = first; i < last; ++i)
-                             make_rows(tick, tick.joints[tick.with_rows[i]], step, bodies);
-                     });
+    for_joints(tick, tasks, [&](JointWork& w) { make_rows(tick, w, step, bodies); });
     refresh_packs(tick, kernel->begin, step, bodies, tasks);
     for (JointPack& pack : tick.packs)
         for (std::uint32_t lane = 0; lane < pack_lanes; ++lane)
@@ -316,7 +310,6 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
     make_asked_rows(tick, step, bodies);
     invert_packs(tick, *kernel, step, bodies, tasks);
     factorise_trees(tick, bodies, tasks);
-    find_acting(tick);
 }
 
 namespace {
@@ -375,7 +368,6 @@ void JointSolver::update(const StepConstants& step, const SolverBodies& bodies, 
         for_joints(tick, tasks, [&](JointWork& w) {
             if (w.pack == no_pack) follow_errors(tick, w, step, bodies);
         });
-        find_acting(tick);
         return;
     }
     const std::uint8_t seen = turn_held(tick, *kernel, step, bodies, tasks);
@@ -386,7 +378,6 @@ void JointSolver::update(const StepConstants& step, const SolverBodies& bodies, 
     make_asked_rows(tick, step, bodies);
     invert_packs(tick, *kernel, step, bodies, tasks);
     factorise_trees(tick, bodies, tasks);
-    find_acting(tick);
 }
 
 // ---- after the substeps -------------------------------------------------------------------------------------------
@@ -402,6 +393,7 @@ struct Wrench {
 };
 
 void store_axis(const JointAxisPart& part, JointMemory& memory, Wrench& wrench) {
+    if ((part.spring | part.motor | part.lower | part.upper) == 0 && part.sum == Real{}) return; // it is zero
     const auto unscaled = [&](std::int32_t p) { return unscaled_impulse(p, part.exponent); };
     wrench.add(part.sum + unscaled(part.spring) + unscaled(part.motor) + unscaled(part.lower) +
                    unscaled(part.upper),
@@ -436,38 +428,63 @@ void store_block(const JointBlock& block, JointMemory& memory, Wrench& wrench) {
     }
 }
 
-void take_turn(JointTick& tick, const JointWork& w, JointBlock& block) {
-    TurnPack& turn = tick.turn_packs[tick.packs[w.pack].turn];
-    take_impulses(block, turn, w.lane);
-    if (turn.generic[w.lane] == 0) take_axes(block, turn, w.lane);
+/// Of a hinge whose rows its pack makes.
+void store_hinge(const TurnPack& turn, std::uint32_t lane, JointMemory& memory, Wrench& wrench) {
+    const int e = turn.exponent[lane];
+    for (std::size_t r = 0; r < 2; ++r) {
+        const Real p = unscaled_impulse(turn.impulse[r][lane], e);
+        memory.axis[about_y + r].spring = p;
+        wrench.add(unscaled_impulse(turn.sum[r][lane], e) + p, hinge_axis(turn, r, lane), false);
+    }
 }
 
-Quat frame_rotation(const JointTick& tick, const JointWorkSide& s) {
-    return s.world ? s.frame : tick.bodies[s.cache].rotation * s.frame;
+void store_blocks(JointTick& tick, const JointWork& w, JointMemory& memory, Wrench& wrench) {
+    TurnPack* const turn = w.turns_packed ? &turn_pack(tick, w) : nullptr;
+    if (turn != nullptr && turn->generic[w.lane] == 0) return store_hinge(*turn, w.lane, memory, wrench);
+    for (std::uint32_t i = 0; i < w.block_count; ++i) {
+        JointBlock& block = tick.blocks[w.first_block + i];
+        if (turn != nullptr) take_impulses(block, *turn, w.lane);
+        store_block(block, memory, wrench);
+    }
+}
+
+/// Of joints that are points in a pack and nothing else.
+void store_points(const JointPack& pack, std::span<JointMemory> memory) {
+    for (std::uint32_t lane = 0; lane < pack.count; ++lane) {
+        if (pack.whole[lane] == 0) continue;
+        JointMemory& m = memory[pack.memory[lane]];
+        Wrench wrench{};
+        m = {};
+        store_point(pack, lane, m, wrench);
+        m.force = wrench.force * Real::from_raw(pack.mass_rate[lane]);
+    }
+}
+
+Quat frame_rotation(const JointTick& tick, const JointWorkSide& s, const JointFrame& frame) {
+    return s.world ? frame.rotation : tick.bodies[s.cache].rotation * frame.rotation;
 }
 
 } // namespace
 
 void JointSolver::store(std::span<JointMemory> memory, ClampCounts& clamps) const {
     JointTick& tick = *work;
-    for (const JointWork& w : tick.joints) {
+    for (const JointPack& pack : tick.packs) store_points(pack, memory);
+    for (const std::uint32_t i : tick.with_rows) {
+        const JointWork& w = tick.joints[i];
         JointMemory& m = memory[w.memory];
         m.axis = {}, m.swing = Real{};
         Wrench wrench{};
-        for (std::uint32_t i = 0; i < w.axis_count; ++i) store_axis(tick.axes[w.first_axis + i], m, wrench);
-        for (std::uint32_t i = 0; i < w.block_count; ++i) {
-            JointBlock& block = tick.blocks[w.first_block + i];
-            if (w.turns_packed) take_turn(tick, w, block);
-            store_block(block, m, wrench);
-        }
+        for (std::uint32_t k = 0; k < w.axis_count; ++k) store_axis(tick.axes[w.first_axis + k], m, wrench);
+        store_blocks(tick, w, m, wrench);
         if (w.pack != no_pack) store_point(tick.packs[w.pack], w.lane, m, wrench);
-        m.twist =
-            w.needs_travel             ? w.travel
-            : w.hinge && w.needs_twist ? w.twist // as the tick began; the next tick finds the nearest angle
-            : w.counts_turns ? twist_between(frame_rotation(tick, w.a), frame_rotation(tick, w.b), w.twist)
-                             : Real{}; // nothing depends on its whole turns
+        m.twist = w.needs_travel ? w.travel
+                  : w.hinge && w.needs_twist
+                      ? w.twist // as the tick began; the next tick finds the nearest angle
+                  : w.counts_turns ? twist_between(frame_rotation(tick, w.a, w.frame_a),
+                                                   frame_rotation(tick, w.b, w.frame_b), w.twist)
+                                   : Real{}; // nothing depends on its whole turns
         m.force = wrench.force * w.mass_rate;
-        m.torque = wrench.torque == Vec3{} ? Vec3{} : wrench.torque * w.mass_rate; // points have none
+        m.torque = wrench.torque == Vec3{} ? Vec3{} : wrench.torque * w.mass_rate;
     }
     clamps.impulse += tick.clamped;
 }

@@ -44,15 +44,15 @@
 
 namespace lockstone::solve {
 
-/// A living joint as the tick hands it over.
-struct Joint {
+/// A living joint as the tick hands it over. Frames are in another cache line than what is asked of it in every tick.
+struct alignas(64) Joint {
     const JointDef* def;
     /// Rows of the body columns; SolverBodies::still() for the world and for what rests
     std::uint32_t body_a, body_b;
-    std::uint32_t memory;       ///< row of the memory column
-    Transform frame_a, frame_b; ///< as in the definition; where the body is still(), in the world
+    std::uint32_t memory; ///< row of the memory column
     /// Forces that leave the body's inertia as it is, as length_above(); 0: not found. joint_stiffness.h
-    std::uint64_t weak_a = 0, weak_b = 0;
+    std::uint64_t weak_a, weak_b;
+    Transform frame_a, frame_b; ///< as in the definition; where the body is still(), in the world
 };
 
 struct JointTick;   ///< joint_work.h

@@ -45,18 +45,6 @@ struct Assembly {
     void add_ratio(RowKind kind);
 };
 
-/// The impulses of the last tick.
-void set_warm(JointAxisPart& part, const JointMemory& memory) {
-    const std::uint8_t features = part.features;
-    if (features & is_swing) {
-        part.warm = {Real{}, Real{}, Real{}, memory.swing};
-        return;
-    }
-    const JointAxisImpulses& warm = memory.axis[part.slot];
-    part.warm = {features & has_spring ? warm.spring : Real{}, features & has_motor ? warm.motor : Real{},
-                 features & has_lower ? warm.lower : Real{}, features & has_upper ? warm.upper : Real{}};
-}
-
 bool rigid(const JointAxis& a) { return a.mode == AxisMode::locked && a.frequency == Real{}; }
 
 std::uint8_t Assembly::features_of(int i) const {
@@ -87,7 +75,6 @@ void Assembly::add_axis(RowKind kind, int slot, std::uint8_t features, Real targ
         part.rate = soft.rate;
         part.mass_scale = soft.mass_scale, part.impulse_scale = soft.impulse_scale;
     }
-    set_warm(part, memory);
 }
 
 void Assembly::add_swing() {
@@ -98,7 +85,6 @@ void Assembly::add_swing() {
     part.kind = RowKind::swing;
     part.features = has_upper | is_swing;
     part.upper_at = work.def->swing;
-    set_warm(part, memory);
 }
 
 void Assembly::add_linear() {
@@ -106,7 +92,6 @@ void Assembly::add_linear() {
     for (int i = 0; i < 3; ++i) locked += rigid(axis(i)) ? 1 : 0;
     if (locked == 3) {
         work.point = true;
-        for (int i = 0; i < 3; ++i) work.point_sum[i] = memory.axis[static_cast<std::size_t>(i)].spring;
         return;
     }
     JointBlock* block = locked == 0 ? nullptr : &add_block();
@@ -206,20 +191,27 @@ void assemble(JointTick& tick, JointWork& work, const StepConstants& step, const
         for (int r = 0; r < tick.blocks[i].count; ++r) note(tick.blocks[i].kind[r]);
 }
 
-void reassemble(JointTick& tick, JointWork& work, const JointMemory& memory) {
-    if (work.point)
-        for (std::size_t i = 0; i < 3; ++i) work.point_sum[i] = memory.axis[i].spring;
-    for (std::uint32_t i = 0; i < work.block_count; ++i) {
-        JointBlock& block = tick.blocks[work.first_block + i];
-        for (int r = 0; r < block.count; ++r)
-            block.sum[r] = memory.axis[block.slot[r]].spring, block.impulse[r] = 0;
-    }
+JointAxisImpulses impulses_of(const JointAxisPart& part, const JointMemory& memory) {
+    const std::uint8_t features = part.features;
+    if (features & is_swing) return {Real{}, Real{}, Real{}, memory.swing};
+    const JointAxisImpulses& last = memory.axis[part.slot];
+    return {features & has_spring ? last.spring : Real{}, features & has_motor ? last.motor : Real{},
+            features & has_lower ? last.lower : Real{}, features & has_upper ? last.upper : Real{}};
+}
+
+void restart_block(JointBlock& block, const JointMemory& memory) {
+    for (int r = 0; r < block.count; ++r)
+        block.sum[r] = memory.axis[block.slot[r]].spring, block.impulse[r] = 0;
+}
+
+void reassemble(JointTick& tick, const JointWork& work) {
+    for (std::uint32_t i = 0; i < work.block_count && !work.hinge; ++i)
+        restart_block(tick.blocks[work.first_block + i], tick.memory[work.memory]);
     for (std::uint32_t i = 0; i < work.axis_count; ++i) {
         JointAxisPart& part = tick.axes[work.first_axis + i];
         part.spring = part.motor = part.lower = part.upper = part.exponent = 0;
         part.sum = Real{};
         part.idle = part.unmade = false;
-        set_warm(part, memory);
     }
 }
 
@@ -235,7 +227,7 @@ void add_point_block(JointTick& tick, JointWork& work) {
     for (int i = 0; i < 3; ++i) {
         block.kind[i] = static_cast<RowKind>(static_cast<int>(RowKind::point_x) + i);
         block.slot[i] = static_cast<std::uint8_t>(i);
-        block.sum[i] = work.point_sum[i];
+        block.sum[i] = tick.memory[work.memory].axis[static_cast<std::size_t>(i)].spring;
     }
     block.count = 3;
     ++work.block_count;

@@ -87,27 +87,27 @@ Vec3 turned_twice(Vec3 w, Vec3 lever) {
 
 /// Of a hinge's rows directions are asked for and no places, of a point's no directions.
 JointSide side_of(const JointTick& tick, const JointWork& work, const JointWorkSide& side,
-                  const SolverBodies& bodies) {
+                  const JointFrame& frame, const SolverBodies& bodies) {
     JointSide now{};
     now.body = &bodies.step[side.body];
     if (now.body->turn != 0) now.body = &bodies.turns[now.body->turn - 1].now;
     if (side.world) {
-        now.anchor = side.anchor;
+        now.anchor = frame.anchor;
         if (!work.framed) return now;
-        now.rotation = side.frame;
+        now.rotation = frame.rotation;
         now.axes = to_rotation(now.rotation);
         return now;
     }
     const JointBody& body = tick.bodies[side.cache];
     if (work.needs_lever) {
-        now.lever = turned_lever(body.axes, side.lever);
+        now.lever = turned_lever(body.axes, frame.lever);
         now.anchor = body.position + now.lever;
         now.w = body.w;
         now.velocity = body.velocity;
         if (!turns_slowly(body.w)) now.centripetal = turned_twice(body.w, now.lever);
     }
     if (!work.framed) return now;
-    now.rotation = product(body.rotation, side.frame);
+    now.rotation = product(body.rotation, frame.rotation);
     now.axes = to_rotation(now.rotation);
     return now;
 }
@@ -132,8 +132,8 @@ void add_travel(const JointTick& tick, JointWork& work, const JointPlace& p, con
 JointPlace place_of(const JointTick& tick, JointWork& work, const SolverBodies& bodies) {
     JointPlace p{};
     p.def = work.def;
-    p.a = side_of(tick, work, work.a, bodies);
-    p.b = side_of(tick, work, work.b, bodies);
+    p.a = side_of(tick, work, work.a, work.frame_a, bodies);
+    p.b = side_of(tick, work, work.b, work.frame_b, bodies);
     p.s = p.b.anchor - p.a.anchor;
     p.arc = p.b.centripetal - p.a.centripetal;
     if (work.needs_slip) {
@@ -239,9 +239,10 @@ Real least_room(const JointTick& tick, const JointWork& work, const StepConstant
 
 /// Whether an axis has nothing but limits of an angle, which carry no impulse and stay out of reach until the rows are made again. Until
 /// then each body turns by sqrt(3) / 1024 rad at most, and the angle by up to eight times that of both.
-bool is_out_of_reach(const JointAxisPart& part, bool made, Real position, Real least) {
+/// `last`: impulses of the last tick, while there are no others.
+bool is_out_of_reach(const JointAxisPart& part, const JointAxisImpulses* last, Real position, Real least) {
     if ((part.features & (has_spring | has_motor)) != 0 || part.sum != Real{}) return false;
-    if (made ? (part.lower | part.upper) != 0 : part.warm.lower != Real{} || part.warm.upper != Real{})
+    if (last == nullptr ? (part.lower | part.upper) != 0 : last->lower != Real{} || last->upper != Real{})
         return false;
     return ((part.features & has_lower) == 0 || position - part.lower_at > least) &&
            ((part.features & has_upper) == 0 || part.upper_at - position > least);
@@ -319,10 +320,11 @@ void make_block(JointBlock& block, const JointWork& work, const JointPlace& plac
     set_block_errors(block, values, work.tree != no_tree, step, bodies);
 }
 
-void make_axis(JointAxisPart& part, const JointWork& work, const JointPlace& place, Bodies bodies, Real least,
-               const StepConstants& step) {
+/// `last`: as is_out_of_reach() takes it.
+void make_axis(JointAxisPart& part, const JointAxisImpulses* last, const JointWork& work,
+               const JointPlace& place, Bodies bodies, Real least, const StepConstants& step) {
     part.turns = only_turns(part.kind);
-    part.unmade = part.kind == RowKind::twist && is_out_of_reach(part, work.made, place.twist, least);
+    part.unmade = part.kind == RowKind::twist && is_out_of_reach(part, last, place.twist, least);
     if (part.unmade) {
         part.idle = true;
         return;
@@ -338,11 +340,12 @@ void make_axis(JointAxisPart& part, const JointWork& work, const JointPlace& pla
         set_responses(part.row, work.shares, bodies.a, bodies.b);
         part.inverse = invert(&part.row, 1);
     }
-    const auto carry = [&](std::int32_t& p, Real warm) {
-        p = work.made ? rescaled_impulse(p, before, part.exponent) : scaled_impulse(warm, part.exponent);
+    const auto carry = [&](std::int32_t& p, Real JointAxisImpulses::*of) {
+        p = last == nullptr ? rescaled_impulse(p, before, part.exponent)
+                            : scaled_impulse(last->*of, part.exponent);
     };
-    carry(part.spring, part.warm.spring), carry(part.motor, part.warm.motor);
-    carry(part.lower, part.warm.lower), carry(part.upper, part.warm.upper);
+    carry(part.spring, &JointAxisImpulses::spring), carry(part.motor, &JointAxisImpulses::motor);
+    carry(part.lower, &JointAxisImpulses::lower), carry(part.upper, &JointAxisImpulses::upper);
     set_axis_errors(part, value, step, bodies);
     set_axis_targets(part, step, bodies);
 }
@@ -380,7 +383,7 @@ void put_hinge(JointTick& tick, const JointWork& work, Real least, const StepCon
                const SolverBodies& bodies) {
     const JointAxisPart* const part = work.axis_count == 1 ? &tick.axes[work.first_axis] : nullptr;
     start_hinge(turn_pack(tick, work), work, part != nullptr && part->unmade ? part : nullptr, least, bodies,
-                tick.blocks[work.first_block], step);
+                tick.memory[work.memory], step);
 }
 
 /// Starts a hinge without an angle, where its limits were out of reach in the last tick: the pack looks whether they still are.
@@ -390,18 +393,18 @@ bool start_free_hinge(JointTick& tick, JointWork& work, const StepConstants& ste
     if (work.axis_count > 1 || turn_pack(tick, work).apart[work.lane] != 0) return false;
     JointAxisPart* const part = work.axis_count != 0 ? &tick.axes[work.first_axis] : nullptr;
     const Real least = least_room(tick, work, step);
-    if (part != nullptr &&
-        (part->kind != RowKind::twist || !is_out_of_reach(*part, false, work.twist, least) ||
-         half(part->upper_at - part->lower_at) - least >= pi))
-        return false;
     if (part != nullptr) {
+        const JointAxisImpulses last = impulses_of(*part, tick.memory[work.memory]);
+        if (part->kind != RowKind::twist || !is_out_of_reach(*part, &last, work.twist, least) ||
+            half(part->upper_at - part->lower_at) - least >= pi)
+            return false;
         part->turns = part->unmade = part->idle = true;
         work.twist = part->lower_at + half(part->upper_at - part->lower_at);
     }
     put_hinge(tick, work, least, step, bodies);
-    work.steady = work.stays && work.tree == no_tree;
+    work.steady = work.stays; // no tree has it
     work.made = work.remade = true;
-    set_glance(tick, work);
+    set_glance(tick, work), set_acting(tick, work);
     return true;
 }
 
@@ -422,13 +425,20 @@ void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, cons
     const JointPlace place = place_of(tick, work, bodies);
     const Bodies both{bodies.body[work.a.body], bodies.body[work.b.body]};
     const Real least = work.needs_twist ? least_room(tick, work, step) : Real{};
-    for (std::uint32_t i = 0; i < work.axis_count; ++i)
-        make_axis(tick.axes[work.first_axis + i], work, place, both, least, step);
+    for (std::uint32_t i = 0; i < work.axis_count; ++i) {
+        JointAxisPart& part = tick.axes[work.first_axis + i];
+        JointAxisImpulses last;
+        if (!work.made) last = impulses_of(part, tick.memory[work.memory]);
+        make_axis(part, work.made ? nullptr : &last, work, place, both, least, step);
+    }
     if (work.hinge && !work.made) {
-        if (turn_pack(tick, work).apart[work.lane] == 0)
+        TurnPack& turn = turn_pack(tick, work);
+        if (turn.apart[work.lane] == 0) {
             put_hinge(tick, work, least, step, bodies);
-        else
-            turn_pack(tick, work).generic[work.lane] = -1;
+        } else {
+            turn.generic[work.lane] = -1;
+            restart_block(tick.blocks[work.first_block], tick.memory[work.memory]);
+        }
     }
     const std::uint32_t blocks = is_made_in_pack(tick, work) ? 0 : work.block_count;
     for (std::uint32_t i = 0; i < blocks; ++i) {
@@ -440,7 +450,7 @@ void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, cons
     }
     work.steady = work.stays && work.tree == no_tree && !(work.needs_twist && is_opposite(place));
     work.made = work.remade = true;
-    set_glance(tick, work);
+    set_glance(tick, work), set_acting(tick, work);
 }
 
 void make_asked_rows(JointTick& tick, const StepConstants& step, const SolverBodies& bodies) {
@@ -454,7 +464,7 @@ void make_asked_rows(JointTick& tick, const StepConstants& step, const SolverBod
             if ((turn.apart[lane] | turn.reaches[lane]) == 0 || turn.generic[lane] != 0) continue;
             JointWork& w = tick.joints[tick.packed[i * pack_lanes + lane]];
             if (turn.apart[lane] == 0 && has_own_rows(tick, w)) continue;
-            if (turn.apart[lane] != 0) turn.generic[lane] = -1;
+            if (turn.apart[lane] != 0) leave_hinge(tick.blocks[w.first_block], turn, lane);
             place(w.a), place(w.b);
             make_rows(tick, w, step, bodies);
         }
@@ -472,6 +482,7 @@ void follow_errors(JointTick& tick, JointWork& work, const StepConstants& step, 
         set_block_bias(block, work.tree != no_tree, step, both);
         if (work.turns_packed) put_bias(block, turn_pack(tick, work), work.lane);
     }
+    set_acting(tick, work);
 }
 
 void invert_blocks(JointTick& tick, const JointWork& work) {
@@ -490,7 +501,7 @@ Quat rotation_now(const Transform& pose, std::uint32_t body, const SolverBodies&
                : integrate_rotation(pose.rotation, over_gyration(step, theta, Separation::fraction_bits));
 }
 
-void set_motion(JointBody& now, const SolverBodies& bodies) {
+static void set_motion(JointBody& now, const SolverBodies& bodies) {
     const SolverBody& body = bodies.body[now.body];
     for (int i = 0; i < 3; ++i)
         now.velocity[i] =
@@ -505,32 +516,41 @@ void set_motion(JointBody& now, const SolverBodies& bodies) {
     now.w = over_gyration(step, u, Speed::fraction_bits);
 }
 
-static void set_pose(JointBody& now, const Transform& pose, const SolverBodies& bodies, bool axes) {
+static void set_pose(JointBody& now, const Transform& pose, const SolverBodies& bodies) {
     const SolverBody& body = bodies.body[now.body];
-    for (int i = 0; i < 3; ++i) {
-        now.shift[i] = body.shift[i], now.theta[i] = body.theta[i];
-        now.position[i] = pose.position[i] + from_separation(body.shift[i]);
-    }
+    for (int i = 0; i < 3; ++i) now.shift[i] = body.shift[i], now.theta[i] = body.theta[i];
     now.rotation = rotation_now(pose, now.body, bodies);
-    if (axes) now.axes = to_rotation(now.rotation);
+}
+
+/// What levers ask for, of a body whose pose is set.
+static void set_place(JointBody& now, const Transform& pose) {
+    for (int i = 0; i < 3; ++i) now.position[i] = pose.position[i] + from_separation(now.shift[i]);
+    now.axes = to_rotation(now.rotation);
 }
 
 void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodies) {
     const SolverBody& body = bodies.body[now.body];
     const bool still = are_same(body.shift, now.shift) && are_same(body.theta, now.theta);
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < 3 && now.motion_asked; ++i) {
         now.moved[i] = from_separation(body.shift[i]) - from_separation(now.shift[i]);
         now.turned[i] = saturate_to_int32(std::int64_t{body.theta[i]} - now.theta[i]);
     }
     if (still) return;
-    set_pose(now, pose, bodies, now.lever_asked);
+    set_pose(now, pose, bodies);
+    if (now.lever_asked) set_place(now, pose);
     if (now.motion_asked) set_motion(now, bodies);
 }
 
 void start_body(JointBody& now, const Transform& pose, const SolverBodies& bodies) {
+    now.given = false;
+    set_pose(now, pose, bodies);
+}
+
+void start_motion(JointBody& now, const Transform& pose, const SolverBodies& bodies) {
     now.moved = Vec3{};
-    for (int i = 0; i < 3; ++i) now.turned[i] = 0;
-    set_pose(now, pose, bodies, true);
+    for (std::int32_t& turned : now.turned) turned = 0;
+    if (now.lever_asked) set_place(now, pose);
+    set_motion(now, bodies);
 }
 
 } // namespace lockstone::solve

@@ -161,13 +161,11 @@ void pass_joint(JointTick& tick, const JointWork& w, const StepConstants& step, 
 
 } // namespace
 
-void find_acting(JointTick& tick) {
-    for (std::size_t i = 0; i < tick.singles.size(); ++i) {
-        const JointWork& w = tick.joints[tick.singles[i]];
-        bool acts = w.block_count != 0 && !w.turns_packed; // warm starts give what trees solve as well
-        for (std::uint32_t k = 0; k < w.axis_count && !acts; ++k) acts = !tick.axes[w.first_axis + k].idle;
-        tick.acts[i] = acts;
-    }
+void set_acting(JointTick& tick, const JointWork& w) {
+    const auto i = static_cast<std::size_t>(&w - tick.joints.data());
+    bool acts = w.block_count != 0 && !w.turns_packed; // warm starts give what trees solve as well
+    for (std::uint32_t k = 0; k < w.axis_count && !acts; ++k) acts = !tick.axes[w.first_axis + k].idle;
+    tick.acts[i] = acts;
 }
 
 void JointSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bias, Tasks* tasks) {
@@ -179,7 +177,8 @@ void JointSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bi
     for (std::size_t k = 0; k < count; ++k) { // the relaxing pass runs in the reverse order
         const JointStage& stage = tick.stages[bias ? k : count - 1 - k];
         for (std::uint32_t i = stage.first_single; i < stage.last_single; ++i)
-            if (tick.acts[i] != 0) pass_joint(tick, tick.joints[tick.singles[i]], step, bodies, bias);
+            if (tick.acts[tick.singles[i]] != 0)
+                pass_joint(tick, tick.joints[tick.singles[i]], step, bodies, bias);
         tick.clamped += kernel->solve(data, stage.first_pack, stage.last_pack, bias);
     }
     const std::vector<JointTree>& trees = tick.forest.trees;
@@ -230,7 +229,7 @@ void JointSolver::warm_start(const StepConstants& step, SolverBodies& bodies) {
     const JointPassData data = pass_data(tick, step, bodies.body.data());
     for (const JointStage& stage : tick.stages) {
         for (std::uint32_t i = stage.first_single; i < stage.last_single; ++i)
-            if (tick.acts[i] != 0) warm_joint(tick, tick.joints[tick.singles[i]], bodies);
+            if (tick.acts[tick.singles[i]] != 0) warm_joint(tick, tick.joints[tick.singles[i]], bodies);
         kernel->warm_start(data, stage.first_pack, stage.last_pack, !tick.first);
     }
     turn_out(bodies);

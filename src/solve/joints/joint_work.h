@@ -19,17 +19,18 @@
 
 namespace lockstone::solve {
 
-/// A body that joints hold, where it is in this substep.
-struct JointBody {
+/// A body that joints hold, where it is in this substep. The first cache line is all that points and hinges in packs ask for.
+struct alignas(64) JointBody {
     std::uint32_t body;
-    bool given; ///< it has turned far or is followed: in JointTick::given
-    /// Rows are made of its velocity and w, which are found only then: some joint is more than a point or a hinge in a pack.
-    bool motion_asked;
-    bool lever_asked;                ///< and so are its axes: some joint needs levers
+    bool given;                      ///< it has turned far or is followed: in JointTick::given
+    bool motion_asked;               ///< by some joint that is more than a point or a hinge in a pack
+    bool lever_asked;                ///< and that needs levers
     std::int32_t shift[3], theta[3]; ///< of the SolverBody, when this was made
-    Vec3 position;
     Quat rotation;
+    // Where levers are asked for:
     Rotation axes;
+    Vec3 position;
+    // Where motion is asked for:
     Vec3 w;
     Vec3 velocity;
     Vec3 moved;             ///< by the last update [m]
@@ -64,25 +65,27 @@ enum JointFeature : std::uint8_t {
     is_swing = 16
 };
 
-/// One axis: up to four impulses along the same row.
-struct JointAxisPart {
-    Row row;
-    Inverse inverse;
+/// One axis: up to four impulses along the same row. The first cache line is all that is asked of limits out of reach.
+struct alignas(64) JointAxisPart {
     RowKind kind;
     std::uint8_t slot;
     std::uint8_t features; ///< JointFeature
+    bool turns;            ///< its row only turns
+    bool idle;             ///< nothing but limits out of reach: passes leave it out
+    bool unmade;           ///< and so far off that they stay so until rows are made again: there is no row
     std::int32_t exponent;
+    std::int32_t spring, motor, lower, upper; ///< p', Speed
+    Real lower_at, upper_at;
+    Real sum;
+    Row row;
+    Inverse inverse;
     // spring: rate [1/s] and softness; its bound, in unscaled impulse
     Real rate, target;
     Unit mass_scale, impulse_scale;
     Real spring_max, motor_max, motor_speed;
-    Real lower_at, upper_at;
     // as scaled by the last update
     std::int32_t spring_bias, spring_bound, motor_bias, motor_bound;
     std::int32_t lower_bias, lower_relax, upper_bias, upper_relax;
-    std::int32_t spring, motor, lower, upper; ///< p', Speed
-    JointAxisImpulses warm;                   ///< of the last tick, unscaled
-    Real sum;
     // Separation, 2^-e of a length or an angle less J . (shift, theta) of when the row was made
     std::int64_t stretch; ///< of the spring
     /// To the lower and from the upper limit; the second falls with J . (shift, theta)
@@ -90,9 +93,6 @@ struct JointAxisPart {
     std::int32_t ahead, ahead_up; ///< of their biases: along the arc, Speed
     std::int32_t push_max;        ///< of their biases, Speed
     std::int32_t far;             ///< Speed at which limits are out of reach in a substep
-    bool turns;                   ///< its row only turns
-    bool idle;                    ///< nothing but limits out of reach: passes leave it out
-    bool unmade; ///< and so far off that they stay so until rows are made again: there is no row
     Vec3 direction;
     bool is_force;
 };
@@ -100,11 +100,13 @@ struct JointAxisPart {
 /// One side of a joint, constant within the tick.
 struct JointWorkSide {
     std::uint32_t body;  ///< entry of SolverBodies
-    bool world;          ///< stands still: the frame is in the world
     std::uint32_t cache; ///< entry of JointTick::bodies
-    LengthVec3 lever;    ///< of the frame's origin from the centre of mass, in the body's axes
-    Vec3 anchor;         ///< of a frame in the world
-    Quat frame;          ///< in the body's axes, or in the world
+    bool world;          ///< stands still: the frame is in the world
+};
+struct JointFrame {
+    LengthVec3 lever; ///< of the frame's origin from the centre of mass, in the body's axes
+    Vec3 anchor;      ///< of a frame in the world
+    Quat rotation;    ///< in the body's axes, or in the world
 };
 
 inline constexpr std::uint32_t no_pack = 0xffffffffu;
@@ -118,31 +120,37 @@ struct JointGlance {
     bool own_rows, places, stale; ///< it has own rows; bodies are placed where they are stale; they are
 };
 
-struct JointWork {
-    const JointDef* def;
+/// The first cache line is all that is asked of a hinge that its pack holds as a whole, limits out of reach.
+struct alignas(64) JointWork {
     JointWorkSide a, b;
-    Shares shares;
-    Real mass;      ///< mA mB / (mA + mB) [kg]
-    Real mass_rate; ///< and by ticks a second: from impulses of a tick to forces
+    Real mass_rate; ///< `mass` by ticks a second: from impulses of a tick to forces
+    Real twist;
     std::uint32_t memory;
-    std::uint32_t first_block, first_axis;
-    std::uint32_t tree;                   ///< that solves its locks; no_tree: they are solved by themselves
-    std::uint8_t block_count, axis_count; ///< of the point only where no pack has it
-    bool point; ///< it holds a point; `point_sum`: impulses of the last tick, unscaled
-    Real point_sum[3];
-    bool needs_twist, needs_target, needs_orientation, needs_travel, needs_slip, counts_turns, made;
-    bool needs_lever;  ///< some row of its own does not only turn
-    bool framed;       ///< directions of its frames are asked for: it holds more than a point
-    bool stays;        ///< its rows change by turns alone, and slowly
-    bool remade;       ///< since trees were factorised
-    bool steady;       ///< and they may stay behind where they are now
-    bool turns_packed; ///< its block is in a pack of turns
-    bool hinge;        ///< and its rows are made there
+    std::uint32_t first_axis;
     /// Entry of JointTick::packs that has its point part; no_pack: that is a block, if any
     std::uint32_t pack;
-    std::uint32_t lane;  ///< of the pack
+    std::uint8_t lane;                    ///< of the pack
+    std::uint8_t axis_count, block_count; ///< blocks: of the point only where no pack has it
+    bool turns_packed;                    ///< its block is in a pack of turns
+    bool hinge;                           ///< and its rows are made there
+    bool made;
+    bool remade; ///< since trees were factorised
+    bool stays;  ///< its rows change by turns alone, and slowly
+    bool steady; ///< and they may stay behind where they are now
+    bool needs_twist, needs_travel, counts_turns;
+    // Of rows that no pack makes:
+    const JointDef* def;
+    Shares shares;
+    Real mass; ///< mA mB / (mA + mB) [kg]
+    Real travel;
+    std::uint32_t first_block;
+    std::uint32_t tree;  ///< that solves its locks; no_tree: they are solved by themselves
     std::uint32_t stage; ///< of JointTick::stages
-    Real twist, travel;
+    bool point;          ///< it holds a point
+    bool needs_target, needs_orientation, needs_slip;
+    bool needs_lever; ///< some row of its own does not only turn
+    bool framed;      ///< directions of its frames are asked for: it holds more than a point
+    JointFrame frame_a, frame_b;
 };
 
 /// Joints that share no body that impulses move: the first stage after those of all earlier joints of the same bodies. Stage
@@ -181,15 +189,16 @@ struct JointTick {
     std::vector<JointPack> packs;
     std::vector<TurnPack> turn_packs;
     std::vector<JointStage> stages;
-    std::vector<std::uint32_t> singles;   ///< joints that have parts in no pack, by stage
-    std::vector<std::uint32_t> with_rows; ///< joints that are more than a point in a pack
-    std::vector<JointGlance> glances;     ///< by joint
-    std::vector<HeldBodies> held;         ///< of `bodies`
-    std::vector<TurnedBody> turned;       ///< by body, after one of the world
-    std::vector<std::uint8_t> seen;       ///< JointSeen, likewise
-    std::vector<std::uint32_t> given;     ///< entries of `bodies` whose turn theta does not tell
-    std::vector<std::uint8_t> acts;       ///< of singles: whether passes look at it
-    std::vector<std::uint32_t> packed;    ///< joints by pack and lane
+    std::vector<std::uint32_t> singles;         ///< joints that have parts in no pack, by stage
+    std::vector<std::uint32_t> with_rows;       ///< joints that are more than a point in a pack
+    std::vector<std::uint32_t> framed_in_world; ///< joints with a side that stands still
+    std::vector<JointGlance> glances;           ///< by joint
+    std::vector<HeldBodies> held;               ///< of `bodies`
+    std::vector<TurnedBody> turned;             ///< by body, after one of the world
+    std::vector<std::uint8_t> seen;             ///< JointSeen, likewise
+    std::vector<std::uint32_t> given;           ///< entries of `bodies` whose turn theta does not tell
+    std::vector<std::uint8_t> acts;             ///< of singles, by joint: whether passes look at it
+    std::vector<std::uint32_t> packed;          ///< joints by pack and lane
     std::vector<std::uint32_t> last_stage, counts, in_order; ///< while packs are filled
     std::vector<JointBody> bodies;
     /// The plan: which bodies joints hold, what parts joints have, where packs have them. While joints stay the same it serves again,
@@ -200,8 +209,9 @@ struct JointTick {
     std::vector<std::uint32_t> cache_of; ///< by body: entry of `bodies` + 1
     ClosedPoints closed;
     std::span<const Transform> pose;
-    std::uint64_t clamped; ///< impulses that met joint_impulse_max
-    bool first;            ///< no substep is in the sums yet
+    std::span<const JointMemory> memory; ///< of the last tick; read until rows are made
+    std::uint64_t clamped;               ///< impulses that met joint_impulse_max
+    bool first;                          ///< no substep is in the sums yet
 };
 
 /// Of a joint whose block is in a pack of turns.
@@ -225,8 +235,8 @@ void invert_some(JointTick& tick, std::uint32_t first, std::uint32_t last, const
 void restart_packs(JointTick& tick);
 /// Whether a pack can make the point rows of a body: one that impulses move must be free along and about all axes.
 bool fits_pack(std::uint32_t body, const SolverBodies& bodies);
-/// A joint's point into its lane, as JointKernel::start takes it.
-void start_packed(JointTick& tick, const JointWork& work);
+/// What JointKernel::start takes of the points of a pack besides bodies: impulses of the last tick, and how far bodies are apart.
+void start_points(JointTick& tick, std::uint32_t pack);
 /// K^-1 of the followed bodies of a packed joint, as it is now.
 void give_gyration(JointTick& tick, const JointWork& work, const SolverBodies& bodies);
 /// Held bodies as the tick begins.
@@ -239,16 +249,21 @@ void turn_four(JointTick& tick, std::uint32_t group, const JointKernel& kernel, 
                const SolverBodies& bodies);
 /// Rows that the refreshed packs ask for: of hinges that have come apart, and limits that are in reach again.
 void make_asked_rows(JointTick& tick, const StepConstants& step, const SolverBodies& bodies);
-/// Which singles act: those with locks that passes solve, or an axis that is not idle.
-void find_acting(JointTick& tick);
+/// Whether passes look at a single: at those with locks that they solve, or an axis that is not idle.
+void set_acting(JointTick& tick, const JointWork& work);
 /// Whether something of a joint is made by make_rows(): all but what packs make and limits that are out of reach.
 bool has_own_rows(const JointTick& tick, const JointWork& work);
 /// Whether its pack makes all rows of a hinge but those of limits about its axis.
 bool has_limits_alone(const JointTick& tick, const JointWork& work);
 /// Parts of one joint by its table of axes; appends to blocks and axes. Its point is no block yet: most are packed.
 void assemble(JointTick& tick, JointWork& work, const StepConstants& step, const JointMemory& memory);
-/// Parts of the last tick as assemble() and add_point_block() leave them, but for numbers that are written before they are read.
-void reassemble(JointTick& tick, JointWork& work, const JointMemory& memory);
+/// Parts of the last tick as assemble() and add_point_block() leave them, but for numbers that are written before they are read, and for
+/// the block of a hinge.
+void reassemble(JointTick& tick, const JointWork& work);
+/// Impulses of the last tick into a block whose rows are to be made.
+void restart_block(JointBlock& block, const JointMemory& memory);
+/// Likewise of an axis, unscaled.
+JointAxisImpulses impulses_of(const JointAxisPart& part, const JointMemory& memory);
 /// The point of a joint that no pack takes, as its last block.
 void add_point_block(JointTick& tick, JointWork& work);
 /// Where x can swing freely, a swing past the back of A adds turns that nobody made, and a limit would wind them off.
@@ -258,10 +273,10 @@ bool may_stay(const JointTick& tick, const JointWork& work);
 /// As normalized(), but what is one by a rounding is left as it is.
 Quat unit_of(Quat q);
 void start_body(JointBody& now, const Transform& pose, const SolverBodies& bodies);
+/// What is asked for besides its rotation, when a tick begins.
+void start_motion(JointBody& now, const Transform& pose, const SolverBodies& bodies);
 /// A body's rotation in this substep, of its pose when the tick began.
 Quat rotation_now(const Transform& pose, std::uint32_t body, const SolverBodies& bodies);
-/// Its velocity and w.
-void set_motion(JointBody& now, const SolverBodies& bodies);
 void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodies);
 /// After its rows were made.
 void set_glance(JointTick& tick, const JointWork& work);

@@ -90,7 +90,7 @@ struct Rig {
     std::uint32_t join_as_is(const JointDef& def, std::uint32_t a, std::uint32_t b) {
         defs.push_back(def);
         joints.push_back(
-            {nullptr, a, b, static_cast<std::uint32_t>(memory.size()), def.frame_a, def.frame_b});
+            {nullptr, a, b, static_cast<std::uint32_t>(memory.size()), 0, 0, def.frame_a, def.frame_b});
         memory.push_back({});
         return static_cast<std::uint32_t>(defs.size() - 1);
     }

@@ -40,19 +40,20 @@ struct PackInverse {
 
 /// The bodies of one side: point rows and shares.
 struct PackSide {
-    std::uint32_t place[pack_lanes];                  ///< of the body: bytes from the first SolverBody on
-    std::uint32_t held[pack_lanes];                   ///< of its axes: bytes from JointStartData::axes on
-    bool shifts;                                      ///< of some lane `shift` is not zero
-    std::int32_t x[3][3][pack_lanes];                 ///< turning arms by rows, 28 fraction bits
-    std::int32_t pull[pack_lanes];                    ///< 2^-e times the share, 28 fraction bits
-    std::int32_t share[pack_lanes];                   ///< mantissa, 30 fraction bits
+    std::uint32_t place[pack_lanes];  ///< of the body: bytes from the first SolverBody on
+    std::uint32_t held[pack_lanes];   ///< of its rotation: bytes from JointStartData::rotations on
+    bool shifts;                      ///< of some lane `shift` is not zero
+    std::int32_t x[3][3][pack_lanes]; ///< turning arms by rows, 28 fraction bits
+    std::int32_t pull[pack_lanes];    ///< 2^-e times the share, 28 fraction bits
+    std::int32_t share[pack_lanes];   ///< mantissa, 30 fraction bits
     std::int64_t shift[pack_lanes], half[pack_lanes]; ///< v += (r p + half) / 2^shift
     // What arms are made of: the lever when the tick began, how the body has turned since, K^-1.
-    std::uint32_t turned[pack_lanes];    ///< of the body: bytes from the first TurnedBody on
-    std::int32_t lever[3][pack_lanes];   ///< world axes, components within 2^28; lever_bits fraction bits
-    std::int32_t inverse[6][pack_lanes]; ///< mantissas of K^-1: xx, yy, zz, xy, xz, yz
-    std::int64_t lever_bits[pack_lanes]; ///< 22 .. 32
-    std::int64_t spin_shift[pack_lanes]; ///< of K^-1 u to Speed
+    std::uint32_t turned[pack_lanes];      ///< of the body: bytes from the first TurnedBody on
+    std::int32_t own_lever[3][pack_lanes]; ///< in the body's axes, Length
+    std::int32_t lever[3][pack_lanes];     ///< world axes, components within 2^28; lever_bits fraction bits
+    std::int32_t inverse[6][pack_lanes];   ///< mantissas of K^-1: xx, yy, zz, xy, xz, yz
+    std::int64_t lever_bits[pack_lanes];   ///< 22 .. 32
+    std::int64_t spin_shift[pack_lanes];   ///< of K^-1 u to Speed
     std::int64_t arm_shift[pack_lanes], arm_half[pack_lanes]; ///< of K^-1 [r] to x
 };
 
@@ -60,11 +61,14 @@ inline constexpr std::uint8_t point_left = 1, hinge_left = 2;
 
 struct JointPack {
     PackSide a, b;
-    std::uint32_t count;          ///< lanes in use, from the first on
-    std::uint32_t turn;           ///< entry of JointTick::turns, where turn_rows is not zero
-    std::uint32_t turn_rows;      ///< rows of each joint that only turn, solved before its point
-    bool hinges;                  ///< they are those of hinges
-    std::int32_t one[pack_lanes]; ///< 2^-e, 28 fraction bits
+    std::uint32_t count;                ///< lanes in use, from the first on
+    std::uint32_t memory[pack_lanes];   ///< of its joint: row of the memory column
+    std::int64_t mass_rate[pack_lanes]; ///< as of its JointWork, Real
+    std::uint8_t whole[pack_lanes];     ///< its joint is nothing but this point
+    std::uint32_t turn;                 ///< entry of JointTick::turns, where turn_rows is not zero
+    std::uint32_t turn_rows;            ///< rows of each joint that only turn, solved before its point
+    bool hinges;                        ///< they are those of hinges
+    std::int32_t one[pack_lanes];       ///< 2^-e, 28 fraction bits
     PackInverse inverse;
     std::int32_t impulse[3][pack_lanes];  ///< p', Speed
     std::int32_t bias[3][pack_lanes];     ///< Speed
@@ -152,8 +156,8 @@ struct JointStartData {
     JointPack* packs;
     TurnPack* turns;
     const BodyStep* steps;
-    const std::byte* axes; ///< of the first body that joints hold: the nine entries of its Rotation
-    std::int64_t push_max; ///< of biases [m/s], Real
+    const std::byte* rotations; ///< the Quat of the first body that joints hold
+    std::int64_t push_max;      ///< of biases [m/s], Real
 };
 inline constexpr int joint_rate_bits = 16;
 inline constexpr int pack_angle_bits = 32;

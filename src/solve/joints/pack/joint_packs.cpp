@@ -45,7 +45,7 @@ std::uint32_t kind_of(const JointTick& tick, const JointWork& w) {
 /// Whether x of B is locked to x of A.
 bool is_hinge(const JointDef& def, const JointBlock& block) {
     return def.kind != JointKind::wheel && block.count == 2 && block.kind[0] == RowKind::lock_y &&
-           block.kind[1] == RowKind::lock_z;
+           block.kind[1] == RowKind::lock_z; // whose impulses are those of about_y and about_z
 }
 
 /// Room for the packs of `counts`, joints by kind from the second entry on, and for no more: they are large.
@@ -80,16 +80,18 @@ void add_to_pack(JointTick& tick, JointWork& w, std::uint32_t kind, bool fresh, 
     }
     JointPack& pack = tick.packs.back();
     w.pack = static_cast<std::uint32_t>(tick.packs.size() - 1);
-    w.lane = pack.count++;
+    w.lane = static_cast<std::uint8_t>(pack.count++);
     pack.stale[w.lane] = 1;
+    pack.memory[w.lane] = w.memory, pack.mass_rate[w.lane] = w.mass_rate.raw;
     set_share(pack.a, w.lane, w.shares.a, w.a.body);
     set_share(pack.b, w.lane, w.shares.b, w.b.body);
-    const auto set_held = [&](PackSide& side, const JointWorkSide& s) {
+    const auto set_held = [&](PackSide& side, const JointWorkSide& s, const JointFrame& frame) {
         if (s.world) return; // zero is the world's
         side.held[w.lane] = s.cache * static_cast<std::uint32_t>(sizeof(JointBody));
         side.turned[w.lane] = (s.cache + 1) * static_cast<std::uint32_t>(sizeof(TurnedBody));
+        for (int i = 0; i < 3; ++i) side.own_lever[i][w.lane] = frame.lever[i].raw;
     };
-    set_held(pack.a, w.a), set_held(pack.b, w.b);
+    set_held(pack.a, w.a, w.frame_a), set_held(pack.b, w.b, w.frame_b);
     if (w.hinge) plan_hinge(tick, w);
 }
 
@@ -163,7 +165,7 @@ void plan_packs(JointTick& tick, const StepConstants& step, const SolverBodies& 
         stage.last_single = static_cast<std::uint32_t>(tick.singles.size());
         tick.stages.push_back(stage);
     }
-    tick.acts.resize(tick.singles.size());
+    tick.acts.resize(tick.joints.size());
 }
 
 void restart_packs(JointTick& tick) {
@@ -177,21 +179,20 @@ void restart_packs(JointTick& tick) {
     }
 }
 
-void start_packed(JointTick& tick, const JointWork& work) {
+void start_points(JointTick& tick, std::uint32_t p) {
     constexpr std::int64_t far = std::int64_t{1} << 58; // leaves room for levers and for what bodies move
-    JointPack& pack = tick.packs[work.pack];
-    const auto centre = [&](const JointWorkSide& s) {
-        return s.world ? s.anchor : tick.bodies[s.cache].position;
-    };
-    const auto start_side = [&](PackSide& side, const JointWorkSide& s) {
-        if (s.world) return;
-        for (int i = 0; i < 3; ++i) side.lever[i][work.lane] = s.lever[i].raw;
-    };
-    start_side(pack.a, work.a), start_side(pack.b, work.b);
-    const Vec3 apart = centre(work.b) - centre(work.a);
-    for (int i = 0; i < 3; ++i) {
-        pack.apart[i][work.lane] = std::clamp(apart[i].raw, -far, far);
-        pack.sum[i][work.lane] = work.point_sum[i].raw;
+    JointPack& pack = tick.packs[p];
+    for (std::uint32_t lane = 0; lane < pack.count; ++lane) {
+        const auto centre = [&](const PackSide& side, JointFrame JointWork::*own) {
+            if (side.turned[lane] == 0) return (tick.joints[tick.packed[p * pack_lanes + lane]].*own).anchor;
+            return tick.pose[side.place[lane] / sizeof(SolverBody)].position;
+        };
+        const Vec3 apart = centre(pack.b, &JointWork::frame_b) - centre(pack.a, &JointWork::frame_a);
+        const JointMemory& last = tick.memory[pack.memory[lane]];
+        for (int i = 0; i < 3; ++i) {
+            pack.apart[i][lane] = std::clamp(apart[i].raw, -far, far);
+            pack.sum[i][lane] = last.axis[static_cast<std::size_t>(i)].spring.raw;
+        }
     }
 }
 

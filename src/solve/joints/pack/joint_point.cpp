@@ -96,7 +96,7 @@ Real half_range(const JointAxisPart& part) { return half(part.upper_at - part.lo
 void set_hinge_frames(JointTick& tick, const JointWork& work) {
     TurnPack& turn = turn_pack(tick, work);
     const std::uint32_t lane = work.lane;
-    const Rotation a = to_rotation(work.a.frame), b = to_rotation(work.b.frame);
+    const Rotation a = to_rotation(work.frame_a.rotation), b = to_rotation(work.frame_b.rotation);
     const UnitVec3 from_a[2] = {a.y, a.z}, from_b[2] = {b.x, b.y};
     for (int k = 0; k < 2; ++k)
         for (int i = 0; i < 3; ++i)
@@ -130,7 +130,7 @@ static std::int32_t reach_cosine(const TurnPack& turn, std::uint32_t lane, const
 }
 
 void start_hinge(TurnPack& turn, const JointWork& work, const JointAxisPart* limits, Real least,
-                 const SolverBodies& bodies, JointBlock& block, const StepConstants& step) {
+                 const SolverBodies& bodies, const JointMemory& last, const StepConstants& step) {
     const std::uint32_t lane = work.lane;
     const BodyStep &a = bodies.step[work.a.body], &b = bodies.step[work.b.body];
     // No entry of K^-1 axis is above the largest inverse of a radius, wherever the body turns.
@@ -138,14 +138,12 @@ void start_hinge(TurnPack& turn, const JointWork& work, const JointAxisPart* lim
     for (const BodyStep* body : {&a, &b})
         for (int i = 0; i < 3 && body->moves; ++i) most |= magnitude(body->radii_inv[i].raw);
     const int e = most == 0 ? 0 : bit_length(most) - Real::fraction_bits - 1;
-    turn.exponent[lane] = block.exponent = e;
+    turn.exponent[lane] = e;
     set_hinge_shift(turn, lane, true, a), set_hinge_shift(turn, lane, false, b);
     turn.bias_shift[lane] = Unit::fraction_bits + joint_rate_bits - Speed::fraction_bits + e;
     turn.push_max[lane] = scaled_speed(step.joint_push_max.raw, Real::fraction_bits, e);
-    for (int r = 0; r < 2; ++r) {
-        turn.impulse[r][lane] = block.impulse[r] = scaled_impulse(block.sum[r], e);
-        block.sum[r] = Real{}, block.is_force[r] = false;
-    }
+    for (std::size_t r = 0; r < 2; ++r)
+        turn.impulse[r][lane] = scaled_impulse(last.axis[about_y + r].spring, e);
     turn.reach_cos[lane] = limits != nullptr ? reach_cosine(turn, lane, *limits, least) : INT32_MIN;
 }
 
@@ -170,11 +168,17 @@ void invert_left(JointPack& pack, TurnPack* turns, std::uint32_t lane) {
     if ((pack.left[lane] & hinge_left) != 0) invert_hinge(pack, turns[pack.turn], lane);
 }
 
-void take_axes(JointBlock& block, const TurnPack& turn, std::uint32_t lane) {
-    for (int r = 0; r < 2; ++r)
-        for (int i = 0; i < 3; ++i)
-            block.direction[r][i] =
-                Real::from_raw(std::int64_t{turn.axis[r][i][lane]} << (Real::fraction_bits - row_bits));
+void leave_hinge(JointBlock& block, TurnPack& turn, std::uint32_t lane) {
+    turn.generic[lane] = -1;
+    block.exponent = turn.exponent[lane];
+    for (Real& sum : block.sum) sum = Real{};
+}
+
+Vec3 hinge_axis(const TurnPack& turn, std::size_t row, std::uint32_t lane) {
+    const auto one = [&](int i) {
+        return Real::from_raw(std::int64_t{turn.axis[row][i][lane]} << (Real::fraction_bits - row_bits));
+    };
+    return {one(0), one(1), one(2)};
 }
 
 } // namespace lockstone::solve

@@ -22,9 +22,11 @@ void plan_hinge(JointTick& tick, const JointWork& work);
 void set_hinge_frames(JointTick& tick, const JointWork& work);
 /// What changes from tick to tick. `limits`: those that the pack looks at, if any; nearer than `least` they are in reach.
 void start_hinge(TurnPack& turn, const JointWork& work, const JointAxisPart* limits, Real least,
-                 const SolverBodies& bodies, JointBlock& block, const StepConstants& step);
-/// The axes about which its rows turn B.
-void take_axes(JointBlock& block, const TurnPack& turn, std::uint32_t lane);
+                 const SolverBodies& bodies, const JointMemory& last, const StepConstants& step);
+/// Its rows are the block's from now on.
+void leave_hinge(JointBlock& block, TurnPack& turn, std::uint32_t lane);
+/// The axis about which a row of it turns B.
+Vec3 hinge_axis(const TurnPack& turn, std::size_t row, std::uint32_t lane);
 /// Where entries of its rows have grown to 2.
 void enlarge_exponent(JointPack& pack, const JointWork& work, const StepConstants& step);
 /// The inverses that lanes have left, of the rows as they are.

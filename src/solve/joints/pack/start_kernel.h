@@ -8,6 +8,7 @@
 
 #include "solve/joints/pack/joint_pack.h"
 #include "solve/lanes/lane_fixed.h"
+#include "solve/lanes/lane_rotation.h"
 
 #include <bit>
 #include <cstddef>
@@ -44,29 +45,26 @@ template <class L> class JointStarts {
         return static_cast<std::int32_t>(x < -most ? -most : x > most ? most : x);
     }
 
-    /// The axes of bodies, 9 entries, and what is room for more.
-    using Axes = V[12];
-    [[gnu::always_inline]] static void gather_axes(const Data& data, const Side& side, unsigned lane,
-                                                   Axes& axes) {
-        const std::int32_t *front[N], *middle[N], *back[N];
-        for (unsigned i = 0; i < N; ++i) {
-            front[i] = reinterpret_cast<const std::int32_t*>(data.axes + side.held[lane + i]);
-            middle[i] = front[i] + 4, back[i] = front[i] + 5;
-        }
-        L::quads(front, axes), L::quads(middle, axes + 4), L::quads(back, axes + 8);
-        axes[8] = axes[11];
+    using Axes = V[3][3]; ///< of bodies, by columns
+    [[gnu::always_inline]] static void find_axes(const Data& data, const Side& side, unsigned lane,
+                                                 Axes& axes) {
+        const std::int32_t* rotations[N];
+        for (unsigned i = 0; i < N; ++i)
+            rotations[i] = reinterpret_cast<const std::int32_t*>(data.rotations + side.held[lane + i]);
+        V q[4];
+        L::quads(rotations, q), rotation_of<L>(q, axes); // all are rotations
     }
     /// A sum of products with an entry of a vector in world axes: 30 bits times 32, three times.
     static V turned(const Axes& axes, const V (&local)[3], int i) {
-        return L::add(L::add(L::mul(axes[i], local[0]), L::mul(axes[3 + i], local[1])),
-                      L::mul(axes[6 + i], local[2]));
+        return L::add(L::add(L::mul(axes[0][i], local[0]), L::mul(axes[1][i], local[1])),
+                      L::mul(axes[2][i], local[2]));
     }
-    /// A lever in world axes, within 2^28 where it is within 128 m. `side.lever` has it in the body's axes, length_bits.
+    /// A lever in world axes, within 2^28 where it is within 128 m; of length_bits in the body's.
     [[gnu::always_inline]] static void turn_lever(const Axes& axes, Side& side, unsigned lane,
                                                   V (&lever)[3]) {
         constexpr int extra = unit_bits + length_bits - real_bits, room = 28, least_bits = 22;
         V local[3], any = L::splat(0);
-        for (int i = 0; i < 3; ++i) local[i] = L::load32(&side.lever[i][lane]);
+        for (int i = 0; i < 3; ++i) local[i] = L::load32(&side.own_lever[i][lane]);
         const V half = L::splat(std::int64_t{1} << (extra - 1));
         for (int i = 0; i < 3; ++i) {
             lever[i] = L::template shift_right_signed<extra>(L::add(turned(axes, local, i), half));
@@ -173,7 +171,7 @@ template <class L> class JointStarts {
     [[gnu::always_inline]] static void start(const Data& data, Pack& c, unsigned lane) {
         std::int64_t e[N] = {};
         Axes a, b;
-        gather_axes(data, c.a, lane, a), gather_axes(data, c.b, lane, b);
+        find_axes(data, c.a, lane, a), find_axes(data, c.b, lane, b);
         start_side(data, c.a, lane, a, e), start_side(data, c.b, lane, b, e);
         for (unsigned i = 0; i < N; ++i) set_exponent(data, c, lane + i, static_cast<int>(e[i]));
         if (c.hinges) start_hinges(data.turns[c.turn], lane, a, b);
