@@ -7,6 +7,7 @@
 #include "tick/sweep.h"
 
 #include "base/parallel.h"
+#include "base/prefetch.h"
 #include "collide/query/cast.h"
 #include "lockstone/math/math.h"
 
@@ -326,22 +327,27 @@ bool may_be_stopped(const Sweeper& s, std::uint32_t row, Among among, const Hand
     return any;
 }
 
-/// Against what a body is fast.
-struct Haste {
-    bool against_still = false, against_moving = false;
+/// Against what a body is fast. Whole words: they are put together shape by shape, and read at once.
+class Haste {
+    const Sweeper& s;
+    bool bullet;
+    Real others; ///< the most that what moves comes towards it
+    unsigned still = 0, moving = 0;
 
-    void add(const Sweeper& s, std::uint32_t row, Real motion, const ShapeRow& shape) {
-        const bool bullet = s.is_bullet(row);
-        const Real others = bullet ? s.motion_max : s.kinematic_motion_max;
-        against_still |= is_fast(motion, s.at(shape), true, bullet);
-        against_moving |= others != Real{} && is_fast(motion + others, s.at(shape), false, bullet);
+  public:
+    Haste(const Sweeper& sweeper, std::uint32_t row)
+        : s(sweeper), bullet(s.is_bullet(row)), others(bullet ? s.motion_max : s.kinematic_motion_max) {}
+    void add(Real motion, const ShapeRow& shape) {
+        still |= is_fast(motion, s.at(shape), true, bullet) ? 1u : 0u;
+        if (others != Real{}) moving |= is_fast(motion + others, s.at(shape), false, bullet) ? 1u : 0u;
     }
-    bool any() const { return against_still || against_moving; }
+    bool against_still() const { return still != 0; }
+    bool any() const { return (still | moving) != 0; }
 };
 
 /// No less than haste_of.
 Haste coarse_haste_of(const Sweeper& s, std::uint32_t row) {
-    Haste haste;
+    Haste haste(s, row);
     const CoarseMotion coarse(s.pose_before(row), s.pose[row]);
     const Vec3& center = s.mass[row].center;
     s.for_each_shape(row, [&](const ShapeRow& shape) {
@@ -349,14 +355,14 @@ Haste coarse_haste_of(const Sweeper& s, std::uint32_t row) {
         const Vec3& local = traits.local.position;
         std::int64_t reach = local == center ? 0 : CoarseMotion::sum_apart(local, center);
         if (traits.geometry.kind != ShapeKind::sphere) reach += to<Real>(s.at(shape).reach).raw;
-        haste.add(s, row, coarse.of(reach), shape);
+        haste.add(coarse.of(reach), shape);
     });
     return haste;
 }
 Haste haste_of(const Sweeper& s, std::uint32_t row) {
-    Haste haste;
+    Haste haste(s, row);
     const Real motion = motion_of(s, row);
-    s.for_each_shape(row, [&](const ShapeRow& shape) { haste.add(s, row, motion, shape); });
+    s.for_each_shape(row, [&](const ShapeRow& shape) { haste.add(motion, shape); });
     return haste;
 }
 
@@ -365,8 +371,15 @@ Haste haste_of(const Sweeper& s, std::uint32_t row) {
 bool is_to_sweep(const Sweeper& s, std::uint32_t row, const Hand& hand) {
     const Haste coarse = coarse_haste_of(s, row);
     if (!coarse.any()) return false;
-    const Among among = coarse.against_still ? Among::all : Among::driven;
+    const Among among = coarse.against_still() ? Among::all : Among::driven;
     return (s.is_bullet(row) || may_be_stopped(s, row, among, hand)) && haste_of(s, row).any();
+}
+
+/// What tells whether the body of a row is fast, which will be asked soon.
+void fetch_ahead(const Sweeper& s, std::uint32_t row) {
+    if (row >= s.info.size() || s.info[row].first_shape == 0) return;
+    const PlacedShapes::Shape& shape = s.placed.shape[s.info[row].first_shape - 1];
+    base::prefetch(shape.reach), base::prefetch(shape.inner);
 }
 
 constexpr std::uint32_t sweeps_per_chunk = 16;
@@ -380,6 +393,7 @@ void sweep_plain_bodies(Model& w, const Sweeper& s, std::span<NarrowWorker> work
         tasks, rows, sweeps_per_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t worker) {
             const Hand hand{sweep.workers[worker], workers[worker].narrow};
             for (std::uint32_t row = first; row < last; ++row) {
+                fetch_ahead(s, row + 2);
                 sweep.stopped[row].reset();
                 if (s.info[row].kind == BodyKind::dynamic && !s.is_bullet(row) && is_to_sweep(s, row, hand))
                     sweep.stopped[row] = sweep_body(s, row, hand);
