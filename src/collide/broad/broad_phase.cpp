@@ -275,8 +275,10 @@ bool BroadPhase::find_fresh_pairs(std::size_t found_max, const PairFilter& filte
 
 void BroadPhase::merge_found() {
     std::sort(found.begin(), found.end());
-    base::make_room(merged, leaf_pairs.size() + found.size());
-    merged.resize(leaf_pairs.size() + found.size());
+    const std::size_t most = leaf_pairs.size() + found.size();
+    // Both, as they change places: else it would depend on how often they did whether there is room.
+    base::make_room(merged, most), base::make_room(leaf_pairs, most);
+    merged.resize(most);
     ProxyPair* end = merged.data();
     auto next = found.begin();
     for (const ProxyPair& pair : leaf_pairs) {
