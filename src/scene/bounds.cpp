@@ -1,5 +1,6 @@
 // Where shapes are: world poses, how far ahead their contacts reach, their bounds in the broad phase.
 #include "base/parallel.h"
+#include "base/prefetch.h"
 #include "model/sleep.h"
 #include "scene/placed_shapes.h"
 
@@ -180,11 +181,14 @@ void update_awake(const Model& w, PlacedShapes& s, Tasks* tasks) {
         }
     };
     if (tasks == nullptr) {
-        for (std::uint32_t row = 0; row < awake; ++row)
+        for (std::uint32_t row = 0; row < awake; ++row) {
+            if (row + 3 < awake && v.info[row + 3].first_shape != 0)
+                base::prefetch(s.shape[v.info[row + 3].first_shape - 1]);
             for_each(row, [&](const ShapeRow& shape, std::uint32_t slot) {
                 place_known(v, v.traits[shape.traits], row, s.shape[slot]);
                 hand_over_awake(w, v, s, shape, row);
             });
+        }
         return;
     }
     base::for_chunks(tasks, awake, bodies_per_chunk,

@@ -109,18 +109,23 @@ template <unsigned N> void clear_pack(ContactPack<N>& pack, std::uint32_t still_
 
 namespace {
 
+/// What a pack has once, while lane after lane adds to it.
+struct PackHead {
+    std::uint32_t movable_a = 0, movable_b = 0, keeps = 0, locked = 0, points = 0;
+};
+
 /// What a contact has once: bodies, shares, surface, softness.
 template <unsigned N>
-void fill_head(ContactPack<N>& pack, unsigned lane, const Contact& contact, const BodyStep& sa,
-               const BodyStep& sb, const solve::Softness& soft) {
+void fill_head(ContactPack<N>& pack, PackHead& head, unsigned lane, const Contact& contact,
+               const BodyStep& sa, const BodyStep& sb, const solve::Softness& soft) {
     const ContactShares shares = shares_of(sa, sb);
     pack.body_a[lane] = contact.body_a, pack.body_b[lane] = contact.body_b;
-    pack.movable_a |= (sa.movable ? 1u : 0u) << lane, pack.movable_b |= (sb.movable ? 1u : 0u) << lane;
-    if ((sa.movable && sa.linear_mask != 7u) || (sb.movable && sb.linear_mask != 7u)) pack.locked = 1;
-    pack.point_count = std::max(pack.point_count, static_cast<std::int32_t>(contact.count));
+    head.movable_a |= (sa.movable ? 1u : 0u) << lane, head.movable_b |= (sb.movable ? 1u : 0u) << lane;
+    if ((sa.movable && sa.linear_mask != 7u) || (sb.movable && sb.linear_mask != 7u)) head.locked = 1;
+    head.points = std::max(head.points, contact.count);
     pack.several[lane] = contact.count > 1 ? -1 : 0;
     const bool jointed = sa.jointed || sb.jointed;
-    pack.keeps |= (jointed && contact.restitution == Unit{} ? 1u : 0u) << lane;
+    head.keeps |= (jointed && contact.restitution == Unit{} ? 1u : 0u) << lane;
     pack.share_a[lane] = low(shares.a), pack.share_b[lane] = low(shares.b);
     pack.bias_rate[lane] = soft.bias_rate.raw;
     pack.mass_scale[lane] = soft.mass_scale.raw, pack.impulse_scale[lane] = soft.impulse_scale.raw;
@@ -134,11 +139,11 @@ const BodyInertia& inertia_of(const BodyStep& step) {
 }
 
 template <unsigned N>
-void fill_lane(ContactPack<N>& pack, PackSource& source, unsigned lane, const Contact& contact,
-               const PrepareInput& in) {
+void fill_lane(ContactPack<N>& pack, PackHead& head, PackSource& source, unsigned lane,
+               const Contact& contact, const PrepareInput& in) {
     const BodyStep &sa = in.bodies.step[contact.body_a], &sb = in.bodies.step[contact.body_b];
     const solve::Softness& soft = sa.movable && sb.movable ? in.step.soft : in.step.soft_static;
-    fill_head(pack, lane, contact, sa, sb, soft);
+    fill_head(pack, head, lane, contact, sa, sb, soft);
     source.contacts[lane] = &contact;
     source.a[lane] = &inertia_of(sa), source.b[lane] = &inertia_of(sb);
     source.arms_of_b[lane] = sb.movable ? -1 : 0;
@@ -161,12 +166,15 @@ template <unsigned N>
 void fill_pack(ContactPack<N>& pack, PackSource& source, const Contact* const (&contacts)[N],
                const PrepareInput& in) {
     source.has_locks = false;
+    PackHead head;
     for (unsigned lane = 0; lane < N; ++lane)
         // A contact without points was not filled in, by tasks of the game's own that left an item out.
         if (contacts[lane] != nullptr && contacts[lane]->count != 0)
-            fill_lane(pack, source, lane, *contacts[lane], in);
+            fill_lane(pack, head, source, lane, *contacts[lane], in);
         else
             leave_lane<N>(source, lane);
+    pack.movable_a = head.movable_a, pack.movable_b = head.movable_b, pack.keeps = head.keeps;
+    pack.locked = head.locked, pack.point_count = static_cast<std::int32_t>(head.points);
 }
 
 void tangent_at_pole(const std::int32_t (&normal)[3], std::int32_t (&tangent)[3]) {
