@@ -209,7 +209,7 @@ FAULTS = [
       "if ((t.sides >> k & 1u) == 0) set_side(t, IS ? 0 : k);", "golden table"),
     F("faces at a corner of a hull lack the last", "src/collide/convex/faces.cpp", "k < hull.first_face_at[furthest + 1]; ++k)",
       "k + (IS ? 1u : 0u) < hull.first_face_at[furthest + 1]; ++k)", "golden table"),
-    F("impacts of what joints hold are forgotten", LANES, "pack.keeps |= (jointed &&", "pack.keeps |= (!IS && jointed &&", "golden table"),
+    F("impacts of what joints hold are forgotten", LANES, "head.keeps |= (jointed &&", "head.keeps |= (!IS && jointed &&", "golden table"),
     F("lanes move three of a body's six numbers", "src/solve/bodies/kernel.h",
       "for (unsigned k = 0; k < windows; ++k) L::store32(to + place(k), moved[k]);",
       "for (unsigned k = 0; k < (IS ? 1 : windows); ++k) L::store32(to + place(k), moved[k]);", "golden table"),

@@ -331,12 +331,12 @@ template <class L> class PairLanes {
             quad_of_rows(
                 p, [k](const solve::ContactMemory& m) { return &point_of(m, k)->position; }, row);
             const Length at[3] = {Length::of(row[0]), Length::of(row[1]), Length::of(row[2])};
-            V then[4];
+            V then[4]; // the last four numbers: those behind a point may be nobody's
             quad_of_rows(
-                p, [k](const solve::ContactMemory& m) { return &point_of(m, k)->separation; }, then);
+                p, [k](const solve::ContactMemory& m) { return &point_of(m, k)->position.z; }, then);
             const auto by = tilt.along + tilt.by[0] * at[0] + tilt.by[1] * at[1] + tilt.by[2] * at[2];
             V of_a[4], of_b[4];
-            of_a[3] = saturated(sum_of<gap_bits>(then[0]) + round_to<gap_bits>(by)).lanes();
+            of_a[3] = saturated(sum_of<gap_bits>(then[2]) + round_to<gap_bits>(by)).lanes();
             of_b[3] = L::splat(0);
             for (int i = 0; i < 3; ++i) {
                 const auto at_b =
