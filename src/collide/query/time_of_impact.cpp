@@ -16,6 +16,8 @@ constexpr int advances_max = 256;
 constexpr std::int64_t stop_gap_30 = std::int64_t{stop_gap.raw} << 6;
 /// Nearer at the start counts as touching: more than where a sweep stops, so that what was stopped touches in the next tick.
 constexpr std::int64_t touching_gap_30 = stop_gap_30 + stop_gap_30 / 4;
+/// More than what gaps and approaches are off by, where a plane or an extent is to tell what closest points would.
+constexpr std::int64_t roundings = 1024;
 
 /// How a body turns in its way: about one axis, at no more than `rate`.
 struct Spin {
@@ -339,7 +341,6 @@ class Above {
 
   private:
     std::int64_t room_30(std::int64_t radius_24) const {
-        constexpr std::int64_t roundings = 1024;
         return core_30 - up(radius_24, 6) - touching_gap_30 - roundings;
     }
     const Ways& w;
@@ -354,7 +355,6 @@ class Above {
 
 /// Whether a mover stays beside a triangle's extent.
 bool stays_beside(const Start& start, const Obstacle& o, std::int64_t approach_max) {
-    constexpr std::int64_t roundings = 1024;
     if (o.kind != Obstacle::Kind::triangle) return false;
     const CoordinateVec3(&c)[3] = o.triangle->corner;
     for (int i = 0; i < 3; ++i) {
@@ -367,12 +367,12 @@ bool stays_beside(const Start& start, const Obstacle& o, std::int64_t approach_m
     return false;
 }
 
-/// The balls that stand for the core, the larger first: of half the inner radius, and its centre.
+/// The ball of half the inner radius about the core's centre.
 Mover core_ball(const Mover& whole) {
     return ball_of(whole, Coordinate::from_raw(shapes::inner_radius(*whole.solid).raw / 2));
 }
 
-/// The core against a piece: first a ball of half the inner radius, else its centre.
+/// The core against a piece: that ball, or where it overlaps the piece at the start, its centre.
 Unit core_stop(const Ways& w, const Standing& standing, const Obstacle& o, const Mover& whole, Unit until) {
     for (const Mover& ball : {core_ball(whole), ball_of(whole, Coordinate{})}) {
         const Standing begin = standing.of(ball);
