@@ -10,10 +10,6 @@
 namespace lockstone::collide {
 namespace {
 
-/// What the roundings of the rotation and of the narrow phase can add up to: 1 um for shapes of 100 m, and as much more
-/// for larger ones as their size.
-constexpr std::int64_t guard = 16; // Length steps
-
 constexpr std::int64_t up_30 = (std::int64_t{1} << Unit::fraction_bits) - 1;
 
 constexpr std::int64_t length_step = std::int64_t{1} << (Real::fraction_bits - Length::fraction_bits);
@@ -139,10 +135,9 @@ Bounds bounds_around(const Vec3& position, const Reach (&reaches)[3], int drop) 
     }
     return beyond < 2 * near ? out : clamped_around(position, reaches, drop);
 }
-int drop_of(int shift) { return Real::fraction_bits - Bound::fraction_bits + shift; }
 /// What roundings add to a reach, and the margin.
 std::int64_t more_than(Reach reach, Length margin) {
-    return margin.raw + guard + ((reach.high - reach.low) >> 28); // 2^32 steps: 256 m
+    return margin.raw + bounds_guard + ((reach.high - reach.low) >> 28); // 2^32 steps: 256 m
 }
 
 } // namespace
@@ -154,7 +149,7 @@ Bounds bounds_of(const shapes::Solid& solid, const Transform& pose, Length margi
 Bounds bounds_of_ball(const Geometry& ball, Vec3 position, Length margin, int shift) {
     const std::int64_t reach = ball.radius.raw * std::int64_t{ball.scale.x.raw >> Length::fraction_bits};
     const std::int64_t all = reach + more_than({-reach, reach}, margin);
-    return bounds_around(position, {{-all, all}, {-all, all}, {-all, all}}, drop_of(shift));
+    return bounds_around(position, {{-all, all}, {-all, all}, {-all, all}}, bounds_drop(shift));
 }
 
 Bounds bounds_of(const shapes::Solid& solid, Vec3 position, const Rotation& r, Length margin, int shift) {
@@ -177,7 +172,7 @@ Bounds bounds_of(const shapes::Solid& solid, Vec3 position, const Rotation& r, L
         const std::int64_t more = more_than(reach, margin);
         reach.low -= more, reach.high += more;
     }
-    return bounds_around(position, reaches, drop_of(shift));
+    return bounds_around(position, reaches, bounds_drop(shift));
 }
 
 } // namespace lockstone::collide

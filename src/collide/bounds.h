@@ -15,6 +15,13 @@ struct Bounds {
 
 inline constexpr int bounds_shift_max = 8;
 
+/// What the roundings of the rotation and of the narrow phase can add up to: 1 um for shapes of 100 m, and as much more
+/// for larger ones as their size. Length steps.
+inline constexpr std::int64_t bounds_guard = 16;
+
+/// One step of `Bound` is so many bits above one of Real.
+constexpr int bounds_drop(int shift) { return Real::fraction_bits - Bound::fraction_bits + shift; }
+
 /// Contains every point of the shape and everything closer to it than `margin` (>= 0), whatever the roundings; at most
 /// 2 steps + 2 um + 2^-27 of its size too large on each side (a compound, mesh or height field: that of the box around
 /// it). A coordinate beyond the range is clamped: shapes out there then meet on the

@@ -52,8 +52,8 @@ struct PlaceView {
           shift(static_cast<int>(w.config().bounds_shift)) {}
 };
 
-/// Where a shape is whose solid is known. Writes nothing but `at`.
-void place(const PlaceView& v, const ShapeTraits& shape, std::uint32_t body_row, PlacedShapes::Shape& at) {
+/// Where a shape is whose solid is known, but for axes and bounds.
+void set_pose(const PlaceView& v, const ShapeTraits& shape, std::uint32_t body_row, PlacedShapes::Shape& at) {
     const BodyInfo& info = v.info[body_row];
     const Geometry& geometry = at.solid.geometry;
     at.pose = shape_pose(shape, v.poses[body_row], v.body_traits[info.traits].mass);
@@ -61,6 +61,11 @@ void place(const PlaceView& v, const ShapeTraits& shape, std::uint32_t body_row,
                     ? margin_base
                     : margin_of(at.inner, info, v.velocities[body_row], v.tick_rate);
     at.has_axes = geometry.kind != ShapeKind::sphere || geometry.half_extent != LengthVec3{};
+}
+
+/// Axes and bounds at its pose.
+void set_bounds(const PlaceView& v, PlacedShapes::Shape& at) {
+    const Geometry& geometry = at.solid.geometry;
     if (!at.has_axes) {
         at.bounds = collide::bounds_of_ball(geometry, at.pose.position, at.margin, v.shift);
         return;
@@ -93,7 +98,9 @@ void set_proxy(const Model& w, PlacedShapes& s, const ShapeRow& shape, std::uint
     PlacedShapes::Shape& at = s.shape[shape.id.index - 1];
     at.rests = false;
     solid_of(w, s, shape);
-    place(PlaceView(w), w.traits_of(shape), body_row, at);
+    const PlaceView v(w);
+    set_pose(v, w.traits_of(shape), body_row, at);
+    set_bounds(v, at);
     hand_over(w, s, shape, body_row);
 }
 
@@ -129,11 +136,65 @@ bool is_same(const Geometry& a, const Geometry& b) {
     return other == 0;
 }
 
-/// Places a shape if its solid is known.
-void place_known(const PlaceView& v, const ShapeTraits& traits, std::uint32_t row, PlacedShapes::Shape& at) {
-    at.is_placed = is_same(at.solid.geometry, traits.geometry);
-    if (at.is_placed) place(v, traits, row, at);
-}
+/// Places shapes whose solids are known. Writes nothing but them.
+class Placing {
+  public:
+    Placing(const PlaceView& view, const collide::BoundsKernel* bounds_kernel)
+        : v(view), kernel(bounds_kernel) {}
+
+    void add(const ShapeTraits& traits, std::uint32_t row, PlacedShapes::Shape& at) {
+        at.is_placed = is_same(at.solid.geometry, traits.geometry);
+        if (!at.is_placed) return;
+        set_pose(v, traits, row, at);
+        if (kernel == nullptr || !is_round_box(traits.geometry)) return set_bounds(v, at);
+        put(at);
+        if (count == collide::RoundBoxes::room) finish();
+    }
+    /// Axes and bounds of those that are left.
+    void finish() {
+        if (count == 0) return;
+        fill_up();
+        std::uint32_t left = kernel->place(boxes, count, collide::bounds_drop(v.shift));
+        for (; left != 0; left &= left - 1) set_bounds(v, *shape[std::countr_zero(left)]);
+        count = 0;
+    }
+
+  private:
+    /// Whether the kernel places it.
+    static bool is_round_box(const Geometry& g) {
+        return (g.kind == ShapeKind::capsule || g.kind == ShapeKind::box) && g.scale.x == scale_one.x;
+    }
+    void put(PlacedShapes::Shape& at) {
+        const Geometry& g = at.solid.geometry;
+        const bool is_box = g.kind == ShapeKind::box; // only a box has an extent along x and z
+        shape[count] = &at;
+        boxes.rotation[count] = &at.pose.rotation.x.raw;
+        boxes.axes[count] = &at.axes.x.x.raw, boxes.bounds[count] = &at.bounds.lower.x.raw;
+        for (int i = 0; i < 3; ++i) boxes.position[i][count] = at.pose.position[i].raw;
+        boxes.margin[count] = at.margin.raw + collide::bounds_guard;
+        boxes.radius[count] = g.radius.raw;
+        boxes.half[0][count] = is_box ? g.half_extent.x.raw : 0;
+        boxes.half[1][count] = g.half_extent.y.raw;
+        boxes.half[2][count] = is_box ? g.half_extent.z.raw : 0;
+        ++count;
+    }
+    /// The entries that a kernel takes along: nothing is left of them.
+    void fill_up() {
+        for (std::uint32_t i = count; i % collide::RoundBoxes::lanes_max != 0; ++i) {
+            boxes.rotation[i] = &unturned.x.raw, boxes.axes[i] = boxes.bounds[i] = spare;
+            boxes.margin[i] = boxes.radius[i] = 0;
+            for (int k = 0; k < 3; ++k) boxes.position[k][i] = 0, boxes.half[k][i] = 0;
+        }
+    }
+
+    const PlaceView& v;
+    const collide::BoundsKernel* kernel;
+    std::uint32_t count = 0;
+    PlacedShapes::Shape* shape[collide::RoundBoxes::room];
+    const Quat unturned = Quat::identity();
+    std::int32_t spare[9];
+    collide::RoundBoxes boxes;
+};
 
 /// How far a body goes in a tick at its velocity.
 Vector3<Bound> motion_of(const PlaceView& v, std::uint32_t row) {
@@ -180,26 +241,32 @@ void update_awake(const Model& w, PlacedShapes& s, Tasks* tasks) {
             slot = shape.next_shape;
         }
     };
-    if (tasks == nullptr) {
-        for (std::uint32_t row = 0; row < awake; ++row) {
+    const auto place = [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+        Placing placing(v, s.kernel);
+        for (std::uint32_t row = first; row < last; ++row) {
             if (row + 3 < awake && v.info[row + 3].first_shape != 0)
                 base::prefetch(s.shape[v.info[row + 3].first_shape - 1]);
             for_each(row, [&](const ShapeRow& shape, std::uint32_t slot) {
-                place_known(v, v.traits[shape.traits], row, s.shape[slot]);
-                hand_over_awake(w, v, s, shape, row);
+                placing.add(v.traits[shape.traits], row, s.shape[slot]);
             });
         }
+        placing.finish();
+    };
+    const auto tell = [&](std::uint32_t first, std::uint32_t last) {
+        for (std::uint32_t row = first; row < last; ++row)
+            for_each(row,
+                     [&](const ShapeRow& shape, std::uint32_t) { hand_over_awake(w, v, s, shape, row); });
+    };
+    if (tasks != nullptr) {
+        base::for_chunks(tasks, awake, bodies_per_chunk, place);
+        tell(0, awake);
         return;
     }
-    base::for_chunks(tasks, awake, bodies_per_chunk,
-                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-                         for (std::uint32_t row = first; row < last; ++row)
-                             for_each(row, [&](const ShapeRow& shape, std::uint32_t slot) {
-                                 place_known(v, v.traits[shape.traits], row, s.shape[slot]);
-                             });
-                     });
-    for (std::uint32_t row = 0; row < awake; ++row)
-        for_each(row, [&](const ShapeRow& shape, std::uint32_t) { hand_over_awake(w, v, s, shape, row); });
+    for (std::uint32_t first = 0; first < awake; first += bodies_per_chunk) { // while they are at hand
+        const std::uint32_t last = std::min(first + bodies_per_chunk, awake);
+        place(first, last, 0);
+        tell(first, last);
+    }
 }
 
 bool is_living_plane(const Model& w, std::uint32_t slot) {

@@ -2,6 +2,7 @@
 // no part of it: what is kept from tick to tick changes speed only.
 #pragma once
 
+#include "collide/bounds_kernel.h"
 #include "collide/broad/broad_phase.h"
 #include "lockstone/math/math.h"
 #include "model/model.h"
@@ -22,6 +23,7 @@ struct PlacedShapes {
 
     shapes::SolidCache solids;
     collide::BroadPhase broad_phase;
+    const collide::BoundsKernel* kernel = nullptr; ///< null: shape by shape, to the same bits
     bool structure_stale = true; ///< objects came, went or were restored since the last update_bounds()
     /// Whether poses and bounds are those of the state. update_bounds() sets it, whoever changes the state clears it.
     bool is_current = false;

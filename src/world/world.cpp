@@ -55,6 +55,7 @@ Data::Data(const WorldDef& d, const GameSchema& s, std::shared_ptr<const AssetLi
     : Model(with_derived_limits(d), s, origin_of(with_derived_limits(d), s, *assets)),
       placed(std::move(assets)) {
     placed.solids.use(solve::kernels_of(best_simd())->hulls);
+    placed.kernel = solve::kernels_of(best_simd())->bounds;
     state.resize(m.world, 1);
     state.resize(m.records, 1);
     edit_header().gravity = def.gravity;
@@ -458,7 +459,7 @@ bool World::set_simd(Simd level) {
     const solve::Kernels* kernels = solve::kernels_of(level);
     if (kernels == nullptr) return false;
     s.bodies.kernel = kernels->bodies, s.contact_scratch.pair_kernel = kernels->pairs;
-    impl->placed.solids.use(kernels->hulls);
+    impl->placed.solids.use(kernels->hulls), impl->placed.kernel = kernels->bounds;
     for (sim::PlacedShapes::Shape& shape : impl->placed.shape) shape.solid.kernel = kernels->hulls;
     return s.contacts.use(level) && s.joint_solver.use(kernels->joints);
 }

@@ -1,8 +1,10 @@
 // Shapes: what of them is near, and their manifolds.
 #include "checks.h"
+#include "collide/bounds.h"
 #include "collide/narrow_phase.h"
 #include "collide/query/cast.h"
 #include "shapes/asset/asset.h"
+#include "solve/kernels/kernels.h"
 
 namespace planted {
 
@@ -141,6 +143,39 @@ std::string mesh_is_found() {
     return "";
 }
 
+/// A turned box and a turned capsule, six of each: as many as fill lanes and begin again.
+std::string many_have_their_bounds() {
+    const Quat turned = from_axis_angle({unit_one, Unit{}, Unit{}}, 0.6_r) *
+                        from_axis_angle({Unit{}, Unit{}, unit_one}, 0.4_r);
+    collide::RoundBoxes boxes;
+    constexpr std::uint32_t count = 12;
+    Transform pose[count];
+    Geometry shape[count];
+    Rotation axes[count];
+    collide::Bounds found[count];
+    for (std::uint32_t i = 0; i < count; ++i) {
+        shape[i] = i % 2 == 0 ? box(20_r, 40_r, 0.7_r) : capsule(0.2_r, 0.8_r);
+        pose[i] = {{Real(static_cast<int>(i)), 3_r, 1_r}, turned};
+        boxes.rotation[i] = &pose[i].rotation.x.raw;
+        boxes.axes[i] = &axes[i].x.x.raw, boxes.bounds[i] = &found[i].lower.x.raw;
+        for (int k = 0; k < 3; ++k) {
+            boxes.position[k][i] = pose[i].position[k].raw;
+            boxes.half[k][i] = shape[i].half_extent[k].raw;
+        }
+        boxes.margin[i] = collide::bounds_guard + static_cast<std::int64_t>(i) * 4096;
+        boxes.radius[i] = shape[i].radius.raw;
+    }
+    const std::uint32_t left =
+        solve::kernels_of(best_simd())->bounds->place(boxes, count, collide::bounds_drop(0));
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const Length margin = Length::from_raw(static_cast<std::int32_t>(i) * 4096);
+        if (left != 0 || axes[i] != to_rotation(turned) ||
+            found[i] != collide::bounds_of({shape[i]}, pose[i], margin))
+            return "one of many has other bounds than by itself";
+    }
+    return "";
+}
+
 /// How a body that sinks straight down from one height to another is stopped by a plane, or by a box whose top is there.
 bool is_let_through(const shapes::Solid& ground, const shapes::Solid& body, Real from, Real to,
                     collide::Held held) {
@@ -179,7 +214,8 @@ Checks shape_checks() {
             {"a face that is kept is the nearest", kept_face_is_nearest},
             {"edges that are kept are the nearest", kept_edges_are_nearest},
             {"what is near a mesh has contacts", mesh_is_found},
-            {"limbs pass where contacts push them out", limbs_pass}};
+            {"limbs pass where contacts push them out", limbs_pass},
+            {"many boxes have the bounds of each", many_have_their_bounds}};
 }
 
 } // namespace planted

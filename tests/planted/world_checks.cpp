@@ -336,6 +336,18 @@ std::string planes_stop() {
     return is_passed_by_shots(world) ? "a ball has gone through a plane" : "";
 }
 
+/// A box whose bounds reach past what 32 bits can say lies on a floor whose bounds do as well.
+std::string border_holds() {
+    World world = scene::made(World::create(scene::small_def()));
+    scene::add(world, {.kind = BodyKind::static_, .pose = scene::at(32767.8, -1, 0)},
+               {.geometry = box(50_r, 1_r, 50_r)});
+    const BodyId body =
+        scene::add(world, {.pose = scene::at(32767.8, 0.5, 0)}, {.geometry = box(0.5_r, 0.5_r, 0.5_r)});
+    for (int i = 0; i < 30; ++i) world.tick();
+    return world.pose(body).position.y > 0.4_r ? ""
+                                               : "a box falls through a floor at the border of the range";
+}
+
 /// The wall is driven towards them.
 std::string driven_walls_stop() {
     World world = scene::made(World::create(scene::weightless()));
@@ -560,6 +572,7 @@ Checks world_checks() {
                              {"joints keep bodies apart", joints_part},
                              {"filters are followed", filters_part},
                              {"planes stop what is fast", planes_stop},
+                             {"a floor at the border of the range holds", border_holds},
                              {"driven walls stop what is fast", driven_walls_stop},
                              {"open points are closed", open_points_close},
                              {"whole figures stay", whole_figures_stay},

@@ -8,6 +8,7 @@
 #include "solve/joints/pack/kernel.h"
 #include "solve/kernels/kernels.h"
 #include "solve/lanes/wasm128.h"
+#include "solve/pairs/bounds_kernel.h"
 #include "solve/pairs/kernel.h"
 #include "solve/pairs/support_kernel.h"
 
@@ -17,6 +18,7 @@ constinit const solve::BodyKernel wasm128_bodies = MovedBodies<Wasm128>::table()
 constinit const ContactKernel wasm128_contacts = Kernel<Wasm128>::table();
 constinit const solve::PairKernel wasm128_pairs = PairLanes<Wasm128>::table();
 constinit const shapes::SupportKernel wasm128_hulls = HullSupport<Wasm128>::table();
+constinit const collide::BoundsKernel wasm128_bounds = PlacedBoxes<Wasm128>::table();
 constinit const solve::JointKernel wasm128_joints = PackedJoints<Wasm128>::table();
 
 } // namespace lockstone::solve

@@ -1,6 +1,7 @@
 // The passes over bodies, contacts and joints that this build has, by instruction set; each set in a file of its own, kernel_*.cpp.
 #pragma once
 
+#include "collide/bounds_kernel.h"
 #include "shapes/hull/support_kernel.h"
 #include "solve/bodies/body_kernel.h"
 #include "solve/contacts/pack.h"
@@ -17,6 +18,7 @@ struct Kernels {
     const solve::BodyKernel* bodies;
     const solve::PairKernel* pairs;
     const shapes::SupportKernel* hulls;
+    const collide::BoundsKernel* bounds;
 };
 
 /// Null where the build or the machine lacks the instructions.
@@ -29,5 +31,6 @@ extern const solve::BodyKernel scalar_bodies, sse41_bodies, avx2_bodies, neon_bo
 extern const solve::PairKernel scalar_pairs, sse41_pairs, avx2_pairs, avx512_pairs, neon_pairs, wasm128_pairs;
 extern const shapes::SupportKernel scalar_hulls, sse41_hulls, avx2_hulls, avx512_hulls, neon_hulls,
     wasm128_hulls;
+extern const collide::BoundsKernel scalar_bounds, sse41_bounds, avx2_bounds, neon_bounds, wasm128_bounds;
 
 } // namespace lockstone::solve

@@ -1,6 +1,7 @@
-// Bounds contain the shape and its margin, and little more.
+// Bounds contain the shape and its margin, and little more; each instruction set makes the same of many at once.
 #include "collide/bounds.h"
 #include "oracle/double_shapes.h"
+#include "solve/kernels/kernels.h"
 
 #include <doctest/doctest.h>
 
@@ -60,6 +61,87 @@ TEST_CASE("bounds are rounded outward by at most two steps, and a wrong one is r
         bad = good;
         bad.lower.z = Bound::from_raw(bad.lower.z.raw - 3);
         CHECK(verdict(bad) != "");
+    }
+}
+
+namespace {
+
+/// One shape as it goes into a kernel, and the axes and bounds that come out.
+struct Entry {
+    Geometry geometry;
+    Transform pose;
+    Length margin;
+    Rotation axes;
+    Bounds bounds;
+};
+
+void put(RoundBoxes& boxes, std::uint32_t at, Entry& e) {
+    boxes.rotation[at] = &e.pose.rotation.x.raw;
+    boxes.axes[at] = &e.axes.x.x.raw, boxes.bounds[at] = &e.bounds.lower.x.raw;
+    for (int i = 0; i < 3; ++i) {
+        const bool has_extent = e.geometry.kind == ShapeKind::box || i == 1;
+        boxes.position[i][at] = e.pose.position[i].raw;
+        boxes.half[i][at] = has_extent ? e.geometry.half_extent[i].raw : 0;
+    }
+    boxes.margin[at] = e.margin.raw + bounds_guard, boxes.radius[at] = e.geometry.radius.raw;
+}
+
+/// Within 16 km, but for every seventh; one rotation in thirteen is none.
+Entry random_entry(oracle::Random& random, int i) {
+    Entry e{};
+    const double far = i % 7 == 0 ? 60000 : 16300;
+    e.geometry = oracle::random_shape(random, i % 2 == 0 ? ShapeKind::capsule : ShapeKind::box,
+                                      random.log_uniform(0.0125, 60));
+    for (int k = 0; k < 3; ++k)
+        e.pose.position[k] =
+            oracle::quantize<Real>(i % 3 == 0 ? random.uniform(-2, 2) : random.uniform(-far, far));
+    e.pose.rotation = i % 13 == 0 ? Quat{Unit{}, unit_one, unit_one, unit_one} : random.rotation(0, 3);
+    e.margin = oracle::quantize<Length>(random.uniform(0, 3));
+    return e;
+}
+
+} // namespace
+
+TEST_CASE("bounds and axes of many capsules and boxes are those of each, by every instruction set") {
+    for (const Simd level :
+         {Simd::scalar, Simd::sse41, Simd::avx2, Simd::avx512, Simd::neon, Simd::wasm128}) {
+        const solve::Kernels* kernels = solve::kernels_of(level);
+        if (kernels == nullptr) continue;
+        oracle::Random random(22);
+        int done = 0, left_over = 0;
+        for (int round = 0; round < 2000; ++round) {
+            constexpr std::uint32_t lanes = RoundBoxes::lanes_max, count = 2 * lanes;
+            const int shift = round % 9;
+            Entry entries[count];
+            RoundBoxes boxes;
+            for (std::uint32_t i = 0; i < count; ++i) {
+                entries[i] = random_entry(random, static_cast<int>(count) * round + static_cast<int>(i));
+                put(boxes, i, entries[i]);
+            }
+            const std::uint32_t left = kernels->bounds->place(boxes, count, bounds_drop(shift));
+            for (std::uint32_t i = 0; i < count; ++i) {
+                const Entry& e = entries[i];
+                const Rotation axes = to_rotation(e.pose.rotation);
+                const Bounds bounds = bounds_of({e.geometry}, e.pose.position, axes, e.margin, shift);
+                bool is_far = false;
+                for (int k = 0; k < 3; ++k) is_far = is_far || abs(e.pose.position[k]) > 17'000_r;
+                if (((left >> i) & 1u) != 0) {
+                    ++left_over;
+                    CHECK((is_far || abs(e.pose.position.x) > 16'000_r || abs(e.pose.position.y) > 16'000_r ||
+                           abs(e.pose.position.z) > 16'000_r || e.pose.rotation.x == Unit{}));
+                    continue;
+                }
+                ++done;
+                REQUIRE(!is_far);
+                REQUIRE(e.axes == axes);
+                REQUIRE(e.bounds == bounds);
+                const Length more = e.margin + decimal<Length>("0.001"); // planted
+                CHECK(bounds_of({e.geometry}, e.pose.position, axes, more, 0) !=
+                      bounds_of({e.geometry}, e.pose.position, axes, e.margin, 0));
+            }
+        }
+        CHECK(done > 10000);
+        CHECK(left_over > 1000);
     }
 }
 
