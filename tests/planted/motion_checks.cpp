@@ -1,0 +1,87 @@
+// What moves fast, and what is far out.
+#include "checks.h"
+
+#include <algorithm>
+
+namespace planted {
+
+namespace {
+
+/// Whether one of the balls that begin a tick high above y = 0, and would end it far below, passes what parts the world there.
+bool is_passed_by_shots(World& world) {
+    for (int i = 0; i < 8; ++i) {
+        const BodyId ball = scene::add_ball(world, scene::at(2 * i, 1 + 0.5 * i, 0), 0.125);
+        scene::done(world.set_velocity(ball, scene::vec(0, -400, 0), Vec3{}));
+    }
+    world.tick();
+    return std::ranges::any_of(world.bodies(), [&](BodyId body) {
+        return world.kind(body) == BodyKind::dynamic && world.center_of_mass(body).y < Real{};
+    });
+}
+
+std::string planes_stop() {
+    World world = scene::made(World::create(scene::small_def()));
+    scene::add_floor(world);
+    return is_passed_by_shots(world) ? "a ball has gone through a plane" : "";
+}
+
+/// A box whose bounds reach past what 32 bits can say lies on a floor whose bounds do as well.
+std::string border_holds() {
+    World world = scene::made(World::create(scene::small_def()));
+    scene::add(world, {.kind = BodyKind::static_, .pose = scene::at(32767.8, -1, 0)},
+               {.geometry = box(50_r, 1_r, 50_r)});
+    const BodyId body =
+        scene::add(world, {.pose = scene::at(32767.8, 0.5, 0)}, {.geometry = box(0.5_r, 0.5_r, 0.5_r)});
+    for (int i = 0; i < 30; ++i) world.tick();
+    return world.pose(body).position.y > 0.4_r ? ""
+                                               : "a box falls through a floor at the border of the range";
+}
+
+/// The wall is driven towards them.
+std::string driven_walls_stop() {
+    World world = scene::made(World::create(scene::weightless()));
+    scene::add(world, {.kind = BodyKind::kinematic, .linear_velocity = scene::vec(0, 1, 0)},
+               {.geometry = box(20_r, 0.25_r, 2_r)});
+    return is_passed_by_shots(world) ? "a ball has gone through a wall" : "";
+}
+
+/// Balls that hang at rest, and a thin wall that comes up by two metres a tick.
+std::string driven_walls_carry() {
+    World world = scene::made(World::create(scene::weightless()));
+    scene::add(world, {.kind = BodyKind::kinematic, .linear_velocity = scene::vec(0, 120, 0)},
+               {.geometry = box(20_r, 0.05_r, 2_r)});
+    for (int i = 0; i < 8; ++i) scene::add_ball(world, scene::at(2 * i, 1 + 0.5 * i, 0), 0.125);
+    for (int i = 0; i < 10; ++i) world.tick();
+    return std::ranges::any_of(world.bodies(),
+                               [&](BodyId body) {
+                                   return world.kind(body) == BodyKind::dynamic &&
+                                          world.center_of_mass(body).y < 19.5_r;
+                               })
+               ? "a wall has gone through a ball"
+               : "";
+}
+
+/// A rod that turns about its middle by half a radian a tick, and a thin post beside its end that it would pass in the first.
+std::string posts_stop_rods() {
+    World world = scene::made(World::create(scene::weightless()));
+    scene::add(world, {.kind = BodyKind::static_, .pose = scene::at(1.8, 0.45, 0)},
+               {.geometry = box(0.02_r, 0.02_r, 1_r)});
+    const BodyId rod =
+        scene::add(world, {.angular_velocity = scene::vec(0, 0, 30)}, {.geometry = box(2_r, 0.05_r, 0.05_r)});
+    world.tick();
+    return rotate(world.pose(rod).rotation, Vec3{1_r, 0_r, 0_r}).y < 0.35_r
+               ? ""
+               : "the end of a rod has gone through a post";
+}
+
+} // namespace
+
+Checks motion_checks() {
+    return {{"planes stop what is fast", planes_stop},
+            {"a floor at the border of the range holds", border_holds},
+            {"driven walls stop what is fast", driven_walls_stop},
+            {"driven walls carry what rests", driven_walls_carry},
+            {"posts stop what turns fast", posts_stop_rods}};
+}
+
+} // namespace planted
