@@ -80,12 +80,9 @@ template <class L> class TurnedBodies {
     static std::int64_t room_of(std::int64_t bits) { return bits > 61 ? 0 : 61 - bits; }
 
     static void gather(const BodyStep* const* steps, Symmetric<Real> BodyStep::*matrix, V (&out)[6]) {
-        Numbers entries[6];
-        for (unsigned lane = 0; lane < N; ++lane) {
-            const Real* const from = &(steps[lane]->*matrix).xx;
-            for (int i = 0; i < 6; ++i) entries[i][lane] = from[i].raw;
-        }
-        for (int i = 0; i < 6; ++i) out[i] = load(entries[i]);
+        const Symmetric<Real>* from[N];
+        for (unsigned lane = 0; lane < N; ++lane) from[lane] = &(steps[lane]->*matrix);
+        L::gather6(from, out);
     }
     /// Adds the rows of the lanes in `mask` to what is left, of the first `used`.
     static std::uint32_t leave(unsigned mask, Rows rows, unsigned used, std::uint32_t* left) {
@@ -145,14 +142,14 @@ template <class L> class TurnedBodies {
     }
     /// u = K w; true in the lanes where it is long.
     static V find_u(const StartPass& pass, const std::uint32_t (&rows)[N], Start& s) {
-        Numbers spin[3], room;
-        for (unsigned i = 0; i < N; ++i) {
-            const auto& w = pass.velocities[rows[i]].angular;
-            spin[0][i] = w.x.raw, spin[1][i] = w.y.raw, spin[2][i] = w.z.raw, room[i] = room_of(s.k_bits[i]);
-        }
-        V k[6], w[3], u[3];
+        Numbers room;
+        const std::int32_t* velocities[N]; // from the last number of `linear` on: four that are there
+        for (unsigned i = 0; i < N; ++i)
+            velocities[i] = &pass.velocities[rows[i]].linear.z.raw, room[i] = room_of(s.k_bits[i]);
+        V k[6], last[4], w[3], u[3];
+        L::quads(velocities, last);
         for (int i = 0; i < 6; ++i) k[i] = load(s.k[i]);
-        for (int i = 0; i < 3; ++i) w[i] = load(spin[i]);
+        for (int i = 0; i < 3; ++i) w[i] = wide(last[1 + i]);
         multiply<real_bits>(k, w, u);
         V left = is_long(w, room);
         for (int i = 0; i < 3; ++i) {

@@ -61,7 +61,7 @@ struct Avx2 {
         return static_cast<unsigned>(_mm256_movemask_pd(_mm256_castsi256_pd(mask)));
     }
 
-    /// Reads v and u, which lie one after the other, as two rows of four and transposes them.
+    /// Reads them as a row of four and one of two, and transposes those.
     template <class Body> static void gather6(const Body* const* p, V* out) {
         transpose(load64(words(p[0])), load64(words(p[1])), load64(words(p[2])), load64(words(p[3])), out);
         halves(p, 4, out + 4);

@@ -46,7 +46,7 @@ struct Avx512 {
     static V without(V a, V b) { return _mm512_andnot_si512(b, a); }
     static unsigned lanes_of(V mask) { return _mm512_movepi64_mask(mask); }
 
-    /// Reads v and u, which lie one after the other, as rows of four and transposes them, four bodies at a time.
+    /// Reads them as rows of four and of two and transposes those, four bodies at a time.
     template <class Body> static void gather6(const Body* const* p, V* out) {
         Half low[6], high[6];
         gather_half(p, low);

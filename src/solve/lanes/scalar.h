@@ -47,9 +47,10 @@ struct Scalar {
     /// Bit per lane: is the mask set?
     static unsigned lanes_of(V mask) { return static_cast<std::uint32_t>(mask) >> 31; }
 
-    /// The velocities of the bodies at p[0] ... p[lanes - 1], 64 bits each, six of them.
+    /// The first six numbers of 64 bits at each of p[0] ... p[lanes - 1]: velocities of bodies, entries of matrices.
     template <class Body> static void gather6(const Body* const* p, V* out) {
-        for (int i = 0; i < 3; ++i) out[i] = p[0]->v[i], out[3 + i] = p[0]->u[i];
+        const auto* const words = reinterpret_cast<const std::int64_t*>(p[0]);
+        for (int i = 0; i < 6; ++i) out[i] = words[i];
     }
     /// Moves and turns since the start of the tick, three each.
     template <class Body> static void gather_motion(const Body* const* p, V* out) {
