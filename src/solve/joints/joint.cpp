@@ -1,10 +1,12 @@
 #include "solve/joints/joint.h"
 
 #include "base/poison.h"
+#include "base/prefetch.h"
 #include "lockstone/math/math.h"
 #include "solve/joints/joint_work.h"
 
 #include <algorithm>
+#include <cstddef>
 
 namespace lockstone::solve {
 
@@ -22,16 +24,16 @@ void JointSolver::reserve(std::size_t joints) {
         work->glances.reserve(joints);
     work->packed.reserve(pack_lanes * joints), work->in_order.reserve(joints);
     work->last_stage.reserve(2 * joints), work->counts.reserve(5 * joints + 1);
-    work->bodies.reserve(2 * joints), work->planned.reserve(2 * joints);
+    work->wanted.reserve(2 * joints), work->bodies.reserve(2 * joints), work->planned.reserve(2 * joints);
 }
 
 void JointSolver::poison(std::byte with) {
     auto& [joints, blocks, axes, packs, turn_packs, stages, singles, with_rows, framed_in_world, glances,
-           held, turned, seen, given, acts, packed, last_stage, counts, in_order, bodies, planned, has_plan,
-           forest, cache_of, closed, pose, memory, clamped, first] = *work;
+           held, turned, seen, wanted, given, acts, packed, last_stage, counts, in_order, bodies, planned,
+           has_plan, forest, cache_of, closed, pose, memory, clamped, first] = *work;
     base::poison(with, joints, blocks, axes, packs, turn_packs, stages, singles, with_rows, framed_in_world,
-                 glances, held, turned, seen, given, acts, packed, last_stage, counts, in_order, bodies,
-                 planned, cache_of, pose, memory, clamped, first);
+                 glances, held, turned, seen, wanted, given, acts, packed, last_stage, counts, in_order,
+                 bodies, planned, cache_of, pose, memory, clamped, first);
     base::poison(with, closed.of_body, closed.of_pack, closed.of_four, closed.stopped, closed.pushed,
                  closed.velocities, closed.packs);
     has_plan = false;
@@ -105,6 +107,7 @@ template <class Visit> void for_joints(JointTick& tick, Tasks* tasks, Visit&& vi
 void start_packs(JointTick& tick, const JointKernel& kernel, const StepConstants& step,
                  const SolverBodies& bodies, Tasks* tasks) {
     if (tick.packs.empty()) return;
+    static_assert(offsetof(JointBody, radii_bits) == offsetof(JointBody, rotation) + sizeof(Quat));
     const JointStartData data{tick.packs.data(), tick.turn_packs.data(), bodies.step.data(),
                               reinterpret_cast<const std::byte*>(&tick.bodies.front().rotation),
                               step.joint_push_max.raw};
@@ -115,11 +118,11 @@ void start_packs(JointTick& tick, const JointKernel& kernel, const StepConstants
                      });
 }
 
-std::uint8_t turn_held(JointTick& tick, const JointKernel& kernel, const StepConstants& step,
-                       const SolverBodies& bodies, Tasks* tasks) {
+void turn_held(JointTick& tick, const JointKernel& kernel, const StepConstants& step,
+               const SolverBodies& bodies, Tasks* tasks) {
     // Other passes of a kernel write to bodies, this one only reads them.
-    return turn_bodies(tick, kernel, pass_data(tick, step, const_cast<SolverBody*>(bodies.body.data())),
-                       bodies, tasks);
+    turn_bodies(tick, kernel, pass_data(tick, step, const_cast<SolverBody*>(bodies.body.data())), bodies,
+                tasks);
 }
 
 /// Rows and biases of points where the bodies are now. `pass`: of the kernel, for where they are.
@@ -181,16 +184,21 @@ JointPassData pass_data(JointTick& tick, const StepConstants& step, SolverBody* 
             step.substep_time.raw};
 }
 
-void set_glance(JointTick& tick, const JointWork& work) {
+void set_glance(JointTick& tick, const JointWork& work, bool own_rows, bool limits) {
     JointGlance& glance = tick.glances[static_cast<std::size_t>(&work - tick.joints.data())];
     const auto at = [](const JointWorkSide& s) { return s.world ? 0 : s.cache + 1; };
-    const bool packed = work.pack != no_pack, own_rows = has_own_rows(tick, work);
-    glance = {at(work.a),   at(work.b), work.pack,           work.lane, seen_stirred,
-              seen_stirred, own_rows,   own_rows || !packed, false};
-    if (!work.steady) return;
-    const bool limits = packed && has_limits_alone(tick, work);
-    glance.asks = packed && (!own_rows || limits) ? seen_strays_far : seen_strays;
-    glance.rows_ask = limits ? seen_far | seen_followed : seen_strays;
+    const bool packed = work.pack != no_pack;
+    std::uint8_t rows_ask = seen_stirred, asks = seen_stirred;
+    if (work.steady) {
+        rows_ask = limits ? seen_far | seen_followed : seen_strays;
+        asks = packed && (!own_rows || limits) ? seen_strays_far : seen_strays;
+    }
+    glance = {at(work.a), at(work.b), rows_ask, own_rows, own_rows || !packed, false};
+    if (packed) tick.packs[work.pack].asks[work.lane] = asks;
+}
+
+void set_glance(JointTick& tick, const JointWork& work) {
+    set_glance(tick, work, has_own_rows(tick, work), work.pack != no_pack && has_limits_alone(tick, work));
 }
 
 namespace {
@@ -252,8 +260,14 @@ void plan_joints(JointTick& tick, std::span<const Joint> joints, std::span<const
 /// Whether the plan of the last tick serves again. How large a body's K^-1 is changes from tick to tick.
 bool is_plan_good(const JointTick& tick, std::size_t joints, const SolverBodies& bodies) {
     if (!tick.has_plan || tick.joints.size() != joints) return false;
-    for (std::size_t i = 0; i < tick.bodies.size(); ++i)
+    constexpr std::size_t ahead = 8;
+    for (std::size_t i = 0; i < tick.bodies.size(); ++i) {
+        if (i + ahead < tick.bodies.size()) {
+            const BodyStep& next = bodies.step[tick.bodies[i + ahead].body];
+            base::prefetch(next.moves), base::prefetch(next.radii_inv);
+        }
         if (tick.planned[i] != planned_of(tick.bodies[i].body, bodies)) return false;
+    }
     return true;
 }
 
@@ -314,47 +328,67 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
 
 namespace {
 
-/// Finds the joints whose rows are stale by the motion of their bodies, and the bodies that have to be placed for new rows. Whether any
-/// joint has rows of its own.
-bool find_stale(JointTick& tick) {
+/// Finds the lanes of packs that are stale by the motion of their bodies, and gives them K^-1 of those that are followed.
+void find_stale_lanes(JointTick& tick, const SolverBodies& bodies) {
+    const auto seen_of = [seen = tick.seen.data()](const PackSide& side, std::uint32_t lane) {
+        return static_cast<std::uint32_t>(seen[side.turned[lane] / sizeof(TurnedBody)]);
+    };
+    for (std::uint32_t i = 0; i < tick.packs.size(); ++i) {
+        JointPack& pack = tick.packs[i];
+        std::uint32_t any = 0;
+        for (std::uint32_t lane = 0; lane < pack_lanes; ++lane) {
+            const std::uint32_t seen = seen_of(pack.a, lane) | seen_of(pack.b, lane);
+            pack.stale[lane] = (seen & pack.asks[lane]) != 0;
+            any |= seen;
+        }
+        for (std::uint32_t lane = 0; (any & seen_followed) != 0 && lane < pack.count; ++lane)
+            give_gyration(tick, tick.joints[tick.packed[i * pack_lanes + lane]], bodies);
+    }
+}
+
+/// Finds the joints whose rows are stale, and the bodies that have to be placed for new rows. Whether any joint has rows of its own.
+bool find_stale_joints(JointTick& tick) {
     bool any = false;
-    for (JointGlance& glance : tick.glances) {
-        const std::uint32_t seen = tick.seen[glance.a] | tick.seen[glance.b];
-        if (glance.pack != no_pack) tick.packs[glance.pack].stale[glance.lane] = (seen & glance.asks) != 0;
+    tick.wanted.clear();
+    JointGlance* const glances = tick.glances.data();
+    std::uint8_t* const seen = tick.seen.data();
+    for (const std::uint32_t i : tick.with_rows) { // a point in a pack has no rows but these
+        JointGlance& glance = glances[i];
         if (!glance.places) continue;
         any = any || glance.own_rows;
-        glance.stale = (seen & glance.rows_ask) != 0;
+        glance.stale = ((seen[glance.a] | seen[glance.b]) & glance.rows_ask) != 0;
         if (!glance.stale) continue;
-        for (const std::uint32_t body : {glance.a, glance.b})
-            if (body != 0) tick.seen[body] |= seen_wanted;
+        for (const std::uint32_t body : {glance.a, glance.b}) {
+            if (body == 0 || (seen[body] & seen_wanted) != 0) continue;
+            seen[body] |= seen_wanted;
+            tick.wanted.push_back(body - 1);
+        }
     }
     return any;
 }
 
 void place_bodies(JointTick& tick, const SolverBodies& bodies, Tasks* tasks) {
-    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.bodies.size()), body_chunk,
+    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.wanted.size()), body_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-                         for (std::uint32_t i = first; i < last; ++i)
-                             if ((tick.seen[i + 1] & seen_wanted) != 0)
-                                 place_body(tick.bodies[i], tick.pose[tick.bodies[i].body], bodies);
+                         for (std::uint32_t i = first; i < last; ++i) {
+                             JointBody& body = tick.bodies[tick.wanted[i]];
+                             place_body(body, tick.pose[body.body], bodies);
+                         }
                      });
 }
 
-/// What is made joint by joint: how bodies have turned that packs are told of, and rows of no pack.
+/// Rows of no pack.
 void follow_joints(JointTick& tick, const StepConstants& step, const SolverBodies& bodies, Tasks* tasks) {
-    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.joints.size()), joint_chunk,
-                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.with_rows.size()), joint_chunk,
+                     [&, rows = tick.with_rows.data(),
+                      glances = tick.glances.data()](std::uint32_t first, std::uint32_t last, std::uint32_t) {
                          for (std::uint32_t i = first; i < last; ++i) {
-                             const JointGlance glance = tick.glances[i];
-                             const bool followed =
-                                 ((tick.seen[glance.a] | tick.seen[glance.b]) & seen_followed) != 0;
-                             if (followed && glance.pack != no_pack)
-                                 give_gyration(tick, tick.joints[i], bodies);
+                             const JointGlance& glance = glances[rows[i]];
                              if (!glance.own_rows) continue;
                              if (glance.stale)
-                                 make_rows(tick, tick.joints[i], step, bodies);
+                                 make_rows(tick, tick.joints[rows[i]], step, bodies);
                              else
-                                 follow_errors(tick, tick.joints[i], step, bodies);
+                                 follow_errors(tick, tick.joints[rows[i]], step, bodies);
                          }
                      });
 }
@@ -370,10 +404,11 @@ void JointSolver::update(const StepConstants& step, const SolverBodies& bodies, 
         });
         return;
     }
-    const std::uint8_t seen = turn_held(tick, *kernel, step, bodies, tasks);
-    const bool own_rows = find_stale(tick);
+    turn_held(tick, *kernel, step, bodies, tasks);
+    find_stale_lanes(tick, bodies);
+    const bool own_rows = find_stale_joints(tick);
     place_bodies(tick, bodies, tasks);
-    if (own_rows || (seen & seen_followed) != 0) follow_joints(tick, step, bodies, tasks);
+    if (own_rows) follow_joints(tick, step, bodies, tasks);
     refresh_packs(tick, kernel->refresh, step, bodies, tasks);
     make_asked_rows(tick, step, bodies);
     invert_packs(tick, *kernel, step, bodies, tasks);
@@ -430,11 +465,22 @@ void store_block(const JointBlock& block, JointMemory& memory, Wrench& wrench) {
 
 /// Of a hinge whose rows its pack makes.
 void store_hinge(const TurnPack& turn, std::uint32_t lane, JointMemory& memory, Wrench& wrench) {
-    const int e = turn.exponent[lane];
+    const int e = turn.exponent[lane], up = Real::fraction_bits - Speed::fraction_bits - e;
+    const bool small = up >= 0 && up <= 20;
     for (std::size_t r = 0; r < 2; ++r) {
-        const Real p = unscaled_impulse(turn.impulse[r][lane], e);
+        const std::int64_t now = turn.impulse[r][lane], before = turn.sum[r][lane];
+        const bool fits =
+            small && magnitude(now + before) >> (34 - up) == 0; // as it is but for the heaviest loads
+        const Real p = fits ? Real::from_raw(now << up) : unscaled_impulse(now, e);
         memory.axis[about_y + r].spring = p;
-        wrench.add(unscaled_impulse(turn.sum[r][lane], e) + p, hinge_axis(turn, r, lane), false);
+        if (!fits) {
+            wrench.add(unscaled_impulse(before, e) + p, hinge_axis(turn, r, lane), false);
+            continue;
+        }
+        const std::int64_t sum = (now + before) << up; // 34 bits times 29
+        for (int i = 0; i < 3; ++i)
+            wrench.torque[i] += Real::from_raw(
+                shift_right_rounded(turn.axis[r][static_cast<std::size_t>(i)][lane] * sum, row_bits));
     }
 }
 

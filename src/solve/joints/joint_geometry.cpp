@@ -34,19 +34,6 @@ Real from_separation(std::int32_t x) {
     return Real::from_raw(std::int64_t{x} << (Real::fraction_bits - Separation::fraction_bits));
 }
 
-// As operator* of vec.h, of unit quaternions: their sums need no clamping.
-
-Quat product(Quat a, Quat b) {
-    const std::int64_t ax = a.x.raw, ay = a.y.raw, az = a.z.raw, aw = a.w.raw;
-    const auto one = [](std::int64_t sum) {
-        return Unit::from_raw(static_cast<std::int32_t>(shift_right_rounded(sum, Unit::fraction_bits)));
-    };
-    return {one(aw * b.x.raw + ax * b.w.raw + ay * b.z.raw - az * b.y.raw),
-            one(aw * b.y.raw - ax * b.z.raw + ay * b.w.raw + az * b.x.raw),
-            one(aw * b.z.raw + ax * b.y.raw - ay * b.x.raw + az * b.w.raw),
-            one(aw * b.w.raw - ax * b.x.raw - ay * b.y.raw - az * b.z.raw)};
-}
-
 /// r v of a lever within 128 m: 30 bits times 32, three times.
 Vec3 turned_lever(const Rotation& r, LengthVec3 v) {
     constexpr int extra = Unit::fraction_bits + Length::fraction_bits - Real::fraction_bits;
@@ -89,8 +76,7 @@ Vec3 turned_twice(Vec3 w, Vec3 lever) {
 JointSide side_of(const JointTick& tick, const JointWork& work, const JointWorkSide& side,
                   const JointFrame& frame, const SolverBodies& bodies) {
     JointSide now{};
-    now.body = &bodies.step[side.body];
-    if (now.body->turn != 0) now.body = &bodies.turns[now.body->turn - 1].now;
+    now.body = &inertia_now(side.body, bodies);
     if (side.world) {
         now.anchor = frame.anchor;
         if (!work.framed) return now;
@@ -162,9 +148,6 @@ struct Bodies {
     const SolverBody &a, &b;
 };
 
-/// Bodies are assumed to approach no limit faster than this [m/s], [rad/s]: a limit that cannot be reached so in a substep is left out.
-constexpr Real limit_speed_far = Real(100);
-
 // ---- targets ------------------------------------------------------------------------------------------------------
 
 /// J . (shift, theta)
@@ -215,37 +198,6 @@ LimitTargets limit_targets(std::int64_t room, std::int32_t ahead, std::int32_t p
     const std::int64_t open = shift_right_rounded(std::min(room, far) * step.substeps_per_second,
                                                   Separation::fraction_bits - Speed::fraction_bits);
     return {speed_within(open + ahead), speed_within(open)};
-}
-
-/// How fast a side turns at most, by the sum of its components [rad/s]. Of hinges packs know it.
-Real spin_size(const JointTick& tick, const JointWork& work, const JointWorkSide& side) {
-    if (side.world) return {};
-    if (!work.hinge) {
-        const Vec3 w = abs(tick.bodies[side.cache].w);
-        return w.x + w.y + w.z;
-    }
-    std::uint64_t size = 0;
-    for (const std::int32_t w : tick.turned[side.cache + 1].spin) size += magnitude(w);
-    return Real::from_raw(static_cast<std::int64_t>(size) << (Real::fraction_bits - Speed::fraction_bits));
-}
-
-/// Nearer than this a limit of an angle may be in reach before rows are made again [rad]: by the speed of both bodies and 20 rad/s
-/// more, which a substep may give them.
-Real least_room(const JointTick& tick, const JointWork& work, const StepConstants& step) {
-    constexpr Real slack = Real(1) / Real(16), given = Real(20);
-    const Real speed = given + spin_size(tick, work, work.a) + spin_size(tick, work, work.b);
-    return mul<Real>(min(speed, limit_speed_far), step.substep_time) + slack;
-}
-
-/// Whether an axis has nothing but limits of an angle, which carry no impulse and stay out of reach until the rows are made again. Until
-/// then each body turns by sqrt(3) / 1024 rad at most, and the angle by up to eight times that of both.
-/// `last`: impulses of the last tick, while there are no others.
-bool is_out_of_reach(const JointAxisPart& part, const JointAxisImpulses* last, Real position, Real least) {
-    if ((part.features & (has_spring | has_motor)) != 0 || part.sum != Real{}) return false;
-    if (last == nullptr ? (part.lower | part.upper) != 0 : last->lower != Real{} || last->upper != Real{})
-        return false;
-    return ((part.features & has_lower) == 0 || position - part.lower_at > least) &&
-           ((part.features & has_upper) == 0 || part.upper_at - position > least);
 }
 
 /// Biases from where the bodies are.
@@ -322,32 +274,13 @@ void make_block(JointBlock& block, const JointWork& work, const JointPlace& plac
 
 /// `last`: as is_out_of_reach() takes it.
 void make_axis(JointAxisPart& part, const JointAxisImpulses* last, const JointWork& work,
-               const JointPlace& place, Bodies bodies, Real least, const StepConstants& step) {
-    part.turns = only_turns(part.kind);
+               const JointPlace& place, Real least, const StepConstants& step, const SolverBodies& bodies) {
     part.unmade = part.kind == RowKind::twist && is_out_of_reach(part, last, place.twist, least);
     if (part.unmade) {
-        part.idle = true;
+        part.turns = part.idle = true;
         return;
     }
-    const RowValue value = row_value(part.kind, place);
-    const int before = part.exponent;
-    if (part.turns) {
-        part.exponent = set_turning_rows(&part.row, &value.row, 1);
-        set_turning_responses(part.row, work.shares);
-        part.inverse = invert_turning(&part.row, 1);
-    } else {
-        part.exponent = set_rows(&part.row, &value.row, 1);
-        set_responses(part.row, work.shares, bodies.a, bodies.b);
-        part.inverse = invert(&part.row, 1);
-    }
-    const auto carry = [&](std::int32_t& p, Real JointAxisImpulses::*of) {
-        p = last == nullptr ? rescaled_impulse(p, before, part.exponent)
-                            : scaled_impulse(last->*of, part.exponent);
-    };
-    carry(part.spring, &JointAxisImpulses::spring), carry(part.motor, &JointAxisImpulses::motor);
-    carry(part.lower, &JointAxisImpulses::lower), carry(part.upper, &JointAxisImpulses::upper);
-    set_axis_errors(part, value, step, bodies);
-    set_axis_targets(part, step, bodies);
+    make_axis_row(part, last, work, row_value(part.kind, place), step, bodies);
 }
 
 /// Near opposite axes a small turn of the bodies changes the twist a lot.
@@ -356,6 +289,38 @@ bool is_opposite(const JointPlace& place) {
 }
 
 } // namespace
+
+const BodyInertia& inertia_now(std::uint32_t body, const SolverBodies& bodies) {
+    const BodyStep& step = bodies.step[body];
+    if (step.turn != 0) return bodies.turns[step.turn - 1].now;
+    return step;
+}
+
+void make_axis_row(JointAxisPart& part, const JointAxisImpulses* last, const JointWork& work,
+                   const RowValue& value, const StepConstants& step, const SolverBodies& bodies) {
+    const Bodies both{bodies.body[work.a.body], bodies.body[work.b.body]};
+    const int before = part.exponent;
+    part.turns = only_turns(part.kind);
+    if (part.turns) {
+        part.exponent = set_turning_rows(&part.row, &value.row, 1);
+        set_turning_responses(part.row, work.shares);
+        part.inverse = invert_turning(&part.row, 1);
+    } else {
+        part.exponent = set_rows(&part.row, &value.row, 1);
+        set_responses(part.row, work.shares, both.a, both.b);
+        part.inverse = invert(&part.row, 1);
+    }
+    const auto carry = [&](std::int32_t& p, Real JointAxisImpulses::*of) {
+        if (last == nullptr)
+            p = p == 0 ? 0 : rescaled_impulse(p, before, part.exponent);
+        else
+            p = last->*of == Real{} ? 0 : scaled_impulse(last->*of, part.exponent);
+    };
+    carry(part.spring, &JointAxisImpulses::spring), carry(part.motor, &JointAxisImpulses::motor);
+    carry(part.lower, &JointAxisImpulses::lower), carry(part.upper, &JointAxisImpulses::upper);
+    set_axis_errors(part, value, step, both);
+    set_axis_targets(part, step, both);
+}
 
 Real half_step(Real x, Real most, const StepConstants& step) {
     const Real speed =
@@ -371,44 +336,9 @@ std::int64_t scaled_error(Real x, int exponent) {
                       -far, far);
 }
 
-namespace {
-
-/// Whether its block is a hinge's, with rows that its pack makes.
 bool is_made_in_pack(const JointTick& tick, const JointWork& work) {
     return work.hinge && tick.turn_packs[tick.packs[work.pack].turn].generic[work.lane] == 0;
 }
-
-/// Starts a hinge in its pack, which looks at a twist that has nothing but limits, until these are in reach.
-void put_hinge(JointTick& tick, const JointWork& work, Real least, const StepConstants& step,
-               const SolverBodies& bodies) {
-    const JointAxisPart* const part = work.axis_count == 1 ? &tick.axes[work.first_axis] : nullptr;
-    start_hinge(turn_pack(tick, work), work, part != nullptr && part->unmade ? part : nullptr, least, bodies,
-                tick.memory[work.memory], step);
-}
-
-/// Starts a hinge without an angle, where its limits were out of reach in the last tick: the pack looks whether they still are.
-/// Its twist is kept as the middle of what they allow, which is less than a half turn from it on either side.
-bool start_free_hinge(JointTick& tick, JointWork& work, const StepConstants& step,
-                      const SolverBodies& bodies) {
-    if (work.axis_count > 1 || turn_pack(tick, work).apart[work.lane] != 0) return false;
-    JointAxisPart* const part = work.axis_count != 0 ? &tick.axes[work.first_axis] : nullptr;
-    const Real least = least_room(tick, work, step);
-    if (part != nullptr) {
-        const JointAxisImpulses last = impulses_of(*part, tick.memory[work.memory]);
-        if (part->kind != RowKind::twist || !is_out_of_reach(*part, &last, work.twist, least) ||
-            half(part->upper_at - part->lower_at) - least >= pi)
-            return false;
-        part->turns = part->unmade = part->idle = true;
-        work.twist = part->lower_at + half(part->upper_at - part->lower_at);
-    }
-    put_hinge(tick, work, least, step, bodies);
-    work.steady = work.stays; // no tree has it
-    work.made = work.remade = true;
-    set_glance(tick, work), set_acting(tick, work);
-    return true;
-}
-
-} // namespace
 
 bool has_own_rows(const JointTick& tick, const JointWork& work) {
     if (!is_made_in_pack(tick, work)) return work.axis_count + work.block_count != 0;
@@ -421,7 +351,7 @@ bool has_limits_alone(const JointTick& tick, const JointWork& work) {
 }
 
 void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, const SolverBodies& bodies) {
-    if (work.hinge && !work.made && start_free_hinge(tick, work, step, bodies)) return;
+    if (work.hinge && make_hinge(tick, work, step, bodies)) return;
     const JointPlace place = place_of(tick, work, bodies);
     const Bodies both{bodies.body[work.a.body], bodies.body[work.b.body]};
     const Real least = work.needs_twist ? least_room(tick, work, step) : Real{};
@@ -429,12 +359,12 @@ void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, cons
         JointAxisPart& part = tick.axes[work.first_axis + i];
         JointAxisImpulses last;
         if (!work.made) last = impulses_of(part, tick.memory[work.memory]);
-        make_axis(part, work.made ? nullptr : &last, work, place, both, least, step);
+        make_axis(part, work.made ? nullptr : &last, work, place, least, step, bodies);
     }
     if (work.hinge && !work.made) {
         TurnPack& turn = turn_pack(tick, work);
         if (turn.apart[work.lane] == 0) {
-            put_hinge(tick, work, least, step, bodies);
+            set_reach(turn, work, nullptr, least);
         } else {
             turn.generic[work.lane] = -1;
             restart_block(tick.blocks[work.first_block], tick.memory[work.memory]);
@@ -460,6 +390,9 @@ void make_asked_rows(JointTick& tick, const StepConstants& step, const SolverBod
     for (std::uint32_t i = 0; i < tick.packs.size(); ++i) {
         if (!tick.packs[i].hinges) continue;
         TurnPack& turn = tick.turn_packs[tick.packs[i].turn];
+        std::uint32_t any = 0;
+        for (std::uint32_t lane = 0; lane < pack_lanes; ++lane) any |= turn.apart[lane] | turn.reaches[lane];
+        if (any == 0) continue;
         for (std::uint32_t lane = 0; lane < tick.packs[i].count; ++lane) {
             if ((turn.apart[lane] | turn.reaches[lane]) == 0 || turn.generic[lane] != 0) continue;
             JointWork& w = tick.joints[tick.packed[i * pack_lanes + lane]];
@@ -542,7 +475,9 @@ void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodie
 }
 
 void start_body(JointBody& now, const Transform& pose, const SolverBodies& bodies) {
+    const Vec3& most = bodies.step[now.body].radii_inv;
     now.given = false;
+    now.radii_bits = bit_length(magnitude(most.x.raw) | magnitude(most.y.raw) | magnitude(most.z.raw));
     set_pose(now, pose, bodies);
 }
 

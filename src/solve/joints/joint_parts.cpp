@@ -11,17 +11,10 @@ namespace lockstone::solve {
 
 Real twist_between(Quat a, Quat b, Real near) {
     const Quat q = conjugate(a) * b;
-    const Real principal = atan2(to<Real>(q.x), to<Real>(q.w)) * 2;
-    const std::int64_t turns = floor_to_int((near - principal) / two_pi + half(Real(1)));
+    const Real principal = atan2(to<Real>(q.x), to<Real>(q.w)) * 2, off = near - principal;
+    if (off < Real(3) && off > Real(-3)) return principal; // less than a half turn
+    const std::int64_t turns = floor_to_int(off / two_pi + half(Real(1)));
     return principal + two_pi * turns;
-}
-
-Quat unit_of(Quat q) {
-    const std::int64_t x = q.x.raw, y = q.y.raw, z = q.z.raw, w = q.w.raw;
-    constexpr std::uint64_t one = std::uint64_t{1} << (2 * Unit::fraction_bits), off = std::uint64_t{1} << 33;
-    const auto size = static_cast<std::uint64_t>(x * x) + static_cast<std::uint64_t>(y * y) +
-                      static_cast<std::uint64_t>(z * z) + static_cast<std::uint64_t>(w * w);
-    return size - (one - off) <= 2 * off ? q : normalized(q);
 }
 
 Vec3 orientation_between(Quat a, Quat b) {
@@ -110,10 +103,10 @@ WideRow linear_row(const JointSide& a, Vec3 lever_a, Vec3 da, const JointSide& b
 }
 
 /// Turns each body about an axis of its own.
-WideRow angular_row(const JointSide& a, Vec3 axis_a, const JointSide& b, Vec3 axis_b) {
+WideRow angular_row(const BodyInertia& a, Vec3 axis_a, const BodyInertia& b, Vec3 axis_b) {
     WideRow row{};
-    if (a.body->moves) row.xa = turning(*a.body, direction_of(axis_a).m, direction_bits);
-    if (b.body->moves) row.xb = turning(*b.body, direction_of(axis_b).m, direction_bits);
+    if (a.moves) row.xa = turning(a, direction_of(axis_a).m, direction_bits);
+    if (b.moves) row.xb = turning(b, direction_of(axis_b).m, direction_bits);
     return row;
 }
 
@@ -125,7 +118,7 @@ Vec3 world_axis(int i) {
 Vec3 axis_of(const Rotation& r, int i) { return to<Real>(i == 0 ? r.x : i == 1 ? r.y : r.z); }
 
 RowValue between(Real position, Vec3 axis, const JointPlace& p) {
-    return {position, Real{}, angular_row(p.a, -axis, p.b, axis), axis, false};
+    return {position, Real{}, angular_row(*p.a.body, -axis, *p.b.body, axis), axis, false};
 }
 
 RowValue along(const JointPlace& p, int i) {
@@ -137,13 +130,6 @@ RowValue along(const JointPlace& p, int i) {
 RowValue point(const JointPlace& p, int i) {
     const Vec3 e = world_axis(i);
     return {p.s[i], p.arc[i], linear_row(p.a, p.a.lever, -e, p.b, p.b.lever, e), e, true};
-}
-
-/// Gradient (xA + xB) / (1 + xA . xB), kept below 8 near opposite axes.
-RowValue twist(const JointPlace& p) {
-    const Vec3 sum = to<Real>(p.a.axes.x) + to<Real>(p.b.axes.x);
-    const Real d = max(Real(1) + dot<Real>(p.a.axes.x, p.b.axes.x), decimal<Real>("0.015625"));
-    return between(p.twist, sum / d, p);
 }
 
 /// A lock of xB to the plane at right angles to `normal`; sign +: C = xB . normal. Its gradient xB x normal vanishes where xB
@@ -210,7 +196,7 @@ RowValue pulley(const JointPlace& p) {
 /// Both bodies turn the same way under a positive impulse.
 RowValue gear(const JointPlace& p) {
     const Vec3 xa = to<Real>(p.a.axes.x), xb = to<Real>(p.b.axes.x);
-    WideRow row = angular_row(p.a, xa, p.b, xb);
+    WideRow row = angular_row(*p.a.body, xa, *p.b.body, xb);
     for (int i = 0; i < 3; ++i)
         row.xb.m[i] = narrow_rounded(Wide::product(row.xb.m[i], p.def->ratio.raw), 44);
     row.xb.fraction_bits -= 12;
@@ -219,7 +205,7 @@ RowValue gear(const JointPlace& p) {
 
 RowValue rack(const JointPlace& p) {
     const Vec3 xa = to<Real>(p.a.axes.x), xb = to<Real>(p.b.axes.x);
-    WideRow row = angular_row(p.a, xa, p.b, Vec3{});
+    WideRow row = angular_row(*p.a.body, xa, *p.b.body, Vec3{});
     const WideRow pull = linear_row(p.a, Vec3{}, Vec3{}, p.b, p.b.lever, -xb);
     row.db = pull.db, row.xb = pull.xb;
     for (Scaled3* v : {&row.db, &row.xb}) {
@@ -253,6 +239,13 @@ void point_values(const JointPlace& p, RowValue out[3]) {
         out[i] = {p.s[i], p.arc[i], {d[0][i], x[0][i], d[1][i], x[1][i]}, world_axis(i), true};
 }
 
+/// Gradient (xA + xB) / (1 + xA . xB), kept below 8 near opposite axes.
+RowValue twist_value(Real twist, UnitVec3 xa, UnitVec3 xb, const BodyInertia& a, const BodyInertia& b) {
+    const Real d = max(Real(1) + dot<Real>(xa, xb), decimal<Real>("0.015625"));
+    const Vec3 axis = (to<Real>(xa) + to<Real>(xb)) / d;
+    return {twist, Real{}, angular_row(a, -axis, b, axis), axis, false};
+}
+
 RowValue row_value(RowKind kind, const JointPlace& p) {
     const int k = static_cast<int>(kind);
     switch (kind) {
@@ -277,7 +270,7 @@ RowValue row_value(RowKind kind, const JointPlace& p) {
         return between(p.target_error[i], axis_of(p.a.axes, i), p);
     }
     case RowKind::twist:
-        return twist(p);
+        return twist_value(p.twist, p.a.axes.x, p.b.axes.x, *p.a.body, *p.b.body);
     case RowKind::lock_y:
         return plane(p, 1, p.a.axes.z, Real(-1));
     case RowKind::lock_z:

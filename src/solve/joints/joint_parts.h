@@ -57,6 +57,18 @@ struct JointPlace {
     Vec3 orientation_error; ///< 2 vec(qB qA^-1)
 };
 
+/// As operator* of vec.h, of unit quaternions: their sums need no clamping.
+inline Quat product(Quat a, Quat b) {
+    const std::int64_t ax = a.x.raw, ay = a.y.raw, az = a.z.raw, aw = a.w.raw;
+    const auto one = [](std::int64_t sum) {
+        return Unit::from_raw(static_cast<std::int32_t>(shift_right_rounded(sum, Unit::fraction_bits)));
+    };
+    return {one(aw * b.x.raw + ax * b.w.raw + ay * b.z.raw - az * b.y.raw),
+            one(aw * b.y.raw - ax * b.z.raw + ay * b.w.raw + az * b.x.raw),
+            one(aw * b.z.raw + ax * b.y.raw - ay * b.x.raw + az * b.w.raw),
+            one(aw * b.w.raw - ax * b.x.raw - ay * b.y.raw - az * b.z.raw)};
+}
+
 /// Kinds whose rows only turn bodies.
 constexpr bool only_turns(RowKind kind) { return kind >= RowKind::orientation_x && kind <= RowKind::swing; }
 
@@ -69,6 +81,8 @@ struct RowValue {
 };
 
 RowValue row_value(RowKind kind, const JointPlace& place);
+/// Of twist, from where the x axes point.
+RowValue twist_value(Real twist, UnitVec3 xa, UnitVec3 xb, const BodyInertia& a, const BodyInertia& b);
 /// point_x, point_y and point_z at once.
 void point_values(const JointPlace& place, RowValue out[3]);
 

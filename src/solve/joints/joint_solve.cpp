@@ -107,23 +107,55 @@ template <class Now> void solve_axis(JointAxisPart& part, Motion& m, bool bias, 
 
 namespace {
 
+/// Speeds about the axes of both bodies alone. False: some are to be clamped first.
+bool read_turning(const SolverBody& a, const SolverBody& b, Motion& m) {
+    std::uint64_t any = 0; // as clamp_motion()
+    for (int i = 3; i < 6; ++i) {
+        m.a[i] = a.u[i - 3], m.b[i] = b.u[i - 3];
+        any |=
+            static_cast<std::uint64_t>(m.a[i] + motion_max) | static_cast<std::uint64_t>(m.b[i] + motion_max);
+    }
+    return any < static_cast<std::uint64_t>(2 * motion_max);
+}
+/// Whether those along them are left as they are by clamp_motion().
+bool moves_readably(const SolverBody& a, const SolverBody& b) {
+    std::uint64_t any = 0;
+    for (int i = 0; i < 3; ++i)
+        any |=
+            static_cast<std::uint64_t>(a.v[i] + motion_max) | static_cast<std::uint64_t>(b.v[i] + motion_max);
+    return any < static_cast<std::uint64_t>(2 * motion_max);
+}
+void write_turning(const Motion& m, SolverBody& a, SolverBody& b) {
+    for (int i = 0; i < 3; ++i) a.u[i] = m.a[i + 3], b.u[i] = m.b[i + 3];
+}
+
 /// Whether an axis has nothing but limits, which carry no impulse and get none in this pass.
 bool stays_free(const JointAxisPart& part, const SolverBody& a, const SolverBody& b, bool bias) {
     if (part.idle) return true;
     if (!part.turns || (part.features & (has_spring | has_motor)) != 0 || (part.lower | part.upper) != 0)
         return false;
     Motion m{};
-    std::uint64_t any = 0;
-    for (int i = 3; i < 6; ++i) {
-        m.a[i] = a.u[i - 3], m.b[i] = b.u[i - 3];
-        any |=
-            static_cast<std::uint64_t>(m.a[i] + motion_max) | static_cast<std::uint64_t>(m.b[i] + motion_max);
-    }
-    if (any >= static_cast<std::uint64_t>(2 * motion_max)) return false; // velocities are clamped first
+    if (!read_turning(a, b, m)) return false;
     const std::int64_t speed = speed_along(part.row, Turning(m));
     const bool low = (part.features & has_lower) != 0, up = (part.features & has_upper) != 0;
     return (!low || speed + (bias ? part.lower_bias : part.lower_relax) >= 0) &&
            (!up || speed + (bias ? part.upper_bias : part.upper_relax) <= 0);
+}
+
+/// As pass_joint(), of a joint that is limits_act. False, and nothing changes: that is to do it.
+bool pass_limits(JointAxisPart& part, SolverBody& a, SolverBody& b, bool bias, std::uint64_t& clamped) {
+    Motion m{};
+    if (!read_turning(a, b, m)) return false;
+    AxisPass<Turning> pass(part, m, clamped);
+    const std::int32_t lower = bias ? part.lower_bias : part.lower_relax,
+                       upper = bias ? part.upper_bias : part.upper_relax;
+    if ((part.lower | part.upper) == 0 && pass.speed + lower >= 0 && pass.speed + upper <= 0) return true;
+    if (!moves_readably(a, b)) return false;
+    pass.set(part.lower, part.lower - pass.impulse_for(lower), 0, joint_impulse_max);
+    if (part.upper != 0 || pass.speed + upper > 0)
+        pass.set(part.upper, part.upper - pass.impulse_for(upper), -joint_impulse_max, 0);
+    write_turning(m, a, b);
+    return true;
 }
 
 bool has_locks(const JointTick& tick, const JointWork& w) {
@@ -163,8 +195,14 @@ void pass_joint(JointTick& tick, const JointWork& w, const StepConstants& step, 
 
 void set_acting(JointTick& tick, const JointWork& w) {
     const auto i = static_cast<std::size_t>(&w - tick.joints.data());
-    bool acts = w.block_count != 0 && !w.turns_packed; // warm starts give what trees solve as well
-    for (std::uint32_t k = 0; k < w.axis_count && !acts; ++k) acts = !tick.axes[w.first_axis + k].idle;
+    const JointAxisPart* const axes = tick.axes.data() + w.first_axis;
+    const bool blocks = w.block_count != 0 && !w.turns_packed; // warm starts give what trees solve as well
+    std::uint8_t acts = blocks ? something_acts : nothing_acts;
+    for (std::uint32_t k = 0; k < w.axis_count; ++k)
+        if (!axes[k].idle) acts = something_acts;
+    if (acts != nothing_acts && !blocks && w.axis_count == 1 && axes->turns &&
+        axes->features == (has_lower | has_upper))
+        acts = limits_act;
     tick.acts[i] = acts;
 }
 
@@ -173,12 +211,20 @@ void JointSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bi
     if (tick.joints.empty()) return;
     turn_in(step, bodies);
     const JointPassData data = pass_data(tick, step, bodies.body.data());
+    const std::uint32_t* const singles = tick.singles.data();
+    const std::uint8_t* const all_acts = tick.acts.data();
     const std::size_t count = tick.stages.size();
     for (std::size_t k = 0; k < count; ++k) { // the relaxing pass runs in the reverse order
         const JointStage& stage = tick.stages[bias ? k : count - 1 - k];
-        for (std::uint32_t i = stage.first_single; i < stage.last_single; ++i)
-            if (tick.acts[tick.singles[i]] != 0)
-                pass_joint(tick, tick.joints[tick.singles[i]], step, bodies, bias);
+        for (std::uint32_t i = stage.first_single; i < stage.last_single; ++i) {
+            const std::uint8_t acts = all_acts[singles[i]];
+            if (acts == nothing_acts) continue;
+            const JointWork& w = tick.joints[singles[i]];
+            if (acts == limits_act && pass_limits(tick.axes[w.first_axis], bodies.body[w.a.body],
+                                                  bodies.body[w.b.body], bias, tick.clamped))
+                continue;
+            pass_joint(tick, w, step, bodies, bias);
+        }
         tick.clamped += kernel->solve(data, stage.first_pack, stage.last_pack, bias);
     }
     const std::vector<JointTree>& trees = tick.forest.trees;
@@ -191,6 +237,19 @@ void JointSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bi
 }
 
 // ---- warm start ---------------------------------------------------------------------------------------------------
+
+/// As warm_joint(), of a joint that is limits_act. False, and nothing changes: that is to do it.
+static bool warm_limits(JointAxisPart& part, SolverBody& a, SolverBody& b, bool first) {
+    if ((part.lower | part.upper) == 0) return true;
+    Motion m{};
+    if (!read_turning(a, b, m) || !moves_readably(a, b)) return false;
+    const std::int32_t p =
+        bounded(std::int64_t{part.lower} + part.upper, -joint_impulse_max, joint_impulse_max);
+    if (!first) part.sum += unscaled_impulse(p, part.exponent);
+    push_clamped<Turning>(&part.row, &p, 1, m);
+    write_turning(m, a, b);
+    return true;
+}
 
 static void warm_joint(JointTick& tick, const JointWork& w, SolverBodies& bodies) {
     bool busy = w.block_count != 0 && !w.turns_packed;
@@ -227,9 +286,17 @@ void JointSolver::warm_start(const StepConstants& step, SolverBodies& bodies) {
     if (tick.joints.empty()) return;
     turn_in(step, bodies);
     const JointPassData data = pass_data(tick, step, bodies.body.data());
+    const std::uint32_t* const singles = tick.singles.data();
+    const std::uint8_t* const all_acts = tick.acts.data();
     for (const JointStage& stage : tick.stages) {
-        for (std::uint32_t i = stage.first_single; i < stage.last_single; ++i)
-            if (tick.acts[tick.singles[i]] != 0) warm_joint(tick, tick.joints[tick.singles[i]], bodies);
+        for (std::uint32_t i = stage.first_single; i < stage.last_single; ++i) {
+            const std::uint8_t acts = all_acts[singles[i]];
+            if (acts == nothing_acts) continue;
+            const JointWork& w = tick.joints[singles[i]];
+            if (acts != limits_act || !warm_limits(tick.axes[w.first_axis], bodies.body[w.a.body],
+                                                   bodies.body[w.b.body], tick.first))
+                warm_joint(tick, w, bodies);
+        }
         kernel->warm_start(data, stage.first_pack, stage.last_pack, !tick.first);
     }
     turn_out(bodies);

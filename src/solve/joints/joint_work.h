@@ -19,6 +19,9 @@
 
 namespace lockstone::solve {
 
+/// Bodies are assumed to approach no limit faster than this [m/s], [rad/s]: a limit that cannot be reached so in a substep is left out.
+inline constexpr Real limit_speed_far = Real(100);
+
 /// A body that joints hold, where it is in this substep. The first cache line is all that points and hinges in packs ask for.
 struct alignas(64) JointBody {
     std::uint32_t body;
@@ -27,6 +30,7 @@ struct alignas(64) JointBody {
     bool lever_asked;                ///< and that needs levers
     std::int32_t shift[3], theta[3]; ///< of the SolverBody, when this was made
     Quat rotation;
+    std::int32_t radii_bits; ///< of the largest inverse of a radius, Real
     // Where levers are asked for:
     Rotation axes;
     Vec3 position;
@@ -114,9 +118,7 @@ inline constexpr std::uint32_t no_pack = 0xffffffffu;
 /// What an update asks of every joint: a few bytes in place of the rest of it.
 struct JointGlance {
     std::uint32_t a, b;           ///< entries of JointTick::seen; 0 for the world
-    std::uint32_t pack, lane;     ///< as in JointWork
-    std::uint8_t asks;            ///< JointSeen by which what its pack makes becomes stale
-    std::uint8_t rows_ask;        ///< and its own rows
+    std::uint8_t rows_ask;        ///< JointSeen by which its own rows become stale
     bool own_rows, places, stale; ///< it has own rows; bodies are placed where they are stale; they are
 };
 
@@ -152,6 +154,9 @@ struct alignas(64) JointWork {
     bool framed;      ///< directions of its frames are asked for: it holds more than a point
     JointFrame frame_a, frame_b;
 };
+
+/// What passes have to do with a single. limits_act: it has one axis, which only turns and has nothing but both limits.
+enum JointActs : std::uint8_t { nothing_acts, something_acts, limits_act };
 
 /// Joints that share no body that impulses move: the first stage after those of all earlier joints of the same bodies. Stage
 /// after stage is so the order of solving, and stages backwards are that order backwards.
@@ -196,8 +201,9 @@ struct JointTick {
     std::vector<HeldBodies> held;               ///< of `bodies`
     std::vector<TurnedBody> turned;             ///< by body, after one of the world
     std::vector<std::uint8_t> seen;             ///< JointSeen, likewise
+    std::vector<std::uint32_t> wanted;          ///< entries of `bodies` that are seen_wanted
     std::vector<std::uint32_t> given;           ///< entries of `bodies` whose turn theta does not tell
-    std::vector<std::uint8_t> acts;             ///< of singles, by joint: whether passes look at it
+    std::vector<std::uint8_t> acts;             ///< of singles, by joint: JointActs
     std::vector<std::uint32_t> packed;          ///< joints by pack and lane
     std::vector<std::uint32_t> last_stage, counts, in_order; ///< while packs are filled
     std::vector<JointBody> bodies;
@@ -234,23 +240,32 @@ void invert_some(JointTick& tick, std::uint32_t first, std::uint32_t last, const
 /// Packs of the last tick as they are when they have just been planned, but for numbers that are written before they are read.
 void restart_packs(JointTick& tick);
 /// Whether a pack can make the point rows of a body: one that impulses move must be free along and about all axes.
-bool fits_pack(std::uint32_t body, const SolverBodies& bodies);
+inline bool fits_pack(std::uint32_t body, const SolverBodies& bodies) {
+    const BodyStep& s = bodies.step[body];
+    const SolverBody& b = bodies.body[body];
+    if (!s.moves) return true;
+    // Beyond this the shifts of products with K^-1 would leave 1 .. 62.
+    if (s.inv_exponent < 8 || s.inv_exponent > 58) return false;
+    return !s.movable || (s.angular_mask == 7u && (b.keep[0] & b.keep[1] & b.keep[2]) == -1);
+}
 /// What JointKernel::start takes of the points of a pack besides bodies: impulses of the last tick, and how far bodies are apart.
 void start_points(JointTick& tick, std::uint32_t pack);
 /// K^-1 of the followed bodies of a packed joint, as it is now.
 void give_gyration(JointTick& tick, const JointWork& work, const SolverBodies& bodies);
 /// Held bodies as the tick begins.
 void hold_bodies(JointTick& tick, const SolverBodies& bodies);
-/// Where held bodies are now: TurnedBody and JointSeen. What they did, or-ed.
-std::uint8_t turn_bodies(JointTick& tick, const JointKernel& kernel, const JointPassData& data,
-                         const SolverBodies& bodies, Tasks* tasks);
+/// Where held bodies are now: TurnedBody and JointSeen.
+void turn_bodies(JointTick& tick, const JointKernel& kernel, const JointPassData& data,
+                 const SolverBodies& bodies, Tasks* tasks);
 /// The same of one HeldBodies.
 void turn_four(JointTick& tick, std::uint32_t group, const JointKernel& kernel, const JointPassData& data,
                const SolverBodies& bodies);
 /// Rows that the refreshed packs ask for: of hinges that have come apart, and limits that are in reach again.
 void make_asked_rows(JointTick& tick, const StepConstants& step, const SolverBodies& bodies);
-/// Whether passes look at a single: at those with locks that they solve, or an axis that is not idle.
+/// What passes have to do with a single: with those with locks that they solve, or an axis that is not idle.
 void set_acting(JointTick& tick, const JointWork& work);
+/// Whether its block is a hinge's, with rows that its pack makes.
+bool is_made_in_pack(const JointTick& tick, const JointWork& work);
 /// Whether something of a joint is made by make_rows(): all but what packs make and limits that are out of reach.
 bool has_own_rows(const JointTick& tick, const JointWork& work);
 /// Whether its pack makes all rows of a hinge but those of limits about its axis.
@@ -271,7 +286,13 @@ bool counts_turns(const JointDef& def);
 /// Of a joint that was assembled: whether its rows change by turns alone, and slowly.
 bool may_stay(const JointTick& tick, const JointWork& work);
 /// As normalized(), but what is one by a rounding is left as it is.
-Quat unit_of(Quat q);
+inline Quat unit_of(Quat q) {
+    const std::int64_t x = q.x.raw, y = q.y.raw, z = q.z.raw, w = q.w.raw;
+    constexpr std::uint64_t one = std::uint64_t{1} << (2 * Unit::fraction_bits), off = std::uint64_t{1} << 33;
+    const auto size = static_cast<std::uint64_t>(x * x) + static_cast<std::uint64_t>(y * y) +
+                      static_cast<std::uint64_t>(z * z) + static_cast<std::uint64_t>(w * w);
+    return size - (one - off) <= 2 * off ? q : normalized(q);
+}
 void start_body(JointBody& now, const Transform& pose, const SolverBodies& bodies);
 /// What is asked for besides its rotation, when a tick begins.
 void start_motion(JointBody& now, const Transform& pose, const SolverBodies& bodies);
@@ -280,8 +301,24 @@ Quat rotation_now(const Transform& pose, std::uint32_t body, const SolverBodies&
 void place_body(JointBody& now, const Transform& pose, const SolverBodies& bodies);
 /// After its rows were made.
 void set_glance(JointTick& tick, const JointWork& work);
+/// The same of what is known of it: has_own_rows(), has_limits_alone().
+void set_glance(JointTick& tick, const JointWork& work, bool own_rows, bool limits);
 /// Rows, responses, inverses and targets of a joint's parts. Writes nothing that is another joint's.
 void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, const SolverBodies& bodies);
+/// The same of a hinge that its pack makes, with no axis but a twist. False, and nothing changes: it is not one.
+bool make_hinge(JointTick& tick, JointWork& work, const StepConstants& step, const SolverBodies& bodies);
+/// Nearer than this a limit of an angle may be in reach before rows are made again [rad]: by the speed of both bodies and 20 rad/s
+/// more, which a substep may give them.
+Real least_room(const JointTick& tick, const JointWork& work, const StepConstants& step);
+/// Whether an axis has nothing but limits of an angle, which carry no impulse and stay out of reach until the rows are made again. Until
+/// then each body turns by sqrt(3) / 1024 rad at most, and the angle by up to eight times that of both.
+/// `last`: impulses of the last tick, while there are no others.
+bool is_out_of_reach(const JointAxisPart& part, const JointAxisImpulses* last, Real position, Real least);
+/// The row of an axis by its value, with response, inverse and targets. `last`: as is_out_of_reach() takes it.
+void make_axis_row(JointAxisPart& part, const JointAxisImpulses* last, const JointWork& work,
+                   const RowValue& value, const StepConstants& step, const SolverBodies& bodies);
+/// A body's K^-1 in this substep.
+const BodyInertia& inertia_now(std::uint32_t body, const SolverBodies& bodies);
 /// Errors from where the bodies are, by the rows that there are.
 void follow_errors(JointTick& tick, JointWork& work, const StepConstants& step, const SolverBodies& bodies);
 /// x h / 2, at most `most`: at a radian per substep the arc is no guide any more.

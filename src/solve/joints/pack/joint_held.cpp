@@ -105,22 +105,17 @@ void turn_four(JointTick& tick, std::uint32_t group, const JointKernel& kernel, 
     }
 }
 
-std::uint8_t turn_bodies(JointTick& tick, const JointKernel& kernel, const JointPassData& data,
-                         const SolverBodies& bodies, Tasks* tasks) {
+void turn_bodies(JointTick& tick, const JointKernel& kernel, const JointPassData& data,
+                 const SolverBodies& bodies, Tasks* tasks) {
     base::for_chunks(
         tasks, static_cast<std::uint32_t>(tick.held.size()), body_chunk / pack_lanes,
         [&](std::uint32_t first, std::uint32_t last, std::uint32_t) { kernel.turn(data, first, last); });
-    std::uint8_t any = 0;
-    for (std::uint32_t at = 0; at < tick.bodies.size(); ++at) {
-        any |= tick.seen[at + 1];
+    for (std::uint32_t at = 0; at < tick.bodies.size(); ++at)
         if ((tick.seen[at + 1] & seen_far) != 0) give_body(tick, at);
-    }
     base::for_chunks(tasks, static_cast<std::uint32_t>(tick.given.size()), body_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
                          for (std::uint32_t i = first; i < last; ++i) turn_given(tick, tick.given[i], bodies);
                      });
-    for (const std::uint32_t at : tick.given) any |= tick.seen[at + 1];
-    return any;
 }
 
 void give_gyration(JointTick& tick, const JointWork& work, const SolverBodies& bodies) {

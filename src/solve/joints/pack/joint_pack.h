@@ -77,6 +77,7 @@ struct JointPack {
     std::int64_t apart[3][pack_lanes];
     std::int64_t near_shift[pack_lanes], ahead_shift[pack_lanes]; ///< of C and of the arc to 2^-e
     std::uint32_t over;                ///< bit per lane: entries have grown to 2, the rows want a larger e
+    std::uint8_t asks[pack_lanes];     ///< JointSeen by which inverses become stale
     std::uint8_t stale[pack_lanes];    ///< inverses are to be made anew
     std::uint8_t left[pack_lanes];     ///< and lanes could not: point_left, hinge_left
     std::int32_t push_max[pack_lanes]; ///< of the bias: by the error, Speed
@@ -156,8 +157,9 @@ struct JointStartData {
     JointPack* packs;
     TurnPack* turns;
     const BodyStep* steps;
-    const std::byte* rotations; ///< the Quat of the first body that joints hold
-    std::int64_t push_max;      ///< of biases [m/s], Real
+    /// The Quat of the first body that joints hold; JointBody::radii_bits is behind it.
+    const std::byte* rotations;
+    std::int64_t push_max; ///< of biases [m/s], Real
 };
 inline constexpr int joint_rate_bits = 16;
 inline constexpr int pack_angle_bits = 32;
@@ -170,7 +172,7 @@ inline constexpr int given_turn_bits = 4; ///< theta tells a turn up to 2^-4 rad
 /// The passes of one instruction set over packs [first, last), which share no body that impulses move.
 struct JointKernel {
     /// From levers and frames in the axes of their bodies, and impulses that lie in the sums: levers and frames in world axes, K^-1,
-    /// exponents and what follows from them, TurnPack::apart.
+    /// exponents and what follows from them, also those of hinges, TurnPack::apart.
     void (*start)(const JointStartData& data, std::uint32_t first, std::uint32_t last);
     /// Where held bodies are, and what they did: of HeldBodies [first, last).
     void (*turn)(const JointPassData& data, std::uint32_t first, std::uint32_t last);

@@ -97,15 +97,6 @@ void add_to_pack(JointTick& tick, JointWork& w, std::uint32_t kind, bool fresh, 
 
 } // namespace
 
-bool fits_pack(std::uint32_t body, const SolverBodies& bodies) {
-    const BodyStep& s = bodies.step[body];
-    const SolverBody& b = bodies.body[body];
-    if (!s.moves) return true;
-    // Beyond this the shifts of products with K^-1 would leave 1 .. 62.
-    if (s.inv_exponent < 8 || s.inv_exponent > 58) return false;
-    return !s.movable || (s.angular_mask == 7u && (b.keep[0] & b.keep[1] & b.keep[2]) == -1);
-}
-
 void set_inverse(PackInverse& to, std::uint32_t lane, const Inverse& inverse) {
     for (int i = 0; i < 6; ++i) to.m[i][lane] = inverse.m[i];
     to.odd[lane] = inverse.shift < 1 || inverse.shift > 62;
@@ -193,6 +184,8 @@ void start_points(JointTick& tick, std::uint32_t p) {
             pack.apart[i][lane] = std::clamp(apart[i].raw, -far, far);
             pack.sum[i][lane] = last.axis[static_cast<std::size_t>(i)].spring.raw;
         }
+        for (std::size_t r = 0; r < 2 && pack.hinges; ++r)
+            tick.turn_packs[pack.turn].sum[r][lane] = last.axis[about_y + r].spring.raw;
     }
 }
 

@@ -81,11 +81,6 @@ static void invert_point(JointPack& pack, std::uint32_t lane) {
 
 // ---- hinges -------------------------------------------------------------------------------------------------------
 
-/// What follows from K^-1 of a body.
-static void set_hinge_shift(TurnPack& turn, std::uint32_t lane, bool of_a, const BodyStep& body) {
-    (of_a ? turn.shift_a : turn.shift_b)[lane] = std::clamp(body.inv_exponent + turn.exponent[lane], 1, 62);
-}
-
 namespace {
 
 /// Half of what limits leave to a twist, and its middle.
@@ -129,21 +124,8 @@ static std::int32_t reach_cosine(const TurnPack& turn, std::uint32_t lane, const
     return saturate_to_int32(turn.limit_cos[lane] + rise);
 }
 
-void start_hinge(TurnPack& turn, const JointWork& work, const JointAxisPart* limits, Real least,
-                 const SolverBodies& bodies, const JointMemory& last, const StepConstants& step) {
+void set_reach(TurnPack& turn, const JointWork& work, const JointAxisPart* limits, Real least) {
     const std::uint32_t lane = work.lane;
-    const BodyStep &a = bodies.step[work.a.body], &b = bodies.step[work.b.body];
-    // No entry of K^-1 axis is above the largest inverse of a radius, wherever the body turns.
-    std::uint64_t most = 0;
-    for (const BodyStep* body : {&a, &b})
-        for (int i = 0; i < 3 && body->moves; ++i) most |= magnitude(body->radii_inv[i].raw);
-    const int e = most == 0 ? 0 : bit_length(most) - Real::fraction_bits - 1;
-    turn.exponent[lane] = e;
-    set_hinge_shift(turn, lane, true, a), set_hinge_shift(turn, lane, false, b);
-    turn.bias_shift[lane] = Unit::fraction_bits + joint_rate_bits - Speed::fraction_bits + e;
-    turn.push_max[lane] = scaled_speed(step.joint_push_max.raw, Real::fraction_bits, e);
-    for (std::size_t r = 0; r < 2; ++r)
-        turn.impulse[r][lane] = scaled_impulse(last.axis[about_y + r].spring, e);
     turn.reach_cos[lane] = limits != nullptr ? reach_cosine(turn, lane, *limits, least) : INT32_MIN;
 }
 

@@ -20,9 +20,8 @@ void give_gyration(PackSide& side, std::uint32_t lane, const BodyInertia& body);
 void plan_hinge(JointTick& tick, const JointWork& work);
 /// Its frames alone: those of what nothing moves may be others.
 void set_hinge_frames(JointTick& tick, const JointWork& work);
-/// What changes from tick to tick. `limits`: those that the pack looks at, if any; nearer than `least` they are in reach.
-void start_hinge(TurnPack& turn, const JointWork& work, const JointAxisPart* limits, Real least,
-                 const SolverBodies& bodies, const JointMemory& last, const StepConstants& step);
+/// `limits`: those that the pack looks at, if any; nearer than `least` they are in reach.
+void set_reach(TurnPack& turn, const JointWork& work, const JointAxisPart* limits, Real least);
 /// Its rows are the block's from now on.
 void leave_hinge(JointBlock& block, TurnPack& turn, std::uint32_t lane);
 /// The axis about which a row of it turns B.

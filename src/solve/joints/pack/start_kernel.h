@@ -114,27 +114,72 @@ template <class L> class JointStarts {
             if (sizes[i] != 0 && e > exponent[i]) exponent[i] = e;
         }
     }
-    static void set_arm_shift(Side& side, unsigned at, std::int64_t e) {
-        const std::int64_t shift = side.spin_shift[at] + side.lever_bits[at] + e - row_bits;
-        side.arm_shift[at] = shift < 1 ? 1 : shift > 62 ? 62 : shift;
-        side.arm_half[at] = std::int64_t{1} << (side.arm_shift[at] - 1);
-    }
-    /// All that follows from e. The impulses of the last tick are in the sums, Real.
-    [[gnu::always_inline]] static void set_exponent(const Data& data, Pack& c, unsigned at, int e) {
-        const std::int64_t one = e > row_bits ? 0 : std::int64_t{1} << (row_bits - e);
-        c.exponent[at] = e;
-        c.one[at] = static_cast<std::int32_t>(one);
-        c.a.pull[at] = static_cast<std::int32_t>((one * c.a.share[at]) >> unit_bits);
-        c.b.pull[at] = static_cast<std::int32_t>((one * c.b.share[at]) >> unit_bits);
-        c.push_max[at] = shifted_within(data.push_max, real_bits + e - speed_bits, solve::joint_speed_max);
-        c.near_shift[at] = real_bits - gap_bits + e < 62 ? real_bits - gap_bits + e : 62;
-        c.ahead_shift[at] = unit_bits + 1 + e < 62 ? unit_bits + 1 + e : 62;
-        set_arm_shift(c.a, at, e), set_arm_shift(c.b, at, e);
-        for (int r = 0; r < 3; ++r) {
-            c.impulse[r][at] =
-                shifted_within(c.sum[r][at], real_bits - speed_bits - e, solve::joint_impulse_max);
-            c.sum[r][at] = 0;
+    /// The same of lanes.
+    static V shifted_within(V x, V shift, std::int64_t most) {
+        const V one = L::splat(1),
+                beyond = L::either(L::greater64(one, shift), L::greater64(shift, L::splat(62)));
+        if (L::lanes_of(beyond) != 0) [[unlikely]] {
+            std::int64_t v[N], by[N];
+            L::store64(v, x), L::store64(by, shift);
+            for (unsigned i = 0; i < N; ++i) v[i] = shifted_within(v[i], static_cast<int>(by[i]), most);
+            return L::load64(v);
         }
+        x = L::add(L::shift_right_by(x, L::sub(shift, one)), one);
+        return between(L::template shift_right_signed<1>(x), L::splat(-most), L::splat(most));
+    }
+    static V at_most(V x, std::int64_t most) {
+        return L::select(L::greater64(x, L::splat(most)), L::splat(most), x);
+    }
+    static void set_arm_shift(Side& side, unsigned lane, V e) {
+        const V one = L::splat(1),
+                bits = L::add(L::load64(&side.spin_shift[lane]), L::load64(&side.lever_bits[lane]));
+        const V shift = between(L::sub(L::add(bits, e), L::splat(row_bits)), one, L::splat(62));
+        L::store64(&side.arm_shift[lane], shift);
+        L::store64(&side.arm_half[lane], L::shift_left_by(one, L::sub(shift, one)));
+    }
+    /// The impulses of the last tick, which are in the sums, Real.
+    static void scale_impulse(std::int32_t* impulse, std::int64_t* sum, V e) {
+        const V shift = L::sub(L::splat(real_bits - speed_bits), e);
+        L::store32(impulse, shifted_within(L::load64(sum), shift, solve::joint_impulse_max));
+        L::store64(sum, L::splat(0));
+    }
+    static V scaled_push(const Data& data, V e) {
+        return shifted_within(L::splat(data.push_max), L::add(e, L::splat(real_bits - speed_bits)),
+                              solve::joint_speed_max);
+    }
+    /// All that follows from e, which is at least 0.
+    [[gnu::always_inline]] static void set_exponents(const Data& data, Pack& c, unsigned lane, V e) {
+        const V whole = L::shift_left_by(L::splat(1), L::sub(L::splat(row_bits), at_most(e, row_bits)));
+        const V one = L::select(L::greater64(e, L::splat(row_bits)), L::splat(0), whole);
+        L::store32(&c.exponent[lane], e), L::store32(&c.one[lane], one);
+        for (Side* side : {&c.a, &c.b}) {
+            const V pull = L::mul(one, L::load32(&side->share[lane]));
+            L::store32(&side->pull[lane], L::template shift_right<unit_bits>(pull));
+            set_arm_shift(*side, lane, e);
+        }
+        L::store32(&c.push_max[lane], scaled_push(data, e));
+        L::store64(&c.near_shift[lane], at_most(L::add(e, L::splat(real_bits - gap_bits)), 62));
+        L::store64(&c.ahead_shift[lane], at_most(L::add(e, L::splat(unit_bits + 1)), 62));
+        for (int r = 0; r < 3; ++r) scale_impulse(&c.impulse[r][lane], &c.sum[r][lane], e);
+    }
+    /// Of the rows of hinges. No entry of K^-1 axis is above the largest inverse of a radius, wherever the body turns.
+    static void scale_hinges(const Data& data, const Pack& c, solve::TurnPack& t, unsigned lane) {
+        std::int64_t exponents[N];
+        const auto bits = [&](const Side& side, unsigned at) {
+            return side.turned[at] == 0
+                       ? 0
+                       : reinterpret_cast<const std::int32_t*>(data.rotations + side.held[at])[4];
+        };
+        for (unsigned i = 0; i < N; ++i) {
+            const std::int32_t a = bits(c.a, lane + i), b = bits(c.b, lane + i), most = a > b ? a : b;
+            exponents[i] = most == 0 ? 0 : most - real_bits - 1;
+        }
+        const V e = L::load64(exponents), one = L::splat(1), far = L::splat(62);
+        L::store32(&t.exponent[lane], e), L::store32(&t.push_max[lane], scaled_push(data, e));
+        L::store64(&t.shift_a[lane], between(L::add(L::load64(&c.a.spin_shift[lane]), e), one, far));
+        L::store64(&t.shift_b[lane], between(L::add(L::load64(&c.b.spin_shift[lane]), e), one, far));
+        L::store64(&t.bias_shift[lane], L::add(e, L::splat(unit_bits + solve::joint_rate_bits - speed_bits)));
+        for (int r = 0; r < 2; ++r) scale_impulse(&t.impulse[r][lane], &t.sum[r][lane], e);
     }
 
     using Frame = std::int32_t[2][3][solve::pack_lanes];
@@ -173,8 +218,10 @@ template <class L> class JointStarts {
         Axes a, b;
         find_axes(data, c.a, lane, a), find_axes(data, c.b, lane, b);
         start_side(data, c.a, lane, a, e), start_side(data, c.b, lane, b, e);
-        for (unsigned i = 0; i < N; ++i) set_exponent(data, c, lane + i, static_cast<int>(e[i]));
-        if (c.hinges) start_hinges(data.turns[c.turn], lane, a, b);
+        set_exponents(data, c, lane, L::load64(e));
+        if (!c.hinges) return;
+        scale_hinges(data, c, data.turns[c.turn], lane);
+        start_hinges(data.turns[c.turn], lane, a, b);
     }
 };
 

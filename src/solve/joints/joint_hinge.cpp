@@ -1,0 +1,104 @@
+// Hinges that packs make: what is left of them is a twist, and its limits. And when limits of a twist are out of reach.
+#include "solve/joints/joint_work.h"
+
+#include "lockstone/math/math.h"
+
+namespace lockstone::solve {
+
+namespace {
+
+/// How fast a side turns at most, by the sum of its components [rad/s]. Of hinges packs know it.
+Real spin_size(const JointTick& tick, const JointWork& work, const JointWorkSide& side) {
+    if (side.world) return {};
+    if (!work.hinge) {
+        const Vec3 w = abs(tick.bodies[side.cache].w);
+        return w.x + w.y + w.z;
+    }
+    std::uint64_t size = 0;
+    for (const std::int32_t w : tick.turned[side.cache + 1].spin) size += magnitude(w);
+    return Real::from_raw(static_cast<std::int64_t>(size) << (Real::fraction_bits - Speed::fraction_bits));
+}
+
+} // namespace
+
+Real least_room(const JointTick& tick, const JointWork& work, const StepConstants& step) {
+    constexpr Real slack = Real(1) / Real(16), given = Real(20);
+    const Real speed = given + spin_size(tick, work, work.a) + spin_size(tick, work, work.b);
+    return mul<Real>(min(speed, limit_speed_far), step.substep_time) + slack;
+}
+
+bool is_out_of_reach(const JointAxisPart& part, const JointAxisImpulses* last, Real position, Real least) {
+    if ((part.features & (has_spring | has_motor)) != 0 || part.sum != Real{}) return false;
+    if (last == nullptr ? (part.lower | part.upper) != 0 : last->lower != Real{} || last->upper != Real{})
+        return false;
+    return ((part.features & has_lower) == 0 || position - part.lower_at > least) &&
+           ((part.features & has_upper) == 0 || part.upper_at - position > least);
+}
+
+namespace {
+
+/// The frame of one side in world axes.
+Quat frame_now(const JointTick& tick, const JointWorkSide& side, const JointFrame& frame) {
+    return side.world ? frame.rotation : product(tick.bodies[side.cache].rotation, frame.rotation);
+}
+/// As to_rotation(), of a rotation: its x axis.
+UnitVec3 x_axis(Quat q) {
+    const std::int64_t x = q.x.raw, y = q.y.raw, z = q.z.raw, w = q.w.raw;
+    const auto dropped = [](std::int64_t sum, int bits) {
+        return Unit::from_raw(static_cast<std::int32_t>((sum + (std::int64_t{1} << (bits - 1))) >> bits));
+    };
+    constexpr int whole = Unit::fraction_bits;
+    return {dropped(w * w + x * x - y * y - z * z, whole), dropped(x * y + w * z, whole - 1),
+            dropped(x * z - w * y, whole - 1)};
+}
+
+/// Whether limits are out of reach without an angle, as they were in the last tick: the pack looks whether they still are. Its twist is
+/// then the middle of what they allow, which is less than a half turn from it on either side.
+bool stays_out_of_reach(const JointWork& work, const JointAxisPart& part, const JointAxisImpulses& last,
+                        Real least) {
+    return is_out_of_reach(part, &last, work.twist, least) &&
+           half(part.upper_at - part.lower_at) - least < pi;
+}
+
+/// The twist of a hinge where its bodies are, and the row of its limits. False: they are out of reach, and there is no row.
+bool make_twist(JointTick& tick, JointWork& work, JointAxisPart& part, Real least, const StepConstants& step,
+                const SolverBodies& bodies) {
+    JointAxisImpulses last;
+    if (!work.made) last = impulses_of(part, tick.memory[work.memory]);
+    if (!work.made && stays_out_of_reach(work, part, last, least)) {
+        work.twist = part.lower_at + half(part.upper_at - part.lower_at);
+        return false;
+    }
+    const Quat qa = frame_now(tick, work.a, work.frame_a), qb = frame_now(tick, work.b, work.frame_b);
+    const UnitVec3 xa = x_axis(qa), xb = x_axis(qb);
+    const JointAxisImpulses* const before = work.made ? nullptr : &last;
+    work.twist = twist_between(qa, qb, work.counts_turns ? work.twist : Real{});
+    // Near opposite axes a small turn of the bodies changes the twist a lot.
+    work.steady = work.stays && dot<Real>(xa, xb) >= decimal<Real>("-0.5");
+    if (is_out_of_reach(part, before, work.twist, least)) return false;
+    const RowValue value =
+        twist_value(work.twist, xa, xb, inertia_now(work.a.body, bodies), inertia_now(work.b.body, bodies));
+    part.unmade = false;
+    make_axis_row(part, before, work, value, step, bodies);
+    return true;
+}
+
+} // namespace
+
+bool make_hinge(JointTick& tick, JointWork& work, const StepConstants& step, const SolverBodies& bodies) {
+    TurnPack& turn = turn_pack(tick, work);
+    JointAxisPart* const part = work.axis_count == 1 ? &tick.axes[work.first_axis] : nullptr;
+    const bool is_other = turn.apart[work.lane] != 0 || turn.generic[work.lane] != 0;
+    if (work.axis_count > 1 || is_other || (part != nullptr && part->kind != RowKind::twist)) return false;
+    const Real least = least_room(tick, work, step);
+    work.steady = work.stays; // no tree has it
+    const bool has_row = part != nullptr && make_twist(tick, work, *part, least, step, bodies);
+    if (part != nullptr && !has_row) part->turns = part->unmade = part->idle = true;
+    if (!work.made) set_reach(turn, work, has_row ? nullptr : part, least);
+    work.made = work.remade = true;
+    set_glance(tick, work, has_row, part != nullptr && (part->features & (has_spring | has_motor)) == 0);
+    set_acting(tick, work);
+    return true;
+}
+
+} // namespace lockstone::solve
