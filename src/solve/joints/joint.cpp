@@ -141,7 +141,8 @@ void refresh_packs(JointTick& tick, decltype(JointKernel::refresh) pass, const S
 void invert_packs(JointTick& tick, const JointKernel& kernel, const StepConstants& step,
                   const SolverBodies& bodies, Tasks* tasks) {
     const JointPassData data = pass_data(tick, step, const_cast<SolverBody*>(bodies.body.data()));
-    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.packs.size()), joint_pack_chunk,
+    const auto count = static_cast<std::uint32_t>(tick.packs.size());
+    base::for_chunks(tasks, count, tasks == nullptr ? std::max(count, 1u) : joint_pack_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
                          invert_some(tick, first, last, kernel, data);
                      });
@@ -157,7 +158,7 @@ void enlarge_exponents(JointTick& tick, std::uint32_t p, decltype(JointKernel::r
             if (((pack.over >> lane) & 1u) == 0) continue;
             JointWork& w = tick.joints[tick.packed[p * pack_lanes + lane]];
             enlarge_exponent(pack, w, step);
-            pack.stale[lane] = 1; // its inverse belongs to the rows before
+            pack.stale[lane] = -1; // its inverse belongs to the rows before
         }
         pass(data, p, p + 1);
     }
@@ -338,7 +339,7 @@ void find_stale_lanes(JointTick& tick, const SolverBodies& bodies) {
         std::uint32_t any = 0;
         for (std::uint32_t lane = 0; lane < pack_lanes; ++lane) {
             const std::uint32_t seen = seen_of(pack.a, lane) | seen_of(pack.b, lane);
-            pack.stale[lane] = (seen & pack.asks[lane]) != 0;
+            pack.stale[lane] = (seen & pack.asks[lane]) != 0 ? -1 : 0;
             any |= seen;
         }
         for (std::uint32_t lane = 0; (any & seen_followed) != 0 && lane < pack.count; ++lane)

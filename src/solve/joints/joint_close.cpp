@@ -158,7 +158,7 @@ class Closer {
     void follow_joint(std::uint32_t p, std::uint32_t lane) {
         const JointGlance& glance = tick.glances[tick.packed[p * pack_lanes + lane]];
         const int seen = tick.seen[glance.a] | tick.seen[glance.b];
-        tick.packs[p].stale[lane] = (seen & tick.packs[p].asks[lane]) != 0;
+        tick.packs[p].stale[lane] = (seen & tick.packs[p].asks[lane]) != 0 ? -1 : 0;
         if ((seen & seen_followed) != 0) give_gyration(tick, joint_of(p, lane), bodies);
         if (glance.own_rows) follow_errors(tick, joint_of(p, lane), step, bodies);
     }

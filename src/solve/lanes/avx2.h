@@ -37,6 +37,7 @@ struct Avx2 {
     }
     static V shift_left_by(V x, V by) { return _mm256_sllv_epi64(x, by); }
     template <int S> static V shift_left(V x) { return _mm256_slli_epi64(x, S); }
+    static V shift_right_logical_by(V x, V by) { return _mm256_srlv_epi64(x, by); }
     static V shift_right_by(V x, V by) { // moved up to where nothing is negative, and back
         const V sign = _mm256_set1_epi64x(INT64_MIN);
         return _mm256_sub_epi64(_mm256_srlv_epi64(_mm256_xor_si256(x, sign), by),

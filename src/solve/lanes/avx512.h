@@ -32,6 +32,7 @@ struct Avx512 {
     template <int S> static V shift_right_signed(V x) { return _mm512_srai_epi64(x, S); }
     static V shift_left_by(V x, V by) { return _mm512_sllv_epi64(x, by); }
     template <int S> static V shift_left(V x) { return _mm512_slli_epi64(x, S); }
+    static V shift_right_logical_by(V x, V by) { return _mm512_srlv_epi64(x, by); }
     static V shift_right_by(V x, V by) { return _mm512_srav_epi64(x, by); }
 
     static V max32(V a, V b) { return _mm512_max_epi32(a, b); }

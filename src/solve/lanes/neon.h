@@ -34,6 +34,9 @@ struct Neon {
     template <int S> static V shift_right_signed(V x) { return vshrq_n_s64(x, S); }
     static V shift_left_by(V x, V by) { return vshlq_s64(x, by); }
     template <int S> static V shift_left(V x) { return vshlq_n_s64(x, S); }
+    static V shift_right_logical_by(V x, V by) {
+        return vreinterpretq_s64_u64(vshlq_u64(bits(x), vnegq_s64(by)));
+    }
     static V shift_right_by(V x, V by) { return vshlq_s64(x, vnegq_s64(by)); }
 
     static V max32(V a, V b) { return vreinterpretq_s64_s32(vmaxq_s32(words32(a), words32(b))); }

@@ -30,8 +30,9 @@ struct Scalar {
     static V mul64(V a, V b) { return signed_of(bits(a) * bits(b)); }
     template <int S> static V shift_right(V x) { return signed_of(bits(x) >> S); } ///< logical
     template <int S> static V shift_right_signed(V x) { return x >> S; }           ///< arithmetic
-    static V shift_right_by(V x, V by) { return x >> by; }                 ///< by lane, arithmetic, 0..63
-    static V shift_left_by(V x, V by) { return signed_of(bits(x) << by); } ///< by lane, 0..63
+    static V shift_right_by(V x, V by) { return x >> by; } ///< by lane, arithmetic, 0..63
+    static V shift_right_logical_by(V x, V by) { return signed_of(bits(x) >> by); } ///< by lane, 0..63
+    static V shift_left_by(V x, V by) { return signed_of(bits(x) << by); }          ///< by lane, 0..63
     template <int S> static V shift_left(V x) { return signed_of(bits(x) << S); }
 
     // Of the low halves; those of masks are all ones or zero.

@@ -37,12 +37,13 @@ struct Sse41 {
         return _mm_blend_epi16(_mm_sll_epi64(x, by), _mm_sll_epi64(x, _mm_unpackhi_epi64(by, by)), 0xf0);
     }
     template <int S> static V shift_left(V x) { return _mm_slli_epi64(x, S); }
+    static V shift_right_logical_by(V x, V by) {
+        return _mm_blend_epi16(_mm_srl_epi64(x, by), _mm_srl_epi64(x, _mm_unpackhi_epi64(by, by)), 0xf0);
+    }
     static V shift_right_by(V x, V by) { // moved up to where nothing is negative, and back
-        const V sign = _mm_set1_epi64x(INT64_MIN), high = _mm_unpackhi_epi64(by, by);
-        const auto logical = [&](V y) {
-            return _mm_blend_epi16(_mm_srl_epi64(y, by), _mm_srl_epi64(y, high), 0xf0);
-        };
-        return _mm_sub_epi64(logical(_mm_xor_si128(x, sign)), logical(sign));
+        const V sign = _mm_set1_epi64x(INT64_MIN);
+        return _mm_sub_epi64(shift_right_logical_by(_mm_xor_si128(x, sign), by),
+                             shift_right_logical_by(sign, by));
     }
 
     static V max32(V a, V b) { return _mm_max_epi32(a, b); }

@@ -72,6 +72,15 @@ struct Wasm128 {
         const auto shifted = [](Two x, Two by) { return Two{x[0] << (by[0] & 63), x[1] << (by[1] & 63)}; };
         return {shifted(x.low, by.low), shifted(x.high, by.high)};
     }
+    static V shift_right_logical_by(V x, V by) {
+        const auto shifted = [](Two x, Two by) {
+            const auto lane = [&](int i) {
+                return static_cast<std::int64_t>(static_cast<std::uint64_t>(x[i]) >> (by[i] & 63));
+            };
+            return Two{lane(0), lane(1)};
+        };
+        return {shifted(x.low, by.low), shifted(x.high, by.high)};
+    }
     static V shift_right_by(V x, V by) {
         const auto shifted = [](Two x, Two by) { return Two{x[0] >> (by[0] & 63), x[1] >> (by[1] & 63)}; };
         return {shifted(x.low, by.low), shifted(x.high, by.high)};

@@ -39,8 +39,9 @@ struct HostilePack {
 
     explicit HostilePack(std::uint64_t seed) : random(seed) {
         pack.count = solve::pack_lanes, pack.hinges = true;
+        const std::uint64_t stale = random() % 2 == 0 ? 7 : 2; // of eight: all or few of the lanes
         for (std::uint32_t lane = 0; lane < solve::pack_lanes; ++lane) {
-            pack.stale[lane] = random() % 8 != 0, turn.generic[lane] = random() % 8 == 0 ? -1 : 0;
+            pack.stale[lane] = random() % 8 < stale ? -1 : 0, turn.generic[lane] = random() % 8 == 0 ? -1 : 0;
             pack.one[lane] = static_cast<std::int32_t>(std::int64_t{1} << random() % 29);
             for (solve::PackSide* side : {&pack.a, &pack.b}) {
                 fill_rows(side->x, lane, 3);
@@ -65,18 +66,19 @@ struct HostilePack {
     int invert_by(const solve::JointKernel& kernel) {
         const solve::JointPassData data{nullptr, &pack, &turn, nullptr, nullptr, nullptr, 0, 0, 0, 0};
         kernel.invert(data, 0, 1);
-        int left = 0;
+        std::uint32_t left = 0;
         for (std::uint32_t lane = 0; lane < solve::pack_lanes; ++lane) {
-            left += (pack.left[lane] & 1) + (pack.left[lane] >> 1);
+            left += ((pack.points_left >> lane) & 1u) + ((pack.hinges_left >> lane) & 1u);
             solve::invert_left(pack, &turn, lane);
         }
-        return left;
+        return static_cast<int>(left);
     }
     void invert_one_by_one() {
         using namespace solve;
         for (std::uint32_t lane = 0; lane < pack_lanes; ++lane) {
             if (pack.stale[lane] == 0) continue;
-            pack.left[lane] = turn.generic[lane] == 0 ? point_left | hinge_left : point_left;
+            pack.points_left |= 1u << lane;
+            if (turn.generic[lane] == 0) pack.hinges_left |= 1u << lane;
             invert_left(pack, &turn, lane);
         }
     }
@@ -84,8 +86,7 @@ struct HostilePack {
 
 bool are_same(const solve::PackInverse& a, const solve::PackInverse& b) {
     return std::equal(&a.m[0][0], &a.m[0][0] + 6 * solve::pack_lanes, &b.m[0][0]) &&
-           std::ranges::equal(a.shift, b.shift) && std::ranges::equal(a.half, b.half) &&
-           std::ranges::equal(a.odd, b.odd);
+           std::ranges::equal(a.shift, b.shift) && std::ranges::equal(a.half, b.half) && a.odd == b.odd;
 }
 
 /// Four held bodies that have moved, turned and spin in all sizes, and where a kernel says they are.

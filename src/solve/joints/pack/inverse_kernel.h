@@ -17,195 +17,329 @@ namespace lockstone::solve {
 template <class L> class JointInverses {
     static constexpr unsigned N = L::lanes, all_lanes = solve::pack_lanes;
     using Pack = solve::JointPack;
-    using Side = solve::PackSide;
+    using Data = solve::JointPassData;
     using V = typename L::V;
-    using Row3 = std::int32_t[3][3][all_lanes];
+    template <class T> using Lanes = T[all_lanes];
+    using Rows = const Lanes<std::int32_t> (*)[3];
     static constexpr int k_bits = 31; ///< of k once its largest diagonal entry is in [1/2, 1)
-    static constexpr std::int64_t k_end = std::int64_t{1} << k_bits, adjugate_end = std::int64_t{1} << 62,
-                                  determinant_min = std::int64_t{1} << 44;
+    static constexpr int spare = 8;   ///< bits of k below its 48 fraction bits until then, which are zero
+    static constexpr std::int64_t k_end = std::int64_t{1} << k_bits, determinant_min = std::int64_t{1} << 44;
     /// Lower triangle by rows, as Inverse: 11, 21, 22, 31, 32, 33.
     using Symmetric = V[6];
 
-    static int bit_length(std::int64_t x) {
-        return x == 0 ? 0 : 64 - std::countl_zero(static_cast<std::uint64_t>(x));
+    /// What the bodies of one side add to k.
+    struct Side {
+        Rows point, hinge;
+        const Lanes<std::int32_t>& share;
+        const Lanes<std::int64_t>& shift;
+        bool shifts;
+    };
+    struct Target {
+        Pack* pack;
+        unsigned lane;
+    };
+    /// Lanes that are inverted at once.
+    struct Lot {
+        const Lanes<std::int32_t>&one, &generic, &stale;
+        Side a, b;
+        bool hinges;
+        Target first;         ///< lanes that follow each other in a pack
+        const Target* others; ///< what the inverses are for if not those
+        Target target(unsigned i) const {
+            return others != nullptr ? others[i] : Target{first.pack, first.lane + i};
+        }
+    };
+    /// Stale lanes of several packs, side by side. The others are zero, or what was there before.
+    class Gathered {
+        struct Own {
+            Lanes<std::int32_t> point[3][3], hinge[2][3], share;
+            Lanes<std::int64_t> shift;
+            bool shifts;
+        };
+        Lanes<std::int32_t> one{}, generic{}, stale{};
+        Own a{}, b{};
+        Target targets[N] = {};
+        unsigned count = 0;
+
+        static void copy(Rows from, unsigned lane, Lanes<std::int32_t> (*to)[3], unsigned at, int rows) {
+            for (int r = 0; r < rows; ++r)
+                for (int i = 0; i < 3; ++i) to[r][i][at] = from[r][i][lane];
+        }
+        static void copy(const solve::PackSide& from, unsigned lane, Own& to, unsigned at) {
+            copy(from.x, lane, to.point, at, 3);
+            to.share[at] = from.share[lane], to.shift[at] = from.shift[lane];
+            to.shifts = to.shifts || from.shifts;
+        }
+        static Side side_of(const Own& own) {
+            return {own.point, own.hinge, own.share, own.shift, own.shifts};
+        }
+
+      public:
+        /// Returns whether it is full.
+        bool add(const Data& data, Pack& c, unsigned lane) {
+            one[count] = c.one[lane], stale[count] = -1;
+            copy(c.a, lane, a, count), copy(c.b, lane, b, count);
+            if (c.hinges) {
+                const solve::TurnPack& t = data.turns[c.turn];
+                generic[count] = t.generic[lane];
+                copy(t.ja, lane, a.hinge, count, 2), copy(t.jb, lane, b.hinge, count, 2);
+            }
+            targets[count] = {&c, lane};
+            return ++count == N;
+        }
+        unsigned invert(const Data& data, bool hinges) {
+            if (count == 0) return 0;
+            const unsigned left = JointInverses::invert(
+                data, {one, generic, stale, side_of(a), side_of(b), hinges, {nullptr, 0}, targets});
+            for (unsigned i = 0; i < N; ++i) stale[i] = 0;
+            count = 0;
+            return left;
+        }
+    };
+
+    /// Where the highest bit that is set stands in what is not zero.
+    static std::int64_t highest_bit(std::int64_t x) {
+        return static_cast<unsigned>(63 ^ std::countl_zero(static_cast<std::uint64_t>(x) | 1u));
     }
-    static V negative(V x) { return L::greater64(L::splat(0), x); }
-    /// Lanes in which some x - least is below zero or not below 2^Bits; `any` has those differences or-ed.
+    static V highest_bits(V x) {
+        std::int64_t lanes[N];
+        L::store64(lanes, x);
+        for (std::int64_t& lane : lanes) lane = highest_bit(lane);
+        return L::load64(lanes);
+    }
+    /// Lanes that are below zero or not below 2^Bits.
     template <int Bits> static V beyond(V any) {
         return L::greater64(L::template shift_right<Bits>(any), L::splat(0));
     }
 
-    /// share * dot with 48 fraction bits, rounded down twice; dot has 56 and is below 2^60.
-    static V shared(V dot, const Side& side, unsigned lane) {
+    /// share * dot with 48 fraction bits, rounded down, and zeros for the spare ones; dot has 56 and is below 2^60.
+    static V shared(V dot, V share, const Side& side, unsigned lane) {
         constexpr int low_bits = 30; // so that both parts are within the low half
-        const V share = L::load32(&side.share[lane]);
         const V high = L::mul(L::template shift_right<low_bits>(dot), share);
         const V low = L::mul(L::both(dot, L::splat((std::int64_t{1} << low_bits) - 1)), share);
-        const V sum = L::add(L::template shift_left<2>(high), L::template shift_right<28>(low)); // 58 bits
-        if (!side.shifts) return L::template shift_right_signed<10>(sum);
-        const V shift = L::load64(&side.shift[lane]), most = L::splat(52);
-        const V far = L::greater64(shift, most);
-        return L::without(L::shift_right_by(sum, L::add(L::select(far, most, shift), L::splat(10))), far);
+        V sum = L::add(high, L::template shift_right<low_bits>(low));
+        if (side.shifts) {
+            const V shift = L::load64(&side.shift[lane]), most = L::splat(52);
+            const V far = L::greater64(shift, most);
+            sum = L::without(L::shift_right_by(sum, L::select(far, most, shift)), far);
+        }
+        return L::both(sum, L::splat(-(std::int64_t{1} << spare)));
     }
-    /// Adds x x^T of the rows of a side, one^2 on its diagonal.
-    template <unsigned Rows>
-    static void add_side(const Row3& x, V square, const Side& side, unsigned lane, Symmetric& k) {
-        V row[Rows][3];
-        for (unsigned r = 0; r < Rows; ++r)
+    /// x x^T of the rows of a side, one^2 on its diagonal; Add: to what is there.
+    template <unsigned Size, bool Add>
+    static void add_side(Rows x, V square, const Side& side, unsigned lane, Symmetric& k) {
+        const V share = L::load32(&side.share[lane]);
+        V row[Size][3];
+        for (unsigned r = 0; r < Size; ++r)
             for (int i = 0; i < 3; ++i) row[r][i] = L::load32(&x[r][i][lane]);
-        for (unsigned r = 0, at = 0; r < Rows; ++r)
+        for (unsigned r = 0, at = 0; r < Size; ++r)
             for (unsigned c = 0; c <= r; ++c, ++at) {
                 V dot = L::add(L::add(L::mul(row[r][0], row[c][0]), L::mul(row[r][1], row[c][1])),
                                L::mul(row[r][2], row[c][2]));
                 if (r == c) dot = L::add(dot, square);
-                k[at] = L::add(k[at], shared(dot, side, lane));
+                const V part = shared(dot, share, side, lane);
+                k[at] = Add ? L::add(k[at], part) : part;
             }
     }
 
-    static V rounded_by(V x, const std::int64_t (&by)[N]) {
-        const V shift = L::load64(by);
-        return L::shift_right_by(L::add(x, L::shift_left_by(L::splat(1), L::sub(shift, L::splat(1)))), shift);
+    /// x / 2^by + 2^31, rounded: from 0 to 2^32 where the quotient has 32 bits. |x| is below 2^(31 + by), or `by` at most 31.
+    static V rounded_by(V x, V by) {
+        constexpr std::int64_t half_and_end = (std::int64_t{1} << 32) + 1;
+        const V plus = L::shift_left_by(L::splat(half_and_end), L::sub(by, L::splat(1)));
+        return L::shift_right_logical_by(L::add(x, plus), by);
     }
-    /// k 2^-drop, its largest diagonal entry from 2^30 to 2^31. Returns the lanes where that is not to be had by a shift down.
-    template <int Count> static V normalize(Symmetric& k, std::int64_t (&drop)[N]) {
+    /// k 2^-shift, its largest diagonal entry from 2^30 to 2^31. Returns the lanes where that is not to be had by a shift down.
+    template <int Count> static V normalize(Symmetric& k, V& shift) {
         V largest = k[0];
         for (const int i : {2, 5})
             if (i < Count) largest = L::select(L::greater64(k[i], largest), k[i], largest);
-        L::store64(drop, largest);
-        for (unsigned i = 0; i < N; ++i) { // 1: too small, as they are then
-            const int length = bit_length(drop[i]);
-            drop[i] = length > k_bits ? length - k_bits : 1;
-        }
+        const V end = L::splat(k_end << spare);
+        // By more than the spare bits, though lanes may be too small for that.
+        shift = L::sub(highest_bits(L::either(largest, end)), L::splat(k_bits - 1));
         V any = L::splat(0);
         for (int i = 0; i < Count; ++i) {
-            k[i] = rounded_by(k[i], drop);
-            any = L::either(any, L::add(k[i], L::splat(k_end)));
+            const V x = rounded_by(k[i], shift);
+            any = L::either(any, x), k[i] = L::sub(x, L::splat(k_end));
         }
-        return L::either(beyond<k_bits + 1>(any), L::greater64(L::splat(k_end), largest));
+        return L::either(beyond<k_bits + 1>(any), L::greater64(end, largest));
     }
     /// x y - z w of low halves.
     static V minor(V x, V y, V z, V w) { return L::sub(L::mul(x, y), L::mul(z, w)); }
+    static V magnitude(V x) {
+        const V nothing = L::splat(0);
+        return L::select(L::greater64(nothing, x), L::sub(nothing, x), x);
+    }
 
-    /// Sum of a m over the first row of k and its minors, shifted down by 31 bits and rounded.
+    /// Sum of a m over the first row of k, which is a, and its minors, shifted down by 31 bits and rounded.
     static V determinant(const V (&a)[3], const V (&m)[3]) {
         const V low = L::splat((std::int64_t{1} << 31) - 1);
-        V sum = L::splat(0), rest = L::splat(std::int64_t{1} << 30);
-        for (int i = 0; i < 3; ++i) {
-            const V part = L::mul(a[i], L::both(m[i], low));
-            sum = L::add(sum, L::add(L::mul(a[i], L::template shift_right<31>(m[i])),
-                                     L::template shift_right_signed<31>(part)));
-            rest = L::add(rest, L::both(part, low));
-        }
-        return L::add(sum, L::template shift_right<31>(rest));
+        V sum[3], part[3];
+        for (int i = 0; i < 3; ++i)
+            sum[i] = L::mul(a[i], L::template shift_right<31>(m[i])),
+            part[i] = L::mul(a[i], L::both(m[i], low));
+        // All three have no room in 64 bits; the first is that of the diagonal, and not below zero.
+        const V rest = L::add(L::add(part[1], part[2]), L::splat(std::int64_t{1} << 30));
+        const V carried = L::template shift_right<31>(L::add(L::both(part[0], low), L::both(rest, low)));
+        const V high = L::add(L::template shift_right<31>(part[0]), L::template shift_right_signed<31>(rest));
+        return L::add(L::add(L::add(sum[0], sum[1]), sum[2]), L::add(high, carried));
     }
 
-    /// Where `mask` is set: the inverse, adjugate / determinant. Returns the lanes in which a factor has 32 bits.
-    template <int Count>
-    static V write_quotient(solve::PackInverse& to, unsigned lane, const Symmetric& adjugate, V det,
-                            const std::int64_t (&drop)[N], V mask) {
-        std::int64_t length[N], cut[N], q[N];
-        V any = L::splat(0);
-        for (int i = 0; i < Count; ++i) {
-            const V below = negative(adjugate[i]);
-            any = L::either(any, L::select(below, L::sub(L::splat(0), adjugate[i]), adjugate[i]));
-        }
-        L::store64(length, det), L::store64(cut, any);
-        const unsigned asked = L::lanes_of(mask);
+    /// An inverse in lanes, as solve::PackInverse.
+    struct Inverses {
+        V m[6], shift, half, odd;
+        V left; ///< lanes that it does not hold
+    };
+    /// numerator / determinant, the numerator of 31 bits. Its shift is `more` than the highest bit of the determinant, which is at least
+    /// determinant_min where `left` is not set.
+    template <int Count> static Inverses quotient(const Symmetric& numerator, V det, V more, V left) {
+        std::int64_t top[N], q[N];
+        L::store64(top, L::select(left, L::splat(determinant_min), det));
         for (unsigned i = 0; i < N; ++i) {
-            if (((asked >> i) & 1u) == 0) {
-                cut[i] = q[i] = 1;
-                continue;
-            }
-            const std::int64_t d = length[i];
-            length[i] = bit_length(d);
-            cut[i] = bit_length(cut[i]) - 31;
-            q[i] = static_cast<std::int64_t>( // in (2^30, 2^31]
-                ((std::uint64_t{1} << 63) / (static_cast<std::uint64_t>(d) >> (length[i] - 32))) >> 1);
+            const std::uint64_t d = static_cast<std::uint64_t>(top[i]);
+            top[i] = highest_bit(top[i]);
+            // in (2^30, 2^31]
+            q[i] = static_cast<std::int64_t>((std::uint64_t{1} << 62) / (d >> (top[i] - 31)));
         }
-        V m[6], out = L::splat(0);
-        const V by = L::load64(q), half = L::splat(std::int64_t{1} << 31);
-        for (int i = 0; i < Count; ++i) {
-            const V x = rounded_by(adjugate[i], cut);
-            out = L::either(out, L::add(x, L::splat(k_end)));
-            m[i] = L::template shift_right<32>(L::add(L::mul(x, by), half));
-        }
-        const V left = L::either(beyond<k_bits + 1>(out), L::greater64(by, L::splat(k_end - 1)));
-        const V ready = L::without(mask, left), one = L::splat(1);
-        const auto keep = [ready](V x, V before) { return L::select(ready, x, before); };
-        for (int i = 0; i < 6; ++i)
-            L::store32(&to.m[i][lane], keep(i < Count ? m[i] : L::splat(0), L::load32(&to.m[i][lane])));
-        // length - (cut + 31) + 12 + drop
-        const V shift =
-            L::add(L::sub(L::load64(length), L::load64(cut)), L::sub(L::load64(drop), L::splat(31 - 12)));
-        const V odd = L::either(L::greater64(one, shift), L::greater64(shift, L::splat(62)));
-        const V rounding = L::without(L::shift_left_by(one, L::without(L::sub(shift, one), odd)), odd);
-        L::store64(&to.shift[lane], keep(shift, L::load64(&to.shift[lane])));
-        L::store64(&to.half[lane], keep(rounding, L::load64(&to.half[lane])));
-        const unsigned done = L::lanes_of(ready), odd_lanes = L::lanes_of(odd);
-        for (unsigned i = 0; i < N; ++i)
-            if ((done >> i) & 1u) to.odd[lane + i] = (odd_lanes >> i) & 1u;
-        return left;
+        Inverses out;
+        const V by = L::load64(q), half = L::splat(std::int64_t{1} << 31), one = L::splat(1);
+        for (int i = 0; i < Count; ++i)
+            out.m[i] = L::template shift_right<32>(L::add(L::mul(numerator[i], by), half));
+        out.left = L::either(left, L::greater64(by, L::splat(k_end - 1)));
+        out.shift = L::add(L::load64(top), more);
+        out.odd = L::either(L::greater64(one, out.shift), L::greater64(out.shift, L::splat(62)));
+        out.half = L::without(L::shift_left_by(one, L::without(L::sub(out.shift, one), out.odd)), out.odd);
+        return out;
     }
 
-    static V invert_point(Pack& c, unsigned lane, V mask) {
-        const V one = L::load32(&c.one[lane]), square = L::mul(one, one);
+    static Inverses invert_points(const Lot& lot) {
+        const unsigned lane = lot.first.lane;
+        const V one = L::load32(&lot.one[lane]), square = L::mul(one, one);
         Symmetric k;
-        for (V& entry : k) entry = L::splat(0);
-        add_side<3>(c.a.x, square, c.a, lane, k), add_side<3>(c.b.x, square, c.b, lane, k);
-        std::int64_t drop[N];
+        add_side<3, false>(lot.a.point, square, lot.a, lane, k);
+        add_side<3, true>(lot.b.point, square, lot.b, lane, k);
+        V drop;
         V left = normalize<6>(k, drop);
-        const Symmetric adjugate = {minor(k[2], k[5], k[4], k[4]), minor(k[3], k[4], k[1], k[5]),
-                                    minor(k[0], k[5], k[3], k[3]), minor(k[1], k[4], k[2], k[3]),
-                                    minor(k[1], k[3], k[0], k[4]), minor(k[0], k[2], k[1], k[1])};
-        V any = L::splat(0);
-        for (int i = 0; i < 6; ++i) any = L::either(any, L::add(adjugate[i], L::splat(adjugate_end)));
+        Symmetric adjugate = {minor(k[2], k[5], k[4], k[4]), minor(k[3], k[4], k[1], k[5]),
+                              minor(k[0], k[5], k[3], k[3]), minor(k[1], k[4], k[2], k[3]),
+                              minor(k[1], k[3], k[0], k[4]), minor(k[0], k[2], k[1], k[1])};
+        // Those on the diagonal are below zero only where rounding makes them so: such lanes are left.
+        V any = L::either(L::either(adjugate[0], adjugate[2]), adjugate[5]);
+        for (const int i : {1, 3, 4}) any = L::either(any, magnitude(adjugate[i]));
         const V first[3] = {k[0], k[1], k[3]}, minors[3] = {adjugate[0], adjugate[1], adjugate[3]};
         const V det = determinant(first, minors);
-        left = L::either(left, L::either(beyond<63>(any), L::greater64(L::splat(determinant_min), det)));
-        return L::either(left,
-                         write_quotient<6>(c.inverse, lane, adjugate, det, drop, L::without(mask, left)));
+        left = L::either(left, L::either(beyond<62>(any), L::greater64(L::splat(determinant_min), det)));
+
+        // At least 1, as it is where nothing is left.
+        const V cut = L::sub(highest_bits(L::either(any, L::splat(k_end))), L::splat(k_bits - 1));
+        V over = L::splat(0);
+        for (V& entry : adjugate) {
+            const V x = rounded_by(entry, cut);
+            over = L::either(over, x), entry = L::sub(x, L::splat(k_end));
+        }
+        left = L::either(left, beyond<k_bits + 1>(over));
+        const V more = L::add(L::sub(drop, cut), L::splat(13 - spare - k_bits));
+        return quotient<6>(adjugate, det, more, left);
     }
-    static V invert_hinge(solve::TurnPack& t, const Pack& c, unsigned lane, V mask) {
+    /// With two rows the adjugate is made of entries of k: it has 31 bits as it is.
+    static Inverses invert_hinges(const Lot& lot) {
+        const unsigned lane = lot.first.lane;
         Symmetric k;
-        for (V& entry : k) entry = L::splat(0);
-        add_side<2>(t.ja, L::splat(0), c.a, lane, k), add_side<2>(t.jb, L::splat(0), c.b, lane, k);
-        std::int64_t drop[N];
+        add_side<2, false>(lot.a.hinge, L::splat(0), lot.a, lane, k);
+        add_side<2, true>(lot.b.hinge, L::splat(0), lot.b, lane, k);
+        V drop;
         V left = normalize<3>(k, drop);
-        Symmetric adjugate = {L::template shift_left<k_bits>(k[2]),
-                              L::sub(L::splat(0), L::template shift_left<k_bits>(k[1])),
-                              L::template shift_left<k_bits>(k[0])};
-        for (int i = 3; i < 6; ++i) adjugate[i] = L::splat(0);
         const V det = minor(k[0], k[2], k[1], k[1]);
         left = L::either(left, L::greater64(L::splat(determinant_min), det));
-        return L::either(left,
-                         write_quotient<3>(t.inverse, lane, adjugate, det, drop, L::without(mask, left)));
+        const Symmetric adjugate = {k[2], L::sub(L::splat(0), k[1]), k[0]};
+        return quotient<3>(adjugate, det, L::add(drop, L::splat(13 - spare - 2 * k_bits)), left);
     }
 
-  public:
-    /// Of the lanes of a pack that are stale. Bits of solve::JointPack::left in those that are left to the caller.
-    static void invert(const solve::JointPassData& data, Pack& c, unsigned lane) {
-        std::int64_t stale[N], own[N];
-        unsigned any = 0;
-        for (unsigned i = 0; i < N; ++i) {
-            c.left[lane + i] = 0;
-            any |= c.stale[lane + i];
-            stale[i] = c.stale[lane + i] != 0 ? -1 : 0;
+    template <int Count> static void store(const Inverses& x, solve::PackInverse& to, unsigned lane) {
+        for (int i = 0; i < Count; ++i) L::store32(&to.m[i][lane], x.m[i]);
+        L::store64(&to.shift[lane], x.shift), L::store64(&to.half[lane], x.half);
+    }
+    /// Writes the lanes of a mask but those that are left, to inverse_of(pack). Returns the bits of those that are.
+    template <int Count, class InverseOf>
+    static unsigned write(const Lot& lot, V mask, const Inverses& x, InverseOf&& inverse_of) {
+        constexpr unsigned all = (1u << N) - 1;
+        const unsigned ready = L::lanes_of(L::without(mask, x.left)), odd = L::lanes_of(x.odd);
+        if (lot.others == nullptr && ready == all) {
+            const auto [pack, lane] = lot.first;
+            solve::PackInverse& to = inverse_of(*pack);
+            store<Count>(x, to, lane);
+            to.odd = (to.odd & ~(all << lane)) | odd << lane;
+            return 0;
         }
-        if (any == 0) return;
-        const V mask = L::load64(stale);
-        const auto note = [&](V left, std::uint8_t bit) {
-            const unsigned lanes = L::lanes_of(left);
-            if (lanes == 0) [[likely]]
-                return;
-            for (unsigned i = 0; i < N; ++i)
-                if ((lanes >> i) & 1u) c.left[lane + i] |= bit;
+        solve::PackInverse made;
+        store<Count>(x, made, 0);
+        for (unsigned i = 0; i < N; ++i) {
+            if (((ready >> i) & 1u) == 0) continue;
+            const auto [pack, lane] = lot.target(i);
+            solve::PackInverse& to = inverse_of(*pack);
+            for (int k = 0; k < Count; ++k) to.m[k][lane] = made.m[k][i];
+            to.shift[lane] = made.shift[i], to.half[lane] = made.half[i];
+            to.odd = (to.odd & ~(1u << lane)) | ((odd >> i) & 1u) << lane;
+        }
+        return L::lanes_of(mask) & ~ready;
+    }
+    /// Notes which lanes of packs are left.
+    static void leave(const Lot& lot, unsigned left, std::uint32_t Pack::*lanes) {
+        for (unsigned i = 0; left != 0; ++i, left >>= 1)
+            if ((left & 1u) != 0) lot.target(i).pack->*lanes |= 1u << lot.target(i).lane;
+    }
+    /// Returns whether some lanes are left.
+    [[gnu::noinline]] static unsigned invert(const Data& data, const Lot& lot) {
+        const V stale = L::load32(&lot.stale[lot.first.lane]);
+        const auto of_points = [](Pack& c) -> solve::PackInverse& { return c.inverse; };
+        const auto of_hinges = [&](Pack& c) -> solve::PackInverse& { return data.turns[c.turn].inverse; };
+        const unsigned points = write<6>(lot, stale, invert_points(lot), of_points);
+        leave(lot, points, &Pack::points_left);
+        if (!lot.hinges) return points;
+        const V own = L::without(stale, L::load32(&lot.generic[lot.first.lane]));
+        const unsigned hinges = write<3>(lot, own, invert_hinges(lot), of_hinges);
+        leave(lot, hinges, &Pack::hinges_left);
+        return points | hinges;
+    }
+    /// The lanes of a pack from `lane` on.
+    static unsigned invert(const Data& data, Pack& c, unsigned lane) {
+        const auto side = [](const solve::PackSide& s, Rows hinge) {
+            return Side{s.x, hinge, s.share, s.shift, s.shifts};
         };
-        note(L::both(invert_point(c, lane, mask), mask), solve::point_left);
-        if (!c.hinges) return;
-        solve::TurnPack& t = data.turns[c.turn];
-        for (unsigned i = 0; i < N; ++i) own[i] = t.generic[lane + i] == 0 ? stale[i] : 0;
-        const V hinges = L::load64(own);
-        note(L::both(invert_hinge(t, c, lane, hinges), hinges), solve::hinge_left);
+        if (!c.hinges)
+            return invert(
+                data,
+                {c.one, c.one, c.stale, side(c.a, nullptr), side(c.b, nullptr), false, {&c, lane}, nullptr});
+        const solve::TurnPack& t = data.turns[c.turn];
+        return invert(
+            data, {c.one, t.generic, c.stale, side(c.a, t.ja), side(c.b, t.jb), true, {&c, lane}, nullptr});
+    }
+
+    static unsigned but_lowest(unsigned bits) { return bits & (bits - 1); }
+
+  public:
+    /// Inverses of the stale lanes of packs [first, last); those of packs with one or two are made side by side. Returns whether some
+    /// are left to the caller: JointPack::points_left, hinges_left.
+    static bool invert(const Data& data, std::uint32_t first, std::uint32_t last) {
+        unsigned left = 0;
+        Gathered gathered[2];
+        for (std::uint32_t p = first; p < last; ++p) {
+            Pack& c = data.packs[p];
+            c.points_left = c.hinges_left = 0;
+            for (unsigned lane = 0; lane < all_lanes; lane += N) {
+                const unsigned stale = L::lanes_of(L::load32(&c.stale[lane]));
+                if (stale == 0) continue;
+                if (N < all_lanes || but_lowest(but_lowest(stale)) != 0) {
+                    left |= invert(data, c, lane);
+                    continue;
+                }
+                Gathered& with = gathered[c.hinges];
+                for (unsigned rest = stale; rest != 0; rest = but_lowest(rest))
+                    if (with.add(data, c, static_cast<unsigned>(std::countr_zero(rest))))
+                        left |= with.invert(data, c.hinges);
+            }
+        }
+        for (const bool hinges : {false, true}) left |= gathered[hinges].invert(data, hinges);
+        return left != 0;
     }
 };
 

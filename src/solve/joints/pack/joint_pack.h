@@ -35,7 +35,7 @@ inline constexpr unsigned pack_lanes = 4;
 struct PackInverse {
     std::int32_t m[6][pack_lanes];
     std::int64_t shift[pack_lanes], half[pack_lanes]; ///< half = 2^(shift - 1)
-    std::uint8_t odd[pack_lanes];                     ///< shift is outside 1 .. 62, and half zero
+    std::uint32_t odd; ///< bit per lane: shift is outside 1 .. 62, and half zero
 };
 
 /// The bodies of one side: point rows and shares.
@@ -57,8 +57,6 @@ struct PackSide {
     std::int64_t arm_shift[pack_lanes], arm_half[pack_lanes]; ///< of K^-1 [r] to x
 };
 
-inline constexpr std::uint8_t point_left = 1, hinge_left = 2;
-
 struct JointPack {
     PackSide a, b;
     std::uint32_t count;                ///< lanes in use, from the first on
@@ -76,13 +74,13 @@ struct JointPack {
     /// From A's centre of mass to B's when the tick began; of the world, the anchor. [m], Real
     std::int64_t apart[3][pack_lanes];
     std::int64_t near_shift[pack_lanes], ahead_shift[pack_lanes]; ///< of C and of the arc to 2^-e
-    std::uint32_t over;                ///< bit per lane: entries have grown to 2, the rows want a larger e
-    std::uint8_t asks[pack_lanes];     ///< JointSeen by which inverses become stale
-    std::uint8_t stale[pack_lanes];    ///< inverses are to be made anew
-    std::uint8_t left[pack_lanes];     ///< and lanes could not: point_left, hinge_left
-    std::int32_t push_max[pack_lanes]; ///< of the bias: by the error, Speed
-    std::int32_t exponent[pack_lanes]; ///< e
-    std::int64_t sum[3][pack_lanes];   ///< of p' over the substeps so far
+    std::uint32_t over;             ///< bit per lane: entries have grown to 2, the rows want a larger e
+    std::uint8_t asks[pack_lanes];  ///< JointSeen by which inverses become stale
+    std::int32_t stale[pack_lanes]; ///< all ones: inverses are to be made anew
+    std::uint32_t points_left, hinges_left; ///< bit per lane: and lanes could not
+    std::int32_t push_max[pack_lanes];      ///< of the bias: by the error, Speed
+    std::int32_t exponent[pack_lanes];      ///< e
+    std::int64_t sum[3][pack_lanes];        ///< of p' over the substeps so far
 };
 
 /// The rows of a pack that only turn. Those of a lane are a JointBlock's where generic is set, else made with the point's.

@@ -81,7 +81,7 @@ void add_to_pack(JointTick& tick, JointWork& w, std::uint32_t kind, bool fresh, 
     JointPack& pack = tick.packs.back();
     w.pack = static_cast<std::uint32_t>(tick.packs.size() - 1);
     w.lane = static_cast<std::uint8_t>(pack.count++);
-    pack.stale[w.lane] = 1;
+    pack.stale[w.lane] = -1;
     pack.memory[w.lane] = w.memory, pack.mass_rate[w.lane] = w.mass_rate.raw;
     set_share(pack.a, w.lane, w.shares.a, w.a.body);
     set_share(pack.b, w.lane, w.shares.b, w.b.body);
@@ -99,9 +99,10 @@ void add_to_pack(JointTick& tick, JointWork& w, std::uint32_t kind, bool fresh, 
 
 void set_inverse(PackInverse& to, std::uint32_t lane, const Inverse& inverse) {
     for (int i = 0; i < 6; ++i) to.m[i][lane] = inverse.m[i];
-    to.odd[lane] = inverse.shift < 1 || inverse.shift > 62;
+    const bool odd = inverse.shift < 1 || inverse.shift > 62;
+    to.odd = (to.odd & ~(1u << lane)) | (odd ? 1u << lane : 0u);
     to.shift[lane] = inverse.shift;
-    to.half[lane] = to.odd[lane] != 0 ? 0 : std::int64_t{1} << (inverse.shift - 1);
+    to.half[lane] = odd ? 0 : std::int64_t{1} << (inverse.shift - 1);
 }
 
 std::int32_t pack_rate(const StepConstants& step) {
@@ -162,7 +163,7 @@ void plan_packs(JointTick& tick, const StepConstants& step, const SolverBodies& 
 void restart_packs(JointTick& tick) {
     const auto fill = [](auto& lanes, auto with) { std::fill(std::begin(lanes), std::end(lanes), with); };
     for (JointPack& pack : tick.packs) {
-        for (std::uint32_t lane = 0; lane < pack.count; ++lane) pack.stale[lane] = 1;
+        for (std::uint32_t lane = 0; lane < pack.count; ++lane) pack.stale[lane] = -1;
         if (pack.turn_rows == 0) continue;
         TurnPack& turn = tick.turn_packs[pack.turn];
         fill(turn.generic, pack.hinges ? 0 : -1);

@@ -146,8 +146,8 @@ static void invert_hinge(const JointPack& pack, TurnPack& turn, std::uint32_t la
 }
 
 void invert_left(JointPack& pack, TurnPack* turns, std::uint32_t lane) {
-    if ((pack.left[lane] & point_left) != 0) invert_point(pack, lane);
-    if ((pack.left[lane] & hinge_left) != 0) invert_hinge(pack, turns[pack.turn], lane);
+    if (((pack.points_left >> lane) & 1u) != 0) invert_point(pack, lane);
+    if (((pack.hinges_left >> lane) & 1u) != 0) invert_hinge(pack, turns[pack.turn], lane);
 }
 
 void leave_hinge(JointBlock& block, TurnPack& turn, std::uint32_t lane) {

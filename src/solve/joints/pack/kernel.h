@@ -144,7 +144,7 @@ template <class L> class PackedJoints {
     [[gnu::always_inline]] static Change
     answer(const solve::PackInverse& inverse, Lanes<std::int32_t> (&impulse)[3], unsigned lane,
            const Speed (&speed)[3], const Data& data, bool bias, std::uint64_t& clamped) {
-        const bool odd = (inverse.odd[0] | inverse.odd[1] | inverse.odd[2] | inverse.odd[3]) != 0;
+        const bool odd = inverse.odd != 0;
         const V most = L::splat(solve::impulse_change_max), least = L::splat(-solve::impulse_change_max);
         const Speed bound = Speed::splat(impulse_max);
         Change change;
@@ -562,15 +562,6 @@ template <class L> class PackedJoints {
             for (unsigned lane = 0; lane < end_of(data.packs[i]); lane += N)
                 refresh_lanes(data, data.packs[i], lane);
     }
-    static bool invert(const Data& data, std::uint32_t first, std::uint32_t last) {
-        unsigned left = 0;
-        for (std::uint32_t i = first; i < last; ++i) {
-            Pack& c = data.packs[i];
-            for (unsigned lane = 0; lane < end_of(c); lane += N) JointInverses<L>::invert(data, c, lane);
-            left |= (c.left[0] | c.left[1]) | (c.left[2] | c.left[3]);
-        }
-        return left != 0;
-    }
     static void warm_start(const Data& data, std::uint32_t first, std::uint32_t last, bool sums) {
         by_rows(data, first, last, [&](auto rows, std::uint32_t from, std::uint32_t to) {
             warm_run<rows.value>(data, from, to, sums);
@@ -584,7 +575,7 @@ template <class L> class PackedJoints {
         return clamped;
     }
     static constexpr solve::JointKernel table() {
-        return {start, TurnedLanes<L>::turn, begin, refresh, invert, warm_start, solve};
+        return {start, TurnedLanes<L>::turn, begin, refresh, JointInverses<L>::invert, warm_start, solve};
     }
 };
 
