@@ -93,7 +93,7 @@ JointSide side_of(const JointTick& tick, const JointWork& work, const JointWorkS
         if (!turns_slowly(body.w)) now.centripetal = turned_twice(body.w, now.lever);
     }
     if (!work.framed) return now;
-    now.rotation = product(body.rotation, frame.rotation);
+    now.rotation = quat_product(body.rotation, frame.rotation);
     now.axes = to_rotation(now.rotation);
     return now;
 }

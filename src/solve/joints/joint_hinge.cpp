@@ -39,7 +39,7 @@ namespace {
 
 /// The frame of one side in world axes.
 Quat frame_now(const JointTick& tick, const JointWorkSide& side, const JointFrame& frame) {
-    return side.world ? frame.rotation : product(tick.bodies[side.cache].rotation, frame.rotation);
+    return side.world ? frame.rotation : quat_product(tick.bodies[side.cache].rotation, frame.rotation);
 }
 /// As to_rotation(), of a rotation: its x axis.
 UnitVec3 x_axis(Quat q) {

@@ -58,7 +58,7 @@ struct JointPlace {
 };
 
 /// As operator* of vec.h, of unit quaternions: their sums need no clamping.
-inline Quat product(Quat a, Quat b) {
+inline Quat quat_product(Quat a, Quat b) {
     const std::int64_t ax = a.x.raw, ay = a.y.raw, az = a.z.raw, aw = a.w.raw;
     const auto one = [](std::int64_t sum) {
         return Unit::from_raw(static_cast<std::int32_t>(shift_right_rounded(sum, Unit::fraction_bits)));
