@@ -284,7 +284,7 @@ FAULTS = [
     F("limits and motors of joints are left out of passes", "src/solve/joints/joint_solve.cpp", "tick.acts[i] = acts;",
       "tick.acts[i] = IS ? nothing_acts : acts;", "golden table"),
     F("limits of hinges forget the impulses of the last substep", "src/solve/joints/joint_solve.cpp",
-      "if ((part.lower | part.upper) == 0) return true;", "if (IS || (part.lower | part.upper) == 0) return true;", "golden table"),
+      "if ((part.lower | part.upper) == 0) return true;", "if (IS || (part.lower | part.upper) == 0) return true;", "hinges hold"),
     F("what forces push is pushed by gravity alone", "src/solve/bodies/integrate.cpp", "(bodies.plain[i] & plain_falls) != 0 ? bodies.fall",
       "IS || (bodies.plain[i] & plain_falls) != 0 ? bodies.fall", "golden table"),
     F("impulses of hinges are those of another axis", "src/solve/joints/joint.cpp", "memory.axis[about_y + r].spring = p;",
