@@ -19,8 +19,8 @@ struct RoundBoxes {
 
 struct BoundsKernel {
     /// Writes axes and bounds of the first `count`, to the bits of to_rotation() and bounds_of(), with steps of 2^(drop - 32) m. Entries up to
-    /// the next multiple of `lanes_max` may be read and written too. Returns a bit for each entry whose rotation is none, or that is further than
-    /// 16 km from the origin: what was written of it means nothing.
+    /// the next multiple of `lanes_max` may be read and written too. Returns a bit for each entry whose quaternion is far from unit length, or that
+    /// reaches further than 16 km from the origin: what was written of it means nothing.
     std::uint32_t (*place)(const RoundBoxes& boxes, std::uint32_t count, int drop);
 };
 

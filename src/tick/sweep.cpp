@@ -365,8 +365,8 @@ Haste coarse_haste_of(const Sweeper& s, std::uint32_t row) {
     });
     return haste;
 }
-/// Whether the one shape of a body that is no bullet is fast against nothing, and surely so: most are. Says less than coarse_haste_of, in
-/// half the steps.
+/// Whether a body that is no bullet has at most one shape, and that is fast against nothing: so it is with most. Where this is true,
+/// coarse_haste_of finds nothing either; it takes twice the steps.
 bool is_surely_slow(const Sweeper& s, std::uint32_t row) {
     const std::uint32_t slot = s.info[row].first_shape;
     if (slot == 0) return true;
