@@ -17,9 +17,9 @@ namespace lockstone::solve {
 namespace {
 
 /// Points that are nearer than this are left to the next substeps [m].
-constexpr std::int32_t open_gap = decimal<Separation>("0.008").raw;
+constexpr std::int32_t open_gap = decimal<Separation>("0.006").raw;
 /// Points that have opened by less since the tick began were so before; a load may keep them open [m].
-constexpr std::int32_t opened_gap = decimal<Separation>("0.004").raw;
+constexpr std::int32_t opened_gap = decimal<Separation>("0.003").raw;
 /// Whom a pass moves by less than about that, its other joints need not follow [m].
 constexpr std::int32_t push_gap = decimal<Separation>("0.0005").raw;
 /// Passes at most: what a net is torn by spreads out over its joints slowly.

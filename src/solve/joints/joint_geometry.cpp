@@ -267,7 +267,8 @@ void make_block(JointBlock& block, const JointWork& work, const JointPlace& plac
             block.impulse[i] = rescaled_impulse(block.impulse[i], before, block.exponent);
         }
     }
-    if (work.tree == no_tree)
+    // Trees do without, but motors and limits take points along: axis_with_point.h.
+    if (work.tree == no_tree || (work.axis_count != 0 && block.kind[0] == RowKind::point_x))
         block.inverse = block.turns ? invert_turning(block.row, block.count) : invert(block.row, block.count);
     set_block_errors(block, values, work.tree != no_tree, step, bodies);
 }

@@ -118,16 +118,6 @@ std::int64_t product(const Row& j, const Row& r) {
     return shifted(a, 8 + r.shift_a) + shifted(b, 8 + r.shift_b);
 }
 
-/// Of rows that only turn.
-std::int64_t turning_product(const Row& j, const Row& r) {
-    std::int64_t a = 0, b = 0;
-    for (int i = 3; i < 6; ++i) {
-        a += std::int64_t{j.ja[i]} * r.ra[i];
-        b += std::int64_t{j.jb[i]} * r.rb[i];
-    }
-    return shifted(a, 8 + r.shift_a) + shifted(b, 8 + r.shift_b);
-}
-
 std::int64_t mul(std::int64_t a, std::int64_t b, int bits) {
     return narrow_rounded(Wide::product(a, b), bits);
 }
@@ -149,7 +139,18 @@ Inverse with_common_shift(const std::int64_t m[6], int fraction_bits) {
     return inverse;
 }
 
-Inverse invert_one(std::int64_t k) {
+} // namespace
+
+std::int64_t turning_product(const Row& j, const Row& r) {
+    std::int64_t a = 0, b = 0;
+    for (int i = 3; i < 6; ++i) {
+        a += std::int64_t{j.ja[i]} * r.ra[i];
+        b += std::int64_t{j.jb[i]} * r.rb[i];
+    }
+    return shifted(a, 8 + r.shift_a) + shifted(b, 8 + r.shift_b);
+}
+
+Inverse invert_mobility(std::int64_t k) {
     if (k <= 0) return {};
     const int up = 62 - bit_length(magnitude(k));
     const std::int64_t normal = k << up;                             // [2^61, 2^62)
@@ -160,8 +161,6 @@ Inverse invert_one(std::int64_t k) {
     inverse.shift = 92 - 48 - up - 1;
     return inverse;
 }
-
-} // namespace
 
 static Stiffness stiffness(const Row* rows, int count) {
     Stiffness s{};
@@ -221,12 +220,12 @@ static Inverse quotient(const std::int64_t adjugate[6], std::int64_t determinant
 std::int64_t mobility(const Row& row) { return product(row, row); }
 
 Inverse invert(const Row* rows, int count) {
-    if (count == 1) return invert_one(product(rows[0], rows[0]));
+    if (count == 1) return invert_mobility(product(rows[0], rows[0]));
     return invert(stiffness(rows, count), count);
 }
 
 Inverse invert_turning(const Row* rows, int count) {
-    if (count == 1) return invert_one(turning_product(rows[0], rows[0]));
+    if (count == 1) return invert_mobility(turning_product(rows[0], rows[0]));
     Stiffness s{};
     for (int i = 0; i < count; ++i) {
         for (int j = 0; j <= i; ++j) s.k[i][j] = turning_product(rows[i], rows[j]);

@@ -76,8 +76,13 @@ void set_turning_responses(Row& row, const Shares& shares);
 Inverse invert_turning(const Row* rows, int count);
 /// Responses of a row: shares, and the axes that the bodies may move along.
 void set_responses(Row& row, const Shares& shares, const SolverBody& a, const SolverBody& b);
-/// k = J . r of one row, 48 fraction bits, below 2^54.
+inline constexpr int mobility_bits = 48;
+/// k = J . r of one row, below 2^54.
 std::int64_t mobility(const Row& row);
+/// J of one row times r of another, about the axes alone: one of them only turns.
+std::int64_t turning_product(const Row& j, const Row& r);
+/// 1 / k; zero where nothing moves.
+Inverse invert_mobility(std::int64_t k);
 /// k of a part, lower triangle, 48 fraction bits; and its largest diagonal entry.
 struct Stiffness {
     std::int64_t k[3][3];

@@ -1,4 +1,5 @@
 // The passes over joints. See joint.h for the symbols.
+#include "solve/joints/axis_with_point.h"
 #include "solve/joints/followed_turn.h"
 #include "solve/joints/joint_motion.h"
 #include "solve/joints/joint_work.h"
@@ -57,50 +58,78 @@ void solve_block(JointBlock& block, Motion& m, const StepConstants& step, bool b
 
 // ---- axes ---------------------------------------------------------------------------------------------------------
 
-/// The impulses of an axis, one after another along the same row.
+/// The impulses of an axis, one after another along the same row. `point`: of the same joint, which motors and limits take along.
 template <class Now> struct AxisPass {
     const JointAxisPart& part;
     Motion& m;
     std::uint64_t& clamped;
+    const JointPoint point;
+    const bool biased;
     std::int64_t speed;
 
-    AxisPass(const JointAxisPart& axis, Motion& motion, std::uint64_t& clamps)
-        : part(axis), m(motion), clamped(clamps), speed(speed_along(axis.row, Now(motion))) {}
-
-    /// k^-1 (speed + bias)
-    std::int64_t impulse_for(std::int64_t bias) const {
-        return std::clamp<std::int64_t>(shifted(part.inverse.m[0] * (speed + bias), part.inverse.shift),
-                                        -impulse_change_max, impulse_change_max);
+    AxisPass(const JointAxisPart& axis, JointPoint of, bool bias, Motion& motion, std::uint64_t& clamps)
+        : part(axis), m(motion), clamped(clamps), point(of), biased(bias), speed(0) {
+        look();
     }
-    void set(std::int32_t& p, std::int64_t wanted, std::int64_t low, std::int64_t high) {
-        const std::int32_t next = bounded(wanted, low, high);
-        if (next == p) return;
-        if (next != wanted && (next == joint_impulse_max || next == -joint_impulse_max)) ++clamped;
-        const std::int32_t change = next - p;
-        push_clamped<Now>(&part.row, &change, 1, m);
+    void look() { speed = speed_along(part.row, Now(m)); }
+
+    /// k^-1 speed
+    static std::int64_t impulse_for(std::int64_t speed, const Inverse& inverse) {
+        return std::clamp<std::int64_t>(shifted(inverse.m[0] * speed, inverse.shift), -impulse_change_max,
+                                        impulse_change_max);
+    }
+    /// The change to `wanted`, within bounds; zero: there is none.
+    std::int32_t change_to(std::int32_t& p, std::int64_t wanted, std::int64_t low, std::int64_t high) {
+        const std::int32_t next = bounded(wanted, low, high), change = next - p;
+        if (change != 0 && next != wanted && (next == joint_impulse_max || next == -joint_impulse_max))
+            ++clamped;
         p = next;
-        speed = speed_along(part.row, Now(m));
+        return change;
+    }
+    void push(std::int32_t change) {
+        if (change == 0) return;
+        push_clamped<Now>(&part.row, &change, 1, m);
+        look();
+    }
+    void spring(std::int32_t& p) {
+        const std::int64_t change = impulse_for(speed + part.spring_bias, part.inverse);
+        const std::int64_t wanted =
+            p - times_unit(change, part.mass_scale) - times_unit(p, part.impulse_scale);
+        push(change_to(p, wanted, -part.spring_bound, part.spring_bound));
+    }
+    /// Towards the speed -bias. At a bound, where the axis asks for more of it, there is nothing to do. What is beyond its limit is pushed back
+    /// as by the axis alone: arms on arms gain energy where they are pushed as hard as they are stopped.
+    void lead(std::int32_t& p, std::int64_t bias, std::int64_t low, std::int64_t high) {
+        if ((p <= low && speed + bias >= 0) || (p >= high && speed + bias <= 0)) return;
+        if (!point.exists())
+            return push(change_to(p, p - impulse_for(speed + bias, part.inverse), low, high));
+        const AxisWithPoint both(point, part.row, part.inverse);
+        const bool is_beyond = low == 0 ? bias < 0 : high == 0 && bias > 0;
+        const std::int64_t by =
+            is_beyond ? impulse_for(both.speed(m), both.inverse()) + impulse_for(bias, part.inverse)
+                      : impulse_for(both.speed(m) + bias, both.inverse());
+        const std::int32_t change = change_to(p, p - by, low, high);
+        if (change == 0) return;
+        clamped += both.push(change, m);
+        look();
+    }
+    void motor(std::int32_t& p) { lead(p, part.motor_bias, -part.motor_bound, part.motor_bound); }
+    void lower(std::int32_t& p) {
+        lead(p, biased ? part.lower_bias : part.lower_relax, 0, joint_impulse_max);
+    }
+    void upper(std::int32_t& p) {
+        lead(p, biased ? part.upper_bias : part.upper_relax, -joint_impulse_max, 0);
     }
 };
 
-template <class Now> void solve_axis(JointAxisPart& part, Motion& m, bool bias, std::uint64_t& clamped) {
-    AxisPass<Now> pass(part, m, clamped);
+template <class Now>
+void solve_axis(JointAxisPart& part, JointPoint point, Motion& m, bool bias, std::uint64_t& clamped) {
+    AxisPass<Now> pass(part, point, bias, m, clamped);
     // A spring gives its impulse once a substep; relaxing takes nothing of it back.
-    if ((part.features & has_spring) != 0 && bias) {
-        const std::int64_t change = pass.impulse_for(part.spring_bias);
-        const std::int64_t wanted =
-            part.spring - times_unit(change, part.mass_scale) - times_unit(part.spring, part.impulse_scale);
-        pass.set(part.spring, wanted, -part.spring_bound, part.spring_bound);
-    }
-    if (part.features & has_motor)
-        pass.set(part.motor, part.motor - pass.impulse_for(part.motor_bias), -part.motor_bound,
-                 part.motor_bound);
-    if (part.features & has_lower)
-        pass.set(part.lower, part.lower - pass.impulse_for(bias ? part.lower_bias : part.lower_relax), 0,
-                 joint_impulse_max);
-    if (part.features & has_upper)
-        pass.set(part.upper, part.upper - pass.impulse_for(bias ? part.upper_bias : part.upper_relax),
-                 -joint_impulse_max, 0);
+    if ((part.features & has_spring) != 0 && bias) pass.spring(part.spring);
+    if (part.features & has_motor) pass.motor(part.motor);
+    if (part.features & has_lower) pass.lower(part.lower);
+    if (part.features & has_upper) pass.upper(part.upper);
 }
 
 } // namespace
@@ -128,6 +157,9 @@ bool moves_readably(const SolverBody& a, const SolverBody& b) {
 void write_turning(const Motion& m, SolverBody& a, SolverBody& b) {
     for (int i = 0; i < 3; ++i) a.u[i] = m.a[i + 3], b.u[i] = m.b[i + 3];
 }
+void read_moving(const SolverBody& a, const SolverBody& b, Motion& m) {
+    for (int i = 0; i < 3; ++i) m.a[i] = a.v[i], m.b[i] = b.v[i];
+}
 
 /// Whether an axis has nothing but limits, which carry no impulse and get none in this pass.
 bool stays_free(const JointAxisPart& part, const SolverBody& a, const SolverBody& b, bool bias) {
@@ -143,18 +175,18 @@ bool stays_free(const JointAxisPart& part, const SolverBody& a, const SolverBody
 }
 
 /// As pass_joint(), of a joint that is limits_act. False, and nothing changes: that is to do it.
-bool pass_limits(JointAxisPart& part, SolverBody& a, SolverBody& b, bool bias, std::uint64_t& clamped) {
+bool pass_limits(JointAxisPart& part, JointPoint point, SolverBody& a, SolverBody& b, bool bias,
+                 std::uint64_t& clamped) {
     Motion m{};
     if (!read_turning(a, b, m)) return false;
-    AxisPass<Turning> pass(part, m, clamped);
+    AxisPass<Turning> pass(part, point, bias, m, clamped);
     const std::int32_t lower = bias ? part.lower_bias : part.lower_relax,
                        upper = bias ? part.upper_bias : part.upper_relax;
     if ((part.lower | part.upper) == 0 && pass.speed + lower >= 0 && pass.speed + upper <= 0) return true;
     if (!moves_readably(a, b)) return false;
-    pass.set(part.lower, part.lower - pass.impulse_for(lower), 0, joint_impulse_max);
-    if (part.upper != 0 || pass.speed + upper > 0)
-        pass.set(part.upper, part.upper - pass.impulse_for(upper), -joint_impulse_max, 0);
-    write_turning(m, a, b);
+    read_moving(a, b, m);
+    pass.lower(part.lower), pass.upper(part.upper);
+    write(m, a, b);
     return true;
 }
 
@@ -177,9 +209,9 @@ void pass_joint(JointTick& tick, const JointWork& w, const StepConstants& step, 
         JointAxisPart& part = tick.axes[w.first_axis + i];
         if (part.idle) continue;
         if (part.turns)
-            solve_axis<Turning>(part, m, bias, tick.clamped);
+            solve_axis<Turning>(part, point_of(tick, w, bodies), m, bias, tick.clamped);
         else
-            solve_axis<Speeds>(part, m, bias, tick.clamped);
+            solve_axis<Speeds>(part, {}, m, bias, tick.clamped);
     }
     for (std::uint32_t i = 0; locks && i < w.block_count; ++i) {
         JointBlock& block = tick.blocks[w.first_block + i];
@@ -220,8 +252,9 @@ void JointSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bi
             const std::uint8_t acts = all_acts[singles[i]];
             if (acts == nothing_acts) continue;
             const JointWork& w = tick.joints[singles[i]];
-            if (acts == limits_act && pass_limits(tick.axes[w.first_axis], bodies.body[w.a.body],
-                                                  bodies.body[w.b.body], bias, tick.clamped))
+            if (acts == limits_act &&
+                pass_limits(tick.axes[w.first_axis], point_of(tick, w, bodies), bodies.body[w.a.body],
+                            bodies.body[w.b.body], bias, tick.clamped))
                 continue;
             pass_joint(tick, w, step, bodies, bias);
         }

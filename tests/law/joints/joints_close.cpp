@@ -61,7 +61,7 @@ struct Net {
 
 } // namespace
 
-// 8 mm are what JointSolver::close leaves to the next substeps. Without it these hits leave 9 to 11 after a tick.
+// 6 mm are what JointSolver::close leaves to the next substeps. Without it these hits leave 9 to 11 after a tick.
 TEST_CASE("points that a hit opens are closed within the tick, and what they hold goes on as it did") {
     Random random = Random::seeded(5);
     for (int i = 0; i < 20; ++i) {
