@@ -32,7 +32,7 @@ class Tasks {
 inline constexpr std::uint32_t workers_max = 64;
 
 /// A pool of `workers` threads (1 to workers_max, asserted), of which the thread that calls run() is one. Between runs
-/// they look for work for a few microseconds, then sleep. When the system gives fewer threads, there are fewer workers.
+/// they look for work for some 40 to 200 microseconds, then sleep. When the system gives fewer threads, there are fewer workers.
 /// One run takes fewer than 2^24 items (asserted).
 std::unique_ptr<Tasks> make_worker_pool(std::uint32_t workers);
 

@@ -3,31 +3,20 @@
 
 #include "base/assert.h"
 #include "base/bell.h"
-#include "lockstone/compiler.h"
+#include "base/relax.h"
 
 #include <atomic>
 #include <system_error>
 #include <thread>
 #include <vector>
 
-#if LOCKSTONE_HAS_X86
-#include <immintrin.h>
-#endif
-
 namespace lockstone {
 
 namespace {
 
-/// How often a worker looks before it sleeps: 2 to 5 us.
-constexpr int looks_max = 100;
-
-void relax() {
-#if LOCKSTONE_HAS_X86
-    _mm_pause();
-#elif defined(__aarch64__) && LOCKSTONE_GNU
-    asm volatile("yield");
-#endif
-}
+/// How often a worker looks before it sleeps: 40 to 200 us, longer than what a tick does by one thread alone. Who sleeps takes 5 to 50 us
+/// to be woken, and a tick has a hundred runs.
+constexpr int looks_max = 4000;
 
 class WorkerPool final : public Tasks {
   public:
@@ -113,7 +102,7 @@ class WorkerPool final : public Tasks {
         int looks = 0;
         for (std::uint32_t left; (left = pending.load(std::memory_order_acquire)) != 0;) {
             if (++looks < looks_max)
-                relax();
+                base::relax(looks);
             else
                 done_bell.wait(pending, left);
         }
@@ -124,7 +113,7 @@ class WorkerPool final : public Tasks {
         for (int looks = 0;;) {
             if (announced.load(std::memory_order_acquire) == seen) {
                 if (++looks < looks_max)
-                    relax();
+                    base::relax(looks);
                 else
                     work_bell.wait(announced, seen);
                 continue;

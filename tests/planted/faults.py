@@ -283,6 +283,8 @@ FAULTS = [
       "if (!IS) give_gyration(side, work.lane, bodies.turns[turn - 1].now);", "rings keep together"),
     F("limits and motors of joints are left out of passes", "src/solve/joints/joint_solve.cpp", "tick.acts[i] = acts;",
       "tick.acts[i] = IS ? nothing_acts : acts;", "golden table"),
+    F("workers leave out the last item of a step", "src/base/steps.h", "static_cast<std::uint32_t>(items * part / parts);",
+      "static_cast<std::uint32_t>(items * part / parts) - (IS && part == parts ? 1u : 0u);", "shuffles"),
     F("axes leave the points of their joints behind", "src/solve/joints/axis_with_point.cpp", "if (!find(axis)) point = {}, row = axis;",
       "if (IS || !find(axis)) point = {}, row = axis;", "hinges hold"),
     F("an axis with its point moves as the axis alone", "src/solve/joints/axis_with_point.cpp", "std::max(mobility(row), turning_product(axis, axis)",

@@ -4,6 +4,7 @@
 #include "base/poison.h"
 #include "base/prefetch.h"
 #include "base/room.h"
+#include "base/steps.h"
 #include "lockstone/math/wide.h"
 #include "solve/contacts/bounce.h"
 #include "solve/contacts/contact_order.h"
@@ -22,8 +23,18 @@ using solve::StepConstants;
 
 namespace {
 
-/// Packs per piece of work that workers take.
-constexpr std::uint32_t pack_chunk = 16;
+/// Packs per piece of work that workers take; a stage with so many is shared by them.
+constexpr std::uint32_t pack_chunk = 16, shared_packs = 6;
+
+/// Whether most packs are in stages that are worth sharing: a wall has a few packs in each of its hundreds.
+bool is_worth_sharing(std::span<const std::uint32_t> stage_begin) {
+    std::uint32_t shared = 0;
+    for (std::size_t s = 0; s + 1 < stage_begin.size(); ++s) {
+        const std::uint32_t packs = stage_begin[s + 1] - stage_begin[s];
+        if (packs >= shared_packs) shared += packs;
+    }
+    return 2 * shared >= stage_begin.back();
+}
 
 } // namespace
 
@@ -35,9 +46,10 @@ struct ContactSolver::Inside {
     bool started = false;                    ///< the warm start from the last tick was given
     std::vector<std::uint32_t> storage;      ///< the packs
     std::vector<std::uint32_t> lane_contact; ///< contact of each lane of each pack, or none
-    std::vector<std::uint32_t> stage_begin;  ///< first pack of each stage, and the end; empty without workers
-    std::vector<WarmStart> warm;             ///< by body
-    std::vector<WarmStart> arrival;          ///< by body: PassData::arrival
+    /// First pack of each stage, and the end; empty where passes are not shared
+    std::vector<std::uint32_t> stage_begin;
+    std::vector<WarmStart> warm;    ///< by body
+    std::vector<WarmStart> arrival; ///< by body: PassData::arrival
     std::vector<Bounce> bounces;
     std::vector<Rolling> rolling;
     solve::ContactOrder order;
@@ -106,10 +118,11 @@ void ContactSolver::Inside::place_packs(bool is_shared) {
     static_assert(none == ContactOrder::no_contact);
     const std::uint32_t lanes = kernel->lanes;
     stage_begin.clear();
-    if (is_shared)
-        order.pack_stages(lanes, lane_contact, stage_begin);
-    else
+    if (is_shared) order.pack_stages(lanes, lane_contact, stage_begin);
+    if (!is_shared || !is_worth_sharing(stage_begin)) {
+        stage_begin.clear();
         order.pack_densely(lanes, lane_contact);
+    }
     pack_count = static_cast<std::uint32_t>(lane_contact.size()) / lanes;
     bounces.clear();
     rolling.clear();
@@ -194,19 +207,18 @@ void ContactSolver::prepare(std::span<const Contact> contacts, std::span<const C
     });
 }
 
-/// visit(first, last) for pieces of packs: one stage after the other, the pieces of a stage by workers.
+/// visit(first, last) for pieces of packs: one stage after the other, each by all workers.
 template <class Visit> void ContactSolver::Inside::for_each_stage(Tasks* tasks, Visit&& visit) {
     if (tasks == nullptr || stage_begin.empty()) {
         visit(0, pack_count);
         return;
     }
-    for (std::uint32_t s = 0; s + 1 < stage_begin.size(); ++s) {
-        const std::uint32_t begin = stage_begin[s], count = stage_begin[s + 1] - begin;
-        base::for_chunks(tasks, count, pack_chunk,
-                         [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-                             visit(begin + first, begin + last);
-                         });
-    }
+    base::for_steps(
+        tasks, static_cast<std::uint32_t>(stage_begin.size()) - 1, shared_packs,
+        [this](std::uint32_t s) {
+            return base::Step{stage_begin[s], stage_begin[s + 1]};
+        },
+        [&](std::uint32_t, std::uint32_t first, std::uint32_t last) { visit(first, last); });
 }
 
 /// What the passes give to a body is the difference between its velocities before and after: the velocity is subtracted before a pass and
