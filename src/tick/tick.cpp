@@ -109,7 +109,7 @@ void substep(const Tick& t, const solve::FreeMotion& motion, const solve::BodyCo
     integrate_velocities(motion, columns, s.step, s.bodies, tasks);
     s.fluids.push(t.w, s.step, s.bodies, tasks);
     passed(t, "integrate");
-    s.joint_solver.warm_start(s.step, s.bodies, tasks);
+    s.joint_solver.warm_start(s.step, s.bodies);
     s.vehicle_solver.warm_start(s.step, s.bodies);
     s.contacts.warm_start(s.bodies, tasks);
     passed(t, "warm_start");

@@ -74,8 +74,8 @@ class JointSolver {
                  Tasks* tasks = nullptr, bool same = false);
     /// Rows and errors from where the bodies are now: before the first substep and after each move.
     void update(const StepConstants& step, const SolverBodies& bodies, Tasks* tasks = nullptr);
-    void warm_start(const StepConstants& step, SolverBodies& bodies, Tasks* tasks = nullptr);
-    /// One pass over all joints: springs and motors, limits, locks; stages of joints, and trees, are shared by workers.
+    void warm_start(const StepConstants& step, SolverBodies& bodies);
+    /// One pass over all joints: springs and motors, limits, locks; then the locks of trees, which workers share.
     void solve(const StepConstants& step, SolverBodies& bodies, bool bias, Tasks* tasks = nullptr);
     /// After the substeps: closes points that are further off than 6 mm, by moving bodies; no speed and no impulse changes.
     void close(const StepConstants& step, SolverBodies& bodies);

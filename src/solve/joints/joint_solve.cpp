@@ -1,5 +1,4 @@
 // The passes over joints. See joint.h for the symbols.
-#include "base/steps.h"
 #include "solve/joints/axis_with_point.h"
 #include "solve/joints/followed_turn.h"
 #include "solve/joints/joint_motion.h"
@@ -197,7 +196,7 @@ bool has_locks(const JointTick& tick, const JointWork& w) {
 
 /// Solves one joint: its axes, and the locks that neither a tree nor a pack solves.
 void pass_joint(JointTick& tick, const JointWork& w, const StepConstants& step, SolverBodies& bodies,
-                bool bias, std::uint64_t& clamped) {
+                bool bias) {
     const bool locks = has_locks(tick, w);
     SolverBody &a = bodies.body[w.a.body], &b = bodies.body[w.b.body];
     bool busy = locks;
@@ -210,16 +209,16 @@ void pass_joint(JointTick& tick, const JointWork& w, const StepConstants& step, 
         JointAxisPart& part = tick.axes[w.first_axis + i];
         if (part.idle) continue;
         if (part.turns)
-            solve_axis<Turning>(part, point_of(tick, w, bodies), m, bias, clamped);
+            solve_axis<Turning>(part, point_of(tick, w, bodies), m, bias, tick.clamped);
         else
-            solve_axis<Speeds>(part, {}, m, bias, clamped);
+            solve_axis<Speeds>(part, {}, m, bias, tick.clamped);
     }
     for (std::uint32_t i = 0; locks && i < w.block_count; ++i) {
         JointBlock& block = tick.blocks[w.first_block + i];
         if (block.turns)
-            solve_block<Turning>(block, m, step, bias, clamped);
+            solve_block<Turning>(block, m, step, bias, tick.clamped);
         else
-            solve_block<Speeds>(block, m, step, bias, clamped);
+            solve_block<Speeds>(block, m, step, bias, tick.clamped);
     }
     write(m, a, b);
 }
@@ -239,53 +238,28 @@ void set_acting(JointTick& tick, const JointWork& w) {
     tick.acts[i] = acts;
 }
 
-namespace {
-
-/// Fewer joints, or packs of them, are not shared by workers.
-constexpr std::uint32_t shared_joints = 8;
-
-/// Two steps for each stage: its singles, whose axes may change impulses of points in packs, and its packs. `reverse`: stages from the last to the
-/// first.
-base::Step step_of(const JointTick& tick, std::uint32_t i, bool reverse) {
-    const std::size_t at = i / 2;
-    const JointStage& stage = tick.stages[reverse ? tick.stages.size() - 1 - at : at];
-    return i % 2 == 0 ? base::Step{stage.first_single, stage.last_single}
-                      : base::Step{stage.first_pack, stage.last_pack};
-}
-/// single(joint, what it acts, clamped) and packs(first, last), which returns how many impulses met their bound, stage after stage.
-template <class Single, class Packs>
-void for_stages(JointTick& tick, Tasks* tasks, bool reverse, const Single& single, const Packs& packs) {
-    base::for_steps(
-        tasks, static_cast<std::uint32_t>(2 * tick.stages.size()), shared_joints,
-        [&](std::uint32_t i) { return step_of(tick, i, reverse); },
-        [&](std::uint32_t i, std::uint32_t first, std::uint32_t last) {
-            std::uint64_t clamped = 0;
-            if (i % 2 != 0)
-                clamped = packs(first, last);
-            else
-                for (const std::uint32_t joint : std::span(tick.singles).subspan(first, last - first))
-                    if (tick.acts[joint] != nothing_acts)
-                        single(tick.joints[joint], tick.acts[joint], clamped);
-            base::add_count(tick.clamped, clamped);
-        });
-}
-
-} // namespace
-
 void JointSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bias, Tasks* tasks) {
     JointTick& tick = *work;
     if (tick.joints.empty()) return;
     turn_in(step, bodies);
     const JointPassData data = pass_data(tick, step, bodies.body.data());
-    const auto single = [&](const JointWork& w, std::uint8_t acts, std::uint64_t& clamped) {
-        if (acts != limits_act || !pass_limits(tick.axes[w.first_axis], point_of(tick, w, bodies),
-                                               bodies.body[w.a.body], bodies.body[w.b.body], bias, clamped))
-            pass_joint(tick, w, step, bodies, bias, clamped);
-    };
-    const auto packs = [&](std::uint32_t first, std::uint32_t last) {
-        return kernel->solve(data, first, last, bias);
-    };
-    for_stages(tick, tasks, !bias, single, packs); // the relaxing pass runs in the reverse order
+    const std::uint32_t* const singles = tick.singles.data();
+    const std::uint8_t* const all_acts = tick.acts.data();
+    const std::size_t count = tick.stages.size();
+    for (std::size_t k = 0; k < count; ++k) { // the relaxing pass runs in the reverse order
+        const JointStage& stage = tick.stages[bias ? k : count - 1 - k];
+        for (std::uint32_t i = stage.first_single; i < stage.last_single; ++i) {
+            const std::uint8_t acts = all_acts[singles[i]];
+            if (acts == nothing_acts) continue;
+            const JointWork& w = tick.joints[singles[i]];
+            if (acts == limits_act &&
+                pass_limits(tick.axes[w.first_axis], point_of(tick, w, bodies), bodies.body[w.a.body],
+                            bodies.body[w.b.body], bias, tick.clamped))
+                continue;
+            pass_joint(tick, w, step, bodies, bias);
+        }
+        tick.clamped += kernel->solve(data, stage.first_pack, stage.last_pack, bias);
+    }
     const std::vector<JointTree>& trees = tick.forest.trees;
     base::for_chunks(tasks, static_cast<std::uint32_t>(trees.size()), tree_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
@@ -340,21 +314,24 @@ static void warm_joint(JointTick& tick, const JointWork& w, SolverBodies& bodies
     write(m, a, b);
 }
 
-void JointSolver::warm_start(const StepConstants& step, SolverBodies& bodies, Tasks* tasks) {
+void JointSolver::warm_start(const StepConstants& step, SolverBodies& bodies) {
     JointTick& tick = *work;
     if (tick.joints.empty()) return;
     turn_in(step, bodies);
     const JointPassData data = pass_data(tick, step, bodies.body.data());
-    const auto single = [&](const JointWork& w, std::uint8_t acts, std::uint64_t&) {
-        if (acts != limits_act ||
-            !warm_limits(tick.axes[w.first_axis], bodies.body[w.a.body], bodies.body[w.b.body], tick.first))
-            warm_joint(tick, w, bodies);
-    };
-    const auto packs = [&](std::uint32_t first, std::uint32_t last) {
-        kernel->warm_start(data, first, last, !tick.first);
-        return std::uint64_t{0};
-    };
-    for_stages(tick, tasks, false, single, packs);
+    const std::uint32_t* const singles = tick.singles.data();
+    const std::uint8_t* const all_acts = tick.acts.data();
+    for (const JointStage& stage : tick.stages) {
+        for (std::uint32_t i = stage.first_single; i < stage.last_single; ++i) {
+            const std::uint8_t acts = all_acts[singles[i]];
+            if (acts == nothing_acts) continue;
+            const JointWork& w = tick.joints[singles[i]];
+            if (acts != limits_act || !warm_limits(tick.axes[w.first_axis], bodies.body[w.a.body],
+                                                   bodies.body[w.b.body], tick.first))
+                warm_joint(tick, w, bodies);
+        }
+        kernel->warm_start(data, stage.first_pack, stage.last_pack, !tick.first);
+    }
     turn_out(bodies);
     tick.first = false;
 }
