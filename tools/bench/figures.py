@@ -102,6 +102,13 @@ def awake(results):
     return lines
 
 
+def threads(results):
+    lines = head("by the wall", "one thread, ms", "two threads", "times faster", "must")
+    for entry in results.get("threads", []):
+        lines.append(row(entry["scene"], number(entry["one_ms"]), number(entry["two_ms"]), f"{entry['times_faster']:.2f}", entry["must"]))
+    return lines
+
+
 def games(results):
     lines = []
     if verify := results.get("verify"):
@@ -119,6 +126,9 @@ def verdicts(results):
         for entry in results.get(part, []):
             for verdict in entry.get("verdicts", []):
                 yield entry.get("scene", f"{entry['bodies']:,} boxes" if part == "scaling" else part), verdict
+    for entry in results.get("threads", []):
+        yield entry["scene"], {"what": "two threads, times faster", "found": entry["times_faster"], "must": entry["must"],
+                               "good": entry["times_faster"] >= entry["must"]}
     for counted in results.get("instructions", []):
         if counted["must"]:
             yield counted["scene"], {"what": "M instructions a tick", "found": counted["millions_per_tick"], "must": counted["must"], "good": counted["good"]}
@@ -150,7 +160,7 @@ def bench_page(results):
     page = []
     if settings:
         page = [f"{settings['cpu']}, g++ {settings['compiler']}, load {settings['load']:.0f} when it began, of each tick the least of {settings['runs']} run(s).", ""]
-    for table in (times, counts, worth, states, scaling, awake):
+    for table in (times, counts, worth, states, scaling, awake, threads):
         lines = table(results)
         if len(lines) > 2:
             page += lines + [""]
@@ -204,12 +214,12 @@ def read(path):
 def run_all(program):
     folder = ROOT / "build/bench"
     folder.mkdir(parents=True, exist_ok=True)
-    commands = {"all": [], "instructions": ["S1", "S2", "S3", "S4", "S5", "S6", "grid", "--instructions"],
+    commands = {"all": [], "threads": ["threads"], "instructions": ["S1", "S2", "S3", "S4", "S5", "S6", "grid", "--instructions"],
                 "front": ["front", "--plot", ROOT / "tools/bench/front.svg"]}
     for name, arguments in commands.items():
         with open(folder / f"{name}.json", "w") as out:
             subprocess.run([program, "bench", "--json", *map(str, arguments)], stdout=out, check=True)
-    return [folder / "instructions.json", folder / "all.json"]
+    return [folder / "instructions.json", folder / "threads.json", folder / "all.json"]
 
 
 def main():
