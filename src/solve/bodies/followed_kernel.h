@@ -455,7 +455,8 @@ template <class L> class FollowedBodies {
                 change[i] = L::sub(b.motion[3 + i], L::load64(&four.u_outside[i][lane]));
                 any = L::either(any, L::either(change[i], negated(change[i])));
             }
-            if (L::lanes_of(any) == 0) return;
+            // Of what is not zero, the sign: a mask has all its bits, of which each instruction set looks at another.
+            if (L::lanes_of(L::greater64(L::splat(0), any)) == 0) return;
             shortened(change, x), times<false>(four, four.to_now, lane, x, y);
             shortened(y, x), times<true>(four, four.to_now, lane, x, momentum);
             add_precession(four, lane, change, momentum);
