@@ -46,7 +46,8 @@ struct Scalar {
     static V either(V a, V b) { return a | b; }
     static V without(V a, V b) { return a & ~b; } ///< a and not b
     /// Bit per lane: is the mask set?
-    static unsigned lanes_of(V mask) { return static_cast<std::uint32_t>(mask) >> 31; }
+    /// By the lowest bit, where x86 looks at the highest: what is no mask shows as other bits of the plain set.
+    static unsigned lanes_of(V mask) { return static_cast<unsigned>(mask & 1); }
 
     /// The first six numbers of 64 bits at each of p[0] ... p[lanes - 1]: velocities of bodies, entries of matrices.
     template <class Body> static void gather6(const Body* const* p, V* out) {
