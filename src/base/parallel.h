@@ -26,6 +26,18 @@ template <class Body> void for_chunks(Tasks* tasks, std::uint32_t count, std::ui
     tasks->run(chunks, item, const_cast<void*>(static_cast<const void*>(&run)));
 }
 
+/// The same, for what has to be done whatever the tasks of a host do: where they leave a chunk out, all of them are done again, here. So no
+/// chunk may read what it writes.
+template <class Body>
+void for_all_chunks(Tasks* tasks, std::uint32_t count, std::uint32_t chunk, Body&& body) {
+    std::atomic<std::uint32_t> done = 0;
+    for_chunks(tasks, count, chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t worker) {
+        body(first, last, worker);
+        done.fetch_add(last - first, std::memory_order_relaxed);
+    });
+    if (done.load(std::memory_order_relaxed) != count) for_chunks(nullptr, count, chunk, body);
+}
+
 inline std::uint32_t worker_count(const Tasks* tasks) { return tasks == nullptr ? 1 : tasks->worker_count(); }
 
 /// Adds what a chunk counted to a sum that all chunks share: whole numbers, so the order is not seen.

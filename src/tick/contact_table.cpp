@@ -134,20 +134,16 @@ void place_contacts(Model& w, bool is_cut, std::span<NearChunk> chunks, ContactL
         return;
     }
     out.contacts.resize(chunks.empty() ? 0 : chunks.back().first_contact + chunks.back().contacts.size());
-    // Tasks of the game's own may leave a chunk out: its contacts are then without points.
-    if (tasks != nullptr)
-        for (solve::Contact& contact : out.contacts)
-            contact.body_a = contact.body_b = contact.memory = contact.count = 0;
-    base::for_chunks(tasks, static_cast<std::uint32_t>(chunks.size()), 8,
-                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-                         for (std::uint32_t i = first; i < last; ++i) {
-                             solve::Contact* to = out.contacts.data() + chunks[i].first_contact;
-                             for (const solve::Contact& contact : chunks[i].contacts) {
-                                 *to = contact;
-                                 to++->memory += chunks[i].first_row;
+    base::for_all_chunks(tasks, static_cast<std::uint32_t>(chunks.size()), 8,
+                         [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                             for (std::uint32_t i = first; i < last; ++i) {
+                                 solve::Contact* to = out.contacts.data() + chunks[i].first_contact;
+                                 for (const solve::Contact& contact : chunks[i].contacts) {
+                                     *to = contact;
+                                     to++->memory += chunks[i].first_row;
+                                 }
                              }
-                         }
-                     });
+                         });
 }
 
 } // namespace lockstone::sim

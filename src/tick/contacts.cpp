@@ -393,8 +393,13 @@ void collide_chunk(const View& v, std::uint32_t first, std::uint32_t last, std::
     std::array<WindowPair, PairWindow::pairs_max> pairs;
     std::uint32_t next_row = 0;
     std::size_t count = 0;
+    constexpr std::uint32_t ahead = 16;
     for (std::uint32_t i = first; i < last; ++i) {
         WindowPair& pair = pairs[count];
+        if (i + ahead < last) {
+            const NearPair& soon = near[i + ahead];
+            if (soon.old_count != 0) base::prefetch(v.old[soon.old_first]);
+        }
         find_candidate(v, near[i], pair.shapes);
         if (are_still_parted(pair.shapes, near[i])) continue;
         base::prefetch(*pair.shapes.a), base::prefetch(*pair.shapes.b);

@@ -85,9 +85,10 @@ void poison_characters(std::byte with, CharacterScratch& characters) {
 }
 
 void poison_bodies(std::byte with, solve::SolverBodies& bodies) {
-    auto& [body, step, push, drift, pull, turns, fours, plain, forms, form_of, starts, fall, clamps, kernel] =
-        bodies;
-    poison(with, body, step, push, drift, pull, turns, fours, plain, forms, form_of, starts, fall, clamps);
+    auto& [body, step, push, drift, pull, joint_pulls, turns, fours, plain, forms, form_of, starts, fall,
+           clamps, kernel] = bodies;
+    poison(with, body, step, push, drift, pull, joint_pulls, turns, fours, plain, forms, form_of, starts,
+           fall, clamps);
 }
 
 } // namespace

@@ -92,9 +92,10 @@ void prepare(const Tick& t, const Scene& scene, const solve::BodyColumns& column
     list_joints(w, s.joints);
     const bool same_joints = !s.joints.is_new && !other_step;
     if (!same_joints) solve::find_weak_forces(s.joints.all, columns, s.step, s.bodies);
-    solve::stiffen_bodies(s.joints.all, memory, columns, s.step, s.bodies);
+    solve::stiffen_bodies(s.joints.all, memory, columns, s.step, s.bodies, tasks);
     solve::follow_turns(columns, s.step, s.bodies);
-    s.contacts.prepare(s.found.contacts, s.table.list.memories, columns.mass, s.step, s.bodies, tasks);
+    s.contacts.prepare(s.found.contacts, s.table.list.memories, columns.mass, s.step, s.bodies, columns.pose,
+                       tasks);
     s.joint_solver.prepare(s.joints.all, memory, columns, s.step, s.bodies, tasks, same_joints);
     s.vehicle_solver.prepare(s.vehicles.drive(scene), columns, s.step, s.bodies, tasks);
     list_fields(w, s.fields);
@@ -109,7 +110,7 @@ void substep(const Tick& t, const solve::FreeMotion& motion, const solve::BodyCo
     integrate_velocities(motion, columns, s.step, s.bodies, tasks);
     s.fluids.push(t.w, s.step, s.bodies, tasks);
     passed(t, "integrate");
-    s.joint_solver.warm_start(s.step, s.bodies);
+    s.joint_solver.warm_start(s.step, s.bodies, tasks);
     s.vehicle_solver.warm_start(s.step, s.bodies);
     s.contacts.warm_start(s.bodies, tasks);
     passed(t, "warm_start");
@@ -137,7 +138,8 @@ void store(const Tick& t) {
     s.joint_solver.close(s.step, s.bodies);
     s.contacts.apply_restitution(s.step, s.bodies);
     s.contacts.store(s.found.contacts, s.table.list.memories, s.bodies.clamps, t.hooks.tasks);
-    s.joint_solver.store(w.state.edit(w.m.joint_memory, 0, w.header().joints_awake), s.bodies.clamps);
+    s.joint_solver.store(w.state.edit(w.m.joint_memory, 0, w.header().joints_awake), s.bodies.clamps,
+                         t.hooks.tasks);
     s.vehicle_solver.store(s.step, s.bodies, s.vehicles.driven());
     s.vehicles.store(w);
 }

@@ -3,6 +3,7 @@
 
 #include "lockstone/tasks.h"
 
+#include <algorithm>
 #include <atomic>
 #include <numeric>
 #include <random>

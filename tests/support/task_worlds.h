@@ -16,6 +16,31 @@ inline std::unique_ptr<Game> small_scene(const SceneInfo& info) {
     return make_scene(info.name, options).value();
 }
 
+/// A net of balls: thousands of joints that follow one another along diagonals. `side` balls in a row, and as many rows. Each holds the next one in its row and in its column; the first row hangs in the air.
+inline World net(int side) {
+    WorldDef def = scene::small_def();
+    const auto all = static_cast<std::uint32_t>(side * side);
+    def.bodies_max = def.shapes_max = all, def.joints_max = 2 * all;
+    World world = scene::made(World::create(def));
+    std::vector<BodyId> balls;
+    for (int row = 0; row < side; ++row)
+        for (int column = 0; column < side; ++column) {
+            const BodyId ball = scene::add(
+                world,
+                {.kind = row == 0 ? BodyKind::static_ : BodyKind::dynamic, .pose = scene::at(column, 0, row)},
+                {.geometry = sphere(scene::real(0.4))});
+            if (column > 0 && row > 0)
+                scene::made(
+                    world.create_joint(ball_joint(), balls.back(), ball, scene::at(column - 0.5, 0, row)));
+            if (row > 0) {
+                const BodyId above = balls[balls.size() - static_cast<std::size_t>(side)];
+                scene::made(world.create_joint(ball_joint(), above, ball, scene::at(column, 0, row - 0.5)));
+            }
+            balls.push_back(ball);
+        }
+    return world;
+}
+
 /// Where the outputs of the last tick part; empty when they do not.
 inline std::string output_difference(const World& left, const World& right) {
     const auto bytes = [](const auto& rows) {

@@ -114,16 +114,22 @@ struct ClampCounts {
 struct SolverBodies {
     std::vector<SolverBody> body;
     std::vector<BodyStep> step;
-    std::vector<BodyPush> push;         ///< by body, of those that are not plain_falls
-    std::vector<BodyDrift> drift;       ///< by body, where an integrator adds to moves; or empty
-    std::vector<Vec3> pull;             ///< by body, what joints ask of its radii [m^2], while that is found
-    std::vector<FollowedTurn> turns;    ///< of some bodies, filled up to fours
-    std::vector<FollowedFour> fours;    ///< the same four side by side
-    std::vector<std::uint8_t> plain;    ///< PlainMotion, by body
-    std::vector<GyrationForm> forms;    ///< of the traits that bodies have
-    std::vector<std::uint32_t> form_of; ///< by row of traits: entry of forms + 1, 0: no body has them
-    std::vector<BodyStart> starts;      ///< of the first of these forms
-    BodyPush fall;                      ///< of what gravity alone pushes
+    std::vector<BodyPush> push;   ///< by body, of those that are not plain_falls
+    std::vector<BodyDrift> drift; ///< by body, where an integrator adds to moves; or empty
+    std::vector<Vec3> pull;       ///< by body, what joints ask of its radii [m^2], while that is found
+    /// The same of a joint: its part of the pull of up to two bodies.
+    struct JointPulls {
+        std::uint32_t count, row[2];
+        Vec3 pull[2];
+    };
+    std::vector<JointPulls> joint_pulls; ///< by joint, where workers find them
+    std::vector<FollowedTurn> turns;     ///< of some bodies, filled up to fours
+    std::vector<FollowedFour> fours;     ///< the same four side by side
+    std::vector<std::uint8_t> plain;     ///< PlainMotion, by body
+    std::vector<GyrationForm> forms;     ///< of the traits that bodies have
+    std::vector<std::uint32_t> form_of;  ///< by row of traits: entry of forms + 1, 0: no body has them
+    std::vector<BodyStart> starts;       ///< of the first of these forms
+    BodyPush fall;                       ///< of what gravity alone pushes
     ClampCounts clamps;
     const BodyKernel* kernel = nullptr; ///< null: all bodies are moved one by one, to the same bits
 

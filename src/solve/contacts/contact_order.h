@@ -6,11 +6,8 @@
 // themselves: a pyramid with a base of 10 by 6 mm at 3 Hz, for ever.
 //
 //   level    of a body: the number of contacts between it and something that nothing moves
-//   stage    the first stage after those of all earlier contacts that move the same body: solving stage after stage is
-//            solving in order, and the contacts of a stage share nothing that is written
-//   packs    contacts that are solved at once, in lanes. Workers take the packs of a stage in any order. Where there are none, a pack holds
-//            contacts of several stages, as long as all that they wait for is in earlier packs: a pyramid of base 40 then has a
-//            tenth fewer, and pack after pack it is solved in the same order
+//
+// Which of them are solved at once is in contact_packs.h.
 #pragma once
 
 #include "solve/bodies/solver_body.h"
@@ -34,24 +31,25 @@ class ContactOrder {
     /// Fills what find() makes anew with a byte.
     void poison(std::byte with);
 
-    /// Sorts the contacts by stages, after `find`.
-    void find_stages();
-    std::uint32_t stage_count() const { return static_cast<std::uint32_t>((begin.size() - 1) / sorts); }
-    /// Indices of the contacts of a stage: those of several points before single ones, of either those that carried something in
-    /// the last tick before those that did not, and so from the top down and rising within a level.
-    std::span<const std::uint32_t> stage(std::uint32_t s) const {
-        return std::span(staged).subspan(begin[sorts * s], begin[sorts * (s + 1)] - begin[sorts * s]);
+    /// Indices of the contacts in order, after `find`.
+    std::span<const std::uint32_t> down_from_the_top() const { return down; }
+    struct Link {
+        std::uint32_t a, b; ///< bodies
+        bool operator==(const Link&) const = default;
+    };
+    const Link& link(std::uint32_t contact) const { return now.links[contact]; }
+    std::size_t body_count() const { return now.movable.size(); }
+    bool moves(std::uint32_t body) const { return now.movable[body] != 0; }
+    /// Goes up whenever find() finds other contacts, or another order. Of what rests it finds the same in most ticks.
+    std::uint64_t version() const { return versions; }
+    /// One of the bodies of a contact that it moves: a, or b where nothing moves a.
+    std::uint32_t moved_body(std::uint32_t contact) const {
+        return moves(link(contact).a) ? link(contact).a : link(contact).b;
     }
-    static constexpr std::uint32_t no_contact = 0xffffffffu;
-    /// Contacts in packs of `lanes`, after `find`; lanes that are left over get `no_contact`. By stages, of which `stage_begin` gets the
-    /// first pack of each, and the end; or as densely as their order allows.
-    void pack_stages(std::uint32_t lanes, std::vector<std::uint32_t>& packed,
-                     std::vector<std::uint32_t>& stage_begin);
-    void pack_densely(std::uint32_t lanes, std::vector<std::uint32_t>& packed);
 
     enum Kind : std::uint8_t { carried = 1, several = 2, touches = 4, bounces = 8, rolls = 16 };
     /// What a contact is, as bits, and what any of them is.
-    std::uint8_t kind(std::uint32_t contact) const { return kinds[contact]; }
+    std::uint8_t kind(std::uint32_t contact) const { return now.kinds[contact]; }
     std::uint8_t any_kind() const { return all_kinds; }
     /// Of a body, after `find`; no_level when nothing holds it.
     std::uint32_t level(std::uint32_t body) const { return levels[body]; }
@@ -59,42 +57,28 @@ class ContactOrder {
     static constexpr std::uint32_t no_level = 0xffffffffu;
 
   private:
-    /// Of contacts, which are far apart in memory, all that is looked at again.
-    struct Link {
-        std::uint32_t a, b; ///< bodies
-    };
-    static constexpr std::uint32_t sorts = 4; ///< of contacts: several points or one, carried or did not
-    std::uint32_t sort_of(std::uint32_t contact) const { return ~kinds[contact] & (carried | several); }
-    /// The next contact that moves the same body, of either body; or `no_contact`.
-    struct Followers {
-        std::uint32_t of_a, of_b;
-    };
-    class Ready;
-
-    void read(std::span<const Contact> contacts, const SolverBodies& bodies);
+    bool read(std::span<const Contact> contacts, const SolverBodies& bodies);
     void find_levels();
     void sort_down();
-    void find_followers(Ready& ready);
 
-    std::vector<Link> links;         ///< by contact
-    std::vector<std::uint8_t> kinds; ///< by contact: Kind
+    /// All that is looked at again of contacts, which are far apart in memory.
+    struct Given {
+        std::vector<Link> links;           ///< by contact
+        std::vector<std::uint8_t> kinds;   ///< by contact: Kind
+        std::vector<std::uint8_t> movable; ///< by body: not 0 where impulses move it
+    };
+    Given now, before;     ///< before: of the last find()
+    bool is_known = false; ///< the last find() is
+    std::uint64_t versions = 0;
     std::uint8_t all_kinds = 0;
-    std::vector<std::uint32_t> moves;  ///< by body: all ones where impulses move it, or zero
     std::uint32_t level_max = 0;       ///< of the bodies that are held
     std::vector<std::uint32_t> levels; ///< by body
     /// Bodies that touch body b: neighbours[first[b] .. first[b + 1])
     std::vector<std::uint32_t> first, neighbours;
     std::vector<std::uint32_t> queue;
-    std::vector<std::uint32_t> down; ///< contacts from the top down
-    /// By contact: its key, then its stage and sort, or the next that is ready
-    std::vector<std::uint32_t> place;
-    /// By body: one more than its latest contact, or than its stage; 0: none
-    std::vector<std::uint32_t> last;
-    std::vector<Followers> followers; ///< by contact
-    std::vector<std::uint8_t> waits;  ///< by contact: how many contacts it follows that are in no pack so far
-    std::vector<std::uint32_t> staged;   ///< contacts by stage and sort
-    std::vector<std::uint32_t> begin{0}; ///< of each sort of each stage in `staged`, and the end
-    std::vector<std::uint32_t> counts;   ///< of a counting sort
+    std::vector<std::uint32_t> down, down_before; ///< contacts from the top down
+    std::vector<std::uint32_t> place;             ///< by contact: its key
+    std::vector<std::uint32_t> counts;            ///< of a counting sort
 };
 
 } // namespace lockstone::solve

@@ -34,8 +34,8 @@
 
 namespace lockstone::solve {
 
-/// All contacts of a tick in solving order. Stage by stage: within one, packs share nothing that is written, so workers take
-/// them in any order, and lanes of any width give the same bits.
+/// All contacts of a tick in solving order. What moves the same body comes in order, whatever workers and lanes there are: they give the same
+/// bits.
 class ContactSolver {
   public:
     ContactSolver(); ///< with the best lanes that the machine has
@@ -47,7 +47,7 @@ class ContactSolver {
     /// Orders the contacts, packs and prepares them. `memory` holds the warm-start impulses.
     void prepare(std::span<const solve::Contact> contacts, std::span<const solve::ContactMemory> memory,
                  const solve::MassView& mass, const solve::StepConstants& step,
-                 const solve::SolverBodies& bodies, Tasks* tasks = nullptr);
+                 const solve::SolverBodies& bodies, std::span<const Transform> poses, Tasks* tasks = nullptr);
     void warm_start(solve::SolverBodies& bodies, Tasks* tasks = nullptr);
     /// One pass over all rows. With bias, overlap is pushed out softly; without, what the push left is relaxed.
     void solve(const solve::StepConstants& step, solve::SolverBodies& bodies, bool bias,

@@ -4,7 +4,7 @@
 // too, since the linker keeps one of their copies.
 #pragma once
 
-#include "lockstone/compiler.h"
+#include "solve/contacts/ahead_kernel.h"
 #include "solve/contacts/bounce_kernel.h"
 #include "solve/contacts/pack.h"
 #include "solve/contacts/prepare_kernel.h"
@@ -66,7 +66,7 @@ template <class L> class Kernel {
         for (int i = 0; i < 6; ++i) p.a[i] = {raw[i]}, p.b[i] = {raw[6 + i]};
     }
 
-    /// Bodies that nothing moves are shared by the packs of a stage, so they are not written.
+    /// Bodies that nothing moves are shared by the packs of all workers, so they are not written.
     template <class Body> static void scatter(const Pack& c, Body* of, const Pair& p) {
         scatter_side(c.body_a, c.movable_a, of, p.a);
         scatter_side(c.body_b, c.movable_b, of, p.b);
@@ -565,11 +565,17 @@ template <class L> class Kernel {
 
   public:
     static void warm_start(void* packs, std::uint32_t first, std::uint32_t last, const PassData& data) {
-        for (std::uint32_t i = first; i < last; ++i) warm_start_pack(static_cast<Pack*>(packs)[i], data);
+        for (std::uint32_t i = first; i < last; ++i) {
+            if (data.asks_ahead) Ahead<L>::ask_for(packs, i, data);
+            warm_start_pack(static_cast<Pack*>(packs)[i], data);
+        }
     }
     static void solve(void* packs, std::uint32_t first, std::uint32_t last, const PassData& data,
                       const PassSettings& settings) {
-        for (std::uint32_t i = first; i < last; ++i) solve_pack(static_cast<Pack*>(packs)[i], data, settings);
+        for (std::uint32_t i = first; i < last; ++i) {
+            if (data.asks_ahead) Ahead<L>::ask_for(packs, i, data);
+            solve_pack(static_cast<Pack*>(packs)[i], data, settings);
+        }
     }
     static void measure_approaches(const void* packs, std::uint32_t count, const PassData& data) {
         const Pack* const all = static_cast<const Pack*>(packs);

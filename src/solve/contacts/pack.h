@@ -35,7 +35,7 @@ template <unsigned N> struct PointLanes {
     std::int32_t reach[N];   ///< Unit: distance from the centre in arms
 };
 
-/// N contacts of one stage: no two of them share a body that can move.
+/// N contacts, of which no two share a body that can move.
 template <unsigned N> struct ContactPack {
     std::uint32_t body_a[N], body_b[N]; ///< entries of SolverBodies
     /// Bit per lane: impulses move the body; others are read, never written
@@ -127,6 +127,8 @@ struct PassData {
     WarmStart* warm;
     WarmStart* arrival; ///< by body: its velocity without what contacts give in this substep, hits apart
     Bounce* bounces;
+    std::uint32_t packs = 0; ///< how many there are
+    bool asks_ahead = false; ///< they do not fit into the cache
 };
 
 /// The passes of one instruction set over packs [first, last) of its lane width.

@@ -168,8 +168,7 @@ void fill_pack(ContactPack<N>& pack, PackSource& source, const Contact* const (&
     source.has_locks = false;
     PackHead head;
     for (unsigned lane = 0; lane < N; ++lane)
-        // A contact without points was not filled in, by tasks of the game's own that left an item out.
-        if (contacts[lane] != nullptr && contacts[lane]->count != 0)
+        if (contacts[lane] != nullptr)
             fill_lane(pack, head, source, lane, *contacts[lane], in);
         else
             leave_lane<N>(source, lane);

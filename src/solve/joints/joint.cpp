@@ -19,24 +19,27 @@ void JointSolver::reserve(std::size_t joints) {
     work->joints.reserve(joints);
     work->blocks.reserve(2 * joints);
     work->axes.reserve(7 * joints);
-    work->packs.reserve(joints), work->turn_packs.reserve(joints), work->stages.reserve(joints);
+    work->packs.reserve(joints), work->turn_packs.reserve(joints), work->steps.reserve(joints);
     work->singles.reserve(joints), work->with_rows.reserve(joints), work->acts.reserve(joints),
         work->glances.reserve(joints);
-    work->packed.reserve(pack_lanes * joints), work->in_order.reserve(joints);
+    work->packed.reserve(pack_lanes * joints), work->in_order.reserve(joints),
+        work->before_sort.reserve(joints);
     work->last_stage.reserve(2 * joints), work->counts.reserve(5 * joints + 1);
     work->wanted.reserve(2 * joints), work->bodies.reserve(2 * joints), work->planned.reserve(2 * joints);
 }
 
 void JointSolver::poison(std::byte with) {
-    auto& [joints, blocks, axes, packs, turn_packs, stages, singles, with_rows, framed_in_world, glances,
-           held, turned, seen, wanted, given, acts, packed, last_stage, counts, in_order, bodies, planned,
-           has_plan, forest, cache_of, closed, pose, memory, clamped, first] = *work;
-    base::poison(with, joints, blocks, axes, packs, turn_packs, stages, singles, with_rows, framed_in_world,
-                 glances, held, turned, seen, wanted, given, acts, packed, last_stage, counts, in_order,
-                 bodies, planned, cache_of, pose, memory, clamped, first);
+    auto& [joints, blocks, axes, packs, turn_packs, steps, down, up, singles, with_rows, framed_in_world,
+           glances, held, turned, seen, wanted, given, acts, packed, last_stage, last_piece, counts, in_order,
+           before_sort, bodies, planned, has_plan, planned_for, forest, cache_of, closed, pose, memory,
+           clamped, first] = *work;
+    base::poison(with, joints, blocks, axes, packs, turn_packs, steps, singles, with_rows, framed_in_world,
+                 glances, held, turned, seen, wanted, given, acts, packed, last_stage, last_piece, counts,
+                 in_order, before_sort, bodies, planned, cache_of, pose, memory, clamped, first);
     base::poison(with, closed.of_body, closed.of_pack, closed.of_four, closed.stopped, closed.pushed,
                  closed.velocities, closed.packs);
-    has_plan = false;
+    has_plan = false, planned_for = 0;
+    down.clear(), up.clear();
     auto& [trees, nodes, edges, links, component, first_of, hung, node_of, size, root, anchor_of, loops,
            anchors, above_of, above, carried, queue] = forest;
     base::poison(with, trees, nodes, edges, links, component, first_of, hung, node_of, size, root, anchor_of,
@@ -101,6 +104,14 @@ template <class Visit> void for_joints(JointTick& tick, Tasks* tasks, Visit&& vi
     base::for_chunks(tasks, static_cast<std::uint32_t>(tick.with_rows.size()), joint_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
                          for (std::uint32_t i = first; i < last; ++i) visit(tick.joints[tick.with_rows[i]]);
+                     });
+}
+
+/// Calls visit(pack, its index) for each pack; workers share them.
+template <class Visit> void for_packs(JointTick& tick, Tasks* tasks, Visit&& visit) {
+    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.packs.size()), joint_pack_chunk,
+                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                         for (std::uint32_t i = first; i < last; ++i) visit(tick.packs[i], i);
                      });
 }
 
@@ -211,7 +222,8 @@ PlannedBody planned_of(std::uint32_t body, const SolverBodies& bodies) {
 
 /// Which bodies joints hold, what parts they have, and in which order they are solved.
 void plan_joints(JointTick& tick, std::span<const Joint> joints, std::span<const JointMemory> memory,
-                 const BodyColumns& columns, const StepConstants& step, const SolverBodies& bodies) {
+                 const BodyColumns& columns, const StepConstants& step, const SolverBodies& bodies,
+                 std::uint32_t workers) {
     tick.joints.clear(), tick.blocks.clear(), tick.axes.clear(), tick.bodies.clear();
     tick.cache_of.assign(bodies.body.size(), 0);
     constexpr BodyMass none{};
@@ -236,7 +248,8 @@ void plan_joints(JointTick& tick, std::span<const Joint> joints, std::span<const
         w.stays = may_stay(tick, w);
     }
     plan_trees(tick, columns, step, bodies);
-    plan_packs(tick, step, bodies);
+    plan_packs(tick, step, bodies, workers);
+    tick.planned_for = workers;
     tick.with_rows.clear(), tick.framed_in_world.clear();
     for (std::uint32_t i = 0; i < tick.joints.size(); ++i) {
         JointWork& w = tick.joints[i];
@@ -259,8 +272,9 @@ void plan_joints(JointTick& tick, std::span<const Joint> joints, std::span<const
 }
 
 /// Whether the plan of the last tick serves again. How large a body's K^-1 is changes from tick to tick.
-bool is_plan_good(const JointTick& tick, std::size_t joints, const SolverBodies& bodies) {
-    if (!tick.has_plan || tick.joints.size() != joints) return false;
+bool is_plan_good(const JointTick& tick, std::size_t joints, const SolverBodies& bodies,
+                  std::uint32_t workers) {
+    if (!tick.has_plan || tick.planned_for != workers || tick.joints.size() != joints) return false;
     constexpr std::size_t ahead = 8;
     for (std::size_t i = 0; i < tick.bodies.size(); ++i) {
         if (i + ahead < tick.bodies.size()) {
@@ -274,8 +288,12 @@ bool is_plan_good(const JointTick& tick, std::size_t joints, const SolverBodies&
 
 /// What plan_joints() makes, from what it made in the last tick.
 void keep_plan(JointTick& tick, std::span<const Joint> joints, const BodyColumns& columns,
-               const SolverBodies& bodies) {
-    for (JointBody& now : tick.bodies) start_body(now, columns.pose[now.body], bodies);
+               const SolverBodies& bodies, Tasks* tasks) {
+    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.bodies.size()), body_chunk,
+                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                         for (std::uint32_t i = first; i < last; ++i)
+                             start_body(tick.bodies[i], columns.pose[tick.bodies[i].body], bodies);
+                     });
     for (const std::uint32_t i : tick.with_rows) {
         JointWork& w = tick.joints[i];
         w.twist = tick.memory[w.memory].twist;
@@ -289,7 +307,7 @@ void keep_plan(JointTick& tick, std::span<const Joint> joints, const BodyColumns
         if (w.b.world) set_side(tick, w.b, w.frame_b, w.framed, joints[i].frame_b, columns, bodies);
         if (w.hinge) set_hinge_frames(tick, w);
     }
-    restart_packs(tick);
+    for_packs(tick, tasks, [&](JointPack& pack, std::uint32_t) { restart_pack(tick, pack); });
 }
 
 } // namespace
@@ -303,11 +321,12 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
     tick.clamped = 0;
     tick.first = true;
     if (stays_empty) return;
-    const bool kept = same && is_plan_good(tick, joints.size(), bodies);
+    const std::uint32_t workers = base::worker_count(tasks);
+    const bool kept = same && is_plan_good(tick, joints.size(), bodies, workers);
     if (kept)
-        keep_plan(tick, joints, columns, bodies);
+        keep_plan(tick, joints, columns, bodies, tasks);
     else
-        plan_joints(tick, joints, memory, columns, step, bodies);
+        plan_joints(tick, joints, memory, columns, step, bodies, workers);
     tick.glances.resize(tick.joints.size());
     for (const JointWork& w : std::span(tick.joints).first(kept ? 0 : tick.joints.size()))
         if (is_packed_point(w)) set_glance(tick, w); // it stays what it is
@@ -318,10 +337,11 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
     start_packs(tick, *kernel, step, bodies, tasks);
     for_joints(tick, tasks, [&](JointWork& w) { make_rows(tick, w, step, bodies); });
     refresh_packs(tick, kernel->begin, step, bodies, tasks);
-    for (JointPack& pack : tick.packs)
+    for_packs(tick, tasks, [](JointPack& pack, std::uint32_t) {
         for (std::uint32_t lane = 0; lane < pack_lanes; ++lane)
             pack.bias_before[lane] = std::max(
                 {std::abs(pack.bias[0][lane]), std::abs(pack.bias[1][lane]), std::abs(pack.bias[2][lane])});
+    });
     make_asked_rows(tick, step, bodies);
     invert_packs(tick, *kernel, step, bodies, tasks);
     factorise_trees(tick, bodies, tasks);
@@ -330,12 +350,11 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
 namespace {
 
 /// Finds the lanes of packs that are stale by the motion of their bodies, and gives them K^-1 of those that are followed.
-void find_stale_lanes(JointTick& tick, const SolverBodies& bodies) {
+void find_stale_lanes(JointTick& tick, const SolverBodies& bodies, Tasks* tasks) {
     const auto seen_of = [seen = tick.seen.data()](const PackSide& side, std::uint32_t lane) {
         return static_cast<std::uint32_t>(seen[side.turned[lane] / sizeof(TurnedBody)]);
     };
-    for (std::uint32_t i = 0; i < tick.packs.size(); ++i) {
-        JointPack& pack = tick.packs[i];
+    for_packs(tick, tasks, [&](JointPack& pack, std::uint32_t i) {
         std::uint32_t any = 0;
         for (std::uint32_t lane = 0; lane < pack_lanes; ++lane) {
             const std::uint32_t seen = seen_of(pack.a, lane) | seen_of(pack.b, lane);
@@ -344,7 +363,7 @@ void find_stale_lanes(JointTick& tick, const SolverBodies& bodies) {
         }
         for (std::uint32_t lane = 0; (any & seen_followed) != 0 && lane < pack.count; ++lane)
             give_gyration(tick, tick.joints[tick.packed[i * pack_lanes + lane]], bodies);
-    }
+    });
 }
 
 /// Finds the joints whose rows are stale, and the bodies that have to be placed for new rows. Whether any joint has rows of its own.
@@ -406,7 +425,7 @@ void JointSolver::update(const StepConstants& step, const SolverBodies& bodies, 
         return;
     }
     turn_held(tick, *kernel, step, bodies, tasks);
-    find_stale_lanes(tick, bodies);
+    find_stale_lanes(tick, bodies, tasks);
     const bool own_rows = find_stale_joints(tick);
     place_bodies(tick, bodies, tasks);
     if (own_rows) follow_joints(tick, step, bodies, tasks);
@@ -513,11 +532,10 @@ Quat frame_rotation(const JointTick& tick, const JointWorkSide& s, const JointFr
 
 } // namespace
 
-void JointSolver::store(std::span<JointMemory> memory, ClampCounts& clamps) const {
+void JointSolver::store(std::span<JointMemory> memory, ClampCounts& clamps, Tasks* tasks) const {
     JointTick& tick = *work;
-    for (const JointPack& pack : tick.packs) store_points(pack, memory);
-    for (const std::uint32_t i : tick.with_rows) {
-        const JointWork& w = tick.joints[i];
+    for_packs(tick, tasks, [&](const JointPack& pack, std::uint32_t) { store_points(pack, memory); });
+    for_joints(tick, tasks, [&](const JointWork& w) {
         JointMemory& m = memory[w.memory];
         m.axis = {}, m.swing = Real{};
         Wrench wrench{};
@@ -532,7 +550,7 @@ void JointSolver::store(std::span<JointMemory> memory, ClampCounts& clamps) cons
                                    : Real{}; // nothing depends on its whole turns
         m.force = wrench.force * w.mass_rate;
         m.torque = wrench.torque == Vec3{} ? Vec3{} : wrench.torque * w.mass_rate;
-    }
+    });
     clamps.impulse += tick.clamped;
 }
 

@@ -74,13 +74,13 @@ class JointSolver {
                  Tasks* tasks = nullptr, bool same = false);
     /// Rows and errors from where the bodies are now: before the first substep and after each move.
     void update(const StepConstants& step, const SolverBodies& bodies, Tasks* tasks = nullptr);
-    void warm_start(const StepConstants& step, SolverBodies& bodies);
+    void warm_start(const StepConstants& step, SolverBodies& bodies, Tasks* tasks = nullptr);
     /// One pass over all joints: springs and motors, limits, locks; then the locks of trees, which workers share.
     void solve(const StepConstants& step, SolverBodies& bodies, bool bias, Tasks* tasks = nullptr);
     /// After the substeps: closes points that are further off than 6 mm, by moving bodies; no speed and no impulse changes.
     void close(const StepConstants& step, SolverBodies& bodies);
     /// Impulses, unwrapped angles and reactions for the next tick and for readers.
-    void store(std::span<JointMemory> memory, ClampCounts& clamps) const;
+    void store(std::span<JointMemory> memory, ClampCounts& clamps, Tasks* tasks = nullptr) const;
 
     void reserve(std::size_t joints);
     /// Fills what prepare() makes anew with a byte.

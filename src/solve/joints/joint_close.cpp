@@ -256,8 +256,8 @@ class Closer {
         data.mass_scale = unit_one.raw, data.impulse_scale = 0;
         for (int pass = 0; pass < passes_max; ++pass) {
             if (!refresh_pushed(pass != 0)) break;
-            for (const JointStage& stage : tick.stages)
-                for (std::uint32_t p = stage.first_pack; p < stage.last_pack; ++p) solve(p);
+            for (const JointStep& now : tick.steps)
+                for (std::uint32_t p = now.first_pack; p < now.last_pack; ++p) solve(p);
             move_and_stop();
         }
         give_back();

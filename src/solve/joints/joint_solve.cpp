@@ -154,8 +154,15 @@ bool moves_readably(const SolverBody& a, const SolverBody& b) {
             static_cast<std::uint64_t>(a.v[i] + motion_max) | static_cast<std::uint64_t>(b.v[i] + motion_max);
     return any < static_cast<std::uint64_t>(2 * motion_max);
 }
-void write_turning(const Motion& m, SolverBody& a, SolverBody& b) {
-    for (int i = 0; i < 3; ++i) a.u[i] = m.a[i + 3], b.u[i] = m.b[i + 3];
+/// Bodies that impulses do not move are read by several workers.
+void write_turning(const Motion& m, const JointWork& w, SolverBodies& bodies) {
+    SolverBody &a = bodies.body[w.a.body], &b = bodies.body[w.b.body];
+    for (int i = 0; i < 3 && w.a.moved; ++i) a.u[i] = m.a[i + 3];
+    for (int i = 0; i < 3 && w.b.moved; ++i) b.u[i] = m.b[i + 3];
+}
+void write(const Motion& m, const JointWork& w, SolverBodies& bodies) {
+    if (w.a.moved) write(m.a, bodies.body[w.a.body]);
+    if (w.b.moved) write(m.b, bodies.body[w.b.body]);
 }
 void read_moving(const SolverBody& a, const SolverBody& b, Motion& m) {
     for (int i = 0; i < 3; ++i) m.a[i] = a.v[i], m.b[i] = b.v[i];
@@ -175,8 +182,11 @@ bool stays_free(const JointAxisPart& part, const SolverBody& a, const SolverBody
 }
 
 /// As pass_joint(), of a joint that is limits_act. False, and nothing changes: that is to do it.
-bool pass_limits(JointAxisPart& part, JointPoint point, SolverBody& a, SolverBody& b, bool bias,
+bool pass_limits(JointTick& tick, const JointWork& w, SolverBodies& bodies, bool bias,
                  std::uint64_t& clamped) {
+    JointAxisPart& part = tick.axes[w.first_axis];
+    const JointPoint point = point_of(tick, w, bodies);
+    const SolverBody &a = bodies.body[w.a.body], &b = bodies.body[w.b.body];
     Motion m{};
     if (!read_turning(a, b, m)) return false;
     AxisPass<Turning> pass(part, point, bias, m, clamped);
@@ -186,7 +196,7 @@ bool pass_limits(JointAxisPart& part, JointPoint point, SolverBody& a, SolverBod
     if (!moves_readably(a, b)) return false;
     read_moving(a, b, m);
     pass.lower(part.lower), pass.upper(part.upper);
-    write(m, a, b);
+    write(m, w, bodies);
     return true;
 }
 
@@ -196,9 +206,9 @@ bool has_locks(const JointTick& tick, const JointWork& w) {
 
 /// Solves one joint: its axes, and the locks that neither a tree nor a pack solves.
 void pass_joint(JointTick& tick, const JointWork& w, const StepConstants& step, SolverBodies& bodies,
-                bool bias) {
+                bool bias, std::uint64_t& clamped) {
     const bool locks = has_locks(tick, w);
-    SolverBody &a = bodies.body[w.a.body], &b = bodies.body[w.b.body];
+    const SolverBody &a = bodies.body[w.a.body], &b = bodies.body[w.b.body];
     bool busy = locks;
     for (std::uint32_t i = 0; i < w.axis_count && !busy; ++i)
         busy = !stays_free(tick.axes[w.first_axis + i], a, b, bias);
@@ -209,18 +219,18 @@ void pass_joint(JointTick& tick, const JointWork& w, const StepConstants& step, 
         JointAxisPart& part = tick.axes[w.first_axis + i];
         if (part.idle) continue;
         if (part.turns)
-            solve_axis<Turning>(part, point_of(tick, w, bodies), m, bias, tick.clamped);
+            solve_axis<Turning>(part, point_of(tick, w, bodies), m, bias, clamped);
         else
-            solve_axis<Speeds>(part, {}, m, bias, tick.clamped);
+            solve_axis<Speeds>(part, {}, m, bias, clamped);
     }
     for (std::uint32_t i = 0; locks && i < w.block_count; ++i) {
         JointBlock& block = tick.blocks[w.first_block + i];
         if (block.turns)
-            solve_block<Turning>(block, m, step, bias, tick.clamped);
+            solve_block<Turning>(block, m, step, bias, clamped);
         else
-            solve_block<Speeds>(block, m, step, bias, tick.clamped);
+            solve_block<Speeds>(block, m, step, bias, clamped);
     }
-    write(m, a, b);
+    write(m, w, bodies);
 }
 
 } // namespace
@@ -238,6 +248,17 @@ void set_acting(JointTick& tick, const JointWork& w) {
     tick.acts[i] = acts;
 }
 
+/// visit(step) in order, or in the reverse order, those of different strands at the same time.
+template <class Visit>
+static void for_each_step(const JointTick& tick, Tasks* tasks, bool forwards, const Visit& visit) {
+    const std::size_t count = tick.steps.size();
+    if (tasks != nullptr && tick.down.strands != 0)
+        base::for_strands(*tasks, forwards ? tick.down : tick.up,
+                          [&](std::uint32_t first, std::uint32_t) { visit(tick.steps[first]); });
+    else
+        for (std::size_t k = 0; k < count; ++k) visit(tick.steps[forwards ? k : count - 1 - k]);
+}
+
 void JointSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bias, Tasks* tasks) {
     JointTick& tick = *work;
     if (tick.joints.empty()) return;
@@ -245,21 +266,19 @@ void JointSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bi
     const JointPassData data = pass_data(tick, step, bodies.body.data());
     const std::uint32_t* const singles = tick.singles.data();
     const std::uint8_t* const all_acts = tick.acts.data();
-    const std::size_t count = tick.stages.size();
-    for (std::size_t k = 0; k < count; ++k) { // the relaxing pass runs in the reverse order
-        const JointStage& stage = tick.stages[bias ? k : count - 1 - k];
-        for (std::uint32_t i = stage.first_single; i < stage.last_single; ++i) {
-            const std::uint8_t acts = all_acts[singles[i]];
-            if (acts == nothing_acts) continue;
-            const JointWork& w = tick.joints[singles[i]];
-            if (acts == limits_act &&
-                pass_limits(tick.axes[w.first_axis], point_of(tick, w, bodies), bodies.body[w.a.body],
-                            bodies.body[w.b.body], bias, tick.clamped))
-                continue;
-            pass_joint(tick, w, step, bodies, bias);
-        }
-        tick.clamped += kernel->solve(data, stage.first_pack, stage.last_pack, bias);
-    }
+    for_each_step(tick, tasks, bias,
+                  [&](const JointStep& now) { // the relaxing pass runs in the reverse order
+                      std::uint64_t clamped = 0;
+                      for (std::uint32_t i = now.first_single; i < now.last_single; ++i) {
+                          const std::uint8_t acts = all_acts[singles[i]];
+                          if (acts == nothing_acts) continue;
+                          const JointWork& w = tick.joints[singles[i]];
+                          if (acts != limits_act || !pass_limits(tick, w, bodies, bias, clamped))
+                              pass_joint(tick, w, step, bodies, bias, clamped);
+                      }
+                      clamped += kernel->solve(data, now.first_pack, now.last_pack, bias);
+                      base::add_count(tick.clamped, clamped);
+                  });
     const std::vector<JointTree>& trees = tick.forest.trees;
     base::for_chunks(tasks, static_cast<std::uint32_t>(trees.size()), tree_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
@@ -272,15 +291,17 @@ void JointSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bi
 // ---- warm start ---------------------------------------------------------------------------------------------------
 
 /// As warm_joint(), of a joint that is limits_act. False, and nothing changes: that is to do it.
-static bool warm_limits(JointAxisPart& part, SolverBody& a, SolverBody& b, bool first) {
+static bool warm_limits(JointTick& tick, const JointWork& w, SolverBodies& bodies) {
+    JointAxisPart& part = tick.axes[w.first_axis];
     if ((part.lower | part.upper) == 0) return true;
+    const SolverBody &a = bodies.body[w.a.body], &b = bodies.body[w.b.body];
     Motion m{};
     if (!read_turning(a, b, m) || !moves_readably(a, b)) return false;
     const std::int32_t p =
         bounded(std::int64_t{part.lower} + part.upper, -joint_impulse_max, joint_impulse_max);
-    if (!first) part.sum += unscaled_impulse(p, part.exponent);
+    if (!tick.first) part.sum += unscaled_impulse(p, part.exponent);
     push_clamped<Turning>(&part.row, &p, 1, m);
-    write_turning(m, a, b);
+    write_turning(m, w, bodies);
     return true;
 }
 
@@ -291,7 +312,7 @@ static void warm_joint(JointTick& tick, const JointWork& w, SolverBodies& bodies
         busy = busy || (part.spring | part.motor | part.lower | part.upper) != 0;
     }
     if (!busy) return;
-    SolverBody &a = bodies.body[w.a.body], &b = bodies.body[w.b.body];
+    const SolverBody &a = bodies.body[w.a.body], &b = bodies.body[w.b.body];
     Motion m = read(a, b);
     clamp_motion(m);
     for (std::uint32_t i = 0; i < w.axis_count; ++i) {
@@ -311,27 +332,25 @@ static void warm_joint(JointTick& tick, const JointWork& w, SolverBodies& bodies
         else
             push_clamped<Speeds>(block.row, block.impulse, block.count, m);
     }
-    write(m, a, b);
+    write(m, w, bodies);
 }
 
-void JointSolver::warm_start(const StepConstants& step, SolverBodies& bodies) {
+void JointSolver::warm_start(const StepConstants& step, SolverBodies& bodies, Tasks* tasks) {
     JointTick& tick = *work;
     if (tick.joints.empty()) return;
     turn_in(step, bodies);
     const JointPassData data = pass_data(tick, step, bodies.body.data());
     const std::uint32_t* const singles = tick.singles.data();
     const std::uint8_t* const all_acts = tick.acts.data();
-    for (const JointStage& stage : tick.stages) {
-        for (std::uint32_t i = stage.first_single; i < stage.last_single; ++i) {
+    for_each_step(tick, tasks, /*forwards=*/true, [&](const JointStep& now) {
+        for (std::uint32_t i = now.first_single; i < now.last_single; ++i) {
             const std::uint8_t acts = all_acts[singles[i]];
             if (acts == nothing_acts) continue;
             const JointWork& w = tick.joints[singles[i]];
-            if (acts != limits_act || !warm_limits(tick.axes[w.first_axis], bodies.body[w.a.body],
-                                                   bodies.body[w.b.body], tick.first))
-                warm_joint(tick, w, bodies);
+            if (acts != limits_act || !warm_limits(tick, w, bodies)) warm_joint(tick, w, bodies);
         }
-        kernel->warm_start(data, stage.first_pack, stage.last_pack, !tick.first);
-    }
+        kernel->warm_start(data, now.first_pack, now.last_pack, !tick.first);
+    });
     turn_out(bodies);
     tick.first = false;
 }

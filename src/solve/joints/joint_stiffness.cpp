@@ -156,26 +156,62 @@ void stiffen(const BodyColumns& columns, std::uint32_t row, const StepConstants&
 
 } // namespace
 
-void stiffen_bodies(std::span<const Joint> joints, std::span<const JointMemory> memory,
-                    const BodyColumns& columns, const StepConstants& step, SolverBodies& bodies) {
-    bool any = false;
-    bodies.pull.clear();
-    const auto pull = [&](std::uint32_t row, Vec3 force, const Transform& frame, bool strong) {
-        bodies.pull.resize(bodies.body.size());
-        any |= add_pull(columns, row, force, frame.position, strong, step, bodies.pull[row]);
+namespace {
+
+constexpr std::uint32_t stiffness_chunk = 64;
+
+/// What joint `i` adds to the pulls of its bodies: visit(row, pull).
+template <class Visit>
+void pull_of(std::span<const Joint> joints, std::size_t i, std::span<const JointMemory> memory,
+             const BodyColumns& columns, const StepConstants& step, const SolverBodies& bodies,
+             Visit&& visit) {
+    const Joint& joint = joints[i];
+    if (i + 4 < joints.size()) base::prefetch(memory[joints[i + 4].memory].force);
+    const Vec3 force = memory[joint.memory].force;
+    if (force == Vec3{}) return;
+    const std::uint64_t size = length_above(force);
+    const auto of = [&](std::uint32_t row, Vec3 on_it, const Transform& frame, std::uint64_t weak) {
+        Vec3 pull{};
+        if (size > weak && bodies.step[row].movable &&
+            add_pull(columns, row, on_it, frame.position, is_strong(size, weak), step, pull))
+            visit(row, pull);
     };
-    for (std::size_t i = 0; i < joints.size(); ++i) {
-        const Joint& joint = joints[i];
-        if (i + 4 < joints.size()) base::prefetch(memory[joints[i + 4].memory].force);
-        const Vec3 force = memory[joint.memory].force;
-        if (force == Vec3{}) continue;
-        const std::uint64_t size = length_above(force);
-        if (size > joint.weak_a && bodies.step[joint.body_a].movable)
-            pull(joint.body_a, -force, joint.frame_a, is_strong(size, joint.weak_a));
-        if (size > joint.weak_b && bodies.step[joint.body_b].movable)
-            pull(joint.body_b, force, joint.frame_b, is_strong(size, joint.weak_b));
+    of(joint.body_a, -force, joint.frame_a, joint.weak_a);
+    of(joint.body_b, force, joint.frame_b, joint.weak_b);
+}
+
+} // namespace
+
+void stiffen_bodies(std::span<const Joint> joints, std::span<const JointMemory> memory,
+                    const BodyColumns& columns, const StepConstants& step, SolverBodies& bodies,
+                    Tasks* tasks) {
+    bodies.pull.clear();
+    const auto add = [&](std::uint32_t row, const Vec3& pull) {
+        if (bodies.pull.empty()) bodies.pull.resize(bodies.body.size());
+        bodies.pull[row] += pull;
+    };
+    const std::uint32_t count = static_cast<std::uint32_t>(joints.size());
+    if (tasks == nullptr || count < 4 * stiffness_chunk) {
+        for (std::size_t i = 0; i < joints.size(); ++i)
+            pull_of(joints, i, memory, columns, step, bodies, add);
+    } else { // joints pull at the same bodies: found by workers, and added by one
+        using Pulls = SolverBodies::JointPulls;
+        bodies.joint_pulls.resize(count);
+        base::for_all_chunks(
+            tasks, count, stiffness_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                for (std::uint32_t i = first; i < last; ++i) {
+                    Pulls& found = bodies.joint_pulls[i];
+                    found.count = 0;
+                    pull_of(joints, i, memory, columns, step, bodies,
+                            [&](std::uint32_t row, const Vec3& pull) {
+                                found.row[found.count] = row, found.pull[found.count++] = pull;
+                            });
+                }
+            });
+        for (const Pulls& found : bodies.joint_pulls)
+            for (std::uint32_t k = 0; k < found.count; ++k) add(found.row[k], found.pull[k]);
     }
-    if (!any) return;
+    if (bodies.pull.empty()) return;
     for (const Joint& joint : joints)
         for (const std::uint32_t row : {joint.body_a, joint.body_b})
             if (bodies.pull[row] != Vec3{}) stiffen(columns, row, step, bodies);

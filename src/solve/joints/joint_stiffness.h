@@ -22,7 +22,8 @@ void find_weak_forces(std::span<Joint> joints, const BodyColumns& columns, const
 
 /// After begin_step() and before rows are made: radii of gyration for this tick by the forces of the last one.
 void stiffen_bodies(std::span<const Joint> joints, std::span<const JointMemory> memory,
-                    const BodyColumns& columns, const StepConstants& step, SolverBodies& bodies);
+                    const BodyColumns& columns, const StepConstants& step, SolverBodies& bodies,
+                    Tasks* tasks = nullptr);
 
 /// Whether a pull f [N] at a lever r [m] is left out: true only where |f| |r| < m (k rate)^2 / 32, and always below 0.73 of that, where f
 /// is a micronewton or more and r a micrometre. k: the least radius of gyration [m], above 0; rate: substeps per second.

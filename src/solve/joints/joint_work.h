@@ -15,6 +15,8 @@
 #include "solve/joints/pack/joint_point.h"
 #include "solve/joints/tree/joint_tree.h"
 
+#include "base/strands.h"
+
 #include <vector>
 
 namespace lockstone::solve {
@@ -106,6 +108,7 @@ struct JointWorkSide {
     std::uint32_t body;  ///< entry of SolverBodies
     std::uint32_t cache; ///< entry of JointTick::bodies
     bool world;          ///< stands still: the frame is in the world
+    bool moved;          ///< by impulses; else it is read, never written: workers share it
 };
 struct JointFrame {
     LengthVec3 lever; ///< of the frame's origin from the centre of mass, in the body's axes
@@ -146,9 +149,11 @@ struct alignas(64) JointWork {
     Real mass; ///< mA mB / (mA + mB) [kg]
     Real travel;
     std::uint32_t first_block;
-    std::uint32_t tree;  ///< that solves its locks; no_tree: they are solved by themselves
-    std::uint32_t stage; ///< of JointTick::stages
-    bool point;          ///< it holds a point
+    std::uint32_t tree;   ///< that solves its locks; no_tree: they are solved by themselves
+    std::uint32_t stage;  ///< the first after those of all earlier joints that move the same body
+    std::uint32_t strand; ///< of JointTick::down and up
+    bool is_inner;        ///< no joint of another strand moves one of its bodies
+    bool point;           ///< it holds a point
     bool needs_target, needs_orientation, needs_slip;
     bool needs_lever; ///< some row of its own does not only turn
     bool framed;      ///< directions of its frames are asked for: it holds more than a point
@@ -158,10 +163,12 @@ struct alignas(64) JointWork {
 /// What passes have to do with a single. limits_act: it has one axis, which only turns and has nothing but both limits.
 enum JointActs : std::uint8_t { nothing_acts, something_acts, limits_act };
 
-/// Joints that share no body that impulses move: the first stage after those of all earlier joints of the same bodies. Stage
-/// after stage is so the order of solving, and stages backwards are that order backwards.
-struct JointStage {
+/// Joints of one stage, of one strand, at its border or within it: they share no body that impulses move. Step after step is the order of
+/// solving, and steps backwards are that order backwards.
+struct JointStep {
     std::uint32_t first_pack, last_pack, first_single, last_single;
+    std::uint32_t first_joint, last_joint; ///< of JointTick::in_order
+    std::uint32_t strand;
 };
 
 /// What a plan takes for granted of a body that joints hold.
@@ -193,8 +200,10 @@ struct JointTick {
     std::vector<JointAxisPart> axes;
     std::vector<JointPack> packs;
     std::vector<TurnPack> turn_packs;
-    std::vector<JointStage> stages;
-    std::vector<std::uint32_t> singles;         ///< joints that have parts in no pack, by stage
+    /// By stage, of a stage by strand, and of a strand those at its border first.
+    std::vector<JointStep> steps;
+    base::StrandPlan down, up;          ///< for workers: pieces are steps, in order and in the reverse order
+    std::vector<std::uint32_t> singles; ///< joints that have parts in no pack, by step
     std::vector<std::uint32_t> with_rows;       ///< joints that are more than a point in a pack
     std::vector<std::uint32_t> framed_in_world; ///< joints with a side that stands still
     std::vector<JointGlance> glances;           ///< by joint
@@ -205,12 +214,14 @@ struct JointTick {
     std::vector<std::uint32_t> given;           ///< entries of `bodies` whose turn theta does not tell
     std::vector<std::uint8_t> acts;             ///< of singles, by joint: JointActs
     std::vector<std::uint32_t> packed;          ///< joints by pack and lane
-    std::vector<std::uint32_t> last_stage, counts, in_order; ///< while packs are filled
+    std::vector<std::uint32_t> last_stage, last_piece, counts; ///< while packs are filled
+    std::vector<std::uint32_t> in_order, before_sort;          ///< joints by step
     std::vector<JointBody> bodies;
     /// The plan: which bodies joints hold, what parts joints have, where packs have them. While joints stay the same it serves again,
     /// but not with trees, which are found anew in every tick.
     std::vector<PlannedBody> planned;
     bool has_plan;
+    std::uint32_t planned_for; ///< workers
     JointForest forest;
     std::vector<std::uint32_t> cache_of; ///< by body: entry of `bodies` + 1
     ClosedPoints closed;
@@ -237,8 +248,8 @@ void enlarge_exponents(JointTick& tick, std::uint32_t pack, decltype(JointKernel
 /// Inverses of the stale lanes of packs [first, last).
 void invert_some(JointTick& tick, std::uint32_t first, std::uint32_t last, const JointKernel& kernel,
                  const JointPassData& data);
-/// Packs of the last tick as they are when they have just been planned, but for numbers that are written before they are read.
-void restart_packs(JointTick& tick);
+/// A pack of the last tick as it is when it has just been planned, but for numbers that are written before they are read.
+void restart_pack(JointTick& tick, JointPack& pack);
 /// Whether a pack can make the point rows of a body: one that impulses move must be free along and about all axes.
 inline bool fits_pack(std::uint32_t body, const SolverBodies& bodies) {
     const BodyStep& s = bodies.step[body];

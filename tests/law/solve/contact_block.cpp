@@ -1,6 +1,7 @@
 // Contacts at rest: the order in which they are solved, their symmetry, and what statics asks of their impulses.
 #include "solve/contacts/contact.h"
 #include "solve/contacts/contact_order.h"
+#include "solve/contacts/contact_packs.h"
 #include "support/sim_scenes.h"
 #include "world/data.h"
 
@@ -46,19 +47,19 @@ Pile pile(std::uint32_t columns, std::uint32_t height, unsigned seed) {
 }
 
 struct OrderFaults {
-    int shared = 0;  ///< bodies that two contacts of a stage move
+    int shared = 0;  ///< bodies that two contacts of a pack move
     int upwards = 0; ///< contacts of a tower that come after the one below
     int missing = 0; ///< contacts that do not come once
 };
 
 /// Of towers: contact (n, n + 1) comes before (n - 1, n).
-OrderFaults order_faults(const Pile& p, const std::vector<std::vector<std::uint32_t>>& stages) {
+OrderFaults order_faults(const Pile& p, const std::vector<std::vector<std::uint32_t>>& packs) {
     OrderFaults f;
     std::vector<int> met(p.contacts.size(), 0);
     std::vector<bool> carried(p.bodies.body.size(), false); // bodies whose contact below has come
-    for (const auto& stage : stages) {
+    for (const auto& pack : packs) {
         std::vector<std::uint32_t> moved;
-        for (const std::uint32_t i : stage) {
+        for (const std::uint32_t i : pack) {
             const solve::Contact& c = p.contacts[i];
             ++met[i];
             for (const std::uint32_t b : {c.body_a, c.body_b})
@@ -74,31 +75,35 @@ OrderFaults order_faults(const Pile& p, const std::vector<std::vector<std::uint3
     return f;
 }
 
-std::vector<std::vector<std::uint32_t>> stages_of(const Pile& p) {
+std::vector<std::vector<std::uint32_t>> packs_of(const Pile& p) {
+    constexpr std::uint32_t lanes = 8;
     solve::ContactOrder order;
+    solve::ContactPacks made;
     order.find(p.contacts, p.bodies);
-    order.find_stages();
-    std::vector<std::vector<std::uint32_t>> stages;
-    for (std::uint32_t s = 0; s < order.stage_count(); ++s)
-        stages.emplace_back(order.stage(s).begin(), order.stage(s).end());
-    return stages;
+    made.make(order, lanes, 1, {});
+    std::vector<std::vector<std::uint32_t>> packs(made.contact_of_lane().size() / lanes);
+    for (std::size_t i = 0; i < made.contact_of_lane().size(); ++i)
+        if (const std::uint32_t contact = made.contact_of_lane()[i];
+            contact != solve::ContactPacks::no_contact)
+            packs[i / lanes].push_back(contact);
+    return packs;
 }
 
 } // namespace
 
-TEST_CASE("contacts are solved from the top down, and those of a stage move different bodies") {
+TEST_CASE("contacts are solved from the top down, and those of a pack move different bodies") {
     for (unsigned seed = 1; seed <= 20; ++seed) {
         const Pile p = pile(1 + seed % 5, 1 + seed % 7, seed);
-        const OrderFaults f = order_faults(p, stages_of(p));
+        const OrderFaults f = order_faults(p, packs_of(p));
         CHECK(f.shared == 0);
         CHECK(f.upwards == 0);
         CHECK(f.missing == 0);
     }
 }
 
-TEST_CASE("planted fault: stages in reverse, joined and lost are found out") {
+TEST_CASE("planted fault: packs in reverse, joined and lost are found out") {
     const Pile p = pile(3, 5, 1);
-    const auto good = stages_of(p);
+    const auto good = packs_of(p);
     auto reversed = good, joined = good, lost = good;
     std::reverse(reversed.begin(), reversed.end());
     joined[0].insert(joined[0].end(), joined[1].begin(), joined[1].end());

@@ -1,12 +1,14 @@
 // In what order contacts are solved: from the top down.
 #include "solve/contacts/contact_order.h"
 #include "solve/contacts/contact.h"
+#include "solve/contacts/contact_packs.h"
 #include "support/effort.h"
 #include "support/random.h"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -20,6 +22,7 @@ namespace {
 struct Heap {
     SolverBodies bodies;
     std::vector<Contact> contacts;
+    std::vector<Transform> poses; ///< of all bodies but the last
     ContactOrder order;
 };
 
@@ -42,47 +45,76 @@ Heap heap_of(std::uint32_t count, double deepest, std::uint64_t seed) {
                 contact.points[i].separation = quantize<Separation>(random(-deepest, 0));
             heap.contacts.push_back(contact);
         }
+    heap.poses.resize(count);
+    for (Transform& pose : heap.poses) pose.position = vec(random(-9, 9), random(-1, 1), random(-3, 3));
     heap.order.find(heap.contacts, heap.bodies);
-    heap.order.find_stages();
     return heap;
 }
 
 /// Where two contacts move the same body, and the one that is solved later is higher up. `upwards`: is lower.
 std::string out_of_levels(const Heap& heap, bool upwards = false) {
     std::vector<std::uint64_t> last(heap.bodies.body.size(), upwards ? 0 : ~std::uint64_t{0});
-    for (std::uint32_t s = 0; s < heap.order.stage_count(); ++s)
-        for (const std::uint32_t i : heap.order.stage(s)) {
-            const Contact& contact = heap.contacts[i];
-            const std::uint64_t height =
-                std::uint64_t{heap.order.level(contact.body_a)} + heap.order.level(contact.body_b);
-            for (const std::uint32_t b : {contact.body_a, contact.body_b}) {
-                if (!heap.bodies.step[b].movable) continue;
-                if (upwards ? height < last[b] : height > last[b]) return "body " + std::to_string(b);
-                last[b] = height;
-            }
+    for (const std::uint32_t i : heap.order.down_from_the_top()) {
+        const Contact& contact = heap.contacts[i];
+        const std::uint64_t height =
+            std::uint64_t{heap.order.level(contact.body_a)} + heap.order.level(contact.body_b);
+        for (const std::uint32_t b : {contact.body_a, contact.body_b}) {
+            if (!heap.bodies.step[b].movable) continue;
+            if (upwards ? height < last[b] : height > last[b]) return "body " + std::to_string(b);
+            last[b] = height;
         }
+    }
     return {};
 }
 
-/// Contacts that do not come once, and where a contact is in no later pack than one before it that moves the same body.
-std::string out_of_order(const Heap& heap, std::uint32_t lanes, const std::vector<std::uint32_t>& packed) {
-    std::vector<std::uint32_t> pack_of(heap.contacts.size(), ContactOrder::no_contact);
+/// Contacts that do not come once, and where a contact is in no later pack than one before it that moves the same body. `rank`: when each pack is
+/// solved.
+std::string out_of_order(const Heap& heap, std::uint32_t lanes, std::span<const std::uint32_t> packed,
+                         std::span<const std::uint32_t> rank) {
+    constexpr std::uint32_t none = ContactPacks::no_contact;
+    std::vector<std::uint32_t> rank_of(heap.contacts.size(), none);
     for (std::uint32_t i = 0; i < packed.size(); ++i) {
-        if (packed[i] == ContactOrder::no_contact) continue;
-        if (pack_of[packed[i]] != ContactOrder::no_contact) return "twice: " + std::to_string(packed[i]);
-        pack_of[packed[i]] = i / lanes;
+        if (packed[i] == none) continue;
+        if (rank_of[packed[i]] != none) return "twice: " + std::to_string(packed[i]);
+        rank_of[packed[i]] = rank[i / lanes];
     }
-    std::vector<std::uint32_t> last(heap.bodies.body.size(), 0); // one more than the pack
-    for (std::uint32_t s = 0; s < heap.order.stage_count(); ++s)
-        for (const std::uint32_t i : heap.order.stage(s)) {
-            if (pack_of[i] == ContactOrder::no_contact) return "lost: " + std::to_string(i);
-            for (const std::uint32_t b : {heap.contacts[i].body_a, heap.contacts[i].body_b}) {
-                if (!heap.bodies.step[b].movable) continue;
-                if (pack_of[i] + 1 <= last[b]) return "too early: " + std::to_string(i);
-                last[b] = pack_of[i] + 1;
+    std::vector<std::uint32_t> last(heap.bodies.body.size(), 0); // one more than the rank
+    for (const std::uint32_t i : heap.order.down_from_the_top()) {
+        if (rank_of[i] == none) return "lost: " + std::to_string(i);
+        for (const std::uint32_t b : {heap.contacts[i].body_a, heap.contacts[i].body_b}) {
+            if (!heap.bodies.step[b].movable) continue;
+            if (rank_of[i] + 1 <= last[b]) return "too early: " + std::to_string(i);
+            last[b] = rank_of[i] + 1;
+        }
+    }
+    return {};
+}
+std::string out_of_order(const Heap& heap, std::uint32_t lanes, std::span<const std::uint32_t> packed) {
+    std::vector<std::uint32_t> rank(packed.size() / lanes);
+    std::iota(rank.begin(), rank.end(), 0u);
+    return out_of_order(heap, lanes, packed, rank);
+}
+
+/// When packs are solved by workers of which `hasty` is always as far as it may be, and another one works only where nobody else can.
+std::vector<std::uint32_t> ranks(const base::StrandPlan& plan, std::size_t packs, std::uint32_t hasty) {
+    std::vector<std::uint32_t> rank(packs, ContactPacks::no_contact);
+    std::uint32_t done[base::strands_max] = {}, now = 0;
+    for (bool any = true; any;) {
+        any = false;
+        for (std::uint32_t i = 0; i < plan.strands && !any; ++i) {
+            const std::uint32_t k = (hasty + i) % plan.strands;
+            for (const base::Piece& piece : plan.pieces) {
+                if (piece.strand != k || piece.index != done[k]) continue;
+                bool waits = false;
+                for (std::uint32_t other = 0; other < plan.strands; ++other)
+                    waits = waits || done[other] < piece.after[other];
+                if (waits) break;
+                for (std::uint32_t pack = piece.first; pack < piece.last; ++pack) rank[pack] = now++;
+                ++done[k], any = true;
             }
         }
-    return {};
+    }
+    return rank;
 }
 
 constexpr int per_side = 4, layers = 20;
@@ -131,25 +163,93 @@ TEST_CASE("contacts are solved from the top down, however deep they are") {
 }
 
 // Every contact of a heap has points; half of them have carried something, and some have one point.
-TEST_CASE("packs across stages leave contacts in order, and fewer lanes empty") {
+TEST_CASE("packs leave contacts in order") {
     for (std::uint64_t seed = 1; seed <= 20; ++seed)
         for (const std::uint32_t lanes : {1u, 2u, 4u, 8u}) {
             Heap heap = heap_of(200, 0.01, seed);
             for (std::size_t i = 0; i < heap.contacts.size(); i += 2)
                 heap.contacts[i].points[0].impulse = Speed::from_raw(1);
             heap.order.find(heap.contacts, heap.bodies);
-            std::vector<std::uint32_t> dense, by_stage, stages;
-            heap.order.pack_densely(lanes, dense);
-            heap.order.pack_stages(lanes, by_stage, stages);
-            CHECK(out_of_order(heap, lanes, dense) == "");
-            CHECK(out_of_order(heap, lanes, by_stage) == "");
-            CHECK(dense.size() <= by_stage.size());
-            if (lanes > 1) CHECK(dense.size() < by_stage.size());
-            std::vector<std::uint32_t> lost(dense.begin(), dense.end() - lanes), reversed(dense);
+            ContactPacks made;
+            made.make(heap.order, lanes, 1, heap.poses);
+            CHECK(made.plan().strands == 0);
+            const std::span<const std::uint32_t> packed = made.contact_of_lane();
+            CHECK(out_of_order(heap, lanes, packed) == "");
+            CHECK(packed.size() < heap.contacts.size() * 5 / 3 + lanes);
+            const std::vector<std::uint32_t> lost(packed.begin(), packed.end() - lanes);
+            std::vector<std::uint32_t> reversed(packed.begin(), packed.end());
             std::reverse(reversed.begin(), reversed.end());
             CHECK(out_of_order(heap, lanes, lost) != ""); // twins
             CHECK(out_of_order(heap, lanes, reversed) != "");
         }
+}
+
+TEST_CASE("strands leave contacts in order, whoever of the workers is ahead") {
+    int shared = 0, too_early = 0;
+    for (std::uint64_t seed = 1; seed <= 20; ++seed)
+        for (const std::uint32_t lanes : {1u, 2u, 4u})
+            for (const std::uint32_t workers : {2u, 3u, 8u, 12u}) {
+                Heap heap = heap_of(700, 0.01, seed);
+                ContactPacks made;
+                made.make(heap.order, lanes, workers, heap.poses);
+                const base::StrandPlan& plan = made.plan();
+                REQUIRE(plan.strands > 1);
+                CHECK(plan.strands <= std::min(workers, base::strands_max));
+                shared += plan.strands == workers ? 1 : 0;
+                const std::size_t packs = made.contact_of_lane().size() / lanes;
+                base::StrandPlan hurried = plan; // twin: nobody waits
+                for (base::Piece& piece : hurried.pieces) std::ranges::fill(piece.after, 0u);
+                for (std::uint32_t hasty = 0; hasty < plan.strands; ++hasty) {
+                    CHECK(out_of_order(heap, lanes, made.contact_of_lane(), ranks(plan, packs, hasty)) == "");
+                    too_early +=
+                        out_of_order(heap, lanes, made.contact_of_lane(), ranks(hurried, packs, hasty)) != "";
+                }
+            }
+    CHECK(shared > 100);
+    CHECK(too_early > 500);
+}
+
+TEST_CASE("packs serve again while the order is the same, and not longer") {
+    const auto list = [](const ContactPacks& packs) {
+        return std::vector<std::uint32_t>(packs.contact_of_lane().begin(), packs.contact_of_lane().end());
+    };
+    Heap heap = heap_of(300, 0.01, 4);
+    ContactPacks made;
+    made.make(heap.order, 4, 2, heap.poses);
+    const std::vector<std::uint32_t> first = list(made);
+    const std::uint64_t version = heap.order.version();
+    for (std::size_t i = 0; i < 20; ++i) heap.contacts[40 * i].points[0].impulse = Speed::from_raw(1);
+    heap.order.find(heap.contacts, heap.bodies);
+    CHECK(heap.order.version() == version);
+    made.make(heap.order, 4, 2, heap.poses);
+    CHECK(list(made) == first);
+    for (std::size_t i = 0; i < heap.contacts.size(); i += 3) // too many are of another sort
+        heap.contacts[i].points[0].impulse = Speed::from_raw(1);
+    heap.order.find(heap.contacts, heap.bodies);
+    CHECK(heap.order.version() == version);
+    made.make(heap.order, 4, 2, heap.poses);
+    CHECK(list(made) != first);
+
+    const auto is_ordered_anew = [&](auto&& change) {
+        Heap other = heap_of(300, 0.01, 4);
+        ContactPacks packs;
+        packs.make(other.order, 4, 2, other.poses);
+        change(other);
+        const std::uint64_t before = other.order.version();
+        other.order.find(other.contacts, other.bodies);
+        packs.make(other.order, 4, 2, other.poses);
+        CHECK(out_of_order(other, 4, packs.contact_of_lane(),
+                           ranks(packs.plan(), packs.contact_of_lane().size() / 4, 1)) == "");
+        return other.order.version() != before;
+    };
+    CHECK_FALSE(is_ordered_anew([](Heap&) {}));
+    CHECK(is_ordered_anew([](Heap& h) { std::swap(h.contacts[100].body_b, h.contacts[200].body_b); }));
+    CHECK(is_ordered_anew([](Heap& h) { h.contacts.pop_back(); }));
+    CHECK(is_ordered_anew([](Heap& h) { h.bodies.step[5].movable = false; }));
+    CHECK(is_ordered_anew([](Heap& h) { // nothing touches what stands still any more
+        for (Contact& c : h.contacts)
+            for (solve::ContactPoint& point : c.points) point.separation = Separation::max();
+    }));
 }
 
 // Four centimetres are half of what Box3D leaves in such a heap of a thousand, and a third more than Bullet. Where loads are

@@ -40,12 +40,13 @@ struct PackInverse {
 
 /// The bodies of one side: point rows and shares.
 struct PackSide {
-    std::uint32_t place[pack_lanes];  ///< of the body: bytes from the first SolverBody on
-    std::uint32_t held[pack_lanes];   ///< of its rotation: bytes from JointStartData::rotations on
-    bool shifts;                      ///< of some lane `shift` is not zero
-    std::int32_t x[3][3][pack_lanes]; ///< turning arms by rows, 28 fraction bits
-    std::int32_t pull[pack_lanes];    ///< 2^-e times the share, 28 fraction bits
-    std::int32_t share[pack_lanes];   ///< mantissa, 30 fraction bits
+    std::uint32_t place[pack_lanes]; ///< of the body: bytes from the first SolverBody on
+    std::uint32_t held[pack_lanes];  ///< of its rotation: bytes from JointStartData::rotations on
+    std::uint32_t moved;             ///< bit per lane: impulses move the body; others are read, never written
+    bool shifts;                     ///< of some lane `shift` is not zero
+    std::int32_t x[3][3][pack_lanes];                 ///< turning arms by rows, 28 fraction bits
+    std::int32_t pull[pack_lanes];                    ///< 2^-e times the share, 28 fraction bits
+    std::int32_t share[pack_lanes];                   ///< mantissa, 30 fraction bits
     std::int64_t shift[pack_lanes], half[pack_lanes]; ///< v += (r p + half) / 2^shift
     // What arms are made of: the lever when the tick began, how the body has turned since, K^-1.
     std::uint32_t turned[pack_lanes];      ///< of the body: bytes from the first TurnedBody on

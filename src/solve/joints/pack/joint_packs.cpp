@@ -1,7 +1,7 @@
 // Where packs of joints stand in the order of solving, and what goes in and out of their lanes.
 #include "solve/joints/pack/joint_point.h"
 
-#include "solve/joints/joint_work.h"
+#include "solve/joints/joint_strands.h"
 
 #include <algorithm>
 
@@ -15,8 +15,9 @@ bool is_packed(const JointWork& w, const SolverBodies& bodies) {
 }
 
 void find_stage(JointTick& tick, JointWork& w, const SolverBodies& bodies) {
+    for (JointWorkSide* side : {&w.a, &w.b}) side->moved = !side->world && bodies.step[side->body].movable;
     const auto last = [&](const JointWorkSide& side) -> std::uint32_t* {
-        return !side.world && bodies.step[side.body].movable ? &tick.last_stage[side.cache] : nullptr;
+        return side.moved ? &tick.last_stage[side.cache] : nullptr;
     };
     std::uint32_t *a = last(w.a), *b = last(w.b);
     w.stage = std::max(a != nullptr ? *a : 0, b != nullptr ? *b : 0);
@@ -26,8 +27,9 @@ void find_stage(JointTick& tick, JointWork& w, const SolverBodies& bodies) {
 
 std::uint32_t place_of(std::uint32_t body) { return body * static_cast<std::uint32_t>(sizeof(SolverBody)); }
 
-void set_share(PackSide& side, unsigned lane, Share share, std::uint32_t body) {
-    side.place[lane] = place_of(body);
+void set_share(PackSide& side, unsigned lane, Share share, const JointWorkSide& own) {
+    side.place[lane] = place_of(own.body);
+    side.moved |= (own.moved ? 1u : 0u) << lane;
     side.share[lane] = share.mantissa;
     side.shift[lane] = share.shift;
     side.half[lane] = share.shift != 0 ? std::int64_t{1} << (share.shift - 1) : 0;
@@ -83,8 +85,8 @@ void add_to_pack(JointTick& tick, JointWork& w, std::uint32_t kind, bool fresh, 
     w.lane = static_cast<std::uint8_t>(pack.count++);
     pack.stale[w.lane] = -1;
     pack.memory[w.lane] = w.memory, pack.mass_rate[w.lane] = w.mass_rate.raw;
-    set_share(pack.a, w.lane, w.shares.a, w.a.body);
-    set_share(pack.b, w.lane, w.shares.b, w.b.body);
+    set_share(pack.a, w.lane, w.shares.a, w.a);
+    set_share(pack.b, w.lane, w.shares.b, w.b);
     const auto set_held = [&](PackSide& side, const JointWorkSide& s, const JointFrame& frame) {
         if (s.world) return; // zero is the world's
         side.held[w.lane] = s.cache * static_cast<std::uint32_t>(sizeof(JointBody));
@@ -109,9 +111,8 @@ std::int32_t pack_rate(const StepConstants& step) {
     return saturate_to_int32(step.joint.rate.raw >> (Real::fraction_bits - joint_rate_bits));
 }
 
-void plan_packs(JointTick& tick, const StepConstants& step, const SolverBodies& bodies) {
-    tick.packed.clear(), tick.packs.clear(), tick.turn_packs.clear(), tick.stages.clear(),
-        tick.singles.clear();
+/// Stages and what packs take, joint by joint. Returns how many stages there are.
+static std::uint32_t plan_stages(JointTick& tick, const StepConstants& step, const SolverBodies& bodies) {
     tick.last_stage.assign(tick.bodies.size(), 0);
     const bool packs = pack_rate(step) < 1 << 27; // its products have room for no more
     std::uint32_t stage_count = 0;
@@ -126,20 +127,62 @@ void plan_packs(JointTick& tick, const StepConstants& step, const SolverBodies& 
         w.turns_packed = w.block_count == 1 && only_turns(tick.blocks[w.first_block].kind[0]);
         w.hinge = w.turns_packed && is_hinge(*w.def, tick.blocks[w.first_block]);
     }
-    tick.counts.assign(stage_count * pack_kinds + 1, 0);
-    const auto key = [&](const JointWork& w) { return w.stage * pack_kinds + kind_of(tick, w); };
+    return stage_count;
+}
+
+/// Joints in the order of their keys, and of one key in the order they had; tick.counts[k] becomes where those of key k end.
+template <class Key> static void sort_by(JointTick& tick, std::uint32_t keys, const Key& key) {
+    tick.counts.assign(keys + 1, 0);
     for (const JointWork& w : tick.joints) ++tick.counts[key(w) + 1];
-    reserve_packs(tick);
     for (std::size_t i = 1; i < tick.counts.size(); ++i) tick.counts[i] += tick.counts[i - 1];
+    tick.before_sort.swap(tick.in_order);
     tick.in_order.resize(tick.joints.size());
-    for (std::uint32_t i = 0; i < tick.joints.size(); ++i)
-        tick.in_order[tick.counts[key(tick.joints[i])]++] = i;
-    // counts[k] is now where the joints of key k end
+    for (const std::uint32_t i : tick.before_sort) tick.in_order[tick.counts[key(tick.joints[i])]++] = i;
+}
+
+/// Sorts joints by stage, strand and kind. Which joints a pack holds does not depend on strands: closing open points (joint_close.cpp) takes whole
+/// packs. So a pack is of the strand of its first joint. Returns how many strands there are.
+static std::uint32_t sort_joints(JointTick& tick, std::uint32_t stage_count, std::uint32_t workers) {
+    tick.in_order.resize(tick.joints.size());
+    for (std::uint32_t i = 0; i < tick.joints.size(); ++i) tick.in_order[i] = i;
+    const auto plain_key = [&](const JointWork& w) { return w.stage * pack_kinds + kind_of(tick, w); };
+    sort_by(tick, stage_count * pack_kinds, plain_key);
+    reserve_packs(tick);
+    const std::uint32_t strands = share_out(tick, stage_count, workers);
+    if (strands == 1) return 1;
+    find_borders(tick);
+    for (std::uint32_t at = 0, key = 0; key < stage_count * pack_kinds; ++key)
+        for (const std::uint32_t end = tick.counts[key]; at < end;) {
+            const std::uint32_t size = key % pack_kinds == no_kind ? 1 : std::min(pack_lanes, end - at);
+            const auto pack = std::span(tick.in_order).subspan(at, size);
+            const std::uint32_t strand = tick.joints[pack[0]].strand;
+            bool is_inner = true;
+            for (const std::uint32_t i : pack)
+                is_inner = is_inner && tick.joints[i].is_inner && tick.joints[i].strand == strand;
+            for (const std::uint32_t i : pack)
+                tick.joints[i].strand = strand, tick.joints[i].is_inner = is_inner;
+            at += size;
+        }
+    sort_by(tick, stage_count * strands * 2 * pack_kinds, [&](const JointWork& w) {
+        return ((w.stage * strands + w.strand) * 2 + (w.is_inner ? 1 : 0)) * pack_kinds + kind_of(tick, w);
+    });
+    return strands;
+}
+
+void plan_packs(JointTick& tick, const StepConstants& step, const SolverBodies& bodies,
+                std::uint32_t workers) {
+    tick.packed.clear(), tick.packs.clear(), tick.turn_packs.clear(), tick.steps.clear(),
+        tick.singles.clear();
+    const std::uint32_t stage_count = plan_stages(tick, step, bodies),
+                        strands = sort_joints(tick, stage_count, workers);
     std::uint32_t at = 0;
-    for (std::uint32_t s = 0; s < stage_count; ++s) {
-        JointStage stage{};
-        stage.first_pack = static_cast<std::uint32_t>(tick.packs.size());
-        stage.first_single = static_cast<std::uint32_t>(tick.singles.size());
+    const std::uint32_t steps_of_stage = strands == 1 ? 1 : 2 * strands;
+    for (std::uint32_t s = 0; s < stage_count * steps_of_stage; ++s) {
+        JointStep now{};
+        now.strand = s % steps_of_stage / 2;
+        now.first_joint = at;
+        now.first_pack = static_cast<std::uint32_t>(tick.packs.size());
+        now.first_single = static_cast<std::uint32_t>(tick.singles.size());
         for (std::uint32_t kind = 0; kind < pack_kinds; ++kind) {
             const std::uint32_t first = at, end = tick.counts[s * pack_kinds + kind];
             for (; at < end; ++at) {
@@ -153,22 +196,22 @@ void plan_packs(JointTick& tick, const StepConstants& step, const SolverBodies& 
                     tick.singles.push_back(tick.in_order[at]);
             }
         }
-        stage.last_pack = static_cast<std::uint32_t>(tick.packs.size());
-        stage.last_single = static_cast<std::uint32_t>(tick.singles.size());
-        tick.stages.push_back(stage);
+        now.last_joint = at;
+        now.last_pack = static_cast<std::uint32_t>(tick.packs.size());
+        now.last_single = static_cast<std::uint32_t>(tick.singles.size());
+        tick.steps.push_back(now);
     }
     tick.acts.resize(tick.joints.size());
+    plan_strands(tick, strands);
 }
 
-void restart_packs(JointTick& tick) {
+void restart_pack(JointTick& tick, JointPack& pack) {
     const auto fill = [](auto& lanes, auto with) { std::fill(std::begin(lanes), std::end(lanes), with); };
-    for (JointPack& pack : tick.packs) {
-        for (std::uint32_t lane = 0; lane < pack.count; ++lane) pack.stale[lane] = -1;
-        if (pack.turn_rows == 0) continue;
-        TurnPack& turn = tick.turn_packs[pack.turn];
-        fill(turn.generic, pack.hinges ? 0 : -1);
-        for (auto& lanes : turn.sum) fill(lanes, 0);
-    }
+    for (std::uint32_t lane = 0; lane < pack.count; ++lane) pack.stale[lane] = -1;
+    if (pack.turn_rows == 0) return;
+    TurnPack& turn = tick.turn_packs[pack.turn];
+    fill(turn.generic, pack.hinges ? 0 : -1);
+    for (auto& lanes : turn.sum) fill(lanes, 0);
 }
 
 void start_points(JointTick& tick, std::uint32_t p) {

@@ -13,7 +13,8 @@ struct JointBlock;
 struct JointAxisPart;
 
 /// Stages of all joints. The point part of those that fit comes into a pack, and with it a block that only turns.
-void plan_packs(JointTick& tick, const StepConstants& step, const SolverBodies& bodies);
+void plan_packs(JointTick& tick, const StepConstants& step, const SolverBodies& bodies,
+                std::uint32_t workers);
 /// K^-1 of the body of a side, with the fraction bits that it had.
 void give_gyration(PackSide& side, std::uint32_t lane, const BodyInertia& body);
 /// Of a hinge, what stays while its plan is kept: frames in the axes of their bodies, where its limits are.

@@ -64,8 +64,9 @@ template <class L> class PackedJoints {
                                                const Velocity (&x)[6]) {
         V raw[6];
         for (int i = 0; i < 6; ++i) raw[i] = x[i].raw;
-        solve::SolverBody* to[N];
-        for (unsigned i = 0; i < N; ++i) to[i] = body_at(data, side.place[lane + i]);
+        solve::SolverBody *to[N], spare;
+        for (unsigned i = 0; i < N; ++i)
+            to[i] = (side.moved >> (lane + i)) & 1u ? body_at(data, side.place[lane + i]) : &spare;
         L::scatter6(to, raw);
     }
     [[gnu::always_inline]] static void gather(const Pack& c, unsigned lane, const Data& data, Motion& m) {

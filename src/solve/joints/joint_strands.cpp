@@ -1,0 +1,102 @@
+#include "solve/joints/joint_strands.h"
+
+#include "solve/bodies/sides.h"
+
+#include <algorithm>
+#include <array>
+
+namespace lockstone::solve {
+
+namespace {
+
+/// A strand is worth a worker from so many joints on, of which so many are in a stage.
+constexpr std::size_t strand_joints_least = 64, stage_joints_least = 16;
+
+/// Where a joint is, or near it.
+Vec3 place_of(const JointTick& tick, const JointWork& w) {
+    const JointWorkSide& side = w.a.moved ? w.a : w.b;
+    return side.moved ? tick.pose[side.body].position : Vec3{};
+}
+
+/// Pieces by walking over the steps, which are numbered from the front or from the back.
+template <class StepAt>
+void plan_pass(JointTick& tick, std::uint32_t strands, const StepAt& step_at, base::StrandPlan& plan) {
+    plan.clear();
+    plan.strands = strands;
+    std::fill(std::begin(plan.piece_count), std::end(plan.piece_count), 0u);
+    tick.last_piece.assign(tick.bodies.size(), 0);
+    std::uint32_t after[base::strands_max][base::strands_max] = {};
+    for (std::uint32_t k = 0; k < tick.steps.size(); ++k) {
+        const std::uint32_t at = step_at(k);
+        const JointStep& step = tick.steps[at];
+        if (step.first_joint == step.last_joint) continue;
+        std::uint32_t(&own)[base::strands_max] = after[step.strand];
+        for (std::uint32_t i = step.first_joint; i < step.last_joint; ++i) {
+            const JointWork& w = tick.joints[tick.in_order[i]];
+            for (const JointWorkSide* side : {&w.a, &w.b}) {
+                if (!side->moved) continue;
+                std::uint32_t& last = tick.last_piece[side->cache];
+                if (last != 0)
+                    if (const base::Piece& before = plan.pieces[last - 1]; before.strand != step.strand)
+                        own[before.strand] = std::max(own[before.strand], before.index + 1);
+                last = static_cast<std::uint32_t>(plan.pieces.size()) + 1;
+            }
+        }
+        base::Piece& piece = plan.pieces.emplace_back();
+        piece.strand = step.strand, piece.index = plan.piece_count[step.strand]++;
+        piece.first = at, piece.last = at + 1;
+        std::copy(std::begin(own), std::end(own), piece.after);
+    }
+}
+
+} // namespace
+
+std::uint32_t share_out(JointTick& tick, std::uint32_t stage_count, std::uint32_t workers) {
+    const std::size_t joints = tick.joints.size();
+    const std::uint32_t most = std::min(workers, base::strands_max);
+    for (JointWork& w : tick.joints) w.strand = 0;
+    if (most < 2 || joints < strand_joints_least * 2 || joints < stage_joints_least * stage_count) return 1;
+    const std::uint32_t strands =
+        static_cast<std::uint32_t>(std::min<std::size_t>(joints / strand_joints_least, most));
+    std::array<Vec3, Sides::samples_max> sample;
+    std::size_t samples = 0;
+    for (std::size_t i = 0; i < joints; i += Sides::stride_of(joints))
+        sample[samples++] = place_of(tick, tick.joints[tick.in_order[i]]);
+    const Sides sides{std::span<const Vec3>(sample).first(samples), strands};
+    for (JointWork& w : tick.joints) w.strand = sides.side_of(place_of(tick, w));
+    return strands;
+}
+
+void find_borders(JointTick& tick) {
+    constexpr std::uint32_t several = 0xffffffffu;
+    std::vector<std::uint32_t>& strand_of =
+        tick.last_piece; // by body: one more than the strand that moves it, or several
+    strand_of.assign(tick.bodies.size(), 0);
+    const auto for_moved = [&](const JointWork& w, auto&& visit) {
+        for (const JointWorkSide* side : {&w.a, &w.b})
+            if (side->moved) visit(strand_of[side->cache]);
+    };
+    for (const JointWork& w : tick.joints)
+        for_moved(w, [&](std::uint32_t& strand) {
+            strand = strand == 0 || strand == w.strand + 1 ? w.strand + 1 : several;
+        });
+    for (JointWork& w : tick.joints) {
+        w.is_inner = true;
+        for_moved(w, [&](const std::uint32_t& strand) { w.is_inner = w.is_inner && strand != several; });
+    }
+}
+
+void plan_strands(JointTick& tick, std::uint32_t strands) {
+    tick.down.clear(), tick.up.clear();
+    if (strands == 1) return;
+    const std::uint32_t of_stage = 2 * strands,
+                        stages = static_cast<std::uint32_t>(tick.steps.size()) / of_stage;
+    plan_pass(
+        tick, strands, [](std::uint32_t k) { return k; }, tick.down);
+    // Stages backwards; of each, border steps come first as well.
+    plan_pass(
+        tick, strands, [&](std::uint32_t k) { return (stages - 1 - k / of_stage) * of_stage + k % of_stage; },
+        tick.up);
+}
+
+} // namespace lockstone::solve

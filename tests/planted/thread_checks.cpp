@@ -1,0 +1,62 @@
+// What workers share, and what lanes do.
+#include "checks.h"
+#include "support/task_worlds.h"
+
+namespace planted {
+
+namespace {
+
+/// Ticks two worlds that are alike, one of them by a host that does one strand after the other in an order of chance.
+template <class Advance>
+std::string parts_with_strands(World world, std::uint32_t workers, int ticks, Advance&& advance) {
+    ShuffledTasks tasks(workers, workers);
+    World shared = world.clone();
+    shared.set_tasks(&tasks);
+    for (int t = 0; t < ticks; ++t) {
+        advance(world), advance(shared);
+        if (world.hash() != shared.hash()) return scene::difference(world, shared);
+    }
+    return {};
+}
+
+/// Joints that hundreds of others have to wait for; ragdolls whose points come apart while they fall, and are closed; a heap of boxes.
+std::string strands_agree() {
+    for (const std::uint32_t workers : {2u, 5u})
+        if (std::string found = parts_with_strands(net(40), workers, 12, [](World& w) { w.tick(); });
+            !found.empty())
+            return "a net: " + found;
+    for (const char* name : {"ragdolls", "pile"}) {
+        const auto game = make_scene(name).value();
+        ScriptedInputs inputs(*game);
+        const auto advance = [&](World& w) { scene::done(game->advance(w, inputs.at(w.tick_count()))); };
+        World world = game->start().value();
+        for (int t = 0; t < 30; ++t) advance(world);
+        if (std::string found = parts_with_strands(world.clone(), 2, 90, advance); !found.empty())
+            return name + (": " + found);
+    }
+    return {};
+}
+
+/// Planks that are followed, as they turn fast; boxes that lie on them.
+std::string instruction_sets_agree() {
+    const auto end_of = [](Simd level) {
+        const auto game = make_scene("bridge", {.size = 40}).value();
+        World world = game->start().value();
+        if (!world.set_simd(level)) return std::uint64_t{0};
+        for (int tick = 0; tick < 64; ++tick) scene::done(game->advance(world, {}));
+        return world.hash();
+    };
+    const std::uint64_t plain = end_of(Simd::scalar);
+    for (const Simd level : every_simd)
+        if (const std::uint64_t hash = end_of(level); hash != 0 && hash != plain)
+            return "a set of lanes gives other bits than plain integers";
+    return {};
+}
+
+} // namespace
+
+Checks thread_checks() {
+    return {{"strands agree", strands_agree}, {"instruction sets agree", instruction_sets_agree}};
+}
+
+} // namespace planted
