@@ -12,10 +12,11 @@
 
 namespace lockstone::base {
 
-/// Gives the processor's other thread a chance; after many looks, other threads of the system.
+/// Gives the processor's other thread a chance; after very many looks, other threads of the system. Linux 6.18 makes a thread that often gives
+/// its processor away wait until it has had less than all others.
 inline void relax(int looks) {
 #if !defined(LOCKSTONE_NO_THREADS)
-    if (looks > 0 && looks % 256 == 0) return std::this_thread::yield();
+    if (looks > 0 && looks % 4096 == 0) return std::this_thread::yield();
 #endif
 #if LOCKSTONE_HAS_X86
     _mm_pause();

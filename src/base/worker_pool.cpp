@@ -20,7 +20,7 @@ constexpr int looks_max = 4000;
 
 class WorkerPool final : public Tasks {
   public:
-    explicit WorkerPool(std::uint32_t workers) {
+    explicit WorkerPool(std::uint32_t workers) : shares(workers) {
         threads.reserve(workers - 1);
 #if defined(__cpp_exceptions)
         try {
@@ -59,42 +59,66 @@ class WorkerPool final : public Tasks {
             threads.emplace_back([this, worker] { serve(worker); });
     }
 
-    // The ticket: number of the run in the upper 40 bits, items that nobody has taken yet in the lower 24. The fields of
-    // the job are read before an item is taken. They are not written while any item of their run is under way, so
-    // whoever takes an item of a run has read the fields of that run.
+    /// Each worker has a share of the items, a row of its own, and takes them from a ticket of its own: shares of rows that follow one another
+    /// stay in its cache from run to run. Who has done its share helps others.
+    ///
+    /// The ticket: number of the run in the upper 40 bits, items of the share that nobody has taken yet in the lower 24. The fields of
+    /// the job are read before an item is taken. They are not written while any item of their run is under way, so
+    /// whoever takes an item of a run has read the fields of that run.
+    struct alignas(64) Share {
+        std::atomic<std::uint64_t> ticket = 0;
+        std::atomic<std::uint32_t> end = 0; ///< one more than the last item
+        std::atomic<Item> item = nullptr;
+        std::atomic<void*> context = nullptr;
+    };
     static constexpr int left_bits = 24;
     static constexpr std::uint64_t left_mask = (std::uint64_t{1} << left_bits) - 1;
 
     void publish(std::uint32_t items, Item item, void* context) {
-        job_items.store(items, std::memory_order_relaxed);
-        job_item.store(item, std::memory_order_relaxed);
-        job_context.store(context, std::memory_order_relaxed);
         pending.store(items, std::memory_order_relaxed);
-        const std::uint64_t number = (ticket.load(std::memory_order_relaxed) >> left_bits) + 1;
-        ticket.store(number << left_bits | items, std::memory_order_release);
-        announce(items - 1);
+        const std::uint64_t workers = worker_count();
+        ++number;
+        std::uint32_t first = 0, helpers = 0;
+        for (std::uint64_t worker = 0; worker < workers; ++worker) {
+            const std::uint32_t end =
+                static_cast<std::uint32_t>((items * (worker + 1) + workers - 1) / workers);
+            if (end == first) continue;
+            Share& share = shares[worker];
+            share.end.store(end, std::memory_order_relaxed);
+            share.item.store(item, std::memory_order_relaxed);
+            share.context.store(context, std::memory_order_relaxed);
+            share.ticket.store(number << left_bits | (end - first), std::memory_order_release);
+            first = end;
+            if (worker != 0) ++helpers;
+        }
+        announce(helpers);
     }
-    /// Wakes no more workers than there is work for. Those that sleep on are not missed: the rest take all items.
+    /// Those that sleep on are not missed: the rest take all items.
     void announce(std::uint32_t helpers) {
         announced.fetch_add(1, std::memory_order_release);
-        if (helpers >= threads.size())
-            work_bell.ring_all(announced);
-        else
-            for (std::uint32_t i = 0; i < helpers; ++i) work_bell.ring_one(announced);
+        if (helpers != 0) work_bell.ring_all(announced);
     }
 
-    void take_items(std::uint32_t worker) {
+    std::uint32_t take_items_of(std::uint32_t whose, std::uint32_t worker) {
         std::uint32_t done = 0;
-        std::uint64_t seen = ticket.load(std::memory_order_acquire);
+        Share& share = shares[whose];
+        std::uint64_t seen = share.ticket.load(std::memory_order_acquire);
         while ((seen & left_mask) != 0) {
-            const std::uint32_t items = job_items.load(std::memory_order_relaxed);
-            const Item item = job_item.load(std::memory_order_relaxed);
-            void* const context = job_context.load(std::memory_order_relaxed);
-            if (!ticket.compare_exchange_weak(seen, seen - 1, std::memory_order_acquire)) continue;
-            item(context, items - static_cast<std::uint32_t>(seen & left_mask), worker);
+            const std::uint32_t end = share.end.load(std::memory_order_relaxed);
+            const Item item = share.item.load(std::memory_order_relaxed);
+            void* const context = share.context.load(std::memory_order_relaxed);
+            if (!share.ticket.compare_exchange_weak(seen, seen - 1, std::memory_order_acquire)) continue;
+            item(context, end - static_cast<std::uint32_t>(seen & left_mask), worker);
             ++done;
             --seen;
         }
+        return done;
+    }
+    void take_items(std::uint32_t worker) {
+        std::uint32_t done = 0;
+        const std::uint32_t workers = worker_count();
+        for (std::uint32_t k = 0; k < workers; ++k)
+            done += take_items_of(worker + k < workers ? worker + k : worker + k - workers, worker);
         if (done != 0 && pending.fetch_sub(done, std::memory_order_acq_rel) == done)
             done_bell.ring_one(pending);
     }
@@ -109,17 +133,19 @@ class WorkerPool final : public Tasks {
     }
 
     void serve(std::uint32_t worker) {
-        std::uint32_t seen = 0;
+        std::uint64_t last = 0; // the latest run of which it has seen its share
         for (int looks = 0;;) {
-            if (announced.load(std::memory_order_acquire) == seen) {
+            const std::uint32_t rings = announced.load(std::memory_order_acquire);
+            if (stops.load(std::memory_order_relaxed)) return;
+            const std::uint64_t run = shares[worker].ticket.load(std::memory_order_acquire) >> left_bits;
+            if (run == last) {
                 if (++looks < looks_max)
                     base::relax(looks);
                 else
-                    work_bell.wait(announced, seen);
+                    work_bell.wait(announced, rings);
                 continue;
             }
-            if (stops.load(std::memory_order_relaxed)) return;
-            seen = announced.load(std::memory_order_acquire);
+            last = run;
             looks = 0;
             take_items(worker);
         }
@@ -127,11 +153,9 @@ class WorkerPool final : public Tasks {
 
     std::vector<std::thread> threads;
     std::atomic<bool> runs_now = false, stops = false;
-    std::atomic<std::uint32_t> job_items = 0;
-    std::atomic<Item> job_item = nullptr;
-    std::atomic<void*> job_context = nullptr;
+    std::uint64_t number = 0;  ///< of the run
+    std::vector<Share> shares; ///< by worker
     // Each on a cache line of its own: all workers write them.
-    alignas(64) std::atomic<std::uint64_t> ticket = 0;
     alignas(64) std::atomic<std::uint32_t> pending = 0;   ///< items that are not done
     alignas(64) std::atomic<std::uint32_t> announced = 0; ///< goes up with every run
     base::Bell work_bell, done_bell;                      ///< of `announced` and of `pending`
