@@ -1,4 +1,5 @@
 // Which pairs touch.
+#include "base/prefetch.h"
 #include "tick/contact_result.h"
 
 namespace lockstone::sim {
@@ -17,7 +18,10 @@ bool was_stopped(std::span<const ContactMemory> rows) {
 } // namespace
 
 void settle_touching(std::span<ContactResult> results, ContactList& table) {
+    constexpr std::size_t ahead = 8;
     for (ContactResult& result : results) {
+        if (const std::size_t soon = result.first_row + ahead; soon < table.memories.size())
+            base::prefetch(table.memories[soon]);
         const std::span<ContactMemory> rows =
             std::span(table.memories).subspan(result.first_row, result.row_count);
         const bool is_sensor = (result.flags & solve::contact_sensor) != 0;
