@@ -130,10 +130,13 @@ static std::uint32_t plan_stages(JointTick& tick, const StepConstants& step, con
     return stage_count;
 }
 
-/// Joints in the order of their keys, and of one key in the order they had; tick.counts[k] becomes where those of key k end.
-template <class Key> static void sort_by(JointTick& tick, std::uint32_t keys, const Key& key) {
+/// tick.counts[k + 1]: joints of key k.
+template <class Key> static void count_by(JointTick& tick, std::uint32_t keys, const Key& key) {
     tick.counts.assign(keys + 1, 0);
     for (const JointWork& w : tick.joints) ++tick.counts[key(w) + 1];
+}
+/// Joints in the order of their keys, and of one key in the order they had. Counts of count_by() become where those of each key end.
+template <class Key> static void sort_by(JointTick& tick, const Key& key) {
     for (std::size_t i = 1; i < tick.counts.size(); ++i) tick.counts[i] += tick.counts[i - 1];
     tick.before_sort.swap(tick.in_order);
     tick.in_order.resize(tick.joints.size());
@@ -146,8 +149,9 @@ static std::uint32_t sort_joints(JointTick& tick, std::uint32_t stage_count, std
     tick.in_order.resize(tick.joints.size());
     for (std::uint32_t i = 0; i < tick.joints.size(); ++i) tick.in_order[i] = i;
     const auto plain_key = [&](const JointWork& w) { return w.stage * pack_kinds + kind_of(tick, w); };
-    sort_by(tick, stage_count * pack_kinds, plain_key);
+    count_by(tick, stage_count * pack_kinds, plain_key);
     reserve_packs(tick);
+    sort_by(tick, plain_key);
     const std::uint32_t strands = share_out(tick, stage_count, workers);
     if (strands == 1) return 1;
     find_borders(tick);
@@ -163,9 +167,11 @@ static std::uint32_t sort_joints(JointTick& tick, std::uint32_t stage_count, std
                 tick.joints[i].strand = strand, tick.joints[i].is_inner = is_inner;
             at += size;
         }
-    sort_by(tick, stage_count * strands * 2 * pack_kinds, [&](const JointWork& w) {
+    const auto key = [&](const JointWork& w) {
         return ((w.stage * strands + w.strand) * 2 + (w.is_inner ? 1 : 0)) * pack_kinds + kind_of(tick, w);
-    });
+    };
+    count_by(tick, stage_count * strands * 2 * pack_kinds, key);
+    sort_by(tick, key);
     return strands;
 }
 
