@@ -203,9 +203,10 @@ bool are_filters_new(const Model& w, PairScratch& s) {
 }
 
 /// Pairs that may meet and whose bounds overlap, in order: all of them, or in a crowd as many as are looked at, and one more.
-void find_overlaps(const PairView& view, collide::BroadPhase& broad_phase, bool filters_new, PairScratch& s) {
+void find_overlaps(const PairView& view, collide::BroadPhase& broad_phase, bool filters_new, PairScratch& s,
+                   Tasks* tasks) {
     const auto may = [&view](collide::ProxyPair pair) { return may_pair(view, pair); };
-    if (broad_phase.find_pairs(s.pairs, leaf_pairs_max(view.w), {may, filters_new})) return;
+    if (broad_phase.find_pairs(s.pairs, leaf_pairs_max(view.w), {may, filters_new}, tasks)) return;
     broad_phase.find_first_pairs(s.pairs, near_max(view.w) + 1, [&](collide::ProxyPair pair) {
         if (!may_pair(view, pair)) return false;
         PairScratch::Key found;
@@ -325,7 +326,7 @@ void find_pairs(const Model& w, PlacedShapes& placed, const ContactList& table, 
                 NearPairs& out, Tasks* tasks) {
     const bool joints_new = s.joined.find(w), filters_new = are_filters_new(w, s) || joints_new;
     const PairView view(w, placed, s.joined);
-    find_overlaps(view, placed.broad_phase, filters_new, s);
+    find_overlaps(view, placed.broad_phase, filters_new, s, tasks);
     find_plane_pairs(view, s);
     find_keys(view, s, tasks);
     list_near(placed, table, near_max(w), s, out);

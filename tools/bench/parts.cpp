@@ -102,8 +102,9 @@ Json threads(const Plan& plan, const Done& done) {
         const BenchScene scene = make_bench_scene(name, size_of(plan));
         ContestPlan how = contest_plan(plan);
         how.is_judged = false;
-        const std::vector<Contestant> who{{.name = "1", .by_wall = true},
-                                          {.name = "2", .threads = 2, .by_wall = true}};
+        const std::string simd = plan.simd.empty() ? std::string{} : plan.simd[0];
+        const std::vector<Contestant> who{{.name = "1", .simd = simd, .by_wall = true},
+                                          {.name = "2", .threads = 2, .simd = simd, .by_wall = true}};
         const std::vector<Run> runs = contest(scene, who, how);
         rows.push_back({{"scene", name},
                         {"one_ms", mean(runs[0].tick_us) / 1e3},

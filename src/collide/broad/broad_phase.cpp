@@ -6,6 +6,7 @@
 #include "collide/broad/broad_phase.h"
 
 #include "base/assert.h"
+#include "base/parallel.h"
 #include "base/room.h"
 
 #include <algorithm>
@@ -162,8 +163,8 @@ void BroadPhase::insert_moved(bool is_fixed) {
     }
 }
 
-bool BroadPhase::find_pairs(std::vector<ProxyPair>& out, std::size_t leaf_pairs_max,
-                            const PairFilter& filter) {
+bool BroadPhase::find_pairs(std::vector<ProxyPair>& out, std::size_t leaf_pairs_max, const PairFilter& filter,
+                            Tasks* tasks) {
     const bool is_other = filter.is_new || is_filtered != bool(filter.may_meet);
     is_filtered = bool(filter.may_meet);
     if (gave_up)
@@ -171,7 +172,7 @@ bool BroadPhase::find_pairs(std::vector<ProxyPair>& out, std::size_t leaf_pairs_
             if (entries[proxy].present) note_move(proxy);
     if (!changed.empty() || is_other) {
         update_trees();
-        gave_up = !find_leaf_pairs(leaf_pairs_max, filter, is_other);
+        gave_up = !find_leaf_pairs(leaf_pairs_max, filter, is_other, tasks);
         if (gave_up) {
             out.clear();
             return false;
@@ -202,11 +203,12 @@ void BroadPhase::keep_overlaps(std::vector<ProxyPair>& out) {
     out.assign(merged.data(), kept);
 }
 
-bool BroadPhase::find_leaf_pairs(std::size_t leaf_pairs_max, const PairFilter& filter, bool is_other) {
+bool BroadPhase::find_leaf_pairs(std::size_t leaf_pairs_max, const PairFilter& filter, bool is_other,
+                                 Tasks* tasks) {
     found.clear();
     std::erase_if(barred, [&](ProxyPair pair) { return is_fresh(pair); });
     if (is_other) ask_again(filter);
-    bool are_few = find_fresh_pairs(leaf_pairs_max, filter);
+    bool are_few = find_fresh_pairs(leaf_pairs_max, filter, tasks);
     if (are_few) {
         merge_found();
         are_few = leaf_pairs.size() + barred.size() <= leaf_pairs_max;
@@ -253,21 +255,46 @@ ProxyPair ordered(std::uint32_t x, std::uint32_t y) { return x < y ? ProxyPair{x
 
 } // namespace
 
-bool BroadPhase::find_fresh_pairs(std::size_t found_max, const PairFilter& filter) {
-    for (std::uint32_t proxy : changed) {
-        const Entry& entry = entries[proxy];
-        if (!entry.present) continue;
-        const auto meets = [leaf = entry.leaf_bounds](const Bounds& other) { return overlap(other, leaf); };
-        // The lower of two that are fresh finds them.
-        const auto add = [&](std::uint32_t other) {
-            if (other < proxy && entries[other].fresh) return;
-            const ProxyPair pair = ordered(proxy, other);
-            (filter.allows(pair) ? found : barred).push_back(pair);
-        };
-        moving.query_if(meets, open, [&](std::uint32_t other) {
-            if (other != proxy) add(other);
-        });
-        if (!entry.is_static) fixed.query_if(meets, open, add);
+void BroadPhase::find_pairs_of(std::uint32_t proxy, const PairFilter& filter, std::vector<ProxyPair>& allowed,
+                               std::vector<ProxyPair>& forbidden,
+                               std::vector<BoundsTree::NodeId>& own) const {
+    const Entry& entry = entries[proxy];
+    if (!entry.present) return;
+    const auto meets = [leaf = entry.leaf_bounds](const Bounds& other) { return overlap(other, leaf); };
+    // The lower of two that are fresh finds them.
+    const auto add = [&](std::uint32_t other) {
+        if (other < proxy && entries[other].fresh) return;
+        const ProxyPair pair = ordered(proxy, other);
+        (filter.allows(pair) ? allowed : forbidden).push_back(pair);
+    };
+    moving.query_if(meets, own, [&](std::uint32_t other) {
+        if (other != proxy) add(other);
+    });
+    if (!entry.is_static) fixed.query_if(meets, own, add);
+}
+
+bool BroadPhase::find_fresh_pairs(std::size_t found_max, const PairFilter& filter, Tasks* tasks) {
+    constexpr std::uint32_t chunk = 64;
+    const std::uint32_t count = static_cast<std::uint32_t>(changed.size());
+    if (tasks == nullptr || count <= chunk) {
+        for (std::uint32_t proxy : changed) {
+            find_pairs_of(proxy, filter, found, barred, open);
+            if (found.size() + barred.size() > found_max) return false;
+        }
+        return true;
+    }
+    if (fresh_of_chunk.size() < (count + chunk - 1) / chunk)
+        fresh_of_chunk.resize((count + chunk - 1) / chunk);
+    base::for_all_chunks(tasks, count, chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+        FreshPairs& own = fresh_of_chunk[first / chunk];
+        own.found.clear(), own.barred.clear();
+        for (std::uint32_t i = first; i < last && own.found.size() + own.barred.size() <= found_max; ++i)
+            find_pairs_of(changed[i], filter, own.found, own.barred, own.open);
+    });
+    for (std::uint32_t first = 0; first < count; first += chunk) {
+        const FreshPairs& own = fresh_of_chunk[first / chunk];
+        found.insert(found.end(), own.found.begin(), own.found.end());
+        barred.insert(barred.end(), own.barred.begin(), own.barred.end());
         if (found.size() + barred.size() > found_max) return false;
     }
     return true;

@@ -23,7 +23,7 @@ struct ProxyPair {
 
 /// Which pairs are left out wherever the two are.
 struct PairFilter {
-    /// Asked of two proxies when their leaves come to overlap, and remembered; empty: all may meet
+    /// Asked of two proxies when their leaves come to overlap, by several workers, and remembered; empty: all may meet
     std::function<bool(ProxyPair)> may_meet;
     bool is_new = false; ///< it may say otherwise than in the last call: what was remembered is asked again
 
@@ -66,7 +66,7 @@ class BroadPhase {
     /// Costs what moved out of its leaf since the last call, and a test for each pair of overlapping leaves. False, and
     /// nothing found, when more than `leaf_pairs_max` leaves overlap: then the next call finds all pairs anew.
     bool find_pairs(std::vector<ProxyPair>& out, std::size_t leaf_pairs_max = SIZE_MAX,
-                    const PairFilter& filter = {});
+                    const PairFilter& filter = {}, Tasks* tasks = nullptr);
     /// For crowds, in which the pairs are too many to be listed: the first `count_max` of all pairs that
     /// `is_wanted`. The trees have to be up to date (asserted), as they are after `find_pairs`.
     void find_first_pairs(std::vector<ProxyPair>& out, std::size_t count_max,
@@ -135,8 +135,11 @@ class BroadPhase {
     const BoundsTree& tree_of(bool is_fixed) const { return is_fixed ? fixed : moving; }
     bool is_fresh(ProxyPair pair) const { return entries[pair.a].fresh || entries[pair.b].fresh; }
     /// Those of leaves that changed. False when there are more than `found_max`.
-    bool find_fresh_pairs(std::size_t found_max, const PairFilter& filter);
-    bool find_leaf_pairs(std::size_t leaf_pairs_max, const PairFilter& filter, bool is_other);
+    bool find_fresh_pairs(std::size_t found_max, const PairFilter& filter, Tasks* tasks);
+    /// Those of one leaf, added at the ends; `own` is scratch.
+    void find_pairs_of(std::uint32_t proxy, const PairFilter& filter, std::vector<ProxyPair>& allowed,
+                       std::vector<ProxyPair>& forbidden, std::vector<BoundsTree::NodeId>& own) const;
+    bool find_leaf_pairs(std::size_t leaf_pairs_max, const PairFilter& filter, bool is_other, Tasks* tasks);
     void ask_again(const PairFilter& filter); ///< of all pairs but those of fresh leaves
     void merge_found();                       ///< in place of the pairs of fresh leaves
     void keep_overlaps(std::vector<ProxyPair>& out);
@@ -155,6 +158,12 @@ class BroadPhase {
     std::vector<ProxyPair> found, merged;
     std::vector<BoundsTree::NodeId> open;
     std::vector<BoundsTree::Leaf> leaves;
+    /// Of some leaves that changed, as a worker finds them.
+    struct FreshPairs {
+        std::vector<ProxyPair> found, barred;
+        std::vector<BoundsTree::NodeId> open;
+    };
+    std::vector<FreshPairs> fresh_of_chunk;
 };
 
 } // namespace lockstone::collide
