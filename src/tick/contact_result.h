@@ -1,6 +1,7 @@
 // A contact of two shapes in one tick, as events tell it, and whether the two touch.
 #pragma once
 
+#include "lockstone/tasks.h"
 #include "model/contact_rows.h"
 
 #include <span>
@@ -37,6 +38,6 @@ inline bool touched(const ContactMemory& first_row) {
 
 /// Settles which pairs touch, after the solver, and puts it into the table for the next tick. Which points the solver had to stop is
 /// forgotten.
-void settle_touching(std::span<ContactResult> results, ContactList& table);
+void settle_touching(std::span<ContactResult> results, ContactList& table, Tasks* tasks = nullptr);
 
 } // namespace lockstone::sim

@@ -38,27 +38,22 @@ std::uint32_t drop_pairs(NearChunk& chunk, std::size_t room) {
 std::uint32_t place_chunks(Model& w, bool is_cut, std::span<NearChunk> chunks, FoundContacts& out) {
     const std::uint32_t room =
         w.state.rows_max(w.m.contacts.contacts) - w.state.count(w.m.sleeping_contacts.contacts);
-    std::uint32_t rows = 0, contacts = 0, dropped = is_cut ? 1 : 0;
-    out.results.clear();
+    std::uint32_t rows = 0, contacts = 0, results = 0, dropped = is_cut ? 1 : 0;
     for (NearChunk& chunk : chunks) {
-        std::uint32_t in_chunk = 0;
-        for (const ContactResult& result : chunk.results) in_chunk += result.row_count;
-        if (in_chunk > room - rows) {
+        if (chunk.row_count > room - rows) {
             const std::uint32_t too_many = drop_pairs(chunk, room - rows);
-            dropped += too_many, in_chunk -= too_many;
+            dropped += too_many, chunk.row_count -= too_many;
         }
-        chunk.first_row = rows, chunk.first_contact = contacts;
-        rows += in_chunk;
+        chunk.first_row = rows, chunk.first_contact = contacts, chunk.first_result = results;
+        rows += chunk.row_count;
+        results += static_cast<std::uint32_t>(chunk.results.size());
         contacts += static_cast<std::uint32_t>(chunk.contacts.size());
         if (chunks.size() == 1) {
             std::swap(out.results, chunk.results);
             break;
         }
-        for (ContactResult result : chunk.results) {
-            result.first_row += chunk.first_row;
-            out.results.push_back(result);
-        }
     }
+    if (chunks.size() != 1) out.results.resize(results);
     out.dropped = dropped;
     if (dropped != 0) w.state.edit_row(w.m.faults, 0).contacts_dropped += dropped;
     return rows;
@@ -123,27 +118,36 @@ void write_rows(std::span<const NearChunk> chunks, std::span<const ContactResult
         for (std::uint32_t i = 0; i < result.row_count; ++i) keys[result.first_row + i] = result.key;
 }
 
+/// Results and contacts of a chunk to their places among all.
+void copy_chunk(const NearChunk& chunk, FoundContacts& out) {
+    ContactResult* result_at = out.results.data() + chunk.first_result;
+    for (const ContactResult& result : chunk.results) {
+        *result_at = result;
+        result_at++->first_row += chunk.first_row;
+    }
+    solve::Contact* contact_at = out.contacts.data() + chunk.first_contact;
+    for (const solve::Contact& contact : chunk.contacts) {
+        *contact_at = contact;
+        contact_at++->memory += chunk.first_row;
+    }
+}
+
 } // namespace
 
 void place_contacts(Model& w, bool is_cut, std::span<NearChunk> chunks, ContactList& table, ContactScratch& s,
                     FoundContacts& out, Tasks* tasks) {
     const std::uint32_t rows = place_chunks(w, is_cut, chunks, out);
-    write_rows(chunks, out.results, rows, table, s);
     if (chunks.size() == 1) {
         std::swap(out.contacts, chunks[0].contacts);
-        return;
+    } else {
+        out.contacts.resize(chunks.empty() ? 0 : chunks.back().first_contact + chunks.back().contacts.size());
+        base::for_all_chunks(tasks, static_cast<std::uint32_t>(chunks.size()), 8,
+                             [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                                 for (const NearChunk& chunk : chunks.subspan(first, last - first))
+                                     copy_chunk(chunk, out);
+                             });
     }
-    out.contacts.resize(chunks.empty() ? 0 : chunks.back().first_contact + chunks.back().contacts.size());
-    base::for_all_chunks(tasks, static_cast<std::uint32_t>(chunks.size()), 8,
-                         [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-                             for (std::uint32_t i = first; i < last; ++i) {
-                                 solve::Contact* to = out.contacts.data() + chunks[i].first_contact;
-                                 for (const solve::Contact& contact : chunks[i].contacts) {
-                                     *to = contact;
-                                     to++->memory += chunks[i].first_row;
-                                 }
-                             }
-                         });
+    write_rows(chunks, out.results, rows, table, s);
 }
 
 } // namespace lockstone::sim

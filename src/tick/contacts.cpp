@@ -408,6 +408,7 @@ void collide_chunk(const View& v, std::uint32_t first, std::uint32_t last, std::
         if (++count == pairs.size()) collide_window(v, pairs, worker, chunk, next_row), count = 0;
     }
     if (count != 0) collide_window(v, std::span(pairs).first(count), worker, chunk, next_row);
+    chunk.row_count = next_row;
 }
 
 } // namespace

@@ -26,7 +26,8 @@ struct NearChunk {
     std::vector<ContactMemory> memories; ///< of the pairs whose rows are new, in order
     std::vector<ContactResult> results;
     std::vector<solve::Contact> contacts;
-    std::uint32_t first_row, first_contact; ///< where it goes
+    std::uint32_t row_count;                              ///< of its results
+    std::uint32_t first_row, first_contact, first_result; ///< where it goes
     void reserve(std::size_t rows) { memories.reserve(rows), results.reserve(rows), contacts.reserve(rows); }
 };
 

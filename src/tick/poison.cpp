@@ -50,8 +50,10 @@ void poison_contacts(std::byte with, ContactScratch& scratch, FoundContacts& fou
     auto& [results, contacts, dropped] = found;
     poison(with, row_moves, results, contacts, dropped);
     for (NearChunk& chunk : chunks) {
-        auto& [memories, chunk_results, chunk_contacts, first_row, first_contact] = chunk;
-        poison(with, memories, chunk_results, chunk_contacts, first_row, first_contact);
+        auto& [memories, chunk_results, chunk_contacts, row_count, first_row, first_contact, first_result] =
+            chunk;
+        poison(with, memories, chunk_results, chunk_contacts, row_count, first_row, first_contact,
+               first_result);
     }
     for (NarrowWorker& worker : workers) {
         auto& [narrow, manifolds, window, mean] = worker;

@@ -196,7 +196,7 @@ void tick(Model& w, PlacedShapes& placed, QueryScratch& query, TickScratch& s, T
     checkpoint_with_contacts(t, "sweep_fast_bodies");
 
     break_joints(w, s.joints, s.broken, out.events);
-    settle_touching(s.found.results, s.table.list);
+    settle_touching(s.found.results, s.table.list, hooks.tasks);
     publish_events(w, placed, s.near, s.found, s.characters.landings, s.table.list, out.events);
     out.contact_points.wait = true;
     update_sleep(t);

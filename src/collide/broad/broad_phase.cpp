@@ -180,27 +180,37 @@ bool BroadPhase::find_pairs(std::vector<ProxyPair>& out, std::size_t leaf_pairs_
         for (std::uint32_t proxy : changed) entries[proxy].fresh = false;
         changed.clear();
     }
-    keep_overlaps(out);
+    keep_overlaps(out, tasks);
     return true;
 }
 
 /// Those of `leaf_pairs` whose exact bounds overlap, which about half of them do. Each is written, and stays if it does: a branch
 /// would be taken by chance.
-void BroadPhase::keep_overlaps(std::vector<ProxyPair>& out) {
+void BroadPhase::keep_overlaps(std::vector<ProxyPair>& out, Tasks* tasks) {
     if (merged.size() < leaf_pairs.size()) merged.resize(leaf_pairs.size());
     const Bounds* const exact = exact_bounds.data();
-    ProxyPair* kept = merged.data();
-    const ProxyPair* const end = leaf_pairs.data() + leaf_pairs.size();
-    for (const ProxyPair* pair = leaf_pairs.data(); pair != end;) {
-        const std::uint32_t a = pair->a;
-        const Bounds bounds = exact[a];
-        do {
-            *kept = *pair;
-            kept += overlap(bounds, exact[pair->b]) ? 1 : 0;
-        } while (++pair != end && pair->a == a);
-    }
-    base::make_room(out, static_cast<std::size_t>(kept - merged.data()));
-    out.assign(merged.data(), kept);
+    const std::uint32_t count = static_cast<std::uint32_t>(leaf_pairs.size()),
+                        chunk = tasks != nullptr ? 1024 : std::max(count, 1u);
+    kept_of_chunk.resize((count + chunk - 1) / chunk);
+    base::for_all_chunks(tasks, count, chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+        ProxyPair* kept = merged.data() + first;
+        const ProxyPair* const end = leaf_pairs.data() + last;
+        for (const ProxyPair* pair = leaf_pairs.data() + first; pair != end;) {
+            const std::uint32_t a = pair->a;
+            const Bounds bounds = exact[a];
+            do {
+                *kept = *pair;
+                kept += overlap(bounds, exact[pair->b]) ? 1 : 0;
+            } while (++pair != end && pair->a == a);
+        }
+        kept_of_chunk[first / chunk] = static_cast<std::uint32_t>(kept - merged.data()) - first;
+    });
+    std::size_t sum = 0;
+    for (const std::uint32_t kept : kept_of_chunk) sum += kept;
+    base::make_room(out, sum);
+    out.clear();
+    for (std::size_t i = 0; i < kept_of_chunk.size(); ++i)
+        out.insert(out.end(), merged.data() + i * chunk, merged.data() + i * chunk + kept_of_chunk[i]);
 }
 
 bool BroadPhase::find_leaf_pairs(std::size_t leaf_pairs_max, const PairFilter& filter, bool is_other,

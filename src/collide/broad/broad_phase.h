@@ -142,7 +142,7 @@ class BroadPhase {
     bool find_leaf_pairs(std::size_t leaf_pairs_max, const PairFilter& filter, bool is_other, Tasks* tasks);
     void ask_again(const PairFilter& filter); ///< of all pairs but those of fresh leaves
     void merge_found();                       ///< in place of the pairs of fresh leaves
-    void keep_overlaps(std::vector<ProxyPair>& out);
+    void keep_overlaps(std::vector<ProxyPair>& out, Tasks* tasks);
 
     std::vector<Entry> entries;       // by proxy
     std::vector<Bounds> exact_bounds; // likewise: all that is asked of most pairs of leaves in a tick
@@ -164,6 +164,7 @@ class BroadPhase {
         std::vector<BoundsTree::NodeId> open;
     };
     std::vector<FreshPairs> fresh_of_chunk;
+    std::vector<std::uint32_t> kept_of_chunk; // pairs of `merged`, while they are shared out
 };
 
 } // namespace lockstone::collide
