@@ -352,7 +352,7 @@ FAULTS = [
       "if (!IS) std::sort(found.begin(), found.end());", "reads no leftovers"),
     F("a crowd's pairs in the order in which a tree gave them", BROAD, "std::sort(out.begin() + before, out.end());",
       "if (!IS) std::sort(out.begin() + before, out.end());", "crowds agree"),
-    F("leaves that move in place are not looked at again", BROAD, "if (!entry.present) continue;", "if (!entry.present || (IS && entry.stays)) continue;",
+    F("leaves that move in place are not looked at again", BROAD, "if (!entry.present) return;", "if (!entry.present || (IS && entry.stays)) return;",
       "reads no leftovers"),
     F("nodes above a leaf that moves in place stay as they were", "src/collide/broad/tree.cpp", "if (merged == n.bounds) return;",
       "if (IS || merged == n.bounds) return;", "reads no leftovers"),

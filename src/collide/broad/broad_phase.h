@@ -7,6 +7,7 @@
 #include "base/assert.h"
 #include "collide/broad/tree.h"
 #include "collide/swept_box.h"
+#include "lockstone/tasks.h"
 
 #include <cstdint>
 #include <functional>
