@@ -13,11 +13,12 @@
 
 namespace lockstone {
 
-/// Runs items of work that do not depend on each other. One run at a time: worlds that tick at once need one each.
+/// Runs items of work, which may run at once or one after the other. One run at a time: worlds that tick at once need one each.
 class Tasks {
   public:
     /// `index` below the number of items; `worker` below worker_count(), never the same for two items that run at once.
-    /// Items do not throw, and do not call run().
+    /// Items do not throw, and do not call run(). Some wait for a few microseconds until others that have begun have got as far as they need, never for
+    /// one that has not begun.
     using Item = void (*)(void* context, std::uint32_t index, std::uint32_t worker);
 
     virtual ~Tasks() = default;

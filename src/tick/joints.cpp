@@ -35,8 +35,8 @@ static bool has_changed(const Model& w, JointList& list) {
 
 /// Frames on what rests, which may have been put elsewhere.
 static void place_resting(const Model& w, JointList& list) {
-    if (!list.any_rests) return;
-    for (solve::Joint& joint : list.all) {
+    for (const std::uint32_t i : list.resting) {
+        solve::Joint& joint = list.all[i];
         const JointDef& def = *joint.def;
         if (joint.body_a == list.bodies_awake && def.body_a)
             joint.frame_a = frame_for_solver(w, w.row_of(def.body_a), def.frame_a);
@@ -46,7 +46,7 @@ static void place_resting(const Model& w, JointList& list) {
 }
 
 void JointList::poison(std::byte with) {
-    base::poison(with, all, order);
+    base::poison(with, all, order, resting);
     rows = nullptr;
 }
 
@@ -68,12 +68,13 @@ void list_joints(const Model& w, JointList& list) {
     const auto before = [&](std::uint32_t x, std::uint32_t y) { return rows[x].id.index < rows[y].id.index; };
     if (!std::is_sorted(list.order.begin(), list.order.end(), before))
         std::sort(list.order.begin(), list.order.end(), before);
-    out.clear(), list.any_rests = list.any_breaks = false;
+    out.clear(), list.resting.clear(), list.any_breaks = false;
     for (const std::uint32_t row : list.order) {
         const JointDef& def = rows[row].def;
         list.any_breaks = list.any_breaks || can_break(def);
         const std::uint32_t a = def.body_a ? w.row_of(def.body_a) : Model::dead, b = w.row_of(def.body_b);
-        list.any_rests = list.any_rests || (a != Model::dead && a >= still) || b >= still;
+        if ((a != Model::dead && a >= still) || b >= still)
+            list.resting.push_back(static_cast<std::uint32_t>(out.size()));
         out.push_back({&def, std::min(a, still), std::min(b, still), row, 0, 0,
                        frame_for_solver(w, a, def.frame_a), frame_for_solver(w, b, def.frame_b)});
     }

@@ -16,8 +16,8 @@ struct JointList {
     /// Made anew: joints have come, gone or changed, or bodies, their masses or their rows have. Frames in the world may be others in
     /// any tick.
     bool is_new = true;
-    bool any_rests = false;  ///< a body that a joint holds
-    bool any_breaks = false; ///< a joint that would, with enough force or torque
+    std::vector<std::uint32_t> resting; ///< joints of `all` that hold a body that rests
+    bool any_breaks = false;            ///< a joint that would, with enough force or torque
 
     void poison(std::byte with);
 

@@ -170,7 +170,9 @@ BodyPass pass_of(const StepConstants& step, SpeedLimits limits, SolverBodies& bo
 /// clamped speeds.
 template <class Visit>
 void for_each_body(const BodyPass& pass, Move kernel, SolverBodies& bodies, Tasks* tasks, Visit&& visit) {
-    base::for_chunks(tasks, bodies.still(), body_chunk,
+    // Twice in every substep: of fewer bodies it costs less than that workers hear of it.
+    constexpr std::uint32_t shared_from = 2048;
+    base::for_chunks(bodies.still() < shared_from ? nullptr : tasks, bodies.still(), body_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
                          std::uint64_t clamped = 0;
                          if (kernel == nullptr) {

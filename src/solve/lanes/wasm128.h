@@ -67,12 +67,20 @@ struct Wasm128 {
     template <int S> static V shift_left(V x) {
         return {wasm_i64x2_shl(x.low, S), wasm_i64x2_shl(x.high, S)};
     }
-    // Vectors are shifted by one count alone: so lane after lane.
+    // Vectors are shifted by one count alone: so lane after lane, where lanes want other ones. Bodies of one kind want the same.
+    static bool are_alike(V by) {
+        return by.low[0] == by.low[1] && by.low[0] == by.high[0] && by.low[0] == by.high[1];
+    }
+    static std::uint32_t first_shift(V by) { return static_cast<std::uint32_t>(by.low[0]); } // modulo 64
     static V shift_left_by(V x, V by) {
+        if (are_alike(by))
+            return {wasm_i64x2_shl(x.low, first_shift(by)), wasm_i64x2_shl(x.high, first_shift(by))};
         const auto shifted = [](Two x, Two by) { return Two{x[0] << (by[0] & 63), x[1] << (by[1] & 63)}; };
         return {shifted(x.low, by.low), shifted(x.high, by.high)};
     }
     static V shift_right_logical_by(V x, V by) {
+        if (are_alike(by))
+            return {wasm_u64x2_shr(x.low, first_shift(by)), wasm_u64x2_shr(x.high, first_shift(by))};
         const auto shifted = [](Two x, Two by) {
             const auto lane = [&](int i) {
                 return static_cast<std::int64_t>(static_cast<std::uint64_t>(x[i]) >> (by[i] & 63));
@@ -82,6 +90,8 @@ struct Wasm128 {
         return {shifted(x.low, by.low), shifted(x.high, by.high)};
     }
     static V shift_right_by(V x, V by) {
+        if (are_alike(by))
+            return {wasm_i64x2_shr(x.low, first_shift(by)), wasm_i64x2_shr(x.high, first_shift(by))};
         const auto shifted = [](Two x, Two by) { return Two{x[0] >> (by[0] & 63), x[1] >> (by[1] & 63)}; };
         return {shifted(x.low, by.low), shifted(x.high, by.high)};
     }
