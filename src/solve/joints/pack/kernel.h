@@ -65,8 +65,11 @@ template <class L> class PackedJoints {
         V raw[6];
         for (int i = 0; i < 6; ++i) raw[i] = x[i].raw;
         solve::SolverBody *to[N], spare;
-        for (unsigned i = 0; i < N; ++i)
-            to[i] = (side.moved >> (lane + i)) & 1u ? body_at(data, side.place[lane + i]) : &spare;
+        for (unsigned i = 0; i < N; ++i) to[i] = body_at(data, side.place[lane + i]);
+        constexpr unsigned all = (1u << N) - 1;
+        const unsigned moved = (side.moved >> lane) & all;
+        for (unsigned i = 0; i < N && moved != all; ++i)
+            if (((moved >> i) & 1u) == 0) to[i] = &spare;
         L::scatter6(to, raw);
     }
     [[gnu::always_inline]] static void gather(const Pack& c, unsigned lane, const Data& data, Motion& m) {
