@@ -213,21 +213,21 @@ TEST_CASE("planted fault: a world whose tasks leave an item out, or run one twic
           doctest::skip(poisons_scratch)) {
     const auto game = small_scene(*find_scene("pile"));
     FaultyTasks sound(FaultyTasks::Fault::leaves_out, ~std::uint64_t{0});
-    CHECK(first_departure(*game, std::array<Tasks*, 1>{&sound}, 20, 10) == "");
+    CHECK(first_departure(*game, std::array<Tasks*, 1>{&sound}, 20, 20) == "");
     REQUIRE(sound.runs > 100);
     for (const std::uint64_t first : {sound.runs / 2, sound.runs - 40}) {
         INFO(first);
         int noticed = 0; // a pass over bodies that nothing pushes is not missed
         for (std::uint64_t run = first; run < first + 8; ++run) {
             FaultyTasks leaves_out(FaultyTasks::Fault::leaves_out, run);
-            noticed += first_departure(*game, std::array<Tasks*, 1>{&leaves_out}, 20, 10) != "" ? 1 : 0;
+            noticed += first_departure(*game, std::array<Tasks*, 1>{&leaves_out}, 20, 20) != "" ? 1 : 0;
         }
         CHECK(noticed >= 2);
     }
     bool any_twice = false; // twice is harmless for what only copies
     for (std::uint64_t run = sound.runs / 2; run < sound.runs / 2 + 8; ++run) {
         FaultyTasks twice(FaultyTasks::Fault::runs_twice, run);
-        any_twice = any_twice || first_departure(*game, std::array<Tasks*, 1>{&twice}, 20, 10) != "";
+        any_twice = any_twice || first_departure(*game, std::array<Tasks*, 1>{&twice}, 20, 20) != "";
     }
     CHECK(any_twice);
 }
