@@ -103,7 +103,7 @@ void ContactSolver::reserve(std::size_t contacts, std::size_t bodies) {
     inside->order.reserve(contacts, bodies), inside->in_packs.reserve(contacts, bodies);
 }
 
-/// Which contacts each pack has: `is_shared` by workers or not. Single points have packs of their own, and so have contacts that carry
+/// Which contacts each pack has, and which of them bounce or roll. Single points have packs of their own, and so have contacts that carry
 /// nothing: those take little time.
 void ContactSolver::Inside::place_packs(std::uint32_t workers, std::span<const Transform> poses) {
     static_assert(none == ContactPacks::no_contact);
