@@ -1,6 +1,6 @@
 // Work cut into strands, which workers do side by side: the pieces of a strand follow one another, and some of them wait for pieces of other strands.
 //
-// A barrier after every step would cost more than most steps of a solver take. Here a worker looks at how far another strand has got only where a
+// A barrier after every step would cost about as much as many steps of a solver take. Here a worker looks at how far another strand has got only where a
 // piece needs it, so who is ahead goes on. A strand that is waited for in vain, as nobody has begun it, is done by who waits: so all is done whatever
 // the tasks of a host do, one item after the other, in any order, twice, or some of them never.
 #pragma once
