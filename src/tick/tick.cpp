@@ -79,6 +79,17 @@ void find_near(const Tick& t, const Scene& scene) {
              s.vehicles.cast(t.w, scene));
 }
 
+solve::FreeMotion motion_of(const Tick& t) {
+    return {static_cast<solve::Scheme>(t.w.config().integrator), t.s.fields.pulls, t.s.fields.categories};
+}
+
+/// Whether nothing but contacts, gravity, forces and damping changes velocities in this tick.
+bool contacts_are_alone(const Tick& t) {
+    const Model& w = t.w;
+    return solve::is_plain_motion(motion_of(t)) && w.state.rows(w.m.field).empty() &&
+           w.state.rows(w.m.vehicle).empty() && t.s.joints.all.empty();
+}
+
 /// From rows of the state to what the solver works on.
 void prepare(const Tick& t, const Scene& scene, const solve::BodyColumns& columns) {
     TickScratch& s = t.s;
@@ -94,11 +105,11 @@ void prepare(const Tick& t, const Scene& scene, const solve::BodyColumns& column
     if (!same_joints) solve::find_weak_forces(s.joints.all, columns, s.step, s.bodies);
     solve::stiffen_bodies(s.joints.all, memory, columns, s.step, s.bodies, tasks);
     solve::follow_turns(columns, s.step, s.bodies);
+    list_fields(w, s.fields);
     s.contacts.prepare(s.found.contacts, s.table.list.memories, columns.mass, s.step, s.bodies, columns.pose,
-                       tasks);
+                       contacts_are_alone(t), tasks);
     s.joint_solver.prepare(s.joints.all, memory, columns, s.step, s.bodies, tasks, same_joints);
     s.vehicle_solver.prepare(s.vehicles.drive(scene), columns, s.step, s.bodies, tasks);
-    list_fields(w, s.fields);
     s.fluids.prepare(w, t.placed, s.fields, s.step, s.bodies);
     s.joint_solver.update(s.step, s.bodies, tasks);
     passed(t, "prepare");
@@ -129,6 +140,19 @@ void substep(const Tick& t, const solve::FreeMotion& motion, const solve::BodyCo
     passed(t, "relax_joints");
     s.contacts.solve(s.step, s.bodies, /*bias=*/false, tasks);
     passed(t, "relax_contacts");
+}
+
+void solve_substeps(const Tick& t, const solve::BodyColumns& columns) {
+    TickScratch& s = t.s;
+    const solve::FreeMotion motion = motion_of(t);
+    if (!s.contacts.has_all_passes()) {
+        for (std::int32_t i = 0; i < s.step.substeps; ++i) substep(t, motion, columns);
+        return;
+    }
+    integrate_velocities(motion, columns, s.step, s.bodies, t.hooks.tasks);
+    passed(t, "integrate");
+    s.contacts.solve_substeps(s.step, s.bodies, t.hooks.tasks);
+    passed(t, "solve_contacts");
 }
 
 /// What the solver found goes into the contact table and the state.
@@ -184,9 +208,7 @@ void tick(Model& w, PlacedShapes& placed, QueryScratch& query, TickScratch& s, T
     const solve::BodyColumns columns = w.body_columns();
     prepare(t, scene, columns);
 
-    const solve::FreeMotion motion{static_cast<solve::Scheme>(w.config().integrator), s.fields.pulls,
-                                   s.fields.categories};
-    for (std::int32_t i = 0; i < s.step.substeps; ++i) substep(t, motion, columns);
+    solve_substeps(t, columns);
     store(t);
     checkpoint_with_contacts(t, "solve");
     finish(t);

@@ -25,12 +25,13 @@ enum PlainMotion : std::uint8_t {
     plain_falls = 32,  ///< it is pushed by gravity alone, as most are
 };
 
-/// Bodies [first, last) of one substep. v and u lie one after the other in a SolverBody, and so do shift and theta: each six
-/// numbers here.
+/// Bodies [first, last) of one substep, or those that `rows` has there. v and u lie one after the other in a SolverBody, and so do shift and
+/// theta: each six numbers here.
 struct BodyPass {
     SolverBody* bodies;
     const BodyStep* steps;
     const std::uint8_t* plain; ///< PlainMotion, by body
+    const std::uint32_t* rows; ///< null: all bodies in order
     std::uint32_t first, last;
     std::int64_t dv[6]; ///< what the substep adds, 47 fraction bits
     /// 2^k - 1: a velocity with a component outside [-2^k, 2^k) may be beyond its limit
@@ -79,9 +80,11 @@ struct BodyKernel {
                                    std::uint32_t* left);
     std::uint32_t (*finish)(const EndPass& pass, const std::uint32_t* rows, std::uint32_t count,
                             std::uint32_t* left);
-    /// sums += velocities, and sums -= velocities, modulo 2^64: six numbers of each of `count` bodies.
-    void (*add_velocities)(const SolverBody* bodies, std::int64_t* sums, std::uint32_t count);
-    void (*take_velocities)(const SolverBody* bodies, std::int64_t* sums, std::uint32_t count);
+    /// sums += velocities, and sums -= velocities, modulo 2^64: six numbers of each of the first `count` bodies, or of `rows`.
+    void (*add_velocities)(const SolverBody* bodies, std::int64_t* sums, const std::uint32_t* rows,
+                           std::uint32_t count);
+    void (*take_velocities)(const SolverBody* bodies, std::int64_t* sums, const std::uint32_t* rows,
+                            std::uint32_t count);
     FollowKernel followed;
 };
 

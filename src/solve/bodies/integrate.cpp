@@ -156,7 +156,7 @@ inline std::uint64_t clamp_speeds(SolverBodies& bodies, std::uint32_t i, SpeedLi
 using Move = decltype(BodyKernel::integrate_poses);
 
 BodyPass pass_of(const StepConstants& step, SpeedLimits limits, SolverBodies& bodies) {
-    BodyPass pass{bodies.body.data(),   bodies.step.data(), bodies.plain.data(), 0, 0, {}, {},
+    BodyPass pass{bodies.body.data(),   bodies.step.data(), bodies.plain.data(), nullptr, 0, 0, {}, {},
                   step.substep_time.raw};
     for (int i = 0; i < 3; ++i) {
         pass.dv[i] = bodies.fall.dv[i];
@@ -166,87 +166,143 @@ BodyPass pass_of(const StepConstants& step, SpeedLimits limits, SolverBodies& bo
     return pass;
 }
 
-/// Moves plain bodies by the kernel, if there is one, calls visit(i) for each of the others and adds what it returns to the
-/// clamped speeds.
+/// Moves plain bodies of a part of a pass by the kernel, if there is one, calls visit(i) for each of the others and adds what it returns to the
+/// clamped speeds. At most body_chunk bodies.
 template <class Visit>
-void for_each_body(const BodyPass& pass, Move kernel, SolverBodies& bodies, Tasks* tasks, Visit&& visit) {
+void for_bodies_of(const BodyPass& part, Move kernel, SolverBodies& bodies, const Visit& visit) {
+    std::uint64_t clamped = 0;
+    if (kernel == nullptr) {
+        for (std::uint32_t i = part.first; i < part.last; ++i)
+            clamped += visit(part.rows != nullptr ? part.rows[i] : i);
+    } else {
+        std::uint32_t left[body_chunk];
+        const std::uint32_t count = kernel(part, left);
+        for (std::uint32_t k = 0; k < count; ++k) clamped += visit(left[k]);
+    }
+    base::add_count(bodies.clamps.speed, clamped);
+}
+template <class Visit>
+void for_each_body(BodyPass pass, Move kernel, SolverBodies& bodies, Tasks* tasks, const Visit& visit) {
     // Twice in every substep: of fewer bodies it costs less than that workers hear of it.
     constexpr std::uint32_t shared_from = 2048;
     base::for_chunks(bodies.still() < shared_from ? nullptr : tasks, bodies.still(), body_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-                         std::uint64_t clamped = 0;
-                         if (kernel == nullptr) {
-                             for (std::uint32_t i = first; i < last; ++i) clamped += visit(i);
-                         } else {
-                             std::uint32_t left[body_chunk];
-                             BodyPass part = pass;
-                             part.first = first, part.last = last;
-                             const std::uint32_t count = kernel(part, left);
-                             for (std::uint32_t k = 0; k < count; ++k) clamped += visit(left[k]);
-                         }
-                         base::add_count(bodies.clamps.speed, clamped);
+                         BodyPass part = pass;
+                         part.first = first, part.last = last;
+                         for_bodies_of(part, kernel, bodies, visit);
                      });
 }
-
-} // namespace
-
-void integrate_velocities(const FreeMotion& motion, const BodyColumns& columns, const StepConstants& step,
-                          SolverBodies& bodies, Tasks* tasks) {
-    const bool general = motion.scheme != Scheme::semi_implicit_euler || !motion.fields.empty();
-    const SpeedLimits limits(step);
-    // What the fields' scheme adds to a move is no plain motion either.
-    if (general) {
-        for (std::uint8_t& plain : bodies.plain) plain &= plain_end | plain_round | plain_falls;
-        if (bodies.drift.empty()) bodies.drift.assign(bodies.still(), {});
+/// Of some bodies.
+template <class Visit>
+void for_each_body(BodyPass pass, Move kernel, SolverBodies& bodies, std::span<const std::uint32_t> rows,
+                   const Visit& visit) {
+    pass.rows = rows.data();
+    for (pass.last = 0; pass.last < rows.size();) {
+        pass.first = pass.last;
+        pass.last += std::min(static_cast<std::uint32_t>(rows.size()) - pass.last, body_chunk);
+        for_bodies_of(pass, kernel, bodies, visit);
     }
-    const Move kernel = bodies.kernel != nullptr ? bodies.kernel->integrate_velocities : nullptr;
-    const BodyPass pass = pass_of(step, limits, bodies);
-    for_each_body(pass, kernel, bodies, tasks, [&, limits](std::uint32_t i) -> std::uint64_t {
-        SolverBody& b = bodies.body[i];
-        const BodyStep& s = bodies.step[i];
-        if (!s.moves) return 0;
-        if (s.movable) {
-            const BodyPush& push = (bodies.plain[i] & plain_falls) != 0 ? bodies.fall : bodies.push[i];
-            if (general)
-                move_freely(motion, columns.traits(i),
-                            motion.categories.empty() ? every_category : motion.categories[i],
-                            push.acceleration, columns.pose[i], step, b, bodies.drift[i]);
-            else
-                for (int axis = 0; axis < 3; ++axis) b.v[axis] += push.dv[axis];
-            for (int axis = 0; axis < 3; ++axis) b.u[axis] += push.du[axis];
-            damp(b.v, s.linear_keep);
-            damp(b.u, s.angular_keep);
-            if (s.turn != 0) damp_precession(bodies, s.turn, s.angular_keep);
-        }
-        return clamp_speeds(bodies, i, limits);
-    });
 }
 
-void integrate_poses(const StepConstants& step, SolverBodies& bodies, Tasks* tasks) {
+/// One body by its velocity, and by its drift if it has one.
+std::uint64_t move_by_velocity(SolverBodies& bodies, std::uint32_t i, std::int64_t h, SpeedLimits limits) {
     // Velocity with 27 fraction bits times time with 30: at most 15 m in a tick, so 2^61.
     constexpr int to_separation = accumulator_bits - Separation::fraction_bits;
     constexpr int drift_to_separation = Real::fraction_bits - Separation::fraction_bits;
     constexpr std::int64_t half = std::int64_t{1} << (Unit::fraction_bits - 1);
-    const std::int64_t h = step.substep_time.raw;
     const auto way = [h](std::int64_t v) { return ((v >> to_separation) * h + half) >> Unit::fraction_bits; };
-    const SpeedLimits limits(step);
-    const Move kernel = bodies.kernel != nullptr ? bodies.kernel->integrate_poses : nullptr;
-    const BodyPass pass = pass_of(step, limits, bodies);
-    for_each_body(pass, kernel, bodies, tasks, [&, way, limits](std::uint32_t i) -> std::uint64_t {
+    if (!bodies.step[i].moves) return 0;
+    SolverBody& b = bodies.body[i];
+    const std::uint64_t clamped = clamp_speeds(bodies, i, limits);
+    for (int axis = 0; axis < 3; ++axis) {
+        const std::int64_t drift = bodies.drift.empty() ? 0 : bodies.drift[i][static_cast<std::size_t>(axis)];
+        const std::int64_t more = drift == 0 ? 0 : shift_right_rounded(drift, drift_to_separation);
+        b.shift[axis] = saturate_to_int32(b.shift[axis] + way(b.v[axis]) + more);
+        b.theta[axis] = saturate_to_int32(b.theta[axis] + way(b.u[axis]));
+    }
+    return clamped;
+}
+
+void damp_all(SolverBodies& bodies, std::uint32_t i) {
+    SolverBody& b = bodies.body[i];
+    const BodyStep& s = bodies.step[i];
+    damp(b.v, s.linear_keep);
+    damp(b.u, s.angular_keep);
+    if (s.turn != 0) damp_precession(bodies, s.turn, s.angular_keep);
+}
+const BodyPush& push_of(const SolverBodies& bodies, std::uint32_t i) {
+    return (bodies.plain[i] & plain_falls) != 0 ? bodies.fall : bodies.push[i];
+}
+/// What its constant push adds.
+std::uint64_t push_and_damp(SolverBodies& bodies, std::uint32_t i, SpeedLimits limits) {
+    if (!bodies.step[i].moves) return 0;
+    if (bodies.step[i].movable) {
         SolverBody& b = bodies.body[i];
-        const BodyStep& s = bodies.step[i];
-        if (!s.moves) return 0;
-        const std::uint64_t clamped = clamp_speeds(bodies, i, limits);
-        for (int axis = 0; axis < 3; ++axis) {
-            const std::int64_t drift =
-                bodies.drift.empty() ? 0 : bodies.drift[i][static_cast<std::size_t>(axis)];
-            const std::int64_t more = drift == 0 ? 0 : shift_right_rounded(drift, drift_to_separation);
-            b.shift[axis] = saturate_to_int32(b.shift[axis] + way(b.v[axis]) + more);
-            b.theta[axis] = saturate_to_int32(b.theta[axis] + way(b.u[axis]));
-        }
-        return clamped;
+        const BodyPush& push = push_of(bodies, i);
+        for (int axis = 0; axis < 3; ++axis) b.v[axis] += push.dv[axis], b.u[axis] += push.du[axis];
+        damp_all(bodies, i);
+    }
+    return clamp_speeds(bodies, i, limits);
+}
+
+Move velocity_kernel(const SolverBodies& bodies) {
+    return bodies.kernel != nullptr ? bodies.kernel->integrate_velocities : nullptr;
+}
+Move pose_kernel(const SolverBodies& bodies) {
+    return bodies.kernel != nullptr ? bodies.kernel->integrate_poses : nullptr;
+}
+
+} // namespace
+
+bool is_plain_motion(const FreeMotion& motion) {
+    return motion.scheme == Scheme::semi_implicit_euler && motion.fields.empty();
+}
+
+void integrate_velocities(const FreeMotion& motion, const BodyColumns& columns, const StepConstants& step,
+                          SolverBodies& bodies, Tasks* tasks) {
+    const SpeedLimits limits(step);
+    if (is_plain_motion(motion))
+        return for_each_body(pass_of(step, limits, bodies), velocity_kernel(bodies), bodies, tasks,
+                             [&](std::uint32_t i) { return push_and_damp(bodies, i, limits); });
+    // What the fields' scheme adds to a move is no plain motion either.
+    for (std::uint8_t& plain : bodies.plain) plain &= plain_end | plain_round | plain_falls;
+    if (bodies.drift.empty()) bodies.drift.assign(bodies.still(), {});
+    for_each_body(pass_of(step, limits, bodies), velocity_kernel(bodies), bodies, tasks,
+                  [&](std::uint32_t i) -> std::uint64_t {
+                      SolverBody& b = bodies.body[i];
+                      if (!bodies.step[i].moves) return 0;
+                      if (bodies.step[i].movable) {
+                          const BodyPush& push = push_of(bodies, i);
+                          move_freely(motion, columns.traits(i),
+                                      motion.categories.empty() ? every_category : motion.categories[i],
+                                      push.acceleration, columns.pose[i], step, b, bodies.drift[i]);
+                          for (int axis = 0; axis < 3; ++axis) b.u[axis] += push.du[axis];
+                          damp_all(bodies, i);
+                      }
+                      return clamp_speeds(bodies, i, limits);
+                  });
+}
+
+void integrate_velocities(const StepConstants& step, SolverBodies& bodies,
+                          std::span<const std::uint32_t> rows) {
+    const SpeedLimits limits(step);
+    for_each_body(pass_of(step, limits, bodies), velocity_kernel(bodies), bodies, rows,
+                  [&](std::uint32_t i) { return push_and_damp(bodies, i, limits); });
+}
+
+void integrate_poses(const StepConstants& step, SolverBodies& bodies, Tasks* tasks) {
+    const SpeedLimits limits(step);
+    for_each_body(pass_of(step, limits, bodies), pose_kernel(bodies), bodies, tasks, [&](std::uint32_t i) {
+        return move_by_velocity(bodies, i, step.substep_time.raw, limits);
     });
     advance_turns(step, bodies, tasks);
+}
+
+void integrate_poses(const StepConstants& step, SolverBodies& bodies, std::span<const std::uint32_t> rows) {
+    const SpeedLimits limits(step);
+    for_each_body(pass_of(step, limits, bodies), pose_kernel(bodies), bodies, rows, [&](std::uint32_t i) {
+        return move_by_velocity(bodies, i, step.substep_time.raw, limits);
+    });
 }
 
 } // namespace lockstone::solve

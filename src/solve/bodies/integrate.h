@@ -23,6 +23,13 @@ void integrate_velocities(const FreeMotion& motion, const BodyColumns& columns, 
 /// shift += v h + drift, theta += u h.
 void integrate_poses(const StepConstants& step, SolverBodies& bodies, Tasks* tasks = nullptr);
 
+/// Whether gravity, forces and damping alone move bodies, by the solver's own scheme.
+bool is_plain_motion(const FreeMotion& motion);
+/// The same of some bodies in plain motion, of which none is followed.
+void integrate_velocities(const StepConstants& step, SolverBodies& bodies,
+                          std::span<const std::uint32_t> rows);
+void integrate_poses(const StepConstants& step, SolverBodies& bodies, std::span<const std::uint32_t> rows);
+
 /// Acceleration at a point [m/s^2] of all fields that act on a body whose shapes have these categories. Fluids have none.
 Vec3 field_acceleration(std::span<const FieldRow> fields, Vec3 point, std::uint32_t categories);
 /// The mask of a field that acts on bodies without shapes too.

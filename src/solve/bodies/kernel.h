@@ -57,19 +57,24 @@ template <class L> class MovedBodies {
     }
 
     template <class Combine>
-    static void combine(const Body* bodies, std::int64_t* sums, std::uint32_t count, Combine&& combined) {
-        for (std::uint32_t i = 0; i < count; ++i, sums += 6) {
+    static void combine(const Body* bodies, std::int64_t* sums, const std::uint32_t* rows,
+                        std::uint32_t count, Combine&& combined) {
+        for (std::uint32_t k = 0; k < count; ++k) {
+            const std::size_t i = rows != nullptr ? rows[k] : k;
             const Row row = load(reinterpret_cast<const std::int64_t*>(&bodies[i]));
-            Row sum = load(sums);
-            for (unsigned k = 0; k < windows; ++k) sum.at[k] = combined(sum.at[k], row.at[k]);
-            for (unsigned k = 0; k < windows; ++k) L::store64(sums + place(k), sum.at[k]);
+            std::int64_t* const to = sums + 6 * i;
+            Row sum = load(to);
+            for (unsigned w = 0; w < windows; ++w) sum.at[w] = combined(sum.at[w], row.at[w]);
+            for (unsigned w = 0; w < windows; ++w) L::store64(to + place(w), sum.at[w]);
         }
     }
-    static void add_velocities(const Body* bodies, std::int64_t* sums, std::uint32_t count) {
-        combine(bodies, sums, count, [](V a, V b) { return L::add(a, b); });
+    static void add_velocities(const Body* bodies, std::int64_t* sums, const std::uint32_t* rows,
+                               std::uint32_t count) {
+        combine(bodies, sums, rows, count, [](V a, V b) { return L::add(a, b); });
     }
-    static void take_velocities(const Body* bodies, std::int64_t* sums, std::uint32_t count) {
-        combine(bodies, sums, count, [](V a, V b) { return L::sub(a, b); });
+    static void take_velocities(const Body* bodies, std::int64_t* sums, const std::uint32_t* rows,
+                                std::uint32_t count) {
+        combine(bodies, sums, rows, count, [](V a, V b) { return L::sub(a, b); });
     }
 
     /// What damping leaves of velocities within their limits, in two parts of 30 bits, as with one body.
@@ -89,7 +94,8 @@ template <class L> class MovedBodies {
         const Limits limits = limits_of(pass);
         const Row change = load(pass.dv), is_turn = load(turns);
         std::uint32_t count = 0;
-        for (std::uint32_t i = pass.first; i < pass.last; ++i) {
+        for (std::uint32_t at = pass.first; at < pass.last; ++at) {
+            const std::uint32_t i = pass.rows != nullptr ? pass.rows[at] : at;
             std::int64_t* const p = velocities(pass, i);
             Row row = load(p);
             for (unsigned k = 0; k < windows; ++k) row.at[k] = L::add(row.at[k], change.at[k]);
@@ -114,7 +120,8 @@ template <class L> class MovedBodies {
                 low_part = L::splat((std::int64_t{1} << 30) - 1),
                 back = L::splat(pass.substep_time * (1 << (up - drop - 30)));
         std::uint32_t count = 0;
-        for (std::uint32_t i = pass.first; i < pass.last; ++i) {
+        for (std::uint32_t at = pass.first; at < pass.last; ++at) {
+            const std::uint32_t i = pass.rows != nullptr ? pass.rows[at] : at;
             const Row row = load(velocities(pass, i));
             if ((pass.plain[i] & solve::plain_pose) == 0 || is_beyond(row, limits)) {
                 left[count++] = i;

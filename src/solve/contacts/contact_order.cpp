@@ -54,7 +54,12 @@ bool ContactOrder::read(std::span<const Contact> contacts, const SolverBodies& b
     std::swap(now, before);
     const std::size_t count = bodies.body.size();
     now.movable.resize(count);
-    for (std::size_t b = 0; b < count; ++b) now.movable[b] = bodies.step[b].movable ? 1 : 0;
+    bool any_driven = false;
+    const auto is_driven = [](const BodyStep& step) { return step.moves && !step.movable; };
+    for (std::size_t b = 0; b < count; ++b) {
+        now.movable[b] = bodies.step[b].movable ? 1 : 0;
+        any_driven |= is_driven(bodies.step[b]);
+    }
     first.assign(count + 1, 0);
     now.links.resize(contacts.size()), now.kinds.resize(contacts.size());
     bool is_same = now.movable == before.movable && before.links.size() == contacts.size();
@@ -63,6 +68,8 @@ bool ContactOrder::read(std::span<const Contact> contacts, const SolverBodies& b
         const Contact& c = contacts[i];
         now.links[i] = {c.body_a, c.body_b};
         now.kinds[i] = kind_of(c);
+        if (any_driven && (is_driven(bodies.step[c.body_a]) || is_driven(bodies.step[c.body_b])))
+            now.kinds[i] |= driven;
         all_kinds |= now.kinds[i];
         const std::uint32_t one = (now.kinds[i] & touches) != 0 ? 1 : 0;
         first[c.body_a] += one, first[c.body_b] += one;

@@ -47,8 +47,8 @@ class ContactOrder {
         return moves(link(contact).a) ? link(contact).a : link(contact).b;
     }
 
-    enum Kind : std::uint8_t { carried = 1, several = 2, touches = 4, bounces = 8, rolls = 16 };
-    /// What a contact is, as bits, and what any of them is.
+    enum Kind : std::uint8_t { carried = 1, several = 2, touches = 4, bounces = 8, rolls = 16, driven = 32 };
+    /// What a contact is, as bits, and what any of them is. Driven: one of the bodies moves, though impulses do not move it.
     std::uint8_t kind(std::uint32_t contact) const { return now.kinds[contact]; }
     std::uint8_t any_kind() const { return all_kinds; }
     /// Of a body, after `find`; no_level when nothing holds it.

@@ -2,11 +2,11 @@
 
 #include "base/poison.h"
 #include "base/room.h"
-#include "solve/bodies/sides.h"
 #include "solve/contacts/contact_order.h"
 
 #include <algorithm>
-#include <array>
+#include <tuple>
+#include <utility>
 
 namespace lockstone::solve {
 
@@ -23,34 +23,48 @@ std::uint32_t sort_of(const ContactOrder& order, std::uint32_t contact) {
     return ~order.kind(contact) & (ContactOrder::carried | ContactOrder::several);
 }
 
-/// For so many full packs, of which `longest` follow one another whatever is done: as many as there is work for. Borders make the row of
-/// those a third longer, and strands are worth their while when they save a quarter.
-std::uint32_t strands_for(std::size_t packs, std::uint32_t longest, std::uint32_t most) {
-    if (16 * std::size_t{longest} > 9 * packs) return 1;
-    return static_cast<std::uint32_t>(std::clamp<std::size_t>(packs / strand_packs_least, 1, most));
-}
+/// What a processor keeps for itself of a strand's packs from pass to pass.
+constexpr std::size_t strand_bytes = std::size_t{1} << 19;
+/// Packs of a strand between which bodies are looked after where passes are one run: soon, while they are in the nearest cache.
+constexpr std::uint32_t packs_between(std::uint32_t packs) { return std::clamp(packs / 8, 4u, 32u); }
 
 } // namespace
 
-void ContactPacks::reserve(std::size_t contacts, std::size_t bodies) {
+void ContactPacks::reserve(std::size_t contacts, std::size_t body_count) {
     nodes.reserve(contacts), strands[0].round_of_pack.reserve(contacts);
     packed.reserve(2 * contacts), strands[0].packed.reserve(2 * contacts);
-    last.reserve(bodies + 2);
+    cut.reserve(contacts, body_count);
+    last.reserve(body_count + 2), bodies.reserve(body_count + 1);
 }
 
-void ContactPacks::share_out(const ContactOrder& order, std::span<const Transform> poses) {
-    const auto place_of = [&](std::uint32_t contact) { // contacts that move nothing are nowhere
-        const std::uint32_t body = order.moved_body(contact);
-        return body < poses.size() ? poses[body].position : Vec3{};
-    };
-    std::array<Vec3, Sides::samples_max> sample;
-    std::size_t samples = 0;
-    const std::span<const std::uint32_t> down = order.down_from_the_top();
-    for (std::size_t i = 0; i < down.size(); i += Sides::stride_of(down.size()))
-        sample[samples++] = place_of(down[i]);
-    const Sides sides{std::span<const Vec3>(sample).first(samples), strand_count};
-    for (std::uint32_t i = 0; i < nodes.size(); ++i)
-        nodes[i].strand = static_cast<std::uint8_t>(sides.side_of(place_of(i)));
+/// `longest`: so many contacts follow one another.
+void ContactPacks::share_out(const ContactOrder& order, const Wanted& wanted, std::uint32_t longest,
+                             std::span<const Transform> poses) {
+    const std::size_t packs = nodes.size() / wanted.lanes;
+    const std::size_t workers =
+        std::clamp<std::size_t>(packs / strand_packs_least, 1, std::min(wanted.workers, base::strands_max));
+    strand_count = static_cast<std::uint32_t>(workers);
+    runs_all = false;
+    if (wanted.may_run_all) {
+        // Of a large world of islands strands are as small as that they stay in a cache for all passes.
+        const std::size_t fit = packs * wanted.pack_bytes / strand_bytes,
+                          most = std::min<std::size_t>(fit, base::strands_max) / workers * workers;
+        if (most > 2 * workers && cut.cut_by_island(order, static_cast<std::uint32_t>(most))) {
+            strand_count = static_cast<std::uint32_t>(most);
+            runs_all = true;
+            return;
+        }
+        // In a deep pile parts of a pass have little to do at once, but passes have. In a flat one each body would move from worker to worker.
+        if (workers > 1 && 4 * std::size_t{longest} > packs) {
+            runs_all = true;
+            return cut.cut_by_order(order, strand_count);
+        }
+    }
+    // Borders make the row of those that follow one another a third longer, and strands are worth their while when they save a quarter.
+    if (workers > 1 && 16 * std::size_t{longest} <= 9 * packs)
+        return cut.cut_by_place(order, poses, strand_count);
+    strand_count = 1;
+    cut.make_one(order);
 }
 
 // ---- what follows what ---
@@ -103,7 +117,10 @@ void ContactPacks::let_follow(std::uint32_t contact, std::uint32_t strand, std::
     node.round = std::max(node.round, round + 1 + (is_own ? 0 : grace));
     if (--node.waits != 0) return;
     Strand& to = strands[node.strand];
-    add(is_own && node.round == round + 1 ? to.ready[node.sort] : to.late, contact);
+    if (node.waits_between && round < to.held_until)
+        add(to.held, contact);
+    else
+        add(is_own && node.round == round + 1 ? to.ready[node.sort] : to.late, contact);
 }
 
 /// A pack has a contact that follows `before`, which may be in another strand.
@@ -113,7 +130,7 @@ void ContactPacks::wait_for(std::uint32_t before, std::uint32_t strand, std::uin
     std::uint32_t& seen = strands[strand].seen[node.strand];
     if (node.strand == strand || node.pack < seen) return;
     seen = node.pack + 1;
-    waits.push_back({strand, pack, node.strand, seen});
+    waits.push_back({strand, pack, node.strand, seen, false});
 }
 
 /// The next pack of a strand, if any contact of it is ready. Of the first sort that fills it, or the first that there is; then of any sort that
@@ -123,6 +140,11 @@ bool ContactPacks::fill_pack(Strand& own, std::uint32_t lanes, std::uint32_t rou
         const std::uint32_t contact = take_front(own.late);
         add(own.ready[nodes[contact].sort], contact);
     }
+    if (round >= own.held_until)
+        while (own.held.count != 0) {
+            const std::uint32_t contact = take_front(own.held);
+            add(own.ready[nodes[contact].sort], contact);
+        }
     std::uint32_t sort = sorts;
     for (std::uint32_t k = 0; k < sorts; ++k) {
         if (own.ready[k].count >= lanes) {
@@ -154,111 +176,174 @@ bool ContactPacks::fill_pack(Strand& own, std::uint32_t lanes, std::uint32_t rou
 
 // ---- pieces ---
 
-/// Pieces by the round of their first packs: whatever one waits for comes before it.
-void ContactPacks::cut_pieces() {
-    std::uint32_t first_pack[base::strands_max] = {}, at[base::strands_max] = {},
-                  after[base::strands_max][base::strands_max] = {};
-    const auto packs_of = [&](std::uint32_t k) {
-        return static_cast<std::uint32_t>(strands[k].round_of_pack.size());
-    };
-    for (std::uint32_t k = 0, sum = 0; k < strand_count; sum += packs_of(k++)) {
-        first_pack[k] = sum;
-        strands[k].piece_end.assign(packs_of(k) + 1, 0);
-        strands[k].piece_end.back() = 1;
-    }
-    for (const Wait& w : waits) strands[w.strand].piece_end[w.pack] = strands[w.other].piece_end[w.packs] = 1;
-    pieces.strands = strand_count;
+/// Who in a pass is the first to move a body that another strand has looked after since the pass before.
+void ContactPacks::find_waits_between_passes(const ContactOrder& order, std::uint32_t lanes) {
     for (std::uint32_t k = 0; k < strand_count; ++k) {
-        std::uint32_t sum = 0;
-        for (std::uint32_t packs = 1; packs <= packs_of(k); ++packs) {
-            std::uint32_t& end = strands[k].piece_end[packs];
-            sum += end;
-            end = end != 0 ? sum : 0;
+        std::uint32_t seen[base::strands_max] = {};
+        const Strand& own = strands[k];
+        for (std::uint32_t at = 0; at < own.packed.size(); ++at) {
+            if (own.packed[at] == no_contact) continue;
+            const Node& node = nodes[own.packed[at]];
+            if (!node.waits_between) continue;
+            const ContactOrder::Link link = order.link(own.packed[at]);
+            const auto look = [&](std::uint32_t before, std::uint32_t body) {
+                if (!waits_between(body, before, k)) return;
+                const Node& end = nodes[last[body] - 1];
+                const std::uint32_t packs = strands[end.strand].packs(), step = packs_between(packs),
+                                    done = std::min((end.pack / step + 1) * step, packs);
+                if (done <= seen[end.strand]) return;
+                seen[end.strand] = done;
+                waits.push_back({k, at / lanes, end.strand, done, true});
+            };
+            look(node.before_a, link.a), look(node.before_b, link.b);
         }
-        pieces.piece_count[k] = 0;
-    }
-    for (auto wait = waits.begin();;) {
-        std::uint32_t next = strand_count;
-        for (std::uint32_t k = 0; k < strand_count; ++k)
-            if (at[k] < packs_of(k) && (next == strand_count || strands[k].round_of_pack[at[k]] <
-                                                                    strands[next].round_of_pack[at[next]]))
-                next = k;
-        if (next == strand_count) break;
-        const std::uint32_t first = at[next], round = strands[next].round_of_pack[first];
-        while (strands[next].piece_end[++at[next]] == 0) {}
-        for (; wait != waits.end(); ++wait) {
-            const std::uint32_t its_round = strands[wait->strand].round_of_pack[wait->pack];
-            if (its_round > round || (its_round == round && wait->strand > next)) break;
-            after[wait->strand][wait->other] = strands[wait->other].piece_end[wait->packs];
-        }
-        base::Piece& piece = pieces.pieces.emplace_back();
-        piece.strand = next, piece.index = pieces.piece_count[next]++;
-        piece.first = first_pack[next] + first, piece.last = first_pack[next] + at[next];
-        std::copy_n(after[next], base::strands_max, piece.after);
     }
 }
 
+void ContactPacks::cut_pieces() {
+    std::uint32_t first_pack = 0;
+    pieces.strands = strand_count;
+    for (Strand& strand : std::span(strands).first(strand_count)) {
+        strand.pieces_to.assign(strand.packs() + 1, 0);
+        strand.pieces_to.back() = 1;
+        if (!runs_all) continue;
+        const std::uint32_t step = packs_between(strand.packs());
+        for (std::uint32_t at = step; at < strand.packs(); at += step) strand.pieces_to[at] = 1;
+    }
+    for (const Wait& w : waits) strands[w.strand].pieces_to[w.pack] = strands[w.other].pieces_to[w.packs] = 1;
+    for (std::uint32_t k = 0; k < strand_count; ++k) {
+        Strand& own = strands[k];
+        own.pieces_to[0] = 0;
+        base::Piece piece;
+        piece.last = first_pack;
+        for (std::uint32_t packs = 1; packs <= own.packs(); ++packs) {
+            const bool ends = own.pieces_to[packs] != 0;
+            own.pieces_to[packs] = own.pieces_to[packs - 1] + (ends ? 1u : 0u);
+            if (!ends) continue;
+            piece.first = piece.last, piece.last = first_pack + packs;
+            pieces.pieces[k].push_back(piece);
+        }
+        first_pack += own.packs();
+    }
+    add_waits();
+}
+
+/// Waits of the plan, piece by piece.
+void ContactPacks::add_waits() {
+    const auto key = [](const Wait& w) {
+        return std::tuple(w.strand, w.pack, w.is_between, w.other, w.packs);
+    };
+    std::sort(waits.begin(), waits.end(), [&](const Wait& a, const Wait& b) { return key(a) < key(b); });
+    for (auto now = waits.begin(); now != waits.end();) {
+        base::Piece& piece = pieces.pieces[now->strand][strands[now->strand].pieces_to[now->pack]];
+        piece.first_wait = static_cast<std::uint32_t>(pieces.waits.size());
+        const std::uint32_t strand = now->strand, pack = now->pack;
+        for (; now != waits.end() && now->strand == strand && now->pack == pack; ++now)
+            pieces.waits.push_back({now->other, strands[now->other].pieces_to[now->packs], now->is_between});
+        piece.last_wait = static_cast<std::uint32_t>(pieces.waits.size());
+    }
+}
+
+/// A body is looked after in the strand of its last contact. Those without contacts are at the end of all strands.
+void ContactPacks::list_bodies() {
+    const std::uint32_t count = static_cast<std::uint32_t>(last.size()) - 1;
+    const auto entry_of = [&](std::uint32_t body) -> std::uint32_t& {
+        if (last[body] != 0) {
+            const Node& end = nodes[last[body] - 1];
+            return strands[end.strand].first_body[strands[end.strand].pieces_to[end.pack]];
+        }
+        const std::uint64_t share = std::uint64_t{body} * strand_count / count;
+        std::vector<std::uint32_t>& of = strands[strands[share].packs() != 0 ? share : 0].first_body;
+        return of[of.size() - 2];
+    };
+    for (std::uint32_t k = 0; k < strand_count; ++k) strands[k].first_body.assign(pieces.count(k) + 1, 0);
+    for (std::uint32_t body = 0; body < count; ++body) ++entry_of(body);
+    std::uint32_t sum = 0;
+    for (std::uint32_t k = 0; k < strand_count; ++k)
+        for (std::uint32_t& first : strands[k].first_body) sum += std::exchange(first, sum);
+    bodies.resize(count);
+    for (std::uint32_t body = 0; body < count; ++body) bodies[entry_of(body)++] = body;
+    // Each is now where the next one begins.
+    sum = 0;
+    for (std::uint32_t k = 0; k < strand_count; ++k)
+        for (std::uint32_t& first : strands[k].first_body) sum = std::exchange(first, sum);
+}
+
 // ---- all ---
+
+/// Whether a contact that has `before` before it is the first in a pass to move a body that another strand looks after.
+bool ContactPacks::waits_between(std::uint32_t body, std::uint32_t before, std::uint32_t strand) const {
+    return before == no_contact && last[body] != 0 && nodes[last[body] - 1].strand != strand;
+}
 
 void ContactPacks::pack_all(const ContactOrder& order, std::uint32_t lanes) {
     waits.clear(), packed.clear(), pieces.clear();
     for (Strand& strand : std::span(strands).first(strand_count)) {
         for (Queue& queue : strand.ready) queue = {};
-        strand.late = {};
+        strand.late = strand.held = {};
+        strand.held_until = static_cast<std::uint32_t>(nodes.size() / (2 * lanes * strand_count));
         std::ranges::fill(strand.seen, 0u);
         strand.packed.clear(), strand.round_of_pack.clear();
         base::make_room(strand.packed, (nodes.size() + nodes.size() / 4) / strand_count + lanes);
     }
+    for (std::uint32_t i = 0; i < nodes.size(); ++i) {
+        nodes[i].round = 0;
+        nodes[i].strand = static_cast<std::uint8_t>(cut.of(i));
+    }
     for (const std::uint32_t i : order.down_from_the_top()) {
         Node& node = nodes[i];
-        node.round = 0;
-        if (node.waits == 0) add(strands[node.strand].ready[node.sort], i);
+        const ContactOrder::Link link = order.link(i);
+        node.waits_between = runs_all && strand_count > 1 &&
+                             (waits_between(link.a, node.before_a, node.strand) ||
+                              waits_between(link.b, node.before_b, node.strand));
+        Strand& own = strands[node.strand];
+        if (node.waits == 0) add(node.waits_between ? own.held : own.ready[node.sort], i);
     }
     bool any = true;
     for (std::uint32_t round = 0; any; ++round) {
         any = false;
         for (std::uint32_t k = 0; k < strand_count; ++k)
-            any |= fill_pack(strands[k], lanes, round) || strands[k].late.count != 0;
+            any |= fill_pack(strands[k], lanes, round) || strands[k].late.count != 0 ||
+                   strands[k].held.count != 0;
     }
 }
 
 /// They do where the order is the same, though a few contacts may not be of the sort any more that their pack is made for.
-bool ContactPacks::serve(const ContactOrder& order, std::uint32_t lanes, std::uint32_t strands_most) const {
-    if (made != Made{order.version(), lanes, strands_most}) return false;
+bool ContactPacks::serve(const ContactOrder& order, const Wanted& wanted) const {
+    if (made_of != order.version() || made != wanted) return false;
     std::size_t others = 0;
     for (std::uint32_t i = 0; i < nodes.size(); ++i) others += sort_of(order, i) != nodes[i].sort ? 1u : 0u;
     return others <= nodes.size() / other_sort_share;
 }
 
-void ContactPacks::make(const ContactOrder& order, std::uint32_t lanes, std::uint32_t strands_most,
-                        std::span<const Transform> poses) {
-    if (serve(order, lanes, strands_most)) return;
-    made = {order.version(), lanes, strands_most};
+void ContactPacks::make(const ContactOrder& order, const Wanted& wanted, std::span<const Transform> poses) {
+    if (serve(order, wanted)) return;
+    made_of = order.version(), made = wanted;
     nodes.resize(order.down_from_the_top().size());
     const std::uint32_t longest = find_nodes(order);
     // What another strand lets follow is packed a round later than it could be, so that nobody waits for a pack that is only just begun. Where most
     // follow one another there is no time for that.
-    grace = std::size_t{longest} * lanes < nodes.size() / 4 ? 1 : 0;
-    strand_count = strands_for(nodes.size() / lanes, longest, std::min(strands_most, base::strands_max));
-    if (strand_count > 1)
-        share_out(order, poses);
-    else
-        for (Node& node : nodes) node.strand = 0;
-    pack_all(order, lanes);
+    grace = std::size_t{longest} * wanted.lanes < nodes.size() / 4 ? 1 : 0;
+    share_out(order, wanted, longest, poses);
+    pack_all(order, wanted.lanes);
+    if (runs_all) find_waits_between_passes(order, wanted.lanes);
+    if (strand_count > 1) cut_pieces();
+    if (runs_all) list_bodies();
     if (strand_count == 1) {
         packed.swap(strands[0].packed);
         return;
     }
     for (std::uint32_t k = 0; k < strand_count; ++k)
         packed.insert(packed.end(), strands[k].packed.begin(), strands[k].packed.end());
-    cut_pieces();
 }
 
 void ContactPacks::poison(std::byte with) {
-    base::poison(with, nodes, last, waits, packed);
-    for (Strand& strand : strands) base::poison(with, strand.packed, strand.round_of_pack, strand.piece_end);
+    base::poison(with, nodes, last, waits, packed, bodies);
+    for (Strand& strand : strands)
+        base::poison(with, strand.packed, strand.round_of_pack, strand.pieces_to, strand.first_body);
+    cut.poison(with);
     pieces.clear();
-    made = {};
+    made_of = ~std::uint64_t{0};
 }
 
 } // namespace lockstone::solve

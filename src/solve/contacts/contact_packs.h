@@ -3,14 +3,18 @@
 //   pack     contacts of which no two move the same body. A contact is in a later pack than each one before it in order that moves one of its
 //            bodies: solving pack after pack is solving in order. Beyond that a pack takes what is ready: a pyramid of base 40 has a tenth
 //            fewer packs than if each held contacts of one stage of the order alone
-//   strand   the packs of contacts in one part of space. Workers solve a strand each. Where a body lies at the border, a pack waits for that one of
-//            the other strand which moves the body before it. Bits do not depend on where the borders are: whatever moves the same body
+//   strand   the packs of a share of the contacts (contact_cut.h). Workers solve a strand each. A pack waits for that one of another strand
+//            which moves one of its bodies before it. Bits do not depend on how contacts are shared out: whatever moves the same body
 //            still comes in order
 //   piece    packs of a strand that follow one another, none of which waits but the first, and is waited for but the last
+//
+// Where nothing but contacts changes velocities in a tick, its passes are one run of strands. What is done to a body between two passes is done by the
+// strand of the last contact that moves it, after the piece that has this contact; in the next pass the first contact that moves it waits for that.
 #pragma once
 
 #include "base/strands.h"
 #include "lockstone/math/vec.h"
+#include "solve/contacts/contact_cut.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -24,16 +28,28 @@ class ContactOrder;
 class ContactPacks {
   public:
     void reserve(std::size_t contacts, std::size_t bodies);
-    /// Packs the contacts of an order, in at most so many strands: fewer where there are few contacts, or where most follow one another. Packs of
-    /// the last order serve again while it is the same. `poses`: by body that can move.
-    void make(const ContactOrder& order, std::uint32_t lanes, std::uint32_t strands_most,
-              std::span<const Transform> poses);
+    struct Wanted {
+        std::uint32_t lanes, workers; ///< as many strands at most, where a pass is a run
+        bool may_run_all;             ///< nothing but contacts changes velocities: passes may be one run
+        std::size_t pack_bytes;       ///< of a pack
+        bool operator==(const Wanted&) const = default;
+    };
+    /// Packs the contacts of an order, in strands where they are worth their while. Packs of the last order serve again while it is the same.
+    /// `poses`: by body that can move.
+    void make(const ContactOrder& order, const Wanted& wanted, std::span<const Transform> poses);
 
     static constexpr std::uint32_t no_contact = 0xffffffffu;
     /// The contact of each lane of each pack, strand after strand; lanes that are left over have `no_contact`.
     std::span<const std::uint32_t> contact_of_lane() const { return packed; }
-    /// Pieces of packs for several workers. Without strands where one is to solve all packs.
+    /// Pieces of packs. Without strands where one worker is to solve all packs of a pass.
     const base::StrandPlan& plan() const { return pieces; }
+    /// Whether all passes of a tick are to be one run.
+    bool runs_all_passes() const { return runs_all; }
+    /// Then: the bodies to which something is done between passes after a piece. Each body but the last, in all.
+    std::span<const std::uint32_t> bodies_after(base::PieceAt at) const {
+        const std::uint32_t* const first = &strands[at.strand].first_body[at.index];
+        return std::span(bodies).subspan(first[0], first[1] - first[0]);
+    }
 
     void poison(std::byte with);
 
@@ -48,49 +64,61 @@ class ContactPacks {
         std::uint32_t round;              ///< not before; at first how many follow one another up to it
         std::uint8_t strand, sort;
         std::uint8_t waits; ///< for so many contacts that are in no pack so far
+        bool waits_between; ///< for what another strand does between passes
     };
     struct Queue {
         std::uint32_t count = 0, front = 0, back = 0;
     };
     struct Strand {
-        Queue ready[sorts];                         ///< of each sort in the order in which they became so
-        Queue late;                                 ///< ready in a later round
+        Queue ready[sorts];           ///< of each sort in the order in which they became so
+        Queue late;                   ///< ready in a later round
+        Queue held;                   ///< ready, but in each pass it would wait for another strand
+        std::uint32_t held_until = 0; ///< round
         std::uint32_t seen[base::strands_max] = {}; ///< for so many packs of other strands it has waited
         std::vector<std::uint32_t> packed;          ///< contact by lane
         std::vector<std::uint32_t> round_of_pack;
         /// By number of packs: 1 where a piece ends, then pieces up to there.
-        std::vector<std::uint32_t> piece_end;
+        std::vector<std::uint32_t> pieces_to;
+        std::vector<std::uint32_t> first_body; ///< by piece, and the end: of `bodies`
+
+        std::uint32_t packs() const { return static_cast<std::uint32_t>(round_of_pack.size()); }
     };
-    /// Pack `pack` of strand `strand` is to wait for so many packs of another one.
+    /// Pack `pack` of strand `strand` is to wait for so many packs of another one, of the same pass or of the one before.
     struct Wait {
         std::uint32_t strand, pack, other, packs;
+        bool is_between;
     };
 
-    bool serve(const ContactOrder& order, std::uint32_t lanes, std::uint32_t strands_most) const;
-    void share_out(const ContactOrder& order, std::span<const Transform> poses);
+    bool serve(const ContactOrder& order, const Wanted& wanted) const;
+    void share_out(const ContactOrder& order, const Wanted& wanted, std::uint32_t longest,
+                   std::span<const Transform> poses);
     std::uint32_t find_nodes(const ContactOrder& order);
+    void find_waits_between_passes(const ContactOrder& order, std::uint32_t lanes);
+    void list_bodies();
     void pack_all(const ContactOrder& order, std::uint32_t lanes);
     void add(Queue& queue, std::uint32_t contact);
     std::uint32_t take_front(Queue& queue);
     bool fill_pack(Strand& own, std::uint32_t lanes, std::uint32_t round);
     void let_follow(std::uint32_t contact, std::uint32_t strand, std::uint32_t round);
     void wait_for(std::uint32_t before, std::uint32_t strand, std::uint32_t pack);
+    bool waits_between(std::uint32_t body, std::uint32_t before, std::uint32_t strand) const;
     void cut_pieces();
+    void add_waits();
 
-    /// What the packs were made for.
-    struct Made {
-        std::uint64_t order = ~std::uint64_t{0}; ///< its version
-        std::uint32_t lanes = 0, strands_most = 0;
-        bool operator==(const Made&) const = default;
-    };
-    Made made;
+    // What the packs were made for:
+    std::uint64_t made_of = ~std::uint64_t{0}; ///< version of the order
+    Wanted made{};
+
+    bool runs_all = false;
+    ContactCut cut;
     std::uint32_t strand_count = 1;
     std::uint32_t grace = 0;         ///< rounds
     std::vector<Node> nodes;         ///< by contact
     std::vector<std::uint32_t> last; ///< by body: one more than its latest contact; 0: none
     Strand strands[base::strands_max];
-    std::vector<Wait> waits; ///< by round, and of a round by strand
+    std::vector<Wait> waits;
     std::vector<std::uint32_t> packed;
+    std::vector<std::uint32_t> bodies; ///< of bodies_after(), strand after strand
     base::StrandPlan pieces;
 };
 

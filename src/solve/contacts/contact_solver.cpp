@@ -6,6 +6,7 @@
 #include "base/room.h"
 #include "base/strands.h"
 #include "lockstone/math/wide.h"
+#include "solve/bodies/integrate.h"
 #include "solve/contacts/bounce.h"
 #include "solve/contacts/contact_order.h"
 #include "solve/contacts/contact_packs.h"
@@ -48,7 +49,15 @@ struct ContactSolver::Inside {
     solve::ContactPacks in_packs;
     std::span<const std::uint32_t> lane_contact; ///< contact of each lane of each pack, or none
 
-    void place_packs(std::uint32_t workers, std::span<const Transform> poses);
+    /// Some bodies, or the first `count`.
+    struct Rows {
+        const std::uint32_t* list;
+        std::uint32_t count;
+        std::size_t operator[](std::uint32_t k) const { return list != nullptr ? list[k] : k; }
+    };
+    static Rows all_rows(const SolverBodies& bodies) { return {nullptr, bodies.still() + 1}; }
+
+    void place_packs(std::uint32_t workers, bool may_run_all, std::span<const Transform> poses);
     /// A pack's head, and where the rest is found.
     template <unsigned N> void fill(std::uint32_t pack, PackSource& source, const PrepareInput& in);
     template <class Visit> void for_each_piece(Tasks* tasks, Visit&& visit);
@@ -56,11 +65,12 @@ struct ContactSolver::Inside {
         static_assert(sizeof(WarmStart) == 6 * sizeof(std::int64_t));
         return reinterpret_cast<std::int64_t*>(warm.data());
     }
-    void begin_pass(const SolverBodies& bodies);
-    void find_arrival();
-    void end_pass(const SolverBodies& bodies);
+    void begin_pass(const SolverBodies& bodies, Rows rows);
+    void find_arrival(Rows rows);
+    void end_pass(const SolverBodies& bodies, Rows rows);
     void first_warm_start(SolverBodies& bodies, Tasks* tasks);
-    void next_warm_start(SolverBodies& bodies) const;
+    void next_warm_start(SolverBodies& bodies, Rows rows) const;
+    void follow_pass(const StepConstants& step, SolverBodies& bodies, Rows rows, std::uint32_t pass);
     template <unsigned N> std::span<ContactPack<N>> packs() {
         return {reinterpret_cast<ContactPack<N>*>(storage.data()), pack_count};
     }
@@ -105,10 +115,13 @@ void ContactSolver::reserve(std::size_t contacts, std::size_t bodies) {
 
 /// Which contacts each pack has, and which of them bounce or roll. Single points have packs of their own, and so have contacts that carry
 /// nothing: those take little time.
-void ContactSolver::Inside::place_packs(std::uint32_t workers, std::span<const Transform> poses) {
+void ContactSolver::Inside::place_packs(std::uint32_t workers, bool may_run_all,
+                                        std::span<const Transform> poses) {
     static_assert(none == ContactPacks::no_contact);
     const std::uint32_t lanes = kernel->lanes;
-    in_packs.make(order, lanes, workers, poses);
+    std::size_t bytes = 0;
+    with_lanes([&](auto width) { bytes = sizeof(ContactPack<width()>); });
+    in_packs.make(order, {lanes, workers, may_run_all, bytes}, poses);
     lane_contact = in_packs.contact_of_lane();
     pack_count = static_cast<std::uint32_t>(lane_contact.size()) / lanes;
     bounces.clear();
@@ -153,10 +166,13 @@ void ContactSolver::Inside::fill(std::uint32_t pack, PackSource& source, const P
 
 void ContactSolver::prepare(std::span<const Contact> contacts, std::span<const ContactMemory> memory,
                             const solve::MassView& mass, const StepConstants& step,
-                            const SolverBodies& bodies, std::span<const Transform> poses, Tasks* tasks) {
+                            const SolverBodies& bodies, std::span<const Transform> poses, bool alone,
+                            Tasks* tasks) {
     Inside& s = *inside;
     s.order.find(contacts, bodies);
-    s.place_packs(base::worker_count(tasks), poses);
+    constexpr unsigned others = ContactOrder::bounces | ContactOrder::rolls | ContactOrder::driven;
+    const bool may_run_all = alone && bodies.turns.empty() && (s.order.any_kind() & others) == 0;
+    s.place_packs(base::worker_count(tasks), may_run_all, poses);
     s.started = false;
     if (s.pack_count == 0) return;
     s.warm.assign(bodies.body.size(), {});
@@ -196,43 +212,46 @@ void ContactSolver::prepare(std::span<const Contact> contacts, std::span<const C
 /// visit(first, last) for pieces of packs in order, those of different strands at the same time.
 template <class Visit> void ContactSolver::Inside::for_each_piece(Tasks* tasks, Visit&& visit) {
     if (tasks == nullptr || in_packs.plan().strands == 0) return visit(0, pack_count);
-    base::for_strands(*tasks, in_packs.plan(), visit);
+    base::for_strands(tasks, in_packs.plan(), 1,
+                      [&](const base::Piece& piece, base::PieceAt) { visit(piece.first, piece.last); });
 }
 
 /// What the passes give to a body is the difference between its velocities before and after: the velocity is subtracted before a pass and
 /// added after it. Modulo 2^64 that is right even where a velocity in between left its range.
-void ContactSolver::Inside::begin_pass(const SolverBodies& bodies) {
-    body_kernel->take_velocities(bodies.body.data(), warm_numbers(), bodies.still() + 1);
+void ContactSolver::Inside::begin_pass(const SolverBodies& bodies, Rows rows) {
+    body_kernel->take_velocities(bodies.body.data(), warm_numbers(), rows.list, rows.count);
 }
-void ContactSolver::Inside::end_pass(const SolverBodies& bodies) {
-    body_kernel->add_velocities(bodies.body.data(), warm_numbers(), bodies.still() + 1);
+void ContactSolver::Inside::end_pass(const SolverBodies& bodies, Rows rows) {
+    body_kernel->add_velocities(bodies.body.data(), warm_numbers(), rows.list, rows.count);
 }
 
 /// During a pass, `warm` is what contacts gave less the velocity: the negative of what is left without them.
-void ContactSolver::Inside::find_arrival() {
+void ContactSolver::Inside::find_arrival(Rows rows) {
     const auto negative = [](std::int64_t x) {
         return static_cast<std::int64_t>(0 - static_cast<std::uint64_t>(x));
     };
-    for (std::size_t i = 0; i < warm.size(); ++i)
-        for (int axis = 0; axis < 3; ++axis) {
-            arrival[i].v[axis] = negative(warm[i].v[axis]);
-            arrival[i].u[axis] = negative(warm[i].u[axis]);
-        }
+    for (std::uint32_t k = 0; k < rows.count; ++k) {
+        const WarmStart& from = warm[rows[k]];
+        WarmStart& to = arrival[rows[k]];
+        for (int axis = 0; axis < 3; ++axis)
+            to.v[axis] = negative(from.v[axis]), to.u[axis] = negative(from.u[axis]);
+    }
 }
 
 void ContactSolver::Inside::first_warm_start(SolverBodies& bodies, Tasks* tasks) {
-    begin_pass(bodies);
+    begin_pass(bodies, all_rows(bodies));
     for_each_piece(tasks, [&](std::uint32_t first, std::uint32_t last) {
         kernel->warm_start(storage.data(), first, last, data(bodies));
     });
-    end_pass(bodies);
+    end_pass(bodies, all_rows(bodies));
 }
-void ContactSolver::Inside::next_warm_start(SolverBodies& bodies) const {
-    for (std::size_t i = 0; i < warm.size(); ++i) {
-        SolverBody& b = bodies.body[i];
+void ContactSolver::Inside::next_warm_start(SolverBodies& bodies, Rows rows) const {
+    for (std::uint32_t k = 0; k < rows.count; ++k) {
+        SolverBody& b = bodies.body[rows[k]];
+        const WarmStart& from = warm[rows[k]];
         for (int axis = 0; axis < 3; ++axis) {
-            b.v[axis] = add_saturated(b.v[axis], warm[i].v[axis] & b.keep[axis]);
-            b.u[axis] = add_saturated(b.u[axis], warm[i].u[axis]);
+            b.v[axis] = add_saturated(b.v[axis], from.v[axis] & b.keep[axis]);
+            b.u[axis] = add_saturated(b.u[axis], from.u[axis]);
         }
     }
 }
@@ -242,7 +261,7 @@ void ContactSolver::warm_start(SolverBodies& bodies, Tasks* tasks) {
     if (s.pack_count == 0) return;
     note_u(bodies);
     if (s.started)
-        s.next_warm_start(bodies);
+        s.next_warm_start(bodies, s.all_rows(bodies));
     else
         s.first_warm_start(bodies, tasks);
     s.started = true;
@@ -254,6 +273,14 @@ void ContactSolver::warm_start(SolverBodies& bodies, Tasks* tasks) {
     keep_velocity(bodies);
 }
 
+static PassSettings settings_of(const StepConstants& step, bool bias) {
+    const std::int64_t gap_max =
+        (std::int64_t{impulse_limit} << (gap_bits - speed_bits)) / step.substeps_per_second;
+    return {static_cast<std::int32_t>(step.substeps_per_second),
+            static_cast<std::int32_t>(std::min<std::int64_t>(gap_max, 0x7fffffff)), step.push_speed_max.raw,
+            step.restitution_speed_min.raw, bias};
+}
+
 void ContactSolver::solve(const StepConstants& step, SolverBodies& bodies, bool bias, Tasks* tasks) {
     Inside& s = *inside;
     if (s.pack_count == 0) return;
@@ -261,18 +288,59 @@ void ContactSolver::solve(const StepConstants& step, SolverBodies& bodies, bool 
     if (!s.rolling.empty())
         s.with_lanes(
             [&](auto width) { solve_rolling<width()>(s.rolling, s.packs<width()>(), bodies, false); });
-    const std::int64_t gap_max =
-        (std::int64_t{impulse_limit} << (gap_bits - speed_bits)) / step.substeps_per_second;
-    const PassSettings settings{static_cast<std::int32_t>(step.substeps_per_second),
-                                static_cast<std::int32_t>(std::min<std::int64_t>(gap_max, 0x7fffffff)),
-                                step.push_speed_max.raw, step.restitution_speed_min.raw, bias};
-    s.begin_pass(bodies);
-    if (bias) s.find_arrival();
+    const PassSettings settings = settings_of(step, bias);
+    s.begin_pass(bodies, s.all_rows(bodies));
+    if (bias) s.find_arrival(s.all_rows(bodies));
     s.for_each_piece(tasks, [&](std::uint32_t first, std::uint32_t last) {
         s.kernel->solve(s.storage.data(), first, last, s.data(bodies), settings);
     });
-    s.end_pass(bodies);
+    s.end_pass(bodies, s.all_rows(bodies));
     keep_velocity(bodies);
+}
+
+// ---- all passes of a tick as one run ---
+
+bool ContactSolver::has_all_passes() const { return inside->in_packs.runs_all_passes(); }
+
+/// Of pass 0 the warm start, of each later one 1 with bias, and 2 without.
+static constexpr std::uint32_t pass_kind(std::uint32_t pass) { return pass == 0 ? 0 : 2 - pass % 2; }
+
+/// What comes between a pass and the next one, for bodies that no contact moves any more in this one.
+void ContactSolver::Inside::follow_pass(const StepConstants& step, SolverBodies& bodies, Rows rows,
+                                        std::uint32_t pass) {
+    const std::span<const std::uint32_t> list(rows.list, rows.count);
+    if (pass_kind(pass) == 1) {
+        end_pass(bodies, rows);
+        integrate_poses(step, bodies, list);
+        begin_pass(bodies, rows);
+        return;
+    }
+    if (pass_kind(pass) == 2) {
+        end_pass(bodies, rows);
+        integrate_velocities(step, bodies, list);
+        next_warm_start(bodies, rows);
+        begin_pass(bodies, rows);
+    }
+    find_arrival(rows);
+}
+
+void ContactSolver::solve_substeps(const StepConstants& step, SolverBodies& bodies, Tasks* tasks) {
+    Inside& s = *inside;
+    s.begin_pass(bodies, s.all_rows(bodies));
+    s.find_arrival(s.all_rows(bodies)); // of bodies that nothing moves it stays as it is
+    const PassSettings settings[2] = {settings_of(step, true), settings_of(step, false)};
+    const std::uint32_t last_pass = static_cast<std::uint32_t>(2 * step.substeps);
+    base::for_strands(
+        tasks, s.in_packs.plan(), last_pass + 1, [&](const base::Piece& piece, base::PieceAt at) {
+            if (at.round == 0)
+                s.kernel->warm_start(s.storage.data(), piece.first, piece.last, s.data(bodies));
+            else
+                s.kernel->solve(s.storage.data(), piece.first, piece.last, s.data(bodies),
+                                settings[pass_kind(at.round) - 1]);
+            const std::span<const std::uint32_t> rows = s.in_packs.bodies_after(at);
+            if (at.round != last_pass && !rows.empty())
+                s.follow_pass(step, bodies, {rows.data(), static_cast<std::uint32_t>(rows.size())}, at.round);
+        });
 }
 
 void ContactSolver::apply_restitution(const StepConstants& step, SolverBodies& bodies) {

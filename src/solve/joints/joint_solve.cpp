@@ -253,8 +253,8 @@ template <class Visit>
 static void for_each_step(const JointTick& tick, Tasks* tasks, bool forwards, const Visit& visit) {
     const std::size_t count = tick.steps.size();
     if (tasks != nullptr && tick.down.strands != 0)
-        base::for_strands(*tasks, forwards ? tick.down : tick.up,
-                          [&](std::uint32_t first, std::uint32_t) { visit(tick.steps[first]); });
+        base::for_strands(tasks, forwards ? tick.down : tick.up, 1,
+                          [&](const base::Piece& piece, base::PieceAt) { visit(tick.steps[piece.first]); });
     else
         for (std::size_t k = 0; k < count; ++k) visit(tick.steps[forwards ? k : count - 1 - k]);
 }

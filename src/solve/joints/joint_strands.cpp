@@ -11,6 +11,7 @@ namespace {
 
 /// A strand is worth a worker from so many joints on, of which so many are in a stage.
 constexpr std::size_t strand_joints_least = 64, stage_joints_least = 16;
+constexpr std::uint32_t joint_strands_max = 8;
 
 /// Where a joint is, or near it.
 Vec3 place_of(const JointTick& tick, const JointWork& w) {
@@ -23,29 +24,34 @@ template <class StepAt>
 void plan_pass(JointTick& tick, std::uint32_t strands, const StepAt& step_at, base::StrandPlan& plan) {
     plan.clear();
     plan.strands = strands;
-    std::fill(std::begin(plan.piece_count), std::end(plan.piece_count), 0u);
-    tick.last_piece.assign(tick.bodies.size(), 0);
-    std::uint32_t after[base::strands_max][base::strands_max] = {};
+    tick.last_piece.assign(tick.bodies.size(),
+                           0); // by body: strand and number from one on, of the last piece that moves it
+    std::uint32_t seen[joint_strands_max][joint_strands_max] =
+        {}; // so many pieces of the second the first has waited for
     for (std::uint32_t k = 0; k < tick.steps.size(); ++k) {
         const std::uint32_t at = step_at(k);
         const JointStep& step = tick.steps[at];
         if (step.first_joint == step.last_joint) continue;
-        std::uint32_t(&own)[base::strands_max] = after[step.strand];
+        std::uint32_t wanted[joint_strands_max] = {};
+        const std::uint32_t number = plan.count(step.strand) + 1;
         for (std::uint32_t i = step.first_joint; i < step.last_joint; ++i) {
             const JointWork& w = tick.joints[tick.in_order[i]];
             for (const JointWorkSide* side : {&w.a, &w.b}) {
                 if (!side->moved) continue;
                 std::uint32_t& last = tick.last_piece[side->cache];
-                if (last != 0)
-                    if (const base::Piece& before = plan.pieces[last - 1]; before.strand != step.strand)
-                        own[before.strand] = std::max(own[before.strand], before.index + 1);
-                last = static_cast<std::uint32_t>(plan.pieces.size()) + 1;
+                std::uint32_t& before = wanted[last % joint_strands_max];
+                before = std::max(before, last / joint_strands_max);
+                last = number * joint_strands_max + step.strand;
             }
         }
-        base::Piece& piece = plan.pieces.emplace_back();
-        piece.strand = step.strand, piece.index = plan.piece_count[step.strand]++;
-        piece.first = at, piece.last = at + 1;
-        std::copy(std::begin(own), std::end(own), piece.after);
+        base::Piece piece{at, at + 1, static_cast<std::uint32_t>(plan.waits.size()), 0};
+        for (std::uint32_t other = 0; other < strands; ++other) {
+            if (other == step.strand || wanted[other] <= seen[step.strand][other]) continue;
+            seen[step.strand][other] = wanted[other];
+            plan.waits.push_back({other, wanted[other], false});
+        }
+        piece.last_wait = static_cast<std::uint32_t>(plan.waits.size());
+        plan.pieces[step.strand].push_back(piece);
     }
 }
 
@@ -53,7 +59,7 @@ void plan_pass(JointTick& tick, std::uint32_t strands, const StepAt& step_at, ba
 
 std::uint32_t share_out(JointTick& tick, std::uint32_t stage_count, std::uint32_t workers) {
     const std::size_t joints = tick.joints.size();
-    const std::uint32_t most = std::min(workers, base::strands_max);
+    const std::uint32_t most = std::min(workers, joint_strands_max);
     for (JointWork& w : tick.joints) w.strand = 0;
     if (most < 2 || joints < strand_joints_least * 2 || joints < stage_joints_least * stage_count) return 1;
     const std::uint32_t strands =

@@ -80,7 +80,7 @@ std::vector<std::vector<std::uint32_t>> packs_of(const Pile& p) {
     solve::ContactOrder order;
     solve::ContactPacks made;
     order.find(p.contacts, p.bodies);
-    made.make(order, lanes, 1, {});
+    made.make(order, {lanes, 1, false, 1}, {});
     std::vector<std::vector<std::uint32_t>> packs(made.contact_of_lane().size() / lanes);
     for (std::size_t i = 0; i < made.contact_of_lane().size(); ++i)
         if (const std::uint32_t contact = made.contact_of_lane()[i];

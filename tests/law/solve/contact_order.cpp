@@ -95,25 +95,40 @@ std::string out_of_order(const Heap& heap, std::uint32_t lanes, std::span<const 
     return out_of_order(heap, lanes, packed, rank);
 }
 
-/// When packs are solved by workers of which `hasty` is always as far as it may be, and another one works only where nobody else can.
-std::vector<std::uint32_t> ranks(const base::StrandPlan& plan, std::size_t packs, std::uint32_t hasty) {
-    std::vector<std::uint32_t> rank(packs, ContactPacks::no_contact);
-    std::uint32_t done[base::strands_max] = {}, now = 0;
+/// visit(piece, PieceAt) as workers come to it of which `hasty` is always as far as it may be, and another one works only where nobody else can.
+template <class Visit>
+void for_hasty(const base::StrandPlan& plan, std::uint32_t rounds, std::uint32_t hasty, const Visit& visit) {
+    std::uint32_t done[base::strands_max] = {};
+    const auto is_free = [&](const base::Piece& piece, std::uint32_t round) {
+        for (std::uint32_t i = piece.first_wait; i < piece.last_wait; ++i) {
+            const base::PieceWait& wait = plan.waits[i];
+            if (wait.of_last_round && round == 0) continue;
+            const std::uint32_t rounds_before = round - (wait.of_last_round ? 1u : 0u);
+            if (done[wait.strand] < rounds_before * plan.count(wait.strand) + wait.pieces) return false;
+        }
+        return true;
+    };
     for (bool any = true; any;) {
         any = false;
         for (std::uint32_t i = 0; i < plan.strands && !any; ++i) {
-            const std::uint32_t k = (hasty + i) % plan.strands;
-            for (const base::Piece& piece : plan.pieces) {
-                if (piece.strand != k || piece.index != done[k]) continue;
-                bool waits = false;
-                for (std::uint32_t other = 0; other < plan.strands; ++other)
-                    waits = waits || done[other] < piece.after[other];
-                if (waits) break;
-                for (std::uint32_t pack = piece.first; pack < piece.last; ++pack) rank[pack] = now++;
+            const std::uint32_t k = (hasty + i) % plan.strands, count = plan.count(k);
+            while (done[k] < rounds * count) {
+                const base::PieceAt at{k, done[k] % count, done[k] / count};
+                if (!is_free(plan.pieces[k][at.index], at.round)) break;
+                visit(plan.pieces[k][at.index], at);
                 ++done[k], any = true;
             }
         }
     }
+}
+
+/// When packs are solved then.
+std::vector<std::uint32_t> ranks(const base::StrandPlan& plan, std::size_t packs, std::uint32_t hasty) {
+    std::vector<std::uint32_t> rank(packs, ContactPacks::no_contact);
+    std::uint32_t now = 0;
+    for_hasty(plan, 1, hasty, [&](const base::Piece& piece, base::PieceAt) {
+        for (std::uint32_t pack = piece.first; pack < piece.last; ++pack) rank[pack] = now++;
+    });
     return rank;
 }
 
@@ -171,7 +186,7 @@ TEST_CASE("packs leave contacts in order") {
                 heap.contacts[i].points[0].impulse = Speed::from_raw(1);
             heap.order.find(heap.contacts, heap.bodies);
             ContactPacks made;
-            made.make(heap.order, lanes, 1, heap.poses);
+            made.make(heap.order, {lanes, 1, false, 2000}, heap.poses);
             CHECK(made.plan().strands == 0);
             const std::span<const std::uint32_t> packed = made.contact_of_lane();
             CHECK(out_of_order(heap, lanes, packed) == "");
@@ -191,14 +206,14 @@ TEST_CASE("strands leave contacts in order, whoever of the workers is ahead") {
             for (const std::uint32_t workers : {2u, 3u, 8u, 12u}) {
                 Heap heap = heap_of(700, 0.01, seed);
                 ContactPacks made;
-                made.make(heap.order, lanes, workers, heap.poses);
+                made.make(heap.order, {lanes, workers, false, 2000}, heap.poses);
                 const base::StrandPlan& plan = made.plan();
                 REQUIRE(plan.strands > 1);
                 CHECK(plan.strands <= std::min(workers, base::strands_max));
                 shared += plan.strands == workers ? 1 : 0;
                 const std::size_t packs = made.contact_of_lane().size() / lanes;
                 base::StrandPlan hurried = plan; // twin: nobody waits
-                for (base::Piece& piece : hurried.pieces) std::ranges::fill(piece.after, 0u);
+                for (base::PieceWait& wait : hurried.waits) wait.pieces = 0;
                 for (std::uint32_t hasty = 0; hasty < plan.strands; ++hasty) {
                     CHECK(out_of_order(heap, lanes, made.contact_of_lane(), ranks(plan, packs, hasty)) == "");
                     too_early +=
@@ -209,35 +224,153 @@ TEST_CASE("strands leave contacts in order, whoever of the workers is ahead") {
     CHECK(too_early > 500);
 }
 
+/// What is wrong where all passes are one run: contacts that move a body out of order, in a pass or from pass to pass, or what is done to it between
+/// two passes, which is not to be while any contact of its pass moves it.
+std::string out_of_passes(const Heap& heap, std::uint32_t lanes, const ContactPacks& packs,
+                          const base::StrandPlan& plan, std::uint32_t hasty) {
+    constexpr std::uint32_t passes = 3;
+    // By body: its contacts in order, and how many things were done to it so far.
+    std::vector<std::vector<std::uint32_t>> contacts_of(heap.bodies.body.size());
+    for (const std::uint32_t i : heap.order.down_from_the_top())
+        for (const std::uint32_t b : {heap.contacts[i].body_a, heap.contacts[i].body_b})
+            if (heap.bodies.step[b].movable) contacts_of[b].push_back(i);
+    std::vector<std::uint32_t> done(heap.bodies.body.size(), 0);
+    std::string wrong;
+    const auto touch = [&](std::uint32_t b, std::uint32_t pass, std::size_t place, const char* what) {
+        if (done[b]++ != pass * (contacts_of[b].size() + 1) + place && wrong.empty())
+            wrong = what + (" of body " + std::to_string(b));
+    };
+    std::uint32_t pieces = 0;
+    for_hasty(plan, passes, hasty, [&](const base::Piece& piece, base::PieceAt at) {
+        ++pieces;
+        for (std::uint32_t i = piece.first * lanes; i < piece.last * lanes; ++i) {
+            const std::uint32_t contact = packs.contact_of_lane()[i];
+            if (contact == ContactPacks::no_contact) continue;
+            for (const std::uint32_t b : {heap.contacts[contact].body_a, heap.contacts[contact].body_b}) {
+                const std::vector<std::uint32_t>& all = contacts_of[b];
+                const auto place = std::find(all.begin(), all.end(), contact);
+                if (place != all.end())
+                    touch(b, at.round, static_cast<std::size_t>(place - all.begin()), "a contact");
+            }
+        }
+        for (const std::uint32_t b : packs.bodies_after(at))
+            touch(b, at.round, contacts_of[b].size(), "what comes between passes");
+    });
+    for (std::uint32_t b = 0; b + 1 < heap.bodies.body.size(); ++b)
+        if (done[b] != passes * (contacts_of[b].size() + 1) && wrong.empty())
+            wrong = "body " + std::to_string(b) + " is left out";
+    return wrong;
+}
+
+/// A tower of walls, one upon another: so deep that all passes are one run.
+Heap tower_of(std::uint32_t layers_high, std::uint32_t wide) {
+    Heap heap;
+    const std::uint32_t count = layers_high * wide + 1; // the first stands still
+    heap.bodies.body.resize(count + 1);
+    heap.bodies.step.resize(count + 1);
+    for (std::uint32_t b = 1; b < count; ++b) heap.bodies.step[b].movable = true;
+    const auto touch = [&](std::uint32_t a, std::uint32_t b) {
+        Contact contact{};
+        contact.body_a = a, contact.body_b = b, contact.count = 4;
+        heap.contacts.push_back(contact);
+    };
+    for (std::uint32_t layer = 0; layer < layers_high; ++layer)
+        for (std::uint32_t i = 0; i < wide; ++i) {
+            const std::uint32_t body = 1 + layer * wide + i;
+            touch(layer == 0 ? 0 : body - wide, body);
+            if (layer != 0 && i != 0) touch(body - wide - 1, body);
+            if (i != 0) touch(body - 1, body);
+        }
+    heap.poses.resize(count);
+    heap.order.find(heap.contacts, heap.bodies);
+    return heap;
+}
+
+TEST_CASE("all passes of a tick as one run leave contacts in order, and what comes between passes") {
+    int too_early = 0, between_too_early = 0;
+    for (const std::uint32_t lanes : {1u, 2u, 4u, 8u})
+        for (const std::uint32_t workers : {2u, 3u, 5u}) {
+            const Heap heap = tower_of(60, 4 * lanes);
+            ContactPacks made;
+            made.make(heap.order, {lanes, workers, true, 2000}, heap.poses);
+            REQUIRE(made.runs_all_passes());
+            REQUIRE(made.plan().strands == workers);
+            base::StrandPlan hurried = made.plan(),
+                             forgetful = made.plan(); // twins: nobody waits; not for the last pass
+            for (base::PieceWait& wait : hurried.waits) wait.pieces = 0;
+            for (base::PieceWait& wait : forgetful.waits)
+                if (wait.of_last_round) wait.pieces = 0;
+            for (std::uint32_t hasty = 0; hasty < workers; ++hasty) {
+                CHECK(out_of_passes(heap, lanes, made, made.plan(), hasty) == "");
+                too_early += out_of_passes(heap, lanes, made, hurried, hasty) != "";
+                between_too_early += out_of_passes(heap, lanes, made, forgetful, hasty) != "";
+            }
+        }
+    CHECK(too_early > 30);
+    CHECK(between_too_early > 10);
+}
+
+TEST_CASE("a large world of islands is solved island by island, in strands that wait for nobody") {
+    Heap heap = heap_of(2, 0.01, 1);
+    heap.contacts.clear();
+    constexpr std::uint32_t towers = 2000;
+    heap.bodies.body.resize(3 * towers + 2), heap.bodies.step.assign(3 * towers + 2, BodyStep{});
+    for (std::uint32_t i = 0; i < towers; ++i)
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            Contact contact{};
+            contact.body_a = k == 0 ? 0 : 3 * i + k, contact.body_b = 3 * i + k + 1, contact.count = 4;
+            heap.bodies.step[contact.body_b].movable = true;
+            heap.contacts.push_back(contact);
+        }
+    heap.poses.resize(3 * towers + 1);
+    heap.order.find(heap.contacts, heap.bodies);
+    for (const std::uint32_t workers : {1u, 2u, 3u}) {
+        ContactPacks made;
+        made.make(heap.order, {4, workers, true, 4000}, heap.poses);
+        REQUIRE(made.runs_all_passes());
+        CHECK(made.plan().strands > 2 * workers);
+        CHECK(made.plan().waits.empty());
+        for (std::uint32_t hasty = 0; hasty < made.plan().strands; ++hasty)
+            CHECK(out_of_passes(heap, 4, made, made.plan(), hasty) == "");
+    }
+    heap.contacts[3].body_a = 2; // one island that all others lean on: no more
+    for (std::uint32_t i = 1; i < towers; ++i) heap.contacts[3 * i].body_a = 1;
+    heap.order.find(heap.contacts, heap.bodies);
+    ContactPacks made;
+    made.make(heap.order, {4, 1, true, 4000}, heap.poses);
+    CHECK_FALSE(made.runs_all_passes());
+}
+
 TEST_CASE("packs serve again while the order is the same, and not longer") {
     const auto list = [](const ContactPacks& packs) {
         return std::vector<std::uint32_t>(packs.contact_of_lane().begin(), packs.contact_of_lane().end());
     };
+    constexpr ContactPacks::Wanted wanted{4, 2, false, 2000};
     Heap heap = heap_of(300, 0.01, 4);
     ContactPacks made;
-    made.make(heap.order, 4, 2, heap.poses);
+    made.make(heap.order, wanted, heap.poses);
     const std::vector<std::uint32_t> first = list(made);
     const std::uint64_t version = heap.order.version();
     for (std::size_t i = 0; i < 20; ++i) heap.contacts[40 * i].points[0].impulse = Speed::from_raw(1);
     heap.order.find(heap.contacts, heap.bodies);
     CHECK(heap.order.version() == version);
-    made.make(heap.order, 4, 2, heap.poses);
+    made.make(heap.order, wanted, heap.poses);
     CHECK(list(made) == first);
     for (std::size_t i = 0; i < heap.contacts.size(); i += 3) // too many are of another sort
         heap.contacts[i].points[0].impulse = Speed::from_raw(1);
     heap.order.find(heap.contacts, heap.bodies);
     CHECK(heap.order.version() == version);
-    made.make(heap.order, 4, 2, heap.poses);
+    made.make(heap.order, wanted, heap.poses);
     CHECK(list(made) != first);
 
     const auto is_ordered_anew = [&](auto&& change) {
         Heap other = heap_of(300, 0.01, 4);
         ContactPacks packs;
-        packs.make(other.order, 4, 2, other.poses);
+        packs.make(other.order, wanted, other.poses);
         change(other);
         const std::uint64_t before = other.order.version();
         other.order.find(other.contacts, other.bodies);
-        packs.make(other.order, 4, 2, other.poses);
+        packs.make(other.order, wanted, other.poses);
         CHECK(out_of_order(other, 4, packs.contact_of_lane(),
                            ranks(packs.plan(), packs.contact_of_lane().size() / 4, 1)) == "");
         return other.order.version() != before;
