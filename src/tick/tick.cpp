@@ -3,6 +3,7 @@
 // Where a phase takes tasks, workers share it: each writes what no other reads, and what they made is put together in order.
 #include "tick/tick.h"
 
+#include "base/parallel.h"
 #include "solve/bodies/integrate.h"
 #include "solve/bodies/step.h"
 #include "solve/joints/followed_turn.h"
@@ -90,6 +91,19 @@ bool contacts_are_alone(const Tick& t) {
            w.state.rows(w.m.vehicle).empty() && t.s.joints.all.empty();
 }
 
+/// What is done to contacts and what is done to joints, neither of which the other one looks at. Two workers do one each where both are about as
+/// much: each of the two has parts that cannot be shared.
+template <class OfContacts, class OfJoints>
+void both_sets(const Tick& t, const OfContacts& contacts, const OfJoints& joints) {
+    Tasks* const tasks = t.hooks.tasks;
+    const std::size_t contact_count = t.s.found.contacts.size(), joint_count = t.s.joints.all.size();
+    const bool are_alike = contact_count <= 2 * joint_count && joint_count <= 2 * contact_count;
+    if (base::worker_count(tasks) == 2 && are_alike && joint_count >= 64)
+        return base::run_both(*tasks, contacts, joints);
+    contacts(tasks);
+    joints(tasks);
+}
+
 /// From rows of the state to what the solver works on.
 void prepare(const Tick& t, const Scene& scene, const solve::BodyColumns& columns) {
     TickScratch& s = t.s;
@@ -106,9 +120,15 @@ void prepare(const Tick& t, const Scene& scene, const solve::BodyColumns& column
     solve::stiffen_bodies(s.joints.all, memory, columns, s.step, s.bodies, tasks);
     solve::follow_turns(columns, s.step, s.bodies);
     list_fields(w, s.fields);
-    s.contacts.prepare(s.found.contacts, s.table.list.memories, columns.mass, s.step, s.bodies, columns.pose,
-                       contacts_are_alone(t), tasks);
-    s.joint_solver.prepare(s.joints.all, memory, columns, s.step, s.bodies, tasks, same_joints);
+    both_sets(
+        t,
+        [&](Tasks* by) {
+            s.contacts.prepare(s.found.contacts, s.table.list.memories, columns.mass, s.step, s.bodies,
+                               columns.pose, contacts_are_alone(t), by);
+        },
+        [&](Tasks* by) {
+            s.joint_solver.prepare(s.joints.all, memory, columns, s.step, s.bodies, by, same_joints);
+        });
     s.vehicle_solver.prepare(s.vehicles.drive(scene), columns, s.step, s.bodies, tasks);
     s.fluids.prepare(w, t.placed, s.fields, s.step, s.bodies);
     s.joint_solver.update(s.step, s.bodies, tasks);
@@ -161,9 +181,14 @@ void store(const Tick& t) {
     Model& w = t.w;
     s.joint_solver.close(s.step, s.bodies);
     s.contacts.apply_restitution(s.step, s.bodies);
-    s.contacts.store(s.found.contacts, s.table.list.memories, s.bodies.clamps, t.hooks.tasks);
-    s.joint_solver.store(w.state.edit(w.m.joint_memory, 0, w.header().joints_awake), s.bodies.clamps,
-                         t.hooks.tasks);
+    both_sets(
+        t,
+        [&](Tasks* by) {
+            s.contacts.store(s.found.contacts, s.table.list.memories, s.bodies.clamps, by);
+        },
+        [&, memory = w.state.edit(w.m.joint_memory, 0, w.header().joints_awake)](Tasks* by) {
+            s.joint_solver.store(memory, s.bodies.clamps, by);
+        });
     s.vehicle_solver.store(s.step, s.bodies, s.vehicles.driven());
     s.vehicles.store(w);
 }

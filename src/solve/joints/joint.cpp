@@ -6,6 +6,7 @@
 #include "solve/joints/joint_work.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 
 namespace lockstone::solve {
@@ -97,7 +98,11 @@ bool is_packed_point(const JointWork& w) {
     return w.pack != no_pack && w.axis_count + w.block_count == 0 && !w.counts_turns;
 }
 
-constexpr std::uint32_t joint_chunk = 32, joint_pack_chunk = 16;
+constexpr std::uint32_t joint_chunk = 32, packs_in_cache = 128;
+/// Of few packs chunks are small, so that all workers end at once; of many they are as large as a cache, since inverses are found some at a time.
+constexpr std::uint32_t pack_chunk_of(std::size_t packs) {
+    return static_cast<std::uint32_t>(std::clamp<std::size_t>(packs / 16, 8, packs_in_cache));
+}
 
 /// Calls visit(joint) for each joint that is more than a point in a pack; workers share them.
 template <class Visit> void for_joints(JointTick& tick, Tasks* tasks, Visit&& visit) {
@@ -109,7 +114,7 @@ template <class Visit> void for_joints(JointTick& tick, Tasks* tasks, Visit&& vi
 
 /// Calls visit(pack, its index) for each pack; workers share them.
 template <class Visit> void for_packs(JointTick& tick, Tasks* tasks, Visit&& visit) {
-    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.packs.size()), joint_pack_chunk,
+    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.packs.size()), pack_chunk_of(tick.packs.size()),
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
                          for (std::uint32_t i = first; i < last; ++i) visit(tick.packs[i], i);
                      });
@@ -122,7 +127,7 @@ void start_packs(JointTick& tick, const JointKernel& kernel, const StepConstants
     const JointStartData data{tick.packs.data(), tick.turn_packs.data(), bodies.step.data(),
                               reinterpret_cast<const std::byte*>(&tick.bodies.front().rotation),
                               step.joint_push_max.raw};
-    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.packs.size()), joint_pack_chunk,
+    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.packs.size()), pack_chunk_of(tick.packs.size()),
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
                          for (std::uint32_t i = first; i < last; ++i) start_points(tick, i);
                          kernel.start(data, first, last);
@@ -136,27 +141,33 @@ void turn_held(JointTick& tick, const JointKernel& kernel, const StepConstants& 
                 tasks);
 }
 
-/// Rows and biases of points where the bodies are now. `pass`: of the kernel, for where they are.
-void refresh_packs(JointTick& tick, decltype(JointKernel::refresh) pass, const StepConstants& step,
-                   const SolverBodies& bodies, Tasks* tasks) {
-    // Other passes of a kernel write to bodies, this one only reads them.
-    const JointPassData data = pass_data(tick, step, const_cast<SolverBody*>(bodies.body.data()));
-    base::for_chunks(
-        tasks, static_cast<std::uint32_t>(tick.packs.size()), joint_pack_chunk,
-        [&](std::uint32_t first, std::uint32_t last, std::uint32_t) { pass(data, first, last); });
-    for (std::uint32_t i = 0; i < tick.packs.size(); ++i)
-        if (tick.packs[i].over != 0) enlarge_exponents(tick, i, pass, data, step);
-}
-
-/// Inverses of the rows that packs make.
-void invert_packs(JointTick& tick, const JointKernel& kernel, const StepConstants& step,
-                  const SolverBodies& bodies, Tasks* tasks) {
+/// Rows and biases of points where the bodies are now, and the inverses of the rows that packs make. `pass`: of the kernel, for where bodies are.
+/// `visit(pack)`: once its rows are made.
+template <class Visit>
+void refresh_packs(JointTick& tick, const JointKernel& kernel, decltype(JointKernel::refresh) pass,
+                   const StepConstants& step, const SolverBodies& bodies, Tasks* tasks, const Visit& visit) {
+    // Other passes of a kernel write to bodies, these only read them.
     const JointPassData data = pass_data(tick, step, const_cast<SolverBody*>(bodies.body.data()));
     const auto count = static_cast<std::uint32_t>(tick.packs.size());
-    base::for_chunks(tasks, count, tasks == nullptr ? std::max(count, 1u) : joint_pack_chunk,
+    std::atomic<bool> any_asks = false;
+    base::for_chunks(tasks, count, tasks == nullptr ? packs_in_cache : pack_chunk_of(count),
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-                         invert_some(tick, first, last, kernel, data);
+                         pass(data, first, last);
+                         for (std::uint32_t i = first; i < last; ++i) {
+                             if (tick.packs[i].over != 0) enlarge_exponents(tick, i, pass, data, step);
+                             visit(tick.packs[i]);
+                         }
+                         for (std::uint32_t end = first; first < last; first = end + 1) {
+                             for (end = first; end < last && !asks_for_rows(tick, end);) ++end;
+                             if (end != first) invert_some(tick, first, end, kernel, data);
+                             if (end != last) any_asks.store(true, std::memory_order_relaxed);
+                         }
                      });
+    for (std::uint32_t i = 0; i < count && any_asks.load(std::memory_order_relaxed); ++i) { // bodies that these place belong to several packs
+        if (!asks_for_rows(tick, i)) continue;
+        make_asked_rows(tick, i, step, bodies);
+        invert_some(tick, i, i + 1, kernel, data);
+    }
 }
 
 } // namespace
@@ -336,35 +347,15 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
     turn_held(tick, *kernel, step, bodies, tasks);
     start_packs(tick, *kernel, step, bodies, tasks);
     for_joints(tick, tasks, [&](JointWork& w) { make_rows(tick, w, step, bodies); });
-    refresh_packs(tick, kernel->begin, step, bodies, tasks);
-    for_packs(tick, tasks, [](JointPack& pack, std::uint32_t) {
+    refresh_packs(tick, *kernel, kernel->begin, step, bodies, tasks, [](JointPack& pack) {
         for (std::uint32_t lane = 0; lane < pack_lanes; ++lane)
             pack.bias_before[lane] = std::max(
                 {std::abs(pack.bias[0][lane]), std::abs(pack.bias[1][lane]), std::abs(pack.bias[2][lane])});
     });
-    make_asked_rows(tick, step, bodies);
-    invert_packs(tick, *kernel, step, bodies, tasks);
     factorise_trees(tick, bodies, tasks);
 }
 
 namespace {
-
-/// Finds the lanes of packs that are stale by the motion of their bodies, and gives them K^-1 of those that are followed.
-void find_stale_lanes(JointTick& tick, const SolverBodies& bodies, Tasks* tasks) {
-    const auto seen_of = [seen = tick.seen.data()](const PackSide& side, std::uint32_t lane) {
-        return static_cast<std::uint32_t>(seen[side.turned[lane] / sizeof(TurnedBody)]);
-    };
-    for_packs(tick, tasks, [&](JointPack& pack, std::uint32_t i) {
-        std::uint32_t any = 0;
-        for (std::uint32_t lane = 0; lane < pack_lanes; ++lane) {
-            const std::uint32_t seen = seen_of(pack.a, lane) | seen_of(pack.b, lane);
-            pack.stale[lane] = (seen & pack.asks[lane]) != 0 ? -1 : 0;
-            any |= seen;
-        }
-        for (std::uint32_t lane = 0; (any & seen_followed) != 0 && lane < pack.count; ++lane)
-            give_gyration(tick, tick.joints[tick.packed[i * pack_lanes + lane]], bodies);
-    });
-}
 
 /// Finds the joints whose rows are stale, and the bodies that have to be placed for new rows. Whether any joint has rows of its own.
 bool find_stale_joints(JointTick& tick) {
@@ -387,11 +378,32 @@ bool find_stale_joints(JointTick& tick) {
     return any;
 }
 
-void place_bodies(JointTick& tick, const SolverBodies& bodies, Tasks* tasks) {
-    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.wanted.size()), body_chunk,
+/// Finds the lanes of a pack that are stale by the motion of their bodies, and gives them K^-1 of those that are followed.
+void find_stale_lanes(JointTick& tick, std::uint32_t i, const SolverBodies& bodies) {
+    const auto seen_of = [seen = tick.seen.data()](const PackSide& side, std::uint32_t lane) {
+        return static_cast<std::uint32_t>(seen[side.turned[lane] / sizeof(TurnedBody)]);
+    };
+    JointPack& pack = tick.packs[i];
+    std::uint32_t any = 0;
+    for (std::uint32_t lane = 0; lane < pack_lanes; ++lane) {
+        const std::uint32_t seen = seen_of(pack.a, lane) | seen_of(pack.b, lane);
+        pack.stale[lane] = (seen & pack.asks[lane]) != 0 ? -1 : 0;
+        any |= seen;
+    }
+    for (std::uint32_t lane = 0; (any & seen_followed) != 0 && lane < pack.count; ++lane)
+        give_gyration(tick, tick.joints[tick.packed[i * pack_lanes + lane]], bodies);
+}
+
+/// What has become stale of packs; and where the bodies are for which rows are to be made.
+void find_stale_packs(JointTick& tick, const SolverBodies& bodies, Tasks* tasks) {
+    const auto packs = static_cast<std::uint32_t>(tick.packs.size()),
+               wanted = static_cast<std::uint32_t>(tick.wanted.size());
+    base::for_chunks(tasks, packs + wanted, body_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-                         for (std::uint32_t i = first; i < last; ++i) {
-                             JointBody& body = tick.bodies[tick.wanted[i]];
+                         for (std::uint32_t i = first; i < std::min(last, packs); ++i)
+                             find_stale_lanes(tick, i, bodies);
+                         for (std::uint32_t i = std::max(first, packs); i < last; ++i) {
+                             JointBody& body = tick.bodies[tick.wanted[i - packs]];
                              place_body(body, tick.pose[body.body], bodies);
                          }
                      });
@@ -425,13 +437,10 @@ void JointSolver::update(const StepConstants& step, const SolverBodies& bodies, 
         return;
     }
     turn_held(tick, *kernel, step, bodies, tasks);
-    find_stale_lanes(tick, bodies, tasks);
     const bool own_rows = find_stale_joints(tick);
-    place_bodies(tick, bodies, tasks);
+    find_stale_packs(tick, bodies, tasks);
     if (own_rows) follow_joints(tick, step, bodies, tasks);
-    refresh_packs(tick, kernel->refresh, step, bodies, tasks);
-    make_asked_rows(tick, step, bodies);
-    invert_packs(tick, *kernel, step, bodies, tasks);
+    refresh_packs(tick, *kernel, kernel->refresh, step, bodies, tasks, [](const JointPack&) {});
     factorise_trees(tick, bodies, tasks);
 }
 
@@ -551,7 +560,7 @@ void JointSolver::store(std::span<JointMemory> memory, ClampCounts& clamps, Task
         m.force = wrench.force * w.mass_rate;
         m.torque = wrench.torque == Vec3{} ? Vec3{} : wrench.torque * w.mass_rate;
     });
-    clamps.impulse += tick.clamped;
+    base::add_count(clamps.impulse, tick.clamped);
 }
 
 } // namespace lockstone::solve

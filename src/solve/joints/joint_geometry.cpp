@@ -384,24 +384,34 @@ void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, cons
     set_glance(tick, work), set_acting(tick, work);
 }
 
-void make_asked_rows(JointTick& tick, const StepConstants& step, const SolverBodies& bodies) {
+/// Whether a lane of a hinge's pack asks for rows of its joint that are not there.
+static bool asks_for_rows(const JointTick& tick, std::uint32_t pack, const TurnPack& turn, std::uint32_t lane) {
+    if ((turn.apart[lane] | turn.reaches[lane]) == 0 || turn.generic[lane] != 0) return false;
+    return turn.apart[lane] != 0 || !has_own_rows(tick, tick.joints[tick.packed[pack * pack_lanes + lane]]);
+}
+
+bool asks_for_rows(const JointTick& tick, std::uint32_t i) {
+    if (!tick.packs[i].hinges) return false;
+    const TurnPack& turn = tick.turn_packs[tick.packs[i].turn];
+    std::uint32_t any = 0;
+    for (std::uint32_t lane = 0; lane < pack_lanes; ++lane) any |= turn.apart[lane] | turn.reaches[lane];
+    for (std::uint32_t lane = 0; any != 0 && lane < tick.packs[i].count; ++lane)
+        if (asks_for_rows(tick, i, turn, lane)) return true;
+    return false;
+}
+
+void make_asked_rows(JointTick& tick, std::uint32_t i, const StepConstants& step,
+                     const SolverBodies& bodies) {
     const auto place = [&](const JointWorkSide& s) {
         if (!s.world) place_body(tick.bodies[s.cache], tick.pose[tick.bodies[s.cache].body], bodies);
     };
-    for (std::uint32_t i = 0; i < tick.packs.size(); ++i) {
-        if (!tick.packs[i].hinges) continue;
-        TurnPack& turn = tick.turn_packs[tick.packs[i].turn];
-        std::uint32_t any = 0;
-        for (std::uint32_t lane = 0; lane < pack_lanes; ++lane) any |= turn.apart[lane] | turn.reaches[lane];
-        if (any == 0) continue;
-        for (std::uint32_t lane = 0; lane < tick.packs[i].count; ++lane) {
-            if ((turn.apart[lane] | turn.reaches[lane]) == 0 || turn.generic[lane] != 0) continue;
-            JointWork& w = tick.joints[tick.packed[i * pack_lanes + lane]];
-            if (turn.apart[lane] == 0 && has_own_rows(tick, w)) continue;
-            if (turn.apart[lane] != 0) leave_hinge(tick.blocks[w.first_block], turn, lane);
-            place(w.a), place(w.b);
-            make_rows(tick, w, step, bodies);
-        }
+    TurnPack& turn = tick.turn_packs[tick.packs[i].turn];
+    for (std::uint32_t lane = 0; lane < tick.packs[i].count; ++lane) {
+        if (!asks_for_rows(tick, i, turn, lane)) continue;
+        JointWork& w = tick.joints[tick.packed[i * pack_lanes + lane]];
+        if (turn.apart[lane] != 0) leave_hinge(tick.blocks[w.first_block], turn, lane);
+        place(w.a), place(w.b);
+        make_rows(tick, w, step, bodies);
     }
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 
 namespace lockstone::solve {
 
@@ -57,6 +58,44 @@ void plan_pass(JointTick& tick, std::uint32_t strands, const StepAt& step_at, ba
 
 } // namespace
 
+/// A strand has whole islands of joints, in their order: few packs have joints of two strands. False where an island is so large that strands would
+/// not be alike.
+static bool share_out_islands(JointTick& tick, std::uint32_t strands) {
+    std::vector<std::uint32_t>& parent = tick.last_piece;
+    parent.resize(tick.bodies.size());
+    std::iota(parent.begin(), parent.end(), 0u);
+    const auto root_of = [&](std::uint32_t body) {
+        while (parent[body] != body) body = parent[body] = parent[parent[body]];
+        return body;
+    };
+    for (const JointWork& w : tick.joints) {
+        if (!w.a.moved || !w.b.moved) continue;
+        const std::uint32_t a = root_of(w.a.cache), b = root_of(w.b.cache);
+        parent[std::max(a, b)] = std::min(a, b);
+    }
+    const auto island_of = [&](const JointWork& w) { return root_of(w.a.moved ? w.a.cache : w.b.cache); };
+    std::vector<std::uint32_t>& count_of = tick.last_stage; // joints of an island, by root; then its strand
+    count_of.assign(tick.bodies.size(), 0);
+    std::uint32_t most = 0;
+    for (const JointWork& w : tick.joints)
+        if (w.a.moved || w.b.moved) most = std::max(most, ++count_of[island_of(w)]);
+    const auto joints = static_cast<std::uint32_t>(tick.joints.size());
+    if (std::uint64_t{most} * strands * 4 > joints) return false;
+    constexpr std::uint32_t is_placed = 1u << 31;
+    std::uint32_t placed = 0;
+    for (JointWork& w : tick.joints) {
+        if (!w.a.moved && !w.b.moved) continue;
+        std::uint32_t& island = count_of[island_of(w)];
+        if ((island & is_placed) == 0) {
+            const auto strand = static_cast<std::uint32_t>(std::uint64_t{placed} * strands / joints);
+            placed += island;
+            island = is_placed | strand;
+        }
+        w.strand = island & ~is_placed;
+    }
+    return true;
+}
+
 std::uint32_t share_out(JointTick& tick, std::uint32_t stage_count, std::uint32_t workers) {
     const std::size_t joints = tick.joints.size();
     const std::uint32_t most = std::min(workers, joint_strands_max);
@@ -64,6 +103,7 @@ std::uint32_t share_out(JointTick& tick, std::uint32_t stage_count, std::uint32_
     if (most < 2 || joints < strand_joints_least * 2 || joints < stage_joints_least * stage_count) return 1;
     const std::uint32_t strands =
         static_cast<std::uint32_t>(std::min<std::size_t>(joints / strand_joints_least, most));
+    if (share_out_islands(tick, strands)) return strands;
     std::array<Vec3, Sides::samples_max> sample;
     std::size_t samples = 0;
     for (std::size_t i = 0; i < joints; i += Sides::stride_of(joints))

@@ -271,8 +271,10 @@ void turn_bodies(JointTick& tick, const JointKernel& kernel, const JointPassData
 /// The same of one HeldBodies.
 void turn_four(JointTick& tick, std::uint32_t group, const JointKernel& kernel, const JointPassData& data,
                const SolverBodies& bodies);
-/// Rows that the refreshed packs ask for: of hinges that have come apart, and limits that are in reach again.
-void make_asked_rows(JointTick& tick, const StepConstants& step, const SolverBodies& bodies);
+/// Rows that a refreshed pack asks for, and whether it does: of hinges that have come apart, and limits that are in reach again.
+void make_asked_rows(JointTick& tick, std::uint32_t pack, const StepConstants& step,
+                     const SolverBodies& bodies);
+bool asks_for_rows(const JointTick& tick, std::uint32_t pack);
 /// What passes have to do with a single: with those with locks that they solve, or an axis that is not idle.
 void set_acting(JointTick& tick, const JointWork& work);
 /// Whether its block is a hinge's, with rows that its pack makes.

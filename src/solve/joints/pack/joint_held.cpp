@@ -108,7 +108,7 @@ void turn_four(JointTick& tick, std::uint32_t group, const JointKernel& kernel, 
 void turn_bodies(JointTick& tick, const JointKernel& kernel, const JointPassData& data,
                  const SolverBodies& bodies, Tasks* tasks) {
     base::for_chunks(
-        tasks, static_cast<std::uint32_t>(tick.held.size()), body_chunk / pack_lanes,
+        tasks, static_cast<std::uint32_t>(tick.held.size()), body_chunk / (2 * pack_lanes),
         [&](std::uint32_t first, std::uint32_t last, std::uint32_t) { kernel.turn(data, first, last); });
     for (std::uint32_t at = 0; at < tick.bodies.size(); ++at)
         if ((tick.seen[at + 1] & seen_far) != 0) give_body(tick, at);
