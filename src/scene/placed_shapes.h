@@ -7,6 +7,7 @@
 #include "lockstone/math/math.h"
 #include "model/model.h"
 
+#include <atomic>
 #include <memory>
 #include <vector>
 
@@ -68,11 +69,11 @@ struct PlacedShapes {
 inline constexpr Length margin_base =
     decimal<Length>("0.005"); ///< [m]: contacts are made this far ahead of touching
 
-/// For those of one thread that read `axes` later.
+/// For those that read `axes` later. Several threads may do it at once: the axes are there when all have come back.
 inline void make_axes(PlacedShapes::Shape& at) {
-    if (at.has_axes) return;
-    at.axes = to_rotation(at.pose.rotation);
-    at.has_axes = true;
+    const std::atomic_ref<bool> has_axes(at.has_axes);
+    if (!has_axes.load(std::memory_order_relaxed) && !has_axes.exchange(true, std::memory_order_relaxed))
+        at.axes = to_rotation(at.pose.rotation);
 }
 /// For those that share shapes with other threads.
 inline Rotation axes_of(const PlacedShapes::Shape& at) {

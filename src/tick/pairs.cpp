@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 namespace lockstone::sim {
 
@@ -175,9 +176,15 @@ void find_keys(const PairView& view, PairScratch& s, Tasks* tasks) {
     const std::uint32_t count = static_cast<std::uint32_t>(s.pairs.size());
     base::make_room(keys, count);
     keys.resize(count);
+    s.near_counts.resize((count + filtered_per_chunk - 1) / filtered_per_chunk);
     base::for_chunks(tasks, count, filtered_per_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-                         for (std::uint32_t i = first; i < last; ++i) find_key(view, s.pairs[i], keys[i]);
+                         std::uint32_t near = 0;
+                         for (std::uint32_t i = first; i < last; ++i) {
+                             find_key(view, s.pairs[i], keys[i]);
+                             near += keys[i].key.a ? 1u : 0u;
+                         }
+                         s.near_counts[first / filtered_per_chunk] = near;
                      });
 }
 
@@ -215,17 +222,24 @@ void find_overlaps(const PairView& view, collide::BroadPhase& broad_phase, bool 
     });
 }
 
-/// Walks keys in pair order; after the last of them it stays at a place beyond all.
-template <class Rows, class KeyOf> class Walk {
-    const Rows& rows;
+std::uint64_t place_of(const ContactKey& k) { return std::uint64_t{k.a.index} << 32 | k.b.index; }
+
+/// Walks keys in pair order, from a place on; after the last of them it stays at a place beyond all.
+template <class Row, class KeyOf> class Walk {
+    std::span<const Row> rows;
     KeyOf key_of;
 
   public:
-    std::uint32_t at = 0;
+    std::uint32_t at;
     std::uint64_t place;
 
-    Walk(const Rows& sorted, KeyOf key) : rows(sorted), key_of(key), place(find_place()) {}
-    static std::uint64_t place_of(const ContactKey& k) { return std::uint64_t{k.a.index} << 32 | k.b.index; }
+    Walk(std::span<const Row> sorted, std::uint64_t from, KeyOf key) : rows(sorted), key_of(key) {
+        const auto is_before = [&](const Row& row, std::uint64_t p) { return place_of(key_of(row)) < p; };
+        at = from == 0 ? 0
+                       : static_cast<std::uint32_t>(
+                             std::lower_bound(rows.begin(), rows.end(), from, is_before) - rows.begin());
+        place = find_place();
+    }
     void next() { ++at, place = find_place(); }
 
   private:
@@ -245,41 +259,72 @@ void retire(const ContactList& old, std::uint32_t row, std::vector<ContactResult
     result.key = old.keys[row], result.flags = memory.flags, result.was_touching = true;
 }
 
-/// The pairs of `s.keys` that have one, with their rows of the contact table and the hints of the last tick.
-void list_near(PlacedShapes& placed, const ContactList& table, std::size_t most, PairScratch& s,
-               NearPairs& out) {
-    out.list.swap(s.before);
-    out.list.clear(), out.ended.clear();
-    out.is_cut = false;
+/// Where the old rows begin that belong to keys from `first` on; behind all of them where there are no such keys.
+std::uint64_t first_place(std::span<const PairScratch::Key> keys, std::uint32_t first) {
+    if (first == 0) return 0;
+    while (first < keys.size() && !keys[first].key.a) ++first;
+    return first < keys.size() ? place_of(keys[first].key) : UINT64_MAX;
+}
+
+/// The pairs of keys [first, last) that have one, with their rows of the contact table and the hints of the last tick; at most as many as `out` has.
+/// What touched there and is no longer near goes to `ended`.
+void list_some(PlacedShapes& placed, const ContactList& table, const PairScratch& s, std::uint32_t first,
+               std::uint32_t last, std::span<NearPair> out, std::vector<ContactResult>& ended) {
     const std::span<const ContactKey> old_keys = table.keys;
     const std::span<const NearPair> hints = s.before;
-    base::make_room(out.ended, old_keys.size());
-    base::make_room(out.list, std::min(s.keys.size(), most));
-    std::size_t room = most;
-    Walk old(old_keys, [](const ContactKey& key) -> const ContactKey& { return key; });
-    Walk hint(hints, [](const NearPair& near) -> const ContactKey& { return near.key; });
-    for (const PairScratch::Key& pair : s.keys) {
+    const std::uint64_t begin = first_place(s.keys, first),
+                        end = last < s.keys.size() ? first_place(s.keys, last) : UINT64_MAX;
+    Walk old(old_keys, begin, [](const ContactKey& key) -> const ContactKey& { return key; });
+    Walk hint(hints, begin, [](const NearPair& near) -> const ContactKey& { return near.key; });
+    std::size_t listed = 0;
+    for (std::uint32_t i = first; i < last && listed < out.size(); ++i) {
+        const PairScratch::Key& pair = s.keys[i];
         if (!pair.key.a) continue;
-        if (room == 0) {
-            out.is_cut = true;
-            break;
-        }
-        --room;
-        const std::uint64_t place = old.place_of(pair.key);
-        for (; old.place < place; old.next()) retire(table, old.at, out.ended);
+        const std::uint64_t place = place_of(pair.key);
+        for (; old.place < place; old.next()) retire(table, old.at, ended);
         while (hint.place < place) hint.next();
-        make_axes(placed.shape[pair.key.a.index - 1]), make_axes(placed.shape[pair.key.b.index - 1]);
-        NearPair& near = out.list.emplace_back(); // filled in there, as keys are
-        near.key = pair.key, near.margin = pair.margin, near.old_first = old.at;
+        make_axes(placed.shape[pair.key.a.index - 1]);
+        make_axes(placed.shape[pair.key.b.index - 1]);
+        NearPair& near = out[listed++]; // filled in there, as keys are
+        near.key = pair.key, near.margin = pair.margin, near.old_first = old.at, near.old_count = 0;
         for (; old.place == place; old.next()) {
             if (is_same(old_keys[old.at], pair.key))
                 ++near.old_count;
             else
-                retire(table, old.at, out.ended), near.old_first = old.at + 1;
+                retire(table, old.at, ended), near.old_first = old.at + 1;
         }
-        if (hint.place == place && is_same(hints[hint.at].key, pair.key)) near.apart = hints[hint.at].apart;
+        const bool has_hint = hint.place == place && is_same(hints[hint.at].key, pair.key);
+        near.apart = has_hint ? hints[hint.at].apart : UnitVec3{};
     }
-    for (; old.at < old_keys.size(); old.next()) retire(table, old.at, out.ended);
+    for (; old.place < end; old.next()) retire(table, old.at, ended);
+}
+
+/// Lists what is near, at most so many.
+void list_near(PlacedShapes& placed, const ContactList& table, std::size_t most, PairScratch& s,
+               NearPairs& out, Tasks* tasks) {
+    constexpr std::uint32_t listed_per_chunk = 4 * filtered_per_chunk;
+    const auto count = static_cast<std::uint32_t>(s.keys.size());
+    out.list.swap(s.before);
+    out.ended.clear();
+    base::make_room(out.ended, table.keys.size());
+    std::size_t near = 0;
+    for (std::uint32_t& of_chunk : s.near_counts)
+        near += std::exchange(of_chunk, static_cast<std::uint32_t>(near));
+    out.is_cut = near > most;
+    base::make_room(out.list, std::min(near, most));
+    out.list.resize(std::min(near, most)); // those of the tick before the last one are written over
+    if (out.is_cut || tasks == nullptr || count <= listed_per_chunk)
+        return list_some(placed, table, s, 0, count, out.list, out.ended);
+    s.ended.resize(std::max<std::size_t>(s.ended.size(), count / listed_per_chunk + 1));
+    base::for_chunks(tasks, count, listed_per_chunk,
+                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                         std::vector<ContactResult>& ended = s.ended[first / listed_per_chunk];
+                         ended.clear();
+                         const std::uint32_t from = s.near_counts[first / filtered_per_chunk];
+                         list_some(placed, table, s, first, last, std::span(out.list).subspan(from), ended);
+                     });
+    for (std::uint32_t first = 0; first < count; first += listed_per_chunk)
+        for (const ContactResult& result : s.ended[first / listed_per_chunk]) out.ended.push_back(result);
 }
 
 } // namespace
@@ -329,7 +374,7 @@ void find_pairs(const Model& w, PlacedShapes& placed, const ContactList& table, 
     find_overlaps(view, placed.broad_phase, filters_new, s, tasks);
     find_plane_pairs(view, s);
     find_keys(view, s, tasks);
-    list_near(placed, table, near_max(w), s, out);
+    list_near(placed, table, near_max(w), s, out, tasks);
 }
 
 } // namespace lockstone::sim

@@ -56,7 +56,9 @@ struct PairScratch {
         ContactKey key;
         Length margin; ///< how far ahead contacts of the two reach
     };
-    std::vector<Key> keys;        ///< by pair
+    std::vector<Key> keys;                         ///< by pair
+    std::vector<std::uint32_t> near_counts;        ///< by chunk of keys: how many there are before it
+    std::vector<std::vector<ContactResult>> ended; ///< by chunk: NearPairs::ended
     std::vector<NearPair> before; ///< gives the next ones their hints, which change speed only
     JoinedBodies joined;
     ChangeMark filters_of; ///< what the broad phase's filter was made of

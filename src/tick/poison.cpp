@@ -39,9 +39,11 @@ void poison_query(std::byte with, QueryScratch& query) {
 
 /// The hints of pairs are forgotten.
 void poison_pairs(std::byte with, PairScratch& scratch, NearPairs& found) {
-    auto& [pairs, plane_pairs, merged_pairs, at_plane, keys, before, joined, filters_of, changed] = scratch;
+    auto& [pairs, plane_pairs, merged_pairs, at_plane, keys, near_counts, of_chunks, before, joined,
+           filters_of, changed] = scratch;
     auto& [list, is_cut, ended] = found;
-    poison(with, pairs, plane_pairs, merged_pairs, at_plane, keys, ended);
+    poison(with, pairs, plane_pairs, merged_pairs, at_plane, keys, near_counts, ended);
+    for (std::vector<ContactResult>& some : of_chunks) poison(with, some);
     list.clear(), before.clear(), is_cut = false;
 }
 

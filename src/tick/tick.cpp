@@ -182,10 +182,7 @@ void store(const Tick& t) {
     s.joint_solver.close(s.step, s.bodies);
     s.contacts.apply_restitution(s.step, s.bodies);
     both_sets(
-        t,
-        [&](Tasks* by) {
-            s.contacts.store(s.found.contacts, s.table.list.memories, s.bodies.clamps, by);
-        },
+        t, [&](Tasks* by) { s.contacts.store(s.found.contacts, s.table.list.memories, s.bodies.clamps, by); },
         [&, memory = w.state.edit(w.m.joint_memory, 0, w.header().joints_awake)](Tasks* by) {
             s.joint_solver.store(memory, s.bodies.clamps, by);
         });

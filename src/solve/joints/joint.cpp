@@ -163,7 +163,8 @@ void refresh_packs(JointTick& tick, const JointKernel& kernel, decltype(JointKer
                              if (end != last) any_asks.store(true, std::memory_order_relaxed);
                          }
                      });
-    for (std::uint32_t i = 0; i < count && any_asks.load(std::memory_order_relaxed); ++i) { // bodies that these place belong to several packs
+    for (std::uint32_t i = 0; i < count && any_asks.load(std::memory_order_relaxed);
+         ++i) { // bodies that these place belong to several packs
         if (!asks_for_rows(tick, i)) continue;
         make_asked_rows(tick, i, step, bodies);
         invert_some(tick, i, i + 1, kernel, data);

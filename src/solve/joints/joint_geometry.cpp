@@ -385,7 +385,8 @@ void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, cons
 }
 
 /// Whether a lane of a hinge's pack asks for rows of its joint that are not there.
-static bool asks_for_rows(const JointTick& tick, std::uint32_t pack, const TurnPack& turn, std::uint32_t lane) {
+static bool asks_for_rows(const JointTick& tick, std::uint32_t pack, const TurnPack& turn,
+                          std::uint32_t lane) {
     if ((turn.apart[lane] | turn.reaches[lane]) == 0 || turn.generic[lane] != 0) return false;
     return turn.apart[lane] != 0 || !has_own_rows(tick, tick.joints[tick.packed[pack * pack_lanes + lane]]);
 }
