@@ -179,11 +179,18 @@ void solve_substeps(const Tick& t, const solve::BodyColumns& columns) {
 void store(const Tick& t) {
     TickScratch& s = t.s;
     Model& w = t.w;
-    s.joint_solver.close(s.step, s.bodies);
-    s.contacts.apply_restitution(s.step, s.bodies);
+    const bool bounces = s.contacts.has_bounces(); // off bodies where joints have put them
+    if (bounces) {
+        s.joint_solver.close(s.step, s.bodies);
+        s.contacts.apply_restitution(s.step, s.bodies);
+    }
     both_sets(
-        t, [&](Tasks* by) { s.contacts.store(s.found.contacts, s.table.list.memories, s.bodies.clamps, by); },
+        t,
+        [&](Tasks* by) {
+            s.contacts.store(s.found.contacts, s.table.list.memories, s.bodies.clamps, by);
+        },
         [&, memory = w.state.edit(w.m.joint_memory, 0, w.header().joints_awake)](Tasks* by) {
+            if (!bounces) s.joint_solver.close(s.step, s.bodies);
             s.joint_solver.store(memory, s.bodies.clamps, by);
         });
     s.vehicle_solver.store(s.step, s.bodies, s.vehicles.driven());

@@ -343,6 +343,8 @@ void ContactSolver::solve_substeps(const StepConstants& step, SolverBodies& bodi
         });
 }
 
+bool ContactSolver::has_bounces() const { return !inside->bounces.empty(); }
+
 void ContactSolver::apply_restitution(const StepConstants& step, SolverBodies& bodies) {
     Inside& s = *inside;
     if (s.bounces.empty()) return;

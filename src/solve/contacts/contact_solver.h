@@ -60,6 +60,8 @@ class ContactSolver {
     /// One pass over all rows. With bias, overlap is pushed out softly; without, what the push left is relaxed.
     void solve(const solve::StepConstants& step, solve::SolverBodies& bodies, bool bias,
                Tasks* tasks = nullptr);
+    /// Whether apply_restitution() has anything to do.
+    bool has_bounces() const;
     void apply_restitution(const solve::StepConstants& step, solve::SolverBodies& bodies);
     /// Writes impulses to `memory` for the next tick.
     void store(std::span<const solve::Contact> contacts, std::span<solve::ContactMemory> memory,
