@@ -29,7 +29,9 @@ struct PhaseHash {
 class PhaseObserver {
   public:
     virtual ~PhaseObserver() = default;
-    virtual void on_phase(const char* phase) = 0; ///< this phase is over; it began at the last call
+    /// This phase is over; it began at the last call. Where all passes over contacts are one run, and what comes between them, they are told as one
+    /// "solve_contacts".
+    virtual void on_phase(const char* phase) = 0;
 };
 
 } // namespace lockstone

@@ -46,6 +46,7 @@ struct StrandPlan {
 /// Where a worker is in a plan.
 struct PieceAt {
     std::uint32_t strand, index, round;
+    std::uint32_t worker = 0; ///< of Tasks
 };
 
 template <class Visit> class StrandRun {
@@ -57,8 +58,8 @@ template <class Visit> class StrandRun {
         if (tasks != nullptr)
             tasks->run(
                 plan.strands,
-                [](void* self, std::uint32_t own, std::uint32_t) {
-                    static_cast<StrandRun*>(self)->work(own);
+                [](void* self, std::uint32_t own, std::uint32_t worker) {
+                    static_cast<StrandRun*>(self)->work(own, worker);
                 },
                 this);
         // What nobody has begun:
@@ -75,6 +76,7 @@ template <class Visit> class StrandRun {
     };
     /// One at work, with the strands that it has taken.
     struct Worker {
+        std::uint32_t number = 0; ///< of Tasks
         int patience = looks_max;
         bool has[strands_max] = {};
         std::uint32_t done[strands_max] = {}; ///< pieces of each strand, as far as it knows
@@ -88,8 +90,9 @@ template <class Visit> class StrandRun {
         if (strand[k].is_taken.exchange(true, std::memory_order_relaxed)) return false;
         return w.has[k] = true;
     }
-    void work(std::uint32_t own) {
+    void work(std::uint32_t own, std::uint32_t number) {
         Worker w;
+        w.number = number;
         if (!take(w, own)) return;
         advance(w, own, all_of(own));
         for (std::uint32_t k = 0; k < plan.strands; ++k) // those that it has begun
@@ -105,7 +108,7 @@ template <class Visit> class StrandRun {
                 if (w.round[k] != 0 || !before.of_last_round)
                     wait(w, before.strand, rounds_before * plan.count(before.strand) + before.pieces);
             }
-            visit(piece, PieceAt{k, w.index[k], w.round[k]});
+            visit(piece, PieceAt{k, w.index[k], w.round[k], w.number});
             if (++w.index[k] == plan.count(k)) w.index[k] = 0, ++w.round[k];
             strand[k].done.store(++w.done[k], std::memory_order_release);
         }

@@ -169,6 +169,11 @@ void solve_substeps(const Tick& t, const solve::BodyColumns& columns) {
         for (std::int32_t i = 0; i < s.step.substeps; ++i) substep(t, motion, columns);
         return;
     }
+    if (s.contacts.has_islands()) {
+        s.contacts.solve_islands(s.found.contacts, s.table.list.memories, columns.mass, s.step, s.bodies,
+                                 t.hooks.tasks);
+        return passed(t, "solve_contacts");
+    }
     integrate_velocities(motion, columns, s.step, s.bodies, t.hooks.tasks);
     passed(t, "integrate");
     s.contacts.solve_substeps(s.step, s.bodies, t.hooks.tasks);
@@ -185,10 +190,7 @@ void store(const Tick& t) {
         s.contacts.apply_restitution(s.step, s.bodies);
     }
     both_sets(
-        t,
-        [&](Tasks* by) {
-            s.contacts.store(s.found.contacts, s.table.list.memories, s.bodies.clamps, by);
-        },
+        t, [&](Tasks* by) { s.contacts.store(s.found.contacts, s.table.list.memories, s.bodies.clamps, by); },
         [&, memory = w.state.edit(w.m.joint_memory, 0, w.header().joints_awake)](Tasks* by) {
             if (!bounces) s.joint_solver.close(s.step, s.bodies);
             s.joint_solver.store(memory, s.bodies.clamps, by);

@@ -38,6 +38,13 @@ std::string strands_agree() {
     return {};
 }
 
+/// Towers that do all passes of a tick one tower after the other, and towers that do pass after pass.
+std::string islands_agree() {
+    Islands islands = towers(4000), passes = towers(4000);
+    add_pendulum(passes.world);
+    return first_difference(islands, passes, 16);
+}
+
 /// Planks that are followed, as they turn fast; boxes that lie on them.
 std::string instruction_sets_agree() {
     const auto end_of = [](Simd level) {
@@ -57,7 +64,9 @@ std::string instruction_sets_agree() {
 } // namespace
 
 Checks thread_checks() {
-    return {{"strands agree", strands_agree}, {"instruction sets agree", instruction_sets_agree}};
+    return {{"strands agree", strands_agree},
+            {"islands agree", islands_agree},
+            {"instruction sets agree", instruction_sets_agree}};
 }
 
 } // namespace planted

@@ -41,6 +41,50 @@ inline World net(int side) {
     return world;
 }
 
+struct Islands {
+    World world;
+    std::vector<BodyId> bodies;
+};
+/// Two balls in the air that a joint holds: then not only contacts change velocities, and passes are done one by one.
+inline void add_pendulum(World& w) {
+    const BodyId above = scene::add(w, {.kind = BodyKind::static_, .pose = scene::at(-500, 60, 0)},
+                                    {.geometry = sphere(scene::real(0.4))}),
+                 below = scene::add_ball(w, scene::at(-500, 59, 0), 0.4);
+    scene::made(w.create_joint(ball_joint(), above, below, scene::at(-500, 59.5, 0)));
+}
+/// Towers of two crates that drop a little, askew, each alone; among them a platform that stands still.
+inline Islands towers(int count) {
+    WorldDef def = scene::small_def();
+    def.bodies_max = def.shapes_max = static_cast<std::uint32_t>(2 * count + 8);
+    def.contacts_max = static_cast<std::uint32_t>(8 * count);
+    Islands out{scene::made(World::create(def)), {}};
+    scene::add_floor(out.world);
+    scene::add(out.world, {.kind = BodyKind::kinematic, .pose = scene::at(0, 0.25, -1)},
+               {.geometry = box(scene::real(0.5), scene::real(0.25), scene::real(0.25))});
+    for (int i = 0; i < count; ++i) {
+        const double x = 1.5 * (i % 60), z = 2.0 * (i / 60), lift = 0.01 * (i % 7);
+        out.bodies.push_back(scene::add_crate(out.world, scene::at(x, 0.5 + lift, z)));
+        out.bodies.push_back(
+            scene::add_crate(out.world, scene::at(x + 0.1 * (i % 5), 1.55 + 2 * lift, z + 0.05)));
+    }
+    return out;
+}
+
+/// Where bodies of two worlds part in some ticks.
+inline std::string first_difference(Islands& left, Islands& right, int ticks) {
+    for (int t = 0; t < ticks; ++t) {
+        left.world.tick(), right.world.tick();
+        for (std::size_t i = 0; i < left.bodies.size(); ++i) {
+            const BodyId a = left.bodies[i], b = right.bodies[i];
+            if (left.world.pose(a) != right.world.pose(b) ||
+                left.world.linear_velocity(a) != right.world.linear_velocity(b) ||
+                left.world.angular_velocity(a) != right.world.angular_velocity(b))
+                return "tick " + std::to_string(t) + ", body " + std::to_string(i);
+        }
+    }
+    return {};
+}
+
 /// Where the outputs of the last tick part; empty when they do not.
 inline std::string output_difference(const World& left, const World& right) {
     const auto bytes = [](const auto& rows) {

@@ -44,14 +44,14 @@ void ContactPacks::share_out(const ContactOrder& order, const Wanted& wanted, st
     const std::size_t workers =
         std::clamp<std::size_t>(packs / strand_packs_least, 1, std::min(wanted.workers, base::strands_max));
     strand_count = static_cast<std::uint32_t>(workers);
-    runs_all = false;
+    runs_all = by_island = false;
     if (wanted.may_run_all) {
         // Of a large world of islands strands are as small as that they stay in a cache for all passes.
         const std::size_t fit = packs * wanted.pack_bytes / strand_bytes,
                           most = std::min<std::size_t>(fit, base::strands_max) / workers * workers;
         if (most > 2 * workers && cut.cut_by_island(order, static_cast<std::uint32_t>(most))) {
             strand_count = static_cast<std::uint32_t>(most);
-            runs_all = true;
+            runs_all = by_island = true;
             return;
         }
         // In a deep pile parts of a pass have little to do at once, but passes have. In a flat one each body would move from worker to worker.
@@ -206,7 +206,7 @@ void ContactPacks::cut_pieces() {
     for (Strand& strand : std::span(strands).first(strand_count)) {
         strand.pieces_to.assign(strand.packs() + 1, 0);
         strand.pieces_to.back() = 1;
-        if (!runs_all) continue;
+        if (!runs_all || by_island) continue;
         const std::uint32_t step = packs_between(strand.packs());
         for (std::uint32_t at = step; at < strand.packs(); at += step) strand.pieces_to[at] = 1;
     }
@@ -244,8 +244,9 @@ void ContactPacks::add_waits() {
     }
 }
 
-/// A body is looked after in the strand of its last contact. Those without contacts are at the end of all strands.
-void ContactPacks::list_bodies() {
+/// A body is looked after in the strand of its last contact. Those without contacts are at the end of all strands. What impulses do not move is read by
+/// all strands, so it is in none.
+void ContactPacks::list_bodies(const ContactOrder& order) {
     const std::uint32_t count = static_cast<std::uint32_t>(last.size()) - 1;
     const auto entry_of = [&](std::uint32_t body) -> std::uint32_t& {
         if (last[body] != 0) {
@@ -256,13 +257,17 @@ void ContactPacks::list_bodies() {
         std::vector<std::uint32_t>& of = strands[strands[share].packs() != 0 ? share : 0].first_body;
         return of[of.size() - 2];
     };
+    const auto for_moved = [&](const auto& visit) {
+        for (std::uint32_t body = 0; body < count; ++body)
+            if (order.moves(body)) visit(body);
+    };
     for (std::uint32_t k = 0; k < strand_count; ++k) strands[k].first_body.assign(pieces.count(k) + 1, 0);
-    for (std::uint32_t body = 0; body < count; ++body) ++entry_of(body);
+    for_moved([&](std::uint32_t body) { ++entry_of(body); });
     std::uint32_t sum = 0;
     for (std::uint32_t k = 0; k < strand_count; ++k)
         for (std::uint32_t& first : strands[k].first_body) sum += std::exchange(first, sum);
-    bodies.resize(count);
-    for (std::uint32_t body = 0; body < count; ++body) bodies[entry_of(body)++] = body;
+    bodies.resize(sum);
+    for_moved([&](std::uint32_t body) { bodies[entry_of(body)++] = body; });
     // Each is now where the next one begins.
     sum = 0;
     for (std::uint32_t k = 0; k < strand_count; ++k)
@@ -282,7 +287,7 @@ void ContactPacks::pack_all(const ContactOrder& order, std::uint32_t lanes) {
         for (Queue& queue : strand.ready) queue = {};
         strand.late = strand.held = {};
         strand.held_until = static_cast<std::uint32_t>(nodes.size() / (2 * lanes * strand_count));
-        std::ranges::fill(strand.seen, 0u);
+        strand.seen.assign(strand_count, 0);
         strand.packed.clear(), strand.round_of_pack.clear();
         base::make_room(strand.packed, (nodes.size() + nodes.size() / 4) / strand_count + lanes);
     }
@@ -326,9 +331,9 @@ void ContactPacks::make(const ContactOrder& order, const Wanted& wanted, std::sp
     grace = std::size_t{longest} * wanted.lanes < nodes.size() / 4 ? 1 : 0;
     share_out(order, wanted, longest, poses);
     pack_all(order, wanted.lanes);
-    if (runs_all) find_waits_between_passes(order, wanted.lanes);
+    if (runs_all && !by_island) find_waits_between_passes(order, wanted.lanes);
     if (strand_count > 1) cut_pieces();
-    if (runs_all) list_bodies();
+    if (runs_all) list_bodies(order);
     if (strand_count == 1) {
         packed.swap(strands[0].packed);
         return;
@@ -340,7 +345,8 @@ void ContactPacks::make(const ContactOrder& order, const Wanted& wanted, std::sp
 void ContactPacks::poison(std::byte with) {
     base::poison(with, nodes, last, waits, packed, bodies);
     for (Strand& strand : strands)
-        base::poison(with, strand.packed, strand.round_of_pack, strand.pieces_to, strand.first_body);
+        base::poison(with, strand.seen, strand.packed, strand.round_of_pack, strand.pieces_to,
+                     strand.first_body);
     cut.poison(with);
     pieces.clear();
     made_of = ~std::uint64_t{0};

@@ -45,7 +45,9 @@ class ContactPacks {
     const base::StrandPlan& plan() const { return pieces; }
     /// Whether all passes of a tick are to be one run.
     bool runs_all_passes() const { return runs_all; }
-    /// Then: the bodies to which something is done between passes after a piece. Each body but the last, in all.
+    /// And whether strands have nothing to do with one another: each is one piece.
+    bool has_islands() const { return runs_all && by_island; }
+    /// Then: the bodies to which something is done between passes after a piece. In all each body that impulses move.
     std::span<const std::uint32_t> bodies_after(base::PieceAt at) const {
         const std::uint32_t* const first = &strands[at.strand].first_body[at.index];
         return std::span(bodies).subspan(first[0], first[1] - first[0]);
@@ -70,12 +72,12 @@ class ContactPacks {
         std::uint32_t count = 0, front = 0, back = 0;
     };
     struct Strand {
-        Queue ready[sorts];           ///< of each sort in the order in which they became so
-        Queue late;                   ///< ready in a later round
-        Queue held;                   ///< ready, but in each pass it would wait for another strand
-        std::uint32_t held_until = 0; ///< round
-        std::uint32_t seen[base::strands_max] = {}; ///< for so many packs of other strands it has waited
-        std::vector<std::uint32_t> packed;          ///< contact by lane
+        Queue ready[sorts];                ///< of each sort in the order in which they became so
+        Queue late;                        ///< ready in a later round
+        Queue held;                        ///< ready, but in each pass it would wait for another strand
+        std::uint32_t held_until = 0;      ///< round
+        std::vector<std::uint32_t> seen;   ///< for so many packs of other strands it has waited
+        std::vector<std::uint32_t> packed; ///< contact by lane
         std::vector<std::uint32_t> round_of_pack;
         /// By number of packs: 1 where a piece ends, then pieces up to there.
         std::vector<std::uint32_t> pieces_to;
@@ -94,7 +96,7 @@ class ContactPacks {
                    std::span<const Transform> poses);
     std::uint32_t find_nodes(const ContactOrder& order);
     void find_waits_between_passes(const ContactOrder& order, std::uint32_t lanes);
-    void list_bodies();
+    void list_bodies(const ContactOrder& order);
     void pack_all(const ContactOrder& order, std::uint32_t lanes);
     void add(Queue& queue, std::uint32_t contact);
     std::uint32_t take_front(Queue& queue);
@@ -109,7 +111,7 @@ class ContactPacks {
     std::uint64_t made_of = ~std::uint64_t{0}; ///< version of the order
     Wanted made{};
 
-    bool runs_all = false;
+    bool runs_all = false, by_island = false;
     ContactCut cut;
     std::uint32_t strand_count = 1;
     std::uint32_t grace = 0;         ///< rounds

@@ -40,7 +40,7 @@ struct ContactSolver::Inside {
     std::uint32_t pack_count = 0;
     bool asks_ahead = false;            ///< the packs do not fit into the cache
     bool started = false;               ///< the warm start from the last tick was given
-    std::vector<std::uint32_t> storage; ///< the packs
+    std::vector<std::uint32_t> storage; ///< the packs; of islands, one strand's for each worker
     std::vector<WarmStart> warm;        ///< by body
     std::vector<WarmStart> arrival;     ///< by body: PassData::arrival
     std::vector<Bounce> bounces;
@@ -59,7 +59,16 @@ struct ContactSolver::Inside {
 
     void place_packs(std::uint32_t workers, bool may_run_all, std::span<const Transform> poses);
     /// A pack's head, and where the rest is found.
-    template <unsigned N> void fill(std::uint32_t pack, PackSource& source, const PrepareInput& in);
+    template <unsigned N>
+    void fill(std::uint32_t pack, ContactPack<N>& to, PackSource& source, const PrepareInput& in) const;
+    template <unsigned N>
+    void prepare_packs(std::uint32_t first, std::uint32_t last, ContactPack<N>* to,
+                       const PrepareInput& in) const;
+    template <unsigned N>
+    void store_packs(std::uint32_t first, std::uint32_t last, const ContactPack<N>* from,
+                     std::span<const Contact> contacts, std::span<ContactMemory> memory,
+                     ClampCounts& clamps) const;
+    template <unsigned N> void make_room(std::size_t packs);
     template <class Visit> void for_each_piece(Tasks* tasks, Visit&& visit);
     std::int64_t* warm_numbers() {
         static_assert(sizeof(WarmStart) == 6 * sizeof(std::int64_t));
@@ -140,7 +149,8 @@ void ContactSolver::Inside::place_packs(std::uint32_t workers, bool may_run_all,
 }
 
 template <unsigned N>
-void ContactSolver::Inside::fill(std::uint32_t pack, PackSource& source, const PrepareInput& in) {
+void ContactSolver::Inside::fill(std::uint32_t pack, ContactPack<N>& to, PackSource& source,
+                                 const PrepareInput& in) const {
     const auto for_contacts_of = [&](std::size_t other, auto&& visit) {
         for (std::size_t i = other * N; i < (other + 1) * N && i < lane_contact.size(); ++i)
             if (lane_contact[i] != none) visit(in.contacts[lane_contact[i]]);
@@ -151,8 +161,7 @@ void ContactSolver::Inside::fill(std::uint32_t pack, PackSource& source, const P
         const auto& step = in.bodies.step;
         base::prefetch(step[c.body_a].movable), base::prefetch(step[c.body_b].movable);
     });
-    if (asks_ahead && pack + prepared_at_once < pack_count)
-        base::prefetch(packs<N>()[pack + prepared_at_once]);
+    if (asks_ahead) base::prefetch((&to)[prepared_at_once]);
     const Contact* of[N];
     std::uint32_t points = 0;
     for (unsigned lane = 0; lane < N; ++lane) {
@@ -160,8 +169,27 @@ void ContactSolver::Inside::fill(std::uint32_t pack, PackSource& source, const P
         of[lane] = contact != none ? &in.contacts[contact] : nullptr;
         if (contact != none) points = std::max(points, of[lane]->count);
     }
-    clear_pack(packs<N>()[pack], in.bodies.still(), points);
-    fill_pack(packs<N>()[pack], source, of, in);
+    clear_pack(to, in.bodies.still(), points);
+    fill_pack(to, source, of, in);
+}
+
+/// Packs [first, last), which are kept from `to` on.
+template <unsigned N>
+void ContactSolver::Inside::prepare_packs(std::uint32_t first, std::uint32_t last, ContactPack<N>* to,
+                                          const PrepareInput& in) const {
+    PackSource sources[prepared_at_once];
+    for (std::uint32_t end; first < last; to += end - first, first = end) {
+        end = std::min(first + prepared_at_once, last);
+        for (std::uint32_t at = first; at < end; ++at) fill<N>(at, to[at - first], sources[at - first], in);
+        kernel->prepare(to, sources, end - first, in.bodies.body.data());
+    }
+}
+
+template <unsigned N> void ContactSolver::Inside::make_room(std::size_t packs) {
+    const std::size_t words = packs * (sizeof(ContactPack<N>) / sizeof(std::uint32_t));
+    base::make_room(storage, words); // resize() alone would take twice as much
+    if (storage.size() < words) storage.resize(words);
+    asks_ahead = packs * sizeof(ContactPack<N>) > cache_bytes;
 }
 
 void ContactSolver::prepare(std::span<const Contact> contacts, std::span<const ContactMemory> memory,
@@ -175,28 +203,23 @@ void ContactSolver::prepare(std::span<const Contact> contacts, std::span<const C
     s.place_packs(base::worker_count(tasks), may_run_all, poses);
     s.started = false;
     if (s.pack_count == 0) return;
-    s.warm.assign(bodies.body.size(), {});
+    if (s.in_packs.has_islands())
+        s.warm.resize(bodies.body.size()); // by strand
+    else
+        s.warm.assign(bodies.body.size(), {});
     s.arrival.resize(bodies.body.size());
     const PrepareInput in{contacts, memory, mass, step, bodies};
     s.with_lanes([&](auto width) {
         constexpr unsigned N = width();
-        const std::size_t words = s.pack_count * (sizeof(ContactPack<N>) / sizeof(std::uint32_t));
-        base::make_room(s.storage, words); // resize() alone would take twice as much
-        if (s.storage.size() < words) s.storage.resize(words);
+        if (s.in_packs.has_islands()) return; // as their strand comes
+        s.make_room<N>(s.pack_count);
         const std::span<ContactPack<N>> packs = s.packs<N>();
-        s.asks_ahead = packs.size_bytes() > cache_bytes;
         const auto contact_of = [&](std::uint32_t pack, unsigned lane) {
             return s.lane_contact[pack * N + lane];
         };
         base::for_all_chunks(tasks, s.pack_count, pack_chunk,
                              [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-                                 PackSource sources[prepared_at_once];
-                                 for (std::uint32_t i = first, end; i < last; i = end) {
-                                     end = std::min(i + prepared_at_once, last);
-                                     for (std::uint32_t at = i; at < end; ++at)
-                                         s.fill<N>(at, sources[at - i], in);
-                                     s.kernel->prepare(&packs[i], sources, end - i, bodies.body.data());
-                                 }
+                                 s.prepare_packs<N>(first, last, &packs[first], in);
                              });
         for (std::uint32_t i = 0; i < s.bounces.size(); ++i) {
             ContactPack<N>& pack = packs[s.bounces[i].pack];
@@ -327,7 +350,7 @@ void ContactSolver::Inside::follow_pass(const StepConstants& step, SolverBodies&
 void ContactSolver::solve_substeps(const StepConstants& step, SolverBodies& bodies, Tasks* tasks) {
     Inside& s = *inside;
     s.begin_pass(bodies, s.all_rows(bodies));
-    s.find_arrival(s.all_rows(bodies)); // of bodies that nothing moves it stays as it is
+    s.find_arrival(s.all_rows(bodies)); // of what nothing moves it stays as it is
     const PassSettings settings[2] = {settings_of(step, true), settings_of(step, false)};
     const std::uint32_t last_pass = static_cast<std::uint32_t>(2 * step.substeps);
     base::for_strands(
@@ -341,6 +364,47 @@ void ContactSolver::solve_substeps(const StepConstants& step, SolverBodies& bodi
             if (at.round != last_pass && !rows.empty())
                 s.follow_pass(step, bodies, {rows.data(), static_cast<std::uint32_t>(rows.size())}, at.round);
         });
+}
+
+bool ContactSolver::has_islands() const { return inside->in_packs.has_islands(); }
+
+void ContactSolver::solve_islands(std::span<const Contact> contacts, std::span<ContactMemory> memory,
+                                  const MassView& mass, const StepConstants& step, SolverBodies& bodies,
+                                  Tasks* tasks) {
+    Inside& s = *inside;
+    const PrepareInput in{contacts, memory, mass, step, bodies};
+    const PassSettings settings[2] = {settings_of(step, true), settings_of(step, false)};
+    const std::uint32_t passes = static_cast<std::uint32_t>(2 * step.substeps);
+    for (std::uint32_t row = 0; row <= bodies.still(); ++row)
+        if (!s.order.moves(row)) s.warm[row] = s.arrival[row] = {}; // all strands look at it
+    s.with_lanes([&](auto width) {
+        constexpr unsigned N = width();
+        std::size_t most = 0;
+        for (std::uint32_t k = 0; k < s.in_packs.plan().strands; ++k)
+            for (const base::Piece& piece : s.in_packs.plan().pieces[k])
+                most = std::max<std::size_t>(most, piece.last - piece.first);
+        s.make_room<N>(most * base::worker_count(tasks));
+        s.asks_ahead = false;
+        base::for_strands(tasks, s.in_packs.plan(), 1, [&](const base::Piece& piece, base::PieceAt at) {
+            ContactPack<N>* const packs =
+                reinterpret_cast<ContactPack<N>*>(s.storage.data()) + at.worker * most;
+            const std::span<const std::uint32_t> list = s.in_packs.bodies_after(at);
+            const Inside::Rows rows{list.data(), static_cast<std::uint32_t>(list.size())};
+            const std::uint32_t count = piece.last - piece.first;
+            s.prepare_packs<N>(piece.first, piece.last, packs, in);
+            integrate_velocities(step, bodies, list);
+            for (const std::uint32_t row : list) s.warm[row] = {};
+            s.begin_pass(bodies, rows);
+            s.kernel->warm_start(packs, 0, count, s.data(bodies));
+            for (std::uint32_t pass = 0; pass < passes; ++pass) {
+                s.follow_pass(step, bodies, rows, pass);
+                s.kernel->solve(packs, 0, count, s.data(bodies), settings[pass_kind(pass + 1) - 1]);
+            }
+            ClampCounts counts;
+            s.store_packs<N>(piece.first, piece.last, packs, contacts, memory, counts);
+            base::add_count(bodies.clamps.impulse, counts.impulse);
+        });
+    });
 }
 
 bool ContactSolver::has_bounces() const { return !inside->bounces.empty(); }
@@ -377,34 +441,39 @@ void store_lane(const ContactPack<N>& pack, unsigned lane, const Contact& contac
 
 } // namespace
 
+template <unsigned N>
+void ContactSolver::Inside::store_packs(std::uint32_t first, std::uint32_t last, const ContactPack<N>* from,
+                                        std::span<const Contact> contacts, std::span<ContactMemory> memory,
+                                        ClampCounts& clamps) const {
+    constexpr std::size_t ahead = 8; // the tables are walked in the order of packs
+    const auto soon = [&](std::size_t lane) { return lane_contact[std::min(lane, lane_contact.size() - 1)]; };
+    for (std::uint32_t i = first * N; i < last * N; ++i) {
+        const std::uint32_t pack = i / N - first;
+        if (const std::uint32_t c = soon(i + 2 * ahead); c != none) base::prefetch(contacts[c].memory);
+        if (const std::uint32_t c = soon(i + ahead); c != none) base::prefetch(memory[contacts[c].memory]);
+        if (asks_ahead && i % N == 0 && i / N + 1 < last) {
+            const ContactPack<N>& next = from[pack + 1];
+            for (const PointLanes<N>& point : next.points) base::prefetch(point.impulse);
+            base::prefetch(next.slide), base::prefetch(next.size), base::prefetch(next.hit);
+        }
+        if (const std::uint32_t c = lane_contact[i]; c != none)
+            store_lane(from[pack], i % N, contacts[c], memory[contacts[c].memory], clamps);
+    }
+}
+
 void ContactSolver::store(std::span<const Contact> contacts, std::span<ContactMemory> memory,
                           solve::ClampCounts& clamps, Tasks* tasks) const {
     Inside& s = *inside;
+    if (s.in_packs.has_islands()) return;
     s.with_lanes([&](auto width) {
         constexpr unsigned N = width();
         const std::span<const ContactPack<N>> packs = s.packs<N>();
-        base::for_chunks(
-            tasks, s.pack_count, 4 * pack_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-                solve::ClampCounts counts;
-                constexpr std::size_t ahead = 8; // the tables are walked in the order of packs
-                const auto soon = [&](std::size_t lane) {
-                    return s.lane_contact[std::min(lane, s.lane_contact.size() - 1)];
-                };
-                for (std::uint32_t i = first * N; i < last * N; ++i) {
-                    if (const std::uint32_t c = soon(i + 2 * ahead); c != none)
-                        base::prefetch(contacts[c].memory);
-                    if (const std::uint32_t c = soon(i + ahead); c != none)
-                        base::prefetch(memory[contacts[c].memory]);
-                    if (s.asks_ahead && i % N == 0 && i / N + 1 < s.pack_count) {
-                        const ContactPack<N>& next = packs[i / N + 1];
-                        for (const PointLanes<N>& point : next.points) base::prefetch(point.impulse);
-                        base::prefetch(next.slide), base::prefetch(next.size), base::prefetch(next.hit);
-                    }
-                    if (const std::uint32_t c = s.lane_contact[i]; c != none)
-                        store_lane(packs[i / N], i % N, contacts[c], memory[contacts[c].memory], counts);
-                }
-                base::add_count(clamps.impulse, counts.impulse);
-            });
+        base::for_chunks(tasks, s.pack_count, 4 * pack_chunk,
+                         [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                             ClampCounts counts;
+                             s.store_packs<N>(first, last, &packs[first], contacts, memory, counts);
+                             base::add_count(clamps.impulse, counts.impulse);
+                         });
         for (const Rolling& rows : s.rolling) {
             ContactMemory& m = memory[contacts[s.lane_contact[rows.pack * N + rows.lane]].memory];
             for (int r = 0; r < 3; ++r) m.rolling[r] = Speed::from_raw(rows.impulse[r]);

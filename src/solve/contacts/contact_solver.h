@@ -56,6 +56,13 @@ class ContactSolver {
     /// the passes one by one.
     void solve_substeps(const solve::StepConstants& step, solve::SolverBodies& bodies,
                         Tasks* tasks = nullptr);
+    /// After prepare(): whether solve_islands() is to do all that follows in place of it: of a large world of islands, some of them at a time, while they
+    /// are in a processor's cache.
+    bool has_islands() const;
+    /// Prepares packs, integrates velocities, does all passes and what comes between them, and stores. Takes what prepare() took.
+    void solve_islands(std::span<const solve::Contact> contacts, std::span<solve::ContactMemory> memory,
+                       const solve::MassView& mass, const solve::StepConstants& step,
+                       solve::SolverBodies& bodies, Tasks* tasks = nullptr);
     void warm_start(solve::SolverBodies& bodies, Tasks* tasks = nullptr);
     /// One pass over all rows. With bias, overlap is pushed out softly; without, what the push left is relaxed.
     void solve(const solve::StepConstants& step, solve::SolverBodies& bodies, bool bias,

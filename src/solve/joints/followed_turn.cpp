@@ -119,13 +119,17 @@ constexpr int spin_parts = 2;
 /// Chains under load come apart with 4, and gain energy where they are snatched with 8.
 constexpr int held_parts = 16;
 
-/// Whether a body feels gyroscopic torque and turns by more than 1 / `parts` of a radian in the tick about some axis.
+/// Whether a body turns by more than 1 / `parts` of a radian in the tick about some axis.
+bool turns_by(const BodyColumns& columns, std::uint32_t row, int parts, const StepConstants& step) {
+    const Vec3 w = abs(to<Real>(columns.velocity[row].angular));
+    return max(w.x, max(w.y, w.z)) * parts > Real(step.ticks_per_second);
+}
+/// And whether it feels gyroscopic torque.
 bool spins(const BodyColumns& columns, std::uint32_t row, const BodyStep& s, int parts,
            const StepConstants& step) {
     if (!s.movable || (s.radii.x == s.radii.y && s.radii.y == s.radii.z)) return false;
-    const Vec3 w = abs(to<Real>(columns.velocity[row].angular));
-    if (!(max(w.x, max(w.y, w.z)) * parts > Real(step.ticks_per_second))) return false;
-    return s.turn == 0 && columns.traits(row).gyroscopic != 0 && s.angular_mask == 7u;
+    return turns_by(columns, row, parts, step) && s.turn == 0 && columns.traits(row).gyroscopic != 0 &&
+           s.angular_mask == 7u;
 }
 
 template <class T> using Lanes = FollowedFour::Lanes<T>;
@@ -291,9 +295,11 @@ std::uint32_t count_of(const SolverBodies& bodies) { return static_cast<std::uin
 
 void follow_turns(const BodyColumns& columns, const StepConstants& step, SolverBodies& bodies) {
     const std::uint32_t count = static_cast<std::uint32_t>(columns.info.size());
-    for (std::uint32_t row = 0; row < count; ++row)
+    for (std::uint32_t row = 0; row < count; ++row) {
+        if (!turns_by(columns, row, held_parts, step)) continue; // most do not: their steps are not looked at
         if (spins(columns, row, bodies.step[row], bodies.step[row].jointed ? held_parts : spin_parts, step))
             follow(columns, row, step, bodies);
+    }
     if (bodies.turns.empty()) return;
     fill_up(bodies);
     const FollowPass pass = pass_of(step, bodies);

@@ -1,0 +1,60 @@
+// Passes of contacts that are one run, and islands that do all of a tick's passes one after the other, give the bits of pass after pass.
+#include "support/task_worlds.h"
+
+#include <doctest/doctest.h>
+
+#include <string_view>
+
+using namespace lockstone;
+using namespace lockstone::test;
+using namespace lockstone::test::scene;
+
+namespace {
+
+struct Phases final : PhaseObserver {
+    bool any_relaxing = false; ///< passes are done one by one
+    void on_phase(const char* phase) override { any_relaxing |= std::string_view(phase) == "relax_contacts"; }
+};
+
+} // namespace
+
+TEST_CASE("islands that do all passes of a tick in a row end as those of which each does a pass at a time") {
+    constexpr int count = 4000;
+    const auto pool = make_worker_pool(2);
+    ShuffledTasks shuffled(5, 2);
+    for (Tasks* tasks : {static_cast<Tasks*>(nullptr), pool.get(), static_cast<Tasks*>(&shuffled)}) {
+        Islands islands = towers(count), passes = towers(count), moved = towers(count);
+        add_pendulum(passes.world), add_pendulum(moved.world);
+        islands.world.set_tasks(tasks);
+        CHECK(first_difference(islands, passes, 10) == ""); // the first ones have no contacts
+        for (int t = 0; t < 10; ++t) moved.world.tick();
+        Phases of_islands, of_passes;
+        islands.world.observe_phases(&of_islands), passes.world.observe_phases(&of_passes);
+        CHECK(first_difference(islands, passes, 10) == "");
+        CHECK_FALSE(of_islands.any_relaxing);
+        CHECK(of_passes.any_relaxing);
+        const Transform pose =
+            moved.world.pose(moved.bodies[100]); // twin: a crate is a step of the format aside
+        done(moved.world.set_pose(moved.bodies[100],
+                                  {pose.position + Vec3{Real::from_raw(64), Real{}, Real{}}, pose.rotation}));
+        for (int t = 0; t < 10; ++t) moved.world.tick();
+        CHECK(first_difference(islands, moved, 3) != "");
+    }
+}
+
+TEST_CASE("a deep pile whose passes are one run on several workers ends as on one, where each is a run") {
+    const auto game = make_scene("pyramid").value();
+    World alone = game->start().value(), shared = alone.clone();
+    const auto pool = make_worker_pool(2);
+    shared.set_tasks(pool.get());
+    Phases of_alone, of_shared;
+    alone.observe_phases(&of_alone);
+    for (int t = 0; t < 60; ++t) {
+        alone.tick();
+        if (t == 40) shared.observe_phases(&of_shared);
+        shared.tick();
+        REQUIRE(alone.hash() == shared.hash());
+    }
+    CHECK(of_alone.any_relaxing);
+    CHECK_FALSE(of_shared.any_relaxing);
+}
