@@ -25,6 +25,7 @@ struct PieceWait {
 struct Piece {
     std::uint32_t first = 0, last = 0;
     std::uint32_t first_wait = 0, last_wait = 0; ///< of StrandPlan::waits
+    std::uint32_t order = 0;                     ///< of a round: above that of all pieces that come before it
 };
 
 /// Pieces by strand. There is an order in which one worker could do all of them.
@@ -64,8 +65,8 @@ template <class Visit> class StrandRun {
                 this);
         // What nobody has begun:
         Worker w;
-        for (std::uint32_t k = 0; k < plan.strands; ++k)
-            if (take(w, k)) advance(w, k, all_of(k));
+        for (std::uint32_t k = 0; k < plan.strands; ++k) take(w, k);
+        finish(w);
     }
 
   private:
@@ -93,37 +94,55 @@ template <class Visit> class StrandRun {
     void work(std::uint32_t own, std::uint32_t number) {
         Worker w;
         w.number = number;
-        if (!take(w, own)) return;
-        advance(w, own, all_of(own));
-        for (std::uint32_t k = 0; k < plan.strands; ++k) // those that it has begun
-            if (w.has[k]) advance(w, k, all_of(k));
+        if (take(w, own)) finish(w);
     }
-    /// A strand that the worker has, until so many pieces are done.
-    void advance(Worker& w, std::uint32_t k, std::uint32_t pieces) {
-        while (w.done[k] < pieces) {
-            const Piece& piece = plan.pieces[k][w.index[k]];
-            for (std::uint32_t i = piece.first_wait; i < piece.last_wait; ++i) {
-                const PieceWait& before = plan.waits[i];
-                const std::uint32_t rounds_before = w.round[k] - (before.of_last_round ? 1u : 0u);
-                if (w.round[k] != 0 || !before.of_last_round)
-                    wait(w, before.strand, rounds_before * plan.count(before.strand) + before.pieces);
-            }
-            visit(piece, PieceAt{k, w.index[k], w.round[k], w.number});
-            if (++w.index[k] == plan.count(k)) w.index[k] = 0, ++w.round[k];
-            strand[k].done.store(++w.done[k], std::memory_order_release);
+    /// All strands that it has taken, and takes meanwhile. Of all that nobody has done the first piece in order waits for nothing, and whoever has
+    /// its strand does it next: so all goes on.
+    void finish(Worker& w) {
+        for (std::uint32_t k; (k = first_of(w)) != strands_max;)
+            if (is_free(w, k)) do_next(w, k);
+    }
+    /// Of the strands that a worker has, the one whose next piece is the first in order; strands_max: all are done.
+    std::uint32_t first_of(const Worker& w) const {
+        std::uint32_t first = strands_max;
+        std::uint64_t least = UINT64_MAX;
+        for (std::uint32_t k = 0; k < plan.strands; ++k) {
+            if (!w.has[k] || w.done[k] == all_of(k)) continue;
+            const std::uint64_t at = std::uint64_t{w.round[k]} << 32 | plan.pieces[k][w.index[k]].order;
+            if (at < least) least = at, first = k;
         }
+        return first;
     }
-    /// Until so many pieces of a strand are done.
-    void wait(Worker& w, std::uint32_t k, std::uint32_t pieces) {
+    /// Waits for what comes before the next piece of a strand. False: it has taken another strand meanwhile, which may come first.
+    bool is_free(Worker& w, std::uint32_t k) {
+        const Piece& piece = plan.pieces[k][w.index[k]];
+        for (std::uint32_t i = piece.first_wait; i < piece.last_wait; ++i)
+            if (!wait(w, plan.waits[i].strand, pieces_before(w, k, plan.waits[i]))) return false;
+        return true;
+    }
+    /// So many pieces of another strand, of all rounds, come before the next piece of a strand; 0: none.
+    std::uint32_t pieces_before(const Worker& w, std::uint32_t k, const PieceWait& wait) const {
+        if (wait.of_last_round && w.round[k] == 0) return 0;
+        const std::uint32_t rounds_before = w.round[k] - (wait.of_last_round ? 1u : 0u);
+        return rounds_before * plan.count(wait.strand) + wait.pieces;
+    }
+    void do_next(Worker& w, std::uint32_t k) {
+        visit(plan.pieces[k][w.index[k]], PieceAt{k, w.index[k], w.round[k], w.number});
+        if (++w.index[k] == plan.count(k)) w.index[k] = 0, ++w.round[k];
+        strand[k].done.store(++w.done[k], std::memory_order_release);
+    }
+    /// Until so many pieces of a strand are done. False: it has taken that strand.
+    bool wait(Worker& w, std::uint32_t k, std::uint32_t pieces) {
         for (int looks = 0; w.done[k] < pieces; ++looks) {
-            if (w.has[k]) return advance(w, k, pieces);
             w.done[k] = strand[k].done.load(std::memory_order_acquire);
-            if (w.done[k] >= pieces) return;
-            if (looks >= w.patience && take(w, k))
+            if (w.done[k] >= pieces) return true;
+            if (looks >= w.patience && take(w, k)) {
                 w.patience = 0; // its worker is not there: nor may others be
-            else
-                relax(looks);
+                return false;
+            }
+            relax(looks);
         }
+        return true;
     }
 
     const StrandPlan& plan;
@@ -132,8 +151,7 @@ template <class Visit> class StrandRun {
     Strand strand[strands_max];
 };
 
-/// visit(piece, PieceAt) for all pieces of a plan, round after round, those of different strands at the same time. Without tasks: strand after strand,
-/// as far as each goes.
+/// visit(piece, PieceAt) for all pieces of a plan, round after round, those of different strands at the same time. Without tasks: in order.
 template <class Visit>
 void for_strands(Tasks* tasks, const StrandPlan& plan, std::uint32_t rounds, const Visit& visit) {
     StrandRun<Visit>(plan, rounds, visit).run(tasks);

@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <string>
+#include <thread>
 
 using namespace lockstone;
 using namespace lockstone::test;
@@ -47,7 +49,7 @@ base::StrandPlan random_plan(std::mt19937& random) {
         const std::uint32_t first = items;
         items += 1 + static_cast<std::uint32_t>(random() % 5);
         plan.pieces[strand].push_back(
-            {first, items, first_wait, static_cast<std::uint32_t>(plan.waits.size())});
+            {first, items, first_wait, static_cast<std::uint32_t>(plan.waits.size()), i});
     }
     return plan;
 }
@@ -99,6 +101,23 @@ TEST_CASE("strands are done by any number of workers, each item once and piece a
     CHECK(complaint_of(nullptr, 500) == "");
 }
 
+// Who takes over a strand has several, of which others may wait for one while it waits for them.
+TEST_CASE(
+    "strands are done by workers that stop in the middle of pieces for longer than others have patience") {
+    for (const std::uint32_t workers : {2u, 3u, 4u, 8u}) {
+        const auto pool = make_worker_pool(workers);
+        std::atomic<std::uint32_t> pieces = 0;
+        CHECK(complaint(60, [&](const base::StrandPlan& plan, std::uint32_t rounds, const auto& visit) {
+                  base::for_strands(pool.get(), plan, rounds,
+                                    [&](const base::Piece& piece, base::PieceAt at) {
+                                        if (pieces.fetch_add(1) % 16 == 0)
+                                            std::this_thread::sleep_for(std::chrono::microseconds(100));
+                                        visit(piece, at);
+                                    });
+              }) == "");
+    }
+}
+
 TEST_CASE(
     "strands are all done on a host that runs its items one by one, in any order, twice or some of them "
     "never") {
@@ -130,7 +149,8 @@ TEST_CASE(
               Plan hurried = plan;
               for (base::PieceWait& wait : hurried.waits)
                   if (wait.of_last_round) wait.pieces = 0;
-              base::for_strands(nullptr, hurried, rounds, visit);
+              OddTasks last(OddTasks::Way::last_alone);
+              base::for_strands(&last, hurried, rounds, visit);
           }) == "a piece begins too early");
     CHECK(complaint(5, [&](const Plan& plan, std::uint32_t rounds, const auto& visit) {
               base::for_strands(nullptr, plan, rounds, [&](const base::Piece& piece, base::PieceAt at) {

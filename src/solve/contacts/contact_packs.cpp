@@ -221,6 +221,7 @@ void ContactPacks::cut_pieces() {
             own.pieces_to[packs] = own.pieces_to[packs - 1] + (ends ? 1u : 0u);
             if (!ends) continue;
             piece.first = piece.last, piece.last = first_pack + packs;
+            piece.order = own.round_of_pack[piece.first - first_pack];
             pieces.pieces[k].push_back(piece);
         }
         first_pack += own.packs();

@@ -52,6 +52,7 @@ void plan_pass(JointTick& tick, std::uint32_t strands, const StepAt& step_at, ba
             plan.waits.push_back({other, wanted[other], false});
         }
         piece.last_wait = static_cast<std::uint32_t>(plan.waits.size());
+        piece.order = k;
         plan.pieces[step.strand].push_back(piece);
     }
 }
