@@ -177,15 +177,15 @@ void find_keys(const PairView& view, PairScratch& s, Tasks* tasks) {
     base::make_room(keys, count);
     keys.resize(count);
     s.near_counts.resize((count + filtered_per_chunk - 1) / filtered_per_chunk);
-    base::for_chunks(tasks, count, filtered_per_chunk,
-                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-                         std::uint32_t near = 0;
-                         for (std::uint32_t i = first; i < last; ++i) {
-                             find_key(view, s.pairs[i], keys[i]);
-                             near += keys[i].key.a ? 1u : 0u;
-                         }
-                         s.near_counts[first / filtered_per_chunk] = near;
-                     });
+    base::for_all_chunks(tasks, count, filtered_per_chunk,
+                         [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                             std::uint32_t near = 0;
+                             for (std::uint32_t i = first; i < last; ++i) {
+                                 find_key(view, s.pairs[i], keys[i]);
+                                 near += keys[i].key.a ? 1u : 0u;
+                             }
+                             s.near_counts[first / filtered_per_chunk] = near;
+                         });
 }
 
 /// How many pairs that are near are looked at: beyond, the last in pair order are dropped, as a table of contacts_max rows
@@ -316,13 +316,13 @@ void list_near(PlacedShapes& placed, const ContactList& table, std::size_t most,
     if (out.is_cut || tasks == nullptr || count <= listed_per_chunk)
         return list_some(placed, table, s, 0, count, out.list, out.ended);
     s.ended.resize(std::max<std::size_t>(s.ended.size(), count / listed_per_chunk + 1));
-    base::for_chunks(tasks, count, listed_per_chunk,
-                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-                         std::vector<ContactResult>& ended = s.ended[first / listed_per_chunk];
-                         ended.clear();
-                         const std::uint32_t from = s.near_counts[first / filtered_per_chunk];
-                         list_some(placed, table, s, first, last, std::span(out.list).subspan(from), ended);
-                     });
+    base::for_all_chunks(
+        tasks, count, listed_per_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+            std::vector<ContactResult>& ended = s.ended[first / listed_per_chunk];
+            ended.clear();
+            const std::uint32_t from = s.near_counts[first / filtered_per_chunk];
+            list_some(placed, table, s, first, last, std::span(out.list).subspan(from), ended);
+        });
     for (std::uint32_t first = 0; first < count; first += listed_per_chunk)
         for (const ContactResult& result : s.ended[first / listed_per_chunk]) out.ended.push_back(result);
 }
