@@ -1,5 +1,6 @@
 #include "tick/islands.h"
 
+#include "base/joined.h"
 #include "lockstone/math/math.h"
 #include "model/sleep.h"
 
@@ -78,10 +79,7 @@ struct Islands {
         : s(scratch), awake(w.header().bodies_awake), info(w.state.rows(w.m.body_info)),
           velocity(w.state.rows(w.m.body_velocity)) {}
 
-    std::uint32_t root(std::uint32_t row) {
-        while (s.parent[row] != row) row = s.parent[row] = s.parent[s.parent[row]];
-        return row;
-    }
+    std::uint32_t root(std::uint32_t row) { return base::root_of(s.parent, row); }
     bool is_dynamic(std::uint32_t row) const { return row < awake && info[row].kind == BodyKind::dynamic; }
     /// A kinematic body that moves keeps awake what it holds.
     bool holds(std::uint32_t row) const {
@@ -91,12 +89,10 @@ struct Islands {
         if (is_dynamic(a) && holds(b)) s.still_ticks[a] = 0;
         if (is_dynamic(b) && holds(a)) s.still_ticks[b] = 0;
         if (!is_dynamic(a) || !is_dynamic(b)) return;
-        const std::uint32_t x = root(a), y = root(b);
-        s.parent[std::max(x, y)] = std::min(x, y);
+        base::join(s.parent, a, b);
     }
     void find(const Links& links) {
-        s.parent.resize(awake);
-        for (std::uint32_t row = 0; row < awake; ++row) s.parent[row] = row;
+        base::start_sets(s.parent, awake);
         for (const solve::Contact& c : links.contacts) link(c.body_a, c.body_b);
         for (const solve::Joint& j : links.joints) link(j.body_a, j.body_b);
         for (const solve::Standing& v : links.standing) link(v.chassis, v.ground);

@@ -1,12 +1,12 @@
 #include "solve/contacts/contact_cut.h"
 
+#include "base/joined.h"
 #include "base/poison.h"
 #include "solve/bodies/sides.h"
 #include "solve/contacts/contact_order.h"
 
 #include <algorithm>
 #include <array>
-#include <numeric>
 
 namespace lockstone::solve {
 
@@ -33,30 +33,25 @@ void ContactCut::cut_by_place(const ContactOrder& order, std::span<const Transfo
         share_of[i] = static_cast<std::uint8_t>(sides.side_of(place_of(i)));
 }
 
-std::uint32_t ContactCut::root_of(std::uint32_t body) {
-    while (parent[body] != body) body = parent[body] = parent[parent[body]];
-    return body;
-}
-
 bool ContactCut::cut_by_island(const ContactOrder& order, std::uint32_t shares) {
     const std::uint32_t count = static_cast<std::uint32_t>(order.down_from_the_top().size());
-    parent.resize(order.body_count());
-    std::iota(parent.begin(), parent.end(), 0u);
+    base::start_sets(parent, order.body_count());
+    const auto island_of = [&](std::uint32_t contact) {
+        return base::root_of(parent, order.moved_body(contact));
+    };
     for (std::uint32_t i = 0; i < count; ++i) {
         const ContactOrder::Link link = order.link(i);
-        if (!order.moves(link.a) || !order.moves(link.b)) continue;
-        const std::uint32_t a = root_of(link.a), b = root_of(link.b);
-        parent[std::max(a, b)] = std::min(a, b);
+        if (order.moves(link.a) && order.moves(link.b)) base::join(parent, link.a, link.b);
     }
     contacts.assign(order.body_count(), 0);
     std::uint32_t most = 0;
-    for (std::uint32_t i = 0; i < count; ++i) most = std::max(most, ++contacts[root_of(order.moved_body(i))]);
+    for (std::uint32_t i = 0; i < count; ++i) most = std::max(most, ++contacts[island_of(i)]);
     if (std::uint64_t{most} * shares * 4 > std::uint64_t{count}) return false;
     // An island is in the share that is being filled when its first contact comes.
     share_of.resize(count);
     std::uint32_t placed = 0, full = count / shares + 1, share = 0;
     for (std::uint32_t i = 0; i < count; ++i) {
-        std::uint32_t& of_island = contacts[root_of(order.moved_body(i))];
+        std::uint32_t& of_island = contacts[island_of(i)];
         constexpr std::uint32_t is_placed = 1u << 31;
         if ((of_island & is_placed) == 0) {
             if (placed >= (share + 1) * full) ++share;

@@ -32,8 +32,6 @@ class ContactCut {
     void poison(std::byte with);
 
   private:
-    std::uint32_t root_of(std::uint32_t body);
-
     std::vector<std::uint8_t> share_of;          ///< by contact
     std::vector<std::uint32_t> parent, contacts; ///< by body: of the trees of islands; of an island, by root
 };

@@ -1,10 +1,10 @@
 #include "solve/joints/joint_strands.h"
 
+#include "base/joined.h"
 #include "solve/bodies/sides.h"
 
 #include <algorithm>
 #include <array>
-#include <numeric>
 
 namespace lockstone::solve {
 
@@ -63,18 +63,12 @@ void plan_pass(JointTick& tick, std::uint32_t strands, const StepAt& step_at, ba
 /// not be alike.
 static bool share_out_islands(JointTick& tick, std::uint32_t strands) {
     std::vector<std::uint32_t>& parent = tick.last_piece;
-    parent.resize(tick.bodies.size());
-    std::iota(parent.begin(), parent.end(), 0u);
-    const auto root_of = [&](std::uint32_t body) {
-        while (parent[body] != body) body = parent[body] = parent[parent[body]];
-        return body;
+    base::start_sets(parent, tick.bodies.size());
+    for (const JointWork& w : tick.joints)
+        if (w.a.moved && w.b.moved) base::join(parent, w.a.cache, w.b.cache);
+    const auto island_of = [&](const JointWork& w) {
+        return base::root_of(parent, w.a.moved ? w.a.cache : w.b.cache);
     };
-    for (const JointWork& w : tick.joints) {
-        if (!w.a.moved || !w.b.moved) continue;
-        const std::uint32_t a = root_of(w.a.cache), b = root_of(w.b.cache);
-        parent[std::max(a, b)] = std::min(a, b);
-    }
-    const auto island_of = [&](const JointWork& w) { return root_of(w.a.moved ? w.a.cache : w.b.cache); };
     std::vector<std::uint32_t>& count_of = tick.last_stage; // joints of an island, by root; then its strand
     count_of.assign(tick.bodies.size(), 0);
     std::uint32_t most = 0;
