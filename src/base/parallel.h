@@ -38,39 +38,6 @@ void for_all_chunks(Tasks* tasks, std::uint32_t count, std::uint32_t chunk, Body
     if (done.load(std::memory_order_relaxed) != count) for_chunks(nullptr, count, chunk, body);
 }
 
-/// Tasks of as many workers that one of them does, one after the other.
-class TasksInTurn final : public Tasks {
-  public:
-    TasksInTurn(std::uint32_t count, std::uint32_t one) : workers(count), worker(one) {}
-    std::uint32_t worker_count() const override { return workers; }
-    void run(std::uint32_t items, Item item, void* context) override {
-        for (std::uint32_t i = 0; i < items; ++i) item(context, i, worker);
-    }
-
-  private:
-    std::uint32_t workers, worker;
-};
-
-/// first(tasks) and second(tasks), which look at nothing that the other one writes: at the same time, each by one worker, and all of it, whatever
-/// the tasks of a host do.
-template <class First, class Second> void run_both(Tasks& tasks, const First& first, const Second& second) {
-    std::atomic<bool> done[2] = {};
-    const auto run = [&](std::uint32_t index, std::uint32_t worker) {
-        if (done[index].load(std::memory_order_relaxed)) return;
-        TasksInTurn own(tasks.worker_count(), worker);
-        index == 0 ? first(&own) : second(&own);
-        done[index].store(true, std::memory_order_relaxed);
-    };
-    using Run = decltype(run);
-    tasks.run(
-        2,
-        [](void* context, std::uint32_t index, std::uint32_t worker) {
-            (*static_cast<const Run*>(context))(index, worker);
-        },
-        const_cast<void*>(static_cast<const void*>(&run)));
-    for (std::uint32_t i = 0; i < 2; ++i) run(i, 0);
-}
-
 inline std::uint32_t worker_count(const Tasks* tasks) { return tasks == nullptr ? 1 : tasks->worker_count(); }
 
 /// Adds what a chunk counted to a sum that all chunks share: whole numbers, so the order is not seen.

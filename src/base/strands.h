@@ -10,6 +10,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace lockstone::base {
@@ -53,7 +54,9 @@ struct PieceAt {
 template <class Visit> class StrandRun {
   public:
     StrandRun(const StrandPlan& what, std::uint32_t how_often, const Visit& each)
-        : plan(what), rounds(how_often), visit(each) {}
+        : plan(what), rounds(how_often), visit(each) {
+        for (std::uint32_t k = 0; k < plan.strands; ++k) std::construct_at(&strand[k]);
+    }
 
     void run(Tasks* tasks) {
         if (tasks != nullptr)
@@ -64,7 +67,7 @@ template <class Visit> class StrandRun {
                 },
                 this);
         // What nobody has begun:
-        Worker w;
+        Worker w(plan.strands, 0);
         for (std::uint32_t k = 0; k < plan.strands; ++k) take(w, k);
         finish(w);
     }
@@ -75,14 +78,17 @@ template <class Visit> class StrandRun {
         alignas(64) std::atomic<std::uint32_t> done = 0; ///< pieces, of all rounds
         std::atomic<bool> is_taken = false;
     };
-    /// One at work, with the strands that it has taken.
+    /// One at work, with the strands that it has taken. There is room for strands_max of them; those of the plan are made.
     struct Worker {
-        std::uint32_t number = 0; ///< of Tasks
+        std::uint32_t number; ///< of Tasks
         int patience = looks_max;
-        bool has[strands_max] = {};
-        std::uint32_t done[strands_max] = {}; ///< pieces of each strand, as far as it knows
-        std::uint32_t index[strands_max] = {},
-                      round[strands_max] = {}; ///< of the next piece of each that it has
+        bool has[strands_max];
+        std::uint32_t done[strands_max];                      ///< pieces of each strand, as far as it knows
+        std::uint32_t index[strands_max], round[strands_max]; ///< of the next piece of each that it has
+
+        Worker(std::uint32_t strands, std::uint32_t of_tasks) : number(of_tasks) {
+            for (std::uint32_t k = 0; k < strands; ++k) has[k] = false, done[k] = index[k] = round[k] = 0;
+        }
     };
     static constexpr int looks_max = 300; ///< then a strand that nobody has begun is taken over: 3 to 10 us
 
@@ -92,8 +98,7 @@ template <class Visit> class StrandRun {
         return w.has[k] = true;
     }
     void work(std::uint32_t own, std::uint32_t number) {
-        Worker w;
-        w.number = number;
+        Worker w(plan.strands, number);
         if (take(w, own)) finish(w);
     }
     /// All strands that it has taken, and takes meanwhile. Of all that nobody has done the first piece in order waits for nothing, and whoever has
@@ -148,7 +153,9 @@ template <class Visit> class StrandRun {
     const StrandPlan& plan;
     const std::uint32_t rounds;
     const Visit& visit;
-    Strand strand[strands_max];
+    union { // a run of few strands takes a microsecond: the others are not made
+        Strand strand[strands_max];
+    };
 };
 
 /// visit(piece, PieceAt) for all pieces of a plan, round after round, those of different strands at the same time. Without tasks: in order.

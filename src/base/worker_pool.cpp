@@ -4,6 +4,7 @@
 #include "base/assert.h"
 #include "base/bell.h"
 #include "base/relax.h"
+#include "base/shared_loop.h"
 
 #include <atomic>
 #include <system_error>
@@ -59,20 +60,10 @@ class WorkerPool final : public Tasks {
             threads.emplace_back([this, worker] { serve(worker); });
     }
 
-    /// Each worker has a share of the items, a row of its own, and takes them from a ticket of its own: shares of rows that follow one another
-    /// stay in its cache from run to run. Who has done its share helps others.
-    ///
-    /// The ticket: number of the run in the upper 40 bits, items of the share that nobody has taken yet in the lower 24. The fields of
-    /// the job are read before an item is taken. They are not written while any item of their run is under way, so
-    /// whoever takes an item of a run has read the fields of that run.
-    struct alignas(64) Share {
-        std::atomic<std::uint64_t> ticket = 0;
-        std::atomic<std::uint32_t> end = 0; ///< one more than the last item
-        std::atomic<Item> item = nullptr;
-        std::atomic<void*> context = nullptr;
-    };
-    static constexpr int left_bits = 24;
-    static constexpr std::uint64_t left_mask = (std::uint64_t{1} << left_bits) - 1;
+    /// Each worker has a share of the items, a loop of its own: shares that follow one another stay in its cache from run to run. Who has done
+    /// its share helps others.
+    using Share = base::SharedLoop;
+    static constexpr std::uint64_t left_mask = Share::left_mask;
 
     void publish(std::uint32_t items, Item item, void* context) {
         pending.store(items, std::memory_order_relaxed);
@@ -83,11 +74,7 @@ class WorkerPool final : public Tasks {
             const std::uint32_t end =
                 static_cast<std::uint32_t>((items * (worker + 1) + workers - 1) / workers);
             if (end == first) continue;
-            Share& share = shares[worker];
-            share.end.store(end, std::memory_order_relaxed);
-            share.item.store(item, std::memory_order_relaxed);
-            share.context.store(context, std::memory_order_relaxed);
-            share.ticket.store(number << left_bits | (end - first), std::memory_order_release);
+            shares[worker].put_up(number, first, end, item, context);
             first = end;
             if (worker != 0) ++helpers;
         }
@@ -99,26 +86,11 @@ class WorkerPool final : public Tasks {
         if (helpers != 0) work_bell.ring_all(announced);
     }
 
-    std::uint32_t take_items_of(std::uint32_t whose, std::uint32_t worker) {
-        std::uint32_t done = 0;
-        Share& share = shares[whose];
-        std::uint64_t seen = share.ticket.load(std::memory_order_acquire);
-        while ((seen & left_mask) != 0) {
-            const std::uint32_t end = share.end.load(std::memory_order_relaxed);
-            const Item item = share.item.load(std::memory_order_relaxed);
-            void* const context = share.context.load(std::memory_order_relaxed);
-            if (!share.ticket.compare_exchange_weak(seen, seen - 1, std::memory_order_acquire)) continue;
-            item(context, end - static_cast<std::uint32_t>(seen & left_mask), worker);
-            ++done;
-            --seen;
-        }
-        return done;
-    }
     void take_items(std::uint32_t worker) {
         std::uint32_t done = 0;
         const std::uint32_t workers = worker_count();
         for (std::uint32_t k = 0; k < workers; ++k)
-            done += take_items_of(worker + k < workers ? worker + k : worker + k - workers, worker);
+            done += shares[worker + k < workers ? worker + k : worker + k - workers].take_items(worker);
         if (done != 0 && pending.fetch_sub(done, std::memory_order_acq_rel) == done)
             done_bell.ring_one(pending);
     }
@@ -137,7 +109,7 @@ class WorkerPool final : public Tasks {
         for (int looks = 0;;) {
             const std::uint32_t rings = announced.load(std::memory_order_acquire);
             if (stops.load(std::memory_order_relaxed)) return;
-            const std::uint64_t run = shares[worker].ticket.load(std::memory_order_acquire) >> left_bits;
+            const std::uint64_t run = shares[worker].number();
             if (run == last) {
                 if (++looks < looks_max)
                     base::relax(looks);

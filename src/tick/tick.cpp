@@ -4,11 +4,13 @@
 #include "tick/tick.h"
 
 #include "base/parallel.h"
+#include "base/two_jobs.h"
 #include "solve/bodies/integrate.h"
 #include "solve/bodies/step.h"
 #include "solve/joints/followed_turn.h"
 #include "solve/joints/joint_stiffness.h"
 
+#include <algorithm>
 #include <tuple>
 
 namespace lockstone::sim {
@@ -91,15 +93,14 @@ bool contacts_are_alone(const Tick& t) {
            w.state.rows(w.m.vehicle).empty() && t.s.joints.all.empty();
 }
 
-/// What is done to contacts and what is done to joints, neither of which the other one looks at. Two workers do one each where both are about as
-/// much: each of the two has parts that cannot be shared.
+/// What is done to contacts and what is done to joints, neither of which the other one looks at: at the same time where both are many, for each
+/// of the two has parts that cannot be shared.
 template <class OfContacts, class OfJoints>
 void both_sets(const Tick& t, const OfContacts& contacts, const OfJoints& joints) {
+    constexpr std::size_t many = 64;
     Tasks* const tasks = t.hooks.tasks;
-    const std::size_t contact_count = t.s.found.contacts.size(), joint_count = t.s.joints.all.size();
-    const bool are_alike = contact_count <= 2 * joint_count && joint_count <= 2 * contact_count;
-    if (base::worker_count(tasks) == 2 && are_alike && joint_count >= 64)
-        return base::run_both(*tasks, contacts, joints);
+    const bool are_many = std::min(t.s.found.contacts.size(), t.s.joints.all.size()) >= many;
+    if (base::worker_count(tasks) > 1 && are_many) return base::run_both(*tasks, contacts, joints);
     contacts(tasks);
     joints(tasks);
 }
@@ -118,7 +119,7 @@ void prepare(const Tick& t, const Scene& scene, const solve::BodyColumns& column
     const bool same_joints = !s.joints.is_new && !other_step;
     if (!same_joints) solve::find_weak_forces(s.joints.all, columns, s.step, s.bodies);
     solve::stiffen_bodies(s.joints.all, memory, columns, s.step, s.bodies, tasks);
-    solve::follow_turns(columns, s.step, s.bodies);
+    solve::follow_turns(columns, s.step, s.bodies, tasks);
     list_fields(w, s.fields);
     both_sets(
         t,
@@ -189,12 +190,14 @@ void store(const Tick& t) {
         s.joint_solver.close(s.step, s.bodies);
         s.contacts.apply_restitution(s.step, s.bodies);
     }
+    const std::span<JointMemory> memory = w.state.edit(w.m.joint_memory, 0, w.header().joints_awake);
     both_sets(
         t, [&](Tasks* by) { s.contacts.store(s.found.contacts, s.table.list.memories, s.bodies.clamps, by); },
-        [&, memory = w.state.edit(w.m.joint_memory, 0, w.header().joints_awake)](Tasks* by) {
+        [&](Tasks* by) {
             if (!bounces) s.joint_solver.close(s.step, s.bodies);
-            s.joint_solver.store(memory, s.bodies.clamps, by);
+            s.joint_solver.store_points(memory, by);
         });
+    s.joint_solver.store(memory, s.bodies.clamps, t.hooks.tasks);
     s.vehicle_solver.store(s.step, s.bodies, s.vehicles.driven());
     s.vehicles.store(w);
 }

@@ -15,25 +15,6 @@ using namespace lockstone::test;
 
 namespace {
 
-/// Runs some of the items it is given: the others are never run, or all of them twice.
-class OddTasks final : public Tasks {
-  public:
-    enum class Way { first_alone, last_alone, none_but_second, twice };
-    explicit OddTasks(Way what) : way(what) {}
-    std::uint32_t worker_count() const override { return 3; }
-    void run(std::uint32_t items, Item item, void* context) override {
-        for (int time = 0; time < (way == Way::twice ? 2 : 1); ++time)
-            for (std::uint32_t i = 0; i < items; ++i)
-                if (way == Way::twice || i == (way == Way::first_alone  ? 0
-                                               : way == Way::last_alone ? items - 1
-                                                                        : 1))
-                    item(context, i, i);
-    }
-
-  private:
-    Way way;
-};
-
 /// Pieces of up to nine strands, some of which wait for earlier ones of others, or for some of the round before.
 base::StrandPlan random_plan(std::mt19937& random) {
     base::StrandPlan plan;

@@ -85,4 +85,23 @@ class FaultyTasks final : public Tasks {
     std::uint64_t faulty_run;
 };
 
+/// Runs some of the items it is given: the others are never run, or all of them twice.
+class OddTasks final : public Tasks {
+  public:
+    enum class Way { first_alone, last_alone, none_but_second, twice };
+    explicit OddTasks(Way what) : way(what) {}
+    std::uint32_t worker_count() const override { return 3; }
+    void run(std::uint32_t items, Item item, void* context) override {
+        for (int time = 0; time < (way == Way::twice ? 2 : 1); ++time)
+            for (std::uint32_t i = 0; i < items; ++i)
+                if (way == Way::twice || i == (way == Way::first_alone  ? 0
+                                               : way == Way::last_alone ? items - 1
+                                                                        : 1))
+                    item(context, i, i);
+    }
+
+  private:
+    Way way;
+};
+
 } // namespace lockstone::test

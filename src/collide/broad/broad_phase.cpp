@@ -284,7 +284,7 @@ void BroadPhase::find_pairs_of(std::uint32_t proxy, const PairFilter& filter, st
 }
 
 bool BroadPhase::find_fresh_pairs(std::size_t found_max, const PairFilter& filter, Tasks* tasks) {
-    constexpr std::uint32_t chunk = 64;
+    constexpr std::uint32_t chunk = 16;
     const std::uint32_t count = static_cast<std::uint32_t>(changed.size());
     if (tasks == nullptr || count <= chunk) {
         for (std::uint32_t proxy : changed) {

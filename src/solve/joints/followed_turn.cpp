@@ -119,17 +119,24 @@ constexpr int spin_parts = 2;
 /// Chains under load come apart with 4, and gain energy where they are snatched with 8.
 constexpr int held_parts = 16;
 
-/// Whether a body turns by more than 1 / `parts` of a radian in the tick about some axis.
-bool turns_by(const BodyColumns& columns, std::uint32_t row, int parts, const StepConstants& step) {
-    const Vec3 w = abs(to<Real>(columns.velocity[row].angular));
-    return max(w.x, max(w.y, w.z)) * parts > Real(step.ticks_per_second);
-}
-/// And whether it feels gyroscopic torque.
-bool spins(const BodyColumns& columns, std::uint32_t row, const BodyStep& s, int parts,
-           const StepConstants& step) {
+/// Whether a body turns about some axis by more than 1 / `parts` of a radian in a tick.
+class TurnsBy {
+    std::int32_t most; ///< Speed
+
+  public:
+    TurnsBy(int parts, const StepConstants& step)
+        : most(static_cast<std::int32_t>((std::int64_t{step.ticks_per_second} << Speed::fraction_bits) /
+                                         parts)) {}
+    bool operator()(const Velocity& v) const {
+        const SpeedVec3& w = v.angular;
+        return w.x.raw > most || w.y.raw > most || w.z.raw > most || w.x.raw < -most || w.y.raw < -most ||
+               w.z.raw < -most;
+    }
+};
+/// Whether it feels gyroscopic torque.
+bool is_gyroscope(const BodyColumns& columns, std::uint32_t row, const BodyStep& s) {
     if (!s.movable || (s.radii.x == s.radii.y && s.radii.y == s.radii.z)) return false;
-    return turns_by(columns, row, parts, step) && s.turn == 0 && columns.traits(row).gyroscopic != 0 &&
-           s.angular_mask == 7u;
+    return s.turn == 0 && columns.traits(row).gyroscopic != 0 && s.angular_mask == 7u;
 }
 
 template <class T> using Lanes = FollowedFour::Lanes<T>;
@@ -221,20 +228,30 @@ template <class T> T& add(std::vector<T>& v) {
     return v.emplace_back();
 }
 
-void follow(const BodyColumns& columns, std::uint32_t row, const StepConstants& step, SolverBodies& bodies) {
+/// One more body that is followed: which it is.
+void follow(std::uint32_t row, SolverBodies& bodies) {
     const std::size_t at = bodies.turns.size();
+    FollowedFour& four = at % followed_lanes == 0 ? add(bodies.fours) : bodies.fours.back();
+    four.row[at % followed_lanes] = add(bodies.turns).body = row;
+    bodies.step[row].turn = static_cast<std::uint32_t>(at + 1);
+}
+
+/// The numbers of one that is, from which its tick starts.
+void start_turn(const BodyColumns& columns, std::size_t at, const StepConstants& step, SolverBodies& bodies) {
     const unsigned lane = at % followed_lanes;
-    BodyStep& s = bodies.step[row];
-    FollowedTurn& turn = add(bodies.turns);
-    FollowedFour& four = lane == 0 ? add(bodies.fours) : bodies.fours.back();
-    s.turn = static_cast<std::uint32_t>(at + 1);
+    FollowedTurn& turn = bodies.turns[at];
+    FollowedFour& four = bodies.fours[at / followed_lanes];
+    const std::uint32_t row = turn.body;
+    if (row == bodies.still()) { // of a lane that is not used
+        four.start[3][lane] = four.principal[3][lane] = unit_one.raw;
+        return;
+    }
+    const BodyStep& s = bodies.step[row];
     turn.principal = columns.mass[row].principal;
     turn.radii_inv = s.radii_inv;
     turn.own = columns.mass[row].gyration;
-    turn.body = row;
     turn.held = s.jointed;
     turn.stiff = s.radii != turn.own;
-    four.row[lane] = row;
     four.any_held = four.any_held || turn.held;
     four.held[lane] = turn.held ? -1 : 0, four.stiff[lane] = turn.stiff ? -1 : 0;
     four.linear_mask[lane] = static_cast<std::int32_t>(s.linear_mask);
@@ -261,16 +278,6 @@ const FollowKernel& kernel_of(const SolverBodies& bodies) {
     return (bodies.kernel != nullptr ? *bodies.kernel : scalar_bodies).followed;
 }
 
-/// Lanes that are not used stand still.
-void fill_up(SolverBodies& bodies) {
-    while (bodies.turns.size() % followed_lanes != 0) {
-        const unsigned lane = bodies.turns.size() % followed_lanes;
-        FollowedFour& four = bodies.fours.back();
-        add(bodies.turns).body = four.row[lane] = bodies.still();
-        four.start[3][lane] = four.principal[3][lane] = unit_one.raw;
-    }
-}
-
 /// Calls visit(Followed) for those in FollowedFours [first, last) that the kernel left.
 template <class Visit>
 void for_each_left(SolverBodies& bodies, std::uint32_t first, std::uint32_t last, Visit&& visit) {
@@ -289,23 +296,22 @@ void answer(const FollowPass& pass, const StepConstants& step, SolverBodies& bod
     });
 }
 
+/// FollowedFours that a worker does at a time.
+constexpr std::uint32_t fours_chunk = body_chunk / followed_lanes;
 std::uint32_t count_of(const SolverBodies& bodies) { return static_cast<std::uint32_t>(bodies.fours.size()); }
 
 } // namespace
 
-void follow_turns(const BodyColumns& columns, const StepConstants& step, SolverBodies& bodies) {
-    const std::uint32_t count = static_cast<std::uint32_t>(columns.info.size());
-    for (std::uint32_t row = 0; row < count; ++row) {
-        if (!turns_by(columns, row, held_parts, step)) continue; // most do not: their steps are not looked at
-        if (spins(columns, row, bodies.step[row], bodies.step[row].jointed ? held_parts : spin_parts, step))
-            follow(columns, row, step, bodies);
-    }
-    if (bodies.turns.empty()) return;
-    fill_up(bodies);
+/// The numbers of FollowedFours [first, last) when a tick begins.
+static void start_fours(const BodyColumns& columns, const StepConstants& step, SolverBodies& bodies,
+                        std::uint32_t first, std::uint32_t last) {
+    const std::size_t end = std::size_t{last} * followed_lanes;
+    for (std::size_t at = std::size_t{first} * followed_lanes; at < end; ++at)
+        start_turn(columns, at, step, bodies);
     const FollowPass pass = pass_of(step, bodies);
-    kernel_of(bodies).start(pass, 0, count_of(bodies));
-    answer(pass, step, bodies, 0, count_of(bodies));
-    for (std::size_t at = 0; at < bodies.turns.size(); ++at) {
+    kernel_of(bodies).start(pass, first, last);
+    answer(pass, step, bodies, first, last);
+    for (std::size_t at = std::size_t{first} * followed_lanes; at < end; ++at) {
         Followed f(bodies, at);
         if (f.turn.stiff) f.give_spin(f.spin());
         // Rows have the K^-1 of the kernel, which changes from here on.
@@ -318,10 +324,28 @@ void follow_turns(const BodyColumns& columns, const StepConstants& step, SolverB
     }
 }
 
+void follow_turns(const BodyColumns& columns, const StepConstants& step, SolverBodies& bodies, Tasks* tasks) {
+    const TurnsBy far(spin_parts, step), far_for_joints(held_parts, step);
+    const std::uint32_t count = static_cast<std::uint32_t>(columns.info.size());
+    for (std::uint32_t row = 0; row < count; ++row) {
+        if (!far_for_joints(columns.velocity[row])) continue; // most do not: their steps are not looked at
+        const BodyStep& s = bodies.step[row];
+        if ((s.jointed || far(columns.velocity[row])) && is_gyroscope(columns, row, s)) follow(row, bodies);
+    }
+    while (bodies.turns.size() % followed_lanes != 0) { // lanes that are not used stand still
+        bodies.fours.back().row[bodies.turns.size() % followed_lanes] = bodies.still();
+        add(bodies.turns).body = bodies.still();
+    }
+    base::for_chunks(tasks, count_of(bodies), fours_chunk,
+                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                         start_fours(columns, step, bodies, first, last);
+                     });
+}
+
 void advance_turns(const StepConstants& step, SolverBodies& bodies, Tasks* tasks) {
     if (bodies.fours.empty()) return;
     const FollowPass pass = pass_of(step, bodies);
-    base::for_chunks(tasks, count_of(bodies), body_chunk / followed_lanes,
+    base::for_chunks(tasks, count_of(bodies), fours_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
                          kernel_of(bodies).turn(pass, first, last);
                          for_each_left(bodies, first, last, [&](Followed f) { turn_far(f, step); });

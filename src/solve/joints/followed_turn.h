@@ -33,7 +33,7 @@ namespace lockstone::solve {
 /// After stiffen_bodies() and before rows are made: finds the bodies that are followed in this tick, and their g. These
 /// are those that feel gyroscopic torque and turn about some axis by half a radian in the tick or more, or by a sixteenth
 /// where a joint holds them.
-void follow_turns(const BodyColumns& columns, const StepConstants& step, SolverBodies& bodies);
+void follow_turns(const BodyColumns& columns, const StepConstants& step, SolverBodies& bodies, Tasks* tasks);
 
 /// Turns followed bodies by their u for a substep and finds g for the next one. |u| is within the tip speed limit.
 void advance_turns(const StepConstants& step, SolverBodies& bodies, Tasks* tasks);

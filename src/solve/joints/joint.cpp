@@ -142,20 +142,22 @@ void turn_held(JointTick& tick, const JointKernel& kernel, const StepConstants& 
 }
 
 /// Rows and biases of points where the bodies are now, and the inverses of the rows that packs make. `pass`: of the kernel, for where bodies are.
-/// `visit(pack)`: once its rows are made.
-template <class Visit>
+/// `before(index)` and `after(pack)`: a pack's rows are made.
+template <class Before, class After>
 void refresh_packs(JointTick& tick, const JointKernel& kernel, decltype(JointKernel::refresh) pass,
-                   const StepConstants& step, const SolverBodies& bodies, Tasks* tasks, const Visit& visit) {
+                   const StepConstants& step, const SolverBodies& bodies, Tasks* tasks, const Before& before,
+                   const After& after) {
     // Other passes of a kernel write to bodies, these only read them.
     const JointPassData data = pass_data(tick, step, const_cast<SolverBody*>(bodies.body.data()));
     const auto count = static_cast<std::uint32_t>(tick.packs.size());
     std::atomic<bool> any_asks = false;
     base::for_chunks(tasks, count, tasks == nullptr ? packs_in_cache : pack_chunk_of(count),
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                         for (std::uint32_t i = first; i < last; ++i) before(i);
                          pass(data, first, last);
                          for (std::uint32_t i = first; i < last; ++i) {
                              if (tick.packs[i].over != 0) enlarge_exponents(tick, i, pass, data, step);
-                             visit(tick.packs[i]);
+                             after(tick.packs[i]);
                          }
                          for (std::uint32_t end = first; first < last; first = end + 1) {
                              for (end = first; end < last && !asks_for_rows(tick, end);) ++end;
@@ -167,6 +169,7 @@ void refresh_packs(JointTick& tick, const JointKernel& kernel, decltype(JointKer
          ++i) { // bodies that these place belong to several packs
         if (!asks_for_rows(tick, i)) continue;
         make_asked_rows(tick, i, step, bodies);
+        settle_asks(tick.packs[i]);
         invert_some(tick, i, i + 1, kernel, data);
     }
 }
@@ -186,6 +189,8 @@ void enlarge_exponents(JointTick& tick, std::uint32_t p, decltype(JointKernel::r
         pass(data, p, p + 1);
     }
 }
+
+void settle_asks(JointPack& pack) { std::copy_n(pack.asks_next, pack_lanes, pack.asks); }
 
 void invert_some(JointTick& tick, std::uint32_t first, std::uint32_t last, const JointKernel& kernel,
                  const JointPassData& data) {
@@ -218,7 +223,7 @@ void set_glance(JointTick& tick, const JointWork& work, bool own_rows, bool limi
         asks = packed && (!own_rows || limits) ? seen_strays_far : seen_strays;
     }
     glance = {at(work.a), at(work.b), rows_ask, own_rows, own_rows || !packed, false};
-    if (packed) tick.packs[work.pack].asks[work.lane] = asks;
+    if (packed) tick.packs[work.pack].asks_next[work.lane] = asks;
 }
 
 void set_glance(JointTick& tick, const JointWork& work) {
@@ -348,11 +353,14 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
     turn_held(tick, *kernel, step, bodies, tasks);
     start_packs(tick, *kernel, step, bodies, tasks);
     for_joints(tick, tasks, [&](JointWork& w) { make_rows(tick, w, step, bodies); });
-    refresh_packs(tick, *kernel, kernel->begin, step, bodies, tasks, [](JointPack& pack) {
-        for (std::uint32_t lane = 0; lane < pack_lanes; ++lane)
-            pack.bias_before[lane] = std::max(
-                {std::abs(pack.bias[0][lane]), std::abs(pack.bias[1][lane]), std::abs(pack.bias[2][lane])});
-    });
+    refresh_packs(
+        tick, *kernel, kernel->begin, step, bodies, tasks,
+        [&](std::uint32_t pack) { settle_asks(tick.packs[pack]); },
+        [](JointPack& pack) {
+            for (std::uint32_t lane = 0; lane < pack_lanes; ++lane)
+                pack.bias_before[lane] = std::max({std::abs(pack.bias[0][lane]), std::abs(pack.bias[1][lane]),
+                                                   std::abs(pack.bias[2][lane])});
+        });
     factorise_trees(tick, bodies, tasks);
 }
 
@@ -391,20 +399,17 @@ void find_stale_lanes(JointTick& tick, std::uint32_t i, const SolverBodies& bodi
         pack.stale[lane] = (seen & pack.asks[lane]) != 0 ? -1 : 0;
         any |= seen;
     }
+    settle_asks(pack);
     for (std::uint32_t lane = 0; (any & seen_followed) != 0 && lane < pack.count; ++lane)
         give_gyration(tick, tick.joints[tick.packed[i * pack_lanes + lane]], bodies);
 }
 
-/// What has become stale of packs; and where the bodies are for which rows are to be made.
-void find_stale_packs(JointTick& tick, const SolverBodies& bodies, Tasks* tasks) {
-    const auto packs = static_cast<std::uint32_t>(tick.packs.size()),
-               wanted = static_cast<std::uint32_t>(tick.wanted.size());
-    base::for_chunks(tasks, packs + wanted, body_chunk,
+/// Where the bodies are for which rows are to be made.
+void place_wanted(JointTick& tick, const SolverBodies& bodies, Tasks* tasks) {
+    base::for_chunks(tasks, static_cast<std::uint32_t>(tick.wanted.size()), body_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-                         for (std::uint32_t i = first; i < std::min(last, packs); ++i)
-                             find_stale_lanes(tick, i, bodies);
-                         for (std::uint32_t i = std::max(first, packs); i < last; ++i) {
-                             JointBody& body = tick.bodies[tick.wanted[i - packs]];
+                         for (std::uint32_t i = first; i < last; ++i) {
+                             JointBody& body = tick.bodies[tick.wanted[i]];
                              place_body(body, tick.pose[body.body], bodies);
                          }
                      });
@@ -439,9 +444,11 @@ void JointSolver::update(const StepConstants& step, const SolverBodies& bodies, 
     }
     turn_held(tick, *kernel, step, bodies, tasks);
     const bool own_rows = find_stale_joints(tick);
-    find_stale_packs(tick, bodies, tasks);
+    place_wanted(tick, bodies, tasks);
     if (own_rows) follow_joints(tick, step, bodies, tasks);
-    refresh_packs(tick, *kernel, kernel->refresh, step, bodies, tasks, [](const JointPack&) {});
+    refresh_packs(
+        tick, *kernel, kernel->refresh, step, bodies, tasks,
+        [&](std::uint32_t pack) { find_stale_lanes(tick, pack, bodies); }, [](const JointPack&) {});
     factorise_trees(tick, bodies, tasks);
 }
 
@@ -542,9 +549,12 @@ Quat frame_rotation(const JointTick& tick, const JointWorkSide& s, const JointFr
 
 } // namespace
 
+void JointSolver::store_points(std::span<JointMemory> memory, Tasks* tasks) const {
+    for_packs(*work, tasks, [&](const JointPack& pack, std::uint32_t) { solve::store_points(pack, memory); });
+}
+
 void JointSolver::store(std::span<JointMemory> memory, ClampCounts& clamps, Tasks* tasks) const {
     JointTick& tick = *work;
-    for_packs(tick, tasks, [&](const JointPack& pack, std::uint32_t) { store_points(pack, memory); });
     for_joints(tick, tasks, [&](const JointWork& w) {
         JointMemory& m = memory[w.memory];
         m.axis = {}, m.swing = Real{};

@@ -79,7 +79,8 @@ class JointSolver {
     void solve(const StepConstants& step, SolverBodies& bodies, bool bias, Tasks* tasks = nullptr);
     /// After the substeps: closes points that are further off than 6 mm, by moving bodies; no speed and no impulse changes.
     void close(const StepConstants& step, SolverBodies& bodies);
-    /// Impulses, unwrapped angles and reactions for the next tick and for readers.
+    /// Impulses, unwrapped angles and reactions for the next tick and for readers: of points in packs, and of all others.
+    void store_points(std::span<JointMemory> memory, Tasks* tasks = nullptr) const;
     void store(std::span<JointMemory> memory, ClampCounts& clamps, Tasks* tasks = nullptr) const;
 
     void reserve(std::size_t joints);

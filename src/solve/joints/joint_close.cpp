@@ -161,6 +161,7 @@ class Closer {
         tick.packs[p].stale[lane] = (seen & tick.packs[p].asks[lane]) != 0 ? -1 : 0;
         if ((seen & seen_followed) != 0) give_gyration(tick, joint_of(p, lane), bodies);
         if (glance.own_rows) follow_errors(tick, joint_of(p, lane), step, bodies);
+        settle_asks(tick.packs[p]);
     }
     /// Rows of a pack and the biases of its joints that pull, from where bodies are. Whether one of these is open.
     bool refresh(std::uint32_t p, bool moved) {

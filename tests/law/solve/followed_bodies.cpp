@@ -48,7 +48,7 @@ void begin(Rig& rig, const StepConstants& step, bool stiffens) {
             set_radii(rig.columns(), row, {s.radii.x + half(s.radii.x), s.radii.y, s.radii.z + s.radii.z},
                       step, rig.bodies);
     }
-    follow_turns(rig.columns(), step, rig.bodies);
+    follow_turns(rig.columns(), step, rig.bodies, nullptr);
 }
 
 /// What contacts or joints might add to u.

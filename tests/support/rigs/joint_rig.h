@@ -109,7 +109,7 @@ struct Rig {
             bodies.step[ready[i].body_a].jointed = bodies.step[ready[i].body_b].jointed = true;
         }
         stiffen_bodies(ready, memory, columns(), step, bodies);
-        follow_turns(columns(), step, bodies);
+        follow_turns(columns(), step, bodies, nullptr);
         solver.prepare(ready, memory, columns(), step, bodies);
     }
     /// As in tick.cpp, without contacts, vehicles and fluids.
@@ -125,6 +125,7 @@ struct Rig {
         const StepConstants step = constants();
         begin(step);
         for (std::int32_t i = 0; i < step.substeps; ++i) substep(step);
+        solver.store_points(memory);
         solver.store(memory, clamps);
         finish_step(step, bodies, columns());
     }

@@ -75,9 +75,10 @@ struct JointPack {
     /// From A's centre of mass to B's when the tick began; of the world, the anchor. [m], Real
     std::int64_t apart[3][pack_lanes];
     std::int64_t near_shift[pack_lanes], ahead_shift[pack_lanes]; ///< of C and of the arc to 2^-e
-    std::uint32_t over;             ///< bit per lane: entries have grown to 2, the rows want a larger e
-    std::uint8_t asks[pack_lanes];  ///< JointSeen by which inverses become stale
-    std::int32_t stale[pack_lanes]; ///< all ones: inverses are to be made anew
+    std::uint32_t over; ///< bit per lane: entries have grown to 2, the rows want a larger e
+    /// JointSeen by which inverses become stale; and from the next update on, as rows that are made in this one have it
+    std::uint8_t asks[pack_lanes], asks_next[pack_lanes];
+    std::int32_t stale[pack_lanes];         ///< all ones: inverses are to be made anew
     std::uint32_t points_left, hinges_left; ///< bit per lane: and lanes could not
     std::int32_t push_max[pack_lanes];      ///< of the bias: by the error, Speed
     std::int32_t exponent[pack_lanes];      ///< e
