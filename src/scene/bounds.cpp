@@ -219,18 +219,18 @@ void hand_over_moved(const Model& w, const PlaceView& v, PlacedShapes& s, const 
     s.proxy_generation[slot] = shape.id.generation;
 }
 
-/// Tells the broad phase of a shape that awake bodies have.
-inline void hand_over_awake(const Model& w, const PlaceView& v, PlacedShapes& s, const ShapeRow& shape,
-                            std::uint32_t row) {
+/// Tells the broad phase of a shape that awake bodies have and that stays within its leaf. False: it does not, and nothing was done.
+inline bool hand_over_within(PlacedShapes& s, const ShapeRow& shape) {
     const std::uint32_t slot = shape.id.index - 1;
     PlacedShapes::Shape& at = s.shape[slot];
     if (!at.is_placed || at.filter.kind == ShapeKind::plane || !s.broad_phase.move_within(slot, at.bounds))
-        return hand_over_moved(w, v, s, shape, row);
+        return false;
     at.rests = false;
     s.proxy_generation[slot] = shape.id.generation;
+    return true;
 }
 
-/// Where the shapes of the awake bodies are, by workers; then the broad phase hears of it, by one and in order.
+/// Where the shapes of the awake bodies are, by workers; then the broad phase hears of those that have left their leaves, by one and in order.
 void update_awake(const Model& w, PlacedShapes& s, Tasks* tasks) {
     const std::uint32_t awake = w.header().bodies_awake;
     const PlaceView v(w);
@@ -252,21 +252,33 @@ void update_awake(const Model& w, PlacedShapes& s, Tasks* tasks) {
         }
         placing.finish();
     };
-    const auto tell = [&](std::uint32_t first, std::uint32_t last) {
-        for (std::uint32_t row = first; row < last; ++row)
-            for_each(row,
-                     [&](const ShapeRow& shape, std::uint32_t) { hand_over_awake(w, v, s, shape, row); });
+    const auto tell = [&](std::uint32_t row) {
+        for_each(row, [&](const ShapeRow& shape, std::uint32_t) {
+            if (!hand_over_within(s, shape)) hand_over_moved(w, v, s, shape, row);
+        });
     };
-    if (tasks != nullptr) {
-        base::for_chunks(tasks, awake, bodies_per_chunk, place);
-        tell(0, awake);
+    if (tasks == nullptr) {
+        for (std::uint32_t first = 0; first < awake; first += bodies_per_chunk) { // while they are at hand
+            const std::uint32_t last = std::min(first + bodies_per_chunk, awake);
+            place(first, last, 0);
+            for (std::uint32_t row = first; row < last; ++row) tell(row);
+        }
         return;
     }
-    for (std::uint32_t first = 0; first < awake; first += bodies_per_chunk) { // while they are at hand
-        const std::uint32_t last = std::min(first + bodies_per_chunk, awake);
-        place(first, last, 0);
-        tell(first, last);
-    }
+    s.is_told.assign(awake, 0);
+    base::for_chunks(tasks, awake, bodies_per_chunk,
+                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t worker) {
+                         place(first, last, worker);
+                         for (std::uint32_t row = first; row < last; ++row) {
+                             bool all = true;
+                             for_each(row, [&](const ShapeRow& shape, std::uint32_t) {
+                                 all = hand_over_within(s, shape) && all;
+                             });
+                             s.is_told[row] = all ? 1 : 0;
+                         }
+                     });
+    for (std::uint32_t row = 0; row < awake; ++row)
+        if (s.is_told[row] == 0) tell(row);
 }
 
 bool is_living_plane(const Model& w, std::uint32_t slot) {

@@ -64,6 +64,8 @@ struct PlacedShapes {
     std::uint32_t awake_before = 0;             ///< bodies, when bounds were last updated
     std::vector<std::uint32_t> solids_replaced; ///< shape slots that rested when another solid was put there
     std::vector<RowRange> changed;
+    std::vector<std::uint8_t>
+        is_told; ///< by row of an awake body: 1 when all of its shapes stay within their leaves
 };
 
 inline constexpr Length margin_base =

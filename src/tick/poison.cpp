@@ -17,8 +17,8 @@ void poison_narrow(std::byte with, collide::NarrowScratch& scratch, collide::Man
 /// Of what is awake, which every tick places anew. What rests stays where it was placed; so do the other caches.
 void poison_shapes(std::byte with, PlacedShapes& placed) {
     auto& [solids, broad_phase, kernel, structure_stale, is_current, shape, planes, proxy_generation,
-           proxies_of, awake_before, solids_replaced, changed] = placed;
-    poison(with, changed);
+           proxies_of, awake_before, solids_replaced, changed, is_told] = placed;
+    poison(with, changed, is_told);
     is_current = false;
     for (PlacedShapes::Shape& one : shape)
         if (!one.rests)

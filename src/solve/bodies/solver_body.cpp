@@ -207,11 +207,10 @@ static std::uint8_t begin_body(const BodyInfo& info, const BodyTraits& traits, c
 }
 
 void set_radii(const BodyColumns& c, std::uint32_t row, Vec3 radii, const StepConstants& step,
-               SolverBodies& bodies) {
+               SolverBodies& bodies, ClampCounts& clamps) {
     BodyStep& s = bodies.step[row];
     s.radii = radii, s.radii_inv = reciprocals(radii);
-    begin_turning(c.mass[row].principal, c.pose[row], c.velocity[row], step, bodies.body[row], s,
-                  bodies.clamps);
+    begin_turning(c.mass[row].principal, c.pose[row], c.velocity[row], step, bodies.body[row], s, clamps);
     if (c.pushes[row] != 0) begin_torque(c.mass[row], c.force[row], step, s, bodies.push[row]);
     // Its radii are no longer those of its traits.
     const auto motion = static_cast<std::uint8_t>(bodies.plain[row] &

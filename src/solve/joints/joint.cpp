@@ -284,23 +284,32 @@ void plan_joints(JointTick& tick, std::span<const Joint> joints, std::span<const
             }
     }
     tick.planned.clear();
-    for (const JointBody& now : tick.bodies) tick.planned.push_back(planned_of(now.body, bodies));
+    for (JointBody& now : tick.bodies) {
+        tick.planned.push_back(planned_of(now.body, bodies));
+        if (now.motion_asked) start_motion(now, columns.pose[now.body], bodies);
+    }
     tick.has_plan = tick.forest.trees.empty();
 }
 
 /// Whether the plan of the last tick serves again. How large a body's K^-1 is changes from tick to tick.
-bool is_plan_good(const JointTick& tick, std::size_t joints, const SolverBodies& bodies,
-                  std::uint32_t workers) {
-    if (!tick.has_plan || tick.planned_for != workers || tick.joints.size() != joints) return false;
-    constexpr std::size_t ahead = 8;
-    for (std::size_t i = 0; i < tick.bodies.size(); ++i) {
-        if (i + ahead < tick.bodies.size()) {
-            const BodyStep& next = bodies.step[tick.bodies[i + ahead].body];
-            base::prefetch(next.moves), base::prefetch(next.radii_inv);
-        }
-        if (tick.planned[i] != planned_of(tick.bodies[i].body, bodies)) return false;
-    }
-    return true;
+bool is_plan_good(const JointTick& tick, std::size_t joints, const SolverBodies& bodies, Tasks* tasks) {
+    if (!tick.has_plan || tick.planned_for != base::worker_count(tasks) || tick.joints.size() != joints)
+        return false;
+    constexpr std::uint32_t ahead = 8;
+    const std::uint32_t count = static_cast<std::uint32_t>(tick.bodies.size());
+    std::atomic<bool> is_good = true;
+    base::for_all_chunks(tasks, count, body_chunk,
+                         [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                             for (std::uint32_t i = first; i < last; ++i) {
+                                 if (i + ahead < count) {
+                                     const BodyStep& next = bodies.step[tick.bodies[i + ahead].body];
+                                     base::prefetch(next.moves), base::prefetch(next.radii_inv);
+                                 }
+                                 if (tick.planned[i] != planned_of(tick.bodies[i].body, bodies))
+                                     is_good.store(false, std::memory_order_relaxed);
+                             }
+                         });
+    return is_good.load(std::memory_order_relaxed);
 }
 
 /// What plan_joints() makes, from what it made in the last tick.
@@ -308,16 +317,18 @@ void keep_plan(JointTick& tick, std::span<const Joint> joints, const BodyColumns
                const SolverBodies& bodies, Tasks* tasks) {
     base::for_chunks(tasks, static_cast<std::uint32_t>(tick.bodies.size()), body_chunk,
                      [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
-                         for (std::uint32_t i = first; i < last; ++i)
-                             start_body(tick.bodies[i], columns.pose[tick.bodies[i].body], bodies);
+                         for (std::uint32_t i = first; i < last; ++i) {
+                             JointBody& now = tick.bodies[i];
+                             start_body(now, columns.pose[now.body], bodies);
+                             if (now.motion_asked) start_motion(now, columns.pose[now.body], bodies);
+                         }
                      });
-    for (const std::uint32_t i : tick.with_rows) {
-        JointWork& w = tick.joints[i];
+    for_joints(tick, tasks, [&](JointWork& w) {
         w.twist = tick.memory[w.memory].twist;
         if (w.needs_travel) w.travel = w.twist;
         w.made = w.remade = w.steady = false;
         reassemble(tick, w);
-    }
+    });
     for (const std::uint32_t i : tick.framed_in_world) {
         JointWork& w = tick.joints[i];
         if (w.a.world) set_side(tick, w.a, w.frame_a, w.framed, joints[i].frame_a, columns, bodies);
@@ -338,18 +349,15 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
     tick.clamped = 0;
     tick.first = true;
     if (stays_empty) return;
-    const std::uint32_t workers = base::worker_count(tasks);
-    const bool kept = same && is_plan_good(tick, joints.size(), bodies, workers);
+    const bool kept = same && is_plan_good(tick, joints.size(), bodies, tasks);
     if (kept)
         keep_plan(tick, joints, columns, bodies, tasks);
     else
-        plan_joints(tick, joints, memory, columns, step, bodies, workers);
+        plan_joints(tick, joints, memory, columns, step, bodies, base::worker_count(tasks));
     tick.glances.resize(tick.joints.size());
     for (const JointWork& w : std::span(tick.joints).first(kept ? 0 : tick.joints.size()))
         if (is_packed_point(w)) set_glance(tick, w); // it stays what it is
-    for (JointBody& now : tick.bodies)
-        if (now.motion_asked) start_motion(now, columns.pose[now.body], bodies);
-    hold_bodies(tick, bodies);
+    hold_bodies(tick, bodies, tasks);
     turn_held(tick, *kernel, step, bodies, tasks);
     start_packs(tick, *kernel, step, bodies, tasks);
     for_joints(tick, tasks, [&](JointWork& w) { make_rows(tick, w, step, bodies); });

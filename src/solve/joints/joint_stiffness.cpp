@@ -146,12 +146,13 @@ Real stiffened(Real k, Real pull) {
     return more > Real{} ? sqrt(own + more) : k;
 }
 
-void stiffen(const BodyColumns& columns, std::uint32_t row, const StepConstants& step, SolverBodies& bodies) {
+void stiffen(const BodyColumns& columns, std::uint32_t row, const StepConstants& step, SolverBodies& bodies,
+             ClampCounts& clamps) {
     Vec3& pull = bodies.pull[row];
     const Vec3& k = columns.mass[row].gyration;
     const Vec3 radii{stiffened(k.x, pull.x), stiffened(k.y, pull.y), stiffened(k.z, pull.z)};
     pull = Vec3{};
-    if (radii != k) set_radii(columns, row, radii, step, bodies);
+    if (radii != k) set_radii(columns, row, radii, step, bodies, clamps);
 }
 
 } // namespace
@@ -211,10 +212,13 @@ void stiffen_bodies(std::span<const Joint> joints, std::span<const JointMemory> 
         for (const Pulls& found : bodies.joint_pulls)
             for (std::uint32_t k = 0; k < found.count; ++k) add(found.row[k], found.pull[k]);
     }
-    if (bodies.pull.empty()) return;
-    for (const Joint& joint : joints)
-        for (const std::uint32_t row : {joint.body_a, joint.body_b})
-            if (bodies.pull[row] != Vec3{}) stiffen(columns, row, step, bodies);
+    base::for_chunks(tasks, static_cast<std::uint32_t>(bodies.pull.size()), body_chunk,
+                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                         ClampCounts clamps;
+                         for (std::uint32_t row = first; row < last; ++row)
+                             if (bodies.pull[row] != Vec3{}) stiffen(columns, row, step, bodies, clamps);
+                         base::add_count(bodies.clamps.speed, clamps.speed);
+                     });
 }
 
 } // namespace lockstone::solve

@@ -266,7 +266,7 @@ void start_points(JointTick& tick, std::uint32_t pack);
 /// K^-1 of the followed bodies of a packed joint, as it is now.
 void give_gyration(JointTick& tick, const JointWork& work, const SolverBodies& bodies);
 /// Held bodies as the tick begins.
-void hold_bodies(JointTick& tick, const SolverBodies& bodies);
+void hold_bodies(JointTick& tick, const SolverBodies& bodies, Tasks* tasks);
 /// Where held bodies are now: TurnedBody and JointSeen.
 void turn_bodies(JointTick& tick, const JointKernel& kernel, const JointPassData& data,
                  const SolverBodies& bodies, Tasks* tasks);

@@ -87,7 +87,7 @@ void stiffen_some(Rig& rig, const StepConstants& step, bool planted) {
     for (std::uint32_t row = 0; row < rig.info.size(); row += 7) {
         if (!rig.bodies.step[row].movable) continue;
         const Vec3 k = rig.bodies.step[row].radii;
-        set_radii(rig.columns(), row, {k.x + half(k.x), k.y, k.z + k.z}, step, rig.bodies);
+        set_radii(rig.columns(), row, {k.x + half(k.x), k.y, k.z + k.z}, step, rig.bodies, rig.bodies.clamps);
         if (planted && rig.bodies.step[row].angular_mask == 7u) rig.bodies.plain[row] |= plain_end;
     }
 }

@@ -46,7 +46,7 @@ void begin(Rig& rig, const StepConstants& step, bool stiffens) {
         s.jointed = row % 3 != 0;
         if (stiffens && s.jointed && row % 7 == 0)
             set_radii(rig.columns(), row, {s.radii.x + half(s.radii.x), s.radii.y, s.radii.z + s.radii.z},
-                      step, rig.bodies);
+                      step, rig.bodies, rig.bodies.clamps);
     }
     follow_turns(rig.columns(), step, rig.bodies, nullptr);
 }

@@ -11,6 +11,9 @@
 
 namespace lockstone::solve {
 
+/// HeldBodies that a worker does at a time.
+static constexpr std::uint32_t groups_chunk = body_chunk / (2 * pack_lanes);
+
 /// Of a body whose turn theta does not tell from now on.
 static void give_body(JointTick& tick, std::uint32_t at) {
     if (tick.bodies[at].given) return;
@@ -19,13 +22,11 @@ static void give_body(JointTick& tick, std::uint32_t at) {
     tick.given.push_back(at);
 }
 
-void hold_bodies(JointTick& tick, const SolverBodies& bodies) {
-    const std::size_t count = tick.bodies.size(), groups = (count + pack_lanes - 1) / pack_lanes;
-    tick.held.resize(groups);
-    tick.turned.resize(1 + groups * pack_lanes), tick.seen.assign(tick.turned.size(), 0);
-    tick.turned[0] = {{{unit_one.raw, 0, 0}, {0, unit_one.raw, 0}, {0, 0, unit_one.raw}}, {}, {}, 0};
-    tick.given.clear();
-    for (std::uint32_t i = 0; i < groups * pack_lanes; ++i) {
+/// HeldBodies [first, last) as the tick begins.
+static void hold_groups(JointTick& tick, const SolverBodies& bodies, std::uint32_t first,
+                        std::uint32_t last) {
+    const std::size_t count = tick.bodies.size();
+    for (std::uint32_t i = first * pack_lanes; i < last * pack_lanes; ++i) {
         HeldBodies& held = tick.held[i / pack_lanes];
         const std::uint32_t lane = i % pack_lanes, body = i < count ? tick.bodies[i].body : bodies.still();
         const BodyStep& step = bodies.step[body];
@@ -38,8 +39,21 @@ void hold_bodies(JointTick& tick, const SolverBodies& bodies) {
         held.spin_shift[lane] = fits ? step.inv_exponent : 1;
         held.strays[lane] = fits ? 0 : -1;
         for (int k = 0; k < 3; ++k) held.packed_at[k][lane] = held.alone_at[k][lane] = 0;
-        if (step.turn != 0) give_body(tick, i);
     }
+}
+
+void hold_bodies(JointTick& tick, const SolverBodies& bodies, Tasks* tasks) {
+    const std::size_t groups = (tick.bodies.size() + pack_lanes - 1) / pack_lanes;
+    tick.held.resize(groups);
+    tick.turned.resize(1 + groups * pack_lanes), tick.seen.assign(tick.turned.size(), 0);
+    tick.turned[0] = {{{unit_one.raw, 0, 0}, {0, unit_one.raw, 0}, {0, 0, unit_one.raw}}, {}, {}, 0};
+    tick.given.clear();
+    base::for_chunks(tasks, static_cast<std::uint32_t>(groups), groups_chunk,
+                     [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                         hold_groups(tick, bodies, first, last);
+                     });
+    for (const FollowedTurn& turn : bodies.turns)
+        if (const std::uint32_t at = tick.cache_of[turn.body]; at != 0) give_body(tick, at - 1);
 }
 
 namespace {
@@ -108,7 +122,7 @@ void turn_four(JointTick& tick, std::uint32_t group, const JointKernel& kernel, 
 void turn_bodies(JointTick& tick, const JointKernel& kernel, const JointPassData& data,
                  const SolverBodies& bodies, Tasks* tasks) {
     base::for_chunks(
-        tasks, static_cast<std::uint32_t>(tick.held.size()), body_chunk / (2 * pack_lanes),
+        tasks, static_cast<std::uint32_t>(tick.held.size()), groups_chunk,
         [&](std::uint32_t first, std::uint32_t last, std::uint32_t) { kernel.turn(data, first, last); });
     for (std::uint32_t at = 0; at < tick.bodies.size(); ++at)
         if ((tick.seen[at + 1] & seen_far) != 0) give_body(tick, at);
