@@ -399,6 +399,7 @@ const shapes::Solid& solid_of(const Model& w, PlacedShapes& s, const ShapeRow& s
     if (at.rests) s.solids_replaced.push_back(shape.id.index - 1);
     at.rests = false; // its bounds are of the other solid
     at.solid = *solid;
+    at.has_pieces = at.solid.mesh != nullptr || at.solid.height_field != nullptr;
     at.reach = at.solid.geometry.kind == ShapeKind::plane ? Coordinate{} : shapes::reach_of(at.solid);
     at.inner = shapes::inner_radius(at.solid);
     return at.solid;

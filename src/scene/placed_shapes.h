@@ -44,6 +44,7 @@ struct PlacedShapes {
         Length margin;    ///< how far its contacts reach ahead at most
         Coordinate reach; ///< of its points from its origin [m]
         Length inner;     ///< shapes::inner_radius() of the solid
+        bool has_pieces;  ///< the solid has: a mesh or a height field
         bool has_axes;    ///< a ball that nothing is near needs none
         bool is_placed;   ///< while bounds are updated: pose, margin and bounds are those of this tick
         bool rests;       ///< the broad phase has it as resting, placed by: resting_local...
@@ -64,8 +65,8 @@ struct PlacedShapes {
     std::uint32_t awake_before = 0;             ///< bodies, when bounds were last updated
     std::vector<std::uint32_t> solids_replaced; ///< shape slots that rested when another solid was put there
     std::vector<RowRange> changed;
-    std::vector<std::uint8_t>
-        is_told; ///< by row of an awake body: 1 when all of its shapes stay within their leaves
+    /// By row of an awake body: 1 when all of its shapes stay within their leaves.
+    std::vector<std::uint8_t> is_told;
 };
 
 inline constexpr Length margin_base =

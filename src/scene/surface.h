@@ -11,8 +11,8 @@ struct Touch {
 };
 /// `piece`: triangle or part, as in hits and manifolds.
 Touch touch_of_piece(const ShapeTraits& shape, const shapes::Solid& solid, std::uint32_t piece);
-inline Touch touch_of(const ShapeTraits& shape, const shapes::Solid& solid, std::uint32_t piece) {
-    if (solid.mesh != nullptr || solid.height_field != nullptr) return touch_of_piece(shape, solid, piece);
+inline Touch touch_of(const ShapeTraits& shape, const PlacedShapes::Shape& at, std::uint32_t piece) {
+    if (at.has_pieces) return touch_of_piece(shape, at.solid, piece);
     return {shape.friction, shape.restitution, shape.rolling_resistance, shape.surface_velocity};
 }
 /// Of a living shape whose solid the tick or a query has found.

@@ -19,6 +19,7 @@ std::uint32_t drop_pairs(NearChunk& chunk, std::size_t room) {
         const bool fits = result.row_count <= room - rows;
         for (; contact < chunk.contacts.size() && chunk.contacts[contact].memory < end; ++contact) {
             if (!fits) continue;
+            chunk.heads[contacts] = chunk.heads[contact];
             solve::Contact& moved = chunk.contacts[contacts++] = chunk.contacts[contact];
             moved.memory = moved.memory - result.first_row + rows;
         }
@@ -30,7 +31,7 @@ std::uint32_t drop_pairs(NearChunk& chunk, std::size_t room) {
         if (!fits) dropped += result.row_count, result.row_count = 0, result.is_touching = false;
         rows += result.row_count;
     }
-    chunk.memories.resize(made_kept), chunk.contacts.resize(contacts);
+    chunk.memories.resize(made_kept), chunk.contacts.resize(contacts), chunk.heads.resize(contacts);
     return dropped;
 }
 
@@ -130,6 +131,7 @@ void copy_chunk(const NearChunk& chunk, FoundContacts& out) {
         *contact_at = contact;
         contact_at++->memory += chunk.first_row;
     }
+    std::copy(chunk.heads.begin(), chunk.heads.end(), out.heads.begin() + chunk.first_contact);
 }
 
 } // namespace
@@ -138,9 +140,10 @@ void place_contacts(Model& w, bool is_cut, std::span<NearChunk> chunks, ContactL
                     FoundContacts& out, Tasks* tasks) {
     const std::uint32_t rows = place_chunks(w, is_cut, chunks, out);
     if (chunks.size() == 1) {
-        std::swap(out.contacts, chunks[0].contacts);
+        std::swap(out.contacts, chunks[0].contacts), std::swap(out.heads, chunks[0].heads);
     } else {
         out.contacts.resize(chunks.empty() ? 0 : chunks.back().first_contact + chunks.back().contacts.size());
+        out.heads.resize(out.contacts.size());
         base::for_all_chunks(tasks, static_cast<std::uint32_t>(chunks.size()), 8,
                              [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
                                  for (const NearChunk& chunk : chunks.subspan(first, last - first))

@@ -6,6 +6,7 @@
 #include "collide/integer.h"
 #include "lockstone/math/math.h"
 #include "scene/surface.h"
+#include "solve/contacts/contact_order.h"
 
 #include <algorithm>
 
@@ -244,8 +245,8 @@ void store_deepest(const View& v, const CandidatePair& c, const solve::ContactPo
 
 /// One manifold as the solver wants it.
 void add_contact(const View& v, const CandidatePair& c, std::uint32_t row, const ContactMemory& memory,
-                 const PairContact& found, NarrowWorker& worker, std::vector<solve::Contact>& contacts) {
-    solve::Contact& contact = contacts.emplace_back();
+                 const PairContact& found, NarrowWorker& worker, NearChunk& chunk) {
+    solve::Contact& contact = chunk.contacts.emplace_back();
     // What rests is the solver's still body.
     contact.body_a = std::min(c.body_a, v.awake);
     contact.body_b = std::min(c.body_b, v.awake);
@@ -257,14 +258,14 @@ void add_contact(const View& v, const CandidatePair& c, std::uint32_t row, const
         contact.points[k].impulse = memory.points[k].normal;
     }
     contact.tangent_1 = memory.tangent_1, contact.tangent_2 = memory.tangent_2, contact.twist = memory.twist;
-    const Touch a = touch_of(*c.a, c.at_a->solid, memory.piece_a),
-                b = touch_of(*c.b, c.at_b->solid, memory.piece_b);
+    const Touch a = touch_of(*c.a, *c.at_a, memory.piece_a), b = touch_of(*c.b, *c.at_b, memory.piece_b);
     contact.friction =
         to<Jacobian>(mixed(c.a->friction_mix, c.b->friction_mix, a.friction, b.friction, worker.mean));
     contact.restitution = to<Unit>(
         mixed(c.a->restitution_mix, c.b->restitution_mix, a.restitution, b.restitution, worker.mean));
     contact.rolling = to<Unit>(max(a.rolling, b.rolling));
     contact.surface_velocity = surface_velocity(c, a, b);
+    chunk.heads.push_back(solve::head_of(contact));
 }
 
 /// New rows of a pair, at the end of the chunk's; none when there are no points.
@@ -300,7 +301,7 @@ void use_rows(const View& v, const CandidatePair& c, std::span<const ContactMemo
         if (!c.sensor && !passing &&
             !(v.movers != nullptr &&
               is_movers_contact(v.w, *v.movers, v.body(c.body_a), v.body(c.body_b), found[i].normal)))
-            add_contact(v, c, result.first_row + i, rows[i], found[i], worker, chunk.contacts);
+            add_contact(v, c, result.first_row + i, rows[i], found[i], worker, chunk);
     }
     result.is_touching = deepest <= (c.sensor ? Separation{} : touching_gap) && !passing;
     if (result.was_touching) return;
@@ -389,7 +390,7 @@ void collide_window(const View& v, std::span<WindowPair> pairs, NarrowWorker& wo
 /// The pairs [first, last) of `near`, window by window; those that are still parted are left out.
 void collide_chunk(const View& v, std::uint32_t first, std::uint32_t last, std::span<NearPair> near,
                    NarrowWorker& worker, NearChunk& chunk) {
-    chunk.memories.clear(), chunk.results.clear(), chunk.contacts.clear();
+    chunk.memories.clear(), chunk.results.clear(), chunk.contacts.clear(), chunk.heads.clear();
     std::array<WindowPair, PairWindow::pairs_max> pairs;
     std::uint32_t next_row = 0;
     std::size_t count = 0;
@@ -440,7 +441,8 @@ void collide(Model& w, const PlacedShapes& placed, const CharacterScratch& mover
     while (s.chunks.size() < chunk_count) {
         NearChunk& chunk = s.chunks.emplace_back();
         chunk.memories.reserve(chunk_size / 2);
-        chunk.contacts.reserve(chunk_size), chunk.results.reserve(chunk_size);
+        chunk.contacts.reserve(chunk_size), chunk.heads.reserve(chunk_size),
+            chunk.results.reserve(chunk_size);
     }
     if (s.workers.size() < base::worker_count(tasks)) s.workers.resize(base::worker_count(tasks));
     const View view(w, placed, movers.order_of_body.empty() ? nullptr : &movers, table.memories,

@@ -15,9 +15,10 @@ namespace lockstone::sim {
 
 /// What collide() finds.
 struct FoundContacts {
-    std::vector<ContactResult> results;   ///< of pairs that are near, in pair order
-    std::vector<solve::Contact> contacts; ///< for the solver, in row order
-    void reserve(std::size_t rows) { results.reserve(rows), contacts.reserve(rows); }
+    std::vector<ContactResult> results;    ///< of pairs that are near, in pair order
+    std::vector<solve::Contact> contacts;  ///< for the solver, in row order
+    std::vector<solve::ContactHead> heads; ///< of these
+    void reserve(std::size_t rows) { results.reserve(rows), contacts.reserve(rows), heads.reserve(rows); }
     std::uint32_t dropped; ///< rows that the table had no room for, and one for all pairs not looked at
 };
 
@@ -26,9 +27,12 @@ struct NearChunk {
     std::vector<ContactMemory> memories; ///< of the pairs whose rows are new, in order
     std::vector<ContactResult> results;
     std::vector<solve::Contact> contacts;
+    std::vector<solve::ContactHead> heads;
     std::uint32_t row_count;                              ///< of its results
     std::uint32_t first_row, first_contact, first_result; ///< where it goes
-    void reserve(std::size_t rows) { memories.reserve(rows), results.reserve(rows), contacts.reserve(rows); }
+    void reserve(std::size_t rows) {
+        memories.reserve(rows), results.reserve(rows), contacts.reserve(rows), heads.reserve(rows);
+    }
 };
 
 /// Some pairs at once, side by side in lanes: those of the last tick's manifolds, then those of new ones.

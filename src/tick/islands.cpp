@@ -93,7 +93,7 @@ struct Islands {
     }
     void find(const Links& links) {
         base::start_sets(s.parent, awake);
-        for (const solve::Contact& c : links.contacts) link(c.body_a, c.body_b);
+        for (const solve::ContactHead& c : links.contacts) link(c.body_a, c.body_b);
         for (const solve::Joint& j : links.joints) link(j.body_a, j.body_b);
         for (const solve::Standing& v : links.standing) link(v.chassis, v.ground);
         for (std::uint32_t row = 0; row < awake; ++row) {

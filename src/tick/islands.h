@@ -29,7 +29,7 @@ bool wake_touched(Model& w, const PlacedShapes& placed, std::span<const NearPair
 
 /// What holds bodies together in a tick.
 struct Links {
-    std::span<const solve::Contact> contacts;
+    std::span<const solve::ContactHead> contacts;
     std::span<const solve::Joint> joints;
     std::span<const solve::Standing> standing;
 };

@@ -2,6 +2,7 @@
 #include "tick/pairs.h"
 
 #include "base/parallel.h"
+#include "base/prefetch.h"
 #include "base/room.h"
 #include "model/sleep.h"
 
@@ -99,7 +100,10 @@ void find_plane_pairs(const PairView& v, PairScratch& s) {
         const Transform& at_plane = placed.shape[plane].pose;
         s.at_plane.assign(words, 0);
         const Ahead ahead(to_rotation(at_plane.rotation).y, at_plane.position, v.shift);
-        for (std::uint32_t row = 0; row < rows; ++row)
+        constexpr std::uint32_t soon = 8;
+        for (std::uint32_t row = 0; row < rows; ++row) {
+            if (row + soon < rows && info[row + soon].first_shape != 0)
+                base::prefetch(placed.shape[info[row + soon].first_shape - 1]);
             for (std::uint32_t at = info[row].first_shape; at != 0;) {
                 const std::uint32_t slot = at - 1;
                 const ShapeRow& shape = shapes[slots[slot].row];
@@ -108,6 +112,7 @@ void find_plane_pairs(const PairView& v, PairScratch& s) {
                 if (ahead.is_reached(placed.broad_phase.bounds(slot)) && may_pair(v, {plane, slot}))
                     s.at_plane[slot / 64] |= std::uint64_t{1} << slot % 64;
             }
+        }
         add_in_order(plane, s);
     }
     if (s.plane_pairs.empty()) return;

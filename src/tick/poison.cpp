@@ -49,13 +49,13 @@ void poison_pairs(std::byte with, PairScratch& scratch, NearPairs& found) {
 
 void poison_contacts(std::byte with, ContactScratch& scratch, FoundContacts& found) {
     auto& [chunks, row_moves, workers, pair_kernel] = scratch;
-    auto& [results, contacts, dropped] = found;
-    poison(with, row_moves, results, contacts, dropped);
+    auto& [results, contacts, heads, dropped] = found;
+    poison(with, row_moves, results, contacts, heads, dropped);
     for (NearChunk& chunk : chunks) {
-        auto& [memories, chunk_results, chunk_contacts, row_count, first_row, first_contact, first_result] =
-            chunk;
-        poison(with, memories, chunk_results, chunk_contacts, row_count, first_row, first_contact,
-               first_result);
+        auto& [memories, chunk_results, chunk_contacts, chunk_heads, row_count, first_row, first_contact,
+               first_result] = chunk;
+        poison(with, memories, chunk_results, chunk_contacts, chunk_heads, row_count, first_row,
+               first_contact, first_result);
     }
     for (NarrowWorker& worker : workers) {
         auto& [narrow, manifolds, window, mean] = worker;
@@ -66,12 +66,10 @@ void poison_contacts(std::byte with, ContactScratch& scratch, FoundContacts& fou
 }
 
 void poison_sweep(std::byte with, SweepScratch& sweep) {
-    auto& [workers, driven, stopped] = sweep;
-    Transform somewhere;
-    poison(with, somewhere), poison(with, driven);
-    for (std::optional<Transform>& one : stopped) one = somewhere;
+    auto& [workers, driven] = sweep;
+    poison(with, driven);
     for (SweepScratch::Worker& worker : workers)
-        poison(with, worker.near.open, worker.near.proxies, worker.touching);
+        poison(with, worker.near.open, worker.near.proxies, worker.touching, worker.stopped);
 }
 
 void poison_islands(std::byte with, IslandScratch& islands, RowMoves& moves) {

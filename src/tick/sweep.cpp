@@ -413,20 +413,21 @@ constexpr std::uint32_t sweeps_per_chunk = 16;
 void sweep_plain_bodies(Model& w, const Sweeper& s, std::span<NarrowWorker> workers, SweepScratch& sweep,
                         Tasks* tasks) {
     const std::uint32_t rows = w.header().bodies_awake;
-    sweep.stopped.resize(rows);
+    for (SweepScratch::Worker& worker : sweep.workers) worker.stopped.clear();
     base::for_chunks(
         tasks, rows, sweeps_per_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t worker) {
             const Hand hand{sweep.workers[worker], workers[worker].narrow};
             for (std::uint32_t row = first; row < last; ++row) {
                 fetch_ahead(s, row + 2);
-                sweep.stopped[row].reset();
                 if (s.info[row].kind != BodyKind::dynamic || s.is_bullet(row) || is_surely_slow(s, row))
                     continue;
-                if (is_to_sweep(s, row, hand)) sweep.stopped[row] = sweep_body(s, row, hand);
+                if (!is_to_sweep(s, row, hand)) continue;
+                if (const std::optional<Transform> stopped = sweep_body(s, row, hand))
+                    sweep.workers[worker].stopped.push_back({row, *stopped});
             }
         });
-    for (std::uint32_t row = 0; row < rows; ++row)
-        if (sweep.stopped[row]) w.state.edit_row(w.m.body_pose, row) = *sweep.stopped[row];
+    for (const SweepScratch::Worker& worker : sweep.workers)
+        for (const StoppedBody& body : worker.stopped) w.state.edit_row(w.m.body_pose, body.row) = body.at;
 }
 
 /// With room for what is usually near, so that the tick in which a body first becomes fast does not allocate.
@@ -436,7 +437,7 @@ void make_workers(SweepScratch& sweep, std::uint32_t count) {
     sweep.driven.reserve(usual);
     for (SweepScratch::Worker& worker : sweep.workers) {
         worker.near.open.reserve(usual), worker.near.proxies.reserve(usual);
-        worker.touching.reserve(usual);
+        worker.touching.reserve(usual), worker.stopped.reserve(usual);
     }
 }
 

@@ -25,15 +25,21 @@
 
 namespace lockstone::sim {
 
+/// A body that was stopped, and where.
+struct StoppedBody {
+    std::uint32_t row;
+    Transform at;
+};
+
 struct SweepScratch {
     /// What a worker needs for itself.
     struct alignas(64) Worker {
         collide::BroadPhase::Asker near; ///< shapes near the way
         std::vector<UnitVec3> touching;
+        std::vector<StoppedBody> stopped;
     };
     std::vector<Worker> workers;
-    std::vector<std::uint32_t> driven;             ///< shapes of awake bodies that are not dynamic
-    std::vector<std::optional<Transform>> stopped; ///< by row: where, if the body was
+    std::vector<std::uint32_t> driven; ///< shapes of awake bodies that are not dynamic
 };
 
 /// Poses of fast bodies in the state, from those before the tick and where finish_step put them. A pure function of these.

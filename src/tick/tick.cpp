@@ -124,8 +124,8 @@ void prepare(const Tick& t, const Scene& scene, const solve::BodyColumns& column
     both_sets(
         t,
         [&](Tasks* by) {
-            s.contacts.prepare(s.found.contacts, s.table.list.memories, columns.mass, s.step, s.bodies,
-                               columns.pose, contacts_are_alone(t), by);
+            s.contacts.prepare(s.found.heads, s.found.contacts, s.table.list.memories, columns.mass, s.step,
+                               s.bodies, columns.pose, contacts_are_alone(t), by);
         },
         [&](Tasks* by) {
             s.joint_solver.prepare(s.joints.all, memory, columns, s.step, s.bodies, by, same_joints);
@@ -218,7 +218,7 @@ void update_sleep(const Tick& t) {
     TickScratch& s = t.s;
     Model& w = t.w;
     s.table.write(w.state, w.m.contacts);
-    find_resting(w, {s.found.contacts, s.joints.all, s.vehicle_solver.standing()}, s.islands);
+    find_resting(w, {s.found.heads, s.joints.all, s.vehicle_solver.standing()}, s.islands);
     if (s.islands.resting.empty()) return;
     find_contact_points(w, t.placed, s.pose_before, s.table.list, s.found, t.out.contact_points);
     put_to_sleep(w, t.placed, s.islands.resting, t.out.events);

@@ -120,7 +120,7 @@ solve::WheelGround ground_of(const Scene& scene, const WheelHit& wheel) {
     const Model& w = scene.model;
     const ShapeTraits& shape = w.traits_of(w.state.rows(w.m.shape)[w.row_of(hit.shape)]);
     const PlacedShapes::Shape& placed = scene.placed.shape[hit.shape.index - 1];
-    const Touch touch = touch_of(shape, placed.solid, hit.feature);
+    const Touch touch = touch_of(shape, placed, hit.feature);
     return {hit.shape,
             std::min(w.row_of(hit.body), w.header().bodies_awake),
             hit.point,

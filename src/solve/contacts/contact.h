@@ -35,6 +35,12 @@ struct alignas(64) Contact {
 };
 static_assert(sizeof(Contact) == 192);
 
+/// All that the order of contacts and islands ask of one.
+struct ContactHead {
+    std::uint32_t body_a, body_b;
+    std::uint32_t kind; ///< bits: ContactOrder::Kind, but for `driven`
+};
+
 /// The two tangents of a normal: the same for the same normal, and nearly the same for nearly the same. Friction is
 /// remembered along them. If the frame turned by a right angle when a floor tilts by a rounding, that friction would point aside.
 struct Tangents {

@@ -13,18 +13,17 @@ namespace {
 /// Points farther apart carry nothing soon [m].
 constexpr std::int32_t touching = decimal<Separation>("0.0005").raw;
 
-std::uint8_t kind_of(const Contact& contact) {
+std::uint32_t kind_of(const Contact& contact) {
     std::int32_t least = Separation::max().raw, carried = 0;
     for (std::uint32_t k = 0; k < contact.count; ++k) {
         least = std::min(least, contact.points[k].separation.raw);
         carried |= contact.points[k].impulse.raw;
     }
     const auto bit = [](bool is, ContactOrder::Kind kind) { return is ? unsigned{kind} : 0u; };
-    return static_cast<std::uint8_t>(bit(carried != 0, ContactOrder::carried) |
-                                     bit(contact.count > 1, ContactOrder::several) |
-                                     bit(least < touching, ContactOrder::touches) |
-                                     bit(contact.restitution > Unit{}, ContactOrder::bounces) |
-                                     bit(contact.rolling > Unit{}, ContactOrder::rolls));
+    return bit(carried != 0, ContactOrder::carried) | bit(contact.count > 1, ContactOrder::several) |
+           bit(least < touching, ContactOrder::touches) |
+           bit(contact.restitution > Unit{}, ContactOrder::bounces) |
+           bit(contact.rolling > Unit{}, ContactOrder::rolls);
 }
 
 /// counts[k] items of key k become where the items of key k begin.
@@ -39,6 +38,8 @@ void sum_up(std::span<std::uint32_t> counts) {
 
 } // namespace
 
+ContactHead head_of(const Contact& contact) { return {contact.body_a, contact.body_b, kind_of(contact)}; }
+
 /// For the most that these contacts could need, so that a tick in which more of them touch does not allocate.
 void ContactOrder::reserve(std::size_t contacts, std::size_t bodies) {
     for (auto* list : {&levels, &first, &queue}) list->reserve(bodies + 2);
@@ -50,7 +51,7 @@ void ContactOrder::reserve(std::size_t contacts, std::size_t bodies) {
 }
 
 /// Counts the neighbours of bodies, too. Whether bodies touch and can move as they did.
-bool ContactOrder::read(std::span<const Contact> contacts, const SolverBodies& bodies) {
+bool ContactOrder::read(std::span<const ContactHead> contacts, const SolverBodies& bodies) {
     std::swap(now, before);
     const std::size_t count = bodies.body.size();
     now.movable.resize(count);
@@ -65,9 +66,9 @@ bool ContactOrder::read(std::span<const Contact> contacts, const SolverBodies& b
     bool is_same = now.movable == before.movable && before.links.size() == contacts.size();
     all_kinds = 0;
     for (std::size_t i = 0; i < contacts.size(); ++i) {
-        const Contact& c = contacts[i];
+        const ContactHead& c = contacts[i];
         now.links[i] = {c.body_a, c.body_b};
-        now.kinds[i] = kind_of(c);
+        now.kinds[i] = static_cast<std::uint8_t>(c.kind);
         if (any_driven && (is_driven(bodies.step[c.body_a]) || is_driven(bodies.step[c.body_b])))
             now.kinds[i] |= driven;
         all_kinds |= now.kinds[i];
@@ -124,7 +125,7 @@ void ContactOrder::sort_down() {
     for (std::uint32_t i = 0; i < now.links.size(); ++i) down[counts[place[i]]++] = i;
 }
 
-void ContactOrder::find(std::span<const Contact> contacts, const SolverBodies& bodies) {
+void ContactOrder::find(std::span<const ContactHead> contacts, const SolverBodies& bodies) {
     if (down.capacity() < contacts.size() + 2 || levels.capacity() < bodies.body.size() + 2)
         reserve(base::room_for(contacts.size()), base::room_for(bodies.body.size()));
     if (contacts.empty()) {

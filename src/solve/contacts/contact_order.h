@@ -20,13 +20,14 @@
 namespace lockstone::solve {
 
 struct Contact;
+struct ContactHead;
 
 class ContactOrder {
   public:
     void reserve(std::size_t contacts, std::size_t bodies);
     /// Orders contacts from the top down, those of one level by index. The order depends on which bodies touch and can move, and on
     /// nothing else.
-    void find(std::span<const Contact> contacts, const SolverBodies& bodies);
+    void find(std::span<const ContactHead> contacts, const SolverBodies& bodies);
 
     /// Fills what find() makes anew with a byte.
     void poison(std::byte with);
@@ -57,11 +58,10 @@ class ContactOrder {
     static constexpr std::uint32_t no_level = 0xffffffffu;
 
   private:
-    bool read(std::span<const Contact> contacts, const SolverBodies& bodies);
+    bool read(std::span<const ContactHead> contacts, const SolverBodies& bodies);
     void find_levels();
     void sort_down();
 
-    /// All that is looked at again of contacts, which are far apart in memory.
     struct Given {
         std::vector<Link> links;           ///< by contact
         std::vector<std::uint8_t> kinds;   ///< by contact: Kind
@@ -80,5 +80,8 @@ class ContactOrder {
     std::vector<std::uint32_t> place;             ///< by contact: its key
     std::vector<std::uint32_t> counts;            ///< of a counting sort
 };
+
+/// Of a contact whose other numbers are set.
+ContactHead head_of(const Contact& contact);
 
 } // namespace lockstone::solve

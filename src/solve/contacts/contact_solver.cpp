@@ -160,6 +160,8 @@ void ContactSolver::Inside::fill(std::uint32_t pack, ContactPack<N>& to, PackSou
     for_contacts_of(pack + prepared_at_once, [&](const Contact& c) {
         const auto& step = in.bodies.step;
         base::prefetch(step[c.body_a].movable), base::prefetch(step[c.body_b].movable);
+        if (!in_packs.has_islands()) return; // of a large world
+        base::prefetch(in.bodies.body[c.body_a].v), base::prefetch(in.bodies.body[c.body_b].v);
     });
     if (asks_ahead) base::prefetch((&to)[prepared_at_once]);
     const Contact* of[N];
@@ -192,12 +194,12 @@ template <unsigned N> void ContactSolver::Inside::make_room(std::size_t packs) {
     asks_ahead = packs * sizeof(ContactPack<N>) > cache_bytes;
 }
 
-void ContactSolver::prepare(std::span<const Contact> contacts, std::span<const ContactMemory> memory,
-                            const solve::MassView& mass, const StepConstants& step,
-                            const SolverBodies& bodies, std::span<const Transform> poses, bool alone,
-                            Tasks* tasks) {
+void ContactSolver::prepare(std::span<const ContactHead> heads, std::span<const Contact> contacts,
+                            std::span<const ContactMemory> memory, const solve::MassView& mass,
+                            const StepConstants& step, const SolverBodies& bodies,
+                            std::span<const Transform> poses, bool alone, Tasks* tasks) {
     Inside& s = *inside;
-    s.order.find(contacts, bodies);
+    s.order.find(heads, bodies);
     constexpr unsigned others = ContactOrder::bounces | ContactOrder::rolls | ContactOrder::driven;
     const bool may_run_all = alone && bodies.turns.empty() && (s.order.any_kind() & others) == 0;
     s.place_packs(base::worker_count(tasks), may_run_all, poses);

@@ -46,10 +46,10 @@ class ContactSolver {
 
     /// Orders the contacts, packs and prepares them. `memory` holds the warm-start impulses. `alone`: in this tick nothing but contacts, constant
     /// pushes and damping changes velocities.
-    void prepare(std::span<const solve::Contact> contacts, std::span<const solve::ContactMemory> memory,
-                 const solve::MassView& mass, const solve::StepConstants& step,
-                 const solve::SolverBodies& bodies, std::span<const Transform> poses, bool alone,
-                 Tasks* tasks = nullptr);
+    void prepare(std::span<const solve::ContactHead> heads, std::span<const solve::Contact> contacts,
+                 std::span<const solve::ContactMemory> memory, const solve::MassView& mass,
+                 const solve::StepConstants& step, const solve::SolverBodies& bodies,
+                 std::span<const Transform> poses, bool alone, Tasks* tasks = nullptr);
     /// After prepare(): whether solve_substeps() can do all that follows. Not where bodies are followed, bounce or roll, or touch what is driven.
     bool has_all_passes() const;
     /// All passes of a tick, and what moves bodies between them, once the velocities of the first substep are integrated. The bits are those of

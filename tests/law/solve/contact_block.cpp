@@ -2,6 +2,7 @@
 #include "solve/contacts/contact.h"
 #include "solve/contacts/contact_order.h"
 #include "solve/contacts/contact_packs.h"
+#include "support/rigs/contact_heads.h"
 #include "support/sim_scenes.h"
 #include "world/data.h"
 
@@ -79,7 +80,7 @@ std::vector<std::vector<std::uint32_t>> packs_of(const Pile& p) {
     constexpr std::uint32_t lanes = 8;
     solve::ContactOrder order;
     solve::ContactPacks made;
-    order.find(p.contacts, p.bodies);
+    order.find(test::heads_of(p.contacts), p.bodies);
     made.make(order, {lanes, 1, false, 1}, {});
     std::vector<std::vector<std::uint32_t>> packs(made.contact_of_lane().size() / lanes);
     for (std::size_t i = 0; i < made.contact_of_lane().size(); ++i)
