@@ -21,7 +21,7 @@ constexpr int looks_max = 4000;
 
 class WorkerPool final : public Tasks {
   public:
-    explicit WorkerPool(std::uint32_t workers) : shares(workers) {
+    explicit WorkerPool(std::uint32_t workers) : shares(workers), progress(workers) {
         threads.reserve(workers - 1);
 #if defined(__cpp_exceptions)
         try {
@@ -33,7 +33,7 @@ class WorkerPool final : public Tasks {
     }
     ~WorkerPool() override {
         stops.store(true, std::memory_order_relaxed);
-        announce(worker_count());
+        wake_workers();
         for (std::thread& thread : threads) thread.join();
     }
     WorkerPool(const WorkerPool&) = delete;
@@ -42,7 +42,7 @@ class WorkerPool final : public Tasks {
     std::uint32_t worker_count() const override { return static_cast<std::uint32_t>(threads.size()) + 1; }
 
     void run(std::uint32_t items, Item item, void* context) override {
-        LOCKSTONE_ASSERT(items <= left_mask, "a run of ", items, " items");
+        LOCKSTONE_ASSERT(items <= Share::left_mask, "a run of ", items, " items");
         LOCKSTONE_ASSERT(!runs_now.exchange(true, std::memory_order_acquire), "two runs at once");
         if (items < 2 || threads.empty()) {
             for (std::uint32_t i = 0; i < items; ++i) item(context, i, 0);
@@ -63,12 +63,10 @@ class WorkerPool final : public Tasks {
     /// Each worker has a share of the items, a loop of its own: shares that follow one another stay in its cache from run to run. Who has done
     /// its share helps others.
     using Share = base::SharedLoop;
-    static constexpr std::uint64_t left_mask = Share::left_mask;
 
     void publish(std::uint32_t items, Item item, void* context) {
-        pending.store(items, std::memory_order_relaxed);
         const std::uint64_t workers = worker_count();
-        ++number;
+        ++number, wanted += items;
         std::uint32_t first = 0, helpers = 0;
         for (std::uint64_t worker = 0; worker < workers; ++worker) {
             const std::uint32_t end =
@@ -78,59 +76,89 @@ class WorkerPool final : public Tasks {
             first = end;
             if (worker != 0) ++helpers;
         }
-        announce(helpers);
+        // Who is about to sleep may be missed: the rest take all items, and the next run wakes it.
+        if (helpers != 0 && sleepers.load(std::memory_order_relaxed) != 0) wake_workers();
     }
-    /// Those that sleep on are not missed: the rest take all items.
-    void announce(std::uint32_t helpers) {
-        announced.fetch_add(1, std::memory_order_release);
-        if (helpers != 0) work_bell.ring_all(announced);
+    void wake_workers() {
+        calls.fetch_add(1, std::memory_order_release);
+        work_bell.ring_all(calls);
     }
 
+    /// Those of a worker's own share first, and it says so before it looks at others: that takes a while.
     void take_items(std::uint32_t worker) {
-        std::uint32_t done = 0;
         const std::uint32_t workers = worker_count();
-        for (std::uint32_t k = 0; k < workers; ++k)
-            done += shares[worker + k < workers ? worker + k : worker + k - workers].take_items(worker);
-        if (done != 0 && pending.fetch_sub(done, std::memory_order_acq_rel) == done)
-            done_bell.ring_one(pending);
+        for (std::uint32_t k = 0; k < workers; ++k) {
+            Share& share = shares[worker + k < workers ? worker + k : worker + k - workers];
+            if (const std::uint32_t done = share.take_items(worker); done != 0) report(worker, done);
+        }
+    }
+    void report(std::uint32_t worker, std::uint32_t done) {
+        std::atomic<std::uint64_t>& own = progress[worker].items;
+        own.store(own.load(std::memory_order_relaxed) + done, std::memory_order_seq_cst);
+        if (!caller_sleeps.load(std::memory_order_seq_cst)) return;
+        reports.fetch_add(1, std::memory_order_release);
+        done_bell.ring_one(reports);
+    }
+    bool is_done() const {
+        std::uint64_t done = 0;
+        for (const Progress& of : progress) done += of.items.load(std::memory_order_seq_cst);
+        return done == wanted;
     }
     void wait_until_done() {
-        int looks = 0;
-        for (std::uint32_t left; (left = pending.load(std::memory_order_acquire)) != 0;) {
-            if (++looks < looks_max)
+        for (int looks = 1; !is_done(); ++looks) {
+            if (looks < looks_max) {
                 base::relax(looks);
-            else
-                done_bell.wait(pending, left);
+                continue;
+            }
+            const std::uint32_t seen = reports.load(std::memory_order_acquire);
+            caller_sleeps.store(
+                true, std::memory_order_seq_cst); // who reports later than it is looked at sees this
+            if (!is_done()) done_bell.wait(reports, seen);
+            caller_sleeps.store(false, std::memory_order_relaxed);
         }
     }
 
     void serve(std::uint32_t worker) {
-        std::uint64_t last = 0; // the latest run of which it has seen its share
-        for (int looks = 0;;) {
-            const std::uint32_t rings = announced.load(std::memory_order_acquire);
-            if (stops.load(std::memory_order_relaxed)) return;
-            const std::uint64_t run = shares[worker].number();
-            if (run == last) {
-                if (++looks < looks_max)
-                    base::relax(looks);
-                else
-                    work_bell.wait(announced, rings);
+        constexpr int looks_at_once = 64; // at nothing but the own share, which then comes sooner
+        std::uint64_t last = 0;           // the latest run of which it has seen its share
+        for (int looks = 1;; ++looks) {
+            if (const std::uint64_t run = shares[worker].number(); run != last) {
+                last = run;
+                looks = 0;
+                take_items(worker);
                 continue;
             }
-            last = run;
-            looks = 0;
-            take_items(worker);
+            if (looks % looks_at_once == 0 && stops.load(std::memory_order_relaxed)) return;
+            if (looks < looks_max)
+                base::relax(looks);
+            else
+                sleep(worker, last);
         }
     }
+    void sleep(std::uint32_t worker, std::uint64_t last) {
+        const std::uint32_t seen = calls.load(std::memory_order_acquire);
+        sleepers.fetch_add(1, std::memory_order_relaxed);
+        if (!stops.load(std::memory_order_relaxed) && shares[worker].number() == last)
+            work_bell.wait(calls, seen);
+        sleepers.fetch_sub(1, std::memory_order_relaxed);
+    }
 
+    /// Items that a worker has done since the pool was made. On a cache line of its own.
+    struct alignas(64) Progress {
+        std::atomic<std::uint64_t> items = 0;
+    };
+
+    // What all workers read, and hardly anybody writes, stands apart from what the caller writes in every run.
     std::vector<std::thread> threads;
-    std::atomic<bool> runs_now = false, stops = false;
-    std::uint64_t number = 0;  ///< of the run
-    std::vector<Share> shares; ///< by worker
-    // Each on a cache line of its own: all workers write them.
-    alignas(64) std::atomic<std::uint32_t> pending = 0;   ///< items that are not done
-    alignas(64) std::atomic<std::uint32_t> announced = 0; ///< goes up with every run
-    base::Bell work_bell, done_bell;                      ///< of `announced` and of `pending`
+    std::vector<Share> shares;      ///< by worker
+    std::vector<Progress> progress; ///< by worker
+    std::atomic<bool> stops = false, caller_sleeps = false;
+    base::Bell work_bell, done_bell; ///< of `calls` and of `reports`
+    alignas(64) std::atomic<bool> runs_now = false;
+    std::uint64_t number = 0;                            ///< of the run
+    std::uint64_t wanted = 0;                            ///< items of all runs so far
+    alignas(64) std::atomic<std::uint32_t> sleepers = 0; ///< workers that sleep, or are about to
+    std::atomic<std::uint32_t> calls = 0, reports = 0;   ///< go up when somebody is to be woken
 };
 
 } // namespace
