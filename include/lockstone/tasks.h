@@ -17,8 +17,8 @@ namespace lockstone {
 class Tasks {
   public:
     /// `index` below the number of items; `worker` below worker_count(), never the same for two items that run at once.
-    /// Items do not throw, and do not call run(). Some wait for a few microseconds until others that have begun have got as far as they need, never for
-    /// one that has not begun.
+    /// Items do not throw, and do not call run(). Some wait until others that have begun have got as far as they need, for a few microseconds, or
+    /// until they are done, and help them meanwhile. None waits for one that has not begun.
     using Item = void (*)(void* context, std::uint32_t index, std::uint32_t worker);
 
     virtual ~Tasks() = default;
