@@ -119,7 +119,7 @@ class WorkerPool final : public Tasks {
     }
 
     void serve(std::uint32_t worker) {
-        constexpr int looks_at_once = 64; // at nothing but the own share, which then comes sooner
+        constexpr int looks_at_once = 64; // at its own share, before it looks whether the pool stops
         std::uint64_t last = 0;           // the latest run of which it has seen its share
         for (int looks = 1;; ++looks) {
             if (const std::uint64_t run = shares[worker].number(); run != last) {

@@ -181,6 +181,43 @@ TEST_CASE("planted fault: a bell that compares before it locks leaves somebody a
     CHECK(early[0].missed + early[1].missed > 0);
 }
 
+namespace {
+
+/// Empty when workers that have gone to sleep between runs take part again, and a caller that waits long for an item of another comes back.
+/// Items of a millisecond: whoever is woken finds some left.
+std::string complaint_of_sleepers(Tasks& tasks) {
+    struct Run {
+        std::atomic<std::uint32_t> items = 0, by_others = 0;
+    };
+    Run all;
+    const Tasks::Item item = [](void* context, std::uint32_t, std::uint32_t worker) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        Run& run = *static_cast<Run*>(context);
+        ++run.items;
+        if (worker != 0) ++run.by_others;
+    };
+    constexpr std::uint32_t rounds = 10, items = 9; // an odd one: somebody waits
+    for (std::uint32_t round = 0; round < rounds; ++round) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(3)); // longer than workers look
+        for (int twice = 0; twice < 2; ++twice) tasks.run(items, item, &all);
+    }
+    if (all.items != 2 * rounds * items) return "items are missing";
+    return all.by_others < rounds ? "workers that slept do not take part" : "";
+}
+
+} // namespace
+
+TEST_CASE("workers that have slept take part again, and a caller that sleeps is woken") {
+    for (const std::uint32_t workers : {2u, 3u, 8u}) {
+        INFO(workers);
+        CHECK(complaint_of_sleepers(*make_worker_pool(workers)) == "");
+    }
+}
+
+TEST_CASE("planted fault: workers that are never woken are told by what they do not do") {
+    CHECK(complaint_of_sleepers(*make_worker_pool(1)) == "workers that slept do not take part");
+}
+
 TEST_CASE("pools come and go, used or not") {
     for (int i = 0; i < 20; ++i) {
         const auto pool = make_worker_pool(1 + static_cast<std::uint32_t>(i) % 5);

@@ -121,7 +121,7 @@ constexpr int held_parts = 16;
 
 /// Whether a body turns about some axis by more than 1 / `parts` of a radian in a tick.
 class TurnsBy {
-    std::int32_t most; ///< Speed
+    std::int32_t most; ///< Speed; at most 1000 ticks a second: below 2^30
 
   public:
     TurnsBy(int parts, const StepConstants& step)

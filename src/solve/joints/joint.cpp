@@ -142,7 +142,7 @@ void turn_held(JointTick& tick, const JointKernel& kernel, const StepConstants& 
 }
 
 /// Rows and biases of points where the bodies are now, and the inverses of the rows that packs make. `pass`: of the kernel, for where bodies are.
-/// `before(index)` and `after(pack)`: a pack's rows are made.
+/// `before(index)` is called before the rows of a pack are made, `after(pack)` once they are.
 template <class Before, class After>
 void refresh_packs(JointTick& tick, const JointKernel& kernel, decltype(JointKernel::refresh) pass,
                    const StepConstants& step, const SolverBodies& bodies, Tasks* tasks, const Before& before,

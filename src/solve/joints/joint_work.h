@@ -245,7 +245,7 @@ JointPassData pass_data(JointTick& tick, const StepConstants& step, SolverBody* 
 /// After `pass` over a pack: larger exponents where entries have grown to 2, and rows by these.
 void enlarge_exponents(JointTick& tick, std::uint32_t pack, decltype(JointKernel::refresh) pass,
                        const JointPassData& data, const StepConstants& step);
-/// From here on inverses become stale as the rows ask that there are now.
+/// The next update goes by what the rows of now ask: JointPack::asks_next becomes JointPack::asks.
 void settle_asks(JointPack& pack);
 /// Inverses of the stale lanes of packs [first, last).
 void invert_some(JointTick& tick, std::uint32_t first, std::uint32_t last, const JointKernel& kernel,

@@ -76,7 +76,7 @@ struct JointPack {
     std::int64_t apart[3][pack_lanes];
     std::int64_t near_shift[pack_lanes], ahead_shift[pack_lanes]; ///< of C and of the arc to 2^-e
     std::uint32_t over; ///< bit per lane: entries have grown to 2, the rows want a larger e
-    /// JointSeen by which inverses become stale; and from the next update on, as rows that are made in this one have it
+    /// JointSeen by which inverses become stale: in this update; and from the next one on, as the rows of now ask
     std::uint8_t asks[pack_lanes], asks_next[pack_lanes];
     std::int32_t stale[pack_lanes];         ///< all ones: inverses are to be made anew
     std::uint32_t points_left, hinges_left; ///< bit per lane: and lanes could not
