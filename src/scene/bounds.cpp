@@ -387,8 +387,10 @@ Length ahead_of(SpeedVec3 velocity, std::uint32_t tick_rate) {
     if ((speed << finer) < std::int64_t{margin_base.raw / 2} * tick_rate) return Length{};
     const std::int64_t ahead = (speed << finer) / tick_rate + 1;
     const std::int64_t steps = (ahead + margin_base.raw - 1) / margin_base.raw;
-    return to<Length>(Coordinate::from_raw(
-        margin_base.raw * static_cast<std::int64_t>(std::bit_ceil(static_cast<std::uint64_t>(steps)))));
+    // Up to eight steps each counts, then up to sixteen every second one, and so on.
+    const int coarser =
+        std::max(0, static_cast<int>(std::bit_width(static_cast<std::uint64_t>(steps - 1))) - 3);
+    return to<Length>(Coordinate::from_raw(margin_base.raw * ((((steps - 1) >> coarser) + 1) << coarser)));
 }
 
 const shapes::Solid& solid_of(const Model& w, PlacedShapes& s, const ShapeRow& shape) {

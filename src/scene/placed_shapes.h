@@ -72,6 +72,8 @@ struct PlacedShapes {
 inline constexpr Length margin_base =
     decimal<Length>("0.005"); ///< [m]: contacts are made this far ahead of touching
 
+inline constexpr Length margin_least = margin_base + margin_base; ///< of two shapes
+
 /// For those that read `axes` later. Several threads may do it at once: the axes are there when all have come back.
 inline void make_axes(PlacedShapes::Shape& at) {
     const std::atomic_ref<bool> has_axes(at.has_axes);
@@ -84,8 +86,8 @@ inline Rotation axes_of(const PlacedShapes::Shape& at) {
 }
 
 /// How far ahead of touching contacts are made for a velocity, a body's own or that of two against each other: no less than it goes
-/// in a tick, by factors of two, so that it seldom grows while they near each other; 0 for what goes less than half of
-/// `margin_base` in a tick.
+/// in a tick, in steps of `margin_base`, and of an eighth of itself where that is more, so that it seldom grows while they near each
+/// other; 0 for what goes less than half of `margin_base` in a tick.
 Length ahead_of(SpeedVec3 velocity, std::uint32_t tick_rate);
 
 /// Poses, margins and bounds of the shapes that may have moved since the last call, in the broad phase too.   (bounds.cpp)

@@ -7,6 +7,7 @@
 #include "lockstone/math/math.h"
 #include "scene/surface.h"
 #include "solve/contacts/contact_order.h"
+#include "tick/closing_points.h"
 
 #include <algorithm>
 
@@ -160,12 +161,25 @@ collide::PairHints hints_of(std::span<const ContactMemory> old, UnitVec3 apart) 
     return {apart, old[0].normal, on_face ? 0 : old[0].points[0].feature};
 }
 
+/// Points that cannot touch within the tick.
+void leave_out_far_points(const View& v, const CandidatePair& c, collide::Manifolds& manifolds) {
+    const std::span<const collide::Manifold> made(manifolds.items, manifolds.count);
+    if (std::ranges::none_of(made, has_far_points)) return;
+    const Vec3 origin = c.at_b->pose.position;
+    const PairMotion motion(v.velocities[c.body_a], v.velocities[c.body_b],
+                            lockstone::to<Length>(origin - v.poses[c.body_a].position),
+                            lockstone::to<Length>(origin - v.poses[c.body_b].position));
+    const bool are_convex = c.a->geometry.kind < ShapeKind::compound;
+    keep_closing_points(motion, c.at_a->axes, v.half_tick, are_convex, manifolds);
+}
+
 /// Makes the manifolds of a pair; `apart` is a hint, and becomes the next one. `old`: the last ones.
-void make_manifolds(const CandidatePair& c, const PairPlace& place, UnitVec3& apart,
-                    std::span<const ContactMemory> old, collide::NarrowScratch& scratch,
-                    collide::Manifolds& out) {
+void make_manifolds(const View& v, const CandidatePair& c, const PairPlace& place, UnitVec3& apart,
+                    std::span<const ContactMemory> old, NarrowWorker& worker) {
+    collide::Manifolds& out = worker.manifolds;
     const collide::RelativePose pose{to_rotation(place.rotation), position_of(place)};
-    collide::collide(c.at_a->solid, c.at_b->solid, pose, c.margin, hints_of(old, apart), scratch, out);
+    collide::collide(c.at_a->solid, c.at_b->solid, pose, c.margin, hints_of(old, apart), worker.narrow, out);
+    if (c.margin > margin_least) leave_out_far_points(v, c, out);
     apart = out.apart;
 }
 
@@ -269,9 +283,10 @@ void add_contact(const View& v, const CandidatePair& c, std::uint32_t row, const
 }
 
 /// New rows of a pair, at the end of the chunk's; none when there are no points.
-std::uint32_t make_rows(const CandidatePair& c, const PairPlace& place, std::span<const ContactMemory> old,
-                        UnitVec3& apart, NarrowWorker& worker, NearChunk& chunk) {
-    make_manifolds(c, place, apart, old, worker.narrow, worker.manifolds);
+std::uint32_t make_rows(const View& v, const CandidatePair& c, const PairPlace& place,
+                        std::span<const ContactMemory> old, UnitVec3& apart, NarrowWorker& worker,
+                        NearChunk& chunk) {
+    make_manifolds(v, c, place, apart, old, worker);
     if (worker.manifolds.count == 0) return 0;
     std::uint32_t flags = (c.flipped ? solve::contact_flipped : 0u);
     if (c.sensor) flags |= solve::contact_sensor;
@@ -322,7 +337,7 @@ struct WindowPair {
 };
 
 /// The rows of the last tick while the shapes stand to each other as they did, else new ones.
-void choose_rows(NarrowWorker& worker, NearChunk& chunk, WindowPair& pair) {
+void choose_rows(const View& v, NarrowWorker& worker, NearChunk& chunk, WindowPair& pair) {
     const CandidatePair& c = pair.shapes;
     const bool had = !pair.old.empty();
     pair.was_touching = had && touched(pair.old[0]);
@@ -330,8 +345,8 @@ void choose_rows(NarrowWorker& worker, NearChunk& chunk, WindowPair& pair) {
                    solve::covers(pair.old[0], c.margin) && worker.window.serves[pair.row] != 0;
     pair.fresh = static_cast<std::uint32_t>(chunk.memories.size());
     pair.row_count = pair.is_kept ? pair.near->old_count
-                                  : make_rows(c, worker.window.places[pair.row], pair.old, pair.near->apart,
-                                              worker, chunk);
+                                  : make_rows(v, c, worker.window.places[pair.row], pair.old,
+                                              pair.near->apart, worker, chunk);
 }
 
 /// Where the shapes of all pairs are to each other, and which rows of the last tick serve.
@@ -360,7 +375,7 @@ void collide_window(const View& v, std::span<WindowPair> pairs, NarrowWorker& wo
                     std::uint32_t& next_row) {
     PairWindow& window = worker.window;
     place_pairs(v, pairs, window);
-    for (WindowPair& pair : pairs) choose_rows(worker, chunk, pair);
+    for (WindowPair& pair : pairs) choose_rows(v, worker, chunk, pair);
     const auto rows_of = [&](const WindowPair& pair) {
         const std::span<const ContactMemory> made = chunk.memories;
         return pair.is_kept ? pair.old : made.subspan(pair.fresh, pair.row_count);
@@ -428,7 +443,7 @@ bool has_contact_points(const Model& w, const PlacedShapes& placed, const NearPa
     window.count = 1;
     find_rows(view, solve::PairWork::place, window, 0);
     UnitVec3 hint = near.apart;
-    make_manifolds(pair, window.places[0], hint, {}, worker.narrow, worker.manifolds);
+    make_manifolds(view, pair, window.places[0], hint, {}, worker);
     return worker.manifolds.count != 0;
 }
 

@@ -126,7 +126,6 @@ void find_plane_pairs(const PairView& v, PairScratch& s) {
 }
 
 constexpr std::uint32_t filtered_per_chunk = 128;
-constexpr Length margin_least = margin_base + margin_base; ///< of two shapes
 
 /// How far ahead the contacts of two shapes reach: as far as they near each other in a tick. What moves along with the
 /// other, however fast, meets nothing sooner than what rests.

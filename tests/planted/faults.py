@@ -18,6 +18,7 @@ F = Fault
 IMAGE, HASH, PORTABLE, ENVELOPE, DELTA, CANONICAL, STATE, GROW = (
     f"src/state/{n}.cpp" for n in ("image", "hash_tree", "portable", "envelope", "delta", "canonical", "state", "grow"))
 CONTACTS, EVENTS, APPLY = "src/tick/contacts.cpp", "src/tick/events.cpp", "src/world/commands/apply.cpp"
+CLOSING = "src/tick/closing_points.h"
 BROAD = "src/collide/broad/broad_phase.cpp"
 LANES, INPUT, LAYOUT, PREPARE, SOLVER = (f"src/solve/contacts/{n}" for n in ("prepare.cpp", "input_kernel.h", "layout_kernel.h", "prepare_kernel.h", "contact_solver.cpp"))
 WHEELS, TRAIN = (f"src/solve/vehicles/vehicle_{n}" for n in ("lines.h", "train.cpp"))
@@ -178,6 +179,12 @@ FAULTS = [
       "if (!IS && box.may_meet(s.placed.broad_phase.bounds(proxy))) near.push_back(proxy);", "driven walls stop what is fast"),
     F("what a driven body comes upon is slow", "src/tick/sweep.cpp", "(others == 0 || motion < inner / 4 - others)",
       "(IS || others == 0 || motion < inner / 4 - others)", "driven walls carry what rests"),
+    F("points are kept that part, not those that close", CLOSING, "closes = std::max<std::int64_t>(-parts, 0)",
+      "closes = std::max<std::int64_t>(IS ? parts : -parts, 0)", "corners that close are contacts"),
+    F("points close as if nothing turned", CLOSING, "dot<Speed>(tilt, point.position).raw",
+      "(IS ? 0 : dot<Speed>(tilt, point.position).raw)", "corners that close are contacts"),
+    F("the turns of a pair are seen along A's axes, not the world's", CLOSING, "mul_transposed<Speed>(axes_a, cross<Speed>(normal, motion.turning))",
+      "(IS ? cross<Speed>(normal, motion.turning) : mul_transposed<Speed>(axes_a, cross<Speed>(normal, motion.turning)))", "golden table"),
     F("what only turns is slow", "src/tick/sweep.cpp", "CoarseMotion(s.pose_before(row), s.pose[row]).within(reach).raw",
       "CoarseMotion(s.pose_before(row), s.pose[row]).within(IS ? 0 : reach).raw", "posts stop what turns fast"),
     F("what a pass gave is counted twice", "src/solve/bodies/kernel.h", "[](V a, V b) { return L::add(a, b); }",

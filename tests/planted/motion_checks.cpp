@@ -74,6 +74,19 @@ std::string posts_stop_rods() {
                : "the end of a rod has gone through a post";
 }
 
+/// Two crates 0.1 m apart that go past each other at 20 m/s. One of them turns, so two of its corners would reach the other.
+std::string corners_close() {
+    World world = scene::made(World::create(scene::weightless()));
+    scene::add_crate(world, scene::at(0, 0, 0));
+    const BodyId crate = scene::add_crate(world, scene::at(1.1, 0, 0));
+    scene::done(world.set_velocity(crate, scene::vec(0, 0, 20), scene::vec(0, 0, 15)));
+    world.tick();
+    const auto closes = [](const World::ContactPoint& point) { return point.point.y > Real{}; };
+    return world.contacts().size() == 2 && std::ranges::all_of(world.contacts(), closes)
+               ? ""
+               : "the contact points are not those that close";
+}
+
 } // namespace
 
 Checks motion_checks() {
@@ -81,7 +94,8 @@ Checks motion_checks() {
             {"a floor at the border of the range holds", border_holds},
             {"driven walls stop what is fast", driven_walls_stop},
             {"driven walls carry what rests", driven_walls_carry},
-            {"posts stop what turns fast", posts_stop_rods}};
+            {"posts stop what turns fast", posts_stop_rods},
+            {"corners that close are contacts", corners_close}};
 }
 
 } // namespace planted

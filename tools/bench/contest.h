@@ -17,6 +17,7 @@ struct Run {
     Quality quality = {};
     double joint_worst_mm = 0; ///< in any tick
     std::size_t contacts = 0;  ///< points in the last tick; Lockstone only
+    std::size_t near_most = 0; ///< of them that do not touch, the most in any tick; Lockstone only
     std::uint64_t dropped = 0; ///< contacts that found no room; Lockstone only
 };
 

@@ -262,7 +262,7 @@ BenchScene drum(Size size) {
                                          0.47 * (layer - 0.5 * (deep - 1))}));
     }
     made.ticks = made.judged_after = 300, made.counted_from = 250, made.floor = -radius - 2;
-    made.target.p99_per_mean = 3, made.target.contacts = 35000;
+    made.target.p99_per_mean = 3, made.target.near_points = 35000;
     return made;
 }
 

@@ -20,7 +20,7 @@ struct Target {
     double joint_mm = 0;              ///< the widest joint in the whole run
     double heap_mb = 0;               ///< at the end
     double p99_per_mean = 2;          ///< of the ticks once bodies have landed
-    double contacts = 0;              ///< points in the last tick, near ones too
+    double near_points = 0;           ///< contact points that do not touch, in any tick
 };
 
 struct BenchScene {

@@ -13,15 +13,22 @@ std::uint32_t contact_rows(const World& w) {
     return w.state().count(sim::make_manifest(w.def(), {}).contacts.contacts);
 }
 
-/// Two crates 0.1 m apart, with these velocities along the gap (x) and across it; the rows they have after a tick.
-std::uint32_t rows_of_two(double toward, double across_a, double across_b) {
+/// Two crates 0.1 m apart, with these velocities along the gap (x) and across it (z), and one that turns the second about z; after
+/// a tick.
+World two_crates(double toward, double across_a, double across_b, double turning = 0) {
     World w = made(World::create(weightless()));
     add(w, {.pose = at(0, 0, 0), .linear_velocity = vec(toward, 0, across_a)},
         {.geometry = box(real(0.5), real(0.5), real(0.5))});
-    add(w, {.pose = at(1.1, 0, 0), .linear_velocity = vec(0, 0, across_b)},
+    add(w,
+        {.pose = at(1.1, 0, 0),
+         .linear_velocity = vec(0, 0, across_b),
+         .angular_velocity = vec(0, 0, turning)},
         {.geometry = box(real(0.5), real(0.5), real(0.5))});
     w.tick();
-    return contact_rows(w);
+    return w;
+}
+std::uint32_t rows_of_two(double toward, double across_a, double across_b) {
+    return contact_rows(two_crates(toward, across_a, across_b));
 }
 
 } // namespace
@@ -29,9 +36,21 @@ std::uint32_t rows_of_two(double toward, double across_a, double across_b) {
 TEST_CASE("contacts reach ahead by what two shapes near each other, not by how fast both go") {
     CHECK(rows_of_two(0, 0, 0) == 0);
     CHECK(rows_of_two(0, 20, 20) == 0);  // side by side
-    CHECK(rows_of_two(0, 20, -20) == 1); // past each other: they might meet
+    CHECK(rows_of_two(0, 20, -20) == 0); // past each other
     CHECK(rows_of_two(9, 0, 0) == 1);    // 0.15 m in the tick
     CHECK(rows_of_two(1, 0, 0) == 0);    // 0.017 m
+}
+
+TEST_CASE("of what is near, only points that close within the tick are contacts") {
+    // Past each other at 20 m/s. An edge of the second comes at half a metre per radian: 0.125 m in the tick, or 0.025.
+    const World turns = two_crates(0, 0, 20, 15), turns_slowly = two_crates(0, 0, 20, 3),
+                turns_back = two_crates(0, 0, 20, -15), comes = two_crates(9, 0, 20);
+    CHECK(turns_slowly.contacts().empty());
+    CHECK(comes.contacts().size() == 4);
+    REQUIRE(turns.contacts().size() == 2);
+    for (const World::ContactPoint& point : turns.contacts()) CHECK(point.point.y > Real{});
+    REQUIRE(turns_back.contacts().size() == 2);
+    for (const World::ContactPoint& point : turns_back.contacts()) CHECK(point.point.y < Real{});
 }
 
 TEST_CASE("what comes fast lands on what it meets") {

@@ -1,0 +1,62 @@
+// Leaves out contact points that are too far apart to touch within the tick.
+#pragma once
+
+#include "collide/narrow_phase.h"
+#include "scene/placed_shapes.h"
+
+namespace lockstone::sim {
+
+/// How the body of the narrow phase's B moves against that of A, world axes.
+struct PairMotion {
+    SpeedVec3 at_b;    ///< where B's origin is [m/s]
+    SpeedVec3 turning; ///< [rad/s]
+
+    PairMotion(const Velocity& a, const Velocity& b, LengthVec3 from_a, LengthVec3 from_b)
+        : at_b((b.linear + cross<Speed>(b.angular, from_b)) - (a.linear + cross<Speed>(a.angular, from_a))),
+          turning(b.angular - a.angular) {}
+};
+
+/// As far ahead of touching as every point is kept.
+inline constexpr Separation kept_always = to<Separation>(margin_least);
+
+inline bool has_far_points(const collide::Manifold& manifold) {
+    bool is_far = false;
+    for (std::uint32_t k = 0; k < manifold.count; ++k)
+        is_far = is_far || manifold.points[k].separation > kept_always;
+    return is_far;
+}
+
+/// Keeps the points of a manifold that are within `margin_least`, or farther by no more than they close within a tick, as the
+/// bodies move when it begins: n . (v + w x r) is n . v + (n x w) . r. A pair reaches as far as it moves in any direction, so
+/// of what slides along or parts most points are of no use.
+inline void keep_closing_points(const PairMotion& motion, const Rotation& axes_a, Unit half_tick,
+                                collide::Manifold& manifold) {
+    const UnitVec3 normal = lockstone::mul<Unit>(axes_a, manifold.normal);
+    const Speed level = dot<Speed>(motion.at_b, normal);
+    const SpeedVec3 tilt = mul_transposed<Speed>(axes_a, cross<Speed>(normal, motion.turning));
+    constexpr int coarser = Speed::fraction_bits + Unit::fraction_bits - 1 - Separation::fraction_bits;
+    std::uint32_t kept = 0;
+    for (std::uint32_t k = 0; k < manifold.count; ++k) {
+        const collide::ManifoldPoint point = manifold.points[k];
+        const std::int64_t parts = std::int64_t{level.raw} + dot<Speed>(tilt, point.position).raw,
+                           closes = std::max<std::int64_t>(-parts, 0) * half_tick.raw >> coarser;
+        if (point.separation.raw <= kept_always.raw + closes) manifold.points[kept++] = point;
+    }
+    while (manifold.count > kept) manifold.points[--manifold.count] = {};
+}
+
+/// Likewise of all manifolds of a pair. What parts two convex shapes of which no point is left is the hint for the next tick.
+inline void keep_closing_points(const PairMotion& motion, const Rotation& axes_a, Unit half_tick,
+                                bool are_convex, collide::Manifolds& manifolds) {
+    std::uint32_t kept = 0;
+    for (std::uint32_t i = 0; i < manifolds.count; ++i) {
+        keep_closing_points(motion, axes_a, half_tick, manifolds.items[i]);
+        if (manifolds.items[i].count == 0) continue;
+        if (kept != i) manifolds.items[kept] = manifolds.items[i];
+        ++kept;
+    }
+    if (kept == 0 && manifolds.count != 0 && are_convex) manifolds.apart = manifolds.items[0].normal;
+    manifolds.count = kept;
+}
+
+} // namespace lockstone::sim
