@@ -4,6 +4,7 @@
 #include "tick/tick.h"
 
 #include "base/parallel.h"
+#include "base/room.h"
 #include "base/two_jobs.h"
 #include "solve/bodies/integrate.h"
 #include "solve/bodies/step.h"
@@ -111,8 +112,6 @@ void prepare(const Tick& t, const Scene& scene, const solve::BodyColumns& column
     Model& w = t.w;
     Tasks* const tasks = t.hooks.tasks;
     const bool other_step = find_constants(w.config(), s);
-    const std::span<const Transform> poses = w.state.rows(w.m.body_pose).first(w.header().bodies_awake);
-    s.pose_before.list.assign(poses.begin(), poses.end());
     const std::span<const JointMemory> memory = w.state.rows(w.m.joint_memory);
     solve::begin_step(columns, w.header().gravity, s.step, s.bodies, tasks);
     list_joints(w, s.joints);
@@ -205,7 +204,10 @@ void store(const Tick& t) {
 void finish(const Tick& t) {
     TickScratch& s = t.s;
     Model& w = t.w;
-    solve::finish_step(s.step, s.bodies, w.body_columns(), t.hooks.tasks);
+    const solve::BodyColumns columns = w.body_columns();
+    base::make_room(s.pose_before.list, columns.pose.size());
+    s.pose_before.list.resize(columns.pose.size());
+    solve::finish_step(s.step, s.bodies, columns, t.hooks.tasks, s.pose_before.list);
     forget_forces(w);
     Faults& faults = w.state.edit_row(w.m.faults, 0);
     faults.speed_clamped += s.bodies.clamps.speed;

@@ -440,7 +440,8 @@ static std::uint64_t finish_body(const StepConstants& step, SolverBodies& bodies
     return clamped;
 }
 
-void finish_step(const StepConstants& step, SolverBodies& bodies, const BodyColumns& c, Tasks* tasks) {
+void finish_step(const StepConstants& step, SolverBodies& bodies, const BodyColumns& c, Tasks* tasks,
+                 std::span<Transform> before) {
     const std::uint32_t count = static_cast<std::uint32_t>(c.info.size());
     find_spins(step, bodies);
     const EndPass pass{bodies.body.data(),  bodies.step.data(),    bodies.plain.data(), c.info.data(),
@@ -448,6 +449,7 @@ void finish_step(const StepConstants& step, SolverBodies& bodies, const BodyColu
                        least_turn.raw,      least_free_turn.raw,   free_turn_noise.raw, step.tick_time.raw};
     base::for_chunks(tasks, count, body_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
         std::uint32_t rows[body_chunk], left[body_chunk], in_lanes = 0, alone = 0;
+        if (!before.empty()) std::copy(&c.pose[first], &c.pose[first] + (last - first), &before[first]);
         for (std::uint32_t i = first; i < last; ++i)
             if (bodies.kernel != nullptr && (bodies.plain[i] & plain_end) != 0)
                 rows[in_lanes++] = i;

@@ -203,8 +203,9 @@ void set_gyration(BodyStep& s, const Rotation& axes);
 /// Turning parts of a dynamic body's entries for other radii of gyration, its angular velocity kept.
 void set_radii(const BodyColumns& columns, std::uint32_t row, Vec3 radii, const StepConstants& step,
                SolverBodies& bodies, ClampCounts& clamps);
-/// Writes poses and velocities back: moves by `shift`, turns by K^-1 theta, keeps angular momentum through the turn.
+/// Writes poses and velocities back: moves by `shift`, turns by K^-1 theta, keeps angular momentum through the turn. `before` takes the
+/// poses as they were, by row, or is empty.
 void finish_step(const StepConstants& step, SolverBodies& bodies, const BodyColumns& columns,
-                 Tasks* tasks = nullptr);
+                 Tasks* tasks = nullptr, std::span<Transform> before = {});
 
 } // namespace lockstone::solve
