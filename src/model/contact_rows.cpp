@@ -1,6 +1,8 @@
 #include "model/contact_rows.h"
 
+#include "base/parallel.h"
 #include "base/poison.h"
+#include "base/room.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -83,12 +85,9 @@ void copy_four(const ContactPointMemory* from, ContactPointMemory* to) {
     std::memcpy(to + 2, from + 2, 2 * sizeof *from);
 }
 
-/// Sets the row counts of the tables to what the list needs.
-void fit(State& state, const ContactTables& to, const ContactList& list) {
-    std::uint32_t points = 0, more = 0;
-    for (const ContactMemory& m : list.memories) points += m.count, more += has_more(m) ? 1u : 0u;
-    state.resize(to.contacts, static_cast<std::uint32_t>(list.keys.size()));
-    state.resize(to.points, points), state.resize(to.more, more);
+/// Adds what the rows of a contact are.
+void add_rows(const ContactMemory& m, ContactsBegin& rows) {
+    rows.points += m.count, rows.more += has_more(m) ? 1u : 0u;
 }
 
 /// Keys that are what they were are not written: their pages are not saved and hashed again.
@@ -98,6 +97,42 @@ void write_keys(State& state, const ContactTables& to, const ContactList& list) 
     if (size == 0 || std::memcmp(now.data(), list.keys.data(), size) == 0) return;
     std::memcpy(state.edit(to.key).data(), list.keys.data(), size);
 }
+
+/// The tables, as long as they are to be, and written to.
+struct Written {
+    ContactRow* rows;
+    ContactPointMemory* points;
+    ContactMore* mores;
+
+    Written(State& state, const ContactTables& to, const ContactList& list, ContactsBegin all) {
+        state.resize(to.contacts, static_cast<std::uint32_t>(list.keys.size()));
+        state.resize(to.points, all.points), state.resize(to.more, all.more);
+        write_keys(state, to, list);
+        rows = state.edit(to.memory).data(), points = state.edit(to.point).data();
+        mores = state.edit(to.beyond).data();
+    }
+    /// Contacts [first, last), whose other rows are those from `begin` to `end`.
+    void put(const ContactList& list, std::uint32_t first, std::uint32_t last, ContactsBegin begin,
+             ContactsBegin end) const {
+        ContactPointMemory* point = points + begin.points;
+        const ContactPointMemory* const end_point = points + end.points;
+        ContactMore* next = mores + begin.more;
+        const bool any_has_more = begin.more != end.more;
+        for (std::uint32_t i = first; i < last; ++i) {
+            const ContactMemory& m = list.memories[i];
+            const bool has = any_has_more && has_more(m);
+            put_row(m, has, rows[i]);
+            if (end_point - point >= static_cast<std::ptrdiff_t>(m.points.size()))
+                copy_four(m.points.data(), point); // fast; those of the next write over what is too much
+            else
+                std::copy_n(m.points.begin(), m.count, point);
+            point += m.count;
+            if (has) *next++ = more_of(m);
+        }
+    }
+};
+
+constexpr std::uint32_t contacts_per_chunk = 256;
 
 } // namespace
 
@@ -124,24 +159,10 @@ void read_contacts(const State& state, const ContactTables& from, ContactList& o
 }
 
 void write_contacts(State& state, const ContactTables& to, const ContactList& list) {
-    fit(state, to, list);
-    write_keys(state, to, list);
-    ContactRow* row = state.edit(to.memory).data();
-    const std::span<ContactPointMemory> points = state.edit(to.point);
-    ContactMore* next = state.edit(to.beyond).data();
-    ContactPointMemory* point = points.data();
-    const ContactPointMemory* const end = point + points.size();
-    const bool any_has_more = state.count(to.more) != 0;
-    for (const ContactMemory& m : list.memories) {
-        const bool has = any_has_more && has_more(m);
-        put_row(m, has, *row++);
-        if (end - point >= static_cast<std::ptrdiff_t>(m.points.size()))
-            copy_four(m.points.data(), point); // fast; those of the next write over what is too much
-        else
-            std::copy_n(m.points.begin(), m.count, point);
-        point += m.count;
-        if (has) *next++ = more_of(m);
-    }
+    ContactsBegin all;
+    for (const ContactMemory& m : list.memories) add_rows(m, all);
+    const std::uint32_t count = static_cast<std::uint32_t>(list.memories.size());
+    Written(state, to, list, all).put(list, 0, count, {}, all);
 }
 
 bool ContactCopy::has_changed(const State& state, const ContactTables& tables) {
@@ -159,13 +180,30 @@ void ContactCopy::read(const State& state, const ContactTables& from) {
     if (has_changed(state, from)) read_contacts(state, from, list);
 }
 
-void ContactCopy::write(State& state, const ContactTables& to) {
-    write_contacts(state, to, list);
+void ContactCopy::write(State& state, const ContactTables& to, Tasks* tasks) {
+    const std::uint32_t count = static_cast<std::uint32_t>(list.memories.size());
+    begins.clear();
+    base::make_room(begins, count / contacts_per_chunk + 1);
+    ContactsBegin all;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        if (i % contacts_per_chunk == 0) begins.push_back(all);
+        add_rows(list.memories[i], all);
+    }
+    const Written written(state, to, list, all);
+    base::for_all_chunks(tasks, count, contacts_per_chunk,
+                         [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
+                             written.put(list, first, last, begins[first / contacts_per_chunk],
+                                         last == count ? all : begins[last / contacts_per_chunk]);
+                         });
     has_changed(state, to);
 }
 
+void ContactCopy::reserve(std::size_t rows) {
+    list.reserve(rows), begins.reserve(rows / contacts_per_chunk + 2);
+}
+
 void ContactCopy::poison(std::byte with) {
-    base::poison(with, list.keys, list.memories, changed);
+    base::poison(with, list.keys, list.memories, changed, begins);
     list.clear();
     seen = {};
 }

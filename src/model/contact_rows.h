@@ -2,6 +2,7 @@
 #pragma once
 
 #include "lockstone/state.h"
+#include "lockstone/tasks.h"
 #include "solve/bodies/rows.h"
 
 #include <span>
@@ -37,6 +38,10 @@ struct ContactList {
 void read_contacts(const State& state, const ContactTables& from, ContactList& out);
 /// The tables are to hold these contacts and no others; at most the rows_max of `contacts` (asserted).
 void write_contacts(State& state, const ContactTables& to, const ContactList& list);
+/// Where the rows of `points` and `more` of some contacts begin.
+struct ContactsBegin {
+    std::uint32_t points = 0, more = 0;
+};
 
 /// The contacts of the last tick, kept: they are read only where the tables are not as they were written. Speed only.
 class ContactCopy {
@@ -46,7 +51,8 @@ class ContactCopy {
     /// Makes the list that of the tables.
     void read(const State& state, const ContactTables& from);
     /// The tables are to hold the list.
-    void write(State& state, const ContactTables& to);
+    void write(State& state, const ContactTables& to, Tasks* tasks);
+    void reserve(std::size_t rows);
     void poison(std::byte with); ///< forgets what it has
 
   private:
@@ -55,6 +61,7 @@ class ContactCopy {
 
     ChangeMark seen; ///< of the tables as the list is
     std::vector<RowRange> changed;
+    std::vector<ContactsBegin> begins; ///< of contacts that one worker writes
 };
 
 } // namespace lockstone::sim

@@ -8,10 +8,18 @@
 
 namespace lockstone::sim {
 
+/// Whether a body may be asleep that could be awake. What rests is looked at one by one where that is little beside the pairs.
+static bool may_sleep(const Model& w, std::size_t pairs) {
+    const std::span<const BodyInfo> resting = w.state.rows(w.m.body_info).subspan(w.header().bodies_awake);
+    return resting.size() > pairs / 4 ||
+           std::ranges::any_of(resting, [](const BodyInfo& info) { return info.kind == BodyKind::dynamic; });
+}
+
 bool wake_touched(Model& w, const PlacedShapes& placed, std::span<const NearPair> near_pairs,
                   ContactScratch& contacts, IslandScratch& scratch) {
     std::vector<BodyId>& touched = scratch.touched;
     touched.clear();
+    if (!may_sleep(w, near_pairs.size())) return false;
     const std::span<const Slot> body_slots = w.state.rows(w.m.body_slot);
     const std::span<const ShapeTraits> traits = w.state.rows(w.m.shape_traits.row);
     const std::uint32_t awake = w.header().bodies_awake;

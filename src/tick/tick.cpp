@@ -48,7 +48,7 @@ void checkpoint(const Tick& t, const char* phase) {
 
 /// While a tick works on the contacts, the state holds those of the last one; a hash is of all that is known.
 void checkpoint_with_contacts(const Tick& t, const char* phase) {
-    if (t.hooks.phase_hashes) t.s.table.write(t.w.state, t.w.m.contacts);
+    if (t.hooks.phase_hashes) t.s.table.write(t.w.state, t.w.m.contacts, t.hooks.tasks);
     checkpoint(t, phase);
 }
 
@@ -219,7 +219,7 @@ void finish(const Tick& t) {
 void update_sleep(const Tick& t) {
     TickScratch& s = t.s;
     Model& w = t.w;
-    s.table.write(w.state, w.m.contacts);
+    s.table.write(w.state, w.m.contacts, t.hooks.tasks);
     find_resting(w, {s.found.heads, s.joints.all, s.vehicle_solver.standing()}, s.islands);
     if (s.islands.resting.empty()) return;
     find_contact_points(w, t.placed, s.pose_before, s.table.list, s.found, t.out.contact_points);

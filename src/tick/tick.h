@@ -27,7 +27,7 @@ struct TickScratch {
         bodies.reserve(rows.bodies);
         islands.reserve(rows.bodies);
         pair_scratch.reserve(rows);
-        table.list.reserve(rows.contacts);
+        table.reserve(rows.contacts);
         contact_scratch.reserve(rows.contacts), found.reserve(rows.contacts);
         near.ended.reserve(rows.contacts), contacts.reserve(rows.contacts, rows.bodies);
     }
