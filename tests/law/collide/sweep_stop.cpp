@@ -165,7 +165,9 @@ TEST_CASE("a rounded shape at a box is stopped where times of impact say so, of 
         if (impact(mover.whole, quantize<Length>(2 * stop_gap)) == Unit{}) { // it touches, or nearly
             if (impact(mover.whole, Length{}) != Unit{}) continue;
             if (impact(mover.core, quantize<Length>(2 * stop_gap)) == Unit{}) continue;
-            CHECK(stop == impact(mover.core, gap));
+            // The core is a ball by itself here, and part of the capsule there: roundings may make one of them come an eighth nearer.
+            CHECK(stop >= impact(mover.core, Length::from_raw(gap.raw / 4 * 5)));
+            CHECK(stop <= impact(mover.core, Length::from_raw(gap.raw / 20 * 17)));
             held_at_core += stop != unit_one;
             continue;
         }
