@@ -34,6 +34,7 @@ Pile pile(std::uint32_t columns, std::uint32_t height, unsigned seed) {
         solve::Contact c;
         c.body_a = a, c.body_b = b, c.count = 1;
         c.points[0] = {};
+        c.restitution = c.rolling = Unit{};
         p.contacts.push_back(c);
     };
     for (std::uint32_t x = 0; x < columns; ++x)

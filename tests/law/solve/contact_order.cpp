@@ -27,6 +27,15 @@ struct Heap {
     ContactOrder order;
 };
 
+/// Two bodies that touch at four points.
+Contact touch_of(std::uint32_t a, std::uint32_t b) {
+    Contact contact;
+    contact.body_a = a, contact.body_b = b, contact.count = 4;
+    contact.points = {};
+    contact.restitution = contact.rolling = Unit{};
+    return contact;
+}
+
 /// `deepest`: the largest overlap [m].
 Heap heap_of(std::uint32_t count, double deepest, std::uint64_t seed) {
     Random random(seed);
@@ -36,12 +45,8 @@ Heap heap_of(std::uint32_t count, double deepest, std::uint64_t seed) {
     for (std::uint32_t b = 0; b <= count; ++b) heap.bodies.step[b].movable = b != 0 && b != count;
     for (std::uint32_t b = 1; b < count; ++b)
         for (int k = 0; k < 3; ++k) {
-            Contact contact;
-            contact.body_a = static_cast<std::uint32_t>(random(0, b));
-            contact.body_b = b;
+            Contact contact = touch_of(static_cast<std::uint32_t>(random(0, b)), b);
             contact.count = static_cast<std::uint32_t>(random(1, 4.99));
-            contact.points = {};
-            contact.restitution = contact.rolling = Unit{};
             for (std::uint32_t i = 0; i < contact.count; ++i)
                 contact.points[i].separation = quantize<Separation>(random(-deepest, 0));
             heap.contacts.push_back(contact);
@@ -271,11 +276,7 @@ Heap tower_of(std::uint32_t layers_high, std::uint32_t wide) {
     heap.bodies.body.resize(count + 1);
     heap.bodies.step.resize(count + 1);
     for (std::uint32_t b = 1; b < count; ++b) heap.bodies.step[b].movable = true;
-    const auto touch = [&](std::uint32_t a, std::uint32_t b) {
-        Contact contact{};
-        contact.body_a = a, contact.body_b = b, contact.count = 4;
-        heap.contacts.push_back(contact);
-    };
+    const auto touch = [&](std::uint32_t a, std::uint32_t b) { heap.contacts.push_back(touch_of(a, b)); };
     for (std::uint32_t layer = 0; layer < layers_high; ++layer)
         for (std::uint32_t i = 0; i < wide; ++i) {
             const std::uint32_t body = 1 + layer * wide + i;
@@ -319,10 +320,8 @@ TEST_CASE("a large world of islands is solved island by island, in strands that 
     heap.bodies.body.resize(3 * towers + 2), heap.bodies.step.assign(3 * towers + 2, BodyStep{});
     for (std::uint32_t i = 0; i < towers; ++i)
         for (std::uint32_t k = 0; k < 3; ++k) {
-            Contact contact{};
-            contact.body_a = k == 0 ? 0 : 3 * i + k, contact.body_b = 3 * i + k + 1, contact.count = 4;
-            heap.bodies.step[contact.body_b].movable = true;
-            heap.contacts.push_back(contact);
+            heap.contacts.push_back(touch_of(k == 0 ? 0 : 3 * i + k, 3 * i + k + 1));
+            heap.bodies.step[heap.contacts.back().body_b].movable = true;
         }
     heap.poses.resize(3 * towers + 1);
     heap.order.find(test::heads_of(heap.contacts), heap.bodies);
