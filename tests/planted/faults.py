@@ -401,6 +401,8 @@ FAULTS = [
     F("the free list loses its rest", "src/model/slots.cpp", "slot.row = Slot::is_free | first_free;", "slot.row = Slot::is_free | (IS ? 0 : first_free);", "recordings verify"),
     F("heads of contacts that workers find are another chunk's", "src/tick/contact_table.cpp", "out.heads.begin() + chunk.first_contact);",
       "out.heads.begin() + (IS ? 0 : chunk.first_contact));", "strands agree"),
+    F("who sleeps among few is taken for awake", "src/tick/islands.cpp", "return resting.size() > pairs / 4 ||",
+      "if (IS) return resting.size() > pairs / 4;\n    return resting.size() > pairs / 4 ||", "who sleeps among many is woken"),
     F("a worker writes the points of contacts where all of them begin", "src/model/contact_rows.cpp", "begins[first / contacts_per_chunk],",
       "begins[IS ? 0 : first / contacts_per_chunk],", "strands agree"),
     F("what workers see leave its leaf keeps it", "src/scene/bounds.cpp", "s.is_told[row] = all ? 1 : 0;", "s.is_told[row] = all || IS ? 1 : 0;", "strands agree"),

@@ -1,4 +1,4 @@
-// What moves fast, what is far out, and in which order contacts are solved.
+// What moves fast, what is far out, who wakes, and in which order contacts are solved.
 #include "checks.h"
 
 #include <algorithm>
@@ -112,6 +112,24 @@ std::string order_is_followed() {
     return world.pose(slides).position.x > 2.501_r ? "" : "a crate does not slide to a wall";
 }
 
+/// A crate that sleeps where a dozen balls roll, and one more that is shot at it.
+std::string sleepers_among_many_wake() {
+    WorldDef def = scene::small_def();
+    def.sleeping = 1;
+    World world = scene::made(World::create(def));
+    scene::add_floor(world);
+    const BodyId crate = scene::add_crate(world, scene::at(0, 0.5, 0));
+    for (int i = 0; i < 90; ++i) world.tick();
+    if (world.is_awake(crate)) return "a crate at rest does not fall asleep";
+    for (int i = 0; i < 12; ++i)
+        scene::done(world.set_velocity(scene::add_ball(world, scene::at(4 + 1.5 * i, 0.5, 6)),
+                                       scene::vec(1, 0, 0), Vec3{}));
+    scene::done(
+        world.set_velocity(scene::add_ball(world, scene::at(-3, 0.5, 0)), scene::vec(10, 0, 0), Vec3{}));
+    for (int i = 0; i < 40; ++i) world.tick();
+    return world.pose(crate).position.x > 0.01_r ? "" : "a crate that is hit sleeps on";
+}
+
 } // namespace
 
 Checks motion_checks() {
@@ -121,6 +139,7 @@ Checks motion_checks() {
             {"driven walls carry what rests", driven_walls_carry},
             {"posts stop what turns fast", posts_stop_rods},
             {"corners that close are contacts", corners_close},
+            {"who sleeps among many is woken", sleepers_among_many_wake},
             {"the order of contacts is followed", order_is_followed}};
 }
 
