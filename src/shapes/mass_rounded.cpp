@@ -5,6 +5,8 @@
 
 #include "lockstone/math/math.h"
 
+#include <algorithm>
+
 namespace lockstone::shapes {
 namespace {
 
@@ -117,8 +119,13 @@ MassProperties rounded_cylinder_mass(Length core_radius, Length half_height, Len
 MassProperties rounded_cone_mass(Length base_radius, Length half_height, Length radius, Real density) {
     const Scaled b = scaled(base_radius), h = scaled(half_height), r = scaled(radius);
     const Scaled quarter = over(scaled_pi, 2);
-    // The slant's outward direction is (2 h, b) / length.
-    const Vec3 slant{to<Real>(half_height) * 2, to<Real>(base_radius), Real{}};
+    // The slant's outward direction is (2 h, b) / length. Both are shifted up to 2^27 or more first: the length of a cone of
+    // millimetres would otherwise be rounded to 2e-8 of itself.
+    const std::int64_t across = std::int64_t{2} * half_height.raw;
+    const int up =
+        60 - bit_length(static_cast<std::uint64_t>(std::max<std::int64_t>(across, base_radius.raw)));
+    const Vec3 slant{Real::from_raw(across << up), Real::from_raw(std::int64_t{base_radius.raw} << up),
+                     Real{}};
     const Scaled slant_length = scaled(length(slant));
     const Profile::Ray out{scaled(atan2(slant.y, slant.x)), scaled(slant.x) / slant_length,
                            scaled(slant.y) / slant_length};

@@ -201,7 +201,7 @@ TEST_CASE("mass, inertia and volume of every primitive of 2.5 mm to 100 m, at ev
         const std::string what = complaint(g, density);
         if (what.empty()) continue;
         ++failures;
-        INFO(what, " of a ", name_of(g.kind), " of ", to_string(to<Real>(g.half_extent.x)), ", ",
+        INFO(what, " of a ", std::string(name_of(g.kind)), " of ", to_string(to<Real>(g.half_extent.x)), ", ",
              to_string(to<Real>(g.half_extent.y)), ", ", to_string(to<Real>(g.half_extent.z)), ", radius ",
              to_string(to<Real>(g.radius)), ", scale ", g.scale.x.raw >> 24, ", density ",
              to_string(density));
@@ -215,6 +215,16 @@ TEST_CASE(
         const Real half_edge = Real(11) + Real(i) / Real(40); // 10,648 to 21,952 m^3
         CHECK(complaint(box(half_edge, half_edge, half_edge), Real(1)) == "");
     }
+}
+
+TEST_CASE("rounded cones of millimetres are as exact as those of metres") {
+    const Real sizes[] = {0.0025_r, 0.004_r, 0.0055_r, 0.02_r, 3_r, 40_r};
+    for (const Real base : sizes)
+        for (const Real height : sizes)
+            for (const Real rounding : sizes) {
+                INFO(to_string(base), ", ", to_string(height), " rounded by ", to_string(rounding));
+                CHECK(complaint(rounded(cone(base, height), rounding), Real(100000)) == "");
+            }
 }
 
 TEST_CASE("planted fault: a cylinder's inertia in 64 bits and a volume of a lost bit are noticed") {

@@ -5,6 +5,8 @@
 
 #include <doctest/doctest.h>
 
+#include <string>
+
 using namespace lockstone;
 using namespace lockstone::test::scene;
 
@@ -168,7 +170,7 @@ TEST_CASE("a gear and a rack load the other side with their ratio") {
         Stand stand({"", def, gear ? D3{} : D3{load, 0, 0}, gear ? D3{load, 0, 0} : D3{}}, 0, 0);
         for (int t = 0; t < 60; ++t) stand.tick();
         const JointId held = stand.world.joint_at(0); // of A to the world
-        INFO(name_of(def.kind));
+        INFO(std::string(name_of(def.kind)));
         CHECK(to_double(stand.world.joint_state(held).torque.x) ==
               test::about((gear ? 1 : -1) * load / 4, 0.01));
     }

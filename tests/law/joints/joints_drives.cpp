@@ -4,6 +4,8 @@
 
 #include <doctest/doctest.h>
 
+#include <string>
+
 using namespace lockstone;
 using namespace lockstone::test::scene;
 
@@ -163,7 +165,7 @@ TEST_CASE("what holds a weight pulls with m g") {
         const JointId joint = made(w.create_joint(c.def, {}, b, at(0, 0, 0)));
         for (int t = 0; t < 300; ++t) w.tick();
         const JointState s = w.joint_state(joint);
-        INFO(name_of(c.def.kind), " hanging by ", c.hangs);
+        INFO(std::string(name_of(c.def.kind)), " hanging by ", c.hangs);
         CHECK(to_double(s.force.y) == test::about(crate_mass * 9.81, 0.005));
         CHECK(std::hypot(to_double(s.force.x), to_double(s.force.z)) < 0.005 * crate_mass * 9.81);
         CHECK(length(to_double(s.torque)) < 0.005 * crate_mass * 9.81);
@@ -203,7 +205,7 @@ TEST_CASE("a cantilever's weld bears m g l, a slider across gravity too, an axle
             const JointId joint = made(w.create_joint(def, {}, b, at(0, 0, 0)));
             for (int t = 0; t < 120; ++t) w.tick();
             const D3 torque = to_double(w.joint_state(joint).torque);
-            INFO(name_of(def.kind), ", lever ", lever);
+            INFO(std::string(name_of(def.kind)), ", lever ", lever);
             CHECK(torque[2] == test::about(crate_mass * 9.81 * lever, 0.01));
             CHECK(std::hypot(torque[0], torque[1]) < 0.01 * crate_mass * 9.81 * lever);
         }

@@ -6,6 +6,7 @@
 
 #include <bit>
 #include <cstdlib>
+#include <string>
 
 using namespace lockstone;
 using namespace lockstone::test::scene;
@@ -120,7 +121,7 @@ TEST_CASE("a limited axis stops at its limits, and is free between them") {
                 last = to_double(w.joint_state(joint).position[c.axis]);
                 least = std::min(least, last), most = std::max(most, last);
             }
-            INFO(name_of(c.kind), ", axis ", c.axis, ", side ", side);
+            INFO(std::string(name_of(c.kind)), ", axis ", c.axis, ", side ", side);
             CHECK(last == test::about(side < 0 ? -0.5 : 0.7, 0.01));
             CHECK(least > -0.51);
             CHECK(most < 0.71);

@@ -6,6 +6,8 @@
 
 #include <doctest/doctest.h>
 
+#include <string>
+
 using namespace lockstone;
 using namespace lockstone::test::scene;
 
@@ -176,7 +178,7 @@ double shaft_after(const JointDef& joint, const JointAxis& shaft, double load, i
 
 TEST_CASE("gears and racks pass on what their shafts have: limits, motors, springs and friction") {
     for (const JointDef& joint : {gear_joint(Real(2)), rack_and_pinion_joint(Real(2))}) {
-        INFO(name_of(joint.kind));
+        INFO(std::string(name_of(joint.kind)));
         const double sign = joint.kind == JointKind::gear ? -1 : 1;
         double way = 0;
         shaft_after(joint, {.mode = AxisMode::limited, .lower = Real(-1), .upper = Real(1)}, 400, 240, &way);

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <string>
 #include <tuple>
 
 using namespace lockstone;
@@ -191,7 +192,7 @@ TEST_CASE("drawings are closed, and have the mass that the shapes have") {
             const Geometry shape = scaled(g, Real(factor));
             const Measured drawn = measure(triangulate(shape, library, 40));
             const MassProperties m = mass_properties(shape, 1_r);
-            INFO(name_of(g.kind), " rounded by ", oracle::to_double(g.radius));
+            INFO(std::string(name_of(g.kind)), " rounded by ", oracle::to_double(g.radius));
             CHECK(drawn.open_edges == 0);
             CHECK(compare(m, drawn, 2e-3) == "");
             MassProperties wrong = m; // planted

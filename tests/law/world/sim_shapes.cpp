@@ -4,6 +4,8 @@
 
 #include <doctest/doctest.h>
 
+#include <string>
+
 using namespace lockstone;
 using namespace lockstone::test::scene;
 
@@ -111,7 +113,7 @@ TEST_CASE("shapes stand on a static box, cylinder and cone of a kilometre, far o
                                          instance(ShapeKind::hull, zoo.hull)}) {
             const std::string below = name_of(ground.kind);
             CAPTURE(below);
-            CAPTURE(name_of(geometry.kind));
+            INFO(std::string(name_of(geometry.kind)));
             World w = made(World::create(small_def(), {}, zoo.library));
             add(w, {.kind = BodyKind::static_, .pose = at(0, -top, 0)}, {.geometry = ground});
             const BodyId b = add(w, {.pose = at(300, 0.5, -250)}, {.geometry = geometry});
