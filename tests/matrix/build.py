@@ -24,6 +24,7 @@ ALONE = {"kernels"}  # one instruction set each
 
 # Kernels of an instruction set, as in CMakeLists.txt: the machine chooses among them when the program runs.
 KERNELS = {"kernel_sse41.cpp": ["-msse4.1"], "kernel_avx2.cpp": ["-mavx2"], "kernel_avx512.cpp": ["-mavx512f", "-mavx512dq", "-mavx512vl"]}
+GNU_FLAGS = ["-fno-delete-null-pointer-checks"]  # as CMakeLists.txt has it, which says why
 UNALIGNED = ["-Wa,-muse-unaligned-vector-move"]  # as CMakeLists.txt has it
 # Of MSVC's cl, which takes intrinsics of SSE4.1 as they come; clang-cl takes clang's, handed on.
 KERNELS_OF_CL = {"kernel_avx2.cpp": ["-arch:AVX2"], "kernel_avx512.cpp": ["-arch:AVX512"]}
@@ -65,6 +66,10 @@ def sources(build):
 def is_like_cl(cxx):
     """MSVC's cl and clang-cl, which has its command line. Options of both begin with a dash, which shells for Windows leave alone."""
     return pathlib.Path(cxx).stem.lower() in ("cl", "clang-cl")
+
+
+def compiler_flags(build):
+    return [] if "clang" in build.cxx or is_like_cl(build.cxx) else GNU_FLAGS
 
 
 def kernel_flags(build, name):
@@ -114,11 +119,11 @@ class Builder:
     def link(self, build, name, files):
         """Path of the program `name` made of these files. Those that programs share are compiled once."""
         of_kernels = [kernel_flags(build, name) for name in (*KERNELS, *KERNELS_OF_WASM)]
-        key = hashlib.sha256(repr((build.cxx, build.flags, of_kernels)).encode()).hexdigest()[:12]
+        key = hashlib.sha256(repr((build.cxx, build.flags, compiler_flags(build), of_kernels)).encode()).hexdigest()[:12]
         folder = self.folder / f"{build.target or 'host'}-{key}"
         folder.mkdir(parents=True, exist_ok=True)
         include = [ROOT / name for name in ("include", "src", "", "tools", "tests/matrix")]
-        own = ["-DNDEBUG", *[f for f in build.flags if not f.startswith(FOR_THE_LINKER)], *[f"-I{p}" for p in include]]
+        own = ["-DNDEBUG", *compiler_flags(build), *[f for f in build.flags if not f.startswith(FOR_THE_LINKER)], *[f"-I{p}" for p in include]]
         if is_like_cl(build.cxx):
             flags = ["-nologo", "-std:c++20", *own, f"-I{self.includes}"]
         else:

@@ -77,7 +77,8 @@ def all_cells(cpu_flags):
         cells.append(Cell(build.label(), dimension, build, **more))
 
     for level in ("-O0", "-O1", "-O3", "-Os"):
-        built("optimisation", host("g++", level))
+        # Of the sample: g++ makes functions of what it otherwise puts where it is used, and draws conclusions from them.
+        built("optimisation", host("g++", level), **(dict(in_sample, sample_ticks=64) if level == "-Os" else {}))
     # Of the sample: what three builds tell apart in the long run.
     built("optimisation", host("g++", "-O0", PLAIN, NO_DOUBLE), **in_sample, sample_ticks=20)
     built("optimisation", host("g++", "-O2", "-flto"))

@@ -118,14 +118,16 @@ template <class L> class Kernel {
         for (int r = 0; r < Rows; ++r)
             da[r] = rounded<speed_bits>(w[r] * alpha), db[r] = rounded<speed_bits>(w[r] * beta);
         for (int i = 0; i < 3; ++i) {
+            Velocity va = p.a[i], vb = p.b[i], ua = p.a[3 + i], ub = p.b[3 + i];
             for (int r = 0; r < Lines; ++r) {
                 const Row along = Row::load(c.d[direction + r][i]);
-                p.a[i] = p.a[i] - along * da[r], p.b[i] = p.b[i] + along * db[r];
+                va = va - along * da[r], vb = vb + along * db[r];
             }
             for (int r = 0; r < Rows; ++r) {
-                p.a[3 + i] = p.a[3 + i] + Row::load(xa[r][i]) * da[r];
-                p.b[3 + i] = p.b[3 + i] + Row::load(xb[r][i]) * db[r];
+                ua = ua + Row::load(xa[r][i]) * da[r];
+                ub = ub + Row::load(xb[r][i]) * db[r];
             }
+            p.a[i] = va, p.b[i] = vb, p.a[3 + i] = ua, p.b[3 + i] = ub;
         }
     }
     template <int Lines>

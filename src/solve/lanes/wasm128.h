@@ -47,7 +47,7 @@ struct Wasm128 {
     static Low sub(Low a, Low b) { return wasm_i32x4_sub(a, b); }
     static V mul(V a, V b) { return mul(packed(a), packed(b)); }
     static V mul(Low a, Low b) {
-        const Low x = fresh(a), y = fresh(b);
+        const Low x = fresh(a, a ^ b), y = fresh(b, a ^ b);
         return {wasm_i64x2_extmul_low_i32x4(x, y), wasm_i64x2_extmul_high_i32x4(x, y)};
     }
     static V mul64(V a, V b) { return {wasm_i64x2_mul(a.low, b.low), wasm_i64x2_mul(a.high, b.high)}; }
@@ -164,10 +164,11 @@ struct Wasm128 {
   private:
     static Two two_at(const std::int64_t* p) { return wasm_v128_load(p); }
     /// The same number, as something that clang has not seen yet. It would extend a factor of several products once, ahead of their loop or
-    /// branch, and then multiply whole lanes: eight instructions of x86 in place of three. Engines see that the choice is none.
-    static Low fresh(Low x) {
+    /// branch, and then multiply whole lanes: eight instructions of x86 in place of three. Engines see that the choice is none. `both`, of
+    /// both factors, tells products apart; were the assembly volatile instead, clang would read and write memory anew around it.
+    static Low fresh(Low x, Low both) {
         std::int32_t nothing = 0;
-        asm volatile("" : "+r"(nothing));
+        asm("" : "+r"(nothing) : "r"(both[0]));
         return nothing != 0 ? Low{} : x;
     }
     static Two first_of(Two a, Two b) { return __builtin_shufflevector(a, b, 0, 2); }
