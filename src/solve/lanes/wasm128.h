@@ -47,7 +47,8 @@ struct Wasm128 {
     static Low sub(Low a, Low b) { return wasm_i32x4_sub(a, b); }
     static V mul(V a, V b) { return mul(packed(a), packed(b)); }
     static V mul(Low a, Low b) {
-        const Low x = fresh(a, a ^ b), y = fresh(b, a ^ b);
+        const bool turned = is_turned(a ^ b);
+        const Low x = turned ? b : a, y = turned ? a : b;
         return {wasm_i64x2_extmul_low_i32x4(x, y), wasm_i64x2_extmul_high_i32x4(x, y)};
     }
     static V mul64(V a, V b) { return {wasm_i64x2_mul(a.low, b.low), wasm_i64x2_mul(a.high, b.high)}; }
@@ -69,7 +70,8 @@ struct Wasm128 {
     }
     // Vectors are shifted by one count alone: so lane after lane, where lanes want other ones. Bodies of one kind want the same.
     static bool are_alike(V by) {
-        return by.low[0] == by.low[1] && by.low[0] == by.high[0] && by.low[0] == by.high[1];
+        const Two turned = __builtin_shufflevector(by.low, by.low, 1, 0);
+        return !wasm_v128_any_true((by.low ^ by.high) | (by.low ^ turned));
     }
     static std::uint32_t first_shift(V by) { return static_cast<std::uint32_t>(by.low[0]); } // modulo 64
     static V shift_left_by(V x, V by) {
@@ -163,13 +165,14 @@ struct Wasm128 {
 
   private:
     static Two two_at(const std::int64_t* p) { return wasm_v128_load(p); }
-    /// The same number, as something that clang has not seen yet. It would extend a factor of several products once, ahead of their loop or
-    /// branch, and then multiply whole lanes: eight instructions of x86 in place of three. Engines see that the choice is none. `both`, of
-    /// both factors, tells products apart; were the assembly volatile instead, clang would read and write memory anew around it.
-    static Low fresh(Low x, Low both) {
+    /// Never; but clang does not know, and takes the factors of each product for new numbers. It would extend a factor of several products
+    /// once, ahead of their loop or branch, and then multiply whole lanes: eight instructions of x86 in place of three. Engines see that there
+    /// is no choice. `both`, of both factors, tells products apart: volatile assembly would do so too, but clang reads and writes memory anew
+    /// around it. What would be chosen is the other factor: a choice of zero is extended as if it were none.
+    static bool is_turned(Low both) {
         std::int32_t nothing = 0;
         asm("" : "+r"(nothing) : "r"(both[0]));
-        return nothing != 0 ? Low{} : x;
+        return nothing != 0;
     }
     static Two first_of(Two a, Two b) { return __builtin_shufflevector(a, b, 0, 2); }
     static Two second_of(Two a, Two b) { return __builtin_shufflevector(a, b, 1, 3); }
