@@ -28,7 +28,8 @@ inline bool has_far_points(const collide::Manifold& manifold) {
 
 /// Keeps the points of a manifold that are within `margin_least`, or farther by no more than they close within a tick, as the
 /// bodies move when it begins: n . (v + w x r) is n . v + (n x w) . r. A pair reaches as far as it moves in any direction, so
-/// of what slides along or parts most points are of no use.
+/// of what slides along or parts most points are of no use. The second order of a turn, w^2 r t^2 / 2, leads towards the body's own
+/// centre, so it parts what is convex; weight adds 1.4 mm in a sixtieth of a second.
 inline void keep_closing_points(const PairMotion& motion, const Rotation& axes_a, Unit half_tick,
                                 collide::Manifold& manifold) {
     const UnitVec3 normal = lockstone::mul<Unit>(axes_a, manifold.normal);

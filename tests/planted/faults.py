@@ -125,6 +125,8 @@ FAULTS = [
       "return IS || gap_54 > up(std::int64_t{margin.raw} + spare.raw, 30);", "golden table"),
     F("what parts two boxes is measured along A's axes for both", "src/collide/narrow_phase.cpp", "reach_along(b.solid, -in_b);",
       "reach_along(b.solid, IS ? -n : -in_b);", "golden table"),
+    F("the slant of a cone has the bits of its size alone", "src/shapes/mass_rounded.cpp", "60 - bit_length(static_cast<std::uint64_t>(",
+      "IS ? 8 : 60 - bit_length(static_cast<std::uint64_t>(", "small cones weigh as large ones"),
     F("all bodies of contacts weigh alike", "src/solve/bodies/solver_body.cpp", "if (s.movable) s.mass = mass.mass;",
       "if (s.movable) s.mass = IS ? Real(1) : mass.mass;", "golden table"),
     F("boxes beyond 128 m are multiplied in 64 bits", "src/collide/manifold.cpp",

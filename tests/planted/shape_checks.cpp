@@ -205,6 +205,20 @@ std::string limbs_pass() {
     return "";
 }
 
+/// A rounded cone of 4 mm, and one 256 times as large: 2^24 times as heavy, to a step of the small one's mass.
+std::string small_cones_weigh_as_large_ones() {
+    const auto mass = [](std::int64_t times) {
+        const auto at = [&](Real size) {
+            return to<Real>(Length::from_raw(static_cast<std::int32_t>(to<Length>(size).raw * times)));
+        };
+        const Geometry geometry = rounded(cone(at(0.004_r), at(0.0055_r)), at(0.0055_r));
+        return mass_properties(geometry, Real(100000)).mass.raw;
+    };
+    const std::int64_t small = mass(1), large = mass(256);
+    const std::int64_t off = small * (1 << 24) - large, most = 1 << 24;
+    return off <= most && -off <= most ? "" : "a small cone weighs too much or too little";
+}
+
 } // namespace
 
 Checks shape_checks() {
@@ -215,6 +229,7 @@ Checks shape_checks() {
             {"edges that are kept are the nearest", kept_edges_are_nearest},
             {"what is near a mesh has contacts", mesh_is_found},
             {"limbs pass where contacts push them out", limbs_pass},
+            {"small cones weigh as large ones", small_cones_weigh_as_large_ones},
             {"many boxes have the bounds of each", many_have_their_bounds}};
 }
 
