@@ -37,7 +37,8 @@ template <class L> class HullSupport {
                           L::mul(L::load32(zs + k), z));
         };
         const V lanes = L::splat(N);
-        V number = L::load32(numbers), most = along(0), corner = number;
+        // Whole lanes: numbers are compared as such below.
+        V number = load_extended<L>(numbers), most = along(0), corner = number;
         for (std::size_t k = N; k < count; k += N) {
             const V next = along(k), more = L::greater64(next, most);
             number = L::add(number, lanes);
