@@ -63,8 +63,9 @@ struct MeshDef {
 Result<AssetBytes> bake_mesh(const MeshDef& def);
 
 struct HeightFieldDef {
-    std::uint32_t columns, rows;     ///< samples along x and z, 2..height_field_samples_max
-    Length spacing;                  ///< between samples along x and z [m]; columns * spacing at most 8000 m
+    std::uint32_t columns, rows; ///< samples along x and z, 2..height_field_samples_max
+    /// Between samples along x and z [m], at least 0.0025; times the greater of columns and rows at most 8000 m.
+    Length spacing;
     std::span<const Length> heights; ///< heights[row * columns + column], y [m], within 100 m of 0
     std::span<const std::uint8_t> cells =
         {}; ///< (columns - 1) * (rows - 1): 0..254 material, 255 a hole; or none

@@ -25,8 +25,9 @@ struct Event {
     EventKind kind;
     std::uint32_t reserved;
     ShapeId shape_a, shape_b; ///< shape_a < shape_b for contacts; the sensor first for sensors
+    /// Null where an end event's shape was destroyed, a dead id where the body was: ask is_alive.
     BodyId body_a, body_b;
-    JointId joint;              ///< of joint_break, else null
+    JointId joint;              ///< of joint_break, dead by then; else null
     Vec3 point;                 ///< world [m]; zero for end events
     UnitVec3 normal;            ///< from a to b; zero for end and sensor events
     SurfacePart part_a, part_b; ///< where they touch; zero but for contact_begin and sensor_begin
@@ -41,7 +42,7 @@ template <class V> constexpr void describe(Event& e, V&& v) {
     v("approach_speed", e.approach_speed), v("tick", e.tick);
 }
 
-/// A contact point, for drawing and reports.
+/// A contact point, for drawing and reports. Its shapes may have been destroyed since the tick.
 struct ContactPoint {
     ShapeId shape_a, shape_b;
     Vec3 point;

@@ -6,8 +6,9 @@
 
 namespace lockstone {
 
-/// Names one body, shape, field or joint for ever: a slot and the slot's generation. Zero is null. An id of a destroyed object, or
-/// one minted after the snapshot that was restored, is dead: commands on it return an error.
+/// Names a body, shape, field, joint, character or vehicle: a slot and the slot's generation. Zero is null. An id of a destroyed object is
+/// dead: commands on it return an error. One minted after the snapshot that was restored is dead until the world mints it again,
+/// perhaps for another object: keep ids in the world's own columns, or know objects by their user_key.
 template <class Tag> struct Id {
     std::uint32_t index = 0; ///< slot + 1
     std::uint32_t generation = 0;

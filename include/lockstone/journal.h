@@ -21,7 +21,7 @@ class Journal {
 
 /// Hash of the whole state after one phase of a tick, for finding where two runs part.
 struct PhaseHash {
-    const char* phase; ///< the phase's function name in tick.cpp
+    const char* phase; ///< as PhaseObserver is told it
     std::uint64_t hash;
 };
 

@@ -33,7 +33,7 @@ struct Access; // lockstone/testing.h
 
 /// Wrong arguments. Commands answer each with an error that names the argument, and change nothing. An id is two numbers: an
 /// id of another world names what has the same numbers in this one; where nothing has, it is dead. Reading takes living ids,
-/// rows below the count and columns of this world's schema only: anything else ends the program with a sentence, in every
+/// rows below the count and columns of this world's schema only, as `write` does: anything else ends the program with a sentence, in every
 /// build, and so does any use of a world that was moved from. Queries answer what makes no sense with nothing.
 ///
 /// Threads. Const members may be called from several threads at once while no other member runs: they keep what they find out
@@ -88,7 +88,7 @@ class World {
     Result<JointId> create_joint(const JointDef& def);
     /// Between two bodies where they stand now: both frames are at `at`, a place in the world. `a` may be null.
     Result<JointId> create_joint(JointDef def, BodyId a, BodyId b, const Transform& at);
-    Status destroy(BodyId body); ///< and its shapes and joints
+    Status destroy(BodyId body); ///< and its shapes, joints, pair filters, character and vehicle
     Status destroy(ShapeId shape);
     Status destroy(FieldId field);
     Status set_field(FieldId field, const FieldDef& def);
@@ -170,16 +170,17 @@ class World {
     VehicleInput vehicle_input(VehicleId vehicle) const;
     VehicleState vehicle_state(VehicleId vehicle) const;
     Real kinetic_energy() const; ///< [J], of all dynamic bodies; saturates
+    /// A row of a game column, or the game's record. Valid until the next command, tick or restore.
     template <StateRow T> const T& read(Column<T> column, BodyId body) const {
         return *reinterpret_cast<const T*>(row_bytes(column.index, body, sizeof(T)).data());
     }
     template <StateRow T> const T& read(Column<T> record) const { return read(record, BodyId{}); }
     Faults faults() const;
 
-    /// The events of the last tick, in the order of EventKind. Empty after restore.
+    /// The events of the last tick, in the order of EventKind. Empty after restore; valid until the next tick or restore.
     std::span<const Event> events() const;
 
-    /// Of the last tick; found when first asked for. Not state.
+    /// Of the last tick; found when first asked for. Not state. Valid until the next tick or restore.
     using ContactPoint = lockstone::ContactPoint;
     std::span<const ContactPoint> contacts() const;
 
@@ -240,7 +241,7 @@ class World {
     void set_journal(Journal* journal);              ///< null detaches; not owned, not state
     void observe_phases(PhaseObserver* observer);    ///< null detaches; not owned, not state, not cloned
     void record_phase_hashes(bool on);               ///< off by default; costs a hash per phase
-    std::span<const PhaseHash> phase_hashes() const; ///< of the last tick
+    std::span<const PhaseHash> phase_hashes() const; ///< of the last tick, valid until the next one
 
   private:
     friend struct testing::Access;

@@ -91,7 +91,9 @@ struct WorldRows {
                   characters = 0, vehicles = 0;
 };
 
-/// The game's own columns, in the same block as the engine's: saved, hashed, compared and dumped with them.
+/// The game's own columns, in the same block as the engine's: saved, hashed, compared and dumped with them. Names are unique, also among
+/// the engine's ("body.pose"): anything else ends the program. A recording holds at most 256 columns, whose rows have at most 65,536 bytes.
+/// Its columns are for World::read and World::write. State numbers columns otherwise: StateLayout::find_column finds them by name.
 class GameSchema {
   public:
     /// One row per body, created zero, removed with the body.

@@ -137,17 +137,22 @@ namespace {
 bool tells_reach(const shapes::Solid& solid) {
     const ShapeKind kind = solid.geometry.kind;
     if (kind == ShapeKind::hull) return true;
-    return (kind == ShapeKind::sphere || kind == ShapeKind::capsule || kind == ShapeKind::box) &&
+    return (kind == ShapeKind::sphere || kind == ShapeKind::capsule || kind == ShapeKind::box ||
+            kind == ShapeKind::cylinder) &&
            is_plain(solid.geometry);
 }
 
-/// How far a sphere, capsule, box or hull reaches from its origin along a unit direction in its axes, 54 fraction bits.
+/// How far a sphere, capsule, cylinder, box or hull reaches from its origin along a unit direction in its axes, 54 fraction bits.
 std::int64_t reach_along(const shapes::Solid& solid, Long3 n_30) {
     const Geometry& g = solid.geometry;
     std::int64_t reach = up(g.radius.raw, 30);
     if (g.kind == ShapeKind::hull) return reach + furthest_along_54(*solid.hull, solid.kernel, n_30);
     if (g.kind == ShapeKind::box)
         reach += absolute(n_30[0]) * g.half_extent.x.raw + absolute(n_30[2]) * g.half_extent.z.raw;
+    if (g.kind == ShapeKind::cylinder)
+        reach += static_cast<std::int64_t>(
+                     isqrt(static_cast<std::uint64_t>(n_30[0] * n_30[0] + n_30[2] * n_30[2])) + 1) *
+                 g.half_extent.x.raw;
     if (g.kind != ShapeKind::sphere) reach += absolute(n_30[1]) * g.half_extent.y.raw;
     return reach;
 }

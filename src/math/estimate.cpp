@@ -27,4 +27,9 @@ std::uint64_t inverse_root_estimated(std::uint64_t n) {
 
 #endif
 
+void take_roots(std::int64_t* n, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i)
+        n[i] = static_cast<std::int64_t>(isqrt_estimated(static_cast<std::uint64_t>(n[i])));
+}
+
 } // namespace lockstone::detail

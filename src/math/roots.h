@@ -18,6 +18,9 @@ inline std::uint64_t isqrt_from(std::uint64_t guess, std::uint64_t n) {
     return isqrt_integer(n);
 }
 
+/// Replaces numbers that are not negative by floor(sqrt(n)), many at once: processors take several roots at the same time.
+void take_roots(std::int64_t* n, std::size_t count);
+
 /// floor(sqrt(high * 2^64 + low)) for high < 2^40.
 inline std::uint64_t isqrt_from(std::uint64_t guess, std::uint64_t high, std::uint64_t low) {
     std::uint64_t s = guess;

@@ -26,6 +26,15 @@ inline bool has_far_points(const collide::Manifold& manifold) {
     return is_far;
 }
 
+template <class Keeps> void keep_points(collide::Manifold& manifold, const Keeps& keeps) {
+    std::uint32_t kept = 0;
+    for (std::uint32_t k = 0; k < manifold.count; ++k) {
+        const collide::ManifoldPoint point = manifold.points[k];
+        if (keeps(point)) manifold.points[kept++] = point;
+    }
+    while (manifold.count > kept) manifold.points[--manifold.count] = {};
+}
+
 /// Keeps the points of a manifold that are within `margin_least`, or farther by no more than they close within a tick, as the
 /// bodies move when it begins: n . (v + w x r) is n . v + (n x w) . r. A pair reaches as far as it moves in any direction, so
 /// of what slides along or parts most points are of no use. The second order of a turn, w^2 r t^2 / 2, leads towards the body's own
@@ -36,14 +45,11 @@ inline void keep_closing_points(const PairMotion& motion, const Rotation& axes_a
     const Speed level = dot<Speed>(motion.at_b, normal);
     const SpeedVec3 tilt = mul_transposed<Speed>(axes_a, cross<Speed>(normal, motion.turning));
     constexpr int coarser = Speed::fraction_bits + Unit::fraction_bits - 1 - Separation::fraction_bits;
-    std::uint32_t kept = 0;
-    for (std::uint32_t k = 0; k < manifold.count; ++k) {
-        const collide::ManifoldPoint point = manifold.points[k];
+    keep_points(manifold, [&](const collide::ManifoldPoint& point) {
         const std::int64_t parts = std::int64_t{level.raw} + dot<Speed>(tilt, point.position).raw,
                            closes = std::max<std::int64_t>(-parts, 0) * half_tick.raw >> coarser;
-        if (point.separation.raw <= kept_always.raw + closes) manifold.points[kept++] = point;
-    }
-    while (manifold.count > kept) manifold.points[--manifold.count] = {};
+        return point.separation.raw <= kept_always.raw + closes;
+    });
 }
 
 /// Likewise of all manifolds of a pair. What parts two convex shapes of which no point is left is the hint for the next tick.
@@ -58,6 +64,15 @@ inline void keep_closing_points(const PairMotion& motion, const Rotation& axes_a
     }
     if (kept == 0 && manifolds.count != 0 && are_convex) manifolds.apart = manifolds.items[0].normal;
     manifolds.count = kept;
+}
+
+/// Keeps the points of two convex shapes that are at most `separation` apart, with the same hint.
+inline void keep_deep_points(collide::Manifolds& manifolds, Separation separation) {
+    keep_points(manifolds.items[0],
+                [&](const collide::ManifoldPoint& point) { return point.separation <= separation; });
+    if (manifolds.items[0].count != 0) return;
+    manifolds.apart = manifolds.items[0].normal;
+    manifolds.count = 0;
 }
 
 } // namespace lockstone::sim

@@ -8,6 +8,7 @@
 #include "scene/surface.h"
 #include "solve/contacts/contact_order.h"
 #include "tick/closing_points.h"
+#include "tick/passing_shapes.h"
 
 #include <algorithm>
 
@@ -96,12 +97,11 @@ void set_base(const Vec3& from, const Vec3& to, std::int64_t (&base)[3]) {
     for (int i = 0; i < 3; ++i) base[i] = lockstone::to<Length>(to[i] - from[i]).raw;
 }
 
+collide::PlacedSolid placed(const PlacedShapes::Shape& s) { return {s.solid, s.axes, s.pose.position}; }
+
 /// Whether what parted two shapes when they were last looked at still does: then they have no contact points.
 bool are_still_parted(const CandidatePair& c, const NearPair& near) {
     if (near.old_count != 0 || near.apart == UnitVec3{}) return false;
-    const auto placed = [](const PlacedShapes::Shape& s) {
-        return collide::PlacedSolid{s.solid, s.axes, s.pose.position};
-    };
     return collide::are_parted(placed(*c.at_a), placed(*c.at_b), near.apart, near.margin);
 }
 
@@ -161,16 +161,32 @@ collide::PairHints hints_of(std::span<const ContactMemory> old, UnitVec3 apart) 
     return {apart, old[0].normal, on_face ? 0 : old[0].points[0].feature};
 }
 
+/// How the bodies of a pair move against each other where a shape is.
+PairMotion motion_at(const View& v, const CandidatePair& c, Vec3 origin) {
+    return {v.velocities[c.body_a], v.velocities[c.body_b],
+            lockstone::to<Length>(origin - v.poses[c.body_a].position),
+            lockstone::to<Length>(origin - v.poses[c.body_b].position)};
+}
+
+/// Two convex shapes that pass each other have no points but those that lie deeper. What turns less is looked at in the axes of the other one's body.
+void let_pass(const View& v, const CandidatePair& c, collide::Manifolds& manifolds) {
+    const Length rim_a = rim_of(*c.at_a), rim_b = rim_of(*c.at_b);
+    const bool is_b = rim_b <= rim_a;
+    const PairMotion motion = motion_at(v, c, (is_b ? c.at_b : c.at_a)->pose.position);
+    const Length graze = min(decimal<Length>("0.002"), half(half(min(c.at_a->inner, c.at_b->inner))));
+    if (pass_each_other(placed(*c.at_a), placed(*c.at_b), manifolds.items[0].normal,
+                        {motion.at_b, motion.turning, is_b ? rim_b : rim_a}, graze, v.half_tick))
+        keep_deep_points(manifolds, to<Separation>(-graze));
+}
+
 /// Points that cannot touch within the tick.
 void leave_out_far_points(const View& v, const CandidatePair& c, collide::Manifolds& manifolds) {
     const std::span<const collide::Manifold> made(manifolds.items, manifolds.count);
-    if (std::ranges::none_of(made, has_far_points)) return;
-    const Vec3 origin = c.at_b->pose.position;
-    const PairMotion motion(v.velocities[c.body_a], v.velocities[c.body_b],
-                            lockstone::to<Length>(origin - v.poses[c.body_a].position),
-                            lockstone::to<Length>(origin - v.poses[c.body_b].position));
     const bool are_convex = c.a->geometry.kind < ShapeKind::compound;
-    keep_closing_points(motion, c.at_a->axes, v.half_tick, are_convex, manifolds);
+    if (std::ranges::any_of(made, has_far_points))
+        keep_closing_points(motion_at(v, c, c.at_b->pose.position), c.at_a->axes, v.half_tick, are_convex,
+                            manifolds);
+    if (are_convex && !c.sensor && manifolds.count != 0) let_pass(v, c, manifolds);
 }
 
 /// Makes the manifolds of a pair; `apart` is a hint, and becomes the next one. `old`: the last ones.

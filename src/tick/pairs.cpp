@@ -59,13 +59,20 @@ class Ahead {
     Ahead(UnitVec3 normal, Vec3 at, std::uint32_t shift)
         : n(normal), point(at), up(static_cast<int>(16 + shift)),
           is_upright(n == UnitVec3{Unit{}, unit_one, Unit{}}), height_most(at.y + to<Real>(margin_base)) {}
-    /// Whether bounds reach into it.
+    /// Whether bounds reach into it. A bound on the border of the range stands for all that is beyond.
     bool is_reached(const collide::Bounds& bounds) const {
         const auto metres = [&](Bound b) { return Real::from_raw(std::int64_t{b.raw} << up); };
-        if (is_upright) return metres(bounds.lower.y) <= height_most;
+        if (is_upright) return bounds.lower.y == Bound::min() || metres(bounds.lower.y) <= height_most;
         const auto lowest = [](Unit along, Bound lower, Bound upper) {
             return along.raw > 0 ? lower : upper;
         };
+        const auto is_endless = [](Unit along, Bound lower, Bound upper) {
+            return (along.raw > 0 && lower == Bound::min()) || (along.raw < 0 && upper == Bound::max());
+        };
+        if (is_endless(n.x, bounds.lower.x, bounds.upper.x) ||
+            is_endless(n.y, bounds.lower.y, bounds.upper.y) ||
+            is_endless(n.z, bounds.lower.z, bounds.upper.z))
+            return true;
         const Vec3 corner{metres(lowest(n.x, bounds.lower.x, bounds.upper.x)),
                           metres(lowest(n.y, bounds.lower.y, bounds.upper.y)),
                           metres(lowest(n.z, bounds.lower.z, bounds.upper.z))};
@@ -135,15 +142,17 @@ Length pair_margin(const PairView& v, Length widest, std::uint32_t body_a, std::
 }
 
 /// Whether bounds that reach ahead by each shape's own margin still overlap when the pair's margin is `spare` less than
-/// both together. Rounded so that none is missed.
+/// both together. Rounded so that none is missed. A bound on the border of the range stands for all that is beyond.
 bool still_overlap(const collide::Bounds& a, const collide::Bounds& b, Length spare, std::uint32_t shift) {
     if (spare == Length{}) return true;
     const int drop = Length::fraction_bits - Bound::fraction_bits + static_cast<int>(shift);
     const std::int64_t by = spare.raw >> drop;
+    const auto reaches = [by](Bound upper, Bound lower) {
+        return std::int64_t{lower.raw} + by <= upper.raw || upper == Bound::max() || lower == Bound::min();
+    };
     bool out = true;
     for (int i = 0; i < 3; ++i)
-        out = out && std::int64_t{a.lower[i].raw} + by <= b.upper[i].raw &&
-              std::int64_t{b.lower[i].raw} + by <= a.upper[i].raw;
+        out = out && reaches(b.upper[i], a.lower[i]) && reaches(a.upper[i], b.lower[i]);
     return out;
 }
 

@@ -128,6 +128,7 @@ bool is_fast(Real motion, const PlacedShapes::Shape& shape, bool against_static,
 struct Stop {
     Unit fraction = unit_one;
     std::uint32_t row = Model::dead;
+    std::uint32_t shape = 0; ///< its own, as an index
 };
 
 /// Whether the way of a body in row `other` is final and it stops this one.
@@ -251,7 +252,7 @@ Stop first_stop(const Sweeper& s, const Way& way, const Hand& hand) {
                           const Unit fraction =
                               collide::stop_fraction(s.solid(wall), theirs, s.solid(shape), own,
                                                      hand.own.touching, held, hand.narrow);
-                          if (fraction < stop.fraction) stop = {fraction, other};
+                          if (fraction < stop.fraction) stop = {fraction, other, shape.id.index};
                       });
     });
     return stop;
@@ -279,12 +280,29 @@ Stop find_stop(const Sweeper& s, const Way& way, const Hand& hand) {
     return hand.own.touching.empty() ? stop : first_stop(s, way, hand);
 }
 
+/// The end of a way on which the core of a shape does not come nearer to what is touched, though the body turns: else what sticks in it, and is
+/// held by its core, would never turn out of it.
+Transform about_core(const Sweeper& s, std::uint32_t row, std::uint32_t shape, const Transform& from,
+                     const Transform& to, std::span<const UnitVec3> touching) {
+    const ShapeRow& of = s.shapes[s.slots[shape - 1].row];
+    const collide::Sweep way = s.sweep(row, of);
+    const Vec3 core = way.local.position + rotate(way.local.rotation, shapes::core_center(s.solid(of)));
+    Vec3 by_turn = rotate(to.rotation, core) - rotate(from.rotation, core),
+         rest = to.position - from.position;
+    for (const UnitVec3 out : touching) {
+        const Real into = dot<Real>(rest + by_turn, out);
+        if (into < Real{}) rest -= lockstone::scale<Real>(out, into);
+    }
+    return {from.position + rest, to.rotation};
+}
+
 /// A body that is stopped at `at` by what stands still goes on along it: held where it first touches, a limb would be left
 /// behind by its joints, and what slides would stumble.
 Transform slide_on(const Sweeper& s, std::uint32_t row, const Transform& from, const Transform& to,
                    const Transform& at, Unit fraction, const Hand& hand) {
     const Vec3 whole = to.position - from.position, done = at.position - from.position;
-    find_touching(s, {row, at, {at.position + whole, to.rotation}, fraction, Model::dead, done}, hand);
+    const Way onwards{row, at, {at.position + whole, to.rotation}, fraction, Model::dead, done};
+    find_touching(s, onwards, hand);
     Vec3 rest = to.position - at.position;
     for (int round = 0; round < 2; ++round)
         for (const UnitVec3 out : hand.own.touching) {
@@ -294,7 +312,12 @@ Transform slide_on(const Sweeper& s, std::uint32_t row, const Transform& from, c
     if (hand.own.touching.empty() || rest == Vec3{}) return at;
     const Transform end{at.position + rest, to.rotation};
     const Stop again = find_stop(s, {row, at, end, fraction, Model::dead, done}, hand);
-    return collide::body_pose_at({at, end, Transform::identity()}, again.fraction);
+    if (again.fraction > Unit{} || fraction > Unit{})
+        return collide::body_pose_at({at, end, Transform::identity()}, again.fraction);
+    find_touching(s, onwards, hand);
+    const Transform turned = about_core(s, row, again.shape, at, end, hand.own.touching);
+    const Stop last = find_stop(s, {row, at, turned, fraction, Model::dead, done}, hand);
+    return collide::body_pose_at({at, turned, Transform::identity()}, last.fraction);
 }
 
 /// Where the body was stopped, if it was, and moved on with what stopped it: shifted, or when that lets it turn through

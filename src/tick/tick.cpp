@@ -138,8 +138,10 @@ void prepare(const Tick& t, const Scene& scene, const solve::BodyColumns& column
 void substep(const Tick& t, const solve::FreeMotion& motion, const solve::BodyColumns& columns) {
     TickScratch& s = t.s;
     Tasks* const tasks = t.hooks.tasks;
+    s.contacts.begin_substep(s.bodies);
     integrate_velocities(motion, columns, s.step, s.bodies, tasks);
     s.fluids.push(t.w, s.step, s.bodies, tasks);
+    s.contacts.leave_forces_out(s.bodies);
     passed(t, "integrate");
     s.joint_solver.warm_start(s.step, s.bodies, tasks);
     s.vehicle_solver.warm_start(s.step, s.bodies);
@@ -174,6 +176,7 @@ void solve_substeps(const Tick& t, const solve::BodyColumns& columns) {
                                  t.hooks.tasks);
         return passed(t, "solve_contacts");
     }
+    s.contacts.begin_substep(s.bodies);
     integrate_velocities(motion, columns, s.step, s.bodies, t.hooks.tasks);
     passed(t, "integrate");
     s.contacts.solve_substeps(s.step, s.bodies, t.hooks.tasks);
@@ -196,7 +199,7 @@ void store(const Tick& t) {
             if (!bounces) s.joint_solver.close(s.step, s.bodies);
             s.joint_solver.store_points(memory, by);
         });
-    s.joint_solver.store(memory, s.bodies.clamps, t.hooks.tasks);
+    s.joint_solver.store(memory, s.bodies, s.bodies.clamps, t.hooks.tasks);
     s.vehicle_solver.store(s.step, s.bodies, s.vehicles.driven());
     s.vehicles.store(w);
 }

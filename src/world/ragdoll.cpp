@@ -142,6 +142,14 @@ JointDef joint_of(const RagdollDef& def, std::uint32_t part) {
 
 // ---- making ---------------------------------------------------------------------------------------------------
 
+/// A quaternion of zeros is no rotation. That of the pelvis is not read.
+std::string check(const RagdollPose& pose) {
+    for (std::uint32_t part = 1; part < ragdoll_part_count; ++part)
+        if (pose[part] == Quat{})
+            return join("pose of ", segments[part].name, " is no rotation: all four parts are 0");
+    return {};
+}
+
 std::string check(const RagdollDef& def) {
     const auto outside = [](const char* what, Real value, Real low, Real high) {
         if (value >= low && value <= high) return std::string();
@@ -149,7 +157,9 @@ std::string check(const RagdollDef& def) {
     };
     if (std::string e = outside("height", def.height, 0.5_r, 3_r); !e.empty()) return e;
     if (std::string e = outside("mass", def.mass, 5_r, 500_r); !e.empty()) return e;
-    return outside("stiffness", def.stiffness, 0_r, 100_r);
+    if (std::string e = outside("stiffness", def.stiffness, 0_r, 100_r); !e.empty()) return e;
+    if (def.place.rotation == Quat{}) return "place.rotation is no rotation: all four parts are 0";
+    return check(def.pose);
 }
 
 /// Where each part is: every parent turned, the joints kept together.
@@ -261,6 +271,7 @@ void destroy_ragdoll(World& world, const Ragdoll& ragdoll) {
 
 Status set_ragdoll_drive(World& world, const Ragdoll& ragdoll, const RagdollPose& pose,
                          const RagdollDrive& drive) {
+    if (std::string e = check(pose); !e.empty()) return Error{"set_ragdoll_drive: " + e};
     for (std::uint32_t part = 1; part < ragdoll_part_count; ++part) {
         if (!world.is_alive(ragdoll.joints[part])) continue;
         const JointDef def = world.joint(ragdoll.joints[part]);

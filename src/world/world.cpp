@@ -42,6 +42,13 @@ std::uint64_t origin_of(const WorldDef& def, const GameSchema& schema, const Ass
     for (const GameSchema::Entry& entry : schema.entries()) {
         hash.add(base::xxh3(entry.name));
         hash.add(std::uint64_t{entry.row_size});
+        for (const LeafInfo& leaf : entry.leaves) {
+            hash.add(base::xxh3(leaf.name));
+            for (const std::uint64_t number :
+                 {std::uint64_t{leaf.offset}, std::uint64_t{leaf.size}, static_cast<std::uint64_t>(leaf.kind),
+                  static_cast<std::uint64_t>(leaf.fraction_bits)})
+                hash.add(number);
+        }
     }
     for (const AssetId id : assets.ids()) hash.add(id.value);
     return hash.digest() | 1; // 0 is nobody's

@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <initializer_list>
+#include <system_error>
 #include <vector>
 
 namespace lockstone {

@@ -32,7 +32,7 @@ template <FixedPoint T> DecimalText decimal_text(T x, DecimalForm form = Decimal
 
 /// "-9.81"
 template <FixedPoint T> std::string to_string(T x) { return std::string(std::string_view(decimal_text(x))); }
-/// "-9.80999999982304871082305908203125"
+/// "-9.8100000000558793544769287109375"
 template <FixedPoint T> std::string to_exact_string(T x) {
     return std::string(std::string_view(decimal_text(x, DecimalForm::exact)));
 }

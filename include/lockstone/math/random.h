@@ -45,6 +45,7 @@ struct Random {
 
     /// A generator for a sub-purpose, from the present state and a number; this one does not move.
     constexpr Random split(std::uint64_t stream) const {
+        if ((state[0] | state[1] | state[2] | state[3]) == 0) return seeded(0).split(stream);
         std::uint64_t hash = stream;
         for (std::uint64_t word : state) hash = split_mix(hash) ^ word;
         return seeded(split_mix(hash), stream);

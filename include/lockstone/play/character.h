@@ -13,7 +13,8 @@
 //
 //   walking      horizontal speed is kept uphill and downhill; steeper ground than slope_max cannot be climbed
 //   steps        edges up to step_height are walked up, ground up to step_down below is walked down to
-//   platforms    its ground carries it along, turning included; a character that leaves it keeps its velocity
+//   platforms    its ground carries it along, turning and conveyors (surface_velocity) included; a character that leaves it
+//                keeps its velocity
 //   pushing      dynamic bodies beside it are pushed with at most push_force, what hits it is stopped as if it had
 //                `mass`; it weighs on what it stands on. What lies on its head is held by ordinary contacts.
 //   crouching    the feet stay; it stands up where there is room
@@ -69,7 +70,7 @@ enum class CharacterGround : std::uint32_t {
 
 struct CharacterState {
     Vec3 velocity;        ///< [m/s]: against its ground while that is walkable, else against the world
-    Vec3 ground_velocity; ///< of the ground where it stands [m/s]
+    Vec3 ground_velocity; ///< of the ground's surface where it stands [m/s]
     BodyId ground_body;   ///< null in the air, like the rest of the ground's
     ShapeId ground_shape;
     UnitVec3 ground_normal;

@@ -34,7 +34,8 @@ inline constexpr std::uint32_t ragdoll_part_count = 14;
 const char* name_of(RagdollPart part);
 RagdollPart ragdoll_parent(RagdollPart part); ///< of the pelvis: itself; of no part: asserted
 
-/// How each part is turned against its parent; all identity: standing, arms hanging. That of the pelvis is not read.
+/// How each part is turned against its parent; all identity: standing, arms hanging. That of the pelvis is not read. Any length
+/// but 0 will do.
 using RagdollPose = std::array<Quat, ragdoll_part_count>;
 RagdollPose ragdoll_standing();
 RagdollPose ragdoll_t_pose(); ///< arms stretched out to the sides
@@ -75,7 +76,8 @@ struct RagdollDrive {
     Real damping_ratio = Real(1); ///< 0..100
     Real torque_max{};            ///< [N m] of every joint, 0: no bound
 };
-/// Springs of all joints towards `pose`; parts without a living joint are left out.
+/// Springs of all joints towards `pose`; parts without a living joint are left out. A pose with a quaternion of zeros is an
+/// error, and nothing is changed.
 Status set_ragdoll_drive(World& world, const Ragdoll& ragdoll, const RagdollPose& pose,
                          const RagdollDrive& drive);
 /// As it is now; parts that were destroyed are as in standing.

@@ -44,7 +44,7 @@ struct Tyre {
 enum class WheelCast : std::uint32_t {
     ray,      ///< from the attachment along the suspension
     sphere,   ///< of the wheel's radius: rolls over edges
-    cylinder, ///< of the wheel's radius and width
+    cylinder, ///< of the wheel's radius and width; bears in its middle where it stands level
 };
 
 struct WheelDef {
@@ -120,7 +120,7 @@ struct GearboxDef {
     Real final_drive = 3.7_r; ///< 0.001..1000
     Real shift_time = 0.3_r;  ///< the clutch is open while a gear changes [s], 0..10
     Real shift_pause = 0.5_r; ///< least time between changes of an automatic box [s], 0..10
-    Real rpm_up = Real(5500), rpm_down = Real(2200); ///< where an automatic box changes, rpm_down < rpm_up
+    Real rpm_up = Real(5500), rpm_down = Real(2200); ///< where an automatic box changes, rpm_down <= rpm_up
     Real clutch_torque =
         Real(900); ///< most that the clutch carries [N m], 0..1e8; it closes from rpm_idle on, within
                    ///< the next half of it
@@ -149,7 +149,7 @@ struct VehicleDef {
     std::array<Differential, vehicle_couplings_max> differential{};
     TrackDef tracks{};
     Real ackermann = Real(1); ///< 1: steered wheels roll about one point, 0: they stay parallel
-    Real steer_speed{}; ///< of the steering wheel [1/s]: from straight to full, 0: at once, else 0.01..1000
+    Real steer_speed{};       ///< of the steering wheel [1/s]: from straight to full, 0..1000; 0: at once
     std::uint64_t user_key = 0;
 };
 

@@ -372,14 +372,30 @@ Mover core_ball(const Mover& whole) {
     return ball_of(whole, Coordinate::from_raw(shapes::inner_radius(*whole.solid).raw / 2));
 }
 
+/// Of the core, nearer than this at the start ends any motion towards the piece. Else each tick halves what is left of the gap, until
+/// none is.
+constexpr std::int64_t core_gap_30 = stop_gap_30 / 64;
+
+/// How much nearer a ball comes along a direction from A; where A moves, at most.
+std::int64_t comes_nearer_30(const Ways& w, const Obstacle& o, const Mover& ball, Long3 direction_30) {
+    if (w.a.from != w.a.to) return w.approach_30(ball, w.reach_of(o), direction_30);
+    const auto center = [&](Unit fraction) {
+        const Transform pose = ball.pose(w.b, fraction);
+        return pose.position + rotate(pose.rotation, ball.center);
+    };
+    return dot_dropped(shifted(raw(center(Unit{}) - center(unit_one)), 2), direction_30, 30);
+}
+
 /// The core against a piece: that ball, or where it overlaps the piece at the start, its centre.
 Unit core_stop(const Ways& w, const Standing& standing, const Obstacle& o, const Mover& whole, Unit until) {
     for (const Mover& ball : {core_ball(whole), ball_of(whole, Coordinate{})}) {
         const Standing begin = standing.of(ball);
         if (Above(w, begin, o, ball).keeps(ball.radius.raw)) return unit_one;
-        const Between start = measure(begin, o, anything_30).gap;
-        if (start.overlap || start.distance_30 <= 64) continue;
-        return advance(w, o, ball, smaller(stop_gap_30, start.distance_30 / 2), until);
+        const Measured start = measure(begin, o, anything_30);
+        const std::int64_t distance = start.gap.distance_30;
+        if (start.gap.overlap) continue;
+        if (distance > core_gap_30) return advance(w, o, ball, smaller(stop_gap_30, distance / 2), until);
+        return comes_nearer_30(w, o, ball, start.direction_30) > distance / 4 ? Unit{} : unit_one;
     }
     return unit_one;
 }

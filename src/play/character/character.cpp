@@ -28,7 +28,11 @@ void Mover::run() {
     scratch.pushes.clear();
     const Real height = s.crouched != 0 ? row.def.crouch_height : row.def.height;
     space.set_height(height);
-    const Real speed = length(s.velocity) + length(row.input.velocity) + length(s.ground_velocity) +
+    // The conveyor as it is now: a command may have changed it.
+    const std::uint32_t ground = w.row_of(s.ground_shape);
+    Real belt{};
+    if (ground != Model::dead) belt = length(w.traits_of(w.state.rows(w.m.shape)[ground]).surface_velocity);
+    const Real speed = length(s.velocity) + length(row.input.velocity) + length(s.ground_velocity) + belt +
                        row.def.jump_speed + row.def.gravity / Real(rate);
     space.collect(feet, speed / Real(rate) + row.def.step_height + row.def.step_down +
                             (row.def.height - height) + scratch.motion_max + 0.5_r);
@@ -62,6 +66,21 @@ Vec3 Mover::velocity_of(BodyId body, Vec3 point) const {
     return to<Real>(v.linear) + cross<Real>(v.angular, arm);
 }
 
+Vec3 Mover::belt_below() const {
+    const BodyId ground = ground_body();
+    if (!ground) return {};
+    for (std::uint32_t i = 0; i < space.neighbours().size(); ++i) {
+        const Neighbour& n = space.neighbour(i);
+        if (n.body != ground || n.slot + 1 != row.state.ground_shape.index || !space.has_conveyor(n))
+            continue;
+        SpaceHit hit{i, {}, {}, row.state.ground_normal, 0};
+        const bool has_pieces = n.solid->mesh != nullptr || n.solid->height_field != nullptr;
+        if (!has_pieces || (space.cast(feet, scale<Real>(up, skin * -2), hit) && hit.neighbour == i))
+            return space.conveyor(hit);
+    }
+    return {};
+}
+
 BodyId Mover::ground_body() const {
     if (row.state.ground != CharacterGround::walkable) return {};
     return w.row_of(row.state.ground_body) == Model::dead ? BodyId{} : row.state.ground_body;
@@ -84,9 +103,13 @@ void Mover::ride() {
         carried = per_tick(to<Real>(v.linear)) + rotate(turn, arm) - arm;
         spin = dot<Real>(up, v.angular);
     }
+    const Vec3 with_body = carried;
+    belt_ridden = belt_below();
+    carried += per_tick(belt_ridden);
     Vec3 away = carried;
     shove(away);
-    slide(carried, ground); // the character and its ground move as one
+    slide(with_body, ground); // the character and its ground move as one
+    slide(carried - with_body, {});
     slide(away - carried, {});
 }
 

@@ -47,7 +47,8 @@ class Mover {
     /// v, changed towards `wanted` by at most `rate_of_change` for a tick.
     Vec3 approached(Vec3 v, Vec3 wanted, Real rate_of_change) const;
     Vec3 velocity_of(BodyId body, Vec3 point) const; ///< [m/s], of a living body
-    BodyId ground_body() const;                      ///< null when it stands on none, or that is gone
+    Vec3 belt_below() const;    ///< velocity of the conveyor that it stands on, besides its body's [m/s]
+    BodyId ground_body() const; ///< null when it stands on none, or that is gone
     bool is_dynamic(BodyId body) const;
 
     Model& w;
@@ -59,10 +60,11 @@ class Mover {
     Unit slope_cos;
     std::uint32_t rate;
     CharacterSpace space;
-    Vec3 begin, feet; ///< where the feet were, and are by now
-    BodyId stood_on;  ///< when the tick began
-    bool was_in_air;  ///< then
-    Vec3 carried{};   ///< by the ground in this tick [m]
+    Vec3 begin, feet;   ///< where the feet were, and are by now
+    BodyId stood_on;    ///< when the tick began
+    bool was_in_air;    ///< then
+    Vec3 carried{};     ///< by the ground in this tick [m]
+    Vec3 belt_ridden{}; ///< belt_below() when the tick began, or of what it has come onto since
     Vec3 ground_point{};
     Real spin{};             ///< of the ground about `up` [rad/s]
     bool is_kept_up = false; ///< it is wedged in between walls, and may jump as if it stood

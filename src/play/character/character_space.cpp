@@ -3,7 +3,11 @@
 #include "base/assert.h"
 #include "collide/query/cast.h"
 #include "lockstone/math/math.h"
+#include "scene/surface.h"
+#include "shapes/mesh/height_field.h"
+#include "shapes/mesh/mesh.h"
 
+#include <algorithm>
 #include <array>
 
 namespace lockstone::sim {
@@ -125,7 +129,7 @@ bool CharacterSpace::hit_at_start(Vec3 center, UnitVec3 direction, std::uint32_t
         if (dot<Unit>(c.normal, direction) >= Unit{} || (found && c.gap >= deepest)) return;
         found = true;
         deepest = c.gap;
-        hit = {index, Real{}, c.point, c.normal};
+        hit = {index, Real{}, c.point, c.normal, c.piece};
     });
     return found;
 }
@@ -148,7 +152,8 @@ bool CharacterSpace::cast_one(Vec3 center, Vec3 way, UnitVec3 direction, Real le
     const Real against = -dot<Real>(normal, direction);
     if (against <= Real{}) return false;
     const Real allowed = to<Real>(found.distance) - skin / against;
-    hit = {index, max(allowed, Real{}), frame.position + lockstone::mul<Real>(axes, found.point), normal};
+    hit = {index, max(allowed, Real{}), frame.position + lockstone::mul<Real>(axes, found.point), normal,
+           found.feature};
     return true;
 }
 
@@ -199,9 +204,27 @@ bool CharacterSpace::ray(Vec3 from, Vec3 way, SpaceHit& hit) const {
         if (found && travelled >= hit.allowed) continue;
         found = true;
         hit = {i, travelled, frame.position + lockstone::mul<Real>(axes, at.point),
-               lockstone::mul<Unit>(axes, at.normal)};
+               lockstone::mul<Unit>(axes, at.normal), at.feature};
     }
     return found;
+}
+
+Vec3 CharacterSpace::conveyor(const SpaceHit& hit) const {
+    const Neighbour& n = scratch.neighbours[hit.neighbour];
+    const ShapeRow& shape = w.state.rows(w.m.shape)[w.state.rows(w.m.shape_slot)[n.slot].row];
+    const Vec3 velocity = touch_of(w.traits_of(shape), placed.shape[n.slot], hit.piece).velocity;
+    if (velocity == Vec3{}) return {};
+    const Vec3 turned = rotate(n.end.rotation, velocity);
+    return turned - scale<Real>(hit.normal, dot<Real>(hit.normal, turned));
+}
+
+bool CharacterSpace::has_conveyor(const Neighbour& n) const {
+    const ShapeRow& shape = w.state.rows(w.m.shape)[w.state.rows(w.m.shape_slot)[n.slot].row];
+    const auto is_one = [](const MaterialSurface& s) { return s.surface_velocity != Vec3{}; };
+    return w.traits_of(shape).surface_velocity != Vec3{} ||
+           (n.solid->mesh != nullptr && std::ranges::any_of(n.solid->mesh->surfaces(), is_one)) ||
+           (n.solid->height_field != nullptr &&
+            std::ranges::any_of(n.solid->height_field->surfaces(), is_one));
 }
 
 Vec3 clipped(Vec3 wanted, std::span<const UnitVec3> planes) {

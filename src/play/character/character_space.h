@@ -19,14 +19,16 @@ struct SpaceHit {
     Real allowed;            ///< a capsule may go this far [m]; a ray's distance
     Vec3 point;              ///< on the neighbour's surface, world [m]
     UnitVec3 normal;         ///< of the surface, world
+    std::uint32_t piece;     ///< triangle or part of the neighbour
 };
 
 /// Where the capsule is near or in a neighbour.
 struct SpaceContact {
     std::uint32_t neighbour;
-    Real gap;        ///< [m], negative: overlap
-    Vec3 point;      ///< midway between the surfaces, world [m]
-    UnitVec3 normal; ///< from the neighbour to the capsule, world
+    Real gap;            ///< [m], negative: overlap
+    Vec3 point;          ///< midway between the surfaces, world [m]
+    UnitVec3 normal;     ///< from the neighbour to the capsule, world
+    std::uint32_t piece; ///< triangle or part of the neighbour
 };
 
 /// One character's surroundings. `feet` are where the capsule is asked about.
@@ -47,6 +49,10 @@ class CharacterSpace {
     /// Moves the feet as far as they may go; true when something is in the way. `part` is how much of the way was gone.
     bool advance(Vec3& feet, Vec3 way, SpaceHit& hit, Real& part, BodyId ignored = {}) const;
     bool ray(Vec3 from, Vec3 way, SpaceHit& hit) const;
+    /// How fast the conveyor that was hit goes along its surface, besides its body's motion, world [m/s].
+    Vec3 conveyor(const SpaceHit& hit) const;
+    /// Whether any surface of a neighbour is a conveyor.
+    bool has_conveyor(const Neighbour& n) const;
     /// visit(contact) for the manifolds of one neighbour within `margin`, where it is at the end or the begin of the
     /// tick. `visit` must not ask for contacts itself.
     template <class Visit>
@@ -99,7 +105,7 @@ void CharacterSpace::for_each_contact(Vec3 feet, std::uint32_t index, Real margi
         if (m.count == 0) continue;
         const SpaceContact contact{index, to<Real>(m.points[deepest].separation),
                                    center + lockstone::mul<Real>(axes, m.points[deepest].position),
-                                   lockstone::mul<Unit>(axes, m.normal)};
+                                   lockstone::mul<Unit>(axes, m.normal), m.piece_a};
         // A character below a one-way surface, or half through it, does not see it.
         if (n.one_way && (dot<Unit>(axes.y, contact.normal) < half(unit_one) || contact.gap < -skin))
             continue;

@@ -40,6 +40,7 @@ bool Mover::stands_on(SpaceHit& hit, Vec3 landed) const {
         hit.neighbour = c.neighbour;
         hit.normal = c.normal;
         hit.point = c.point;
+        hit.piece = c.piece;
     });
     return found;
 }
@@ -64,12 +65,15 @@ void Mover::land(const SpaceHit& hit) {
     CharacterState& s = row.state;
     const Neighbour& n = space.neighbour(hit.neighbour);
     const BodyId body = n.body;
-    const Vec3 velocity = n.moves ? velocity_of(body, feet) : Vec3{};
+    const Vec3 belt = space.conveyor(hit), velocity = (n.moves ? velocity_of(body, feet) : Vec3{}) + belt;
     if (was_in_air) report_landing(hit, velocity);
     if (s.ground != CharacterGround::walkable)
         s.velocity = level(s.velocity - velocity);
     else if (s.ground_body != body)
         s.velocity = level(s.velocity + s.ground_velocity - velocity);
+    else if (belt != belt_ridden)
+        s.velocity = level(s.velocity + belt_ridden - belt);
+    belt_ridden = belt;
     s.ground = CharacterGround::walkable;
     s.ground_velocity = velocity;
     s.ground_body = body;

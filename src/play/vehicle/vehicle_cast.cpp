@@ -40,6 +40,23 @@ void find_ground(const Scene& scene, const QueryFilter& filter, const WheelDef& 
     out.length = out.hit.distance - wheel.radius;
 }
 
+/// Cosine between a ground's normal and an axle from which on a cylinder bears on its rim alone: it leans by 6 degrees.
+constexpr Real rim_cosine = 0.1_r;
+
+/// A cylinder that stands on level ground touches it along a line, of which a cast tells the end that is lower by a rounding. A tyre gives
+/// way: it bears in the middle of the wheel, and the more towards the rim the more the wheel leans.
+void bring_inwards(const WheelCastWay& way, FirstHit& hit) {
+    if (!hit.shape) return;
+    const UnitVec3 axle = to_rotation(way.rotation).y;
+    const Real lean = abs(dot<Real>(hit.normal, axle));
+    if (lean >= rim_cosine) return;
+    const Vec3 along =
+        to<Real>(axle) - lockstone::scale<Real>(hit.normal, dot<Real>(hit.normal, axle)); // the ground
+    const Vec3 hub = way.from + lockstone::scale<Real>(way.down, hit.distance);
+    const Real aside = dot<Real>(axle, hit.point - hub);
+    hit.point -= along * (aside / dot(along, to<Real>(axle)) * (Real(1) - lean / rim_cosine));
+}
+
 constexpr UnitVec3 up_axis{Unit{}, unit_one, Unit{}};
 constexpr Unit half_root = Unit::from_raw(759250125); ///< 1 / sqrt(2)
 constexpr Quat y_to_x{Unit{}, Unit{}, -half_root, half_root};
@@ -98,6 +115,7 @@ void cast_wheels(const Scene& scene, const VehicleDef& def, const VehicleMemory&
             out[i].hit = first_of(cast_shape(scene, cylinder(wheel.radius, half(wheel.width)),
                                              {ways[i].from, ways[i].rotation}, ways[i].way, filter));
         find_ground(scene, filter, wheel, ways[i], out[i]);
+        if (def.cast == WheelCast::cylinder) bring_inwards(ways[i], out[i].hit);
     }
 }
 

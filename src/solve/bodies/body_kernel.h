@@ -69,6 +69,8 @@ struct EndPass {
     /// A turn without torque is nearer than this to that of the body's own spin
     std::int64_t free_turn_noise;
     std::int64_t tick_time; ///< [s], 30 fraction bits
+    /// A faster one is left, as Momentum::spins_above [rad/s], spin_bits
+    std::int64_t spin_most;
 };
 
 /// Each writes the bodies that it left as they were to `left`, last - first at most, and returns how many: those that are

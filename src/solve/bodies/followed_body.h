@@ -2,6 +2,7 @@
 // solve/joints/followed_turn.h; the kernel: followed_kernel.h.
 #pragma once
 
+#include "lockstone/math/wide.h"
 #include "solve/bodies/inertia.h"
 
 namespace lockstone::solve {
@@ -18,8 +19,12 @@ struct FollowedTurn {
     Vec3 own;       ///< radii of a stiff body as it is [m]
     SpeedVec3 spin; ///< when the tick ends
     std::uint32_t body;
-    bool held;  ///< by a joint
-    bool stiff; ///< turns as if it were larger: u is velocity alone, and precession zero
+    /// Of a body whose coming turn is by its momentum: twice its energy per mass, and what rows take for that, |u|^2 [m^2/s^2], 64
+    /// fraction bits
+    Wide energy, energy_of_u;
+    bool knows_energy; ///< its coming turn is such a one
+    bool held;         ///< by a joint
+    bool stiff;        ///< turns as if it were larger: u is velocity alone, and precession zero
 };
 
 inline constexpr unsigned followed_lanes = 4;
@@ -43,6 +48,7 @@ struct alignas(32) FollowedFour {
     /// radii^-2 / (2 substeps per second), mantissas up to 2^30: momentum to the turn of half a substep
     Lanes<std::int32_t> half_way[3];
     Lanes<std::int64_t> half_way_drop[3];
+    Lanes<std::int64_t> momentum_most;    ///< a longer momentum is left: half of it, squared; half_turn_most
     Lanes<std::int64_t> turn_drop;        ///< of K^-1 u to the turn of half a substep
     Lanes<std::int64_t> speed_raise;      ///< of K w to accumulator_bits
     Lanes<std::int64_t> speed_most;       ///< the tip speed limit, before it is raised

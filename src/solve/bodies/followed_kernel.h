@@ -89,7 +89,7 @@ template <class L> class FollowedBodies {
     static V left_before(const Four& four, unsigned lane) {
         std::int64_t mask[N];
         for (unsigned i = 0; i < N; ++i) mask[i] = -static_cast<std::int64_t>((four.left >> (lane + i)) & 1u);
-        return L::load64(mask);
+        return L::from_lanes(mask);
     }
 
     // ---- rotations ----
@@ -258,6 +258,12 @@ template <class L> class FollowedBodies {
                      V (&half)[3]) {
         V momentum[3], x[3];
         V left = momentum_of(four, lane, axes, own, momentum);
+        V square = L::splat(0);
+        for (const V& along : momentum) {
+            const V halved = L::template shift_right<1>(along);
+            square = L::add(square, L::mul(halved, halved));
+        }
+        left = L::either(left, L::greater64(square, L::load64(&four.momentum_most[lane])));
         inwards(axes, half, x);
         for (int round = 0; round < precession_rounds; ++round) {
             const SmallTurn t(x);
@@ -355,7 +361,9 @@ template <class L> class FollowedBodies {
             Bodies b;
             gather(pass, four, lane, b);
             V half[3], q[4], next[4];
-            const V left = half_turn(pass, four, lane, b.motion + 3, half);
+            // What answered alone turns alone.
+            const V alone = L::without(left_before(four, lane), L::load64(&four.stiff[lane]));
+            const V left = L::either(alone, half_turn(pass, four, lane, b.motion + 3, half));
             store(four.half, lane, half), load(four.turn, lane, q);
             const SmallTurn t(half);
             const V cosine = t.less(one, t.versine);

@@ -10,14 +10,17 @@ namespace lockstone::solve {
 
 inline SpinForm spin_form(Vec3 radii_inv) {
     SpinForm form{};
-    for (int i = 0; i < 3; ++i) {
-        const Wide square = Wide::product(radii_inv[i].raw, radii_inv[i].raw); // 64 fraction bits
+    const auto set = [&form](int i, Wide square) { // 64 fraction bits
         const std::uint64_t high = static_cast<std::uint64_t>(square.high_bits());
         const int size = high != 0 ? 64 + bit_length(high) : bit_length(square.low_bits());
         const int drop = std::max(size - 30, 0);
         form.mantissa[i] = static_cast<std::int32_t>((square >> drop).low_bits());
         form.bits[i] = 2 * Real::fraction_bits - drop;
-    }
+    };
+    const auto square = [](Real x) { return Wide::product(x.raw, x.raw); };
+    for (int i = 0; i < 3; ++i) set(i, square(radii_inv[i]));
+    set(3, square(std::max({radii_inv.x, radii_inv.y, radii_inv.z})) -
+               square(std::min({radii_inv.x, radii_inv.y, radii_inv.z})));
     return form;
 }
 
@@ -40,6 +43,17 @@ class Momentum {
             parts[i] = shift_right_rounded(whole[i].raw, dropped);
             is_quick = is_quick && shift(i) >= 1 && shift(i) <= 62;
         }
+    }
+    Vec3 per_mass() const { return whole; }
+    /// Whether a component by the least radius of gyration, less the same by the largest, is above so much [rad/s], spin_bits.
+    bool spins_above(std::int64_t most) const {
+        if (shift(3) < 1) return whole != Vec3{};
+        for (const std::int64_t part : parts)
+            if (shift(3) <= 62 &&
+                shift_right_rounded(static_cast<std::int64_t>(magnitude(part)) * form.mantissa[3], shift(3)) >
+                    most)
+                return true;
+        return false;
     }
     /// Angular velocity of the body at a rotation: K^-2 of the momentum, in world axes.
     Vec3 spin_at(Quat rotation) const {

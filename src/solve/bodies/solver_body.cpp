@@ -2,6 +2,7 @@
 
 #include "base/room.h"
 #include "lockstone/math/math.h"
+#include "solve/bodies/free_turn.h"
 #include "solve/bodies/momentum.h"
 #include "solve/joints/followed_turn.h"
 
@@ -372,6 +373,30 @@ static bool is_free_turn(Vec3 rotation, Vec3 by_spin) {
     return off.x + off.y + off.z < free_turn_noise;
 }
 
+static std::int64_t spin_most(const StepConstants& step) {
+    return (std::int64_t{step.ticks_per_second} * tick_turn_most) << spin_bits;
+}
+
+/// The same as turn() where rounds of the midpoint rule do not converge: a body that is thin, or spins fast. What
+/// pushed it in the tick gives no energy by where it turned to.
+static void turn_far(const StepConstants& step, const Momentum& momentum, Quat principal, const SolverBody& b,
+                     const BodyStep& s, bool is_free, Transform& pose, Velocity& velocity) {
+    const FreeTurn turn(s.radii_inv, principal);
+    const Real rate = Real(step.ticks_per_second);
+    const Quat from = pose.rotation;
+    Vec3 last = momentum.per_mass();
+    if (is_free) {
+        pose.rotation = turn.turned_exactly(from, last, rate);
+    } else { // by the mean of the tick
+        const Vector3<Separation> theta{Separation::from_raw(b.theta[0]), Separation::from_raw(b.theta[1]),
+                                        Separation::from_raw(b.theta[2])};
+        const Vec3 mean = mul<Real>(s.gyration, to<Real>(theta) * rate);
+        pose.rotation = turn.turned(from, mean, rate);
+        last = turn.with_energy(turn.energy(from, last), pose.rotation, last, FreeTurn::Keep::not_above);
+    }
+    velocity.angular = to<Speed>(turn.spin_at(pose.rotation, last));
+}
+
 /// The rotation of the tick and the angular velocity after it. Without torque the angular momentum per mass K u is
 /// kept exactly up to rounding: K is taken at the middle of the turn (midpoint rule, second order).
 static void turn(const BodyTraits& traits, const StepConstants& step, const SolverBody& b, BodyStep& s,
@@ -390,8 +415,11 @@ static void turn(const BodyTraits& traits, const StepConstants& step, const Solv
         return;
     }
     const Momentum momentum(s, u, traits.mass.principal);
+    const bool is_free = is_free_turn(rotation, in_a_tick(w, step));
+    if (momentum.spins_above(spin_most(step)))
+        return turn_far(step, momentum, traits.mass.principal, b, s, is_free, pose, velocity);
     const auto halved = [](Vec3 v) { return Vec3{half(v.x), half(v.y), half(v.z)}; };
-    if (is_free_turn(rotation, in_a_tick(w, step))) {
+    if (is_free) {
         for (std::int32_t i = 0; i < free_turn_steps; ++i) {
             const Real time = Real(step.ticks_per_second * free_turn_steps);
             const Vec3 now = momentum.spin_at(pose.rotation) / time;
@@ -446,7 +474,8 @@ void finish_step(const StepConstants& step, SolverBodies& bodies, const BodyColu
     find_spins(step, bodies);
     const EndPass pass{bodies.body.data(),  bodies.step.data(),    bodies.plain.data(), c.info.data(),
                        bodies.forms.data(), bodies.form_of.data(), c.pose.data(),       c.velocity.data(),
-                       least_turn.raw,      least_free_turn.raw,   free_turn_noise.raw, step.tick_time.raw};
+                       least_turn.raw,      least_free_turn.raw,   free_turn_noise.raw, step.tick_time.raw,
+                       spin_most(step)};
     base::for_chunks(tasks, count, body_chunk, [&](std::uint32_t first, std::uint32_t last, std::uint32_t) {
         std::uint32_t rows[body_chunk], left[body_chunk], in_lanes = 0, alone = 0;
         if (!before.empty()) std::copy(&c.pose[first], &c.pose[first] + (last - first), &before[first]);

@@ -54,9 +54,10 @@ struct BodyPush {
 /// What the integrator adds to the move of this substep [m], 32 fraction bits.
 using BodyDrift = std::array<std::int64_t, 3>;
 
-/// K^-2 along the principal axes [1/m^2]: mantissas below 2^30, and the fraction bits of each.
+/// K^-2 along the principal axes [1/m^2], and by how much the largest is above the least: mantissas below 2^30, and the fraction bits of
+/// each.
 struct SpinForm {
-    std::int32_t mantissa[4], bits[4]; ///< the fourth of each is not used
+    std::int32_t mantissa[4], bits[4];
 };
 /// Of w in principal axes, where the turn of a tick changes it: within 128 rad/s; beyond, all is done in Real.
 inline constexpr int spin_bits = 24;

@@ -33,7 +33,7 @@ template <class L> class TurnedBodies {
     static int bit_length(std::int64_t x) {
         return x == 0 ? 0 : 64 - std::countl_zero(static_cast<std::uint64_t>(x));
     }
-    static V load(const Numbers& numbers) { return L::load64(numbers); }
+    static V load(const Numbers& numbers) { return L::from_lanes(numbers); }
 
     /// a b, where both are rotations.
     static void multiply(const V (&a)[4], const V (&b)[4], V (&out)[4]) {
@@ -238,6 +238,10 @@ template <class L> class TurnedBodies {
         return L::template shift_right_signed<14>(
             L::add(high, L::template shift_right<16>(L::add(low, half_of(30)))));
     }
+    static V rounded_by(V x, V drop) { // 1..62
+        return L::shift_right_by(L::add(x, L::template shift_right<1>(L::shift_left_by(L::splat(1), drop))),
+                                 drop);
+    }
     static V half_turn(V x) { return L::template shift_right_signed<1>(L::add(x, L::splat(1))); }
 
     /// What a pack of bodies keeps through a turn without torque; as Momentum of momentum.h.
@@ -271,14 +275,18 @@ template <class L> class TurnedBodies {
                 half = L::template shift_right<1>(L::shift_left_by(L::splat(1), dropped));
         for (int i = 0; i < 3; ++i) m.parts[i] = L::shift_right_by(L::add(whole[i], half), dropped);
         L::quads(principals, m.principal);
-        L::quads(mantissas, more);
-        for (int i = 0; i < 3; ++i) m.mantissa[i] = more[i];
-        L::quads(bits, more);
-        for (int i = 0; i < 3; ++i) {
+        V mantissa[4], shifts[4];
+        L::quads(mantissas, mantissa), L::quads(bits, more);
+        for (int i = 0; i < 4; ++i) {
             const V shift = L::sub(L::add(wide(more[i]), L::splat(real_bits - spin_bits)), dropped);
             const V wrong = L::either(L::greater64(L::splat(1), shift), L::greater64(shift, L::splat(62)));
             m.left = L::either(m.left, wrong);
-            m.shift[i] = L::select(wrong, L::splat(1), shift);
+            shifts[i] = L::select(wrong, L::splat(1), shift);
+        }
+        for (int i = 0; i < 3; ++i) {
+            m.mantissa[i] = mantissa[i], m.shift[i] = shifts[i];
+            const V spin = rounded_by(L::mul(magnitude(m.parts[i]), mantissa[3]), shifts[3]);
+            m.left = L::either(m.left, L::greater64(spin, L::splat(pass.spin_most)));
         }
         return m;
     }

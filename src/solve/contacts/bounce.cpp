@@ -1,8 +1,10 @@
 #include "solve/contacts/bounce.h"
 
 #include "lockstone/math/math.h"
+#include "lockstone/math/wide.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace lockstone::solve {
 
@@ -27,7 +29,20 @@ template <unsigned N> struct Lane {
 
     /// Level and tilts of the normal speed.
     void speeds(const SolverBody* bodies, std::int64_t (&out)[3]) const {
-        const SolverBody &a = bodies[pack.body_a[lane]], &b = bodies[pack.body_b[lane]];
+        speeds(bodies[pack.body_a[lane]], bodies[pack.body_b[lane]], out);
+    }
+    void speeds(const SolverBody& a, const SolverBody& b, std::int64_t (&out)[3]) const {
+        speeds_along(a, b, pack.normal_a, pack.normal_b, 0, 1, out);
+    }
+    /// Of the two tangents and the twist.
+    void slides(const SolverBody* bodies, std::int64_t (&out)[3]) const {
+        speeds_along(bodies[pack.body_a[lane]], bodies[pack.body_b[lane]], pack.slide_a, pack.slide_b, 1, 2,
+                     out);
+    }
+    /// Along three rows, of which the first `lines` have a linear part: from direction `first` on.
+    void speeds_along(const SolverBody& a, const SolverBody& b, const std::int32_t (&rows_a)[3][3][N],
+                      const std::int32_t (&rows_b)[3][3][N], int first, int lines,
+                      std::int64_t (&out)[3]) const {
         std::int64_t move[3], turn_a[3], turn_b[3], any = 0;
         for (int i = 0; i < 3; ++i) {
             move[i] = speed_part(sub_saturated(b.v[i], a.v[i]));
@@ -38,10 +53,10 @@ template <unsigned N> struct Lane {
         const bool is_slow = any >> 29 == 0;
         for (int r = 0; r < 3; ++r) {
             std::int64_t line = 0, turning = 0;
-            for (int i = 0; r == 0 && i < 3; ++i) line += pack.d[0][i][lane] * move[i];
+            for (int i = 0; r < lines && i < 3; ++i) line += pack.d[first + r][i][lane] * move[i];
             for (int i = 0; i < 3; ++i) {
-                const std::int64_t of_a = pack.normal_a[r][i][lane] * turn_a[i],
-                                   of_b = pack.normal_b[r][i][lane] * turn_b[i];
+                const std::int64_t of_a = rows_a[r][i][lane] * turn_a[i],
+                                   of_b = rows_b[r][i][lane] * turn_b[i];
                 turning = is_slow ? turning + of_a + of_b : add_saturated(add_saturated(turning, of_a), of_b);
             }
             // Beyond 4096 m/s a point is at the end of every range.
@@ -79,6 +94,10 @@ template <unsigned N> struct Lane {
         for (int r = 0; r < 3; ++r)
             push(bodies, pack.normal_a[r], pack.normal_b[r], r == 0 ? pack.d[0] : nullptr, q[r]);
     }
+    void push_slides(SolverBodies& bodies, const std::int64_t (&q)[3]) const {
+        for (int r = 0; r < 3; ++r)
+            push(bodies, pack.slide_a[r], pack.slide_b[r], r < 2 ? pack.d[r + 1] : nullptr, q[r]);
+    }
 };
 
 /// Whether no point will bounce in this tick: what a point that was pushed came in with stays as it is.
@@ -91,7 +110,44 @@ bool is_settled(const Bounce& bounce, const ContactPack<N>& pack, std::int32_t s
     return true;
 }
 
+/// Twice the work of an impulse: times the sum of the speeds before and after it.
+void add_work(Bounce& bounce, std::int64_t impulse, std::int64_t speeds) {
+    constexpr std::int64_t limit = std::int64_t{1} << 62, most = std::int64_t{1} << 30;
+    bounce.taken = std::clamp(bounce.taken - impulse * std::clamp(speeds, -most, most), -limit, limit);
+}
+
 } // namespace
+
+template <unsigned N>
+void note_warm_start(std::span<const ContactPack<N>> packs, Bounce* bounces, const WarmStart* warm,
+                     const SolverBodies& bodies) {
+    const auto before_it = [&](std::uint32_t row) {
+        SolverBody body = bodies.body[row];
+        for (int i = 0; i < 3; ++i) {
+            body.v[i] = sub_saturated(body.v[i], warm[row].v[i] & body.keep[i]);
+            body.u[i] = sub_saturated(body.u[i], warm[row].u[i]);
+        }
+        return body;
+    };
+    for (const ContactPack<N>& pack : packs)
+        for (std::uint32_t i = 0; i < pack.bounce_count; ++i) {
+            Bounce& bounce = bounces[pack.bounce + i];
+            const Lane<N> at{pack, bounce.lane};
+            std::int64_t before[3], after[3];
+            bool is_found = false;
+            for (int k = 0; k < pack.point_count; ++k) {
+                const std::int64_t impulse = pack.points[k].impulse[bounce.lane];
+                if (impulse == 0) continue;
+                if (!is_found) {
+                    at.speeds(before_it(pack.body_a[bounce.lane]), before_it(pack.body_b[bounce.lane]),
+                              before);
+                    at.speeds(bodies.body.data(), after);
+                    is_found = true;
+                }
+                add_work(bounce, impulse, at.at_point(k, before) + at.at_point(k, after));
+            }
+        }
+}
 
 template <unsigned N>
 void keep_approach(const ContactPack<N>& pack, Bounce* bounces, const std::int32_t (&speed)[4][N]) {
@@ -122,22 +178,14 @@ template <unsigned N>
 void note_bounce(ContactPack<N>& pack, Bounce* bounces, std::int32_t speed_min,
                  const std::int32_t (&speed_before)[4][N], const std::int32_t (&speed_after)[4][N],
                  const std::int32_t (&impulse_before)[4][N]) {
-    constexpr std::int64_t limit = std::int64_t{1} << 62, most = std::int64_t{1} << 30;
     for (std::uint32_t i = pack.bounce_count; i-- > 0;) {
         Bounce& bounce = bounces[pack.bounce + i];
         for (int k = 0; k < pack.point_count; ++k) {
             const std::int32_t now = pack.points[k].impulse[bounce.lane];
             bounce.impulse_max[k] = std::max(bounce.impulse_max[k], now);
             if (now == impulse_before[k][bounce.lane]) continue; // no work
-            // Work: impulse over the point's effective mass, times the mean of the speeds before and after.
-            const std::int64_t change =
-                std::clamp(shift_right_rounded((std::int64_t{now} - impulse_before[k][bounce.lane]) *
-                                                   bounce.inverse_mass[k],
-                                               response_bits),
-                           -most, most);
-            const std::int64_t speeds = std::clamp<std::int64_t>(
-                std::int64_t{speed_before[k][bounce.lane]} + speed_after[k][bounce.lane], -most, most);
-            bounce.taken[k] = std::clamp(bounce.taken[k] - change * speeds, -limit, limit);
+            add_work(bounce, std::int64_t{now} - impulse_before[k][bounce.lane],
+                     std::int64_t{speed_before[k][bounce.lane]} + speed_after[k][bounce.lane]);
         }
         // Behind those that are still looked at; no two of a pack share a body that moves.
         if (is_settled(bounce, pack, speed_min))
@@ -147,23 +195,157 @@ void note_bounce(ContactPack<N>& pack, Bounce* bounces, std::int32_t speed_min,
 
 namespace {
 
+/// The points of a contact that bounce, and what is given to them. Work is twice that per m_ref, as Bounce::taken.
+template <unsigned N> struct Rebound {
+    ContactPack<N>& pack;
+    unsigned lane;
+    std::int64_t speed[3];       ///< level and tilts, with what was given so far
+    std::int64_t change[4] = {}; ///< of impulses, in the phase that runs
+
+    static bool has(std::uint32_t points, int k) { return ((points >> k) & 1u) != 0; }
+    std::int64_t at_point(int k) const { return Lane<N>{pack, lane}.at_point(k, speed); }
+
+    void add(int k, std::int64_t x) {
+        constexpr int lower[3][3] = {{0, 1, 3}, {1, 2, 4}, {3, 4, 5}};
+        PointLanes<N>& point = pack.points[k];
+        x = std::clamp<std::int64_t>(point.impulse[lane] + x, 0, impulse_limit) - point.impulse[lane];
+        point.impulse[lane] += static_cast<std::int32_t>(x);
+        change[k] += x;
+        const std::int64_t q[3] = {x, shift_right_rounded(point.arm[0][lane] * x, unit_bits),
+                                   shift_right_rounded(point.arm[1][lane] * x, unit_bits)};
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j)
+                speed[i] += shift_right_rounded(pack.response[lower[i][j]][lane] * q[j], response_bits);
+    }
+    /// Brings the speeds of some points to minus `target`.
+    void reach(std::uint32_t points, const std::int64_t (&target)[4]) {
+        const int count = pack.point_count;
+        // First all points together, at their centre: so the order of its points does not turn a box that lands flat.
+        std::int64_t error = 0, common = 0;
+        for (int k = 0; k < count; ++k)
+            if (has(points, k)) error += at_point(k) + target[k], ++common;
+        const std::int64_t level = pack.response[0][lane];
+        if (common > 1 && level > 0)
+            for (int k = 0; k < count; ++k) // an error of four points is below 2^34, of 25 more bits here
+                if (has(points, k))
+                    add(k, -(error * (std::int64_t{1} << response_bits) / level) / (common * common));
+        for (int round = 0; round < (common > 1 ? 4 : 1); ++round)
+            for (int i = 0; i < count; ++i) {
+                const int k = round % 2 == 0 ? i : count - 1 - i;
+                if (has(points, k))
+                    add(k, -shift_right_rounded((at_point(k) + target[k]) * pack.points[k].kappa[lane],
+                                                kappa_bits));
+            }
+    }
+    /// The impulses of this phase times speeds: products are below 2^59.
+    std::int64_t power(const std::int64_t (&at)[3]) const {
+        std::int64_t sum = 0;
+        for (int k = 0; k < pack.point_count; ++k)
+            if (change[k] != 0) sum += change[k] * Lane<N>{pack, lane}.at_point(k, at);
+        return sum;
+    }
+};
+
+/// The largest part, Unit, of impulses that does no more work than `most`. All of them times the speeds they meet are `before`, and times
+/// those they leave `after`.
+std::int64_t part_within(std::int64_t before, std::int64_t after, std::int64_t most) {
+    constexpr std::int64_t one = std::int64_t{1} << unit_bits;
+    const auto size = [](std::int64_t x) { return static_cast<std::uint64_t>(x < 0 ? -x : x); };
+    const int drop =
+        std::max(static_cast<int>(std::bit_width(size(before) | size(after) | size(most))) - 29, 0);
+    const std::int64_t start = before >> drop, change = (after >> drop) - start, limit = most >> drop;
+    if (2 * start + change <= limit) return one;
+    if (change <= 0) return 0;
+    // part^2 change + 2 part start = limit
+    const auto root =
+        static_cast<std::int64_t>(isqrt(static_cast<std::uint64_t>(start * start + limit * change)));
+    return std::clamp<std::int64_t>((root - start) * one / change, 0, one);
+}
+
 /// What the points of a contact that bounce should part at, and which do.
 template <unsigned N>
-bool find_targets(const Bounce& bounce, const ContactPack<N>& pack, std::int32_t speed_min,
-                  std::int64_t (&target)[4], std::uint32_t& points) {
-    points = 0;
+std::uint32_t find_targets(const Bounce& bounce, const ContactPack<N>& pack, std::int32_t speed_min,
+                           std::int64_t (&target)[4]) {
+    std::uint32_t points = 0;
     for (int k = 0; k < pack.point_count; ++k) {
         target[k] = 0;
         if (bounce.approach[k] > -speed_min || bounce.impulse_max[k] == 0 ||
             pack.points[k].kappa[bounce.lane] == 0)
             continue;
-        const std::int64_t taken = std::max<std::int64_t>(bounce.taken[k], 0);
-        const std::int64_t most = std::int64_t{isqrt(static_cast<std::uint64_t>(taken))};
-        target[k] = shift_right_rounded(
-            std::max(std::int64_t{bounce.approach[k]}, -most) * bounce.restitution, unit_bits);
+        target[k] = shift_right_rounded(std::int64_t{bounce.approach[k]} * bounce.restitution, unit_bits);
         points |= 1u << k;
     }
-    return points != 0;
+    return points;
+}
+
+/// First what still comes in is stopped: the next substep would have done that. Then the points part, at most with what they took.
+/// False: none of them bounces. `given`: to the impulses of points.
+template <unsigned N>
+bool rebound(const Bounce& bounce, ContactPack<N>& pack, std::int32_t speed_min, const SolverBody* bodies,
+             std::int64_t (&given)[4]) {
+    std::int64_t target[4];
+    const std::uint32_t points = find_targets(bounce, pack, speed_min, target);
+    if (points == 0) return false;
+    const unsigned lane = bounce.lane;
+    Rebound<N> stop{pack, lane, {}};
+    Lane<N>{pack, lane}.speeds(bodies, stop.speed);
+    std::int64_t start[3];
+    std::copy_n(stop.speed, 3, start);
+    std::uint32_t closing = 0;
+    for (int k = 0; k < pack.point_count; ++k)
+        if (stop.has(points, k) && stop.at_point(k) < 0) closing |= 1u << k;
+    if (closing != 0) stop.reach(closing, {0, 0, 0, 0});
+    const std::int64_t stopped = -(stop.power(start) + stop.power(stop.speed));
+    const std::int64_t taken = std::max<std::int64_t>(add_saturated(bounce.taken, stopped), 0);
+
+    Rebound<N> part{pack, lane, {}};
+    std::copy_n(stop.speed, 3, part.speed);
+    part.reach(points, target);
+    const std::int64_t most = product_rounded(product_rounded(taken, bounce.restitution, unit_bits),
+                                              bounce.restitution, unit_bits),
+                       share = part_within(part.power(stop.speed), part.power(part.speed), most);
+    for (int k = 0; k < pack.point_count; ++k) {
+        const std::int64_t kept = part.change[k] * share / (std::int64_t{1} << unit_bits);
+        pack.points[k].impulse[lane] += static_cast<std::int32_t>(kept - part.change[k]);
+        given[k] = stop.change[k] + kept;
+    }
+    return true;
+}
+
+/// Friction of these impulses, against the sliding that is left: at most as much as ends it, in the direction that would.
+template <unsigned N>
+void give_friction(const ContactPack<N>& pack, unsigned lane, const std::int64_t (&given)[4],
+                   SolverBodies& bodies) {
+    constexpr std::int64_t one = std::int64_t{1} << unit_bits, speed_limit = std::int64_t{1} << 28;
+    constexpr int lower[3][3] = {{0, 1, 3}, {1, 2, 4}, {3, 4, 5}};
+    std::int64_t pressing = 0, reach = 0;
+    for (int k = 0; k < pack.point_count; ++k) {
+        pressing += given[k];
+        reach += shift_right_rounded(given[k] * pack.points[k].reach[lane], unit_bits);
+    }
+    const auto limit_of = [&](std::int64_t x) {
+        return std::clamp<std::int64_t>(shift_right_rounded(x * pack.friction[lane], row_bits), 0,
+                                        speed_limit);
+    };
+    const std::int64_t limit = limit_of(pressing), twist_limit = limit_of(reach);
+    if (limit == 0) return;
+    const Lane<N> at{pack, lane};
+    std::int64_t speed[3], q[3] = {};
+    at.slides(bodies.body.data(), speed);
+    for (int r = 0; r < 3; ++r)
+        speed[r] = std::clamp(speed[r] + (r < 2 ? pack.surface[r][lane] : 0), -speed_limit, speed_limit);
+    const int rows = pack.several[lane] != 0 ? 3 : 2;
+    for (int r = 0; r < rows; ++r) {
+        std::int64_t sum = 0;
+        for (int i = 0; i < rows; ++i) sum += pack.slide_inverse[lower[r][i]][lane] * speed[i];
+        q[r] = std::clamp(-shift_right_rounded(sum, inverse_bits), -speed_limit, speed_limit);
+    }
+    const auto size = static_cast<std::int64_t>(isqrt(static_cast<std::uint64_t>(q[0] * q[0] + q[1] * q[1])));
+    const std::int64_t twist = q[2] < 0 ? -q[2] : q[2];
+    const std::int64_t part = std::min({one, size < limit ? one : limit * one / (size + 1),
+                                        twist <= twist_limit ? one : twist_limit * one / twist});
+    for (std::int64_t& x : q) x = x * part / one;
+    at.push_slides(bodies, q);
 }
 
 } // namespace
@@ -171,47 +353,18 @@ bool find_targets(const Bounce& bounce, const ContactPack<N>& pack, std::int32_t
 template <unsigned N>
 void give_back(std::span<Bounce> bounces, std::span<ContactPack<N>> packs, std::int32_t speed_min,
                SolverBodies& bodies) {
-    constexpr int lower[3][3] = {{0, 1, 3}, {1, 2, 4}, {3, 4, 5}};
-    for (Bounce& bounce : bounces) {
+    for (const Bounce& bounce : bounces) {
         ContactPack<N>& pack = packs[bounce.pack];
-        const unsigned lane = bounce.lane;
-        std::int64_t target[4], speed[3];
-        std::uint32_t points;
-        if (!find_targets(bounce, pack, speed_min, target, points)) continue;
-        const Lane<N> at{pack, lane};
-        at.speeds(bodies.body.data(), speed);
+        std::int64_t given[4];
+        if (!rebound(bounce, pack, speed_min, bodies.body.data(), given)) continue;
         std::int64_t sum[3] = {};
-        const auto add = [&](int k, std::int64_t change) {
-            PointLanes<N>& point = pack.points[k];
-            change = std::clamp<std::int64_t>(point.impulse[lane] + change, 0, impulse_limit) -
-                     point.impulse[lane];
-            point.impulse[lane] += static_cast<std::int32_t>(change);
-            const std::int64_t q[3] = {change, shift_right_rounded(point.arm[0][lane] * change, unit_bits),
-                                       shift_right_rounded(point.arm[1][lane] * change, unit_bits)};
-            for (int i = 0; i < 3; ++i) {
-                sum[i] += q[i];
-                for (int j = 0; j < 3; ++j)
-                    speed[i] += shift_right_rounded(pack.response[lower[i][j]][lane] * q[j], response_bits);
-            }
-        };
-        const int count = pack.point_count;
-        // First all points together, at their centre: so the order of its points does not turn a box that lands flat.
-        std::int64_t error = 0, common = 0;
-        for (int k = 0; k < count; ++k)
-            if ((points >> k) & 1u) error += at.at_point(k, speed) + target[k], ++common;
-        const std::int64_t level = pack.response[0][lane];
-        if (common > 1 && level > 0)
-            for (int k = 0; k < count; ++k) // an error of four points is below 2^34, of 25 more bits here
-                if ((points >> k) & 1u)
-                    add(k, -(error * (std::int64_t{1} << response_bits) / level) / (common * common));
-        for (int round = 0; round < (common > 1 ? 4 : 1); ++round)
-            for (int i = 0; i < count; ++i) {
-                const int k = round % 2 == 0 ? i : count - 1 - i;
-                if ((points >> k) & 1u)
-                    add(k, -shift_right_rounded(
-                               (at.at_point(k, speed) + target[k]) * pack.points[k].kappa[lane], kappa_bits));
-            }
-        at.push_normals(bodies, sum);
+        for (int k = 0; k < pack.point_count; ++k) {
+            sum[0] += given[k];
+            for (int i = 0; i < 2; ++i)
+                sum[1 + i] += shift_right_rounded(pack.points[k].arm[i][bounce.lane] * given[k], unit_bits);
+        }
+        Lane<N>{pack, bounce.lane}.push_normals(bodies, sum);
+        give_friction(pack, bounce.lane, given, bodies);
     }
 }
 
@@ -254,13 +407,6 @@ void solve_rolling(std::span<Rolling> rolling, std::span<const ContactPack<N>> p
                 add_product(a.u[i], rows.xa[r][i], da), add_product(b.u[i], rows.xb[r][i], db);
         }
     }
-}
-
-void clamp_to_cone(std::int32_t limit, std::int32_t& t1, std::int32_t& t2) {
-    const std::int64_t square = std::int64_t{t1} * t1 + std::int64_t{t2} * t2;
-    const std::int64_t size = std::int64_t{isqrt(static_cast<std::uint64_t>(square))} + 1;
-    t1 = static_cast<std::int32_t>(std::int64_t{t1} * limit / size);
-    t2 = static_cast<std::int32_t>(std::int64_t{t2} * limit / size);
 }
 
 /// Whether a point took an impact of more than 1 m/s. Smaller ones are not kept: a hand that stands on its fingers would shake for ever.
@@ -323,6 +469,8 @@ template <unsigned N> void forget_impacts(ContactPack<N>& pack, WarmStart* warm)
 
 template void measure_approach(const ContactPack<1>&, Bounce*, const SolverBody*);
 template void keep_approach(const ContactPack<1>&, Bounce*, const std::int32_t (&)[4][1]);
+template void note_warm_start(std::span<const ContactPack<1>>, Bounce*, const WarmStart*,
+                              const SolverBodies&);
 template void give_back(std::span<Bounce>, std::span<ContactPack<1>>, std::int32_t, SolverBodies&);
 template void solve_rolling(std::span<Rolling>, std::span<const ContactPack<1>>, SolverBodies&, bool);
 template void forget_impacts(ContactPack<1>&, WarmStart*);
@@ -330,6 +478,8 @@ template void note_bounce(ContactPack<1>&, Bounce*, std::int32_t, const std::int
                           const std::int32_t (&)[4][1], const std::int32_t (&)[4][1]);
 template void measure_approach(const ContactPack<2>&, Bounce*, const SolverBody*);
 template void keep_approach(const ContactPack<2>&, Bounce*, const std::int32_t (&)[4][2]);
+template void note_warm_start(std::span<const ContactPack<2>>, Bounce*, const WarmStart*,
+                              const SolverBodies&);
 template void give_back(std::span<Bounce>, std::span<ContactPack<2>>, std::int32_t, SolverBodies&);
 template void solve_rolling(std::span<Rolling>, std::span<const ContactPack<2>>, SolverBodies&, bool);
 template void forget_impacts(ContactPack<2>&, WarmStart*);
@@ -337,6 +487,8 @@ template void note_bounce(ContactPack<2>&, Bounce*, std::int32_t, const std::int
                           const std::int32_t (&)[4][2], const std::int32_t (&)[4][2]);
 template void measure_approach(const ContactPack<4>&, Bounce*, const SolverBody*);
 template void keep_approach(const ContactPack<4>&, Bounce*, const std::int32_t (&)[4][4]);
+template void note_warm_start(std::span<const ContactPack<4>>, Bounce*, const WarmStart*,
+                              const SolverBodies&);
 template void give_back(std::span<Bounce>, std::span<ContactPack<4>>, std::int32_t, SolverBodies&);
 template void solve_rolling(std::span<Rolling>, std::span<const ContactPack<4>>, SolverBodies&, bool);
 template void forget_impacts(ContactPack<4>&, WarmStart*);
@@ -344,6 +496,8 @@ template void note_bounce(ContactPack<4>&, Bounce*, std::int32_t, const std::int
                           const std::int32_t (&)[4][4], const std::int32_t (&)[4][4]);
 template void measure_approach(const ContactPack<8>&, Bounce*, const SolverBody*);
 template void keep_approach(const ContactPack<8>&, Bounce*, const std::int32_t (&)[4][8]);
+template void note_warm_start(std::span<const ContactPack<8>>, Bounce*, const WarmStart*,
+                              const SolverBodies&);
 template void give_back(std::span<Bounce>, std::span<ContactPack<8>>, std::int32_t, SolverBodies&);
 template void solve_rolling(std::span<Rolling>, std::span<const ContactPack<8>>, SolverBodies&, bool);
 template void forget_impacts(ContactPack<8>&, WarmStart*);

@@ -5,8 +5,15 @@
 
 namespace lockstone::solve {
 
-/// Points that came in fast and were hit go back at restitution times that speed, but with no more energy than they took: the part that
-/// another contact stopped is given back by that other contact. source: Stronge, Impact Mechanics (2000)
+/// After a warm start, which gave `warm` to each body: the work of the impulses that points carry. Where passes take back what it gave too much,
+/// they take no energy of the impact.
+template <unsigned N>
+void note_warm_start(std::span<const ContactPack<N>> packs, Bounce* bounces, const WarmStart* warm,
+                     const solve::SolverBodies& bodies);
+/// Points that came in fast and were hit go back at restitution times that speed. What still comes in then, in a tick whose last substep left
+/// a part to the next one, is stopped first. The points of a contact together give back at most restitution squared times the energy that they
+/// took together: the part that another contact stopped is given back by that other contact. Impulses that are given so bring friction, within
+/// the cone and against the sliding that is left. source: Stronge, Impact Mechanics (2000)
 template <unsigned N>
 void give_back(std::span<Bounce> bounces, std::span<ContactPack<N>> packs, std::int32_t speed_min,
                solve::SolverBodies& bodies);

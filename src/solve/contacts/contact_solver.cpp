@@ -70,12 +70,12 @@ struct ContactSolver::Inside {
                      ClampCounts& clamps) const;
     template <unsigned N> void make_room(std::size_t packs);
     template <class Visit> void for_each_piece(Tasks* tasks, Visit&& visit);
-    std::int64_t* warm_numbers() {
+    static std::int64_t* numbers(std::vector<WarmStart>& of) {
         static_assert(sizeof(WarmStart) == 6 * sizeof(std::int64_t));
-        return reinterpret_cast<std::int64_t*>(warm.data());
+        return reinterpret_cast<std::int64_t*>(of.data());
     }
     void begin_pass(const SolverBodies& bodies, Rows rows);
-    void find_arrival(Rows rows);
+    void find_arrival(const SolverBodies& bodies, Rows rows);
     void end_pass(const SolverBodies& bodies, Rows rows);
     void first_warm_start(SolverBodies& bodies, Tasks* tasks);
     void next_warm_start(SolverBodies& bodies, Rows rows) const;
@@ -233,7 +233,7 @@ void ContactSolver::prepare(std::span<const ContactHead> heads, std::span<const 
             if (pack.bounce == none) pack.bounce = i;
             ++pack.bounce_count;
             pack.bounces[s.bounces[i].lane] = -1;
-            fill_bounce(s.bounces[i], pack, contacts[contact_of(s.bounces[i].pack, s.bounces[i].lane)]);
+            fill_bounce(s.bounces[i], contacts[contact_of(s.bounces[i].pack, s.bounces[i].lane)]);
         }
         for (Rolling& rows : s.rolling) fill_rolling(rows, contacts[contact_of(rows.pack, rows.lane)], in);
     });
@@ -249,23 +249,28 @@ template <class Visit> void ContactSolver::Inside::for_each_piece(Tasks* tasks, 
 /// What the passes give to a body is the difference between its velocities before and after: the velocity is subtracted before a pass and
 /// added after it. Modulo 2^64 that is right even where a velocity in between left its range.
 void ContactSolver::Inside::begin_pass(const SolverBodies& bodies, Rows rows) {
-    body_kernel->take_velocities(bodies.body.data(), warm_numbers(), rows.list, rows.count);
+    body_kernel->take_velocities(bodies.body.data(), numbers(warm), rows.list, rows.count);
 }
 void ContactSolver::Inside::end_pass(const SolverBodies& bodies, Rows rows) {
-    body_kernel->add_velocities(bodies.body.data(), warm_numbers(), rows.list, rows.count);
+    body_kernel->add_velocities(bodies.body.data(), numbers(warm), rows.list, rows.count);
 }
 
-/// During a pass, `warm` is what contacts gave less the velocity: the negative of what is left without them.
-void ContactSolver::Inside::find_arrival(Rows rows) {
-    const auto negative = [](std::int64_t x) {
-        return static_cast<std::int64_t>(0 - static_cast<std::uint64_t>(x));
-    };
+void ContactSolver::Inside::find_arrival(const SolverBodies& bodies, Rows rows) {
     for (std::uint32_t k = 0; k < rows.count; ++k) {
-        const WarmStart& from = warm[rows[k]];
+        const SolverBody& from = bodies.body[rows[k]];
         WarmStart& to = arrival[rows[k]];
-        for (int axis = 0; axis < 3; ++axis)
-            to.v[axis] = negative(from.v[axis]), to.u[axis] = negative(from.u[axis]);
+        for (int axis = 0; axis < 3; ++axis) to.v[axis] = from.v[axis], to.u[axis] = from.u[axis];
     }
+}
+
+void ContactSolver::begin_substep(const SolverBodies& bodies) {
+    if (inside->pack_count != 0) inside->find_arrival(bodies, Inside::all_rows(bodies));
+}
+void ContactSolver::leave_forces_out(const SolverBodies& bodies) {
+    Inside& s = *inside;
+    if (s.pack_count == 0) return;
+    s.body_kernel->take_velocities(bodies.body.data(), s.numbers(s.arrival), nullptr,
+                                   s.all_rows(bodies).count);
 }
 
 void ContactSolver::Inside::first_warm_start(SolverBodies& bodies, Tasks* tasks) {
@@ -289,6 +294,8 @@ void ContactSolver::Inside::next_warm_start(SolverBodies& bodies, Rows rows) con
 void ContactSolver::warm_start(SolverBodies& bodies, Tasks* tasks) {
     Inside& s = *inside;
     if (s.pack_count == 0) return;
+    s.body_kernel->add_velocities(bodies.body.data(), s.numbers(s.arrival), nullptr,
+                                  s.all_rows(bodies).count);
     note_u(bodies);
     if (s.started)
         s.next_warm_start(bodies, s.all_rows(bodies));
@@ -297,6 +304,7 @@ void ContactSolver::warm_start(SolverBodies& bodies, Tasks* tasks) {
     s.started = true;
     s.with_lanes([&](auto width) {
         constexpr unsigned N = width();
+        if (!s.bounces.empty()) note_warm_start<N>(s.packs<N>(), s.bounces.data(), s.warm.data(), bodies);
         if (!s.rolling.empty()) solve_rolling<N>(s.rolling, s.packs<N>(), bodies, true);
     });
     if (!s.bounces.empty()) s.kernel->measure_approaches(s.storage.data(), s.pack_count, s.data(bodies));
@@ -320,7 +328,6 @@ void ContactSolver::solve(const StepConstants& step, SolverBodies& bodies, bool 
             [&](auto width) { solve_rolling<width()>(s.rolling, s.packs<width()>(), bodies, false); });
     const PassSettings settings = settings_of(step, bias);
     s.begin_pass(bodies, s.all_rows(bodies));
-    if (bias) s.find_arrival(s.all_rows(bodies));
     s.for_each_piece(tasks, [&](std::uint32_t first, std::uint32_t last) {
         s.kernel->solve(s.storage.data(), first, last, s.data(bodies), settings);
     });
@@ -347,17 +354,16 @@ void ContactSolver::Inside::follow_pass(const StepConstants& step, SolverBodies&
     }
     if (pass_kind(pass) == 2) {
         end_pass(bodies, rows);
+        find_arrival(bodies, rows);
         integrate_velocities(step, bodies, list);
         next_warm_start(bodies, rows);
         begin_pass(bodies, rows);
     }
-    find_arrival(rows);
 }
 
 void ContactSolver::solve_substeps(const StepConstants& step, SolverBodies& bodies, Tasks* tasks) {
     Inside& s = *inside;
     s.begin_pass(bodies, s.all_rows(bodies));
-    s.find_arrival(s.all_rows(bodies)); // of what nothing moves it stays as it is
     const PassSettings settings[2] = {settings_of(step, true), settings_of(step, false)};
     const std::uint32_t last_pass = static_cast<std::uint32_t>(2 * step.substeps);
     base::for_strands(
@@ -383,7 +389,8 @@ void ContactSolver::solve_islands(std::span<const Contact> contacts, std::span<C
     const PassSettings settings[2] = {settings_of(step, true), settings_of(step, false)};
     const std::uint32_t passes = static_cast<std::uint32_t>(2 * step.substeps);
     for (std::uint32_t row = 0; row <= bodies.still(); ++row)
-        if (!s.order.moves(row)) s.warm[row] = s.arrival[row] = {}; // all strands look at it
+        if (!s.order.moves(row))
+            s.warm[row] = {}, s.find_arrival(bodies, {&row, 1}); // all strands look at it
     s.with_lanes([&](auto width) {
         constexpr unsigned N = width();
         std::size_t most = 0;
@@ -399,6 +406,7 @@ void ContactSolver::solve_islands(std::span<const Contact> contacts, std::span<C
             const Inside::Rows rows{list.data(), static_cast<std::uint32_t>(list.size())};
             const std::uint32_t count = piece.last - piece.first;
             s.prepare_packs<N>(piece.first, piece.last, packs, in);
+            s.find_arrival(bodies, rows);
             integrate_velocities(step, bodies, list);
             for (const std::uint32_t row : list) s.warm[row] = {};
             s.begin_pass(bodies, rows);

@@ -63,6 +63,10 @@ class ContactSolver {
     void solve_islands(std::span<const solve::Contact> contacts, std::span<solve::ContactMemory> memory,
                        const solve::MassView& mass, const solve::StepConstants& step,
                        solve::SolverBodies& bodies, Tasks* tasks = nullptr);
+    /// Before velocities are integrated: what comes together faster than 0.25 m/s now is a hit, not a load.
+    void begin_substep(const solve::SolverBodies& bodies);
+    /// After that, and before joints give their impulses again: what they give counts with the speeds that hits are told by.
+    void leave_forces_out(const solve::SolverBodies& bodies);
     void warm_start(solve::SolverBodies& bodies, Tasks* tasks = nullptr);
     /// One pass over all rows. With bias, overlap is pushed out softly; without, what the push left is relaxed.
     void solve(const solve::StepConstants& step, solve::SolverBodies& bodies, bool bias,

@@ -4,6 +4,7 @@
 // too, since the linker keeps one of their copies.
 #pragma once
 
+#include "math/roots.h"
 #include "solve/contacts/ahead_kernel.h"
 #include "solve/contacts/bounce_kernel.h"
 #include "solve/contacts/pack.h"
@@ -201,6 +202,8 @@ template <class L> class Kernel {
         Mask leaves; ///< the block does not serve: a point would pull, or one is hit that is no member
     };
 
+    /// Points that a lane's contact lacks are as far off as a gap can be; at the limit of speeds even they would close.
+    static Mask is_there(const Point& point) { return Gap::splat(gap_limit) > Gap::load(point.gap0); }
     static Speed at_point(const Point& point, const Speed (&x)[3]) {
         const auto tilts = x[1] * Unit::load(point.arm[0]) + x[2] * Unit::load(point.arm[1]);
         return x[0] + rounded<speed_bits>(tilts);
@@ -242,7 +245,7 @@ template <class L> class Kernel {
             if (!s.soft && c.bounce != none)
                 n.bias[k] = select(~overlaps & Mask::load(c.bounces), max(n.bias[k], -speed), n.bias[k]);
             n.error[k] = speed + n.bias[k];
-            const Mask carries = n.old[k] > zero, closes = zero > n.error[k];
+            const Mask carries = n.old[k] > zero, closes = (zero > n.error[k]) & is_there(point);
             const Mask member = Fit::load(point.fit[0]) > Fit::splat(0);
             busy = busy | carries | closes;
             const Speed stops = speed + (n.bias[k] & ~overlaps);
@@ -373,13 +376,12 @@ template <class L> class Kernel {
     /// has to grow until all that carry it give alike.
     [[gnu::noinline]] static void keep_hits_of_arrivals(const Pack& c, const PassData& data, Pair& arrival,
                                                         Normals& n) {
-        gather(c, data.arrival, arrival);
-        arrival.round();
         Speed speed[3];
-        find_speeds(c, arrival, speed);
+        gather(c, data.arrival, arrival), arrival.round(), find_speeds(c, arrival, speed);
         Mask arrives = Mask::none();
         for (int k = 0; k < c.point_count; ++k)
-            arrives = arrives | (-Speed::splat(impact_speed) > at_point(c.points[k], speed));
+            arrives = arrives |
+                      (is_there(c.points[k]) & (-Speed::splat(impact_speed) > at_point(c.points[k], speed)));
         n.hit = n.hit & arrives;
     }
 
@@ -477,14 +479,20 @@ template <class L> class Kernel {
         return true;
     }
 
+    /// Shortens the impulse along the tangents to `limit`: a true cone.
     static void hold_in_cone(Speed limit, Speed& t1, Speed& t2) {
-        const Mask outside = t1 * t1 + t2 * t2 > limit * limit;
-        if (!outside.any()) return;
-        std::int32_t x[N], y[N], most[N];
-        t1.store(x), t2.store(y), limit.store(most);
-        for (unsigned lane = 0; lane < N; ++lane)
-            if ((outside.lanes() >> lane) & 1u) clamp_to_cone(most[lane], x[lane], y[lane]);
-        t1 = Speed::load(x), t2 = Speed::load(y);
+        const auto square = t1 * t1 + t2 * t2;
+        const unsigned outside = (square > limit * limit).lanes();
+        if (outside == 0) return;
+        std::int64_t size[N], most[N], x[N], y[N];
+        square.store64(size), wide(limit).store64(most), wide(t1).store64(x), wide(t2).store64(y);
+        detail::take_roots(size, N);
+        for (unsigned lane = 0; lane < N; ++lane) {
+            if (((outside >> lane) & 1u) == 0) continue;
+            x[lane] = x[lane] * most[lane] / (size[lane] + 1);
+            y[lane] = y[lane] * most[lane] / (size[lane] + 1);
+        }
+        t1 = Speed::of(L::from_lanes(x)), t2 = Speed::of(L::from_lanes(y));
     }
 
     // ---- impacts -------------------------------------------------------------------------------------------------

@@ -4,6 +4,7 @@
 // What reaches beyond 32 bits is LaneSum. Divisions and roots are taken lane by lane.
 #pragma once
 
+#include "math/roots.h"
 #include "solve/contacts/input_kernel.h"
 #include "solve/contacts/pack.h"
 #include "solve/lanes/lane_fixed.h"
@@ -35,9 +36,9 @@ template <class L> class LayoutKernel {
 
     static bool has(unsigned lanes, unsigned lane) { return ((lanes >> lane) & 1u) != 0; }
     static Unit by_count(const std::int32_t (&table)[5], const std::int32_t (&count)[N]) {
-        std::int32_t x[N];
+        Lanes64 x;
         for (unsigned lane = 0; lane < N; ++lane) x[lane] = table[count[lane]];
-        return Unit::load(x);
+        return Unit::of(L::from_lanes(x));
     }
 
   public:
@@ -96,12 +97,12 @@ template <class L> class LayoutKernel {
         for (unsigned lane = 0; lane < N; ++lane)
             inverse_of[lane] =
                 has(counted.lanes(), lane) ? (std::int64_t{1} << (moment_bits + fit_bits)) / by[lane] : 0;
-        const Sum<fit_bits> inverse = Sum<fit_bits>::load64(inverse_of); // below 2^41
+        const Sum<fit_bits> inverse = Sum<fit_bits>::from_lanes(inverse_of); // below 2^41
         fit_plane(pack, points, l, aa, ab, bb, inverse, g);
         if (line.any()) fit_line(pack, points, l, line, inverse, g);
-        V any = L::splat(0);
-        for (int k = 0; k < points; ++k) any = L::either(any, L::load32(pack.points[k].fit[1]));
-        g.tilts = Mask::of(L::either(L::greater64(any, L::splat(0)), L::greater64(L::splat(0), any)));
+        Fit any = Fit::load(pack.points[0].fit[1]);
+        for (int k = 1; k < points; ++k) any = {L::either(any.raw, Fit::load(pack.points[k].fit[1]).raw)};
+        g.tilts = (any > Fit::splat(0)) | (Fit::splat(0) > any);
     }
 
   private:
@@ -209,7 +210,7 @@ template <class L> class LayoutKernel {
         flatten(in, points, l, wide_x);
         Lanes64 up_by;
         find_scale(wide_x, points, up_by);
-        const V up = L::load64(up_by);
+        const V up = L::from_lanes(up_by);
         Flat x[4], y[4];
         for (int k = 0; k < points; ++k) {
             x[k] = Flat::of(L::template shift_right<4>(L::shift_left_by(wide_x[0][k].raw, up)));
@@ -229,7 +230,7 @@ template <class L> class LayoutKernel {
                                 : (std::int64_t{1} << 58) / denominator; // 31 fraction bits, in [2^28, 2^31]
             root[lane] = square[lane];
         }
-        const auto per_square = LaneFixed<L, 31>::of(L::load64(inverse));
+        const auto per_square = LaneFixed<L, 31>::of(L::from_lanes(inverse));
         const Mask is_one = LaneFixed<L, 31>::splat(0) > per_square; // 2^31, as 32 bits see it
         for (int k = 0; k < points; ++k) {
             const auto arm = [&](Sum<2 * flat_bits> product) {
@@ -240,7 +241,7 @@ template <class L> class LayoutKernel {
             l.arm[0][k] = arm(x[k] * fx + y[k] * fy);
             l.arm[1][k] = arm(y[k] * fx - x[k] * fy);
         }
-        take_roots(root, N);
+        detail::take_roots(root, N);
         const auto back = [&](V v) { // beyond 128 m sizes are clamped
             return low(clamp(Sum<length_bits>{L::shift_right_by(L::mul(v, L::splat(16)), up)}, 0x7fffffff));
         };

@@ -100,8 +100,7 @@ struct Bounce {
     std::int32_t restitution; ///< Unit
     std::int32_t approach[4]; ///< normal speed of the points before they were hit in this tick
     std::int32_t impulse_max[4];
-    std::int64_t inverse_mass[4]; ///< arm^T S arm, response_bits
-    std::int64_t taken[4]; ///< energy the point took in this tick, per half effective mass: speed squared
+    std::int64_t taken; ///< twice the energy that its points took in this tick, per m_ref: speed squared
 };
 
 /// Brakes the turning of the two bodies of a contact against each other.
@@ -125,7 +124,8 @@ struct PassSettings {
 struct PassData {
     solve::SolverBody* bodies;
     WarmStart* warm;
-    WarmStart* arrival; ///< by body: its velocity without what contacts give in this substep, hits apart
+    /// By body: its velocity when the substep began, before forces act in it, and what joints' warm start and hits of this substep gave.
+    WarmStart* arrival;
     Bounce* bounces;
     std::uint32_t packs = 0; ///< how many there are
     bool asks_ahead = false; ///< they do not fit into the cache
@@ -145,14 +145,10 @@ struct ContactKernel {
 
 /// The first tangent of a normal at the pole of solve::tangents_of().
 void tangent_at_pole(const std::int32_t (&normal)[3], std::int32_t (&tangent)[3]);
-/// Replaces squares by their roots, rounded down.
-void take_roots(std::int64_t* x, unsigned count);
 /// The axis (fx, fy) leads to the farthest member. Where a point that is no member is farther, the axis is made as long as the way (ox, oy)
 /// to that point; where all members are at one spot it takes the direction of that way too. Arguments are squares of lengths.
 void stretch_axis(std::int64_t member, std::int64_t farthest, std::int32_t ox, std::int32_t oy,
                   std::int32_t& fx, std::int32_t& fy);
-/// Shortens the impulse along the tangents to `limit`: a true cone.
-void clamp_to_cone(std::int32_t limit, std::int32_t& t1, std::int32_t& t2);
 /// Removes the impulses that stopped bodies in this substep: from the pack, and from what its bodies start the next substep with.
 template <unsigned N> void forget_impacts(ContactPack<N>& pack, WarmStart* warm);
 /// Measures at which speed each point that was not hit yet comes in. This is done in every substep: a ball that bounced with the speed
@@ -162,7 +158,7 @@ void measure_approach(const ContactPack<N>& pack, Bounce* bounces, const solve::
 /// Keeps the speeds at which the points of a pack that were not hit yet come in.
 template <unsigned N>
 void keep_approach(const ContactPack<N>& pack, Bounce* bounces, const std::int32_t (&speed)[4][N]);
-/// After the normals of a pack that bounces: the energy that each point took. Speeds are those without bias. What will not bounce in this tick
+/// After the normals of a pack that bounces: the energy that its points took. Speeds are those without bias. What will not bounce in this tick
 /// is counted no more.
 template <unsigned N>
 void note_bounce(ContactPack<N>& pack, Bounce* bounces, std::int32_t speed_min,

@@ -101,10 +101,7 @@ template <unsigned N> void clear_pack(ContactPack<N>& pack, std::uint32_t still_
     clear(&pack, cleared.data() + cleared.size());
     if (points > 1) clear(&pack.inverse, &pack + 1);
     pack.bounce = none;
-    for (unsigned lane = 0; lane < N; ++lane) {
-        pack.body_a[lane] = pack.body_b[lane] = still_body;
-        for (PointLanes<N>& point : cleared) point.gap0[lane] = point.gap[lane] = 0x7fffffff;
-    }
+    for (unsigned lane = 0; lane < N; ++lane) pack.body_a[lane] = pack.body_b[lane] = still_body;
 }
 
 namespace {
@@ -182,10 +179,6 @@ void tangent_at_pole(const std::int32_t (&normal)[3], std::int32_t (&tangent)[3]
     for (int i = 0; i < 3; ++i) tangent[i] = first[i].raw;
 }
 
-void take_roots(std::int64_t* x, unsigned count) {
-    for (unsigned i = 0; i < count; ++i) x[i] = std::int64_t{isqrt(static_cast<std::uint64_t>(x[i]))};
-}
-
 void stretch_axis(std::int64_t member, std::int64_t farthest, std::int32_t ox, std::int32_t oy,
                   std::int32_t& fx, std::int32_t& fy) {
     if (member < farthest >> 8) { // the members are at one spot
@@ -197,14 +190,10 @@ void stretch_axis(std::int64_t member, std::int64_t farthest, std::int32_t ox, s
     fx = low(shift_right_rounded(fx * longer, 26)), fy = low(shift_right_rounded(fy * longer, 26));
 }
 
-template <unsigned N> void fill_bounce(Bounce& bounce, const ContactPack<N>& pack, const Contact& contact) {
+void fill_bounce(Bounce& bounce, const Contact& contact) {
     bounce.restitution = contact.restitution.raw;
-    for (int k = 0; k < 4; ++k) {
-        bounce.approach[k] = bounce.impulse_max[k] = 0;
-        bounce.taken[k] = 0;
-        const std::int64_t kappa = k < pack.point_count ? pack.points[k].kappa[bounce.lane] : 0;
-        bounce.inverse_mass[k] = kappa == 0 ? 0 : (std::int64_t{1} << (kappa_bits + response_bits)) / kappa;
-    }
+    for (int k = 0; k < 4; ++k) bounce.approach[k] = bounce.impulse_max[k] = 0;
+    bounce.taken = 0;
 }
 
 namespace {
@@ -255,15 +244,11 @@ void fill_rolling(Rolling& rolling, const Contact& contact, const PrepareInput& 
 
 template void clear_pack(ContactPack<1>&, std::uint32_t, std::uint32_t);
 template void fill_pack(ContactPack<1>&, PackSource&, const Contact* const (&)[1], const PrepareInput&);
-template void fill_bounce(Bounce&, const ContactPack<1>&, const Contact&);
 template void clear_pack(ContactPack<2>&, std::uint32_t, std::uint32_t);
 template void fill_pack(ContactPack<2>&, PackSource&, const Contact* const (&)[2], const PrepareInput&);
-template void fill_bounce(Bounce&, const ContactPack<2>&, const Contact&);
 template void clear_pack(ContactPack<4>&, std::uint32_t, std::uint32_t);
 template void fill_pack(ContactPack<4>&, PackSource&, const Contact* const (&)[4], const PrepareInput&);
-template void fill_bounce(Bounce&, const ContactPack<4>&, const Contact&);
 template void clear_pack(ContactPack<8>&, std::uint32_t, std::uint32_t);
 template void fill_pack(ContactPack<8>&, PackSource&, const Contact* const (&)[8], const PrepareInput&);
-template void fill_bounce(Bounce&, const ContactPack<8>&, const Contact&);
 
 } // namespace lockstone::solve

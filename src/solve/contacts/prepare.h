@@ -29,8 +29,7 @@ void fill_pack(ContactPack<N>& pack, PackSource& source, const solve::Contact* c
                const PrepareInput& in);
 
 /// The entry of a contact that bounces; its lane is filled already.
-template <unsigned N>
-void fill_bounce(Bounce& bounce, const ContactPack<N>& pack, const solve::Contact& contact);
+void fill_bounce(Bounce& bounce, const solve::Contact& contact);
 /// The entry of a contact with rolling resistance.
 void fill_rolling(Rolling& rolling, const solve::Contact& contact, const PrepareInput& in);
 

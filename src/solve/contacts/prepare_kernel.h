@@ -4,6 +4,7 @@
 // Quantities of one contact that reach beyond 32 bits are LaneSum. Divisions and roots are taken lane by lane.
 #pragma once
 
+#include "math/roots.h"
 #include "solve/contacts/layout_kernel.h"
 
 namespace lockstone::solve {
@@ -56,7 +57,7 @@ template <class L> class PrepareKernel {
             share[lane] =
                 numerator / denominator - (numerator % denominator < 0 ? 1 : 0); // to nearest, below 16
         }
-        const Sum<unit_bits> by = Sum<unit_bits>::load64(share);
+        const Sum<unit_bits> by = Sum<unit_bits>::from_lanes(share);
         const Mask filled = in.count > LaneFixed<L, 0>::splat(0);
         for (int i = 0; i < 3; ++i) {
             const auto less = round_to<unit_bits>(wide(pole[i] + n[i]) * by);
@@ -185,6 +186,7 @@ template <class L> class PrepareKernel {
     static Sum<response_bits> fill_points(Pack& c, const Input& in, int points, const Layout& l,
                                           const Sum<response_bits> (&s)[6]) {
         Sum<response_bits> sum = Sum<response_bits>::splat(0);
+        std::int64_t reach[4][N];
         for (int k = 0; k < points; ++k) {
             PointLanes<N>& point = c.points[k];
             in.separation[k].store(point.gap0), in.separation[k].store(point.gap);
@@ -198,11 +200,7 @@ template <class L> class PrepareKernel {
                 const auto by_b = round_to<response_bits>(low(s[5]) * b) + (s[3] + s[3]) + (sa + sa);
                 answer = answer + round_to<response_bits>(by_a * l.arm[0][k]) +
                          round_to<response_bits>(by_b * l.arm[1][k]);
-                Lanes64 root;
-                (a * a + b * b).store64(root);
-                take_roots(root, N);
-                for (unsigned lane = 0; lane < N; ++lane)
-                    point.reach[lane] = static_cast<std::int32_t>(root[lane]);
+                (a * a + b * b).store64(reach[k]);
             }
             answer = answer & l.exists[k];
             sum = sum + answer;
@@ -210,13 +208,17 @@ template <class L> class PrepareKernel {
             Lanes64 of;
             select(answers, answer, Sum<response_bits>::splat(1)).store64(of);
             for (std::int64_t& x : of) x = (std::int64_t{1} << (kappa_bits + response_bits)) / x;
-            (low(Sum<kappa_bits>::load64(of)) & answers).store(point.kappa);
+            (low(Sum<kappa_bits>::from_lanes(of)) & answers).store(point.kappa);
+        }
+        if (points > 1) {
+            detail::take_roots(reach[0], static_cast<unsigned>(points) * N);
+            for (int k = 0; k < points; ++k) low(Sum<unit_bits>::load64(reach[k])).store(c.points[k].reach);
         }
         Lanes64 mean;
         sum.store64(mean);
         for (unsigned lane = 0; lane < N; ++lane)
             mean[lane] = in.counts[lane] > 1 ? mean[lane] / in.counts[lane] : mean[lane];
-        return Sum<response_bits>::load64(mean);
+        return Sum<response_bits>::from_lanes(mean);
     }
 
     /// X, the softness of a pair that yields by `ease` of its impulse in a substep; added to S.
@@ -265,7 +267,7 @@ template <class L> class PrepareKernel {
         constexpr std::int64_t top = std::int64_t{1} << (response_bits + inverse_bits);
         Lanes64 x;
         for (unsigned lane = 0; lane < N; ++lane) x[lane] = top / f.pivot[lane];
-        return Sum<inverse_bits>::load64(x) & f.answers;
+        return Sum<inverse_bits>::from_lanes(x) & f.answers;
     }
     /// Entries of m are clamped at 2^31.
     static void begin_inverse(const Sum<response_bits> (&entries)[6], Factors& f) {
@@ -276,7 +278,7 @@ template <class L> class PrepareKernel {
         Lanes64 x;
         for (unsigned lane = 0; lane < N; ++lane) // 28 fraction bits, at most 4
             x[lane] = (std::int64_t{1} << (response_bits + 28)) / f.pivot[lane];
-        const Sum<28> inverse = Sum<28>::load64(x) & f.answers;
+        const Sum<28> inverse = Sum<28>::from_lanes(x) & f.answers;
         const auto at = [&](int i) { return low(f.m[i]); };
         f.d0 = floor_to<inverse_bits>(inverse);
         f.l10 = low(bounded_factor(round_to<factor_bits>(at(1) * low(inverse))));
@@ -290,7 +292,7 @@ template <class L> class PrepareKernel {
         f.d1 = inverse_of(f);
         Lanes64 x;
         for (unsigned lane = 0; lane < N; ++lane) x[lane] = f.part[lane] * (1 << ratio_bits) / f.pivot[lane];
-        const auto ratio = clamp(Sum<ratio_bits>::load64(x), range);
+        const auto ratio = clamp(Sum<ratio_bits>::from_lanes(x), range);
         f.l21 = low(ratio);
         const auto l = round_to<ratio_bits>(f.l10 * f.l21) - round_to<ratio_bits>(wide(f.l20));
         f.i20 = low(clamp(l, range));

@@ -1,6 +1,7 @@
 #include "solve/joints/followed_turn.h"
 
 #include "lockstone/math/math.h"
+#include "solve/bodies/free_turn.h"
 #include "solve/kernels/kernels.h"
 
 #include <algorithm>
@@ -15,8 +16,6 @@ Vec3 to_real(const std::int64_t v[3]) {
     };
     return {one(v[0]), one(v[1]), one(v[2])};
 }
-
-Vec3 times_each(Vec3 v, Vec3 by) { return {v.x * by.x, v.y * by.y, v.z * by.z}; }
 
 /// R diag(radii^-2) R^T momentum with the body at `rotation`.
 Vec3 spin_at(Quat rotation, const FollowedTurn& turn, Vec3 momentum) {
@@ -68,14 +67,64 @@ struct Followed {
 
 // ---- one by one, in Real ------------------------------------------------------------------------------------------
 
-/// The turn of a substep, of a body that turns by more than lanes have room for.
+Quat quat_of(const FollowedFour::Lanes<std::int32_t> (&q)[4], unsigned i) {
+    return {Unit::from_raw(q[0][i]), Unit::from_raw(q[1][i]), Unit::from_raw(q[2][i]),
+            Unit::from_raw(q[3][i])};
+}
+
+/// Contacts push a body that has turned as if it had not. Of a thin one the push has then a part about its own axis, where it is
+/// light: the momentum that is left gives it no more energy than rows gave.
+Vec3 limit_energy(Followed f, const FreeTurn& turn, Vec3 momentum) {
+    const Wide given = square_of(to_real(f.body.u)) - f.turn.energy_of_u,
+               most = given.is_negative() ? f.turn.energy : f.turn.energy + given;
+    const Vec3 limited = turn.with_energy(most, f.turn.rotation, momentum, FreeTurn::Keep::not_above);
+    if (limited == momentum) return momentum;
+    const Vec3 change = mul<Real>(f.step.gyration_inv, limited - momentum);
+    constexpr std::int64_t most_u = std::int64_t{1} << 62; // leaves room for what is taken from it
+    for (int i = 0; i < 3; ++i)
+        f.body.u[i] =
+            std::clamp(add_saturated(f.body.u[i], shift_left_saturated(change[i].raw, real_to_accumulator)),
+                       -most_u, most_u);
+    return limited;
+}
+
+/// The turn of a substep, of a body that turns by more than lanes have room for: by its u, or as precess_exactly() has it.
 void turn_far(Followed f, const StepConstants& step) {
     auto& q = f.four.turn;
     const unsigned i = f.lane;
-    const Quat now{Unit::from_raw(q[0][i]), Unit::from_raw(q[1][i]), Unit::from_raw(q[2][i]),
-                   Unit::from_raw(q[3][i])};
-    const Quat next = integrate_rotation(now, scale<Real>(f.spin(), step.substep_time));
+    Quat next;
+    if (!f.turn.knows_energy) {
+        next = integrate_rotation(quat_of(q, i), scale<Real>(f.spin(), step.substep_time));
+    } else {
+        const FreeTurn turn(f.turn.radii_inv, f.turn.principal);
+        const Vec3 momentum = f.turn.held ? f.momentum() : limit_energy(f, turn, f.momentum());
+        f.turn.knows_energy = false;
+        const Quat to = turn.turned_exactly(f.turn.rotation, momentum, Real(step.substeps_per_second));
+        next = normalized(to * conjugate(quat_of(f.four.start, i)));
+    }
     q[0][i] = next.x.raw, q[1][i] = next.y.raw, q[2][i] = next.z.raw, q[3][i] = next.w.raw;
+}
+
+/// Whether rounds of the midpoint rule do not converge: by the momentum, or as lanes have it, by a turn of half a substep of 1/4 rad.
+bool turns_too_far(const FollowedTurn& turn, Vec3 w, Vec3 momentum, const StepConstants& step) {
+    const Vec3 r = turn.radii_inv, speed = abs(w);
+    const Real most = max(r.x, max(r.y, r.z)), least = min(r.x, min(r.y, r.z)),
+               half_rate = Real(2 * step.substeps_per_second);
+    return length(momentum) * (most * most - least * least) > half_turn_most * half_rate ||
+           max(speed.x, max(speed.y, speed.z)) >= half_rate / Real(4);
+}
+
+/// w in the middle of the coming substep, which is turned by the momentum. Not so much that u would meet its limit, where precession is
+/// forgotten.
+void precess_exactly(Followed f, Vec3 momentum, const StepConstants& step) {
+    const FreeTurn turn(f.turn.radii_inv, f.turn.principal);
+    const Quat middle = turn.turned(f.turn.rotation, momentum, Real(2 * step.substeps_per_second));
+    Vec3 w = turn.spin_at(middle, momentum);
+    const Real fast = length(mul<Real>(f.step.gyration, w)), most = to<Real>(step.tip_speed_max);
+    if (fast > most - most / Real(16)) w = w * ((most - most / Real(16)) / fast);
+    f.set_spin(w, step);
+    f.turn.knows_energy = true;
+    f.turn.energy = turn.energy(f.turn.rotation, momentum), f.turn.energy_of_u = square_of(to_real(f.body.u));
 }
 
 /// g of a body that turns by more than lanes have room for; with as many rounds.
@@ -84,6 +133,7 @@ void precess_far(Followed f, const StepConstants& step) {
     const Unit half_time = Unit::from_raw(step.substep_time.raw / 2);
     const Vec3 momentum = f.momentum();
     Vec3 w = f.spin();
+    if (turns_too_far(f.turn, w, momentum, step)) return precess_exactly(f, momentum, step);
     for (int round = 0; round < rounds; ++round) {
         const Quat middle = integrate_rotation(f.turn.rotation, scale<Real>(w, half_time));
         w = spin_at(middle, f.turn, momentum);
@@ -196,6 +246,18 @@ std::int32_t half_rate_of(const StepConstants& step) {
     return static_cast<std::int32_t>(2 * step.substeps_per_second);
 }
 
+/// The square of half of half_turn_most by the difference of K^-2 along the axes of the least and of the largest radius; of `bits`.
+std::int64_t momentum_most_of(Vec3 radii_inv, std::int32_t half_rate, int bits) {
+    const Real most = max(radii_inv.x, max(radii_inv.y, radii_inv.z)),
+               least = min(radii_inv.x, min(radii_inv.y, radii_inv.z));
+    const Real momentum = half(half_turn_most) * Real(half_rate) / (most * most - least * least);
+    constexpr std::int64_t any = (std::int64_t{1} << 31) - 1; // no half of a momentum is longer
+    const int drop = Real::fraction_bits - bits;
+    const std::int64_t halved = std::min(any, drop >= 0 ? shift_right_rounded(momentum.raw, drop)
+                                                        : shift_left_saturated(momentum.raw, -drop));
+    return halved * halved;
+}
+
 /// What follows from the radii of a body.
 void set_radii(FollowedFour& four, unsigned lane, const BodyStep& s, const StepConstants& step) {
     const int k_bits = set_diagonal(four.radii, lane, s.radii),
@@ -206,7 +268,9 @@ void set_radii(FollowedFour& four, unsigned lane, const BodyStep& s, const StepC
     const int to_half =
         inverse_bits + followed_fine_bits - 31 + HalfTime(half_rate).bits - followed_half_bits;
     bool fits = set_shift(four.turn_drop[lane], to_half, 1);
-    fits = set_half_way(four, lane, s.radii_inv, k_bits + followed_fine_bits - 31, half_rate) && fits;
+    const int momentum_bits = k_bits + followed_fine_bits - 31;
+    fits = set_half_way(four, lane, s.radii_inv, momentum_bits, half_rate) && fits;
+    four.momentum_most[lane] = momentum_most_of(s.radii_inv, half_rate, momentum_bits);
     fits =
         set_shift(four.speed_raise[lane], accumulator_bits - (k_bits + followed_half_bits - 31), 0) && fits;
     four.speed_most[lane] = (std::int64_t{step.tip_speed_max.raw} << row_bits) >> four.speed_raise[lane];

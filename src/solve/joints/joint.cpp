@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
+#include <cstdlib>
 
 namespace lockstone::solve {
 
@@ -33,10 +34,11 @@ void JointSolver::poison(std::byte with) {
     auto& [joints, blocks, axes, packs, turn_packs, steps, down, up, singles, with_rows, framed_in_world,
            glances, held, turned, seen, wanted, given, acts, packed, last_stage, last_piece, counts, in_order,
            before_sort, bodies, planned, has_plan, planned_for, forest, cache_of, closed, pose, memory,
-           clamped, first] = *work;
+           clamped, ticks_per_second, first] = *work;
     base::poison(with, joints, blocks, axes, packs, turn_packs, steps, singles, with_rows, framed_in_world,
                  glances, held, turned, seen, wanted, given, acts, packed, last_stage, last_piece, counts,
-                 in_order, before_sort, bodies, planned, cache_of, pose, memory, clamped, first);
+                 in_order, before_sort, bodies, planned, cache_of, pose, memory, clamped, ticks_per_second,
+                 first);
     base::poison(with, closed.of_body, closed.of_pack, closed.of_four, closed.stopped, closed.pushed,
                  closed.velocities, closed.packs);
     has_plan = false, planned_for = 0;
@@ -254,7 +256,6 @@ void plan_joints(JointTick& tick, std::span<const Joint> joints, std::span<const
         const BodyMass& mb = joint.body_b == bodies.still() ? none : columns.mass[joint.body_b];
         w.shares = joint_shares(ma, bodies.step[joint.body_a], mb, bodies.step[joint.body_b]);
         w.mass = reduced_mass(w.shares, ma, mb);
-        w.mass_rate = w.mass * step.ticks_per_second;
         w.counts_turns = counts_turns(*w.def);
         w.twist = memory[joint.memory].twist;
         w.travel = memory[joint.memory].twist;
@@ -347,6 +348,7 @@ void JointSolver::prepare(std::span<const Joint> joints, std::span<const JointMe
     const bool stays_empty = joints.empty() && tick.joints.empty(); // then all that is planned is empty too
     tick.pose = columns.pose, tick.memory = memory;
     tick.clamped = 0;
+    tick.ticks_per_second = step.ticks_per_second;
     tick.first = true;
     if (stays_empty) return;
     const bool kept = same && is_plan_good(tick, joints.size(), bodies, tasks);
@@ -539,29 +541,35 @@ void store_blocks(JointTick& tick, const JointWork& w, JointMemory& memory, Wren
     }
 }
 
+/// From an impulse of a tick to a force, or to a torque. What is multiplied first does not matter but for masses whose product with the
+/// rate leaves Real; the force may be within it all the same.
+Vec3 force_of(const JointTick& tick, Vec3 impulse, Real mass) {
+    const Real mass_rate = mass * tick.ticks_per_second;
+    if (mass_rate != Real::max()) return impulse * mass_rate;
+    return impulse * Real(tick.ticks_per_second) * mass;
+}
+
 /// Of joints that are points in a pack and nothing else.
-void store_points(const JointPack& pack, std::span<JointMemory> memory) {
+void store_points(const JointTick& tick, const JointPack& pack, std::span<JointMemory> memory) {
     for (std::uint32_t lane = 0; lane < pack.count; ++lane) {
         if (pack.whole[lane] == 0) continue;
         JointMemory& m = memory[pack.memory[lane]];
         Wrench wrench{};
         m = {};
         store_point(pack, lane, m, wrench);
-        m.force = wrench.force * Real::from_raw(pack.mass_rate[lane]);
+        m.force = force_of(tick, wrench.force, Real::from_raw(pack.mass[lane]));
     }
-}
-
-Quat frame_rotation(const JointTick& tick, const JointWorkSide& s, const JointFrame& frame) {
-    return s.world ? frame.rotation : tick.bodies[s.cache].rotation * frame.rotation;
 }
 
 } // namespace
 
 void JointSolver::store_points(std::span<JointMemory> memory, Tasks* tasks) const {
-    for_packs(*work, tasks, [&](const JointPack& pack, std::uint32_t) { solve::store_points(pack, memory); });
+    for_packs(*work, tasks,
+              [&](const JointPack& pack, std::uint32_t) { solve::store_points(*work, pack, memory); });
 }
 
-void JointSolver::store(std::span<JointMemory> memory, ClampCounts& clamps, Tasks* tasks) const {
+void JointSolver::store(std::span<JointMemory> memory, const SolverBodies& bodies, ClampCounts& clamps,
+                        Tasks* tasks) const {
     JointTick& tick = *work;
     for_joints(tick, tasks, [&](const JointWork& w) {
         JointMemory& m = memory[w.memory];
@@ -570,14 +578,11 @@ void JointSolver::store(std::span<JointMemory> memory, ClampCounts& clamps, Task
         for (std::uint32_t k = 0; k < w.axis_count; ++k) store_axis(tick.axes[w.first_axis + k], m, wrench);
         store_blocks(tick, w, m, wrench);
         if (w.pack != no_pack) store_point(tick.packs[w.pack], w.lane, m, wrench);
-        m.twist = w.needs_travel ? w.travel
-                  : w.hinge && w.needs_twist
-                      ? w.twist // as the tick began; the next tick finds the nearest angle
-                  : w.counts_turns ? twist_between(frame_rotation(tick, w.a, w.frame_a),
-                                                   frame_rotation(tick, w.b, w.frame_b), w.twist)
+        m.twist = w.needs_travel   ? w.travel
+                  : w.counts_turns ? twist_to_store(tick, w, m.twist, bodies)
                                    : Real{}; // nothing depends on its whole turns
-        m.force = wrench.force * w.mass_rate;
-        m.torque = wrench.torque == Vec3{} ? Vec3{} : wrench.torque * w.mass_rate;
+        m.force = force_of(tick, wrench.force, w.mass);
+        m.torque = wrench.torque == Vec3{} ? Vec3{} : force_of(tick, wrench.torque, w.mass);
     });
     base::add_count(clamps.impulse, tick.clamped);
 }

@@ -81,7 +81,8 @@ class JointSolver {
     void close(const StepConstants& step, SolverBodies& bodies);
     /// Impulses, unwrapped angles and reactions for the next tick and for readers: of points in packs, and of all others.
     void store_points(std::span<JointMemory> memory, Tasks* tasks = nullptr) const;
-    void store(std::span<JointMemory> memory, ClampCounts& clamps, Tasks* tasks = nullptr) const;
+    void store(std::span<JointMemory> memory, const SolverBodies& bodies, ClampCounts& clamps,
+               Tasks* tasks = nullptr) const;
 
     void reserve(std::size_t joints);
     /// Fills what prepare() makes anew with a byte.

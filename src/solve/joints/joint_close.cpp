@@ -11,6 +11,7 @@
 #include "lockstone/math/math.h"
 
 #include <algorithm>
+#include <cstdlib>
 
 namespace lockstone::solve {
 

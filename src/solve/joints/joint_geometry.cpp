@@ -129,7 +129,10 @@ JointPlace place_of(const JointTick& tick, JointWork& work, const SolverBodies& 
             p.arc_in_a = p.arc - cross(p.a.w, slip) * Real(2) + cross(p.a.w, cross(p.a.w, p.s));
     }
     if (work.needs_twist)
-        work.twist = twist_between(p.a.rotation, p.b.rotation, counts_turns(*work.def) ? work.twist : Real{});
+        work.twist = twist_between(p.a.rotation, p.b.rotation,
+                                   work.counts_turns ? expected_twist(tick, work, p.a.rotation,
+                                                                      tick.memory[work.memory].twist, bodies)
+                                                     : Real{});
     if (work.needs_travel) add_travel(tick, work, p, bodies);
     p.twist = work.twist;
     p.travel = work.travel;

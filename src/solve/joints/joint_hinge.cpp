@@ -1,4 +1,5 @@
-// Hinges that packs make: what is left of them is a twist, and its limits. And when limits of a twist are out of reach.
+// Hinges that packs make: what is left of them is a twist, and its limits. When limits of a twist are out of reach, and whole turns of
+// a twist within a tick.
 #include "solve/joints/joint_work.h"
 
 #include "lockstone/math/math.h"
@@ -19,12 +20,22 @@ Real spin_size(const JointTick& tick, const JointWork& work, const JointWorkSide
     return Real::from_raw(static_cast<std::int64_t>(size) << (Real::fraction_bits - Speed::fraction_bits));
 }
 
+/// Of both sides.
+Real most_spin(const JointTick& tick, const JointWork& work) {
+    return spin_size(tick, work, work.a) + spin_size(tick, work, work.b);
+}
+
+constexpr Real room_slack = Real(1) / Real(16);
+
+/// A twist that changes by more in a tick is found from tick to tick by what its bodies have turned [rad].
+constexpr Real fast_turn = Real(1);
+
 } // namespace
 
 Real least_room(const JointTick& tick, const JointWork& work, const StepConstants& step) {
-    constexpr Real slack = Real(1) / Real(16), given = Real(20);
-    const Real speed = given + spin_size(tick, work, work.a) + spin_size(tick, work, work.b);
-    return mul<Real>(min(speed, limit_speed_far), step.substep_time) + slack;
+    constexpr Real given = Real(20);
+    const Real speed = given + most_spin(tick, work);
+    return mul<Real>(min(speed, limit_speed_far), step.substep_time) + room_slack;
 }
 
 bool is_out_of_reach(const JointAxisPart& part, const JointAxisImpulses* last, Real position, Real least) {
@@ -52,12 +63,26 @@ UnitVec3 x_axis(Quat q) {
             dropped(x * z - w * y, whole - 1)};
 }
 
+/// Whether a body of a joint has turned by more than 2^-given_turn_bits rad since the tick began. Of joints in packs.
+bool has_turned_far(const JointTick& tick, const JointWork& work) {
+    const auto seen = [&](const JointWorkSide& s) { return s.world ? 0u : unsigned{tick.seen[s.cache + 1]}; };
+    return ((seen(work.a) | seen(work.b)) & seen_far) != 0;
+}
+
 /// Whether limits are out of reach without an angle, as they were in the last tick: the pack looks whether they still are. Its twist is
 /// then the middle of what they allow, which is less than a half turn from it on either side.
 bool stays_out_of_reach(const JointWork& work, const JointAxisPart& part, const JointAxisImpulses& last,
                         Real least) {
     return is_out_of_reach(part, &last, work.twist, least) &&
            half(part.upper_at - part.lower_at) - least < pi;
+}
+
+/// The pack does not look at limits that leave a whole turn: what spins fast and may reach them within the tick has a row throughout.
+Real room_of(const JointTick& tick, const JointWork& work, const JointAxisPart& part, Real least,
+             const StepConstants& step) {
+    if (half(part.upper_at - part.lower_at) - least < pi) return least;
+    const Real way = mul<Real>(most_spin(tick, work), step.tick_time);
+    return way > fast_turn ? max(least, way + room_slack) : least;
 }
 
 /// The twist of a hinge where its bodies are, and the row of its limits. False: they are out of reach, and there is no row.
@@ -72,10 +97,12 @@ bool make_twist(JointTick& tick, JointWork& work, JointAxisPart& part, Real leas
     const Quat qa = frame_now(tick, work.a, work.frame_a), qb = frame_now(tick, work.b, work.frame_b);
     const UnitVec3 xa = x_axis(qa), xb = x_axis(qb);
     const JointAxisImpulses* const before = work.made ? nullptr : &last;
-    work.twist = twist_between(qa, qb, work.counts_turns ? work.twist : Real{});
+    const Real before_tick = tick.memory[work.memory].twist;
+    work.twist = twist_between(
+        qa, qb, work.counts_turns ? expected_twist(tick, work, qa, before_tick, bodies) : Real{});
     // Near opposite axes a small turn of the bodies changes the twist a lot.
     work.steady = work.stays && dot<Real>(xa, xb) >= decimal<Real>("-0.5");
-    if (is_out_of_reach(part, before, work.twist, least)) return false;
+    if (is_out_of_reach(part, before, work.twist, room_of(tick, work, part, least, step))) return false;
     const RowValue value =
         twist_value(work.twist, xa, xb, inertia_now(work.a.body, bodies), inertia_now(work.b.body, bodies));
     part.unmade = false;
@@ -84,6 +111,47 @@ bool make_twist(JointTick& tick, JointWork& work, JointAxisPart& part, Real leas
 }
 
 } // namespace
+
+/// How far B has turned against A since the tick began, about x [rad]. Whole turns count, which poses do not tell.
+static Real turned_about(const JointWork& work, UnitVec3 x, const SolverBodies& bodies) {
+    const auto turned = [&](const JointWorkSide& side) {
+        if (side.world) return Real{};
+        const auto& theta = bodies.body[side.body].theta;
+        const Vector3<Separation> by{Separation::from_raw(theta[0]), Separation::from_raw(theta[1]),
+                                     Separation::from_raw(theta[2])};
+        return dot<Real>(x, over_gyration<Real>(bodies.step[side.body], by));
+    };
+    return turned(work.b) - turned(work.a);
+}
+
+Real expected_twist(const JointTick& tick, const JointWork& work, Quat a, Real before,
+                    const SolverBodies& bodies) {
+    if (work.hinge && !has_turned_far(tick, work)) return work.twist;
+    const Real turned = turned_about(work, x_axis(a), bodies);
+    if (abs(turned) <= fast_turn) return work.twist;
+    const auto start = [&](const JointWorkSide& s, const JointFrame& frame) {
+        return s.world ? frame.rotation : quat_product(unit_of(tick.pose[s.body].rotation), frame.rotation);
+    };
+    return twist_between(start(work.a, work.frame_a), start(work.b, work.frame_b), before) + turned;
+}
+
+Real twist_to_store(const JointTick& tick, const JointWork& work, Real before, const SolverBodies& bodies) {
+    const auto now = [&](const JointWorkSide& s, const JointFrame& frame) {
+        return s.world ? frame.rotation
+                       : quat_product(rotation_now(tick.pose[s.body], s.body, bodies), frame.rotation);
+    };
+    if (!work.hinge || has_turned_far(tick, work)) {
+        const Quat a = now(work.a, work.frame_a);
+        const Real near = expected_twist(tick, work, a, before, bodies);
+        if (near != work.twist) return twist_between(a, now(work.b, work.frame_b), near);
+    }
+    // As the tick began, or later: the next tick finds the nearest angle.
+    if (work.hinge && work.needs_twist) return work.twist;
+    const auto kept = [&](const JointWorkSide& s, const JointFrame& frame) {
+        return s.world ? frame.rotation : tick.bodies[s.cache].rotation * frame.rotation;
+    };
+    return twist_between(kept(work.a, work.frame_a), kept(work.b, work.frame_b), work.twist);
+}
 
 bool make_hinge(JointTick& tick, JointWork& work, const StepConstants& step, const SolverBodies& bodies) {
     TurnPack& turn = turn_pack(tick, work);

@@ -128,7 +128,7 @@ struct JointGlance {
 /// The first cache line is all that is asked of a hinge that its pack holds as a whole, limits out of reach.
 struct alignas(64) JointWork {
     JointWorkSide a, b;
-    Real mass_rate; ///< `mass` by ticks a second: from impulses of a tick to forces
+    Real mass; ///< mA mB / (mA + mB) [kg]
     Real twist;
     std::uint32_t memory;
     std::uint32_t first_axis;
@@ -146,7 +146,6 @@ struct alignas(64) JointWork {
     // Of rows that no pack makes:
     const JointDef* def;
     Shares shares;
-    Real mass; ///< mA mB / (mA + mB) [kg]
     Real travel;
     std::uint32_t first_block;
     std::uint32_t tree;   ///< that solves its locks; no_tree: they are solved by themselves
@@ -228,7 +227,8 @@ struct JointTick {
     std::span<const Transform> pose;
     std::span<const JointMemory> memory; ///< of the last tick; read until rows are made
     std::uint64_t clamped;               ///< impulses that met joint_impulse_max
-    bool first;                          ///< no substep is in the sums yet
+    std::int32_t ticks_per_second;
+    bool first; ///< no substep is in the sums yet
 };
 
 /// Of a joint whose block is in a pack of turns.
@@ -322,6 +322,12 @@ void set_glance(JointTick& tick, const JointWork& work, bool own_rows, bool limi
 void make_rows(JointTick& tick, JointWork& work, const StepConstants& step, const SolverBodies& bodies);
 /// The same of a hinge that its pack makes, with no axis but a twist. False, and nothing changes: it is not one.
 bool make_hinge(JointTick& tick, JointWork& work, const StepConstants& step, const SolverBodies& bodies);
+/// What the twist of a joint that counts turns is nearest to now, with A's frame at `a`: the last one, or when it turns fast, that of the
+/// tick's start and what B has turned against A since. `before`: what was remembered of the last tick.
+Real expected_twist(const JointTick& tick, const JointWork& work, Quat a, Real before,
+                    const SolverBodies& bodies);
+/// The twist to remember of a joint that counts turns.
+Real twist_to_store(const JointTick& tick, const JointWork& work, Real before, const SolverBodies& bodies);
 /// Nearer than this a limit of an angle may be in reach before rows are made again [rad]: by the speed of both bodies and 20 rad/s
 /// more, which a substep may give them.
 Real least_room(const JointTick& tick, const JointWork& work, const StepConstants& step);

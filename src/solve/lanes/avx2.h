@@ -20,6 +20,7 @@ struct Avx2 {
         _mm_storeu_si128(reinterpret_cast<__m128i*>(p), _mm256_castsi256_si128(packed));
     }
     static V load64(const std::int64_t* p) { return _mm256_loadu_si256(reinterpret_cast<const V*>(p)); }
+    static V from_lanes(const std::int64_t (&x)[lanes]) { return _mm256_set_epi64x(x[3], x[2], x[1], x[0]); }
     static void store64(std::int64_t* p, V x) { _mm256_storeu_si256(reinterpret_cast<V*>(p), x); }
 
     static V add(V a, V b) { return _mm256_add_epi64(a, b); }

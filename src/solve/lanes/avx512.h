@@ -22,6 +22,9 @@ struct Avx512 {
         _mm256_storeu_si256(reinterpret_cast<__m256i*>(p), _mm512_cvtepi64_epi32(x));
     }
     static V load64(const std::int64_t* p) { return _mm512_loadu_si512(p); }
+    static V from_lanes(const std::int64_t (&x)[lanes]) {
+        return _mm512_set_epi64(x[7], x[6], x[5], x[4], x[3], x[2], x[1], x[0]);
+    }
     static void store64(std::int64_t* p, V x) { _mm512_storeu_si512(p, x); }
 
     static V add(V a, V b) { return _mm512_add_epi64(a, b); }

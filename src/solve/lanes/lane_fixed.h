@@ -72,6 +72,7 @@ template <class L, int F> struct LaneSum {
     static LaneSum splat(std::int64_t x) { return {L::splat(x)}; }
     static LaneSum load(const std::int32_t* p) { return {load_extended<L>(p)}; }
     static LaneSum load64(const std::int64_t* p) { return {L::load64(p)}; }
+    static LaneSum from_lanes(const std::int64_t (&x)[L::lanes]) { return {L::from_lanes(x)}; }
     void store64(std::int64_t* p) const { L::store64(p, raw); }
 };
 

@@ -19,6 +19,7 @@ struct Neon {
     static V load32(const std::int32_t* p) { return vmovl_s32(vld1_s32(p)); }
     static void store32(std::int32_t* p, V x) { vst1_s32(p, vmovn_s64(x)); }
     static V load64(const std::int64_t* p) { return vld1q_s64(p); }
+    static V from_lanes(const std::int64_t (&x)[lanes]) { return vsetq_lane_s64(x[1], vdupq_n_s64(x[0]), 1); }
     static void store64(std::int64_t* p, V x) { vst1q_s64(p, x); }
 
     static V add(V a, V b) { return vaddq_s64(a, b); }

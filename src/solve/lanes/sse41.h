@@ -19,6 +19,7 @@ struct Sse41 {
         _mm_storel_epi64(reinterpret_cast<V*>(p), _mm_shuffle_epi32(x, _MM_SHUFFLE(2, 0, 2, 0)));
     }
     static V load64(const std::int64_t* p) { return _mm_loadu_si128(reinterpret_cast<const V*>(p)); }
+    static V from_lanes(const std::int64_t (&x)[lanes]) { return _mm_set_epi64x(x[1], x[0]); }
     static void store64(std::int64_t* p, V x) { _mm_storeu_si128(reinterpret_cast<V*>(p), x); }
 
     static V add(V a, V b) { return _mm_add_epi64(a, b); }

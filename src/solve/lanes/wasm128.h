@@ -29,6 +29,7 @@ struct Wasm128 {
     static void store32(std::int32_t* p, Low x) { wasm_v128_store(p, x); }
     static void store32(std::int32_t* p, V x) { store32(p, packed(x)); }
     static V load64(const std::int64_t* p) { return {two_at(p), two_at(p + 2)}; }
+    static V from_lanes(const std::int64_t (&x)[lanes]) { return {Two{x[0], x[1]}, Two{x[2], x[3]}}; }
     static void store64(std::int64_t* p, V x) { wasm_v128_store(p, x.low), wasm_v128_store(p + 2, x.high); }
 
     /// The low halves of lanes, side by side; and numbers side by side in both halves of their lanes.

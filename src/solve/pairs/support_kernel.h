@@ -7,6 +7,8 @@
 #include "shapes/hull/support_kernel.h"
 #include "solve/lanes/lane_fixed.h"
 
+#include <cstddef>
+
 namespace lockstone::solve {
 
 template <class L> class HullSupport {

@@ -180,7 +180,8 @@ TEST_CASE("what no direction is known to part is not parted") {
     AssetLibrary library;
     oracle::Random random(14);
     const shapes::Solid stone = ball_hull(library, random, 0.1), ball{sphere(0.1_r)},
-                        post{cylinder(0.1_r, 0.1_r)}, large{scaled(box(1_r, 1_r, 1_r), 2_r)};
+                        post{cylinder(0.1_r, 0.1_r)}, spike{cone(0.1_r, 0.1_r)},
+                        large{scaled(box(1_r, 1_r, 1_r), 2_r)};
     const Rotation axes = Rotation::identity();
     const UnitVec3 up{Unit{}, unit_one, Unit{}};
     const auto parts = [&](const shapes::Solid& a, const shapes::Solid& b, Real height, UnitVec3 axis) {
@@ -194,7 +195,10 @@ TEST_CASE("what no direction is known to part is not parted") {
     CHECK(parts(stone, ball, 1_r, up));
     CHECK(parts(ball, stone, 1_r, up));
     CHECK_FALSE(parts(stone, ball, 0.19_r, up));
-    CHECK_FALSE(parts(post, ball, 1_r, up));
+    CHECK(parts(post, ball, 1_r, up));
+    CHECK(parts(post, ball, 0.202_r, up));
+    CHECK_FALSE(parts(post, ball, 0.2_r, up));
+    CHECK_FALSE(parts(spike, ball, 1_r, up));
     CHECK_FALSE(parts(large, ball, 9_r, up));
 }
 

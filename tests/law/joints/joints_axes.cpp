@@ -244,3 +244,60 @@ TEST_CASE("a wheel turns about its own axle while it is steered and its suspensi
 }
 
 TEST_CASE("planted fault: a hinge that turns ten times as fast") { CHECK(longest_step(20) > 0.05); }
+
+namespace {
+
+/// A body of 5 cm on a hinge about x of the world that spins, without a load, for a second.
+struct Spun {
+    double told = 0;   ///< the joint's angle [rad]
+    double turned = 0; ///< by the body's spin [rad]
+    double most = 0;   ///< angle told after any tick, in magnitude
+    double spin = 0;   ///< in the end [rad/s]
+};
+Spun spin_hinge(const JointDef& def, double speed, bool base_spins = false) {
+    World w = made(World::create(weightless()));
+    const auto add_wheel = [&](double x, double rate) {
+        return add(w, {.pose = at(x, 0, 0), .angular_velocity = vec(rate, 0, 0)},
+                   {.geometry = sphere(0.05_r)});
+    };
+    const BodyId a = base_spins ? add_wheel(-0.2, -speed / 2) : BodyId{};
+    const BodyId b = add_wheel(0, base_spins ? speed / 2 : speed);
+    if (base_spins) made(w.create_joint(hinge_joint(), {}, a, at(-0.2, 0, 0)));
+    const JointId joint = made(w.create_joint(def, a, b, at(0, 0, 0)));
+    Spun out;
+    for (int t = 0; t < 60; ++t) {
+        w.tick();
+        out.spin = spin(w, b)[0] - (base_spins ? spin(w, a)[0] : 0);
+        out.turned += out.spin / 60;
+        out.told = to_double(w.joint_state(joint).position[about_x]);
+        out.most = std::max(out.most, std::abs(out.told));
+    }
+    return out;
+}
+
+} // namespace
+
+TEST_CASE("a hinge counts its turns however fast it spins") {
+    JointDef wide = hinge_joint(), wheel = wheel_joint(Real(5), Real(1));
+    wide.axis[about_x] = {.mode = AxisMode::limited, .lower = -1000000_r, .upper = 1000000_r};
+    for (const JointDef& def : {hinge_joint(), wide, wheel})
+        for (const double speed : {10.0, 150.0, 180.0, -200.0, 300.0, 377.0, 500.0, -800.0, 1500.0, 3000.0})
+            for (const bool base_spins : {false, true}) {
+                INFO(std::string(name_of(def.kind)), ", speed ", speed, ", base spins ", base_spins);
+                const Spun s = spin_hinge(def, speed, base_spins);
+                CHECK(s.spin == test::about(speed, 1e-3));
+                CHECK(std::abs(s.told - s.turned) < 0.5); // a turn that is lost is 6.28 rad
+            }
+}
+
+TEST_CASE("a hinge stops at its limits however fast it spins") {
+    for (const double limit : {0.5, 1.5, 3.5, 20.0, 40.0})
+        for (const double speed : {50.0, 150.0, 180.0, -200.0, 250.0, 300.0, 380.0, -500.0}) {
+            INFO("limit ", limit, ", speed ", speed);
+            JointDef def = hinge_joint();
+            def.axis[about_x] = {.mode = AxisMode::limited, .lower = real(-limit), .upper = real(limit)};
+            const Spun s = spin_hinge(def, speed);
+            CHECK(std::abs(s.spin) < 1);
+            CHECK(s.most < limit + std::abs(speed) / (60 * 8) + 0.05); // no more than a substep's way beyond
+        }
+}

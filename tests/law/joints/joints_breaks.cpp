@@ -175,3 +175,47 @@ TEST_CASE("a gear and a rack load the other side with their ratio") {
               test::about((gear ? 1 : -1) * load / 4, 0.01));
     }
 }
+
+namespace {
+
+/// A ball of so many kg hangs 1 m below the joint, or beside it. After a second: the force and the torque that the joint tells; none if it broke.
+struct Hung {
+    bool holds = false;
+    double force = 0, torque = 0;
+};
+Hung hang_heavy(JointDef def, double mass, bool beside, std::uint32_t tick_rate) {
+    WorldDef world = small_def();
+    world.tick_rate = tick_rate;
+    World w = made(World::create(world));
+    const BodyId b = add(w, {.pose = beside ? at(1, 0, 0) : at(0, -1, 0), .mass = real(mass)},
+                         {.geometry = sphere(0.3_r)});
+    const JointId joint = made(w.create_joint(def, {}, b, at(0, 0, 0)));
+    for (std::uint32_t t = 0; t < tick_rate && w.is_alive(joint); ++t) w.tick();
+    if (!w.is_alive(joint)) return {};
+    const JointState s = w.joint_state(joint);
+    return {true, length(to_double(s.force)), length(to_double(s.torque))};
+}
+
+} // namespace
+
+TEST_CASE("joints tell the loads of the heaviest bodies, and break under them") {
+    for (const std::uint32_t tick_rate : {60u, 1000u})
+        for (const double mass : {2e6, 2e7, 5e7, 1e8, 2e8}) {
+            INFO("mass ", mass, ", tick rate ", tick_rate);
+            const double weight = mass * 9.81;
+            JointDef middle = hinge_joint();
+            middle.axis[about_x] = {.mode = AxisMode::limited, .lower = -1_r, .upper = 1_r};
+            for (JointDef def : {ball_joint(), middle, weld_joint(), slider_joint()}) {
+                INFO("kind ", std::string(name_of(def.kind)));
+                CHECK(hang_heavy(def, mass, false, tick_rate).force == test::about(weight, 0.01));
+                def.break_force = real(0.9 * weight);
+                CHECK_FALSE(hang_heavy(def, mass, false, tick_rate).holds);
+                def.break_force = real(std::min(1.1 * weight, 2e9));
+                CHECK(hang_heavy(def, mass, false, tick_rate).holds);
+            }
+            JointDef bracket = weld_joint();
+            CHECK(hang_heavy(bracket, mass, true, tick_rate).torque == test::about(weight, 0.01));
+            bracket.break_torque = real(0.9 * weight);
+            CHECK_FALSE(hang_heavy(bracket, mass, true, tick_rate).holds);
+        }
+}

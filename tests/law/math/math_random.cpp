@@ -102,6 +102,8 @@ TEST_CASE("a generator is its state: a copy goes on with the same draws, zeros a
     Random zero = Random::seeded(0);
     CHECK(b.next_u64() == zero.next_u64());
     CHECK(b == zero);
+    CHECK(Random{}.split(3) == Random::seeded(0).split(3));
+    CHECK_FALSE(Random{}.split(3) == Random{}.split(4));
 }
 
 TEST_CASE("seeds, streams and splits differ, and splitting does not move the parent") {

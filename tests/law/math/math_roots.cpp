@@ -66,6 +66,24 @@ TEST_CASE("the integer root is the floor, estimated and in integers alone") {
           100); // planted fault: the estimate without its proof is wrong at times, and the check sees it
 }
 
+TEST_CASE("roots taken many at once are those taken alone") {
+    std::vector<std::int64_t> numbers;
+    for (const std::uint64_t n : operands(points(20000)))
+        numbers.push_back(static_cast<std::int64_t>(n & INT64_MAX));
+    std::vector<std::int64_t> roots = numbers;
+    const auto differing = [&] {
+        long count = 0;
+        for (std::size_t i = 0; i < numbers.size(); ++i)
+            count += static_cast<std::uint64_t>(roots[i]) !=
+                     detail::isqrt_integer(static_cast<std::uint64_t>(numbers[i]));
+        return count;
+    };
+    detail::take_roots(roots.data(), roots.size());
+    CHECK(differing() == 0);
+    roots.back() ^= 1; // planted fault
+    CHECK(differing() == 1);
+}
+
 TEST_CASE("the integer root of 128 bits is the floor, estimated and in integers alone") {
     long bad = 0, differing = 0;
     Random random = Random::seeded(8);

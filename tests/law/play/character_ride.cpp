@@ -232,3 +232,93 @@ TEST_CASE("destroying what a character stands on or is made of leaves a good wor
     CHECK_FALSE(w.create_character({.up = {}}).ok());
     w.tick();
 }
+
+TEST_CASE("a conveyor carries a character at its own speed, in its own direction, until a wall stops it") {
+    for (const double degrees : {0.0, 10.0}) {
+        World w = made(World::create(small_def()));
+        // The belt's x axis is the world's -z, turned up by degrees.
+        const Quat pose = turned(axis_x, degrees) * turned(axis_y, 90);
+        const BodyId belt = add(w, {.kind = BodyKind::static_, .pose = at(0, 0, 0, pose)},
+                                {.geometry = box(30_r, 0.5_r, 5_r), .surface_velocity = vec(2, 0.7, 0)});
+        const CharacterId c = add_character(w, 0, 0.53, 0);
+        run(w, 30);
+        const double rise = degrees * 3.14159265358979323846 / 180;
+        for (int i = 0; i < 60; ++i) {
+            const D3 before = feet(w, c);
+            w.tick();
+            CHECK(stands(w, c));
+            const D3 way = feet(w, c) - before;
+            // What is across the surface drives nothing.
+            CHECK(std::abs(way[0]) < 1e-4);
+            CHECK(std::abs(way[1] - 2.0 / 60 * std::sin(rise)) < 1e-4);
+            CHECK(std::abs(way[2] + 2.0 / 60 * std::cos(rise)) < 1e-4);
+            CHECK(length(to_double(w.character_state(c).velocity)) < 1e-4);
+        }
+        CHECK(to_double(w.character_state(c).ground_velocity.z) == test::about(-2 * std::cos(rise), 1e-3));
+        const double z = feet(w, c)[2];
+        made(w.create_shape(belt, {.geometry = box(0.5_r, 5_r, 5_r),
+                                   .local = {vec(-z / std::cos(rise) + 1.5, 0, 0), Quat::identity()}}));
+        run(w, 120);
+        CHECK(feet(w, c)[2] > z - 1);
+        CHECK(w.character_state(c).squeezed == 0);
+    }
+}
+
+TEST_CASE(
+    "who jumps off a conveyor takes its velocity along, and who steps on or off loses it as it brakes") {
+    World w = made(World::create(small_def()));
+    add_floor(w);
+    add(w, {.kind = BodyKind::static_, .pose = at(0, -0.4, 0)},
+        {.geometry = box(2_r, 0.5_r, 5_r), .surface_velocity = vec(3, 0, 0)});
+    CharacterDef def;
+    def.air_acceleration = {};
+    const CharacterId c = add_character(w, -1.5, 0.11, 0, def);
+    run(w, 20);
+    CHECK(to_double(w.character_state(c).ground_velocity.x) == test::about(3, 1e-3));
+    World off = w.clone();
+    drive(w, c, 0, 0, true);
+    w.tick();
+    CHECK(to_double(w.character_state(c).velocity.x) == test::about(3, 0.001));
+    // Off the end of the belt it comes to rest within v^2 / 2a = 0.075 m, and a tick.
+    run(off, 120);
+    CHECK(feet(off, c)[0] > 2);
+    CHECK(feet(off, c)[0] < 2 + 0.3 + 0.075 + 0.05);
+    CHECK(length(to_double(off.linear_velocity(off.body_of(c)))) < 1e-4);
+}
+
+TEST_CASE("a mesh carries a character where a material of its is a conveyor, and nowhere else") {
+    const std::vector<Vec3> vertices = {vec(-20, 0, -5), vec(-20, 0, 5), vec(0, 0, -5),
+                                        vec(0, 0, 5),    vec(20, 0, -5), vec(20, 0, 5)};
+    const std::vector<std::array<std::uint32_t, 3>> triangles = {{0, 1, 2}, {2, 1, 3}, {2, 3, 4}, {4, 3, 5}};
+    const std::vector<std::uint16_t> materials = {7, 7, 8, 8};
+    const std::vector<MaterialSurface> surfaces = {
+        {.material = 7, .friction = 0.6_r, .surface_velocity = vec(2, 0, 0)}};
+    AssetLibrary library;
+    const AssetId asset = made(library.add(made(bake_mesh(
+        {.vertices = vertices, .triangles = triangles, .materials = materials, .surfaces = surfaces}))));
+    const Geometry ground = made(library.geometry(asset));
+    World w = made(World::create(small_def(), {}, std::make_shared<const AssetLibrary>(std::move(library))));
+    add(w, {.kind = BodyKind::static_}, {.geometry = ground});
+    const CharacterId c = add_character(w, -3, 0.01, 0);
+    run(w, 20);
+    const double from = feet(w, c)[0];
+    run(w, 60);
+    CHECK(feet(w, c)[0] - from == test::about(2, 0.001));
+    run(w, 120);
+    CHECK(feet(w, c)[0] > 0);
+    CHECK(feet(w, c)[0] < 0.3 + 2.0 * 2 / 120 + 0.07);
+    CHECK(length(to_double(w.linear_velocity(w.body_of(c)))) < 1e-4);
+}
+
+TEST_CASE("a conveyor that starts at 100 m/s carries a character through no thin wall") {
+    World w = made(World::create(small_def()));
+    const BodyId belt = add_wall(w, at(0, -0.5, 0), vec(20, 0.5, 5));
+    add_wall(w, at(1.63, 1, 0), vec(0.01, 1, 5));
+    const CharacterId c = add_character(w, 0, 0.01, 0);
+    run(w, 20);
+    done(w.set_material({w.shapes(belt).front(), 0.6_r, Real{}, Real{}, vec(100, 0, 0)}));
+    for (int i = 0; i < 10; ++i) {
+        w.tick();
+        CHECK(feet(w, c)[0] < 1.62 - 0.3);
+    }
+}

@@ -19,8 +19,8 @@ int ticks_to_sleep(Rig& rig, const VehicleInput& input) {
     for (; rig.w.is_awake(rig.chassis) && ticks < 900; ++ticks) rig.drive(input), rig.w.tick();
     return ticks;
 }
-bool parks(const VehicleInput& input) {
-    Rig rig = make_car(drowsy());
+bool parks(const VehicleInput& input, WheelCast cast = WheelCast::sphere) {
+    Rig rig = make_car(drowsy(), [cast](VehicleDef& def) { def.cast = cast; });
     return ticks_to_sleep(rig, input) < 600;
 }
 
@@ -31,6 +31,11 @@ TEST_CASE("a parked car comes to rest and sleeps, whatever is pressed that does 
     CHECK(parks({.gear = 0}));
     CHECK(parks({.brake = 1_r}));
     CHECK(parks({.steer = 0.5_r, .hand_brake = 1_r}));
+    for (const WheelCast cast : {WheelCast::ray, WheelCast::cylinder}) {
+        CHECK(parks({}, cast));
+        CHECK(parks({.hand_brake = 1_r, .gear = 0}, cast));
+        CHECK(parks({.brake = 1_r, .steer = 0.5_r}, cast));
+    }
 }
 
 TEST_CASE("planted fault: a car that is driven is found awake, in gear and out") {

@@ -94,10 +94,10 @@ TEST_CASE("the joints of bridges, chains and ragdolls hold, and hand out no ener
 }
 
 // Where limits did not take points along (solve/joints/axis_with_point.h), a figure of one of these falls came apart by 0.67 m.
-TEST_CASE("of nine heaps of ragdolls none comes apart by 0.2 m, the middle one not by 0.1 m" *
+TEST_CASE("of two dozen heaps of ragdolls none comes apart by 0.2 m, the middle one not by 0.1 m" *
           doctest::skip(test::is_too_long_here())) {
     std::vector<double> widest;
-    for (std::uint32_t seed = 1; seed <= 9; ++seed) {
+    for (std::uint32_t seed = 1; seed <= 24; ++seed) {
         const auto game = made(make_scene("ragdolls", {.size = 10, .seed = seed}));
         World w = made(game->start());
         widest.push_back(0);
@@ -107,8 +107,8 @@ TEST_CASE("of nine heaps of ragdolls none comes apart by 0.2 m, the middle one n
         }
     }
     std::ranges::sort(widest);
-    CHECK(widest[4] < 0.1);
-    CHECK(widest[8] < 0.2);
+    CHECK(widest[12] < 0.1);
+    CHECK(widest.back() < 0.2);
 }
 
 TEST_CASE("planted fault: joints that come apart by more than is asked are found") {

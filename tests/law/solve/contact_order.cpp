@@ -389,13 +389,15 @@ TEST_CASE("packs serve again while the order is the same, and not longer") {
 }
 
 // Four centimetres are half of what Box3D leaves in such a heap of a thousand, and a third more than Bullet. Where loads are
-// forgotten as if they were impacts, four of these eight heaps stay deeper.
-TEST_CASE("what is rammed into each other when a heap lands comes apart") {
+// forgotten as if they were impacts, four of these eight heaps stay deeper; of two dozen as they should be it is one or two, by chance.
+TEST_CASE("what is rammed into each other when a heap lands comes apart, in three of four heaps at least") {
+    int deeper = 0;
     for (int seed = 1; seed <= test::tries(8); ++seed) {
         World w = dropped(static_cast<std::uint64_t>(seed));
         double while_landing = 0;
         for (int t = 0; t < 100; ++t) while_landing = std::max(while_landing, deepest_mm(w, 1));
         CHECK(while_landing > 40); // twin: it is rammed
-        CHECK(deepest_mm(w, 500) < 40);
+        deeper += deepest_mm(w, 500) < 40 ? 0 : 1;
     }
+    CHECK(deeper <= test::tries(8) / 4);
 }

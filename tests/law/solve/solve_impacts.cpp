@@ -77,6 +77,56 @@ template <unsigned N> void compare(const ContactKernel& kernel) {
     CHECK(wrapped > 200);
 }
 
+/// Contacts of two points beside one of four: the points that they lack change nothing, at any speed.
+template <unsigned N> void compare_lacking(const ContactKernel& kernel) {
+    Random random = Random::seeded(200 + N);
+    constexpr std::int32_t far_away = INT32_MAX, a_second = 240;
+    const PassSettings settings{a_second, (impulse_limit / a_second) << (gap_bits - speed_bits),
+                                1 << speed_bits, 1 << speed_bits, false};
+    int moved = 0;
+    for (int round = 0; round < 2000; ++round) {
+        ContactPack<N> alone = pack_of<N>(random);
+        alone.point_count = 2, alone.impacts = 0;
+        for (unsigned lane = 0; lane < N; ++lane) {
+            alone.several[lane] = -1;
+            for (int k = 0; k < 2; ++k) {
+                PointLanes<N>& point = alone.points[k];
+                point.gap0[lane] = point.gap[lane] = point.impact[lane] = 0;
+                point.arm[0][lane] = k == 0 ? 1 << unit_bits : -(1 << unit_bits), point.arm[1][lane] = 0;
+                point.fit[0][lane] = 1 << (fit_bits - 1),
+                point.fit[1][lane] = k == 0 ? 1 << (fit_bits - 1) : -(1 << (fit_bits - 1));
+                point.kappa[lane] = 1 << (kappa_bits - 2);
+            }
+            alone.response[0][lane] = alone.response[2][lane] = 1 << response_bits;
+            alone.inverse[0][lane] = alone.inverse[2][lane] = 1 << inverse_bits;
+        }
+        ContactPack<N> beside = alone;
+        beside.point_count = 4;
+        for (int k = 2; k < 4; ++k) {
+            beside.points[k] = {};
+            for (unsigned lane = 0; lane < N; ++lane)
+                beside.points[k].gap0[lane] = beside.points[k].gap[lane] = far_away;
+        }
+        std::vector<solve::SolverBody> bodies(2 * N, solve::SolverBody{});
+        for (solve::SolverBody& body : bodies)
+            for (std::int64_t& x : body.v)
+                x = static_cast<std::int64_t>(random.next_u64()) >> (62 - accumulator_bits - 11);
+        std::vector<WarmStart> warm(2 * N, WarmStart{}), other = warm, arrival = warm, other_arrival = warm;
+        std::vector<solve::SolverBody> other_bodies = bodies;
+        kernel.solve(&alone, 0, 1, {bodies.data(), warm.data(), arrival.data(), nullptr}, settings);
+        kernel.solve(&beside, 0, 1, {other_bodies.data(), other.data(), other_arrival.data(), nullptr},
+                     settings);
+        REQUIRE(std::memcmp(warm.data(), other.data(), warm.size() * sizeof(WarmStart)) == 0);
+        REQUIRE(std::memcmp(bodies.data(), other_bodies.data(), bodies.size() * sizeof(solve::SolverBody)) ==
+                0);
+        for (int k = 0; k < 2; ++k)
+            REQUIRE(std::memcmp(alone.points[k].impulse, beside.points[k].impulse,
+                                sizeof alone.points[k].impulse) == 0);
+        moved += alone.points[0].impulse[0] != 0;
+    }
+    CHECK(moved > 200);
+}
+
 template <unsigned N> void compare_approach(const ContactKernel& kernel) {
     Random random = Random::seeded(100 + N);
     int kept = 0, measured = 0;
@@ -135,4 +185,8 @@ TEST_CASE("impacts are forgotten alike at once and lane by lane") {
 
 TEST_CASE("points come in as fast whether they are measured at once or lane by lane") {
     for_each_set([](auto width, const ContactKernel& kernel) { compare_approach<width()>(kernel); });
+}
+
+TEST_CASE("points that a contact lacks change nothing, whatever it shares a pack with") {
+    for_each_set([](auto width, const ContactKernel& kernel) { compare_lacking<width()>(kernel); });
 }

@@ -126,7 +126,7 @@ struct Rig {
         begin(step);
         for (std::int32_t i = 0; i < step.substeps; ++i) substep(step);
         solver.store_points(memory);
-        solver.store(memory, clamps);
+        solver.store(memory, bodies, clamps);
         finish_step(step, bodies, columns());
     }
     void run(int ticks) {

@@ -105,7 +105,7 @@ template <class L> class JointInverses {
         std::int64_t lanes[N];
         L::store64(lanes, x);
         for (std::int64_t& lane : lanes) lane = highest_bit(lane);
-        return L::load64(lanes);
+        return L::from_lanes(lanes);
     }
     /// Lanes that are below zero or not below 2^Bits.
     template <int Bits> static V beyond(V any) {
@@ -201,11 +201,11 @@ template <class L> class JointInverses {
             q[i] = static_cast<std::int64_t>((std::uint64_t{1} << 62) / (d >> (top[i] - 31)));
         }
         Inverses out;
-        const V by = L::load64(q), half = L::splat(std::int64_t{1} << 31), one = L::splat(1);
+        const V by = L::from_lanes(q), half = L::splat(std::int64_t{1} << 31), one = L::splat(1);
         for (int i = 0; i < Count; ++i)
             out.m[i] = L::template shift_right<32>(L::add(L::mul(numerator[i], by), half));
         out.left = L::either(left, L::greater64(by, L::splat(k_end - 1)));
-        out.shift = L::add(L::load64(top), more);
+        out.shift = L::add(L::from_lanes(top), more);
         out.odd = L::either(L::greater64(one, out.shift), L::greater64(out.shift, L::splat(62)));
         out.half = L::without(L::shift_left_by(one, L::without(L::sub(out.shift, one), out.odd)), out.odd);
         return out;

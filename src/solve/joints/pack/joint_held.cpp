@@ -61,14 +61,12 @@ namespace {
 /// The matrix of a quaternion, to the bits of lanes.
 void set_turn(TurnedBody& to, Quat turn) {
     const std::int64_t q[4] = {turn.x.raw, turn.y.raw, turn.z.raw, turn.w.raw};
-    const auto twice = [](std::int64_t sum) {
-        return static_cast<std::int32_t>(shift_right_rounded(sum, Unit::fraction_bits - 1));
-    };
+    const auto twice = [](std::int64_t sum) { return shift_right_rounded(sum, Unit::fraction_bits - 1); };
     for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
-        to.turn[i][i] = unit_one.raw - twice(q[j] * q[j] + q[k] * q[k]);
-        to.turn[i][j] = twice(q[i] * q[j] - q[3] * q[k]);
-        to.turn[j][i] = twice(q[i] * q[j] + q[3] * q[k]);
+        to.turn[i][i] = static_cast<std::int32_t>(unit_one.raw - twice(q[j] * q[j] + q[k] * q[k]));
+        to.turn[i][j] = static_cast<std::int32_t>(twice(q[i] * q[j] - q[3] * q[k]));
+        to.turn[j][i] = static_cast<std::int32_t>(twice(q[i] * q[j] + q[3] * q[k]));
     }
 }
 

@@ -84,7 +84,7 @@ void add_to_pack(JointTick& tick, JointWork& w, std::uint32_t kind, bool fresh, 
     w.pack = static_cast<std::uint32_t>(tick.packs.size() - 1);
     w.lane = static_cast<std::uint8_t>(pack.count++);
     pack.stale[w.lane] = -1;
-    pack.memory[w.lane] = w.memory, pack.mass_rate[w.lane] = w.mass_rate.raw;
+    pack.memory[w.lane] = w.memory, pack.mass[w.lane] = w.mass.raw;
     set_share(pack.a, w.lane, w.shares.a, w.a);
     set_share(pack.b, w.lane, w.shares.b, w.b);
     const auto set_held = [&](PackSide& side, const JointWorkSide& s, const JointFrame& frame) {

@@ -136,7 +136,7 @@ template <class L> class PackedJoints {
                                      : v[i]) *
                        (std::int64_t{1} << (-shift < 31 ? -shift : 31));
         }
-        return L::load64(v);
+        return L::from_lanes(v);
     }
 
     /// From speeds and the impulses so far to new impulses, by the inverse of a part. Returns their changes.

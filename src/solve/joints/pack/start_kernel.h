@@ -77,7 +77,7 @@ template <class L> class JointStarts {
             drop[i] = beyond < 0 ? 0 : beyond > real_bits - least_bits ? real_bits - least_bits : beyond;
             side.lever_bits[lane + i] = real_bits - drop[i];
         }
-        const V by = L::load64(drop), up = L::template shift_right<1>(L::shift_left_by(L::splat(1), by));
+        const V by = L::from_lanes(drop), up = L::template shift_right<1>(L::shift_left_by(L::splat(1), by));
         const V most = L::splat((std::int64_t{1} << (room + 1)) - 1), least = L::sub(L::splat(0), most);
         for (int i = 0; i < 3; ++i) {
             lever[i] = between(L::shift_right_by(L::add(lever[i], up), by), least, most);
@@ -122,7 +122,7 @@ template <class L> class JointStarts {
             std::int64_t v[N], by[N];
             L::store64(v, x), L::store64(by, shift);
             for (unsigned i = 0; i < N; ++i) v[i] = shifted_within(v[i], static_cast<int>(by[i]), most);
-            return L::load64(v);
+            return L::from_lanes(v);
         }
         x = L::add(L::shift_right_by(x, L::sub(shift, one)), one);
         return between(L::template shift_right_signed<1>(x), L::splat(-most), L::splat(most));
@@ -174,7 +174,7 @@ template <class L> class JointStarts {
             const std::int32_t a = bits(c.a, lane + i), b = bits(c.b, lane + i), most = a > b ? a : b;
             exponents[i] = most == 0 ? 0 : most - real_bits - 1;
         }
-        const V e = L::load64(exponents), one = L::splat(1), far = L::splat(62);
+        const V e = L::from_lanes(exponents), one = L::splat(1), far = L::splat(62);
         L::store32(&t.exponent[lane], e), L::store32(&t.push_max[lane], scaled_push(data, e));
         L::store64(&t.shift_a[lane], between(L::add(L::load64(&c.a.spin_shift[lane]), e), one, far));
         L::store64(&t.shift_b[lane], between(L::add(L::load64(&c.b.spin_shift[lane]), e), one, far));
@@ -218,7 +218,7 @@ template <class L> class JointStarts {
         Axes a, b;
         find_axes(data, c.a, lane, a), find_axes(data, c.b, lane, b);
         start_side(data, c.a, lane, a, e), start_side(data, c.b, lane, b, e);
-        set_exponents(data, c, lane, L::load64(e));
+        set_exponents(data, c, lane, L::from_lanes(e));
         if (!c.hinges) return;
         scale_hinges(data, c, data.turns[c.turn], lane);
         start_hinges(data.turns[c.turn], lane, a, b);

@@ -3,6 +3,7 @@
 #include "solve/joints/joint_work.h"
 
 #include <algorithm>
+#include <cstdlib>
 
 namespace lockstone::solve {
 

@@ -1,0 +1,60 @@
+// Finds shapes that pass each other: what is ahead of a ball in the direction of an edge is not in its way when it rolls over that edge.
+#pragma once
+
+#include "collide/narrow_phase.h"
+#include "lockstone/math/math.h"
+#include "scene/placed_shapes.h"
+
+#include <algorithm>
+
+namespace lockstone::sim {
+
+/// The way of a shape through the axes of another one's body, within a tick.
+struct PassingWay {
+    SpeedVec3 velocity; ///< of its origin [m/s]
+    SpeedVec3 turning;  ///< [rad/s]
+    Length rim;         ///< from its origin to what turns with it, without its rounding [m]
+};
+
+/// How far what turns with a shape is from its origin. Turning moves no surface of a sphere, and of a capsule as its segment.
+inline Length rim_of(const PlacedShapes::Shape& shape) {
+    const Geometry& g = shape.solid.geometry;
+    if (g.kind == ShapeKind::sphere) return {};
+    if (g.kind == ShapeKind::capsule) return g.half_extent.y;
+    return shape.reach > Coordinate(128) ? Length::max() : to<Length>(shape.reach);
+}
+
+/// Whether B passes A within the tick, not deeper in it than `graze`: a direction at right angles to the way between them parts the two now and,
+/// as what moves straight on keeps its distance along it, until the tick ends. Tried are what `normal`, of their manifold in A's axes, and
+/// the axes of both have at right angles to the way. False where it is not known, of kinds that collide::are_parted() does not know, and of what
+/// comes nearer by less than `graze`: it slides along, and the manifold carries it.
+inline bool pass_each_other(const collide::PlacedSolid& a, const collide::PlacedSolid& b, UnitVec3 normal,
+                            const PassingWay& way, Length graze, Unit half_tick) {
+    constexpr Unit head_on = decimal<Unit>("0.06"); // the sine of the angle between way and direction
+    constexpr Length spare_of_parting = decimal<Length>("0.001");
+    const Real time = to<Real>(half_tick) * Real(2);
+    const UnitVec3 ahead = mul_transposed<Unit>(a.axes, normalized(way.velocity));
+    const Unit along = dot<Unit>(normal, ahead);
+    if (to<Real>(-along) * to<Real>(length(way.velocity)) * time < to<Real>(graze)) return false;
+    const auto parts = [&](UnitVec3 direction) {
+        const UnitVec3 across = direction - scale<Unit>(ahead, dot<Unit>(direction, ahead));
+        if (length(across) < head_on) return false;
+        const UnitVec3 outward = dot<Unit>(across, normal) < Unit{} ? -across : across,
+                       parting = normalized(outward);
+        const Speed turns = length(cross<Speed>(lockstone::mul<Unit>(a.axes, parting), way.turning));
+        const Real turned = to<Real>(turns) * to<Real>(way.rim) * time;
+        return turned < Real(1) &&
+               collide::are_parted(a, b, parting, to<Length>(turned) - graze - spare_of_parting);
+    };
+    if (parts(normal)) return true;
+    const auto in_a = [&](UnitVec3 direction) { return mul_transposed<Unit>(a.axes, direction); };
+    const auto has_faces = [](const collide::PlacedSolid& s) {
+        return s.solid.geometry.kind >= ShapeKind::cylinder;
+    };
+    for (const collide::PlacedSolid* s : {&a, &b})
+        if (has_faces(*s) && (parts(in_a(s->axes.y)) || parts(in_a(s->axes.x)) || parts(in_a(s->axes.z))))
+            return true;
+    return false;
+}
+
+} // namespace lockstone::sim
