@@ -33,7 +33,8 @@ class Game {
     virtual std::uint32_t input_size() const = 0;   ///< bytes per player and tick, 0..64
     virtual Result<World> start() const = 0;        ///< the world before tick 0
     /// Issues commands from `inputs` (player_count() of them), then calls world.tick() exactly once. A command that the
-    /// rules cannot do without and that fails is the error; the tick is left out then. No state that `check` takes may
+    /// rules cannot do without and that fails is the error; the tick is left out then, but a session runs it all the same
+    /// (WorldSimulation::failure), and a recording of that match can be played up to it only. No state that `check` takes may
     /// make it abort: recordings come from anyone.
     virtual Status advance(World& world, std::span<const PlayerInput> inputs) const = 0;
     /// A state that came from a file or a peer, after the engine's own checks: whether the rules can go on from it. Every

@@ -92,13 +92,14 @@ struct MatchPlan {
     std::uint64_t expires_ms = 0;
     std::vector<NetAddress> addresses; ///< by slot, 2..net_players_max
     NetAddress relay;
-    NetKey relay_secret;                ///< the relay's, where there is one
-    std::uint64_t relay_expires_ms = 0; ///< of the passes for both relays
-    NetAddress second_relay = {};       ///< no port: there is none; else there is a first one
+    NetKey relay_secret; ///< the relay's, where there is one
+    /// When the passes for both relays expire: not before the match may end. Not 0 where there is a relay.
+    std::uint64_t relay_expires_ms = 0;
+    NetAddress second_relay = {}; ///< no port: there is none; else there is a first one
     NetKey second_relay_secret = {};
 };
 /// Tokens by slot, with new keys. Errors: too few or too many players; a player without address where there is no relay;
-/// a second relay without a first, or at the same address.
+/// a second relay without a first, or at the same address; a relay and no time at which its passes expire.
 Result<std::vector<ConnectToken>> make_tokens(const MatchPlan& plan);
 
 /// Sealed with a key that maker and player share (XChaCha20-Poly1305-IETF, a random nonce).
@@ -211,6 +212,7 @@ struct RelayDef {
     std::uint32_t opens_per_second = 2000;    ///< passes and lobby requests read a second
     std::uint32_t idle_ms = 30'000;           ///< after which a silent player is forgotten
     std::uint32_t rooms_max = 1024;           ///< of the lobby
+    std::uint32_t rooms_per_source = 16;      ///< opened from an address (IPv6: from its /64) and still good
     std::uint32_t room_ms = 300'000;          ///< how long a code is good
     std::uint32_t match_ms = 4 * 3600 * 1000; ///< how long a token and a pass that the lobby makes are good
     /// The relay that the lobby names as the second in every token, and its secret, which makes passes; no port: none.
@@ -317,7 +319,7 @@ class WatchDoor {
 
 // ---- sockets -------------------------------------------------------------------------------------------------------
 
-/// A UDP socket that never waits. POSIX; IPv6 and IPv4 at once where the system has both.
+/// A UDP socket that never waits. POSIX and Windows; IPv6 and IPv4 at once where the system has both.
 class UdpSocket {
   public:
     /// Port 0: any. Errors: the system's sentence.

@@ -75,7 +75,7 @@ struct Proof {
     std::vector<ProofCheck> checks; ///< in the order of the list at prove()
     bool holds() const;
 };
-/// One line a check: "ok      rolls back: 240 compared" or "FAILED  rolls back: tick 12, ...".
+/// One line a check: "ok      rolls back: 340 compared" or "FAILED  rolls back: tick 12, ...".
 std::string to_string(const Proof& proof);
 
 /// The checks, each on simulations of its own:
@@ -93,7 +93,7 @@ Proof prove(const Provable& simulation, const ProofOptions& options = {});
 /// Fills `input` with what a player does at a tick: a pure function, zero on entry.
 using ProofInput = std::function<void(std::uint64_t tick, std::uint32_t player, std::span<std::byte> input)>;
 
-/// The same of a game and the world it starts: rolled back through ring images, moved through portable ones, every
+/// The same of a game and the world it starts. A second start has to give the same world. It is rolled back through ring images, moved through portable ones, every
 /// column's rows flipped. Without `input`, random bytes from the seed. The error is the game's own, at its start or in a tick.
 Result<Proof> prove(const Game& game, const ProofOptions& options = {}, ProofInput input = {});
 

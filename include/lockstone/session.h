@@ -34,6 +34,7 @@ inline constexpr std::uint32_t input_bytes_max = 64;
 inline constexpr std::uint32_t prediction_limit = 64; ///< of SessionDef::prediction_max
 inline constexpr std::uint32_t input_delay_limit = 32;
 inline constexpr std::uint32_t run_ahead_limit = 4;
+inline constexpr std::uint64_t disconnect_ms_limit = 120'000; ///< of SessionDef::disconnect_ms
 /// What one poll reads: packets of each peer, and of all senders. Of a peer's, more are dropped unread; the rest waits.
 inline constexpr std::uint32_t packets_per_peer_max = 64;
 inline constexpr std::uint32_t packets_per_poll_max = 4096;
@@ -61,11 +62,15 @@ struct SessionDef {
     /// Bit p: player p's machine is not there from the start but may come (lockstone/session/join.h); till then the inputs are zero and
     /// `disconnected`. All players of a machine or none; not self. The same on every machine.
     std::uint32_t absent = 0;
-    std::uint32_t input_delay = 2;    ///< [ticks], 0..32; lockstep needs at least 1; machines may differ
-    std::uint32_t prediction_max = 8; ///< [ticks] that may run on guesses, 1..64; lockstep ignores it
+    std::uint32_t input_delay = 2; ///< [ticks], 0..32; lockstep needs at least 1; machines may differ
+    /// [ticks] that may run on guesses, 1..64; lockstep ignores it. Among three machines or more one that leaves may take back up to
+    /// 2 * prediction_max + 8.
+    std::uint32_t prediction_max = 8;
     /// Patience with a peer: how long it may be silent, and how long the match may wait for its inputs, hashes and
-    /// acknowledgements; every tick that runs makes up for a tenth of a second, or a sixtieth of it if that is more.
-    /// Then this machine wants it to leave. So lockstep needs an input delay that covers the way from the slowest machine, less
+    /// acknowledgements (for the last two half as long among three machines or more); every tick that runs makes up for a
+    /// tenth of a second, or a sixtieth of it if that is more.
+    /// Then this machine wants it to leave. At most two minutes: packets are numbered by 16 bits, and a link of which 32,768 in a row are
+    /// lost, those of two minutes at 270 polls a second, is heard no more. So lockstep needs an input delay that covers the way from the slowest machine, less
     /// a tenth of a second: a match that is slower than that throws it out.
     std::uint64_t disconnect_ms = 5000;
     std::uint64_t connect_ms = 30'000; ///< from the first poll: how long a peer may take to appear
@@ -85,8 +90,8 @@ struct Load {
     std::uint64_t tick;
     bool verify; ///< sync tests: the state's hash must be what it was at Save(tick)
 };
-/// Keep the state before tick `tick`; the newest save of a tick replaces older ones. A tick that rests on no guess is
-/// not saved: nothing will roll back to it.
+/// Keep the state before tick `tick`; the newest save of a tick replaces older ones. A tick before which
+/// nothing can change any more is not saved: nothing will roll back to it.
 struct Save {
     std::uint64_t tick;
 };
@@ -208,8 +213,8 @@ struct PeerIncompatible {
     PeerId peer;
     const char* reason;
 };
-/// The match cannot go on at this machine: the others have dropped it, or they cannot agree on who has left when. Told
-/// once; every later step is stalled. What was confirmed stays true.
+/// The match cannot go on at this machine: the others have dropped it, they cannot agree on who has left when, or nobody has the ticks any
+/// more that it would have to run next. Told once; every later step is stalled. What was confirmed stays true.
 struct MatchStopped {
     std::string reason; ///< a sentence
 };
@@ -280,7 +285,7 @@ class Session {
     /// Receives packets, then sends every peer one packet with what it lacks. Call each frame, also when waiting. Time
     /// comes from outside, in milliseconds from any origin; an earlier time than before counts as the same.
     virtual void poll(std::uint64_t now_ms) = 0;
-    /// What a local player does at tick current_tick() + input_delay. Once per tick: repeated before the tick has run
+    /// What a local player does at tick current_tick() + input_delay. A sync test has no delay. Once per tick: repeated before the tick has run
     /// (a stall), the first stands. Another size, or a player of another machine or of none, asserts.
     virtual void add_local_input(std::uint32_t player, std::span<const std::byte> input) = 0;
     /// Corrects the past if inputs have arrived that differ from the guesses, then runs the next tick if it may.
@@ -296,7 +301,7 @@ class Session {
     virtual std::optional<ConfirmedTick> next_confirmed() = 0;
     virtual std::optional<Notice> next_notice() = 0;
 
-    /// This machine wants a peer to leave. Between two machines it has left at once; among more it leaves when most of
+    /// This machine wants a peer to leave. Between two machines it has left at the next poll; among more it leaves when most of
     /// the others want it too, see src/session/README.md. Refuses a machine that is not a peer of this match.
     virtual Status drop_peer(PeerId peer) = 0;
 
@@ -340,7 +345,8 @@ class Simulation {
     virtual void restore(const Image& image) = 0;
     virtual void advance(std::span<const PlayerInput> inputs) = 0; ///< one tick
     virtual std::uint64_t hash() const = 0;
-    virtual std::span<const Event> events() const = 0; ///< of the last tick, ordered by kind and shape ids
+    /// Of the last tick, ascending by kind, shape_a, shape_b, joint, body_a, body_b: asserted.
+    virtual std::span<const Event> events() const = 0;
     virtual State& state() = 0; ///< for diagnosis: naming a difference, planting a fault
     /// Takes a state from outside. On an error, a sentence, the present one stays.
     virtual Status adopt(std::span<const std::byte> portable_image) {
@@ -421,7 +427,8 @@ std::string to_string(const SyncTestFailure& failure);
 struct RunnerDef {
     ConfirmedSink* sink = nullptr; ///< not owned
     /// How many of the newest states are kept beside what rollbacks need, so that a desync can be named whose first tick lies
-    /// that far back: the round trip, and what lost packets add. Each takes the memory of an image. 0: desyncs name a tick.
+    /// that far back: the round trip, and what lost packets add. Each takes the memory of an image. 0: desyncs name a tick, and
+    /// this machine has no state for those who come (lockstone/session/join.h) or watch from one: they ask another one.
     std::uint32_t inspected_ticks = 64;
 };
 

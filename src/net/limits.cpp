@@ -1,16 +1,12 @@
 #include "net/limits.h"
 
 namespace lockstone::net {
-namespace {
 
-/// Who has one IPv6 address has 2^64 of them. Ports do not make another source.
 Bytes source_of(const NetAddress& address) {
     const bool is_ipv4 =
         std::ranges::all_of(std::span(address.ip).first<10>(), [](std::uint8_t b) { return b == 0; });
     return std::as_bytes(std::span(address.ip)).subspan(is_ipv4 ? 12 : 0, is_ipv4 ? 4 : 8);
 }
-
-} // namespace
 
 bool SourceLimit::take(const NetAddress& from, std::uint64_t rate, std::uint64_t now_ms) {
     return buckets[short_hash(key, source_of(from)) % buckets.size()].take(1, rate, now_ms);

@@ -41,7 +41,7 @@ Relay::Impl::Fault Relay::Impl::take_lobby_request(const NetAddress& from, Bytes
     const Bytes asked = in.bytes(code_letters, "code");
     std::string code(reinterpret_cast<const char*>(asked.data()), asked.size());
     if (code[0] == 0) code.clear();
-    const Said said = say(who, players, code, keys->send);
+    const Said said = say({from, who, players}, code, keys->send);
 
     std::vector<std::byte> answer;
     base::ByteWriter out(answer);
@@ -59,26 +59,26 @@ Relay::Impl::Fault Relay::Impl::take_lobby_request(const NetAddress& from, Bytes
     return {};
 }
 
-Relay::Impl::Said Relay::Impl::say(const NetKey& who, std::uint32_t players, std::string& code,
-                                   const NetKey& key) {
+Relay::Impl::Said Relay::Impl::say(const Asked& asked, std::string& code, const NetKey& key) {
     if (door != nullptr && code == door_code) {
-        const Result<ConnectToken> place = door->let_in(who, now);
+        const Result<ConnectToken> place = door->let_in(asked.who, now);
         if (!place) return {LobbyStatus::door_full, 0, {}};
         return {LobbyStatus::ready, place->players, seal_token(*place, key)};
     }
-    const LobbyStatus status = enter(who, players, code);
+    const LobbyStatus status = enter(asked, code);
     if (status > LobbyStatus::ready) return {status, 0, {}};
     const Room& room = rooms[code];
     return {status, static_cast<std::uint32_t>(room.members.size()),
-            status == LobbyStatus::ready ? token_for(who, room, key) : std::vector<std::byte>{}};
+            status == LobbyStatus::ready ? token_for(asked.who, room, key) : std::vector<std::byte>{}};
 }
 
 /// Into the room of `code`, or into a new one where it is empty; then `code` names it.
-LobbyStatus Relay::Impl::enter(const NetKey& who, std::uint32_t players, std::string& code) {
+LobbyStatus Relay::Impl::enter(const Asked& asked, std::string& code) {
+    const NetKey& who = asked.who;
     if (const auto known = room_of.find(who.bytes); known != room_of.end())
         code = known->second;
     else if (code.empty())
-        return open_room(who, players, code);
+        return open_room(asked, code);
     const auto found = rooms.find(code);
     if (found == rooms.end()) return LobbyStatus::no_such_code;
     Room& room = found->second;
@@ -91,13 +91,17 @@ LobbyStatus Relay::Impl::enter(const NetKey& who, std::uint32_t players, std::st
     return room.members.size() == room.players ? LobbyStatus::ready : LobbyStatus::waiting;
 }
 
-LobbyStatus Relay::Impl::open_room(const NetKey& who, std::uint32_t players, std::string& code) {
-    if (players < 2 || players > net_players_max) return LobbyStatus::bad_request;
+LobbyStatus Relay::Impl::open_room(const Asked& asked, std::string& code) {
+    if (asked.players < 2 || asked.players > net_players_max) return LobbyStatus::bad_request;
     if (rooms.size() >= def.rooms_max) return LobbyStatus::lobby_full;
+    const auto of_the_source = std::ranges::count_if(rooms, [&](const auto& entry) {
+        return std::ranges::equal(source_of(entry.second.opened_by), source_of(asked.from));
+    });
+    if (static_cast<std::uint64_t>(of_the_source) >= def.rooms_per_source) return LobbyStatus::lobby_full;
     do code = random_code();
     while (rooms.contains(code) || code == door_code);
-    rooms[code] = {players, random_u64(), now, {who}, {random_key()}, {random_key()}};
-    room_of[who.bytes] = code;
+    rooms[code] = {asked.players, random_u64(), now, asked.from, {asked.who}, {random_key()}, {random_key()}};
+    room_of[asked.who.bytes] = code;
     return LobbyStatus::waiting;
 }
 

@@ -26,6 +26,7 @@ struct RelayedMatch {
 struct Room {
     std::uint32_t players = 0;
     std::uint64_t match_id = 0, opened_ms = 0;
+    NetAddress opened_by = {};       ///< whose source has one room less to open
     std::vector<NetKey> members;     ///< public keys, by slot
     std::vector<NetKey> relay_keys;  ///< by slot
     std::vector<NetKey> second_keys; ///< by slot, for the second relay
@@ -93,9 +94,14 @@ struct Relay::Impl {
         std::uint32_t members;
         std::vector<std::byte> token;
     };
-    Said say(const NetKey& who, std::uint32_t players, std::string& code, const NetKey& key);
-    net::LobbyStatus enter(const NetKey& who, std::uint32_t players, std::string& code);
-    net::LobbyStatus open_room(const NetKey& who, std::uint32_t players, std::string& code);
+    struct Asked {
+        NetAddress from;
+        NetKey who;
+        std::uint32_t players;
+    };
+    Said say(const Asked& asked, std::string& code, const NetKey& key);
+    net::LobbyStatus enter(const Asked& asked, std::string& code);
+    net::LobbyStatus open_room(const Asked& asked, std::string& code);
     std::vector<std::byte> token_for(const NetKey& who, const net::Room& room, const NetKey& key) const;
     void close_old_rooms();
 };

@@ -3,6 +3,8 @@
 
 #include "base/bytes.h"
 
+#include <algorithm>
+
 namespace lockstone {
 namespace {
 
@@ -200,6 +202,8 @@ Result<std::vector<ConnectToken>> make_tokens(const MatchPlan& plan) {
             return Error{"a player has no address, and there is no relay"};
     if (plan.second_relay.port != 0 && (plan.relay.port == 0 || plan.second_relay == plan.relay))
         return Error{"a second relay needs a first one, at another address"};
+    if (plan.relay.port != 0 && plan.relay_expires_ms == 0)
+        return Error{"relay_expires_ms is 0: the relay would let nobody in"};
     ConnectToken all;
     all.match_id = plan.match_id, all.expires_ms = plan.expires_ms;
     all.players = static_cast<std::uint32_t>(players), all.relay = plan.relay;

@@ -5,6 +5,9 @@
 #include "base/text.h"
 #include "lockstone/math/random.h"
 
+#include <algorithm>
+#include <utility>
+
 namespace lockstone {
 
 namespace {
@@ -111,11 +114,21 @@ class ProvableWorld final : public Provable {
     Status status;
 };
 
+/// What is not alike in two worlds that a game started, or nothing.
+std::string difference_of_starts(const World& first, const World& second) {
+    if (first.hash() == second.hash()) return {};
+    if (first.state().layout().schema_hash() != second.state().layout().schema_hash())
+        return "the game starts worlds with different columns";
+    const std::vector<Difference> found = State::diff(first.state(), second.state(), 1);
+    return "the game starts different worlds" + (found.empty() ? "" : ": " + to_string(found.front()));
+}
+
 } // namespace
 
 Result<Proof> prove(const Game& game, const ProofOptions& options, ProofInput input) {
-    Result<World> start = game.start();
-    if (!start) return start.error();
+    const Result<World> start = game.start(), again = game.start();
+    for (const Result<World>* each : {&start, &again})
+        if (!*each) return each->error();
     if (!input)
         input = [seed = options.seed](std::uint64_t tick, std::uint32_t player, std::span<std::byte> bytes) {
             random_input(seed, tick, player, bytes);
@@ -128,7 +141,12 @@ Result<Proof> prove(const Game& game, const ProofOptions& options, ProofInput in
             return Error{
                 base::join("tick ", tick, ": the game's rules fail: ", plain.last_step().error().message)};
     }
-    return prove(provable, options);
+    Proof proof = prove(provable, options);
+    if (std::string other = difference_of_starts(*start, *again); !other.empty()) {
+        ProofCheck& repeats = proof.checks.front();
+        repeats.passed = false, repeats.sentence = std::move(other);
+    }
+    return proof;
 }
 
 } // namespace lockstone

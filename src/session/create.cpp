@@ -37,6 +37,9 @@ Status check(const SessionDef& def) {
     if (def.disconnect_ms == 0 || def.connect_ms == 0)
         return Error{join("session: ", def.disconnect_ms == 0 ? "disconnect_ms" : "connect_ms",
                           " is 0, at least 1 ms: every peer would be gone at once")};
+    if (def.disconnect_ms > disconnect_ms_limit)
+        return Error{
+            join("session: disconnect_ms is ", def.disconnect_ms, ", at most ", disconnect_ms_limit)};
     if (def.predictor == nullptr)
         return Error{"session: predictor is null; repeat_last_input() is the default"};
     return {};

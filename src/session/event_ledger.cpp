@@ -8,8 +8,8 @@
 namespace lockstone::session {
 
 namespace {
-/// The order that World documents, then the bodies: an id that a wrong timeline minted may name another body's shape.
-auto identity(const Event& e) { return std::tie(e.kind, e.shape_a, e.shape_b, e.body_a, e.body_b, e.joint); }
+/// The order that World documents, then the second body: an id that a wrong timeline minted may name another body's shape.
+auto identity(const Event& e) { return std::tie(e.kind, e.shape_a, e.shape_b, e.joint, e.body_a, e.body_b); }
 
 bool in_order(const Event& a, const Event& b) { return identity(a) < identity(b); }
 } // namespace

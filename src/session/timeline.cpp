@@ -181,11 +181,20 @@ std::optional<Admission> read_admission(std::span<const std::byte> packet, std::
 
 namespace {
 constexpr std::uint64_t listener_resend_polls = 20, ticks_ahead_max = 256;
-constexpr std::uint64_t snapshot_polls = 120;      ///< from one state to the next, at least
-constexpr std::uint64_t snapshot_polls_max = 7200; ///< an older one is not kept for who takes it
-constexpr std::uint64_t quiet_polls = 60;          ///< a listener that is silent for so long is sent nothing
-constexpr std::uint64_t kept_unheard = 256;        ///< [ticks] at least, while nobody listens
-constexpr std::uint32_t chunks_per_wish = 2, chunks_ahead_max = 64;
+constexpr std::uint64_t snapshot_polls = 120; ///< from one state to the next, at least
+constexpr std::uint64_t snapshot_polls_max =
+    7200; ///< an older one is kept for who takes it where it has many chunks only
+constexpr std::uint64_t quiet_polls = 60;   ///< a listener that is silent for so long is sent nothing
+constexpr std::uint64_t kept_unheard = 256; ///< [ticks] at least, while nobody listens
+constexpr std::uint64_t held_times =
+    8; ///< a log is as long as its bound, and so many times as long for who is on the way
+constexpr std::uint32_t chunks_per_wish = 2, chunk_times = 8;
+
+/// How long a state is kept for who takes it: as many times as long as its chunks take where none is lost.
+std::uint64_t polls_of(const Offer& offer) {
+    return std::max<std::uint64_t>(snapshot_polls_max,
+                                   std::uint64_t{chunk_times} * offer.chunks() / chunks_per_wish);
+}
 } // namespace
 
 TimelineHost::TimelineHost(const SessionDef& session_def, TimelineDef how)
@@ -222,10 +231,22 @@ void TimelineHost::add_told(std::uint64_t tick, std::span<const std::byte> told)
 void TimelineHost::make_room() {
     const std::uint64_t ticks = log.size() / tick_bytes;
     const bool is_unheard = !def.keeps_unheard && all.empty();
-    if (ticks < (is_unheard ? 2 * kept_unheard : def.log_ticks_max)) return;
-    const std::uint64_t old = def.keeps_unheard || is_unheard ? ticks - ticks / 2 : ticks;
+    const std::uint64_t most = is_unheard ? 2 * kept_unheard : def.log_ticks_max;
+    if (ticks < most) return;
+    std::uint64_t old = ticks - ticks / 2;
+    if (!def.keeps_unheard && ticks / held_times < most) old = std::min(old, first_awaited() - log_first);
+    if (old < most / 4) return; // few at a time would move the rest each time
     log.erase(log.begin(), log.begin() + static_cast<std::ptrdiff_t>(old * tick_bytes));
     log_first += old;
+}
+
+/// The first tick of the log that somebody takes, or will take after the state that is on its way.
+std::uint64_t TimelineHost::first_awaited() const {
+    std::uint64_t tick = is_snapshot_taken() ? std::max(snapshot->offer().tick, log_first) : log_end();
+    for (const Listener& listener : all)
+        if (listener.wish.wants_log && listener.wanted >= log_first && listener.silent_polls < quiet_polls)
+            tick = std::min(tick, listener.wanted);
+    return tick;
 }
 
 std::optional<std::uint32_t> TimelineHost::told_hash(std::uint64_t tick) const {
@@ -288,7 +309,7 @@ void TimelineHost::serve_word(Listener& listener, Transport& transport) {
 }
 
 bool TimelineHost::is_snapshot_taken() const {
-    return snapshot && polls - snapshot_at_poll < snapshot_polls_max &&
+    return snapshot && polls - snapshot_at_poll < polls_of(snapshot->offer()) &&
            std::ranges::any_of(all, [&](const Listener& l) {
                return l.wish.wants_state && l.wish.offered == snapshot->offer().tick;
            });
@@ -329,8 +350,8 @@ void TimelineHost::serve_state(Listener& listener, Transport& transport) {
         listener.chunk_next = wish.missing;
         listener.wishes_without_chunk = 0;
     }
-    const std::uint64_t budget = 8 * std::uint64_t{offer.chunks()} + 256;
-    const std::uint32_t end = std::min(offer.chunks(), wish.missing + chunks_ahead_max);
+    const std::uint64_t budget = chunk_times * std::uint64_t{offer.chunks()} + 256;
+    const std::uint32_t end = std::min(offer.chunks(), wish.missing + chunks_ahead);
     for (std::uint32_t n = 0; n < chunks_per_wish && listener.chunk_next < end; ++listener.chunk_next) {
         const std::uint32_t after = listener.chunk_next - wish.missing;
         if (after > 0 && (wish.have >> (after - 1) & 1u) != 0) continue;
@@ -341,26 +362,33 @@ void TimelineHost::serve_state(Listener& listener, Transport& transport) {
     }
 }
 
+/// What the listener lacks is forgotten: it hears where the log begins.
+void TimelineHost::tell_begin(Listener& listener, Transport& transport) {
+    if (++listener.polls_without_progress < listener_resend_polls) return;
+    listener.polls_without_progress = 0;
+    send(transport, listener.peer, write_stretch(packet, match, {log_first, 0, shown_end(), {}}));
+}
+
 /// Sends the next ticks, once; and again, from the first that the listener lacks, after 20 polls without progress. The others wait for a machine
-/// that comes to play: in each second poll it is sent the first ticks that it may lack.
+/// that comes to play: in each second poll it is sent the first ticks that it may lack, and in the others the next ones, however long the way.
 void TimelineHost::serve_log(Listener& listener, Transport& transport) {
-    if (listener.wanted < log_first) return;
-    const bool is_awaited = listener.wish.ticket != 0 && polls % 2 == 0;
-    if (is_awaited) listener.sent = listener.wanted;
+    if (listener.wanted < log_first) return tell_begin(listener, transport);
     if (listener.sent > listener.wanted && ++listener.polls_without_progress >= listener_resend_polls) {
         listener.sent = listener.wanted;
         listener.polls_without_progress = 0;
     }
+    const bool is_awaited = listener.wish.ticket != 0 && polls % 2 == 0;
+    const std::uint64_t first_sent = is_awaited ? listener.wanted : listener.sent;
     const std::uint64_t last = std::min(shown_end(), listener.wanted + ticks_ahead_max);
     const std::uint64_t fits = std::min<std::uint64_t>(stretch_bytes_max / tick_bytes, 255);
-    const std::uint64_t count = std::min(fits, last - std::min(last, listener.sent));
+    const std::uint64_t count = std::min(fits, last - std::min(last, first_sent));
     if (count == 0) return;
-    const std::size_t from = (listener.sent - log_first) * tick_bytes;
+    const std::size_t from = (first_sent - log_first) * tick_bytes;
     send(transport, listener.peer,
          write_stretch(packet, match,
-                       {listener.sent, static_cast<std::uint32_t>(count), shown_end(),
+                       {first_sent, static_cast<std::uint32_t>(count), shown_end(),
                         std::span(log).subspan(from, count * tick_bytes)}));
-    listener.sent += count;
+    listener.sent = std::max(listener.sent, first_sent + count);
 }
 
 } // namespace lockstone::session

@@ -13,6 +13,10 @@ namespace lockstone::session {
 
 inline constexpr std::uint64_t no_tick = 0xffff'ffff; ///< where a packet may leave a tick out
 
+/// A ticket is the life of the machine that asks, and in its low bits how often that life has asked with a new one.
+inline constexpr std::uint32_t tickets_of_a_life = 256;
+inline std::uint32_t life_of(std::uint32_t ticket) { return ticket / tickets_of_a_life; }
+
 struct Wish {
     bool wants_log = false;
     bool wants_state = false; ///< it has none, or one of another match
@@ -28,7 +32,8 @@ struct Wish {
     friend bool operator==(const Wish&, const Wish&) = default;
 };
 
-/// Ticks of the confirmed timeline: of each the status of each player, the low half of the hash, and the inputs.
+/// Ticks of the confirmed timeline: of each the status of each player, the low half of the hash, and the inputs. Of no tick: what lies before
+/// `first` is forgotten.
 struct Stretch {
     std::uint64_t first = 0;
     std::uint32_t count = 0;
@@ -79,7 +84,8 @@ bool is_answer_to_wish(std::span<const std::byte> packet);
 inline std::size_t tick_bytes_of(const SessionDef& def) { return 6 + def.players.size() * def.input_size; }
 
 struct TimelineDef {
-    /// When the log has so many, the older half of them is forgotten; all of them unless `keeps_unheard`.
+    /// When the log has so many, the older half of them is forgotten. Without `keeps_unheard`: but for what a listener is on the way to,
+    /// until it has eight times as many.
     std::uint64_t log_ticks_max;
     std::uint32_t delay_ticks; ///< so much later listeners see a tick
     std::uint32_t listeners_max;
@@ -126,10 +132,12 @@ class TimelineHost {
     };
     std::uint64_t shown_end() const;
     void make_room();
+    std::uint64_t first_awaited() const;
     bool make_snapshot(StateInspector* states);
     void serve_word(Listener& listener, Transport& transport);
     void serve_state(Listener& listener, Transport& transport);
     void serve_log(Listener& listener, Transport& transport);
+    void tell_begin(Listener& listener, Transport& transport);
     void send(Transport& transport, PeerId to, std::span<const std::byte> packet);
 
     TimelineDef def;

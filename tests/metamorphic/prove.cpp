@@ -1,5 +1,6 @@
 // lockstone::prove on every scene: the properties of the contract, at every tick.
 #include "lockstone/prove.h"
+#include "support/small_game.h"
 #include "support/task_worlds.h"
 
 #include <doctest/doctest.h>
@@ -52,4 +53,23 @@ TEST_CASE("inputs of a proof are random bytes from its seed where the game's own
     ProofOptions options;
     options.ticks = 10, options.bits_max = 100;
     CHECK(prove(*game, options).value().holds());
+}
+
+/// Its start is another one every time.
+struct Restless : test::SmallGame {
+    mutable int starts = 0;
+    Result<World> start() const override {
+        Result<World> world = SmallGame::start();
+        world->set_gravity({Real(starts++), Real{}, Real{}}).value();
+        return world;
+    }
+};
+
+TEST_CASE("a game that starts another world each time does not repeat") {
+    const Proof proof = prove(Restless(), {.ticks = 4, .bits_max = 10}).value();
+    CHECK_FALSE(proof.holds());
+    CHECK_FALSE(proof.checks[0].passed);
+    CHECK(proof.checks[0].sentence.starts_with("the game starts different worlds: "));
+    CHECK(proof.checks[0].sentence.find("gravity.x") != std::string::npos);
+    CHECK(prove(test::SmallGame(), {.ticks = 4, .bits_max = 10}).value().holds()); // the twin
 }

@@ -188,8 +188,12 @@ struct Lobby {
     }
     LobbyClient& ask(std::string_view code, std::uint32_t players,
                      const NetKey& key = public_key_of(relay_secret)) {
+        return ask_from(address(static_cast<std::uint8_t>(50 + clients.size())), code, players, key);
+    }
+    LobbyClient& ask_from(const NetAddress& from, std::string_view code, std::uint32_t players,
+                          const NetKey& key = public_key_of(relay_secret)) {
         clients.push_back(std::make_unique<LobbyClient>(relay_at, key, code, players));
-        wire.attach(address(static_cast<std::uint8_t>(49 + clients.size())), *clients.back());
+        wire.attach(from, *clients.back());
         wire.run(2000);
         return *clients.back();
     }
@@ -262,6 +266,28 @@ TEST_CASE("net: the lobby says why it refuses, and takes no orders from who does
     CHECK(lobby.relay.stats().refused[static_cast<std::size_t>(NetFault::unauthenticated)] > 0);
     CHECK(lobby.relay.counters().rooms == 1);
     lobby.relay.poll(lobby.wire.now_ms + 400'000);
+    CHECK(lobby.relay.counters().rooms == 0);
+}
+
+TEST_CASE("net: one address opens so many rooms, from whatever ports, and others open theirs") {
+    Lobby lobby;
+    const auto from_one = [&](std::uint32_t port, std::string_view code) -> LobbyClient& {
+        const NetAddress from = address(99, static_cast<std::uint16_t>(port));
+        LobbyClient& client = lobby.ask_from(from, code, 2);
+        lobby.wire.detach(from); // requests of one address have a rate
+        return client;
+    };
+    const std::uint32_t most = RelayDef{}.rooms_per_source;
+    for (std::uint32_t room = 0; room < most; ++room) {
+        CAPTURE(room);
+        REQUIRE(from_one(4000 + room, "").code().size() == 8);
+    }
+    CHECK(from_one(5000, "").refusal() == "the lobby has no room for another match");
+    CHECK(lobby.relay.counters().rooms == most);
+    LobbyClient& other = lobby.ask_from(address(98), "", 2);
+    REQUIRE(other.code().size() == 8);
+    CHECK(from_one(5001, other.code()).refusal().empty()); // it may enter
+    lobby.relay.poll(lobby.wire.now_ms + 400'000);         // its rooms have closed
     CHECK(lobby.relay.counters().rooms == 0);
 }
 

@@ -60,6 +60,10 @@ TEST_CASE("net: a token names two relays with a key and a pass for each, and the
     MatchPlan plan = plan_of(16);
     plan.relay = address(1), plan.relay_secret = random_key(), plan.relay_expires_ms = start_ms + 60'000;
     plan.second_relay = address(2), plan.second_relay_secret = random_key();
+    MatchPlan timeless = plan;
+    timeless.relay_expires_ms = 0;
+    REQUIRE_FALSE(make_tokens(timeless));
+    CHECK(make_tokens(timeless).error().message == "relay_expires_ms is 0: the relay would let nobody in");
     const ConnectToken token = make_tokens(plan).value()[3];
     const Packet sealed = seal_token(token, key);
     CHECK(sealed.size() <= 1138); // what a lobby's answer has room for
@@ -115,7 +119,7 @@ TEST_CASE("net: plans that make no match are refused") {
     MatchPlan plan = plan_of(2);
     plan.addresses[1].port = 0;
     CHECK_FALSE(make_tokens(plan));
-    plan.relay = address(1);
+    plan.relay = address(1), plan.relay_expires_ms = start_ms + 60'000;
     CHECK(make_tokens(plan).value()[0].addresses[0].port == 0); // nobody learns another's address
     plan.second_relay = plan.relay;
     CHECK_FALSE(make_tokens(plan));

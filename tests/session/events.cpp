@@ -1,8 +1,12 @@
 // Events told of, then confirmed or cancelled.
 #include "session/event_ledger.h"
 #include "session/match.h"
+#include "support/rigs/snap_game.h"
 
 #include <doctest/doctest.h>
+
+#include <array>
+#include <vector>
 
 using namespace lockstone;
 using namespace lockstone::test;
@@ -114,6 +118,23 @@ TEST_CASE("the confirmed event carries the values of the last run") {
     ledger.publish(1, told);
     REQUIRE(told.size() == 1);
     CHECK(told[0].event.point.x == Real(3));
+}
+
+TEST_CASE("joints that break in one tick are told in their order, whichever bodies they held") {
+    EventLedger ledger(8);
+    Event events[2] = {event_of(0, 0, 3), event_of(0, 0, 1)};
+    for (std::uint32_t i = 0; i < 2; ++i) events[i].kind = EventKind::joint_break, events[i].joint = {i, 1};
+    ledger.record(0, events);
+    std::vector<SessionEvent> told;
+    ledger.publish(1, told);
+    REQUIRE(told.size() == 2);
+    for (std::uint32_t i = 0; i < 2; ++i) CHECK(told[i].event.joint == events[i].joint);
+}
+
+TEST_CASE("two joints that break in one tick of a session are told") {
+    const Snapped snapped = run_snap_game();
+    CHECK(snapped.joints.size() == 2);
+    CHECK(snapped.told == snapped.joints);
 }
 
 TEST_CASE("every predicted event ends exactly once, over random timelines") {

@@ -419,6 +419,27 @@ inline std::string join_out_of_nothing(bool of_one_that_plays) {
     return h.trouble(honest, 700);
 }
 
+/// It tells of a ticket that nobody has asked with, greater than all that there may be, and goes. Then one comes back.
+inline std::string ticket_out_of_nothing() {
+    HostileMatch h(4);
+    h.match.run(120);
+    h.match.crash(1);
+    h.match.run(150);
+    h.liar.lie = [](PeerId, Message& m) {
+        m.join_count = 1;
+        m.joins[0] = {1, 0xffff'ffff, session::JoinStand::yes, m.tick + 60};
+        return true;
+    };
+    h.match.run(120); // the others have said no
+    h.match.crash(3);
+    h.match.run(150);
+    h.match.join(1);
+    h.match.run(600);
+    if (h.match.notices<PlayerJoined>(0).size() != 1 || h.match.notices<PlayerJoined>(1).size() != 1)
+        return "the machine did not come back";
+    return h.match.agree(0, 2) && h.match.agree(0, 1) ? "" : "the honest machines parted";
+}
+
 /// A machine that has been dropped wishes for everything, with a new ticket in each packet, and more packets than are read.
 inline std::string wishes_without_end() {
     HostileMatch h(3);
@@ -499,6 +520,7 @@ inline std::vector<HostileScene> hostile_at_joins() {
         {"tells its word late", late_word},
         {"lets one in that has not asked", [] { return join_out_of_nothing(false); }},
         {"lets one in that plays", [] { return join_out_of_nothing(true); }},
+        {"tells of a ticket that nobody asked with", ticket_out_of_nothing},
         {"wishes without end", wishes_without_end},
         {"comes in and is silent", comes_and_is_silent},
         {"does nothing while one comes back",

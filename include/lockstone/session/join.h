@@ -9,7 +9,8 @@
 // asked whether it is their match too. When it is level it asks for its seat, all who play agree on a tick, and from that tick on
 // its inputs count. It comes in where its players have left (Session::drop_peer, silence), or were SessionDef::absent; a machine
 // that asks while the others still wait for what it was before is dropped first, at once. Whoever else goes meanwhile, those who stay let it in;
-// where it loses all of them before a tick was confirmed with them it stops (MatchStopped), and may come again with a greater life.
+// where it loses all of them before a tick was confirmed with them it stops (MatchStopped), and may come again with a greater life. So it
+// does where no machine has the ticks any more that it needs next: it was too long on its way.
 #pragma once
 
 #include "lockstone/session.h"
@@ -17,7 +18,9 @@
 namespace lockstone {
 
 struct JoinDef {
-    /// Greater each time that this machine comes into this match, 1..16,777,215: of an older one no word is taken.
+    /// Greater each time that this machine comes into this match, 1..16,777,215: of an older one no word is taken. A life asks for the seat
+    /// with 256 tickets, one in two seconds at first and ever fewer, for 4.5 hours; who was let in by nobody until then has to come with a
+    /// greater one.
     std::uint32_t life = 1;
     std::uint32_t ticks_per_frame = 4; ///< 1..64: that are run at most while it is behind
     std::uint32_t state_bytes_max =

@@ -50,7 +50,8 @@ class SpectatorHost final : public ConfirmedSink {
 /// How to watch.
 struct WatchDef {
     /// The first one is asked for the match. Others of the same match, if there are any, are asked whether it is the same one,
-    /// and for the match when one before has nothing, lies, or tells nothing new for three seconds.
+    /// and for the match when one before has nothing, lies, or tells nothing new for three seconds. Where none has the next tick any more,
+    /// watching ends (MatchStopped).
     std::vector<PeerId> hosts;
     std::uint32_t ticks_per_frame = 4; ///< 1..64: so many times as fast as it is played a watcher catches up
     /// Begin at a recent state, not at the first tick. It is taken when its hash is what more hosts tell than tell another one, and

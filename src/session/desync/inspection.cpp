@@ -247,13 +247,24 @@ std::optional<DesyncReport> Inspection::take_report() {
 
 namespace lockstone {
 
+namespace {
+
+/// The lowest `count` digits, as hashes are shown: "0000beef".
+std::string hex_digits(std::uint64_t v, std::size_t count) {
+    std::string digits(count, '0');
+    for (std::size_t i = count; i > 0; --i, v >>= 4) digits[i - 1] = "0123456789abcdef"[v & 15u];
+    return digits;
+}
+
+} // namespace
+
 std::string to_string(const DesyncReport& report) {
     std::string out = base::join("tick ", report.tick, ", machine ", report.peer + 1, ": ");
     if (!report.phase.empty()) out += base::join("phase ", report.phase, ", ");
     if (!report.differences.empty())
         out += to_string(report.differences.front());
     else
-        out += base::join("hash ", base::hex(report.local), " against ", base::hex(report.remote),
+        out += base::join("hash ", hex_digits(report.local, 16), " against ", hex_digits(report.remote, 16),
                           ", no field is known");
     if (report.columns.size() > 1) out += base::join(", and ", report.columns.size() - 1, " more columns");
     if (!report.complete) return out;
@@ -267,8 +278,8 @@ std::string log_text(const DesyncReport& report) {
     for (const Difference& difference : report.differences) out += "  " + to_string(difference) + "\n";
     for (const std::string& column : report.columns) out += "  differs: column " + column + "\n";
     for (const DesyncReport::Tick& tick : report.log) {
-        out += base::join("  tick ", tick.tick, ": hash ", base::hex(tick.local), " against ",
-                          base::hex(tick.remote), ", inputs");
+        out += base::join("  tick ", tick.tick, ": lower half of the hash ", hex_digits(tick.local, 8),
+                          " against ", hex_digits(tick.remote, 8), ", inputs");
         for (const std::vector<std::byte>& input : tick.inputs) {
             out += " ";
             for (const std::byte b : input) {

@@ -41,7 +41,7 @@ std::optional<PacketFault> PeerSession::receive_wish(PeerLink& link, std::span<c
     if (!wish) return PacketFault::damaged;
     PeerLink::Seat& seat = link.seat;
     if (wish->ticket == 0 || wish->ticket < std::max(seat.wish, seat.ticket)) return PacketFault::implausible;
-    if (link.state != PeerLink::State::gone && wish->ticket > seat.ticket)
+    if (link.state != PeerLink::State::gone && life_of(wish->ticket) > life_of(seat.ticket))
         find_fault_with(link); // by its own word it has lost all that it had
     if (wish->wants_seat) {
         seat.wish = wish->ticket;
@@ -56,7 +56,11 @@ void PeerSession::serve_those_who_come() {
     std::vector<std::byte> packet;
     for (PeerLink& link : links) {
         const bool asks = std::exchange(link.seat.asks, false);
-        if (!asks || !link.seat.is_settled || link.seat.wish != link.seat.admission.ticket) continue;
+        if (!asks || !link.seat.is_settled) continue;
+        // While it is in, it may have asked again before it could hear of this: it is told of the ticket that it has come in with.
+        const std::uint32_t settled = link.seat.admission.ticket;
+        const bool is_in = link.state != PeerLink::State::gone && life_of(link.seat.wish) == life_of(settled);
+        if (link.seat.wish != settled && !is_in) continue;
         const std::uint32_t players = static_cast<std::uint32_t>(def.players.size());
         transport.send(link.peer, write_admission(packet, context.match, players, link.seat.admission));
     }
@@ -73,7 +77,6 @@ const JoinWord& PeerSession::word_of(const PeerLink& link, const PeerLink& seat)
 void PeerSession::apply_joins(PeerLink& link) {
     for (const JoinWord& word : incoming.join_words()) {
         JoinWord& known = link.words[word.player];
-        if (word.ticket < known.ticket) continue;
         if (word.ticket == known.ticket && known.stand != JoinStand::yes) continue; // nobody takes those back
         known = word;
     }
@@ -89,8 +92,8 @@ bool PeerSession::is_admitting() const {
 bool PeerSession::may_come(const PeerLink& link) const {
     if (link.state != PeerLink::State::gone || is_admitting() || is_connecting() || is_somebody_leaving())
         return false;
-    if (link.seat.wish <= link.seat.ticket || now - link.seat.wish_ms > fresh_ms ||
-        now < link.seat.not_before_ms)
+    if (link.seat.wish <= link.seat.ticket || link.seat.wish == link.seat.refused ||
+        now - link.seat.wish_ms > fresh_ms || now < link.seat.not_before_ms)
         return false;
     return std::ranges::all_of(queues, [&](const InputQueue& queue) { // its earlier inputs are all confirmed
         return def.players[queue.player()] != link.peer || queue.disconnected_at() <= confirmed;
@@ -114,7 +117,9 @@ void PeerSession::take_a_stand(PeerLink& link) {
     std::uint32_t told = 0;
     for (const PeerLink& other : links) {
         const JoinWord& word = word_of(other, link);
-        if (&other != &link && word.stand != JoinStand::no && word.ticket > seat.ticket)
+        const bool is_over = word.ticket <= seat.ticket || word.ticket == seat.refused;
+        if (&other != &link && other.state == PeerLink::State::connected && word.stand != JoinStand::no &&
+            !is_over)
             told = std::max(told, word.ticket);
     }
     if (told == 0) seat.told_ms = now;
@@ -126,7 +131,8 @@ void PeerSession::take_a_stand(PeerLink& link) {
         seat.stand = JoinWord{player, told, JoinStand::no, 0};
         seat.is_settled = false;
         seat.stand_ms = seat.told_ms = now;
-        seat.ticket = told;
+        seat.refused = told;
+        if (told <= seat.wish) seat.ticket = told; // of greater ones others speak only: they may be made up
     }
 }
 

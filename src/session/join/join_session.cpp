@@ -10,7 +10,13 @@ namespace lockstone::session {
 
 namespace {
 
-constexpr std::uint64_t ask_again_ms = 2000; ///< with a new ticket, when nothing came of the last
+/// With a new ticket, when nothing came of the last; after every 32 twice as long, so that the tickets of a life last for 4.5 hours.
+constexpr std::uint64_t ask_again_ms = 2000;
+constexpr std::uint32_t tickets_alike = 32;
+std::uint64_t patience_with(std::uint32_t ticket) {
+    return ask_again_ms << (ticket % tickets_of_a_life / tickets_alike);
+}
+bool is_last_of_its_life(std::uint32_t ticket) { return life_of(ticket + 1) != life_of(ticket); }
 
 /// A frame in which it catches up begins with all that may still change, and runs several ticks before any of it is confirmed.
 std::uint32_t images_of(const Session& watching, const Session& playing) {
@@ -55,8 +61,8 @@ void Inbox::put(const Datagram& datagram) {
 
 JoinSession::JoinSession(const SessionDef& session_def, const JoinDef& how, Transport& packets)
     : def(session_def), join(how), transport(packets), match(packet_context(session_def).match),
-      watch(session_def, watch_of(session_def, how), packets), inbox(packets), ticket(how.life << 8),
-      images(images_of(watch, PeerSession(session_def, packets))) {
+      watch(session_def, watch_of(session_def, how), packets), inbox(packets),
+      ticket(how.life * tickets_of_a_life), images(images_of(watch, PeerSession(session_def, packets))) {
     // A host that is heard and tells nothing new is asked for half as long as the others have patience with a machine that is in.
     constexpr std::uint64_t polls_a_second = 60, most_ms = host_silence_polls * 1000 / polls_a_second;
     const std::uint64_t half_ms = std::min(session_def.disconnect_ms / 2, most_ms);
@@ -79,10 +85,17 @@ void JoinSession::poll(std::uint64_t now_ms) {
     receive_all();
     come_in();
     if (play) play->poll(now);
-    if (is_playing()) return;
-    if (watch.is_level() && !std::exchange(asks, true)) asked_ms = now;
-    if (asks && !play && told.empty() && now - asked_ms > ask_again_ms) ++ticket, asked_ms = now;
+    if (is_playing() || watch.is_stopped()) return;
+    if (watch.is_level() && !std::exchange(asks, true)) asked_ms = ticket_ms = now;
+    if (asks && !play && now - ticket_ms > patience_with(ticket)) ask_anew();
     watch.speak(ticket, asks);
+}
+
+/// Others may be settling the ticket before: they tell what comes of that one, and it is as good.
+void JoinSession::ask_anew() {
+    if (!is_last_of_its_life(ticket)) ++ticket;
+    ticket_ms = now;
+    if (told.empty()) asked_ms = now;
 }
 
 void JoinSession::receive_all() {
@@ -104,14 +117,15 @@ void JoinSession::hear_admission(const Datagram& datagram) {
     const std::uint32_t players = static_cast<std::uint32_t>(def.players.size());
     const auto heard = read_admission(datagram.bytes, match, players);
     if (!heard) return watch.count(datagram, watch.take(datagram));
+    const bool is_of_this_life = heard->ticket <= ticket && life_of(heard->ticket) == life_of(ticket);
     const bool is_good =
-        asks && heard->ticket == ticket && players_at(def, datagram.from) != 0 && datagram.from != def.self;
+        asks && is_of_this_life && players_at(def, datagram.from) != 0 && datagram.from != def.self;
     watch.count(datagram, is_good ? std::nullopt : std::optional(PacketFault::implausible));
     if (!is_good) return;
     const auto known = std::ranges::find(told, datagram.from, &std::pair<PeerId, Admission>::first);
     if (known == told.end())
         told.emplace_back(datagram.from, *heard);
-    else
+    else if (heard->ticket >= known->second.ticket)
         known->second = *heard;
 }
 
@@ -193,6 +207,8 @@ void JoinSession::drop_inspector(const StateInspector& whom) {
 }
 
 void JoinSession::set_input_delay(std::uint32_t ticks) {
+    LOCKSTONE_ASSERT(ticks <= input_delay_limit && (!join.lockstep || ticks > 0), "an input delay of ", ticks,
+                     " ticks");
     def.input_delay = ticks;
     if (play) play->set_input_delay(ticks);
 }

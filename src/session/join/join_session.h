@@ -68,6 +68,7 @@ class JoinSession final : public Session {
     void hear_admission(const Datagram& datagram);
     std::optional<Admission> agreed_admission(std::uint32_t left) const;
     void come_in();
+    void ask_anew();
     void begin_to_play(const Admission& agreed, std::uint32_t left);
 
     SessionDef def;
@@ -78,9 +79,11 @@ class JoinSession final : public Session {
     Inbox inbox;
     std::unique_ptr<PeerSession> play;
     Admission admission;
-    std::vector<std::pair<PeerId, Admission>> told; ///< by others, of the present ticket
+    std::vector<std::pair<PeerId, Admission>> told; ///< by others, of a ticket of this life
     std::uint32_t ticket;
-    std::uint64_t now = 0, asked_ms = 0;
+    std::uint64_t now = 0;
+    std::uint64_t asked_ms = 0;  ///< with the newest ticket that nobody had answered one before
+    std::uint64_t ticket_ms = 0; ///< with the newest ticket
     bool asks = false, knows_before = false;
     std::uint32_t images;
     StateInspector* inspector = nullptr;

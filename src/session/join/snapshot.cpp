@@ -64,10 +64,11 @@ void Snapshot::chunk(std::uint32_t index, Chunk& out) const {
     out.bytes = std::span(image).subspan(index * chunk_bytes, size_of(offered, index));
 }
 
-Assembly::Assembly(const Offer& offer) : offered(offer), bytes(offer.bytes), have(offer.chunks()) {}
+Assembly::Assembly(const Offer& offer) : offered(offer) {}
 
 bool Assembly::take(const Chunk& chunk) {
-    if (chunk.tick != offered.tick || chunk.index >= offered.chunks() || have[chunk.index]) return false;
+    if (chunk.tick != offered.tick || chunk.index >= offered.chunks() || has(chunk.index)) return false;
+    if (chunk.index > std::uint64_t{first_missing} + chunks_ahead) return false;
     if (chunk.bytes.size() != size_of(offered, chunk.index)) return false;
     std::uint64_t hash = leaf(chunk.index, chunk.bytes);
     std::size_t at = chunk.index, used = 0;
@@ -78,16 +79,18 @@ bool Assembly::take(const Chunk& chunk) {
         hash = at % 2 == 0 ? joined(hash, beside) : joined(beside, hash);
     }
     if (used != chunk.proof.size() || root_of(offered, hash) != offered.root) return false;
+    bytes.resize(std::max(bytes.size(), chunk.index * chunk_bytes + chunk.bytes.size()));
+    have.resize(std::max<std::size_t>(have.size(), std::size_t{chunk.index} + 1));
     std::ranges::copy(chunk.bytes, bytes.begin() + static_cast<std::ptrdiff_t>(chunk.index * chunk_bytes));
     have[chunk.index] = true;
-    while (first_missing < offered.chunks() && have[first_missing]) ++first_missing;
+    while (has(first_missing)) ++first_missing;
     return true;
 }
 
 std::uint64_t Assembly::have_after_missing() const {
     std::uint64_t bits = 0;
     for (std::uint32_t i = 0; i < 64 && first_missing + 1 + i < offered.chunks(); ++i)
-        bits |= std::uint64_t{have[first_missing + 1 + i]} << i;
+        bits |= std::uint64_t{has(first_missing + 1 + i)} << i;
     return bits;
 }
 

@@ -48,13 +48,21 @@ class Snapshot {
     std::vector<std::vector<std::uint64_t>> levels; ///< of the tree, from the chunks to the top
 };
 
-/// The receiver's side: takes chunks of one offer. Its memory is the offer's bytes and a bit a chunk.
+/// How long a host may take for a whole state, of which so many chunks are here. It sends two chunks a poll.
+inline std::uint32_t polls_for_state(std::uint32_t chunks_here) { return 600 + 8 * chunks_here; }
+
+/// So far beyond the first missing one a chunk is taken: as far as a wish tells what is here.
+inline constexpr std::uint32_t chunks_ahead = 64;
+
+/// The receiver's side: takes chunks of one offer. Its memory is that of the chunks that are here, and a bit for each: an offer alone costs
+/// nothing.
 class Assembly {
   public:
     Assembly() = default;
     explicit Assembly(const Offer& offer);
     const Offer& offer() const { return offered; }
-    /// False: it is not of this offer, is not what the root says, or is here already; then nothing has changed.
+    /// False: it is not of this offer, is not what the root says, is here already, or lies more than chunks_ahead beyond the first that is
+    /// missing; then nothing has changed.
     bool take(const Chunk& chunk);
     std::uint32_t missing() const { return first_missing; } ///< the first chunk that is
     std::uint64_t have_after_missing() const;               ///< bit i: chunk missing() + 1 + i is here
@@ -62,9 +70,11 @@ class Assembly {
     std::span<const std::byte> image() const { return bytes; }
 
   private:
+    bool has(std::uint32_t chunk) const { return chunk < have.size() && have[chunk]; }
+
     Offer offered;
-    std::vector<std::byte> bytes;
-    std::vector<bool> have;
+    std::vector<std::byte> bytes; ///< up to the last chunk that is here
+    std::vector<bool> have;       ///< likewise
     std::uint32_t first_missing = 0;
 };
 

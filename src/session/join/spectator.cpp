@@ -28,7 +28,7 @@ SpectatorSession::SpectatorSession(const SessionDef& session_def, WatchDef how, 
 
 void SpectatorSession::poll(std::uint64_t now_ms) {
     begin_poll(now_ms);
-    for (std::uint32_t i = 0; i < packets_per_peer_max; ++i) {
+    for (std::uint32_t i = 0; i < packets_per_poll_max; ++i) {
         const std::optional<Datagram> datagram = transport.receive();
         if (!datagram) break;
         count(*datagram, take(*datagram));
@@ -39,6 +39,7 @@ void SpectatorSession::poll(std::uint64_t now_ms) {
 void SpectatorSession::begin_poll(std::uint64_t now_ms) {
     if (counts.packets_sent == 0) counts.first_poll_ms = now_ms;
     counts.last_poll_ms = std::max(counts.last_poll_ms, now_ms);
+    for (Host& host : hosts) host.packets_read = 0;
 }
 
 void SpectatorSession::count(const Datagram& datagram, std::optional<PacketFault> fault) {
@@ -54,6 +55,7 @@ void SpectatorSession::count(const Datagram& datagram, std::optional<PacketFault
 std::optional<PacketFault> SpectatorSession::take(const Datagram& datagram) {
     const auto from = std::ranges::find(hosts, datagram.from, &Host::peer);
     if (from == hosts.end()) return PacketFault::stranger;
+    if (++from->packets_read > packets_per_peer_max) return PacketFault::flood;
     return take(*from, datagram.bytes);
 }
 
@@ -82,9 +84,14 @@ std::optional<PacketFault> SpectatorSession::take(Host& from, std::span<const st
 }
 
 void SpectatorSession::take_stretch(const Stretch& stretch) {
+    if (stretch.count == 0 && stretch.first > ticks.next()) {
+        hosts[serving].log_begin = stretch.first;
+        return;
+    }
     if (!std::exchange(connected, true))
         notices.emplace_back(std::in_place_type<PeerConnected>, PeerConnected{hosts[serving].peer});
-    live_end = std::max(live_end, stretch.end);
+    live_end = has_told_end ? std::max(live_end, stretch.end) : stretch.end;
+    has_told_end = true;
     ticks.take(stretch, confirmed);
 }
 
@@ -93,10 +100,11 @@ void SpectatorSession::take_offer(const Offer& offer) {
     if (offer.bytes > watch.state_bytes_max)
         return refuse(base::join("its state has ", offer.bytes, " bytes, at most ", watch.state_bytes_max,
                                  " are taken"));
+    if (!assembly) polls_without_progress = 0; // another offer is none
     assembly.emplace(offer);
     for (Host& host : hosts) host.state_hash.reset();
     hosts[serving].state_hash = offer.hash;
-    polls_without_progress = polls_with_state = 0;
+    polls_with_state = 0;
 }
 
 void SpectatorSession::take_word(Host& from, const Word& word) {
@@ -117,7 +125,8 @@ void SpectatorSession::take_word(Host& from, const Word& word) {
 /// One wish to the host that serves; the others are asked for a hash, and hear of the ticket.
 void SpectatorSession::speak(std::uint32_t ticket, bool wants_seat) {
     judge_state();
-    judge_silence();
+    judge_host();
+    if (phase == Phase::stopped) return;
     Wish wish;
     wish.ticket = ticket;
     wish.wants_seat = wants_seat;
@@ -157,7 +166,11 @@ void SpectatorSession::send_wish(PeerId to, const Wish& wish) {
 void SpectatorSession::judge_state() {
     if (phase != Phase::fetching) return;
     if (++polls_without_progress > patience_polls) return refuse("it sends no state");
-    if (!assembly || !assembly->is_complete()) return;
+    const std::uint32_t most_polls = polls_for_state(assembly ? assembly->missing() : 0);
+    if (!assembly || !assembly->is_complete()) {
+        if (++polls_fetching > most_polls) refuse("it sends its state too slowly");
+        return;
+    }
     ++polls_with_state;
     std::size_t same = 0, other = 0;
     for (const Host& host : hosts)
@@ -192,23 +205,61 @@ std::optional<std::size_t> SpectatorSession::next_heard() const {
 
 void SpectatorSession::next_host() {
     phase = Phase::fetching;
-    serving = (serving + 1) % hosts.size();
+    ask((serving + 1) % hosts.size());
     assembly.reset();
-    polls_without_progress = 0;
+    polls_without_progress = polls_fetching = 0;
+}
+
+/// From here on the match is asked of that host: what another one has told of its end, and whether their states differ, is of no account.
+void SpectatorSession::ask(std::size_t host) {
+    serving_since_ms = counts.last_poll_ms;
+    polls_without_ticks = polls_starved = 0;
+    if (std::exchange(serving, host) == host) return;
+    has_told_end = differs = false;
+}
+
+/// Whether the host says for long that there is more than it tells. Then nothing is believed of where the match is.
+bool SpectatorSession::is_starved() {
+    const bool lacks = current + near_ticks < live_end && ticks.next() <= current + near_ticks;
+    polls_starved = lacks && has_told_end ? polls_starved + 1 : 0;
+    if (polls_starved <= host_silence_polls) return false;
+    polls_starved = 0;
+    has_told_end = false;
+    return true;
 }
 
 /// A host that tells nothing may have left the match, and others have it too: the next one is asked from where this one ended.
-void SpectatorSession::judge_silence() {
-    if (std::exchange(ticks_seen, ticks.next()) != ticks.next() || phase != Phase::following) {
-        polls_without_ticks = 0;
-        return;
-    }
+void SpectatorSession::judge_host() {
+    if (phase != Phase::following) return;
+    const bool has_told = std::exchange(ticks_seen, ticks.next()) != ticks.next();
+    if (has_told) polls_without_log = polls_without_ticks = 0;
+    if (is_log_gone()) return begin_anew();
     const std::optional<std::size_t> next = next_heard();
+    const bool tells_another = differs && next && !hosts[*next].differs_told;
+    const bool is_of_no_use = is_starved() || lacks_log(hosts[serving]) || tells_another;
+    if (next && is_of_no_use) return ask(*next);
+    if (has_told) return;
     const bool is_too_long = ++polls_without_ticks > silence_polls;
     if (!is_too_long && (is_heard(hosts[serving].peer, serving_since_ms) || !next)) return;
-    serving = next.value_or((serving + 1) % hosts.size());
-    serving_since_ms = counts.last_poll_ms;
-    polls_without_ticks = 0;
+    ask(next.value_or((serving + 1) % hosts.size()));
+}
+
+/// All hosts say that the ticks which are missing here are forgotten, or one does and the others say nothing.
+bool SpectatorSession::is_log_gone() {
+    const auto lacking = std::ranges::count_if(hosts, [&](const Host& host) { return lacks_log(host); });
+    if (lacking == 0) return false;
+    const std::uint64_t most_polls = std::uint64_t{hosts.size()} * (silence_polls + 1);
+    return static_cast<std::size_t>(lacking) == hosts.size() || ++polls_without_log > most_polls;
+}
+
+/// What was run stays true, and there is no way on from it. Where nothing was, another state will do.
+void SpectatorSession::begin_anew() {
+    polls_without_log = 0;
+    for (Host& host : hosts) host.log_begin = 0;
+    if (watch.from_state && confirmed == first && last_end == never) return next_host();
+    phase = Phase::stopped;
+    notices.emplace_back(std::in_place_type<MatchStopped>,
+                         MatchStopped{base::join("no host has tick ", ticks.next(), " any more")});
 }
 
 void SpectatorSession::report_adopted(const Status& taken, std::uint64_t hash) {
@@ -219,14 +270,15 @@ void SpectatorSession::report_adopted(const Status& taken, std::uint64_t hash) {
         return refuse(base::join("its state has another hash than it says, at tick ", offer.tick));
     first = current = confirmed = agreed = offer.tick;
     ticks.begin_at(offer.tick);
-    live_end = std::max(live_end, first);
+    has_told_end = false;
+    live_end = first;
     assembly.reset();
     serving_since_ms = counts.last_poll_ms;
     phase = Phase::following;
 }
 
 bool SpectatorSession::is_level() const {
-    if (phase != Phase::following || !connected || current + near_ticks < live_end) return false;
+    if (phase != Phase::following || !has_told_end || current + near_ticks < live_end) return false;
     std::size_t same = 1, other = 0; // the host that serves tells a hash with each tick
     for (std::size_t h = 0; h < hosts.size(); ++h)
         if (h != serving && hosts[h].agrees) ++(*hosts[h].agrees ? same : other);
@@ -251,6 +303,7 @@ Step SpectatorSession::advance() {
         requests.push_back(Adopt{assembly->offer().tick, assembly->image()});
         return {Stall::connecting, requests, 0};
     }
+    if (phase == Phase::stopped) return {Stall::stopped, requests, 0};
     // Near the live edge one tick a frame: what comes unevenly is shown evenly.
     const std::uint64_t wanted = current + near_ticks < live_end ? watch.ticks_per_frame : 1;
     const std::uint64_t end = std::min({ticks.next(), current + wanted, last_end});
@@ -281,7 +334,7 @@ HashCheck SpectatorSession::report_hash(std::uint64_t tick, std::uint64_t hash) 
     ++counts.hashes_compared;
     if (told_hash == static_cast<std::uint32_t>(hash)) {
         if (!differs) agreed = tick + 1;
-    } else if (!std::exchange(differs, true)) {
+    } else if (!std::exchange(differs, true) && !std::exchange(hosts[serving].differs_told, true)) {
         notices.emplace_back(std::in_place_type<Desync>,
                              Desync{tick, static_cast<std::uint32_t>(hash), told_hash, hosts[serving].peer});
     }

@@ -47,18 +47,23 @@ class SpectatorSession final : public Session {
     std::uint64_t here_through() const { return ticks.next(); } ///< ticks below are here
     /// The bytes of a tick that is here, as Stretch tells: the newest history_ticks.
     std::span<const std::byte> told(std::uint64_t tick) const { return ticks.at(tick); }
+    /// No host has what is missing.
+    bool is_stopped() const { return phase == Phase::stopped; }
     /// It has the match, up to a few ticks, and most of those who answer hold the same.
     bool is_level() const;
 
   private:
-    enum class Phase { fetching, adopting, following };
+    enum class Phase { fetching, adopting, following, stopped };
     struct Host {
         PeerId peer;
         std::optional<std::uint64_t> state_hash; ///< what it tells of the state before assembly.offer().tick
         std::optional<bool> agrees;              ///< whether the newest hash that it told is ours, too
         bool differs_told = false;
         std::uint64_t heard_ms = 0;
+        std::uint64_t log_begin = 0;    ///< as it told when it lacked what was asked for
+        std::uint32_t packets_read = 0; ///< in this poll
     };
+    bool lacks_log(const Host& host) const { return host.log_begin > ticks.next(); }
     void show(std::uint64_t tick);
     std::optional<PacketFault> take(Host& from, std::span<const std::byte> packet);
     void take_offer(const Offer& offer);
@@ -67,8 +72,12 @@ class SpectatorSession final : public Session {
     void judge_state();
     void refuse(std::string reason);
     void next_host();
+    void ask(std::size_t host);
     std::optional<std::size_t> next_heard() const;
-    void judge_silence();
+    void judge_host();
+    bool is_starved();
+    bool is_log_gone();
+    void begin_anew();
     void send_wish(PeerId to, const Wish& wish);
 
     SessionDef def;
@@ -80,14 +89,17 @@ class SpectatorSession final : public Session {
     std::vector<Host> hosts;
     std::size_t serving = 0; ///< index of the host that is asked for the match
     std::optional<Assembly> assembly;
-    std::uint32_t polls_without_progress = 0, polls_with_state = 0;
+    std::uint32_t polls_without_progress = 0, polls_with_state = 0, polls_fetching = 0;
     ToldTicks ticks;
     std::uint64_t ticks_seen = 0; ///< when polls_without_ticks began to count
     std::uint32_t polls_without_ticks = 0, silence_polls = host_silence_polls;
+    std::uint32_t polls_starved = 0; ///< that all which is here was run, and the host said that it had more
+    std::uint64_t polls_without_log = 0; ///< since a host said that it lacks what is missing
     std::uint64_t gone_after_ms = never, serving_since_ms = 0;
     std::vector<std::uint64_t> hashes; ///< own ones, by tick modulo history_ticks
     std::uint64_t first = 0;           ///< tick that was begun with
-    std::uint64_t live_end = 0;        ///< as the host tells
+    std::uint64_t live_end = 0;        ///< as the host that serves tells, where it has
+    bool has_told_end = false;
     std::uint64_t last_end = never;
     std::uint64_t current = 0, confirmed = 0;
     bool connected = false, differs = false;

@@ -23,10 +23,11 @@ class Relay final : public SpectatorRelay {
                                  .keeps_unheard = true}) {}
 
     void poll() override {
-        for (std::uint32_t i = 0; i < packets_per_peer_max; ++i) {
+        for (std::uint32_t i = 0, read = 0; i < packets_per_poll_max; ++i) {
             const std::optional<Datagram> datagram = to_hosts.receive();
             if (!datagram) break;
-            if (!take(*datagram)) ++dropped;
+            const bool is_asked = datagram->from == def.hosts[serving];
+            if (!is_asked || ++read > packets_per_peer_max || !take(*datagram)) ++dropped;
         }
         judge_host();
         ask();
@@ -53,9 +54,8 @@ class Relay final : public SpectatorRelay {
     }
 
   private:
-    /// Nobody but the host that is asked has a say.
+    /// Of the host that is asked: nobody else has a say.
     bool take(const Datagram& datagram) {
-        if (datagram.from != def.hosts[serving]) return false;
         if (const auto stretch = read_stretch(datagram.bytes, match, tick_bytes)) {
             ticks.take(*stretch, timeline.log_end());
             for (std::uint64_t tick = timeline.log_end(); tick < ticks.next(); ++tick)
@@ -76,8 +76,8 @@ class Relay final : public SpectatorRelay {
             give_up_state();
             return false;
         }
+        if (!assembly) polls_without_chunk = 0; // another offer is none
         assembly.emplace(offer);
-        polls_without_chunk = 0;
         return true;
     }
 
@@ -116,11 +116,13 @@ class Relay final : public SpectatorRelay {
         ++polls;
         wants_state = wants_state || is_due;
         if (wants_state && !fetches && ticks.next() > 0 && !timeline.is_snapshot_taken())
-            fetches = true, wants_state = false, polls_without_chunk = 0;
+            fetches = true, wants_state = false, polls_without_chunk = polls_fetching = 0;
         Wish wish;
         wish.wants_log = true;
         wish.wanted = ticks.next();
-        if (fetches && ++polls_without_chunk > state_patience_polls) give_up_state();
+        const std::uint32_t most_polls = polls_for_state(assembly ? assembly->missing() : 0);
+        const bool is_too_slow = ++polls_fetching > most_polls;
+        if (fetches && (++polls_without_chunk > state_patience_polls || is_too_slow)) give_up_state();
         if (assembly && assembly->is_complete()) take_state();
         if (fetches) {
             wish.wants_state = true;
@@ -144,7 +146,7 @@ class Relay final : public SpectatorRelay {
     TimelineHost timeline;
     std::size_t serving = 0; ///< index of the host that is asked
     std::uint64_t ticks_seen = 0, polls = 0;
-    std::uint32_t polls_without_ticks = 0, polls_without_chunk = 0;
+    std::uint32_t polls_without_ticks = 0, polls_without_chunk = 0, polls_fetching = 0;
     bool wants_state = false, fetches = false;
     std::optional<Assembly> assembly;
     std::uint64_t state_tick = 0, host_changes = 0, states_refused = 0, bytes_up = 0, dropped = 0;

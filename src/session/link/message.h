@@ -3,6 +3,8 @@
 
 #include "session/inputs/input_code.h"
 
+#include <algorithm>
+
 namespace lockstone::session {
 
 inline constexpr std::uint16_t packet_magic = 0x534c; // "LS"

@@ -112,9 +112,11 @@ struct PeerLink {
 
     // ---- admission.cpp: how it comes (back), and what it says of others that do ----
     struct Seat {
-        std::uint32_t ticket = 0;  ///< that it came in with, or that nothing came of; older wishes are void
-        std::uint32_t wish = 0;    ///< newest ticket that this machine itself has heard it ask with
-        std::uint64_t wish_ms = 0; ///< when it did last
+        std::uint32_t ticket = 0; ///< that it came in with, or that nothing came of; older wishes are void
+        std::uint32_t refused =
+            0; ///< the last that only others spoke of and this machine said no to: void as well
+        std::uint32_t wish = 0;        ///< newest ticket that this machine itself has heard it ask with
+        std::uint64_t wish_ms = 0;     ///< when it did last
         std::optional<JoinWord> stand; ///< what this machine says to that
         std::uint64_t told_ms = 0,
                       stand_ms =

@@ -292,6 +292,72 @@ inline std::string hears_all_at_once(std::uint32_t machines, std::uint32_t inspe
     return match.machine(1).timeline.end() + 30 > match.machine(0).timeline.end() ? "" : "it is behind";
 }
 
+/// Every way takes so long, less than 3/16 of the patience. The last of so many machines comes late: it is in once, and stays.
+inline std::string comes_from_afar(std::uint32_t machines, std::uint32_t way_ms) {
+    MatchDef def{.machines = machines,
+                 .prediction_max = 64,
+                 .link = {.latency_ms = way_ms},
+                 .absent = 1u << (machines - 1)};
+    def.players.clear();
+    for (PeerId id = 0; id < machines; ++id) def.players.push_back(id);
+    Match match(def);
+    match.run(300);
+    match.join(machines - 1);
+    match.run(1500);
+    for (PeerId id = 0; id < machines; ++id) {
+        if (!match.agree(id, 0)) return "the machines parted";
+        if (!match.notices<PlayerDisconnected>(id).empty()) return "somebody was thrown out";
+        if (match.notices<PlayerJoined>(id).size() != 1) return "who comes late is not in, or twice";
+    }
+    return match.machine(0).timeline.ticks.back().statuses[machines - 1] == InputStatus::confirmed
+               ? ""
+               : "the inputs of who came late do not count";
+}
+
+/// What machine 0 sends to machine 2 says that the match has gone far further than it has: one packet of the log, or each.
+struct FarEnd final : Transport {
+    Transport* real = nullptr;
+    bool always = false, has_lied = false;
+    std::vector<std::byte> packet;
+    void send(PeerId to, std::span<const std::byte> bytes) override {
+        packet.assign(bytes.begin(), bytes.end());
+        constexpr std::size_t end_at = 9; // after kind, match and first tick
+        if (to == 2 && bytes[0] == std::byte{0x54} && (always || !std::exchange(has_lied, true))) {
+            for (std::size_t i = 0; i < 4; ++i) packet[end_at + i] = std::byte{0xff};
+            packet.resize(packet.size() - 4);
+            session::add_checksum(packet);
+        }
+        real->send(to, packet);
+    }
+    std::optional<Datagram> receive() override { return real->receive(); }
+};
+
+/// Machine 0, which machine 2 asks for the match, tells a far end of it, once and goes, or all the time. Machine 2 comes in.
+inline std::string far_end(bool always) {
+    FarEnd liar;
+    liar.always = always;
+    MatchDef def{.players = {0, 1, 2},
+                 .machines = 3,
+                 .disconnect_ms = 1000,
+                 .link = {.latency_ms = 20},
+                 .absent = 1u << 2};
+    def.through = [&liar](PeerId id, Transport& wire) -> Transport& {
+        if (id != 0) return wire;
+        liar.real = &wire;
+        return liar;
+    };
+    Match match(def);
+    match.run(200);
+    match.join(2);
+    for (int i = 0; i < 300 && !always && !liar.has_lied; ++i) match.frame();
+    match.run(5);
+    if (!always) match.crash(0);
+    match.run(900);
+    if (match.notices<PlayerJoined>(2).size() != 1) return "who comes late is not in";
+    if (match.machine(1).timeline.end() < 900) return "the match was held up";
+    return match.agree(1, 2) ? "" : "the machines parted";
+}
+
 /// Machine 0 of three shows another state, and is asked for it first.
 inline std::string lying_host() {
     JoinNet net(3);
@@ -344,6 +410,9 @@ inline std::vector<HostileScene> join_scenes() {
         {"one that has left talks on to who comes", joins::has_left_and_talks},
         {"one leaves whom who came in has not heard", joins::leaves_unheard},
         {"a host that lies is found out", joins::lying_host},
+        {"one comes late from afar", [] { return joins::comes_from_afar(3, 600); }},
+        {"a host tells a far end once, and goes", [] { return joins::far_end(false); }},
+        {"a host tells a far end all the time", [] { return joins::far_end(true); }},
     };
 }
 

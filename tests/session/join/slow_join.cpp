@@ -1,0 +1,54 @@
+// Who comes on a slow way, while another one pauses, or after a long wait: it is in nevertheless, once and for good.
+#include "session/join/join_scenes.h"
+
+#include <doctest/doctest.h>
+
+using namespace lockstone;
+using namespace lockstone::test;
+
+TEST_CASE("a machine comes in over every way that is shorter than 3/16 of the patience, and stays in") {
+    for (const std::uint32_t machines : {3u, 4u})
+        for (const std::uint32_t way_ms : {600u, 930u}) { // of 940
+            CAPTURE(machines);
+            CAPTURE(way_ms);
+            CHECK(joins::comes_from_afar(machines, way_ms) == "");
+        }
+}
+
+TEST_CASE("a pause of another one, shorter than the patience, costs a machine that comes no seat") {
+    for (std::uint64_t moment = 20; moment <= 70; moment += 5)
+        for (const std::uint64_t pause : {150u, 210u}) {
+            CAPTURE(moment);
+            CAPTURE(pause);
+            Match match({.players = {0, 1, 2},
+                         .machines = 3,
+                         .link = {.latency_ms = 60},
+                         .absent = 1u << 2,
+                         .record = false});
+            match.run(120);
+            match.join(2);
+            for (std::uint64_t frame = 0; frame < 900; ++frame)
+                match.frame(/*asleep: machine 1*/ frame >= moment && frame < moment + pause ? 2u : 0u);
+            CHECK(match.notices<PlayerDisconnected>(0).empty());
+            CHECK(match.notices<PlayerJoined>(2).size() == 1);
+        }
+}
+
+TEST_CASE("who could not come in for long comes with a greater life") {
+    Match match({.players = {0, 1, 2},
+                 .machines = 3,
+                 .link = {.latency_ms = 40},
+                 .absent = 1u << 2,
+                 .record = false});
+    match.run(120);
+    match.network.set_link(2, 1, {.loss_permille = 1000});
+    match.join(2, 1);
+    match.run(60 * 60 * 9); // more than 256 tickets, one in two seconds
+    CHECK(match.notices<PlayerJoined>(2).empty());
+    match.crash(2);
+    match.run(60);
+    match.network.set_link(2, 1, {.latency_ms = 40});
+    match.join(2, 2);
+    match.run(600);
+    CHECK(match.notices<PlayerJoined>(2).size() == 1);
+}
