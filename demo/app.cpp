@@ -1,6 +1,7 @@
 #include "app.h"
 
 #include "cli/interrupt.h"
+#include "cli/text.h"
 #include "online/online_page.h"
 #include "pages/compare_page.h"
 #include "pages/figures_page.h"
@@ -27,7 +28,10 @@ struct Screen {
     Renderer renderer;
 };
 
-void complain(const std::string& sentence) { std::fprintf(stderr, "lockstone-demo: %s\n", sentence.c_str()); }
+void complain(const std::string& sentence) {
+    constexpr std::size_t longest = 4000;
+    std::fprintf(stderr, "lockstone-demo: %s\n", cli::shown(sentence, longest).c_str());
+}
 
 Result<std::unique_ptr<Page>> open_page(const Options& options, Stage& stage) {
     if (options.online()) return open_online_page(options, stage);

@@ -1,5 +1,6 @@
 #include "options.h"
 
+#include "cli/text.h"
 #include "scenes/asset_set.h"
 
 #include <CLI/CLI.hpp>
@@ -22,16 +23,30 @@ std::string scene_list() {
                   "Exit status: 0 all ticks bit-exact, 1 a tick differs, 2 bad usage or bad input.";
 }
 
+/// Digits and nothing else: the parser's own conversion takes -1 for the largest number.
+CLI::Validator whole_number(std::uint64_t most) {
+    const auto check = [most](const std::string& text) {
+        const std::optional<std::uint64_t> value = cli::number_of(text);
+        return value && *value <= most
+                   ? std::string()
+                   : "'" + text + "' is not a whole number from 0 to " + std::to_string(most);
+    };
+    return {check, ""};
+}
+
 void add_options(CLI::App& app, Options& options) {
     app.add_option("source", options.source,
                    "a scene, or a replay file (.lsr); default rollback-arena, of --compare two-blocks");
     app.add_option("--asset", options.asset_file,
                    "show an asset that `lockstone cook` made, instead of a scene");
-    app.add_option("--size", options.scene.size, "size of the scene, see `lockstone scenes`");
-    app.add_option("--seed", options.scene.seed, "seed of the scene and of scripted players");
+    app.add_option("--size", options.scene.size, "size of the scene, see `lockstone scenes`")
+        ->check(whole_number(UINT32_MAX));
+    app.add_option("--seed", options.scene.seed, "seed of the scene and of scripted players")
+        ->check(whole_number(UINT64_MAX));
     app.add_option("--players", options.scene.players,
                    "number of players; default: one where anybody can play, more where a scene wants more, "
-                   "two in netplay");
+                   "two in netplay")
+        ->check(whole_number(UINT32_MAX));
     app.add_option("--ticks", options.ticks, "how long to play [ticks]; of a replay: how far")
         ->check(CLI::Range(1, 1'000'000));
     app.add_option("--input", options.input_file,
@@ -65,7 +80,8 @@ void add_options(CLI::App& app, Options& options) {
     app.add_option("--port", options.port, "of the relay that --host starts [UDP port], default any")
         ->check(CLI::Range(0, 65535));
     app.add_option("--plant", options.plant,
-                   "of --host and --join: at this tick let this machine's world differ, to see it told");
+                   "of --host and --join: at this tick let this machine's world differ, to see it told")
+        ->check(whole_number(UINT64_MAX));
     app.add_option("--show", options.show, "switch on, separated by commas")
         ->delimiter(',')
         ->allow_extra_args(false)
@@ -88,7 +104,7 @@ std::string contradiction(const Options& options) {
         return "--relay and --port go with --host";
     if (!options.relay.empty() && options.port != 0)
         return "--port is of a relay that --host starts: leave it or --relay out";
-    if (!options.online() && options.plant) return "--plant goes with --host or --join";
+    if (options.plant && !options.host && options.join.empty()) return "--plant goes with --host or --join";
     if (!options.asset_file.empty() && options.netplay) return "--netplay needs a scene, not an asset";
     if (options.compare && !options.record_file.empty())
         return "--compare records nothing: leave --record out";
@@ -101,6 +117,14 @@ std::string contradiction(const Options& options) {
     if (!options.record_file.empty()) return "--record needs a scene: " + options.source + " is a recording";
     if (!options.input_file.empty())
         return "--input needs a scene: " + options.source + " has its own inputs";
+    return {};
+}
+
+/// Options that were given and say nothing about what is shown; empty when there are none.
+std::string misplaced(const CLI::App& app, const Options& options) {
+    if (app.count("--machines") != 0 && !options.host) return "--machines goes with --host";
+    if (app.count("--latency") + app.count("--loss") != 0 && !options.netplay)
+        return "--latency and --loss go with --netplay";
     return {};
 }
 
@@ -150,7 +174,14 @@ std::variant<Options, int> parse_options(int argc, char** argv) {
     options.source_given = app.count("source") != 0;
     if (options.compare && !options.source_given) options.source = "two-blocks"; // the thesis' own
     if (options.figures) options.frame_every = 1; // each of its steps is a picture
-    if (const std::string why = contradiction(options); !why.empty()) {
+    std::string why = contradiction(options);
+    if (why.empty()) why = misplaced(app, options);
+    if (why.empty())
+        if (const Status can =
+                cli::check_outputs({options.record_file}, {options.input_file, options.asset_file});
+            !can)
+            why = can.error().message;
+    if (!why.empty()) {
         std::fprintf(stderr, "lockstone-demo: %s\n", why.c_str());
         return 2;
     }

@@ -97,7 +97,10 @@ std::string first_phase(std::span<const PhaseHash> left, std::span<const PhaseHa
 void compare(const State& left, const State& right, std::uint64_t time, std::size_t limit,
              DiffReport& report) {
     report.compared_at = time;
-    report.differences = State::diff(left, right, limit);
+    const std::size_t one_more = limit + (limit < SIZE_MAX ? 1 : 0);
+    report.differences = State::diff(left, right, one_more);
+    report.has_more = report.differences.size() > limit;
+    if (report.has_more) report.differences.resize(limit);
 }
 
 /// A side that re-simulation does not reproduce can still testify: its next keyframe holds the state as it was there.
@@ -161,6 +164,7 @@ void write_text(const Recording& left, const Recording& right, DiffReport& repor
     blame(right, report.right_reproduces);
     if (!report.differences.empty()) out += join("the states at time ", report.compared_at, ":\n");
     for (const Difference& difference : report.differences) out += join("  ", to_string(difference), "\n");
+    if (report.has_more) out += join("  and more: these are the first ", report.differences.size(), "\n");
     if (left.end_tick() != right.end_tick())
         out += join("one ends at time ", left.end_tick(), ", the other at ", right.end_tick(), "\n");
 }

@@ -32,6 +32,7 @@ struct DiffReport {
     /// reproduce (its own words, and the other side's state at that time).
     std::uint64_t compared_at = 0;
     std::vector<Difference> differences;
+    bool has_more = false; ///< there are further differences than those
 
     std::string text; ///< all of this in sentences, one a line
 };

@@ -151,6 +151,8 @@ Status Parser::check_order(const Chunk& chunk) const {
     }
     if (chunk.skippable) return Error{"it is marked skippable, which this type never is"};
     if (chunk.type == chunk_asset) {
+        if (chunks_seen != 0 && out.head.mode == Mode::inputs)
+            return Error{"a recording of inputs has no assets: the game has them"};
         if (chunks_seen + 1 == opening.size()) return {};
         return Error{"assets stand between WDEF and the first KEYF"};
     }

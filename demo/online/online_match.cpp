@@ -244,7 +244,8 @@ void OnlineMatch::take_notice(const Notice& notice) {
         desync_tick_ = desync_tick_.value_or(desync->tick);
         notices_.push_back("the worlds differ from tick " + number(desync->tick) + " on");
     }
-    if (const auto* named = std::get_if<DesyncNamed>(&notice)) told_ = in_words(*named->report);
+    if (const auto* named = std::get_if<DesyncNamed>(&notice))
+        told_ = in_words(*named->report), report_ = named->report;
     if (const auto* other = std::get_if<PeerIncompatible>(&notice))
         fail(machine(other->peer) + " plays something else: " + other->reason);
     if (const auto* stopped = std::get_if<MatchStopped>(&notice)) fail(stopped->reason);
@@ -288,6 +289,11 @@ std::string OnlineMatch::summary() const {
            ": " + number(hashes.size()) + " ticks confirmed, hash " +
            (hashes.empty() ? "none" : format_hash(hashes.back())) + ", " + number(stats.rollbacks) +
            " rollbacks, depth at most " + number(stats.depth_max);
+}
+
+Result<std::span<const std::byte>> OnlineMatch::recording() {
+    if (const Status closed = log_.close(); !closed) return closed.error();
+    return std::span<const std::byte>(log_.replay());
 }
 
 Result<std::optional<OnlineMatch::Recorded>> OnlineMatch::finish() {

@@ -36,6 +36,8 @@ class OnlineMatch {
     Phase phase() const { return phase_; }
     const std::string& error() const { return error_; } ///< a sentence; empty: all is well
     bool desynced() const { return desync_tick_.has_value(); }
+    /// Null where the worlds do not differ, or nobody has said where.
+    const DesyncReport* desync_report() const { return report_.get(); }
 
     // ---- while meeting, and later ----
     bool is_host() const { return host_; }
@@ -67,6 +69,8 @@ class OnlineMatch {
     /// "600 ticks, hash ..., 37 rollbacks, ..."
     std::string summary() const;
 
+    /// What is confirmed, as a whole file; nothing is confirmed after that. With a world only.
+    Result<std::span<const std::byte>> recording();
     /// The recording of what is confirmed, and the game that plays it; uses the match up. Nothing: it had not begun.
     struct Recorded {
         std::vector<std::byte> bytes;
@@ -126,7 +130,8 @@ class OnlineMatch {
 
     std::uint64_t frames_ = 0, entered_ms_ = 0, progress_ms_ = 0, ticks_seen_ = 0;
     std::uint32_t wait_ = 0, frames_settled_ = 0, frames_since_desync_ = 0, frames_since_told_ = 0;
-    std::string told_; ///< where the worlds differ
+    std::string told_;                           ///< where the worlds differ
+    std::shared_ptr<const DesyncReport> report_; ///< the same
     std::optional<std::uint64_t> desync_tick_;
     InputDelayTuner delay_{InputDelayDef{}};
     Stall stall_ = Stall::none;

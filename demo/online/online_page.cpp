@@ -58,6 +58,9 @@ class OnlinePage final : public Page {
     void tell_code();
     void tell_code_to_watch();
     void keep_time();
+    Status begin_recording();
+    Status write_recording();
+    void tell_where_worlds_differ();
     void draw_panel(Frame& frame, const Moment& moment) const;
     void add_machines(TextPanel& panel) const;
     void add_session(TextPanel& panel) const;
@@ -69,6 +72,8 @@ class OnlinePage final : public Page {
     bool people_play_;
     bool in_real_time_; ///< a window's clock calls tick; else it waits itself
     std::string record_file_, watch_code_;
+    std::optional<replay::FileSink> file_; ///< from the start of the match on
+    bool written_ = false, report_told_ = false;
     std::optional<std::chrono::steady_clock::time_point> next_tick_;
     bool code_told_ = false, seen_ = false, ended_ = false;
     InputMap input_map_;
@@ -84,6 +89,8 @@ Status OnlinePage::tick() {
     tell_code();
     tell_code_to_watch();
     if (match_->world() == nullptr) return {};
+    if (!seen_)
+        if (const Status begun = begin_recording(); !begun) return begun;
     if (seen_) {
         view_.capture(*match_->world());
     } else {
@@ -129,7 +136,35 @@ bool OnlinePage::finished() const {
            (match_->phase() == Phase::failed && !stays_for_reading);
 }
 
+/// A match has begun: what the file held before is given up now, and not before.
+Status OnlinePage::begin_recording() {
+    if (record_file_.empty() || file_) return {};
+    Result<replay::FileSink> created = replay::FileSink::create(record_file_);
+    if (!created) return created.error();
+    file_.emplace(std::move(*created));
+    return {};
+}
+
+/// However the match has ended: what was confirmed up to there is what tells why.
+Status OnlinePage::write_recording() {
+    if (!file_ || written_) return {};
+    written_ = true;
+    const Result<std::span<const std::byte>> bytes = match_->recording();
+    if (!bytes) return bytes.error();
+    if (const Status appended = file_->append(*bytes); !appended) return appended;
+    return file_->close();
+}
+
+void OnlinePage::tell_where_worlds_differ() {
+    if (report_told_ || match_->desync_report() == nullptr) return;
+    report_told_ = true;
+    std::printf("%s", log_text(*match_->desync_report()).c_str());
+    std::fflush(stdout);
+}
+
 Result<std::unique_ptr<Page>> OnlinePage::next() {
+    if (const Status written = write_recording(); !written) return written.error();
+    tell_where_worlds_differ();
     const bool differs = match_->desynced();
     if (!match_->error().empty() && !differs) return Error{match_->error()};
     if (match_->world() == nullptr || differs) return std::unique_ptr<Page>();
@@ -138,12 +173,6 @@ Result<std::unique_ptr<Page>> OnlinePage::next() {
     Result<std::optional<OnlineMatch::Recorded>> recorded = match_->finish();
     if (!recorded) return recorded.error();
     if (!*recorded) return std::unique_ptr<Page>();
-    if (!record_file_.empty()) {
-        Result<replay::FileSink> file = replay::FileSink::create(record_file_);
-        if (!file) return file.error();
-        if (const Status written = file->append((*recorded)->bytes); !written) return written.error();
-        if (const Status closed = file->close(); !closed) return closed.error();
-    }
     Result<replay::Recording> recording =
         replay::Recording::from_bytes(std::move((*recorded)->bytes), "the recording");
     if (!recording) return recording.error();

@@ -1,5 +1,7 @@
 #include "confirmed_log.h"
 
+#include <utility>
+
 namespace lockstone::demo {
 
 Status ConfirmedLog::begin(const Game& game, const World& start, std::uint64_t ticks) {
@@ -13,7 +15,7 @@ Status ConfirmedLog::begin(const Game& game, const World& start, std::uint64_t t
 }
 
 void ConfirmedLog::on_confirmed(std::uint64_t tick, std::span<const PlayerInput> inputs, std::uint64_t hash) {
-    if (tick >= ticks_) return;
+    if (tick >= ticks_ || closed_) return;
     std::vector<std::byte>& bytes = inputs_.emplace_back();
     for (const PlayerInput& input : inputs) bytes.insert(bytes.end(), input.bytes.begin(), input.bytes.end());
     hashes_.push_back(hash);
@@ -21,6 +23,7 @@ void ConfirmedLog::on_confirmed(std::uint64_t tick, std::span<const PlayerInput>
 }
 
 Status ConfirmedLog::close() {
+    if (std::exchange(closed_, true)) return status_;
     if (const Status status = recorder_->close(); !status && status_) status_ = status;
     return status_;
 }

@@ -15,7 +15,7 @@ class ConfirmedLog final : public ConfirmedSink {
     /// Ticks from `ticks` on are left out, so that both peers' recordings end alike.
     Status begin(const Game& game, const World& start, std::uint64_t ticks);
     void on_confirmed(std::uint64_t tick, std::span<const PlayerInput> inputs, std::uint64_t hash) override;
-    Status close();
+    Status close(); ///< what is confirmed later is left out
 
     bool complete() const { return hashes_.size() == ticks_; }
     const std::vector<std::uint64_t>& hashes() const { return hashes_; }          ///< by tick
@@ -24,6 +24,7 @@ class ConfirmedLog final : public ConfirmedSink {
 
   private:
     std::uint64_t ticks_ = 0;
+    bool closed_ = false;
     std::vector<std::uint64_t> hashes_;
     std::vector<std::vector<std::byte>> inputs_;
     replay::MemorySink sink_;

@@ -178,6 +178,9 @@ void ReplayPage::draw_overlay(Frame& frame, const Moment& moment) const {
 
 Verdict ReplayPage::verdict() const {
     const std::uint64_t compared = good_ + bad_, all = last_ - recording_.start_tick();
+    if (compared == 0 && failure_.empty())
+        return {recording_.header().game + ": no tick was compared, so nothing was shown to be bit-exact",
+                false};
     std::string sentence = recording_.header().game + ": " + std::to_string(good_) + " of " +
                            std::to_string(std::max(compared, all)) + " ticks bit-exact";
     const bool good = bad_ == 0 && failure_.empty();

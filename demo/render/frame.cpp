@@ -1,9 +1,20 @@
 #include "frame.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
 namespace lockstone::demo {
+
+bool touches(const TextLine& line, const glm::vec2& cell, std::span<const Rect> rects) {
+    const auto letters = std::ranges::count_if(
+        line.text, [](char c) { return (static_cast<unsigned char>(c) & 0xc0u) != 0x80u; });
+    const glm::vec2 end = line.position + cell * glm::vec2(static_cast<float>(letters), 1);
+    return std::ranges::any_of(rects, [&](const Rect& rect) {
+        return line.position.x < rect.position.x + rect.size.x && rect.position.x < end.x &&
+               line.position.y < rect.position.y + rect.size.y && rect.position.y < end.y;
+    });
+}
 
 glm::vec3 palette_colour(std::uint32_t index) {
     // Hand-picked, then varied in lightness on each lap: computed hues of equal saturation look like toys.

@@ -7,6 +7,7 @@
 #include <glm/glm.hpp>
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -55,6 +56,8 @@ struct TextLine {
     glm::vec2 position{0}; ///< upper left corner in the viewport, from its upper left [design px]
     glm::vec4 colour{1};
     float height = 17; ///< of a line [design px]
+    /// Left out where it would touch a rect of its frame, of one line only: a name in the world.
+    bool yields = false;
 };
 
 /// Sun and sky.
@@ -83,6 +86,9 @@ struct Frame {
     std::vector<Rect> rects;
     std::vector<TextLine> text;
 };
+
+/// Whether a line of letters of this size [design px] touches one of the rects.
+bool touches(const TextLine& line, const glm::vec2& cell, std::span<const Rect> rects);
 
 /// A pleasant colour for thing number `index`; neighbours differ clearly in hue.
 glm::vec3 palette_colour(std::uint32_t index);

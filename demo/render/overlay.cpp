@@ -96,7 +96,9 @@ void OverlayPainter::draw(const Frame& frame, const glm::vec2& viewport, float p
     for (std::size_t i = 0; i < frame.text.size(); ++i) {
         const float height = frame.text[i].height;
         const Font& current = font(height * pixel_scale);
-        add_text(frame.text[i], current, pixel_scale);
+        const TextLine& line = frame.text[i];
+        if (!line.yields || !touches(line, glm::vec2(current.cell()) / pixel_scale, frame.rects))
+            add_text(line, current, pixel_scale);
         if (i + 1 == frame.text.size() || frame.text[i + 1].height != height) flush(current);
     }
     glDisable(GL_BLEND);

@@ -143,7 +143,8 @@ void draw_match(Frame& frame, const Moment& moment, const SceneView& view, std::
         const std::string name = match->it == p ? "it" : std::string("P").append(std::to_string(p + 1));
         frame.text.push_back({.text = name,
                               .position = *pixel - glm::vec2(0.5f * moment.cell.x * 2, moment.cell.y),
-                              .colour = player_ink(p)});
+                              .colour = player_ink(p),
+                              .yields = true});
     }
 }
 

@@ -20,12 +20,18 @@ std::string text_fault(std::string_view what, std::string_view text) {
     for (std::size_t i = 0; i < text.size(); ++i) {
         const auto c = static_cast<unsigned char>(text[i]);
         if (c < 0x20 || c == 0x7f) return join(what, " holds the control character ", int{c}, " at ", i);
+        // U+0080 to U+009F, which terminals obey as well.
+        const auto next = i + 1 < text.size() ? static_cast<unsigned char>(text[i + 1]) : 0;
+        if (c == 0xc2 && next >= 0x80 && next < 0xa0)
+            return join(what, " holds the control character ", int{next}, " at ", i);
     }
     return {};
 }
 
+/// Ranges of one value are those of what a recording of commands does not have.
 std::string range_fault(std::string_view what, std::uint64_t value, std::uint64_t low, std::uint64_t high) {
     if (value >= low && value <= high) return {};
+    if (low == high) return join(what, " is ", value, ", must be ", low, " in a recording of commands");
     return join(what, " is ", value, ", must be ", low, "..", high);
 }
 
@@ -90,6 +96,7 @@ std::string find_fault(const Header& header) {
     std::string fault =
         first_of(text_fault("engine", header.engine), text_fault("game", header.game),
                  range_fault("tick rate", header.tick_rate, 1, tick_rate_max),
+                 range_fault("content id", header.content_id, 0, has_players ? ~std::uint64_t{0} : 0),
                  range_fault("players", header.player_count, 0, has_players ? players_max : 0),
                  range_fault("input size", header.input_size, 0, has_players ? input_bytes_max : 0),
                  range_fault("start", header.start_tick, 0, start_tick_max),

@@ -3,7 +3,9 @@
 #include "support/small_recording.h"
 
 #include "lockstone/asset.h"
+#include "lockstone/play/ragdoll.h"
 #include "lockstone/session.h"
+#include "lockstone/session/join.h"
 
 #include <doctest/doctest.h>
 
@@ -30,10 +32,18 @@ TEST_CASE("misuse: a session's wrong arguments") {
         SessionDef hasty = def;
         hasty.disconnect_ms = never;
         refused("patience", status_of(make_rollback_session(hasty, network.endpoint(0))), "disconnect_ms");
+        hasty.disconnect_ms = disconnect_ms_limit; // the twin
+        CHECK(make_rollback_session(hasty, network.endpoint(0)));
+        ++hasty.disconnect_ms;
+        refused("endless patience", status_of(make_rollback_session(hasty, network.endpoint(0))),
+                "at most 120000");
         hasty = def;
         hasty.connect_ms = never;
         refused("patience", status_of(make_lockstep_session(hasty, network.endpoint(0))), "connect_ms");
     }
+    const auto late = make_join_session(def, {.lockstep = true}, network.endpoint(0)).value();
+    stops("a delay before it plays", [&] { late->set_input_delay(33); });
+    stops("no delay before it plays", [&] { late->set_input_delay(0); });
     for (const bool lockstep : {false, true}) {
         const auto session = (lockstep ? make_lockstep_session(def, network.endpoint(0))
                                        : make_rollback_session(def, network.endpoint(0)))
@@ -69,6 +79,35 @@ TEST_CASE("misuse: a session's wrong arguments") {
     CHECK(log_text(DesyncReport{}) != "");
     refused("a sync test has no peers", sync->drop_peer(0), "no peers");
     stops("sync test, no player", [&] { sync->add_local_input(2, {}); });
+}
+
+TEST_CASE("misuse: a ragdoll's rotations are no quaternions of zeros") {
+    World world = must(World::create({}));
+    const auto zero = [](RagdollPart part) {
+        RagdollPose pose = ragdoll_standing();
+        pose[static_cast<std::size_t>(part)] = Quat{};
+        return pose;
+    };
+    RagdollDef def;
+    def.place.rotation = Quat{};
+    refused("place", status_of(make_ragdoll(world, def)), "place.rotation is no rotation");
+    def = {};
+    def.pose = zero(RagdollPart::head);
+    refused("pose", status_of(make_ragdoll(world, def)), "pose of head is no rotation");
+    CHECK(world.body_count() == 0);
+    const Ragdoll ragdoll = must(make_ragdoll(world, {}));
+    const std::uint64_t before = world.hash();
+    refused("drive", set_ragdoll_drive(world, ragdoll, zero(RagdollPart::foot_right), {.frequency = 5_r}),
+            "pose of foot_right is no rotation");
+    CHECK(world.hash() == before);
+    CHECK(set_ragdoll_drive(world, ragdoll, zero(RagdollPart::pelvis), {.frequency = 5_r}).ok()); // not read
+}
+
+TEST_CASE("misuse: half a hash is told as half, with all its digits") {
+    DesyncReport report;
+    report.log.push_back({7, 0x04e3e231, 0x1, {}});
+    CHECK(log_text(report).find("tick 7: lower half of the hash 04e3e231 against 00000001,") !=
+          std::string::npos);
 }
 
 TEST_CASE("misuse: a tick is not run aside from a state that was never saved") {

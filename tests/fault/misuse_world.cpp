@@ -23,6 +23,11 @@ struct Score {
     std::int32_t points;
 };
 template <class V> constexpr void describe(Score& s, V&& v) { v("points", s.points); }
+/// As large as a Score.
+struct Goals {
+    std::int32_t goals;
+};
+template <class V> constexpr void describe(Goals& g, V&& v) { v("goals", g.goals); }
 
 /// One of everything, and an id that has died of each.
 struct Given {
@@ -282,4 +287,16 @@ TEST_CASE("misuse: names of values that are none are words, not crashes") {
     CHECK(std::string(name_of(static_cast<Integrator>(99))) == "unknown");
     CHECK(std::string(name_of(static_cast<Stall>(99))) == "unknown");
     CHECK(std::string(name_of(static_cast<PacketFault>(99))) == "unknown");
+}
+
+TEST_CASE("misuse: an image of a world whose column has other fields of the same size is refused") {
+    GameSchema points, goals;
+    points.add_record<Score>("game.score"), goals.add_record<Goals>("game.score");
+    World here = World::create({}, points).value();
+    Image image;
+    World::create({}, goals).value().save(image);
+    CHECK_FALSE(here.can_restore(image));
+    CHECK_FALSE(here.restore_delta(image, {}));
+    World::create({}, points).value().save(image);
+    CHECK(here.can_restore(image));
 }

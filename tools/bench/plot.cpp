@@ -1,8 +1,6 @@
 #include "bench/plot.h"
 
 #include <algorithm>
-#include <cstdio>
-#include <memory>
 #include <sstream>
 
 namespace lockstone::bench {
@@ -92,18 +90,12 @@ std::string quoted(const std::string& text) {
 
 } // namespace
 
-Status plot(const Json& results, const std::string& file) {
+Result<std::string> plot_script(const Json& results, const std::string& file) {
     const bool has_front = results.contains("front");
     if (!has_front && !results.contains("scenes"))
         return Error{"--plot " + file + ": there is nothing to draw: choose scenes, or 'front'"};
-    const std::string script =
-        "set terminal svg size 1200,700 background 'white'\nset output " + quoted(file) + "\n" +
-        (has_front ? front_script(results.at("front")) : ratio_script(results.at("scenes")));
-    std::FILE* gnuplot = popen("gnuplot", "w");
-    bool good = gnuplot != nullptr && std::fwrite(script.data(), 1, script.size(), gnuplot) == script.size();
-    if (gnuplot != nullptr) good = pclose(gnuplot) == 0 && good;
-    if (!good) return Error{"--plot " + file + ": gnuplot failed; the Debian package is gnuplot-nox"};
-    return {};
+    return "set terminal svg size 1200,700 background 'white'\nset output " + quoted(file) + "\n" +
+           (has_front ? front_script(results.at("front")) : ratio_script(results.at("scenes")));
 }
 
 } // namespace lockstone::bench

@@ -1,4 +1,4 @@
-// Pictures of what was measured, drawn by gnuplot as SVG.
+// Pictures of what was measured, for gnuplot to draw as SVG.
 #pragma once
 
 #include "bench/contest.h"
@@ -8,6 +8,6 @@ namespace lockstone::bench {
 
 /// Of `front`, where it was measured: cost against quality, scene by scene. Else of the scenes: Bullet / ours beside what it
 /// must be.
-Status plot(const Json& results, const std::string& file);
+Result<std::string> plot_script(const Json& results, const std::string& file);
 
 } // namespace lockstone::bench

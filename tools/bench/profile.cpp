@@ -4,6 +4,8 @@
 #include "engines/lockstone_engine.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <map>
 
@@ -78,7 +80,7 @@ Result<Json> profile(const std::vector<BenchScene>& scenes, const engines::Conte
     }
     std::ofstream out(file);
     out << Json{{"traceEvents", events}, {"displayTimeUnit", "ms"}}.dump(1) << '\n';
-    if (!out.flush()) return Error{file + ": cannot write"};
+    if (!out.flush()) return Error{file + ": cannot write: " + std::strerror(errno)};
     return rows;
 }
 

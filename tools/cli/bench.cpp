@@ -5,6 +5,7 @@
 #include "bench/print.h"
 #include "bench/profile.h"
 #include "cli/commands.h"
+#include "cli/gnuplot.h"
 #include "cli/text.h"
 
 #include <cstdio>
@@ -25,7 +26,8 @@ struct Args {
 
 void describe(CLI::App& command, Args& args) {
     add_texts(command, "PART", args.parts,
-              "S1 to S6, pyramids, grid, drum, state, awake, scaling, verify, arena, threads, front, or a "
+              "S1 to S6, pyramids, grid, drum, S4-plane, state, awake, scaling, verify, arena, threads, "
+              "front, or a "
               "scene of `lockstone scenes`; none: all but threads, front and those scenes");
     add_number(command, "--ticks", args.ticks,
                "to time, with --instructions: before those that count; 0: as the scene asks for", 0, 1000000);
@@ -33,7 +35,8 @@ void describe(CLI::App& command, Args& args) {
     add_numbers(command, "--substeps", args.substeps,
                 "of Lockstone, 1 to 16; several, with commas: each is a contestant", 1, 16);
     add_text(command, "--simd", args.simd,
-             "of Lockstone: scalar, sse41, avx2, avx512, neon; several, with commas: each is a contestant");
+             "of Lockstone: scalar, sse41, avx2, avx512, neon, wasm128; several, with commas: each is a "
+             "contestant");
     add_flag(command, "--json", args.json, "for programs");
     add_flag(command, "--quick", args.quick, "a few ticks of small scenes: whether all runs, not how fast");
     add_flag(command, "--instructions", args.instructions,
@@ -58,8 +61,10 @@ Result<Exit> measure(const Args& args, const bench::Plan& plan) {
     if (!all) return all.error();
     if (args.json) std::printf("%s\n", all->dump(2).c_str());
     if (!args.json) bench::print_settings(all->at("settings"));
-    if (!args.plot.empty())
-        if (const Status drawn = bench::plot(*all, args.plot); !drawn) return drawn.error();
+    if (args.plot.empty()) return Exit::good;
+    const Result<std::string> script = bench::plot_script(*all, args.plot);
+    if (!script) return script.error();
+    if (const Status drawn = draw(*script, args.plot); !drawn) return drawn.error();
     return Exit::good;
 }
 
@@ -79,6 +84,7 @@ Result<Exit> act(const Args& args) {
                            .runs = static_cast<int>(args.runs),
                            .quick = args.quick};
     if (const Status known = bench::check_parts(plan.parts); !known) return known.error();
+    if (const Status can = check_outputs({args.profile, args.plot}); !can) return can.error();
     for (const std::string& simd : plan.simd)
         if (const Status has = check_simd(simd); !has) return has.error();
     const engines::Contestant ours = bench::chosen_contestants(plan)[0];

@@ -1,4 +1,5 @@
 #include "cli/commands.h"
+#include "cli/text.h"
 
 #include <CLI/CLI.hpp>
 
@@ -6,14 +7,32 @@
 #include <charconv>
 #include <cstdio>
 
+#include <fcntl.h>
+#include <unistd.h>
+
 namespace lockstone::cli {
 namespace {
 
-/// One sentence on one line.
+/// One sentence on one line. What files and arguments brought into it is shown, not sent to the terminal.
 int report_bad_input(std::string sentence) {
+    constexpr std::size_t longest = 4000;
     std::ranges::replace(sentence, '\n', ' ');
-    std::fprintf(stderr, "lockstone: %s\n", sentence.c_str());
+    std::fprintf(stderr, "lockstone: %s\n", shown(sentence, longest).c_str());
     return static_cast<int>(Exit::bad_input);
+}
+
+/// The status that the program ends with, unless something that it printed was lost. Lines are written as they come, so the
+/// last flush alone does not tell.
+int after_output(int status) {
+    if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return status;
+    return report_bad_input("standard output: cannot write");
+}
+
+/// Where the caller has closed standard output, the first file that is opened would take its place, and what is printed would go
+/// into it. What stands there instead cannot be written.
+void hold_standard_files() {
+    for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+        if (::fcntl(descriptor, F_GETFD) < 0) static_cast<void>(::open("/dev/null", O_RDONLY));
 }
 
 void add_all(CLI::App& app, Work& work) {
@@ -171,6 +190,7 @@ std::unique_ptr<Tasks> tasks_of(std::uint32_t threads) {
 }
 
 int run_command_line(int argc, char** argv) {
+    hold_standard_files();
     std::setvbuf(stdout, nullptr, _IOLBF, 1 << 16); // a run that is killed leaves the lines that it printed
     CLI::App app("Runs, records, replays and verifies deterministic worlds.", "lockstone");
     app.require_subcommand(1);
@@ -182,13 +202,18 @@ int run_command_line(int argc, char** argv) {
                                 "' (lockstone --help lists the commands)");
     try {
         app.parse(argc, argv);
-    } catch (const CLI::Success& help) { return app.exit(help); } catch (const CLI::ParseError& e) {
-        return report_bad_input(std::string(e.what()) + " (lockstone --help lists the commands)");
+    } catch (const CLI::Success& help) {
+        return after_output(app.exit(help));
+    } catch (const CLI::ParseError& e) {
+        const bool has_command = argc > 1 && argv[1][0] != '-';
+        return report_bad_input(std::string(e.what()) +
+                                (has_command
+                                     ? " (lockstone " + std::string(argv[1]) + " --help lists its options)"
+                                     : std::string(" (lockstone --help lists the commands)")));
     }
     const Result<Exit> result = work();
     if (!result) return report_bad_input(result.error().message);
-    if (std::fflush(stdout) != 0) return report_bad_input("standard output: cannot write");
-    return static_cast<int>(*result);
+    return after_output(static_cast<int>(*result));
 }
 
 } // namespace lockstone::cli

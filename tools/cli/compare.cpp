@@ -1,5 +1,7 @@
 // lockstone compare
 #include "cli/commands.h"
+#include "cli/gnuplot.h"
+#include "cli/text.h"
 #include "cli/timing.h"
 #include "reference/drift.h"
 #include "reference/plot.h"
@@ -43,8 +45,8 @@ void describe(CLI::App& command, Args& args) {
     for (const auto& [name, integrator] : integrators) names.push_back(name);
     add_text(command, "--integrator", args.integrator, "of the thesis' engine").one_of(names).show_default();
     add_number(command, "--iterations", args.iterations,
-               "at most, of its resolver: positions, then velocities");
-    add_number(command, "--substeps", args.substeps, "steps in its tick; 0: as many as ours");
+               "at most, of its resolver: positions, then velocities", 1, 1000000);
+    add_number(command, "--substeps", args.substeps, "steps in its tick; 0: as many as ours", 0, 64);
     add_flag(command, "--gyroscopic", args.gyroscopic, "give it the term that the thesis leaves out");
     add_flag(command, "--drift", args.drift, "only how far its builds part, and that ours do not");
     add_text(command, "--plot", args.plot, "a picture to write, by gnuplot").type_name("FILE.svg");
@@ -172,12 +174,12 @@ Result<Found> find(const Args& args, const reference::Settings& settings, std::u
 }
 
 Result<Exit> act(const Args& args) {
+    if (const Status can = check_outputs({args.plot}); !can) return can.error();
     const reference::CompareScene* scene = reference::find_compare_scene(args.scene);
     const std::uint64_t own = scene != nullptr ? scene->ticks : 600;
-    const auto iterations = static_cast<int>(std::min<std::uint32_t>(args.iterations, 2000000000));
+    const auto iterations = static_cast<int>(args.iterations);
     const reference::Settings settings{.integrator = integrators.at(args.integrator),
-                                       .substeps =
-                                           static_cast<int>(std::min<std::uint32_t>(args.substeps, 1000)),
+                                       .substeps = static_cast<int>(args.substeps),
                                        .position_iterations = iterations,
                                        .velocity_iterations = iterations,
                                        .gyroscopic = args.gyroscopic};
@@ -189,7 +191,8 @@ Result<Exit> act(const Args& args) {
         print(args, *found);
     if (args.plot.empty()) return Exit::good;
     const reference::Drawn drawn{args.scene, found->tick_rate, found->samples, found->drifts};
-    if (const Status done = reference::plot(drawn, args.plot); !done) return done.error();
+    if (const Status done = draw(reference::plot_script(drawn, args.plot), args.plot); !done)
+        return done.error();
     return Exit::good;
 }
 

@@ -6,6 +6,7 @@
 #include "scenes/asset_set.h"
 #include "json/json.h"
 
+#include <algorithm>
 #include <cstdio>
 
 namespace lockstone::cli {
@@ -82,7 +83,9 @@ void print(const Args& args, const cook::Cooked& made) {
     if (made.parts > 0) std::printf(", %zu %s", made.parts, made.parts == 1 ? "part" : "parts");
     std::printf(", %zu bytes\ndeviation %.3g m of %.3g m allowed\n", made.bytes(), made.deviation,
                 made.deviation_max);
-    if (made.kind == ShapeKind::hull && made.gap > made.deviation_max)
+    constexpr double rounding =
+        1e-6; // [m]: of coordinates; beyond a convex model the hull reaches no further
+    if (made.kind == ShapeKind::hull && made.gap > std::max(made.deviation_max, rounding))
         std::printf("the model is concave: the hull reaches %.3g m beyond it (--as convex follows it)\n",
                     made.gap);
     if (made.parts_dropped > 0) std::printf("%zu parts were too thin and are left out\n", made.parts_dropped);
@@ -103,7 +106,7 @@ Status write_and_read(const std::string& path, const cook::Cooked& made) {
 }
 
 Result<Exit> run(const Args& args) {
-    if (Status s = check_output(args.asset, args.model); !s) return s.error();
+    if (Status s = check_outputs({args.asset}, {args.model}); !s) return s.error();
     cook::CookOptions options = args.options;
     options.as = kinds.at(args.as);
     const Result<cook::Soup> model = cook::import_model(args.model, args.limits);

@@ -38,16 +38,18 @@ std::string read_line(const std::string& line, std::uint32_t input_size,
     if (!(words >> player_word >> bytes_word) || words >> more) return "a line is tick, player and bytes";
     std::uint64_t tick = 0;
     std::uint32_t player = 0;
-    if (!read_number(tick_word, tick)) return "'" + tick_word + "' is not a tick";
+    if (!read_number(tick_word, tick)) return "'" + shown(tick_word) + "' is not a tick";
     if (!read_number(player_word, player) || player >= held.size())
-        return "'" + player_word + "' is not a player; there are " + std::to_string(held.size()) + ", from 0";
+        return "'" + shown(player_word) + "' is not a player; there are " + std::to_string(held.size()) +
+               ", from 0";
     const auto bytes = bytes_of_hex(bytes_word, input_size);
     if (!bytes)
-        return "'" + bytes_word + "' is not an input of " + std::to_string(input_size) + " bytes in hex";
+        return "'" + shown(bytes_word) + "' is not an input of " + std::to_string(input_size) +
+               " bytes in hex";
     std::vector<HeldInput>& of_player = held[player];
     if (!of_player.empty() && of_player.back().tick >= tick)
-        return "tick " + tick_word + " of player " + player_word + " does not come after his last, " +
-               std::to_string(of_player.back().tick);
+        return "tick " + shown(tick_word) + " of player " + shown(player_word) +
+               " does not come after his last, " + std::to_string(of_player.back().tick);
     of_player.push_back({tick, *bytes});
     return {};
 }

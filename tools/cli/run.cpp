@@ -27,7 +27,8 @@ void describe(CLI::App& command, Args& args) {
     add_number(command, "--ticks", args.ticks, "how long");
     add_threads(command, args.threads);
     add_text(command, "--simd", args.simd,
-             "scalar, sse41, avx2, avx512 or neon: the same hashes at other speeds; the best there is when "
+             "scalar, sse41, avx2, avx512, neon or wasm128: the same hashes at other speeds; the best there "
+             "is when "
              "left out");
     add_text(command, "--input", args.input,
              "inputs: a text file (tools/README.md) or a recording; else scripted from the seed");
@@ -48,11 +49,6 @@ struct Outputs {
 
 Status open_outputs(const Args& args, const Started& started, Outputs& out) {
     if (!args.report.empty()) out.report.emplace(started.world);
-    // Before the work, not after it: an output that cannot be written is told at once.
-    if (!args.hashes.empty())
-        if (Status s = write_file(args.hashes, ""); !s) return s;
-    if (!args.report.empty())
-        if (Status s = write_file(args.report, ""); !s) return s;
     if (args.record.empty()) return {};
     Result<replay::FileSink> sink = replay::FileSink::create(args.record);
     if (!sink) return sink.error();
@@ -96,8 +92,8 @@ Status close_outputs(const Args& args, Started& started, Outputs& out) {
 }
 
 Result<Exit> run(const Args& args) {
-    for (const std::string& output : {args.record, args.hashes, args.report})
-        if (Status s = check_output(output, args.input); !s) return s.error();
+    // Before the work, not after it: an output that cannot be written is told at once.
+    if (Status s = check_outputs({args.record, args.hashes, args.report}, {args.input}); !s) return s.error();
     Result<Started> started = start(args.choice);
     if (!started) return started.error();
     const std::unique_ptr<Tasks> tasks = tasks_of(args.threads);

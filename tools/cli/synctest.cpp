@@ -54,6 +54,10 @@ Result<Exit> synctest(const Args& args) {
     Result<Started> started = start(args.choice);
     if (!started) return started.error();
     if (Status s = check_column(started->world, args.plant); !s) return s.error();
+    if (args.ticks <= args.depth) // no tick has so many before it
+        return Error{args.choice.scene + ": in " + std::to_string(args.ticks) +
+                     " ticks none can be rolled back by " + std::to_string(args.depth) +
+                     ", so nothing would be compared: --ticks must be more than --depth"};
     const WithPlayer game(*started->game);
     const std::vector<PeerId> players(game.player_count(), 0);
     const Result<std::unique_ptr<Session>> session =
@@ -79,9 +83,13 @@ Result<Exit> synctest(const Args& args) {
         }
         progress.at(tick + 1);
     }
-    std::printf("%s: %llu ticks, each rolled back %u ticks and run again, are bit-exact, hash %s\n",
-                started->game->name().c_str(), static_cast<unsigned long long>(args.ticks), args.depth,
-                hash_text(started->world.hash()).c_str());
+    const SessionStats& stats = (*session)->stats();
+    std::printf(
+        "%s: %llu ticks, %llu times rolled back %u ticks and run again, %llu hashes compared: bit-exact, "
+        "hash %s\n",
+        started->game->name().c_str(), static_cast<unsigned long long>(args.ticks),
+        static_cast<unsigned long long>(stats.rollbacks), args.depth,
+        static_cast<unsigned long long>(stats.hashes_compared), hash_text(started->world.hash()).c_str());
     return Exit::good;
 }
 

@@ -4,17 +4,31 @@
 #include "lockstone/world.h"
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace lockstone::cli {
 
 /// 16 lower-case hex digits.
 std::string hash_text(std::uint64_t hash);
+/// Text from anywhere as a terminal may have it: control characters and bytes that are no UTF-8 as \x1b, and of more than `most`
+/// characters the first ones and "...".
+std::string shown(std::string_view text, std::size_t most = 40);
+/// 8 of them: all that packets carry of a hash.
+std::string half_hash_text(std::uint32_t lower_half);
 /// Replaces the file. The error names it and the reason.
 Status write_file(const std::string& path, const std::string& text);
 Result<std::string> read_file(const std::string& path);
-/// Refuses to overwrite what is read.
-Status check_output(const std::string& output, const std::string& source);
+/// Before any of the outputs is touched: each can be written, none is a file that is read, and no two are one file. Empty names
+/// are left out.
+Status check_outputs(const std::vector<std::string>& outputs, const std::vector<std::string>& sources = {});
+/// Whether write_file and recorders could write it, without a change to what is there. Pipes and devices are taken as good.
+Status check_writable(const std::string& path);
+
+/// Digits and nothing else, and no more than fit; else nothing.
+std::optional<std::uint64_t> number_of(std::string_view text);
 
 /// Sets the instruction set of that name; of an empty one nothing. The error says what there is.
 Status check_simd(const std::string& level); ///< a name of what this machine has

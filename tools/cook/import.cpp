@@ -153,7 +153,10 @@ std::string reason_of(const Reader& reader, int status, const ImportLimits& limi
 
 Result<Soup> import_model(const std::string& path, const ImportLimits& limits) {
     std::error_code none;
-    if (!std::filesystem::is_regular_file(path, none)) return Error{path + ": there is no such file"};
+    if (!std::filesystem::exists(path, none)) return Error{path + ": there is no such file"};
+    if (!std::filesystem::is_regular_file(path, none))
+        return Error{
+            path + (std::filesystem::is_directory(path, none) ? ": is a directory" : ": is no regular file")};
     int ends[2];
     if (pipe(ends) != 0) return Error{path + ": cannot make a pipe: " + std::strerror(errno)};
     const pid_t child = fork();

@@ -7,8 +7,6 @@
 
 namespace reference {
 
-using lockstone::Error, lockstone::Status;
-
 namespace {
 
 /// As many points as a panel can show.
@@ -130,7 +128,9 @@ std::string drift_panel(const Drawn& drawn) {
            plots + "\n";
 }
 
-std::string script_of(const Drawn& drawn, const std::string& file) {
+} // namespace
+
+std::string plot_script(const Drawn& drawn, const std::string& file) {
     const bool alone = drawn.samples.empty();
     std::string out = std::string("set terminal svg size ") + (alone ? "760,460" : "1280,840") +
                       " font 'Helvetica,12' background 'white'\nset encoding utf8\nset output " +
@@ -141,17 +141,6 @@ std::string script_of(const Drawn& drawn, const std::string& file) {
     out += "set multiplot layout 2,3 title " + quoted(drawn.scene + ": the thesis' engine beside Lockstone") +
            "\n";
     return out + sample_block(drawn) + sample_panels() + drift_panel(drawn) + "unset multiplot\n";
-}
-
-} // namespace
-
-Status plot(const Drawn& drawn, const std::string& file) {
-    const std::string script = script_of(drawn, file);
-    std::FILE* gnuplot = popen("gnuplot", "w");
-    bool good = gnuplot != nullptr && std::fwrite(script.data(), 1, script.size(), gnuplot) == script.size();
-    if (gnuplot != nullptr) good = pclose(gnuplot) == 0 && good;
-    if (!good) return Error{"--plot " + file + ": gnuplot failed; the Debian package is gnuplot-nox"};
-    return {};
 }
 
 } // namespace reference

@@ -1,4 +1,4 @@
-// Pictures of a comparison, drawn by gnuplot as SVG.
+// Pictures of a comparison, for gnuplot to draw as SVG.
 #pragma once
 
 #include "reference/drift.h"
@@ -12,6 +12,6 @@ struct Drawn {
     std::span<const DriftLine> drifts;
 };
 /// Separation, energy, momentum, penetration, cost and drift over time; without samples the drift alone, larger.
-lockstone::Status plot(const Drawn& drawn, const std::string& file);
+std::string plot_script(const Drawn& drawn, const std::string& file);
 
 } // namespace reference

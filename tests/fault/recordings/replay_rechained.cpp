@@ -272,3 +272,31 @@ TEST_CASE("a recording whose columns would assert or exhaust memory in World::cr
     CHECK(taken.sentence.find("the game's column body.pose has the name of one of the engine's") !=
           std::string::npos);
 }
+
+TEST_CASE("assets in a recording of inputs are refused, and a content id in one of commands") {
+    const LengthVec3 corners[] = {{}, {Length(1), {}, {}}, {{}, Length(1), {}}, {{}, {}, Length(1)}};
+    const AssetBytes hull = bake_hull(corners).value();
+    const auto with_asset = [&](const Bytes& file) {
+        auto chunks = chunks_of(file);
+        const auto place =
+            chunks.begin() + static_cast<std::ptrdiff_t>(find_chunk(chunks, chunk_world_def)) + 1;
+        chunks.insert(place, {chunk_asset, 0, Bytes(hull.begin(), hull.end())});
+        return read(file_of(chunks, true));
+    };
+    CHECK(with_asset(commands_file()));
+    const Result<Recording> refused = with_asset(inputs_file());
+    REQUIRE_FALSE(refused);
+    CHECK(refused.error().message.find(": a recording of inputs has no assets: the game has them") !=
+          std::string::npos);
+
+    auto chunks = chunks_of(commands_file());
+    Header header = must(read(commands_file())).header();
+    header.content_id = 1;
+    Bytes& payload = chunks[find_chunk(chunks, chunk_head)].payload;
+    payload.clear();
+    append_header(header, payload);
+    const Result<Recording> strange = read(file_of(chunks, true));
+    REQUIRE_FALSE(strange);
+    CHECK(strange.error().message.find("content id is 1, must be 0 in a recording of commands") !=
+          std::string::npos);
+}

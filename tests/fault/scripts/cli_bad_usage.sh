@@ -43,6 +43,14 @@ refused '--plant' synctest stack --plant body.nonsense
 refused 'body.' synctest stack --plant body.nonsense
 refused '--depth' synctest stack --depth 0
 refused '--seeds' match --seeds 5..2
+for seeds in 99999999999999999999 18446744073709551616 1..-1 -1 ' 1' +1 1.. ..2 1...2 ''; do refused '--seeds' match --seeds="$seeds"; done
+refused 'nowhere/m-3-1.lsr: cannot write' match --seeds 3..4 --ticks 1000000 --record-prefix nowhere/m
+refused '--ticks' match --ticks 18446744073709551615
+refused 'pyramid: nobody plays in it; a match needs a scene with players: ' match pyramid
+refused 'lockstone run --help' run stack --ticks many
+refused 'lockstone match --help' match --nonsense
+refused 'lockstone --help' --nonsense
+refused '--relayed: nobody watches' match --relayed
 refused '--mode' match --mode telepathy
 refused 'must be 2 to 4' match --peers 9
 
@@ -64,15 +72,75 @@ input_line '5 0 7f00' 'not an input of 3 bytes'
 input_line '5 0 7g0000' 'not an input of 3 bytes'
 input_line '0 0 7f0000' 'does not come after'
 
+# What stands in a file from anybody is shown as text, and not more of it than one can read.
+input_line $'\033[31mred 0 7f0000' "'\x1b[31mred' is not a tick"
+input_line $'5 \302\233m 7f0000' "'\xc2\x9bm' is not a player"
+input_line $'5 0 \377\303\274\300\257' "'\xff"$'\303\274'"\xc0\xaf' is not an input"
+input_line "$(head -c 2000000 /dev/zero | tr '\0' x) 0 7f0000" "'$(head -c 40 /dev/zero | tr '\0' x)...' is not a tick"
+printf '0 0 7f0000\n\000tick 0 7f0000\n' >inputs.txt
+refused "line 2: '\x00tick' is not a tick" run rollback-arena --ticks 1 --input inputs.txt
+refused "there is no command '\x1b[31m'" $'\033[31m'
+
 "$lockstone" run stack --ticks 30 --record s.lsr >/dev/null
 refused 'holds ticks 0 to 30' replay s.lsr --from 40
 refused 'holds ticks 0 to 30' replay s.lsr --from 20 --to 10
 refused 'holds ticks 0 to 30' branch s.lsr --at 31 -o b.lsr
 refused 'is what is read from' branch s.lsr --at 3 -o ./s.lsr
 refused 'is what is read from' run stack --input s.lsr --record s.lsr
+
+# What the user has is kept: an output is no input, no two outputs are one file, and none is touched before all can be written.
+printf '0 0 7f0000\n' >good.txt
+printf '0 0 7f00\n' >bad.txt
+"$lockstone" run rollback-arena --ticks 30 --record r.lsr >/dev/null
+cp r.lsr precious.lsr
+ln precious.lsr link.lsr
+sum=$(sha256sum <precious.lsr)
+keeps() { # like refused; precious.lsr stays as it is
+    refused "$@"
+    [ "$(sha256sum <precious.lsr)" = "$sum" ] || fail "'lockstone ${*:2}' has changed precious.lsr"
+}
+keeps 'missing.txt' branch r.lsr --at 5 --input missing.txt -o precious.lsr
+keeps 'bad.txt: line 1' branch r.lsr --at 5 --input bad.txt -o precious.lsr
+keeps 'does not hold inputs of 2 players' branch r.lsr --at 5 --input s.lsr -o precious.lsr
+keeps 'holds ticks 0 to 30' branch r.lsr --at 31 -o precious.lsr
+keeps 'is what is read from' branch r.lsr --at 5 --input precious.lsr -o link.lsr
+keeps 'is what is read from' replay precious.lsr --hashes precious.lsr
+keeps 'is to hold two' run rollback-arena --ticks 3 --record precious.lsr --hashes precious.lsr
+keeps 'is to hold two' run rollback-arena --ticks 3 --record precious.lsr --hashes link.lsr
+keeps 'is to hold two' run rollback-arena --ticks 3 --hashes precious.lsr --report precious.lsr
+keeps 'is to hold two' run rollback-arena --ticks 3 --record new.lsr --report ./new.lsr
+keeps 'nowhere/x.lsr' run rollback-arena --ticks 3 --record nowhere/x.lsr --hashes precious.lsr
+keeps 'nowhere/x.lsr' run rollback-arena --ticks 3 --record nowhere/x.lsr --report precious.lsr
+keeps 'missing.txt' run rollback-arena --ticks 3 --input missing.txt --record precious.lsr
+keeps 'nowhere/x.tsv' replay r.lsr --hashes nowhere/x.tsv
+[ ! -e new.lsr ] || fail "what is refused has made a file"
+
 refused '--shard' verify s.lsr --shard 3/3
 refused '--shard' verify s.lsr --shard all
+for shard in 0/-1 0/4294967297 -1/2 4294967296/4294967297 0/ /1 0/0 0/1/1 '0 /1'; do refused '--shard' verify s.lsr --shard="$shard"; done
+expect 0 verify s.lsr --shard 0/1
 refused 's.lsr' run rollback-arena --ticks 1 --input s.lsr
+
+# What was printed and did not arrive is not called good. Who reads only the first line is not told anything.
+lost() { # ARGUMENT...
+    local status=0
+    "$lockstone" "$@" >/dev/full 2>err || status=$?
+    [ $status -eq 2 ] && grep -q 'standard output: cannot write' err || fail "'$* >/dev/full' ends with $status: $(cat err)"
+    status=0
+    "$lockstone" "$@" >&- 2>err || status=$?
+    [ $status -eq 2 ] && grep -q 'standard output: cannot write' err || fail "'$* >&-' ends with $status: $(cat err)"
+}
+lost verify s.lsr
+lost scenes
+lost scenes --json
+lost info s.lsr
+lost format
+lost diff s.lsr s.lsr
+lost run --help
+lost run stack --ticks 30 --record closed.lsr
+cmp closed.lsr s.lsr || fail "what is printed went into the recording"
+"$lockstone" format 2>err | head -n 1 >out || true
+[ -s out ] && [ ! -s err ] || fail "a reader that leaves is complained about: $(cat err)"
 
 for command in scenes run replay verify info diff branch repair synctest match bench; do
     expect 0 "$command" --help

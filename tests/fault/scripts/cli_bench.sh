@@ -70,6 +70,11 @@ assert all(e["dur"] >= 0 for e in events if e["ph"] == "X") and len(events) > 10
 PYTHON
 expect 0 bench --quick stack
 grep -q '^stack ' out || fail "a built-in scene is not measured"
+refused 'nowhere/x.json: cannot write: No such file' bench --quick S6 --profile nowhere/x.json
+refused 'nowhere/x.svg: cannot write: No such file' bench --quick S6 --plot nowhere/x.svg
+[ ! -s out ] || fail "a picture that cannot be written is noticed after the work: $(cat out)"
+expect 0 bench --help
+grep -q 'S4-plane' out && grep -q 'wasm128' out || fail "bench --help leaves something out"
 refused "nothing to measure called 'S7'" bench S7
 refused '--substeps' bench --substeps 17
 echo "ok"

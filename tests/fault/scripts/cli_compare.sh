@@ -56,8 +56,20 @@ for integrator in verlet velocity-verlet runge-kutta-4; do expect 0 compare orbi
 refused "there is no scene 'orbitt' to compare in: two-blocks, stack" compare orbitt
 refused 'FCL has no rounded' compare convex-pile
 refused "the thesis' engine has no joints" compare bridge
-refused 'position iterations is 0, must be 1 to 1000000' compare stack --iterations 0
-refused 'substeps is 65, must be 0 to 64' compare stack --substeps 65
+refused "--iterations: '0' is not a whole number from 1 to 1000000" compare stack --iterations 0
+refused "--substeps: '65' is not a whole number from 0 to 64" compare stack --substeps 65
+refused "--substeps: '5000' is not" compare stack --substeps 5000
+# Nothing is computed, and nothing printed, for a picture that cannot be written.
+refused 'nowhere/p.svg: cannot write: No such file' compare two-blocks --ticks 3 --json --plot nowhere/p.svg
+[ ! -s out ] || fail "a picture that cannot be written is printed: $(head -c 300 out)"
+mkdir empty && for tool in bash cat env sh; do ln -s "$(command -v $tool)" empty/; done
+status=0
+PATH=$PWD/empty "$lockstone" compare two-blocks --ticks 3 --json --plot p.svg >out 2>err || status=$?
+[ $status -eq 2 ] && [ "$(wc -l <err)" -eq 1 ] && grep -q 'there is no gnuplot; the Debian package' err || fail "a missing gnuplot is told otherwise: $(cat err)"
+python3 -c 'import json; json.load(open("out"))' || fail "what was found is not printed without gnuplot"
+printf '#!/bin/sh\necho noise\nexit 3\n' >empty/gnuplot && chmod +x empty/gnuplot
+PATH=$PWD/empty "$lockstone" compare two-blocks --ticks 3 --json --plot p.svg >out 2>err || status=$?
+[ $status -eq 2 ] && grep -q 'gnuplot failed with status 3' err && ! grep -q noise out || fail "a gnuplot that fails is told otherwise: $(cat err out)"
 refused '--integrator' compare stack --integrator euler
 refused 'orbit: comes in one size' compare orbit --size 3
 echo "ok"

@@ -79,9 +79,29 @@ head -c $((bytes - 500)) rollback-arena.lsr >cut.lsr
 expect 2 verify cut.lsr
 expect 2 verify rollback-arena.lsr cut.lsr # one bad file among good ones
 
+# ---- the first differences of many ----
+expect 0 branch rollback-arena.lsr --at 20 --ticks 30 -o other.lsr
+expect 1 diff rollback-arena.lsr other.lsr
+grep -Eq '^first differing tick: 2[0-9]' out && grep -q '^first differing phase' out || fail "a branch is not told by tick and phase: $(cat out)"
+for seed in 1 2; do expect 0 run pile --size 20 --ticks 5 --seed $seed --record pile$seed.lsr; done
+expect 1 diff pile1.lsr pile2.lsr # 20 boxes lie elsewhere
+[ "$(grep -c '^  column' out)" -eq 8 ] && grep -q '^  and more: these are the first 8$' out || fail "diff ends after 8 and does not say so: $(cat out)"
+
+# ---- what was compared is said, and where nothing was, that ----
+expect 0 synctest rollback-arena --ticks 20 --depth 4
+grep -q ': 20 ticks, 16 times rolled back 4 ticks and run again, 64 hashes compared: bit-exact, hash' out || fail "synctest tells something else: $(cat out)"
+for few in "0 --depth 1" "7" "20 --depth 64"; do
+    # shellcheck disable=SC2086
+    expect 2 synctest rollback-arena --ticks $few
+    grep -q 'nothing would be compared' err && ! grep -q 'bit-exact' out || fail "synctest --ticks $few compares nothing, and says: $(cat out err)"
+done
+expect 0 replay rollback-arena.lsr --from 5 --to 5
+grep -q 'no tick was asked for; the state at time 5 has the recorded hash' out || fail "replay of no tick says: $(cat out)"
+! grep -q 'bit-exact' out || fail "replay of no tick calls it bit-exact"
+
 # ---- planted faults: a column that snapshots leave out ----
 for column in body.velocity game.match contact.memory; do
-    "$lockstone" synctest rollback-arena --ticks 1 --plant "$column" >/dev/null 2>&1 || [ $? -ne 2 ] || continue # not in this manifest
+    "$lockstone" synctest rollback-arena --ticks 8 --plant "$column" >/dev/null 2>&1 || [ $? -ne 2 ] || continue # not in this manifest
     expect 1 synctest rollback-arena --ticks 200 --plant "$column"
     grep -q "$column" out || fail "synctest does not name $column: $(cat out)"
 done
@@ -94,4 +114,19 @@ expect 0 info m-1-3.lsr
 grep -qF '"match.peer":"3"' out || fail "the file of machine 3 names another one: $(grep options out)"
 expect 0 match --peers 2 --mode lockstep --ticks 60
 grep -q ' 0 rollbacks' out || fail "lockstep rolled back: $(cat out)"
+expect 0 match --seeds 18446744073709551615 --ticks 30 # the last there is: it does not begin again at 0
+[ "$(wc -l <out)" -eq 1 ] || fail "the last seed is not the only one: $(cat out)"
+# A packet has half a hash, and what is told of it is called half: of the recordings' whole ones it is the end.
+expect 1 match --plant --ticks 60 --record-prefix planted
+ours=$(sed -n 's/^machine 1 and machine 2 differ after tick 30: lower half of the hash \([0-9a-f]\{8\}\) against .*/\1/p' out)
+theirs=$(sed -n 's/^machine 1 and machine 2 differ after tick 30: lower half of the hash .* against \([0-9a-f]\{8\}\)$/\1/p' out)
+[ -n "$ours" ] && [ -n "$theirs" ] || fail "half a hash is not told as half: $(cat out)"
+expect 0 replay planted-1-1.lsr --from 30 --to 31 --hashes planted.tsv
+grep -Eq "^30[[:space:]][0-9a-f]{8}$ours$" planted.tsv || fail "machine 1 has another hash than was told, $ours: $(cat planted.tsv)"
+expect 1 replay planted-1-2.lsr --from 30 --to 31
+grep -Eq "against [0-9a-f]{8}$theirs$" out || fail "machine 2 has recorded another hash than was told, $theirs: $(cat out)"
+# A machine that was lost is called lost, and by whom.
+expect 1 match --latency 10000 --ticks 60
+grep -q 'machine 2: has lost machine 1, or was lost by it' out && grep -q 'machine 1: player 2 left at tick' out || fail "a loss is not told: $(cat out)"
+! grep -q 'differs from' out || fail "a loss is called a difference: $(cat out)"
 echo "ok"

@@ -58,6 +58,10 @@ grep -q 'deviation' out || fail "the report names no deviation: $(cat out)"
 expect 0 cook "$samples/bracket.obj" -o asset.lsa
 grep -q 'concave' out || fail "nobody is told that an L is concave: $(cat out)"
 
+printf 'v 0 0 0\nv 1 0 0\nv 0 0 1\nv 0 1 0\nf 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n' >tetrahedron.obj
+expect 0 cook tetrahedron.obj -o asset.lsa --deviation 0
+! grep -q 'concave' out || fail "a tetrahedron is called concave: $(cat out)"
+
 # ---- too far from the model: status 1 and no file ----
 refused 1 'deviates by' "$samples/gem.stl" --vertices 6 --deviation 0.01
 refused 1 'deviates by' "$samples/chair.gltf" --as convex --parts 2
@@ -65,6 +69,8 @@ refused 1 'deviates by' "$samples/hill.ply" --as height-field --spacing 5
 
 # ---- bad input: status 2, the file and the reason ----
 refused 2 'missing.obj: there is no such file' missing.obj
+refused 2 "$PWD: is a directory" "$PWD"
+refused 2 '/dev/null: is no regular file' /dev/null
 refused 2 'no-such' "$samples/gem.stl" --as no-such
 refused 2 "'nan' is not a number" "$samples/gem.stl" --scale nan
 refused 2 "'0' is not a number" "$samples/gem.stl" --scale 0

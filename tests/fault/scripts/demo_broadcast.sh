@@ -79,6 +79,7 @@ ends 0 d $broadcast
 grep -q "^showed $ticks of $ticks ticks to at most 3 at one time" d || fail "the broadcast tells something else: $(cat d)"
 ends 2 v $alone
 grep -q 'the host has said nothing for twenty seconds' v || fail "who is shown the host alone is told something else: $(cat v)"
+expect 0 verify v.lsr # what it saw up to there
 echo "broadcast: $(tail -n 1 d)"
 
 refused() { # WORDS ARGUMENT...: status 2, one sentence

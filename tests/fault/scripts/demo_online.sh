@@ -106,7 +106,12 @@ ends 1 b $joined
 for each in a b; do
     grep -Eq 'the worlds differ: tick 60, machine [12]: phase [a-z_]+, (column .*, row [0-9]+|row count of).* against' $each || fail "where the worlds differ is not told: $(cat $each)"
     ! grep -q 'bit-exact' $each || fail "a match with a desync is called bit-exact: $(cat $each)"
+    grep -Eq '^  tick 60: lower half of the hash [0-9a-f]{8} against [0-9a-f]{8}, inputs' $each || fail "the ticks are not told: $(cat $each)"
 done
+# Both have written down what they played: the one agrees with the rules, the other with itself only.
+expect 0 verify a.lsr
+expect 1 verify b.lsr
+grep -q 'tick 60' out || fail "the planted tick is not the first that is wrong: $(cat out)"
 echo "planted: $(tail -n 1 b)"
 
 # refused STATUS WORDS ARGUMENT...: one sentence.
@@ -121,6 +126,7 @@ refused 2 'is no invitation: write CODE@ADDRESS:PORT#KEY' --join ABCDEFGH
 refused 2 'is no invitation: .* is no address' --join "ABCDEFGH@somewhere#${invitation#*#}"
 refused 2 '64 hexadecimal digits' --join 'ABCDEFGH@127.0.0.1:7700#12'
 refused 2 'needs the code too' --join "${invitation#*@}"
+refused 2 'nowhere/x.lsr: cannot write: No such file' --host --record nowhere/x.lsr
 refused 2 'only one can be shown' --host --join "$invitation"
 refused 2 'pyramid has 0 players, and 2 machines need one each' pyramid --host
 refused 2 "the relay at 127.0.0.1:9 does not answer" --join "ABCDEFGH@127.0.0.1:9#${invitation#*#}"

@@ -3,6 +3,7 @@
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/cli.sh"
 lockstone=$1 demo=$2
+samples=$(cd "$(dirname "${BASH_SOURCE[0]}")/../../../tools/cook/samples" && pwd)
 own_folder
 unset DISPLAY WAYLAND_DISPLAY
 
@@ -47,4 +48,41 @@ expect 0 verify whole.lsr
 cp whole.lsr damaged.lsr
 flip damaged.lsr $(($(stat -c %s damaged.lsr) / 2))
 shows 2 damaged.lsr
+
+# What is read is not written over, by whatever name, and what cannot be written is told before anything is played.
+keeps() { # WORDS FILE ARGUMENT...: status 2, and the file is as it was
+    local words=$1 file=$2 before status=0
+    before=$(sha256sum "$2")
+    shift 2
+    "$demo" rollback-arena --offscreen --script --ticks 50 --frame-every 1000000 "$@" >out 2>err || status=$?
+    [ $status -eq 2 ] && grep -qF -- "$words" err || fail "'$*' is not refused with '$words' ($status): $(cat out err)"
+    [ "$(sha256sum "$file")" = "$before" ] || fail "'$*' has written over $file"
+}
+printf '0 0 7f0000\n' >same.txt
+keeps '--machines goes with --host' same.txt --machines 3
+keeps '--latency and --loss go with --netplay' same.txt --latency 100
+keeps '--latency and --loss go with --netplay' same.txt --host --loss 1
+keeps '--plant goes with --host or --join' same.txt --watch x --plant 60
+keeps "'-1' is not a whole number" same.txt --seed -1
+keeps 'is not a whole number from 0 to 18446744073709551615' same.txt --seed 99999999999999999999
+keeps "'-1' is not a whole number" same.txt --size -1
+expect 0 run rollback-arena --ticks 60 --record same.lsr
+ln same.lsr link.lsr
+expect 0 run stack --ticks 0 --record nothing.lsr
+shows 1 nothing.lsr
+grep -q 'no tick was compared' out || fail "a recording of no tick is called: $(cat out)"
+if [ -f "$samples/gem.stl" ] && "$lockstone" cook "$samples/gem.stl" -o gem.lsa >/dev/null 2>&1; then
+    sum=$(sha256sum gem.lsa) status=0
+    "$demo" --asset gem.lsa --record gem.lsa --offscreen --script --ticks 5 >out 2>err || status=$?
+    [ $status -eq 2 ] && [ "$(sha256sum gem.lsa)" = "$sum" ] || fail "an asset is written over by its recording: $(cat out err)"
+fi
+for way in "" --netplay; do
+    # shellcheck disable=SC2086
+    {
+        keeps 'is what is read from' same.txt $way --input same.txt --record same.txt
+        keeps 'is what is read from' same.lsr $way --input same.lsr --record ./same.lsr
+        keeps 'is what is read from' same.lsr $way --input same.lsr --record link.lsr
+        keeps 'nowhere/x.lsr: cannot write' same.lsr $way --record nowhere/x.lsr
+    }
+done
 echo "ok"

@@ -205,6 +205,10 @@ TEST_CASE("headers beyond the limits are written by nobody") {
     CHECK(refuse([](Header& h) { h.input_size = 65; }) == "cannot record: input size is 65, must be 0..64");
     CHECK(refuse([](Header& h) { h.game = "a\x1b[2J"; }) ==
           "cannot record: game holds the control character 27 at 1");
+    CHECK(refuse([](Header& h) { h.game = "a\xc2\x9b[2J"; }) ==
+          "cannot record: game holds the control character 155 at 1");
+    CHECK(refuse([](Header& h) { h.mode = Mode::commands, h.content_id = 1; }) ==
+          "cannot record: content id is 1, must be 0 in a recording of commands");
     CHECK(refuse([](Header& h) { h.tick_rate = 0; }) == "cannot record: tick rate is 0, must be 1..1000");
     CHECK(refuse([](Header& h) { h.tick_rate = 50; }) ==
           "cannot record: the header's tick rate is 50, the world's is 60");

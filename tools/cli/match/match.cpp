@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <iterator>
 
 namespace lockstone::cli {
 namespace {
@@ -32,7 +33,7 @@ void describe(CLI::App& command, Args& args) {
     add_number(command, "--loss", args.loss_percent, "packets that are lost [%]", 0, 99);
     add_number(command, "--latency", args.latency_ms, "one way [ms]", 0, 10000);
     add_number(command, "--jitter", args.jitter_ms, "added, up to [ms]", 0, 10000);
-    add_number(command, "--ticks", args.ticks, "that every peer has to confirm", 1, UINT64_MAX);
+    add_number(command, "--ticks", args.ticks, "that every peer has to confirm", 1, match_ticks_max);
     add_number(command, "--watchers", args.watchers,
                "machines that watch machine 1, and join one after the other", 0, 64);
     add_flag(command, "--relayed", args.relayed,
@@ -62,18 +63,44 @@ struct Seeds {
     std::uint64_t first, last;
 };
 Result<Seeds> parse_seeds(const std::string& text) {
-    unsigned long long first = 0, last = 0;
-    int read = 0;
-    const bool range = std::sscanf(text.c_str(), "%llu..%llu%n", &first, &last, &read) == 2;
-    if (!range && std::sscanf(text.c_str(), "%llu%n", &first, &read) == 1) last = first;
-    if (text.empty() || text.front() == '-' || static_cast<std::size_t>(read) != text.size() || last < first)
-        return Error{"--seeds " + text + ": is not A..B with A at most B"};
-    return Seeds{first, last};
+    const std::size_t dots = text.find("..");
+    const auto first = number_of(std::string_view(text).substr(0, dots)),
+               last = dots == std::string::npos ? first : number_of(std::string_view(text).substr(dots + 2));
+    if (!first || !last || *last < *first)
+        return Error{"--seeds " + text + ": is not A..B with A at most B, both at most " +
+                     std::to_string(UINT64_MAX)};
+    return Seeds{*first, *last};
 }
 
 /// One that was there from the start to the end, and so has all ticks.
 auto there_throughout(const MatchOutcome& match) {
     return std::ranges::find(match.peers, std::uint64_t{0}, &PeerOutcome::first);
+}
+
+/// Whether one of the two has taken the other for gone by that tick: then each goes on in a match of its own.
+bool have_parted(const MatchOutcome& match, PeerId a, PeerId b, std::uint64_t tick) {
+    return std::ranges::any_of(match.departures, [&](const Departure& d) {
+        return d.tick <= tick && ((d.told_by == a && d.gone == b) || (d.told_by == b && d.gone == a));
+    });
+}
+
+/// What two machines confirmed otherwise, in sentences that begin with `name`.
+std::vector<std::string> differences(const MatchOutcome& match, PeerId self, PeerId other,
+                                     const std::string& name) {
+    const PeerOutcome &peer = match.peers[self], &first = match.peers[other];
+    const std::string its_name = "machine " + std::to_string(other + 1);
+    std::vector<std::string> found;
+    for (std::size_t tick = peer.first; tick < first.hashes.size() && found.empty(); ++tick) {
+        if (peer.hashes[tick - peer.first] == first.hashes[tick]) continue;
+        if (have_parted(match, self, other, tick))
+            return {name + ": has lost " + its_name + ", or was lost by it: from tick " +
+                    std::to_string(tick) + " on each plays a match of its own"};
+        found.push_back(name + ": differs from " + its_name + " after tick " + std::to_string(tick));
+    }
+    const std::size_t before = first.inputs.size() - std::min(first.inputs.size(), peer.inputs.size());
+    if (!std::ranges::equal(peer.inputs, std::span(first.inputs).subspan(before)))
+        found.push_back(name + ": its confirmed inputs are not those of " + its_name);
+    return found;
 }
 
 /// What the peers of a match disagree about, with sentences; nothing when all is well.
@@ -82,18 +109,11 @@ std::vector<std::string> disagreements(const MatchOutcome& match, const Game& ga
     const auto first_there = there_throughout(match);
     if (first_there == match.peers.end()) return {"nobody was there from the start to the end"};
     const PeerOutcome& first = *first_there;
-    const std::string its_name = "machine " + std::to_string(first_there - match.peers.begin() + 1);
-    for (std::size_t p = 0; p < match.peers.size(); ++p) {
+    const auto other = static_cast<PeerId>(first_there - match.peers.begin());
+    for (PeerId p = 0; p < match.peers.size(); ++p) {
         const PeerOutcome& peer = match.peers[p];
         const std::string name = "seed " + std::to_string(seed) + ", machine " + std::to_string(p + 1);
-        for (std::size_t tick = peer.first; tick < first.hashes.size(); ++tick)
-            if (peer.hashes[tick - peer.first] != first.hashes[tick]) {
-                found.push_back(name + ": differs from " + its_name + " after tick " + std::to_string(tick));
-                break;
-            }
-        const std::size_t before = first.inputs.size() - std::min(first.inputs.size(), peer.inputs.size());
-        if (!std::ranges::equal(peer.inputs, std::span(first.inputs).subspan(before)))
-            found.push_back(name + ": its confirmed inputs are not those of " + its_name);
+        std::ranges::move(differences(match, p, other, name), std::back_inserter(found));
         if (peer.recording.empty()) continue;
         const auto recording = replay::Recording::from_bytes(peer.recording, name);
         if (!recording)
@@ -104,14 +124,18 @@ std::vector<std::string> disagreements(const MatchOutcome& match, const Game& ga
     for (std::size_t w = 0; w < match.watched.size(); ++w)
         if (!std::equal(first.hashes.begin(), first.hashes.end(), match.watched[w].begin()))
             found.push_back("seed " + std::to_string(seed) + ", watcher " + std::to_string(w + 1) +
-                            ": has seen another match than " + its_name);
+                            ": has seen another match than machine " + std::to_string(other + 1));
     return found;
+}
+
+std::string recording_name(const std::string& prefix, std::uint64_t seed, std::size_t machine) {
+    return prefix + "-" + std::to_string(seed) + "-" + std::to_string(machine + 1) + ".lsr";
 }
 
 Status write_recordings(const MatchOutcome& match, const std::string& prefix, std::uint64_t seed) {
     for (std::size_t p = 0; p < match.peers.size(); ++p) {
         if (match.peers[p].recording.empty()) continue;
-        const std::string path = prefix + "-" + std::to_string(seed) + "-" + std::to_string(p + 1) + ".lsr";
+        const std::string path = recording_name(prefix, seed, p);
         Result<replay::FileSink> sink = replay::FileSink::create(path);
         if (!sink) return sink.error();
         if (Status s = sink->append(match.peers[p].recording); !s) return s;
@@ -218,6 +242,8 @@ Result<bool> play_seed(const Args& args, std::uint64_t seed, std::uint64_t ticks
         if (Status s = write_recordings(played->match, args.record_prefix, seed); !s) return s.error();
     progress.wipe();
     for (const std::string& sentence : found) std::printf("%s\n", sentence.c_str());
+    if (played && !found.empty()) // what went before it
+        for (const std::string& note : played->match.notes) std::printf("  %s\n", note.c_str());
     if (found.empty()) print_summary(played->match, chaos.def, seed);
     if (args.chaos && !found.empty()) {
         std::printf("seed %llu: %s\n", static_cast<unsigned long long>(seed), told(chaos).c_str());
@@ -236,19 +262,35 @@ Status check_kinds(const Args& args) {
     return {};
 }
 
+std::string scenes_with_players() {
+    std::string names;
+    for (const SceneInfo& info : scenes())
+        if (info.players_max > 1) names += (names.empty() ? ": " : ", ") + std::string(info.name);
+    return names;
+}
+
 Result<Exit> match(const Args& args) {
     const Result<Seeds> seeds = parse_seeds(args.seeds);
     if (!seeds) return seeds.error();
     if (Status known = check_kinds(args); !known) return known.error();
+    const SceneInfo* info = find_scene(args.scene);
+    if (info != nullptr && info->players_max == 0)
+        return Error{args.scene + ": nobody plays in it; a match needs a scene with players" +
+                     scenes_with_players()};
+    if (args.relayed && args.watchers == 0 && !args.chaos)
+        return Error{"--relayed: nobody watches: give --watchers"};
+    if (!args.record_prefix.empty()) // of the first match; before it is played
+        if (Status can = check_outputs({recording_name(args.record_prefix, seeds->first, 0)}); !can)
+            return can.error();
     Exit exit = Exit::good;
-    const std::uint64_t count = seeds->last - seeds->first + 1;
-    Progress progress("matches", count > ~std::uint64_t{0} / args.ticks ? 0 : count * args.ticks);
-    for (std::uint64_t seed = seeds->first; seed <= seeds->last; ++seed) {
-        const Result<bool> agreed = play_seed(args, seed, (seed - seeds->first) * args.ticks, progress);
+    const std::uint64_t others = seeds->last - seeds->first; // besides the first: their number always fits
+    Progress progress("matches", others >= UINT64_MAX / args.ticks ? 0 : (others + 1) * args.ticks);
+    for (std::uint64_t n = 0;; ++n) {
+        const Result<bool> agreed = play_seed(args, seeds->first + n, n * args.ticks, progress);
         if (!agreed) return agreed.error();
         if (!*agreed) exit = Exit::check_failed;
+        if (n == others) return exit;
     }
-    return exit;
 }
 
 } // namespace

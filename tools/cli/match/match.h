@@ -11,11 +11,14 @@
 
 namespace lockstone::cli {
 
+/// Half a year at 60 Hz: more frames than that nobody waits for, and their number fits.
+inline constexpr std::uint64_t match_ticks_max = 1'000'000'000;
+
 enum class MatchMode { rollback, lockstep };
 
 struct MatchDef {
     std::uint64_t seed = 1;
-    std::uint64_t ticks = 600; ///< that every peer has to confirm
+    std::uint64_t ticks = 600; ///< that every peer has to confirm, 1..match_ticks_max
     MatchMode mode = MatchMode::rollback;
     LinkDef link;
     std::vector<LinkDef> links; ///< in place of `link`, where it is not empty: by from * machines + to
@@ -68,13 +71,20 @@ struct PeerOutcome {
     SessionStats stats;
 };
 
+/// A machine that took another for gone, and played on without it.
+struct Departure {
+    PeerId told_by, gone;
+    std::uint64_t tick; ///< from which on the other's inputs are zero
+};
+
 struct MatchOutcome {
     std::vector<PeerOutcome> peers;
     std::vector<std::vector<std::uint64_t>> watched; ///< by watcher: hashes, by tick
     std::vector<std::string> broken; ///< what sessions reported, and what they may not do and did
     std::uint32_t recoveries = 0;    ///< of machines that others differed from
     std::vector<std::string> notes;  ///< who left, and whose match stopped
-    std::uint64_t milliseconds = 0;  ///< of simulated time
+    std::vector<Departure> departures;
+    std::uint64_t milliseconds = 0; ///< of simulated time
 };
 
 /// One peer per player of the game. Errors: the match did not get through in a generous time.

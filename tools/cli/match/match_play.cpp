@@ -229,15 +229,18 @@ void run_frame(Peer& peer, PeerId self, const Game& game, const MatchDef& def, s
             desyncs.push_back(machine_name(self) + ": " + to_string(*named->report));
         if (const auto* stopped = std::get_if<MatchStopped>(&*notice))
             out.notes.push_back(machine_name(self) + ": " + stopped->reason);
-        if (const auto* gone = std::get_if<PlayerDisconnected>(&*notice))
+        if (const auto* gone = std::get_if<PlayerDisconnected>(&*notice)) {
+            out.departures.push_back({self, gone->peer, gone->tick});
             out.notes.push_back(machine_name(self) + ": player " + std::to_string(gone->player + 1) +
                                 " left at tick " + std::to_string(gone->tick) + ", at " +
                                 std::to_string(now_ms) + " ms");
+        }
         if (const auto* desync = std::get_if<Desync>(&*notice)) {
             peer.differs |= 1u << desync->peer;
             desyncs.push_back(machine_name(self) + " and " + machine_name(desync->peer) +
-                              " differ after tick " + std::to_string(desync->tick) + ": " +
-                              hash_text(desync->local) + " against " + hash_text(desync->remote));
+                              " differ after tick " + std::to_string(desync->tick) +
+                              ": lower half of the hash " + half_hash_text(desync->local) + " against " +
+                              half_hash_text(desync->remote));
         }
     }
 }

@@ -34,15 +34,43 @@ std::uint64_t ticks_after(const Args& args, const replay::Recording& recording) 
     return args.input.empty() ? 0 : recording.end_tick() - args.at;
 }
 
-Result<World> branch_with_inputs(const Args& args, const Loaded& loaded, replay::Sink& sink,
-                                 const Interrupt& interrupt) {
+/// What the players do from there on; nothing where there are none. Errors come before the output is touched.
+Result<std::optional<InputSource>> inputs_of(const Args& args, const Loaded& loaded) {
+    if (loaded.game == nullptr) {
+        if (args.input.empty()) return std::optional<InputSource>();
+        return Error{args.file + ": holds commands, not inputs; --input has no place in it"};
+    }
     Result<InputSource> source = args.input.empty() ? Result<InputSource>(InputSource::idle(*loaded.game))
                                                     : InputSource::open(*loaded.game, args.input);
     if (!source) return source.error();
+    return std::optional<InputSource>(std::move(*source));
+}
+
+/// A file that is created when the first bytes come: what stood there before is kept where there are none.
+class LateSink final : public replay::Sink {
+  public:
+    explicit LateSink(std::string where) : path(std::move(where)) {}
+    Status append(std::span<const std::byte> bytes) override {
+        if (!file) {
+            Result<replay::FileSink> created = replay::FileSink::create(path);
+            if (!created) return created.error();
+            file.emplace(std::move(*created));
+        }
+        return file->append(bytes);
+    }
+    Status close() override { return file ? file->close() : Status{}; }
+
+  private:
+    std::string path;
+    std::optional<replay::FileSink> file;
+};
+
+Result<World> branch_with_inputs(const Args& args, const Loaded& loaded, InputSource& source,
+                                 replay::Sink& sink, const Interrupt& interrupt) {
     Result<replay::InputBranch> branch = replay::branch_inputs(loaded.recording, *loaded.game, args.at, sink);
     if (!branch) return branch.error();
     for (std::uint64_t left = ticks_after(args, loaded.recording); left > 0 && !interrupt.came(); --left) {
-        const std::span<const PlayerInput> inputs = source->at(branch->world.tick_count());
+        const std::span<const PlayerInput> inputs = source.at(branch->world.tick_count());
         if (Status s = loaded.game->advance(branch->world, inputs); !s) return s.error();
         if (Status s = branch->recorder.after_tick(branch->world, inputs); !s) return s.error();
     }
@@ -52,8 +80,6 @@ Result<World> branch_with_inputs(const Args& args, const Loaded& loaded, replay:
 
 Result<World> branch_without_game(const Args& args, const Loaded& loaded, replay::Sink& sink,
                                   const Interrupt& interrupt) {
-    if (!args.input.empty())
-        return Error{args.file + ": holds commands, not inputs; --input has no place in it"};
     Result<replay::CommandBranch> branch = replay::branch_commands(loaded.recording, args.at, sink);
     if (!branch) return branch.error();
     World world = std::move(branch->world);
@@ -66,19 +92,19 @@ Result<World> branch_without_game(const Args& args, const Loaded& loaded, replay
 }
 
 Result<Exit> branch(const Args& args) {
-    for (const std::string& source : {args.file, args.input})
-        if (Status s = check_output(args.out, source); !s) return s.error();
+    if (Status s = check_outputs({args.out}, {args.file, args.input}); !s) return s.error();
     const Result<Loaded> loaded = load(args.file, args.limits.limits());
     if (!loaded) return loaded.error();
     const replay::Recording& recording = loaded->recording;
     if (args.at < recording.start_tick() || args.at > recording.end_tick())
         return Error{args.file + ": holds ticks " + std::to_string(recording.start_tick()) + " to " +
                      std::to_string(recording.end_tick()) + ", not " + std::to_string(args.at)};
-    Result<replay::FileSink> sink = replay::FileSink::create(args.out);
-    if (!sink) return sink.error();
+    Result<std::optional<InputSource>> source = inputs_of(args, *loaded);
+    if (!source) return source.error();
+    LateSink sink(args.out);
     const Interrupt interrupt;
-    const Result<World> world = loaded->game ? branch_with_inputs(args, *loaded, *sink, interrupt)
-                                             : branch_without_game(args, *loaded, *sink, interrupt);
+    const Result<World> world = *source ? branch_with_inputs(args, *loaded, **source, sink, interrupt)
+                                        : branch_without_game(args, *loaded, sink, interrupt);
     if (!world) return world.error();
     std::printf("%s: ticks to %llu from %s, to %llu its own, hash %s\n", args.out.c_str(),
                 static_cast<unsigned long long>(args.at), args.file.c_str(),

@@ -20,7 +20,7 @@ void describe(CLI::App& command, Args& args) {
 }
 
 Result<Exit> repair(const Args& args) {
-    if (Status s = check_output(args.out, args.file); !s) return s.error();
+    if (Status s = check_outputs({args.out}, {args.file}); !s) return s.error();
     const Result<replay::Recording> recording =
         replay::Recording::open(args.file, replay::OnDamage::recover, args.limits.limits());
     if (!recording) return recording.error();

@@ -48,6 +48,7 @@ Exit parted(const std::string& file, std::uint64_t tick, const World& world, std
 }
 
 Result<Exit> play(const ReplayArgs& args) {
+    if (Status s = check_outputs({args.hashes}, {args.file}); !s) return s.error();
     const Result<Loaded> loaded = load(args.file, args.limits.limits());
     if (!loaded) return loaded.error();
     const Result<Range> range = range_of(args, loaded->recording);
@@ -71,9 +72,15 @@ Result<Exit> play(const ReplayArgs& args) {
     }
     if (!args.hashes.empty())
         if (Status s = write_file(args.hashes, hashes); !s) return s.error();
-    std::printf("%s: ticks %llu to %llu are bit-exact, hash %s\n", args.file.c_str(),
-                static_cast<unsigned long long>(range->from), static_cast<unsigned long long>(range->to),
-                hash_text(player->world().hash()).c_str());
+    const auto from = static_cast<unsigned long long>(range->from),
+               to = static_cast<unsigned long long>(range->to);
+    const std::string hash = hash_text(player->world().hash());
+    if (from == to)
+        std::printf("%s: no tick was asked for; the state at time %llu has the recorded hash, %s\n",
+                    args.file.c_str(), to, hash.c_str());
+    else
+        std::printf("%s: ticks %llu to %llu are bit-exact, hash %s\n", args.file.c_str(), from, to,
+                    hash.c_str());
     return Exit::good;
 }
 

@@ -1,6 +1,7 @@
 // lockstone verify
 #include "cli/progress.h"
 #include "cli/recordings/recording_choice.h"
+#include "cli/text.h"
 #include "replay/verifier.h"
 #include "json/json.h"
 
@@ -24,7 +25,8 @@ void describe(CLI::App& command, Args& args) {
     add_texts(command, "FILE", args.files, "recordings (.lsr)").required();
     add_number(command, "--jobs", args.jobs, "threads per recording, each from keyframe to keyframe", 1, 256);
     add_threads(command, args.threads);
-    add_text(command, "--shard", args.shard, "I/N: part I, from 0, of N equal parts").show_default();
+    add_text(command, "--shard", args.shard, "I/N: part I, from 0, of N, each from keyframe to keyframe")
+        .show_default();
     add_flag(command, "--json", args.json, "for programs");
     describe_limits(command, args.limits);
 }
@@ -33,12 +35,13 @@ struct Shard {
     std::uint32_t part, parts;
 };
 Result<Shard> parse_shard(const std::string& text) {
-    unsigned part = 0, parts = 0;
-    int read = 0;
-    if (std::sscanf(text.c_str(), "%u/%u%n", &part, &parts, &read) != 2 ||
-        static_cast<std::size_t>(read) != text.size() || part >= parts)
-        return Error{"--shard " + text + ": is not I/N with I from 0 to N - 1"};
-    return Shard{part, parts};
+    const std::size_t slash = std::min(text.find('/'), text.size());
+    const auto part = number_of(std::string_view(text).substr(0, slash)),
+               parts = number_of(std::string_view(text).substr(std::min(slash + 1, text.size())));
+    if (!part || !parts || *part >= *parts || *parts > UINT32_MAX)
+        return Error{"--shard " + text + ": is not I/N with I from 0 to N - 1, and N at most " +
+                     std::to_string(UINT32_MAX)};
+    return Shard{static_cast<std::uint32_t>(*part), static_cast<std::uint32_t>(*parts)};
 }
 
 /// With a progress bar while it lasts.
