@@ -154,7 +154,7 @@ def packages(cells):
         if cell.build.target == "wasm":
             names |= {"wasi-libc", "libc++-19-dev-wasm32", "libc++abi-19-dev-wasm32", "libclang-rt-19-dev-wasm32"}
             names |= {"chromium"} if cell.browser else set()
-            names |= set() if shutil.which("node") else {"nodejs"}  # whoever it is of will do
+            names |= set() if shutil.which("node") else {"nodejs", "npm"}  # whoever it is of will do; the benchmark takes npm
         elif cell.build.target:
             target = TARGETS[cell.build.target]
             names |= target.packages

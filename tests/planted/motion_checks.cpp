@@ -1,7 +1,10 @@
-// What moves fast, what is far out, who wakes, and in which order contacts are solved.
+// What moves fast, what is far out, what is heavy, who wakes, in which order contacts are solved, what is torn apart, and what players
+// stand and drive on.
 #include "checks.h"
+#include "support/rigs/torn_hinge.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace planted {
 
@@ -130,6 +133,136 @@ std::string sleepers_among_many_wake() {
     return world.pose(crate).position.x > 0.01_r ? "" : "a crate that is hit sleeps on";
 }
 
+ShapeDef elastic(const Geometry& geometry, double friction) {
+    return {.geometry = geometry, .friction = scene::real(friction), .restitution = 1_r};
+}
+/// Elastic bodies part as fast as they met, wherever in a tick they touch; cubes that fall on corners gain no energy; and a ball that slides
+/// loses friction times both parts of the normal impulse.
+std::string elastic_bodies_bounce() {
+    WorldDef def = scene::weightless(WorldDef{});
+    def.bodies_max = def.shapes_max = 4, def.contacts_max = 16;
+    for (int i = 0; i < 40; ++i) {
+        World world = scene::made(World::create(def));
+        const double gap = 0.1 + i * 0.00137;
+        scene::add(world, {.pose = scene::at(-1 - gap, 0, 0), .linear_velocity = scene::vec(1.5, 0, 0)},
+                   elastic(sphere(0.5_r), 0));
+        const BodyId hit = scene::add(world, {}, elastic(sphere(0.5_r), 0));
+        for (int t = 0; t < 12; ++t) world.tick();
+        if (scene::velocity(world, hit)[0] < 1.499) return "a ball that is hit is slow";
+    }
+    for (int i = 0; i < 100; ++i) {
+        World world = scene::made(World::create(def));
+        scene::add_floor(world, elastic(plane(), 0));
+        const Quat turn = scene::turned(scene::axis_z, 37 * i) * scene::turned(scene::axis_x, 23 * i + 7);
+        scene::add(world, {.pose = scene::at(0, 1, 0, turn), .linear_velocity = scene::vec(0, -5, 0)},
+                   elastic(box(0.4_r, 0.4_r, 0.4_r), 0));
+        const double before = to_double(world.kinetic_energy());
+        for (int t = 0; t < 16; ++t) world.tick();
+        if (to_double(world.kinetic_energy()) > 1.001 * before) return "a cube gains energy";
+    }
+    World world = scene::made(World::create(def));
+    scene::add_floor(world, elastic(plane(), 0.2));
+    const BodyId ball =
+        scene::add(world, {.pose = scene::at(0, 1, 0), .linear_velocity = scene::vec(10, -5, 0)},
+                   elastic(sphere(0.5_r), 0.2));
+    for (int t = 0; t < 12; ++t) world.tick();
+    const double lost = 10 - scene::velocity(world, ball)[0];
+    return std::abs(lost - 2) < 0.001 ? "" : "a ball loses too much or too little of its slide";
+}
+
+/// A hinge that comes apart within a tick pulls as the same axes do, to a hundredth.
+std::string torn_hinges_pull() {
+    for (const JointAxis& about : {scene::turns_freely, scene::hardly_turns}) {
+        scene::TornHinge hinge(scene::hinge_with(about), 60_r), axes(scene::wheel_like_hinge(about), 60_r);
+        hinge.world.tick(), axes.world.tick();
+        if (abs(hinge.torque() - axes.torque()) > axes.torque() / Real(100))
+            return "a torn hinge pulls otherwise than its axes";
+    }
+    return {};
+}
+
+/// A ball lies on a plane far below, and a crate goes along with a platform far aside.
+std::string far_out_holds() {
+    World world = scene::made(World::create(scene::small_def()));
+    const Vec3 speed = scene::vec(0, 0, 20);
+    scene::add(world, {.kind = BodyKind::static_, .pose = scene::at(0, -40000, 0)}, {.geometry = plane()});
+    const BodyId ball = scene::add_ball(world, scene::at(0, -39999.5, 0));
+    scene::add(world, {.kind = BodyKind::kinematic, .pose = scene::at(40000, 0, 0), .linear_velocity = speed},
+               {.geometry = box(10_r, 1_r, 10_r)});
+    const BodyId crate = scene::add(world, {.pose = scene::at(40000, 1.5, 0), .linear_velocity = speed},
+                                    {.geometry = box(0.5_r, 0.5_r, 0.5_r)});
+    for (int i = 0; i < 30; ++i) world.tick();
+    if (world.pose(ball).position.y < -39999.6_r) return "a ball falls through a plane far below";
+    return world.pose(crate).position.y > 1.4_r ? "" : "a crate falls through a platform far aside";
+}
+
+/// The force of the joint on which a hundred thousand tons hang.
+std::string heavy_joints_tell() {
+    World world = scene::made(World::create(scene::small_def()));
+    const BodyId ball =
+        scene::add(world, {.pose = scene::at(0, -1, 0), .mass = 100000000_r}, {.geometry = sphere(0.3_r)});
+    const JointId joint = scene::made(world.create_joint(ball_joint(), {}, ball, scene::at(0, 0, 0)));
+    world.tick();
+    return abs(world.joint_state(joint).force.y - 981000000_r) < 9810000_r
+               ? ""
+               : "a joint tells another force than the weight";
+}
+
+/// A hinge that turns by more than a half turn in a tick.
+std::string fast_hinges_count() {
+    World world = scene::made(World::create(scene::weightless()));
+    const BodyId ball =
+        scene::add(world, {.angular_velocity = scene::vec(200, 0, 0)}, {.geometry = sphere(0.05_r)});
+    const JointId joint = scene::made(world.create_joint(hinge_joint(), {}, ball, scene::at(0, 0, 0)));
+    for (int i = 0; i < 30; ++i) world.tick();
+    return abs(world.joint_state(joint).position[about_x] - 100_r) < 1_r ? "" : "a hinge has lost turns";
+}
+
+std::string conveyors_carry() {
+    World world = scene::made(World::create(scene::small_def()));
+    scene::add(world, {.kind = BodyKind::static_, .pose = scene::at(0, -0.5, 0)},
+               {.geometry = box(20_r, 0.5_r, 5_r), .surface_velocity = scene::vec(2, 0, 0)});
+    CharacterDef def;
+    def.position = scene::vec(0, 0.01, 0);
+    const CharacterId character = scene::made(world.create_character(def));
+    for (int i = 0; i < 60; ++i) world.tick();
+    return world.pose(world.body_of(character)).position.x > 1.5_r
+               ? ""
+               : "a conveyor leaves a character where it is";
+}
+
+std::string cars_park() {
+    WorldDef def = scene::small_def();
+    def.sleeping = 1;
+    World world = scene::made(World::create(def));
+    scene::add_floor(world);
+    const BodyId body = scene::add(world, {.pose = scene::at(0, 0.8, 0), .mass = 1200_r},
+                                   {.geometry = box(0.8_r, 0.3_r, 2_r)});
+    VehicleDef car = four_wheels(body, scene::vec(0.75, -0.3, 1.4));
+    car.cast = WheelCast::cylinder;
+    scene::made(world.create_vehicle(car));
+    for (int i = 0; i < 600; ++i) world.tick();
+    return world.is_awake(body) ? "a parked car does not come to rest" : "";
+}
+
+/// A ball rolls over the joint of two flush boxes, as over one.
+std::string passing_is_free() {
+    World world = scene::made(World::create(scene::small_def()));
+    for (const double side : {-20.0, 20.0})
+        scene::add(world, {.kind = BodyKind::static_, .pose = scene::at(side, -1, 0)},
+                   {.geometry = box(20_r, 1_r, 20_r)});
+    const BodyId ball = scene::add(world,
+                                   {.pose = scene::at(-1.6, 0.1, 0.13),
+                                    .linear_velocity = scene::vec(5, 0, 0),
+                                    .angular_velocity = scene::vec(0, 0, -50)},
+                                   {.geometry = sphere(0.1_r)});
+    for (int i = 0; i < 60; ++i) {
+        world.tick();
+        if (world.pose(ball).position.y > 0.11_r) return "a ball hops over the joint of two flush boxes";
+    }
+    return {};
+}
+
 } // namespace
 
 Checks motion_checks() {
@@ -140,7 +273,15 @@ Checks motion_checks() {
             {"posts stop what turns fast", posts_stop_rods},
             {"corners that close are contacts", corners_close},
             {"who sleeps among many is woken", sleepers_among_many_wake},
-            {"the order of contacts is followed", order_is_followed}};
+            {"the order of contacts is followed", order_is_followed},
+            {"elastic bodies bounce", elastic_bodies_bounce},
+            {"torn hinges pull", torn_hinges_pull},
+            {"what is far out is held", far_out_holds},
+            {"heavy joints tell their load", heavy_joints_tell},
+            {"fast hinges count their turns", fast_hinges_count},
+            {"conveyors carry characters", conveyors_carry},
+            {"cars on cylinders park", cars_park},
+            {"what passes is not run into", passing_is_free}};
 }
 
 } // namespace planted

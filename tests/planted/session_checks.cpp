@@ -3,6 +3,7 @@
 #include "session/join/join_scenes.h"
 #include "session/join/relayed_scenes.h"
 #include "session/run_ahead.h"
+#include "support/rigs/snap_game.h"
 
 namespace planted {
 
@@ -61,6 +62,11 @@ std::string hostile_peers() {
     return {};
 }
 
+std::string broken_joints_are_told() {
+    const test::Snapped snapped = test::run_snap_game();
+    return snapped.told == snapped.joints ? "" : "a session does not tell which joints break";
+}
+
 } // namespace
 
 Checks session_checks() {
@@ -68,7 +74,8 @@ Checks session_checks() {
             {"hostile peers", hostile_peers},
             {"machines come back", machines_come_back},
             {"relays serve", relays_serve},
-            {"shows ahead", shows_ahead}};
+            {"shows ahead", shows_ahead},
+            {"joints that break are told", broken_joints_are_told}};
 }
 
 } // namespace planted

@@ -1,5 +1,6 @@
 // What workers share, and what lanes do.
 #include "checks.h"
+#include "lanes/checked_lanes.h"
 #include "support/task_worlds.h"
 
 namespace planted {
@@ -61,12 +62,27 @@ std::string instruction_sets_agree() {
     return {};
 }
 
+/// Of the plain set, which here is one that notes when a kernel reads bits of a lane that have no meaning.
+std::string lanes_have_meaning() {
+    for (const auto& [name, size] :
+         {std::pair{"convex-pile", 20u}, std::pair{"ragdolls", 1u}, std::pair{"joint-grid", 0u}}) {
+        const auto game = make_scene(name, {.size = size}).value();
+        World world = game->start().value();
+        if (!world.set_simd(Simd::scalar)) return "a world has no plain set";
+        for (int tick = 0; tick < 64; ++tick) scene::done(game->advance(world, {}));
+        if (LaneFaults::count != 0)
+            return std::string(name) + ": bits without a meaning are read: " + LaneFaults::first.load();
+    }
+    return {};
+}
+
 } // namespace
 
 Checks thread_checks() {
     return {{"strands agree", strands_agree},
             {"islands agree", islands_agree},
-            {"instruction sets agree", instruction_sets_agree}};
+            {"instruction sets agree", instruction_sets_agree},
+            {"lanes have a meaning", lanes_have_meaning}};
 }
 
 } // namespace planted

@@ -1,43 +1,54 @@
-"""Every header compiles alone: the public ones, the layers' and the replay's. Where a source of the same name begins with it, the
-release build has shown so: its layers are compiled without precompiled headers."""
+"""Every header compiles alone: the public ones, the layers' and the replay's; with LOCKSTONE_LONG=1 every source does, too. The release build does not
+show it: it compiles several sources as one. Standard headers are compiled once for all; `includes` looks at who includes which."""
 import concurrent.futures
+import functools
 import os
-import re
+import pathlib
 import subprocess
+import tempfile
 
-INCLUDE = re.compile(r'^\s*#include\s+["<]([^">]+)[">]', re.MULTILINE)
+from includes import HOMES
+from lint import KERNELS
 
-
-def begins_a_source(tree, header):
-    name, source = tree.name(header), header.with_suffix(".cpp")
-    if not name.startswith(("src/", "replay/")) or not source.exists():
-        return False
-    first = INCLUDE.search(source.read_text())
-    return first is not None and first.group(1) in (name, name.removeprefix("src/"))
+KEPT = []  # folders, until the program ends
 
 
-def compile_alone(tree, header):
-    command = [tree.cxx, "-std=c++20", "-x", "c++-header", "-fsyntax-only", "-w", f"-I{tree.root}/include", f"-I{tree.root}/src",
-               f"-I{tree.root}", f"-I{tree.root}/tools", str(header)]
+@functools.cache
+def standard_headers(cxx):
+    """A header of all standard headers, beside what the compiler made of it."""
+    KEPT.append(tempfile.TemporaryDirectory(prefix="lockstone-headers-"))
+    header = pathlib.Path(KEPT[-1].name) / "standard.h"
+    header.write_text("".join(f"#include <{name}>\n" for name in sorted({name for homes, _ in HOMES for name in homes.split()})))
+    made = f"{header}.pch" if "clang" in cxx else f"{header}.gch"
+    subprocess.run([cxx, "-std=c++20", "-x", "c++-header", str(header), "-o", made], check=True)
+    return header
+
+
+def compile_alone(tree, path):
+    language = "c++-header" if path.suffix == ".h" else "c++"
+    command = [tree.cxx, "-std=c++20", "-fsyntax-only", "-w", *[f"-I{tree.root / folder}" for folder in ("include", "src", "", "tools")],
+               *KERNELS.get(path.name, []), "-include", str(standard_headers(tree.cxx)), "-x", language, str(path)]
     run = subprocess.run(command, capture_output=True, text=True)
     if run.returncode == 0:
         return None
     errors = [line for line in run.stderr.splitlines() if "error" in line] or run.stderr.splitlines() or ["?"]
-    return f"{tree.name(header)}:1: does not compile alone: {errors[0]}"
+    return f"{tree.name(path)}:1: does not compile alone: {errors[0]}"
 
 
 def check(tree):
-    headers = [h for h in tree.files(("include", "src", "replay", "tools/scenes"), (".h",)) if not begins_a_source(tree, h)]
+    paths = tree.files(("include", "src", "replay", "tools/scenes"), (".h",))
+    if os.environ.get("LOCKSTONE_LONG"):
+        paths += tree.files(("src", "replay"), (".cpp",))
+    standard_headers(tree.cxx)
     with concurrent.futures.ThreadPoolExecutor(min(2, os.cpu_count() or 1)) as pool:
-        return [c for c in pool.map(lambda h: compile_alone(tree, h), headers) if c]
+        return [c for c in pool.map(lambda path: compile_alone(tree, path), paths) if c]
 
 
-NEEDY = "#pragma once\nstd::uint32_t f();\n"
+OTHER = {"include/lockstone/other.h": "#pragma once\nstruct Other {};\n"}
+NEEDY = "#pragma once\nOther f();\n"
 PLANTED = [
-    ("a header that needs another before it", {"include/lockstone/x.h": NEEDY}),
-    ("one of which its source is not the first to tell", {"src/base/x.h": NEEDY, "src/base/x.cpp": '#include <cstdint>\n#include "base/x.h"\n'}),
+    ("a header that needs another before it", {**OTHER, "include/lockstone/x.h": NEEDY}),
+    ("one whose source helps it", {**OTHER, "src/base/x.h": NEEDY, "src/base/x.cpp": '#include "lockstone/other.h"\n#include "base/x.h"\n'}),
 ]
-GOOD = [
-    ("a header that its source begins with", {"src/base/x.h": NEEDY, "src/base/x.cpp": '#include "base/x.h"\n'}),
-    ("a header that includes what it uses", {"include/lockstone/x.h": "#pragma once\n#include <cstdint>\nstd::uint32_t f();\n"}),
-]
+GOOD = [("a header that includes what it uses",
+         {**OTHER, "include/lockstone/x.h": '#pragma once\n#include "lockstone/other.h"\nOther f();\nstd::uint32_t g();\n'})]

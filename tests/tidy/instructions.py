@@ -12,10 +12,10 @@ from layers import LINKS
 MAY_USE_FLOATS = ("estimate.cpp.o",)
 
 X86 = re.compile(
-    r"^(v?(add|sub|mul|div|sqrt|min|max|cmp\w*|comi|ucomi|hadd|hsub|addsub|round|rcp|rsqrt|dp|range|reduce|scalef|getexp|getmant)"
+    r"^(v?(add|sub|mul|div|sqrt|min|max|cmp\w*|comi|ucomi|hadd|hsub|addsub|round|rndscale|rcp|rcp14|rcp28|rsqrt|rsqrt14|rsqrt28|fixupimm|dp|range|reduce|scalef|getexp|getmant)"
     r"(ss|sd|ps|pd|sh|ph)|vf(n?)m(add|sub|addsub|subadd)\w+|v?cvt\w+"
     r"|f(i?add|i?sub|i?mul|i?div|sqrt|i?ld|i?st|com|ucom|chs|abs|rndint|scale|prem|sin|cos|ptan|patan|yl2x|2xm1|xch|nst|nclex|in?it)\w*)$")
-ARM64 = re.compile(r"^(f(add|sub|mul|div|sqrt|madd|msub|nmadd|nmsub|nmul|max|min|cmp|ccmp|cvt|rint|abd|recp|rsqrt|abs|neg)\w*|[su]cvtf)$")
+ARM64 = re.compile(r"^(f(add|sub|mul|mla|mls|div|sqrt|cm(eq|ge|gt|le|lt)|ac(ge|gt)|madd|msub|nmadd|nmsub|nmul|max|min|cmp|ccmp|cvt|rint|abd|recp|rsqrt|abs|neg)\w*|[su]cvtf)$")
 ARITHMETIC = {"x86-64": X86, "aarch64": ARM64}
 
 

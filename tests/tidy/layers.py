@@ -97,10 +97,14 @@ def complaints_of_cmake(tree):
     path = tree.root / "CMakeLists.txt"
     if not path.exists():
         return
-    for number, line in numbered(path.read_text()):
-        found = re.match(r"lockstone_layer\((\w+)(?: FOLDERS [\w/ ]+?)?(?: LINKS ([\w ]+))?\)", line)
+    text, told = path.read_text(), set()
+    for number, line in numbered(text):
+        found = re.match(r"\s*lockstone_layer\((\w+)(?: FOLDERS [\w/ ]+?)?(?: LINKS ([\w ]+))?\)", line)
         if found and LINKS.get(found.group(1)) != (found.group(2) or "").split():
             yield f"CMakeLists.txt:{number}: layer {found.group(1)} is not as in tests/tidy/layers.py"
+        told |= {found.group(1)} if found else set()
+    for layer in sorted(set(LINKS) - told) if "project(lockstone" in text else []:
+        yield f"CMakeLists.txt:1: layer {layer} of tests/tidy/layers.py is not there"
 
 
 def check(tree):
@@ -130,6 +134,8 @@ PLANTED = [
     ("FCL in the engine", {"src/collide/x.cpp": "#include <fcl/fcl.h>\n"}),
     ("a public header without a layer", {"include/lockstone/brand_new.h": "#pragma once\n"}),
     ("a layer that links upwards", {"CMakeLists.txt": "lockstone_layer(math LINKS base world)\n"}),
+    ("a layer within a condition", {"CMakeLists.txt": "if(X)\n    lockstone_layer(net LINKS replay)\nendif()\n"}),
+    ("layers that are gone", {"CMakeLists.txt": "project(lockstone)\nlockstone_layer(base)\n"}),
 ]
 GOOD = [
     ("includes downwards", {"src/world/x.cpp": '#include "solve/x.h"\n#include "base/x.h"\n#include "lockstone/math/vec.h"\n'}),

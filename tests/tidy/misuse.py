@@ -1,4 +1,5 @@
-"""Every public function that takes an argument is tried with wrong ones by tests/fault/misuse_*.cpp or api_extremes.cpp."""
+"""Every function of the headers below that takes an argument is called by tests/fault/misuse_*.cpp or api_extremes.cpp, which try wrong ones.
+It goes by names: whether the arguments are wrong is for who reads the test."""
 import re
 
 from tree import without_comments

@@ -6,6 +6,13 @@ from tree import numbered
 OURS = r"(?:tests|tools|demo|\.ci)/[\w./-]+"
 
 
+def options_of(text):
+    """What stands in a script's code as an option is written, `--long`, or before the parenthesis of a case, `--long)`; not in its comments."""
+    code = "\n".join(re.sub(r"(^|\s)#.*", "", line) for line in text.splitlines())
+    code = re.sub(r'"""(?:.|\n)*?"""', "", code)
+    return set(re.findall(r"(?<![\w-])--?[a-z][\w-]*(?=[)\s|'\",]|$)", code, re.MULTILINE))
+
+
 def check(tree):
     complaints = []
     for path in sorted((tree.root / ".github/workflows").glob("*.y*ml")):
@@ -16,8 +23,8 @@ def check(tree):
                 if not (tree.root / script).is_file():
                     complaints.append(f"{place}: there is no {script}")
                     continue
-                text = (tree.root / script).read_text()
-                complaints += [f"{place}: {script} does not know {o}" for o in options.split() if o.lstrip("-") not in re.findall(r"[\w-]+", text.replace("--", ""))]
+                known = options_of((tree.root / script).read_text())
+                complaints += [f"{place}: {script} does not know {o}" for o in options.split() if o not in known]
     return complaints
 
 
@@ -28,6 +35,9 @@ def workflow(command, script="print('--long')"):
 PLANTED = [
     ("a script that is gone", workflow("tests/ran --long")),
     ("an option that is gone", workflow("tests/run --quick")),
+    ("one that is a word of a comment", workflow("tests/run --quick", "# --quick was here\nprint('--long')")),
+    ("one that is a word of the description", workflow("tests/run --quick", '"""a --quick run"""\nprint(\'--long\')')),
+    ("one that is another word", workflow("tests/run --quick", "quick=1\nprint('--quicker')")),
     ("one behind an interpreter, in a table", workflow('{name: a, command: "python3 tools/gone --here"}')),
 ]
 GOOD = [
