@@ -3,10 +3,12 @@
 
 #include "lockstone/command.h"
 
+#include <tuple>
+
 namespace lockstone {
 
-/// Order within a tick: by kind, then by the pair's shape ids, then by the joint, then by body_a. At most one event of a kind per
-/// pair, joint or character and tick; of contacts_dropped, per tick.
+/// The events of one tick come in the order of `precedes`. A tick has at most one event of a kind per pair of shapes, joint, body or
+/// character, and at most one contacts_dropped.
 enum class EventKind : std::uint32_t {
     contact_begin, ///< two shapes touch that did not touch after the last tick
     contact_end,   ///< they no longer do, or one of them was destroyed
@@ -40,6 +42,13 @@ template <class V> constexpr void describe(Event& e, V&& v) {
         v("normal", e.normal);
     v("part_a", e.part_a), v("part_b", e.part_b);
     v("approach_speed", e.approach_speed), v("tick", e.tick);
+}
+
+/// The total order of the events of one tick: by kind, shape_a, shape_b, joint, body_a, body_b. World::events, sessions and recordings
+/// use this order; no two events of one tick are equal in it.
+inline bool precedes(const Event& left, const Event& right) {
+    return std::tie(left.kind, left.shape_a, left.shape_b, left.joint, left.body_a, left.body_b) <
+           std::tie(right.kind, right.shape_a, right.shape_b, right.joint, right.body_a, right.body_b);
 }
 
 /// A contact point, for drawing and reports. Its shapes may have been destroyed since the tick.

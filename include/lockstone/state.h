@@ -272,8 +272,11 @@ class State {
     /// Copies what the image does not hold yet. Allocates only for an image of none or of another layout: once for each
     /// image after the state has grown.
     void save(Image& image) const;
-    /// Of a state with the same schema whose rows are within the limits (asserted). Of this state's own images, copies
-    /// what differs, also where it has grown since.
+    /// Checks that `restore` accepts the image: a state with the same columns, fields and origin saved it. The error says which of
+    /// these differs.
+    Status can_restore(const Image& image) const;
+    /// Replaces all rows by those of the image, which can_restore accepts (asserted). Copies only the pages that differ where this
+    /// state saved the image itself, also after it has grown.
     void restore(const Image& image);
     /// Gives an image its memory ahead of the first save.
     void reserve(Image& image) const;

@@ -3,16 +3,8 @@
 #include "base/assert.h"
 
 #include <algorithm>
-#include <tuple>
 
 namespace lockstone::session {
-
-namespace {
-/// The order that World documents, then the second body: an id that a wrong timeline minted may name another body's shape.
-auto identity(const Event& e) { return std::tie(e.kind, e.shape_a, e.shape_b, e.joint, e.body_a, e.body_b); }
-
-bool in_order(const Event& a, const Event& b) { return identity(a) < identity(b); }
-} // namespace
 
 EventLedger::EventLedger(std::uint32_t window) : ring(window) {
     constexpr std::size_t usual = 32; // events a tick; more allocate, once
@@ -29,17 +21,17 @@ void EventLedger::record(std::uint64_t tick, std::span<const Event> events) {
     LOCKSTONE_ASSERT(tick >= first_open && tick < first_open + ring.size(), "tick ", tick, ", open from ",
                      first_open);
     LOCKSTONE_ASSERT(
-        std::ranges::adjacent_find(events, [](const Event& a, const Event& b) { return !in_order(a, b); }) ==
+        std::ranges::adjacent_find(events, [](const Event& a, const Event& b) { return !precedes(a, b); }) ==
             events.end(),
         "events of tick ", tick, " are out of order");
     std::vector<Entry>& before = entries(tick);
     merged.clear();
     auto old = before.begin();
     for (const Event& event : events) {
-        for (; old != before.end() && in_order(old->event, event); ++old) {
+        for (; old != before.end() && precedes(old->event, event); ++old) {
             if (old->told) merged.push_back({old->event, old->id, true, false}); // gone: to be cancelled
         }
-        if (old != before.end() && !in_order(event, old->event)) {
+        if (old != before.end() && !precedes(event, old->event)) {
             merged.push_back({event, old->id, old->told, true});
             ++old;
         } else {

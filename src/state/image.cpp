@@ -116,10 +116,18 @@ void State::save(Image& image) const {
     }
 }
 
+Status State::can_restore(const Image& image) const {
+    if (image.size() == 0) return Error{"the image is empty: nothing was saved into it"};
+    if (image.layout->schema_hash() != shared_layout->schema_hash())
+        return Error{"the image is of a state whose columns have other names or fields"};
+    if (image.origin() != shared_layout->origin())
+        return Error{"the image is of a world with another definition or other assets"};
+    return {};
+}
+
 void State::restore(const Image& image) {
-    LOCKSTONE_ASSERT(image.size() != 0, "an image that nothing was saved into");
-    LOCKSTONE_ASSERT(image.layout->schema_hash() == shared_layout->schema_hash(),
-                     "an image of another schema");
+    const Status good = can_restore(image);
+    LOCKSTONE_ASSERT(good.ok(), good.error().message);
     make_room_for(image.counts());
     // Rows beyond those of the image are zeroed by the resize.
     for (std::uint32_t table = 0; table < counts().size(); ++table) resize({table}, image.counts()[table]);

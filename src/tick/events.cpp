@@ -5,7 +5,6 @@
 #include "scene/surface.h"
 
 #include <algorithm>
-#include <tuple>
 
 namespace lockstone::sim {
 
@@ -112,11 +111,6 @@ void publish_events(Model& w, const PlacedShapes& placed, const NearPairs& near,
     events.insert(events.end(), landings.begin(), landings.end());
 }
 
-void order_events(std::vector<Event>& events) {
-    std::sort(events.begin(), events.end(), [](const Event& x, const Event& y) {
-        return std::tie(x.kind, x.shape_a, x.shape_b, x.joint, x.body_a) <
-               std::tie(y.kind, y.shape_a, y.shape_b, y.joint, y.body_a);
-    });
-}
+void order_events(std::vector<Event>& events) { std::sort(events.begin(), events.end(), precedes); }
 
 } // namespace lockstone::sim

@@ -34,24 +34,13 @@ const char* name_of(const Command& command) {
 
 namespace {
 
-/// What a ring image must have been made for, to be restored: all but the state itself. Only for this process.
-std::uint64_t origin_of(const WorldDef& def, const GameSchema& schema, const AssetLibrary& assets) {
+/// Identifies the definition and the assets of a world: State::can_restore compares it. Valid within this process only.
+std::uint64_t origin_of(const WorldDef& def, const AssetLibrary& assets) {
     base::HashStream hash;
     const sim::Config config = sim::config_of(def);
     hash.add(std::as_bytes(std::span(&config, 1)));
-    for (const GameSchema::Entry& entry : schema.entries()) {
-        hash.add(base::xxh3(entry.name));
-        hash.add(std::uint64_t{entry.row_size});
-        for (const LeafInfo& leaf : entry.leaves) {
-            hash.add(base::xxh3(leaf.name));
-            for (const std::uint64_t number :
-                 {std::uint64_t{leaf.offset}, std::uint64_t{leaf.size}, static_cast<std::uint64_t>(leaf.kind),
-                  static_cast<std::uint64_t>(leaf.fraction_bits)})
-                hash.add(number);
-        }
-    }
     for (const AssetId id : assets.ids()) hash.add(id.value);
-    return hash.digest() | 1; // 0 is nobody's
+    return hash.digest() | 1; // 0: a layout without an origin
 }
 
 } // namespace
@@ -59,7 +48,7 @@ std::uint64_t origin_of(const WorldDef& def, const GameSchema& schema, const Ass
 namespace sim {
 
 Data::Data(const WorldDef& d, const GameSchema& s, std::shared_ptr<const AssetLibrary> assets)
-    : Model(with_derived_limits(d), s, origin_of(with_derived_limits(d), s, *assets)),
+    : Model(with_derived_limits(d), s, origin_of(with_derived_limits(d), *assets)),
       placed(std::move(assets)) {
     placed.solids.use(solve::kernels_of(best_simd())->hulls);
     placed.kernel = solve::kernels_of(best_simd())->bounds;
@@ -408,9 +397,7 @@ std::uint64_t World::hash() const {
 void World::save(Image& image) const { impl->state.save(image); }
 
 Status World::can_restore(const Image& image) const {
-    if (image.size() == 0) return Error{"restore: the image is empty: nothing was saved into it"};
-    if (image.origin() != impl->state.layout().origin())
-        return Error{"restore: the image is of a world with another definition, schema or assets"};
+    if (Status s = impl->state.can_restore(image); !s) return Error{"restore: " + s.error().message};
     return {};
 }
 void World::restore(const Image& image) {

@@ -46,7 +46,8 @@ std::uint32_t ticket(std::uint32_t count) {
 int main(int argc, char** argv) {
     planted::Checks checks;
     for (const auto& room : {planted::world_checks(), planted::shape_checks(), planted::motion_checks(),
-                             planted::thread_checks(), planted::session_checks(), planted::replay_checks()})
+                             planted::thread_checks(), planted::session_checks(), planted::replay_checks(),
+                             planted::interface_checks()})
         checks.insert(checks.end(), room.begin(), room.end());
     if (argc == 2 && std::strcmp(argv[1], "--list") == 0) {
         for (const auto& [name, check] : checks) std::printf("%s\n", name.c_str());

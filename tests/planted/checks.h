@@ -18,12 +18,13 @@ using namespace lockstone::test;
 using Check = std::function<std::string()>;
 using Checks = std::vector<std::pair<std::string, Check>>;
 
-Checks world_checks();   ///< proofs, the golden table, a world and its state
-Checks shape_checks();   ///< shapes and their manifolds
-Checks motion_checks();  ///< what moves fast, what is far out, the order of contacts, what is torn apart
-Checks thread_checks();  ///< what workers share, and what lanes do
-Checks session_checks(); ///< peers, relays, those who come late
-Checks replay_checks();  ///< recordings
+Checks world_checks();     ///< proofs, the golden table, a world and its state
+Checks shape_checks();     ///< shapes and their manifolds
+Checks motion_checks();    ///< what moves fast, what is far out, the order of contacts, what is torn apart
+Checks thread_checks();    ///< what workers share, and what lanes do
+Checks session_checks();   ///< peers, relays, those who come late
+Checks replay_checks();    ///< recordings
+Checks interface_checks(); ///< wrong arguments, files and games
 
 /// The scripted pile of the tests: bodies come and go, commands of all kinds, game columns, events that are counted.
 class ScriptGame final : public Game {

@@ -3,6 +3,7 @@
 #include "session/join/join_scenes.h"
 #include "session/join/relayed_scenes.h"
 #include "session/run_ahead.h"
+#include "support/rigs/busy_game.h"
 #include "support/rigs/snap_game.h"
 
 namespace planted {
@@ -67,6 +68,23 @@ std::string broken_joints_are_told() {
     return snapped.told == snapped.joints ? "" : "a session does not tell which joints break";
 }
 
+/// The ledger of a session refuses events out of order, which ends the program.
+std::string all_kinds_are_told() {
+    const BusyGame game;
+    World world = game.start().value();
+    SimulatedNetwork network(1, {}, 1);
+    const auto session = make_rollback_session(session_def(game, 0, {0}), network.endpoint(0)).value();
+    WorldSimulation simulation(world, game);
+    SessionRunner runner(*session, simulation);
+    KindPairs pairs;
+    for (std::uint64_t frame = 0; frame < 250; ++frame) {
+        session->add_local_input(0, std::array{std::byte{}});
+        runner.frame(frame * 16);
+        pairs.see(world.events());
+    }
+    return pairs.missing().empty() ? "" : "kinds that never happened in one tick: " + pairs.missing();
+}
+
 } // namespace
 
 Checks session_checks() {
@@ -75,7 +93,8 @@ Checks session_checks() {
             {"machines come back", machines_come_back},
             {"relays serve", relays_serve},
             {"shows ahead", shows_ahead},
-            {"joints that break are told", broken_joints_are_told}};
+            {"joints that break are told", broken_joints_are_told},
+            {"every two kinds are told", all_kinds_are_told}};
 }
 
 } // namespace planted

@@ -1,6 +1,7 @@
 // Events told of, then confirmed or cancelled.
 #include "session/event_ledger.h"
 #include "session/match.h"
+#include "support/rigs/busy_game.h"
 #include "support/rigs/snap_game.h"
 
 #include <doctest/doctest.h>
@@ -135,6 +136,26 @@ TEST_CASE("two joints that break in one tick of a session are told") {
     const Snapped snapped = run_snap_game();
     CHECK(snapped.joints.size() == 2);
     CHECK(snapped.told == snapped.joints);
+}
+
+TEST_CASE("a session takes every two kinds of events that happen in one tick") {
+    const BusyGame game;
+    World world = game.start().value();
+    SimulatedNetwork network(1, {}, 1);
+    const auto session = make_rollback_session(session_def(game, 0, {0}), network.endpoint(0)).value();
+    WorldSimulation simulation(world, game);
+    SessionRunner runner(*session, simulation);
+    KindPairs pairs;
+    std::size_t happened = 0, told = 0;
+    for (std::uint64_t frame = 0; frame < 400; ++frame) {
+        session->add_local_input(0, std::array{std::byte{}});
+        runner.frame(frame * 16);
+        pairs.see(world.events());
+        happened += world.events().size(), told += runner.events().size();
+    }
+    CHECK(pairs.missing() == "");
+    CHECK(happened > 1000);
+    CHECK(told >= happened);
 }
 
 TEST_CASE("every predicted event ends exactly once, over random timelines") {

@@ -1,0 +1,92 @@
+// Wrong arguments, files and games at the interface: images of other columns, starts that differ, headers that the format forbids.
+#include "checks.h"
+#include "lockstone/math/random.h"
+#include "lockstone/prove.h"
+#include "support/small_recording.h"
+
+namespace planted {
+
+namespace {
+
+struct Points {
+    std::int32_t points;
+};
+template <class V> constexpr void describe(Points& p, V&& v) { v("points", p.points); }
+/// As large as Points.
+struct Goals {
+    std::int32_t goals;
+};
+template <class V> constexpr void describe(Goals& g, V&& v) { v("goals", g.goals); }
+
+std::string other_fields_refused() {
+    GameSchema points, goals;
+    points.add_record<Points>("game.score"), goals.add_record<Goals>("game.score");
+    const World here = scene::made(World::create({}, points));
+    Image image;
+    scene::made(World::create({}, goals)).save(image);
+    return here.can_restore(image).ok() ? "an image with other fields is accepted" : "";
+}
+
+/// Each start has another gravity.
+struct RestlessGame : SmallGame {
+    mutable int starts = 0;
+    Result<World> start() const override {
+        Result<World> world = SmallGame::start();
+        if (world) scene::done(world->set_gravity({Real(starts++), Real{}, Real{}}));
+        return world;
+    }
+};
+
+std::string starts_compared() {
+    const Proof proof = scene::made(prove(RestlessGame(), {.ticks = 4, .bits_max = 10}));
+    return proof.holds() ? "a game whose starts differ passes" : "";
+}
+
+std::string zero_streams() {
+    return lockstone::Random{}.split(3) == lockstone::Random::seeded(0).split(3)
+               ? ""
+               : "streams of a zero generator are not those of seed 0";
+}
+
+replay::Header header(replay::Mode mode) {
+    replay::Header h =
+        must(read(mode == replay::Mode::commands ? record_commands(4) : record_inputs(4))).header();
+    return h;
+}
+
+std::string forbidden_headers() {
+    replay::Header commands = header(replay::Mode::commands);
+    if (!find_fault(commands).empty()) return "a right header is refused: " + find_fault(commands);
+    commands.content_id = 1;
+    if (find_fault(commands).empty()) return "a recording of commands has a content id";
+    replay::Header inputs = header(replay::Mode::inputs);
+    inputs.game = "a\xc2\x9b[2J";
+    return find_fault(inputs).empty() ? "the name of a game holds U+009B" : "";
+}
+
+std::string forbidden_assets() {
+    const LengthVec3 corners[] = {{}, {Length(1), {}, {}}, {{}, Length(1), {}}, {{}, {}, Length(1)}};
+    const AssetBytes hull = scene::made(bake_hull(corners));
+    for (const bool commands : {true, false}) {
+        std::vector<Chunk> chunks = chunks_of(commands ? record_commands(4) : record_inputs(4));
+        const auto place =
+            chunks.begin() + static_cast<std::ptrdiff_t>(find_chunk(chunks, replay::chunk_world_def)) + 1;
+        chunks.insert(place, {replay::chunk_asset, 0, Bytes(hull.begin(), hull.end())});
+        if (read(file_of(chunks, true)).ok() != commands)
+            return commands ? "an asset in a recording of commands is refused"
+                            : "a recording of inputs has an asset";
+    }
+    return {};
+}
+
+} // namespace
+
+Checks interface_checks() {
+    return {{"images of other fields are refused", other_fields_refused},
+            {"starts are compared", starts_compared},
+            {"a zero generator has the streams of seed 0", zero_streams},
+            {"headers that the format forbids are refused", forbidden_headers},
+            {"assets in recordings of inputs are refused", forbidden_assets}};
+}
+
+} // namespace planted
