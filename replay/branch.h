@@ -1,4 +1,5 @@
 // Recordings made of recordings. What if: copied up to a time, to go on from there with other inputs or commands.
+// Also: repair makes a complete file of a damaged one, add_keyframes adds keyframes afterwards.
 #pragma once
 
 #include "replay/player.h"

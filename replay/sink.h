@@ -1,4 +1,4 @@
-// Where a recording goes: something that takes bytes at its end.
+// Where a recording goes: a file, a stream or memory. A sink appends bytes and never rewrites them.
 #pragma once
 
 #include "lockstone/result.h"

@@ -1,4 +1,5 @@
 // Re-simulates a recording and compares every tick's hash and every keyframe's bytes with what was recorded.
+// Threads or shards share the work.
 #pragma once
 
 #include "lockstone/tasks.h"

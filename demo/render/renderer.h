@@ -1,5 +1,16 @@
 #pragma once
-/// Turns frames into a picture.
+/// Turns frames into a picture: shadow map, shaded shapes, wireframe, sky, markers, overlay.
+///
+///   auto surface = Surface::display_available() ? Surface::open_window({}) : Surface::open_offscreen({});
+///   ResourceManager resources;
+///   Renderer renderer(resources);
+///   while (!surface->close_requested()) {
+///       const Input& input = surface->poll();
+///       Frame frame;                                   // filled from the simulation
+///       renderer.draw(*surface, frame);                // or several frames, each with its viewport
+///       surface->present();
+///   }
+///   surface->write_png("last.png");
 
 #include "draw_list.h"
 #include "frame.h"

@@ -1,5 +1,6 @@
 #pragma once
-/// Names to shared resources. Each file is read once.
+/// Names to shared textures, shaders and models. Each file is read once. Looks for `shaders/` and `assets/` next to the program, in
+/// `../share/lockstone/demo` seen from the program, and in the source tree.
 
 #include "render/assets/model.h"
 #include "render/gl/shader.h"

@@ -1,3 +1,4 @@
+// Ends the program when a caller takes the value of an error.
 #include "lockstone/result.h"
 
 #include "base/assert.h"

@@ -1,3 +1,4 @@
+// Exact and shortest decimal text.
 #include "lockstone/math/decimal.h"
 
 #include <charconv>

@@ -1,4 +1,4 @@
-// A character's state.
+// A character's state. src/solve/vehicles has that of vehicles.
 #pragma once
 
 #include "lockstone/play/character.h"

@@ -1,4 +1,4 @@
-// Objects come and go: slots, which ids name, and the dense rows behind them.
+// Objects come and go: slots, which ids name, and the dense rows behind them. Also the lists of joints of each body.
 #pragma once
 
 #include "model/model.h"

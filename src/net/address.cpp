@@ -1,3 +1,4 @@
+// Addresses as text.
 #include "lockstone/net.h"
 
 #include "base/text.h"

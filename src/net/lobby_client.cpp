@@ -1,3 +1,4 @@
+// The player's side of a match by a code; lobby.cpp is the relay's side.
 #include "net/relay.h"
 
 #include "base/bytes.h"

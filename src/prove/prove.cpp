@@ -1,3 +1,4 @@
+// The checks of lockstone/prove.h.
 #include "lockstone/prove.h"
 
 #include "base/assert.h"

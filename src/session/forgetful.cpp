@@ -1,3 +1,4 @@
+// The simulation of lockstone/session/forgetful.h, which restores badly.
 #include "lockstone/session/forgetful.h"
 
 #include "base/assert.h"

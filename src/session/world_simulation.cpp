@@ -1,3 +1,4 @@
+// A World and a Game as the simulation that a runner drives.
 #include "lockstone/session.h"
 
 #include "lockstone/testing.h"

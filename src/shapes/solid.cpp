@@ -1,4 +1,4 @@
-// Geometries with their assets at hand.
+// SolidCache; and the mass, the extent and the inner ball of a solid.
 #include "base/text.h"
 #include "lockstone/math/math.h"
 #include "shapes/asset/asset.h"

@@ -1,3 +1,4 @@
+// diff, dump, and to_string(Difference).
 #include "base/assert.h"
 #include "lockstone/state.h"
 #include "state/leaf_text.h"

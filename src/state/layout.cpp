@@ -1,3 +1,4 @@
+// The manifest: the places of columns, and the schema hash.
 #include "base/assert.h"
 #include "base/bytes.h"
 #include "base/hash.h"

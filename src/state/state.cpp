@@ -1,3 +1,4 @@
+// The block of a state. Edits and resizes mark the pages that they write.
 #include "lockstone/state.h"
 
 #include "base/assert.h"

@@ -1,3 +1,4 @@
+// Makes bodies, characters, joints, vehicles and fields in the order of the game's keys.
 #include "lockstone/assemble.h"
 
 #include "base/text.h"

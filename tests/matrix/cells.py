@@ -1,4 +1,4 @@
-"""The cells: what a simulation may be built by, built for and run in."""
+"""The cells, by dimension: compiler, target and host of a simulation. The planted cells have to be red."""
 import shutil
 from dataclasses import dataclass, field, replace
 

@@ -1,4 +1,4 @@
-// Convex hulls in double precision, by qhull.
+// Convex hulls in double precision, by qhull; and hulls of fewer corners with little deviation.
 #pragma once
 
 #include "cook/soup.h"

@@ -1,4 +1,5 @@
 // Points and triangles in double precision: what models hold before they are quantised. Right-handed, y up, metres.
+// Also checks of them, and even samples of their surface.
 #pragma once
 
 #include "lockstone/asset.h"

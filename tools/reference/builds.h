@@ -1,4 +1,4 @@
-// The makers of all builds; see Build.
+// The makers of all builds: the same sources, compiled with other numbers and flags. See Build.
 #pragma once
 
 #include "reference/engine/core.h"

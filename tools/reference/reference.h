@@ -5,7 +5,7 @@
 //   engine->tick();                                          as long as a tick of that world
 //   for (const reference::Body& body : engine->bodies()) draw(body.id, body.pose);      in the order of world.bodies()
 //
-// "The thesis" is Real-time Physics Simulation, whose sections, formulas and listings the comments name. Rigid bodies, damping,
+// "The thesis" is Real-time Physics Simulation. Comments name its sections, formulas and listings; this class is section 3.1, listing 1. Rigid bodies, damping,
 // the integrators of section 2.1, collision by FCL (section 3.4) and the worst-first resolver (section 4.3.2). Joints, sleeping
 // and continuous collision are not in it.
 #pragma once

@@ -1,4 +1,4 @@
-// The scenes in which the two engines are compared: built-in ones at a size that the thesis' engine can carry, and a few
+// The scenes in which the two engines are compared (section 5): built-in ones at a size that the thesis' engine can carry, and a few
 // that are known here alone, so that the tables of hashes and the matrix of builds need not hold them.
 #pragma once
 

@@ -1,5 +1,5 @@
 #pragma once
-/// A place to draw: a window, or memory when there is no display.
+/// A place to draw: a window (GLFW), or memory (EGL) when there is no display. It reads pixels and writes PNG files.
 
 #include "framebuffer.h"
 #include "image.h"

@@ -1,3 +1,4 @@
+// A UDP socket whose calls never block.
 #include "lockstone/net.h"
 
 #include "base/text.h"

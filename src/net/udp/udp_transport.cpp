@@ -1,3 +1,4 @@
+// A session's transport over a UDP socket.
 #include "net/packet.h"
 
 namespace lockstone {

@@ -1,3 +1,4 @@
+// The simulated network of lockstone/session/transport.h.
 #include "lockstone/math/random.h"
 #include "lockstone/session/transport.h"
 

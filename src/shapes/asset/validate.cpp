@@ -1,3 +1,4 @@
+// Checks a geometry: sizes, scales, and whether it names an asset. An error names the field, the value and the range.
 #include "lockstone/shape.h"
 
 #include <limits>

@@ -1,4 +1,4 @@
-// The support mapping of hulls by an instruction set.
+// The support mapping of hulls by an instruction set; src/solve/pairs has a kernel for each set.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// A triangle mesh in chunks of 32-bit local coordinates, with a tree over its triangles.
+// A triangle mesh in chunks of 32-bit local coordinates, with a tree over its triangles: neighbours, felt edges, queries.
 #pragma once
 
 #include "shapes/asset/asset.h"

@@ -1,4 +1,5 @@
 // What a body keeps through a turn without torque: its angular momentum per mass, and the spin that it has by that.
+// A quick form has room for most bodies; a wide form has room for all.
 #pragma once
 
 #include "lockstone/math/math.h"

@@ -1,3 +1,4 @@
+// The kinds of joints as tables of six axes.
 #include "lockstone/joint.h"
 
 namespace lockstone {

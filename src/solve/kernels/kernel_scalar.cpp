@@ -1,3 +1,4 @@
+// The kernels in plain integers, for every machine.
 #include "solve/bodies/kernel.h"
 #include "solve/contacts/kernel.h"
 #include "solve/joints/pack/kernel.h"

@@ -1,3 +1,4 @@
+// Finds the instruction sets of this machine.
 #include "lockstone/simd.h"
 
 #include "lockstone/compiler.h"

@@ -1,4 +1,4 @@
-// The state rows of vehicles.
+// The state rows of vehicles: definition, input, and the memory from tick to tick.
 #pragma once
 
 #include "lockstone/play/vehicle.h"

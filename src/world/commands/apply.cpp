@@ -1,3 +1,4 @@
+// Applies the commands that change existing bodies, shapes, filters, gravity and game columns.
 #include "world/commands/applier.h"
 
 #include "lockstone/math/decimal.h"

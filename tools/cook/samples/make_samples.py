@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Writes the sample models beside it: make_samples.py [FOLDER]. Metres, y up, each a closed surface but the hill."""
+"""Writes the sample models beside it: make_samples.py [FOLDER]. Metres, y up, each a closed surface but the hill.
+bracket.fbx is the bracket as assimp exports it; this script does not write it."""
 import base64
 import json
 import math

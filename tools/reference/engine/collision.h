@@ -1,4 +1,4 @@
-// One contact point on its way through the resolver: section 4.3.2 of the thesis, whose names these are.
+// One contact point on its way through the resolver: sections 2.3 and 4.3.2 of the thesis (formulas 4 to 6, listings 5 and 6), with its names.
 //
 // What the listings call but do not print (the internals, friction, the change of positions) is filled in from the book
 // that their names and the page numbers of reference [6] lead to: I. Millington, Game Physics Engine Development,

@@ -1,5 +1,5 @@
 // The thesis' engine without its collision detection, as its several builds offer it: numbers go in and come out in double
-// precision, inside they are what the build says. Nothing here knows Lockstone or FCL.
+// precision; the build chooses the numbers inside. It includes neither Lockstone nor FCL. Section 3.3.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// The integrators of section 2.1. x place, v velocity, a acceleration; q orientation, w angular velocity, b angular
+// The integrators of section 2.1, formulas 1 to 3. x place, v velocity, a acceleration; q orientation, w angular velocity, b angular
 // acceleration; h the time step, which the thesis writes as a delta t.
 //
 // "Angular velocity and orientation are updated with the same integration methods as the linear forces" (section 2.1). Damping

@@ -1,4 +1,4 @@
-// A rigid body and how it moves between contacts: sections 2.1 and 4.3.1 of the thesis, whose names these are.
+// A rigid body and how it moves between contacts: sections 2.1 and 4.3.1 of the thesis (listing 4), with its names.
 #pragma once
 
 #include "reference/engine/number.h"
