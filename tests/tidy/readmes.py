@@ -1,4 +1,5 @@
-"""Every README and specification names only files that exist, and a table of files those of its folder."""
+"""Every README and specification names only files that exist. A README has no table of files: the first comment of a file says what it is.
+Elsewhere a table of files names those of its folder."""
 import re
 
 from tree import CODE_FOLDERS, numbered
@@ -9,6 +10,7 @@ BASES = ("", "include", "src", "tools", "tests", "demo", "replay")
 MADE_BY_RUNNING = ("build/",)
 PLACEHOLDER = re.compile(r"(^|/)(NAME|FILE|SCENE|MESH|ASSET)\b")
 FOREIGN = ("xxhash.h",)
+FILE_COLUMNS = ("file", "files", "header")  # what the first column of a table of files is called
 NAME = re.compile(r"[\w.\-/*]+")
 
 
@@ -30,12 +32,16 @@ def exists(word, folder, root):
     return any((place / word).exists() for place in places)
 
 
+def is_table_of_files(line):
+    return line.startswith("|") and line.split("|")[1].strip() in FILE_COLUMNS
+
+
 def misplaced(lines, folder):
     """Names in the first column of a table of files that stand somewhere else: (line number, name)."""
     in_table = False
     for number, line in lines:
         cell = line.split("|")[1].strip() if line.startswith("|") else None
-        in_table = cell is not None and (in_table or cell in ("file", "header"))
+        in_table = cell is not None and (in_table or cell in FILE_COLUMNS)
         for name in re.findall(r"`([^`\s*]+)`", cell or "") if in_table else []:
             if name.endswith(ENDINGS) and not (folder / name).exists():
                 yield number, name
@@ -50,6 +56,8 @@ def check(tree):
                        for number, name in misplaced(numbered(path.read_text()), path.parent)]
         fenced = False
         for number, line in numbered(path.read_text()):
+            if path.name == "README.md" and is_table_of_files(line):
+                complaints.append(f"{tree.name(path)}:{number}: a table of files; the first comment of each file says what it is")
             if line.lstrip().startswith("```"):
                 fenced = not fenced
             words = re.findall(r"\]\(([^)#\s]+)", line)
@@ -67,7 +75,8 @@ PLANTED = [
     ("a file that is gone", {"README.md": "Start at `src/tick/tick.cpp`.\n", "src/world/world.cpp": ""}),
     ("a script that is gone", {"README.md": "```\ntests/run --long\n```\n", "tests/main.cpp": ""}),
     ("a link to nowhere", {"docs/a.md": "See [the spec](FORMAT.md).\n"}),
-    ("a row of a file that moved away", {"src/session/README.md": "| file | what |\n|---|---|\n| `prove.cpp` | the proof |\n", "src/prove/prove.cpp": ""}),
+    ("a table of files in a README", {"src/prove/README.md": "| file | what |\n|---|---|\n| `prove.cpp` | the proof |\n", "src/prove/prove.cpp": ""}),
+    ("a row of a file that moved away", {"src/session/walk.md": "| file | what |\n|---|---|\n| `prove.cpp` | the proof |\n", "src/prove/prove.cpp": ""}),
     ("a pattern without a match", {"tests/README.md": "`law/*.cpp` hold the algebra.\n"}),
 ]
 GOOD = [
@@ -75,7 +84,7 @@ GOOD = [
         "README.md": "`src/tick/tick.cpp`, `lockstone/math/vec.h`, `world.save()`, `0.5`, `n/a`, `build/release/bin/lockstone`\n",
         "src/tick/tick.cpp": "", "include/lockstone/math/vec.h": ""}),
     ("a table of files, and one of other things", {
-        "src/a/README.md": "| file | what |\n|---|---|\n| `b/c.h` | `src/a/b/c.h` |\n\n| tool | what |\n|---|---|\n| `d.cpp` | |\n",
+        "src/a/walk.md": "| file | what |\n|---|---|\n| `b/c.h` | `src/a/b/c.h` |\n\n| tool | what |\n|---|---|\n| `d.cpp` | |\n",
         "src/a/b/c.h": "", "src/d.cpp": ""}),
     ("code that names what the reader will write", {"README.md": '```\n#include "game.h"\ncc my_game.cpp\n```\n'}),
 ]
