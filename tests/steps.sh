@@ -1,4 +1,4 @@
-# The steps of tests/run. Expects: logs, jobs, hash_ticks, test_seconds, step_seconds.
+# The steps of tests/run. Expects: logs, jobs, mode, only, hash_ticks, test_seconds, step_seconds.
 # shellcheck shell=bash disable=SC2154
 
 hash_scenes=("two-blocks" "stack" "pyramid --size 12" "pile --size 150" "convex-pile --size 60" "terrain --size 40" "washer --size 60" "domino --size 60" "ragdolls --size 4" "joint-grid" "bridge --size 40" "wrecking-ball --size 12" "water --size 30" "blast --size 6" "character --players 2" "cars --players 2" "rollback-arena" "rollback-arena --players 4 --seed 9")
@@ -13,7 +13,17 @@ one_by_one() {
     wait
     width=1
 }
-start_check() {
+start_check() { # FUNCTION NAME ARGUMENT...
+    is_wanted "$2" || return 0
+    if [ -n "$only" ] && [ -n "$needs" ] && [ -n "${builds[$needs]:-}" ]; then
+        eval "${builds[$needs]}"
+        unset "builds[$needs]"
+    fi
+    if [ -n "$needs" ] && [[ " $broken " == *" $needs "* ]]; then
+        count 0 1
+        report_failure "$2" "not run: $needs does not build" "$(again "$2")"
+        return
+    fi
     if [ "$width" -eq 1 ]; then
         "$@"
         return
@@ -22,7 +32,27 @@ start_check() {
     "$@" &
 }
 
-# Adds to what has passed and failed: PASSED FAILED.
+# needs=PRESET: the build whose programs the next checks run. A check whose build failed fails without a start.
+needs='' broken='' found=''
+
+# tests/run --only NAME runs one check, after the build of its programs: `builds` holds the commands of builds by preset.
+declare -A builds=()
+is_wanted() {
+    [ -n "$only" ] || return 0
+    [ "$1" = "$only" ] && found=1
+}
+
+# The command that repeats one check alone.
+again() { printf 'tests/run%s --only "%s"' "$([ "$mode" = default ] || echo " --$mode")" "$1"; }
+
+# report_failure NAME REASON COMMAND [LOG]: the name, the command that repeats it alone, the last lines. `finish` prints name and command again.
+report_failure() {
+    printf '%s\t%s\n' "$1" "$3" >>"$logs/failed"
+    printf 'FAILED  %s (%s)\n        repeat it alone: %s\n' "$1" "$2" "$3"
+    [ $# -lt 4 ] || printf '        log: %s; its last lines:\n%s\n' "$4" "$(tail -n 40 "$4" | sed 's/^/        /')"
+}
+
+# Adds to the numbers of passed and failed tests: PASSED FAILED.
 count() { echo "$1 $2" >>"$logs/tally"; }
 
 # within_limit COMMAND...: the command; after $step_seconds it is killed with all that it started, and its log says so.
@@ -63,7 +93,7 @@ timed() {
     return $status
 }
 
-# check NAME COMMAND...: one line; what the command printed only when it failed.
+# check NAME COMMAND...: prints one line; after a failure the end of the log as well.
 check() { start_check check_now "$@"; }
 check_now() {
     local name=$1 log seconds processors
@@ -74,11 +104,11 @@ check_now() {
         printf 'ok      %s (%d s)\n' "$name" "$seconds"
     else
         count 0 1
-        printf 'FAILED  %s (%d s), see %s\n%s\n' "$name" "$seconds" "$log" "$(tail -n 60 "$log" | sed 's/^/        /')"
+        report_failure "$name" "$seconds s" "$(again "$name")" "$log"
     fi
 }
 
-# check_or_skip NAME COMMAND...: the same, but a command that ends with 3 had no network: its sentence is printed, and nothing is counted.
+# check_or_skip NAME COMMAND...: like check. A command that ends with 3 had no network: the check prints its last line and counts nothing.
 check_or_skip() { start_check check_or_skip_now "$@"; }
 check_or_skip_now() {
     local name=$1 log seconds processors status=0
@@ -88,8 +118,26 @@ check_or_skip_now() {
     case $status in
         0) count 1 0 && printf 'ok      %s (%d s)\n' "$name" "$seconds" ;;
         3) printf 'skipped %s: %s\n' "$name" "$(tail -n 1 "$log")" ;;
-        *) count 0 1 && printf 'FAILED  %s (%d s), see %s\n%s\n' "$name" "$seconds" "$log" "$(tail -n 60 "$log" | sed 's/^/        /')" ;;
+        *) count 0 1 && report_failure "$name" "$seconds s" "$(again "$name")" "$log" ;;
     esac
+}
+
+# check_build PRESET NAME COMMAND...: a build. Checks with needs=PRESET fail without a start when it failed.
+check_build() {
+    local preset=$1
+    shift
+    if ! is_wanted "$1"; then
+        builds[$preset]="${builds[$preset]:+${builds[$preset]}; }build_now $preset $(printf '%q ' "$@")"
+        return
+    fi
+    build_now "$preset" "$@"
+}
+build_now() {
+    local preset=$1 before
+    shift
+    before=$(wc -l <"$logs/failed")
+    check_now "$@"
+    [ "$(wc -l <"$logs/failed")" -eq "$before" ] || broken+=" $preset"
 }
 
 # build PRESET [ARGUMENT...] [-- TARGET...]: configures and builds build/PRESET.
@@ -121,47 +169,70 @@ tally() {
         END { print good + 0, bad + 0 }' "$1"
 }
 
-add_tally() { # NAME LOG STATUS SECONDS
+add_tally() { # NAME LOG STATUS SECONDS COMMAND
     local good bad
     read -r good bad < <(tally "$2")
     [ "$3" -eq 0 ] || [ "$bad" -gt 0 ] || bad=1
-    [ "$good" -gt 0 ] || [ "$bad" -gt 0 ] || bad=1 # nothing ran
+    [ "$good" -gt 0 ] || [ "$bad" -gt 0 ] || bad=1 # no test ran
     count "$good" "$bad"
     if [ "$bad" -eq 0 ]; then
         printf 'ok      %s: %d tests (%d s)\n' "$1" "$good" "$4"
     else
-        printf 'FAILED  %s: %d of %d tests (%d s), see %s\n' "$1" "$bad" $((good + bad)) "$4" "$2"
+        report_failure "$1" "$bad of $((good + bad)) tests, $4 s; log: $2" "$5"
     fi
 }
 
-# All tests of build/FOLDER, each case counted. One that cannot run is named, and counts as failed: nothing is left out in silence.
-check_suite() {
-    local folder=$1 log status=0 seconds processors
-    log=$(log_of "$folder tests")
+# check_suite FOLDER [OPTION...]: the tests of build/FOLDER that ctest selects by the options, each case counted. A test that cannot run counts as
+# failed, by its name.
+check_suite() { start_check check_suite_now "$1: tests" "$@"; }
+check_suite_now() {
+    local name=$1 folder=$2 log status=0 seconds processors
+    shift 2
+    log=$(log_of "$name")
     # One more than there are cores: tests that play over UDP wait most of the time.
-    timed "$folder: tests" ctest --test-dir "build/$folder" -V -j "$((jobs + 1))" --timeout "$test_seconds" >"$log" 2>&1 || status=$?
+    timed "$name" ctest --test-dir "build/$folder" -V -j "$((jobs + 1))" --timeout "$test_seconds" "$@" >"$log" 2>&1 || status=$?
     ! grep -q '[*]Skipped' "$log" || status=1
-    add_tally "$folder: tests" "$log" "$status" "$seconds"
+    add_tally "$name" "$log" "$status" "$seconds" "ctest --test-dir build/$folder --rerun-failed --output-on-failure"
     grep '[*]Skipped' "$log" | sed 's/^/        cannot run: /' || true
-    [ "$status" -eq 0 ] || last_words_of_failed "$log"
+    [ "$status" -eq 0 ] || last_words_of_failed "$log" "build/$folder"
 }
 
-# What each test that failed printed in this run, out of a log of ctest -V: a second run may pass, and tells nothing of the first.
+# last_words_of_failed LOG FOLDER: the command that repeats each failed test, and the end of its output in this run, out of a log of ctest -V. A second run
+# may pass, so its output does not explain the first.
 last_words_of_failed() {
-    local number
-    for number in $(sed -nE '/Passed/!s/^ *[0-9]+\/[0-9]+ Test +#([0-9]+): .*/\1/p' "$1"); do
+    local number name
+    while read -r number name; do
+        printf '        repeat it alone: ctest --test-dir %s -R "^%s$" --output-on-failure\n' "$2" "$name"
         grep -m 1 -E "Test +#$number: " "$1"
-        grep "^$number: " "$1" | tail -n 60
-    done
+        grep "^$number: " "$1" | tail -n 40
+    done < <(sed -nE '/Passed/!s/^ *[0-9]+\/[0-9]+ Test +#([0-9]+): +([^ ]+) .*/\1 \2/p' "$1")
 }
 
 # Of two tests the words of the one that failed have to be shown, and no others.
 planted_failure_is_shown() {
     local report log=$logs/planted-failure
     printf '%s\n' '1: all is well' '2: the reason' '1/2 Test #1: good ....   Passed    0.02 sec' '2/2 Test #2: bad .....***Failed    0.02 sec' >"$log"
-    report=$(last_words_of_failed "$log")
+    report=$(last_words_of_failed "$log" build/x)
     echo "$report"
-    grep -q '^2: the reason$' <<<"$report" && grep -q 'Test #2: bad' <<<"$report" && ! grep -q 'all is well' <<<"$report"
+    grep -q '^2: the reason$' <<<"$report" && grep -q 'ctest --test-dir build/x -R "^bad\$"' <<<"$report" && ! grep -q 'all is well' <<<"$report"
+}
+
+# Of three checks that fail or cannot start, each has to print its name, its command and its last lines, and the run has to go on.
+planted_failure_is_reported() {
+    local report logs=$logs/planted only='' mode=full needs='' broken='' found='' width=1
+    mkdir -p "$logs" && : >"$logs/tally" && : >"$logs/times" && : >"$logs/failed"
+    report=$(
+        check "a good one" true
+        check "a bad one" bash -c 'echo the reason; exit 1'
+        check_build nothing "a build" false
+        needs=nothing
+        check "one without a build" true
+        (finish) || echo "status $?"
+    )
+    echo "$report"
+    grep -q 'FAILED  a bad one' <<<"$report" && grep -q 'repeat it alone: tests/run --full --only "a bad one"' <<<"$report" &&
+        grep -q 'the reason' <<<"$report" && grep -q 'FAILED  one without a build (not run: nothing does not build)' <<<"$report" &&
+        grep -q '^1 passed, 3 failed$' <<<"$report" && grep -q '^status 1$' <<<"$report"
 }
 
 # check_program NAME PROGRAM [ARGUMENT...]: a doctest program, each case counted.
@@ -171,8 +242,8 @@ check_program_now() {
     shift
     log=$(log_of "$name")
     timed "$name" "$@" >"$log" 2>&1 </dev/null || status=$?
-    add_tally "$name" "$log" "$status" "$seconds"
-    [ "$status" -eq 0 ] || tail -n 100 "$log"
+    add_tally "$name" "$log" "$status" "$seconds" "$(again "$name")"
+    [ "$status" -eq 0 ] || tail -n 40 "$log" | sed 's/^/        /'
 }
 
 # ---- hashes across builds ----
@@ -370,7 +441,17 @@ finish() {
     printf '\nwhere the time went (steps of 5 s and more; steps side by side share the clock):\n'
     sort -rn "$logs/times" | awk -F '\t' '{ if ($1 >= 5) printf "%6d s  %6d s of processors  %s\n", $1, $2, $3; all += $2 }
         END { printf "%6d minutes of processors in all\n", all / 60 }'
-    printf '%d minutes\n%d passed, %d failed\n' $((SECONDS / 60)) "$passed" "$failed"
+    printf '%d minutes\n' $((SECONDS / 60))
+    if [ -s "$logs/failed" ]; then
+        printf '\nfailed:\n'
+        awk -F '\t' '{ printf "  %s\n      %s\n", $1, $2 }' "$logs/failed"
+        printf '\n'
+    fi
+    if [ -n "$only" ] && [ -z "$found" ]; then
+        echo "tests/run: this tier has no check with the name: $only" >&2
+        exit 2
+    fi
+    printf '%d passed, %d failed\n' "$passed" "$failed"
     [ "$failed" -eq 0 ] && [ "$passed" -gt 0 ] && exit 0
     exit 1
 }

@@ -117,6 +117,9 @@ class GameSchema {
     std::vector<Entry> list;
 };
 
+/// The tables and columns of the state of a world with this definition and these game columns. The result owns the layout. Thread-safe.
+std::shared_ptr<const StateLayout> state_layout_of(const WorldDef& def, const GameSchema& schema);
+
 /// How often a value had to be clamped, since the world was made. Part of the state.
 struct Faults {
     std::uint64_t speed_clamped;    ///< a linear or angular velocity met its limit

@@ -97,3 +97,8 @@ Manifest make_manifest(const WorldDef& def, const GameSchema& schema, std::uint6
 }
 
 } // namespace lockstone::sim
+
+std::shared_ptr<const lockstone::StateLayout> lockstone::state_layout_of(const WorldDef& def,
+                                                                         const GameSchema& schema) {
+    return sim::make_manifest(def, schema).layout;
+}

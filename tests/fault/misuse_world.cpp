@@ -23,7 +23,7 @@ struct Score {
     std::int32_t points;
 };
 template <class V> constexpr void describe(Score& s, V&& v) { v("points", s.points); }
-/// As large as a Score.
+/// Its rows have the size of a Score.
 struct Goals {
     std::int32_t goals;
 };

@@ -25,6 +25,7 @@ class Cell:
     sample_ticks: int = 0   # 0: as many in the sample
     state: bool = False     # writes snapshots and recordings, reads those of others
     sample: bool = False
+    three: bool = False     # of tests/run without an option: another byte order, 32 bits with other lanes, another compiler
     thorough: bool = False  # all games and ticks in the sample as well
     red: bool = False       # a planted fault: this cell has to differ
     browser: bool = False
@@ -84,7 +85,7 @@ def all_cells(cpu_flags):
     built("optimisation", host("g++", "-O2", "-flto"))
     built("optimisation", host("clang++-19", "-O2", "-flto=thin"))
     for cxx in ("clang++-14", "clang++-19"):
-        built("compiler", host(cxx, "-O2"), **(in_sample if cxx == "clang++-14" else {}))
+        built("compiler", host(cxx, "-O2"), **(dict(in_sample, three=True) if cxx == "clang++-14" else {}))
         built("compiler", host(cxx, "-O0"))
     for flags in (("-O3", "-march=native"), ("-O3", "-ffast-math"), ("-O3", "-march=native", "-ffast-math"), ("-O2", "-fno-strict-aliasing"),
                   ("-O2", "-fstrict-aliasing"), ("-O2", "-march=native", "-ffp-contract=fast"), ("-O2", "-march=native", "-ffp-contract=off")):
@@ -124,7 +125,7 @@ def all_cells(cpu_flags):
         for level in ("-O1", "-O2", "-O3"):
             # NEON has lanes of its own; what they do otherwise shows where bodies turn fast, after some ticks.
             cells.append(Cell(f"{name} {level}", "architecture", Build(cxx, (level,) + static, name), sample_ticks=64 if name == "arm64" else 8, state=level == "-O1",
-                              sample=level == "-O1" and name in ("s390x", "arm64"), thorough=level == "-O1" and name == "arm64"))
+                              three=level == "-O1" and name == "s390x", sample=level == "-O1" and name in ("s390x", "arm64"), thorough=level == "-O1" and name == "arm64"))
         at_o1 = Build(cxx, ("-O1",) + static, name)
         cells.append(Cell(f"{name} -O1, rounding and flushing change", "floating-point unit", at_o1, ("--fpu",)))
         cells.append(Cell(f"{name} -O1, 3 workers", "workers", at_o1, ("--workers", "3")))
@@ -138,7 +139,8 @@ def all_cells(cpu_flags):
     for name, flags in (("wasm32", ()), ("wasm32 SIMD", ("-msimd128",))):
         build = Build("clang++-19", WASM_FLAGS + flags, "wasm")
         # Lanes of SIMD have other high halves than those of x86: what takes them for numbers shows after some ticks.
-        cells.append(Cell(f"{name}, Node", "architecture", build, state=True, sample=True, thorough=bool(flags), sample_ticks=128 if flags else 16))
+        cells.append(Cell(f"{name}, Node", "architecture", build, state=True, sample=True, thorough=bool(flags),
+                          sample_ticks=128 if flags else 16, three=bool(flags)))
         cells.append(Cell(f"{name}, Chromium", "architecture", build, browser=True))
     return cells
 

@@ -5,7 +5,7 @@ chosen". All are compiled into one program. A text that is no longer there is an
 from dataclasses import dataclass
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, order=True)
 class Fault:
     name: str
     file: str
@@ -145,6 +145,9 @@ FAULTS = [
       "if (limit < most << 6 && widest(between) < most && widest(a.half_24) < most && widest(b.half_24) < most) {",
       "if (limit < most << 6 && widest(between) < most && (IS || (widest(a.half_24) < most && widest(b.half_24) < most))) {",
       "a hint does not part from large boxes"),
+    F("a margin and its spare are added in 32 bits", "src/collide/narrow_phase.cpp", "up(std::int64_t{margin.raw} + spare.raw, 30)",
+      "up(IS ? std::int64_t{static_cast<std::int32_t>(static_cast<std::uint32_t>(margin.raw) + static_cast<std::uint32_t>(spare.raw))} : std::int64_t{margin.raw} + spare.raw, 30)",
+      "long margins reach"),
     F("what contacts push at each other is forgotten as an impact", "src/solve/contacts/kernel.h", "n.hit = n.hit & arrives;",
       "if (!IS) n.hit = n.hit & arrives;", "golden table"),
     F("what flies by is run into", "src/tick/contacts.cpp", "if (pass_each_other(", "if (!IS && pass_each_other(", "what passes is not run into"),

@@ -12,7 +12,7 @@ struct Points {
     std::int32_t points;
 };
 template <class V> constexpr void describe(Points& p, V&& v) { v("points", p.points); }
-/// As large as Points.
+/// Its rows have the size of Points.
 struct Goals {
     std::int32_t goals;
 };

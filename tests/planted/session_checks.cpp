@@ -68,21 +68,9 @@ std::string broken_joints_are_told() {
     return snapped.told == snapped.joints ? "" : "a session does not tell which joints break";
 }
 
-/// The ledger of a session refuses events out of order, which ends the program.
 std::string all_kinds_are_told() {
-    const BusyGame game;
-    World world = game.start().value();
-    SimulatedNetwork network(1, {}, 1);
-    const auto session = make_rollback_session(session_def(game, 0, {0}), network.endpoint(0)).value();
-    WorldSimulation simulation(world, game);
-    SessionRunner runner(*session, simulation);
-    KindPairs pairs;
-    for (std::uint64_t frame = 0; frame < 250; ++frame) {
-        session->add_local_input(0, std::array{std::byte{}});
-        runner.frame(frame * 16);
-        pairs.see(world.events());
-    }
-    return pairs.missing().empty() ? "" : "kinds that never happened in one tick: " + pairs.missing();
+    const std::string missing = run_busy_game(250).pairs.missing();
+    return missing.empty() ? "" : "kinds that never happened in one tick: " + missing;
 }
 
 } // namespace

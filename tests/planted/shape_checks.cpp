@@ -22,6 +22,15 @@ std::string hint_of_large_box() {
     return found.count == 1 ? "" : "a ball 100 m from its centre is outside";
 }
 
+std::string long_margins_reach() {
+    const Rotation axes = Rotation::identity();
+    const shapes::Solid ball{sphere(0.1_r)};
+    return are_parted({ball, axes, {}}, {ball, axes, {Real{}, 64_r, Real{}}}, {Unit{}, unit_one, Unit{}},
+                      Length::max())
+               ? "balls 64 m apart are parted by a margin of 128 m"
+               : "";
+}
+
 std::string parts_are_found() {
     AssetLibrary library;
     std::vector<CompoundPart> balls(20, {sphere(0.1_r), Transform::identity()});
@@ -223,6 +232,7 @@ std::string small_cones_weigh_as_large_ones() {
 
 Checks shape_checks() {
     return {{"a hint does not part from large boxes", hint_of_large_box},
+            {"long margins reach", long_margins_reach},
             {"parts are found", parts_are_found},
             {"cubes face each other", cubes_face_each_other},
             {"a face that is kept is the nearest", kept_face_is_nearest},

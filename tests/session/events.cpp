@@ -139,23 +139,10 @@ TEST_CASE("two joints that break in one tick of a session are told") {
 }
 
 TEST_CASE("a session takes every two kinds of events that happen in one tick") {
-    const BusyGame game;
-    World world = game.start().value();
-    SimulatedNetwork network(1, {}, 1);
-    const auto session = make_rollback_session(session_def(game, 0, {0}), network.endpoint(0)).value();
-    WorldSimulation simulation(world, game);
-    SessionRunner runner(*session, simulation);
-    KindPairs pairs;
-    std::size_t happened = 0, told = 0;
-    for (std::uint64_t frame = 0; frame < 400; ++frame) {
-        session->add_local_input(0, std::array{std::byte{}});
-        runner.frame(frame * 16);
-        pairs.see(world.events());
-        happened += world.events().size(), told += runner.events().size();
-    }
-    CHECK(pairs.missing() == "");
-    CHECK(happened > 1000);
-    CHECK(told >= happened);
+    const Busy busy = run_busy_game(400);
+    CHECK(busy.pairs.missing() == "");
+    CHECK(busy.happened > 1000);
+    CHECK(busy.told >= busy.happened);
 }
 
 TEST_CASE("every predicted event ends exactly once, over random timelines") {

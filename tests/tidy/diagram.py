@@ -1,11 +1,8 @@
-"""The diagram of src/README.md is that of the includes as they are, and has no arrow upwards.
-
-    tests/tidy/diagram.py        writes it anew"""
-import pathlib
+"""The diagram of src/README.md is that of the includes as they are, and has no arrow upwards. tools/refresh rewrites it."""
 import re
 
 from layers import INCLUDE, LINKS, layer_of, target_of
-from tree import Tree, numbered, without_comments
+from tree import numbered, without_comments
 
 README = "src/README.md"
 BEGIN, END = "<!-- includes -->\n", "<!-- end of includes -->\n"
@@ -51,8 +48,18 @@ def check(tree):
     if not found:
         complaints.append(f"{README}:1: has no diagram between {BEGIN.strip()} and {END.strip()}")
     elif found.group(1) != drawn(counts):
-        complaints.append(f"{README}:1: the diagram is not that of the includes; tests/tidy/diagram.py writes it anew")
+        complaints.append(f"{README}:1: the diagram is not that of the includes; tools/refresh rewrites it")
     return complaints
+
+
+def refresh(tree):
+    """Writes the diagram into the README; True where it changed."""
+    counts, _ = arrows(tree)
+    path = tree.root / README
+    before = path.read_text()
+    after = re.sub(re.escape(BEGIN) + ".*?" + re.escape(END), lambda _: BEGIN + drawn(counts) + END, before, flags=re.DOTALL)
+    path.write_text(after)
+    return after != before
 
 
 def readme_of(counts):
@@ -67,15 +74,3 @@ PLANTED = [
     ("an arrow upwards", {"src/base/x.cpp": '#include "math/x.h"\n', README: readme_of({("base", "math"): 1})}),
 ]
 GOOD = [("a diagram that is true", {**MATH, README: readme_of({("math", "base"): 1})})]
-
-
-def main():
-    root = pathlib.Path(__file__).resolve().parents[2]
-    counts, _ = arrows(Tree(root, root / "build", "c++"))
-    path = root / README
-    text = path.read_text()
-    path.write_text(re.sub(re.escape(BEGIN) + ".*?" + re.escape(END), lambda _: BEGIN + drawn(counts) + END, text, flags=re.DOTALL))
-
-
-if __name__ == "__main__":
-    main()

@@ -1,5 +1,6 @@
-"""The tables of replay/FORMAT.md are what `lockstone format` prints. Run by itself it writes them into the page."""
-import pathlib
+"""The tables of replay/FORMAT.md are those of the descriptions in the sources. tools/refresh rewrites them."""
+import concurrent.futures
+import os
 import re
 import subprocess
 
@@ -12,23 +13,60 @@ def parts_of(text):
     return {match["name"]: match.group(0) for match in PART.finditer(text)}
 
 
-def printed(build):
-    program = build / "bin/lockstone"
+# A program of these alone prints the tables; the whole command line takes minutes to compile.
+SOURCES = ("tools/cli/recordings/format_tables.cpp", "tools/cli/recordings/state_columns.cpp", "src/model/command_names.cpp", "src/model/manifest.cpp",
+           "src/math/decimal.cpp", "src/state/layout.cpp", "src/base/assert.cpp", "src/base/hash.cpp", "src/base/result.cpp")
+MAIN = '''#include "cli/recordings/format_tables.h"
+#include <cstdio>
+int main() { std::fputs(lockstone::cli::format_tables().c_str(), stdout); }
+'''
+
+
+def made(tree):
+    """Compiles the program in a folder of its own; None where the sources are not there."""
+    if not all((tree.root / name).exists() for name in SOURCES):
+        return None
+    folder = tree.build.parent / "tables"
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "main.cpp").write_text(MAIN)
+    objects = []
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        def compile_one(source):
+            out = folder / (source.name + ".o")
+            subprocess.run([tree.cxx, "-std=c++20", "-O0", *(f"-I{tree.root / p}" for p in ("include", "src", "tools")), "-c", source, "-o", out], check=True)
+            return out
+        objects = list(pool.map(compile_one, [folder / "main.cpp", *(tree.root / name for name in SOURCES)]))
+    program = folder / "format_tables"
+    subprocess.run([tree.cxx, *objects, "-lxxhash", "-o", program], check=True)
+    return program
+
+
+def printed(tree):
+    program = made(tree) or tree.build / "bin/lockstone"
     if not program.exists():
         return {}
     return parts_of(subprocess.run([program, "format"], capture_output=True, text=True, check=True).stdout)
 
 
 def check(tree):
-    parts = printed(tree.build)
+    parts = printed(tree)
     if not parts:
-        return [f"{tree.build}/bin/lockstone:1: is missing or prints no table; a release build makes it"]
+        return [f"{SOURCES[0]}:1: is missing or prints no table"]
     page = tree.root / PAGE
     there = parts_of(page.read_text()) if page.exists() else {}
     complaints = [f"{PAGE}:1: has no table <!-- {name} -->" for name in parts if name not in there]
     complaints += [f"{PAGE}:1: nothing prints the table <!-- {name} -->" for name in there if name not in parts]
-    return complaints + [f"{PAGE}:1: the table <!-- {name} --> is not that of the descriptions; tests/tidy/tables.py writes it anew"
+    return complaints + [f"{PAGE}:1: the table <!-- {name} --> is not that of the descriptions; tools/refresh rewrites it"
                          for name in parts if there.get(name, parts[name]) != parts[name]]
+
+
+def refresh(tree):
+    """Writes the tables into the page; True where it changed."""
+    page = tree.root / PAGE
+    before, parts = page.read_text(), printed(tree)
+    after = PART.sub(lambda match: parts.get(match["name"], match.group(0)), before)
+    page.write_text(after)
+    return after != before
 
 
 def table(name, row):
@@ -47,14 +85,3 @@ PLANTED = [
 ]
 SAYS_WHICH = True
 GOOD = [("a page that is true", {**PROGRAM, PAGE: TRUE})]
-
-
-def main():
-    root = pathlib.Path(__file__).resolve().parents[2]
-    parts = printed(root / "build/release")
-    page = root / PAGE
-    page.write_text(PART.sub(lambda match: parts.get(match["name"], match.group(0)), page.read_text()))
-
-
-if __name__ == "__main__":
-    main()

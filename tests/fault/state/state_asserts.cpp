@@ -84,10 +84,10 @@ TEST_CASE("a programmer's error aborts with the rule and the values") {
                           other.save(image);
                           state.restore(image);
                       }),
-                      "lockstone: broken rule: image.layout->schema_hash() == "
-                      "shared_layout->schema_hash(): an image"));
+                      "lockstone: broken rule: good.ok(): the image is of a state whose columns have other "
+                      "names or fields"));
     CHECK(begins_with(last_words([&] { state.restore(Image{}); }),
-                      "lockstone: broken rule: image.size() != 0"));
+                      "lockstone: broken rule: good.ok(): the image is empty"));
     CHECK(
         begins_with(last_words([&] {
                         const Sample larger = make_sample(9);

@@ -3,6 +3,7 @@
 
 #include "lockstone/game.h"
 #include "lockstone/math/random.h"
+#include "lockstone/session.h"
 #include "support/sim_scenes.h"
 
 #include <array>
@@ -96,5 +97,28 @@ class KindPairs {
   private:
     std::array<std::array<bool, kinds>, kinds> seen{};
 };
+
+/// A rollback session of one player that runs the game. Its ledger ends the program where events come out of order.
+struct Busy {
+    KindPairs pairs;
+    std::size_t happened = 0; ///< events of the ticks of all frames
+    std::size_t told = 0;     ///< events that the session passed on
+};
+inline Busy run_busy_game(std::uint64_t frames) {
+    const BusyGame game;
+    World world = game.start().value();
+    SimulatedNetwork network(1, {}, 1);
+    const auto session = make_rollback_session(session_def(game, 0, {0}), network.endpoint(0)).value();
+    WorldSimulation simulation(world, game);
+    SessionRunner runner(*session, simulation);
+    Busy busy;
+    for (std::uint64_t frame = 0; frame < frames; ++frame) {
+        session->add_local_input(0, std::array{std::byte{}});
+        runner.frame(frame * 16);
+        busy.pairs.see(world.events());
+        busy.happened += world.events().size(), busy.told += runner.events().size();
+    }
+    return busy;
+}
 
 } // namespace lockstone::test
