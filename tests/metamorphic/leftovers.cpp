@@ -138,37 +138,6 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("every scene: a snapshot and a difference that went through files continue alike") {
-    const std::filesystem::path path = std::filesystem::temp_directory_path() / "lockstone_snapshot.bin";
-    const auto through_file = [&](const std::vector<std::byte>& bytes) {
-        const auto size = static_cast<std::streamsize>(bytes.size());
-        std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), size);
-        std::vector<std::byte> read(std::filesystem::file_size(path));
-        std::ifstream(path, std::ios::binary).read(reinterpret_cast<char*>(read.data()), size);
-        return read;
-    };
-    for (const SceneInfo& info : scenes()) {
-        INFO(info.name);
-        const auto game = small_scene(info);
-        ScriptedInputs inputs(*game);
-        World world = game->start().value(), by_snapshot = world.clone(), by_delta = world.clone();
-        Image start;
-        world.save(start);
-        for (int t = 0; t < tick_count; ++t) {
-            REQUIRE(game->advance(world, inputs.at(world.tick_count())).ok());
-            if (t % (is_long ? 1 : 3) != 0) continue;
-            REQUIRE(by_snapshot.restore_portable(through_file(world.save_portable())).ok());
-            REQUIRE(by_delta.restore_delta(start, through_file(world.save_delta(start))).ok());
-            for (World* w : {&by_snapshot, &by_delta}) REQUIRE(scene::difference(world, *w) == "");
-        }
-        for (World* w : {&world, &by_snapshot, &by_delta})
-            while (w->tick_count() < static_cast<std::uint64_t>(tick_count) + 3)
-                REQUIRE(game->advance(*w, inputs.at(w->tick_count())).ok());
-        for (World* w : {&by_snapshot, &by_delta}) CHECK(scene::difference(world, *w) == "");
-    }
-    std::filesystem::remove(path);
-}
-
 TEST_CASE(
     "planted fault: what is no leftover, but a cache that ticks rely on, is missed when it is meddled with") {
     CHECK_FALSE(inside_departs([](sim::Data&, int) {}));

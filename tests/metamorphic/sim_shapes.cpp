@@ -1,39 +1,10 @@
-// The contract, with shapes of every kind: restored at every tick, through a file, in another world, with its assets or
-// without.
+// Worlds with shapes of every kind, with their assets or without.
 #include "support/sim_shapes.h"
-#include "lockstone/testing.h"
 
 #include <doctest/doctest.h>
 
 using namespace lockstone;
 using namespace lockstone::test::scene;
-
-TEST_CASE("every kind of shape: a world restored at every tick is the world that never stopped") {
-    const Zoo zoo = make_zoo();
-    World straight = zoo_world(zoo), rolled_back = zoo_world(zoo);
-    Image image;
-    for (int t = 0; t < 240; ++t) {
-        straight.tick();
-        rolled_back.save(image);
-        for (int again = 0; again < 3; ++again) rolled_back.tick();
-        rolled_back.restore(image);
-        rolled_back.tick();
-        REQUIRE(difference(straight, rolled_back) == "");
-    }
-    CHECK(straight.faults() == Faults{});
-}
-
-TEST_CASE("every kind of shape: a world loaded from a portable image goes on alike") {
-    const Zoo zoo = make_zoo();
-    World straight = zoo_world(zoo);
-    for (int t = 0; t < 60; ++t) straight.tick();
-    World loaded = made(World::create(straight.def(), {}, zoo.library));
-    for (int t = 0; t < 60; ++t) {
-        done(loaded.restore_portable(straight.save_portable()));
-        straight.tick(), loaded.tick();
-        REQUIRE(difference(straight, loaded) == "");
-    }
-}
 
 TEST_CASE("a world without an asset refuses a state that names it, and says which") {
     const Zoo zoo = make_zoo();
@@ -63,23 +34,6 @@ TEST_CASE("assets added in another order, and others besides, change nothing") {
         a.tick(), b.tick();
         REQUIRE(difference(a, b) == "");
     }
-}
-
-TEST_CASE("a state without its manifolds' poses goes another way: they are state") {
-    const Zoo zoo = make_zoo();
-    World w = zoo_world(zoo);
-    for (int t = 0; t < 200; ++t) w.tick();
-    World without = w.clone();
-    State& state = testing::state_of(without);
-    const std::span<const ColumnInfo> columns = state.layout().columns();
-    for (std::uint32_t c = 0; c < columns.size(); ++c)
-        if (columns[c].name == "contact.memory") std::ranges::fill(state.edit_bytes(c), std::byte{0});
-    bool parted = false;
-    for (int t = 0; t < 30 && !parted; ++t) {
-        w.tick(), without.tick();
-        parted = difference(w, without) != "";
-    }
-    CHECK(parted);
 }
 
 TEST_CASE("a terrain costs a snapshot nothing: as many bytes with it as without") {

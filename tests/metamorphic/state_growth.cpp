@@ -74,32 +74,6 @@ TEST_CASE("what grows on the way is the same whatever it was asked for before") 
     CHECK((TableInfo{"t", 0xe0000000u, 0xffffffffu}.grown(0xe0000001u) == 0xffffffffu));
 }
 
-TEST_CASE("images of before a growth are restored after it, and those of after it before it") {
-    const Growing g = growing(0, most);
-    State state(g.layout), other(g.layout);
-    Random random(5);
-    std::vector<Image> ring(12);
-    std::vector<std::uint64_t> hashes;
-    for (std::size_t i = 0; i < ring.size(); ++i) {
-        const auto rows = static_cast<std::uint32_t>(3 + i * i * 4);
-        for (const TableId table : g.tables) state.resize(table, rows);
-        scramble(state, random);
-        hashes.push_back(state.hash());
-        state.save(ring[i]);
-    }
-    for (std::uint64_t i = 0; i < 200; ++i) {
-        const std::size_t which = random.below(12);
-        State& into = i % 3 == 0 ? other : state; // one that was never larger than what it took over
-        into.restore(ring[which]);
-        REQUIRE(into.hash() == hashes[which]);
-        State fresh(g.layout);
-        REQUIRE(fresh.restore_portable(into.save_portable()).ok());
-        REQUIRE(fresh.hash() == hashes[which]);
-        REQUIRE(into.verify_versions().ok());
-        if (random.below(4) == 0) state.save(ring[which]), hashes[which] = state.hash();
-    }
-}
-
 TEST_CASE("growing is no change: nothing is listed, and only what was written is hashed again") {
     const Growing g = growing(0, 20000);
     State state(g.layout);

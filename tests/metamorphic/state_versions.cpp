@@ -225,27 +225,4 @@ TEST_CASE("planted fault: writes that go past edit are found by the same "
 }
 #endif
 
-TEST_CASE("a save after few edits leaves the rest of the image as it was") {
-    const Wide wide = make_wide(600, 2);
-    State state(wide.layout);
-    state.resize(wide.body, 600);
-    Random random(3);
-    scramble(state, random);
-    Image image, full;
-    state.save(image);
-    const Column<Manifold> manifold{1};
-    state.edit_row(manifold, 400).key = 7;
-    state.save(image);
-    state.save(full);
-    CHECK(image == full);
-    state.edit_row(manifold, 400).key = 8;
-    state.resize(wide.body, 510); // three full pages of manifolds
-    state.save(full);
-    CHECK(!(image == full));
-    state.restore(image);
-    CHECK(state.rows(manifold)[400].key == 7);
-    state.save(full);
-    CHECK(image == full);
-}
-
 } // namespace lockstone::test

@@ -1,39 +1,76 @@
 // The checker of the contract: does a world that was moved or restored go on as the run that never stopped?
 #pragma once
 
+#include "lockstone/state.h"
 #include "support/sim_script.h"
+
+#include <functional>
+#include <string>
 
 namespace lockstone::test::scene {
 
-/// A run that never stopped: the hash after each tick and an image before it.
-struct Run {
-    Scenery scenery;
-    Integrator integrator;
-    std::vector<Image> images;
-    std::vector<std::uint64_t> hashes;
+/// A world that starts anew each time, and does before each tick what its state and its tick say.
+struct Story {
+    std::string name;
+    std::function<World()> start;
+    std::function<void(World&)> step = [](World& w) { w.tick(); };
+    int ticks = 60;         ///< of the run
+    std::size_t after = 10; ///< ticks that a restored world is followed
+    int moved_every = 1;    ///< ticks from one move to another world to the next
+    std::size_t after_move = 8;
 };
 
-inline Run run_of(Scenery scenery, int ticks, Integrator integrator = Integrator::semi_implicit_euler) {
-    Run run{scenery, integrator, {}, {}};
-    World w = start_script(scenery, integrator);
-    for (int t = 0; t <= ticks; ++t) {
+inline Story script_story(Scenery scenery, int ticks,
+                          Integrator integrator = Integrator::semi_implicit_euler) {
+    const auto all = static_cast<std::size_t>(ticks);
+    return {std::string(name_of(scenery)) + ", " + std::string(name_of(integrator)),
+            [=] { return start_script(scenery, integrator); },
+            step_script,
+            ticks,
+            all,
+            1,
+            20};
+}
+
+inline std::uint64_t hash_of_events(const World& w) {
+    std::vector<std::byte> bytes;
+    for (const Event& e : w.events())
+        append_canonical(std::as_bytes(std::span(&e, 1)), leaves_of<Event>(), bytes);
+    return hash_bytes(bytes);
+}
+
+/// A run that never stopped: the hash and the events after each tick and an image before it.
+struct Run {
+    Story story;
+    std::vector<Image> images;
+    std::vector<std::uint64_t> hashes, events;
+};
+
+inline Run run_of(const Story& story) {
+    Run run{story, {}, {}, {}};
+    World w = story.start();
+    for (int t = 0; t <= story.ticks; ++t) {
         w.save(run.images.emplace_back());
         run.hashes.push_back(w.hash());
-        if (t < ticks) step_script(w);
+        run.events.push_back(hash_of_events(w));
+        if (t < story.ticks) story.step(w);
     }
     return run;
 }
 
-/// Runs `w`, which stands at tick `from`, for at most `ticks` along the run. Empty when every hash agrees.
+/// Runs `w`, which is at tick `from`, for at most `ticks` along the run. Empty when every hash and all events agree.
 inline std::string departs(const Run& run, World& w, std::size_t from, std::size_t ticks) {
+    const std::string where = "from tick " + std::to_string(from) + ": ";
     for (std::size_t t = from;; ++t) {
         if (w.hash() != run.hashes[t]) {
-            World expected = start_script(run.scenery, run.integrator);
+            World expected = run.story.start();
             expected.restore(run.images[t]);
-            return "from tick " + std::to_string(from) + ": " + difference(expected, w);
+            return where + difference(expected, w);
         }
+        if (t != from && hash_of_events(w) != run.events[t])
+            return where + "other events at tick " + std::to_string(t);
         if (t + 1 == run.hashes.size() || t == from + ticks) return {};
-        step_script(w);
+        run.story.step(w);
     }
 }
 

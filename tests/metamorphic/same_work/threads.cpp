@@ -53,34 +53,6 @@ TEST_CASE("every scene has the same hashes when its workers are interrupted at r
     }
 }
 
-TEST_CASE("a world restored to any tick goes on alike with another number of workers") {
-    const auto pool = make_worker_pool(3);
-    ShuffledTasks shuffled(5);
-    for (const char* name : {"pile", "convex-pile", "rollback-arena", "terrain"}) {
-        INFO(name);
-        const auto game = small_scene(*find_scene(name));
-        ScriptedInputs inputs(*game);
-        World world = game->start().value();
-        World with_pool = world.clone(), with_shuffled = world.clone();
-        with_pool.set_tasks(pool.get()), with_shuffled.set_tasks(&shuffled);
-        std::vector<Image> images;
-        std::vector<std::uint64_t> hashes;
-        for (int t = 0; t < tick_count; ++t) {
-            world.save(images.emplace_back());
-            hashes.push_back(world.hash());
-            REQUIRE(game->advance(world, inputs.at(world.tick_count())).ok());
-        }
-        for (std::size_t from = 0; from + 5 < images.size(); from += 7)
-            for (World* w : {&with_pool, &with_shuffled}) {
-                w->restore(images[from]);
-                for (std::size_t t = from; t < from + 5; ++t) {
-                    REQUIRE(w->hash() == hashes[t]);
-                    REQUIRE(game->advance(*w, inputs.at(w->tick_count())).ok());
-                }
-            }
-    }
-}
-
 // Passes are shared from some hundred contacts or joints on. Ragdolls come apart while they heap up, and are closed.
 TEST_CASE("heaps, walls, ragdolls and nets that workers share have the same hashes") {
     const auto two = make_worker_pool(2), eight = make_worker_pool(8);
