@@ -110,10 +110,15 @@ bool depends(const std::string& path) {
     return swings && (path.ends_with("lower") || path.ends_with("upper") || path.ends_with("target"));
 }
 
-using Sentence = std::function<std::string(const Command&)>; ///< that a command is refused with, or empty
+/// A world's definition is no command, but its sentence begins like that of one.
+struct CreateWorld {
+    WorldDef def;
+    friend const char* name_of(const CreateWorld&) { return "world"; }
+};
 
-/// A copy of the good definition for each field with a range and each spot of it.
-template <class Def, class Make>
+/// A copy of the good definition for each field with a range and each spot of it. `sentence`: that a command is refused with, or
+/// empty.
+template <class Def, class Sentence, class Make>
 void try_ranges(const Def& good, const Sentence& sentence, Make&& command_of, Tally& tally) {
     if (const std::string all = sentence(command_of(good)); !all.empty())
         tally.faults.push_back("a good one is refused: " + all);
@@ -125,7 +130,7 @@ void try_ranges(const Def& good, const Sentence& sentence, Make&& command_of, Ta
             if (place.path.empty()) return;
             if (spot == Spot::below) ++tally.fields;
             if (!place.placed) continue;
-            const Command command = command_of(def);
+            const auto command = command_of(def);
             const std::string said = sentence(command);
             const bool names = said.starts_with(std::string(name_of(command)) + ": " + place.path);
             const bool beyond = spot == Spot::below || spot == Spot::above;
@@ -142,7 +147,7 @@ Tally try_all(const std::function<void(Command&)>& change = [](Command&) {}) {
     const BodyId chassis = made(world.create_body({}));
     Image start;
     world.save(start);
-    const Sentence sentence = [&](const Command& command) {
+    const auto sentence = [&](const Command& command) {
         Command changed = command;
         change(changed);
         world.restore(start);
@@ -151,30 +156,36 @@ Tally try_all(const std::function<void(Command&)>& change = [](Command&) {}) {
     };
     Tally tally;
     try_ranges(
-        BodyDef{}, sentence, [](const BodyDef& d) { return CreateBody{d}; }, tally);
+        BodyDef{}, sentence, [](const BodyDef& d) -> Command { return CreateBody{d}; }, tally);
     try_ranges(
         ShapeDef{}, sentence,
-        [&](const ShapeDef& d) {
+        [&](const ShapeDef& d) -> Command {
             return CreateShape{chassis, d};
         },
         tally);
     try_ranges(
-        water({}), sentence, [](const FieldDef& d) { return CreateField{d}; }, tally);
+        water({}), sentence, [](const FieldDef& d) -> Command { return CreateField{d}; }, tally);
     try_ranges(
-        ExplosionDef{}, sentence, [](const ExplosionDef& d) { return Explode{d}; }, tally);
+        ExplosionDef{}, sentence, [](const ExplosionDef& d) -> Command { return Explode{d}; }, tally);
     try_ranges(
-        CharacterDef{}, sentence, [](const CharacterDef& d) { return CreateCharacter{d}; }, tally);
+        CharacterDef{}, sentence, [](const CharacterDef& d) -> Command { return CreateCharacter{d}; }, tally);
     JointDef joint = six_dof_joint();
     joint.body_b = chassis;
     try_ranges(
-        joint, sentence, [](const JointDef& d) { return CreateJoint{d}; }, tally);
+        joint, sentence, [](const JointDef& d) -> Command { return CreateJoint{d}; }, tally);
     joint.body_a = ground;
     joint.axis[about_z].frequency = 1_r;
     try_ranges(
-        joint, sentence, [](const JointDef& d) { return CreateJoint{d}; }, tally);
+        joint, sentence, [](const JointDef& d) -> Command { return CreateJoint{d}; }, tally);
     VehicleDef car = four_wheels(chassis, {1_r, 0_r, 2_r});
     try_ranges(
-        car, sentence, [](const VehicleDef& d) { return CreateVehicle{d}; }, tally);
+        car, sentence, [](const VehicleDef& d) -> Command { return CreateVehicle{d}; }, tally);
+    const auto of_world = [](const CreateWorld& c) {
+        const Result<World> made_of_it = World::create(c.def);
+        return made_of_it ? std::string() : made_of_it.error().message;
+    };
+    try_ranges(
+        small_def(), of_world, [](const WorldDef& d) { return CreateWorld{d}; }, tally);
     return tally;
 }
 
@@ -183,7 +194,7 @@ Tally try_all(const std::function<void(Command&)>& change = [](Command&) {}) {
 TEST_CASE("every range of every definition is enforced, and the field is named") {
     const Tally tally = try_all();
     for (const std::string& fault : tally.faults) FAIL_CHECK(fault);
-    CHECK(tally.fields > 350);
+    CHECK(tally.fields > 370);
 }
 
 TEST_CASE("planted: a range that nobody checks, and a sentence about another field, are noticed") {

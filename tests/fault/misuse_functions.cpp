@@ -91,12 +91,18 @@ TEST_CASE("misuse: reading a dead body's definition, mass or filter ends the pro
 TEST_CASE("misuse: questions that make no sense are answered with nothing, and change nothing") {
     Given g;
     World& w = g.w;
+    const BodyId grounds[] = {w.create_body({.kind = BodyKind::static_}).value(),
+                              w.create_body({.kind = BodyKind::static_}).value()};
+    const ShapeId ground = w.create_shape(grounds[0], {.geometry = plane()}).value(),
+                  other = w.create_shape(grounds[1], {.geometry = plane()}).value();
     w.tick();
     const std::uint64_t hash = w.hash();
     const Transform here = Transform::identity();
     const Vec3 far{query_length_max * 2, 0_r, 0_r}, way{0_r, 1_r, 0_r};
     const Geometry whole = sphere(1_r), wrong[] = {plane(),
+                                                   sphere(Real{}),
                                                    sphere(Real(-1)),
+                                                   box(1_r, 1000_r, 1_r),
                                                    instance(ShapeKind::hull, AssetId{7}),
                                                    instance(ShapeKind::mesh, {}),
                                                    {none_of<ShapeKind>, {}, {}}};
@@ -120,6 +126,12 @@ TEST_CASE("misuse: questions that make no sense are answered with nothing, and c
     }
     CHECK_FALSE(w.nearest(whole, {{9_r, 0_r, 0_r}, Quat::identity()}, Real(-1)).has_value());
     CHECK(w.cast_ray({{}, way}, {.ignore = g.dead}).has_value()); // a dead body has no shapes to leave out
+    CHECK_FALSE(w.cast_ray({{Real::max(), Real::min(), Real::max()}, way}).has_value());
+    CHECK_FALSE(w.cast_ray_any({{}, {Real::max(), Real::min(), Real::max()}}));
+    CHECK(w.nearest(whole, {{9_r, 0_r, 0_r}, Quat{}}, Real::max()).has_value());
+    CHECK(w.distance(g.shape, ground).has_value());
+    CHECK_FALSE(w.distance(ground, other).has_value());
+    CHECK_FALSE(w.distance({g.shape.index, g.shape.generation + 1}, g.shape).has_value());
     CHECK_FALSE(w.distance(g.shape, ShapeId{}).has_value());
     CHECK_FALSE(w.distance(ShapeId{~0u, ~0u}, g.shape).has_value());
 
@@ -375,6 +387,9 @@ TEST_CASE(
 }
 
 TEST_CASE("misuse: names of values that are none are the word unknown") {
+    CHECK(std::string_view(name_of(none_of<Integrator>)) == "unknown");
+    CHECK(std::string_view(name_of(none_of<Stall>)) == "unknown");
+    CHECK(std::string_view(name_of(none_of<PacketFault>)) == "unknown");
     CHECK(std::string_view(name_of(none_of<ShapeKind>)) == "unknown");
     CHECK(std::string_view(name_of(none_of<JointKind>)) == "unknown");
     CHECK(std::string_view(name_of(none_of<RagdollPart>)) == "unknown");

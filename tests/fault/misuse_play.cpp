@@ -119,16 +119,24 @@ TEST_CASE("misuse: a tick is not run aside from a state that was never saved") {
 
 TEST_CASE("misuse: a recorder's wrong arguments are errors that say what was expected") {
     const SmallGame game;
-    replay::MemorySink sink;
+    replay::MemorySink sink, spare;
     World world = must(game.start());
     auto recorder = must(replay::InputRecorder::begin(sink, game, world));
     const SmallInputs inputs(SmallGame::script(0));
     refused("a tick too far", recorder.on_tick(1, inputs.list, 1), "tick 0 comes next");
     refused("no tick yet", recorder.after_tick(world, inputs.list), "tick 0");
     must(game.advance(world, inputs.list));
-    refused("too few inputs", recorder.on_tick(0, {}, world.hash()), "");
-    auto other = must(replay::InputRecorder::begin(sink, game, must(game.start())));
+    auto other = must(replay::InputRecorder::begin(spare, game, must(game.start())));
     refused("a keyframe of another time", other.keyframe(world), "the world stands at 1");
+    refused("too few inputs", other.on_tick(0, {}, world.hash()), "");
+    must(recorder.after_tick(world, inputs.list));
+    refused("the same tick again", recorder.after_tick(world, inputs.list), "tick 1 comes next");
+    World lighter = world.clone();
+    must(lighter.set_gravity({}));
+    refused("a keyframe of another world", recorder.keyframe(lighter), "the world's hash is");
+    must(recorder.close());
+    refused("a tick after the end", recorder.on_tick(1, inputs.list, 0), "");
+    CHECK(must(read(sink.bytes)).tick_count() == 1); // and the recording is good
 
     replay::MemorySink tape;
     const auto commands = must(replay::CommandRecorder::begin(tape, world, "small"));
@@ -137,6 +145,7 @@ TEST_CASE("misuse: a recorder's wrong arguments are errors that say what was exp
     CHECK(commands->status().ok());
     world.restore(image);
     refused("restored while recorded", commands->status(), "the world was restored to tick 1");
+    must(game.advance(world, inputs.list));
     refused("and closed", commands->close(), "restored");
 
     std::optional<World> gone = must(game.start());

@@ -43,26 +43,9 @@ void check_every_flip(const Bytes& good) {
 
 } // namespace
 
-TEST_CASE("flipping any one byte of a recording of inputs is refused with a sentence") {
-    check_every_flip(record_inputs(6, {.options = {{"seed", "7"}}, .keyframe_ticks = 4}));
-}
-
-TEST_CASE("flipping any one byte of a recording of commands is refused with a sentence") {
-    check_every_flip(record_commands(6, {.keyframe_ticks = 4}));
-}
-
-TEST_CASE("ten thousand random flips of a large recording are all refused") {
-    const Bytes good = record_inputs(2000);
-    Random random(7);
-    for (int i = 0; i < test::tries(10000); ++i) {
-        Bytes bad = good;
-        const auto at = random.below(static_cast<std::uint32_t>(good.size()));
-        bad[at] ^= static_cast<std::byte>(1 + random.below(255));
-        CAPTURE(at);
-        const auto result = read(std::move(bad));
-        REQUIRE(!result);
-        REQUIRE(is_sentence(result.error().message));
-    }
+TEST_CASE("flipping any one byte of a recording of inputs or commands is refused with a sentence") {
+    check_every_flip(record_inputs(6, {.options = {{"seed", "7"}}, .keyframe_ticks = 4, .block_ticks = 2}));
+    check_every_flip(record_commands(6, {.keyframe_ticks = 4, .block_ticks = 2}));
 }
 
 TEST_CASE("a recording cut at any byte is refused, and its whole chunks are recovered and still verify") {

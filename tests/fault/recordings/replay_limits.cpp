@@ -126,40 +126,6 @@ TEST_CASE("jobs share the limit of memory and give the verdict of one") {
     CHECK(verify(none, nullptr, {.jobs = 8}).verdict == Verdict::unusable);
 }
 
-TEST_CASE("states out of the commands' ranges are refused") {
-    World world = must(SmallGame().start());
-    const State good = world.state();
-    const auto refused = [&](std::string_view column, std::string_view leaf, std::uint64_t value) {
-        State state = good;
-        const StateLayout& layout = state.layout();
-        const ColumnInfo* const info = layout.find_column(column);
-        REQUIRE(info != nullptr);
-        const auto found = std::ranges::find(info->leaves, leaf, &LeafInfo::name);
-        REQUIRE(found != info->leaves.end());
-        const auto bytes = state.edit_bytes(static_cast<std::uint32_t>(info - layout.columns().data()));
-        for (std::size_t at = 0; at < bytes.size(); at += info->row_size) {
-            const auto row = bytes.subspan(at, info->row_size);
-            const bool is_free = std::ranges::all_of(row, [](std::byte b) { return b == std::byte{}; });
-            if (!is_free) std::memcpy(row.data() + found->offset, &value, found->size);
-        }
-        return !world.restore_portable(state.save_portable()).ok();
-    };
-    const auto raw = [](Real r) { return static_cast<std::uint64_t>(r.raw); };
-    CHECK(refused("world.header", "gravity.y", raw(Real(1001))));
-    CHECK(!refused("world.header", "gravity.y", raw(Real(-999))));
-    CHECK(refused("world.config", "gravity.y", raw(Real(-999))));
-    for (const char* leaf : {"linear_damping", "angular_damping"}) {
-        CHECK(refused("body_traits.row", leaf, raw(Real(1001))));
-        CHECK(refused("body_traits.row", leaf, raw(Real(-1))));
-        CHECK(!refused("body_traits.row", leaf, raw(Real(1000))));
-    }
-    CHECK(refused("body_traits.row", "gravity_scale", raw(Real(101))));
-    CHECK(!refused("body_traits.row", "gravity_scale", raw(Real(-100))));
-    CHECK(refused("body_traits.row", "mass_override", raw(Real(-1))));
-    CHECK(refused("body_traits.row", "mass.mass", 0)); // of a dynamic body
-    CHECK(refused("shape_traits.row", "density", 0));
-}
-
 // ---- games ---------------------------------------------------------------------------------------------------
 
 namespace {

@@ -174,34 +174,6 @@ TEST_CASE("a game that is not the recording's is refused before anything runs") 
           "test.lsr: cannot be played: it holds inputs, so it needs the game small-game");
 }
 
-TEST_CASE(
-    "a recording that was never closed is recovered up to its last block, and says that it is incomplete") {
-    MemorySink sink;
-    World world = must(game.start());
-    {
-        auto recorder =
-            must(InputRecorder::begin(sink, game, world, {.keyframe_ticks = 30, .block_ticks = 8}));
-        for (std::uint64_t t = 0; t < 93; ++t) {
-            const SmallInputs inputs(SmallGame::script(t));
-            must(game.advance(world, inputs.list));
-            must(recorder.after_tick(world, inputs.list));
-        }
-    } // the program ends here
-    const auto refused = read(sink.bytes);
-    REQUIRE(!refused);
-    CHECK(holds(refused.error().message, "the recording is incomplete: it ends before its END. chunk"));
-    const Recording recording = must(read(sink.bytes, OnDamage::recover));
-    CHECK(recording.tick_count() == 90); // less than a block is lost
-    const VerifyReport report = verify(recording, &game);
-    CHECK(report.verdict == Verdict::incomplete);
-    CHECK(report.ticks == 90);
-    CHECK(holds(report.sentence, "incomplete"));
-    CHECK(holds(report.sentence, "all agree"));
-    Player player = must(Player::open(recording, game));
-    must(player.seek(90));
-    CHECK(player.agrees());
-}
-
 TEST_CASE("a disk that fills up at any byte leaves an error and a recording that can be recovered") {
     const Bytes whole = record_inputs(40, {.keyframe_ticks = 15, .block_ticks = 4});
     for (std::size_t room = 0; room < whole.size(); room += 53) {
@@ -236,24 +208,6 @@ TEST_CASE("a full device is reported with the file's name and the system's reaso
           "/no/such/folder/x.lsr: cannot create the file: No such file or directory");
 }
 
-TEST_CASE("a recorder that is misused says how, and the recording stays good") {
-    MemorySink sink;
-    World world = must(game.start());
-    auto recorder = must(InputRecorder::begin(sink, game, world));
-    const SmallInputs inputs(SmallGame::script(0));
-    must(game.advance(world, inputs.list));
-    CHECK(holds(recorder.on_tick(3, inputs.list, world.hash()).error().message, "tick 0 comes next"));
-    must(recorder.after_tick(world, inputs.list));
-    CHECK(holds(recorder.after_tick(world, inputs.list).error().message, "tick 1 comes next"));
-    CHECK(holds(recorder.keyframe(must(game.start())).error().message,
-                "the world stands at 0, the recording at 1"));
-    must(world.set_gravity({}));
-    CHECK(holds(recorder.keyframe(world).error().message, "the world's hash is"));
-    must(recorder.close());
-    CHECK(!recorder.on_tick(1, inputs.list, 0));
-    CHECK(must(read(sink.bytes)).tick_count() == 1);
-}
-
 TEST_CASE("predicted inputs, inputs of a wrong size and of a wrong number are not recorded") {
     const auto attempt = [&](std::span<const PlayerInput> inputs) {
         MemorySink sink;
@@ -267,21 +221,6 @@ TEST_CASE("predicted inputs, inputs of a wrong size and of a wrong number are no
     CHECK(holds(attempt(std::array{good, guess}), "the input of player 1 is a prediction"));
     CHECK(holds(attempt(std::array{shorter, good}), "the input of player 0 has 3 bytes, must have 4"));
     CHECK(holds(attempt(std::array{good}), "1 inputs for 2 players"));
-}
-
-TEST_CASE("a world that was restored while its commands were recorded is reported, not recorded wrongly") {
-    MemorySink sink;
-    World world = must(game.start());
-    Image image;
-    const auto recorder = must(CommandRecorder::begin(sink, world, "small"));
-    for (std::uint64_t t = 0; t < 10; ++t) {
-        if (t == 4) world.save(image);
-        must(game.advance(world, SmallInputs(SmallGame::script(t)).list));
-    }
-    world.restore(image);
-    must(game.advance(world, SmallInputs(SmallGame::script(4)).list));
-    CHECK(!recorder->status());
-    CHECK(holds(recorder->close().error().message, "restored"));
 }
 
 TEST_CASE("a command that the world refuses on replay is a divergence at its tick") {
