@@ -65,47 +65,37 @@ template <class Spoil> bool law_holds(std::uint64_t seed, Spoil&& spoil) {
 
 } // namespace
 
-TEST_CASE("an event first seen in a confirmed tick is confirmed at once") {
-    EventLedger ledger(8);
-    ledger.record(0, std::array{event_of(1)});
-    CHECK(tell(ledger, 1) == "C1#0 ");
-    CHECK(tell(ledger, 1) == "");
-}
-
-TEST_CASE("an event of a guessed tick is predicted once, then confirmed under the same id") {
-    EventLedger ledger(8);
-    ledger.record(0, std::array{event_of(1), event_of(4)});
-    CHECK(tell(ledger, 0) == "P1#0 P4#1 ");
-    ledger.record(0, std::array{event_of(1), event_of(4)});
-    CHECK(tell(ledger, 0) == "");
-    CHECK(tell(ledger, 1) == "C1#0 C4#1 ");
-}
-
-TEST_CASE("an event that a later run lacks is cancelled, at once, and a new one is told") {
-    EventLedger ledger(8);
-    ledger.record(0, std::array{event_of(1), event_of(4)});
-    tell(ledger, 0);
-    ledger.record(0, std::array{event_of(2), event_of(4)});
-    CHECK(tell(ledger, 0) == "X1#0 P2#2 ");
-    CHECK(tell(ledger, 1) == "C2#2 C4#1 ");
-}
-
-TEST_CASE("an event cancelled and seen again is a new one") {
-    EventLedger ledger(8);
-    ledger.record(0, std::array{event_of(1)});
-    CHECK(tell(ledger, 0) == "P1#0 ");
-    ledger.record(0, {});
-    CHECK(tell(ledger, 0) == "X1#0 ");
-    ledger.record(0, std::array{event_of(1)});
-    CHECK(tell(ledger, 1) == "C1#1 ");
-}
-
-TEST_CASE("the same shape ids on another body are another event") {
-    EventLedger ledger(8);
-    ledger.record(0, std::array{event_of(1, 0, 1)});
-    tell(ledger, 0);
-    ledger.record(0, std::array{event_of(1, 0, 2)});
-    CHECK(tell(ledger, 1) == "X1#0 C1#1 ");
+TEST_CASE("a ledger reports the events of a tick that runs again and again") {
+    struct Run {
+        std::vector<Event> events; ///< of tick 0
+        std::uint64_t confirmed_end;
+        const char* told; ///< predicted, confirmed or cancelled, shape#id
+    };
+    const std::pair<const char*, std::vector<Run>> rows[] = {
+        {"first seen in a confirmed tick: confirmed at once",
+         {{{event_of(1)}, 1, "C1#0 "}, {{event_of(1)}, 1, ""}}},
+        {"of a guessed tick: predicted once, then confirmed under the same id",
+         {{{event_of(1), event_of(4)}, 0, "P1#0 P4#1 "},
+          {{event_of(1), event_of(4)}, 0, ""},
+          {{event_of(1), event_of(4)}, 1, "C1#0 C4#1 "}}},
+        {"a later run lacks one: cancelled at once, and a new one is told",
+         {{{event_of(1), event_of(4)}, 0, "P1#0 P4#1 "},
+          {{event_of(2), event_of(4)}, 0, "X1#0 P2#2 "},
+          {{event_of(2), event_of(4)}, 1, "C2#2 C4#1 "}}},
+        {"cancelled and seen again: a new one",
+         {{{event_of(1)}, 0, "P1#0 "}, {{}, 0, "X1#0 "}, {{event_of(1)}, 1, "C1#1 "}}},
+        {"the same shape ids on another body: another event",
+         {{{event_of(1, 0, 1)}, 0, "P1#0 "}, {{event_of(1, 0, 2)}, 1, "X1#0 C1#1 "}}}};
+    for (const auto& [name, runs] : rows) {
+        INFO(std::string(name));
+        EventLedger ledger(8);
+        bool is_over = false;
+        for (const Run& run : runs) {
+            if (!is_over) ledger.record(0, run.events);
+            is_over = run.confirmed_end > 0;
+            CHECK(tell(ledger, run.confirmed_end) == run.told);
+        }
+    }
 }
 
 TEST_CASE("the confirmed event carries the values of the last run") {

@@ -21,7 +21,7 @@ TEST_CASE("a peer leaves at once between two, and among three when the others wa
     CHECK(two.notices<PlayerDisconnected>(0).size() == 1);
     CHECK(two.notices<PlayerDisconnected>(1).size() == 1); // told so, not left waiting
 
-    Match three({.players = {0, 1, 2}, .machines = 3, .link = {.latency_ms = 40}});
+    Match three({.machines = 3, .link = {.latency_ms = 40}});
     three.run(60);
     REQUIRE(three.machine(0).session->drop_peer(2).ok());
     three.run(120);

@@ -93,8 +93,7 @@ class HostileMatch {
   private:
     MatchDef complete(std::uint32_t machines, MatchDef def) {
         def.machines = machines;
-        def.players.clear();
-        for (PeerId id = 0; id < machines; ++id) def.players.push_back(id);
+        def = completed(std::move(def));
         if (def.disconnect_ms == 5000) def.disconnect_ms = 1000;
         if (def.link.latency_ms == 0) def.link = {.latency_ms = 40, .jitter_ms = 15, .loss_permille = 50};
         SessionDef as_match;

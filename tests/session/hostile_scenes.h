@@ -307,8 +307,7 @@ inline std::vector<HostileScene> hostile_at_departures() {
 /// inputs; and it lacks those of machine 1 from the same tick on, so it has acknowledged none. That is one fault, not two.
 inline std::string unheard_for_a_while(bool lockstep) {
     for (std::uint64_t moment = 0; moment < 13; ++moment) {
-        Match match({.players = {0, 1, 2, 3},
-                     .machines = 4,
+        Match match({.machines = 4,
                      .lockstep = lockstep,
                      .input_delay = lockstep ? 8u : 2u,
                      .disconnect_ms = 2000,
@@ -330,8 +329,7 @@ inline std::string unheard_for_a_while(bool lockstep) {
 
 /// Nobody lies. Machine 0 does not go on, but is heard: it goes, and nobody else, as the others owe each other nothing.
 inline std::string stands_still(bool lockstep) {
-    Match match({.players = {0, 1, 2, 3},
-                 .machines = 4,
+    Match match({.machines = 4,
                  .lockstep = lockstep,
                  .input_delay = lockstep ? 8u : 2u,
                  .disconnect_ms = 1000,

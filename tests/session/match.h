@@ -56,7 +56,7 @@ inline constexpr LinkDef lossy{.latency_ms = 60,
                                .damage_permille = 10};
 
 struct MatchDef {
-    std::vector<PeerId> players = {0, 1};
+    std::vector<PeerId> players = {}; ///< by player the machine; empty: one at each
     std::uint32_t machines = 2;
     bool lockstep = false;
     std::uint32_t input_delay = 2;
@@ -73,6 +73,12 @@ struct MatchDef {
     std::uint32_t run_ahead = 0;
     std::string column_left_out = {}; ///< of ForgetfulSimulation
 };
+
+inline MatchDef completed(MatchDef def) {
+    const bool is_one_each = def.players.empty();
+    for (PeerId id = 0; is_one_each && id < def.machines; ++id) def.players.push_back(id);
+    return def;
+}
 
 class Match {
   public:
@@ -91,7 +97,8 @@ class Match {
     /// `make_simulation(peer)` gives a machine its world.
     template <class Make>
     Match(const MatchDef& match_def, Make&& make)
-        : def(match_def), network(match_def.machines, match_def.link, match_def.seed), make_simulation(make) {
+        : def(completed(match_def)), network(match_def.machines, match_def.link, match_def.seed),
+          make_simulation(make) {
         for (PeerId id = 0; id < def.machines; ++id) {
             Machine& m = *machines.emplace_back(std::make_unique<Machine>());
             bool is_absent = false;
@@ -141,9 +148,8 @@ class Match {
         start(m, id);
     }
     explicit Match(const MatchDef& match_def)
-        : Match(match_def, [players = static_cast<std::uint32_t>(match_def.players.size())](PeerId) {
-              return std::make_unique<Arena>(players);
-          }) {}
+        : Match(match_def, [players = static_cast<std::uint32_t>(completed(match_def).players.size())](
+                               PeerId) { return std::make_unique<Arena>(players); }) {}
 
     /// One frame of every machine; machines in `asleep` (bits) do nothing.
     void frame(std::uint32_t asleep = 0) {

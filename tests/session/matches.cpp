@@ -57,15 +57,6 @@ TEST_CASE("four players on three machines agree, though their windows of knowled
     check_agreement(match, 2000);
 }
 
-TEST_CASE(
-    "nine packets in ten lost and two seconds of round trip slow a match down and change nothing else") {
-    Match match(
-        {.disconnect_ms = 60'000, .link = {.latency_ms = 1000, .jitter_ms = 100, .loss_permille = 900}});
-    match.run(30'000);
-    check_agreement(match, 500);
-    CHECK(match.machine(0).session->stats().stalls > 0);
-}
-
 TEST_CASE("the same seed gives the same match, packet by packet") {
     const auto play = [](std::uint64_t seed) {
         Match match({.link = lossy, .seed = seed});
@@ -128,8 +119,7 @@ TEST_CASE("machines that remain agree on the tick where a player left, though th
           "of inputs") {
     for (std::uint64_t seed = 1; seed <= 8; ++seed) {
         CAPTURE(seed);
-        Match match({.players = {0, 1, 2},
-                     .machines = 3,
+        Match match({.machines = 3,
                      .disconnect_ms = 1000,
                      .link = {.latency_ms = 60, .jitter_ms = 30, .loss_permille = 100},
                      .seed = seed});
@@ -151,7 +141,7 @@ TEST_CASE("machines that remain agree on the tick where a player left, though th
 }
 
 TEST_CASE("the machine that hears of a departure before it has all inputs waits for them") {
-    Match match({.players = {0, 1, 2}, .machines = 3, .disconnect_ms = 1000, .link = {.latency_ms = 60}});
+    Match match({.machines = 3, .disconnect_ms = 1000, .link = {.latency_ms = 60}});
     match.run(300);
     // Machine 0 hears machine 2 a second late, and never its last words; machine 1 hears all and gives up first.
     match.network.set_link(2, 0, {.latency_ms = 900});
@@ -179,7 +169,7 @@ TEST_CASE("a machine that is not heard any more is told so") {
 }
 
 TEST_CASE("a machine that cannot hear another one holds the match up, and the others go on without it") {
-    Match match({.players = {0, 1, 2}, .machines = 3, .disconnect_ms = 1000, .link = {.latency_ms = 60}});
+    Match match({.machines = 3, .disconnect_ms = 1000, .link = {.latency_ms = 60}});
     match.run(300);
     match.network.set_link(2, 0, {.loss_permille = 1000});
     match.run(600);

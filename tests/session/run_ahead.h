@@ -29,7 +29,7 @@ class CountingArena final : public Arena {
 struct AheadMatch : Match {
     std::vector<std::string> told; ///< of machine 0's events
     explicit AheadMatch(const MatchDef& of)
-        : Match(of, [players = static_cast<std::uint32_t>(of.players.size())](PeerId) {
+        : Match(of, [players = static_cast<std::uint32_t>(completed(of).players.size())](PeerId) {
               return std::make_unique<CountingArena>(players);
           }) {}
     CountingArena& arena(PeerId id) { return static_cast<CountingArena&>(*machine(id).simulation); }

@@ -25,43 +25,11 @@ class CountUp final : public InputPredictor {
 
 } // namespace
 
-TEST_CASE("before the first true input the guess is zero") {
-    InputQueue queue(0, 1);
-    const PlayerInput guess = queue.use(0, repeat_last_input());
-    CHECK(value_of(guess) == 0);
-    CHECK(guess.status == InputStatus::predicted);
-}
-
-TEST_CASE("the default guess repeats the newest true input") {
-    InputQueue queue(0, 1);
-    queue.confirm(input(5));
-    CHECK(queue.use(0, repeat_last_input()).status == InputStatus::confirmed);
-    CHECK(value_of(queue.use(3, repeat_last_input())) == 5);
-    CHECK(queue.use(3, repeat_last_input()).status == InputStatus::predicted);
-}
-
 TEST_CASE("a predictor is told how far it looks ahead") {
     InputQueue queue(0, 1);
     queue.confirm(input(10));
     CHECK(value_of(queue.use(1, CountUp{})) == 11);
     CHECK(value_of(queue.use(4, CountUp{})) == 14);
-}
-
-TEST_CASE("the first wrong tick is the least whose guess was run and differs") {
-    InputQueue queue(0, 1);
-    for (std::uint64_t tick = 0; tick < 4; ++tick) queue.use(tick, repeat_last_input());
-    queue.confirm(input(0)); // as guessed
-    CHECK(queue.take_first_wrong() == never);
-    queue.confirm(input(7)); // tick 1
-    queue.confirm(input(7)); // tick 2
-    CHECK(queue.take_first_wrong() == 1);
-    CHECK(queue.take_first_wrong() == never);
-}
-
-TEST_CASE("an input that no tick has run on is never wrong") {
-    InputQueue queue(0, 1);
-    queue.confirm(input(9));
-    CHECK(queue.take_first_wrong() == never);
 }
 
 TEST_CASE("from a disconnection on inputs are zero, settled and not to be confirmed") {

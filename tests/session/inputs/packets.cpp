@@ -49,14 +49,18 @@ std::vector<std::byte> sample_packet(bool greeting = false, bool sealed = false)
     return {packet.begin(), packet.end()};
 }
 
-/// Changes, removes, doubles or appends bytes.
+/// Changes, removes, doubles or appends bytes, or makes all of them anew.
 void mutate(std::vector<std::byte>& packet, test::Random& random) {
     const std::uint32_t changes = 1 + random.below(4);
     for (std::uint32_t i = 0; i < changes && !packet.empty(); ++i) {
         const std::uint32_t at = random.below(static_cast<std::uint32_t>(packet.size()));
-        switch (random.below(6)) {
+        switch (random.below(20) == 0 ? 6 : random.below(6)) {
         case 0:
             packet[at] = static_cast<std::byte>(random.below(256));
+            break;
+        case 6:
+            packet.resize(random.below(1400));
+            for (std::byte& b : packet) b = static_cast<std::byte>(random.next());
             break;
         case 1:
             packet[at] ^= static_cast<std::byte>(1u << random.below(8));
@@ -323,33 +327,6 @@ TEST_CASE("a code of inputs that has another form, or an end that is not zeros, 
     CHECK_FALSE(ok({0b1'01'011 | 0x40, 0}, 1)); // the same in 8 bits: by 1
     CHECK_FALSE(ok({0b111, 0, 0}, 1));          // all bytes, by nothing
     CHECK(ok({0b1111, 0, 0}, 1));
-}
-
-TEST_CASE("random and mutated bytes, sealed or not, never break the decoder") {
-    test::Random random(99);
-    Message read{};
-    std::array<std::uint64_t, packet_fault_count + 1> outcomes{};
-    for (int i = 0; i < 60'000; ++i) {
-        std::vector<std::byte> packet = sample_packet(i % 2 == 0);
-        if (i % 4 == 0) {
-            packet.resize(random.below(1400));
-            for (std::byte& b : packet) b = static_cast<std::byte>(random.next());
-        } else {
-            mutate(packet, random);
-        }
-        if (i % 3 != 0) test::seal(packet, context.match);
-        const auto fault = decode(packet, context, sender, read);
-        ++outcomes[fault ? static_cast<std::size_t>(*fault) : packet_fault_count];
-        if (fault) continue;
-        for (const InputBlock& block : read.input_blocks())
-            for_each_input(block, std::span(zeros).first(2),
-                           [](std::uint64_t, std::span<const std::byte> input) {
-                               REQUIRE(input.size() == context.input_size);
-                           });
-    }
-    CHECK(outcomes[static_cast<std::size_t>(PacketFault::malformed)] > 1000);
-    CHECK(outcomes[static_cast<std::size_t>(PacketFault::damaged)] > 1000);
-    CHECK(outcomes[packet_fault_count] > 1000);
 }
 
 TEST_CASE("a hostile peer can send what it likes: the session drops it, counts it and goes on") {

@@ -15,8 +15,6 @@ MatchDef of_machines(std::uint32_t count, bool lockstep, std::uint64_t seed) {
                  .disconnect_ms = 1000,
                  .link = lossy,
                  .seed = seed};
-    def.players.clear();
-    for (PeerId id = 0; id < count; ++id) def.players.push_back(id);
     return def;
 }
 

@@ -5,8 +5,27 @@
 #include "session/match.h"
 
 #include <algorithm>
+#include <optional>
 
 namespace lockstone::test {
+
+/// Shows a host what a machine has confirmed since tick `shown`; `lie(tick)` may give another hash.
+template <class Lie>
+void show_ticks(SpectatorHost& host, const Timeline& played, std::size_t players, std::size_t& shown,
+                Lie&& lie) {
+    for (; shown < played.ticks.size(); ++shown) {
+        const Timeline::Tick& tick = played.ticks[shown];
+        std::vector<PlayerInput> inputs;
+        for (std::size_t p = 0; p < players; ++p)
+            inputs.push_back(
+                {std::span(tick.inputs).subspan(p * sizeof(Pad), sizeof(Pad)), tick.statuses[p]});
+        const std::optional<std::uint64_t> other = lie(shown);
+        host.on_confirmed(shown, inputs, other.value_or(tick.hash));
+    }
+}
+inline void show_ticks(SpectatorHost& host, const Timeline& played, std::size_t players, std::size_t& shown) {
+    show_ticks(host, played, players, shown, [](std::uint64_t) { return std::optional<std::uint64_t>(); });
+}
 
 class JoinNet {
   public:
@@ -17,8 +36,9 @@ class JoinNet {
         std::vector<Notice> notices;
         std::unique_ptr<Session> session;
         std::unique_ptr<SessionRunner> runner;
+        bool is_there = true;
 
-        explicit Guest(std::uint32_t players) : arena(players) { timeline.begins_late = true; }
+        Guest(std::uint32_t players, bool from_state) : arena(players) { timeline.begins_late = from_state; }
         template <class N> std::vector<N> notices_of() const {
             std::vector<N> found;
             for (const Notice& notice : notices)
@@ -42,22 +62,20 @@ class JoinNet {
         Rerun run_again(std::uint64_t, std::span<const PlayerInput>) override { return {}; }
     };
 
-    explicit JoinNet(std::uint32_t of)
-        : machines(of), match(as_match(of)), network(of + 8, link(), 3), shown(of) {
-        SessionDef d;
-        d.content_id = 7;
-        d.input_size = input_size_of<Pad>;
-        for (PeerId id = 0; id < of; ++id) d.players.push_back(id);
-        def = d;
+    explicit JoinNet(std::uint32_t of, SpectatorHostDef host_def = {})
+        : machines(of), match(as_match(of)), network(of + 8, lossy, 3), shown(of) {
+        def.content_id = 7;
+        def.input_size = input_size_of<Pad>;
+        for (PeerId id = 0; id < of; ++id) def.players.push_back(id);
         for (PeerId id = 0; id < of; ++id) {
             states.push_back(std::make_unique<Shown>(*this, id, of));
-            hosts.push_back(std::make_unique<SpectatorHost>(def, network.endpoint(id)));
+            hosts.push_back(std::make_unique<SpectatorHost>(def, network.endpoint(id), host_def));
             hosts.back()->set_states(states.back().get());
         }
     }
     Guest& watch(WatchDef how) {
         const PeerId id = machines + static_cast<PeerId>(guests.size());
-        Guest& g = *guests.emplace_back(std::make_unique<Guest>(machines));
+        Guest& g = *guests.emplace_back(std::make_unique<Guest>(machines, how.from_state));
         g.session = make_spectator_session(def, std::move(how), network.endpoint(id)).value();
         g.runner = std::make_unique<SessionRunner>(*g.session, g.arena, RunnerDef{&g.timeline});
         return g;
@@ -71,12 +89,14 @@ class JoinNet {
                 hosts[id]->poll();
             }
             for (const auto& g : guests) {
+                if (!g->is_there) continue;
                 g->runner->frame(match.now_ms);
                 for (const SessionEvent& e : g->runner->events()) g->events.see(e);
                 while (const auto notice = g->session->next_notice()) g->notices.push_back(*notice);
             }
         }
     }
+    SpectatorHost& host(PeerId id) { return *hosts[id]; }
     /// How many ticks the guest is behind; `never` where it has seen another match.
     std::uint64_t behind(const Guest& g) const {
         const Timeline& played = match.machines[0]->timeline;
@@ -92,32 +112,14 @@ class JoinNet {
     std::vector<std::unique_ptr<Guest>> guests;
 
   private:
-    static LinkDef link() {
-        return {.latency_ms = 60,
-                .jitter_ms = 30,
-                .loss_permille = 100,
-                .duplicate_permille = 20,
-                .damage_permille = 10};
-    }
     static MatchDef as_match(std::uint32_t of) {
-        MatchDef d{.machines = of, .link = {.latency_ms = 50, .jitter_ms = 20, .loss_permille = 50}};
-        d.players.clear();
-        for (PeerId id = 0; id < of; ++id) d.players.push_back(id);
-        return d;
+        return {.machines = of, .link = {.latency_ms = 50, .jitter_ms = 20, .loss_permille = 50}};
     }
     void show(PeerId id) {
-        const std::vector<Timeline::Tick>& ticks = match.machine(id).timeline.ticks;
-        for (std::size_t& at = shown[id]; at < ticks.size(); ++at) {
-            std::vector<PlayerInput> inputs;
-            for (std::size_t p = 0; p < machines; ++p)
-                inputs.push_back({std::span(ticks[at].inputs).subspan(p * sizeof(Pad), sizeof(Pad)),
-                                  ticks[at].statuses[p]});
-            std::uint64_t hash = ticks[at].hash;
-            if (lie) { // it stands by its lie
-                if (const State* state = states[id]->state_after(at)) hash = state->hash();
-            }
-            hosts[id]->on_confirmed(at, inputs, hash);
-        }
+        show_ticks(*hosts[id], match.machine(id).timeline, machines, shown[id], [&](std::uint64_t tick) {
+            const State* state = lie ? states[id]->state_after(tick) : nullptr; // it repeats its lie
+            return state != nullptr ? std::optional(state->hash()) : std::nullopt;
+        });
     }
     std::vector<std::unique_ptr<Shown>> states;
     std::vector<std::unique_ptr<SpectatorHost>> hosts;

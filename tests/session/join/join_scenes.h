@@ -14,8 +14,6 @@ inline std::string comes_back(std::uint32_t machines, std::uint64_t seed, std::u
                  .disconnect_ms = 1000,
                  .link = {.latency_ms = 60, .jitter_ms = 30, .loss_permille = 100},
                  .seed = seed};
-    def.players.clear();
-    for (PeerId id = 0; id < machines; ++id) def.players.push_back(id);
     Match match(def);
     match.run(300);
     match.crash(1);
@@ -45,8 +43,6 @@ inline std::string first_goes(std::uint32_t machines, int frames_after) {
                  .link = {.latency_ms = 60, .jitter_ms = 30, .loss_permille = 100},
                  .absent = 1u << (machines - 1),
                  .seed = machines + static_cast<std::uint64_t>(frames_after + 1000)};
-    def.players.clear();
-    for (PeerId id = 0; id < machines; ++id) def.players.push_back(id);
     const PeerId late = machines - 1;
     Match match(def);
     match.run(300);
@@ -83,11 +79,7 @@ inline std::string first_goes(std::uint32_t machines, int frames_after) {
 /// Machine 2 of four goes before it has heard of machine 3, which comes late. One of the others misses it first and lets machine 3 in before the
 /// departure is settled, the other one after that. Machine 3 is told by machine 1: where that one is the other, that machine 2 has left.
 inline std::string another_goes(PeerId misses_it_first) {
-    MatchDef def{.players = {0, 1, 2, 3},
-                 .machines = 4,
-                 .disconnect_ms = 1000,
-                 .link = {.latency_ms = 30},
-                 .absent = 1u << 3};
+    MatchDef def{.machines = 4, .disconnect_ms = 1000, .link = {.latency_ms = 30}, .absent = 1u << 3};
     Match match(def);
     match.network.set_link(misses_it_first, 3, {.latency_ms = 200});
     match.run(300);
@@ -112,11 +104,7 @@ inline std::string another_goes(PeerId misses_it_first) {
 /// Machine 3 of four comes late and hears nothing of machine 2 from there on. The others go on with its first 30 inputs as far as the stall
 /// lets them. When machine 2 is dropped its inputs end where machine 3 came in: all of that is run again, and no more.
 inline std::string leaves_unheard() {
-    MatchDef def{.players = {0, 1, 2, 3},
-                 .machines = 4,
-                 .disconnect_ms = 1000,
-                 .link = {.latency_ms = 20},
-                 .absent = 1u << 3};
+    MatchDef def{.machines = 4, .disconnect_ms = 1000, .link = {.latency_ms = 20}, .absent = 1u << 3};
     const std::uint64_t bound = 2 * def.prediction_max + 8;
     Match match(def);
     match.run(300);
@@ -147,8 +135,6 @@ inline std::string goes_when_settled(std::uint32_t machines, std::uint32_t gone)
                  .disconnect_ms = 1000,
                  .link = {.latency_ms = 20},
                  .absent = 1u << (machines - 1)};
-    def.players.clear();
-    for (PeerId id = 0; id < machines; ++id) def.players.push_back(id);
     const PeerId late = machines - 1;
     Match match(def);
     for (PeerId id = 0; id < gone; ++id) // hears last that the others are ready
@@ -175,11 +161,7 @@ inline std::string goes_when_settled(std::uint32_t machines, std::uint32_t gone)
 
 /// Both others go when they have let machine 2 in, before a tick was confirmed with it: it does not go on alone.
 inline std::string all_go() {
-    Match match({.players = {0, 1, 2},
-                 .machines = 3,
-                 .disconnect_ms = 1000,
-                 .link = {.latency_ms = 20},
-                 .absent = 1u << 2});
+    Match match({.machines = 3, .disconnect_ms = 1000, .link = {.latency_ms = 20}, .absent = 1u << 2});
     match.run(300);
     match.join(2);
     for (int i = 0; i < 600 && match.notices<PlayerJoined>(2).empty(); ++i) match.frame();
@@ -192,11 +174,7 @@ inline std::string all_go() {
 /// Machine 2 goes when its inputs reach beyond the tick where machine 3 comes in, which machine 1 has not been able to tell machine 0 that it is
 /// ready for, `unheard` frames long: so guesses have to reach far. Machine 3 has none of those inputs, and the other two have.
 inline std::string goes_beyond_an_entry(std::uint64_t unheard) {
-    MatchDef def{.players = {0, 1, 2, 3},
-                 .machines = 4,
-                 .prediction_max = 40,
-                 .link = {.latency_ms = 20},
-                 .absent = 1u << 3};
+    MatchDef def{.machines = 4, .prediction_max = 40, .link = {.latency_ms = 20}, .absent = 1u << 3};
     Match match(def);
     match.run(300);
     if (!match.machine(1).session->drop_peer(2))
@@ -223,8 +201,7 @@ inline std::string goes_beyond_an_entry(std::uint64_t unheard) {
 
 /// Machine 0 of three goes, and the others have not heard the newest of its inputs. What it has confirmed, shown and recorded stays.
 inline std::string goes_unheard(bool lockstep) {
-    Match match({.players = {0, 1, 2},
-                 .machines = 3,
+    Match match({.machines = 3,
                  .lockstep = lockstep,
                  .input_delay = lockstep ? 8u : 2u,
                  .disconnect_ms = 1000,
@@ -240,11 +217,7 @@ inline std::string goes_unheard(bool lockstep) {
 
 /// Machine 0 of three has left, but goes on telling hashes to machine 2, which comes late: it is heard, and has no say.
 inline std::string has_left_and_talks() {
-    MatchDef def{.players = {0, 1, 2},
-                 .machines = 3,
-                 .disconnect_ms = 1000,
-                 .link = {.latency_ms = 20},
-                 .absent = 1u << 2};
+    MatchDef def{.machines = 3, .disconnect_ms = 1000, .link = {.latency_ms = 20}, .absent = 1u << 2};
     Match match(def);
     match.run(300);
     match.crash(0);
@@ -265,8 +238,6 @@ inline std::string has_left_and_talks() {
 /// A machine comes back, hears nothing for a while, then all at once: it has run as far as guesses go, and runs on at once.
 inline std::string hears_all_at_once(std::uint32_t machines, std::uint32_t inspected_ticks) {
     MatchDef def{.machines = machines, .disconnect_ms = 1000, .link = {.latency_ms = 20}};
-    def.players.clear();
-    for (PeerId id = 0; id < machines; ++id) def.players.push_back(id);
     Match match(def);
     match.run(200);
     match.crash(1);
@@ -298,8 +269,6 @@ inline std::string comes_from_afar(std::uint32_t machines, std::uint32_t way_ms)
                  .prediction_max = 64,
                  .link = {.latency_ms = way_ms},
                  .absent = 1u << (machines - 1)};
-    def.players.clear();
-    for (PeerId id = 0; id < machines; ++id) def.players.push_back(id);
     Match match(def);
     match.run(300);
     match.join(machines - 1);
@@ -336,11 +305,7 @@ struct FarEnd final : Transport {
 inline std::string far_end(bool always) {
     FarEnd liar;
     liar.always = always;
-    MatchDef def{.players = {0, 1, 2},
-                 .machines = 3,
-                 .disconnect_ms = 1000,
-                 .link = {.latency_ms = 20},
-                 .absent = 1u << 2};
+    MatchDef def{.machines = 3, .disconnect_ms = 1000, .link = {.latency_ms = 20}, .absent = 1u << 2};
     def.through = [&liar](PeerId id, Transport& wire) -> Transport& {
         if (id != 0) return wire;
         liar.real = &wire;

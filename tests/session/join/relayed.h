@@ -23,7 +23,7 @@ class RelayedMatch {
         120; ///< ticks that one who is level may be behind: two bad links, one after the other
 
     explicit RelayedMatch(std::uint32_t watchers_max, SpectatorRelayDef how = {.hosts = {0, 1}})
-        : match({.players = {0, 1, 2}, .machines = 3, .disconnect_ms = 1000, .link = bad}), upper(3, bad, 5),
+        : match({.machines = 3, .disconnect_ms = 1000, .link = bad}), upper(3, bad, 5),
           lower(watchers_max + 1, bad, 6) {
         def.content_id = 7;
         def.input_size = input_size_of<Pad>;
@@ -50,7 +50,7 @@ class RelayedMatch {
             lower.advance_to(match.now_ms);
             for (PeerId id = 0; id < 2; ++id) {
                 if (match.machine(id).session == nullptr) continue;
-                show(id);
+                show_ticks(*hosts[id], match.machine(id).timeline, 3, shown[id]);
                 hosts[id]->poll();
             }
             relay->poll();
@@ -90,17 +90,6 @@ class RelayedMatch {
     std::vector<std::unique_ptr<Watcher>> watchers;
 
   private:
-    void show(PeerId id) {
-        const std::vector<Timeline::Tick>& ticks = match.machine(id).timeline.ticks;
-        for (; shown[id] < ticks.size(); ++shown[id]) {
-            const Timeline::Tick& tick = ticks[shown[id]];
-            std::vector<PlayerInput> inputs;
-            for (std::size_t p = 0; p < 3; ++p)
-                inputs.push_back(
-                    {std::span(tick.inputs).subspan(p * sizeof(Pad), sizeof(Pad)), tick.statuses[p]});
-            hosts[id]->on_confirmed(shown[id], inputs, tick.hash);
-        }
-    }
     std::array<std::size_t, 2> shown{};
 };
 

@@ -9,21 +9,33 @@ namespace lockstone::test {
 
 namespace relays {
 
+/// The relay turns to the next one, and all watch on; one that comes then begins with a state of that one.
 inline std::string host_leaves() {
-    RelayedMatch net(4, {.hosts = {0, 1}, .state_polls = 300});
-    for (int i = 0; i < 4; ++i) net.watch(i % 2 == 1);
-    net.run(300);
+    RelayedMatch net(9, {.hosts = {0, 1}, .state_polls = 300});
+    for (int i = 0; i < 8; ++i) net.watch(i % 2 == 1);
+    net.run(400);
+    if (net.relay->counters().host != 0) return "the relay has not asked the first one";
     net.lose(0);
     net.run(600);
-    return net.furthest_behind() <= RelayedMatch::near ? "" : "who watches lost the match with its host";
+    if (net.relay->counters().host != 1 || net.relay->counters().host_changes == 0)
+        return "the relay has not asked the next one";
+    if (net.furthest_behind() > RelayedMatch::near) return "who watches lost the match with its host";
+    if (net.match.machine(2).timeline.ticks.back().statuses[0] != InputStatus::disconnected ||
+        !net.match.agree(1, 2))
+        return "the match did not go on without it";
+    RelayedMatch::Watcher& late = net.watch(true);
+    net.run(400);
+    return net.behind(late) <= RelayedMatch::near ? "" : "who comes late does not see the match";
 }
 
 inline std::string watched_host_leaves() {
     JoinNet net(3);
     JoinNet::Guest& guest = net.watch({.hosts = {0, 1}});
     net.run(300);
+    if (net.behind(guest) > 60) return "who watches is behind";
     net.network.unplug(0);
     net.run(600);
+    if (!guest.notices_of<Desync>().empty()) return "a desync";
     return net.behind(guest) <= 60 ? "" : "who watches lost the match with its host";
 }
 
@@ -74,22 +86,39 @@ inline std::uint64_t bytes_of_hosts(std::uint32_t count, RelayedMatch& net) {
 /// The bound of the bytes that a player sends with many who watch, to those with one [1/100].
 inline constexpr std::uint64_t many_to_one_percent = 105;
 
-inline std::string many_watchers() {
+inline std::string many_watchers(std::uint32_t count) {
     const SpectatorRelayDef def{.hosts = {0, 1}, .state_polls = 300};
-    RelayedMatch one(1, def), many(30, def);
-    const std::uint64_t for_one = bytes_of_hosts(1, one), for_many = bytes_of_hosts(30, many);
-    if (many.furthest_behind() > RelayedMatch::near) return "who watches is behind";
-    return for_many * 100 <= for_one * many_to_one_percent ? "" : "a player sends more for more who watch";
+    RelayedMatch one(1, def), many(count, def);
+    const std::uint64_t for_one = bytes_of_hosts(1, one), for_many = bytes_of_hosts(count, many);
+    if (std::max(one.furthest_behind(), many.furthest_behind()) > RelayedMatch::near)
+        return "who watches is behind";
+    if (many.relay->counters().watchers != count) return "not all watch";
+    for (const auto& w : many.watchers)
+        for (const Notice& notice : w->notices)
+            if (!std::holds_alternative<PeerConnected>(notice))
+                return "who watches is told more than of a connection";
+    return for_many * 100 <= for_one * many_to_one_percent
+               ? ""
+               : "a player sends " + std::to_string(for_many) + " bytes for many who watch, " +
+                     std::to_string(for_one) + " for one";
 }
 
+/// Old ticks go, and who comes then begins with a state, or sees nothing.
 inline std::string long_match() {
-    RelayedMatch net(1, {.hosts = {0, 1}, .log_ticks_max = 1024, .state_polls = 240});
+    RelayedMatch net(3, {.hosts = {0, 1}, .log_ticks_max = 1024, .state_polls = 240});
     net.watch(false);
-    for (int i = 0; i < 15; ++i) {
+    for (int i = 0; i < 30; ++i) {
         net.run(100);
         if (net.relay->counters().log_bytes > 1024 * (6 + 3 * sizeof(Pad))) return "the log has no end";
     }
-    return net.furthest_behind() <= RelayedMatch::near ? "" : "who watches is behind";
+    if (net.relay->counters().first_tick <= 1000) return "old ticks are kept";
+    RelayedMatch::Watcher &late = net.watch(true), &too_late = net.watch(false);
+    net.run(400);
+    if (late.timeline.first <= 2000 || !too_late.timeline.ticks.empty())
+        return "who comes late begins elsewhere than with a state";
+    return std::max(net.behind(*net.watchers[0]), net.behind(late)) <= RelayedMatch::near
+               ? ""
+               : "who watches is behind";
 }
 
 } // namespace relays
@@ -100,7 +129,7 @@ inline std::vector<HostileScene> relay_scenes() {
         {"a host that is watched leaves", relays::watched_host_leaves},
         {"a relay is sent a false state", relays::false_state},
         {"all who watch stop reading", relays::silent_watchers},
-        {"thirty watch through a relay", relays::many_watchers},
+        {"thirty watch through a relay", [] { return relays::many_watchers(30); }},
         {"a match is longer than a relay's log", relays::long_match},
     };
 }
