@@ -58,6 +58,38 @@ template <class Make> std::string stop_fault(Make&& make, double load) {
     return {};
 }
 
+/// A motor drives the axis that `make(axis)` returns to 0.5 a second at 2 a second per second and no faster, though three quarters of
+/// that pull back; a greater load meets its whole force. The unit of a load is the acceleration that it alone would bring. `way`: 1 or -1.
+template <class Make> std::string motor_fault(Make&& make, double force, double way) {
+    auto one =
+        make(JointAxis{.mode = AxisMode::free, .motor_speed = real(0.5 * way), .motor_force = real(force)});
+    const auto speed_is = [&](double speed, double tolerance) {
+        return near(way * one.speed(), speed, tolerance);
+    };
+    const auto told = [&] { return std::to_string(way * one.speed()); };
+    one.run(6);
+    if (!speed_is(0.2, 0.002)) return "after 0.1 s its speed is " + told();
+    one.run(30);
+    if (!speed_is(0.5, 0.0005)) return "it gets to a speed of " + told();
+    one.run(12, -1.5 * way);
+    if (!speed_is(0.5, 0.001)) return "a load that it bears slows it to " + told();
+    one.run(12, -3 * way);
+    if (!speed_is(0.5 - 0.2, 0.004)) return "overloaded it slows to " + told();
+    return {};
+}
+
+/// A load of 0.9 of what friction of 2 a second per second bears moves nothing; of one of 3 the rest is left.
+template <class Make> std::string friction_fault(Make&& make, double friction) {
+    auto one = make(JointAxis{.mode = AxisMode::free, .friction = real(friction)});
+    one.run(60, 1.8);
+    if (!near(one.position(), 0, 1e-4)) return "it slid by " + std::to_string(one.position());
+    one.run(12, 3);
+    if (!near(one.speed(), 0.2, 0.002)) return "its speed is " + std::to_string(one.speed());
+    one.run(30);
+    if (!near(one.speed(), 0, 1e-4)) return "it still moves";
+    return {};
+}
+
 /// One that was hit: an oscillator passes zero every half period, and its extremes shrink by exp(-zeta w t).
 template <class One> std::string swing_fault(One& one, double frequency, double damping) {
     constexpr double half_turn = 3.141592653589793;

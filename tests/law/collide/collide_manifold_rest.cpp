@@ -82,6 +82,7 @@ std::vector<Rest> all_rests(AssetLibrary& library) {
             {"a hull on a face", prism(library), upright, 0.3, 4, 0.2},
             {"a hull on its side", prism(library), oracle::quat_of({1, 0, 0}, quarter),
              0.5 * std::cos(quarter / 4), 4, 0.1},
+            {"a box", {box(0.5_r, 0.4_r, 0.3_r)}, upright, 0.4, 4, 0.2},
             {"a rounded box", {rounded(box(0.3_r, 0.2_r, 0.3_r), 0.1_r)}, upright, 0.3, 4, 0.2},
             {"a rounded cylinder on its cap", {rounded(can, 0.05_r)}, upright, 0.3, 4, 0.2},
             {"a rounded cylinder on its side", {rounded(can, 0.05_r)}, lying, 0.45, 2, 0},
@@ -125,10 +126,11 @@ TEST_CASE("shapes at rest are held by the points they need") {
 TEST_CASE("feature keys of shapes at rest survive small motions") {
     AssetLibrary library;
     oracle::Random random(37);
-    const shapes::Solid floor{box(4_r, 0.5_r, 4_r)};
+    const shapes::Solid floors[] = {{box(4_r, 0.5_r, 4_r)}, {box(0.45_r, 0.5_r, 0.45_r)}};
     int scenes = 0, changed = 0;
     for (const Rest& rest : all_rests(library))
-        for (int i = 0; i < 30; ++i) {
+        for (int i = 0; i < 60; ++i) {
+            const shapes::Solid& floor = floors[i % 2];
             if (floor.geometry.kind < rest.solid.geometry.kind) continue;
             const double yaw = random.uniform(0, 6);
             const auto pose = [&](double jitter) {
@@ -136,7 +138,7 @@ TEST_CASE("feature keys of shapes at rest survive small motions") {
                 const Quat tilted = random.rotation(-jitter, jitter);
                 const double x = random.uniform(-jitter, jitter), y = random.uniform(-jitter, jitter);
                 return oracle::pose_of(normalized(tilted * turned * rest.turn),
-                                       {x, 0.5 + rest.height - 0.0005 + y, 0});
+                                       {0.1 + x, 0.5 + rest.height - 0.0005 + y, 0.05});
             };
             const Manifold first = manifold_of(floor, rest.solid, pose(0));
             for (int k = 0; k < 10; ++k) {

@@ -60,36 +60,14 @@ std::string limit_fault(const FreeAxis& which, double lower, double upper) {
         2);
 }
 
-/// To 0.5 a second at 2 a second per second and no faster, though three quarters of that pull back; of a greater load it
-/// bears its own force.
 std::string motor_fault(const FreeAxis& which, double strength) {
-    JointAxis axis{.mode = AxisMode::free, .motor_speed = real(0.5)};
-    axis.motor_force = real(strength * inertia_of(which.axis));
-    Axis one(which, axis);
-    one.run(6);
-    if (!near(one.speed(), 0.2, 0.004)) return "after 0.1 s its speed is " + std::to_string(one.speed());
-    one.run(30);
-    if (!near(one.speed(), 0.5, 0.002)) return "it gets to a speed of " + std::to_string(one.speed());
-    one.run(12, -1.5);
-    if (!near(one.speed(), 0.5, 0.004))
-        return "a load that it bears slows it to " + std::to_string(one.speed());
-    one.run(12, -3);
-    if (!near(one.speed(), 0.5 - 0.2, 0.006)) return "overloaded it slows to " + std::to_string(one.speed());
-    return {};
+    return test::scene::motor_fault([&](const JointAxis& axis) { return Axis(which, axis); },
+                                    strength * inertia_of(which.axis), 1);
 }
 
-/// What a load of 1 does not move; what is left of one of 3.
 std::string friction_fault(const FreeAxis& which, double strength) {
-    JointAxis axis{.mode = AxisMode::free};
-    axis.friction = real(strength * inertia_of(which.axis));
-    Axis one(which, axis);
-    one.run(60, 1.8);
-    if (!near(one.position(), 0, 1e-4)) return "it slid by " + std::to_string(one.position());
-    one.run(12, 3);
-    if (!near(one.speed(), 0.2, 0.004)) return "its speed is " + std::to_string(one.speed());
-    one.run(30);
-    if (!near(one.speed(), 0, 1e-4)) return "it still moves";
-    return {};
+    return test::scene::friction_fault([&](const JointAxis& axis) { return Axis(which, axis); },
+                                       strength * inertia_of(which.axis));
 }
 
 std::string spring_fault(const FreeAxis& which, double frequency, double told_frequency, double damping,

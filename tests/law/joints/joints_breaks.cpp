@@ -107,8 +107,8 @@ std::string reaction_fault(const Loaded& what, double share = 1) {
     const JointState s = stand.world.joint_state(stand.joint);
     const D3 force = to_double(s.force) + share * what.force,
              torque = to_double(s.torque) + share * what.torque;
-    if (length(force) > 0.01 * load) return "the force is off by " + std::to_string(length(force)) + " N";
-    if (length(torque) > 0.01 * load)
+    if (length(force) > 0.005 * load) return "the force is off by " + std::to_string(length(force)) + " N";
+    if (length(torque) > 0.005 * load)
         return "the torque is off by " + std::to_string(length(torque)) + " N m";
     return {};
 }

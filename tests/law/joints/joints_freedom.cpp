@@ -88,47 +88,6 @@ TEST_CASE("any table of six axes: what is locked stays, what is free moves") {
     }
 }
 
-TEST_CASE("a limited axis stops at its limits, and is free between them") {
-    struct Case {
-        JointKind kind;
-        JointAxisIndex axis;
-    };
-    for (const Case c : {Case{JointKind::hinge, about_x},
-                         {JointKind::slider, along_x},
-                         {JointKind::six_dof, along_y},
-                         {JointKind::six_dof, about_x},
-                         {JointKind::six_dof, about_z},
-                         {JointKind::six_dof, about_y},
-                         {JointKind::wheel, along_y},
-                         {JointKind::ball, about_x}}) {
-        for (double side : {-1.0, 1.0}) {
-            JointDef def = plain_joint(c.kind);
-            if (c.kind == JointKind::six_dof)
-                for (std::uint32_t i = 0; i < 6; ++i)
-                    def.axis[i].mode = i == c.axis ? AxisMode::free : AxisMode::locked;
-            if (c.kind == JointKind::ball) def.axis[about_y].mode = def.axis[about_z].mode = AxisMode::locked;
-            def.axis[c.axis] = {.mode = AxisMode::limited, .lower = real(-0.5), .upper = real(0.7)};
-            World w = bare_world();
-            const BodyId b = add_crate(w, at(0, 0, 0));
-            const JointId joint = made(w.create_joint(def, {}, b, at(0, 0, 0)));
-            D3 push{};
-            push[c.axis % 3] = side * 2000;
-            double least = 0, most = 0, last = 0;
-            for (int t = 0; t < 120; ++t) {
-                const Vec3 p = vec(push[0], push[1], push[2]);
-                done(c.axis < about_x ? w.add_force(b, p) : w.add_force(b, {}, p));
-                w.tick();
-                last = to_double(w.joint_state(joint).position[c.axis]);
-                least = std::min(least, last), most = std::max(most, last);
-            }
-            INFO(std::string(name_of(c.kind)), ", axis ", c.axis, ", side ", side);
-            CHECK(last == test::about(side < 0 ? -0.5 : 0.7, 0.01));
-            CHECK(least > -0.51);
-            CHECK(most < 0.71);
-        }
-    }
-}
-
 TEST_CASE("a ball's cone holds: no direction of B's x axis leaves it") {
     for (double cone : {0.3, 1.2, 2.5}) {
         JointDef def = ball_joint();
@@ -142,7 +101,7 @@ TEST_CASE("a ball's cone holds: no direction of B's x axis leaves it") {
                 done(w.add_force(b, {}, vec(0, 2000 * std::cos(way * 0.785), 2000 * std::sin(way * 0.785))));
                 w.tick();
                 const double tilt = offset_of(w, joint).tilt;
-                CHECK(tilt < cone + 0.03);
+                CHECK(tilt < cone + 0.01);
                 widest = std::max(widest, tilt);
             }
         }

@@ -226,84 +226,14 @@ TEST_CASE("the order in which bodies were made changes nothing of water, wind an
     CHECK(after(false) == after(true));
 }
 
-TEST_CASE("fields and explosions that cannot be are refused with a sentence that names the field") {
+TEST_CASE("a field whose region has a kind needs the sizes of that kind") {
     World w = made(World::create(small_def()));
-    const auto refusal = [&](const Command& c) {
-        const auto result = w.apply(c);
-        return result ? std::string() : result.error().message;
-    };
-    const auto field = [](auto&& change) {
-        FieldDef d = wind({});
-        change(d);
-        return CreateField{d};
-    };
-    CHECK(refusal(field([](FieldDef& d) { d.density = Real(-1); })) ==
-          "create_field: density is -1, must be 0 to 100000 kg/m^3");
-    CHECK(refusal(field([](FieldDef& d) {
-              d.region.kind = RegionKind::box;
-          })).starts_with("create_field: region.half_extent.x is 0"));
-    CHECK(refusal(field([](FieldDef& d) {
-              d.region.kind = static_cast<RegionKind>(9);
-          })).starts_with("create_field: region.kind is 9"));
-    CHECK(refusal(field([](FieldDef& d) { d.velocity = vec(400, 400, 0); })) ==
-          "create_field: velocity must be at most 500 m/s long");
-    CHECK(refusal(field([](FieldDef& d) {
-              d.drag_angular = Real(2000000);
-          })).starts_with("create_field: drag_angular is 2000000"));
-    CHECK(refusal(SetField{{}, wind({})}).starts_with("set_field: field 0:0 is not alive"));
-    CHECK(refusal(Explode{{.radius = {}}}).starts_with("explode: radius is 0"));
-    CHECK(refusal(Explode{{.falloff = static_cast<Falloff>(3)}}) == "explode: falloff is 3, must be 0 to 2");
-    CHECK(refusal(CreateBody{{.drag_scale = Real(101)}}).starts_with("create_body: drag_scale is 101"));
+    FieldDef box_of_nothing = wind({});
+    box_of_nothing.region.kind = RegionKind::box;
+    const Result<FieldId> field = w.create_field(box_of_nothing);
+    REQUIRE(!field);
+    CHECK(field.error().message.starts_with("create_field: region.half_extent.x is 0"));
     CHECK(w.field_count() == 0);
-}
-
-TEST_CASE(
-    "at the ends of all ranges velocities stay within their limits, and the same run gives the same bits") {
-    const auto hash_of = [](std::uint64_t seed) {
-        Random r(seed);
-        const auto pick = [&](std::initializer_list<double> of) {
-            return real(
-                *(of.begin() + static_cast<std::ptrdiff_t>(r(0, static_cast<double>(of.size()) - 0.001))));
-        };
-        World w = made(World::create(small_def()));
-        for (int i = 0; i < 3; ++i) {
-            FieldDef d;
-            d.kind = FieldKind::fluid;
-            d.density = pick({0, 1, 1e5}), d.drag_linear = pick({0, 1, 1e6}),
-            d.drag_quadratic = pick({0, 1, 1e6});
-            d.drag_angular = pick({0, 1, 1e6}), d.velocity = vec(r(-280, 280), r(-280, 280), r(-280, 280));
-            d.priority = static_cast<std::int32_t>(r(0, 3));
-            d.region.kind = static_cast<RegionKind>(static_cast<std::uint32_t>(r(0, 2.99)));
-            d.region.half_extent = {pick({0.001, 10, 1e6}), pick({0.001, 10, 1e6}), pick({0.001, 10, 1e6})};
-            d.region.pose.rotation = r.rotation();
-            made(w.create_field(d));
-        }
-        for (int i = 0; i < 8; ++i) {
-            const Real size = pick({0.0025, 0.5, 60});
-            BodyDef body{.pose = {vec3(r.point(20, -20, 20)), r.rotation()}};
-            body.mass = pick({0, 0.001, 1e9}), body.drag_scale = pick({0, 1, 100});
-            body.linear_velocity = vec3(r.point(250, -250, 250)),
-            body.angular_velocity = vec3(r.point(900, -900, 900));
-            if (r(0, 4) < 1) body.locks = lock_planar_xy;
-            const Geometry shapes[] = {sphere(size), box(size, real(0.0025), size),
-                                       capsule(real(0.0025), size), cylinder(size, size),
-                                       rounded(cone(size, size), real(0.1))};
-            add(w, body, {.geometry = shapes[i % 5], .density = pick({0.01, 1000, 1e5}), .mask = 0});
-        }
-        for (int t = 0; t < 6; ++t) {
-            done(w.explode({.center = vec3(r.point(20, -20, 20)),
-                            .radius = pick({0.001, 10, 30000}),
-                            .impulse = pick({-1e8, 1, 1e8}),
-                            .core = pick({0.001, 1, 30000}),
-                            .falloff = static_cast<Falloff>(static_cast<std::uint32_t>(r(0, 2.99)))}));
-            w.tick();
-            for (BodyId b : w.bodies()) CHECK(length(velocity(w, b)) < 500.1);
-        }
-        return w.hash();
-    };
-    for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(samples(40, 2000)); ++seed)
-        CHECK(hash_of(seed) == hash_of(seed));
-    CHECK(hash_of(0) != hash_of(1)); // planted: another run
 }
 
 TEST_CASE("drag of the thickest fluid on the largest plate slows it as it should: its product is beyond the "

@@ -182,22 +182,8 @@ TEST_CASE("driven, a ragdoll takes a pose and keeps it; limp again, it lets go")
     CHECK(!set_ragdoll_drive(w, r, pose, {.frequency = Real(2000)}).ok());
 }
 
-TEST_CASE("what is refused leaves nothing in the world, and says why") {
-    struct Case {
-        RagdollDef def;
-        const char* words;
-    };
+TEST_CASE("a ragdoll that a world has no room for leaves nothing in it") {
     World w = made(World::create(ragdoll_def()));
-    for (const Case& c : {Case{{.height = Real(4)}, "height is 4"},
-                          {{.mass = Real(1)}, "mass is 1"},
-                          {{.stiffness = Real(-1)}, "stiffness is -1"},
-                          {{.place = at(2e9, 0, 0)}, "pelvis"}}) {
-        const Result<Ragdoll> r = make_ragdoll(w, c.def);
-        REQUIRE(!r.ok());
-        INFO(r.error().message);
-        CHECK(r.error().message.find(c.words) != std::string::npos);
-    }
-    CHECK(w.body_count() == 0);
     const auto full = [&](WorldDef def, const char* words) {
         World small = made(World::create(def));
         add_ball(small, at(0, 0, 0));

@@ -15,21 +15,6 @@ World run(const Game& game, std::uint64_t ticks) {
 
 } // namespace
 
-TEST_CASE("a tower of ten boxes stands still for ten seconds") {
-    const World world = run(*make_scene("stack").value(), 600);
-    int boxes = 0;
-    for (const BodyId body : world.bodies()) {
-        if (world.kind(body) != BodyKind::dynamic) continue;
-        ++boxes;
-        const Vec3 p = world.pose(body).position;
-        const auto number = look_of(world.user_key(body)).number;
-        CHECK(abs(p.x) < 0.01_r);
-        CHECK(abs(p.z) < 0.01_r);
-        CHECK(abs(p.y - Real(number) - 0.5_r) < 0.02_r);
-    }
-    CHECK(boxes == 10);
-}
-
 TEST_CASE("a pile stays in its pit and above its floor") {
     const World world = run(*make_scene("pile", {.size = 120}).value(), 300);
     int things = 0;

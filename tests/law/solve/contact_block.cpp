@@ -1,15 +1,11 @@
-// Contacts at rest: the order in which they are solved, their symmetry, and what statics asks of their impulses.
+// Contacts at rest: their symmetry, and their impulses by the rules of statics.
 #include "solve/contacts/contact.h"
-#include "solve/contacts/contact_order.h"
-#include "solve/contacts/contact_packs.h"
-#include "support/rigs/contact_heads.h"
 #include "support/sim_scenes.h"
 #include "world/data.h"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <random>
 
 using namespace lockstone;
 using namespace lockstone::test::scene;
@@ -18,107 +14,7 @@ namespace {
 
 constexpr double g = 9.81, degree = 3.14159265358979323846 / 180;
 
-// ---- order -----------------------------------------------------------------------------------------------------------
-
-/// A floor, body 0, and walls of bodies on it; contacts between neighbours above each other, in an order of chance.
-struct Pile {
-    solve::SolverBodies bodies;
-    std::vector<solve::Contact> contacts;
-};
-
-Pile pile(std::uint32_t columns, std::uint32_t height, unsigned seed) {
-    Pile p;
-    p.bodies.body.resize(columns * height + 2);
-    p.bodies.step.resize(columns * height + 2);
-    const auto touch = [&](std::uint32_t a, std::uint32_t b) {
-        solve::Contact c;
-        c.body_a = a, c.body_b = b, c.count = 1;
-        c.points[0] = {};
-        c.restitution = c.rolling = Unit{};
-        p.contacts.push_back(c);
-    };
-    for (std::uint32_t x = 0; x < columns; ++x)
-        for (std::uint32_t y = 0; y < height; ++y) {
-            const std::uint32_t own = 1 + x * height + y;
-            p.bodies.step[own].movable = true;
-            touch(y == 0 ? 0 : own - 1, own);
-            if (x > 0) touch(own, own - height);
-        }
-    std::shuffle(p.contacts.begin(), p.contacts.end(), std::mt19937(seed));
-    return p;
-}
-
-struct OrderFaults {
-    int shared = 0;  ///< bodies that two contacts of a pack move
-    int upwards = 0; ///< contacts of a tower that come after the one below
-    int missing = 0; ///< contacts that do not come once
-};
-
-/// Of towers: contact (n, n + 1) comes before (n - 1, n).
-OrderFaults order_faults(const Pile& p, const std::vector<std::vector<std::uint32_t>>& packs) {
-    OrderFaults f;
-    std::vector<int> met(p.contacts.size(), 0);
-    std::vector<bool> carried(p.bodies.body.size(), false); // bodies whose contact below has come
-    for (const auto& pack : packs) {
-        std::vector<std::uint32_t> moved;
-        for (const std::uint32_t i : pack) {
-            const solve::Contact& c = p.contacts[i];
-            ++met[i];
-            for (const std::uint32_t b : {c.body_a, c.body_b})
-                if (p.bodies.step[b].movable) moved.push_back(b);
-            if (c.body_a + 1 != c.body_b && c.body_a != 0) continue; // between towers
-            if (c.body_a != 0 && carried[c.body_a]) ++f.upwards;
-            carried[c.body_b] = true;
-        }
-        std::sort(moved.begin(), moved.end());
-        f.shared += static_cast<int>(moved.end() - std::unique(moved.begin(), moved.end()));
-    }
-    for (const int m : met) f.missing += m != 1;
-    return f;
-}
-
-std::vector<std::vector<std::uint32_t>> packs_of(const Pile& p) {
-    constexpr std::uint32_t lanes = 8;
-    solve::ContactOrder order;
-    solve::ContactPacks made;
-    order.find(test::heads_of(p.contacts), p.bodies);
-    made.make(order, {lanes, 1, false, 1}, {});
-    std::vector<std::vector<std::uint32_t>> packs(made.contact_of_lane().size() / lanes);
-    for (std::size_t i = 0; i < made.contact_of_lane().size(); ++i)
-        if (const std::uint32_t contact = made.contact_of_lane()[i];
-            contact != solve::ContactPacks::no_contact)
-            packs[i / lanes].push_back(contact);
-    return packs;
-}
-
-} // namespace
-
-TEST_CASE("contacts are solved from the top down, and those of a pack move different bodies") {
-    for (unsigned seed = 1; seed <= 20; ++seed) {
-        const Pile p = pile(1 + seed % 5, 1 + seed % 7, seed);
-        const OrderFaults f = order_faults(p, packs_of(p));
-        CHECK(f.shared == 0);
-        CHECK(f.upwards == 0);
-        CHECK(f.missing == 0);
-    }
-}
-
-TEST_CASE("planted fault: packs in reverse, joined and lost are found out") {
-    const Pile p = pile(3, 5, 1);
-    const auto good = packs_of(p);
-    auto reversed = good, joined = good, lost = good;
-    std::reverse(reversed.begin(), reversed.end());
-    joined[0].insert(joined[0].end(), joined[1].begin(), joined[1].end());
-    joined.erase(joined.begin() + 1);
-    lost.pop_back();
-    CHECK(order_faults(p, reversed).upwards > 0);
-    CHECK(order_faults(p, joined).shared > 0);
-    CHECK(order_faults(p, lost).missing > 0);
-}
-
 // ---- symmetry --------------------------------------------------------------------------------------------------------
-
-namespace {
 
 /// Nothing of a tower's symmetric rows may lean to a side: what is left are the roundings of a position.
 constexpr double off_axis_max = 1e-6;

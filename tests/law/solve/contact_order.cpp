@@ -4,7 +4,6 @@
 #include "solve/contacts/contact_packs.h"
 #include "support/effort.h"
 #include "support/random.h"
-#include "support/rigs/contact_heads.h"
 
 #include <doctest/doctest.h>
 
@@ -26,6 +25,13 @@ struct Heap {
     std::vector<Transform> poses; ///< of all bodies but the last
     ContactOrder order;
 };
+
+/// The heads of contacts, by which the solver orders them.
+std::vector<ContactHead> heads_of(std::span<const Contact> contacts) {
+    std::vector<ContactHead> heads;
+    for (const Contact& contact : contacts) heads.push_back(head_of(contact));
+    return heads;
+}
 
 /// Two bodies that touch at four points.
 Contact touch_of(std::uint32_t a, std::uint32_t b) {
@@ -53,7 +59,7 @@ Heap heap_of(std::uint32_t count, double deepest, std::uint64_t seed) {
         }
     heap.poses.resize(count);
     for (Transform& pose : heap.poses) pose.position = vec(random(-9, 9), random(-1, 1), random(-3, 3));
-    heap.order.find(test::heads_of(heap.contacts), heap.bodies);
+    heap.order.find(heads_of(heap.contacts), heap.bodies);
     return heap;
 }
 
@@ -190,7 +196,7 @@ TEST_CASE("packs leave contacts in order") {
             Heap heap = heap_of(200, 0.01, seed);
             for (std::size_t i = 0; i < heap.contacts.size(); i += 2)
                 heap.contacts[i].points[0].impulse = Speed::from_raw(1);
-            heap.order.find(test::heads_of(heap.contacts), heap.bodies);
+            heap.order.find(heads_of(heap.contacts), heap.bodies);
             ContactPacks made;
             made.make(heap.order, {lanes, 1, false, 2000}, heap.poses);
             CHECK(made.plan().strands == 0);
@@ -285,7 +291,7 @@ Heap tower_of(std::uint32_t layers_high, std::uint32_t wide) {
             if (i != 0) touch(body - 1, body);
         }
     heap.poses.resize(count);
-    heap.order.find(test::heads_of(heap.contacts), heap.bodies);
+    heap.order.find(heads_of(heap.contacts), heap.bodies);
     return heap;
 }
 
@@ -324,7 +330,7 @@ TEST_CASE("a large world of islands is solved island by island, in strands that 
             heap.bodies.step[heap.contacts.back().body_b].movable = true;
         }
     heap.poses.resize(3 * towers + 1);
-    heap.order.find(test::heads_of(heap.contacts), heap.bodies);
+    heap.order.find(heads_of(heap.contacts), heap.bodies);
     for (const std::uint32_t workers : {1u, 2u, 3u}) {
         ContactPacks made;
         made.make(heap.order, {4, workers, true, 4000}, heap.poses);
@@ -338,7 +344,7 @@ TEST_CASE("a large world of islands is solved island by island, in strands that 
     }
     heap.contacts[3].body_a = 2; // one island that all others lean on: no more
     for (std::uint32_t i = 1; i < towers; ++i) heap.contacts[3 * i].body_a = 1;
-    heap.order.find(test::heads_of(heap.contacts), heap.bodies);
+    heap.order.find(heads_of(heap.contacts), heap.bodies);
     ContactPacks made;
     made.make(heap.order, {4, 1, true, 4000}, heap.poses);
     CHECK_FALSE(made.runs_all_passes());
@@ -355,13 +361,13 @@ TEST_CASE("packs serve again while the order is the same, and not longer") {
     const std::vector<std::uint32_t> first = list(made);
     const std::uint64_t version = heap.order.version();
     for (std::size_t i = 0; i < 20; ++i) heap.contacts[40 * i].points[0].impulse = Speed::from_raw(1);
-    heap.order.find(test::heads_of(heap.contacts), heap.bodies);
+    heap.order.find(heads_of(heap.contacts), heap.bodies);
     CHECK(heap.order.version() == version);
     made.make(heap.order, wanted, heap.poses);
     CHECK(list(made) == first);
     for (std::size_t i = 0; i < heap.contacts.size(); i += 3) // too many are of another sort
         heap.contacts[i].points[0].impulse = Speed::from_raw(1);
-    heap.order.find(test::heads_of(heap.contacts), heap.bodies);
+    heap.order.find(heads_of(heap.contacts), heap.bodies);
     CHECK(heap.order.version() == version);
     made.make(heap.order, wanted, heap.poses);
     CHECK(list(made) != first);
@@ -372,7 +378,7 @@ TEST_CASE("packs serve again while the order is the same, and not longer") {
         packs.make(other.order, wanted, other.poses);
         change(other);
         const std::uint64_t before = other.order.version();
-        other.order.find(test::heads_of(other.contacts), other.bodies);
+        other.order.find(heads_of(other.contacts), other.bodies);
         packs.make(other.order, wanted, other.poses);
         CHECK(out_of_order(other, 4, packs.contact_of_lane(),
                            ranks(packs.plan(), packs.contact_of_lane().size() / 4, 1)) == "");

@@ -252,39 +252,3 @@ TEST_CASE("far from the origin and over 16 km a ray meets what it should") {
     CHECK(to_double(ground->distance) == test::about(125));
     CHECK(std::abs(to_double(ground->point.y)) < 1e-6);
 }
-
-TEST_CASE("nonsense gets an empty answer") {
-    const Assets assets;
-    World w = crowd(assets, 10);
-    const Ray long_ray{vec(0, 9000, 0), vec(0, -17000, 0)};
-    std::vector<QueryHit> hits(3);
-    std::vector<ShapeId> shapes(3);
-    CHECK(!w.cast_ray(long_ray));
-    CHECK(!w.cast_ray_any({Vec3{}, {Real::max(), Real::min(), Real::max()}}));
-    w.cast_ray_all(long_ray, {}, hits);
-    CHECK(hits.empty());
-    CHECK(!w.cast_ray({{Real::max(), Real::min(), Real::max()}, vec(1, 1, 1)}));
-    CHECK(w.cast_ray({vec(0, -5, 0), Vec3{}})); // in the half-space below the plane
-    const Geometry bad[] = {sphere(Real{}),
-                            sphere(-(1_r)),
-                            box(1_r, 1000_r, 1_r),
-                            plane(),
-                            instance(ShapeKind::mesh, assets.mesh),
-                            instance(ShapeKind::hull, AssetId{12345}),
-                            Geometry{static_cast<ShapeKind>(77), Length{}, LengthVec3{}}};
-    for (const Geometry& g : bad) {
-        CHECK(!w.cast_shape(g, Transform::identity(), vec(0, -10, 0)));
-        CHECK(!w.nearest(g, Transform::identity(), 100_r));
-        w.overlap(g, Transform::identity(), {}, shapes);
-        CHECK(shapes.empty());
-    }
-    CHECK(!w.nearest(sphere(1_r), Transform::identity(), -(1_r)));
-    CHECK(w.nearest(sphere(1_r), {vec(0, 3, 0), Quat{}}, Real::max()));
-    const ShapeId alive = w.shapes(w.body_at(5)).front(), mesh = w.shapes(w.body_at(1)).front(),
-                  ground = w.shapes(w.body_at(0)).front();
-    CHECK(w.distance(alive, mesh));
-    CHECK(!w.distance(ground, mesh));
-    CHECK(!w.distance(alive, ShapeId{}));
-    CHECK(!w.distance({9999, 1}, alive));
-    CHECK(!w.distance({alive.index, alive.generation + 1}, alive));
-}

@@ -10,41 +10,6 @@
 using namespace lockstone;
 using namespace lockstone::test::scene;
 
-namespace {
-
-BodyDef with(void (*change)(BodyDef&)) {
-    BodyDef d;
-    change(d);
-    return d;
-}
-ShapeDef with(void (*change)(ShapeDef&)) {
-    ShapeDef d;
-    change(d);
-    return d;
-}
-
-/// A world with one body and one shape, and every command on something dead in it.
-std::vector<Command> commands_on(BodyId body, ShapeId shape, FieldId field) {
-    return {DestroyBody{body},
-            CreateShape{body, {}},
-            DestroyShape{shape},
-            DestroyField{field},
-            SetPose{body, Transform::identity()},
-            SetVelocity{body, {}, {}},
-            AddForce{body, {}, {}},
-            AddForceAt{body, {}, {}},
-            AddImpulse{body, {}, {}},
-            AddImpulseAt{body, {}, {}},
-            SetBodyParameters{body, {}, {}, {}, 0, 0, 0},
-            SetMaterial{shape, {}, {}, {}, {}},
-            SetFilter{shape, 1, 1, 0},
-            SetPairFilter{body, body, 0},
-            SetMass{body, {}, {}, {}, Quat::identity()},
-            WriteGame{1, 4, body, 0, {}}};
-}
-
-} // namespace
-
 TEST_CASE("an id is dead once its object is destroyed, though its slot lives again") {
     World w = made(World::create(small_def()));
     const BodyId first = made(w.create_body({}));
@@ -58,21 +23,6 @@ TEST_CASE("an id is dead once its object is destroyed, though its slot lives aga
     CHECK(!w.is_alive(first));
     CHECK(w.is_alive(second));
     CHECK(made(w.create_shape(second, {})).generation == shape.generation + 1);
-}
-
-TEST_CASE("every command on a null, a destroyed or a never minted id is refused and changes nothing") {
-    World w = made(World::create(small_def(), script_schema()));
-    const BodyId body = made(w.create_body({}));
-    const ShapeId shape = made(w.create_shape(body, {}));
-    const FieldId field = made(w.create_field({}));
-    done(w.destroy(body)), done(w.destroy(field));
-    add_ball(w, at(0, 0, 0)), made(w.create_field({})); // in the same slots
-    const std::pair<std::uint32_t, std::uint32_t> ids[] = {
-        {0, 0}, {body.index, body.generation}, {1, 7}, {2, 1}, {0xffffffffu, 1}, {1, 0}};
-    for (const auto& [index, generation] : ids)
-        for (const Command& c : commands_on({index, generation}, {index, generation}, {index, generation}))
-            CHECK(refusal_fault(w, c, "is not alive") == "");
-    CHECK(refusal_fault(w, DestroyShape{shape}, "destroyed, null, or of another time") == "");
 }
 
 TEST_CASE("an id minted after a snapshot is dead after its restore, and creating again gives the same id") {
@@ -134,52 +84,23 @@ TEST_CASE("a full world refuses more of each kind, names the limit and stays as 
     CHECK(refusal_fault(w, CreateField{}, "fields_max is 2") == "");
 }
 
-TEST_CASE("contacts beyond the limit are dropped, counted and dropped alike in a replay") {
-    WorldDef def = small_def();
-    def.contacts_max = 5;
-    World w = made(World::create(def));
-    add_floor(w);
-    for (int i = 0; i < 9; ++i) add_ball(w, at(2 * i, 0.5, 0));
-    w.tick();
-    CHECK(w.faults().contacts_dropped == 4);
-    CHECK(w.contacts().size() == 5);
-    World twin = w.clone();
-    for (int t = 0; t < 30; ++t) w.tick(), twin.tick();
-    CHECK(difference(w, twin) == "");
-}
-
-TEST_CASE("a definition out of range is refused with its field and its range") {
+TEST_CASE("rotations, kinds of shapes, planes that move and forces out of range are refused") {
     World w = made(World::create(small_def()));
     const BodyId body = made(w.create_body({}));
-    const std::pair<BodyDef, const char*> bodies[] = {
-        {with([](BodyDef& d) { d.kind = static_cast<BodyKind>(3); }), "kind is 3"},
-        {with([](BodyDef& d) { d.locks = 64; }), "locks is 64"},
-        {with([](BodyDef& d) { d.gyroscopic = 2; }), "gyroscopic is 2"},
-        {with([](BodyDef& d) { d.enable_fields = 9; }), "enable_fields is 9"},
-        {with([](BodyDef& d) { d.bullet = 2; }), "bullet is 2"},
-        {with([](BodyDef& d) { d.pose.position.x = Real(1000000001); }), "within 1000000000 m"},
-        {with([](BodyDef& d) { d.pose.rotation.w = Unit{}; }), "not a unit quaternion"},
-        {with([](BodyDef& d) { d.linear_velocity.y = Real(501); }), "500 m/s"},
-        {with([](BodyDef& d) { d.angular_velocity.z = Real(4096); }), "4095 rad/s"},
-        {with([](BodyDef& d) { d.linear_damping = Real(-1); }), "linear_damping is -1"},
-        {with([](BodyDef& d) { d.angular_damping = Real(1001); }), "angular_damping is 1001"},
-        {with([](BodyDef& d) { d.gravity_scale = Real(101); }), "gravity_scale is 101"},
-        {with([](BodyDef& d) { d.mass = Real(-1); }), "mass is -1"}};
-    for (const auto& [def, words] : bodies) CHECK(refusal_fault(w, CreateBody{def}, words) == "");
-    const std::pair<ShapeDef, const char*> shapes[] = {
-        {with([](ShapeDef& d) { d.geometry = sphere(Real{}); }), "radius"},
-        {with([](ShapeDef& d) { d.geometry.kind = static_cast<ShapeKind>(10); }), "kind"},
-        {with([](ShapeDef& d) { d.geometry = plane(); }), "static body"},
-        {with([](ShapeDef& d) { d.local.position.x = Real(65); }), "within 64 m"},
-        {with([](ShapeDef& d) { d.density = Real{}; }), "density is 0"},
-        {with([](ShapeDef& d) { d.friction = Real(5); }), "friction is 5"},
-        {with([](ShapeDef& d) { d.restitution = Real(2); }), "restitution is 2"},
-        {with([](ShapeDef& d) { d.sensor = 2; }), "sensor is 2"}};
-    for (const auto& [def, words] : shapes) CHECK(refusal_fault(w, CreateShape{body, def}, words) == "");
-    CHECK(refusal_fault(w, CreateField{{.kind = static_cast<FieldKind>(4)}}, "kind is 4") == "");
-    CHECK(refusal_fault(w, SetGravity{vec(1001, 0, 0)}, "1000 m/s^2") == "");
-    CHECK(refusal_fault(w, AddForce{body, vec(2.1e9, 0, 0), {}}, "2e9") == "");
-    CHECK(refusal_fault(w, WriteGame{}, "does not exist") == "");
+    const auto with = [](auto def, auto change) {
+        change(def);
+        return def;
+    };
+    const std::pair<Command, const char*> rows[] = {
+        {CreateBody{with(BodyDef{}, [](BodyDef& d) { d.pose.rotation.w = Unit{}; })},
+         "not a unit quaternion"},
+        {CreateShape{body, {.geometry = sphere(Real{})}}, "radius"},
+        {CreateShape{body, with(ShapeDef{}, [](ShapeDef& d) { d.geometry.kind = ShapeKind{10}; })}, "kind"},
+        {CreateShape{body, {.geometry = plane()}}, "static body"},
+        {SetGravity{vec(1001, 0, 0)}, "1000 m/s^2"},
+        {AddForce{body, vec(2.1e9, 0, 0), {}}, "2e9"},
+        {WriteGame{}, "does not exist"}};
+    for (const auto& [command, words] : rows) CHECK(refusal_fault(w, command, words) == "");
 }
 
 TEST_CASE(
@@ -187,23 +108,6 @@ TEST_CASE(
     World w = made(World::create(small_def()));
     CHECK(refusal_fault(w, CreateBody{}, "") == "create_body was accepted");
     CHECK(refusal_fault(w, DestroyBody{}, "bodies_max") != "");
-}
-
-TEST_CASE("a world definition out of range is refused with its field") {
-    const std::pair<void (*)(WorldDef&), const char*> cases[] = {
-        {[](WorldDef& d) { d.tick_rate = 0; }, "tick_rate is 0"},
-        {[](WorldDef& d) { d.substeps = 17; }, "substeps is 17"},
-        {[](WorldDef& d) { d.integrator = static_cast<Integrator>(4); }, "integrator is 4"},
-        {[](WorldDef& d) { d.bodies_max = 0; }, "bodies_max is 0"},
-        {[](WorldDef& d) { d.gravity.y = Real(-2000); }, "gravity.y is -2000"},
-        {[](WorldDef& d) { d.contact_hertz = Real{}; }, "contact_hertz is 0"}};
-    for (const auto& [change, words] : cases) {
-        WorldDef def;
-        change(def);
-        const Result<World> result = World::create(def);
-        REQUIRE(!result);
-        CHECK(result.error().message.find(words) != std::string::npos);
-    }
 }
 
 TEST_CASE("game columns and records are saved, hashed, restored, carried in portable images and freed with "

@@ -168,34 +168,6 @@ TEST_CASE("what stands on a kinematic turntable turns with it") {
     CHECK(std::hypot(velocity(w, crate)[0], velocity(w, crate)[2]) == test::about(1, 0.05));
 }
 
-TEST_CASE("with planar locks a pile stays in its plane to the last bit") {
-    World w = made(World::create(small_def()));
-    add_floor(w);
-    for (double x : {-3.0, 3.0}) add_wall(w, at(x, 10, 0), vec(0.5, 12, 1));
-    std::vector<BodyId> bodies;
-    for (int i = 0; i < 24; ++i) {
-        const BodyDef body{.locks = lock_planar_xy,
-                           .pose = at(0.4 * (i % 3), 1 + 0.8 * i, 0.3, turned(axis_z, 17 * i)),
-                           .linear_velocity = vec(i % 5 - 2, 0, 0)};
-        const Geometry shapes[] = {box(real(0.4), real(0.3), real(0.5)), sphere(real(0.35)),
-                                   capsule(real(0.2), real(0.3))};
-        bodies.push_back(add(w, body, {.geometry = shapes[i % 3], .restitution = real(0.3)}));
-    }
-    const Real z = w.center_of_mass(bodies[0]).z;
-    for (int t = 0; t < 600; ++t) {
-        w.tick();
-        for (BodyId b : bodies) {
-            REQUIRE(w.center_of_mass(b).z == z);
-            REQUIRE(w.linear_velocity(b).z == Real{});
-            REQUIRE(w.angular_velocity(b).x == Real{});
-            REQUIRE(w.angular_velocity(b).y == Real{});
-            REQUIRE(w.pose(b).rotation.x == Unit{});
-            REQUIRE(w.pose(b).rotation.y == Unit{});
-        }
-    }
-    CHECK(to_double(w.kinetic_energy()) < 1);
-}
-
 TEST_CASE("each lock stops its own axis and no other") {
     for (std::uint32_t bit = 0; bit < 6; ++bit) {
         World w = made(World::create(weightless()));
