@@ -140,6 +140,11 @@ std::string complaint(const Geometry& g, const MassProperties& m, shapes::Scaled
     if (is_off(m.gyration_squared.x.x, e.kx * square, bound, factor * factor)) return "x";
     if (is_off(m.gyration_squared.y.y, e.ky * square, bound, factor * factor)) return "y";
     if (is_off(m.gyration_squared.z.z, e.kz * square, bound, factor * factor)) return "z";
+    const bool leans = g.kind == ShapeKind::cone; // its centre is below the middle of its height
+    if (m.center.x != Real{} || m.center.z != Real{} || (m.center.y != Real{} && !leans)) return "centre";
+    const Matrix3<I20F44>& k = m.gyration_squared;
+    for (const I20F44 beside : {k.x.y, k.x.z, k.y.x, k.y.z, k.z.x, k.z.y})
+        if (beside != I20F44{}) return "product";
     Big found(volume.mantissa, 0);
     for (int i = volume.exponent; i != 0; i += i < 0 ? 1 : -1)
         found = i < 0 ? found / Big(2) : found * Big(2);
@@ -240,6 +245,10 @@ TEST_CASE("planted fault: a cylinder's inertia in 64 bits and a volume of a lost
     CHECK(complaint(g, good, {volume.mantissa / 2, volume.exponent}, Real(1)) == "volume");
     bad = good, bad.mass += Real::step();
     CHECK(complaint(g, bad, volume, Real(1)) == "mass");
+    bad = good, bad.center.y = Real::step();
+    CHECK(complaint(g, bad, volume, Real(1)) == "centre");
+    bad = good, bad.gyration_squared.x.y = I20F44::step();
+    CHECK(complaint(g, bad, volume, Real(1)) == "product");
 }
 
 TEST_CASE(
