@@ -45,23 +45,9 @@ TEST_CASE("a joint that cannot be is refused with a sentence that names the fiel
     refused(between(a, a), "the same body");
     for (JointKind kind : {JointKind::pulley, JointKind::gear, JointKind::rack_and_pinion})
         refused(between({}, b, plain_joint(kind)), "needs a body_a");
-    refused(changed(a, b, [](JointDef& d) { d.kind = static_cast<JointKind>(12); }), "kind is 12");
-    refused(changed(a, b, [](JointDef& d) { d.collide_connected = 2; }), "collide_connected is 2");
-    refused(changed(a, b, [](JointDef& d) { d.axis[2].mode = static_cast<AxisMode>(3); }),
-            "axis[2].mode is 3");
     refused(changed(a, b, [](JointDef& d) { d.axis[3].lower = Real(1); }), "axis[3].lower is 1");
     refused(changed(a, b, [](JointDef& d) { d.axis[4].upper = Real(4); }), "axis[4].upper");
-    refused(changed(a, b, [](JointDef& d) { d.axis[0].frequency = Real(1001); }),
-            "axis[0].frequency is 1001");
-    refused(changed(a, b, [](JointDef& d) { d.axis[0].damping_ratio = Real(-1); }),
-            "axis[0].damping_ratio is -1");
-    refused(changed(a, b, [](JointDef& d) { d.axis[5].motor_speed = Real(501); }), "axis[5].motor_speed");
-    refused(changed(a, b, [](JointDef& d) { d.axis[5].motor_force = Real(-1); }), "axis[5].motor_force");
-    refused(changed(a, b, [](JointDef& d) { d.axis[5].friction = Real(-1); }), "axis[5].friction");
-    refused(changed(a, b, [](JointDef& d) { d.swing = Real(4); }), "swing is 4");
     refused(changed(a, b, [](JointDef& d) { d.ratio = Real(0); }), "ratio is 0");
-    refused(changed(a, b, [](JointDef& d) { d.frame_b.position.x = Real(2000000); }), "frame_b");
-    refused(changed(a, b, [](JointDef& d) { d.break_force = Real(-1); }), "break_force");
     const JointId joint = made(w.create_joint(between(a, b)));
     CHECK(refusal_fault(w, SetJointAxis{joint, 6, 0, {}}, "index is 6") == "");
     CHECK(refusal_fault(w, SetJointAxis{{9, 1}, 0, 0, {}}, "is not alive") == "");
@@ -71,38 +57,6 @@ TEST_CASE("a joint that cannot be is refused with a sentence that names the fiel
     CHECK(refusal_fault(w, SetJointAxis{joint, 0, 0, {.lower = Real(1)}}, "lower is 1") == "");
     CHECK(refusal_fault(w, CreateJoint{between(a, b)}, "") ==
           "create_joint was accepted"); // planted: a good one
-}
-
-TEST_CASE("a world holds joints_max joints, and says so") {
-    WorldDef def = bare_def();
-    def.joints_max = 2;
-    World w = made(World::create(def));
-    const BodyId a = add_crate(w, at(-1, 0, 0)), b = add_crate(w, at(1, 0, 0));
-    for (int i = 0; i < 2; ++i) made(w.create_joint(between(a, b)));
-    CHECK(refusal_fault(w, CreateJoint{between(a, b)}, "joints_max is 2") == "");
-}
-
-TEST_CASE("a body takes its joints along, and every other list stays right") {
-    World w = bare_world();
-    std::vector<BodyId> bodies;
-    for (int i = 0; i < 6; ++i) bodies.push_back(add_crate(w, at(2 * i, 0, 0)));
-    std::vector<JointId> joints;
-    for (std::size_t i = 0; i + 1 < bodies.size(); ++i)
-        joints.push_back(made(w.create_joint(between(bodies[i], bodies[i + 1]))));
-    joints.push_back(made(w.create_joint(between({}, bodies[2]))));
-    CHECK((w.joints(bodies[2]) == std::vector<JointId>{joints[5], joints[2], joints[1]}));
-    done(w.destroy(bodies[2]));
-    CHECK(w.joint_count() == 3);
-    for (std::size_t i = 0; i < joints.size(); ++i)
-        CHECK(w.is_alive(joints[i]) == (i == 0 || i == 3 || i == 4));
-    CHECK((w.joints(bodies[1]) == std::vector<JointId>{joints[0]}));
-    CHECK((w.joints(bodies[3]) == std::vector<JointId>{joints[3]}));
-    done(w.destroy(joints[3]));
-    CHECK(w.joints(bodies[3]).empty());
-    CHECK((w.joints(bodies[4]) == std::vector<JointId>{joints[4]}));
-    const JointId fresh = made(w.create_joint(between(bodies[0], bodies[5])));
-    CHECK((w.joints(bodies[5]) == std::vector<JointId>{fresh, joints[4]}));
-    CHECK(w.joint_count() == 3);
 }
 
 TEST_CASE("random making and destroying of joints and bodies: every list holds exactly its joints") {
@@ -115,10 +69,12 @@ TEST_CASE("random making and destroying of joints and bodies: every list holds e
         if (what == 0 && bodies.size() < 12) bodies.push_back(add_ball(w, at(3 * i, 0, 0)));
         if (what == 1 && bodies.size() > 3) {
             const std::size_t k = random.below(static_cast<std::uint32_t>(bodies.size()));
-            std::erase_if(joints, [&](const auto& j) {
-                return j.second.body_a == bodies[k] || j.second.body_b == bodies[k];
-            });
             done(w.destroy(bodies[k]));
+            std::erase_if(joints, [&](const auto& j) {
+                const bool is_gone = j.second.body_a == bodies[k] || j.second.body_b == bodies[k];
+                CHECK(w.is_alive(j.first) != is_gone);
+                return is_gone;
+            });
             bodies.erase(bodies.begin() + static_cast<std::ptrdiff_t>(k));
         }
         if (what >= 2 && what < 6 && bodies.size() > 1 && joints.size() < 16) {

@@ -1,3 +1,4 @@
+#include "lockstone/math/random.h"
 #include "lockstone/state.h"
 #include "support/state_sample.h"
 
@@ -67,6 +68,7 @@ template <class V> constexpr void describe(Virtual& p, V&& visit) { visit("a", p
 static_assert(StateRow<Health> && StateRow<Manifold> && StateRow<Inventory> && StateRow<Transform> &&
               StateRow<Rotation>);
 static_assert(StateRow<std::uint8_t> && StateRow<std::int64_t> && StateRow<Real> && StateRow<Mood>);
+static_assert(StateRow<lockstone::Random>, "a game's record keeps its generator");
 static_assert(StateRow<std::array<Health, 3>>);
 static_assert(!StateRow<Padded>, "padding");
 static_assert(!StateRow<WithFloat> && !StateRow<float> && !StateRow<double> && !StateRow<NestedFloat>,

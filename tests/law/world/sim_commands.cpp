@@ -74,14 +74,18 @@ TEST_CASE("destroying bodies in any order leaves every other id, row and game co
 
 TEST_CASE("a full world refuses more of each kind, names the limit and stays as it was") {
     WorldDef def = small_def();
-    def.bodies_max = 3, def.shapes_max = 4, def.fields_max = 2;
+    def.bodies_max = 3, def.shapes_max = 4, def.fields_max = 2, def.joints_max = 2;
     World w = made(World::create(def));
     for (int i = 0; i < 3; ++i) made(w.create_body({}));
     for (int i = 0; i < 4; ++i) made(w.create_shape(w.body_at(0), {}));
     for (int i = 0; i < 2; ++i) made(w.create_field({}));
+    JointDef joint = ball_joint();
+    joint.body_b = w.body_at(1);
+    for (int i = 0; i < 2; ++i) made(w.create_joint(joint));
     CHECK(refusal_fault(w, CreateBody{}, "bodies_max is 3") == "");
     CHECK(refusal_fault(w, CreateShape{w.body_at(0), {}}, "shapes_max is 4") == "");
     CHECK(refusal_fault(w, CreateField{}, "fields_max is 2") == "");
+    CHECK(refusal_fault(w, CreateJoint{joint}, "joints_max is 2") == "");
 }
 
 TEST_CASE("rotations, kinds of shapes, planes that move and forces out of range are refused") {

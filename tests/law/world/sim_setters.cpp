@@ -1,5 +1,4 @@
 // Setters change what they are given and nothing else, and whatever can be set can be asked for.
-#include "lockstone/math/random.h"
 #include "support/sim_scenes.h"
 
 #include <doctest/doctest.h>
@@ -137,20 +136,6 @@ TEST_CASE("planted setters that zero what is not named are noticed") {
     CHECK(faults_of(filter, {}, zero_the_rest).size() == 3);
 }
 
-TEST_CASE("a damping alone leaves the body falling, a category alone leaves the shape on the floor") {
-    World world = made(World::create(small_def()));
-    const BodyId ground = made(world.create_body({.kind = BodyKind::static_}));
-    made(world.create_shape(ground, {.geometry = plane()}));
-    const BodyId ball = made(world.create_body({.pose = {.position = {0_r, 1_r, 0_r}}}));
-    const ShapeId shape = made(world.create_shape(ball, {.geometry = sphere(0.5_r)}));
-    done(world.set_body_parameters({.body = ball, .linear_damping = 0.1_r}));
-    done(world.set_filter({.shape = shape, .category = 2u}));
-    done(world.set_material({.shape = shape, .friction = 0.2_r}));
-    for (int i = 0; i < 120; ++i) world.tick();
-    CHECK(position(world, ball)[1] < 0.51);
-    CHECK(position(world, ball)[1] > 0.49);
-}
-
 TEST_CASE("a setting that is neither given nor left out is refused by name") {
     Scene scene = make_scene();
     SetBodyParameters bad{.body = scene.body};
@@ -217,31 +202,4 @@ TEST_CASE("a size beyond what a length can say is told as that, with the limit a
         "smaller one up to 8 times as large");
     CHECK(validate(scaled(sphere(62.5_r), 8_r)) == "");
     CHECK(validate(sphere(100_r)) == "");
-}
-
-namespace {
-struct Chance {
-    Random loot;
-};
-template <class V> constexpr void describe(Chance& c, V&& v) { v("loot", c.loot); }
-} // namespace
-
-TEST_CASE("a generator in a game's record is saved and rolled back with the world") {
-    GameSchema schema;
-    const Column<Chance> record = schema.add_record<Chance>("game.chance");
-    World world = made(World::create(small_def(), schema));
-    done(world.write(record, Chance{Random::seeded(7, 1)}));
-    const auto draw = [&] {
-        Chance now = world.read(record);
-        const std::uint64_t drawn = now.loot.next_u64();
-        done(world.write(record, now));
-        return drawn;
-    };
-    Image image;
-    world.save(image);
-    const std::uint64_t first = draw(), second = draw();
-    CHECK(first != second);
-    world.restore(image);
-    CHECK(draw() == first);
-    CHECK(draw() == second);
 }
