@@ -109,19 +109,6 @@ TEST_CASE("two worlds 120 ms apart with 10 % loss agree at every one of 3,600 ti
             ", cancelled ", events.count(EventStatus::cancelled));
 }
 
-TEST_CASE("a world passes the sync test") {
-    SessionDef def = session_def(game, 0, {0, 0});
-    const auto session = make_sync_test_session(def, 8).value();
-    PushSimulation simulation(game);
-    SessionRunner runner(*session, simulation);
-    for (std::uint64_t tick = 0; tick < 300; ++tick) {
-        for (std::uint32_t p = 0; p < 2; ++p)
-            session->add_local_input(p, encode_input(scripted_pad(p, tick)));
-        runner.frame(tick);
-    }
-    if (const SyncTestFailure* failure = runner.sync_failure()) FAIL_CHECK(to_string(*failure));
-}
-
 TEST_CASE("the sync test names every column that changes when the snapshot lacks it") {
     PushSimulation probe(game);
     std::vector<std::string> names;
@@ -154,6 +141,7 @@ TEST_CASE("the sync test names every column that changes when the snapshot lacks
         ++caught;
         REQUIRE_FALSE(failure->differences.empty());
         CHECK(failure->differences[0].column == name);
+        CHECK(to_string(*failure).find(name) != std::string::npos);
     }
     CHECK(caught >= 4);
 }
