@@ -276,6 +276,35 @@ inline Story breaking_story(const JointVariant& v) {
     return joint_story(v, 0.95 * force, 0.95 * torque);
 }
 
+/// A heap that gets more and more of everything, from its tick alone.
+inline void step_heap(World& w) {
+    const auto tick = static_cast<int>(w.tick_count());
+    for (int i = 0; i < tick % 5; ++i) {
+        const BodyId body =
+            add_something(w, tick + i, {.pose = at(0.4 * (tick % 7) - 1, 1 + 0.8 * i, 0.5 * (tick % 5) - 1)});
+        if (tick % 3 == 0 && w.body_count() > 4) {
+            const BodyId other = w.body_at(2);
+            made(w.create_joint(weld_joint(), other, body, w.pose(body)));
+            done(w.set_pair_filter(other, body, false));
+        }
+    }
+    if (tick % 4 == 1) made(w.create_field({.center = vec(1, 1, 1), .strength = Real(1)}));
+    if (tick % 6 == 2) made(w.create_character({.position = vec(0.5 * tick, 0, 6)}));
+    if (tick % 11 == 10) done(w.destroy(w.body_at(w.body_count() - 1)));
+    w.tick();
+}
+
+inline WorldDef heap_def() {
+    WorldDef def = WorldDef::precise();
+    def.bodies_max = def.shapes_max = 2000;
+    return def;
+}
+inline World start_heap() {
+    World w = made(World::create(heap_def(), script_schema()));
+    add_floor(w);
+    return w;
+}
+
 inline std::vector<Story> stories() {
     std::vector<Story> all;
     for (const Scenery scenery : sceneries) all.push_back(script_story(scenery, long_or(600, 150)));
@@ -291,6 +320,7 @@ inline std::vector<Story> stories() {
                    .moved_every = 3,
                    .after_move = 3});
     all.push_back({"characters", start_characters, step_characters, 240, 3, 1, 3});
+    all.push_back({"a heap that takes more memory as it grows", start_heap, step_heap, 45, 8, 1, 8});
     all.push_back({"joints", start_joints, step_joints, long_or(400, 120), 15, 1, 8});
     all.push_back({"sleepers", start_sleepers, step_sleepers, 260, 40, 5, 70});
     all.push_back({"vehicles", start_vehicles, step_vehicles, long_or(900, 240), 8, 10, 12});

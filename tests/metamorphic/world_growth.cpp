@@ -1,12 +1,10 @@
 // Worlds that had memory ahead and worlds that took it as things came are the same worlds.
-#include "lockstone/joint.h"
 #include "lockstone/tasks.h"
-#include "support/sim_script.h"
+#include "metamorphic/stories.h"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <deque>
 
 using namespace lockstone;
 using namespace lockstone::test::scene;
@@ -16,35 +14,6 @@ namespace {
 WorldRows limits_of(const WorldDef& d) {
     return {d.bodies_max,       d.shapes_max, d.contacts_max,   d.fields_max,
             d.pair_filters_max, d.joints_max, d.characters_max, d.vehicles_max};
-}
-
-/// A heap that gets more and more of everything, from its tick alone.
-void step_heap(World& w) {
-    const auto tick = static_cast<int>(w.tick_count());
-    for (int i = 0; i < tick % 5; ++i) {
-        const BodyId body =
-            add_something(w, tick + i, {.pose = at(0.4 * (tick % 7) - 1, 1 + 0.8 * i, 0.5 * (tick % 5) - 1)});
-        if (tick % 3 == 0 && w.body_count() > 4) {
-            const BodyId other = w.body_at(2);
-            made(w.create_joint(weld_joint(), other, body, w.pose(body)));
-            done(w.set_pair_filter(other, body, false));
-        }
-    }
-    if (tick % 4 == 1) made(w.create_field({.center = vec(1, 1, 1), .strength = Real(1)}));
-    if (tick % 6 == 2) made(w.create_character({.position = vec(0.5 * tick, 0, 6)}));
-    if (tick % 11 == 10) done(w.destroy(w.body_at(w.body_count() - 1)));
-    w.tick();
-}
-
-WorldDef heap_def() {
-    WorldDef def = WorldDef::precise();
-    def.bodies_max = def.shapes_max = 2000;
-    return def;
-}
-World start_heap() {
-    World w = made(World::create(heap_def(), script_schema()));
-    add_floor(w);
-    return w;
 }
 
 } // namespace
@@ -71,60 +40,6 @@ TEST_CASE("worlds with other reservations agree at every tick") {
     CHECK(taken.contacts > 100);
     CHECK(has_all.capacity().bodies == 2000);
     CHECK(has_all.capacity().contacts == 16000);
-}
-
-TEST_CASE("a rollback over growth goes the way of a world that never went back") {
-    World straight = start_heap(), rolls = start_heap();
-    done(straight.reserve(limits_of(straight.def())));
-    std::vector<std::uint64_t> hashes{straight.hash()};
-    for (int t = 0; t < 45; ++t) step_heap(straight), hashes.push_back(straight.hash());
-    std::vector<Image> ring(8);
-    std::uint32_t grown = 0;
-    while (rolls.tick_count() < 45) {
-        const std::uint64_t start = rolls.tick_count();
-        const std::uint32_t before = rolls.capacity().bodies + rolls.capacity().contacts;
-        for (std::uint64_t t = start; t < std::min<std::uint64_t>(start + 8, 45); ++t) {
-            rolls.save(ring[t % 8]);
-            step_heap(rolls);
-            REQUIRE(rolls.hash() == hashes[t + 1]);
-        }
-        grown += rolls.capacity().bodies + rolls.capacity().contacts != before;
-        for (std::uint64_t back = rolls.tick_count(); back-- > start;) {
-            rolls.restore(ring[back % 8]);
-            REQUIRE(rolls.hash() == hashes[back]);
-            step_heap(rolls);
-            REQUIRE(rolls.hash() == hashes[back + 1]);
-        }
-        rolls.restore(ring[start % 8]);
-        for (std::uint64_t t = start; t < std::min<std::uint64_t>(start + 5, 45); ++t) step_heap(rolls);
-        REQUIRE(rolls.hash() == hashes[rolls.tick_count()]);
-    }
-    CHECK(grown >= 3);
-}
-
-TEST_CASE("images of larger worlds are restored by smaller ones, and the other way round") {
-    World large = start_heap(), small = start_heap();
-    Image empty, full;
-    small.save(empty);
-    const std::uint64_t empty_hash = small.hash();
-    for (int t = 0; t < 30; ++t) step_heap(large);
-    large.save(full);
-    REQUIRE(large.capacity().bodies > small.capacity().bodies);
-    small.restore(full);
-    CHECK(small.hash() == large.hash());
-    large.restore(empty);
-    CHECK(large.hash() == empty_hash);
-    for (int t = 0; t < 10; ++t) step_heap(small);
-    const std::vector<std::byte> delta = small.save_delta(full), portable = small.save_portable();
-    World fresh = start_heap();
-    REQUIRE(fresh.restore_delta(full, delta).ok());
-    CHECK(fresh.hash() == small.hash());
-    World other = start_heap();
-    REQUIRE(other.restore_portable(portable).ok());
-    for (int t = 0; t < 10; ++t) step_heap(other), step_heap(fresh), step_heap(small);
-    CHECK(other.hash() == small.hash());
-    CHECK(fresh.hash() == small.hash());
-    CHECK(small.clone().hash() == small.hash());
 }
 
 TEST_CASE("limits cost nothing: a world of the largest definition takes a few kilobytes") {
