@@ -250,36 +250,21 @@ TEST_CASE("an extreme value in any field of a world's definition is refused or g
         if (world->is_alive(body)) static_cast<void>(world->create_shape(body, {}));
         for (int i = 0; i < 3; ++i) world->tick();
     };
-    const auto vary = [&]<class T>(const char* name, T WorldDef::*field) {
-        T probe{};
-        std::size_t leaves = 0;
-        for_each_leaf(probe, [&](auto&) { ++leaves; });
-        for (std::size_t which = 0; which < leaves; ++which)
-            for (int i = 0; i < 40; ++i) {
-                WorldDef def = small_def();
-                std::size_t at = 0;
-                bool is_there = false;
-                for_each_leaf(def.*field, [&]<class L>(L& leaf) {
-                    const std::vector<std::int64_t> raws = extremes<L>();
-                    if (at++ != which || static_cast<std::size_t>(i) >= raws.size()) return;
-                    const std::int64_t raw = raws[static_cast<std::size_t>(i)];
-                    is_there = !is_count(name) || (raw >= 0 && raw <= 64) || raw == -1;
-                    put(leaf, raw);
-                });
-                if (is_there) attempt(def, name);
-            }
-    };
-    vary("tick_rate", &WorldDef::tick_rate), vary("substeps", &WorldDef::substeps);
-    vary("gravity", &WorldDef::gravity), vary("integrator", &WorldDef::integrator);
-    vary("bounds_shift", &WorldDef::bounds_shift), vary("bodies_max", &WorldDef::bodies_max);
-    vary("shapes_max", &WorldDef::shapes_max), vary("contacts_max", &WorldDef::contacts_max);
-    vary("fields_max", &WorldDef::fields_max), vary("pair_filters_max", &WorldDef::pair_filters_max);
-    vary("joints_max", &WorldDef::joints_max), vary("characters_max", &WorldDef::characters_max);
-    vary("vehicles_max", &WorldDef::vehicles_max), vary("continuous", &WorldDef::continuous);
-    vary("sleeping", &WorldDef::sleeping), vary("restitution_speed_min", &WorldDef::restitution_speed_min);
-    vary("contact_hertz", &WorldDef::contact_hertz), vary("contact_damping", &WorldDef::contact_damping);
-    vary("push_speed_max", &WorldDef::push_speed_max), vary("sleep_speed", &WorldDef::sleep_speed);
-    vary("sleep_time", &WorldDef::sleep_time), vary("seed", &WorldDef::seed);
+    std::vector<std::pair<const char*, std::vector<std::int64_t>>> leaves;
+    WorldDef probe;
+    describe(probe, [&](const char* name, auto& field) {
+        for_each_leaf(field, [&]<class L>(L&) { leaves.emplace_back(name, extremes<L>()); });
+    });
+    for (std::size_t which = 0; which < leaves.size(); ++which)
+        for (const auto& [name, raws] = leaves[which]; const std::int64_t raw : raws) {
+            if (is_count(name) && (raw < -1 || raw > 64)) continue;
+            WorldDef def = small_def();
+            std::size_t at = 0;
+            for_each_leaf(def, [&](auto& leaf) {
+                if (at++ == which) put(leaf, raw);
+            });
+            attempt(def, name);
+        }
     MESSAGE(tried, " definitions, ", refused, " refused");
     CHECK(refused > 50);
     CHECK(refused < tried);
