@@ -113,13 +113,6 @@ TEST_CASE("each gear ends at the engine's limit") {
     }
 }
 
-TEST_CASE("neutral does not drive") {
-    Rig rig = strong_car(200);
-    rig.drive({.throttle = 1_r, .gear = 0});
-    rig.run(120);
-    CHECK(std::abs(rig.speed()) < 4 * speed_step);
-}
-
 TEST_CASE("locked wheels stop in v^2 / (2 mu g)") {
     for (double speed : {10.0, 20.0, 30.0})
         for (double grip : {0.5, 0.9}) {
