@@ -45,20 +45,4 @@ TEST_CASE("the allocation counter counts") {
     CHECK(counter.count() > 1);
 }
 
-TEST_CASE("a portable image passes through other capacities unchanged") {
-    const Sample s = make_sample(), larger = make_sample(50, 1000), tight = make_sample(5, 180);
-    const State state = random_state(s, 5, 180, 42, 9);
-    const auto image = state.save_portable();
-    State in_larger(larger.layout), in_tight = random_state(tight, 3);
-    REQUIRE(in_larger.restore_portable(image).ok());
-    CHECK(in_larger.hash() == state.hash());
-    const auto again = in_larger.save_portable();
-    CHECK(again == image);
-    REQUIRE(in_tight.restore_portable(again).ok());
-    CHECK(in_tight.hash() == state.hash());
-    State back = random_state(s, 77);
-    REQUIRE(back.restore_portable(in_tight.save_portable()).ok());
-    CHECK(same_bytes(back.block_bytes(), state.block_bytes()));
-}
-
 } // namespace lockstone::test

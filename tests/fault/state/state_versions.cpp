@@ -49,14 +49,4 @@ TEST_CASE("planted fault: a write that goes past edit is found against the "
                                     "image, but the same version");
 }
 
-TEST_CASE("an edit that writes nothing changes no hash, and a hash asked twice "
-          "is the same") {
-    const Sample s = make_sample();
-    State state = random_state(s, 8, 400, 10, 2);
-    const std::uint64_t before = state.hash();
-    for (std::uint32_t column = 0; column < s.layout->columns().size(); ++column) state.edit_bytes(column);
-    CHECK(state.hash() == before);
-    CHECK(state.hash() == state.hash_tree().root);
-}
-
 } // namespace lockstone::test
