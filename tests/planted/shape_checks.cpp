@@ -25,8 +25,8 @@ std::string hint_of_large_box() {
 std::string long_margins_reach() {
     const Rotation axes = Rotation::identity();
     const shapes::Solid ball{sphere(0.1_r)};
-    return are_parted({ball, axes, {}}, {ball, axes, {Real{}, 64_r, Real{}}}, {Unit{}, unit_one, Unit{}},
-                      Length::max())
+    return collide::are_parted({ball, axes, {}}, {ball, axes, {Real{}, 64_r, Real{}}},
+                               {Unit{}, unit_one, Unit{}}, Length::max())
                ? "balls 64 m apart are parted by a margin of 128 m"
                : "";
 }

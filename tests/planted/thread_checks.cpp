@@ -1,6 +1,7 @@
 // What workers share, and what lanes do.
 #include "checks.h"
 #include "lanes/checked_lanes.h"
+#include "support/rigs/feature_pit.h"
 #include "support/task_worlds.h"
 
 namespace planted {
@@ -62,6 +63,14 @@ std::string instruction_sets_agree() {
     return {};
 }
 
+/// Bodies that roll, bounce and are locked, by several workers and instruction sets.
+std::string heaps_agree() {
+    for (const unsigned kind : {features::rolls, features::bounces, features::locks})
+        if (std::string found = features::first_difference(200, kind, kind, 60); !found.empty())
+            return "feature " + std::to_string(kind) + ": " + found;
+    return {};
+}
+
 /// Of the plain set, which here is one that notes when a kernel reads bits of a lane that have no meaning.
 std::string lanes_have_meaning() {
     for (const auto& [name, size] :
@@ -82,6 +91,7 @@ Checks thread_checks() {
     return {{"strands agree", strands_agree},
             {"islands agree", islands_agree},
             {"instruction sets agree", instruction_sets_agree},
+            {"heaps agree", heaps_agree},
             {"lanes have a meaning", lanes_have_meaning}};
 }
 

@@ -351,10 +351,12 @@ void give_friction(const ContactPack<N>& pack, unsigned lane, const std::int64_t
 } // namespace
 
 template <unsigned N>
-void give_back(std::span<Bounce> bounces, std::span<ContactPack<N>> packs, std::int32_t speed_min,
-               SolverBodies& bodies) {
-    for (const Bounce& bounce : bounces) {
-        ContactPack<N>& pack = packs[bounce.pack];
+void give_back(std::span<const std::uint32_t> lanes, std::span<const Bounce> bounces,
+               std::span<ContactPack<N>> packs, std::int32_t speed_min, SolverBodies& bodies) {
+    for (const std::uint32_t at : lanes) {
+        ContactPack<N>& pack = packs[at / N];
+        // The entries of a pack follow one another; note_bounce() changes their order.
+        const Bounce& bounce = *std::ranges::find(bounces.subspan(pack.bounce), at % N, &Bounce::lane);
         std::int64_t given[4];
         if (!rebound(bounce, pack, speed_min, bodies.body.data(), given)) continue;
         std::int64_t sum[3] = {};
@@ -471,7 +473,8 @@ template void measure_approach(const ContactPack<1>&, Bounce*, const SolverBody*
 template void keep_approach(const ContactPack<1>&, Bounce*, const std::int32_t (&)[4][1]);
 template void note_warm_start(std::span<const ContactPack<1>>, Bounce*, const WarmStart*,
                               const SolverBodies&);
-template void give_back(std::span<Bounce>, std::span<ContactPack<1>>, std::int32_t, SolverBodies&);
+template void give_back(std::span<const std::uint32_t>, std::span<const Bounce>, std::span<ContactPack<1>>,
+                        std::int32_t, SolverBodies&);
 template void solve_rolling(std::span<Rolling>, std::span<const ContactPack<1>>, SolverBodies&, bool);
 template void forget_impacts(ContactPack<1>&, WarmStart*);
 template void note_bounce(ContactPack<1>&, Bounce*, std::int32_t, const std::int32_t (&)[4][1],
@@ -480,7 +483,8 @@ template void measure_approach(const ContactPack<2>&, Bounce*, const SolverBody*
 template void keep_approach(const ContactPack<2>&, Bounce*, const std::int32_t (&)[4][2]);
 template void note_warm_start(std::span<const ContactPack<2>>, Bounce*, const WarmStart*,
                               const SolverBodies&);
-template void give_back(std::span<Bounce>, std::span<ContactPack<2>>, std::int32_t, SolverBodies&);
+template void give_back(std::span<const std::uint32_t>, std::span<const Bounce>, std::span<ContactPack<2>>,
+                        std::int32_t, SolverBodies&);
 template void solve_rolling(std::span<Rolling>, std::span<const ContactPack<2>>, SolverBodies&, bool);
 template void forget_impacts(ContactPack<2>&, WarmStart*);
 template void note_bounce(ContactPack<2>&, Bounce*, std::int32_t, const std::int32_t (&)[4][2],
@@ -489,7 +493,8 @@ template void measure_approach(const ContactPack<4>&, Bounce*, const SolverBody*
 template void keep_approach(const ContactPack<4>&, Bounce*, const std::int32_t (&)[4][4]);
 template void note_warm_start(std::span<const ContactPack<4>>, Bounce*, const WarmStart*,
                               const SolverBodies&);
-template void give_back(std::span<Bounce>, std::span<ContactPack<4>>, std::int32_t, SolverBodies&);
+template void give_back(std::span<const std::uint32_t>, std::span<const Bounce>, std::span<ContactPack<4>>,
+                        std::int32_t, SolverBodies&);
 template void solve_rolling(std::span<Rolling>, std::span<const ContactPack<4>>, SolverBodies&, bool);
 template void forget_impacts(ContactPack<4>&, WarmStart*);
 template void note_bounce(ContactPack<4>&, Bounce*, std::int32_t, const std::int32_t (&)[4][4],
@@ -498,7 +503,8 @@ template void measure_approach(const ContactPack<8>&, Bounce*, const SolverBody*
 template void keep_approach(const ContactPack<8>&, Bounce*, const std::int32_t (&)[4][8]);
 template void note_warm_start(std::span<const ContactPack<8>>, Bounce*, const WarmStart*,
                               const SolverBodies&);
-template void give_back(std::span<Bounce>, std::span<ContactPack<8>>, std::int32_t, SolverBodies&);
+template void give_back(std::span<const std::uint32_t>, std::span<const Bounce>, std::span<ContactPack<8>>,
+                        std::int32_t, SolverBodies&);
 template void solve_rolling(std::span<Rolling>, std::span<const ContactPack<8>>, SolverBodies&, bool);
 template void forget_impacts(ContactPack<8>&, WarmStart*);
 template void note_bounce(ContactPack<8>&, Bounce*, std::int32_t, const std::int32_t (&)[4][8],

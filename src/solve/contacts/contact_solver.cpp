@@ -43,8 +43,13 @@ struct ContactSolver::Inside {
     std::vector<std::uint32_t> storage; ///< the packs; of islands, one strand's for each worker
     std::vector<WarmStart> warm;        ///< by body
     std::vector<WarmStart> arrival;     ///< by body: PassData::arrival
-    std::vector<Bounce> bounces;
+    std::vector<Bounce> bounces;        ///< pack after pack
+    /// Lanes of contacts that bounce, and entries of contacts that roll, in the order of contacts. One thread walks both lists over bodies
+    /// that contacts share, so their order decides bits; the order of packs depends on lanes and workers.
+    std::vector<std::uint32_t> bouncing;
     std::vector<Rolling> rolling;
+    /// By contact: pack * lanes + lane. Filled for contacts that bounce or roll.
+    std::vector<std::uint32_t> lane_of;
     solve::ContactOrder order;
     solve::ContactPacks in_packs;
     std::span<const std::uint32_t> lane_contact; ///< contact of each lane of each pack, or none
@@ -117,7 +122,8 @@ template <class Visit> void ContactSolver::Inside::with_lanes(Visit&& visit) con
 }
 
 void ContactSolver::reserve(std::size_t contacts, std::size_t bodies) {
-    inside->bounces.reserve(contacts), inside->rolling.reserve(contacts);
+    inside->bounces.reserve(contacts), inside->bouncing.reserve(contacts), inside->rolling.reserve(contacts);
+    inside->lane_of.reserve(contacts);
     inside->warm.reserve(bodies + 1), inside->arrival.reserve(bodies + 1);
     inside->order.reserve(contacts, bodies), inside->in_packs.reserve(contacts, bodies);
     inside->with_lanes([&](auto width) {
@@ -138,18 +144,22 @@ void ContactSolver::Inside::place_packs(std::uint32_t workers, bool may_run_all,
     in_packs.make(order, {lanes, workers, may_run_all, bytes}, poses);
     lane_contact = in_packs.contact_of_lane();
     pack_count = static_cast<std::uint32_t>(lane_contact.size()) / lanes;
-    bounces.clear();
-    rolling.clear();
+    bounces.clear(), bouncing.clear(), rolling.clear();
     if ((order.any_kind() & (ContactOrder::bounces | ContactOrder::rolls)) == 0) return;
+    const auto add = [&](auto& table, std::uint32_t lane) {
+        auto& entry = table.emplace_back();
+        entry.pack = lane / lanes, entry.lane = lane % lanes;
+    };
+    lane_of.resize(order.down_from_the_top().size());
     for (std::uint32_t i = 0; i < lane_contact.size(); ++i) {
         if (lane_contact[i] == none) continue;
-        const unsigned kind = order.kind(lane_contact[i]);
-        const auto add = [&](auto& table) {
-            auto& entry = table.emplace_back();
-            entry.pack = i / lanes, entry.lane = i % lanes;
-        };
-        if (kind & ContactOrder::bounces) add(bounces);
-        if (kind & ContactOrder::rolls) add(rolling);
+        lane_of[lane_contact[i]] = i;
+        if (order.kind(lane_contact[i]) & ContactOrder::bounces) add(bounces, i);
+    }
+    for (const std::uint32_t contact : order.down_from_the_top()) {
+        const unsigned kind = order.kind(contact);
+        if (kind & ContactOrder::bounces) bouncing.push_back(lane_of[contact]);
+        if (kind & ContactOrder::rolls) add(rolling, lane_of[contact]);
     }
 }
 
@@ -429,7 +439,7 @@ void ContactSolver::apply_restitution(const StepConstants& step, SolverBodies& b
     if (s.bounces.empty()) return;
     note_u(bodies);
     s.with_lanes([&](auto width) {
-        give_back<width()>(s.bounces, s.packs<width()>(), step.restitution_speed_min.raw, bodies);
+        give_back<width()>(s.bouncing, s.bounces, s.packs<width()>(), step.restitution_speed_min.raw, bodies);
     });
     keep_velocity(bodies);
 }
@@ -498,7 +508,7 @@ void ContactSolver::store(std::span<const Contact> contacts, std::span<ContactMe
 
 void ContactSolver::poison(std::byte with) {
     Inside& s = *inside;
-    base::poison(with, s.storage, s.warm, s.arrival, s.bounces, s.rolling);
+    base::poison(with, s.storage, s.warm, s.arrival, s.bounces, s.bouncing, s.rolling, s.lane_of);
     s.order.poison(with), s.in_packs.poison(with);
 }
 
